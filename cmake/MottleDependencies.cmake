@@ -1,0 +1,16 @@
+# Every outside library that Mottle links, all of them Debian packages (tools/install_packages.sh).
+find_package(Threads REQUIRED)
+find_package(Eigen3 3.4 REQUIRED NO_MODULE)
+find_package(fmt 9 REQUIRED)
+find_package(Boost 1.74 REQUIRED)
+find_package(OpenTURNS 1.20 REQUIRED)
+find_package(nlohmann_json 3.11 REQUIRED)
+find_package(CLI11 2.1 REQUIRED)
+find_package(tomlplusplus 3.3 REQUIRED)
+find_path(RANDOM123_INCLUDE_DIR Random123/philox.h REQUIRED)
+
+if(NOT TARGET mottle_tomlplusplus)
+  # TOML_HEADER_ONLY would compile the parser into every file; one translation unit holds it instead.
+  add_library(mottle_tomlplusplus INTERFACE)
+  target_link_libraries(mottle_tomlplusplus INTERFACE tomlplusplus::tomlplusplus)
+endif()

@@ -1,0 +1,33 @@
+# mottle_layer(NAME [USES layer...] [LINKS PUBLIC|PRIVATE target...])
+# Makes the static library mottle_NAME (alias mottle::NAME) from src/NAME/*.cpp with include/mottle/NAME.
+function(mottle_layer name)
+  cmake_parse_arguments(LAYER "" "" "USES;LINKS" ${ARGN})
+  file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/${name}/*.cpp)
+  if(NOT sources)  # FOUNDATION: layer not written yet
+    file(WRITE ${PROJECT_BINARY_DIR}/empty_${name}.cpp "")
+    set(sources ${PROJECT_BINARY_DIR}/empty_${name}.cpp)
+  endif()
+  add_library(mottle_${name} STATIC ${sources})
+  add_library(mottle::${name} ALIAS mottle_${name})
+  set_target_properties(mottle_${name} PROPERTIES EXPORT_NAME ${name} LINKER_LANGUAGE CXX)
+  target_compile_features(mottle_${name} PUBLIC cxx_std_20)
+  target_include_directories(mottle_${name}
+    PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>
+    PRIVATE ${PROJECT_SOURCE_DIR}/src)
+  mottle_warnings(mottle_${name})
+  foreach(lower ${LAYER_USES})
+    target_link_libraries(mottle_${name} PUBLIC mottle::${lower})
+  endforeach()
+  if(LAYER_LINKS)
+    target_link_libraries(mottle_${name} ${LAYER_LINKS})
+  endif()
+  set_property(GLOBAL APPEND PROPERTY MOTTLE_LAYERS mottle_${name})
+endfunction()
+
+function(mottle_warnings target)
+  target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
+    -Wnon-virtual-dtor -Woverloaded-virtual -Wdouble-promotion)
+  if(MOTTLE_WERROR)
+    target_compile_options(${target} PRIVATE -Werror)
+  endif()
+endfunction()
