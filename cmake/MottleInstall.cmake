@@ -1,0 +1,59 @@
+# Installs the command and, as a CMake package, the library: find_package(mottle), target mottle::mottle (everything)
+# or mottle::<layer>. cpack makes two Debian packages of it: mottle (the command) and libmottle-dev.
+option(MOTTLE_INSTALL "Make install and package rules" ${PROJECT_IS_TOP_LEVEL})
+if(NOT MOTTLE_INSTALL)
+  return()
+endif()
+include(CMakePackageConfigHelpers)
+
+set(mottle_cmake_dir ${CMAKE_INSTALL_LIBDIR}/cmake/mottle)
+get_property(mottle_layers GLOBAL PROPERTY MOTTLE_LAYERS)
+add_library(mottle INTERFACE)
+add_library(mottle::mottle ALIAS mottle)
+target_link_libraries(mottle INTERFACE mottle::report)  # the top layer; the others follow from it
+
+# mottle_tomlplusplus is exported because a static library names even what it links privately.
+install(TARGETS ${mottle_layers} mottle_tomlplusplus mottle EXPORT mottle
+  ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development)
+install(DIRECTORY include/mottle DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development
+  FILES_MATCHING PATTERN "*.hpp")
+install(EXPORT mottle FILE mottleTargets.cmake NAMESPACE mottle:: DESTINATION ${mottle_cmake_dir}
+  COMPONENT development)
+configure_package_config_file(cmake/mottleConfig.cmake.in mottleConfig.cmake INSTALL_DESTINATION ${mottle_cmake_dir})
+# Until 1.0 a minor version may break what uses it.
+write_basic_package_version_file(mottleConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${CMAKE_CURRENT_BINARY_DIR}/mottleConfig.cmake ${CMAKE_CURRENT_BINARY_DIR}/mottleConfigVersion.cmake
+  DESTINATION ${mottle_cmake_dir} COMPONENT development)
+
+if(TARGET mottle_app)
+  # `make build` promises the command at build/release/mottle.
+  set_target_properties(mottle_app PROPERTIES OUTPUT_NAME mottle RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR})
+  install(TARGETS mottle_app RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT runtime)
+endif()
+install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/mottle RENAME copyright COMPONENT runtime)
+install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/libmottle-dev RENAME copyright COMPONENT development)
+
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_NAME mottle)
+set(CPACK_PACKAGE_CONTACT "Mottle developers")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "stochastic finite-element model updating")
+set(CPACK_STRIP_FILES ON)
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_COMPONENTS_ALL runtime development)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_NAME mottle)
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_SHLIBDEPS ON)
+set(CPACK_COMPONENT_RUNTIME_DESCRIPTION
+"From modal tests of many nominally identical structures and a finite-element
+ model with uncertain parameters, Mottle finds the distribution of the
+ parameters that explains the measured scatter, and says how sure that is.")
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libmottle-dev)
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
+  "libboost-dev, libeigen3-dev, libfmt-dev, libopenturns-dev, libtomlplusplus-dev, nlohmann-json3-dev")
+set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION
+"Headers, static libraries and CMake package of Mottle, an engine for
+ stochastic finite-element model updating.")
+include(CPack)

@@ -1,0 +1,74 @@
+# The commands of README and CI. Each installs the Debian packages that it needs and that are missing.
+# JOBS=n sets the number of parallel jobs, MOTTLE_WERROR=ON makes warnings errors.
+JOBS ?= $(shell nproc)
+MOTTLE_WERROR ?= OFF
+INSTALL = tools/install_packages.sh
+# Threads start in these layers; the rest runs below them or not in threads at all.
+TSAN_LAYERS = core linalg model propagation updating study
+
+configure = cmake --preset $(1) -DMOTTLE_WERROR=$(MOTTLE_WERROR)
+build = cmake --build --preset $(1) -j $(JOBS)
+# Half of a test's time is its start: as many at once as there are processors.
+ctest = ctest --preset $(1) -j $(JOBS)
+
+.PHONY: build demo test lint asan tsan coverage deb bench clean
+.DEFAULT_GOAL := build
+
+build:
+	$(INSTALL) --build
+	$(call configure,release) -DMOTTLE_BUILD_TESTS=OFF
+	$(call build,release)
+
+demo: build
+	build/release/mottle update examples/01-three-masses/case1.toml
+	@echo "The report: $(CURDIR)/examples/01-three-masses/case1.mottle/report.html"
+
+# The tests run on what users get, the optimised build; assertions are on in the asan, tsan and coverage builds.
+test:
+	$(INSTALL) --test
+	$(call configure,release) -DMOTTLE_BUILD_TESTS=ON
+	$(call build,release)
+	$(call ctest,release)
+
+lint:
+	$(INSTALL) --ci
+	$(call configure,release) -DMOTTLE_BUILD_TESTS=ON
+	tools/lint.sh build/release $(JOBS)
+
+asan:
+	$(INSTALL) --test
+	$(call configure,asan)
+	$(call build,asan)
+	$(call ctest,asan) --label-exclude packaging
+
+tsan:
+	$(INSTALL) --test
+	$(call configure,tsan)
+	$(call build,tsan) $(foreach layer,$(TSAN_LAYERS),--target mottle_$(layer)_tests)
+	TSAN_OPTIONS="suppressions=$(CURDIR)/tools/tsan.supp $$TSAN_OPTIONS" \
+	  $(call ctest,tsan) --label-regex "^($(subst $() ,|,$(strip $(TSAN_LAYERS))))$$"
+
+# Lines of the library; tests, the command and outside headers do not count.
+coverage:
+	$(INSTALL) --ci
+	$(call configure,coverage)
+	$(call build,coverage)
+	find build/coverage -name '*.gcda' -delete
+	$(call ctest,coverage) --label-exclude packaging
+	gcovr -j $(JOBS) --root . --filter src/ --filter include/ --exclude-throw-branches --print-summary \
+	  --fail-under-line 90 build/coverage
+
+deb:
+	$(INSTALL) --build --ci
+	$(call configure,release)
+	$(call build,release)
+	cd build/release && cpack -G DEB
+
+bench:
+	$(INSTALL) --bench
+	$(call configure,release) -DMOTTLE_BUILD_BENCHMARKS=ON
+	$(call build,release)
+	for benchmark in build/release/benchmarks/*_benchmark; do "$$benchmark" || exit 1; done
+
+clean:
+	rm -rf build

@@ -1,0 +1,48 @@
+#include "common_options.hpp"
+
+#include <fmt/format.h>
+
+#include "mottle/core/parallel.hpp"
+
+namespace mottle::app {
+
+void add_common_options(CLI::App& verb, CommonOptions& options) {
+  verb.add_option("STUDY", options.study, "the study file (TOML)")->required();
+  verb.add_option("--out", options.out, "folder for the results (default: STUDY.mottle beside the study)");
+  verb.add_option("--set", options.assignments, "override one value: dotted.key=value, in TOML; may be repeated")
+      ->allow_extra_args(false);
+  verb.add_option("--threads", options.threads, "threads to compute with (default: all processors)")
+      ->check(CLI::Range(1, 4096));
+  verb.add_option("--seed", options.seed, "seed of the random streams (default: the study's, or 1)")
+      ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{9223372036854775807U}));
+  verb.add_flag("--resume", options.resume, "go on with an interrupted run in the same folder");
+  verb.add_flag("--quiet", options.quiet, "say nothing but errors");
+  verb.add_flag("--json", options.json, "print a summary as one line of JSON");
+}
+
+Study read_study(const CommonOptions& options) {
+  return mottle::read_study(options.study, {.assignments = options.assignments, .seed = options.seed});
+}
+
+RunSettings run_settings(const CommonOptions& options, Console& console) {
+  std::filesystem::path folder = options.out;
+  if (options.out.empty()) {
+    folder = options.study;
+    folder.replace_extension(".mottle");
+  }
+  return {.folder = folder,
+          .threads = options.threads > 0 ? options.threads : available_threads(),
+          .resume = options.resume,
+          .observer = &console,
+          .stop = &stop_flag()};
+}
+
+void print_summary(const CommonOptions& options, const RunSummary& summary) {
+  if (options.json) {
+    fmt::print("{}\n", summary.json);
+  } else if (!options.quiet) {
+    for (const std::string& line : summary.lines) fmt::print("{}\n", line);
+  }
+}
+
+}  // namespace mottle::app

@@ -1,0 +1,48 @@
+// The options that every study verb has, and what they become.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "console.hpp"
+#include "mottle/study/run.hpp"
+#include "mottle/study/study.hpp"
+
+namespace mottle::app {
+
+/// Values of --out, --set, --threads, --seed, --resume, --quiet, --json.
+struct CommonOptions {
+  std::string study;
+  std::string out;
+  std::vector<std::string> assignments;
+  int threads = 0;
+  std::optional<std::uint64_t> seed;
+  bool resume = false;
+  bool quiet = false;
+  bool json = false;
+};
+
+/// Adds the study argument and the common options to a verb.
+void add_common_options(CLI::App& verb, CommonOptions& options);
+
+Study read_study(const CommonOptions& options);
+
+/// `console` must outlive the settings.
+RunSettings run_settings(const CommonOptions& options, Console& console);
+
+/// Prints the summary, as lines or as JSON.
+void print_summary(const CommonOptions& options, const RunSummary& summary);
+
+/// Each verb adds itself; its callback throws what goes wrong.
+void add_update(CLI::App& app);
+void add_propagate(CLI::App& app);
+void add_simulate(CLI::App& app);
+void add_check(CLI::App& app);
+void add_report(CLI::App& app);
+void add_methods(CLI::App& app);
+
+}  // namespace mottle::app

@@ -1,0 +1,39 @@
+// What the user sees while a run goes on, and how signals become a stop request.
+#pragma once
+
+#include <atomic>
+#include <string>
+
+#include "mottle/core/run_context.hpp"
+
+namespace mottle::app {
+
+/// Progress on stderr: one line that is rewritten, with rate and time left, on a terminal; plain lines elsewhere.
+class Console final : public ProgressObserver {
+ public:
+  explicit Console(bool is_quiet);
+  ~Console() override;
+  Console(const Console&) = delete;
+  Console& operator=(const Console&) = delete;
+
+  void progress(const std::string& stage, std::int64_t done, std::int64_t total) override;
+  void warning(const std::string& text) override;
+  void note(const std::string& text) override;
+
+ private:
+  void end_line();
+  bool is_quiet_;
+  bool is_terminal_;
+  bool has_open_line_ = false;
+  double start_ = 0.0;
+  double last_shown_ = -1.0;
+  std::string stage_;
+};
+
+/// Set by SIGINT, SIGTERM and SIGHUP.
+std::atomic<bool>& stop_flag();
+
+/// From now on those signals ask for a stop; a second one ends the program at once.
+void catch_signals();
+
+}  // namespace mottle::app

@@ -1,0 +1,48 @@
+// mottle propagate, mottle simulate, mottle check: the verbs that only run the model forward.
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "common_options.hpp"
+#include "mottle/report/report.hpp"
+#include "mottle/study/run_folder.hpp"
+
+namespace mottle::app {
+
+void add_propagate(CLI::App& app) {
+  CLI::App* verb = app.add_subcommand("propagate", "draw the forward cloud alone, or evaluate given points");
+  const auto options = std::make_shared<CommonOptions>();
+  const auto points = std::make_shared<std::optional<std::filesystem::path>>();
+  add_common_options(*verb, *options);
+  verb->add_option("--points", *points, "CSV of parameter vectors to evaluate (header = parameter names)");
+  verb->callback([options, points] {
+    const Study study = read_study(*options);
+    Console console(options->quiet);
+    const RunSettings settings = run_settings(*options, console);
+    const RunSummary summary = run_propagate(study, *points, settings);
+    write_report(settings.folder);
+    RunFolder(settings.folder).finish();
+    print_summary(*options, summary);
+    if (!options->json && !options->quiet) fmt::print("cloud: {}\n", (settings.folder / "cloud.csv").string());
+  });
+}
+
+void add_simulate(CLI::App& app) {
+  CLI::App* verb = app.add_subcommand("simulate", "draw specimens from the study's [truth] into a CSV");
+  const auto options = std::make_shared<CommonOptions>();
+  add_common_options(*verb, *options);
+  verb->callback([options] {
+    const Study study = read_study(*options);
+    Console console(options->quiet);
+    print_summary(*options, run_simulate(study, run_settings(*options, console)));
+  });
+}
+
+void add_check(CLI::App& app) {
+  CLI::App* verb = app.add_subcommand("check", "read everything and say what would run");
+  const auto options = std::make_shared<CommonOptions>();
+  add_common_options(*verb, *options);
+  verb->callback([options] { print_summary(*options, run_check(read_study(*options))); });
+}
+
+}  // namespace mottle::app

@@ -1,0 +1,23 @@
+// mottle report
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "common_options.hpp"
+#include "mottle/report/report.hpp"
+
+namespace mottle::app {
+
+void add_report(CLI::App& app) {
+  CLI::App* verb = app.add_subcommand("report", "draw the report again from the results in a folder");
+  const auto folder = std::make_shared<std::string>();
+  const auto is_quiet = std::make_shared<bool>(false);
+  verb->add_option("DIR", *folder, "folder with result.json")->required();
+  verb->add_flag("--quiet", *is_quiet, "say nothing but errors");
+  verb->callback([folder, is_quiet] {
+    write_report(*folder);
+    if (!*is_quiet) fmt::print("report: {}\n", (std::filesystem::path(*folder) / "report.html").string());
+  });
+}
+
+}  // namespace mottle::app

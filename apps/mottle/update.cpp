@@ -1,0 +1,28 @@
+// mottle update
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "common_options.hpp"
+#include "mottle/report/report.hpp"
+#include "mottle/study/run_folder.hpp"
+
+namespace mottle::app {
+
+void add_update(CLI::App& app) {
+  CLI::App* verb = app.add_subcommand("update", "find the distribution of the parameters that explains the tests");
+  const auto options = std::make_shared<CommonOptions>();
+  add_common_options(*verb, *options);
+  verb->callback([options] {
+    const Study study = read_study(*options);
+    Console console(options->quiet);
+    const RunSettings settings = run_settings(*options, console);
+    const RunSummary summary = run_update(study, settings);
+    write_report(settings.folder);
+    RunFolder(settings.folder).finish();
+    print_summary(*options, summary);
+    if (!options->json && !options->quiet) fmt::print("report: {}\n", (settings.folder / "report.html").string());
+  });
+}
+
+}  // namespace mottle::app

@@ -1,0 +1,25 @@
+// Files that appear complete or not at all, and a fingerprint of bytes.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace mottle {
+
+/// The whole file as bytes. Throws InvalidInput where it is missing or unreadable (names the path and the reason).
+std::string read_file(const std::filesystem::path& path);
+
+/// Writes `bytes` beside `path`, flushes them to the disk and renames: a reader sees the old file or the new one.
+/// Throws SystemFailure (full disk), InvalidInput (place not writable).
+void write_file_atomically(const std::filesystem::path& path, std::string_view bytes);
+
+/// Makes the folder and its parents, and proves by a probe file that it can be written.
+/// Throws InvalidInput where it cannot.
+void make_writable_folder(const std::filesystem::path& folder);
+
+/// 64-bit FNV-1a hash, continued from `start`. Tells changed input from unchanged, no protection against malice.
+std::uint64_t fingerprint(std::string_view bytes, std::uint64_t start = 0xcbf29ce484222325ULL);
+
+}  // namespace mottle

@@ -1,0 +1,21 @@
+// Modes of one structure and the conversions between eigenvalue and natural frequency.
+#pragma once
+
+#include <Eigen/Core>
+
+namespace mottle {
+
+/// Modes of K phi = lambda M phi, ascending.
+struct ModeSet {
+  Eigen::VectorXd eigenvalues;  ///< lambda = omega^2, (rad/s)^2 [mode]
+  Eigen::MatrixXd shapes;       ///< mass-normalised [degree of freedom x mode]
+};
+
+/// f = sqrt(lambda) / (2 pi) in Hz. An eigenvalue that is negative by rounding alone counts as zero.
+///
+/// @param eigenvalue  lambda, (rad/s)^2
+/// @param scale       size of a typical eigenvalue; -1e-9 scale <= lambda < 0 counts as rounding
+/// @return            Hz, or nan where lambda is truly negative (the structure is unstable)
+double natural_frequency_hz(double eigenvalue, double scale);
+
+}  // namespace mottle

@@ -1,0 +1,45 @@
+// Keeps every finished model evaluation on disk, so that a killed run can be run again without repeating them.
+// A method is deterministic: run again from the start it asks for the same batches, and gets them from the journal.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "mottle/model/model.hpp"
+
+namespace mottle {
+
+/// A model that answers from its journal where it can and writes there what it had to compute.
+///
+/// The journal is a sequence of records, each with its own checksum: a record cut off by a kill is dropped, as is
+/// everything behind the first record that does not belong to what is asked.
+class JournalledModel final : public Model {
+ public:
+  /// @param model        the model that computes; must outlive this one
+  /// @param file         the journal
+  /// @param fingerprint  of everything the results depend on; kept in the journal's head
+  /// @param resume       use what an earlier run left; else start an empty journal
+  /// Throws InvalidInput: `resume` with a journal of another fingerprint (something has changed since);
+  /// SystemFailure: the journal cannot be written.
+  JournalledModel(const Model& model, std::filesystem::path file, std::uint64_t fingerprint, bool resume);
+  ~JournalledModel() override;
+  JournalledModel(const JournalledModel&) = delete;
+  JournalledModel& operator=(const JournalledModel&) = delete;
+
+  Eigen::Index parameter_count() const override { return model_.parameter_count(); }
+  const std::vector<Output>& outputs() const override { return model_.outputs(); }
+  Evaluation evaluate(const Eigen::Ref<const Eigen::MatrixXd>& samples, const RunContext& context) const override;
+
+  /// Samples answered from the journal of an earlier run.
+  std::int64_t reused() const;
+
+ private:
+  class File;
+  const Model& model_;
+  std::unique_ptr<File> file_;
+};
+
+}  // namespace mottle

@@ -1,0 +1,72 @@
+// The model whose outputs are modal: natural frequencies, shapes and damping ratios of a parameter-separable
+// structure, solved in batches.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "mottle/linalg/batch_eigen.hpp"
+#include "mottle/modal/mode_set.hpp"
+#include "mottle/model/affine_matrices.hpp"
+#include "mottle/model/model.hpp"
+
+namespace mottle {
+
+/// How a sample's modes are matched with the reference's mode numbers.
+enum class ModeTracking {
+  order,  ///< by rank in frequency
+  mac,    ///< by MAC with the reference shapes and optimal assignment
+};
+
+/// Which modal quantities are outputs. Mode numbers count from 1, in the order of the reference structure.
+struct ModalOutputs {
+  std::vector<int> frequencies;
+  std::vector<int> shape_modes;
+  std::vector<std::string> shape_degrees_of_freedom;
+  std::vector<int> damping;
+  ModeTracking tracking = ModeTracking::order;
+  std::string frequency_unit = "Hz";      ///< of 1 / (time unit of the matrices)
+  std::string shape_unit = "1/sqrt(kg)";  ///< of a mass-normalised shape
+  double minimum_mac = 0.5;               ///< a tracked mode with less is lost and its sample fails
+};
+
+/// Modes of K(x), M(x), C(x). Shapes are mass-normalised with the sign of the reference's.
+class ModalModel final : public Model, public DifferentiableModel {
+ public:
+  /// @param reference  parameters at which mode numbers and signs are defined [parameter]
+  /// Throws InvalidInput: a mode number or degree of freedom that the structure does not have (says which it has),
+  /// a repeated one, no output at all, damping ratios of an undamped structure, a reference structure that is
+  /// unstable or has no positive definite mass.
+  ModalModel(AffineStructure structure, ModalOutputs selection, const Eigen::VectorXd& reference);
+
+  Eigen::Index parameter_count() const override { return reference_parameters_.size(); }
+  const std::vector<Output>& outputs() const override { return outputs_; }
+  Evaluation evaluate(const Eigen::Ref<const Eigen::MatrixXd>& samples, const RunContext& context) const override;
+  Eigen::MatrixXd jacobian(const Eigen::Ref<const Eigen::VectorXd>& parameters) const override;
+
+  /// All modes at one parameter vector.
+  ModeSet modes_at(const Eigen::Ref<const Eigen::VectorXd>& parameters) const;
+
+  const AffineStructure& structure() const { return structure_; }
+
+ private:
+  bool needs_shapes() const;
+  int solved_modes() const;
+  void check_selection() const;
+  void name_outputs();
+  std::string fill_outputs(const ModeSet& modes, const Eigen::Ref<const Eigen::VectorXd>& parameters,
+                           Eigen::Ref<Eigen::RowVectorXd, 0, Eigen::InnerStride<>> row) const;
+  std::string match_modes(const ModeSet& modes, std::vector<int>& column_of_mode) const;
+  double shape_sign(const ModeSet& modes, int column, int mode) const;
+
+  AffineStructure structure_;
+  ModalOutputs selection_;
+  Eigen::VectorXd reference_parameters_;
+  ModeSet reference_;
+  PencilFamily pencils_;
+  std::vector<int> shape_rows_;
+  std::vector<Output> outputs_;
+  int highest_mode_ = 0;
+};
+
+}  // namespace mottle

@@ -1,0 +1,18 @@
+// Result as JSON -> one HTML file that opens without network. Draws nothing itself: the page does (web/).
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace mottle {
+
+/// The report: the built page with `data_json` in its data element.
+///
+/// Every `<` of the data becomes \u003c, which JSON reads as the same character, so that no text in it (a study's
+/// title, a solver's message) can end the element and be taken as markup.
+///
+/// @param data_json  one valid JSON document in UTF-8: {"result": ..., "tests": ..., "clouds": ...}
+/// @return           the complete HTML file
+std::string render_page(std::string_view data_json);
+
+}  // namespace mottle

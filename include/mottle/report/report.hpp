@@ -1,0 +1,13 @@
+// Makes report.html of a run's folder from the files in it.
+#pragma once
+
+#include <filesystem>
+
+namespace mottle {
+
+/// Reads result.json, tests.csv and clouds.csv of `folder` and writes report.html beside them.
+///
+/// Throws InvalidInput: no result.json there, or one of these files cannot be understood; SystemFailure: cannot write.
+void write_report(const std::filesystem::path& folder);
+
+}  // namespace mottle

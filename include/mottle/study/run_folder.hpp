@@ -1,0 +1,58 @@
+// The folder that a run fills: which file is called what, its log, and the journal that lets a killed run go on.
+#pragma once
+
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "mottle/core/run_context.hpp"
+
+namespace mottle {
+
+/// Where a run leaves its files.
+class RunFolder {
+ public:
+  /// Makes the folder. Throws InvalidInput where nothing can be written there.
+  explicit RunFolder(std::filesystem::path folder);
+
+  const std::filesystem::path& path() const { return folder_; }
+  std::filesystem::path file(const std::string& name) const { return folder_ / name; }
+  std::filesystem::path journal() const { return folder_ / "resume.journal"; }
+
+  /// Writes one file whole or not at all.
+  void write(const std::string& name, const std::string& bytes) const;
+
+  /// The results are complete: the journal is no longer needed.
+  void finish() const;
+
+ private:
+  std::filesystem::path folder_;
+};
+
+/// Writes what it is told into a log file, with the time since the start, and passes it on.
+class LogObserver final : public ProgressObserver {
+ public:
+  /// @param next    may be null
+  /// @param append  go on with the log of an interrupted run
+  LogObserver(const std::filesystem::path& file, ProgressObserver* next, bool append);
+  ~LogObserver() override;
+  LogObserver(const LogObserver&) = delete;
+  LogObserver& operator=(const LogObserver&) = delete;
+
+  void progress(const std::string& stage, std::int64_t done, std::int64_t total) override;
+  void warning(const std::string& text) override;
+  void note(const std::string& text) override;
+
+ private:
+  void line(const char* kind, const std::string& text);
+  std::FILE* stream_;
+  ProgressObserver* next_;
+  double start_;
+};
+
+/// Seconds on a steady clock.
+double steady_seconds();
+
+}  // namespace mottle

@@ -1,0 +1,106 @@
+// What every updating method is given and what it gives back.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "mottle/core/options.hpp"
+#include "mottle/core/run_context.hpp"
+#include "mottle/model/model.hpp"
+#include "mottle/model/parameter_space.hpp"
+#include "mottle/propagation/cloud.hpp"
+#include "mottle/stats/regression.hpp"
+
+namespace mottle {
+
+/// The tests of all specimens.
+struct TestData {
+  Eigen::MatrixXd values;              ///< [specimen x output], nan where not measured
+  Eigen::VectorXd repeatability_std;   ///< measurement noise of each output, 0 where not known [output]
+};
+
+/// One updating problem. What it refers to must outlive it.
+struct UpdatingProblem {
+  const Model& model;
+  const DifferentiableModel* derivatives = nullptr;  ///< of the same model; null where it has none
+  const ParameterSpace& space;
+  TestData tests;
+  CloudSettings cloud;
+  int iterations = 30;       ///< most updates that may be made
+  double level = 0.05;       ///< false-alarm rate of the verdict's tests
+  double tolerance = 1e-3;   ///< converged when no mean and no deviation moves by more than this part of a deviation
+};
+
+/// How a method ended.
+enum class UpdatingStatus { converged, max_iterations, stalled, stopped, failed };
+
+/// "converged", "max-iterations", "stalled", "stopped", "failed".
+std::string status_text(UpdatingStatus status);
+
+/// One state of the iteration: the parameters' distribution and the cloud that it gives.
+struct IterationRecord {
+  Eigen::VectorXd parameter_mean;
+  Eigen::MatrixXd parameter_covariance;
+  Eigen::VectorXd output_mean;
+  Eigen::MatrixXd output_covariance;
+  double distance_euclidean = 0.0;    ///< between the means of cloud and tests, in the outputs' unit
+  double distance_mahalanobis = 0.0;  ///< the same measured by the tests' covariance, dimensionless
+  Eigen::Index failed_runs = 0;
+  std::int64_t rejected_draws = 0;
+  Cloud cloud;
+};
+
+/// One statistical test of the updated model against the tests.
+struct VerdictTest {
+  std::string name;
+  double statistic = 0.0;
+  double critical = 0.0;  ///< the test fails where the statistic is larger
+  double p_value = 1.0;
+  bool passed = true;
+  std::string meaning;  ///< the question it answers, as a sentence
+};
+
+/// What a method found.
+struct UpdatingResult {
+  UpdatingStatus status = UpdatingStatus::failed;
+  std::string message;
+  Eigen::VectorXd mean;                  ///< [parameter]
+  Eigen::MatrixXd covariance;            ///< [parameter x parameter]
+  std::vector<IterationRecord> history;  ///< first: the prior's cloud; last: the cloud of `mean` and `covariance`
+  std::int64_t model_evaluations = 0;
+  std::vector<VerdictTest> tests;        ///< of the final state, at the problem's level
+  std::vector<std::string> notes;        ///< what a reader of the numbers must know
+};
+
+/// An updating method. One struct of options, one file, one line in src/updating/registry.cpp.
+class Updater {
+ public:
+  virtual ~Updater() = default;
+
+  /// Throws InvalidInput where the problem is not one for this method (says why and what to do instead),
+  /// SystemFailure where too many model runs fail.
+  virtual UpdatingResult update(const UpdatingProblem& problem, const RunContext& context) const = 0;
+
+  /// The options in force.
+  virtual OptionValues options() const = 0;
+};
+
+/// A method as the registry knows it.
+struct MethodEntry {
+  std::string name;
+  std::string summary;
+  std::vector<OptionDescription> options;
+  /// Makes the method from a study's option values; `where` starts each message.
+  std::unique_ptr<Updater> (*make)(const OptionValues& values, const std::string& where);
+};
+
+/// Every method, in the order of documentation.
+const std::vector<MethodEntry>& updating_methods();
+
+/// The method of that name. Throws InvalidInput with the nearest known name.
+const MethodEntry& find_method(const std::string& name);
+
+}  // namespace mottle

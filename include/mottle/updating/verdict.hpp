@@ -1,0 +1,43 @@
+// Whether the updated model can be right, in tests, reasons and plain words.
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "mottle/updating/updater.hpp"
+
+namespace mottle {
+
+/// The answer to "is the model right?".
+struct Verdict {
+  bool adequate = true;
+  double level = 0.05;  ///< false-alarm rate of the tests
+  std::vector<VerdictTest> tests;
+  std::vector<std::string> reasons;  ///< sentences; also where adequate
+};
+
+/// Adequate where every test of the method passed and no mean lies on a bound.
+Verdict judge(const UpdatingProblem& problem, const UpdatingResult& result);
+
+/// Hotelling's two-sample test that specimens and cloud have the same mean.
+VerdictTest mean_agreement_test(const UpdatingProblem& problem, const IterationRecord& state, double level);
+
+/// What the outputs can tell of the parameters.
+struct Identifiability {
+  int rank = 0;
+  Eigen::VectorXd singular_values;              ///< of the scaled sensitivity, descending
+  std::vector<Eigen::VectorXd> unseen_directions;  ///< unit vectors over scaled parameters that no output sees
+};
+
+/// Singular values of diag(1/output_scale) G diag(parameter_scale): how many output deviations one prior deviation of
+/// a parameter combination moves. A value below 1e-6 of the largest counts as unseen.
+Identifiability identify(const Eigen::Ref<const Eigen::MatrixXd>& sensitivity,
+                         const Eigen::Ref<const Eigen::VectorXd>& output_scale,
+                         const Eigen::Ref<const Eigen::VectorXd>& parameter_scale);
+
+/// Number of samples for `samples = "auto"`: the larger of what brings Hotelling's critical T within 1 % of its limit
+/// and 100 specimens' worth, so that the Monte-Carlo error of a mean is a tenth of the tests' standard error.
+int automatic_samples(int specimens, int outputs, double alpha);
+
+}  // namespace mottle

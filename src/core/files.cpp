@@ -1,0 +1,104 @@
+#include "mottle/core/files.hpp"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <system_error>
+
+#include "mottle/core/error.hpp"
+
+namespace mottle {
+namespace {
+
+/// Closes a file descriptor at the end of its scope.
+class Descriptor {
+ public:
+  explicit Descriptor(int value) : value_(value) {}
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  ~Descriptor() {
+    if (value_ >= 0) ::close(value_);
+  }
+  int get() const { return value_; }
+
+ private:
+  int value_;
+};
+
+std::string error_text() { return std::strerror(errno); }
+
+void write_all(int descriptor, std::string_view bytes, const std::filesystem::path& path) {
+  while (!bytes.empty()) {
+    const ssize_t written = ::write(descriptor, bytes.data(), bytes.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) throw SystemFailure(fmt::format("{}: cannot be written: {}", path.string(), error_text()));
+    bytes.remove_prefix(static_cast<std::size_t>(written));
+  }
+}
+
+void flush_folder(const std::filesystem::path& folder) {
+  const Descriptor descriptor(::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  // A file system without folder sync (EINVAL) still gave us the rename.
+  if (descriptor.get() >= 0) ::fsync(descriptor.get());
+}
+
+}  // namespace
+
+std::string read_file(const std::filesystem::path& path) {
+  std::error_code status_error;
+  const auto status = std::filesystem::status(path, status_error);
+  require(std::filesystem::exists(status), "{}: no such file", path.string());
+  require(!std::filesystem::is_directory(status), "{}: is a folder, a file is needed", path.string());
+  std::ifstream stream(path, std::ios::binary);
+  require(stream.good(), "{}: cannot be read: {}", path.string(), error_text());
+  std::string bytes{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+  if (stream.bad()) throw SystemFailure(fmt::format("{}: reading failed: {}", path.string(), error_text()));
+  return bytes;
+}
+
+void write_file_atomically(const std::filesystem::path& path, std::string_view bytes) {
+  std::filesystem::path partial = path;
+  partial += ".partial";
+  try {
+    const Descriptor descriptor(::open(partial.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644));
+    require(descriptor.get() >= 0, "{}: cannot be written: {}", path.string(), error_text());
+    write_all(descriptor.get(), bytes, path);
+    if (::fsync(descriptor.get()) != 0) {
+      throw SystemFailure(fmt::format("{}: cannot be flushed to the disk: {}", path.string(), error_text()));
+    }
+    if (::rename(partial.c_str(), path.c_str()) != 0) {
+      throw SystemFailure(fmt::format("{}: cannot be put in place: {}", path.string(), error_text()));
+    }
+  } catch (const Error&) {
+    ::unlink(partial.c_str());
+    throw;
+  }
+  flush_folder(path.parent_path());
+}
+
+void make_writable_folder(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  require(std::filesystem::is_directory(folder), "{}: this folder cannot be made: {}", folder.string(),
+          error ? error.message() : "something else has that name");
+  const std::filesystem::path probe = folder / ".mottle-probe";
+  const Descriptor descriptor(::open(probe.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644));
+  require(descriptor.get() >= 0, "{}: nothing can be written there: {}; name another place with --out", folder.string(),
+          error_text());
+  ::unlink(probe.c_str());
+}
+
+std::uint64_t fingerprint(std::string_view bytes, std::uint64_t start) {
+  std::uint64_t hash = start;
+  for (const char byte : bytes) {
+    hash ^= static_cast<unsigned char>(byte);
+    hash *= 0x100000001b3ULL;
+  }
+  return hash;
+}
+
+}  // namespace mottle

@@ -1,0 +1,26 @@
+#include "mottle/core/options.hpp"
+
+#include <cmath>
+
+namespace mottle {
+
+std::string option_text(const OptionValue& value) {
+  if (const auto* flag = std::get_if<bool>(&value)) return *flag ? "true" : "false";
+  if (const auto* integer = std::get_if<std::int64_t>(&value)) return fmt::format("{}", *integer);
+  if (const auto* real = std::get_if<double>(&value)) return number_text(*real);
+  return fmt::format("\"{}\"", std::get<std::string>(value));
+}
+
+std::string OptionRange::text() const {
+  const std::string low = fmt::format("{} {}", excludes_lower ? ">" : ">=", number_text(lower));
+  if (std::isinf(lower) && std::isinf(upper)) return "any number";
+  if (std::isinf(upper)) return low;
+  if (std::isinf(lower)) return fmt::format("<= {}", number_text(upper));
+  return fmt::format("{} and <= {}", low, number_text(upper));
+}
+
+bool OptionRange::contains(double value) const {
+  return std::isfinite(value) && value <= upper && (excludes_lower ? value > lower : value >= lower);
+}
+
+}  // namespace mottle

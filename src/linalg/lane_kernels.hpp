@@ -1,0 +1,57 @@
+// The border between batch_eigen.cpp and the kernels that are compiled once per register width. Plain data only:
+// an inline function here would be compiled with AVX-512 flags too and the linker might keep that copy.
+#pragma once
+
+namespace mottle::lane_kernels {
+
+/// Where the mass is when a kernel gets to work.
+enum class MassKind {
+  folded,           ///< constant; the stiffness terms are in standard form already
+  folded_diagonal,  ///< the same, and the back-transformation is diagonal
+  diagonal,         ///< depends on the sample; every term diagonal
+  full,             ///< depends on the sample
+};
+
+/// A family and its coefficients. Packed matrices hold the lower triangle column by column.
+struct Problem {
+  int order = 0;
+  int modes = 0;
+  bool vectors = false;
+  MassKind mass_kind = MassKind::folded;
+  int stiffness_terms = 0;
+  int mass_terms = 0;
+  const double* stiffness = nullptr;               ///< [1 + terms][packed], the constant first
+  const double* mass = nullptr;                    ///< [1 + terms][packed, or order if diagonal]; null if folded
+  const double* back_transform = nullptr;          ///< folded: L^-T, [order x order] by columns; null otherwise
+  const double* stiffness_coefficients = nullptr;  ///< [sample][term]
+  const double* mass_coefficients = nullptr;
+  long stiffness_stride = 0;
+  long mass_stride = 0;
+};
+
+/// Where results go; a sample that the kernel does not vouch for gets trusted = 0.
+struct Output {
+  double* values = nullptr;   ///< [sample][mode]
+  double* vectors = nullptr;  ///< [sample][mode][dof] or null
+  unsigned char* trusted = nullptr;
+};
+
+/// Kernels of one register width.
+struct Kernels {
+  int lanes;
+  long (*workspace_doubles)(const Problem&);
+  /// Solves samples [begin, end); the workspace is aligned to 64 bytes.
+  void (*solve)(const Problem&, const Output&, long begin, long end, double* workspace);
+};
+
+/// Orders that the kernels take: Jacobi up to k_jacobi_limit, tridiagonalisation up to k_order_limit.
+constexpr int k_jacobi_limit = 8;
+constexpr int k_order_limit = 200;
+
+extern const Kernels k_plain;
+#if defined(__x86_64__)
+extern const Kernels k_avx2;
+extern const Kernels k_avx512;
+#endif
+
+}  // namespace mottle::lane_kernels

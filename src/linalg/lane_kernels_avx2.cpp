@@ -1,0 +1,10 @@
+// Kernels for processors with AVX2 and FMA: 4 samples at a time. Compiled with those flags, see lane_flags.cmake.
+#if defined(__x86_64__)
+#define MOTTLE_LANES 4
+#define MOTTLE_COLUMN_BLOCK 2
+#include "linalg/lanes/solve.hpp"
+
+namespace mottle::lane_kernels {
+const Kernels k_avx2{MOTTLE_LANES, workspace_doubles, solve};
+}
+#endif

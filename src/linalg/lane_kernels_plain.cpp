@@ -1,0 +1,8 @@
+// Kernels for every processor: 2 samples at a time.
+#define MOTTLE_LANES 2
+#define MOTTLE_COLUMN_BLOCK 2
+#include "linalg/lanes/solve.hpp"
+
+namespace mottle::lane_kernels {
+const Kernels k_plain{MOTTLE_LANES, workspace_doubles, solve};
+}

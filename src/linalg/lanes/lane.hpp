@@ -1,0 +1,127 @@
+// One double of several samples side by side, and the few operations the kernels need. Everything in lanes/ has
+// internal linkage and uses nothing of std or Eigen: the file is compiled with instructions that other files must
+// not inherit. Every operation treats each lane alone, so a sample's bits do not depend on its neighbours.
+#pragma once
+
+#if defined(__SSE2__)
+#include <immintrin.h>
+#endif
+
+#include "linalg/lane_kernels.hpp"
+
+#define MOTTLE_INLINE inline __attribute__((always_inline))
+#define MOTTLE_FLAT __attribute__((always_inline))  // for lambdas
+
+namespace mottle::lane_kernels {
+namespace {
+
+using Lane = double __attribute__((vector_size(8 * MOTTLE_LANES)));
+using Mask = long long __attribute__((vector_size(8 * MOTTLE_LANES)));
+
+constexpr double k_epsilon = 2.220446049250313e-16;
+constexpr double k_tiny = 1e-290;
+
+MOTTLE_INLINE Lane broadcast(double x) {
+  return Lane{} + x;
+}
+
+MOTTLE_INLINE Lane square_root(Lane x) {
+#if defined(__AVX512F__)
+  return _mm512_mask_sqrt_pd(x, 0xff, x);  // the plain form warns about its own undefined source in GCC 12
+#elif defined(__AVX__)
+  return _mm256_sqrt_pd(x);
+#elif defined(__SSE2__)
+  return _mm_sqrt_pd(x);
+#else
+  for (int lane = 0; lane < MOTTLE_LANES; ++lane) x[lane] = __builtin_sqrt(x[lane]);
+  return x;
+#endif
+}
+
+MOTTLE_INLINE bool any(Mask mask) {
+#if defined(__AVX512DQ__)
+  return _mm512_movepi64_mask(reinterpret_cast<__m512i>(mask)) != 0;
+#elif defined(__AVX__)
+  return _mm256_movemask_pd(reinterpret_cast<__m256d>(mask)) != 0;
+#elif defined(__SSE2__)
+  return _mm_movemask_pd(reinterpret_cast<__m128d>(mask)) != 0;
+#else
+  long long bits = 0;
+  for (int lane = 0; lane < MOTTLE_LANES; ++lane) bits |= mask[lane];
+  return bits != 0;
+#endif
+}
+
+MOTTLE_INLINE Lane select(Mask mask, Lane yes, Lane no) {
+  return mask ? yes : no;
+}
+MOTTLE_INLINE Lane smaller(Lane a, Lane b) {
+  return select(a < b, a, b);
+}
+MOTTLE_INLINE Lane larger(Lane a, Lane b) {
+  return select(a > b, a, b);
+}
+
+MOTTLE_INLINE Mask sign_bits(Lane x) {
+  const Mask sign = Mask{} + static_cast<long long>(1ULL << 63);
+  return reinterpret_cast<Mask>(x) & sign;
+}
+MOTTLE_INLINE Lane absolute(Lane x) {
+  return reinterpret_cast<Lane>(reinterpret_cast<Mask>(x) ^ sign_bits(x));
+}
+MOTTLE_INLINE Lane flip_sign(Lane x, Mask sign) {
+  return reinterpret_cast<Lane>(reinterpret_cast<Mask>(x) ^ sign);
+}
+
+/// -0 becomes +0, so that masked no-ops cannot show in the sign of a zero.
+MOTTLE_INLINE Lane without_negative_zero(Lane x) {
+  return x + broadcast(0.0);
+}
+
+/// False for nan and infinity.
+MOTTLE_INLINE Mask is_finite(Lane x) {
+  return absolute(x) <= broadcast(1.7976931348623157e308);
+}
+
+/// Place of (row, column), row >= column, in a packed lower triangle.
+constexpr MOTTLE_INLINE long packed_index(long order, long row, long column) {
+  return column * order - column * (column - 1) / 2 + row - column;
+}
+
+/// Compile-time index; converts to its value inside constant expressions.
+template <int Value>
+struct Index {
+  static constexpr int value = Value;
+};
+
+/// body(Index<Begin>), ..., body(Index<End - 1>): unrolled before optimisation, so arrays become registers.
+template <int Begin, int End, typename Body>
+MOTTLE_INLINE void unrolled(const Body& body) {
+  if constexpr (Begin < End) {
+    body(Index<Begin>{});
+    unrolled<Begin + 1, End>(body);
+  }
+}
+
+/// The samples in the lanes of one batch; lanes past the end repeat the last sample.
+struct BatchSamples {
+  long sample[MOTTLE_LANES];
+  int count;
+};
+
+MOTTLE_INLINE BatchSamples batch_samples(long begin, long end) {
+  BatchSamples batch;
+  batch.count = end - begin < MOTTLE_LANES ? static_cast<int>(end - begin) : MOTTLE_LANES;
+  for (int lane = 0; lane < MOTTLE_LANES; ++lane)
+    batch.sample[lane] = begin + (lane < batch.count ? lane : batch.count - 1);
+  return batch;
+}
+
+MOTTLE_INLINE Lane gather(const double* coefficients, long stride, int term, const BatchSamples& batch) {
+  Lane x;
+  for (int lane = 0; lane < MOTTLE_LANES; ++lane) x[lane] = coefficients[batch.sample[lane] * stride + term];
+  return x;
+}
+
+}  // namespace
+}  // namespace mottle::lane_kernels

@@ -1,0 +1,134 @@
+// One batch after another: picks the kernel by order. Included by one file per register width, which sets
+// MOTTLE_LANES and MOTTLE_COLUMN_BLOCK.
+#pragma once
+
+#include "linalg/lanes/assemble.hpp"
+#include "linalg/lanes/jacobi.hpp"
+#include "linalg/lanes/tridiagonal_values.hpp"
+#include "linalg/lanes/tridiagonal_vectors.hpp"
+#include "linalg/lanes/tridiagonalise.hpp"
+
+namespace mottle::lane_kernels {
+namespace {
+
+/// x_c <- L^-T x_c for a constant L^-T given by columns; row i needs rows i and below only, so it can go in place.
+template <int Columns>
+MOTTLE_INLINE void apply_back_transform(const double* transform, int n, Lane* x) {
+  for (int i = 0; i < n; ++i) {
+    Lane sum[Columns];
+    for (int c = 0; c < Columns; ++c) sum[c] = x[c * n + i] * transform[i * n + i];
+    for (int j = i + 1; j < n; ++j) {
+      const double entry = transform[static_cast<long>(j) * n + i];
+      for (int c = 0; c < Columns; ++c) sum[c] += x[c * n + j] * entry;
+    }
+    for (int c = 0; c < Columns; ++c) x[c * n + i] = sum[c];
+  }
+}
+
+/// x <- L^-T x with the lanes' own packed factor.
+inline void solve_upper(const Lane* factor, int n, Lane* x) {
+  for (int i = n - 1; i >= 0; --i) {
+    const Lane* const column = factor + packed_index(n, i, i) - i;
+    Lane sum = x[i];
+    for (int j = i + 1; j < n; ++j) sum -= column[j] * x[j];
+    x[i] = sum / column[i];
+  }
+}
+
+/// From vectors of the standard form to M-normalised modes.
+inline void undo_reduction(const Problem& problem, const Workspace& work) {
+  const int n = problem.order, modes = problem.modes;
+  int mode = 0;
+  if (problem.mass_kind == MassKind::folded) {
+    for (; mode + 4 <= modes; mode += 4) {
+      apply_back_transform<4>(problem.back_transform, n, work.vectors + static_cast<long>(mode) * n);
+    }
+  }
+  for (; mode < modes; ++mode) {
+    Lane* const x = work.vectors + static_cast<long>(mode) * n;
+    switch (problem.mass_kind) {
+      case MassKind::folded:
+        apply_back_transform<1>(problem.back_transform, n, x);
+        break;
+      case MassKind::folded_diagonal:
+        for (int i = 0; i < n; ++i) x[i] *= problem.back_transform[static_cast<long>(i) * n + i];
+        break;
+      case MassKind::diagonal:
+        for (int i = 0; i < n; ++i) x[i] *= work.mass[i];
+        break;
+      case MassKind::full:
+        solve_upper(work.mass, n, x);
+        break;
+    }
+  }
+}
+
+/// Makes the largest component of a mode positive; returns the lanes in which every component is finite.
+inline Mask fix_sign(Lane* x, int n) {
+  Lane largest = x[0];
+  Mask finite = is_finite(x[0]);
+  for (int i = 1; i < n; ++i) {
+    finite &= is_finite(x[i]);
+    largest = select(absolute(x[i]) > absolute(largest), x[i], largest);
+  }
+  const Mask sign = sign_bits(largest);
+  for (int i = 0; i < n; ++i) x[i] = without_negative_zero(flip_sign(x[i], sign));
+  return finite;
+}
+
+inline void store_batch(const Problem& problem, const Output& output, const BatchSamples& batch, const Workspace& work,
+                        Mask trusted) {
+  const long length = static_cast<long>(problem.order) * problem.modes;
+  for (int lane = 0; lane < batch.count; ++lane) {
+    const long sample = batch.sample[lane];
+    output.trusted[sample] = trusted[lane] != 0;
+    double* const values = output.values + sample * problem.modes;
+    for (int mode = 0; mode < problem.modes; ++mode) values[mode] = work.values[mode][lane];
+    if (!problem.vectors) continue;
+    double* const vectors = output.vectors + sample * length;
+    for (long entry = 0; entry < length; ++entry) vectors[entry] = work.vectors[entry][lane];
+  }
+}
+
+inline void solve_large(const Problem& problem, const Output& output, long begin, long end, double* memory) {
+  const Workspace work(problem, memory);
+  const int n = problem.order;
+  for (long first = begin; first < end; first += MOTTLE_LANES) {
+    const BatchSamples batch = batch_samples(first, end);
+    Mask trusted = assemble_standard_form(problem, batch, work);
+    tridiagonalise(work, n);
+    const Lane bound = eigenvalue_bound(work, n);
+    trusted &= is_finite(bound * 4.0);
+    find_eigenvalues(work, n, problem.modes, bound);
+    if (problem.vectors) {
+      trusted &= iterate_vectors(work, n, problem.modes, bound);
+      transform_back(work, n, problem.modes);
+      undo_reduction(problem, work);
+      for (int mode = 0; mode < problem.modes; ++mode)
+        trusted &= fix_sign(work.vectors + static_cast<long>(mode) * n, n);
+    }
+    store_batch(problem, output, batch, work, trusted);
+  }
+}
+
+template <int N>
+void dispatch_small(const Problem& problem, const Output& output, long begin, long end) {
+  if constexpr (N <= k_jacobi_limit) {
+    if (problem.order != N) return dispatch_small<N + 1>(problem, output, begin, end);
+    if (problem.vectors) return solve_small<N, true>(problem, output, begin, end);
+    solve_small<N, false>(problem, output, begin, end);
+  }
+}
+
+long workspace_doubles(const Problem& problem) {
+  if (problem.order <= k_jacobi_limit) return 0;
+  return Workspace(problem, nullptr).total_lanes * MOTTLE_LANES;
+}
+
+void solve(const Problem& problem, const Output& output, long begin, long end, double* workspace) {
+  if (problem.order <= k_jacobi_limit) return dispatch_small<1>(problem, output, begin, end);
+  solve_large(problem, output, begin, end, workspace);
+}
+
+}  // namespace
+}  // namespace mottle::lane_kernels

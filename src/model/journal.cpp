@@ -1,0 +1,198 @@
+#include "mottle/model/journal.hpp"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <limits>
+#include <string_view>
+
+#include "mottle/core/error.hpp"
+#include "mottle/core/files.hpp"
+
+namespace mottle {
+namespace {
+
+constexpr std::string_view k_magic = "mottle journal 1\n";
+
+void append_bytes(std::string& bytes, const void* data, std::size_t size) {
+  bytes.append(static_cast<const char*>(data), size);
+}
+
+template <typename Value>
+void append_value(std::string& bytes, Value value) {
+  append_bytes(bytes, &value, sizeof(value));
+}
+
+/// Reads values from bytes; says whether they were all there.
+class Reader {
+ public:
+  explicit Reader(std::string_view bytes) : bytes_(bytes) {}
+  template <typename Value>
+  bool read(Value& value) {
+    return copy(&value, sizeof(value));
+  }
+  bool copy(void* destination, std::size_t size) {
+    if (bytes_.size() < size) return false;
+    std::memcpy(destination, bytes_.data(), size);
+    bytes_.remove_prefix(size);
+    return true;
+  }
+  std::size_t left() const { return bytes_.size(); }
+
+ private:
+  std::string_view bytes_;
+};
+
+std::uint64_t hash_samples(const Eigen::MatrixXd& samples) {
+  const auto bytes = static_cast<std::size_t>(samples.size()) * sizeof(double);
+  return fingerprint({reinterpret_cast<const char*>(samples.data()), bytes},
+                     fingerprint(std::to_string(samples.rows())));
+}
+
+std::string encode(std::uint64_t question, const Evaluation& evaluation) {
+  std::string body;
+  append_value(body, question);
+  append_value(body, std::int64_t{evaluation.outputs.rows()});
+  append_bytes(body, evaluation.outputs.data(), static_cast<std::size_t>(evaluation.outputs.size()) * sizeof(double));
+  append_value(body, static_cast<std::int64_t>(evaluation.failures.size()));
+  for (const FailedRun& failure : evaluation.failures) {
+    append_value(body, std::int64_t{failure.sample});
+    append_value(body, static_cast<std::int64_t>(failure.reason.size()));
+    body += failure.reason;
+  }
+  std::string record;
+  append_value(record, static_cast<std::uint64_t>(body.size()));
+  append_value(record, fingerprint(body));
+  return record + body;
+}
+
+bool decode(std::string_view body, std::uint64_t question, Eigen::Index rows, Eigen::Index outputs, Evaluation& result) {
+  Reader reader(body);
+  std::uint64_t asked = 0;
+  std::int64_t stored_rows = 0;
+  if (!reader.read(asked) || asked != question || !reader.read(stored_rows) || stored_rows != rows) return false;
+  result.outputs.resize(rows, outputs);
+  if (!reader.copy(result.outputs.data(), static_cast<std::size_t>(rows * outputs) * sizeof(double))) return false;
+  std::int64_t failures = 0;
+  if (!reader.read(failures)) return false;
+  for (std::int64_t i = 0; i < failures; ++i) {
+    std::int64_t sample = 0;
+    std::int64_t length = 0;
+    if (!reader.read(sample) || !reader.read(length) || length < 0) return false;
+    if (static_cast<std::size_t>(length) > reader.left()) return false;
+    std::string reason(static_cast<std::size_t>(length), ' ');
+    if (!reader.copy(reason.data(), reason.size())) return false;
+    result.failures.push_back({sample, std::move(reason)});
+  }
+  return true;
+}
+
+}  // namespace
+
+/// The open journal: what an earlier run left and where to append.
+class JournalledModel::File {
+ public:
+  File(std::filesystem::path path, std::uint64_t study, bool resume) : path_(std::move(path)) {
+    std::string head(k_magic);
+    append_value(head, study);
+    const bool is_there = std::filesystem::exists(path_);
+    if (resume && is_there) {
+      old_ = read_file(path_);
+      require(old_.compare(0, k_magic.size(), k_magic) != 0 || old_.size() < head.size() ||
+                  old_.compare(0, head.size(), head) == 0,
+              "{}: the study, the model or the tests have changed since that run; run again without --resume",
+              path_.string());
+      if (old_.compare(0, head.size(), head) != 0) old_.clear();  // killed while the head was written
+    }
+    position_ = old_.empty() ? 0 : head.size();
+    descriptor_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+    require(descriptor_ >= 0, "{}: cannot be written: {}", path_.string(), std::strerror(errno));
+    if (old_.empty()) {
+      cut();
+      append(head);
+    }
+  }
+  ~File() { ::close(descriptor_); }
+  File(const File&) = delete;
+  File& operator=(const File&) = delete;
+
+  /// The answer that an earlier run left for this question, if it is the next one.
+  bool find(std::uint64_t question, Eigen::Index rows, Eigen::Index outputs, Evaluation& result) {
+    if (position_ >= old_.size()) return false;
+    Reader reader(std::string_view(old_).substr(position_));
+    std::uint64_t size = 0;
+    std::uint64_t checksum = 0;
+    const bool is_whole = reader.read(size) && reader.read(checksum) && size <= reader.left();
+    const std::string_view body = is_whole ? std::string_view(old_).substr(position_ + 16, size) : std::string_view();
+    if (is_whole && fingerprint(body) == checksum && decode(body, question, rows, outputs, result)) {
+      position_ += 16 + size;
+      reused_ += rows;
+      return true;
+    }
+    old_.resize(position_);  // nothing behind this point can be trusted
+    cut();
+    return false;
+  }
+
+  void append(std::string_view bytes) {
+    std::string_view rest = bytes;
+    while (!rest.empty()) {
+      const ssize_t written = ::pwrite(descriptor_, rest.data(), rest.size(), static_cast<off_t>(position_));
+      if (written < 0 && errno == EINTR) continue;
+      if (written < 0) {
+        throw SystemFailure(fmt::format("{}: cannot be written: {}", path_.string(), std::strerror(errno)));
+      }
+      rest.remove_prefix(static_cast<std::size_t>(written));
+      position_ += static_cast<std::size_t>(written);
+    }
+  }
+
+  std::int64_t reused() const { return reused_; }
+
+ private:
+  void cut() const {
+    if (::ftruncate(descriptor_, static_cast<off_t>(position_)) != 0) {
+      throw SystemFailure(fmt::format("{}: cannot be cut to size: {}", path_.string(), std::strerror(errno)));
+    }
+  }
+
+  std::filesystem::path path_;
+  std::string old_;
+  std::size_t position_ = 0;
+  int descriptor_ = -1;
+  std::int64_t reused_ = 0;
+};
+
+JournalledModel::JournalledModel(const Model& model, std::filesystem::path file, std::uint64_t fingerprint, bool resume)
+    : model_(model), file_(std::make_unique<File>(std::move(file), fingerprint, resume)) {}
+
+JournalledModel::~JournalledModel() = default;
+
+std::int64_t JournalledModel::reused() const { return file_->reused(); }
+
+Evaluation JournalledModel::evaluate(const Eigen::Ref<const Eigen::MatrixXd>& samples,
+                                     const RunContext& context) const {
+  const auto output_count = static_cast<Eigen::Index>(outputs().size());
+  Evaluation whole;
+  whole.outputs.resize(samples.rows(), output_count);
+  for (Eigen::Index begin = 0; begin < samples.rows(); begin += model_.batch_size()) {
+    context.throw_if_stopped();
+    const Eigen::MatrixXd part = samples.middleRows(begin, std::min(model_.batch_size(), samples.rows() - begin));
+    const std::uint64_t question = hash_samples(part);
+    Evaluation answer;
+    if (!file_->find(question, part.rows(), output_count, answer)) {
+      answer = model_.evaluate(part, context);
+      file_->append(encode(question, answer));
+    }
+    whole.outputs.middleRows(begin, part.rows()) = answer.outputs;
+    for (FailedRun& failure : answer.failures) {
+      whole.failures.push_back({begin + failure.sample, std::move(failure.reason)});
+    }
+  }
+  return whole;
+}
+
+}  // namespace mottle

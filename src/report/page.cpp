@@ -1,0 +1,32 @@
+#include "mottle/report/page.hpp"
+
+#include <algorithm>
+#include <cassert>
+
+#include "mottle_page.hpp"
+
+namespace mottle {
+
+std::string render_page(std::string_view data_json) {
+  constexpr std::string_view k_place = "/*MOTTLE_DATA*/";
+  constexpr std::string_view k_escaped_less_than = "\\u003c";
+  const std::string_view page = detail::mottle_page_template();
+  const std::size_t place = page.find(k_place);
+  assert(place != std::string_view::npos);
+
+  const auto less_thans = static_cast<std::size_t>(std::count(data_json.begin(), data_json.end(), '<'));
+  std::string html;
+  html.reserve(page.size() + data_json.size() + less_thans * k_escaped_less_than.size());
+  html += page.substr(0, place);
+  for (const char c : data_json) {
+    if (c == '<') {
+      html += k_escaped_less_than;
+    } else {
+      html += c;
+    }
+  }
+  html += page.substr(place + k_place.size());
+  return html;
+}
+
+}  // namespace mottle

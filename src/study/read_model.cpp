@@ -1,0 +1,79 @@
+// [model] of a study.
+#include <algorithm>
+#include <tuple>
+
+#include "mottle/core/text.hpp"
+#include "study_sections.hpp"
+
+namespace mottle {
+namespace {
+
+const OptionRange k_positive{.lower = 0.0, .excludes_lower = true};
+const OptionRange k_not_negative{.lower = 0.0};
+
+/// Masses in the order in which they stand in the file: TOML tables forget it, the positions remember it.
+std::vector<PointMass> read_masses(TomlReader& model) {
+  const std::map<std::string, double> values = model.number_map("masses", k_positive);
+  if (values.empty()) model.fail("masses", "is missing or empty; give for example masses = { m1 = 1.0 }");
+  const toml::table& table = *model.raw("masses")->as_table();
+  std::vector<PointMass> masses;
+  for (const auto& [name, value] : values) masses.push_back({name, value});
+  const auto position = [&table](const PointMass& point) {
+    const toml::source_position begin = table.get(point.name)->source().begin;
+    return std::make_tuple(begin.line, begin.column, point.name);
+  };
+  std::sort(masses.begin(), masses.end(),
+            [&](const PointMass& a, const PointMass& b) { return position(a) < position(b); });
+  return masses;
+}
+
+int point_index(const TomlReader& reader, const std::vector<PointMass>& masses, const std::string& name) {
+  if (name == "ground") return k_ground;
+  std::vector<std::string> known{"ground"};
+  for (std::size_t i = 0; i < masses.size(); ++i) {
+    if (masses[i].name == name) return static_cast<int>(i);
+    known.push_back(masses[i].name);
+  }
+  reader.fail("between", unknown_name_message("point", name, known));
+}
+
+std::vector<Connector> read_connectors(TomlReader& model, const std::string& list, const std::string& value_key,
+                                       const std::vector<PointMass>& masses) {
+  std::vector<Connector> connectors;
+  for (TomlReader& reader : model.tables(list)) {
+    Connector connector;
+    connector.name = reader.text("name");
+    const std::vector<std::string> ends = reader.texts("between");
+    if (ends.size() != 2) reader.fail_value("between", "two points, like [\"ground\", \"m1\"]");
+    connector.first = point_index(reader, masses, ends[0]);
+    connector.second = point_index(reader, masses, ends[1]);
+    if (connector.first == connector.second) {
+      reader.fail("between", fmt::format("both ends are '{}', so '{}' acts on nothing", ends[0], connector.name));
+    }
+    connector.value = reader.number(value_key, k_not_negative);
+    reader.finish();
+    connectors.push_back(connector);
+  }
+  return connectors;
+}
+
+}  // namespace
+
+MassSpringSystem read_model(TomlReader reader) {
+  const std::vector<std::string> kinds{"mass-spring"};
+  const std::string kind = reader.text("kind");
+  if (kind != kinds.front()) reader.fail_value("kind", "\"mass-spring\"");
+  MassSpringSystem system;
+  system.masses = read_masses(reader);
+  system.springs = read_connectors(reader, "springs", "stiffness", system.masses);
+  system.dampers = read_connectors(reader, "dampers", "damping", system.masses);
+  reader.finish();
+  try {
+    system.validate();
+  } catch (const InvalidInput& error) {
+    throw InvalidInput(fmt::format("{} {}", reader.where(), error.what()));
+  }
+  return system;
+}
+
+}  // namespace mottle

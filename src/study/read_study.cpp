@@ -1,0 +1,137 @@
+#include <algorithm>
+#include <sstream>
+
+#include "mottle/core/files.hpp"
+#include "mottle/core/text.hpp"
+#include "mottle/updating/updater.hpp"
+#include "overrides.hpp"
+#include "study_sections.hpp"
+
+namespace mottle {
+
+ModalOutputs read_outputs(TomlReader reader) {
+  ModalOutputs outputs;
+  outputs.frequencies = reader.mode_numbers("frequencies");
+  outputs.damping = reader.mode_numbers("damping");
+  if (reader.has("shapes")) {
+    TomlReader shapes = reader.table("shapes");
+    outputs.shape_modes = shapes.mode_numbers("modes");
+    if (outputs.shape_modes.empty()) shapes.fail_value("modes", "a list of mode numbers >= 1, like [1, 2, 3]");
+    outputs.shape_degrees_of_freedom = shapes.texts("dofs");
+    shapes.finish();
+  } else {
+    reader.raw("shapes");
+  }
+  outputs.tracking =
+      std::vector{ModeTracking::order, ModeTracking::mac}[reader.choice("tracking", {"order", "mac"}, 0)];
+  outputs.minimum_mac = reader.number_or("minimum_mac", outputs.minimum_mac, {.lower = 0.0, .upper = 1.0});
+  reader.finish();
+  return outputs;
+}
+
+StudyTest read_test(TomlReader reader, const std::filesystem::path& folder) {
+  StudyTest test;
+  test.file = folder / reader.text("file");
+  test.repeatability = reader.number_map("repeatability", {.lower = 0.0});
+  reader.finish();
+  return test;
+}
+
+StudyUpdate read_update(TomlReader reader) {
+  StudyUpdate update;
+  std::vector<std::string> methods;
+  for (const MethodEntry& method : updating_methods()) methods.push_back(method.name);
+  update.method = methods[reader.choice("method", methods, 0)];
+  const toml::node* samples = reader.raw("samples");
+  update.has_automatic_samples = samples != nullptr && samples->value_exact<std::string>() == "auto";
+  if (!update.has_automatic_samples) {
+    if (samples != nullptr && !samples->is_integer()) reader.fail_value("samples", "a whole number >= 2, or \"auto\"");
+    update.samples = static_cast<int>(reader.integer_or("samples", update.samples, {.lower = 2.0, .upper = 1e8}));
+  }
+  update.design = std::vector{SamplingDesign::monte_carlo, SamplingDesign::latin_hypercube,
+                              SamplingDesign::sobol}[reader.choice("sampling", {"monte-carlo", "latin-hypercube", "sobol"}, 0)];
+  update.iterations =
+      static_cast<int>(reader.integer_or("iterations", update.iterations, {.lower = 1.0, .upper = 100000.0}));
+  update.tolerance =
+      reader.number_or("tolerance", update.tolerance, {.lower = 0.0, .upper = 1.0, .excludes_lower = true});
+  update.level = reader.number_or("level", update.level, {.lower = 1e-6, .upper = 0.5});
+  update.most_failed = reader.number_or("max_failed", update.most_failed, {.lower = 0.0, .upper = 1.0});
+  for (const MethodEntry& method : updating_methods()) {
+    if (!reader.has(method.name)) {
+      reader.raw(method.name);
+      continue;
+    }
+    TomlReader options = reader.table(method.name);
+    update.method_options[method.name] = options.option_values();
+    method.make(update.method_options[method.name], options.where());
+  }
+  reader.finish();
+  return update;
+}
+
+StudyTruth read_truth(TomlReader reader) {
+  StudyTruth truth;
+  truth.specimens = static_cast<int>(reader.integer_or("specimens", truth.specimens, {.lower = 1.0, .upper = 1e7}));
+  truth.noise = reader.number_map("noise", {.lower = 0.0});
+  truth.parameters = read_parameters(reader);
+  reader.finish();
+  return truth;
+}
+
+namespace {
+
+toml::table parse_file(const std::filesystem::path& file) {
+  const std::string bytes = read_file(file);
+  try {
+    return toml::parse(bytes, file.string());
+  } catch (const toml::parse_error& error) {
+    throw FormatError(file.string(), static_cast<int>(error.source().begin.line),
+                      fmt::format("is not valid TOML: {}", error.description()));
+  }
+}
+
+std::string as_text(const toml::table& table) {
+  std::ostringstream stream;
+  stream << table << '\n';
+  return stream.str();
+}
+
+}  // namespace
+
+Study read_study(const std::filesystem::path& file, const StudyOverrides& overrides) {
+  toml::table root = parse_file(file);
+  for (const std::string& assignment : overrides.assignments) apply_override(root, assignment);
+  if (overrides.seed) root.insert_or_assign("seed", static_cast<std::int64_t>(*overrides.seed));
+
+  Study study;
+  study.file = file;
+  TomlReader reader(root, file.string(), "");
+  study.title = reader.text_or("title", file.stem().string());
+  const std::vector<std::string> units{"SI", "mm-t-s", "mm-kg-ms", "in-lbf-s"};
+  study.units = units[reader.choice("units", units, 0)];
+  study.seed = static_cast<std::uint64_t>(reader.integer_or("seed", 1, {.lower = 0.0}));
+  study.system = read_model(reader.table("model"));
+  study.parameters = read_parameters(reader);
+  study.outputs = read_outputs(reader.table("outputs"));
+  const std::filesystem::path folder = file.parent_path();
+  if (reader.raw("test") != nullptr) study.test = read_test(reader.table("test"), folder);
+  if (reader.raw("update") != nullptr) study.update = read_update(reader.table("update"));
+  if (reader.raw("truth") != nullptr) study.truth = read_truth(reader.table("truth"));
+  reader.finish();
+  const bool has_parameters = !study.parameters.list.empty() || (study.truth && !study.truth->parameters.list.empty());
+  if (!has_parameters) reader.fail("parameter", "there is none; give at least one [[parameter]]");
+  study.text = as_text(root);
+  return study;
+}
+
+std::string study_text_for(const Study& study, const std::filesystem::path& folder) {
+  toml::table root = toml::parse(study.text);
+  if (study.test) {
+    const std::filesystem::path target = std::filesystem::absolute(study.test->file).lexically_normal();
+    const std::filesystem::path from = std::filesystem::absolute(folder).lexically_normal();
+    root["test"].as_table()->insert_or_assign("file", target.lexically_relative(from).generic_string());
+  }
+  return as_text(root);
+}
+
+}  // namespace mottle

@@ -1,0 +1,266 @@
+#include "result_json.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "mottle/core/error.hpp"
+#include "mottle/stats/descriptive.hpp"
+#include "mottle/stats/ellipse.hpp"
+#include "mottle/stats/hotelling.hpp"
+#include "mottle/stats/regression.hpp"
+#include "mottle/stats/spearman.hpp"
+#include "mottle/updating/verdict.hpp"
+
+namespace mottle {
+namespace {
+
+constexpr double k_ellipse_sigmas = 2.0;
+
+Json number_json(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+Json bounds_json(const Parameter& parameter) {
+  return Json::array({number_json(parameter.lower_bound), number_json(parameter.upper_bound)});
+}
+
+Json iteration_json(const IterationRecord& state, std::size_t index) {
+  return {{"index", index},
+          {"distance_euclidean", number_json(state.distance_euclidean)},
+          {"distance_mahalanobis", number_json(state.distance_mahalanobis)},
+          {"parameter_mean", to_json(state.parameter_mean)},
+          {"parameter_std", to_json(state.parameter_covariance.diagonal().cwiseSqrt())},
+          {"parameter_covariance", to_json_rows(state.parameter_covariance)},
+          {"output_mean", to_json(state.output_mean)},
+          {"output_std", to_json(state.output_covariance.diagonal().cwiseSqrt())},
+          {"output_covariance", to_json_rows(state.output_covariance)},
+          {"failed", state.failed_runs},
+          {"rejected_draws", state.rejected_draws},
+          {"ellipses", ellipses_json(state.output_mean, state.output_covariance)},
+          {"parameter_ellipses", ellipses_json(state.parameter_mean, state.parameter_covariance)}};
+}
+
+Json verdict_json(const Verdict& verdict) {
+  Json tests = Json::array();
+  for (const VerdictTest& test : verdict.tests) {
+    tests.push_back({{"name", test.name},
+                     {"statistic", number_json(test.statistic)},
+                     {"critical", number_json(test.critical)},
+                     {"p_value", number_json(test.p_value)},
+                     {"passed", test.passed},
+                     {"meaning", test.meaning}});
+  }
+  return {{"adequate", verdict.adequate}, {"level", verdict.level}, {"tests", tests}, {"reasons", verdict.reasons}};
+}
+
+Json identifiability_json(const Identifiability& seen, const std::vector<std::string>& names) {
+  Json unseen = Json::array();
+  for (const Eigen::VectorXd& direction : seen.unseen_directions) {
+    Json weights = Json::object();
+    for (std::size_t i = 0; i < names.size(); ++i) weights[names[i]] = direction(static_cast<Eigen::Index>(i));
+    unseen.push_back({{"weights", weights}});
+  }
+  return {{"rank", seen.rank}, {"singular_values", to_json(seen.singular_values)}, {"unseen_directions", unseen}};
+}
+
+/// Fig. 2 of [Mares2006]: the critical value against the number of tests and samples together.
+Json t_curve_json(int p, double alpha, int most) {
+  Json totals = Json::array();
+  Json values = Json::array();
+  for (int total = p + 2; total <= most; total = total < 50 ? total + 1 : static_cast<int>(total * 1.08)) {
+    totals.push_back(total);
+    values.push_back(hotelling_t_critical(1, total - 1, p, alpha));
+  }
+  const double limit = hotelling_t_critical(1, 1000000000, p, alpha);
+  return {{"n_total", totals}, {"t", values}, {"limit", limit}};
+}
+
+Json sample_size_json(const UpdatingProblem& problem, const IterationRecord& last) {
+  const auto p = static_cast<int>(problem.model.outputs().size());
+  const auto n_test = static_cast<int>(problem.tests.values.rows());
+  const auto n_model = static_cast<int>(last.cloud.samples.rows() - last.failed_runs);
+  const bool has_critical = n_test + n_model > p + 1;
+  return {{"alpha", problem.level},
+          {"n_test", n_test},
+          {"n_model", n_model},
+          {"t_critical", has_critical ? Json(hotelling_t_critical(n_test, n_model, p, problem.level)) : Json(nullptr)},
+          {"monte_carlo_error",
+           to_json(last.output_covariance.diagonal().cwiseSqrt() / std::sqrt(static_cast<double>(n_model)))},
+          {"curve", t_curve_json(p, problem.level, std::max(2000, 2 * (n_test + n_model)))}};
+}
+
+void add_updated_parameters(Json& parameters, const UpdatingProblem& problem, const UpdatingResult& result) {
+  parameters["mean"] = to_json(result.mean);
+  parameters["std"] = to_json(result.covariance.diagonal().cwiseSqrt());
+  parameters["covariance"] = to_json_rows(result.covariance);
+  Json at_bound = Json::array();
+  for (const int side : problem.space.active_bounds(result.mean)) {
+    at_bound.push_back(side == 0 ? Json(nullptr) : Json(side < 0 ? "lower" : "upper"));
+  }
+  parameters["at_bound"] = at_bound;
+}
+
+void add_test_outputs(Json& outputs, const TestMoments& tests, const UpdatingResult& result) {
+  Json counts = Json::array();
+  for (const int count : tests.count) counts.push_back(count);
+  outputs["test_count"] = counts;
+  outputs["test_mean"] = to_json(tests.mean);
+  outputs["test_covariance"] = to_json_rows(tests.covariance);
+  outputs["initial_mean"] = to_json(result.history.front().output_mean);
+  outputs["initial_covariance"] = to_json_rows(result.history.front().output_covariance);
+  outputs["final_mean"] = to_json(result.history.back().output_mean);
+  outputs["final_covariance"] = to_json_rows(result.history.back().output_covariance);
+}
+
+Json options_json(const Study& study, const UpdatingProblem& problem, const Updater& method) {
+  Json options = {{"samples", problem.cloud.samples},
+                  {"samples_rule", study.update.has_automatic_samples ? "auto" : "given"},
+                  {"iterations", problem.iterations},
+                  {"tolerance", problem.tolerance},
+                  {"level", problem.level},
+                  {"max_failed", problem.cloud.most_failed}};
+  for (const auto& [name, value] : method.options()) {
+    std::visit([&options, &name = name](const auto& held) { options[name] = held; }, value);
+  }
+  return options;
+}
+
+}  // namespace
+
+Json to_json(const Eigen::Ref<const Eigen::VectorXd>& values) {
+  Json list = Json::array();
+  for (const double value : values) list.push_back(number_json(value));
+  return list;
+}
+
+Json to_json_rows(const Eigen::Ref<const Eigen::MatrixXd>& values) {
+  Json rows = Json::array();
+  for (Eigen::Index i = 0; i < values.rows(); ++i) rows.push_back(to_json(values.row(i).transpose()));
+  return rows;
+}
+
+Json result_head(const Study& study, const std::string& command) {
+  return {{"schema", 1},          {"mottle", version()},   {"title", study.title},
+          {"command", command},   {"units", study.units},  {"seed", study.seed}};
+}
+
+Json parameters_json(const ParameterSpace& space) {
+  const Eigen::MatrixXd covariance = space.prior().covariance();
+  Json units = Json::array();
+  Json bounds = Json::array();
+  for (const Parameter& parameter : space.parameters()) {
+    units.push_back(parameter.unit);
+    bounds.push_back(bounds_json(parameter));
+  }
+  return {{"names", space.names()},
+          {"units", units},
+          {"bounds", bounds},
+          {"prior_mean", to_json(space.prior().mean())},
+          {"prior_std", to_json(covariance.diagonal().cwiseSqrt())}};
+}
+
+Json outputs_json(const std::vector<Output>& outputs) {
+  Json names = Json::array();
+  Json units = Json::array();
+  for (const Output& output : outputs) {
+    names.push_back(output.name);
+    units.push_back(output.unit);
+  }
+  return {{"names", names}, {"units", units}};
+}
+
+void add_cloud_analysis(Json& result, const Cloud& regressed, const Cloud& ranked) {
+  const Cloud::Valid last = regressed.valid();
+  const Cloud::Valid first = ranked.valid();
+  const Eigen::Index q = last.samples.cols();
+  const Eigen::Index quadratic_terms = 1 + 2 * q + q * (q - 1) / 2;
+  result["regression"] = nullptr;
+  if (last.samples.rows() > q + 1) {
+    try {
+      const LinearRegression fit = linear_regression(last.samples, last.outputs);
+      result["regression"] = {{"sensitivity", to_json_rows(fit.sensitivity)},
+                              {"standard_error", to_json_rows(fit.standard_error)},
+                              {"r_squared", to_json(fit.r_squared)},
+                              {"condition", number_json(fit.condition)},
+                              {"largest_leverage", number_json(fit.leverage.maxCoeff())}};
+      if (last.samples.rows() > 2 * quadratic_terms) {
+        const QuadraticRegression quadratic = quadratic_regression(last.samples, last.outputs);
+        result["regression"]["r_squared_quadratic"] = to_json(quadratic.r_squared);
+      }
+    } catch (const InvalidInput&) {
+      // Points given by hand may not span all parameters: there is then no sensitivity to report.
+    }
+  }
+  result["spearman"] = first.samples.rows() >= 3 ? to_json_rows(spearman(first.samples, first.outputs)) : Json(nullptr);
+}
+
+Json ellipses_json(const Eigen::Ref<const Eigen::VectorXd>& mean, const Eigen::Ref<const Eigen::MatrixXd>& covariance) {
+  Json list = Json::array();
+  if (mean.size() < 2 || !covariance.allFinite()) return list;
+  for (const Ellipse& ellipse : pairwise_ellipses(mean, covariance, k_ellipse_sigmas)) {
+    list.push_back({{"first", ellipse.first},
+                    {"second", ellipse.second},
+                    {"centre", to_json(ellipse.centre)},
+                    {"semi_major", ellipse.semi_major},
+                    {"semi_minor", ellipse.semi_minor},
+                    {"angle", ellipse.angle}});
+  }
+  return list;
+}
+
+Json failures_json(const std::vector<FailedRun>& failures, std::size_t iteration) {
+  Json list = Json::array();
+  for (const FailedRun& failure : failures) {
+    list.push_back({{"iteration", iteration}, {"sample", failure.sample}, {"reason", failure.reason}});
+  }
+  return list;
+}
+
+Json update_result_json(const Study& study, const StudyTests& tests, const UpdatingProblem& problem,
+                        const Updater& method, const UpdatingResult& result) {
+  const TestMoments moments = test_moments(problem.tests);
+  const IterationRecord& first = result.history.front();
+  const IterationRecord& last = result.history.back();
+  Json json = result_head(study, "update");
+  json["method"] = study.update.method;
+  json["status"] = status_text(result.status);
+  json["message"] = result.message;
+  json["parameters"] = parameters_json(problem.space);
+  add_updated_parameters(json["parameters"], problem, result);
+  json["outputs"] = outputs_json(problem.model.outputs());
+  add_test_outputs(json["outputs"], moments, result);
+  json["iterations"] = Json::array();
+  Json failures = Json::array();
+  std::int64_t rejected = 0;
+  for (std::size_t i = 0; i < result.history.size(); ++i) {
+    json["iterations"].push_back(iteration_json(result.history[i], i));
+    for (Json& failure : failures_json(result.history[i].cloud.failures, i)) failures.push_back(std::move(failure));
+    rejected += result.history[i].rejected_draws;
+  }
+  json["test_ellipses"] = ellipses_json(moments.mean, moments.covariance);
+  add_cloud_analysis(json, last.cloud, first.cloud);
+  json["sample_size"] = sample_size_json(problem, last);
+  json["verdict"] = verdict_json(judge(problem, result));
+  json["identifiability"] = nullptr;
+  if (!json["regression"].is_null()) {
+    const Cloud::Valid valid = last.cloud.valid();
+    const Eigen::VectorXd test_std = moments.covariance.diagonal().cwiseSqrt();
+    const bool has_scatter = (test_std.array() > 0.0).all();
+    json["identifiability"] = identifiability_json(
+        identify(linear_regression(valid.samples, valid.outputs).sensitivity,
+                 has_scatter ? test_std : Eigen::VectorXd(moments.mean.cwiseAbs()),
+                 problem.space.prior().covariance().diagonal().cwiseSqrt()),
+        problem.space.names());
+  }
+  json["model_evaluations"] = result.model_evaluations;
+  json["rejected_draws"] = {
+      {"count", rejected},
+      {"rule", "a draw with a stiffness or mass <= 0 (damping < 0) is rejected and drawn again from its own stream"}};
+  json["failed_evaluations"] = failures;
+  json["options"] = options_json(study, problem, method);
+  json["notes"] = result.notes;
+  for (const std::string& note : tests.notes) json["notes"].push_back(note);
+  return json;
+}
+
+std::string pretty(const Json& json) { return json.dump(1) + '\n'; }
+
+}  // namespace mottle

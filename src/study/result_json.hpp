@@ -1,0 +1,43 @@
+// Results as JSON: the contract of result.json. Numbers are written with the shortest digits that read back exactly.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "mottle/propagation/cloud.hpp"
+#include "mottle/study/study.hpp"
+#include "mottle/study/study_objects.hpp"
+#include "mottle/updating/iteration.hpp"
+#include "mottle/updating/updater.hpp"
+
+namespace mottle {
+
+using Json = nlohmann::ordered_json;
+
+Json to_json(const Eigen::Ref<const Eigen::VectorXd>& values);
+Json to_json_rows(const Eigen::Ref<const Eigen::MatrixXd>& values);
+
+/// Head that every result shares.
+Json result_head(const Study& study, const std::string& command);
+
+/// names, units, prior and bounds.
+Json parameters_json(const ParameterSpace& space);
+
+Json outputs_json(const std::vector<Output>& outputs);
+
+/// regression, r_squared_quadratic and spearman of a cloud; null where the cloud has no scatter in some parameter.
+void add_cloud_analysis(Json& result, const Cloud& regressed, const Cloud& ranked);
+
+Json ellipses_json(const Eigen::Ref<const Eigen::VectorXd>& mean, const Eigen::Ref<const Eigen::MatrixXd>& covariance);
+
+Json failures_json(const std::vector<FailedRun>& failures, std::size_t iteration);
+
+/// The whole of result.json of `update`, timings left to the caller.
+Json update_result_json(const Study& study, const StudyTests& tests, const UpdatingProblem& problem,
+                        const Updater& method, const UpdatingResult& result);
+
+/// Text of the document as it stands in result.json.
+std::string pretty(const Json& json);
+
+}  // namespace mottle

@@ -1,0 +1,129 @@
+// The main job: a study's method run over its model and tests, its results put into a folder.
+#include <cmath>
+
+#include "mottle/core/error.hpp"
+#include "mottle/formats/csv.hpp"
+#include "mottle/model/journal.hpp"
+#include "mottle/study/run.hpp"
+#include "mottle/study/run_folder.hpp"
+#include "mottle/updating/verdict.hpp"
+#include "result_json.hpp"
+#include "run_files.hpp"
+
+namespace mottle {
+namespace {
+
+std::string history_csv(const UpdatingProblem& problem, const UpdatingResult& result) {
+  std::vector<std::string> header{"iteration", "distance_euclidean", "distance_mahalanobis"};
+  for (const std::string& name : problem.space.names()) header.push_back(name + "_mean");
+  for (const std::string& name : problem.space.names()) header.push_back(name + "_std");
+  for (const Output& output : problem.model.outputs()) header.push_back(output.name + "_mean");
+  for (const Output& output : problem.model.outputs()) header.push_back(output.name + "_std");
+  Eigen::MatrixXd rows(static_cast<Eigen::Index>(result.history.size()), static_cast<Eigen::Index>(header.size()));
+  for (Eigen::Index i = 0; i < rows.rows(); ++i) {
+    const IterationRecord& state = result.history[static_cast<std::size_t>(i)];
+    rows.row(i) << static_cast<double>(i), state.distance_euclidean, state.distance_mahalanobis,
+        state.parameter_mean.transpose(), state.parameter_covariance.diagonal().cwiseSqrt().transpose(),
+        state.output_mean.transpose(), state.output_covariance.diagonal().cwiseSqrt().transpose();
+  }
+  return format_csv(header, rows);
+}
+
+void note_what_happened(const UpdatingResult& result, const JournalledModel& model, const RunContext& context) {
+  std::size_t failed = 0;
+  for (const IterationRecord& state : result.history) failed += state.cloud.failures.size();
+  if (failed > 0) {
+    context.warning(fmt::format("{} of {} model runs failed and were left out; if failures are not a matter of chance, "
+                                "the clouds are biased",
+                                failed, result.model_evaluations));
+  }
+  if (model.reused() > 0) context.note(fmt::format("{} model runs of the interrupted run were used again", model.reused()));
+  context.note(fmt::format("{}: {}", status_text(result.status), result.message));
+}
+
+std::vector<std::string> summary_lines(const UpdatingProblem& problem, const UpdatingResult& result,
+                                       const Verdict& verdict) {
+  std::vector<std::string> lines;
+  lines.push_back(fmt::format("{}: {}", status_text(result.status), result.message));
+  lines.push_back(fmt::format("{:<14} {:>13} {:>13} {:>13} {:>13}", "parameter", "prior mean", "prior std", "mean", "std"));
+  const Eigen::VectorXd prior_mean = problem.space.prior().mean();
+  const Eigen::VectorXd prior_std = problem.space.prior().covariance().diagonal().cwiseSqrt();
+  const Eigen::VectorXi active = problem.space.active_bounds(result.mean);
+  for (Eigen::Index i = 0; i < result.mean.size(); ++i) {
+    lines.push_back(fmt::format("{:<14} {:>13.6g} {:>13.6g} {:>13.6g} {:>13.6g}{}",
+                                problem.space.parameters()[static_cast<std::size_t>(i)].name, prior_mean(i),
+                                prior_std(i), result.mean(i), std::sqrt(result.covariance(i, i)),
+                                active(i) == 0 ? "" : (active(i) < 0 ? "  at its lower bound" : "  at its upper bound")));
+  }
+  lines.push_back(fmt::format("verdict: {}", verdict.adequate ? "adequate so far" : "inadequate"));
+  for (const std::string& reason : verdict.reasons) lines.push_back("  " + reason);
+  return lines;
+}
+
+Json summary_json(const Json& result, const RunFolder& folder) {
+  return {{"command", "update"},
+          {"status", result["status"]},
+          {"message", result["message"]},
+          {"adequate", result["verdict"]["adequate"]},
+          {"parameters", result["parameters"]},
+          {"model_evaluations", result["model_evaluations"]},
+          {"folder", folder.path().string()},
+          {"result", folder.file("result.json").string()},
+          {"report", folder.file("report.html").string()}};
+}
+
+}  // namespace
+
+RunSummary run_update(const Study& study, const RunSettings& settings) {
+  const double start = steady_seconds();
+  const StudyModel made = make_model(study, study.parameters);
+  const StudyTests tests = read_tests(study, made.model->outputs());
+  const std::unique_ptr<Updater> method = make_method(study);
+  const RunFolder folder(settings.folder);
+  LogObserver log(folder.file("mottle.log"), settings.observer, settings.resume);
+  const JournalledModel model(*made.model, folder.journal(), study_fingerprint(study), settings.resume);
+  const UpdatingProblem problem{
+      .model = model,
+      .derivatives = made.model.get(),
+      .space = *made.space,
+      .tests = tests.data,
+      .cloud = cloud_settings(study, tests.data.values.rows(), tests.data.values.cols()),
+      .iterations = study.update.iterations,
+      .level = study.update.level,
+      .tolerance = study.update.tolerance};
+  const RunContext context{
+      .seed = study.seed, .threads = settings.threads, .observer = &log, .stop = settings.stop};
+  for (const std::string& note : tests.notes) context.note(note);
+
+  const double ready = steady_seconds();
+  const UpdatingResult result = method->update(problem, context);
+  if (result.status == UpdatingStatus::stopped) throw Stopped(result.message);
+  const double updated = steady_seconds();
+  note_what_happened(result, model, context);
+
+  Json json = update_result_json(study, tests, problem, *method, result);
+  std::vector<Cloud> clouds;
+  for (const IterationRecord& state : result.history) clouds.push_back(state.cloud);
+  folder.write("study.toml", study_text_for(study, folder.path()));
+  folder.write("history.csv", history_csv(problem, result));
+  folder.write("cloud-initial.csv", cloud_csv(result.history.front().cloud, *made.space, model.outputs()));
+  folder.write("cloud-final.csv", cloud_csv(result.history.back().cloud, *made.space, model.outputs()));
+  folder.write("clouds.csv", clouds_csv(clouds, *made.space, model.outputs()));
+  folder.write("tests.csv", tests_csv(tests, model.outputs()));
+  json["timings_s"] = {{"reading", ready - start},
+                       {"updating", updated - ready},
+                       {"writing", steady_seconds() - updated},
+                       {"total", steady_seconds() - start}};
+  folder.write("result.json", pretty(json));
+
+  RunSummary summary;
+  summary.status = status_text(result.status);
+  summary.message = result.message;
+  const Verdict verdict = judge(problem, result);
+  summary.adequate = verdict.adequate;
+  summary.lines = summary_lines(problem, result, verdict);
+  summary.json = summary_json(json, folder).dump(-1, ' ', false, Json::error_handler_t::replace);
+  return summary;
+}
+
+}  // namespace mottle

@@ -1,0 +1,195 @@
+#include "mottle/study/study_objects.hpp"
+
+#include <algorithm>
+#include <cctype>
+
+#include "mottle/core/files.hpp"
+#include "mottle/core/text.hpp"
+#include "mottle/formats/csv.hpp"
+#include "mottle/updating/verdict.hpp"
+
+namespace mottle {
+namespace {
+
+std::vector<ParameterTargets> list_targets(const StudyParameters& parameters) {
+  std::vector<ParameterTargets> targets;
+  for (const StudyParameter& parameter : parameters.list) {
+    targets.push_back({parameter.name, parameter.targets, parameter.is_factor});
+  }
+  return targets;
+}
+
+/// Units of one system, as printed.
+struct UnitNames {
+  const char* stiffness;
+  const char* mass;
+  const char* damping;
+  const char* frequency;
+  const char* shape;
+};
+
+UnitNames unit_names(const std::string& units) {
+  if (units == "mm-t-s") return {"N/mm", "t", "N s/mm", "Hz", "1/sqrt(t)"};
+  if (units == "mm-kg-ms") return {"kN/mm", "kg", "kN ms/mm", "kHz", "1/sqrt(kg)"};
+  if (units == "in-lbf-s") return {"lbf/in", "lbf s^2/in", "lbf s/in", "Hz", "1/sqrt(lbf s^2/in)"};
+  return {"N/m", "kg", "N s/m", "Hz", "1/sqrt(kg)"};
+}
+
+std::string parameter_unit(const StudyParameter& parameter, const UnitNames& units) {
+  if (parameter.is_factor) return "-";
+  const std::string& target = parameter.targets.front();
+  if (target.rfind("mass:", 0) == 0) return units.mass;
+  return target.rfind("damper:", 0) == 0 ? units.damping : units.stiffness;
+}
+
+JointDistribution joint_prior(const StudyParameters& parameters) {
+  std::vector<Distribution> marginals;
+  for (const StudyParameter& parameter : parameters.list) marginals.emplace_back(parameter.distribution);
+  if (parameters.correlation.isIdentity(0.0)) return JointDistribution(std::move(marginals));
+  return {std::move(marginals), parameters.correlation};
+}
+
+/// "f1_Hz", "f1 [Hz]", "f1 (Hz)" -> "f1".
+std::string without_unit(std::string name) {
+  for (const std::string open : {" [", " (", "[", "("}) {
+    const std::size_t position = name.find(open);
+    if (position != std::string::npos && position > 0) name.resize(position);
+  }
+  if (name.size() > 3 && name.compare(name.size() - 3, 3, "_Hz") == 0) name.resize(name.size() - 3);
+  return name;
+}
+
+/// Whether `name` is how a model of this kind would call some output: f4, zeta2, phi3:m1.
+bool looks_like_output(const std::string& name) {
+  for (const std::string stem : {"zeta", "phi", "f"}) {
+    if (name.rfind(stem, 0) != 0) continue;
+    std::size_t end = stem.size();
+    while (end < name.size() && std::isdigit(static_cast<unsigned char>(name[end])) != 0) ++end;
+    return end > stem.size() && (end == name.size() || (stem == "phi" && name[end] == ':'));
+  }
+  return false;
+}
+
+std::vector<std::string> names_of(const std::vector<Output>& outputs) {
+  std::vector<std::string> names;
+  for (const Output& output : outputs) names.push_back(output.name);
+  return names;
+}
+
+/// Column of each output; throws where one is missing or a column is nothing known.
+std::vector<int> match_columns(const CsvTable& table, const Study& study, const std::vector<std::string>& outputs,
+                               std::vector<std::string>& notes) {
+  std::vector<int> columns(outputs.size(), -1);
+  std::vector<std::string> unused;
+  for (std::size_t column = 0; column < table.header.size(); ++column) {
+    const std::string name = without_unit(table.header[column]);
+    const auto output = std::find(outputs.begin(), outputs.end(), name);
+    if (output != outputs.end()) {
+      int& found = columns[static_cast<std::size_t>(std::distance(outputs.begin(), output))];
+      if (found >= 0) throw FormatError(table.file, 1, fmt::format("output '{}' has two columns", name));
+      found = static_cast<int>(column);
+      continue;
+    }
+    const bool is_parameter = std::any_of(study.parameters.list.begin(), study.parameters.list.end(),
+                                          [&](const StudyParameter& parameter) { return parameter.name == name; });
+    const bool is_label = name == "specimen" || name == "status";
+    if (!is_parameter && !is_label && !looks_like_output(name)) {
+      throw FormatError(table.file, 1, unknown_name_message("column", table.header[column], outputs));
+    }
+    if (!is_label) unused.push_back(table.header[column]);
+  }
+  for (std::size_t i = 0; i < outputs.size(); ++i) {
+    if (columns[i] < 0) {
+      throw FormatError(table.file, 1, fmt::format("output '{}' has no column; the columns are {}", outputs[i],
+                                                   join(table.header)));
+    }
+  }
+  if (!unused.empty()) notes.push_back(fmt::format("Columns of the test file that are not used: {}.", join(unused)));
+  return columns;
+}
+
+}  // namespace
+
+StudyModel make_model(const Study& study, const StudyParameters& parameters) {
+  const std::string where = study.file.string();
+  require(!parameters.list.empty(), "{}: parameter: there is none; give at least one [[parameter]]", where);
+  try {
+    const std::vector<ParameterTargets> targets = list_targets(parameters);
+    AffineStructure structure = separate(study.system, targets);
+    const UnitNames units = unit_names(study.units);
+    std::vector<Parameter> list;
+    for (std::size_t i = 0; i < parameters.list.size(); ++i) {
+      const StudyParameter& parameter = parameters.list[i];
+      list.push_back({parameter.name, parameter_unit(parameter, units), parameter.lower_bound, parameter.upper_bound,
+                      physical_limit(targets[i])});
+    }
+    ModalOutputs outputs = study.outputs;
+    outputs.frequency_unit = units.frequency;
+    outputs.shape_unit = units.shape;
+    StudyModel made;
+    made.space = std::make_unique<ParameterSpace>(std::move(list), joint_prior(parameters));
+    made.model = std::make_unique<ModalModel>(std::move(structure), std::move(outputs), made.space->prior().mean());
+    return made;
+  } catch (const InvalidInput& error) {
+    throw InvalidInput(fmt::format("{}: {}", where, error.what()));
+  }
+}
+
+StudyTests read_tests(const Study& study, const std::vector<Output>& outputs) {
+  require(study.test.has_value(), "{}: test: is missing; give [test] file = \"...\"", study.file.string());
+  const std::string bytes = read_file(study.test->file);
+  const CsvTable table = parse_csv(bytes, study.test->file.string());
+  const std::vector<std::string> names = names_of(outputs);
+  StudyTests tests;
+  const std::vector<int> columns = match_columns(table, study, names, tests.notes);
+  Eigen::MatrixXd values(static_cast<Eigen::Index>(table.rows.size()), static_cast<Eigen::Index>(columns.size()));
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    values.col(static_cast<Eigen::Index>(i)) = numbers_of_column(table, columns[i]);
+  }
+  std::vector<Eigen::Index> kept;
+  for (Eigen::Index row = 0; row < values.rows(); ++row) {
+    if (!values.row(row).array().isNaN().all()) kept.push_back(row);
+  }
+  if (kept.empty()) throw FormatError(table.file, 0, "holds no specimen: there is no row with a value");
+  if (kept.size() < table.rows.size()) {
+    tests.notes.push_back(fmt::format("{} specimens without any value are left out.", table.rows.size() - kept.size()));
+  }
+  tests.data.values = values(kept, Eigen::all);
+  tests.data.repeatability_std = Eigen::VectorXd::Zero(values.cols());
+  for (const auto& [name, value] : study.test->repeatability) {
+    const auto found = std::find(names.begin(), names.end(), name);
+    require(found != names.end(), "{}: test.repeatability: {}", study.file.string(),
+            unknown_name_message("output", name, names));
+    tests.data.repeatability_std(std::distance(names.begin(), found)) = value;
+  }
+  for (Eigen::Index k = 0; k < values.cols(); ++k) {
+    const auto measured = (!tests.data.values.col(k).array().isNaN()).count();
+    require(measured > 0, "{}: output '{}' is never measured; leave it out of [outputs]", table.file,
+            names[static_cast<std::size_t>(k)]);
+    require(measured > 1 || kept.size() == 1,
+            "{}: output '{}' is measured once in {} specimens, which gives no scatter; leave it out of [outputs]",
+            table.file, names[static_cast<std::size_t>(k)], kept.size());
+  }
+  return tests;
+}
+
+CloudSettings cloud_settings(const Study& study, Eigen::Index specimens, Eigen::Index outputs) {
+  CloudSettings settings;
+  settings.samples = study.update.samples;
+  if (study.update.has_automatic_samples) {
+    settings.samples =
+        automatic_samples(static_cast<int>(specimens), static_cast<int>(outputs), study.update.level);
+  }
+  settings.design = study.update.design;
+  settings.most_failed = study.update.most_failed;
+  return settings;
+}
+
+std::uint64_t study_fingerprint(const Study& study) {
+  std::uint64_t print = fingerprint(version());
+  print = fingerprint(study.text, print);
+  if (study.test) print = fingerprint(read_file(study.test->file), print);
+  return print;
+}
+
+}  // namespace mottle

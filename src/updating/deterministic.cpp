@@ -1,0 +1,249 @@
+#include "mottle/updating/deterministic.hpp"
+
+#include <Eigen/Dense>
+#include <cmath>
+
+#include "mottle/core/error.hpp"
+#include "mottle/stats/chi_squared.hpp"
+#include "mottle/stats/distance.hpp"
+#include "mottle/updating/iteration.hpp"
+
+namespace mottle {
+namespace {
+
+constexpr double k_difference_step = 1e-4;  // balances truncation (h^2) and rounding (eps/h) of central differences
+constexpr int k_most_halvings = 12;
+
+/// The least-squares problem in fixed numbers.
+struct LeastSquares {
+  Eigen::VectorXd target;     // z
+  Eigen::VectorXd weight;     // diagonal of W
+  Eigen::VectorXd start;      // x0
+  Eigen::VectorXd prior_std;  // s0
+  Eigen::MatrixXd prior;      // Q
+};
+
+Eigen::VectorXd evaluate_one(const UpdatingProblem& problem, const Eigen::VectorXd& parameters,
+                             const RunContext& context, std::int64_t& evaluations) {
+  const Evaluation evaluation = problem.model.evaluate(parameters.transpose(), context);
+  ++evaluations;
+  if (!evaluation.failures.empty()) {
+    throw SystemFailure(fmt::format("the model failed during updating: {}", evaluation.failures.front().reason));
+  }
+  return evaluation.outputs.row(0).transpose();
+}
+
+LeastSquares prepare(const UpdatingProblem& problem, const DeterministicOptions& options) {
+  const Eigen::Index specimens = problem.tests.values.rows();
+  require(options.specimen <= specimens,
+          "update.deterministic.specimen: {} is not there, the tests have 1 to {} (0 means their mean)",
+          options.specimen, specimens);
+  LeastSquares setup;
+  setup.target = options.specimen == 0 ? test_moments(problem.tests).mean
+                                       : Eigen::VectorXd(problem.tests.values.row(options.specimen - 1).transpose());
+  require(setup.target.allFinite(), "update.deterministic.specimen: specimen {} has missing values; choose another or "
+          "leave the outputs out", options.specimen);
+  Eigen::VectorXd sigma = options.measurement_error * setup.target.cwiseAbs();
+  for (Eigen::Index k = 0; k < sigma.size(); ++k) {
+    if (problem.tests.repeatability_std(k) > 0.0) sigma(k) = problem.tests.repeatability_std(k);
+    require(sigma(k) > 0.0, "test.repeatability: needed for output {}, whose tested value is 0",
+            problem.model.outputs()[static_cast<std::size_t>(k)].name);
+  }
+  setup.weight = sigma.cwiseAbs2().cwiseInverse();
+  const Eigen::MatrixXd covariance = problem.space.prior().covariance();
+  setup.start = problem.space.prior().mean();
+  setup.prior_std = covariance.diagonal().cwiseSqrt();
+  setup.prior = Eigen::MatrixXd::Zero(setup.start.size(), setup.start.size());
+  if (options.regularisation == DeterministicOptions::Regularisation::bayesian) setup.prior = covariance.inverse();
+  if (options.regularisation == DeterministicOptions::Regularisation::tikhonov) {
+    setup.prior.diagonal() = (options.tikhonov_parameter * setup.prior_std.cwiseInverse()).cwiseAbs2();
+  }
+  require(!setup.prior.isZero(0.0) || setup.target.size() >= setup.start.size(),
+          "method 'deterministic': {} parameters are more unknowns than the {} measured outputs can determine; set "
+          "update.deterministic.regularisation to \"tikhonov\" or \"bayesian\", or free fewer parameters",
+          setup.start.size(), setup.target.size());
+  return setup;
+}
+
+double cost(const LeastSquares& setup, const Eigen::VectorXd& parameters, const Eigen::VectorXd& outputs) {
+  const Eigen::VectorXd residual = setup.target - outputs;
+  const Eigen::VectorXd shift = parameters - setup.start;
+  return residual.cwiseAbs2().dot(setup.weight) + shift.dot(setup.prior * shift);
+}
+
+void require_full_rank(const LeastSquares& setup, const Eigen::MatrixXd& g) {
+  const Eigen::MatrixXd scaled = setup.weight.cwiseSqrt().asDiagonal() * g * setup.prior_std.asDiagonal();
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> factor(scaled);
+  require(!setup.prior.isZero(0.0) || factor.rank() == g.cols(),
+          "method 'deterministic': the outputs tell only {} combinations of the {} parameters apart; set "
+          "update.deterministic.regularisation to \"tikhonov\" or \"bayesian\"",
+          factor.rank(), g.cols());
+}
+
+/// Gauss-Newton step over the parameters that no bound holds.
+Eigen::VectorXd free_step(const Eigen::MatrixXd& hessian, const Eigen::VectorXd& descent,
+                          const Eigen::VectorXi& active) {
+  std::vector<Eigen::Index> free;
+  for (Eigen::Index i = 0; i < descent.size(); ++i) {
+    const bool is_held = (active(i) < 0 && descent(i) < 0.0) || (active(i) > 0 && descent(i) > 0.0);
+    if (!is_held) free.push_back(i);
+  }
+  Eigen::VectorXd step = Eigen::VectorXd::Zero(descent.size());
+  if (free.empty()) return step;
+  const Eigen::MatrixXd free_hessian = hessian(free, free);
+  const Eigen::VectorXd free_descent = descent(free);
+  const Eigen::VectorXd solved = free_hessian.ldlt().solve(free_descent);
+  step(free) = solved;
+  return step;
+}
+
+/// Are the remaining residuals no larger than the measurement error? Chi-squared with p - q degrees of freedom.
+void add_residual_test(const LeastSquares& setup, const Eigen::VectorXd& outputs, double level,
+                       UpdatingResult& result) {
+  const auto freedom = static_cast<int>(setup.target.size() - setup.start.size());
+  if (freedom < 1) {
+    result.notes.push_back(
+        "There are no more outputs than parameters, so the residuals cannot tell whether the model is right.");
+    return;
+  }
+  const double statistic = (setup.target - outputs).cwiseAbs2().dot(setup.weight);
+  const double critical = chi_squared_quantile(1.0 - level, freedom);
+  result.tests.push_back({.name = "residuals",
+                          .statistic = statistic,
+                          .critical = critical,
+                          .p_value = chi_squared_upper_tail(statistic, freedom),
+                          .passed = statistic <= critical,
+                          .meaning = fmt::format("Chi-squared with {} degrees of freedom: are the residuals of the "
+                                                 "outputs no larger than the measurement error?",
+                                                 freedom)});
+}
+
+IterationRecord record_point(const Eigen::VectorXd& parameters, const Eigen::MatrixXd& covariance,
+                             const Eigen::VectorXd& outputs, const Eigen::MatrixXd& g, const LeastSquares& setup) {
+  IterationRecord record;
+  record.parameter_mean = parameters;
+  record.parameter_covariance = covariance;
+  record.output_mean = outputs;
+  record.output_covariance = g * covariance * g.transpose();
+  record.distance_euclidean = euclidean_distance(outputs, setup.target);
+  record.distance_mahalanobis = std::sqrt((setup.target - outputs).cwiseAbs2().dot(setup.weight));
+  return record;
+}
+
+Eigen::MatrixXd estimate_covariance(const LeastSquares& setup, const Eigen::MatrixXd& g,
+                                    DeterministicOptions::Regularisation regularisation) {
+  const Eigen::MatrixXd information = g.transpose() * setup.weight.asDiagonal() * g;
+  const Eigen::MatrixXd inverse = (information + setup.prior).ldlt().solve(
+      Eigen::MatrixXd::Identity(information.rows(), information.cols()));
+  const bool is_posterior = regularisation == DeterministicOptions::Regularisation::bayesian;
+  const Eigen::MatrixXd covariance = is_posterior ? inverse : Eigen::MatrixXd(inverse * information * inverse);
+  return 0.5 * (covariance + covariance.transpose());
+}
+
+}  // namespace
+
+const OptionTable<DeterministicOptions>& deterministic_option_table() {
+  using D = DeterministicOptions;
+  static const OptionTable<D> table =
+      OptionTable<D>()
+          .choice<D::Regularisation>("regularisation", &D::regularisation,
+                                     {{"bayesian", D::Regularisation::bayesian},
+                                      {"tikhonov", D::Regularisation::tikhonov},
+                                      {"none", D::Regularisation::none}},
+                                     "What holds parameters that the test does not see: the prior's covariance, a "
+                                     "common factor on the prior's deviations, or nothing.")
+          .number("tikhonov_parameter", &D::tikhonov_parameter, {.lower = 0.0, .excludes_lower = true}, "-",
+                  "Weight lambda of a shift by one prior deviation against a residual of one measurement deviation.")
+          .integer("specimen", &D::specimen, {.lower = 0.0}, "-",
+                   "Number of the specimen to update to, counted from 1; 0 means the mean of all.")
+          .number("measurement_error", &D::measurement_error, {.lower = 0.0, .excludes_lower = true},
+                  "part of the value",
+                  "Measurement deviation of an output as a part of its tested value, used where [test] repeatability "
+                  "does not give it.");
+  return table;
+}
+
+Eigen::MatrixXd model_jacobian(const UpdatingProblem& problem, const Eigen::VectorXd& parameters,
+                               const Eigen::VectorXd& scale, const RunContext& context) {
+  const auto outputs = static_cast<Eigen::Index>(problem.model.outputs().size());
+  Eigen::MatrixXd jacobian =
+      problem.derivatives != nullptr
+          ? problem.derivatives->jacobian(parameters)
+          : Eigen::MatrixXd::Constant(outputs, parameters.size(), std::numeric_limits<double>::quiet_NaN());
+  if (jacobian.allFinite()) return jacobian;
+  std::int64_t evaluations = 0;
+  for (Eigen::Index i = 0; i < parameters.size(); ++i) {
+    const double step = k_difference_step * scale(i);
+    Eigen::VectorXd ahead = parameters;
+    Eigen::VectorXd behind = parameters;
+    ahead(i) += step;
+    behind(i) -= step;
+    const Eigen::VectorXd difference = (evaluate_one(problem, ahead, context, evaluations) -
+                                        evaluate_one(problem, behind, context, evaluations)) /
+                                       (2.0 * step);
+    for (Eigen::Index k = 0; k < outputs; ++k) {
+      if (!std::isfinite(jacobian(k, i))) jacobian(k, i) = difference(k);
+    }
+  }
+  return jacobian;
+}
+
+UpdatingResult DeterministicUpdater::update(const UpdatingProblem& problem, const RunContext& context) const {
+  const LeastSquares setup = prepare(problem, options_);
+  const TestMoments tests = test_moments(problem.tests);
+  UpdatingResult result;
+  result.status = UpdatingStatus::max_iterations;
+  append_state(result, record_state(problem, tests, problem.space.prior(), 0, context));
+
+  Eigen::VectorXd x = problem.space.clamp(setup.start);
+  Eigen::VectorXd y = evaluate_one(problem, x, context, result.model_evaluations);
+  Eigen::MatrixXd g = model_jacobian(problem, x, setup.prior_std, context);
+  for (int index = 1; index <= problem.iterations; ++index) {
+    if (context.stop_requested()) {
+      result.status = UpdatingStatus::stopped;
+      break;
+    }
+    require_full_rank(setup, g);
+    const Eigen::MatrixXd gw = g.transpose() * setup.weight.asDiagonal();
+    const Eigen::VectorXd descent = gw * (setup.target - y) - setup.prior * (x - setup.start);
+    const Eigen::VectorXd step = free_step(gw * g + setup.prior, descent, problem.space.active_bounds(x));
+    const double old_cost = cost(setup, x, y);
+    Eigen::VectorXd next = x;
+    double length = 1.0;
+    for (int halving = 0; halving <= k_most_halvings; ++halving, length *= 0.5) {
+      next = problem.space.clamp(x + length * step);
+      y = evaluate_one(problem, next, context, result.model_evaluations);
+      if (cost(setup, next, y) <= old_cost) break;
+    }
+    const double movement = ((next - x).cwiseAbs().array() / setup.prior_std.array()).maxCoeff();
+    x = next;
+    g = model_jacobian(problem, x, setup.prior_std, context);
+    append_state(result, record_point(x, estimate_covariance(setup, g, options_.regularisation), y, g, setup));
+    context.progress("update", index, problem.iterations);
+    if (movement <= problem.tolerance) {
+      result.status = UpdatingStatus::converged;
+      break;
+    }
+  }
+  result.mean = x;
+  result.covariance = estimate_covariance(setup, g, options_.regularisation);
+  IterationRecord last =
+      record_state(problem, tests, JointDistribution::multivariate_normal(x, result.covariance), 0, context);
+  last.output_mean = y;  // the method's own point; the cloud shows the uncertainty around it
+  last.distance_euclidean = euclidean_distance(y, setup.target);
+  result.model_evaluations += last.cloud.samples.rows();
+  const std::size_t updates = result.history.size() - 1;
+  if (updates > 0) result.history.pop_back();
+  result.history.push_back(std::move(last));
+  result.message = result.status == UpdatingStatus::converged
+                       ? fmt::format("after {} iterations no parameter moves by more than {} of its prior deviation",
+                                     updates, problem.tolerance)
+                       : fmt::format("{} iterations did not bring the parameters to rest", updates);
+  add_residual_test(setup, y, problem.level, result);
+  result.notes.push_back(
+      "The deviations of this method say how well the parameters of one structure are known; they do not describe "
+      "the scatter of specimens.");
+  return result;
+}
+
+}  // namespace mottle

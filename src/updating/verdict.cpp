@@ -1,0 +1,84 @@
+#include "mottle/updating/verdict.hpp"
+
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+
+#include "mottle/core/error.hpp"
+#include "mottle/stats/hotelling.hpp"
+#include "mottle/updating/iteration.hpp"
+
+namespace mottle {
+
+VerdictTest mean_agreement_test(const UpdatingProblem& problem, const IterationRecord& state, double level) {
+  const TestMoments tests = test_moments(problem.tests);
+  const auto specimens = static_cast<int>(problem.tests.values.rows());
+  const auto samples = static_cast<int>(state.cloud.valid().outputs.rows());
+  const TwoSampleTest hotelling =
+      hotelling_two_sample(tests.mean, tests.covariance, specimens, state.output_mean, state.output_covariance, samples,
+                           level);
+  return {.name = "mean-agreement",
+          .statistic = hotelling.t_squared,
+          .critical = hotelling.critical_t_squared,
+          .p_value = hotelling.p_value,
+          .passed = !hotelling.rejects,
+          .meaning = fmt::format("Hotelling's two-sample T^2: do the {} tests and the {} samples of the updated model "
+                                 "have the same mean outputs?",
+                                 specimens, samples)};
+}
+
+Verdict judge(const UpdatingProblem& problem, const UpdatingResult& result) {
+  Verdict verdict;
+  verdict.level = problem.level;
+  verdict.tests = result.tests;
+  for (const VerdictTest& test : result.tests) {
+    verdict.adequate = verdict.adequate && test.passed;
+    verdict.reasons.push_back(
+        fmt::format("{} {} (statistic {:.4g}, critical value {:.4g}, p = {:.3g}).", test.meaning,
+                    test.passed ? "They agree as well as chance allows." : "They differ by more than chance allows.",
+                    test.statistic, test.critical, test.p_value));
+  }
+  const Eigen::VectorXi active = problem.space.active_bounds(result.mean);
+  for (Eigen::Index i = 0; i < active.size(); ++i) {
+    if (active(i) == 0) continue;
+    verdict.adequate = false;
+    verdict.reasons.push_back(fmt::format(
+        "The mean of {} ended on its {} bound, {:.6g}: within the bounds the chosen parameters cannot explain the "
+        "tests, so something else in the model is wrong or missing.",
+        problem.space.parameters()[static_cast<std::size_t>(i)].name, active(i) < 0 ? "lower" : "upper",
+        result.mean(i)));
+  }
+  if (result.status != UpdatingStatus::converged) {
+    verdict.adequate = false;
+    verdict.reasons.push_back("The iteration did not converge: " + result.message + ".");
+  }
+  return verdict;
+}
+
+Identifiability identify(const Eigen::Ref<const Eigen::MatrixXd>& sensitivity,
+                         const Eigen::Ref<const Eigen::VectorXd>& output_scale,
+                         const Eigen::Ref<const Eigen::VectorXd>& parameter_scale) {
+  constexpr double k_unseen = 1e-6;
+  const Eigen::MatrixXd scaled =
+      output_scale.cwiseInverse().asDiagonal() * sensitivity * parameter_scale.asDiagonal();
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(scaled, Eigen::ComputeFullV);
+  Identifiability result;
+  result.singular_values = svd.singularValues();
+  const double threshold = k_unseen * result.singular_values(0);
+  for (Eigen::Index i = 0; i < scaled.cols(); ++i) {
+    if (i < result.singular_values.size() && result.singular_values(i) > threshold) {
+      ++result.rank;
+    } else {
+      result.unseen_directions.push_back(svd.matrixV().col(i));
+    }
+  }
+  return result;
+}
+
+int automatic_samples(int specimens, int outputs, double alpha) {
+  constexpr double k_near_limit = 0.01;
+  constexpr int k_per_specimen = 100;
+  return std::max(sufficient_samples(specimens, outputs, alpha, k_near_limit), k_per_specimen * specimens);
+}
+
+}  // namespace mottle

@@ -1,0 +1,54 @@
+#!/usr/bin/env bash
+# Installs the Debian packages that are missing: all that is needed to build, test, or check this repository.
+#   tools/install_packages.sh [--run] [--build] [--test] [--ci] [--bench]     default: --build
+# Each set includes what it stands on (--test and --ci include --build). Asks for root only if something is missing.
+set -euo pipefail
+
+# "package" or "package:command": a command on the PATH counts too (node and npm often come from elsewhere, and
+# Debian's npm would conflict with them).
+run=(libfmt9 libopenturns0.21 libtomlplusplus3)
+build=(g++ make cmake ninja-build ca-certificates nodejs:node npm:npm
+       libeigen3-dev libboost-dev libfmt-dev libopenturns-dev librandom123-dev libtomlplusplus-dev
+       nlohmann-json3-dev libcli11-dev)
+test=(libgtest-dev libgmock-dev python3:python3 chromium:chromium)
+ci=(clang-format:clang-format clang-tidy:clang-tidy gcovr:gcovr dpkg-dev file ccache:ccache)
+bench=(libbenchmark-dev python3:python3 python3-scipy)
+
+wanted=()
+for set in "${@:---build}"; do
+  case $set in
+    --run) wanted+=("${run[@]}") ;;
+    --build) wanted+=("${build[@]}") ;;
+    --test) wanted+=("${build[@]}" "${test[@]}") ;;
+    --ci) wanted+=("${build[@]}" "${test[@]}" "${ci[@]}") ;;
+    --bench) wanted+=("${build[@]}" "${bench[@]}") ;;
+    *) echo "usage: $0 [--run] [--build] [--test] [--ci] [--bench]; found '$set'" >&2; exit 2 ;;
+  esac
+done
+
+if ! command -v apt-get dpkg-query >/dev/null; then
+  echo "$0: no Debian here; the build goes on with what is installed. Debian's names of what it needs:" >&2
+  echo "  ${wanted[*]%%:*}" >&2
+  exit 0
+fi
+
+missing=()
+for entry in "${wanted[@]}"; do
+  package=${entry%%:*}
+  if [[ $entry == *:* ]] && command -v "${entry#*:}" >/dev/null; then continue; fi
+  [[ $(dpkg-query --show --showformat='${db:Status-Status}' "$package" 2>/dev/null) == installed ]] || missing+=("$package")
+done
+if ((${#missing[@]} == 0)); then exit 0; fi
+
+if ((EUID == 0)); then
+  as_root=(env)
+elif command -v sudo >/dev/null; then
+  as_root=(sudo)
+else
+  echo "$0: these packages are missing, and installing them needs root (no sudo here). As root:" >&2
+  echo "  apt-get update && apt-get install --no-install-recommends ${missing[*]}" >&2
+  exit 1
+fi
+echo "installing: ${missing[*]}"
+"${as_root[@]}" apt-get update -qq
+"${as_root[@]}" DEBIAN_FRONTEND=noninteractive apt-get install -qq -y --no-install-recommends "${missing[@]}" >/dev/null

@@ -1,0 +1,49 @@
+// The table of the outputs: tests against the first and the last cloud.
+import { is_number, list, number_or_null, percent_change, standard_deviations } from "../src/data.js";
+import { percent_text } from "../src/format.js";
+import { data_table } from "../src/table.js";
+
+function rows_of({ outputs: block, output_axes }) {
+  const deviations = Object.fromEntries(["test", "initial", "final"]
+    .map((which) => [which, standard_deviations(block[`${which}_covariance`])]));
+  return output_axes.map(({ index, name, unit }) => {
+    const at = (field) => number_or_null(list(block[field])[index]);
+    const std = (which) => number_or_null(deviations[which][index]);
+    return {
+      name, unit, test_count: at("test_count"), test_mean: at("test_mean"), test_std: std("test"),
+      initial_mean: at("initial_mean"), initial_error: percent_change(at("test_mean"), at("initial_mean")),
+      initial_std: std("initial"), final_mean: at("final_mean"),
+      final_error: percent_change(at("test_mean"), at("final_mean")), final_std: std("final"),
+    };
+  });
+}
+
+function columns_for(rows) {
+  const error = (value) => percent_text(value, 2);
+  const model = rows.some((row) => is_number(row.final_mean)) ? ["Model, initial", "Model, updated"] : ["Model", "Model"];
+  return [
+    { key: "name", title: "Output", is_text: true },
+    { key: "unit", title: "Unit", is_text: true },
+    { key: "test_count", title: "n", group: "Tests", text: (n) => (is_number(n) ? String(n) : "–") },
+    { key: "test_mean", title: "Mean", group: "Tests" },
+    { key: "test_std", title: "Std. dev.", group: "Tests" },
+    { key: "initial_mean", title: "Mean", group: model[0] },
+    { key: "initial_error", title: "Error", group: model[0], text: error },
+    { key: "initial_std", title: "Std. dev.", group: model[0] },
+    { key: "final_mean", title: "Mean", group: model[1] },
+    { key: "final_error", title: "Error", group: model[1], text: error },
+    { key: "final_std", title: "Std. dev.", group: model[1] },
+  ].filter(({ key, is_text }) => (is_text ? rows.some((row) => row[key]) : rows.some((row) => is_number(row[key]))));
+}
+
+export default {
+  id: "outputs", title: "Outputs",
+  has_data: (study) => list(study.outputs.names).length > 0,
+  explained: [["Error", "Mean of the model's cloud less mean of the tests, in percent of the latter."]],
+  content(study) {
+    const rows = rows_of(study);
+    const is_compared = rows.some((row) => is_number(row.test_mean));
+    return [data_table({ id: "outputs", rows, columns: columns_for(rows),
+      title: is_compared ? "Outputs: tests against the model" : "Outputs of the model" })];
+  },
+};

@@ -1,0 +1,56 @@
+// A plot with its number, caption and buttons. Made in two steps: the frame when a section is composed, the chart
+// when the page stands and widths are known.
+import { choose_zoom_area, create_chart, reset_zoom } from "./charts.js";
+import { button, element } from "./dom.js";
+import { save_png, save_svg } from "./export.js";
+
+const waiting = [];
+let numbered = 0;
+
+/**
+ * @param id        names the chart in window.mottle.charts and in file names
+ * @param title     short, for the head of the figure
+ * @param caption   what to see in it, one or two sentences
+ * @param build     (width) -> {option, height}
+ * @param renderer  "svg" (sharp in print, right for lines) or "canvas" (right for thousands of points)
+ * @param controls  elements that change what is shown
+ */
+export function figure({ id, title, caption, build, renderer = "svg", controls = [] }) {
+  numbered += 1;
+  const number = numbered;
+  const host = element("div", { class: "plot-area", role: "img", "aria-label": `${title}. ${caption}` });
+  const zoom = button("Zoom", "Choose an area to enlarge by dragging; Ctrl and the mouse wheel enlarge too", () => {
+    const is_on = zoom.getAttribute("aria-pressed") !== "true";
+    zoom.setAttribute("aria-pressed", String(is_on));
+    choose_zoom_area(id, is_on);
+  }, { "aria-pressed": "false" });
+  const tools = element("div", { class: "tools", role: "group", "aria-label": `Tools of figure ${number}` },
+    zoom,
+    button("Reset", "Show the whole plot again", () => reset_zoom(id)),
+    button("PNG", "Save this plot as a PNG image", () => save_png(id), { "data-export": "png" }),
+    button("SVG", "Save this plot as an SVG drawing", () => save_svg(id), { "data-export": "svg" }));
+  waiting.push(() => create_chart(host, { id, renderer, build }));
+  return element("figure", { class: "plot", id: `figure-${id}`, "data-plot": id, "data-renderer": renderer },
+    element("div", { class: "plot-head" },
+      element("div", { class: "plot-title" }, element("b", {}, `Figure ${number}`), ` ${title}`), tools),
+    controls.length ? element("div", { class: "controls" }, controls) : null,
+    host, element("figcaption", {}, caption));
+}
+
+export function draw_waiting_figures() {
+  for (const draw of waiting.splice(0)) draw();
+}
+
+/** Buttons that leaf through `count` pages; nothing where there is only one. */
+export function pager({ count, label, show }) {
+  if (count < 2) return [];
+  let current = 0;
+  const text = element("span", { class: "pager-label", "aria-live": "polite" }, label(0));
+  const turn = (step) => {
+    current = (current + step + count) % count;
+    text.textContent = label(current);
+    show(current);
+  };
+  return [element("span", { class: "pager" }, button("‹", "Previous panels", () => turn(-1)), text,
+    button("›", "Next panels", () => turn(1)))];
+}

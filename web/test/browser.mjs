@@ -1,0 +1,38 @@
+// A browser that reports everything a page must not do: messages on the console, errors, requests beyond the page itself.
+import { mkdtempSync, rmSync } from "node:fs";
+import { tmpdir } from "node:os";
+import path from "node:path";
+import { pathToFileURL } from "node:url";
+import { chromium } from "playwright-core";
+
+const flags = ["--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
+  "--disable-background-networking", "--disable-component-update", "--disable-sync"];
+
+export async function open_page(file, { width = 1280, height = 900 } = {}) {
+  const profile = mkdtempSync(path.join(tmpdir(), "mottle-page-"));
+  const context = await chromium.launchPersistentContext(profile, {
+    executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium", headless: true, args: flags, viewport: { width, height },
+    acceptDownloads: true });
+  const page = context.pages()[0] ?? await context.newPage();
+  const complaints = [];
+  const address = pathToFileURL(path.resolve(file)).href;
+  page.on("console", (message) => {
+    if (["error", "warning"].includes(message.type())) complaints.push(`console ${message.type()}: ${message.text()}`);
+  });
+  page.on("pageerror", (error) => complaints.push(`page error: ${error.message}`));
+  page.on("dialog", (dialog) => {
+    complaints.push(`dialog: ${dialog.message()}`);
+    dialog.dismiss();
+  });
+  context.on("request", (request) => {
+    const url = request.url();
+    if (url !== address && !url.startsWith("data:") && !url.startsWith("blob:")) complaints.push(`request: ${url}`);
+  });
+  await page.goto(address);
+  await page.waitForSelector("html[data-ready=true]", { state: "attached", timeout: 20000 });
+  const close = async () => {
+    await context.close();
+    rmSync(profile, { recursive: true, force: true });
+  };
+  return { page, complaints, close };
+}
