@@ -68,7 +68,7 @@ bench:
 	$(INSTALL) --bench
 	$(call configure,release) -DMOTTLE_BUILD_BENCHMARKS=ON
 	$(call build,release)
-	for benchmark in build/release/benchmarks/*_benchmark; do "$$benchmark" || exit 1; done
+	for benchmark in build/release/benchmarks/mottle_*_benchmark; do "$$benchmark" || exit 1; done
 
 clean:
 	rm -rf build

@@ -25,11 +25,7 @@ write_basic_package_version_file(mottleConfigVersion.cmake COMPATIBILITY SameMin
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/mottleConfig.cmake ${CMAKE_CURRENT_BINARY_DIR}/mottleConfigVersion.cmake
   DESTINATION ${mottle_cmake_dir} COMPONENT development)
 
-if(TARGET mottle_app)
-  # `make build` promises the command at build/release/mottle.
-  set_target_properties(mottle_app PROPERTIES OUTPUT_NAME mottle RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR})
-  install(TARGETS mottle_app RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT runtime)
-endif()
+install(TARGETS mottle_app RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT runtime)
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/mottle RENAME copyright COMPONENT runtime)
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/libmottle-dev RENAME copyright COMPONENT development)
 
@@ -47,13 +43,13 @@ set(CPACK_DEBIAN_RUNTIME_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_SHLIBDEPS ON)
 set(CPACK_COMPONENT_RUNTIME_DESCRIPTION
 "From modal tests of many nominally identical structures and a finite-element
- model with uncertain parameters, Mottle finds the distribution of the
- parameters that explains the measured scatter, and says how sure that is.")
+model with uncertain parameters, Mottle finds the distribution of the
+parameters that explains the measured scatter, and says how sure that is.")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libmottle-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
   "libboost-dev, libeigen3-dev, libfmt-dev, libopenturns-dev, libtomlplusplus-dev, nlohmann-json3-dev")
 set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION
 "Headers, static libraries and CMake package of Mottle, an engine for
- stochastic finite-element model updating.")
+stochastic finite-element model updating.")
 include(CPack)

@@ -2,8 +2,8 @@
 """Holds every #include against the layers of tools/layers.txt.
 
 A layer may include itself and everything below it. A layer's private headers (src/<layer>/x.hpp, included as
-"<layer>/x.hpp") are its own. Some libraries may be seen only in some folders, and never in a public header.
-Prints file:line and the reason; exit code 1 when something is wrong.
+"<layer>/x.hpp") are its own; a test's helper (tests/<layer>/x.hpp) counts as its layer. Some libraries may be seen
+only in some folders, and never in a public header. Prints file:line and the reason; exit code 1 when something is wrong.
 """
 import argparse
 import pathlib
@@ -61,7 +61,7 @@ def layer_of(parts):
     return None
 
 
-def check_include(path, included, layer, allowed):
+def check_include(root, path, included, layer, allowed):
     """Reason why a file of `layer` must not include `included`, or None."""
     for library, folders in CONFINED.items():
         if included.startswith(library) and not any(path.startswith(folder + "/") for folder in folders):
@@ -76,6 +76,9 @@ def check_include(path, included, layer, allowed):
         if layer is not None and target not in allowed[layer]:
             return f"{included}: layer {layer} may not include {target}, only {', '.join(sorted(allowed[layer]))}"
     elif rest and head in allowed and layer is not None and head != layer:
+        is_helper = path.startswith("tests/") and (root / "tests" / included).is_file()
+        if is_helper and head in allowed[layer]:
+            return None
         return f"{included}: private header of layer {head}"
     return None
 
@@ -94,7 +97,7 @@ def check_sources(root, allowed):
                 layer = None
             for number, line in enumerate(file.read_text(encoding="utf-8").splitlines(), 1):
                 match = INCLUDE.match(line)
-                reason = match and check_include(relative.as_posix(), match.group(1), layer, allowed)
+                reason = match and check_include(root, relative.as_posix(), match.group(1), layer, allowed)
                 if reason:
                     yield f"{relative}:{number}: {reason}"
 

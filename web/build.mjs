@@ -39,21 +39,33 @@ function replace_once(text, mark, replacement) {
 /** The browser refuses every script but this one, every eval and every address but data: and blob: images. */
 function policy(script) {
   const hash = createHash("sha256").update(script, "utf8").digest("base64");
-  return `default-src 'none'; script-src 'sha256-${hash}'; style-src 'unsafe-inline'; img-src data: blob:; ` +
-    "base-uri 'none'; form-action 'none'";
+  return (
+    `default-src 'none'; script-src 'sha256-${hash}'; style-src 'unsafe-inline'; img-src data: blob:; ` +
+    "base-uri 'none'; form-action 'none'"
+  );
 }
 
 /** The bundled libraries' licences, as they ask, in a comment at the end of the page. */
 async function licences() {
   const files = ["echarts/NOTICE", "echarts/LICENSE", "zrender/LICENSE", "tslib/LICENSE.txt"];
-  const texts = await Promise.all(files.map(async (file) =>
-    `${file}\n${"-".repeat(file.length)}\n${await readFile(path.join(here, "node_modules", file), "utf8")}`));
+  const texts = await Promise.all(
+    files.map(
+      async (file) =>
+        `${file}\n${"-".repeat(file.length)}\n${await readFile(path.join(here, "node_modules", file), "utf8")}`,
+    ),
+  );
   return `<!--\nLibraries in this page and their licences.\n\n${texts.join("\n\n").replaceAll("--", "- -")}\n-->`;
 }
 
 const [markup, style, script] = await Promise.all([
-  readFile(path.join(source, "page.html"), "utf8"), bundle("style.css"), bundle("page.js")]);
-for (const [what, text, breaker] of [["script", script, /<\/script|<!--/i], ["style", style, /<\/style/i]]) {
+  readFile(path.join(source, "page.html"), "utf8"),
+  bundle("style.css"),
+  bundle("page.js"),
+]);
+for (const [what, text, breaker] of [
+  ["script", script, /<\/script|<!--/i],
+  ["style", style, /<\/style/i],
+]) {
   if (breaker.test(text)) throw new Error(`the ${what} holds ${breaker}, which would end it inside a page`);
 }
 

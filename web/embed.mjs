@@ -4,7 +4,7 @@ import { readFileSync, writeFileSync } from "node:fs";
 
 const [input, output] = process.argv.slice(2);
 const bytes = readFileSync(input);
-const literal_bytes = 12000; // compilers must take 64 kB after joining, in practice any length; short ones keep lines readable
+const literal_bytes = 12000; // keeps the lines readable; the compiler joins the literals
 
 /** Three octal digits where a byte is not plain ASCII, so that no digit after it can be taken as part of it. */
 function escape(byte) {
@@ -18,7 +18,9 @@ const literals = [];
 for (let start = 0; start < bytes.length; start += literal_bytes) {
   literals.push('    "' + Array.from(bytes.subarray(start, start + literal_bytes), escape).join("") + '"');
 }
-writeFileSync(output, `// Made by web/embed.mjs; do not edit.
+writeFileSync(
+  output,
+  `// Made by web/embed.mjs; do not edit.
 #include "mottle_page.hpp"
 
 namespace mottle::detail {
@@ -30,4 +32,5 @@ ${literals.join("\n")};
 }
 
 }  // namespace mottle::detail
-`);
+`,
+);

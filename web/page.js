@@ -20,8 +20,22 @@ import troubles from "./sections/troubles.js";
 import verdict from "./sections/verdict.js";
 
 // A new section is a file in sections/ and its place in this list.
-const sections = [verdict, parameters, outputs, convergence, output_history, parameter_history, sample_size, spearman,
-  scatter, scatter_history, sensitivity, identifiability, troubles, run];
+const sections = [
+  verdict,
+  parameters,
+  outputs,
+  convergence,
+  output_history,
+  parameter_history,
+  sample_size,
+  spearman,
+  scatter,
+  scatter_history,
+  sensitivity,
+  identifiability,
+  troubles,
+  run,
+];
 
 function read_data() {
   const text = document.getElementById("mottle-data").textContent;
@@ -37,38 +51,68 @@ const title_of = ({ title }, study) => (typeof title === "function" ? title(stud
 
 function section_element(section, study) {
   const { id, content } = section;
-  return element("section", { id, "aria-labelledby": `${id}-title` },
-    element("h2", { id: `${id}-title` }, title_of(section, study)), content(study));
+  return element(
+    "section",
+    { id, "aria-labelledby": `${id}-title` },
+    element("h2", { id: `${id}-title` }, title_of(section, study)),
+    content(study),
+  );
 }
 
 function contents(drawn, study) {
-  return element("nav", { "aria-label": "Contents" }, element("h2", {}, "Contents"),
-    element("ol", {}, drawn.map((section) => element("li", {}, element("a", { href: `#${section.id}` }, title_of(section, study)))),
-      element("li", {}, element("a", { href: "#glossary" }, "How to read this page"))));
+  return element(
+    "nav",
+    { "aria-label": "Contents" },
+    element("h2", {}, "Contents"),
+    element(
+      "ol",
+      {},
+      drawn.map((section) => element("li", {}, element("a", { href: `#${section.id}` }, title_of(section, study)))),
+      element("li", {}, element("a", { href: "#glossary" }, "How to read this page")),
+    ),
+  );
 }
 
 function glossary(drawn) {
   const entries = drawn.flatMap(({ explained }) => explained ?? []);
-  return element("footer", { id: "glossary" }, element("h2", {}, "How to read this page"),
-    element("dl", {}, entries.map(([term, meaning]) => [element("dt", {}, term), element("dd", {}, meaning)])),
-    element("p", { class: "note screen-only" },
+  return element(
+    "footer",
+    { id: "glossary" },
+    element("h2", {}, "How to read this page"),
+    element(
+      "dl",
+      {},
+      entries.map(([term, meaning]) => [element("dt", {}, term), element("dd", {}, meaning)]),
+    ),
+    element(
+      "p",
+      { class: "note screen-only" },
       "In every plot: hover for values; Ctrl and the mouse wheel enlarge, dragging moves, Reset shows everything again; " +
-      "PNG and SVG save the plot, CSV a table."),
-    element("p", { class: "note" }, "Plots by Apache ECharts; licences are in this file's source."));
+        "PNG and SVG save the plot, CSV a table.",
+    ),
+    element("p", { class: "note" }, "Plots by Apache ECharts; licences are in this file's source."),
+  );
 }
 
 function compose(main) {
   const data = read_data();
   if (!data || !data.result) {
-    main.append(element("h1", {}, "Mottle report"),
-      paragraph("This page holds no results: its data could not be read. Write it again with `mottle report DIR`."));
+    main.append(
+      element("h1", {}, "Mottle report"),
+      paragraph("This page holds no results: its data could not be read. Write it again with `mottle report DIR`."),
+    );
     return;
   }
   const study = read_study(data);
   document.title = `${study.title} – Mottle`;
   const drawn = sections.filter((section) => section.has_data(study));
-  const body = element("div", { class: "body" }, header.content(study),
-    drawn.map((section) => section_element(section, study)), glossary(drawn));
+  const body = element(
+    "div",
+    { class: "body" },
+    header.content(study),
+    drawn.map((section) => section_element(section, study)),
+    glossary(drawn),
+  );
   main.append(contents(drawn, study), body);
   draw_waiting_figures();
 }

@@ -37,7 +37,9 @@ void catch_signals() {
 
 Console::Console(bool is_quiet) : is_quiet_(is_quiet), is_terminal_(::isatty(STDERR_FILENO) == 1) {}
 
-Console::~Console() { end_line(); }
+Console::~Console() {
+  end_line();
+}
 
 void Console::end_line() {
   if (has_open_line_) fmt::print(stderr, "\n");

@@ -1,10 +1,15 @@
 // The command: hands the arguments to a verb and turns what is thrown into a message and an exit code.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <exception>
+#include <new>
+#include <string>
+#include <vector>
 
 #include "common_options.hpp"
 #include "mottle/core/error.hpp"
+#include "mottle/core/text.hpp"
 #include "mottle/study/study_objects.hpp"
 
 namespace {
@@ -14,9 +19,27 @@ constexpr int k_failed = 3;
 constexpr int k_stopped = 4;
 constexpr int k_our_bug = 70;
 
+/// A message may quote what a file holds: control characters must not reach the terminal, nor one message two lines.
+std::string printable(const std::string& text) {
+  std::string result;
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    result += byte < 0x20 || byte == 0x7F ? fmt::format("\\x{:02x}", byte) : std::string(1, c);
+  }
+  return result;
+}
+
 int fail(int code, const std::string& message) {
-  fmt::print(stderr, "mottle: {}\n", message);
+  fmt::print(stderr, "mottle: {}\n", printable(message));
   return code;
+}
+
+/// CLI11 only says that a verb is required.
+void require_known_verb(CLI::App& app, const std::string& word) {
+  std::vector<std::string> verbs;
+  for (const CLI::App* verb : app.get_subcommands({})) verbs.push_back(verb->get_name());
+  const bool is_known = word.starts_with('-') || std::find(verbs.begin(), verbs.end(), word) != verbs.end();
+  if (!is_known) throw mottle::InvalidInput(mottle::unknown_name_message("verb", word, verbs));
 }
 
 int run(int argc, char** argv) {
@@ -30,6 +53,7 @@ int run(int argc, char** argv) {
   mottle::app::add_check(app);
   mottle::app::add_report(app);
   mottle::app::add_methods(app);
+  if (argc > 1) require_known_verb(app, argv[1]);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -50,6 +74,8 @@ int main(int argc, char** argv) {
     return fail(k_failed, error.what());
   } catch (const mottle::Stopped& error) {
     return fail(k_stopped, fmt::format("{}; go on with --resume", error.what()));
+  } catch (const std::bad_alloc&) {
+    return fail(k_failed, "the memory does not suffice for this study; lower update.samples or take a larger machine");
   } catch (const std::exception& error) {
     return fail(k_our_bug, fmt::format("this is a bug of Mottle, please report it: {}", error.what()));
   }

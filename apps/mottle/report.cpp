@@ -1,10 +1,11 @@
 // mottle report
+#include "mottle/report/report.hpp"
+
 #include <fmt/format.h>
 
 #include <memory>
 
 #include "common_options.hpp"
-#include "mottle/report/report.hpp"
 
 namespace mottle::app {
 

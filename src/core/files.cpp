@@ -29,7 +29,9 @@ class Descriptor {
   int value_;
 };
 
-std::string error_text() { return std::strerror(errno); }
+std::string error_text() {
+  return std::strerror(errno);
+}
 
 void write_all(int descriptor, std::string_view bytes, const std::filesystem::path& path) {
   while (!bytes.empty()) {
@@ -51,13 +53,16 @@ void flush_folder(const std::filesystem::path& folder) {
 std::string read_file(const std::filesystem::path& path) {
   std::error_code status_error;
   const auto status = std::filesystem::status(path, status_error);
-  require(std::filesystem::exists(status), "{}: no such file", path.string());
+  require(status.type() != std::filesystem::file_type::not_found, "{}: no such file", path.string());
+  require(!status_error, "{}: cannot be read: {}", path.string(), status_error.message());
   require(!std::filesystem::is_directory(status), "{}: is a folder, a file is needed", path.string());
   std::ifstream stream(path, std::ios::binary);
   require(stream.good(), "{}: cannot be read: {}", path.string(), error_text());
-  std::string bytes{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-  if (stream.bad()) throw SystemFailure(fmt::format("{}: reading failed: {}", path.string(), error_text()));
-  return bytes;
+  try {
+    return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+  } catch (const std::ios_base::failure&) {  // the stream's buffer throws, whatever the stream's exception mask
+    throw SystemFailure(fmt::format("{}: reading failed: {}", path.string(), error_text()));
+  }
 }
 
 void write_file_atomically(const std::filesystem::path& path, std::string_view bytes) {
@@ -83,7 +88,8 @@ void write_file_atomically(const std::filesystem::path& path, std::string_view b
 void make_writable_folder(const std::filesystem::path& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
-  require(std::filesystem::is_directory(folder), "{}: this folder cannot be made: {}", folder.string(),
+  std::error_code status_error;
+  require(std::filesystem::is_directory(folder, status_error), "{}: this folder cannot be made: {}", folder.string(),
           error ? error.message() : "something else has that name");
   const std::filesystem::path probe = folder / ".mottle-probe";
   const Descriptor descriptor(::open(probe.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644));

@@ -17,12 +17,13 @@ void validate_connectors(const std::vector<Connector>& connectors, const std::st
   std::set<std::string> names;
   for (const Connector& connector : connectors) {
     require_new_name(kind, connector.name, names);
-    require(connector.first < masses && connector.second < masses, "{} '{}': it ends on a mass that is not there", kind,
+    const auto is_end = [masses](int index) { return k_ground <= index && index < masses; };
+    require(is_end(connector.first) && is_end(connector.second), "{} '{}': it ends on a mass that is not there", kind,
             connector.name);
-    require(connector.first != connector.second, "{} '{}': both ends are on the same point, so it acts on nothing", kind,
-            connector.name);
-    require(std::isfinite(connector.value) && connector.value >= 0.0, "{} '{}': {} is not allowed, a value >= 0 is needed",
-            kind, connector.name, connector.value);
+    require(connector.first != connector.second, "{} '{}': both ends are on the same point, so it acts on nothing",
+            kind, connector.name);
+    require(std::isfinite(connector.value) && connector.value >= 0.0,
+            "{} '{}': {} is not allowed, a value >= 0 is needed", kind, connector.name, connector.value);
   }
 }
 

@@ -20,8 +20,14 @@ std::string_view trim(std::string_view text) {
 }
 
 char find_separator(std::string_view header) {
+  std::string unquoted;
+  bool is_quoted = false;
+  for (const char c : header) {
+    if (c == '"') is_quoted = !is_quoted;
+    if (!is_quoted) unquoted += c;
+  }
   for (const char separator : {';', '\t'}) {
-    if (header.find(separator) != std::string_view::npos) return separator;
+    if (unquoted.find(separator) != std::string::npos) return separator;
   }
   return ',';
 }
@@ -61,10 +67,13 @@ void require_good_header(const CsvTable& table, int line) {
   }
 }
 
-bool is_missing(std::string_view cell) { return cell.empty() || cell == "nan" || cell == "NaN" || cell == "NAN"; }
+bool is_missing(std::string_view cell) {
+  return cell.empty() || cell == "nan" || cell == "NaN" || cell == "NAN";
+}
 
 std::string quoted_if_needed(const std::string& cell) {
-  if (cell.find_first_of(",;\"\n\t") == std::string::npos) return cell;
+  const bool reads_as_comment = cell.starts_with('#');
+  if (!reads_as_comment && cell.find_first_of(",;\"\n\t") == std::string::npos) return cell;
   std::string quoted = "\"";
   for (const char c : cell) {
     if (c == '"') quoted += '"';
@@ -91,10 +100,11 @@ CsvTable parse_csv(std::string_view bytes, const std::string& file) {
     // A line of tabs alone is a row of missing values; trimming must not eat it.
     const std::string_view raw = bytes.substr(0, end);
     bytes.remove_prefix(end == std::string_view::npos ? bytes.size() : end + 1);
-    if (line.empty() || line.front() == '#') continue;
+    const bool is_row_of_tabs = separator == '\t' && raw.find('\t') != std::string_view::npos;
+    if ((line.empty() && !is_row_of_tabs) || line.starts_with('#')) continue;
     if (table.header.empty()) {
       separator = find_separator(line);
-      table.header = split_line(line, separator, file, number);
+      table.header = split_line(separator == '\t' ? raw : line, separator, file, number);
       require_good_header(table, number);
       continue;
     }
@@ -134,11 +144,13 @@ std::string format_csv(const std::vector<std::string>& header, const Eigen::Ref<
   std::string text = join(names, ",") + '\n';
   auto out = std::back_inserter(text);
   for (Eigen::Index row = 0; row < values.rows(); ++row) {
+    const std::size_t start = text.size();
     for (Eigen::Index column = 0; column < values.cols(); ++column) {
       if (column > 0) text += ',';
       if (!std::isnan(values(row, column))) fmt::format_to(out, "{}", values(row, column));
     }
     for (const auto& column : text_columns) text += ',' + quoted_if_needed(column[static_cast<std::size_t>(row)]);
+    if (text.size() == start) text += "nan";  // an empty line would be no row
     text += '\n';
   }
   return text;

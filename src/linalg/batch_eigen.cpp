@@ -251,14 +251,18 @@ BatchModes solve_batch(const PencilFamily& family, const Coefficients& stiffness
     return result;
   }
 
-  const bool in_lanes = order <= lane_kernels::k_order_limit;
+  const bool is_small = order <= lane_kernels::k_jacobi_limit, in_lanes = order <= lane_kernels::k_order_limit;
   const auto problem = describe(family, packed, stiffness_coefficients, mass_coefficients, result);
   std::vector<unsigned char> trusted(static_cast<std::size_t>(samples), 0);
   const lane_kernels::Output output{result.values.data(), result.vectors.data(), trusted.data()};
   // Multiples of the widest register; small enough that threads finish together.
-  const std::int64_t grain = order <= lane_kernels::k_jacobi_limit ? 512 : in_lanes ? 32 : 1;
+  const std::int64_t grain = is_small ? 512 : in_lanes ? 32 : 1;
   parallel_for(samples, grain, options.threads, [&](std::int64_t begin, std::int64_t end) {
-    if (in_lanes) kernels.solve(problem, output, begin, end, thread_workspace(kernels.workspace_doubles(problem)));
+    if (is_small) {
+      kernels.solve_small(problem, output, begin, end);
+    } else if (in_lanes) {
+      kernels.solve_large(problem, output, begin, end, thread_workspace(kernels.workspace_doubles(problem)));
+    }
     for (std::int64_t sample = begin; sample < end; ++sample) {
       if (trusted[static_cast<std::size_t>(sample)] == 0) {
         solve_alone(family, stiffness_coefficients, mass_coefficients, sample, result);

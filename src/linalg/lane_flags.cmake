@@ -1,9 +1,15 @@
 # The same kernel source is compiled once per register width; the width is chosen at run time (batch_eigen.cpp).
-# Optimised in debug builds too: without inlining every vector operation is a call.
+# Optimised in debug builds too: without inlining every vector operation is a call. The Jacobi files, unrolled
+# arithmetic in registers, would take sanitizers ten minutes to compile; the kernels that work in memory keep them.
 set(lane_flags -O3 -ffp-contract=fast -fno-math-errno -fno-trapping-math)
-set_source_files_properties(src/linalg/lane_kernels_plain.cpp PROPERTIES COMPILE_OPTIONS "${lane_flags}")
-if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
-  set_source_files_properties(src/linalg/lane_kernels_avx2.cpp PROPERTIES COMPILE_OPTIONS "${lane_flags};-mavx2;-mfma")
-  set_source_files_properties(src/linalg/lane_kernels_avx512.cpp PROPERTIES COMPILE_OPTIONS
-    "${lane_flags};-mavx2;-mfma;-mavx512f;-mavx512dq;-mavx512vl;-mprefer-vector-width=512")
-endif()
+set(lane_flags_avx2 -mavx2 -mfma)
+set(lane_flags_avx512 ${lane_flags_avx2} -mavx512f -mavx512dq -mavx512vl -mprefer-vector-width=512)
+foreach(level plain avx2 avx512)
+  set(level_flags ${lane_flags})
+  if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
+    list(APPEND level_flags ${lane_flags_${level}})
+  endif()
+  set_source_files_properties(src/linalg/lane_kernels_${level}.cpp PROPERTIES COMPILE_OPTIONS "${level_flags}")
+  set_source_files_properties(src/linalg/lane_jacobi_${level}.cpp PROPERTIES
+    COMPILE_OPTIONS "${level_flags};-fno-sanitize=all")
+endforeach()

@@ -36,20 +36,23 @@ struct Output {
   unsigned char* trusted = nullptr;
 };
 
-/// Kernels of one register width.
+/// Kernels of one register width; each solves samples [begin, end).
 struct Kernels {
-  int lanes;
+  void (*solve_small)(const Problem&, const Output&, long begin, long end);
+  /// The workspace holds workspace_doubles(problem) and is aligned to 64 bytes.
+  void (*solve_large)(const Problem&, const Output&, long begin, long end, double* workspace);
   long (*workspace_doubles)(const Problem&);
-  /// Solves samples [begin, end); the workspace is aligned to 64 bytes.
-  void (*solve)(const Problem&, const Output&, long begin, long end, double* workspace);
 };
 
-/// Orders that the kernels take: Jacobi up to k_jacobi_limit, tridiagonalisation up to k_order_limit.
+/// Orders that the kernels take: small ones up to k_jacobi_limit, large ones up to k_order_limit.
 constexpr int k_jacobi_limit = 8;
 constexpr int k_order_limit = 200;
 
+void jacobi_plain(const Problem&, const Output&, long begin, long end);
 extern const Kernels k_plain;
 #if defined(__x86_64__)
+void jacobi_avx2(const Problem&, const Output&, long begin, long end);
+void jacobi_avx512(const Problem&, const Output&, long begin, long end);
 extern const Kernels k_avx2;
 extern const Kernels k_avx512;
 #endif

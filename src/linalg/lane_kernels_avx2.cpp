@@ -5,6 +5,6 @@
 #include "linalg/lanes/solve.hpp"
 
 namespace mottle::lane_kernels {
-const Kernels k_avx2{MOTTLE_LANES, workspace_doubles, solve};
+const Kernels k_avx2{jacobi_avx2, solve_large, workspace_doubles};
 }
 #endif

@@ -4,5 +4,5 @@
 #include "linalg/lanes/solve.hpp"
 
 namespace mottle::lane_kernels {
-const Kernels k_plain{MOTTLE_LANES, workspace_doubles, solve};
+const Kernels k_plain{jacobi_plain, solve_large, workspace_doubles};
 }

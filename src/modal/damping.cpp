@@ -19,6 +19,7 @@ Eigen::VectorXd modal_damping_ratios(const ModeSet& modes, const Eigen::Ref<cons
   state.bottomLeftCorner(n, n) = (-modes.eigenvalues).asDiagonal();
   state.bottomRightCorner(n, n) = -modes.shapes.transpose() * damping * modes.shapes;
   const Eigen::EigenSolver<Eigen::MatrixXd> solver(state);
+  if (solver.info() != Eigen::Success) return Eigen::VectorXd::Constant(n, std::numeric_limits<double>::quiet_NaN());
 
   std::vector<double> ratios;
   Eigen::MatrixXd participation(n, n);  // [undamped mode x damped mode]; zero for a mode that does not oscillate

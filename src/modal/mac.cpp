@@ -1,5 +1,6 @@
 #include "mottle/modal/mac.hpp"
 
+#include <algorithm>
 #include <limits>
 
 #include "mottle/core/error.hpp"
@@ -15,8 +16,9 @@ Eigen::MatrixXd modal_assurance_criterion(const Eigen::Ref<const Eigen::MatrixXd
   Eigen::MatrixXd mac(a.cols(), b.cols());
   for (Eigen::Index j = 0; j < b.cols(); ++j) {
     for (Eigen::Index i = 0; i < a.cols(); ++i) {
-      const double denominator = norms_a(i) * norms_b(j);
-      mac(i, j) = denominator > 0.0 ? products(i, j) * products(i, j) / denominator : 0.0;
+      const bool is_zero = norms_a(i) == 0.0 || norms_b(j) == 0.0;
+      // Divided one by one, lest squares of small or large shapes leave the range of double.
+      mac(i, j) = is_zero ? 0.0 : std::min(1.0, products(i, j) / norms_a(i) * (products(i, j) / norms_b(j)));
     }
   }
   return mac;

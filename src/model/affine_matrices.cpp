@@ -101,9 +101,8 @@ AffineStructure separate(const MassSpringSystem& system, const std::vector<Param
 }
 
 PhysicalLimit physical_limit(const ParameterTargets& parameter) {
-  const bool is_damping_only =
-      std::all_of(parameter.targets.begin(), parameter.targets.end(),
-                  [](const std::string& target) { return target.rfind("damper:", 0) == 0; });
+  const bool is_damping_only = std::all_of(parameter.targets.begin(), parameter.targets.end(),
+                                           [](const std::string& target) { return target.rfind("damper:", 0) == 0; });
   return {.lower = 0.0, .excludes_lower = !is_damping_only};
 }
 

@@ -69,7 +69,8 @@ std::string encode(std::uint64_t question, const Evaluation& evaluation) {
   return record + body;
 }
 
-bool decode(std::string_view body, std::uint64_t question, Eigen::Index rows, Eigen::Index outputs, Evaluation& result) {
+bool decode(std::string_view body, std::uint64_t question, Eigen::Index rows, Eigen::Index outputs,
+            Evaluation& result) {
   Reader reader(body);
   std::uint64_t asked = 0;
   std::int64_t stored_rows = 0;
@@ -101,15 +102,16 @@ class JournalledModel::File {
     const bool is_there = std::filesystem::exists(path_);
     if (resume && is_there) {
       old_ = read_file(path_);
-      require(old_.compare(0, k_magic.size(), k_magic) != 0 || old_.size() < head.size() ||
-                  old_.compare(0, head.size(), head) == 0,
+      require(old_.size() < head.size() || old_.starts_with(head),
               "{}: the study, the model or the tests have changed since that run; run again without --resume",
               path_.string());
-      if (old_.compare(0, head.size(), head) != 0) old_.clear();  // killed while the head was written
+      if (old_.size() < head.size()) old_.clear();  // killed while the head was written
     }
     position_ = old_.empty() ? 0 : head.size();
     descriptor_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
-    require(descriptor_ >= 0, "{}: cannot be written: {}", path_.string(), std::strerror(errno));
+    if (descriptor_ < 0) {
+      throw SystemFailure(fmt::format("{}: cannot be written: {}", path_.string(), std::strerror(errno)));
+    }
     if (old_.empty()) {
       cut();
       append(head);
@@ -171,7 +173,9 @@ JournalledModel::JournalledModel(const Model& model, std::filesystem::path file,
 
 JournalledModel::~JournalledModel() = default;
 
-std::int64_t JournalledModel::reused() const { return file_->reused(); }
+std::int64_t JournalledModel::reused() const {
+  return file_->reused();
+}
 
 Evaluation JournalledModel::evaluate(const Eigen::Ref<const Eigen::MatrixXd>& samples,
                                      const RunContext& context) const {

@@ -47,7 +47,9 @@ void require_modes(const std::vector<int>& modes, const std::string& key, Eigen:
   }
 }
 
-int largest(const std::vector<int>& modes) { return modes.empty() ? 0 : *std::max_element(modes.begin(), modes.end()); }
+int largest(const std::vector<int>& modes) {
+  return modes.empty() ? 0 : *std::max_element(modes.begin(), modes.end());
+}
 
 }  // namespace
 
@@ -58,11 +60,15 @@ ModalModel::ModalModel(AffineStructure structure, ModalOutputs selection, const 
       pencils_(make_pencils(structure_)) {
   check_selection();
   reference_ = modes_at(reference);
+  require(reference_.eigenvalues.allFinite(),
+          "model: it has no modes at the parameters' means: the mass matrix is not positive definite there");
   const double scale = reference_.eigenvalues.cwiseAbs().maxCoeff();
-  require(!std::isnan(natural_frequency_hz(reference_.eigenvalues(0), scale)),
-          "model: it is unstable at the parameters' means, its lowest eigenvalue is {:.6g}; a stiffness must be negative",
-          reference_.eigenvalues(0));
-  highest_mode_ = std::max({largest(selection_.frequencies), largest(selection_.shape_modes), largest(selection_.damping)});
+  require(
+      !std::isnan(natural_frequency_hz(reference_.eigenvalues(0), scale)),
+      "model: it is unstable at the parameters' means, its lowest eigenvalue is {:.6g}; a stiffness must be negative",
+      reference_.eigenvalues(0));
+  highest_mode_ =
+      std::max({largest(selection_.frequencies), largest(selection_.shape_modes), largest(selection_.damping)});
   name_outputs();
 }
 
@@ -79,12 +85,18 @@ void ModalModel::check_selection() const {
 
 void ModalModel::name_outputs() {
   const std::vector<std::string>& names = structure_.degree_of_freedom_names;
-  for (const int mode : selection_.frequencies) outputs_.push_back({fmt::format("f{}", mode), selection_.frequency_unit});
+  for (const int mode : selection_.frequencies)
+    outputs_.push_back({fmt::format("f{}", mode), selection_.frequency_unit});
   for (const std::string& wanted : selection_.shape_degrees_of_freedom) {
     const auto found = std::find(names.begin(), names.end(), wanted);
     require(found != names.end(), "outputs.shapes.dofs: {}", unknown_name_message("degree of freedom", wanted, names));
-    shape_rows_.push_back(static_cast<int>(found - names.begin()));
+    const int row = static_cast<int>(found - names.begin());
+    require(std::find(shape_rows_.begin(), shape_rows_.end(), row) == shape_rows_.end(),
+            "outputs.shapes.dofs: '{}' stands twice", wanted);
+    shape_rows_.push_back(row);
   }
+  require(selection_.shape_modes.empty() || !shape_rows_.empty(), "outputs.shapes.dofs: none is named, known: {}",
+          join(names));
   for (const int mode : selection_.shape_modes) {
     for (const std::string& name : selection_.shape_degrees_of_freedom) {
       outputs_.push_back({fmt::format("phi{}:{}", mode, name), selection_.shape_unit});
@@ -141,7 +153,8 @@ std::string ModalModel::fill_outputs(const ModeSet& modes, const Eigen::Ref<cons
   }
   for (const int mode : selection_.shape_modes) {
     const double sign = shape_sign(modes, column(mode), mode - 1);
-    for (const int degree_of_freedom : shape_rows_) row(output++) = sign * modes.shapes(degree_of_freedom, column(mode));
+    for (const int degree_of_freedom : shape_rows_)
+      row(output++) = sign * modes.shapes(degree_of_freedom, column(mode));
   }
   if (selection_.damping.empty()) return {};
   const Eigen::VectorXd ratios = modal_damping_ratios(modes, structure_.damping.at(parameters));
@@ -153,9 +166,9 @@ std::string ModalModel::fill_outputs(const ModeSet& modes, const Eigen::Ref<cons
 }
 
 Evaluation ModalModel::evaluate(const Eigen::Ref<const Eigen::MatrixXd>& samples, const RunContext& context) const {
-  const BatchModes batch = solve_batch(pencils_, coefficients(structure_.stiffness, samples),
-                                       coefficients(structure_.mass, samples),
-                                       {.modes = solved_modes(), .vectors = needs_shapes(), .threads = context.threads});
+  const BatchModes batch =
+      solve_batch(pencils_, coefficients(structure_.stiffness, samples), coefficients(structure_.mass, samples),
+                  {.modes = solved_modes(), .vectors = needs_shapes(), .threads = context.threads});
   Evaluation result;
   result.outputs.setConstant(samples.rows(), static_cast<Eigen::Index>(outputs_.size()),
                              std::numeric_limits<double>::quiet_NaN());
@@ -167,6 +180,10 @@ Evaluation ModalModel::evaluate(const Eigen::Ref<const Eigen::MatrixXd>& samples
       ModeSet modes{batch.values.col(s), {}};
       if (!modes.eigenvalues.allFinite()) {
         reason = "the eigenproblem has no solution: the mass matrix is not positive definite or a value is not finite";
+        continue;
+      }
+      if (!samples.row(s).allFinite()) {
+        reason = "a parameter is not finite";
         continue;
       }
       if (needs_shapes()) {
@@ -199,7 +216,8 @@ Eigen::MatrixXd ModalModel::jacobian(const Eigen::Ref<const Eigen::VectorXd>& pa
     Eigen::Index output = 0;
     for (const int mode : selection_.frequencies) {
       const double frequency = natural_frequency_hz(modes.eigenvalues(column(mode)), scale);
-      jacobian(output++, i) = d_lambda(column(mode)) / (2.0 * k_two_pi * k_two_pi * frequency);
+      if (frequency > 0.0) jacobian(output, i) = d_lambda(column(mode)) / (2.0 * k_two_pi * k_two_pi * frequency);
+      ++output;
     }
     if (selection_.shape_modes.empty()) continue;
     const Eigen::MatrixXd d_shapes = shape_sensitivity(modes, dK, dM);

@@ -34,8 +34,9 @@ ParameterSpace::ParameterSpace(std::vector<Parameter> parameters, JointDistribut
     require(mean(i) >= parameter.lower_bound && mean(i) <= parameter.upper_bound,
             "parameter '{}': the mean {} is outside the bounds [{}, {}]", parameter.name, mean(i),
             parameter.lower_bound, parameter.upper_bound);
-    require(is_within(mean(i), parameter.limit), "parameter '{}': the mean {} is physically impossible, it must be {} {}",
-            parameter.name, mean(i), parameter.limit.excludes_lower ? ">" : ">=", parameter.limit.lower);
+    require(is_within(mean(i), parameter.limit),
+            "parameter '{}': the mean {} is physically impossible, it must be {} {}", parameter.name, mean(i),
+            parameter.limit.excludes_lower ? ">" : ">=", parameter.limit.lower);
   }
 }
 
@@ -66,10 +67,11 @@ Eigen::VectorXd ParameterSpace::clamp(const Eigen::Ref<const Eigen::VectorXd>& p
 }
 
 Eigen::VectorXi ParameterSpace::active_bounds(const Eigen::Ref<const Eigen::VectorXd>& parameters) const {
+  const Eigen::VectorXd mean = prior_.mean();  // the size of a parameter whose bound is zero
   Eigen::VectorXi active = Eigen::VectorXi::Zero(count());
   for (Eigen::Index i = 0; i < count(); ++i) {
     const Parameter& parameter = parameters_[static_cast<std::size_t>(i)];
-    const double tolerance = k_on_bound * std::max(1.0, std::abs(parameters(i)));
+    const double tolerance = k_on_bound * std::max(std::abs(mean(i)), std::abs(parameters(i)));
     if (parameters(i) <= parameter.lower_bound + tolerance) active(i) = -1;
     if (parameters(i) >= parameter.upper_bound - tolerance) active(i) = 1;
   }
@@ -87,7 +89,8 @@ ParameterDraw ParameterSpace::draw(const JointDistribution& distribution, Sampli
                                                   static_cast<std::uint32_t>(key.purpose));
   std::vector<Redraw> impossible;
   for (Eigen::Index s = 0; s < samples; ++s) {
-    if (!is_possible(draw.samples.row(s))) impossible.push_back({s, RandomStream(redraw_key, static_cast<std::uint32_t>(s))});
+    if (!is_possible(draw.samples.row(s)))
+      impossible.push_back({s, RandomStream(redraw_key, static_cast<std::uint32_t>(s))});
   }
   for (int attempt = 0; !impossible.empty(); ++attempt) {
     require(attempt < k_most_attempts,
@@ -97,7 +100,8 @@ ParameterDraw ParameterSpace::draw(const JointDistribution& distribution, Sampli
     draw.rejected += static_cast<std::int64_t>(impossible.size());
     Eigen::MatrixXd uniforms(static_cast<Eigen::Index>(impossible.size()), count());
     for (std::size_t i = 0; i < impossible.size(); ++i) {
-      for (Eigen::Index j = 0; j < count(); ++j) uniforms(static_cast<Eigen::Index>(i), j) = impossible[i].stream.uniform();
+      for (Eigen::Index j = 0; j < count(); ++j)
+        uniforms(static_cast<Eigen::Index>(i), j) = impossible[i].stream.uniform();
     }
     const Eigen::MatrixXd candidates = distribution.from_uniform(uniforms);
     std::vector<Redraw> still_impossible;

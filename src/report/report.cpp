@@ -21,8 +21,9 @@ Json read_result(const std::filesystem::path& file) {
   try {
     return Json::parse(bytes);
   } catch (const nlohmann::json::parse_error& error) {
-    const auto line = 1 + std::count(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(
-                                                                        std::min(error.byte, bytes.size())), '\n');
+    const auto line =
+        1 + std::count(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(std::min(error.byte, bytes.size())),
+                       '\n');
     throw FormatError(file.string(), static_cast<int>(line), "is not valid JSON; run the study again");
   }
 }
@@ -38,7 +39,8 @@ Json row_json(const std::vector<Eigen::VectorXd>& columns, std::size_t first, st
 
 std::vector<Eigen::VectorXd> read_columns(const CsvTable& table) {
   std::vector<Eigen::VectorXd> columns;
-  for (std::size_t i = 0; i < table.header.size(); ++i) columns.push_back(numbers_of_column(table, static_cast<int>(i)));
+  for (std::size_t i = 0; i < table.header.size(); ++i)
+    columns.push_back(numbers_of_column(table, static_cast<int>(i)));
   return columns;
 }
 
@@ -72,21 +74,22 @@ Json clouds_json(const std::filesystem::path& file, std::size_t parameters) {
   return clouds;
 }
 
+std::size_t parameter_count(const Json& result, const std::filesystem::path& file) {
+  const Json::json_pointer path("/parameters/names");
+  if (!result.contains(path) || !result[path].is_array()) {
+    throw FormatError(file.string(), 0, "is not a result of this program: parameters.names is missing");
+  }
+  return result[path].size();
+}
+
 }  // namespace
 
 void write_report(const std::filesystem::path& folder) {
   Json page;
   page["result"] = read_result(folder / "result.json");
-  const Json* names = nullptr;
-  if (page["result"].is_object() && page["result"].contains("parameters")) {
-    const Json& parameters = page["result"]["parameters"];
-    if (parameters.is_object() && parameters.contains("names")) names = &parameters["names"];
-  }
-  if (names == nullptr || !names->is_array()) {
-    throw FormatError((folder / "result.json").string(), 0, "is not a result of this program: parameters.names is missing");
-  }
+  const std::size_t parameters = parameter_count(page["result"], folder / "result.json");
   if (std::filesystem::exists(folder / "tests.csv")) page["tests"] = tests_json(folder / "tests.csv");
-  if (std::filesystem::exists(folder / "clouds.csv")) page["clouds"] = clouds_json(folder / "clouds.csv", names->size());
+  if (std::filesystem::exists(folder / "clouds.csv")) page["clouds"] = clouds_json(folder / "clouds.csv", parameters);
   write_file_atomically(folder / "report.html", render_page(page.dump()));
 }
 

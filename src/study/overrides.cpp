@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "mottle/core/error.hpp"
+#include "mottle/core/text.hpp"
 
 namespace mottle {
 namespace {
@@ -19,12 +20,14 @@ std::vector<std::string> split_key(const std::string& key, const std::string& as
   return steps;
 }
 
-toml::node* entry_of(toml::array& list, const std::string& step) {
+toml::node* entry_of(toml::array& list, const std::string& step, std::vector<std::string>& known) {
   for (std::size_t i = 0; i < list.size(); ++i) {
     toml::table* entry = list[i].as_table();
-    const bool is_named = entry != nullptr && entry->get("name") != nullptr &&
-                          entry->get("name")->value<std::string>() == step;
+    const bool is_named =
+        entry != nullptr && entry->get("name") != nullptr && entry->get("name")->value<std::string>() == step;
     if (is_named || std::to_string(i + 1) == step) return &list[i];
+    known.push_back(std::to_string(i + 1));
+    if (entry != nullptr && entry->get("name") != nullptr) known.back() = entry->get("name")->value_or(known.back());
   }
   return nullptr;
 }
@@ -32,10 +35,13 @@ toml::node* entry_of(toml::array& list, const std::string& step) {
 /// The value as TOML, or as bare text where it is a word that no TOML value looks like.
 toml::table parse_value(const std::string& value, const std::string& assignment) {
   try {
-    return toml::parse("value = " + value);
+    toml::table parsed = toml::parse("value = " + value);
+    require(parsed.size() == 1, "--set {}: give one TOML value", assignment);
+    return parsed;
   } catch (const toml::parse_error&) {
-    const bool is_word = !value.empty() && value.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
-                                                                   "0123456789_-./") == std::string::npos;
+    const bool is_word = !value.empty() && value.find_first_not_of(
+                                               "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
+                                               "0123456789_-./") == std::string::npos;
     require(is_word, "--set {}: '{}' is not a TOML value; quote texts: key='\"text\"'", assignment, value);
     return toml::table{{"value", value}};
   }
@@ -57,8 +63,10 @@ void apply_override(toml::table& root, const std::string& assignment) {
       next = table->get(steps[i]);
     }
     if (toml::array* list = next->as_array(); list != nullptr && i + 2 < steps.size()) {
-      next = entry_of(*list, steps[++i]);
-      require(next != nullptr, "--set {}: '{}' has no entry named or numbered '{}'", assignment, steps[i - 1], steps[i]);
+      std::vector<std::string> known;
+      next = entry_of(*list, steps[++i], known);
+      require(next != nullptr, "--set {}: '{}' has no entry named or numbered '{}'; it has {}", assignment,
+              steps[i - 1], steps[i], known.empty() ? "none" : join(known));
     }
     table = next->as_table();
     require(table != nullptr, "--set {}: '{}' is not a table", assignment, steps[i]);

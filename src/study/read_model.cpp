@@ -1,9 +1,9 @@
 // [model] of a study.
-#include <algorithm>
-#include <tuple>
+#include <set>
 
 #include "mottle/core/text.hpp"
 #include "study_sections.hpp"
+#include "toml_writer.hpp"
 
 namespace mottle {
 namespace {
@@ -11,19 +11,17 @@ namespace {
 const OptionRange k_positive{.lower = 0.0, .excludes_lower = true};
 const OptionRange k_not_negative{.lower = 0.0};
 
-/// Masses in the order in which they stand in the file: TOML tables forget it, the positions remember it.
+/// Masses in the order in which they stand in the file.
 std::vector<PointMass> read_masses(TomlReader& model) {
   const std::map<std::string, double> values = model.number_map("masses", k_positive);
   if (values.empty()) model.fail("masses", "is missing or empty; give for example masses = { m1 = 1.0 }");
-  const toml::table& table = *model.raw("masses")->as_table();
+  if (values.contains("ground")) {
+    model.fail("masses", "the name 'ground' stands for the fixed point; choose another name for that mass");
+  }
   std::vector<PointMass> masses;
-  for (const auto& [name, value] : values) masses.push_back({name, value});
-  const auto position = [&table](const PointMass& point) {
-    const toml::source_position begin = table.get(point.name)->source().begin;
-    return std::make_tuple(begin.line, begin.column, point.name);
-  };
-  std::sort(masses.begin(), masses.end(),
-            [&](const PointMass& a, const PointMass& b) { return position(a) < position(b); });
+  for (const std::string& name : keys_in_file_order(*model.raw("masses")->as_table())) {
+    masses.push_back({name, values.at(name)});
+  }
   return masses;
 }
 
@@ -40,9 +38,11 @@ int point_index(const TomlReader& reader, const std::vector<PointMass>& masses, 
 std::vector<Connector> read_connectors(TomlReader& model, const std::string& list, const std::string& value_key,
                                        const std::vector<PointMass>& masses) {
   std::vector<Connector> connectors;
+  std::set<std::string> seen;
   for (TomlReader& reader : model.tables(list)) {
     Connector connector;
     connector.name = reader.text("name");
+    if (!seen.insert(connector.name).second) reader.fail("name", fmt::format("'{}' stands twice", connector.name));
     const std::vector<std::string> ends = reader.texts("between");
     if (ends.size() != 2) reader.fail_value("between", "two points, like [\"ground\", \"m1\"]");
     connector.first = point_index(reader, masses, ends[0]);

@@ -35,11 +35,12 @@ DistributionSpec read_distribution(TomlReader reader) {
 StudyParameter read_parameter(TomlReader& reader) {
   StudyParameter parameter;
   parameter.name = reader.text("name");
-  if (parameter.name.empty() || parameter.name == "status") reader.fail_value("name", "a name other than 'status'");
+  const std::set<std::string> taken{"", "status", "iteration"};  // columns of the result files
+  if (taken.contains(parameter.name)) reader.fail_value("name", "a name other than 'status' and 'iteration'");
   parameter.targets = reader.texts("target");
   parameter.is_factor = reader.flag_or("relative", false);
   parameter.distribution = read_distribution(reader.table("distribution"));
-  if (reader.has("bounds")) {
+  if (reader.raw("bounds") != nullptr) {
     const std::vector<double> bounds = reader.numbers("bounds");
     if (bounds.size() != 2 || !(bounds[0] < bounds[1])) {
       reader.fail_value("bounds", "two numbers, the lower first, like [0.5, 3.0]");
@@ -72,6 +73,7 @@ Eigen::MatrixXd read_matrix(TomlReader& reader, Eigen::Index size) {
 Eigen::MatrixXd read_pairs(TomlReader& reader, const std::vector<std::string>& names) {
   const auto size = static_cast<Eigen::Index>(names.size());
   Eigen::MatrixXd matrix = Eigen::MatrixXd::Identity(size, size);
+  std::set<std::set<std::string>> seen;
   for (TomlReader& pair : reader.tables("pairs")) {
     const std::vector<std::string> between = pair.texts("between");
     if (between.size() != 2 || between[0] == between[1]) pair.fail_value("between", "two different parameters");
@@ -81,8 +83,10 @@ Eigen::MatrixXd read_pairs(TomlReader& reader, const std::vector<std::string>& n
       if (found == names.end()) pair.fail("between", unknown_name_message("parameter", between[k], names));
       index[k] = std::distance(names.begin(), found);
     }
-    const double value =
-        pair.number("value", {.lower = -1.0, .upper = 1.0});
+    if (!seen.insert({between.begin(), between.end()}).second) {
+      pair.fail("between", fmt::format("the pair of '{}' and '{}' stands twice", between[0], between[1]));
+    }
+    const double value = pair.number("value", {.lower = -1.0, .upper = 1.0});
     matrix(index[0], index[1]) = value;
     matrix(index[1], index[0]) = value;
     pair.finish();
@@ -110,9 +114,11 @@ StudyParameters read_parameters(TomlReader& owner) {
     return parameters;
   }
   TomlReader reader = owner.table("correlation");
-  if (reader.has("matrix") == reader.has("pairs")) reader.fail("matrix", "give either matrix or pairs");
-  parameters.correlation = reader.has("matrix") ? read_matrix(reader, size) : read_pairs(reader, names);
+  const bool has_matrix = reader.raw("matrix") != nullptr;
+  const bool has_pairs = reader.raw("pairs") != nullptr;
   reader.finish();
+  if (has_matrix == has_pairs) reader.fail("matrix", "give either matrix or pairs");
+  parameters.correlation = has_matrix ? read_matrix(reader, size) : read_pairs(reader, names);
   try {
     std::vector<Distribution> marginals;
     for (const StudyParameter& parameter : parameters.list) marginals.emplace_back(parameter.distribution);

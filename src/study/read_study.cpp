@@ -1,11 +1,11 @@
 #include <algorithm>
-#include <sstream>
 
-#include "mottle/core/files.hpp"
 #include "mottle/core/text.hpp"
 #include "mottle/updating/updater.hpp"
 #include "overrides.hpp"
 #include "study_sections.hpp"
+#include "text_file.hpp"
+#include "toml_writer.hpp"
 
 namespace mottle {
 
@@ -48,8 +48,9 @@ StudyUpdate read_update(TomlReader reader) {
     if (samples != nullptr && !samples->is_integer()) reader.fail_value("samples", "a whole number >= 2, or \"auto\"");
     update.samples = static_cast<int>(reader.integer_or("samples", update.samples, {.lower = 2.0, .upper = 1e8}));
   }
-  update.design = std::vector{SamplingDesign::monte_carlo, SamplingDesign::latin_hypercube,
-                              SamplingDesign::sobol}[reader.choice("sampling", {"monte-carlo", "latin-hypercube", "sobol"}, 0)];
+  update.design =
+      std::vector{SamplingDesign::monte_carlo, SamplingDesign::latin_hypercube,
+                  SamplingDesign::sobol}[reader.choice("sampling", {"monte-carlo", "latin-hypercube", "sobol"}, 0)];
   update.iterations =
       static_cast<int>(reader.integer_or("iterations", update.iterations, {.lower = 1.0, .upper = 100000.0}));
   update.tolerance =
@@ -63,7 +64,7 @@ StudyUpdate read_update(TomlReader reader) {
     }
     TomlReader options = reader.table(method.name);
     update.method_options[method.name] = options.option_values();
-    method.make(update.method_options[method.name], options.where());
+    for (const auto& option : update.method_options[method.name]) method.make({option}, options.where_of(option.first));
   }
   reader.finish();
   return update;
@@ -81,7 +82,7 @@ StudyTruth read_truth(TomlReader reader) {
 namespace {
 
 toml::table parse_file(const std::filesystem::path& file) {
-  const std::string bytes = read_file(file);
+  const std::string bytes = read_text_file(file);
   try {
     return toml::parse(bytes, file.string());
   } catch (const toml::parse_error& error) {
@@ -90,10 +91,20 @@ toml::table parse_file(const std::filesystem::path& file) {
   }
 }
 
-std::string as_text(const toml::table& table) {
-  std::ostringstream stream;
-  stream << table << '\n';
-  return stream.str();
+/// Lines of all keys, and of the entries of lists by their names.
+void note_lines(const toml::table& table, const std::string& path, std::map<std::string, int>& lines) {
+  for (const auto& [name, node] : table) {
+    const std::string key = path + std::string(name.str());
+    if (node.source().begin.line > 0) lines[key] = static_cast<int>(node.source().begin.line);
+    if (const toml::table* inner = node.as_table()) note_lines(*inner, key + '.', lines);
+    const toml::array* list = node.as_array();
+    for (std::size_t i = 0; list != nullptr && i < list->size(); ++i) {
+      const toml::table* entry = list->get(i)->as_table();
+      if (entry == nullptr || entry->get("name") == nullptr) continue;
+      lines[fmt::format("{} '{}'", key, entry->get("name")->value_or(std::string()))] =
+          static_cast<int>(entry->source().begin.line);
+    }
+  }
 }
 
 }  // namespace
@@ -120,18 +131,36 @@ Study read_study(const std::filesystem::path& file, const StudyOverrides& overri
   reader.finish();
   const bool has_parameters = !study.parameters.list.empty() || (study.truth && !study.truth->parameters.list.empty());
   if (!has_parameters) reader.fail("parameter", "there is none; give at least one [[parameter]]");
-  study.text = as_text(root);
+  study.text = toml_document(root);
+  note_lines(root, "", study.lines);
+  const std::string method = fmt::format("method '{}'", study.update.method);
+  for (const std::string key : {"update.method", "update"}) {
+    if (study.lines.contains(key)) study.lines.emplace(method, study.lines.at(key));
+  }
   return study;
+}
+
+std::string located(const Study& study, const std::string& message, const std::string& section) {
+  int line = 0;
+  std::size_t longest = 0;
+  for (const auto& [key, its_line] : study.lines) {
+    if (key.size() < longest || !(section + message).starts_with(key)) continue;
+    longest = key.size();
+    line = its_line;
+  }
+  return line > 0 ? fmt::format("{}:{}: {}", study.file.string(), line, message)
+                  : fmt::format("{}: {}", study.file.string(), message);
 }
 
 std::string study_text_for(const Study& study, const std::filesystem::path& folder) {
   toml::table root = toml::parse(study.text);
   if (study.test) {
-    const std::filesystem::path target = std::filesystem::absolute(study.test->file).lexically_normal();
-    const std::filesystem::path from = std::filesystem::absolute(folder).lexically_normal();
+    // Through links: "..", as the system reads it, leads out of the folder that a link names, not out of the link.
+    const std::filesystem::path target = std::filesystem::weakly_canonical(study.test->file);
+    const std::filesystem::path from = std::filesystem::weakly_canonical(folder);
     root["test"].as_table()->insert_or_assign("file", target.lexically_relative(from).generic_string());
   }
-  return as_text(root);
+  return toml_document(root);
 }
 
 }  // namespace mottle

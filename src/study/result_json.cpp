@@ -16,7 +16,9 @@ namespace {
 
 constexpr double k_ellipse_sigmas = 2.0;
 
-Json number_json(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+Json number_json(double value) {
+  return std::isfinite(value) ? Json(value) : Json(nullptr);
+}
 
 Json bounds_json(const Parameter& parameter) {
   return Json::array({number_json(parameter.lower_bound), number_json(parameter.upper_bound)});
@@ -91,6 +93,8 @@ void add_updated_parameters(Json& parameters, const UpdatingProblem& problem, co
   parameters["mean"] = to_json(result.mean);
   parameters["std"] = to_json(result.covariance.diagonal().cwiseSqrt());
   parameters["covariance"] = to_json_rows(result.covariance);
+  parameters["mean_ci95"] = nullptr;  // no method gives intervals yet
+  parameters["std_ci95"] = nullptr;
   Json at_bound = Json::array();
   for (const int side : problem.space.active_bounds(result.mean)) {
     at_bound.push_back(side == 0 ? Json(nullptr) : Json(side < 0 ? "lower" : "upper"));
@@ -111,12 +115,10 @@ void add_test_outputs(Json& outputs, const TestMoments& tests, const UpdatingRes
 }
 
 Json options_json(const Study& study, const UpdatingProblem& problem, const Updater& method) {
-  Json options = {{"samples", problem.cloud.samples},
-                  {"samples_rule", study.update.has_automatic_samples ? "auto" : "given"},
-                  {"iterations", problem.iterations},
-                  {"tolerance", problem.tolerance},
-                  {"level", problem.level},
-                  {"max_failed", problem.cloud.most_failed}};
+  Json options = {
+      {"samples", problem.cloud.samples}, {"samples_rule", study.update.has_automatic_samples ? "auto" : "given"},
+      {"iterations", problem.iterations}, {"tolerance", problem.tolerance},
+      {"level", problem.level},           {"max_failed", problem.cloud.most_failed}};
   for (const auto& [name, value] : method.options()) {
     std::visit([&options, &name = name](const auto& held) { options[name] = held; }, value);
   }
@@ -138,8 +140,8 @@ Json to_json_rows(const Eigen::Ref<const Eigen::MatrixXd>& values) {
 }
 
 Json result_head(const Study& study, const std::string& command) {
-  return {{"schema", 1},          {"mottle", version()},   {"title", study.title},
-          {"command", command},   {"units", study.units},  {"seed", study.seed}};
+  return {{"schema", 1},        {"mottle", version()},  {"title", study.title},
+          {"command", command}, {"units", study.units}, {"seed", study.seed}};
 }
 
 Json parameters_json(const ParameterSpace& space) {
@@ -244,11 +246,11 @@ Json update_result_json(const Study& study, const StudyTests& tests, const Updat
     const Cloud::Valid valid = last.cloud.valid();
     const Eigen::VectorXd test_std = moments.covariance.diagonal().cwiseSqrt();
     const bool has_scatter = (test_std.array() > 0.0).all();
-    json["identifiability"] = identifiability_json(
-        identify(linear_regression(valid.samples, valid.outputs).sensitivity,
-                 has_scatter ? test_std : Eigen::VectorXd(moments.mean.cwiseAbs()),
-                 problem.space.prior().covariance().diagonal().cwiseSqrt()),
-        problem.space.names());
+    json["identifiability"] =
+        identifiability_json(identify(linear_regression(valid.samples, valid.outputs).sensitivity,
+                                      has_scatter ? test_std : Eigen::VectorXd(moments.mean.cwiseAbs()),
+                                      problem.space.prior().covariance().diagonal().cwiseSqrt()),
+                             problem.space.names());
   }
   json["model_evaluations"] = result.model_evaluations;
   json["rejected_draws"] = {
@@ -261,6 +263,8 @@ Json update_result_json(const Study& study, const StudyTests& tests, const Updat
   return json;
 }
 
-std::string pretty(const Json& json) { return json.dump(1) + '\n'; }
+std::string pretty(const Json& json) {
+  return json.dump(1) + '\n';
+}
 
 }  // namespace mottle

@@ -24,6 +24,18 @@ std::string tests_csv(const StudyTests& tests, const std::vector<Output>& output
 std::vector<std::string> column_names(const ParameterSpace& space, const std::vector<Output>& outputs);
 
 /// The study's method with its options.
+/// What `compute` returns. Where it finds the input wrong, the message gets its place in the study, and the folder that
+/// was made for the results goes again.
+template <typename Compute>
+auto compute_or_discard(const Study& study, const RunFolder& folder, const Compute& compute) {
+  try {
+    return compute();
+  } catch (const InvalidInput& error) {
+    folder.discard();
+    throw InvalidInput(located(study, error.what()));
+  }
+}
+
 std::unique_ptr<Updater> make_method(const Study& study);
 
 }  // namespace mottle

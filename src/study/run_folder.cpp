@@ -6,7 +6,14 @@
 
 namespace mottle {
 
-RunFolder::RunFolder(std::filesystem::path folder) : folder_(std::move(folder)) { make_writable_folder(folder_); }
+RunFolder::RunFolder(std::filesystem::path folder) : folder_(std::move(folder)) {
+  std::error_code ignored;
+  for (std::filesystem::path path = std::filesystem::absolute(folder_).lexically_normal();
+       !std::filesystem::exists(path, ignored) && path.has_relative_path(); path = path.parent_path()) {
+    made_.push_back(path);
+  }
+  make_writable_folder(folder_);
+}
 
 void RunFolder::write(const std::string& name, const std::string& bytes) const {
   write_file_atomically(file(name), bytes);
@@ -15,6 +22,13 @@ void RunFolder::write(const std::string& name, const std::string& bytes) const {
 void RunFolder::finish() const {
   std::error_code ignored;  // a journal that stays behind does no harm
   std::filesystem::remove(journal(), ignored);
+}
+
+void RunFolder::discard() const {
+  std::error_code ignored;  // what cannot be taken away does no harm
+  std::filesystem::remove(journal(), ignored);
+  std::filesystem::remove(file("mottle.log"), ignored);
+  for (const std::filesystem::path& path : made_) std::filesystem::remove(path, ignored);
 }
 
 double steady_seconds() {
@@ -26,7 +40,9 @@ LogObserver::LogObserver(const std::filesystem::path& file, ProgressObserver* ne
   require(stream_ != nullptr, "{}: cannot be written", file.string());
 }
 
-LogObserver::~LogObserver() { std::fclose(stream_); }
+LogObserver::~LogObserver() {
+  std::fclose(stream_);
+}
 
 void LogObserver::line(const char* kind, const std::string& text) {
   std::fputs(fmt::format("{:9.3f} s  {}{}\n", steady_seconds() - start_, kind, text).c_str(), stream_);

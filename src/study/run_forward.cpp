@@ -12,6 +12,7 @@
 #include "mottle/study/run_folder.hpp"
 #include "result_json.hpp"
 #include "run_files.hpp"
+#include "text_file.hpp"
 
 namespace mottle {
 namespace {
@@ -19,7 +20,7 @@ namespace {
 constexpr Eigen::Index k_listed_modes = 10;
 
 Eigen::MatrixXd read_points(const std::filesystem::path& file, const ParameterSpace& space) {
-  const CsvTable table = parse_csv(read_file(file), file.string());
+  const CsvTable table = parse_csv(read_text_file(file), file.string());
   const std::vector<std::string> names = space.names();
   for (const std::string& column : table.header) {
     if (std::find(names.begin(), names.end(), column) == names.end()) {
@@ -37,7 +38,8 @@ Eigen::MatrixXd read_points(const std::filesystem::path& file, const ParameterSp
     const int line = table.lines[static_cast<std::size_t>(row)];
     if (!points.row(row).allFinite()) throw FormatError(table.file, line, "a parameter has no value");
     if (!space.is_possible(points.row(row))) {
-      throw FormatError(table.file, line, "a stiffness or mass is <= 0 or a damping < 0, which is physically impossible");
+      throw FormatError(table.file, line,
+                        "a stiffness or mass is <= 0 or a damping < 0, which is physically impossible");
     }
   }
   return points;
@@ -63,7 +65,9 @@ Json propagate_json(const Study& study, const StudyModel& made, const Cloud& clo
   }
   add_cloud_analysis(json, cloud, cloud);
   json["model_evaluations"] = cloud.samples.rows();
-  json["rejected_draws"] = {{"count", cloud.rejected}, {"rule", "a draw with a stiffness or mass <= 0 (damping < 0) is rejected and drawn again from its own stream"}};
+  json["rejected_draws"] = {
+      {"count", cloud.rejected},
+      {"rule", "a draw with a stiffness or mass <= 0 (damping < 0) is rejected and drawn again from its own stream"}};
   json["failed_evaluations"] = failures_json(cloud.failures, 0);
   return json;
 }
@@ -91,8 +95,9 @@ void add_noise(Eigen::MatrixXd& outputs, const Study& study, const std::vector<O
   Eigen::VectorXd deviation = Eigen::VectorXd::Zero(outputs.cols());
   for (const auto& [name, value] : study.truth->noise) {
     const auto found = std::find(known.begin(), known.end(), name);
-    require(found != known.end(), "{}: truth.noise: {}", study.file.string(),
-            unknown_name_message("output", name, known));
+    if (found == known.end()) {
+      throw InvalidInput(located(study, "truth.noise: " + unknown_name_message("output", name, known)));
+    }
     deviation(std::distance(known.begin(), found)) = value;
   }
   if (deviation.isZero(0.0)) return;
@@ -116,13 +121,14 @@ RunSummary run_propagate(const Study& study, const std::optional<std::filesystem
   std::uint64_t print = study_fingerprint(study);
   if (points) print = fingerprint(read_file(*points), print);
   const JournalledModel model(*made.model, folder.journal(), print, settings.resume);
-  const RunContext context{
-      .seed = study.seed, .threads = settings.threads, .observer = &log, .stop = settings.stop};
+  const RunContext context{.seed = study.seed, .threads = settings.threads, .observer = &log, .stop = settings.stop};
 
   const CloudSettings cloud_rules = cloud_settings(study, specimens, outputs);
   const StreamKey key{.seed = study.seed, .purpose = StreamPurpose::parameter_cloud};
-  const Cloud cloud = points ? evaluate_points(model, given, cloud_rules.most_failed, context)
-                             : evaluate_cloud(model, *made.space, made.space->prior(), cloud_rules, key, context);
+  const Cloud cloud = compute_or_discard(study, folder, [&] {
+    return points ? evaluate_points(model, given, cloud_rules.most_failed, context)
+                  : evaluate_cloud(model, *made.space, made.space->prior(), cloud_rules, key, context);
+  });
 
   folder.write("study.toml", study_text_for(study, folder.path()));
   folder.write("cloud.csv", cloud_csv(cloud, *made.space, model.outputs()));
@@ -146,10 +152,11 @@ RunSummary run_propagate(const Study& study, const std::optional<std::filesystem
 }
 
 RunSummary run_simulate(const Study& study, const RunSettings& settings) {
-  require(study.truth.has_value(), "{}: truth: is missing; give [truth] specimens = 10 and, where they differ from "
-          "[[parameter]], [[truth.parameter]]", study.file.string());
-  const StudyParameters& parameters =
-      study.truth->parameters.list.empty() ? study.parameters : study.truth->parameters;
+  require(study.truth.has_value(),
+          "{}: truth: is missing; give [truth] specimens = 10 and, where they differ from "
+          "[[parameter]], [[truth.parameter]]",
+          study.file.string());
+  const StudyParameters& parameters = study.truth->parameters.list.empty() ? study.parameters : study.truth->parameters;
   const StudyModel made = make_model(study, parameters);
   const RunContext context{
       .seed = study.seed, .threads = settings.threads, .observer = settings.observer, .stop = settings.stop};
@@ -181,8 +188,7 @@ RunSummary run_simulate(const Study& study, const RunSettings& settings) {
 }
 
 RunSummary run_check(const Study& study) {
-  const StudyParameters& parameters =
-      study.parameters.list.empty() ? study.truth->parameters : study.parameters;
+  const StudyParameters& parameters = study.parameters.list.empty() ? study.truth->parameters : study.parameters;
   const StudyModel made = make_model(study, parameters);
   const ModalModel& model = *made.model;
   const Eigen::VectorXd mean = made.space->prior().mean();
@@ -201,12 +207,11 @@ RunSummary run_check(const Study& study) {
   const Eigen::VectorXd deviation = made.space->prior().covariance().diagonal().cwiseSqrt();
   for (std::size_t i = 0; i < parameters.list.size(); ++i) {
     const StudyParameter& parameter = parameters.list[i];
-    lines.push_back(fmt::format("{:<14} {:<24} {:<18} {:>12.6g} {:>12.6g}  [{}, {}], {} linearly: no re-assembly",
-                                parameter.name, join(parameter.targets),
-                                distribution_kind_info(parameter.distribution.kind).name,
-                                mean(static_cast<Eigen::Index>(i)), deviation(static_cast<Eigen::Index>(i)),
-                                parameter.lower_bound, parameter.upper_bound,
-                                parameter.is_factor ? "as a factor," : "in place of the value,"));
+    lines.push_back(
+        fmt::format("{:<14} {:<24} {:<18} {:>12.6g} {:>12.6g}  [{}, {}], {} linearly: no re-assembly", parameter.name,
+                    join(parameter.targets), distribution_kind_info(parameter.distribution.kind).name,
+                    mean(static_cast<Eigen::Index>(i)), deviation(static_cast<Eigen::Index>(i)), parameter.lower_bound,
+                    parameter.upper_bound, parameter.is_factor ? "as a factor," : "in place of the value,"));
   }
   Json frequencies = Json::array();
   const Eigen::Index listed = std::min(k_listed_modes, modes.eigenvalues.size());
@@ -220,14 +225,18 @@ RunSummary run_check(const Study& study) {
   std::vector<std::string> names;
   for (const Output& output : model.outputs()) names.push_back(fmt::format("{} [{}]", output.name, output.unit));
   lines.push_back("outputs: " + join(names));
-  Json json = {{"command", "check"},          {"title", study.title},
-               {"units", study.units},        {"total_mass", total_mass},
-               {"frequencies", frequencies},  {"parameters", parameters_json(*made.space)},
+  Json json = {{"command", "check"},
+               {"title", study.title},
+               {"units", study.units},
+               {"total_mass", total_mass},
+               {"frequencies", frequencies},
+               {"parameters", parameters_json(*made.space)},
                {"outputs", outputs_json(model.outputs())}};
   if (study.test) {
     const StudyTests tests = read_tests(study, model.outputs());
     const CloudSettings rules = cloud_settings(study, tests.data.values.rows(), tests.data.values.cols());
-    lines.push_back(fmt::format("tests: {} specimens of {} outputs", tests.data.values.rows(), tests.data.values.cols()));
+    lines.push_back(
+        fmt::format("tests: {} specimens of {} outputs", tests.data.values.rows(), tests.data.values.cols()));
     for (const std::string& note : tests.notes) lines.push_back("  " + note);
     lines.push_back(fmt::format("would run: method {}, {} samples an iteration, at most {} iterations: {} model runs",
                                 study.update.method, rules.samples, study.update.iterations,

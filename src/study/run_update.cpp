@@ -33,11 +33,13 @@ void note_what_happened(const UpdatingResult& result, const JournalledModel& mod
   std::size_t failed = 0;
   for (const IterationRecord& state : result.history) failed += state.cloud.failures.size();
   if (failed > 0) {
-    context.warning(fmt::format("{} of {} model runs failed and were left out; if failures are not a matter of chance, "
-                                "the clouds are biased",
-                                failed, result.model_evaluations));
+    context.warning(
+        fmt::format("{} of {} model runs failed and were left out; if failures are not a matter of chance, "
+                    "the clouds are biased",
+                    failed, result.model_evaluations));
   }
-  if (model.reused() > 0) context.note(fmt::format("{} model runs of the interrupted run were used again", model.reused()));
+  if (model.reused() > 0)
+    context.note(fmt::format("{} model runs of the interrupted run were used again", model.reused()));
   context.note(fmt::format("{}: {}", status_text(result.status), result.message));
 }
 
@@ -45,15 +47,17 @@ std::vector<std::string> summary_lines(const UpdatingProblem& problem, const Upd
                                        const Verdict& verdict) {
   std::vector<std::string> lines;
   lines.push_back(fmt::format("{}: {}", status_text(result.status), result.message));
-  lines.push_back(fmt::format("{:<14} {:>13} {:>13} {:>13} {:>13}", "parameter", "prior mean", "prior std", "mean", "std"));
+  lines.push_back(
+      fmt::format("{:<14} {:>13} {:>13} {:>13} {:>13}", "parameter", "prior mean", "prior std", "mean", "std"));
   const Eigen::VectorXd prior_mean = problem.space.prior().mean();
   const Eigen::VectorXd prior_std = problem.space.prior().covariance().diagonal().cwiseSqrt();
   const Eigen::VectorXi active = problem.space.active_bounds(result.mean);
   for (Eigen::Index i = 0; i < result.mean.size(); ++i) {
-    lines.push_back(fmt::format("{:<14} {:>13.6g} {:>13.6g} {:>13.6g} {:>13.6g}{}",
-                                problem.space.parameters()[static_cast<std::size_t>(i)].name, prior_mean(i),
-                                prior_std(i), result.mean(i), std::sqrt(result.covariance(i, i)),
-                                active(i) == 0 ? "" : (active(i) < 0 ? "  at its lower bound" : "  at its upper bound")));
+    lines.push_back(
+        fmt::format("{:<14} {:>13.6g} {:>13.6g} {:>13.6g} {:>13.6g}{}",
+                    problem.space.parameters()[static_cast<std::size_t>(i)].name, prior_mean(i), prior_std(i),
+                    result.mean(i), std::sqrt(result.covariance(i, i)),
+                    active(i) == 0 ? "" : (active(i) < 0 ? "  at its lower bound" : "  at its upper bound")));
   }
   lines.push_back(fmt::format("verdict: {}", verdict.adequate ? "adequate so far" : "inadequate"));
   for (const std::string& reason : verdict.reasons) lines.push_back("  " + reason);
@@ -82,21 +86,19 @@ RunSummary run_update(const Study& study, const RunSettings& settings) {
   const RunFolder folder(settings.folder);
   LogObserver log(folder.file("mottle.log"), settings.observer, settings.resume);
   const JournalledModel model(*made.model, folder.journal(), study_fingerprint(study), settings.resume);
-  const UpdatingProblem problem{
-      .model = model,
-      .derivatives = made.model.get(),
-      .space = *made.space,
-      .tests = tests.data,
-      .cloud = cloud_settings(study, tests.data.values.rows(), tests.data.values.cols()),
-      .iterations = study.update.iterations,
-      .level = study.update.level,
-      .tolerance = study.update.tolerance};
-  const RunContext context{
-      .seed = study.seed, .threads = settings.threads, .observer = &log, .stop = settings.stop};
+  const UpdatingProblem problem{.model = model,
+                                .derivatives = made.model.get(),
+                                .space = *made.space,
+                                .tests = tests.data,
+                                .cloud = cloud_settings(study, tests.data.values.rows(), tests.data.values.cols()),
+                                .iterations = study.update.iterations,
+                                .level = study.update.level,
+                                .tolerance = study.update.tolerance};
+  const RunContext context{.seed = study.seed, .threads = settings.threads, .observer = &log, .stop = settings.stop};
   for (const std::string& note : tests.notes) context.note(note);
 
   const double ready = steady_seconds();
-  const UpdatingResult result = method->update(problem, context);
+  const UpdatingResult result = compute_or_discard(study, folder, [&] { return method->update(problem, context); });
   if (result.status == UpdatingStatus::stopped) throw Stopped(result.message);
   const double updated = steady_seconds();
   note_what_happened(result, model, context);

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cctype>
+#include <set>
 
 #include "mottle/core/files.hpp"
 #include "mottle/core/text.hpp"
 #include "mottle/formats/csv.hpp"
 #include "mottle/updating/verdict.hpp"
+#include "text_file.hpp"
 
 namespace mottle {
 namespace {
@@ -49,6 +51,30 @@ JointDistribution joint_prior(const StudyParameters& parameters) {
   return {std::move(marginals), parameters.correlation};
 }
 
+/// Dampers change nothing but damping ratios.
+void require_effects(const StudyParameters& parameters, const ModalOutputs& outputs) {
+  for (const StudyParameter& parameter : parameters.list) {
+    const bool is_seen = !outputs.damping.empty() ||
+                         std::any_of(parameter.targets.begin(), parameter.targets.end(),
+                                     [](const std::string& target) { return !target.starts_with("damper:"); });
+    require(is_seen,
+            "parameter '{}': it acts on nothing: {} changes damping alone, which no output sees; name mode numbers in "
+            "outputs.damping or leave the parameter out",
+            parameter.name, join(parameter.targets));
+  }
+}
+
+/// Each output once, and none with the name of a parameter: they are columns of one table.
+void require_own_names(const StudyParameters& parameters, const std::vector<Output>& outputs) {
+  std::set<std::string> names;
+  for (const Output& output : outputs) {
+    require(names.insert(output.name).second, "outputs.shapes.dofs: they name output '{}' twice", output.name);
+  }
+  for (const StudyParameter& parameter : parameters.list) {
+    require(!names.contains(parameter.name), "parameter '{}': an output has that name, choose another", parameter.name);
+  }
+}
+
 /// "f1_Hz", "f1 [Hz]", "f1 (Hz)" -> "f1".
 std::string without_unit(std::string name) {
   for (const std::string open : {" [", " (", "[", "("}) {
@@ -76,6 +102,16 @@ std::vector<std::string> names_of(const std::vector<Output>& outputs) {
   return names;
 }
 
+std::string read_test_file(const Study& study) {
+  try {
+    return read_text_file(study.test->file);
+  } catch (const FormatError&) {
+    throw;
+  } catch (const InvalidInput& error) {
+    throw InvalidInput(located(study, fmt::format("test.file: {}", error.what())));
+  }
+}
+
 /// Column of each output; throws where one is missing or a column is nothing known.
 std::vector<int> match_columns(const CsvTable& table, const Study& study, const std::vector<std::string>& outputs,
                                std::vector<std::string>& notes) {
@@ -100,8 +136,8 @@ std::vector<int> match_columns(const CsvTable& table, const Study& study, const 
   }
   for (std::size_t i = 0; i < outputs.size(); ++i) {
     if (columns[i] < 0) {
-      throw FormatError(table.file, 1, fmt::format("output '{}' has no column; the columns are {}", outputs[i],
-                                                   join(table.header)));
+      throw FormatError(table.file, 1,
+                        fmt::format("output '{}' has no column; the columns are {}", outputs[i], join(table.header)));
     }
   }
   if (!unused.empty()) notes.push_back(fmt::format("Columns of the test file that are not used: {}.", join(unused)));
@@ -111,8 +147,9 @@ std::vector<int> match_columns(const CsvTable& table, const Study& study, const 
 }  // namespace
 
 StudyModel make_model(const Study& study, const StudyParameters& parameters) {
-  const std::string where = study.file.string();
-  require(!parameters.list.empty(), "{}: parameter: there is none; give at least one [[parameter]]", where);
+  const bool is_truth = study.truth && &parameters == &study.truth->parameters;
+  require(!parameters.list.empty(), "{}: parameter: there is none; give at least one [[parameter]]",
+          study.file.string());
   try {
     const std::vector<ParameterTargets> targets = list_targets(parameters);
     AffineStructure structure = separate(study.system, targets);
@@ -128,17 +165,18 @@ StudyModel make_model(const Study& study, const StudyParameters& parameters) {
     outputs.shape_unit = units.shape;
     StudyModel made;
     made.space = std::make_unique<ParameterSpace>(std::move(list), joint_prior(parameters));
+    require_effects(parameters, outputs);
     made.model = std::make_unique<ModalModel>(std::move(structure), std::move(outputs), made.space->prior().mean());
+    require_own_names(parameters, made.model->outputs());
     return made;
   } catch (const InvalidInput& error) {
-    throw InvalidInput(fmt::format("{}: {}", where, error.what()));
+    throw InvalidInput(located(study, error.what(), is_truth ? "truth." : ""));
   }
 }
 
 StudyTests read_tests(const Study& study, const std::vector<Output>& outputs) {
   require(study.test.has_value(), "{}: test: is missing; give [test] file = \"...\"", study.file.string());
-  const std::string bytes = read_file(study.test->file);
-  const CsvTable table = parse_csv(bytes, study.test->file.string());
+  const CsvTable table = parse_csv(read_test_file(study), study.test->file.string());
   const std::vector<std::string> names = names_of(outputs);
   StudyTests tests;
   const std::vector<int> columns = match_columns(table, study, names, tests.notes);
@@ -158,8 +196,9 @@ StudyTests read_tests(const Study& study, const std::vector<Output>& outputs) {
   tests.data.repeatability_std = Eigen::VectorXd::Zero(values.cols());
   for (const auto& [name, value] : study.test->repeatability) {
     const auto found = std::find(names.begin(), names.end(), name);
-    require(found != names.end(), "{}: test.repeatability: {}", study.file.string(),
-            unknown_name_message("output", name, names));
+    if (found == names.end()) {
+      throw InvalidInput(located(study, "test.repeatability: " + unknown_name_message("output", name, names)));
+    }
     tests.data.repeatability_std(std::distance(names.begin(), found)) = value;
   }
   for (Eigen::Index k = 0; k < values.cols(); ++k) {
@@ -177,8 +216,7 @@ CloudSettings cloud_settings(const Study& study, Eigen::Index specimens, Eigen::
   CloudSettings settings;
   settings.samples = study.update.samples;
   if (study.update.has_automatic_samples) {
-    settings.samples =
-        automatic_samples(static_cast<int>(specimens), static_cast<int>(outputs), study.update.level);
+    settings.samples = automatic_samples(static_cast<int>(specimens), static_cast<int>(outputs), study.update.level);
   }
   settings.design = study.update.design;
   settings.most_failed = study.update.most_failed;

@@ -1,20 +1,19 @@
 #include "toml_reader.hpp"
 
 #include <algorithm>
-#include <sstream>
 
 #include "mottle/core/text.hpp"
+#include "toml_writer.hpp"
 
 namespace mottle {
 
 std::string toml_text(const toml::node& node) {
   constexpr std::size_t k_longest = 60;
-  std::ostringstream stream;
-  node.visit([&stream](const auto& value) { stream << value; });
-  std::string text = stream.str();
-  std::replace(text.begin(), text.end(), '\n', ' ');
-  if (text.size() > k_longest) text = text.substr(0, k_longest) + "...";
-  return text;
+  std::string text = toml_on_one_line(node);
+  if (text.size() <= k_longest) return text;
+  std::size_t end = k_longest;
+  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U) --end;  // not within a character
+  return text.substr(0, end) + "...";
 }
 
 std::string TomlReader::where() const {
@@ -27,7 +26,14 @@ std::string TomlReader::where(const std::string& key) const {
   const toml::node* node = table_.get(key);
   auto line = node != nullptr ? node->source().begin.line : table_.source().begin.line;
   if (node == nullptr && path_.empty()) line = 0;
+  if (node != nullptr && line == 0) return "--set " + dotted(key);
   return line > 0 ? fmt::format("{}:{}: {}", file_, line, dotted(key)) : fmt::format("{}: {}", file_, dotted(key));
+}
+
+std::string TomlReader::where_of(const std::string& key) const {
+  const toml::node* node = table_.get(key);
+  const auto line = node != nullptr ? node->source().begin.line : 0;
+  return line > 0 ? fmt::format("{}:{}: [{}]", file_, line, path_) : fmt::format("--set [{}]", path_);
 }
 
 void TomlReader::fail(const std::string& key, const std::string& message) const {
@@ -58,7 +64,9 @@ const toml::node& TomlReader::need(const std::string& key) {
   fail(key, "is missing");
 }
 
-const toml::node* TomlReader::raw(const std::string& key) { return find(key); }
+const toml::node* TomlReader::raw(const std::string& key) {
+  return find(key);
+}
 
 std::string TomlReader::text(const std::string& key) {
   const auto value = need(key).value_exact<std::string>();
@@ -194,7 +202,8 @@ std::vector<TomlReader> TomlReader::tables(const std::string& key) {
   std::vector<TomlReader> readers;
   for (std::size_t i = 0; i < list->size(); ++i) {
     const toml::table* entry = list->get(i)->as_table();
-    if (entry == nullptr) fail_value(key, fmt::format("a list of tables: [[{}]] or {} = [ {{ ... }} ]", dotted(key), key));
+    if (entry == nullptr)
+      fail_value(key, fmt::format("a list of tables: [[{}]] or {} = [ {{ ... }} ]", dotted(key), key));
     readers.emplace_back(*entry, file_, fmt::format("{}.{}", dotted(key), i + 1));
   }
   return readers;

@@ -51,6 +51,8 @@ class TomlReader {
   /// "study.toml:12: update.samples" for messages.
   std::string where(const std::string& key) const;
   std::string where() const;
+  /// "study.toml:12: [update]": the key's line, the table's name.
+  std::string where_of(const std::string& key) const;
   /// `message` about `key`, with its place in front.
   [[noreturn]] void fail(const std::string& key, const std::string& message) const;
   /// "found 3.5, allowed is ..."

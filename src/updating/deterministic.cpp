@@ -2,6 +2,8 @@
 
 #include <Eigen/Dense>
 #include <cmath>
+#include <limits>
+#include <optional>
 
 #include "mottle/core/error.hpp"
 #include "mottle/stats/chi_squared.hpp"
@@ -23,14 +25,30 @@ struct LeastSquares {
   Eigen::MatrixXd prior;      // Q
 };
 
-Eigen::VectorXd evaluate_one(const UpdatingProblem& problem, const Eigen::VectorXd& parameters,
-                             const RunContext& context, std::int64_t& evaluations) {
+/// Outputs at one point, or nothing where the model run failed.
+std::optional<Eigen::VectorXd> evaluate_one(const UpdatingProblem& problem, const Eigen::VectorXd& parameters,
+                                            const RunContext& context, std::int64_t& evaluations) {
   const Evaluation evaluation = problem.model.evaluate(parameters.transpose(), context);
   ++evaluations;
-  if (!evaluation.failures.empty()) {
-    throw SystemFailure(fmt::format("the model failed during updating: {}", evaluation.failures.front().reason));
-  }
+  if (!evaluation.failures.empty()) return std::nullopt;
   return evaluation.outputs.row(0).transpose();
+}
+
+/// Derivative along one parameter; where a run on one side fails, from the other side.
+Eigen::VectorXd difference_quotient(const UpdatingProblem& problem, const Eigen::VectorXd& parameters,
+                                    Eigen::Index parameter, double step, const RunContext& context,
+                                    std::int64_t& evaluations) {
+  const auto shifted = [&](double shift) {
+    Eigen::VectorXd point = parameters;
+    point(parameter) += shift;
+    return evaluate_one(problem, point, context, evaluations);
+  };
+  const auto ahead = shifted(step);
+  const auto behind = shifted(-step);
+  if (ahead && behind) return (*ahead - *behind) / (2.0 * step);
+  const auto centre = ahead || behind ? evaluate_one(problem, parameters, context, evaluations) : std::nullopt;
+  if (!centre) throw SystemFailure("the model fails all around the present parameters, so there is no derivative");
+  return ahead ? Eigen::VectorXd((*ahead - *centre) / step) : Eigen::VectorXd((*centre - *behind) / step);
 }
 
 LeastSquares prepare(const UpdatingProblem& problem, const DeterministicOptions& options) {
@@ -41,8 +59,10 @@ LeastSquares prepare(const UpdatingProblem& problem, const DeterministicOptions&
   LeastSquares setup;
   setup.target = options.specimen == 0 ? test_moments(problem.tests).mean
                                        : Eigen::VectorXd(problem.tests.values.row(options.specimen - 1).transpose());
-  require(setup.target.allFinite(), "update.deterministic.specimen: specimen {} has missing values; choose another or "
-          "leave the outputs out", options.specimen);
+  require(setup.target.allFinite(),
+          "update.deterministic.specimen: specimen {} has missing values; choose another or "
+          "leave the outputs out",
+          options.specimen);
   Eigen::VectorXd sigma = options.measurement_error * setup.target.cwiseAbs();
   for (Eigen::Index k = 0; k < sigma.size(); ++k) {
     if (problem.tests.repeatability_std(k) > 0.0) sigma(k) = problem.tests.repeatability_std(k);
@@ -97,6 +117,23 @@ Eigen::VectorXd free_step(const Eigen::MatrixXd& hessian, const Eigen::VectorXd&
   return step;
 }
 
+/// The step, halved until the cost does not rise (a failed run counts as a rise); `outputs` become those of the new
+/// point. Where no part of the step helps the point stays where it is.
+Eigen::VectorXd accepted_step(const UpdatingProblem& problem, const LeastSquares& setup, const Eigen::VectorXd& x,
+                              const Eigen::VectorXd& step, Eigen::VectorXd& outputs, const RunContext& context,
+                              std::int64_t& evaluations) {
+  const double old_cost = cost(setup, x, outputs);
+  double length = 1.0;
+  for (int halving = 0; halving <= k_most_halvings; ++halving, length *= 0.5) {
+    const Eigen::VectorXd next = problem.space.clamp(x + length * step);
+    const auto trial = evaluate_one(problem, next, context, evaluations);
+    if (!trial || cost(setup, next, *trial) > old_cost) continue;
+    outputs = *trial;
+    return next;
+  }
+  return x;
+}
+
 /// Are the remaining residuals no larger than the measurement error? Chi-squared with p - q degrees of freedom.
 void add_residual_test(const LeastSquares& setup, const Eigen::VectorXd& outputs, double level,
                        UpdatingResult& result) {
@@ -133,8 +170,8 @@ IterationRecord record_point(const Eigen::VectorXd& parameters, const Eigen::Mat
 Eigen::MatrixXd estimate_covariance(const LeastSquares& setup, const Eigen::MatrixXd& g,
                                     DeterministicOptions::Regularisation regularisation) {
   const Eigen::MatrixXd information = g.transpose() * setup.weight.asDiagonal() * g;
-  const Eigen::MatrixXd inverse = (information + setup.prior).ldlt().solve(
-      Eigen::MatrixXd::Identity(information.rows(), information.cols()));
+  const Eigen::MatrixXd inverse =
+      (information + setup.prior).ldlt().solve(Eigen::MatrixXd::Identity(information.rows(), information.cols()));
   const bool is_posterior = regularisation == DeterministicOptions::Regularisation::bayesian;
   const Eigen::MatrixXd covariance = is_posterior ? inverse : Eigen::MatrixXd(inverse * information * inverse);
   return 0.5 * (covariance + covariance.transpose());
@@ -164,23 +201,16 @@ const OptionTable<DeterministicOptions>& deterministic_option_table() {
 }
 
 Eigen::MatrixXd model_jacobian(const UpdatingProblem& problem, const Eigen::VectorXd& parameters,
-                               const Eigen::VectorXd& scale, const RunContext& context) {
+                               const Eigen::VectorXd& scale, const RunContext& context, std::int64_t& evaluations) {
   const auto outputs = static_cast<Eigen::Index>(problem.model.outputs().size());
   Eigen::MatrixXd jacobian =
       problem.derivatives != nullptr
           ? problem.derivatives->jacobian(parameters)
           : Eigen::MatrixXd::Constant(outputs, parameters.size(), std::numeric_limits<double>::quiet_NaN());
   if (jacobian.allFinite()) return jacobian;
-  std::int64_t evaluations = 0;
   for (Eigen::Index i = 0; i < parameters.size(); ++i) {
-    const double step = k_difference_step * scale(i);
-    Eigen::VectorXd ahead = parameters;
-    Eigen::VectorXd behind = parameters;
-    ahead(i) += step;
-    behind(i) -= step;
-    const Eigen::VectorXd difference = (evaluate_one(problem, ahead, context, evaluations) -
-                                        evaluate_one(problem, behind, context, evaluations)) /
-                                       (2.0 * step);
+    const Eigen::VectorXd difference =
+        difference_quotient(problem, parameters, i, k_difference_step * scale(i), context, evaluations);
     for (Eigen::Index k = 0; k < outputs; ++k) {
       if (!std::isfinite(jacobian(k, i))) jacobian(k, i) = difference(k);
     }
@@ -196,8 +226,10 @@ UpdatingResult DeterministicUpdater::update(const UpdatingProblem& problem, cons
   append_state(result, record_state(problem, tests, problem.space.prior(), 0, context));
 
   Eigen::VectorXd x = problem.space.clamp(setup.start);
-  Eigen::VectorXd y = evaluate_one(problem, x, context, result.model_evaluations);
-  Eigen::MatrixXd g = model_jacobian(problem, x, setup.prior_std, context);
+  const auto at_start = evaluate_one(problem, x, context, result.model_evaluations);
+  if (!at_start) throw SystemFailure("the model fails at the parameters' prior means, so there is nothing to start from");
+  Eigen::VectorXd y = *at_start;
+  Eigen::MatrixXd g = model_jacobian(problem, x, setup.prior_std, context, result.model_evaluations);
   for (int index = 1; index <= problem.iterations; ++index) {
     if (context.stop_requested()) {
       result.status = UpdatingStatus::stopped;
@@ -207,17 +239,10 @@ UpdatingResult DeterministicUpdater::update(const UpdatingProblem& problem, cons
     const Eigen::MatrixXd gw = g.transpose() * setup.weight.asDiagonal();
     const Eigen::VectorXd descent = gw * (setup.target - y) - setup.prior * (x - setup.start);
     const Eigen::VectorXd step = free_step(gw * g + setup.prior, descent, problem.space.active_bounds(x));
-    const double old_cost = cost(setup, x, y);
-    Eigen::VectorXd next = x;
-    double length = 1.0;
-    for (int halving = 0; halving <= k_most_halvings; ++halving, length *= 0.5) {
-      next = problem.space.clamp(x + length * step);
-      y = evaluate_one(problem, next, context, result.model_evaluations);
-      if (cost(setup, next, y) <= old_cost) break;
-    }
+    const Eigen::VectorXd next = accepted_step(problem, setup, x, step, y, context, result.model_evaluations);
     const double movement = ((next - x).cwiseAbs().array() / setup.prior_std.array()).maxCoeff();
     x = next;
-    g = model_jacobian(problem, x, setup.prior_std, context);
+    g = model_jacobian(problem, x, setup.prior_std, context, result.model_evaluations);
     append_state(result, record_point(x, estimate_covariance(setup, g, options_.regularisation), y, g, setup));
     context.progress("update", index, problem.iterations);
     if (movement <= problem.tolerance) {

@@ -47,26 +47,24 @@ MaresSetup prepare(const UpdatingProblem& problem, const MaresOptions& options) 
   setup.test_variability = setup.tests.covariance;
   setup.test_variability.diagonal() += (options.model_error * setup.tests.mean).cwiseAbs2();
   const Eigen::Index outputs = setup.tests.mean.size();
-  if (options.weighting == MaresOptions::Weighting::euclidean) {
-    require(setup.test_variability.trace() > 0.0, "test: all specimens are the same, there is no scatter to explain");
-    setup.weight = Eigen::MatrixXd::Identity(outputs, outputs) * static_cast<double>(outputs) /
-                   setup.test_variability.trace();
-    return setup;
-  }
   const Eigen::MatrixXd correlation = correlation_from_covariance(setup.test_variability);
   constexpr double k_singular = 1e-12;
-  const Eigen::LDLT<Eigen::MatrixXd> factor(correlation);
-  require(correlation.allFinite() && factor.vectorD().minCoeff() > k_singular,
-          "test: the covariance of {} outputs from {} specimens is singular, so Mahalanobis weighting is not possible; "
-          "test more specimens than outputs, leave outputs out, or set update.mares.weighting = \"euclidean\"",
+  // A direction without variability would leave the parameters without scatter there (Eq. 12): no cloud to regress on.
+  require(correlation.allFinite() && correlation.ldlt().vectorD().minCoeff() > k_singular,
+          "test: the covariance of {} outputs from {} specimens is singular; test more specimens than outputs, leave "
+          "outputs out, or set update.mares.model_error above 0",
           outputs, problem.tests.values.rows());
-  setup.weight = setup.test_variability.inverse();
+  setup.weight = options.weighting == MaresOptions::Weighting::euclidean
+                     ? Eigen::MatrixXd(Eigen::MatrixXd::Identity(outputs, outputs) * static_cast<double>(outputs) /
+                                       setup.test_variability.trace())
+                     : Eigen::MatrixXd(setup.test_variability.inverse());
   return setup;
 }
 
 Eigen::MatrixXd estimate_sensitivity(const Cloud& cloud, MaresOptions::Regression kind) {
   const Cloud::Valid valid = cloud.valid();
-  if (kind == MaresOptions::Regression::quadratic) return quadratic_regression(valid.samples, valid.outputs).sensitivity;
+  if (kind == MaresOptions::Regression::quadratic)
+    return quadratic_regression(valid.samples, valid.outputs).sensitivity;
   return linear_regression(valid.samples, valid.outputs).sensitivity;
 }
 

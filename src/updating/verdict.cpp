@@ -14,9 +14,8 @@ VerdictTest mean_agreement_test(const UpdatingProblem& problem, const IterationR
   const TestMoments tests = test_moments(problem.tests);
   const auto specimens = static_cast<int>(problem.tests.values.rows());
   const auto samples = static_cast<int>(state.cloud.valid().outputs.rows());
-  const TwoSampleTest hotelling =
-      hotelling_two_sample(tests.mean, tests.covariance, specimens, state.output_mean, state.output_covariance, samples,
-                           level);
+  const TwoSampleTest hotelling = hotelling_two_sample(tests.mean, tests.covariance, specimens, state.output_mean,
+                                                       state.output_covariance, samples, level);
   return {.name = "mean-agreement",
           .statistic = hotelling.t_squared,
           .critical = hotelling.critical_t_squared,
@@ -59,8 +58,7 @@ Identifiability identify(const Eigen::Ref<const Eigen::MatrixXd>& sensitivity,
                          const Eigen::Ref<const Eigen::VectorXd>& output_scale,
                          const Eigen::Ref<const Eigen::VectorXd>& parameter_scale) {
   constexpr double k_unseen = 1e-6;
-  const Eigen::MatrixXd scaled =
-      output_scale.cwiseInverse().asDiagonal() * sensitivity * parameter_scale.asDiagonal();
+  const Eigen::MatrixXd scaled = output_scale.cwiseInverse().asDiagonal() * sensitivity * parameter_scale.asDiagonal();
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(scaled, Eigen::ComputeFullV);
   Identifiability result;
   result.singular_values = svd.singularValues();

@@ -45,6 +45,12 @@ class CheckLayers(unittest.TestCase):
         self.assert_found("src/study/x.cpp", 1, '#include "stats/private.hpp"')
         self.assert_found("src/study/x.cpp", 1, '#include "../stats/private.hpp"')
 
+    def test_a_tests_helper_may_be_used_by_the_layers_above_it(self):
+        code, output = self.run_on({"tests/core/helper.hpp": "", "tests/stats/x_test.cpp": '#include "core/helper.hpp"'})
+        self.assertEqual(code, 0, output)
+        code, output = self.run_on({"tests/stats/helper.hpp": "", "tests/core/x_test.cpp": '#include "stats/helper.hpp"'})
+        self.assertEqual(code, 1, output)
+
     def test_an_unknown_layer_is_found(self):
         self.assert_found("src/study/x.cpp", 2, '#include "mottle/nowhere/x.hpp"')
         self.assert_found("src/nowhere/x.cpp", 1, "")

@@ -20,21 +20,40 @@ function common_unit(study) {
 }
 
 function build(study, shown, is_logarithmic, width) {
-  const { cells, height } = layout(shown.length, width, { minimum: 330, columns_at_most: 2, aspect: 0.55, legend_height: 4 });
+  const { cells, height } = layout(shown.length, width, {
+    minimum: 330,
+    columns_at_most: 2,
+    aspect: 0.55,
+    legend_height: 4,
+  });
   const unit = common_unit(study);
   const panels = shown.map(({ field, title }) => ({
     title: field === "distance_euclidean" && unit ? `${title} (${unit})` : title,
     x: { name: "Iteration", minInterval: 1, scale: false },
-    y: is_logarithmic ? { type: "log", scale: true, axisLabel: { formatter: (value) => short_number(value, 2) } }
+    y: is_logarithmic
+      ? { type: "log", scale: true, axisLabel: { formatter: (value) => short_number(value, 2) } }
       : { scale: false, axisLabel: { formatter: (value) => short_number(value, 3) } },
   }));
   const drawable = (value) => (is_number(value) && (!is_logarithmic || value > 0) ? value : null);
   const option = {
-    ...panel_frame(panels, cells), ...zooming(shown.length),
-    tooltip: { trigger: "axis", formatter: ([point]) => tooltip_box(`Iteration ${point.value[0]}`,
-      [`${shown[point.axisIndex ?? point.seriesIndex].title}: ${number_text(point.value[1])}`]) },
+    ...panel_frame(panels, cells),
+    ...zooming(shown.length),
+    tooltip: {
+      trigger: "axis",
+      formatter: ([point]) =>
+        tooltip_box(`Iteration ${point.value[0]}`, [
+          `${shown[point.axisIndex ?? point.seriesIndex].title}: ${number_text(point.value[1])}`,
+        ]),
+    },
     series: shown.map(({ field, title, color, symbol }, i) => ({
-      name: title, type: "line", xAxisIndex: i, yAxisIndex: i, symbol, symbolSize: 7, color, lineStyle: { width: 2 },
+      name: title,
+      type: "line",
+      xAxisIndex: i,
+      yAxisIndex: i,
+      symbol,
+      symbolSize: 7,
+      color,
+      lineStyle: { width: 2 },
       data: history_of(study, field).map(([index, value]) => [index, drawable(value)]),
     })),
   };
@@ -42,20 +61,37 @@ function build(study, shown, is_logarithmic, width) {
 }
 
 export default {
-  id: "convergence", title: "Convergence",
+  id: "convergence",
+  title: "Convergence",
   has_data: (study) => metrics.some(({ field }) => has_history(study, field)),
-  explained: [["Distance of the means", "Between the mean of the model's cloud and that of the tests: Euclidean in the " +
-    "outputs' unit, Mahalanobis in standard deviations. It should fall and level off; a level far above zero means that the " +
-    "parameters cannot reach the tests."]],
+  explained: [
+    [
+      "Distance of the means",
+      "Between the mean of the model's cloud and that of the tests: Euclidean in the " +
+        "outputs' unit, Mahalanobis in standard deviations. It should fall and level off; a level far above zero means that the " +
+        "parameters cannot reach the tests.",
+    ],
+  ],
   content(study) {
     const shown = metrics.filter(({ field }) => has_history(study, field));
     let is_logarithmic = false;
-    const toggle = checkbox("Logarithmic axis", false, (checked) => {
-      is_logarithmic = checked;
-      redraw(id, { afresh: true });
-    }, { id: "distance-log" });
-    return [figure({ id, title: "Distance between the means of cloud and tests",
-      caption: "Distance of the mean outputs at each iteration; iteration 0 is the model as it was given.",
-      controls: [toggle], build: (width) => build(study, shown, is_logarithmic, width) })];
+    const toggle = checkbox(
+      "Logarithmic axis",
+      false,
+      (checked) => {
+        is_logarithmic = checked;
+        redraw(id, { afresh: true });
+      },
+      { id: "distance-log" },
+    );
+    return [
+      figure({
+        id,
+        title: "Distance between the means of cloud and tests",
+        caption: "Distance of the mean outputs at each iteration; iteration 0 is the model as it was given.",
+        controls: [toggle],
+        build: (width) => build(study, shown, is_logarithmic, width),
+      }),
+    ];
   },
 };

@@ -4,23 +4,33 @@ import { percent_text } from "../src/format.js";
 import { data_table } from "../src/table.js";
 
 function rows_of({ outputs: block, output_axes }) {
-  const deviations = Object.fromEntries(["test", "initial", "final"]
-    .map((which) => [which, standard_deviations(block[`${which}_covariance`])]));
+  const deviations = Object.fromEntries(
+    ["test", "initial", "final"].map((which) => [which, standard_deviations(block[`${which}_covariance`])]),
+  );
   return output_axes.map(({ index, name, unit }) => {
     const at = (field) => number_or_null(list(block[field])[index]);
     const std = (which) => number_or_null(deviations[which][index]);
     return {
-      name, unit, test_count: at("test_count"), test_mean: at("test_mean"), test_std: std("test"),
-      initial_mean: at("initial_mean"), initial_error: percent_change(at("test_mean"), at("initial_mean")),
-      initial_std: std("initial"), final_mean: at("final_mean"),
-      final_error: percent_change(at("test_mean"), at("final_mean")), final_std: std("final"),
+      name,
+      unit,
+      test_count: at("test_count"),
+      test_mean: at("test_mean"),
+      test_std: std("test"),
+      initial_mean: at("initial_mean"),
+      initial_error: percent_change(at("test_mean"), at("initial_mean")),
+      initial_std: std("initial"),
+      final_mean: at("final_mean"),
+      final_error: percent_change(at("test_mean"), at("final_mean")),
+      final_std: std("final"),
     };
   });
 }
 
 function columns_for(rows) {
   const error = (value) => percent_text(value, 2);
-  const model = rows.some((row) => is_number(row.final_mean)) ? ["Model, initial", "Model, updated"] : ["Model", "Model"];
+  const model = rows.some((row) => is_number(row.final_mean))
+    ? ["Model, initial", "Model, updated"]
+    : ["Model", "Model"];
   return [
     { key: "name", title: "Output", is_text: true },
     { key: "unit", title: "Unit", is_text: true },
@@ -37,13 +47,20 @@ function columns_for(rows) {
 }
 
 export default {
-  id: "outputs", title: "Outputs",
+  id: "outputs",
+  title: "Outputs",
   has_data: (study) => list(study.outputs.names).length > 0,
   explained: [["Error", "Mean of the model's cloud less mean of the tests, in percent of the latter."]],
   content(study) {
     const rows = rows_of(study);
     const is_compared = rows.some((row) => is_number(row.test_mean));
-    return [data_table({ id: "outputs", rows, columns: columns_for(rows),
-      title: is_compared ? "Outputs: tests against the model" : "Outputs of the model" })];
+    return [
+      data_table({
+        id: "outputs",
+        rows,
+        columns: columns_for(rows),
+        title: is_compared ? "Outputs: tests against the model" : "Outputs of the model",
+      }),
+    ];
   },
 };

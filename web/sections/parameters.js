@@ -3,8 +3,8 @@ import { is_number, list, number_or_null, percent_change } from "../src/data.js"
 import { number_text, percent_text, short_number } from "../src/format.js";
 import { data_table } from "../src/table.js";
 
-const interval_text = (interval) => (list(interval).some(is_number)
-  ? `${number_text(interval[0], 3)} … ${number_text(interval[1], 3)}` : "–");
+const interval_text = (interval) =>
+  list(interval).some(is_number) ? `${number_text(interval[0], 3)} … ${number_text(interval[1], 3)}` : "–";
 
 function bounds_text([lower, upper]) {
   if (!is_number(lower) && !is_number(upper)) return "none";
@@ -15,10 +15,17 @@ function rows_of({ parameters: block, parameter_axes }) {
   return parameter_axes.map(({ index, name, unit }) => {
     const at = (field) => number_or_null(list(block[field])[index]);
     return {
-      name, unit, prior_mean: at("prior_mean"), prior_std: at("prior_std"), mean: at("mean"), std: at("std"),
+      name,
+      unit,
+      prior_mean: at("prior_mean"),
+      prior_std: at("prior_std"),
+      mean: at("mean"),
+      std: at("std"),
       change: percent_change(at("prior_mean"), at("mean")),
-      mean_ci95: list(list(block.mean_ci95)[index]), std_ci95: list(list(block.std_ci95)[index]),
-      bounds: list(list(block.bounds)[index]), at_bound: list(block.at_bound)[index] ?? null,
+      mean_ci95: list(list(block.mean_ci95)[index]),
+      std_ci95: list(list(block.std_ci95)[index]),
+      bounds: list(list(block.bounds)[index]),
+      at_bound: list(block.at_bound)[index] ?? null,
     };
   });
 }
@@ -26,7 +33,13 @@ function rows_of({ parameters: block, parameter_axes }) {
 function columns_for(rows) {
   const any = (key) => rows.some((row) => is_number(row[key]));
   const any_interval = (key) => rows.some((row) => row[key].some(is_number));
-  const interval = (key, title) => ({ key, title, group: "95 % interval", text: interval_text, csv: (row) => row[key].join(" to ") });
+  const interval = (key, title) => ({
+    key,
+    title,
+    group: "95 % interval",
+    text: interval_text,
+    csv: (row) => row[key].join(" to "),
+  });
   return [
     { key: "name", title: "Parameter", is_text: true },
     rows.some((row) => row.unit) ? { key: "unit", title: "Unit", is_text: true } : null,
@@ -35,26 +48,49 @@ function columns_for(rows) {
     any("mean") ? { key: "mean", title: "Mean", group: "Updated" } : null,
     any("std") ? { key: "std", title: "Std. dev.", group: "Updated" } : null,
     any("change") ? { key: "change", title: "Change", group: "Updated", text: (value) => percent_text(value) } : null,
-    any_interval("bounds") ? { key: "bounds", title: "Bounds", text: bounds_text, csv: (row) => row.bounds.map((b) => b ?? "").join(" to ") } : null,
-    rows.some((row) => row.at_bound) ? { key: "at_bound", title: "At bound", is_text: true, of_class: (row) => (row.at_bound ? "flag" : null),
-      text: (side) => (side === "upper" ? "▲ upper" : side === "lower" ? "▼ lower" : side ?? "") } : null,
+    any_interval("bounds")
+      ? { key: "bounds", title: "Bounds", text: bounds_text, csv: (row) => row.bounds.map((b) => b ?? "").join(" to ") }
+      : null,
+    rows.some((row) => row.at_bound)
+      ? {
+          key: "at_bound",
+          title: "At bound",
+          is_text: true,
+          of_class: (row) => (row.at_bound ? "flag" : null),
+          text: (side) => (side === "upper" ? "▲ upper" : side === "lower" ? "▼ lower" : (side ?? "")),
+        }
+      : null,
     any_interval("mean_ci95") ? interval("mean_ci95", "Mean") : null,
     any_interval("std_ci95") ? interval("std_ci95", "Std. dev.") : null,
   ].filter(Boolean);
 }
 
 export default {
-  id: "parameters", title: "Parameters",
+  id: "parameters",
+  title: "Parameters",
   has_data: (study) => study.parameter_axes.length > 0 && list(study.parameters.names).length > 0,
-  explained: [["At bound", "The estimate ended on a limit that was set beforehand: the data ask for more than the limit allows, " +
-    "often a sign that the wrong parameter was chosen."]],
+  explained: [
+    [
+      "At bound",
+      "The estimate ended on a limit that was set beforehand: the data ask for more than the limit allows, " +
+        "often a sign that the wrong parameter was chosen.",
+    ],
+  ],
   content(study) {
     const rows = rows_of(study);
     const columns = columns_for(rows);
     const has_intervals = columns.some(({ key }) => key === "mean_ci95" || key === "std_ci95");
-    return [data_table({ id: "parameters", columns, rows,
-      title: study.is_update ? "Parameters before and after updating" : "Parameters as they were varied",
-      caption: has_intervals ? "The 95 % intervals say how well mean and standard deviation of the population are known from these " +
-        "tests; the standard deviation itself is the spread from one specimen to the next." : null })];
+    return [
+      data_table({
+        id: "parameters",
+        columns,
+        rows,
+        title: study.is_update ? "Parameters before and after updating" : "Parameters as they were varied",
+        caption: has_intervals
+          ? "The 95 % intervals say how well mean and standard deviation of the population are known from these " +
+            "tests; the standard deviation itself is the spread from one specimen to the next."
+          : null,
+      }),
+    ];
   },
 };

@@ -2,7 +2,14 @@
 import { shown_iterations } from "../src/data.js";
 import { legend, redraw, zooming } from "../src/charts.js";
 import {
-  axis_choice, limits_of_pair, names, pairs_of, panel_of_pair, scatter_tooltip, series_of_pair, snapshot,
+  axis_choice,
+  limits_of_pair,
+  names,
+  pairs_of,
+  panel_of_pair,
+  scatter_tooltip,
+  series_of_pair,
+  snapshot,
 } from "../src/cloud_panels.js";
 import { figure } from "../src/figure.js";
 import { layout, panel_frame } from "../src/panels.js";
@@ -12,35 +19,69 @@ const columns_at_most = 3;
 
 /** Rows of panels: for each row of pairs the first iteration, below it the last; `position` counts cells row by row. */
 function arrange(pairs, steps, columns) {
-  return pairs.flatMap((pair, k) => steps.map((iteration, step) => {
-    const row = Math.floor(k / columns) * steps.length + step;
-    return { pair, iteration, position: row * columns + (k % columns) };
-  }));
+  return pairs.flatMap((pair, k) =>
+    steps.map((iteration, step) => {
+      const row = Math.floor(k / columns) * steps.length + step;
+      return { pair, iteration, position: row * columns + (k % columns) };
+    }),
+  );
 }
 
 function build(study, axes, steps, width) {
   const pairs = pairs_of(axes);
   const columns = Math.max(1, Math.min(pairs.length, columns_at_most, Math.floor(width / 215)));
   const rows = Math.ceil(pairs.length / columns) * steps.length;
-  const grid = layout(rows * columns, width, { minimum: width / columns, columns_at_most: columns, aspect: 0.8, legend_height: width < 560 ? 62 : 34 });
+  const grid = layout(rows * columns, width, {
+    minimum: width / columns,
+    columns_at_most: columns,
+    aspect: 0.8,
+    legend_height: width < 560 ? 62 : 34,
+  });
   const panels = arrange(pairs, steps, columns);
-  const limits = new Map(pairs.map((pair) => [pair,
-    limits_of_pair(study, steps.map((step) => snapshot(study, step, "outputs")), pair, "outputs")]));
-  const frame = panel_frame(panels.map(({ pair, iteration }) =>
-    panel_of_pair(steps.length > 1 || study.is_update ? `Iteration ${iteration}` : "", pair, limits.get(pair))),
-  panels.map(({ position }) => grid.cells[position]));
+  const limits = new Map(
+    pairs.map((pair) => [
+      pair,
+      limits_of_pair(
+        study,
+        steps.map((step) => snapshot(study, step, "outputs")),
+        pair,
+        "outputs",
+      ),
+    ]),
+  );
+  const frame = panel_frame(
+    panels.map(({ pair, iteration }) =>
+      panel_of_pair(steps.length > 1 || study.is_update ? `Iteration ${iteration}` : "", pair, limits.get(pair)),
+    ),
+    panels.map(({ position }) => grid.cells[position]),
+  );
   const series = panels.flatMap(({ pair, iteration }, panel) =>
-    series_of_pair(study, snapshot(study, iteration, "outputs"), pair, panel, "outputs", limits.get(pair)));
-  const option = { ...frame, ...zooming(panels.length), series, legend: legend(series, Object.values(names)),
-    tooltip: scatter_tooltip(panels.map(({ pair }) => pair), series) };
+    series_of_pair(study, snapshot(study, iteration, "outputs"), pair, panel, "outputs", limits.get(pair)),
+  );
+  const option = {
+    ...frame,
+    ...zooming(panels.length),
+    series,
+    legend: legend(series, Object.values(names)),
+    tooltip: scatter_tooltip(
+      panels.map(({ pair }) => pair),
+      series,
+    ),
+  };
   return { option, height: grid.height };
 }
 
 export default {
-  id: "scatter", title: (study) => (study.tests.length ? "Scatter of tests and model" : "Scatter of the model's outputs"),
+  id: "scatter",
+  title: (study) => (study.tests.length ? "Scatter of tests and model" : "Scatter of the model's outputs"),
   has_data: (study) => study.output_axes.length > 1 && shown_iterations(study).length > 0,
-  explained: [["Scatter and ellipses", "Each dot is one sample of the model, each diamond one specimen. An ellipse holds about 86\u00a0% of a normal " +
-    "scatter of two outputs (2σ). In the last iteration the solid ellipse should lie on the dashed one."]],
+  explained: [
+    [
+      "Scatter and ellipses",
+      "Each dot is one sample of the model, each diamond one specimen. An ellipse holds about 86\u00a0% of a normal " +
+        "scatter of two outputs (2σ). In the last iteration the solid ellipse should lie on the dashed one.",
+    ],
+  ],
   content(study) {
     const all = shown_iterations(study);
     const steps = all.length > 1 ? [all[0], all[all.length - 1]] : all;
@@ -49,10 +90,17 @@ export default {
       redraw(id, { afresh: true });
     });
     let shown = choice.chosen;
-    return [figure({ id, renderer: "canvas", controls: choice.control ? [choice.control] : [],
-      title: steps.length > 1 ? "Tests and model at the first and the last iteration" : "Samples of the outputs",
-      caption: "Every pair of the outputs shown, with 2σ ellipses" +
-        (steps.length > 1 ? "; the same axes above and below." : "."),
-      build: (width) => build(study, shown, steps, width) })];
+    return [
+      figure({
+        id,
+        renderer: "canvas",
+        controls: choice.control ? [choice.control] : [],
+        title: steps.length > 1 ? "Tests and model at the first and the last iteration" : "Samples of the outputs",
+        caption:
+          "Every pair of the outputs shown, with 2σ ellipses" +
+          (steps.length > 1 ? "; the same axes above and below." : "."),
+        build: (width) => build(study, shown, steps, width),
+      }),
+    ];
   },
 };

@@ -9,8 +9,12 @@ const in_each_of_several = 5;
 
 function rows_of(study, regression) {
   return study.output_axes.map(({ index, name, unit }) => {
-    const row = { name, unit, r_squared: number_or_null(list(regression.r_squared)[index]),
-      r_squared_quadratic: number_or_null(list(regression.r_squared_quadratic)[index]) };
+    const row = {
+      name,
+      unit,
+      r_squared: number_or_null(list(regression.r_squared)[index]),
+      r_squared_quadratic: number_or_null(list(regression.r_squared_quadratic)[index]),
+    };
     for (const parameter of study.parameter_axes) {
       row[`g${parameter.index}`] = number_or_null(list(list(regression.sensitivity)[index])[parameter.index]);
       row[`e${parameter.index}`] = number_or_null(list(list(regression.standard_error)[index])[parameter.index]);
@@ -22,7 +26,10 @@ function rows_of(study, regression) {
 function with_error(parameter) {
   return (value, row) => {
     const error = row[`e${parameter.index}`];
-    return [number_text(value), is_number(error) ? element("span", { class: "error" }, ` ± ${number_text(error, 2)}`) : null];
+    return [
+      number_text(value),
+      is_number(error) ? element("span", { class: "error" }, ` ± ${number_text(error, 2)}`) : null,
+    ];
   };
 }
 
@@ -31,8 +38,12 @@ function part(study, rows, parameters, is_first, of) {
   const columns = [
     { key: "name", title: "Output", is_text: true },
     { key: "unit", title: "Unit", is_text: true },
-    ...parameters.map((parameter) => ({ key: `g${parameter.index}`, title: parameter.name,
-      unit: parameter.unit ? `per ${parameter.unit}` : "", text: with_error(parameter) })),
+    ...parameters.map((parameter) => ({
+      key: `g${parameter.index}`,
+      title: parameter.name,
+      unit: parameter.unit ? `per ${parameter.unit}` : "",
+      text: with_error(parameter),
+    })),
   ];
   if (is_first) {
     columns.push({ key: "r_squared", title: "R²", group: "Explained", text: fit });
@@ -43,18 +54,30 @@ function part(study, rows, parameters, is_first, of) {
   const has_errors = rows.some((row) => parameters.some(({ index }) => is_number(row[`e${index}`])));
   const caption = `Change of the output for a unit change of the parameter${has_errors ? ", ± one standard error of the regression" : ""}.`;
   const suffix = of.count > 1 ? `, ${parameters[0].name} to ${parameters[parameters.length - 1].name}` : "";
-  return data_table({ id: of.count > 1 ? `sensitivity-${of.part + 1}` : "sensitivity", title: `Sensitivity of the outputs${suffix}`,
-    columns: columns.filter(({ key }) => key !== "unit" || rows.some((row) => row.unit)), rows,
-    caption: of.part === of.count - 1 ? caption : null });
+  return data_table({
+    id: of.count > 1 ? `sensitivity-${of.part + 1}` : "sensitivity",
+    title: `Sensitivity of the outputs${suffix}`,
+    columns: columns.filter(({ key }) => key !== "unit" || rows.some((row) => row.unit)),
+    rows,
+    caption: of.part === of.count - 1 ? caption : null,
+  });
 }
 
 export default {
-  id: "sensitivity", title: "Sensitivity",
+  id: "sensitivity",
+  title: "Sensitivity",
   has_data: (study) => list(record(study.result.regression).sensitivity).length > 0,
   explained: [
-    ["Sensitivity", "Slopes of a straight-line fit of the outputs over the cloud; a slope not well above its standard error is not known."],
-    ["R²", "Share of an output's scatter that the straight-line fit explains; where the quadratic one explains much more, the model is curved " +
-      "over the cloud."]],
+    [
+      "Sensitivity",
+      "Slopes of a straight-line fit of the outputs over the cloud; a slope not well above its standard error is not known.",
+    ],
+    [
+      "R²",
+      "Share of an output's scatter that the straight-line fit explains; where the quadratic one explains much more, the model is curved " +
+        "over the cloud.",
+    ],
+  ],
   content(study) {
     const regression = record(study.result.regression);
     const rows = rows_of(study, regression);
@@ -62,9 +85,11 @@ export default {
     const count = total <= in_one_table ? 1 : Math.ceil(total / in_each_of_several);
     const size = Math.ceil(total / count);
     const tables = Array.from({ length: count }, (_, k) =>
-      part(study, rows, study.parameter_axes.slice(k * size, (k + 1) * size), k === 0, { part: k, count }));
+      part(study, rows, study.parameter_axes.slice(k * size, (k + 1) * size), k === 0, { part: k, count }),
+    );
     const condition = is_number(regression.condition)
-      ? paragraph(`Condition number of the samples' columns: ${short_number(regression.condition)}.`) : null;
+      ? paragraph(`Condition number of the samples' columns: ${short_number(regression.condition)}.`)
+      : null;
     return [...tables, condition];
   },
 };

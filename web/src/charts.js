@@ -4,15 +4,32 @@
 import { init, use } from "echarts/core";
 import { CustomChart, HeatmapChart, LineChart, ScatterChart } from "echarts/charts";
 import {
-  DataZoomComponent, GridComponent, LegendComponent, TitleComponent, ToolboxComponent, TooltipComponent,
+  DataZoomComponent,
+  GridComponent,
+  LegendComponent,
+  TitleComponent,
+  ToolboxComponent,
+  TooltipComponent,
   VisualMapContinuousComponent,
 } from "echarts/components";
 import { CanvasRenderer, SVGRenderer } from "echarts/renderers";
 import { font_family, hairline, ink, muted } from "./palette.js";
 
-use([CustomChart, HeatmapChart, LineChart, ScatterChart, DataZoomComponent, GridComponent, LegendComponent,
-  TitleComponent, ToolboxComponent, TooltipComponent, VisualMapContinuousComponent, CanvasRenderer,
-  SVGRenderer]);
+use([
+  CustomChart,
+  HeatmapChart,
+  LineChart,
+  ScatterChart,
+  DataZoomComponent,
+  GridComponent,
+  LegendComponent,
+  TitleComponent,
+  ToolboxComponent,
+  TooltipComponent,
+  VisualMapContinuousComponent,
+  CanvasRenderer,
+  SVGRenderer,
+]);
 
 export const charts = {};
 const live = new Map();
@@ -20,15 +37,23 @@ const printed_width = 660; // CSS pixels between the margins of an A4 page
 
 /** What every option shares: no animation (a report is read, compared and tested as it stands), our font. */
 function with_defaults(option) {
-  return { animation: false, backgroundColor: "transparent", textStyle: { fontFamily: font_family, color: ink },
-    ...option };
+  return {
+    animation: false,
+    backgroundColor: "transparent",
+    textStyle: { fontFamily: font_family, color: ink },
+    ...option,
+  };
 }
 
 export function create_chart(host, description) {
   const { option, height } = description.build(available_width(host));
   host.style.height = `${height}px`;
-  const chart = init(host, null, { renderer: description.renderer ?? "svg",
-    devicePixelRatio: Math.max(2, window.devicePixelRatio || 1), width: available_width(host), height });
+  const chart = init(host, null, {
+    renderer: description.renderer ?? "svg",
+    devicePixelRatio: Math.max(2, window.devicePixelRatio || 1),
+    width: available_width(host),
+    height,
+  });
   chart.setOption(with_defaults(option));
   charts[description.id] = chart;
   live.set(description.id, { chart, host, description, width: available_width(host) });
@@ -83,12 +108,17 @@ export function zoom_of(chart) {
 }
 
 export function apply_zoom(chart, zooms) {
-  zooms.forEach(({ start, end }, dataZoomIndex) => chart.dispatchAction({ type: "dataZoom", dataZoomIndex, start, end }));
+  zooms.forEach(({ start, end }, dataZoomIndex) =>
+    chart.dispatchAction({ type: "dataZoom", dataZoomIndex, start, end }),
+  );
 }
 
 export function reset_zoom(id) {
   const { chart } = live.get(id);
-  apply_zoom(chart, zoom_of(chart).map(() => ({ start: 0, end: 100 })));
+  apply_zoom(
+    chart,
+    zoom_of(chart).map(() => ({ start: 0, end: 100 })),
+  );
 }
 
 /** While on, dragging over a plot chooses the area to enlarge. */
@@ -98,10 +128,18 @@ export function choose_zoom_area(id, is_on) {
 
 /** Axis of a plot in the report's style; `more` overrides. */
 export function axis(more = {}) {
-  return { type: "value", scale: true, nameLocation: "middle", nameTextStyle: { color: ink, fontSize: 12 },
-    axisLine: { show: true, lineStyle: { color: muted } }, axisTick: { show: true, lineStyle: { color: muted } },
-    axisLabel: { color: muted, fontSize: 11, hideOverlap: true }, splitLine: { lineStyle: { color: hairline } },
-    splitNumber: 4, ...more };
+  return {
+    type: "value",
+    scale: true,
+    nameLocation: "middle",
+    nameTextStyle: { color: ink, fontSize: 12 },
+    axisLine: { show: true, lineStyle: { color: muted } },
+    axisTick: { show: true, lineStyle: { color: muted } },
+    axisLabel: { color: muted, fontSize: 11, hideOverlap: true },
+    splitLine: { lineStyle: { color: hairline } },
+    splitNumber: 4,
+    ...more,
+  };
 }
 
 /** Wheel with Ctrl enlarges (plain wheel scrolls the page), dragging moves; the hidden toolbox serves the area zoom. */
@@ -109,9 +147,17 @@ export function zooming(axis_count) {
   const all = Array.from({ length: axis_count }, (_, i) => i);
   const inside = { type: "inside", filterMode: "none", zoomOnMouseWheel: "ctrl", moveOnMouseWheel: false };
   return {
-    dataZoom: all.flatMap((i) => [{ ...inside, xAxisIndex: i }, { ...inside, yAxisIndex: i }]),
-    toolbox: { show: true, itemSize: 0, showTitle: false, left: -50,
-      feature: { dataZoom: { filterMode: "none", brushStyle: { color: "rgba(0,114,178,0.12)", borderColor: muted } } } },
+    dataZoom: all.flatMap((i) => [
+      { ...inside, xAxisIndex: i },
+      { ...inside, yAxisIndex: i },
+    ]),
+    toolbox: {
+      show: true,
+      itemSize: 0,
+      showTitle: false,
+      left: -50,
+      feature: { dataZoom: { filterMode: "none", brushStyle: { color: "rgba(0,114,178,0.12)", borderColor: muted } } },
+    },
   };
 }
 
@@ -140,8 +186,16 @@ export function legend(series, names) {
     const mark = one && mark_of(one);
     return one ? [mark ? { name, icon: legend_marks[mark] } : { name }] : [];
   });
-  return { top: 0, left: 0, itemWidth: 26, itemHeight: 11, itemGap: 18, selectedMode: true,
-    textStyle: { fontSize: 12, color: ink }, data: entries };
+  return {
+    top: 0,
+    left: 0,
+    itemWidth: 26,
+    itemHeight: 11,
+    itemGap: 18,
+    selectedMode: true,
+    textStyle: { fontSize: 12, color: ink },
+    data: entries,
+  };
 }
 
 /** Tooltip as elements, so that names are never taken as markup. */

@@ -5,8 +5,13 @@ import { element } from "./dom.js";
 import { name_with_unit, number_text, short_number } from "./format.js";
 import { bound, model, model_points, test } from "./palette.js";
 
-export const names = { cloud: "Model, samples", ellipse: "Model, 2σ ellipse", tests: "Tests", test_ellipse: "Tests, 2σ ellipse",
-  bounds: "Bounds" };
+export const names = {
+  cloud: "Model, samples",
+  ellipse: "Model, 2σ ellipse",
+  tests: "Tests",
+  test_ellipse: "Tests, 2σ ellipse",
+  bounds: "Bounds",
+};
 
 export function pairs_of(axes) {
   return axes.flatMap((x, i) => axes.slice(i + 1).map((y) => ({ x, y })));
@@ -28,7 +33,13 @@ export function snapshot(study, iteration, space) {
 }
 
 function test_ellipse(study, pair) {
-  return ellipse_of_pair(study.result.test_ellipses, study.outputs.test_mean, study.outputs.test_covariance, pair.x, pair.y);
+  return ellipse_of_pair(
+    study.result.test_ellipses,
+    study.outputs.test_mean,
+    study.outputs.test_covariance,
+    pair.x,
+    pair.y,
+  );
 }
 
 const points_of_pair = (rows, { x, y }) =>
@@ -53,32 +64,77 @@ export function limits_of_pair(study, snapshots, pair, space) {
 /** Round ticks between limits that follow the data; the limits themselves carry no label. */
 export function panel_of_pair(title, pair, limits) {
   const axis_label = { showMinLabel: false, showMaxLabel: false, formatter: (value) => short_number(value, 4) };
-  return { title, x: { name: name_with_unit(pair.x), ...limits.x, axisLabel: axis_label },
-    y: { name: name_with_unit(pair.y), ...limits.y, axisLabel: axis_label } };
+  return {
+    title,
+    x: { name: name_with_unit(pair.x), ...limits.x, axisLabel: axis_label },
+    y: { name: name_with_unit(pair.y), ...limits.y, axisLabel: axis_label },
+  };
 }
 
-const line = (name, panel, data, line_style, z) => ({ name, type: "line", xAxisIndex: panel, yAxisIndex: panel, symbol: "none",
-  silent: true, z, data, lineStyle: { width: 2, ...line_style }, itemStyle: { color: line_style.color } });
+const line = (name, panel, data, line_style, z) => ({
+  name,
+  type: "line",
+  xAxisIndex: panel,
+  yAxisIndex: panel,
+  symbol: "none",
+  silent: true,
+  z,
+  data,
+  lineStyle: { width: 2, ...line_style },
+  itemStyle: { color: line_style.color },
+});
 
 function bound_lines(study, pair, panel, limits) {
-  const across = (which, value) => (which === "x" ? [[value, limits.y.min], [value, limits.y.max]]
-    : [[limits.x.min, value], [limits.x.max, value]]);
-  return ["x", "y"].flatMap((which) => list(list(study.parameters.bounds)[pair[which].index])
-    .filter((value) => is_number(value) && value >= limits[which].min && value <= limits[which].max)
-    .map((value) => line(names.bounds, panel, across(which, value), { color: bound, type: "dotted", width: 1.5 }, 1)));
+  const across = (which, value) =>
+    which === "x"
+      ? [
+          [value, limits.y.min],
+          [value, limits.y.max],
+        ]
+      : [
+          [limits.x.min, value],
+          [limits.x.max, value],
+        ];
+  return ["x", "y"].flatMap((which) =>
+    list(list(study.parameters.bounds)[pair[which].index])
+      .filter((value) => is_number(value) && value >= limits[which].min && value <= limits[which].max)
+      .map((value) => line(names.bounds, panel, across(which, value), { color: bound, type: "dotted", width: 1.5 }, 1)),
+  );
 }
 
 export function series_of_pair(study, view, pair, panel, space, limits) {
   const at = { xAxisIndex: panel, yAxisIndex: panel };
   const series = [
-    { name: names.cloud, type: "scatter", ...at, symbol: "circle", symbolSize: 5, z: 2, itemStyle: { color: model_points, opacity: 0.4 },
-      data: points_of_pair(view.points, pair) },
-    line(names.ellipse, panel, ellipse_of_pair(view.ellipses, view.mean, view.covariance, pair.x, pair.y) ?? [], { color: model }, 3),
+    {
+      name: names.cloud,
+      type: "scatter",
+      ...at,
+      symbol: "circle",
+      symbolSize: 5,
+      z: 2,
+      itemStyle: { color: model_points, opacity: 0.4 },
+      data: points_of_pair(view.points, pair),
+    },
+    line(
+      names.ellipse,
+      panel,
+      ellipse_of_pair(view.ellipses, view.mean, view.covariance, pair.x, pair.y) ?? [],
+      { color: model },
+      3,
+    ),
   ];
   if (space === "parameters") return [...series, ...bound_lines(study, pair, panel, limits)];
   if (study.tests.length) {
-    series.push({ name: names.tests, type: "scatter", ...at, symbol: "diamond", symbolSize: 10, z: 5,
-      itemStyle: { color: test, borderColor: "#ffffff", borderWidth: 0.8 }, data: points_of_pair(study.tests, pair) });
+    series.push({
+      name: names.tests,
+      type: "scatter",
+      ...at,
+      symbol: "diamond",
+      symbolSize: study.tests.length > 40 ? 7 : 10,
+      z: 5,
+      itemStyle: { color: test, borderColor: "#ffffff", borderWidth: 0.8 },
+      data: points_of_pair(study.tests, pair),
+    });
   }
   const dashed = test_ellipse(study, pair);
   if (dashed) series.push(line(names.test_ellipse, panel, dashed, { color: test, type: [6, 4] }, 4));
@@ -87,10 +143,16 @@ export function series_of_pair(study, view, pair, panel, space, limits) {
 
 /** `pairs` by panel. */
 export function scatter_tooltip(pairs, series) {
-  return { trigger: "item", formatter: ({ seriesName, value, seriesIndex }) => {
-    const { x, y } = pairs[series[seriesIndex].xAxisIndex];
-    return tooltip_box(seriesName, [`${name_with_unit(x)}: ${number_text(value[0], 5)}`, `${name_with_unit(y)}: ${number_text(value[1], 5)}`]);
-  } };
+  return {
+    trigger: "item",
+    formatter: ({ seriesName, value, seriesIndex }) => {
+      const { x, y } = pairs[series[seriesIndex].xAxisIndex];
+      return tooltip_box(seriesName, [
+        `${name_with_unit(x)}: ${number_text(value[0], 5)}`,
+        `${name_with_unit(y)}: ${number_text(value[1], 5)}`,
+      ]);
+    },
+  };
 }
 
 /** Choice of which axes to show, where there are too many to show all pairs; calls `show(axes)`. */

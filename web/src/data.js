@@ -49,9 +49,11 @@ export function read_study(data) {
   const result = record(source.result);
   const parameters = record(result.parameters);
   const outputs = record(result.outputs);
-  const iterations = list(result.iterations).map(record)
+  const iterations = list(result.iterations)
+    .map(record)
     .map((entry, position) => ({ ...entry, index: is_number(entry.index) ? entry.index : position }));
-  const clouds = list(source.clouds).map(record)
+  const clouds = list(source.clouds)
+    .map(record)
     .map((cloud, position) => ({
       iteration: is_number(cloud.iteration) ? cloud.iteration : position,
       parameters: list(cloud.parameters).map(list),
@@ -59,7 +61,11 @@ export function read_study(data) {
     }));
   const first_cloud = clouds[0] ?? { parameters: [], outputs: [] };
   const study = {
-    result, parameters, outputs, iterations, clouds,
+    result,
+    parameters,
+    outputs,
+    iterations,
+    clouds,
     parameter_axes: named(parameters, "x", list(first_cloud.parameters[0]).length),
     output_axes: named(outputs, "y", list(first_cloud.outputs[0]).length),
   };
@@ -111,9 +117,14 @@ export function ellipse_of_pair(ellipses, mean, covariance, x_axis, y_axis) {
     return points && swapped ? points.map(([x, y]) => [y, x]) : points;
   }
   const entry = (i, j) => list(list(covariance)[i])[j];
-  return ellipse_points(ellipse_of_covariance(
-    [list(mean)[x_axis.index], list(mean)[y_axis.index]],
-    entry(x_axis.index, x_axis.index), entry(x_axis.index, y_axis.index), entry(y_axis.index, y_axis.index)));
+  return ellipse_points(
+    ellipse_of_covariance(
+      [list(mean)[x_axis.index], list(mean)[y_axis.index]],
+      entry(x_axis.index, x_axis.index),
+      entry(x_axis.index, y_axis.index),
+      entry(y_axis.index, y_axis.index),
+    ),
+  );
 }
 
 function ellipse_of_covariance(centre, xx, xy, yy) {
@@ -121,8 +132,10 @@ function ellipse_of_covariance(centre, xx, xy, yy) {
   const middle = (xx + yy) / 2;
   const radius = Math.hypot((xx - yy) / 2, xy);
   return {
-    centre, semi_major: 2 * Math.sqrt(Math.max(0, middle + radius)),
-    semi_minor: 2 * Math.sqrt(Math.max(0, middle - radius)), angle: 0.5 * Math.atan2(2 * xy, xx - yy),
+    centre,
+    semi_major: 2 * Math.sqrt(Math.max(0, middle + radius)),
+    semi_minor: 2 * Math.sqrt(Math.max(0, middle - radius)),
+    angle: 0.5 * Math.atan2(2 * xy, xx - yy),
   };
 }
 
@@ -135,7 +148,9 @@ function ellipse_points({ centre, semi_major, semi_minor, angle }) {
     const t = (2 * Math.PI * k) / steps;
     const along = semi_major * Math.cos(t);
     const across = semi_minor * Math.sin(t);
-    return [x + along * Math.cos(angle) - across * Math.sin(angle),
-      y + along * Math.sin(angle) + across * Math.cos(angle)];
+    return [
+      x + along * Math.cos(angle) - across * Math.sin(angle),
+      y + along * Math.sin(angle) + across * Math.cos(angle),
+    ];
   });
 }

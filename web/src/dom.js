@@ -22,13 +22,19 @@ export function append(node, children) {
 
 /** Text in which `code` stands between backticks. */
 export function prose(text) {
-  return String(text).split(/`([^`]+)`/).map((part, i) => (i % 2 ? element("code", {}, part) : part));
+  return String(text)
+    .split(/`([^`]+)`/)
+    .map((part, i) => (i % 2 ? element("code", {}, part) : part));
 }
 
 export const paragraph = (...children) => element("p", {}, ...children);
 
 export function bullets(items, attributes = {}) {
-  return element("ul", attributes, items.map((item) => element("li", {}, item)));
+  return element(
+    "ul",
+    attributes,
+    items.map((item) => element("li", {}, item)),
+  );
 }
 
 export function button(label, title, action, attributes = {}) {

@@ -19,22 +19,38 @@ export function figure({ id, title, caption, build, renderer = "svg", controls =
   numbered += 1;
   const number = numbered;
   const host = element("div", { class: "plot-area", role: "img", "aria-label": `${title}. ${caption}` });
-  const zoom = button("Zoom", "Choose an area to enlarge by dragging; Ctrl and the mouse wheel enlarge too", () => {
-    const is_on = zoom.getAttribute("aria-pressed") !== "true";
-    zoom.setAttribute("aria-pressed", String(is_on));
-    choose_zoom_area(id, is_on);
-  }, { "aria-pressed": "false" });
-  const tools = element("div", { class: "tools", role: "group", "aria-label": `Tools of figure ${number}` },
+  const zoom = button(
+    "Zoom",
+    "Choose an area to enlarge by dragging; Ctrl and the mouse wheel enlarge too",
+    () => {
+      const is_on = zoom.getAttribute("aria-pressed") !== "true";
+      zoom.setAttribute("aria-pressed", String(is_on));
+      choose_zoom_area(id, is_on);
+    },
+    { "aria-pressed": "false" },
+  );
+  const tools = element(
+    "div",
+    { class: "tools", role: "group", "aria-label": `Tools of figure ${number}` },
     zoom,
     button("Reset", "Show the whole plot again", () => reset_zoom(id)),
     button("PNG", "Save this plot as a PNG image", () => save_png(id), { "data-export": "png" }),
-    button("SVG", "Save this plot as an SVG drawing", () => save_svg(id), { "data-export": "svg" }));
+    button("SVG", "Save this plot as an SVG drawing", () => save_svg(id), { "data-export": "svg" }),
+  );
   waiting.push(() => create_chart(host, { id, renderer, build }));
-  return element("figure", { class: "plot", id: `figure-${id}`, "data-plot": id, "data-renderer": renderer },
-    element("div", { class: "plot-head" },
-      element("div", { class: "plot-title" }, element("b", {}, `Figure ${number}`), ` ${title}`), tools),
+  return element(
+    "figure",
+    { class: "plot", id: `figure-${id}`, "data-plot": id, "data-renderer": renderer },
+    element(
+      "div",
+      { class: "plot-head" },
+      element("div", { class: "plot-title" }, element("b", {}, `Figure ${number}`), ` ${title}`),
+      tools,
+    ),
     controls.length ? element("div", { class: "controls" }, controls) : null,
-    host, element("figcaption", {}, caption));
+    host,
+    element("figcaption", {}, caption),
+  );
 }
 
 export function draw_waiting_figures() {
@@ -51,6 +67,13 @@ export function pager({ count, label, show }) {
     text.textContent = label(current);
     show(current);
   };
-  return [element("span", { class: "pager" }, button("‹", "Previous panels", () => turn(-1)), text,
-    button("›", "Next panels", () => turn(1)))];
+  return [
+    element(
+      "span",
+      { class: "pager" },
+      button("‹", "Previous panels", () => turn(-1)),
+      text,
+      button("›", "Next panels", () => turn(1)),
+    ),
+  ];
 }

@@ -22,7 +22,9 @@ export function number_text(value, digits = 4) {
 export function short_number(value, digits = 4) {
   if (!is_number(value)) return nothing;
   if (Number.isInteger(value) && Math.abs(value) < 1e6) return with_minus(String(value));
-  return number_text(value, digits).replace(/(\.\d*?)0+(?=$|·)/, "$1").replace(/\.(?=$|·)/, "");
+  return number_text(value, digits)
+    .replace(/(\.\d*?)0+(?=$|·)/, "$1")
+    .replace(/\.(?=$|·)/, "");
 }
 
 export function percent_text(value, digits = 1) {
@@ -52,13 +54,16 @@ export const name_with_unit = (axis) => (axis.unit ? `${axis.name} (${axis.unit}
 
 /** "0.71 k1 − 0.70 k2": the largest weights of a combination, largest first, with an ellipsis where smaller ones were left out. */
 export function combination_text(weights, { least = 0.1, terms = 6 } = {}) {
-  const all = Object.entries(weights).filter(([, weight]) => is_number(weight) && Math.abs(weight) >= 0.005)
+  const all = Object.entries(weights)
+    .filter(([, weight]) => is_number(weight) && Math.abs(weight) >= 0.005)
     .sort(([, a], [, b]) => Math.abs(b) - Math.abs(a));
   const shown = all.filter(([, weight]) => Math.abs(weight) >= least).slice(0, terms);
-  const text = shown.map(([name, weight], position) => {
-    const sign = weight < 0 ? "\u2212 " : "+ ";
-    return `${position === 0 ? (weight < 0 ? "\u2212" : "") : sign}${Math.abs(weight).toFixed(2)}\u00a0${name}`;
-  }).join(" ");
+  const text = shown
+    .map(([name, weight], position) => {
+      const sign = weight < 0 ? "\u2212 " : "+ ";
+      return `${position === 0 ? (weight < 0 ? "\u2212" : "") : sign}${Math.abs(weight).toFixed(2)}\u00a0${name}`;
+    })
+    .join(" ");
   return shown.length < all.length ? `${text} + …` : text;
 }
 

@@ -6,8 +6,20 @@ import { ink } from "./palette.js";
  * Cells for `count` panels in a chart of the given width.
  * `aspect` is height over width of the drawing area; `legend_height` is kept free above the first row.
  */
-export function layout(count, width, { minimum = 215, columns_at_most = 3, aspect = 0.62, legend_height = 34,
-  left = 62, right = 14, top = 26, bottom = 44 } = {}) {
+export function layout(
+  count,
+  width,
+  {
+    minimum = 215,
+    columns_at_most = 3,
+    aspect = 0.62,
+    legend_height = 34,
+    left = 62,
+    right = 14,
+    top = 26,
+    bottom = 44,
+  } = {},
+) {
   const columns = Math.max(1, Math.min(count, columns_at_most, Math.floor(width / minimum)));
   const rows = Math.ceil(count / columns);
   const cell_width = width / columns;
@@ -17,7 +29,8 @@ export function layout(count, width, { minimum = 215, columns_at_most = 3, aspec
   const cells = Array.from({ length: count }, (_, i) => ({
     left: Math.round((i % columns) * cell_width + left),
     top: Math.round(legend_height + Math.floor(i / columns) * cell_height + top),
-    width: Math.round(inner_width), height: inner_height,
+    width: Math.round(inner_width),
+    height: inner_height,
   }));
   return { columns, rows, cells, height: legend_height + rows * cell_height };
 }
@@ -26,10 +39,19 @@ export function layout(count, width, { minimum = 215, columns_at_most = 3, aspec
 export function panel_frame(panels, cells) {
   return {
     grid: cells.map((cell) => ({ ...cell, outerBoundsMode: "none" })),
-    xAxis: panels.map((panel, i) => axis({ gridIndex: i, nameGap: 26, nameTruncate: { maxWidth: cells[i].width }, ...panel.x })),
-    yAxis: panels.map((panel, i) => axis({ gridIndex: i, nameGap: 44, nameTruncate: { maxWidth: cells[i].height }, ...panel.y })),
-    title: panels.map((panel, i) => ({ text: panel.title ?? "", left: cells[i].left, top: cells[i].top - 22, padding: 0,
-      textStyle: { fontSize: 12, fontWeight: 600, color: ink, overflow: "truncate", width: cells[i].width } })),
+    xAxis: panels.map((panel, i) =>
+      axis({ gridIndex: i, nameGap: 26, nameTruncate: { maxWidth: cells[i].width }, ...panel.x }),
+    ),
+    yAxis: panels.map((panel, i) =>
+      axis({ gridIndex: i, nameGap: 44, nameTruncate: { maxWidth: cells[i].height }, ...panel.y }),
+    ),
+    title: panels.map((panel, i) => ({
+      text: panel.title ?? "",
+      left: cells[i].left,
+      top: cells[i].top - 22,
+      padding: 0,
+      textStyle: { fontSize: 12, fontWeight: 600, color: ink, overflow: "truncate", width: cells[i].width },
+    })),
   };
 }
 
@@ -37,8 +59,16 @@ export function panel_frame(panels, cells) {
 export function band_series(name, points, color, panel) {
   const known = points.filter((point) => point.every(Number.isFinite));
   return {
-    name, type: "custom", xAxisIndex: panel, yAxisIndex: panel, silent: true, clip: true, z: 1, data: known,
-    encode: { x: 0, y: [1, 2] }, itemStyle: { color },
+    name,
+    type: "custom",
+    xAxisIndex: panel,
+    yAxisIndex: panel,
+    silent: true,
+    clip: true,
+    z: 1,
+    data: known,
+    encode: { x: 0, y: [1, 2] },
+    itemStyle: { color },
     renderItem: (params, api) => {
       if (params.dataIndex !== 0) return null;
       const upper = known.map(([x, , high]) => api.coord([x, high]));
@@ -50,13 +80,29 @@ export function band_series(name, points, color, panel) {
 
 /** A level across the whole panel, drawn as a line of two points so that it counts for the axis. */
 export function level_series(name, value, [from, to], panel, line_style) {
-  return { name, type: "line", xAxisIndex: panel, yAxisIndex: panel, symbol: "none", z: 2, silent: true,
-    data: [[from, value], [to, value]], lineStyle: { width: 1.5, ...line_style }, itemStyle: { color: line_style.color } };
+  return {
+    name,
+    type: "line",
+    xAxisIndex: panel,
+    yAxisIndex: panel,
+    symbol: "none",
+    z: 2,
+    silent: true,
+    data: [
+      [from, value],
+      [to, value],
+    ],
+    lineStyle: { width: 1.5, ...line_style },
+    itemStyle: { color: line_style.color },
+  };
 }
 
 /** `items` in pages of `size`: how many there are, what is on page k, and what to call it. */
 export function pages_of(items, size) {
   const count = Math.max(1, Math.ceil(items.length / size));
-  return { count, page: (k) => items.slice(k * size, (k + 1) * size),
-    label: (k) => `${k * size + 1}–${Math.min(items.length, (k + 1) * size)} of ${items.length}` };
+  return {
+    count,
+    page: (k) => items.slice(k * size, (k + 1) * size),
+    label: (k) => `${k * size + 1}–${Math.min(items.length, (k + 1) * size)} of ${items.length}`,
+  };
 }

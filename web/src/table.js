@@ -12,23 +12,50 @@ let numbered = 0;
  */
 export function data_table({ id, title, caption, columns, rows }) {
   numbered += 1;
-  const csv = button("CSV", "Save this table as CSV", () => save_csv(id, csv_rows(columns, rows)), { "data-export": "csv" });
-  return element("div", { class: "table-block", id: `table-${id}` },
-    element("div", { class: "plot-head" },
+  const csv = button("CSV", "Save this table as CSV", () => save_csv(id, csv_rows(columns, rows)), {
+    "data-export": "csv",
+  });
+  return element(
+    "div",
+    { class: "table-block", id: `table-${id}` },
+    element(
+      "div",
+      { class: "plot-head" },
       element("div", { class: "plot-title" }, element("b", {}, `Table ${numbered}`), ` ${title}`),
-      element("div", { class: "tools" }, csv)),
-    element("div", { class: "table-scroll", tabindex: "0", role: "region", "aria-label": title },
-      element("table", { "data-table": id, class: columns.length <= 4 ? "compact" : null }, heads(columns),
-        element("tbody", {}, rows.map((row) => element("tr", { "data-row": row.name ?? null },
-          columns.map((column, position) => cell(column, row, position === 0))))))),
-    caption ? element("p", { class: "note" }, caption) : null);
+      element("div", { class: "tools" }, csv),
+    ),
+    element(
+      "div",
+      { class: "table-scroll", tabindex: "0", role: "region", "aria-label": title },
+      element(
+        "table",
+        { "data-table": id, class: columns.length <= 4 ? "compact" : null },
+        heads(columns),
+        element(
+          "tbody",
+          {},
+          rows.map((row) =>
+            element(
+              "tr",
+              { "data-row": row.name ?? null },
+              columns.map((column, position) => cell(column, row, position === 0)),
+            ),
+          ),
+        ),
+      ),
+    ),
+    caption ? element("p", { class: "note" }, caption) : null,
+  );
 }
 
 function cell(column, row, is_head) {
   const value = row[column.key];
-  const shown = column.text ? column.text(value, row) : column.is_text ? value ?? "–" : number_text(value);
-  const attributes = { class: [column.is_text ? null : "number", column.of_class?.(row)].filter(Boolean).join(" ") || null,
-    "data-key": column.key, "data-value": typeof value === "number" ? value : null };
+  const shown = column.text ? column.text(value, row) : column.is_text ? (value ?? "–") : number_text(value);
+  const attributes = {
+    class: [column.is_text ? null : "number", column.of_class?.(row)].filter(Boolean).join(" ") || null,
+    "data-key": column.key,
+    "data-value": typeof value === "number" ? value : null,
+  };
   return is_head ? element("th", { ...attributes, scope: "row" }, shown) : element("td", attributes, shown);
 }
 
@@ -36,8 +63,15 @@ function heads(columns) {
   const title = (column) => [column.title, column.unit ? element("span", { class: "unit" }, ` ${column.unit}`) : null];
   const number_class = (column) => (column.is_text ? null : "number");
   if (!columns.some((column) => column.group)) {
-    return element("thead", {}, element("tr", {},
-      columns.map((column) => element("th", { scope: "col", class: number_class(column) }, title(column)))));
+    return element(
+      "thead",
+      {},
+      element(
+        "tr",
+        {},
+        columns.map((column) => element("th", { scope: "col", class: number_class(column) }, title(column))),
+      ),
+    );
   }
   const upper = [];
   const lower = [];

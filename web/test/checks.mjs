@@ -1,244 +1,287 @@
 // What must hold of every report. Each check is a sentence and a function that throws where it does not hold.
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
-
-const list = (value) => (Array.isArray(value) ? value : []);
-const is_number = (value) => typeof value === "number" && Number.isFinite(value);
-const has_numbers = (value) => list(value).flat(Infinity).some(is_number);
-const result_of = (data) => data.result ?? {};
-
-/** The plots that the data call for. */
-function expected_plots(data) {
-  const result = result_of(data);
-  const iterations = list(result.iterations);
-  const any = (field) => iterations.some((entry) => is_number(entry[field]) || has_numbers(entry[field]));
-  const outputs = list(result.outputs?.names).length;
-  const shown = new Set([...list(data.clouds).map(({ iteration }) => iteration),
-    ...iterations.filter((entry) => list(entry.ellipses).length || list(entry.parameter_ellipses).length).map(({ index }) => index)]);
-  return [
-    any("distance_euclidean") || any("distance_mahalanobis") ? "distance" : null,
-    any("output_mean") && iterations.length > 1 ? "output-history" : null,
-    any("parameter_mean") && iterations.length > 1 ? "parameter-history" : null,
-    list(result.sample_size?.curve?.n_total).length > 1 ? "sample-size" : null,
-    has_numbers(result.spearman) ? "spearman" : null,
-    outputs > 1 && shown.size ? "scatter-first-last" : null,
-    outputs > 1 && shown.size > 1 ? "scatter-outputs" : null,
-    list(result.parameters?.names).length > 1 && has_numbers(list(data.clouds).map(({ parameters }) => parameters)) ? "scatter-parameters" : null,
-    has_numbers(result.identifiability?.singular_values) ? "singular-values" : null,
-  ].filter(Boolean);
-}
-
-/** Number of distinct colours drawn, sampled; 1 means blank. */
-function drawn_colours(page, id) {
-  return page.evaluate((plot) => {
-    const host = document.querySelector(`[data-plot="${plot}"] .plot-area`);
-    const canvas = host.querySelector("canvas");
-    if (!canvas) return host.querySelectorAll("svg path").length;
-    const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
-    const colours = new Set();
-    for (let i = 0; i < data.length; i += 4 * 7) colours.add(`${data[i]},${data[i + 1]},${data[i + 2]},${data[i + 3]}`);
-    return colours.size;
-  }, id);
-}
-
-const series_of = (page, id) => page.evaluate((plot) =>
-  window.mottle.charts[plot].getOption().series.map(({ name, type, data }) => ({ name, type, data })), id);
-
-async function close_to_data(page, table, key, rows, values) {
-  for (const [i, value] of values.entries()) {
-    const cell = page.locator(`[data-table="${table}"] tr[data-row]`).nth(i).locator(`[data-key="${key}"]`);
-    if (!is_number(value)) {
-      if (await cell.count()) assert.equal((await cell.innerText()).trim(), "–", `${table}.${key}[${i}] of a missing number`);
-      continue;
-    }
-    assert.equal(Number(await cell.getAttribute("data-value")), value, `${table}.${key}[${i}]`);
-    const shown = Number((await cell.innerText()).replace("−", "-").replace(/·10(.*)/, (_, power) =>
-      `e${[...power].map((sign) => "⁻⁰¹²³⁴⁵⁶⁷⁸⁹".indexOf(sign)).map((k) => (k === 0 ? "-" : String(k - 1))).join("")}`));
-    assert.ok(Math.abs(shown - value) <= 6e-4 * Math.abs(value), `${table}.${key}[${i}] shows ${shown} for ${value}`);
-  }
-}
-
-const overflow = (page) => page.evaluate(() => {
-  const { scrollWidth, clientWidth } = document.documentElement;
-  const wide = [...document.querySelectorAll(".plot-area > div")].filter((node) => node.scrollWidth > node.parentElement.clientWidth + 1);
-  return { page: scrollWidth - clientWidth, plots: wide.length };
-});
-
-async function exported(page, id, kind) {
-  const [download] = await Promise.all([page.waitForEvent("download", { timeout: 10000 }),
-    page.click(`[data-plot="${id}"] [data-export="${kind}"]`)]);
-  assert.equal(download.suggestedFilename(), `mottle-${id}.${kind}`);
-  return readFileSync(await download.path());
-}
+import {
+  list,
+  has_numbers,
+  result_of,
+  expected_plots,
+  drawn_colours,
+  series_of,
+  close_to_data,
+  overflow,
+  exported,
+} from "./expectations.mjs";
 
 export const checks = [
-  ["the title is shown as text, whatever it holds", async ({ page, data }) => {
-    assert.equal(await page.locator("h1").innerText(), (result_of(data).title ?? "").trim() || "Untitled study");
-    assert.equal(await page.locator("h1 *").count(), 0);
-  }],
-  ["the verdict stands first and says what the data say", async ({ page, data }) => {
-    assert.equal(await page.locator("section").first().getAttribute("id"), "verdict-section");
-    assert.equal(await page.locator("[data-verdict]").getAttribute("data-verdict"), String(result_of(data).verdict?.adequate ?? null));
-    assert.equal(await page.locator('[data-table="verdict"] tbody tr').count(), list(result_of(data).verdict?.tests).length);
-  }],
-  ["every plot that the data call for is there, and no other", async ({ page, data }) => {
-    assert.deepEqual(await page.evaluate(() => Object.keys(window.mottle.charts)), expected_plots(data));
-    assert.deepEqual(await page.evaluate(() => [...document.querySelectorAll("[data-plot]")].map((node) => node.dataset.plot)), expected_plots(data));
-  }],
-  ["every plot is drawn and holds data", async ({ page, data }) => {
-    for (const id of expected_plots(data)) {
-      assert.ok(await drawn_colours(page, id) > 5, `${id} is blank`);
-      assert.ok((await series_of(page, id)).some((series) => series.data.length > 0), `${id} has no data`);
-      assert.equal(await page.locator(`[data-plot="${id}"] .plot-area`).getAttribute("data-drawn"), "true");
-    }
-  }],
-  ["every figure has a caption and a text alternative", async ({ page }) => {
-    const bare = await page.evaluate(() => [...document.querySelectorAll("figure")].filter((figure) =>
-      !figure.querySelector("figcaption").textContent.trim() || !figure.querySelector("[role=img]").getAttribute("aria-label")).length);
-    assert.equal(bare, 0);
-  }],
-  ["the tables show the numbers of the result", async ({ page, data }) => {
-    const { parameters = {}, outputs = {} } = result_of(data);
-    const names = list(parameters.names);
-    for (const key of ["prior_mean", "prior_std", "mean", "std"]) {
-      if (has_numbers(parameters[key])) await close_to_data(page, "parameters", key, names, names.map((_, i) => parameters[key][i]));
-    }
-    const output_names = list(outputs.names);
-    for (const key of ["test_mean", "initial_mean", "final_mean"]) {
-      if (has_numbers(outputs[key])) await close_to_data(page, "outputs", key, output_names, output_names.map((_, i) => outputs[key][i]));
-    }
-  }],
-  ["a parameter on its bound is flagged", async ({ page, data }) => {
-    const flagged = list(result_of(data).parameters?.at_bound).filter(Boolean).length;
-    assert.equal(await page.locator('[data-table="parameters"] [data-key="at_bound"].flag').count(), flagged);
-  }],
-  ["the distance can be read on a logarithmic axis", async ({ page, data }) => {
-    if (!expected_plots(data).includes("distance")) return;
-    const axis_type = () => page.evaluate(() => window.mottle.charts.distance.getOption().yAxis[0].type);
-    await page.check("#distance-log");
-    assert.equal(await axis_type(), "log");
-    await page.uncheck("#distance-log");
-    assert.equal(await axis_type(), "value");
-  }],
-  ["the slider moves cloud and ellipse, also by keyboard", async ({ page, data, shot }) => {
-    if (!expected_plots(data).includes("scatter-outputs")) return;
-    const state = async () => JSON.stringify((await series_of(page, "scatter-outputs")).filter(({ name }) => name.startsWith("Model")));
-    const range = page.locator("#iteration");
-    const last = await range.inputValue();
-    const at_end = await state();
-    await range.focus();
-    await page.keyboard.press("Home");
-    assert.equal(await range.inputValue(), "0");
-    const at_start = await state();
-    assert.notEqual(at_start, at_end, "cloud and ellipse stayed");
-    assert.ok((await page.locator(".reading").innerText()).startsWith("Iteration "), "no reading");
-    await shot("first");
-    await page.keyboard.press("ArrowRight");
-    assert.equal(await range.inputValue(), "1");
-    await page.keyboard.press("End");
-    assert.equal(await range.inputValue(), last);
-    assert.equal(await state(), at_end);
-  }],
-  ["play walks through the iterations and can be stopped", async ({ page, data }) => {
-    if (!expected_plots(data).includes("scatter-outputs")) return;
-    const steps = Number(await page.locator("#iteration").getAttribute("max"));
-    await page.click("#play");
-    await page.waitForTimeout(850);
-    assert.equal(await page.locator("#iteration").inputValue(), "1");
-    if (steps > 1) await page.click("#play");
-    await page.waitForTimeout(850);
-    assert.equal(await page.locator("#iteration").inputValue(), "1");
-    await page.locator("#iteration").focus();
-    await page.keyboard.press("End");
-  }],
-  ["axes can be chosen where there are too many for all pairs", async ({ page, data }) => {
-    const boxes = page.locator("#figure-scatter-first-last .chip input");
-    if (!(await boxes.count())) return;
-    const grids = () => page.evaluate(() => window.mottle.charts["scatter-first-last"].getOption().grid.length);
-    const before = await grids();
-    await boxes.nth(3).check();
-    assert.ok(await grids() > before);
-    if (await boxes.count() > 4) {
-      await boxes.nth(4).click();
-      assert.equal(await boxes.nth(4).isChecked(), false, "more axes than the limit");
-    }
-    await boxes.nth(3).uncheck();
-    assert.equal(await grids(), before);
-  }],
-  ["zooming in and Reset change and restore a plot", async ({ page, data }) => {
-    for (const id of expected_plots(data).slice(0, 1).concat(expected_plots(data).filter((plot) => plot === "scatter-outputs"))) {
-      const zoomed = () => page.evaluate((plot) => window.mottle.charts[plot].getOption().dataZoom?.some(({ start, end }) => end - start < 99), id);
-      if ((await page.evaluate((plot) => window.mottle.charts[plot].getOption().dataZoom?.length ?? 0, id)) === 0) continue;
-      await page.click(`[data-plot="${id}"] .tools button >> nth=0`);
-      const box = await page.locator(`[data-plot="${id}"] .plot-area`).boundingBox();
-      await page.locator(`[data-plot="${id}"] .plot-area`).scrollIntoViewIfNeeded();
-      const at = await page.locator(`[data-plot="${id}"] .plot-area`).boundingBox();
-      assert.ok(box);
-      await page.mouse.move(at.x + 110, at.y + 90);
-      await page.mouse.down();
-      await page.mouse.move(at.x + 180, at.y + 140, { steps: 4 });
-      await page.mouse.up();
-      assert.equal(await zoomed(), true, `${id} did not zoom`);
-      await page.click(`[data-plot="${id}"] .tools button >> nth=1`);
-      assert.equal(await zoomed(), false, `${id} did not return`);
-      await page.click(`[data-plot="${id}"] .tools button >> nth=0`);
-    }
-  }],
-  ["hovering a plot shows values as text", async ({ page, data }) => {
-    if (!expected_plots(data).includes("spearman")) return;
-    await page.locator('[data-plot="spearman"] .plot-area').scrollIntoViewIfNeeded();
-    const at = await page.evaluate(() => {
-      const chart = window.mottle.charts.spearman;
-      const [column, row] = chart.getOption().series[0].data[0].value;
-      const box = document.querySelector('[data-plot="spearman"] .plot-area').getBoundingClientRect();
-      const [x, y] = chart.convertToPixel({ seriesIndex: 0 }, [column, row]);
-      return { x: box.x + x, y: box.y + y };
-    });
-    await page.mouse.move(at.x, at.y);
-    await page.mouse.move(at.x + 2, at.y + 2);
-    await page.waitForSelector('[data-plot="spearman"] .tooltip', { timeout: 3000 });
-    assert.match(await page.locator('[data-plot="spearman"] .tooltip').innerText(), /→[^]*ρ: /);
-    await page.mouse.move(2, 2);
-  }],
-  ["every plot saves as PNG and as SVG", async ({ page, data }) => {
-    for (const id of expected_plots(data)) {
-      const png = await exported(page, id, "png");
-      assert.equal(png.subarray(1, 4).toString(), "PNG");
-      assert.ok(png.length > 5000, `${id}.png holds ${png.length} bytes`);
-      const svg = (await exported(page, id, "svg")).toString("utf8");
-      assert.match(svg, /^<svg[^>]*xmlns="http:\/\/www.w3.org\/2000\/svg"/);
-      assert.ok(svg.split("<path").length > 5, `${id}.svg is blank`);
-    }
-  }],
-  ["a table saves as CSV", async ({ page }) => {
-    const buttons = page.locator('.table-block [data-export="csv"]');
-    for (let i = 0; i < await buttons.count(); i += 1) {
-      const [download] = await Promise.all([page.waitForEvent("download", { timeout: 10000 }), buttons.nth(i).click()]);
-      assert.ok(readFileSync(await download.path(), "utf8").split("\r\n").length > 2);
-    }
-  }],
-  ["nothing overflows at 1280, 800 or 390 pixels", async ({ page, shot }) => {
-    for (const width of [800, 390, 1280]) {
-      await page.setViewportSize({ width, height: 900 });
+  [
+    "the title is shown as text, whatever it holds",
+    async ({ page, data }) => {
+      assert.equal(await page.locator("h1").innerText(), (result_of(data).title ?? "").trim() || "Untitled study");
+      assert.equal(await page.locator("h1 *").count(), 0);
+    },
+  ],
+  [
+    "the verdict stands first and says what the data say",
+    async ({ page, data }) => {
+      assert.equal(await page.locator("section").first().getAttribute("id"), "verdict-section");
+      assert.equal(
+        await page.locator("[data-verdict]").getAttribute("data-verdict"),
+        String(result_of(data).verdict?.adequate ?? null),
+      );
+      assert.equal(
+        await page.locator('[data-table="verdict"] tbody tr').count(),
+        list(result_of(data).verdict?.tests).length,
+      );
+    },
+  ],
+  [
+    "every plot that the data call for is there, and no other",
+    async ({ page, data }) => {
+      assert.deepEqual(await page.evaluate(() => Object.keys(window.mottle.charts)), expected_plots(data));
+      assert.deepEqual(
+        await page.evaluate(() => [...document.querySelectorAll("[data-plot]")].map((node) => node.dataset.plot)),
+        expected_plots(data),
+      );
+    },
+  ],
+  [
+    "every plot is drawn and holds data",
+    async ({ page, data }) => {
+      for (const id of expected_plots(data)) {
+        assert.ok((await drawn_colours(page, id)) > 5, `${id} is blank`);
+        assert.ok(
+          (await series_of(page, id)).some((series) => series.data.length > 0),
+          `${id} has no data`,
+        );
+        assert.equal(await page.locator(`[data-plot="${id}"] .plot-area`).getAttribute("data-drawn"), "true");
+      }
+    },
+  ],
+  [
+    "every figure has a caption and a text alternative",
+    async ({ page }) => {
+      const bare = await page.evaluate(
+        () =>
+          [...document.querySelectorAll("figure")].filter(
+            (figure) =>
+              !figure.querySelector("figcaption").textContent.trim() ||
+              !figure.querySelector("[role=img]").getAttribute("aria-label"),
+          ).length,
+      );
+      assert.equal(bare, 0);
+    },
+  ],
+  [
+    "the tables show the numbers of the result",
+    async ({ page, data }) => {
+      const { parameters = {}, outputs = {} } = result_of(data);
+      const names = list(parameters.names);
+      for (const key of ["prior_mean", "prior_std", "mean", "std"]) {
+        if (has_numbers(parameters[key]))
+          await close_to_data(
+            page,
+            "parameters",
+            key,
+            names,
+            names.map((_, i) => parameters[key][i]),
+          );
+      }
+      const output_names = list(outputs.names);
+      for (const key of ["test_mean", "initial_mean", "final_mean"]) {
+        if (has_numbers(outputs[key]))
+          await close_to_data(
+            page,
+            "outputs",
+            key,
+            output_names,
+            output_names.map((_, i) => outputs[key][i]),
+          );
+      }
+    },
+  ],
+  [
+    "a parameter on its bound is flagged",
+    async ({ page, data }) => {
+      const flagged = list(result_of(data).parameters?.at_bound).filter(Boolean).length;
+      assert.equal(await page.locator('[data-table="parameters"] [data-key="at_bound"].flag').count(), flagged);
+    },
+  ],
+  [
+    "the distance can be read on a logarithmic axis",
+    async ({ page, data }) => {
+      if (!expected_plots(data).includes("distance")) return;
+      const axis_type = () => page.evaluate(() => window.mottle.charts.distance.getOption().yAxis[0].type);
+      await page.check("#distance-log");
+      assert.equal(await axis_type(), "log");
+      await page.uncheck("#distance-log");
+      assert.equal(await axis_type(), "value");
+    },
+  ],
+  [
+    "the slider moves cloud and ellipse, also by keyboard",
+    async ({ page, data, shot }) => {
+      if (!expected_plots(data).includes("scatter-outputs")) return;
+      const state = async () =>
+        JSON.stringify((await series_of(page, "scatter-outputs")).filter(({ name }) => name.startsWith("Model")));
+      const range = page.locator("#iteration");
+      const last = await range.inputValue();
+      const at_end = await state();
+      await range.focus();
+      await page.keyboard.press("Home");
+      assert.equal(await range.inputValue(), "0");
+      const at_start = await state();
+      assert.notEqual(at_start, at_end, "cloud and ellipse stayed");
+      assert.ok((await page.locator(".reading").innerText()).startsWith("Iteration "), "no reading");
+      await shot("first");
+      await page.keyboard.press("ArrowRight");
+      assert.equal(await range.inputValue(), "1");
+      await page.keyboard.press("End");
+      assert.equal(await range.inputValue(), last);
+      assert.equal(await state(), at_end);
+    },
+  ],
+  [
+    "play walks through the iterations and can be stopped",
+    async ({ page, data }) => {
+      if (!expected_plots(data).includes("scatter-outputs")) return;
+      const steps = Number(await page.locator("#iteration").getAttribute("max"));
+      await page.click("#play");
+      await page.waitForTimeout(850);
+      assert.equal(await page.locator("#iteration").inputValue(), "1");
+      if (steps > 1) await page.click("#play");
+      await page.waitForTimeout(850);
+      assert.equal(await page.locator("#iteration").inputValue(), "1");
+      await page.locator("#iteration").focus();
+      await page.keyboard.press("End");
+    },
+  ],
+  [
+    "axes can be chosen where there are too many for all pairs",
+    async ({ page, data }) => {
+      const boxes = page.locator("#figure-scatter-first-last .chip input");
+      if (!(await boxes.count())) return;
+      const grids = () => page.evaluate(() => window.mottle.charts["scatter-first-last"].getOption().grid.length);
+      const before = await grids();
+      await boxes.nth(3).check();
+      assert.ok((await grids()) > before);
+      if ((await boxes.count()) > 4) {
+        await boxes.nth(4).click();
+        assert.equal(await boxes.nth(4).isChecked(), false, "more axes than the limit");
+      }
+      await boxes.nth(3).uncheck();
+      assert.equal(await grids(), before);
+    },
+  ],
+  [
+    "zooming in and Reset change and restore a plot",
+    async ({ page, data }) => {
+      for (const id of expected_plots(data)
+        .slice(0, 1)
+        .concat(expected_plots(data).filter((plot) => plot === "scatter-outputs"))) {
+        const zoomed = () =>
+          page.evaluate(
+            (plot) => window.mottle.charts[plot].getOption().dataZoom?.some(({ start, end }) => end - start < 99),
+            id,
+          );
+        if ((await page.evaluate((plot) => window.mottle.charts[plot].getOption().dataZoom?.length ?? 0, id)) === 0)
+          continue;
+        await page.click(`[data-plot="${id}"] .tools button >> nth=0`);
+        const box = await page.locator(`[data-plot="${id}"] .plot-area`).boundingBox();
+        await page.locator(`[data-plot="${id}"] .plot-area`).scrollIntoViewIfNeeded();
+        const at = await page.locator(`[data-plot="${id}"] .plot-area`).boundingBox();
+        assert.ok(box);
+        await page.mouse.move(at.x + 110, at.y + 90);
+        await page.mouse.down();
+        await page.mouse.move(at.x + 180, at.y + 140, { steps: 4 });
+        await page.mouse.up();
+        assert.equal(await zoomed(), true, `${id} did not zoom`);
+        await page.click(`[data-plot="${id}"] .tools button >> nth=1`);
+        assert.equal(await zoomed(), false, `${id} did not return`);
+        await page.click(`[data-plot="${id}"] .tools button >> nth=0`);
+      }
+    },
+  ],
+  [
+    "hovering a plot shows values as text",
+    async ({ page, data }) => {
+      if (!expected_plots(data).includes("spearman")) return;
+      await page.locator('[data-plot="spearman"] .plot-area').scrollIntoViewIfNeeded();
+      const at = await page.evaluate(() => {
+        const chart = window.mottle.charts.spearman;
+        const [column, row] = chart.getOption().series[0].data[0].value;
+        const box = document.querySelector('[data-plot="spearman"] .plot-area').getBoundingClientRect();
+        const [x, y] = chart.convertToPixel({ seriesIndex: 0 }, [column, row]);
+        return { x: box.x + x, y: box.y + y };
+      });
+      await page.mouse.move(at.x, at.y);
+      await page.mouse.move(at.x + 2, at.y + 2);
+      await page.waitForSelector('[data-plot="spearman"] .tooltip', { timeout: 3000 });
+      assert.match(await page.locator('[data-plot="spearman"] .tooltip').innerText(), /→[^]*ρ: /);
+      await page.mouse.move(2, 2);
+    },
+  ],
+  [
+    "every plot saves as PNG and as SVG",
+    async ({ page, data }) => {
+      for (const id of expected_plots(data)) {
+        const png = await exported(page, id, "png");
+        assert.equal(png.subarray(1, 4).toString(), "PNG");
+        assert.ok(png.length > 5000, `${id}.png holds ${png.length} bytes`);
+        const svg = (await exported(page, id, "svg")).toString("utf8");
+        assert.match(svg, /^<svg[^>]*xmlns="http:\/\/www.w3.org\/2000\/svg"/);
+        assert.ok(svg.split("<path").length > 5, `${id}.svg is blank`);
+      }
+    },
+  ],
+  [
+    "a table saves as CSV",
+    async ({ page }) => {
+      const buttons = page.locator('.table-block [data-export="csv"]');
+      for (let i = 0; i < (await buttons.count()); i += 1) {
+        const [download] = await Promise.all([
+          page.waitForEvent("download", { timeout: 10000 }),
+          buttons.nth(i).click(),
+        ]);
+        assert.ok(readFileSync(await download.path(), "utf8").split("\r\n").length > 2);
+      }
+    },
+  ],
+  [
+    "nothing overflows at 1280, 800 or 390 pixels",
+    async ({ page, shot }) => {
+      for (const width of [800, 390, 1280]) {
+        await page.setViewportSize({ width, height: 900 });
+        await page.waitForTimeout(300);
+        assert.deepEqual(await overflow(page), { page: 0, plots: 0 }, `at ${width} pixels`);
+        await shot(width);
+      }
+    },
+  ],
+  [
+    "in print the tools are gone and everything fits the paper",
+    async ({ page, shot }) => {
+      await page.setViewportSize({ width: 680, height: 962 });
+      await page.emulateMedia({ media: "print" });
       await page.waitForTimeout(300);
-      assert.deepEqual(await overflow(page), { page: 0, plots: 0 }, `at ${width} pixels`);
-      await shot(width);
-    }
-  }],
-  ["in print the tools are gone and everything fits the paper", async ({ page, shot }) => {
-    await page.setViewportSize({ width: 680, height: 962 });
-    await page.emulateMedia({ media: "print" });
-    await page.waitForTimeout(300);
-    assert.equal(await page.locator(".slider:visible, .tools:visible, nav:visible").count(), 0);
-    assert.deepEqual(await overflow(page), { page: 0, plots: 0 });
-    const cut = await page.evaluate(() => [...document.querySelectorAll(".table-scroll")].filter((node) => node.scrollWidth > node.clientWidth + 1).length);
-    assert.equal(cut, 0, "a table is wider than the paper");
-    await shot("print");
-    await page.emulateMedia({ media: null });
-    await page.setViewportSize({ width: 1280, height: 900 });
-    await page.waitForTimeout(200);
-  }],
-  ["the page runs no script but its own and asks for nothing else", async ({ complaints }) => {
-    assert.deepEqual(complaints, []);
-  }],
+      assert.equal(await page.locator(".slider:visible, .tools:visible, nav:visible").count(), 0);
+      assert.deepEqual(await overflow(page), { page: 0, plots: 0 });
+      const cut = await page.evaluate(
+        () =>
+          [...document.querySelectorAll(".table-scroll")].filter((node) => node.scrollWidth > node.clientWidth + 1)
+            .length,
+      );
+      assert.equal(cut, 0, "a table is wider than the paper");
+      await shot("print");
+      await page.emulateMedia({ media: null });
+      await page.setViewportSize({ width: 1280, height: 900 });
+      await page.waitForTimeout(200);
+    },
+  ],
+  [
+    "the page runs no script but its own and asks for nothing else",
+    async ({ complaints }) => {
+      assert.deepEqual(complaints, []);
+    },
+  ],
 ];

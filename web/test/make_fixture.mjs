@@ -11,39 +11,85 @@ const out = path.resolve(process.argv[2] ?? path.join(here, "..", "dist", "fixtu
 const template = readFileSync(process.argv[3] ?? path.join(here, "..", "dist", "page.html"), "utf8");
 
 function three_masses(k1, k2, k5, k6) {
-  const stiffness = [[k1 + 1 + k6, -1, -k6], [-1, k2 + 1 + k5, -k5], [-k6, -k5, 1 + k5 + k6]];
+  const stiffness = [
+    [k1 + 1 + k6, -1, -k6],
+    [-1, k2 + 1 + k5, -k5],
+    [-k6, -k5, 1 + k5 + k6],
+  ];
   return eigen(stiffness).values.map((value) => Math.sqrt(Math.max(value, 0)) / (2 * Math.PI));
 }
 
-const check = (name, statistic, critical, p_value, meaning) =>
-  ({ name, statistic, critical, p_value, passed: statistic < critical, meaning });
+const check = (name, statistic, critical, p_value, meaning) => ({
+  name,
+  statistic,
+  critical,
+  p_value,
+  passed: statistic < critical,
+  meaning,
+});
 
 function masses_study(more) {
   const normal = random_normal(7);
   const specimens = Array.from({ length: 10 }, () => [1 + 0.2 * normal(), 1 + 0.2 * normal(), 1 + 0.2 * normal()]);
   return {
-    title: "Three masses, case 1: only the wrong parameters are updated", names: ["k1", "k2", "k5"], units: ["N/m", "N/m", "N/m"],
-    output_names: ["f1", "f2", "f3"], output_units: ["Hz", "Hz", "Hz"], prior_mean: [2, 2, 2], prior_std: [0.3, 0.3, 0.3],
-    bounds: [[0.5, 3], [0.5, 3], [0.5, 3]], samples: 1000, iterations: 12, seed: 1, ellipses_at_most: 3,
-    model: (x) => three_masses(...x, 3), tests: specimens.map((x) => three_masses(...x, more.test_k6 ?? 3)),
-    verdict: { adequate: true, level: 0.05, tests: [
-      check("Hotelling's T² on the means", 0.41, 7.858, 0.9378, "The means of tests and cloud agree."),
-      check("Box's M on the covariances", 9.62, 16.81, 0.1417, "The scatter of tests and cloud agrees."),
-      check("Whitened residuals of the specimens", 2.91, 3.72, 0.112, "No specimen lies outside the cloud.")],
-    reasons: [] },
+    title: "Three masses, case 1: only the wrong parameters are updated",
+    names: ["k1", "k2", "k5"],
+    units: ["N/m", "N/m", "N/m"],
+    output_names: ["f1", "f2", "f3"],
+    output_units: ["Hz", "Hz", "Hz"],
+    prior_mean: [2, 2, 2],
+    prior_std: [0.3, 0.3, 0.3],
+    bounds: [
+      [0.5, 3],
+      [0.5, 3],
+      [0.5, 3],
+    ],
+    samples: 1000,
+    iterations: 12,
+    seed: 1,
+    ellipses_at_most: 3,
+    model: (x) => three_masses(...x, 3),
+    tests: specimens.map((x) => three_masses(...x, more.test_k6 ?? 3)),
+    verdict: {
+      adequate: true,
+      level: 0.05,
+      tests: [
+        check("Hotelling's T² on the means", 0.41, 7.858, 0.9378, "The means of tests and cloud agree."),
+        check("Box's M on the covariances", 9.62, 16.81, 0.1417, "The scatter of tests and cloud agrees."),
+        check("Whitened residuals of the specimens", 2.91, 3.72, 0.112, "No specimen lies outside the cloud."),
+      ],
+      reasons: [],
+    },
     ...more,
   };
 }
 
 function refused_study() {
   return masses_study({
-    title: "</script><b>x", test_k6: 3.5, iterations: 10, output_names: ["f1", "<img src=x onerror=alert(1)>", "f3"],
-    verdict: { adequate: false, level: 0.05, tests: [
-      check("Hotelling's T² on the means", 118.4, 7.858, 1.2e-9, "The means of tests and cloud differ by more than chance."),
-      check("Box's M on the covariances", 31.2, 16.81, 2.4e-5, "The cloud scatters less than the tests."),
-      check("Parameters on their bounds", 1, 0.5, null, "k2 ended on its lower bound.")],
-    reasons: ["The mean of f1 stays 13.3 % above the tests, 10.9 standard errors.",
-      "Parameter k2 ended on its lower bound 0.5 N/m.", "<!-- <script>alert(1)</script> -->"] },
+    title: "</script><b>x",
+    test_k6: 3.5,
+    iterations: 10,
+    output_names: ["f1", "<img src=x onerror=alert(1)>", "f3"],
+    verdict: {
+      adequate: false,
+      level: 0.05,
+      tests: [
+        check(
+          "Hotelling's T² on the means",
+          118.4,
+          7.858,
+          1.2e-9,
+          "The means of tests and cloud differ by more than chance.",
+        ),
+        check("Box's M on the covariances", 31.2, 16.81, 2.4e-5, "The cloud scatters less than the tests."),
+        check("Parameters on their bounds", 1, 0.5, null, "k2 ended on its lower bound."),
+      ],
+      reasons: [
+        "The mean of f1 stays 13.3 % above the tests, 10.9 standard errors.",
+        "Parameter k2 ended on its lower bound 0.5 N/m.",
+        "<!-- <script>alert(1)</script> -->",
+      ],
+    },
   });
 }
 
@@ -52,37 +98,111 @@ function aeroplane_study() {
   const p = 14;
   const q = 18;
   const nominal = Array.from({ length: p }, (_, j) => 6.1 * 1.32 ** j);
-  const slopes = nominal.map((f, j) => Array.from({ length: q }, (_, i) => (i === 11 ? 0 : 0.06 * f * Math.exp(-0.25 * Math.abs(i - 1.3 * j)) * (1 + 0.3 * normal()))));
-  const model = (x) => nominal.map((f, j) => f + slopes[j].reduce((sum, slope, i) => sum + slope * (x[i] - 1) - 0.05 * slope * (x[i] - 1) ** 2, 0) + 0.002 * f * normal());
+  const slopes = nominal.map((f, j) =>
+    Array.from({ length: q }, (_, i) =>
+      i === 11 ? 0 : 0.06 * f * Math.exp(-0.25 * Math.abs(i - 1.3 * j)) * (1 + 0.3 * normal()),
+    ),
+  );
+  const model = (x) =>
+    nominal.map(
+      (f, j) =>
+        f +
+        slopes[j].reduce((sum, slope, i) => sum + slope * (x[i] - 1) - 0.05 * slope * (x[i] - 1) ** 2, 0) +
+        0.002 * f * normal(),
+    );
   const truth = Array.from({ length: q }, (_, i) => 1 + 0.25 * Math.sin(i));
   return {
     title: "Aeroplane frame, 86 assemblies: support and joint stiffness, cable and screw masses",
-    names: Array.from({ length: q }, (_, i) => (i < 4 ? `support_${i + 1}` : i < 12 ? `joint_stiffness_${i - 3}` : `mass_${i - 11}`)),
-    units: Array.from({ length: q }, (_, i) => (i < 12 ? "1" : "kg")), output_names: nominal.map((_, j) => `f${j + 1}`), output_units: nominal.map(() => "Hz"),
-    prior_mean: new Array(q).fill(1), prior_std: new Array(q).fill(0.2), bounds: Array.from({ length: q }, (_, i) => (i % 3 ? [0.3, null] : [0.3, 2])),
-    samples: 600, iterations: 8, seed: 20060117, ellipses_at_most: 40, model, tests: Array.from({ length: 86 }, () => model(truth.map((t) => t + 0.1 * normal()))),
-    verdict: { adequate: null, level: null, tests: [], reasons: ["Too many entries are missing for a test of the covariances."] },
+    names: Array.from({ length: q }, (_, i) =>
+      i < 4 ? `support_${i + 1}` : i < 12 ? `joint_stiffness_${i - 3}` : `mass_${i - 11}`,
+    ),
+    units: Array.from({ length: q }, (_, i) => (i < 12 ? "1" : "kg")),
+    output_names: nominal.map((_, j) => `f${j + 1}`),
+    output_units: nominal.map(() => "Hz"),
+    prior_mean: new Array(q).fill(1),
+    prior_std: new Array(q).fill(0.2),
+    bounds: Array.from({ length: q }, (_, i) => (i % 3 ? [0.3, null] : [0.3, 2])),
+    samples: 600,
+    iterations: 8,
+    seed: 20060117,
+    ellipses_at_most: 40,
+    model,
+    tests: Array.from({ length: 86 }, () => model(truth.map((t) => t + 0.1 * normal()))),
+    verdict: {
+      adequate: null,
+      level: null,
+      tests: [],
+      reasons: ["Too many entries are missing for a test of the covariances."],
+    },
   };
 }
 
 function with_gaps(data) {
-  data.tests.rows.forEach((row, i) => row.forEach((_, j) => { if ((3 * i + 5 * j) % 17 === 0) row[j] = null; }));
-  data.result.outputs.test_count = data.tests.columns.map((_, j) => data.tests.rows.filter((row) => row[j] !== null).length);
+  data.tests.rows.forEach((row, i) =>
+    row.forEach((_, j) => {
+      if ((3 * i + 5 * j) % 17 === 0) row[j] = null;
+    }),
+  );
+  data.result.outputs.test_count = data.tests.columns.map(
+    (_, j) => data.tests.rows.filter((row) => row[j] !== null).length,
+  );
   data.result.status = "max-iterations";
   data.result.warnings = ["11 of 5411 evaluations failed: the cloud may be biased where they lie."];
-  data.result.failed_evaluations = Array.from({ length: 11 }, (_, i) => ({ sample: 37 * i + 5,
-    reason: i % 3 ? "solver ended with code 201: zero pivot at node 4711" : "no answer within 60 s" }));
+  data.result.failed_evaluations = Array.from({ length: 11 }, (_, i) => ({
+    iteration: i % 4,
+    sample: 37 * i + 5,
+    reason: i % 3 ? "solver ended with code 201: zero pivot at node 4711" : "no answer within 60 s",
+  }));
   return data;
 }
 
 function propagate(data) {
-  const { schema, mottle, units, seed, regression, spearman, identifiability, sample_size, parameters, outputs, timings_s } = data.result;
+  const {
+    schema,
+    mottle,
+    units,
+    seed,
+    regression,
+    spearman,
+    identifiability,
+    sample_size,
+    parameters,
+    outputs,
+    timings_s,
+  } = data.result;
   return {
-    result: { schema, mottle, title: "Three masses, the cloud alone", command: "propagate", units, seed, status: null, method: null,
-      parameters: { names: parameters.names, units: parameters.units, prior_mean: parameters.prior_mean, prior_std: parameters.prior_std, bounds: parameters.bounds },
-      outputs: { names: outputs.names, units: outputs.units, initial_mean: outputs.initial_mean, initial_covariance: outputs.initial_covariance },
-      regression, spearman, identifiability, sample_size: { monte_carlo_error: sample_size.monte_carlo_error }, verdict: null,
-      model_evaluations: 1000, failed_evaluations: [], timings_s, options: { samples: 1000 } },
+    result: {
+      schema,
+      mottle,
+      title: "Three masses, the cloud alone",
+      command: "propagate",
+      units,
+      seed,
+      status: null,
+      method: null,
+      parameters: {
+        names: parameters.names,
+        units: parameters.units,
+        prior_mean: parameters.prior_mean,
+        prior_std: parameters.prior_std,
+        bounds: parameters.bounds,
+      },
+      outputs: {
+        names: outputs.names,
+        units: outputs.units,
+        initial_mean: outputs.initial_mean,
+        initial_covariance: outputs.initial_covariance,
+      },
+      regression,
+      spearman,
+      identifiability,
+      sample_size: { monte_carlo_error: sample_size.monte_carlo_error },
+      verdict: null,
+      model_evaluations: 1000,
+      failed_evaluations: [],
+      timings_s,
+      options: { samples: 1000 },
+    },
     clouds: [data.clouds[0]],
   };
 }
@@ -90,7 +210,10 @@ function propagate(data) {
 function sparse(data) {
   const { result } = data;
   result.title = null;
-  result.verdict = { adequate: null, tests: [{ name: "Hotelling's T²", statistic: null, critical: null, p_value: null, passed: null }] };
+  result.verdict = {
+    adequate: null,
+    tests: [{ name: "Hotelling's T²", statistic: null, critical: null, p_value: null, passed: null }],
+  };
   result.parameters.mean[1] = null;
   result.parameters.mean_ci95 = null;
   result.parameters.bounds = null;
@@ -98,12 +221,26 @@ function sparse(data) {
   result.outputs.test_covariance = null;
   result.outputs.units = null;
   result.test_ellipses = null;
-  result.iterations = result.iterations.map((entry, i) => (i === 3 ? { index: 3, distance_euclidean: null, parameter_mean: null, output_mean: [null, 0.3, null] }
-    : { ...entry, ellipses: undefined, parameter_std: i === 5 ? null : entry.parameter_std }));
-  result.regression = { sensitivity: [[0.03, null, 0.01], [null, null, null], [0.02, 0.01, 0.1]], r_squared: [null, 0.9, 0.99] };
+  result.iterations = result.iterations.map((entry, i) =>
+    i === 3
+      ? { index: 3, distance_euclidean: null, parameter_mean: null, output_mean: [null, 0.3, null] }
+      : { ...entry, ellipses: undefined, parameter_std: i === 5 ? null : entry.parameter_std },
+  );
+  result.regression = {
+    sensitivity: [
+      [0.03, null, 0.01],
+      [null, null, null],
+      [0.02, 0.01, 0.1],
+    ],
+    r_squared: [null, 0.9, 0.99],
+  };
   result.spearman[1] = [null, null, null];
   result.sample_size = { alpha: null, n_test: 10, n_model: null, curve: null };
-  result.identifiability = { rank: 2, singular_values: [3.1, 0.4, 0], unseen_directions: [{ weights: { k1: 0.71, k2: -0.7, k5: 0.04 } }] };
+  result.identifiability = {
+    rank: 2,
+    singular_values: [3.1, 0.4, 0],
+    unseen_directions: [{ weights: { k1: 0.71, k2: -0.7, k5: 0.04 } }],
+  };
   result.rejected_draws = null;
   result.options = null;
   data.clouds = [data.clouds[0], data.clouds[6]];
@@ -115,7 +252,10 @@ function sparse(data) {
 function write_page(name, data) {
   const json = JSON.stringify(data);
   writeFileSync(path.join(out, `${name}.json`), json);
-  writeFileSync(path.join(out, `${name}.html`), template.replace("/*MOTTLE_DATA*/", () => json.replaceAll("<", "\\u003c")));
+  writeFileSync(
+    path.join(out, `${name}.html`),
+    template.replace("/*MOTTLE_DATA*/", () => json.replaceAll("<", "\\u003c")),
+  );
 }
 
 mkdirSync(out, { recursive: true });

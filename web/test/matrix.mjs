@@ -14,7 +14,8 @@ export function random_normal(seed) {
 export const zeros = (rows, columns) => Array.from({ length: rows }, () => new Array(columns).fill(0));
 export const diagonal = (values) => values.map((value, i) => values.map((_, j) => (i === j ? value : 0)));
 export const transpose = (a) => a[0].map((_, j) => a.map((row) => row[j]));
-export const multiply = (a, b) => a.map((row) => b[0].map((_, j) => row.reduce((sum, value, k) => sum + value * b[k][j], 0)));
+export const multiply = (a, b) =>
+  a.map((row) => b[0].map((_, j) => row.reduce((sum, value, k) => sum + value * b[k][j], 0)));
 export const apply = (a, x) => a.map((row) => row.reduce((sum, value, k) => sum + value * x[k], 0));
 export const add = (a, b, scale = 1) => a.map((row, i) => row.map((value, j) => value + scale * b[i][j]));
 export const subtract = (x, y) => x.map((value, i) => value - y[i]);
@@ -84,24 +85,35 @@ export function eigen(symmetric) {
 const ranks = (values) => {
   const order = values.map((_, i) => i).sort((i, j) => values[i] - values[j]);
   const rank = new Array(values.length);
-  order.forEach((i, position) => { rank[i] = position; });
+  order.forEach((i, position) => {
+    rank[i] = position;
+  });
   return rank;
 };
 
 /** [parameter][output] */
 export function spearman(x, y) {
   const columns = (rows) => transpose(rows).map(ranks);
-  const correlation = (a, b) => covariance_of(transpose([a, b]))[0][1] /
+  const correlation = (a, b) =>
+    covariance_of(transpose([a, b]))[0][1] /
     Math.sqrt(covariance_of(transpose([a, b]))[0][0] * covariance_of(transpose([a, b]))[1][1]);
   return columns(x).map((a) => columns(y).map((b) => correlation(a, b)));
 }
 
 export function ellipses_of(mean, covariance) {
-  return mean.flatMap((_, i) => mean.slice(i + 1).map((__, k) => {
-    const j = i + 1 + k;
-    const [xx, xy, yy] = [covariance[i][i], covariance[i][j], covariance[j][j]];
-    const radius = Math.hypot((xx - yy) / 2, xy);
-    return { first: i, second: j, centre: [mean[i], mean[j]], semi_major: 2 * Math.sqrt((xx + yy) / 2 + radius),
-      semi_minor: 2 * Math.sqrt(Math.max(0, (xx + yy) / 2 - radius)), angle: 0.5 * Math.atan2(2 * xy, xx - yy) };
-  }));
+  return mean.flatMap((_, i) =>
+    mean.slice(i + 1).map((__, k) => {
+      const j = i + 1 + k;
+      const [xx, xy, yy] = [covariance[i][i], covariance[i][j], covariance[j][j]];
+      const radius = Math.hypot((xx - yy) / 2, xy);
+      return {
+        first: i,
+        second: j,
+        centre: [mean[i], mean[j]],
+        semi_major: 2 * Math.sqrt((xx + yy) / 2 + radius),
+        semi_minor: 2 * Math.sqrt(Math.max(0, (xx + yy) / 2 - radius)),
+        angle: 0.5 * Math.atan2(2 * xy, xx - yy),
+      };
+    }),
+  );
 }

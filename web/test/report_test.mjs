@@ -24,7 +24,8 @@ function data_of(html) {
 
 const opened = await open_page(file);
 const shot = async (what) => {
-  if (values.screenshots) await opened.page.screenshot({ path: path.join(values.screenshots, `${name}-${what}.png`), fullPage: true });
+  if (values.screenshots)
+    await opened.page.screenshot({ path: path.join(values.screenshots, `${name}-${what}.png`), fullPage: true });
 };
 let passed = 0;
 let failed = 0;

@@ -49,43 +49,48 @@ class OptionTable {
  public:
   OptionTable& number(std::string name, double Options::*member, OptionRange range, std::string unit,
                       std::string meaning) {
-    return add({std::move(name), std::move(unit), range.text(), "", std::move(meaning)},
-               [member, range](Options& options, const OptionValue& value) {
-                 double number = 0.0;
-                 if (const auto* integer = std::get_if<std::int64_t>(&value)) {
-                   number = static_cast<double>(*integer);
-                 } else if (const auto* real = std::get_if<double>(&value)) {
-                   number = *real;
-                 } else {
-                   return false;
-                 }
-                 if (!range.contains(number)) return false;
-                 options.*member = number;
-                 return true;
-               },
-               [member](const Options& options) { return OptionValue(options.*member); });
+    return add(
+        {std::move(name), std::move(unit), range.text(), "", std::move(meaning)},
+        [member, range](Options& options, const OptionValue& value) {
+          double number = 0.0;
+          if (const auto* integer = std::get_if<std::int64_t>(&value)) {
+            number = static_cast<double>(*integer);
+          } else if (const auto* real = std::get_if<double>(&value)) {
+            number = *real;
+          } else {
+            return false;
+          }
+          if (!range.contains(number)) return false;
+          options.*member = number;
+          return true;
+        },
+        [member](const Options& options) { return OptionValue(options.*member); });
   }
 
   OptionTable& integer(std::string name, int Options::*member, OptionRange range, std::string unit,
                        std::string meaning) {
-    return add({std::move(name), std::move(unit), "whole number, " + range.text(), "", std::move(meaning)},
-               [member, range](Options& options, const OptionValue& value) {
-                 const auto* number = std::get_if<std::int64_t>(&value);
-                 if (number == nullptr || !range.contains(static_cast<double>(*number))) return false;
-                 options.*member = static_cast<int>(*number);
-                 return true;
-               },
-               [member](const Options& options) { return OptionValue(std::int64_t{options.*member}); });
+    return add(
+        {std::move(name), std::move(unit), "whole number, " + range.text(), "", std::move(meaning)},
+        [member, range](Options& options, const OptionValue& value) {
+          const auto* number = std::get_if<std::int64_t>(&value);
+          if (number == nullptr || !std::in_range<int>(*number) || !range.contains(static_cast<double>(*number))) {
+            return false;
+          }
+          options.*member = static_cast<int>(*number);
+          return true;
+        },
+        [member](const Options& options) { return OptionValue(std::int64_t{options.*member}); });
   }
 
   OptionTable& flag(std::string name, bool Options::*member, std::string meaning) {
-    return add({std::move(name), "-", "true | false", "", std::move(meaning)},
-               [member](Options& options, const OptionValue& value) {
-                 const auto* flag = std::get_if<bool>(&value);
-                 if (flag != nullptr) options.*member = *flag;
-                 return flag != nullptr;
-               },
-               [member](const Options& options) { return OptionValue(options.*member); });
+    return add(
+        {std::move(name), "-", "true | false", "", std::move(meaning)},
+        [member](Options& options, const OptionValue& value) {
+          const auto* flag = std::get_if<bool>(&value);
+          if (flag != nullptr) options.*member = *flag;
+          return flag != nullptr;
+        },
+        [member](const Options& options) { return OptionValue(options.*member); });
   }
 
   template <typename Choice>
@@ -93,23 +98,24 @@ class OptionTable {
                       std::string meaning) {
     std::vector<std::string> names;
     for (const auto& [text, value] : choices) names.push_back(fmt::format("\"{}\"", text));
-    return add({std::move(name), "-", join(names, " | "), "", std::move(meaning)},
-               [member, choices](Options& options, const OptionValue& value) {
-                 const auto* text = std::get_if<std::string>(&value);
-                 for (const auto& [known, meant] : choices) {
-                   if (text != nullptr && *text == known) {
-                     options.*member = meant;
-                     return true;
-                   }
-                 }
-                 return false;
-               },
-               [member, choices](const Options& options) {
-                 for (const auto& [known, meant] : choices) {
-                   if (options.*member == meant) return OptionValue(known);
-                 }
-                 return OptionValue(std::string("?"));
-               });
+    return add(
+        {std::move(name), "-", join(names, " | "), "", std::move(meaning)},
+        [member, choices](Options& options, const OptionValue& value) {
+          const auto* text = std::get_if<std::string>(&value);
+          for (const auto& [known, meant] : choices) {
+            if (text != nullptr && *text == known) {
+              options.*member = meant;
+              return true;
+            }
+          }
+          return false;
+        },
+        [member, choices](const Options& options) {
+          for (const auto& [known, meant] : choices) {
+            if (options.*member == meant) return OptionValue(known);
+          }
+          return OptionValue(std::string("?"));
+        });
   }
 
   /// Every option with the default that a fresh `Options` holds.

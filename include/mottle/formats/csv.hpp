@@ -33,8 +33,8 @@ CsvTable parse_csv(std::string_view bytes, const std::string& file);
 /// @throws FormatError  text where a number should be, an infinite number (names line and column)
 Eigen::VectorXd numbers_of_column(const CsvTable& table, int column);
 
-/// Writes header and rows with the shortest digits that read back exactly; nan becomes an empty cell.
-/// `text_columns` follow the numbers.
+/// Writes header and rows with the shortest digits that read back exactly; nan becomes an empty cell
+/// (the word nan where it stands alone on its line). `text_columns` follow the numbers.
 std::string format_csv(const std::vector<std::string>& header, const Eigen::Ref<const Eigen::MatrixXd>& values,
                        const std::vector<std::vector<std::string>>& text_columns = {});
 

@@ -49,7 +49,7 @@ class DifferentiableModel {
   virtual ~DifferentiableModel() = default;
 
   /// dy/dx at `parameters` [parameter]: [output x parameter]; nan where no analytic derivative is to be had
-  /// (shape of a repeated eigenvalue, damping ratio): the caller takes differences there.
+  /// (frequency or shape of a repeated eigenvalue, frequency zero, damping ratio): the caller takes differences there.
   virtual Eigen::MatrixXd jacobian(const Eigen::Ref<const Eigen::VectorXd>& parameters) const = 0;
 };
 

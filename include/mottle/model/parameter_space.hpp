@@ -25,8 +25,8 @@ struct Parameter {
 
 /// A drawn cloud of parameters.
 struct ParameterDraw {
-  Eigen::MatrixXd samples;           ///< [sample x parameter]
-  std::int64_t rejected = 0;         ///< draws that were physically impossible and were drawn again
+  Eigen::MatrixXd samples;    ///< [sample x parameter]
+  std::int64_t rejected = 0;  ///< draws that were physically impossible and were drawn again
 };
 
 /// All uncertain parameters with their joint prior.

@@ -40,8 +40,8 @@ class JointDistribution {
   ///
   ///   cov(X_i, X_j) = sum_k a_ik a_jk rho_ij^k,   a_ik = E[X_i(w) h_k(w)],   h_k the orthonormal Hermite polynomials
   ///
-  /// Accurate to 1e-10 relative to the standard deviations for densities that are bounded in the variable; for a
-  /// U-shaped beta and |rho| near 1 to about 1e-4.
+  /// Accurate to 1e-10 relative to the standard deviations, U-shaped betas included; less for what is nearly a
+  /// two-point distribution.
   /// Source: [Liu1986]; the series is Mehler's, [Kibble1945].
   Eigen::MatrixXd covariance() const { return covariance_; }
 

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "mottle/core/run_context.hpp"
 
@@ -27,8 +28,12 @@ class RunFolder {
   /// The results are complete: the journal is no longer needed.
   void finish() const;
 
+  /// Nothing was computed: takes away the log, the journal and the folders that were made, where they are empty.
+  void discard() const;
+
  private:
   std::filesystem::path folder_;
+  std::vector<std::filesystem::path> made_;  ///< folders that were not there before, the innermost first
 };
 
 /// Writes what it is told into a log file, with the time since the start, and passes it on.

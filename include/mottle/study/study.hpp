@@ -72,6 +72,8 @@ struct Study {
   StudyUpdate update;
   std::optional<StudyTruth> truth;
   std::string text;  ///< the study as run, overrides applied, as TOML
+  /// Line of what a message may start with: "outputs.frequencies", "parameter 'k1'", "truth.parameter 'k1'".
+  std::map<std::string, int> lines;
 };
 
 /// What the command line adds to a study.
@@ -85,6 +87,11 @@ struct StudyOverrides {
 /// @throws InvalidInput  (file, line, key, value found, what is allowed): TOML that cannot be read, unknown keys with
 ///                       the nearest known one, wrong types, values out of range, an override that fits nothing
 Study read_study(const std::filesystem::path& file, const StudyOverrides& overrides);
+
+/// `message` with the study file in front, and the line of what the message starts with ("outputs.frequencies: ...").
+///
+/// @param section  put before the message to look its line up: "truth." for a parameter of the truth
+std::string located(const Study& study, const std::string& message, const std::string& section = "");
 
 /// The study's text for a file in `folder`: relative paths are rewritten to hold from there.
 std::string study_text_for(const Study& study, const std::filesystem::path& folder);

@@ -26,7 +26,6 @@ StudyModel make_model(const Study& study, const StudyParameters& parameters);
 struct StudyTests {
   TestData data;
   std::vector<std::string> notes;  ///< columns and rows that were left out, and why
-
 };
 
 /// Columns: output names, with or without a unit behind ("f1", "f1_Hz", "f1 [Hz]"). Columns of the study's parameters

@@ -41,8 +41,11 @@ class DeterministicUpdater final : public Updater {
 
 /// dy/dx by the model's own derivatives, and by central differences where it has none.
 ///
-/// @param step  of the differences, as a part of `scale` [parameter]
+/// @param scale        typical size of a change of each parameter; the differences take 1e-4 of it [parameter]
+/// @param evaluations  raised by the model runs that were needed
+/// @return             [output x parameter]
+/// Throws SystemFailure where the model fails on both sides of a parameter.
 Eigen::MatrixXd model_jacobian(const UpdatingProblem& problem, const Eigen::VectorXd& parameters,
-                               const Eigen::VectorXd& scale, const RunContext& context);
+                               const Eigen::VectorXd& scale, const RunContext& context, std::int64_t& evaluations);
 
 }  // namespace mottle

@@ -13,7 +13,7 @@ struct MaresOptions {
   enum class Regression { linear, quadratic };
 
   Weighting weighting = Weighting::mahalanobis;
-  Prior prior = Prior::recentred;                  // reproduces the published tables
+  Prior prior = Prior::recentred;                   // reproduces the published tables
   Covariance covariance = Covariance::fixed_prior;  // does not collapse when iterated
   Regression regression = Regression::linear;
   double model_error = 0.0;
@@ -35,8 +35,8 @@ class MaresUpdater final : public Updater {
  public:
   explicit MaresUpdater(const MaresOptions& options) : options_(options) {}
 
-  /// Throws InvalidInput: fewer than two specimens, fewer outputs than parameters, a test covariance that is
-  /// singular under Mahalanobis weighting.
+  /// Throws InvalidInput: fewer than two specimens, fewer outputs than parameters, a test variability S_M
+  /// that is singular.
   UpdatingResult update(const UpdatingProblem& problem, const RunContext& context) const override;
   OptionValues options() const override { return mares_option_table().values(options_); }
 

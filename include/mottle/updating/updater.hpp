@@ -18,8 +18,8 @@ namespace mottle {
 
 /// The tests of all specimens.
 struct TestData {
-  Eigen::MatrixXd values;              ///< [specimen x output], nan where not measured
-  Eigen::VectorXd repeatability_std;   ///< measurement noise of each output, 0 where not known [output]
+  Eigen::MatrixXd values;             ///< [specimen x output], nan where not measured
+  Eigen::VectorXd repeatability_std;  ///< measurement noise of each output, 0 where not known [output]
 };
 
 /// One updating problem. What it refers to must outlive it.
@@ -29,9 +29,9 @@ struct UpdatingProblem {
   const ParameterSpace& space;
   TestData tests;
   CloudSettings cloud;
-  int iterations = 30;       ///< most updates that may be made
-  double level = 0.05;       ///< false-alarm rate of the verdict's tests
-  double tolerance = 1e-3;   ///< converged when no mean and no deviation moves by more than this part of a deviation
+  int iterations = 30;      ///< most updates that may be made
+  double level = 0.05;      ///< false-alarm rate of the verdict's tests
+  double tolerance = 1e-3;  ///< converged when no mean and no deviation moves by more than this part of a deviation
 };
 
 /// How a method ended.
@@ -71,8 +71,8 @@ struct UpdatingResult {
   Eigen::MatrixXd covariance;            ///< [parameter x parameter]
   std::vector<IterationRecord> history;  ///< first: the prior's cloud; last: the cloud of `mean` and `covariance`
   std::int64_t model_evaluations = 0;
-  std::vector<VerdictTest> tests;        ///< of the final state, at the problem's level
-  std::vector<std::string> notes;        ///< what a reader of the numbers must know
+  std::vector<VerdictTest> tests;  ///< of the final state, at the problem's level
+  std::vector<std::string> notes;  ///< what a reader of the numbers must know
 };
 
 /// An updating method. One struct of options, one file, one line in src/updating/registry.cpp.

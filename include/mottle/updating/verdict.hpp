@@ -26,7 +26,7 @@ VerdictTest mean_agreement_test(const UpdatingProblem& problem, const IterationR
 /// What the outputs can tell of the parameters.
 struct Identifiability {
   int rank = 0;
-  Eigen::VectorXd singular_values;              ///< of the scaled sensitivity, descending
+  Eigen::VectorXd singular_values;                 ///< of the scaled sensitivity, descending
   std::vector<Eigen::VectorXd> unseen_directions;  ///< unit vectors over scaled parameters that no output sees
 };
 

@@ -1,4 +1,5 @@
-// Pencils of up to 8 degrees of freedom: Cholesky reduction and cyclic Jacobi, unrolled, one sample a lane.
+// Pencils of up to 8 degrees of freedom: Cholesky reduction and cyclic Jacobi, unrolled, one sample a lane. Included
+// by one file per register width, which sets MOTTLE_LANES.
 #pragma once
 
 #include "linalg/lanes/lane.hpp"
@@ -274,6 +275,15 @@ void solve_small(const Problem& problem, const Output& output, long begin, long 
     sort_ascending<N, Vectors>(pencil, values);
     unrolled<0, N>([&](auto i) MOTTLE_FLAT { values[i.value] = without_negative_zero(values[i.value]); });
     store<N, Vectors>(problem, output, batch, pencil, values);
+  }
+}
+
+template <int N>
+void dispatch(const Problem& problem, const Output& output, long begin, long end) {
+  if constexpr (N <= k_jacobi_limit) {
+    if (problem.order != N) return dispatch<N + 1>(problem, output, begin, end);
+    if (problem.vectors) return solve_small<N, true>(problem, output, begin, end);
+    solve_small<N, false>(problem, output, begin, end);
   }
 }
 

@@ -1,9 +1,8 @@
-// One batch after another: picks the kernel by order. Included by one file per register width, which sets
-// MOTTLE_LANES and MOTTLE_COLUMN_BLOCK.
+// Pencils of 9 to 200 degrees of freedom, one batch after another. Included by one file per register width, which
+// sets MOTTLE_LANES and MOTTLE_COLUMN_BLOCK.
 #pragma once
 
 #include "linalg/lanes/assemble.hpp"
-#include "linalg/lanes/jacobi.hpp"
 #include "linalg/lanes/tridiagonal_values.hpp"
 #include "linalg/lanes/tridiagonal_vectors.hpp"
 #include "linalg/lanes/tridiagonalise.hpp"
@@ -90,7 +89,7 @@ inline void store_batch(const Problem& problem, const Output& output, const Batc
   }
 }
 
-inline void solve_large(const Problem& problem, const Output& output, long begin, long end, double* memory) {
+void solve_large(const Problem& problem, const Output& output, long begin, long end, double* memory) {
   const Workspace work(problem, memory);
   const int n = problem.order;
   for (long first = begin; first < end; first += MOTTLE_LANES) {
@@ -111,23 +110,8 @@ inline void solve_large(const Problem& problem, const Output& output, long begin
   }
 }
 
-template <int N>
-void dispatch_small(const Problem& problem, const Output& output, long begin, long end) {
-  if constexpr (N <= k_jacobi_limit) {
-    if (problem.order != N) return dispatch_small<N + 1>(problem, output, begin, end);
-    if (problem.vectors) return solve_small<N, true>(problem, output, begin, end);
-    solve_small<N, false>(problem, output, begin, end);
-  }
-}
-
 long workspace_doubles(const Problem& problem) {
-  if (problem.order <= k_jacobi_limit) return 0;
   return Workspace(problem, nullptr).total_lanes * MOTTLE_LANES;
-}
-
-void solve(const Problem& problem, const Output& output, long begin, long end, double* workspace) {
-  if (problem.order <= k_jacobi_limit) return dispatch_small<1>(problem, output, begin, end);
-  solve_large(problem, output, begin, end, workspace);
 }
 
 }  // namespace

@@ -50,11 +50,12 @@ MOTTLE_INLINE void fused_columns(Lane* matrix, int n, int first, const FusedStep
     sum[c] = broadcast(0.0);
   }
   for (int c = 0; c < Columns; ++c) {
-    for (int i = first + c; i < first + Columns; ++i) {
+    for (int r = c; r < Columns; ++r) {
+      const int i = first + r;
       const Lane a = column[c][i] - step.v[i] * wj[c] - step.w[i] * vj[c];
       column[c][i] = a;
-      sum[c] += a * step.u[i];
-      if (i != first + c) sum[i - first] += a * uj[c];
+      sum[c] += a * uj[r];
+      if (r != c) sum[r] += a * uj[c];
     }
   }
   for (int i = first + Columns; i < n; ++i) {

@@ -1,0 +1,162 @@
+"""What the command-level tests share: a study to start from, a folder to work in, and a way to run the command."""
+
+import json
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+SOURCE = pathlib.Path(__file__).resolve().parents[2]
+THREE_MASSES = SOURCE / "examples" / "01-three-masses"
+MOTTLE = ""
+
+STUDY = """\
+title = "A study for tests"
+units = "SI"
+seed = 7
+
+[model]
+kind = "mass-spring"
+masses = { m1 = 1.0, m2 = 1.0, m3 = 1.0 }
+springs = [
+  { name = "k1", between = ["ground", "m1"], stiffness = 1.0 },
+  { name = "k2", between = ["ground", "m2"], stiffness = 1.0 },
+  { name = "k3", between = ["ground", "m3"], stiffness = 1.0 },
+  { name = "k4", between = ["m1", "m2"], stiffness = 1.0 },
+  { name = "k5", between = ["m2", "m3"], stiffness = 1.0 },
+  { name = "k6", between = ["m1", "m3"], stiffness = 3.0 },
+]
+
+[[parameter]]
+name = "k1"
+target = "spring:k1"
+distribution = { kind = "normal", mean = 2.0, std = 0.3 }
+bounds = [0.5, 3.0]
+
+[[parameter]]
+name = "k2"
+target = "spring:k2"
+distribution = { kind = "normal", mean = 2.0, std = 0.3 }
+
+[outputs]
+frequencies = [1, 2, 3]
+
+[test]
+file = "tests.csv"
+
+[update]
+method = "mares"
+samples = 200
+iterations = 30
+
+[update.mares]
+weighting = "mahalanobis"
+"""
+
+TESTS = """\
+f1,f2,f3
+0.1763570506816554,0.3131497726771104,0.45042916001957517
+0.15687913901247214,0.3080098662667982,0.4453461832320965
+0.1654460037166279,0.3306499755013718,0.44854953970272743
+0.1544553212110254,0.29637131878810136,0.45121694877005003
+0.16784897711121846,0.35176559403439267,0.46023064077164544
+0.16347936267572327,0.3370983290769924,0.4572734203791198
+"""
+
+
+def edited(text, *changes):
+    """`text` with each (old, new) replaced; old must stand exactly once, so that a test cannot miss its target."""
+    for old, new in changes:
+        if text.count(old) != 1:
+            raise AssertionError(f"{old!r} stands {text.count(old)} times in the text to edit")
+        text = text.replace(old, new)
+    return text
+
+
+def line_of(text, needle):
+    """Number, from 1, of the first line that holds `needle`."""
+    for number, line in enumerate(text.splitlines(), 1):
+        if needle in line:
+            return number
+    raise AssertionError(f"{needle!r} stands on no line")
+
+
+class Run:
+    """How one call of the command ended."""
+
+    def __init__(self, code, out, err):
+        self.code = code
+        self.out = out
+        self.err = err
+
+
+def run(*arguments, cwd=None, timeout=60, environment=None):
+    """Calls the command; bytes that are not UTF-8 come back as escapes."""
+    done = subprocess.run([MOTTLE, *map(str, arguments)], cwd=cwd, timeout=timeout, stdin=subprocess.DEVNULL,
+                          capture_output=True, env={**os.environ, **(environment or {})}, check=False)
+    return Run(done.returncode, done.stdout.decode("utf-8", "backslashreplace"),
+               done.stderr.decode("utf-8", "backslashreplace"))
+
+
+def read_result(folder):
+    """result.json, strictly: no NaN, no Infinity."""
+
+    def refuse(text):
+        raise ValueError(f"{text} is not JSON")
+
+    return json.loads((pathlib.Path(folder) / "result.json").read_text(encoding="utf-8"), parse_constant=refuse)
+
+
+def numbers(folder):
+    """result.json without its timings, as text that is compared byte by byte."""
+    result = read_result(folder)
+    result.pop("timings_s")
+    return json.dumps(result, indent=1)
+
+
+def read_csv(file):
+    """Header and rows of a plain CSV file."""
+    lines = pathlib.Path(file).read_text(encoding="utf-8").splitlines()
+    return lines[0].split(","), [line.split(",") for line in lines[1:]]
+
+
+class CommandTest(unittest.TestCase):
+    """Gives each test a folder of its own with study.toml and tests.csv in it."""
+
+    maxDiff = 2000
+
+    def setUp(self):
+        self.folder = pathlib.Path(tempfile.mkdtemp(prefix="mottle-test-"))
+        self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
+        self.write("study.toml", STUDY)
+        self.write("tests.csv", TESTS)
+
+    def write(self, name, content):
+        file = self.folder / name
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_bytes(content if isinstance(content, bytes) else content.encode("utf-8"))
+        return file
+
+    def call(self, *arguments, **how):
+        """Runs in the test's folder."""
+        return run(*arguments, cwd=how.pop("cwd", self.folder), **how)
+
+    def succeed(self, *arguments, **how):
+        """Runs in the test's folder and demands exit code 0."""
+        ended = self.call(*arguments, **how)
+        self.assertEqual(ended.code, 0, ended.err)
+        return ended
+
+
+def main():
+    """Entry of each test file: python3 x_test.py PATH_TO_MOTTLE [PATH_TO_ANOTHER_BUILD] [unittest's own arguments]."""
+    global MOTTLE
+    if len(sys.argv) < 2 or not os.access(sys.argv[1], os.X_OK):
+        sys.exit("usage: python3 x_test.py PATH_TO_MOTTLE [PATH_TO_ANOTHER_BUILD]")
+    MOTTLE = str(pathlib.Path(sys.argv.pop(1)).resolve())
+    if len(sys.argv) > 1 and os.path.sep in sys.argv[1]:
+        os.environ["MOTTLE_OTHER"] = sys.argv.pop(1)
+    unittest.main(module="__main__")

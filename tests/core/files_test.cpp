@@ -1,0 +1,167 @@
+#include "mottle/core/files.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include <csignal>
+#include <fstream>
+#include <iterator>
+
+#include "core/message_of.hpp"
+#include "core/temporary_folder.hpp"
+#include "mottle/core/error.hpp"
+
+namespace mottle {
+namespace {
+
+using test::message_of;
+using test::TemporaryFolder;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+std::vector<std::string> names_in(const std::filesystem::path& folder) {
+  std::vector<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(folder))
+    names.push_back(entry.path().filename().string());
+  return names;
+}
+
+/// No file of this process may grow beyond `bytes`: what a full disk does, without filling one.
+class FileSizeLimit {
+ public:
+  explicit FileSizeLimit(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
+    ::getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit limit{bytes, before_.rlim_max};
+    ::setrlimit(RLIMIT_FSIZE, &limit);
+  }
+  FileSizeLimit(const FileSizeLimit&) = delete;
+  FileSizeLimit& operator=(const FileSizeLimit&) = delete;
+  ~FileSizeLimit() {
+    ::setrlimit(RLIMIT_FSIZE, &before_);
+    std::signal(SIGXFSZ, handler_);
+  }
+
+ private:
+  rlimit before_{};
+  void (*handler_)(int);
+};
+
+TEST(ReadFile, GivesBackTheBytesThatWereWritten) {
+  const TemporaryFolder folder;
+  const std::string bytes("a\r\nb\0\xff\n", 7);
+  write_file_atomically(folder / "bytes", bytes);
+  EXPECT_EQ(read_file(folder / "bytes"), bytes);
+}
+
+TEST(ReadFile, GivesNothingFromAnEmptyFile) {
+  const TemporaryFolder folder;
+  write_file_atomically(folder / "empty", "");
+  EXPECT_EQ(read_file(folder / "empty"), "");
+}
+
+TEST(ReadFile, SaysThatAFileIsMissing) {
+  const TemporaryFolder folder;
+  const std::filesystem::path path = folder / "none.csv";
+  EXPECT_EQ(message_of<InvalidInput>([&] { read_file(path); }), path.string() + ": no such file");
+}
+
+TEST(ReadFile, SaysThatAFolderIsNoFile) {
+  const TemporaryFolder folder;
+  EXPECT_THAT(message_of<InvalidInput>([&] { read_file(folder.path()); }), HasSubstr("is a folder"));
+}
+
+TEST(ReadFile, TellsAnUnreachablePathFromAMissingFile) {
+  const TemporaryFolder folder;
+  std::filesystem::create_symlink("loop", folder / "loop");
+  EXPECT_THAT(message_of<InvalidInput>([&] { read_file(folder / "loop"); }), HasSubstr("cannot be read: "));
+}
+
+TEST(ReadFile, ReportsAnInputErrorOfTheSystem) {
+  // Linux: address 0 of a process is not mapped, so reading its memory from the start fails with EIO.
+  if (!std::filesystem::exists("/proc/self/mem")) GTEST_SKIP() << "no /proc/self/mem on this system";
+  EXPECT_THROW(read_file("/proc/self/mem"), SystemFailure);
+}
+
+TEST(WriteFileAtomically, ReplacesWhatWasThere) {
+  const TemporaryFolder folder;
+  write_file_atomically(folder / "file", "a long first text");
+  write_file_atomically(folder / "file", "short");
+  EXPECT_EQ(read_file(folder / "file"), "short");
+}
+
+TEST(WriteFileAtomically, LeavesNoOtherFile) {
+  const TemporaryFolder folder;
+  write_file_atomically(folder / "file", "text");
+  EXPECT_THAT(names_in(folder.path()), ::testing::ElementsAre("file"));
+}
+
+TEST(WriteFileAtomically, RefusesAPlaceThatIsNotThere) {
+  const TemporaryFolder folder;
+  const std::filesystem::path path = folder / "none" / "file";
+  EXPECT_THAT(message_of<InvalidInput>([&] { write_file_atomically(path, "text"); }),
+              StartsWith(path.string() + ": cannot be written: "));
+}
+
+TEST(WriteFileAtomically, ReportsADiskWithoutSpace) {
+  const TemporaryFolder folder;
+  const FileSizeLimit limit(4096);
+  EXPECT_THROW(write_file_atomically(folder / "file", std::string(8192, 'x')), SystemFailure);
+}
+
+TEST(WriteFileAtomically, KeepsTheOldFileWhereTheNewOneDoesNotFit) {
+  const TemporaryFolder folder;
+  write_file_atomically(folder / "file", "old");
+  {
+    const FileSizeLimit limit(4096);
+    EXPECT_THROW(write_file_atomically(folder / "file", std::string(8192, 'x')), SystemFailure);
+  }
+  EXPECT_EQ(read_file(folder / "file"), "old");
+  EXPECT_THAT(names_in(folder.path()), ::testing::ElementsAre("file"));
+}
+
+TEST(WriteFileAtomically, DoesNotReplaceAFolder) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directory(folder / "name");
+  EXPECT_THROW(write_file_atomically(folder / "name", "text"), Error);
+  EXPECT_THAT(names_in(folder.path()), ::testing::ElementsAre("name"));
+}
+
+TEST(MakeWritableFolder, MakesTheFolderAndItsParents) {
+  const TemporaryFolder folder;
+  make_writable_folder(folder / "a" / "b");
+  EXPECT_TRUE(std::filesystem::is_directory(folder / "a" / "b"));
+}
+
+TEST(MakeWritableFolder, LeavesAnExistingFolderAsItWas) {
+  const TemporaryFolder folder;
+  write_file_atomically(folder / "file", "text");
+  make_writable_folder(folder.path());
+  EXPECT_THAT(names_in(folder.path()), ::testing::ElementsAre("file"));
+}
+
+TEST(MakeWritableFolder, RefusesTheNameOfAFile) {
+  const TemporaryFolder folder;
+  write_file_atomically(folder / "file", "text");
+  EXPECT_THAT(message_of<InvalidInput>([&] { make_writable_folder(folder / "file"); }), HasSubstr("cannot be made"));
+}
+
+TEST(MakeWritableFolder, RefusesANameThatTheFileSystemDoesNotTake) {
+  const TemporaryFolder folder;
+  EXPECT_THAT(message_of<InvalidInput>([&] { make_writable_folder(folder / std::string(5000, 'x')); }),
+              HasSubstr("cannot be made"));
+}
+
+// Vectors published with the algorithm (Fowler, Noll, Vo; draft-eastlake-fnv, test vectors of FNV-1a 64).
+TEST(Fingerprint, ReproducesThePublishedVectorsOfFnv1a) {
+  EXPECT_EQ(fingerprint(""), 0xcbf29ce484222325ULL);
+  EXPECT_EQ(fingerprint("a"), 0xaf63dc4c8601ec8cULL);
+  EXPECT_EQ(fingerprint("foobar"), 0x85944171f73967e8ULL);
+}
+
+TEST(Fingerprint, OfPartsContinuedIsThatOfTheWhole) {
+  EXPECT_EQ(fingerprint("bar", fingerprint("foo")), fingerprint("foobar"));
+}
+
+}  // namespace
+}  // namespace mottle

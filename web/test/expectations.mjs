@@ -1,0 +1,95 @@
+// What the data of a page call for, and how to read what the page shows of them.
+import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
+
+export const list = (value) => (Array.isArray(value) ? value : []);
+export const is_number = (value) => typeof value === "number" && Number.isFinite(value);
+export const has_numbers = (value) => list(value).flat(Infinity).some(is_number);
+export const result_of = (data) => data.result ?? {};
+
+/** The plots that the data call for. */
+export function expected_plots(data) {
+  const result = result_of(data);
+  const iterations = list(result.iterations);
+  const any = (field) => iterations.some((entry) => is_number(entry[field]) || has_numbers(entry[field]));
+  const outputs = list(result.outputs?.names).length;
+  const shown = new Set([
+    ...list(data.clouds).map(({ iteration }) => iteration),
+    ...iterations
+      .filter((entry) => list(entry.ellipses).length || list(entry.parameter_ellipses).length)
+      .map(({ index }) => index),
+  ]);
+  return [
+    any("distance_euclidean") || any("distance_mahalanobis") ? "distance" : null,
+    any("output_mean") && iterations.length > 1 ? "output-history" : null,
+    any("parameter_mean") && iterations.length > 1 ? "parameter-history" : null,
+    list(result.sample_size?.curve?.n_total).length > 2 ? "sample-size" : null,
+    has_numbers(result.spearman) ? "spearman" : null,
+    outputs > 1 && shown.size ? "scatter-first-last" : null,
+    outputs > 1 && shown.size > 1 ? "scatter-outputs" : null,
+    list(result.parameters?.names).length > 1 && has_numbers(list(data.clouds).map(({ parameters }) => parameters))
+      ? "scatter-parameters"
+      : null,
+    has_numbers(result.identifiability?.singular_values) ? "singular-values" : null,
+  ].filter(Boolean);
+}
+
+/** Number of distinct colours drawn, sampled; 1 means blank. */
+export function drawn_colours(page, id) {
+  return page.evaluate((plot) => {
+    const host = document.querySelector(`[data-plot="${plot}"] .plot-area`);
+    const canvas = host.querySelector("canvas");
+    if (!canvas) return host.querySelectorAll("svg path").length;
+    const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+    const colours = new Set();
+    for (let i = 0; i < data.length; i += 4 * 7) colours.add(`${data[i]},${data[i + 1]},${data[i + 2]},${data[i + 3]}`);
+    return colours.size;
+  }, id);
+}
+
+export const series_of = (page, id) =>
+  page.evaluate(
+    (plot) => window.mottle.charts[plot].getOption().series.map(({ name, type, data }) => ({ name, type, data })),
+    id,
+  );
+
+export async function close_to_data(page, table, key, rows, values) {
+  for (const [i, value] of values.entries()) {
+    const cell = page.locator(`[data-table="${table}"] tr[data-row]`).nth(i).locator(`[data-key="${key}"]`);
+    if (!is_number(value)) {
+      if (await cell.count())
+        assert.equal((await cell.innerText()).trim(), "–", `${table}.${key}[${i}] of a missing number`);
+      continue;
+    }
+    assert.equal(Number(await cell.getAttribute("data-value")), value, `${table}.${key}[${i}]`);
+    const shown = Number(
+      (await cell.innerText()).replace("−", "-").replace(
+        /·10(.*)/,
+        (_, power) =>
+          `e${[...power]
+            .map((sign) => "⁻⁰¹²³⁴⁵⁶⁷⁸⁹".indexOf(sign))
+            .map((k) => (k === 0 ? "-" : String(k - 1)))
+            .join("")}`,
+      ),
+    );
+    assert.ok(Math.abs(shown - value) <= 6e-4 * Math.abs(value), `${table}.${key}[${i}] shows ${shown} for ${value}`);
+  }
+}
+
+export const overflow = (page) =>
+  page.evaluate(() => {
+    const { scrollWidth, clientWidth } = document.documentElement;
+    const wide = [...document.querySelectorAll(".plot-area > div")].filter(
+      (node) => node.scrollWidth > node.parentElement.clientWidth + 1,
+    );
+    return { page: scrollWidth - clientWidth, plots: wide.length };
+  });
+
+export async function exported(page, id, kind) {
+  const [download] = await Promise.all([
+    page.waitForEvent("download", { timeout: 10000 }),
+    page.click(`[data-plot="${id}"] [data-export="${kind}"]`),
+  ]);
+  assert.equal(download.suggestedFilename(), `mottle-${id}.${kind}`);
+  return readFileSync(await download.path());
+}
