@@ -3,10 +3,6 @@
 function(mottle_layer name)
   cmake_parse_arguments(LAYER "" "" "USES;LINKS" ${ARGN})
   file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/${name}/*.cpp)
-  if(NOT sources)  # FOUNDATION: layer not written yet
-    file(WRITE ${PROJECT_BINARY_DIR}/empty_${name}.cpp "")
-    set(sources ${PROJECT_BINARY_DIR}/empty_${name}.cpp)
-  endif()
   add_library(mottle_${name} STATIC ${sources})
   add_library(mottle::${name} ALIAS mottle_${name})
   set_target_properties(mottle_${name} PROPERTIES EXPORT_NAME ${name} LINKER_LANGUAGE CXX)

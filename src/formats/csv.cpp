@@ -6,12 +6,15 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <set>
 
 #include "mottle/core/error.hpp"
 #include "mottle/core/text.hpp"
 
 namespace mottle {
 namespace {
+
+constexpr std::string_view k_byte_order_mark = "\xEF\xBB\xBF";
 
 std::string_view trim(std::string_view text) {
   const auto first = text.find_first_not_of(" \t\r");
@@ -57,13 +60,10 @@ std::vector<std::string> split_line(std::string_view line, char separator, const
 }
 
 void require_good_header(const CsvTable& table, int line) {
-  for (std::size_t i = 0; i < table.header.size(); ++i) {
-    const std::string& name = table.header[i];
-    if (name.empty()) throw FormatError(table.file, line, fmt::format("column {} has no name", i + 1));
-    const auto first = std::find(table.header.begin(), table.header.end(), name);
-    if (static_cast<std::size_t>(std::distance(table.header.begin(), first)) != i) {
-      throw FormatError(table.file, line, fmt::format("column '{}' stands twice", name));
-    }
+  std::set<std::string_view> names;
+  for (const std::string& name : table.header) {
+    if (name.empty()) throw FormatError(table.file, line, fmt::format("column {} has no name", names.size() + 1));
+    if (!names.insert(name).second) throw FormatError(table.file, line, fmt::format("column '{}' stands twice", name));
   }
 }
 
@@ -72,8 +72,8 @@ bool is_missing(std::string_view cell) {
 }
 
 std::string quoted_if_needed(const std::string& cell) {
-  const bool reads_as_comment = cell.starts_with('#');
-  if (!reads_as_comment && cell.find_first_of(",;\"\n\t") == std::string::npos) return cell;
+  const bool is_skipped_at_a_start = cell.starts_with('#') || cell.starts_with(k_byte_order_mark);
+  if (!is_skipped_at_a_start && cell.find_first_of(",;\"\n\t") == std::string::npos) return cell;
   std::string quoted = "\"";
   for (const char c : cell) {
     if (c == '"') quoted += '"';
@@ -90,7 +90,7 @@ int CsvTable::find(std::string_view name) const {
 }
 
 CsvTable parse_csv(std::string_view bytes, const std::string& file) {
-  if (bytes.substr(0, 3) == "\xEF\xBB\xBF") bytes.remove_prefix(3);
+  if (bytes.starts_with(k_byte_order_mark)) bytes.remove_prefix(k_byte_order_mark.size());
   CsvTable table;
   table.file = file;
   char separator = ',';

@@ -5,7 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "mottle/core/error.hpp"
 #include "mottle/propagation/cloud.hpp"
+#include "mottle/study/run_folder.hpp"
 #include "mottle/study/study_objects.hpp"
 
 namespace mottle {

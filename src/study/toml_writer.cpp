@@ -26,8 +26,9 @@ std::string quoted(const std::string& text) {
 }
 
 std::string key_text(const std::string& key) {
-  const bool is_bare = !key.empty() && key.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
-                                                             "0123456789_-") == std::string::npos;
+  const bool is_bare = !key.empty() && key.find_first_not_of(
+                                           "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
+                                           "0123456789_-") == std::string::npos;
   return is_bare ? key : quoted(key);
 }
 
@@ -42,9 +43,8 @@ std::string real_text(double value) {
 bool is_list_of_sections(const toml::node& node) {
   const toml::array* list = node.as_array();
   if (list == nullptr || list->empty()) return false;
-  return std::all_of(list->begin(), list->end(), [](const toml::node& entry) {
-    return entry.is_table() && !entry.as_table()->is_inline();
-  });
+  return std::all_of(list->begin(), list->end(),
+                     [](const toml::node& entry) { return entry.is_table() && !entry.as_table()->is_inline(); });
 }
 
 bool is_section(const toml::node& node) {

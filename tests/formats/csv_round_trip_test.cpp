@@ -81,8 +81,8 @@ TEST(CsvRoundTrip, KeepsTheRowsOfAColumnWithMissingNumbers) {
 }
 
 TEST(CsvRoundTrip, KeepsNamesOfEveryKind) {
-  const std::vector<std::string> names{"#1", "a;b", "a\tb", "a,b", "say \"x\"", "phi1:m2"};
-  const Eigen::MatrixXd values = Eigen::MatrixXd::Ones(1, 6);
+  const std::vector<std::string> names{"\xEF\xBB\xBFmark", "#1", "a;b", "a\tb", "a,b", "say \"x\"", "phi1:m2"};
+  const Eigen::MatrixXd values = Eigen::MatrixXd::Ones(1, 7);
   EXPECT_EQ(parse_csv(format_csv(names, values), "t").header, names);
 }
 

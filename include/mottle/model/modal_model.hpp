@@ -20,10 +20,10 @@ enum class ModeTracking {
 
 /// Which modal quantities are outputs. Mode numbers count from 1, in the order of the reference structure.
 struct ModalOutputs {
-  std::vector<int> frequencies;
-  std::vector<int> shape_modes;
-  std::vector<std::string> shape_degrees_of_freedom;
-  std::vector<int> damping;
+  std::vector<int> frequencies = {};
+  std::vector<int> shape_modes = {};
+  std::vector<std::string> shape_degrees_of_freedom = {};
+  std::vector<int> damping = {};
   ModeTracking tracking = ModeTracking::order;
   std::string frequency_unit = "Hz";      ///< of 1 / (time unit of the matrices)
   std::string shape_unit = "1/sqrt(kg)";  ///< of a mass-normalised shape
