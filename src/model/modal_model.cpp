@@ -84,6 +84,10 @@ void ModalModel::check_selection() const {
 }
 
 void ModalModel::name_outputs() {
+  is_output_.assign(static_cast<std::size_t>(highest_mode_), false);
+  for (const std::vector<int>* modes : {&selection_.frequencies, &selection_.shape_modes, &selection_.damping}) {
+    for (const int mode : *modes) is_output_[static_cast<std::size_t>(mode - 1)] = true;
+  }
   const std::vector<std::string>& names = structure_.degree_of_freedom_names;
   for (const int mode : selection_.frequencies)
     outputs_.push_back({fmt::format("f{}", mode), selection_.frequency_unit});
@@ -128,7 +132,7 @@ std::string ModalModel::match_modes(const ModeSet& modes, std::vector<int>& colu
   }
   const TrackedModes tracked = track_modes(reference_.shapes.leftCols(highest_mode_), modes.shapes);
   for (std::size_t mode = 0; mode < column_of_mode.size(); ++mode) {
-    if (tracked.mac[mode] < selection_.minimum_mac) {
+    if (is_output_[mode] && tracked.mac[mode] < selection_.minimum_mac) {
       return fmt::format("mode {} is lost: its best MAC with the reference is {:.2f}", mode + 1, tracked.mac[mode]);
     }
     column_of_mode[mode] = tracked.mode[mode];

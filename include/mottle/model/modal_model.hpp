@@ -67,6 +67,7 @@ class ModalModel final : public Model, public DifferentiableModel {
   std::vector<int> shape_rows_;
   std::vector<Output> outputs_;
   int highest_mode_ = 0;
+  std::vector<bool> is_output_;  // by mode; the others only keep the outputs' modes apart
 };
 
 }  // namespace mottle
