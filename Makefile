@@ -8,8 +8,8 @@ TSAN_LAYERS = core linalg model propagation updating study
 
 configure = cmake --preset $(1) -DMOTTLE_WERROR=$(MOTTLE_WERROR)
 build = cmake --build --preset $(1) -j $(JOBS)
-# Half of a test's time is its start: as many at once as there are processors.
 ctest = ctest --preset $(1) -j $(JOBS)
+tsan_options = TSAN_OPTIONS="suppressions=$(CURDIR)/tools/tsan.supp $$TSAN_OPTIONS"
 
 .PHONY: build demo test lint asan tsan coverage deb bench clean
 .DEFAULT_GOAL := build
@@ -39,14 +39,14 @@ asan:
 	$(INSTALL) --test
 	$(call configure,asan)
 	$(call build,asan)
-	$(call ctest,asan) --label-exclude packaging
+	$(call ctest,asan) --label-exclude "packaging|browser"
 
 tsan:
 	$(INSTALL) --test
 	$(call configure,tsan)
-	$(call build,tsan) $(foreach layer,$(TSAN_LAYERS),--target mottle_$(layer)_tests)
-	TSAN_OPTIONS="suppressions=$(CURDIR)/tools/tsan.supp $$TSAN_OPTIONS" \
-	  $(call ctest,tsan) --label-regex "^($(subst $() ,|,$(strip $(TSAN_LAYERS))))$$"
+	$(call build,tsan) --target mottle_app $(foreach layer,$(TSAN_LAYERS),--target mottle_$(layer)_tests)
+	$(tsan_options) $(call ctest,tsan) --label-regex "^($(subst $() ,|,$(strip $(TSAN_LAYERS))))$$"
+	$(tsan_options) build/tsan/mottle update examples/01-three-masses/case1.toml --threads 4 --quiet --out build/tsan/case1.mottle
 
 # Lines of the library; tests, the command and outside headers do not count.
 coverage:
@@ -54,7 +54,7 @@ coverage:
 	$(call configure,coverage)
 	$(call build,coverage)
 	find build/coverage -name '*.gcda' -delete
-	$(call ctest,coverage) --label-exclude packaging
+	$(call ctest,coverage) --label-exclude "packaging|browser"
 	gcovr -j $(JOBS) --root . --filter src/ --filter include/ --exclude-throw-branches --print-summary \
 	  --fail-under-line 90 build/coverage
 

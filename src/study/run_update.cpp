@@ -105,7 +105,12 @@ RunSummary run_update(const Study& study, const RunSettings& settings) {
 
   Json json = update_result_json(study, tests, problem, *method, result);
   std::vector<Cloud> clouds;
-  for (const IterationRecord& state : result.history) clouds.push_back(state.cloud);
+  for (const IterationRecord& state : result.history) {
+    clouds.push_back(state.cloud);
+    // A cloud cut short (append_state) holds valid samples alone; its failures count the samples of the whole cloud.
+    const bool is_cut_short = &state != &result.history.front() && &state != &result.history.back();
+    if (is_cut_short) clouds.back().failures.clear();
+  }
   folder.write("study.toml", study_text_for(study, folder.path()));
   folder.write("history.csv", history_csv(problem, result));
   folder.write("cloud-initial.csv", cloud_csv(result.history.front().cloud, *made.space, model.outputs()));

@@ -64,12 +64,10 @@ void require_effects(const StudyParameters& parameters, const ModalOutputs& outp
   }
 }
 
-/// Each output once, and none with the name of a parameter: they are columns of one table.
+/// Parameters and outputs are columns of one table.
 void require_own_names(const StudyParameters& parameters, const std::vector<Output>& outputs) {
   std::set<std::string> names;
-  for (const Output& output : outputs) {
-    require(names.insert(output.name).second, "outputs.shapes.dofs: they name output '{}' twice", output.name);
-  }
+  for (const Output& output : outputs) names.insert(output.name);
   for (const StudyParameter& parameter : parameters.list) {
     require(!names.contains(parameter.name), "parameter '{}': an output has that name, choose another", parameter.name);
   }

@@ -155,8 +155,8 @@ std::size_t TomlReader::choice(const std::string& key, const std::vector<std::st
   const auto found = value ? std::find(choices.begin(), choices.end(), *value) : choices.end();
   if (found != choices.end()) return static_cast<std::size_t>(std::distance(choices.begin(), found));
   const std::string nearest = value ? nearest_name(*value, choices) : "";
-  fail_value(key, "\"" + join(choices, "\" | \"") + "\"" +
-                      (nearest.empty() ? "" : fmt::format("; did you mean \"{}\"?", nearest)));
+  fail_value(key, fmt::format("\"{}\"{}", join(choices, "\" | \""),
+                              nearest.empty() ? "" : fmt::format("; did you mean \"{}\"?", nearest)));
 }
 
 std::map<std::string, double> TomlReader::number_map(const std::string& key, const OptionRange& range) {

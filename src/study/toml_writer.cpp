@@ -57,7 +57,7 @@ std::string value_text(const toml::node& node) {
   const bool has_tables = list != nullptr && !list->empty() && list->front().is_table();
   if (!has_tables) return toml_on_one_line(node);
   std::string text = "[\n";
-  for (const toml::node& entry : *list) text += "  " + toml_on_one_line(entry) + ",\n";
+  for (const toml::node& entry : *list) text += fmt::format("  {},\n", toml_on_one_line(entry));
   return text + "]";
 }
 
@@ -65,7 +65,9 @@ void write_section(const toml::table& table, const std::string& path, std::strin
   const std::vector<std::string> keys = keys_in_file_order(table);
   for (const std::string& key : keys) {
     const toml::node& node = *table.get(key);
-    if (!is_section(node) && !is_list_of_sections(node)) text += key_text(key) + " = " + value_text(node) + '\n';
+    if (!is_section(node) && !is_list_of_sections(node)) {
+      text += fmt::format("{} = {}\n", key_text(key), value_text(node));
+    }
   }
   for (const std::string& key : keys) {
     const toml::node& node = *table.get(key);
@@ -100,13 +102,15 @@ std::string toml_on_one_line(const toml::node& node) {
   std::string text;
   if (const toml::table* table = node.as_table()) {
     for (const std::string& key : keys_in_file_order(*table)) {
-      text += (text.empty() ? "" : ", ") + key_text(key) + " = " + toml_on_one_line(*table->get(key));
+      text += fmt::format("{}{} = {}", text.empty() ? "" : ", ", key_text(key), toml_on_one_line(*table->get(key)));
     }
-    return text.empty() ? "{}" : "{ " + text + " }";
+    return text.empty() ? "{}" : fmt::format("{{ {} }}", text);
   }
   if (const toml::array* list = node.as_array()) {
-    for (const toml::node& entry : *list) text += (text.empty() ? "" : ", ") + toml_on_one_line(entry);
-    return "[" + text + "]";
+    for (const toml::node& entry : *list) {
+      text += fmt::format("{}{}", text.empty() ? "" : ", ", toml_on_one_line(entry));
+    }
+    return fmt::format("[{}]", text);
   }
   if (const auto string = node.value_exact<std::string>()) return quoted(*string);
   if (const auto integer = node.value_exact<std::int64_t>()) return fmt::format("{}", *integer);

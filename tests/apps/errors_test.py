@@ -313,6 +313,9 @@ study_case("specimens that are all the same", [], ["covariance", "singular"], at
            tests="f1,f2,f3\n" + "0.1,0.2,0.3\n" * 6)
 study_case("no scatter for the Euclidean weight", [('"mahalanobis"', '"euclidean"')], ["singular"],
            at="[test]", tests="f1,f2,f3\n" + "0.125,0.25,0.5\n" * 6)
+study_case("one output without scatter", [], ["singular"], at="[test]",
+           tests="\n".join(line if i == 0 else "0.125," + line.split(",", 1)[1]
+                           for i, line in enumerate(TESTS.splitlines())))
 study_case("no scatter but for rounding", [('"mahalanobis"', '"euclidean"')], ["singular"],
            at="[test]", tests="f1,f2,f3\n" + "0.1,0.2,0.3\n" * 6)
 study_case("more unknowns than data", [("[1, 2, 3]", "[1]")], ["2 parameters", "more unknowns", "1 measured output"],

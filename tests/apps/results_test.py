@@ -416,7 +416,7 @@ class ResultsTest(support.CommandTest):
             self.assertAlmostEqual(a, b, delta=1e-9)
 
     def test_lost_modes_are_counted_and_left_out(self):
-        result = self.update(("[1, 2, 3]", '[1, 2, 3]\ntracking = "mac"\nminimum_mac = 0.99'),
+        result = self.update(("[1, 2, 3]", '[1, 2, 3]\ntracking = "mac"\nminimum_mac = 0.98'),
                              ("samples = 200", "samples = 200\nmax_failed = 1.0"))
         failed = result["failed_evaluations"]
         self.assertTrue(failed)
@@ -425,6 +425,10 @@ class ResultsTest(support.CommandTest):
         lost = [row for row in rows if "ok" not in row[-1]]
         self.assertEqual(len(lost), sum(1 for entry in failed if entry["iteration"] == 0))
         self.assertEqual(lost[0][2:5], ["", "", ""])
+        _, rows = read_csv(self.folder / "out" / "clouds.csv")
+        for state in result["iterations"]:
+            drawn = sum(1 for row in rows if float(row[0]) == state["index"])
+            self.assertEqual(drawn, 200 - state["failed"], f"iteration {state['index']}")
 
     def test_too_many_lost_modes_stop_the_run(self):
         self.write("study.toml", edited(STUDY, ("[1, 2, 3]", '[1, 2, 3]\ntracking = "mac"\nminimum_mac = 1.0')))
@@ -475,8 +479,10 @@ class ResultsTest(support.CommandTest):
                                'target = "spring:k6"\nrelative = true\n'
                                'distribution = { kind = "normal", mean = 1.0, std = 0.15 }'))
         self.assertEqual(factors["parameters"]["units"][1], "-")
-        # A factor on 2 is half the value; the iterations differ by rounding only.
-        self.assertAlmostEqual(2.0 * factors["parameters"]["mean"][1], values["parameters"]["mean"][1], delta=1e-6)
+        # A factor on 2 is half the value. The clouds differ: the root of a covariance depends on the parameters' scale,
+        # so this agrees to the Monte-Carlo error of 200 samples only, a third of it here.
+        self.assertAlmostEqual(2.0 * factors["parameters"]["mean"][1], values["parameters"]["mean"][1],
+                               delta=0.3 * 0.3 / math.sqrt(200))
 
     def test_tied_elements_share_one_parameter(self):
         result = self.update(('target = "spring:k2"', 'target = ["spring:k2", "spring:k5"]'))

@@ -14,7 +14,7 @@ import unittest
 import support
 from support import STUDY, TESTS, edited, numbers
 
-LONG = edited(STUDY, ("samples = 200", "samples = 60000"), ("iterations = 30", "iterations = 12"))
+LONG = edited(STUDY, ("samples = 200", "samples = 45000"), ("iterations = 30", "iterations = 12"))
 KILLS = int(os.environ.get("MOTTLE_KILLS", "20"))
 SEED = 20060
 
@@ -139,7 +139,7 @@ class ResumeTest(support.CommandTest):
         os.kill(process.pid, signal.SIGCONT)
         process.send_signal(signal.SIGTERM)
         process.communicate(timeout=20)
-        self.assertIn(process.returncode, (4, -signal.SIGTERM))
+        self.assertIn(process.returncode, (4, -signal.SIGTERM, -signal.SIGINT))  # handlers may nest
         self.assert_resumes("two signals")
 
     def test_journals_cut_anywhere(self):
@@ -185,7 +185,7 @@ class ResumeTest(support.CommandTest):
         self.assert_refuses()
         self.write("study.toml", LONG)
         self.assert_refuses("--seed", "8")
-        self.assert_refuses("--set", "update.samples=50000")
+        self.assert_refuses("--set", "update.samples=44000")
         self.assert_resumes("after all refusals")
 
     def test_resume_at_another_number_of_threads(self):
@@ -204,7 +204,7 @@ class ResumeTest(support.CommandTest):
         self.assertNotEqual(numbers(self.out), self.reference)
 
     def test_propagate_resumes_too(self):
-        self.write("study.toml", edited(LONG, ("samples = 60000", "samples = 400000")))
+        self.write("study.toml", edited(LONG, ("samples = 45000", "samples = 400000")))
         self.succeed("propagate", "study.toml", "--out", "whole", "--quiet")
         process = subprocess.Popen([support.MOTTLE, "propagate", "study.toml", "--out", "out", "--quiet"],
                                    cwd=self.folder)

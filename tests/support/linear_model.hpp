@@ -1,6 +1,8 @@
 // A model y = a + G x for tests: its answers are known in closed form. It can count its runs and fail at will.
 #pragma once
 
+#include <fmt/format.h>
+
 #include <Eigen/Core>
 #include <functional>
 #include <limits>
@@ -14,7 +16,7 @@ namespace mottle::test {
 class LinearModel final : public Model {
  public:
   LinearModel(Eigen::VectorXd offset, Eigen::MatrixXd slope) : offset_(std::move(offset)), slope_(std::move(slope)) {
-    for (Eigen::Index k = 0; k < offset_.size(); ++k) outputs_.push_back({"y" + std::to_string(k + 1), "-"});
+    for (Eigen::Index k = 0; k < offset_.size(); ++k) outputs_.push_back({fmt::format("y{}", k + 1), "-"});
   }
 
   Eigen::Index parameter_count() const override { return slope_.cols(); }

@@ -20,7 +20,7 @@ struct Parameter {
   std::string unit;
   double lower_bound = -std::numeric_limits<double>::infinity();  ///< the updated mean stays within the bounds
   double upper_bound = std::numeric_limits<double>::infinity();
-  PhysicalLimit limit;
+  PhysicalLimit limit = {};
 };
 
 /// A drawn cloud of parameters.

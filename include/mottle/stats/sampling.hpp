@@ -23,7 +23,8 @@ enum class SamplingDesign {
 ///
 /// @param samples    1 to 2^32 - 1
 /// @param dimension  1 to 65,535; for Sobol at most 1,111 (direction numbers of OpenTURNS)
-/// @param key        names the draw; designs of different purpose or iteration are independent
+/// @param key        names the draw; designs of different purpose or iteration are independent (Sobol:
+///                   shifts of one sequence)
 /// @return           [sample x dimension], in the open interval (0, 1)
 /// @throws InvalidInput  samples or dimension outside its range (says the limit)
 /// Source: [McKay1979] Latin hypercube; [Sobol1967], [Joe2008] sequence; [Cranley1976] shift; [Owen2022] first point.

@@ -27,8 +27,8 @@ struct UpdatingProblem {
   const Model& model;
   const DifferentiableModel* derivatives = nullptr;  ///< of the same model; null where it has none
   const ParameterSpace& space;
-  TestData tests;
-  CloudSettings cloud;
+  TestData tests = {};
+  CloudSettings cloud = {};
   int iterations = 30;      ///< most updates that may be made
   double level = 0.05;      ///< false-alarm rate of the verdict's tests
   double tolerance = 1e-3;  ///< converged when no mean and no deviation moves by more than this part of a deviation
