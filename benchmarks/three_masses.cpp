@@ -1,12 +1,13 @@
-// Clouds of the three-mass model: draw, solve, and both together, as propagation does them. `--json` prints one line for
-// compare_three_masses.py.
+// Clouds of the three-mass model: draw, solve, and both together, as propagation does them. `--json` prints one line
+// for compare_three_masses.py.
+#include "support/three_masses.hpp"
+
 #include <fmt/format.h>
 
 #include <chrono>
 #include <string_view>
 
 #include "mottle/propagation/cloud.hpp"
-#include "support/three_masses.hpp"
 
 namespace {
 
@@ -46,9 +47,10 @@ int main(int argc, char** argv) {
   if (argc > 1 && std::string_view(argv[1]) == "--json") {
     fmt::print("{{\"cloud_1000_s\": {}, \"sample_s\": {}, \"solve_s\": {}}}\n", one_cloud, many, solve);
   } else {
-    fmt::print("three masses, one thread: cloud of 1000 {:.1f} us ({:.0f} a second); per sample of 2^20: drawn and "
-               "solved {:.3f} us, solved {:.3f} us\n",
-               1e6 * one_cloud, 1.0 / one_cloud, 1e6 * many, 1e6 * solve);
+    fmt::print(
+        "three masses, one thread: cloud of 1000 {:.1f} us ({:.0f} a second); per sample of 2^20: drawn and "
+        "solved {:.3f} us, solved {:.3f} us\n",
+        1e6 * one_cloud, 1.0 / one_cloud, 1e6 * many, 1e6 * solve);
   }
   return 0;
 }

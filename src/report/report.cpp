@@ -10,6 +10,7 @@
 #include "mottle/core/files.hpp"
 #include "mottle/formats/csv.hpp"
 #include "mottle/report/page.hpp"
+#include "mottle/study/text_file.hpp"
 
 namespace mottle {
 namespace {
@@ -45,7 +46,7 @@ std::vector<Eigen::VectorXd> read_columns(const CsvTable& table) {
 }
 
 Json tests_json(const std::filesystem::path& file) {
-  const CsvTable table = parse_csv(read_file(file), file.string());
+  const CsvTable table = parse_csv(read_text_file(file), file.string());
   const std::vector<Eigen::VectorXd> columns = read_columns(table);
   Json rows = Json::array();
   for (std::size_t row = 0; row < table.rows.size(); ++row) {
@@ -56,7 +57,7 @@ Json tests_json(const std::filesystem::path& file) {
 
 /// Samples by iteration; the first column of the file is the iteration, then `parameters` columns, then outputs.
 Json clouds_json(const std::filesystem::path& file, std::size_t parameters) {
-  const CsvTable table = parse_csv(read_file(file), file.string());
+  const CsvTable table = parse_csv(read_text_file(file), file.string());
   if (table.header.size() < parameters + 2 || table.header.front() != "iteration") {
     throw FormatError(file.string(), 1, "does not fit result.json; run the study again");
   }
@@ -90,7 +91,8 @@ void write_report(const std::filesystem::path& folder) {
   const std::size_t parameters = parameter_count(page["result"], folder / "result.json");
   if (std::filesystem::exists(folder / "tests.csv")) page["tests"] = tests_json(folder / "tests.csv");
   if (std::filesystem::exists(folder / "clouds.csv")) page["clouds"] = clouds_json(folder / "clouds.csv", parameters);
-  write_file_atomically(folder / "report.html", render_page(page.dump()));
+  const std::string data = page.dump(-1, ' ', false, Json::error_handler_t::replace);
+  write_file_atomically(folder / "report.html", render_page(data));
 }
 
 }  // namespace mottle

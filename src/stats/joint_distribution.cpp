@@ -83,12 +83,16 @@ JointDistribution JointDistribution::multivariate_normal(const Eigen::VectorXd& 
   normal.mean_ = mean;
   normal.covariance_ = 0.5 * (covariance + covariance.transpose());
   if (mean.size() == 0) return normal;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(normal.covariance_);
+  // The root is taken of the correlation, so that the same uniforms give the same samples in any units.
+  const Eigen::VectorXd deviation = normal.covariance_.diagonal().cwiseMax(0.0).cwiseSqrt();
+  const Eigen::VectorXd scale = (deviation.array() > 0.0).select(deviation, 1.0);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scale.cwiseInverse().asDiagonal() * normal.covariance_ *
+                                                             scale.cwiseInverse().asDiagonal());
   const double smallest = eigen.eigenvalues()[0];
   require(smallest >= -1e-10 * eigen.eigenvalues().cwiseAbs().maxCoeff(),
-          "covariance: not positive semi-definite, its smallest eigenvalue is {:.6g}", smallest);
-  normal.factor_ = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal() *
-                   eigen.eigenvectors().transpose();
+          "covariance: not positive semi-definite, as a correlation its smallest eigenvalue is {:.6g}", smallest);
+  normal.factor_ = scale.asDiagonal() * eigen.eigenvectors() *
+                   eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal() * eigen.eigenvectors().transpose();
   return normal;
 }
 

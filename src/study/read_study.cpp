@@ -1,10 +1,10 @@
 #include <algorithm>
 
 #include "mottle/core/text.hpp"
+#include "mottle/study/text_file.hpp"
 #include "mottle/updating/updater.hpp"
 #include "overrides.hpp"
 #include "study_sections.hpp"
-#include "text_file.hpp"
 #include "toml_writer.hpp"
 
 namespace mottle {

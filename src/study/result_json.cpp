@@ -34,7 +34,7 @@ Json iteration_json(const IterationRecord& state, std::size_t index) {
           {"output_mean", to_json(state.output_mean)},
           {"output_std", to_json(state.output_covariance.diagonal().cwiseSqrt())},
           {"output_covariance", to_json_rows(state.output_covariance)},
-          {"failed", state.failed_runs},
+          {"failed", state.failures.size()},
           {"rejected_draws", state.rejected_draws},
           {"ellipses", ellipses_json(state.output_mean, state.output_covariance)},
           {"parameter_ellipses", ellipses_json(state.parameter_mean, state.parameter_covariance)}};
@@ -78,7 +78,7 @@ Json t_curve_json(int p, double alpha, int most) {
 Json sample_size_json(const UpdatingProblem& problem, const IterationRecord& last) {
   const auto p = static_cast<int>(problem.model.outputs().size());
   const auto n_test = static_cast<int>(problem.tests.values.rows());
-  const auto n_model = static_cast<int>(last.cloud.samples.rows() - last.failed_runs);
+  const auto n_model = static_cast<int>(last.cloud.valid().outputs.rows());
   const bool has_critical = n_test + n_model > p + 1;
   return {{"alpha", problem.level},
           {"n_test", n_test},
@@ -234,7 +234,7 @@ Json update_result_json(const Study& study, const StudyTests& tests, const Updat
   std::int64_t rejected = 0;
   for (std::size_t i = 0; i < result.history.size(); ++i) {
     json["iterations"].push_back(iteration_json(result.history[i], i));
-    for (Json& failure : failures_json(result.history[i].cloud.failures, i)) failures.push_back(std::move(failure));
+    for (Json& failure : failures_json(result.history[i].failures, i)) failures.push_back(std::move(failure));
     rejected += result.history[i].rejected_draws;
   }
   json["test_ellipses"] = ellipses_json(moments.mean, moments.covariance);

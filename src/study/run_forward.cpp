@@ -10,9 +10,9 @@
 #include "mottle/stats/descriptive.hpp"
 #include "mottle/study/run.hpp"
 #include "mottle/study/run_folder.hpp"
+#include "mottle/study/text_file.hpp"
 #include "result_json.hpp"
 #include "run_files.hpp"
-#include "text_file.hpp"
 
 namespace mottle {
 namespace {

@@ -31,7 +31,7 @@ std::string history_csv(const UpdatingProblem& problem, const UpdatingResult& re
 
 void note_what_happened(const UpdatingResult& result, const JournalledModel& model, const RunContext& context) {
   std::size_t failed = 0;
-  for (const IterationRecord& state : result.history) failed += state.cloud.failures.size();
+  for (const IterationRecord& state : result.history) failed += state.failures.size();
   if (failed > 0) {
     context.warning(
         fmt::format("{} of {} model runs failed and were left out; if failures are not a matter of chance, "
@@ -105,12 +105,7 @@ RunSummary run_update(const Study& study, const RunSettings& settings) {
 
   Json json = update_result_json(study, tests, problem, *method, result);
   std::vector<Cloud> clouds;
-  for (const IterationRecord& state : result.history) {
-    clouds.push_back(state.cloud);
-    // A cloud cut short (append_state) holds valid samples alone; its failures count the samples of the whole cloud.
-    const bool is_cut_short = &state != &result.history.front() && &state != &result.history.back();
-    if (is_cut_short) clouds.back().failures.clear();
-  }
+  for (const IterationRecord& state : result.history) clouds.push_back(state.cloud);
   folder.write("study.toml", study_text_for(study, folder.path()));
   folder.write("history.csv", history_csv(problem, result));
   folder.write("cloud-initial.csv", cloud_csv(result.history.front().cloud, *made.space, model.outputs()));

@@ -7,8 +7,8 @@
 #include "mottle/core/files.hpp"
 #include "mottle/core/text.hpp"
 #include "mottle/formats/csv.hpp"
+#include "mottle/study/text_file.hpp"
 #include "mottle/updating/verdict.hpp"
-#include "text_file.hpp"
 
 namespace mottle {
 namespace {

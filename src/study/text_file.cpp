@@ -1,4 +1,4 @@
-#include "text_file.hpp"
+#include "mottle/study/text_file.hpp"
 
 #include <algorithm>
 #include <string_view>

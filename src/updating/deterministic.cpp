@@ -227,7 +227,8 @@ UpdatingResult DeterministicUpdater::update(const UpdatingProblem& problem, cons
 
   Eigen::VectorXd x = problem.space.clamp(setup.start);
   const auto at_start = evaluate_one(problem, x, context, result.model_evaluations);
-  if (!at_start) throw SystemFailure("the model fails at the parameters' prior means, so there is nothing to start from");
+  if (!at_start)
+    throw SystemFailure("the model fails at the parameters' prior means, so there is nothing to start from");
   Eigen::VectorXd y = *at_start;
   Eigen::MatrixXd g = model_jacobian(problem, x, setup.prior_std, context, result.model_evaluations);
   for (int index = 1; index <= problem.iterations; ++index) {

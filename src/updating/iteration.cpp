@@ -33,7 +33,7 @@ IterationRecord record_state(const UpdatingProblem& problem, const TestMoments& 
   const Cloud::Valid valid = record.cloud.valid();
   record.output_mean = sample_mean(valid.outputs);
   record.output_covariance = sample_covariance(valid.outputs);
-  record.failed_runs = static_cast<Eigen::Index>(record.cloud.failures.size());
+  record.failures = record.cloud.failures;
   record.rejected_draws = record.cloud.rejected;
   record.distance_euclidean = euclidean_distance(record.output_mean, tests.mean);
   record.distance_mahalanobis = tests.covariance.isZero(0.0)
@@ -52,6 +52,7 @@ void append_state(UpdatingResult& result, IterationRecord state) {
     const Eigen::Index shown = std::min(k_shown, valid.samples.rows());
     cloud.samples = valid.samples.topRows(shown);
     cloud.outputs = valid.outputs.topRows(shown);
+    cloud.failures.clear();
   }
   result.history.push_back(std::move(state));
 }

@@ -50,7 +50,8 @@ MaresSetup prepare(const UpdatingProblem& problem, const MaresOptions& options) 
   const Eigen::MatrixXd correlation = correlation_from_covariance(setup.test_variability);
   constexpr double k_singular = 1e-12;
   // A direction without variability would leave the parameters without scatter there (Eq. 12): no cloud to regress on.
-  require(correlation.allFinite() && correlation.ldlt().vectorD().minCoeff() > k_singular,
+  require(setup.test_variability.diagonal().minCoeff() > 0.0 && correlation.allFinite() &&
+              correlation.ldlt().vectorD().minCoeff() > k_singular,
           "test: the covariance of {} outputs from {} specimens is singular; test more specimens than outputs, leave "
           "outputs out, or set update.mares.model_error above 0",
           outputs, problem.tests.values.rows());

@@ -100,7 +100,7 @@ TEST_P(EveryMethod, SurvivesFailedEvaluations) {
   };
   const UpdatingResult result = method()->update(reference.problem(), {});
   std::size_t failed = 0;
-  for (const IterationRecord& state : result.history) failed += state.cloud.failures.size();
+  for (const IterationRecord& state : result.history) failed += state.failures.size();
   EXPECT_GT(failed, 0U);
   EXPECT_LT((result.mean - Eigen::Vector2d(3.0, 5.0)).cwiseAbs().maxCoeff(), k_monte_carlo);
 }

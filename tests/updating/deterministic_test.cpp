@@ -90,8 +90,9 @@ TEST(Deterministic, ABoundThatHoldsOneParameterLeavesTheOtherOptimalOnIt) {
   const LinearCase linear;
   const Distribution first({.kind = DistributionKind::normal, .mean = 1.0, .std = 0.2});
   const Distribution second({.kind = DistributionKind::normal, .mean = 2.0, .std = 0.5});
-  const ParameterSpace bounded({{"a", "-", 0.9, 1.1, LinearCase::limit()}, {"b", "-", -10.0, 10.0, LinearCase::limit()}},
-                               JointDistribution({first, second}));
+  const ParameterSpace bounded(
+      {{"a", "-", 0.9, 1.1, LinearCase::limit()}, {"b", "-", -10.0, 10.0, LinearCase::limit()}},
+      JointDistribution({first, second}));
   UpdatingProblem problem = linear.problem();
   const UpdatingProblem held{.model = problem.model,
                              .space = bounded,
@@ -149,8 +150,9 @@ TEST(Deterministic, ResidualsBeyondTheMeasurementErrorFailTheChiSquaredTest) {
 TEST(Deterministic, MoreParametersThanOutputsNeedRegularisation) {
   const ThreeMasses structure;
   const Eigen::MatrixXd tests = frequencies_of(structure, oracle_parameters());
-  const ModalModel one_output(separate(test::three_mass_system(), {{"k1", {"spring:k1"}}, {"k2", {"spring:k2"}}, {"k5", {"spring:k5"}}}),
-                              {.frequencies = {1}}, Eigen::VectorXd::Constant(3, 2.0));
+  const ModalModel one_output(
+      separate(test::three_mass_system(), {{"k1", {"spring:k1"}}, {"k2", {"spring:k2"}}, {"k5", {"spring:k5"}}}),
+      {.frequencies = {1}}, Eigen::VectorXd::Constant(3, 2.0));
   const UpdatingProblem problem{.model = one_output,
                                 .derivatives = &one_output,
                                 .space = *structure.space,

@@ -16,7 +16,9 @@ UpdatingResult update(const UpdatingProblem& problem, const MaresOptions& option
   return MaresUpdater(options).update(problem, {.seed = seed});
 }
 
-Eigen::VectorXd deviations(const UpdatingResult& result) { return result.covariance.diagonal().cwiseSqrt(); }
+Eigen::VectorXd deviations(const UpdatingResult& result) {
+  return result.covariance.diagonal().cwiseSqrt();
+}
 
 TEST(Mares, TheDecodedReadingReproducesThePublishedMeansAndDeviations) {
   const ThreeMasses structure;
@@ -39,8 +41,8 @@ TEST(Mares, TheLiteralReadingFallsBackToTheStart) {
   const ThreeMasses structure;
   UpdatingProblem problem = structure.problem(frequencies_of(structure, oracle_parameters()));
   problem.iterations = 12;
-  const UpdatingResult result = update(
-      problem, {.prior = MaresOptions::Prior::fixed, .covariance = MaresOptions::Covariance::recursive});
+  const UpdatingResult result =
+      update(problem, {.prior = MaresOptions::Prior::fixed, .covariance = MaresOptions::Covariance::recursive});
   EXPECT_EQ(result.status, UpdatingStatus::max_iterations);
   // METHOD.md section 3; 0.01 covers the Monte-Carlo error of the sensitivities.
   EXPECT_LT((result.mean - Eigen::Vector3d(1.93, 1.91, 1.94)).cwiseAbs().maxCoeff(), 0.01);

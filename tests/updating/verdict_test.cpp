@@ -58,7 +58,8 @@ TEST(Identifiability, ParametersThatActOnlyTogetherLeaveTheirDifferenceUnseen) {
 }
 
 TEST(Identifiability, MoreParametersThanOutputsLeaveTheRestUnseen) {
-  const Identifiability seen = identify(Eigen::RowVector3d(1.0, 0.0, 0.0), Eigen::VectorXd::Ones(1), Eigen::Vector3d::Ones());
+  const Identifiability seen =
+      identify(Eigen::RowVector3d(1.0, 0.0, 0.0), Eigen::VectorXd::Ones(1), Eigen::Vector3d::Ones());
   EXPECT_EQ(seen.rank, 1);
   EXPECT_EQ(seen.unseen_directions.size(), 2U);
 }

@@ -48,9 +48,9 @@ struct IterationRecord {
   Eigen::MatrixXd output_covariance;
   double distance_euclidean = 0.0;    ///< between the means of cloud and tests, in the outputs' unit
   double distance_mahalanobis = 0.0;  ///< the same measured by the tests' covariance, dimensionless
-  Eigen::Index failed_runs = 0;
+  std::vector<FailedRun> failures;    ///< of the whole cloud
   std::int64_t rejected_draws = 0;
-  Cloud cloud;
+  Cloud cloud;  ///< whole in the first and last state, in those between a few samples for drawing
 };
 
 /// One statistical test of the updated model against the tests.
