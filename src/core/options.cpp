@@ -17,7 +17,7 @@ std::string option_text(const OptionValue& value) {
 }
 
 std::string OptionRange::text() const {
-  const std::string low = fmt::format("{} {}", excludes_lower ? ">" : ">=", number_text(lower));
+  std::string low = fmt::format("{} {}", excludes_lower ? ">" : ">=", number_text(lower));
   if (std::isinf(lower) && std::isinf(upper)) return "any number";
   if (std::isinf(upper)) return low;
   if (std::isinf(lower)) return fmt::format("<= {}", number_text(upper));

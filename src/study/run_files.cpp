@@ -32,6 +32,7 @@ std::string clouds_csv(const std::vector<Cloud>& clouds, const ParameterSpace& s
   for (std::size_t i = 0; i < clouds.size(); ++i) {
     const Cloud::Valid valid = clouds[i].valid();
     const Eigen::Index shown = std::min(k_shown, valid.samples.rows());
+    if (shown == 0) continue;  // a state of a method that draws no cloud there
     Eigen::MatrixXd block(shown, static_cast<Eigen::Index>(header.size()));
     block << Eigen::VectorXd::Constant(shown, static_cast<double>(i)), valid.samples.topRows(shown),
         valid.outputs.topRows(shown);
