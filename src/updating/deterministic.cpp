@@ -125,7 +125,7 @@ Eigen::VectorXd accepted_step(const UpdatingProblem& problem, const LeastSquares
   const double old_cost = cost(setup, x, outputs);
   double length = 1.0;
   for (int halving = 0; halving <= k_most_halvings; ++halving, length *= 0.5) {
-    const Eigen::VectorXd next = problem.space.clamp(x + length * step);
+    Eigen::VectorXd next = problem.space.clamp(x + length * step);
     const auto trial = evaluate_one(problem, next, context, evaluations);
     if (!trial || cost(setup, next, *trial) > old_cost) continue;
     outputs = *trial;
