@@ -208,6 +208,12 @@ Json ellipses_json(const Eigen::Ref<const Eigen::VectorXd>& mean, const Eigen::R
   return list;
 }
 
+Json rejected_draws_json(std::int64_t count) {
+  return {
+      {"count", count},
+      {"rule", "a draw with a stiffness or mass <= 0 (damping < 0) is rejected and drawn again from its own stream"}};
+}
+
 Json failures_json(const std::vector<FailedRun>& failures, std::size_t iteration) {
   Json list = Json::array();
   for (const FailedRun& failure : failures) {
@@ -253,9 +259,7 @@ Json update_result_json(const Study& study, const StudyTests& tests, const Updat
                              problem.space.names());
   }
   json["model_evaluations"] = result.model_evaluations;
-  json["rejected_draws"] = {
-      {"count", rejected},
-      {"rule", "a draw with a stiffness or mass <= 0 (damping < 0) is rejected and drawn again from its own stream"}};
+  json["rejected_draws"] = rejected_draws_json(rejected);
   json["failed_evaluations"] = failures;
   json["options"] = options_json(study, problem, method);
   json["notes"] = result.notes;

@@ -31,6 +31,9 @@ void add_cloud_analysis(Json& result, const Cloud& regressed, const Cloud& ranke
 
 Json ellipses_json(const Eigen::Ref<const Eigen::VectorXd>& mean, const Eigen::Ref<const Eigen::MatrixXd>& covariance);
 
+/// How many physically impossible draws were replaced, and by which rule.
+Json rejected_draws_json(std::int64_t count);
+
 Json failures_json(const std::vector<FailedRun>& failures, std::size_t iteration);
 
 /// The whole of result.json of `update`, timings left to the caller.

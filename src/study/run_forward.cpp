@@ -65,9 +65,7 @@ Json propagate_json(const Study& study, const StudyModel& made, const Cloud& clo
   }
   add_cloud_analysis(json, cloud, cloud);
   json["model_evaluations"] = cloud.samples.rows();
-  json["rejected_draws"] = {
-      {"count", cloud.rejected},
-      {"rule", "a draw with a stiffness or mass <= 0 (damping < 0) is rejected and drawn again from its own stream"}};
+  json["rejected_draws"] = rejected_draws_json(cloud.rejected);
   json["failed_evaluations"] = failures_json(cloud.failures, 0);
   return json;
 }
