@@ -48,7 +48,8 @@ tsan:
 	$(tsan_options) $(call ctest,tsan) --label-regex "^($(subst $() ,|,$(strip $(TSAN_LAYERS))))$$"
 	$(tsan_options) build/tsan/mottle update examples/01-three-masses/case1.toml --threads 4 --quiet --out build/tsan/case1.mottle
 
-# Lines of the library; tests, the command and outside headers do not count.
+# The tests under both sanitisers, and the lines of the library that they reach (tests, the command and outside headers
+# do not count): one build for both, since that build is most of the cost.
 coverage:
 	$(INSTALL) --ci
 	$(call configure,coverage)

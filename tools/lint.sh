@@ -13,6 +13,12 @@ find include src apps tests benchmarks web -name node_modules -prune -o \( -name
   xargs -0 -r -P "$jobs" -n 16 clang-format --dry-run -Werror
 python3 tools/check_layers.py
 
+echo "sources that are cited"
+keys=$(grep -rhoE '\[[A-Z][A-Za-z]+(19|20)[0-9]{2}[a-z]?\]' include src apps docs benchmarks --include='*.[ch]pp' --include='*.md' | tr -d '[]' | sort -u)
+for key in $keys; do
+  grep -q "^@[a-z]*{$key," docs/references.bib || { echo "docs/references.bib has no entry $key" >&2; exit 1; }
+done
+
 if (($# > 0)); then files=("$@"); else mapfile -t files < <(find src apps -name '*.cpp' ! -name 'lane_*' | sort); fi
 echo "clang-tidy: ${#files[@]} files"
 printf '%s\0' "${files[@]}" | xargs -0 -r -P "$jobs" -n 1 clang-tidy --quiet -p "$build" 2> >(grep -v 'warnings\? generated\.\|^Suppressed\|^Use -header-filter' >&2 || true)
