@@ -39,7 +39,7 @@ asan:
 	$(INSTALL) --test
 	$(call configure,asan)
 	$(call build,asan)
-	$(call ctest,asan) --label-exclude "packaging|browser"
+	MOTTLE_TEST_PATIENCE=5 $(call ctest,asan) --label-exclude "packaging|browser"
 
 tsan:
 	$(INSTALL) --test
@@ -55,7 +55,7 @@ coverage:
 	$(call configure,coverage)
 	$(call build,coverage)
 	find build/coverage -name '*.gcda' -delete
-	$(call ctest,coverage) --label-exclude "packaging|browser"
+	MOTTLE_TEST_PATIENCE=5 $(call ctest,coverage) --label-exclude "packaging|browser|timed"
 	gcovr -j $(JOBS) --root . --filter src/ --filter include/ --exclude-throw-branches --print-summary \
 	  --fail-under-line 90 build/coverage
 

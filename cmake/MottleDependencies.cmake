@@ -9,6 +9,19 @@ find_package(CLI11 2.1 REQUIRED)
 find_package(tomlplusplus 3.3 REQUIRED)
 find_path(RANDOM123_INCLUDE_DIR Random123/philox.h REQUIRED)
 
+# Sparse factorisations; BLAS comes with them and is called directly for the products between.
+set(BLA_VENDOR Generic)  # the system's alternative, which the other libraries link too
+find_package(BLAS REQUIRED)
+find_path(CHOLMOD_INCLUDE_DIR suitesparse/cholmod.h REQUIRED)
+find_library(CHOLMOD_LIBRARY cholmod REQUIRED)
+find_path(MUMPS_INCLUDE_DIR dmumps_c.h REQUIRED)
+find_library(MUMPS_LIBRARY dmumps_seq REQUIRED)
+if(NOT TARGET mottle_sparse)
+  add_library(mottle_sparse INTERFACE)
+  target_include_directories(mottle_sparse SYSTEM INTERFACE ${CHOLMOD_INCLUDE_DIR} ${MUMPS_INCLUDE_DIR})
+  target_link_libraries(mottle_sparse INTERFACE ${CHOLMOD_LIBRARY} ${MUMPS_LIBRARY} BLAS::BLAS)
+endif()
+
 if(NOT TARGET mottle_tomlplusplus)
   # TOML_HEADER_ONLY would compile the parser into every file; one translation unit holds it instead.
   add_library(mottle_tomlplusplus INTERFACE)

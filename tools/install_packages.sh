@@ -6,9 +6,10 @@ set -euo pipefail
 
 # "package" or "package:command": a command on the PATH counts too (node and npm often come from elsewhere, and
 # Debian's npm would conflict with them).
-run=(libfmt9 libopenturns0.21 libtomlplusplus3)
+run=(libcholmod3 libfmt9 libmumps-seq-5.5 libopenblas0 libopenturns0.21 libtomlplusplus3)
 build=(g++ make cmake ninja-build ca-certificates nodejs:node npm:npm
-       libeigen3-dev libboost-dev libfmt-dev libopenturns-dev librandom123-dev libtomlplusplus-dev
+       libeigen3-dev libboost-dev libfmt-dev libmumps-seq-dev libopenblas0 libopenturns-dev
+       librandom123-dev libsuitesparse-dev libtomlplusplus-dev
        nlohmann-json3-dev libcli11-dev)
 test=(libgtest-dev libgmock-dev python3:python3 chromium:chromium)
 ci=(clang-format:clang-format clang-tidy:clang-tidy gcovr:gcovr dpkg-dev file ccache:ccache)

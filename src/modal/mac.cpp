@@ -9,19 +9,7 @@ namespace mottle {
 
 Eigen::MatrixXd modal_assurance_criterion(const Eigen::Ref<const Eigen::MatrixXd>& a,
                                           const Eigen::Ref<const Eigen::MatrixXd>& b) {
-  require(a.rows() == b.rows(), "shapes with {} and {} degrees of freedom cannot be compared", a.rows(), b.rows());
-  const Eigen::MatrixXd products = a.transpose() * b;
-  const Eigen::VectorXd norms_a = a.colwise().squaredNorm();
-  const Eigen::VectorXd norms_b = b.colwise().squaredNorm();
-  Eigen::MatrixXd mac(a.cols(), b.cols());
-  for (Eigen::Index j = 0; j < b.cols(); ++j) {
-    for (Eigen::Index i = 0; i < a.cols(); ++i) {
-      const bool is_zero = norms_a(i) == 0.0 || norms_b(j) == 0.0;
-      // Divided one by one, lest squares of small or large shapes leave the range of double.
-      mac(i, j) = is_zero ? 0.0 : std::min(1.0, products(i, j) / norms_a(i) * (products(i, j) / norms_b(j)));
-    }
-  }
-  return mac;
+  return shape_cosines(a, b).cwiseAbs2();
 }
 
 std::vector<int> optimal_assignment(const Eigen::Ref<const Eigen::MatrixXd>& score) {
@@ -77,15 +65,19 @@ std::vector<int> optimal_assignment(const Eigen::Ref<const Eigen::MatrixXd>& sco
   return column_of;
 }
 
-TrackedModes track_modes(const Eigen::Ref<const Eigen::MatrixXd>& reference,
-                         const Eigen::Ref<const Eigen::MatrixXd>& shapes) {
-  const Eigen::MatrixXd mac = modal_assurance_criterion(reference, shapes);
-  TrackedModes tracked;
-  tracked.mode = optimal_assignment(mac);
-  for (std::size_t i = 0; i < tracked.mode.size(); ++i) {
-    tracked.mac.push_back(mac(static_cast<Eigen::Index>(i), tracked.mode[i]));
+Eigen::MatrixXd shape_cosines(const Eigen::Ref<const Eigen::MatrixXd>& a, const Eigen::Ref<const Eigen::MatrixXd>& b) {
+  require(a.rows() == b.rows(), "shapes with {} and {} degrees of freedom cannot be compared", a.rows(), b.rows());
+  Eigen::MatrixXd cosines = a.transpose() * b;
+  const Eigen::VectorXd lengths_a = a.colwise().norm();
+  const Eigen::VectorXd lengths_b = b.colwise().norm();
+  for (Eigen::Index j = 0; j < b.cols(); ++j) {
+    for (Eigen::Index i = 0; i < a.cols(); ++i) {
+      const bool is_zero = lengths_a(i) == 0.0 || lengths_b(j) == 0.0;
+      // Divided one by one, lest products of small or large shapes leave the range of double.
+      cosines(i, j) = is_zero ? 0.0 : std::clamp(cosines(i, j) / lengths_a(i) / lengths_b(j), -1.0, 1.0);
+    }
   }
-  return tracked;
+  return cosines;
 }
 
 }  // namespace mottle

@@ -1,5 +1,6 @@
 #include "mottle/modal/sensitivity.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <limits>
 
@@ -15,19 +16,70 @@ double repeated_gap(const ModeSet& modes) {
   return k_repeated * modes.eigenvalues.cwiseAbs().maxCoeff();
 }
 
+bool is_repeated(const ModeSet& modes, Eigen::Index mode) {
+  const auto distances = (modes.eigenvalues.array() - modes.eigenvalues(mode)).abs();
+  return (distances <= repeated_gap(modes)).count() > 1;  // one of them is the mode itself
+}
+
 }  // namespace
 
 Eigen::VectorXd eigenvalue_sensitivity(const ModeSet& modes, const Eigen::Ref<const Eigen::MatrixXd>& dK,
                                        const Eigen::Ref<const Eigen::MatrixXd>& dM) {
-  const double repeated = repeated_gap(modes);
+  return eigenvalue_sensitivity_from_products(modes, dK * modes.shapes, dM * modes.shapes);
+}
+
+Eigen::VectorXd eigenvalue_sensitivity_from_products(const ModeSet& modes,
+                                                     const Eigen::Ref<const Eigen::MatrixXd>& dK_shapes,
+                                                     const Eigen::Ref<const Eigen::MatrixXd>& dM_shapes) {
   Eigen::VectorXd derivative(modes.eigenvalues.size());
   for (Eigen::Index r = 0; r < derivative.size(); ++r) {
     const auto shape = modes.shapes.col(r);
-    derivative(r) = shape.dot(dK * shape) - modes.eigenvalues(r) * shape.dot(dM * shape);
-    const auto equals = ((modes.eigenvalues.array() - modes.eigenvalues(r)).abs() <= repeated).count();
-    if (equals > 1) derivative(r) = std::numeric_limits<double>::quiet_NaN();  // one of them is r itself
+    derivative(r) = is_repeated(modes, r)
+                        ? std::numeric_limits<double>::quiet_NaN()
+                        : shape.dot(dK_shapes.col(r)) - modes.eigenvalues(r) * shape.dot(dM_shapes.col(r));
   }
   return derivative;
+}
+
+Eigen::VectorXd repeated_eigenvalue_sensitivity(const ModeSet& modes, const std::vector<int>& members,
+                                                const Eigen::Ref<const Eigen::MatrixXd>& dK_shapes,
+                                                const Eigen::Ref<const Eigen::MatrixXd>& dM_shapes) {
+  require(!members.empty() && dK_shapes.cols() == static_cast<Eigen::Index>(members.size()),
+          "{} members and {} products; one product a member is needed", members.size(), dK_shapes.cols());
+  const Eigen::MatrixXd shapes = modes.shapes(Eigen::all, members);
+  const Eigen::MatrixXd split = shapes.transpose() * (dK_shapes - modes.eigenvalues(members.front()) * dM_shapes);
+  const Eigen::MatrixXd symmetric = 0.5 * (split + split.transpose());
+  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(symmetric, Eigen::EigenvaluesOnly).eigenvalues();
+}
+
+Eigen::MatrixXd nelson_shape_sensitivity(const SparseMatrix& stiffness, const SparseMatrix& mass, const ModeSet& modes,
+                                         int mode, const Eigen::Ref<const Eigen::MatrixXd>& dK_shape,
+                                         const Eigen::Ref<const Eigen::MatrixXd>& dM_shape) {
+  const Eigen::VectorXd shape = modes.shapes.col(mode);
+  const double lambda = modes.eigenvalues(mode);
+  if (is_repeated(modes, mode)) {
+    return Eigen::MatrixXd::Constant(shape.size(), dK_shape.cols(), std::numeric_limits<double>::quiet_NaN());
+  }
+  Eigen::Index largest = 0;
+  shape.cwiseAbs().maxCoeff(&largest);
+  SparseMatrix system = stiffness - lambda * mass;
+  system.makeCompressed();
+  for (int column = 0; column < system.outerSize(); ++column) {
+    for (SparseMatrix::InnerIterator entry(system, column); entry; ++entry) {
+      if (entry.row() == largest || column == largest) entry.valueRef() = entry.row() == column ? 1.0 : 0.0;
+    }
+  }
+  const Eigen::VectorXd inertia = mass.selfadjointView<Eigen::Lower>() * shape;
+  const Eigen::RowVectorXd d_lambda = shape.transpose() * (dK_shape - lambda * dM_shape);
+  Eigen::MatrixXd v = inertia * d_lambda - (dK_shape - lambda * dM_shape);
+  v.row(largest).setZero();
+  const auto factor = make_indefinite_factor();
+  if (!factor->factorise(system)) {
+    return Eigen::MatrixXd::Constant(shape.size(), dK_shape.cols(), std::numeric_limits<double>::quiet_NaN());
+  }
+  factor->solve(v);
+  const Eigen::RowVectorXd weights = -inertia.transpose() * v - 0.5 * shape.transpose() * dM_shape;
+  return v + shape * weights;
 }
 
 Eigen::MatrixXd shape_sensitivity(const ModeSet& modes, const Eigen::Ref<const Eigen::MatrixXd>& dK,

@@ -52,21 +52,42 @@ std::uint64_t hash_samples(const Eigen::MatrixXd& samples) {
                      fingerprint(std::to_string(samples.rows())));
 }
 
+void append_remark(std::string& body, Eigen::Index sample, const std::string& text) {
+  append_value(body, std::int64_t{sample});
+  append_value(body, static_cast<std::int64_t>(text.size()));
+  body += text;
+}
+
 std::string encode(std::uint64_t question, const Evaluation& evaluation) {
   std::string body;
   append_value(body, question);
   append_value(body, std::int64_t{evaluation.outputs.rows()});
   append_bytes(body, evaluation.outputs.data(), static_cast<std::size_t>(evaluation.outputs.size()) * sizeof(double));
   append_value(body, static_cast<std::int64_t>(evaluation.failures.size()));
-  for (const FailedRun& failure : evaluation.failures) {
-    append_value(body, std::int64_t{failure.sample});
-    append_value(body, static_cast<std::int64_t>(failure.reason.size()));
-    body += failure.reason;
-  }
+  for (const FailedRun& failure : evaluation.failures) append_remark(body, failure.sample, failure.reason);
+  append_value(body, static_cast<std::int64_t>(evaluation.notes.size()));
+  for (const SampleNote& note : evaluation.notes) append_remark(body, note.sample, note.text);
   std::string record;
   append_value(record, static_cast<std::uint64_t>(body.size()));
   append_value(record, fingerprint(body));
   return record + body;
+}
+
+/// A list of (sample, text); false where the record ends too early.
+template <typename Remark>
+bool read_remarks(Reader& reader, std::vector<Remark>& remarks) {
+  std::int64_t count = 0;
+  if (!reader.read(count)) return false;
+  for (std::int64_t i = 0; i < count; ++i) {
+    std::int64_t sample = 0;
+    std::int64_t length = 0;
+    if (!reader.read(sample) || !reader.read(length) || length < 0) return false;
+    if (static_cast<std::size_t>(length) > reader.left()) return false;
+    std::string text(static_cast<std::size_t>(length), ' ');
+    if (!reader.copy(text.data(), text.size())) return false;
+    remarks.push_back({sample, std::move(text)});
+  }
+  return true;
 }
 
 bool decode(std::string_view body, std::uint64_t question, Eigen::Index rows, Eigen::Index outputs,
@@ -77,18 +98,7 @@ bool decode(std::string_view body, std::uint64_t question, Eigen::Index rows, Ei
   if (!reader.read(asked) || asked != question || !reader.read(stored_rows) || stored_rows != rows) return false;
   result.outputs.resize(rows, outputs);
   if (!reader.copy(result.outputs.data(), static_cast<std::size_t>(rows * outputs) * sizeof(double))) return false;
-  std::int64_t failures = 0;
-  if (!reader.read(failures)) return false;
-  for (std::int64_t i = 0; i < failures; ++i) {
-    std::int64_t sample = 0;
-    std::int64_t length = 0;
-    if (!reader.read(sample) || !reader.read(length) || length < 0) return false;
-    if (static_cast<std::size_t>(length) > reader.left()) return false;
-    std::string reason(static_cast<std::size_t>(length), ' ');
-    if (!reader.copy(reason.data(), reason.size())) return false;
-    result.failures.push_back({sample, std::move(reason)});
-  }
-  return true;
+  return read_remarks(reader, result.failures) && read_remarks(reader, result.notes);
 }
 
 }  // namespace
@@ -195,6 +205,7 @@ Evaluation JournalledModel::evaluate(const Eigen::Ref<const Eigen::MatrixXd>& sa
     for (FailedRun& failure : answer.failures) {
       whole.failures.push_back({begin + failure.sample, std::move(failure.reason)});
     }
+    for (SampleNote& note : answer.notes) whole.notes.push_back({begin + note.sample, std::move(note.text)});
   }
   return whole;
 }

@@ -47,7 +47,7 @@ Cloud evaluate_points(const Model& model, const Eigen::Ref<const Eigen::MatrixXd
   require(points.cols() == model.parameter_count(), "{} columns of parameters given, the model has {}", points.cols(),
           model.parameter_count());
   Evaluation evaluation = model.evaluate(points, context);
-  Cloud cloud{points, std::move(evaluation.outputs), std::move(evaluation.failures), 0};
+  Cloud cloud{points, std::move(evaluation.outputs), std::move(evaluation.failures), std::move(evaluation.notes), 0};
   require_enough_runs(cloud, most_failed);
   return cloud;
 }

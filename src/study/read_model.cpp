@@ -1,4 +1,6 @@
 // [model] of a study.
+#include <algorithm>
+#include <cctype>
 #include <set>
 
 #include "mottle/core/text.hpp"
@@ -57,12 +59,7 @@ std::vector<Connector> read_connectors(TomlReader& model, const std::string& lis
   return connectors;
 }
 
-}  // namespace
-
-MassSpringSystem read_model(TomlReader reader) {
-  const std::vector<std::string> kinds{"mass-spring"};
-  const std::string kind = reader.text("kind");
-  if (kind != kinds.front()) reader.fail_value("kind", "\"mass-spring\"");
+MassSpringSystem read_mass_springs(TomlReader& reader) {
   MassSpringSystem system;
   system.masses = read_masses(reader);
   system.springs = read_connectors(reader, "springs", "stiffness", system.masses);
@@ -74,6 +71,29 @@ MassSpringSystem read_model(TomlReader reader) {
     throw InvalidInput(fmt::format("{} {}", reader.where(), error.what()));
   }
   return system;
+}
+
+}  // namespace
+
+StudyModelSource read_model(TomlReader reader, const std::filesystem::path& folder) {
+  StudyModelSource source;
+  reader.text("kind");
+  const std::vector kinds{StudyModelSource::Kind::mass_spring, StudyModelSource::Kind::nastran};
+  source.kind = kinds[reader.choice("kind", {"mass-spring", "nastran"}, 0)];
+  if (source.kind == StudyModelSource::Kind::mass_spring) {
+    source.system = read_mass_springs(reader);
+    return source;
+  }
+  source.deck = folder / reader.text("file");
+  if (reader.raw("ignore_cards") != nullptr) {
+    for (std::string& card : reader.texts("ignore_cards")) {
+      std::transform(card.begin(), card.end(), card.begin(),
+                     [](unsigned char letter) { return static_cast<char>(std::toupper(letter)); });
+      source.ignore_cards.insert(card);
+    }
+  }
+  reader.finish();
+  return source;
 }
 
 }  // namespace mottle

@@ -9,7 +9,7 @@
 
 namespace mottle {
 
-ModalOutputs read_outputs(TomlReader reader) {
+ModalOutputs read_outputs(TomlReader reader, StudyModelSource::Kind kind) {
   ModalOutputs outputs;
   outputs.frequencies = reader.mode_numbers("frequencies");
   outputs.damping = reader.mode_numbers("damping");
@@ -22,8 +22,9 @@ ModalOutputs read_outputs(TomlReader reader) {
   } else {
     reader.raw("shapes");
   }
+  const std::size_t usual = kind == StudyModelSource::Kind::mass_spring ? 0 : 1;
   outputs.tracking =
-      std::vector{ModeTracking::order, ModeTracking::mac}[reader.choice("tracking", {"order", "mac"}, 0)];
+      std::vector{ModeTracking::order, ModeTracking::mac}[reader.choice("tracking", {"order", "mac"}, usual)];
   outputs.minimum_mac = reader.number_or("minimum_mac", outputs.minimum_mac, {.lower = 0.0, .upper = 1.0});
   reader.finish();
   return outputs;
@@ -121,10 +122,10 @@ Study read_study(const std::filesystem::path& file, const StudyOverrides& overri
   const std::vector<std::string> units{"SI", "mm-t-s", "mm-kg-ms", "in-lbf-s"};
   study.units = units[reader.choice("units", units, 0)];
   study.seed = static_cast<std::uint64_t>(reader.integer_or("seed", 1, {.lower = 0.0}));
-  study.system = read_model(reader.table("model"));
-  study.parameters = read_parameters(reader);
-  study.outputs = read_outputs(reader.table("outputs"));
   const std::filesystem::path folder = file.parent_path();
+  study.model = read_model(reader.table("model"), folder);
+  study.parameters = read_parameters(reader);
+  study.outputs = read_outputs(reader.table("outputs"), study.model.kind);
   if (reader.raw("test") != nullptr) study.test = read_test(reader.table("test"), folder);
   if (reader.raw("update") != nullptr) study.update = read_update(reader.table("update"));
   if (reader.raw("truth") != nullptr) study.truth = read_truth(reader.table("truth"));
@@ -154,12 +155,14 @@ std::string located(const Study& study, const std::string& message, const std::s
 
 std::string study_text_for(const Study& study, const std::filesystem::path& folder) {
   toml::table root = toml::parse(study.text);
-  if (study.test) {
+  const std::filesystem::path from = std::filesystem::weakly_canonical(folder);
+  const auto rewrite = [&](const char* section, const std::filesystem::path& file) {
     // Through links: "..", as the system reads it, leads out of the folder that a link names, not out of the link.
-    const std::filesystem::path target = std::filesystem::weakly_canonical(study.test->file);
-    const std::filesystem::path from = std::filesystem::weakly_canonical(folder);
-    root["test"].as_table()->insert_or_assign("file", target.lexically_relative(from).generic_string());
-  }
+    const std::filesystem::path target = std::filesystem::weakly_canonical(file);
+    root[section].as_table()->insert_or_assign("file", target.lexically_relative(from).generic_string());
+  };
+  if (study.test) rewrite("test", study.test->file);
+  if (!study.model.deck.empty()) rewrite("model", study.model.deck);
   return toml_document(root);
 }
 

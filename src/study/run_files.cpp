@@ -18,6 +18,7 @@ std::string cloud_csv(const Cloud& cloud, const ParameterSpace& space, const std
   Eigen::MatrixXd values(cloud.samples.rows(), cloud.samples.cols() + cloud.outputs.cols());
   values << cloud.samples, cloud.outputs;
   std::vector<std::string> status(static_cast<std::size_t>(cloud.samples.rows()), "ok");
+  for (const SampleNote& note : cloud.notes) status[static_cast<std::size_t>(note.sample)] = "ok: " + note.text;
   for (const FailedRun& failure : cloud.failures) status[static_cast<std::size_t>(failure.sample)] = failure.reason;
   return format_csv(header, values, {status});
 }

@@ -116,7 +116,7 @@ RunSummary run_propagate(const Study& study, const std::optional<std::filesystem
   const auto outputs = static_cast<Eigen::Index>(made.model->outputs().size());
   const RunFolder folder(settings.folder);
   LogObserver log(folder.file("mottle.log"), settings.observer, settings.resume);
-  std::uint64_t print = study_fingerprint(study);
+  std::uint64_t print = study_fingerprint(study, made);
   if (points) print = fingerprint(read_file(*points), print);
   const JournalledModel model(*made.model, folder.journal(), print, settings.resume);
   const RunContext context{.seed = study.seed, .threads = settings.threads, .observer = &log, .stop = settings.stop};
@@ -190,26 +190,27 @@ RunSummary run_check(const Study& study) {
   const StudyModel made = make_model(study, parameters);
   const ModalModel& model = *made.model;
   const Eigen::VectorXd mean = made.space->prior().mean();
-  const ModeSet modes = model.modes_at(mean);
-  double total_mass = 0.0;
-  for (Eigen::Index i = 0; i < modes.shapes.rows(); ++i) total_mass += model.structure().mass.at(mean)(i, i);
+  const int most_modes = static_cast<int>(std::min(k_listed_modes, model.structure().mode_count()));
+  const ModeSet modes = model.structure().modes_at(mean, most_modes);
+  const double total_mass = model.structure().total_mass(mean);
 
   RunSummary summary;
   summary.status = "done";
   auto& lines = summary.lines;
   lines.push_back(fmt::format("{}: {} (units {})", study.file.string(), study.title, study.units));
-  lines.push_back(fmt::format("model: {} masses, {} springs, {} dampers, total mass {:.6g}", study.system.masses.size(),
-                              study.system.springs.size(), study.system.dampers.size(), total_mass));
+  for (std::string& line : model.structure().description(mean)) lines.push_back(std::move(line));
+  for (const std::string& note : made.notes) lines.push_back("note: " + note);
   lines.push_back(fmt::format("{:<14} {:<24} {:<18} {:>12} {:>12}  bounds, how it enters", "parameter", "acts on",
                               "distribution", "mean", "std"));
   const Eigen::VectorXd deviation = made.space->prior().covariance().diagonal().cwiseSqrt();
   for (std::size_t i = 0; i < parameters.list.size(); ++i) {
     const StudyParameter& parameter = parameters.list[i];
-    lines.push_back(
-        fmt::format("{:<14} {:<24} {:<18} {:>12.6g} {:>12.6g}  [{}, {}], {} linearly: no re-assembly", parameter.name,
-                    join(parameter.targets), distribution_kind_info(parameter.distribution.kind).name,
-                    mean(static_cast<Eigen::Index>(i)), deviation(static_cast<Eigen::Index>(i)), parameter.lower_bound,
-                    parameter.upper_bound, parameter.is_factor ? "as a factor," : "in place of the value,"));
+    lines.push_back(fmt::format("{:<14} {:<24} {:<18} {:>12.6g} {:>12.6g}  [{}, {}], {} {}", parameter.name,
+                                join(parameter.targets), distribution_kind_info(parameter.distribution.kind).name,
+                                mean(static_cast<Eigen::Index>(i)), deviation(static_cast<Eigen::Index>(i)),
+                                parameter.lower_bound, parameter.upper_bound,
+                                parameter.is_factor ? "as a factor," : "in place of the value,",
+                                model.structure().parameter_role(static_cast<Eigen::Index>(i))));
   }
   Json frequencies = Json::array();
   const Eigen::Index listed = std::min(k_listed_modes, modes.eigenvalues.size());

@@ -85,7 +85,7 @@ RunSummary run_update(const Study& study, const RunSettings& settings) {
   const std::unique_ptr<Updater> method = make_method(study);
   const RunFolder folder(settings.folder);
   LogObserver log(folder.file("mottle.log"), settings.observer, settings.resume);
-  const JournalledModel model(*made.model, folder.journal(), study_fingerprint(study), settings.resume);
+  const JournalledModel model(*made.model, folder.journal(), study_fingerprint(study, made), settings.resume);
   const UpdatingProblem problem{.model = model,
                                 .derivatives = made.model.get(),
                                 .space = *made.space,
@@ -95,6 +95,7 @@ RunSummary run_update(const Study& study, const RunSettings& settings) {
                                 .level = study.update.level,
                                 .tolerance = study.update.tolerance};
   const RunContext context{.seed = study.seed, .threads = settings.threads, .observer = &log, .stop = settings.stop};
+  for (const std::string& note : made.notes) context.note(note);
   for (const std::string& note : tests.notes) context.note(note);
 
   const double ready = steady_seconds();

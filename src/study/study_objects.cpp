@@ -7,8 +7,12 @@
 #include "mottle/core/files.hpp"
 #include "mottle/core/text.hpp"
 #include "mottle/formats/csv.hpp"
+#include "mottle/formats/nastran_model.hpp"
+#include "mottle/model/dense_structure.hpp"
+#include "mottle/model/finite_element_structure.hpp"
 #include "mottle/study/text_file.hpp"
 #include "mottle/updating/verdict.hpp"
+#include "unit_names.hpp"
 
 namespace mottle {
 namespace {
@@ -19,29 +23,6 @@ std::vector<ParameterTargets> list_targets(const StudyParameters& parameters) {
     targets.push_back({parameter.name, parameter.targets, parameter.is_factor});
   }
   return targets;
-}
-
-/// Units of one system, as printed.
-struct UnitNames {
-  const char* stiffness;
-  const char* mass;
-  const char* damping;
-  const char* frequency;
-  const char* shape;
-};
-
-UnitNames unit_names(const std::string& units) {
-  if (units == "mm-t-s") return {"N/mm", "t", "N s/mm", "Hz", "1/sqrt(t)"};
-  if (units == "mm-kg-ms") return {"kN/mm", "kg", "kN ms/mm", "kHz", "1/sqrt(kg)"};
-  if (units == "in-lbf-s") return {"lbf/in", "lbf s^2/in", "lbf s/in", "Hz", "1/sqrt(lbf s^2/in)"};
-  return {"N/m", "kg", "N s/m", "Hz", "1/sqrt(kg)"};
-}
-
-std::string parameter_unit(const StudyParameter& parameter, const UnitNames& units) {
-  if (parameter.is_factor) return "-";
-  const std::string& target = parameter.targets.front();
-  if (target.rfind("mass:", 0) == 0) return units.mass;
-  return target.rfind("damper:", 0) == 0 ? units.damping : units.stiffness;
 }
 
 JointDistribution joint_prior(const StudyParameters& parameters) {
@@ -142,6 +123,34 @@ std::vector<int> match_columns(const CsvTable& table, const Study& study, const 
   return columns;
 }
 
+/// A structure and what belongs to it.
+struct ModelParts {
+  std::unique_ptr<ModalStructure> structure;
+  Eigen::VectorXd reference;  ///< parameters at which modes are numbered
+  std::vector<PhysicalLimit> limits;
+  std::vector<std::string> files;
+  std::vector<std::string> notes;
+};
+
+ModelParts make_parts(const StudyModelSource& source, const std::vector<ParameterTargets>& targets,
+                      const Eigen::VectorXd& prior_mean) {
+  ModelParts parts;
+  if (source.kind == StudyModelSource::Kind::mass_spring) {
+    parts.structure = std::make_unique<DenseStructure>(separate(source.system, targets), prior_mean.size());
+    parts.reference = prior_mean;
+    for (const ParameterTargets& target : targets) parts.limits.push_back(physical_limit(target));
+    return parts;
+  }
+  NastranModel deck = read_nastran_model(source.deck, {.ignore_cards = source.ignore_cards});
+  parts.files = std::move(deck.files);
+  parts.notes = std::move(deck.notes);
+  auto structure = std::make_unique<FiniteElementStructure>(std::move(deck.model), targets, prior_mean);
+  parts.reference = structure->reference();
+  parts.limits = structure->limits();
+  parts.structure = std::move(structure);
+  return parts;
+}
+
 }  // namespace
 
 StudyModel make_model(const Study& study, const StudyParameters& parameters) {
@@ -150,23 +159,28 @@ StudyModel make_model(const Study& study, const StudyParameters& parameters) {
           study.file.string());
   try {
     const std::vector<ParameterTargets> targets = list_targets(parameters);
-    AffineStructure structure = separate(study.system, targets);
+    JointDistribution prior = joint_prior(parameters);
+    ModelParts parts = make_parts(study.model, targets, prior.mean());
     const UnitNames units = unit_names(study.units);
     std::vector<Parameter> list;
     for (std::size_t i = 0; i < parameters.list.size(); ++i) {
       const StudyParameter& parameter = parameters.list[i];
-      list.push_back({parameter.name, parameter_unit(parameter, units), parameter.lower_bound, parameter.upper_bound,
-                      physical_limit(targets[i])});
+      const std::string unit = parameter.is_factor ? "-" : target_unit(parameter.targets.front(), units);
+      list.push_back({parameter.name, unit, parameter.lower_bound, parameter.upper_bound, parts.limits[i]});
     }
     ModalOutputs outputs = study.outputs;
     outputs.frequency_unit = units.frequency;
     outputs.shape_unit = units.shape;
     StudyModel made;
-    made.space = std::make_unique<ParameterSpace>(std::move(list), joint_prior(parameters));
+    made.files = std::move(parts.files);
+    made.notes = std::move(parts.notes);
+    made.space = std::make_unique<ParameterSpace>(std::move(list), std::move(prior));
     require_effects(parameters, outputs);
-    made.model = std::make_unique<ModalModel>(std::move(structure), std::move(outputs), made.space->prior().mean());
+    made.model = std::make_unique<ModalModel>(std::move(parts.structure), std::move(outputs), parts.reference);
     require_own_names(parameters, made.model->outputs());
     return made;
+  } catch (const FormatError&) {
+    throw;  // names the deck's own file and line
   } catch (const InvalidInput& error) {
     throw InvalidInput(located(study, error.what(), is_truth ? "truth." : ""));
   }
@@ -221,8 +235,9 @@ CloudSettings cloud_settings(const Study& study, Eigen::Index specimens, Eigen::
   return settings;
 }
 
-std::uint64_t study_fingerprint(const Study& study) {
+std::uint64_t study_fingerprint(const Study& study, const StudyModel& made) {
   std::uint64_t print = fingerprint(version());
+  for (const std::string& file : made.files) print = fingerprint(read_file(file), print);
   print = fingerprint(study.text, print);
   if (study.test) print = fingerprint(read_file(study.test->file), print);
   return print;

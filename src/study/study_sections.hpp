@@ -6,12 +6,13 @@
 
 namespace mottle {
 
-MassSpringSystem read_model(TomlReader reader);
+StudyModelSource read_model(TomlReader reader, const std::filesystem::path& folder);
 
 /// [[parameter]] and [correlation] of `owner` (the root, or [truth]).
 StudyParameters read_parameters(TomlReader& owner);
 
-ModalOutputs read_outputs(TomlReader reader);
+/// Modes of a finite-element model are tracked by MAC unless told otherwise, those of few masses by order.
+ModalOutputs read_outputs(TomlReader reader, StudyModelSource::Kind kind);
 StudyTest read_test(TomlReader reader, const std::filesystem::path& folder);
 StudyUpdate read_update(TomlReader reader);
 StudyTruth read_truth(TomlReader reader);

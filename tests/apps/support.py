@@ -93,9 +93,13 @@ class Run:
         self.err = err
 
 
+# How much slower than the optimised build the command may be (sanitisers, coverage).
+PATIENCE = float(os.environ.get("MOTTLE_TEST_PATIENCE", "1"))
+
+
 def run(*arguments, cwd=None, timeout=60, environment=None):
     """Calls the command; bytes that are not UTF-8 come back as escapes."""
-    done = subprocess.run([MOTTLE, *map(str, arguments)], cwd=cwd, timeout=timeout, stdin=subprocess.DEVNULL,
+    done = subprocess.run([MOTTLE, *map(str, arguments)], cwd=cwd, timeout=PATIENCE * timeout, stdin=subprocess.DEVNULL,
                           capture_output=True, env={**os.environ, **(environment or {})}, check=False)
     return Run(done.returncode, done.stdout.decode("utf-8", "backslashreplace"),
                done.stderr.decode("utf-8", "backslashreplace"))

@@ -128,26 +128,5 @@ TEST(OptimalAssignment, RefusesMoreRowsThanColumns) {
   EXPECT_THROW(optimal_assignment(Eigen::MatrixXd::Zero(3, 2)), InvalidInput);
 }
 
-TEST(TrackModes, FindsAPermutationOfTheReference) {
-  const Eigen::MatrixXd reference = Eigen::MatrixXd::Identity(4, 3);
-  Eigen::MatrixXd shapes(4, 4);
-  shapes << 0, 0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1, 1, 0, 0, 0;
-  const TrackedModes tracked = track_modes(reference, shapes);
-  EXPECT_THAT(tracked.mode, ::testing::ElementsAre(2, 1, 3));
-  EXPECT_THAT(tracked.mac, ::testing::ElementsAre(1.0, 1.0, 1.0));
-}
-
-// Shapes turned by an angle t have MAC cos(t)^2 with the reference; beyond 45 degrees the two change places.
-TEST(TrackModes, ReportsTheMacOfTurnedShapes) {
-  for (const double degrees : {10.0, 44.0, 46.0, 80.0}) {
-    const double t = degrees * std::numbers::pi / 180.0;
-    const Eigen::MatrixXd shapes =
-        (Eigen::MatrixXd(2, 2) << std::cos(t), -std::sin(t), std::sin(t), std::cos(t)).finished();
-    const TrackedModes tracked = track_modes(Eigen::MatrixXd::Identity(2, 2), shapes);
-    EXPECT_EQ(tracked.mode[0], degrees < 45.0 ? 0 : 1) << degrees;
-    EXPECT_NEAR(tracked.mac[0], std::max(std::pow(std::cos(t), 2), std::pow(std::sin(t), 2)), 1e-14) << degrees;
-  }
-}
-
 }  // namespace
 }  // namespace mottle

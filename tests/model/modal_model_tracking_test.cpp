@@ -62,9 +62,9 @@ TEST(Tracking, ByMacTakesTheDampingRatioFromTheTrackedMode) {
 }
 
 /// Uncoupled at the reference kc = 0 with k1 = 1, k2 = 2; parameters k1, k2, kc.
-ModalModel coupled(double minimum_mac) {
+ModalModel coupled(double minimum_mac, std::vector<int> modes = {1}) {
   return {separate(test::two_mass_system(1.0, 2.0, 0.0), test::one_each({"spring:k1", "spring:k2", "spring:kc"})),
-          {.frequencies = {1, 2}, .tracking = ModeTracking::mac, .minimum_mac = minimum_mac},
+          {.frequencies = std::move(modes), .tracking = ModeTracking::mac, .minimum_mac = minimum_mac},
           Eigen::Vector3d(1.0, 2.0, 0.0)};
 }
 
@@ -83,6 +83,20 @@ TEST(Tracking, ALostModeCostsItsOwnSampleAlone) {
   ASSERT_EQ(evaluation.failures.size(), 1U);
   EXPECT_EQ(evaluation.failures[0].sample, 1);
   EXPECT_TRUE(evaluation.outputs.row(0).allFinite() && evaluation.outputs.row(2).allFinite());
+}
+
+// With both modes among the outputs the same sample is kept: together they still span what the reference's two span.
+TEST(Tracking, ModesThatMixAmongThemselvesAreKeptWithANote) {
+  const Evaluation evaluation = coupled(0.6, {1, 2}).evaluate(Eigen::RowVector3d(1.0, 1.0, 1.0), {});
+  EXPECT_TRUE(evaluation.failures.empty());
+  ASSERT_EQ(evaluation.notes.size(), 1U);
+  EXPECT_NE(evaluation.notes[0].text.find("modes 1, 2 mixed"), std::string::npos) << evaluation.notes[0].text;
+}
+
+TEST(Tracking, ACrossingIsNoted) {
+  const Evaluation evaluation = coupled(0.6, {1, 2}).evaluate(Eigen::RowVector3d(2.0, 1.0, 0.0), {});
+  ASSERT_EQ(evaluation.notes.size(), 1U);
+  EXPECT_EQ(evaluation.notes[0].text, "modes 1 and 2 crossed");
 }
 
 TEST(Tracking, KeepsAModeWhoseMacIsAboveTheLimit) {

@@ -1,4 +1,4 @@
-// Modal assurance criterion, and tracking of modes by it.
+// Modal assurance criterion and optimal assignment by it.
 #pragma once
 
 #include <Eigen/Core>
@@ -23,17 +23,9 @@ Eigen::MatrixXd modal_assurance_criterion(const Eigen::Ref<const Eigen::MatrixXd
 /// Source: [Kuhn1955], in the shortest-augmenting-path form of [Jonker1987].
 std::vector<int> optimal_assignment(const Eigen::Ref<const Eigen::MatrixXd>& score);
 
-/// Which mode of a sample is which mode of the reference.
-struct TrackedModes {
-  std::vector<int> mode;    ///< for each reference mode: column of `shapes`
-  std::vector<double> mac;  ///< its MAC with the reference mode
-};
-
-/// Pairs reference modes with a sample's modes by MAC and optimal assignment, whatever their order in frequency.
+/// Cosine of the angle between every pair of real shapes; its square is the modal assurance criterion.
 ///
-/// @param reference  [degree of freedom x reference mode]
-/// @param shapes     [degree of freedom x mode], at least as many modes as the reference has
-TrackedModes track_modes(const Eigen::Ref<const Eigen::MatrixXd>& reference,
-                         const Eigen::Ref<const Eigen::MatrixXd>& shapes);
+/// @return  [mode of a x mode of b], within [-1, 1]; 0 where a shape is zero
+Eigen::MatrixXd shape_cosines(const Eigen::Ref<const Eigen::MatrixXd>& a, const Eigen::Ref<const Eigen::MatrixXd>& b);
 
 }  // namespace mottle

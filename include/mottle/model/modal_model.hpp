@@ -1,13 +1,14 @@
-// The model whose outputs are modal: natural frequencies, shapes and damping ratios of a parameter-separable
-// structure, solved in batches.
+// The model whose outputs are modal: natural frequencies, shapes and damping ratios of a structure. Knows which modes
+// are which; how they are found is the structure's business.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
-#include "mottle/linalg/batch_eigen.hpp"
 #include "mottle/modal/mode_set.hpp"
 #include "mottle/model/affine_matrices.hpp"
+#include "mottle/model/modal_structure.hpp"
 #include "mottle/model/model.hpp"
 
 namespace mottle {
@@ -27,7 +28,8 @@ struct ModalOutputs {
   ModeTracking tracking = ModeTracking::order;
   std::string frequency_unit = "Hz";      ///< of 1 / (time unit of the matrices)
   std::string shape_unit = "1/sqrt(kg)";  ///< of a mass-normalised shape
-  double minimum_mac = 0.5;               ///< a tracked mode with less is lost and its sample fails
+  double minimum_mac =
+      0.5;  ///< a tracked mode with less, alone and with those it mixed with, is lost: its sample fails
 };
 
 /// Modes of K(x), M(x), C(x). Shapes are mass-normalised with the sign of the reference's.
@@ -36,7 +38,9 @@ class ModalModel final : public Model, public DifferentiableModel {
   /// @param reference  parameters at which mode numbers and signs are defined [parameter]
   /// Throws InvalidInput: a mode number or degree of freedom that the structure does not have (says which it has),
   /// a repeated one, no output at all, damping ratios of an undamped structure, a reference structure that is
-  /// unstable or has no positive definite mass.
+  /// unstable or has no modes.
+  ModalModel(std::unique_ptr<ModalStructure> structure, ModalOutputs selection, const Eigen::VectorXd& reference);
+  /// The same of a small structure with full matrices.
   ModalModel(AffineStructure structure, ModalOutputs selection, const Eigen::VectorXd& reference);
 
   Eigen::Index parameter_count() const override { return reference_parameters_.size(); }
@@ -44,26 +48,27 @@ class ModalModel final : public Model, public DifferentiableModel {
   Evaluation evaluate(const Eigen::Ref<const Eigen::MatrixXd>& samples, const RunContext& context) const override;
   Eigen::MatrixXd jacobian(const Eigen::Ref<const Eigen::VectorXd>& parameters) const override;
 
-  /// All modes at one parameter vector.
-  ModeSet modes_at(const Eigen::Ref<const Eigen::VectorXd>& parameters) const;
+  Eigen::Index batch_size() const override { return structure_->batch_size(); }
 
-  const AffineStructure& structure() const { return structure_; }
+  const ModalStructure& structure() const { return *structure_; }
+  /// Modes at the reference parameters, by which mode numbers are defined.
+  const ModeSet& reference_modes() const { return reference_; }
 
  private:
   bool needs_shapes() const;
   int solved_modes() const;
   void check_selection() const;
   void name_outputs();
-  std::string fill_outputs(const ModeSet& modes, const Eigen::Ref<const Eigen::VectorXd>& parameters,
+  struct Match;
+  Match match_modes(const ModeSet& modes) const;
+  std::string fill_outputs(const ModeSet& modes, const Match& match,
+                           const Eigen::Ref<const Eigen::VectorXd>& parameters,
                            Eigen::Ref<Eigen::RowVectorXd, 0, Eigen::InnerStride<>> row) const;
-  std::string match_modes(const ModeSet& modes, std::vector<int>& column_of_mode) const;
-  double shape_sign(const ModeSet& modes, int column, int mode) const;
 
-  AffineStructure structure_;
+  std::unique_ptr<ModalStructure> structure_;
   ModalOutputs selection_;
   Eigen::VectorXd reference_parameters_;
   ModeSet reference_;
-  PencilFamily pencils_;
   std::vector<int> shape_rows_;
   std::vector<Output> outputs_;
   int highest_mode_ = 0;

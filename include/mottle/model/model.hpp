@@ -22,10 +22,17 @@ struct FailedRun {
   std::string reason;
 };
 
+/// Something worth knowing about a run that did give a result: modes that crossed or mixed.
+struct SampleNote {
+  Eigen::Index sample = 0;
+  std::string text;
+};
+
 /// Outputs of a batch. A failed run is a row of nan and an entry in `failures`, never an exception.
 struct Evaluation {
-  Eigen::MatrixXd outputs;          ///< [sample x output]
-  std::vector<FailedRun> failures;  ///< ascending in sample
+  Eigen::MatrixXd outputs;             ///< [sample x output]
+  std::vector<FailedRun> failures;     ///< ascending in sample
+  std::vector<SampleNote> notes = {};  ///< ascending in sample
 };
 
 /// A structure with q uncertain parameters x and p outputs y = f(x).

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,16 @@
 #include "mottle/stats/sampling.hpp"
 
 namespace mottle {
+
+/// [model]: what kind, and what that kind needs.
+struct StudyModelSource {
+  enum class Kind { mass_spring, nastran };
+
+  Kind kind = Kind::mass_spring;
+  MassSpringSystem system = {};
+  std::filesystem::path deck = {};          ///< resolved against the study's folder
+  std::set<std::string> ignore_cards = {};  ///< in capitals
+};
 
 /// One [[parameter]].
 struct StudyParameter {
@@ -65,7 +76,7 @@ struct Study {
   std::string title;
   std::string units = "SI";
   std::uint64_t seed = 1;
-  MassSpringSystem system;
+  StudyModelSource model;
   StudyParameters parameters;  ///< empty in a study that only holds a truth
   ModalOutputs outputs;
   std::optional<StudyTest> test;

@@ -17,6 +17,8 @@ namespace mottle {
 struct StudyModel {
   std::unique_ptr<ParameterSpace> space;
   std::unique_ptr<ModalModel> model;
+  std::vector<std::string> files = {};  ///< that the model was read from
+  std::vector<std::string> notes = {};  ///< what a reader of the model should know
 };
 
 /// Throws InvalidInput: what the parameters name is not in the model, an output is not, a mean is impossible.
@@ -39,8 +41,8 @@ StudyTests read_tests(const Study& study, const std::vector<Output>& outputs);
 /// Updating problem settings of a study with `specimens` tests ("auto" resolved).
 CloudSettings cloud_settings(const Study& study, Eigen::Index specimens, Eigen::Index outputs);
 
-/// Of everything that the results depend on: study, overrides, tests, version.
-std::uint64_t study_fingerprint(const Study& study);
+/// Of everything that the results depend on: study, overrides, tests, the model's files, version.
+std::uint64_t study_fingerprint(const Study& study, const StudyModel& made);
 
 /// Version of the program, as in CMakeLists.txt.
 std::string version();

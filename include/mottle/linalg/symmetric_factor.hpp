@@ -1,0 +1,47 @@
+// Factorisations of sparse symmetric matrices behind one interface, so that the package behind it can be changed.
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/SparseCore>
+#include <memory>
+#include <string>
+
+namespace mottle {
+
+/// A sparse symmetric matrix by its lower triangle, compressed columns.
+using SparseMatrix = Eigen::SparseMatrix<double, Eigen::ColMajor, int>;
+
+/// P A P' = L D L' of a sparse symmetric matrix. The order P is found at the first call and kept for later matrices of
+/// the same pattern.
+class SymmetricFactor {
+ public:
+  virtual ~SymmetricFactor() = default;
+
+  /// Factorises `lower`; false where it cannot be done (see failed_column()).
+  ///
+  /// @param lower  lower triangle of A, compressed; the pattern of the first call is the pattern of all
+  virtual bool factorise(const SparseMatrix& lower) = 0;
+
+  /// Solves A X = B in place, all right-hand sides in one sweep.
+  virtual void solve(Eigen::Ref<Eigen::MatrixXd> right_hand_sides) = 0;
+
+  /// How many eigenvalues of A are negative (Sylvester's law of inertia). Source: [Wilkinson1965], ch. 5.
+  virtual int negative_eigenvalues() const = 0;
+
+  /// Row of A at which the last factorisation broke down, or -1.
+  virtual int failed_column() const { return -1; }
+
+  /// Entries of L.
+  virtual double factor_entries() const = 0;
+
+  /// "CHOLMOD supernodal", "MUMPS".
+  virtual std::string name() const = 0;
+};
+
+/// L L' of a positive definite matrix by CHOLMOD's supernodal code with METIS ordering: the fast one.
+std::unique_ptr<SymmetricFactor> make_definite_factor();
+
+/// L D L' with pivoting of an indefinite matrix by MUMPS: the one that counts negative eigenvalues.
+std::unique_ptr<SymmetricFactor> make_indefinite_factor();
+
+}  // namespace mottle

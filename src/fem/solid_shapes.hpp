@@ -1,0 +1,37 @@
+// Shape functions and incompatible modes of the solids, tabulated once at their integration points.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+namespace mottle::solid_shapes {
+
+/// A place in an element's own coordinates with all that depends on the place alone.
+template <int nodes, int modes>
+struct Point {
+  double weight = 0.0;
+  Eigen::Matrix<double, nodes, 1> values;
+  Eigen::Matrix<double, 3, nodes> gradients;       ///< [own coordinate x node]
+  Eigen::Matrix<double, 3, modes> mode_gradients;  ///< [own coordinate x mode], of zero mean over the element
+};
+
+template <int nodes, int modes>
+struct Table {
+  using Places = std::vector<Point<nodes, modes>>;
+  Places stiffness;  ///< integration points of the stiffness
+  Places mass;       ///< of mass and volume
+  Places corners;    ///< of weight 0
+  Point<nodes, modes> centre;
+};
+
+using HexahedronTable = Table<8, 3>;
+using WedgeTable = Table<6, 4>;
+using TetrahedronTable = Table<4, 0>;
+using QuadraticTetrahedronTable = Table<10, 0>;
+
+const HexahedronTable& hexahedron();
+const WedgeTable& wedge();
+const TetrahedronTable& tetrahedron();
+const QuadraticTetrahedronTable& quadratic_tetrahedron();
+
+}  // namespace mottle::solid_shapes

@@ -1,0 +1,20 @@
+// Matrix products by the BLAS library: this project's own code is compiled for the oldest processors it runs on, while
+// the library chooses its kernels at run time.
+#pragma once
+
+#include <Eigen/Core>
+
+namespace mottle {
+
+/// Keeps BLAS from starting threads of its own inside ours: they would slow both down and change the last bits of sums.
+void use_one_blas_thread();
+
+/// C = alpha op(A) B + beta C, column-major; op transposes where asked.
+void multiply(double alpha, const Eigen::Ref<const Eigen::MatrixXd>& a, bool transposes_a,
+              const Eigen::Ref<const Eigen::MatrixXd>& b, double beta, Eigen::Ref<Eigen::MatrixXd> c);
+
+/// A' B.
+Eigen::MatrixXd transposed_product(const Eigen::Ref<const Eigen::MatrixXd>& a,
+                                   const Eigen::Ref<const Eigen::MatrixXd>& b);
+
+}  // namespace mottle

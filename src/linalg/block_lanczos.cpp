@@ -1,0 +1,202 @@
+#include "block_lanczos.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "blas.hpp"
+#include "mottle/core/random.hpp"
+
+namespace mottle {
+namespace {
+
+constexpr int k_most_restarts = 60;
+constexpr double k_deflated = 1e-11;  // what is left of a vector after orthogonalisation that counts as nothing
+
+/// The growing basis Q and the projected operator T = Q' M OP Q.
+class KrylovBasis {
+ public:
+  KrylovBasis(const LanczosProblem& problem, int wanted)
+      : problem_(problem),
+        block_(std::min<Eigen::Index>(std::clamp(wanted / 2, 6, 16), problem.size)),
+        most_vectors_(std::min<Eigen::Index>(problem.size, std::max<Eigen::Index>(2 * wanted + 6 * block_, 80))),
+        basis_(problem.size, most_vectors_ + block_),
+        projected_(Eigen::MatrixXd::Zero(most_vectors_, most_vectors_)) {}
+
+  /// A new block of random vectors, once through the operator, which purges what lies in the null space of M. Starts
+  /// the basis, and goes on when the basis has become invariant: roots repeated more often than the block is wide.
+  void append_random() {
+    Eigen::MatrixXd block(problem_.size, block_);
+    for (Eigen::Index j = 0; j < block_; ++j) {
+      RandomStream stream({.seed = 0}, random_vectors_++);
+      for (Eigen::Index i = 0; i < problem_.size; ++i) block(i, j) = stream.uniform() - 0.5;
+    }
+    block = apply(block);
+    newest_ = orthonormalise(block, nullptr);
+    coupling_.setZero();
+    if (newest_ > 0) append(block);
+  }
+
+  /// One block step: OP times the newest block, orthogonal to all before.
+  void extend() {
+    Eigen::MatrixXd block = apply(basis_.middleCols(projected_size_, newest_));
+    Eigen::MatrixXd coefficients = Eigen::MatrixXd::Zero(size_, block.cols());
+    const Eigen::Index next = orthonormalise(block, &coefficients);
+    const Eigen::Index first = projected_size_;
+    projected_.block(0, first, size_, newest_) = coefficients;
+    projected_.block(first, 0, newest_, first) = coefficients.topRows(first).transpose();
+    auto diagonal = projected_.block(first, first, newest_, newest_);
+    diagonal = (0.5 * (diagonal + diagonal.transpose())).eval();
+    projected_size_ = size_;
+    newest_ = next;
+    if (next > 0) {
+      append(block);
+    } else {
+      append_random();
+    }
+  }
+
+  bool is_full() const { return projected_size_ + newest_ > most_vectors_; }
+  bool is_exhausted() const { return newest_ == 0; }
+  Eigen::Index projected_size() const { return projected_size_; }
+  int solved_vectors() const { return solved_vectors_; }
+
+  /// Ritz values, descending, and vectors of T.
+  void ritz(Eigen::VectorXd& values, Eigen::MatrixXd& vectors) const {
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(
+        projected_.topLeftCorner(projected_size_, projected_size_));
+    values = solver.eigenvalues().reverse();
+    vectors = solver.eigenvectors().rowwise().reverse();
+  }
+
+  /// norm(OP y - theta y) in the M inner product of each Ritz pair.
+  Eigen::VectorXd residuals(const Eigen::MatrixXd& vectors) const {
+    if (is_exhausted()) return Eigen::VectorXd::Zero(vectors.cols());
+    return (coupling_ * vectors.bottomRows(coupling_.cols())).colwise().norm().transpose();
+  }
+
+  Eigen::MatrixXd combine(const Eigen::Ref<const Eigen::MatrixXd>& weights) const {
+    Eigen::MatrixXd result(problem_.size, weights.cols());
+    multiply(1.0, basis_.leftCols(projected_size_), false, weights, 0.0, result);
+    return result;
+  }
+
+  /// Keeps the leading Ritz vectors and the newest block, and forgets the rest.
+  void restart(const Eigen::VectorXd& values, const Eigen::MatrixXd& vectors, Eigen::Index kept) {
+    const Eigen::MatrixXd leading = combine(vectors.leftCols(kept));
+    const Eigen::MatrixXd block = basis_.middleCols(projected_size_, newest_);
+    basis_.leftCols(kept) = leading;
+    projected_.setZero();
+    projected_.topLeftCorner(kept, kept) = values.head(kept).asDiagonal();
+    projected_size_ = kept;
+    size_ = kept;
+    append(block);
+  }
+
+ private:
+  Eigen::MatrixXd apply(const Eigen::Ref<const Eigen::MatrixXd>& vectors) {
+    Eigen::MatrixXd result = problem_.weigh(vectors);
+    problem_.solve(result);
+    solved_vectors_ += static_cast<int>(vectors.cols());
+    return result;
+  }
+
+  void append(const Eigen::MatrixXd& block) {
+    basis_.middleCols(size_, newest_) = block.leftCols(newest_);
+    size_ += newest_;
+  }
+
+  /// Makes the block M-orthonormal to the basis and within itself; its first columns are the new vectors, their number
+  /// is returned. `coefficients` receives Q' M block, coupling_ the triangle-like factor R with block_old = ... + new
+  /// R.
+  Eigen::Index orthonormalise(Eigen::MatrixXd& block, Eigen::MatrixXd* coefficients) {
+    const auto basis = basis_.leftCols(size_);
+    Eigen::MatrixXd weighed = problem_.weigh(block);
+    const double before = std::sqrt(block.cwiseProduct(weighed).colwise().sum().maxCoeff());
+    for (int sweep = 0; sweep < 2; ++sweep) {
+      const Eigen::MatrixXd components = transposed_product(basis, weighed);
+      multiply(-1.0, basis, false, components, 1.0, block);
+      if (coefficients != nullptr) *coefficients += components;
+      weighed = problem_.weigh(block);
+    }
+    coupling_ = normalise(block, weighed, k_deflated * before);
+    if (block.cols() == 0) return 0;
+    // Scaling up what little was left has scaled up its rounding errors too.
+    weighed = problem_.weigh(block);
+    multiply(-1.0, basis, false, transposed_product(basis, weighed), 1.0, block);
+    weighed = problem_.weigh(block);
+    normalise(block, weighed, 0.0);
+    return block.cols();
+  }
+
+  /// block = new R by Gram and Schmidt, twice a vector; what becomes shorter than `shortest` is dropped. A Gram matrix
+  /// would be cheaper and could not tell 1e-8 from nothing.
+  static Eigen::MatrixXd normalise(Eigen::MatrixXd& block, Eigen::MatrixXd& weighed, double shortest) {
+    Eigen::MatrixXd triangle = Eigen::MatrixXd::Zero(block.cols(), block.cols());
+    Eigen::Index kept = 0;
+    for (Eigen::Index j = 0; j < block.cols(); ++j) {
+      Eigen::VectorXd vector = block.col(j);
+      Eigen::VectorXd weighed_vector = weighed.col(j);
+      for (int sweep = 0; sweep < 2; ++sweep) {
+        const Eigen::VectorXd parts = weighed.leftCols(kept).transpose() * vector;
+        vector.noalias() -= block.leftCols(kept) * parts;
+        weighed_vector.noalias() -= weighed.leftCols(kept) * parts;
+        triangle.col(j).head(kept) += parts;
+      }
+      const double length = std::sqrt(std::max(0.0, vector.dot(weighed_vector)));
+      if (length <= shortest) continue;
+      triangle(kept, j) = length;
+      block.col(kept) = vector / length;
+      weighed.col(kept) = weighed_vector / length;
+      ++kept;
+    }
+    block.conservativeResize(Eigen::NoChange, kept);
+    weighed.conservativeResize(Eigen::NoChange, kept);
+    return triangle.topRows(kept);
+  }
+
+  const LanczosProblem& problem_;
+  Eigen::Index block_;
+  Eigen::Index most_vectors_;
+  Eigen::MatrixXd basis_;      // [row x vector]; the first size_ columns are in use
+  Eigen::MatrixXd projected_;  // T; the first projected_size_ rows and columns are known
+  Eigen::MatrixXd coupling_;   // R of the newest block
+  Eigen::Index size_ = 0;
+  Eigen::Index projected_size_ = 0;  // size_ less the newest block
+  Eigen::Index newest_ = 0;
+  int solved_vectors_ = 0;
+  std::uint32_t random_vectors_ = 0;
+};
+
+}  // namespace
+
+LanczosPairs largest_pairs(const LanczosProblem& problem, int wanted, double tolerance) {
+  KrylovBasis basis(problem, wanted);
+  LanczosPairs pairs;
+  basis.append_random();
+  Eigen::VectorXd values;
+  Eigen::MatrixXd vectors;
+  for (int restart = 0; restart <= k_most_restarts && !basis.is_exhausted();) {
+    basis.extend();
+    if (basis.projected_size() < wanted && !basis.is_exhausted() && !basis.is_full()) continue;
+    basis.ritz(values, vectors);
+    const Eigen::Index found = std::min<Eigen::Index>(wanted, values.size());
+    const Eigen::ArrayXd residuals = basis.residuals(vectors.leftCols(found)).array();
+    pairs.is_converged =
+        basis.is_exhausted() || (found == wanted && (residuals <= tolerance * values.head(found).array()).all());
+    if (pairs.is_converged) break;
+    if (basis.is_full()) {
+      basis.restart(values, vectors, std::min<Eigen::Index>(values.size() / 2, wanted + wanted / 2 + 4));
+      ++restart;
+    }
+  }
+  pairs.solved_vectors = basis.solved_vectors();
+  if (basis.projected_size() == 0) return pairs;
+  basis.ritz(values, vectors);
+  const Eigen::Index found = std::min<Eigen::Index>(wanted, values.size());
+  pairs.values = values.head(found);
+  pairs.vectors = basis.combine(vectors.leftCols(found));
+  return pairs;
+}
+
+}  // namespace mottle

@@ -1,0 +1,175 @@
+#include "mottle/linalg/sparse_modes.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "block_lanczos.hpp"
+#include "mottle/core/error.hpp"
+
+namespace mottle {
+namespace {
+
+/// A shift below all modes: a small part of the typical local K_ii / M_ii, which is near the highest eigenvalues. Small
+/// against the lowest elastic modes, large enough that K - s M is definite beyond rounding for a free structure.
+double default_shift(const SparseMatrix& stiffness, const SparseMatrix& mass) {
+  constexpr double k_part_of_typical = 1e-9;
+  const Eigen::VectorXd k = stiffness.diagonal();
+  const Eigen::VectorXd m = mass.diagonal();
+  std::vector<double> ratios;
+  for (Eigen::Index i = 0; i < k.size(); ++i) {
+    if (k(i) > 0.0 && m(i) > 0.0) ratios.push_back(k(i) / m(i));
+  }
+  if (ratios.empty()) return -1.0;
+  const auto middle = ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2);
+  std::nth_element(ratios.begin(), middle, ratios.end());
+  return -k_part_of_typical * *middle;
+}
+
+SparseMatrix shifted(const SparseMatrix& stiffness, const SparseMatrix& mass, double shift) {
+  SparseMatrix result = stiffness - shift * mass;
+  result.makeCompressed();
+  return result;
+}
+
+/// norm(K x - lambda M x) against the size of the terms that cancel in it.
+Eigen::VectorXd relative_residuals(const SparseMatrix& stiffness, const SparseMatrix& mass, const SparseModes& modes) {
+  const Eigen::MatrixXd elastic = symmetric_product(stiffness, modes.vectors);
+  const Eigen::MatrixXd inertial = symmetric_product(mass, modes.vectors) * modes.values.asDiagonal();
+  const Eigen::MatrixXd sizes = symmetric_product(stiffness.cwiseAbs(), modes.vectors.cwiseAbs());
+  Eigen::VectorXd residuals(modes.values.size());
+  for (Eigen::Index r = 0; r < residuals.size(); ++r) {
+    const double scale = sizes.col(r).norm() + inertial.col(r).norm();
+    residuals(r) = scale > 0.0 ? (elastic.col(r) - inertial.col(r)).norm() / scale : 0.0;
+  }
+  return residuals;
+}
+
+/// After the last of the first `wanted` values and before the next: where the gap is widest among the few that are
+/// known.
+Eigen::Index cut_position(const Eigen::VectorXd& values, Eigen::Index wanted) {
+  Eigen::Index best = wanted;
+  double widest = -1.0;
+  for (Eigen::Index i = wanted; i < values.size(); ++i) {
+    const double gap = (values(i) - values(i - 1)) / std::max(std::abs(values(i)), std::numeric_limits<double>::min());
+    if (gap > widest) {
+      widest = gap;
+      best = i;
+    }
+    if (widest > 1e-3) break;  // wide enough; the nearer the better, since the farther values are less exact
+  }
+  return best;
+}
+
+void fix_signs(Eigen::MatrixXd& vectors) {
+  for (Eigen::Index r = 0; r < vectors.cols(); ++r) {
+    Eigen::Index largest = 0;
+    vectors.col(r).cwiseAbs().maxCoeff(&largest);
+    if (vectors(largest, r) < 0.0) vectors.col(r) *= -1.0;
+  }
+}
+
+}  // namespace
+
+Eigen::MatrixXd symmetric_product(const SparseMatrix& lower, const Eigen::Ref<const Eigen::MatrixXd>& x) {
+  // By rows, so that one pass over the matrix serves all columns.
+  using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  const RowMatrix in = x;
+  RowMatrix out = RowMatrix::Zero(x.rows(), x.cols());
+  const Eigen::Index width = x.cols();
+  for (int j = 0; j < lower.outerSize(); ++j) {
+    const double* in_j = in.data() + j * width;
+    double* out_j = out.data() + j * width;
+    for (SparseMatrix::InnerIterator entry(lower, j); entry; ++entry) {
+      const double a = entry.value();
+      const Eigen::Index i = entry.row();
+      double* out_i = out.data() + i * width;
+      if (i == j) {
+        for (Eigen::Index c = 0; c < width; ++c) out_j[c] += a * in_j[c];
+        continue;
+      }
+      const double* in_i = in.data() + i * width;
+      for (Eigen::Index c = 0; c < width; ++c) {
+        out_i[c] += a * in_j[c];
+        out_j[c] += a * in_i[c];
+      }
+    }
+  }
+  return out;
+}
+
+struct SparseModeSolver::Factors {
+  std::unique_ptr<SymmetricFactor> definite = make_definite_factor();
+  std::unique_ptr<SymmetricFactor> indefinite;
+
+  /// Factorises K - s M at the first shift that makes it definite; the shift, or 0 where none does.
+  double factorise_below(const SparseMatrix& stiffness, const SparseMatrix& mass) {
+    constexpr int k_attempts = 3;
+    constexpr double k_farther = 100.0;
+    double shift = default_shift(stiffness, mass);
+    for (int attempt = 0; attempt < k_attempts; ++attempt, shift *= k_farther) {
+      if (definite->factorise(shifted(stiffness, mass, shift))) return shift;
+    }
+    return 0.0;
+  }
+
+  int count_below(const SparseMatrix& stiffness, const SparseMatrix& mass, double shift) {
+    if (indefinite == nullptr) indefinite = make_indefinite_factor();
+    return indefinite->factorise(shifted(stiffness, mass, shift)) ? indefinite->negative_eigenvalues() : -1;
+  }
+};
+
+SparseModeSolver::SparseModeSolver() : factors_(std::make_unique<Factors>()) {}
+SparseModeSolver::SparseModeSolver(SparseModeSolver&&) noexcept = default;
+SparseModeSolver& SparseModeSolver::operator=(SparseModeSolver&&) noexcept = default;
+SparseModeSolver::~SparseModeSolver() = default;
+
+SymmetricFactor& SparseModeSolver::factor() {
+  return *factors_->definite;
+}
+
+SparseModes SparseModeSolver::solve(const SparseMatrix& stiffness, const SparseMatrix& mass,
+                                    const SparseModesOptions& options) {
+  require(stiffness.rows() == stiffness.cols() && mass.rows() == stiffness.rows() && mass.cols() == stiffness.cols(),
+          "stiffness is {} x {}, mass is {} x {}; both must be square and of one size", stiffness.rows(),
+          stiffness.cols(), mass.rows(), mass.cols());
+  require(options.modes >= 1, "modes: {} asked for, need at least 1", options.modes);
+  SparseModes result;
+  result.shift = factors_->factorise_below(stiffness, mass);
+  if (result.shift == 0.0) {
+    result.failure = "the stiffness is not positive semidefinite, or a part can move without stiffness and mass";
+    result.failed_row = factors_->definite->failed_column();
+    return result;
+  }
+  // Two more than wanted: a gap above the last wanted one is needed for the count.
+  const int sought = options.modes + (options.counts_below ? 2 : 0);
+  const LanczosPairs pairs = largest_pairs(
+      {.size = stiffness.rows(),
+       .solve = [&](Eigen::Ref<Eigen::MatrixXd> vectors) { factors_->definite->solve(vectors); },
+       .weigh = [&](const Eigen::Ref<const Eigen::MatrixXd>& vectors) { return symmetric_product(mass, vectors); }},
+      sought, options.tolerance);
+  result.basis_vectors = pairs.solved_vectors;
+  if (!pairs.is_converged) {
+    result.failure =
+        fmt::format("the {} lowest modes did not converge in {} solutions", options.modes, pairs.solved_vectors);
+    return result;
+  }
+  const Eigen::VectorXd values = pairs.values.cwiseInverse().array() + result.shift;
+  const Eigen::Index found = std::min<Eigen::Index>(options.modes, values.size());
+  result.values = values.head(found);
+  result.vectors = pairs.vectors.leftCols(found);
+  fix_signs(result.vectors);
+  result.residuals = relative_residuals(stiffness, mass, result);
+  if (options.counts_below && found > 0) {
+    const Eigen::Index cut = cut_position(values, found);
+    result.counted_at = cut < values.size() ? 0.5 * (values(cut - 1) + values(cut))
+                                            : values(cut - 1) + 1e-3 * std::abs(values(cut - 1) - result.shift);
+    const int counted = factors_->count_below(stiffness, mass, result.counted_at);
+    // Modes between the last wanted one and the cut are known and are taken off again.
+    result.counted_below = counted < 0 ? -1 : counted - static_cast<int>(cut - found);
+  }
+  return result;
+}
+
+}  // namespace mottle

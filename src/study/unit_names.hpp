@@ -1,0 +1,26 @@
+// Names of units in each system of units, as printed.
+#pragma once
+
+#include <string>
+
+namespace mottle {
+
+/// Units of one system.
+struct UnitNames {
+  const char* stiffness;
+  const char* mass;
+  const char* damping;
+  const char* frequency;
+  const char* shape;
+  const char* length;
+  const char* pressure;
+  const char* density;
+};
+
+/// @param units  "SI", "mm-t-s", "mm-kg-ms", "in-lbf-s"
+UnitNames unit_names(const std::string& units);
+
+/// Unit of what a parameter acts on: "spring:k1", "MAT1:2:E".
+std::string target_unit(const std::string& target, const UnitNames& units);
+
+}  // namespace mottle

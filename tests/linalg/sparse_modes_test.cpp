@@ -1,0 +1,177 @@
+#include "mottle/linalg/sparse_modes.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "mottle/core/error.hpp"
+#include "mottle/linalg/dense_modes.hpp"
+
+namespace mottle {
+namespace {
+
+SparseMatrix lower_of(const Eigen::MatrixXd& dense) {
+  SparseMatrix sparse = Eigen::MatrixXd(dense.triangularView<Eigen::Lower>()).sparseView();
+  sparse.makeCompressed();
+  return sparse;
+}
+
+/// Unit masses in a square grid, unit springs between neighbours, free at all edges.
+SparseMatrix grid_stiffness(int side) {
+  std::vector<Eigen::Triplet<double>> entries;
+  const auto number = [side](int i, int j) { return i * side + j; };
+  const auto spring = [&](int a, int b) {
+    entries.emplace_back(a, a, 1.0);
+    entries.emplace_back(b, b, 1.0);
+    entries.emplace_back(std::max(a, b), std::min(a, b), -1.0);
+  };
+  for (int i = 0; i < side; ++i) {
+    for (int j = 0; j < side; ++j) {
+      if (i + 1 < side) spring(number(i, j), number(i + 1, j));
+      if (j + 1 < side) spring(number(i, j), number(i, j + 1));
+    }
+  }
+  SparseMatrix stiffness(side * side, side * side);
+  stiffness.setFromTriplets(entries.begin(), entries.end());
+  return stiffness;
+}
+
+SparseMatrix identity(int size) {
+  SparseMatrix mass(size, size);
+  mass.setIdentity();
+  return mass;
+}
+
+Eigen::MatrixXd dense_of(const SparseMatrix& lower) {
+  const Eigen::MatrixXd dense = lower;
+  return dense.selfadjointView<Eigen::Lower>();
+}
+
+/// Eigenvalues of the free grid, ascending: 4 sin^2(pi i / 2n) + 4 sin^2(pi j / 2n), i, j = 0..n-1 [closed form].
+std::vector<double> grid_eigenvalues(int side) {
+  std::vector<double> values;
+  const auto part = [side](int i) { return 4.0 * std::pow(std::sin(std::numbers::pi * i / (2.0 * side)), 2); };
+  for (int i = 0; i < side; ++i) {
+    for (int j = 0; j < side; ++j) values.push_back(part(i) + part(j));
+  }
+  std::sort(values.begin(), values.end());
+  return values;
+}
+
+TEST(SparseModes, AgreeWithClosedFormOfAFreeGridWithRepeatedRoots) {
+  constexpr int k_side = 40;
+  SparseModeSolver solver;
+  const SparseModes modes =
+      solver.solve(grid_stiffness(k_side), identity(k_side * k_side), {.modes = 30, .counts_below = true});
+  ASSERT_EQ(modes.failure, "");
+  const std::vector<double> exact = grid_eigenvalues(k_side);
+  for (int r = 0; r < 30; ++r) {
+    // Rounding of the shift-inverted problem: 1e-15 of the largest eigenvalue, 8.
+    EXPECT_NEAR(modes.values(r), exact[static_cast<std::size_t>(r)], 1e-12) << r;
+  }
+  EXPECT_EQ(modes.counted_below, 30);
+  EXPECT_TRUE(modes.is_complete());
+  EXPECT_LT(modes.residuals.maxCoeff(), 1e-10);
+  const Eigen::MatrixXd gram = modes.vectors.transpose() * modes.vectors;
+  EXPECT_LT((gram - Eigen::MatrixXd::Identity(30, 30)).cwiseAbs().maxCoeff(), 1e-12);
+}
+
+TEST(SparseModes, AgreeWithTheDenseSolverForAGeneralPencil) {
+  Eigen::MatrixXd a = Eigen::MatrixXd::Zero(90, 90);
+  for (int i = 0; i < 90; ++i) {
+    for (int j = std::max(0, i - 4); j < std::min(90, i + 5); ++j) a(i, j) = std::sin(1.0 + 3.0 * i * j + i + j);
+  }
+  const Eigen::MatrixXd stiffness = a * a.transpose();
+  const Eigen::MatrixXd mass = (a.transpose() * a) / 50.0 + Eigen::MatrixXd::Identity(90, 90);
+  SparseModeSolver solver;
+  const SparseModes modes = solver.solve(lower_of(stiffness), lower_of(mass), {.modes = 12, .counts_below = true});
+  const DenseModes dense = solve_modes(stiffness, mass, 12);
+  for (int r = 0; r < 12; ++r) {
+    EXPECT_NEAR(modes.values(r), dense.values(r), 1e-10 * dense.values(11)) << r;
+    EXPECT_NEAR(std::abs(modes.vectors.col(r).dot(mass * dense.vectors.col(r))), 1.0, 1e-8) << r;
+  }
+  EXPECT_TRUE(modes.is_complete());
+}
+
+TEST(SparseModes, MasslessDegreesOfFreedomAreNoModes) {
+  // Three masses in a chain from ground, with a massless point within each spring: springs of 2 in series make 1.
+  Eigen::MatrixXd stiffness = Eigen::MatrixXd::Zero(6, 6);
+  for (int i = 0; i < 6; ++i) {
+    stiffness(i, i) += 2.0;
+    if (i == 0) continue;
+    stiffness(i - 1, i - 1) += 2.0;
+    stiffness(i, i - 1) = stiffness(i - 1, i) = -2.0;
+  }
+  Eigen::MatrixXd mass = Eigen::MatrixXd::Zero(6, 6);
+  for (const int i : {1, 3, 5}) mass(i, i) = 1.0;
+  SparseModeSolver solver;
+  const SparseModes modes = solver.solve(lower_of(stiffness), lower_of(mass), {.modes = 6, .counts_below = true});
+  ASSERT_EQ(modes.values.size(), 3) << "there are three masses, so three modes";
+  for (int r = 0; r < 3; ++r) {
+    const double exact = std::pow(2.0 * std::sin((2 * r + 1) * std::numbers::pi / 14.0), 2);  // fixed-free chain
+    EXPECT_NEAR(modes.values(r), exact, 1e-12) << r;
+  }
+  EXPECT_TRUE(modes.is_complete());
+}
+
+TEST(SparseModes, RootsRepeatedMoreOftenThanTheBlockIsWideAreAllFound) {
+  SparseMatrix stiffness = identity(200) * 4.0;
+  SparseModeSolver solver;
+  const SparseModes modes = solver.solve(stiffness, identity(200), {.modes = 40, .counts_below = false});
+  ASSERT_EQ(modes.values.size(), 40);
+  EXPECT_LT((modes.values.array() - 4.0).abs().maxCoeff(), 1e-12);
+}
+
+TEST(SparseModes, AStiffnessThatIsNotSemidefiniteIsReportedNotThrown) {
+  Eigen::MatrixXd stiffness = Eigen::MatrixXd::Identity(5, 5);
+  stiffness(3, 3) = -50.0;
+  SparseModeSolver solver;
+  const SparseModes modes = solver.solve(lower_of(stiffness), identity(5), {.modes = 2});
+  EXPECT_NE(modes.failure, "");
+  EXPECT_EQ(modes.failed_row, 3);
+}
+
+TEST(SparseModes, TheSymbolicFactorIsReusedWithTheSameNumbers) {
+  SparseModeSolver fresh;
+  SparseModeSolver reused;
+  const SparseMatrix first = grid_stiffness(12);
+  const SparseMatrix second = 3.0 * first;
+  reused.solve(first, identity(144), {.modes = 5});
+  const SparseModes again = reused.solve(second, identity(144), {.modes = 5});
+  const SparseModes alone = fresh.solve(second, identity(144), {.modes = 5});
+  EXPECT_EQ((again.values - alone.values).cwiseAbs().maxCoeff(), 0.0);
+  EXPECT_EQ((again.vectors - alone.vectors).cwiseAbs().maxCoeff(), 0.0);
+}
+
+TEST(SymmetricFactor, BothPackagesSolveTheSameSystem) {
+  Eigen::MatrixXd dense = dense_of(grid_stiffness(9));
+  dense.diagonal().array() += 0.1;
+  const Eigen::MatrixXd sides = Eigen::MatrixXd::Random(81, 3);
+  const Eigen::MatrixXd exact = dense.ldlt().solve(sides);
+  for (const auto& factor : {make_definite_factor().release(), make_indefinite_factor().release()}) {
+    const std::unique_ptr<SymmetricFactor> owner(factor);
+    ASSERT_TRUE(owner->factorise(lower_of(dense)));
+    Eigen::MatrixXd x = sides;
+    owner->solve(x);
+    EXPECT_LT((x - exact).cwiseAbs().maxCoeff(), 1e-11) << owner->name();
+  }
+}
+
+TEST(SymmetricFactor, TheIndefiniteOneCountsNegativeEigenvalues) {
+  const std::vector<double> exact = grid_eigenvalues(9);
+  for (const double shift : {-0.1, 0.3, 2.05, 7.0}) {
+    Eigen::MatrixXd dense = dense_of(grid_stiffness(9));
+    dense.diagonal().array() -= shift;
+    const auto factor = make_indefinite_factor();
+    ASSERT_TRUE(factor->factorise(lower_of(dense)));
+    EXPECT_EQ(factor->negative_eigenvalues(),
+              std::count_if(exact.begin(), exact.end(), [shift](double value) { return value < shift; }))
+        << shift;
+  }
+}
+
+}  // namespace
+}  // namespace mottle

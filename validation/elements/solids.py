@@ -1,0 +1,181 @@
+#!/usr/bin/env python3
+"""Natural frequencies of clamped blocks of solid elements, by CalculiX and by Mottle, mesh by mesh.
+
+    python3 validation/elements/solids.py MOTTLE [--ccx CCX] [--modes N] [--keep FOLDER]
+
+MOTTLE is the command; it is called as `MOTTLE modes DECK --json`. Each mesh is written twice, as a CalculiX input and
+as a Nastran deck. The reference of a case is a fine mesh of CalculiX's 20-node bricks of the same body.
+"""
+
+import argparse
+import json
+import os
+import pathlib
+import subprocess
+import tempfile
+
+YOUNG, POISSON, DENSITY = 2.1e11, 0.3, 7850.0
+TETRAHEDRON_EDGES = ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3))
+BRICK_EDGES = ((0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7))
+SPLIT = {
+    "C3D8I": ((0, 1, 2, 3, 4, 5, 6, 7),),
+    "C3D20R": ((0, 1, 2, 3, 4, 5, 6, 7),),
+    "C3D6": ((0, 1, 2, 4, 5, 6), (0, 2, 3, 4, 6, 7)),
+    "C3D4": ((0, 1, 2, 6), (0, 2, 3, 6), (0, 3, 7, 6), (0, 7, 4, 6), (0, 4, 5, 6), (0, 5, 1, 6)),
+}
+SPLIT["C3D10"] = SPLIT["C3D4"]
+MID_EDGES = {"C3D20R": BRICK_EDGES, "C3D10": TETRAHEDRON_EDGES}
+CARD = {"C3D8I": "CHEXA", "C3D6": "CPENTA", "C3D4": "CTETRA", "C3D10": "CTETRA"}
+
+# name, size in m, distortion (share of a cell by which inner nodes move), meshes (type, cells), cells of the reference
+CASES = (
+    ("plate", (0.3, 0.12, 0.006), 0.0,
+     (("C3D8I", (15, 6, 1)), ("C3D8I", (30, 12, 2)), ("C3D6", (30, 12, 2)), ("C3D10", (15, 6, 1))), (30, 12, 2)),
+    ("block", (0.3, 0.06, 0.04), 0.0,
+     (("C3D8I", (15, 3, 2)), ("C3D8I", (30, 6, 4)), ("C3D6", (30, 6, 4)), ("C3D4", (30, 6, 4)), ("C3D10", (15, 3, 2))),
+     (30, 6, 4)),
+    ("distorted block", (0.3, 0.06, 0.04), 0.25,
+     (("C3D8I", (15, 3, 2)), ("C3D6", (15, 3, 2)), ("C3D4", (15, 3, 2)), ("C3D10", (15, 3, 2))), (30, 6, 4)),
+)
+
+
+def wave(i, j, k, axis):
+    """A repeatable number in (-1, 1) for a node and a direction."""
+    return ((7919 * (i + 1) + 104729 * (j + 1) + 1299709 * (k + 1) + 15485863 * (axis + 1)) % 1009) / 504.5 - 1.0
+
+
+def make_mesh(kind, cells, size, distortion):
+    """Node positions (rounded to the digits that a deck's field holds) and elements, both counted from 0."""
+    def index(i, j, k):
+        return i + (cells[0] + 1) * (j + (cells[1] + 1) * k)
+
+    nodes = []
+    for k in range(cells[2] + 1):
+        for j in range(cells[1] + 1):
+            for i in range(cells[0] + 1):
+                place = []
+                for axis, at in enumerate((i, j, k)):
+                    move = distortion * wave(i, j, k, axis) if 0 < at < cells[axis] else 0.0
+                    place.append(round((at + move) / cells[axis] * size[axis], 6))
+                nodes.append(tuple(place))
+    elements, middle = [], {}
+    for k in range(cells[2]):
+        for j in range(cells[1]):
+            for i in range(cells[0]):
+                cell = [index(i + a, j + b, k + c) for c in (0, 1) for a, b in ((0, 0), (1, 0), (1, 1), (0, 1))]
+                for part in SPLIT[kind]:
+                    element = [cell[corner] for corner in part]
+                    for a, b in MID_EDGES.get(kind, ()):
+                        edge = tuple(sorted((element[a], element[b])))
+                        if edge not in middle:
+                            middle[edge] = len(nodes)
+                            nodes.append(tuple(round(0.5 * (p + q), 6) for p, q in zip(nodes[edge[0]], nodes[edge[1]])))
+                        element.append(middle[edge])
+                    elements.append(element)
+    return nodes, elements
+
+
+def clamped(nodes):
+    return [number + 1 for number, place in enumerate(nodes) if place[0] == 0.0]
+
+
+def write_calculix(path, kind, nodes, elements, modes):
+    with open(path, "w", encoding="ascii") as out:
+        out.write("*NODE, NSET=ALL\n")
+        for number, place in enumerate(nodes):
+            out.write(f"{number + 1}, {place[0]:.6f}, {place[1]:.6f}, {place[2]:.6f}\n")
+        out.write(f"*ELEMENT, TYPE={kind}, ELSET=BODY\n")
+        for number, element in enumerate(elements):
+            fields = [str(number + 1)] + [str(node + 1) for node in element]
+            out.write(", ".join(fields[:11]) + (",\n" + ", ".join(fields[11:]) if len(fields) > 11 else "") + "\n")
+        out.write(f"*MATERIAL, NAME=STEEL\n*ELASTIC\n{YOUNG}, {POISSON}\n*DENSITY\n{DENSITY}\n")
+        out.write("*SOLID SECTION, ELSET=BODY, MATERIAL=STEEL\n*BOUNDARY\n")
+        for node in clamped(nodes):
+            out.write(f"{node}, 1, 3\n")
+        out.write(f"*STEP\n*FREQUENCY\n{modes}\n*END STEP\n")
+
+
+def real(value):
+    """A number in at most eight characters, with a point."""
+    return f"{value:.6f}".lstrip("0") if 0.0 < value < 1.0 else f"{value:.5f}"
+
+
+def write_nastran(path, kind, nodes, elements, modes):
+    with open(path, "w", encoding="ascii") as out:
+        out.write("SOL 103\nCEND\nMETHOD = 1\nSPC = 1\nBEGIN BULK\n")
+        out.write(f"PARAM,COUPMASS,1\nPARAM,AUTOSPC,YES\nEIGRL,1,,,{modes}\n")
+        out.write(f"MAT1,1,2.1+11,,{POISSON},{DENSITY}\nPSOLID,1,1\n")
+        for number, place in enumerate(nodes):
+            out.write(f"GRID,{number + 1},,{real(place[0])},{real(place[1])},{real(place[2])}\n")
+        for number, element in enumerate(elements):
+            fields = [str(node + 1) for node in element]
+            out.write(f"{CARD[kind]},{number + 1},1," + ",".join(fields[:6]))
+            out.write((",+\n+," + ",".join(fields[6:]) if len(fields) > 6 else "") + "\n")
+        for node in clamped(nodes):
+            out.write(f"SPC1,1,123,{node}\n")
+        out.write("ENDDATA\n")
+
+
+def run_calculix(ccx, folder, name):
+    environment = dict(os.environ, OMP_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1")
+    done = subprocess.run([ccx, name], cwd=folder, env=environment, capture_output=True, text=True, check=False)
+    frequencies, is_table = [], False
+    for line in (folder / f"{name}.dat").read_text(encoding="ascii").splitlines():
+        fields = line.split()
+        if "E I G E N V A L U E   O U T P U T" in line:
+            is_table = True
+        elif is_table and len(fields) == 5 and fields[0].isdigit():
+            frequencies.append(float(fields[3]))
+        elif is_table and "P A R T I C I P A T I O N" in line:
+            break
+    if not frequencies:
+        raise SystemExit(f"CalculiX gave no frequencies for {name}:\n{done.stdout[-2000:]}")
+    return frequencies
+
+
+def run_mottle(command, deck):
+    done = subprocess.run([command, "modes", str(deck), "--json"], capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        raise SystemExit(f"{command} modes {deck} ended with {done.returncode}:\n{done.stderr}")
+    return json.loads(done.stdout)["frequencies"]
+
+
+def compare(folder, arguments):
+    print("| case | CalculiX element | cells | mode | reference Hz | CalculiX Hz | Mottle Hz | Mottle - CalculiX % "
+          "| CalculiX - reference % | Mottle - reference % |")
+    print("|---|---|---|---:|---:|---:|---:|---:|---:|---:|")
+    for case, size, distortion, meshes, reference_cells in CASES:
+        stem = case.replace(" ", "_")
+        nodes, elements = make_mesh("C3D20R", reference_cells, size, 0.0)
+        write_calculix(folder / f"{stem}_reference.inp", "C3D20R", nodes, elements, arguments.modes)
+        reference = run_calculix(arguments.ccx, folder, f"{stem}_reference")
+        for kind, cells in meshes:
+            name = "_".join((stem, kind, *map(str, cells)))
+            nodes, elements = make_mesh(kind, cells, size, distortion)
+            write_calculix(folder / f"{name}.inp", kind, nodes, elements, arguments.modes)
+            write_nastran(folder / f"{name}.bdf", kind, nodes, elements, arguments.modes)
+            calculix = run_calculix(arguments.ccx, folder, name)
+            mottle = run_mottle(arguments.mottle, folder / f"{name}.bdf")
+            for mode, (exact, theirs, ours) in enumerate(zip(reference, calculix, mottle), 1):
+                print(f"| {case} | {kind} | {' x '.join(map(str, cells))} | {mode} | {exact:.2f} | {theirs:.2f} "
+                      f"| {ours:.2f} | {100 * (ours / theirs - 1):+.3f} | {100 * (theirs / exact - 1):+.2f} "
+                      f"| {100 * (ours / exact - 1):+.2f} |", flush=True)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("mottle", help="path of the mottle command")
+    parser.add_argument("--ccx", default="ccx", help="path of CalculiX")
+    parser.add_argument("--modes", type=int, default=8, help="number of modes to compare")
+    parser.add_argument("--keep", type=pathlib.Path, help="folder in which to leave inputs and outputs")
+    arguments = parser.parse_args()
+    if arguments.keep:
+        arguments.keep.mkdir(parents=True, exist_ok=True)
+        compare(arguments.keep, arguments)
+    else:
+        with tempfile.TemporaryDirectory() as folder:
+            compare(pathlib.Path(folder), arguments)
+
+
+if __name__ == "__main__":
+    main()
