@@ -42,6 +42,7 @@ void add_update(CLI::App& app);
 void add_propagate(CLI::App& app);
 void add_simulate(CLI::App& app);
 void add_check(CLI::App& app);
+void add_modes(CLI::App& app);
 void add_report(CLI::App& app);
 void add_methods(CLI::App& app);
 

@@ -74,7 +74,16 @@ void add_shell_stiffness(const FiniteElementModel& model, const ShellProperty& p
   const Material* shear = material(property.shear_material);
   if (membrane != nullptr) input.poisson_membrane = poisson_ratio(model, *membrane);
   if (bending != nullptr) input.poisson_bending = poisson_ratio(model, *bending);
-  std::vector<FieldIndex> shear_held;
+  // How a triangle's bending shares with shear follows from t^2 E / G: its two pieces hold at the card's values only.
+  std::vector<FieldIndex> plate_held = bending == nullptr ? std::vector<FieldIndex>{} : poisson_fields(*bending);
+  if (input.node_count == 3 && bending != nullptr && shear != nullptr) {
+    plate_held.push_back(thickness);
+    if (bending != shear || shear->shear != k_no_field) {
+      for (const Material* one : {bending, shear}) {
+        for (const FieldIndex field : {one->young, one->shear, one->poisson}) plate_held.push_back(field);
+      }
+    }
+  }
   if (bending != nullptr && shear != nullptr) {
     const Coefficient young = young_coefficient(model, *bending);
     const Coefficient modulus = shear_coefficient(model, *shear);
@@ -96,12 +105,10 @@ void add_shell_stiffness(const FiniteElementModel& model, const ShellProperty& p
     add(times(shear_coefficient(model, *membrane), thickness), model.settings.drilling, held, pieces.drilling);
   }
   if (bending != nullptr) {
-    add(times(young_coefficient(model, *bending), thickness, 3), property.bending_ratio, poisson_fields(*bending),
-        pieces.bending);
+    add(times(young_coefficient(model, *bending), thickness, 3), property.bending_ratio, plate_held, pieces.bending);
   }
   if (bending != nullptr && shear != nullptr) {
-    add(times(shear_coefficient(model, *shear), thickness), property.shear_ratio, poisson_fields(*bending),
-        pieces.shear);
+    add(times(shear_coefficient(model, *shear), thickness), property.shear_ratio, plate_held, pieces.shear);
   }
 }
 

@@ -76,8 +76,8 @@ class BeamReader {
   }
 
   Eigen::Vector3d offset(std::size_t end, int n, const Eigen::Vector3d& v) {
-    const Eigen::Vector3d given(builder_.real(card_, n, "W1", 0.0), builder_.real(card_, n + 1, "W2", 0.0),
-                                builder_.real(card_, n + 2, "W3", 0.0));
+    Eigen::Vector3d given(builder_.real(card_, n, "W1", 0.0), builder_.real(card_, n + 1, "W2", 0.0),
+                          builder_.real(card_, n + 2, "W3", 0.0));
     if (given.isZero(0.0)) return given;
     if (offset_type_[1 + end] == 'G') return builder_.displacement_axes(nodes_[end]) * given;
     const Eigen::Vector3d x = position(1) - position(0);

@@ -192,6 +192,6 @@ void read_case_settings(ModelBuilder& builder);
 /// What happens with cards that no rule reads; `count` of them, the first one given.
 void handle_unread_card(ModelBuilder& builder, const Card& first, int count);
 /// Refuses case control commands that change the matrices in a way that is not supported.
-void refuse_matrix_commands(const ModelBuilder& builder);
+void refuse_matrix_commands(ModelBuilder& builder);
 
 }  // namespace mottle::nastran

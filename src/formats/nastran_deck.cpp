@@ -109,8 +109,7 @@ class DeckReader {
     }
     deck_.files.push_back(name);
     open_.push_back(static_cast<int>(deck_.files.size()) - 1);
-    const std::string file = name;  // deck_.files may grow while this file is read
-    LineSource source(text_.bytes.emplace_back(std::move(bytes)), file);
+    LineSource source(text_.bytes.emplace_back(std::move(bytes)), name);
     for (std::string_view line; section_ != Section::done && source.next(line);) read_line(line, source);
     open_.pop_back();
   }

@@ -83,10 +83,14 @@ void handle_unread_card(ModelBuilder& builder, const Card& first, int count) {
                            first.place()));
 }
 
-void refuse_matrix_commands(const ModelBuilder& builder) {
+void refuse_matrix_commands(ModelBuilder& builder) {
   for (const std::string_view name : k_matrix_commands) {
     const CaseCommand* command = builder.deck.find_command(name, builder.subcase);
-    if (command == nullptr || builder.options.ignore_cards.contains(std::string(name))) continue;
+    if (command == nullptr) continue;
+    if (builder.options.ignore_cards.contains(std::string(name))) {
+      builder.note(fmt::format("{} = {} was left out, as model.ignore_cards asks", name, shown(command->value)));
+      continue;
+    }
     fail({builder.deck.files[static_cast<std::size_t>(command->file)], command->line},
          fmt::format("{} = {}: matrices and masses that the case control section adds are not supported; "
                      "model.ignore_cards = [\"{}\"] goes on without them",

@@ -97,7 +97,7 @@ SparseModes FiniteElementStructure::solve_one(const Eigen::Ref<const Eigen::Vect
   return modes;
 }
 
-std::string FiniteElementStructure::failure_of(const SparseModes& modes) const {
+std::string FiniteElementStructure::failure_text(const SparseModes& modes) const {
   if (modes.failed_row < 0) return modes.failure;
   const Equation& equation = assembled_.equations[static_cast<std::size_t>(modes.failed_row)];
   return fmt::format("{} (first seen at {})", modes.failure,
@@ -143,7 +143,7 @@ Eigen::MatrixXd FiniteElementStructure::displacements(const Eigen::Ref<const Eig
 
 ModeSet FiniteElementStructure::modes_at(const Eigen::Ref<const Eigen::VectorXd>& parameters, int modes) const {
   SparseModes found = solve_one(parameters, {.modes = modes, .counts_below = true});
-  require(found.failure.empty(), "model: it cannot be solved at the parameters' means: {}", failure_of(found));
+  require(found.failure.empty(), "model: it cannot be solved at the parameters' means: {}", failure_text(found));
   if (!found.is_complete()) {
     throw SystemFailure(
         fmt::format("the solver found {} modes below {:.6g} (rad/s)^2 where the inertia of K - s M counts {}",
@@ -162,7 +162,7 @@ void FiniteElementStructure::solve(const Eigen::Ref<const Eigen::MatrixXd>& samp
       std::string failure;
       try {
         SparseModes solved = parameters.allFinite() ? solve_one(parameters, {.modes = modes}) : SparseModes{};
-        failure = failure_of(solved);
+        failure = failure_text(solved);
         if (failure.empty() && solved.values.size() > 0) found = {std::move(solved.values), std::move(solved.vectors)};
       } catch (const InvalidInput& error) {
         failure = error.what();  // a geometry that this sample's parameters make impossible

@@ -95,4 +95,8 @@ void write_report(const std::filesystem::path& folder) {
   write_file_atomically(folder / "report.html", render_page(data));
 }
 
+void write_modes_page(const std::filesystem::path& folder) {
+  write_file_atomically(folder / "modes.html", render_page(read_file(folder / "modes.json")));
+}
+
 }  // namespace mottle

@@ -118,7 +118,7 @@ ShellMesh cantilever_plate(int cells, int node_count) {
   return mesh;
 }
 
-// [Leissa1969], table 4.48, nu = 0.3, by Ritz (a little high). 1.5 %: the mesh's 1 % in the fifth mode and Ritz's own.
+// [Leissa1969], nu = 0.3, by Ritz (a little high). 1.5 %: the mesh's 1 % in the fifth mode and Ritz's own.
 TEST(ShellPlate, ClampedAtOneEdgeHasLeissasFrequencies) {
   const std::array<double, 5> published = {3.492, 8.525, 21.43, 27.33, 31.11};
   const ShellMaterial material = {.thickness = 1e-3};
@@ -145,7 +145,7 @@ TEST(ShellStructure, ScordelisLoRoofSinksAsPublished) {
   EXPECT_NEAR(-moved(moved.size() - 4) / 0.3024, 1.0, 0.02);
 }
 
-// [MacNeal1985]: 1.8248e-5 under a pair of unit forces. 7 % at 16 x 16, as MITC4 in [Bathe1985]; 2 % at 32 x 32.
+// [MacNeal1985]: 1.8248e-5 under a pair of unit forces. 7 % at 16 x 16, usual for MITC4; 2 % at 32 x 32.
 TEST(ShellStructure, PinchedCylinderGivesWayAsPublished) {
   const auto error = [](int cells, int nodes) {
     ShellMesh mesh = grid(cells, cells, nodes, [](double u, double v) {

@@ -152,6 +152,15 @@ class Checker {
   const FiniteElementModel& model_;
 };
 
+/// A million scalar points by one card are allowed, but take the time of a thousand other inputs.
+bool has_wide_range(const NastranDeck& deck) {
+  for (const BulkCard& card : deck.cards) {
+    const bool is_range = card.name == "SPOINT" && card.fields.size() >= 3 && card.fields[1] == "THRU";
+    if (is_range && card.fields[2].size() > 4) return true;
+  }
+  return false;
+}
+
 std::vector<std::string> files_of(std::string_view bytes) {
   constexpr std::string_view k_border = "$FILE\n";
   std::vector<std::string> files;
@@ -177,6 +186,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   try {
     const NastranDeck deck = parse_nastran_deck(files[0], "0", resolve);
     check_deck(deck);
+    if (has_wide_range(deck)) return 0;
     const NastranModel read = build_nastran_model(deck);
     check_points(read.model);
     const Checker checker(read.model);

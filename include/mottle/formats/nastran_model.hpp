@@ -15,7 +15,8 @@
 namespace mottle {
 
 struct NastranOptions {
-  std::set<std::string> ignore_cards = {};    ///< names in capitals; such cards are skipped and counted in a note
+  std::set<std::string> ignore_cards = {};    ///< names in capitals; such cards (and K2GG, NSM... of the case control
+                                              ///< section) are skipped, with a note
   std::optional<int> subcase = std::nullopt;  ///< id; without it the first subcase holds
 };
 
@@ -31,8 +32,8 @@ struct NastranModel {
 /// Read are GRID, GRDSET, SPOINT; CORD1R/C/S, CORD2R/C/S; CHEXA (8), CPENTA (6), CTETRA (4, 10), CQUAD4, CTRIA3, CBAR,
 /// CBEAM, CROD, CONROD, CTUBE, CBUSH, CELAS1..4, CMASS1..4, CDAMP1..4, CONM1, CONM2 with PSOLID, PSHELL, PBAR, PBARL,
 /// PBEAM, PBEAML (constant sections), PROD, PTUBE, PBUSH, PELAS, PMASS, PDAMP, BAROR, BEAMOR; MAT1; RBE2, RBE3, RBAR,
-/// MPC, MPCADD, SPC, SPC1, SPCADD; EIGRL, EIGR, PARAM. Cards that do not change the stiffness and mass matrix (loads,
-/// tables, output) are skipped. ASET, OMIT and SUPORT are noted: all degrees of freedom stay.
+/// RBAR1, MPC, MPCADD, SPC, SPC1, SPCADD; EIGRL, EIGR, PARAM. Cards that do not change the stiffness and mass matrix
+/// (loads, tables, output) are skipped. ASET, OMIT and SUPORT are noted: all degrees of freedom stay.
 ///
 /// SPC, MPC and METHOD are taken from the case control section; where there is none and the deck holds one set, that
 /// one is taken, with a note.

@@ -54,6 +54,8 @@ class FiniteElementStructure final : public ModalStructure {
 
   /// Modes of one sample with everything that is known about them.
   SparseModes solve_one(const Eigen::Ref<const Eigen::VectorXd>& parameters, const SparseModesOptions& options) const;
+  /// Why a sample has no modes, in the deck's terms; empty where it has.
+  std::string failure_text(const SparseModes& modes) const;
 
  private:
   struct Matrices {
@@ -63,7 +65,6 @@ class FiniteElementStructure final : public ModalStructure {
   Matrices derivative_at(const Eigen::Ref<const Eigen::VectorXd>& parameters, Eigen::Index parameter) const;
   std::unique_ptr<SparseModeSolver> take_solver() const;
   void give_back(std::unique_ptr<SparseModeSolver> solver) const;
-  std::string failure_of(const SparseModes& modes) const;
 
   FiniteElementModel model_;
   FieldTargets targets_;

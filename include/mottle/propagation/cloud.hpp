@@ -25,7 +25,7 @@ struct Cloud {
   Eigen::MatrixXd outputs;  ///< [sample x output]
   std::vector<FailedRun> failures;
   std::vector<SampleNote> notes = {};  ///< of runs that succeeded: modes that crossed or mixed
-  std::int64_t rejected = 0;  ///< physically impossible draws that were replaced
+  std::int64_t rejected = 0;           ///< physically impossible draws that were replaced
 
   /// Samples and outputs of the runs that succeeded.
   struct Valid {

@@ -10,4 +10,7 @@ namespace mottle {
 /// Throws InvalidInput: no result.json there, or one of these files cannot be understood; SystemFailure: cannot write.
 void write_report(const std::filesystem::path& folder);
 
+/// Reads modes.json of `folder` and writes modes.html beside it.
+void write_modes_page(const std::filesystem::path& folder);
+
 }  // namespace mottle

@@ -1,0 +1,43 @@
+// mottle modes: natural frequencies and shapes of a model, a page to look at them, MAC against others.
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "common_options.hpp"
+#include "mottle/core/text.hpp"
+#include "mottle/report/report.hpp"
+#include "mottle/study/run_modes.hpp"
+
+namespace mottle::app {
+
+void add_modes(CLI::App& app) {
+  CLI::App* verb = app.add_subcommand("modes", "natural frequencies and shapes of a Nastran deck; MAC against others");
+  const auto settings = std::make_shared<ModesSettings>();
+  const auto cards = std::make_shared<std::vector<std::string>>();
+  const auto is_json = std::make_shared<bool>(false);
+  const auto is_quiet = std::make_shared<bool>(false);
+  verb->add_option("model", settings->model, "Nastran deck")->required();
+  verb->add_option("--out", settings->folder, "folder of the results (default: MODEL.modes beside the deck)");
+  verb->add_option("--modes", settings->modes, "how many of the lowest (default: the deck's EIGRL, or 10)")
+      ->check(CLI::Range(1, 100000));
+  verb->add_option("--compare", settings->compare, "CSV of shapes (dof, one column a mode) or another deck");
+  verb->add_option("--ignore-cards", *cards, "go on without these cards (CARD,CARD)")->delimiter(',');
+  verb->add_flag("--json", *is_json, "machine-readable summary on stdout");
+  verb->add_flag("--quiet", *is_quiet, "print nothing");
+  verb->callback([=] {
+    settings->ignore_cards = {cards->begin(), cards->end()};
+    if (settings->folder.empty()) {
+      settings->folder = settings->model;
+      settings->folder.replace_extension(".modes");
+    }
+    const RunSummary summary = run_modes(*settings);
+    write_modes_page(settings->folder);
+    if (*is_json) {
+      fmt::print("{}\n", summary.json);
+    } else if (!*is_quiet) {
+      fmt::print("{}\npage: {}\n", join(summary.lines, "\n"), (settings->folder / "modes.html").string());
+    }
+  });
+}
+
+}  // namespace mottle::app

@@ -1,0 +1,24 @@
+// What of a finite-element model is drawn: its surface, lines and point masses.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "mottle/fem/finite_element_model.hpp"
+
+namespace mottle {
+
+/// Indices of triangles, edges and points count the drawn nodes.
+struct Drawing {
+  std::vector<int> nodes;  ///< index into the model's nodes of each drawn node, ascending
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  std::vector<std::array<std::uint32_t, 2>> edges;
+  std::vector<std::uint32_t> points;
+};
+
+/// Faces that belong to one solid only, shells, their edges; beams, rods, bushes and springs between nodes that lie
+/// apart; concentrated masses. Quadrilaterals are split along their shorter diagonal; mid-edge nodes are left out.
+Drawing drawing_of(const FiniteElementModel& model);
+
+}  // namespace mottle
