@@ -247,17 +247,8 @@ Json update_result_json(const Study& study, const StudyTests& tests, const Updat
   add_cloud_analysis(json, last.cloud, first.cloud);
   json["sample_size"] = sample_size_json(problem, last);
   json["verdict"] = verdict_json(judge(problem, result));
-  json["identifiability"] = nullptr;
-  if (!json["regression"].is_null()) {
-    const Cloud::Valid valid = last.cloud.valid();
-    const Eigen::VectorXd test_std = moments.covariance.diagonal().cwiseSqrt();
-    const bool has_scatter = (test_std.array() > 0.0).all();
-    json["identifiability"] =
-        identifiability_json(identify(linear_regression(valid.samples, valid.outputs).sensitivity,
-                                      has_scatter ? test_std : Eigen::VectorXd(moments.mean.cwiseAbs()),
-                                      problem.space.prior().covariance().diagonal().cwiseSqrt()),
-                             problem.space.names());
-  }
+  const std::optional<Identifiability> seen = identify(problem, result);
+  json["identifiability"] = seen ? identifiability_json(*seen, problem.space.names()) : Json(nullptr);
   json["model_evaluations"] = result.model_evaluations;
   json["rejected_draws"] = rejected_draws_json(rejected);
   json["failed_evaluations"] = failures;

@@ -61,6 +61,13 @@ std::vector<std::string> summary_lines(const UpdatingProblem& problem, const Upd
   }
   lines.push_back(fmt::format("verdict: {}", verdict.adequate ? "adequate so far" : "inadequate"));
   for (const std::string& reason : verdict.reasons) lines.push_back("  " + reason);
+  const std::optional<Identifiability> seen = identify(problem, result);
+  if (seen && !seen->unseen_directions.empty()) {
+    lines.push_back("the tests cannot see (in standard deviations of the prior):");
+    for (const Eigen::VectorXd& direction : seen->unseen_directions) {
+      lines.push_back("  " + direction_text(direction, problem.space.names()));
+    }
+  }
   return lines;
 }
 

@@ -252,6 +252,7 @@ UpdatingResult DeterministicUpdater::update(const UpdatingProblem& problem, cons
     }
   }
   result.mean = x;
+  result.sensitivity = g;
   result.covariance = estimate_covariance(setup, g, options_.regularisation);
   IterationRecord last =
       record_state(problem, tests, JointDistribution::multivariate_normal(x, result.covariance), 0, context);

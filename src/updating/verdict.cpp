@@ -6,6 +6,7 @@
 
 #include "mottle/core/error.hpp"
 #include "mottle/stats/hotelling.hpp"
+#include "mottle/stats/regression.hpp"
 #include "mottle/updating/iteration.hpp"
 
 namespace mottle {
@@ -71,6 +72,38 @@ Identifiability identify(const Eigen::Ref<const Eigen::MatrixXd>& sensitivity,
     }
   }
   return result;
+}
+
+std::optional<Identifiability> identify(const UpdatingProblem& problem, const UpdatingResult& result) {
+  Eigen::MatrixXd sensitivity = result.sensitivity;
+  if (sensitivity.size() == 0) {
+    const Cloud::Valid valid = result.history.back().cloud.valid();
+    if (valid.samples.rows() <= valid.samples.cols() + 1) return std::nullopt;
+    sensitivity = linear_regression(valid.samples, valid.outputs).sensitivity;
+  }
+  const TestMoments tests = test_moments(problem.tests);
+  const Eigen::VectorXd deviation = tests.covariance.diagonal().cwiseSqrt();
+  const bool has_scatter = (deviation.array() > 0.0).all();
+  return identify(sensitivity, has_scatter ? deviation : Eigen::VectorXd(tests.mean.cwiseAbs()),
+                  problem.space.prior().covariance().diagonal().cwiseSqrt());
+}
+
+std::string direction_text(const Eigen::Ref<const Eigen::VectorXd>& direction, const std::vector<std::string>& names) {
+  constexpr double k_small = 0.1;
+  constexpr std::size_t k_most = 6;
+  std::vector<Eigen::Index> order;
+  for (Eigen::Index i = 0; i < direction.size(); ++i) {
+    if (std::abs(direction(i)) >= k_small) order.push_back(i);
+  }
+  std::stable_sort(order.begin(), order.end(),
+                   [&](Eigen::Index a, Eigen::Index b) { return std::abs(direction(a)) > std::abs(direction(b)); });
+  std::string text;
+  for (std::size_t k = 0; k < std::min(order.size(), k_most); ++k) {
+    const double weight = direction(order[k]);
+    const char* sign = weight < 0.0 ? (k == 0 ? "-" : " - ") : (k == 0 ? "" : " + ");
+    text += fmt::format("{}{:.2f} {}", sign, std::abs(weight), names[static_cast<std::size_t>(order[k])]);
+  }
+  return order.size() > k_most ? text + " + ..." : text;
 }
 
 int automatic_samples(int specimens, int outputs, double alpha) {

@@ -70,6 +70,7 @@ struct UpdatingResult {
   Eigen::VectorXd mean;                  ///< [parameter]
   Eigen::MatrixXd covariance;            ///< [parameter x parameter]
   std::vector<IterationRecord> history;  ///< first: the prior's cloud; last: the cloud of `mean` and `covariance`
+  Eigen::MatrixXd sensitivity;           ///< dy/dx at `mean` where the method has it [output x parameter]; else 0 x 0
   std::int64_t model_evaluations = 0;
   std::vector<VerdictTest> tests;  ///< of the final state, at the problem's level
   std::vector<std::string> notes;  ///< what a reader of the numbers must know

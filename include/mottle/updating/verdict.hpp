@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -35,6 +36,13 @@ struct Identifiability {
 Identifiability identify(const Eigen::Ref<const Eigen::MatrixXd>& sensitivity,
                          const Eigen::Ref<const Eigen::VectorXd>& output_scale,
                          const Eigen::Ref<const Eigen::VectorXd>& parameter_scale);
+
+/// The same of a finished update: the method's own sensitivity, else the regression of the last cloud, against the
+/// deviation of the tests (their mean where they have none) and of the prior. Nothing where neither is to be had.
+std::optional<Identifiability> identify(const UpdatingProblem& problem, const UpdatingResult& result);
+
+/// "0.71 K171 - 0.70 K172 + ...": a direction over scaled parameters, the largest weights first, small ones left out.
+std::string direction_text(const Eigen::Ref<const Eigen::VectorXd>& direction, const std::vector<std::string>& names);
 
 /// Number of samples for `samples = "auto"`: the larger of what brings Hotelling's critical T within 1 % of its limit
 /// and 100 specimens' worth, so that the Monte-Carlo error of a mean is a tenth of the tests' standard error.
