@@ -47,9 +47,10 @@ std::set<std::pair<int, int>> lines(const FiniteElementModel& model, const std::
   std::set<std::pair<int, int>> result;
   const auto add = [&](int a, int b) {
     if (a < 0 || b < 0 || a == b) return;
-    const Eigen::Vector3d apart =
-        model.nodes[static_cast<std::size_t>(a)].position - model.nodes[static_cast<std::size_t>(b)].position;
-    if (apart.squaredNorm() > 0.0) result.insert(std::minmax(a, b));
+    const Node& first = model.nodes[static_cast<std::size_t>(a)];
+    const Node& second = model.nodes[static_cast<std::size_t>(b)];
+    if (first.is_scalar || second.is_scalar) return;  // lies nowhere
+    if (first.position != second.position) result.insert(std::minmax(a, b));
   };
   for (const Face& face : faces) {
     for (std::size_t k = 0; k < face.size(); ++k) add(face[k], face[(k + 1) % face.size()]);

@@ -78,7 +78,7 @@ void add_shell_stiffness(const FiniteElementModel& model, const ShellProperty& p
   std::vector<FieldIndex> plate_held = bending == nullptr ? std::vector<FieldIndex>{} : poisson_fields(*bending);
   if (input.node_count == 3 && bending != nullptr && shear != nullptr) {
     plate_held.push_back(thickness);
-    if (bending != shear || shear->shear != k_no_field) {
+    if (bending != shear || (shear->shear != k_no_field && shear->young != k_no_field)) {
       for (const Material* one : {bending, shear}) {
         for (const FieldIndex field : {one->young, one->shear, one->poisson}) plate_held.push_back(field);
       }

@@ -77,6 +77,7 @@ Coefficient beam_coefficient(const FiniteElementModel& model, const BeamProperty
       return section_coefficient(shear_coefficient(model, material), property, section.torsion, numbers.torsion);
     case BeamCoefficient::EI1:
       result = section_coefficient(young, property, section.inertia_1, numbers.inertia_1);
+      if (numbers.inertia_12 == 0.0) hold(result, {section.inertia_12});  // there is no piece of it now
       break;
     case BeamCoefficient::EI2:
       result = section_coefficient(young, property, section.inertia_2, numbers.inertia_2);

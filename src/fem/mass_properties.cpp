@@ -55,15 +55,17 @@ MassProperties mass_properties(const FiniteElementModel& model) {
     }
   });
   result.mass = result.rigid_body.diagonal().head<3>();
+  // First moments stand in the coupling block, [0 mx z -mx y; -my z 0 my x; mz y -mz x 0]; each is there twice.
   const auto& m = result.rigid_body;
-  const double total = result.mass.mean();
-  if (total > 0.0) {
-    // First moments stand in the coupling block, m [0 z -y; -z 0 x; y -x 0]; each is there twice.
-    result.center = Eigen::Vector3d(m(1, 5) - m(2, 4), m(2, 3) - m(0, 5), m(0, 4) - m(1, 3)) / (2.0 * total);
-    const Eigen::Matrix3d arm = cross_matrix(result.center);
-    result.inertia = m.bottomRightCorner<3, 3>() + total * arm * arm;
-    result.center += origin;
-  }
+  const auto mean = [&](double one, double other, int i, int k) {
+    const double weight = result.mass(i) + result.mass(k);
+    return weight > 0.0 ? (one - other) / weight : 0.0;
+  };
+  result.center = {mean(m(1, 5), m(2, 4), 1, 2), mean(m(2, 3), m(0, 5), 2, 0), mean(m(0, 4), m(1, 3), 0, 1)};
+  Eigen::Matrix<double, 6, 3> turn;  // motion of the reference point by rotations about the centre
+  turn << cross_matrix(result.center), Eigen::Matrix3d::Identity();
+  result.inertia = turn.transpose() * m * turn;
+  if (result.mass.maxCoeff() > 0.0) result.center += origin;
   return result;
 }
 

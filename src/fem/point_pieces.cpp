@@ -64,6 +64,7 @@ void add_scalar(const FiniteElementModel& model, const ScalarElement& element, P
                                                    ElementPiece::Kind::damping};
   const ElementPiece::Kind kind = k_kinds[static_cast<std::size_t>(element.kind)];
   if (selection == PieceSelection::mass && kind != ElementPiece::Kind::mass) return;
+  if (element.value == k_no_field) return;  // blank is zero
   result.is_basic = false;
   for (std::size_t end = 0; end < 2; ++end) {
     if (element.nodes[end] >= 0) {

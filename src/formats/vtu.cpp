@@ -40,12 +40,19 @@ void add_solid(const SolidElement& element, Cells& cells) {
     case SolidShape::hexahedron8:
       return cells.add(std::span(n).first(8), k_hexahedron, element.id);
     case SolidShape::wedge6:
-      return cells.add(std::span(n).first(6), k_wedge, element.id);
+      // VTK's base is seen from outside, Nastran's from inside.
+      return cells.add(std::array{n[0], n[2], n[1], n[3], n[5], n[4]}, k_wedge, element.id);
     case SolidShape::tetrahedron4:
       return cells.add(std::span(n).first(4), k_tetra, element.id);
     case SolidShape::tetrahedron10:
       return cells.add(n, k_quadratic_tetra, element.id);
   }
+}
+
+/// Whether an element lies between two grid points; a scalar point lies nowhere.
+bool has_two_places(const FiniteElementModel& model, const ScalarElement& element) {
+  const auto is_placed = [&](int node) { return node >= 0 && !model.nodes[static_cast<std::size_t>(node)].is_scalar; };
+  return is_placed(element.nodes[0]) && is_placed(element.nodes[1]) && element.nodes[0] != element.nodes[1];
 }
 
 Cells cells_of(const FiniteElementModel& model) {
@@ -61,10 +68,30 @@ Cells cells_of(const FiniteElementModel& model) {
     if (element.nodes[1] >= 0) cells.add(element.nodes, k_line, element.id);
   }
   for (const ScalarElement& element : model.scalars) {
-    const bool is_between = element.nodes[0] >= 0 && element.nodes[1] >= 0 && element.nodes[0] != element.nodes[1];
-    if (is_between) cells.add(element.nodes, k_line, element.id);
+    if (has_two_places(model, element)) cells.add(element.nodes, k_line, element.id);
   }
   return cells;
+}
+
+/// A text inside the quotes of an XML attribute.
+std::string attribute(const std::string& text) {
+  std::string result;
+  for (const char letter : text) {
+    switch (letter) {
+      case '&':
+        result += "&amp;";
+        break;
+      case '<':
+        result += "&lt;";
+        break;
+      case '"':
+        result += "&quot;";
+        break;
+      default:
+        result += letter;
+    }
+  }
+  return result;
 }
 
 /// An inline array: its length in bytes, then its bytes, in one base64 text.
@@ -76,7 +103,7 @@ std::string data_array(const char* type, const std::string& name, int components
   if (bytes > 0) std::memcpy(raw.data() + sizeof bytes, values.data(), bytes);
   return fmt::format(
       "        <DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"binary\">{}</DataArray>\n", type,
-      name, components, base64(raw));
+      attribute(name), components, base64(raw));
 }
 
 std::string vectors_array(const std::string& name, const Eigen::MatrixX3d& vectors) {

@@ -1,8 +1,10 @@
 #include "mottle/linalg/sparse_modes.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <limits>
+#include <span>
 #include <vector>
 
 #include "block_lanczos.hpp"
@@ -46,19 +48,24 @@ Eigen::VectorXd relative_residuals(const SparseMatrix& stiffness, const SparseMa
   return residuals;
 }
 
-/// After the last of the first `wanted` values and before the next: where the gap is widest among the few that are
-/// known.
-Eigen::Index cut_position(const Eigen::VectorXd& values, Eigen::Index wanted) {
+/// Where to count: how many of the values lie below a wide gap, at or after the first `wanted` of them, or before where
+/// a repeated root goes on beyond all that are known.
+Eigen::Index cut_position(const Eigen::VectorXd& values, Eigen::Index wanted, double shift) {
+  constexpr double k_wide = 1e-3;
+  constexpr double k_one_root = 1e-6;  // closer ones are not told apart by the inertia
+  // Against the distance from the shift, by which values are exact: those of rigid-body modes are zero but for
+  // rounding.
+  const auto gap_before = [&](Eigen::Index i) { return (values(i) - values(i - 1)) / (values(i) - shift); };
   Eigen::Index best = wanted;
   double widest = -1.0;
   for (Eigen::Index i = wanted; i < values.size(); ++i) {
-    const double gap = (values(i) - values(i - 1)) / std::max(std::abs(values(i)), std::numeric_limits<double>::min());
-    if (gap > widest) {
-      widest = gap;
-      best = i;
-    }
-    if (widest > 1e-3) break;  // wide enough; the nearer the better, since the farther values are less exact
+    if (gap_before(i) <= widest) continue;
+    widest = gap_before(i);
+    best = i;
+    if (widest > k_wide) break;  // wide enough; the nearer the better, since the farther values are less exact
   }
+  if (wanted == values.size() || widest > k_one_root) return best;
+  for (best = wanted - 1; best > 0 && gap_before(best) <= k_one_root; --best) continue;
   return best;
 }
 
@@ -103,13 +110,33 @@ struct SparseModeSolver::Factors {
   std::unique_ptr<SymmetricFactor> definite = make_definite_factor();
   std::unique_ptr<SymmetricFactor> indefinite;
 
+  std::vector<int> starts, rows;  ///< pattern of which the symbolic factorisations are
+
+  /// Starts anew where the pattern is another one: a moved node may fill what was zero by geometry.
+  void keep_pattern(const SparseMatrix& lower) {
+    const int* outer = lower.outerIndexPtr();
+    const int* inner = lower.innerIndexPtr();
+    if (std::ranges::equal(starts, std::span(outer, static_cast<std::size_t>(lower.cols()) + 1)) &&
+        std::ranges::equal(rows, std::span(inner, static_cast<std::size_t>(lower.nonZeros())))) {
+      return;
+    }
+    if (!starts.empty()) {
+      definite = make_definite_factor();
+      indefinite.reset();
+    }
+    starts.assign(outer, outer + lower.cols() + 1);
+    rows.assign(inner, inner + lower.nonZeros());
+  }
+
   /// Factorises K - s M at the first shift that makes it definite; the shift, or 0 where none does.
   double factorise_below(const SparseMatrix& stiffness, const SparseMatrix& mass) {
     constexpr int k_attempts = 3;
     constexpr double k_farther = 100.0;
     double shift = default_shift(stiffness, mass);
     for (int attempt = 0; attempt < k_attempts; ++attempt, shift *= k_farther) {
-      if (definite->factorise(shifted(stiffness, mass, shift))) return shift;
+      const SparseMatrix matrix = shifted(stiffness, mass, shift);
+      keep_pattern(matrix);
+      if (definite->factorise(matrix)) return shift;
     }
     return 0.0;
   }
@@ -136,7 +163,9 @@ SparseModes SparseModeSolver::solve(const SparseMatrix& stiffness, const SparseM
           stiffness.cols(), mass.rows(), mass.cols());
   require(options.modes >= 1, "modes: {} asked for, need at least 1", options.modes);
   SparseModes result;
+  const auto begin = std::chrono::steady_clock::now();
   result.shift = factors_->factorise_below(stiffness, mass);
+  result.factor_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   if (result.shift == 0.0) {
     result.failure = "the stiffness is not positive semidefinite, or a part can move without stiffness and mass";
     result.failed_row = factors_->definite->failed_column();
@@ -162,11 +191,11 @@ SparseModes SparseModeSolver::solve(const SparseMatrix& stiffness, const SparseM
   fix_signs(result.vectors);
   result.residuals = relative_residuals(stiffness, mass, result);
   if (options.counts_below && found > 0) {
-    const Eigen::Index cut = cut_position(values, found);
-    result.counted_at = cut < values.size() ? 0.5 * (values(cut - 1) + values(cut))
-                                            : values(cut - 1) + 1e-3 * std::abs(values(cut - 1) - result.shift);
+    const Eigen::Index cut = cut_position(values, found, result.shift);
+    const double below = cut > 0 ? values(cut - 1) : result.shift;
+    result.counted_at = cut < values.size() ? 0.5 * (below + values(cut)) : below + 1e-3 * (below - result.shift);
     const int counted = factors_->count_below(stiffness, mass, result.counted_at);
-    // Modes between the last wanted one and the cut are known and are taken off again.
+    // Modes between the last wanted one and the cut are known: taken off again, or added where the cut lies lower.
     result.counted_below = counted < 0 ? -1 : counted - static_cast<int>(cut - found);
   }
   return result;

@@ -24,11 +24,12 @@ TargetName split(const std::string& parameter, const std::string& target) {
   const std::size_t first = target.find(':');
   const std::size_t second = first == std::string::npos ? first : target.find(':', first + 1);
   TargetName name;
-  const char* begin = target.data() + first + 1;
-  const char* end = target.data() + second;
-  const bool is_number = second != std::string::npos && std::from_chars(begin, end, name.id).ptr == end && begin != end;
-  require(is_number, "parameter '{}': target '{}' is not CARD:ID:FIELD, like MAT1:2:E or PELAS:160:K", parameter,
-          target);
+  const bool has_parts = second != std::string::npos;
+  const char* begin = target.data() + (has_parts ? first + 1 : 0);
+  const char* end = target.data() + (has_parts ? second : 0);
+  const auto [stop, error] = std::from_chars(begin, end, name.id);
+  require(has_parts && error == std::errc() && stop == end,
+          "parameter '{}': target '{}' is not CARD:ID:FIELD, like MAT1:2:E or PELAS:160:K", parameter, target);
   name.card = target.substr(0, first);
   name.field = target.substr(second + 1);
   for (std::string* text : {&name.card, &name.field}) {
@@ -75,6 +76,26 @@ int geometry_index(const FiniteElementModel& model, const TargetName& name) {
   return index_where(model.shells, [&](const ShellElement& e) { return e.node_count == nodes && e.id == name.id; });
 }
 
+/// The ids of all nodes or elements of a card that has geometry numbers.
+std::vector<std::string> geometry_ids(const FiniteElementModel& model, const std::string& card) {
+  std::vector<std::string> ids;
+  const auto add = [&](const auto& elements, const auto& is_meant) {
+    for (const auto& element : elements) {
+      if (is_meant(element)) ids.push_back(std::to_string(element.id));
+    }
+  };
+  if (card == "GRID") {
+    add(model.nodes, [](const Node& node) { return !node.is_scalar; });
+  } else if (card == "CONM2") {
+    add(model.point_masses, [&](const PointMassElement& e) { return e.card == card; });
+  } else if (card == "CBAR" || card == "CBEAM") {
+    add(model.beams, [&](const BeamElement& e) { return e.card == card; });
+  } else {
+    add(model.shells, [&](const ShellElement& e) { return e.node_count == (card == "CQUAD4" ? 4 : 3); });
+  }
+  return ids;
+}
+
 double& geometry_number(FiniteElementModel& model, const GeometryTarget& target) {
   const auto index = static_cast<std::size_t>(target.index);
   if (target.card == "GRID") return *vector_number(model.nodes[index].position, target.number);
@@ -97,13 +118,20 @@ double& geometry_number(FiniteElementModel& model, const GeometryTarget& target)
     if (ids.empty() || ids.back() != std::to_string(field.id)) ids.push_back(std::to_string(field.id));
     if (field.id == name.id) names.push_back(field.name);
   }
+  const std::vector<std::string>& of_geometry = geometry_names(name.card);
+  if (!of_geometry.empty()) {
+    if (geometry_index(model, name) >= 0) {
+      names.insert(names.end(), of_geometry.begin(), of_geometry.end());
+    } else {
+      ids = geometry_ids(model, name.card);
+    }
+  }
   const std::string start = fmt::format("parameter '{}': it acts on nothing: ", parameter);
   if (!names.empty()) {
     const std::string owner = fmt::format("number of {} {}", name.card, name.id);
     throw InvalidInput(start + unknown_name_message(owner, name.field, names));
   }
   if (!ids.empty()) {
-    ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
     const bool is_cut = ids.size() > k_listed_names;
     if (is_cut) ids.resize(k_listed_names);
     throw InvalidInput(fmt::format("{}the deck has no {} {}; it has {}{}", start, name.card, name.id, join(ids),

@@ -95,9 +95,10 @@ std::vector<std::string> FiniteElementStructure::description(
                               weight.mass.z()));
   lines.push_back(fmt::format("centre of gravity: {:.6g}, {:.6g}, {:.6g}", weight.center.x(), weight.center.y(),
                               weight.center.z()));
-  lines.push_back(fmt::format(
-      "inertia about it: Ixx {:.6g}, Iyy {:.6g}, Izz {:.6g}, Ixy {:.6g}, Iyz {:.6g}, Izx {:.6g}", weight.inertia(0, 0),
-      weight.inertia(1, 1), weight.inertia(2, 2), -weight.inertia(0, 1), -weight.inertia(1, 2), -weight.inertia(2, 0)));
+  lines.push_back(
+      fmt::format("inertia about it: Ixx {:.6g}, Iyy {:.6g}, Izz {:.6g}, Ixy {:.6g}, Iyz {:.6g}, Izx {:.6g}",
+                  weight.inertia(0, 0), weight.inertia(1, 1), weight.inertia(2, 2), 0.0 - weight.inertia(0, 1),
+                  0.0 - weight.inertia(1, 2), 0.0 - weight.inertia(2, 0)));
   for (std::string& line : worst_shapes(model_)) lines.push_back(std::move(line));
   return lines;
 }

@@ -53,7 +53,13 @@ FiniteElementStructure::FiniteElementStructure(FiniteElementModel model,
 FiniteElementStructure::Matrices FiniteElementStructure::matrices_at(
     const Eigen::Ref<const Eigen::VectorXd>& parameters) const {
   if (is_separable_) return {assembled_.stiffness.at(parameters), assembled_.mass.at(parameters)};
-  const AssembledModel moved = assemble(model_at(model_, targets_, parameters), {});
+  FiniteElementModel deck = model_at(model_, targets_, parameters);
+  // What AUTOSPC holds is settled by the reference, so that shapes of all samples have the same rows.
+  deck.settings.automatic_constraints = false;
+  for (const AutomaticConstraint& held : assembled_.automatic_constraints) {
+    deck.fixed.emplace_back(held.node, static_cast<Components>(1 << held.component));
+  }
+  const AssembledModel moved = assemble(deck, {});
   const Eigen::VectorXd none;
   return {moved.stiffness.at(none), moved.mass.at(none)};
 }

@@ -202,6 +202,21 @@ Evaluation ModalModel::evaluate(const Eigen::Ref<const Eigen::MatrixXd>& samples
   return result;
 }
 
+ModalModel::FollowedModes ModalModel::follow(const Eigen::Ref<const Eigen::VectorXd>& parameters) const {
+  const ModeSet modes = structure_->modes_at(parameters, solved_modes());
+  const Match match = match_modes(modes);
+  if (!match.failure.empty()) throw InvalidInput(match.failure);
+  FollowedModes followed{{modes.eigenvalues(match.column), modes.shapes(Eigen::all, match.column)}, match.column, {}};
+  const ModeSet reference{reference_.eigenvalues.head(highest_mode_), reference_.shapes.leftCols(highest_mode_)};
+  const Eigen::MatrixXd cosines = structure_->cosines(reference, followed.modes);
+  for (Eigen::Index k = 0; k < highest_mode_; ++k) followed.mac.push_back(cosines(k, k) * cosines(k, k));
+  return followed;
+}
+
+Eigen::MatrixXd ModalModel::reference_displacements() const {
+  return structure_->displacements(reference_.shapes.leftCols(highest_mode_), shape_rows_);
+}
+
 Eigen::MatrixXd ModalModel::jacobian(const Eigen::Ref<const Eigen::VectorXd>& parameters) const {
   const ModeSet modes = structure_->modes_at(parameters, solved_modes());
   const Match match = match_modes(modes);

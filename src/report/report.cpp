@@ -91,6 +91,7 @@ void write_report(const std::filesystem::path& folder) {
   const std::size_t parameters = parameter_count(page["result"], folder / "result.json");
   if (std::filesystem::exists(folder / "tests.csv")) page["tests"] = tests_json(folder / "tests.csv");
   if (std::filesystem::exists(folder / "clouds.csv")) page["clouds"] = clouds_json(folder / "clouds.csv", parameters);
+  if (std::filesystem::exists(folder / "modes.json")) page["modes"] = read_result(folder / "modes.json").at("modes");
   const std::string data = page.dump(-1, ' ', false, Json::error_handler_t::replace);
   write_file_atomically(folder / "report.html", render_page(data));
 }

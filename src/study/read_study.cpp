@@ -33,6 +33,7 @@ ModalOutputs read_outputs(TomlReader reader, StudyModelSource::Kind kind) {
 StudyTest read_test(TomlReader reader, const std::filesystem::path& folder) {
   StudyTest test;
   test.file = folder / reader.text("file");
+  test.pairs_by_mac = reader.choice("pairing", {"order", "mac"}, 0) == 1;
   test.repeatability = reader.number_map("repeatability", {.lower = 0.0});
   reader.finish();
   return test;

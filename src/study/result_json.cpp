@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "mottle/core/error.hpp"
 #include "mottle/stats/descriptive.hpp"
@@ -214,6 +215,16 @@ Json rejected_draws_json(std::int64_t count) {
       {"rule", "a draw with a stiffness or mass <= 0 (damping < 0) is rejected and drawn again from its own stream"}};
 }
 
+Json tracking_json(const std::vector<SampleNote>& notes, std::size_t iteration) {
+  std::map<std::string, std::size_t> counts;
+  for (const SampleNote& note : notes) ++counts[note.text];
+  Json json = Json::array();
+  for (const auto& [text, samples] : counts) {
+    json.push_back({{"iteration", iteration}, {"remark", text}, {"samples", samples}});
+  }
+  return json;
+}
+
 Json failures_json(const std::vector<FailedRun>& failures, std::size_t iteration) {
   Json list = Json::array();
   for (const FailedRun& failure : failures) {
@@ -237,10 +248,12 @@ Json update_result_json(const Study& study, const StudyTests& tests, const Updat
   add_test_outputs(json["outputs"], moments, result);
   json["iterations"] = Json::array();
   Json failures = Json::array();
+  Json tracking = Json::array();
   std::int64_t rejected = 0;
   for (std::size_t i = 0; i < result.history.size(); ++i) {
     json["iterations"].push_back(iteration_json(result.history[i], i));
     for (Json& failure : failures_json(result.history[i].failures, i)) failures.push_back(std::move(failure));
+    for (Json& remark : tracking_json(result.history[i].notes, i)) tracking.push_back(std::move(remark));
     rejected += result.history[i].rejected_draws;
   }
   json["test_ellipses"] = ellipses_json(moments.mean, moments.covariance);
@@ -252,6 +265,7 @@ Json update_result_json(const Study& study, const StudyTests& tests, const Updat
   json["model_evaluations"] = result.model_evaluations;
   json["rejected_draws"] = rejected_draws_json(rejected);
   json["failed_evaluations"] = failures;
+  json["tracking"] = tracking;
   json["options"] = options_json(study, problem, method);
   json["notes"] = result.notes;
   for (const std::string& note : tests.notes) json["notes"].push_back(note);

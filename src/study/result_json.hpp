@@ -34,6 +34,9 @@ Json ellipses_json(const Eigen::Ref<const Eigen::VectorXd>& mean, const Eigen::R
 /// How many physically impossible draws were replaced, and by which rule.
 Json rejected_draws_json(std::int64_t count);
 
+/// What happened to modes in a cloud: each remark with the number of samples it was made of.
+Json tracking_json(const std::vector<SampleNote>& notes, std::size_t iteration);
+
 Json failures_json(const std::vector<FailedRun>& failures, std::size_t iteration);
 
 /// The whole of result.json of `update`, timings left to the caller.

@@ -67,6 +67,7 @@ Json propagate_json(const Study& study, const StudyModel& made, const Cloud& clo
   json["model_evaluations"] = cloud.samples.rows();
   json["rejected_draws"] = rejected_draws_json(cloud.rejected);
   json["failed_evaluations"] = failures_json(cloud.failures, 0);
+  json["tracking"] = tracking_json(cloud.notes, 0);
   return json;
 }
 
@@ -112,7 +113,7 @@ RunSummary run_propagate(const Study& study, const std::optional<std::filesystem
   const double start = steady_seconds();
   const StudyModel made = make_model(study, study.parameters);
   const Eigen::MatrixXd given = points ? read_points(*points, *made.space) : Eigen::MatrixXd();
-  const Eigen::Index specimens = study.test ? read_tests(study, made.model->outputs()).data.values.rows() : 10;
+  const Eigen::Index specimens = study.test ? read_tests(study, *made.model).data.values.rows() : 10;
   const auto outputs = static_cast<Eigen::Index>(made.model->outputs().size());
   const RunFolder folder(settings.folder);
   LogObserver log(folder.file("mottle.log"), settings.observer, settings.resume);
@@ -232,7 +233,7 @@ RunSummary run_check(const Study& study) {
                {"parameters", parameters_json(*made.space)},
                {"outputs", outputs_json(model.outputs())}};
   if (study.test) {
-    const StudyTests tests = read_tests(study, model.outputs());
+    const StudyTests tests = read_tests(study, model);
     const CloudSettings rules = cloud_settings(study, tests.data.values.rows(), tests.data.values.cols());
     lines.push_back(
         fmt::format("tests: {} specimens of {} outputs", tests.data.values.rows(), tests.data.values.cols()));

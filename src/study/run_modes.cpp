@@ -2,10 +2,9 @@
 
 #include <algorithm>
 
-#include "mottle/core/base64.hpp"
+#include "modes_json.hpp"
 #include "mottle/core/error.hpp"
 #include "mottle/core/text.hpp"
-#include "mottle/fem/drawing.hpp"
 #include "mottle/fem/mass_properties.hpp"
 #include "mottle/formats/csv.hpp"
 #include "mottle/formats/nastran_model.hpp"
@@ -29,11 +28,14 @@ struct SolvedModel {
   SparseModes modes;
   Eigen::VectorXd frequencies;  ///< Hz where the deck's time unit is the second
   std::vector<std::string> notes;
+  double read_seconds = 0.0, assembly_seconds = 0.0, solution_seconds = 0.0;
 };
 
 SolvedModel solve_deck(const std::filesystem::path& deck, const std::set<std::string>& ignore_cards, int modes) {
+  const double start = steady_seconds();
   NastranModel read = read_nastran_model(deck, {.ignore_cards = ignore_cards});
   SolvedModel solved;
+  solved.read_seconds = steady_seconds() - start;
   solved.notes = std::move(read.notes);
   if (modes == 0) modes = read.model.settings.modes > 0 ? read.model.settings.modes : k_usual_modes;
   const Eigen::VectorXd none;
@@ -45,6 +47,8 @@ SolvedModel solve_deck(const std::filesystem::path& deck, const std::set<std::st
   } catch (const InvalidInput& error) {
     throw InvalidInput(fmt::format("{}: {}", deck.string(), error.what()));
   }
+  const double assembled = steady_seconds();
+  solved.assembly_seconds = assembled - start - solved.read_seconds;
   solved.modes = solved.structure->solve_one(none, {.modes = modes, .counts_below = true});
   if (!solved.modes.failure.empty()) {
     throw InvalidInput(fmt::format("{}: {}", deck.string(), solved.structure->failure_text(solved.modes)));
@@ -54,6 +58,7 @@ SolvedModel solve_deck(const std::filesystem::path& deck, const std::set<std::st
                                     deck.string(), solved.modes.values.size(), solved.modes.counted_at,
                                     solved.modes.counted_below));
   }
+  solved.solution_seconds = steady_seconds() - assembled;
   const double scale = solved.modes.values.cwiseAbs().maxCoeff();
   solved.frequencies.resize(solved.modes.values.size());
   for (Eigen::Index r = 0; r < solved.frequencies.size(); ++r) {
@@ -62,64 +67,13 @@ SolvedModel solve_deck(const std::filesystem::path& deck, const std::set<std::st
   return solved;
 }
 
-/// Displacements of every node in basic axes, one mode.
-Eigen::MatrixX3d node_displacements(const FiniteElementStructure& structure,
-                                    const Eigen::Ref<const Eigen::VectorXd>& shape) {
-  const FiniteElementModel& model = structure.model();
-  const Eigen::VectorXd all = structure.assembled().expansion * shape;
-  Eigen::MatrixX3d result(static_cast<Eigen::Index>(model.nodes.size()), 3);
-  for (Eigen::Index i = 0; i < result.rows(); ++i) {
-    const Node& node = model.nodes[static_cast<std::size_t>(i)];
-    Eigen::Vector3d local = all.segment<3>(6 * i);
-    if (node.displacement_system >= 0) {
-      local =
-          model.coordinate_systems[static_cast<std::size_t>(node.displacement_system)].directions_at(node.position) *
-          local;
-    }
-    result.row(i) = node.is_scalar ? Eigen::RowVector3d(0, 0, 0) : Eigen::RowVector3d(local.transpose());
-  }
-  return result;
-}
-
-std::string floats(const Eigen::MatrixX3d& rows, const std::vector<int>& nodes, double scale) {
-  std::vector<float> values;
-  for (const int node : nodes) {
-    for (Eigen::Index c = 0; c < 3; ++c) values.push_back(static_cast<float>(scale * rows(node, c)));
-  }
-  return base64_of(std::span<const float>(values));
-}
-
-Json drawing_json(const SolvedModel& solved) {
-  const FiniteElementModel& model = solved.structure->model();
-  const Drawing drawing = drawing_of(model);
-  Eigen::MatrixX3d positions(static_cast<Eigen::Index>(model.nodes.size()), 3);
-  for (Eigen::Index i = 0; i < positions.rows(); ++i) {
-    positions.row(i) = model.nodes[static_cast<std::size_t>(i)].position.transpose();
-  }
-  Json ids = Json::array();
-  for (const int node : drawing.nodes) ids.push_back(model.nodes[static_cast<std::size_t>(node)].id);
-  std::vector<std::uint32_t> triangles;
-  for (const auto& triangle : drawing.triangles) triangles.insert(triangles.end(), triangle.begin(), triangle.end());
-  std::vector<std::uint32_t> edges;
-  for (const auto& edge : drawing.edges) edges.insert(edges.end(), edge.begin(), edge.end());
-  Json list = Json::array();
+std::vector<ShownMode> shown_modes(const SolvedModel& solved) {
+  std::vector<ShownMode> shown;
   for (Eigen::Index r = 0; r < solved.modes.values.size(); ++r) {
-    const Eigen::MatrixX3d shape = node_displacements(*solved.structure, solved.modes.vectors.col(r));
-    const double largest = shape.rowwise().norm().maxCoeff();
-    list.push_back({{"number", r + 1},
-                    {"frequency", solved.frequencies(r)},
-                    {"label", fmt::format("mode {}", r + 1)},
-                    {"residual", solved.modes.residuals(r)},
-                    {"note", ""},
-                    {"shape", floats(shape, drawing.nodes, largest > 0.0 ? 1.0 / largest : 0.0)}});
+    shown.push_back(
+        {static_cast<int>(r) + 1, solved.frequencies(r), solved.modes.residuals(r), "", solved.modes.vectors.col(r)});
   }
-  return {{"frequency_unit", "Hz"},
-          {"positions", floats(positions, drawing.nodes, 1.0)},
-          {"node_ids", ids},
-          {"triangles", base64_of(std::span<const std::uint32_t>(triangles))},
-          {"edges", base64_of(std::span<const std::uint32_t>(edges))},
-          {"points", drawing.points},
-          {"list", list}};
+  return shown;
 }
 
 /// Shapes to compare with, at degrees of freedom that both sides have.
@@ -226,11 +180,13 @@ RunSummary run_modes(const ModesSettings& settings) {
   head.push_back(
       fmt::format("{} modes, none missed: {} eigenvalues lie below {:.6g} (rad/s)^2 by the inertia of K - s M",
                   solved.modes.values.size(), solved.modes.counted_below, solved.modes.counted_at));
-  head.push_back(fmt::format("read, assembled and solved in {:.3g} s", done));
+  head.push_back(
+      fmt::format("read in {:.3g} s, assembled in {:.3g} s, solved in {:.3g} s, of which factorised in {:.3g} s",
+                  solved.read_seconds, solved.assembly_seconds, solved.solution_seconds, solved.modes.factor_seconds));
   for (const std::string& note : solved.notes) head.push_back("note: " + note);
   Json page = {{"kind", "modes"},     {"title", settings.model.filename().string()},
                {"mottle", version()}, {"source", settings.model.filename().string()},
-               {"summary", head},     {"modes", drawing_json(solved)}};
+               {"summary", head},     {"modes", drawing_json(*solved.structure, shown_modes(solved))}};
   summary.lines = head;
   summary.lines.push_back(fmt::format("{:<6} {:>14} {:>12}", "mode", "frequency Hz", "residual"));
   for (Eigen::Index r = 0; r < solved.frequencies.size(); ++r) {
@@ -246,6 +202,11 @@ RunSummary run_modes(const ModesSettings& settings) {
                {"counted_below", solved.modes.counted_below},
                {"automatic_constraints", solved.structure->assembled().automatic_constraints.size()},
                {"seconds", done},
+               {"timings_s",
+                {{"reading", solved.read_seconds},
+                 {"assembly", solved.assembly_seconds},
+                 {"solution", solved.solution_seconds},
+                 {"factorisation", solved.modes.factor_seconds}}},
                {"folder", settings.folder.string()}};
   if (settings.compare) {
     const std::string extension = settings.compare->extension().string();

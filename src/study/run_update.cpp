@@ -1,8 +1,12 @@
 // The main job: a study's method run over its model and tests, its results put into a folder.
 #include <cmath>
+#include <limits>
 
+#include "modes_json.hpp"
 #include "mottle/core/error.hpp"
 #include "mottle/formats/csv.hpp"
+#include "mottle/modal/mode_set.hpp"
+#include "mottle/model/finite_element_structure.hpp"
 #include "mottle/model/journal.hpp"
 #include "mottle/study/run.hpp"
 #include "mottle/study/run_folder.hpp"
@@ -71,6 +75,26 @@ std::vector<std::string> summary_lines(const UpdatingProblem& problem, const Upd
   return lines;
 }
 
+/// The modes of the updated model for the report's drawing, numbered and followed as the outputs are.
+void write_shapes(const RunFolder& folder, const ModalModel& model, const Eigen::VectorXd& mean) {
+  const auto* structure = dynamic_cast<const FiniteElementStructure*>(&model.structure());
+  if (structure == nullptr) return;
+  const ModalModel::FollowedModes followed = model.follow(mean);
+  const double scale = followed.modes.eigenvalues.cwiseAbs().maxCoeff();
+  std::vector<ShownMode> shown;
+  for (int k = 0; k < model.highest_mode(); ++k) {
+    if (!model.is_output(k)) continue;
+    const auto place = static_cast<std::size_t>(k);
+    const int rank = followed.rank[place] + 1;
+    std::string note = fmt::format("MAC {:.3f} with the model as read", followed.mac[place]);
+    if (rank != k + 1) note += fmt::format(", number {} by frequency now", rank);
+    shown.push_back({k + 1, natural_frequency_hz(followed.modes.eigenvalues(k), scale),
+                     std::numeric_limits<double>::quiet_NaN(), std::move(note), followed.modes.shapes.col(k)});
+  }
+  const Json json = {{"modes", drawing_json(*structure, shown)}};
+  folder.write("modes.json", json.dump());
+}
+
 Json summary_json(const Json& result, const RunFolder& folder) {
   return {{"command", "update"},
           {"status", result["status"]},
@@ -88,7 +112,7 @@ Json summary_json(const Json& result, const RunFolder& folder) {
 RunSummary run_update(const Study& study, const RunSettings& settings) {
   const double start = steady_seconds();
   const StudyModel made = make_model(study, study.parameters);
-  const StudyTests tests = read_tests(study, made.model->outputs());
+  const StudyTests tests = read_tests(study, *made.model);
   const std::unique_ptr<Updater> method = make_method(study);
   const RunFolder folder(settings.folder);
   LogObserver log(folder.file("mottle.log"), settings.observer, settings.resume);
@@ -124,6 +148,7 @@ RunSummary run_update(const Study& study, const RunSettings& settings) {
                        {"updating", updated - ready},
                        {"writing", steady_seconds() - updated},
                        {"total", steady_seconds() - start}};
+  write_shapes(folder, *made.model, result.mean);
   folder.write("result.json", pretty(json));
 
   RunSummary summary;

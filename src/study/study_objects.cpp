@@ -10,6 +10,7 @@
 #include "mottle/formats/nastran_model.hpp"
 #include "mottle/model/dense_structure.hpp"
 #include "mottle/model/finite_element_structure.hpp"
+#include "mottle/study/pair_tests.hpp"
 #include "mottle/study/text_file.hpp"
 #include "mottle/updating/verdict.hpp"
 #include "unit_names.hpp"
@@ -186,10 +187,10 @@ StudyModel make_model(const Study& study, const StudyParameters& parameters) {
   }
 }
 
-StudyTests read_tests(const Study& study, const std::vector<Output>& outputs) {
+StudyTests read_tests(const Study& study, const ModalModel& model) {
   require(study.test.has_value(), "{}: test: is missing; give [test] file = \"...\"", study.file.string());
   const CsvTable table = parse_csv(read_test_file(study), study.test->file.string());
-  const std::vector<std::string> names = names_of(outputs);
+  const std::vector<std::string> names = names_of(model.outputs());
   StudyTests tests;
   const std::vector<int> columns = match_columns(table, study, names, tests.notes);
   Eigen::MatrixXd values(static_cast<Eigen::Index>(table.rows.size()), static_cast<Eigen::Index>(columns.size()));
@@ -205,6 +206,16 @@ StudyTests read_tests(const Study& study, const std::vector<Output>& outputs) {
     tests.notes.push_back(fmt::format("{} specimens without any value are left out.", table.rows.size() - kept.size()));
   }
   tests.data.values = values(kept, Eigen::all);
+  if (study.test->pairs_by_mac) {
+    std::vector<Eigen::Index> columns_of_modes;
+    for (const int mode : model.selection().shape_modes) columns_of_modes.push_back(mode - 1);
+    try {
+      const Eigen::MatrixXd reference = model.reference_displacements()(Eigen::all, columns_of_modes);
+      for (std::string& note : pair_tests(tests.data.values, model.selection(), reference)) tests.notes.push_back(note);
+    } catch (const InvalidInput& error) {
+      throw InvalidInput(located(study, error.what()));
+    }
+  }
   tests.data.repeatability_std = Eigen::VectorXd::Zero(values.cols());
   for (const auto& [name, value] : study.test->repeatability) {
     const auto found = std::find(names.begin(), names.end(), name);

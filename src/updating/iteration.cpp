@@ -34,6 +34,7 @@ IterationRecord record_state(const UpdatingProblem& problem, const TestMoments& 
   record.output_mean = sample_mean(valid.outputs);
   record.output_covariance = sample_covariance(valid.outputs);
   record.failures = record.cloud.failures;
+  record.notes = record.cloud.notes;
   record.rejected_draws = record.cloud.rejected;
   record.distance_euclidean = euclidean_distance(record.output_mean, tests.mean);
   record.distance_mahalanobis = tests.covariance.isZero(0.0)

@@ -18,21 +18,22 @@ struct SparseModesOptions {
 
 /// The lowest modes and how good they are.
 struct SparseModes {
-  Eigen::VectorXd values;     ///< lambda, ascending [mode]
-  Eigen::MatrixXd vectors;    ///< phi' M phi = 1 [dof x mode]; the component of largest magnitude positive
-  Eigen::VectorXd residuals;  ///< norm(K phi - lambda M phi) / norm(|K| |phi| + |lambda| |M| |phi|) [mode]
-  double shift = 0.0;         ///< of the factorisation, below all modes
-  int counted_below = -1;     ///< modes below `counted_at` by the inertia of K - counted_at M; -1: not asked for
-  double counted_at = 0.0;    ///< lies between the last mode and the one after it
-  int basis_vectors = 0;      ///< solves with the factor
-  std::string failure;        ///< why there is no result; empty where there is one
-  int failed_row = -1;        ///< row of the matrices to which the failure belongs, or -1
+  Eigen::VectorXd values;       ///< lambda, ascending [mode]
+  Eigen::MatrixXd vectors;      ///< phi' M phi = 1 [dof x mode]; the component of largest magnitude positive
+  Eigen::VectorXd residuals;    ///< norm(K phi - lambda M phi) / norm(|K| |phi| + |lambda| |M| |phi|) [mode]
+  double shift = 0.0;           ///< of the factorisation, below all modes
+  int counted_below = -1;       ///< modes below `counted_at` by the inertia of K - counted_at M; -1: not asked for
+  double counted_at = 0.0;      ///< between the last mode and the next, or below the root they share
+  int basis_vectors = 0;        ///< solves with the factor
+  double factor_seconds = 0.0;  ///< of the first factorisation, its ordering included
+  std::string failure;          ///< why there is no result; empty where there is one
+  int failed_row = -1;          ///< row of the matrices to which the failure belongs, or -1
 
   /// Whether the count agrees with the modes found (true where it was not asked for).
   bool is_complete() const { return counted_below < 0 || counted_below == values.size(); }
 };
 
-/// Solves pencils of one sparsity pattern; the symbolic factorisation is kept between calls.
+/// Solves pencils, best of one sparsity pattern: the symbolic factorisation is kept between calls.
 ///
 ///   K phi = lambda M phi,   (K - s M)^-1 M phi = phi / (lambda - s),   s below all modes
 ///
@@ -48,7 +49,7 @@ class SparseModeSolver {
   SparseModeSolver& operator=(SparseModeSolver&&) noexcept;
   ~SparseModeSolver();
 
-  /// @param stiffness, mass  lower triangles, compressed, of the same pattern at every call
+  /// @param stiffness, mass  lower triangles, compressed; another pattern than before costs a symbolic factorisation
   /// @throws InvalidInput    shapes that do not fit, modes < 1
   /// @throws SystemFailure   not enough memory
   SparseModes solve(const SparseMatrix& stiffness, const SparseMatrix& mass, const SparseModesOptions& options);

@@ -50,6 +50,22 @@ class ModalModel final : public Model, public DifferentiableModel {
 
   Eigen::Index batch_size() const override { return structure_->batch_size(); }
 
+  /// The modes at other parameters as the reference numbers them.
+  struct FollowedModes {
+    ModeSet modes;            ///< column k is the reference's mode k + 1
+    std::vector<int> rank;    ///< by frequency among the modes there, counted from 0
+    std::vector<double> mac;  ///< with the reference's mode
+  };
+  /// Throws InvalidInput where a mode is lost.
+  FollowedModes follow(const Eigen::Ref<const Eigen::VectorXd>& parameters) const;
+
+  /// Whether a mode of the reference, counted from 0, is among the outputs.
+  bool is_output(int mode) const { return is_output_[static_cast<std::size_t>(mode)]; }
+  int highest_mode() const { return highest_mode_; }
+  const ModalOutputs& selection() const { return selection_; }
+  /// Shapes of the reference at the degrees of freedom of the outputs [degree of freedom x mode 1..highest].
+  Eigen::MatrixXd reference_displacements() const;
+
   const ModalStructure& structure() const { return *structure_; }
   /// Modes at the reference parameters, by which mode numbers are defined.
   const ModeSet& reference_modes() const { return reference_; }

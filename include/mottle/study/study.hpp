@@ -48,6 +48,7 @@ struct StudyParameters {
 struct StudyTest {
   std::filesystem::path file;                   ///< resolved against the study's folder
   std::map<std::string, double> repeatability;  ///< standard deviation by output
+  bool pairs_by_mac = false;                    ///< specimens' modes are renumbered by their shapes
 };
 
 /// [update]

@@ -34,9 +34,11 @@ struct StudyTests {
 /// (known truth), of outputs that the study does not use, and "specimen" or "status" are left out. A row without any
 /// value is a specimen without data and is left out.
 ///
+/// With test.pairing = "mac" the modes of every specimen are renumbered by their shapes, see pair_tests().
+///
 /// Throws FormatError, InvalidInput: no [test], a column that is nothing of these, an output without column, no row,
 /// text where a number should be, repeatability of something that is not an output.
-StudyTests read_tests(const Study& study, const std::vector<Output>& outputs);
+StudyTests read_tests(const Study& study, const ModalModel& model);
 
 /// Updating problem settings of a study with `specimens` tests ("auto" resolved).
 CloudSettings cloud_settings(const Study& study, Eigen::Index specimens, Eigen::Index outputs);

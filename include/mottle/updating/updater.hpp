@@ -49,6 +49,7 @@ struct IterationRecord {
   double distance_euclidean = 0.0;    ///< between the means of cloud and tests, in the outputs' unit
   double distance_mahalanobis = 0.0;  ///< the same measured by the tests' covariance, dimensionless
   std::vector<FailedRun> failures;    ///< of the whole cloud
+  std::vector<SampleNote> notes;      ///< of the whole cloud: modes that crossed or mixed
   std::int64_t rejected_draws = 0;
   Cloud cloud;  ///< whole in the first and last state, in those between a few samples for drawing
 };
