@@ -115,7 +115,7 @@ TEST(MassProperties, OfAScalarMassFollowItsDisplacementSystem) {
   const MassProperties properties = mass_properties(maker.model);
   EXPECT_LT((properties.rigid_body.topLeftCorner<3, 3>() - Matrix3d{{2, 2, 0}, {2, 2, 0}, {0, 0, 0}}).norm(),
             k_rounding);
-  EXPECT_LT(properties.rigid_body.bottomRightCorner<3, 3>().norm(), k_rounding) << "it points at the origin";
+  EXPECT_LT((properties.rigid_body.bottomRightCorner<3, 3>().norm()), k_rounding) << "it points at the origin";
 }
 
 // Displacement systems do not move a mass with six components.

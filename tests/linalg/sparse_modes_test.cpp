@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -144,6 +145,117 @@ TEST(SparseModes, TheSymbolicFactorIsReusedWithTheSameNumbers) {
   const SparseModes alone = fresh.solve(second, identity(144), {.modes = 5});
   EXPECT_EQ((again.values - alone.values).cwiseAbs().maxCoeff(), 0.0);
   EXPECT_EQ((again.vectors - alone.vectors).cwiseAbs().maxCoeff(), 0.0);
+}
+
+// i, j = 1, 2 and 2, 1 have one eigenvalue; the cut of 5 modes falls between them.
+TEST(SparseModes, AreCountedWhereTheLastOneSharesItsRoot) {
+  constexpr int k_side = 20;
+  const std::vector<double> exact = grid_eigenvalues(k_side);
+  for (int modes = 1; modes <= 12; ++modes) {
+    SparseModeSolver solver;
+    const SparseModes found =
+        solver.solve(grid_stiffness(k_side), identity(k_side * k_side), {.modes = modes, .counts_below = true});
+    EXPECT_EQ(found.counted_below, modes) << modes;
+    EXPECT_NEAR(found.values(modes - 1), exact[static_cast<std::size_t>(modes - 1)], 1e-12);
+  }
+}
+
+/// A pencil with these eigenvalues (and 9, 10, 11 ... above), its shapes full.
+Eigen::MatrixXd stiffness_with(std::vector<double> values, int size) {
+  for (double value = 9.0; static_cast<int>(values.size()) < size; ++value) values.push_back(value);
+  const Eigen::VectorXd direction = Eigen::VectorXd::LinSpaced(size, 1.0, 2.0).normalized();
+  const Eigen::MatrixXd mirror = Eigen::MatrixXd::Identity(size, size) - 2.0 * direction * direction.transpose();
+  return mirror * Eigen::Map<Eigen::VectorXd>(values.data(), size).asDiagonal() * mirror;
+}
+
+// Two more than wanted are sought; roots that go on beyond these leave no gap above.
+TEST(SparseModes, AreCountedWhereARootGoesOnBeyondAllThatAreSought) {
+  const SparseMatrix stiffness = lower_of(stiffness_with({1.0, 2.0, 3.0, 3.0, 3.0, 3.0, 3.0}, 40));
+  SparseModeSolver solver;
+  for (int modes = 1; modes <= 8; ++modes) {
+    const SparseModes found = solver.solve(stiffness, identity(40), {.modes = modes, .counts_below = true});
+    EXPECT_EQ(found.counted_below, modes) << modes;
+  }
+}
+
+TEST(SparseModes, AreCountedAmongRigidBodyMotions) {
+  // Values of zero differ by rounding only, so that no count between them means anything.
+  const SparseMatrix stiffness = lower_of(1e6 * stiffness_with({0.0, 0.0, 0.0, 0.0, 0.0, 0.0}, 40));
+  SparseModeSolver solver;
+  for (int modes = 1; modes <= 7; ++modes) {
+    const SparseModes found = solver.solve(stiffness, identity(40), {.modes = modes, .counts_below = true});
+    EXPECT_EQ(found.counted_below, modes) << modes;
+  }
+}
+
+// Eight-fold, as eight alike legs have it: more than a block of six holds.
+TEST(SparseModes, WiderRootsThanTheBlockAreFoundAmongOthers) {
+  const SparseMatrix stiffness = lower_of(stiffness_with({1.0, 3.0, 3.0, 3.0, 3.0, 3.0, 3.0, 3.0, 3.0, 4.0}, 200));
+  SparseModeSolver solver;
+  const SparseModes found = solver.solve(stiffness, identity(200), {.modes = 10, .counts_below = true});
+  ASSERT_EQ(found.values.size(), 10);
+  EXPECT_NEAR(found.values(8), 3.0, 1e-10);
+  EXPECT_NEAR(found.values(9), 4.0, 1e-10);
+  EXPECT_TRUE(found.is_complete());
+}
+
+TEST(SparseModes, OfOneEquation) {
+  SparseModeSolver solver;
+  const SparseModes found = solver.solve(identity(1) * 8.0, identity(1) * 2.0, {.modes = 1, .counts_below = true});
+  ASSERT_EQ(found.values.size(), 1);
+  EXPECT_NEAR(found.values(0), 4.0, 1e-14);
+  EXPECT_NEAR(found.vectors(0, 0), std::sqrt(0.5), 1e-15);
+  EXPECT_EQ(found.counted_below, 1);
+}
+
+// Two unit masses, springs 1, 1, 1: lambda = 1 and 3. More modes than equations are asked for.
+TEST(SparseModes, OfTwoEquationsAreNoMoreThanTwo) {
+  const Eigen::MatrixXd stiffness{{2.0, -1.0}, {-1.0, 2.0}};
+  for (const int modes : {1, 2, 5}) {
+    SparseModeSolver solver;
+    const SparseModes found = solver.solve(lower_of(stiffness), identity(2), {.modes = modes, .counts_below = true});
+    ASSERT_EQ(found.values.size(), std::min(modes, 2));
+    EXPECT_NEAR(found.values(0), 1.0, 1e-14);
+    EXPECT_TRUE(found.is_complete());
+    if (modes > 1) {
+      EXPECT_NEAR(found.values(1), 3.0, 1e-14);
+    }
+  }
+}
+
+TEST(SparseModes, WithoutAnyMassAreAFailure) {
+  SparseModeSolver solver;
+  EXPECT_NE(solver.solve(identity(3), 0.0 * identity(3), {.modes = 1}).failure, "");
+}
+
+TEST(SparseModes, OfAnotherPatternAreThoseOfANewSolver) {
+  SparseModeSolver reused;
+  reused.solve(grid_stiffness(12), identity(144), {.modes = 5, .counts_below = true});
+  const SparseMatrix other = lower_of(stiffness_with({1.0, 2.0}, 30));
+  const SparseModes again = reused.solve(other, identity(30), {.modes = 2, .counts_below = true});
+  ASSERT_EQ(again.failure, "");
+  EXPECT_NEAR(again.values(1), 2.0, 1e-12);
+  EXPECT_TRUE(again.is_complete());
+}
+
+// A chain of 60 unit masses with springs of 1e6 between them, hung on ground by springs of 1e-3 to 1e-1 at its ends and
+// in its middle: the suspension's lambda is 1e-9 of the chain's. Exact by the dense solver in long double.
+TEST(SparseModes, OfAVerySoftSuspensionAreExact) {
+  constexpr int k_size = 60;
+  Eigen::MatrixXd stiffness = Eigen::MatrixXd::Zero(k_size, k_size);
+  for (int i = 0; i + 1 < k_size; ++i) {
+    stiffness.block<2, 2>(i, i) += 1e6 * Eigen::Matrix2d{{1.0, -1.0}, {-1.0, 1.0}};
+  }
+  stiffness(0, 0) += 0.25;  // powers of two, exact in the sum
+  stiffness(k_size - 1, k_size - 1) += 0.125;
+  using LongMatrix = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
+  const Eigen::SelfAdjointEigenSolver<LongMatrix> exact(stiffness.cast<long double>());
+  SparseModeSolver solver;
+  const SparseModes found = solver.solve(lower_of(stiffness), identity(k_size), {.modes = 3, .counts_below = true});
+  for (int r = 0; r < 3; ++r) {
+    EXPECT_NEAR(found.values(r) / static_cast<double>(exact.eigenvalues()(r)), 1.0, 1e-8) << r;
+  }
+  EXPECT_TRUE(found.is_complete());
 }
 
 TEST(SymmetricFactor, BothPackagesSolveTheSameSystem) {

@@ -126,5 +126,133 @@ TEST(ShapeSensitivity, NeedsAllModes) {
   EXPECT_THROW(shape_sensitivity(modes, Eigen::Matrix2d::Zero(), Eigen::Matrix2d::Zero()), InvalidInput);
 }
 
+/// Sparse lower triangle of a dense symmetric matrix.
+SparseMatrix lower_of(const Eigen::MatrixXd& dense) {
+  SparseMatrix sparse = Eigen::MatrixXd(dense.triangularView<Eigen::Lower>()).sparseView();
+  sparse.makeCompressed();
+  return sparse;
+}
+
+/// Nelson's derivative of a pencil's mode from that mode and the eigenvalues alone.
+Eigen::VectorXd nelson(const Pencil& pencil, int mode) {
+  ModeSet modes = pencil.modes();
+  const Eigen::VectorXd shape = modes.shapes.col(mode);
+  modes.shapes.setConstant(1e300);  // the other shapes must not be looked at
+  modes.shapes.col(mode) = shape;
+  return nelson_shape_sensitivity(lower_of(pencil.stiffness), lower_of(pencil.mass), modes, mode, pencil.dK * shape,
+                                  pencil.dM * shape);
+}
+
+TEST(NelsonShapeSensitivity, IsThatOfDifferencesInExtendedPrecision) {
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    const Pencil pencil(seed);
+    const LongMatrix shapes = pencil.at(0).shapes;
+    const LongMatrix difference = (pencil.at(k_step, shapes).shapes - pencil.at(-k_step, shapes).shapes) / (2 * k_step);
+    for (int mode = 0; mode < 4; ++mode) {
+      EXPECT_LT((nelson(pencil, mode) - difference.col(mode).cast<double>()).norm(), k_difference_error)
+          << seed << ", mode " << mode;
+    }
+  }
+}
+
+// K singular: the shape of the rigid body motion, by whose own component of largest magnitude the system is fixed.
+TEST(NelsonShapeSensitivity, OfARigidBodyModeIsThatOfTheExpansion) {
+  const Eigen::MatrixXd stiffness{{1.0, -1.0, 0.0}, {-1.0, 3.0, -2.0}, {0.0, -2.0, 2.0}};
+  const Eigen::MatrixXd mass = Eigen::Vector3d(1.0, 2.0, 3.0).asDiagonal();
+  const Eigen::MatrixXd dM = Eigen::Vector3d(0.0, 1.0, 0.0).asDiagonal(), dK = Eigen::Matrix3d::Zero();
+  const Modes<LongMatrix> exact = solve(stiffness.cast<long double>(), mass.cast<long double>());
+  const ModeSet modes{exact.values.cast<double>(), exact.shapes.cast<double>()};
+  const Eigen::VectorXd shape = modes.shapes.col(0);
+  const Eigen::VectorXd derivative =
+      nelson_shape_sensitivity(lower_of(stiffness), lower_of(mass), modes, 0, dK * shape, dM * shape);
+  // phi = (1, 1, 1) / sqrt(sum of masses): d phi = -phi / (2 sum of masses).
+  EXPECT_LT((derivative + shape / 12.0).norm(), 1e-14);
+}
+
+TEST(NelsonShapeSensitivity, OfSeveralParametersIsThatOfEach) {
+  const Pencil pencil(6);
+  const ModeSet modes = pencil.modes();
+  const Eigen::VectorXd shape = modes.shapes.col(1);
+  Eigen::MatrixXd elastic(4, 2), inertial(4, 2);
+  elastic << pencil.dK * shape, Eigen::VectorXd::Zero(4);
+  inertial << Eigen::VectorXd::Zero(4), pencil.dM * shape;
+  const Eigen::MatrixXd both =
+      nelson_shape_sensitivity(lower_of(pencil.stiffness), lower_of(pencil.mass), modes, 1, elastic, inertial);
+  EXPECT_LT((both.rowwise().sum() - nelson(pencil, 1)).norm(), 1e-13) << "derivatives add up";
+}
+
+TEST(NelsonShapeSensitivity, IsNotANumberForARepeatedEigenvalueAlone) {
+  const SparseMatrix stiffness = lower_of(Eigen::Vector3d(1.0, 1.0, 3.0).asDiagonal());
+  const SparseMatrix mass = lower_of(Eigen::Matrix3d::Identity());
+  const auto of_mode = [&](int mode) {
+    return nelson_shape_sensitivity(stiffness, mass, repeated_modes(), mode, Eigen::Vector3d::Ones(),
+                                    Eigen::Vector3d::Zero());
+  };
+  EXPECT_TRUE(of_mode(0).array().isNaN().all() && of_mode(1).array().isNaN().all());
+  EXPECT_TRUE(of_mode(2).allFinite());
+}
+
+/// Modes 2 and 3 of K phi = lambda phi share an eigenvalue; K is full.
+struct RepeatedPencil {
+  RepeatedPencil() {
+    std::mt19937_64 random(7);
+    std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+    Eigen::MatrixXd full(4, 4);
+    for (Eigen::MatrixXd* matrix : {&full, &dK, &dM}) {
+      matrix->resize(4, 4);
+      for (double& entry : matrix->reshaped()) entry = uniform(random);
+      *matrix = (*matrix + matrix->transpose()).eval();
+    }
+    const Eigen::MatrixXd axes = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(full).eigenvectors();
+    modes = {Eigen::Vector4d(1.0, 2.0, 2.0, 5.0), axes};
+    stiffness = axes * modes.eigenvalues.asDiagonal() * axes.transpose();
+  }
+  /// Eigenvalues 2 and 3 at a distance h.
+  Eigen::Vector2d pair_at(long double h) const {
+    const LongMatrix identity = LongMatrix::Identity(4, 4);
+    return solve(stiffness.cast<long double>() + h * dK.cast<long double>(), identity + h * dM.cast<long double>())
+        .values.col(0)
+        .segment(1, 2)
+        .cast<double>();
+  }
+  ModeSet modes;
+  Eigen::MatrixXd stiffness, dK, dM;
+};
+
+// Forward the smaller derivative leads to the smaller eigenvalue, backward to the larger one. The one-sided difference
+// is off by h times the second derivative, of order one; rounding of the shapes 1e-16 / h = 1e-9.
+TEST(RepeatedEigenvalueSensitivity, IsHowThePairSplits) {
+  constexpr double k_small = 1e-7;
+  const RepeatedPencil pencil;
+  const Eigen::MatrixXd pair = pencil.modes.shapes.middleCols(1, 2);
+  const Eigen::VectorXd split =
+      repeated_eigenvalue_sensitivity(pencil.modes, {1, 2}, pencil.dK * pair, pencil.dM * pair);
+  ASSERT_GT(split(1) - split(0), 0.1);
+  const Eigen::Vector2d forward = (pencil.pair_at(k_small).array() - 2.0) / k_small;
+  const Eigen::Vector2d backward = (2.0 - pencil.pair_at(-k_small).array()) / k_small;
+  EXPECT_LT((split - forward).norm(), 1e-5);
+  EXPECT_LT((split - backward.reverse()).norm(), 1e-5);
+}
+
+// The split does not depend on which pair of shapes the solver happened to find.
+TEST(RepeatedEigenvalueSensitivity, IsTheSameForTurnedShapes) {
+  RepeatedPencil pencil;
+  const auto split = [&] {
+    const Eigen::MatrixXd pair = pencil.modes.shapes.middleCols(1, 2);
+    return repeated_eigenvalue_sensitivity(pencil.modes, {1, 2}, pencil.dK * pair, pencil.dM * pair);
+  };
+  const Eigen::VectorXd before = split();
+  const double c = std::cos(0.8), s = std::sin(0.8);
+  pencil.modes.shapes.middleCols(1, 2) *= Eigen::Matrix2d{{c, -s}, {s, c}};
+  EXPECT_LT((split() - before).norm(), 1e-14);
+}
+
+TEST(RepeatedEigenvalueSensitivity, NeedsAProductForEachMember) {
+  const Eigen::MatrixXd one = Eigen::MatrixXd::Ones(3, 1);
+  EXPECT_THROW(repeated_eigenvalue_sensitivity(repeated_modes(), {0, 1}, one, one), InvalidInput);
+  EXPECT_THROW(repeated_eigenvalue_sensitivity(repeated_modes(), {}, Eigen::MatrixXd(3, 0), Eigen::MatrixXd(3, 0)),
+               InvalidInput);
+}
+
 }  // namespace
 }  // namespace mottle

@@ -230,7 +230,7 @@ TEST(FiniteElementStructure, GivesTheSameNumbersWithOneAndTwoThreads) {
       modal(cantilever(6), one_each({"MAT1:1:E", "PBAR:1:I1"}),
             {.frequencies = {1, 2, 3}, .shape_modes = {2}, .shape_degrees_of_freedom = {"104:+Y"}});
   Eigen::MatrixXd samples(9, 2);
-  for (Eigen::Index s = 0; s < 9; ++s) samples.row(s) << k_young * (0.8 + 0.05 * s), k_inertia_1 * (1.3 - 0.07 * s);
+  samples << k_young * Eigen::VectorXd::LinSpaced(9, 0.8, 1.2), k_inertia_1 * Eigen::VectorXd::LinSpaced(9, 1.3, 0.7);
   const Eigen::MatrixXd one = model.evaluate(samples, {.threads = 1}).outputs;
   EXPECT_TRUE(have_same_bits(one, model.evaluate(samples, {.threads = 2}).outputs));
   EXPECT_TRUE(have_same_bits(one.row(4), model.evaluate(samples.row(4), {}).outputs));
