@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "blas_kernels.hpp"
 #include "common_options.hpp"
 #include "mottle/core/error.hpp"
 #include "mottle/core/text.hpp"
@@ -66,6 +67,7 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  mottle::app::choose_blas_kernels(argv);
   mottle::app::catch_signals();
   try {
     return run(argc, argv);
