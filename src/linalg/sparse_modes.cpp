@@ -1,5 +1,6 @@
 #include "mottle/linalg/sparse_modes.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -67,6 +68,36 @@ Eigen::Index cut_position(const Eigen::VectorXd& values, Eigen::Index wanted, do
   if (wanted == values.size() || widest > k_one_root) return best;
   for (best = wanted - 1; best > 0 && gap_before(best) <= k_one_root; --best) continue;
   return best;
+}
+
+using LongMatrix = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
+
+/// Phi' A Phi in extended precision.
+LongMatrix projected(const SparseMatrix& lower, const LongMatrix& vectors) {
+  LongMatrix product = LongMatrix::Zero(vectors.cols(), vectors.rows());  // by equation, for one pass over the matrix
+  const LongMatrix by_row = vectors.transpose();
+  for (int j = 0; j < lower.outerSize(); ++j) {
+    for (SparseMatrix::InnerIterator entry(lower, j); entry; ++entry) {
+      product.col(entry.row()) += entry.value() * by_row.col(j);
+      if (entry.row() != j) product.col(j) += entry.value() * by_row.col(entry.row());
+    }
+  }
+  const LongMatrix result = product * vectors;
+  return 0.5L * (result + result.transpose());
+}
+
+/// Modes far below the shift, a soft suspension's, drown in the rounding errors of the factor, which are those of the
+/// stiffest parts, and mix. The space that they span is good: Rayleigh and Ritz find them there once more.
+void refine_soft_modes(const SparseMatrix& stiffness, const SparseMatrix& mass, double shift, Eigen::VectorXd& values,
+                       Eigen::MatrixXd& vectors) {
+  constexpr double k_soft = 100.0;
+  const Eigen::Index soft = (values.array() <= k_soft * std::abs(shift)).count();
+  if (soft == 0) return;
+  const LongMatrix basis = vectors.leftCols(soft).cast<long double>();
+  const Eigen::GeneralizedSelfAdjointEigenSolver<LongMatrix> solver(projected(stiffness, basis),
+                                                                    projected(mass, basis));
+  values.head(soft) = solver.eigenvalues().cast<double>();
+  vectors.leftCols(soft) = (basis * solver.eigenvectors()).cast<double>();
 }
 
 void fix_signs(Eigen::MatrixXd& vectors) {
@@ -184,10 +215,12 @@ SparseModes SparseModeSolver::solve(const SparseMatrix& stiffness, const SparseM
         fmt::format("the {} lowest modes did not converge in {} solutions", options.modes, pairs.solved_vectors);
     return result;
   }
-  const Eigen::VectorXd values = pairs.values.cwiseInverse().array() + result.shift;
+  Eigen::VectorXd values = pairs.values.cwiseInverse().array() + result.shift;
+  Eigen::MatrixXd vectors = pairs.vectors;
+  refine_soft_modes(stiffness, mass, result.shift, values, vectors);
   const Eigen::Index found = std::min<Eigen::Index>(options.modes, values.size());
   result.values = values.head(found);
-  result.vectors = pairs.vectors.leftCols(found);
+  result.vectors = vectors.leftCols(found);
   fix_signs(result.vectors);
   result.residuals = relative_residuals(stiffness, mass, result);
   if (options.counts_below && found > 0) {
@@ -195,6 +228,7 @@ SparseModes SparseModeSolver::solve(const SparseMatrix& stiffness, const SparseM
     const double below = cut > 0 ? values(cut - 1) : result.shift;
     result.counted_at = cut < values.size() ? 0.5 * (below + values(cut)) : below + 1e-3 * (below - result.shift);
     const int counted = factors_->count_below(stiffness, mass, result.counted_at);
+    if (counted < 0) result.failure = "the modes below the last one cannot be counted: the factorisation failed";
     // Modes between the last wanted one and the cut are known: taken off again, or added where the cut lies lower.
     result.counted_below = counted < 0 ? -1 : counted - static_cast<int>(cut - found);
   }

@@ -1,6 +1,7 @@
 #include "mottle/modal/sensitivity.hpp"
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -9,16 +10,22 @@
 namespace mottle {
 namespace {
 
-/// Eigenvalues no further apart than this are one to rounding: their shapes, and derivatives along these, are
-/// arbitrary.
-double repeated_gap(const ModeSet& modes) {
+/// Whether two eigenvalues are one to rounding: their shapes, and derivatives along these, are arbitrary. Compared with
+/// themselves, since soft and stiff modes may stand in one set; those near zero by rounding are all one.
+bool are_equal(const ModeSet& modes, Eigen::Index r, Eigen::Index s) {
   constexpr double k_repeated = 1e-10;
-  return k_repeated * modes.eigenvalues.cwiseAbs().maxCoeff();
+  constexpr double k_zero = 1e-14;
+  const double a = modes.eigenvalues(r);
+  const double b = modes.eigenvalues(s);
+  const double zero = k_zero * modes.eigenvalues.cwiseAbs().maxCoeff();
+  return std::abs(a - b) <= std::max(zero, k_repeated * std::max(std::abs(a), std::abs(b)));
 }
 
 bool is_repeated(const ModeSet& modes, Eigen::Index mode) {
-  const auto distances = (modes.eigenvalues.array() - modes.eigenvalues(mode)).abs();
-  return (distances <= repeated_gap(modes)).count() > 1;  // one of them is the mode itself
+  for (Eigen::Index s = 0; s < modes.eigenvalues.size(); ++s) {
+    if (s != mode && are_equal(modes, mode, s)) return true;
+  }
+  return false;
 }
 
 }  // namespace
@@ -88,7 +95,6 @@ Eigen::MatrixXd shape_sensitivity(const ModeSet& modes, const Eigen::Ref<const E
           modes.shapes.cols(), modes.shapes.rows());
   const Eigen::MatrixXd modal_dK = modes.shapes.transpose() * dK * modes.shapes;
   const Eigen::MatrixXd modal_dM = modes.shapes.transpose() * dM * modes.shapes;
-  const double repeated = repeated_gap(modes);
   Eigen::MatrixXd weights = Eigen::MatrixXd::Zero(modes.shapes.cols(), modes.shapes.cols());
   for (Eigen::Index r = 0; r < weights.cols(); ++r) {
     const double lambda = modes.eigenvalues(r);
@@ -96,7 +102,7 @@ Eigen::MatrixXd shape_sensitivity(const ModeSet& modes, const Eigen::Ref<const E
       const double gap = lambda - modes.eigenvalues(s);
       if (s == r) {
         weights(s, r) = -0.5 * modal_dM(r, r);
-      } else if (std::abs(gap) <= repeated) {
+      } else if (are_equal(modes, r, s)) {
         weights.col(r).setConstant(std::numeric_limits<double>::quiet_NaN());
         break;
       } else {

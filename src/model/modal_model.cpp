@@ -126,14 +126,14 @@ ModalModel::Match ModalModel::match_modes(const ModeSet& modes) const {
   Match match;
   match.sign.assign(static_cast<std::size_t>(highest_mode_), 1.0);
   for (int mode = 0; mode < highest_mode_; ++mode) match.column.push_back(mode);
+  if (modes.eigenvalues.size() < highest_mode_) {
+    match.failure = fmt::format("only {} modes were found, {} are needed", modes.eigenvalues.size(), highest_mode_);
+    return match;
+  }
   if (!needs_shapes()) return match;
   const ModeSet reference{reference_.eigenvalues.head(highest_mode_), reference_.shapes.leftCols(highest_mode_)};
   const Eigen::MatrixXd cosines = structure_->cosines(reference, modes);
   if (selection_.tracking == ModeTracking::mac) {
-    if (cosines.cols() < highest_mode_) {
-      match.failure = fmt::format("only {} modes were found, {} are needed", cosines.cols(), highest_mode_);
-      return match;
-    }
     const TrackedModes tracked = track_modes(cosines, selection_.minimum_mac);
     match.column = tracked.mode;
     for (int mode = 0; mode < highest_mode_ && match.failure.empty(); ++mode) {
