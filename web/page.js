@@ -3,9 +3,11 @@ import { charts } from "./src/charts.js";
 import { read_study } from "./src/data.js";
 import { element, paragraph } from "./src/dom.js";
 import { draw_waiting_figures } from "./src/figure.js";
+import { scenes } from "./src/shape_viewer.js";
 import convergence from "./sections/convergence.js";
 import header from "./sections/header.js";
 import identifiability from "./sections/identifiability.js";
+import mac from "./sections/mac.js";
 import output_history from "./sections/output_history.js";
 import outputs from "./sections/outputs.js";
 import parameter_history from "./sections/parameter_history.js";
@@ -15,6 +17,7 @@ import sample_size from "./sections/sample_size.js";
 import scatter from "./sections/scatter.js";
 import scatter_history from "./sections/scatter_history.js";
 import sensitivity from "./sections/sensitivity.js";
+import shapes from "./sections/shapes.js";
 import spearman from "./sections/spearman.js";
 import troubles from "./sections/troubles.js";
 import verdict from "./sections/verdict.js";
@@ -33,6 +36,8 @@ const sections = [
   scatter_history,
   sensitivity,
   identifiability,
+  shapes,
+  mac,
   troubles,
   run,
 ];
@@ -90,13 +95,17 @@ function glossary(drawn) {
       "In every plot: hover for values; Ctrl and the mouse wheel enlarge, dragging moves, Reset shows everything again; " +
         "PNG and SVG save the plot, CSV a table.",
     ),
-    element("p", { class: "note" }, "Plots by Apache ECharts; licences are in this file's source."),
+    element(
+      "p",
+      { class: "note" },
+      `Plots by Apache ECharts${drawn.includes(shapes) ? ", mode shapes by three.js" : ""}; licences are in this file's source.`,
+    ),
   );
 }
 
 function compose(main) {
   const data = read_data();
-  if (!data || !data.result) {
+  if (!data || !(data.result || data.kind === "modes")) {
     main.append(
       element("h1", {}, "Mottle report"),
       paragraph("This page holds no results: its data could not be read. Write it again with `mottle report DIR`."),
@@ -117,7 +126,7 @@ function compose(main) {
   draw_waiting_figures();
 }
 
-window.mottle = { charts, ready: false };
+window.mottle = { charts, scenes, ready: false };
 compose(document.getElementById("report"));
 window.mottle.ready = true;
 document.documentElement.dataset.ready = "true";

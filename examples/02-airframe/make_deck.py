@@ -303,6 +303,7 @@ def write_deck():
 
 
 if __name__ == "__main__":
-    target = sys.argv[1] if len(sys.argv) > 1 else os.path.join(os.path.dirname(os.path.abspath(__file__)), "airframe.bdf")
+    beside = os.path.join(os.path.dirname(os.path.abspath(__file__)), "airframe.bdf")
+    target = sys.argv[1] if len(sys.argv) > 1 else beside
     with open(target, "w", encoding="ascii", newline="\n") as file:
         file.write(write_deck())

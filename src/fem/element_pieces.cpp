@@ -65,7 +65,7 @@ ShellInput shell_input(const FiniteElementModel& model, const ShellElement& elem
 
 void add_shell_stiffness(const FiniteElementModel& model, const ShellProperty& property, FieldIndex thickness,
                          ShellInput input, ElementPieces& result) {
-  const Eigen::Index size = 6 * input.node_count;
+  const auto size = static_cast<Eigen::Index>(6 * input.node_count);
   const auto material = [&](int index) -> const Material* {
     return index < 0 ? nullptr : &model.materials[static_cast<std::size_t>(index)];
   };
@@ -117,7 +117,7 @@ void add_shell(const FiniteElementModel& model, const ShellElement& element, Pie
   const ShellProperty& property = model.shell_properties[static_cast<std::size_t>(element.property)];
   const FieldIndex thickness = element.thickness != k_no_field ? element.thickness : property.thickness;
   const ShellInput input = shell_input(model, element, result);
-  const Eigen::Index size = 6 * element.node_count;
+  const auto size = static_cast<Eigen::Index>(6 * element.node_count);
   const Eigen::MatrixXd mass = shell_mass(input, mass_kind(model)).topLeftCorner(size, size);
   if (property.membrane_material >= 0) {
     const FieldIndex density = model.materials[static_cast<std::size_t>(property.membrane_material)].density;

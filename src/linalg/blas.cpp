@@ -4,9 +4,10 @@
 
 #include <cassert>
 
-extern "C" void dgemm_(const char* transposes_a, const char* transposes_b, const int* rows, const int* columns,
-                       const int* inner, const double* alpha, const double* a, const int* stride_a, const double* b,
-                       const int* stride_b, const double* beta, double* c, const int* stride_c);
+extern "C" void dgemm_(  // NOLINT(readability-identifier-naming): Fortran's name
+    const char* transposes_a, const char* transposes_b, const int* rows, const int* columns, const int* inner,
+    const double* alpha, const double* a, const int* stride_a, const double* b, const int* stride_b, const double* beta,
+    double* c, const int* stride_c);
 
 namespace mottle {
 

@@ -19,7 +19,8 @@ class KrylovBasis {
   KrylovBasis(const LanczosProblem& problem, int wanted)
       : problem_(problem),
         block_(std::min<Eigen::Index>(std::clamp(wanted / 2, 6, 16), problem.size)),
-        most_vectors_(std::min<Eigen::Index>(problem.size, std::max<Eigen::Index>(2 * wanted + 6 * block_, 80))),
+        most_vectors_(
+            std::min<Eigen::Index>(problem.size, std::max<Eigen::Index>(Eigen::Index{2} * wanted + 6 * block_, 80))),
         basis_(problem.size, most_vectors_ + block_),
         projected_(Eigen::MatrixXd::Zero(most_vectors_, most_vectors_)) {}
 

@@ -10,7 +10,7 @@ namespace mottle {
 /// The largest eigenvalues theta of OP q = theta q, OP = (K - s M)^-1 M.
 struct LanczosProblem {
   Eigen::Index size = 0;
-  std::function<void(Eigen::Ref<Eigen::MatrixXd>)> solve;                           ///< (K - s M)^-1, in place
+  std::function<void(Eigen::Ref<Eigen::MatrixXd>)> solve;                          ///< (K - s M)^-1, in place
   std::function<Eigen::MatrixXd(const Eigen::Ref<const Eigen::MatrixXd>&)> weigh;  ///< M x
 };
 

@@ -206,7 +206,7 @@ SparseModes SparseModeSolver::solve(const SparseMatrix& stiffness, const SparseM
   const int sought = options.modes + (options.counts_below ? 2 : 0);
   const LanczosPairs pairs = largest_pairs(
       {.size = stiffness.rows(),
-       .solve = [&](Eigen::Ref<Eigen::MatrixXd> vectors) { factors_->definite->solve(vectors); },
+       .solve = [&](Eigen::Ref<Eigen::MatrixXd> vectors) { factors_->definite->solve(std::move(vectors)); },
        .weigh = [&](const Eigen::Ref<const Eigen::MatrixXd>& vectors) { return symmetric_product(mass, vectors); }},
       sought, options.tolerance);
   result.basis_vectors = pairs.solved_vectors;

@@ -1,6 +1,7 @@
 #include "mottle/study/run_modes.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "modes_json.hpp"
 #include "mottle/core/error.hpp"
@@ -100,10 +101,7 @@ Comparison compare_with_table(const SolvedModel& solved, const std::filesystem::
     if (static_cast<int>(other) == column) continue;
     result.names.push_back(table.header[other]);
     result.other.conservativeResize(static_cast<Eigen::Index>(table.rows.size()), result.other.cols() + 1);
-    result.other.rightCols(1) = numbers_of_column(table, static_cast<int>(other))
-                                    .array()
-                                    .isNaN()
-                                    .select(0.0, numbers_of_column(table, static_cast<int>(other)));
+    result.other.rightCols(1) = numbers_of_column(table, static_cast<int>(other));
   }
   require(!result.names.empty() && !slots.empty(),
           "{}: holds no shape: a column 'dof' and one column a mode are needed", file.string());
@@ -135,7 +133,14 @@ Comparison compare_with_deck(const SolvedModel& solved, const ModesSettings& set
 
 Json mac_json(const Comparison& comparison, const std::filesystem::path& file, const Eigen::VectorXd& frequencies,
               std::vector<std::string>& lines) {
-  const Eigen::MatrixXd mac = modal_assurance_criterion(comparison.own, comparison.other);
+  Eigen::MatrixXd mac(comparison.own.cols(), comparison.other.cols());
+  for (Eigen::Index c = 0; c < mac.cols(); ++c) {
+    std::vector<Eigen::Index> measured;  // each shape is compared where it was measured
+    for (Eigen::Index d = 0; d < comparison.other.rows(); ++d) {
+      if (!std::isnan(comparison.other(d, c))) measured.push_back(d);
+    }
+    mac.col(c) = modal_assurance_criterion(comparison.own(measured, Eigen::all), comparison.other(measured, c));
+  }
   Json rows = Json::array();
   for (Eigen::Index r = 0; r < mac.rows(); ++r) rows.push_back(fmt::format("{}: {:.5g} Hz", r + 1, frequencies(r)));
   const bool is_wide = mac.rows() <= mac.cols();

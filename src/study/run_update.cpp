@@ -36,6 +36,13 @@ std::string history_csv(const UpdatingProblem& problem, const UpdatingResult& re
 void note_what_happened(const UpdatingResult& result, const JournalledModel& model, const RunContext& context) {
   std::size_t failed = 0;
   for (const IterationRecord& state : result.history) failed += state.failures.size();
+  std::size_t noted = 0;
+  for (const SampleNote& note : result.history.back().notes) noted += note.text.empty() ? 0 : 1;
+  if (noted > 0) {
+    context.note(fmt::format(
+        "in {} samples of the last cloud modes crossed or mixed; the status column of cloud-final.csv says which",
+        noted));
+  }
   if (failed > 0) {
     context.warning(
         fmt::format("{} of {} model runs failed and were left out; if failures are not a matter of chance, "

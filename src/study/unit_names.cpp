@@ -16,7 +16,7 @@ std::string field_unit(const std::string& card, const std::string& name, const U
   if (k_springs.contains(card)) {
     const bool is_rotation = name.size() == 2 && name[1] > '3';
     const char* unit = name.front() == 'B' ? units.damping : units.stiffness;
-    return is_rotation ? fmt::format("{} {}^2", unit, units.length) : unit;
+    return is_rotation ? fmt::format("{} {}^2/rad", unit, units.length) : unit;
   }
   if (card == "PDAMP" || card == "CDAMP2" || card == "CDAMP4") return units.damping;
   if (name == "M" || card == "CONM1") return units.mass;

@@ -15,3 +15,9 @@ touch "$work/web/node_modules/installed"
 "$mottle" "$job" "$source/examples/01-three-masses/case2.toml" --out "$work/$job" --quiet
 cd "$work/web"
 node test/report_test.mjs "$work/$job/report.html" --screenshots "$work/screenshots-$job"
+[[ $job == update ]] || exit 0
+# Mode shapes of a made-up structure, in the page that the program has just written.
+node test/make_fixture.mjs "$work/fixtures" "$work/$job/report.html"
+for page in modes shapes; do
+  node test/report_test.mjs "$work/fixtures/$page.html" --screenshots "$work/screenshots-modes"
+done

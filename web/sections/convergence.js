@@ -9,8 +9,8 @@ import { bound, model } from "../src/palette.js";
 
 const id = "distance";
 const metrics = [
-  { field: "distance_euclidean", title: "Euclidean distance", color: model, symbol: "circle" },
-  { field: "distance_mahalanobis", title: "Mahalanobis distance", color: bound, symbol: "triangle" },
+  { field: "distance_euclidean", title: "Euclidean distance", color: () => model, symbol: "circle" },
+  { field: "distance_mahalanobis", title: "Mahalanobis distance", color: () => bound, symbol: "triangle" },
 ];
 
 /** Unit of the Euclidean distance where all outputs share one. */
@@ -52,7 +52,7 @@ function build(study, shown, is_logarithmic, width) {
       yAxisIndex: i,
       symbol,
       symbolSize: 7,
-      color,
+      color: color(),
       lineStyle: { width: 2 },
       data: history_of(study, field).map(([index, value]) => [index, drawable(value)]),
     })),

@@ -1,7 +1,7 @@
 // The head of the report: what was studied, how it ended, and the counts that matter.
-import { is_number, list } from "../src/data.js";
+import { extent, is_number, list } from "../src/data.js";
 import { bullets, element, prose } from "../src/dom.js";
-import { count_text, words } from "../src/format.js";
+import { count_text, number_text, words } from "../src/format.js";
 
 const tone_of_status = {
   converged: "good",
@@ -11,7 +11,22 @@ const tone_of_status = {
   failed: "bad",
 };
 
-function facts(study) {
+const range_text = ([low, high]) => (low === high ? number_text(low) : `${number_text(low)} to ${number_text(high)}`);
+
+function facts_of_modes({ modes, source, title, result }) {
+  const frequencies = extent(list(modes.list).map(({ frequency }) => frequency));
+  const nodes = list(modes.node_ids).length;
+  return [
+    ["Model", source === title ? null : source],
+    ["Modes", count_text(list(modes.list).length)],
+    ["Frequencies", frequencies && `${range_text(frequencies)} ${modes.frequency_unit ?? ""}`.trim()],
+    ["Nodes drawn", nodes ? count_text(nodes) : null],
+    ["Units", result.units],
+    ["Mottle", result.mottle],
+  ];
+}
+
+function facts_of_result(study) {
   const { result, clouds, tests } = study;
   const n_test = result.sample_size?.n_test ?? (tests.length || null);
   const n_model = result.sample_size?.n_model ?? null;
@@ -30,7 +45,17 @@ function facts(study) {
     ["Seed", result.seed === undefined || result.seed === null ? null : String(result.seed)],
     ["Units", result.units],
     ["Mottle", result.mottle],
-  ].filter(([, value]) => value !== null && value !== undefined && value !== "");
+  ];
+}
+
+function facts(study) {
+  const all = study.is_modes ? facts_of_modes(study) : facts_of_result(study);
+  return all.filter(([, value]) => value !== null && value !== undefined && value !== "");
+}
+
+function kicker(study) {
+  if (study.is_modes) return "Natural frequencies and mode shapes";
+  return study.is_update ? "Stochastic model updating" : "Forward propagation of a model's scatter";
 }
 
 export default {
@@ -40,11 +65,7 @@ export default {
     return element(
       "header",
       {},
-      element(
-        "p",
-        { class: "kicker" },
-        study.is_update ? "Stochastic model updating" : "Forward propagation of a model's scatter",
-      ),
+      element("p", { class: "kicker" }, kicker(study)),
       element("h1", {}, study.title),
       result.status
         ? element(
@@ -63,6 +84,13 @@ export default {
         { class: "facts" },
         facts(study).map(([term, value]) => element("div", {}, element("dt", {}, term), element("dd", {}, value))),
       ),
+      study.summary.length
+        ? element(
+            "div",
+            { class: "summary" },
+            study.summary.map((line) => element("p", {}, prose(line))),
+          )
+        : null,
       warnings.length
         ? element("div", { class: "callout" }, element("b", {}, "Warnings"), bullets(warnings.map(prose)))
         : null,

@@ -5,7 +5,7 @@ import { paragraph } from "../src/dom.js";
 import { figure } from "../src/figure.js";
 import { count_text, number_text, short_number } from "../src/format.js";
 import { layout, level_series, panel_frame } from "../src/panels.js";
-import { accent, bound, model } from "../src/palette.js";
+import { accent, bound, model, paper } from "../src/palette.js";
 import { data_table } from "../src/table.js";
 
 const names = { curve: "Critical value T", limit: "Limit for infinitely many samples", here: "This run" };
@@ -36,7 +36,7 @@ function build(size, width) {
       color: accent,
       z: 5,
       data: [here],
-      itemStyle: { borderColor: "#ffffff", borderWidth: 1.5 },
+      itemStyle: { borderColor: paper, borderWidth: 1.5 },
     });
   }
   const panels = [

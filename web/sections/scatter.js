@@ -1,18 +1,9 @@
 // Tests and cloud with their 2-sigma ellipses, first and last iteration under one another on the same axes.
 import { shown_iterations } from "../src/data.js";
-import { legend, redraw, zooming } from "../src/charts.js";
-import {
-  axis_choice,
-  limits_of_pair,
-  names,
-  pairs_of,
-  panel_of_pair,
-  scatter_tooltip,
-  series_of_pair,
-  snapshot,
-} from "../src/cloud_panels.js";
+import { redraw } from "../src/charts.js";
+import { axis_choice, legend_height, limits_of_pair, pair_panels, pairs_of, snapshot } from "../src/cloud_panels.js";
 import { figure } from "../src/figure.js";
-import { layout, panel_frame } from "../src/panels.js";
+import { layout } from "../src/panels.js";
 
 const id = "scatter-first-last";
 const columns_at_most = 3;
@@ -35,9 +26,8 @@ function build(study, axes, steps, width) {
     minimum: width / columns,
     columns_at_most: columns,
     aspect: 0.8,
-    legend_height: width < 560 ? 62 : 34,
+    legend_height: legend_height(width),
   });
-  const panels = arrange(pairs, steps, columns);
   const limits = new Map(
     pairs.map((pair) => [
       pair,
@@ -49,26 +39,14 @@ function build(study, axes, steps, width) {
       ),
     ]),
   );
-  const frame = panel_frame(
-    panels.map(({ pair, iteration }) =>
-      panel_of_pair(steps.length > 1 || study.is_update ? `Iteration ${iteration}` : "", pair, limits.get(pair)),
-    ),
-    panels.map(({ position }) => grid.cells[position]),
-  );
-  const series = panels.flatMap(({ pair, iteration }, panel) =>
-    series_of_pair(study, snapshot(study, iteration, "outputs"), pair, panel, "outputs", limits.get(pair)),
-  );
-  const option = {
-    ...frame,
-    ...zooming(panels.length),
-    series,
-    legend: legend(series, Object.values(names)),
-    tooltip: scatter_tooltip(
-      panels.map(({ pair }) => pair),
-      series,
-    ),
-  };
-  return { option, height: grid.height };
+  const panels = arrange(pairs, steps, columns).map(({ pair, iteration, position }) => ({
+    pair,
+    title: steps.length > 1 || study.is_update ? `Iteration ${iteration}` : "",
+    limits: limits.get(pair),
+    view: snapshot(study, iteration, "outputs"),
+    cell: grid.cells[position],
+  }));
+  return { option: pair_panels(study, "outputs", panels), height: grid.height };
 }
 
 export default {

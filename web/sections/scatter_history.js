@@ -1,20 +1,11 @@
 // The cloud on its way: a slider through the iterations moves cloud and ellipse, in outputs and in parameters.
 import { has_numbers, is_number, shown_iterations } from "../src/data.js";
-import { legend, redraw, zooming } from "../src/charts.js";
-import {
-  axis_choice,
-  limits_of_pair,
-  names,
-  pairs_of,
-  panel_of_pair,
-  scatter_tooltip,
-  series_of_pair,
-  snapshot,
-} from "../src/cloud_panels.js";
+import { redraw } from "../src/charts.js";
+import { axis_choice, legend_height, limits_of_pair, pair_panels, pairs_of, snapshot } from "../src/cloud_panels.js";
 import { button, element } from "../src/dom.js";
 import { figure } from "../src/figure.js";
 import { number_text } from "../src/format.js";
-import { layout, panel_frame } from "../src/panels.js";
+import { layout } from "../src/panels.js";
 
 const frame_ms = 700;
 
@@ -37,24 +28,16 @@ function space_figure(study, { id, space, axes, title, caption, label }, steps, 
   let limits = limits_for(shown);
   const build = (width) => {
     const pairs = pairs_of(shown);
-    const { cells, height } = layout(pairs.length, width, { aspect: 0.8, legend_height: width < 560 ? 62 : 34 });
-    const of_pair = (pair) => limits.get(`${pair.x.index}-${pair.y.index}`);
+    const { cells, height } = layout(pairs.length, width, { aspect: 0.8, legend_height: legend_height(width) });
     const view = snapshot(study, steps[current()], space);
-    const series = pairs.flatMap((pair, panel) => series_of_pair(study, view, pair, panel, space, of_pair(pair)));
-    const frame = panel_frame(
-      pairs.map((pair) => panel_of_pair(steps.length > 1 ? `Iteration ${steps[current()]}` : "", pair, of_pair(pair))),
-      cells,
-    );
-    return {
-      height,
-      option: {
-        ...frame,
-        ...zooming(pairs.length),
-        series,
-        legend: legend(series, Object.values(names)),
-        tooltip: scatter_tooltip(pairs, series),
-      },
-    };
+    const panels = pairs.map((pair, k) => ({
+      pair,
+      title: steps.length > 1 ? `Iteration ${steps[current()]}` : "",
+      limits: limits.get(`${pair.x.index}-${pair.y.index}`),
+      view,
+      cell: cells[k],
+    }));
+    return { option: pair_panels(study, space, panels), height };
   };
   return {
     id,

@@ -66,7 +66,7 @@ function tests_table(tests) {
 export default {
   id: "verdict-section",
   title: "Verdict",
-  has_data: () => true,
+  has_data: (study) => !study.is_modes,
   explained: [
     [
       "Verdict",

@@ -2,38 +2,14 @@
 // A chart is a description {id, renderer, build(width) -> {option, height}}; build is called again whenever the width
 // changes and for every export, so it holds all state of the drawing.
 import { init, use } from "echarts/core";
-import { CustomChart, HeatmapChart, LineChart, ScatterChart } from "echarts/charts";
-import {
-  DataZoomComponent,
-  GridComponent,
-  LegendComponent,
-  TitleComponent,
-  ToolboxComponent,
-  TooltipComponent,
-  VisualMapContinuousComponent,
-} from "echarts/components";
-import { CanvasRenderer, SVGRenderer } from "echarts/renderers";
-import { font_family, hairline, ink, muted } from "./palette.js";
+import * as parts from "./echarts_parts.js";
+import { font_family, hairline, ink, muted, paper, scale } from "./palette.js";
+import { on_theme_change, printed_width, with_light_theme } from "./theme.js";
 
-use([
-  CustomChart,
-  HeatmapChart,
-  LineChart,
-  ScatterChart,
-  DataZoomComponent,
-  GridComponent,
-  LegendComponent,
-  TitleComponent,
-  ToolboxComponent,
-  TooltipComponent,
-  VisualMapContinuousComponent,
-  CanvasRenderer,
-  SVGRenderer,
-]);
+use(Object.values(parts));
 
 export const charts = {};
 const live = new Map();
-const printed_width = 660; // CSS pixels between the margins of an A4 page
 
 /** What every option shares: no animation (a report is read, compared and tested as it stands), our font. */
 function with_defaults(option) {
@@ -42,6 +18,7 @@ function with_defaults(option) {
     backgroundColor: "transparent",
     textStyle: { fontFamily: font_family, color: ink },
     ...option,
+    ...(option.tooltip && { tooltip: { backgroundColor: paper, ...option.tooltip } }),
   };
 }
 
@@ -63,14 +40,16 @@ export function create_chart(host, description) {
   return chart;
 }
 
-/** A chart of its own for a file, with the same zoom as on the page. */
+/** A chart of its own for a file, in light colours, with the same zoom as on the page. */
 export function create_copy(id, host, { renderer, width }) {
   const { chart, description } = live.get(id);
-  const { option, height } = description.build(width);
-  const copy = init(host, null, { renderer, width, height, ssr: host === null, devicePixelRatio: 2 });
-  copy.setOption({ ...with_defaults(option), backgroundColor: "#ffffff" });
-  apply_zoom(copy, zoom_of(chart));
-  return copy;
+  return with_light_theme(() => {
+    const { option, height } = description.build(width);
+    const copy = init(host, null, { renderer, width, height, ssr: host === null, devicePixelRatio: 2 });
+    copy.setOption({ ...with_defaults(option), backgroundColor: paper });
+    apply_zoom(copy, zoom_of(chart));
+    return copy;
+  });
 }
 
 /** Draws the chart anew after its description's state changed; `afresh` forgets series and zoom. */
@@ -102,6 +81,7 @@ function fit_all(printing) {
 }
 window.addEventListener("beforeprint", () => fit_all(true));
 window.addEventListener("afterprint", () => fit_all(false));
+on_theme_change(() => [...live.keys()].forEach((id) => redraw(id)));
 
 export function zoom_of(chart) {
   return (chart.getOption().dataZoom ?? []).map(({ start, end }) => ({ start, end }));
@@ -135,10 +115,10 @@ export function axis(more = {}) {
     nameTextStyle: { color: ink, fontSize: 12 },
     axisLine: { show: true, lineStyle: { color: muted } },
     axisTick: { show: true, lineStyle: { color: muted } },
-    axisLabel: { color: muted, fontSize: 11, hideOverlap: true },
     splitLine: { lineStyle: { color: hairline } },
     splitNumber: 4,
     ...more,
+    axisLabel: more.axisLabel ? { color: scale, ...more.axisLabel } : { color: muted, fontSize: 11, hideOverlap: true },
   };
 }
 

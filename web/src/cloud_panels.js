@@ -1,11 +1,12 @@
 // Scatter of a cloud, the tests and their 2-sigma ellipses for pairs of axes: the panels that both scatter sections draw.
 import { ellipse_of_pair, extent, is_number, list } from "./data.js";
-import { tooltip_box } from "./charts.js";
+import { legend, tooltip_box, zooming } from "./charts.js";
 import { element } from "./dom.js";
 import { name_with_unit, number_text, short_number } from "./format.js";
-import { bound, model, model_points, test } from "./palette.js";
+import { panel_frame } from "./panels.js";
+import { bound, model, model_points, paper, test } from "./palette.js";
 
-export const names = {
+const names = {
   cloud: "Model, samples",
   ellipse: "Model, 2σ ellipse",
   tests: "Tests",
@@ -61,16 +62,6 @@ export function limits_of_pair(study, snapshots, pair, space) {
   return { x: padded(0), y: padded(1) };
 }
 
-/** Round ticks between limits that follow the data; the limits themselves carry no label. */
-export function panel_of_pair(title, pair, limits) {
-  const axis_label = { showMinLabel: false, showMaxLabel: false, formatter: (value) => short_number(value, 4) };
-  return {
-    title,
-    x: { name: name_with_unit(pair.x), ...limits.x, axisLabel: axis_label },
-    y: { name: name_with_unit(pair.y), ...limits.y, axisLabel: axis_label },
-  };
-}
-
 const line = (name, panel, data, line_style, z) => ({
   name,
   type: "line",
@@ -102,7 +93,7 @@ function bound_lines(study, pair, panel, limits) {
   );
 }
 
-export function series_of_pair(study, view, pair, panel, space, limits) {
+function series_of_pair(study, view, pair, panel, space, limits) {
   const at = { xAxisIndex: panel, yAxisIndex: panel };
   const series = [
     {
@@ -132,7 +123,7 @@ export function series_of_pair(study, view, pair, panel, space, limits) {
       symbol: "diamond",
       symbolSize: study.tests.length > 40 ? 7 : 10,
       z: 5,
-      itemStyle: { color: test, borderColor: "#ffffff", borderWidth: 0.8 },
+      itemStyle: { color: test, borderColor: paper, borderWidth: 0.8 },
       data: points_of_pair(study.tests, pair),
     });
   }
@@ -141,17 +132,50 @@ export function series_of_pair(study, view, pair, panel, space, limits) {
   return series;
 }
 
-/** `pairs` by panel. */
-export function scatter_tooltip(pairs, series) {
+/** `panels` as in pair_panels. */
+function scatter_tooltip(panels, series) {
   return {
     trigger: "item",
     formatter: ({ seriesName, value, seriesIndex }) => {
-      const { x, y } = pairs[series[seriesIndex].xAxisIndex];
+      const { x, y } = panels[series[seriesIndex].xAxisIndex].pair;
       return tooltip_box(seriesName, [
         `${name_with_unit(x)}: ${number_text(value[0], 5)}`,
         `${name_with_unit(y)}: ${number_text(value[1], 5)}`,
       ]);
     },
+  };
+}
+
+/** Round ticks between limits that follow the data; the limits themselves carry no label. */
+function panel_of_pair({ title, pair, limits }) {
+  const axis_label = { showMinLabel: false, showMaxLabel: false, formatter: (value) => short_number(value, 4) };
+  return {
+    title,
+    x: { name: name_with_unit(pair.x), ...limits.x, axisLabel: axis_label },
+    y: { name: name_with_unit(pair.y), ...limits.y, axisLabel: axis_label },
+  };
+}
+
+/** Height that the legend takes: two lines of it on a narrow page. */
+export const legend_height = (width) => (width < 560 ? 62 : 34);
+
+/**
+ * The option of a chart of such panels.
+ * @param panels  [{title, pair, limits (limits_of_pair), view (snapshot), cell (of layout)}]
+ */
+export function pair_panels(study, space, panels) {
+  const series = panels.flatMap(({ pair, limits, view }, panel) =>
+    series_of_pair(study, view, pair, panel, space, limits),
+  );
+  return {
+    ...panel_frame(
+      panels.map(panel_of_pair),
+      panels.map(({ cell }) => cell),
+    ),
+    ...zooming(panels.length),
+    series,
+    legend: legend(series, Object.values(names)),
+    tooltip: scatter_tooltip(panels, series),
   };
 }
 

@@ -46,7 +46,8 @@ function named(block, prefix, count) {
 
 export function read_study(data) {
   const source = record(data);
-  const result = record(source.result);
+  const is_modes = source.kind === "modes";
+  const result = is_modes ? head_of_modes(source) : record(source.result);
   const parameters = record(result.parameters);
   const outputs = record(result.outputs);
   const iterations = list(result.iterations)
@@ -61,7 +62,12 @@ export function read_study(data) {
     }));
   const first_cloud = clouds[0] ?? { parameters: [], outputs: [] };
   const study = {
+    is_modes,
     result,
+    source: String(source.source ?? "").trim(),
+    summary: list(source.summary).map(String),
+    modes: record(source.modes),
+    mac: record(source.mac),
     parameters,
     outputs,
     iterations,
@@ -70,9 +76,14 @@ export function read_study(data) {
     output_axes: named(outputs, "y", list(first_cloud.outputs[0]).length),
   };
   study.tests = tests_by_output(record(source.tests), study.output_axes);
-  study.title = String(result.title ?? "").trim() || "Untitled study";
+  study.title = String(result.title ?? "").trim() || (is_modes ? "Mode shapes" : "Untitled study");
   study.is_update = result.command ? result.command === "update" : iterations.length > 0;
   return study;
+}
+
+/** A page of mode shapes holds no result, only what its head says. */
+function head_of_modes({ title, mottle, units, warnings }) {
+  return { title, mottle, units, warnings };
 }
 
 /** Specimens [specimen x output] in the order of the outputs; a column that was not tested is all null. */

@@ -21,10 +21,13 @@ export function save_svg(id) {
 
 export function save_png(id) {
   const copy = create_copy(id, document.createElement("div"), { renderer: "canvas", width: exported_width });
-  const canvas = copy.renderToCanvas({ pixelRatio: 2, backgroundColor: "#ffffff" });
+  save_canvas(id, copy.renderToCanvas({ pixelRatio: 2, backgroundColor: "#ffffff" }), () => copy.dispose());
+}
+
+export function save_canvas(id, canvas, and_then = () => {}) {
   canvas.toBlob((blob) => {
     save(`mottle-${id}.png`, blob);
-    copy.dispose();
+    and_then();
   }, "image/png");
 }
 

@@ -8,6 +8,34 @@ const waiting = [];
 let numbered = 0;
 
 /**
+ * A numbered figure around whatever is drawn in `host`.
+ * @param title, caption  the head, and what to see in it in one or two sentences
+ * @param controls        elements that change what is shown
+ * @param tools           buttons
+ * @param under           elements between drawing and caption
+ * @param attributes      of the figure
+ * @param start           called when the page stands
+ */
+export function frame({ id, title, caption, controls = [], tools, host, under = [], attributes = {}, start }) {
+  numbered += 1;
+  waiting.push(start);
+  return element(
+    "figure",
+    { class: "plot", id: `figure-${id}`, ...attributes },
+    element(
+      "div",
+      { class: "plot-head" },
+      element("div", { class: "plot-title" }, element("b", {}, `Figure ${numbered}`), ` ${title}`),
+      element("div", { class: "tools", role: "group", "aria-label": `Tools of figure ${numbered}` }, tools),
+    ),
+    controls.length ? element("div", { class: "controls" }, controls) : null,
+    host,
+    under,
+    element("figcaption", {}, caption),
+  );
+}
+
+/**
  * @param id        names the chart in window.mottle.charts and in file names
  * @param title     short, for the head of the figure
  * @param caption   what to see in it, one or two sentences
@@ -16,8 +44,6 @@ let numbered = 0;
  * @param controls  elements that change what is shown
  */
 export function figure({ id, title, caption, build, renderer = "svg", controls = [] }) {
-  numbered += 1;
-  const number = numbered;
   const host = element("div", { class: "plot-area", role: "img", "aria-label": `${title}. ${caption}` });
   const zoom = button(
     "Zoom",
@@ -29,32 +55,19 @@ export function figure({ id, title, caption, build, renderer = "svg", controls =
     },
     { "aria-pressed": "false" },
   );
-  const tools = element(
-    "div",
-    { class: "tools", role: "group", "aria-label": `Tools of figure ${number}` },
+  const tools = [
     zoom,
     button("Reset", "Show the whole plot again", () => reset_zoom(id)),
     button("PNG", "Save this plot as a PNG image", () => save_png(id), { "data-export": "png" }),
     button("SVG", "Save this plot as an SVG drawing", () => save_svg(id), { "data-export": "svg" }),
-  );
-  waiting.push(() => create_chart(host, { id, renderer, build }));
-  return element(
-    "figure",
-    { class: "plot", id: `figure-${id}`, "data-plot": id, "data-renderer": renderer },
-    element(
-      "div",
-      { class: "plot-head" },
-      element("div", { class: "plot-title" }, element("b", {}, `Figure ${number}`), ` ${title}`),
-      tools,
-    ),
-    controls.length ? element("div", { class: "controls" }, controls) : null,
-    host,
-    element("figcaption", {}, caption),
-  );
+  ];
+  const attributes = { "data-plot": id, "data-renderer": renderer };
+  const start = () => create_chart(host, { id, renderer, build });
+  return frame({ id, title, caption, controls, tools, host, attributes, start });
 }
 
 export function draw_waiting_figures() {
-  for (const draw of waiting.splice(0)) draw();
+  for (const start of waiting.splice(0)) start();
 }
 
 /** Buttons that leaf through `count` pages; nothing where there is only one. */

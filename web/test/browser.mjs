@@ -8,7 +8,6 @@ import { chromium } from "playwright-core";
 const flags = [
   "--headless",
   "--no-sandbox",
-  "--disable-gpu",
   "--disable-quic",
   "--no-first-run",
   "--disable-background-networking",
@@ -16,20 +15,32 @@ const flags = [
   "--disable-sync",
 ];
 
-export async function open_page(file, { width = 1280, height = 900 } = {}) {
+/** "plain" draws fastest; "webgl" is WebGL by the processor; "none" a browser that refuses it. */
+const flags_of_graphics = {
+  plain: ["--disable-gpu"],
+  webgl: ["--use-angle=swiftshader", "--enable-unsafe-swiftshader"],
+  none: ["--disable-gpu", "--disable-3d-apis"],
+};
+
+/** A driver's word on its own speed, when a picture is read back, is no complaint about the page. */
+const is_of_driver = (text) => text.includes("GL Driver Message (OpenGL, Performance");
+
+export async function open_page(file, { width = 1280, height = 900, graphics = "plain", media = {} } = {}) {
   const profile = mkdtempSync(path.join(tmpdir(), "mottle-page-"));
   const context = await chromium.launchPersistentContext(profile, {
     executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
     headless: true,
-    args: flags,
+    args: [...flags, ...flags_of_graphics[graphics]],
     viewport: { width, height },
     acceptDownloads: true,
+    ...media,
   });
   const page = context.pages()[0] ?? (await context.newPage());
   const complaints = [];
   const address = pathToFileURL(path.resolve(file)).href;
   page.on("console", (message) => {
-    if (["error", "warning"].includes(message.type())) complaints.push(`console ${message.type()}: ${message.text()}`);
+    if (!["error", "warning"].includes(message.type()) || is_of_driver(message.text())) return;
+    complaints.push(`console ${message.type()}: ${message.text()}`);
   });
   page.on("pageerror", (error) => complaints.push(`page error: ${error.message}`));
   page.on("dialog", (dialog) => {

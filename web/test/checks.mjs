@@ -4,6 +4,7 @@ import { readFileSync } from "node:fs";
 import {
   list,
   has_numbers,
+  is_modes,
   result_of,
   expected_plots,
   drawn_colours,
@@ -17,13 +18,20 @@ export const checks = [
   [
     "the title is shown as text, whatever it holds",
     async ({ page, data }) => {
-      assert.equal(await page.locator("h1").innerText(), (result_of(data).title ?? "").trim() || "Untitled study");
+      assert.equal(
+        await page.locator("h1").innerText(),
+        (result_of(data).title ?? "").trim() || (is_modes(data) ? "Mode shapes" : "Untitled study"),
+      );
       assert.equal(await page.locator("h1 *").count(), 0);
     },
   ],
   [
-    "the verdict stands first and says what the data say",
+    "the verdict stands first and says what the data say; a page of mode shapes has none",
     async ({ page, data }) => {
+      if (is_modes(data)) {
+        assert.equal(await page.locator("[data-verdict], #run").count(), 0);
+        return;
+      }
       assert.equal(await page.locator("section").first().getAttribute("id"), "verdict-section");
       assert.equal(
         await page.locator("[data-verdict]").getAttribute("data-verdict"),
@@ -205,19 +213,24 @@ export const checks = [
   [
     "hovering a plot shows values as text",
     async ({ page, data }) => {
-      if (!expected_plots(data).includes("spearman")) return;
-      await page.locator('[data-plot="spearman"] .plot-area').scrollIntoViewIfNeeded();
-      const at = await page.evaluate(() => {
-        const chart = window.mottle.charts.spearman;
-        const [column, row] = chart.getOption().series[0].data[0].value;
-        const box = document.querySelector('[data-plot="spearman"] .plot-area').getBoundingClientRect();
-        const [x, y] = chart.convertToPixel({ seriesIndex: 0 }, [column, row]);
-        return { x: box.x + x, y: box.y + y };
-      });
-      await page.mouse.move(at.x, at.y);
-      await page.mouse.move(at.x + 2, at.y + 2);
-      await page.waitForSelector('[data-plot="spearman"] .tooltip', { timeout: 3000 });
-      assert.match(await page.locator('[data-plot="spearman"] .tooltip').innerText(), /→[^]*ρ: /);
+      for (const [id, pattern] of [
+        ["spearman", /→[^]*ρ: /],
+        ["mac", /–[^]*MAC: /],
+      ]) {
+        if (!expected_plots(data).includes(id)) continue;
+        await page.locator(`[data-plot="${id}"] .plot-area`).scrollIntoViewIfNeeded();
+        const at = await page.evaluate((plot) => {
+          const chart = window.mottle.charts[plot];
+          const [column, row] = chart.getOption().series[0].data[0].value;
+          const box = document.querySelector(`[data-plot="${plot}"] .plot-area`).getBoundingClientRect();
+          const [x, y] = chart.convertToPixel({ seriesIndex: 0 }, [column, row]);
+          return { x: box.x + x, y: box.y + y };
+        }, id);
+        await page.mouse.move(at.x, at.y);
+        await page.mouse.move(at.x + 2, at.y + 2);
+        await page.waitForSelector(`[data-plot="${id}"] .tooltip`, { timeout: 3000 });
+        assert.match(await page.locator(`[data-plot="${id}"] .tooltip`).innerText(), pattern);
+      }
       await page.mouse.move(2, 2);
     },
   ],
@@ -264,7 +277,7 @@ export const checks = [
       await page.setViewportSize({ width: 680, height: 962 });
       await page.emulateMedia({ media: "print" });
       await page.waitForTimeout(300);
-      assert.equal(await page.locator(".slider:visible, .tools:visible, nav:visible").count(), 0);
+      assert.equal(await page.locator(".slider:visible, .tools:visible, .controls:visible, nav:visible").count(), 0);
       assert.deepEqual(await overflow(page), { page: 0, plots: 0 });
       const cut = await page.evaluate(
         () =>
@@ -275,6 +288,28 @@ export const checks = [
       await shot("print");
       await page.emulateMedia({ media: null });
       await page.setViewportSize({ width: 1280, height: 900 });
+      await page.waitForTimeout(200);
+    },
+  ],
+  [
+    "on a dark screen page and drawings are dark, on paper light",
+    async ({ page, shot }) => {
+      const background = () => page.evaluate(() => getComputedStyle(document.body).backgroundColor);
+      const text_of_plots = () =>
+        page.evaluate(() => Object.values(window.mottle.charts).map((chart) => chart.getOption().textStyle.color));
+      const [light, light_text] = [await background(), await text_of_plots()];
+      const until = async (colours, wanted) => {
+        for (let tries = 0; tries < 30 && !wanted(await colours()); tries += 1) await page.waitForTimeout(100);
+        assert.ok(wanted(await colours()), String(await colours()));
+      };
+      await page.emulateMedia({ colorScheme: "dark" });
+      assert.notEqual(await background(), light);
+      await until(text_of_plots, (now) => now.every((color, i) => color !== light_text[i]));
+      await shot("dark");
+      await page.emulateMedia({ colorScheme: "dark", media: "print" });
+      assert.equal(await background(), light);
+      await until(text_of_plots, (now) => now.every((color, i) => color === light_text[i]));
+      await page.emulateMedia({ colorScheme: null, media: null });
       await page.waitForTimeout(200);
     },
   ],

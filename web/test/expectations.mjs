@@ -5,7 +5,8 @@ import { readFileSync } from "node:fs";
 export const list = (value) => (Array.isArray(value) ? value : []);
 export const is_number = (value) => typeof value === "number" && Number.isFinite(value);
 export const has_numbers = (value) => list(value).flat(Infinity).some(is_number);
-export const result_of = (data) => data.result ?? {};
+export const is_modes = (data) => data.kind === "modes";
+export const result_of = (data) => (is_modes(data) ? { title: data.title } : (data.result ?? {}));
 
 /** The plots that the data call for. */
 export function expected_plots(data) {
@@ -31,6 +32,7 @@ export function expected_plots(data) {
       ? "scatter-parameters"
       : null,
     has_numbers(result.identifiability?.singular_values) ? "singular-values" : null,
+    has_numbers(data.mac?.values) ? "mac" : null,
   ].filter(Boolean);
 }
 

@@ -1,14 +1,21 @@
 // Pages to look at and to test on, made of simulated runs:   node test/make_fixture.mjs [OUT_DIR] [TEMPLATE]
 //   case1      the paper's three masses, right model           refused   its case 2: inadequate, a parameter on its bound, hostile texts
+//   modes      a page of mode shapes                           shapes    case1 with mode shapes
 //   aeroplane  14 outputs and 18 parameters, gaps in the tests  propagate only a cloud        sparse    most entries missing or null
 import { mkdirSync, readFileSync, writeFileSync } from "node:fs";
 import path from "node:path";
 import { eigen, random_normal } from "./matrix.mjs";
 import { update } from "./simulate.mjs";
+import { modes_page, plate_mac, plate_modes } from "./structure_fixture.mjs";
 
 const here = path.dirname(new URL(import.meta.url).pathname);
 const out = path.resolve(process.argv[2] ?? path.join(here, "..", "dist", "fixtures"));
-const template = readFileSync(process.argv[3] ?? path.join(here, "..", "dist", "page.html"), "utf8");
+const place = "/*MOTTLE_DATA*/";
+/** The page without data, or any page that the program wrote, of which the data are taken out. */
+const template = readFileSync(process.argv[3] ?? path.join(here, "..", "dist", "page.html"), "utf8").replace(
+  /(id="mottle-data">)[^]*?(?=<\/script>)/,
+  `$1${place}`,
+);
 
 function three_masses(k1, k2, k5, k6) {
   const stiffness = [
@@ -254,7 +261,7 @@ function write_page(name, data) {
   writeFileSync(path.join(out, `${name}.json`), json);
   writeFileSync(
     path.join(out, `${name}.html`),
-    template.replace("/*MOTTLE_DATA*/", () => json.replaceAll("<", "\\u003c")),
+    template.replace(place, () => json.replaceAll("<", "\\u003c")),
   );
 }
 
@@ -265,5 +272,7 @@ write_page("refused", update(refused_study()).data);
 write_page("aeroplane", with_gaps(update(aeroplane_study()).data));
 write_page("propagate", propagate(case_1()));
 write_page("sparse", sparse(case_1()));
+write_page("modes", modes_page(20, 10, 8));
+write_page("shapes", { ...case_1(), modes: plate_modes(20, 10, 3), mac: plate_mac(3, 3) });
 write_page("empty", { result: { title: "Nothing but a title" } });
 console.log(out);

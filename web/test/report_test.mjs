@@ -7,6 +7,7 @@ import path from "node:path";
 import { parseArgs } from "node:util";
 import { open_page } from "./browser.mjs";
 import { checks } from "./checks.mjs";
+import { has_scene, scene_checks } from "./scene_checks.mjs";
 
 const { values, positionals } = parseArgs({ allowPositionals: true, options: { screenshots: { type: "string" } } });
 if (positionals.length !== 1) {
@@ -22,7 +23,8 @@ function data_of(html) {
   return JSON.parse(html.slice(start, html.indexOf("</script", start)));
 }
 
-const opened = await open_page(file);
+const data = data_of(readFileSync(file, "utf8"));
+const opened = await open_page(file, { graphics: has_scene(data) ? "webgl" : "plain" });
 const shot = async (what) => {
   if (values.screenshots)
     await opened.page.screenshot({ path: path.join(values.screenshots, `${name}-${what}.png`), fullPage: true });
@@ -30,8 +32,8 @@ const shot = async (what) => {
 let passed = 0;
 let failed = 0;
 try {
-  const study = { ...opened, data: data_of(readFileSync(file, "utf8")), shot };
-  for (const [claim, check] of checks) {
+  const study = { ...opened, file, data, shot };
+  for (const [claim, check] of has_scene(data) ? [...scene_checks, ...checks] : checks) {
     try {
       await check(study);
       passed += 1;

@@ -1,0 +1,192 @@
+// What must hold of a page with mode shapes, beside what holds of every page.
+import assert from "node:assert/strict";
+import { open_page } from "./browser.mjs";
+import { is_number, list } from "./expectations.mjs";
+
+const id = "mode-shapes";
+const area = `[data-scene="${id}"] .scene-area`;
+
+/** Whether the data hold a structure to draw. */
+export const has_scene = (data) => list(data.modes?.list).length > 0 && Boolean(data.modes.positions);
+
+/** Number of distinct colours of what stands on the screen there; a blank area has one. */
+async function colours_on_screen(page, selector) {
+  const png = (await page.locator(selector).screenshot()).toString("base64");
+  return page.evaluate(async (text) => {
+    const image = new Image();
+    image.src = `data:image/png;base64,${text}`;
+    await image.decode();
+    const context = new OffscreenCanvas(image.width, image.height).getContext("2d");
+    context.drawImage(image, 0, 0);
+    const { data } = context.getImageData(0, 0, image.width, image.height);
+    return new Set(Array.from({ length: data.length / 4 }, (_, i) => data.subarray(4 * i, 4 * i + 3).join())).size;
+  }, png);
+}
+
+const picture = (page) => page.evaluate((scene) => window.mottle.scenes[scene].picture(400).toDataURL(), id);
+const zoom = (page) => page.evaluate((scene) => window.mottle.scenes[scene].viewpoint.camera.zoom, id);
+const title_of = (page) => page.locator(`${area} .scene`).getAttribute("aria-label");
+
+async function changes(page, what, act) {
+  const before = await picture(page);
+  await act();
+  assert.notEqual(await picture(page), before, `the picture stayed after ${what}`);
+}
+
+async function hold(page) {
+  if ((await page.locator("#shape-play").innerText()).includes("Pause")) await page.click("#shape-play");
+}
+
+async function set_range(page, name, value) {
+  await page.locator(`#shape-${name}`).fill(String(value));
+}
+
+async function drag(page, from, to) {
+  const box = await page.locator(area).boundingBox();
+  await page.mouse.move(box.x + from[0], box.y + from[1]);
+  await page.mouse.down();
+  await page.mouse.move(box.x + to[0], box.y + to[1], { steps: 4 });
+  await page.mouse.up();
+}
+
+/** What both ways of drawing must do. */
+async function is_drawn_and_answers({ page, data }) {
+  assert.ok((await colours_on_screen(page, area)) > 60, "the structure is not to be seen");
+  await hold(page);
+  if (data.modes.list.length > 1) {
+    const before = await title_of(page);
+    await changes(page, "choosing another mode", () => page.locator('[name="mode-shown"]').nth(1).check());
+    assert.notEqual(await title_of(page), before);
+    await changes(page, "an arrow key in the table", () => page.keyboard.press("ArrowUp"));
+    assert.equal(await title_of(page), before);
+  }
+  await changes(page, "dragging", () => drag(page, [150, 120], [220, 150]));
+  await changes(page, "a view along z", () => page.click('[data-view="z"]'));
+  await changes(page, "a view from the corner", () => page.click('[data-view="iso"]'));
+  await page.click("#shape-play");
+  await changes(page, "a while of swinging", () => page.waitForTimeout(400).then(() => page.click("#shape-play")));
+  await changes(page, "no amplitude", () => set_range(page, "amplitude", 0));
+  await set_range(page, "amplitude", 8);
+  if (data.modes.triangles) await changes(page, "taking the edges away", () => page.click("#shape-edges"));
+  if (data.modes.triangles) await page.click("#shape-edges");
+  await changes(page, "taking the undeformed structure away", () => page.click("#shape-outline"));
+  await page.click("#shape-outline");
+}
+
+export const scene_checks = [
+  [
+    "the table lists every mode with its frequency",
+    async ({ page, data }) => {
+      const cells = page.locator('[data-table="modes"] [data-key="frequency"]');
+      assert.equal(await cells.count(), data.modes.list.length);
+      for (const [i, mode] of data.modes.list.entries())
+        assert.equal(
+          await cells.nth(i).getAttribute("data-value"),
+          is_number(mode.frequency) ? String(mode.frequency) : null,
+        );
+      assert.equal(await page.locator('[data-table="modes"] td *').count(), 0, "a note was taken as markup");
+    },
+  ],
+  [
+    "the structure is drawn in WebGL and answers to all that can be set",
+    async (study) => {
+      assert.equal(await study.page.locator(`[data-scene="${id}"]`).getAttribute("data-renderer"), "webgl");
+      await is_drawn_and_answers(study);
+    },
+  ],
+  [
+    "held, the structure stands still",
+    async ({ page }) => {
+      await hold(page);
+      const before = await picture(page);
+      await page.waitForTimeout(200);
+      assert.equal(await picture(page), before);
+    },
+  ],
+  [
+    "Ctrl and the wheel enlarge the structure, the wheel alone scrolls the page, keys turn and enlarge",
+    async ({ page }) => {
+      await page.locator(area).scrollIntoViewIfNeeded();
+      const box = await page.locator(area).boundingBox();
+      await page.mouse.move(box.x + 200, box.y + 150);
+      const before = await zoom(page);
+      await page.mouse.wheel(0, 40);
+      await page.waitForTimeout(150);
+      assert.equal(await zoom(page), before);
+      await page.keyboard.down("Control");
+      await page.mouse.wheel(0, -40);
+      await page.waitForTimeout(150);
+      await page.keyboard.up("Control");
+      assert.ok((await zoom(page)) > before, "not enlarged by the wheel");
+      await page.click('[data-view="iso"]');
+      await page.locator(`${area} .scene`).focus();
+      await page.keyboard.press("+");
+      assert.ok((await zoom(page)) > before, "not enlarged by the key");
+      await changes(page, "an arrow key on the drawing", () => page.keyboard.press("ArrowLeft"));
+      await page.click('[data-view="iso"]');
+    },
+  ],
+  [
+    "pointing at a node tells its number and displacement",
+    async ({ page, data }) => {
+      await page.locator(area).scrollIntoViewIfNeeded();
+      const at = await page.evaluate((scene) => {
+        const viewer = window.mottle.scenes[scene];
+        const box = viewer.surface.getBoundingClientRect();
+        viewer.read_node({ clientX: box.x, clientY: box.y });
+        return { x: box.x + viewer.places[0], y: box.y + viewer.places[1] };
+      }, id);
+      await page.mouse.move(at.x, at.y);
+      assert.match(await page.locator(".node-reading").innerText(), /^Node \d+: ux .*, uy .*, uz /);
+      assert.ok(list(data.modes.node_ids).length > 0);
+      await page.mouse.move(2, 2);
+    },
+  ],
+  [
+    "the view saves as PNG",
+    async ({ page }) => {
+      const [download] = await Promise.all([
+        page.waitForEvent("download", { timeout: 10000 }),
+        page.click(`[data-scene="${id}"] [data-export="png"]`),
+      ]);
+      assert.equal(download.suggestedFilename(), `mottle-${id}.png`);
+    },
+  ],
+  [
+    "on paper stands a picture of the structure",
+    async ({ page }) => {
+      await page.emulateMedia({ media: "print" });
+      await page.waitForTimeout(300);
+      assert.equal(await page.locator(`${area} .scene:visible, ${area} .over:visible`).count(), 0);
+      assert.ok((await colours_on_screen(page, `${area} .still`)) > 60, "the picture is blank");
+      await page.emulateMedia({ media: null });
+    },
+  ],
+  [
+    "without WebGL the structure is drawn all the same and answers to all that can be set",
+    async ({ file, data }) => {
+      const { page, complaints, close } = await open_page(file, { graphics: "none" });
+      try {
+        assert.equal(await page.locator(`[data-scene="${id}"]`).getAttribute("data-renderer"), "canvas");
+        await is_drawn_and_answers({ page, data });
+        assert.deepEqual(complaints, []);
+      } finally {
+        await close();
+      }
+    },
+  ],
+  [
+    "it swings by itself, unless the reader wants less motion",
+    async ({ file }) => {
+      for (const [reducedMotion, expected] of [
+        ["no-preference", true],
+        ["reduce", false],
+      ]) {
+        const { page, close } = await open_page(file, { media: { reducedMotion } });
+        const is_playing = await page.evaluate((scene) => window.mottle.scenes[scene].state.is_playing, id);
+        await close();
+        assert.equal(is_playing, expected, reducedMotion);
+      }
+    },
+  ],
+];
