@@ -10,11 +10,9 @@ inertia, w^2 = (E I k^4 / rho A) / (1 + E I k^2 / (K A G)), k = n pi / L.
 """
 
 import argparse
-import json
 import math
-import pathlib
-import subprocess
-import tempfile
+
+from programs import run_in_folder, run_mottle
 
 YOUNG, POISSON, DENSITY = 7.0e10, 0.3, 2700.0
 SHEAR = YOUNG / (2.0 * (1.0 + POISSON))
@@ -118,13 +116,6 @@ def write_deck(path, card, pins, constraints, elements, modes, is_coupled):
         out.write("ENDDATA\n")
 
 
-def run_mottle(command, deck):
-    done = subprocess.run([command, "modes", str(deck), "--json"], capture_output=True, text=True, check=False)
-    if done.returncode != 0:
-        raise SystemExit(f"{command} modes {deck} ended with {done.returncode}:\n{done.stderr}")
-    return json.loads(done.stdout)["frequencies"]
-
-
 def compare(folder, arguments):
     print("| case | mass | mode | reference Hz | Mottle Hz | difference % |\n|---|---|---:|---:|---:|---:|")
     for name, reference, card, pins, constraints in cases(arguments.modes):
@@ -147,14 +138,7 @@ def main():
     parser.add_argument("mottle", help="path of the mottle command, - for none")
     parser.add_argument("--elements", type=int, default=20, help="number of elements along the beam")
     parser.add_argument("--modes", type=int, default=5, help="number of modes to compare")
-    parser.add_argument("--keep", type=pathlib.Path, help="folder in which to leave the decks")
-    arguments = parser.parse_args()
-    if arguments.keep:
-        arguments.keep.mkdir(parents=True, exist_ok=True)
-        compare(arguments.keep, arguments)
-    else:
-        with tempfile.TemporaryDirectory() as folder:
-            compare(pathlib.Path(folder), arguments)
+    run_in_folder(parser, compare)
 
 
 if __name__ == "__main__":

@@ -17,6 +17,7 @@ import tempfile
 
 import shells
 import solids
+from programs import run_mottle
 
 SIZE = (1.0, 0.8, 0.6)
 MODES = 6
@@ -80,7 +81,7 @@ def main():
             for cells in meshes:
                 deck = folder / f"{kind}_{cells}.bdf"
                 write_box(deck, kind, cells)
-                found.append(solids.run_mottle(command, deck))
+                found.append(run_mottle(command, deck))
             name = f"{solids.CARD[kind]}{10 if kind == 'C3D10' else ''} {' / '.join(map(str, meshes))}"
             worst = max(worst, report(name, box_frequencies(BOX_MODES), meshes, found))
         case = shells.cases()[0]
@@ -89,7 +90,7 @@ def main():
             for cells in (12, 24, 48):
                 deck = folder / f"{card}_{cells}.bdf"
                 shells.write_nastran(deck, case, card, cells, 8)
-                found.append(shells.run_mottle(command, deck))
+                found.append(run_mottle(command, deck))
             worst = max(worst, report(f"{card} 12 / 24 / 48", case[4][:MODES], (12, 24, 48), found))
     print(f"largest difference of a converged frequency: {worst:.4f} %")
     return 0 if worst <= ALLOWED else 1

@@ -10,12 +10,9 @@ cells; it is also printed beside the tables, whose Ritz values are up to 1 % hig
 """
 
 import argparse
-import json
 import math
-import os
-import pathlib
-import subprocess
-import tempfile
+
+from programs import run_calculix, run_in_folder, run_mottle
 
 YOUNG, POISSON, DENSITY = 7.0e10, 0.3, 2700.0
 SIDE = 1.0
@@ -147,30 +144,6 @@ def write_calculix(path, case, cells, modes):
         out.write(f"*STEP\n*FREQUENCY\n{modes + 6}\n*END STEP\n")
 
 
-def run_calculix(ccx, folder, name):
-    environment = dict(os.environ, OMP_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1")
-    done = subprocess.run([ccx, name], cwd=folder, env=environment, capture_output=True, text=True, check=False)
-    frequencies, is_table = [], False
-    for line in (folder / f"{name}.dat").read_text(encoding="ascii").splitlines():
-        fields = line.split()
-        if "E I G E N V A L U E   O U T P U T" in line:
-            is_table = True
-        elif is_table and len(fields) == 5 and fields[0].isdigit():
-            frequencies.append(float(fields[3]))
-        elif is_table and "P A R T I C I P A T I O N" in line:
-            break
-    if not frequencies:
-        raise SystemExit(f"CalculiX gave no frequencies for {name}:\n{done.stdout[-2000:]}")
-    return frequencies
-
-
-def run_mottle(command, deck):
-    done = subprocess.run([command, "modes", str(deck), "--json"], capture_output=True, text=True, check=False)
-    if done.returncode != 0:
-        raise SystemExit(f"{command} modes {deck} ended with {done.returncode}:\n{done.stderr}")
-    return json.loads(done.stdout)["frequencies"]
-
-
 def compare(folder, arguments):
     print("| case | element | mode | reference Hz | CalculiX Hz | Mottle Hz | difference % |")
     print("|---|---|---:|---:|---:|---:|---:|")
@@ -201,14 +174,7 @@ def main():
     parser.add_argument("--ccx", default="ccx", help="path of CalculiX")
     parser.add_argument("--cells", type=int, default=16, help="cells along each side")
     parser.add_argument("--modes", type=int, default=5, help="number of modes to compare")
-    parser.add_argument("--keep", type=pathlib.Path, help="folder in which to leave inputs and outputs")
-    arguments = parser.parse_args()
-    if arguments.keep:
-        arguments.keep.mkdir(parents=True, exist_ok=True)
-        compare(arguments.keep, arguments)
-    else:
-        with tempfile.TemporaryDirectory() as folder:
-            compare(pathlib.Path(folder), arguments)
+    run_in_folder(parser, compare)
 
 
 if __name__ == "__main__":

@@ -8,11 +8,8 @@ as a Nastran deck. The reference of a case is a fine mesh of CalculiX's 20-node 
 """
 
 import argparse
-import json
-import os
-import pathlib
-import subprocess
-import tempfile
+
+from programs import run_calculix, run_in_folder, run_mottle
 
 YOUNG, POISSON, DENSITY = 2.1e11, 0.3, 7850.0
 TETRAHEDRON_EDGES = ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3))
@@ -116,30 +113,6 @@ def write_nastran(path, kind, nodes, elements, modes):
         out.write("ENDDATA\n")
 
 
-def run_calculix(ccx, folder, name):
-    environment = dict(os.environ, OMP_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1")
-    done = subprocess.run([ccx, name], cwd=folder, env=environment, capture_output=True, text=True, check=False)
-    frequencies, is_table = [], False
-    for line in (folder / f"{name}.dat").read_text(encoding="ascii").splitlines():
-        fields = line.split()
-        if "E I G E N V A L U E   O U T P U T" in line:
-            is_table = True
-        elif is_table and len(fields) == 5 and fields[0].isdigit():
-            frequencies.append(float(fields[3]))
-        elif is_table and "P A R T I C I P A T I O N" in line:
-            break
-    if not frequencies:
-        raise SystemExit(f"CalculiX gave no frequencies for {name}:\n{done.stdout[-2000:]}")
-    return frequencies
-
-
-def run_mottle(command, deck):
-    done = subprocess.run([command, "modes", str(deck), "--json"], capture_output=True, text=True, check=False)
-    if done.returncode != 0:
-        raise SystemExit(f"{command} modes {deck} ended with {done.returncode}:\n{done.stderr}")
-    return json.loads(done.stdout)["frequencies"]
-
-
 def compare(folder, arguments):
     print("| case | CalculiX element | cells | mode | reference Hz | CalculiX Hz | Mottle Hz | Mottle - CalculiX % "
           "| CalculiX - reference % | Mottle - reference % |")
@@ -167,14 +140,7 @@ def main():
     parser.add_argument("mottle", help="path of the mottle command")
     parser.add_argument("--ccx", default="ccx", help="path of CalculiX")
     parser.add_argument("--modes", type=int, default=8, help="number of modes to compare")
-    parser.add_argument("--keep", type=pathlib.Path, help="folder in which to leave inputs and outputs")
-    arguments = parser.parse_args()
-    if arguments.keep:
-        arguments.keep.mkdir(parents=True, exist_ok=True)
-        compare(arguments.keep, arguments)
-    else:
-        with tempfile.TemporaryDirectory() as folder:
-            compare(pathlib.Path(folder), arguments)
+    run_in_folder(parser, compare)
 
 
 if __name__ == "__main__":
