@@ -206,7 +206,10 @@ SparseModes SparseModeSolver::solve(const SparseMatrix& stiffness, const SparseM
   const int sought = options.modes + (options.counts_below ? 2 : 0);
   const LanczosPairs pairs = largest_pairs(
       {.size = stiffness.rows(),
-       .solve = [&](Eigen::Ref<Eigen::MatrixXd> vectors) { factors_->definite->solve(std::move(vectors)); },
+       .solve =
+           [&](Eigen::Ref<Eigen::MatrixXd> vectors) {  // NOLINT(performance-unnecessary-value-param): a Ref is a view
+             factors_->definite->solve(vectors);
+           },
        .weigh = [&](const Eigen::Ref<const Eigen::MatrixXd>& vectors) { return symmetric_product(mass, vectors); }},
       sought, options.tolerance);
   result.basis_vectors = pairs.solved_vectors;

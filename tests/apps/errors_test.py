@@ -480,7 +480,7 @@ class ErrorsTest(support.CommandTest):
         if os.environ.get("MOTTLE_SHOW"):
             print(f"\n[{wrong.name}] exit {ended.code}\n{ended.err.rstrip()}")
         self.assertEqual(ended.code, wrong.code, ended.err)
-        self.assertLess(took, 5.0)
+        self.assertLess(took, 5.0 * support.PATIENCE)
         self.assertEqual(ended.out, "", "nothing belongs on stdout")
         lines = ended.err.splitlines()
         if not wrong.is_usage:
