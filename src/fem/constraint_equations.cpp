@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "mottle/core/error.hpp"
+#include "rigid_motion.hpp"
 
 namespace mottle {
 namespace {
@@ -15,22 +16,11 @@ bool has(Components components, int component) {
   return ((components >> component) & 1) != 0;
 }
 
-Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
-  Eigen::Matrix3d matrix;
-  matrix << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-  return matrix;
-}
-
 /// Displacement components of `node` (rows) for a rigid motion given at `origin` (columns: three translations, three
 /// rotations, basic).
 Rigid rigid_motion(const FiniteElementModel& model, int node, const Eigen::Vector3d& origin) {
-  const Eigen::Matrix3d directions = displacement_directions(model, node);
-  const Eigen::Vector3d arm = model.nodes[static_cast<std::size_t>(node)].position - origin;
-  Rigid motion = Rigid::Zero();
-  motion.topLeftCorner<3, 3>() = directions.transpose();
-  motion.topRightCorner<3, 3>() = -directions.transpose() * cross_matrix(arm);
-  motion.bottomRightCorner<3, 3>() = directions.transpose();
-  return motion;
+  return mottle::rigid_motion(displacement_directions(model, node),
+                              model.nodes[static_cast<std::size_t>(node)].position - origin);
 }
 
 const Eigen::Vector3d& position(const FiniteElementModel& model, int node) {

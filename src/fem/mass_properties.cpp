@@ -4,15 +4,10 @@
 
 #include "constraint_equations.hpp"
 #include "element_pieces.hpp"
+#include "rigid_motion.hpp"
 
 namespace mottle {
 namespace {
-
-Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
-  Eigen::Matrix3d matrix;
-  matrix << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-  return matrix;
-}
 
 /// Motion of one degree of freedom for the six unit motions about `origin`.
 Eigen::Matrix<double, 1, 6> rigid_row(const FiniteElementModel& model, int slot, bool is_basic,

@@ -3,26 +3,12 @@
 #include <fmt/format.h>
 
 #include "constraint_equations.hpp"
+#include "rigid_motion.hpp"
 
 namespace mottle {
 namespace {
 
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
-
-Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
-  Eigen::Matrix3d matrix;
-  matrix << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-  return matrix;
-}
-
-/// Motion at node + arm, in `axes`, from the node's motion in basic axes.
-Matrix6 rigid_arm(const Eigen::Matrix3d& axes, const Eigen::Vector3d& arm) {
-  Matrix6 motion = Matrix6::Zero();
-  motion.topLeftCorner<3, 3>() = axes.transpose();
-  motion.topRightCorner<3, 3>() = -axes.transpose() * cross_matrix(arm);
-  motion.bottomRightCorner<3, 3>() = axes.transpose();
-  return motion;
-}
 
 void place(int node, ElementPieces& result) {
   for (int c = 0; c < 6; ++c) result.degrees_of_freedom.push_back(degree_of_freedom(node, c));
@@ -87,11 +73,11 @@ void add_bush(const FiniteElementModel& model, const BushElement& element, Piece
     return Eigen::Vector3d(element.location - model.nodes[static_cast<std::size_t>(node)].position);
   };
   place(element.nodes[0], result);
-  Eigen::MatrixXd motion = -rigid_arm(element.axes, arm(element.nodes[0]));
+  Eigen::MatrixXd motion = -rigid_motion(element.axes, arm(element.nodes[0]));
   if (element.nodes[1] >= 0) {
     place(element.nodes[1], result);
     motion.conservativeResize(6, 12);
-    motion.rightCols(6) = rigid_arm(element.axes, arm(element.nodes[1]));
+    motion.rightCols(6) = rigid_motion(element.axes, arm(element.nodes[1]));
   }
   for (Eigen::Index c = 0; c < 6; ++c) {
     const auto k = static_cast<std::size_t>(c);
@@ -109,7 +95,7 @@ void add_point_mass(const FiniteElementModel& model, const PointMassElement& ele
   place(element.node, result);
   const double weigh = model.settings.mass_factor;
   if (!element.matrix.empty()) {
-    const Matrix6 motion = rigid_arm(element.axes, Eigen::Vector3d::Zero());
+    const Matrix6 motion = rigid_motion(element.axes, Eigen::Vector3d::Zero());
     std::size_t entry = 0;
     for (int row = 0; row < 6; ++row) {
       for (int column = 0; column <= row; ++column, ++entry) {
@@ -120,7 +106,7 @@ void add_point_mass(const FiniteElementModel& model, const PointMassElement& ele
     }
     return;
   }
-  const Matrix6 at_center = rigid_arm(element.axes, element.axes * element.offset);
+  const Matrix6 at_center = rigid_motion(element.axes, element.axes * element.offset);
   if (element.mass != k_no_field) {
     const Eigen::MatrixXd translations = at_center.topRows<3>().transpose() * at_center.topRows<3>();
     result.pieces.push_back({ElementPiece::Kind::mass, weigh, {{element.mass, 1}}, {}, translations});

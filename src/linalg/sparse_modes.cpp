@@ -183,10 +183,6 @@ SparseModeSolver::SparseModeSolver(SparseModeSolver&&) noexcept = default;
 SparseModeSolver& SparseModeSolver::operator=(SparseModeSolver&&) noexcept = default;
 SparseModeSolver::~SparseModeSolver() = default;
 
-SymmetricFactor& SparseModeSolver::factor() {
-  return *factors_->definite;
-}
-
 SparseModes SparseModeSolver::solve(const SparseMatrix& stiffness, const SparseMatrix& mass,
                                     const SparseModesOptions& options) {
   require(stiffness.rows() == stiffness.cols() && mass.rows() == stiffness.rows() && mass.cols() == stiffness.cols(),

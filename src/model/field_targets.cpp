@@ -39,10 +39,6 @@ TargetName split(const std::string& parameter, const std::string& target) {
   return name;
 }
 
-double* vector_number(Eigen::Vector3d& vector, int number) {
-  return &vector(number);
-}
-
 /// The names of a card's geometry numbers, in the order of their numbers.
 const std::vector<std::string>& geometry_names(const std::string& card) {
   static const std::map<std::string, std::vector<std::string>> k_names = {
@@ -98,12 +94,12 @@ std::vector<std::string> geometry_ids(const FiniteElementModel& model, const std
 
 double& geometry_number(FiniteElementModel& model, const GeometryTarget& target) {
   const auto index = static_cast<std::size_t>(target.index);
-  if (target.card == "GRID") return *vector_number(model.nodes[index].position, target.number);
-  if (target.card == "CONM2") return *vector_number(model.point_masses[index].offset, target.number);
+  if (target.card == "GRID") return model.nodes[index].position(target.number);
+  if (target.card == "CONM2") return model.point_masses[index].offset(target.number);
   if (target.card == "CBAR" || target.card == "CBEAM") {
     BeamElement& beam = model.beams[index];
-    if (target.number < 3) return *vector_number(beam.orientation, target.number);
-    return *vector_number(beam.offsets[target.number < 6 ? 0 : 1], target.number % 3);
+    if (target.number < 3) return beam.orientation(target.number);
+    return beam.offsets[target.number < 6 ? 0 : 1](target.number % 3);
   }
   return model.shells[index].offset;
 }

@@ -54,9 +54,6 @@ class SparseModeSolver {
   /// @throws SystemFailure   not enough memory
   SparseModes solve(const SparseMatrix& stiffness, const SparseMatrix& mass, const SparseModesOptions& options);
 
-  /// Factor of K - s M of the last solve, for further systems with it (shape derivatives, reduced bases).
-  SymmetricFactor& factor();
-
  private:
   struct Factors;
   std::unique_ptr<Factors> factors_;
