@@ -2,6 +2,7 @@
 # JOBS=n sets the number of parallel jobs, MOTTLE_WERROR=ON makes warnings errors.
 JOBS ?= $(shell nproc)
 MOTTLE_WERROR ?= OFF
+FUZZ_SECONDS ?= 60
 INSTALL = tools/install_packages.sh
 # Threads start in these layers; the rest runs below them or not in threads at all.
 TSAN_LAYERS = core linalg model propagation updating study
@@ -11,7 +12,7 @@ build = cmake --build --preset $(1) -j $(JOBS)
 ctest = ctest --preset $(1) -j $(JOBS)
 tsan_options = TSAN_OPTIONS="suppressions=$(CURDIR)/tools/tsan.supp $$TSAN_OPTIONS"
 
-.PHONY: build demo test lint asan tsan coverage deb bench clean
+.PHONY: build demo test lint asan tsan coverage fuzz deb bench clean
 .DEFAULT_GOAL := build
 
 build:
@@ -58,6 +59,13 @@ coverage:
 	MOTTLE_TEST_PATIENCE=5 $(call ctest,coverage) --label-exclude "packaging|browser|timed"
 	gcovr -j $(JOBS) --root . --filter src/ --filter include/ --exclude-throw-branches --print-summary \
 	  --fail-under-line 90 build/coverage
+
+# A short search for inputs that the readers do not survive; make fuzz FUZZ_SECONDS=3600 for a long one.
+fuzz:
+	$(INSTALL) --test --fuzz
+	$(call configure,fuzz)
+	$(call build,fuzz) --target nastran_fuzz csv_fuzz
+	tools/fuzz.sh build/fuzz $(FUZZ_SECONDS)
 
 deb:
 	$(INSTALL) --build --ci

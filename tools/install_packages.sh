@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Installs the Debian packages that are missing: all that is needed to build, test, or check this repository.
-#   tools/install_packages.sh [--run] [--build] [--test] [--ci] [--bench]     default: --build
+#   tools/install_packages.sh [--run] [--build] [--test] [--ci] [--fuzz] [--bench]     default: --build
 # Each set includes what it stands on (--test and --ci include --build). Asks for root only if something is missing.
 set -euo pipefail
 
@@ -13,6 +13,7 @@ build=(g++ make cmake ninja-build ca-certificates nodejs:node npm:npm
        nlohmann-json3-dev libcli11-dev)
 test=(libgtest-dev libgmock-dev python3:python3 chromium:chromium)
 ci=(clang-format:clang-format clang-tidy:clang-tidy gcovr:gcovr dpkg-dev file ccache:ccache)
+fuzz=(clang:clang++)
 bench=(libbenchmark-dev python3:python3 python3-scipy)
 
 wanted=()
@@ -22,8 +23,9 @@ for set in "${@:---build}"; do
     --build) wanted+=("${build[@]}") ;;
     --test) wanted+=("${build[@]}" "${test[@]}") ;;
     --ci) wanted+=("${build[@]}" "${test[@]}" "${ci[@]}") ;;
+    --fuzz) wanted+=("${build[@]}" "${fuzz[@]}") ;;
     --bench) wanted+=("${build[@]}" "${bench[@]}") ;;
-    *) echo "usage: $0 [--run] [--build] [--test] [--ci] [--bench]; found '$set'" >&2; exit 2 ;;
+    *) echo "usage: $0 [--run] [--build] [--test] [--ci] [--fuzz] [--bench]; found '$set'" >&2; exit 2 ;;
   esac
 done
 

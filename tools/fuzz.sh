@@ -1,0 +1,34 @@
+#!/usr/bin/env bash
+# Lets every fuzzer look for faults for a while, all at once. Stops with what was found; inputs that reach new code are
+# kept in BUILD/corpus and used by the next run.
+#   tools/fuzz.sh BUILD SECONDS
+set -euo pipefail
+build=$1 seconds=$2
+cd "$(dirname "$0")/.."
+
+# Every word in capitals that the reader knows is a token worth trying.
+grep -oh '"[A-Z][A-Z0-9]*"' src/formats/nastran_*.cpp | sort -u >"$build/nastran.dict"
+
+fuzz() {
+  local name=$1
+  shift
+  mkdir -p "$build/corpus/$name"
+  "$build/tests/fuzz/${name}_fuzz" -max_total_time="$seconds" -max_len=4096 -timeout=60 -rss_limit_mb=2048 \
+    -print_final_stats=1 -artifact_prefix="$build/$name-" "$build/corpus/$name" "$@" >"$build/$name.log" 2>&1
+}
+
+fuzz nastran -dict="$build/nastran.dict" tests/formats/nastran &
+nastran=$!
+fuzz csv examples/01-three-masses &
+csv=$!
+
+failed=0
+wait $nastran || failed=1
+wait $csv || failed=1
+if ((failed)); then
+  for log in "$build"/{nastran,csv}.log; do echo "::: $log"; tail -40 "$log"; done
+  exit 1
+fi
+for name in nastran csv; do
+  echo "$name: $(grep -oP 'number_of_executed_units: *\K\d+' "$build/$name.log") executions, no finding"
+done
