@@ -14,7 +14,7 @@ build=(g++ make cmake ninja-build ca-certificates nodejs:node npm:npm
 test=(libgtest-dev libgmock-dev python3:python3 chromium:chromium)
 ci=(clang-format:clang-format clang-tidy:clang-tidy gcovr:gcovr dpkg-dev file ccache:ccache)
 fuzz=(clang:clang++)
-bench=(libbenchmark-dev python3:python3 python3-scipy)
+bench=(libbenchmark-dev python3:python3 python3-scipy python3-petsc4py-real python3-slepc4py-real)
 
 wanted=()
 for set in "${@:---build}"; do

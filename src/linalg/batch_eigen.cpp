@@ -216,6 +216,10 @@ void mark_all_failed(BatchModes& result) {
 
 }  // namespace
 
+const Kernels& lane_kernels::widest_kernels() {
+  return kernels_for(SimdLevel::automatic);
+}
+
 bool is_simd_level_available(SimdLevel level) {
   switch (level) {
     case SimdLevel::automatic:

@@ -11,14 +11,20 @@ extern "C" void dgemm_(  // NOLINT(readability-identifier-naming): Fortran's nam
 
 namespace mottle {
 
-void use_one_blas_thread() {
-  static const bool is_done = [] {
-    // Found at run time: not every BLAS has it, and those that don't have no threads.
-    using SetThreads = void (*)(int);
-    if (const auto set = reinterpret_cast<SetThreads>(dlsym(RTLD_DEFAULT, "openblas_set_num_threads"))) set(1);
+void use_one_thread() {
+  // Found at run time: not every BLAS has them, and those that don't have no threads.
+  using Set = void (*)(int);
+  static const bool is_blas_done = [] {
+    if (const auto set = reinterpret_cast<Set>(dlsym(RTLD_DEFAULT, "openblas_set_num_threads"))) set(1);
     return true;
   }();
-  (void)is_done;
+  // OpenMP keeps this setting by thread. No active level at all: CHOLMOD asks for a number of threads by itself.
+  thread_local const bool is_openmp_done = [] {
+    if (const auto set = reinterpret_cast<Set>(dlsym(RTLD_DEFAULT, "omp_set_max_active_levels"))) set(0);
+    return true;
+  }();
+  (void)is_blas_done;
+  (void)is_openmp_done;
 }
 
 void multiply(double alpha, const Eigen::Ref<const Eigen::MatrixXd>& a, bool transposes_a,
@@ -26,7 +32,11 @@ void multiply(double alpha, const Eigen::Ref<const Eigen::MatrixXd>& a, bool tra
   assert((transposes_a ? a.cols() : a.rows()) == c.rows() && (transposes_a ? a.rows() : a.cols()) == b.rows());
   if (c.size() == 0) return;
   if (b.rows() == 0) {
-    c *= beta;
+    if (beta == 0.0) {
+      c.setZero();  // whatever it held, nan included
+    } else {
+      c *= beta;
+    }
     return;
   }
   const int rows = static_cast<int>(c.rows());

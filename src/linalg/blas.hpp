@@ -6,8 +6,9 @@
 
 namespace mottle {
 
-/// Keeps BLAS from starting threads of its own inside ours: they would slow both down and change the last bits of sums.
-void use_one_blas_thread();
+/// Keeps BLAS, and the OpenMP loops of the sparse packages, from starting threads of their own inside the calling thread:
+/// they would slow both down and change the last bits of sums. To be called wherever such a package is entered.
+void use_one_thread();
 
 /// C = alpha op(A) B + beta C, column-major; op transposes where asked.
 void multiply(double alpha, const Eigen::Ref<const Eigen::MatrixXd>& a, bool transposes_a,

@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "blas.hpp"
 #include "mottle/core/random.hpp"
@@ -32,7 +33,8 @@ class KrylovBasis {
       RandomStream stream({.seed = 0}, random_vectors_++);
       for (Eigen::Index i = 0; i < problem_.size; ++i) block(i, j) = stream.uniform() - 0.5;
     }
-    block = apply(block);
+    block = problem_.weigh(block);
+    solve(block);
     newest_ = orthonormalise(block, nullptr);
     coupling_.setZero();
     if (newest_ > 0) append(block);
@@ -40,7 +42,8 @@ class KrylovBasis {
 
   /// One block step: OP times the newest block, orthogonal to all before.
   void extend() {
-    Eigen::MatrixXd block = apply(basis_.middleCols(projected_size_, newest_));
+    Eigen::MatrixXd block = weighed_;
+    solve(block);
     Eigen::MatrixXd coefficients = Eigen::MatrixXd::Zero(size_, block.cols());
     const Eigen::Index next = orthonormalise(block, &coefficients);
     const Eigen::Index first = projected_size_;
@@ -95,11 +98,9 @@ class KrylovBasis {
   }
 
  private:
-  Eigen::MatrixXd apply(const Eigen::Ref<const Eigen::MatrixXd>& vectors) {
-    Eigen::MatrixXd result = problem_.weigh(vectors);
-    problem_.solve(result);
+  void solve(Eigen::MatrixXd& vectors) {
+    problem_.solve(vectors);
     solved_vectors_ += static_cast<int>(vectors.cols());
-    return result;
   }
 
   void append(const Eigen::MatrixXd& block) {
@@ -109,32 +110,39 @@ class KrylovBasis {
 
   /// Makes the block M-orthonormal to the basis and within itself; its first columns are the new vectors, their number
   /// is returned. `coefficients` receives Q' M block, coupling_ the triangle-like factor R with block_old = ... + new
-  /// R.
+  /// R, weighed_ M new.
   Eigen::Index orthonormalise(Eigen::MatrixXd& block, Eigen::MatrixXd* coefficients) {
+    constexpr double k_much_lost = 1e-5;
     const auto basis = basis_.leftCols(size_);
-    Eigen::MatrixXd weighed = problem_.weigh(block);
-    const double before = std::sqrt(block.cwiseProduct(weighed).colwise().sum().maxCoeff());
-    for (int sweep = 0; sweep < 2; ++sweep) {
-      const Eigen::MatrixXd components = transposed_product(basis, weighed);
+    const auto take_out = [&] {
+      const Eigen::MatrixXd components = transposed_product(basis, weighed_);
       multiply(-1.0, basis, false, components, 1.0, block);
       if (coefficients != nullptr) *coefficients += components;
-      weighed = problem_.weigh(block);
-    }
-    coupling_ = normalise(block, weighed, k_deflated * before);
+    };
+    weighed_ = problem_.weigh(block);
+    const double before = std::sqrt(block.cwiseProduct(weighed_).colwise().sum().maxCoeff());
+    take_out();
+    weighed_ = problem_.weigh(block);
+    take_out();  // rounding errors of the first time; too small to change M block
+    coupling_ = normalise(block, weighed_, k_deflated * before);
     if (block.cols() == 0) return 0;
-    // Scaling up what little was left has scaled up its rounding errors too.
-    weighed = problem_.weigh(block);
-    multiply(-1.0, basis, false, transposed_product(basis, weighed), 1.0, block);
-    weighed = problem_.weigh(block);
-    normalise(block, weighed, 0.0);
+    if (least_length_ < k_much_lost * before) {
+      // Scaling up what little was left has scaled up its rounding errors too.
+      coefficients = nullptr;
+      weighed_ = problem_.weigh(block);
+      take_out();
+      weighed_ = problem_.weigh(block);
+      normalise(block, weighed_, 0.0);
+    }
     return block.cols();
   }
 
   /// block = new R by Gram and Schmidt, twice a vector; what becomes shorter than `shortest` is dropped. A Gram matrix
   /// would be cheaper and could not tell 1e-8 from nothing.
-  static Eigen::MatrixXd normalise(Eigen::MatrixXd& block, Eigen::MatrixXd& weighed, double shortest) {
+  Eigen::MatrixXd normalise(Eigen::MatrixXd& block, Eigen::MatrixXd& weighed, double shortest) {
     Eigen::MatrixXd triangle = Eigen::MatrixXd::Zero(block.cols(), block.cols());
     Eigen::Index kept = 0;
+    least_length_ = std::numeric_limits<double>::infinity();
     for (Eigen::Index j = 0; j < block.cols(); ++j) {
       Eigen::VectorXd vector = block.col(j);
       Eigen::VectorXd weighed_vector = weighed.col(j);
@@ -147,6 +155,7 @@ class KrylovBasis {
       const double length = std::sqrt(std::max(0.0, vector.dot(weighed_vector)));
       if (length <= shortest) continue;
       triangle(kept, j) = length;
+      least_length_ = std::min(least_length_, length);
       block.col(kept) = vector / length;
       weighed.col(kept) = weighed_vector / length;
       ++kept;
@@ -162,6 +171,8 @@ class KrylovBasis {
   Eigen::MatrixXd basis_;      // [row x vector]; the first size_ columns are in use
   Eigen::MatrixXd projected_;  // T; the first projected_size_ rows and columns are known
   Eigen::MatrixXd coupling_;   // R of the newest block
+  Eigen::MatrixXd weighed_;    // M times the newest block
+  double least_length_ = 0.0;  // of the vectors that the last normalise() kept
   Eigen::Index size_ = 0;
   Eigen::Index projected_size_ = 0;  // size_ less the newest block
   Eigen::Index newest_ = 0;

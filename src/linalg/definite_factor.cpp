@@ -31,19 +31,18 @@ cholmod_sparse view(const SparseMatrix& lower) {
   return sparse;
 }
 
-class DefiniteFactor final : public SymmetricFactor {
+class CholmodFactor final : public DefiniteFactor {
  public:
-  DefiniteFactor() {
-    use_one_blas_thread();
+  CholmodFactor() {
     cholmod_start(&common_);
     common_.print = 0;
     common_.error_handler = nullptr;
     common_.supernodal = CHOLMOD_SUPERNODAL;
     common_.quick_return_if_not_posdef = 1;
   }
-  DefiniteFactor(const DefiniteFactor&) = delete;
-  DefiniteFactor& operator=(const DefiniteFactor&) = delete;
-  ~DefiniteFactor() override {
+  CholmodFactor(const CholmodFactor&) = delete;
+  CholmodFactor& operator=(const CholmodFactor&) = delete;
+  ~CholmodFactor() override {
     cholmod_free_dense(&solution_, &common_);
     cholmod_free_dense(&work_, &common_);
     cholmod_free_dense(&more_work_, &common_);
@@ -52,6 +51,7 @@ class DefiniteFactor final : public SymmetricFactor {
   }
 
   bool factorise(const SparseMatrix& lower) override {
+    use_one_thread();
     cholmod_sparse matrix = view(lower);
     if (factor_ == nullptr) {
       common_.nmethods = 1;
@@ -68,21 +68,11 @@ class DefiniteFactor final : public SymmetricFactor {
     return is_definite_;
   }
 
-  void solve(Eigen::Ref<Eigen::MatrixXd> right_hand_sides) override {
-    cholmod_dense sides = {};
-    sides.nrow = static_cast<std::size_t>(right_hand_sides.rows());
-    sides.ncol = static_cast<std::size_t>(right_hand_sides.cols());
-    sides.d = static_cast<std::size_t>(right_hand_sides.outerStride());
-    sides.nzmax = sides.d * sides.ncol;
-    sides.x = right_hand_sides.data();
-    sides.xtype = CHOLMOD_REAL;
-    sides.dtype = CHOLMOD_DOUBLE;
-    if (cholmod_solve2(CHOLMOD_A, factor_, &sides, nullptr, &solution_, nullptr, &work_, &more_work_, &common_) == 0) {
-      throw SystemFailure("CHOLMOD: not enough memory to solve");
-    }
-    right_hand_sides = Eigen::Map<const Eigen::MatrixXd, 0, Eigen::OuterStride<>>(
-        static_cast<const double*>(solution_->x), right_hand_sides.rows(), right_hand_sides.cols(),
-        Eigen::OuterStride<>(static_cast<Eigen::Index>(solution_->d)));
+  void solve(Eigen::Ref<Eigen::MatrixXd> right_hand_sides) override { solve_part(CHOLMOD_A, right_hand_sides); }
+
+  void solve_root(Eigen::Ref<Eigen::MatrixXd> right_hand_sides) override {
+    solve_part(CHOLMOD_Lt, right_hand_sides);
+    solve_part(CHOLMOD_Pt, right_hand_sides);
   }
 
   int negative_eigenvalues() const override { return 0; }
@@ -97,6 +87,24 @@ class DefiniteFactor final : public SymmetricFactor {
   std::string name() const override { return "CHOLMOD supernodal"; }
 
  private:
+  void solve_part(int system, Eigen::Ref<Eigen::MatrixXd> right_hand_sides) {
+    use_one_thread();
+    cholmod_dense sides = {};
+    sides.nrow = static_cast<std::size_t>(right_hand_sides.rows());
+    sides.ncol = static_cast<std::size_t>(right_hand_sides.cols());
+    sides.d = static_cast<std::size_t>(right_hand_sides.outerStride());
+    sides.nzmax = sides.d * sides.ncol;
+    sides.x = right_hand_sides.data();
+    sides.xtype = CHOLMOD_REAL;
+    sides.dtype = CHOLMOD_DOUBLE;
+    if (cholmod_solve2(system, factor_, &sides, nullptr, &solution_, nullptr, &work_, &more_work_, &common_) == 0) {
+      throw SystemFailure("CHOLMOD: not enough memory to solve");
+    }
+    right_hand_sides = Eigen::Map<const Eigen::MatrixXd, 0, Eigen::OuterStride<>>(
+        static_cast<const double*>(solution_->x), right_hand_sides.rows(), right_hand_sides.cols(),
+        Eigen::OuterStride<>(static_cast<Eigen::Index>(solution_->d)));
+  }
+
   cholmod_common common_ = {};
   cholmod_factor* factor_ = nullptr;
   cholmod_dense* solution_ = nullptr;
@@ -107,8 +115,8 @@ class DefiniteFactor final : public SymmetricFactor {
 
 }  // namespace
 
-std::unique_ptr<SymmetricFactor> make_definite_factor() {
-  return std::make_unique<DefiniteFactor>();
+std::unique_ptr<DefiniteFactor> make_definite_factor() {
+  return std::make_unique<CholmodFactor>();
 }
 
 }  // namespace mottle

@@ -23,7 +23,7 @@ std::mutex& one_at_a_time() {
 class IndefiniteFactor final : public SymmetricFactor {
  public:
   IndefiniteFactor() {
-    use_one_blas_thread();
+    use_one_thread();
     const std::lock_guard lock(one_at_a_time());
     mumps_.job = -1;
     mumps_.par = 1;

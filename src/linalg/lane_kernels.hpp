@@ -36,17 +36,33 @@ struct Output {
   unsigned char* trusted = nullptr;
 };
 
+/// A sparse symmetric matrix by its lower triangle, compressed columns.
+struct SparseLower {
+  int columns = 0;
+  const int* starts = nullptr;
+  const int* rows = nullptr;
+  const double* values = nullptr;
+};
+
+/// Vectors side by side are padded to a multiple of this.
+constexpr int k_vector_padding = 8;
+
 /// Kernels of one register width; each solves samples [begin, end).
 struct Kernels {
   void (*solve_small)(const Problem&, const Output&, long begin, long end);
   /// The workspace holds workspace_doubles(problem) and is aligned to 64 bytes.
   void (*solve_large)(const Problem&, const Output&, long begin, long end, double* workspace);
   long (*workspace_doubles)(const Problem&);
+  /// out += A in for `width` vectors, a multiple of k_vector_padding: both [column][vector].
+  void (*add_symmetric_product)(const SparseLower&, int width, const double* in, double* out);
 };
+
+/// The kernels of the widest registers that this processor has.
+const Kernels& widest_kernels();
 
 /// Orders that the kernels take: small ones up to k_jacobi_limit, large ones up to k_order_limit.
 constexpr int k_jacobi_limit = 8;
-constexpr int k_order_limit = 200;
+constexpr int k_order_limit = 400;
 
 void jacobi_plain(const Problem&, const Output&, long begin, long end);
 extern const Kernels k_plain;

@@ -3,8 +3,9 @@
 #define MOTTLE_LANES 4
 #define MOTTLE_COLUMN_BLOCK 2
 #include "linalg/lanes/solve.hpp"
+#include "linalg/lanes/sparse_product.hpp"
 
 namespace mottle::lane_kernels {
-const Kernels k_avx2{jacobi_avx2, solve_large, workspace_doubles};
+const Kernels k_avx2{jacobi_avx2, solve_large, workspace_doubles, add_symmetric_product};
 }
 #endif

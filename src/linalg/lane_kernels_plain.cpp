@@ -2,7 +2,8 @@
 #define MOTTLE_LANES 2
 #define MOTTLE_COLUMN_BLOCK 2
 #include "linalg/lanes/solve.hpp"
+#include "linalg/lanes/sparse_product.hpp"
 
 namespace mottle::lane_kernels {
-const Kernels k_plain{jacobi_plain, solve_large, workspace_doubles};
+const Kernels k_plain{jacobi_plain, solve_large, workspace_doubles, add_symmetric_product};
 }

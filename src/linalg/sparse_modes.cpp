@@ -30,7 +30,20 @@ double default_shift(const SparseMatrix& stiffness, const SparseMatrix& mass) {
   return -k_part_of_typical * *middle;
 }
 
+bool have_one_pattern(const SparseMatrix& a, const SparseMatrix& b) {
+  const auto starts = static_cast<std::size_t>(a.outerSize()) + 1;
+  const auto entries = static_cast<std::size_t>(a.nonZeros());
+  return a.nonZeros() == b.nonZeros() &&
+         std::ranges::equal(std::span(a.outerIndexPtr(), starts), std::span(b.outerIndexPtr(), starts)) &&
+         std::ranges::equal(std::span(a.innerIndexPtr(), entries), std::span(b.innerIndexPtr(), entries));
+}
+
 SparseMatrix shifted(const SparseMatrix& stiffness, const SparseMatrix& mass, double shift) {
+  if (have_one_pattern(stiffness, mass)) {
+    SparseMatrix result = stiffness;
+    result.coeffs() -= shift * mass.coeffs();
+    return result;
+  }
   SparseMatrix result = stiffness - shift * mass;
   result.makeCompressed();
   return result;
@@ -110,35 +123,8 @@ void fix_signs(Eigen::MatrixXd& vectors) {
 
 }  // namespace
 
-Eigen::MatrixXd symmetric_product(const SparseMatrix& lower, const Eigen::Ref<const Eigen::MatrixXd>& x) {
-  // By rows, so that one pass over the matrix serves all columns.
-  using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  const RowMatrix in = x;
-  RowMatrix out = RowMatrix::Zero(x.rows(), x.cols());
-  const Eigen::Index width = x.cols();
-  for (int j = 0; j < lower.outerSize(); ++j) {
-    const double* in_j = in.data() + j * width;
-    double* out_j = out.data() + j * width;
-    for (SparseMatrix::InnerIterator entry(lower, j); entry; ++entry) {
-      const double a = entry.value();
-      const Eigen::Index i = entry.row();
-      double* out_i = out.data() + i * width;
-      if (i == j) {
-        for (Eigen::Index c = 0; c < width; ++c) out_j[c] += a * in_j[c];
-        continue;
-      }
-      const double* in_i = in.data() + i * width;
-      for (Eigen::Index c = 0; c < width; ++c) {
-        out_i[c] += a * in_j[c];
-        out_j[c] += a * in_i[c];
-      }
-    }
-  }
-  return out;
-}
-
 struct SparseModeSolver::Factors {
-  std::unique_ptr<SymmetricFactor> definite = make_definite_factor();
+  std::unique_ptr<DefiniteFactor> definite = make_definite_factor();
   std::unique_ptr<SymmetricFactor> indefinite;
 
   std::vector<int> starts, rows;  ///< pattern of which the symbolic factorisations are
@@ -183,6 +169,10 @@ SparseModeSolver::SparseModeSolver(SparseModeSolver&&) noexcept = default;
 SparseModeSolver& SparseModeSolver::operator=(SparseModeSolver&&) noexcept = default;
 SparseModeSolver::~SparseModeSolver() = default;
 
+DefiniteFactor& SparseModeSolver::factor() {
+  return *factors_->definite;
+}
+
 SparseModes SparseModeSolver::solve(const SparseMatrix& stiffness, const SparseMatrix& mass,
                                     const SparseModesOptions& options) {
   require(stiffness.rows() == stiffness.cols() && mass.rows() == stiffness.rows() && mass.cols() == stiffness.cols(),
@@ -198,6 +188,7 @@ SparseModes SparseModeSolver::solve(const SparseMatrix& stiffness, const SparseM
     result.failed_row = factors_->definite->failed_column();
     return result;
   }
+  const SparseMatrix lean_mass = mass.pruned(0.0, 0.0);
   // Two more than wanted: a gap above the last wanted one is needed for the count.
   const int sought = options.modes + (options.counts_below ? 2 : 0);
   const LanczosPairs pairs = largest_pairs(
@@ -206,7 +197,7 @@ SparseModes SparseModeSolver::solve(const SparseMatrix& stiffness, const SparseM
            [&](Eigen::Ref<Eigen::MatrixXd> vectors) {  // NOLINT(performance-unnecessary-value-param): a Ref is a view
              factors_->definite->solve(vectors);
            },
-       .weigh = [&](const Eigen::Ref<const Eigen::MatrixXd>& vectors) { return symmetric_product(mass, vectors); }},
+       .weigh = [&](const Eigen::Ref<const Eigen::MatrixXd>& vectors) { return symmetric_product(lean_mass, vectors); }},
       sought, options.tolerance);
   result.basis_vectors = pairs.solved_vectors;
   if (!pairs.is_converged) {
@@ -221,7 +212,7 @@ SparseModes SparseModeSolver::solve(const SparseMatrix& stiffness, const SparseM
   result.values = values.head(found);
   result.vectors = vectors.leftCols(found);
   fix_signs(result.vectors);
-  result.residuals = relative_residuals(stiffness, mass, result);
+  if (options.measures) result.residuals = relative_residuals(stiffness, mass, result);
   if (options.counts_below && found > 0) {
     const Eigen::Index cut = cut_position(values, found, result.shift);
     const double below = cut > 0 ? values(cut - 1) : result.shift;

@@ -167,7 +167,7 @@ void FiniteElementStructure::solve(const Eigen::Ref<const Eigen::MatrixXd>& samp
       ModeSet found{Eigen::VectorXd::Constant(modes, std::numeric_limits<double>::quiet_NaN()), {}};
       std::string failure;
       try {
-        SparseModes solved = parameters.allFinite() ? solve_one(parameters, {.modes = modes}) : SparseModes{};
+        SparseModes solved = parameters.allFinite() ? solve_one(parameters, {.modes = modes, .measures = false}) : SparseModes{};
         failure = failure_text(solved);
         if (failure.empty() && solved.values.size() > 0) found = {std::move(solved.values), std::move(solved.vectors)};
       } catch (const InvalidInput& error) {

@@ -267,13 +267,25 @@ TEST(SymmetricFactor, BothPackagesSolveTheSameSystem) {
   dense.diagonal().array() += 0.1;
   const Eigen::MatrixXd sides = Eigen::MatrixXd::Random(81, 3);
   const Eigen::MatrixXd exact = dense.ldlt().solve(sides);
-  for (const auto& factor : {make_definite_factor().release(), make_indefinite_factor().release()}) {
-    const std::unique_ptr<SymmetricFactor> owner(factor);
-    ASSERT_TRUE(owner->factorise(lower_of(dense)));
+  std::vector<std::unique_ptr<SymmetricFactor>> factors;
+  factors.push_back(make_definite_factor());
+  factors.push_back(make_indefinite_factor());
+  for (const auto& factor : factors) {
+    ASSERT_TRUE(factor->factorise(lower_of(dense)));
     Eigen::MatrixXd x = sides;
-    owner->solve(x);
-    EXPECT_LT((x - exact).cwiseAbs().maxCoeff(), 1e-11) << owner->name();
+    factor->solve(x);
+    EXPECT_LT((x - exact).cwiseAbs().maxCoeff(), 1e-11) << factor->name();
   }
+}
+
+TEST(SymmetricFactor, RootTimesItsTransposeIsTheInverse) {
+  Eigen::MatrixXd dense = dense_of(grid_stiffness(7));
+  dense.diagonal().array() += 0.2;
+  const auto factor = make_definite_factor();
+  ASSERT_TRUE(factor->factorise(lower_of(dense)));
+  Eigen::MatrixXd root = Eigen::MatrixXd::Identity(49, 49);
+  factor->solve_root(root);
+  EXPECT_LT((root * root.transpose() - dense.inverse()).cwiseAbs().maxCoeff(), 1e-13);
 }
 
 TEST(SymmetricFactor, TheIndefiniteOneCountsNegativeEigenvalues) {

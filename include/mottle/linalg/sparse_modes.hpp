@@ -14,13 +14,14 @@ struct SparseModesOptions {
   int modes = 10;             ///< how many of the lowest, >= 1
   double tolerance = 1e-10;   ///< relative residual of the shift-inverted problem
   bool counts_below = false;  ///< factorise once more above the last mode and count the modes below
+  bool measures = true;       ///< finds the residuals, at the cost of a few products
 };
 
 /// The lowest modes and how good they are.
 struct SparseModes {
   Eigen::VectorXd values;       ///< lambda, ascending [mode]
   Eigen::MatrixXd vectors;      ///< phi' M phi = 1 [dof x mode]; the component of largest magnitude positive
-  Eigen::VectorXd residuals;    ///< norm(K phi - lambda M phi) / norm(|K| |phi| + |lambda| |M| |phi|) [mode]
+  Eigen::VectorXd residuals;    ///< norm(K phi - lambda M phi) / norm(|K| |phi| + |lambda| |M| |phi|) [mode], if measured
   double shift = 0.0;           ///< of the factorisation, below all modes
   int counted_below = -1;       ///< modes below `counted_at` by the inertia of K - counted_at M; -1: not asked for
   double counted_at = 0.0;      ///< between the last mode and the next, or below the root they share
@@ -53,6 +54,9 @@ class SparseModeSolver {
   /// @throws InvalidInput    shapes that do not fit, modes < 1
   /// @throws SystemFailure   not enough memory
   SparseModes solve(const SparseMatrix& stiffness, const SparseMatrix& mass, const SparseModesOptions& options);
+
+  /// The factor of K - shift M that the last solve() made.
+  DefiniteFactor& factor();
 
  private:
   struct Factors;

@@ -38,8 +38,15 @@ class SymmetricFactor {
   virtual std::string name() const = 0;
 };
 
-/// L L' of a positive definite matrix by CHOLMOD's supernodal code with METIS ordering: the fast one.
-std::unique_ptr<SymmetricFactor> make_definite_factor();
+/// P A P' = L L' of a positive definite matrix.
+class DefiniteFactor : public SymmetricFactor {
+ public:
+  /// X = P' L^-T B in place: A^-1 = S S' with S = P' L^-T.
+  virtual void solve_root(Eigen::Ref<Eigen::MatrixXd> right_hand_sides) = 0;
+};
+
+/// CHOLMOD's supernodal code with METIS ordering: the fast one.
+std::unique_ptr<DefiniteFactor> make_definite_factor();
 
 /// L D L' with pivoting of an indefinite matrix by MUMPS: the one that counts negative eigenvalues.
 std::unique_ptr<SymmetricFactor> make_indefinite_factor();
