@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <ctime>
 #include <exception>
 #include <filesystem>
 #include <fstream>
@@ -20,10 +19,14 @@
 #include "mottle/core/error.hpp"
 #include "mottle/formats/nastran_model.hpp"
 #include "mottle/model/field_targets.hpp"
+#include "patch_model.hpp"
 
 namespace {
 
 using mottle::SparseMatrix;
+using mottle::benchmarks::best_time;
+using mottle::benchmarks::patch_parameters;
+using mottle::benchmarks::time_of;
 
 struct Arguments {
   std::filesystem::path deck;
@@ -34,39 +37,10 @@ struct Arguments {
   double budget = 10.0;  ///< s, of the repetitions of each step
 };
 
-/// Of processor time: on one thread it is the clock's time where nothing else runs, and nearly so where something does.
-double seconds() {
-  return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
-}
-
-template <typename Work>
-double time_of(Work&& work) {
-  const double start = seconds();
-  work();
-  return seconds() - start;
-}
-
-/// Best of one to five calls, as many as fit into the budget.
-template <typename Work>
-double best_time(double budget, Work&& work) {
-  double best = 1e300;
-  const double end = seconds() + budget;
-  for (int call = 0; call < 5 && (call == 0 || seconds() + best < end); ++call) best = std::min(best, time_of(work));
-  return best;
-}
-
 std::string blas_kernel() {
   using CoreName = char* (*)();
   const auto core_name = reinterpret_cast<CoreName>(dlsym(RTLD_DEFAULT, "openblas_get_corename"));
   return core_name == nullptr ? "unknown" : core_name();
-}
-
-std::vector<mottle::ParameterTargets> patch_parameters(const Arguments& arguments) {
-  std::vector<mottle::ParameterTargets> parameters;
-  for (int p = 1; p <= arguments.parameters; ++p) {
-    parameters.push_back({fmt::format("x{}", p), {fmt::format("MAT1:{}:{}", p, arguments.field)}, true});
-  }
-  return parameters;
 }
 
 /// The reference, and points about 10 % away from it, another one each time.
@@ -141,7 +115,8 @@ void run(const Arguments& arguments) {
   std::filesystem::create_directories(arguments.folder);
   mottle::NastranModel deck;
   const double read = best_time(arguments.budget, [&] { deck = mottle::read_nastran_model(arguments.deck); });
-  const mottle::FieldTargets targets = mottle::find_field_targets(deck.model, patch_parameters(arguments));
+  const mottle::FieldTargets targets =
+      mottle::find_field_targets(deck.model, patch_parameters(arguments.parameters, arguments.field));
   mottle::AssembledModel model;
   const double assembly =
       best_time(arguments.budget, [&] { model = mottle::assemble(deck.model, targets.parameters); });

@@ -1,13 +1,23 @@
 #include "symmetric_product.hpp"
 
+#include <algorithm>
+
 #include "linalg/lane_kernels.hpp"
 #include "mottle/linalg/sparse_modes.hpp"
 
 namespace mottle {
 
-Eigen::Index padded_width(Eigen::Index width) {
+VectorRows to_rows(const Eigen::Ref<const Eigen::MatrixXd>& vectors) {
   constexpr Eigen::Index k_padding = lane_kernels::k_vector_padding;
-  return (width + k_padding - 1) / k_padding * k_padding;
+  constexpr Eigen::Index k_rows = 64;  // at a time: the columns' parts stay in the cache
+  const Eigen::Index width = (vectors.cols() + k_padding - 1) / k_padding * k_padding;
+  VectorRows rows(vectors.rows(), width);
+  rows.rightCols(width - vectors.cols()).setZero();
+  for (Eigen::Index first = 0; first < vectors.rows(); first += k_rows) {
+    const Eigen::Index count = std::min(k_rows, vectors.rows() - first);
+    rows.block(first, 0, count, vectors.cols()) = vectors.middleRows(first, count);
+  }
+  return rows;
 }
 
 VectorRows product_rows(const SparseMatrix& lower, const VectorRows& x) {
@@ -19,9 +29,7 @@ VectorRows product_rows(const SparseMatrix& lower, const VectorRows& x) {
 }
 
 Eigen::MatrixXd symmetric_product(const SparseMatrix& lower, const Eigen::Ref<const Eigen::MatrixXd>& x) {
-  VectorRows in = VectorRows::Zero(x.rows(), padded_width(x.cols()));
-  in.leftCols(x.cols()) = x;
-  return product_rows(lower, in).leftCols(x.cols());
+  return product_rows(lower, to_rows(x)).leftCols(x.cols());
 }
 
 }  // namespace mottle

@@ -10,8 +10,8 @@ namespace mottle {
 /// [row x vector], row by row; the number of vectors is a multiple of 8.
 using VectorRows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// Vectors that `width` ones need with their padding.
-Eigen::Index padded_width(Eigen::Index width);
+/// Vectors side by side, with their padding of zeros.
+VectorRows to_rows(const Eigen::Ref<const Eigen::MatrixXd>& vectors);
 
 /// A x for the symmetric A given by its lower triangle, compressed.
 VectorRows product_rows(const SparseMatrix& lower, const VectorRows& x);

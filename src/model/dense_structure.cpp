@@ -60,24 +60,31 @@ ModeSet DenseStructure::modes_at(const Eigen::Ref<const Eigen::VectorXd>& parame
   return {solved.values, solved.vectors};
 }
 
-void DenseStructure::solve(const Eigen::Ref<const Eigen::MatrixXd>& samples, int modes, bool needs_shapes,
-                           const RunContext& context, const Visitor& visit) const {
+SolverUse DenseStructure::solve(const Eigen::Ref<const Eigen::MatrixXd>& samples, int modes,
+                                const ModalObservation& observation, const RunContext& context,
+                                const Visitor& visit) const {
   const BatchModes batch =
       solve_batch(pencils_, coefficients(structure_.stiffness, samples), coefficients(structure_.mass, samples),
-                  {.modes = modes, .vectors = needs_shapes, .threads = context.threads});
+                  {.modes = modes, .vectors = observation.needs_shapes(), .threads = context.threads});
   constexpr std::int64_t k_grain = 256;
   parallel_for(samples.rows(), k_grain, context.threads, [&](std::int64_t begin, std::int64_t end) {
     for (Eigen::Index s = begin; s < end; ++s) {
-      ModeSet found{batch.values.col(s), {}};
-      if (!found.eigenvalues.allFinite()) {
-        visit(s, found,
+      ObservedModes observed{batch.values.col(s), {}, {}, {}};
+      if (!observed.eigenvalues.allFinite()) {
+        visit(s, observed,
               "the eigenproblem has no solution: the mass matrix is not positive definite or a value is not finite");
         continue;
       }
-      if (needs_shapes) found.shapes = batch.sample_vectors(s);
-      visit(s, found, {});
+      if (observation.needs_shapes()) {
+        const ModeSet found{batch.values.col(s), batch.sample_vectors(s)};
+        if (observation.reference.shapes.cols() > 0) observed.cosines = cosines(observation.reference, found);
+        observed.displacements = displacements(found.shapes, observation.degrees_of_freedom);
+        if (observation.damping) observed.damping_ratios = damping_ratios(samples.row(s).transpose(), found);
+      }
+      visit(s, observed, {});
     }
   });
+  return {};
 }
 
 Eigen::MatrixXd DenseStructure::cosines(const ModeSet& reference, const ModeSet& modes) const {

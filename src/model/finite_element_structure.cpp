@@ -158,26 +158,6 @@ ModeSet FiniteElementStructure::modes_at(const Eigen::Ref<const Eigen::VectorXd>
   return {found.values, found.vectors};
 }
 
-void FiniteElementStructure::solve(const Eigen::Ref<const Eigen::MatrixXd>& samples, int modes, bool /*needs_shapes*/,
-                                   const RunContext& context, const Visitor& visit) const {
-  parallel_for(samples.rows(), 1, context.threads, [&](std::int64_t begin, std::int64_t end) {
-    for (Eigen::Index s = begin; s < end; ++s) {
-      context.throw_if_stopped();
-      const Eigen::VectorXd parameters = samples.row(s).transpose();
-      ModeSet found{Eigen::VectorXd::Constant(modes, std::numeric_limits<double>::quiet_NaN()), {}};
-      std::string failure;
-      try {
-        SparseModes solved = parameters.allFinite() ? solve_one(parameters, {.modes = modes, .measures = false}) : SparseModes{};
-        failure = failure_text(solved);
-        if (failure.empty() && solved.values.size() > 0) found = {std::move(solved.values), std::move(solved.vectors)};
-      } catch (const InvalidInput& error) {
-        failure = error.what();  // a geometry that this sample's parameters make impossible
-      }
-      visit(s, found, failure);
-    }
-  });
-}
-
 Eigen::MatrixXd FiniteElementStructure::cosines(const ModeSet& reference, const ModeSet& modes) const {
   const Eigen::MatrixXd weighed = symmetric_product(reference_mass_, modes.shapes);
   const Eigen::RowVectorXd lengths = modes.shapes.cwiseProduct(weighed).colwise().sum().cwiseSqrt();

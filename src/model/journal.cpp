@@ -15,7 +15,7 @@
 namespace mottle {
 namespace {
 
-constexpr std::string_view k_magic = "mottle journal 2\n";
+constexpr std::string_view k_magic = "mottle journal 3\n";
 
 void append_bytes(std::string& bytes, const void* data, std::size_t size) {
   bytes.append(static_cast<const char*>(data), size);
@@ -67,6 +67,7 @@ std::string encode(std::uint64_t question, const Evaluation& evaluation) {
   for (const FailedRun& failure : evaluation.failures) append_remark(body, failure.sample, failure.reason);
   append_value(body, static_cast<std::int64_t>(evaluation.notes.size()));
   for (const SampleNote& note : evaluation.notes) append_remark(body, note.sample, note.text);
+  append_value(body, evaluation.use);
   std::string record;
   append_value(record, static_cast<std::uint64_t>(body.size()));
   append_value(record, fingerprint(body));
@@ -98,7 +99,7 @@ bool decode(std::string_view body, std::uint64_t question, Eigen::Index rows, Ei
   if (!reader.read(asked) || asked != question || !reader.read(stored_rows) || stored_rows != rows) return false;
   result.outputs.resize(rows, outputs);
   if (!reader.copy(result.outputs.data(), static_cast<std::size_t>(rows * outputs) * sizeof(double))) return false;
-  return read_remarks(reader, result.failures) && read_remarks(reader, result.notes);
+  return read_remarks(reader, result.failures) && read_remarks(reader, result.notes) && reader.read(result.use);
 }
 
 }  // namespace
@@ -206,7 +207,9 @@ Evaluation JournalledModel::evaluate(const Eigen::Ref<const Eigen::MatrixXd>& sa
       whole.failures.push_back({begin + failure.sample, std::move(failure.reason)});
     }
     for (SampleNote& note : answer.notes) whole.notes.push_back({begin + note.sample, std::move(note.text)});
+    whole.use += answer.use;
   }
+  use_ += whole.use;
   return whole;
 }
 

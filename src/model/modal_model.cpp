@@ -122,17 +122,15 @@ int ModalModel::solved_modes() const {
   return selection_.tracking == ModeTracking::mac ? std::min(all, highest_mode_ + k_guard_modes) : highest_mode_;
 }
 
-ModalModel::Match ModalModel::match_modes(const ModeSet& modes) const {
+ModalModel::Match ModalModel::match_modes(Eigen::Index found, const Eigen::MatrixXd& cosines) const {
   Match match;
   match.sign.assign(static_cast<std::size_t>(highest_mode_), 1.0);
   for (int mode = 0; mode < highest_mode_; ++mode) match.column.push_back(mode);
-  if (modes.eigenvalues.size() < highest_mode_) {
-    match.failure = fmt::format("only {} modes were found, {} are needed", modes.eigenvalues.size(), highest_mode_);
+  if (found < highest_mode_) {
+    match.failure = fmt::format("only {} modes were found, {} are needed", found, highest_mode_);
     return match;
   }
-  if (!needs_shapes()) return match;
-  const ModeSet reference{reference_.eigenvalues.head(highest_mode_), reference_.shapes.leftCols(highest_mode_)};
-  const Eigen::MatrixXd cosines = structure_->cosines(reference, modes);
+  if (cosines.size() == 0) return match;
   if (selection_.tracking == ModeTracking::mac) {
     const TrackedModes tracked = track_modes(cosines, selection_.minimum_mac);
     match.column = tracked.mode;
@@ -150,8 +148,7 @@ ModalModel::Match ModalModel::match_modes(const ModeSet& modes) const {
   return match;
 }
 
-std::string ModalModel::fill_outputs(const ModeSet& modes, const Match& match,
-                                     const Eigen::Ref<const Eigen::VectorXd>& parameters,
+std::string ModalModel::fill_outputs(const ObservedModes& modes, const Match& match,
                                      Eigen::Ref<Eigen::RowVectorXd, 0, Eigen::InnerStride<>> row) const {
   const auto column = [&](int mode) { return match.column[static_cast<std::size_t>(mode - 1)]; };
   const double scale = reference_.eigenvalues.cwiseAbs().maxCoeff();
@@ -162,13 +159,10 @@ std::string ModalModel::fill_outputs(const ModeSet& modes, const Match& match,
   }
   for (const int mode : selection_.shape_modes) {
     const double sign = match.sign[static_cast<std::size_t>(mode - 1)];
-    const Eigen::VectorXd shape = structure_->displacements(modes.shapes.col(column(mode)), shape_rows_);
-    for (const double component : shape) row(output++) = sign * component;
+    for (const double component : modes.displacements.col(column(mode))) row(output++) = sign * component;
   }
-  if (selection_.damping.empty()) return {};
-  const Eigen::VectorXd ratios = structure_->damping_ratios(parameters, modes);
   for (const int mode : selection_.damping) {
-    row(output++) = ratios(column(mode));
+    row(output++) = modes.damping_ratios(column(mode));
     if (std::isnan(row(output - 1))) return fmt::format("mode {} does not oscillate: it is overdamped", mode);
   }
   return {};
@@ -180,17 +174,17 @@ Evaluation ModalModel::evaluate(const Eigen::Ref<const Eigen::MatrixXd>& samples
                              std::numeric_limits<double>::quiet_NaN());
   std::vector<std::string> reasons(static_cast<std::size_t>(samples.rows()));
   std::vector<std::string> notes(reasons.size());
-  const auto visit = [&](Eigen::Index s, const ModeSet& modes, const std::string& failure) {
+  const auto visit = [&](Eigen::Index s, const ObservedModes& modes, const std::string& failure) {
     std::string& reason = reasons[static_cast<std::size_t>(s)];
     reason = samples.row(s).allFinite() ? failure : "a parameter is not finite";
     if (!reason.empty()) return;
-    Match match = match_modes(modes);
+    Match match = match_modes(modes.eigenvalues.size(), modes.cosines);
     reason = match.failure;
-    if (reason.empty()) reason = fill_outputs(modes, match, samples.row(s).transpose(), result.outputs.row(s));
+    if (reason.empty()) reason = fill_outputs(modes, match, result.outputs.row(s));
     if (!reason.empty()) result.outputs.row(s).setConstant(std::numeric_limits<double>::quiet_NaN());
     notes[static_cast<std::size_t>(s)] = std::move(match.note);
   };
-  structure_->solve(samples, solved_modes(), needs_shapes(), context, visit);
+  result.use = structure_->solve(samples, solved_modes(), observation(), context, visit);
   for (Eigen::Index s = 0; s < samples.rows(); ++s) {
     const auto k = static_cast<std::size_t>(s);
     if (!reasons[k].empty()) {
@@ -202,13 +196,26 @@ Evaluation ModalModel::evaluate(const Eigen::Ref<const Eigen::MatrixXd>& samples
   return result;
 }
 
+ModalObservation ModalModel::observation() const {
+  if (!needs_shapes()) return {};
+  return {numbered_modes(), shape_rows_, !selection_.damping.empty()};
+}
+
+ModeSet ModalModel::numbered_modes() const {
+  return {reference_.eigenvalues.head(highest_mode_), reference_.shapes.leftCols(highest_mode_)};
+}
+
+ModalModel::Match ModalModel::match_all(const ModeSet& modes) const {
+  if (!needs_shapes()) return match_modes(modes.eigenvalues.size(), {});
+  return match_modes(modes.eigenvalues.size(), structure_->cosines(numbered_modes(), modes));
+}
+
 ModalModel::FollowedModes ModalModel::follow(const Eigen::Ref<const Eigen::VectorXd>& parameters) const {
   const ModeSet modes = structure_->modes_at(parameters, solved_modes());
-  const Match match = match_modes(modes);
+  const Match match = match_all(modes);
   if (!match.failure.empty()) throw InvalidInput(match.failure);
   FollowedModes followed{{modes.eigenvalues(match.column), modes.shapes(Eigen::all, match.column)}, match.column, {}};
-  const ModeSet reference{reference_.eigenvalues.head(highest_mode_), reference_.shapes.leftCols(highest_mode_)};
-  const Eigen::MatrixXd cosines = structure_->cosines(reference, followed.modes);
+  const Eigen::MatrixXd cosines = structure_->cosines(numbered_modes(), followed.modes);
   for (Eigen::Index k = 0; k < highest_mode_; ++k) followed.mac.push_back(cosines(k, k) * cosines(k, k));
   return followed;
 }
@@ -219,7 +226,7 @@ Eigen::MatrixXd ModalModel::reference_displacements() const {
 
 Eigen::MatrixXd ModalModel::jacobian(const Eigen::Ref<const Eigen::VectorXd>& parameters) const {
   const ModeSet modes = structure_->modes_at(parameters, solved_modes());
-  const Match match = match_modes(modes);
+  const Match match = match_all(modes);
   if (!match.failure.empty()) throw InvalidInput(match.failure);
   const auto column = [&](int mode) { return match.column[static_cast<std::size_t>(mode - 1)]; };
   const double scale = modes.eigenvalues.cwiseAbs().maxCoeff();

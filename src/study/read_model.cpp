@@ -92,6 +92,8 @@ StudyModelSource read_model(TomlReader reader, const std::filesystem::path& fold
       source.ignore_cards.insert(card);
     }
   }
+  source.may_reduce = reader.choice("reduction", {"auto", "off"}, 0) == 0;
+  source.frequency_error = reader.number_or("frequency_error", source.frequency_error, {1e-8, 0.1});
   reader.finish();
   return source;
 }

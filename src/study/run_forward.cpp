@@ -13,6 +13,7 @@
 #include "mottle/study/text_file.hpp"
 #include "result_json.hpp"
 #include "run_files.hpp"
+#include "solver_use.hpp"
 
 namespace mottle {
 namespace {
@@ -134,6 +135,7 @@ RunSummary run_propagate(const Study& study, const std::optional<std::filesystem
   folder.write("clouds.csv", clouds_csv({cloud}, *made.space, model.outputs()));
   Json json = propagate_json(study, made, cloud);
   json["timings_s"] = {{"total", steady_seconds() - start}};
+  tell_solver_use(model.use(), json, context);
   folder.write("result.json", pretty(json));
   RunSummary summary;
   summary.status = "done";

@@ -13,6 +13,7 @@
 #include "mottle/updating/verdict.hpp"
 #include "result_json.hpp"
 #include "run_files.hpp"
+#include "solver_use.hpp"
 
 namespace mottle {
 namespace {
@@ -156,6 +157,7 @@ RunSummary run_update(const Study& study, const RunSettings& settings) {
                        {"writing", steady_seconds() - updated},
                        {"total", steady_seconds() - start}};
   write_shapes(folder, *made.model, result.mean);
+  tell_solver_use(model.use(), json, context);
   folder.write("result.json", pretty(json));
 
   RunSummary summary;

@@ -127,7 +127,8 @@ std::vector<int> match_columns(const CsvTable& table, const Study& study, const 
 /// A structure and what belongs to it.
 struct ModelParts {
   std::unique_ptr<ModalStructure> structure;
-  Eigen::VectorXd reference;  ///< parameters at which modes are numbered
+  FiniteElementStructure* finite_elements = nullptr;  ///< the same, where it is one
+  Eigen::VectorXd reference;                          ///< parameters at which modes are numbered
   std::vector<PhysicalLimit> limits;
   std::vector<std::string> files;
   std::vector<std::string> notes;
@@ -148,8 +149,18 @@ ModelParts make_parts(const StudyModelSource& source, const std::vector<Paramete
   auto structure = std::make_unique<FiniteElementStructure>(std::move(deck.model), targets, prior_mean);
   parts.reference = structure->reference();
   parts.limits = structure->limits();
+  parts.finite_elements = structure.get();
   parts.structure = std::move(structure);
   return parts;
+}
+
+/// A reduced model learns from the prior, by samples that no cloud uses: its numbers then depend on nothing else.
+ReductionSettings reduction_settings(double frequency_error, const ParameterSpace& space) {
+  constexpr int k_training_samples = 400;
+  const StreamKey key{.seed = 1, .purpose = StreamPurpose::basis_training};
+  return {.frequency_error = frequency_error,
+          .nominal = space.prior().mean(),
+          .training = space.draw(space.prior(), SamplingDesign::latin_hypercube, k_training_samples, key).samples};
 }
 
 }  // namespace
@@ -177,6 +188,9 @@ StudyModel make_model(const Study& study, const StudyParameters& parameters) {
     made.notes = std::move(parts.notes);
     made.space = std::make_unique<ParameterSpace>(std::move(list), std::move(prior));
     require_effects(parameters, outputs);
+    if (study.model.may_reduce && parts.finite_elements != nullptr) {
+      parts.finite_elements->allow_reduction(reduction_settings(study.model.frequency_error, *made.space));
+    }
     made.model = std::make_unique<ModalModel>(std::move(parts.structure), std::move(outputs), parts.reference);
     require_own_names(parameters, made.model->outputs());
     return made;

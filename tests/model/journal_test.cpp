@@ -170,7 +170,7 @@ TEST_F(Journal, TornWithinTheLastRecordLosesThatRecordAlone) {
 TEST_F(Journal, DamagedInAnyByteOfItsRecordsNeverGivesAWrongAnswer) {
   run(samples(), false);
   const std::string whole = read_file(path);
-  constexpr std::size_t k_head = 17 + 8;  // "mottle journal 2\n" and the fingerprint
+  constexpr std::size_t k_head = 17 + 8;  // "mottle journal 3\n" and the fingerprint
   for (std::size_t byte = k_head; byte < whole.size(); ++byte) {
     std::string damaged = whole;
     damaged[byte] = static_cast<char>(damaged[byte] ^ 0x40);
@@ -192,7 +192,7 @@ TEST_F(Journal, OfAnotherStudyIsStillThereAfterTheRefusal) {
 }
 
 TEST_F(Journal, OfAnotherVersionIsRefused) {
-  const std::string other = "mottle journal 2\n" + std::string(100, 'x');
+  const std::string other = "mottle journal 3\n" + std::string(100, 'x');
   leave(path, other);
   EXPECT_THROW(run(samples(), true), InvalidInput);
   EXPECT_EQ(read_file(path), other);

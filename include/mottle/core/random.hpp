@@ -16,6 +16,8 @@ enum class StreamPurpose : std::uint32_t {
   truth = 5,
   test_noise = 6,
   bootstrap = 7,
+  residual_sketch = 8,
+  basis_training = 9,
 };
 
 /// The part of a stream's name that all samples of one draw share.

@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "mottle/linalg/symmetric_factor.hpp"
+#include "mottle/linalg/reduced_model.hpp"
 
 namespace mottle {
 
@@ -35,5 +35,12 @@ struct SeparableMatrix {
   /// Its derivative with respect to one parameter, in the same pattern.
   SparseMatrix derivative(const Eigen::Ref<const Eigen::VectorXd>& parameters, int parameter) const;
 };
+
+/// The terms of K(x) and M(x) as matrices of their own.
+PencilTerms pencil_terms(const SeparableMatrix& stiffness, const SeparableMatrix& mass);
+
+/// Their coefficients at samples [sample x parameter].
+TermCoefficients term_coefficients(const SeparableMatrix& stiffness, const SeparableMatrix& mass,
+                                   const Eigen::Ref<const Eigen::MatrixXd>& samples);
 
 }  // namespace mottle

@@ -54,7 +54,7 @@ struct BatchModes {
 ///
 ///   K(s) phi = lambda M(s) phi,   phi' M(s) phi = 1
 ///
-/// Up to 8 degrees of freedom: cyclic Jacobi; up to 200: Householder tridiagonalisation, bisection and inverse
+/// Up to 8 degrees of freedom: cyclic Jacobi; up to 400: Householder tridiagonalisation, bisection and inverse
 /// iteration; both with one sample in each SIMD lane. Larger orders, and samples that the lanes cannot vouch for, go
 /// one by one through solve_modes. A sample's result has the same bits whatever its neighbours, its place in the
 /// batch and the number of threads, on one machine with one binary. A constant mass is reduced once for the family.

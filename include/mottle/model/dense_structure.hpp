@@ -20,8 +20,8 @@ class DenseStructure final : public ModalStructure {
                                 const std::vector<int>& degrees_of_freedom) const override;
   /// All modes, however many are asked for.
   ModeSet modes_at(const Eigen::Ref<const Eigen::VectorXd>& parameters, int modes) const override;
-  void solve(const Eigen::Ref<const Eigen::MatrixXd>& samples, int modes, bool needs_shapes, const RunContext& context,
-             const Visitor& visit) const override;
+  SolverUse solve(const Eigen::Ref<const Eigen::MatrixXd>& samples, int modes, const ModalObservation& observation,
+                  const RunContext& context, const Visitor& visit) const override;
   Eigen::MatrixXd cosines(const ModeSet& reference, const ModeSet& modes) const override;
   Eigen::MatrixXd eigenvalue_derivatives(const Eigen::Ref<const Eigen::VectorXd>& parameters,
                                          const ModeSet& modes) const override;

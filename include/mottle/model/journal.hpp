@@ -35,11 +35,14 @@ class JournalledModel final : public Model {
 
   /// Samples answered from the journal of an earlier run.
   std::int64_t reused() const;
+  /// How all samples so far were solved.
+  const SolverUse& use() const { return use_; }
 
  private:
   class File;
   const Model& model_;
   std::unique_ptr<File> file_;
+  mutable SolverUse use_;
 };
 
 }  // namespace mottle

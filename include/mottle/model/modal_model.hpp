@@ -76,9 +76,11 @@ class ModalModel final : public Model, public DifferentiableModel {
   void check_selection() const;
   void name_outputs();
   struct Match;
-  Match match_modes(const ModeSet& modes) const;
-  std::string fill_outputs(const ModeSet& modes, const Match& match,
-                           const Eigen::Ref<const Eigen::VectorXd>& parameters,
+  Match match_modes(Eigen::Index found, const Eigen::MatrixXd& cosines) const;
+  Match match_all(const ModeSet& modes) const;
+  ModalObservation observation() const;
+  ModeSet numbered_modes() const;
+  std::string fill_outputs(const ObservedModes& modes, const Match& match,
                            Eigen::Ref<Eigen::RowVectorXd, 0, Eigen::InnerStride<>> row) const;
 
   std::unique_ptr<ModalStructure> structure_;

@@ -8,8 +8,26 @@
 
 #include "mottle/core/run_context.hpp"
 #include "mottle/modal/mode_set.hpp"
+#include "mottle/model/model.hpp"
 
 namespace mottle {
+
+/// What is read off the modes of every sample.
+struct ModalObservation {
+  ModeSet reference = {};                    ///< shapes to compare with; without shapes: no comparison
+  std::vector<int> degrees_of_freedom = {};  ///< where displacements are wanted
+  bool damping = false;                      ///< whether damping ratios are wanted
+
+  bool needs_shapes() const { return reference.shapes.cols() > 0 || !degrees_of_freedom.empty() || damping; }
+};
+
+/// Modes of one sample as far as they are observed.
+struct ObservedModes {
+  Eigen::VectorXd eigenvalues;     ///< ascending [mode]
+  Eigen::MatrixXd cosines;         ///< with the reference's shapes [reference mode x mode]
+  Eigen::MatrixXd displacements;   ///< [degree of freedom x mode]
+  Eigen::VectorXd damping_ratios;  ///< [mode]
+};
 
 /// K(x), M(x) and C(x) of one structure and the way its modes are found. Shapes have a row for each equation; the
 /// degrees of freedom that a user names are found by number and read off by `displacements`.
@@ -36,11 +54,14 @@ class ModalStructure {
 
   /// What is done with each sample; called once a sample, by several threads at once. A failure that is not empty says
   /// why there are no modes.
-  using Visitor = std::function<void(Eigen::Index sample, const ModeSet& modes, const std::string& failure)>;
+  using Visitor = std::function<void(Eigen::Index sample, const ObservedModes& modes, const std::string& failure)>;
 
   /// The lowest `modes` modes of each row of `samples` [sample x parameter].
-  virtual void solve(const Eigen::Ref<const Eigen::MatrixXd>& samples, int modes, bool needs_shapes,
-                     const RunContext& context, const Visitor& visit) const = 0;
+  ///
+  /// @return  how they were found
+  virtual SolverUse solve(const Eigen::Ref<const Eigen::MatrixXd>& samples, int modes,
+                          const ModalObservation& observation, const RunContext& context,
+                          const Visitor& visit) const = 0;
 
   /// Cosines between shapes of the reference and of a sample, [reference mode x mode], within [-1, 1]; squares are the
   /// modal assurance criterion.

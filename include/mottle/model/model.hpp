@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -28,11 +29,32 @@ struct SampleNote {
   std::string text;
 };
 
+/// How the modes of a batch were found.
+struct SolverUse {
+  std::int64_t reduced = 0;      ///< samples solved by the reduced model, each with a bound on its error
+  std::int64_t exact = 0;        ///< samples solved with the full matrices
+  std::int64_t basis = 0;        ///< vectors of the largest reduced basis
+  double frequency_error = 0.0;  ///< the largest bound on a frequency's relative error among the reduced ones
+  double reduced_seconds = 0.0;  ///< processor time of the reduced model, its construction included
+  double exact_seconds = 0.0;    ///< and of one exact solution; 0: not known
+
+  SolverUse& operator+=(const SolverUse& other) {
+    reduced += other.reduced;
+    exact += other.exact;
+    basis = std::max(basis, other.basis);
+    frequency_error = std::max(frequency_error, other.frequency_error);
+    reduced_seconds += other.reduced_seconds;
+    exact_seconds = std::max(exact_seconds, other.exact_seconds);
+    return *this;
+  }
+};
+
 /// Outputs of a batch. A failed run is a row of nan and an entry in `failures`, never an exception.
 struct Evaluation {
   Eigen::MatrixXd outputs;             ///< [sample x output]
   std::vector<FailedRun> failures;     ///< ascending in sample
   std::vector<SampleNote> notes = {};  ///< ascending in sample
+  SolverUse use = {};
 };
 
 /// A structure with q uncertain parameters x and p outputs y = f(x).
@@ -43,7 +65,8 @@ class Model {
   virtual Eigen::Index parameter_count() const = 0;
   virtual const std::vector<Output>& outputs() const = 0;
 
-  /// Evaluates every row of `samples` [sample x parameter]. A row's result depends on that row alone.
+  /// Evaluates every row of `samples` [sample x parameter]. A row's result depends on that row alone, but for models
+  /// that answer within a tolerance: there on the batch that it is in, and on nothing before.
   virtual Evaluation evaluate(const Eigen::Ref<const Eigen::MatrixXd>& samples, const RunContext& context) const = 0;
 
   /// The parts of a batch that may be lost when a run is killed: about so many samples.

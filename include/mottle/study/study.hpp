@@ -26,6 +26,8 @@ struct StudyModelSource {
   MassSpringSystem system = {};
   std::filesystem::path deck = {};          ///< resolved against the study's folder
   std::set<std::string> ignore_cards = {};  ///< in capitals
+  bool may_reduce = true;                   ///< clouds by a reduced model where that pays
+  double frequency_error = 1e-4;            ///< that a reduced model may make, relative
 };
 
 /// One [[parameter]].

@@ -1,4 +1,4 @@
-// Pencils of 9 to 200 degrees of freedom, one batch after another. Included by one file per register width, which
+// Pencils of 9 to 400 degrees of freedom, one batch after another. Included by one file per register width, which
 // sets MOTTLE_LANES and MOTTLE_COLUMN_BLOCK.
 #pragma once
 

@@ -1,0 +1,88 @@
+// Many large sparse pencils of one family by a reduced basis from one factorisation, each result with a bound on its
+// error.
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "mottle/linalg/sparse_modes.hpp"
+
+namespace mottle {
+
+/// K(s) = K_0 + sum_t a_t(s) K_t, M(s) = M_0 + sum_t b_t(s) M_t: lower triangles, compressed, all of one size; M
+/// positive semidefinite. The constants may be without entries.
+struct PencilTerms {
+  SparseMatrix stiffness_constant;
+  std::vector<SparseMatrix> stiffness;
+  SparseMatrix mass_constant;
+  std::vector<SparseMatrix> mass;
+};
+
+/// a_t(s) and b_t(s), [term x sample].
+struct TermCoefficients {
+  Eigen::MatrixXd stiffness;
+  Eigen::MatrixXd mass;
+
+  Eigen::Index samples() const { return stiffness.cols(); }
+  TermCoefficients range(Eigen::Index first, Eigen::Index count) const {
+    return {stiffness.middleCols(first, count), mass.middleCols(first, count)};
+  }
+};
+
+struct ReducedModelOptions {
+  int modes = 10;           ///< wanted of every sample
+  double tolerance = 2e-4;  ///< of an eigenvalue, relative: half of it is that of a frequency
+  int most_vectors = 400;   ///< of the basis
+};
+
+/// Lowest modes of many samples from the reduced model.
+struct CertifiedModes {
+  Eigen::MatrixXd values;   ///< lambda [mode x sample]; nan where a sample has none
+  Eigen::MatrixXd vectors;  ///< coordinates in the basis [vector * mode x sample]; phi' M phi = 1
+  Eigen::MatrixXd bounds;   ///< e, lambda (1 - e) <= exact <= lambda [mode x sample]; infinite where nothing is known
+};
+
+/// Reduced model of a family of pencils around one nominal pencil.
+///
+/// The basis holds the nominal modes and answers of the nominal factor to residuals of samples, those chosen that
+/// matter most (pivoting over sketches of all residuals of the training samples), until every training sample is within
+/// half the tolerance. Residuals are measured in the norm of the inverse of the nominal stiffness by a sketch of 64
+/// random directions, with a reserve, and bounded for a sample's own stiffness by the smallest ratio of its
+/// coefficients to the nominal ones. Modes that share nothing with the basis are kept away by comparison with a pencil
+/// of which enough modes are known. The whole of it: docs/theory/reduced-model.md.
+///
+/// Not changed by solve(), which may be called by several threads. Training two copies at once is not allowed.
+/// Source: [Kato1949]; [Mathias1998]; reduced bases with residual certificates after [Hesthaven2016]; sketches after
+/// [Halko2011].
+class ReducedModel {
+ public:
+  /// @param nominal    one sample: where the basis starts
+  /// @param stiffness  K there, in a pattern that holds all terms'
+  /// @param mass       M there
+  /// @throws InvalidInput  shapes that do not fit; a nominal pencil that has no modes
+  ReducedModel(const PencilTerms& terms, const TermCoefficients& nominal, const SparseMatrix& stiffness,
+               const SparseMatrix& mass, const ReducedModelOptions& options);
+  ReducedModel(const ReducedModel& other);
+  ReducedModel(ReducedModel&&) noexcept;
+  ~ReducedModel();
+
+  /// Adds to the basis until all samples are within half the tolerance or the basis is as large as it may be.
+  void train(const TermCoefficients& samples, int threads);
+
+  /// Lowest modes of every sample, and how sure they are.
+  CertifiedModes solve(const TermCoefficients& samples, int threads) const;
+
+  /// [equation x vector]
+  const Eigen::MatrixXd& basis() const;
+
+  /// Processor time that the exact solution of the nominal pencil took.
+  double exact_seconds() const;
+
+ private:
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace mottle

@@ -1,0 +1,88 @@
+// What keeps modes away that no residual can show.
+#include <algorithm>
+#include <functional>
+#include <limits>
+
+#include "blas.hpp"
+#include "reduced_model_parts.hpp"
+
+namespace mottle {
+namespace {
+
+/// Smallest of value / reference over the terms that are there; the constant's is 1.
+template <typename Compare>
+double extreme_ratio(const std::vector<SupportedMatrix>& terms, const Eigen::VectorXd& reference,
+                     const Eigen::Ref<const Eigen::VectorXd>& values, double start, Compare is_worse) {
+  double ratio = start;
+  for (std::size_t t = 0; t < terms.size(); ++t) {
+    if (terms[t].is_empty()) continue;
+    const auto k = static_cast<Eigen::Index>(t);
+    const double own = t == 0 ? 1.0 : values(k - 1) / reference(k);
+    if (is_worse(own, ratio) || own != own) ratio = own;
+  }
+  return ratio;
+}
+
+Eigen::VectorXd with_constant(const Eigen::VectorXd& coefficients) {
+  Eigen::VectorXd result(coefficients.size() + 1);
+  result << 1.0, coefficients;
+  return result;
+}
+
+}  // namespace
+
+Eigen::VectorXd ReducedModel::Parts::unseen_above(const TermCoefficients& samples) const {
+  constexpr double k_infinite = std::numeric_limits<double>::infinity();
+  const Eigen::VectorXd ratios = full->smallest_ratios(samples);
+  Eigen::VectorXd result(samples.samples());
+  for (Eigen::Index s = 0; s < result.size(); ++s) {
+    const Eigen::VectorXd masses = samples.mass.col(s);
+    const auto factor = [&](double ratio, const Floor& floor) {
+      const double heavier = extreme_ratio(full->mass, floor.mass, masses, 0.0, std::greater<>());
+      return heavier > 0.0 ? std::max(ratio, 0.0) / heavier : 0.0;
+    };
+    result(s) = factor(ratios(s), floors[0]) * floors[0].level;
+    for (std::size_t f = 1; f < floors.size(); ++f) {
+      const Floor& floor = floors[f];
+      const double softer =
+          extreme_ratio(full->stiffness, floor.stiffness, samples.stiffness.col(s), k_infinite, std::less<>());
+      result(s) = std::max(result(s), factor(softer, floor) * floor.level);
+    }
+  }
+  return result;
+}
+
+void ReducedModel::Parts::add_floor(Floor floor, const Eigen::MatrixXd& modes) {
+  const Eigen::MatrixXd weighed = symmetric_product(full->shifted, modes);
+  append(modes, weighed);
+  const Eigen::Index known = floor_modes.cols();
+  floor_modes.conservativeResize(basis.cols(), known + modes.cols());
+  floor_modes.rightCols(modes.cols()) = transposed_product(basis, weighed);
+  floor_modes.rightCols(modes.cols()).colwise().normalize();
+  floors.push_back(std::move(floor));
+}
+
+void ReducedModel::Parts::raise_floor(const TermCoefficients& samples, int threads) {
+  constexpr double k_margin = 1.1;       // other samples go farther than these
+  constexpr double k_left_out = 0.0025;  // of the samples: they are solved exactly
+  const auto is_semidefinite = [](double largest) { return largest == 0.0; };
+  if (!std::all_of(full->indefinite.begin(), full->indefinite.end(), is_semidefinite)) return;
+  const Eigen::VectorXd softest = with_constant(samples.stiffness.rowwise().minCoeff());
+  const Eigen::VectorXd heaviest = with_constant(samples.mass.rowwise().maxCoeff());
+  if (softest.minCoeff() < 0.0) return;
+  const Eigen::Index most_modes = Eigen::Index{4} * options.modes + 16;
+  for (Eigen::Index modes = options.modes + 8; modes <= most_modes; modes *= 2) {
+    const Solution solution = solve(samples, false, threads);
+    const Eigen::ArrayXd needed = k_margin * solution.values.row(solution.bounds.rows() - 1).transpose().array();
+    const auto unsafe = static_cast<double>((needed >= unseen_above(samples).array()).count());
+    if (unsafe <= k_left_out * static_cast<double>(samples.samples())) return;
+    if (basis.cols() + modes > options.most_vectors) return;
+    SparseModeSolver solver;
+    const SparseModes found = solver.solve(full->stiffness_at(softest), full->mass_at(heaviest),
+                                           {.modes = static_cast<int>(modes), .tolerance = 1e-4, .measures = false});
+    if (!found.failure.empty() || found.values.size() == 0) return;
+    add_floor({softest, heaviest, found.values(found.values.size() - 1)}, found.vectors);
+  }
+}
+
+}  // namespace mottle

@@ -1,0 +1,95 @@
+// What a reduced model is made of; one place for construction, training and solution to share.
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <vector>
+
+#include "mottle/linalg/reduced_model.hpp"
+#include "supported_matrix.hpp"
+
+namespace mottle {
+
+constexpr Eigen::Index k_sketch_rows = 64;
+// Above the wanted modes: one that is followed as well as they are, since the two may meet anywhere, two that are
+// followed roughly, and one that tells only how far away the next is.
+constexpr int k_guard_modes = 4;
+constexpr int k_sharp_guards = 1;
+
+/// A pencil of the family of which all modes up to a level are in the basis.
+struct Floor {
+  Eigen::VectorXd stiffness, mass;  ///< coefficients, the constants' first
+  double level = 0.0;               ///< lambda
+};
+
+/// The full pencils and everything that the nominal one gives. The constant terms come first. Copies of a model share
+/// it; only training uses the factor.
+struct FullPencils {
+  FullPencils(const PencilTerms& terms, const TermCoefficients& nominal, const SparseMatrix& nominal_k,
+              const SparseMatrix& nominal_m, const ReducedModelOptions& options);
+
+  Eigen::Index size() const { return shifted.rows(); }
+  /// A lower bound of the smallest eigenvalue of a sample's stiffness (shifted) against the nominal one [sample].
+  Eigen::VectorXd smallest_ratios(const TermCoefficients& samples) const;
+
+  /// The pencil at given coefficients, the constants' first.
+  SparseMatrix stiffness_at(const Eigen::VectorXd& coefficients) const { return sum(stiffness, coefficients); }
+  SparseMatrix mass_at(const Eigen::VectorXd& coefficients) const { return sum(mass, coefficients); }
+
+  std::vector<SupportedMatrix> stiffness, mass;
+  Eigen::VectorXd nominal_stiffness, nominal_mass;  ///< coefficients, 1 for the constants
+  std::vector<double> indefinite;  ///< by stiffness term: largest |eigenvalue| of a_t K_t against A, 0: semidefinite
+  bool is_free = false;            ///< held by the shifted mass alone
+  double exact_seconds = 0.0;      ///< processor time of the nominal solution
+  double shift = 0.0;              ///< A = K - shift M, at the nominal sample
+  SparseMatrix shifted;            ///< A, lower triangle
+  SparseModeSolver solver;         ///< holds the factor of A
+  Eigen::MatrixXd modes;           ///< nominal shapes [equation x mode]
+  double highest_mode = 0.0;       ///< the last one's lambda
+  Eigen::MatrixXd sketch;          ///< W with W W' near 64 A^-1 [equation x 64]
+
+ private:
+  SparseMatrix sum(const std::vector<SupportedMatrix>& terms, const Eigen::VectorXd& coefficients) const;
+};
+
+struct ReducedModel::Parts {
+  std::shared_ptr<FullPencils> full;
+  ReducedModelOptions options;
+  Eigen::MatrixXd basis;                         ///< A-orthonormal
+  std::vector<Eigen::MatrixXd> stiffness, mass;  ///< V' K_t V, V' M_t V
+  std::vector<Floor> floors;
+  Eigen::MatrixXd floor_modes;                                 ///< coordinates, of A-length 1 [vector x mode]
+  std::vector<Eigen::MatrixXd> stiffness_sketch, mass_sketch;  ///< W' K_t V, W' M_t V
+
+  /// Ritz values and vectors with guards, what they leave over, and what that means.
+  struct Solution {
+    Eigen::MatrixXd values;     ///< [mode and guards x sample]
+    Eigen::MatrixXd vectors;    ///< [vector * (mode and guards) x sample]
+    Eigen::MatrixXd bounds;     ///< [mode and sharp guard x sample]
+    Eigen::MatrixXd residuals;  ///< sketched, over sqrt(64 ratio mu) [64 x (mode and guards) * sample]; on request
+  };
+  Eigen::Index solved_modes() const;
+  Solution solve(const TermCoefficients& samples, bool keeps_residuals, int threads) const;
+
+  /// A mode that residuals cannot show, because it shares nothing with the basis at any sample, obeys
+  ///   lambda(s) >= min (a_t(s) / a_t) / max (b_t(s) / b_t) lambda of the floor,
+  /// and the floor's lambda is above its level. The largest of these bounds [sample].
+  Eigen::VectorXd unseen_above(const TermCoefficients& samples) const;
+  /// Adds a floor below all samples, with its modes, if those there are do not keep unseen modes away.
+  void raise_floor(const TermCoefficients& samples, int threads);
+  /// Appends modes up to `level` of a pencil and remembers it as a floor.
+  void add_floor(Floor floor, const Eigen::MatrixXd& modes);
+
+  /// Appends what is new in `block` to the basis; `weighed` is A block.
+  void append(Eigen::MatrixXd block, const Eigen::MatrixXd& weighed);
+  /// Enlarges the projections by those of the last `added` vectors of the basis.
+  void project_last(Eigen::Index added);
+  /// Makes the last vectors A-orthonormal to rounding, by the projections.
+  void polish_last(Eigen::Index added);
+  /// Turns the basis and drops directions: V <- V q.
+  void rotate(const Eigen::MatrixXd& q);
+  /// Drops the directions that no training sample needs.
+  void compress(const Solution& solution, const Eigen::MatrixXd& wants);
+};
+
+}  // namespace mottle

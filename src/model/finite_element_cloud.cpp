@@ -1,0 +1,208 @@
+// Clouds of a finite-element structure: by the reduced model where it is allowed, exactly where it is not sure.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <ctime>
+#include <limits>
+#include <numeric>
+
+#include "mottle/core/error.hpp"
+#include "mottle/core/parallel.hpp"
+#include "mottle/model/finite_element_structure.hpp"
+
+namespace mottle {
+namespace {
+
+using Rows = std::vector<Eigen::Index>;
+
+constexpr Eigen::Index k_least_equations = 500;  // below, an exact solution is as cheap
+constexpr Eigen::Index k_least_samples = 30;     // a basis costs about three exact solutions, at most ten
+constexpr std::size_t k_most_exact = 8;          // more that are not certain are worth more vectors
+
+double processor_seconds() {
+  return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
+}
+
+}  // namespace
+
+/// Reads off full or reduced shapes what is observed; the reference's side is prepared once.
+struct FiniteElementStructure::Observer {
+  Observer(const FiniteElementStructure& of, const ModalObservation& what) : structure(of), observation(what) {
+    if (what.reference.shapes.cols() > 0) weighed = symmetric_product(of.reference_mass_, what.reference.shapes);
+  }
+
+  /// What a basis adds: reduced shapes are observed like full ones, at the size of the basis.
+  struct Reduced {
+    Eigen::MatrixXd reference;      ///< Phi_ref' M V
+    Eigen::MatrixXd mass;           ///< V' M V
+    Eigen::MatrixXd displacements;  ///< rows of V at the observed degrees of freedom
+  };
+  Reduced reduce(const Eigen::MatrixXd& basis) const {
+    Reduced reduced;
+    reduced.displacements = structure.displacements(basis, observation.degrees_of_freedom);
+    if (weighed.cols() == 0) return reduced;
+    reduced.reference = weighed.transpose() * basis;
+    reduced.mass = basis.transpose() * symmetric_product(structure.reference_mass_, basis);
+    return reduced;
+  }
+
+  static Eigen::MatrixXd cosines_of(const Eigen::MatrixXd& products, const Eigen::RowVectorXd& squares) {
+    return (products * squares.cwiseSqrt().cwiseInverse().asDiagonal()).cwiseMax(-1.0).cwiseMin(1.0);
+  }
+
+  ObservedModes observe(const SparseModes& modes) const {
+    ObservedModes observed{modes.values, {}, {}, {}};
+    observed.displacements = structure.displacements(modes.vectors, observation.degrees_of_freedom);
+    if (weighed.cols() > 0) {
+      observed.cosines = cosines_of(
+          weighed.transpose() * modes.vectors,
+          modes.vectors.cwiseProduct(symmetric_product(structure.reference_mass_, modes.vectors)).colwise().sum());
+    }
+    return observed;
+  }
+
+  ObservedModes observe(const Reduced& reduced, const Eigen::Ref<const Eigen::VectorXd>& values,
+                        const Eigen::Ref<const Eigen::MatrixXd>& coordinates) const {
+    ObservedModes observed{values, {}, reduced.displacements * coordinates, {}};
+    if (weighed.cols() > 0) {
+      observed.cosines = cosines_of(reduced.reference * coordinates,
+                                    coordinates.cwiseProduct(reduced.mass * coordinates).colwise().sum());
+    }
+    return observed;
+  }
+
+  const FiniteElementStructure& structure;
+  const ModalObservation& observation;
+  Eigen::MatrixXd weighed;  ///< M Phi_ref
+};
+
+void FiniteElementStructure::allow_reduction(ReductionSettings settings) {
+  if (is_separable_ && mode_count() >= k_least_equations) reduction_ = std::move(settings);
+}
+
+TermCoefficients FiniteElementStructure::coefficients_at(const Eigen::Ref<const Eigen::MatrixXd>& samples) const {
+  return term_coefficients(assembled_.stiffness, assembled_.mass, samples);
+}
+
+const ReducedModel* FiniteElementStructure::trained_model(int modes, int threads) const {
+  const std::lock_guard lock(reduction_mutex_);
+  if (reduced_modes_ == modes) return reduced_.get();
+  reduced_modes_ = modes;
+  reduced_.reset();
+  const Matrices nominal = matrices_at(reduction_->nominal);
+  try {
+    reduced_ = std::make_unique<ReducedModel>(
+        pencil_terms(assembled_.stiffness, assembled_.mass), coefficients_at(reduction_->nominal.transpose()),
+        nominal.stiffness, nominal.mass,
+        ReducedModelOptions{.modes = modes, .tolerance = 2.0 * reduction_->frequency_error});
+  } catch (const InvalidInput&) {
+    return nullptr;  // no modes at the prior's mean; each sample tells its own story
+  }
+  reduced_->train(coefficients_at(reduction_->training), threads);
+  return reduced_.get();
+}
+
+SolverUse FiniteElementStructure::solve(const Eigen::Ref<const Eigen::MatrixXd>& samples, int modes,
+                                        const ModalObservation& observation, const RunContext& context,
+                                        const Visitor& visit) const {
+  const Observer observer(*this, observation);
+  SolverUse use;
+  Rows rows(static_cast<std::size_t>(samples.rows()));
+  std::iota(rows.begin(), rows.end(), Eigen::Index{0});
+  const bool is_worth_it = samples.rows() >= k_least_samples && modes + k_least_samples < mode_count();
+  if (reduction_ && is_worth_it) rows = reduce(samples, modes, observer, context, visit, use);
+  const double begin = processor_seconds();
+  solve_exactly(samples, rows, modes, observer, context, visit);
+  use.exact = static_cast<std::int64_t>(rows.size());
+  if (!rows.empty()) use.exact_seconds = (processor_seconds() - begin) / static_cast<double>(rows.size());
+  return use;
+}
+
+Rows FiniteElementStructure::reduce(const Eigen::Ref<const Eigen::MatrixXd>& samples, int modes,
+                                    const Observer& observer, const RunContext& context, const Visitor& visit,
+                                    SolverUse& use) const {
+  const double begin = processor_seconds();
+  Rows finite;
+  Rows others;
+  for (Eigen::Index s = 0; s < samples.rows(); ++s) (samples.row(s).allFinite() ? finite : others).push_back(s);
+  const ReducedModel* trained = trained_model(modes, context.threads);
+  if (trained == nullptr) {
+    others.insert(others.end(), finite.begin(), finite.end());
+    std::sort(others.begin(), others.end());
+    return others;
+  }
+  Rows unsure = solve_reduced(*trained, samples, finite, observer, context, visit, use);
+  if (unsure.size() > k_most_exact) {
+    // The cloud is where the basis was not trained: a copy learns from the unsure ones, so that the next batch does not
+    // depend on this one.
+    constexpr std::size_t k_most_training = 400;
+    ReducedModel enlarged = *trained;
+    const Rows some(unsure.begin(),
+                    unsure.begin() + static_cast<std::ptrdiff_t>(std::min(k_most_training, unsure.size())));
+    enlarged.train(coefficients_at(samples(some, Eigen::all)), context.threads);
+    unsure = solve_reduced(enlarged, samples, unsure, observer, context, visit, use);
+  }
+  use.reduced = static_cast<std::int64_t>(finite.size() - unsure.size());
+  use.reduced_seconds = processor_seconds() - begin;
+  use.exact_seconds = trained->exact_seconds();
+  unsure.insert(unsure.end(), others.begin(), others.end());
+  std::sort(unsure.begin(), unsure.end());
+  return unsure;
+}
+
+Rows FiniteElementStructure::solve_reduced(const ReducedModel& reduced,
+                                           const Eigen::Ref<const Eigen::MatrixXd>& samples, const Rows& rows,
+                                           const Observer& observer, const RunContext& context, const Visitor& visit,
+                                           SolverUse& use) const {
+  const Observer::Reduced observed = observer.reduce(reduced.basis());
+  const CertifiedModes found = reduced.solve(coefficients_at(samples(rows, Eigen::all)), context.threads);
+  const Eigen::Index vectors = reduced.basis().cols();
+  const Eigen::Index modes = found.values.rows();
+  const double tolerance = 2.0 * reduction_->frequency_error;
+  const Eigen::VectorXd worst = found.bounds.colwise().maxCoeff().transpose();
+  constexpr std::int64_t k_grain = 64;
+  parallel_for(
+      static_cast<std::int64_t>(rows.size()), k_grain, context.threads, [&](std::int64_t begin, std::int64_t end) {
+        for (Eigen::Index i = begin; i < end; ++i) {
+          if (!(worst(i) <= tolerance)) continue;
+          const Eigen::Map<const Eigen::MatrixXd> coordinates(found.vectors.col(i).data(), vectors, modes);
+          visit(rows[static_cast<std::size_t>(i)], observer.observe(observed, found.values.col(i), coordinates), {});
+        }
+      });
+  context.throw_if_stopped();
+  Rows unsure;
+  for (Eigen::Index i = 0; i < worst.size(); ++i) {
+    if (!(worst(i) <= tolerance)) {
+      unsure.push_back(rows[static_cast<std::size_t>(i)]);
+    } else {
+      use.frequency_error = std::max(use.frequency_error, 0.5 * worst(i));
+    }
+  }
+  use.basis = std::max<std::int64_t>(use.basis, vectors);
+  return unsure;
+}
+
+void FiniteElementStructure::solve_exactly(const Eigen::Ref<const Eigen::MatrixXd>& samples, const Rows& rows,
+                                           int modes, const Observer& observer, const RunContext& context,
+                                           const Visitor& visit) const {
+  parallel_for(static_cast<std::int64_t>(rows.size()), 1, context.threads, [&](std::int64_t begin, std::int64_t end) {
+    for (Eigen::Index i = begin; i < end; ++i) {
+      context.throw_if_stopped();
+      const Eigen::Index s = rows[static_cast<std::size_t>(i)];
+      const Eigen::VectorXd parameters = samples.row(s).transpose();
+      ObservedModes observed{Eigen::VectorXd::Constant(modes, std::numeric_limits<double>::quiet_NaN()), {}, {}, {}};
+      std::string failure;
+      try {
+        SparseModes solved;
+        if (parameters.allFinite()) solved = solve_one(parameters, {.modes = modes, .measures = false});
+        failure = failure_text(solved);
+        if (failure.empty() && solved.values.size() > 0) observed = observer.observe(solved);
+      } catch (const InvalidInput& error) {
+        failure = error.what();  // a geometry that this sample's parameters make impossible
+      }
+      visit(s, observed, failure);
+    }
+  });
+}
+
+}  // namespace mottle

@@ -1,0 +1,308 @@
+#include "mottle/linalg/reduced_model.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "mottle/core/error.hpp"
+
+namespace mottle {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using Entries = std::vector<Eigen::Triplet<double>>;
+
+SparseMatrix matrix_of(int size, const Entries& entries) {
+  SparseMatrix matrix(size, size);
+  matrix.setFromTriplets(entries.begin(), entries.end());
+  matrix.makeCompressed();
+  return matrix;
+}
+
+void add_spring(Entries& entries, int a, int b, double stiffness) {
+  entries.emplace_back(a, a, stiffness);
+  entries.emplace_back(b, b, stiffness);
+  entries.emplace_back(std::max(a, b), std::min(a, b), -stiffness);
+}
+
+struct GridOptions {
+  int length = 20;
+  int width = 10;
+  int patches = 4;  ///< strips along the length, each with a stiffness of its own
+  bool is_free = false;
+  bool moves_mass = false;  ///< the strips' masses are parameters too
+  double coupling = 0.0;    ///< of an indefinite term: two patches couple with either sign
+};
+
+/// Masses in a rectangular grid, springs between neighbours, one edge held.
+struct Family {
+  PencilTerms terms;
+  SparseMatrix stiffness, mass;  ///< at coefficients of one
+
+  Index size() const { return terms.stiffness_constant.rows(); }
+  TermCoefficients nominal() const { return constant(1, 1.0); }
+  TermCoefficients constant(Index samples, double value) const {
+    return {MatrixXd::Constant(static_cast<Index>(terms.stiffness.size()), samples, value),
+            MatrixXd::Constant(static_cast<Index>(terms.mass.size()), samples, value)};
+  }
+  TermCoefficients lognormal(Index samples, double variation, unsigned seed) const {
+    std::mt19937_64 random(seed);
+    std::lognormal_distribution<double> distribution(0.0, variation);
+    TermCoefficients result = constant(samples, 1.0);
+    for (double& value : result.stiffness.reshaped()) value = distribution(random);
+    for (double& value : result.mass.reshaped()) value = distribution(random);
+    return result;
+  }
+};
+
+Family grid(const GridOptions& options) {
+  const int size = options.length * options.width;
+  const auto number = [&](int i, int j) { return i * options.width + j; };
+  const auto patch = [&](int i) { return static_cast<std::size_t>(i * options.patches / options.length); };
+  const auto patches = static_cast<std::size_t>(options.patches);
+  std::vector<Entries> springs(patches), masses(patches);
+  Entries constant_springs, constant_masses, couplings;
+  for (int i = 0; i < options.length; ++i) {
+    for (int j = 0; j < options.width; ++j) {
+      const int own = number(i, j);
+      if (i + 1 < options.length) add_spring(springs[patch(i)], own, number(i + 1, j), 1.0);
+      if (j + 1 < options.width) add_spring(springs[patch(i)], own, number(i, j + 1), 0.7);
+      if (i == 0 && !options.is_free) constant_springs.emplace_back(own, own, 1.0);
+      (options.moves_mass ? masses[patch(i)] : constant_masses).emplace_back(own, own, 1.0);
+      if (options.coupling != 0.0 && i > 0) couplings.emplace_back(own, number(i - 1, j), options.coupling);
+    }
+  }
+  Family family;
+  family.terms.stiffness_constant = matrix_of(size, constant_springs);
+  family.terms.mass_constant = matrix_of(size, constant_masses);
+  for (const Entries& entries : springs) family.terms.stiffness.push_back(matrix_of(size, entries));
+  if (options.coupling != 0.0) family.terms.stiffness.push_back(matrix_of(size, couplings));
+  if (options.moves_mass) {
+    for (const Entries& entries : masses) family.terms.mass.push_back(matrix_of(size, entries));
+  }
+  family.stiffness = family.terms.stiffness_constant;
+  family.mass = family.terms.mass_constant;
+  for (const SparseMatrix& term : family.terms.stiffness) family.stiffness += term;
+  for (const SparseMatrix& term : family.terms.mass) family.mass += term;
+  return family;
+}
+
+ReducedModel trained(const Family& family, const ReducedModelOptions& options, double variation) {
+  ReducedModel model(family.terms, family.nominal(), family.stiffness, family.mass, options);
+  model.train(family.lognormal(200, variation, 1), 1);
+  return model;
+}
+
+struct Exact {
+  VectorXd values;
+  MatrixXd vectors;
+};
+
+/// By Eigen's dense solver of the full pencil.
+Exact exact_modes(const Family& family, const TermCoefficients& samples, Index sample, int modes) {
+  const auto sum = [&](SparseMatrix matrix, const std::vector<SparseMatrix>& terms, const MatrixXd& coefficients) {
+    for (std::size_t t = 0; t < terms.size(); ++t) {
+      matrix += coefficients(static_cast<Index>(t), sample) * terms[t];
+    }
+    return MatrixXd(matrix);
+  };
+  const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> solver(
+      sum(family.terms.stiffness_constant, family.terms.stiffness, samples.stiffness),
+      sum(family.terms.mass_constant, family.terms.mass, samples.mass));
+  return {solver.eigenvalues().head(modes), solver.eigenvectors().leftCols(modes)};
+}
+
+struct Audit {
+  int pairs = 0, violations = 0, sure = 0;
+  double largest_error = 0.0;  ///< among samples that are within the tolerance
+};
+
+Audit audit(const Family& family, const ReducedModel& model, const TermCoefficients& samples, int modes,
+            double tolerance) {
+  const CertifiedModes found = model.solve(samples, 1);
+  Audit result;
+  for (Index s = 0; s < samples.samples(); ++s) {
+    const VectorXd exact = exact_modes(family, samples, s, modes).values;
+    const bool is_sure = found.bounds.col(s).maxCoeff() <= tolerance;
+    if (is_sure) ++result.sure;
+    for (int k = 0; k < modes; ++k, ++result.pairs) {
+      const double scale = std::max(exact(k), 1e-3 * exact(1));  // rigid-body modes are zero but for rounding
+      const double error = (found.values(k, s) - exact(k)) / scale;
+      if (error < -1e-8 || error > found.bounds(k, s) + 1e-8) {
+        ++result.violations;
+        ADD_FAILURE() << "sample " << s << ", mode " << k << ": error " << error << ", bound " << found.bounds(k, s)
+                      << ", exact " << exact.transpose();
+      }
+      if (is_sure) result.largest_error = std::max(result.largest_error, std::abs(error));
+    }
+  }
+  return result;
+}
+
+struct Case {
+  const char* name;
+  GridOptions options;
+  double variation;
+};
+
+class Families : public testing::TestWithParam<Case> {};
+
+TEST_P(Families, EveryBoundHoldsAndNearlyAllAreWithinTheTolerance) {
+  constexpr int k_modes = 8;
+  constexpr int k_samples = 25;
+  constexpr double k_tolerance = 2e-4;
+  const Family family = grid(GetParam().options);
+  const ReducedModel model = trained(family, {.modes = k_modes, .tolerance = k_tolerance}, GetParam().variation);
+  EXPECT_LT(model.basis().cols(), family.size());
+  const Audit seen = audit(family, model, family.lognormal(k_samples, GetParam().variation, 2), k_modes, k_tolerance);
+  EXPECT_EQ(seen.violations, 0) << "of " << seen.pairs;
+  EXPECT_GE(seen.sure, k_samples - 1);
+  EXPECT_LE(seen.largest_error, k_tolerance);
+}
+
+TEST_P(Families, FarAwayBoundsStillHold) {
+  constexpr int k_modes = 8;
+  const Family family = grid(GetParam().options);
+  const ReducedModel model = trained(family, {.modes = k_modes}, 0.05);
+  const Audit seen = audit(family, model, family.lognormal(20, 0.8, 3), k_modes, 2e-4);
+  EXPECT_EQ(seen.violations, 0) << "of " << seen.pairs;
+  EXPECT_LT(seen.sure, 15);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    ReducedModel, Families,
+    testing::Values(Case{"held", {}, 0.1}, Case{"wide", {}, 0.3}, Case{"free", {.is_free = true}, 0.1},
+                    Case{"mass", {.moves_mass = true}, 0.15},
+                    Case{"free_mass", {.is_free = true, .moves_mass = true}, 0.1},
+                    Case{"square", {.length = 15, .width = 15, .patches = 3, .is_free = true}, 0.1},
+                    Case{"many", {.patches = 12}, 0.1}, Case{"indefinite", {.coupling = 0.02}, 0.1}),
+    [](const testing::TestParamInfo<Case>& instance) { return instance.param.name; });
+
+/// Two bars side by side without a link: their modes cross wherever their stiffnesses say.
+Family two_bars(int length) {
+  Family family;
+  family.terms.stiffness_constant = SparseMatrix(2 * length, 2 * length);
+  Entries masses;
+  for (int bar = 0; bar < 2; ++bar) {
+    Entries springs;
+    springs.emplace_back(bar * length, bar * length, 1.0);
+    for (int i = 0; i < length; ++i) {
+      const int own = bar * length + i;
+      if (i + 1 < length) add_spring(springs, own, own + 1, 1.0);
+      masses.emplace_back(own, own, bar == 0 ? 1.0 : 1.02);
+    }
+    family.terms.stiffness.push_back(matrix_of(2 * length, springs));
+  }
+  family.terms.mass_constant = matrix_of(2 * length, masses);
+  family.stiffness = family.terms.stiffness[0] + family.terms.stiffness[1];
+  family.mass = family.terms.mass_constant;
+  return family;
+}
+
+TEST(ReducedModel, FollowsModesThatCrossWithinTheBandAndAtItsEdge) {
+  constexpr int k_modes = 5;  // an odd number: the fifth and the sixth are a pair
+  const Family family = two_bars(90);
+  const ReducedModel model = trained(family, {.modes = k_modes}, 0.2);
+  const Audit seen = audit(family, model, family.lognormal(40, 0.2, 5), k_modes, 2e-4);
+  EXPECT_EQ(seen.violations, 0);
+  EXPECT_EQ(seen.sure, 40);
+}
+
+TEST(ReducedModel, RepeatedRootsAreFoundAsOftenAsTheyAre) {
+  Family family = two_bars(80);
+  family.terms.mass_constant.setIdentity();
+  family.mass.setIdentity();
+  const ReducedModel model = trained(family, {.modes = 6}, 0.1);
+  TermCoefficients equal = family.constant(3, 1.0);
+  equal.stiffness.col(1).setConstant(1.13);
+  equal.stiffness.col(2).setConstant(0.91);
+  const Audit seen = audit(family, model, equal, 6, 2e-4);
+  EXPECT_EQ(seen.violations, 0);
+  EXPECT_EQ(seen.sure, 3);
+}
+
+TEST(ReducedModel, ShapesAreThoseOfTheFullModel) {
+  constexpr int k_modes = 6;
+  const Family family = grid({});
+  const ReducedModel model = trained(family, {.modes = k_modes}, 0.1);
+  const TermCoefficients samples = family.lognormal(4, 0.1, 7);
+  const CertifiedModes found = model.solve(samples, 1);
+  const Index vectors = model.basis().cols();
+  for (Index s = 0; s < 4; ++s) {
+    const MatrixXd exact = exact_modes(family, samples, s, k_modes).vectors;
+    for (int k = 0; k < k_modes; ++k) {
+      const VectorXd shape = model.basis() * found.vectors.col(s).segment(k * vectors, vectors);
+      EXPECT_NEAR(shape.squaredNorm(), 1.0, 1e-9);  // unit masses
+      EXPECT_NEAR(std::abs(shape.dot(exact.col(k))), 1.0, 1e-4) << s << ", " << k;
+    }
+  }
+}
+
+TEST(ReducedModel, MoreTrainingTightensWhereItWasUnsure) {
+  const Family family = grid({});
+  const ReducedModel before = trained(family, {.modes = 6}, 0.05);
+  const TermCoefficients far = family.lognormal(40, 0.5, 9);
+  ReducedModel after = before;
+  after.train(far, 1);
+  EXPECT_GT(after.basis().cols(), before.basis().cols());
+  const auto sure = [&](const ReducedModel& model) {
+    return (model.solve(far, 1).bounds.colwise().maxCoeff().array() <= 2e-4).count();
+  };
+  EXPECT_LT(sure(before), 20);
+  EXPECT_EQ(sure(after), 40);
+}
+
+TEST(ReducedModel, TheNumberOfThreadsChangesNothing) {
+  const Family family = grid({.moves_mass = true});
+  ReducedModel one(family.terms, family.nominal(), family.stiffness, family.mass, {.modes = 5});
+  ReducedModel three = one;
+  const TermCoefficients training = family.lognormal(100, 0.1, 1);
+  one.train(training, 1);
+  three.train(training, 3);
+  EXPECT_EQ(one.basis(), three.basis());
+  const TermCoefficients samples = family.lognormal(300, 0.1, 2);
+  const CertifiedModes a = one.solve(samples, 1);
+  const CertifiedModes b = three.solve(samples, 3);
+  EXPECT_EQ(a.values, b.values);
+  EXPECT_EQ(a.vectors, b.vectors);
+  EXPECT_EQ(a.bounds, b.bounds);
+}
+
+TEST(ReducedModel, ClaimsNothingWhereTheStiffnessIsNotPositive) {
+  const Family family = grid({});
+  const ReducedModel model = trained(family, {.modes = 5}, 0.1);
+  TermCoefficients samples = family.constant(2, 1.0);
+  samples.stiffness(1, 0) = -0.5;
+  const CertifiedModes found = model.solve(samples, 1);
+  EXPECT_TRUE(std::isinf(found.bounds.col(0).maxCoeff()));
+  EXPECT_LT(found.bounds.col(1).maxCoeff(), 1e-5);
+}
+
+TEST(ReducedModel, KeepsToTheLargestBasisAllowed) {
+  const Family family = grid({.patches = 12});
+  ReducedModel model(family.terms, family.nominal(), family.stiffness, family.mass,
+                     {.modes = 6, .tolerance = 1e-7, .most_vectors = 40});
+  model.train(family.lognormal(100, 0.3, 1), 1);
+  EXPECT_LE(model.basis().cols(), 40);
+  const Audit seen = audit(family, model, family.lognormal(10, 0.3, 2), 6, 1e-7);
+  EXPECT_EQ(seen.violations, 0);
+  EXPECT_EQ(seen.sure, 0);
+}
+
+TEST(ReducedModel, RefusesWhatDoesNotFit) {
+  const Family family = grid({});
+  EXPECT_THROW(ReducedModel(family.terms, family.constant(2, 1.0), family.stiffness, family.mass, {}), InvalidInput);
+  EXPECT_THROW(ReducedModel(family.terms, family.nominal(), family.stiffness, family.mass, {.modes = 0}), InvalidInput);
+  PencilTerms odd = family.terms;
+  odd.mass_constant = SparseMatrix(3, 3);
+  EXPECT_THROW(ReducedModel(odd, family.nominal(), family.stiffness, family.mass, {}), InvalidInput);
+  EXPECT_THROW(ReducedModel(family.terms, family.nominal(), family.stiffness, -family.mass, {}), InvalidInput);
+}
+
+}  // namespace
+}  // namespace mottle
