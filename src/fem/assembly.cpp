@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
+#include <utility>
 
 #include "element_store.hpp"
 #include "mottle/core/error.hpp"
@@ -39,14 +40,13 @@ std::vector<std::array<Eigen::Matrix3d, 2>> nodal_stiffness(const ElementStore& 
     for (int k = 0; k < element.piece_count; ++k) {
       const StoredPiece& piece = store.piece(element, k);
       if (store.terms()[static_cast<std::size_t>(piece.term)].kind != ElementPiece::Kind::stiffness) continue;
-      const double* values = store.values(piece);
       each_entry(element.equation_count, [&](std::size_t position, int i, int j) {
         const Equation& row = equations[static_cast<std::size_t>(numbers[i])];
         const Equation& column = equations[static_cast<std::size_t>(numbers[j])];
         if (row.node != column.node || row.component / 3 != column.component / 3) return;
         Eigen::Matrix3d& block =
             blocks[static_cast<std::size_t>(row.node)][static_cast<std::size_t>(row.component / 3)];
-        const double value = piece.at_card_values * values[position];
+        const double value = piece.at_card_values * piece.values[position];
         block(row.component % 3, column.component % 3) += value;
         if (i != j) block(column.component % 3, row.component % 3) += value;
       });
@@ -132,11 +132,52 @@ SparseMatrix find_pattern(const ElementStore& store, int size, const Wanted& is_
                                         zeros.data());
 }
 
-int position_of(const SparseMatrix& pattern, int row, int column) {
-  const int* first = pattern.innerIndexPtr() + pattern.outerIndexPtr()[column];
-  const int* last = pattern.innerIndexPtr() + pattern.outerIndexPtr()[column + 1];
-  return static_cast<int>(std::lower_bound(first, last, row) - pattern.innerIndexPtr());
+/// Where the pattern has (row, column), not before `start`. Most often just there: the rows of a node follow each
+/// other.
+int position_from(int start, const SparseMatrix& pattern, int row, int column) {
+  const int* const rows = pattern.innerIndexPtr();
+  const int* const first = rows + std::max(start, pattern.outerIndexPtr()[column]);
+  if (*first == row) return static_cast<int>(first - rows);
+  return static_cast<int>(std::lower_bound(first, rows + pattern.outerIndexPtr()[column + 1], row) - rows);
 }
+
+/// Sums by position, of which only those count that something was added to.
+class PositionSums {
+ public:
+  explicit PositionSums(std::size_t size) : sums_(size, 0.0), is_reached_(size, 0) {}
+
+  void add(int position, double value) {
+    const auto place = static_cast<std::size_t>(position);
+    sums_[place] += value;
+    if (is_reached_[place] == 0) reached_.push_back(position);
+    is_reached_[place] = 1;
+  }
+
+  /// Hands over the sums in ascending positions and begins again from zero.
+  void move_to(SeparableMatrix::Term& term) {
+    sort_reached();
+    term.values.reserve(reached_.size());
+    for (const int position : reached_) {
+      term.values.push_back(std::exchange(sums_[static_cast<std::size_t>(position)], 0.0));
+      is_reached_[static_cast<std::size_t>(position)] = 0;
+    }
+    term.positions = std::exchange(reached_, {});
+  }
+
+ private:
+  void sort_reached() {
+    constexpr std::size_t k_few = 16;  // up to one in so many positions, sorting is faster than looking at all
+    if (reached_.size() < is_reached_.size() / k_few) return std::sort(reached_.begin(), reached_.end());
+    reached_.clear();
+    for (std::size_t place = 0; place < is_reached_.size(); ++place) {
+      if (is_reached_[place] != 0) reached_.push_back(static_cast<int>(place));
+    }
+  }
+
+  std::vector<double> sums_;
+  std::vector<char> is_reached_;
+  std::vector<int> reached_;
+};
 
 /// Adds up the pieces of one term after the other; each keeps only the positions that it reaches.
 void add_terms(const ElementStore& store, ElementPiece::Kind kind, SeparableMatrix& matrix) {
@@ -147,30 +188,20 @@ void add_terms(const ElementStore& store, ElementPiece::Kind kind, SeparableMatr
       pieces_of[static_cast<std::size_t>(store.piece(elements[e], k).term)].emplace_back(e, k);
     }
   }
-  std::vector<double> sums(static_cast<std::size_t>(matrix.pattern.nonZeros()), 0.0);
-  std::vector<bool> is_reached(sums.size(), false);
+  PositionSums sums(static_cast<std::size_t>(matrix.pattern.nonZeros()));
   for (std::size_t t = 0; t < pieces_of.size(); ++t) {
     if (store.terms()[t].kind != kind) continue;
-    SeparableMatrix::Term term{store.terms()[t].coefficient, {}, {}};
     for (const auto& [e, k] : pieces_of[t]) {
       const int* numbers = store.equations(elements[e]);
       const StoredPiece& piece = store.piece(elements[e], k);
-      const double* values = store.values(piece);
+      int position = -1;  // ascends within a piece, as the element's equations do
       each_entry(elements[e].equation_count, [&](std::size_t entry, int i, int j) {
-        if (numbers[i] < 0 || numbers[j] < 0 || values[entry] == 0.0) return;
-        const auto position = static_cast<std::size_t>(position_of(matrix.pattern, numbers[i], numbers[j]));
-        sums[position] += piece.scale * values[entry];
-        if (!is_reached[position]) term.positions.push_back(static_cast<int>(position));
-        is_reached[position] = true;
+        if (numbers[i] < 0 || numbers[j] < 0 || piece.values[entry] == 0.0) return;
+        position = position_from(position + 1, matrix.pattern, numbers[i], numbers[j]);
+        sums.add(position, piece.scale * piece.values[entry]);
       });
     }
-    std::sort(term.positions.begin(), term.positions.end());
-    for (const int position : term.positions) {
-      term.values.push_back(sums[static_cast<std::size_t>(position)]);
-      sums[static_cast<std::size_t>(position)] = 0.0;
-      is_reached[static_cast<std::size_t>(position)] = false;
-    }
-    matrix.terms.push_back(std::move(term));
+    sums.move_to(matrix.terms.emplace_back(SeparableMatrix::Term{store.terms()[t].coefficient, {}, {}}));
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace mottle {
 namespace {
@@ -83,18 +84,25 @@ void ElementStore::store(const FiniteElementModel& model, const EquationMap& map
                        static_cast<int>(element.pieces.size())});
   equations_.insert(equations_.end(), found.equations.begin(), found.equations.end());
   for (const ElementPiece& piece : element.pieces) {
+    StoredPiece stored = describe(model, piece);
     if (found.rows.empty()) {
-      store_piece(model, piece, found.transform.transpose() * piece.matrix * found.transform);
+      const Eigen::MatrixXd matrix = found.transform.transpose() * piece.matrix * found.transform;
+      stored.values = store_values(found.equations.size(), [&](std::size_t i, std::size_t j) {
+        return matrix(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
+      });
     } else {
-      store_piece(model, piece, piece.matrix(found.rows, found.rows));
+      stored.values = store_values(found.equations.size(), [&](std::size_t i, std::size_t j) {
+        return piece.matrix(found.rows[i], found.rows[j]);
+      });
     }
+    pieces_.push_back(stored);
   }
 }
 
-void ElementStore::store_piece(const FiniteElementModel& model, const ElementPiece& piece,
-                               const Eigen::MatrixXd& matrix) {
+/// All of a piece but its values.
+StoredPiece ElementStore::describe(const FiniteElementModel& model, const ElementPiece& piece) {
   TermName name{piece.kind, {}};
-  StoredPiece stored{.scale = piece.factor, .at_card_values = piece.factor, .first_value = values_.size()};
+  StoredPiece stored{.scale = piece.factor, .at_card_values = piece.factor};
   for (const FieldPower& factor : piece.coefficient) {
     const double value = std::pow(model.value(factor.field), factor.power);
     stored.at_card_values *= value;
@@ -115,10 +123,28 @@ void ElementStore::store_piece(const FiniteElementModel& model, const ElementPie
     if (parameter >= 0) is_separable_[static_cast<std::size_t>(parameter)] = false;
   }
   stored.term = term_index(std::move(name));
-  for (Eigen::Index j = 0; j < matrix.cols(); ++j) {
-    for (Eigen::Index i = j; i < matrix.rows(); ++i) values_.push_back(0.5 * (matrix(i, j) + matrix(j, i)));
+  return stored;
+}
+
+/// The symmetric part of the matrix with entry(i, j).
+template <typename Entry>
+const double* ElementStore::store_values(std::size_t size, const Entry& entry) {
+  double* const values = new_values(size * (size + 1) / 2);
+  double* next = values;
+  for (std::size_t j = 0; j < size; ++j) {
+    for (std::size_t i = j; i < size; ++i) *next++ = 0.5 * (entry(i, j) + entry(j, i));
   }
-  pieces_.push_back(stored);
+  return values;
+}
+
+double* ElementStore::new_values(std::size_t count) {
+  constexpr std::size_t k_chunk = 1 << 16;
+  if (count > unused_values_) {
+    unused_values_ = std::max(k_chunk, count);
+    next_value_ = values_.emplace_back(std::make_unique_for_overwrite<double[]>(unused_values_)).get();
+  }
+  unused_values_ -= count;
+  return std::exchange(next_value_, next_value_ + count);
 }
 
 int ElementStore::term_index(TermName name) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <memory>
 #include <vector>
 
 #include "element_pieces.hpp"
@@ -24,10 +25,10 @@ struct StoredElement {
 };
 
 struct StoredPiece {
-  int term = 0;                 ///< into ElementStore::terms
-  double scale = 1.0;           ///< turns the values into the term's part: all that is constant in the coefficient
-  double at_card_values = 1.0;  ///< turns the values into the matrix of the deck as it stands
-  std::size_t first_value = 0;
+  int term = 0;                    ///< into ElementStore::terms
+  double scale = 1.0;              ///< turns the values into the term's part: all that is constant in the coefficient
+  double at_card_values = 1.0;     ///< turns the values into the matrix of the deck as it stands
+  const double* values = nullptr;  ///< owned by the ElementStore
 };
 
 /// A term of one of the three matrices.
@@ -50,22 +51,26 @@ class ElementStore {
   const StoredPiece& piece(const StoredElement& element, int k) const {
     return pieces_[element.first_piece + static_cast<std::size_t>(k)];
   }
-  const double* values(const StoredPiece& piece) const { return values_.data() + piece.first_value; }
 
   /// Applies EquationMap::hold to what is stored: held equations become -1.
   void hold(const std::vector<bool>& is_held);
 
  private:
   void store(const FiniteElementModel& model, const EquationMap& map, ElementPieces& element);
-  void store_piece(const FiniteElementModel& model, const ElementPiece& piece, const Eigen::MatrixXd& matrix);
+  StoredPiece describe(const FiniteElementModel& model, const ElementPiece& piece);
   int term_index(TermName name);
+  template <typename Entry>
+  const double* store_values(std::size_t size, const Entry& entry);
+  double* new_values(std::size_t count);
 
   std::vector<FieldRole> roles_;
   std::vector<bool> is_separable_;
   std::vector<StoredElement> elements_;
   std::vector<int> equations_;
   std::vector<StoredPiece> pieces_;
-  std::vector<double> values_;
+  std::vector<std::unique_ptr<double[]>> values_;  // in chunks: one array would be copied each time that it grows
+  double* next_value_ = nullptr;                   // of the last chunk
+  std::size_t unused_values_ = 0;
   std::vector<TermName> terms_;
   std::map<TermName, int> index_of_term_;
 };

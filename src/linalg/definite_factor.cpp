@@ -1,10 +1,11 @@
-// CHOLMOD's supernodal L L'.
+// CHOLMOD's supernodal L L', with solutions by the lane kernels.
 #include <suitesparse/cholmod.h>
 
-#include <cstring>
+#include <algorithm>
 #include <vector>
 
 #include "blas.hpp"
+#include "linalg/lane_kernels.hpp"
 #include "mottle/core/error.hpp"
 #include "mottle/linalg/symmetric_factor.hpp"
 
@@ -12,16 +13,25 @@ namespace mottle {
 namespace {
 
 constexpr Eigen::Index k_nested_dissection_from = 3000;  // below, minimum degree is found faster and is as good
+constexpr Eigen::Index k_most_sides = 32;                // in one sweep through L; more would only need more memory
 
-/// Views Eigen's arrays as CHOLMOD's; nothing is copied.
+/// Eight doubles that lie in one line of the cache.
+struct alignas(64) CacheLine {
+  double values[8];
+};
+
+/// Views Eigen's arrays as CHOLMOD's; nothing is copied. Without entries Eigen has no arrays, but CHOLMOD wants some.
 cholmod_sparse view(const SparseMatrix& lower) {
+  static int no_row = 0;
+  static double no_value = 0.0;
+  const bool is_empty = lower.nonZeros() == 0;
   cholmod_sparse sparse = {};
   sparse.nrow = static_cast<std::size_t>(lower.rows());
   sparse.ncol = static_cast<std::size_t>(lower.cols());
   sparse.nzmax = static_cast<std::size_t>(lower.nonZeros());
   sparse.p = const_cast<int*>(lower.outerIndexPtr());
-  sparse.i = const_cast<int*>(lower.innerIndexPtr());
-  sparse.x = const_cast<double*>(lower.valuePtr());
+  sparse.i = is_empty ? &no_row : const_cast<int*>(lower.innerIndexPtr());
+  sparse.x = is_empty ? &no_value : const_cast<double*>(lower.valuePtr());
   sparse.stype = -1;
   sparse.itype = CHOLMOD_INT;
   sparse.xtype = CHOLMOD_REAL;
@@ -68,9 +78,13 @@ class CholmodFactor final : public DefiniteFactor {
     return is_definite_;
   }
 
-  void solve(Eigen::Ref<Eigen::MatrixXd> right_hand_sides) override { solve_part(CHOLMOD_A, right_hand_sides); }
+  void solve(Eigen::Ref<Eigen::MatrixXd> right_hand_sides) override {
+    if (has_supernodes()) return sweep(right_hand_sides, false);
+    solve_part(CHOLMOD_A, right_hand_sides);
+  }
 
   void solve_root(Eigen::Ref<Eigen::MatrixXd> right_hand_sides) override {
+    if (has_supernodes()) return sweep(right_hand_sides, true);
     solve_part(CHOLMOD_Lt, right_hand_sides);
     solve_part(CHOLMOD_Pt, right_hand_sides);
   }
@@ -87,6 +101,41 @@ class CholmodFactor final : public DefiniteFactor {
   std::string name() const override { return "CHOLMOD supernodal"; }
 
  private:
+  bool has_supernodes() const {
+    return factor_ != nullptr && factor_->is_super != 0 && factor_->xtype == CHOLMOD_REAL &&
+           factor_->itype == CHOLMOD_INT;
+  }
+
+  lane_kernels::SupernodalLower supernodes() const {
+    return {static_cast<int>(factor_->nsuper),    static_cast<const int*>(factor_->super),
+            static_cast<const int*>(factor_->pi), static_cast<const int*>(factor_->s),
+            static_cast<const int*>(factor_->px), static_cast<const double*>(factor_->x)};
+  }
+
+  /// P' L^-T L^-1 P B, or its second half P' L^-T B alone: the root.
+  void sweep(Eigen::Ref<Eigen::MatrixXd> right_hand_sides, bool is_root) {
+    const lane_kernels::Kernels& kernels = lane_kernels::widest_kernels();
+    const lane_kernels::SupernodalLower lower = supernodes();
+    const int* order = static_cast<const int*>(factor_->Perm);
+    const Eigen::Index rows = right_hand_sides.rows();
+    for (Eigen::Index first = 0; first < right_hand_sides.cols(); first += k_most_sides) {
+      const Eigen::Index sides = std::min(k_most_sides, right_hand_sides.cols() - first);
+      const Eigen::Index width = sides == 1 ? 1 : (sides + kernels.lanes - 1) / kernels.lanes * kernels.lanes;
+      rows_.resize(static_cast<std::size_t>(rows * width / 8 + 1));
+      double* const x = rows_.data()->values;
+      for (Eigen::Index i = 0; i < rows; ++i) {
+        const Eigen::Index row = is_root ? i : order[i];
+        for (Eigen::Index j = 0; j < sides; ++j) x[i * width + j] = right_hand_sides(row, first + j);
+        std::fill(x + i * width + sides, x + (i + 1) * width, 0.0);
+      }
+      if (!is_root) kernels.solve_lower(lower, static_cast<int>(width), x);
+      kernels.solve_lower_transposed(lower, static_cast<int>(width), x);
+      for (Eigen::Index i = 0; i < rows; ++i) {
+        for (Eigen::Index j = 0; j < sides; ++j) right_hand_sides(order[i], first + j) = x[i * width + j];
+      }
+    }
+  }
+
   void solve_part(int system, Eigen::Ref<Eigen::MatrixXd> right_hand_sides) {
     use_one_thread();
     cholmod_dense sides = {};
@@ -110,6 +159,7 @@ class CholmodFactor final : public DefiniteFactor {
   cholmod_dense* solution_ = nullptr;
   cholmod_dense* work_ = nullptr;
   cholmod_dense* more_work_ = nullptr;
+  std::vector<CacheLine> rows_;  // right-hand sides side by side, as the kernels want them
   bool is_definite_ = false;
 };
 

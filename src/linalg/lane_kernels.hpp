@@ -44,6 +44,17 @@ struct SparseLower {
   const double* values = nullptr;
 };
 
+/// A supernodal L as CHOLMOD keeps it: neighbouring columns of equal pattern are one dense block [row x column] by
+/// columns, whose first rows are those of its diagonal. What lies above the diagonal is not read.
+struct SupernodalLower {
+  int supernodes = 0;
+  const int* columns = nullptr;       ///< [supernode + 1]: the first column of each
+  const int* row_starts = nullptr;    ///< [supernode + 1]: into rows
+  const int* rows = nullptr;          ///< ascending in each supernode
+  const int* value_starts = nullptr;  ///< [supernode + 1]: into values
+  const double* values = nullptr;
+};
+
 /// Vectors side by side are padded to a multiple of this.
 constexpr int k_vector_padding = 8;
 
@@ -55,6 +66,10 @@ struct Kernels {
   long (*workspace_doubles)(const Problem&);
   /// out += A in for `width` vectors, a multiple of k_vector_padding: both [column][vector].
   void (*add_symmetric_product)(const SparseLower&, int width, const double* in, double* out);
+  /// Solve L X = B and L' X = B in place for `width` right-hand sides, one or a multiple of `lanes`: x [row][side].
+  void (*solve_lower)(const SupernodalLower&, int width, double* x);
+  void (*solve_lower_transposed)(const SupernodalLower&, int width, double* x);
+  int lanes;  ///< doubles in a register
 };
 
 /// The kernels of the widest registers that this processor has.

@@ -3,7 +3,9 @@
 #define MOTTLE_COLUMN_BLOCK 2
 #include "linalg/lanes/solve.hpp"
 #include "linalg/lanes/sparse_product.hpp"
+#include "linalg/lanes/supernodal_solve.hpp"
 
 namespace mottle::lane_kernels {
-const Kernels k_plain{jacobi_plain, solve_large, workspace_doubles, add_symmetric_product};
+const Kernels k_plain{jacobi_plain,           solve_large, workspace_doubles, add_symmetric_product, solve_lower,
+                      solve_lower_transposed, MOTTLE_LANES};
 }

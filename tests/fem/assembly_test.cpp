@@ -6,6 +6,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <functional>
 
 #include "core/message_of.hpp"
 #include "fem/models.hpp"
@@ -138,6 +139,36 @@ TEST(Assembly, ASpringWithoutANumberIsNone) {
   maker.spring(1, 0, 0, -1, 0, 5.0);
   maker.model.scalars.push_back({.id = 2, .nodes = {0, -1}});
   EXPECT_EQ(dense(assemble(maker.model, {}).stiffness.at(Eigen::VectorXd()))(0, 0), 5.0);
+}
+
+TEST(Assembly, TermsThatReachLittleAndMuchOfThePatternAscend) {
+  constexpr int k_points = 100;
+  test::ModelMaker maker;
+  for (int k = 0; k < k_points; ++k) maker.scalar_point(k + 1);
+  // Cards from the chain's far end to its near one, so that no term is built in its order.
+  for (int k = k_points - 1; k > 0; --k) maker.spring(k, k - 1, 0, k, 0, 1.0 + k);
+  maker.spring(k_points, 0, 0, -1, 0, 1.0);
+  std::vector<FieldParameter> parameters(2);
+  for (int k = 1; k < k_points; ++k) {
+    if (k % 40 == 0) parameters[0].fields.push_back(test::field_of(maker.model, "CELAS2", k, "K"));
+    if (k % 2 == 1) parameters[1].fields.push_back(test::field_of(maker.model, "CELAS2", k, "K"));
+  }
+  const AssembledModel assembled = assemble(maker.model, parameters);
+  ASSERT_EQ(assembled.stiffness.terms.size(), 3U);
+  for (const SeparableMatrix::Term& term : assembled.stiffness.terms) {
+    const auto descent = std::adjacent_find(term.positions.begin(), term.positions.end(), std::greater_equal<>());
+    EXPECT_TRUE(descent == term.positions.end());
+    EXPECT_EQ(term.positions.size(), term.values.size());
+  }
+  Eigen::MatrixXd expected = Eigen::MatrixXd::Zero(k_points, k_points);
+  expected(0, 0) = 1.0;
+  for (int k = 1; k < k_points; ++k) {
+    const double stiffness = k % 40 == 0 ? 5.0 : (k % 2 == 1 ? 3.0 : 1.0 + k);
+    expected(k - 1, k - 1) += stiffness;
+    expected(k, k) += stiffness;
+    expected(k, k - 1) = expected(k - 1, k) = -stiffness;
+  }
+  EXPECT_EQ(dense(assembled.stiffness.at(Eigen::Vector2d(5.0, 3.0))), expected);  // sums of integers are exact
 }
 
 TEST(Assembly, NamesDegreesOfFreedom) {

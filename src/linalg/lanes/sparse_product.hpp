@@ -1,20 +1,10 @@
 // Products of a sparse symmetric matrix with many vectors at once: here the lanes hold vectors, not samples.
 #pragma once
 
-#include "linalg/lanes/lane.hpp"
+#include "linalg/lanes/loose_lane.hpp"
 
 namespace mottle::lane_kernels {
 namespace {
-
-/// Lanes at any address.
-using LooseLane = double __attribute__((vector_size(8 * MOTTLE_LANES), aligned(8)));
-
-MOTTLE_INLINE Lane load(const double* from) {
-  return *reinterpret_cast<const LooseLane*>(from);
-}
-MOTTLE_INLINE void store(double* to, Lane value) {
-  *reinterpret_cast<LooseLane*>(to) = value;
-}
 
 /// One panel of Lanes * MOTTLE_LANES vectors: the column's own vectors stay in registers.
 template <int Lanes>
