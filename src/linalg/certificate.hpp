@@ -16,6 +16,9 @@ namespace mottle {
 /// among them need no gap between each other, only the next one above must keep away. Infinite where it does not, where
 /// its residual is large, or where the bound would be: such a space may miss a mode.
 ///
+/// The coupling of modes is taken to second order: true errors exceed e by up to a fifth in rare cases, which the
+/// caller's reserve in `gram` must cover.
+///
 /// @param values  mu [mode], positive, ascending; the last ones serve as `nu` only
 /// @param gram    r_i' A^-1 r_j [mode x mode], an upper estimate
 /// @param wanted  for how many of the lowest

@@ -25,13 +25,6 @@ Eigen::MatrixXd flattened(const std::vector<Eigen::MatrixXd>& terms) {
   return flat;
 }
 
-Eigen::MatrixXd with_constant(const Eigen::Ref<const Eigen::MatrixXd>& coefficients, Eigen::Index samples) {
-  Eigen::MatrixXd result(coefficients.rows() + 1, samples);
-  result.row(0).setOnes();
-  result.bottomRows(coefficients.rows()) = coefficients;
-  return result;
-}
-
 PencilFamily family_of(const std::vector<Eigen::MatrixXd>& stiffness, const std::vector<Eigen::MatrixXd>& mass) {
   return {stiffness[0], {stiffness.begin() + 1, stiffness.end()}, mass[0], {mass.begin() + 1, mass.end()}};
 }
@@ -53,6 +46,16 @@ Eigen::MatrixXd product(const Eigen::Ref<const Eigen::MatrixXd>& a, const Eigen:
   Eigen::MatrixXd result(a.rows(), b.cols());
   multiply(1.0, a, false, b, 0.0, result);
   return result;
+}
+
+/// The terms at some samples [entries x sample]; one column for all where only the constant is there.
+Eigen::MatrixXd combined(const Eigen::MatrixXd& terms, const Eigen::MatrixXd& coefficients, Eigen::Index begin,
+                         Eigen::Index count) {
+  if (coefficients.rows() == 0) return terms;
+  Eigen::MatrixXd with_constant(coefficients.rows() + 1, count);
+  with_constant.row(0).setOnes();
+  with_constant.bottomRows(coefficients.rows()) = coefficients.middleCols(begin, count);
+  return product(terms, with_constant);
 }
 
 }  // namespace
@@ -156,23 +159,18 @@ ReducedModel::Parts::Solution ReducedModel::Parts::solve(const TermCoefficients&
   const Eigen::MatrixXd mass_terms = flattened(mass_sketch);
   parallel_for(samples.samples(), k_grain, threads, [&](std::int64_t begin, std::int64_t end) {
     const Eigen::Index count = end - begin;
-    const Eigen::MatrixXd elastic =
-        product(stiffness_terms, with_constant(samples.stiffness.middleCols(begin, count), count));
-    // With a constant mass one sketch serves all.
-    const Eigen::Index masses = samples.mass.rows() > 0 ? count : 1;
-    const Eigen::MatrixXd inertial =
-        product(mass_terms, with_constant(samples.mass.leftCols(samples.mass.rows() > 0 ? begin + count : 0)
-                                              .rightCols(samples.mass.rows() > 0 ? count : 0),
-                                          masses));
+    const Eigen::MatrixXd elastic = combined(stiffness_terms, samples.stiffness, begin, count);
+    const Eigen::MatrixXd inertial = combined(mass_terms, samples.mass, begin, count);
     Eigen::MatrixXd residuals(k_sketch_rows, modes);
     for (Eigen::Index i = 0; i < count; ++i) {
       const Eigen::Index s = begin + i;
       if (found.failed[static_cast<std::size_t>(s)] != 0 || !(ratios(s) > 0.0)) continue;
       const auto y = found.sample_vectors(s);
       const auto lambda = found.values.col(s);
-      multiply(1.0, elastic.col(i).reshaped(k_sketch_rows, vectors), false, y, 0.0, residuals);
-      multiply(-1.0, inertial.col(masses > 1 ? i : 0).reshaped(k_sketch_rows, vectors), false, y * lambda.asDiagonal(),
-               1.0, residuals);
+      multiply(1.0, elastic.col(std::min(i, elastic.cols() - 1)).reshaped(k_sketch_rows, vectors), false, y, 0.0,
+               residuals);
+      multiply(-1.0, inertial.col(std::min(i, inertial.cols() - 1)).reshaped(k_sketch_rows, vectors), false,
+               y * lambda.asDiagonal(), 1.0, residuals);
       const Eigen::VectorXd mu = lambda.array() - full->shift;
       if (!(mu(0) > 0.0)) continue;
       residuals /= std::sqrt(static_cast<double>(k_sketch_rows) * ratios(s));

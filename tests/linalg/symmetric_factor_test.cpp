@@ -7,7 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "linalg/lane_kernels.hpp"
 #include "mottle/core/random.hpp"
+#include "mottle/linalg/batch_eigen.hpp"
 
 namespace mottle {
 namespace {
@@ -183,6 +185,76 @@ TEST(DefiniteFactor, NothingIsSolvedForNothing) {
   empty_factor->solve(no_rows);
   empty_factor->solve_root(no_rows);
   EXPECT_EQ(no_rows.cols(), 3);
+}
+
+/// L with supernodes of 1 to 19 columns, each followed by a third of the later rows; nan above the diagonals.
+struct MadeLower {
+  std::vector<int> columns = {0};
+  std::vector<int> row_starts = {0};
+  std::vector<int> rows = {};
+  std::vector<int> value_starts = {0};
+  std::vector<double> values = {};
+  Eigen::MatrixXd dense;
+
+  explicit MadeLower(const std::vector<int>& widths) {
+    for (const int width : widths) columns.push_back(columns.back() + width);
+    dense = Eigen::MatrixXd::Zero(columns.back(), columns.back());
+    const Eigen::MatrixXd entries = random_matrix(dense.rows(), dense.cols(), 7);
+    for (std::size_t s = 0; s < widths.size(); ++s) append(columns[s], columns[s + 1], entries);
+  }
+
+  void append(int first, int last, const Eigen::MatrixXd& entries) {
+    const auto begin = static_cast<std::ptrdiff_t>(rows.size());
+    for (int row = first; row < columns.back(); ++row) {
+      if (row < last || row % 3 == first % 3) rows.push_back(row);
+    }
+    for (int column = first; column < last; ++column) {
+      for (auto row = rows.begin() + begin; row != rows.end(); ++row) {
+        const double value = *row == column ? 3.0 : 0.2 * entries(*row, column);
+        values.push_back(*row < column ? std::nan("") : value);
+        if (*row >= column) dense(*row, column) = value;
+      }
+    }
+    row_starts.push_back(static_cast<int>(rows.size()));
+    value_starts.push_back(static_cast<int>(values.size()));
+  }
+
+  lane_kernels::SupernodalLower view() const {
+    return {static_cast<int>(columns.size()) - 1,
+            columns.data(),
+            row_starts.data(),
+            rows.data(),
+            value_starts.data(),
+            values.data()};
+  }
+};
+
+using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+void expect_solutions(const lane_kernels::Kernels& kernels) {
+  const MadeLower lower({5, 1, 8, 2, 16, 3, 19, 4, 7, 6, 9});
+  const auto triangle = lower.dense.triangularView<Eigen::Lower>();
+  for (const int width : {1, 8, 24}) {
+    const RowMatrix sides = random_matrix(lower.dense.rows(), width, 8);
+    RowMatrix x = sides;
+    kernels.solve_lower(lower.view(), width, x.data());
+    // The condition number is below 1e3.
+    EXPECT_LT((x - triangle.solve(sides)).cwiseAbs().maxCoeff(), 1e-13) << width;
+    x = sides;
+    kernels.solve_lower_transposed(lower.view(), width, x.data());
+    EXPECT_LT((x - triangle.transpose().solve(sides)).cwiseAbs().maxCoeff(), 1e-13) << width;
+    RowMatrix alone = sides.col(width / 2);
+    kernels.solve_lower_transposed(lower.view(), 1, alone.data());
+    EXPECT_EQ(alone, x.col(width / 2)) << width;
+  }
+}
+
+TEST(SupernodalKernels, SolveInRegistersOfEveryWidth) {
+  expect_solutions(lane_kernels::k_plain);
+#if defined(__x86_64__)
+  if (is_simd_level_available(SimdLevel::avx2)) expect_solutions(lane_kernels::k_avx2);
+  if (is_simd_level_available(SimdLevel::avx512)) expect_solutions(lane_kernels::k_avx512);
+#endif
 }
 
 }  // namespace
