@@ -197,7 +197,8 @@ SparseModes SparseModeSolver::solve(const SparseMatrix& stiffness, const SparseM
            [&](Eigen::Ref<Eigen::MatrixXd> vectors) {  // NOLINT(performance-unnecessary-value-param): a Ref is a view
              factors_->definite->solve(vectors);
            },
-       .weigh = [&](const Eigen::Ref<const Eigen::MatrixXd>& vectors) { return symmetric_product(lean_mass, vectors); }},
+       .weigh =
+           [&](const Eigen::Ref<const Eigen::MatrixXd>& vectors) { return symmetric_product(lean_mass, vectors); }},
       sought, options.tolerance);
   result.basis_vectors = pairs.solved_vectors;
   if (!pairs.is_converged) {

@@ -19,13 +19,13 @@ struct SparseModesOptions {
 
 /// The lowest modes and how good they are.
 struct SparseModes {
-  Eigen::VectorXd values;       ///< lambda, ascending [mode]
-  Eigen::MatrixXd vectors;      ///< phi' M phi = 1 [dof x mode]; the component of largest magnitude positive
-  Eigen::VectorXd residuals;    ///< norm(K phi - lambda M phi) / norm(|K| |phi| + |lambda| |M| |phi|) [mode], if measured
-  double shift = 0.0;           ///< of the factorisation, below all modes
-  int counted_below = -1;       ///< modes below `counted_at` by the inertia of K - counted_at M; -1: not asked for
-  double counted_at = 0.0;      ///< between the last mode and the next, or below the root they share
-  int basis_vectors = 0;        ///< solves with the factor
+  Eigen::VectorXd values;     ///< lambda, ascending [mode]
+  Eigen::MatrixXd vectors;    ///< phi' M phi = 1 [dof x mode]; the component of largest magnitude positive
+  Eigen::VectorXd residuals;  ///< norm(K phi - lambda M phi) / norm(|K| |phi| + |lambda| |M| |phi|) [mode], if measured
+  double shift = 0.0;         ///< of the factorisation, below all modes
+  int counted_below = -1;     ///< modes below `counted_at` by the inertia of K - counted_at M; -1: not asked for
+  double counted_at = 0.0;    ///< between the last mode and the next, or below the root they share
+  int basis_vectors = 0;      ///< solves with the factor
   double factor_seconds = 0.0;  ///< of the first factorisation, its ordering included
   std::string failure;          ///< why there is no result; empty where there is one
   int failed_row = -1;          ///< row of the matrices to which the failure belongs, or -1
