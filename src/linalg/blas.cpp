@@ -49,6 +49,12 @@ void multiply(double alpha, const Eigen::Ref<const Eigen::MatrixXd>& a, bool tra
          &beta, c.data(), &stride_c);
 }
 
+Eigen::MatrixXd product(const Eigen::Ref<const Eigen::MatrixXd>& a, const Eigen::Ref<const Eigen::MatrixXd>& b) {
+  Eigen::MatrixXd result(a.rows(), b.cols());
+  multiply(1.0, a, false, b, 0.0, result);
+  return result;
+}
+
 Eigen::MatrixXd transposed_product(const Eigen::Ref<const Eigen::MatrixXd>& a,
                                    const Eigen::Ref<const Eigen::MatrixXd>& b) {
   Eigen::MatrixXd product(a.cols(), b.cols());

@@ -14,6 +14,9 @@ void use_one_thread();
 void multiply(double alpha, const Eigen::Ref<const Eigen::MatrixXd>& a, bool transposes_a,
               const Eigen::Ref<const Eigen::MatrixXd>& b, double beta, Eigen::Ref<Eigen::MatrixXd> c);
 
+/// A B.
+Eigen::MatrixXd product(const Eigen::Ref<const Eigen::MatrixXd>& a, const Eigen::Ref<const Eigen::MatrixXd>& b);
+
 /// A' B.
 Eigen::MatrixXd transposed_product(const Eigen::Ref<const Eigen::MatrixXd>& a,
                                    const Eigen::Ref<const Eigen::MatrixXd>& b);

@@ -80,9 +80,7 @@ class KrylovBasis {
   }
 
   Eigen::MatrixXd combine(const Eigen::Ref<const Eigen::MatrixXd>& weights) const {
-    Eigen::MatrixXd result(problem_.size, weights.cols());
-    multiply(1.0, basis_.leftCols(projected_size_), false, weights, 0.0, result);
-    return result;
+    return product(basis_.leftCols(projected_size_), weights);
   }
 
   /// Keeps the leading Ritz vectors and the newest block, and forgets the rest.

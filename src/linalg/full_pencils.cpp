@@ -30,12 +30,6 @@ std::vector<SupportedMatrix> terms_of(const SparseMatrix& constant, const std::v
   return result;
 }
 
-Eigen::VectorXd with_constant(const Eigen::MatrixXd& coefficients) {
-  Eigen::VectorXd result(coefficients.rows() + 1);
-  result << 1.0, coefficients.col(0);
-  return result;
-}
-
 void check(const PencilTerms& terms, const TermCoefficients& nominal) {
   const Eigen::Index order = terms.stiffness_constant.rows();
   const auto fits = [&](const SparseMatrix& matrix) { return matrix.rows() == order && matrix.cols() == order; };
@@ -82,8 +76,8 @@ bool is_semidefinite(const SupportedMatrix& term, const Eigen::MatrixXd& sketch)
 
 FullPencils::FullPencils(const PencilTerms& terms, const TermCoefficients& nominal, const SparseMatrix& nominal_k,
                          const SparseMatrix& nominal_m, const ReducedModelOptions& options)
-    : nominal_stiffness((check(terms, nominal), with_constant(nominal.stiffness))),
-      nominal_mass(with_constant(nominal.mass)) {
+    : nominal_stiffness((check(terms, nominal), with_constant(nominal.stiffness.col(0)))),
+      nominal_mass(with_constant(nominal.mass.col(0))) {
   constexpr int k_more_modes = 4;  // that keep unseen modes away, see Floor
   constexpr double k_free = 1e3;
   // The modes need not be exact: they only begin the basis.

@@ -23,12 +23,6 @@ double extreme_ratio(const std::vector<SupportedMatrix>& terms, const Eigen::Vec
   return ratio;
 }
 
-Eigen::VectorXd with_constant(const Eigen::VectorXd& coefficients) {
-  Eigen::VectorXd result(coefficients.size() + 1);
-  result << 1.0, coefficients;
-  return result;
-}
-
 }  // namespace
 
 Eigen::VectorXd ReducedModel::Parts::unseen_above(const TermCoefficients& samples) const {

@@ -42,12 +42,6 @@ Eigen::MatrixXd orthonormal_combinations(const Eigen::MatrixXd& gram, const Eige
          parts.tail(kept).cwiseSqrt().cwiseInverse().asDiagonal();
 }
 
-Eigen::MatrixXd product(const Eigen::Ref<const Eigen::MatrixXd>& a, const Eigen::Ref<const Eigen::MatrixXd>& b) {
-  Eigen::MatrixXd result(a.rows(), b.cols());
-  multiply(1.0, a, false, b, 0.0, result);
-  return result;
-}
-
 /// The terms at some samples [entries x sample]; one column for all where only the constant is there.
 Eigen::MatrixXd combined(const Eigen::MatrixXd& terms, const Eigen::MatrixXd& coefficients, Eigen::Index begin,
                          Eigen::Index count) {
@@ -198,7 +192,8 @@ ReducedModel::ReducedModel(const PencilTerms& terms, const TermCoefficients& nom
   parts_->stiffness_sketch.resize(terms.stiffness.size() + 1);
   parts_->mass_sketch.resize(terms.mass.size() + 1);
   const FullPencils& full = *parts_->full;
-  parts_->add_floor({full.nominal_stiffness, full.nominal_mass, full.highest_mode}, full.modes);
+  const Eigen::MatrixXd modes = std::move(parts_->full->modes);  // the basis holds them from here on
+  parts_->add_floor({full.nominal_stiffness, full.nominal_mass, full.highest_mode}, modes);
 }
 
 ReducedModel::ReducedModel(const ReducedModel& other) : parts_(std::make_unique<Parts>(*other.parts_)) {}

@@ -52,6 +52,13 @@ struct FullPencils {
   SparseMatrix sum(const std::vector<SupportedMatrix>& terms, const Eigen::VectorXd& coefficients) const;
 };
 
+/// Coefficients of one sample with the constant's, 1, in front.
+inline Eigen::VectorXd with_constant(const Eigen::Ref<const Eigen::VectorXd>& coefficients) {
+  Eigen::VectorXd result(coefficients.size() + 1);
+  result << 1.0, coefficients;
+  return result;
+}
+
 struct ReducedModel::Parts {
   std::shared_ptr<FullPencils> full;
   ReducedModelOptions options;

@@ -113,8 +113,7 @@ void ReducedModel::train(const TermCoefficients& samples, int threads) {
       coordinates.col(c) =
           solution.vectors.col(pick.sample).segment(pick.mode * parts.basis.cols(), parts.basis.cols());
     }
-    Eigen::MatrixXd shapes(parts.full->size(), values.size());
-    multiply(1.0, parts.basis, false, coordinates, 0.0, shapes);
+    const Eigen::MatrixXd shapes = product(parts.basis, coordinates);
     const Eigen::MatrixXd residuals = full_residuals(*parts.full, now, picks, shapes, values);
     Eigen::MatrixXd answers = residuals;
     parts.full->solver.factor().solve(answers);
@@ -139,10 +138,8 @@ void ReducedModel::Parts::compress(const Solution& solution, const Eigen::Matrix
       weighted.col(c) = y / std::max(length * allowed, 1e-300);
     }
   }
-  Eigen::MatrixXd squares(vectors, vectors);
   const Eigen::MatrixXd transposed = weighted.transpose();
-  squares = transposed_product(transposed, transposed);
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(squares);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(transposed_product(transposed, transposed));
   const Eigen::MatrixXd parts = transposed_product(solver.eigenvectors(), weighted).cwiseAbs2();
   Eigen::RowVectorXd neglected = Eigen::RowVectorXd::Zero(weighted.cols());
   Eigen::Index dropped = 0;

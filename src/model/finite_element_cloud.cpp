@@ -25,11 +25,9 @@ double processor_seconds() {
 
 }  // namespace
 
-/// Reads off full or reduced shapes what is observed; the reference's side is prepared once.
+/// Reads off full or reduced shapes what is observed.
 struct FiniteElementStructure::Observer {
-  Observer(const FiniteElementStructure& of, const ModalObservation& what) : structure(of), observation(what) {
-    if (what.reference.shapes.cols() > 0) weighed = symmetric_product(of.reference_mass_, what.reference.shapes);
-  }
+  bool compares() const { return observation.reference.shapes.cols() > 0; }
 
   /// What a basis adds: reduced shapes are observed like full ones, at the size of the basis.
   struct Reduced {
@@ -40,40 +38,32 @@ struct FiniteElementStructure::Observer {
   Reduced reduce(const Eigen::MatrixXd& basis) const {
     Reduced reduced;
     reduced.displacements = structure.displacements(basis, observation.degrees_of_freedom);
-    if (weighed.cols() == 0) return reduced;
-    reduced.reference = weighed.transpose() * basis;
-    reduced.mass = basis.transpose() * symmetric_product(structure.reference_mass_, basis);
+    if (!compares()) return reduced;
+    const Eigen::MatrixXd weighed = symmetric_product(structure.reference_mass_, basis);
+    reduced.reference = observation.reference.shapes.transpose() * weighed;
+    reduced.mass = basis.transpose() * weighed;
     return reduced;
-  }
-
-  static Eigen::MatrixXd cosines_of(const Eigen::MatrixXd& products, const Eigen::RowVectorXd& squares) {
-    return (products * squares.cwiseSqrt().cwiseInverse().asDiagonal()).cwiseMax(-1.0).cwiseMin(1.0);
   }
 
   ObservedModes observe(const SparseModes& modes) const {
     ObservedModes observed{modes.values, {}, {}, {}};
     observed.displacements = structure.displacements(modes.vectors, observation.degrees_of_freedom);
-    if (weighed.cols() > 0) {
-      observed.cosines = cosines_of(
-          weighed.transpose() * modes.vectors,
-          modes.vectors.cwiseProduct(symmetric_product(structure.reference_mass_, modes.vectors)).colwise().sum());
-    }
+    if (compares()) observed.cosines = structure.cosines(observation.reference, {modes.values, modes.vectors});
     return observed;
   }
 
   ObservedModes observe(const Reduced& reduced, const Eigen::Ref<const Eigen::VectorXd>& values,
                         const Eigen::Ref<const Eigen::MatrixXd>& coordinates) const {
     ObservedModes observed{values, {}, reduced.displacements * coordinates, {}};
-    if (weighed.cols() > 0) {
-      observed.cosines = cosines_of(reduced.reference * coordinates,
-                                    coordinates.cwiseProduct(reduced.mass * coordinates).colwise().sum());
+    if (compares()) {
+      const Eigen::RowVectorXd squares = coordinates.cwiseProduct(reduced.mass * coordinates).colwise().sum();
+      observed.cosines = cosines_from(reduced.reference * coordinates, squares);
     }
     return observed;
   }
 
   const FiniteElementStructure& structure;
   const ModalObservation& observation;
-  Eigen::MatrixXd weighed;  ///< M Phi_ref
 };
 
 void FiniteElementStructure::allow_reduction(ReductionSettings settings) {
@@ -105,7 +95,7 @@ const ReducedModel* FiniteElementStructure::trained_model(int modes, int threads
 SolverUse FiniteElementStructure::solve(const Eigen::Ref<const Eigen::MatrixXd>& samples, int modes,
                                         const ModalObservation& observation, const RunContext& context,
                                         const Visitor& visit) const {
-  const Observer observer(*this, observation);
+  const Observer observer{*this, observation};
   SolverUse use;
   Rows rows(static_cast<std::size_t>(samples.rows()));
   std::iota(rows.begin(), rows.end(), Eigen::Index{0});

@@ -160,9 +160,13 @@ ModeSet FiniteElementStructure::modes_at(const Eigen::Ref<const Eigen::VectorXd>
 
 Eigen::MatrixXd FiniteElementStructure::cosines(const ModeSet& reference, const ModeSet& modes) const {
   const Eigen::MatrixXd weighed = symmetric_product(reference_mass_, modes.shapes);
-  const Eigen::RowVectorXd lengths = modes.shapes.cwiseProduct(weighed).colwise().sum().cwiseSqrt();
-  const Eigen::MatrixXd products = reference.shapes.transpose() * weighed;
-  return (products * lengths.cwiseInverse().asDiagonal()).cwiseMax(-1.0).cwiseMin(1.0);
+  const Eigen::RowVectorXd squares = modes.shapes.cwiseProduct(weighed).colwise().sum();
+  return cosines_from(reference.shapes.transpose() * weighed, squares);
+}
+
+Eigen::MatrixXd FiniteElementStructure::cosines_from(const Eigen::MatrixXd& products,
+                                                     const Eigen::RowVectorXd& squares) {
+  return (products * squares.cwiseSqrt().cwiseInverse().asDiagonal()).cwiseMax(-1.0).cwiseMin(1.0);
 }
 
 Eigen::MatrixXd FiniteElementStructure::eigenvalue_derivatives(const Eigen::Ref<const Eigen::VectorXd>& parameters,

@@ -78,6 +78,8 @@ class FiniteElementStructure final : public ModalStructure {
   };
   Matrices matrices_at(const Eigen::Ref<const Eigen::VectorXd>& parameters) const;
   Matrices derivative_at(const Eigen::Ref<const Eigen::VectorXd>& parameters, Eigen::Index parameter) const;
+  /// From phi_ref' M phi and the squared M-lengths of the phi.
+  static Eigen::MatrixXd cosines_from(const Eigen::MatrixXd& products, const Eigen::RowVectorXd& squares);
   struct Observer;
   /// Solves and visits the given rows of `samples`.
   void solve_exactly(const Eigen::Ref<const Eigen::MatrixXd>& samples, const std::vector<Eigen::Index>& rows, int modes,
