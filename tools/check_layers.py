@@ -19,6 +19,7 @@ CONFINED = {
     "nlohmann/": ["src", "apps", "tests"],
     "CLI/": ["apps"],
     "Random123/": ["src/core", "tests/core"],
+    "xxhash": ["src/core"],
 }
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]')
 

@@ -21,14 +21,23 @@ fuzz nastran -dict="$build/nastran.dict" tests/formats/nastran &
 nastran=$!
 fuzz csv examples/01-three-masses &
 csv=$!
+fuzz uff tests/formats/uff examples/05-uff-population/specimens &
+uff=$!
+fuzz matrix tests/formats/matrices &
+matrix=$!
+fuzz solver_output -dict=tests/fuzz/solver_output.dict &
+solver_output=$!
 
 failed=0
 wait $nastran || failed=1
 wait $csv || failed=1
+wait $uff || failed=1
+wait $matrix || failed=1
+wait $solver_output || failed=1
 if ((failed)); then
-  for log in "$build"/{nastran,csv}.log; do echo "::: $log"; tail -40 "$log"; done
+  for log in "$build"/{nastran,csv,uff,matrix,solver_output}.log; do echo "::: $log"; tail -40 "$log"; done
   exit 1
 fi
-for name in nastran csv; do
+for name in nastran csv uff matrix solver_output; do
   echo "$name: $(grep -oP 'number_of_executed_units: *\K\d+' "$build/$name.log") executions, no finding"
 done

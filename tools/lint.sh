@@ -20,6 +20,5 @@ for key in $keys; do
 done
 
 if (($# > 0)); then files=("$@"); else mapfile -t files < <(find src apps -name '*.cpp' ! -name 'lane_*' | sort); fi
-echo "clang-tidy: ${#files[@]} files"
-printf '%s\0' "${files[@]}" | xargs -0 -r -P "$jobs" -n 1 clang-tidy --quiet -p "$build" 2> >(grep -v 'warnings\? generated\.\|^Suppressed\|^Use -header-filter' >&2 || true)
+python3 tools/tidy.py "$build" "$jobs" "${files[@]}"
 echo "lint: nothing found"
