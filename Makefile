@@ -64,7 +64,7 @@ coverage:
 fuzz:
 	$(INSTALL) --test --fuzz
 	$(call configure,fuzz)
-	$(call build,fuzz) --target nastran_fuzz csv_fuzz
+	$(call build,fuzz) --target nastran_fuzz csv_fuzz uff_fuzz matrix_fuzz solver_output_fuzz
 	tools/fuzz.sh build/fuzz $(FUZZ_SECONDS)
 
 deb:

@@ -8,6 +8,7 @@ find_package(nlohmann_json 3.11 REQUIRED)
 find_package(CLI11 2.1 REQUIRED)
 find_package(tomlplusplus 3.3 REQUIRED)
 find_path(RANDOM123_INCLUDE_DIR Random123/philox.h REQUIRED)
+find_path(XXHASH_INCLUDE_DIR xxhash.h REQUIRED)
 
 # Sparse factorisations; BLAS comes with them and is called directly for the products between.
 set(BLA_VENDOR Generic)  # the system's alternative, which the other libraries link too
@@ -20,6 +21,23 @@ if(NOT TARGET mottle_sparse)
   add_library(mottle_sparse INTERFACE)
   target_include_directories(mottle_sparse SYSTEM INTERFACE ${CHOLMOD_INCLUDE_DIR} ${MUMPS_INCLUDE_DIR})
   target_link_libraries(mottle_sparse INTERFACE ${CHOLMOD_LIBRARY} ${MUMPS_LIBRARY} BLAS::BLAS)
+endif()
+
+find_path(MATIO_INCLUDE_DIR matio.h REQUIRED)
+find_library(MATIO_LIBRARY matio REQUIRED)
+if(NOT TARGET mottle_matio)
+  add_library(mottle_matio INTERFACE)
+  target_include_directories(mottle_matio SYSTEM INTERFACE ${MATIO_INCLUDE_DIR})
+  target_link_libraries(mottle_matio INTERFACE ${MATIO_LIBRARY})
+endif()
+
+# The C library alone; Debian keeps its serial build beside the parallel ones.
+find_path(HDF5_INCLUDE_DIR hdf5.h PATH_SUFFIXES hdf5/serial REQUIRED)
+find_library(HDF5_LIBRARY NAMES hdf5_serial hdf5 REQUIRED)
+if(NOT TARGET mottle_hdf5)
+  add_library(mottle_hdf5 INTERFACE)
+  target_include_directories(mottle_hdf5 SYSTEM INTERFACE ${HDF5_INCLUDE_DIR})
+  target_link_libraries(mottle_hdf5 INTERFACE ${HDF5_LIBRARY})
 endif()
 
 if(NOT TARGET mottle_tomlplusplus)

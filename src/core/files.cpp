@@ -66,12 +66,16 @@ std::string read_file(const std::filesystem::path& path) {
 }
 
 void write_file_atomically(const std::filesystem::path& path, std::string_view bytes) {
+  write_file_atomically(path, std::span(&bytes, 1));
+}
+
+void write_file_atomically(const std::filesystem::path& path, std::span<const std::string_view> pieces) {
   std::filesystem::path partial = path;
   partial += ".partial";
   try {
     const Descriptor descriptor(::open(partial.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644));
     require(descriptor.get() >= 0, "{}: cannot be written: {}", path.string(), error_text());
-    write_all(descriptor.get(), bytes, path);
+    for (const std::string_view piece : pieces) write_all(descriptor.get(), piece, path);
     if (::fsync(descriptor.get()) != 0) {
       throw SystemFailure(fmt::format("{}: cannot be flushed to the disk: {}", path.string(), error_text()));
     }

@@ -8,6 +8,7 @@
 #include <memory>
 #include <new>
 
+#include "blas.hpp"
 #include "linalg/lane_kernels.hpp"
 #include "mottle/core/error.hpp"
 #include "mottle/core/parallel.hpp"
@@ -121,16 +122,18 @@ void fold_constant_mass(const PencilFamily& family, PackedFamily& packed) {
   packed.mass_is_definite = masses.allFinite() && factor.info() == Eigen::Success;
   if (!packed.mass_is_definite) return;
   packed.mass_kind = diagonal ? MassKind::folded_diagonal : MassKind::folded;
-  const auto reduce = [&](const Eigen::MatrixXd& stiffness) {
-    return diagonal ? reduce_by_diagonal(stiffness, masses) : reduce_by_factor(stiffness, factor);
+  packed.back_transform = factor.matrixU().solve(Eigen::MatrixXd::Identity(order, order));
+  // Where many large terms are to be reduced, products by the BLAS library cost a fifth of triangular solutions.
+  constexpr Eigen::Index k_large = 64;
+  const auto reduce = [&](const Eigen::MatrixXd& stiffness) -> Eigen::MatrixXd {
+    if (diagonal) return reduce_by_diagonal(stiffness, masses);
+    if (order <= k_large) return reduce_by_factor(stiffness, factor);
+    const Eigen::MatrixXd full = stiffness.selfadjointView<Eigen::Lower>();
+    return transposed_product(packed.back_transform, product(full, packed.back_transform));
   };
   append_packed(reduce(family.stiffness_constant), packed.stiffness);
   for (const Eigen::MatrixXd& term : family.stiffness_terms) append_packed(reduce(term), packed.stiffness);
-  if (diagonal) {
-    packed.back_transform = masses.cwiseSqrt().cwiseInverse().asDiagonal();
-  } else {
-    packed.back_transform = factor.matrixU().solve(Eigen::MatrixXd::Identity(order, order));
-  }
+  if (diagonal) packed.back_transform = masses.cwiseSqrt().cwiseInverse().asDiagonal();
 }
 
 void pack_parametric_mass(const PencilFamily& family, PackedFamily& packed) {

@@ -4,11 +4,9 @@
 
 #include <Eigen/Core>
 
-namespace mottle {
+#include "mottle/linalg/one_thread.hpp"
 
-/// Keeps BLAS, and the OpenMP loops of the sparse packages, from starting threads of their own inside the calling
-/// thread: they would slow both down and change the last bits of sums. To be called wherever such a package is entered.
-void use_one_thread();
+namespace mottle {
 
 /// C = alpha op(A) B + beta C, column-major; op transposes where asked.
 void multiply(double alpha, const Eigen::Ref<const Eigen::MatrixXd>& a, bool transposes_a,

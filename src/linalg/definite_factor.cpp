@@ -2,6 +2,7 @@
 #include <suitesparse/cholmod.h>
 
 #include <algorithm>
+#include <mutex>
 #include <vector>
 
 #include "blas.hpp"
@@ -118,11 +119,12 @@ class CholmodFactor final : public DefiniteFactor {
     const lane_kernels::SupernodalLower lower = supernodes();
     const int* order = static_cast<const int*>(factor_->Perm);
     const Eigen::Index rows = right_hand_sides.rows();
+    std::vector<CacheLine> sides_by_rows;  // as the kernels want them
     for (Eigen::Index first = 0; first < right_hand_sides.cols(); first += k_most_sides) {
       const Eigen::Index sides = std::min(k_most_sides, right_hand_sides.cols() - first);
       const Eigen::Index width = sides == 1 ? 1 : (sides + kernels.lanes - 1) / kernels.lanes * kernels.lanes;
-      rows_.resize(static_cast<std::size_t>(rows * width / 8 + 1));
-      double* const x = rows_.data()->values;
+      sides_by_rows.resize(static_cast<std::size_t>(rows * width / 8 + 1));
+      double* const x = sides_by_rows.data()->values;
       for (Eigen::Index i = 0; i < rows; ++i) {
         const Eigen::Index row = is_root ? i : order[i];
         for (Eigen::Index j = 0; j < sides; ++j) x[i * width + j] = right_hand_sides(row, first + j);
@@ -138,6 +140,7 @@ class CholmodFactor final : public DefiniteFactor {
 
   void solve_part(int system, Eigen::Ref<Eigen::MatrixXd> right_hand_sides) {
     use_one_thread();
+    const std::lock_guard lock(mutex_);
     cholmod_dense sides = {};
     sides.nrow = static_cast<std::size_t>(right_hand_sides.rows());
     sides.ncol = static_cast<std::size_t>(right_hand_sides.cols());
@@ -159,7 +162,7 @@ class CholmodFactor final : public DefiniteFactor {
   cholmod_dense* solution_ = nullptr;
   cholmod_dense* work_ = nullptr;
   cholmod_dense* more_work_ = nullptr;
-  std::vector<CacheLine> rows_;  // right-hand sides side by side, as the kernels want them
+  std::mutex mutex_;  // of CHOLMOD's own solutions
   bool is_definite_ = false;
 };
 

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "mottle/core/error.hpp"
+#include "vector_signs.hpp"
 
 namespace mottle {
 namespace {
@@ -12,14 +13,6 @@ namespace {
 DenseModes failed_modes(Eigen::Index order, Eigen::Index modes) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   return {Eigen::VectorXd::Constant(modes, nan), Eigen::MatrixXd::Constant(order, modes, nan), true};
-}
-
-void make_largest_component_positive(Eigen::MatrixXd& vectors) {
-  for (Eigen::Index mode = 0; mode < vectors.cols(); ++mode) {
-    Eigen::Index largest = 0;
-    vectors.col(mode).cwiseAbs().maxCoeff(&largest);
-    if (vectors(largest, mode) < 0.0) vectors.col(mode) *= -1.0;
-  }
 }
 
 }  // namespace

@@ -46,7 +46,7 @@ void check(const PencilTerms& terms, const TermCoefficients& nominal) {
 /// The largest |x' K_t x| / x' A x, by a few steps of the block power method.
 double largest_ratio(const SupportedMatrix& term, FullPencils& full) {
   constexpr int k_steps = 6;
-  const Eigen::MatrixXd start = full.sketch.leftCols(4);
+  const Eigen::MatrixXd start = full.sketch().leftCols(4);
   VectorRows block = to_rows(start);
   const Eigen::VectorXd ones = Eigen::VectorXd::Ones(block.cols());
   double ratio = 0.0;
@@ -55,7 +55,7 @@ double largest_ratio(const SupportedMatrix& term, FullPencils& full) {
     term.add_scaled_product(block, ones, moved);
     Eigen::MatrixXd answer = moved.leftCols(start.cols());
     const Eigen::MatrixXd weighed = symmetric_product(full.shifted, block.leftCols(start.cols()));
-    full.solver.factor().solve(answer);
+    full.factor().solve(answer);
     for (Eigen::Index j = 0; j < answer.cols(); ++j) {
       const double length = std::sqrt(block.col(j).dot(weighed.col(j)));
       ratio = std::max(ratio, std::sqrt(std::abs(answer.col(j).dot(moved.col(j)))) / length);
@@ -83,25 +83,64 @@ FullPencils::FullPencils(const PencilTerms& terms, const TermCoefficients& nomin
   // The modes need not be exact: they only begin the basis.
   const std::clock_t begin = std::clock();
   SparseModes found =
-      solver.solve(nominal_k, nominal_m,
-                   {.modes = options.modes + k_guard_modes + k_more_modes, .tolerance = 1e-4, .measures = false});
+      solver_.solve(nominal_k, nominal_m,
+                    {.modes = options.modes + k_guard_modes + k_more_modes, .tolerance = 1e-4, .measures = false});
   exact_seconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
   require(found.failure.empty() && found.values.size() > 0, "the nominal model has no modes: {}", found.failure);
   shift = found.shift;
   highest_mode = found.values(found.values.size() - 1);
   modes = std::move(found.vectors);
   is_free = found.values(0) < k_free * std::abs(shift);
+  take(terms, nominal_k, nominal_m);
+  std::call_once(is_ready_, [this] { make_sketch(); });
+  for (std::size_t t = 0; t < stiffness.size(); ++t) {
+    const double coefficient = nominal_stiffness(static_cast<Eigen::Index>(t));
+    const bool adds = coefficient >= 0.0 && is_semidefinite(stiffness[t], sketch_);
+    indefinite.push_back(adds ? 0.0 : 1.1 * std::abs(coefficient) * largest_ratio(stiffness[t], *this));
+  }
+}
+
+FullPencils::FullPencils(const PencilTerms& terms, const TermCoefficients& nominal, const SparseMatrix& nominal_k,
+                         const SparseMatrix& nominal_m, NominalFacts facts)
+    : NominalFacts(std::move(facts)),
+      nominal_stiffness((check(terms, nominal), with_constant(nominal.stiffness.col(0)))),
+      nominal_mass(with_constant(nominal.mass.col(0))),
+      nominal_k_(nominal_k),
+      nominal_m_(nominal_m) {
+  take(terms, nominal_k, nominal_m);
+}
+
+void FullPencils::take(const PencilTerms& terms, const SparseMatrix& nominal_k, const SparseMatrix& nominal_m) {
   shifted = nominal_k - shift * nominal_m;
   shifted.makeCompressed();
   stiffness = terms_of(terms.stiffness_constant, terms.stiffness);
   mass = terms_of(terms.mass_constant, terms.mass);
-  sketch = random_signs(shifted.rows(), k_sketch_rows);
-  solver.factor().solve_root(sketch);
-  for (std::size_t t = 0; t < stiffness.size(); ++t) {
-    const double coefficient = nominal_stiffness(static_cast<Eigen::Index>(t));
-    const bool adds = coefficient >= 0.0 && is_semidefinite(stiffness[t], sketch);
-    indefinite.push_back(adds ? 0.0 : 1.1 * std::abs(coefficient) * largest_ratio(stiffness[t], *this));
-  }
+}
+
+void FullPencils::make_sketch() {
+  sketch_ = random_signs(shifted.rows(), k_sketch_rows);
+  solver_.factor().solve_root(sketch_);
+}
+
+void FullPencils::catch_up() {
+  std::call_once(is_ready_, [this] {
+    if (solver_.factorise(nominal_k_, nominal_m_) != shift) {
+      throw SystemFailure("the nominal stiffness has another factor than when the reduced model was trained");
+    }
+    make_sketch();
+    nominal_k_ = SparseMatrix();
+    nominal_m_ = SparseMatrix();
+  });
+}
+
+DefiniteFactor& FullPencils::factor() {
+  catch_up();
+  return solver_.factor();
+}
+
+const Eigen::MatrixXd& FullPencils::sketch() {
+  catch_up();
+  return sketch_;
 }
 
 SparseMatrix FullPencils::sum(const std::vector<SupportedMatrix>& terms, const Eigen::VectorXd& coefficients) const {

@@ -1,7 +1,9 @@
 // Kernels for processors with AVX2 and FMA: 4 samples at a time. Compiled with those flags, see lane_flags.cmake.
 #if defined(__x86_64__)
 #define MOTTLE_LANES 4
-#define MOTTLE_COLUMN_BLOCK 2
+#define MOTTLE_UPDATE_COLUMNS 2
+#define MOTTLE_PRODUCT_COLUMNS 4
+#define MOTTLE_VECTOR_GROUP 3
 #include "linalg/lanes/solve.hpp"
 #include "linalg/lanes/sparse_product.hpp"
 #include "linalg/lanes/supernodal_solve.hpp"

@@ -1,6 +1,8 @@
 // Kernels for every processor: 2 samples at a time.
 #define MOTTLE_LANES 2
-#define MOTTLE_COLUMN_BLOCK 2
+#define MOTTLE_UPDATE_COLUMNS 2
+#define MOTTLE_PRODUCT_COLUMNS 4
+#define MOTTLE_VECTOR_GROUP 3
 #include "linalg/lanes/solve.hpp"
 #include "linalg/lanes/sparse_product.hpp"
 #include "linalg/lanes/supernodal_solve.hpp"

@@ -46,9 +46,9 @@ Eigen::VectorXd ReducedModel::Parts::unseen_above(const TermCoefficients& sample
   return result;
 }
 
-void ReducedModel::Parts::add_floor(Floor floor, const Eigen::MatrixXd& modes) {
+void ReducedModel::Parts::add_floor(Floor floor, const Eigen::MatrixXd& modes, int threads) {
   const Eigen::MatrixXd weighed = symmetric_product(full->shifted, modes);
-  append(modes, weighed);
+  append(modes, weighed, threads);
   const Eigen::Index known = floor_modes.cols();
   floor_modes.conservativeResize(basis.cols(), known + modes.cols());
   floor_modes.rightCols(modes.cols()) = transposed_product(basis, weighed);
@@ -75,7 +75,7 @@ void ReducedModel::Parts::raise_floor(const TermCoefficients& samples, int threa
     const SparseModes found = solver.solve(full->stiffness_at(softest), full->mass_at(heaviest),
                                            {.modes = static_cast<int>(modes), .tolerance = 1e-4, .measures = false});
     if (!found.failure.empty() || found.values.size() == 0) return;
-    add_floor({softest, heaviest, found.values(found.values.size() - 1)}, found.vectors);
+    add_floor({softest, heaviest, found.values(found.values.size() - 1)}, found.vectors, threads);
   }
 }
 

@@ -15,7 +15,7 @@
 namespace mottle {
 namespace {
 
-constexpr Eigen::Index k_batch = 2048;  // samples whose vectors are held at once
+constexpr Eigen::Index k_batch = 1024;  // samples whose vectors are held at once: few, so that memory is used again
 constexpr Eigen::Index k_grain = 32;
 
 /// The terms side by side, [entries x term].
@@ -27,19 +27,6 @@ Eigen::MatrixXd flattened(const std::vector<Eigen::MatrixXd>& terms) {
 
 PencilFamily family_of(const std::vector<Eigen::MatrixXd>& stiffness, const std::vector<Eigen::MatrixXd>& mass) {
   return {stiffness[0], {stiffness.begin() + 1, stiffness.end()}, mass[0], {mass.begin() + 1, mass.end()}};
-}
-
-/// A-orthonormal combinations of a block whose Gram matrix is given, `before` that of the squared lengths before the
-/// basis was taken out; what is hardly there is dropped.
-Eigen::MatrixXd orthonormal_combinations(const Eigen::MatrixXd& gram, const Eigen::VectorXd& before) {
-  constexpr double k_least = 1e-10;
-  const Eigen::VectorXd scales = (gram.diagonal().array() > k_least * before.array())
-                                     .select(gram.diagonal().cwiseAbs().cwiseSqrt().cwiseInverse(), 0.0);
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(scales.asDiagonal() * gram * scales.asDiagonal());
-  const Eigen::VectorXd& parts = solver.eigenvalues();
-  const Eigen::Index kept = (parts.array() > k_least * parts.maxCoeff()).count();
-  return scales.asDiagonal() * solver.eigenvectors().rightCols(kept) *
-         parts.tail(kept).cwiseSqrt().cwiseInverse().asDiagonal();
 }
 
 /// The terms at some samples [entries x sample]; one column for all where only the constant is there.
@@ -54,11 +41,22 @@ Eigen::MatrixXd combined(const Eigen::MatrixXd& terms, const Eigen::MatrixXd& co
 
 }  // namespace
 
+Eigen::MatrixXd orthonormal_combinations(const Eigen::MatrixXd& gram, const Eigen::VectorXd& before) {
+  constexpr double k_least = 1e-10;
+  const Eigen::VectorXd scales = (gram.diagonal().array() > k_least * before.array())
+                                     .select(gram.diagonal().cwiseAbs().cwiseSqrt().cwiseInverse(), 0.0);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(scales.asDiagonal() * gram * scales.asDiagonal());
+  const Eigen::VectorXd& parts = solver.eigenvalues();
+  const Eigen::Index kept = (parts.array() > k_least * parts.maxCoeff()).count();
+  return scales.asDiagonal() * solver.eigenvectors().rightCols(kept) *
+         parts.tail(kept).cwiseSqrt().cwiseInverse().asDiagonal();
+}
+
 Eigen::Index ReducedModel::Parts::solved_modes() const {
   return std::min<Eigen::Index>(options.modes + k_guard_modes, basis.cols());
 }
 
-void ReducedModel::Parts::append(Eigen::MatrixXd block, const Eigen::MatrixXd& weighed) {
+void ReducedModel::Parts::append(Eigen::MatrixXd block, const Eigen::MatrixXd& weighed, int threads) {
   // A residual is orthogonal to the basis already, so A block hardly changes by taking the basis out of the block.
   const Eigen::VectorXd before = block.cwiseProduct(weighed).colwise().sum().transpose();
   if (basis.cols() > 0) multiply(-1.0, basis, false, transposed_product(basis, weighed), 1.0, block);
@@ -67,14 +65,14 @@ void ReducedModel::Parts::append(Eigen::MatrixXd block, const Eigen::MatrixXd& w
   const Eigen::Index added = combinations.cols();
   basis.conservativeResize(block.rows(), basis.cols() + added);
   multiply(1.0, block, false, combinations, 0.0, basis.rightCols(added));
-  project_last(added);
+  project_last(added, threads);
   polish_last(added);
   const Eigen::Index known = floor_modes.rows();
   floor_modes.conservativeResize(basis.cols(), Eigen::NoChange);
   floor_modes.bottomRows(basis.cols() - known).setZero();
 }
 
-void ReducedModel::Parts::project_last(Eigen::Index added) {
+void ReducedModel::Parts::project_last(Eigen::Index added, int threads) {
   const Eigen::Index size = basis.cols();
   const VectorRows block = to_rows(basis.rightCols(added));
   const auto extend = [&](const SupportedMatrix& term, Eigen::MatrixXd& projected, Eigen::MatrixXd& sketched) {
@@ -86,10 +84,18 @@ void ReducedModel::Parts::project_last(Eigen::Index added) {
     projected.bottomRightCorner(added, added) =
         0.5 * (columns.bottomRows(added) + columns.bottomRows(added).transpose());
     sketched.conservativeResize(k_sketch_rows, size);
-    sketched.rightCols(added) = term.project(full->sketch, image, added);
+    sketched.rightCols(added) = term.project(full->sketch(), image, added);
   };
-  for (std::size_t t = 0; t < stiffness.size(); ++t) extend(full->stiffness[t], stiffness[t], stiffness_sketch[t]);
-  for (std::size_t t = 0; t < mass.size(); ++t) extend(full->mass[t], mass[t], mass_sketch[t]);
+  const std::size_t elastic = stiffness.size();
+  parallel_for(static_cast<std::int64_t>(elastic + mass.size()), 1, threads, [&](std::int64_t begin, std::int64_t end) {
+    for (auto t = static_cast<std::size_t>(begin); t < static_cast<std::size_t>(end); ++t) {
+      if (t < elastic) {
+        extend(full->stiffness[t], stiffness[t], stiffness_sketch[t]);
+      } else {
+        extend(full->mass[t - elastic], mass[t - elastic], mass_sketch[t - elastic]);
+      }
+    }
+  });
 }
 
 void ReducedModel::Parts::polish_last(Eigen::Index added) {
@@ -134,9 +140,23 @@ void ReducedModel::Parts::rotate(const Eigen::MatrixXd& q) {
   }
 }
 
+Eigen::MatrixXd sketched_gram(const Eigen::MatrixXd& sketched) {
+  constexpr double k_reserve = 3.0;  // a sketch of 64 rows shows less than a third of a square once in 1e7
+  return transposed_product(sketched, sketched) * (k_reserve / static_cast<double>(k_sketch_rows));
+}
+
+Eigen::VectorXd ReducedModel::Parts::bounds(const Eigen::Ref<const Eigen::VectorXd>& lambda,
+                                            const Eigen::MatrixXd& gram, double unseen, Eigen::Index wanted) const {
+  const Eigen::VectorXd mu = lambda.array() - full->shift;
+  const auto values = lambda.head(wanted).array();
+  Eigen::ArrayXd errors = error_bounds(mu, gram, wanted);
+  errors = (values < unseen).select(errors, std::numeric_limits<double>::infinity());
+  // Of lambda instead of mu; modes near the shift are those of a body that moves as one.
+  return errors * mu.head(wanted).array() / values.max(std::abs(full->shift));
+}
+
 ReducedModel::Parts::Solution ReducedModel::Parts::solve(const TermCoefficients& samples, bool keeps_residuals,
                                                          int threads) const {
-  constexpr double k_reserve = 3.0;  // a sketch of 64 rows shows less than a third of a square once in 1e7
   const Eigen::Index modes = solved_modes();
   const Eigen::Index wanted = std::min<Eigen::Index>(options.modes + k_sharp_guards, modes);
   const Eigen::Index vectors = basis.cols();
@@ -167,14 +187,10 @@ ReducedModel::Parts::Solution ReducedModel::Parts::solve(const TermCoefficients&
                y * lambda.asDiagonal(), 1.0, residuals);
       const Eigen::VectorXd mu = lambda.array() - full->shift;
       if (!(mu(0) > 0.0)) continue;
-      residuals /= std::sqrt(static_cast<double>(k_sketch_rows) * ratios(s));
-      const Eigen::MatrixXd gram = k_reserve * residuals.transpose() * residuals;
-      Eigen::ArrayXd errors = error_bounds(mu, gram, wanted);
-      errors = (lambda.head(wanted).array() < unseen(s)).select(errors, std::numeric_limits<double>::infinity());
-      // Of lambda instead of mu; modes near the shift are those of a body that moves as one.
-      result.bounds.col(s) = errors * mu.head(wanted).array() / lambda.head(wanted).array().max(std::abs(full->shift));
+      result.bounds.col(s) = bounds(lambda, sketched_gram(residuals) / ratios(s), unseen(s), wanted);
       if (keeps_residuals) {
-        result.residuals.middleCols(s * modes, modes) = residuals * mu.cwiseSqrt().cwiseInverse().asDiagonal();
+        result.residuals.middleCols(s * modes, modes) =
+            residuals * (k_sketch_rows * ratios(s) * mu).cwiseSqrt().cwiseInverse().asDiagonal();
       }
     }
   });
@@ -193,7 +209,7 @@ ReducedModel::ReducedModel(const PencilTerms& terms, const TermCoefficients& nom
   parts_->mass_sketch.resize(terms.mass.size() + 1);
   const FullPencils& full = *parts_->full;
   const Eigen::MatrixXd modes = std::move(parts_->full->modes);  // the basis holds them from here on
-  parts_->add_floor({full.nominal_stiffness, full.nominal_mass, full.highest_mode}, modes);
+  parts_->add_floor({full.nominal_stiffness, full.nominal_mass, full.highest_mode}, modes, 1);
 }
 
 ReducedModel::ReducedModel(const ReducedModel& other) : parts_(std::make_unique<Parts>(*other.parts_)) {}

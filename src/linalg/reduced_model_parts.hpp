@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <memory>
+#include <mutex>
 #include <vector>
 
 #include "mottle/linalg/reduced_model.hpp"
@@ -22,11 +23,23 @@ struct Floor {
   double level = 0.0;               ///< lambda
 };
 
+/// What the solution of the nominal pencil told and a file of a trained model keeps.
+struct NominalFacts {
+  std::vector<double> indefinite;  ///< by stiffness term: largest |eigenvalue| of a_t K_t against A, 0: semidefinite
+  bool is_free = false;            ///< held by the shifted mass alone
+  double exact_seconds = 0.0;      ///< processor time of the nominal solution
+  double shift = 0.0;              ///< A = K - shift M, at the nominal sample
+  double highest_mode = 0.0;       ///< lambda of the highest nominal mode
+};
+
 /// The full pencils and everything that the nominal one gives. The constant terms come first. Copies of a model share
-/// it; only training uses the factor.
-struct FullPencils {
+/// it; only training uses the factor and the sketch.
+struct FullPencils : NominalFacts {
   FullPencils(const PencilTerms& terms, const TermCoefficients& nominal, const SparseMatrix& nominal_k,
               const SparseMatrix& nominal_m, const ReducedModelOptions& options);
+  /// With what an earlier solution told: no factor until something asks for it.
+  FullPencils(const PencilTerms& terms, const TermCoefficients& nominal, const SparseMatrix& nominal_k,
+              const SparseMatrix& nominal_m, NominalFacts facts);
 
   Eigen::Index size() const { return shifted.rows(); }
   /// A lower bound of the smallest eigenvalue of a sample's stiffness (shifted) against the nominal one [sample].
@@ -38,18 +51,24 @@ struct FullPencils {
 
   std::vector<SupportedMatrix> stiffness, mass;
   Eigen::VectorXd nominal_stiffness, nominal_mass;  ///< coefficients, 1 for the constants
-  std::vector<double> indefinite;  ///< by stiffness term: largest |eigenvalue| of a_t K_t against A, 0: semidefinite
-  bool is_free = false;            ///< held by the shifted mass alone
-  double exact_seconds = 0.0;      ///< processor time of the nominal solution
-  double shift = 0.0;              ///< A = K - shift M, at the nominal sample
-  SparseMatrix shifted;            ///< A, lower triangle
-  SparseModeSolver solver;         ///< holds the factor of A
-  Eigen::MatrixXd modes;           ///< nominal shapes [equation x mode]
-  double highest_mode = 0.0;       ///< the last one's lambda
-  Eigen::MatrixXd sketch;          ///< W with W W' near 64 A^-1 [equation x 64]
+  SparseMatrix shifted;                             ///< A, lower triangle
+  Eigen::MatrixXd modes;                            ///< nominal shapes [equation x mode]
+
+  /// Of A.
+  DefiniteFactor& factor();
+  /// W with W W' near 64 A^-1 [equation x 64].
+  const Eigen::MatrixXd& sketch();
 
  private:
   SparseMatrix sum(const std::vector<SupportedMatrix>& terms, const Eigen::VectorXd& coefficients) const;
+  void take(const PencilTerms& terms, const SparseMatrix& nominal_k, const SparseMatrix& nominal_m);
+  void make_sketch();
+  void catch_up();
+
+  std::once_flag is_ready_;  ///< of the rest
+  SparseModeSolver solver_;  ///< holds the factor of A
+  Eigen::MatrixXd sketch_;
+  SparseMatrix nominal_k_, nominal_m_;  ///< until the factor is made
 };
 
 /// Coefficients of one sample with the constant's, 1, in front.
@@ -59,12 +78,22 @@ inline Eigen::VectorXd with_constant(const Eigen::Ref<const Eigen::VectorXd>& co
   return result;
 }
 
+/// A-orthonormal combinations of a block whose Gram matrix is given, `before` that of the squared lengths before the
+/// basis was taken out; what is hardly there is dropped.
+Eigen::MatrixXd orthonormal_combinations(const Eigen::MatrixXd& gram, const Eigen::VectorXd& before);
+
+/// An upper estimate of r_i' A^-1 r_j from W' r [64 x residual].
+Eigen::MatrixXd sketched_gram(const Eigen::MatrixXd& sketched);
+
+struct SamplePencil;  // see reduced_refinement.cpp
+
 struct ReducedModel::Parts {
   std::shared_ptr<FullPencils> full;
   ReducedModelOptions options;
   Eigen::MatrixXd basis;                         ///< A-orthonormal
   std::vector<Eigen::MatrixXd> stiffness, mass;  ///< V' K_t V, V' M_t V
   std::vector<Floor> floors;
+  bool reaches_tolerance = true;                               ///< the last training did
   Eigen::MatrixXd floor_modes;                                 ///< coordinates, of A-length 1 [vector x mode]
   std::vector<Eigen::MatrixXd> stiffness_sketch, mass_sketch;  ///< W' K_t V, W' M_t V
 
@@ -77,6 +106,14 @@ struct ReducedModel::Parts {
   };
   Eigen::Index solved_modes() const;
   Solution solve(const TermCoefficients& samples, bool keeps_residuals, int threads) const;
+  /// Bounds on lambda of the lowest `wanted` of one sample's Ritz pairs; infinite from `unseen` on.
+  ///
+  /// @param lambda  Ritz values [mode and guards]
+  /// @param gram    r_i' A^-1 r_j over the sample's ratio, an upper estimate
+  Eigen::VectorXd bounds(const Eigen::Ref<const Eigen::VectorXd>& lambda, const Eigen::MatrixXd& gram, double unseen,
+                         Eigen::Index wanted) const;
+  /// Steps in the full space from shapes to begin with [equation x mode and guards].
+  RefinedModes refine(const SamplePencil& sample, const Eigen::MatrixXd& start) const;
 
   /// A mode that residuals cannot show, because it shares nothing with the basis at any sample, obeys
   ///   lambda(s) >= min (a_t(s) / a_t) / max (b_t(s) / b_t) lambda of the floor,
@@ -85,18 +122,16 @@ struct ReducedModel::Parts {
   /// Adds a floor below all samples, with its modes, if those there are do not keep unseen modes away.
   void raise_floor(const TermCoefficients& samples, int threads);
   /// Appends modes up to `level` of a pencil and remembers it as a floor.
-  void add_floor(Floor floor, const Eigen::MatrixXd& modes);
+  void add_floor(Floor floor, const Eigen::MatrixXd& modes, int threads);
 
   /// Appends what is new in `block` to the basis; `weighed` is A block.
-  void append(Eigen::MatrixXd block, const Eigen::MatrixXd& weighed);
+  void append(Eigen::MatrixXd block, const Eigen::MatrixXd& weighed, int threads);
   /// Enlarges the projections by those of the last `added` vectors of the basis.
-  void project_last(Eigen::Index added);
+  void project_last(Eigen::Index added, int threads);
   /// Makes the last vectors A-orthonormal to rounding, by the projections.
   void polish_last(Eigen::Index added);
   /// Turns the basis and drops directions: V <- V q.
   void rotate(const Eigen::MatrixXd& q);
-  /// Drops the directions that no training sample needs.
-  void compress(const Solution& solution, const Eigen::MatrixXd& wants);
 };
 
 }  // namespace mottle

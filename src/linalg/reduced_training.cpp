@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "blas.hpp"
+#include "mottle/core/parallel.hpp"
 #include "reduced_model_parts.hpp"
 
 namespace mottle {
@@ -82,72 +83,190 @@ Eigen::MatrixXd full_residuals(const FullPencils& full, const TermCoefficients& 
   return result.leftCols(count);
 }
 
+/// What is known of the training samples. A sample that is good keeps its vectors while the basis grows: they are in
+/// the larger space too, and leave the same residuals.
+class TrainingSamples {
+ public:
+  TrainingSamples(const ReducedModel::Parts& parts, const TermCoefficients& samples, double target)
+      : parts_(parts), samples_(samples), target_(target) {}
+
+  /// Solves those of the first `used` samples that are new or were not good.
+  void solve(Eigen::Index used, int threads) {
+    const Eigen::Index modes = parts_.solved_modes();
+    if (modes != wants.rows()) used_ = 0;  // a basis that held hardly more than the modes has grown
+    std::vector<Eigen::Index> open;
+    for (Eigen::Index s = 0; s < used; ++s) {
+      if (s >= used_ || wants.col(s).maxCoeff() > 1.0) open.push_back(s);
+    }
+    resize(modes, used);
+    solve(open, threads);
+  }
+
+  /// Samples solved in a space hardly smaller than the basis is now, at least `enough` of them: the vectors of others
+  /// would keep directions that the larger space can do without.
+  std::vector<Eigen::Index> fresh(Eigen::Index enough, int threads) {
+    constexpr double k_hardly_smaller = 0.9;
+    const double limit = k_hardly_smaller * static_cast<double>(parts_.basis.cols());
+    std::vector<Eigen::Index> result, stale;
+    for (Eigen::Index s = 0; s < used_; ++s) {
+      (static_cast<double>(solved_in_[static_cast<std::size_t>(s)]) >= limit ? result : stale).push_back(s);
+    }
+    const auto missing = std::max<std::ptrdiff_t>(enough - static_cast<std::ptrdiff_t>(result.size()), 0);
+    stale.resize(std::min(stale.size(), static_cast<std::size_t>(missing)));
+    solve(stale, threads);
+    result.insert(result.end(), stale.begin(), stale.end());
+    return result;
+  }
+
+  Eigen::Index open_samples() const { return (wants.colwise().maxCoeff().array() > 1.0).count(); }
+  /// Mean over the samples of the logarithm of what the worst mode is short of; 0 where half of them are good or so.
+  double mean_shortfall() const { return wants.colwise().maxCoeff().array().max(1e-3).log().mean(); }
+
+  Eigen::MatrixXd values;       ///< Ritz values [mode and guards x sample]
+  Eigen::MatrixXd coordinates;  ///< of Ritz vectors [vector x (mode and guards) * sample]
+  Eigen::MatrixXd residuals;    ///< sketched [64 x (mode and guards) * sample]
+  Eigen::MatrixXd wants;        ///< see shortfalls()
+
+ private:
+  void solve(const std::vector<Eigen::Index>& rows, int threads) {
+    if (rows.empty()) return;
+    const Eigen::Index modes = wants.rows();
+    const TermCoefficients now{samples_.stiffness(Eigen::all, rows), samples_.mass(Eigen::all, rows)};
+    const ReducedModel::Parts::Solution found = parts_.solve(now, true, threads);
+    const Eigen::MatrixXd shortfall = shortfalls(found.bounds, found.residuals, target_);
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      const auto from = static_cast<Eigen::Index>(i);
+      solved_in_[static_cast<std::size_t>(rows[i])] = coordinates.rows();
+      values.col(rows[i]) = found.values.col(from);
+      wants.col(rows[i]) = shortfall.col(from);
+      residuals.middleCols(rows[i] * modes, modes) = found.residuals.middleCols(from * modes, modes);
+      coordinates.middleCols(rows[i] * modes, modes) = found.vectors.col(from).reshaped(coordinates.rows(), modes);
+    }
+  }
+
+  void resize(Eigen::Index modes, Eigen::Index used) {
+    const Eigen::Index vectors = parts_.basis.cols();
+    const Eigen::Index before = used_ == 0 ? 0 : coordinates.rows();
+    coordinates.conservativeResize(vectors, modes * used);
+    coordinates.bottomRows(vectors - before).setZero();
+    residuals.conservativeResize(k_sketch_rows, modes * used);
+    values.conservativeResize(modes, used);
+    wants.conservativeResize(modes, used);
+    solved_in_.resize(static_cast<std::size_t>(used));
+    used_ = used;
+  }
+
+  const ReducedModel::Parts& parts_;
+  const TermCoefficients& samples_;
+  double target_;
+  Eigen::Index used_ = 0;
+  std::vector<Eigen::Index> solved_in_;  // vectors of the basis at the time [sample]
+};
+
+/// Drops the directions that no training sample needs: the basis grew by what was missing at the time.
+void compress(ReducedModel::Parts& parts, const TrainingSamples& samples, const std::vector<Eigen::Index>& chosen) {
+  constexpr Eigen::Index k_worth = 10;  // a tenth fewer pay for the turning
+  constexpr double k_neglect = 0.3;     // of the residual that would be just good enough
+  const Eigen::Index vectors = parts.basis.cols();
+  const Eigen::Index modes = samples.wants.rows();
+  const Eigen::Index columns = modes * static_cast<Eigen::Index>(chosen.size());
+  Eigen::MatrixXd weighted(vectors, columns + parts.floor_modes.cols());
+  weighted.rightCols(parts.floor_modes.cols()) = parts.floor_modes / k_guard_residual;
+  for (Eigen::Index c = 0; c < columns; ++c) {
+    const Eigen::Index s = chosen[static_cast<std::size_t>(c / modes)];
+    const Eigen::Index k = c % modes;
+    const double allowed = samples.residuals.col(s * modes + k).norm() / std::max(samples.wants(k, s), 1e-3);
+    const double length = std::sqrt(std::max(samples.values(k, s) - parts.full->shift, 0.0));
+    weighted.col(c) = samples.coordinates.col(s * modes + k) / std::max(length * allowed, 1e-300);
+  }
+  const Eigen::MatrixXd transposed = weighted.transpose();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(transposed_product(transposed, transposed));
+  const Eigen::MatrixXd shares = transposed_product(solver.eigenvectors(), weighted).cwiseAbs2();
+  Eigen::RowVectorXd neglected = Eigen::RowVectorXd::Zero(weighted.cols());
+  Eigen::Index dropped = 0;
+  for (; dropped + parts.solved_modes() < vectors; ++dropped) {
+    neglected += shares.row(dropped);
+    if (neglected.maxCoeff() > k_neglect * k_neglect) break;
+  }
+  if (k_worth * dropped > vectors) parts.rotate(solver.eigenvectors().rightCols(vectors - dropped));
+}
+
+/// How the training comes on, to give up before the most expensive rounds where they would be in vain.
+class Progress {
+ public:
+  /// Whether half of the samples would not be good at the largest basis allowed even if all further vectors helped as
+  /// much as the last ones; in fact each helps less than those before.
+  bool is_hopeless(const ReducedModel::Parts& parts, double shortfall) {
+    constexpr double k_margin = 0.3;
+    const Eigen::Index vectors = parts.basis.cols();
+    const double added = static_cast<double>(vectors - vectors_);
+    const double room = static_cast<double>(parts.options.most_vectors - vectors);
+    const double predicted = shortfall - std::max(shortfall_ - shortfall, 0.0) * room / std::max(added, 1.0);
+    const bool knows = vectors_ > 0 && added > 0.0 && 2 * vectors > parts.options.most_vectors;
+    vectors_ = vectors;
+    shortfall_ = shortfall;
+    return knows && predicted > k_margin;
+  }
+
+ private:
+  Eigen::Index vectors_ = 0;
+  double shortfall_ = 0.0;
+};
+
+/// The answers of the nominal factor to the picked residuals enlarge the basis.
+void enlarge(ReducedModel::Parts& parts, const TermCoefficients& samples, const TrainingSamples& known,
+             const std::vector<Pick>& picks, int threads) {
+  Eigen::MatrixXd coordinates(parts.basis.cols(), static_cast<Eigen::Index>(picks.size()));
+  Eigen::VectorXd values(coordinates.cols());
+  for (Eigen::Index c = 0; c < values.size(); ++c) {
+    const Pick& pick = picks[static_cast<std::size_t>(c)];
+    values(c) = known.values(pick.mode, pick.sample);
+    coordinates.col(c) = known.coordinates.col(pick.sample * known.values.rows() + pick.mode);
+  }
+  const Eigen::MatrixXd shapes = product(parts.basis, coordinates);
+  const Eigen::MatrixXd residuals = full_residuals(*parts.full, samples, picks, shapes, values);
+  Eigen::MatrixXd answers = residuals;
+  constexpr std::int64_t k_sides = 16;  // in one sweep through the factor; fewer cost more a side
+  parallel_for(answers.cols(), k_sides, threads, [&](std::int64_t begin, std::int64_t end) {
+    parts.full->factor().solve(answers.middleCols(begin, end - begin));
+  });
+  parts.append(std::move(answers), residuals, threads);
+}
+
 }  // namespace
 
 void ReducedModel::train(const TermCoefficients& samples, int threads) {
   constexpr Eigen::Index k_first_samples = 64;
+  constexpr Eigen::Index k_choosing_samples = 256;
+  constexpr Eigen::Index k_compressing_samples = 200;
   constexpr int k_rounds = 30;
   constexpr double k_good_enough = 1.3;  // times half the tolerance, squared: within it, and no more rounds for a few
   constexpr Eigen::Index k_most_picks = 48;
   Parts& parts = *parts_;
-  const double target = 0.5 * parts.options.tolerance;
   const Eigen::Index most_picks = std::min<Eigen::Index>(k_most_picks, Eigen::Index{4} * parts.options.modes);
   parts.raise_floor(samples, threads);
   Eigen::Index used = std::min(samples.samples(), k_first_samples);
+  TrainingSamples known(parts, samples, 0.5 * parts.options.tolerance);
+  Progress progress;
+  parts.reaches_tolerance = false;
   for (int round = 0; round < k_rounds; ++round) {
-    const TermCoefficients now = samples.range(0, used);
-    const Parts::Solution solution = parts.solve(now, true, threads);
-    const Eigen::MatrixXd wants = shortfalls(solution.bounds, solution.residuals, target);
+    known.solve(used, threads);
     const Eigen::Index room = parts.options.most_vectors - parts.basis.cols();
-    const std::vector<Pick> picks = pick_residuals(solution.residuals, wants, std::min(most_picks, room));
-    const bool is_good = used == samples.samples() && wants.maxCoeff() < k_good_enough;
-    if (is_good) parts.compress(solution, wants);
+    const std::vector<Pick> picks = pick_residuals(known.residuals, known.wants, std::min(most_picks, room));
+    const bool is_good = used == samples.samples() && known.wants.maxCoeff() < k_good_enough;
+    parts.reaches_tolerance = is_good || (picks.empty() && room > 0);
+    if (is_good) compress(parts, known, known.fresh(k_compressing_samples, threads));
     if (is_good || (picks.empty() && used == samples.samples()) || room <= 0) break;
-    used = std::min(2 * used, samples.samples());
-    if (picks.empty()) continue;
-    Eigen::MatrixXd coordinates(parts.basis.cols(), static_cast<Eigen::Index>(picks.size()));
-    Eigen::VectorXd values(coordinates.cols());
-    for (Eigen::Index c = 0; c < values.size(); ++c) {
-      const Pick& pick = picks[static_cast<std::size_t>(c)];
-      values(c) = solution.values(pick.mode, pick.sample);
-      coordinates.col(c) =
-          solution.vectors.col(pick.sample).segment(pick.mode * parts.basis.cols(), parts.basis.cols());
-    }
-    const Eigen::MatrixXd shapes = product(parts.basis, coordinates);
-    const Eigen::MatrixXd residuals = full_residuals(*parts.full, now, picks, shapes, values);
-    Eigen::MatrixXd answers = residuals;
-    parts.full->solver.factor().solve(answers);
-    parts.append(std::move(answers), residuals);
+    if (progress.is_hopeless(parts, known.mean_shortfall())) break;
+    // As long as no sample is good, more of them would hardly choose better.
+    const bool has_good = used < k_choosing_samples || known.open_samples() < used;
+    if (has_good) used = std::min(2 * used, samples.samples());
+    if (!picks.empty()) enlarge(parts, samples, known, picks, threads);
   }
 }
 
-/// Drops the directions that no training sample needs: the basis grew by what was missing at the time.
-void ReducedModel::Parts::compress(const Solution& solution, const Eigen::MatrixXd& wants) {
-  constexpr Eigen::Index k_worth = 10;  // a tenth fewer pay for the turning
-  constexpr double k_neglect = 0.3;     // of the residual that would be just good enough
-  const Eigen::Index vectors = basis.cols();
-  const Eigen::Index columns = wants.size();
-  Eigen::MatrixXd weighted(vectors, columns + floor_modes.cols());
-  weighted.rightCols(floor_modes.cols()) = floor_modes / k_guard_residual;
-  for (Eigen::Index s = 0; s < wants.cols(); ++s) {
-    for (Eigen::Index k = 0; k < wants.rows(); ++k) {
-      const Eigen::Index c = s * wants.rows() + k;
-      const double allowed = solution.residuals.col(c).norm() / std::max(wants(k, s), 1e-3);
-      const double length = std::sqrt(std::max(solution.values(k, s) - full->shift, 0.0));
-      const auto y = solution.vectors.col(s).segment(k * vectors, vectors);
-      weighted.col(c) = y / std::max(length * allowed, 1e-300);
-    }
-  }
-  const Eigen::MatrixXd transposed = weighted.transpose();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(transposed_product(transposed, transposed));
-  const Eigen::MatrixXd parts = transposed_product(solver.eigenvectors(), weighted).cwiseAbs2();
-  Eigen::RowVectorXd neglected = Eigen::RowVectorXd::Zero(weighted.cols());
-  Eigen::Index dropped = 0;
-  for (; dropped + solved_modes() < vectors; ++dropped) {
-    neglected += parts.row(dropped);
-    if (neglected.maxCoeff() > k_neglect * k_neglect) break;
-  }
-  if (k_worth * dropped > vectors) rotate(solver.eigenvectors().rightCols(vectors - dropped));
+bool ReducedModel::reaches_tolerance() const {
+  return parts_->reaches_tolerance;
 }
 
 }  // namespace mottle

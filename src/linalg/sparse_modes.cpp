@@ -6,10 +6,12 @@
 #include <cmath>
 #include <limits>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "block_lanczos.hpp"
 #include "mottle/core/error.hpp"
+#include "vector_signs.hpp"
 
 namespace mottle {
 namespace {
@@ -30,16 +32,22 @@ double default_shift(const SparseMatrix& stiffness, const SparseMatrix& mass) {
   return -k_part_of_typical * *middle;
 }
 
-bool have_one_pattern(const SparseMatrix& a, const SparseMatrix& b) {
-  const auto starts = static_cast<std::size_t>(a.outerSize()) + 1;
-  const auto entries = static_cast<std::size_t>(a.nonZeros());
-  return a.nonZeros() == b.nonZeros() &&
-         std::ranges::equal(std::span(a.outerIndexPtr(), starts), std::span(b.outerIndexPtr(), starts)) &&
-         std::ranges::equal(std::span(a.innerIndexPtr(), entries), std::span(b.innerIndexPtr(), entries));
+/// Where a matrix has entries, seen and not copied.
+struct Pattern {
+  std::span<const int> starts, rows;
+
+  bool operator==(const Pattern& other) const {
+    return std::ranges::equal(starts, other.starts) && std::ranges::equal(rows, other.rows);
+  }
+};
+
+Pattern pattern_of(const SparseMatrix& matrix) {
+  return {{matrix.outerIndexPtr(), static_cast<std::size_t>(matrix.outerSize()) + 1},
+          {matrix.innerIndexPtr(), static_cast<std::size_t>(matrix.nonZeros())}};
 }
 
 SparseMatrix shifted(const SparseMatrix& stiffness, const SparseMatrix& mass, double shift) {
-  if (have_one_pattern(stiffness, mass)) {
+  if (pattern_of(stiffness) == pattern_of(mass)) {
     SparseMatrix result = stiffness;
     result.coeffs() -= shift * mass.coeffs();
     return result;
@@ -113,14 +121,6 @@ void refine_soft_modes(const SparseMatrix& stiffness, const SparseMatrix& mass, 
   vectors.leftCols(soft) = (basis * solver.eigenvectors()).cast<double>();
 }
 
-void fix_signs(Eigen::MatrixXd& vectors) {
-  for (Eigen::Index r = 0; r < vectors.cols(); ++r) {
-    Eigen::Index largest = 0;
-    vectors.col(r).cwiseAbs().maxCoeff(&largest);
-    if (vectors(largest, r) < 0.0) vectors.col(r) *= -1.0;
-  }
-}
-
 }  // namespace
 
 struct SparseModeSolver::Factors {
@@ -131,18 +131,14 @@ struct SparseModeSolver::Factors {
 
   /// Starts anew where the pattern is another one: a moved node may fill what was zero by geometry.
   void keep_pattern(const SparseMatrix& lower) {
-    const int* outer = lower.outerIndexPtr();
-    const int* inner = lower.innerIndexPtr();
-    if (std::ranges::equal(starts, std::span(outer, static_cast<std::size_t>(lower.cols()) + 1)) &&
-        std::ranges::equal(rows, std::span(inner, static_cast<std::size_t>(lower.nonZeros())))) {
-      return;
-    }
+    const Pattern pattern = pattern_of(lower);
+    if (pattern == Pattern{starts, rows}) return;
     if (!starts.empty()) {
       definite = make_definite_factor();
       indefinite.reset();
     }
-    starts.assign(outer, outer + lower.cols() + 1);
-    rows.assign(inner, inner + lower.nonZeros());
+    starts.assign(pattern.starts.begin(), pattern.starts.end());
+    rows.assign(pattern.rows.begin(), pattern.rows.end());
   }
 
   /// Factorises K - s M at the first shift that makes it definite; the shift, or 0 where none does.
@@ -169,6 +165,10 @@ SparseModeSolver::SparseModeSolver(SparseModeSolver&&) noexcept = default;
 SparseModeSolver& SparseModeSolver::operator=(SparseModeSolver&&) noexcept = default;
 SparseModeSolver::~SparseModeSolver() = default;
 
+double SparseModeSolver::factorise(const SparseMatrix& stiffness, const SparseMatrix& mass) {
+  return factors_->factorise_below(stiffness, mass);
+}
+
 DefiniteFactor& SparseModeSolver::factor() {
   return *factors_->definite;
 }
@@ -191,7 +191,7 @@ SparseModes SparseModeSolver::solve(const SparseMatrix& stiffness, const SparseM
   const SparseMatrix lean_mass = mass.pruned(0.0, 0.0);
   // Two more than wanted: a gap above the last wanted one is needed for the count.
   const int sought = options.modes + (options.counts_below ? 2 : 0);
-  const LanczosPairs pairs = largest_pairs(
+  LanczosPairs pairs = largest_pairs(
       {.size = stiffness.rows(),
        .solve =
            [&](Eigen::Ref<Eigen::MatrixXd> vectors) {  // NOLINT(performance-unnecessary-value-param): a Ref is a view
@@ -207,12 +207,12 @@ SparseModes SparseModeSolver::solve(const SparseMatrix& stiffness, const SparseM
     return result;
   }
   Eigen::VectorXd values = pairs.values.cwiseInverse().array() + result.shift;
-  Eigen::MatrixXd vectors = pairs.vectors;
+  Eigen::MatrixXd vectors = std::move(pairs.vectors);
   refine_soft_modes(stiffness, mass, result.shift, values, vectors);
   const Eigen::Index found = std::min<Eigen::Index>(options.modes, values.size());
   result.values = values.head(found);
   result.vectors = vectors.leftCols(found);
-  fix_signs(result.vectors);
+  make_largest_component_positive(result.vectors);
   if (options.measures) result.residuals = relative_residuals(stiffness, mass, result);
   if (options.counts_below && found > 0) {
     const Eigen::Index cut = cut_position(values, found, result.shift);

@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -96,6 +97,23 @@ JointDistribution JointDistribution::multivariate_normal(const Eigen::VectorXd& 
   return normal;
 }
 
+JointDistribution JointDistribution::normal_on_scales(const std::vector<NormalScale>& scales,
+                                                      const Eigen::VectorXd& mean, const Eigen::MatrixXd& covariance) {
+  require(static_cast<Eigen::Index>(scales.size()) == mean.size(), "{} scales for {} variables", scales.size(),
+          mean.size());
+  JointDistribution result = multivariate_normal(mean, covariance);
+  if (std::all_of(scales.begin(), scales.end(),
+                  [](const NormalScale& s) { return s.kind == NormalScale::Kind::identity; })) {
+    return result;
+  }
+  result.scales_ = scales;
+  result.scale_mean_ = mean;
+  VariableMoments moments = moments_of_variables(scales, mean, result.covariance_);
+  result.mean_ = std::move(moments.mean);
+  result.covariance_ = std::move(moments.covariance);
+  return result;
+}
+
 Eigen::MatrixXd JointDistribution::from_uniform(const Eigen::Ref<const Eigen::MatrixXd>& uniforms) const {
   require(uniforms.cols() == dimension(), "uniforms: {} columns for {} variables", uniforms.cols(), dimension());
   require((uniforms.array() > 0.0 && uniforms.array() < 1.0).all(), "uniforms: a value is outside (0, 1)");
@@ -108,6 +126,14 @@ Eigen::MatrixXd JointDistribution::from_uniform(const Eigen::Ref<const Eigen::Ma
     return samples;
   }
   samples = correlate(uniforms.unaryExpr([](double uniform) { return standard_normal_quantile(uniform); }), factor_);
+  if (!scales_.empty()) {
+    samples.rowwise() += scale_mean_.transpose();
+    for (Eigen::Index j = 0; j < dimension(); ++j) {
+      const NormalScale& scale = scales_[static_cast<std::size_t>(j)];
+      samples.col(j) = samples.col(j).unaryExpr([&](double t) { return scale.to_variable(t); });
+    }
+    return samples;
+  }
   if (marginals_.empty()) return samples.rowwise() + mean_.transpose();
   for (Eigen::Index j = 0; j < dimension(); ++j) {
     const Distribution& marginal = marginals_[static_cast<std::size_t>(j)];

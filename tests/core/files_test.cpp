@@ -2,12 +2,11 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/resource.h>
 
-#include <csignal>
 #include <fstream>
 #include <iterator>
 
+#include "core/file_size_limit.hpp"
 #include "core/message_of.hpp"
 #include "core/temporary_folder.hpp"
 #include "mottle/core/error.hpp"
@@ -15,6 +14,7 @@
 namespace mottle {
 namespace {
 
+using test::FileSizeLimit;
 using test::message_of;
 using test::TemporaryFolder;
 using ::testing::HasSubstr;
@@ -27,31 +27,18 @@ std::vector<std::string> names_in(const std::filesystem::path& folder) {
   return names;
 }
 
-/// No file of this process may grow beyond `bytes`: what a full disk does, without filling one.
-class FileSizeLimit {
- public:
-  explicit FileSizeLimit(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
-    ::getrlimit(RLIMIT_FSIZE, &before_);
-    const rlimit limit{bytes, before_.rlim_max};
-    ::setrlimit(RLIMIT_FSIZE, &limit);
-  }
-  FileSizeLimit(const FileSizeLimit&) = delete;
-  FileSizeLimit& operator=(const FileSizeLimit&) = delete;
-  ~FileSizeLimit() {
-    ::setrlimit(RLIMIT_FSIZE, &before_);
-    std::signal(SIGXFSZ, handler_);
-  }
-
- private:
-  rlimit before_{};
-  void (*handler_)(int);
-};
-
 TEST(ReadFile, GivesBackTheBytesThatWereWritten) {
   const TemporaryFolder folder;
   const std::string bytes("a\r\nb\0\xff\n", 7);
   write_file_atomically(folder / "bytes", bytes);
   EXPECT_EQ(read_file(folder / "bytes"), bytes);
+}
+
+TEST(WriteFileAtomically, PutsPiecesOneAfterTheOther) {
+  const TemporaryFolder folder;
+  const std::vector<std::string_view> pieces{"one", "", "two"};
+  write_file_atomically(folder / "pieces", pieces);
+  EXPECT_EQ(read_file(folder / "pieces"), "onetwo");
 }
 
 TEST(ReadFile, GivesNothingFromAnEmptyFile) {

@@ -117,5 +117,18 @@ TEST(ParseNumber, RefusesWhatIsNotOneNumber) {
   }
 }
 
+TEST(MatchesPattern, StarsStandForAnyCharactersAndQuestionMarksForOne) {
+  EXPECT_TRUE(matches_pattern("f12", "f*"));
+  EXPECT_TRUE(matches_pattern("f", "f*"));
+  EXPECT_TRUE(matches_pattern("phi1:m2", "phi*:m2"));
+  EXPECT_TRUE(matches_pattern("phi1:m2", "phi?:*"));
+  EXPECT_TRUE(matches_pattern("aab", "*ab"));
+  EXPECT_TRUE(matches_pattern("", "*"));
+  EXPECT_FALSE(matches_pattern("phi1:m2", "f*"));
+  EXPECT_FALSE(matches_pattern("f12", "f?"));
+  EXPECT_FALSE(matches_pattern("f1", "f1?"));
+  EXPECT_FALSE(matches_pattern("f12", "f1"));
+}
+
 }  // namespace
 }  // namespace mottle

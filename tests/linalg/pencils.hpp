@@ -11,12 +11,20 @@
 #include <vector>
 
 #include "mottle/linalg/batch_eigen.hpp"
+#include "mottle/linalg/symmetric_factor.hpp"
 
 namespace mottle::linalg_test {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
+
+/// Lower triangle of a dense symmetric matrix without its zeros, compressed.
+inline SparseMatrix lower_of(const MatrixXd& dense) {
+  SparseMatrix sparse = MatrixXd(dense.triangularView<Eigen::Lower>()).sparseView();
+  sparse.makeCompressed();
+  return sparse;
+}
 
 inline MatrixXd random_symmetric(Index order, std::mt19937_64& random) {
   std::normal_distribution<double> normal;

@@ -8,17 +8,14 @@
 #include <cmath>
 #include <numbers>
 
+#include "linalg/pencils.hpp"
 #include "mottle/core/error.hpp"
 #include "mottle/linalg/dense_modes.hpp"
 
 namespace mottle {
 namespace {
 
-SparseMatrix lower_of(const Eigen::MatrixXd& dense) {
-  SparseMatrix sparse = Eigen::MatrixXd(dense.triangularView<Eigen::Lower>()).sparseView();
-  sparse.makeCompressed();
-  return sparse;
-}
+using linalg_test::lower_of;
 
 /// Unit masses in a square grid, unit springs between neighbours, free at all edges.
 SparseMatrix grid_stiffness(int side) {
@@ -148,6 +145,18 @@ TEST(SparseModes, TheSymbolicFactorIsReusedWithTheSameNumbers) {
 }
 
 // i, j = 1, 2 and 2, 1 have one eigenvalue; the cut of 5 modes falls between them.
+TEST(SparseModes, TheFactorAloneIsTheOneOfASolution) {
+  const SparseMatrix stiffness = grid_stiffness(30);
+  const SparseMatrix mass = identity(900);
+  SparseModeSolver whole, alone;
+  EXPECT_EQ(alone.factorise(stiffness, mass), whole.solve(stiffness, mass, {.modes = 3}).shift);
+  Eigen::MatrixXd first = Eigen::MatrixXd::Identity(900, 5);
+  Eigen::MatrixXd second = first;
+  whole.factor().solve(first);
+  alone.factor().solve(second);
+  EXPECT_EQ(first, second);
+}
+
 TEST(SparseModes, AreCountedWhereTheLastOneSharesItsRoot) {
   constexpr int k_side = 20;
   const std::vector<double> exact = grid_eigenvalues(k_side);

@@ -8,17 +8,14 @@
 #include <vector>
 
 #include "linalg/lane_kernels.hpp"
+#include "linalg/pencils.hpp"
 #include "mottle/core/random.hpp"
 #include "mottle/linalg/batch_eigen.hpp"
 
 namespace mottle {
 namespace {
 
-SparseMatrix lower_of(const Eigen::MatrixXd& dense) {
-  SparseMatrix sparse = Eigen::MatrixXd(dense.triangularView<Eigen::Lower>()).sparseView();
-  sparse.makeCompressed();
-  return sparse;
-}
+using linalg_test::lower_of;
 
 Eigen::MatrixXd random_matrix(Eigen::Index rows, Eigen::Index columns, unsigned seed) {
   RandomStream stream({.seed = seed}, 0);

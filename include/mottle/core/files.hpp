@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -14,6 +15,8 @@ std::string read_file(const std::filesystem::path& path);
 /// Writes `bytes` beside `path`, flushes them to the disk and renames: a reader sees the old file or the new one.
 /// Throws SystemFailure (full disk), InvalidInput (place not writable).
 void write_file_atomically(const std::filesystem::path& path, std::string_view bytes);
+/// The same of bytes that lie in several places.
+void write_file_atomically(const std::filesystem::path& path, std::span<const std::string_view> pieces);
 
 /// Makes the folder and its parents, and proves by a probe file that it can be written.
 /// Throws InvalidInput where it cannot.

@@ -18,6 +18,9 @@ enum class StreamPurpose : std::uint32_t {
   bootstrap = 7,
   residual_sketch = 8,
   basis_training = 9,
+  surrogate_runs = 10,
+  prediction = 20,
+  prediction_noise = 21,
 };
 
 /// The part of a stream's name that all samples of one draw share.

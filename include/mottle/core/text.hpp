@@ -22,6 +22,9 @@ std::string nearest_name(std::string_view name, const std::vector<std::string>& 
 std::string unknown_name_message(std::string_view what, std::string_view name,
                                  const std::vector<std::string>& candidates);
 
+/// Whether `name` fits `pattern`, in which * stands for any characters (also none) and ? for any one.
+bool matches_pattern(std::string_view name, std::string_view pattern);
+
 /// Shortest decimal text that reads back as the same double.
 std::string number_text(double value);
 

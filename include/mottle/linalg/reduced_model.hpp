@@ -3,8 +3,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
 #include <memory>
-#include <string>
 #include <vector>
 
 #include "mottle/linalg/sparse_modes.hpp"
@@ -44,6 +44,14 @@ struct CertifiedModes {
   Eigen::MatrixXd bounds;   ///< e, lambda (1 - e) <= exact <= lambda [mode x sample]; infinite where nothing is known
 };
 
+/// Lowest modes of one sample, as good as the tolerance asks for where `bounds` say so.
+struct RefinedModes {
+  Eigen::VectorXd values;   ///< lambda [mode]
+  Eigen::MatrixXd vectors;  ///< phi' M phi = 1, the component of largest magnitude positive [equation x mode]
+  Eigen::VectorXd bounds;   ///< e, lambda (1 - e) <= exact <= lambda [mode]; infinite where nothing is known
+};
+using RefinedVisitor = std::function<void(Eigen::Index sample, const RefinedModes& modes)>;
+
 /// Reduced model of a family of pencils around one nominal pencil.
 ///
 /// The basis holds the nominal modes and answers of the nominal factor to residuals of samples, those chosen that
@@ -58,6 +66,8 @@ struct CertifiedModes {
 /// [Halko2011].
 class ReducedModel {
  public:
+  struct Parts;  ///< of the implementation
+
   /// @param nominal    one sample: where the basis starts
   /// @param stiffness  K there, in a pattern that holds all terms'
   /// @param mass       M there
@@ -71,8 +81,23 @@ class ReducedModel {
   /// Adds to the basis until all samples are within half the tolerance or the basis is as large as it may be.
   void train(const TermCoefficients& samples, int threads);
 
+  /// Whether the training samples came within the tolerance: false where the largest basis allowed was too small, or
+  /// would have been, in which case the training ended early.
+  bool reaches_tolerance() const;
+
   /// Lowest modes of every sample, and how sure they are.
   CertifiedModes solve(const TermCoefficients& samples, int threads) const;
+
+  /// Lowest modes of samples that solve() is not sure enough of, in the full space.
+  ///
+  /// Begins with the reduced model's modes and answers their residuals r with the nominal factor A,
+  /// Rayleigh and Ritz on what has come together, up to four times, until the bound, now by r' A^-1 r itself, is within
+  /// the tolerance. Costs some hundredths of an exact solution a step. Where solve() knows no bound at all (a mode may
+  /// be missing) no step is taken: the bounds stay infinite, and there are no vectors.
+  ///
+  /// @param visit  called once a sample, by any of the threads
+  /// Source: preconditioned block steps after [Knyazev2001].
+  void refine(const TermCoefficients& samples, int threads, const RefinedVisitor& visit) const;
 
   /// [equation x vector]
   const Eigen::MatrixXd& basis() const;
@@ -81,7 +106,8 @@ class ReducedModel {
   double exact_seconds() const;
 
  private:
-  struct Parts;
+  friend class ReducedModelFile;
+  explicit ReducedModel(std::unique_ptr<Parts> parts);
   std::unique_ptr<Parts> parts_;
 };
 

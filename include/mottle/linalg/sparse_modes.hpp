@@ -55,7 +55,12 @@ class SparseModeSolver {
   /// @throws SystemFailure   not enough memory
   SparseModes solve(const SparseMatrix& stiffness, const SparseMatrix& mass, const SparseModesOptions& options);
 
-  /// The factor of K - shift M that the last solve() made.
+  /// Makes the factor of K - shift M alone, as solve() would: the same numbers.
+  ///
+  /// @return  the shift; 0 where none makes the matrix definite
+  double factorise(const SparseMatrix& stiffness, const SparseMatrix& mass);
+
+  /// The factor of K - shift M that the last solve() or factorise() made.
   DefiniteFactor& factor();
 
  private:

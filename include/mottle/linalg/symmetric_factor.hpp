@@ -38,7 +38,7 @@ class SymmetricFactor {
   virtual std::string name() const = 0;
 };
 
-/// P A P' = L L' of a positive definite matrix.
+/// P A P' = L L' of a positive definite matrix. Solutions may be asked for by several threads at once.
 class DefiniteFactor : public SymmetricFactor {
  public:
   /// X = P' L^-T B in place: A^-1 = S S' with S = P' L^-T.

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "mottle/stats/distribution.hpp"
+#include "mottle/stats/normal_scale.hpp"
 
 namespace mottle {
 
@@ -28,6 +29,16 @@ class JointDistribution {
   /// @param covariance  [variable x variable], symmetric, positive semi-definite to 1e-10 of the largest eigenvalue
   /// @throws InvalidInput  wrong size, not finite, not symmetric, or a negative eigenvalue (says it)
   static JointDistribution multivariate_normal(const Eigen::VectorXd& mean, const Eigen::MatrixXd& covariance);
+
+  /// Variables that are normal each on its own scale, together multivariate normal there; directions of zero variance
+  /// are allowed.
+  ///
+  /// @param scales      one a variable
+  /// @param mean        on the scales [variable]
+  /// @param covariance  on the scales [variable x variable], as of multivariate_normal
+  /// @throws InvalidInput  as multivariate_normal
+  static JointDistribution normal_on_scales(const std::vector<NormalScale>& scales, const Eigen::VectorXd& mean,
+                                            const Eigen::MatrixXd& covariance);
 
   Eigen::Index dimension() const { return mean_.size(); }
 
@@ -59,6 +70,8 @@ class JointDistribution {
   std::vector<Distribution> marginals_;
   Eigen::VectorXd mean_;
   Eigen::MatrixXd covariance_;
+  std::vector<NormalScale> scales_;  ///< of a normal on scales; empty for others
+  Eigen::VectorXd scale_mean_;       ///< and its mean there
   Eigen::MatrixXd factor_;  ///< of the copula's correlation, or of the covariance; empty for independent variables
 };
 

@@ -1,23 +1,11 @@
-// Pencils of up to 8 degrees of freedom: Cholesky reduction and cyclic Jacobi, unrolled, one sample a lane. Included
-// by one file per register width, which sets MOTTLE_LANES.
+// Pencils of up to 8 degrees of freedom by cyclic Jacobi, unrolled, one sample a lane. Included by one file per
+// register width, which sets MOTTLE_LANES.
 #pragma once
 
-#include "linalg/lanes/lane.hpp"
+#include "linalg/lanes/small_pencil.hpp"
 
 namespace mottle::lane_kernels {
 namespace {
-
-/// A pencil in standard form: packed symmetric matrix, and the columns that Jacobi turns into eigenvectors.
-template <int N>
-struct SmallPencil {
-  Lane matrix[N * (N + 1) / 2];
-  Lane columns[N][N];  // [column][row]
-  Mask trusted;
-
-  static constexpr int index(int i, int j) {
-    return static_cast<int>(i >= j ? packed_index(N, i, j) : packed_index(N, j, i));
-  }
-};
 
 /// Order of the N(N-1)/2 rotations of a sweep: rounds of disjoint pairs (round-robin tournament), so that the
 /// divisions and square roots of one round overlap in the pipeline.
@@ -42,75 +30,6 @@ struct Tournament {
     }
   }
 };
-
-/// result = constant + sum of coefficient * term, entry by entry.
-template <int Size>
-MOTTLE_INLINE void combine(const double* terms, int count, const double* coefficients, long stride,
-                           const BatchSamples& batch, Lane* result) {
-  unrolled<0, Size>([&](auto entry) MOTTLE_FLAT { result[entry.value] = broadcast(terms[entry.value]); });
-  for (int term = 0; term < count; ++term) {
-    const double* matrix = terms + (term + 1) * Size;
-    const Lane coefficient = gather(coefficients, stride, term, batch);
-    unrolled<0, Size>([&](auto entry) MOTTLE_FLAT { result[entry.value] += coefficient * matrix[entry.value]; });
-  }
-}
-
-/// W = L^-1 of M = L L'; lanes whose M is not numerically positive definite lose their trust.
-template <int N>
-MOTTLE_INLINE void invert_cholesky_factor(const Lane (&mass)[N * (N + 1) / 2], Lane (&inverse)[N][N], Mask& trusted) {
-  using Pencil = SmallPencil<N>;
-  Lane factor[N][N];
-  unrolled<0, N>([&](auto column) MOTTLE_FLAT {
-    constexpr int j = column.value;
-    Lane pivot = mass[Pencil::index(j, j)];
-    unrolled<0, j>([&](auto k) MOTTLE_FLAT { pivot -= factor[j][k.value] * factor[j][k.value]; });
-    trusted &= pivot > mass[Pencil::index(j, j)] * (N * 4 * k_epsilon);
-    const Lane reciprocal = broadcast(1.0) / square_root(pivot);
-    inverse[j][j] = reciprocal;
-    unrolled<j + 1, N>([&](auto row) MOTTLE_FLAT {
-      constexpr int i = row.value;
-      Lane sum = mass[Pencil::index(i, j)];
-      unrolled<0, j>([&](auto k) MOTTLE_FLAT { sum -= factor[i][k.value] * factor[j][k.value]; });
-      factor[i][j] = sum * reciprocal;
-    });
-  });
-  unrolled<0, N>([&](auto column) MOTTLE_FLAT {
-    constexpr int j = column.value;
-    unrolled<j + 1, N>([&](auto row) MOTTLE_FLAT {
-      constexpr int i = row.value;
-      Lane sum = factor[i][j] * inverse[j][j];
-      unrolled<j + 1, i>([&](auto k) MOTTLE_FLAT { sum += factor[i][k.value] * inverse[k.value][j]; });
-      inverse[i][j] = -sum * inverse[i][i];
-    });
-  });
-}
-
-/// matrix <- W K W', columns <- W'.
-template <int N>
-MOTTLE_INLINE void reduce_to_standard_form(const Lane (&mass)[N * (N + 1) / 2], SmallPencil<N>& pencil) {
-  using Pencil = SmallPencil<N>;
-  Lane inverse[N][N];
-  invert_cholesky_factor<N>(mass, inverse, pencil.trusted);
-  Lane product[N][N];
-  unrolled<0, N>([&](auto row) MOTTLE_FLAT {
-    unrolled<0, N>([&](auto column) MOTTLE_FLAT {
-      constexpr int i = row.value, j = column.value;
-      Lane sum = inverse[i][0] * pencil.matrix[Pencil::index(0, j)];
-      unrolled<1, i + 1>([&](auto k)
-                             MOTTLE_FLAT { sum += inverse[i][k.value] * pencil.matrix[Pencil::index(k.value, j)]; });
-      product[i][j] = sum;
-      pencil.columns[i][j] = j <= i ? inverse[i][j] : broadcast(0.0);
-    });
-  });
-  unrolled<0, N>([&](auto column) MOTTLE_FLAT {
-    unrolled<column.value, N>([&](auto row) MOTTLE_FLAT {
-      constexpr int i = row.value, j = column.value;
-      Lane sum = product[i][0] * inverse[j][0];
-      unrolled<1, j + 1>([&](auto k) MOTTLE_FLAT { sum += product[i][k.value] * inverse[j][k.value]; });
-      pencil.matrix[Pencil::index(i, j)] = sum;
-    });
-  });
-}
 
 /// Lanes in which an off-diagonal entry still matters. The first bound keeps small eigenvalues of graded matrices
 /// to relative accuracy; the second ends the iteration where an eigenvalue is zero.
@@ -165,23 +84,39 @@ MOTTLE_INLINE void rotate(SmallPencil<N>& pencil, Mask active) {
   });
 }
 
+/// Batches rotated side by side: with few pairs in a round a rotation waits for the one before, and another batch fills
+/// the wait.
+template <int N>
+constexpr int k_batches = N <= 4 ? 2 : 1;
+
 /// Diagonalises; each lane stops by its own criterion, so extra sweeps for a neighbour change nothing.
-template <int N, bool Vectors>
-MOTTLE_INLINE void diagonalise(SmallPencil<N>& pencil) {
+template <int N, bool Vectors, int Batches>
+MOTTLE_INLINE void diagonalise(SmallPencil<N> (&pencils)[Batches]) {
   constexpr int k_most_sweeps = 20;
   static constexpr Tournament<N> k_order;
-  Lane squares = broadcast(0.0);
-  unrolled<0, N*(N + 1) / 2>([&](auto entry)
-                                 MOTTLE_FLAT { squares += pencil.matrix[entry.value] * pencil.matrix[entry.value]; });
-  const Lane floor = squares * 1e-52;
-  Mask active = unconverged_lanes<N>(pencil, floor);
-  for (int sweep = 0; sweep < k_most_sweeps && any(active); ++sweep) {
-    unrolled<0, N*(N - 1) / 2>([&](auto pair) MOTTLE_FLAT {
-      rotate<N, Vectors, k_order.first[pair.value], k_order.second[pair.value]>(pencil, active);
-    });
-    active &= unconverged_lanes<N>(pencil, floor);
+  Lane squares[Batches], floor[Batches];
+  Mask active[Batches], open{};
+  for (int b = 0; b < Batches; ++b) {
+    squares[b] = broadcast(0.0);
+    unrolled<0, N*(N + 1) / 2>(
+        [&](auto entry) MOTTLE_FLAT { squares[b] += pencils[b].matrix[entry.value] * pencils[b].matrix[entry.value]; });
+    floor[b] = squares[b] * 1e-52;
+    active[b] = unconverged_lanes<N>(pencils[b], floor[b]);
+    open |= active[b];
   }
-  pencil.trusted &= ~active & is_finite(squares);
+  for (int sweep = 0; sweep < k_most_sweeps && any(open); ++sweep) {
+    unrolled<0, N*(N - 1) / 2>([&](auto pair) MOTTLE_FLAT {
+      unrolled<0, Batches>([&](auto b) MOTTLE_FLAT {
+        rotate<N, Vectors, k_order.first[pair.value], k_order.second[pair.value]>(pencils[b.value], active[b.value]);
+      });
+    });
+    open = Mask{};
+    for (int b = 0; b < Batches; ++b) {
+      active[b] &= unconverged_lanes<N>(pencils[b], floor[b]);
+      open |= active[b];
+    }
+  }
+  for (int b = 0; b < Batches; ++b) pencils[b].trusted &= ~active[b] & is_finite(squares[b]);
 }
 
 /// Puts the diagonal, and the columns with it, into ascending order.
@@ -264,17 +199,30 @@ MOTTLE_INLINE void store(const Problem& problem, const Output& output, const Bat
   }
 }
 
+/// Solves the samples from `first` on, Batches registers of them.
+template <int N, bool Vectors, int Batches>
+MOTTLE_INLINE void solve_together(const Problem& problem, const Output& output, long first, long end) {
+  BatchSamples batches[Batches];
+  SmallPencil<N> pencils[Batches];
+  for (int b = 0; b < Batches; ++b) {
+    batches[b] = batch_samples(first + static_cast<long>(b) * MOTTLE_LANES, end);
+    load<N>(problem, batches[b], pencils[b]);
+  }
+  diagonalise<N, Vectors, Batches>(pencils);
+  for (int b = 0; b < Batches; ++b) {
+    Lane values[N];
+    sort_ascending<N, Vectors>(pencils[b], values);
+    unrolled<0, N>([&](auto i) MOTTLE_FLAT { values[i.value] = without_negative_zero(values[i.value]); });
+    store<N, Vectors>(problem, output, batches[b], pencils[b], values);
+  }
+}
+
 template <int N, bool Vectors>
 void solve_small(const Problem& problem, const Output& output, long begin, long end) {
-  for (long first = begin; first < end; first += MOTTLE_LANES) {
-    const BatchSamples batch = batch_samples(first, end);
-    SmallPencil<N> pencil;
-    load<N>(problem, batch, pencil);
-    diagonalise<N, Vectors>(pencil);
-    Lane values[N];
-    sort_ascending<N, Vectors>(pencil, values);
-    unrolled<0, N>([&](auto i) MOTTLE_FLAT { values[i.value] = without_negative_zero(values[i.value]); });
-    store<N, Vectors>(problem, output, batch, pencil, values);
+  // Always as many together, if need be with copies of the last sample: other code might round otherwise.
+  constexpr long k_together = static_cast<long>(k_batches<N>) * MOTTLE_LANES;
+  for (long first = begin; first < end; first += k_together) {
+    solve_together<N, Vectors, k_batches<N>>(problem, output, first, end);
   }
 }
 

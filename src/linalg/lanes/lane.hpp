@@ -21,8 +21,15 @@ using Mask = long long __attribute__((vector_size(8 * MOTTLE_LANES)));
 constexpr double k_epsilon = 2.220446049250313e-16;
 constexpr double k_tiny = 1e-290;
 
+/// Written out: `Lane{} + x` would be an addition, since it turns -0 into +0.
 MOTTLE_INLINE Lane broadcast(double x) {
-  return Lane{} + x;
+#if MOTTLE_LANES == 8
+  return Lane{x, x, x, x, x, x, x, x};
+#elif MOTTLE_LANES == 4
+  return Lane{x, x, x, x};
+#else
+  return Lane{x, x};
+#endif
 }
 
 MOTTLE_INLINE Lane square_root(Lane x) {
@@ -106,14 +113,14 @@ MOTTLE_INLINE void unrolled(const Body& body) {
 /// The samples in the lanes of one batch; lanes past the end repeat the last sample.
 struct BatchSamples {
   long sample[MOTTLE_LANES];
-  int count;
+  int count;  ///< of lanes before the end, may be 0
 };
 
 MOTTLE_INLINE BatchSamples batch_samples(long begin, long end) {
+  const long left = end > begin ? end - begin : 0;
   BatchSamples batch;
-  batch.count = end - begin < MOTTLE_LANES ? static_cast<int>(end - begin) : MOTTLE_LANES;
-  for (int lane = 0; lane < MOTTLE_LANES; ++lane)
-    batch.sample[lane] = begin + (lane < batch.count ? lane : batch.count - 1);
+  batch.count = left < MOTTLE_LANES ? static_cast<int>(left) : MOTTLE_LANES;
+  for (int lane = 0; lane < MOTTLE_LANES; ++lane) batch.sample[lane] = lane < batch.count ? begin + lane : end - 1;
   return batch;
 }
 

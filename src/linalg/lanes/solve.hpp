@@ -1,5 +1,6 @@
 // Pencils of 9 to 400 degrees of freedom, one batch after another. Included by one file per register width, which
-// sets MOTTLE_LANES and MOTTLE_COLUMN_BLOCK.
+// sets MOTTLE_LANES and how much is treated side by side: as much as the registers hold, see MOTTLE_UPDATE_COLUMNS and
+// MOTTLE_PRODUCT_COLUMNS in tridiagonalise.hpp, MOTTLE_VECTOR_GROUP in workspace.hpp.
 #pragma once
 
 #include "linalg/lanes/assemble.hpp"
@@ -39,8 +40,8 @@ inline void undo_reduction(const Problem& problem, const Workspace& work) {
   const int n = problem.order, modes = problem.modes;
   int mode = 0;
   if (problem.mass_kind == MassKind::folded) {
-    for (; mode + 4 <= modes; mode += 4) {
-      apply_back_transform<4>(problem.back_transform, n, work.vectors + static_cast<long>(mode) * n);
+    for (; mode + 5 <= modes; mode += 5) {
+      apply_back_transform<5>(problem.back_transform, n, work.vectors + static_cast<long>(mode) * n);
     }
   }
   for (; mode < modes; ++mode) {

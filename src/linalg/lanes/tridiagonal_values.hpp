@@ -52,7 +52,7 @@ inline void probe_spectrum(const Workspace& work, int n, Probe<Points>& probe) {
 /// Narrows the brackets of all modes from `from` on: Points common points a round across the group's brackets.
 template <int Points>
 inline void section(const Workspace& work, int n, int from, int modes) {
-  constexpr int k_rounds = 5;
+  constexpr int k_rounds = 3;
   Probe<Points> probe;
   for (int round = 0; round < k_rounds; ++round) {
     const Lane low = work.low[from], width = (work.high[from + Points - 1] - low) * (1.0 / (Points + 1));
@@ -95,31 +95,43 @@ struct Search {
   Lane overshoot;
 };
 
+/// Lanes in which the mode's eigenvalue has its bracket for itself.
+MOTTLE_INLINE Mask holds_one(const Workspace& work, int mode) {
+  return (work.count_low[mode] == Mask{} + mode) & (work.count_high[mode] == Mask{} + (mode + 1));
+}
+
 /// Takes in what a probe said about one mode and chooses the next point; lanes that are done keep every bit.
 /// Returns the lanes whose bracket is still too wide.
 ///
 /// Newton's point is moved a little on into the bracket, so that the next count closes it from the other side; the
 /// move grows while rounding keeps that from happening. Where other eigenvalues share the bracket, or Newton's point
-/// lies outside, the bracket is halved.
-MOTTLE_INLINE Mask narrow(const Workspace& work, int mode, Mask count, Lane step, Lane bound, bool may_use_newton,
-                          Search& search) {
-  const Lane point = search.point;
+/// lies outside, the bracket is halved. Where the bracket holds one eigenvalue and no other is nearer than `margin`,
+/// Newton's point errs by no more than n step^2 / margin: it is the eigenvalue once that is below the resolution.
+MOTTLE_INLINE Mask narrow(const Workspace& work, int n, int mode, Mask count, Lane step, Lane bound,
+                          bool may_use_newton, Search& search) {
+  const Lane point = search.point, fine = resolution(point, bound);
   Lane low = work.low[mode], high = work.high[mode];
   const Mask open = high - low > resolution(low, bound);
+  const Mask was_isolated = holds_one(work, mode);
+  const Lane margin = smaller(point - low, high - point);
   const Mask above = count > Mask{} + mode;
   const Mask lowers = open & above, raises = open & ~above;
-  high = work.high[mode] = select(lowers, point, high);
-  low = work.low[mode] = select(raises, point, low);
+  high = select(lowers, point, high);
+  low = select(raises, point, low);
   work.count_high[mode] = lowers ? count : work.count_high[mode];
   work.count_low[mode] = raises ? count : work.count_low[mode];
 
+  const Mask settled =
+      open & was_isolated & (step * step * static_cast<double>(n) <= fine * margin) & (absolute(step) < margin);
+  low = work.low[mode] = select(settled, point + step, low);
+  high = work.high[mode] = select(settled, point + step, high);
+
   const Lane inward = select(above, broadcast(-1.0), broadcast(1.0));
-  const Mask close = absolute(step) < resolution(point, bound) * 32.0;
+  const Mask close = absolute(step) < fine * 32.0;
   const Lane advance = select(close, larger(step * inward, broadcast(0.0)), step * inward);
   const Lane newton = point + inward * (advance + search.overshoot);
   search.overshoot = select(close, search.overshoot * 4.0, search.overshoot);
-  const Mask isolated = (work.count_low[mode] == Mask{} + mode) & (work.count_high[mode] == Mask{} + (mode + 1));
-  const Mask usable = isolated & (newton > low) & (newton < high);
+  const Mask usable = holds_one(work, mode) & (newton > low) & (newton < high);
   const Lane middle = (low + high) * 0.5;
   search.point = may_use_newton ? select(usable, newton, middle) : middle;
   return high - low > resolution(low, bound);
@@ -142,7 +154,7 @@ inline void find_group(const Workspace& work, int n, int from, int modes, Lane b
     probe_spectrum<Count>(work, n, probe);
     Mask open{};
     for (int g = 0; g < Count; ++g) {
-      open |= narrow(work, from + g, probe.count[g], probe.step[g], bound, round < k_newton_rounds, search[g]);
+      open |= narrow(work, n, from + g, probe.count[g], probe.step[g], bound, round < k_newton_rounds, search[g]);
     }
     if (!any(open)) break;
   }

@@ -6,6 +6,9 @@
 namespace mottle::lane_kernels {
 namespace {
 
+/// Modes whose vectors are found side by side, see tridiagonal_vectors.hpp.
+constexpr int k_vector_group = MOTTLE_VECTOR_GROUP;
+
 /// Arrays of one batch. Lengths: packed triangles n(n+1)/2, the rest as said.
 struct Workspace {
   Lane* matrix;     ///< packed; reflector k overwrites column k below the diagonal
@@ -14,14 +17,14 @@ struct Workspace {
   Lane* offdiag;    ///< [n], entry i couples i and i + 1; the last is 0
   Lane* squares;    ///< [n], offdiag^2, at least k_tiny
   Lane* tau;        ///< [n], scale of each reflector
-  Lane* update;     ///< [n]
+  Lane* update;     ///< [2][n]
   Lane* product;    ///< [n]
   Lane* low;        ///< [m] brackets of the eigenvalues
   Lane* high;       ///< [m]
   Lane* values;     ///< [m]
   Lane* vectors;    ///< [m][n]
-  Lane* factor;     ///< [4 n] of one shifted tridiagonal matrix
-  Mask* swapped;    ///< [n], rows exchanged there
+  Lane* factor;     ///< [group][4 n] of shifted tridiagonal matrices
+  Mask* swapped;    ///< [group][n], rows exchanged there
   Mask* count_low;  ///< [m] eigenvalues below each end of a bracket
   Mask* count_high;
   long total_lanes;
@@ -40,14 +43,14 @@ struct Workspace {
     offdiag = take(n);
     squares = take(n);
     tau = take(n);
-    update = take(n);
+    update = take(2 * n);
     product = take(n);
     low = take(m);
     high = take(m);
     values = take(m);
     vectors = take(problem.vectors ? m * n : 0);
-    factor = take(4 * n);
-    swapped = reinterpret_cast<Mask*>(take(n));
+    factor = take(k_vector_group * 4 * n);
+    swapped = reinterpret_cast<Mask*>(take(k_vector_group * n));
     count_low = reinterpret_cast<Mask*>(take(m));
     count_high = reinterpret_cast<Mask*>(take(m));
     total_lanes = next - reinterpret_cast<Lane*>(memory);

@@ -1,0 +1,42 @@
+// The scale on which a population of a variable is normal: the variable itself, its logarithm, or its logit between
+// two bounds.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+namespace mottle {
+
+/// t = g(x), normal in the population.
+///
+///   identity: t = x;   log: t = ln x;   logit: t = ln((x - lower) / (upper - x))
+struct NormalScale {
+  enum class Kind { identity, log, logit };
+
+  Kind kind = Kind::identity;
+  double lower = 0.0;  ///< of a logit
+  double upper = 1.0;
+
+  /// t of x; x must be possible: positive, or inside the bounds.
+  double from_variable(double x) const;
+  /// x of t.
+  double to_variable(double t) const;
+  /// dx/dt at t.
+  double slope(double t) const;
+};
+
+/// Mean and covariance of variables x whose t are normal with `mean` and `covariance`.
+///
+/// Closed forms for identity and log; Gauss-Hermite quadrature of 40 points a dimension where a logit takes part.
+/// @param scales      one a variable
+/// @param mean        of t [variable]
+/// @param covariance  of t [variable x variable], positive semi-definite
+struct VariableMoments {
+  Eigen::VectorXd mean;
+  Eigen::MatrixXd covariance;
+};
+VariableMoments moments_of_variables(const std::vector<NormalScale>& scales,
+                                     const Eigen::Ref<const Eigen::VectorXd>& mean,
+                                     const Eigen::Ref<const Eigen::MatrixXd>& covariance);
+
+}  // namespace mottle

@@ -1,0 +1,79 @@
+// Linear random effects: every unit (specimen) has its own effects, drawn from one normal population, and is observed
+// with noise. Estimates the population; how sure it is of it is population_intervals.hpp's business.
+#pragma once
+
+#include <Eigen/Core>
+#include <utility>
+#include <vector>
+
+namespace mottle {
+
+/// What was observed of one unit: y = G x + e, x ~ N(mu, Sigma), e ~ N(0, diag(noise)). Missing entries have no row.
+struct RandomEffectsUnit {
+  Eigen::MatrixXd design;        ///< G [row x effect]
+  Eigen::VectorXd response;      ///< y [row]
+  Eigen::VectorXd noise;         ///< variance of e; to be multiplied by a factor where that is estimated [row]
+  std::vector<int> factor = {};  ///< of each row: index of the factor on its noise, -1: known. Empty: all known
+};
+
+struct RandomEffectsSettings {
+  bool is_restricted = true;                ///< REML: unbiased in small samples; false: maximum likelihood
+  int factors = 0;                          ///< number of noise factors to estimate
+  std::vector<int> covariance_groups = {};  ///< effects of different groups are not correlated; empty: one group
+  /// The mean is mean_origin + mean_directions m, m estimated [effect], [effect x m]; empty: every mean is estimated.
+  Eigen::VectorXd mean_origin = {};
+  Eigen::MatrixXd mean_directions = {};
+  /// Weight, in units, of the belief that effects are not correlated. Where entries are missing the likelihood may
+  /// have no maximum without it (three complete units of three effects lie in a plane).
+  double shrinkage = 0.0;
+  int iterations = 2000;
+  double tolerance = 1e-8;  ///< of the largest change of Sigma in one step against its deviations
+};
+
+/// An estimate of the population.
+struct RandomEffectsFit {
+  Eigen::VectorXd mean;           ///< mu [effect]
+  Eigen::MatrixXd covariance;     ///< Sigma, positive semi-definite [effect x effect]
+  Eigen::VectorXd noise_factors;  ///< [factor]
+  Eigen::MatrixXd effects;        ///< E[x | y] of every unit [unit x effect]
+  double log_likelihood = 0.0;    ///< at the estimate, restricted where the settings say so; constants left out
+  int iterations = 0;
+  bool converged = false;
+};
+
+/// What an estimate rests on.
+struct RandomEffectsInformation {
+  Eigen::MatrixXd mean_from_effects;  ///< covariance of the estimated mean: the part that the effects' scatter makes
+  Eigen::MatrixXd mean_from_noise;    ///< and the part that the noise makes; their sum is A^-1
+  std::vector<std::pair<Eigen::Index, Eigen::Index>> entries;  ///< the free entries of Sigma, lower triangle
+  Eigen::MatrixXd entry_covariance;                            ///< their sampling covariance [entry x entry]
+
+  /// Sampling variance of a' Sigma b.
+  double variance_of(const Eigen::Ref<const Eigen::VectorXd>& a, const Eigen::Ref<const Eigen::VectorXd>& b) const;
+};
+
+/// Restricted or plain maximum likelihood by expectation-maximisation with squared extrapolation.
+///
+///   C_s = G_s Sigma G_s' + R_s,   mu = A^-1 sum G_s' C_s^-1 y_s,   A = sum G_s' C_s^-1 G_s
+///   Sigma <- mean over s of [ b_s b_s' + Sigma - Sigma G_s' P_ss G_s Sigma ],  b_s = Sigma G_s' C_s^-1 (y_s - G_s mu)
+///   P_ss = C_s^-1 - C_s^-1 G_s A^-1 G_s' C_s^-1 (restricted),  C_s^-1 (plain)
+///
+/// A noise factor is the mean over its rows of [ e^2 + R - R P R ] / noise, e = R C^-1 (y - G mu). Entries of Sigma
+/// between groups are zero. Directions that no unit sees keep the covariance of the start.
+///
+/// @param units  at least 2; together they must see every direction in which the mean is estimated
+/// @param start  Sigma to start from, positive definite but for effects of variance 0: those keep it, all units share
+///               one value of them
+/// @throws InvalidInput  fewer than 2 units, shapes that do not fit, a mean that the units do not determine
+/// Source: [Laird1982]; [Varadhan2008] for the extrapolation; [Chung2015] for weak beliefs on a covariance.
+RandomEffectsFit fit_random_effects(const std::vector<RandomEffectsUnit>& units,
+                                    const Eigen::Ref<const Eigen::MatrixXd>& start,
+                                    const RandomEffectsSettings& settings);
+
+/// Fisher's expected information at a fit, and the parts of the mean's covariance.
+///
+///   I_jk = 1/2 tr(P E_j P E_k) over the free entries of Sigma; its inverse is `entry_covariance`
+RandomEffectsInformation random_effects_information(const std::vector<RandomEffectsUnit>& units,
+                                                    const RandomEffectsFit& fit, const RandomEffectsSettings& settings);
+
+}  // namespace mottle

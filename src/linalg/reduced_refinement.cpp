@@ -1,0 +1,126 @@
+// Samples of which the reduced model is not sure enough: a few block steps with the nominal factor in the full space.
+#include <Eigen/Eigenvalues>
+#include <limits>
+
+#include "blas.hpp"
+#include "mottle/core/parallel.hpp"
+#include "reduced_model_parts.hpp"
+#include "vector_signs.hpp"
+
+namespace mottle {
+namespace {
+
+constexpr double k_infinite = std::numeric_limits<double>::infinity();
+
+/// Vectors with what one sample's matrices make of them.
+struct Images {
+  Eigen::MatrixXd vectors, elastic, inertial;  ///< S, K S, M S [equation x vector]
+
+  Images combined(const Eigen::MatrixXd& weights) const {
+    return {product(vectors, weights), product(elastic, weights), product(inertial, weights)};
+  }
+  void append(const Images& more) {
+    const auto widen = [](Eigen::MatrixXd& own, const Eigen::MatrixXd& other) {
+      own.conservativeResize(Eigen::NoChange, own.cols() + other.cols());
+      own.rightCols(other.cols()) = other;
+    };
+    widen(vectors, more.vectors);
+    widen(elastic, more.elastic);
+    widen(inertial, more.inertial);
+  }
+};
+
+/// The lowest `count` Ritz vectors of a space, ascending, x' M x = 1.
+Images ritz_vectors(const Images& space, double shift, Eigen::Index count) {
+  // K - s M is definite and M need not be: the largest 1 / (lambda - s) are those sought.
+  const Eigen::MatrixXd mass = transposed_product(space.vectors, space.inertial);
+  const Eigen::MatrixXd gram = transposed_product(space.vectors, space.elastic) - shift * mass;
+  const Eigen::MatrixXd basis = orthonormal_combinations(0.5 * (gram + gram.transpose()), gram.diagonal());
+  const Eigen::MatrixXd projected = transposed_product(basis, product(0.5 * (mass + mass.transpose()), basis));
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(projected);
+  const Eigen::Index found = std::min(count, basis.cols());
+  const Eigen::VectorXd flexibilities = solver.eigenvalues().tail(found).reverse().cwiseMax(1e-300);
+  return space.combined(product(basis, solver.eigenvectors().rightCols(found).rowwise().reverse()) *
+                        flexibilities.cwiseSqrt().cwiseInverse().asDiagonal());
+}
+
+/// Rayleigh quotients.
+Eigen::VectorXd values_of(const Images& modes) {
+  const Eigen::VectorXd elastic = modes.vectors.cwiseProduct(modes.elastic).colwise().sum().transpose();
+  const Eigen::VectorXd inertial = modes.vectors.cwiseProduct(modes.inertial).colwise().sum().transpose();
+  return elastic.cwiseQuotient(inertial);
+}
+
+}  // namespace
+
+/// One sample's matrices and what its certificate needs.
+struct SamplePencil {
+  SparseMatrix stiffness, mass;
+  double ratio = 0.0;   ///< smallest eigenvalue of its stiffness against the nominal one
+  double unseen = 0.0;  ///< no mode that residuals cannot show is below
+
+  Images images(Eigen::MatrixXd vectors) const {
+    Images result{std::move(vectors), {}, {}};
+    result.elastic = symmetric_product(stiffness, result.vectors);
+    result.inertial = symmetric_product(mass, result.vectors);
+    return result;
+  }
+};
+
+RefinedModes ReducedModel::Parts::refine(const SamplePencil& sample, const Eigen::MatrixXd& start) const {
+  constexpr int k_steps = 4;
+  // The norm of the residual is no estimate here; what is left to cover is that the bound couples modes to second
+  // order.
+  constexpr double k_reserve = 1.5;
+  const Eigen::Index wanted = options.modes;
+  Images space = sample.images(start);
+  Images modes = space;
+  RefinedModes result;
+  const auto is_sure = [&](const Eigen::MatrixXd& gram) {
+    result.bounds = bounds(result.values, gram / sample.ratio, sample.unseen, wanted);
+    return result.bounds.maxCoeff() <= options.tolerance;
+  };
+  for (int step = 0;; ++step) {
+    result.values = values_of(modes);
+    Eigen::MatrixXd residuals = modes.elastic - modes.inertial * result.values.asDiagonal();
+    // After a step a sketch is enough as a rule, and is much cheaper than an answer.
+    if (step > 0 && is_sure(sketched_gram(transposed_product(full->sketch(), residuals)))) break;
+    Eigen::MatrixXd answers = residuals;
+    full->factor().solve(answers);
+    const Eigen::MatrixXd gram = transposed_product(residuals, answers);
+    if (is_sure(k_reserve * 0.5 * (gram + gram.transpose())) || step == k_steps) break;
+    space.append(sample.images(std::move(answers)));
+    Images next = ritz_vectors(space, full->shift, start.cols());
+    if (next.vectors.cols() < start.cols()) break;
+    modes = std::move(next);
+  }
+  result.values = result.values.head(wanted).eval();
+  result.vectors = modes.vectors.leftCols(wanted);
+  make_largest_component_positive(result.vectors);
+  return result;
+}
+
+void ReducedModel::refine(const TermCoefficients& samples, int threads, const RefinedVisitor& visit) const {
+  const Parts& parts = *parts_;
+  const Parts::Solution begin = parts.solve(samples, false, threads);
+  const Eigen::VectorXd ratios = parts.full->smallest_ratios(samples);
+  const Eigen::VectorXd unseen = parts.unseen_above(samples);
+  const Eigen::Index vectors = parts.basis.cols();
+  const Eigen::Index modes = begin.values.rows();
+  const Eigen::Index wanted = std::min<Eigen::Index>(parts.options.modes, modes);
+  parallel_for(samples.samples(), 1, threads, [&](std::int64_t first, std::int64_t last) {
+    for (Eigen::Index s = first; s < last; ++s) {
+      // Without any bound the reduced model may miss a mode, and so would steps that begin with its modes.
+      if (modes < parts.options.modes || !(begin.bounds.col(s).head(wanted).maxCoeff() < k_infinite)) {
+        visit(s, {begin.values.col(s).head(wanted), {}, Eigen::VectorXd::Constant(wanted, k_infinite)});
+        continue;
+      }
+      const SamplePencil pencil{parts.full->stiffness_at(with_constant(samples.stiffness.col(s))),
+                                parts.full->mass_at(with_constant(samples.mass.col(s))), ratios(s), unseen(s)};
+      const Eigen::Map<const Eigen::MatrixXd> coordinates(begin.vectors.col(s).data(), vectors, modes);
+      visit(s, parts.refine(pencil, product(parts.basis, coordinates)));
+    }
+  });
+}
+
+}  // namespace mottle

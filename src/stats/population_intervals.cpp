@@ -1,0 +1,150 @@
+#include "mottle/stats/population_intervals.hpp"
+
+#include <algorithm>
+#include <boost/math/distributions/chi_squared.hpp>
+#include <boost/math/distributions/students_t.hpp>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include "mottle/core/error.hpp"
+#include "mottle/stats/sampling.hpp"
+#include "mottle/stats/standard_normal.hpp"
+
+namespace mottle {
+namespace {
+
+constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double k_least_freedom = 1.2;  // the Bartlett decomposition needs more than one
+
+/// Draws that all intervals share, and chi-squared deviates made of them by degrees of freedom.
+class Draws {
+ public:
+  static const Eigen::ArrayXd& normal() {
+    static const Eigen::ArrayXd deviates =
+        uniforms().col(2).unaryExpr([](double u) { return standard_normal_quantile(u); }).array();
+    return deviates;
+  }
+
+  /// Chi-squared of a column of uniforms, 0 or 1.
+  const Eigen::ArrayXd& chi_squared(Eigen::Index column, double freedom) {
+    const auto [found, is_new] = made_.try_emplace({column, freedom});
+    if (is_new) {
+      const boost::math::chi_squared distribution(freedom);
+      found->second =
+          uniforms().col(column).unaryExpr([&](double u) { return boost::math::quantile(distribution, u); }).array();
+    }
+    return found->second;
+  }
+
+ private:
+  static const Eigen::MatrixXd& uniforms() {
+    constexpr Eigen::Index k_count = 2048;
+    static const Eigen::MatrixXd design =
+        uniform_design(SamplingDesign::sobol, k_count, 3, {.purpose = StreamPurpose::bootstrap});
+    return design;
+  }
+
+  std::map<std::pair<Eigen::Index, double>, Eigen::ArrayXd> made_;
+};
+
+/// Ends that leave out equal parts of the values; nan where there are too few.
+Eigen::RowVector2d equal_tails(std::vector<double> values, double confidence) {
+  constexpr std::size_t k_fewest = 40;
+  if (values.size() < k_fewest) return {k_nan, k_nan};
+  std::sort(values.begin(), values.end());
+  const auto at = [&](double probability) {
+    const double place = probability * static_cast<double>(values.size() - 1);
+    const auto below = static_cast<std::size_t>(place);
+    const std::size_t above = std::min(below + 1, values.size() - 1);
+    return values[below] + (place - static_cast<double>(below)) * (values[above] - values[below]);
+  };
+  return {at(0.5 * (1.0 - confidence)), at(0.5 * (1.0 + confidence))};
+}
+
+/// Correlation of two variables: its fiducial draws, the noise taken off.
+Eigen::RowVector2d correlation_interval(const PopulationEvidence& evidence, Eigen::Index i, Eigen::Index j,
+                                        double confidence, Draws& draws) {
+  const double freedom = std::max(evidence.freedom(i, j), k_least_freedom);
+  const double a = evidence.total(i, i);
+  const double b = evidence.total(j, j);
+  if (!(evidence.freedom(i, j) > 0.0) || !(a > 0.0) || !(b > 0.0)) return {k_nan, k_nan};
+  constexpr double k_nearly_one = 1.0 - 1e-12;
+  const double r = std::clamp(evidence.total(i, j) / std::sqrt(a * b), -k_nearly_one, k_nearly_one);
+  const double slope = r / std::sqrt(1.0 - r * r);
+  const Eigen::ArrayXd& first = draws.chi_squared(0, freedom);
+  const Eigen::ArrayXd& second = draws.chi_squared(1, freedom - 1.0);
+  std::vector<double> values;
+  values.reserve(static_cast<std::size_t>(first.size()));
+  for (Eigen::Index k = 0; k < first.size(); ++k) {
+    const double f = (slope * std::sqrt(second(k)) - Draws::normal()(k)) / std::sqrt(first(k));
+    const double rho = f / std::sqrt(1.0 + f * f);
+    const double variance_i = freedom * a / first(k);
+    const double variance_j = freedom * b * (1.0 - r * r) / second(k) * (1.0 + f * f);
+    const double own_i = variance_i - evidence.noise(i, i);
+    const double own_j = variance_j - evidence.noise(j, j);
+    if (!(own_i > 0.0) || !(own_j > 0.0)) continue;
+    const double covariance = rho * std::sqrt(variance_i * variance_j) - evidence.noise(i, j);
+    values.push_back(std::clamp(covariance / std::sqrt(own_i * own_j), -1.0, 1.0));
+  }
+  const Eigen::RowVector2d ends = equal_tails(std::move(values), confidence);
+  return ends.allFinite() ? ends : Eigen::RowVector2d(-1.0, 1.0);
+}
+
+/// Mean and deviation of a variable that is not normal itself.
+void add_scaled_intervals(const PopulationEvidence& evidence, Eigen::Index i, const NormalScale& scale,
+                          double confidence, Draws& draws, PopulationIntervals& intervals) {
+  const double freedom = evidence.freedom(i, i);
+  const Eigen::ArrayXd& chi_squared = draws.chi_squared(0, freedom);
+  std::vector<double> means;
+  std::vector<double> deviations;
+  for (Eigen::Index k = 0; k < chi_squared.size(); ++k) {
+    const double blown = freedom / chi_squared(k);
+    const double variance = std::max(evidence.total(i, i) * blown - evidence.noise(i, i), 0.0);
+    const double mean = evidence.mean(i) - Draws::normal()(k) * std::sqrt(evidence.mean_variance(i) * blown);
+    const VariableMoments moments =
+        moments_of_variables({scale}, Eigen::VectorXd::Constant(1, mean), Eigen::MatrixXd::Constant(1, 1, variance));
+    means.push_back(moments.mean(0));
+    deviations.push_back(std::sqrt(moments.covariance(0, 0)));
+  }
+  intervals.mean.row(i) = equal_tails(std::move(means), confidence);
+  intervals.std.row(i) = equal_tails(std::move(deviations), confidence);
+}
+
+}  // namespace
+
+PopulationIntervals population_intervals(const PopulationEvidence& evidence, const std::vector<NormalScale>& scales,
+                                         double confidence) {
+  require(confidence > 0.0 && confidence < 1.0, "confidence: {} is outside (0, 1)", confidence);
+  const Eigen::Index q = evidence.mean.size();
+  PopulationIntervals intervals{Eigen::MatrixXd::Constant(q, 2, k_nan), Eigen::MatrixXd::Constant(q, 2, k_nan),
+                                Eigen::MatrixXd::Identity(q, q), Eigen::MatrixXd::Identity(q, q)};
+  Draws draws;
+  const double tail = 0.5 * (1.0 - confidence);
+  for (Eigen::Index i = 0; i < q; ++i) {
+    const double freedom = evidence.freedom(i, i);
+    if (!(freedom > 0.0)) continue;
+    if (scales[static_cast<std::size_t>(i)].kind != NormalScale::Kind::identity) {
+      add_scaled_intervals(evidence, i, scales[static_cast<std::size_t>(i)], confidence, draws, intervals);
+    } else {
+      const boost::math::students_t t(freedom);
+      const double half = boost::math::quantile(complement(t, tail)) * std::sqrt(evidence.mean_variance(i));
+      intervals.mean.row(i) << evidence.mean(i) - half, evidence.mean(i) + half;
+      const boost::math::chi_squared chi_squared(freedom);
+      const double sum = freedom * evidence.total(i, i);
+      const auto deviation = [&](double quantile) {
+        return std::sqrt(std::max(sum / quantile - evidence.noise(i, i), 0.0));
+      };
+      intervals.std.row(i) << deviation(boost::math::quantile(complement(chi_squared, tail))),
+          deviation(boost::math::quantile(chi_squared, tail));
+    }
+    for (Eigen::Index j = 0; j < i; ++j) {
+      const Eigen::RowVector2d ends = correlation_interval(evidence, i, j, confidence, draws);
+      intervals.correlation_lower(i, j) = intervals.correlation_lower(j, i) = ends(0);
+      intervals.correlation_upper(i, j) = intervals.correlation_upper(j, i) = ends(1);
+    }
+  }
+  return intervals;
+}
+
+}  // namespace mottle
