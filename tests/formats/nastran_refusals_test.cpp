@@ -6,6 +6,7 @@
 #include <fstream>
 #include <string>
 
+#include "core/temporary_folder.hpp"
 #include "formats/nastran/model_of.hpp"
 
 namespace mottle {
@@ -183,17 +184,11 @@ TEST(NastranRefusal, OfRangesWithoutEnd) {
 
 class NastranFiles : public ::testing::Test {
  protected:
-  void SetUp() override {
-    std::filesystem::remove_all(folder_);
-    std::filesystem::create_directories(folder_ / "parts" / "deep");
-  }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
+  void SetUp() override { std::filesystem::create_directories(folder_ / "parts" / "deep"); }
 
   void write(const std::string& name, const std::string& text) const { std::ofstream(folder_ / name) << text; }
 
-  const std::filesystem::path folder_ =
-      std::filesystem::path(::testing::TempDir()) /
-      (std::string("mottle_") + ::testing::UnitTest::GetInstance()->current_test_info()->name());
+  const test::TemporaryFolder folder_;
 };
 
 TEST_F(NastranFiles, AreFoundBesideTheIncludingFileThenTheMainOne) {

@@ -1,0 +1,65 @@
+// A CalculiX input deck as lines, and the numbers in it that a parameter may set.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace mottle {
+
+/// A deck with what it includes.
+struct CalculixDeck {
+  struct Line {
+    std::string text;
+    int file = 0;    ///< into `files`
+    int number = 0;  ///< from 1
+  };
+
+  std::vector<Line> lines;
+  std::vector<std::string> files;  ///< the deck itself first
+
+  /// "plate.inp:12" of a line.
+  std::string where(std::size_t line) const;
+};
+
+/// Throws InvalidInput: a file that is missing; FormatError: includes in a circle or more than 100.
+CalculixDeck read_calculix_deck(const std::filesystem::path& file);
+
+/// A place in a deck where a number stands.
+struct CalculixNumber {
+  std::size_t line = 0, begin = 0, length = 0;
+  double value = 0.0;           ///< nan of a placeholder
+  bool is_placeholder = false;  ///< {{name}}
+};
+
+/// The places that a target names:
+///
+///   *ELASTIC:MATERIAL:E          Young's modulus (isotropic, one temperature);  :NU Poisson's ratio
+///   *DENSITY:MATERIAL            density
+///   *SPRING:ELSET                stiffness of linear springs;  *MASS:ELSET  mass
+///   *SHELL SECTION:ELSET:T       thickness
+///   {{name}}                     wherever that stands in the deck
+///
+/// Keywords and names in any case. Throws InvalidInput: a target that is none of these or not in the deck (with what
+/// the deck has); FormatError: a card whose number cannot be moved (temperatures, nonlinear, not isotropic).
+std::vector<CalculixNumber> find_calculix_numbers(const CalculixDeck& deck, const std::string& target);
+
+/// What the name of a target stands for: "E", "NU", "T", or "" where the keyword says it all; empty too for {{name}}.
+/// Throws nothing: a target of another form gives "".
+std::string calculix_field(const std::string& target);
+
+/// A number and its new value.
+struct CalculixChange {
+  CalculixNumber number;
+  double value = 0.0;
+};
+
+/// The deck with other numbers, its one step replaced by *FREQUENCY, SOLVER=MATRIXSTORAGE with that step's boundary
+/// conditions. Numbers have at most 20 characters, which is what CalculiX reads.
+///
+/// Throws FormatError: several steps, a step other than *FREQUENCY, a placeholder that nothing fills.
+std::string matrix_storage_deck(const CalculixDeck& deck, const std::vector<CalculixChange>& changes);
+
+}  // namespace mottle
