@@ -2,14 +2,10 @@
 
 #include <algorithm>
 #include <charconv>
-#include <cmath>
-#include <limits>
 
 #include "mottle/core/error.hpp"
-#include "mottle/core/parallel.hpp"
 #include "mottle/core/text.hpp"
 #include "mottle/fem/mass_properties.hpp"
-#include "mottle/modal/sensitivity.hpp"
 
 namespace mottle {
 namespace {
@@ -47,12 +43,12 @@ FiniteElementStructure::FiniteElementStructure(FiniteElementModel model,
                                     [&](FieldIndex field) { return model_.value(field) == first; });
     if (parameter.is_factor || is_one) reference_(static_cast<Eigen::Index>(p)) = parameter.is_factor ? 1.0 : first;
   }
-  reference_mass_ = matrices_at(reference_).mass;
+  set_reference(reference_);
 }
 
 FiniteElementStructure::Matrices FiniteElementStructure::matrices_at(
     const Eigen::Ref<const Eigen::VectorXd>& parameters) const {
-  if (is_separable_) return {assembled_.stiffness.at(parameters), assembled_.mass.at(parameters)};
+  if (is_separable_) return SparseStructure::matrices_at(parameters);
   FiniteElementModel deck = model_at(model_, targets_, parameters);
   // What AUTOSPC holds is settled by the reference, so that shapes of all samples have the same rows.
   deck.settings.automatic_constraints = false;
@@ -62,52 +58,6 @@ FiniteElementStructure::Matrices FiniteElementStructure::matrices_at(
   const AssembledModel moved = assemble(deck, {});
   const Eigen::VectorXd none;
   return {moved.stiffness.at(none), moved.mass.at(none)};
-}
-
-FiniteElementStructure::Matrices FiniteElementStructure::derivative_at(
-    const Eigen::Ref<const Eigen::VectorXd>& parameters, Eigen::Index parameter) const {
-  if (is_separable_) {
-    const int p = static_cast<int>(parameter);
-    return {assembled_.stiffness.derivative(parameters, p), assembled_.mass.derivative(parameters, p)};
-  }
-  // Central differences of the matrices: third-order small, and free of the rounding that eigenvalues would add.
-  constexpr double k_step = 1e-5;
-  const double step = k_step * std::max(std::abs(parameters(parameter)), 1e-3);
-  Eigen::VectorXd moved = parameters;
-  moved(parameter) = parameters(parameter) + step;
-  const Matrices after = matrices_at(moved);
-  moved(parameter) = parameters(parameter) - step;
-  const Matrices before = matrices_at(moved);
-  return {(after.stiffness - before.stiffness) * (0.5 / step), (after.mass - before.mass) * (0.5 / step)};
-}
-
-std::unique_ptr<SparseModeSolver> FiniteElementStructure::take_solver() const {
-  const std::lock_guard lock(mutex_);
-  if (solvers_.empty()) return std::make_unique<SparseModeSolver>();
-  auto solver = std::move(solvers_.back());
-  solvers_.pop_back();
-  return solver;
-}
-
-void FiniteElementStructure::give_back(std::unique_ptr<SparseModeSolver> solver) const {
-  const std::lock_guard lock(mutex_);
-  solvers_.push_back(std::move(solver));
-}
-
-SparseModes FiniteElementStructure::solve_one(const Eigen::Ref<const Eigen::VectorXd>& parameters,
-                                              const SparseModesOptions& options) const {
-  const Matrices matrices = matrices_at(parameters);
-  auto solver = take_solver();
-  SparseModes modes = solver->solve(matrices.stiffness, matrices.mass, options);
-  give_back(std::move(solver));
-  return modes;
-}
-
-std::string FiniteElementStructure::failure_text(const SparseModes& modes) const {
-  if (modes.failed_row < 0) return modes.failure;
-  const Equation& equation = assembled_.equations[static_cast<std::size_t>(modes.failed_row)];
-  return fmt::format("{} (first seen at {})", modes.failure,
-                     degree_of_freedom_name(model_, equation.node, equation.component));
 }
 
 int FiniteElementStructure::find_degree_of_freedom(const std::string& name) const {
@@ -147,75 +97,19 @@ Eigen::MatrixXd FiniteElementStructure::displacements(const Eigen::Ref<const Eig
   return result;
 }
 
-ModeSet FiniteElementStructure::modes_at(const Eigen::Ref<const Eigen::VectorXd>& parameters, int modes) const {
-  SparseModes found = solve_one(parameters, {.modes = modes, .counts_below = true});
-  require(found.failure.empty(), "model: it cannot be solved at the parameters' means: {}", failure_text(found));
-  if (!found.is_complete()) {
-    throw SystemFailure(
-        fmt::format("the solver found {} modes below {:.6g} (rad/s)^2 where the inertia of K - s M counts {}",
-                    found.values.size(), found.counted_at, found.counted_below));
-  }
-  return {found.values, found.vectors};
-}
-
-Eigen::MatrixXd FiniteElementStructure::cosines(const ModeSet& reference, const ModeSet& modes) const {
-  const Eigen::MatrixXd weighed = symmetric_product(reference_mass_, modes.shapes);
-  const Eigen::RowVectorXd squares = modes.shapes.cwiseProduct(weighed).colwise().sum();
-  return cosines_from(reference.shapes.transpose() * weighed, squares);
-}
-
-Eigen::MatrixXd FiniteElementStructure::cosines_from(const Eigen::MatrixXd& products,
-                                                     const Eigen::RowVectorXd& squares) {
-  return (products * squares.cwiseSqrt().cwiseInverse().asDiagonal()).cwiseMax(-1.0).cwiseMin(1.0);
-}
-
-Eigen::MatrixXd FiniteElementStructure::eigenvalue_derivatives(const Eigen::Ref<const Eigen::VectorXd>& parameters,
-                                                               const ModeSet& modes) const {
-  Eigen::MatrixXd derivatives(modes.eigenvalues.size(), parameter_count());
-  for (Eigen::Index i = 0; i < parameter_count(); ++i) {
-    const Matrices d = derivative_at(parameters, i);
-    derivatives.col(i) = eigenvalue_sensitivity_from_products(modes, symmetric_product(d.stiffness, modes.shapes),
-                                                              symmetric_product(d.mass, modes.shapes));
-  }
-  return derivatives;
-}
-
-Eigen::MatrixXd FiniteElementStructure::shape_derivatives(const Eigen::Ref<const Eigen::VectorXd>& parameters,
-                                                          const ModeSet& modes, int mode) const {
-  const Matrices at = matrices_at(parameters);
-  const auto shape = modes.shapes.col(mode);
-  Eigen::MatrixXd elastic(shape.size(), parameter_count());
-  Eigen::MatrixXd inertial(shape.size(), parameter_count());
-  for (Eigen::Index i = 0; i < parameter_count(); ++i) {
-    const Matrices d = derivative_at(parameters, i);
-    elastic.col(i) = symmetric_product(d.stiffness, shape);
-    inertial.col(i) = symmetric_product(d.mass, shape);
-  }
-  return nelson_shape_sensitivity(at.stiffness, at.mass, modes, mode, elastic, inertial);
-}
-
-Eigen::VectorXd FiniteElementStructure::damping_ratios(const Eigen::Ref<const Eigen::VectorXd>&,
-                                                       const ModeSet& modes) const {
-  return Eigen::VectorXd::Constant(modes.eigenvalues.size(), std::numeric_limits<double>::quiet_NaN());
-}
-
 double FiniteElementStructure::total_mass(const Eigen::Ref<const Eigen::VectorXd>& parameters) const {
   return mass_properties(model_at(model_, targets_, parameters)).mass.mean();
 }
 
+std::string FiniteElementStructure::equation_name(int row) const {
+  const Equation& equation = assembled_.equations[static_cast<std::size_t>(row)];
+  return degree_of_freedom_name(model_, equation.node, equation.component);
+}
+
 std::string FiniteElementStructure::parameter_role(Eigen::Index parameter) const {
   if (!assembled_.is_separable[static_cast<std::size_t>(parameter)]) return "re-assembled for each sample";
-  int highest = 0;
-  for (const SeparableMatrix* matrix : {&assembled_.stiffness, &assembled_.mass, &assembled_.damping}) {
-    for (const SeparableMatrix::Term& term : matrix->terms) {
-      for (const ParameterPower& power : term.coefficient) {
-        if (power.parameter == parameter) highest = std::max(highest, power.power);
-      }
-    }
-  }
-  if (highest == 0) return k_no_role;
-  return highest == 1 ? "exactly separable, linearly: no re-assembly"
-                      : fmt::format("exactly separable, powers up to {}: no re-assembly", highest);
+  std::string role = separable_role(parameter);
+  return role.empty() ? k_no_role : role;
 }
 
 }  // namespace mottle

@@ -15,7 +15,7 @@
 namespace mottle {
 namespace {
 
-constexpr std::string_view k_magic = "mottle journal 3\n";
+constexpr std::string_view k_magic = "mottle journal 5\n";
 
 void append_bytes(std::string& bytes, const void* data, std::size_t size) {
   bytes.append(static_cast<const char*>(data), size);

@@ -46,6 +46,12 @@ std::vector<std::string> ParameterSpace::names() const {
   return names;
 }
 
+std::vector<NormalScale> ParameterSpace::scales() const {
+  std::vector<NormalScale> scales;
+  for (const Parameter& parameter : parameters_) scales.push_back(parameter.scale);
+  return scales;
+}
+
 bool ParameterSpace::is_possible(const Eigen::Ref<const Eigen::RowVectorXd>& sample) const {
   for (Eigen::Index i = 0; i < count(); ++i) {
     if (!is_within(sample(i), parameters_[static_cast<std::size_t>(i)].limit)) return false;

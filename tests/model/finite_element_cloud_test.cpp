@@ -117,7 +117,7 @@ TEST(FiniteElementCloud, OneBadSampleCostsThatSample) {
 }
 
 TEST(FiniteElementCloud, AHandfulOfSamplesIsSolvedExactly) {
-  const MatrixXd x = uniform(5, 0.1, 6);
+  const MatrixXd x = uniform(3, 0.1, 6);
   const Evaluation few = make_model(true).evaluate(x, {});
   EXPECT_EQ(few.use.reduced, 0);
   EXPECT_TRUE(have_same_bits(few.outputs, make_model(false).evaluate(x, {}).outputs));

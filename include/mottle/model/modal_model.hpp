@@ -49,6 +49,7 @@ class ModalModel final : public Model, public DifferentiableModel {
   Eigen::MatrixXd jacobian(const Eigen::Ref<const Eigen::VectorXd>& parameters) const override;
 
   Eigen::Index batch_size() const override { return structure_->batch_size(); }
+  double difference_step() const override { return structure_->difference_step(); }
 
   /// The modes at other parameters as the reference numbers them.
   struct FollowedModes {

@@ -74,6 +74,11 @@ class ModalStructure {
   virtual Eigen::MatrixXd shape_derivatives(const Eigen::Ref<const Eigen::VectorXd>& parameters, const ModeSet& modes,
                                             int mode) const = 0;
 
+  /// Whether derivatives are ever other than nan.
+  virtual bool has_derivatives() const { return true; }
+  /// See Model::difference_step().
+  virtual double difference_step() const { return k_usual_difference_step; }
+
   /// Modal damping ratios [mode]; nan where a mode does not oscillate.
   virtual Eigen::VectorXd damping_ratios(const Eigen::Ref<const Eigen::VectorXd>& parameters,
                                          const ModeSet& modes) const = 0;

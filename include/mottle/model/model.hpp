@@ -32,19 +32,25 @@ struct SampleNote {
 /// How the modes of a batch were found.
 struct SolverUse {
   std::int64_t reduced = 0;      ///< samples solved by the reduced model, each with a bound on its error
+  std::int64_t refined = 0;      ///< of them those that took steps with the nominal factor
   std::int64_t exact = 0;        ///< samples solved with the full matrices
   std::int64_t basis = 0;        ///< vectors of the largest reduced basis
   double frequency_error = 0.0;  ///< the largest bound on a frequency's relative error among the reduced ones
   double reduced_seconds = 0.0;  ///< processor time of the reduced model, its construction included
   double exact_seconds = 0.0;    ///< and of one exact solution; 0: not known
+  std::int64_t runs = 0;         ///< samples that an external solver was to run
+  std::int64_t repeated = 0;     ///< of them those whose results were there from a run before
 
   SolverUse& operator+=(const SolverUse& other) {
     reduced += other.reduced;
+    refined += other.refined;
     exact += other.exact;
     basis = std::max(basis, other.basis);
     frequency_error = std::max(frequency_error, other.frequency_error);
     reduced_seconds += other.reduced_seconds;
     exact_seconds = std::max(exact_seconds, other.exact_seconds);
+    runs += other.runs;
+    repeated += other.repeated;
     return *this;
   }
 };
@@ -56,6 +62,9 @@ struct Evaluation {
   std::vector<SampleNote> notes = {};  ///< ascending in sample
   SolverUse use = {};
 };
+
+/// Of a model that answers to rounding: balances truncation (h^2) and rounding (eps/h).
+inline constexpr double k_usual_difference_step = 1e-4;
 
 /// A structure with q uncertain parameters x and p outputs y = f(x).
 class Model {
@@ -71,6 +80,9 @@ class Model {
 
   /// The parts of a batch that may be lost when a run is killed: about so many samples.
   virtual Eigen::Index batch_size() const { return 8192; }
+
+  /// Steps of central differences, in prior deviations: small against curvature, large against the digits of outputs.
+  virtual double difference_step() const { return k_usual_difference_step; }
 };
 
 /// A model that knows its own derivatives: a second interface, found by dynamic_cast.

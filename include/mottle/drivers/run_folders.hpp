@@ -1,0 +1,49 @@
+// The folders that a solver runs in: made private and fresh, taken away or kept, and never silently on a full disk.
+#pragma once
+
+#include <filesystem>
+#include <mutex>
+#include <string>
+
+namespace mottle {
+
+/// Folders of runs within a folder of results, or within the system's folder of temporary files.
+class RunFolders {
+ public:
+  /// @param results   empty: a temporary folder that goes again unless a run was kept there
+  /// @param forgets   failed runs that an earlier Mottle kept there go
+  /// Takes away what a killed Mottle has left in `results`. Throws InvalidInput where nothing can be written.
+  RunFolders(const std::filesystem::path& results, bool forgets);
+  ~RunFolders();
+  RunFolders(const RunFolders&) = delete;
+  RunFolders& operator=(const RunFolders&) = delete;
+
+  const std::filesystem::path& results() const { return results_; }
+  /// A folder that lives as long as this object, for what all runs share.
+  const std::filesystem::path& shared() const { return shared_; }
+
+  /// A new empty folder that nobody else can read.
+  std::filesystem::path make();
+  void remove(const std::filesystem::path& folder);
+  /// Moves a run's folder to RESULTS/failed-runs/`name`, at most 20, or RESULTS/kept-runs/`name`. Says where it is
+  /// now; empty: it went.
+  std::filesystem::path keep(const std::filesystem::path& folder, bool has_failed, const std::string& name);
+
+  /// Throws SystemFailure where the disk is full: what a run did or did not write there means nothing.
+  void require_room(const std::filesystem::path& folder) const;
+
+ private:
+  std::filesystem::path results_;
+  std::filesystem::path work_;
+  std::filesystem::path shared_;
+  bool is_temporary_ = false;
+  bool has_kept_ = false;
+  int next_ = 0;
+  int failed_ = 0;
+  std::mutex mutex_;
+};
+
+/// Writes a file without waiting for the disk. Throws SystemFailure.
+void write_run_file(const std::filesystem::path& file, const std::string& bytes);
+
+}  // namespace mottle

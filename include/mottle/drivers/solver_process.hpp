@@ -1,0 +1,44 @@
+// Runs somebody else's program once: no shell in between, a process group and files of its own, an end to its time.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace mottle {
+
+/// What to run and where.
+struct ProcessRequest {
+  std::vector<std::string> arguments = {};                    ///< the program and what it is handed, as they are
+  std::filesystem::path directory = {};                       ///< where it runs; its output goes to files there
+  std::map<std::string, std::string> environment = {};        ///< added to Mottle's own
+  std::chrono::milliseconds timeout = {};                     ///< then it is asked to end
+  std::chrono::milliseconds grace = std::chrono::seconds(5);  ///< then it is ended
+  const std::atomic<bool>* stop = nullptr;                    ///< ends it early
+};
+
+/// Where a program's output goes, in its directory.
+inline constexpr const char* k_standard_output = "stdout.txt";
+inline constexpr const char* k_standard_error = "stderr.txt";
+
+/// How it ended.
+struct ProcessEnd {
+  enum class Kind { done, failed, timed_out, stopped };
+
+  Kind kind = Kind::failed;
+  std::string reason = {};  ///< of a failure: "exit status 2", "killed by signal 11 (Segmentation fault)"
+};
+
+/// Runs a program to its end, in a process group of its own. Whatever it leaves running in that group when it ends is
+/// killed, and so is the whole group at the timeout, at a stop request, and when Mottle itself dies.
+///
+/// @throws SystemFailure  no process can be started (memory, limits)
+ProcessEnd run_process(const ProcessRequest& request);
+
+/// The program's file: itself where `name` holds a slash, else the first of that name on PATH; empty: there is none.
+std::filesystem::path find_program(const std::string& name);
+
+}  // namespace mottle

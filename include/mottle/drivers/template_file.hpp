@@ -1,0 +1,50 @@
+// Text with places for parameters, {{name}} or {{name:%8.3e}}: a solver's input, or one argument of its command.
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace mottle {
+
+/// A text with places that values are put into.
+class Template {
+ public:
+  /// @param text   with {{name}}: the shortest number that reads back as the same; {{name:%W.Pe}} (or f, g): printf's
+  ///               way, never wider than W; {{name:%Wd}}: a value that is a whole number
+  /// @param file   for messages
+  /// @param names  of the parameters
+  /// @throws FormatError  (file, line): a name that is no parameter, a format that is none of these, {{ without }}
+  Template(std::string_view text, std::string file, const std::vector<std::string>& names);
+
+  /// The text with `values` [parameter] in the places.
+  ///
+  /// @throws FormatError  (file, line): a value that needs more characters than its place has, or is not whole
+  std::string fill(const Eigen::Ref<const Eigen::VectorXd>& values) const;
+
+  /// By parameter, whether it has a place.
+  std::vector<bool> uses(std::size_t parameters) const;
+
+  /// Places where `values` and `values + steps` would be told apart too coarsely: "plate.inp:7: E with %8.3e".
+  std::vector<std::string> coarse_places(const Eigen::Ref<const Eigen::VectorXd>& values,
+                                         const Eigen::Ref<const Eigen::VectorXd>& steps) const;
+
+ private:
+  struct Place {
+    std::size_t parameter = 0;
+    int line = 0;
+    std::string name = {};
+    std::string format = {};  ///< printf's; empty: the shortest exact text
+    std::size_t width = 0;    ///< most characters; 0: any number
+    std::string text_after = {};
+  };
+  std::string text_of(const Place& place, double value) const;
+  Place read_place(std::string_view inside, int line, const std::vector<std::string>& names) const;
+
+  std::string file_;
+  std::string head_;
+  std::vector<Place> places_;
+};
+
+}  // namespace mottle

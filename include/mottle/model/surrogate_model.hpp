@@ -1,0 +1,40 @@
+// A model in place of one that costs minutes: a surrogate of it, fitted to its runs.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "mottle/model/model.hpp"
+#include "mottle/model/parameter_space.hpp"
+#include "mottle/stats/surrogate.hpp"
+
+namespace mottle {
+
+/// Outputs of a model as functions fitted on the parameters' own scales.
+class SurrogateModel final : public Model {
+ public:
+  /// @param model  whose outputs are imitated; it and `space` must outlive this one
+  SurrogateModel(const Model& model, const ParameterSpace& space) : model_(model), scales_(space.scales()) {}
+
+  /// @param samples  possible parameters [run x parameter]
+  /// @param outputs  [run x output], none nan
+  /// @throws  as Surrogate
+  void train(SurrogateKind kind, const Eigen::Ref<const Eigen::MatrixXd>& samples,
+             const Eigen::Ref<const Eigen::MatrixXd>& outputs);
+
+  const Surrogate& surrogate() const { return *surrogate_; }
+
+  Eigen::Index parameter_count() const override { return model_.parameter_count(); }
+  const std::vector<Output>& outputs() const override { return model_.outputs(); }
+  /// Needs train().
+  Evaluation evaluate(const Eigen::Ref<const Eigen::MatrixXd>& samples, const RunContext& context) const override;
+
+ private:
+  Eigen::MatrixXd on_scales(const Eigen::Ref<const Eigen::MatrixXd>& samples) const;
+
+  const Model& model_;
+  std::vector<NormalScale> scales_;
+  std::unique_ptr<const Surrogate> surrogate_;
+};
+
+}  // namespace mottle

@@ -1,0 +1,204 @@
+#include "mottle/drivers/calculix.hpp"
+
+#include <stdlib.h>  // NOLINT(modernize-deprecated-headers): mkdtemp is POSIX's
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <map>
+
+#include "matrix_store.hpp"
+#include "mottle/core/error.hpp"
+#include "mottle/core/files.hpp"
+#include "mottle/drivers/separable_fit.hpp"
+#include "mottle/drivers/solver_process.hpp"
+
+namespace mottle {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A folder of its own, gone at the end.
+class PrivateFolder {
+ public:
+  PrivateFolder() {
+    std::string name = (fs::temp_directory_path() / "mottle-ccx-XXXXXX").string();
+    if (mkdtemp(name.data()) == nullptr) {
+      throw SystemFailure(fmt::format("{}: cannot make a folder: {}", name, std::strerror(errno)));
+    }
+    path_ = name;
+  }
+  PrivateFolder(const PrivateFolder&) = delete;
+  PrivateFolder& operator=(const PrivateFolder&) = delete;
+  ~PrivateFolder() {
+    std::error_code error;
+    fs::remove_all(path_, error);
+  }
+  const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+/// The last lines of what the solver printed, errors first.
+std::string tail_of(const fs::path& folder) {
+  constexpr std::size_t k_bytes = 1500;
+  std::string text;
+  for (const char* name : {k_standard_output, k_standard_error}) {
+    if (fs::exists(folder / name)) text += read_file(folder / name);
+  }
+  const std::size_t error = text.rfind("*ERROR");
+  if (error != std::string::npos) return text.substr(error, k_bytes);
+  return text.size() > k_bytes ? text.substr(text.size() - k_bytes) : text;
+}
+
+class Solver {
+ public:
+  explicit Solver(const CalculixSettings& settings) : settings_(settings), program_(find_program(settings.program)) {
+    require(!program_.empty(),
+            "model.program: there is no program '{}' on the PATH; install CalculiX (Debian: calculix-ccx) or name its "
+            "file",
+            settings.program);
+    const PrivateFolder folder;
+    run({program_.string(), "-v"}, folder.path());
+    version_ = read_file(folder.path() / k_standard_output);
+  }
+
+  MatrixRun matrices(const std::string& deck) {
+    Checksum checksum;
+    checksum.add(version_);
+    checksum.add(deck);
+    const Digest digest = checksum.digest();
+    if (auto found = find_run(settings_.cache, digest)) {
+      ++reused_;
+      return std::move(*found);
+    }
+    const PrivateFolder folder;
+    write_file_atomically(folder.path() / "model.inp", deck);
+    const ProcessEnd end = run({program_.string(), "model"}, folder.path());
+    const fs::path stiffness = folder.path() / "model.sti";
+    const fs::path mass = folder.path() / "model.mas";
+    if (end.kind != ProcessEnd::Kind::done || !fs::exists(stiffness) || !fs::exists(mass)) {
+      throw SystemFailure(
+          fmt::format("{}: {}; the end of what it printed:\n{}", settings_.program,
+                      end.kind == ProcessEnd::Kind::timed_out
+                          ? fmt::format("not done in {} s", 1e-3 * static_cast<double>(settings_.timeout.count()))
+                      : end.kind == ProcessEnd::Kind::done ? std::string("it stored no matrices")
+                                                           : end.reason,
+                      tail_of(folder.path())));
+    }
+    ++runs_;
+    MatrixRun result{read_symmetric_matrix(stiffness.string()), read_symmetric_matrix(mass.string())};
+    keep_run(settings_.cache, digest, result);
+    return result;
+  }
+
+  int runs() const { return runs_; }
+  int reused() const { return reused_; }
+
+ private:
+  ProcessEnd run(const std::vector<std::string>& arguments, const fs::path& folder) const {
+    return run_process({.arguments = arguments,
+                        .directory = folder,
+                        // More threads are slower on small models, and much slower beside other work.
+                        .environment = {{"OMP_NUM_THREADS", "1"}, {"OPENBLAS_NUM_THREADS", "1"}},
+                        .timeout = settings_.timeout});
+  }
+
+  CalculixSettings settings_;
+  fs::path program_;
+  std::string version_;
+  int runs_ = 0;
+  int reused_ = 0;
+};
+
+/// What a parameter sets.
+struct Setting {
+  std::vector<CalculixNumber> numbers;
+  bool is_factor = false;
+};
+
+std::vector<Setting> find_settings(const CalculixDeck& deck, const std::vector<ParameterTargets>& parameters) {
+  std::vector<Setting> settings;
+  std::map<std::pair<std::size_t, std::size_t>, std::string> owners;
+  for (const ParameterTargets& parameter : parameters) {
+    Setting& setting = settings.emplace_back();
+    setting.is_factor = parameter.is_factor;
+    const std::string start = fmt::format("parameter '{}'", parameter.parameter);
+    for (const std::string& target : parameter.targets) {
+      require(calculix_field(target) != "NU",
+              "{}: '{}' enters the matrices by no powers; such a model needs a run of the "
+              "solver for each sample: model.kind = \"command\"",
+              start, target);
+      std::vector<CalculixNumber> numbers;
+      try {
+        numbers = find_calculix_numbers(deck, target);
+      } catch (const FormatError&) {
+        throw;
+      } catch (const InvalidInput& error) {
+        throw InvalidInput(fmt::format("{}: it acts on nothing: {}", start, error.what()));
+      }
+      for (const CalculixNumber& number : numbers) {
+        const auto [owner, is_new] = owners.emplace(std::pair{number.line, number.begin}, parameter.parameter);
+        require(is_new, "{}: target '{}' ({}) is already tied to parameter '{}'", start, target,
+                deck.where(number.line), owner->second);
+        require(!parameter.is_factor || !number.is_placeholder,
+                "{}: '{}' has no value in the deck that a factor could multiply", start, target);
+        require(!parameter.is_factor || number.value != 0.0,
+                "{}: a factor on '{}', whose nominal value is 0, acts on nothing", start, target);
+        setting.numbers.push_back(number);
+      }
+    }
+    require(!setting.numbers.empty(), "{}: it has no target, so it acts on nothing", start);
+  }
+  return settings;
+}
+
+double nominal_of(const Setting& setting, double fallback) {
+  if (setting.is_factor) return 1.0;
+  const double first = setting.numbers.front().value;
+  const bool is_one = std::all_of(setting.numbers.begin(), setting.numbers.end(),
+                                  [&](const CalculixNumber& number) { return number.value == first; });
+  return is_one ? first : fallback;
+}
+
+}  // namespace
+
+MatrixModel calculix_model(const CalculixDeck& deck, const std::vector<ParameterTargets>& parameters,
+                           const Eigen::VectorXd& fallback, const CalculixSettings& settings) {
+  const std::vector<Setting> moved = find_settings(deck, parameters);
+  MatrixModel model;
+  model.reference.resize(fallback.size());
+  model.limits.resize(parameters.size());
+  std::vector<FitAxis> axes;
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    const auto p = static_cast<Eigen::Index>(i);
+    model.reference(p) = nominal_of(moved[i], fallback(p));
+    require(model.reference(p) != 0.0, "parameter '{}': its nominal value is 0; CalculiX cannot be run there",
+            parameters[i].parameter);
+    const auto& targets = parameters[i].targets;
+    axes.push_back({parameters[i].parameter, model.reference(p),
+                    std::any_of(targets.begin(), targets.end(),
+                                [](const std::string& target) { return calculix_field(target) == "T"; })});
+  }
+  Solver solver(settings);
+  SeparableFit fit = fit_separable(axes, [&](const Eigen::VectorXd& values) {
+    std::vector<CalculixChange> changes;
+    for (std::size_t i = 0; i < moved.size(); ++i) {
+      const double x = values(static_cast<Eigen::Index>(i));
+      for (const CalculixNumber& number : moved[i].numbers) {
+        changes.push_back({number, moved[i].is_factor ? x * number.value : x});
+      }
+    }
+    return solver.matrices(matrix_storage_deck(deck, changes));
+  });
+  model.pencil = std::move(fit.pencil);
+  model.notes.push_back(fmt::format(
+      "CalculiX: matrices from {} decks ({} runs, {} from the cache); where they were not made from, they agree to "
+      "{:.1e} of their diagonal",
+      fit.runs, solver.runs(), solver.reused(), fit.error));
+  return model;
+}
+
+}  // namespace mottle
