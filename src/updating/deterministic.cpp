@@ -13,7 +13,6 @@
 namespace mottle {
 namespace {
 
-constexpr double k_difference_step = 1e-4;  // balances truncation (h^2) and rounding (eps/h) of central differences
 constexpr int k_most_halvings = 12;
 
 /// The least-squares problem in fixed numbers.
@@ -35,20 +34,33 @@ std::optional<Eigen::VectorXd> evaluate_one(const UpdatingProblem& problem, cons
 }
 
 /// Derivative along one parameter; where a run on one side fails, from the other side.
-Eigen::VectorXd difference_quotient(const UpdatingProblem& problem, const Eigen::VectorXd& parameters,
-                                    Eigen::Index parameter, double step, const RunContext& context,
-                                    std::int64_t& evaluations) {
-  const auto shifted = [&](double shift) {
-    Eigen::VectorXd point = parameters;
-    point(parameter) += shift;
-    return evaluate_one(problem, point, context, evaluations);
-  };
-  const auto ahead = shifted(step);
-  const auto behind = shifted(-step);
-  if (ahead && behind) return (*ahead - *behind) / (2.0 * step);
-  const auto centre = ahead || behind ? evaluate_one(problem, parameters, context, evaluations) : std::nullopt;
-  if (!centre) throw SystemFailure("the model fails all around the present parameters, so there is no derivative");
-  return ahead ? Eigen::VectorXd((*ahead - *centre) / step) : Eigen::VectorXd((*centre - *behind) / step);
+/// Central differences by all parameters at once: a model whose runs are long may do them side by side. Where one side
+/// fails, differences from the middle.
+Eigen::MatrixXd difference_quotients(const UpdatingProblem& problem, const Eigen::VectorXd& parameters,
+                                     const Eigen::VectorXd& steps, const RunContext& context,
+                                     std::int64_t& evaluations) {
+  const Eigen::Index q = parameters.size();
+  Eigen::MatrixXd points = parameters.transpose().replicate(2 * q, 1);
+  points.topRows(q).diagonal() += steps;
+  points.bottomRows(q).diagonal() -= steps;
+  const Eigen::MatrixXd y = problem.model.evaluate(points, context).outputs.transpose();
+  evaluations += points.rows();
+  std::optional<Eigen::VectorXd> centre;
+  if (!y.allFinite()) centre = evaluate_one(problem, parameters, context, evaluations);
+  Eigen::MatrixXd quotients(y.rows(), q);
+  for (Eigen::Index i = 0; i < q; ++i) {
+    const bool has_ahead = y.col(i).allFinite();
+    const bool has_behind = y.col(q + i).allFinite();
+    if (has_ahead && has_behind) {
+      quotients.col(i) = (y.col(i) - y.col(q + i)) / (2.0 * steps(i));
+    } else if (centre && (has_ahead || has_behind)) {
+      const Eigen::VectorXd side = y.col(has_ahead ? i : q + i);
+      quotients.col(i) = (side - *centre) / (has_ahead ? steps(i) : -steps(i));
+    } else {
+      throw SystemFailure("the model fails all around the present parameters, so there is no derivative");
+    }
+  }
+  return quotients;
 }
 
 LeastSquares prepare(const UpdatingProblem& problem, const DeterministicOptions& options) {
@@ -208,14 +220,9 @@ Eigen::MatrixXd model_jacobian(const UpdatingProblem& problem, const Eigen::Vect
           ? problem.derivatives->jacobian(parameters)
           : Eigen::MatrixXd::Constant(outputs, parameters.size(), std::numeric_limits<double>::quiet_NaN());
   if (jacobian.allFinite()) return jacobian;
-  for (Eigen::Index i = 0; i < parameters.size(); ++i) {
-    const Eigen::VectorXd difference =
-        difference_quotient(problem, parameters, i, k_difference_step * scale(i), context, evaluations);
-    for (Eigen::Index k = 0; k < outputs; ++k) {
-      if (!std::isfinite(jacobian(k, i))) jacobian(k, i) = difference(k);
-    }
-  }
-  return jacobian;
+  const Eigen::MatrixXd differences =
+      difference_quotients(problem, parameters, problem.model.difference_step() * scale, context, evaluations);
+  return jacobian.array().isFinite().select(jacobian, differences);
 }
 
 UpdatingResult DeterministicUpdater::update(const UpdatingProblem& problem, const RunContext& context) const {

@@ -2,8 +2,13 @@
 
 #include "mottle/core/error.hpp"
 #include "mottle/core/text.hpp"
+#include "mottle/updating/covariance_adjustment.hpp"
 #include "mottle/updating/deterministic.hpp"
+#include "mottle/updating/inversion.hpp"
 #include "mottle/updating/mares.hpp"
+#include "mottle/updating/maximum_likelihood.hpp"
+#include "mottle/updating/moment_matching.hpp"
+#include "mottle/updating/perturbation.hpp"
 #include "mottle/updating/updater.hpp"
 
 namespace mottle {
@@ -18,13 +23,27 @@ std::unique_ptr<Updater> make(const OptionValues& values, const std::string& whe
 
 const std::vector<MethodEntry>& updating_methods() {
   static const std::vector<MethodEntry> methods = {
+      {"maximum-likelihood",
+       "The population of the specimens: mean and covariance by (restricted) maximum likelihood, with confidence "
+       "intervals.",
+       maximum_likelihood_option_table().describe(), make<MaximumLikelihoodUpdater, maximum_likelihood_option_table>},
       {"mares",
        "Regression on Monte-Carlo clouds, mean and covariance by Eqs. 11 and 12 of Mares, Mottershead and Friswell "
        "(2006).",
-       mares_option_table().describe(), make<MaresUpdater, mares_option_table>},
+       mares_option_table().describe(), make<MaresUpdater, mares_option_table>, false},
       {"deterministic",
        "One structure, or the mean of many: weighted least squares with Tikhonov or Bayesian regularisation.",
-       deterministic_option_table().describe(), make<DeterministicUpdater, deterministic_option_table>},
+       deterministic_option_table().describe(), make<DeterministicUpdater, deterministic_option_table>, false},
+      {"inversion", "The population's mean and covariance from parameters that are solved for each specimen alone.",
+       inversion_option_table().describe(), make<InversionUpdater, inversion_option_table>},
+      {"perturbation", "The population to first order, after Khodaparast, Mottershead and Friswell (2008).",
+       perturbation_option_table().describe(), make<PerturbationUpdater, perturbation_option_table>},
+      {"covariance-adjustment",
+       "The population whose cloud has the tests' mean and covariance, after Govers and Link (2010).",
+       covariance_adjustment_option_table().describe(),
+       make<CovarianceAdjustmentUpdater, covariance_adjustment_option_table>},
+      {"moment-matching", "The population whose outputs have the tests' mean and covariance, by quadrature.",
+       moment_matching_option_table().describe(), make<MomentMatchingUpdater, moment_matching_option_table>},
   };
   return methods;
 }

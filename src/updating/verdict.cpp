@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "mottle/core/error.hpp"
+#include "mottle/core/text.hpp"
 #include "mottle/stats/hotelling.hpp"
 #include "mottle/stats/regression.hpp"
 #include "mottle/updating/iteration.hpp"
@@ -48,6 +49,23 @@ Verdict judge(const UpdatingProblem& problem, const UpdatingResult& result) {
         problem.space.parameters()[static_cast<std::size_t>(i)].name, active(i) < 0 ? "lower" : "upper",
         result.mean(i)));
   }
+  for (const Outlier& outlier : result.outliers) {
+    verdict.reasons.push_back(fmt::format(
+        "Specimen {} lies {:.1f} standard deviations from the others (p = {:.2g} among all of them): look at its test "
+        "before trusting means and deviations.",
+        outlier.sample + 1, outlier.distance, outlier.p_value));
+  }
+  for (const Eigen::VectorXd& other : result.other_solutions) {
+    std::vector<std::string> values;
+    for (Eigen::Index i = 0; i < other.size(); ++i) {
+      values.push_back(
+          fmt::format("{} = {:.4g}", problem.space.parameters()[static_cast<std::size_t>(i)].name, other(i)));
+    }
+    verdict.reasons.push_back(
+        fmt::format("Other parameters explain the mean of the tests as well: {}. Measure what tells "
+                    "them apart, or narrow the bounds.",
+                    join(values)));
+  }
   if (result.status != UpdatingStatus::converged) {
     verdict.adequate = false;
     verdict.reasons.push_back("The iteration did not converge: " + result.message + ".");
@@ -86,6 +104,28 @@ std::optional<Identifiability> identify(const UpdatingProblem& problem, const Up
   const bool has_scatter = (deviation.array() > 0.0).all();
   return identify(sensitivity, has_scatter ? deviation : Eigen::VectorXd(tests.mean.cwiseAbs()),
                   problem.space.prior().covariance().diagonal().cwiseSqrt());
+}
+
+std::string unseen_text(const Eigen::Ref<const Eigen::VectorXd>& direction, const std::vector<std::string>& names) {
+  constexpr double k_alone = 0.95;
+  constexpr double k_takes_part = 0.1;
+  std::vector<Eigen::Index> parts;
+  for (Eigen::Index i = 0; i < direction.size(); ++i) {
+    if (std::abs(direction(i)) >= k_takes_part) parts.push_back(i);
+  }
+  const auto name = [&](Eigen::Index i) { return names[static_cast<std::size_t>(i)]; };
+  Eigen::Index largest = 0;
+  if (direction.cwiseAbs().maxCoeff(&largest) >= k_alone) {
+    return fmt::format("{} is not seen by the outputs", name(largest));
+  }
+  if (parts.size() == 2) {
+    const Eigen::Index first = parts[0];
+    const Eigen::Index second = parts[1];
+    const double ratio = -direction(first) / direction(second);
+    return fmt::format("{} and {} can only be seen together: {} {} {:.2g} {}, in prior deviations", name(first),
+                       name(second), name(first), ratio < 0.0 ? '-' : '+', std::abs(ratio), name(second));
+  }
+  return fmt::format("the outputs do not see {}, in prior deviations", direction_text(direction, names));
 }
 
 std::string direction_text(const Eigen::Ref<const Eigen::VectorXd>& direction, const std::vector<std::string>& names) {

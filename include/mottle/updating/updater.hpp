@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,7 @@
 #include "mottle/model/model.hpp"
 #include "mottle/model/parameter_space.hpp"
 #include "mottle/propagation/cloud.hpp"
+#include "mottle/stats/outliers.hpp"
 #include "mottle/stats/regression.hpp"
 
 namespace mottle {
@@ -20,6 +22,9 @@ namespace mottle {
 struct TestData {
   Eigen::MatrixXd values;             ///< [specimen x output], nan where not measured
   Eigen::VectorXd repeatability_std;  ///< measurement noise of each output, 0 where not known [output]
+  /// Degrees of freedom of `repeatability_std` where it comes from repeated tests, 0 where it was given as a number;
+  /// empty: 0 for all [output].
+  Eigen::VectorXi repeatability_freedom = {};
 };
 
 /// One updating problem. What it refers to must outlive it.
@@ -32,6 +37,9 @@ struct UpdatingProblem {
   int iterations = 30;      ///< most updates that may be made
   double level = 0.05;      ///< false-alarm rate of the verdict's tests
   double tolerance = 1e-3;  ///< converged when no mean and no deviation moves by more than this part of a deviation
+  /// Group of each parameter: those of one group may be correlated in the population, those of different groups are
+  /// not. Empty: all may be.
+  std::vector<int> covariance_groups = {};
 };
 
 /// How a method ended.
@@ -39,6 +47,23 @@ enum class UpdatingStatus { converged, max_iterations, stalled, stopped, failed 
 
 /// "converged", "max-iterations", "stalled", "stopped", "failed".
 std::string status_text(UpdatingStatus status);
+
+/// 95 % confidence intervals of the population's parameters, on the parameters' own axes.
+struct ParameterIntervals {
+  Eigen::MatrixXd mean;               ///< lower and upper end [parameter x 2]
+  Eigen::MatrixXd std;                ///< [parameter x 2]
+  Eigen::MatrixXd correlation_lower;  ///< [parameter x parameter], 1 on the diagonal
+  Eigen::MatrixXd correlation_upper;
+  std::string made_by;  ///< "analytic" | "bootstrap"
+};
+
+/// What a method knows of every specimen.
+struct SpecimenEstimates {
+  Eigen::MatrixXd parameters;  ///< [specimen x parameter]
+  /// C^-1/2 (z - f(mean)) with the linearised covariance C of a test in the population: each N(0, 1) where the model is
+  /// right; nan: missing [specimen x output]
+  Eigen::MatrixXd residuals;
+};
 
 /// One state of the iteration: the parameters' distribution and the cloud that it gives.
 struct IterationRecord {
@@ -61,7 +86,7 @@ struct VerdictTest {
   double critical = 0.0;  ///< the test fails where the statistic is larger
   double p_value = 1.0;
   bool passed = true;
-  std::string meaning;  ///< the question it answers, as a sentence
+  std::string meaning = {};  ///< the question it answers, as a sentence
 };
 
 /// What a method found.
@@ -73,8 +98,14 @@ struct UpdatingResult {
   std::vector<IterationRecord> history;  ///< first: the prior's cloud; last: the cloud of `mean` and `covariance`
   Eigen::MatrixXd sensitivity;           ///< dy/dx at `mean` where the method has it [output x parameter]; else 0 x 0
   std::int64_t model_evaluations = 0;
-  std::vector<VerdictTest> tests;  ///< of the final state, at the problem's level
-  std::vector<std::string> notes;  ///< what a reader of the numbers must know
+  std::optional<ParameterIntervals> intervals = std::nullopt;  ///< of methods that estimate a population
+  std::optional<SpecimenEstimates> specimens = std::nullopt;   ///< of methods that look at each specimen
+  std::vector<Outlier> outliers = {};                          ///< specimens that do not belong to the others
+  std::vector<Eigen::VectorXd> other_solutions = {};  ///< means that explain the tests' mean as well [parameter]
+  Eigen::MatrixXd noise_covariance;                   ///< R as used or estimated [output x output]; else 0 x 0
+  bool is_population = false;                         ///< `covariance` estimates the scatter of the specimens
+  std::vector<VerdictTest> tests;                     ///< of the final state, at the problem's level
+  std::vector<std::string> notes;                     ///< what a reader of the numbers must know
 };
 
 /// An updating method. One struct of options, one file, one line in src/updating/registry.cpp.
@@ -97,6 +128,7 @@ struct MethodEntry {
   std::vector<OptionDescription> options;
   /// Makes the method from a study's option values; `where` starts each message.
   std::unique_ptr<Updater> (*make)(const OptionValues& values, const std::string& where);
+  bool estimates_population = true;  ///< it uses the parameters' scales and UpdatingProblem::covariance_groups
 };
 
 /// Every method, in the order of documentation.

@@ -44,6 +44,9 @@ std::optional<Identifiability> identify(const UpdatingProblem& problem, const Up
 /// "0.71 K171 - 0.70 K172 + ...": a direction over scaled parameters, the largest weights first, small ones left out.
 std::string direction_text(const Eigen::Ref<const Eigen::VectorXd>& direction, const std::vector<std::string>& names);
 
+/// The same as a sentence without a full stop: "k1 and k2 can only be seen together: k1 + 0.9 k2, in prior deviations".
+std::string unseen_text(const Eigen::Ref<const Eigen::VectorXd>& direction, const std::vector<std::string>& names);
+
 /// Number of samples for `samples = "auto"`: the larger of what brings Hotelling's critical T within 1 % of its limit
 /// and 100 specimens' worth, so that the Monte-Carlo error of a mean is a tenth of the tests' standard error.
 int automatic_samples(int specimens, int outputs, double alpha);

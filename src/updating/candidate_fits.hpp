@@ -1,0 +1,98 @@
+// The fits that a diagnosis compares: the same tests, the same noise, other sets of parameters.
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "candidate_model.hpp"
+#include "mottle/updating/diagnosis.hpp"
+#include "mottle/updating/iteration.hpp"
+#include "population_fit.hpp"
+
+namespace mottle {
+
+/// A set of parameters: those of the problem that are fitted, and which of them scatter.
+struct ParameterSet {
+  std::vector<Eigen::Index> members;
+  std::vector<bool> has_scatter;
+
+  ParameterSet with(Eigen::Index member, bool is_freed) const;
+};
+
+/// One fit of a set.
+struct SetFit {
+  PopulationFit fit;
+  Eigen::VectorXd mean;  ///< on the parameters' own axes [member]
+  Eigen::VectorXd deviation;
+  Eigen::MatrixXd covariance;
+  bool is_within = true;  ///< no mean of a given parameter on a bound
+  std::string failure;    ///< empty: there is a fit
+};
+
+class CandidateFits {
+ public:
+  CandidateFits(const UpdatingProblem& problem, const DiagnosisSettings& settings, const RunContext& context);
+
+  /// Plain maximum likelihood of a set.
+  ///
+  /// @param start  on the scales [member]; empty: the prior's mean
+  SetFit fit(const ParameterSet& set, const Eigen::VectorXd& start = {});
+
+  /// Where fits of a set and one candidate beside it start: of some values of the candidate, from nominal to far off,
+  /// those at which the set, bounds minded, comes as near to the tests' mean as it can.
+  std::vector<Eigen::VectorXd> starts_beside(const ParameterSet& set, const SetFit& base, Eigen::Index candidate);
+
+  /// The best fit of a set and one candidate beside it, from all of these starts.
+  SetFit fit_beside(const ParameterSet& set, const SetFit& base, Eigen::Index candidate, bool is_freed);
+
+  /// A set's fit and what a candidate beside it gains.
+  CandidateFit compare(const ParameterSet& set, const SetFit& base, Eigen::Index candidate, bool is_freed,
+                       const Eigen::VectorXd& start);
+
+  /// Both kinds of a candidate: shifted from every start, freed from the best of them.
+  std::pair<CandidateFit, CandidateFit> compare_both(const ParameterSet& set, const SetFit& base,
+                                                     Eigen::Index candidate);
+
+  /// Gain of the freed candidate in the linear models at the specimens of `base`; -1 where there is none.
+  double linear_gain(const SetFit& base, const ParameterSet& set, Eigen::Index candidate);
+
+  /// Outputs at parameters of the whole space [sample x parameter].
+  Eigen::MatrixXd outputs_at(const Eigen::MatrixXd& samples);
+
+  /// Whether more parameters can be put beside `count`: the noise must stay known or have rows to be estimated from.
+  bool has_room_for(Eigen::Index count) const;
+
+  const UpdatingProblem& problem() const { return problem_; }
+  const DiagnosisSettings& settings() const { return settings_; }
+  const RunContext& context() const { return context_; }
+  Eigen::Index specimens() const { return tests_.values.rows(); }
+  std::int64_t evaluations() const { return evaluations_; }
+
+ private:
+  double distance_beside(const ParameterSet& set, const Eigen::VectorXd& nominal, const TestMoments& tests,
+                         const Eigen::VectorXd& origin, Eigen::VectorXd& t);
+  std::vector<int> groups_of(const ParameterSet& set) const;
+  PopulationFit fit_from(const UpdatingProblem& part, const ParameterSet& set, const Eigen::VectorXd& start);
+
+  const UpdatingProblem& problem_;
+  const DiagnosisSettings& settings_;
+  const RunContext& context_;
+  std::vector<ShapeSign> signs_;
+  TestData tests_;
+  NoiseModel noise_;
+  std::int64_t evaluations_ = 0;
+};
+
+/// How the tests see every given parameter and candidate at the fit of the given ones, and the cosines between the
+/// candidates' own parts; `judging`: directions of the tests' mean that the given parameters, bounds minded, cannot
+/// reach.
+struct Sights {
+  std::vector<Sight> all;   ///< in the order of the problem's parameters
+  Eigen::MatrixXd cosines;  ///< [candidate x candidate]
+  Eigen::Index judging = 0;
+};
+Sights look_at(CandidateFits& fits, const SetFit& base);
+
+}  // namespace mottle

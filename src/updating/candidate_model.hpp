@@ -1,0 +1,49 @@
+// Part of a model's parameters, the others held: one model serves every set of parameters that a diagnosis tries.
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "mottle/updating/updater.hpp"
+
+namespace mottle {
+
+/// Outputs that are one mode's shape, and the sign in which it is compared.
+struct ShapeSign {
+  std::vector<Eigen::Index> outputs;
+  Eigen::VectorXd towards;  ///< the tests' shape, 0 where never measured [of outputs]
+};
+
+/// The shapes among outputs ("phi2:m1" belongs to "phi2"), with the direction in which most of the tests' scatter
+/// around zero lies: no sign of any specimen counts in it.
+std::vector<ShapeSign> shape_signs(const std::vector<Output>& outputs, const Eigen::Ref<const Eigen::MatrixXd>& tests);
+
+/// Turns each row's shapes to the tests' sign; nan stay.
+void turn_shapes(const std::vector<ShapeSign>& signs, Eigen::MatrixXd& outputs);
+
+/// The model with some of its parameters; the others are held, shapes have the tests' sign.
+class HeldModel final : public Model {
+ public:
+  /// @param nominal  of all parameters of `full`
+  /// @param members  which of them are parameters here
+  HeldModel(const Model& full, Eigen::VectorXd nominal, std::vector<Eigen::Index> members,
+            const std::vector<ShapeSign>& signs)
+      : full_(full), nominal_(std::move(nominal)), members_(std::move(members)), signs_(signs) {}
+
+  Eigen::Index parameter_count() const override { return static_cast<Eigen::Index>(members_.size()); }
+  const std::vector<Output>& outputs() const override { return full_.outputs(); }
+  Evaluation evaluate(const Eigen::Ref<const Eigen::MatrixXd>& samples, const RunContext& context) const override;
+  Eigen::Index batch_size() const override { return full_.batch_size(); }
+
+ private:
+  const Model& full_;
+  Eigen::VectorXd nominal_;
+  std::vector<Eigen::Index> members_;
+  const std::vector<ShapeSign>& signs_;
+};
+
+/// The members' part of a space, normal with the moments of its prior.
+ParameterSpace part_of(const ParameterSpace& space, const std::vector<Eigen::Index>& members);
+
+}  // namespace mottle

@@ -1,0 +1,194 @@
+#include "population_report.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include "mottle/core/error.hpp"
+#include "mottle/core/text.hpp"
+#include "mottle/stats/population_intervals.hpp"
+#include "other_solutions.hpp"
+
+namespace mottle {
+namespace {
+
+constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double k_confidence = 0.95;
+constexpr double k_mostly_seen = 0.1;  // part of a parameter that may be unseen before its interval means nothing
+
+/// Length of the part of each parameter, in prior deviations, that the outputs do not see.
+Eigen::VectorXd unseen_parts(const PopulationFit& fit) {
+  const Eigen::VectorXd seen = fit.seen.rowwise().squaredNorm();
+  return (1.0 - seen.array()).max(0.0).sqrt();
+}
+
+ParameterIntervals analytic_intervals(const UpdatingProblem& problem, const PopulationFit& fit) {
+  PopulationEvidence evidence = population_evidence(fit.units, fit.effects, fit.settings, fit.map);
+  evidence.mean = fit.mean;
+  PopulationIntervals ends = population_intervals(evidence, problem.space.scales(), k_confidence);
+  return {std::move(ends.mean), std::move(ends.std), std::move(ends.correlation_lower),
+          std::move(ends.correlation_upper), "analytic"};
+}
+
+/// Takes away what the data say nothing of.
+void forget_unseen(const UpdatingProblem& problem, const PopulationFit& fit, ParameterIntervals& intervals) {
+  const Eigen::VectorXd unseen = unseen_parts(fit);
+  const std::vector<int>& groups = problem.covariance_groups;
+  for (Eigen::Index i = 0; i < unseen.size(); ++i) {
+    if (unseen(i) > k_mostly_seen) {
+      intervals.mean.row(i).setConstant(k_nan);
+      intervals.std.row(i).setConstant(k_nan);
+    }
+    for (Eigen::Index j = 0; j < unseen.size(); ++j) {
+      const bool is_free = groups.empty() || groups[static_cast<std::size_t>(i)] == groups[static_cast<std::size_t>(j)];
+      if (i == j || (is_free && std::max(unseen(i), unseen(j)) <= k_mostly_seen)) continue;
+      intervals.correlation_lower(i, j) = k_nan;
+      intervals.correlation_upper(i, j) = k_nan;
+    }
+  }
+}
+
+SpecimenEstimates estimate_specimens(const UpdatingProblem& problem, const PopulationFit& fit) {
+  const Eigen::MatrixXd& values = problem.tests.values;
+  SpecimenEstimates estimates{fit.specimens.points, Eigen::MatrixXd::Constant(values.rows(), values.cols(), k_nan)};
+  const std::vector<NormalScale> scales = problem.space.scales();
+  for (Eigen::Index i = 0; i < estimates.parameters.cols(); ++i) {
+    const NormalScale& scale = scales[static_cast<std::size_t>(i)];
+    estimates.parameters.col(i) = estimates.parameters.col(i).unaryExpr([&](double t) { return scale.to_variable(t); });
+  }
+  for (Eigen::Index s = 0; s < values.rows(); ++s) {
+    std::vector<Eigen::Index> rows;
+    for (Eigen::Index k = 0; k < values.cols(); ++k) {
+      if (!std::isnan(values(s, k))) rows.push_back(k);
+    }
+    const RandomEffectsUnit& unit = fit.units[static_cast<std::size_t>(s)];
+    Eigen::MatrixXd total = unit.design * fit.effects.covariance * unit.design.transpose();
+    total.diagonal() += fit.noise(rows);
+    const Eigen::VectorXd deviation = total.diagonal().cwiseMax(1e-300).cwiseSqrt();
+    const Eigen::MatrixXd correlation =
+        deviation.cwiseInverse().asDiagonal() * total * deviation.cwiseInverse().asDiagonal();
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(correlation);
+    constexpr double k_singular = 1e-10;
+    const Eigen::VectorXd root =
+        solver.eigenvalues().unaryExpr([](double v) { return v > k_singular ? 1.0 / std::sqrt(v) : 0.0; });
+    const Eigen::VectorXd residual = (unit.response - unit.design * fit.effects.mean).cwiseQuotient(deviation);
+    const Eigen::VectorXd whitened =
+        solver.eigenvectors() * root.asDiagonal() * (solver.eigenvectors().transpose() * residual);
+    for (std::size_t k = 0; k < rows.size(); ++k)
+      estimates.residuals(s, rows[k]) = whitened(static_cast<Eigen::Index>(k));
+  }
+  return estimates;
+}
+
+void add_notes(const UpdatingProblem& problem, const PopulationFit& fit, const PopulationFitSettings& settings,
+               UpdatingResult& result) {
+  result.notes.push_back(
+      "Mean, deviation and correlation are those of the population of specimens, the measurement's noise taken off.");
+  if (settings.noise.factors > 0) {
+    std::vector<std::string> levels;
+    for (std::size_t k = 0; k < settings.noise.factor.size(); ++k) {
+      const auto place = static_cast<Eigen::Index>(k);
+      if (settings.noise.factor[k] >= 0) {
+        levels.push_back(fmt::format("{} {:.3g}", problem.model.outputs()[k].name, std::sqrt(fit.noise(place))));
+      }
+    }
+    result.notes.push_back(fmt::format("Standard deviation of the measurement, estimated: {}.", join(levels)));
+  } else if (fit.noise.isZero(0.0)) {
+    result.notes.push_back("The tests count as free of noise: all of their scatter is taken to be the specimens'.");
+  }
+  const Eigen::VectorXd unseen = unseen_parts(fit);
+  std::vector<std::string> names;
+  for (Eigen::Index i = 0; i < unseen.size(); ++i) {
+    if (unseen(i) > k_mostly_seen) names.push_back(problem.space.parameters()[static_cast<std::size_t>(i)].name);
+  }
+  if (fit.seen.cols() < unseen.size()) {
+    result.notes.push_back(fmt::format(
+        "The outputs see {} combinations of the {} parameters. What they do not see stays at the prior's mean and is "
+        "given no scatter; no intervals are given for parameters that take part in it: {}.",
+        fit.seen.cols(), unseen.size(), names.empty() ? "none to more than a tenth" : join(names)));
+  }
+  if (!fit.effects.converged && problem.tests.values.array().isNaN().any()) {
+    result.notes.push_back(
+        "The likelihood has no clear maximum: the specimens are too few, or too many of their entries are missing, for "
+        "a covariance of all parameters; set update.covariance = \"diagonal\" or leave parameters out.");
+  }
+}
+
+}  // namespace
+
+NoiseModel noise_model(const UpdatingProblem& problem, const MaximumLikelihoodOptions& options) {
+  using Noise = MaximumLikelihoodOptions::Noise;
+  const Eigen::VectorXd& given = problem.tests.repeatability_std;
+  const Eigen::Index p = problem.tests.values.cols();
+  NoiseModel model{given.cwiseAbs2(), std::vector<int>(static_cast<std::size_t>(p), -1), 0};
+  const bool has_more_outputs = p > problem.space.count();
+  const bool is_estimated = options.noise == Noise::estimated ||
+                            (options.noise == Noise::automatic && has_more_outputs && (given.array() <= 0.0).any());
+  if (!is_estimated) {
+    require(
+        !has_more_outputs || (given.array() > 0.0).all(),
+        "update.maximum-likelihood.noise: \"given\" needs [test] repeatability of every output, because {} outputs are "
+        "more than the {} parameters can reproduce; give it, or set noise = \"estimated\"",
+        p, problem.space.count());
+    return model;
+  }
+  require(has_more_outputs,
+          "update.maximum-likelihood.noise: cannot be estimated, {} outputs are no more than the {} parameters; give "
+          "[test] repeatability",
+          p, problem.space.count());
+  constexpr double k_hundredth = 0.01;
+  std::map<std::string, int> factors;
+  for (Eigen::Index k = 0; k < p; ++k) {
+    if (options.noise == Noise::automatic && given(k) > 0.0) continue;
+    const std::string& unit = problem.model.outputs()[static_cast<std::size_t>(k)].unit;
+    const int next = static_cast<int>(factors.size());
+    model.factor[static_cast<std::size_t>(k)] = factors.try_emplace(unit, next).first->second;
+  }
+  model.factors = static_cast<int>(factors.size());
+  for (const auto& [unit, factor] : factors) {
+    double sum = 0.0;
+    double count = 0.0;
+    for (Eigen::Index k = 0; k < p; ++k) {
+      if (model.factor[static_cast<std::size_t>(k)] != factor) continue;
+      const Eigen::ArrayXd column = problem.tests.values.col(k).array();
+      const Eigen::ArrayXd squares = column.isNaN().select(0.0, column.square());
+      const double measured = static_cast<double>(column.size() - column.isNaN().count());
+      sum += squares.sum();
+      count += measured;
+      model.base(k) = k_hundredth * k_hundredth * squares.sum() / measured;
+    }
+    // Frequencies are measured to a part of their value; shapes and other outputs all to the same level.
+    if (unit == "Hz") continue;
+    for (Eigen::Index k = 0; k < p; ++k) {
+      if (model.factor[static_cast<std::size_t>(k)] == factor) model.base(k) = k_hundredth * k_hundredth * sum / count;
+    }
+  }
+  return model;
+}
+
+void describe_population(const UpdatingProblem& problem, const PopulationFit& fit,
+                         const PopulationFitSettings& settings, const MaximumLikelihoodOptions& options,
+                         const RunContext& context, UpdatingResult& result) {
+  using Intervals = MaximumLikelihoodOptions::Intervals;
+  result.noise_covariance = fit.noise.asDiagonal();
+  result.specimens = estimate_specimens(problem, fit);
+  result.sensitivity = fit.sensitivity;
+  const std::vector<NormalScale> scales = problem.space.scales();
+  for (Eigen::Index i = 0; i < fit.mean.size(); ++i) {
+    result.sensitivity.col(i) /= scales[static_cast<std::size_t>(i)].slope(fit.mean(i));
+  }
+  result.outliers = find_outliers(fit.effects.effects, problem.level);
+  result.other_solutions = other_solutions(problem, fit, options.starts, context, result.model_evaluations);
+  if (options.intervals == Intervals::analytic) result.intervals = analytic_intervals(problem, fit);
+  if (options.intervals == Intervals::bootstrap) {
+    result.intervals =
+        bootstrap_intervals(problem, fit, settings, options.bootstrap_samples, context, result.model_evaluations);
+  }
+  if (result.intervals) forget_unseen(problem, fit, *result.intervals);
+  add_notes(problem, fit, settings, result);
+  test_population(problem, fit, result);
+}
+
+}  // namespace mottle
