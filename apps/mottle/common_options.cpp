@@ -2,9 +2,32 @@
 
 #include <fmt/format.h>
 
+#include <cstdlib>
+
 #include "mottle/core/parallel.hpp"
 
 namespace mottle::app {
+namespace {
+
+/// The user's own cache: neither in the study's folder, which may be read-only or under version control, nor in the
+/// results', since other studies of the same model find it there too. Empty where the user has no home.
+std::filesystem::path default_cache() {
+  const auto absolute = [](const char* name) -> std::filesystem::path {
+    const char* value = std::getenv(name);
+    const std::filesystem::path path = value == nullptr ? "" : value;
+    return path.is_absolute() ? path : std::filesystem::path();
+  };
+  if (const auto cache = absolute("XDG_CACHE_HOME"); !cache.empty()) return cache / "mottle";
+  if (const auto home = absolute("HOME"); !home.empty()) return home / ".cache" / "mottle";
+  return {};
+}
+
+std::filesystem::path cache_folder(const std::string& given) {
+  if (given.empty()) return default_cache();
+  return given == "off" ? std::filesystem::path() : std::filesystem::path(given);
+}
+
+}  // namespace
 
 void add_common_options(CLI::App& verb, CommonOptions& options) {
   verb.add_option("STUDY", options.study, "the study file (TOML)")->required();
@@ -16,6 +39,9 @@ void add_common_options(CLI::App& verb, CommonOptions& options) {
   verb.add_option("--seed", options.seed, "seed of the random streams (default: the study's, or 1)")
       ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{9223372036854775807U}));
   verb.add_flag("--resume", options.resume, "go on with an interrupted run in the same folder");
+  verb.add_option("--cache", options.cache,
+                  "folder of trained reduced models that later runs read (default: $XDG_CACHE_HOME/mottle or "
+                  "~/.cache/mottle), or off");
   verb.add_flag("--quiet", options.quiet, "say nothing but errors");
   verb.add_flag("--json", options.json, "print a summary as one line of JSON");
 }
@@ -31,6 +57,7 @@ RunSettings run_settings(const CommonOptions& options, Console& console) {
     folder.replace_extension(".mottle");
   }
   return {.folder = folder,
+          .cache = cache_folder(options.cache),
           .threads = options.threads > 0 ? options.threads : available_threads(),
           .resume = options.resume,
           .observer = &console,

@@ -14,10 +14,11 @@
 
 namespace mottle::app {
 
-/// Values of --out, --set, --threads, --seed, --resume, --quiet, --json.
+/// Values of --out, --set, --threads, --seed, --resume, --cache, --quiet, --json.
 struct CommonOptions {
   std::string study;
   std::string out;
+  std::string cache;
   std::vector<std::string> assignments;
   int threads = 0;
   std::optional<std::uint64_t> seed;
@@ -39,6 +40,7 @@ void print_summary(const CommonOptions& options, const RunSummary& summary);
 
 /// Each verb adds itself; its callback throws what goes wrong.
 void add_update(CLI::App& app);
+void add_diagnose(CLI::App& app);
 void add_propagate(CLI::App& app);
 void add_simulate(CLI::App& app);
 void add_check(CLI::App& app);

@@ -42,7 +42,10 @@ void add_check(CLI::App& app) {
   CLI::App* verb = app.add_subcommand("check", "read everything and say what would run");
   const auto options = std::make_shared<CommonOptions>();
   add_common_options(*verb, *options);
-  verb->callback([options] { print_summary(*options, run_check(read_study(*options))); });
+  verb->callback([options] {
+    Console console(options->quiet);
+    print_summary(*options, run_check(read_study(*options), run_settings(*options, console).cache));
+  });
 }
 
 }  // namespace mottle::app

@@ -49,6 +49,7 @@ int run(int argc, char** argv) {
   app.require_subcommand(1);
   app.footer("Exit codes: 0 done, 2 wrong input, 3 a solver or file failed, 4 stopped (resumable), 70 a bug.");
   mottle::app::add_update(app);
+  mottle::app::add_diagnose(app);
   mottle::app::add_propagate(app);
   mottle::app::add_simulate(app);
   mottle::app::add_check(app);

@@ -22,6 +22,7 @@ void add_modes(CLI::App& app) {
       ->check(CLI::Range(1, 100000));
   verb->add_option("--compare", settings->compare, "CSV of shapes (dof, one column a mode) or another deck");
   verb->add_option("--ignore-cards", *cards, "go on without these cards (CARD,CARD)")->delimiter(',');
+  verb->add_flag("--uff", settings->writes_universal_file, "also write modes.uff: grid points and shapes, global axes");
   verb->add_flag("--json", *is_json, "machine-readable summary on stdout");
   verb->add_flag("--quiet", *is_quiet, "print nothing");
   verb->callback([=] {

@@ -73,27 +73,68 @@ MassSpringSystem read_mass_springs(TomlReader& reader) {
   return system;
 }
 
+void read_reduction(TomlReader& reader, StudyModelSource& source) {
+  source.may_reduce = reader.choice("reduction", {"auto", "off"}, 0) == 0;
+  source.frequency_error = reader.number_or("frequency_error", source.frequency_error, {1e-8, 0.1});
+}
+
+std::string matrix_place(TomlReader& reader, const std::string& key, const std::filesystem::path& folder) {
+  return reader.raw(key) == nullptr ? "" : (folder / reader.text(key)).string();
+}
+
+void read_matrices(TomlReader& reader, const std::filesystem::path& folder, StudyModelSource& source) {
+  constexpr OptionRange k_exponents{.lower = -9.0, .upper = 9.0};
+  source.constant_part.stiffness = matrix_place(reader, "stiffness", folder);
+  source.constant_part.mass = matrix_place(reader, "mass", folder);
+  source.row_names = matrix_place(reader, "degrees_of_freedom", folder);
+  for (TomlReader& entry : reader.tables("terms")) {
+    StudyMatrixPart part{.name = entry.text("name")};
+    part.stiffness = matrix_place(entry, "stiffness", folder);
+    part.mass = matrix_place(entry, "mass", folder);
+    if (part.stiffness.empty() && part.mass.empty()) entry.fail("stiffness", "give stiffness, mass or both");
+    if (entry.raw("nominal") != nullptr) part.nominal = entry.number("nominal", k_positive);
+    part.exponent = static_cast<int>(entry.integer_or("exponent", 1, k_exponents));
+    if (part.exponent == 0) entry.fail_value("exponent", "a whole number from -9 to 9 other than 0");
+    entry.finish();
+    source.parts.push_back(std::move(part));
+  }
+}
+
 }  // namespace
 
 StudyModelSource read_model(TomlReader reader, const std::filesystem::path& folder) {
   StudyModelSource source;
   reader.text("kind");
-  const std::vector kinds{StudyModelSource::Kind::mass_spring, StudyModelSource::Kind::nastran};
-  source.kind = kinds[reader.choice("kind", {"mass-spring", "nastran"}, 0)];
+  using Kind = StudyModelSource::Kind;
+  const std::vector kinds{Kind::mass_spring, Kind::nastran, Kind::matrices, Kind::calculix, Kind::command};
+  source.kind = kinds[reader.choice("kind", {"mass-spring", "nastran", "matrices", "calculix", "command"}, 0)];
   if (source.kind == StudyModelSource::Kind::mass_spring) {
     source.system = read_mass_springs(reader);
     return source;
   }
+  if (source.kind == Kind::matrices) {
+    read_matrices(reader, folder, source);
+    read_reduction(reader, source);
+    reader.finish();
+    return source;
+  }
+  if (source.kind == Kind::command) {
+    source.command = read_command(reader, folder);
+    reader.finish();
+    return source;
+  }
   source.deck = folder / reader.text("file");
-  if (reader.raw("ignore_cards") != nullptr) {
+  if (source.kind == Kind::calculix) {
+    source.program = reader.text_or("program", source.program);
+    source.timeout_s = reader.number_or("timeout", source.timeout_s, k_positive);
+  } else if (reader.raw("ignore_cards") != nullptr) {
     for (std::string& card : reader.texts("ignore_cards")) {
       std::transform(card.begin(), card.end(), card.begin(),
                      [](unsigned char letter) { return static_cast<char>(std::toupper(letter)); });
       source.ignore_cards.insert(card);
     }
   }
-  source.may_reduce = reader.choice("reduction", {"auto", "off"}, 0) == 0;
-  source.frequency_error = reader.number_or("frequency_error", source.frequency_error, {1e-8, 0.1});
+  read_reduction(reader, source);
   reader.finish();
   return source;
 }

@@ -1,5 +1,6 @@
 // [[parameter]] and [correlation] of a study.
 #include <algorithm>
+#include <cmath>
 #include <set>
 
 #include "mottle/core/text.hpp"
@@ -32,13 +33,41 @@ DistributionSpec read_distribution(TomlReader reader) {
   return spec;
 }
 
-StudyParameter read_parameter(TomlReader& reader) {
+/// The scale of the population; bounds and distribution are already read.
+NormalScale read_scale(TomlReader& reader, const StudyParameter& parameter) {
+  using Kind = NormalScale::Kind;
+  const std::vector<Kind> kinds{Kind::identity, Kind::log, Kind::logit};
+  const NormalScale scale{kinds[reader.choice("scale", {"identity", "log", "logit"}, 0)], parameter.lower_bound,
+                          parameter.upper_bound};
+  const double mean = Distribution(parameter.distribution).mean();
+  if (scale.kind == Kind::log && !(mean > 0.0)) {
+    reader.fail("scale", fmt::format("\"log\" is for positive parameters, the distribution's mean is {}; give scale = "
+                                     "\"identity\", or \"logit\" with bounds",
+                                     mean));
+  }
+  if (scale.kind == Kind::logit && !(std::isfinite(scale.lower) && std::isfinite(scale.upper))) {
+    reader.fail("scale", "\"logit\" is taken between the bounds, which are missing; give bounds = [lower, upper]");
+  }
+  if (scale.kind == Kind::logit && !(scale.lower < mean && mean < scale.upper)) {
+    reader.fail("scale", fmt::format("\"logit\" needs the distribution's mean, {}, inside the bounds [{}, {}]", mean,
+                                     scale.lower, scale.upper));
+  }
+  return scale;
+}
+
+}  // namespace
+
+StudyParameter read_parameter(TomlReader& reader, StudyModelSource::Kind kind) {
   StudyParameter parameter;
   parameter.name = reader.text("name");
   const std::set<std::string> taken{"", "status", "iteration"};  // columns of the result files
   if (taken.contains(parameter.name)) reader.fail_value("name", "a name other than 'status' and 'iteration'");
-  parameter.targets = reader.texts("target");
-  parameter.is_factor = reader.flag_or("relative", false);
+  if (kind == StudyModelSource::Kind::command) {
+    parameter.targets = {reader.text_or("target", parameter.name)};
+  } else {
+    parameter.targets = reader.texts("target");
+    parameter.is_factor = reader.flag_or("relative", false);
+  }
   parameter.distribution = read_distribution(reader.table("distribution"));
   if (reader.raw("bounds") != nullptr) {
     const std::vector<double> bounds = reader.numbers("bounds");
@@ -48,9 +77,12 @@ StudyParameter read_parameter(TomlReader& reader) {
     parameter.lower_bound = bounds[0];
     parameter.upper_bound = bounds[1];
   }
+  parameter.scale = read_scale(reader, parameter);
   reader.finish();
   return parameter;
 }
+
+namespace {
 
 Eigen::MatrixXd read_matrix(TomlReader& reader, Eigen::Index size) {
   const std::string allowed = fmt::format("{0} rows of {0} numbers", size);
@@ -96,12 +128,12 @@ Eigen::MatrixXd read_pairs(TomlReader& reader, const std::vector<std::string>& n
 
 }  // namespace
 
-StudyParameters read_parameters(TomlReader& owner) {
+StudyParameters read_parameters(TomlReader& owner, StudyModelSource::Kind kind) {
   StudyParameters parameters;
   std::set<std::string> seen;
   std::vector<std::string> names;
   for (TomlReader& reader : owner.tables("parameter")) {
-    parameters.list.push_back(read_parameter(reader));
+    parameters.list.push_back(read_parameter(reader, kind));
     names.push_back(parameters.list.back().name);
     if (!seen.insert(names.back()).second) {
       reader.fail("name", fmt::format("parameter '{}' stands twice", names.back()));

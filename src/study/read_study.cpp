@@ -1,15 +1,17 @@
 #include <algorithm>
+#include <set>
 
 #include "mottle/core/text.hpp"
 #include "mottle/study/text_file.hpp"
 #include "mottle/updating/updater.hpp"
+#include "noise_rules.hpp"
 #include "overrides.hpp"
 #include "study_sections.hpp"
 #include "toml_writer.hpp"
 
 namespace mottle {
 
-ModalOutputs read_outputs(TomlReader reader, StudyModelSource::Kind kind) {
+ModalOutputs read_outputs(TomlReader reader, const StudyModelSource& model) {
   ModalOutputs outputs;
   outputs.frequencies = reader.mode_numbers("frequencies");
   outputs.damping = reader.mode_numbers("damping");
@@ -22,9 +24,15 @@ ModalOutputs read_outputs(TomlReader reader, StudyModelSource::Kind kind) {
   } else {
     reader.raw("shapes");
   }
-  const std::size_t usual = kind == StudyModelSource::Kind::mass_spring ? 0 : 1;
+  using Kind = StudyModelSource::Kind;
+  const bool lacks_shapes = model.kind == Kind::command && !model.command.shapes;
+  const std::size_t usual = model.kind == Kind::mass_spring || lacks_shapes ? 0 : 1;
   outputs.tracking =
       std::vector{ModeTracking::order, ModeTracking::mac}[reader.choice("tracking", {"order", "mac"}, usual)];
+  if (lacks_shapes && outputs.tracking == ModeTracking::mac) {
+    reader.fail("tracking",
+                "\"mac\" compares shapes, and the model gives none; say in [model.shapes] where they stand");
+  }
   outputs.minimum_mac = reader.number_or("minimum_mac", outputs.minimum_mac, {.lower = 0.0, .upper = 1.0});
   reader.finish();
   return outputs;
@@ -32,12 +40,50 @@ ModalOutputs read_outputs(TomlReader reader, StudyModelSource::Kind kind) {
 
 StudyTest read_test(TomlReader reader, const std::filesystem::path& folder) {
   StudyTest test;
-  test.file = folder / reader.text("file");
-  test.pairs_by_mac = reader.choice("pairing", {"order", "mac"}, 0) == 1;
-  test.repeatability = reader.number_map("repeatability", {.lower = 0.0});
+  for (const std::string& file : reader.texts("file")) test.files.push_back(folder / file);
+  if (reader.has("pairing")) {
+    test.pairs_by_mac = reader.choice("pairing", {"order", "mac"}, 0) == 1;
+  } else {
+    reader.raw("pairing");
+  }
+  const toml::node* repeatability = reader.raw("repeatability");
+  if (repeatability != nullptr && repeatability->is_string()) {
+    test.repeats_file = folder / reader.text("repeatability");
+  } else {
+    test.repeatability = read_noise_rules(reader, "repeatability");
+  }
   reader.finish();
   return test;
 }
+
+namespace {
+
+void read_covariance(TomlReader& reader, StudyUpdate& update) {
+  const std::string allowed = "\"full\" | \"diagonal\", or lists of parameters like [[\"k1\", \"k2\"], [\"k5\"]]";
+  const toml::node* node = reader.raw("covariance");
+  if (node == nullptr) return;
+  if (const auto text = node->value_exact<std::string>()) {
+    update.is_diagonal = *text == "diagonal";
+    if (!update.is_diagonal && *text != "full") reader.fail_value("covariance", allowed);
+    return;
+  }
+  const toml::array* groups = node->as_array();
+  if (groups == nullptr || groups->empty()) reader.fail_value("covariance", allowed);
+  std::set<std::string> seen;
+  for (const toml::node& entry : *groups) {
+    const toml::array* names = entry.as_array();
+    if (names == nullptr || names->empty()) reader.fail_value("covariance", allowed);
+    update.covariance_groups.emplace_back();
+    for (const toml::node& name : *names) {
+      const auto text = name.value_exact<std::string>();
+      if (!text) reader.fail_value("covariance", allowed);
+      if (!seen.insert(*text).second) reader.fail("covariance", fmt::format("parameter '{}' stands twice", *text));
+      update.covariance_groups.back().push_back(*text);
+    }
+  }
+}
+
+}  // namespace
 
 StudyUpdate read_update(TomlReader reader) {
   StudyUpdate update;
@@ -59,6 +105,7 @@ StudyUpdate read_update(TomlReader reader) {
       reader.number_or("tolerance", update.tolerance, {.lower = 0.0, .upper = 1.0, .excludes_lower = true});
   update.level = reader.number_or("level", update.level, {.lower = 1e-6, .upper = 0.5});
   update.most_failed = reader.number_or("max_failed", update.most_failed, {.lower = 0.0, .upper = 1.0});
+  read_covariance(reader, update);
   for (const MethodEntry& method : updating_methods()) {
     if (!reader.has(method.name)) {
       reader.raw(method.name);
@@ -72,11 +119,11 @@ StudyUpdate read_update(TomlReader reader) {
   return update;
 }
 
-StudyTruth read_truth(TomlReader reader) {
+StudyTruth read_truth(TomlReader reader, StudyModelSource::Kind kind) {
   StudyTruth truth;
   truth.specimens = static_cast<int>(reader.integer_or("specimens", truth.specimens, {.lower = 1.0, .upper = 1e7}));
-  truth.noise = reader.number_map("noise", {.lower = 0.0});
-  truth.parameters = read_parameters(reader);
+  truth.noise = read_noise_rules(reader, "noise");
+  truth.parameters = read_parameters(reader, kind);
   reader.finish();
   return truth;
 }
@@ -125,11 +172,14 @@ Study read_study(const std::filesystem::path& file, const StudyOverrides& overri
   study.seed = static_cast<std::uint64_t>(reader.integer_or("seed", 1, {.lower = 0.0}));
   const std::filesystem::path folder = file.parent_path();
   study.model = read_model(reader.table("model"), folder);
-  study.parameters = read_parameters(reader);
-  study.outputs = read_outputs(reader.table("outputs"), study.model.kind);
+  study.parameters = read_parameters(reader, study.model.kind);
+  study.outputs = read_outputs(reader.table("outputs"), study.model);
   if (reader.raw("test") != nullptr) study.test = read_test(reader.table("test"), folder);
   if (reader.raw("update") != nullptr) study.update = read_update(reader.table("update"));
-  if (reader.raw("truth") != nullptr) study.truth = read_truth(reader.table("truth"));
+  if (reader.raw("truth") != nullptr) study.truth = read_truth(reader.table("truth"), study.model.kind);
+  if (reader.raw("predict") != nullptr) study.predict = read_predict(reader.table("predict"), study.model, folder);
+  if (reader.raw("surrogate") != nullptr) study.surrogate = read_surrogate(reader.table("surrogate"));
+  if (reader.raw("diagnose") != nullptr) study.diagnose = read_diagnose(reader.table("diagnose"));
   reader.finish();
   const bool has_parameters = !study.parameters.list.empty() || (study.truth && !study.truth->parameters.list.empty());
   if (!has_parameters) reader.fail("parameter", "there is none; give at least one [[parameter]]");
@@ -157,13 +207,46 @@ std::string located(const Study& study, const std::string& message, const std::s
 std::string study_text_for(const Study& study, const std::filesystem::path& folder) {
   toml::table root = toml::parse(study.text);
   const std::filesystem::path from = std::filesystem::weakly_canonical(folder);
-  const auto rewrite = [&](const char* section, const std::filesystem::path& file) {
+  const auto relative = [&](const std::filesystem::path& file) {
     // Through links: "..", as the system reads it, leads out of the folder that a link names, not out of the link.
-    const std::filesystem::path target = std::filesystem::weakly_canonical(file);
-    root[section].as_table()->insert_or_assign("file", target.lexically_relative(from).generic_string());
+    return std::filesystem::weakly_canonical(file).lexically_relative(from).generic_string();
   };
-  if (study.test) rewrite("test", study.test->file);
-  if (!study.model.deck.empty()) rewrite("model", study.model.deck);
+  const auto rewrite = [&](const char* section, const char* key, const std::filesystem::path& file) {
+    root[section].as_table()->insert_or_assign(key, relative(file));
+  };
+  const auto rewrite_list = [&](const char* key, const std::vector<RunFile>& files) {
+    toml::array list;
+    for (const RunFile& file : files) list.push_back(relative(file.source));
+    if (!files.empty()) root["model"].as_table()->insert_or_assign(key, std::move(list));
+  };
+  if (study.test) {
+    toml::array files;
+    for (const std::filesystem::path& file : study.test->files) files.push_back(relative(file));
+    toml::table& test = *root["test"].as_table();
+    if (files.size() == 1) {
+      test.insert_or_assign("file", *files[0].as_string());
+    } else {
+      test.insert_or_assign("file", files);
+    }
+  }
+  if (study.test && study.test->repeats_file) rewrite("test", "repeatability", *study.test->repeats_file);
+  if (!study.model.deck.empty()) rewrite("model", "file", study.model.deck);
+  if (study.model.kind == StudyModelSource::Kind::matrices) {
+    const auto rewrite_part = [&](toml::table& table, const StudyMatrixPart& part) {
+      for (const auto& [key, place] : {std::pair{"stiffness", part.stiffness}, std::pair{"mass", part.mass}}) {
+        if (!place.empty()) table.insert_or_assign(key, relative(place));
+      }
+    };
+    rewrite_part(*root["model"].as_table(), study.model.constant_part);
+    toml::array* terms = root["model"]["terms"].as_array();
+    for (std::size_t i = 0; i < study.model.parts.size(); ++i) {
+      rewrite_part(*terms->get(i)->as_table(), study.model.parts[i]);
+    }
+    if (!study.model.row_names.empty()) rewrite("model", "degrees_of_freedom", study.model.row_names);
+  }
+  rewrite_list("templates", study.model.command.templates);
+  rewrite_list("files", study.model.command.files);
+  if (study.predict && study.predict->held_out) rewrite("predict", "held_out", *study.predict->held_out);
   return toml_document(root);
 }
 

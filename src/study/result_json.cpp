@@ -17,14 +17,6 @@ namespace {
 
 constexpr double k_ellipse_sigmas = 2.0;
 
-Json number_json(double value) {
-  return std::isfinite(value) ? Json(value) : Json(nullptr);
-}
-
-Json bounds_json(const Parameter& parameter) {
-  return Json::array({number_json(parameter.lower_bound), number_json(parameter.upper_bound)});
-}
-
 Json iteration_json(const IterationRecord& state, std::size_t index) {
   return {{"index", index},
           {"distance_euclidean", number_json(state.distance_euclidean)},
@@ -59,7 +51,7 @@ Json identifiability_json(const Identifiability& seen, const std::vector<std::st
   for (const Eigen::VectorXd& direction : seen.unseen_directions) {
     Json weights = Json::object();
     for (std::size_t i = 0; i < names.size(); ++i) weights[names[i]] = direction(static_cast<Eigen::Index>(i));
-    unseen.push_back({{"weights", weights}});
+    unseen.push_back({{"weights", weights}, {"meaning", unseen_text(direction, names)}});
   }
   return {{"rank", seen.rank}, {"singular_values", to_json(seen.singular_values)}, {"unseen_directions", unseen}};
 }
@@ -90,12 +82,33 @@ Json sample_size_json(const UpdatingProblem& problem, const IterationRecord& las
           {"curve", t_curve_json(p, problem.level, std::max(2000, 2 * (n_test + n_model)))}};
 }
 
+Json correlation_intervals_json(const ParameterIntervals& intervals) {
+  Json rows = Json::array();
+  for (Eigen::Index i = 0; i < intervals.correlation_lower.rows(); ++i) {
+    Json row = Json::array();
+    for (Eigen::Index j = 0; j < intervals.correlation_lower.cols(); ++j) {
+      row.push_back({number_json(intervals.correlation_lower(i, j)), number_json(intervals.correlation_upper(i, j))});
+    }
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+Json specimens_json(const UpdatingResult& result) {
+  if (!result.specimens) return nullptr;
+  return {{"parameters", to_json_rows(result.specimens->parameters)},
+          {"residuals", to_json_rows(result.specimens->residuals)}};
+}
+
 void add_updated_parameters(Json& parameters, const UpdatingProblem& problem, const UpdatingResult& result) {
   parameters["mean"] = to_json(result.mean);
   parameters["std"] = to_json(result.covariance.diagonal().cwiseSqrt());
   parameters["covariance"] = to_json_rows(result.covariance);
-  parameters["mean_ci95"] = nullptr;  // no method gives intervals yet
-  parameters["std_ci95"] = nullptr;
+  parameters["is_population"] = result.is_population;
+  parameters["mean_ci95"] = result.intervals ? to_json_rows(result.intervals->mean) : Json(nullptr);
+  parameters["std_ci95"] = result.intervals ? to_json_rows(result.intervals->std) : Json(nullptr);
+  parameters["correlation_ci95"] = result.intervals ? correlation_intervals_json(*result.intervals) : Json(nullptr);
+  parameters["intervals_by"] = result.intervals ? Json(result.intervals->made_by) : Json(nullptr);
   Json at_bound = Json::array();
   for (const int side : problem.space.active_bounds(result.mean)) {
     at_bound.push_back(side == 0 ? Json(nullptr) : Json(side < 0 ? "lower" : "upper"));
@@ -128,6 +141,10 @@ Json options_json(const Study& study, const UpdatingProblem& problem, const Upda
 
 }  // namespace
 
+Json number_json(double value) {
+  return std::isfinite(value) ? Json(value) : Json(nullptr);
+}
+
 Json to_json(const Eigen::Ref<const Eigen::VectorXd>& values) {
   Json list = Json::array();
   for (const double value : values) list.push_back(number_json(value));
@@ -143,21 +160,6 @@ Json to_json_rows(const Eigen::Ref<const Eigen::MatrixXd>& values) {
 Json result_head(const Study& study, const std::string& command) {
   return {{"schema", 1},        {"mottle", version()},  {"title", study.title},
           {"command", command}, {"units", study.units}, {"seed", study.seed}};
-}
-
-Json parameters_json(const ParameterSpace& space) {
-  const Eigen::MatrixXd covariance = space.prior().covariance();
-  Json units = Json::array();
-  Json bounds = Json::array();
-  for (const Parameter& parameter : space.parameters()) {
-    units.push_back(parameter.unit);
-    bounds.push_back(bounds_json(parameter));
-  }
-  return {{"names", space.names()},
-          {"units", units},
-          {"bounds", bounds},
-          {"prior_mean", to_json(space.prior().mean())},
-          {"prior_std", to_json(covariance.diagonal().cwiseSqrt())}};
 }
 
 Json outputs_json(const std::vector<Output>& outputs) {
@@ -256,6 +258,16 @@ Json update_result_json(const Study& study, const StudyTests& tests, const Updat
     for (Json& remark : tracking_json(result.history[i].notes, i)) tracking.push_back(std::move(remark));
     rejected += result.history[i].rejected_draws;
   }
+  json["outliers"] = Json::array();
+  for (const Outlier& outlier : result.outliers) {
+    json["outliers"].push_back(
+        {{"specimen", outlier.sample + 1}, {"distance", outlier.distance}, {"p_value", outlier.p_value}});
+  }
+  json["other_solutions"] = Json::array();
+  for (const Eigen::VectorXd& other : result.other_solutions) json["other_solutions"].push_back(to_json(other));
+  json["specimens"] = specimens_json(result);
+  json["outputs"]["noise_std"] =
+      result.noise_covariance.size() > 0 ? to_json(result.noise_covariance.diagonal().cwiseSqrt()) : Json(nullptr);
   json["test_ellipses"] = ellipses_json(moments.mean, moments.covariance);
   add_cloud_analysis(json, last.cloud, first.cloud);
   json["sample_size"] = sample_size_json(problem, last);

@@ -15,13 +15,16 @@ namespace mottle {
 
 using Json = nlohmann::ordered_json;
 
+/// null where the number is not finite.
+Json number_json(double value);
 Json to_json(const Eigen::Ref<const Eigen::VectorXd>& values);
 Json to_json_rows(const Eigen::Ref<const Eigen::MatrixXd>& values);
 
 /// Head that every result shares.
 Json result_head(const Study& study, const std::string& command);
 
-/// names, units, prior and bounds.
+/// names, units, bounds, prior (its moments, and each marginal as the study gives it: `prior[] {kind, mean, std, lower,
+/// upper}`, null for what its kind does not need), and the scale on which a population is taken as normal.
 Json parameters_json(const ParameterSpace& space);
 
 Json outputs_json(const std::vector<Output>& outputs);

@@ -11,6 +11,7 @@
 #include "mottle/study/run.hpp"
 #include "mottle/study/run_folder.hpp"
 #include "mottle/study/text_file.hpp"
+#include "noise_rules.hpp"
 #include "result_json.hpp"
 #include "run_files.hpp"
 #include "solver_use.hpp"
@@ -19,6 +20,31 @@ namespace mottle {
 namespace {
 
 constexpr Eigen::Index k_listed_modes = 10;
+
+std::string scale_text(const NormalScale& scale) {
+  if (scale.kind == NormalScale::Kind::log) return ", normal on its logarithm";
+  return scale.kind == NormalScale::Kind::logit ? ", normal on its logit between the bounds" : "";
+}
+
+/// What the population's covariance may hold.
+std::string covariance_line(const Study& study, const std::vector<std::string>& names) {
+  const std::vector<int> groups = covariance_groups(study, names);
+  if (!find_method(study.update.method).estimates_population) {
+    return groups.empty() ? fmt::format("  {} does not estimate the scatter of the specimens", study.update.method)
+                          : fmt::format("  covariance: not used, {} does not estimate the scatter of the specimens",
+                                        study.update.method);
+  }
+  std::vector<std::string> together;
+  for (std::size_t i = 0; i < names.size() && !groups.empty(); ++i) {
+    std::vector<std::string> group;
+    for (std::size_t j = 0; j < names.size(); ++j) {
+      if (groups[j] == groups[i]) group.push_back(names[j]);
+    }
+    if (group.front() == names[i] && group.size() > 1) together.push_back("[" + join(group) + "]");
+  }
+  if (groups.empty()) return "  covariance: full";
+  return together.empty() ? "  covariance: diagonal" : fmt::format("  covariance: only within {}", join(together));
+}
 
 Eigen::MatrixXd read_points(const std::filesystem::path& file, const ParameterSpace& space) {
   const CsvTable table = parse_csv(read_text_file(file), file.string());
@@ -88,17 +114,18 @@ std::vector<std::string> cloud_lines(const Cloud& cloud, const std::vector<Outpu
   return lines;
 }
 
-/// Measurement noise of the truth added to the outputs, one stream a specimen.
-void add_noise(Eigen::MatrixXd& outputs, const Study& study, const std::vector<Output>& names) {
-  std::vector<std::string> known;
-  for (const Output& output : names) known.push_back(output.name);
-  Eigen::VectorXd deviation = Eigen::VectorXd::Zero(outputs.cols());
-  for (const auto& [name, value] : study.truth->noise) {
-    const auto found = std::find(known.begin(), known.end(), name);
-    if (found == known.end()) {
-      throw InvalidInput(located(study, "truth.noise: " + unknown_name_message("output", name, known)));
-    }
-    deviation(std::distance(known.begin(), found)) = value;
+/// Measurement noise of the truth added to the outputs, one stream a specimen. A relative noise is a part of the
+/// output at the parameters' means.
+void add_noise(Eigen::MatrixXd& outputs, const Study& study, const StudyModel& made, const RunContext& context) {
+  if (study.truth->noise.empty()) return;
+  std::vector<std::string> names;
+  for (const Output& output : made.model->outputs()) names.push_back(output.name);
+  const Eigen::MatrixXd nominal = made.model->evaluate(made.space->prior().mean().transpose(), context).outputs;
+  Eigen::VectorXd deviation;
+  try {
+    deviation = noise_deviations(study.truth->noise, names, nominal.row(0).transpose(), "truth.noise").std;
+  } catch (const InvalidInput& error) {
+    throw InvalidInput(located(study, error.what()));
   }
   if (deviation.isZero(0.0)) return;
   const JointDistribution noise =
@@ -112,7 +139,7 @@ void add_noise(Eigen::MatrixXd& outputs, const Study& study, const std::vector<O
 RunSummary run_propagate(const Study& study, const std::optional<std::filesystem::path>& points,
                          const RunSettings& settings) {
   const double start = steady_seconds();
-  const StudyModel made = make_model(study, study.parameters);
+  const StudyModel made = make_model(study, study.parameters, settings);
   const Eigen::MatrixXd given = points ? read_points(*points, *made.space) : Eigen::MatrixXd();
   const Eigen::Index specimens = study.test ? read_tests(study, *made.model).data.values.rows() : 10;
   const auto outputs = static_cast<Eigen::Index>(made.model->outputs().size());
@@ -134,6 +161,12 @@ RunSummary run_propagate(const Study& study, const std::optional<std::filesystem
   folder.write("cloud.csv", cloud_csv(cloud, *made.space, model.outputs()));
   folder.write("clouds.csv", clouds_csv({cloud}, *made.space, model.outputs()));
   Json json = propagate_json(study, made, cloud);
+  if (!cloud.failures.empty()) {
+    context.warning(
+        fmt::format("{} of {} model runs failed and were left out; if failures are not a matter of chance, "
+                    "the cloud is biased",
+                    cloud.failures.size(), cloud.samples.rows()));
+  }
   json["timings_s"] = {{"total", steady_seconds() - start}};
   tell_solver_use(model.use(), json, context);
   folder.write("result.json", pretty(json));
@@ -158,14 +191,14 @@ RunSummary run_simulate(const Study& study, const RunSettings& settings) {
           "[[parameter]], [[truth.parameter]]",
           study.file.string());
   const StudyParameters& parameters = study.truth->parameters.list.empty() ? study.parameters : study.truth->parameters;
-  const StudyModel made = make_model(study, parameters);
+  const StudyModel made = make_model(study, parameters, settings);
   const RunContext context{
       .seed = study.seed, .threads = settings.threads, .observer = settings.observer, .stop = settings.stop};
   const CloudSettings rules{.samples = study.truth->specimens, .most_failed = 0.0};
   const StreamKey key{.seed = study.seed, .purpose = StreamPurpose::truth};
   Cloud cloud = evaluate_cloud(*made.model, *made.space, made.space->prior(), rules, key, context);
   const Eigen::MatrixXd exact = cloud.outputs;
-  add_noise(cloud.outputs, study, made.model->outputs());
+  add_noise(cloud.outputs, study, made, context);
 
   const RunFolder folder(settings.folder);
   std::vector<std::string> names;
@@ -188,9 +221,9 @@ RunSummary run_simulate(const Study& study, const RunSettings& settings) {
   return summary;
 }
 
-RunSummary run_check(const Study& study) {
+RunSummary run_check(const Study& study, const std::filesystem::path& cache) {
   const StudyParameters& parameters = study.parameters.list.empty() ? study.truth->parameters : study.parameters;
-  const StudyModel made = make_model(study, parameters);
+  const StudyModel made = make_model(study, parameters, {.folder = {}, .cache = cache});
   const ModalModel& model = *made.model;
   const Eigen::VectorXd mean = made.space->prior().mean();
   const int most_modes = static_cast<int>(std::min(k_listed_modes, model.structure().mode_count()));
@@ -208,12 +241,12 @@ RunSummary run_check(const Study& study) {
   const Eigen::VectorXd deviation = made.space->prior().covariance().diagonal().cwiseSqrt();
   for (std::size_t i = 0; i < parameters.list.size(); ++i) {
     const StudyParameter& parameter = parameters.list[i];
-    lines.push_back(fmt::format("{:<14} {:<24} {:<18} {:>12.6g} {:>12.6g}  [{}, {}], {} {}", parameter.name,
-                                join(parameter.targets), distribution_kind_info(parameter.distribution.kind).name,
-                                mean(static_cast<Eigen::Index>(i)), deviation(static_cast<Eigen::Index>(i)),
-                                parameter.lower_bound, parameter.upper_bound,
-                                parameter.is_factor ? "as a factor," : "in place of the value,",
-                                model.structure().parameter_role(static_cast<Eigen::Index>(i))));
+    lines.push_back(
+        fmt::format("{:<14} {:<24} {:<18} {:>12.6g} {:>12.6g}  [{}, {}], {} {}{}", parameter.name,
+                    join(parameter.targets), distribution_kind_info(parameter.distribution.kind).name,
+                    mean(static_cast<Eigen::Index>(i)), deviation(static_cast<Eigen::Index>(i)), parameter.lower_bound,
+                    parameter.upper_bound, parameter.is_factor ? "as a factor," : "in place of the value,",
+                    model.structure().parameter_role(static_cast<Eigen::Index>(i)), scale_text(parameter.scale)));
   }
   Json frequencies = Json::array();
   const Eigen::Index listed = std::min(k_listed_modes, modes.eigenvalues.size());
@@ -243,6 +276,7 @@ RunSummary run_check(const Study& study) {
     lines.push_back(fmt::format("would run: method {}, {} samples an iteration, at most {} iterations: {} model runs",
                                 study.update.method, rules.samples, study.update.iterations,
                                 static_cast<std::int64_t>(rules.samples) * (study.update.iterations + 1)));
+    lines.push_back(covariance_line(study, made.space->names()));
     for (const auto& [name, value] : make_method(study)->options()) {
       lines.push_back(fmt::format("  {} = {}", name, option_text(value)));
     }

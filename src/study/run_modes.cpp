@@ -9,6 +9,7 @@
 #include "mottle/fem/mass_properties.hpp"
 #include "mottle/formats/csv.hpp"
 #include "mottle/formats/nastran_model.hpp"
+#include "mottle/formats/uff.hpp"
 #include "mottle/formats/vtu.hpp"
 #include "mottle/modal/mac.hpp"
 #include "mottle/modal/mode_set.hpp"
@@ -172,6 +173,29 @@ void write_tables(const RunFolder& folder, const SolvedModel& solved) {
   folder.write("modes.vtu", format_vtu(solved.structure->model(), fields));
 }
 
+/// Grid points and mass-normalised shapes, both in the basic system.
+UffFile universal_file(const SolvedModel& solved) {
+  UffFile file;
+  const std::vector<Node>& nodes = solved.structure->model().nodes;
+  std::vector<int> ids;
+  std::vector<Eigen::Index> rows;
+  for (std::size_t k = 0; k < nodes.size(); ++k) {
+    if (nodes[k].is_scalar) continue;
+    file.nodes.push_back({.id = nodes[k].id, .color = 11, .position = nodes[k].position});
+    ids.push_back(nodes[k].id);
+    rows.push_back(static_cast<Eigen::Index>(k));
+  }
+  for (Eigen::Index r = 0; r < solved.frequencies.size(); ++r) {
+    UffShape shape{
+        .mode = static_cast<int>(r) + 1, .frequency = solved.frequencies(r), .modal_mass = 1.0, .nodes = ids};
+    shape.titles[0] = fmt::format("Mode {}", r + 1);
+    const Eigen::MatrixXd moved = node_displacements(*solved.structure, solved.modes.vectors.col(r))(rows, Eigen::all);
+    shape.values = moved.cast<std::complex<double>>();
+    file.shapes.push_back(std::move(shape));
+  }
+  return file;
+}
+
 }  // namespace
 
 RunSummary run_modes(const ModesSettings& settings) {
@@ -223,6 +247,7 @@ RunSummary run_modes(const ModesSettings& settings) {
   }
   const RunFolder folder(settings.folder);
   write_tables(folder, solved);
+  if (settings.writes_universal_file) folder.write("modes.uff", format_uff(universal_file(solved)));
   folder.write("modes.json", page.dump(-1, ' ', false, Json::error_handler_t::replace));
   summary.json = json.dump(-1, ' ', false, Json::error_handler_t::replace);
   return summary;

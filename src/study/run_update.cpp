@@ -11,9 +11,11 @@
 #include "mottle/study/run.hpp"
 #include "mottle/study/run_folder.hpp"
 #include "mottle/updating/verdict.hpp"
+#include "predict.hpp"
 #include "result_json.hpp"
 #include "run_files.hpp"
 #include "solver_use.hpp"
+#include "surrogate_section.hpp"
 
 namespace mottle {
 namespace {
@@ -55,29 +57,38 @@ void note_what_happened(const UpdatingResult& result, const JournalledModel& mod
   context.note(fmt::format("{}: {}", status_text(result.status), result.message));
 }
 
+std::string interval_text(const Eigen::Ref<const Eigen::RowVectorXd>& ends) {
+  return ends.allFinite() ? fmt::format("[{:.5g}, {:.5g}]", ends(0), ends(1)) : "not determined";
+}
+
 std::vector<std::string> summary_lines(const UpdatingProblem& problem, const UpdatingResult& result,
                                        const Verdict& verdict) {
   std::vector<std::string> lines;
   lines.push_back(fmt::format("{}: {}", status_text(result.status), result.message));
+  const std::string ends = result.intervals ? fmt::format("  {:>23} {:>23}", "mean, 95 %", "std, 95 %") : "";
   lines.push_back(
-      fmt::format("{:<14} {:>13} {:>13} {:>13} {:>13}", "parameter", "prior mean", "prior std", "mean", "std"));
+      fmt::format("{:<14} {:>13} {:>13} {:>13} {:>13}{}", "parameter", "prior mean", "prior std", "mean", "std", ends));
   const Eigen::VectorXd prior_mean = problem.space.prior().mean();
   const Eigen::VectorXd prior_std = problem.space.prior().covariance().diagonal().cwiseSqrt();
   const Eigen::VectorXi active = problem.space.active_bounds(result.mean);
   for (Eigen::Index i = 0; i < result.mean.size(); ++i) {
+    const std::string intervals = result.intervals
+                                      ? fmt::format("  {:>23} {:>23}", interval_text(result.intervals->mean.row(i)),
+                                                    interval_text(result.intervals->std.row(i)))
+                                      : "";
     lines.push_back(
-        fmt::format("{:<14} {:>13.6g} {:>13.6g} {:>13.6g} {:>13.6g}{}",
+        fmt::format("{:<14} {:>13.6g} {:>13.6g} {:>13.6g} {:>13.6g}{}{}",
                     problem.space.parameters()[static_cast<std::size_t>(i)].name, prior_mean(i), prior_std(i),
-                    result.mean(i), std::sqrt(result.covariance(i, i)),
+                    result.mean(i), std::sqrt(result.covariance(i, i)), intervals,
                     active(i) == 0 ? "" : (active(i) < 0 ? "  at its lower bound" : "  at its upper bound")));
   }
-  lines.push_back(fmt::format("verdict: {}", verdict.adequate ? "adequate so far" : "inadequate"));
+  lines.push_back(fmt::format("verdict: {}", verdict.adequate ? "adequate" : "inadequate"));
   for (const std::string& reason : verdict.reasons) lines.push_back("  " + reason);
   const std::optional<Identifiability> seen = identify(problem, result);
   if (seen && !seen->unseen_directions.empty()) {
-    lines.push_back("the tests cannot see (in standard deviations of the prior):");
+    lines.emplace_back("what the tests do not tell:");
     for (const Eigen::VectorXd& direction : seen->unseen_directions) {
-      lines.push_back("  " + direction_text(direction, problem.space.names()));
+      lines.push_back("  " + unseen_text(direction, problem.space.names()));
     }
   }
   return lines;
@@ -115,35 +126,58 @@ Json summary_json(const Json& result, const RunFolder& folder) {
           {"report", folder.file("report.html").string()}};
 }
 
+/// [predict]: into result.json, its notes, and prediction.csv.
+void add_prediction(const Study& study, const PredictionPlan& plan, const UpdatingProblem& problem,
+                    const UpdatingResult& result, const RunContext& context, const RunFolder& folder, Json& json) {
+  const PredictionReport report = run_prediction(study, plan, problem, result, context);
+  json["prediction"] = report.json;
+  for (const std::string& note : report.notes) json["notes"].push_back(note);
+  folder.write("prediction.csv", report.csv);
+}
+
 }  // namespace
 
 RunSummary run_update(const Study& study, const RunSettings& settings) {
   const double start = steady_seconds();
-  const StudyModel made = make_model(study, study.parameters);
+  const StudyModel made = make_model(study, study.parameters, settings);
   const StudyTests tests = read_tests(study, *made.model);
   const std::unique_ptr<Updater> method = make_method(study);
+  std::vector<int> groups = covariance_groups(study, made.space->names());
+  std::optional<PredictionPlan> plan;
+  if (study.predict) plan = plan_prediction(study, settings);
   const RunFolder folder(settings.folder);
   LogObserver log(folder.file("mottle.log"), settings.observer, settings.resume);
   const JournalledModel model(*made.model, folder.journal(), study_fingerprint(study, made), settings.resume);
-  const UpdatingProblem problem{.model = model,
-                                .derivatives = made.model.get(),
-                                .space = *made.space,
-                                .tests = tests.data,
-                                .cloud = cloud_settings(study, tests.data.values.rows(), tests.data.values.cols()),
-                                .iterations = study.update.iterations,
-                                .level = study.update.level,
-                                .tolerance = study.update.tolerance};
+  const UpdatingProblem given{.model = model,
+                              .derivatives = made.model->structure().has_derivatives() ? made.model.get() : nullptr,
+                              .space = *made.space,
+                              .tests = tests.data,
+                              .cloud = cloud_settings(study, tests.data.values.rows(), tests.data.values.cols()),
+                              .iterations = study.update.iterations,
+                              .level = study.update.level,
+                              .tolerance = study.update.tolerance,
+                              .covariance_groups = std::move(groups)};
   const RunContext context{.seed = study.seed, .threads = settings.threads, .observer = &log, .stop = settings.stop};
   for (const std::string& note : made.notes) context.note(note);
   for (const std::string& note : tests.notes) context.note(note);
+  if (!given.covariance_groups.empty() && !find_method(study.update.method).estimates_population) {
+    context.warning(fmt::format("update.covariance is not used: method '{}' does not estimate the scatter of specimens",
+                                study.update.method));
+  }
 
   const double ready = steady_seconds();
-  const UpdatingResult result = compute_or_discard(study, folder, [&] { return method->update(problem, context); });
+  std::optional<SurrogateUpdate> surrogate;
+  if (study.surrogate) surrogate.emplace(given, *study.surrogate);
+  const UpdatingProblem& problem = surrogate ? surrogate->problem() : given;
+  const UpdatingResult result = compute_or_discard(
+      study, folder, [&] { return surrogate ? surrogate->run(*method, context) : method->update(given, context); });
   if (result.status == UpdatingStatus::stopped) throw Stopped(result.message);
   const double updated = steady_seconds();
   note_what_happened(result, model, context);
 
   Json json = update_result_json(study, tests, problem, *method, result);
+  json["surrogate"] = surrogate ? surrogate_json(*study.surrogate, *surrogate) : Json(nullptr);
+  if (plan) add_prediction(study, *plan, problem, result, context, folder, json);
   std::vector<Cloud> clouds;
   for (const IterationRecord& state : result.history) clouds.push_back(state.cloud);
   folder.write("study.toml", study_text_for(study, folder.path()));
@@ -152,6 +186,7 @@ RunSummary run_update(const Study& study, const RunSettings& settings) {
   folder.write("cloud-final.csv", cloud_csv(result.history.back().cloud, *made.space, model.outputs()));
   folder.write("clouds.csv", clouds_csv(clouds, *made.space, model.outputs()));
   folder.write("tests.csv", tests_csv(tests, model.outputs()));
+  if (!tests.pairing.empty()) folder.write("pairing.csv", tests.pairing);
   json["timings_s"] = {{"reading", ready - start},
                        {"updating", updated - ready},
                        {"writing", steady_seconds() - updated},
@@ -166,6 +201,9 @@ RunSummary run_update(const Study& study, const RunSettings& settings) {
   const Verdict verdict = judge(problem, result);
   summary.adequate = verdict.adequate;
   summary.lines = summary_lines(problem, result, verdict);
+  if (plan) {
+    for (const auto& note : json["prediction"]["notes"]) summary.lines.push_back(note.get<std::string>());
+  }
   summary.json = summary_json(json, folder).dump(-1, ' ', false, Json::error_handler_t::replace);
   return summary;
 }

@@ -3,9 +3,16 @@
 namespace mottle {
 
 void tell_solver_use(const SolverUse& use, Json& result, const RunContext& context) {
+  if (use.runs > 0) {
+    context.note(
+        fmt::format("{} solver runs were needed; {} of them had been done before, and their results were taken "
+                    "from runs.store",
+                    use.runs, use.repeated));
+  }
   result["reduction"] = nullptr;
   if (use.reduced == 0) return;
   result["reduction"] = {{"samples", use.reduced},
+                         {"refined_samples", use.refined},
                          {"exact_samples", use.exact},
                          {"basis_vectors", use.basis},
                          {"frequency_error_bound", use.frequency_error}};

@@ -1,18 +1,21 @@
 #include "mottle/study/study_objects.hpp"
 
 #include <algorithm>
-#include <cctype>
+#include <chrono>
+#include <limits>
+#include <numeric>
 #include <set>
 
 #include "mottle/core/files.hpp"
 #include "mottle/core/text.hpp"
-#include "mottle/formats/csv.hpp"
+#include "mottle/drivers/calculix.hpp"
+#include "mottle/drivers/external_structure.hpp"
 #include "mottle/formats/nastran_model.hpp"
 #include "mottle/model/dense_structure.hpp"
 #include "mottle/model/finite_element_structure.hpp"
-#include "mottle/study/pair_tests.hpp"
-#include "mottle/study/text_file.hpp"
+#include "mottle/model/matrix_structure.hpp"
 #include "mottle/updating/verdict.hpp"
+#include "test_files.hpp"
 #include "unit_names.hpp"
 
 namespace mottle {
@@ -55,87 +58,90 @@ void require_own_names(const StudyParameters& parameters, const std::vector<Outp
   }
 }
 
-/// "f1_Hz", "f1 [Hz]", "f1 (Hz)" -> "f1".
-std::string without_unit(std::string name) {
-  for (const std::string open : {" [", " (", "[", "("}) {
-    const std::size_t position = name.find(open);
-    if (position != std::string::npos && position > 0) name.resize(position);
-  }
-  if (name.size() > 3 && name.compare(name.size() - 3, 3, "_Hz") == 0) name.resize(name.size() - 3);
-  return name;
-}
-
-/// Whether `name` is how a model of this kind would call some output: f4, zeta2, phi3:m1.
-bool looks_like_output(const std::string& name) {
-  for (const std::string stem : {"zeta", "phi", "f"}) {
-    if (name.rfind(stem, 0) != 0) continue;
-    std::size_t end = stem.size();
-    while (end < name.size() && std::isdigit(static_cast<unsigned char>(name[end])) != 0) ++end;
-    return end > stem.size() && (end == name.size() || (stem == "phi" && name[end] == ':'));
-  }
-  return false;
-}
-
-std::vector<std::string> names_of(const std::vector<Output>& outputs) {
-  std::vector<std::string> names;
-  for (const Output& output : outputs) names.push_back(output.name);
-  return names;
-}
-
-std::string read_test_file(const Study& study) {
-  try {
-    return read_text_file(study.test->file);
-  } catch (const FormatError&) {
-    throw;
-  } catch (const InvalidInput& error) {
-    throw InvalidInput(located(study, fmt::format("test.file: {}", error.what())));
-  }
-}
-
-/// Column of each output; throws where one is missing or a column is nothing known.
-std::vector<int> match_columns(const CsvTable& table, const Study& study, const std::vector<std::string>& outputs,
-                               std::vector<std::string>& notes) {
-  std::vector<int> columns(outputs.size(), -1);
-  std::vector<std::string> unused;
-  for (std::size_t column = 0; column < table.header.size(); ++column) {
-    const std::string name = without_unit(table.header[column]);
-    const auto output = std::find(outputs.begin(), outputs.end(), name);
-    if (output != outputs.end()) {
-      int& found = columns[static_cast<std::size_t>(std::distance(outputs.begin(), output))];
-      if (found >= 0) throw FormatError(table.file, 1, fmt::format("output '{}' has two columns", name));
-      found = static_cast<int>(column);
-      continue;
-    }
-    const bool is_parameter = std::any_of(study.parameters.list.begin(), study.parameters.list.end(),
-                                          [&](const StudyParameter& parameter) { return parameter.name == name; });
-    const bool is_label = name == "specimen" || name == "status";
-    if (!is_parameter && !is_label && !looks_like_output(name)) {
-      throw FormatError(table.file, 1, unknown_name_message("column", table.header[column], outputs));
-    }
-    if (!is_label) unused.push_back(table.header[column]);
-  }
-  for (std::size_t i = 0; i < outputs.size(); ++i) {
-    if (columns[i] < 0) {
-      throw FormatError(table.file, 1,
-                        fmt::format("output '{}' has no column; the columns are {}", outputs[i], join(table.header)));
-    }
-  }
-  if (!unused.empty()) notes.push_back(fmt::format("Columns of the test file that are not used: {}.", join(unused)));
-  return columns;
-}
-
 /// A structure and what belongs to it.
 struct ModelParts {
   std::unique_ptr<ModalStructure> structure;
-  FiniteElementStructure* finite_elements = nullptr;  ///< the same, where it is one
-  Eigen::VectorXd reference;                          ///< parameters at which modes are numbered
+  SparseStructure* sparse = nullptr;  ///< the same, where it is one
+  Eigen::VectorXd reference;          ///< parameters at which modes are numbered
   std::vector<PhysicalLimit> limits;
   std::vector<std::string> files;
   std::vector<std::string> notes;
 };
 
+/// Numbers of the deck that are other than it says.
+void override_fields(FiniteElementModel& model, const std::map<std::string, double>& overrides) {
+  for (const auto& [target, value] : overrides) {
+    bool is_found = false;
+    for (CardField& field : model.fields) {
+      if (fmt::format("{}:{}:{}", field.card, field.id, field.name) != target) continue;
+      field.value = value;
+      is_found = true;
+    }
+    require(is_found, "predict.model: the deck has no number '{}'", target);
+  }
+}
+
+MatrixModel read_matrices(const StudyModelSource& source, const std::vector<ParameterTargets>& targets,
+                          const Eigen::VectorXd& prior_mean, std::vector<std::string>& files) {
+  std::vector<std::string> names;
+  if (!source.row_names.empty()) {
+    names = read_row_names(source.row_names);
+    files.push_back(source.row_names.string());
+  }
+  const auto read = [&](const std::string& place) -> std::optional<SymmetricMatrix> {
+    if (place.empty()) return std::nullopt;
+    SymmetricMatrix matrix = read_symmetric_matrix(place);
+    files.push_back(file_of_matrix(place).string());
+    if (!names.empty()) {
+      require(names.size() == static_cast<std::size_t>(matrix.lower.rows()),
+              "model.degrees_of_freedom: {} names, but {} has {} rows", names.size(), place, matrix.lower.rows());
+      matrix.names = names;
+    }
+    return matrix;
+  };
+  MatrixSystem system{read(source.constant_part.stiffness), read(source.constant_part.mass), {}};
+  for (const StudyMatrixPart& part : source.parts) {
+    system.parts.push_back({part.name, read(part.stiffness), read(part.mass), part.nominal, part.exponent});
+  }
+  return bind_parameters(system, targets, prior_mean);
+}
+
+ModelParts parts_of(MatrixModel model, std::vector<std::string> files) {
+  ModelParts parts;
+  parts.reference = model.reference;
+  parts.limits = std::move(model.limits);
+  parts.notes = std::move(model.notes);
+  parts.files = std::move(files);
+  auto structure = std::make_unique<MatrixStructure>(std::move(model.pencil), parts.reference);
+  parts.sparse = structure.get();
+  parts.structure = std::move(structure);
+  return parts;
+}
+
+/// A solver by command: places in its input are called as the parameters' targets.
+ModelParts make_external(const SolverCommand& command, const std::vector<ParameterTargets>& targets,
+                         const JointDistribution& prior, const RunSettings& settings) {
+  std::vector<std::string> names;
+  for (const ParameterTargets& target : targets) names.push_back(target.targets.front());
+  ModelParts parts;
+  parts.reference = prior.mean();
+  parts.limits.assign(targets.size(), {.lower = -std::numeric_limits<double>::infinity()});
+  for (const std::vector<RunFile>* list : {&command.templates, &command.files}) {
+    for (const RunFile& file : *list) parts.files.push_back(file.source.string());
+  }
+  auto structure = std::make_unique<ExternalStructure>(
+      command, names, parts.reference, prior.covariance().diagonal().cwiseSqrt(),
+      SolverPlace{.results = settings.folder, .is_resumed = settings.resume}, settings.stop);
+  parts.notes = structure->notes();
+  parts.structure = std::move(structure);
+  return parts;
+}
+
 ModelParts make_parts(const StudyModelSource& source, const std::vector<ParameterTargets>& targets,
-                      const Eigen::VectorXd& prior_mean) {
+                      const JointDistribution& prior, const RunSettings& settings) {
+  if (source.kind == StudyModelSource::Kind::command) return make_external(source.command, targets, prior, settings);
+  const Eigen::VectorXd prior_mean = prior.mean();
+  const std::filesystem::path& cache = settings.cache;
   ModelParts parts;
   if (source.kind == StudyModelSource::Kind::mass_spring) {
     parts.structure = std::make_unique<DenseStructure>(separate(source.system, targets), prior_mean.size());
@@ -143,42 +149,61 @@ ModelParts make_parts(const StudyModelSource& source, const std::vector<Paramete
     for (const ParameterTargets& target : targets) parts.limits.push_back(physical_limit(target));
     return parts;
   }
+  if (source.kind == StudyModelSource::Kind::matrices) {
+    std::vector<std::string> files;
+    MatrixModel model = read_matrices(source, targets, prior_mean, files);
+    return parts_of(std::move(model), std::move(files));
+  }
+  if (source.kind == StudyModelSource::Kind::calculix) {
+    const CalculixDeck deck = read_calculix_deck(source.deck);
+    const auto timeout = std::chrono::milliseconds(static_cast<std::int64_t>(1e3 * source.timeout_s));
+    return parts_of(
+        calculix_model(deck, targets, prior_mean, {.program = source.program, .timeout = timeout, .cache = cache}),
+        deck.files);
+  }
   NastranModel deck = read_nastran_model(source.deck, {.ignore_cards = source.ignore_cards});
+  override_fields(deck.model, source.overrides);
   parts.files = std::move(deck.files);
   parts.notes = std::move(deck.notes);
   auto structure = std::make_unique<FiniteElementStructure>(std::move(deck.model), targets, prior_mean);
   parts.reference = structure->reference();
   parts.limits = structure->limits();
-  parts.finite_elements = structure.get();
+  parts.sparse = structure.get();
   parts.structure = std::move(structure);
   return parts;
 }
 
 /// A reduced model learns from the prior, by samples that no cloud uses: its numbers then depend on nothing else.
-ReductionSettings reduction_settings(double frequency_error, const ParameterSpace& space) {
+ReductionSettings reduction_settings(double frequency_error, const ParameterSpace& space,
+                                     const std::filesystem::path& cache) {
   constexpr int k_training_samples = 400;
   const StreamKey key{.seed = 1, .purpose = StreamPurpose::basis_training};
   return {.frequency_error = frequency_error,
           .nominal = space.prior().mean(),
-          .training = space.draw(space.prior(), SamplingDesign::latin_hypercube, k_training_samples, key).samples};
+          .training = space.draw(space.prior(), SamplingDesign::latin_hypercube, k_training_samples, key).samples,
+          .cache = cache};
 }
 
 }  // namespace
 
-StudyModel make_model(const Study& study, const StudyParameters& parameters) {
+StudyModel make_model(const Study& study, const StudyParameters& parameters, const RunSettings& settings) {
   const bool is_truth = study.truth && &parameters == &study.truth->parameters;
   require(!parameters.list.empty(), "{}: parameter: there is none; give at least one [[parameter]]",
           study.file.string());
   try {
     const std::vector<ParameterTargets> targets = list_targets(parameters);
     JointDistribution prior = joint_prior(parameters);
-    ModelParts parts = make_parts(study.model, targets, prior.mean());
+    ModelParts parts = make_parts(study.model, targets, prior, settings);
     const UnitNames units = unit_names(study.units);
     std::vector<Parameter> list;
     for (std::size_t i = 0; i < parameters.list.size(); ++i) {
       const StudyParameter& parameter = parameters.list[i];
-      const std::string unit = parameter.is_factor ? "-" : target_unit(parameter.targets.front(), units);
-      list.push_back({parameter.name, unit, parameter.lower_bound, parameter.upper_bound, parts.limits[i]});
+      const bool is_external = study.model.kind == StudyModelSource::Kind::command;
+      const std::string of_target = is_external ? "" : target_unit(parameter.targets.front(), units);
+      const std::string unit = parameter.is_factor ? "-" : of_target;
+      list.push_back(
+          {parameter.name, unit, parameter.lower_bound, parameter.upper_bound, parts.limits[i], parameter.scale});
+      if (parameter.may_vanish) list.back().limit.excludes_lower = false;
     }
     ModalOutputs outputs = study.outputs;
     outputs.frequency_unit = units.frequency;
@@ -188,8 +213,8 @@ StudyModel make_model(const Study& study, const StudyParameters& parameters) {
     made.notes = std::move(parts.notes);
     made.space = std::make_unique<ParameterSpace>(std::move(list), std::move(prior));
     require_effects(parameters, outputs);
-    if (study.model.may_reduce && parts.finite_elements != nullptr) {
-      parts.finite_elements->allow_reduction(reduction_settings(study.model.frequency_error, *made.space));
+    if (study.model.may_reduce && parts.sparse != nullptr) {
+      parts.sparse->allow_reduction(reduction_settings(study.model.frequency_error, *made.space, settings.cache));
     }
     made.model = std::make_unique<ModalModel>(std::move(parts.structure), std::move(outputs), parts.reference);
     require_own_names(parameters, made.model->outputs());
@@ -199,54 +224,6 @@ StudyModel make_model(const Study& study, const StudyParameters& parameters) {
   } catch (const InvalidInput& error) {
     throw InvalidInput(located(study, error.what(), is_truth ? "truth." : ""));
   }
-}
-
-StudyTests read_tests(const Study& study, const ModalModel& model) {
-  require(study.test.has_value(), "{}: test: is missing; give [test] file = \"...\"", study.file.string());
-  const CsvTable table = parse_csv(read_test_file(study), study.test->file.string());
-  const std::vector<std::string> names = names_of(model.outputs());
-  StudyTests tests;
-  const std::vector<int> columns = match_columns(table, study, names, tests.notes);
-  Eigen::MatrixXd values(static_cast<Eigen::Index>(table.rows.size()), static_cast<Eigen::Index>(columns.size()));
-  for (std::size_t i = 0; i < columns.size(); ++i) {
-    values.col(static_cast<Eigen::Index>(i)) = numbers_of_column(table, columns[i]);
-  }
-  std::vector<Eigen::Index> kept;
-  for (Eigen::Index row = 0; row < values.rows(); ++row) {
-    if (!values.row(row).array().isNaN().all()) kept.push_back(row);
-  }
-  if (kept.empty()) throw FormatError(table.file, 0, "holds no specimen: there is no row with a value");
-  if (kept.size() < table.rows.size()) {
-    tests.notes.push_back(fmt::format("{} specimens without any value are left out.", table.rows.size() - kept.size()));
-  }
-  tests.data.values = values(kept, Eigen::all);
-  if (study.test->pairs_by_mac) {
-    std::vector<Eigen::Index> columns_of_modes;
-    for (const int mode : model.selection().shape_modes) columns_of_modes.push_back(mode - 1);
-    try {
-      const Eigen::MatrixXd reference = model.reference_displacements()(Eigen::all, columns_of_modes);
-      for (std::string& note : pair_tests(tests.data.values, model.selection(), reference)) tests.notes.push_back(note);
-    } catch (const InvalidInput& error) {
-      throw InvalidInput(located(study, error.what()));
-    }
-  }
-  tests.data.repeatability_std = Eigen::VectorXd::Zero(values.cols());
-  for (const auto& [name, value] : study.test->repeatability) {
-    const auto found = std::find(names.begin(), names.end(), name);
-    if (found == names.end()) {
-      throw InvalidInput(located(study, "test.repeatability: " + unknown_name_message("output", name, names)));
-    }
-    tests.data.repeatability_std(std::distance(names.begin(), found)) = value;
-  }
-  for (Eigen::Index k = 0; k < values.cols(); ++k) {
-    const auto measured = (!tests.data.values.col(k).array().isNaN()).count();
-    require(measured > 0, "{}: output '{}' is never measured; leave it out of [outputs]", table.file,
-            names[static_cast<std::size_t>(k)]);
-    require(measured > 1 || kept.size() == 1,
-            "{}: output '{}' is measured once in {} specimens, which gives no scatter; leave it out of [outputs]",
-            table.file, names[static_cast<std::size_t>(k)], kept.size());
-  }
-  return tests;
 }
 
 CloudSettings cloud_settings(const Study& study, Eigen::Index specimens, Eigen::Index outputs) {
@@ -260,11 +237,34 @@ CloudSettings cloud_settings(const Study& study, Eigen::Index specimens, Eigen::
   return settings;
 }
 
+std::vector<int> covariance_groups(const Study& study, const std::vector<std::string>& names) {
+  if (!study.update.is_diagonal && study.update.covariance_groups.empty()) return {};
+  std::vector<int> groups(names.size());
+  std::iota(groups.begin(), groups.end(), 0);
+  for (const std::vector<std::string>& together : study.update.covariance_groups) {
+    int group = -1;
+    for (const std::string& name : together) {
+      const auto found = std::find(names.begin(), names.end(), name);
+      if (found == names.end()) {
+        throw InvalidInput(located(study, "update.covariance: " + unknown_name_message("parameter", name, names)));
+      }
+      const auto index = static_cast<std::size_t>(std::distance(names.begin(), found));
+      if (group < 0) group = groups[index];
+      groups[index] = group;
+    }
+  }
+  return groups;
+}
+
 std::uint64_t study_fingerprint(const Study& study, const StudyModel& made) {
   std::uint64_t print = fingerprint(version());
   for (const std::string& file : made.files) print = fingerprint(read_file(file), print);
   print = fingerprint(study.text, print);
-  if (study.test) print = fingerprint(read_file(study.test->file), print);
+  if (study.test) {
+    for (const std::filesystem::path& file : list_test_files(study)) print = fingerprint(read_file(file), print);
+  }
+  if (study.test && study.test->repeats_file) print = fingerprint(read_file(*study.test->repeats_file), print);
+  if (study.predict && study.predict->held_out) print = fingerprint(read_file(*study.predict->held_out), print);
   return print;
 }
 

@@ -8,13 +8,23 @@ namespace mottle {
 
 StudyModelSource read_model(TomlReader reader, const std::filesystem::path& folder);
 
-/// [[parameter]] and [correlation] of `owner` (the root, or [truth]).
-StudyParameters read_parameters(TomlReader& owner);
+/// [model] of kind "command".
+SolverCommand read_command(TomlReader& reader, const std::filesystem::path& folder);
 
-/// Modes of a finite-element model are tracked by MAC unless told otherwise, those of few masses by order.
-ModalOutputs read_outputs(TomlReader reader, StudyModelSource::Kind kind);
+/// [[parameter]] and [correlation] of `owner` (the root, or [truth]).
+StudyParameters read_parameters(TomlReader& owner, StudyModelSource::Kind kind);
+
+/// Modes of a model with many degrees of freedom are tracked by MAC unless told otherwise, those of few masses, or
+/// without shapes, by order.
+ModalOutputs read_outputs(TomlReader reader, const StudyModelSource& model);
 StudyTest read_test(TomlReader reader, const std::filesystem::path& folder);
 StudyUpdate read_update(TomlReader reader);
-StudyTruth read_truth(TomlReader reader);
+StudyTruth read_truth(TomlReader reader, StudyModelSource::Kind kind);
+StudyDiagnose read_diagnose(TomlReader reader);
+SurrogateSettings read_surrogate(TomlReader reader);
+StudyPredict read_predict(TomlReader reader, const StudyModelSource& model, const std::filesystem::path& folder);
+
+/// One [[parameter]]; of a model by command it needs no target.
+StudyParameter read_parameter(TomlReader& reader, StudyModelSource::Kind kind = StudyModelSource::Kind::mass_spring);
 
 }  // namespace mottle

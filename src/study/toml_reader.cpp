@@ -209,11 +209,21 @@ std::vector<TomlReader> TomlReader::tables(const std::string& key) {
   return readers;
 }
 
+TomlReader TomlReader::table_in(const std::string& key, std::size_t entry) const {
+  return {*table_.get(key)->as_array()->get(entry)->as_table(), file_, fmt::format("{}.{}", dotted(key), entry + 1)};
+}
+
 std::vector<std::string> TomlReader::sub_table_names() const {
   std::vector<std::string> names;
   for (const auto& [name, node] : table_) {
     if (node.is_table()) names.emplace_back(name.str());
   }
+  return names;
+}
+
+std::vector<std::string> TomlReader::keys() const {
+  std::vector<std::string> names;
+  for (const auto& entry : table_) names.emplace_back(entry.first.str());
   return names;
 }
 

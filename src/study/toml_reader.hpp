@@ -41,9 +41,13 @@ class TomlReader {
 
   TomlReader table(const std::string& key);
   std::vector<TomlReader> tables(const std::string& key);
+  /// One entry, counted from 0, of a list that may also hold other things than tables.
+  TomlReader table_in(const std::string& key, std::size_t entry) const;
   /// Sub-tables of this table, which may have any name.
   std::vector<std::string> sub_table_names() const;
   const toml::node* raw(const std::string& key);
+  /// All keys of this table, which may have any name.
+  std::vector<std::string> keys() const;
 
   /// Throws where a key is left that nobody asked for.
   void finish() const;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <set>
 
 namespace mottle {
@@ -27,6 +28,19 @@ std::string field_unit(const std::string& card, const std::string& name, const U
   return units.length;
 }
 
+std::string calculix_unit(const std::string& target, const UnitNames& units) {
+  static const std::map<std::string, const char* UnitNames::*> k_units = {{"*ELASTIC", &UnitNames::pressure},
+                                                                          {"*DENSITY", &UnitNames::density},
+                                                                          {"*SPRING", &UnitNames::stiffness},
+                                                                          {"*MASS", &UnitNames::mass},
+                                                                          {"*SHELL SECTION", &UnitNames::length}};
+  std::string keyword = target.substr(0, target.find(':'));
+  std::transform(keyword.begin(), keyword.end(), keyword.begin(),
+                 [](unsigned char letter) { return static_cast<char>(std::toupper(letter)); });
+  const auto found = k_units.find(keyword);
+  return found == k_units.end() ? "" : units.*(found->second);
+}
+
 }  // namespace
 
 UnitNames unit_names(const std::string& units) {
@@ -38,11 +52,23 @@ UnitNames unit_names(const std::string& units) {
   return {"N/m", "kg", "N s/m", "Hz", "1/sqrt(kg)", "m", "Pa", "kg/m^3"};
 }
 
+UnitSizes unit_sizes(const std::string& units) {
+  constexpr double k_inch = 0.0254;
+  constexpr double k_pound_force = 4.4482216152605;
+  if (units == "mm-t-s") return {1e-3, 1e3, 1.0};
+  if (units == "mm-kg-ms") return {1e-3, 1.0, 1e3};
+  if (units == "in-lbf-s") return {k_inch, k_pound_force / k_inch, 1.0};
+  return {};
+}
+
 std::string target_unit(const std::string& target, const UnitNames& units) {
   if (target.starts_with("mass:")) return units.mass;
   if (target.starts_with("damper:")) return units.damping;
   if (target.starts_with("spring:")) return units.stiffness;
+  if (target.starts_with("K:") || target.starts_with("M:")) return "";  // what a user's matrices are scaled by
   std::string card = target.substr(0, target.find(':'));
+  if (target.starts_with("{{")) return "";
+  if (target.starts_with('*')) return calculix_unit(target, units);
   std::string name = target.substr(target.rfind(':') + 1);
   for (std::string* text : {&card, &name}) {
     std::transform(text->begin(), text->end(), text->begin(),

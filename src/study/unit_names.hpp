@@ -20,6 +20,12 @@ struct UnitNames {
 /// @param units  "SI", "mm-t-s", "mm-kg-ms", "in-lbf-s"
 UnitNames unit_names(const std::string& units);
 
+/// SI units in one unit of the system.
+struct UnitSizes {
+  double length = 1.0, mass = 1.0, frequency = 1.0;
+};
+UnitSizes unit_sizes(const std::string& units);
+
 /// Unit of what a parameter acts on: "spring:k1", "MAT1:2:E".
 std::string target_unit(const std::string& target, const UnitNames& units);
 

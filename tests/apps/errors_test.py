@@ -326,6 +326,31 @@ study_case("no test file", [('"tests.csv"', '"missing.csv"')], ["test.file", "mi
            at="missing.csv")
 study_case("a folder in place of the test file", [('"tests.csv"', '"."')], ["test.file", "folder"], at='file = "."')
 study_case("no test", [('[test]\nfile = "tests.csv"', "")], ["test: is missing", "[test]"])
+study_case("a logarithm of a parameter that is not positive",
+           [(K2, '{ kind = "normal", mean = -2.0, std = 0.3 }\nscale = "log"\n\n[outputs]')],
+           ["parameter.2.scale", '"log"', "mean is -2", "identity"], at='scale = "log"')
+study_case("a logit without bounds", [(K2, '{ kind = "normal", mean = 2.0, std = 0.3 }\nscale = "logit"\n\n[outputs]')],
+           ["parameter.2.scale", '"logit"', "bounds", "missing"], at='scale = "logit"')
+study_case("a scale that nobody knows", [("bounds = [0.5, 3.0]", 'bounds = [0.5, 3.0]\nscale = "lg"')],
+           ["parameter.1.scale", "lg", '"identity" | "log" | "logit"'], at='scale = "lg"')
+study_case("a covariance that is none", [("samples = 200", 'samples = 200\ncovariance = "diag"')],
+           ["update.covariance", "diag", '"diagonal"', '[["k1", "k2"], ["k5"]]'], at='covariance = "diag"')
+study_case("covariance groups of unknown parameters", [("samples = 200", 'samples = 200\ncovariance = [["k1", "k9"]]')],
+           ["update.covariance", "'k9'", "k1, k2"], at="covariance = ")
+study_case("a parameter in two covariance groups", [("samples = 200", 'samples = 200\ncovariance = [["k1"], ["k1", "k2"]]')],
+           ["update.covariance", "'k1' stands twice"], at="covariance = ")
+study_case("repeatability by a pattern that fits nothing", [('"tests.csv"', '"tests.csv"\nrepeatability = { "g*" = 0.001 }')],
+           ["test.repeatability", "'g*' fits no output", "f1, f2, f3"], at="repeatability")
+study_case("repeatability in something other than per cent",
+           [('"tests.csv"', '"tests.csv"\nrepeatability = { f1 = "1 Hz" }')],
+           ["test.repeatability.f1", "1 Hz", '"1 %"'], at="repeatability")
+study_case("repeatability from a file that is not there", [('"tests.csv"', '"tests.csv"\nrepeatability = "repeats.csv"')],
+           ["test.repeatability", "repeats.csv"], at="repeatability")
+case("repeats of nothing", ["repeats.csv", "'f1'", "measured twice on no specimen"],
+     study=edited(STUDY, ('"tests.csv"', '"tests.csv"\nrepeatability = "repeats.csv"')),
+     files={"repeats.csv": "specimen,f1,f2,f3\na,0.1,0.2,0.3\nb,0.1,0.2,0.3\n"})
+case("noise of the truth by a pattern that fits nothing", ["truth.noise", "'g*' fits no output"],
+     study=truth('noise = { "g*" = 0.001 }'), arguments=["simulate", "study.toml", "--out", "out"])
 study_case("repeatability of an unknown output", [('"tests.csv"', '"tests.csv"\nrepeatability = { f9 = 0.001 }')],
            ["test.repeatability", "'f9'", "f1, f2, f3"], at="repeatability")
 study_case("a negative repeatability", [('"tests.csv"', '"tests.csv"\nrepeatability = { f1 = -0.001 }')],

@@ -67,6 +67,9 @@ class ResultsTest(support.CommandTest):
         self.assertEqual(len(parameters["at_bound"]), 2)
         self.assertTrue(set(parameters["at_bound"]) <= {None, "lower", "upper"})
         self.assertEqual(parameters["prior_mean"], [2.0, 2.0])
+        self.assertEqual([prior["kind"] for prior in parameters["prior"]], ["normal", "normal"])
+        self.assertEqual([prior["mean"] for prior in parameters["prior"]], [2.0, 2.0])
+        self.assertEqual(parameters["scale"], ["identity", "identity"])
         for i in range(2):  # std is printed, covariance is computed: the same to rounding
             self.assertAlmostEqual(parameters["std"][i] ** 2, parameters["covariance"][i][i], delta=1e-15)
 
@@ -267,7 +270,9 @@ class ResultsTest(support.CommandTest):
 
     def test_methods_lists_every_option(self):
         methods = json.loads(self.succeed("methods", "--json").out)
-        self.assertEqual({method["name"] for method in methods}, {"mares", "deterministic"})
+        self.assertEqual({method["name"] for method in methods},
+                         {"maximum-likelihood", "mares", "deterministic", "inversion", "perturbation",
+                          "covariance-adjustment", "moment-matching"})
         text = self.succeed("methods").out
         markdown = self.succeed("methods", "--markdown").out
         for method in methods:

@@ -188,6 +188,13 @@ class ResumeTest(support.CommandTest):
         self.assert_refuses("--set", "update.samples=44000")
         self.assert_resumes("after all refusals")
 
+    def test_resume_refuses_changed_repeats(self):
+        self.write("repeats.csv", "f1,f2,f3\n0.16,0.32,0.45\n0.17,0.33,0.46\n")
+        self.write("study.toml", edited(LONG, ('file = "tests.csv"', 'file = "tests.csv"\nrepeatability = "repeats.csv"')))
+        self.kill_part_way()
+        self.write("repeats.csv", "f1,f2,f3\n0.16,0.32,0.45\n0.17,0.33,0.47\n")
+        self.assert_refuses()
+
     def test_resume_at_another_number_of_threads(self):
         self.kill_part_way()
         self.succeed("update", "study.toml", "--out", "out", "--resume", "--threads", "1", "--quiet")

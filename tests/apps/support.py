@@ -98,9 +98,14 @@ PATIENCE = float(os.environ.get("MOTTLE_TEST_PATIENCE", "1"))
 
 
 def run(*arguments, cwd=None, timeout=60, environment=None):
-    """Calls the command; bytes that are not UTF-8 come back as escapes."""
+    """Calls the command; bytes that are not UTF-8 come back as escapes.
+
+    It finds no home and thus no cache: what one call has trained must not hide what another would have done. A test of
+    the cache names one.
+    """
+    kept = {name: value for name, value in os.environ.items() if name not in ("HOME", "XDG_CACHE_HOME")}
     done = subprocess.run([MOTTLE, *map(str, arguments)], cwd=cwd, timeout=PATIENCE * timeout, stdin=subprocess.DEVNULL,
-                          capture_output=True, env={**os.environ, **(environment or {})}, check=False)
+                          capture_output=True, env={**kept, **(environment or {})}, check=False)
     return Run(done.returncode, done.stdout.decode("utf-8", "backslashreplace"),
                done.stderr.decode("utf-8", "backslashreplace"))
 

@@ -15,6 +15,7 @@ namespace mottle {
 /// Where and how a job runs.
 struct RunSettings {
   std::filesystem::path folder;
+  std::filesystem::path cache{};  ///< folder of what later runs may use again; empty: none. Changes no number
   int threads = 1;
   bool resume = false;
   ProgressObserver* observer = nullptr;
@@ -46,7 +47,12 @@ RunSummary run_propagate(const Study& study, const std::optional<std::filesystem
 /// parameters), study.toml.
 RunSummary run_simulate(const Study& study, const RunSettings& settings);
 
+/// Which candidate, beside the parameters, best explains what they cannot: diagnosis.json, diagnosis.log.
+///
+/// Errors: as run_update.
+RunSummary run_diagnose(const Study& study, const RunSettings& settings);
+
 /// Reads everything and says what would run; computes nothing long and writes nothing.
-RunSummary run_check(const Study& study);
+RunSummary run_check(const Study& study, const std::filesystem::path& cache);
 
 }  // namespace mottle

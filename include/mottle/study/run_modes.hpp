@@ -18,6 +18,7 @@ struct ModesSettings {
   std::optional<std::filesystem::path>
       compare;  ///< shapes to compare with: a CSV, or another deck with the same grid points
   std::set<std::string> ignore_cards = {};
+  bool writes_universal_file = false;  ///< also modes.uff, for programs of the test laboratory
 };
 
 /// Solves the model and writes modes.csv (frequencies, residuals), modes.json (what the page shows) and modes.vtu.

@@ -11,23 +11,43 @@
 #include <vector>
 
 #include "mottle/core/options.hpp"
+#include "mottle/drivers/solver_command.hpp"
 #include "mottle/fem/mass_spring.hpp"
 #include "mottle/model/modal_model.hpp"
 #include "mottle/stats/distribution.hpp"
+#include "mottle/stats/normal_scale.hpp"
 #include "mottle/stats/sampling.hpp"
+#include "mottle/updating/surrogate_update.hpp"
 
 namespace mottle {
 
+/// Matrices of a part of the structure, by their places ("K1.mtx", "model.op4#K1"; resolved), and how parameters scale
+/// it.
+struct StudyMatrixPart {
+  std::string name = {};
+  std::string stiffness = {};  ///< empty: none
+  std::string mass = {};
+  std::optional<double> nominal = {};
+  int exponent = 1;
+};
+
 /// [model]: what kind, and what that kind needs.
 struct StudyModelSource {
-  enum class Kind { mass_spring, nastran };
+  enum class Kind { mass_spring, nastran, matrices, calculix, command };
 
   Kind kind = Kind::mass_spring;
   MassSpringSystem system = {};
-  std::filesystem::path deck = {};          ///< resolved against the study's folder
-  std::set<std::string> ignore_cards = {};  ///< in capitals
-  bool may_reduce = true;                   ///< clouds by a reduced model where that pays
-  double frequency_error = 1e-4;            ///< that a reduced model may make, relative
+  std::filesystem::path deck = {};               ///< resolved against the study's folder
+  std::set<std::string> ignore_cards = {};       ///< in capitals
+  std::map<std::string, double> overrides = {};  ///< numbers of the deck that are other, by target in capitals
+  StudyMatrixPart constant_part = {};            ///< of matrices: what no parameter moves
+  std::vector<StudyMatrixPart> parts = {};       ///< of matrices
+  std::string program = "ccx";                   ///< of calculix: its command
+  double timeout_s = 3600.0;                     ///< of calculix: of one run
+  std::filesystem::path row_names = {};          ///< of matrices: the degrees of freedom, where not in the files
+  bool may_reduce = true;                        ///< clouds by a reduced model where that pays
+  double frequency_error = 1e-4;                 ///< that a reduced model may make, relative
+  SolverCommand command = {};
 };
 
 /// One [[parameter]].
@@ -38,6 +58,8 @@ struct StudyParameter {
   DistributionSpec distribution;
   double lower_bound = -std::numeric_limits<double>::infinity();
   double upper_bound = std::numeric_limits<double>::infinity();
+  NormalScale scale = {};   ///< on which its population is normal
+  bool may_vanish = false;  ///< its value may be zero where a stiffness must be positive else: a spring not there yet
 };
 
 /// Parameters with the correlation of their normal copula (identity where none is given).
@@ -46,16 +68,25 @@ struct StudyParameters {
   Eigen::MatrixXd correlation;
 };
 
+/// Measurement noise of the outputs whose names fit a pattern.
+struct NoiseRule {
+  std::string pattern;
+  double value = 0.0;  ///< standard deviation in the output's unit, or as a part of its mean
+  bool is_relative = false;
+};
+
 /// [test]
 struct StudyTest {
-  std::filesystem::path file;                   ///< resolved against the study's folder
-  std::map<std::string, double> repeatability;  ///< standard deviation by output
-  bool pairs_by_mac = false;                    ///< specimens' modes are renumbered by their shapes
+  std::vector<std::filesystem::path> files;   ///< files, folders or patterns, resolved against the study's folder
+  std::vector<NoiseRule> repeatability = {};  ///< in the order of the file
+  std::optional<std::filesystem::path> repeats_file = std::nullopt;  ///< repeated tests, in place of the rules
+  /// Whether specimens' modes are numbered by their shapes; not given: of tests that come as modes, not of a table.
+  std::optional<bool> pairs_by_mac = std::nullopt;
 };
 
 /// [update]
 struct StudyUpdate {
-  std::string method = "mares";
+  std::string method = "maximum-likelihood";
   int samples = 1000;
   bool has_automatic_samples = false;
   SamplingDesign design = SamplingDesign::monte_carlo;
@@ -63,6 +94,9 @@ struct StudyUpdate {
   double tolerance = 1e-3;
   double level = 0.05;
   double most_failed = 0.3;
+  bool is_diagonal = false;  ///< no two parameters are correlated in the population
+  /// Parameters that may be correlated with each other, those not named each alone; empty: all with all.
+  std::vector<std::vector<std::string>> covariance_groups = {};
   std::map<std::string, OptionValues> method_options;  ///< by method; those not chosen are checked but not used
 };
 
@@ -70,7 +104,24 @@ struct StudyUpdate {
 struct StudyTruth {
   int specimens = 10;
   StudyParameters parameters;
-  std::map<std::string, double> noise;  ///< standard deviation of the measurement by output
+  std::vector<NoiseRule> noise = {};  ///< of the measurement
+};
+
+/// [diagnose]: what may be missing among the parameters.
+struct StudyDiagnose {
+  std::vector<StudyParameter> candidates;  ///< without name and distribution where only a target is given; empty: all
+  double spread = 0.2;                     ///< prior deviation of a candidate given by its target, relative
+  int screened = 12;
+  double like_evidence = 6.0;
+};
+
+/// [predict]: outputs that were not used, of the structure as it is or as it will be.
+struct StudyPredict {
+  ModalOutputs outputs;
+  std::map<std::string, double> overrides;      ///< numbers of the model that are other there, by target
+  std::map<std::string, double> repeatability;  ///< by output; else that of the update's output of the same name
+  std::optional<std::filesystem::path> held_out = std::nullopt;
+  int draws = 4000;
 };
 
 /// The whole study.
@@ -85,7 +136,10 @@ struct Study {
   std::optional<StudyTest> test;
   StudyUpdate update;
   std::optional<StudyTruth> truth;
-  std::string text;  ///< the study as run, overrides applied, as TOML
+  StudyDiagnose diagnose;
+  std::optional<StudyPredict> predict = std::nullopt;
+  std::optional<SurrogateSettings> surrogate = std::nullopt;  ///< `update` works on a surrogate of the model
+  std::string text;                                           ///< the study as run, overrides applied, as TOML
   /// Line of what a message may start with: "outputs.frequencies", "parameter 'k1'", "truth.parameter 'k1'".
   std::map<std::string, int> lines;
 };

@@ -2,12 +2,14 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "mottle/model/modal_model.hpp"
 #include "mottle/model/parameter_space.hpp"
+#include "mottle/study/run.hpp"
 #include "mottle/study/study.hpp"
 #include "mottle/updating/updater.hpp"
 
@@ -21,13 +23,17 @@ struct StudyModel {
   std::vector<std::string> notes = {};  ///< what a reader of the model should know
 };
 
-/// Throws InvalidInput: what the parameters name is not in the model, an output is not, a mean is impossible.
-StudyModel make_model(const Study& study, const StudyParameters& parameters);
+/// @param settings  folders of results and of what later runs may use again; without a folder of results, runs of a
+///                  solver by command are kept nowhere
+/// Throws InvalidInput: what the parameters name is not in the model, an output is not, a mean is impossible;
+/// SystemFailure: a solver by command fails at the parameters' means.
+StudyModel make_model(const Study& study, const StudyParameters& parameters, const RunSettings& settings = {});
 
 /// The tests of a study, columns in the order of the model's outputs.
 struct StudyTests {
   TestData data;
   std::vector<std::string> notes;  ///< columns and rows that were left out, and why
+  std::string pairing = {};        ///< pairing.csv; empty where the tests came as a table of outputs
 };
 
 /// Columns: output names, with or without a unit behind ("f1", "f1_Hz", "f1 [Hz]"). Columns of the study's parameters
@@ -36,9 +42,21 @@ struct StudyTests {
 ///
 /// With test.pairing = "mac" the modes of every specimen are renumbered by their shapes, see pair_tests().
 ///
+/// Repeatability from rules by name or pattern, or from a file of repeats: rows of one "specimen" are repeats of it
+/// (all rows where there is no such column), and the deviation of an output is the root of the squares about its
+/// specimens' means over their degrees of freedom.
+///
+/// Specimens may instead come as modes, one a file: universal files, or CSV tables with a column "dof". Their modes
+/// become the outputs' values, see src/study/pair_modes.hpp.
+///
 /// Throws FormatError, InvalidInput: no [test], a column that is nothing of these, an output without column, no row,
-/// text where a number should be, repeatability of something that is not an output.
+/// text where a number should be, repeatability of something that is not an output, an output that is never repeated.
 StudyTests read_tests(const Study& study, const ModalModel& model);
+
+/// UpdatingProblem::covariance_groups of the parameters `names`.
+///
+/// Throws InvalidInput: update.covariance names something that is not a parameter.
+std::vector<int> covariance_groups(const Study& study, const std::vector<std::string>& names);
 
 /// Updating problem settings of a study with `specimens` tests ("auto" resolved).
 CloudSettings cloud_settings(const Study& study, Eigen::Index specimens, Eigen::Index outputs);

@@ -1,0 +1,33 @@
+// Measurement noise by output name or pattern: reading the rules, and what each output gets from them.
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "mottle/study/study.hpp"
+#include "toml_reader.hpp"
+
+namespace mottle {
+
+/// A table { f1 = 0.001, "phi*" = "1 %" } as rules in the order of the file; none where the key is missing.
+///
+/// Throws InvalidInput: a value that is neither a number >= 0 nor such a number with "%".
+std::vector<NoiseRule> read_noise_rules(TomlReader& reader, const std::string& key);
+
+/// Standard deviation of each output and the rule that gave it.
+struct NoiseDeviations {
+  Eigen::VectorXd std;             ///< 0 where no rule fits
+  std::vector<std::string> notes;  ///< one a rule: which outputs it holds for
+};
+
+/// An exact name goes before every pattern, a pattern with more letters before one with fewer, and of equals the later
+/// one holds.
+///
+/// @param means  of the outputs, of which a relative rule takes its part
+/// @param key    "test.repeatability", for messages
+/// Throws InvalidInput: a rule that fits no output.
+NoiseDeviations noise_deviations(const std::vector<NoiseRule>& rules, const std::vector<std::string>& outputs,
+                                 const Eigen::Ref<const Eigen::VectorXd>& means, const std::string& key);
+
+}  // namespace mottle

@@ -1,0 +1,223 @@
+// The tests of a study: columns of a file that are outputs of its model, and their repeatability.
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include "mottle/core/text.hpp"
+#include "mottle/formats/csv.hpp"
+#include "mottle/study/pair_tests.hpp"
+#include "mottle/study/study_objects.hpp"
+#include "noise_rules.hpp"
+#include "pair_modes.hpp"
+#include "test_files.hpp"
+
+namespace mottle {
+namespace {
+
+/// "f1_Hz", "f1 [Hz]", "f1 (Hz)" -> "f1".
+std::string without_unit(std::string name) {
+  for (const std::string open : {" [", " (", "[", "("}) {
+    const std::size_t position = name.find(open);
+    if (position != std::string::npos && position > 0) name.resize(position);
+  }
+  if (name.size() > 3 && name.compare(name.size() - 3, 3, "_Hz") == 0) name.resize(name.size() - 3);
+  return name;
+}
+
+/// Whether `name` is how a model of this kind would call some output: f4, zeta2, phi3:m1.
+bool looks_like_output(const std::string& name) {
+  for (const std::string stem : {"zeta", "phi", "f"}) {
+    if (name.rfind(stem, 0) != 0) continue;
+    std::size_t end = stem.size();
+    while (end < name.size() && std::isdigit(static_cast<unsigned char>(name[end])) != 0) ++end;
+    return end > stem.size() && (end == name.size() || (stem == "phi" && name[end] == ':'));
+  }
+  return false;
+}
+
+std::vector<std::string> names_of(const std::vector<Output>& outputs) {
+  std::vector<std::string> names;
+  for (const Output& output : outputs) names.push_back(output.name);
+  return names;
+}
+
+/// Column of each output; throws where one is missing or a column is nothing known.
+std::vector<int> match_columns(const CsvTable& table, const Study& study, const std::vector<std::string>& outputs,
+                               std::vector<std::string>& notes) {
+  std::vector<int> columns(outputs.size(), -1);
+  std::vector<std::string> unused;
+  for (std::size_t column = 0; column < table.header.size(); ++column) {
+    const std::string name = without_unit(table.header[column]);
+    const auto output = std::find(outputs.begin(), outputs.end(), name);
+    if (output != outputs.end()) {
+      int& found = columns[static_cast<std::size_t>(std::distance(outputs.begin(), output))];
+      if (found >= 0) throw FormatError(table.file, 1, fmt::format("output '{}' has two columns", name));
+      found = static_cast<int>(column);
+      continue;
+    }
+    const bool is_parameter = std::any_of(study.parameters.list.begin(), study.parameters.list.end(),
+                                          [&](const StudyParameter& parameter) { return parameter.name == name; });
+    const bool is_label = name == "specimen" || name == "status";
+    if (!is_parameter && !is_label && !looks_like_output(name)) {
+      throw FormatError(table.file, 1, unknown_name_message("column", table.header[column], outputs));
+    }
+    if (!is_label) unused.push_back(table.header[column]);
+  }
+  for (std::size_t i = 0; i < outputs.size(); ++i) {
+    if (columns[i] < 0) {
+      throw FormatError(table.file, 1,
+                        fmt::format("output '{}' has no column; the columns are {}", outputs[i], join(table.header)));
+    }
+  }
+  if (!unused.empty()) notes.push_back(fmt::format("Columns of the test file that are not used: {}.", join(unused)));
+  return columns;
+}
+
+/// Renumbers the modes of every row by their shapes.
+void pair_rows(const Study& study, const ModalModel& model, Eigen::MatrixXd& values, std::vector<std::string>& notes) {
+  std::vector<Eigen::Index> columns_of_modes;
+  for (const int mode : model.selection().shape_modes) columns_of_modes.push_back(mode - 1);
+  try {
+    const Eigen::MatrixXd reference = model.reference_displacements()(Eigen::all, columns_of_modes);
+    for (std::string& note : pair_tests(values, model.selection(), reference)) notes.push_back(note);
+  } catch (const InvalidInput& error) {
+    throw InvalidInput(located(study, error.what()));
+  }
+}
+
+/// Squares about the specimens' means and their degrees of freedom.
+struct Pooled {
+  double squares = 0.0;
+  int freedom = 0;
+};
+
+Pooled pool(const Eigen::Ref<const Eigen::VectorXd>& values, const std::vector<std::string>& specimens) {
+  std::map<std::string, std::vector<double>> repeats;
+  for (Eigen::Index row = 0; row < values.size(); ++row) {
+    if (!std::isnan(values(row))) repeats[specimens[static_cast<std::size_t>(row)]].push_back(values(row));
+  }
+  Pooled pooled;
+  for (const auto& [specimen, list] : repeats) {
+    const Eigen::Map<const Eigen::VectorXd> numbers(list.data(), static_cast<Eigen::Index>(list.size()));
+    pooled.squares += (numbers.array() - numbers.mean()).square().sum();
+    pooled.freedom += static_cast<int>(list.size()) - 1;
+  }
+  return pooled;
+}
+
+/// Repeatability from repeated tests.
+void read_repeats(const Study& study, const ModalModel& model, const std::vector<std::string>& names,
+                  StudyTests& tests) {
+  const std::filesystem::path& file = *study.test->repeats_file;
+  const CsvTable table = read_named_table(study, "test.repeatability", file);
+  std::vector<std::string> notes;
+  const std::vector<int> columns = match_columns(table, study, names, notes);
+  Eigen::MatrixXd values(static_cast<Eigen::Index>(table.rows.size()), static_cast<Eigen::Index>(names.size()));
+  for (std::size_t k = 0; k < names.size(); ++k)
+    values.col(static_cast<Eigen::Index>(k)) = numbers_of_column(table, columns[k]);
+  if (study.test->pairs_by_mac.value_or(false)) pair_rows(study, model, values, notes);
+  const int specimen = table.find("specimen");
+  std::vector<std::string> specimens(table.rows.size());
+  for (std::size_t row = 0; row < specimens.size() && specimen >= 0; ++row)
+    specimens[row] = table.rows[row][static_cast<std::size_t>(specimen)];
+  int least = std::numeric_limits<int>::max();
+  int most = 0;
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    const auto index = static_cast<Eigen::Index>(k);
+    const Pooled pooled = pool(values.col(index), specimens);
+    if (pooled.freedom == 0) {
+      throw FormatError(
+          table.file, 0,
+          fmt::format("output '{}' is measured twice on no specimen, so there is no repeatability", names[k]));
+    }
+    tests.data.repeatability_std(index) = std::sqrt(pooled.squares / pooled.freedom);
+    tests.data.repeatability_freedom(index) = pooled.freedom;
+    least = std::min(least, pooled.freedom);
+    most = std::max(most, pooled.freedom);
+  }
+  tests.notes.push_back(fmt::format("Measurement noise from the repeats of {}: {} degrees of freedom.", table.file,
+                                    least == most ? fmt::format("{}", least) : fmt::format("{} to {}", least, most)));
+}
+
+void add_repeatability(const Study& study, const ModalModel& model, const std::vector<std::string>& names,
+                       StudyTests& tests) {
+  const Eigen::Index outputs = tests.data.values.cols();
+  tests.data.repeatability_std = Eigen::VectorXd::Zero(outputs);
+  tests.data.repeatability_freedom = Eigen::VectorXi::Zero(outputs);
+  if (study.test->repeats_file) {
+    read_repeats(study, model, names, tests);
+    return;
+  }
+  Eigen::VectorXd means(outputs);
+  for (Eigen::Index k = 0; k < outputs; ++k) {
+    const auto column = tests.data.values.col(k).array();
+    means(k) = column.isNaN().select(0.0, column).sum() / static_cast<double>((!column.isNaN()).count());
+  }
+  try {
+    NoiseDeviations noise = noise_deviations(study.test->repeatability, names, means, "test.repeatability");
+    tests.data.repeatability_std = noise.std;
+    for (std::string& note : noise.notes) tests.notes.push_back(std::move(note));
+  } catch (const InvalidInput& error) {
+    throw InvalidInput(located(study, error.what()));
+  }
+}
+
+/// Specimens from the rows of a table; those without any value are left out.
+Eigen::MatrixXd values_of_rows(const Study& study, const ModalModel& model, const CsvTable& table,
+                               const std::vector<std::string>& names, std::vector<std::string>& notes) {
+  const std::vector<int> columns = match_columns(table, study, names, notes);
+  Eigen::MatrixXd values(static_cast<Eigen::Index>(table.rows.size()), static_cast<Eigen::Index>(columns.size()));
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    values.col(static_cast<Eigen::Index>(i)) = numbers_of_column(table, columns[i]);
+  }
+  std::vector<Eigen::Index> kept;
+  for (Eigen::Index row = 0; row < values.rows(); ++row) {
+    if (!values.row(row).array().isNaN().all()) kept.push_back(row);
+  }
+  if (kept.empty()) throw FormatError(table.file, 0, "holds no specimen: there is no row with a value");
+  if (kept.size() < table.rows.size()) {
+    notes.push_back(fmt::format("{} specimens without any value are left out.", table.rows.size() - kept.size()));
+  }
+  Eigen::MatrixXd rows = values(kept, Eigen::all);
+  if (study.test->pairs_by_mac.value_or(false)) pair_rows(study, model, rows, notes);
+  return rows;
+}
+
+Eigen::MatrixXd values_of_modes(const Study& study, const ModalModel& model,
+                                const std::vector<MeasuredModes>& specimens, StudyTests& tests) {
+  try {
+    PairedModes paired = pair_modes(model, specimens, study.test->pairs_by_mac.value_or(true));
+    for (std::string& note : paired.notes) tests.notes.push_back(std::move(note));
+    tests.pairing = std::move(paired.table);
+    return paired.values;
+  } catch (const InvalidInput& error) {
+    throw InvalidInput(located(study, fmt::format("test.file: {}", error.what())));
+  }
+}
+
+}  // namespace
+
+StudyTests read_tests(const Study& study, const ModalModel& model) {
+  require(study.test.has_value(), "{}: test: is missing; give [test] file = \"...\"", study.file.string());
+  TestContents contents = read_test_files(study);
+  const std::vector<std::string> names = names_of(model.outputs());
+  StudyTests tests;
+  tests.notes = std::move(contents.notes);
+  tests.data.values = contents.table ? values_of_rows(study, model, *contents.table, names, tests.notes)
+                                     : values_of_modes(study, model, contents.specimens, tests);
+  const std::string file = contents.table ? contents.table->file : study.test->files.front().string();
+  for (Eigen::Index k = 0; k < tests.data.values.cols(); ++k) {
+    const auto measured = (!tests.data.values.col(k).array().isNaN()).count();
+    require(measured > 0, "{}: output '{}' is never measured; leave it out of [outputs]", file,
+            names[static_cast<std::size_t>(k)]);
+    require(measured > 1 || tests.data.values.rows() == 1,
+            "{}: output '{}' is measured once in {} specimens, which gives no scatter; leave it out of [outputs]", file,
+            names[static_cast<std::size_t>(k)], tests.data.values.rows());
+  }
+  add_repeatability(study, model, names, tests);
+  return tests;
+}
+
+}  // namespace mottle

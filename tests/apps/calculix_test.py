@@ -1,0 +1,114 @@
+"""Studies on a CalculiX deck, with the real solver: its own frequencies, its cache, and runs that fail.
+
+    python3 calculix_test.py PATH_TO_MOTTLE
+"""
+
+import json
+import os
+import re
+import shutil
+import subprocess
+import unittest
+
+import support
+from support import edited
+
+NODES = [(x, y, z) for x in range(4) for y in (0.0, 0.2) for z in (0.0, 0.1)]
+LINES = ["*NODE", *(f"{k}, {x}, {y}, {z}" for k, (x, y, z) in enumerate(NODES, 1)), "*ELEMENT, TYPE=C3D8, ELSET=BEAM"]
+LINES += [f"{a + 1}, " + ", ".join(str(4 * a + k) for k in (1, 5, 7, 3, 2, 6, 8, 4)) for a in range(3)]
+LINES += ["*ELEMENT, TYPE=SPRING1, ELSET=PROP", "9, 13", "*SPRING, ELSET=PROP", "3", "4.0e4",
+          "*MATERIAL, NAME=STEEL", "*ELASTIC", "2.1e11, 0.3", "*DENSITY", "7800.", "*SOLID SECTION, ELSET=BEAM, MATERIAL=STEEL",
+          "*BOUNDARY", "1, 1, 3", "2, 1, 3", "3, 1, 3", "4, 1, 3", "*STEP", "*FREQUENCY", "4", "*NODE FILE", "U", "*END STEP", ""]
+DECK = "\n".join(LINES)
+STUDY = """\
+[model]
+kind = "calculix"
+file = "beam.inp"
+timeout = 5
+[[parameter]]
+name = "E"
+target = "*ELASTIC:STEEL:E"
+distribution = { kind = "normal", mean = 2.0e11, std = 1.0e10 }
+[[parameter]]
+name = "k"
+target = "*SPRING:PROP"
+distribution = { kind = "lognormal", mean = 5.0e4, std = 1.0e4 }
+[outputs]
+frequencies = [1, 2, 3]
+tracking = "order"
+[update]
+samples = 30
+"""
+
+
+def frequencies_of(folder, deck):
+    """By the solver alone, from eigenvalues of 7 digits."""
+    (folder / "own.inp").write_text(deck)
+    subprocess.run(["ccx", "own"], cwd=folder, check=True, stdout=subprocess.DEVNULL,
+                   env={**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"})
+    rows = re.findall(r"^ +\d+ +(\d\.\d+E[+-]\d+) +\S+ +\S+ +\S+$", (folder / "own.dat").read_text(), re.M)
+    return [float(value) ** 0.5 / (2 * 3.141592653589793) for value in rows[:3]]
+
+
+@unittest.skipUnless(shutil.which("ccx"), "needs CalculiX: apt-get install calculix-ccx")
+class CalculixTest(support.CommandTest):
+    def setUp(self):
+        super().setUp()
+        self.write("beam.inp", DECK)
+        self.write("study.toml", STUDY)
+
+    def solver(self, text):
+        """A program in place of CalculiX that answers -v as it does."""
+        file = self.write("solver", f"#!/bin/sh\nif [ \"$1\" = -v ]; then echo This is Version 9; exit 0; fi\n{text}\n")
+        file.chmod(0o755)
+        return ["--set", f'model.program="{file}"']
+
+    def test_frequencies_are_the_solvers_own(self):
+        self.write("points.csv", "E,k\n1.7e11,9e4\n2.6e11,1e3\n")
+        self.succeed("propagate", "study.toml", "--points", "points.csv", "--out", "out")
+        header, rows = support.read_csv(self.folder / "out" / "cloud.csv")
+        for row, (young, stiffness) in zip(rows, (("1.7e11", "9.0e4"), ("2.6e11", "1.0e3"))):
+            own = frequencies_of(self.folder, edited(DECK, ("2.1e11", young), ("4.0e4", stiffness)))
+            for mode, expected in enumerate(own, 1):
+                self.assertLess(abs(float(row[header.index(f"f{mode}")]) / expected - 1), 1e-6)
+
+    def test_a_second_command_runs_no_solver(self):
+        first = self.succeed("check", "study.toml", "--cache", "cache")
+        self.assertIn("matrices from 4 decks (4 runs, 0 from the cache)", first.out)
+        again = self.succeed("check", "study.toml", "--cache", "cache")
+        self.assertIn("(0 runs, 4 from the cache)", again.out)
+        self.write("beam.inp", edited(DECK, ("7800.", "7900.")))
+        self.assertIn("(4 runs, 0 from the cache)", self.succeed("check", "study.toml", "--cache", "cache").out)
+        for file in (self.folder / "cache").glob("*.matrices"):
+            file.write_bytes(file.read_bytes()[:-9] + b"!" + file.read_bytes()[-8:])
+        self.assertIn("(4 runs, 0 from the cache)", self.succeed("check", "study.toml", "--cache", "cache").out)
+
+    def test_placeholders_are_filled(self):
+        self.write("beam.inp", edited(DECK, ("2.1e11", "{{young}}")))
+        self.write("study.toml", edited(STUDY, ("*ELASTIC:STEEL:E", "{{young}}")))
+        result = json.loads(self.succeed("check", "study.toml", "--json").out)
+        own = frequencies_of(self.folder, edited(DECK, ("2.1e11", "2.0e11"), ("4.0e4", "5.0e4")))
+        self.assertLess(abs(result["frequencies"][0] / own[0] - 1), 1e-6)
+
+    def test_runs_that_fail_are_told_with_what_the_solver_printed(self):
+        for text, code, phrase in (("echo '*ERROR in calinput: no mesh'; exit 201", 3, "*ERROR in calinput: no mesh"),
+                                   ("exit 0", 3, "it stored no matrices"),
+                                   ("sleep 30", 3, "not done in 5 s")):
+            ended = self.call("check", "study.toml", *self.solver(text))
+            self.assertEqual((ended.code, phrase in ended.err), (code, True), ended.err)
+        ended = self.call("check", "study.toml", "--set", 'model.program="no-such-ccx"')
+        self.assertEqual(ended.code, 2)
+        self.assertIn("there is no program 'no-such-ccx'", ended.err)
+
+    def test_what_the_deck_does_not_have_is_refused(self):
+        for change, phrase in ((("*SPRING:PROP", "*SPRING:PROB"), "did you mean 'PROP'?"),
+                               (("STEEL:E", "STEEL:NU"), 'model.kind = "command"'),
+                               (("*SPRING:PROP", "*ELASTIC:STEEL:E"), "already tied to parameter 'E'")):
+            self.write("other.toml", edited(STUDY, change))
+            ended = self.call("check", "other.toml")
+            self.assertEqual(ended.code, 2, ended.err)
+            self.assertIn(phrase, ended.err)
+
+
+if __name__ == "__main__":
+    support.main()

@@ -1,0 +1,186 @@
+"""Any solver by its command, as a user meets it: results, faults of the study, kill and resume, reuse.
+
+    python3 command_test.py PATH_TO_MOTTLE
+"""
+
+import signal
+import subprocess
+import time
+import unittest
+
+import support
+from support import edited, numbers, read_result
+
+SOLVER = """\
+import math, sys
+k1, k2 = (float(word) for word in open("in.txt").read().split())
+with open("LOG", "a") as log:
+    log.write(f"{k1} {k2}\\n")
+mean, half = (k1 + 2 * k2) / 2, math.sqrt(k1 * k1 / 4 + k2 * k2)
+print("FREQUENCIES")
+for value in (mean - half, mean + half):
+    print(math.sqrt(value) / (2 * math.pi))
+"""
+
+AWK_SOLVER = """\
+{ k[NR] = $1 }
+END {
+  mean = (k[1] + 2 * k[2]) / 2
+  half = sqrt(k[1] * k[1] / 4 + k[2] * k[2])
+  printf "FREQUENCIES\\n%.12e\\n%.12e\\n", sqrt(mean - half) / 6.283185307179586, sqrt(mean + half) / 6.283185307179586
+}
+"""
+
+STUDY = """\
+title = "Two masses in a row"
+seed = 3
+
+[model]
+kind = "command"
+templates = ["in.txt.template"]
+files = ["solver.py"]
+command = ["python3", "-S", "-E", "solver.py"]
+timeout = "20 s"
+parallel = 2
+
+[model.frequencies]
+file = "stdout.txt"
+format = "column"
+after = "FREQUENCIES"
+column = 1
+
+[[parameter]]
+name = "k1"
+distribution = { kind = "lognormal", mean = 2.0, std = 0.2 }
+
+[[parameter]]
+name = "k2"
+distribution = { kind = "lognormal", mean = 2.0, std = 0.2 }
+
+[outputs]
+frequencies = [1, 2]
+
+[test]
+file = "tests.csv"
+
+[update]
+method = "covariance-adjustment"
+samples = 30
+iterations = 3
+"""
+
+TESTS = "f1,f2\n0.140,0.370\n0.137,0.366\n0.144,0.375\n0.139,0.374\n0.142,0.365\n0.141,0.371\n"
+
+
+class AnySolverTest(support.CommandTest):
+    def setUp(self):
+        super().setUp()
+        self.log = self.folder / "runs.log"
+        self.write("solver.py", SOLVER.replace("LOG", str(self.log)))
+        self.write("in.txt.template", "{{k1}}\n{{k2:%20.14e}}\n")
+        self.write("study.toml", STUDY)
+        self.write("tests.csv", TESTS)
+
+    def runs(self):
+        return self.log.read_text().splitlines() if self.log.exists() else []
+
+    def test_check_runs_once_and_leaves_nothing(self):
+        before = {path.name for path in self.folder.iterdir()}
+        out = self.succeed("check", "study.toml").out
+        self.assertEqual(len(self.runs()), 1)
+        # lambda = (3 -+ sqrt 5) / 2 k for two equal springs and masses of 1 kg
+        self.assertIn(f"{(3 - 5 ** 0.5) ** 0.5 / 6.283185307179586:.7f}"[:7], out)
+        self.assertEqual({path.name for path in self.folder.iterdir()} - before, {"runs.log"})
+
+    def test_an_update_ends_and_its_repetition_repeats_nothing(self):
+        self.succeed("update", "study.toml", "--out", "a", "--quiet")
+        self.assertIn(read_result(self.folder / "a")["status"], ("converged", "max-iterations", "stalled"))
+        count = len(self.runs())
+        self.assertEqual(count, len(set(self.runs())), "no parameter vector ran twice")
+        first = numbers(self.folder / "a")
+        self.succeed("update", "study.toml", "--out", "a", "--quiet")
+        self.assertEqual(len(self.runs()), count)
+        self.assertEqual(numbers(self.folder / "a"), first)
+        self.write("in.txt.template", "{{k1}}\n{{k2}}\n")
+        self.succeed("update", "study.toml", "--out", "a", "--quiet")
+        self.assertGreaterEqual(len(self.runs()), 2 * count - 1)
+
+    def test_threads_and_parallel_change_no_number(self):
+        self.succeed("propagate", "study.toml", "--out", "a", "--quiet", "--threads", "1")
+        self.succeed("propagate", "study.toml", "--out", "b", "--quiet", "--set", "model.parallel=5")
+        self.assertEqual((self.folder / "a" / "cloud.csv").read_bytes(), (self.folder / "b" / "cloud.csv").read_bytes())
+
+    def test_kill_and_resume(self):
+        self.succeed("update", "study.toml", "--out", "whole", "--quiet")
+        whole = len(self.runs())
+        self.log.unlink()
+        for part in (0.3, 0.6, 0.9):
+            process = subprocess.Popen([support.MOTTLE, "update", "study.toml", "--out", "out", "--quiet", "--resume"],
+                                       cwd=self.folder)
+            while len(self.runs()) < part * whole and process.poll() is None:
+                time.sleep(0.005)
+            process.send_signal(signal.SIGKILL)
+            process.wait()
+        self.succeed("update", "study.toml", "--out", "out", "--quiet", "--resume")
+        self.assertEqual(numbers(self.folder / "out"), numbers(self.folder / "whole"))
+        self.assertLessEqual(len(self.runs()), whole + 3 * 2, "only runs in flight were lost")
+        self.assertFalse((self.folder / "out" / "runs").exists())
+
+    def test_a_stop_request_ends_the_solvers_and_can_be_resumed(self):
+        self.write("solver.py", "import time\ntime.sleep(100)\n" + SOLVER)
+        process = subprocess.Popen([support.MOTTLE, "propagate", "study.toml", "--out", "out"], cwd=self.folder,
+                                   stderr=subprocess.PIPE)
+        while not list(self.folder.glob("out/runs/*/run-1/stdout.txt")):
+            time.sleep(0.01)
+        process.send_signal(signal.SIGTERM)
+        start = time.monotonic()
+        process.communicate()
+        self.assertEqual(process.returncode, 4)
+        self.assertLess(time.monotonic() - start, 20)
+
+    def test_faults_of_the_study_are_found_with_file_and_line(self):
+        for old, new, part in (
+                ('column = 1', 'column = 0', "column"),
+                ('format = "column"', 'format = "colum"', 'did you mean "column"?'),
+                ('timeout = "20 s"', 'timeout = "20 m"', "found \"20 m\", allowed is a time"),
+                ('command = ["python3", "-S", "-E", "solver.py"]', 'command = ["pyhton3"]', "no program 'pyhton3'"),
+                ('parallel = 2', 'parallell = 2', "did you mean 'parallel'?"),
+                ('frequencies = [1, 2]', 'frequencies = [1, 2]\ntracking = "mac"', "[model.shapes]"),
+                ('frequencies = [1, 2]', 'frequencies = [1, 3]', "the model has modes 1 to 2"),
+                ('name = "k2"', 'name = "k3"', "Known: k1, k3"),
+                ('column = 1', 'column = 1\nafterwards = 2', "is not known here"),
+                ('files = ["solver.py"]', 'files = ["solver.py", "x/solver.py", "../solver.py"]', "two files")):
+            self.write("study.toml", edited(STUDY, (old, new)))
+            ended = self.call("update", "study.toml", "--out", "out")
+            self.assertEqual(ended.code, 2, f"{new}: {ended.err}")
+            self.assertIn(part, ended.err)
+
+    def test_a_solver_that_fails_at_the_means_ends_with_its_words(self):
+        self.write("solver.py", "import sys\nsys.exit('no licence today')\n")
+        ended = self.call("update", "study.toml", "--out", "out")
+        self.assertEqual(ended.code, 3, ended.err)
+        self.assertIn("no licence today", ended.err)
+        kept = list((self.folder / "out" / "failed-runs").iterdir())
+        self.assertEqual(len(kept), 1)
+        self.assertIn(str(kept[0]), ended.err)
+
+    def test_every_method_lives_with_a_solver_without_derivatives(self):
+        self.write("solver.awk", AWK_SOLVER)
+        self.write("study.toml", edited(STUDY, ('"solver.py"]\ncommand = ["python3", "-S", "-E", "solver.py"]',
+                                                '"solver.awk"]\ncommand = ["awk", "-f", "solver.awk", "in.txt"]')))
+        for method in ("covariance-adjustment", "deterministic", "inversion", "mares", "maximum-likelihood",
+                       "moment-matching", "perturbation"):
+            self.succeed("update", "study.toml", "--out", "methods", "--quiet", "--set", f'update.method="{method}"',
+                         "--set", "test.repeatability={ \"f*\" = 0.001 }", timeout=300)
+            result = read_result(self.folder / "methods")
+            self.assertIn(result["status"], ("converged", "max-iterations", "stalled"), method)
+            self.assertEqual(result["failed_evaluations"], [], method)
+
+    def test_the_copied_study_runs_from_its_folder(self):
+        self.succeed("propagate", "study.toml", "--out", "out", "--quiet")
+        self.succeed("propagate", "out/study.toml", "--out", "again", "--quiet")
+        self.assertEqual((self.folder / "out" / "cloud.csv").read_bytes(), (self.folder / "again" / "cloud.csv").read_bytes())
+
+
+if __name__ == "__main__":
+    support.main()

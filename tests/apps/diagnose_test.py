@@ -1,0 +1,90 @@
+"""`mottle diagnose` as a user meets it."""
+
+import json
+
+import support
+from support import edited, line_of, main
+
+# Three outputs beside two parameters: the noise must be known to tell it from a candidate.
+STUDY = edited(support.STUDY, ('file = "tests.csv"', 'file = "tests.csv"\nrepeatability = { f1 = 0.002, f2 = 0.002, f3 = 0.002 }'))
+
+
+class Diagnose(support.CommandTest):
+
+    def setUp(self):
+        super().setUp()
+        self.write("study.toml", STUDY)
+
+    def test_noise_that_cannot_be_told_from_a_candidate_is_refused_and_nothing_left_behind(self):
+        self.write("study.toml", support.STUDY)
+        ended = self.call("diagnose", "study.toml", "--out", "refused")
+        self.assertEqual(ended.code, 2, ended.err)
+        self.assertIn("give [test] repeatability", ended.err)
+        self.assertFalse((self.folder / "refused").exists())
+
+    def diagnosis(self, *arguments):
+        self.succeed("diagnose", "study.toml", "--out", "out", "--quiet", *arguments)
+        return json.loads((self.folder / "out" / "diagnosis.json").read_text(encoding="utf-8"))
+
+    def test_every_spring_that_no_parameter_acts_on_is_a_candidate(self):
+        result = self.diagnosis()
+        self.assertEqual(sorted(entry["name"] for entry in result["candidates"]), ["k3", "k4", "k5", "k6"])
+        self.assertEqual(result["parameters"]["names"], ["k1", "k2"])
+        self.assertEqual(len(result["cosines"]["matrix"]), 4)
+        self.assertTrue(result["sentences"])
+        for key in ("best", "alike", "explained", "given", "proposed", "model_evaluations", "seed", "level"):
+            self.assertIn(key, result)
+
+    def test_candidates_are_targets_or_tables(self):
+        text = STUDY + ('[diagnose]\ncandidates = ["spring:k6", { name = "mid", target = "spring:k4", distribution = '
+                        '{ kind = "normal", mean = 1.0, std = 0.1 } }]\n')
+        self.write("study.toml", text)
+        names = [entry["name"] for entry in self.diagnosis()["candidates"]]
+        self.assertEqual(sorted(names), ["k6", "mid"])
+
+    def test_a_spring_of_zero_stiffness_may_be_a_candidate(self):
+        self.write("study.toml", edited(STUDY, ("stiffness = 3.0", "stiffness = 0.0")) +
+                   '[diagnose]\ncandidates = ["spring:k6"]\n')
+        candidate = self.diagnosis()["candidates"][0]
+        self.assertEqual(candidate["nominal"], 0.0)
+        self.assertAlmostEqual(candidate["scale"], 0.2)
+
+    def test_the_same_seed_gives_the_same_numbers_on_any_threads(self):
+        texts = []
+        for threads in ("1", "3"):
+            result = self.diagnosis("--threads", threads)
+            result.pop("timings_s")
+            texts.append(json.dumps(result))
+        self.assertEqual(texts[0], texts[1])
+
+    def test_a_table_and_sentences_are_printed(self):
+        out = self.succeed("diagnose", "study.toml", "--out", "out").out
+        self.assertIn("candidate", out)
+        self.assertIn("Proposed set:", out)
+        summary = json.loads(self.succeed("diagnose", "study.toml", "--out", "out", "--json").out)
+        self.assertEqual(summary["command"], "diagnose")
+
+    def test_a_wrong_candidate_is_refused_with_its_line(self):
+        for target, message in (("spring:k9", "unknown target 'spring:k9'"),
+                                ("spring:k1", "'spring:k1' is what k1 acts on already")):
+            text = STUDY + f'[diagnose]\ncandidates = ["{target}"]\n'
+            self.write("study.toml", text)
+            ended = self.call("diagnose", "study.toml", "--out", "refused")
+            self.assertEqual(ended.code, 2, ended.err)
+            self.assertIn(f"study.toml:{line_of(text, 'candidates = ')}: ", ended.err)
+            self.assertIn(message, ended.err)
+            self.assertFalse((self.folder / "refused").exists())
+
+    def test_unknown_keys_and_wrong_types_are_refused(self):
+        for line, message in (('candidate = ["spring:k3"]', "did you mean 'candidates'?"),
+                              ("candidates = 3", "allowed is a list of targets"),
+                              ("candidates = [3]", "allowed is a list of targets"),
+                              ("spread = -1.0", "allowed is")):
+            self.write("study.toml", STUDY + f"[diagnose]\n{line}\n")
+            ended = self.call("diagnose", "study.toml", "--out", "refused")
+            self.assertEqual(ended.code, 2, ended.err)
+            self.assertIn(message, ended.err)
+
+
+if __name__ == "__main__":
+    main()
