@@ -5,6 +5,8 @@ import { element, paragraph } from "./src/dom.js";
 import { draw_waiting_figures } from "./src/figure.js";
 import { scenes } from "./src/shape_viewer.js";
 import convergence from "./sections/convergence.js";
+import correlations from "./sections/correlations.js";
+import densities from "./sections/densities.js";
 import header from "./sections/header.js";
 import identifiability from "./sections/identifiability.js";
 import mac from "./sections/mac.js";
@@ -12,6 +14,8 @@ import output_history from "./sections/output_history.js";
 import outputs from "./sections/outputs.js";
 import parameter_history from "./sections/parameter_history.js";
 import parameters from "./sections/parameters.js";
+import predictions from "./sections/predictions.js";
+import residuals from "./sections/residuals.js";
 import run from "./sections/run.js";
 import sample_size from "./sections/sample_size.js";
 import scatter from "./sections/scatter.js";
@@ -26,7 +30,12 @@ import verdict from "./sections/verdict.js";
 const sections = [
   verdict,
   parameters,
+  densities,
+  correlations,
+  identifiability,
   outputs,
+  residuals,
+  predictions,
   convergence,
   output_history,
   parameter_history,
@@ -35,7 +44,6 @@ const sections = [
   scatter,
   scatter_history,
   sensitivity,
-  identifiability,
   shapes,
   mac,
   troubles,

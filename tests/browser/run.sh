@@ -7,17 +7,24 @@ if ! command -v chromium >/dev/null; then
   exit 77
 fi
 mkdir -p "$work/web"
-cp -r "$source"/web/{package.json,package-lock.json,.npmrc,test} "$work/web/"
+cp -r "$source"/web/{package.json,package-lock.json,.npmrc,src,test} "$work/web/"
 if [[ ! $work/web/node_modules/installed -nt $work/web/package-lock.json ]]; then
   (cd "$work/web" && npm ci --omit=optional --ignore-scripts --prefer-offline --no-progress --loglevel=error)
 fi
 touch "$work/web/node_modules/installed"
-"$mottle" "$job" "$source/examples/01-three-masses/case2.toml" --out "$work/$job" --quiet
+run=("$job" "$source/examples/01-three-masses/case2.toml")
+[[ $job != population ]] || run=(update "$source/examples/01-three-masses/case1.toml" --set 'update.method="maximum-likelihood"')
+"$mottle" "${run[@]}" --out "$work/$job" --quiet
 cd "$work/web"
 node test/report_test.mjs "$work/$job/report.html" --screenshots "$work/screenshots-$job"
-[[ $job == update ]] || exit 0
-# Mode shapes of a made-up structure, in the page that the program has just written.
-node test/make_fixture.mjs "$work/fixtures" "$work/$job/report.html"
-for page in modes shapes; do
-  node test/report_test.mjs "$work/fixtures/$page.html" --screenshots "$work/screenshots-modes"
+[[ $job != propagate ]] || exit 0
+# Made-up data in the page that the program has just written: a structure; or every scale, many parameters, hardly any numbers.
+pages=(modes shapes)
+if [[ $job == population ]]; then
+  node test/numbers_test.mjs
+  pages=(population aeroplane sparse)
+fi
+node test/make_fixture.mjs "$work/fixtures-$job" "$work/$job/report.html"
+for page in "${pages[@]}"; do
+  node test/report_test.mjs "$work/fixtures-$job/$page.html" --screenshots "$work/screenshots-$job"
 done

@@ -1,10 +1,17 @@
 // What the tests can see: singular values of the scaled sensitivity, its rank, and the combinations that stay unseen.
 import { is_number, list, record } from "../src/data.js";
-import { axis, tooltip_box, zooming } from "../src/charts.js";
+import { axis, redraw, tooltip_box, zooming } from "../src/charts.js";
 import { bullets, element, paragraph } from "../src/dom.js";
-import { figure } from "../src/figure.js";
+import { figure, pager } from "../src/figure.js";
 import { combination_text, number_text, plural, short_number } from "../src/format.js";
 import { bound, hairline, ink, model } from "../src/palette.js";
+import { pages_of } from "../src/panels.js";
+import { bars_at_most, direction_panels, part_panel, unseen_directions } from "../src/unseen_panels.js";
+
+const directions_a_page = 6;
+// Weights of a unit direction: of a parameter that is unseen by itself, and of one that has a share in it.
+const alone = 0.95;
+const takes_part = 0.1;
 
 function build(values, rank, width) {
   const height = 250;
@@ -71,14 +78,58 @@ function statement(study, block, count) {
   );
 }
 
+/** "k1 and k2 can only be seen together: k1 + 0.9 k2": of two parameters what is seen is the combination across the direction. */
+function words_of({ terms, weights, meaning }) {
+  if (meaning) return String(meaning).replace(/[^.]$/, "$&.");
+  const [first, second] = terms;
+  if (Math.abs(first.weight) >= alone) return [element("b", {}, first.name), ": the outputs do not see it."];
+  const parts = terms.filter(({ weight }) => Math.abs(weight) >= takes_part);
+  const combination = (text) => element("span", { class: "combination" }, text);
+  if (parts.length === 2) {
+    const ratio = -first.weight / second.weight;
+    return [
+      element("b", {}, `${first.name} and ${second.name}`),
+      " can only be seen together: the outputs see ",
+      combination(`${first.name} ${ratio < 0 ? "\u2212" : "+"} ${Math.abs(ratio).toFixed(2)}\u00a0${second.name}`),
+      ", not ",
+      combination(`${combination_text(weights)}.`),
+    ];
+  }
+  return ["The outputs do not see ", combination(combination_text(weights)), "."];
+}
+
 function unseen(directions) {
   if (!directions.length) return null;
   return element(
     "div",
     { class: "unseen" },
-    paragraph("Combinations that the tests do not see, in standard deviations of the prior:"),
-    bullets(directions.map((weights) => element("span", { class: "combination" }, combination_text(weights)))),
+    paragraph(
+      "Combinations that the tests do not see, in standard deviations of the prior" +
+        (directions.length > 1 ? "; any mixture of them is unseen too:" : ":"),
+    ),
+    bullets(directions.map((direction) => words_of(direction))),
   );
+}
+
+function direction_figure(directions) {
+  const pages = pages_of(directions, directions_a_page);
+  let shown = pages.page(0);
+  const controls = pager({
+    ...pages,
+    show: (k) => {
+      shown = pages.page(k);
+      redraw("unseen-directions", { afresh: true });
+    },
+  });
+  return figure({
+    id: "unseen-directions",
+    title: "Directions that the tests do not see, by parameter",
+    caption:
+      "Moving all parameters at once by these weights, in prior standard deviations, changes no output. " +
+      `Up to ${bars_at_most} largest weights each.`,
+    controls,
+    build: (width) => direction_panels(shown, width),
+  });
 }
 
 export default {
@@ -94,13 +145,18 @@ export default {
       "How strongly the outputs answer to the parameters' independent combinations, best first. A value far below the others " +
         "is a combination that the tests do not see.",
     ],
+    [
+      "Part unseen",
+      "How much of a parameter's prior variance lies in combinations that the tests do not see: 100\u00a0% of it is not seen at all, " +
+        "0\u00a0% wholly. What is unseen stays as the prior has it.",
+    ],
   ],
   content(study) {
     const block = record(study.result.identifiability);
     const values = list(block.singular_values);
     const rank = is_number(block.rank) ? block.rank : values.length;
     const count = study.parameter_axes.length || values.length;
-    const directions = list(block.unseen_directions).map((direction) => record(record(direction).weights));
+    const directions = unseen_directions(block);
     return [
       statement(study, block, count),
       values.some((value) => value > 0)
@@ -112,6 +168,15 @@ export default {
           })
         : null,
       unseen(directions),
+      directions.length
+        ? figure({
+            id: "unseen-parts",
+            title: "Part of each parameter that the tests do not see",
+            caption: "Share of the parameter's prior variance that lies in the unseen directions.",
+            build: (width) => part_panel(study.parameter_axes, directions, width),
+          })
+        : null,
+      directions.length ? direction_figure(directions) : null,
     ];
   },
 };

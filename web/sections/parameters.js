@@ -65,6 +65,26 @@ function columns_for(rows) {
   ].filter(Boolean);
 }
 
+/** Further solutions of the update, one row each. */
+function other_solutions(study) {
+  const others = list(study.result.other_solutions).map(list);
+  if (!others.length) return null;
+  const rows = others.map((values, k) => ({
+    name: `Solution ${k + 2}`,
+    ...Object.fromEntries(study.parameter_axes.map(({ index }) => [`p${index}`, number_or_null(values[index])])),
+  }));
+  return data_table({
+    id: "other-solutions",
+    title: "Other parameters that explain the mean of the tests as well",
+    columns: [
+      { key: "name", title: "", is_text: true },
+      ...study.parameter_axes.map(({ index, name, unit }) => ({ key: `p${index}`, title: name, unit })),
+    ],
+    rows,
+    caption: "The tests do not tell these apart from the estimate above: measure what does, or narrow the bounds.",
+  });
+}
+
 export default {
   id: "parameters",
   title: "Parameters",
@@ -91,6 +111,7 @@ export default {
             "tests; the standard deviation itself is the spread from one specimen to the next."
           : null,
       }),
+      other_solutions(study),
     ];
   },
 };

@@ -1,7 +1,7 @@
 // Is the model right? In plain words, then the tests behind it.
 import { is_number, list, record } from "../src/data.js";
 import { bullets, element, paragraph, prose } from "../src/dom.js";
-import { p_value_text, short_number } from "../src/format.js";
+import { p_value_text, short_number, words } from "../src/format.js";
 import { data_table } from "../src/table.js";
 
 function statement(verdict, study) {
@@ -13,8 +13,10 @@ function statement(verdict, study) {
       sign: "✓",
       word: "Adequate",
       text:
-        "The model, with the parameters found below, explains the tests: none of the checks refuses it." +
-        (level ? ` Level of the whole verdict: ${level}.` : ""),
+        list(verdict.tests).length === 0
+          ? "Nothing found speaks against the model with the parameters below, but no statistical check was made of it."
+          : "The model, with the parameters found below, explains the tests: none of the checks refuses it." +
+            (level ? ` Level of the whole verdict: ${level}.` : ""),
     };
   }
   if (verdict.adequate === false) {
@@ -40,12 +42,15 @@ function statement(verdict, study) {
 
 const has_test_means = (study) => list(study.outputs.test_mean).some(is_number);
 
+/** "mean-residuals" is how a result names a check. */
+const check_name = (name) => (/^[a-z0-9-]+$/.test(name ?? "") ? words(name) : (name ?? "–"));
+
 function tests_table(tests) {
   return data_table({
     id: "verdict",
     title: "Checks behind the verdict",
     columns: [
-      { key: "name", title: "Check", is_text: true },
+      { key: "name", title: "Check", is_text: true, text: check_name },
       { key: "statistic", title: "Statistic" },
       { key: "critical", title: "Critical value" },
       { key: "p_value", title: "p", text: p_value_text },

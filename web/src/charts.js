@@ -113,7 +113,7 @@ export function axis(more = {}) {
     scale: true,
     nameLocation: "middle",
     nameTextStyle: { color: ink, fontSize: 12 },
-    axisLine: { show: true, lineStyle: { color: muted } },
+    axisLine: { show: true, onZero: false, lineStyle: { color: muted } },
     axisTick: { show: true, lineStyle: { color: muted } },
     splitLine: { lineStyle: { color: hairline } },
     splitNumber: 4,
@@ -176,6 +176,17 @@ export function legend(series, names) {
     textStyle: { fontSize: 12, color: ink },
     data: entries,
   };
+}
+
+/** Room above the first row of panels for a legend of these names, on as many lines as they take. */
+export function legend_height(names, width) {
+  let [lines, taken] = [1, 0];
+  for (const name of names) {
+    const entry = 49 + 6.6 * name.length;
+    if (taken > 0 && taken + entry > width) [lines, taken] = [lines + 1, 0];
+    taken += entry;
+  }
+  return 10 + 24 * lines;
 }
 
 /** Tooltip as elements, so that names are never taken as markup. */

@@ -179,9 +179,9 @@ export function pair_panels(study, space, panels) {
   };
 }
 
-/** Choice of which axes to show, where there are too many to show all pairs; calls `show(axes)`. */
-export function axis_choice(axes, at_most, label, show) {
-  let chosen = axes.slice(0, Math.min(3, at_most));
+/** Choice of which axes to show, where there are too many to show all pairs, `first` to begin with; calls `show(axes)`. */
+export function axis_choice(axes, at_most, label, show, first = axes.slice(0, 3)) {
+  let chosen = axes.length <= 3 ? axes : first;
   if (axes.length <= 3) return { chosen, control: null };
   const note = element("span", { class: "choice-note", role: "status" });
   const boxes = axes.map((axis) => {

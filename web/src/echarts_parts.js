@@ -1,5 +1,5 @@
 // The parts of ECharts that the page draws with; the bundle leaves out the others.
-export { CustomChart, HeatmapChart, LineChart, ScatterChart } from "echarts/charts";
+export { BarChart, CustomChart, HeatmapChart, LineChart, ScatterChart } from "echarts/charts";
 export {
   DataZoomComponent,
   GridComponent,

@@ -5,10 +5,26 @@ import { ink, on_deep, on_pale, paper } from "./palette.js";
 
 export const signed = (value) => `${value <= -0.005 ? "\u2212" : ""}${Math.abs(value).toFixed(2)}`;
 
-function cells_of(values, rows, columns) {
+/** [column, row, value within the scale, value] of every cell that has one. */
+function cells_of({ values, rows, columns, low, high }) {
   return rows
     .flatMap((_, row) => columns.map((__, column) => [column, row, list(values[row])[column]]))
-    .filter(([, , value]) => is_number(value));
+    .filter(([, , value]) => is_number(value))
+    .map(([column, row, value]) => [column, row, Math.min(high, Math.max(low, value)), value]);
+}
+
+/** The cells as ECharts takes them; framed ones at the end, so that no neighbour is drawn over a frame. */
+function framed_last(map, frame) {
+  const { is_deep, is_marked = () => false } = map;
+  const cells = cells_of(map).map((value) => ({
+    value,
+    label: { color: is_deep(value[2]) ? on_deep : on_pale },
+    is_framed: is_marked(value[1], value[0], value[3]),
+  }));
+  return [
+    ...cells.filter(({ is_framed }) => !is_framed),
+    ...cells.filter(({ is_framed }) => is_framed).map((cell) => ({ ...cell, itemStyle: frame })),
+  ];
 }
 
 /** Where the cells lie: as wide as the page allows up to a limit, the names of the rows on the left. */
@@ -26,28 +42,16 @@ function layout_of({ rows, columns, cell, left_gap = 0 }, width) {
  * @param values         [row][column], null where there is none
  * @param low, high      the ends of the scale; `ends` their texts, high first
  * @param stops          colours of the scale
+ * @param is_marked      (row index, column index, value) -> whether the cell is framed, optional
  * @param is_deep        (value) -> whether its colour is so deep that it takes white text
  * @param cell           {width_at_most, height_at_least, height_at_most, aspect (height over width), name_at_most,
  *                       column_room (for turned names of columns)}
  * @param row_title, column_title  of the axes, optional
- * @param tooltip        (row, column, value) -> [heading, line]
+ * @param tooltip        (row, column, value) -> [heading, line, ...]
  * @return               (width) -> {option, height}
  */
 export function matrix_map(map) {
-  const {
-    name,
-    rows,
-    columns,
-    values,
-    low,
-    high,
-    ends,
-    stops,
-    is_deep,
-    row_title = "",
-    column_title = "",
-    tooltip,
-  } = map;
+  const { name, rows, columns, low, high, ends, stops, row_title = "", column_title = "", tooltip } = map;
   return (width) => {
     const { name_width, inner_width, cell_width, cell_height } = layout_of(
       { ...map, left_gap: row_title ? 18 : 0 },
@@ -73,7 +77,13 @@ export function matrix_map(map) {
         data: names,
         splitLine: { show: false },
         axisTick: { show: false },
-        axisLabel: { color: ink, fontSize: 12, interval: 0, ...turned },
+        axisLine: { show: false },
+        axisLabel: {
+          color: ink,
+          fontSize: 12,
+          interval: cell_width < 13 ? Math.ceil(13 / cell_width) - 1 : 0,
+          ...turned,
+        },
         ...more,
       });
     const option = {
@@ -109,9 +119,9 @@ export function matrix_map(map) {
       },
       tooltip: {
         trigger: "item",
-        formatter: ({ value: [column, row, value] }) => {
-          const [heading, line] = tooltip(rows[row], columns[column], value);
-          return tooltip_box(heading, [line]);
+        formatter: ({ value: [column, row, , value] }) => {
+          const [heading, ...lines] = tooltip(rows[row], columns[column], value);
+          return tooltip_box(heading, lines);
         },
       },
       series: [
@@ -123,12 +133,9 @@ export function matrix_map(map) {
             show: cell_width >= 26 && cell_height >= 12,
             fontSize: label_size,
             color: on_pale,
-            formatter: ({ value }) => signed(value[2]),
+            formatter: ({ value }) => signed(value[3]),
           },
-          data: cells_of(values, rows, columns).map((value) => ({
-            value,
-            label: { color: is_deep(value[2]) ? on_deep : on_pale },
-          })),
+          data: framed_last(map, { borderColor: ink, borderWidth: cell_width < 14 ? 1.5 : 2.5 }),
         },
       ],
     };

@@ -9,10 +9,11 @@ let numbered = 0;
  * @param columns  [{key, title, unit?, group?, text?: (value, row) -> string or node, is_text?, of_class?}]; neighbours with
  *                 the same group share a head
  * @param rows     objects by key; numbers may be null
+ * @param all_rows  for the file, where the page shows only some
  */
-export function data_table({ id, title, caption, columns, rows }) {
+export function data_table({ id, title, caption, columns, rows, all_rows = rows }) {
   numbered += 1;
-  const csv = button("CSV", "Save this table as CSV", () => save_csv(id, csv_rows(columns, rows)), {
+  const csv = button("CSV", "Save this table as CSV", () => save_csv(id, csv_rows(columns, all_rows)), {
     "data-export": "csv",
   });
   return element(

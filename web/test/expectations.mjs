@@ -8,6 +8,37 @@ export const has_numbers = (value) => list(value).flat(Infinity).some(is_number)
 export const is_modes = (data) => data.kind === "modes";
 export const result_of = (data) => (is_modes(data) ? { title: data.title } : (data.result ?? {}));
 
+const is_update = (result) => (result.command ? result.command === "update" : list(result.iterations).length > 0);
+
+/** Plots of the estimate itself, which stand before those of the iterations. */
+function plots_of_estimate(result) {
+  const { parameters = {}, identifiability, specimens, prediction } = result;
+  const names = list(parameters.names);
+  const pairs = names.flatMap((_, i) => names.slice(i + 1).map((__, k) => [i, i + 1 + k]));
+  const has_width = (i) => is_number(parameters.mean?.[i]) && parameters.std?.[i] > 0;
+  const is_known = ([i, j]) => has_width(i) && has_width(j) && is_number(parameters.covariance?.[i]?.[j]);
+  const has_interval = ([i, j]) => list(parameters.correlation_ci95?.[i]?.[j]).filter(is_number).length === 2;
+  const is_population = parameters.is_population === true;
+  const has_correlations = is_population && pairs.some((pair) => is_known(pair) || has_interval(pair));
+  const in_map = pairs.filter((pair) => is_known(pair) && has_interval(pair)).length;
+  const predicted = list(prediction?.outputs?.names).map((_, k) => k);
+  const has_prediction = predicted.some((k) => is_number(prediction.mean?.[k]));
+  const has_bar = (k) => list(prediction.interval95?.[k]).filter(is_number).length === 2 && prediction.std?.[k] > 0;
+  const has_directions = list(identifiability?.unseen_directions).length > 0;
+  const has_density = (_, i) => is_number(parameters.mean?.[i]) && is_number(parameters.std?.[i]);
+  return [
+    is_update(result) && names.some(has_density) ? "densities" : null,
+    has_correlations && names.length >= 4 && in_map >= 3 ? "correlation-map" : null,
+    has_correlations ? "correlation-ellipses" : null,
+    has_numbers(identifiability?.singular_values) ? "singular-values" : null,
+    has_directions ? "unseen-parts" : null,
+    has_directions ? "unseen-directions" : null,
+    has_numbers(specimens?.residuals) ? "residuals" : null,
+    has_prediction && predicted.some(has_bar) ? "prediction-intervals" : null,
+    has_prediction && has_numbers(prediction.held_out?.pit) ? "prediction-pit" : null,
+  ];
+}
+
 /** The plots that the data call for. */
 export function expected_plots(data) {
   const result = result_of(data);
@@ -21,6 +52,7 @@ export function expected_plots(data) {
       .map(({ index }) => index),
   ]);
   return [
+    ...plots_of_estimate(result),
     any("distance_euclidean") || any("distance_mahalanobis") ? "distance" : null,
     any("output_mean") && iterations.length > 1 ? "output-history" : null,
     any("parameter_mean") && iterations.length > 1 ? "parameter-history" : null,
@@ -31,7 +63,6 @@ export function expected_plots(data) {
     list(result.parameters?.names).length > 1 && has_numbers(list(data.clouds).map(({ parameters }) => parameters))
       ? "scatter-parameters"
       : null,
-    has_numbers(result.identifiability?.singular_values) ? "singular-values" : null,
     has_numbers(data.mac?.values) ? "mac" : null,
   ].filter(Boolean);
 }
@@ -87,7 +118,9 @@ export const overflow = (page) =>
     return { page: scrollWidth - clientWidth, plots: wide.length };
   });
 
+/** Bytes of a plot's file. The browser lets a page start ten downloads in a second and drops the next without a word: hence the pause. */
 export async function exported(page, id, kind) {
+  await page.waitForTimeout(120);
   const [download] = await Promise.all([
     page.waitForEvent("download", { timeout: 10000 }),
     page.click(`[data-plot="${id}"] [data-export="${kind}"]`),

@@ -1,10 +1,12 @@
 // Pages to look at and to test on, made of simulated runs:   node test/make_fixture.mjs [OUT_DIR] [TEMPLATE]
 //   case1      the paper's three masses, right model           refused   its case 2: inadequate, a parameter on its bound, hostile texts
+//   population case1 by a method that estimates a population: every scale, an outlier, a prediction
 //   modes      a page of mode shapes                           shapes    case1 with mode shapes
 //   aeroplane  14 outputs and 18 parameters, gaps in the tests  propagate only a cloud        sparse    most entries missing or null
 import { mkdirSync, readFileSync, writeFileSync } from "node:fs";
 import path from "node:path";
 import { eigen, random_normal } from "./matrix.mjs";
+import { prediction_of, with_population } from "./population_fixture.mjs";
 import { update } from "./simulate.mjs";
 import { modes_page, plate_mac, plate_modes } from "./structure_fixture.mjs";
 
@@ -248,6 +250,21 @@ function sparse(data) {
     singular_values: [3.1, 0.4, 0],
     unseen_directions: [{ weights: { k1: 0.71, k2: -0.7, k5: 0.04 } }],
   };
+  result.parameters.is_population = true;
+  result.parameters.correlation_ci95 = [[[1, 1], [null, null], null], null, [null, null, [1, 1]]];
+  result.specimens = {
+    parameters: [[1.1, null, 0.9], null, [null, null, null]],
+    residuals: [[0.4, null, -3.2], [1.1, -0.3, 0.8], null],
+  };
+  result.outliers = [];
+  result.other_solutions = [[1.4, null, 0.7]];
+  result.prediction = {
+    outputs: { names: ["f4", "f5"], units: null },
+    mean: [0.31, null],
+    std: [0.01, null],
+    interval95: [[0.29, 0.33], null],
+    held_out: { count: null, coverage: null, joint_coverage: null, pit: [[0.5, null], null], uniformity_p: null },
+  };
   result.rejected_draws = null;
   result.options = null;
   data.clouds = [data.clouds[0], data.clouds[6]];
@@ -269,7 +286,27 @@ mkdirSync(out, { recursive: true });
 const case_1 = () => update(masses_study({})).data;
 write_page("case1", case_1());
 write_page("refused", update(refused_study()).data);
-write_page("aeroplane", with_gaps(update(aeroplane_study()).data));
+write_page(
+  "population",
+  with_population(case_1(), {
+    scales: ["identity", "log", "logit"],
+    outliers: [4],
+    prediction: prediction_of(["f4", "f5", "<b>mass</b>"], 12),
+  }),
+);
+write_page(
+  "aeroplane",
+  with_population(with_gaps(update(aeroplane_study()).data), {
+    scales: ["identity", "identity", "log"],
+    unseen: 4,
+    outliers: [17, 60],
+    prediction: prediction_of(
+      Array.from({ length: 11 }, (_, k) => `f${k + 15}`),
+      43,
+      { narrow: 0.7 },
+    ),
+  }),
+);
 write_page("propagate", propagate(case_1()));
 write_page("sparse", sparse(case_1()));
 write_page("modes", modes_page(20, 10, 8));

@@ -1,0 +1,163 @@
+// What the updated distribution says of outputs that were not used, and how tests that were held out bear it out.
+import { is_number, list, number_or_null, record } from "../src/data.js";
+import { redraw } from "../src/charts.js";
+import { paragraph } from "../src/dom.js";
+import { figure, pager } from "../src/figure.js";
+import { number_text, p_value_text, plural } from "../src/format.js";
+import { pages_of } from "../src/panels.js";
+import { interval_bars, pit_histograms, tested } from "../src/prediction_panels.js";
+import { data_table } from "../src/table.js";
+import { binomial_range } from "../src/quantiles.js";
+
+const panels_a_page = 9;
+const level = 0.95;
+const percent = (share) => (is_number(share) ? `${(100 * share).toFixed(0)}\u00a0%` : "–");
+
+/** The prediction with one entry an output; what is missing is null or empty. */
+function read(study) {
+  const block = record(study.result.prediction);
+  const held_out = record(block.held_out);
+  const names = list(record(block.outputs).names);
+  const units = list(record(block.outputs).units);
+  const pit = list(held_out.pit).map(list);
+  return {
+    count: number_or_null(held_out.count) ?? (pit.length || null),
+    joint_coverage: number_or_null(held_out.joint_coverage),
+    has_held_out: pit.length > 0 || list(held_out.coverage).some(is_number),
+    outputs: names.map((name, k) => {
+      const interval = list(list(block.interval95)[k]);
+      return {
+        name: String(name),
+        unit: units[k] && units[k] !== "1" ? String(units[k]) : "",
+        mean: number_or_null(list(block.mean)[k]),
+        std: number_or_null(list(block.std)[k]),
+        interval: interval.length === 2 && interval.every(is_number) ? interval : null,
+        coverage: number_or_null(list(held_out.coverage)[k]),
+        uniformity_p: number_or_null(list(held_out.uniformity_p)[k]),
+        pit: pit.map((row) => number_or_null(row[k])),
+      };
+    }),
+  };
+}
+
+function table(prediction) {
+  const rows = prediction.outputs.map((output) => ({ ...output, tests: tested(output).length || null }));
+  const any = (key) => rows.some((row) => is_number(row[key]));
+  const is_off = ({ coverage, tests }) => {
+    const range = is_number(coverage) && tests ? binomial_range(tests, level, 0.99) : null;
+    return range !== null && Math.round(coverage * tests) < range[0];
+  };
+  return data_table({
+    id: "predictions",
+    title: "Predicted outputs",
+    columns: [
+      { key: "name", title: "Output", is_text: true },
+      rows.some(({ unit }) => unit) ? { key: "unit", title: "Unit", is_text: true } : null,
+      { key: "mean", title: "Mean", group: "Predicted", text: (value) => number_text(value, 5) },
+      { key: "std", title: "Std. dev.", group: "Predicted" },
+      {
+        key: "interval",
+        title: "95 % of specimens",
+        group: "Predicted",
+        text: (ends) => (ends ? `${number_text(ends[0], 5)} … ${number_text(ends[1], 5)}` : "–"),
+        csv: ({ interval }) => interval?.join(" to ") ?? "",
+      },
+      any("tests")
+        ? { key: "tests", title: "n", group: "Held-out tests", text: (n) => (is_number(n) ? String(n) : "–") }
+        : null,
+      any("coverage")
+        ? {
+            key: "coverage",
+            title: "Within",
+            group: "Held-out tests",
+            text: percent,
+            of_class: (row) => (is_off(row) ? "flag" : null),
+          }
+        : null,
+      any("uniformity_p")
+        ? {
+            key: "uniformity_p",
+            title: "p of uniformity",
+            group: "Held-out tests",
+            text: p_value_text,
+            of_class: ({ uniformity_p }) =>
+              is_number(uniformity_p) && uniformity_p < 0.05 / rows.length ? "flag" : null,
+          }
+        : null,
+    ].filter(Boolean),
+    rows,
+    caption: any("coverage")
+      ? "Within: share of the held-out tests inside the 95 % interval. Set off: a share that a right prediction would give in fewer than " +
+        "one of a hundred cases, or a p below 0.05 shared among the outputs."
+      : null,
+  });
+}
+
+function statement({ count, joint_coverage, has_held_out, outputs }) {
+  if (!has_held_out) return paragraph("No tests were held out: nothing here says whether the prediction is right.");
+  const known = outputs.filter(({ coverage }) => is_number(coverage));
+  const mean = known.reduce((sum, { coverage }) => sum + coverage, 0) / (known.length || 1);
+  return paragraph(
+    `Held against ${is_number(count) ? plural(count, "test") : "tests"} that the update did not see`,
+    known.length ? `: ${percent(mean)} of their outputs lie within the predicted 95\u00a0% intervals` : "",
+    is_number(joint_coverage)
+      ? `, and ${percent(joint_coverage)} of the tests as a whole within the predicted 95\u00a0% region.`
+      : ".",
+  );
+}
+
+function histogram_figure(outputs) {
+  const pages = pages_of(outputs, panels_a_page);
+  let shown = pages.page(0);
+  const controls = pager({
+    ...pages,
+    show: (k) => {
+      shown = pages.page(k);
+      redraw("prediction-pit", { afresh: true });
+    },
+  });
+  return figure({
+    id: "prediction-pit",
+    title: "Where the held-out tests lie in the predicted distribution",
+    caption:
+      "Flat, within the grey strip: the prediction is right. A hump in the middle: predicted too wide; high ends: too narrow; " +
+      "a slope: shifted.",
+    controls,
+    build: (width) => pit_histograms(shown, width),
+  });
+}
+
+export default {
+  id: "predictions",
+  title: (study) => (read(study).has_held_out ? "Predictions against held-out tests" : "Predictions"),
+  has_data: (study) => read(study).outputs.some(({ mean }) => is_number(mean)),
+  explained: [
+    [
+      "Probability integral transform",
+      "The share of the predicted distribution that lies below a test. If the prediction is right these numbers are spread evenly from 0 to 1.",
+    ],
+    ["Held-out tests", "Tests that the update did not use: the only ones that can show whether it predicts."],
+  ],
+  content(study) {
+    const prediction = read(study);
+    const with_tests = prediction.outputs.filter((output) => tested(output).length > 0);
+    const with_bars = prediction.outputs.filter(({ interval, std }) => interval && std > 0);
+    return [
+      statement(prediction),
+      table(prediction),
+      with_bars.length
+        ? figure({
+            id: "prediction-intervals",
+            title: with_tests.length ? "Predicted intervals and held-out tests" : "Predicted intervals",
+            caption:
+              "Bars: where 95\u00a0% of specimens are expected." +
+              (with_tests.length
+                ? " Diamonds: held-out tests; triangles: those outside. Beyond ±4 they are drawn at 4."
+                : ""),
+            build: (width) => interval_bars(with_bars, width),
+          })
+        : null,
+      with_tests.length ? histogram_figure(with_tests) : null,
+    ];
+  },
+};

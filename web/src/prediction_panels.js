@@ -1,0 +1,209 @@
+// Drawings of a prediction: intervals of the outputs with the held-out tests on them, and histograms of their transforms.
+import { extent, is_number } from "./data.js";
+import { axis, tooltip_box, zooming } from "./charts.js";
+import { name_with_unit, number_text, p_value_text, plural, short_number } from "./format.js";
+import { band_series, layout, panel_frame } from "./panels.js";
+import { bound, ink, model, muted, paper, test, test_band } from "./palette.js";
+import { binomial_range, normal_quantile } from "./quantiles.js";
+
+const level = 0.95;
+/** Transforms of the held-out tests that have the output; `pit` also holds null. */
+export const tested = ({ pit }) => pit.filter(is_number);
+
+/** Where a held-out test lies, in predicted deviations from the predicted mean; its transform is kept within ±4. */
+const place_of = (pit) => Math.max(-4, Math.min(4, normal_quantile(pit)));
+const is_outside = (pit) => pit < (1 - level) / 2 || pit > (1 + level) / 2;
+
+function label_of(output, width) {
+  if (width < 620 || !is_number(output.mean)) return output.name;
+  return `${output.name}: ${number_text(output.mean, 4)} ± ${number_text(output.std, 2)} ${output.unit}`.trim();
+}
+
+/** One bar an output, in predicted deviations, and the held-out tests on it. */
+export function interval_bars(outputs, width) {
+  const labels = outputs.map((output) => label_of(output, width));
+  const left = Math.min(width * 0.4, 24 + 7 * Math.max(...labels.map((text) => text.length)));
+  const row_height = 26;
+  const grid = { left, right: 16, top: 14, height: outputs.length * row_height, outerBoundsMode: "none" };
+  const points = (wanted) =>
+    outputs.flatMap(({ pit }, row) =>
+      pit.flatMap((value, specimen) =>
+        is_number(value) && is_outside(value) === wanted ? [[place_of(value), row, specimen, value]] : [],
+      ),
+    );
+  const marks = (name, data, color, symbol) => ({
+    name,
+    type: "scatter",
+    symbol,
+    symbolSize: data.length > 300 ? 6 : 8,
+    z: 4,
+    itemStyle: { color, borderColor: paper, borderWidth: 0.6, opacity: 0.85 },
+    data,
+  });
+  const bars = outputs.map(({ interval, mean, std }, row) => {
+    const ends = interval && std > 0 ? interval.map((end) => (end - mean) / std) : null;
+    return ends ? [ends[0], row, ends[1]] : [null, row, null];
+  });
+  const all = [...points(false), ...points(true)].map(([x]) => x);
+  const reach = Math.max(3, ...extent([...all, ...bars.flatMap(([a, , b]) => [a, b])]).map(Math.abs)) * 1.05;
+  const option = {
+    grid: [grid],
+    xAxis: axis({
+      name:
+        width < 560 ? "Predicted deviations from the mean" : "Predicted standard deviations from the predicted mean",
+      nameGap: 28,
+      min: -reach,
+      max: reach,
+      axisLabel: { showMinLabel: false, showMaxLabel: false, formatter: (value) => short_number(value, 2) },
+    }),
+    yAxis: axis({
+      type: "category",
+      inverse: true,
+      data: labels,
+      splitLine: { show: false },
+      axisTick: { show: false },
+      axisLine: { show: true, onZero: true, lineStyle: { color: muted } },
+      axisLabel: { color: ink, fontSize: 12, interval: 0, width: left - 12, overflow: "truncate" },
+    }),
+    ...zooming(1),
+    tooltip: {
+      trigger: "item",
+      formatter: ({ value }) => {
+        const output = outputs[value[1]];
+        return value.length === 4
+          ? tooltip_box(name_with_unit(output), [
+              `Held-out test ${value[2] + 1}`,
+              `Probability integral transform ${number_text(value[3], 3)}`,
+            ])
+          : tooltip_box(name_with_unit(output), [
+              `Mean ${number_text(output.mean, 5)}, standard deviation ${number_text(output.std)}`,
+              output.interval
+                ? `95 %: ${number_text(output.interval[0], 5)} … ${number_text(output.interval[1], 5)}`
+                : "",
+            ]);
+      },
+    },
+    series: [
+      {
+        name: "95 % interval",
+        type: "custom",
+        clip: true,
+        z: 2,
+        data: bars,
+        encode: { x: [0, 2], y: 1 },
+        itemStyle: { color: model, opacity: 0.28 },
+        renderItem: (params, api) => {
+          if (!Number.isFinite(api.value(0))) return null;
+          const [x0, y] = api.coord([api.value(0), api.value(1)]);
+          const [x1] = api.coord([api.value(2), api.value(1)]);
+          return {
+            type: "rect",
+            shape: { x: x0, y: y - row_height * 0.3, width: x1 - x0, height: row_height * 0.6 },
+            style: { fill: model, opacity: 0.28 },
+          };
+        },
+      },
+      marks("Held-out test", points(false), test, "diamond"),
+      marks("Held-out test outside", points(true), bound, "triangle"),
+    ],
+  };
+  return { option, height: grid.top + grid.height + 52 };
+}
+
+/** As many bins as the tests can fill: about ten in each, five to ten bins. */
+const bins_for = (count) => Math.max(4, Math.min(10, Math.floor(count / 8)));
+
+function histogram(output) {
+  const values = tested(output);
+  const bins = bins_for(values.length);
+  const counts = new Array(bins).fill(0);
+  for (const value of values) counts[Math.min(bins - 1, Math.max(0, Math.floor(value * bins)))] += 1;
+  return { counts, bins, total: values.length, range: binomial_range(values.length, 1 / bins, level) };
+}
+
+/** One histogram an output, with the range that an even spread gives. */
+export function pit_histograms(outputs, width) {
+  const { cells, height } = layout(outputs.length, width, { aspect: 0.5, legend_height: 6 });
+  const drawn = outputs.map((output) => ({ output, ...histogram(output) }));
+  const panels = drawn.map(({ output, counts, range }) => ({
+    title: is_number(output.uniformity_p)
+      ? `${output.name}, p ${p_value_text(output.uniformity_p).replace(/^(?!<)/, "= ")}`
+      : output.name,
+    x: {
+      name: "Probability integral transform",
+      min: 0,
+      max: 1,
+      interval: 0.25,
+      axisLabel: { fontSize: 11, formatter: (value) => short_number(value, 2) },
+    },
+    y: {
+      name: "Tests",
+      min: 0,
+      max: Math.max(...counts, range[1]) * 1.15,
+      minInterval: 1,
+      axisLabel: { fontSize: 11, showMaxLabel: false, formatter: (value) => short_number(value, 3) },
+    },
+  }));
+  const series = drawn.flatMap(({ counts, bins, range }, panel) => [
+    band_series(
+      "Expected, 95 % of bins",
+      [
+        [0, ...range],
+        [1, ...range],
+      ],
+      test_band,
+      panel,
+    ),
+    {
+      name: "Held-out tests",
+      type: "custom",
+      xAxisIndex: panel,
+      yAxisIndex: panel,
+      clip: true,
+      z: 2,
+      data: counts.map((count, k) => [(k + 0.5) / bins, count, k]),
+      encode: { x: 0, y: 1 },
+      itemStyle: { color: model },
+      renderItem: (params, api) => {
+        const [x0, top] = api.coord([api.value(2) / bins, api.value(1)]);
+        const [x1, foot] = api.coord([(api.value(2) + 1) / bins, 0]);
+        return {
+          type: "rect",
+          shape: { x: x0 + 0.5, y: top, width: x1 - x0 - 1, height: foot - top },
+          style: { fill: model, opacity: 0.75 },
+        };
+      },
+    },
+    {
+      name: "Expected",
+      type: "line",
+      xAxisIndex: panel,
+      yAxisIndex: panel,
+      symbol: "none",
+      silent: true,
+      z: 3,
+      lineStyle: { color: muted, width: 1.5, type: "dashed" },
+      itemStyle: { color: muted },
+      data: [
+        [0, drawn[panel].total / bins],
+        [1, drawn[panel].total / bins],
+      ],
+    },
+  ]);
+  const option = {
+    ...panel_frame(panels, cells),
+    ...zooming(panels.length),
+    series,
+    tooltip: {
+      trigger: "item",
+      formatter: ({ value, seriesIndex }) => {
+        const { output, bins, range } = drawn[series[seriesIndex].xAxisIndex];
+        return tooltip_box(output.name, [
+          `${short_number(value[2] / bins, 2)} to ${short_number((value[2] + 1) / bins, 2)}: ${plural(value[1], "test")}`,
+          `Expected: ${range[0]} to ${range[1]}`,
+        ]);
+      },
+    },
+  };
+  return { option, height };
+}

@@ -1,0 +1,120 @@
+// Turns a simulated run into one of a method that estimates a population: intervals, specimens, outliers, predictions.
+// Its numbers serve to look at the page; nobody takes them as results.
+import { apply, cholesky, random_normal } from "./matrix.mjs";
+
+const fisher = (r, n) => [
+  Math.tanh(Math.atanh(r) - 1.96 / Math.sqrt(n - 3)),
+  Math.tanh(Math.atanh(r) + 1.96 / Math.sqrt(n - 3)),
+];
+
+/** A covariance with the deviations of `std` and a correlation of 0.75 between the first two. */
+function covariance_of(std) {
+  return std.map((a, i) => std.map((b, j) => a * b * (i === j ? 1 : i + j === 1 ? 0.75 : 0.12 * Math.cos(i * j))));
+}
+
+function normal_probability(z) {
+  const t = 1 / (1 + 0.3275911 * (Math.abs(z) / Math.SQRT2));
+  const tail = ((((1.061405429 * t - 1.453152027) * t + 1.421413741) * t - 0.284496736) * t + 0.254829592) * t;
+  const p = 0.5 * tail * Math.exp((-z * z) / 2);
+  return z > 0 ? 1 - p : p;
+}
+
+/** Directions of the last `count` parameters in pairs, and the last one alone. */
+function unseen_of(names, count) {
+  return Array.from({ length: count }, (_, k) => {
+    const weights = Object.fromEntries(names.map((name) => [name, 0]));
+    const at = names.length - 1 - 2 * k;
+    if (k === count - 1)
+      return { weights: { ...weights, [names[at]]: 1 }, meaning: `${names[at]} is not seen by the outputs` };
+    if (k === 1) {
+      const parts = [0.6, -0.5, 0.45, -0.3, 0.25, -0.1826];
+      return { weights: { ...weights, ...Object.fromEntries(parts.map((part, i) => [names[i], part])) } };
+    }
+    return { weights: { ...weights, [names[at]]: 0.74, [names[at - 1]]: -0.6726 } };
+  });
+}
+
+export function prediction_of(names, held_out, { seed = 5, narrow = 1 } = {}) {
+  const normal = random_normal(seed);
+  const mean = names.map((_, k) => 40 * 1.4 ** k);
+  const std = mean.map((value) => 0.012 * value * narrow);
+  const z = Array.from({ length: held_out }, () => names.map(() => normal() / narrow));
+  const pit = z.map((row) => row.map(normal_probability));
+  const share = (inside) => inside.filter(Boolean).length / held_out;
+  return {
+    outputs: { names, units: names.map(() => "Hz") },
+    mean,
+    std,
+    interval95: mean.map((value, k) => [value - 1.96 * std[k], value + 1.96 * std[k]]),
+    held_out: {
+      count: held_out,
+      coverage: names.map((_, k) => share(z.map((row) => Math.abs(row[k]) < 1.96))),
+      joint_coverage: share(z.map((row) => row.every((value) => Math.abs(value) < 1.96 + 0.12 * names.length))),
+      pit,
+      uniformity_p: names.map((_, k) => (narrow < 1 ? 1e-5 : 0.2 + 0.1 * k)),
+    },
+  };
+}
+
+/**
+ * @param scales       of the first parameters; the others are on their own axis
+ * @param unseen       number of unseen directions, in which no interval is known
+ * @param prediction   of prediction_of, optional
+ */
+export function with_population(data, { scales = [], unseen = 0, outliers = [], prediction = null, seed = 11 } = {}) {
+  const { result, tests } = data;
+  const { parameters, identifiability } = result;
+  const normal = random_normal(seed);
+  const n = tests.rows.length;
+  const q = parameters.names.length;
+  const std = parameters.prior_std.map((value) => 0.6 * value);
+  const covariance = covariance_of(std);
+  const factor = cholesky(covariance);
+  identifiability.unseen_directions = unseen_of(parameters.names, unseen);
+  identifiability.rank = Math.min(identifiability.rank, q - unseen);
+  const is_open = parameters.names.map((name) =>
+    identifiability.unseen_directions.some(({ weights }) => Math.abs(weights[name]) > 0.1),
+  );
+  const half = (i) => (2.26 * std[i]) / Math.sqrt(n);
+  const spread = 1.5 / Math.sqrt(n);
+  Object.assign(parameters, {
+    is_population: true,
+    intervals_by: "analytic",
+    scale: parameters.names.map((_, i) => scales[i] ?? "identity"),
+    prior: parameters.names.map((_, i) => ({
+      kind: scales[i] === "log" ? "lognormal" : "normal",
+      mean: parameters.prior_mean[i],
+      std: parameters.prior_std[i],
+      lower: null,
+      upper: null,
+    })),
+    std: std.map((value, i) => (is_open[i] && unseen > 2 && i === q - 1 ? 0 : value)),
+    covariance,
+    mean_ci95: parameters.mean.map((value, i) => (is_open[i] ? [null, null] : [value - half(i), value + half(i)])),
+    std_ci95: std.map((value, i) => (is_open[i] ? [null, null] : [value * (1 - spread), value * (1 + 1.8 * spread)])),
+    correlation_ci95: covariance.map((row, i) =>
+      row.map((value, j) =>
+        i === j ? [1, 1] : is_open[i] || is_open[j] ? [null, null] : fisher(value / (std[i] * std[j]), n),
+      ),
+    ),
+  });
+  const residual = (specimen, output) => {
+    if (tests.rows[specimen][output] === null) return null;
+    const far = outliers.includes(specimen + 1) && output < 2 ? 3.6 - 7.4 * output : 0;
+    return far || normal();
+  };
+  result.method = "maximum-likelihood";
+  result.specimens = {
+    parameters: Array.from({ length: n }, () => {
+      const step = apply(
+        factor,
+        std.map(() => normal()),
+      );
+      return parameters.mean.map((value, i) => value + step[i]);
+    }),
+    residuals: tests.rows.map((row, s) => row.map((_, k) => residual(s, k))),
+  };
+  result.outliers = outliers.map((specimen, k) => ({ specimen, distance: 5.3 + k, p_value: 2e-5 / (k + 1) }));
+  if (prediction) result.prediction = prediction;
+  return data;
+}
