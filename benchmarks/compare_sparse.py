@@ -1,48 +1,29 @@
 #!/usr/bin/python3
-"""One exact solve for the ten lowest modes of sparse models, on one core, side by side in one run: Mottle, SciPy's
-eigsh (ARPACK on SuperLU), ARPACK on PETSc's CHOLMOD factor, SLEPc's Krylov-Schur on PETSc's CHOLMOD and MUMPS factors.
-All get the matrices that Mottle assembled, and all results must agree. Writes SPARSE.md beside this file.
+"""One exact solve for the ten lowest modes of sparse models, on one core, side by side in one run: Mottle, Spectra on
+our CHOLMOD factor and on its default, SciPy's eigsh (ARPACK on SuperLU), Octave's eigs, ARPACK on PETSc's CHOLMOD factor,
+SLEPc's Krylov-Schur on PETSc's CHOLMOD and MUMPS factors. All get the matrices that Mottle assembled, and all results
+must agree. Writes SPARSE.md beside this file.
 
     make bench; benchmarks/compare_sparse.py [--all] [--program FILE] [MODEL...]
 
---all adds SciPy on the large solid, ten minutes; MODEL... takes these models only and writes no file.
-Debian: python3-scipy, python3-petsc4py-real, python3-slepc4py-real; a peer that is missing is left out of the table.
+--all adds the peers that need minutes for a large model; MODEL... takes these models only and writes no file.
+Debian: libspectra-dev, octave, python3-scipy, python3-petsc4py-real, python3-slepc4py-real; a peer that is missing is
+left out of the table.
 """
 import argparse
 import datetime
-import glob
 import json
-import os
 import pathlib
+import shutil
 import subprocess
-import sys
 import tempfile
 import time
 
-CORE = max(os.sched_getaffinity(0))
-os.sched_setaffinity(0, {CORE})
-# CHOLMOD asks OpenMP for four threads whatever OMP_NUM_THREADS says; on one core they only wait for each other.
-for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "OMP_THREAD_LIMIT"):
-    os.environ[name] = "1"
-FLAGS = pathlib.Path("/proc/cpuinfo").read_text()
-CORE_NAME = "import ctypes; f = ctypes.CDLL('libopenblas.so.0').openblas_get_corename; " \
-            "f.restype = ctypes.c_char_p; print(f().decode())"
+import peers
 
-
-def choose_blas_kernels():
-    """As apps/mottle/blas_kernels.cpp does: other kernels only where OpenBLAS takes the processor for its oldest."""
-    found = subprocess.run(["/usr/bin/python3", "-c", CORE_NAME], capture_output=True, text=True, check=False).stdout
-    if "OPENBLAS_CORETYPE" not in os.environ and found.strip() == "Prescott":
-        if " avx512f" in FLAGS and " avx512vl" in FLAGS:
-            os.environ["OPENBLAS_CORETYPE"] = "SKYLAKEX"
-        elif " avx2" in FLAGS:
-            os.environ["OPENBLAS_CORETYPE"] = "HASWELL"
-
-
-choose_blas_kernels()
-# Debian keeps these packages where Python does not look.
-sys.path += glob.glob("/usr/lib/petscdir/*/*-real/lib/python3/dist-packages")
-sys.path += glob.glob("/usr/lib/slepcdir/*/*-real/lib/python3/dist-packages")
+peers.use_one_core()
+peers.choose_blas_kernels()
+peers.find_petsc()
 
 import numpy as np  # noqa: E402  (threads and kernels must be set first)
 import scipy.sparse  # noqa: E402
@@ -63,6 +44,8 @@ except ImportError:
 
 HERE = pathlib.Path(__file__).resolve().parent
 PROGRAM = HERE.parent / "build" / "release" / "benchmarks" / "mottle_sparse_benchmark"
+SPECTRA = PROGRAM.with_name("mottle_spectra_benchmark")
+OCTAVE = shutil.which("octave-cli")
 MODELS = {"shell2k": ("shell", 2000), "shell20k": ("shell", 20000), "shell100k": ("shell", 100000),
           "solid20k": ("solid", 20000), "solid100k": ("solid", 100000)}
 MODES = 10
@@ -149,11 +132,36 @@ def slepc(package):
     return prepare
 
 
-def contenders():
-    yield "SciPy eigsh (SuperLU)", scipy_superlu, True
-    yield "ARPACK on PETSc's CHOLMOD", arpack_on_petsc("cholmod"), PETSc
-    yield "SLEPc on CHOLMOD", slepc("cholmod"), SLEPc
-    yield "SLEPc on MUMPS", slepc("mumps"), SLEPc
+def timed(prepare):
+    """A contender of this process: folder, matrices -> its best time and eigenvalues."""
+    return lambda _, stiffness, mass: best_time(prepare(stiffness, mass))
+
+
+def program(*command):
+    """A contender that is a program of its own; {} stands for the folder with the matrices."""
+    def run(folder, *_):
+        words = [str(word).format(folder) for word in command]
+        output = subprocess.run(words, check=True, text=True, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL).stdout
+        result = json.loads(output)
+        return result["seconds"], np.array(result["eigenvalues"])
+    return run
+
+
+def spectra(factor):
+    return program(SPECTRA, "{}", MODES, factor, BUDGET)
+
+
+# name, what runs it, whether it is there, models that take it minutes
+CONTENDERS = [
+    ("Spectra on our CHOLMOD factor", spectra("cholmod"), SPECTRA.exists(), ()),
+    ("Spectra (Eigen's SparseLU)", spectra("default"), SPECTRA.exists(), ("shell100k", "solid100k")),
+    ("SciPy eigsh (SuperLU)", timed(scipy_superlu), True, ("shell100k", "solid100k")),
+    ("Octave eigs", program(OCTAVE, "-q", "--no-history", "--norc", HERE / "octave_modes.m", "{}", MODES, BUDGET),
+     OCTAVE, ("solid100k",)),
+    ("ARPACK on PETSc's CHOLMOD", timed(arpack_on_petsc("cholmod")), PETSc, ()),
+    ("SLEPc on CHOLMOD", timed(slepc("cholmod")), SLEPc, ()),
+    ("SLEPc on MUMPS", timed(slepc("mumps")), SLEPc, ()),
+]
 
 
 def best_time(solve):
@@ -182,25 +190,30 @@ def check(model, name, values, expected):
         raise SystemExit(f"{model}: {name} and Mottle differ by {worst:.1e} in an eigenvalue:\n{values}\n{expected}")
 
 
+def contender_rows(model, mottle, folder, everything):
+    stiffness, mass = read_matrix(folder, "K"), read_matrix(folder, "M")
+    for name, run, is_there, slow in CONTENDERS:
+        if not is_there:
+            yield f"| {name} | not installed | |"
+        elif model in slow and not everything:
+            yield f"| {name} | left out: minutes | |"
+        else:
+            seconds, values = run(folder, stiffness, mass)
+            check(model, name, values, np.array(mottle["eigenvalues"]))
+            yield f"| {name} | {seconds:.3g} | {seconds / mottle['cold_s']:.2f} |"
+
+
 def compare(model, arguments):
     """Rows of the table of one model."""
     with tempfile.TemporaryDirectory() as folder:
         folder = pathlib.Path(folder)
         mottle = run_program(arguments.program, *MODELS[model], PATCHES, folder)
-        stiffness, mass = read_matrix(folder, "K"), read_matrix(folder, "M")
-    size = f"{model}, {mottle['equations']} equations"
-    yield f"| {size} | Mottle | {mottle['cold_s']:.3g} | 1 |"
-    yield f"| {size} | Mottle, a further sample, K(x) and M(x) included | {mottle['sample_s']:.3g} " \
-          f"| {mottle['sample_s'] / mottle['cold_s']:.2f} |"
-    for name, prepare, is_there in contenders():
-        if not is_there:
-            yield f"| {size} | {name} | not installed | |"
-        elif model == "solid100k" and prepare is scipy_superlu and not arguments.all:
-            yield f"| {size} | {name} | left out: ten minutes | |"
-        else:
-            seconds, values = best_time(prepare(stiffness, mass))
-            check(model, name, values, np.array(mottle["eigenvalues"]))
-            yield f"| {size} | {name} | {seconds:.3g} | {seconds / mottle['cold_s']:.2f} |"
+        size = f"{model}, {mottle['equations']} equations"
+        yield f"| {size} | Mottle | {mottle['cold_s']:.3g} | 1 |"
+        yield f"| {size} | Mottle, a further sample, K(x) and M(x) included | {mottle['sample_s']:.3g} " \
+              f"| {mottle['sample_s'] / mottle['cold_s']:.2f} |"
+        for row in contender_rows(model, mottle, folder, arguments.all):
+            yield f"| {size} {row}"
 
 
 def deck_row(program, model, family, equations, patches):
@@ -209,11 +222,6 @@ def deck_row(program, model, family, equations, patches):
     ratio = (m["read_s"] + m["assembly_s"]) / m["factor_first_s"]
     return f"| {model}, {m['equations']} equations | {m['read_s']:.3g} | {m['assembly_s']:.3g} " \
            f"| {m['factor_first_s']:.3g} | {m['factor_s']:.3g} | {ratio:.2f} |", m["blas_kernel"]
-
-
-def processor():
-    names = [line.split(":")[1].strip() for line in FLAGS.splitlines() if line.startswith("model name")]
-    return names[0] if names else os.uname().machine
 
 
 def main():
@@ -234,7 +242,7 @@ def main():
     lines = ["# One exact solve of a sparse model", "",
              f"The {MODES} lowest modes from assembled K and M, ordering, factorisation and vectors included; the same "
              f"matrices, tolerance {TOLERANCE:g}, and eigenvalues that agree to {AGREEMENT:g} for all. Processor time "
-             f"on one core, best of one to five, one run, {datetime.date.today().isoformat()}; {processor()}, OpenBLAS "
+             f"on one core, best of one to five, one run, {datetime.date.today().isoformat()}; {peers.processor()}, OpenBLAS "
              f"kernels {decks[0][1]}; made by compare_sparse.py, models by make_models.py.", "",
              "| model | contender | seconds | time of Mottle's |", "|---|---|---|---|", *table, "",
              "From the deck's file to K and M, against one factorisation of K (with its ordering, and again without):",

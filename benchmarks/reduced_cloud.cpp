@@ -52,6 +52,25 @@ mottle::TermCoefficients coefficients(const mottle::AssembledModel& model, const
   return mottle::term_coefficients(model.stiffness, model.mass, samples);
 }
 
+/// What is kept of a cloud: its shapes are read off batch by batch.
+struct Found {
+  MatrixXd values, bounds;  ///< [mode x sample]
+};
+
+Found solve_cloud(const mottle::ReducedModel& reduced, const mottle::TermCoefficients& samples, int threads) {
+  constexpr Index k_batch = 2048;  // as in a study
+  Found found;
+  for (Index first = 0; first < samples.samples(); first += k_batch) {
+    const Index count = std::min(k_batch, samples.samples() - first);
+    const mottle::CertifiedModes part = reduced.solve(samples.range(first, count), threads);
+    found.values.conservativeResize(part.values.rows(), first + count);
+    found.bounds.conservativeResize(part.values.rows(), first + count);
+    found.values.rightCols(count) = part.values;
+    found.bounds.rightCols(count) = part.bounds;
+  }
+  return found;
+}
+
 /// Half of them the samples with the largest bounds, half evenly from the rest.
 std::vector<Index> chosen_samples(const VectorXd& worst, Index count) {
   std::vector<Index> order(static_cast<std::size_t>(worst.size()));
@@ -66,8 +85,7 @@ std::vector<Index> chosen_samples(const VectorXd& worst, Index count) {
   return chosen;
 }
 
-Lines audit(const mottle::AssembledModel& model, const MatrixXd& x, const mottle::CertifiedModes& found,
-            const Arguments& arguments) {
+Lines audit(const mottle::AssembledModel& model, const MatrixXd& x, const Found& found, const Arguments& arguments) {
   const VectorXd worst = found.bounds.colwise().maxCoeff().transpose();
   mottle::SparseModeSolver solver;
   double largest = 0.0;
@@ -93,6 +111,28 @@ Lines audit(const mottle::AssembledModel& model, const MatrixXd& x, const mottle
           fmt::format("\"largest_error\": {:.3g}", largest), fmt::format("\"median_overestimate\": {:.3g}", middle)};
 }
 
+/// Refines what is not certain; how many samples remain so.
+Index refine_unsure(const mottle::ReducedModel& reduced, const mottle::TermCoefficients& samples,
+                    const Arguments& arguments, Found& found, Index& refined, double& seconds) {
+  std::vector<Index> rows;
+  for (Index s = 0; s < found.bounds.cols(); ++s) {
+    if (!(0.5 * found.bounds.col(s).maxCoeff() <= arguments.frequency_error)) rows.push_back(s);
+  }
+  if (rows.empty()) return 0;
+  const mottle::TermCoefficients unsure{samples.stiffness(Eigen::all, rows), samples.mass(Eigen::all, rows)};
+  seconds = time_of([&] {
+    reduced.refine(unsure, arguments.threads, [&](Index i, const mottle::RefinedModes& modes) {
+      const Index s = rows[static_cast<std::size_t>(i)];
+      found.values.col(s) = modes.values;
+      found.bounds.col(s) = modes.bounds;
+    });
+  });
+  for (const Index s : rows) {
+    if (0.5 * found.bounds.col(s).maxCoeff() <= arguments.frequency_error) ++refined;
+  }
+  return static_cast<Index>(rows.size()) - refined;
+}
+
 Lines run(const Arguments& arguments) {
   mottle::NastranModel deck = mottle::read_nastran_model(arguments.deck);
   const auto targets =
@@ -115,15 +155,17 @@ Lines run(const Arguments& arguments) {
         mottle::ReducedModelOptions{.modes = arguments.modes, .tolerance = 2.0 * arguments.frequency_error});
   });
   const double trained = time_of([&] { reduced->train(coefficients(model, training), arguments.threads); });
-  mottle::CertifiedModes found;
-  const double solved = time_of([&] { found = reduced->solve(coefficients(model, x), arguments.threads); });
-  const VectorXd worst = 0.5 * found.bounds.colwise().maxCoeff().transpose();
-  const auto unsure = (worst.array() <= arguments.frequency_error).select(0, Eigen::ArrayXi::Ones(worst.size())).sum();
+  Found found;
+  const double solved = time_of([&] { found = solve_cloud(*reduced, coefficients(model, x), arguments.threads); });
+  Index refined = 0;
+  double refining = 0.0;
+  const Index unsure = refine_unsure(*reduced, coefficients(model, x), arguments, found, refined, refining);
   Lines lines{
       fmt::format("\"equations\": {}", k.rows()),        fmt::format("\"exact_s\": {:.4g}", exact),
       fmt::format("\"begin_s\": {:.4g}", begun),         fmt::format("\"train_s\": {:.4g}", trained),
       fmt::format("\"cloud_s\": {:.4g}", solved),        fmt::format("\"vectors\": {}", reduced->basis().cols()),
-      fmt::format("\"samples\": {}", arguments.samples), fmt::format("\"unsure\": {}", unsure)};
+      fmt::format("\"samples\": {}", arguments.samples), fmt::format("\"refined\": {}", refined),
+      fmt::format("\"refine_s\": {:.4g}", refining),     fmt::format("\"unsure\": {}", unsure)};
   if (arguments.audited > 0) {
     const Lines audited = audit(model, x, found, arguments);
     lines.insert(lines.end(), audited.begin(), audited.end());

@@ -4,16 +4,14 @@
 
 #include <fmt/format.h>
 
-#include <chrono>
 #include <string_view>
 
 #include "mottle/propagation/cloud.hpp"
+#include "patch_model.hpp"
 
 namespace {
 
-double seconds() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
+using mottle::benchmarks::seconds;
 
 /// Best time of one call over about two seconds of calls.
 template <typename Work>

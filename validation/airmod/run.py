@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""AIRMOD: the deck's modes against MD Nastran's, its 18 parameters updated on the means of 14 test modes, and a wide cloud
-by the certified reduced model against full solutions.
+"""AIRMOD: the deck's modes against MD Nastran's, its 18 parameters updated on the means of 14 test modes, the population of
+its 86 assemblies, and a wide cloud by the certified reduced model against full solutions.
 
     validation/airmod/run.py MOTTLE DATA [--keep FOLDER]
 
@@ -12,11 +12,13 @@ import csv
 import json
 import pathlib
 import re
-import subprocess
+import sys
 import tempfile
-import time
 
 HERE = pathlib.Path(__file__).resolve().parent
+sys.path.append(str(HERE.parent))
+from specimen_halves import correlation, print_scatter, run, update_half  # noqa: E402
+
 TEST_MODES = [1, 2, 3, 4, 5, 6, 7, 8, 10, 11, 12, 14, 19, 20]
 NASTRAN_MASS = (42.0211, 42.2211, 42.0211)
 
@@ -25,14 +27,6 @@ def nastran_frequencies(file):
     """The column CYCLES of the eigenvalue table."""
     rows = [line.split() for line in file.read_text().splitlines()]
     return [float(row[4]) for row in rows if len(row) == 7 and row[0].isdigit()]
-
-
-def run(*arguments):
-    begin = time.monotonic()
-    done = subprocess.run([str(argument) for argument in arguments], capture_output=True, text=True, check=False)
-    if done.returncode != 0:
-        raise SystemExit(done.stderr)
-    return json.loads(done.stdout), time.monotonic() - begin
 
 
 def check_modes(mottle, data, folder):
@@ -89,10 +83,37 @@ def check_update(mottle, data, folder):
     return result["status"] == "converged" and worst <= 0.02 and not result["failed_evaluations"]
 
 
+def check_population(mottle, folder):
+    """The population of the 86 assemblies by maximum likelihood: the scatter of the updated model against the tests'."""
+    text = (folder / "study.toml").read_text()
+    text = re.sub(r"method = .*\nsamples = .*\n", 'method = "maximum-likelihood"\nsamples = 1000\n', text)
+    text = re.sub(r"tolerance = .*\n\[update.deterministic\]\n.*\n", "tolerance = 1e-3\n", text)
+    text = text.replace("relative = true", 'relative = true\nscale = "log"')
+    text = text.replace('file = "tests.csv"', 'file = "tests.csv"\nrepeatability = { "f*" = "0.02 %" }')
+    (folder / "population.toml").write_text(text)
+    options = ("--threads", 1, "--cache", "off", "--set", "update.maximum-likelihood.starts=0")
+    _, seconds = run(mottle, "update", folder / "population.toml", "--json", "--out", folder / "population", *options)
+    result = json.loads((folder / "population" / "result.json").read_text())
+    outputs = result["outputs"]
+    means, ratios = print_scatter(outputs)
+    first, second = outputs["names"].index("f21"), outputs["names"].index("f22")
+    correlations = [correlation(outputs[name], first, second) for name in ("final_covariance", "test_covariance")]
+    print(f"means within 0.02 %: {means} of 14, deviations within 5 %: {ratios} of 14, correlation of test modes 19 and "
+          f"20: {correlations[0]:.3f}, tests {correlations[1]:.3f}")
+    print(f"{result['status']}: {result['message']}; {result['model_evaluations']} model runs, {seconds:.0f} s on one core")
+    for direction in result["identifiability"]["unseen_directions"]:
+        print("  " + direction["meaning"])
+    frequencies = [int(name[1:]) for name in outputs["names"]]
+    half = update_half(mottle, text, f"frequencies = {frequencies}", folder / "tests.csv", folder / "half", *options)
+    return (result["status"] == "converged" and means >= 11 and ratios >= 9 and half["status"] == "converged" and
+            abs(correlations[0] - correlations[1]) <= 0.05)
+
+
 def propagate(mottle, folder, name, samples, reduction):
     settings = {"update.samples": samples, "model.reduction": json.dumps(reduction)}
     words = [word for key, value in settings.items() for word in ("--set", f"{key}={value}")]
-    _, seconds = run(mottle, "propagate", folder / "cloud.toml", "--json", "--threads", 1, "--out", folder / name, *words)
+    _, seconds = run(mottle, "propagate", folder / "cloud.toml", "--json", "--threads", 1, "--cache", "off", "--out",
+                     folder / name, *words)
     table = list(csv.DictReader((folder / name / "cloud.csv").open()))
     return json.loads((folder / name / "result.json").read_text()), table, seconds
 
@@ -128,6 +149,7 @@ def main():
         folder.mkdir(parents=True, exist_ok=True)
         claims = [check_modes(options.mottle, options.data.resolve(), folder),
                   check_update(options.mottle, options.data.resolve(), folder),
+                  check_population(options.mottle, folder),
                   check_cloud(options.mottle, folder)]
     return 0 if all(claims) else 1
 
