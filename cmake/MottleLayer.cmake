@@ -11,6 +11,7 @@ function(mottle_layer name)
     PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>
     PRIVATE ${PROJECT_SOURCE_DIR}/src)
   mottle_warnings(mottle_${name})
+  mottle_precompile(mottle_${name} <Eigen/Dense> <fmt/format.h> <filesystem> <functional> <map> <string> <vector>)
   foreach(lower ${LAYER_USES})
     target_link_libraries(mottle_${name} PUBLIC mottle::${lower})
   endforeach()
@@ -25,5 +26,13 @@ function(mottle_warnings target)
     -Wnon-virtual-dtor -Woverloaded-virtual -Wdouble-promotion)
   if(MOTTLE_WERROR)
     target_compile_options(${target} PRIVATE -Werror)
+  endif()
+endfunction()
+
+# mottle_precompile(TARGET header...): reads these once for the target, if MOTTLE_PRECOMPILE. The plain build goes without,
+# so that a source that includes too little does not compile.
+function(mottle_precompile target)
+  if(MOTTLE_PRECOMPILE AND NOT target MATCHES "^mottle_core")  # core goes without Eigen
+    target_precompile_headers(${target} PRIVATE ${ARGN})
   endif()
 endfunction()

@@ -17,27 +17,25 @@ fuzz() {
     -print_final_stats=1 -artifact_prefix="$build/$name-" "$build/corpus/$name" "$@" >"$build/$name.log" 2>&1
 }
 
-fuzz nastran -dict="$build/nastran.dict" tests/formats/nastran &
-nastran=$!
-fuzz csv examples/01-three-masses &
-csv=$!
-fuzz uff tests/formats/uff examples/05-uff-population/specimens &
-uff=$!
-fuzz matrix tests/formats/matrices &
-matrix=$!
-fuzz solver_output -dict=tests/fuzz/solver_output.dict &
-solver_output=$!
+declare -A job
+start() {
+  fuzz "$@" &
+  job[$1]=$!
+}
+start nastran -dict="$build/nastran.dict" tests/formats/nastran
+start csv examples/01-three-masses
+start uff tests/formats/uff examples/05-uff-population/specimens
+start matrix tests/formats/matrices
+start solver_output -dict=tests/fuzz/solver_output.dict
 
 failed=0
-wait $nastran || failed=1
-wait $csv || failed=1
-wait $uff || failed=1
-wait $matrix || failed=1
-wait $solver_output || failed=1
-if ((failed)); then
-  for log in "$build"/{nastran,csv,uff,matrix,solver_output}.log; do echo "::: $log"; tail -40 "$log"; done
-  exit 1
-fi
-for name in nastran csv uff matrix solver_output; do
-  echo "$name: $(grep -oP 'number_of_executed_units: *\K\d+' "$build/$name.log") executions, no finding"
+for name in "${!job[@]}"; do
+  if wait "${job[$name]}"; then
+    echo "$name: $(grep -oP 'number_of_executed_units: *\K\d+' "$build/$name.log") executions, no finding"
+  else
+    failed=1
+    echo "::: $build/$name.log"
+    tail -40 "$build/$name.log"
+  fi
 done
+exit $failed
