@@ -127,7 +127,12 @@ void ReducedModel::Parts::polish_last(Eigen::Index added) {
 }
 
 void ReducedModel::Parts::rotate(const Eigen::MatrixXd& q) {
-  basis = product(basis, q);
+  constexpr Eigen::Index k_rows = 4096;  // at a time: a large basis is not held twice
+  for (Eigen::Index first = 0; first < basis.rows(); first += k_rows) {
+    const Eigen::Index count = std::min(k_rows, basis.rows() - first);
+    basis.block(first, 0, count, q.cols()) = product(basis.middleRows(first, count), q);
+  }
+  basis.conservativeResize(Eigen::NoChange, q.cols());
   floor_modes = transposed_product(q, floor_modes);
   for (auto* terms : {&stiffness, &mass}) {
     for (Eigen::MatrixXd& term : *terms) {

@@ -237,7 +237,7 @@ void enlarge(ReducedModel::Parts& parts, const TermCoefficients& samples, const 
 
 void ReducedModel::train(const TermCoefficients& samples, int threads) {
   constexpr Eigen::Index k_first_samples = 64;
-  constexpr Eigen::Index k_choosing_samples = 256;
+  constexpr Eigen::Index k_choosing_samples = 128;
   constexpr Eigen::Index k_compressing_samples = 200;
   constexpr int k_rounds = 30;
   constexpr double k_good_enough = 1.3;  // times half the tolerance, squared: within it, and no more rounds for a few
