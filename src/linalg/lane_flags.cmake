@@ -12,4 +12,6 @@ foreach(level plain avx2 avx512)
   set_source_files_properties(src/linalg/lane_kernels_${level}.cpp PROPERTIES COMPILE_OPTIONS "${level_flags}")
   set_source_files_properties(src/linalg/lane_jacobi_${level}.cpp PROPERTIES
     COMPILE_OPTIONS "${level_flags};-fno-sanitize=all")
+  set_source_files_properties(src/linalg/lane_kernels_${level}.cpp src/linalg/lane_jacobi_${level}.cpp PROPERTIES
+    SKIP_PRECOMPILE_HEADERS ON)  # which are made with other flags
 endforeach()
