@@ -128,11 +128,7 @@ Eigen::MatrixXd JointDistribution::from_uniform(const Eigen::Ref<const Eigen::Ma
   samples = correlate(uniforms.unaryExpr([](double uniform) { return standard_normal_quantile(uniform); }), factor_);
   if (!scales_.empty()) {
     samples.rowwise() += scale_mean_.transpose();
-    for (Eigen::Index j = 0; j < dimension(); ++j) {
-      const NormalScale& scale = scales_[static_cast<std::size_t>(j)];
-      samples.col(j) = samples.col(j).unaryExpr([&](double t) { return scale.to_variable(t); });
-    }
-    return samples;
+    return to_variables(scales_, samples);
   }
   if (marginals_.empty()) return samples.rowwise() + mean_.transpose();
   for (Eigen::Index j = 0; j < dimension(); ++j) {

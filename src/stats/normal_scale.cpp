@@ -60,6 +60,25 @@ double NormalScale::slope(double t) const {
   return 1.0;
 }
 
+Eigen::MatrixXd to_variables(const std::vector<NormalScale>& scales, const Eigen::Ref<const Eigen::MatrixXd>& points) {
+  Eigen::MatrixXd x = points;
+  for (Eigen::Index i = 0; i < x.cols(); ++i) {
+    const NormalScale& scale = scales[static_cast<std::size_t>(i)];
+    for (double& value : x.col(i)) value = scale.to_variable(value);
+  }
+  return x;
+}
+
+Eigen::MatrixXd from_variables(const std::vector<NormalScale>& scales,
+                               const Eigen::Ref<const Eigen::MatrixXd>& samples) {
+  Eigen::MatrixXd t = samples;
+  for (Eigen::Index i = 0; i < t.cols(); ++i) {
+    const NormalScale& scale = scales[static_cast<std::size_t>(i)];
+    for (double& value : t.col(i)) value = scale.from_variable(value);
+  }
+  return t;
+}
+
 VariableMoments moments_of_variables(const std::vector<NormalScale>& scales,
                                      const Eigen::Ref<const Eigen::VectorXd>& mean,
                                      const Eigen::Ref<const Eigen::MatrixXd>& covariance) {

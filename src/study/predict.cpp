@@ -26,10 +26,6 @@ StudyPredict read_predict(TomlReader reader, const StudyModelSource& model, cons
 
 namespace {
 
-Json finite(double value) {
-  return std::isfinite(value) ? Json(value) : Json(nullptr);
-}
-
 void override_system(MassSpringSystem& system, const std::string& target, double value) {
   std::vector<std::string> known;
   for (PointMass& mass : system.masses) {
@@ -102,12 +98,12 @@ Eigen::VectorXd noise_of(const PredictionPlan& plan, const UpdatingProblem& prob
 Json check_json(const HeldOutCheck& check, double joint_critical) {
   return {{"specimens", check.transforms.rows()},
           {"coverage", to_json(check.coverage)},
-          {"joint_coverage", finite(check.joint_coverage)},
-          {"joint_critical", finite(joint_critical)},
+          {"joint_coverage", number_json(check.joint_coverage)},
+          {"joint_critical", number_json(joint_critical)},
           {"squared_distances", to_json(check.distances)},
           {"transforms", to_json_rows(check.transforms)},
           {"uniformity_p_values", to_json(check.uniformity)},
-          {"adjusted_p_value", finite(check.adjusted_p)}};
+          {"adjusted_p_value", number_json(check.adjusted_p)}};
 }
 
 std::string prediction_csv(const Prediction& prediction, const HeldOutCheck* check,
@@ -172,7 +168,7 @@ PredictionReport run_prediction(const Study& study, const PredictionPlan& plan, 
   report.json["std"] = to_json(prediction.covariance.diagonal().cwiseSqrt());
   report.json["covariance"] = to_json_rows(prediction.covariance);
   report.json["interval95"] = to_json_rows(prediction.interval);
-  report.json["joint_critical"] = finite(prediction.joint_critical);
+  report.json["joint_critical"] = number_json(prediction.joint_critical);
   report.json["noise_std"] = to_json(settings.noise_std);
   report.json["draws"] = settings.draws;
   report.json["draws_left_out"] = prediction.impossible;

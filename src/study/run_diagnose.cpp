@@ -1,6 +1,4 @@
 // The job of `mottle diagnose`.
-#include <cmath>
-
 #include "candidates.hpp"
 #include "mottle/core/text.hpp"
 #include "mottle/model/journal.hpp"
@@ -13,31 +11,27 @@
 namespace mottle {
 namespace {
 
-Json finite(double value) {
-  return std::isfinite(value) ? Json(value) : Json(nullptr);
-}
-
 Json sight_json(const Sight& sight) {
   return {{"name", sight.name},
           {"nominal", sight.nominal},
           {"scale", sight.scale},
-          {"visibility", finite(sight.visibility)},
-          {"own_share", finite(sight.own_share)},
-          {"variance_inflation", finite(sight.inflation)}};
+          {"visibility", number_json(sight.visibility)},
+          {"own_share", number_json(sight.own_share)},
+          {"variance_inflation", number_json(sight.inflation)}};
 }
 
 Json fit_json(const CandidateFit& fit) {
   if (!fit.failure.empty()) return {{"failure", fit.failure}};
-  return {{"gain", finite(fit.gain)},       {"bic", finite(fit.bic)},
-          {"p_value", finite(fit.p_value)}, {"adjusted_p_value", finite(fit.adjusted_p)},
-          {"mean", finite(fit.mean)},       {"std", finite(fit.deviation)},
-          {"within_bounds", fit.is_within}, {"converged", fit.converged}};
+  return {{"gain", number_json(fit.gain)},       {"bic", number_json(fit.bic)},
+          {"p_value", number_json(fit.p_value)}, {"adjusted_p_value", number_json(fit.adjusted_p)},
+          {"mean", number_json(fit.mean)},       {"std", number_json(fit.deviation)},
+          {"within_bounds", fit.is_within},      {"converged", fit.converged}};
 }
 
 Json candidate_json(const CandidateFinding& finding, const std::vector<std::string>& targets) {
   Json json = sight_json(finding.sight);
   json["targets"] = targets;
-  json["bic"] = finite(finding.bic());
+  json["bic"] = number_json(finding.bic());
   json["best"] = finding.better().is_freed ? "freed" : "shifted";
   json["shifted"] = fit_json(finding.shifted);
   json["freed"] = fit_json(finding.freed);
@@ -58,7 +52,7 @@ Json diagnosis_json(const Study& study, const Study& whole, const Diagnosis& dia
                         {"mean", to_json(diagnosis.mean)},
                         {"std", to_json(diagnosis.deviation)},
                         {"at_bound", diagnosis.at_bound},
-                        {"log_likelihood", finite(diagnosis.log_likelihood)},
+                        {"log_likelihood", number_json(diagnosis.log_likelihood)},
                         {"converged", diagnosis.converged},
                         {"unreproduced_specimens", diagnosis.unreproduced},
                         {"directions_out_of_reach", diagnosis.judging}};

@@ -6,6 +6,7 @@
 
 #include "mottle/core/error.hpp"
 #include "mottle/stats/chi_squared.hpp"
+#include "mottle/updating/scaled_parameters.hpp"
 #include "population_report.hpp"
 
 namespace mottle {
@@ -127,14 +128,7 @@ double CandidateFits::distance_beside(const ParameterSet& set, const Eigen::Vect
   try {
     const SpecimenFits centre = fit_specimens(part, tests.mean.transpose(), {prior.mean, prior.covariance, noise_.base},
                                               {prior.mean.transpose()}, context_, evaluations_);
-    const std::vector<NormalScale> scales = space.scales();
-    Eigen::VectorXd x(space.count());
-    for (Eigen::Index i = 0; i < x.size(); ++i) {
-      x(i) = scales[static_cast<std::size_t>(i)].to_variable(centre.points(0, i));
-    }
-    x = space.clamp(x);
-    t = x;
-    for (Eigen::Index i = 0; i < x.size(); ++i) t(i) = scales[static_cast<std::size_t>(i)].from_variable(x(i));
+    t = clamp_on_scales(space, centre.points.row(0));
     const Eigen::VectorXd y = outputs_on_scales(part, t.transpose(), context_, evaluations_).row(0);
     const Eigen::ArrayXd variance = (tests.covariance.diagonal() + noise_.base).array().max(1e-300);
     const double distance = ((tests.mean - y).array().square() / variance).sum();
@@ -242,10 +236,8 @@ double CandidateFits::linear_gain(const SetFit& base, const ParameterSet& set, E
   const Eigen::Index n = specimens();
   Eigen::MatrixXd samples = problem_.space.prior().mean().transpose().replicate(2 * n, 1);
   for (std::size_t i = 0; i < set.members.size(); ++i) {
-    const NormalScale& scale = scales[static_cast<std::size_t>(set.members[i])];
-    const Eigen::VectorXd x = base.fit.specimens.points.col(static_cast<Eigen::Index>(i)).unaryExpr([&](double t) {
-      return scale.to_variable(t);
-    });
+    const Eigen::VectorXd x = to_variables({scales[static_cast<std::size_t>(set.members[i])]},
+                                           base.fit.specimens.points.col(static_cast<Eigen::Index>(i)));
     samples.col(set.members[i]) << x, x;
   }
   samples.col(candidate).head(n).array() += step;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "mottle/stats/standard_normal.hpp"
+#include "mottle/updating/scaled_parameters.hpp"
 
 namespace mottle {
 namespace {
@@ -63,9 +64,7 @@ std::vector<Eigen::VectorXd> other_solutions(const UpdatingProblem& problem, con
   const std::vector<NormalScale> scales = problem.space.scales();
   std::vector<Eigen::VectorXd> solutions;
   for (std::size_t k = 1; k < kept.size(); ++k) {
-    Eigen::VectorXd x = kept[k];
-    for (Eigen::Index i = 0; i < x.size(); ++i) x(i) = scales[static_cast<std::size_t>(i)].to_variable(x(i));
-    solutions.push_back(std::move(x));
+    solutions.emplace_back(to_variables(scales, kept[k].transpose()).row(0));
   }
   return solutions;
 }

@@ -7,6 +7,7 @@
 
 #include "mottle/core/error.hpp"
 #include "mottle/updating/iteration.hpp"
+#include "mottle/updating/scaled_parameters.hpp"
 
 namespace mottle {
 namespace {
@@ -169,8 +170,7 @@ Eigen::RowVectorXd means_of_tests(const Eigen::Ref<const Eigen::MatrixXd>& value
 
 Eigen::VectorXd clamp_on_scales(const ParameterSpace& space, const Eigen::VectorXd& t) {
   const std::vector<NormalScale> scales = space.scales();
-  Eigen::VectorXd x(t.size());
-  for (Eigen::Index i = 0; i < t.size(); ++i) x(i) = scales[static_cast<std::size_t>(i)].to_variable(t(i));
+  const Eigen::VectorXd x = to_variables(scales, t.transpose()).row(0);
   const Eigen::VectorXd clamped = space.clamp(x);
   Eigen::VectorXd result = t;
   for (Eigen::Index i = 0; i < t.size(); ++i) {

@@ -52,12 +52,8 @@ void forget_unseen(const UpdatingProblem& problem, const PopulationFit& fit, Par
 
 SpecimenEstimates estimate_specimens(const UpdatingProblem& problem, const PopulationFit& fit) {
   const Eigen::MatrixXd& values = problem.tests.values;
-  SpecimenEstimates estimates{fit.specimens.points, Eigen::MatrixXd::Constant(values.rows(), values.cols(), k_nan)};
-  const std::vector<NormalScale> scales = problem.space.scales();
-  for (Eigen::Index i = 0; i < estimates.parameters.cols(); ++i) {
-    const NormalScale& scale = scales[static_cast<std::size_t>(i)];
-    estimates.parameters.col(i) = estimates.parameters.col(i).unaryExpr([&](double t) { return scale.to_variable(t); });
-  }
+  SpecimenEstimates estimates{to_variables(problem.space.scales(), fit.specimens.points),
+                              Eigen::MatrixXd::Constant(values.rows(), values.cols(), k_nan)};
   for (Eigen::Index s = 0; s < values.rows(); ++s) {
     std::vector<Eigen::Index> rows;
     for (Eigen::Index k = 0; k < values.cols(); ++k) {

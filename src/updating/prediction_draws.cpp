@@ -74,12 +74,7 @@ Eigen::MatrixXd PredictiveDraws::points(Kind kind) const {
 }
 
 Eigen::MatrixXd PredictiveDraws::draw(Kind kind, Prediction& prediction) const {
-  Eigen::MatrixXd x = points(kind);
-  const std::vector<NormalScale> scales = space_.scales();
-  for (Eigen::Index i = 0; i < x.cols(); ++i) {
-    const NormalScale& scale = scales[static_cast<std::size_t>(i)];
-    x.col(i) = x.col(i).unaryExpr([&](double t) { return scale.to_variable(t); });
-  }
+  const Eigen::MatrixXd x = to_variables(space_.scales(), points(kind));
   std::vector<Eigen::Index> possible;
   for (Eigen::Index s = 0; s < x.rows(); ++s) {
     if (x.row(s).allFinite() && space_.is_possible(x.row(s))) possible.push_back(s);

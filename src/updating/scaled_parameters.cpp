@@ -59,32 +59,33 @@ double quotient(double ahead, double centre, double behind, double step) {
 
 }  // namespace
 
-ScaledParameters::ScaledParameters(const ParameterSpace& space)
-    : scales_(space.scales()), start_(space.prior().mean()), deviation_(space.count()) {
+PriorOnScales prior_on_scales(const ParameterSpace& space) {
+  const std::vector<NormalScale> scales = space.scales();
+  Eigen::VectorXd mean = from_variables(scales, space.prior().mean().transpose()).row(0);
+  Eigen::VectorXd slope(mean.size());
+  for (Eigen::Index i = 0; i < slope.size(); ++i) slope(i) = scales[static_cast<std::size_t>(i)].slope(mean(i));
+  return {std::move(mean),
+          slope.cwiseInverse().asDiagonal() * space.prior().covariance() * slope.cwiseInverse().asDiagonal()};
+}
+
+ScaledParameters::ScaledParameters(const ParameterSpace& space) : scales_(space.scales()) {
+  PriorOnScales prior = prior_on_scales(space);
+  start_ = std::move(prior.mean);
+  covariance_ = std::move(prior.covariance);
+  deviation_ = covariance_.diagonal().cwiseSqrt();
   const Eigen::VectorXd lowest = space.clamp(Eigen::VectorXd::Constant(space.count(), -k_infinity));
   const Eigen::VectorXd highest = space.clamp(Eigen::VectorXd::Constant(space.count(), k_infinity));
   lower_ = lowest;
   upper_ = highest;
-  Eigen::VectorXd slope(space.count());
   for (Eigen::Index i = 0; i < space.count(); ++i) {
     const NormalScale& scale = scales_[static_cast<std::size_t>(i)];
-    start_(i) = scale.from_variable(start_(i));
-    slope(i) = scale.slope(start_(i));
     lower_(i) = scaled_end(scale, lowest(i));
     upper_(i) = scaled_end(scale, highest(i));
   }
-  covariance_ = slope.cwiseInverse().asDiagonal() * space.prior().covariance() * slope.cwiseInverse().asDiagonal();
-  deviation_ = covariance_.diagonal().cwiseSqrt();
 }
 
 Eigen::MatrixXd ScaledParameters::to_variables(const Eigen::Ref<const Eigen::MatrixXd>& points) const {
-  Eigen::MatrixXd variables = points;
-  for (Eigen::Index i = 0; i < points.cols(); ++i) {
-    const NormalScale& scale = scales_[static_cast<std::size_t>(i)];
-    if (scale.kind == NormalScale::Kind::identity) continue;
-    variables.col(i) = points.col(i).unaryExpr([&](double t) { return scale.to_variable(t); });
-  }
-  return variables;
+  return mottle::to_variables(scales_, points);
 }
 
 Eigen::VectorXd ScaledParameters::slopes(const Eigen::Ref<const Eigen::VectorXd>& point) const {

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "mottle/core/error.hpp"
+#include "mottle/updating/scaled_parameters.hpp"
 
 namespace mottle {
 namespace {
@@ -113,12 +114,7 @@ void learn(Eigen::MatrixXd& jacobian, const Eigen::VectorXd& step, const Eigen::
 
 Eigen::MatrixXd outputs_on_scales(const UpdatingProblem& problem, const Eigen::Ref<const Eigen::MatrixXd>& points,
                                   const RunContext& context, std::int64_t& evaluations) {
-  const std::vector<NormalScale> scales = problem.space.scales();
-  Eigen::MatrixXd x = points;
-  for (Eigen::Index i = 0; i < x.cols(); ++i) {
-    const NormalScale& scale = scales[static_cast<std::size_t>(i)];
-    x.col(i) = x.col(i).unaryExpr([&](double t) { return scale.to_variable(t); });
-  }
+  const Eigen::MatrixXd x = to_variables(problem.space.scales(), points);
   // What is physically impossible is not put to the model: it counts as a failed run.
   std::vector<Eigen::Index> possible;
   for (Eigen::Index s = 0; s < x.rows(); ++s) {
@@ -131,19 +127,6 @@ Eigen::MatrixXd outputs_on_scales(const UpdatingProblem& problem, const Eigen::R
   evaluations += asked.rows();
   result(possible, Eigen::all) = problem.model.evaluate(asked, context).outputs;
   return result;
-}
-
-PriorOnScales prior_on_scales(const ParameterSpace& space) {
-  PriorOnScales prior{space.prior().mean(), space.prior().covariance()};
-  const std::vector<NormalScale> scales = space.scales();
-  for (Eigen::Index i = 0; i < prior.mean.size(); ++i) {
-    const NormalScale& scale = scales[static_cast<std::size_t>(i)];
-    prior.mean(i) = scale.from_variable(prior.mean(i));
-    const double slope = scale.slope(prior.mean(i));
-    prior.covariance.row(i) /= slope;
-    prior.covariance.col(i) /= slope;
-  }
-  return prior;
 }
 
 SpecimenFits fit_specimens(const UpdatingProblem& problem, const Eigen::Ref<const Eigen::MatrixXd>& values,

@@ -30,8 +30,6 @@ class SurrogateModel final : public Model {
   Evaluation evaluate(const Eigen::Ref<const Eigen::MatrixXd>& samples, const RunContext& context) const override;
 
  private:
-  Eigen::MatrixXd on_scales(const Eigen::Ref<const Eigen::MatrixXd>& samples) const;
-
   const Model& model_;
   std::vector<NormalScale> scales_;
   std::unique_ptr<const Surrogate> surrogate_;

@@ -25,6 +25,11 @@ struct NormalScale {
   double slope(double t) const;
 };
 
+/// x of t, and t of x, row by row [point x variable].
+Eigen::MatrixXd to_variables(const std::vector<NormalScale>& scales, const Eigen::Ref<const Eigen::MatrixXd>& points);
+Eigen::MatrixXd from_variables(const std::vector<NormalScale>& scales,
+                               const Eigen::Ref<const Eigen::MatrixXd>& samples);
+
 /// Mean and covariance of variables x whose t are normal with `mean` and `covariance`.
 ///
 /// Closed forms for identity and log; Gauss-Hermite quadrature of 40 points a dimension where a logit takes part.

@@ -8,6 +8,14 @@
 
 namespace mottle {
 
+/// Prior mean and covariance on the parameters' scales: those of the prior itself for the identity, to first order
+/// through the mean else.
+struct PriorOnScales {
+  Eigen::VectorXd mean;
+  Eigen::MatrixXd covariance;
+};
+PriorOnScales prior_on_scales(const ParameterSpace& space);
+
 /// Everything that a method which works with t = g(x) needs of a ParameterSpace.
 class ScaledParameters {
  public:

@@ -52,12 +52,4 @@ SpecimenFits fit_specimens(const UpdatingProblem& problem, const Eigen::Ref<cons
 Eigen::MatrixXd outputs_on_scales(const UpdatingProblem& problem, const Eigen::Ref<const Eigen::MatrixXd>& points,
                                   const RunContext& context, std::int64_t& evaluations);
 
-/// Prior mean and covariance on the parameters' scales: those of the prior itself for the identity, to first order
-/// through the mean else.
-struct PriorOnScales {
-  Eigen::VectorXd mean;
-  Eigen::MatrixXd covariance;
-};
-PriorOnScales prior_on_scales(const ParameterSpace& space);
-
 }  // namespace mottle
