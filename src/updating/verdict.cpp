@@ -16,8 +16,11 @@ VerdictTest mean_agreement_test(const UpdatingProblem& problem, const IterationR
   const TestMoments tests = test_moments(problem.tests);
   const auto specimens = static_cast<int>(problem.tests.values.rows());
   const auto samples = static_cast<int>(state.cloud.valid().outputs.rows());
-  const TwoSampleTest hotelling = hotelling_two_sample(tests.mean, tests.covariance, specimens, state.output_mean,
-                                                       state.output_covariance, samples, level);
+  // Tests scatter by their noise too; where no parameter scatters the outputs, by nothing else.
+  Eigen::MatrixXd covariance = state.output_covariance;
+  covariance.diagonal() += problem.tests.repeatability_std.cwiseAbs2();
+  const TwoSampleTest hotelling =
+      hotelling_two_sample(tests.mean, tests.covariance, specimens, state.output_mean, covariance, samples, level);
   return {.name = "mean-agreement",
           .statistic = hotelling.t_squared,
           .critical = hotelling.critical_t_squared,

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include "mottle/core/random.hpp"
+#include "mottle/stats/descriptive.hpp"
+#include "mottle/stats/standard_normal.hpp"
 #include "mottle/updating/iteration.hpp"
 #include "mottle/updating/mares.hpp"
 #include "support/three_masses.hpp"
@@ -37,6 +40,38 @@ TEST(Verdict, AnIterationThatDidNotConvergeIsInadequate) {
   UpdatingProblem problem = structure.problem(frequencies_of(structure, oracle_parameters()));
   problem.iterations = 2;
   EXPECT_FALSE(judge(problem, MaresUpdater({}).update(problem, {})).adequate);
+}
+
+/// Part of 2000 replications of ten right specimens that the test rejects. The three outputs scatter together alone,
+/// but for the noise.
+double rejected_part(double noise, double known_noise) {
+  constexpr int k_replications = 2000;
+  constexpr int k_specimens = 10;
+  const ThreeMasses structure;
+  UpdatingProblem problem = structure.problem(Eigen::MatrixXd::Zero(k_specimens, 3));
+  problem.tests.repeatability_std = Eigen::Vector3d::Constant(known_noise);
+  RandomStream stream({.seed = 5, .purpose = StreamPurpose::truth}, 0);
+  const auto normal = [&] { return standard_normal_quantile(stream.uniform()); };
+  int rejected = 0;
+  for (int r = 0; r < k_replications; ++r) {
+    IterationRecord state;
+    state.cloud.outputs.resize(1000, 3);
+    for (auto row : state.cloud.outputs.rowwise()) row.setConstant(normal());
+    state.cloud.samples = state.cloud.outputs;
+    state.output_mean = sample_mean(state.cloud.outputs);
+    state.output_covariance = sample_covariance(state.cloud.outputs);
+    for (auto row : problem.tests.values.rowwise()) {
+      row.setConstant(normal());
+      for (double& value : row) value += noise * normal();
+    }
+    if (!mean_agreement_test(problem, state, 0.05).passed) ++rejected;
+  }
+  return static_cast<double>(rejected) / k_replications;
+}
+
+TEST(MeanAgreement, RejectsAsOftenAsItSaysWhereTheNoiseIsKnown) {
+  EXPECT_NEAR(rejected_part(0.1, 0.1), 0.05, 0.02);  // 4 standard errors
+  EXPECT_GT(rejected_part(0.1, 0.0), 0.5);           // unknown noise is taken for a difference
 }
 
 TEST(Identifiability, SingularValuesOfAScaledDiagonalSensitivityAreItsRatios) {
