@@ -23,6 +23,7 @@ import scatter_history from "./sections/scatter_history.js";
 import sensitivity from "./sections/sensitivity.js";
 import shapes from "./sections/shapes.js";
 import spearman from "./sections/spearman.js";
+import surrogate from "./sections/surrogate.js";
 import troubles from "./sections/troubles.js";
 import verdict from "./sections/verdict.js";
 
@@ -36,6 +37,7 @@ const sections = [
   outputs,
   residuals,
   predictions,
+  surrogate,
   convergence,
   output_history,
   parameter_history,

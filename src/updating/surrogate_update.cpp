@@ -65,7 +65,7 @@ void SurrogateUpdate::run_design(const RunContext& context) {
   const Eigen::Index q = space.count();
   const Eigen::Index least = Surrogate::least_runs(settings_.kind, q);
   require(settings_.runs == 0 || settings_.runs >= least,
-          "model.surrogate.runs: {} are too few for {} parameters, at least {} are needed", settings_.runs, q, least);
+          "surrogate.runs: {} are too few for {} parameters, at least {} are needed", settings_.runs, q, least);
   const Eigen::Index runs = settings_.runs > 0 ? settings_.runs : std::max<Eigen::Index>(10 * q, least + least / 2);
   const StreamKey key{.seed = context.seed, .purpose = StreamPurpose::surrogate_runs};
   Eigen::MatrixXd samples = uniform_design(SamplingDesign::latin_hypercube, runs, q, key);

@@ -265,6 +265,7 @@ function sparse(data) {
     interval95: [[0.29, 0.33], null],
     held_out: { count: null, coverage: null, joint_coverage: null, pit: [[0.5, null], null], uniformity_p: null },
   };
+  result.surrogate = { kind: null, rounds: [{ runs: null, carried_error: [0.1, null], error_at_estimate: null }, null] };
   result.rejected_draws = null;
   result.options = null;
   data.clouds = [data.clouds[0], data.clouds[6]];
@@ -286,14 +287,21 @@ mkdirSync(out, { recursive: true });
 const case_1 = () => update(masses_study({})).data;
 write_page("case1", case_1());
 write_page("refused", update(refused_study()).data);
-write_page(
-  "population",
-  with_population(case_1(), {
-    scales: ["identity", "log", "logit"],
-    outliers: [4],
-    prediction: prediction_of(["f4", "f5", "<b>mass</b>"], 12),
-  }),
-);
+const population = with_population(case_1(), {
+  scales: ["identity", "log", "logit"],
+  outliers: [4],
+  prediction: prediction_of(["f4", "f5", "<b>mass</b>"], 12),
+});
+population.result.surrogate = {
+  kind: "kriging",
+  tolerance: 0.1,
+  within_tolerance: false,
+  rounds: [
+    { runs: 30, carried_error: [0.0021, 0.004, 0.011], error_at_estimate: [0.0009, 0.0012, 0.0061] },
+    { runs: 40, carried_error: [0.0009, 0.0012, 0.0061], error_at_estimate: [0.0004, 0.0005, 0.0058] },
+  ],
+};
+write_page("population", population);
 write_page(
   "aeroplane",
   with_population(with_gaps(update(aeroplane_study()).data), {

@@ -170,6 +170,23 @@ export const population_checks = [
     },
   ],
   [
+    "the surrogate's errors stand by output, those of its last round first",
+    async ({ page, data }) => {
+      const { surrogate, outputs } = result_of(data);
+      const rounds = list(surrogate?.rounds);
+      const names = rounds.length ? list(outputs?.names) : [];
+      assert.equal(await page.locator('[data-table="surrogate"] tbody tr').count(), names.length);
+      for (const key of ["carried_error", "error_at_estimate"]) {
+        const values = list(rounds.at(-1)?.[key]);
+        if (has_numbers(values)) await close_to_data(page, "surrogate", key, names, values);
+      }
+      if (!is_number(surrogate?.tolerance)) return;
+      const shares = list(rounds.at(-1).error_at_estimate).map((error, k) => error / Math.sqrt(outputs.test_covariance[k][k]));
+      const flagged = await page.locator('[data-table="surrogate"] td[data-key="share"].flag').count();
+      assert.equal(flagged, shares.filter((share) => share > surrogate.tolerance).length);
+    },
+  ],
+  [
     "predictions stand with their coverage; every held-out test is drawn and counted once",
     async ({ page, data }) => {
       const { prediction } = result_of(data);
