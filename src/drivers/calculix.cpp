@@ -11,6 +11,7 @@
 #include "matrix_store.hpp"
 #include "mottle/core/error.hpp"
 #include "mottle/core/files.hpp"
+#include "mottle/core/text.hpp"
 #include "mottle/drivers/separable_fit.hpp"
 #include "mottle/drivers/solver_process.hpp"
 
@@ -77,6 +78,7 @@ class Solver {
     const PrivateFolder folder;
     write_file_atomically(folder.path() / "model.inp", deck);
     const ProcessEnd end = run({program_.string(), "model"}, folder.path());
+    if (end.kind == ProcessEnd::Kind::stopped) throw Stopped("stopped on request");
     const fs::path stiffness = folder.path() / "model.sti";
     const fs::path mass = folder.path() / "model.mas";
     if (end.kind != ProcessEnd::Kind::done || !fs::exists(stiffness) || !fs::exists(mass)) {
@@ -103,7 +105,8 @@ class Solver {
                         .directory = folder,
                         // More threads are slower on small models, and much slower beside other work.
                         .environment = {{"OMP_NUM_THREADS", "1"}, {"OPENBLAS_NUM_THREADS", "1"}},
-                        .timeout = settings_.timeout});
+                        .timeout = settings_.timeout,
+                        .stop = settings_.stop});
   }
 
   CalculixSettings settings_;
@@ -127,10 +130,6 @@ std::vector<Setting> find_settings(const CalculixDeck& deck, const std::vector<P
     setting.is_factor = parameter.is_factor;
     const std::string start = fmt::format("parameter '{}'", parameter.parameter);
     for (const std::string& target : parameter.targets) {
-      require(calculix_field(target) != "NU",
-              "{}: '{}' enters the matrices by no powers; such a model needs a run of the "
-              "solver for each sample: model.kind = \"command\"",
-              start, target);
       std::vector<CalculixNumber> numbers;
       try {
         numbers = find_calculix_numbers(deck, target);
@@ -168,6 +167,13 @@ double nominal_of(const Setting& setting, double fallback) {
 MatrixModel calculix_model(const CalculixDeck& deck, const std::vector<ParameterTargets>& parameters,
                            const Eigen::VectorXd& fallback, const CalculixSettings& settings) {
   const std::vector<Setting> moved = find_settings(deck, parameters);
+  for (const ParameterTargets& parameter : parameters) {
+    for (const std::string& target : parameter.targets) {
+      if (calculix_field(target) != "NU") continue;
+      throw NotSeparable(
+          fmt::format("parameter '{}': '{}' enters the matrices by no powers", parameter.parameter, target));
+    }
+  }
   MatrixModel model;
   model.reference.resize(fallback.size());
   model.limits.resize(parameters.size());
@@ -199,6 +205,27 @@ MatrixModel calculix_model(const CalculixDeck& deck, const std::vector<Parameter
       "{:.1e} of their diagonal",
       fit.runs, solver.runs(), solver.reused(), fit.error));
   return model;
+}
+
+SolverCommand calculix_command(const CalculixDeck& deck, const std::vector<ParameterTargets>& parameters,
+                               const CalculixSettings& settings) {
+  const std::vector<Setting> moved = find_settings(deck, parameters);
+  std::vector<CalculixPlace> places;
+  for (std::size_t i = 0; i < moved.size(); ++i) {
+    for (const CalculixNumber& number : moved[i].numbers) {
+      const std::string factor = moved[i].is_factor ? fmt::format("*{}", number_text(number.value)) : "";
+      places.push_back({number, fmt::format("{{{{{}{}:%20.13e}}}}", parameters[i].parameter, factor)});
+    }
+  }
+  SolverCommand command;
+  command.templates = {{deck.files.front(), "model.inp", deck_with_places(deck, places)}};
+  command.command.arguments = {settings.program, "model"};
+  command.environment = {{"OMP_NUM_THREADS", "1"}, {"OPENBLAS_NUM_THREADS", "1"}};
+  command.timeout = settings.timeout;
+  command.parallel = settings.parallel;
+  command.frequencies = {.file = "model.dat", .format = FrequencyRule::Format::calculix};
+  if (writes_displacements(deck)) command.shapes = {.file = "model.frd", .format = ShapeRule::Format::calculix};
+  return command;
 }
 
 }  // namespace mottle

@@ -8,6 +8,7 @@
 #include "mottle/core/error.hpp"
 #include "mottle/core/files.hpp"
 #include "mottle/core/text.hpp"
+#include "mottle/formats/calculix_results.hpp"
 #include "mottle/formats/csv.hpp"
 #include "mottle/formats/nastran_modes.hpp"
 #include "mottle/formats/text_lines.hpp"
@@ -132,6 +133,8 @@ Eigen::VectorXd read_frequencies(const std::filesystem::path& folder, const Freq
       return read_f06_eigenvalues(bytes, rule.file);
     case Format::punch:
       return read_punch_eigenvalues(bytes, rule.file);
+    case Format::calculix:
+      return parse_calculix_eigenvalues(bytes, rule.file);
     case Format::regex:
       return read_matches(bytes, rule);
     case Format::csv:
@@ -148,8 +151,8 @@ Eigen::VectorXd read_frequencies(const std::filesystem::path& folder, const Freq
 Eigen::VectorXd to_eigenvalues(const Eigen::VectorXd& numbers, const FrequencyRule& rule) {
   using Format = FrequencyRule::Format;
   using Quantity = FrequencyRule::Quantity;
-  const bool is_eigenvalue =
-      rule.format == Format::f06 || rule.format == Format::punch || rule.quantity == Quantity::eigenvalue;
+  const bool is_eigenvalue = rule.format == Format::f06 || rule.format == Format::punch ||
+                             rule.format == Format::calculix || rule.quantity == Quantity::eigenvalue;
   Eigen::VectorXd eigenvalues = numbers;
   for (Eigen::Index k = 0; k < numbers.size(); ++k) {
     const double slack = 1e-6 * std::abs(numbers(k)) + (is_eigenvalue ? 1e-9 * numbers.cwiseAbs().maxCoeff() : 0.0);
@@ -201,6 +204,20 @@ NamedShapes read_shape_csv(std::string_view bytes, const ShapeRule& rule) {
   return collector.shapes();
 }
 
+NamedShapes read_calculix_shapes(std::string_view bytes, const std::string& file) {
+  ShapeCollector collector(file);
+  int mode = 0;
+  for (const CalculixShape& shape : parse_calculix_shapes(bytes, file)) {
+    collector.begin_mode(++mode, 0);
+    for (const auto& [node, displacement] : shape.displacements) {
+      collector.add(fmt::format("{}:+X", node), displacement(0));
+      collector.add(fmt::format("{}:+Y", node), displacement(1));
+      collector.add(fmt::format("{}:+Z", node), displacement(2));
+    }
+  }
+  return collector.shapes();
+}
+
 NamedShapes read_shapes(const std::filesystem::path& folder, const ShapeRule& rule) {
   using Format = ShapeRule::Format;
   const std::string bytes = read_output(folder, rule.file);
@@ -209,6 +226,8 @@ NamedShapes read_shapes(const std::filesystem::path& folder, const ShapeRule& ru
       return read_f06_shapes(bytes, rule.file);
     case Format::punch:
       return read_punch_shapes(bytes, rule.file);
+    case Format::calculix:
+      return read_calculix_shapes(bytes, rule.file);
     case Format::column:
       return read_shape_tables(bytes, rule);
     case Format::csv:

@@ -13,9 +13,6 @@ namespace {
 
 constexpr double k_agreement = 1e-8;
 constexpr double k_rounding = 1e-12;  // of what files of 14 digits leave in a difference of matrices
-constexpr const char* k_advice =
-    "its matrices are no sum of powers of it; such a model needs a run of the solver for each sample: "
-    "model.kind = \"command\"";
 
 /// Powers of x / nominal that a parameter enters by, and where it is evaluated besides 1.
 struct Powers {
@@ -60,11 +57,12 @@ class Fit {
       find_pairs();
       fit = assemble(elsewhere, there);
     }
-    require(fit.error <= k_agreement,
-            "with all parameters moved at once, the matrices are {:.1e} of their diagonal off the best sum of products "
-            "of two parameters' powers; such a model needs a run of the solver for each sample: model.kind = "
-            "\"command\"",
-            fit.error);
+    if (fit.error > k_agreement) {
+      throw NotSeparable(fmt::format(
+          "with all parameters moved at once, the matrices are {:.1e} of their diagonal off the best sum of "
+          "products of two parameters' powers",
+          fit.error));
+    }
     return fit;
   }
 
@@ -109,9 +107,9 @@ class Fit {
   Values ask(const Eigen::VectorXd& scaled) {
     const MatrixRun run = run_(values_at(scaled));
     ++runs_;
-    require(have_one_pattern(run.stiffness, nominal_.stiffness) && have_one_pattern(run.mass, nominal_.mass),
-            "the rows or entries of the solver's matrices change with the parameters; such a model needs a run of the "
-            "solver for each sample: model.kind = \"command\"");
+    if (!have_one_pattern(run.stiffness, nominal_.stiffness) || !have_one_pattern(run.mass, nominal_.mass)) {
+      throw NotSeparable("the rows or entries of the solver's matrices change with the parameters");
+    }
     return packed(run);
   }
 
@@ -261,8 +259,10 @@ class Fit {
         add_product(sum, {{axis, k}}, surplus({{axis, k}}));
       }
       if (difference(evaluate(sum, scaled), there) <= k_agreement) return;
-      require(step + 1 < static_cast<int>(ladder().size()), "parameter '{}': {}",
-              axes_[static_cast<std::size_t>(axis)].name, k_advice);
+      if (step + 1 == static_cast<int>(ladder().size())) {
+        throw NotSeparable(fmt::format("parameter '{}': the matrices are no sum of powers of it",
+                                       axes_[static_cast<std::size_t>(axis)].name));
+      }
     }
   }
 

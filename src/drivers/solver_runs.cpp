@@ -71,7 +71,7 @@ SolverRuns::SolverRuns(SolverCommand command, const std::vector<std::string>& na
 
 void SolverRuns::read_templates(const std::vector<std::string>& names) {
   for (const RunFile& file : command_.templates) {
-    templates_.emplace_back(read_file(file.source), file.source.string(), names);
+    templates_.emplace_back(file.text ? *file.text : read_file(file.source), file.source.string(), names);
     add_piece(constants_, file.name);
   }
   for (const std::string& argument : command_.command.arguments) {

@@ -51,7 +51,16 @@ Template::Place Template::read_place(std::string_view inside, int line, const st
   // A name may hold a colon: a format begins with the one before its percent sign.
   const std::size_t colon = percent == std::string_view::npos ? percent : inside.rfind(':', percent);
   Place place{.line = line, .name = std::string(trimmed(inside.substr(0, colon)))};
-  const auto found = std::find(names.begin(), names.end(), place.name);
+  auto found = std::find(names.begin(), names.end(), place.name);
+  const std::size_t star = place.name.rfind('*');
+  if (found == names.end() && star != std::string::npos) {
+    const std::string number(trimmed(std::string_view(place.name).substr(star + 1)));
+    if (!parse_number(number, place.factor)) {
+      throw FormatError(file_, line, fmt::format("'{}' in '{}' is not a number", number, place.name));
+    }
+    place.name = trimmed(std::string_view(place.name).substr(0, star));
+    found = std::find(names.begin(), names.end(), place.name);
+  }
   if (found == names.end()) throw FormatError(file_, line, unknown_name_message("parameter", place.name, names));
   place.parameter = static_cast<std::size_t>(found - names.begin());
   if (colon == std::string_view::npos) return place;
@@ -93,7 +102,7 @@ std::string Template::text_of(const Place& place, double value) const {
 std::string Template::fill(const Eigen::Ref<const Eigen::VectorXd>& values) const {
   std::string text = head_;
   for (const Place& place : places_) {
-    text += text_of(place, values(static_cast<Eigen::Index>(place.parameter)));
+    text += text_of(place, place.factor * values(static_cast<Eigen::Index>(place.parameter)));
     text += place.text_after;
   }
   return text;
@@ -113,11 +122,11 @@ std::vector<std::string> Template::coarse_places(const Eigen::Ref<const Eigen::V
     const auto p = static_cast<Eigen::Index>(place.parameter);
     double near = 0.0;
     double far = 0.0;
-    if (place.format.empty() || steps(p) == 0.0) continue;
-    if (!parse_number(text_of(place, values(p)), near) || !parse_number(text_of(place, values(p) + steps(p)), far)) {
-      continue;
-    }
-    if (std::abs(far - near - steps(p)) <= k_most_error * std::abs(steps(p))) continue;
+    const double value = place.factor * values(p);
+    const double step = place.factor * steps(p);
+    if (place.format.empty() || step == 0.0) continue;
+    if (!parse_number(text_of(place, value), near) || !parse_number(text_of(place, value + step), far)) continue;
+    if (std::abs(far - near - step) <= k_most_error * std::abs(step)) continue;
     coarse.push_back(fmt::format("{}:{}: {} as {}", file_, place.line, place.name, place.format));
   }
   return coarse;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 #include <optional>
+#include <regex>
 #include <set>
 
 #include "matrix_text.hpp"
@@ -218,6 +219,17 @@ Step find_step(const CalculixDeck& deck) {
   return step;
 }
 
+/// The deck's lines with texts in place of numbers.
+std::vector<std::string> replaced_lines(const CalculixDeck& deck, std::vector<CalculixPlace> places) {
+  std::vector<std::string> lines;
+  for (const CalculixDeck::Line& line : deck.lines) lines.push_back(line.text);
+  std::sort(places.begin(), places.end(), [](const CalculixPlace& a, const CalculixPlace& b) {
+    return a.number.line != b.number.line ? a.number.line < b.number.line : a.number.begin > b.number.begin;
+  });
+  for (const auto& [number, text] : places) lines[number.line].replace(number.begin, number.length, text);
+  return lines;
+}
+
 }  // namespace
 
 std::string CalculixDeck::where(std::size_t line) const {
@@ -265,15 +277,9 @@ std::string calculix_field(const std::string& target) {
 }
 
 std::string matrix_storage_deck(const CalculixDeck& deck, const std::vector<CalculixChange>& changes) {
-  std::vector<std::string> lines;
-  for (const CalculixDeck::Line& line : deck.lines) lines.push_back(line.text);
-  std::vector<CalculixChange> sorted = changes;
-  std::sort(sorted.begin(), sorted.end(), [](const CalculixChange& a, const CalculixChange& b) {
-    return a.number.line != b.number.line ? a.number.line < b.number.line : a.number.begin > b.number.begin;
-  });
-  for (const CalculixChange& change : sorted) {
-    lines[change.number.line].replace(change.number.begin, change.number.length, fmt::format("{:.13e}", change.value));
-  }
+  std::vector<CalculixPlace> places;
+  for (const CalculixChange& change : changes) places.push_back({change.number, fmt::format("{:.13e}", change.value)});
+  const std::vector<std::string> lines = replaced_lines(deck, std::move(places));
   const Step step = find_step(deck);
   std::string text;
   for (std::size_t i = 0; i < lines.size(); ++i) {
@@ -293,6 +299,30 @@ std::string matrix_storage_deck(const CalculixDeck& deck, const std::vector<Calc
   }
   if (!step.is_there) text += "*STEP\n*FREQUENCY, SOLVER=MATRIXSTORAGE\n*END STEP\n";
   return text;
+}
+
+std::string deck_with_places(const CalculixDeck& deck, const std::vector<CalculixPlace>& places) {
+  if (!find_step(deck).is_there) {
+    throw FormatError(deck.files.front(), 0, "has no step; modes come from a *FREQUENCY step");
+  }
+  std::string text;
+  for (const std::string& line : replaced_lines(deck, places)) {
+    text += is_comment(line) ? std::string("**") : line;
+    text += '\n';
+  }
+  return text;
+}
+
+bool writes_displacements(const CalculixDeck& deck) {
+  for (std::size_t i = 0; i < deck.lines.size(); ++i) {
+    const std::optional<Keyword> keyword = keyword_of(deck.lines[i].text);
+    if (!keyword || (keyword->name != "NODE FILE" && keyword->name != "NODE OUTPUT")) continue;
+    for (const std::size_t line : data_lines(deck, i)) {
+      const std::string text = fmt::format(",{},", capital_letters(deck.lines[line].text));
+      if (std::regex_search(text, std::regex(R"(,\s*U\s*,)"))) return true;
+    }
+  }
+  return false;
 }
 
 }  // namespace mottle

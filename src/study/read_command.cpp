@@ -21,25 +21,6 @@ CommandLine read_line(TomlReader& reader, const std::string& key) {
   return line;
 }
 
-/// "10 min", or seconds.
-std::chrono::milliseconds read_duration(TomlReader& reader, const std::string& key,
-                                        std::chrono::milliseconds fallback) {
-  const std::string allowed = "a time > 0 like \"30 s\", \"10 min\" or \"2 h\", or a number of seconds";
-  const toml::node* node = reader.raw(key);
-  if (node == nullptr) return fallback;
-  double seconds = node->value<double>().value_or(0.0);
-  if (const auto text = node->value_exact<std::string>()) {
-    const std::size_t unit_at = std::min(text->find_first_not_of("0123456789.eE+-"), text->size());
-    std::string unit = text->substr(unit_at);
-    unit.erase(0, std::min(unit.find_first_not_of(' '), unit.size()));
-    const std::map<std::string, double> units{{"s", 1.0}, {"min", 60.0}, {"h", 3600.0}};
-    if (!units.contains(unit) || !parse_number(text->substr(0, unit_at), seconds)) reader.fail_value(key, allowed);
-    seconds *= units.at(unit);
-  }
-  if (!(seconds >= 0.001 && seconds <= 1e8)) reader.fail_value(key, allowed);
-  return std::chrono::milliseconds(std::llround(1000.0 * seconds));
-}
-
 /// Files of the study by the names that they have in a run's folder: their own where they lie in the study's folder,
 /// else the last part. Of templates ".in" and ".template" go.
 std::vector<RunFile> read_run_files(TomlReader& reader, const std::string& key, const std::filesystem::path& folder,
@@ -70,10 +51,10 @@ FrequencyRule read_frequency_rule(TomlReader reader) {
   FrequencyRule rule;
   rule.file = reader.text("file");
   reader.text("format");
-  rule.format =
-      std::vector{Format::column, Format::regex, Format::csv, Format::json, Format::f06, Format::punch}[reader.choice(
-          "format", {"column", "regex", "csv", "json", "f06", "punch"}, 0)];
-  if (rule.format != Format::f06 && rule.format != Format::punch) {
+  rule.format = std::vector{Format::column, Format::regex, Format::csv,     Format::json,
+                            Format::f06,    Format::punch, Format::calculix}[reader.choice(
+      "format", {"column", "regex", "csv", "json", "f06", "punch", "calculix"}, 0)];
+  if (rule.format != Format::f06 && rule.format != Format::punch && rule.format != Format::calculix) {
     rule.quantity = std::vector{Quantity::hertz, Quantity::radians,
                                 Quantity::eigenvalue}[reader.choice("quantity", {"Hz", "rad/s", "eigenvalue"}, 0)];
   }
@@ -102,8 +83,9 @@ ShapeRule read_shape_rule(TomlReader reader) {
   ShapeRule rule;
   rule.file = reader.text("file");
   reader.text("format");
-  rule.format = std::vector{Format::csv, Format::column, Format::f06,
-                            Format::punch}[reader.choice("format", {"csv", "column", "f06", "punch"}, 0)];
+  rule.format =
+      std::vector{Format::csv, Format::column, Format::f06, Format::punch,
+                  Format::calculix}[reader.choice("format", {"csv", "column", "f06", "punch", "calculix"}, 0)];
   if (rule.format == Format::column) {
     rule.after = reader.text("after");
     if (rule.after.empty()) reader.fail_value("after", "a text that stands before the table of each mode");
@@ -127,6 +109,24 @@ std::map<std::string, std::string> read_environment(TomlReader reader) {
 }
 
 }  // namespace
+
+std::chrono::milliseconds read_duration(TomlReader& reader, const std::string& key,
+                                        std::chrono::milliseconds fallback) {
+  const std::string allowed = "a time > 0 like \"30 s\", \"10 min\" or \"2 h\", or a number of seconds";
+  const toml::node* node = reader.raw(key);
+  if (node == nullptr) return fallback;
+  double seconds = node->value<double>().value_or(0.0);
+  if (const auto text = node->value_exact<std::string>()) {
+    const std::size_t unit_at = std::min(text->find_first_not_of("0123456789.eE+-"), text->size());
+    std::string unit = text->substr(unit_at);
+    unit.erase(0, std::min(unit.find_first_not_of(' '), unit.size()));
+    const std::map<std::string, double> units{{"s", 1.0}, {"min", 60.0}, {"h", 3600.0}};
+    if (!units.contains(unit) || !parse_number(text->substr(0, unit_at), seconds)) reader.fail_value(key, allowed);
+    seconds *= units.at(unit);
+  }
+  if (!(seconds >= 0.001 && seconds <= 1e8)) reader.fail_value(key, allowed);
+  return std::chrono::milliseconds(std::llround(1000.0 * seconds));
+}
 
 SolverCommand read_command(TomlReader& reader, const std::filesystem::path& folder) {
   SolverCommand command;

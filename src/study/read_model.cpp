@@ -126,7 +126,8 @@ StudyModelSource read_model(TomlReader reader, const std::filesystem::path& fold
   source.deck = folder / reader.text("file");
   if (source.kind == Kind::calculix) {
     source.program = reader.text_or("program", source.program);
-    source.timeout_s = reader.number_or("timeout", source.timeout_s, k_positive);
+    source.timeout = read_duration(reader, "timeout", source.timeout);
+    source.parallel = static_cast<int>(reader.integer_or("parallel", source.parallel, {.lower = 1.0, .upper = 1000.0}));
   } else if (reader.raw("ignore_cards") != nullptr) {
     for (std::string& card : reader.texts("ignore_cards")) {
       std::transform(card.begin(), card.end(), card.begin(),

@@ -1,7 +1,6 @@
 #include "mottle/study/study_objects.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <limits>
 #include <numeric>
 #include <set>
@@ -10,6 +9,7 @@
 #include "mottle/core/text.hpp"
 #include "mottle/drivers/calculix.hpp"
 #include "mottle/drivers/external_structure.hpp"
+#include "mottle/drivers/separable_fit.hpp"
 #include "mottle/formats/nastran_model.hpp"
 #include "mottle/model/dense_structure.hpp"
 #include "mottle/model/finite_element_structure.hpp"
@@ -118,14 +118,12 @@ ModelParts parts_of(MatrixModel model, std::vector<std::string> files) {
   return parts;
 }
 
-/// A solver by command: places in its input are called as the parameters' targets.
-ModelParts make_external(const SolverCommand& command, const std::vector<ParameterTargets>& targets,
+/// A solver by command: places in its input have these names.
+ModelParts make_external(const SolverCommand& command, const std::vector<std::string>& names,
                          const JointDistribution& prior, const RunSettings& settings) {
-  std::vector<std::string> names;
-  for (const ParameterTargets& target : targets) names.push_back(target.targets.front());
   ModelParts parts;
   parts.reference = prior.mean();
-  parts.limits.assign(targets.size(), {.lower = -std::numeric_limits<double>::infinity()});
+  parts.limits.assign(names.size(), {.lower = -std::numeric_limits<double>::infinity()});
   for (const std::vector<RunFile>* list : {&command.templates, &command.files}) {
     for (const RunFile& file : *list) parts.files.push_back(file.source.string());
   }
@@ -137,9 +135,32 @@ ModelParts make_external(const SolverCommand& command, const std::vector<Paramet
   return parts;
 }
 
+/// By its matrices, or where they have no separable form by a run for each sample.
+ModelParts make_calculix(const CalculixDeck& deck, const std::vector<ParameterTargets>& targets,
+                         const JointDistribution& prior, const CalculixSettings& calculix,
+                         const RunSettings& settings) {
+  std::string reason;
+  try {
+    return parts_of(calculix_model(deck, targets, prior.mean(), calculix), deck.files);
+  } catch (const NotSeparable& error) {
+    reason = error.what();
+  }
+  std::vector<std::string> names;
+  for (const ParameterTargets& target : targets) names.push_back(target.parameter);
+  ModelParts parts = make_external(calculix_command(deck, targets, calculix), names, prior, settings);
+  parts.limits.assign(targets.size(), {});
+  parts.files = deck.files;
+  parts.notes.insert(parts.notes.begin(), fmt::format("CalculiX: each sample is a run, since {}", reason));
+  return parts;
+}
+
 ModelParts make_parts(const StudyModelSource& source, const std::vector<ParameterTargets>& targets,
                       const JointDistribution& prior, const RunSettings& settings) {
-  if (source.kind == StudyModelSource::Kind::command) return make_external(source.command, targets, prior, settings);
+  if (source.kind == StudyModelSource::Kind::command) {
+    std::vector<std::string> names;
+    for (const ParameterTargets& target : targets) names.push_back(target.targets.front());
+    return make_external(source.command, names, prior, settings);
+  }
   const Eigen::VectorXd prior_mean = prior.mean();
   const std::filesystem::path& cache = settings.cache;
   ModelParts parts;
@@ -156,10 +177,13 @@ ModelParts make_parts(const StudyModelSource& source, const std::vector<Paramete
   }
   if (source.kind == StudyModelSource::Kind::calculix) {
     const CalculixDeck deck = read_calculix_deck(source.deck);
-    const auto timeout = std::chrono::milliseconds(static_cast<std::int64_t>(1e3 * source.timeout_s));
-    return parts_of(
-        calculix_model(deck, targets, prior_mean, {.program = source.program, .timeout = timeout, .cache = cache}),
-        deck.files);
+    return make_calculix(deck, targets, prior,
+                         {.program = source.program,
+                          .timeout = source.timeout,
+                          .cache = cache,
+                          .parallel = source.parallel,
+                          .stop = settings.stop},
+                         settings);
   }
   NastranModel deck = read_nastran_model(source.deck, {.ignore_cards = source.ignore_cards});
   override_fields(deck.model, source.overrides);

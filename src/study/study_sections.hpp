@@ -11,6 +11,9 @@ StudyModelSource read_model(TomlReader reader, const std::filesystem::path& fold
 /// [model] of kind "command".
 SolverCommand read_command(TomlReader& reader, const std::filesystem::path& folder);
 
+/// "10 min", "30 s", "2 h", or a number of seconds.
+std::chrono::milliseconds read_duration(TomlReader& reader, const std::string& key, std::chrono::milliseconds fallback);
+
 /// [[parameter]] and [correlation] of `owner` (the root, or [truth]).
 StudyParameters read_parameters(TomlReader& owner, StudyModelSource::Kind kind);
 

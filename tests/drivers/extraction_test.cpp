@@ -8,6 +8,7 @@
 #include "core/temporary_folder.hpp"
 #include "mottle/core/error.hpp"
 #include "mottle/core/files.hpp"
+#include "mottle/formats/calculix_results.hpp"
 
 namespace {
 
@@ -152,6 +153,26 @@ TEST_F(Extraction, ShapesFromATableForEachMode) {
   EXPECT_THAT(modes.degree_of_freedom_names, ElementsAre("7:+X", "7:+Y", "7:+Z", "8:+X", "8:+Y", "8:+Z"));
   EXPECT_EQ(modes.shapes(0, 1), -1.0);
   EXPECT_EQ(modes.shapes(5, 1), 3.5);
+}
+
+TEST_F(Extraction, ModesOfCalculix) {
+  const std::string bar = std::string(MOTTLE_SOURCE_DIR) + "/tests/formats/matrices/bar";
+  write("bar.dat", mottle::read_file(bar + ".dat"));
+  write("bar.frd", mottle::read_file(bar + ".frd"));
+  const FrequencyRule frequencies{.file = "bar.dat", .format = FrequencyRule::Format::calculix};
+  const ShapeRule shapes{.file = "bar.frd", .format = ShapeRule::Format::calculix};
+  const ExtractedModes modes = mottle::extract_modes(folder_.path(), frequencies, shapes, 5);
+  const std::vector<mottle::CalculixShape> listed = mottle::parse_calculix_shapes(mottle::read_file(bar + ".frd"), "bar.frd");
+  ASSERT_EQ(modes.shapes.cols(), 5);
+  for (Eigen::Index mode = 0; mode < 5; ++mode) {
+    const mottle::CalculixShape& shape = listed[static_cast<std::size_t>(mode)];
+    EXPECT_NEAR(std::sqrt(modes.eigenvalues(mode)) / (2.0 * std::numbers::pi) / shape.frequency, 1.0, 1e-6);
+    for (std::size_t row = 0; row < modes.degree_of_freedom_names.size(); ++row) {
+      const std::string& name = modes.degree_of_freedom_names[row];
+      EXPECT_EQ(modes.shapes(static_cast<Eigen::Index>(row), mode),
+                shape.displacements.at(std::stoi(name))(name.back() - 'X'));
+    }
+  }
 }
 
 }  // namespace

@@ -56,14 +56,12 @@ TEST(SeparableFit, FindsPowersAndProducts) {
 
 TEST(SeparableFit, NamesTheParameterThatNoPowersFit) {
   const Source source = [](const Eigen::VectorXd& x) { return chain(std::exp(x(0) / 200.0), x(1), x(2)); };
-  const std::string message = test::message_of<InvalidInput>([&] { fit_separable(k_axes, source); });
-  EXPECT_THAT(message, HasSubstr("parameter 'E'"));
-  EXPECT_THAT(message, HasSubstr("model.kind = \"command\""));
+  EXPECT_THAT(test::message_of<NotSeparable>([&] { fit_separable(k_axes, source); }), HasSubstr("parameter 'E'"));
 }
 
 TEST(SeparableFit, RefusesThreeParametersThatEnterTogether) {
   const Source source = [](const Eigen::VectorXd& x) { return chain(x(0) * x(1) * x(2), 1.0, 1.0); };
-  EXPECT_THAT(test::message_of<InvalidInput>([&] { fit_separable(k_axes, source); }),
+  EXPECT_THAT(test::message_of<NotSeparable>([&] { fit_separable(k_axes, source); }),
               HasSubstr("off the best sum of products of two parameters' powers"));
 }
 
@@ -73,7 +71,7 @@ TEST(SeparableFit, RefusesRowsThatChange) {
     if (x(0) > 220.0) run.stiffness.names = {"1", "2", "3"};
     return run;
   };
-  EXPECT_THAT(test::message_of<InvalidInput>([&] { fit_separable(k_axes, source); }),
+  EXPECT_THAT(test::message_of<NotSeparable>([&] { fit_separable(k_axes, source); }),
               HasSubstr("rows or entries of the solver's matrices change"));
 }
 

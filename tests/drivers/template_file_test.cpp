@@ -30,6 +30,11 @@ TEST(Template, WithoutAFormatTheNumberReadsBackExactly) {
   EXPECT_EQ(std::stod(filled("{{t}}", 1.0, value)), value);
 }
 
+TEST(Template, AValueMayBeTimesANumber) {
+  EXPECT_EQ(filled("{{t*2.5e3}}|{{ t * -4 : %.1f}}"), "250|-0.4");
+  EXPECT_THAT([] { filled("{{E*x}}"); }, ThrowsMessage<FormatError>(HasSubstr("'x' in 'E*x' is not a number")));
+}
+
 TEST(Template, AValueWiderThanItsPlaceIsNamedWithFileAndLine) {
   EXPECT_THAT([] { filled("first\n{{E:%8.3e}}\n", -2.1e11); },
               ThrowsMessage<FormatError>(testing::AllOf(HasSubstr("plate.inp.in:2: "), HasSubstr("-2.100e+11"))));

@@ -56,6 +56,22 @@ TEST_F(CalculixDecks, WritesOtherNumbersInTwentyCharactersAndTheStepThatStoresMa
   EXPECT_THAT(text, HasSubstr("*STEP\n*FREQUENCY, SOLVER=MATRIXSTORAGE\n*END STEP\n"));
 }
 
+TEST_F(CalculixDecks, PutsTextsInPlaceOfNumbersAndLeavesTheStep) {
+  const CalculixDeck read = deck(k_deck);
+  const std::string text = deck_with_places(read, {{find_calculix_numbers(read, "*ELASTIC:STEEL:NU")[0], "<nu>"},
+                                                   {find_calculix_numbers(read, "*ELASTIC:STEEL:E")[0], "<E>"}});
+  EXPECT_THAT(text, HasSubstr("*ELASTIC\n<E>,<nu>\n**\n*DENSITY"));
+  EXPECT_THAT(text, HasSubstr("*STEP\n*FREQUENCY\n10\n*END STEP\n"));
+  EXPECT_THAT(test::message_of<FormatError>([&] { deck_with_places(deck("*NODE\n1, 0, 0, 0\n"), {}); }),
+              HasSubstr("has no step"));
+}
+
+TEST_F(CalculixDecks, KnowWhetherDisplacementsAreWritten) {
+  EXPECT_FALSE(writes_displacements(deck(k_deck)));
+  EXPECT_TRUE(writes_displacements(deck("*STEP\n*FREQUENCY\n3\n*NODE FILE\nRF, u\n*END STEP\n")));
+  EXPECT_FALSE(writes_displacements(deck("*STEP\n*FREQUENCY\n3\n*NODE FILE\nRF\n*EL FILE\nU\n*END STEP\n")));
+}
+
 TEST_F(CalculixDecks, TakesIncludedFilesIn) {
   write_file_atomically(folder / "material.inc", "*MATERIAL, NAME=M\n*DENSITY\nx\n");
   const CalculixDeck read = deck("*NODE\n*INCLUDE, INPUT=material.inc\n");

@@ -12,12 +12,12 @@ namespace mottle {
 
 /// Natural frequencies.
 struct FrequencyRule {
-  enum class Format { column, regex, csv, json, f06, punch };
+  enum class Format { column, regex, csv, json, f06, punch, calculix };
   enum class Quantity { hertz, radians, eigenvalue };
 
   std::string file = {};  ///< in the run's folder
   Format format = Format::column;
-  Quantity quantity = Quantity::hertz;  ///< what the numbers are; of f06 and punch known
+  Quantity quantity = Quantity::hertz;  ///< what the numbers are; of f06, punch and calculix known
   std::string pattern = {};             ///< regex: its first group is the number; every match on every line is a mode
   std::string after = {};               ///< column: text in the line before the table; empty: the file's beginning
   int line = 1;                         ///< column: the table's first line, counted from that one
@@ -27,7 +27,7 @@ struct FrequencyRule {
 
 /// Shapes at named degrees of freedom.
 struct ShapeRule {
-  enum class Format { csv, column, f06, punch };
+  enum class Format { csv, column, f06, punch, calculix };
 
   std::string file = {};
   Format format = Format::csv;

@@ -5,9 +5,16 @@
 #include <string>
 #include <vector>
 
+#include "mottle/core/error.hpp"
 #include "mottle/model/matrix_structure.hpp"
 
 namespace mottle {
+
+/// What the parameters do to the matrices has no separable form; the message says which, and why.
+class NotSeparable : public InvalidInput {
+ public:
+  using InvalidInput::InvalidInput;
+};
 
 /// K and M at one parameter vector, and the names of their rows.
 struct MatrixRun {
@@ -40,8 +47,8 @@ struct SeparableFit {
 /// compared again.
 ///
 /// @param run  called once for each point
-/// @throws InvalidInput  a parameter, or three together, that no such form fits (says which, and to use
-///                       kind = "command"); rows that change with the parameters; what `run` throws
+/// @throws NotSeparable  a parameter, or three together, that no such form fits; rows that change with the parameters
+/// @throws InvalidInput  stiffness and mass with other rows
 SeparableFit fit_separable(const std::vector<FitAxis>& axes,
                            const std::function<MatrixRun(const Eigen::VectorXd&)>& run);
 

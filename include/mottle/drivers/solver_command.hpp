@@ -16,6 +16,7 @@ namespace mottle {
 struct RunFile {
   std::filesystem::path source;
   std::string name;
+  std::optional<std::string> text = std::nullopt;  ///< what it holds, in place of the source's bytes
 };
 
 /// The program and what it is handed, each with places for parameters; of a shell one text.

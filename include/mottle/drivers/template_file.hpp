@@ -1,4 +1,5 @@
-// Text with places for parameters, {{name}} or {{name:%8.3e}}: a solver's input, or one argument of its command.
+// Text with places for parameters, {{name}}, {{name:%8.3e}} or {{name*2.1e11}}: a solver's input, or one argument of
+// its command.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,7 +13,8 @@ namespace mottle {
 class Template {
  public:
   /// @param text   with {{name}}: the shortest number that reads back as the same; {{name:%W.Pe}} (or f, g): printf's
-  ///               way, never wider than W; {{name:%Wd}}: a value that is a whole number
+  ///               way, never wider than W; {{name:%Wd}}: a value that is a whole number; {{name*2.1e11}} with either:
+  ///               times that number
   /// @param file   for messages
   /// @param names  of the parameters
   /// @throws FormatError  (file, line): a name that is no parameter, a format that is none of these, {{ without }}
@@ -35,6 +37,7 @@ class Template {
     std::size_t parameter = 0;
     int line = 0;
     std::string name = {};
+    double factor = 1.0;
     std::string format = {};  ///< printf's; empty: the shortest exact text
     std::size_t width = 0;    ///< most characters; 0: any number
     std::string text_after = {};

@@ -62,4 +62,19 @@ struct CalculixChange {
 /// Throws FormatError: several steps, a step other than *FREQUENCY, a placeholder that nothing fills.
 std::string matrix_storage_deck(const CalculixDeck& deck, const std::vector<CalculixChange>& changes);
 
+/// A number and the text in its place.
+struct CalculixPlace {
+  CalculixNumber number;
+  std::string text;
+};
+
+/// The deck with texts in place of numbers and without its comments; its lines keep their numbers where nothing is
+/// included.
+///
+/// Throws FormatError: several steps, no step *FREQUENCY.
+std::string deck_with_places(const CalculixDeck& deck, const std::vector<CalculixPlace>& places);
+
+/// Whether the deck asks for displacements in .frd: *NODE FILE (or *NODE OUTPUT) with U.
+bool writes_displacements(const CalculixDeck& deck);
+
 }  // namespace mottle

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <map>
@@ -43,10 +44,11 @@ struct StudyModelSource {
   StudyMatrixPart constant_part = {};            ///< of matrices: what no parameter moves
   std::vector<StudyMatrixPart> parts = {};       ///< of matrices
   std::string program = "ccx";                   ///< of calculix: its command
-  double timeout_s = 3600.0;                     ///< of calculix: of one run
-  std::filesystem::path row_names = {};          ///< of matrices: the degrees of freedom, where not in the files
-  bool may_reduce = true;                        ///< clouds by a reduced model where that pays
-  double frequency_error = 1e-4;                 ///< that a reduced model may make, relative
+  std::chrono::milliseconds timeout = std::chrono::hours(1);  ///< of calculix: of one run
+  int parallel = 1;                                           ///< of calculix: runs of samples at once
+  std::filesystem::path row_names = {};  ///< of matrices: the degrees of freedom, where not in the files
+  bool may_reduce = true;                ///< clouds by a reduced model where that pays
+  double frequency_error = 1e-4;         ///< that a reduced model may make, relative
   SolverCommand command = {};
 };
 
