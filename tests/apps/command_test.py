@@ -126,6 +126,29 @@ class AnySolverTest(support.CommandTest):
         self.assertLessEqual(len(self.runs()), whole + 3 * 2, "only runs in flight were lost")
         self.assertFalse((self.folder / "out" / "runs").exists())
 
+    def test_a_surrogate_takes_few_runs_and_resumes(self):
+        maximum_likelihood = ["--quiet", "--set", 'update.method="maximum-likelihood"']
+        self.succeed("update", "study.toml", "--out", "direct", *maximum_likelihood)
+        direct = len(self.runs())
+        self.log.unlink()
+        self.write("study.toml", STUDY + "\n[surrogate]\nruns = 20\n")
+        self.succeed("update", "study.toml", "--out", "whole", *maximum_likelihood)
+        whole = len(self.runs())
+        self.assertLess(4 * whole, direct)
+        parameters = {name: read_result(self.folder / name)["parameters"] for name in ("direct", "whole")}
+        for key in ("mean", "std"):
+            for own, expected in zip(parameters["whole"][key], parameters["direct"][key]):
+                self.assertLess(abs(own / expected - 1), 0.01, key)
+        self.log.unlink()
+        process = subprocess.Popen([support.MOTTLE, "update", "study.toml", "--out", "out", *maximum_likelihood], cwd=self.folder)
+        while len(self.runs()) < 0.6 * whole and process.poll() is None:
+            time.sleep(0.005)
+        process.send_signal(signal.SIGKILL)
+        process.wait()
+        self.succeed("update", "study.toml", "--out", "out", "--resume", *maximum_likelihood)
+        self.assertEqual(numbers(self.folder / "out"), numbers(self.folder / "whole"))
+        self.assertLessEqual(len(self.runs()), whole + 2, "only runs in flight were lost")
+
     def test_a_stop_request_ends_the_solvers_and_can_be_resumed(self):
         self.write("solver.py", "import time\ntime.sleep(100)\n" + SOLVER)
         process = subprocess.Popen([support.MOTTLE, "propagate", "study.toml", "--out", "out"], cwd=self.folder,
