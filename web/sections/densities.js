@@ -1,10 +1,10 @@
 // Prior and updated density of every parameter, what the intervals leave open, and where the specimens lie.
 import { extent, is_number } from "../src/data.js";
-import { legend, legend_height, redraw, tooltip_box, zooming } from "../src/charts.js";
+import { legend, legend_height, tooltip_box, zooming } from "../src/charts.js";
 import { curve_on_scale, density_band, prior_curve } from "../src/density.js";
-import { figure, pager } from "../src/figure.js";
+import { paged_figure } from "../src/figure.js";
 import { name_with_unit, number_text, short_number } from "../src/format.js";
-import { layout, pages_of, panel_frame, band_series } from "../src/panels.js";
+import { band_series, layout, line_series, panel_frame } from "../src/panels.js";
 import { band, bound, model, muted, test } from "../src/palette.js";
 import { is_population, parameter_of } from "../src/population.js";
 
@@ -50,20 +50,6 @@ function sideways(parameter, curves, top) {
   return { min: range[0] - margin, max: range[1] + margin };
 }
 
-function line(name, data, panel, style, z) {
-  return {
-    name,
-    type: "line",
-    xAxisIndex: panel,
-    yAxisIndex: panel,
-    symbol: "none",
-    z,
-    data,
-    lineStyle: { width: 2, ...style },
-    itemStyle: { color: style.color },
-  };
-}
-
 function series_of(parameter, curves, top, limits, panel) {
   const upright = (x) => [
     [x, 0],
@@ -75,14 +61,14 @@ function series_of(parameter, curves, top, limits, panel) {
     curves.band.length ? band_series(names.band, curves.band, band, panel) : null,
     ...parameter.bounds
       .filter(is_inside)
-      .map((x) => line(names.bounds, upright(x), panel, { color: bound, type: "dotted", width: 1.5 }, 2)),
-    line(names.prior, curves.prior, panel, { color: muted, type: "dashed" }, 3),
-    line(
+      .map((x) => line_series(names.bounds, upright(x), panel, { color: bound, type: "dotted", width: 1.5 }, { z: 2 })),
+    line_series(names.prior, curves.prior, panel, { color: muted, type: "dashed" }, { z: 3 }),
+    line_series(
       names.updated,
       curves.updated.length || !is_number(parameter.mean) ? curves.updated : upright(parameter.mean),
       panel,
       { color: model },
-      4,
+      { z: 4 },
     ),
     {
       name: names.specimens,
@@ -208,22 +194,14 @@ export default {
   ],
   content(study) {
     const parameters = can_be_drawn(study);
-    const pages = pages_of(parameters, panels_a_page);
-    let shown = pages.page(0);
-    const controls = pager({
-      ...pages,
-      show: (k) => {
-        shown = pages.page(k);
-        redraw(id, { afresh: true });
-      },
-    });
     return [
-      figure({
+      paged_figure({
         id,
         title: "Prior and updated densities",
         caption: caption_of(study, parameters),
-        controls,
-        build: (width) => build(study, shown, width),
+        items: parameters,
+        size: panels_a_page,
+        build: (shown, width) => build(study, shown, width),
       }),
     ];
   },

@@ -1,11 +1,10 @@
 // What the tests can see: singular values of the scaled sensitivity, its rank, and the combinations that stay unseen.
 import { is_number, list, record } from "../src/data.js";
-import { axis, redraw, tooltip_box, zooming } from "../src/charts.js";
+import { axis, tooltip_box, zooming } from "../src/charts.js";
 import { bullets, element, paragraph } from "../src/dom.js";
-import { figure, pager } from "../src/figure.js";
+import { figure, paged_figure } from "../src/figure.js";
 import { combination_text, number_text, plural, short_number } from "../src/format.js";
 import { bound, hairline, ink, model } from "../src/palette.js";
-import { pages_of } from "../src/panels.js";
 import { bars_at_most, direction_panels, part_panel, unseen_directions } from "../src/unseen_panels.js";
 
 const directions_a_page = 6;
@@ -112,23 +111,15 @@ function unseen(directions) {
 }
 
 function direction_figure(directions) {
-  const pages = pages_of(directions, directions_a_page);
-  let shown = pages.page(0);
-  const controls = pager({
-    ...pages,
-    show: (k) => {
-      shown = pages.page(k);
-      redraw("unseen-directions", { afresh: true });
-    },
-  });
-  return figure({
+  return paged_figure({
     id: "unseen-directions",
     title: "Directions that the tests do not see, by parameter",
     caption:
       "Moving all parameters at once by these weights, in prior standard deviations, changes no output. " +
       `Up to ${bars_at_most} largest weights each.`,
-    controls,
-    build: (width) => direction_panels(shown, width),
+    items: directions,
+    size: directions_a_page,
+    build: direction_panels,
   });
 }
 

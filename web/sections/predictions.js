@@ -1,10 +1,8 @@
 // What the updated distribution says of outputs that were not used, and how tests that were held out bear it out.
 import { is_number, list, number_or_null, record } from "../src/data.js";
-import { redraw } from "../src/charts.js";
 import { paragraph } from "../src/dom.js";
-import { figure, pager } from "../src/figure.js";
+import { figure, paged_figure } from "../src/figure.js";
 import { number_text, p_value_text, plural } from "../src/format.js";
-import { pages_of } from "../src/panels.js";
 import { interval_bars, pit_histograms, tested } from "../src/prediction_panels.js";
 import { data_table } from "../src/table.js";
 import { binomial_range } from "../src/quantiles.js";
@@ -107,23 +105,15 @@ function statement({ count, joint_coverage, has_held_out, outputs }) {
 }
 
 function histogram_figure(outputs) {
-  const pages = pages_of(outputs, panels_a_page);
-  let shown = pages.page(0);
-  const controls = pager({
-    ...pages,
-    show: (k) => {
-      shown = pages.page(k);
-      redraw("prediction-pit", { afresh: true });
-    },
-  });
-  return figure({
+  return paged_figure({
     id: "prediction-pit",
     title: "Where the held-out tests lie in the predicted distribution",
     caption:
       "Flat, within the grey strip: the prediction is right. A hump in the middle: predicted too wide; high ends: too narrow; " +
       "a slope: shifted.",
-    controls,
-    build: (width) => pit_histograms(shown, width),
+    items: outputs,
+    size: panels_a_page,
+    build: pit_histograms,
   });
 }
 

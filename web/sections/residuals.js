@@ -1,12 +1,10 @@
 // What the updated population leaves of every specimen: whitened residuals as a map, and the specimens that stand out.
 import { is_number, list, record } from "../src/data.js";
-import { redraw } from "../src/charts.js";
 import { paragraph } from "../src/dom.js";
-import { figure, pager } from "../src/figure.js";
+import { paged_figure } from "../src/figure.js";
 import { p_value_text, plural, short_number } from "../src/format.js";
 import { matrix_map, signed } from "../src/matrix_map.js";
 import { diverging } from "../src/palette.js";
-import { pages_of } from "../src/panels.js";
 import { data_table } from "../src/table.js";
 
 const id = "residuals";
@@ -111,26 +109,15 @@ function map_of(study, shown, marked) {
 
 function residual_figure(study) {
   const outliers = new Set(outliers_of(study).map(({ specimen }) => Number(specimen)));
-  const pages = pages_of(
-    rows_of(study).map((_, k) => k),
-    specimens_a_page,
-  );
-  let shown = pages.page(0);
-  const controls = pager({
-    ...pages,
-    show: (k) => {
-      shown = pages.page(k);
-      redraw(id, { afresh: true });
-    },
-  });
-  return figure({
+  return paged_figure({
     id,
     title: "Whitened residuals of every specimen",
     caption:
       `Columns are specimens, rows are outputs. Framed: beyond ±${limit}` +
       `${outliers.size ? "; *: specimens that stand out" : ""}; empty: not measured.`,
-    controls,
-    build: (width) => map_of(study, shown, outliers)(width),
+    items: rows_of(study).map((_, k) => k),
+    size: specimens_a_page,
+    build: (shown, width) => map_of(study, shown, outliers)(width),
   });
 }
 

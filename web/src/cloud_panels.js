@@ -3,7 +3,7 @@ import { ellipse_of_pair, extent, is_number, list } from "./data.js";
 import { legend, tooltip_box, zooming } from "./charts.js";
 import { element } from "./dom.js";
 import { name_with_unit, number_text, short_number } from "./format.js";
-import { panel_frame } from "./panels.js";
+import { line_series, panel_frame } from "./panels.js";
 import { bound, model, model_points, paper, test } from "./palette.js";
 
 const names = {
@@ -62,18 +62,7 @@ export function limits_of_pair(study, snapshots, pair, space) {
   return { x: padded(0), y: padded(1) };
 }
 
-const line = (name, panel, data, line_style, z) => ({
-  name,
-  type: "line",
-  xAxisIndex: panel,
-  yAxisIndex: panel,
-  symbol: "none",
-  silent: true,
-  z,
-  data,
-  lineStyle: { width: 2, ...line_style },
-  itemStyle: { color: line_style.color },
-});
+const line = (name, panel, data, line_style, z) => line_series(name, data, panel, line_style, { z, silent: true });
 
 function bound_lines(study, pair, panel, limits) {
   const across = (which, value) =>

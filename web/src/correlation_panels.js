@@ -4,7 +4,7 @@ import { legend, legend_height, tooltip_box, zooming } from "./charts.js";
 import { pairs_of } from "./cloud_panels.js";
 import { name_with_unit, number_text, short_number } from "./format.js";
 import { signed } from "./matrix_map.js";
-import { layout, panel_frame } from "./panels.js";
+import { layout, line_series, panel_frame } from "./panels.js";
 import { model, paper, test } from "./palette.js";
 import { correlation_pair, ellipse_on_scales } from "./population.js";
 
@@ -16,21 +16,6 @@ const names = {
 
 export const correlation_interval_text = (interval) =>
   interval ? `${signed(interval[0])} … ${signed(interval[1])}` : "–";
-
-function line(name, panel, data, line_style, z) {
-  return {
-    name,
-    type: "line",
-    xAxisIndex: panel,
-    yAxisIndex: panel,
-    symbol: "none",
-    silent: true,
-    z,
-    data,
-    lineStyle: { width: 2, ...line_style },
-    itemStyle: { color: line_style.color },
-  };
-}
 
 /** What one panel shows of a pair: curves and points, each null or empty where it is not known. */
 function drawing_of(study, { x, y }) {
@@ -57,8 +42,8 @@ function limits_of({ ellipse, ends, points }, which) {
 
 function series_of({ ellipse, ends, points }, panel) {
   return [
-    ...ends.map((data) => line(names.ends, panel, data, { color: model, width: 1, opacity: 0.75, type: [3, 3] }, 2)),
-    line(names.ellipse, panel, ellipse, { color: model }, 3),
+    ...ends.map((data) => line_series(names.ends, data, panel, { color: model, width: 1, opacity: 0.75, type: [3, 3] }, { z: 2, silent: true })),
+    line_series(names.ellipse, ellipse, panel, { color: model }, { z: 3, silent: true }),
     {
       name: names.specimens,
       type: "scatter",

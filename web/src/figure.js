@@ -1,6 +1,6 @@
 // A plot with its number, caption and buttons. Made in two steps: the frame when a section is composed, the chart
 // when the page stands and widths are known.
-import { choose_zoom_area, create_chart, reset_zoom } from "./charts.js";
+import { choose_zoom_area, create_chart, redraw, reset_zoom } from "./charts.js";
 import { button, element } from "./dom.js";
 import { save_png, save_svg } from "./export.js";
 
@@ -71,7 +71,7 @@ export function draw_waiting_figures() {
 }
 
 /** Buttons that leaf through `count` pages; nothing where there is only one. */
-export function pager({ count, label, show }) {
+function pager({ count, label, show }) {
   if (count < 2) return [];
   let current = 0;
   const text = element("span", { class: "pager-label", "aria-live": "polite" }, label(0));
@@ -89,4 +89,23 @@ export function pager({ count, label, show }) {
       button("›", "Next panels", () => turn(1)),
     ),
   ];
+}
+
+/**
+ * A figure that shows `items` in pages of `size`.
+ * @param build  (items of the page, width) -> {option, height}
+ */
+export function paged_figure({ id, items, size, build, ...rest }) {
+  const count = Math.max(1, Math.ceil(items.length / size));
+  const page = (k) => items.slice(k * size, (k + 1) * size);
+  let shown = page(0);
+  const controls = pager({
+    count,
+    label: (k) => `${k * size + 1}–${Math.min(items.length, (k + 1) * size)} of ${items.length}`,
+    show: (k) => {
+      shown = page(k);
+      redraw(id, { afresh: true });
+    },
+  });
+  return figure({ id, controls, build: (width) => build(shown, width), ...rest });
 }

@@ -1,8 +1,8 @@
 // Small multiples of histories: one panel for each output or parameter, the iterations along x. Both history sections draw these.
-import { legend, redraw, tooltip_box, zooming } from "./charts.js";
-import { figure, pager } from "./figure.js";
+import { legend, tooltip_box, zooming } from "./charts.js";
+import { paged_figure } from "./figure.js";
 import { name_with_unit, short_number } from "./format.js";
-import { layout, pages_of, panel_frame } from "./panels.js";
+import { layout, panel_frame } from "./panels.js";
 
 /** The history itself, on which the tooltip reports. */
 export function history_line(name, data, panel, color) {
@@ -56,14 +56,12 @@ function build({ names, main, series_of, lines_of }, study, axes, width) {
  * @param lines_of   (study, axis, [iteration, value]) -> lines of the tooltip
  */
 export function history_figure(study, { id, title, caption, axes, ...drawing }) {
-  const pages = pages_of(axes, 9);
-  let shown = pages.page(0);
-  const controls = pager({
-    ...pages,
-    show: (k) => {
-      shown = pages.page(k);
-      redraw(id, { afresh: true });
-    },
+  return paged_figure({
+    id,
+    title,
+    caption,
+    items: axes,
+    size: 9,
+    build: (shown, width) => build(drawing, study, shown, width),
   });
-  return figure({ id, title, caption, controls, build: (width) => build(drawing, study, shown, width) });
 }

@@ -78,31 +78,26 @@ export function band_series(name, points, color, panel) {
   };
 }
 
-/** A level across the whole panel, drawn as a line of two points so that it counts for the axis. */
-export function level_series(name, value, [from, to], panel, line_style) {
+/** A line without symbols through points of a panel; `more` is of the series. */
+export function line_series(name, data, panel, line_style, more = {}) {
   return {
     name,
     type: "line",
     xAxisIndex: panel,
     yAxisIndex: panel,
     symbol: "none",
-    z: 2,
-    silent: true,
-    data: [
-      [from, value],
-      [to, value],
-    ],
-    lineStyle: { width: 1.5, ...line_style },
+    data,
+    lineStyle: { width: 2, ...line_style },
     itemStyle: { color: line_style.color },
+    ...more,
   };
 }
 
-/** `items` in pages of `size`: how many there are, what is on page k, and what to call it. */
-export function pages_of(items, size) {
-  const count = Math.max(1, Math.ceil(items.length / size));
-  return {
-    count,
-    page: (k) => items.slice(k * size, (k + 1) * size),
-    label: (k) => `${k * size + 1}–${Math.min(items.length, (k + 1) * size)} of ${items.length}`,
-  };
+/** A level across the whole panel, drawn as a line of two points so that it counts for the axis. */
+export function level_series(name, value, [from, to], panel, line_style) {
+  const ends = [
+    [from, value],
+    [to, value],
+  ];
+  return line_series(name, ends, panel, { width: 1.5, ...line_style }, { z: 2, silent: true });
 }
