@@ -162,7 +162,8 @@ TEST_F(Extraction, ModesOfCalculix) {
   const FrequencyRule frequencies{.file = "bar.dat", .format = FrequencyRule::Format::calculix};
   const ShapeRule shapes{.file = "bar.frd", .format = ShapeRule::Format::calculix};
   const ExtractedModes modes = mottle::extract_modes(folder_.path(), frequencies, shapes, 5);
-  const std::vector<mottle::CalculixShape> listed = mottle::parse_calculix_shapes(mottle::read_file(bar + ".frd"), "bar.frd");
+  const std::vector<mottle::CalculixShape> listed =
+      mottle::parse_calculix_shapes(mottle::read_file(bar + ".frd"), "bar.frd");
   ASSERT_EQ(modes.shapes.cols(), 5);
   for (Eigen::Index mode = 0; mode < 5; ++mode) {
     const mottle::CalculixShape& shape = listed[static_cast<std::size_t>(mode)];

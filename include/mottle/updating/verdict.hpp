@@ -21,8 +21,8 @@ struct Verdict {
 /// Adequate where every test of the method passed and no mean lies on a bound.
 Verdict judge(const UpdatingProblem& problem, const UpdatingResult& result);
 
-/// Hotelling's two-sample test that specimens and cloud have the same mean; the known noise of the tests is added to the
-/// covariance of the cloud, which has none.
+/// Hotelling's two-sample test that specimens and cloud have the same mean; the known noise of the tests is added to
+/// the covariance of the cloud, which has none.
 VerdictTest mean_agreement_test(const UpdatingProblem& problem, const IterationRecord& state, double level);
 
 /// What the outputs can tell of the parameters.
