@@ -58,7 +58,7 @@ def main():
              "factorises, the pattern of which the ordering is kept, M without its zeros, room for the block that "
              "Lanczos works on (the block, M times it, and both by rows) and the modes. A cloud also holds the family's terms twice "
              "while it begins (as given, and by the rows that they support), the shifted K, a sketch of 64 vectors, and "
-             "its basis twice while that is turned.", ""]
+             "several blocks of up to 48 vectors while it trains.", ""]
     print("\n".join(lines))
     (HERE / "MEMORY.md").write_text("\n".join(lines))
 

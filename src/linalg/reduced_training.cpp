@@ -223,8 +223,8 @@ void enlarge(ReducedModel::Parts& parts, const TermCoefficients& samples, const 
     values(c) = known.values(pick.mode, pick.sample);
     coordinates.col(c) = known.coordinates.col(pick.sample * known.values.rows() + pick.mode);
   }
-  const Eigen::MatrixXd shapes = product(parts.basis, coordinates);
-  const Eigen::MatrixXd residuals = full_residuals(*parts.full, samples, picks, shapes, values);
+  const Eigen::MatrixXd residuals =
+      full_residuals(*parts.full, samples, picks, product(parts.basis, coordinates), values);
   Eigen::MatrixXd answers = residuals;
   constexpr std::int64_t k_sides = 16;  // in one sweep through the factor; fewer cost more a side
   parallel_for(answers.cols(), k_sides, threads, [&](std::int64_t begin, std::int64_t end) {
