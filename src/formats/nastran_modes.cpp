@@ -23,12 +23,13 @@ class EigenvalueList {
     if (!parse_printed_number(text, value)) {
       throw FormatError(file_, line, fmt::format("the eigenvalue of mode {}, '{}', is not a number", mode, text));
     }
-    if (mode == 1 && values_.size() > 1) values_.clear();
-    if (mode == static_cast<int>(values_.size()) && values_.back() == value) return;
-    if (mode == 1) values_.clear();
-    if (mode != static_cast<int>(values_.size()) + 1) {
-      throw FormatError(file_, line, fmt::format("mode {} follows mode {}", mode, values_.size()));
+    const int last = static_cast<int>(values_.size());
+    if (mode < 1) throw FormatError(file_, line, fmt::format("modes are numbered from 1 on, found {}", mode));
+    if (mode == last && values_.back() == value) return;
+    if (mode != 1 && mode != last + 1) {
+      throw FormatError(file_, line, fmt::format("mode {} follows mode {}", mode, last));
     }
+    if (mode == 1) values_.clear();
     values_.push_back(value);
   }
 

@@ -120,6 +120,8 @@ TEST(NastranModes, GarbageInTheTableIsNamedByItsLine) {
               ThrowsMessage<FormatError>(HasSubstr("m.f06:10: ")));
   EXPECT_THAT(read(replaced(k_eigenvalues, "        2         2", "        4         2")),
               ThrowsMessage<FormatError>(HasSubstr("m.f06:9: mode 4 follows mode 1")));
+  EXPECT_THAT(read(replaced(k_eigenvalues, "        1         1", "        0         1")),
+              ThrowsMessage<FormatError>(HasSubstr("m.f06:8: modes are numbered from 1 on, found 0")));
   EXPECT_THAT(read(replaced(k_eigenvalues, "8.719168E-03        7.178296E+04", "")),
               ThrowsMessage<FormatError>(HasSubstr("m.f06:8: ")));
   EXPECT_THAT(read("no table"), ThrowsMessage<FormatError>(HasSubstr("has no table")));
