@@ -20,6 +20,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// More threads are slower on small models, and much slower beside other work.
+std::map<std::string, std::string> one_thread() {
+  return {{"OMP_NUM_THREADS", "1"}, {"OPENBLAS_NUM_THREADS", "1"}};
+}
+
 /// A folder of its own, gone at the end.
 class PrivateFolder {
  public:
@@ -103,8 +108,7 @@ class Solver {
   ProcessEnd run(const std::vector<std::string>& arguments, const fs::path& folder) const {
     return run_process({.arguments = arguments,
                         .directory = folder,
-                        // More threads are slower on small models, and much slower beside other work.
-                        .environment = {{"OMP_NUM_THREADS", "1"}, {"OPENBLAS_NUM_THREADS", "1"}},
+                        .environment = one_thread(),
                         .timeout = settings_.timeout,
                         .stop = settings_.stop});
   }
@@ -220,7 +224,7 @@ SolverCommand calculix_command(const CalculixDeck& deck, const std::vector<Param
   SolverCommand command;
   command.templates = {{deck.files.front(), "model.inp", deck_with_places(deck, places)}};
   command.command.arguments = {settings.program, "model"};
-  command.environment = {{"OMP_NUM_THREADS", "1"}, {"OPENBLAS_NUM_THREADS", "1"}};
+  command.environment = one_thread();
   command.timeout = settings.timeout;
   command.parallel = settings.parallel;
   command.frequencies = {.file = "model.dat", .format = FrequencyRule::Format::calculix};

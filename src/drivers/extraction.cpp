@@ -149,10 +149,8 @@ Eigen::VectorXd read_frequencies(const std::filesystem::path& folder, const Freq
 
 /// Eigenvalues of what the rule's numbers are; negative frequencies do not exist, negative eigenvalues do.
 Eigen::VectorXd to_eigenvalues(const Eigen::VectorXd& numbers, const FrequencyRule& rule) {
-  using Format = FrequencyRule::Format;
   using Quantity = FrequencyRule::Quantity;
-  const bool is_eigenvalue = rule.format == Format::f06 || rule.format == Format::punch ||
-                             rule.format == Format::calculix || rule.quantity == Quantity::eigenvalue;
+  const bool is_eigenvalue = rule.has_eigenvalues();
   Eigen::VectorXd eigenvalues = numbers;
   for (Eigen::Index k = 0; k < numbers.size(); ++k) {
     const double slack = 1e-6 * std::abs(numbers(k)) + (is_eigenvalue ? 1e-9 * numbers.cwiseAbs().maxCoeff() : 0.0);

@@ -314,12 +314,13 @@ std::string deck_with_places(const CalculixDeck& deck, const std::vector<Calculi
 }
 
 bool writes_displacements(const CalculixDeck& deck) {
+  const std::regex displacements(R"(,\s*U\s*,)");
   for (std::size_t i = 0; i < deck.lines.size(); ++i) {
     const std::optional<Keyword> keyword = keyword_of(deck.lines[i].text);
     if (!keyword || (keyword->name != "NODE FILE" && keyword->name != "NODE OUTPUT")) continue;
     for (const std::size_t line : data_lines(deck, i)) {
       const std::string text = fmt::format(",{},", capital_letters(deck.lines[line].text));
-      if (std::regex_search(text, std::regex(R"(,\s*U\s*,)"))) return true;
+      if (std::regex_search(text, displacements)) return true;
     }
   }
   return false;

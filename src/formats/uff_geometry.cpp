@@ -117,16 +117,22 @@ void read_uff_nodes_2411(UffCursor& cursor, UffFile& out) {
   }
 }
 
+/// A system of this record, and its name in the next line.
+UffCoordinateSystem begin_system(UffCursor& cursor, const std::vector<int>& record, int color) {
+  UffCoordinateSystem system;
+  system.line = cursor.line_number();
+  system.system.id = record[0];
+  system.system.kind = kind_of(cursor, record[1]);
+  system.color = color;
+  system.name = cursor.text("a coordinate system's name");
+  return system;
+}
+
 void read_uff_systems_18(UffCursor& cursor, UffFile& out) {
   while (!cursor.at_mark()) {
     const std::vector<int> record = cursor.integers("a coordinate system", {10}, 5);
-    UffCoordinateSystem system;
-    system.line = cursor.line_number();
-    system.system.id = record[0];
-    system.system.kind = kind_of(cursor, record[1]);
+    UffCoordinateSystem system = begin_system(cursor, record, record[3]);
     system.reference = record[2];
-    system.color = record[3];
-    system.name = cursor.text("a coordinate system's name");
     const std::vector<double> points = cursor.values("points of a coordinate system", {13, 13, 13, 13, 13, 13}, 6);
     const std::vector<double> last = cursor.values("the third point of a coordinate system", {13, 13, 13}, 3);
     system.system.origin = vector(points);
@@ -141,12 +147,7 @@ void read_uff_systems_2420(UffCursor& cursor, UffFile& out) {
   cursor.text("a part's name");
   while (!cursor.at_mark()) {
     const std::vector<int> record = cursor.integers("a coordinate system", {10}, 3);
-    UffCoordinateSystem system;
-    system.line = cursor.line_number();
-    system.system.id = record[0];
-    system.system.kind = kind_of(cursor, record[1]);
-    system.color = record[2];
-    system.name = cursor.text("a coordinate system's name");
+    UffCoordinateSystem system = begin_system(cursor, record, record[2]);
     Eigen::Matrix3d& axes = system.system.axes;
     for (int axis = 0; axis < 3; ++axis) {
       axes.col(axis) = vector(cursor.values("a row of a coordinate system's matrix", {25, 25, 25}, 3));

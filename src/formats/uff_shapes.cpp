@@ -38,6 +38,23 @@ void require_not_negative(const UffCursor& cursor, const char* what, double valu
   if (value < 0.0) cursor.fail(fmt::format("{} {} is negative", what, value));
 }
 
+void take_real_mode(const UffCursor& cursor, double frequency, double mass, double viscous, double hysteretic,
+                    UffShape& shape) {
+  shape.frequency = frequency;
+  shape.modal_mass = mass;
+  shape.viscous_damping = viscous;
+  shape.hysteretic_damping = hysteretic;
+  require_not_negative(cursor, "the frequency", frequency);
+  require_not_negative(cursor, "the modal mass", mass);
+}
+
+/// Eigenvalue and modal A, B, real and imaginary parts in turn.
+void take_complex_mode(const std::vector<double>& numbers, UffShape& shape) {
+  shape.eigenvalue = {numbers[0], numbers[1]};
+  shape.modal_a = {numbers[2], numbers[3]};
+  shape.modal_b = {numbers[4], numbers[5]};
+}
+
 void read_at_nodes(UffCursor& cursor, const Kind& kind, UffShape& shape) {
   const auto values = static_cast<std::size_t>(kind.values);
   const std::size_t count = values * (kind.is_complex ? 2 : 1);
@@ -86,16 +103,9 @@ void read_uff_shape_55(UffCursor& cursor, UffFile& out) {
   const std::vector<double> real = cursor.numbers("numbers of the mode", {13}, 6);
   for (int read = 6; read < whole[1]; read += 6) cursor.numbers("numbers of the mode", {13}, 1);
   if (kind.analysis == 2) {
-    shape.frequency = real[0];
-    shape.modal_mass = real[1];
-    shape.viscous_damping = real[2];
-    shape.hysteretic_damping = real[3];
-    require_not_negative(cursor, "the frequency", shape.frequency);
-    require_not_negative(cursor, "the modal mass", shape.modal_mass);
+    take_real_mode(cursor, real[0], real[1], real[2], real[3], shape);
   } else {
-    shape.eigenvalue = {real[0], real[1]};
-    shape.modal_a = {real[2], real[3]};
-    shape.modal_b = {real[4], real[5]};
+    take_complex_mode(real, shape);
   }
   read_at_nodes(cursor, kind, shape);
   out.shapes.push_back(std::move(shape));
@@ -122,16 +132,8 @@ void read_uff_shape_2414(UffCursor& cursor, UffFile& out) {
   shape.mode = whole[5];
   cursor.integers("creation option and number retained", {10}, 2);
   const std::vector<double> real = cursor.numbers("time, frequency, eigenvalue, mass, damping", {13}, 6);
-  shape.frequency = real[1];
-  shape.modal_mass = real[3];
-  shape.viscous_damping = real[4];
-  shape.hysteretic_damping = real[5];
-  require_not_negative(cursor, "the frequency", shape.frequency);
-  require_not_negative(cursor, "the modal mass", shape.modal_mass);
-  const std::vector<double> complex = cursor.numbers("complex eigenvalue and modal A, B", {13}, 6);
-  shape.eigenvalue = {complex[0], complex[1]};
-  shape.modal_a = {complex[2], complex[3]};
-  shape.modal_b = {complex[4], complex[5]};
+  take_real_mode(cursor, real[1], real[3], real[4], real[5], shape);
+  take_complex_mode(cursor.numbers("complex eigenvalue and modal A, B", {13}, 6), shape);
   read_at_nodes(cursor, kind, shape);
   out.shapes.push_back(std::move(shape));
 }

@@ -54,7 +54,7 @@ FrequencyRule read_frequency_rule(TomlReader reader) {
   rule.format = std::vector{Format::column, Format::regex, Format::csv,     Format::json,
                             Format::f06,    Format::punch, Format::calculix}[reader.choice(
       "format", {"column", "regex", "csv", "json", "f06", "punch", "calculix"}, 0)];
-  if (rule.format != Format::f06 && rule.format != Format::punch && rule.format != Format::calculix) {
+  if (!rule.has_eigenvalues()) {
     rule.quantity = std::vector{Quantity::hertz, Quantity::radians,
                                 Quantity::eigenvalue}[reader.choice("quantity", {"Hz", "rad/s", "eigenvalue"}, 0)];
   }

@@ -23,6 +23,12 @@ struct FrequencyRule {
   int line = 1;                         ///< column: the table's first line, counted from that one
   std::string column = {};  ///< csv: of the header; column: number counted from 1; json: "modes.frequencies"
   int modes = 0;            ///< how many a run must give; 0: as many as the first run gave
+
+  /// Whether the numbers are eigenvalues: of some formats they always are.
+  bool has_eigenvalues() const {
+    return format == Format::f06 || format == Format::punch || format == Format::calculix ||
+           quantity == Quantity::eigenvalue;
+  }
 };
 
 /// Shapes at named degrees of freedom.
