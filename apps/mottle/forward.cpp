@@ -44,7 +44,7 @@ void add_check(CLI::App& app) {
   add_common_options(*verb, *options);
   verb->callback([options] {
     Console console(options->quiet);
-    print_summary(*options, run_check(read_study(*options), run_settings(*options, console).cache));
+    print_summary(*options, run_check(read_study(*options), run_settings(*options, console)));
   });
 }
 

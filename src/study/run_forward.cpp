@@ -221,9 +221,9 @@ RunSummary run_simulate(const Study& study, const RunSettings& settings) {
   return summary;
 }
 
-RunSummary run_check(const Study& study, const std::filesystem::path& cache) {
+RunSummary run_check(const Study& study, const RunSettings& settings) {
   const StudyParameters& parameters = study.parameters.list.empty() ? study.truth->parameters : study.parameters;
-  const StudyModel made = make_model(study, parameters, {.folder = {}, .cache = cache});
+  const StudyModel made = make_model(study, parameters, {.folder = {}, .cache = settings.cache, .stop = settings.stop});
   const ModalModel& model = *made.model;
   const Eigen::VectorXd mean = made.space->prior().mean();
   const int most_modes = static_cast<int>(std::min(k_listed_modes, model.structure().mode_count()));

@@ -8,6 +8,7 @@ import os
 import re
 import shutil
 import subprocess
+import time
 import unittest
 
 import support
@@ -114,6 +115,18 @@ class CalculixTest(support.CommandTest):
         ended = self.call("check", "study.toml", "--set", 'model.program="no-such-ccx"')
         self.assertEqual(ended.code, 2)
         self.assertIn("there is no program 'no-such-ccx'", ended.err)
+
+    def test_a_stop_request_ends_the_solver(self):
+        waiting = self.solver(f"touch {self.folder}/began; sleep 60")
+        process = subprocess.Popen([support.MOTTLE, "check", "study.toml", "--cache", "off", "--set", "model.timeout=60", *waiting],
+                                   cwd=self.folder, stderr=subprocess.PIPE)
+        while not (self.folder / "began").exists() and process.poll() is None:
+            time.sleep(0.01)
+        process.terminate()
+        start = time.monotonic()
+        process.communicate()
+        self.assertEqual(process.returncode, 4)
+        self.assertLess(time.monotonic() - start, 20)
 
     def test_what_the_deck_does_not_have_is_refused(self):
         for change, phrase in ((("*SPRING:PROP", "*SPRING:PROB"), "did you mean 'PROP'?"),

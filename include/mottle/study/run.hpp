@@ -52,7 +52,8 @@ RunSummary run_simulate(const Study& study, const RunSettings& settings);
 /// Errors: as run_update.
 RunSummary run_diagnose(const Study& study, const RunSettings& settings);
 
-/// Reads everything and says what would run; computes nothing long and writes nothing.
-RunSummary run_check(const Study& study, const std::filesystem::path& cache);
+/// Reads everything and says what would run; computes nothing long and writes nothing. Of the settings, `cache` and
+/// `stop` count.
+RunSummary run_check(const Study& study, const RunSettings& settings);
 
 }  // namespace mottle
