@@ -83,14 +83,22 @@ VerdictTest mean_residual_test(const WhitenedResiduals& residuals, bool is_noise
   return test;
 }
 
+/// Passes where the statistic is no larger than chi-squared of this freedom is once in 1 / level.
+VerdictTest chi_squared_test(std::string name, double statistic, double freedom, double level) {
+  const double critical = chi_squared_quantile(1.0 - level, freedom);
+  return {.name = std::move(name),
+          .statistic = statistic,
+          .critical = critical,
+          .p_value = chi_squared_upper_tail(statistic, freedom),
+          .passed = statistic <= critical,
+          .meaning = {}};
+}
+
 VerdictTest scatter_residual_test(const WhitenedResiduals& residuals, double mean_misfit, double mean_freedom,
                                   double level) {
   const double freedom = residuals.freedom - mean_freedom;
-  VerdictTest test{.name = "scatter-of-residuals",
-                   .statistic = std::max(residuals.squares - mean_misfit, 0.0),
-                   .critical = chi_squared_quantile(1.0 - level, freedom)};
-  test.p_value = chi_squared_upper_tail(test.statistic, freedom);
-  test.passed = test.statistic <= test.critical;
+  VerdictTest test =
+      chi_squared_test("scatter-of-residuals", std::max(residuals.squares - mean_misfit, 0.0), freedom, level);
   test.meaning = fmt::format(
       "Chi-squared with {:.0f} degrees of freedom: do the residuals scatter from specimen to specimen no more than the "
       "measurement's noise?",
@@ -106,11 +114,8 @@ VerdictTest correlation_test(const PopulationFit& fit, double freedom, double le
   const auto n = static_cast<double>(fit.units.size());
   const auto q = static_cast<double>(fit.effects.mean.size());
   const double factor = std::max(1.0 - (2.0 * q + 11.0) / (6.0 * n), 0.1);
-  VerdictTest test{.name = "correlations",
-                   .statistic = 2.0 * factor * std::max(free.log_likelihood - fit.effects.log_likelihood, 0.0),
-                   .critical = chi_squared_quantile(1.0 - level, freedom)};
-  test.p_value = chi_squared_upper_tail(test.statistic, freedom);
-  test.passed = test.statistic <= test.critical;
+  const double gain = std::max(free.log_likelihood - fit.effects.log_likelihood, 0.0);
+  VerdictTest test = chi_squared_test("correlations", 2.0 * factor * gain, freedom, level);
   test.meaning = fmt::format(
       "Likelihood ratio with {:.0f} degrees of freedom: are the parameters that may not be correlated uncorrelated in "
       "the tests?",

@@ -49,6 +49,10 @@ struct ThreeMasses {
   std::unique_ptr<ModalModel> model;
 };
 
+inline Eigen::VectorXd deviations(const UpdatingResult& result) {
+  return result.covariance.diagonal().cwiseSqrt();
+}
+
 /// Frequencies of a batch of (k1, k2, k5), as tests.
 inline Eigen::MatrixXd frequencies_of(const ThreeMasses& structure, const Eigen::MatrixXd& parameters) {
   return structure.model->evaluate(parameters, {}).outputs;

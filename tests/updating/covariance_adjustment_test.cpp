@@ -8,6 +8,7 @@ namespace mottle {
 namespace {
 
 using CloudKind = CovarianceAdjustmentOptions::CloudKind;
+using test::deviations;
 using test::frequencies_of;
 using test::oracle_parameters;
 using test::ThreeMasses;
@@ -15,10 +16,6 @@ using test::ThreeMasses;
 UpdatingResult update(const UpdatingProblem& problem, const CovarianceAdjustmentOptions& options = {},
                       std::uint64_t seed = 1) {
   return CovarianceAdjustmentUpdater(options).update(problem, {.seed = seed});
-}
-
-Eigen::VectorXd deviations(const UpdatingResult& result) {
-  return result.covariance.diagonal().cwiseSqrt();
 }
 
 TEST(CovarianceAdjustment, ReachesTheFirstOrderFixedPointOfTheThreeMasses) {

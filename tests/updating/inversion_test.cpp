@@ -13,16 +13,13 @@
 namespace mottle {
 namespace {
 
+using test::deviations;
 using test::frequencies_of;
 using test::oracle_parameters;
 using test::ThreeMasses;
 
 UpdatingResult update(const UpdatingProblem& problem, const InversionOptions& options = {}) {
   return InversionUpdater(options).update(problem, {.seed = 1});
-}
-
-Eigen::VectorXd deviations(const UpdatingResult& result) {
-  return result.covariance.diagonal().cwiseSqrt();
 }
 
 TEST(Inversion, GivesTheSpecimensOfTheThreeMassesBack) {

@@ -8,16 +8,13 @@
 namespace mottle {
 namespace {
 
+using test::deviations;
 using test::frequencies_of;
 using test::oracle_parameters;
 using test::ThreeMasses;
 
 UpdatingResult update(const UpdatingProblem& problem, const MaresOptions& options = {}, std::uint64_t seed = 1) {
   return MaresUpdater(options).update(problem, {.seed = seed});
-}
-
-Eigen::VectorXd deviations(const UpdatingResult& result) {
-  return result.covariance.diagonal().cwiseSqrt();
 }
 
 TEST(Mares, TheDecodedReadingReproducesThePublishedMeansAndDeviations) {

@@ -10,16 +10,13 @@ namespace mottle {
 namespace {
 
 using Rule = MomentMatchingOptions::Rule;
+using test::deviations;
 using test::frequencies_of;
 using test::oracle_parameters;
 using test::ThreeMasses;
 
 UpdatingResult update(const UpdatingProblem& problem, const MomentMatchingOptions& options = {}) {
   return MomentMatchingUpdater(options).update(problem, {.seed = 1});
-}
-
-Eigen::VectorXd deviations(const UpdatingResult& result) {
-  return result.covariance.diagonal().cwiseSqrt();
 }
 
 /// y = x^2 of one parameter: mean mu^2 + s^2, variance 4 mu^2 s^2 + 2 s^4, in closed form.
