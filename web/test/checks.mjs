@@ -12,6 +12,7 @@ import {
   close_to_data,
   overflow,
   exported,
+  saved,
 } from "./expectations.mjs";
 
 export const checks = [
@@ -252,10 +253,7 @@ export const checks = [
     async ({ page }) => {
       const buttons = page.locator('.table-block [data-export="csv"]');
       for (let i = 0; i < (await buttons.count()); i += 1) {
-        const [download] = await Promise.all([
-          page.waitForEvent("download", { timeout: 10000 }),
-          buttons.nth(i).click(),
-        ]);
+        const download = await saved(page, () => buttons.nth(i).click());
         assert.ok(readFileSync(await download.path(), "utf8").split("\r\n").length > 2);
       }
     },

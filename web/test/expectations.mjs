@@ -118,13 +118,16 @@ export const overflow = (page) =>
     return { page: scrollWidth - clientWidth, plots: wide.length };
   });
 
-/** Bytes of a plot's file. The browser lets a page start ten downloads in a second and drops the next without a word: hence the pause. */
-export async function exported(page, id, kind) {
+/** What a click saves. The browser lets a page start ten downloads in a second and drops the next without a word: hence the pause. */
+export async function saved(page, click) {
   await page.waitForTimeout(120);
-  const [download] = await Promise.all([
-    page.waitForEvent("download", { timeout: 10000 }),
-    page.click(`[data-plot="${id}"] [data-export="${kind}"]`),
-  ]);
+  const [download] = await Promise.all([page.waitForEvent("download", { timeout: 10000 }), click()]);
+  return download;
+}
+
+/** Bytes of a plot's file. */
+export async function exported(page, id, kind) {
+  const download = await saved(page, () => page.click(`[data-plot="${id}"] [data-export="${kind}"]`));
   assert.equal(download.suggestedFilename(), `mottle-${id}.${kind}`);
   return readFileSync(await download.path());
 }
