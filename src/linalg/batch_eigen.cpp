@@ -27,21 +27,6 @@ SimdLevel widest_level() {
   return SimdLevel::plain;
 }
 
-const Kernels& kernels_for(SimdLevel level) {
-  require(is_simd_level_available(level), "simd: this processor lacks the instructions of the level asked for; {}",
-          "use SimdLevel::automatic");
-  switch (level == SimdLevel::automatic ? widest_level() : level) {
-#if defined(__x86_64__)
-    case SimdLevel::avx512:
-      return lane_kernels::k_avx512;
-    case SimdLevel::avx2:
-      return lane_kernels::k_avx2;
-#endif
-    default:
-      return lane_kernels::k_plain;
-  }
-}
-
 void require_square(const Eigen::MatrixXd& matrix, Eigen::Index order, const char* name, std::size_t term) {
   require(matrix.rows() == order && matrix.cols() == order, "{}[{}]: {} x {}, need {} x {}", name, term, matrix.rows(),
           matrix.cols(), order, order);
@@ -177,23 +162,6 @@ void solve_alone(const PencilFamily& family, const Coefficients& stiffness_coeff
   result.failed[static_cast<std::size_t>(sample)] = modes.failed ? 1 : 0;
 }
 
-/// Memory of one thread's kernel calls; kept between chunks because fresh pages cost as much as small solves.
-double* thread_workspace(long doubles) {
-  struct FreeAligned {
-    void operator()(double* memory) const { ::operator delete[](memory, std::align_val_t{64}); }
-  };
-  thread_local std::unique_ptr<double[], FreeAligned> memory;
-  thread_local long size = 0;
-  if (doubles > size) {
-    memory.reset();
-    size = 0;
-    memory.reset(static_cast<double*>(
-        ::operator new[](static_cast<std::size_t>(doubles) * sizeof(double), std::align_val_t{64})));
-    size = doubles;
-  }
-  return memory.get();
-}
-
 lane_kernels::Problem describe(const PencilFamily& family, const PackedFamily& packed, const Coefficients& stiffness,
                                const Coefficients& mass, const BatchModes& result) {
   return {.order = static_cast<int>(family.stiffness_constant.rows()),
@@ -219,8 +187,39 @@ void mark_all_failed(BatchModes& result) {
 
 }  // namespace
 
+const Kernels& lane_kernels::kernels_for(SimdLevel level) {
+  require(is_simd_level_available(level), "simd: this processor lacks the instructions of the level asked for; {}",
+          "use SimdLevel::automatic");
+  switch (level == SimdLevel::automatic ? widest_level() : level) {
+#if defined(__x86_64__)
+    case SimdLevel::avx512:
+      return lane_kernels::k_avx512;
+    case SimdLevel::avx2:
+      return lane_kernels::k_avx2;
+#endif
+    default:
+      return lane_kernels::k_plain;
+  }
+}
+
 const Kernels& lane_kernels::widest_kernels() {
   return kernels_for(SimdLevel::automatic);
+}
+
+double* lane_kernels::thread_workspace(long doubles) {
+  struct FreeAligned {
+    void operator()(double* memory) const { ::operator delete[](memory, std::align_val_t{64}); }
+  };
+  thread_local std::unique_ptr<double[], FreeAligned> memory;
+  thread_local long size = 0;
+  if (doubles > size) {
+    memory.reset();
+    size = 0;
+    memory.reset(static_cast<double*>(
+        ::operator new[](static_cast<std::size_t>(doubles) * sizeof(double), std::align_val_t{64})));
+    size = doubles;
+  }
+  return memory.get();
 }
 
 bool is_simd_level_available(SimdLevel level) {
@@ -247,7 +246,7 @@ BatchModes solve_batch(const PencilFamily& family, const Coefficients& stiffness
   const Eigen::Index order = family.stiffness_constant.rows(), samples = stiffness_coefficients.cols();
   require(0 <= options.modes && options.modes <= order, "modes: {}, need 0 (all) to {}", options.modes, order);
   require(options.threads >= 1, "threads: {}, need at least 1", options.threads);
-  const Kernels& kernels = kernels_for(options.simd);
+  const Kernels& kernels = lane_kernels::kernels_for(options.simd);
   const Eigen::Index modes = options.modes == 0 ? order : options.modes;
 
   BatchModes result{Eigen::MatrixXd(modes, samples), {}, std::vector<std::uint8_t>(static_cast<std::size_t>(samples))};
@@ -268,7 +267,8 @@ BatchModes solve_batch(const PencilFamily& family, const Coefficients& stiffness
     if (is_small) {
       kernels.solve_small(problem, output, begin, end);
     } else if (in_lanes) {
-      kernels.solve_large(problem, output, begin, end, thread_workspace(kernels.workspace_doubles(problem)));
+      kernels.solve_large(problem, output, begin, end,
+                          lane_kernels::thread_workspace(kernels.workspace_doubles(problem)));
     }
     for (std::int64_t sample = begin; sample < end; ++sample) {
       if (trusted[static_cast<std::size_t>(sample)] == 0) {

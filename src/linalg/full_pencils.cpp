@@ -84,7 +84,7 @@ FullPencils::FullPencils(const PencilTerms& terms, const TermCoefficients& nomin
   const std::clock_t begin = std::clock();
   SparseModes found =
       solver_.solve(nominal_k, nominal_m,
-                    {.modes = options.modes + k_guard_modes + k_more_modes, .tolerance = 1e-4, .measures = false});
+                    {.modes = options.modes + k_guard_modes + k_more_modes, .tolerance = 1e-3, .measures = false});
   exact_seconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
   require(found.failure.empty() && found.values.size() > 0, "the nominal model has no modes: {}", found.failure);
   shift = found.shift;

@@ -2,6 +2,10 @@
 // an inline function here would be compiled with AVX-512 flags too and the linker might keep that copy.
 #pragma once
 
+namespace mottle {
+enum class SimdLevel;
+}
+
 namespace mottle::lane_kernels {
 
 /// Where the mass is when a kernel gets to work.
@@ -36,6 +40,37 @@ struct Output {
   unsigned char* trusted = nullptr;
 };
 
+/// Pencils near a nominal one, in whose modes they are written: there K - shift M = 1 and M = diag nominal_mass,
+/// descending. Matrices are in tiles, each full, by rows: of K and M those of the lower triangle column by column, of
+/// W'K_t and W'M_t all, row by row; the tiles of all terms at one place follow one another, the constant's first. The
+/// order is filled up to a multiple of k_tile with ones in K and zeros in M.
+struct NearbyProblem {
+  int order = 0;      ///< with the filling
+  int rows = 0;       ///< without
+  int block = 0;      ///< vectors; this and the next two are multiples of k_block_columns
+  int kept = 0;       ///< Ritz vectors of the block, more than the modes
+  int corrected = 0;  ///< vectors that are corrected more than once, no fewer than the sharp modes
+  int modes = 0;      ///< wanted
+  int sharp = 0;      ///< the first of them, which must keep to the limit
+  int stiffness_terms = 0;
+  int mass_terms = 0;
+  const double* stiffness = nullptr;               ///< [tile][1 + terms]
+  const double* mass = nullptr;                    ///< the same; unused where the mass is constant
+  const double* nominal_mass = nullptr;            ///< [order]
+  const double* stiffness_coefficients = nullptr;  ///< [sample][term]
+  const double* mass_coefficients = nullptr;
+  long stiffness_stride = 0;
+  long mass_stride = 0;
+  const double* ratios = nullptr;   ///< [sample]: K - shift M >= ratio of the nominal one
+  const double* heavier = nullptr;  ///< [sample]: M <= heavier times the nominal one
+  double shift = 0.0;
+  double limit = 0.0;   ///< of the squared residual of a sharp mode, r'r <= limit ratio (lambda - shift) y'My
+  int sketch_rows = 0;  ///< a multiple of k_tile
+  const double* stiffness_sketch = nullptr;  ///< [tile][1 + terms]
+  const double* mass_sketch = nullptr;       ///< the same
+  double* sketched_residuals = nullptr;      ///< out: W'(K - lambda M) y [sample][mode][sketch row]
+};
+
 /// A sparse symmetric matrix by its lower triangle, compressed columns.
 struct SparseLower {
   int columns = 0;
@@ -57,6 +92,8 @@ struct SupernodalLower {
 
 /// Vectors side by side are padded to a multiple of this.
 constexpr int k_vector_padding = 8;
+constexpr int k_tile = 16;
+constexpr int k_block_columns = 6;
 
 /// Kernels of one register width; each solves samples [begin, end).
 struct Kernels {
@@ -64,6 +101,9 @@ struct Kernels {
   /// The workspace holds workspace_doubles(problem) and is aligned to 64 bytes.
   void (*solve_large)(const Problem&, const Output&, long begin, long end, double* workspace);
   long (*workspace_doubles)(const Problem&);
+  /// Leaves samples that it does not vouch for as they are, trusted and all.
+  void (*solve_nearby)(const NearbyProblem&, const Output&, long begin, long end, double* workspace);
+  long (*nearby_doubles)(const NearbyProblem&);
   /// out += A in for `width` vectors, a multiple of k_vector_padding: both [column][vector].
   void (*add_symmetric_product)(const SparseLower&, int width, const double* in, double* out);
   /// Solve L X = B and L' X = B in place for `width` right-hand sides, one or a multiple of `lanes`: x [row][side].
@@ -72,8 +112,14 @@ struct Kernels {
   int lanes;  ///< doubles in a register
 };
 
+/// The kernels of a register width. @throws InvalidInput  this processor lacks it
+const Kernels& kernels_for(SimdLevel level);
 /// The kernels of the widest registers that this processor has.
 const Kernels& widest_kernels();
+
+/// Memory of one thread's kernel calls, aligned to 64 bytes; kept between calls because fresh pages cost as much as
+/// small solves.
+double* thread_workspace(long doubles);
 
 /// Orders that the kernels take: small ones up to k_jacobi_limit, large ones up to k_order_limit.
 constexpr int k_jacobi_limit = 8;

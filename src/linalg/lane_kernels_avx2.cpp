@@ -4,13 +4,14 @@
 #define MOTTLE_UPDATE_COLUMNS 2
 #define MOTTLE_PRODUCT_COLUMNS 4
 #define MOTTLE_VECTOR_GROUP 3
+#define MOTTLE_TILE_ROWS 2
+#include "linalg/lanes/nearby.hpp"
 #include "linalg/lanes/solve.hpp"
 #include "linalg/lanes/sparse_product.hpp"
 #include "linalg/lanes/supernodal_solve.hpp"
 
 namespace mottle::lane_kernels {
-const Kernels k_avx2{jacobi_avx2,           solve_large, workspace_doubles,
-                     add_symmetric_product, solve_lower, solve_lower_transposed,
-                     MOTTLE_LANES};
+const Kernels k_avx2{jacobi_avx2,           solve_large, workspace_doubles,      solve_nearby, nearby_doubles,
+                     add_symmetric_product, solve_lower, solve_lower_transposed, MOTTLE_LANES};
 }
 #endif

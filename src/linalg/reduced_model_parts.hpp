@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "mottle/linalg/reduced_model.hpp"
+#include "nearby_modes.hpp"
 #include "supported_matrix.hpp"
 
 namespace mottle {
@@ -87,6 +88,12 @@ Eigen::MatrixXd sketched_gram(const Eigen::MatrixXd& sketched);
 
 struct SamplePencil;  // see reduced_refinement.cpp
 
+/// NearbyModes of a basis, made when they are first asked for.
+struct PreparedModes {
+  std::once_flag is_made;
+  std::unique_ptr<NearbyModes> modes;
+};
+
 struct ReducedModel::Parts {
   std::shared_ptr<FullPencils> full;
   ReducedModelOptions options;
@@ -96,16 +103,23 @@ struct ReducedModel::Parts {
   bool reaches_tolerance = true;                               ///< the last training did
   Eigen::MatrixXd floor_modes;                                 ///< coordinates, of A-length 1 [vector x mode]
   std::vector<Eigen::MatrixXd> stiffness_sketch, mass_sketch;  ///< W' K_t V, W' M_t V
+  /// Of the basis as it is: another one with every change of it, shared by copies.
+  std::shared_ptr<PreparedModes> prepared = std::make_shared<PreparedModes>();
 
   /// Ritz values and vectors with guards, what they leave over, and what that means.
   struct Solution {
     Eigen::MatrixXd values;     ///< [mode and guards x sample]
     Eigen::MatrixXd vectors;    ///< [vector * (mode and guards) x sample]
     Eigen::MatrixXd bounds;     ///< [mode and sharp guard x sample]
-    Eigen::MatrixXd residuals;  ///< sketched, over sqrt(64 ratio mu) [64 x (mode and guards) * sample]; on request
+    Eigen::MatrixXd residuals;  ///< sketched, over sqrt(64 ratio mu) [64 x (mode and guards) * sample]
   };
   Eigen::Index solved_modes() const;
-  Solution solve(const TermCoefficients& samples, bool keeps_residuals, int threads) const;
+  Solution solve(const TermCoefficients& samples, int threads) const;
+  const NearbyModes& nearby_modes() const;
+  /// Lowest modes of the reduced pencils, guards included: of most samples by NearbyModes, of the others by themselves.
+  SketchedModes reduced_modes(const TermCoefficients& samples, const Eigen::VectorXd& ratios, int threads) const;
+  /// See SketchedModes.
+  Eigen::MatrixXd sketched_residuals(const TermCoefficients& samples, const BatchModes& found, int threads) const;
   /// Bounds on lambda of the lowest `wanted` of one sample's Ritz pairs; infinite from `unseen` on.
   ///
   /// @param lambda  Ritz values [mode and guards]
@@ -124,12 +138,15 @@ struct ReducedModel::Parts {
   /// Appends modes up to `level` of a pencil and remembers it as a floor.
   void add_floor(Floor floor, const Eigen::MatrixXd& modes, int threads);
 
-  /// Appends what is new in `block` to the basis; `weighed` is A block.
-  void append(Eigen::MatrixXd block, const Eigen::MatrixXd& weighed, int threads);
+  /// Appends what is new in `block` to the basis.
+  void append(const Eigen::MatrixXd& block, int threads);
   /// Enlarges the projections by those of the last `added` vectors of the basis.
   void project_last(Eigen::Index added, int threads);
-  /// Makes the last vectors A-orthonormal to rounding, by the projections.
-  void polish_last(Eigen::Index added);
+  /// The last columns of V' A V, by the projections.
+  Eigen::MatrixXd nominal_columns(Eigen::Index count) const;
+  /// Makes the last vectors A-orthonormal to all and to each other, by the projections alone; returns how many are
+  /// left.
+  Eigen::Index orthonormalise_last(Eigen::Index added);
   /// Turns the basis and drops directions: V <- V q.
   void rotate(const Eigen::MatrixXd& q);
 };

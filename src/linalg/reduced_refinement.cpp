@@ -102,7 +102,7 @@ RefinedModes ReducedModel::Parts::refine(const SamplePencil& sample, const Eigen
 
 void ReducedModel::refine(const TermCoefficients& samples, int threads, const RefinedVisitor& visit) const {
   const Parts& parts = *parts_;
-  const Parts::Solution begin = parts.solve(samples, false, threads);
+  const Parts::Solution begin = parts.solve(samples, threads);
   const Eigen::VectorXd ratios = parts.full->smallest_ratios(samples);
   const Eigen::VectorXd unseen = parts.unseen_above(samples);
   const Eigen::Index vectors = parts.basis.cols();

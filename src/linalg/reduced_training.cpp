@@ -132,7 +132,7 @@ class TrainingSamples {
     if (rows.empty()) return;
     const Eigen::Index modes = wants.rows();
     const TermCoefficients now{samples_.stiffness(Eigen::all, rows), samples_.mass(Eigen::all, rows)};
-    const ReducedModel::Parts::Solution found = parts_.solve(now, true, threads);
+    const ReducedModel::Parts::Solution found = parts_.solve(now, threads);
     const Eigen::MatrixXd shortfall = shortfalls(found.bounds, found.residuals, target_);
     for (std::size_t i = 0; i < rows.size(); ++i) {
       const auto from = static_cast<Eigen::Index>(i);
@@ -163,8 +163,10 @@ class TrainingSamples {
   std::vector<Eigen::Index> solved_in_;  // vectors of the basis at the time [sample]
 };
 
-/// Drops the directions that no training sample needs: the basis grew by what was missing at the time.
-void compress(ReducedModel::Parts& parts, const TrainingSamples& samples, const std::vector<Eigen::Index>& chosen) {
+/// The directions that training samples need, orthonormal: the basis grew by what was missing at the time. Empty where
+/// nearly all are.
+Eigen::MatrixXd needed_directions(const ReducedModel::Parts& parts, const TrainingSamples& samples,
+                                  const std::vector<Eigen::Index>& chosen) {
   constexpr Eigen::Index k_worth = 10;  // a tenth fewer pay for the turning
   constexpr double k_neglect = 0.3;     // of the residual that would be just good enough
   const Eigen::Index vectors = parts.basis.cols();
@@ -188,7 +190,20 @@ void compress(ReducedModel::Parts& parts, const TrainingSamples& samples, const 
     neglected += shares.row(dropped);
     if (neglected.maxCoeff() > k_neglect * k_neglect) break;
   }
-  if (k_worth * dropped > vectors) parts.rotate(solver.eigenvectors().rightCols(vectors - dropped));
+  if (k_worth * dropped <= vectors) return {};
+  return solver.eigenvectors().rightCols(vectors - dropped);
+}
+
+/// Turns the basis into the needed directions, if there are any, and these into the nominal modes.
+void turn_basis(ReducedModel::Parts& parts, const Eigen::MatrixXd& needed) {
+  Eigen::MatrixXd nominal = weighted_sum(parts.mass, parts.full->nominal_mass);
+  if (needed.size() > 0) nominal = transposed_product(needed, product(nominal, needed));
+  const Eigen::MatrixXd turn = nominal_turn(nominal);
+  if (needed.size() > 0) {
+    parts.rotate(turn.size() > 0 ? product(needed, turn) : needed);
+  } else if (turn.size() > 0) {
+    parts.rotate(turn);
+  }
 }
 
 /// How the training comes on, to give up before the most expensive rounds where they would be in vain.
@@ -230,7 +245,7 @@ void enlarge(ReducedModel::Parts& parts, const TermCoefficients& samples, const 
   parallel_for(answers.cols(), k_sides, threads, [&](std::int64_t begin, std::int64_t end) {
     parts.full->factor().solve(answers.middleCols(begin, end - begin));
   });
-  parts.append(std::move(answers), residuals, threads);
+  parts.append(answers, threads);
 }
 
 }  // namespace
@@ -249,13 +264,14 @@ void ReducedModel::train(const TermCoefficients& samples, int threads) {
   TrainingSamples known(parts, samples, 0.5 * parts.options.tolerance);
   Progress progress;
   parts.reaches_tolerance = false;
+  Eigen::MatrixXd needed;
   for (int round = 0; round < k_rounds; ++round) {
     known.solve(used, threads);
     const Eigen::Index room = parts.options.most_vectors - parts.basis.cols();
     const std::vector<Pick> picks = pick_residuals(known.residuals, known.wants, std::min(most_picks, room));
     const bool is_good = used == samples.samples() && known.wants.maxCoeff() < k_good_enough;
     parts.reaches_tolerance = is_good || (picks.empty() && room > 0);
-    if (is_good) compress(parts, known, known.fresh(k_compressing_samples, threads));
+    if (is_good) needed = needed_directions(parts, known, known.fresh(k_compressing_samples, threads));
     if (is_good || (picks.empty() && used == samples.samples()) || room <= 0) break;
     if (progress.is_hopeless(parts, known.mean_shortfall())) break;
     // As long as no sample is good, more of them would hardly choose better.
@@ -263,6 +279,7 @@ void ReducedModel::train(const TermCoefficients& samples, int threads) {
     if (has_good) used = std::min(2 * used, samples.samples());
     if (!picks.empty()) enlarge(parts, samples, known, picks, threads);
   }
+  turn_basis(parts, needed);
 }
 
 bool ReducedModel::reaches_tolerance() const {

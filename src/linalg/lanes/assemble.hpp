@@ -6,24 +6,68 @@
 namespace mottle::lane_kernels {
 namespace {
 
-/// result = constant + sum of coefficient * term over `size` entries. Terms go four at a time through registers.
+/// result = constant + sum of coefficient * term over `size` entries. Terms go four at a time through registers, and
+/// all of them over some entries before the next, which stay near.
 inline void combine_terms(const double* terms, int count, long size, const double* coefficients, long stride,
                           const BatchSamples& batch, Lane* result) {
-  for (long entry = 0; entry < size; ++entry) result[entry] = broadcast(terms[entry]);
-  int term = 0;
-  for (; term + 4 <= count; term += 4) {
-    const double* matrix = terms + (term + 1) * size;
-    const Lane c0 = gather(coefficients, stride, term, batch), c1 = gather(coefficients, stride, term + 1, batch);
-    const Lane c2 = gather(coefficients, stride, term + 2, batch), c3 = gather(coefficients, stride, term + 3, batch);
-    for (long entry = 0; entry < size; ++entry) {
-      result[entry] += c0 * matrix[entry] + c1 * matrix[entry + size] + c2 * matrix[entry + 2 * size] +
-                       c3 * matrix[entry + 3 * size];
+  constexpr long k_near = 256;
+  for (long begin = 0; begin < size; begin += k_near) {
+    const long end = begin + k_near < size ? begin + k_near : size;
+    for (long entry = begin; entry < end; ++entry) result[entry] = broadcast(terms[entry]);
+    int term = 0;
+    for (; term + 4 <= count; term += 4) {
+      const double* matrix = terms + (term + 1) * size;
+      const Lane c0 = gather(coefficients, stride, term, batch), c1 = gather(coefficients, stride, term + 1, batch);
+      const Lane c2 = gather(coefficients, stride, term + 2, batch), c3 = gather(coefficients, stride, term + 3, batch);
+      for (long entry = begin; entry < end; ++entry) {
+        result[entry] += c0 * matrix[entry] + c1 * matrix[entry + size] + c2 * matrix[entry + 2 * size] +
+                         c3 * matrix[entry + 3 * size];
+      }
+    }
+    for (; term < count; ++term) {
+      const double* matrix = terms + (term + 1) * size;
+      const Lane coefficient = gather(coefficients, stride, term, batch);
+      for (long entry = begin; entry < end; ++entry) result[entry] += coefficient * matrix[entry];
     }
   }
-  for (; term < count; ++term) {
-    const double* matrix = terms + (term + 1) * size;
-    const Lane coefficient = gather(coefficients, stride, term, batch);
-    for (long entry = 0; entry < size; ++entry) result[entry] += coefficient * matrix[entry];
+}
+
+/// Columns of a packed lower triangle that are treated together, each indexed by its row.
+template <int Columns>
+struct PackedColumns {
+  Lane* column[Columns];
+
+  MOTTLE_INLINE PackedColumns(Lane* matrix, int n, int first) {
+    for (int c = 0; c < Columns; ++c) column[c] = matrix + packed_index(n, first + c, first + c) - (first + c);
+  }
+  MOTTLE_INLINE Lane* operator[](int c) const { return column[c]; }
+};
+
+/// Columns [first, first + Columns) of the Cholesky factor, and what they take from the columns after them.
+template <int Columns>
+inline void factor_columns(Lane* mass, int n, int first, Mask& definite) {
+  const PackedColumns<Columns> l(mass, n, first);
+  for (int c = 0; c < Columns; ++c) {
+    const int k = first + c;
+    for (int q = 0; q < c; ++q) {
+      const Lane multiplier = l[q][k];
+      for (int i = k; i < n; ++i) l[c][i] -= multiplier * l[q][i];
+    }
+    definite &= l[c][k] > broadcast(0.0);
+    const Lane root = square_root(l[c][k]);
+    const Lane reciprocal = broadcast(1.0) / root;
+    l[c][k] = root;
+    for (int i = k + 1; i < n; ++i) l[c][i] *= reciprocal;
+  }
+  for (int j = first + Columns; j < n; ++j) {
+    Lane* const target = mass + packed_index(n, j, j) - j;
+    Lane multiplier[Columns];
+    for (int c = 0; c < Columns; ++c) multiplier[c] = l[c][j];
+    for (int i = j; i < n; ++i) {
+      Lane entry = target[i];
+      for (int c = 0; c < Columns; ++c) entry -= multiplier[c] * l[c][i];
+      target[i] = entry;
+    }
   }
 }
 
@@ -31,51 +75,76 @@ inline void combine_terms(const double* terms, int count, long size, const doubl
 inline Mask factor_mass(Lane* mass, int n) {
   Mask definite = ~Mask{};
   const Lane scale = mass[0];
-  for (int k = 0; k < n; ++k) {
-    Lane* const column = mass + packed_index(n, k, k) - k;
-    definite &= column[k] > broadcast(0.0);
-    const Lane root = square_root(column[k]);
-    const Lane reciprocal = broadcast(1.0) / root;
-    column[k] = root;
-    for (int i = k + 1; i < n; ++i) column[i] *= reciprocal;
-    for (int j = k + 1; j < n; ++j) {
-      Lane* const target = mass + packed_index(n, j, j) - j;
-      const Lane multiplier = column[j];
-      for (int i = j; i < n; ++i) target[i] -= multiplier * column[i];
-    }
-  }
+  int k = 0;
+  for (; k + MOTTLE_TILE_ROWS <= n; k += MOTTLE_TILE_ROWS) factor_columns<MOTTLE_TILE_ROWS>(mass, n, k, definite);
+  for (; k < n; ++k) factor_columns<1>(mass, n, k, definite);
   return definite & is_finite(scale);
 }
 
-/// Solves L x = b in place for the trailing block that starts at row `first`.
-inline void solve_lower(const Lane* factor, int n, int first, Lane* x) {
-  for (int j = first; j < n; ++j) {
-    const Lane* const column = factor + packed_index(n, j, j) - j;
-    const Lane value = x[j] / column[j];
-    x[j] = value;
-    for (int i = j + 1; i < n; ++i) x[i] -= value * column[i];
+/// Solves L x = b in place for some columns of a packed matrix, each below its diagonal.
+template <int Columns>
+inline void solve_columns(const Lane* factor, int n, int first, const PackedColumns<Columns>& x) {
+  for (int j = first + 1; j < n; ++j) {
+    const Lane* const l = factor + packed_index(n, j, j) - j;
+    const Lane reciprocal = broadcast(1.0) / l[j];
+    Lane value[Columns];
+    if (j - first < Columns) {  // the others begin further down
+      for (int c = 0; c < j - first; ++c) {
+        x[c][j] = value[c] = x[c][j] * reciprocal;
+        for (int i = j + 1; i < n; ++i) x[c][i] -= value[c] * l[i];
+      }
+      continue;
+    }
+    for (int c = 0; c < Columns; ++c) x[c][j] = value[c] = x[c][j] * reciprocal;
+    for (int i = j + 1; i < n; ++i) {
+      const Lane entry = l[i];
+      for (int c = 0; c < Columns; ++c) x[c][i] -= value[c] * entry;
+    }
   }
 }
 
-/// matrix <- L^-1 K L^-T in place, one row and column at a time.
+/// Columns [first, first + Columns) of L^-1 K L^-T and what they take from the columns after them. For one column,
 ///
-///   k' = k / l^2,  a' = a/l - k' b,  A22 <- A22 - a'' b' - b a''' with a'' = a/l - k' b / 2, then a' <- L22^-1 a'
-inline void reduce_by_full_mass(Lane* matrix, const Lane* factor, int n) {
-  for (int k = 0; k < n; ++k) {
-    Lane* const a = matrix + packed_index(n, k, k) - k;
-    const Lane* const b = factor + packed_index(n, k, k) - k;
-    const Lane reciprocal = broadcast(1.0) / b[k];
-    a[k] *= reciprocal * reciprocal;
-    const Lane half = a[k] * 0.5;
-    for (int i = k + 1; i < n; ++i) a[i] = a[i] * reciprocal - half * b[i];
-    for (int j = k + 1; j < n; ++j) {
-      Lane* const target = matrix + packed_index(n, j, j) - j;
-      const Lane aj = a[j], bj = b[j];
-      for (int i = j; i < n; ++i) target[i] -= a[i] * bj + b[i] * aj;
+///   k' = k / l^2,  a' = a/l - k' b,  A22 <- A22 - a'' b' - b (a'')' with a'' = a/l - k' b / 2, then a' <- L22^-1 a'
+template <int Columns>
+inline void reduce_columns(Lane* matrix, Lane* factor, int n, int first) {
+  const PackedColumns<Columns> a(matrix, n, first), b(factor, n, first);
+  Lane half[Columns];
+  for (int c = 0; c < Columns; ++c) {
+    const int k = first + c;
+    for (int q = 0; q < c; ++q) {
+      const Lane ak = a[q][k], bk = b[q][k];
+      for (int i = k; i < n; ++i) a[c][i] -= a[q][i] * bk + b[q][i] * ak;
     }
-    for (int i = k + 1; i < n; ++i) a[i] -= half * b[i];
-    solve_lower(factor, n, k + 1, a);
+    const Lane reciprocal = broadcast(1.0) / b[c][k];
+    a[c][k] *= reciprocal * reciprocal;
+    half[c] = a[c][k] * 0.5;
+    for (int i = k + 1; i < n; ++i) a[c][i] = a[c][i] * reciprocal - half[c] * b[c][i];
   }
+  for (int j = first + Columns; j < n; ++j) {
+    Lane* const target = matrix + packed_index(n, j, j) - j;
+    Lane aj[Columns], bj[Columns];
+    for (int c = 0; c < Columns; ++c) {
+      aj[c] = a[c][j];
+      bj[c] = b[c][j];
+    }
+    for (int i = j; i < n; ++i) {
+      Lane entry = target[i];
+      for (int c = 0; c < Columns; ++c) entry -= a[c][i] * bj[c] + b[c][i] * aj[c];
+      target[i] = entry;
+    }
+  }
+  for (int c = 0; c < Columns; ++c) {
+    for (int i = first + c + 1; i < n; ++i) a[c][i] -= half[c] * b[c][i];
+  }
+  solve_columns<Columns>(factor, n, first, a);
+}
+
+/// matrix <- L^-1 K L^-T in place, some rows and columns at a time.
+inline void reduce_by_full_mass(Lane* matrix, Lane* factor, int n) {
+  int k = 0;
+  for (; k + MOTTLE_TILE_ROWS <= n; k += MOTTLE_TILE_ROWS) reduce_columns<MOTTLE_TILE_ROWS>(matrix, factor, n, k);
+  for (; k < n; ++k) reduce_columns<1>(matrix, factor, n, k);
 }
 
 /// matrix_ij <- K_ij / sqrt(m_i m_j); the diagonal is replaced by 1 / sqrt(m_i), the back-transformation.

@@ -25,19 +25,32 @@ MOTTLE_INLINE void apply_back_transform(const double* transform, int n, Lane* x)
   }
 }
 
-/// x <- L^-T x with the lanes' own packed factor.
+/// x_c <- L^-T x_c with the lanes' own packed factor, for vectors that lie n apart.
+template <int Columns>
 inline void solve_upper(const Lane* factor, int n, Lane* x) {
   for (int i = n - 1; i >= 0; --i) {
     const Lane* const column = factor + packed_index(n, i, i) - i;
-    Lane sum = x[i];
-    for (int j = i + 1; j < n; ++j) sum -= column[j] * x[j];
-    x[i] = sum / column[i];
+    const Lane reciprocal = broadcast(1.0) / column[i];
+    Lane sum[Columns];
+    for (int c = 0; c < Columns; ++c) sum[c] = x[c * n + i];
+    for (int j = i + 1; j < n; ++j) {
+      const Lane entry = column[j];
+      for (int c = 0; c < Columns; ++c) sum[c] -= entry * x[c * n + j];
+    }
+    for (int c = 0; c < Columns; ++c) x[c * n + i] = sum[c] * reciprocal;
   }
+}
+
+inline void solve_upper(const Lane* factor, int n, int vectors, Lane* x) {
+  int v = 0;
+  for (; v + 5 <= vectors; v += 5) solve_upper<5>(factor, n, x + static_cast<long>(v) * n);
+  for (; v < vectors; ++v) solve_upper<1>(factor, n, x + static_cast<long>(v) * n);
 }
 
 /// From vectors of the standard form to M-normalised modes.
 inline void undo_reduction(const Problem& problem, const Workspace& work) {
   const int n = problem.order, modes = problem.modes;
+  if (problem.mass_kind == MassKind::full) return solve_upper(work.mass, n, modes, work.vectors);
   int mode = 0;
   if (problem.mass_kind == MassKind::folded) {
     for (; mode + 5 <= modes; mode += 5) {
@@ -57,7 +70,6 @@ inline void undo_reduction(const Problem& problem, const Workspace& work) {
         for (int i = 0; i < n; ++i) x[i] *= work.mass[i];
         break;
       case MassKind::full:
-        solve_upper(work.mass, n, x);
         break;
     }
   }
