@@ -5,7 +5,7 @@ the nominal model, cold) on one core, and an audit of the bounds against exact s
     make bench; benchmarks/compare_clouds.py [--audit-samples N] [--program FILE]
 
 Parameters are lognormal factors of the patches' Young's moduli (and densities), one a patch; see make_models.py. Training
-samples, 400 of them, are other draws than the cloud. Takes about 20 minutes, most of it for exact solves of the audit.
+samples, 400 of them, are other draws than the cloud. Takes about 10 minutes, most of it for exact solves of the audit.
 """
 import argparse
 import datetime
