@@ -14,12 +14,18 @@ namespace {
 constexpr int k_most_restarts = 60;
 constexpr double k_deflated = 1e-11;  // what is left of a vector after orthogonalisation that counts as nothing
 
+/// Solutions for up to eight right-hand sides cost as much as for eight, and a wider block needs more of them in all.
+int block_of(int wanted) {
+  constexpr int k_many = 48;
+  return wanted < k_many ? std::clamp(wanted / 3, 6, 8) : 16;
+}
+
 /// The growing basis Q and the projected operator T = Q' M OP Q.
 class KrylovBasis {
  public:
   KrylovBasis(const LanczosProblem& problem, int wanted)
       : problem_(problem),
-        block_(std::min<Eigen::Index>(std::clamp(wanted / 2, 6, 16), problem.size)),
+        block_(std::min<Eigen::Index>(block_of(wanted), problem.size)),
         most_vectors_(
             std::min<Eigen::Index>(problem.size, std::max<Eigen::Index>(Eigen::Index{2} * wanted + 6 * block_, 80))),
         basis_(problem.size, most_vectors_ + block_),
