@@ -202,10 +202,6 @@ const Kernels& lane_kernels::kernels_for(SimdLevel level) {
   }
 }
 
-const Kernels& lane_kernels::widest_kernels() {
-  return kernels_for(SimdLevel::automatic);
-}
-
 double* lane_kernels::thread_workspace(long doubles) {
   struct FreeAligned {
     void operator()(double* memory) const { ::operator delete[](memory, std::align_val_t{64}); }

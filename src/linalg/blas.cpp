@@ -55,6 +55,20 @@ Eigen::MatrixXd product(const Eigen::Ref<const Eigen::MatrixXd>& a, const Eigen:
   return result;
 }
 
+Eigen::MatrixXd product_transposed(const Eigen::Ref<const Eigen::MatrixXd>& a,
+                                   const Eigen::Ref<const Eigen::MatrixXd>& b) {
+  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(a.rows(), b.rows());
+  if (a.cols() == 0 || result.size() == 0) return result;
+  const int rows = static_cast<int>(a.rows());
+  const int columns = static_cast<int>(b.rows());
+  const int inner = static_cast<int>(a.cols());
+  const int stride_a = static_cast<int>(a.outerStride());
+  const int stride_b = static_cast<int>(b.outerStride());
+  const double one = 1.0, zero = 0.0;
+  dgemm_("N", "T", &rows, &columns, &inner, &one, a.data(), &stride_a, b.data(), &stride_b, &zero, result.data(), &rows);
+  return result;
+}
+
 Eigen::MatrixXd transposed_product(const Eigen::Ref<const Eigen::MatrixXd>& a,
                                    const Eigen::Ref<const Eigen::MatrixXd>& b) {
   Eigen::MatrixXd product(a.cols(), b.cols());

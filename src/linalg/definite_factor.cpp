@@ -115,7 +115,7 @@ class CholmodFactor final : public DefiniteFactor {
 
   /// P' L^-T L^-1 P B, or its second half P' L^-T B alone: the root.
   void sweep(Eigen::Ref<Eigen::MatrixXd> right_hand_sides, bool is_root) {
-    const lane_kernels::Kernels& kernels = lane_kernels::widest_kernels();
+    const lane_kernels::Kernels& kernels = lane_kernels::kernels_for();
     const lane_kernels::SupernodalLower lower = supernodes();
     const int* order = static_cast<const int*>(factor_->Perm);
     const Eigen::Index rows = right_hand_sides.rows();

@@ -65,10 +65,10 @@ double largest_ratio(const SupportedMatrix& term, FullPencils& full) {
   return ratio;
 }
 
-bool is_semidefinite(const SupportedMatrix& term, const Eigen::MatrixXd& sketch) {
+bool is_semidefinite(const SupportedMatrix& term, const VectorRows& sketch) {
   constexpr Eigen::Index k_probes = 8;
-  const Eigen::MatrixXd probes = sketch.leftCols(k_probes);
-  const Eigen::VectorXd squares = term.project(probes, term.local_product(to_rows(probes)), k_probes).diagonal();
+  const VectorRows probes = sketch.leftCols(k_probes);
+  const Eigen::VectorXd squares = term.project_rows(probes, term.local_product(probes), k_probes).diagonal();
   return squares.minCoeff() >= -1e-10 * squares.cwiseAbs().maxCoeff();
 }
 
@@ -118,8 +118,9 @@ void FullPencils::take(const PencilTerms& terms, const SparseMatrix& nominal_k, 
 }
 
 void FullPencils::make_sketch() {
-  sketch_ = random_signs(shifted.rows(), k_sketch_rows);
-  solver_.factor().solve_root(sketch_);
+  Eigen::MatrixXd sketch = random_signs(shifted.rows(), k_sketch_rows);
+  solver_.factor().solve_root(sketch);
+  sketch_ = to_rows(sketch);
 }
 
 void FullPencils::catch_up() {
@@ -138,7 +139,7 @@ DefiniteFactor& FullPencils::factor() {
   return solver_.factor();
 }
 
-const Eigen::MatrixXd& FullPencils::sketch() {
+const VectorRows& FullPencils::sketch() {
   catch_up();
   return sketch_;
 }

@@ -48,7 +48,7 @@ struct NearbyProblem {
   int order = 0;      ///< with the filling
   int rows = 0;       ///< without
   int block = 0;      ///< vectors; this and the next two are multiples of k_block_columns
-  int kept = 0;       ///< Ritz vectors of the block, more than the modes
+  int kept = 0;       ///< Ritz vectors of the block, no fewer than the modes
   int corrected = 0;  ///< vectors that are corrected more than once, no fewer than the sharp modes
   int modes = 0;      ///< wanted
   int sharp = 0;      ///< the first of them, which must keep to the limit
@@ -112,10 +112,8 @@ struct Kernels {
   int lanes;  ///< doubles in a register
 };
 
-/// The kernels of a register width. @throws InvalidInput  this processor lacks it
-const Kernels& kernels_for(SimdLevel level);
-/// The kernels of the widest registers that this processor has.
-const Kernels& widest_kernels();
+/// The kernels of a register width, the widest where none is asked for. @throws InvalidInput  this processor lacks it
+const Kernels& kernels_for(SimdLevel level = {});
 
 /// Memory of one thread's kernel calls, aligned to 64 bytes; kept between calls because fresh pages cost as much as
 /// small solves.

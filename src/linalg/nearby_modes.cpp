@@ -60,24 +60,23 @@ NearbyModes::NearbyModes(const NearbyFamily& family, const NearbyOptions& option
       sketch_rows_(family.mass_sketch[0].rows()),
       rows_(family.mass[0].rows()) {
   constexpr double k_above = 1.8;         // the nominal modes in the block reach this many times lambda of the wanted
-  constexpr Eigen::Index k_beside = 3;    // kept modes above the wanted ones
+  constexpr Eigen::Index k_beside = 3;    // and are at least this many more
   constexpr Eigen::Index k_smallest = 3;  // times the block: where solving the pencils as they are costs more
   constexpr Eigen::Index k_columns = lane_kernels::k_block_columns;
-  kept_ = filled_up(options.modes + k_beside, k_columns);
+  kept_ = filled_up(options.modes, k_columns);
   corrected_ = filled_up(options.sharp, k_columns);
-  if (k_smallest * kept_ > rows_) return;
+  Eigen::Index block = filled_up(options.modes + k_beside, k_columns);
+  if (k_smallest * block > rows_) return;
   const Eigen::MatrixXd nominal = weighted_sum(family.mass, nominal_mass_);
   turn_ = nominal_turn(nominal);
   order_ = filled_up(rows_, k_tile);
   masses_ = Eigen::VectorXd::Zero(order_);
   const Eigen::MatrixXd turned = turn_.size() == 0 ? nominal : transposed_product(turn_, product(nominal, turn_));
   masses_.head(rows_) = turned.diagonal().cwiseMax(0.0);
-  Eigen::Index block = kept_;
   while (block < rows_ && masses_(block) * k_above > masses_(options.modes - 1)) block += k_columns;
   if (k_smallest * block > rows_) return;
   block_ = block;
   pack(family.stiffness, 1.0, stiffness_);
-  for (const Eigen::MatrixXd& term : family.mass) has_mass_.push_back(term.cwiseAbs().maxCoeff() > 0.0);
   if (family.mass.size() > 1) pack(family.mass, 0.0, mass_);
   pack_sketch(family.stiffness_sketch, stiffness_sketch_);
   pack_sketch(family.mass_sketch, mass_sketch_);
@@ -121,26 +120,12 @@ std::vector<Eigen::Index> NearbyModes::near_samples(const TermCoefficients& samp
   return near;
 }
 
-Eigen::VectorXd NearbyModes::heavier(const Eigen::MatrixXd& mass) const {
-  Eigen::VectorXd result = Eigen::VectorXd::Constant(mass.cols(), has_mass_[0] ? 1.0 : 0.0);
-  for (Eigen::Index s = 0; s < mass.cols(); ++s) {
-    for (Eigen::Index t = 0; t < mass.rows(); ++t) {
-      if (has_mass_[static_cast<std::size_t>(t) + 1]) {
-        result(s) = std::max(result(s), mass(t, s) / nominal_mass_(t + 1));
-      }
-    }
-  }
-  return result;
-}
-
-SketchedModes NearbyModes::solve_near(const TermCoefficients& samples, const Eigen::VectorXd& ratios,
-                                      int threads) const {
+SketchedModes NearbyModes::solve_near(const TermCoefficients& samples, const NearbyBounds& bounds, int threads) const {
   constexpr std::int64_t k_grain = 32;
-  const Eigen::Index modes = options_.modes, count = ratios.size();
+  const Eigen::Index modes = options_.modes, count = samples.samples();
   SketchedModes result{{Eigen::MatrixXd(modes, count), Eigen::MatrixXd(rows_ * modes, count), {}},
                        Eigen::MatrixXd(sketch_rows_, modes * count)};
   std::vector<unsigned char> trusted(static_cast<std::size_t>(count), 0);
-  const Eigen::VectorXd heavy = mass_.empty() ? Eigen::VectorXd::Ones(count) : heavier(samples.mass);
   const lane_kernels::NearbyProblem problem{.order = static_cast<int>(order_),
                                             .rows = static_cast<int>(rows_),
                                             .block = static_cast<int>(block_),
@@ -157,8 +142,8 @@ SketchedModes NearbyModes::solve_near(const TermCoefficients& samples, const Eig
                                             .mass_coefficients = samples.mass.data(),
                                             .stiffness_stride = static_cast<long>(samples.stiffness.rows()),
                                             .mass_stride = static_cast<long>(samples.mass.rows()),
-                                            .ratios = ratios.data(),
-                                            .heavier = heavy.data(),
+                                            .ratios = bounds.ratios.data(),
+                                            .heavier = bounds.heavier.data(),
                                             .shift = shift_,
                                             .limit = options_.limit,
                                             .sketch_rows = static_cast<int>(sketch_rows_),
@@ -174,13 +159,13 @@ SketchedModes NearbyModes::solve_near(const TermCoefficients& samples, const Eig
   return result;
 }
 
-SketchedModes NearbyModes::solve(const TermCoefficients& samples, const Eigen::VectorXd& ratios, int threads) const {
+SketchedModes NearbyModes::solve(const TermCoefficients& samples, const NearbyBounds& bounds, int threads) const {
   const Eigen::Index modes = options_.modes, count = samples.samples();
   const std::vector<Eigen::Index> near = is_useful() ? near_samples(samples) : std::vector<Eigen::Index>{};
   const bool takes_all = static_cast<Eigen::Index>(near.size()) == count;
-  SketchedModes found = takes_all ? solve_near(samples, ratios, threads)
+  SketchedModes found = takes_all ? solve_near(samples, bounds, threads)
                                   : solve_near({samples.stiffness(Eigen::all, near), samples.mass(Eigen::all, near)},
-                                               ratios(near), threads);
+                                               {bounds.ratios(near), bounds.heavier(near)}, threads);
   if (turn_.size() > 0) {
     for (Eigen::Index i = 0; i < found.modes.values.cols(); ++i) {
       found.modes.vectors.col(i) = product(turn_, found.modes.sample_vectors(i)).reshaped();

@@ -33,6 +33,12 @@ struct NearbyOptions {
   SimdLevel simd = SimdLevel::automatic;
 };
 
+/// What is known of samples against the nominal pencil.
+struct NearbyBounds {
+  Eigen::VectorXd ratios;   ///< alpha: K(s) - shift M(s) >= alpha (K - shift M) [sample]
+  Eigen::VectorXd heavier;  ///< beta: M(s) <= beta M [sample]
+};
+
 /// Block Davidson iteration, one sample in each SIMD lane.
 ///
 /// The block begins with the lowest nominal modes, more than are wanted, turned to the Ritz vectors of the sample. Its
@@ -53,22 +59,17 @@ class NearbyModes {
   bool is_useful() const { return block_ > 0; }
 
   /// Samples that are too far from the nominal one, or whose modes are not proven to be the lowest, are marked failed.
-  ///
-  /// @param ratios  alpha: K(s) - shift M(s) >= alpha (K - shift M) [sample]
-  SketchedModes solve(const TermCoefficients& samples, const Eigen::VectorXd& ratios, int threads) const;
+  SketchedModes solve(const TermCoefficients& samples, const NearbyBounds& bounds, int threads) const;
 
  private:
   void pack(const std::vector<Eigen::MatrixXd>& terms, double filling, std::vector<double>& packed) const;
   void pack_sketch(const std::vector<Eigen::MatrixXd>& terms, std::vector<double>& packed) const;
   std::vector<Eigen::Index> near_samples(const TermCoefficients& samples) const;
-  /// beta: M(s) <= beta M [sample].
-  Eigen::VectorXd heavier(const Eigen::MatrixXd& mass) const;
-  SketchedModes solve_near(const TermCoefficients& samples, const Eigen::VectorXd& ratios, int threads) const;
+  SketchedModes solve_near(const TermCoefficients& samples, const NearbyBounds& bounds, int threads) const;
 
   NearbyOptions options_;
   double shift_;
   Eigen::VectorXd nominal_stiffness_, nominal_mass_;  ///< coefficients
-  std::vector<bool> has_mass_;                        ///< of the terms
   Eigen::MatrixXd turn_;    ///< nominal modes in the family's coordinates; empty where they are the unit vectors
   Eigen::VectorXd masses_;  ///< of the nominal modes, filled up
   std::vector<double> stiffness_, mass_, stiffness_sketch_, mass_sketch_;  ///< in tiles

@@ -51,7 +51,7 @@ void ReducedModel::Parts::project_last(Eigen::Index added, int threads) {
     projected.bottomRightCorner(added, added) =
         0.5 * (columns.bottomRows(added) + columns.bottomRows(added).transpose());
     sketched.conservativeResize(k_sketch_rows, size);
-    sketched.rightCols(added) = term.project(full->sketch(), image, added);
+    sketched.rightCols(added) = term.project_rows(full->sketch(), image, added);
   };
   const std::size_t elastic = stiffness.size();
   parallel_for(static_cast<std::int64_t>(elastic + mass.size()), 1, threads, [&](std::int64_t begin, std::int64_t end) {

@@ -9,7 +9,7 @@
 namespace mottle {
 namespace {
 
-/// Smallest of value / reference over the terms that are there; the constant's is 1.
+/// Smallest or largest of value / reference over the terms that are there; the constant's is 1.
 template <typename Compare>
 double extreme_ratio(const std::vector<SupportedMatrix>& terms, const Eigen::VectorXd& reference,
                      const Eigen::Ref<const Eigen::VectorXd>& values, double start, Compare is_worse) {
@@ -25,22 +25,29 @@ double extreme_ratio(const std::vector<SupportedMatrix>& terms, const Eigen::Vec
 
 }  // namespace
 
-Eigen::VectorXd ReducedModel::Parts::unseen_above(const TermCoefficients& samples) const {
-  constexpr double k_infinite = std::numeric_limits<double>::infinity();
-  const Eigen::VectorXd ratios = full->smallest_ratios(samples);
+Eigen::VectorXd FullPencils::largest_mass_ratios(const TermCoefficients& samples,
+                                                 const Eigen::VectorXd& reference) const {
   Eigen::VectorXd result(samples.samples());
   for (Eigen::Index s = 0; s < result.size(); ++s) {
-    const Eigen::VectorXd masses = samples.mass.col(s);
-    const auto factor = [&](double ratio, const Floor& floor) {
-      const double heavier = extreme_ratio(full->mass, floor.mass, masses, 0.0, std::greater<>());
-      return heavier > 0.0 ? std::max(ratio, 0.0) / heavier : 0.0;
-    };
-    result(s) = factor(ratios(s), floors[0]) * floors[0].level;
-    for (std::size_t f = 1; f < floors.size(); ++f) {
-      const Floor& floor = floors[f];
-      const double softer =
-          extreme_ratio(full->stiffness, floor.stiffness, samples.stiffness.col(s), k_infinite, std::less<>());
-      result(s) = std::max(result(s), factor(softer, floor) * floor.level);
+    result(s) = extreme_ratio(mass, reference, samples.mass.col(s), 0.0, std::greater<>());
+  }
+  return result;
+}
+
+Eigen::VectorXd ReducedModel::Parts::unseen_above(const TermCoefficients& samples) const {
+  constexpr double k_infinite = std::numeric_limits<double>::infinity();
+  Eigen::VectorXd softest = full->smallest_ratios(samples);
+  Eigen::VectorXd result = Eigen::VectorXd::Constant(samples.samples(), -k_infinite);
+  for (std::size_t f = 0; f < floors.size(); ++f) {
+    const Floor& floor = floors[f];
+    const Eigen::VectorXd heaviest = full->largest_mass_ratios(samples, floor.mass);
+    for (Eigen::Index s = 0; s < result.size(); ++s) {
+      if (f > 0) {
+        softest(s) =
+            extreme_ratio(full->stiffness, floor.stiffness, samples.stiffness.col(s), k_infinite, std::less<>());
+      }
+      const double factor = heaviest(s) > 0.0 ? std::max(softest(s), 0.0) / heaviest(s) : 0.0;
+      result(s) = std::max(result(s), factor * floor.level);
     }
   }
   return result;

@@ -44,6 +44,10 @@ Eigen::Index ReducedModel::Parts::solved_modes() const {
   return std::min<Eigen::Index>(options.modes + k_guard_modes, basis.cols());
 }
 
+Eigen::MatrixXd sketched(const VectorRows& sketch, const Eigen::MatrixXd& vectors) {
+  return product(Eigen::Map<const Eigen::MatrixXd>(sketch.data(), sketch.cols(), sketch.rows()), vectors);
+}
+
 Eigen::MatrixXd sketched_gram(const Eigen::MatrixXd& sketched) {
   constexpr double k_reserve = 3.0;  // a sketch of 64 rows shows less than a third of a square once in 1e7
   return transposed_product(sketched, sketched) * (k_reserve / static_cast<double>(k_sketch_rows));
@@ -99,7 +103,8 @@ const NearbyModes& ReducedModel::Parts::nearby_modes() const {
 SketchedModes ReducedModel::Parts::reduced_modes(const TermCoefficients& samples, const Eigen::VectorXd& ratios,
                                                  int threads) const {
   const Eigen::Index modes = solved_modes();
-  SketchedModes result = nearby_modes().solve(samples, ratios, threads);
+  SketchedModes result =
+      nearby_modes().solve(samples, {ratios, full->largest_mass_ratios(samples, full->nominal_mass)}, threads);
   std::vector<Eigen::Index> rest;
   for (Eigen::Index s = 0; s < samples.samples(); ++s) {
     if (result.modes.failed[static_cast<std::size_t>(s)] != 0) rest.push_back(s);

@@ -45,6 +45,10 @@ struct FullPencils : NominalFacts {
   Eigen::Index size() const { return shifted.rows(); }
   /// A lower bound of the smallest eigenvalue of a sample's stiffness (shifted) against the nominal one [sample].
   Eigen::VectorXd smallest_ratios(const TermCoefficients& samples) const;
+  /// The largest eigenvalue that a sample's mass can have against that of a reference; 0 where there is none [sample].
+  ///
+  /// @param reference  coefficients, the constant's first
+  Eigen::VectorXd largest_mass_ratios(const TermCoefficients& samples, const Eigen::VectorXd& reference) const;
 
   /// The pencil at given coefficients, the constants' first.
   SparseMatrix stiffness_at(const Eigen::VectorXd& coefficients) const { return sum(stiffness, coefficients); }
@@ -58,7 +62,7 @@ struct FullPencils : NominalFacts {
   /// Of A.
   DefiniteFactor& factor();
   /// W with W W' near 64 A^-1 [equation x 64].
-  const Eigen::MatrixXd& sketch();
+  const VectorRows& sketch();
 
  private:
   SparseMatrix sum(const std::vector<SupportedMatrix>& terms, const Eigen::VectorXd& coefficients) const;
@@ -68,7 +72,7 @@ struct FullPencils : NominalFacts {
 
   std::once_flag is_ready_;  ///< of the rest
   SparseModeSolver solver_;  ///< holds the factor of A
-  Eigen::MatrixXd sketch_;
+  VectorRows sketch_;
   SparseMatrix nominal_k_, nominal_m_;  ///< until the factor is made
 };
 
@@ -82,6 +86,9 @@ inline Eigen::VectorXd with_constant(const Eigen::Ref<const Eigen::VectorXd>& co
 /// A-orthonormal combinations of a block whose Gram matrix is given, `before` that of the squared lengths before the
 /// basis was taken out; what is hardly there is dropped.
 Eigen::MatrixXd orthonormal_combinations(const Eigen::MatrixXd& gram, const Eigen::VectorXd& before);
+
+/// W' r.
+Eigen::MatrixXd sketched(const VectorRows& sketch, const Eigen::MatrixXd& vectors);
 
 /// An upper estimate of r_i' A^-1 r_j from W' r [64 x residual].
 Eigen::MatrixXd sketched_gram(const Eigen::MatrixXd& sketched);

@@ -1,6 +1,9 @@
 // Samples of which the reduced model is not sure enough: a few block steps with the nominal factor in the full space.
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <limits>
+#include <numeric>
+#include <vector>
 
 #include "blas.hpp"
 #include "mottle/core/parallel.hpp"
@@ -44,6 +47,30 @@ Images ritz_vectors(const Images& space, double shift, Eigen::Index count) {
                         flexibilities.cwiseSqrt().cwiseInverse().asDiagonal());
 }
 
+/// The columns whose squared residual is above `small`, and more of the largest until a sweep through the factor is
+/// full.
+std::vector<Eigen::Index> largest_residuals(const Eigen::VectorXd& squares, double small) {
+  constexpr Eigen::Index k_sweep = 8;
+  std::vector<Eigen::Index> columns(static_cast<std::size_t>(squares.size()));
+  std::iota(columns.begin(), columns.end(), Eigen::Index{0});
+  std::stable_sort(columns.begin(), columns.end(), [&](auto a, auto b) { return squares(a) > squares(b); });
+  const Eigen::Index large = (squares.array() > small).count();
+  const Eigen::Index taken = std::min((std::max<Eigen::Index>(large, 1) + k_sweep - 1) / k_sweep * k_sweep, squares.size());
+  columns.resize(static_cast<std::size_t>(taken));
+  return columns;
+}
+
+/// sum of coefficient * term * x.
+VectorRows weighted_products(const std::vector<SupportedMatrix>& terms, const Eigen::VectorXd& coefficients,
+                             const VectorRows& x) {
+  VectorRows result = VectorRows::Zero(x.rows(), x.cols());
+  for (std::size_t t = 0; t < terms.size(); ++t) {
+    const double coefficient = coefficients(static_cast<Eigen::Index>(t));
+    if (!terms[t].is_empty()) terms[t].add_scaled_product(x, Eigen::VectorXd::Constant(x.cols(), coefficient), result);
+  }
+  return result;
+}
+
 /// Rayleigh quotients.
 Eigen::VectorXd values_of(const Images& modes) {
   const Eigen::VectorXd elastic = modes.vectors.cwiseProduct(modes.elastic).colwise().sum().transpose();
@@ -55,40 +82,38 @@ Eigen::VectorXd values_of(const Images& modes) {
 
 /// One sample's matrices and what its certificate needs.
 struct SamplePencil {
-  SparseMatrix stiffness, mass;
+  const FullPencils& full;
+  Eigen::VectorXd stiffness, mass;  ///< coefficients, the constants' first
   double ratio = 0.0;   ///< smallest eigenvalue of its stiffness against the nominal one
   double unseen = 0.0;  ///< no mode that residuals cannot show is below
 
   Images images(Eigen::MatrixXd vectors) const {
+    const VectorRows rows = to_rows(vectors);
     Images result{std::move(vectors), {}, {}};
-    result.elastic = symmetric_product(stiffness, result.vectors);
-    result.inertial = symmetric_product(mass, result.vectors);
+    result.elastic = to_columns(weighted_products(full.stiffness, stiffness, rows), result.vectors.cols());
+    result.inertial = to_columns(weighted_products(full.mass, mass, rows), result.vectors.cols());
     return result;
   }
 };
 
 RefinedModes ReducedModel::Parts::refine(const SamplePencil& sample, const Eigen::MatrixXd& start) const {
-  constexpr int k_steps = 4;
-  // The norm of the residual is no estimate here; what is left to cover is that the bound couples modes to second
-  // order.
-  constexpr double k_reserve = 1.5;
+  constexpr int k_steps = 5;
+  constexpr double k_small = 0.25;  // of the tolerance
   const Eigen::Index wanted = options.modes;
   Images space = sample.images(start);
   Images modes = space;
   RefinedModes result;
-  const auto is_sure = [&](const Eigen::MatrixXd& gram) {
-    result.bounds = bounds(result.values, gram / sample.ratio, sample.unseen, wanted);
-    return result.bounds.maxCoeff() <= options.tolerance;
-  };
   for (int step = 0;; ++step) {
     result.values = values_of(modes);
-    Eigen::MatrixXd residuals = modes.elastic - modes.inertial * result.values.asDiagonal();
-    // After a step a sketch is enough as a rule, and is much cheaper than an answer.
-    if (step > 0 && is_sure(sketched_gram(transposed_product(full->sketch(), residuals)))) break;
-    Eigen::MatrixXd answers = residuals;
+    const Eigen::MatrixXd residuals = modes.elastic - modes.inertial * result.values.asDiagonal();
+    const Eigen::MatrixXd gram =
+        sketched_gram(sketched(full->sketch(), residuals)) / sample.ratio;
+    result.bounds = bounds(result.values, gram, sample.unseen, wanted);
+    if (result.bounds.maxCoeff() <= options.tolerance || step == k_steps) break;
+    const Eigen::Index sharp = std::min(wanted + k_sharp_guards, result.values.size());
+    const Eigen::VectorXd squares = gram.diagonal().head(sharp).array() / (result.values.head(sharp).array() - full->shift);
+    Eigen::MatrixXd answers = residuals(Eigen::all, largest_residuals(squares, k_small * options.tolerance));
     full->factor().solve(answers);
-    const Eigen::MatrixXd gram = transposed_product(residuals, answers);
-    if (is_sure(k_reserve * 0.5 * (gram + gram.transpose())) || step == k_steps) break;
     space.append(sample.images(std::move(answers)));
     Images next = ritz_vectors(space, full->shift, start.cols());
     if (next.vectors.cols() < start.cols()) break;
@@ -115,8 +140,8 @@ void ReducedModel::refine(const TermCoefficients& samples, int threads, const Re
         visit(s, {begin.values.col(s).head(wanted), {}, Eigen::VectorXd::Constant(wanted, k_infinite)});
         continue;
       }
-      const SamplePencil pencil{parts.full->stiffness_at(with_constant(samples.stiffness.col(s))),
-                                parts.full->mass_at(with_constant(samples.mass.col(s))), ratios(s), unseen(s)};
+      const SamplePencil pencil{*parts.full, with_constant(samples.stiffness.col(s)),
+                                with_constant(samples.mass.col(s)), ratios(s), unseen(s)};
       const Eigen::Map<const Eigen::MatrixXd> coordinates(begin.vectors.col(s).data(), vectors, modes);
       visit(s, parts.refine(pencil, product(parts.basis, coordinates)));
     }

@@ -80,7 +80,7 @@ Eigen::MatrixXd full_residuals(const FullPencils& full, const TermCoefficients& 
   };
   add(full.stiffness, samples.stiffness, false);
   add(full.mass, samples.mass, true);
-  return result.leftCols(count);
+  return to_columns(result, count);
 }
 
 /// What is known of the training samples. A sample that is good keeps its vectors while the basis grows: they are in

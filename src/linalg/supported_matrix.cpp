@@ -57,6 +57,15 @@ Eigen::MatrixXd SupportedMatrix::project(const Eigen::Ref<const Eigen::MatrixXd>
   return result.topRows(count).transpose();
 }
 
+Eigen::MatrixXd SupportedMatrix::project_rows(const VectorRows& left, const VectorRows& product,
+                                              Eigen::Index count) const {
+  VectorRows own(product.rows(), left.cols());
+  for (Eigen::Index i = 0; i < own.rows(); ++i) own.row(i) = left.row(rows_[static_cast<std::size_t>(i)]);
+  const Eigen::Map<const Eigen::MatrixXd> own_columns(own.data(), own.cols(), own.rows());
+  const Eigen::Map<const Eigen::MatrixXd> product_columns(product.data(), product.cols(), product.rows());
+  return product_transposed(own_columns, product_columns.topRows(count));
+}
+
 void SupportedMatrix::add_to(SparseMatrix& sum, double factor) const {
   for (Eigen::Index j = 0; j < lower_.cols(); ++j) {
     int k = sum.outerIndexPtr()[rows_[static_cast<std::size_t>(j)]];

@@ -24,6 +24,9 @@ class SupportedMatrix {
   Eigen::MatrixXd project(const Eigen::Ref<const Eigen::MatrixXd>& left, const VectorRows& product,
                           Eigen::Index count) const;
 
+  /// The same with left vectors that lie row by row.
+  Eigen::MatrixXd project_rows(const VectorRows& left, const VectorRows& product, Eigen::Index count) const;
+
   /// sum += factor A; the pattern of `sum` holds A's.
   void add_to(SparseMatrix& sum, double factor) const;
 

@@ -7,9 +7,10 @@
 
 namespace mottle {
 
+constexpr Eigen::Index k_rows = 64;  // at a time: the columns' parts stay in the cache
+
 VectorRows to_rows(const Eigen::Ref<const Eigen::MatrixXd>& vectors) {
   constexpr Eigen::Index k_padding = lane_kernels::k_vector_padding;
-  constexpr Eigen::Index k_rows = 64;  // at a time: the columns' parts stay in the cache
   const Eigen::Index width = (vectors.cols() + k_padding - 1) / k_padding * k_padding;
   VectorRows rows(vectors.rows(), width);
   rows.rightCols(width - vectors.cols()).setZero();
@@ -20,16 +21,25 @@ VectorRows to_rows(const Eigen::Ref<const Eigen::MatrixXd>& vectors) {
   return rows;
 }
 
+Eigen::MatrixXd to_columns(const VectorRows& rows, Eigen::Index count) {
+  Eigen::MatrixXd vectors(rows.rows(), count);
+  for (Eigen::Index first = 0; first < rows.rows(); first += k_rows) {
+    const Eigen::Index many = std::min(k_rows, rows.rows() - first);
+    vectors.middleRows(first, many) = rows.block(first, 0, many, count);
+  }
+  return vectors;
+}
+
 VectorRows product_rows(const SparseMatrix& lower, const VectorRows& x) {
   VectorRows product = VectorRows::Zero(x.rows(), x.cols());
-  lane_kernels::widest_kernels().add_symmetric_product(
+  lane_kernels::kernels_for().add_symmetric_product(
       {static_cast<int>(lower.cols()), lower.outerIndexPtr(), lower.innerIndexPtr(), lower.valuePtr()},
       static_cast<int>(x.cols()), x.data(), product.data());
   return product;
 }
 
 Eigen::MatrixXd symmetric_product(const SparseMatrix& lower, const Eigen::Ref<const Eigen::MatrixXd>& x) {
-  return product_rows(lower, to_rows(x)).leftCols(x.cols());
+  return to_columns(product_rows(lower, to_rows(x)), x.cols());
 }
 
 }  // namespace mottle

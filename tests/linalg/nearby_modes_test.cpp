@@ -86,9 +86,11 @@ TermCoefficients coefficients(const Family& family, Index samples, double variat
   return result;
 }
 
-VectorXd smallest_ratios(const TermCoefficients& samples) {
+NearbyBounds bounds_of(const TermCoefficients& samples) {
   constexpr double k_constant = 0.8;  // the constant term takes a little away, and the mass adds
-  return k_constant * samples.stiffness.colwise().minCoeff().transpose();
+  VectorXd heavier = VectorXd::Ones(samples.samples());
+  if (samples.mass.rows() > 0) heavier = heavier.cwiseMax(samples.mass.colwise().maxCoeff().transpose());
+  return {k_constant * samples.stiffness.colwise().minCoeff().transpose(), heavier};
 }
 
 class NearbyModesTest : public AtEveryLevel {};
@@ -107,10 +109,10 @@ TEST_P(NearbyModesTest, AgreesWithTheDenseSolver) {
       for (const bool is_turned : {false, true}) {
         const Family family(order, 5, is_mass_parametric, is_turned, random);
         const TermCoefficients samples = coefficients(family, 37, 0.1, random);
-        const VectorXd ratios = smallest_ratios(samples);
+        const NearbyBounds bounds = bounds_of(samples);
         const NearbyModes solver = family.solver(k_limit, GetParam());
         ASSERT_TRUE(solver.is_useful());
-        const SketchedModes found = solver.solve(samples, ratios, 1);
+        const SketchedModes found = solver.solve(samples, bounds, 1);
         Index solved = 0;
         for (Index s = 0; s < samples.samples(); ++s) {
           if (found.modes.failed[static_cast<std::size_t>(s)] != 0) continue;
@@ -125,7 +127,7 @@ TEST_P(NearbyModesTest, AgreesWithTheDenseSolver) {
           EXPECT_LT(((lambda - exact).array() / exact.array()).head(k_sharp).abs().maxCoeff(), 1e3 * k_limit);
           EXPECT_LT(((lambda - exact).array() / exact.array()).abs().maxCoeff(), 1e-3);
           for (Index mode = 0; mode < k_sharp; ++mode) {
-            EXPECT_LE(residuals.col(mode).squaredNorm(), 1.001 * k_limit * ratios(s) * (lambda(mode) - k_shift));
+            EXPECT_LE(residuals.col(mode).squaredNorm(), 1.001 * k_limit * bounds.ratios(s) * (lambda(mode) - k_shift));
           }
           EXPECT_LT((y.transpose() * m * y - MatrixXd::Identity(k_modes, k_modes)).cwiseAbs().maxCoeff(), 1e-11);
           const MatrixXd sketched = family.sum(family.stiffness_sketch, samples.stiffness, s) * y -
@@ -146,7 +148,7 @@ TEST_P(NearbyModesTest, GivesOnlyTheLowestModesHoweverFarTheSamplesAre) {
     for (Index family_index = 0; family_index < 4; ++family_index) {
       const Family family(96, 4, family_index % 2 == 1, true, random);
       const TermCoefficients samples = coefficients(family, 60, variation, random);
-      const SketchedModes found = family.solver(1e-6, GetParam()).solve(samples, smallest_ratios(samples), 1);
+      const SketchedModes found = family.solver(1e-6, GetParam()).solve(samples, bounds_of(samples), 1);
       for (Index s = 0; s < samples.samples(); ++s) {
         if (found.modes.failed[static_cast<std::size_t>(s)] != 0) {
           ++refused;
@@ -180,7 +182,7 @@ TEST_P(NearbyModesTest, RefusesASampleWhoseLowestModeSharesNothingWithTheBlock) 
   // The same sample scaled so that it is not refused for its coefficients alone: the count has to refuse it.
   for (const double other : {1.0, 2.9 * as_low_as_mode_4}) {
     samples.stiffness(0, 1) = other;
-    const SketchedModes found = family.solver(1e-6, GetParam()).solve(samples, smallest_ratios(samples), 1);
+    const SketchedModes found = family.solver(1e-6, GetParam()).solve(samples, bounds_of(samples), 1);
     EXPECT_EQ(found.modes.failed[0], 0);
     EXPECT_EQ(found.modes.failed[1], 1);
     EXPECT_EQ(found.modes.failed[2], 1);
@@ -191,11 +193,12 @@ TEST_P(NearbyModesTest, ASampleHasTheSameBitsWhateverItsNeighboursAndTheThreads)
   std::mt19937_64 random(4);
   const Family family(96, 13, true, true, random);
   const TermCoefficients samples = coefficients(family, 70, 0.12, random);
-  const VectorXd ratios = smallest_ratios(samples);
+  const NearbyBounds bounds = bounds_of(samples);
   const NearbyModes solver = family.solver(1e-6, GetParam());
-  const SketchedModes together = solver.solve(samples, ratios, 2);
+  const SketchedModes together = solver.solve(samples, bounds, 2);
   for (const Index s : {0, 1, 9, 33, 69}) {
-    const SketchedModes alone = solver.solve(samples.range(s, 1), ratios.segment(s, 1), 1);
+    const SketchedModes alone =
+        solver.solve(samples.range(s, 1), {bounds.ratios.segment(s, 1), bounds.heavier.segment(s, 1)}, 1);
     EXPECT_EQ(alone.modes.failed[0], together.modes.failed[static_cast<std::size_t>(s)]);
     if (alone.modes.failed[0] != 0) continue;
     EXPECT_EQ(alone.modes.values.col(0), together.modes.values.col(s));
@@ -210,7 +213,7 @@ TEST(NearbyModes, IsNoUseWherePencilsAreHardlyLargerThanTheBlock) {
   const NearbyModes solver = family.solver(1e-6, SimdLevel::automatic);
   EXPECT_FALSE(solver.is_useful());
   const TermCoefficients samples = coefficients(family, 5, 0.1, random);
-  for (const auto failed : solver.solve(samples, smallest_ratios(samples), 1).modes.failed) EXPECT_EQ(failed, 1);
+  for (const auto failed : solver.solve(samples, bounds_of(samples), 1).modes.failed) EXPECT_EQ(failed, 1);
 }
 
 }  // namespace

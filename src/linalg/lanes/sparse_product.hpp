@@ -40,6 +40,7 @@ MOTTLE_INLINE void add_panel(const SparseLower& a, int width, const double* in, 
 void add_symmetric_product(const SparseLower& a, int width, const double* in, double* out) {
   int first = 0;
   for (; first + 4 * MOTTLE_LANES <= width; first += 4 * MOTTLE_LANES) add_panel<4>(a, width, in + first, out + first);
+  for (; first + 2 * MOTTLE_LANES <= width; first += 2 * MOTTLE_LANES) add_panel<2>(a, width, in + first, out + first);
   for (; first < width; first += MOTTLE_LANES) add_panel<1>(a, width, in + first, out + first);
 }
 
