@@ -1,34 +1,21 @@
 // Sums the terms of a family for one batch and brings a sample-dependent mass to standard form.
 #pragma once
 
+#include "linalg/lanes/term_sum.hpp"
 #include "linalg/lanes/workspace.hpp"
 
 namespace mottle::lane_kernels {
 namespace {
 
-/// result = constant + sum of coefficient * term over `size` entries. Terms go four at a time through registers, and
-/// all of them over some entries before the next, which stay near.
+/// result = constant + sum of coefficient * term over `size` entries: all terms over some entries before the next,
+/// which stay near.
 inline void combine_terms(const double* terms, int count, long size, const double* coefficients, long stride,
                           const BatchSamples& batch, Lane* result) {
   constexpr long k_near = 256;
+  const auto coefficient = [&](int term) MOTTLE_FLAT { return gather(coefficients, stride, term, batch); };
   for (long begin = 0; begin < size; begin += k_near) {
-    const long end = begin + k_near < size ? begin + k_near : size;
-    for (long entry = begin; entry < end; ++entry) result[entry] = broadcast(terms[entry]);
-    int term = 0;
-    for (; term + 4 <= count; term += 4) {
-      const double* matrix = terms + (term + 1) * size;
-      const Lane c0 = gather(coefficients, stride, term, batch), c1 = gather(coefficients, stride, term + 1, batch);
-      const Lane c2 = gather(coefficients, stride, term + 2, batch), c3 = gather(coefficients, stride, term + 3, batch);
-      for (long entry = begin; entry < end; ++entry) {
-        result[entry] += c0 * matrix[entry] + c1 * matrix[entry + size] + c2 * matrix[entry + 2 * size] +
-                         c3 * matrix[entry + 3 * size];
-      }
-    }
-    for (; term < count; ++term) {
-      const double* matrix = terms + (term + 1) * size;
-      const Lane coefficient = gather(coefficients, stride, term, batch);
-      for (long entry = begin; entry < end; ++entry) result[entry] += coefficient * matrix[entry];
-    }
+    const long entries = begin + k_near < size ? k_near : size - begin;
+    sum_terms(terms + begin, size, count, coefficient, entries, result + begin);
   }
 }
 
@@ -55,9 +42,9 @@ inline void factor_columns(Lane* mass, int n, int first, Mask& definite) {
     }
     definite &= l[c][k] > broadcast(0.0);
     const Lane root = square_root(l[c][k]);
-    const Lane reciprocal = broadcast(1.0) / root;
+    const Lane scale = reciprocal(root);
     l[c][k] = root;
-    for (int i = k + 1; i < n; ++i) l[c][i] *= reciprocal;
+    for (int i = k + 1; i < n; ++i) l[c][i] *= scale;
   }
   for (int j = first + Columns; j < n; ++j) {
     Lane* const target = mass + packed_index(n, j, j) - j;
@@ -86,16 +73,16 @@ template <int Columns>
 inline void solve_columns(const Lane* factor, int n, int first, const PackedColumns<Columns>& x) {
   for (int j = first + 1; j < n; ++j) {
     const Lane* const l = factor + packed_index(n, j, j) - j;
-    const Lane reciprocal = broadcast(1.0) / l[j];
+    const Lane scale = reciprocal(l[j]);
     Lane value[Columns];
     if (j - first < Columns) {  // the others begin further down
       for (int c = 0; c < j - first; ++c) {
-        x[c][j] = value[c] = x[c][j] * reciprocal;
+        x[c][j] = value[c] = x[c][j] * scale;
         for (int i = j + 1; i < n; ++i) x[c][i] -= value[c] * l[i];
       }
       continue;
     }
-    for (int c = 0; c < Columns; ++c) x[c][j] = value[c] = x[c][j] * reciprocal;
+    for (int c = 0; c < Columns; ++c) x[c][j] = value[c] = x[c][j] * scale;
     for (int i = j + 1; i < n; ++i) {
       const Lane entry = l[i];
       for (int c = 0; c < Columns; ++c) x[c][i] -= value[c] * entry;
@@ -116,10 +103,10 @@ inline void reduce_columns(Lane* matrix, Lane* factor, int n, int first) {
       const Lane ak = a[q][k], bk = b[q][k];
       for (int i = k; i < n; ++i) a[c][i] -= a[q][i] * bk + b[q][i] * ak;
     }
-    const Lane reciprocal = broadcast(1.0) / b[c][k];
-    a[c][k] *= reciprocal * reciprocal;
+    const Lane scale = reciprocal(b[c][k]);
+    a[c][k] *= scale * scale;
     half[c] = a[c][k] * 0.5;
-    for (int i = k + 1; i < n; ++i) a[c][i] = a[c][i] * reciprocal - half[c] * b[c][i];
+    for (int i = k + 1; i < n; ++i) a[c][i] = a[c][i] * scale - half[c] * b[c][i];
   }
   for (int j = first + Columns; j < n; ++j) {
     Lane* const target = matrix + packed_index(n, j, j) - j;
@@ -152,7 +139,7 @@ inline Mask reduce_by_diagonal_mass(Lane* matrix, Lane* mass, int n) {
   Mask definite = ~Mask{};
   for (int i = 0; i < n; ++i) {
     definite &= mass[i] > broadcast(0.0);
-    mass[i] = broadcast(1.0) / square_root(mass[i]);
+    mass[i] = reciprocal_root(mass[i]);
   }
   for (int j = 0; j < n; ++j) {
     Lane* const column = matrix + packed_index(n, j, j) - j;

@@ -58,13 +58,13 @@ MOTTLE_INLINE void rotate(SmallPencil<N>& pencil, Mask active) {
   const Lane pivot = a[Pencil::index(P, Q)];
   const Lane h = a[Pencil::index(Q, Q)] - a[Pencil::index(P, P)];
   const Lane b = flip_sign(pivot + pivot, sign_bits(h));
-  const Lane w = absolute(h) + square_root(h * h + b * b);
+  const Lane w = absolute(h) + positive_root(h * h + b * b);
   const Lane length_squared = w * w + b * b;
   const Mask rotates = active & (length_squared > broadcast(0.0));
-  const Lane scale = broadcast(1.0) / square_root(length_squared);
+  const Lane scale = reciprocal_root(length_squared);
   const Lane c = select(rotates, w * scale, broadcast(1.0));
   const Lane s = select(rotates, b * scale, broadcast(0.0));
-  const Lane shift = select(rotates, b / w * pivot, broadcast(0.0));
+  const Lane shift = select(rotates, quotient(b, w, reciprocal(w)) * pivot, broadcast(0.0));
 
   a[Pencil::index(P, P)] -= shift;
   a[Pencil::index(Q, Q)] += shift;
@@ -85,9 +85,11 @@ MOTTLE_INLINE void rotate(SmallPencil<N>& pencil, Mask active) {
 }
 
 /// Batches rotated side by side: with few pairs in a round a rotation waits for the one before, and another batch fills
-/// the wait.
-template <int N>
-constexpr int k_batches = N <= 4 ? 2 : 1;
+/// the wait; as many as the registers hold, or little more.
+template <int N, bool Vectors>
+constexpr int k_batches = MOTTLE_LANES == 8 && N <= 3 ? (Vectors ? 3 : 4)
+                          : N <= 4                    ? 2
+                                                      : 1;
 
 /// Diagonalises; each lane stops by its own criterion, so extra sweeps for a neighbour change nothing.
 template <int N, bool Vectors, int Batches>
@@ -220,9 +222,9 @@ MOTTLE_INLINE void solve_together(const Problem& problem, const Output& output, 
 template <int N, bool Vectors>
 void solve_small(const Problem& problem, const Output& output, long begin, long end) {
   // Always as many together, if need be with copies of the last sample: other code might round otherwise.
-  constexpr long k_together = static_cast<long>(k_batches<N>) * MOTTLE_LANES;
+  constexpr long k_together = static_cast<long>(k_batches<N, Vectors>) * MOTTLE_LANES;
   for (long first = begin; first < end; first += k_together) {
-    solve_together<N, Vectors, k_batches<N>>(problem, output, first, end);
+    solve_together<N, Vectors, k_batches<N, Vectors>>(problem, output, first, end);
   }
 }
 

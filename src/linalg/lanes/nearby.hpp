@@ -3,43 +3,29 @@
 // eigenvalues that shows that none is missed. See nearby_modes.hpp.
 #pragma once
 
-#include "linalg/lanes/nearby_workspace.hpp"
-#include "linalg/lanes/solve.hpp"
+#include "linalg/lanes/nearby_ritz.hpp"
 
 namespace mottle::lane_kernels {
 namespace {
 
-/// Ritz vectors of the pencil in work.small's packed triangles, into work.turn [n][modes]; values in work.small.values.
-inline Mask solve_ritz(const NearbyWorkspace& work, int n, int modes) {
+/// The block's first vectors: modes of the leading corner of the pencil, roughly.
+inline Mask start_block(const NearbyProblem& problem, NearbyWorkspace& work) {
+  constexpr double k_rounding = 1e-8;
+  const int n = problem.block;
   const Workspace& small = work.small;
-  Mask trusted = factor_mass(small.mass, n);
-  reduce_by_full_mass(small.matrix, small.mass, n);
+  Mask trusted = take_corner(problem, work);
   tridiagonalise(small, n);
   const Lane bound = eigenvalue_bound(small, n);
   trusted &= is_finite(bound * 4.0);
-  find_eigenvalues(small, n, modes, bound);
-  trusted &= iterate_vectors(small, n, modes, bound);
-  transform_back(small, n, modes);
-  solve_upper(small.mass, n, modes, small.vectors);
-  for (int mode = 0; mode < modes; ++mode) {
-    const Lane* const x = small.vectors + static_cast<long>(mode) * n;
-    for (int i = 0; i < n; ++i) work.turn[static_cast<long>(i) * work.y.stride + mode] = x[i];
+  find_eigenvalues(small, n, n, bound, k_rounding);
+  iterate_vectors(small, n, n, bound, 1);
+  transform_back(small, n, n);
+  if (problem.mass_terms > 0) {
+    solve_upper(small.mass, n, n, small.vectors);
+  } else {
+    for (long entry = 0; entry < static_cast<long>(n) * n; ++entry) small.vectors[entry] *= small.mass[entry % n];
   }
-  return trusted;
-}
-
-/// The block's first vectors: modes of the leading corner of the pencil.
-inline Mask start_block(const NearbyProblem& problem, NearbyWorkspace& work) {
-  const int n = problem.block;
-  for (int j = 0; j < n; ++j) {
-    for (int i = j; i < n; ++i) {
-      const long entry = packed_index(n, i, j);
-      work.small.matrix[entry] = tile_entry(work.stiffness, problem.order, i, j);
-      work.small.mass[entry] = problem.mass_terms > 0 ? tile_entry(work.mass, problem.order, i, j)
-                                                      : broadcast(i == j ? problem.nominal_mass[i] : 0.0);
-    }
-  }
-  const Mask trusted = solve_ritz(work, n, n);
+  take_vectors(work, n, n);
   work.set_columns(n);
   const long size = static_cast<long>(problem.order) * n;
   for (long entry = 0; entry < size; ++entry) {
@@ -85,7 +71,7 @@ inline void find_quotients(const NearbyWorkspace& work) {
       state.lengths[c] += y[c] * my[c];
     }
   }
-  for (int c = 0; c < work.y.columns; ++c) state.rayleigh[c] /= state.lengths[c];
+  for (int c = 0; c < work.y.columns; ++c) state.rayleigh[c] *= reciprocal(state.lengths[c]);
 }
 
 /// Lanes in which the residuals of the sharp modes are below `share` of the limit.
@@ -132,85 +118,11 @@ inline void correct_blocks(const NearbyProblem& problem, NearbyWorkspace& work) 
     find_squares(work, problem.block);
     const Mask open = ~are_sharp(problem, work, k_share);
     if (!any(open) || step == k_most) break;
+    if (step == 0) work.set_columns(problem.kept);
     correct_block(problem, work, open);
     work.set_columns(problem.corrected);
   }
   work.set_columns(problem.block);
-}
-
-/// Rayleigh and Ritz: h, g, and values and vectors of their pencil.
-inline Mask find_ritz(const NearbyProblem& problem, const NearbyWorkspace& work) {
-  const int n = work.y.columns;
-  make_gram(work.y, work.ky, 0, work.h);
-  make_gram(work.y, work.my, 0, work.g);
-  for (int j = 0; j < n; ++j) {
-    for (int i = j; i < n; ++i) {
-      const long from = static_cast<long>(i) * work.y.stride + j;
-      work.small.matrix[packed_index(n, i, j)] = work.h[from];
-      work.small.mass[packed_index(n, i, j)] = work.g[from];
-    }
-  }
-  return solve_ritz(work, n, problem.kept);
-}
-
-/// Negative pivots of a packed symmetric matrix, eliminated in place; lanes with a pivot that tells nothing lose trust.
-inline Mask count_negative(Lane* matrix, int n, Mask& trusted) {
-  Mask count{};
-  Lane scale = broadcast(0.0);
-  for (int k = 0; k < n; ++k) scale = larger(scale, absolute(matrix[packed_index(n, k, k)]));
-  for (int k = 0; k < n; ++k) {
-    Lane* const column = matrix + packed_index(n, k, k) - k;
-    count -= (column[k] < broadcast(0.0));
-    trusted &= absolute(column[k]) > scale * 1e-10;
-    const Lane reciprocal = broadcast(1.0) / column[k];
-    for (int j = k + 1; j < n; ++j) {
-      Lane* const target = matrix + packed_index(n, j, j) - j;
-      const Lane multiplier = column[j] * reciprocal;
-      for (int i = j; i < n; ++i) target[i] -= multiplier * column[i];
-    }
-  }
-  return count;
-}
-
-/// Lanes in which no eigenvalue below the kept Ritz values is missed.
-///
-/// With S the block, R the rows of (K - x M) S below it and D a lower bound of K - x M there, the number of eigenvalues
-/// below x is at most that of negative ones of S'(K - x M) S - R' D^-1 R: a congruence and a Schur complement. x lies
-/// in the widest gap among the first Ritz values above the wanted ones.
-///
-///   D = alpha - (x - shift) beta m_i,   K(s) - shift M(s) >= alpha,   M(s) <= beta diag m
-inline Mask misses_none(const NearbyProblem& problem, const NearbyWorkspace& work) {
-  constexpr int k_gaps = 3;
-  const int n = problem.block, modes = problem.modes;
-  const Lane* const values = work.small.values;
-  Lane widest = broadcast(-1.0), x = broadcast(0.0);
-  Mask expected{};
-  for (int p = modes; p < modes + k_gaps && p < problem.kept; ++p) {
-    const Lane gap = (values[p] - values[p - 1]) / (values[p] - problem.shift);
-    const Mask is_wider = gap > widest;
-    widest = select(is_wider, gap, widest);
-    x = select(is_wider, (values[p] + values[p - 1]) * 0.5, x);
-    expected = is_wider ? Mask{} + p : expected;
-  }
-  Mask trusted = widest > broadcast(0.0);
-  const Lane heavy = (x - problem.shift) * work.beta;
-  Block rows = work.spare;
-  rows.columns = n;
-  for (int i = n; i < problem.order; ++i) {
-    const Lane stiff = work.alpha - heavy * problem.nominal_mass[i];
-    trusted &= stiff > work.alpha * 0.02;
-    const Lane root = broadcast(1.0) / square_root(stiff);
-    for (int c = 0; c < n; ++c) rows.row(i)[c] = (work.ky.row(i)[c] - x * work.my.row(i)[c]) * root;
-  }
-  make_gram(rows, rows, n, work.rest);
-  for (int j = 0; j < n; ++j) {
-    for (int i = j; i < n; ++i) {
-      const long from = static_cast<long>(i) * rows.stride + j;
-      work.small.matrix[packed_index(n, i, j)] = work.h[from] - x * work.g[from] - work.rest[from];
-    }
-  }
-  const Mask count = count_negative(work.small.matrix, n, trusted);
-  return trusted & (count <= expected);
 }
 
 /// block <- block turn, and the spare one is where it was.
@@ -243,9 +155,18 @@ inline void sketch_residuals(const NearbyProblem& problem, const NearbyWorkspace
   }
 }
 
-/// The first rows of a column of a block, with a sign.
-MOTTLE_INLINE void store_column(const Block& block, int column, int rows, int lane, double sign, double* to) {
-  for (int i = 0; i < rows; ++i) to[i] = sign * block.row(i)[column][lane];
+/// The first rows of a column of a block, with signs, to each lane's own place.
+///
+/// @param to      of the first lane; `stride` from one sample to the next
+/// @param column  memory for it: the rows are far apart, and lanes are stored one by one
+inline void store_column(const Block& block, int mode, int rows, Mask signs, Mask lanes, const BatchSamples& batch,
+                         double* to, long stride, Lane* column) {
+  for (int i = 0; i < rows; ++i) column[i] = flip_sign(block.row(i)[mode], signs);
+  for (int lane = 0; lane < batch.count; ++lane) {
+    if (lanes[lane] == 0) continue;
+    double* const own = to + batch.sample[lane] * stride;
+    for (int i = 0; i < rows; ++i) own[i] = column[i][lane];
+  }
 }
 
 /// The component of largest magnitude becomes positive.
@@ -259,16 +180,18 @@ inline void store_nearby(const NearbyProblem& problem, const Output& output, con
       const Lane entry = work.y.row(i)[mode];
       largest = select(absolute(entry) > absolute(largest), entry, largest);
     }
-    for (int lane = 0; lane < batch.count; ++lane) {
-      if (lanes[lane] == 0) continue;
-      const long place = batch.sample[lane] * problem.modes + mode;
-      const double sign = largest[lane] < 0.0 ? -1.0 : 1.0;
-      output.values[place] = work.small.values[mode][lane];
-      store_column(work.y, mode, problem.rows, lane, sign, output.vectors + place * problem.rows);
-      store_column(work.elastic, mode, problem.sketch_rows, lane, sign,
-                   problem.sketched_residuals + place * problem.sketch_rows);
-      output.trusted[batch.sample[lane]] = 1;
-    }
+    const Mask signs = sign_bits(largest);
+    const long rows = problem.rows, sketched = problem.sketch_rows;
+    store_column(work.y, mode, problem.rows, signs, lanes, batch, output.vectors + mode * rows, problem.modes * rows,
+                 work.column);
+    store_column(work.elastic, mode, problem.sketch_rows, signs, lanes, batch,
+                 problem.sketched_residuals + mode * sketched, problem.modes * sketched, work.column);
+  }
+  for (int lane = 0; lane < batch.count; ++lane) {
+    if (lanes[lane] == 0) continue;
+    double* const values = output.values + batch.sample[lane] * problem.modes;
+    for (int mode = 0; mode < problem.modes; ++mode) values[mode] = work.small.values[mode][lane];
+    output.trusted[batch.sample[lane]] = 1;
   }
 }
 

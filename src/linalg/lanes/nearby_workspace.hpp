@@ -27,6 +27,7 @@ struct NearbyWorkspace {
   Block elastic, inertial;  ///< W'K y and W'M y
   Lane *h, *g, *turn;       ///< [block][block]: y'Ky, y'My and vectors of that pencil
   Lane* rest;               ///< [block][block]: see misses_none
+  Lane* column;             ///< [order or sketch row], one of a block on its way out
   BlockState state;
   Lane alpha, beta;
   Workspace small;  ///< of the block's pencils
@@ -58,6 +59,7 @@ struct NearbyWorkspace {
     g = take(block * block);
     turn = take(block * block);
     rest = take(block * block);
+    column = take(order > problem.sketch_rows ? order : problem.sketch_rows);
     state = {take(block), take(block), take(block)};
   }
 
@@ -98,7 +100,7 @@ inline void assemble_nearby(const NearbyProblem& problem, const BatchSamples& ba
     }
   }
   for (int i = 0; i < problem.order; ++i) {
-    work.reciprocals[i] = broadcast(1.0) / tile_entry(work.stiffness, problem.order, i, i);
+    work.reciprocals[i] = reciprocal(tile_entry(work.stiffness, problem.order, i, i));
     work.masses[i] = inertial > 0 ? tile_entry(work.mass, problem.order, i, i) : broadcast(problem.nominal_mass[i]);
   }
   work.alpha = gather(problem.ratios, 1, 0, batch);

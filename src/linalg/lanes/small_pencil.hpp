@@ -40,13 +40,13 @@ MOTTLE_INLINE void invert_cholesky_factor(const Lane (&mass)[N * (N + 1) / 2], L
     Lane pivot = mass[Pencil::index(j, j)];
     unrolled<0, j>([&](auto k) MOTTLE_FLAT { pivot -= factor[j][k.value] * factor[j][k.value]; });
     trusted &= pivot > mass[Pencil::index(j, j)] * (N * 4 * k_epsilon);
-    const Lane reciprocal = broadcast(1.0) / square_root(pivot);
-    inverse[j][j] = reciprocal;
+    const Lane scale = reciprocal_root(pivot);
+    inverse[j][j] = scale;
     unrolled<j + 1, N>([&](auto row) MOTTLE_FLAT {
       constexpr int i = row.value;
       Lane sum = mass[Pencil::index(i, j)];
       unrolled<0, j>([&](auto k) MOTTLE_FLAT { sum -= factor[i][k.value] * factor[j][k.value]; });
-      factor[i][j] = sum * reciprocal;
+      factor[i][j] = sum * scale;
     });
   });
   unrolled<0, N>([&](auto column) MOTTLE_FLAT {

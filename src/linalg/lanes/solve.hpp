@@ -30,14 +30,14 @@ template <int Columns>
 inline void solve_upper(const Lane* factor, int n, Lane* x) {
   for (int i = n - 1; i >= 0; --i) {
     const Lane* const column = factor + packed_index(n, i, i) - i;
-    const Lane reciprocal = broadcast(1.0) / column[i];
+    const Lane scale = reciprocal(column[i]);
     Lane sum[Columns];
     for (int c = 0; c < Columns; ++c) sum[c] = x[c * n + i];
     for (int j = i + 1; j < n; ++j) {
       const Lane entry = column[j];
       for (int c = 0; c < Columns; ++c) sum[c] -= entry * x[c * n + j];
     }
-    for (int c = 0; c < Columns; ++c) x[c * n + i] = sum[c] * reciprocal;
+    for (int c = 0; c < Columns; ++c) x[c * n + i] = sum[c] * scale;
   }
 }
 

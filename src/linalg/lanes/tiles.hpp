@@ -2,7 +2,7 @@
 // [row][vector], its vectors a multiple of k_block_columns.
 #pragma once
 
-#include "linalg/lanes/lane.hpp"
+#include "linalg/lanes/term_sum.hpp"
 
 namespace mottle::lane_kernels {
 namespace {
@@ -17,16 +17,16 @@ struct Block {
   MOTTLE_INLINE Lane* row(int i) const { return data + static_cast<long>(i) * stride; }
 };
 
-/// out_rc += sum_k a_rk b_kc for Rows rows and k_block_columns columns, held in registers.
+/// out_rc += sum_k a_rk b_kc, or = where it is new, for Rows rows and k_block_columns columns, held in registers.
 ///
 /// @param a_row    from one row of a to the next; a_step from one k to the next
 /// @param b_step   from one row of b to the next
-template <int Rows>
+template <int Rows, bool IsNew = false>
 MOTTLE_INLINE void accumulate(const Lane* a, long a_row, long a_step, const Lane* b, long b_step, int count, Lane* out,
                               long out_row) {
   Lane sum[Rows][k_block_columns];
   for (int r = 0; r < Rows; ++r) {
-    for (int c = 0; c < k_block_columns; ++c) sum[r][c] = out[r * out_row + c];
+    for (int c = 0; c < k_block_columns; ++c) sum[r][c] = IsNew ? broadcast(0.0) : out[r * out_row + c];
   }
   for (int k = 0; k < count; ++k, a += a_step, b += b_step) {
     for (int r = 0; r < Rows; ++r) {
@@ -40,25 +40,10 @@ MOTTLE_INLINE void accumulate(const Lane* a, long a_row, long a_step, const Lane
 }
 
 /// tile = constant + sum of coefficient * term; the terms' tiles lie one after another.
-inline void combine_tile(const double* matrix, int count, const Lane* coefficients, Lane* tile) {
-  constexpr int k_entries = k_tile * k_tile;
-  for (int e = 0; e < k_entries; ++e) tile[e] = broadcast(matrix[e]);
-  int term = 0;
-  for (; term + 4 <= count; term += 4) {
-    matrix += k_entries;
-    const Lane c0 = coefficients[term], c1 = coefficients[term + 1];
-    const Lane c2 = coefficients[term + 2], c3 = coefficients[term + 3];
-    for (int e = 0; e < k_entries; ++e) {
-      tile[e] +=
-          c0 * matrix[e] + c1 * matrix[e + k_entries] + c2 * matrix[e + 2 * k_entries] + c3 * matrix[e + 3 * k_entries];
-    }
-    matrix += 3 * k_entries;
-  }
-  for (; term < count; ++term) {
-    matrix += k_entries;
-    const Lane coefficient = coefficients[term];
-    for (int e = 0; e < k_entries; ++e) tile[e] += coefficient * matrix[e];
-  }
+inline void combine_tile(const double* terms, int count, const Lane* coefficients, Lane* tile) {
+  constexpr long k_entries = k_tile * k_tile;
+  sum_terms(
+      terms, k_entries, count, [=](int term) MOTTLE_FLAT { return coefficients[term]; }, k_entries, tile);
 }
 
 /// The entry (i, j), i >= j, of a matrix in tiles.
@@ -67,15 +52,15 @@ MOTTLE_INLINE Lane tile_entry(const Lane* matrix, int order, int i, int j) {
   return matrix[tile * k_tile * k_tile + static_cast<long>(i % k_tile) * k_tile + j % k_tile];
 }
 
-/// out_I += tile in_J, or its transpose.
-template <bool Transposed>
+/// out_I += tile in_J, or its transpose; = where it is new.
+template <bool Transposed, bool IsNew = false>
 MOTTLE_INLINE void multiply_tile(const Lane* tile, const Block& in, int in_row, const Block& out, int out_row) {
   constexpr long k_row = Transposed ? 1 : k_tile, k_step = Transposed ? k_tile : 1;
   for (int c = 0; c < in.columns; c += k_block_columns) {
     const Lane* const b = in.row(in_row) + c;
     for (int r = 0; r < k_tile; r += MOTTLE_TILE_ROWS) {
-      accumulate<MOTTLE_TILE_ROWS>(tile + r * k_row, k_row, k_step, b, in.stride, k_tile, out.row(out_row + r) + c,
-                                   out.stride);
+      accumulate<MOTTLE_TILE_ROWS, IsNew>(tile + r * k_row, k_row, k_step, b, in.stride, k_tile,
+                                          out.row(out_row + r) + c, out.stride);
     }
   }
 }
@@ -96,11 +81,14 @@ inline void add_product(const Lane* matrix, const Block& in, int from, int to, c
 /// out = A in for a matrix that is needed once: each of its tiles is used as soon as it is summed.
 inline void multiply_terms(const double* terms, int count, const Lane* coefficients, const Block& in, Lane* tile,
                            const Block& out) {
-  for (long entry = 0; entry < static_cast<long>(out.rows) * out.stride; ++entry) out.data[entry] = broadcast(0.0);
   for (int i = 0; i < out.rows; i += k_tile) {
     for (int j = 0; j < in.rows; j += k_tile, terms += (1 + count) * k_tile * k_tile) {
       combine_tile(terms, count, coefficients, tile);
-      multiply_tile<false>(tile, in, j, out, i);
+      if (j == 0) {
+        multiply_tile<false, true>(tile, in, j, out, i);
+      } else {
+        multiply_tile<false>(tile, in, j, out, i);
+      }
     }
   }
 }
@@ -110,11 +98,8 @@ inline void make_gram(const Block& a, const Block& b, int first, Lane* gram) {
   constexpr int k_rows = 2;
   for (int c = 0; c < a.columns; c += k_block_columns) {
     for (int r = c; r < a.columns; r += k_rows) {
-      Lane* const out = gram + static_cast<long>(r) * a.stride + c;
-      for (int i = 0; i < k_rows * k_block_columns; ++i) {
-        out[(i / k_block_columns) * a.stride + i % k_block_columns] = broadcast(0.0);
-      }
-      accumulate<k_rows>(a.row(first) + r, 1, a.stride, b.row(first) + c, b.stride, a.rows - first, out, a.stride);
+      accumulate<k_rows, true>(a.row(first) + r, 1, a.stride, b.row(first) + c, b.stride, a.rows - first,
+                               gram + static_cast<long>(r) * a.stride + c, a.stride);
     }
   }
 }
@@ -122,12 +107,9 @@ inline void make_gram(const Block& a, const Block& b, int first, Lane* gram) {
 /// out = in turn, with turn [in column][out column] of the blocks' stride.
 inline void turn_block(const Block& in, const Lane* turn, const Block& out) {
   for (int i = 0; i < out.rows; i += MOTTLE_TILE_ROWS) {
-    for (int r = 0; r < MOTTLE_TILE_ROWS; ++r) {
-      for (int c = 0; c < out.columns; ++c) out.row(i + r)[c] = broadcast(0.0);
-    }
     for (int c = 0; c < out.columns; c += k_block_columns) {
-      accumulate<MOTTLE_TILE_ROWS>(in.row(i), in.stride, 1, turn + c, in.stride, in.columns, out.row(i) + c,
-                                   out.stride);
+      accumulate<MOTTLE_TILE_ROWS, true>(in.row(i), in.stride, 1, turn + c, in.stride, in.columns, out.row(i) + c,
+                                         out.stride);
     }
   }
 }

@@ -23,41 +23,42 @@ struct Probe {
 ///   q_i = d_i - x - s_i,   s_i = e_{i-1}^2 / q_{i-1},   t_i = q_i' / q_i = (s_i t_{i-1} - 1) / q_i
 ///   count = #(q_i < 0),    step = -1 / sum t_i
 ///
-/// A zero pivot makes the next one infinite and the one after ordinary again: the count stays right because no
-/// e^2 is zero; the step becomes nan, which every comparison with a bracket refuses.
+/// A pivot that is zero or hardly more counts as `least`, which is less than a rounding of T: the count stays right;
+/// the step may become nan, which every comparison with a bracket refuses.
 template <int Points>
-inline void probe_spectrum(const Workspace& work, int n, Probe<Points>& probe) {
+inline void probe_spectrum(const Workspace& work, int n, Lane least, Probe<Points>& probe) {
   const Lane one = broadcast(1.0);
-  Lane reciprocal[Points], rate[Points], sum[Points];
+  const auto guarded = [&](Lane pivot) MOTTLE_FLAT { return select(absolute(pivot) < least, least, pivot); };
+  Lane inverse[Points], rate[Points], sum[Points];
   for (int g = 0; g < Points; ++g) {
-    const Lane pivot = work.diagonal[0] - probe.point[g];
+    const Lane pivot = guarded(work.diagonal[0] - probe.point[g]);
     probe.count[g] = -(pivot < broadcast(0.0));
-    reciprocal[g] = one / pivot;
-    sum[g] = rate[g] = -reciprocal[g];
+    inverse[g] = reciprocal(pivot);
+    sum[g] = rate[g] = -inverse[g];
   }
   for (int i = 1; i < n; ++i) {
     const Lane diagonal = work.diagonal[i], square = work.squares[i - 1];
     for (int g = 0; g < Points; ++g) {
-      const Lane coupling = square * reciprocal[g];
-      const Lane pivot = diagonal - probe.point[g] - coupling;
+      const Lane coupling = square * inverse[g];
+      const Lane pivot = guarded(diagonal - probe.point[g] - coupling);
       probe.count[g] -= (pivot < broadcast(0.0));
-      reciprocal[g] = one / pivot;
-      rate[g] = (coupling * rate[g] - one) * reciprocal[g];
+      inverse[g] = reciprocal(pivot);
+      rate[g] = (coupling * rate[g] - one) * inverse[g];
       sum[g] += rate[g];
     }
   }
-  for (int g = 0; g < Points; ++g) probe.step[g] = -one / sum[g];
+  for (int g = 0; g < Points; ++g) probe.step[g] = -reciprocal(sum[g]);
 }
 
 /// Narrows the brackets of all modes from `from` on: Points common points a round across the group's brackets.
 template <int Points>
-inline void section(const Workspace& work, int n, int from, int modes) {
+inline void section(const Workspace& work, int n, int from, int modes, Lane least) {
   constexpr int k_rounds = 3;
   Probe<Points> probe;
   for (int round = 0; round < k_rounds; ++round) {
     const Lane low = work.low[from], width = (work.high[from + Points - 1] - low) * (1.0 / (Points + 1));
     for (int g = 0; g < Points; ++g) probe.point[g] = low + width * (g + 1.0);
-    probe_spectrum<Points>(work, n, probe);
+    probe_spectrum<Points>(work, n, least, probe);
     for (int mode = from; mode < modes; ++mode) {
       for (int g = 0; g < Points; ++g) {
         const Mask above = probe.count[g] > Mask{} + mode;  // the mode's eigenvalue lies below the point
@@ -72,9 +73,9 @@ inline void section(const Workspace& work, int n, int from, int modes) {
   }
 }
 
-/// Error allowed in an eigenvalue at x: what the counts can resolve.
-MOTTLE_INLINE Lane resolution(Lane x, Lane bound) {
-  return absolute(x) * (2.0 * k_epsilon) + bound * (0.25 * k_epsilon);
+/// Error allowed in an eigenvalue at x: what the counts can resolve, where `rounding` is that of the numbers.
+MOTTLE_INLINE Lane resolution(Lane x, Lane bound, double rounding) {
+  return absolute(x) * (2.0 * rounding) + bound * (0.25 * rounding);
 }
 
 /// One bound on all eigenvalues, |lambda| <= bound (Gershgorin, a little enlarged).
@@ -107,11 +108,11 @@ MOTTLE_INLINE Mask holds_one(const Workspace& work, int mode) {
 /// move grows while rounding keeps that from happening. Where other eigenvalues share the bracket, or Newton's point
 /// lies outside, the bracket is halved. Where the bracket holds one eigenvalue and no other is nearer than `margin`,
 /// Newton's point errs by no more than n step^2 / margin: it is the eigenvalue once that is below the resolution.
-MOTTLE_INLINE Mask narrow(const Workspace& work, int n, int mode, Mask count, Lane step, Lane bound,
+MOTTLE_INLINE Mask narrow(const Workspace& work, int n, int mode, Mask count, Lane step, Lane bound, double rounding,
                           bool may_use_newton, Search& search) {
-  const Lane point = search.point, fine = resolution(point, bound);
+  const Lane point = search.point, fine = resolution(point, bound, rounding);
   Lane low = work.low[mode], high = work.high[mode];
-  const Mask open = high - low > resolution(low, bound);
+  const Mask open = high - low > resolution(low, bound, rounding);
   const Mask was_isolated = holds_one(work, mode);
   const Lane margin = smaller(point - low, high - point);
   const Mask above = count > Mask{} + mode;
@@ -134,27 +135,29 @@ MOTTLE_INLINE Mask narrow(const Workspace& work, int n, int mode, Mask count, La
   const Mask usable = holds_one(work, mode) & (newton > low) & (newton < high);
   const Lane middle = (low + high) * 0.5;
   search.point = may_use_newton ? select(usable, newton, middle) : middle;
-  return high - low > resolution(low, bound);
+  return high - low > resolution(low, bound, rounding);
 }
 
 /// Eigenvalues of modes [from, from + Count).
 template <int Count>
-inline void find_group(const Workspace& work, int n, int from, int modes, Lane bound) {
+inline void find_group(const Workspace& work, int n, int from, int modes, Lane bound, double rounding) {
   constexpr int k_newton_rounds = 40;  // isolation by halving comes out of these too
   constexpr int k_most_rounds = 100;   // 55 halvings close any bracket
-  section<Count>(work, n, from, modes);
+  const Lane least = larger(bound * 1e-20, broadcast(k_tiny));
+  section<Count>(work, n, from, modes, least);
   Probe<Count> probe;
   Search search[Count];
   for (int g = 0; g < Count; ++g) {
     search[g].point = (work.low[from + g] + work.high[from + g]) * 0.5;
-    search[g].overshoot = resolution(search[g].point, bound) * 0.4;
+    search[g].overshoot = resolution(search[g].point, bound, rounding) * 0.4;
   }
   for (int round = 0; round < k_most_rounds; ++round) {
     for (int g = 0; g < Count; ++g) probe.point[g] = search[g].point;
-    probe_spectrum<Count>(work, n, probe);
+    probe_spectrum<Count>(work, n, least, probe);
     Mask open{};
     for (int g = 0; g < Count; ++g) {
-      open |= narrow(work, n, from + g, probe.count[g], probe.step[g], bound, round < k_newton_rounds, search[g]);
+      open |=
+          narrow(work, n, from + g, probe.count[g], probe.step[g], bound, rounding, round < k_newton_rounds, search[g]);
     }
     if (!any(open)) break;
   }
@@ -164,16 +167,17 @@ inline void find_group(const Workspace& work, int n, int from, int modes, Lane b
 }
 
 template <int Count>
-inline void find_group_of(int count, const Workspace& work, int n, int from, int modes, Lane bound) {
+inline void find_group_of(int count, const Workspace& work, int n, int from, int modes, Lane bound, double rounding) {
   if constexpr (Count > 0) {
-    if (count == Count) return find_group<Count>(work, n, from, modes, bound);
-    find_group_of<Count - 1>(count, work, n, from, modes, bound);
+    if (count == Count) return find_group<Count>(work, n, from, modes, bound, rounding);
+    find_group_of<Count - 1>(count, work, n, from, modes, bound, rounding);
   }
 }
 
-/// Fills work.squares and work.values, ascending; each eigenvalue to about the error that T has anyway.
-inline void find_eigenvalues(const Workspace& work, int n, int modes, Lane bound) {
-  for (int i = 0; i < n; ++i) work.squares[i] = larger(work.offdiag[i] * work.offdiag[i], broadcast(k_tiny));
+/// Fills work.squares and work.values, ascending; each eigenvalue to about the error that T has anyway if its entries
+/// are known to `rounding`.
+inline void find_eigenvalues(const Workspace& work, int n, int modes, Lane bound, double rounding = k_epsilon) {
+  for (int i = 0; i < n; ++i) work.squares[i] = work.offdiag[i] * work.offdiag[i];
   for (int mode = 0; mode < modes; ++mode) {
     work.low[mode] = -bound;
     work.high[mode] = bound;
@@ -183,7 +187,7 @@ inline void find_eigenvalues(const Workspace& work, int n, int modes, Lane bound
   int groups = (modes + k_bisect_group - 1) / k_bisect_group;
   for (int from = 0; groups > 0; --groups) {
     const int count = (modes - from + groups - 1) / groups;  // groups of nearly equal size waste no probe
-    find_group_of<k_bisect_group>(count, work, n, from, modes, bound);
+    find_group_of<k_bisect_group>(count, work, n, from, modes, bound, rounding);
     from += count;
   }
   for (int mode = 1; mode < modes; ++mode) {  // modes of a cluster, found apart, may have crossed by a rounding

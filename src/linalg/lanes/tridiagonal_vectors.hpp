@@ -51,11 +51,11 @@ inline void factor_shifted(const Workspace& work, int n, Lane smallest_pivot, co
       const ShiftedFactor& f = group.factor[g];
       const Lane next = diagonal - group.value[g];
       const Mask swap = absolute(below) > absolute(pivot[g]);
-      const Lane reciprocal = broadcast(1.0) / guarded(select(swap, below, pivot[g]));
-      const Lane multiplier = select(swap, pivot[g], below) * reciprocal;
+      const Lane inverse = reciprocal(guarded(select(swap, below, pivot[g])));
+      const Lane multiplier = select(swap, pivot[g], below) * inverse;
       const Lane upper = select(swap, next, beside[g]);
       f.swapped[i] = swap;
-      f.reciprocal[i] = reciprocal;
+      f.reciprocal[i] = inverse;
       f.lower[i] = multiplier;
       f.upper[i] = upper;
       f.upper_second[i] = select(swap, after, broadcast(0.0));
@@ -65,7 +65,7 @@ inline void factor_shifted(const Workspace& work, int n, Lane smallest_pivot, co
   }
   for (int g = 0; g < Count; ++g) {
     const ShiftedFactor& f = group.factor[g];
-    f.reciprocal[n - 1] = broadcast(1.0) / guarded(pivot[g]);
+    f.reciprocal[n - 1] = reciprocal(guarded(pivot[g]));
     f.upper[n - 1] = f.upper_second[n - 1] = broadcast(0.0);
   }
 }
@@ -119,7 +119,7 @@ template <int Count>
 inline void normalise(int n, const ModeGroup<Count>& group) {
   Lane scale[Count], sum[Count];
   for (int g = 0; g < Count; ++g) {
-    scale[g] = broadcast(1.0) / group.largest[g];
+    scale[g] = reciprocal(group.largest[g]);
     sum[g] = broadcast(0.0);
   }
   for (int i = 0; i < n; ++i) {
@@ -128,7 +128,7 @@ inline void normalise(int n, const ModeGroup<Count>& group) {
       sum[g] += entry * entry;
     }
   }
-  for (int g = 0; g < Count; ++g) scale[g] = broadcast(1.0) / square_root(sum[g]);
+  for (int g = 0; g < Count; ++g) scale[g] = reciprocal_root(sum[g]);
   for (int i = 0; i < n; ++i) {
     for (int g = 0; g < Count; ++g) group.x[g][i] *= scale[g];
   }
@@ -151,10 +151,10 @@ inline void orthogonalise(const Workspace& work, int n, int mode, Lane cluster_g
   // Nearly all of it may have been taken away: first by the largest entry, so that no square is lost.
   Lane largest = broadcast(0.0);
   for (int i = 0; i < n; ++i) largest = larger(absolute(x[i]), largest);
-  const Lane scale = select(changed, broadcast(1.0) / largest, broadcast(1.0));
+  const Lane scale = select(changed, reciprocal(largest), broadcast(1.0));
   for (int i = 0; i < n; ++i) x[i] *= scale;
-  const Lane reciprocal = select(changed, broadcast(1.0) / square_root(dot(x, x, n)), broadcast(1.0));
-  for (int i = 0; i < n; ++i) x[i] *= reciprocal;
+  const Lane length = select(changed, reciprocal_root(dot(x, x, n)), broadcast(1.0));
+  for (int i = 0; i < n; ++i) x[i] *= length;
 }
 
 /// Fixed start vectors with no zero and no symmetry: entries in +-[0.5, 1) from a multiplicative sequence.
@@ -187,13 +187,12 @@ inline void find_residuals(const Workspace& work, int n, const ModeGroup<Count>&
 
 /// Vectors of modes [from, from + Count); returns the lanes in which every residual is small.
 template <int Count>
-inline Mask iterate_group(const Workspace& work, int n, int from, Lane bound) {
-  constexpr int k_iterations = 3;         // one finds the vector unless the start was unlucky, two more polish
+inline Mask iterate_group(const Workspace& work, int n, int from, Lane bound, int iterations) {
   const Lane cluster_gap = bound * 1e-3;  // vectors of more distant eigenvalues are orthogonal to about 1e-13
   ModeGroup<Count> group = mode_group<Count>(work, n, from);
   factor_shifted<Count>(work, n, bound * k_epsilon, group);
   for (int g = 0; g < Count; ++g) start_vector(group.x[g], n, from + g);
-  for (int iteration = 0; iteration < k_iterations; ++iteration) {
+  for (int iteration = 0; iteration < iterations; ++iteration) {
     if (iteration > 0) eliminate<Count>(n, group);
     substitute_back<Count>(n, group);
     normalise<Count>(n, group);
@@ -207,14 +206,15 @@ inline Mask iterate_group(const Workspace& work, int n, int from, Lane bound) {
   return trusted;
 }
 
-/// Fills work.vectors with orthonormal eigenvectors of T; returns the lanes in which every residual is small.
-inline Mask iterate_vectors(const Workspace& work, int n, int modes, Lane bound) {
+/// Fills work.vectors with orthonormal eigenvectors of T; returns the lanes in which every residual is small. One
+/// iteration finds the vector unless the start was unlucky, two more polish.
+inline Mask iterate_vectors(const Workspace& work, int n, int modes, Lane bound, int iterations = 3) {
   Mask trusted = ~Mask{};
   int mode = 0;
   for (; mode + k_vector_group <= modes; mode += k_vector_group) {
-    trusted &= iterate_group<k_vector_group>(work, n, mode, bound);
+    trusted &= iterate_group<k_vector_group>(work, n, mode, bound, iterations);
   }
-  for (; mode < modes; ++mode) trusted &= iterate_group<1>(work, n, mode, bound);
+  for (; mode < modes; ++mode) trusted &= iterate_group<1>(work, n, mode, bound, iterations);
   return trusted;
 }
 

@@ -15,7 +15,7 @@ struct Workspace {
   Lane* mass;       ///< packed Cholesky factor, or the diagonal [n]; unused if the mass is folded
   Lane* diagonal;   ///< [n] of the tridiagonal matrix
   Lane* offdiag;    ///< [n], entry i couples i and i + 1; the last is 0
-  Lane* squares;    ///< [n], offdiag^2, at least k_tiny
+  Lane* squares;    ///< [n], offdiag^2
   Lane* tau;        ///< [n], scale of each reflector
   Lane* update;     ///< [2][n]
   Lane* product;    ///< [n]
