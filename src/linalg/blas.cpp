@@ -65,7 +65,8 @@ Eigen::MatrixXd product_transposed(const Eigen::Ref<const Eigen::MatrixXd>& a,
   const int stride_a = static_cast<int>(a.outerStride());
   const int stride_b = static_cast<int>(b.outerStride());
   const double one = 1.0, zero = 0.0;
-  dgemm_("N", "T", &rows, &columns, &inner, &one, a.data(), &stride_a, b.data(), &stride_b, &zero, result.data(), &rows);
+  dgemm_("N", "T", &rows, &columns, &inner, &one, a.data(), &stride_a, b.data(), &stride_b, &zero, result.data(),
+         &rows);
   return result;
 }
 

@@ -55,7 +55,8 @@ std::vector<Eigen::Index> largest_residuals(const Eigen::VectorXd& squares, doub
   std::iota(columns.begin(), columns.end(), Eigen::Index{0});
   std::stable_sort(columns.begin(), columns.end(), [&](auto a, auto b) { return squares(a) > squares(b); });
   const Eigen::Index large = (squares.array() > small).count();
-  const Eigen::Index taken = std::min((std::max<Eigen::Index>(large, 1) + k_sweep - 1) / k_sweep * k_sweep, squares.size());
+  const Eigen::Index taken =
+      std::min((std::max<Eigen::Index>(large, 1) + k_sweep - 1) / k_sweep * k_sweep, squares.size());
   columns.resize(static_cast<std::size_t>(taken));
   return columns;
 }
@@ -84,8 +85,8 @@ Eigen::VectorXd values_of(const Images& modes) {
 struct SamplePencil {
   const FullPencils& full;
   Eigen::VectorXd stiffness, mass;  ///< coefficients, the constants' first
-  double ratio = 0.0;   ///< smallest eigenvalue of its stiffness against the nominal one
-  double unseen = 0.0;  ///< no mode that residuals cannot show is below
+  double ratio = 0.0;               ///< smallest eigenvalue of its stiffness against the nominal one
+  double unseen = 0.0;              ///< no mode that residuals cannot show is below
 
   Images images(Eigen::MatrixXd vectors) const {
     const VectorRows rows = to_rows(vectors);
@@ -106,12 +107,12 @@ RefinedModes ReducedModel::Parts::refine(const SamplePencil& sample, const Eigen
   for (int step = 0;; ++step) {
     result.values = values_of(modes);
     const Eigen::MatrixXd residuals = modes.elastic - modes.inertial * result.values.asDiagonal();
-    const Eigen::MatrixXd gram =
-        sketched_gram(sketched(full->sketch(), residuals)) / sample.ratio;
+    const Eigen::MatrixXd gram = sketched_gram(sketched(full->sketch(), residuals)) / sample.ratio;
     result.bounds = bounds(result.values, gram, sample.unseen, wanted);
     if (result.bounds.maxCoeff() <= options.tolerance || step == k_steps) break;
     const Eigen::Index sharp = std::min(wanted + k_sharp_guards, result.values.size());
-    const Eigen::VectorXd squares = gram.diagonal().head(sharp).array() / (result.values.head(sharp).array() - full->shift);
+    const Eigen::VectorXd squares =
+        gram.diagonal().head(sharp).array() / (result.values.head(sharp).array() - full->shift);
     Eigen::MatrixXd answers = residuals(Eigen::all, largest_residuals(squares, k_small * options.tolerance));
     full->factor().solve(answers);
     space.append(sample.images(std::move(answers)));
