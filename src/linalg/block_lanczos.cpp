@@ -14,18 +14,29 @@ namespace {
 constexpr int k_most_restarts = 60;
 constexpr double k_deflated = 1e-11;  // what is left of a vector after orthogonalisation that counts as nothing
 
-/// Solutions for up to eight right-hand sides cost as much as for eight, and a wider block needs more of them in all.
-int block_of(int wanted) {
+/// Solutions for up to eight right-hand sides cost as much as for eight, and a wider block needs more of them in all; it
+/// should be wider than a free body has rigid-body modes.
+int first_block(int wanted) {
   constexpr int k_many = 48;
-  return wanted < k_many ? std::clamp(wanted / 3, 6, 8) : 16;
+  return wanted < k_many ? std::clamp(wanted / 3, 7, 8) : 16;
+}
+
+/// Whether a root is found as often as a block is wide: it may be repeated more often, and a Krylov space holds no more
+/// copies than it began with. Values descend.
+bool may_hide_copies(const Eigen::VectorXd& values, Eigen::Index block, double tolerance) {
+  const double equal = std::max(10.0 * tolerance * tolerance, 1e-8);
+  for (Eigen::Index i = 0; i + block <= values.size(); ++i) {
+    if (values(i) - values(i + block - 1) <= equal * std::abs(values(i))) return true;
+  }
+  return false;
 }
 
 /// The growing basis Q and the projected operator T = Q' M OP Q.
 class KrylovBasis {
  public:
-  KrylovBasis(const LanczosProblem& problem, int wanted)
+  KrylovBasis(const LanczosProblem& problem, int wanted, Eigen::Index block)
       : problem_(problem),
-        block_(std::min<Eigen::Index>(block_of(wanted), problem.size)),
+        block_(block),
         most_vectors_(
             std::min<Eigen::Index>(problem.size, std::max<Eigen::Index>(Eigen::Index{2} * wanted + 6 * block_, 80))),
         basis_(problem.size, most_vectors_ + block_),
@@ -186,8 +197,10 @@ class KrylovBasis {
 
 }  // namespace
 
-LanczosPairs largest_pairs(const LanczosProblem& problem, int wanted, double tolerance) {
-  KrylovBasis basis(problem, wanted);
+namespace {
+
+LanczosPairs pairs_by_block(const LanczosProblem& problem, int wanted, double tolerance, Eigen::Index block) {
+  KrylovBasis basis(problem, wanted, block);
   LanczosPairs pairs;
   basis.append_random();
   Eigen::VectorXd values;
@@ -212,6 +225,21 @@ LanczosPairs largest_pairs(const LanczosProblem& problem, int wanted, double tol
   const Eigen::Index found = std::min<Eigen::Index>(wanted, values.size());
   pairs.values = values.head(found);
   pairs.vectors = basis.combine(vectors.leftCols(found));
+  return pairs;
+}
+
+}  // namespace
+
+LanczosPairs largest_pairs(const LanczosProblem& problem, int wanted, double tolerance) {
+  Eigen::Index block = std::min<Eigen::Index>(first_block(wanted), problem.size);
+  LanczosPairs pairs = pairs_by_block(problem, wanted, tolerance, block);
+  while (pairs.is_converged && block < std::min<Eigen::Index>(wanted, problem.size) &&
+         may_hide_copies(pairs.values, block, tolerance)) {
+    const int solved = pairs.solved_vectors;
+    block = std::min(2 * block, problem.size);
+    pairs = pairs_by_block(problem, wanted, tolerance, block);
+    pairs.solved_vectors += solved;
+  }
   return pairs;
 }
 

@@ -34,7 +34,7 @@ struct NominalFacts {
 };
 
 /// The full pencils and everything that the nominal one gives. The constant terms come first. Copies of a model share
-/// it; only training uses the factor and the sketch.
+/// it; only training and refinement use the factor and the sketch.
 struct FullPencils : NominalFacts {
   FullPencils(const PencilTerms& terms, const TermCoefficients& nominal, const SparseMatrix& nominal_k,
               const SparseMatrix& nominal_m, const ReducedModelOptions& options);
@@ -47,7 +47,7 @@ struct FullPencils : NominalFacts {
   Eigen::VectorXd smallest_ratios(const TermCoefficients& samples) const;
   /// The largest eigenvalue that a sample's mass can have against that of a reference; 0 where there is none [sample].
   ///
-  /// @param reference  coefficients, the constant's first
+  /// @param reference  coefficients, the constant's first; one that is zero gives infinity or nan
   Eigen::VectorXd largest_mass_ratios(const TermCoefficients& samples, const Eigen::VectorXd& reference) const;
 
   /// The pencil at given coefficients, the constants' first.

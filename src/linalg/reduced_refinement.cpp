@@ -47,14 +47,17 @@ Images ritz_vectors(const Images& space, double shift, Eigen::Index count) {
                         flexibilities.cwiseSqrt().cwiseInverse().asDiagonal());
 }
 
-/// The columns whose squared residual is above `small`, and more of the largest until a sweep through the factor is
-/// full.
-std::vector<Eigen::Index> largest_residuals(const Eigen::VectorXd& squares, double small) {
+/// Those of the first `sharp` columns whose squared residual is above `small`, and the largest of all others until a
+/// sweep through the factor is full.
+std::vector<Eigen::Index> largest_residuals(const Eigen::VectorXd& squares, Eigen::Index sharp, double small) {
   constexpr Eigen::Index k_sweep = 8;
+  const auto matters = [&](Eigen::Index k) { return k < sharp && squares(k) > small; };
   std::vector<Eigen::Index> columns(static_cast<std::size_t>(squares.size()));
   std::iota(columns.begin(), columns.end(), Eigen::Index{0});
-  std::stable_sort(columns.begin(), columns.end(), [&](auto a, auto b) { return squares(a) > squares(b); });
-  const Eigen::Index large = (squares.array() > small).count();
+  std::stable_sort(columns.begin(), columns.end(), [&](Eigen::Index a, Eigen::Index b) {
+    return matters(a) != matters(b) ? matters(a) : squares(a) > squares(b);
+  });
+  const Eigen::Index large = std::count_if(columns.begin(), columns.end(), matters);
   const Eigen::Index taken =
       std::min((std::max<Eigen::Index>(large, 1) + k_sweep - 1) / k_sweep * k_sweep, squares.size());
   columns.resize(static_cast<std::size_t>(taken));
@@ -110,10 +113,10 @@ RefinedModes ReducedModel::Parts::refine(const SamplePencil& sample, const Eigen
     const Eigen::MatrixXd gram = sketched_gram(sketched(full->sketch(), residuals)) / sample.ratio;
     result.bounds = bounds(result.values, gram, sample.unseen, wanted);
     if (result.bounds.maxCoeff() <= options.tolerance || step == k_steps) break;
-    const Eigen::Index sharp = std::min(wanted + k_sharp_guards, result.values.size());
-    const Eigen::VectorXd squares =
-        gram.diagonal().head(sharp).array() / (result.values.head(sharp).array() - full->shift);
-    Eigen::MatrixXd answers = residuals(Eigen::all, largest_residuals(squares, k_small * options.tolerance));
+    const Eigen::VectorXd squares = gram.diagonal().array() / (result.values.array() - full->shift);
+    if (!squares.allFinite()) break;
+    Eigen::MatrixXd answers =
+        residuals(Eigen::all, largest_residuals(squares, wanted + k_sharp_guards, k_small * options.tolerance));
     full->factor().solve(answers);
     space.append(sample.images(std::move(answers)));
     Images next = ritz_vectors(space, full->shift, start.cols());

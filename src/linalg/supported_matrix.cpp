@@ -59,11 +59,13 @@ Eigen::MatrixXd SupportedMatrix::project(const Eigen::Ref<const Eigen::MatrixXd>
 
 Eigen::MatrixXd SupportedMatrix::project_rows(const VectorRows& left, const VectorRows& product,
                                               Eigen::Index count) const {
+  const auto columns = [](const VectorRows& rows) {
+    return Eigen::Map<const Eigen::MatrixXd>(rows.data(), rows.cols(), rows.rows());
+  };
+  if (is_full(left.rows())) return product_transposed(columns(left), columns(product).topRows(count));
   VectorRows own(product.rows(), left.cols());
   for (Eigen::Index i = 0; i < own.rows(); ++i) own.row(i) = left.row(rows_[static_cast<std::size_t>(i)]);
-  const Eigen::Map<const Eigen::MatrixXd> own_columns(own.data(), own.cols(), own.rows());
-  const Eigen::Map<const Eigen::MatrixXd> product_columns(product.data(), product.cols(), product.rows());
-  return product_transposed(own_columns, product_columns.topRows(count));
+  return product_transposed(columns(own), columns(product).topRows(count));
 }
 
 void SupportedMatrix::add_to(SparseMatrix& sum, double factor) const {

@@ -15,7 +15,7 @@ class SupportedMatrix {
 
   bool is_empty() const { return rows_.empty(); }
 
-  /// result += A x diag(scales); both [equation x vector], scales of the padding are zero.
+  /// result += A x diag(scales); both [equation x vector]; x is zero where it is padding.
   void add_scaled_product(const VectorRows& x, const Eigen::VectorXd& scales, VectorRows& result) const;
 
   /// The rows of A x that can hold anything.

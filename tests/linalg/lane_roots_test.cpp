@@ -35,6 +35,17 @@ TEST(LaneRoots, AreThoseOfTheProcessorToTheLastBit) {
   }
   EXPECT_EQ(others, 0);
 }
+
+TEST(LaneRoots, EndOneBitLowForAMantissaOfOnes) {
+  if (!is_simd_level_available(SimdLevel::avx512)) GTEST_SKIP() << "this processor has no AVX-512";
+  double x[8], reciprocal[8], quotient[8], root[8], reciprocal_root[8];
+  for (double& value : x) value = 1.0 - 0x1p-53;
+  linalg_test::lane_roots_avx512(x, x, reciprocal, quotient, root, reciprocal_root);
+  EXPECT_EQ(reciprocal[0], 1.0);  // 1 + 2^-53 and a little, which a division rounds up
+  EXPECT_EQ(quotient[0], 1.0);
+  EXPECT_EQ(root[0], std::sqrt(x[0]));
+  EXPECT_EQ(reciprocal_root[0], 1.0);
+}
 #endif
 
 }  // namespace

@@ -123,6 +123,30 @@ TEST(SparseModes, RootsRepeatedMoreOftenThanTheBlockIsWideAreAllFound) {
   EXPECT_LT((modes.values.array() - 4.0).abs().maxCoeff(), 1e-12);
 }
 
+TEST(SparseModes, EachModeOfManyEqualPartsIsFoundAsOftenAsThereAreParts) {
+  constexpr int k_parts = 12, k_masses = 60;  // more parts than vectors in a block
+  std::vector<Eigen::Triplet<double>> entries;
+  for (int i = 0; i < k_parts * k_masses; ++i) {
+    const int place = i % k_masses;
+    entries.emplace_back(i, i, place + 1 < k_masses ? 2.0 : 1.0);
+    if (place > 0) entries.emplace_back(i, i - 1, -1.0);
+  }
+  SparseMatrix stiffness(k_parts * k_masses, k_parts * k_masses);
+  stiffness.setFromTriplets(entries.begin(), entries.end());
+  for (const double tolerance : {1e-3, 1e-9}) {
+    SparseModeSolver solver;
+    const SparseModes modes = solver.solve(stiffness, identity(k_parts * k_masses),
+                                           {.modes = 36, .tolerance = tolerance, .counts_below = true});
+    ASSERT_EQ(modes.values.size(), 36) << tolerance;
+    for (int r = 0; r < 36; ++r) {
+      const double angle = (2 * (r / k_parts) + 1) * std::numbers::pi / (4 * k_masses + 2);
+      const double exact = std::pow(2.0 * std::sin(angle), 2);  // fixed-free chain
+      EXPECT_NEAR(modes.values(r), exact, std::max(1e-2 * tolerance, 1e-11) * exact) << r << " at " << tolerance;
+    }
+    EXPECT_TRUE(modes.is_complete()) << tolerance;
+  }
+}
+
 TEST(SparseModes, AStiffnessThatIsNotSemidefiniteIsReportedNotThrown) {
   Eigen::MatrixXd stiffness = Eigen::MatrixXd::Identity(5, 5);
   stiffness(3, 3) = -50.0;

@@ -48,7 +48,8 @@ MOTTLE_INLINE Lane square_root(Lane x) {
 // With AVX-512 a division or a root of eight doubles takes as long as some ten to twenty products. Estimates with a
 // relative error of 2^-14, whose bits differ from one make of processor to another, are doubled in length twice by
 // Newton's step; one more with an exact remainder rounds correctly, so that the results are those of the division and
-// the root themselves [Markstein1990].
+// the root themselves [Markstein1990]. Reciprocals of what has nothing but ones in its mantissa end one bit low, on
+// every processor; below 1e-290 the remainder of a root is no longer exact.
 
 /// 1 / x; nan for 0 and infinity.
 MOTTLE_INLINE Lane reciprocal(Lane x) {

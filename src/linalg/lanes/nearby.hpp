@@ -8,7 +8,8 @@
 namespace mottle::lane_kernels {
 namespace {
 
-/// The block's first vectors: modes of the leading corner of the pencil, roughly.
+/// The block's first vectors: modes of the leading corner of the pencil, roughly. Vectors that are no modes, or hardly
+/// independent, cost corrections or trust in the count, not its proof.
 inline Mask start_block(const NearbyProblem& problem, NearbyWorkspace& work) {
   constexpr double k_rounding = 1e-8;
   const int n = problem.block;
@@ -94,12 +95,12 @@ inline void correct_block(const NearbyProblem& problem, const NearbyWorkspace& w
   const Lane one = broadcast(1.0);
   for (int i = from; i < problem.order; ++i) {
     const Lane *const ky = work.ky.row(i), *const my = work.my.row(i);
-    const Lane reciprocal = select(lanes, -work.reciprocals[i], broadcast(0.0));
+    const Lane negative = select(lanes, -work.reciprocals[i], broadcast(0.0));
     const Lane relative = work.masses[i] * work.reciprocals[i];
     for (int c = 0; c < change.columns; ++c) {
       const Lane rayleigh = work.state.rayleigh[c];
       const Lane t = smaller(rayleigh * relative, one), squared = t * t;
-      const Lane inverse = reciprocal * (one + t) * (one + squared) * (one + squared * squared);
+      const Lane inverse = negative * (one + t) * (one + squared) * (one + squared * squared);
       const Lane step = i < problem.block ? broadcast(0.0) : (ky[c] - rayleigh * my[c]) * inverse;
       change.row(i)[c] = step;
       work.y.row(i)[c] += step;
@@ -108,8 +109,8 @@ inline void correct_block(const NearbyProblem& problem, const NearbyWorkspace& w
   add_products(problem, work, change, from, problem.order);
 }
 
-/// Corrections until the sharp modes' residuals are small, the first of the whole block, the others of its first
-/// vectors.
+/// Corrections until the sharp modes' residuals are small, the first of as many vectors as are kept, the others of the
+/// sharp modes'.
 inline void correct_blocks(const NearbyProblem& problem, NearbyWorkspace& work) {
   constexpr int k_most = 6;
   constexpr double k_share = 0.25;  // the vectors of the block still couple

@@ -88,7 +88,7 @@ inline Mask count_negative(Lane* matrix, int n, Mask& trusted) {
   return count;
 }
 
-/// Lanes in which no eigenvalue below the kept Ritz values is missed.
+/// Lanes in which no eigenvalue below some x above the wanted Ritz values is missed.
 ///
 /// With S the block, R the rows of (K - x M) S below it and D a lower bound of K - x M there, the number of eigenvalues
 /// below x is at most that of negative ones of S'(K - x M) S - R' D^-1 R: a congruence and a Schur complement. x lies

@@ -153,8 +153,8 @@ inline void orthogonalise(const Workspace& work, int n, int mode, Lane cluster_g
   for (int i = 0; i < n; ++i) largest = larger(absolute(x[i]), largest);
   const Lane scale = select(changed, reciprocal(largest), broadcast(1.0));
   for (int i = 0; i < n; ++i) x[i] *= scale;
-  const Lane length = select(changed, reciprocal_root(dot(x, x, n)), broadcast(1.0));
-  for (int i = 0; i < n; ++i) x[i] *= length;
+  const Lane unit = select(changed, reciprocal_root(dot(x, x, n)), broadcast(1.0));
+  for (int i = 0; i < n; ++i) x[i] *= unit;
 }
 
 /// Fixed start vectors with no zero and no symmetry: entries in +-[0.5, 1) from a multiplicative sequence.
