@@ -10,16 +10,16 @@
 namespace mottle {
 namespace {
 
-constexpr double k_guard_residual = 0.1;  // relative residual that is good enough for a guard mode
+constexpr double k_guard_residual = 0.1;       // relative residual that is good enough for a guard mode
+constexpr double k_largest_shortfall = 100.0;  // worse ones are not told apart
 
 /// How far each (mode, sample) is from what is wanted: above 1 it needs more. [mode and guards x sample]
 Eigen::MatrixXd shortfalls(const Eigen::MatrixXd& bounds, const Eigen::MatrixXd& residuals, double target) {
-  constexpr double k_most = 100.0;
   const Eigen::Index modes = residuals.cols() / bounds.cols();
   Eigen::MatrixXd result(modes, bounds.cols());
   for (Eigen::Index s = 0; s < bounds.cols(); ++s) {
     for (Eigen::Index k = 0; k < modes; ++k) {
-      result(k, s) = k < bounds.rows() ? std::min(std::sqrt(bounds(k, s) / target), k_most)
+      result(k, s) = k < bounds.rows() ? std::min(std::sqrt(bounds(k, s) / target), k_largest_shortfall)
                                        : residuals.col(s * modes + k).norm() / k_guard_residual;
     }
   }
@@ -210,17 +210,21 @@ void turn_basis(ReducedModel::Parts& parts, const Eigen::MatrixXd& needed) {
 class Progress {
  public:
   /// Whether half of the samples would not be good at the largest basis allowed even if all further vectors helped as
-  /// much as the last ones; in fact each helps less than those before.
+  /// much as the last ones; in fact each helps less than those before. While nearly all samples have no bound worth the
+  /// name nothing is known of that, and late it is bad enough.
   bool is_hopeless(const ReducedModel::Parts& parts, double shortfall) {
     constexpr double k_margin = 0.3;
+    constexpr double k_blind = 0.97;
     const Eigen::Index vectors = parts.basis.cols();
     const double added = static_cast<double>(vectors - vectors_);
     const double room = static_cast<double>(parts.options.most_vectors - vectors);
     const double predicted = shortfall - std::max(shortfall_ - shortfall, 0.0) * room / std::max(added, 1.0);
-    const bool knows = vectors_ > 0 && added > 0.0 && 2 * vectors > parts.options.most_vectors;
+    const double blind = k_blind * std::log(k_largest_shortfall);
+    const bool knows = added > 0.0 && 2 * vectors > parts.options.most_vectors && vectors_ > 0 && shortfall_ < blind;
+    const bool is_late = 4 * vectors > 3 * parts.options.most_vectors;
     vectors_ = vectors;
     shortfall_ = shortfall;
-    return knows && predicted > k_margin;
+    return (knows && predicted > k_margin) || (is_late && shortfall > blind);
   }
 
  private:
