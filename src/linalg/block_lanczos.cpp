@@ -14,8 +14,8 @@ namespace {
 constexpr int k_most_restarts = 60;
 constexpr double k_deflated = 1e-11;  // what is left of a vector after orthogonalisation that counts as nothing
 
-/// Solutions for up to eight right-hand sides cost as much as for eight, and a wider block needs more of them in all; it
-/// should be wider than a free body has rigid-body modes.
+/// Solutions for up to eight right-hand sides cost as much as for eight, and a wider block needs more of them in all;
+/// it should be wider than a free body has rigid-body modes.
 int first_block(int wanted) {
   constexpr int k_many = 48;
   return wanted < k_many ? std::clamp(wanted / 3, 7, 8) : 16;
