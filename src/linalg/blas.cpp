@@ -27,6 +27,24 @@ void use_one_thread() {
   (void)is_openmp_done;
 }
 
+namespace {
+
+/// C = alpha op(A) op(B) + beta C; `inner` is the length of the sums.
+void call_gemm(bool transposes_a, bool transposes_b, Eigen::Index inner, double alpha,
+               const Eigen::Ref<const Eigen::MatrixXd>& a, const Eigen::Ref<const Eigen::MatrixXd>& b, double beta,
+               Eigen::Ref<Eigen::MatrixXd> c) {
+  const int rows = static_cast<int>(c.rows());
+  const int columns = static_cast<int>(c.cols());
+  const int length = static_cast<int>(inner);
+  const int stride_a = static_cast<int>(a.outerStride());
+  const int stride_b = static_cast<int>(b.outerStride());
+  const int stride_c = static_cast<int>(c.outerStride());
+  dgemm_(transposes_a ? "T" : "N", transposes_b ? "T" : "N", &rows, &columns, &length, &alpha, a.data(), &stride_a,
+         b.data(), &stride_b, &beta, c.data(), &stride_c);
+}
+
+}  // namespace
+
 void multiply(double alpha, const Eigen::Ref<const Eigen::MatrixXd>& a, bool transposes_a,
               const Eigen::Ref<const Eigen::MatrixXd>& b, double beta, Eigen::Ref<Eigen::MatrixXd> c) {
   assert((transposes_a ? a.cols() : a.rows()) == c.rows() && (transposes_a ? a.rows() : a.cols()) == b.rows());
@@ -39,14 +57,7 @@ void multiply(double alpha, const Eigen::Ref<const Eigen::MatrixXd>& a, bool tra
     }
     return;
   }
-  const int rows = static_cast<int>(c.rows());
-  const int columns = static_cast<int>(c.cols());
-  const int inner = static_cast<int>(b.rows());
-  const int stride_a = static_cast<int>(a.outerStride());
-  const int stride_b = static_cast<int>(b.outerStride());
-  const int stride_c = static_cast<int>(c.outerStride());
-  dgemm_(transposes_a ? "T" : "N", "N", &rows, &columns, &inner, &alpha, a.data(), &stride_a, b.data(), &stride_b,
-         &beta, c.data(), &stride_c);
+  call_gemm(transposes_a, false, b.rows(), alpha, a, b, beta, c);
 }
 
 Eigen::MatrixXd product(const Eigen::Ref<const Eigen::MatrixXd>& a, const Eigen::Ref<const Eigen::MatrixXd>& b) {
@@ -58,15 +69,7 @@ Eigen::MatrixXd product(const Eigen::Ref<const Eigen::MatrixXd>& a, const Eigen:
 Eigen::MatrixXd product_transposed(const Eigen::Ref<const Eigen::MatrixXd>& a,
                                    const Eigen::Ref<const Eigen::MatrixXd>& b) {
   Eigen::MatrixXd result = Eigen::MatrixXd::Zero(a.rows(), b.rows());
-  if (a.cols() == 0 || result.size() == 0) return result;
-  const int rows = static_cast<int>(a.rows());
-  const int columns = static_cast<int>(b.rows());
-  const int inner = static_cast<int>(a.cols());
-  const int stride_a = static_cast<int>(a.outerStride());
-  const int stride_b = static_cast<int>(b.outerStride());
-  const double one = 1.0, zero = 0.0;
-  dgemm_("N", "T", &rows, &columns, &inner, &one, a.data(), &stride_a, b.data(), &stride_b, &zero, result.data(),
-         &rows);
+  if (a.cols() > 0 && result.size() > 0) call_gemm(false, true, a.cols(), 1.0, a, b, 0.0, result);
   return result;
 }
 

@@ -195,10 +195,6 @@ class KrylovBasis {
   std::uint32_t random_vectors_ = 0;
 };
 
-}  // namespace
-
-namespace {
-
 LanczosPairs pairs_by_block(const LanczosProblem& problem, int wanted, double tolerance, Eigen::Index block) {
   KrylovBasis basis(problem, wanted, block);
   LanczosPairs pairs;

@@ -64,17 +64,6 @@ std::vector<Eigen::Index> largest_residuals(const Eigen::VectorXd& squares, Eige
   return columns;
 }
 
-/// sum of coefficient * term * x.
-VectorRows weighted_products(const std::vector<SupportedMatrix>& terms, const Eigen::VectorXd& coefficients,
-                             const VectorRows& x) {
-  VectorRows result = VectorRows::Zero(x.rows(), x.cols());
-  for (std::size_t t = 0; t < terms.size(); ++t) {
-    const double coefficient = coefficients(static_cast<Eigen::Index>(t));
-    if (!terms[t].is_empty()) terms[t].add_scaled_product(x, Eigen::VectorXd::Constant(x.cols(), coefficient), result);
-  }
-  return result;
-}
-
 /// Rayleigh quotients.
 Eigen::VectorXd values_of(const Images& modes) {
   const Eigen::VectorXd elastic = modes.vectors.cwiseProduct(modes.elastic).colwise().sum().transpose();
@@ -93,9 +82,15 @@ struct SamplePencil {
 
   Images images(Eigen::MatrixXd vectors) const {
     const VectorRows rows = to_rows(vectors);
+    const Eigen::Index count = vectors.cols();
+    const auto image = [&](const std::vector<SupportedMatrix>& terms, const Eigen::VectorXd& coefficients) {
+      VectorRows products = VectorRows::Zero(rows.rows(), rows.cols());
+      add_weighted_products(terms, coefficients.replicate(1, count), rows, products);
+      return to_columns(products, count);
+    };
     Images result{std::move(vectors), {}, {}};
-    result.elastic = to_columns(weighted_products(full.stiffness, stiffness, rows), result.vectors.cols());
-    result.inertial = to_columns(weighted_products(full.mass, mass, rows), result.vectors.cols());
+    result.elastic = image(full.stiffness, stiffness);
+    result.inertial = image(full.mass, mass);
     return result;
   }
 };

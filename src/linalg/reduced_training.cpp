@@ -63,24 +63,19 @@ std::vector<Pick> pick_residuals(const Eigen::MatrixXd& residuals, const Eigen::
 /// K(s) u - lambda M(s) u of the picked modes [equation x pick].
 Eigen::MatrixXd full_residuals(const FullPencils& full, const TermCoefficients& samples, const std::vector<Pick>& picks,
                                const Eigen::MatrixXd& shapes, const Eigen::VectorXd& values) {
-  const auto count = static_cast<Eigen::Index>(picks.size());
+  std::vector<Eigen::Index> picked;
+  for (const Pick& pick : picks) picked.push_back(pick.sample);
+  const auto weights = [&](const Eigen::MatrixXd& coefficients) {
+    Eigen::MatrixXd result(coefficients.rows() + 1, shapes.cols());
+    result.row(0).setOnes();
+    result.bottomRows(coefficients.rows()) = coefficients(Eigen::all, picked);
+    return result;
+  };
   const VectorRows u = to_rows(shapes);
   VectorRows result = VectorRows::Zero(u.rows(), u.cols());
-  const auto add = [&](const std::vector<SupportedMatrix>& terms, const Eigen::MatrixXd& coefficients, bool is_mass) {
-    for (std::size_t t = 0; t < terms.size(); ++t) {
-      if (terms[t].is_empty()) continue;
-      Eigen::VectorXd scales = Eigen::VectorXd::Zero(u.cols());
-      for (Eigen::Index c = 0; c < count; ++c) {
-        const Eigen::Index s = picks[static_cast<std::size_t>(c)].sample;
-        scales(c) = t == 0 ? 1.0 : coefficients(static_cast<Eigen::Index>(t) - 1, s);
-        if (is_mass) scales(c) *= -values(c);
-      }
-      terms[t].add_scaled_product(u, scales, result);
-    }
-  };
-  add(full.stiffness, samples.stiffness, false);
-  add(full.mass, samples.mass, true);
-  return to_columns(result, count);
+  add_weighted_products(full.stiffness, weights(samples.stiffness), u, result);
+  add_weighted_products(full.mass, weights(samples.mass) * (-values).asDiagonal(), u, result);
+  return to_columns(result, shapes.cols());
 }
 
 /// What is known of the training samples. A sample that is good keeps its vectors while the basis grows: they are in

@@ -79,4 +79,13 @@ void SupportedMatrix::add_to(SparseMatrix& sum, double factor) const {
   }
 }
 
+void add_weighted_products(const std::vector<SupportedMatrix>& terms, const Eigen::MatrixXd& weights,
+                           const VectorRows& x, VectorRows& result) {
+  Eigen::VectorXd scales = Eigen::VectorXd::Zero(x.cols());
+  for (std::size_t t = 0; t < terms.size(); ++t) {
+    scales.head(weights.cols()) = weights.row(static_cast<Eigen::Index>(t)).transpose();
+    if (!terms[t].is_empty()) terms[t].add_scaled_product(x, scales, result);
+  }
+}
+
 }  // namespace mottle

@@ -37,4 +37,10 @@ class SupportedMatrix {
   SparseMatrix lower_;
 };
 
+/// result += sum of term * x * diag(weights of the term); x and result are [equation x vector].
+///
+/// @param weights  [term x vector], as many vectors as x has without its padding
+void add_weighted_products(const std::vector<SupportedMatrix>& terms, const Eigen::MatrixXd& weights,
+                           const VectorRows& x, VectorRows& result);
+
 }  // namespace mottle

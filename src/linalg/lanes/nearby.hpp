@@ -9,18 +9,13 @@ namespace mottle::lane_kernels {
 namespace {
 
 /// The block's first vectors: modes of the leading corner of the pencil, roughly. Vectors that are no modes, or hardly
-/// independent, cost corrections or trust in the count, not its proof.
+/// independent, cost corrections or trust in the count, not its proof; what is not finite ends in find_ritz.
 inline Mask start_block(const NearbyProblem& problem, NearbyWorkspace& work) {
   constexpr double k_rounding = 1e-8;
   const int n = problem.block;
   const Workspace& small = work.small;
-  Mask trusted = take_corner(problem, work);
-  tridiagonalise(small, n);
-  const Lane bound = eigenvalue_bound(small, n);
-  trusted &= is_finite(bound * 4.0);
-  find_eigenvalues(small, n, n, bound, k_rounding);
-  iterate_vectors(small, n, n, bound, 1);
-  transform_back(small, n, n);
+  const Mask definite = take_corner(problem, work);
+  solve_standard_form(small, n, n, n, k_rounding, 1);
   if (problem.mass_terms > 0) {
     solve_upper(small.mass, n, n, small.vectors);
   } else {
@@ -33,7 +28,7 @@ inline Mask start_block(const NearbyProblem& problem, NearbyWorkspace& work) {
     work.y.data[entry] = work.ky.data[entry] = work.my.data[entry] = broadcast(0.0);
   }
   for (long entry = 0; entry < static_cast<long>(n) * n; ++entry) work.y.data[entry] = work.turn[entry];
-  return trusted;
+  return definite;
 }
 
 /// ky += K change, my += M change; rows of `change` outside [from, to) are zero.

@@ -20,12 +20,7 @@ inline Mask solve_ritz(const NearbyWorkspace& work, int n, int values, int vecto
   const Workspace& small = work.small;
   Mask trusted = factor_mass(small.mass, n);
   reduce_by_full_mass(small.matrix, small.mass, n);
-  tridiagonalise(small, n);
-  const Lane bound = eigenvalue_bound(small, n);
-  trusted &= is_finite(bound * 4.0);
-  find_eigenvalues(small, n, values, bound);
-  trusted &= iterate_vectors(small, n, vectors, bound);
-  transform_back(small, n, vectors);
+  trusted &= solve_standard_form(small, n, values, vectors);
   solve_upper(small.mass, n, vectors, small.vectors);
   take_vectors(work, n, vectors);
   return trusted;

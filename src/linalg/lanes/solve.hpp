@@ -102,19 +102,26 @@ inline void store_batch(const Problem& problem, const Output& output, const Batc
   }
 }
 
+/// Values of the standard form in work.matrix, ascending, and vectors of the first of them; `rounding` and `iterations`
+/// as find_eigenvalues and iterate_vectors take them. Returns the lanes in which every residual is small.
+inline Mask solve_standard_form(const Workspace& work, int n, int values, int vectors, double rounding = k_epsilon,
+                                int iterations = 3) {
+  tridiagonalise(work, n);
+  const Lane bound = eigenvalue_bound(work, n);
+  find_eigenvalues(work, n, values, bound, rounding);
+  const Mask trusted = is_finite(bound * 4.0) & iterate_vectors(work, n, vectors, bound, iterations);
+  transform_back(work, n, vectors);
+  return trusted;
+}
+
 void solve_large(const Problem& problem, const Output& output, long begin, long end, double* memory) {
   const Workspace work(problem, memory);
   const int n = problem.order;
   for (long first = begin; first < end; first += MOTTLE_LANES) {
     const BatchSamples batch = batch_samples(first, end);
     Mask trusted = assemble_standard_form(problem, batch, work);
-    tridiagonalise(work, n);
-    const Lane bound = eigenvalue_bound(work, n);
-    trusted &= is_finite(bound * 4.0);
-    find_eigenvalues(work, n, problem.modes, bound);
+    trusted &= solve_standard_form(work, n, problem.modes, problem.vectors ? problem.modes : 0);
     if (problem.vectors) {
-      trusted &= iterate_vectors(work, n, problem.modes, bound);
-      transform_back(work, n, problem.modes);
       undo_reduction(problem, work);
       for (int mode = 0; mode < problem.modes; ++mode)
         trusted &= fix_sign(work.vectors + static_cast<long>(mode) * n, n);
