@@ -66,11 +66,10 @@ Eigen::MatrixXd product(const Eigen::Ref<const Eigen::MatrixXd>& a, const Eigen:
   return result;
 }
 
-Eigen::MatrixXd product_transposed(const Eigen::Ref<const Eigen::MatrixXd>& a,
-                                   const Eigen::Ref<const Eigen::MatrixXd>& b) {
-  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(a.rows(), b.rows());
-  if (a.cols() > 0 && result.size() > 0) call_gemm(false, true, a.cols(), 1.0, a, b, 0.0, result);
-  return result;
+void multiply_transposed(const Eigen::Ref<const Eigen::MatrixXd>& a, const Eigen::Ref<const Eigen::MatrixXd>& b,
+                         Eigen::Ref<Eigen::MatrixXd> c) {
+  assert(a.rows() == c.rows() && b.rows() == c.cols() && a.cols() == b.cols() && a.cols() > 0);
+  if (c.size() > 0) call_gemm(false, true, a.cols(), 1.0, a, b, 0.0, c);
 }
 
 Eigen::MatrixXd transposed_product(const Eigen::Ref<const Eigen::MatrixXd>& a,

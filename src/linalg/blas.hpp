@@ -15,9 +15,9 @@ void multiply(double alpha, const Eigen::Ref<const Eigen::MatrixXd>& a, bool tra
 /// A B.
 Eigen::MatrixXd product(const Eigen::Ref<const Eigen::MatrixXd>& a, const Eigen::Ref<const Eigen::MatrixXd>& b);
 
-/// A B'.
-Eigen::MatrixXd product_transposed(const Eigen::Ref<const Eigen::MatrixXd>& a,
-                                   const Eigen::Ref<const Eigen::MatrixXd>& b);
+/// C = A B'.
+void multiply_transposed(const Eigen::Ref<const Eigen::MatrixXd>& a, const Eigen::Ref<const Eigen::MatrixXd>& b,
+                         Eigen::Ref<Eigen::MatrixXd> c);
 
 /// A' B.
 Eigen::MatrixXd transposed_product(const Eigen::Ref<const Eigen::MatrixXd>& a,

@@ -84,10 +84,19 @@ class CholmodFactor final : public DefiniteFactor {
     solve_part(CHOLMOD_A, right_hand_sides);
   }
 
-  void solve_root(Eigen::Ref<Eigen::MatrixXd> right_hand_sides) override {
+  void solve_rows(Eigen::Ref<VectorRows> right_hand_sides) override {
+    if (has_supernodes()) return sweep(right_hand_sides, false);
+    Eigen::MatrixXd columns = right_hand_sides;
+    solve_part(CHOLMOD_A, columns);
+    right_hand_sides = columns;
+  }
+
+  void solve_root(Eigen::Ref<VectorRows> right_hand_sides) override {
     if (has_supernodes()) return sweep(right_hand_sides, true);
-    solve_part(CHOLMOD_Lt, right_hand_sides);
-    solve_part(CHOLMOD_Pt, right_hand_sides);
+    Eigen::MatrixXd columns = right_hand_sides;
+    solve_part(CHOLMOD_Lt, columns);
+    solve_part(CHOLMOD_Pt, columns);
+    right_hand_sides = columns;
   }
 
   int negative_eigenvalues() const override { return 0; }
@@ -114,7 +123,8 @@ class CholmodFactor final : public DefiniteFactor {
   }
 
   /// P' L^-T L^-1 P B, or its second half P' L^-T B alone: the root.
-  void sweep(Eigen::Ref<Eigen::MatrixXd> right_hand_sides, bool is_root) {
+  template <typename Sides>
+  void sweep(Sides& right_hand_sides, bool is_root) {
     const lane_kernels::Kernels& kernels = lane_kernels::kernels_for();
     const lane_kernels::SupernodalLower lower = supernodes();
     const int* order = static_cast<const int*>(factor_->Perm);

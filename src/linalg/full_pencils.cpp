@@ -11,14 +11,19 @@ namespace mottle {
 namespace {
 
 /// Entries of +1 and -1 at random.
-Eigen::MatrixXd random_signs(Eigen::Index rows, Eigen::Index columns) {
-  Eigen::MatrixXd matrix(rows, columns);
+VectorRows random_signs(Eigen::Index rows, Eigen::Index columns) {
+  constexpr Eigen::Index k_bits = 64;
+  VectorRows matrix(rows, columns);
+  std::vector<RandomStream> streams;
   for (Eigen::Index j = 0; j < columns; ++j) {
-    RandomStream stream({.seed = 0, .purpose = StreamPurpose::residual_sketch}, static_cast<std::uint32_t>(j));
-    std::uint64_t bits = 0;
-    for (Eigen::Index i = 0; i < rows; ++i, bits >>= 1) {
-      if (i % 64 == 0) bits = stream.bits();
-      matrix(i, j) = (bits & 1) != 0 ? 1.0 : -1.0;
+    streams.emplace_back(StreamKey{.seed = 0, .purpose = StreamPurpose::residual_sketch},
+                         static_cast<std::uint32_t>(j));
+  }
+  for (Eigen::Index first = 0; first < rows; first += k_bits) {
+    const Eigen::Index count = std::min(k_bits, rows - first);
+    for (Eigen::Index j = 0; j < columns; ++j) {
+      std::uint64_t bits = streams[static_cast<std::size_t>(j)].bits();
+      for (Eigen::Index i = first; i < first + count; ++i, bits >>= 1) matrix(i, j) = (bits & 1) != 0 ? 1.0 : -1.0;
     }
   }
   return matrix;
@@ -68,7 +73,7 @@ double largest_ratio(const SupportedMatrix& term, FullPencils& full) {
 bool is_semidefinite(const SupportedMatrix& term, const VectorRows& sketch) {
   constexpr Eigen::Index k_probes = 8;
   const VectorRows probes = sketch.leftCols(k_probes);
-  const Eigen::VectorXd squares = term.project_rows(probes, term.local_product(probes), k_probes).diagonal();
+  const Eigen::VectorXd squares = term.project(probes, term.local_product(probes)).diagonal();
   return squares.minCoeff() >= -1e-10 * squares.cwiseAbs().maxCoeff();
 }
 
@@ -118,9 +123,8 @@ void FullPencils::take(const PencilTerms& terms, const SparseMatrix& nominal_k, 
 }
 
 void FullPencils::make_sketch() {
-  Eigen::MatrixXd sketch = random_signs(shifted.rows(), k_sketch_rows);
-  solver_.factor().solve_root(sketch);
-  sketch_ = to_rows(sketch);
+  sketch_ = random_signs(shifted.rows(), k_sketch_rows);
+  solver_.factor().solve_root(sketch_);
 }
 
 void FullPencils::catch_up() {

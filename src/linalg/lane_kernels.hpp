@@ -77,6 +77,17 @@ struct SparseLower {
   const int* starts = nullptr;
   const int* rows = nullptr;
   const double* values = nullptr;
+  const int* places = nullptr;  ///< [column]: which rows of longer vectors are its own, for those kernels that ask
+};
+
+/// Some rows of vectors that lie anyhow: that of vector v in row i is data[i * row_step + v * vector_step].
+struct GatheredVectors {
+  int vectors = 0;
+  const double* data = nullptr;
+  long row_step = 0;
+  long vector_step = 0;
+  int row_count = 0;
+  const int* rows = nullptr;  ///< [row_count]
 };
 
 /// A supernodal L as CHOLMOD keeps it: neighbouring columns of equal pattern are one dense block [row x column] by
@@ -106,6 +117,13 @@ struct Kernels {
   long (*nearby_doubles)(const NearbyProblem&);
   /// out += A in for `width` vectors, a multiple of k_vector_padding: both [column][vector].
   void (*add_symmetric_product)(const SparseLower&, int width, const double* in, double* out);
+  /// The same from the matrix' own rows of longer vectors: in [place][vector].
+  void (*add_local_product)(const SparseLower&, int width, const double* in, double* out);
+  /// And back to them, each vector with a factor: in and out [place][vector], scales [vector].
+  void (*add_scaled_product)(const SparseLower&, const double* scales, int width, const double* in, double* out);
+  /// out += left' right for `width` vectors, a multiple of k_vector_padding: right [row of left][vector], out
+  /// [left vector][vector].
+  void (*add_gathered_product)(const GatheredVectors& left, int width, const double* right, double* out);
   /// Solve L X = B and L' X = B in place for `width` right-hand sides, one or a multiple of `lanes`: x [row][side].
   void (*solve_lower)(const SupernodalLower&, int width, double* x);
   void (*solve_lower_transposed)(const SupernodalLower&, int width, double* x);

@@ -5,13 +5,15 @@
 #define MOTTLE_PRODUCT_COLUMNS 4
 #define MOTTLE_VECTOR_GROUP 5
 #define MOTTLE_TILE_ROWS 4
+#include "linalg/lanes/gathered_product.hpp"
 #include "linalg/lanes/nearby.hpp"
 #include "linalg/lanes/solve.hpp"
 #include "linalg/lanes/sparse_product.hpp"
 #include "linalg/lanes/supernodal_solve.hpp"
 
 namespace mottle::lane_kernels {
-const Kernels k_avx512{jacobi_avx512,         solve_large, workspace_doubles,      solve_nearby, nearby_doubles,
-                       add_symmetric_product, solve_lower, solve_lower_transposed, MOTTLE_LANES};
+const Kernels k_avx512{jacobi_avx512,        solve_large,           workspace_doubles,      solve_nearby,
+                       nearby_doubles,       add_symmetric_product, add_local_product,      add_scaled_product,
+                       add_gathered_product, solve_lower,           solve_lower_transposed, MOTTLE_LANES};
 }
 #endif

@@ -18,15 +18,24 @@ Eigen::MatrixXd orthonormal_combinations(const Eigen::MatrixXd& gram, const Eige
          parts.tail(kept).cwiseSqrt().cwiseInverse().asDiagonal();
 }
 
-void ReducedModel::Parts::append(const Eigen::MatrixXd& block, int threads) {
+VectorRows ReducedModel::Parts::shapes(const Eigen::MatrixXd& coordinates) const {
+  Eigen::MatrixXd transposed = Eigen::MatrixXd::Zero(padded_width(coordinates.cols()), coordinates.rows());
+  transposed.topRows(coordinates.cols()) = coordinates.transpose();
+  VectorRows result(basis.rows(), transposed.rows());
+  // Row by row is the transpose column by column.
+  multiply_transposed(transposed, basis, Eigen::Map<Eigen::MatrixXd>(result.data(), result.cols(), result.rows()));
+  return result;
+}
+
+void ReducedModel::Parts::append(const VectorRows& block, Eigen::Index count, int threads) {
   constexpr int k_most_turns = 3;
   constexpr double k_rounding = 1e-12;
   prepared = std::make_shared<PreparedModes>();
-  Eigen::Index added = block.cols();
+  Eigen::Index added = count;
   basis.conservativeResize(block.rows(), basis.cols() + added);
-  basis.rightCols(added) = block;
+  basis.rightCols(added) = to_columns(block, added);
   for (int turn = 0; turn < k_most_turns; ++turn) {
-    project_last(added, threads);
+    project_last(turn == 0 ? block : to_rows(basis.rightCols(added)), added, threads);
     added = orthonormalise_last(added);
     if (added == 0) break;
     Eigen::MatrixXd gram = nominal_columns(added);
@@ -39,19 +48,18 @@ void ReducedModel::Parts::append(const Eigen::MatrixXd& block, int threads) {
   floor_modes.bottomRows(basis.cols() - known).setZero();
 }
 
-void ReducedModel::Parts::project_last(Eigen::Index added, int threads) {
+void ReducedModel::Parts::project_last(const VectorRows& block, Eigen::Index added, int threads) {
   const Eigen::Index size = basis.cols();
-  const VectorRows block = to_rows(basis.rightCols(added));
   const auto extend = [&](const SupportedMatrix& term, Eigen::MatrixXd& projected, Eigen::MatrixXd& sketched) {
     const VectorRows image = term.local_product(block);
-    const Eigen::MatrixXd columns = term.project(basis, image, added);
+    const Eigen::MatrixXd columns = term.project(basis, image).leftCols(added);
     projected.conservativeResize(size, size);
     projected.rightCols(added) = columns;
     projected.bottomRows(added) = columns.transpose();
     projected.bottomRightCorner(added, added) =
         0.5 * (columns.bottomRows(added) + columns.bottomRows(added).transpose());
     sketched.conservativeResize(k_sketch_rows, size);
-    sketched.rightCols(added) = term.project_rows(full->sketch(), image, added);
+    sketched.rightCols(added) = term.project(full->sketch(), image).leftCols(added);
   };
   const std::size_t elastic = stiffness.size();
   parallel_for(static_cast<std::int64_t>(elastic + mass.size()), 1, threads, [&](std::int64_t begin, std::int64_t end) {

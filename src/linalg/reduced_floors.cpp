@@ -55,7 +55,7 @@ Eigen::VectorXd ReducedModel::Parts::unseen_above(const TermCoefficients& sample
 
 void ReducedModel::Parts::add_floor(Floor floor, const Eigen::MatrixXd& modes, int threads) {
   const Eigen::MatrixXd weighed = symmetric_product(full->shifted, modes);
-  append(modes, threads);
+  append(to_rows(modes), modes.cols(), threads);
   const Eigen::Index known = floor_modes.cols();
   floor_modes.conservativeResize(basis.cols(), known + modes.cols());
   floor_modes.rightCols(modes.cols()) = transposed_product(basis, weighed);

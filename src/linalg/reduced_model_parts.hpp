@@ -145,10 +145,12 @@ struct ReducedModel::Parts {
   /// Appends modes up to `level` of a pencil and remembers it as a floor.
   void add_floor(Floor floor, const Eigen::MatrixXd& modes, int threads);
 
-  /// Appends what is new in `block` to the basis.
-  void append(const Eigen::MatrixXd& block, int threads);
-  /// Enlarges the projections by those of the last `added` vectors of the basis.
-  void project_last(Eigen::Index added, int threads);
+  /// V c of some coordinates, with their padding.
+  VectorRows shapes(const Eigen::MatrixXd& coordinates) const;
+  /// Appends what is new in the first `count` vectors of `block` to the basis.
+  void append(const VectorRows& block, Eigen::Index count, int threads);
+  /// Enlarges the projections by those of the last `added` vectors of the basis, which `block` holds too.
+  void project_last(const VectorRows& block, Eigen::Index added, int threads);
   /// The last columns of V' A V, by the projections.
   Eigen::MatrixXd nominal_columns(Eigen::Index count) const;
   /// Makes the last vectors A-orthonormal to all and to each other, by the projections alone; returns how many are

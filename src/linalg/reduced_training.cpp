@@ -60,22 +60,21 @@ std::vector<Pick> pick_residuals(const Eigen::MatrixXd& residuals, const Eigen::
   return picks;
 }
 
-/// K(s) u - lambda M(s) u of the picked modes [equation x pick].
-Eigen::MatrixXd full_residuals(const FullPencils& full, const TermCoefficients& samples, const std::vector<Pick>& picks,
-                               const Eigen::MatrixXd& shapes, const Eigen::VectorXd& values) {
+/// K(s) u - lambda M(s) u of the picked modes; u as rows, with their padding.
+VectorRows full_residuals(const FullPencils& full, const TermCoefficients& samples, const std::vector<Pick>& picks,
+                          const VectorRows& u, const Eigen::VectorXd& values) {
   std::vector<Eigen::Index> picked;
   for (const Pick& pick : picks) picked.push_back(pick.sample);
   const auto weights = [&](const Eigen::MatrixXd& coefficients) {
-    Eigen::MatrixXd result(coefficients.rows() + 1, shapes.cols());
+    Eigen::MatrixXd result(coefficients.rows() + 1, values.size());
     result.row(0).setOnes();
     result.bottomRows(coefficients.rows()) = coefficients(Eigen::all, picked);
     return result;
   };
-  const VectorRows u = to_rows(shapes);
   VectorRows result = VectorRows::Zero(u.rows(), u.cols());
   add_weighted_products(full.stiffness, weights(samples.stiffness), u, result);
   add_weighted_products(full.mass, weights(samples.mass) * (-values).asDiagonal(), u, result);
-  return to_columns(result, shapes.cols());
+  return result;
 }
 
 /// What is known of the training samples. A sample that is good keeps its vectors while the basis grows: they are in
@@ -237,14 +236,12 @@ void enlarge(ReducedModel::Parts& parts, const TermCoefficients& samples, const 
     values(c) = known.values(pick.mode, pick.sample);
     coordinates.col(c) = known.coordinates.col(pick.sample * known.values.rows() + pick.mode);
   }
-  const Eigen::MatrixXd residuals =
-      full_residuals(*parts.full, samples, picks, product(parts.basis, coordinates), values);
-  Eigen::MatrixXd answers = residuals;
+  VectorRows answers = full_residuals(*parts.full, samples, picks, parts.shapes(coordinates), values);
   constexpr std::int64_t k_sides = 16;  // in one sweep through the factor; fewer cost more a side
-  parallel_for(answers.cols(), k_sides, threads, [&](std::int64_t begin, std::int64_t end) {
-    parts.full->factor().solve(answers.middleCols(begin, end - begin));
+  parallel_for(coordinates.cols(), k_sides, threads, [&](std::int64_t begin, std::int64_t end) {
+    parts.full->factor().solve_rows(answers.middleCols(begin, end - begin));
   });
-  parts.append(answers, threads);
+  parts.append(answers, coordinates.cols(), threads);
 }
 
 }  // namespace

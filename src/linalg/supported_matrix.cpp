@@ -1,7 +1,5 @@
 #include "supported_matrix.hpp"
 
-#include "blas.hpp"
-
 namespace mottle {
 
 SupportedMatrix::SupportedMatrix(const SparseMatrix& lower) {
@@ -29,43 +27,37 @@ SupportedMatrix::SupportedMatrix(const SparseMatrix& lower) {
   lower_.finalize();
 }
 
+lane_kernels::SparseLower SupportedMatrix::view() const {
+  return {static_cast<int>(lower_.cols()), lower_.outerIndexPtr(), lower_.innerIndexPtr(), lower_.valuePtr(),
+          rows_.data()};
+}
+
 void SupportedMatrix::add_scaled_product(const VectorRows& x, const Eigen::VectorXd& scales, VectorRows& result) const {
-  VectorRows in(static_cast<Eigen::Index>(rows_.size()), x.cols());
-  const Eigen::RowVectorXd factors = scales.transpose();
-  for (Eigen::Index i = 0; i < in.rows(); ++i) {
-    in.row(i) = x.row(rows_[static_cast<std::size_t>(i)]).cwiseProduct(factors);
-  }
-  const VectorRows product = product_rows(lower_, in);
-  for (Eigen::Index i = 0; i < in.rows(); ++i) result.row(rows_[static_cast<std::size_t>(i)]) += product.row(i);
+  lane_kernels::kernels_for().add_scaled_product(view(), scales.data(), static_cast<int>(x.cols()), x.data(),
+                                                 result.data());
 }
 
 VectorRows SupportedMatrix::local_product(const VectorRows& x) const {
-  if (is_full(x.rows())) return product_rows(lower_, x);
-  return product_rows(lower_, x(rows_, Eigen::all));
+  VectorRows result = VectorRows::Zero(lower_.cols(), x.cols());
+  lane_kernels::kernels_for().add_local_product(view(), static_cast<int>(x.cols()), x.data(), result.data());
+  return result;
 }
 
-Eigen::MatrixXd SupportedMatrix::project(const Eigen::Ref<const Eigen::MatrixXd>& left, const VectorRows& product,
-                                         Eigen::Index count) const {
-  // Row by row is the transpose column by column: the product needs no turning.
-  const Eigen::Map<const Eigen::MatrixXd> transposed(product.data(), product.cols(), product.rows());
-  Eigen::MatrixXd result(product.cols(), left.cols());
-  if (is_full(left.rows())) {
-    multiply(1.0, transposed, false, left, 0.0, result);
-  } else {
-    multiply(1.0, transposed, false, left(rows_, Eigen::all), 0.0, result);
-  }
-  return result.topRows(count).transpose();
+VectorRows SupportedMatrix::project(const double* left, Eigen::Index vectors, Eigen::Index row_step,
+                                    Eigen::Index vector_step, const VectorRows& product) const {
+  VectorRows result = VectorRows::Zero(vectors, product.cols());
+  lane_kernels::kernels_for().add_gathered_product(
+      {static_cast<int>(vectors), left, row_step, vector_step, static_cast<int>(rows_.size()), rows_.data()},
+      static_cast<int>(product.cols()), product.data(), result.data());
+  return result;
 }
 
-Eigen::MatrixXd SupportedMatrix::project_rows(const VectorRows& left, const VectorRows& product,
-                                              Eigen::Index count) const {
-  const auto columns = [](const VectorRows& rows) {
-    return Eigen::Map<const Eigen::MatrixXd>(rows.data(), rows.cols(), rows.rows());
-  };
-  if (is_full(left.rows())) return product_transposed(columns(left), columns(product).topRows(count));
-  VectorRows own(product.rows(), left.cols());
-  for (Eigen::Index i = 0; i < own.rows(); ++i) own.row(i) = left.row(rows_[static_cast<std::size_t>(i)]);
-  return product_transposed(columns(own), columns(product).topRows(count));
+VectorRows SupportedMatrix::project(const Eigen::MatrixXd& left, const VectorRows& product) const {
+  return project(left.data(), left.cols(), 1, left.outerStride(), product);
+}
+
+VectorRows SupportedMatrix::project(const VectorRows& left, const VectorRows& product) const {
+  return project(left.data(), left.cols(), left.cols(), 1, product);
 }
 
 void SupportedMatrix::add_to(SparseMatrix& sum, double factor) const {

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "linalg/lane_kernels.hpp"
 #include "symmetric_product.hpp"
 
 namespace mottle {
@@ -15,23 +16,24 @@ class SupportedMatrix {
 
   bool is_empty() const { return rows_.empty(); }
 
-  /// result += A x diag(scales); both [equation x vector]; x is zero where it is padding.
+  /// result += A x diag(scales); both [equation x vector], a scale for each of the padding too.
   void add_scaled_product(const VectorRows& x, const Eigen::VectorXd& scales, VectorRows& result) const;
 
   /// The rows of A x that can hold anything.
   VectorRows local_product(const VectorRows& x) const;
-  /// left' A x from local_product(x), dense: [left vector x vector]; the first `count` vectors.
-  Eigen::MatrixXd project(const Eigen::Ref<const Eigen::MatrixXd>& left, const VectorRows& product,
-                          Eigen::Index count) const;
-
+  /// left' A x from local_product(x): [left vector x vector].
+  VectorRows project(const Eigen::MatrixXd& left, const VectorRows& product) const;
   /// The same with left vectors that lie row by row.
-  Eigen::MatrixXd project_rows(const VectorRows& left, const VectorRows& product, Eigen::Index count) const;
+  VectorRows project(const VectorRows& left, const VectorRows& product) const;
 
   /// sum += factor A; the pattern of `sum` holds A's.
   void add_to(SparseMatrix& sum, double factor) const;
 
  private:
-  bool is_full(Eigen::Index rows) const { return static_cast<Eigen::Index>(rows_.size()) == rows; }
+  lane_kernels::SparseLower view() const;
+  /// left' A x where a step leads from one row, or vector, of `left` to the next.
+  VectorRows project(const double* left, Eigen::Index vectors, Eigen::Index row_step, Eigen::Index vector_step,
+                     const VectorRows& product) const;
 
   std::vector<int> rows_;  // ascending
   SparseMatrix lower_;

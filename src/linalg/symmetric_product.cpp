@@ -9,9 +9,13 @@ namespace mottle {
 
 constexpr Eigen::Index k_rows = 64;  // at a time: the columns' parts stay in the cache
 
-VectorRows to_rows(const Eigen::Ref<const Eigen::MatrixXd>& vectors) {
+Eigen::Index padded_width(Eigen::Index vectors) {
   constexpr Eigen::Index k_padding = lane_kernels::k_vector_padding;
-  const Eigen::Index width = (vectors.cols() + k_padding - 1) / k_padding * k_padding;
+  return (vectors + k_padding - 1) / k_padding * k_padding;
+}
+
+VectorRows to_rows(const Eigen::Ref<const Eigen::MatrixXd>& vectors) {
+  const Eigen::Index width = padded_width(vectors.cols());
   VectorRows rows(vectors.rows(), width);
   rows.rightCols(width - vectors.cols()).setZero();
   for (Eigen::Index first = 0; first < vectors.rows(); first += k_rows) {

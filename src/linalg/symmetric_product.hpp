@@ -7,10 +7,10 @@
 
 namespace mottle {
 
-/// [row x vector], row by row; the number of vectors is a multiple of 8.
-using VectorRows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+/// The number of vectors that products work on: some of zeros fill up a multiple of 8.
+Eigen::Index padded_width(Eigen::Index vectors);
 
-/// Vectors side by side, with their padding of zeros.
+/// Vectors row by row, with their padding.
 VectorRows to_rows(const Eigen::Ref<const Eigen::MatrixXd>& vectors);
 
 /// The first `count` of vectors that lie row by row, side by side.

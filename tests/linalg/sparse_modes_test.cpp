@@ -316,7 +316,7 @@ TEST(SymmetricFactor, RootTimesItsTransposeIsTheInverse) {
   dense.diagonal().array() += 0.2;
   const auto factor = make_definite_factor();
   ASSERT_TRUE(factor->factorise(lower_of(dense)));
-  Eigen::MatrixXd root = Eigen::MatrixXd::Identity(49, 49);
+  VectorRows root = VectorRows::Identity(49, 49);
   factor->solve_root(root);
   EXPECT_LT((root * root.transpose() - dense.inverse()).cwiseAbs().maxCoeff(), 1e-13);
 }

@@ -102,7 +102,7 @@ TEST(DefiniteFactor, RootTimesItsTransposeIsTheInverse) {
   for (const auto& [name, matrix] : all_cases()) {
     const auto factor = make_definite_factor();
     ASSERT_TRUE(factor->factorise(lower_of(matrix))) << name;
-    Eigen::MatrixXd root = Eigen::MatrixXd::Identity(matrix.rows(), matrix.rows());
+    VectorRows root = VectorRows::Identity(matrix.rows(), matrix.rows());
     factor->solve_root(root);
     EXPECT_LT((root * root.transpose() - matrix.inverse()).cwiseAbs().maxCoeff(), 1e-12) << name;
   }
@@ -114,7 +114,7 @@ TEST(DefiniteFactor, RightHandSidesDoNotFeelTheirNeighbours) {
     ASSERT_TRUE(factor->factorise(lower_of(matrix))) << name;
     const Eigen::MatrixXd right_hand_sides = random_matrix(matrix.rows(), 41, 2);
     Eigen::MatrixXd solutions = right_hand_sides;
-    Eigen::MatrixXd roots = right_hand_sides;
+    VectorRows roots = right_hand_sides;
     factor->solve(solutions);
     factor->solve_root(roots);
     for (const int sides : {1, 2, 5, 8, 19}) {
@@ -122,9 +122,12 @@ TEST(DefiniteFactor, RightHandSidesDoNotFeelTheirNeighbours) {
         Eigen::MatrixXd some = right_hand_sides.middleCols(first, sides);
         factor->solve(some);
         EXPECT_EQ(some, solutions.middleCols(first, sides)) << name << ", " << sides << " from " << first;
-        some = right_hand_sides.middleCols(first, sides);
-        factor->solve_root(some);
-        EXPECT_EQ(some, roots.middleCols(first, sides)) << name << ", " << sides << " from " << first;
+        VectorRows rows = right_hand_sides.middleCols(first, sides);
+        factor->solve_rows(rows);
+        EXPECT_EQ(rows, solutions.middleCols(first, sides)) << name << ", " << sides << " from " << first;
+        rows = right_hand_sides.middleCols(first, sides);
+        factor->solve_root(rows);
+        EXPECT_EQ(rows, roots.middleCols(first, sides)) << name << ", " << sides << " from " << first;
       }
     }
   }
@@ -173,14 +176,18 @@ TEST(DefiniteFactor, NothingIsSolvedForNothing) {
   ASSERT_TRUE(factor->factorise(lower_of(grid_laplacian(4))));
   Eigen::MatrixXd no_sides(16, 0);
   factor->solve(no_sides);
-  factor->solve_root(no_sides);
+  VectorRows no_side_rows(16, 0);
+  factor->solve_rows(no_side_rows);
+  factor->solve_root(no_side_rows);
   EXPECT_EQ(no_sides.rows(), 16);
   const auto empty_factor = make_definite_factor();
   SparseMatrix empty(0, 0);
   ASSERT_TRUE(empty_factor->factorise(empty));
   Eigen::MatrixXd no_rows(0, 3);
   empty_factor->solve(no_rows);
-  empty_factor->solve_root(no_rows);
+  VectorRows no_rows_at_all(0, 3);
+  empty_factor->solve_rows(no_rows_at_all);
+  empty_factor->solve_root(no_rows_at_all);
   EXPECT_EQ(no_rows.cols(), 3);
 }
 

@@ -11,6 +11,9 @@ namespace mottle {
 /// A sparse symmetric matrix by its lower triangle, compressed columns.
 using SparseMatrix = Eigen::SparseMatrix<double, Eigen::ColMajor, int>;
 
+/// Vectors side by side, row by row: [row x vector].
+using VectorRows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
 /// P A P' = L D L' of a sparse symmetric matrix. The order P is found at the first call and kept for later matrices of
 /// the same pattern.
 class SymmetricFactor {
@@ -41,8 +44,11 @@ class SymmetricFactor {
 /// P A P' = L L' of a positive definite matrix. Solutions may be asked for by several threads at once.
 class DefiniteFactor : public SymmetricFactor {
  public:
+  /// solve() for right-hand sides that lie row by row, as the sweep takes them.
+  virtual void solve_rows(Eigen::Ref<VectorRows> right_hand_sides) = 0;
+
   /// X = P' L^-T B in place: A^-1 = S S' with S = P' L^-T.
-  virtual void solve_root(Eigen::Ref<Eigen::MatrixXd> right_hand_sides) = 0;
+  virtual void solve_root(Eigen::Ref<VectorRows> right_hand_sides) = 0;
 };
 
 /// CHOLMOD's supernodal code with METIS ordering: the fast one.
