@@ -87,7 +87,7 @@ struct GatheredVectors {
   long row_step = 0;
   long vector_step = 0;
   int row_count = 0;
-  const int* rows = nullptr;  ///< [row_count]
+  const int* rows = nullptr;  ///< [row_count]; null: the first ones
 };
 
 /// A supernodal L as CHOLMOD keeps it: neighbouring columns of equal pattern are one dense block [row x column] by

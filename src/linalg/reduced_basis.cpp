@@ -20,7 +20,8 @@ Eigen::MatrixXd orthonormal_combinations(const Eigen::MatrixXd& gram, const Eige
 
 VectorRows ReducedModel::Parts::shapes(const Eigen::MatrixXd& coordinates) const {
   Eigen::MatrixXd transposed = Eigen::MatrixXd::Zero(padded_width(coordinates.cols()), coordinates.rows());
-  transposed.topRows(coordinates.cols()) = coordinates.transpose();
+  transposed.topRows(coordinates.cols()) =
+      (pending.size() > 0 ? product(pending, coordinates) : coordinates).transpose();
   VectorRows result(basis.rows(), transposed.rows());
   // Row by row is the transpose column by column.
   multiply_transposed(transposed, basis, Eigen::Map<Eigen::MatrixXd>(result.data(), result.cols(), result.rows()));
@@ -35,6 +36,7 @@ void ReducedModel::Parts::append(const VectorRows& block, Eigen::Index count, in
   basis.conservativeResize(block.rows(), basis.cols() + added);
   basis.rightCols(added) = to_columns(block, added);
   for (int turn = 0; turn < k_most_turns; ++turn) {
+    pending.conservativeResizeLike(Eigen::MatrixXd::Identity(basis.cols(), basis.cols()));
     project_last(turn == 0 ? block : to_rows(basis.rightCols(added)), added, threads);
     added = orthonormalise_last(added);
     if (added == 0) break;
@@ -42,6 +44,7 @@ void ReducedModel::Parts::append(const VectorRows& block, Eigen::Index count, in
     gram.bottomRows(added).diagonal().array() -= 1.0;
     // Little was new in some of the block, and what was taken out left its rounding errors: project what is left.
     if (gram.cwiseAbs().maxCoeff() <= k_rounding) break;
+    settle();
   }
   const Eigen::Index known = floor_modes.rows();
   floor_modes.conservativeResize(basis.cols(), Eigen::NoChange);
@@ -52,7 +55,7 @@ void ReducedModel::Parts::project_last(const VectorRows& block, Eigen::Index add
   const Eigen::Index size = basis.cols();
   const auto extend = [&](const SupportedMatrix& term, Eigen::MatrixXd& projected, Eigen::MatrixXd& sketched) {
     const VectorRows image = term.local_product(block);
-    const Eigen::MatrixXd columns = term.project(basis, image).leftCols(added);
+    const Eigen::MatrixXd columns = transposed_product(pending, term.project(basis, image).leftCols(added));
     projected.conservativeResize(size, size);
     projected.rightCols(added) = columns;
     projected.bottomRows(added) = columns.transpose();
@@ -74,7 +77,7 @@ void ReducedModel::Parts::project_last(const VectorRows& block, Eigen::Index add
 }
 
 Eigen::MatrixXd ReducedModel::Parts::nominal_columns(Eigen::Index count) const {
-  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(basis.cols(), count);
+  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(mass[0].rows(), count);
   for (std::size_t t = 0; t < stiffness.size(); ++t) {
     columns += full->nominal_stiffness(static_cast<Eigen::Index>(t)) * stiffness[t].rightCols(count);
   }
@@ -93,9 +96,10 @@ Eigen::Index ReducedModel::Parts::orthonormalise_last(Eigen::Index added) {
   const Eigen::Index kept = combinations.cols(), size = before + kept;
   Eigen::MatrixXd turn(before + added, kept);
   turn << -product(inside, combinations), combinations;
-  const Eigen::MatrixXd turned = product(basis, turn);
-  basis.conservativeResize(Eigen::NoChange, size);
-  basis.rightCols(kept) = turned;
+  const Eigen::MatrixXd turned = product(pending, turn);
+  pending.conservativeResize(Eigen::NoChange, size);
+  pending.rightCols(kept) = turned;
+  if (kept < added) settle();
   const auto apply = [&](Eigen::MatrixXd& projected, Eigen::MatrixXd& sketched) {
     const Eigen::MatrixXd columns = product(projected, turn);
     const Eigen::MatrixXd corner = transposed_product(turn, columns);
@@ -112,14 +116,21 @@ Eigen::Index ReducedModel::Parts::orthonormalise_last(Eigen::Index added) {
   return kept;
 }
 
-void ReducedModel::Parts::rotate(const Eigen::MatrixXd& q) {
-  prepared = std::make_shared<PreparedModes>();
+void ReducedModel::Parts::settle() {
+  if (pending.size() == 0) return;
   constexpr Eigen::Index k_rows = 4096;  // at a time: a large basis is not held twice
   for (Eigen::Index first = 0; first < basis.rows(); first += k_rows) {
     const Eigen::Index count = std::min(k_rows, basis.rows() - first);
-    basis.block(first, 0, count, q.cols()) = product(basis.middleRows(first, count), q);
+    basis.block(first, 0, count, pending.cols()) = product(basis.middleRows(first, count), pending);
   }
-  basis.conservativeResize(Eigen::NoChange, q.cols());
+  basis.conservativeResize(Eigen::NoChange, pending.cols());
+  pending.resize(0, 0);
+}
+
+void ReducedModel::Parts::rotate(const Eigen::MatrixXd& q) {
+  prepared = std::make_shared<PreparedModes>();
+  pending = pending.size() > 0 ? product(pending, q) : q;
+  settle();
   floor_modes = transposed_product(q, floor_modes);
   for (auto* terms : {&stiffness, &mass}) {
     for (Eigen::MatrixXd& term : *terms) {

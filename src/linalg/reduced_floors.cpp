@@ -56,6 +56,7 @@ Eigen::VectorXd ReducedModel::Parts::unseen_above(const TermCoefficients& sample
 void ReducedModel::Parts::add_floor(Floor floor, const Eigen::MatrixXd& modes, int threads) {
   const Eigen::MatrixXd weighed = symmetric_product(full->shifted, modes);
   append(to_rows(modes), modes.cols(), threads);
+  settle();
   const Eigen::Index known = floor_modes.cols();
   floor_modes.conservativeResize(basis.cols(), known + modes.cols());
   floor_modes.rightCols(modes.cols()) = transposed_product(basis, weighed);

@@ -44,10 +44,6 @@ Eigen::Index ReducedModel::Parts::solved_modes() const {
   return std::min<Eigen::Index>(options.modes + k_guard_modes, basis.cols());
 }
 
-Eigen::MatrixXd sketched(const VectorRows& sketch, const Eigen::MatrixXd& vectors) {
-  return product(Eigen::Map<const Eigen::MatrixXd>(sketch.data(), sketch.cols(), sketch.rows()), vectors);
-}
-
 Eigen::MatrixXd sketched_gram(const Eigen::MatrixXd& sketched) {
   constexpr double k_reserve = 3.0;  // a sketch of 64 rows shows less than a third of a square once in 1e7
   return transposed_product(sketched, sketched) * (k_reserve / static_cast<double>(k_sketch_rows));

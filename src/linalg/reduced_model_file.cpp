@@ -143,10 +143,11 @@ void visit(Visitor& visitor, Facts& nominal, Parts& parts) {
   visitor(exact_seconds);
   visitor(shift);
   visitor(highest_mode);
-  auto& [full, options, basis, stiffness, mass, floors, reaches_tolerance, floor_modes, stiffness_sketch, mass_sketch,
-         prepared] = parts;
+  auto& [full, options, basis, pending, stiffness, mass, floors, reaches_tolerance, floor_modes, stiffness_sketch,
+         mass_sketch, prepared] = parts;
   (void)full;      // made from the inputs
   (void)options;   // an input
+  (void)pending;   // nothing once the basis is trained
   (void)prepared;  // made from the others
   visitor(basis);
   visitor(stiffness);

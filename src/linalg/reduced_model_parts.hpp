@@ -87,13 +87,8 @@ inline Eigen::VectorXd with_constant(const Eigen::Ref<const Eigen::VectorXd>& co
 /// basis was taken out; what is hardly there is dropped.
 Eigen::MatrixXd orthonormal_combinations(const Eigen::MatrixXd& gram, const Eigen::VectorXd& before);
 
-/// W' r.
-Eigen::MatrixXd sketched(const VectorRows& sketch, const Eigen::MatrixXd& vectors);
-
 /// An upper estimate of r_i' A^-1 r_j from W' r [64 x residual].
 Eigen::MatrixXd sketched_gram(const Eigen::MatrixXd& sketched);
-
-struct SamplePencil;  // see reduced_refinement.cpp
 
 /// NearbyModes of a basis, made when they are first asked for.
 struct PreparedModes {
@@ -104,7 +99,8 @@ struct PreparedModes {
 struct ReducedModel::Parts {
   std::shared_ptr<FullPencils> full;
   ReducedModelOptions options;
-  Eigen::MatrixXd basis;                         ///< A-orthonormal
+  Eigen::MatrixXd basis;                         ///< V, A-orthonormal
+  Eigen::MatrixXd pending;                       ///< while it grows: V is the basis times this, once it is settled
   std::vector<Eigen::MatrixXd> stiffness, mass;  ///< V' K_t V, V' M_t V
   std::vector<Floor> floors;
   bool reaches_tolerance = true;                               ///< the last training did
@@ -133,8 +129,6 @@ struct ReducedModel::Parts {
   /// @param gram    r_i' A^-1 r_j over the sample's ratio, an upper estimate
   Eigen::VectorXd bounds(const Eigen::Ref<const Eigen::VectorXd>& lambda, const Eigen::MatrixXd& gram, double unseen,
                          Eigen::Index wanted) const;
-  /// Steps in the full space from shapes to begin with [equation x mode and guards].
-  RefinedModes refine(const SamplePencil& sample, const Eigen::MatrixXd& start) const;
 
   /// A mode that residuals cannot show, because it shares nothing with the basis at any sample, obeys
   ///   lambda(s) >= min (a_t(s) / a_t) / max (b_t(s) / b_t) lambda of the floor,
@@ -158,6 +152,8 @@ struct ReducedModel::Parts {
   Eigen::Index orthonormalise_last(Eigen::Index added);
   /// Turns the basis and drops directions: V <- V q.
   void rotate(const Eigen::MatrixXd& q);
+  /// Multiplies the basis by what is pending.
+  void settle();
 };
 
 }  // namespace mottle

@@ -15,36 +15,118 @@ namespace {
 
 constexpr double k_infinite = std::numeric_limits<double>::infinity();
 
-/// Vectors with what one sample's matrices make of them.
-struct Images {
-  Eigen::MatrixXd vectors, elastic, inertial;  ///< S, K S, M S [equation x vector]
-
-  Images combined(const Eigen::MatrixXd& weights) const {
-    return {product(vectors, weights), product(elastic, weights), product(inertial, weights)};
-  }
-  void append(const Images& more) {
-    const auto widen = [](Eigen::MatrixXd& own, const Eigen::MatrixXd& other) {
-      own.conservativeResize(Eigen::NoChange, own.cols() + other.cols());
-      own.rightCols(other.cols()) = other;
-    };
-    widen(vectors, more.vectors);
-    widen(elastic, more.elastic);
-    widen(inertial, more.inertial);
-  }
+/// One sample's matrices and what its certificate needs.
+struct SamplePencil {
+  FullPencils& full;
+  Eigen::VectorXd stiffness, mass;  ///< coefficients, the constants' first
+  double ratio = 0.0;               ///< smallest eigenvalue of its stiffness against the nominal one
+  double unseen = 0.0;              ///< no mode that residuals cannot show is below
 };
 
-/// The lowest `count` Ritz vectors of a space, ascending, x' M x = 1.
-Images ritz_vectors(const Images& space, double shift, Eigen::Index count) {
+/// A space S that grows by blocks of vectors, with all that Rayleigh and Ritz and the certificate need of it: what is
+/// left to do for each combination of its vectors is small.
+class GrowingSpace {
+ public:
+  explicit GrowingSpace(const SamplePencil& sample) : sample_(sample) {}
+
+  /// @param vectors  with their padding, of which the first `count` are meant
+  void append(VectorRows vectors, Eigen::Index count) {
+    Block& block = blocks_.emplace_back(Block{std::move(vectors), {}, {}, count});
+    block.elastic = image(sample_.full.stiffness, sample_.stiffness, block.vectors);
+    block.inertial = image(sample_.full.mass, sample_.mass, block.vectors);
+    widen(elastic_sketch, product_of_rows(sample_.full.sketch(), block.elastic).leftCols(count));
+    widen(inertial_sketch, product_of_rows(sample_.full.sketch(), block.inertial).leftCols(count));
+    extend(elastic, &Block::elastic);
+    extend(inertial, &Block::inertial);
+  }
+
+  /// (K - lambda M) S weights of some combinations, with their padding.
+  VectorRows residuals(const Eigen::MatrixXd& weights, const Eigen::VectorXd& values) const {
+    VectorRows result = VectorRows::Zero(sample_.full.size(), padded_width(weights.cols()));
+    // Row by row is the transpose column by column.
+    Eigen::Map<Eigen::MatrixXd> columns(result.data(), result.cols(), result.rows());
+    visit(weights, [&](const Block& block, const Eigen::MatrixXd& own) {
+      const Eigen::MatrixXd negative = values.asDiagonal() * -own.transpose();
+      multiply(1.0, own.transpose(), false, columns_of(block.elastic, block.count), 1.0, columns.topRows(own.cols()));
+      multiply(1.0, negative, false, columns_of(block.inertial, block.count), 1.0, columns.topRows(own.cols()));
+    });
+    return result;
+  }
+
+  /// S weights.
+  Eigen::MatrixXd vectors(const Eigen::MatrixXd& weights) const {
+    Eigen::MatrixXd result = Eigen::MatrixXd::Zero(sample_.full.size(), weights.cols());
+    visit(weights, [&](const Block& block, const Eigen::MatrixXd& own) {
+      multiply(1.0, columns_of(block.vectors, block.count), true, own, 1.0, result);
+    });
+    return result;
+  }
+
+  Eigen::MatrixXd elastic, inertial;                ///< S'K S, S'M S
+  Eigen::MatrixXd elastic_sketch, inertial_sketch;  ///< W'K S, W'M S
+
+ private:
+  struct Block {
+    VectorRows vectors, elastic, inertial;  ///< and what the sample's matrices make of them
+    Eigen::Index count = 0;
+  };
+
+  static Eigen::Ref<const Eigen::MatrixXd, 0, Eigen::OuterStride<>> columns_of(const VectorRows& rows,
+                                                                               Eigen::Index count) {
+    return Eigen::Map<const Eigen::MatrixXd>(rows.data(), rows.cols(), rows.rows()).topRows(count);
+  }
+
+  static VectorRows image(const std::vector<SupportedMatrix>& terms, const Eigen::VectorXd& coefficients,
+                          const VectorRows& vectors) {
+    VectorRows result = VectorRows::Zero(vectors.rows(), vectors.cols());
+    add_weighted_products(terms, coefficients.replicate(1, vectors.cols()), vectors, result);
+    return result;
+  }
+
+  static void widen(Eigen::MatrixXd& matrix, const Eigen::MatrixXd& more) {
+    matrix.conservativeResize(more.rows(), matrix.cols() + more.cols());
+    matrix.rightCols(more.cols()) = more;
+  }
+
+  /// Enlarges a projection by the newest block.
+  void extend(Eigen::MatrixXd& projection, VectorRows Block::*of) const {
+    const Block& newest = blocks_.back();
+    const Eigen::Index before = projection.cols(), size = before + newest.count;
+    projection.conservativeResize(size, size);
+    Eigen::Index first = 0;
+    for (const Block& block : blocks_) {
+      const Eigen::MatrixXd part = product_of_rows(block.vectors, newest.*of).topLeftCorner(block.count, newest.count);
+      projection.block(first, before, block.count, newest.count) = part;
+      projection.block(before, first, newest.count, block.count) = part.transpose();
+      first += block.count;
+    }
+    auto corner = projection.bottomRightCorner(newest.count, newest.count);
+    corner = (0.5 * (corner + corner.transpose())).eval();
+  }
+
+  template <typename Visitor>
+  void visit(const Eigen::MatrixXd& weights, const Visitor& visitor) const {
+    Eigen::Index first = 0;
+    for (const Block& block : blocks_) {
+      visitor(block, weights.middleRows(first, block.count));
+      first += block.count;
+    }
+  }
+
+  const SamplePencil& sample_;
+  std::vector<Block> blocks_;
+};
+
+/// Weights of the lowest `count` Ritz vectors of a space, ascending, x' M x = 1.
+Eigen::MatrixXd ritz_weights(const GrowingSpace& space, double shift, Eigen::Index count) {
   // K - s M is definite and M need not be: the largest 1 / (lambda - s) are those sought.
-  const Eigen::MatrixXd mass = transposed_product(space.vectors, space.inertial);
-  const Eigen::MatrixXd gram = transposed_product(space.vectors, space.elastic) - shift * mass;
-  const Eigen::MatrixXd basis = orthonormal_combinations(0.5 * (gram + gram.transpose()), gram.diagonal());
-  const Eigen::MatrixXd projected = transposed_product(basis, product(0.5 * (mass + mass.transpose()), basis));
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(projected);
+  const Eigen::MatrixXd gram = space.elastic - shift * space.inertial;
+  const Eigen::MatrixXd basis = orthonormal_combinations(gram, gram.diagonal());
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(basis.transpose() * space.inertial * basis);
   const Eigen::Index found = std::min(count, basis.cols());
   const Eigen::VectorXd flexibilities = solver.eigenvalues().tail(found).reverse().cwiseMax(1e-300);
-  return space.combined(product(basis, solver.eigenvectors().rightCols(found).rowwise().reverse()) *
-                        flexibilities.cwiseSqrt().cwiseInverse().asDiagonal());
+  return basis * solver.eigenvectors().rightCols(found).rowwise().reverse() *
+         flexibilities.cwiseSqrt().cwiseInverse().asDiagonal();
 }
 
 /// Those of the first `sharp` columns whose squared residual is above `small`, and the largest of all others until a
@@ -64,65 +146,50 @@ std::vector<Eigen::Index> largest_residuals(const Eigen::VectorXd& squares, Eige
   return columns;
 }
 
-/// Rayleigh quotients.
-Eigen::VectorXd values_of(const Images& modes) {
-  const Eigen::VectorXd elastic = modes.vectors.cwiseProduct(modes.elastic).colwise().sum().transpose();
-  const Eigen::VectorXd inertial = modes.vectors.cwiseProduct(modes.inertial).colwise().sum().transpose();
+/// Rayleigh quotients of combinations.
+Eigen::VectorXd quotients(const GrowingSpace& space, const Eigen::MatrixXd& weights) {
+  const Eigen::VectorXd elastic = weights.cwiseProduct(space.elastic * weights).colwise().sum().transpose();
+  const Eigen::VectorXd inertial = weights.cwiseProduct(space.inertial * weights).colwise().sum().transpose();
   return elastic.cwiseQuotient(inertial);
 }
 
-}  // namespace
-
-/// One sample's matrices and what its certificate needs.
-struct SamplePencil {
-  const FullPencils& full;
-  Eigen::VectorXd stiffness, mass;  ///< coefficients, the constants' first
-  double ratio = 0.0;               ///< smallest eigenvalue of its stiffness against the nominal one
-  double unseen = 0.0;              ///< no mode that residuals cannot show is below
-
-  Images images(Eigen::MatrixXd vectors) const {
-    const VectorRows rows = to_rows(vectors);
-    const Eigen::Index count = vectors.cols();
-    const auto image = [&](const std::vector<SupportedMatrix>& terms, const Eigen::VectorXd& coefficients) {
-      VectorRows products = VectorRows::Zero(rows.rows(), rows.cols());
-      add_weighted_products(terms, coefficients.replicate(1, count), rows, products);
-      return to_columns(products, count);
-    };
-    Images result{std::move(vectors), {}, {}};
-    result.elastic = image(full.stiffness, stiffness);
-    result.inertial = image(full.mass, mass);
-    return result;
-  }
-};
-
-RefinedModes ReducedModel::Parts::refine(const SamplePencil& sample, const Eigen::MatrixXd& start) const {
+/// Block steps from a sample's own Ritz vectors [vector x mode and guards].
+RefinedModes refine_sample(const ReducedModel::Parts& parts, const SamplePencil& sample, const Eigen::MatrixXd& start) {
   constexpr int k_steps = 5;
   constexpr double k_small = 0.25;  // of the tolerance
-  const Eigen::Index wanted = options.modes;
-  Images space = sample.images(start);
-  Images modes = space;
+  const Eigen::Index wanted = parts.options.modes;
+  const double shift = sample.full.shift, tolerance = parts.options.tolerance;
+  GrowingSpace space(sample);
+  space.append(parts.shapes(start), start.cols());
+  Eigen::MatrixXd weights = Eigen::MatrixXd::Identity(start.cols(), start.cols());
   RefinedModes result;
   for (int step = 0;; ++step) {
-    result.values = values_of(modes);
-    const Eigen::MatrixXd residuals = modes.elastic - modes.inertial * result.values.asDiagonal();
-    const Eigen::MatrixXd gram = sketched_gram(sketched(full->sketch(), residuals)) / sample.ratio;
-    result.bounds = bounds(result.values, gram, sample.unseen, wanted);
-    if (result.bounds.maxCoeff() <= options.tolerance || step == k_steps) break;
-    const Eigen::VectorXd squares = gram.diagonal().array() / (result.values.array() - full->shift);
+    result.values = quotients(space, weights);
+    const Eigen::MatrixXd residuals =
+        space.elastic_sketch * weights - space.inertial_sketch * weights * result.values.asDiagonal();
+    const Eigen::MatrixXd gram = sketched_gram(residuals) / sample.ratio;
+    result.bounds = parts.bounds(result.values, gram, sample.unseen, wanted);
+    if (result.bounds.maxCoeff() <= tolerance || step == k_steps) break;
+    const Eigen::VectorXd squares = gram.diagonal().array() / (result.values.array() - shift);
     if (!squares.allFinite()) break;
-    Eigen::MatrixXd answers =
-        residuals(Eigen::all, largest_residuals(squares, wanted + k_sharp_guards, k_small * options.tolerance));
-    full->factor().solve(answers);
-    space.append(sample.images(std::move(answers)));
-    Images next = ritz_vectors(space, full->shift, start.cols());
-    if (next.vectors.cols() < start.cols()) break;
-    modes = std::move(next);
+    const auto columns = largest_residuals(squares, wanted + k_sharp_guards, k_small * tolerance);
+    VectorRows answers = space.residuals(weights(Eigen::all, columns), result.values(columns));
+    sample.full.factor().solve_rows(answers);
+    space.append(std::move(answers), static_cast<Eigen::Index>(columns.size()));
+    Eigen::MatrixXd next = ritz_weights(space, shift, start.cols());
+    if (next.cols() < start.cols()) {
+      weights.conservativeResizeLike(Eigen::MatrixXd::Zero(next.rows(), weights.cols()));
+      break;
+    }
+    weights = std::move(next);
   }
   result.values = result.values.head(wanted).eval();
-  result.vectors = modes.vectors.leftCols(wanted);
+  result.vectors = space.vectors(weights.leftCols(wanted));
   make_largest_component_positive(result.vectors);
   return result;
 }
+
+}  // namespace
 
 void ReducedModel::refine(const TermCoefficients& samples, int threads, const RefinedVisitor& visit) const {
   const Parts& parts = *parts_;
@@ -142,7 +209,7 @@ void ReducedModel::refine(const TermCoefficients& samples, int threads, const Re
       const SamplePencil pencil{*parts.full, with_constant(samples.stiffness.col(s)),
                                 with_constant(samples.mass.col(s)), ratios(s), unseen(s)};
       const Eigen::Map<const Eigen::MatrixXd> coordinates(begin.vectors.col(s).data(), vectors, modes);
-      visit(s, parts.refine(pencil, product(parts.basis, coordinates)));
+      visit(s, refine_sample(parts, pencil, coordinates));
     }
   });
 }

@@ -276,6 +276,7 @@ void ReducedModel::train(const TermCoefficients& samples, int threads) {
     if (!picks.empty()) enlarge(parts, samples, known, picks, threads);
   }
   turn_basis(parts, needed);
+  parts.settle();
 }
 
 bool ReducedModel::reaches_tolerance() const {

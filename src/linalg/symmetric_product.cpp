@@ -34,6 +34,15 @@ Eigen::MatrixXd to_columns(const VectorRows& rows, Eigen::Index count) {
   return vectors;
 }
 
+Eigen::MatrixXd product_of_rows(const VectorRows& left, const VectorRows& right) {
+  if (left.cols() > right.cols()) return product_of_rows(right, left).transpose();  // many fill the registers better
+  VectorRows result = VectorRows::Zero(left.cols(), right.cols());
+  lane_kernels::kernels_for().add_gathered_product(
+      {static_cast<int>(left.cols()), left.data(), left.cols(), 1, static_cast<int>(left.rows()), nullptr},
+      static_cast<int>(right.cols()), right.data(), result.data());
+  return result;
+}
+
 VectorRows product_rows(const SparseMatrix& lower, const VectorRows& x) {
   VectorRows product = VectorRows::Zero(x.rows(), x.cols());
   lane_kernels::kernels_for().add_symmetric_product(

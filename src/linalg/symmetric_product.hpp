@@ -16,6 +16,9 @@ VectorRows to_rows(const Eigen::Ref<const Eigen::MatrixXd>& vectors);
 /// The first `count` of vectors that lie row by row, side by side.
 Eigen::MatrixXd to_columns(const VectorRows& rows, Eigen::Index count);
 
+/// Inner products of all left vectors with all right ones, padding included: left' right.
+Eigen::MatrixXd product_of_rows(const VectorRows& left, const VectorRows& right);
+
 /// A x for the symmetric A given by its lower triangle, compressed.
 VectorRows product_rows(const SparseMatrix& lower, const VectorRows& x);
 

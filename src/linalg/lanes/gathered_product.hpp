@@ -23,7 +23,7 @@ __attribute__((noinline)) void add_panel_product(const GatheredVectors& left, in
   const double* const data = left.data + first * left.vector_step;
   const long step = left.vector_step;
   for (int i = from; i < to; ++i) {
-    const double* const own = data + left.rows[i] * left.row_step;
+    const double* const own = data + (left.rows == nullptr ? i : left.rows[i]) * left.row_step;
     const double* const x = right + static_cast<long>(i) * width;
     for (int v = 0; v < Left; ++v) __builtin_prefetch(own + (Left + v) * step);
     for (int v = 0; v < Left; ++v) {
