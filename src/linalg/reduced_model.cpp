@@ -83,7 +83,7 @@ Eigen::MatrixXd ReducedModel::Parts::sketched_residuals(const TermCoefficients& 
 }
 
 const NearbyModes& ReducedModel::Parts::nearby_modes() const {
-  constexpr double k_inside = 0.02;  // of the tolerance: what the iteration may leave over inside the basis
+  constexpr double k_inside = 0.05;  // of the tolerance: what the iteration may leave over inside the basis
   std::call_once(prepared->is_made, [&] {
     const Eigen::Index modes = solved_modes();
     prepared->modes = std::make_unique<NearbyModes>(

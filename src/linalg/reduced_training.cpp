@@ -161,13 +161,14 @@ class TrainingSamples {
 /// nearly all are.
 Eigen::MatrixXd needed_directions(const ReducedModel::Parts& parts, const TrainingSamples& samples,
                                   const std::vector<Eigen::Index>& chosen) {
-  constexpr Eigen::Index k_worth = 10;  // a tenth fewer pay for the turning
-  constexpr double k_neglect = 0.3;     // of the residual that would be just good enough
+  constexpr Eigen::Index k_worth = 20;  // a twentieth fewer pay for the turning
+  constexpr double k_neglect = 0.5;     // of the residual that would be just good enough
+  constexpr double k_lost = 0.03;       // of a floor's mode
   const Eigen::Index vectors = parts.basis.cols();
   const Eigen::Index modes = samples.wants.rows();
   const Eigen::Index columns = modes * static_cast<Eigen::Index>(chosen.size());
   Eigen::MatrixXd weighted(vectors, columns + parts.floor_modes.cols());
-  weighted.rightCols(parts.floor_modes.cols()) = parts.floor_modes / k_guard_residual;
+  weighted.rightCols(parts.floor_modes.cols()) = parts.floor_modes * (k_neglect / k_lost);
   for (Eigen::Index c = 0; c < columns; ++c) {
     const Eigen::Index s = chosen[static_cast<std::size_t>(c / modes)];
     const Eigen::Index k = c % modes;
@@ -252,9 +253,9 @@ void ReducedModel::train(const TermCoefficients& samples, int threads) {
   constexpr Eigen::Index k_compressing_samples = 200;
   constexpr int k_rounds = 30;
   constexpr double k_good_enough = 1.3;  // times half the tolerance, squared: within it, and no more rounds for a few
-  constexpr Eigen::Index k_most_picks = 48;
+  constexpr Eigen::Index k_most_picks = 48;  // whole sweeps through the factor
   Parts& parts = *parts_;
-  const Eigen::Index most_picks = std::min<Eigen::Index>(k_most_picks, Eigen::Index{4} * parts.options.modes);
+  const Eigen::Index most_picks = std::min<Eigen::Index>(k_most_picks, Eigen::Index{5} * parts.options.modes);
   parts.raise_floor(samples, threads);
   Eigen::Index used = std::min(samples.samples(), k_first_samples);
   TrainingSamples known(parts, samples, 0.5 * parts.options.tolerance);
