@@ -70,9 +70,7 @@ double largest_ratio(const SupportedMatrix& term, FullPencils& full) {
   return ratio;
 }
 
-bool is_semidefinite(const SupportedMatrix& term, const VectorRows& sketch) {
-  constexpr Eigen::Index k_probes = 8;
-  const VectorRows probes = sketch.leftCols(k_probes);
+bool is_semidefinite(const SupportedMatrix& term, const VectorRows& probes) {
   const Eigen::VectorXd squares = term.project(probes, term.local_product(probes)).diagonal();
   return squares.minCoeff() >= -1e-10 * squares.cwiseAbs().maxCoeff();
 }
@@ -98,9 +96,11 @@ FullPencils::FullPencils(const PencilTerms& terms, const TermCoefficients& nomin
   is_free = found.values(0) < k_free * std::abs(shift);
   take(terms, nominal_k, nominal_m);
   std::call_once(is_ready_, [this] { make_sketch(); });
+  constexpr Eigen::Index k_probes = 8;
+  const VectorRows probes = sketch_.leftCols(k_probes);
   for (std::size_t t = 0; t < stiffness.size(); ++t) {
     const double coefficient = nominal_stiffness(static_cast<Eigen::Index>(t));
-    const bool adds = coefficient >= 0.0 && is_semidefinite(stiffness[t], sketch_);
+    const bool adds = coefficient >= 0.0 && is_semidefinite(stiffness[t], probes);
     indefinite.push_back(adds ? 0.0 : 1.1 * std::abs(coefficient) * largest_ratio(stiffness[t], *this));
   }
 }

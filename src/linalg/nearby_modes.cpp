@@ -120,7 +120,8 @@ std::vector<Eigen::Index> NearbyModes::near_samples(const TermCoefficients& samp
   return near;
 }
 
-SketchedModes NearbyModes::solve_near(const TermCoefficients& samples, const NearbyBounds& bounds, int threads) const {
+SketchedModes NearbyModes::solve_near(const TermCoefficients& samples, const NearbyBounds& bounds, double limit,
+                                      int threads) const {
   constexpr std::int64_t k_grain = 32;
   const Eigen::Index modes = options_.modes, count = samples.samples();
   SketchedModes result{{Eigen::MatrixXd(modes, count), Eigen::MatrixXd(rows_ * modes, count), {}},
@@ -145,7 +146,7 @@ SketchedModes NearbyModes::solve_near(const TermCoefficients& samples, const Nea
                                             .ratios = bounds.ratios.data(),
                                             .heavier = bounds.heavier.data(),
                                             .shift = shift_,
-                                            .limit = options_.limit,
+                                            .limit = limit,
                                             .sketch_rows = static_cast<int>(sketch_rows_),
                                             .stiffness_sketch = stiffness_sketch_.data(),
                                             .mass_sketch = mass_sketch_.data(),
@@ -159,13 +160,14 @@ SketchedModes NearbyModes::solve_near(const TermCoefficients& samples, const Nea
   return result;
 }
 
-SketchedModes NearbyModes::solve(const TermCoefficients& samples, const NearbyBounds& bounds, int threads) const {
+SketchedModes NearbyModes::solve(const TermCoefficients& samples, const NearbyBounds& bounds, double limit,
+                                 int threads) const {
   const Eigen::Index modes = options_.modes, count = samples.samples();
   const std::vector<Eigen::Index> near = is_useful() ? near_samples(samples) : std::vector<Eigen::Index>{};
   const bool takes_all = static_cast<Eigen::Index>(near.size()) == count;
-  SketchedModes found = takes_all ? solve_near(samples, bounds, threads)
+  SketchedModes found = takes_all ? solve_near(samples, bounds, limit, threads)
                                   : solve_near({samples.stiffness(Eigen::all, near), samples.mass(Eigen::all, near)},
-                                               {bounds.ratios(near), bounds.heavier(near)}, threads);
+                                               {bounds.ratios(near), bounds.heavier(near)}, limit, threads);
   if (turn_.size() > 0) {
     for (Eigen::Index i = 0; i < found.modes.values.cols(); ++i) {
       found.modes.vectors.col(i) = product(turn_, found.modes.sample_vectors(i)).reshaped();

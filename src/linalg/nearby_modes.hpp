@@ -28,8 +28,7 @@ struct SketchedModes {
 
 struct NearbyOptions {
   Eigen::Index modes = 0;  ///< wanted
-  Eigen::Index sharp = 0;  ///< the first of them: their residuals keep to the limit
-  double limit = 0.0;      ///< r'r over alpha (lambda - shift) y'My
+  Eigen::Index sharp = 0;  ///< the first of them: their residuals keep to a limit
   SimdLevel simd = SimdLevel::automatic;
 };
 
@@ -58,14 +57,16 @@ class NearbyModes {
   /// False where the pencils are too small, or their spectrum too dense, for the block to be cheaper.
   bool is_useful() const { return block_ > 0; }
 
+  /// @param limit  of r'r over alpha (lambda - shift) y'My
   /// Samples that are too far from the nominal one, or whose modes are not proven to be the lowest, are marked failed.
-  SketchedModes solve(const TermCoefficients& samples, const NearbyBounds& bounds, int threads) const;
+  SketchedModes solve(const TermCoefficients& samples, const NearbyBounds& bounds, double limit, int threads) const;
 
  private:
   void pack(const std::vector<Eigen::MatrixXd>& terms, double filling, std::vector<double>& packed) const;
   void pack_sketch(const std::vector<Eigen::MatrixXd>& terms, std::vector<double>& packed) const;
   std::vector<Eigen::Index> near_samples(const TermCoefficients& samples) const;
-  SketchedModes solve_near(const TermCoefficients& samples, const NearbyBounds& bounds, int threads) const;
+  SketchedModes solve_near(const TermCoefficients& samples, const NearbyBounds& bounds, double limit,
+                           int threads) const;
 
   NearbyOptions options_;
   double shift_;

@@ -54,8 +54,9 @@ Eigen::VectorXd ReducedModel::Parts::unseen_above(const TermCoefficients& sample
 }
 
 void ReducedModel::Parts::add_floor(Floor floor, const Eigen::MatrixXd& modes, int threads) {
-  const Eigen::MatrixXd weighed = symmetric_product(full->shifted, modes);
-  append(to_rows(modes), modes.cols(), threads);
+  const VectorRows block = to_rows(modes);
+  const Eigen::MatrixXd weighed = to_columns(product_rows(full->shifted, block), modes.cols());
+  append(block, modes.cols(), threads);
   settle();
   const Eigen::Index known = floor_modes.cols();
   floor_modes.conservativeResize(basis.cols(), known + modes.cols());
@@ -74,7 +75,7 @@ void ReducedModel::Parts::raise_floor(const TermCoefficients& samples, int threa
   if (softest.minCoeff() < 0.0) return;
   const Eigen::Index most_modes = Eigen::Index{4} * options.modes + 16;
   for (Eigen::Index modes = options.modes + 8; modes <= most_modes; modes *= 2) {
-    const Solution solution = solve(samples, threads);
+    const Solution solution = solve(samples, k_inside_training, threads);
     const Eigen::ArrayXd needed = k_margin * solution.values.row(solution.bounds.rows() - 1).transpose().array();
     const auto unsafe = static_cast<double>((needed >= unseen_above(samples).array()).count());
     if (unsafe <= k_left_out * static_cast<double>(samples.samples())) return;

@@ -83,24 +83,21 @@ Eigen::MatrixXd ReducedModel::Parts::sketched_residuals(const TermCoefficients& 
 }
 
 const NearbyModes& ReducedModel::Parts::nearby_modes() const {
-  constexpr double k_inside = 0.05;  // of the tolerance: what the iteration may leave over inside the basis
   std::call_once(prepared->is_made, [&] {
     const Eigen::Index modes = solved_modes();
     prepared->modes = std::make_unique<NearbyModes>(
         NearbyFamily{stiffness, mass, full->nominal_stiffness, full->nominal_mass, full->shift, stiffness_sketch,
                      mass_sketch},
-        NearbyOptions{.modes = modes,
-                      .sharp = std::min<Eigen::Index>(options.modes + k_sharp_guards, modes),
-                      .limit = k_inside * options.tolerance});
+        NearbyOptions{.modes = modes, .sharp = std::min<Eigen::Index>(options.modes + k_sharp_guards, modes)});
   });
   return *prepared->modes;
 }
 
 SketchedModes ReducedModel::Parts::reduced_modes(const TermCoefficients& samples, const Eigen::VectorXd& ratios,
-                                                 int threads) const {
+                                                 double inside, int threads) const {
   const Eigen::Index modes = solved_modes();
-  SketchedModes result =
-      nearby_modes().solve(samples, {ratios, full->largest_mass_ratios(samples, full->nominal_mass)}, threads);
+  SketchedModes result = nearby_modes().solve(samples, {ratios, full->largest_mass_ratios(samples, full->nominal_mass)},
+                                              inside * options.tolerance, threads);
   std::vector<Eigen::Index> rest;
   for (Eigen::Index s = 0; s < samples.samples(); ++s) {
     if (result.modes.failed[static_cast<std::size_t>(s)] != 0) rest.push_back(s);
@@ -120,11 +117,12 @@ SketchedModes ReducedModel::Parts::reduced_modes(const TermCoefficients& samples
   return result;
 }
 
-ReducedModel::Parts::Solution ReducedModel::Parts::solve(const TermCoefficients& samples, int threads) const {
+ReducedModel::Parts::Solution ReducedModel::Parts::solve(const TermCoefficients& samples, double inside,
+                                                         int threads) const {
   const Eigen::Index modes = solved_modes();
   const Eigen::Index wanted = std::min<Eigen::Index>(options.modes + k_sharp_guards, modes);
   const Eigen::VectorXd ratios = full->smallest_ratios(samples);
-  SketchedModes found = reduced_modes(samples, ratios, threads);
+  SketchedModes found = reduced_modes(samples, ratios, inside, threads);
   Solution result{std::move(found.modes.values), std::move(found.modes.vectors),
                   Eigen::MatrixXd::Constant(wanted, samples.samples(), std::numeric_limits<double>::infinity()),
                   std::move(found.residuals)};
@@ -172,7 +170,7 @@ CertifiedModes ReducedModel::solve(const TermCoefficients& samples, int threads)
                         Eigen::MatrixXd(wanted, samples.samples())};
   for (Eigen::Index first = 0; first < samples.samples(); first += k_batch) {
     const Eigen::Index count = std::min(k_batch, samples.samples() - first);
-    const Parts::Solution part = parts_->solve(samples.range(first, count), threads);
+    const Parts::Solution part = parts_->solve(samples.range(first, count), k_inside, threads);
     result.values.middleCols(first, count) = part.values.topRows(wanted);
     result.vectors.middleCols(first, count) = part.vectors.topRows(vectors * wanted);
     result.bounds.middleCols(first, count) = part.bounds.topRows(wanted);

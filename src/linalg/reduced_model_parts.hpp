@@ -17,6 +17,10 @@ constexpr Eigen::Index k_sketch_rows = 64;
 // followed roughly, and one that tells only how far away the next is.
 constexpr int k_guard_modes = 4;
 constexpr int k_sharp_guards = 1;
+// What the block iteration may leave over inside the basis, squared, of the tolerance. In training less: what is left
+// over there would look like a want of vectors.
+constexpr double k_inside = 0.05;
+constexpr double k_inside_training = 0.02;
 
 /// A pencil of the family of which all modes up to a level are in the basis.
 struct Floor {
@@ -117,10 +121,11 @@ struct ReducedModel::Parts {
     Eigen::MatrixXd residuals;  ///< sketched, over sqrt(64 ratio mu) [64 x (mode and guards) * sample]
   };
   Eigen::Index solved_modes() const;
-  Solution solve(const TermCoefficients& samples, int threads) const;
+  Solution solve(const TermCoefficients& samples, double inside, int threads) const;
   const NearbyModes& nearby_modes() const;
   /// Lowest modes of the reduced pencils, guards included: of most samples by NearbyModes, of the others by themselves.
-  SketchedModes reduced_modes(const TermCoefficients& samples, const Eigen::VectorXd& ratios, int threads) const;
+  SketchedModes reduced_modes(const TermCoefficients& samples, const Eigen::VectorXd& ratios, double inside,
+                              int threads) const;
   /// See SketchedModes.
   Eigen::MatrixXd sketched_residuals(const TermCoefficients& samples, const BatchModes& found, int threads) const;
   /// Bounds on lambda of the lowest `wanted` of one sample's Ritz pairs; infinite from `unseen` on.

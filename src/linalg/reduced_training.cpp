@@ -112,6 +112,14 @@ class TrainingSamples {
     return result;
   }
 
+  /// Whether a few more vectors would hardly matter: bounds are within the tolerance, guards known well enough for
+  /// them.
+  bool are_nearly_good() const {
+    constexpr double k_bound = 1.3;  // times half the tolerance, squared
+    constexpr double k_guard = 2.0;
+    const Eigen::Index sharp = std::min<Eigen::Index>(parts_.options.modes + k_sharp_guards, wants.rows());
+    return wants.topRows(sharp).maxCoeff() < k_bound && wants.maxCoeff() < k_guard;
+  }
   Eigen::Index open_samples() const { return (wants.colwise().maxCoeff().array() > 1.0).count(); }
   /// Mean over the samples of the logarithm of what the worst mode is short of; 0 where half of them are good or so.
   double mean_shortfall() const { return wants.colwise().maxCoeff().array().max(1e-3).log().mean(); }
@@ -126,7 +134,7 @@ class TrainingSamples {
     if (rows.empty()) return;
     const Eigen::Index modes = wants.rows();
     const TermCoefficients now{samples_.stiffness(Eigen::all, rows), samples_.mass(Eigen::all, rows)};
-    const ReducedModel::Parts::Solution found = parts_.solve(now, threads);
+    const ReducedModel::Parts::Solution found = parts_.solve(now, k_inside_training, threads);
     const Eigen::MatrixXd shortfall = shortfalls(found.bounds, found.residuals, target_);
     for (std::size_t i = 0; i < rows.size(); ++i) {
       const auto from = static_cast<Eigen::Index>(i);
@@ -252,7 +260,8 @@ void ReducedModel::train(const TermCoefficients& samples, int threads) {
   constexpr Eigen::Index k_choosing_samples = 128;
   constexpr Eigen::Index k_compressing_samples = 200;
   constexpr int k_rounds = 30;
-  constexpr double k_good_enough = 1.3;  // times half the tolerance, squared: within it, and no more rounds for a few
+  constexpr int k_last_rounds = 3;           // for a few that are not good yet: refinement takes care of them
+  constexpr Eigen::Index k_few = 50;         // one in so many samples
   constexpr Eigen::Index k_most_picks = 48;  // whole sweeps through the factor
   Parts& parts = *parts_;
   const Eigen::Index most_picks = std::min<Eigen::Index>(k_most_picks, Eigen::Index{5} * parts.options.modes);
@@ -261,15 +270,18 @@ void ReducedModel::train(const TermCoefficients& samples, int threads) {
   TrainingSamples known(parts, samples, 0.5 * parts.options.tolerance);
   Progress progress;
   parts.reaches_tolerance = false;
+  int last_rounds = 0;
   Eigen::MatrixXd needed;
   for (int round = 0; round < k_rounds; ++round) {
     known.solve(used, threads);
     const Eigen::Index room = parts.options.most_vectors - parts.basis.cols();
     const std::vector<Pick> picks = pick_residuals(known.residuals, known.wants, std::min(most_picks, room));
-    const bool is_good = used == samples.samples() && known.wants.maxCoeff() < k_good_enough;
+    const bool is_complete = used == samples.samples();
+    if (is_complete && k_few * known.open_samples() <= used) ++last_rounds;
+    const bool is_good = is_complete && (known.are_nearly_good() || last_rounds > k_last_rounds);
     parts.reaches_tolerance = is_good || (picks.empty() && room > 0);
     if (is_good) needed = needed_directions(parts, known, known.fresh(k_compressing_samples, threads));
-    if (is_good || (picks.empty() && used == samples.samples()) || room <= 0) break;
+    if (is_good || (picks.empty() && is_complete) || room <= 0) break;
     if (progress.is_hopeless(parts, known.mean_shortfall())) break;
     // As long as no sample is good, more of them would hardly choose better.
     const bool has_good = used < k_choosing_samples || known.open_samples() < used;

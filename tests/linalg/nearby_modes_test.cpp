@@ -63,9 +63,9 @@ struct Family {
     for (std::size_t t = 0; t < mass.size(); ++t) mass_sketch.push_back(uniform(k_sketch, order, -1.0, 1.0, random));
   }
 
-  NearbyModes solver(double limit, SimdLevel simd) const {
+  NearbyModes solver(SimdLevel simd) const {
     return {{stiffness, mass, nominal_stiffness, nominal_mass, k_shift, stiffness_sketch, mass_sketch},
-            {.modes = k_modes, .sharp = k_sharp, .limit = limit, .simd = simd}};
+            {.modes = k_modes, .sharp = k_sharp, .simd = simd}};
   }
   MatrixXd sum(const std::vector<MatrixXd>& terms, const MatrixXd& coefficients, Index sample) const {
     MatrixXd result = terms[0];
@@ -110,9 +110,9 @@ TEST_P(NearbyModesTest, AgreesWithTheDenseSolver) {
         const Family family(order, 5, is_mass_parametric, is_turned, random);
         const TermCoefficients samples = coefficients(family, 37, 0.1, random);
         const NearbyBounds bounds = bounds_of(samples);
-        const NearbyModes solver = family.solver(k_limit, GetParam());
+        const NearbyModes solver = family.solver(GetParam());
         ASSERT_TRUE(solver.is_useful());
-        const SketchedModes found = solver.solve(samples, bounds, 1);
+        const SketchedModes found = solver.solve(samples, bounds, k_limit, 1);
         Index solved = 0;
         for (Index s = 0; s < samples.samples(); ++s) {
           if (found.modes.failed[static_cast<std::size_t>(s)] != 0) continue;
@@ -148,7 +148,7 @@ TEST_P(NearbyModesTest, GivesOnlyTheLowestModesHoweverFarTheSamplesAre) {
     for (Index family_index = 0; family_index < 4; ++family_index) {
       const Family family(96, 4, family_index % 2 == 1, true, random);
       const TermCoefficients samples = coefficients(family, 60, variation, random);
-      const SketchedModes found = family.solver(1e-6, GetParam()).solve(samples, bounds_of(samples), 1);
+      const SketchedModes found = family.solver(GetParam()).solve(samples, bounds_of(samples), 1e-6, 1);
       for (Index s = 0; s < samples.samples(); ++s) {
         if (found.modes.failed[static_cast<std::size_t>(s)] != 0) {
           ++refused;
@@ -182,7 +182,7 @@ TEST_P(NearbyModesTest, RefusesASampleWhoseLowestModeSharesNothingWithTheBlock) 
   // The same sample scaled so that it is not refused for its coefficients alone: the count has to refuse it.
   for (const double other : {1.0, 2.9 * as_low_as_mode_4}) {
     samples.stiffness(0, 1) = other;
-    const SketchedModes found = family.solver(1e-6, GetParam()).solve(samples, bounds_of(samples), 1);
+    const SketchedModes found = family.solver(GetParam()).solve(samples, bounds_of(samples), 1e-6, 1);
     EXPECT_EQ(found.modes.failed[0], 0);
     EXPECT_EQ(found.modes.failed[1], 1);
     EXPECT_EQ(found.modes.failed[2], 1);
@@ -194,11 +194,11 @@ TEST_P(NearbyModesTest, ASampleHasTheSameBitsWhateverItsNeighboursAndTheThreads)
   const Family family(96, 13, true, true, random);
   const TermCoefficients samples = coefficients(family, 70, 0.12, random);
   const NearbyBounds bounds = bounds_of(samples);
-  const NearbyModes solver = family.solver(1e-6, GetParam());
-  const SketchedModes together = solver.solve(samples, bounds, 2);
+  const NearbyModes solver = family.solver(GetParam());
+  const SketchedModes together = solver.solve(samples, bounds, 1e-6, 2);
   for (const Index s : {0, 1, 9, 33, 69}) {
     const SketchedModes alone =
-        solver.solve(samples.range(s, 1), {bounds.ratios.segment(s, 1), bounds.heavier.segment(s, 1)}, 1);
+        solver.solve(samples.range(s, 1), {bounds.ratios.segment(s, 1), bounds.heavier.segment(s, 1)}, 1e-6, 1);
     EXPECT_EQ(alone.modes.failed[0], together.modes.failed[static_cast<std::size_t>(s)]);
     if (alone.modes.failed[0] != 0) continue;
     EXPECT_EQ(alone.modes.values.col(0), together.modes.values.col(s));
@@ -210,10 +210,10 @@ TEST_P(NearbyModesTest, ASampleHasTheSameBitsWhateverItsNeighboursAndTheThreads)
 TEST(NearbyModes, IsNoUseWherePencilsAreHardlyLargerThanTheBlock) {
   std::mt19937_64 random(5);
   const Family family(50, 3, false, true, random);
-  const NearbyModes solver = family.solver(1e-6, SimdLevel::automatic);
+  const NearbyModes solver = family.solver(SimdLevel::automatic);
   EXPECT_FALSE(solver.is_useful());
   const TermCoefficients samples = coefficients(family, 5, 0.1, random);
-  for (const auto failed : solver.solve(samples, bounds_of(samples), 1).modes.failed) EXPECT_EQ(failed, 1);
+  for (const auto failed : solver.solve(samples, bounds_of(samples), 1e-6, 1).modes.failed) EXPECT_EQ(failed, 1);
 }
 
 }  // namespace
