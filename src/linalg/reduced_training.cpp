@@ -212,11 +212,11 @@ void turn_basis(ReducedModel::Parts& parts, const Eigen::MatrixXd& needed) {
 /// How the training comes on, to give up before the most expensive rounds where they would be in vain.
 class Progress {
  public:
-  /// Whether half of the samples would not be good at the largest basis allowed even if all further vectors helped as
-  /// much as the last ones; in fact each helps less than those before. While nearly all samples have no bound worth the
-  /// name nothing is known of that, and late it is bad enough.
+  /// Whether most samples would be far from good at the largest basis allowed even if all further vectors helped as
+  /// much as the last ones; in fact each helps less than those before. A few times too much is not: refinement mends
+  /// it. While nearly all samples have no bound worth the name nothing is known of that, and late it is bad enough.
   bool is_hopeless(const ReducedModel::Parts& parts, double shortfall) {
-    constexpr double k_margin = 0.3;
+    constexpr double k_margin = 1.0;
     constexpr double k_blind = 0.97;
     const Eigen::Index vectors = parts.basis.cols();
     const double added = static_cast<double>(vectors - vectors_);
