@@ -66,10 +66,14 @@ Eigen::MatrixXd product(const Eigen::Ref<const Eigen::MatrixXd>& a, const Eigen:
   return result;
 }
 
-void multiply_transposed(const Eigen::Ref<const Eigen::MatrixXd>& a, const Eigen::Ref<const Eigen::MatrixXd>& b,
-                         Eigen::Ref<Eigen::MatrixXd> c) {
-  assert(a.rows() == c.rows() && b.rows() == c.cols() && a.cols() == b.cols() && a.cols() > 0);
-  if (c.size() > 0) call_gemm(false, true, a.cols(), 1.0, a, b, 0.0, c);
+VectorRows product_by_rows(const Eigen::Ref<const Eigen::MatrixXd>& a, const Eigen::Ref<const Eigen::MatrixXd>& b) {
+  VectorRows result = VectorRows::Zero(a.rows(), b.cols());
+  if (result.size() == 0 || b.rows() == 0) return result;
+  // Row by row is the transpose column by column.
+  const Eigen::MatrixXd transposed = b.transpose();
+  call_gemm(false, true, b.rows(), 1.0, transposed, a, 0.0,
+            Eigen::Map<Eigen::MatrixXd>(result.data(), result.cols(), result.rows()));
+  return result;
 }
 
 Eigen::MatrixXd transposed_product(const Eigen::Ref<const Eigen::MatrixXd>& a,

@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 
 #include "mottle/linalg/one_thread.hpp"
+#include "mottle/linalg/symmetric_factor.hpp"
 
 namespace mottle {
 
@@ -15,9 +16,8 @@ void multiply(double alpha, const Eigen::Ref<const Eigen::MatrixXd>& a, bool tra
 /// A B.
 Eigen::MatrixXd product(const Eigen::Ref<const Eigen::MatrixXd>& a, const Eigen::Ref<const Eigen::MatrixXd>& b);
 
-/// C = A B'.
-void multiply_transposed(const Eigen::Ref<const Eigen::MatrixXd>& a, const Eigen::Ref<const Eigen::MatrixXd>& b,
-                         Eigen::Ref<Eigen::MatrixXd> c);
+/// A B, row by row.
+VectorRows product_by_rows(const Eigen::Ref<const Eigen::MatrixXd>& a, const Eigen::Ref<const Eigen::MatrixXd>& b);
 
 /// A' B.
 Eigen::MatrixXd transposed_product(const Eigen::Ref<const Eigen::MatrixXd>& a,

@@ -19,13 +19,9 @@ Eigen::MatrixXd orthonormal_combinations(const Eigen::MatrixXd& gram, const Eige
 }
 
 VectorRows ReducedModel::Parts::shapes(const Eigen::MatrixXd& coordinates) const {
-  Eigen::MatrixXd transposed = Eigen::MatrixXd::Zero(padded_width(coordinates.cols()), coordinates.rows());
-  transposed.topRows(coordinates.cols()) =
-      (pending.size() > 0 ? product(pending, coordinates) : coordinates).transpose();
-  VectorRows result(basis.rows(), transposed.rows());
-  // Row by row is the transpose column by column.
-  multiply_transposed(transposed, basis, Eigen::Map<Eigen::MatrixXd>(result.data(), result.cols(), result.rows()));
-  return result;
+  Eigen::MatrixXd padded = Eigen::MatrixXd::Zero(coordinates.rows(), padded_width(coordinates.cols()));
+  padded.leftCols(coordinates.cols()) = coordinates;
+  return product_by_rows(basis, pending.size() > 0 ? product(pending, padded) : padded);
 }
 
 void ReducedModel::Parts::append(const VectorRows& block, Eigen::Index count, int threads) {

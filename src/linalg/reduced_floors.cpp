@@ -75,7 +75,7 @@ void ReducedModel::Parts::raise_floor(const TermCoefficients& samples, int threa
   if (softest.minCoeff() < 0.0) return;
   const Eigen::Index most_modes = Eigen::Index{4} * options.modes + 16;
   for (Eigen::Index modes = options.modes + 8; modes <= most_modes; modes *= 2) {
-    const Solution solution = solve(samples, k_inside_training, threads);
+    const Solution solution = solve(samples, Purpose::training, threads);
     const Eigen::ArrayXd needed = k_margin * solution.values.row(solution.bounds.rows() - 1).transpose().array();
     const auto unsafe = static_cast<double>((needed >= unseen_above(samples).array()).count());
     if (unsafe <= k_left_out * static_cast<double>(samples.samples())) return;

@@ -117,16 +117,18 @@ SketchedModes ReducedModel::Parts::reduced_modes(const TermCoefficients& samples
   return result;
 }
 
-ReducedModel::Parts::Solution ReducedModel::Parts::solve(const TermCoefficients& samples, double inside,
+ReducedModel::Parts::Solution ReducedModel::Parts::solve(const TermCoefficients& samples, Purpose purpose,
                                                          int threads) const {
+  constexpr double k_infinite = std::numeric_limits<double>::infinity();
+  const bool is_training = purpose == Purpose::training;
   const Eigen::Index modes = solved_modes();
   const Eigen::Index wanted = std::min<Eigen::Index>(options.modes + k_sharp_guards, modes);
   const Eigen::VectorXd ratios = full->smallest_ratios(samples);
-  SketchedModes found = reduced_modes(samples, ratios, inside, threads);
+  SketchedModes found = reduced_modes(samples, ratios, is_training ? 0.02 : 0.05, threads);
   Solution result{std::move(found.modes.values), std::move(found.modes.vectors),
-                  Eigen::MatrixXd::Constant(wanted, samples.samples(), std::numeric_limits<double>::infinity()),
-                  std::move(found.residuals)};
-  const Eigen::VectorXd unseen = unseen_above(samples);
+                  Eigen::MatrixXd::Constant(wanted, samples.samples(), k_infinite), std::move(found.residuals)};
+  const Eigen::VectorXd unseen =
+      is_training ? Eigen::VectorXd::Constant(samples.samples(), k_infinite) : unseen_above(samples);
   parallel_for(samples.samples(), k_grain, threads, [&](std::int64_t begin, std::int64_t end) {
     for (Eigen::Index s = begin; s < end; ++s) {
       auto residuals = result.residuals.middleCols(s * modes, modes);
@@ -170,7 +172,7 @@ CertifiedModes ReducedModel::solve(const TermCoefficients& samples, int threads)
                         Eigen::MatrixXd(wanted, samples.samples())};
   for (Eigen::Index first = 0; first < samples.samples(); first += k_batch) {
     const Eigen::Index count = std::min(k_batch, samples.samples() - first);
-    const Parts::Solution part = parts_->solve(samples.range(first, count), k_inside, threads);
+    const Parts::Solution part = parts_->solve(samples.range(first, count), Purpose::results, threads);
     result.values.middleCols(first, count) = part.values.topRows(wanted);
     result.vectors.middleCols(first, count) = part.vectors.topRows(vectors * wanted);
     result.bounds.middleCols(first, count) = part.bounds.topRows(wanted);

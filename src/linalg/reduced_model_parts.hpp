@@ -17,10 +17,10 @@ constexpr Eigen::Index k_sketch_rows = 64;
 // followed roughly, and one that tells only how far away the next is.
 constexpr int k_guard_modes = 4;
 constexpr int k_sharp_guards = 1;
-// What the block iteration may leave over inside the basis, squared, of the tolerance. In training less: what is left
-// over there would look like a want of vectors.
-constexpr double k_inside = 0.05;
-constexpr double k_inside_training = 0.02;
+
+/// What samples are solved for. Training asks what more vectors could mend: it takes no notice of modes that residuals
+/// cannot show, and leaves less over inside the basis, which would look like a want of vectors.
+enum class Purpose { training, results };
 
 /// A pencil of the family of which all modes up to a level are in the basis.
 struct Floor {
@@ -121,9 +121,11 @@ struct ReducedModel::Parts {
     Eigen::MatrixXd residuals;  ///< sketched, over sqrt(64 ratio mu) [64 x (mode and guards) * sample]
   };
   Eigen::Index solved_modes() const;
-  Solution solve(const TermCoefficients& samples, double inside, int threads) const;
+  Solution solve(const TermCoefficients& samples, Purpose purpose, int threads) const;
   const NearbyModes& nearby_modes() const;
   /// Lowest modes of the reduced pencils, guards included: of most samples by NearbyModes, of the others by themselves.
+  ///
+  /// @param inside  squared residual that the iteration may leave over inside the basis, of the tolerance
   SketchedModes reduced_modes(const TermCoefficients& samples, const Eigen::VectorXd& ratios, double inside,
                               int threads) const;
   /// See SketchedModes.

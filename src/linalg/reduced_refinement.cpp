@@ -193,7 +193,7 @@ RefinedModes refine_sample(const ReducedModel::Parts& parts, const SamplePencil&
 
 void ReducedModel::refine(const TermCoefficients& samples, int threads, const RefinedVisitor& visit) const {
   const Parts& parts = *parts_;
-  const Parts::Solution begin = parts.solve(samples, k_inside, threads);
+  const Parts::Solution begin = parts.solve(samples, Purpose::results, threads);
   const Eigen::VectorXd ratios = parts.full->smallest_ratios(samples);
   const Eigen::VectorXd unseen = parts.unseen_above(samples);
   const Eigen::Index vectors = parts.basis.cols();

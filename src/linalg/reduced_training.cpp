@@ -134,7 +134,7 @@ class TrainingSamples {
     if (rows.empty()) return;
     const Eigen::Index modes = wants.rows();
     const TermCoefficients now{samples_.stiffness(Eigen::all, rows), samples_.mass(Eigen::all, rows)};
-    const ReducedModel::Parts::Solution found = parts_.solve(now, k_inside_training, threads);
+    const ReducedModel::Parts::Solution found = parts_.solve(now, Purpose::training, threads);
     const Eigen::MatrixXd shortfall = shortfalls(found.bounds, found.residuals, target_);
     for (std::size_t i = 0; i < rows.size(); ++i) {
       const auto from = static_cast<Eigen::Index>(i);

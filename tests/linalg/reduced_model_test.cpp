@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "linalg/sparse_families.hpp"
 #include "mottle/core/error.hpp"
@@ -186,6 +187,21 @@ TEST(ReducedModel, EndsTrainingThatCannotReachTheTolerance) {
   EXPECT_LT(wide.basis().cols(), 100);
   EXPECT_EQ(audit(family, wide, family.lognormal(6, 0.5, 2), 6, 1e-9).violations, 0);
   EXPECT_TRUE(trained(family, {.modes = 6}, 0.02).reaches_tolerance());
+}
+
+TEST(ReducedModel, DoesNotGrowForSamplesThatNoVectorMends) {
+  // So wide that of some samples nothing keeps away modes that residuals cannot show; they are for a full solution.
+  constexpr int k_modes = 9;
+  const Family family = grid({.length = 24, .width = 15, .patches = 4, .moves_mass = true});
+  const ReducedModel model = trained(family, {.modes = k_modes}, 0.3);
+  EXPECT_TRUE(model.reaches_tolerance());
+  EXPECT_LT(model.basis().cols(), 130);
+  const TermCoefficients samples = family.lognormal(200, 0.3, 1);
+  const CertifiedModes found = model.solve(samples, 1);
+  const Index unknown = (found.bounds.colwise().maxCoeff().array() == std::numeric_limits<double>::infinity()).count();
+  EXPECT_GT(unknown, 2);
+  EXPECT_LT(unknown, 50);
+  EXPECT_EQ(audit(family, model, family.lognormal(12, 0.3, 2), k_modes, 2e-4).violations, 0);
 }
 
 TEST(ReducedModel, RefusesWhatDoesNotFit) {
