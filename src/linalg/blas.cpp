@@ -67,8 +67,9 @@ Eigen::MatrixXd product(const Eigen::Ref<const Eigen::MatrixXd>& a, const Eigen:
 }
 
 VectorRows product_by_rows(const Eigen::Ref<const Eigen::MatrixXd>& a, const Eigen::Ref<const Eigen::MatrixXd>& b) {
-  VectorRows result = VectorRows::Zero(a.rows(), b.cols());
-  if (result.size() == 0 || b.rows() == 0) return result;
+  assert(a.cols() == b.rows() && b.rows() > 0);
+  VectorRows result(a.rows(), b.cols());
+  if (result.size() == 0) return result;
   // Row by row is the transpose column by column.
   const Eigen::MatrixXd transposed = b.transpose();
   call_gemm(false, true, b.rows(), 1.0, transposed, a, 0.0,

@@ -16,7 +16,7 @@ void multiply(double alpha, const Eigen::Ref<const Eigen::MatrixXd>& a, bool tra
 /// A B.
 Eigen::MatrixXd product(const Eigen::Ref<const Eigen::MatrixXd>& a, const Eigen::Ref<const Eigen::MatrixXd>& b);
 
-/// A B, row by row.
+/// A B, row by row; A has columns.
 VectorRows product_by_rows(const Eigen::Ref<const Eigen::MatrixXd>& a, const Eigen::Ref<const Eigen::MatrixXd>& b);
 
 /// A' B.

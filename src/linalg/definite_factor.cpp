@@ -84,20 +84,9 @@ class CholmodFactor final : public DefiniteFactor {
     solve_part(CHOLMOD_A, right_hand_sides);
   }
 
-  void solve_rows(Eigen::Ref<VectorRows> right_hand_sides) override {
-    if (has_supernodes()) return sweep(right_hand_sides, false);
-    Eigen::MatrixXd columns = right_hand_sides;
-    solve_part(CHOLMOD_A, columns);
-    right_hand_sides = columns;
-  }
+  void solve_rows(Eigen::Ref<VectorRows> right_hand_sides) override { solve_by_rows(right_hand_sides, false); }
 
-  void solve_root(Eigen::Ref<VectorRows> right_hand_sides) override {
-    if (has_supernodes()) return sweep(right_hand_sides, true);
-    Eigen::MatrixXd columns = right_hand_sides;
-    solve_part(CHOLMOD_Lt, columns);
-    solve_part(CHOLMOD_Pt, columns);
-    right_hand_sides = columns;
-  }
+  void solve_root(Eigen::Ref<VectorRows> right_hand_sides) override { solve_by_rows(right_hand_sides, true); }
 
   int negative_eigenvalues() const override { return 0; }
 
@@ -146,6 +135,14 @@ class CholmodFactor final : public DefiniteFactor {
         for (Eigen::Index j = 0; j < sides; ++j) right_hand_sides(order[i], first + j) = x[i * width + j];
       }
     }
+  }
+
+  void solve_by_rows(Eigen::Ref<VectorRows> right_hand_sides, bool is_root) {
+    if (has_supernodes()) return sweep(right_hand_sides, is_root);
+    Eigen::MatrixXd columns = right_hand_sides;
+    solve_part(is_root ? CHOLMOD_Lt : CHOLMOD_A, columns);
+    if (is_root) solve_part(CHOLMOD_Pt, columns);
+    right_hand_sides = columns;
   }
 
   void solve_part(int system, Eigen::Ref<Eigen::MatrixXd> right_hand_sides) {

@@ -51,17 +51,17 @@ void check(const PencilTerms& terms, const TermCoefficients& nominal) {
 /// The largest |x' K_t x| / x' A x, by a few steps of the block power method.
 double largest_ratio(const SupportedMatrix& term, FullPencils& full) {
   constexpr int k_steps = 6;
-  const Eigen::MatrixXd start = full.sketch().leftCols(4);
-  VectorRows block = to_rows(start);
+  constexpr Eigen::Index k_vectors = 4;
+  VectorRows block = to_rows(full.sketch().leftCols(k_vectors));
   const Eigen::VectorXd ones = Eigen::VectorXd::Ones(block.cols());
   double ratio = 0.0;
   for (int step = 0; step < k_steps; ++step) {
     VectorRows moved = VectorRows::Zero(block.rows(), block.cols());
     term.add_scaled_product(block, ones, moved);
-    Eigen::MatrixXd answer = moved.leftCols(start.cols());
-    const Eigen::MatrixXd weighed = symmetric_product(full.shifted, block.leftCols(start.cols()));
-    full.factor().solve(answer);
-    for (Eigen::Index j = 0; j < answer.cols(); ++j) {
+    const VectorRows weighed = product_rows(full.shifted, block);
+    VectorRows answer = moved;
+    full.factor().solve_rows(answer.leftCols(k_vectors));
+    for (Eigen::Index j = 0; j < k_vectors; ++j) {
       const double length = std::sqrt(block.col(j).dot(weighed.col(j)));
       ratio = std::max(ratio, std::sqrt(std::abs(answer.col(j).dot(moved.col(j)))) / length);
       block.col(j) = answer.col(j) / std::max(answer.col(j).norm(), std::numeric_limits<double>::min());

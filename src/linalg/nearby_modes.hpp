@@ -57,8 +57,9 @@ class NearbyModes {
   /// False where the pencils are too small, or their spectrum too dense, for the block to be cheaper.
   bool is_useful() const { return block_ > 0; }
 
-  /// @param limit  of r'r over alpha (lambda - shift) y'My
   /// Samples that are too far from the nominal one, or whose modes are not proven to be the lowest, are marked failed.
+  ///
+  /// @param limit  of r'r over alpha (lambda - shift) y'My
   SketchedModes solve(const TermCoefficients& samples, const NearbyBounds& bounds, double limit, int threads) const;
 
  private:

@@ -44,6 +44,10 @@ Eigen::Index ReducedModel::Parts::solved_modes() const {
   return std::min<Eigen::Index>(options.modes + k_guard_modes, basis.cols());
 }
 
+Eigen::Index ReducedModel::Parts::sharp_modes() const {
+  return std::min<Eigen::Index>(options.modes + k_sharp_guards, solved_modes());
+}
+
 Eigen::MatrixXd sketched_gram(const Eigen::MatrixXd& sketched) {
   constexpr double k_reserve = 3.0;  // a sketch of 64 rows shows less than a third of a square once in 1e7
   return transposed_product(sketched, sketched) * (k_reserve / static_cast<double>(k_sketch_rows));
@@ -85,10 +89,10 @@ Eigen::MatrixXd ReducedModel::Parts::sketched_residuals(const TermCoefficients& 
 const NearbyModes& ReducedModel::Parts::nearby_modes() const {
   std::call_once(prepared->is_made, [&] {
     const Eigen::Index modes = solved_modes();
-    prepared->modes = std::make_unique<NearbyModes>(
-        NearbyFamily{stiffness, mass, full->nominal_stiffness, full->nominal_mass, full->shift, stiffness_sketch,
-                     mass_sketch},
-        NearbyOptions{.modes = modes, .sharp = std::min<Eigen::Index>(options.modes + k_sharp_guards, modes)});
+    prepared->modes =
+        std::make_unique<NearbyModes>(NearbyFamily{stiffness, mass, full->nominal_stiffness, full->nominal_mass,
+                                                   full->shift, stiffness_sketch, mass_sketch},
+                                      NearbyOptions{.modes = modes, .sharp = sharp_modes()});
   });
   return *prepared->modes;
 }
@@ -120,11 +124,12 @@ SketchedModes ReducedModel::Parts::reduced_modes(const TermCoefficients& samples
 ReducedModel::Parts::Solution ReducedModel::Parts::solve(const TermCoefficients& samples, Purpose purpose,
                                                          int threads) const {
   constexpr double k_infinite = std::numeric_limits<double>::infinity();
+  constexpr double k_inside = 0.05, k_inside_training = 0.02;  // of the tolerance
   const bool is_training = purpose == Purpose::training;
   const Eigen::Index modes = solved_modes();
-  const Eigen::Index wanted = std::min<Eigen::Index>(options.modes + k_sharp_guards, modes);
+  const Eigen::Index wanted = sharp_modes();
   const Eigen::VectorXd ratios = full->smallest_ratios(samples);
-  SketchedModes found = reduced_modes(samples, ratios, is_training ? 0.02 : 0.05, threads);
+  SketchedModes found = reduced_modes(samples, ratios, is_training ? k_inside_training : k_inside, threads);
   Solution result{std::move(found.modes.values), std::move(found.modes.vectors),
                   Eigen::MatrixXd::Constant(wanted, samples.samples(), k_infinite), std::move(found.residuals)};
   const Eigen::VectorXd unseen =

@@ -120,7 +120,9 @@ struct ReducedModel::Parts {
     Eigen::MatrixXd bounds;     ///< [mode and sharp guard x sample]
     Eigen::MatrixXd residuals;  ///< sketched, over sqrt(64 ratio mu) [64 x (mode and guards) * sample]
   };
+  /// Modes and guards that are solved for; the first of them are followed as well as the wanted ones.
   Eigen::Index solved_modes() const;
+  Eigen::Index sharp_modes() const;
   Solution solve(const TermCoefficients& samples, Purpose purpose, int threads) const;
   const NearbyModes& nearby_modes() const;
   /// Lowest modes of the reduced pencils, guards included: of most samples by NearbyModes, of the others by themselves.

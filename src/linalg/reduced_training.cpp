@@ -117,8 +117,7 @@ class TrainingSamples {
   bool are_nearly_good() const {
     constexpr double k_bound = 1.3;  // times half the tolerance, squared
     constexpr double k_guard = 2.0;
-    const Eigen::Index sharp = std::min<Eigen::Index>(parts_.options.modes + k_sharp_guards, wants.rows());
-    return wants.topRows(sharp).maxCoeff() < k_bound && wants.maxCoeff() < k_guard;
+    return wants.topRows(parts_.sharp_modes()).maxCoeff() < k_bound && wants.maxCoeff() < k_guard;
   }
   Eigen::Index open_samples() const { return (wants.colwise().maxCoeff().array() > 1.0).count(); }
   /// Mean over the samples of the logarithm of what the worst mode is short of; 0 where half of them are good or so.

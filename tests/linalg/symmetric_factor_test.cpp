@@ -233,21 +233,19 @@ struct MadeLower {
   }
 };
 
-using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-
 void expect_solutions(const lane_kernels::Kernels& kernels) {
   const MadeLower lower({5, 1, 8, 2, 16, 3, 19, 4, 7, 6, 9});
   const auto triangle = lower.dense.triangularView<Eigen::Lower>();
   for (const int width : {1, 8, 24}) {
-    const RowMatrix sides = random_matrix(lower.dense.rows(), width, 8);
-    RowMatrix x = sides;
+    const VectorRows sides = random_matrix(lower.dense.rows(), width, 8);
+    VectorRows x = sides;
     kernels.solve_lower(lower.view(), width, x.data());
     // The condition number is below 1e3.
     EXPECT_LT((x - triangle.solve(sides)).cwiseAbs().maxCoeff(), 1e-13) << width;
     x = sides;
     kernels.solve_lower_transposed(lower.view(), width, x.data());
     EXPECT_LT((x - triangle.transpose().solve(sides)).cwiseAbs().maxCoeff(), 1e-13) << width;
-    RowMatrix alone = sides.col(width / 2);
+    VectorRows alone = sides.col(width / 2);
     kernels.solve_lower_transposed(lower.view(), 1, alone.data());
     EXPECT_EQ(alone, x.col(width / 2)) << width;
   }
