@@ -43,7 +43,14 @@ Json verdict_json(const Verdict& verdict) {
                      {"passed", test.passed},
                      {"meaning", test.meaning}});
   }
-  return {{"adequate", verdict.adequate}, {"level", verdict.level}, {"tests", tests}, {"reasons", verdict.reasons}};
+  Json adequate = nullptr;
+  if (verdict.conclusion != Conclusion::undecided) adequate = verdict.conclusion == Conclusion::adequate;
+  return {{"conclusion", conclusion_text(verdict.conclusion)},
+          {"adequate", std::move(adequate)},
+          {"level", verdict.level},
+          {"tests", tests},
+          {"reasons", verdict.reasons},
+          {"not_tested", verdict.not_tested}};
 }
 
 Json identifiability_json(const Identifiability& seen, const std::vector<std::string>& names) {

@@ -82,8 +82,9 @@ std::vector<std::string> summary_lines(const UpdatingProblem& problem, const Upd
                     result.mean(i), std::sqrt(result.covariance(i, i)), intervals,
                     active(i) == 0 ? "" : (active(i) < 0 ? "  at its lower bound" : "  at its upper bound")));
   }
-  lines.push_back(fmt::format("verdict: {}", verdict.adequate ? "adequate" : "inadequate"));
+  lines.push_back(fmt::format("verdict: {}", conclusion_text(verdict.conclusion)));
   for (const std::string& reason : verdict.reasons) lines.push_back("  " + reason);
+  for (const std::string& sentence : verdict.not_tested) lines.push_back("  " + sentence);
   const std::optional<Identifiability> seen = identify(problem, result);
   if (seen && !seen->unseen_directions.empty()) {
     lines.emplace_back("what the tests do not tell:");
@@ -118,6 +119,7 @@ Json summary_json(const Json& result, const RunFolder& folder) {
   return {{"command", "update"},
           {"status", result["status"]},
           {"message", result["message"]},
+          {"conclusion", result["verdict"]["conclusion"]},
           {"adequate", result["verdict"]["adequate"]},
           {"parameters", result["parameters"]},
           {"model_evaluations", result["model_evaluations"]},
@@ -199,7 +201,6 @@ RunSummary run_update(const Study& study, const RunSettings& settings) {
   summary.status = status_text(result.status);
   summary.message = result.message;
   const Verdict verdict = judge(problem, result);
-  summary.adequate = verdict.adequate;
   summary.lines = summary_lines(problem, result, verdict);
   if (plan) {
     for (const auto& note : json["prediction"]["notes"]) summary.lines.push_back(note.get<std::string>());

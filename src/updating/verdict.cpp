@@ -31,12 +31,25 @@ VerdictTest mean_agreement_test(const UpdatingProblem& problem, const IterationR
                                  specimens, samples)};
 }
 
+std::string conclusion_text(Conclusion conclusion) {
+  switch (conclusion) {
+    case Conclusion::adequate:
+      return "adequate";
+    case Conclusion::inadequate:
+      return "inadequate";
+    default:
+      return "undecided";
+  }
+}
+
 Verdict judge(const UpdatingProblem& problem, const UpdatingResult& result) {
   Verdict verdict;
   verdict.level = problem.level;
   verdict.tests = result.tests;
+  verdict.not_tested = result.not_tested;
+  bool is_refused = false;
   for (const VerdictTest& test : result.tests) {
-    verdict.adequate = verdict.adequate && test.passed;
+    is_refused = is_refused || !test.passed;
     verdict.reasons.push_back(
         fmt::format("{} {} (statistic {:.4g}, critical value {:.4g}, p = {:.3g}).", test.meaning,
                     test.passed ? "They agree as well as chance allows." : "They differ by more than chance allows.",
@@ -45,7 +58,7 @@ Verdict judge(const UpdatingProblem& problem, const UpdatingResult& result) {
   const Eigen::VectorXi active = problem.space.active_bounds(result.mean);
   for (Eigen::Index i = 0; i < active.size(); ++i) {
     if (active(i) == 0) continue;
-    verdict.adequate = false;
+    is_refused = true;
     verdict.reasons.push_back(fmt::format(
         "The mean of {} ended on its {} bound, {:.6g}: within the bounds the chosen parameters cannot explain the "
         "tests, so something else in the model is wrong or missing.",
@@ -70,9 +83,10 @@ Verdict judge(const UpdatingProblem& problem, const UpdatingResult& result) {
                     join(values)));
   }
   if (result.status != UpdatingStatus::converged) {
-    verdict.adequate = false;
     verdict.reasons.push_back("The iteration did not converge: " + result.message + ".");
   }
+  const bool is_tested = result.status == UpdatingStatus::converged && !result.tests.empty();
+  verdict.conclusion = is_refused ? Conclusion::inadequate : is_tested ? Conclusion::adequate : Conclusion::undecided;
   return verdict;
 }
 

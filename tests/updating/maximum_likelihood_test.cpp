@@ -39,7 +39,7 @@ TEST(MaximumLikelihood, OfTestsWithoutNoiseIsTheMeanAndCovarianceOfTheInvertedTe
   EXPECT_LT((result.covariance - sample_covariance(x)).cwiseAbs().maxCoeff(), 1e-6);
   EXPECT_LT((result.specimens->parameters - x).cwiseAbs().maxCoeff(), 1e-6);
   EXPECT_TRUE(says(result, "no degrees of freedom"));
-  EXPECT_TRUE(judge(structure.problem(test::frequencies_of(structure, x)), result).adequate);
+  EXPECT_EQ(judge(structure.problem(test::frequencies_of(structure, x)), result).conclusion, Conclusion::adequate);
 }
 
 /// Four outputs of two parameters, linear, so that every step has a closed form.
@@ -182,7 +182,7 @@ TEST(MaximumLikelihood, RejectsAModelWhoseOtherOutputsDoNotFit) {
   linear.tests.col(3).array() += 0.3;  // almost four standard deviations of the noise, twelve of its mean's
   const UpdatingProblem problem = linear.problem(linear.noise);
   const UpdatingResult result = update(problem);
-  EXPECT_FALSE(judge(problem, result).adequate);
+  EXPECT_EQ(judge(problem, result).conclusion, Conclusion::inadequate);
   EXPECT_EQ(result.tests.front().name, "mean-residuals");
   EXPECT_FALSE(result.tests.front().passed);
 }
@@ -195,7 +195,7 @@ TEST(MaximumLikelihood, SaysWhichTestsNoParametersGive) {
   const UpdatingResult result = update(problem);
   ASSERT_EQ(result.tests.back().name, "reproduction");
   EXPECT_EQ(result.tests.back().statistic, 1.0);
-  EXPECT_FALSE(judge(problem, result).adequate);
+  EXPECT_EQ(judge(problem, result).conclusion, Conclusion::inadequate);
 }
 
 TEST(MaximumLikelihood, NamesAnOutlyingSpecimen) {

@@ -19,7 +19,7 @@ using test::ThreeMasses;
 TEST(Verdict, TheRightParametersAreAdequate) {
   const ThreeMasses structure;
   const UpdatingProblem problem = structure.problem(frequencies_of(structure, oracle_parameters()));
-  EXPECT_TRUE(judge(problem, MaresUpdater({}).update(problem, {})).adequate);
+  EXPECT_EQ(judge(problem, MaresUpdater({}).update(problem, {})).conclusion, Conclusion::adequate);
 }
 
 TEST(Verdict, AParameterOnItsBoundIsInadequateAndNamed) {
@@ -27,7 +27,7 @@ TEST(Verdict, AParameterOnItsBoundIsInadequateAndNamed) {
   const ThreeMasses without_k6(0.0);
   const UpdatingProblem problem = without_k6.problem(frequencies_of(truth, oracle_parameters()));
   const Verdict verdict = judge(problem, MaresUpdater({}).update(problem, {}));
-  EXPECT_FALSE(verdict.adequate);
+  EXPECT_EQ(verdict.conclusion, Conclusion::inadequate);
   bool is_named = false;
   for (const std::string& reason : verdict.reasons) {
     is_named = is_named || reason.find("k2 ended on its lower bound, 0.5") != std::string::npos;
@@ -35,11 +35,11 @@ TEST(Verdict, AParameterOnItsBoundIsInadequateAndNamed) {
   EXPECT_TRUE(is_named);
 }
 
-TEST(Verdict, AnIterationThatDidNotConvergeIsInadequate) {
+TEST(Verdict, AnIterationThatDidNotConvergeIsUndecided) {
   const ThreeMasses structure;
   UpdatingProblem problem = structure.problem(frequencies_of(structure, oracle_parameters()));
   problem.iterations = 2;
-  EXPECT_FALSE(judge(problem, MaresUpdater({}).update(problem, {})).adequate);
+  EXPECT_EQ(judge(problem, MaresUpdater({}).update(problem, {})).conclusion, Conclusion::undecided);
 }
 
 /// Part of 2000 replications of ten right specimens that the test rejects. The three outputs scatter together alone,

@@ -119,7 +119,7 @@ struct Outcome {
   Eigen::VectorXd deviation;
   Eigen::MatrixXd own;  // sample moments of the true parameters
   std::vector<int> mean_covered, deviation_covered, correlation_covered;
-  bool adequate = true;
+  Conclusion conclusion = Conclusion::undecided;
   bool has_estimate = false;
   std::vector<std::string> failed_tests;
 };
@@ -141,7 +141,7 @@ Outcome replicate(const Settings& settings, const Updater& method, const test::T
   try {
     const UpdatingResult result = method.update(problem, {.seed = replication + 1});
     const Verdict verdict = judge(problem, result);
-    outcome.adequate = verdict.adequate;
+    outcome.conclusion = verdict.conclusion;
     for (const VerdictTest& test : verdict.tests) {
       if (!test.passed) outcome.failed_tests.push_back(test.name);
     }
@@ -161,7 +161,7 @@ Outcome replicate(const Settings& settings, const Updater& method, const test::T
       }
     }
   } catch (const std::exception& error) {
-    outcome.adequate = false;
+    outcome.conclusion = Conclusion::inadequate;
     outcome.failed_tests.push_back(error.what());
   }
   return outcome;
@@ -192,7 +192,7 @@ void print(const std::vector<Outcome>& outcomes, double seconds) {
   double rejected = 0.0;
   std::map<std::string, int> reasons;
   for (const Outcome& outcome : outcomes) {
-    rejected += outcome.adequate ? 0.0 : 1.0;
+    rejected += outcome.conclusion == Conclusion::inadequate ? 1.0 : 0.0;
     for (const std::string& reason : outcome.failed_tests) ++reasons[reason];
     if (!outcome.has_estimate) continue;
     estimates += 1.0;

@@ -26,7 +26,6 @@ struct RunSettings {
 struct RunSummary {
   std::string status;
   std::string message;
-  std::optional<bool> adequate;
   std::vector<std::string> lines;  ///< for a person
   std::string json;                ///< for a machine: one line
 };

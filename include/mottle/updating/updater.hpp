@@ -25,6 +25,10 @@ struct TestData {
   /// Degrees of freedom of `repeatability_std` where it comes from repeated tests, 0 where it was given as a number;
   /// empty: 0 for all [output].
   Eigen::VectorXi repeatability_freedom = {};
+  /// Standard deviation of the model's own error d, shared by all specimens, z_s = f(x_s) + d + e_s, 0 where none;
+  /// empty: none [output].
+  Eigen::VectorXd model_error_std = {};
+  bool is_model_error_estimated = false;  ///< `model_error_std` gives proportions alone, their level is estimated
 };
 
 /// One updating problem. What it refers to must outlive it.
@@ -104,7 +108,8 @@ struct UpdatingResult {
   std::vector<Eigen::VectorXd> other_solutions = {};  ///< means that explain the tests' mean as well [parameter]
   Eigen::MatrixXd noise_covariance;                   ///< R as used or estimated [output x output]; else 0 x 0
   bool is_population = false;                         ///< `covariance` estimates the scatter of the specimens
-  std::vector<VerdictTest> tests;                     ///< of the final state, at the problem's level
+  std::vector<VerdictTest> tests;                     ///< of the final state, at the problem's level together
+  std::vector<std::string> not_tested = {};           ///< sentences: what of the model no test could see, and why
   std::vector<std::string> notes;                     ///< what a reader of the numbers must know
 };
 

@@ -10,15 +10,23 @@
 
 namespace mottle {
 
+/// adequate: it was tested and stands; inadequate: a test refuses it; undecided: nothing, or not enough, could be
+/// tested.
+enum class Conclusion { adequate, inadequate, undecided };
+
+/// "adequate", "inadequate", "undecided".
+std::string conclusion_text(Conclusion conclusion);
+
 /// The answer to "is the model right?".
 struct Verdict {
-  bool adequate = true;
-  double level = 0.05;  ///< false-alarm rate of the tests
+  Conclusion conclusion = Conclusion::undecided;
+  double level = 0.05;  ///< false-alarm rate of the tests together
   std::vector<VerdictTest> tests;
-  std::vector<std::string> reasons;  ///< sentences; also where adequate
+  std::vector<std::string> reasons;     ///< sentences; also where adequate
+  std::vector<std::string> not_tested;  ///< sentences: what no test could see, and what would show it
 };
 
-/// Adequate where every test of the method passed and no mean lies on a bound.
+/// Inadequate where a test of the method failed or a mean lies on a bound; undecided where nothing was tested.
 Verdict judge(const UpdatingProblem& problem, const UpdatingResult& result);
 
 /// Hotelling's two-sample test that specimens and cloud have the same mean; the known noise of the tests is added to
