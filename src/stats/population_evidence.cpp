@@ -64,7 +64,7 @@ bool gather_balanced(const std::vector<RandomEffectsUnit>& units, const RandomEf
   const Eigen::MatrixXd total = sample_covariance(estimates);
   evidence.total = total;
   evidence.noise = noise;
-  evidence.mean_variance = total.diagonal() / static_cast<double>(n);
+  evidence.mean_covariance = total / static_cast<double>(n);
   evidence.freedom = Eigen::MatrixXd::Constant(map.rows(), map.rows(), static_cast<double>(n - 1));
   return true;
 }
@@ -98,7 +98,7 @@ PopulationEvidence population_evidence(const std::vector<RandomEffectsUnit>& uni
       (sigma.diagonal().array() / from_effects.diagonal().array().max(1e-300)).max(0.0).sqrt();
   evidence.noise = ratio.asDiagonal() * from_noise * ratio.asDiagonal();
   evidence.total = sigma + evidence.noise;
-  evidence.mean_variance = (from_effects + from_noise).diagonal();
+  evidence.mean_covariance = from_effects + from_noise;
   evidence.freedom = Eigen::MatrixXd::Zero(map.rows(), map.rows());
   const auto n = static_cast<double>(units.size());
   for (Eigen::Index i = 0; i < map.rows(); ++i) {

@@ -101,7 +101,7 @@ void add_scaled_intervals(const PopulationEvidence& evidence, Eigen::Index i, co
   for (Eigen::Index k = 0; k < chi_squared.size(); ++k) {
     const double blown = freedom / chi_squared(k);
     const double variance = std::max(evidence.total(i, i) * blown - evidence.noise(i, i), 0.0);
-    const double mean = evidence.mean(i) - Draws::normal()(k) * std::sqrt(evidence.mean_variance(i) * blown);
+    const double mean = evidence.mean(i) - Draws::normal()(k) * std::sqrt(evidence.mean_covariance(i, i) * blown);
     const VariableMoments moments =
         moments_of_variables({scale}, Eigen::VectorXd::Constant(1, mean), Eigen::MatrixXd::Constant(1, 1, variance));
     means.push_back(moments.mean(0));
@@ -128,7 +128,7 @@ PopulationIntervals population_intervals(const PopulationEvidence& evidence, con
       add_scaled_intervals(evidence, i, scales[static_cast<std::size_t>(i)], confidence, draws, intervals);
     } else {
       const boost::math::students_t t(freedom);
-      const double half = boost::math::quantile(complement(t, tail)) * std::sqrt(evidence.mean_variance(i));
+      const double half = boost::math::quantile(complement(t, tail)) * std::sqrt(evidence.mean_covariance(i, i));
       intervals.mean.row(i) << evidence.mean(i) - half, evidence.mean(i) + half;
       const boost::math::chi_squared chi_squared(freedom);
       const double sum = freedom * evidence.total(i, i);

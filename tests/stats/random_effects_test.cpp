@@ -183,7 +183,7 @@ TEST(PopulationIntervals, OfACorrelationAreThoseOfItsExactDistribution) {
   evidence.mean = Eigen::Vector2d::Zero();
   evidence.total = (Eigen::Matrix2d() << 4.0, 1.0, 1.0, 1.0).finished();
   evidence.noise = Eigen::Matrix2d::Zero();
-  evidence.mean_variance = Eigen::Vector2d(0.4, 0.1);
+  evidence.mean_covariance = Eigen::Vector2d(0.4, 0.1).asDiagonal();
   evidence.freedom = Eigen::Matrix2d::Constant(9.0);
   const PopulationIntervals intervals = population_intervals(evidence, std::vector<NormalScale>(2), 0.95);
   EXPECT_NEAR(intervals.correlation_lower(1, 0), -0.18092, 0.01);

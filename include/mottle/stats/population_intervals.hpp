@@ -12,11 +12,11 @@ namespace mottle {
 /// What intervals rest on. `total` = Sigma + noise is what the units show of the population's covariance: a quantity
 /// whose sampling distribution is that of a sample covariance with `freedom` degrees of freedom.
 struct PopulationEvidence {
-  Eigen::VectorXd mean;           ///< [variable]
-  Eigen::MatrixXd total;          ///< [variable x variable]
-  Eigen::MatrixXd noise;          ///< the part of `total` that measurement noise makes [variable x variable]
-  Eigen::VectorXd mean_variance;  ///< of `mean` [variable]
-  Eigen::MatrixXd freedom;        ///< of each entry of `total`; 0: not determined [variable x variable]
+  Eigen::VectorXd mean;             ///< [variable]
+  Eigen::MatrixXd total;            ///< [variable x variable]
+  Eigen::MatrixXd noise;            ///< the part of `total` that measurement noise makes [variable x variable]
+  Eigen::MatrixXd mean_covariance;  ///< of `mean` [variable x variable]
+  Eigen::MatrixXd freedom;          ///< of each entry of `total`; 0: not determined [variable x variable]
 };
 
 /// Evidence from a fit.

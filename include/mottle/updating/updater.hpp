@@ -14,6 +14,7 @@
 #include "mottle/model/parameter_space.hpp"
 #include "mottle/propagation/cloud.hpp"
 #include "mottle/stats/outliers.hpp"
+#include "mottle/stats/population_intervals.hpp"
 #include "mottle/stats/regression.hpp"
 
 namespace mottle {
@@ -61,6 +62,13 @@ struct ParameterIntervals {
   std::string made_by;  ///< "analytic" | "bootstrap"
 };
 
+/// The estimated population on the parameters' scales t, where it is normal: t ~ N(mean, covariance).
+struct PopulationOnScales {
+  Eigen::VectorXd mean;         ///< [parameter]
+  Eigen::MatrixXd covariance;   ///< positive semi-definite [parameter x parameter]
+  PopulationEvidence evidence;  ///< what the specimens show of it, on the same scales
+};
+
 /// What a method knows of every specimen.
 struct SpecimenEstimates {
   Eigen::MatrixXd parameters;  ///< [specimen x parameter]
@@ -102,9 +110,10 @@ struct UpdatingResult {
   std::vector<IterationRecord> history;  ///< first: the prior's cloud; last: the cloud of `mean` and `covariance`
   Eigen::MatrixXd sensitivity;           ///< dy/dx at `mean` where the method has it [output x parameter]; else 0 x 0
   std::int64_t model_evaluations = 0;
-  std::optional<ParameterIntervals> intervals = std::nullopt;  ///< of methods that estimate a population
-  std::optional<SpecimenEstimates> specimens = std::nullopt;   ///< of methods that look at each specimen
-  std::vector<Outlier> outliers = {};                          ///< specimens that do not belong to the others
+  std::optional<ParameterIntervals> intervals = std::nullopt;   ///< of methods that estimate a population
+  std::optional<PopulationOnScales> population = std::nullopt;  ///< `mean` and `covariance` come from it, where given
+  std::optional<SpecimenEstimates> specimens = std::nullopt;    ///< of methods that look at each specimen
+  std::vector<Outlier> outliers = {};                           ///< specimens that do not belong to the others
   std::vector<Eigen::VectorXd> other_solutions = {};  ///< means that explain the tests' mean as well [parameter]
   Eigen::MatrixXd noise_covariance;                   ///< R as used or estimated [output x output]; else 0 x 0
   bool is_population = false;                         ///< `covariance` estimates the scatter of the specimens
