@@ -207,14 +207,14 @@ StudyTests read_tests(const Study& study, const ModalModel& model) {
   tests.notes = std::move(contents.notes);
   tests.data.values = contents.table ? values_of_rows(study, model, *contents.table, names, tests.notes)
                                      : values_of_modes(study, model, contents.specimens, tests);
-  const std::string file = contents.table ? contents.table->file : study.test->files.front().string();
+  tests.file = contents.table ? contents.table->file : study.test->files.front().string();
   for (Eigen::Index k = 0; k < tests.data.values.cols(); ++k) {
     const auto measured = (!tests.data.values.col(k).array().isNaN()).count();
-    require(measured > 0, "{}: output '{}' is never measured; leave it out of [outputs]", file,
+    require(measured > 0, "{}: output '{}' is never measured; leave it out of [outputs]", tests.file,
             names[static_cast<std::size_t>(k)]);
     require(measured > 1 || tests.data.values.rows() == 1,
-            "{}: output '{}' is measured once in {} specimens, which gives no scatter; leave it out of [outputs]", file,
-            names[static_cast<std::size_t>(k)], tests.data.values.rows());
+            "{}: output '{}' is measured once in {} specimens, which gives no scatter; leave it out of [outputs]",
+            tests.file, names[static_cast<std::size_t>(k)], tests.data.values.rows());
   }
   add_repeatability(study, model, names, tests);
   return tests;

@@ -15,6 +15,7 @@
 #include "result_json.hpp"
 #include "run_files.hpp"
 #include "solver_use.hpp"
+#include "unit_errors.hpp"
 
 namespace mottle {
 namespace {
@@ -269,6 +270,7 @@ RunSummary run_check(const Study& study, const RunSettings& settings) {
                {"outputs", outputs_json(model.outputs())}};
   if (study.test) {
     const StudyTests tests = read_tests(study, model);
+    refuse_unit_errors(study, made, tests);
     const CloudSettings rules = cloud_settings(study, tests.data.values.rows(), tests.data.values.cols());
     lines.push_back(
         fmt::format("tests: {} specimens of {} outputs", tests.data.values.rows(), tests.data.values.cols()));

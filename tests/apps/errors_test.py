@@ -302,6 +302,26 @@ tests_case("an output never measured", "\n".join(line.rsplit(",", 1)[0] + ("," i
 tests_case("an output measured once", "\n".join(line if i < 2 else line.rsplit(",", 1)[0] + ","
                                               for i, line in enumerate(TESTS.splitlines())),
            ["'f3'", "measured once"])
+
+
+def in_unit(factor):
+    """The good tests with their frequencies times a factor."""
+    header, *rows = TESTS.splitlines()
+    return "\n".join([header] + [",".join(f"{float(value) * factor!r}" for value in row.split(",")) for row in rows])
+
+
+for verb in ("check", "update", "diagnose"):
+    tests_case(f"frequencies in rad/s: {verb}", in_unit(6.283185307179586),
+               ["times the model's", "2 pi", "rad/s", "f1 1.0", "against 0.2"], arguments=[verb, "study.toml"]
+               + ([] if verb == "check" else ["--out", "out"]))
+tests_case("frequencies divided by 2 pi", in_unit(0.15915494309189535), ["1/(2 pi)", "divided by 2 pi twice"])
+tests_case("frequencies in cycles per minute", in_unit(60.0), ["near 60", "cycles per minute", "Divide them by 60"])
+tests_case("a model in cycles per minute", in_unit(1.0 / 60.0), ["near 1/60", "cycles per minute"])
+tests_case("frequencies in mHz", in_unit(1000.0), ["near 1000", "mHz"])
+tests_case("frequencies in kHz", in_unit(0.001), ["near 1/1000", "kHz"])
+tests_case("frequencies in rad/s with gaps", "\n".join(
+    line if i % 2 else line.rsplit(",", 1)[0] + "," for i, line in enumerate(in_unit(6.283185307179586).splitlines())
+    ).replace("f1,f2,", "f1,f2,f3"), ["2 pi"])
 study_case("one specimen for mares", [], ["1 specimen", "at least 2", "deterministic"], at="method = ",
            tests="\n".join(TESTS.splitlines()[:2]))
 study_case("fewer specimens than outputs", [], ["covariance", "3 outputs", "3 specimens", "singular", "more specimens"],

@@ -32,6 +32,7 @@ StudyModel make_model(const Study& study, const StudyParameters& parameters, con
 /// The tests of a study, columns in the order of the model's outputs.
 struct StudyTests {
   TestData data;
+  std::string file = {};           ///< that they were read from, the first of several
   std::vector<std::string> notes;  ///< columns and rows that were left out, and why
   std::string pairing = {};        ///< pairing.csv; empty where the tests came as a table of outputs
 };
