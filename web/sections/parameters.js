@@ -30,7 +30,7 @@ function rows_of({ parameters: block, parameter_axes }) {
   });
 }
 
-function columns_for(rows) {
+function columns_for(rows, updated_std) {
   const any = (key) => rows.some((row) => is_number(row[key]));
   const any_interval = (key) => rows.some((row) => row[key].some(is_number));
   const interval = (key, title) => ({
@@ -46,7 +46,7 @@ function columns_for(rows) {
     any("prior_mean") ? { key: "prior_mean", title: "Mean", group: "Prior" } : null,
     any("prior_std") ? { key: "prior_std", title: "Std. dev.", group: "Prior" } : null,
     any("mean") ? { key: "mean", title: "Mean", group: "Updated" } : null,
-    any("std") ? { key: "std", title: "Std. dev.", group: "Updated" } : null,
+    any("std") ? { key: "std", title: updated_std, group: "Updated" } : null,
     any("change") ? { key: "change", title: "Change", group: "Updated", text: (value) => percent_text(value) } : null,
     any_interval("bounds")
       ? { key: "bounds", title: "Bounds", text: bounds_text, csv: (row) => row.bounds.map((b) => b ?? "").join(" to ") }
@@ -98,7 +98,9 @@ export default {
   ],
   content(study) {
     const rows = rows_of(study);
-    const columns = columns_for(rows);
+    // Methods that do not estimate the scatter of the specimens have another deviation, which must not be taken for it.
+    const is_of_mean = study.is_update && study.parameters.is_population === false;
+    const columns = columns_for(rows, is_of_mean ? "Std. dev. of the mean" : "Std. dev.");
     const has_intervals = columns.some(({ key }) => key === "mean_ci95" || key === "std_ci95");
     return [
       data_table({
@@ -109,7 +111,10 @@ export default {
         caption: has_intervals
           ? "The 95 % intervals say how well mean and standard deviation of the population are known from these " +
             "tests; the standard deviation itself is the spread from one specimen to the next."
-          : null,
+          : is_of_mean
+            ? "The updated standard deviation says how well the method takes the mean to be known; it does not estimate the scatter of " +
+              "the specimens."
+            : null,
       }),
       other_solutions(study),
     ];

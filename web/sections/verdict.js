@@ -4,40 +4,54 @@ import { bullets, element, paragraph, prose } from "../src/dom.js";
 import { p_value_text, short_number, words } from "../src/format.js";
 import { data_table } from "../src/table.js";
 
+/** "adequate", "inadequate", "undecided", or null where there is no verdict; older results say true or false alone. */
+function conclusion_of({ conclusion, adequate }) {
+  if (["adequate", "inadequate", "undecided"].includes(conclusion)) return conclusion;
+  return adequate === true ? "adequate" : adequate === false ? "inadequate" : null;
+}
+
 function statement(verdict, study) {
   const level = is_number(verdict.level) ? `${short_number(100 * verdict.level)}\u00a0%` : null;
   const at_level = level ? ` A right model would be refused like this in ${level} of cases at most.` : "";
-  if (verdict.adequate === true) {
-    return {
-      tone: "good",
-      sign: "✓",
-      word: "Adequate",
-      text:
-        list(verdict.tests).length === 0
-          ? "Nothing found speaks against the model with the parameters below, but no statistical check was made of it."
-          : "The model, with the parameters found below, explains the tests: none of the checks refuses it." +
-            (level ? ` Level of the whole verdict: ${level}.` : ""),
-    };
+  switch (conclusion_of(verdict)) {
+    case "adequate":
+      return {
+        tone: "good",
+        sign: "✓",
+        word: "Adequate",
+        text:
+          "The model, with the parameters found below, explains the tests: it was tested, and none of the checks refuses it." +
+          (level ? ` Level of the whole verdict: ${level}.` : ""),
+      };
+    case "inadequate":
+      return {
+        tone: "bad",
+        sign: "✗",
+        word: "Inadequate",
+        text:
+          "With the parameters that were updated, the model does not explain the tests. Something that was not updated varies, " +
+          `or is wrong: do not take the estimates below as physical values.${at_level}`,
+      };
+    case "undecided":
+      return {
+        tone: "open",
+        sign: "?",
+        word: "Undecided",
+        text:
+          "Nothing refuses the model, but too little of it could be tested to call it right: a wrong model may explain these tests " +
+          "as well, and give other parameters.",
+      };
+    default:
+      return {
+        tone: "neutral",
+        sign: "–",
+        word: "No verdict",
+        text:
+          study.tests.length || has_test_means(study)
+            ? "The result says nothing about whether the model is right."
+            : "There are no test data to hold the model against: this page shows what the model predicts.",
+      };
   }
-  if (verdict.adequate === false) {
-    return {
-      tone: "bad",
-      sign: "✗",
-      word: "Inadequate",
-      text:
-        "With the parameters that were updated, the model does not explain the tests. Something that was not updated varies, " +
-        `or is wrong: do not take the estimates below as physical values.${at_level}`,
-    };
-  }
-  return {
-    tone: "neutral",
-    sign: "–",
-    word: "No verdict",
-    text:
-      study.tests.length || has_test_means(study)
-        ? "The result says nothing about whether the model is right."
-        : "There are no test data to hold the model against: this page shows what the model predicts.",
-  };
 }
 
 const has_test_means = (study) => list(study.outputs.test_mean).some(is_number);
@@ -68,6 +82,40 @@ function tests_table(tests) {
   });
 }
 
+/** "k1 by 1.4, k2 by 0.3", largest first. */
+const moves_text = (moves) =>
+  list(moves)
+    .map(record)
+    .filter(({ half_widths }) => is_number(half_widths))
+    .sort((one, other) => Math.abs(other.half_widths) - Math.abs(one.half_widths))
+    .slice(0, 3)
+    .map(({ parameter, half_widths }) => `${parameter} by ${short_number(half_widths, 3)}`)
+    .join(", ") || "–";
+
+/** What may be wrong in the model and not be noticed. */
+function could_hide_table(hidden) {
+  return data_table({
+    id: "could-hide",
+    title: "Errors of the model that the verdict could miss",
+    columns: [
+      { key: "name", title: "Fixed quantity", is_text: true },
+      { key: "nominal", title: "In the model" },
+      { key: "relative_change", title: "Off by", text: (value) => (is_number(value) ? `${short_number(100 * value, 3)}\u00a0%` : "–") },
+      {
+        key: "is_detected",
+        title: "The verdict",
+        is_text: true,
+        csv: (row) => row.is_detected,
+        text: (is_detected) => (is_detected ? "refuses it in 80\u00a0% of cases" : "does not see it at any size"),
+      },
+      { key: "would_move", title: "Moves a mean, in half-widths of its 95\u00a0% interval", is_text: true, text: moves_text, csv: (row) => moves_text(row.would_move) },
+    ],
+    rows: hidden,
+    caption:
+      "Smaller errors pass more often. A mean that moves by more than 1 leaves its own interval: the interval holds for a right model only.",
+  });
+}
+
 export default {
   id: "verdict-section",
   title: "Verdict",
@@ -75,8 +123,8 @@ export default {
   explained: [
     [
       "Verdict",
-      "Adequate when the whole set of checks, at one common false-alarm rate, does not refuse the model; " +
-        "numbers can look right in a wrong model, so read this first.",
+      "Adequate when the model was tested and the whole set of checks, at one common false-alarm rate, does not refuse it; undecided " +
+        "when nothing, or not enough, could be tested. Numbers can look right in a wrong model, so read this first.",
     ],
   ],
   content(study) {
@@ -84,11 +132,13 @@ export default {
     const { tone, sign, word, text } = statement(verdict, study);
     const tests = list(verdict.tests).map(record);
     const reasons = list(verdict.reasons).map(prose);
+    const not_tested = list(verdict.not_tested).map(prose);
+    const hidden = list(verdict.could_hide).map(record);
     const notes = list(study.result.notes);
     return [
       element(
         "div",
-        { class: `verdict ${tone}`, "data-verdict": String(verdict.adequate ?? null) },
+        { class: `verdict ${tone}`, "data-verdict": conclusion_of(verdict) ?? "none" },
         element("span", { class: "sign", "aria-hidden": "true" }, sign),
         element(
           "div",
@@ -96,9 +146,13 @@ export default {
           element("p", { class: "verdict-word" }, word),
           paragraph(text),
           reasons.length ? bullets(reasons, { class: "reasons" }) : null,
+          not_tested.length
+            ? [element("p", { class: "list-head" }, "What was not tested"), bullets(not_tested, { class: "not-tested" })]
+            : null,
         ),
       ),
       tests.length ? tests_table(tests) : null,
+      hidden.length ? could_hide_table(hidden) : null,
       notes.length
         ? element(
             "div",

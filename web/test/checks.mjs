@@ -15,6 +15,11 @@ import {
   saved,
 } from "./expectations.mjs";
 
+const conclusion_of = (verdict) => {
+  const { conclusion, adequate } = verdict ?? {};
+  return conclusion ?? (adequate === true ? "adequate" : adequate === false ? "inadequate" : "none");
+};
+
 export const checks = [
   [
     "the title is shown as text, whatever it holds",
@@ -36,12 +41,39 @@ export const checks = [
       assert.equal(await page.locator("section").first().getAttribute("id"), "verdict-section");
       assert.equal(
         await page.locator("[data-verdict]").getAttribute("data-verdict"),
-        String(result_of(data).verdict?.adequate ?? null),
+        conclusion_of(result_of(data).verdict),
       );
+      const signs = { adequate: "✓", inadequate: "✗", undecided: "?", none: "–" };
+      assert.equal(await page.locator(".verdict .sign").innerText(), signs[conclusion_of(result_of(data).verdict)]);
       assert.equal(
         await page.locator('[data-table="verdict"] tbody tr').count(),
         list(result_of(data).verdict?.tests).length,
       );
+    },
+  ],
+  [
+    "what was not tested, and what could hide, is listed as the data list it",
+    async ({ page, data }) => {
+      const { not_tested, could_hide } = result_of(data)?.verdict ?? {};
+      assert.deepEqual(
+        await page.locator(".verdict .not-tested > li").allInnerTexts(),
+        list(not_tested).map((text) => text.replaceAll("`", "")),
+      );
+      assert.equal(await page.locator(".verdict .not-tested b").count(), 0);
+      const names = await page.locator('[data-table="could-hide"] tbody th').allInnerTexts();
+      assert.deepEqual(
+        names,
+        list(could_hide).map(({ name }) => name),
+      );
+    },
+  ],
+  [
+    "a deviation that is not the scatter of specimens is not called so",
+    async ({ page, data }) => {
+      const { command, parameters = {} } = result_of(data);
+      if (command === "propagate" || !has_numbers(parameters.std)) return;
+      const heads = (await page.locator('[data-table="parameters"] thead').innerText()).includes("of the mean");
+      assert.equal(heads, parameters.is_population === false);
     },
   ],
   [

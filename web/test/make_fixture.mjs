@@ -60,6 +60,7 @@ function masses_study(more) {
     model: (x) => three_masses(...x, 3),
     tests: specimens.map((x) => three_masses(...x, more.test_k6 ?? 3)),
     verdict: {
+      conclusion: "adequate",
       adequate: true,
       level: 0.05,
       tests: [
@@ -68,6 +69,20 @@ function masses_study(more) {
         check("Whitened residuals of the specimens", 2.91, 3.72, 0.112, "No specimen lies outside the cloud."),
       ],
       reasons: [],
+      not_tested: [],
+      could_hide: [
+        {
+          name: "k6",
+          nominal: 3,
+          relative_change: 0.043,
+          is_detected: true,
+          would_move: [
+            { parameter: "k1", half_widths: 0.62 },
+            { parameter: "k2", half_widths: -0.21 },
+            { parameter: "k5", half_widths: 0.44 },
+          ],
+        },
+      ],
     },
     ...more,
   };
@@ -80,6 +95,7 @@ function refused_study() {
     iterations: 10,
     output_names: ["f1", "<img src=x onerror=alert(1)>", "f3"],
     verdict: {
+      conclusion: "inadequate",
       adequate: false,
       level: 0.05,
       tests: [
@@ -138,10 +154,29 @@ function aeroplane_study() {
     model,
     tests: Array.from({ length: 86 }, () => model(truth.map((t) => t + 0.1 * normal()))),
     verdict: {
+      conclusion: "undecided",
       adequate: null,
-      level: null,
+      level: 0.05,
       tests: [],
       reasons: ["Too many entries are missing for a test of the covariances."],
+      not_tested: [
+        "14 outputs are no more than the parameters that they see: any means can be matched.",
+        "A `MAT1:2:E` off by 10 % would have passed, and moves joint_stiffness_3 by 1.4 of its interval's half-width.",
+        "<b>hostile</b> texts are texts.",
+      ],
+      could_hide: [
+        {
+          name: "MAT1:2:E",
+          nominal: 7.1e10,
+          relative_change: 0.1,
+          is_detected: false,
+          would_move: [
+            { parameter: "joint_stiffness_3", half_widths: 1.4 },
+            { parameter: "mass_2", half_widths: null },
+          ],
+        },
+        { name: "PSHELL:7:T", nominal: null, relative_change: null, is_detected: true, would_move: null },
+      ],
     },
   };
 }
