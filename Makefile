@@ -22,7 +22,9 @@ build:
 
 demo: build
 	build/release/mottle update examples/01-three-masses/case1.toml
-	@echo "The report: $(CURDIR)/examples/01-three-masses/case1.mottle/report.html"
+	build/release/mottle update examples/01-three-masses/shapes.toml
+	@echo "The paper's case, frequencies alone: $(CURDIR)/examples/01-three-masses/case1.mottle/report.html"
+	@echo "Shapes measured beside them:         $(CURDIR)/examples/01-three-masses/shapes.mottle/report.html"
 
 # The tests run on what users get, the optimised build; assertions are on in the asan, tsan and coverage builds.
 test:

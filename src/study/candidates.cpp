@@ -176,6 +176,22 @@ class Resolver {
     return candidates;
   }
 
+  /// Every number that has a size to be wrong by, masses too; dampers only where an output sees them.
+  std::vector<StudyParameter> all(std::size_t most, std::size_t& total) {
+    std::vector<StudyParameter> candidates;
+    total = 0;
+    for (const Number& number : numbers_) {
+      const bool is_seen = number.kind != "damper" || !study_.outputs.damping.empty();
+      const bool is_taken = number.is_usual || study_.model.kind != StudyModelSource::Kind::nastran;
+      if (number.value == 0.0 || !is_seen || !is_taken || owned_.contains(key_of(number.target))) continue;
+      if (++total > most) continue;
+      StudyParameter candidate;
+      candidate.targets = {number.target};
+      candidates.push_back(resolve(std::move(candidate)));
+    }
+    return candidates;
+  }
+
  private:
   static constexpr const char* k_key = "diagnose.candidates";
 
@@ -229,9 +245,14 @@ std::vector<StudyParameter> resolve_candidates(const Study& study) {
   }
 }
 
-Study with_candidates(const Study& study) {
+FixedNumbers fixed_numbers(const Study& study, std::size_t most) {
+  FixedNumbers numbers;
+  numbers.list = Resolver(study).all(most, numbers.total);
+  return numbers;
+}
+
+Study with_candidates(const Study& study, const std::vector<StudyParameter>& candidates) {
   Study more = study;
-  const std::vector<StudyParameter> candidates = resolve_candidates(study);
   const auto given = static_cast<Eigen::Index>(study.parameters.list.size());
   const auto all = given + static_cast<Eigen::Index>(candidates.size());
   more.parameters.list.insert(more.parameters.list.end(), candidates.begin(), candidates.end());

@@ -15,7 +15,20 @@ namespace mottle {
 /// @throws InvalidInput  a target that the model does not have or that a parameter acts on, no candidate at all
 std::vector<StudyParameter> resolve_candidates(const Study& study);
 
-/// The study with the candidates put after its parameters.
-Study with_candidates(const Study& study);
+/// Numbers of a model that no parameter moves, as candidates.
+struct FixedNumbers {
+  std::vector<StudyParameter> list;  ///< the first of them, in the order of the model
+  std::size_t total = 0;
+};
+
+/// The numbers of a model that are not zero and that an error could hide in: springs and masses (dampers where damping
+/// ratios are outputs), parts of matrices, of a deck what `resolve_candidates` takes by default.
+///
+/// @param most  how many are listed
+/// @throws InvalidInput  a model by command, whose numbers are not known
+FixedNumbers fixed_numbers(const Study& study, std::size_t most);
+
+/// The study with `candidates` put after its parameters.
+Study with_candidates(const Study& study, const std::vector<StudyParameter>& candidates);
 
 }  // namespace mottle

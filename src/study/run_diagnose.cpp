@@ -7,6 +7,7 @@
 #include "mottle/updating/diagnosis.hpp"
 #include "result_json.hpp"
 #include "run_files.hpp"
+#include "unit_errors.hpp"
 
 namespace mottle {
 namespace {
@@ -110,9 +111,10 @@ RunSummary run_diagnose(const Study& study, const RunSettings& settings) {
   const double start = steady_seconds();
   require(!study.parameters.list.empty(), "{}: parameter: there is none; give at least one [[parameter]]",
           study.file.string());
-  const Study whole = with_candidates(study);
+  const Study whole = with_candidates(study, resolve_candidates(study));
   const StudyModel made = make_model(whole, whole.parameters, settings);
   const StudyTests tests = read_tests(study, *made.model);
+  refuse_unit_errors(study, made, tests);
   const RunFolder folder(settings.folder);
   LogObserver log(folder.file("diagnosis.log"), settings.observer, settings.resume);
   const std::filesystem::path journal = folder.file("diagnosis.journal");

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <limits>
 
+#include "could_hide.hpp"
 #include "modes_json.hpp"
 #include "mottle/core/error.hpp"
 #include "mottle/formats/csv.hpp"
@@ -16,6 +17,7 @@
 #include "run_files.hpp"
 #include "solver_use.hpp"
 #include "surrogate_section.hpp"
+#include "unit_errors.hpp"
 
 namespace mottle {
 namespace {
@@ -61,13 +63,23 @@ std::string interval_text(const Eigen::Ref<const Eigen::RowVectorXd>& ends) {
   return ends.allFinite() ? fmt::format("[{:.5g}, {:.5g}]", ends(0), ends(1)) : "not determined";
 }
 
+std::vector<std::string> verdict_lines(const Verdict& verdict, const CouldHide& hidden) {
+  std::vector<std::string> lines{fmt::format("verdict: {}", conclusion_text(verdict.conclusion))};
+  for (const std::string& reason : verdict.reasons) lines.push_back("  " + reason);
+  if (!verdict.not_tested.empty()) lines.emplace_back("not tested:");
+  for (const std::string& sentence : verdict.not_tested) lines.push_back("  " + sentence);
+  if (verdict.conclusion == Conclusion::adequate && !hidden.summary.empty()) lines.push_back("  " + hidden.summary);
+  return lines;
+}
+
 std::vector<std::string> summary_lines(const UpdatingProblem& problem, const UpdatingResult& result,
-                                       const Verdict& verdict) {
+                                       const Verdict& verdict, const CouldHide& hidden) {
   std::vector<std::string> lines;
   lines.push_back(fmt::format("{}: {}", status_text(result.status), result.message));
   const std::string ends = result.intervals ? fmt::format("  {:>23} {:>23}", "mean, 95 %", "std, 95 %") : "";
-  lines.push_back(
-      fmt::format("{:<14} {:>13} {:>13} {:>13} {:>13}{}", "parameter", "prior mean", "prior std", "mean", "std", ends));
+  // What a method that does not estimate the scatter prints here must not be taken for it.
+  lines.push_back(fmt::format("{:<14} {:>13} {:>13} {:>13} {:>13}{}", "parameter", "prior mean", "prior std", "mean",
+                              result.is_population ? "std" : "std (mean's)", ends));
   const Eigen::VectorXd prior_mean = problem.space.prior().mean();
   const Eigen::VectorXd prior_std = problem.space.prior().covariance().diagonal().cwiseSqrt();
   const Eigen::VectorXi active = problem.space.active_bounds(result.mean);
@@ -82,9 +94,7 @@ std::vector<std::string> summary_lines(const UpdatingProblem& problem, const Upd
                     result.mean(i), std::sqrt(result.covariance(i, i)), intervals,
                     active(i) == 0 ? "" : (active(i) < 0 ? "  at its lower bound" : "  at its upper bound")));
   }
-  lines.push_back(fmt::format("verdict: {}", conclusion_text(verdict.conclusion)));
-  for (const std::string& reason : verdict.reasons) lines.push_back("  " + reason);
-  for (const std::string& sentence : verdict.not_tested) lines.push_back("  " + sentence);
+  for (std::string& line : verdict_lines(verdict, hidden)) lines.push_back(std::move(line));
   const std::optional<Identifiability> seen = identify(problem, result);
   if (seen && !seen->unseen_directions.empty()) {
     lines.emplace_back("what the tests do not tell:");
@@ -143,6 +153,7 @@ RunSummary run_update(const Study& study, const RunSettings& settings) {
   const double start = steady_seconds();
   const StudyModel made = make_model(study, study.parameters, settings);
   const StudyTests tests = read_tests(study, *made.model);
+  refuse_unit_errors(study, made, tests);
   const std::unique_ptr<Updater> method = make_method(study);
   std::vector<int> groups = covariance_groups(study, made.space->names());
   std::optional<PredictionPlan> plan;
@@ -171,13 +182,17 @@ RunSummary run_update(const Study& study, const RunSettings& settings) {
   std::optional<SurrogateUpdate> surrogate;
   if (study.surrogate) surrogate.emplace(given, *study.surrogate);
   const UpdatingProblem& problem = surrogate ? surrogate->problem() : given;
-  const UpdatingResult result = compute_or_discard(
+  UpdatingResult result = compute_or_discard(
       study, folder, [&] { return surrogate ? surrogate->run(*method, context) : method->update(given, context); });
   if (result.status == UpdatingStatus::stopped) throw Stopped(result.message);
   const double updated = steady_seconds();
   note_what_happened(result, model, context);
+  const CouldHide hidden = find_could_hide(study, made, problem, result, judge(problem, result).conclusion, context);
+  result.not_tested.insert(result.not_tested.end(), hidden.sentences.begin(), hidden.sentences.end());
+  result.notes.insert(result.notes.end(), hidden.notes.begin(), hidden.notes.end());
 
   Json json = update_result_json(study, tests, problem, *method, result);
+  json["verdict"]["could_hide"] = hidden.list;
   json["surrogate"] = surrogate ? surrogate_json(*study.surrogate, *surrogate) : Json(nullptr);
   if (plan) add_prediction(study, *plan, problem, result, context, folder, json);
   std::vector<Cloud> clouds;
@@ -201,7 +216,8 @@ RunSummary run_update(const Study& study, const RunSettings& settings) {
   summary.status = status_text(result.status);
   summary.message = result.message;
   const Verdict verdict = judge(problem, result);
-  summary.lines = summary_lines(problem, result, verdict);
+  for (const std::string& line : verdict_lines(verdict, hidden)) context.note(line);
+  summary.lines = summary_lines(problem, result, verdict, hidden);
   if (plan) {
     for (const auto& note : json["prediction"]["notes"]) summary.lines.push_back(note.get<std::string>());
   }

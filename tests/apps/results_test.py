@@ -13,6 +13,7 @@ from support import STUDY, TESTS, THREE_MASSES, edited, numbers, read_csv, read_
 
 UPDATE_FILES = {"result.json", "report.html", "history.csv", "cloud-initial.csv", "cloud-final.csv", "study.toml",
                 "mottle.log"}
+ADEQUATE = {"adequate": True, "inadequate": False, "undecided": None}
 STATUSES = {"converged", "max-iterations", "stalled", "stopped", "failed"}
 K1 = '{ kind = "normal", mean = 2.0, std = 0.3 }\nbounds = [0.5, 3.0]'
 
@@ -108,13 +109,45 @@ class ResultsTest(support.CommandTest):
 
     def test_verdict_in_the_result(self):
         verdict = self.update()["verdict"]
-        self.assertIsInstance(verdict["adequate"], bool)
+        self.assertIs(verdict["adequate"], ADEQUATE[verdict["conclusion"]])
         self.assertEqual(verdict["level"], 0.05)
         self.assertTrue(verdict["tests"])
         for test in verdict["tests"]:
             self.assertTrue({"name", "statistic", "critical", "p_value", "passed", "meaning"} <= set(test))
         self.assertTrue(verdict["reasons"])
         self.assertTrue(all(reason.endswith(".") for reason in verdict["reasons"]), "reasons are sentences")
+        self.assertEqual(bool(verdict["not_tested"]), verdict["conclusion"] == "undecided")
+
+    def test_what_could_hide_in_the_result(self):
+        """Every spring and mass that no parameter moves, the most harmful first."""
+        hidden = self.update()["verdict"]["could_hide"]
+        self.assertEqual({error["name"] for error in hidden}, {"k3", "k4", "k5", "k6", "m1", "m2", "m3"})
+        harms = []
+        for error in hidden:
+            self.assertEqual(error["nominal"], 3.0 if error["name"] == "k6" else 1.0)
+            self.assertTrue(0.0 < error["relative_change"] <= 1.0)
+            self.assertIsInstance(error["is_detected"], bool)
+            self.assertEqual([move["parameter"] for move in error["would_move"]], ["k1", "k2"])
+            harms.append(max(abs(move["half_widths"]) for move in error["would_move"]))
+        self.assertEqual(harms, sorted(harms, reverse=True))
+
+    def test_an_error_that_no_test_sees_moves_the_means_as_said(self):
+        """As many frequencies as parameters: k6 off by 10 % in the tests moves the estimate by what was said of it."""
+        k5 = ('[[parameter]]\nname = "k5"\ntarget = "spring:k5"\n'
+              'distribution = { kind = "normal", mean = 2.0, std = 0.3 }\n\n[outputs]')
+        method = ('method = "mares"', 'method = "maximum-likelihood"')
+        right = self.update(("[outputs]", k5), method)
+        error = next(entry for entry in right["verdict"]["could_hide"] if entry["name"] == "k6")
+        self.assertEqual((error["is_detected"], error["relative_change"]), (False, 0.1))
+        # The model off by 10 % downwards, against the same tests, errs as tests off by 10 % upwards do.
+        small = 0.01
+        wrong = self.update(("[outputs]", k5), method, ("stiffness = 3.0", f"stiffness = {3.0 * (1.0 - small)!r}"))
+        for i, move in enumerate(error["would_move"]):
+            lower, upper = right["parameters"]["mean_ci95"][i]
+            said = move["half_widths"] * 0.5 * (upper - lower) * small / 0.1
+            found = wrong["parameters"]["mean"][i] - right["parameters"]["mean"][i]
+            # First order at the mean; the specimens scatter by a fifth about it, so that their mean differs by some per cent.
+            self.assertAlmostEqual(found, said, delta=0.1 * abs(said))
 
     def test_identifiability_and_counts_in_the_result(self):
         result = self.update()
@@ -227,7 +260,7 @@ class ResultsTest(support.CommandTest):
             json.loads(ended.out)
         summary = json.loads(self.succeed("update", "study.toml", "--json").out)
         self.assertEqual(summary["status"], "converged")
-        self.assertIsInstance(summary["adequate"], bool)
+        self.assertIs(summary["adequate"], ADEQUATE[summary["conclusion"]])
         self.assertEqual(summary["folder"], "study.mottle")
 
     def test_quiet_says_nothing(self):
@@ -240,6 +273,9 @@ class ResultsTest(support.CommandTest):
     def test_plain_output_names_verdict_and_report(self):
         ended = self.succeed("update", "study.toml")
         self.assertIn("verdict: ", ended.out)
+        self.assertIn("std (mean's)", ended.out, "mares does not estimate the scatter")
+        population = self.succeed("update", "study.toml", "--set", 'update.method="maximum-likelihood"')
+        self.assertNotIn("std (mean's)", population.out)
         self.assertIn("study.mottle/report.html", ended.out)
         self.assertNotIn("\r", ended.err)
 
@@ -260,6 +296,24 @@ class ResultsTest(support.CommandTest):
 
     def test_largest_seed_is_kept(self):
         self.assertEqual(self.update(arguments=["--seed", str(2 ** 63 - 1)])["seed"], 2 ** 63 - 1)
+
+    # --- tests far from the model are no unit error ---
+
+    def test_a_stiffness_that_is_truly_double_is_updated(self):
+        header, *rows = TESTS.splitlines()
+        doubled = [",".join(f"{float(value) * math.sqrt(2.0)!r}" for value in row.split(",")) for row in rows]
+        self.update(tests="\n".join([header, *doubled]))
+
+    def test_a_factor_near_2_pi_that_the_prior_gives_is_updated(self):
+        springs = ["spring:k1", "spring:k2", "spring:k3", "spring:k4", "spring:k5", "spring:k6"]
+        start, rest = STUDY.split("[[parameter]]", 1)
+        tied = (f'[[parameter]]\nname = "k"\ntarget = {springs}\nrelative = true\n'
+                'distribution = { kind = "uniform", lower = 0.02, upper = 1.0 }\n\n[outputs]')
+        self.write("study.toml", start + tied + rest.split("[outputs]")[1])
+        header, *rows = TESTS.splitlines()
+        soft = [",".join(f"{float(value) * 0.15!r}" for value in row.split(",")) for row in rows]
+        self.write("tests.csv", "\n".join([header, *soft]))
+        self.succeed("check", "study.toml")
 
     def test_check_writes_nothing(self):
         before = sorted(self.folder.rglob("*"))

@@ -1,0 +1,73 @@
+// The power of the verdict's test of the means against errors in quantities that no parameter moves: how large such an
+// error must be to be refused, and how far a smaller one leads the estimates astray.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+namespace mottle {
+
+/// Tests about the updated mean, to first order: z_s = f(x) + G dx + H e + S_s, S_s ~ N(0, C) by specimen, and a model
+/// error d ~ N(0, D) that all of them share.
+struct LinearTests {
+  Eigen::MatrixXd sensitivity;      ///< G = dy/dx [output x parameter]
+  Eigen::MatrixXd errors;           ///< H: change of the outputs by a relative error of 1 [output x quantity]
+  Eigen::MatrixXd covariance;       ///< C = G Sigma G' + R, positive definite [output x output]
+  Eigen::MatrixXd values;           ///< the tests; only which are nan counts [specimen x output]
+  Eigen::VectorXd model_error_std;  ///< square roots of D's diagonal [output]; empty: none
+};
+
+/// What the means of the tests show of each error, and what it does to the estimates.
+struct ErrorEffects {
+  /// Noncentrality of the test of the means by a relative error of 1: with the information J of (parameters, error) in
+  /// all tests, J_ee - J_ex J_xx^+ J_xe, the part of the error's effect that no parameters imitate; 0 where nothing
+  /// remains [quantity]
+  Eigen::VectorXd noncentrality;
+  Eigen::MatrixXd shift;                 ///< J_xx^+ J_xe: of the estimated means [parameter x quantity]
+  Eigen::MatrixXd mean_covariance;       ///< J_xx^+: of the estimated means [parameter x parameter]
+  Eigen::Index means_freedom = 0;        ///< degrees of freedom that the fit leaves to the means
+  Eigen::Index denominator_freedom = 0;  ///< and to the scatter about them, where the noise's level is estimated
+};
+
+/// Effects of small errors on tests and estimates. Missing entries drop out of their specimens.
+///
+/// @throws InvalidInput  C is not positive definite
+ErrorEffects error_effects(const LinearTests& tests);
+
+/// Noncentrality at which a chi-squared test, or with a finite `denominator` an F test, rejects with probability
+/// `power`.
+///
+/// @param numerator    degrees of freedom, > 0
+/// @param denominator  degrees of freedom of the estimated variance, > 0; infinite: the variance is known
+/// @param level        in (0, power)
+double noncentrality_for_power(double numerator, double denominator, double level, double power);
+
+/// The verdict's test of the means, and what it protects.
+struct MeansTest {
+  double level = 0.05;
+  double power = 0.8;
+  double denominator = 0.0;          ///< degrees of freedom of its variance; infinite: known
+  double stated_change = 0.1;        ///< relative error for which the harm is stated where the test sees none
+  Eigen::VectorXd half_widths = {};  ///< of the 95 % intervals of the means [parameter]
+  Eigen::VectorXd room_below = {};   ///< how far each mean may still move down and up [parameter]
+  Eigen::VectorXd room_above = {};
+};
+
+/// An error of a quantity that no parameter moves.
+struct HiddenError {
+  Eigen::Index quantity = 0;
+  /// The relative error that the test refuses with its power. Where that is more than 1, or nothing would remain of it,
+  /// it is not detected, and this is `stated_change`, or less where a mean would leave its room before.
+  double relative_change = 0.0;
+  bool is_detected = false;
+  Eigen::VectorXd would_move =
+      {};  ///< shift of the estimated means in half-widths, of an error upwards; nan: unseen [parameter]
+
+  /// The largest shift, in half-widths.
+  double harm() const;
+};
+
+/// One for each quantity, in their order.
+std::vector<HiddenError> hidden_errors(const ErrorEffects& effects, const MeansTest& test);
+
+}  // namespace mottle

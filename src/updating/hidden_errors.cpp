@@ -1,0 +1,158 @@
+#include "mottle/updating/hidden_errors.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <boost/math/distributions/fisher_f.hpp>
+#include <boost/math/distributions/non_central_chi_squared.hpp>
+#include <boost/math/distributions/non_central_f.hpp>
+#include <cmath>
+#include <map>
+#include <vector>
+
+#include "mottle/core/error.hpp"
+#include "mottle/stats/chi_squared.hpp"
+
+namespace mottle {
+namespace {
+
+/// Inverse of a positive semi-definite matrix on the directions that it sees, after scaling to a unit diagonal.
+struct SeenInverse {
+  Eigen::MatrixXd inverse;
+  Eigen::Index rank = 0;
+};
+
+SeenInverse invert_seen(const Eigen::MatrixXd& matrix) {
+  constexpr double k_unseen = 1e-10;
+  const Eigen::VectorXd scale =
+      matrix.diagonal().unaryExpr([](double value) { return value > 0.0 ? 1.0 / std::sqrt(value) : 1.0; });
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(scale.asDiagonal() * matrix * scale.asDiagonal());
+  const Eigen::VectorXd inverses =
+      solver.eigenvalues().unaryExpr([](double value) { return value > k_unseen ? 1.0 / value : 0.0; });
+  const Eigen::MatrixXd turned = scale.asDiagonal() * solver.eigenvectors();
+  return {turned * inverses.asDiagonal() * turned.transpose(), (inverses.array() > 0.0).count()};
+}
+
+/// Specimens with the same outputs measured.
+std::map<std::vector<Eigen::Index>, double> measured_patterns(const Eigen::MatrixXd& values) {
+  std::map<std::vector<Eigen::Index>, double> patterns;
+  for (Eigen::Index s = 0; s < values.rows(); ++s) {
+    std::vector<Eigen::Index> rows;
+    for (Eigen::Index k = 0; k < values.cols(); ++k) {
+      if (!std::isnan(values(s, k))) rows.push_back(k);
+    }
+    patterns[rows] += 1.0;
+  }
+  return patterns;
+}
+
+/// Information of all tests on the columns of `design` [output x column].
+Eigen::MatrixXd information_of(const LinearTests& tests, const Eigen::MatrixXd& design) {
+  Eigen::MatrixXd information = Eigen::MatrixXd::Zero(design.cols(), design.cols());
+  for (const auto& [rows, count] : measured_patterns(tests.values)) {
+    const Eigen::LLT<Eigen::MatrixXd> factor(tests.covariance(rows, rows));
+    require(factor.info() == Eigen::Success, "the covariance of the tests is not positive definite");
+    const Eigen::MatrixXd whitened = factor.matrixL().solve(design(rows, Eigen::all));
+    information += count * whitened.transpose() * whitened;
+  }
+  return information;
+}
+
+}  // namespace
+
+ErrorEffects error_effects(const LinearTests& tests) {
+  const Eigen::Index q = tests.sensitivity.cols();
+  const Eigen::Index m = tests.errors.cols();
+  const Eigen::Index shared = tests.model_error_std.size();
+  Eigen::MatrixXd design(tests.sensitivity.rows(), q + m + shared);
+  design << tests.sensitivity, tests.errors, Eigen::MatrixXd(tests.model_error_std.asDiagonal());
+  Eigen::MatrixXd information = information_of(tests, design);
+  if (shared > 0) {
+    // The shared error is an unknown of unit variance: what remains when it is integrated out.
+    Eigen::MatrixXd own = information.bottomRightCorner(shared, shared);
+    own.diagonal().array() += 1.0;
+    const Eigen::MatrixXd across = information.topRightCorner(q + m, shared);
+    information = (information.topLeftCorner(q + m, q + m) - across * own.ldlt().solve(across.transpose())).eval();
+  }
+  const SeenInverse seen = invert_seen(information.topLeftCorner(q, q));
+  ErrorEffects effects;
+  effects.mean_covariance = seen.inverse;
+  effects.shift = seen.inverse * information.topRightCorner(q, m);
+  const Eigen::VectorXd whole = information.bottomRightCorner(m, m).diagonal();
+  const Eigen::VectorXd imitated =
+      (information.topRightCorner(q, m).array() * effects.shift.array()).colwise().sum().transpose();
+  constexpr double k_rounding = 1e-9;  // of the whole: what is left by cancellation alone
+  effects.noncentrality = ((whole - imitated).array() > k_rounding * whole.array()).select(whole - imitated, 0.0);
+  Eigen::Index measured = 0;
+  Eigen::Index left = 0;
+  for (Eigen::Index k = 0; k < tests.values.cols(); ++k) measured += tests.values.col(k).array().isNaN().all() ? 0 : 1;
+  for (Eigen::Index s = 0; s < tests.values.rows(); ++s) {
+    left += std::max<Eigen::Index>((!tests.values.row(s).array().isNaN()).count() - seen.rank, 0);
+  }
+  effects.means_freedom = std::max<Eigen::Index>(measured - seen.rank, 0);
+  effects.denominator_freedom = std::max<Eigen::Index>(left - effects.means_freedom, 0);
+  return effects;
+}
+
+double noncentrality_for_power(double numerator, double denominator, double level, double power) {
+  const bool is_known = std::isinf(denominator);
+  const double critical = is_known
+                              ? chi_squared_quantile(1.0 - level, numerator)
+                              : boost::math::quantile(complement(boost::math::fisher_f(numerator, denominator), level));
+  const auto rejected = [&](double noncentrality) {
+    if (is_known) {
+      return cdf(complement(boost::math::non_central_chi_squared(numerator, noncentrality), critical));
+    }
+    return cdf(complement(boost::math::non_central_f(numerator, denominator, noncentrality), critical));
+  };
+  double low = 0.0;
+  double high = 1.0;
+  while (rejected(high) < power && high < 1e9) high *= 2.0;
+  constexpr int k_halvings = 60;
+  for (int i = 0; i < k_halvings; ++i) {
+    const double middle = 0.5 * (low + high);
+    (rejected(middle) < power ? low : high) = middle;
+  }
+  return high;
+}
+
+double HiddenError::harm() const {
+  double largest = 0.0;
+  for (const double move : would_move) {
+    if (std::isfinite(move)) largest = std::max(largest, std::abs(move));
+  }
+  return largest;
+}
+
+std::vector<HiddenError> hidden_errors(const ErrorEffects& effects, const MeansTest& test) {
+  const auto freedom = static_cast<double>(effects.means_freedom);
+  const bool is_tested = freedom > 0.0 && test.denominator > 0.0;
+  const double needed = is_tested ? noncentrality_for_power(freedom, test.denominator, test.level, test.power) : 0.0;
+  std::vector<HiddenError> errors;
+  for (Eigen::Index e = 0; e < effects.noncentrality.size(); ++e) {
+    HiddenError error{.quantity = e, .relative_change = test.stated_change};
+    const double detected = std::sqrt(needed / effects.noncentrality(e));  // infinite where nothing remains
+    error.is_detected = is_tested && detected <= 1.0;
+    const Eigen::ArrayXd shift = effects.shift.col(e).array();
+    if (error.is_detected) {
+      error.relative_change = detected;
+    } else {
+      // An error may go either way: the way that leaves more room counts.
+      double up = test.stated_change;
+      double down = test.stated_change;
+      for (Eigen::Index i = 0; i < shift.size(); ++i) {
+        if (shift(i) == 0.0) continue;
+        up = std::min(up, (shift(i) > 0.0 ? test.room_above(i) : test.room_below(i)) / std::abs(shift(i)));
+        down = std::min(down, (shift(i) > 0.0 ? test.room_below(i) : test.room_above(i)) / std::abs(shift(i)));
+      }
+      error.relative_change = std::max(up, down);
+    }
+    error.would_move = (test.half_widths.array() > 0.0)
+                           .select(error.relative_change * shift / test.half_widths.array(), std::nan(""))
+                           .matrix();
+    errors.push_back(std::move(error));
+  }
+  return errors;
+}
+
+}  // namespace mottle

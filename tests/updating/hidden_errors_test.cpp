@@ -1,0 +1,117 @@
+#include "mottle/updating/hidden_errors.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <cmath>
+#include <limits>
+
+#include "mottle/core/error.hpp"
+
+namespace mottle {
+namespace {
+
+constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double k_infinity = std::numeric_limits<double>::infinity();
+
+/// Two outputs, one parameter that moves the first alone, an error that moves them by 3 and 0.5.
+LinearTests one_parameter(Eigen::Index specimens) {
+  return {.sensitivity = Eigen::Vector2d(1.0, 0.0),
+          .errors = Eigen::Vector2d(3.0, 0.5),
+          .covariance = Eigen::Vector2d(0.04, 0.01).asDiagonal(),
+          .values = Eigen::MatrixXd::Zero(specimens, 2),
+          .model_error_std = {}};
+}
+
+TEST(HiddenErrors, OfOneParameterAreThoseOfTheClosedForm) {
+  const ErrorEffects effects = error_effects(one_parameter(10));
+  EXPECT_EQ(effects.means_freedom, 1);
+  EXPECT_EQ(effects.denominator_freedom, 9);
+  EXPECT_NEAR(effects.noncentrality(0), 10.0 * 0.25 / 0.01, 1e-9);
+  EXPECT_NEAR(effects.shift(0, 0), 3.0, 1e-12);
+  EXPECT_NEAR(effects.mean_covariance(0, 0), 0.004, 1e-12);
+}
+
+TEST(HiddenErrors, AMissingEntryTakesItsSpecimenOutOfTheOutputAlone) {
+  LinearTests tests = one_parameter(10);
+  tests.values(3, 1) = k_nan;
+  const ErrorEffects effects = error_effects(tests);
+  EXPECT_NEAR(effects.noncentrality(0), 9.0 * 0.25 / 0.01, 1e-9);
+  EXPECT_NEAR(effects.mean_covariance(0, 0), 0.004, 1e-12);
+  EXPECT_EQ(effects.denominator_freedom, 8);
+}
+
+TEST(HiddenErrors, AModelErrorDoesNotShrinkWithTheSpecimens) {
+  LinearTests tests = one_parameter(10);
+  tests.model_error_std = Eigen::Vector2d(0.1, 0.05);
+  const ErrorEffects effects = error_effects(tests);
+  EXPECT_NEAR(effects.noncentrality(0), 0.25 / (0.001 + 0.0025), 1e-8);
+  EXPECT_NEAR(effects.mean_covariance(0, 0), 0.004 + 0.01, 1e-12);
+}
+
+TEST(HiddenErrors, NothingRemainsWhereThereAreAsManyParametersAsOutputs) {
+  LinearTests tests = one_parameter(10);
+  tests.sensitivity = Eigen::Matrix2d{{1.0, 0.4}, {0.2, 2.0}};
+  tests.covariance = tests.sensitivity * tests.sensitivity.transpose();
+  const ErrorEffects effects = error_effects(tests);
+  EXPECT_EQ(effects.means_freedom, 0);
+  EXPECT_EQ(effects.noncentrality(0), 0.0);
+  EXPECT_LT((effects.shift - tests.sensitivity.inverse() * tests.errors).cwiseAbs().maxCoeff(), 1e-12);
+}
+
+TEST(HiddenErrors, WithoutDegreesOfFreedomAreStatedAtTheirSizeOrWhereABoundEndsThem) {
+  LinearTests tests = one_parameter(10);
+  tests.sensitivity = Eigen::Matrix2d::Identity();
+  tests.errors = Eigen::Matrix2d{{3.0, 20.0}, {0.5, -20.0}};
+  const MeansTest rule{.denominator = k_infinity,
+                       .half_widths = Eigen::Vector2d(0.1, 0.2),
+                       .room_below = Eigen::Vector2d(1.0, 1.0),
+                       .room_above = Eigen::Vector2d(0.5, 2.0)};
+  const std::vector<HiddenError> errors = hidden_errors(error_effects(tests), rule);
+  EXPECT_FALSE(errors[0].is_detected);
+  EXPECT_NEAR(errors[0].relative_change, 0.1, 1e-12);
+  EXPECT_NEAR(errors[0].would_move(0), 3.0, 1e-9);   // 3.0 * 0.1 / 0.1
+  EXPECT_NEAR(errors[0].would_move(1), 0.25, 1e-9);  // 0.5 * 0.1 / 0.2
+  EXPECT_NEAR(errors[0].harm(), 3.0, 1e-9);
+  // Up: 0.5 above the first ends it at 0.025; down: 1.0 below the first and 2.0 above the second at 0.05.
+  EXPECT_NEAR(errors[1].relative_change, 0.05, 1e-12);
+}
+
+/// Noncentralities of chi-squared at 5 % and a power of 80 %, as in every table of power; the square of u(0.975) +
+/// u(0.8) for one degree of freedom.
+TEST(HiddenErrors, NeedTheNoncentralityThatTablesOfPowerGive) {
+  EXPECT_NEAR(noncentrality_for_power(1.0, k_infinity, 0.05, 0.8), 7.849, 1e-3);
+  EXPECT_NEAR(noncentrality_for_power(2.0, k_infinity, 0.05, 0.8), 9.635, 1e-3);
+  EXPECT_NEAR(noncentrality_for_power(3.0, k_infinity, 0.05, 0.8), 10.903, 1e-3);
+  // One-sample t test, effect 0.5, 34 subjects: power 0.8077775 (G*Power's manual).
+  EXPECT_NEAR(noncentrality_for_power(1.0, 33.0, 0.05, 0.8077775), 34 * 0.25, 1e-4);
+}
+
+TEST(HiddenErrors, AreDetectedAtTheSizeThatTheTestRefuses) {
+  const MeansTest rule{.denominator = k_infinity,
+                       .half_widths = Eigen::VectorXd::Constant(1, 0.1),
+                       .room_below = Eigen::VectorXd::Ones(1),
+                       .room_above = Eigen::VectorXd::Ones(1)};
+  const HiddenError error = hidden_errors(error_effects(one_parameter(10)), rule).front();
+  EXPECT_TRUE(error.is_detected);
+  EXPECT_NEAR(error.relative_change, std::sqrt(7.849 / 250.0), 1e-4);
+  EXPECT_NEAR(error.would_move(0), 3.0 * error.relative_change / 0.1, 1e-12);
+}
+
+TEST(HiddenErrors, OfAParameterThatTheTestsDoNotSeeMoveNothing) {
+  LinearTests tests = one_parameter(10);
+  tests.sensitivity = Eigen::Matrix2d{{1.0, 0.0}, {0.0, 0.0}};
+  const ErrorEffects effects = error_effects(tests);
+  EXPECT_EQ(effects.means_freedom, 1);
+  EXPECT_EQ(effects.shift(1, 0), 0.0);
+  EXPECT_EQ(effects.mean_covariance(1, 1), 0.0);
+}
+
+TEST(HiddenErrors, ACovarianceThatIsNotDefiniteIsRefused) {
+  LinearTests tests = one_parameter(2);
+  tests.covariance(1, 1) = -1.0;
+  EXPECT_THROW(error_effects(tests), InvalidInput);
+}
+
+}  // namespace
+}  // namespace mottle
