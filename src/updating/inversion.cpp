@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "matched_moments.hpp"
 #include "mottle/core/error.hpp"
 #include "mottle/core/text.hpp"
 #include "mottle/stats/descriptive.hpp"
@@ -11,7 +12,6 @@
 #include "mottle/updating/iteration.hpp"
 #include "mottle/updating/least_change.hpp"
 #include "mottle/updating/normal_theory.hpp"
-#include "mottle/updating/verdict.hpp"
 
 namespace mottle {
 namespace {
@@ -152,6 +152,16 @@ void describe_ending(const InversionFit& fit, bool is_stopped, const UpdatingPro
   }
 }
 
+/// Where the bounds hold all specimens of a parameter, their sample says nothing of its mean and deviation.
+void forget_held_means(const Setup& setup, const Population& population, ParameterIntervals& intervals) {
+  const Eigen::VectorXi held = setup.parameters.active_bounds(population.mean);
+  for (Eigen::Index i = 0; i < held.size(); ++i) {
+    if (held(i) == 0) continue;
+    intervals.mean.row(i).setConstant(std::numeric_limits<double>::quiet_NaN());
+    intervals.std.row(i).setConstant(std::numeric_limits<double>::quiet_NaN());
+  }
+}
+
 void finish(const Setup& setup, const InversionFit& fit, const RunContext& context, UpdatingResult& result) {
   const Population population = population_of(setup, fit.points);
   const JointDistribution distribution =
@@ -170,8 +180,16 @@ void finish(const Setup& setup, const InversionFit& fit, const RunContext& conte
                         (setup.problem.tests.values - fit.outputs) * setup.sigma.cwiseInverse().asDiagonal()};
   result.noise_covariance = setup.problem.tests.repeatability_std.cwiseAbs2().asDiagonal();
   result.is_population = true;
-  result.tests.push_back(mean_agreement_test(setup.problem, result.history.back(), setup.problem.level));
   if (!fit.jacobians.front().size()) return;  // stopped before the first step
+  Eigen::MatrixXd sensitivity = Eigen::MatrixXd::Zero(fit.outputs.cols(), fit.points.cols());
+  for (const Eigen::MatrixXd& own : fit.jacobians) sensitivity += own / static_cast<double>(specimens);
+  test_matched_moments(setup.problem,
+                       {.method = "inversion",
+                        .mean = population.mean,
+                        .sensitivity = sensitivity,
+                        .scatter = MatchedEstimate::Scatter::with_noise},
+                       result);
+  forget_held_means(setup, population, *result.intervals);
   add_notes(setup, fit, population, result);
 }
 

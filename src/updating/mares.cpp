@@ -4,10 +4,11 @@
 #include <Eigen/LU>
 #include <cmath>
 
+#include "matched_moments.hpp"
 #include "mottle/core/error.hpp"
 #include "mottle/stats/descriptive.hpp"
 #include "mottle/updating/iteration.hpp"
-#include "mottle/updating/verdict.hpp"
+#include "mottle/updating/scaled_parameters.hpp"
 
 namespace mottle {
 namespace {
@@ -169,7 +170,13 @@ UpdatingResult MaresUpdater::update(const UpdatingProblem& problem, const RunCon
   result.mean = result.history.back().parameter_mean;
   result.covariance = result.history.back().parameter_covariance;
   result.message = ending_message(result.status, result.history.size() - 1, problem.tolerance);
-  result.tests.push_back(mean_agreement_test(problem, result.history.back(), problem.level));
+  const Eigen::VectorXd point = from_variables(problem.space.scales(), result.mean.transpose()).row(0);
+  test_matched_moments(problem,
+                       {.method = "mares",
+                        .mean = point,
+                        .sensitivity = estimate_sensitivity(result.history.back().cloud, options_.regression) *
+                                       ScaledParameters(problem.space).slopes(point).asDiagonal()},
+                       result);
   result.notes.push_back(
       "The deviations of this method (Eq. 12) say how well the mean is known given the spread of the tests and the "
       "prior; they do not estimate the spread of the specimens.");

@@ -5,11 +5,11 @@
 #include <cmath>
 #include <optional>
 
+#include "matched_moments.hpp"
 #include "mottle/core/error.hpp"
 #include "mottle/stats/descriptive.hpp"
 #include "mottle/stats/distance.hpp"
 #include "mottle/updating/least_change.hpp"
-#include "mottle/updating/verdict.hpp"
 
 namespace mottle {
 namespace {
@@ -188,7 +188,12 @@ void finish(const Setup& setup, const Progress& progress, const RunContext& cont
   result.sensitivity = state.sensitivity * setup.parameters.slopes(state.mean).cwiseInverse().asDiagonal();
   result.noise_covariance = setup.noise;
   result.is_population = true;
-  result.tests.push_back(mean_agreement_test(setup.problem, result.history.back(), setup.problem.level));
+  test_matched_moments(setup.problem,
+                       {.method = setup.method.name,
+                        .mean = state.mean,
+                        .sensitivity = state.sensitivity,
+                        .scatter = MatchedEstimate::Scatter::without_noise},
+                       result);
   add_notes(setup, progress, result);
 }
 

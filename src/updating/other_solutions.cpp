@@ -1,8 +1,12 @@
 #include "other_solutions.hpp"
 
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
+#include "matched_moments.hpp"
+#include "mottle/stats/chi_squared.hpp"
 #include "mottle/stats/standard_normal.hpp"
 #include "mottle/updating/scaled_parameters.hpp"
 
@@ -26,36 +30,60 @@ Eigen::MatrixXd draw_starts(const UpdatingProblem& problem, const PriorOnScales&
   return points(usable, Eigen::all);
 }
 
+/// The metric in which two means count as the same: the sampling covariance of the mean test, and what it leaves of the
+/// parameters in the directions that the outputs see.
+struct MeanMetric {
+  Eigen::MatrixXd precision;   // of the mean test [output x output]
+  Eigen::MatrixXd covariance;  // of the estimate along the seen directions, in prior deviations [direction x direction]
+
+  double misfit(const Eigen::VectorXd& residual) const { return residual.dot(precision * residual); }
+};
+
+/// M = (G Sigma G' + R) / n. A part in a million of what the prior moves an output keeps it regular.
+MeanMetric metric_of(const PopulationFit& fit, const TestData& tests, const Eigen::VectorXd& prior_std) {
+  constexpr double k_smallest = 1e-6;
+  const Eigen::MatrixXd moved = fit.sensitivity * prior_std.asDiagonal();
+  Eigen::MatrixXd covariance = fit.sensitivity * fit.covariance * fit.sensitivity.transpose();
+  covariance.diagonal() += fit.noise;
+  covariance = covariance_of_tests_mean(tests, covariance);
+  covariance.diagonal() += k_smallest * k_smallest * moved.rowwise().squaredNorm();
+  MeanMetric metric;
+  metric.precision = covariance.inverse();
+  const Eigen::MatrixXd seen = moved * fit.seen;
+  metric.covariance = (seen.transpose() * metric.precision * seen).inverse();
+  return metric;
+}
+
 }  // namespace
 
 std::vector<Eigen::VectorXd> other_solutions(const UpdatingProblem& problem, const PopulationFit& fit, int starts,
                                              const RunContext& context, std::int64_t& evaluations) {
-  constexpr double k_apart = 0.1;       // prior deviations
-  constexpr double k_as_well = 2.0;     // times the estimate's own misfit
-  constexpr double k_no_misfit = 1e-3;  // of what a prior deviation moves an output
+  constexpr double k_apart = 0.1;  // prior deviations: nearer solutions are one for every purpose
+  constexpr double k_flat = 1e4;   // times the prior's deviations: it then holds nothing that the outputs see
   if (starts == 0) return {};
   const PriorOnScales prior = prior_on_scales(problem.space);
   const Eigen::VectorXd std = prior.covariance.diagonal().cwiseSqrt();
   const Eigen::RowVectorXd target = means_of_tests(problem.tests.values);
-  const HoldingPopulation hold{prior.mean, prior.covariance, fit.noise};
+  const MeanMetric metric = metric_of(fit, problem.tests, std);
+  const double same = chi_squared_quantile(1.0 - problem.level, static_cast<double>(fit.seen.cols()));
+  const HoldingPopulation hold{prior.mean, k_flat * k_flat * prior.covariance,
+                               fit.noise / static_cast<double>(problem.tests.values.rows())};
   const Eigen::MatrixXd drawn = draw_starts(problem, prior, starts, context, evaluations);
   Eigen::MatrixXd from(drawn.rows() + 1, drawn.cols());
   from << fit.mean.transpose(), drawn;
   const SpecimenFits found =
       fit_specimens(problem, target.replicate(from.rows(), 1), hold, {from}, context, evaluations);
-  const Eigen::VectorXd moved = (fit.sensitivity * std.asDiagonal()).rowwise().norm().cwiseMax(1e-300);
-  const auto misfit = [&](Eigen::Index s) {
-    return ((found.outputs.row(s) - target).transpose().cwiseQuotient(moved)).norm();
-  };
+  const auto misfit = [&](Eigen::Index s) { return metric.misfit((found.outputs.row(s) - target).transpose()); };
   const auto seen = [&](const Eigen::VectorXd& t) -> Eigen::VectorXd {
     return fit.seen.transpose() * (t - prior.mean).cwiseQuotient(std);
   };
   std::vector<Eigen::VectorXd> kept{found.points.row(0)};
   for (Eigen::Index s = 1; s < found.points.rows(); ++s) {
     const Eigen::VectorXd t = found.points.row(s);
-    const bool fits = found.converged[static_cast<std::size_t>(s)] && misfit(s) <= k_as_well * misfit(0) + k_no_misfit;
+    const bool fits = found.converged[static_cast<std::size_t>(s)] && misfit(s) - misfit(0) <= same;
     const bool is_new = std::none_of(kept.begin(), kept.end(), [&](const Eigen::VectorXd& other) {
-      return (seen(t) - seen(other)).cwiseAbs().maxCoeff() < k_apart;
+      const Eigen::VectorXd between = seen(t) - seen(other);
+      return between.cwiseAbs().maxCoeff() < k_apart || between.dot(metric.covariance.ldlt().solve(between)) <= same;
     });
     if (fits && is_new && clamp_on_scales(problem.space, t) == t) kept.push_back(t);
   }

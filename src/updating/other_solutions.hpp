@@ -5,9 +5,15 @@
 
 namespace mottle {
 
-/// Means of the parameters that give the mean test as well as the estimate does, found from starts drawn from the prior
-/// (Latin hypercube); each within the bounds and apart from the others by more than a tenth of a prior deviation in
-/// some direction that the outputs see.
+/// Means of the parameters that explain the mean test z as well as the estimate does, found without a prior from starts
+/// drawn from it (Latin hypercube). With M = (G Sigma G' + R) / n, the sampling covariance of z, a mean t explains z as
+/// well where
+///
+///   (z - f(t))' M^-1 (z - f(t)) <= the same of the estimate + chi2_q(1 - level),
+///
+/// q the number of combinations that the outputs see. It is another solution where it lies within the bounds and apart
+/// from the others: beyond their joint confidence ellipsoid of that level, to first order, and by more than a tenth of
+/// a prior deviation in some direction that the outputs see.
 ///
 /// @param starts  number of starts
 /// @return        on the parameters' own axes [parameter], nearest to the prior first

@@ -8,7 +8,7 @@
 
 #include "mottle/core/error.hpp"
 #include "mottle/core/text.hpp"
-#include "mottle/stats/population_intervals.hpp"
+#include "mottle/updating/scaled_parameters.hpp"
 #include "other_solutions.hpp"
 
 namespace mottle {
@@ -24,10 +24,35 @@ Eigen::VectorXd unseen_parts(const PopulationFit& fit) {
   return (1.0 - seen.array()).max(0.0).sqrt();
 }
 
+/// Effects are the parameters themselves, though the outputs do not see all of them.
+bool are_effects_partly_unseen(const PopulationFit& fit) {
+  return fit.map.cols() == fit.mean.size() && fit.seen.cols() < fit.mean.size();
+}
+
+/// Whether bounds hold the mean of a parameter, beyond its confinement to what the outputs see.
+bool is_mean_held(const PopulationFit& fit) {
+  const RandomEffectsSettings& settings = fit.settings;
+  if (settings.mean_origin.size() == 0) return false;
+  return !are_effects_partly_unseen(fit) || !settings.mean_origin.isZero(0.0) ||
+         settings.mean_directions.cols() < fit.seen.cols();
+}
+
+/// What of the intervals lies within the bounds; nan where nothing does.
+void cut_at_bounds(const ParameterSpace& space, Eigen::MatrixXd& intervals) {
+  const double infinity = std::numeric_limits<double>::infinity();
+  const Eigen::VectorXd lower = space.clamp(Eigen::VectorXd::Constant(space.count(), -infinity));
+  const Eigen::VectorXd upper = space.clamp(Eigen::VectorXd::Constant(space.count(), infinity));
+  for (Eigen::Index i = 0; i < intervals.rows(); ++i) {
+    intervals(i, 0) = std::max(intervals(i, 0), lower(i));
+    intervals(i, 1) = std::min(intervals(i, 1), upper(i));
+    if (!(intervals(i, 0) < intervals(i, 1))) intervals.row(i).setConstant(k_nan);
+  }
+}
+
 ParameterIntervals analytic_intervals(const UpdatingProblem& problem, const PopulationFit& fit) {
-  PopulationEvidence evidence = population_evidence(fit.units, fit.effects, fit.settings, fit.map);
-  evidence.mean = fit.mean;
+  const PopulationEvidence evidence = evidence_without_bounds(problem, fit);
   PopulationIntervals ends = population_intervals(evidence, problem.space.scales(), k_confidence);
+  if (is_mean_held(fit)) cut_at_bounds(problem.space, ends.mean);
   return {std::move(ends.mean), std::move(ends.std), std::move(ends.correlation_lower),
           std::move(ends.correlation_upper), "analytic"};
 }
@@ -113,6 +138,36 @@ void add_notes(const UpdatingProblem& problem, const PopulationFit& fit, const P
 }
 
 }  // namespace
+
+Eigen::MatrixXd start_beside(const UpdatingProblem& problem, const PopulationFit& fit) {
+  constexpr double k_fresh = 0.01;
+  // Effects that are combinations of parameters have unit variance in the prior.
+  const bool are_parameters = fit.map.cols() == fit.mean.size();
+  const Eigen::VectorXd prior = are_parameters ? Eigen::VectorXd(prior_on_scales(problem.space).covariance.diagonal())
+                                               : Eigen::VectorXd(Eigen::VectorXd::Ones(fit.map.cols()));
+  Eigen::MatrixXd start = fit.effects.covariance;
+  start.diagonal() += k_fresh * (start.diagonal() + k_fresh * prior);
+  return start;
+}
+
+PopulationEvidence evidence_without_bounds(const UpdatingProblem& problem, const PopulationFit& fit) {
+  if (!is_mean_held(fit)) {
+    PopulationEvidence evidence = population_evidence(fit.units, fit.effects, fit.settings, fit.map);
+    evidence.mean = fit.mean;
+    return evidence;
+  }
+  RandomEffectsSettings settings = fit.settings;
+  settings.mean_origin.resize(0);
+  settings.mean_directions.resize(0, 0);
+  if (are_effects_partly_unseen(fit)) {
+    settings.mean_origin = Eigen::VectorXd::Zero(fit.map.cols());
+    settings.mean_directions = prior_on_scales(problem.space).covariance.diagonal().cwiseSqrt().asDiagonal() * fit.seen;
+  }
+  const RandomEffectsFit free = fit_random_effects(fit.units, start_beside(problem, fit), settings);
+  PopulationEvidence evidence = population_evidence(fit.units, free, settings, fit.map);
+  evidence.mean = fit.mean + fit.map * (free.mean - fit.effects.mean);
+  return evidence;
+}
 
 NoiseModel noise_model(const UpdatingProblem& problem, const MaximumLikelihoodOptions& options) {
   using Noise = MaximumLikelihoodOptions::Noise;

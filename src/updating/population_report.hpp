@@ -1,6 +1,7 @@
 // What a fitted population says beyond its moments: noise, intervals, specimens, and notes in words.
 #pragma once
 
+#include "mottle/stats/population_intervals.hpp"
 #include "mottle/updating/maximum_likelihood.hpp"
 #include "population_fit.hpp"
 
@@ -16,15 +17,24 @@ void describe_population(const UpdatingProblem& problem, const PopulationFit& fi
                          const PopulationFitSettings& settings, const MaximumLikelihoodOptions& options,
                          const RunContext& context, UpdatingResult& result);
 
+/// What the specimens show of the population, on the parameters' scales, with no bound on its mean: that of the fit, or
+/// of its last linear problem solved again without bounds where they hold a mean.
+PopulationEvidence evidence_without_bounds(const UpdatingProblem& problem, const PopulationFit& fit);
+
+/// A covariance of the effects to start an estimate from: beside that of the fit, off the border where it would stay.
+Eigen::MatrixXd start_beside(const UpdatingProblem& problem, const PopulationFit& fit);
+
 /// Tests of what the estimate leaves over, at a level that is the false-alarm rate of all of them together:
 ///
-///   mean residuals: n |v|^2 against chi-squared (noise known) or F (noise estimated), v the mean of the specimens'
+///   mean-residuals: n |v|^2 against chi-squared (noise known) or F (noise estimated), v the mean of the specimens'
 ///     whitened residuals in the directions that no parameter moves;
-///   scatter of residuals: the rest of their squares against chi-squared (noise known);
-///   correlations: likelihood ratio of a full covariance where groups restrict it, with Bartlett's factor;
-///   reproduction: every test without noise must be reproduced by some parameters.
+///   scatter-of-residuals: the rest of their squares against chi-squared (noise known), or their sphericity (noise
+///     estimated);
+///   correlations: likelihood ratio of a full covariance where groups restrict it, with Box's factor;
+///   reproduction: every test without noise must be reproduced by some parameters;
+///   scatter-agreement, bounds, prior-shift: see scatter_tests.hpp, mean_limits.hpp.
 ///
-/// Where there is none to make, a note says why.
+/// What is not tested is said in result.not_tested.
 void test_population(const UpdatingProblem& problem, const PopulationFit& fit, UpdatingResult& result);
 
 /// Intervals from populations drawn from the estimate and estimated again: see docs/theory/maximum-likelihood.md.

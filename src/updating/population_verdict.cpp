@@ -1,13 +1,15 @@
 // Whether a fitted population can be right: what the specimens' residuals say.
 #include <Eigen/QR>
 #include <algorithm>
-#include <boost/math/distributions/fisher_f.hpp>
 #include <cmath>
+#include <map>
 
+#include "matched_moments.hpp"
 #include "mottle/core/error.hpp"
-#include "mottle/core/text.hpp"
-#include "mottle/stats/chi_squared.hpp"
+#include "mottle/stats/descriptive.hpp"
+#include "mottle/updating/iteration.hpp"
 #include "population_report.hpp"
+#include "scatter_tests.hpp"
 
 namespace mottle {
 namespace {
@@ -50,136 +52,202 @@ WhitenedResiduals whiten(const UpdatingProblem& problem, const PopulationFit& fi
   return result;
 }
 
-/// Directions of whitened outputs that no parameter moves [output x direction].
-Eigen::MatrixXd unmoved_directions(const Eigen::MatrixXd& design) {
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> factor(design);
-  const Eigen::MatrixXd q = factor.householderQ() * Eigen::MatrixXd::Identity(design.rows(), design.rows());
-  return q.rightCols(design.rows() - factor.rank());
+/// Directions of whitened outputs that no parameter moves, orthonormal [output x direction].
+Eigen::MatrixXd unmoved_whitened(const Eigen::MatrixXd& design) {
+  const Eigen::VectorXd scale = design.colwise().norm().transpose().cwiseMax(1e-300).cwiseInverse();
+  return unmoved_directions(design, Eigen::VectorXd::Ones(design.rows()), scale);
 }
 
-VerdictTest mean_residual_test(const WhitenedResiduals& residuals, bool is_noise_known, double level,
-                               Eigen::Index specimens) {
-  const Eigen::MatrixXd directions = unmoved_directions(residuals.mean_design);
-  const Eigen::VectorXd sums = residuals.values.colwise().sum();
-  const Eigen::VectorXd means = sums.cwiseQuotient(residuals.count.cwiseMax(1.0).cwiseSqrt());
-  const double misfit = (directions.transpose() * means).squaredNorm();
-  const auto freedom = static_cast<double>(directions.cols());
-  const double rest = residuals.freedom - freedom;
-  VerdictTest test{.name = "mean-residuals", .statistic = misfit};
-  if (is_noise_known) {
-    test.critical = chi_squared_quantile(1.0 - level, freedom);
-    test.p_value = chi_squared_upper_tail(misfit, freedom);
-  } else {
-    test.statistic = misfit / freedom / (std::max(residuals.squares - misfit, 1e-300) / rest);
-    const boost::math::fisher_f law(freedom, rest);
-    test.critical = boost::math::quantile(complement(law, level));
-    test.p_value = boost::math::cdf(complement(law, test.statistic));
+/// The residuals in the directions that no parameter moves, about their means and of their means.
+struct UnmovedResiduals {
+  WhitenedResiduals whitened;
+  Eigen::MatrixXd directions;  // orthonormal [output x direction]
+  double mean_squares = 0.0;   // n |v|^2
+  double squares = 0.0;        // about the means
+  double freedom = 0.0;        // of `squares`
+};
+
+UnmovedResiduals unmoved_residuals(const UpdatingProblem& problem, const PopulationFit& fit) {
+  UnmovedResiduals result{whiten(problem, fit), {}};
+  result.directions = unmoved_whitened(result.whitened.mean_design);
+  const Eigen::VectorXd sums = result.whitened.values.colwise().sum();
+  const Eigen::VectorXd means = sums.cwiseQuotient(result.whitened.count.cwiseMax(1.0).cwiseSqrt());
+  result.mean_squares = (result.directions.transpose() * means).squaredNorm();
+  result.squares = std::max(result.whitened.squares - result.mean_squares, 1e-300);
+  result.freedom = result.whitened.freedom - static_cast<double>(result.directions.cols());
+  return result;
+}
+
+void plan_mean_residuals(const UnmovedResiduals& residuals, bool is_noise_known, TestPlan& plan) {
+  const auto d = static_cast<double>(residuals.directions.cols());
+  const auto n = static_cast<double>(residuals.whitened.values.rows());
+  const double rest = residuals.freedom;
+  PlannedTest test = is_noise_known
+                         ? chi_squared_test("mean-residuals", residuals.mean_squares, d)
+                         : f_test("mean-residuals", residuals.mean_squares / d * rest / residuals.squares, d, rest);
+  test.aspect = Aspect::means;
+  test.meaning = fmt::format(
+      "Mean residuals of {:.0f} specimens in the {:.0f} directions that no parameter moves: are they no more than the "
+      "measurement's noise?",
+      n, d);
+  test.power = [=](double level) {
+    const double shift =
+        std::sqrt((is_noise_known ? chi_squared_detectable(d, level) : f_detectable(d, rest, level)) / n);
+    return Power{fmt::format("means that are off by {:.2g} standard deviations of the noise in one of them", shift),
+                 shift <= k_gross_error};
+  };
+  plan.add(std::move(test));
+}
+
+/// How an output's own scatter shows in the directions.
+ResidualLeverage leverage_of(const UpdatingProblem& problem, const PopulationFit& fit,
+                             const UnmovedResiduals& residuals) {
+  const Eigen::MatrixXd design = fit.noise.cwiseSqrt().asDiagonal() * residuals.whitened.mean_design;
+  return {residuals.directions.rowwise().squaredNorm().cwiseQuotient(fit.noise),
+          (design * fit.effects.covariance * design.transpose()).diagonal() + fit.noise, output_names(problem)};
+}
+
+/// Sphericity over the specimens without gaps: a level of noise that was estimated cannot be tested itself.
+void plan_sphericity(const UpdatingProblem& problem, const PopulationFit& fit, const UnmovedResiduals& residuals,
+                     TestPlan& plan) {
+  std::vector<Eigen::Index> whole;
+  for (Eigen::Index s = 0; s < problem.tests.values.rows(); ++s) {
+    if (problem.tests.values.row(s).allFinite()) whole.push_back(s);
   }
-  test.passed = test.statistic <= test.critical;
-  test.meaning = fmt::format(
-      "Mean residuals of {} specimens in the {} directions that no parameter moves: are they no more than the "
-      "measurement's noise?",
-      specimens, directions.cols());
-  return test;
+  constexpr std::size_t k_fewest = 3;
+  if (residuals.directions.cols() < 2 || whole.size() < k_fewest) {
+    plan.leave_untested(
+        Aspect::scatter,
+        "The scatter was not tested: the few residuals that are left give the level of the noise and no "
+        "more. Give [test] repeatability of every output, or measure further outputs.");
+    return;
+  }
+  const Eigen::MatrixXd values = residuals.whitened.values(whole, Eigen::all) * residuals.directions;
+  plan.add(sphericity_test(sample_covariance(values), static_cast<double>(whole.size() - 1),
+                           leverage_of(problem, fit, residuals)));
 }
 
-/// Passes where the statistic is no larger than chi-squared of this freedom is once in 1 / level.
-VerdictTest chi_squared_test(std::string name, double statistic, double freedom, double level) {
-  const double critical = chi_squared_quantile(1.0 - level, freedom);
-  return {.name = std::move(name),
-          .statistic = statistic,
-          .critical = critical,
-          .p_value = chi_squared_upper_tail(statistic, freedom),
-          .passed = statistic <= critical,
-          .meaning = {}};
+void plan_residual_tests(const UpdatingProblem& problem, const PopulationFit& fit, TestPlan& plan) {
+  const bool is_noise_known = fit.settings.factors == 0;
+  const bool has_noise = (fit.noise.array() > 0.0).all();
+  const UnmovedResiduals residuals = has_noise ? unmoved_residuals(problem, fit) : UnmovedResiduals{};
+  if (!has_noise || residuals.directions.cols() == 0 || residuals.freedom <= 0.0) {
+    plan.leave_untested(Aspect::means,
+                        fmt::format("The means were not tested: {} outputs are no more than the {} combinations of "
+                                    "parameters that they see, which can match any means. {}",
+                                    problem.tests.values.cols(), fit.seen.cols(), k_more_outputs));
+    plan.leave_untested(Aspect::scatter,
+                        fmt::format("The scatter was not tested: the covariance of the parameters is free to match any "
+                                    "covariance of the tests. {}",
+                                    k_more_outputs));
+    return;
+  }
+  plan_mean_residuals(residuals, is_noise_known, plan);
+  if (!is_noise_known) return plan_sphericity(problem, fit, residuals, plan);
+  const auto d = static_cast<double>(residuals.directions.cols());
+  plan.add(residual_scatter_test(residuals.squares, residuals.freedom / d, d, leverage_of(problem, fit, residuals)));
 }
 
-VerdictTest scatter_residual_test(const WhitenedResiduals& residuals, double mean_misfit, double mean_freedom,
-                                  double level) {
-  const double freedom = residuals.freedom - mean_freedom;
-  VerdictTest test =
-      chi_squared_test("scatter-of-residuals", std::max(residuals.squares - mean_misfit, 0.0), freedom, level);
-  test.meaning = fmt::format(
-      "Chi-squared with {:.0f} degrees of freedom: do the residuals scatter from specimen to specimen no more than the "
-      "measurement's noise?",
-      freedom);
-  return test;
+/// Entries of the covariance that the groups hold at zero, and what Box's factor takes off the specimens' number.
+struct Restriction {
+  double entries = 0.0;
+  double correction = 0.0;
+};
+
+/// 1/2 + (q^3 - sum q_g^3) / (3 (q^2 - sum q_g^2)) for groups of q_g parameters [Box1949].
+Restriction restriction_of(const std::vector<int>& groups) {
+  std::map<int, double> sizes;
+  for (const int group : groups) sizes[group] += 1.0;
+  const auto q = static_cast<double>(groups.size());
+  double squares = q * q;
+  double cubes = q * q * q;
+  for (const auto& [group, size] : sizes) {
+    squares -= size * size;
+    cubes -= size * size * size;
+  }
+  return {0.5 * squares, squares > 0.0 ? 0.5 + cubes / (3.0 * squares) : 0.0};
 }
 
-/// Likelihood ratio of correlations between the groups, with the factor that brings its mean to that of chi-squared.
-VerdictTest correlation_test(const PopulationFit& fit, double freedom, double level) {
+/// Likelihood ratio of correlations between the groups, with the factor that brings its mean to that of chi-squared:
+/// the number of degrees of freedom of the covariance, n - 1, less Box's correction, over what the likelihood counts,
+/// n - 1 where it is restricted and n where it is not.
+void plan_correlations(const UpdatingProblem& problem, const PopulationFit& fit, TestPlan& plan) {
+  const Restriction restriction = restriction_of(fit.settings.covariance_groups);
+  if (!(restriction.entries > 0.0)) return;
+  const auto q = static_cast<double>(fit.effects.mean.size());
+  const double freedom = static_cast<double>(fit.units.size()) - 1.0;
+  if (freedom <= q) {
+    plan.leave_untested(Aspect::scatter,
+                        fmt::format("The correlations that update.covariance forbids were not tested: {} specimens are "
+                                    "too few, at least {:.0f} are needed.",
+                                    fit.units.size(), q + 2.0));
+    return;
+  }
   RandomEffectsSettings full = fit.settings;
   full.covariance_groups.clear();
-  const RandomEffectsFit free = fit_random_effects(fit.units, fit.effects.covariance, full);
-  const auto n = static_cast<double>(fit.units.size());
-  const auto q = static_cast<double>(fit.effects.mean.size());
-  const double factor = std::max(1.0 - (2.0 * q + 11.0) / (6.0 * n), 0.1);
+  const RandomEffectsFit free = fit_random_effects(fit.units, start_beside(problem, fit), full);
+  const double counted = fit.settings.is_restricted ? freedom : freedom + 1.0;
+  const double effective = freedom - restriction.correction;
   const double gain = std::max(free.log_likelihood - fit.effects.log_likelihood, 0.0);
-  VerdictTest test = chi_squared_test("correlations", 2.0 * factor * gain, freedom, level);
+  PlannedTest test = chi_squared_test("correlations", 2.0 * effective / counted * gain, restriction.entries);
+  test.aspect = Aspect::scatter;
   test.meaning = fmt::format(
       "Likelihood ratio with {:.0f} degrees of freedom: are the parameters that may not be correlated uncorrelated in "
       "the tests?",
-      freedom);
-  return test;
+      restriction.entries);
+  test.power = [=](double level) {
+    constexpr double k_nearly_one = 0.95;
+    const double found = chi_squared_detectable(restriction.entries, level) / effective;
+    const double correlation = std::sqrt(-std::expm1(-found));
+    return Power{fmt::format("a correlation of {:.2f}", correlation), correlation <= k_nearly_one};
+  };
+  plan.add(std::move(test));
 }
 
-double restricted_entries(const std::vector<int>& groups) {
-  double count = 0.0;
-  for (std::size_t i = 0; i < groups.size(); ++i) {
-    for (std::size_t j = 0; j < i; ++j) count += groups[i] != groups[j] ? 1.0 : 0.0;
+/// Tests without noise that no parameters give: further off than a hundredth of the tests' scatter.
+void plan_reproduction(const UpdatingProblem& problem, const PopulationFit& fit, TestPlan& plan) {
+  constexpr double k_small = 0.01;
+  const Eigen::VectorXd scatter = test_moments(problem.tests).covariance.diagonal().cwiseSqrt();
+  double lost = 0.0;
+  for (Eigen::Index s = 0; s < fit.specimens.outputs.rows(); ++s) {
+    const Eigen::ArrayXd off = (problem.tests.values.row(s) - fit.specimens.outputs.row(s)).transpose().array().abs();
+    const bool is_off = (off > k_small * scatter.array()).any();
+    lost += is_off && !fit.specimens.converged[static_cast<std::size_t>(s)] ? 1.0 : 0.0;
   }
-  return count;
+  plan.add({.name = "reproduction",
+            .statistic = lost,
+            .p_value = lost > 0.0 ? 0.0 : 1.0,
+            .critical = [](double) { return 0.0; },
+            .meaning = fmt::format("Number of specimens, of {}, whose test no parameters reproduce.",
+                                   fit.specimens.converged.size()),
+            .share = 0.0,
+            .is_listed_where_it_passes = false});
 }
 
-/// Tests without noise that no parameters give.
-VerdictTest reproduction_test(const PopulationFit& fit) {
-  const auto lost = std::count(fit.specimens.converged.begin(), fit.specimens.converged.end(), false);
-  return {.name = "reproduction",
-          .statistic = static_cast<double>(lost),
-          .critical = 0.0,
-          .p_value = lost > 0 ? 0.0 : 1.0,
-          .passed = lost == 0,
-          .meaning = fmt::format("Number of specimens, of {}, whose test no parameters reproduce.",
-                                 fit.specimens.converged.size())};
+void plan_cloud_agreement(const UpdatingProblem& problem, const PopulationFit& fit, const UpdatingResult& result,
+                          TestPlan& plan) {
+  const TestMoments tests = test_moments(problem.tests);
+  std::vector<bool> is_whole;
+  for (const double variance : fit.noise) is_whole.push_back(variance > 0.0);
+  plan.add(cloud_agreement_test(tests.covariance.diagonal(),
+                                result.history.back().output_covariance.diagonal() + fit.noise, tests.count, is_whole,
+                                output_names(problem)));
 }
 
 }  // namespace
 
 void test_population(const UpdatingProblem& problem, const PopulationFit& fit, UpdatingResult& result) {
-  const bool has_noise = (fit.noise.array() > 0.0).all();
-  const bool is_known = fit.settings.factors == 0;
-  const double restricted = restricted_entries(fit.settings.covariance_groups);
-  WhitenedResiduals residuals;
-  double mean_freedom = 0.0;
-  if (has_noise) {
-    residuals = whiten(problem, fit);
-    mean_freedom = static_cast<double>(unmoved_directions(residuals.mean_design).cols());
-  }
-  const bool has_means = has_noise && mean_freedom > 0.0 && residuals.freedom > mean_freedom;
-  const bool has_scatter = has_means && is_known;
-  const int tests = (has_means ? 1 : 0) + (has_scatter ? 1 : 0) + (restricted > 0.0 ? 1 : 0);
-  // Independent tests: the level of each is such that one false alarm among them has the level of the whole.
-  const double level = 1.0 - std::pow(1.0 - problem.level, 1.0 / std::max(tests, 1));
-  if (has_means) {
-    result.tests.push_back(mean_residual_test(residuals, is_known, level, problem.tests.values.rows()));
-  }
-  if (has_scatter) {
-    result.tests.push_back(scatter_residual_test(residuals, result.tests.back().statistic, mean_freedom, level));
-  }
-  if (restricted > 0.0) result.tests.push_back(correlation_test(fit, restricted, level));
-  if (!has_noise) result.tests.push_back(reproduction_test(fit));
-  if (!has_means) {
-    result.notes.push_back(fmt::format(
-        "{} outputs are no more than the {} combinations of parameters that they see: any means can be matched, so the "
-        "means have no degrees of freedom to judge the model by.",
-        problem.tests.values.cols(), fit.seen.cols()));
-  }
-  if (!has_scatter && restricted == 0.0) {
-    result.notes.push_back(
-        "The covariance of the parameters is free to match any covariance of the tests: the covariances have no "
-        "degrees "
-        "of freedom to judge the model by.");
-  }
+  TestPlan plan;
+  plan_residual_tests(problem, fit, plan);
+  plan_correlations(problem, fit, plan);
+  plan_cloud_agreement(problem, fit, result, plan);
+  if (!(fit.noise.array() > 0.0).all()) plan_reproduction(problem, fit, plan);
+  const PopulationEvidence evidence = evidence_without_bounds(problem, fit);
+  const Eigen::VectorXd freedom = evidence.freedom.diagonal();
+  const double least = (freedom.array() > 0.0).select(freedom.array(), 1e9).minCoeff();
+  plan_bound_test(problem, {evidence.mean, evidence.mean_covariance, least}, plan);
+  plan_prior_shift(problem, fit.mean, evidence.mean_covariance, plan);
+  plan.make(problem.level, result);
 }
 
 }  // namespace mottle

@@ -7,7 +7,10 @@
 #include "mottle/stats/standard_normal.hpp"
 #include "mottle/updating/iteration.hpp"
 #include "mottle/updating/mares.hpp"
+#include "support/linear_model.hpp"
 #include "support/three_masses.hpp"
+#include "updating/mean_limits.hpp"
+#include "updating/scatter_tests.hpp"
 
 namespace mottle {
 namespace {
@@ -16,10 +19,15 @@ using test::frequencies_of;
 using test::oracle_parameters;
 using test::ThreeMasses;
 
-TEST(Verdict, TheRightParametersAreAdequate) {
+TEST(Verdict, WithAsManyOutputsAsParametersNothingWasTested) {
   const ThreeMasses structure;
   const UpdatingProblem problem = structure.problem(frequencies_of(structure, oracle_parameters()));
-  EXPECT_EQ(judge(problem, MaresUpdater({}).update(problem, {})).conclusion, Conclusion::adequate);
+  const Verdict verdict = judge(problem, MaresUpdater({}).update(problem, {}));
+  EXPECT_EQ(verdict.conclusion, Conclusion::undecided);
+  EXPECT_TRUE(verdict.tests.empty());
+  ASSERT_EQ(verdict.not_tested.size(), 2U);
+  EXPECT_NE(verdict.not_tested[0].find("3 outputs are no more than the combinations"), std::string::npos);
+  EXPECT_NE(verdict.not_tested[1].find("maximum-likelihood"), std::string::npos);
 }
 
 TEST(Verdict, AParameterOnItsBoundIsInadequateAndNamed) {
@@ -42,36 +50,118 @@ TEST(Verdict, AnIterationThatDidNotConvergeIsUndecided) {
   EXPECT_EQ(judge(problem, MaresUpdater({}).update(problem, {})).conclusion, Conclusion::undecided);
 }
 
-/// Part of 2000 replications of ten right specimens that the test rejects. The three outputs scatter together alone,
-/// but for the noise.
-double rejected_part(double noise, double known_noise) {
-  constexpr int k_replications = 2000;
-  constexpr int k_specimens = 10;
-  const ThreeMasses structure;
-  UpdatingProblem problem = structure.problem(Eigen::MatrixXd::Zero(k_specimens, 3));
-  problem.tests.repeatability_std = Eigen::Vector3d::Constant(known_noise);
-  RandomStream stream({.seed = 5, .purpose = StreamPurpose::truth}, 0);
-  const auto normal = [&] { return standard_normal_quantile(stream.uniform()); };
-  int rejected = 0;
-  for (int r = 0; r < k_replications; ++r) {
-    IterationRecord state;
-    state.cloud.outputs.resize(1000, 3);
-    for (auto row : state.cloud.outputs.rowwise()) row.setConstant(normal());
-    state.cloud.samples = state.cloud.outputs;
-    state.output_mean = sample_mean(state.cloud.outputs);
-    state.output_covariance = sample_covariance(state.cloud.outputs);
-    for (auto row : problem.tests.values.rowwise()) {
-      row.setConstant(normal());
-      for (double& value : row) value += noise * normal();
-    }
-    if (!mean_agreement_test(problem, state, 0.05).passed) ++rejected;
+/// Ten specimens of a linear model with two parameters and four outputs, drawn anew for each replication.
+struct Replication {
+  static Eigen::MatrixXd slope() {
+    Eigen::MatrixXd g(4, 2);
+    g << 1.0, 0.5, -1.0, 2.0, 0.3, 0.7, 1.5, -0.2;
+    return g;
   }
-  return static_cast<double>(rejected) / k_replications;
+  Replication() : model(Eigen::Vector4d::Zero(), slope()) {
+    const Distribution prior({.kind = DistributionKind::normal, .mean = 1.0, .std = 0.5});
+    space = std::make_unique<ParameterSpace>(
+        std::vector<Parameter>{{"a", "-", -9.0, 9.0, {-9.0, false}}, {"b", "-", -9.0, 9.0, {-9.0, false}}},
+        JointDistribution({prior, prior}));
+  }
+  Eigen::MatrixXd draw(std::uint32_t replication) const {
+    Eigen::MatrixXd tests(10, 4);
+    for (std::uint32_t s = 0; s < 10; ++s) {
+      RandomStream stream({.seed = 5, .purpose = StreamPurpose::truth, .iteration = replication}, s);
+      const auto normal = [&] { return standard_normal_quantile(stream.uniform()); };
+      const Eigen::Vector2d x(1.2 + 0.2 * normal(), 0.9 + 0.3 * normal());
+      tests.row(s) = (slope() * x).transpose();
+      for (Eigen::Index k = 0; k < 4; ++k) tests(s, k) += noise * normal();
+    }
+    return tests;
+  }
+  /// Parts of 400 replications that are inadequate and adequate.
+  std::pair<double, double> judged(const std::string& method, double known_noise, double offset) const {
+    constexpr int k_replications = 400;
+    const std::unique_ptr<Updater> updater = find_method(method).make({}, "test");
+    double inadequate = 0.0;
+    double adequate = 0.0;
+    for (std::uint32_t r = 0; r < k_replications; ++r) {
+      Eigen::MatrixXd tests = draw(r);
+      tests.col(3).array() += offset;
+      const UpdatingProblem problem{.model = model,
+                                    .space = *space,
+                                    .tests = {tests, Eigen::Vector4d::Constant(known_noise)},
+                                    .cloud = {.samples = 1000}};
+      const Conclusion conclusion = judge(problem, updater->update(problem, {.seed = r + 1})).conclusion;
+      inadequate += conclusion == Conclusion::inadequate ? 1.0 / k_replications : 0.0;
+      adequate += conclusion == Conclusion::adequate ? 1.0 / k_replications : 0.0;
+    }
+    return {inadequate, adequate};
+  }
+  double noise = 0.1;
+  test::LinearModel model;
+  std::unique_ptr<ParameterSpace> space;
+};
+
+/// Three standard errors of 5 % in 400 replications.
+constexpr double k_chance = 0.033;
+
+TEST(MatchedMeans, AreRefusedAsOftenAsTheLevelSaysWhereTheNoiseIsKnown) {
+  for (const char* method : {"perturbation", "inversion", "mares"}) {
+    const auto [inadequate, adequate] = Replication().judged(method, 0.1, 0.0);
+    EXPECT_NEAR(inadequate, 0.05, k_chance) << method;
+    EXPECT_NEAR(adequate, method == std::string("mares") ? 0.0 : 0.95, k_chance) << method;
+  }
 }
 
-TEST(MeanAgreement, RejectsAsOftenAsItSaysWhereTheNoiseIsKnown) {
-  EXPECT_NEAR(rejected_part(0.1, 0.1), 0.05, 0.02);  // 4 standard errors
-  EXPECT_GT(rejected_part(0.1, 0.0), 0.5);           // unknown noise is taken for a difference
+TEST(MatchedMeans, AreTestedByHotellingWhereTheNoiseIsNotKnownAndTheScatterStaysUndecided) {
+  const auto [inadequate, adequate] = Replication().judged("perturbation", 0.0, 0.0);
+  EXPECT_NEAR(inadequate, 0.05, k_chance);
+  EXPECT_EQ(adequate, 0.0);
+}
+
+TEST(MatchedMeans, OfAWrongModelAreRefused) {
+  EXPECT_GT(Replication().judged("perturbation", 0.1, 0.5).first, 0.98);
+  EXPECT_GT(Replication().judged("perturbation", 0.0, 0.5).first, 0.9);
+}
+
+/// Part of the replications of nu + 1 residuals in d directions, the first with `ratio` times the variance of the
+/// others, whose sphericity is refused.
+double refused_sphericity(int nu, int d, double ratio, std::string* finds = nullptr) {
+  constexpr std::uint32_t k_replications = 2000;
+  double refused = 0.0;
+  for (std::uint32_t r = 0; r < k_replications; ++r) {
+    Eigen::MatrixXd residuals(nu + 1, d);
+    RandomStream stream({.seed = 7, .purpose = StreamPurpose::truth}, r);
+    for (double& value : residuals.reshaped()) value = standard_normal_quantile(stream.uniform());
+    residuals.col(0) *= std::sqrt(ratio);
+    const ResidualLeverage leverage{Eigen::VectorXd::Ones(d), Eigen::VectorXd::Ones(d),
+                                    std::vector<std::string>(static_cast<std::size_t>(d), "y")};
+    const PlannedTest test = sphericity_test(sample_covariance(residuals), nu, leverage);
+    refused += test.statistic > test.critical(0.05) ? 1.0 / k_replications : 0.0;
+    if (finds != nullptr) *finds = test.power(0.05).finds;
+  }
+  return refused;
+}
+
+TEST(Sphericity, IsRefusedAsOftenAsItsLevelSays) {
+  for (const auto& [nu, d] : {std::pair(2, 9), std::pair(4, 9), std::pair(9, 9), std::pair(49, 9), std::pair(9, 2)}) {
+    // Three standard errors of 2000 replications; with three residuals the law is bounded, and the test keeps below.
+    const double refused = refused_sphericity(nu, d, 1.0);
+    EXPECT_LT(refused, 0.05 + 0.015) << nu << ' ' << d;
+    EXPECT_GT(refused, nu == 2 ? 0.02 : 0.05 - 0.015) << nu << ' ' << d;
+  }
+}
+
+TEST(Sphericity, FindsWhatItSaysInFourOfFive) {
+  std::string finds;
+  refused_sphericity(9, 9, 1.0, &finds);
+  // "... scatters by itself C (y) to C (y) times as much ...": with unit leverage and variance C^2 is the ratio.
+  const double factor = std::stod(finds.substr(finds.find("itself ") + 7));
+  EXPECT_NEAR(refused_sphericity(9, 9, factor * factor), 0.8, 0.1) << factor;
+}
+
+TEST(NearestNonNegative, IsTheProjectionInTheMetricOfTheCovariance) {
+  Eigen::Matrix2d covariance;
+  covariance << 1.0, 0.6, 0.6, 2.0;
+  // One coordinate beyond: the other follows by regression, 0.4 + 0.6 (0 - (-0.5)) / 1.
+  EXPECT_LT((nearest_non_negative(Eigen::Vector2d(-0.5, 0.4), covariance) - Eigen::Vector2d(0.0, 0.7)).norm(), 1e-9);
+  EXPECT_LT((nearest_non_negative(Eigen::Vector2d(0.5, 0.4), covariance) - Eigen::Vector2d(0.5, 0.4)).norm(), 1e-12);
 }
 
 TEST(Identifiability, SingularValuesOfAScaledDiagonalSensitivityAreItsRatios) {

@@ -26,12 +26,11 @@ struct Verdict {
   std::vector<std::string> not_tested;  ///< sentences: what no test could see, and what would show it
 };
 
-/// Inadequate where a test of the method failed or a mean lies on a bound; undecided where nothing was tested.
+/// Inadequate where a test failed; adequate where the update converged, every aspect (the means and, of several
+/// specimens, the scatter) was tested with some power and no test failed; else undecided. An update that did not
+/// converge is no evidence: it is undecided, unless a test failed where its last step moved no parameter by more than a
+/// tenth of a prior deviation. See docs/theory/verdict.md.
 Verdict judge(const UpdatingProblem& problem, const UpdatingResult& result);
-
-/// Hotelling's two-sample test that specimens and cloud have the same mean; the known noise of the tests is added to
-/// the covariance of the cloud, which has none.
-VerdictTest mean_agreement_test(const UpdatingProblem& problem, const IterationRecord& state, double level);
 
 /// What the outputs can tell of the parameters.
 struct Identifiability {
