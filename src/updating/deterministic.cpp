@@ -5,11 +5,10 @@
 #include <limits>
 #include <optional>
 
-#include "matched_moments.hpp"
+#include "deterministic_tests.hpp"
 #include "mottle/core/error.hpp"
 #include "mottle/stats/distance.hpp"
 #include "mottle/updating/iteration.hpp"
-#include "mottle/updating/scaled_parameters.hpp"
 
 namespace mottle {
 namespace {
@@ -169,74 +168,11 @@ Eigen::MatrixXd estimate_covariance(const LeastSquares& setup, const Eigen::Matr
   return 0.5 * (covariance + covariance.transpose());
 }
 
-/// Variances of the target: a mean of specimens with known repeatability is better known than one of them; an error
-/// that is assumed is taken to be common to all.
-Eigen::VectorXd target_variance(const UpdatingProblem& problem, const LeastSquares& setup, int specimen) {
-  Eigen::VectorXd variance = setup.weight.cwiseInverse();
-  if (specimen > 0) return variance;
-  const Eigen::VectorXi count = test_moments(problem.tests).count;
-  for (Eigen::Index k = 0; k < variance.size(); ++k) {
-    if (problem.tests.repeatability_std(k) > 0.0) variance(k) /= count(k);
-  }
-  return variance;
-}
-
-/// Are the residuals, in the directions that no parameter moves, no larger than the measurement error?
-void plan_residual_test(const UpdatingProblem& problem, const LeastSquares& setup, const DeterministicOptions& options,
-                        const Eigen::VectorXd& outputs, const Eigen::MatrixXd& g, TestPlan& plan) {
-  const Eigen::MatrixXd b = unmoved_directions(g, setup.weight.cwiseSqrt().cwiseInverse(), setup.prior_std);
-  const auto d = static_cast<double>(b.cols());
-  if (d == 0.0) {
-    plan.leave_untested(
-        Aspect::means,
-        fmt::format("The outputs were not tested: {} of them are no more than the combinations of parameters that they "
-                    "see, so the residuals cannot tell whether the model is right. {}",
-                    outputs.size(), k_more_outputs));
-    return;
-  }
-  const Eigen::VectorXd residual = b.transpose() * (setup.target - outputs);
-  const Eigen::MatrixXd covariance = b.transpose() * target_variance(problem, setup, options.specimen).asDiagonal() * b;
-  PlannedTest test = chi_squared_test("residuals", residual.dot(covariance.ldlt().solve(residual)), d);
-  test.aspect = Aspect::means;
-  test.meaning = fmt::format(
-      "Chi-squared with {:.0f} degrees of freedom: are the residuals of the outputs, in the directions that no "
-      "parameter "
-      "moves, no larger than the measurement error?",
-      d);
-  test.power = [=](double level) {
-    return Power{fmt::format("outputs that are off by {:.2g} standard deviations of the measurement in one of them",
-                             std::sqrt(chi_squared_detectable(d, level)))};
-  };
-  plan.add(std::move(test));
-}
-
-/// Where the step that no bound stops leads, on the parameters' scales, and its covariance.
-FreeMean free_estimate(const UpdatingProblem& problem, const LeastSquares& setup, const Eigen::VectorXd& x,
-                       const Eigen::VectorXd& outputs, const Eigen::MatrixXd& g, const Eigen::MatrixXd& covariance) {
+/// The Gauss-Newton step that no bound stops.
+Eigen::VectorXd unbounded_step(const LeastSquares& setup, const Eigen::VectorXd& x, const Eigen::VectorXd& outputs,
+                               const Eigen::MatrixXd& g) {
   const Eigen::MatrixXd gw = g.transpose() * setup.weight.asDiagonal();
-  const Eigen::VectorXd descent = gw * (setup.target - outputs) - setup.prior * (x - setup.start);
-  const Eigen::VectorXd step = (gw * g + setup.prior).ldlt().solve(descent);
-  const ScaledParameters parameters(problem.space);
-  const Eigen::VectorXd point = from_variables(parameters.scales(), x.transpose()).row(0);
-  const Eigen::VectorXd slope = parameters.slopes(point).cwiseInverse();
-  return {point + slope.cwiseProduct(step), slope.asDiagonal() * covariance * slope.asDiagonal(),
-          std::numeric_limits<double>::infinity()};
-}
-
-void test_estimate(const UpdatingProblem& problem, const LeastSquares& setup, const DeterministicOptions& options,
-                   const Eigen::VectorXd& outputs, UpdatingResult& result) {
-  TestPlan plan;
-  plan_residual_test(problem, setup, options, outputs, result.sensitivity, plan);
-  if (options.specimen == 0 && problem.tests.values.rows() > 1) {
-    plan.leave_untested(Aspect::scatter,
-                        "The scatter was not tested: method 'deterministic' updates to the mean of the tests alone. "
-                        "Update with method = \"maximum-likelihood\", which estimates the scatter of the specimens.");
-  }
-  const FreeMean free = free_estimate(problem, setup, result.mean, outputs, result.sensitivity, result.covariance);
-  plan_bound_test(problem, free, plan);
-  const Eigen::VectorXd point = from_variables(problem.space.scales(), result.mean.transpose()).row(0);
-  plan_prior_shift(problem, point, free.covariance, plan);
-  plan.make(problem.level, result);
+  return (gw * g + setup.prior).ldlt().solve(gw * (setup.target - outputs) - setup.prior * (x - setup.start));
 }
 
 }  // namespace
@@ -323,7 +259,12 @@ UpdatingResult DeterministicUpdater::update(const UpdatingProblem& problem, cons
                        ? fmt::format("after {} iterations no parameter moves by more than {} of its prior deviation",
                                      updates, problem.tolerance)
                        : fmt::format("{} iterations did not bring the parameters to rest", updates);
-  test_estimate(problem, setup, options_, y, result);
+  test_structure(problem,
+                 {.specimen = options_.specimen,
+                  .residual = setup.target - y,
+                  .measurement_std = setup.weight.cwiseSqrt().cwiseInverse(),
+                  .free_step = unbounded_step(setup, x, y, g)},
+                 result);
   result.notes.push_back(
       "The deviations of this method say how well the parameters of one structure are known; they do not describe "
       "the scatter of specimens.");

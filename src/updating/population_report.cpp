@@ -236,6 +236,8 @@ void describe_population(const UpdatingProblem& problem, const PopulationFit& fi
   if (options.intervals == Intervals::bootstrap) {
     result.intervals =
         bootstrap_intervals(problem, fit, settings, options.bootstrap_samples, context, result.model_evaluations);
+    // A mean that a bound holds is held in every sample, which says nothing of where it may be.
+    if (is_mean_held(fit)) result.intervals->mean = analytic_intervals(problem, fit).mean;
   }
   if (result.intervals) forget_unseen(problem, fit, *result.intervals);
   add_notes(problem, fit, settings, result);

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "mottle/core/random.hpp"
 #include "mottle/stats/descriptive.hpp"
 #include "mottle/stats/standard_normal.hpp"
@@ -48,6 +50,34 @@ TEST(Verdict, AnIterationThatDidNotConvergeIsUndecided) {
   UpdatingProblem problem = structure.problem(frequencies_of(structure, oracle_parameters()));
   problem.iterations = 2;
   EXPECT_EQ(judge(problem, MaresUpdater({}).update(problem, {})).conclusion, Conclusion::undecided);
+}
+
+TEST(TestPlan, SharesTheLevelSoThatAllTestsTogetherHaveIt) {
+  TestPlan plan;
+  plan.add(chi_squared_test("first", 5.0, 2.0));
+  plan.add(chi_squared_test("second", 5.0, 2.0));
+  PlannedTest small = chi_squared_test("third", 100.0, 2.0);
+  small.share = 0.5;
+  plan.add(small);
+  UpdatingResult result;
+  plan.make(0.05, result);
+  double passes = 1.0;  // chi-squared with two degrees of freedom: P(> c) = exp(-c / 2)
+  for (const VerdictTest& test : result.tests) passes *= 1.0 - std::exp(-0.5 * test.critical);
+  EXPECT_NEAR(passes, 0.95, 1e-9);
+  EXPECT_TRUE(result.tests[0].passed);
+  EXPECT_FALSE(result.tests[2].passed);
+}
+
+TEST(TestPlan, SaysOfATestWithoutPowerThatItTestedNothing) {
+  TestPlan plan;
+  PlannedTest test = chi_squared_test("means", 0.0, 1.0);
+  test.aspect = Aspect::means;
+  test.power = [](double) { return Power{"an error of 9", false}; };
+  plan.add(test);
+  UpdatingResult result;
+  plan.make(0.05, result);
+  ASSERT_EQ(result.not_tested.size(), 1U);
+  EXPECT_NE(result.not_tested[0].find("no less than an error of 9"), std::string::npos);
 }
 
 /// Ten specimens of a linear model with two parameters and four outputs, drawn anew for each replication.
@@ -134,7 +164,7 @@ double refused_sphericity(int nu, int d, double ratio, std::string* finds = null
                                     std::vector<std::string>(static_cast<std::size_t>(d), "y")};
     const PlannedTest test = sphericity_test(sample_covariance(residuals), nu, leverage);
     refused += test.statistic > test.critical(0.05) ? 1.0 / k_replications : 0.0;
-    if (finds != nullptr) *finds = test.power(0.05).finds;
+    if (finds != nullptr && r == 0) *finds = test.power(0.05).finds;
   }
   return refused;
 }

@@ -67,7 +67,7 @@ def report(case, weighting, results, lines):
         "k2 at its lower bound": sum(bound[1] == "lower" for bound in bounds) / len(bounds),
         "k5 at its upper bound": sum(bound[2] == "upper" for bound in bounds) / len(bounds),
         "converged": sum(result["status"] == "converged" for result in results) / len(results),
-        "verdict inadequate": sum(not result["adequate"] for result in results) / len(results),
+        "verdict inadequate": sum(result["conclusion"] == "inadequate" for result in results) / len(results),
     }
     return inside_all, share
 
