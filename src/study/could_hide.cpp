@@ -157,14 +157,19 @@ DecidingSet find_deciding_set(const UpdatingProblem& problem, const UpdatingResu
   return best;
 }
 
+std::string capitalised(std::string text) {
+  if (text.starts_with("the ")) text.front() = 'T';
+  return text;
+}
+
 std::string deciding_sentence(const DecidingSet& set, const ErrorDerivatives& found) {
   if (set.items.empty() || set.harm == std::numeric_limits<double>::max()) return {};
   std::vector<std::string> texts;
   for (const std::size_t item : set.items) texts.push_back(found.further[item].text);
   return fmt::format(
-      "{} measured beside these outputs (to 0.1 % of a frequency, 1 % of a shape's size) would {}: {} would then be "
+      "{} would {}, measured beside these outputs to 0.1 % of a frequency and 1 % of a shape's size: {} would then be "
       "refused in 80 % of cases.",
-      join(texts, " and "), set.is_enough() ? "decide" : "show most", sizes_text(set.errors));
+      capitalised(join(texts, " and ")), set.is_enough() ? "decide" : "show most", sizes_text(set.errors));
 }
 
 Json error_json(const NamedError& error, const std::vector<std::string>& parameters) {

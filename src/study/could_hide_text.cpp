@@ -19,24 +19,25 @@ std::string harm_text(const HiddenError& error, const std::vector<std::string>& 
   for (Eigen::Index i = 0; i < error.would_move.size(); ++i) {
     if (std::abs(error.would_move(i)) >= error.harm()) worst = i;
   }
-  return fmt::format("{} by {:.2g} of the half-width of its 95 % interval", parameters[static_cast<std::size_t>(worst)],
+  return fmt::format("{} by {:.2g} half-widths of its 95 % interval", parameters[static_cast<std::size_t>(worst)],
                      error.harm());
 }
 
 std::string hidden_error_sentence(const NamedError& error, const std::vector<std::string>& parameters) {
   const std::string harm = harm_text(error.error, parameters);
   const std::string size = percent(error.error.relative_change);
-  return error.error.is_detected
-             ? fmt::format(
-                   "A {} off by up to {} can pass (at {} the verdict refuses it in 80 % of cases), and moves {}.",
-                   error.name, size, size, harm)
-             : fmt::format("A {} off by {} would have passed, and moves {}.", error.name, size, harm);
+  if (error.error.is_detected) {
+    return fmt::format("{} off by up to {} can pass, and moves {}; at {} it is refused in 80 % of cases.", error.name,
+                       size, harm, size);
+  }
+  return fmt::format("{} off by {} would have passed, and moves {}{}.", error.name, size, harm,
+                     error.error.is_cut ? "; a larger error drives a mean out of its bounds" : "");
 }
 
 std::string sizes_text(const std::vector<NamedError>& errors) {
   std::vector<std::string> parts;
   for (const NamedError& error : errors) {
-    parts.push_back(fmt::format("a {} off by {}", error.name, percent(error.error.relative_change)));
+    parts.push_back(fmt::format("{} off by {}", error.name, percent(error.error.relative_change)));
   }
   return join(parts);
 }

@@ -15,16 +15,16 @@ struct NamedError {
   HiddenError error;
 };
 
-/// "k1 by 1.4 of the half-width of its 95 % interval", of the parameter that moves most.
+/// "k1 by 1.4 half-widths of its 95 % interval", of the parameter that moves most.
 std::string harm_text(const HiddenError& error, const std::vector<std::string>& parameters);
 
-/// "A k6 off by 10 % would have passed, and moves k1 by ...".
+/// "k6 off by 10 % would have passed, and moves k1 by ...".
 std::string hidden_error_sentence(const NamedError& error, const std::vector<std::string>& parameters);
 
 /// The most harmful errors in one sentence, those that the verdict sees and those that it does not apart.
 std::string summary_text(const std::vector<NamedError>& worst, const std::vector<std::string>& parameters);
 
-/// "a k6 off by 1.2 %, a k4 off by 2 %".
+/// "k6 off by 1.2 %, k4 off by 2 %".
 std::string sizes_text(const std::vector<NamedError>& errors);
 
 }  // namespace mottle

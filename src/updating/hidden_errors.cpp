@@ -146,6 +146,7 @@ std::vector<HiddenError> hidden_errors(const ErrorEffects& effects, const MeansT
         down = std::min(down, (shift(i) > 0.0 ? test.room_below(i) : test.room_above(i)) / std::abs(shift(i)));
       }
       error.relative_change = std::max(up, down);
+      error.is_cut = error.relative_change < test.stated_change;
     }
     error.would_move = (test.half_widths.array() > 0.0)
                            .select(error.relative_change * shift / test.half_widths.array(), std::nan(""))

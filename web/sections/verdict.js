@@ -86,7 +86,7 @@ function tests_table(tests) {
 const moves_text = (moves) =>
   list(moves)
     .map(record)
-    .filter(({ half_widths }) => is_number(half_widths))
+    .filter(({ half_widths }) => is_number(half_widths) && Math.abs(half_widths) >= 0.01)
     .sort((one, other) => Math.abs(other.half_widths) - Math.abs(one.half_widths))
     .slice(0, 3)
     .map(({ parameter, half_widths }) => `${parameter} by ${short_number(half_widths, 3)}`)
@@ -106,13 +106,13 @@ function could_hide_table(hidden) {
         title: "The verdict",
         is_text: true,
         csv: (row) => row.is_detected,
-        text: (is_detected) => (is_detected ? "refuses it in 80\u00a0% of cases" : "does not see it at any size"),
+        text: (is_detected) => (is_detected ? "refuses it in 80\u00a0% of cases" : "does not see it"),
       },
       { key: "would_move", title: "Moves a mean, in half-widths of its 95\u00a0% interval", is_text: true, text: moves_text, csv: (row) => moves_text(row.would_move) },
     ],
     rows: hidden,
     caption:
-      "Smaller errors pass more often. A mean that moves by more than 1 leaves its own interval: the interval holds for a right model only.",
+      "Smaller errors pass more often. Where a mean moves by more than 1, its interval misses: it holds for a right model only.",
   });
 }
 

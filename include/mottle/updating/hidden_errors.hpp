@@ -60,6 +60,7 @@ struct HiddenError {
   /// it is not detected, and this is `stated_change`, or less where a mean would leave its room before.
   double relative_change = 0.0;
   bool is_detected = false;
+  bool is_cut = false;  ///< not detected, and less than `stated_change`: a larger one would take a mean out of its room
   Eigen::VectorXd would_move =
       {};  ///< shift of the estimated means in half-widths, of an error upwards; nan: unseen [parameter]
 
