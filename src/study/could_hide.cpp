@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <boost/math/distributions/fisher_f.hpp>
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <limits>
@@ -10,6 +11,7 @@
 #include "could_hide_text.hpp"
 #include "error_derivatives.hpp"
 #include "mottle/core/text.hpp"
+#include "mottle/stats/chi_squared.hpp"
 #include "mottle/updating/iteration.hpp"
 #include "run_files.hpp"
 
@@ -83,16 +85,30 @@ LinearTests linear_tests(const UpdatingProblem& problem, const TestScatter& scat
   return tests;
 }
 
-/// The test of the means at the level that each of the verdict's tests has.
+/// The level of the verdict's test of the means, from its critical value; where it has none, that of one test of two.
+double level_of_means_test(const UpdatingProblem& problem, const UpdatingResult& result, double freedom,
+                           double denominator) {
+  for (const VerdictTest& test : result.tests) {
+    const bool is_of_means = test.name == "mean-residuals" || test.name == "mean-agreement" || test.name == "residuals";
+    if (!is_of_means || !(freedom > 0.0) || !(denominator > 0.0)) continue;
+    const double level = std::isinf(denominator)
+                             ? chi_squared_upper_tail(test.critical, freedom)
+                             : boost::math::cdf(complement(boost::math::fisher_f(freedom, denominator), test.critical));
+    if (level > 1e-6 && level <= problem.level) return level;
+  }
+  return 1.0 - std::sqrt(1.0 - problem.level);
+}
+
+/// The test of the means as the verdict makes it.
 MeansTest means_test(const UpdatingProblem& problem, const UpdatingResult& result, const TestScatter& scatter,
                      const ErrorEffects& effects) {
   const auto n = static_cast<double>(problem.tests.values.rows());
-  const auto count = static_cast<double>(std::max<std::size_t>(result.tests.size(), 1));
-  MeansTest test{.level = 1.0 - std::pow(1.0 - problem.level, 1.0 / count)};
+  MeansTest test;
   test.denominator = std::isnan(scatter.denominator) ? static_cast<double>(effects.denominator_freedom)
                      : std::isinf(scatter.denominator)
                          ? scatter.denominator
                          : std::max(scatter.denominator - static_cast<double>(effects.means_freedom), 0.0);
+  test.level = level_of_means_test(problem, result, static_cast<double>(effects.means_freedom), test.denominator);
   const double quantile = n > 1.0 ? boost::math::quantile(boost::math::students_t(n - 1.0), 0.975) : 1.96;
   test.half_widths = quantile * effects.mean_covariance.diagonal().cwiseSqrt();
   // Beyond bounds, or 10 prior deviations off, the verdict refuses by other tests.

@@ -3,15 +3,12 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <boost/math/distributions/fisher_f.hpp>
-#include <boost/math/distributions/non_central_chi_squared.hpp>
-#include <boost/math/distributions/non_central_f.hpp>
 #include <cmath>
 #include <map>
 #include <vector>
 
 #include "mottle/core/error.hpp"
-#include "mottle/stats/chi_squared.hpp"
+#include "test_plan.hpp"
 
 namespace mottle {
 namespace {
@@ -94,27 +91,14 @@ ErrorEffects error_effects(const LinearTests& tests) {
   return effects;
 }
 
-double noncentrality_for_power(double numerator, double denominator, double level, double power) {
-  const bool is_known = std::isinf(denominator);
-  const double critical = is_known
-                              ? chi_squared_quantile(1.0 - level, numerator)
-                              : boost::math::quantile(complement(boost::math::fisher_f(numerator, denominator), level));
-  const auto rejected = [&](double noncentrality) {
-    if (is_known) {
-      return cdf(complement(boost::math::non_central_chi_squared(numerator, noncentrality), critical));
-    }
-    return cdf(complement(boost::math::non_central_f(numerator, denominator, noncentrality), critical));
-  };
-  double low = 0.0;
-  double high = 1.0;
-  while (rejected(high) < power && high < 1e9) high *= 2.0;
-  constexpr int k_halvings = 60;
-  for (int i = 0; i < k_halvings; ++i) {
-    const double middle = 0.5 * (low + high);
-    (rejected(middle) < power ? low : high) = middle;
-  }
-  return high;
+namespace {
+
+double noncentrality_refused(double freedom, const MeansTest& test) {
+  return std::isinf(test.denominator) ? chi_squared_detectable(freedom, test.level)
+                                      : f_detectable(freedom, test.denominator, test.level);
 }
+
+}  // namespace
 
 double HiddenError::harm() const {
   double largest = 0.0;
@@ -127,7 +111,7 @@ double HiddenError::harm() const {
 std::vector<HiddenError> hidden_errors(const ErrorEffects& effects, const MeansTest& test) {
   const auto freedom = static_cast<double>(effects.means_freedom);
   const bool is_tested = freedom > 0.0 && test.denominator > 0.0;
-  const double needed = is_tested ? noncentrality_for_power(freedom, test.denominator, test.level, test.power) : 0.0;
+  const double needed = is_tested ? noncentrality_refused(freedom, test) : 0.0;
   std::vector<HiddenError> errors;
   for (Eigen::Index e = 0; e < effects.noncentrality.size(); ++e) {
     HiddenError error{.quantity = e, .relative_change = test.stated_change};

@@ -116,7 +116,9 @@ class ResultsTest(support.CommandTest):
             self.assertTrue({"name", "statistic", "critical", "p_value", "passed", "meaning"} <= set(test))
         self.assertTrue(verdict["reasons"])
         self.assertTrue(all(reason.endswith(".") for reason in verdict["reasons"]), "reasons are sentences")
-        self.assertEqual(bool(verdict["not_tested"]), verdict["conclusion"] == "undecided")
+        self.assertEqual(verdict["conclusion"], "undecided", "mares does not estimate the scatter")
+        self.assertTrue(verdict["not_tested"])
+        self.assertTrue(all(sentence.endswith(".") for sentence in verdict["not_tested"]), "sentences")
 
     def test_what_could_hide_in_the_result(self):
         """Every spring and mass that no parameter moves, the most harmful first."""

@@ -69,7 +69,7 @@ def check_scatter(mottle, folder):
     differences = [abs(correlation(outputs["final_covariance"], i, j) - correlation(outputs["test_covariance"], i, j))
                    for i in range(10) for j in range(i)]
     print(f"means within 0.02 %: {means} of 10, deviations within 5 %: {ratios} of 10, largest difference of a correlation "
-          f"{max(differences):.3f}; adequate: {result['verdict']['adequate']}; {seconds:.1f} s on one core")
+          f"{max(differences):.3f}; {result['verdict']['conclusion']}; {seconds:.1f} s on one core")
     print("\n| parameter | true mean | found | 95 % | true deviation | found | 95 % |\n|---|---|---|---|---|---|---|")
     inside = 0
     for i, (_, mean, std) in enumerate(truth()[1]):
@@ -96,7 +96,7 @@ def check_coverage(mottle, folder, replications):
         draw(mottle, 20, 5000 + replication, folder)
         result, _ = update(mottle, folder, "--set", "update.maximum-likelihood.starts=0", "--set", "update.samples=200")
         parameters = result["parameters"]
-        verdicts.append(result["verdict"]["adequate"])
+        verdicts.append(result["verdict"]["conclusion"] == "adequate")
         for i, (_, mean, std) in enumerate(truth()[1]):
             for key, value in (("mean", mean), ("std", std)):
                 low, high = parameters[key + "_ci95"][i]

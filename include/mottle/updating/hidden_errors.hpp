@@ -34,18 +34,9 @@ struct ErrorEffects {
 /// @throws InvalidInput  C is not positive definite
 ErrorEffects error_effects(const LinearTests& tests);
 
-/// Noncentrality at which a chi-squared test, or with a finite `denominator` an F test, rejects with probability
-/// `power`.
-///
-/// @param numerator    degrees of freedom, > 0
-/// @param denominator  degrees of freedom of the estimated variance, > 0; infinite: the variance is known
-/// @param level        in (0, power)
-double noncentrality_for_power(double numerator, double denominator, double level, double power);
-
-/// The verdict's test of the means, and what it protects.
+/// The verdict's test of the means, with a power of 80 %, and what it protects.
 struct MeansTest {
   double level = 0.05;
-  double power = 0.8;
   double denominator = 0.0;          ///< degrees of freedom of its variance; infinite: known
   double stated_change = 0.1;        ///< relative error for which the harm is stated where the test sees none
   Eigen::VectorXd half_widths = {};  ///< of the 95 % intervals of the means [parameter]
@@ -56,8 +47,8 @@ struct MeansTest {
 /// An error of a quantity that no parameter moves.
 struct HiddenError {
   Eigen::Index quantity = 0;
-  /// The relative error that the test refuses with its power. Where that is more than 1, or nothing would remain of it,
-  /// it is not detected, and this is `stated_change`, or less where a mean would leave its room before.
+  /// The relative error that the test refuses with that power. Where that is more than 1, or nothing would remain of
+  /// it, it is not detected, and this is `stated_change`, or less where a mean would leave its room before.
   double relative_change = 0.0;
   bool is_detected = false;
   bool is_cut = false;  ///< not detected, and less than `stated_change`: a larger one would take a mean out of its room
