@@ -43,9 +43,9 @@ RIGHT = (
 WRONG = (  # least part inadequate, most adequate
     ("case 2: k6 = 3.5", (2, 10, "1%", 0, "shapes"), (ML,), 0.99, 0),
     ("case 2: k6 = 3.5", (2, 10, 0, 0, "frequencies"), (ML,), 0.99, 0),
-    ("case 2: k6 = 3.5", (2, 10, 0, 0, "frequencies"), (MARES,), 0.99, 0),
+    ("case 2: k6 = 3.5", (2, 10, 0, 0, "frequencies"), (MARES,), 0.90, 0),
     ("case 3: no k6", (3, 10, 0, 0, "frequencies"), (ML,), 0.99, 0),
-    ("case 3: no k6", (3, 10, 0, 0, "frequencies"), (MARES,), 0.99, 0),
+    ("case 3: no k6", (3, 10, 0, 0, "frequencies"), (MARES,), 0.90, 0),
     ("case 4: all springs vary", (4, 50, "1%", 0, "shapes"), (ML,), 0.80, 0.2),
     ("case 4: all springs vary", (4, 50, "1%", 0, "shapes"), (ML, "case.noise=unknown"), 0.80, 0.2),
     ("case 4: all springs vary", (4, 10, 0, 0, "frequencies"), (MARES,), 0, 0),
@@ -80,7 +80,7 @@ HEAD = ("| what | method | specimens | replications | inadequate, % | adequate, 
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--program", type=pathlib.Path, default=DEFAULT)
-    parser.add_argument("--replications", type=int, default=600)
+    parser.add_argument("--replications", type=int, default=400)
     arguments = parser.parse_args()
     count = arguments.replications
     out = ["# The verdict by replication", "",
@@ -89,7 +89,8 @@ def main():
            "Goal: inadequate in 5 % + 2 at most.", "", HEAD]
     good = [row(out, arguments.program, count, *case, 0, 0.07, 1) for case in RIGHT]
     out += ["", "## Wrong models", "",
-            "Goals: cases 2 and 3 inadequate in 99 %, case 4 with shapes in 80 %; nothing that was not tested adequate, and "
+            "Goals: cases 2 and 3 inadequate in 99 % (90 % by mares: an update that goes round in circles is undecided), case 4 with "
+            "shapes in 80 %; nothing that was not tested adequate, and "
             "what no test can see undecided.", "", HEAD]
     for what, words, method, least, most_adequate in WRONG:
         good.append(row(out, arguments.program, max(count // 4, 1), what, words, method, least, 1 if least else 0.07,
