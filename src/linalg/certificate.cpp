@@ -11,41 +11,48 @@ namespace {
 // know the mode: what seems to keep away may hide another mode.
 constexpr double k_largest_residual = 0.1;  // squared
 constexpr double k_largest_bound = 0.01;
+constexpr double k_infinite = std::numeric_limits<double>::infinity();
 
-/// By how much of itself an eigenvalue may lie below its Ritz value when all that is known is its residual: the smaller
-/// of the linear bound and the quadratic one with a gap of a quarter; all of it where the residual is large.
-double hidden_part(double squared_residual) {
+/// A lower bound of the eigenvalue after p from a Ritz value with its squared residual and from what is not seen: the
+/// smaller of the two, less what their coupling may take: the residual itself, or its square over their gap, in which
+/// modes a quarter above are thought of too.
+double next_eigenvalue(double value, double square, double unseen) {
   constexpr double k_gap = 0.25;
-  if (!(squared_residual <= k_largest_residual)) return 1.0;
-  return std::min(std::sqrt(squared_residual), squared_residual / k_gap);
+  if (!(square <= k_largest_residual)) return 0.0;
+  const double lowest = std::min(value, unseen);
+  const double gap = std::min(k_gap, 1.0 - lowest / std::max(value, unseen));
+  const double hidden = std::min(std::sqrt(square), gap > 0.0 ? square / gap : k_infinite);
+  return lowest * (1.0 - hidden);
+}
+
+/// The root e of sum w_j / (e + d_j) = 1, d_0 = 0, from above: e <- sum w_j e / (e + d_j) falls towards it.
+double secular_root(const Eigen::ArrayXd& weights, const Eigen::ArrayXd& distances) {
+  constexpr int k_steps = 6;
+  double root = weights.sum();
+  for (int step = 0; step < k_steps && root > 0.0 && root < k_infinite; ++step) {
+    const double next = (weights * root / (root + distances)).sum();
+    if (next > 0.99 * root) break;
+    root = next;
+  }
+  return root;
 }
 
 }  // namespace
 
 Eigen::VectorXd error_bounds(const Eigen::Ref<const Eigen::VectorXd>& values,
-                             const Eigen::Ref<const Eigen::MatrixXd>& gram, Eigen::Index wanted) {
+                             const Eigen::Ref<const Eigen::VectorXd>& squares, double unseen, Eigen::Index wanted) {
   const Eigen::Index known = values.size();
-  Eigen::VectorXd bounds = Eigen::VectorXd::Constant(wanted, std::numeric_limits<double>::infinity());
-  for (Eigen::Index k = 0; k < wanted; ++k) {
-    const double own = gram(k, k) / values(k);
-    double coupling = 0.0;  // with modes that are closer than they are coupled, for a gap of one
-    double squares = 0.0;   // with the others, second order
-    const auto couple = [&](Eigen::Index j) {
-      const double c = std::abs(gram(k, j)) * std::sqrt(values(k) / values(j)) / values(j);
-      const double distance = std::abs(1.0 - values(k) / values(j));
-      if (c < distance) {
-        squares += c * c / distance;
-      } else {
-        coupling += c;
-      }
-    };
-    for (Eigen::Index j = 0; j < k; ++j) couple(j);
-    for (Eigen::Index p = k; p + 1 < known; ++p) {
-      if (p > k) couple(p);
-      const double next = values(p + 1) * (1.0 - hidden_part(gram(p + 1, p + 1) / values(p + 1)));
-      const double gap = 1.0 - values(k) / next;
-      if (!(next > values(k))) continue;
-      const double bound = (own + coupling + squares / gap) / gap;
+  Eigen::VectorXd bounds = Eigen::VectorXd::Constant(wanted, k_infinite);
+  for (Eigen::Index p = 0; p + 1 < known; ++p) {
+    const double next = next_eigenvalue(values(p + 1), squares(p + 1), unseen);
+    if (!(next > values(p))) continue;
+    for (Eigen::Index k = 0; k <= std::min(p, wanted - 1); ++k) {
+      if (!(values(k) > 0.0)) continue;
+      const auto from = values.segment(k, p - k + 1).array();
+      const Eigen::ArrayXd near = values(k) / from;
+      const Eigen::ArrayXd weights = near * squares.segment(k, p - k + 1).array() / (1.0 - from / next);
+      if (!(weights(0) < std::min(bounds(k), k_largest_bound))) continue;
+      const double bound = secular_root(weights, 1.0 - near);
       if (bound <= k_largest_bound) bounds(k) = std::min(bounds(k), bound);
     }
   }

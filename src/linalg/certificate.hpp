@@ -7,24 +7,25 @@ namespace mottle {
 
 /// Bounds on the relative errors of the lowest Ritz values mu_1 <= mu_2 <= ... of a definite pencil (A, M):
 ///
-///   mu_k (1 - e_k) <= lambda_k <= mu_k,
-///   e_k = min over p >= k of  [g_kk + sum_{j<=p, j!=k} min(c_kj, c_kj^2 / |1 - mu_k / mu_j|)] / (1 - mu_k / nu_p),
-///   g_kj = r_k' A^-1 r_j / sqrt(mu_k mu_j),  c_kj = g_kj mu_k / mu_j,
-///   nu_p = mu_{p+1} less what its own residual may hide.
+///   mu_k (1 - e_k) <= lambda_k <= mu_k,   e_k = min over p >= k of the root e of
 ///
-/// Kato and Temple's bound in the A^-1 M form with the lowest p Ritz vectors as one space: close or equal eigenvalues
-/// among them need no gap between each other, only the next one above must keep away. Infinite where it does not, where
-/// its residual is large, or where the bound would be: such a space may miss a mode.
+///   sum_{j=k..p}  (mu_k / mu_j) s_j / (1 - mu_j / nu_p) / (e + 1 - mu_k / mu_j) = 1
 ///
-/// The coupling of modes is taken to second order: true errors exceed e by up to a fifth in rare cases, which the
-/// caller's reserve in `gram` must cover.
+/// with the relative squared residuals s_j and nu_p below all but p eigenvalues. It is Lehmann's bound with the lowest
+/// p Ritz vectors as one space, its matrix bounded by the traces of its trailing parts: close or equal eigenvalues
+/// among them need no gap between each other. For p = k it is Kato and Temple's s_k / (1 - mu_k / nu_k).
 ///
-/// @param values  mu [mode], positive, ascending; the last ones serve as `nu` only
-/// @param gram    r_i' A^-1 r_j [mode x mode], an upper estimate
-/// @param wanted  for how many of the lowest
-/// @return        e [wanted]
-/// Source: [Kato1949]; [Mathias1998], quadratic residual bounds.
+///   nu_p = min(mu_{p+1}, unseen) less what the residual of the Ritz vector p + 1 may hide
+///
+/// Infinite where the next mode is as low, its residual is large, or the bound would be above 1 %.
+///
+/// @param values   mu [mode], positive, ascending; the last ones serve as `nu` only
+/// @param squares  r_j' A^-1 r_j / mu_j, upper bounds; y' M y = 1 [mode]
+/// @param unseen   no vector that shares nothing with the Ritz vectors' space has a smaller quotient
+/// @param wanted   for how many of the lowest
+/// @return         e [wanted]
+/// Source: [Kato1949]; [Lehmann1963]; docs/theory/reduced-model.md.
 Eigen::VectorXd error_bounds(const Eigen::Ref<const Eigen::VectorXd>& values,
-                             const Eigen::Ref<const Eigen::MatrixXd>& gram, Eigen::Index wanted);
+                             const Eigen::Ref<const Eigen::VectorXd>& squares, double unseen, Eigen::Index wanted);
 
 }  // namespace mottle

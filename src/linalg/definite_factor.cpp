@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <mutex>
+#include <utility>
 #include <vector>
 
 #include "blas.hpp"
@@ -44,7 +45,7 @@ cholmod_sparse view(const SparseMatrix& lower) {
 
 class CholmodFactor final : public DefiniteFactor {
  public:
-  CholmodFactor() {
+  explicit CholmodFactor(std::vector<int> order) : given_order_(std::move(order)) {
     cholmod_start(&common_);
     common_.print = 0;
     common_.error_handler = nullptr;
@@ -66,9 +67,11 @@ class CholmodFactor final : public DefiniteFactor {
     cholmod_sparse matrix = view(lower);
     if (factor_ == nullptr) {
       common_.nmethods = 1;
-      common_.method[0].ordering = lower.rows() < k_nested_dissection_from ? CHOLMOD_AMD : CHOLMOD_METIS;
+      common_.method[0].ordering = !given_order_.empty()                     ? CHOLMOD_GIVEN
+                                   : lower.rows() < k_nested_dissection_from ? CHOLMOD_AMD
+                                                                             : CHOLMOD_METIS;
       common_.postorder = 1;
-      factor_ = cholmod_analyze(&matrix, &common_);
+      factor_ = cholmod_analyze_p(&matrix, given_order_.empty() ? nullptr : given_order_.data(), nullptr, 0, &common_);
       if (factor_ == nullptr) throw SystemFailure("CHOLMOD cannot analyse the matrix: out of memory or too large");
     }
     cholmod_factorize(&matrix, factor_, &common_);
@@ -93,6 +96,12 @@ class CholmodFactor final : public DefiniteFactor {
   int failed_column() const override {
     if (factor_ == nullptr || is_definite_) return -1;
     return static_cast<const int*>(factor_->Perm)[factor_->minor];
+  }
+
+  std::vector<int> order() const override {
+    if (factor_ == nullptr) return {};
+    const int* const rows = static_cast<const int*>(factor_->Perm);
+    return {rows, rows + factor_->n};
   }
 
   double factor_entries() const override { return factor_ == nullptr ? 0.0 : static_cast<double>(factor_->xsize); }
@@ -164,6 +173,7 @@ class CholmodFactor final : public DefiniteFactor {
         Eigen::OuterStride<>(static_cast<Eigen::Index>(solution_->d)));
   }
 
+  std::vector<int> given_order_;
   cholmod_common common_ = {};
   cholmod_factor* factor_ = nullptr;
   cholmod_dense* solution_ = nullptr;
@@ -175,8 +185,8 @@ class CholmodFactor final : public DefiniteFactor {
 
 }  // namespace
 
-std::unique_ptr<DefiniteFactor> make_definite_factor() {
-  return std::make_unique<CholmodFactor>();
+std::unique_ptr<DefiniteFactor> make_definite_factor(std::vector<int> order) {
+  return std::make_unique<CholmodFactor>(std::move(order));
 }
 
 }  // namespace mottle

@@ -2,7 +2,9 @@
 #include <cmath>
 #include <ctime>
 #include <limits>
+#include <numbers>
 
+#include "form_bounds.hpp"
 #include "mottle/core/error.hpp"
 #include "mottle/core/random.hpp"
 #include "reduced_model_parts.hpp"
@@ -10,20 +12,45 @@
 namespace mottle {
 namespace {
 
-/// Entries of +1 and -1 at random.
-VectorRows random_signs(Eigen::Index rows, Eigen::Index columns) {
-  constexpr Eigen::Index k_bits = 64;
+/// Quantiles of the normal distribution in the middle of 4096 equal parts, scaled to a variance of one: with them
+/// twelve random bits make a normal deviate.
+const std::vector<double>& normal_quantiles() {
+  static const std::vector<double> quantiles = [] {
+    constexpr int k_parts = 1 << 12;
+    std::vector<double> result(k_parts);
+    double squares = 0.0;
+    double x = -4.0;
+    for (int i = 0; i < k_parts / 2; ++i) {
+      const double probability = (i + 0.5) / k_parts;
+      for (double step = 1.0; std::abs(step) > 1e-12; x -= step) {  // Newton's method, from the quantile before
+        const double density = std::exp(-0.5 * x * x) / std::sqrt(2.0 * std::numbers::pi);
+        step = (0.5 * std::erfc(-x / std::numbers::sqrt2) - probability) / density;
+      }
+      result[static_cast<std::size_t>(i)] = x;
+      result[static_cast<std::size_t>(k_parts - 1 - i)] = -x;
+      squares += 2.0 * x * x;
+    }
+    for (double& value : result) value /= std::sqrt(squares / k_parts);
+    return result;
+  }();
+  return quantiles;
+}
+
+/// Independent normal deviates.
+VectorRows random_normals(Eigen::Index rows, Eigen::Index columns) {
+  constexpr Eigen::Index k_in_word = 5;  // of twelve bits
+  const std::vector<double>& quantiles = normal_quantiles();
   VectorRows matrix(rows, columns);
   std::vector<RandomStream> streams;
   for (Eigen::Index j = 0; j < columns; ++j) {
     streams.emplace_back(StreamKey{.seed = 0, .purpose = StreamPurpose::residual_sketch},
                          static_cast<std::uint32_t>(j));
   }
-  for (Eigen::Index first = 0; first < rows; first += k_bits) {
-    const Eigen::Index count = std::min(k_bits, rows - first);
+  for (Eigen::Index first = 0; first < rows; first += k_in_word) {
+    const Eigen::Index count = std::min(k_in_word, rows - first);
     for (Eigen::Index j = 0; j < columns; ++j) {
       std::uint64_t bits = streams[static_cast<std::size_t>(j)].bits();
-      for (Eigen::Index i = first; i < first + count; ++i, bits >>= 1) matrix(i, j) = (bits & 1) != 0 ? 1.0 : -1.0;
+      for (Eigen::Index i = first; i < first + count; ++i, bits >>= 12) matrix(i, j) = quantiles[bits & 4095];
     }
   }
   return matrix;
@@ -48,31 +75,11 @@ void check(const PencilTerms& terms, const TermCoefficients& nominal) {
           "reduced model: the nominal sample needs {} and {} coefficients", terms.stiffness.size(), terms.mass.size());
 }
 
-/// The largest |x' K_t x| / x' A x, by a few steps of the block power method.
-double largest_ratio(const SupportedMatrix& term, FullPencils& full) {
-  constexpr int k_steps = 6;
-  constexpr Eigen::Index k_vectors = 4;
-  VectorRows block = to_rows(full.sketch().leftCols(k_vectors));
-  const Eigen::VectorXd ones = Eigen::VectorXd::Ones(block.cols());
-  double ratio = 0.0;
-  for (int step = 0; step < k_steps; ++step) {
-    VectorRows moved = VectorRows::Zero(block.rows(), block.cols());
-    term.add_scaled_product(block, ones, moved);
-    const VectorRows weighed = product_rows(full.shifted, block);
-    VectorRows answer = moved;
-    full.factor().solve_rows(answer.leftCols(k_vectors));
-    for (Eigen::Index j = 0; j < k_vectors; ++j) {
-      const double length = std::sqrt(block.col(j).dot(weighed.col(j)));
-      ratio = std::max(ratio, std::sqrt(std::abs(answer.col(j).dot(moved.col(j)))) / length);
-      block.col(j) = answer.col(j) / std::max(answer.col(j).norm(), std::numeric_limits<double>::min());
-    }
-  }
-  return ratio;
-}
-
-bool is_semidefinite(const SupportedMatrix& term, const VectorRows& probes) {
-  const Eigen::VectorXd squares = term.project(probes, term.local_product(probes)).diagonal();
-  return squares.minCoeff() >= -1e-10 * squares.cwiseAbs().maxCoeff();
+/// What k_inertia_tolerance leaves unproven of a term: T >= -part A, since diag(T) <= trace(A^-1 diag(T)) A.
+///
+/// @param flexibility  diagonal of A^-1, an upper estimate
+double negative_part(const SparseMatrix& term, const Eigen::VectorXd& flexibility) {
+  return 2.0 * k_inertia_tolerance * flexibility.dot(Eigen::VectorXd(term.diagonal()).cwiseAbs());
 }
 
 }  // namespace
@@ -82,7 +89,6 @@ FullPencils::FullPencils(const PencilTerms& terms, const TermCoefficients& nomin
     : nominal_stiffness((check(terms, nominal), with_constant(nominal.stiffness.col(0)))),
       nominal_mass(with_constant(nominal.mass.col(0))) {
   constexpr int k_more_modes = 4;  // that keep unseen modes away, see Floor
-  constexpr double k_free = 1e3;
   // The modes need not be exact: they only begin the basis.
   const std::clock_t begin = std::clock();
   SparseModes found =
@@ -93,16 +99,14 @@ FullPencils::FullPencils(const PencilTerms& terms, const TermCoefficients& nomin
   shift = found.shift;
   highest_mode = found.values(found.values.size() - 1);
   modes = std::move(found.vectors);
-  is_free = found.values(0) < k_free * std::abs(shift);
+  // The shifted mass' part of A, at most: Ritz values of this tolerance are exact to its square.
+  constexpr double k_above_exact = 1.01;
+  mass_share = std::min(1.0, k_above_exact * std::abs(shift) / (found.values(0) - shift));
   take(terms, nominal_k, nominal_m);
   std::call_once(is_ready_, [this] { make_sketch(); });
-  constexpr Eigen::Index k_probes = 8;
-  const VectorRows probes = sketch_.leftCols(k_probes);
-  for (std::size_t t = 0; t < stiffness.size(); ++t) {
-    const double coefficient = nominal_stiffness(static_cast<Eigen::Index>(t));
-    const bool adds = coefficient >= 0.0 && is_semidefinite(stiffness[t], probes);
-    indefinite.push_back(adds ? 0.0 : 1.1 * std::abs(coefficient) * largest_ratio(stiffness[t], *this));
-  }
+  const Eigen::VectorXd flexibility = sketch_.rowwise().squaredNorm() * (k_sketch_reserve / k_sketch_rows);
+  bound_stiffness(terms, flexibility);
+  bound_mass(terms, flexibility);
 }
 
 FullPencils::FullPencils(const PencilTerms& terms, const TermCoefficients& nominal, const SparseMatrix& nominal_k,
@@ -123,7 +127,7 @@ void FullPencils::take(const PencilTerms& terms, const SparseMatrix& nominal_k, 
 }
 
 void FullPencils::make_sketch() {
-  sketch_ = random_signs(shifted.rows(), k_sketch_rows);
+  sketch_ = random_normals(shifted.rows(), k_sketch_rows);
   solver_.factor().solve_root(sketch_);
 }
 
@@ -155,33 +159,67 @@ SparseMatrix FullPencils::sum(const std::vector<SupportedMatrix>& terms, const E
   return result;
 }
 
-Eigen::VectorXd FullPencils::smallest_ratios(const TermCoefficients& samples) const {
-  // K(s) - r K = sum over the semidefinite terms (>= 0) + sum over the others, at least -|a_t(s) / a_t - r| |a_t K_t|.
-  Eigen::VectorXd result(samples.samples());
-  const auto lowest = [](double ratio, double coefficient, double nominal) {
-    if (nominal != 0.0) return std::min(ratio, coefficient / nominal);
-    return coefficient >= 0.0 ? ratio : -std::numeric_limits<double>::infinity();
-  };
-  const auto is_indefinite = [&](Eigen::Index t) { return indefinite[static_cast<std::size_t>(t)] > 0.0; };
-  for (Eigen::Index s = 0; s < result.size(); ++s) {
-    const bool has_floor = !stiffness[0].is_empty() && !is_indefinite(0);
-    double ratio = has_floor ? 1.0 : std::numeric_limits<double>::infinity();
-    for (Eigen::Index t = 0; t < samples.stiffness.rows(); ++t) {
-      if (!is_indefinite(t + 1)) ratio = lowest(ratio, samples.stiffness(t, s), nominal_stiffness(t + 1));
+void FullPencils::bound_stiffness(const PencilTerms& terms, const Eigen::VectorXd& flexibility) {
+  constexpr double k_negligible = 1e-3;  // of A
+  constexpr double k_infinite = std::numeric_limits<double>::infinity();
+  const std::vector<int> order = solver_.factor().order();
+  stiffness_bounds.resize(nominal_stiffness.size(), 2);
+  for (Eigen::Index t = 0; t < nominal_stiffness.size(); ++t) {
+    const SparseMatrix& term = t == 0 ? terms.stiffness_constant : terms.stiffness[static_cast<std::size_t>(t - 1)];
+    const SupportedMatrix& local = stiffness[static_cast<std::size_t>(t)];
+    const double negative = negative_part(term, flexibility);
+    if (local.is_empty()) {
+      stiffness_bounds.row(t).setZero();
+    } else if (nominal_stiffness(t) > 0.0 && negative <= k_negligible && is_semidefinite(local, order)) {
+      stiffness_bounds.row(t) << -negative, k_infinite;
+    } else {
+      const FormBounds bounds = verified_bounds(term, shifted, solver_.factor(), sketch_.col(0));
+      stiffness_bounds.row(t) << bounds.lower, bounds.upper;
     }
-    for (Eigen::Index t = 0; is_free && t < samples.mass.rows(); ++t) {
-      ratio = lowest(ratio, samples.mass(t, s), nominal_mass(t + 1));
-    }
-    if (std::isinf(ratio)) ratio = ratio > 0.0 ? 1.0 : ratio;
-    double lost = 0.0;
-    for (Eigen::Index t = 0; t < nominal_stiffness.size(); ++t) {
-      if (!is_indefinite(t)) continue;
-      const double own = t == 0 ? 1.0 : samples.stiffness(t - 1, s) / nominal_stiffness(t);
-      lost += std::abs(own - ratio) * indefinite[static_cast<std::size_t>(t)];
-    }
-    result(s) = ratio - lost;
   }
-  return result;
+}
+
+void FullPencils::bound_mass(const PencilTerms& terms, const Eigen::VectorXd& flexibility) {
+  constexpr double k_negligible = 1e-6;  // of the mass, for the modes that are followed
+  constexpr double k_infinite = std::numeric_limits<double>::infinity();
+  mass_bounds = Eigen::MatrixXd::Zero(nominal_mass.size(), 2);
+  if (terms.mass.empty()) return;  // M is the same everywhere
+  const std::vector<int> order = solver_.factor().order();
+  std::unique_ptr<DefiniteFactor> factor;
+  SparseMatrix form;
+  for (Eigen::Index t = 0; t < nominal_mass.size(); ++t) {
+    const SparseMatrix& term = t == 0 ? terms.mass_constant : terms.mass[static_cast<std::size_t>(t - 1)];
+    const SupportedMatrix& local = mass[static_cast<std::size_t>(t)];
+    if (local.is_empty()) continue;
+    if (nominal_mass(t) > 0.0 && negative_part(term, flexibility) * (highest_mode - shift) <= k_negligible &&
+        is_semidefinite(local, order)) {
+      mass_bounds(t, 1) = k_infinite;
+      continue;
+    }
+    if (factor == nullptr) {
+      factor = make_definite_factor();
+      form = mass_at(nominal_mass);
+      for (Eigen::Index i = 0; i < form.rows(); ++i) {  // massless equations, where terms have nothing either
+        if (form.coeff(i, i) == 0.0) form.coeffRef(i, i) = 1.0;
+      }
+    }
+    if (!factor->factorise(form)) {
+      mass_bounds.row(t) << -k_infinite, k_infinite;
+      continue;
+    }
+    Eigen::VectorXd start = sketch_.col(0);
+    const FormBounds bounds = verified_bounds(term, form, *factor, start);
+    mass_bounds.row(t) << bounds.lower, bounds.upper;
+  }
+}
+
+bool FullPencils::has_indefinite_terms() const {
+  const auto is_bounded_above = [](const Eigen::MatrixXd& bounds) {
+    return ((bounds.col(1).array() < std::numeric_limits<double>::infinity()) && (bounds.col(1).array() != 0.0))
+               .any() ||
+           (bounds.col(0).array() == -std::numeric_limits<double>::infinity()).any();
+  };
+  return is_bounded_above(stiffness_bounds) || is_bounded_above(mass_bounds);
 }
 
 }  // namespace mottle

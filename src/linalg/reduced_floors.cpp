@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "blas.hpp"
+#include "form_bounds.hpp"
 #include "reduced_model_parts.hpp"
 
 namespace mottle {
@@ -25,29 +26,52 @@ double extreme_ratio(const std::vector<SupportedMatrix>& terms, const Eigen::Vec
 
 }  // namespace
 
-Eigen::VectorXd FullPencils::largest_mass_ratios(const TermCoefficients& samples,
-                                                 const Eigen::VectorXd& reference) const {
-  Eigen::VectorXd result(samples.samples());
+Eigen::VectorXd FullPencils::largest_mass_ratios(const TermCoefficients& samples) const {
+  Eigen::VectorXd result = Eigen::VectorXd::Ones(samples.samples());
+  if (samples.mass.rows() == 0) return result;
+  Eigen::VectorXd values = nominal_mass;
   for (Eigen::Index s = 0; s < result.size(); ++s) {
-    result(s) = extreme_ratio(mass, reference, samples.mass.col(s), 0.0, std::greater<>());
+    values.tail(samples.mass.rows()) = samples.mass.col(s);
+    result(s) = upper_ratio(values, nominal_mass, mass_bounds);
+  }
+  return result;
+}
+
+Eigen::VectorXd FullPencils::smallest_ratios(const TermCoefficients& samples) const {
+  // The shifted mass is one term more: between zero and its share of A, its value a bound of M(s) against M.
+  const Eigen::Index terms = nominal_stiffness.size();
+  Eigen::MatrixXd bounds(terms + 1, 2);
+  bounds << stiffness_bounds, 0.0, mass_share;
+  Eigen::VectorXd reference(terms + 1), values(terms + 1);
+  reference << nominal_stiffness, 1.0;
+  values = reference;
+  Eigen::VectorXd masses = nominal_mass, result(samples.samples());
+  for (Eigen::Index s = 0; s < result.size(); ++s) {
+    values.segment(1, terms - 1) = samples.stiffness.col(s);
+    if (samples.mass.rows() > 0) {
+      masses.tail(samples.mass.rows()) = samples.mass.col(s);
+      values(terms) = lower_ratio(masses, nominal_mass, mass_bounds);
+    }
+    result(s) = lower_ratio(values, reference, bounds);
   }
   return result;
 }
 
 Eigen::VectorXd ReducedModel::Parts::unseen_above(const TermCoefficients& samples) const {
   constexpr double k_infinite = std::numeric_limits<double>::infinity();
-  Eigen::VectorXd softest = full->smallest_ratios(samples);
-  Eigen::VectorXd result = Eigen::VectorXd::Constant(samples.samples(), -k_infinite);
-  for (std::size_t f = 0; f < floors.size(); ++f) {
-    const Floor& floor = floors[f];
-    const Eigen::VectorXd heaviest = full->largest_mass_ratios(samples, floor.mass);
-    for (Eigen::Index s = 0; s < result.size(); ++s) {
-      if (f > 0) {
-        softest(s) =
-            extreme_ratio(full->stiffness, floor.stiffness, samples.stiffness.col(s), k_infinite, std::less<>());
-      }
-      const double factor = heaviest(s) > 0.0 ? std::max(softest(s), 0.0) / heaviest(s) : 0.0;
-      result(s) = std::max(result(s), factor * floor.level);
+  constexpr double k_level = 0.99;  // modes of floors are exact to 1e-3 at worst, their values to its square
+  const Eigen::VectorXd softest = full->smallest_ratios(samples);
+  const Eigen::VectorXd heaviest = full->largest_mass_ratios(samples);
+  const auto factor = [](double soft, double heavy) { return heavy > 0.0 ? std::max(soft, 0.0) / heavy : 0.0; };
+  Eigen::VectorXd result(samples.samples());
+  for (Eigen::Index s = 0; s < result.size(); ++s) {
+    result(s) = factor(softest(s), heaviest(s)) * (k_level * floors[0].level - full->shift) + full->shift;
+    for (std::size_t f = 1; f < floors.size(); ++f) {
+      const Floor& floor = floors[f];
+      const double soft =
+          extreme_ratio(full->stiffness, floor.stiffness, samples.stiffness.col(s), k_infinite, std::less<>());
+      const double heavy = extreme_ratio(full->mass, floor.mass, samples.mass.col(s), 0.0, std::greater<>());
+      result(s) = std::max(result(s), factor(soft, heavy) * k_level * floor.level);
     }
   }
   return result;
@@ -68,8 +92,7 @@ void ReducedModel::Parts::add_floor(Floor floor, const Eigen::MatrixXd& modes, i
 void ReducedModel::Parts::raise_floor(const TermCoefficients& samples, int threads) {
   constexpr double k_margin = 1.1;       // other samples go farther than these
   constexpr double k_left_out = 0.0025;  // of the samples: they are solved exactly
-  const auto is_semidefinite = [](double largest) { return largest == 0.0; };
-  if (!std::all_of(full->indefinite.begin(), full->indefinite.end(), is_semidefinite)) return;
+  if (full->has_indefinite_terms()) return;
   const Eigen::VectorXd softest = with_constant(samples.stiffness.rowwise().minCoeff());
   const Eigen::VectorXd heaviest = with_constant(samples.mass.rowwise().maxCoeff());
   if (softest.minCoeff() < 0.0) return;

@@ -48,17 +48,15 @@ Eigen::Index ReducedModel::Parts::sharp_modes() const {
   return std::min<Eigen::Index>(options.modes + k_sharp_guards, solved_modes());
 }
 
-Eigen::MatrixXd sketched_gram(const Eigen::MatrixXd& sketched) {
-  constexpr double k_reserve = 3.0;  // a sketch of 64 rows shows less than a third of a square once in 1e7
-  return transposed_product(sketched, sketched) * (k_reserve / static_cast<double>(k_sketch_rows));
+Eigen::VectorXd sketched_squares(const Eigen::Ref<const Eigen::MatrixXd>& sketched) {
+  return sketched.colwise().squaredNorm().transpose() * (k_sketch_reserve / k_sketch_rows);
 }
 
 Eigen::VectorXd ReducedModel::Parts::bounds(const Eigen::Ref<const Eigen::VectorXd>& lambda,
-                                            const Eigen::MatrixXd& gram, double unseen, Eigen::Index wanted) const {
+                                            const Eigen::VectorXd& squares, double unseen, Eigen::Index wanted) const {
   const Eigen::VectorXd mu = lambda.array() - full->shift;
   const auto values = lambda.head(wanted).array();
-  Eigen::ArrayXd errors = error_bounds(mu, gram, wanted);
-  errors = (values < unseen).select(errors, std::numeric_limits<double>::infinity());
+  const Eigen::ArrayXd errors = error_bounds(mu, squares.cwiseQuotient(mu), unseen - full->shift, wanted);
   // Of lambda instead of mu; modes near the shift are those of a body that moves as one.
   return errors * mu.head(wanted).array() / values.max(std::abs(full->shift));
 }
@@ -100,8 +98,8 @@ const NearbyModes& ReducedModel::Parts::nearby_modes() const {
 SketchedModes ReducedModel::Parts::reduced_modes(const TermCoefficients& samples, const Eigen::VectorXd& ratios,
                                                  double inside, int threads) const {
   const Eigen::Index modes = solved_modes();
-  SketchedModes result = nearby_modes().solve(samples, {ratios, full->largest_mass_ratios(samples, full->nominal_mass)},
-                                              inside * options.tolerance, threads);
+  SketchedModes result =
+      nearby_modes().solve(samples, {ratios, full->largest_mass_ratios(samples)}, inside * options.tolerance, threads);
   std::vector<Eigen::Index> rest;
   for (Eigen::Index s = 0; s < samples.samples(); ++s) {
     if (result.modes.failed[static_cast<std::size_t>(s)] != 0) rest.push_back(s);
@@ -143,7 +141,7 @@ ReducedModel::Parts::Solution ReducedModel::Parts::solve(const TermCoefficients&
         residuals.setZero();
         continue;
       }
-      result.bounds.col(s) = bounds(lambda, sketched_gram(residuals) / ratios(s), unseen(s), wanted);
+      result.bounds.col(s) = bounds(lambda, sketched_squares(residuals) / ratios(s), unseen(s), wanted);
       residuals *= (k_sketch_rows * ratios(s) * mu).cwiseSqrt().cwiseInverse().asDiagonal();
     }
   });
@@ -187,6 +185,10 @@ CertifiedModes ReducedModel::solve(const TermCoefficients& samples, int threads)
 
 const Eigen::MatrixXd& ReducedModel::basis() const {
   return parts_->basis;
+}
+
+bool ReducedModel::has_indefinite_terms() const {
+  return parts_->full->has_indefinite_terms();
 }
 
 double ReducedModel::exact_seconds() const {

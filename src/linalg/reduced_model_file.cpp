@@ -16,7 +16,7 @@
 namespace mottle {
 namespace {
 
-constexpr std::string_view k_magic("mottle basis 1\n\0", 16);
+constexpr std::string_view k_magic("mottle basis 2\n\0", 16);
 constexpr std::uint64_t k_byte_order = 0x0102030405060708;
 
 /// In front of the numbers.
@@ -137,9 +137,10 @@ class Reader {
 /// All that a file keeps, in its order. A new member of these structures does not compile here until it is placed.
 template <typename Visitor, typename Facts, typename Parts>
 void visit(Visitor& visitor, Facts& nominal, Parts& parts) {
-  auto& [indefinite, is_free, exact_seconds, shift, highest_mode] = nominal;
-  visitor(indefinite);
-  visitor(is_free);
+  auto& [stiffness_bounds, mass_bounds, mass_share, exact_seconds, shift, highest_mode] = nominal;
+  visitor(stiffness_bounds);
+  visitor(mass_bounds);
+  visitor(mass_share);
   visitor(exact_seconds);
   visitor(shift);
   visitor(highest_mode);
@@ -171,13 +172,16 @@ bool fit(const NominalFacts& facts, const Parts& parts, const ReducedModelInputs
              return term.rows() == rows && term.cols() == columns;
            });
   };
+  const auto is_table = [](const Eigen::MatrixXd& bounds, std::size_t terms) {
+    return bounds.rows() == static_cast<Eigen::Index>(terms) && bounds.cols() == 2;
+  };
   const auto is_floor = [&](const Floor& floor) {
     return floor.stiffness.size() == static_cast<Eigen::Index>(stiffness) &&
            floor.mass.size() == static_cast<Eigen::Index>(mass);
   };
-  return vectors > 0 && parts.basis.rows() == inputs.stiffness.rows() && facts.indefinite.size() == stiffness &&
-         are(parts.stiffness, stiffness, vectors, vectors) && are(parts.mass, mass, vectors, vectors) &&
-         are(parts.stiffness_sketch, stiffness, k_sketch_rows, vectors) &&
+  return vectors > 0 && parts.basis.rows() == inputs.stiffness.rows() && is_table(facts.stiffness_bounds, stiffness) &&
+         is_table(facts.mass_bounds, mass) && are(parts.stiffness, stiffness, vectors, vectors) &&
+         are(parts.mass, mass, vectors, vectors) && are(parts.stiffness_sketch, stiffness, k_sketch_rows, vectors) &&
          are(parts.mass_sketch, mass, k_sketch_rows, vectors) && !parts.floors.empty() &&
          std::ranges::all_of(parts.floors, is_floor) && parts.floor_modes.rows() == vectors;
 }

@@ -13,6 +13,8 @@
 namespace mottle {
 
 constexpr Eigen::Index k_sketch_rows = 64;
+// Of squares that a sketch shows: chi-squared with 64 degrees of freedom is below a quarter of its mean once in 7e9.
+constexpr double k_sketch_reserve = 4.0;
 // Above the wanted modes: one that is followed as well as they are, since the two may meet anywhere, two that are
 // followed roughly, and one that tells only how far away the next is.
 constexpr int k_guard_modes = 4;
@@ -30,11 +32,12 @@ struct Floor {
 
 /// What the solution of the nominal pencil told and a file of a trained model keeps.
 struct NominalFacts {
-  std::vector<double> indefinite;  ///< by stiffness term: largest |eigenvalue| of a_t K_t against A, 0: semidefinite
-  bool is_free = false;            ///< held by the shifted mass alone
-  double exact_seconds = 0.0;      ///< processor time of the nominal solution
-  double shift = 0.0;              ///< A = K - shift M, at the nominal sample
-  double highest_mode = 0.0;       ///< lambda of the highest nominal mode
+  Eigen::MatrixXd stiffness_bounds;  ///< of K_t against A, see FormBounds [term x (lower, upper)]
+  Eigen::MatrixXd mass_bounds;       ///< of M_t against the nominal M; zeros where the mass is constant
+  double mass_share = 0.0;           ///< largest share of the shifted mass in A: 1 where a body is free
+  double exact_seconds = 0.0;        ///< processor time of the nominal solution
+  double shift = 0.0;                ///< A = K - shift M, at the nominal sample
+  double highest_mode = 0.0;         ///< lambda of the highest nominal mode
 };
 
 /// The full pencils and everything that the nominal one gives. The constant terms come first. Copies of a model share
@@ -47,12 +50,12 @@ struct FullPencils : NominalFacts {
               const SparseMatrix& nominal_m, NominalFacts facts);
 
   Eigen::Index size() const { return shifted.rows(); }
-  /// A lower bound of the smallest eigenvalue of a sample's stiffness (shifted) against the nominal one [sample].
+  /// alpha: a sample's K - shift M >= alpha A as forms; -infinity where nothing is known [sample].
   Eigen::VectorXd smallest_ratios(const TermCoefficients& samples) const;
-  /// The largest eigenvalue that a sample's mass can have against that of a reference; 0 where there is none [sample].
-  ///
-  /// @param reference  coefficients, the constant's first; one that is zero gives infinity or nan
-  Eigen::VectorXd largest_mass_ratios(const TermCoefficients& samples, const Eigen::VectorXd& reference) const;
+  /// beta: a sample's mass <= beta times the nominal one; infinity where nothing is known [sample].
+  Eigen::VectorXd largest_mass_ratios(const TermCoefficients& samples) const;
+  /// Whether a term is not proven to be positive semidefinite.
+  bool has_indefinite_terms() const;
 
   /// The pencil at given coefficients, the constants' first.
   SparseMatrix stiffness_at(const Eigen::VectorXd& coefficients) const { return sum(stiffness, coefficients); }
@@ -73,6 +76,9 @@ struct FullPencils : NominalFacts {
   void take(const PencilTerms& terms, const SparseMatrix& nominal_k, const SparseMatrix& nominal_m);
   void make_sketch();
   void catch_up();
+  /// @param flexibility  diagonal of A^-1, an upper estimate
+  void bound_stiffness(const PencilTerms& terms, const Eigen::VectorXd& flexibility);
+  void bound_mass(const PencilTerms& terms, const Eigen::VectorXd& flexibility);
 
   std::once_flag is_ready_;  ///< of the rest
   SparseModeSolver solver_;  ///< holds the factor of A
@@ -91,8 +97,8 @@ inline Eigen::VectorXd with_constant(const Eigen::Ref<const Eigen::VectorXd>& co
 /// basis was taken out; what is hardly there is dropped.
 Eigen::MatrixXd orthonormal_combinations(const Eigen::MatrixXd& gram, const Eigen::VectorXd& before);
 
-/// An upper estimate of r_i' A^-1 r_j from W' r [64 x residual].
-Eigen::MatrixXd sketched_gram(const Eigen::MatrixXd& sketched);
+/// Upper estimates of r' A^-1 r from W' r [64 x residual].
+Eigen::VectorXd sketched_squares(const Eigen::Ref<const Eigen::MatrixXd>& sketched);
 
 /// NearbyModes of a basis, made when they are first asked for.
 struct PreparedModes {
@@ -134,9 +140,9 @@ struct ReducedModel::Parts {
   Eigen::MatrixXd sketched_residuals(const TermCoefficients& samples, const BatchModes& found, int threads) const;
   /// Bounds on lambda of the lowest `wanted` of one sample's Ritz pairs; infinite from `unseen` on.
   ///
-  /// @param lambda  Ritz values [mode and guards]
-  /// @param gram    r_i' A^-1 r_j over the sample's ratio, an upper estimate
-  Eigen::VectorXd bounds(const Eigen::Ref<const Eigen::VectorXd>& lambda, const Eigen::MatrixXd& gram, double unseen,
+  /// @param lambda   Ritz values [mode and guards]
+  /// @param squares  r' A^-1 r over the sample's ratio, upper estimates [mode and guards]
+  Eigen::VectorXd bounds(const Eigen::Ref<const Eigen::VectorXd>& lambda, const Eigen::VectorXd& squares, double unseen,
                          Eigen::Index wanted) const;
 
   /// A mode that residuals cannot show, because it shares nothing with the basis at any sample, obeys

@@ -167,10 +167,10 @@ RefinedModes refine_sample(const ReducedModel::Parts& parts, const SamplePencil&
     result.values = quotients(space, weights);
     const Eigen::MatrixXd residuals =
         space.elastic_sketch * weights - space.inertial_sketch * weights * result.values.asDiagonal();
-    const Eigen::MatrixXd gram = sketched_gram(residuals) / sample.ratio;
-    result.bounds = parts.bounds(result.values, gram, sample.unseen, wanted);
+    const Eigen::VectorXd norms = sketched_squares(residuals) / sample.ratio;
+    result.bounds = parts.bounds(result.values, norms, sample.unseen, wanted);
     if (result.bounds.maxCoeff() <= tolerance || step == k_steps) break;
-    const Eigen::VectorXd squares = gram.diagonal().array() / (result.values.array() - shift);
+    const Eigen::VectorXd squares = norms.array() / (result.values.array() - shift);
     if (!squares.allFinite()) break;
     const auto columns = largest_residuals(squares, wanted + k_sharp_guards, k_small * tolerance);
     VectorRows answers = space.residuals(weights(Eigen::all, columns), result.values(columns));

@@ -15,6 +15,10 @@ class SupportedMatrix {
   explicit SupportedMatrix(const SparseMatrix& lower);
 
   bool is_empty() const { return rows_.empty(); }
+  /// The lower triangle among the rows that hold entries.
+  const SparseMatrix& local() const { return lower_; }
+  /// Which these rows are, ascending.
+  const std::vector<int>& rows() const { return rows_; }
 
   /// result += A x diag(scales); both [equation x vector], a scale for each of the padding too.
   void add_scaled_product(const VectorRows& x, const Eigen::VectorXd& scales, VectorRows& result) const;

@@ -156,6 +156,13 @@ Rows SparseStructure::reduce(const Eigen::Ref<const Eigen::MatrixXd>& samples, i
     used = &*enlarged;
   }
   Rows left = refine(*used, samples, unsure.rows, observer, context, visit, use);
+  constexpr std::size_t k_many = 4;  // one in so many
+  if (trained->has_indefinite_terms() && k_many * left.size() > finite.size()) {
+    context.note(fmt::format(
+        "Terms of K or M are not positive semidefinite, and what they may do leaves {} of {} samples without "
+        "a certain bound: these are solved in full.",
+        left.size(), finite.size()));
+  }
   use.reduced = static_cast<std::int64_t>(finite.size() - left.size());
   use.reduced_seconds = processor_seconds() - begin;
   use.exact_seconds = trained->exact_seconds();

@@ -102,6 +102,10 @@ class ReducedModel {
   /// [equation x vector]
   const Eigen::MatrixXd& basis() const;
 
+  /// Whether a term of K or M is not proven to be positive semidefinite: its effect is bounded by extreme eigenvalues,
+  /// and where these say too little, bounds are infinite.
+  bool has_indefinite_terms() const;
+
   /// Processor time that the exact solution of the nominal pencil took.
   double exact_seconds() const;
 

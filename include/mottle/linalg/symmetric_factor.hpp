@@ -5,6 +5,7 @@
 #include <Eigen/SparseCore>
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace mottle {
 
@@ -47,12 +48,17 @@ class DefiniteFactor : public SymmetricFactor {
   /// solve() for right-hand sides that lie row by row, as the sweep takes them.
   virtual void solve_rows(Eigen::Ref<VectorRows> right_hand_sides) = 0;
 
+  /// P: rows of A in the order of elimination; empty before the first factorisation.
+  virtual std::vector<int> order() const = 0;
+
   /// X = P' L^-T B in place: A^-1 = S S' with S = P' L^-T.
   virtual void solve_root(Eigen::Ref<VectorRows> right_hand_sides) = 0;
 };
 
 /// CHOLMOD's supernodal code with METIS ordering: the fast one.
-std::unique_ptr<DefiniteFactor> make_definite_factor();
+///
+/// @param order  P, where one is known; empty: it is sought
+std::unique_ptr<DefiniteFactor> make_definite_factor(std::vector<int> order = {});
 
 /// L D L' with pivoting of an indefinite matrix by MUMPS: the one that counts negative eigenvalues.
 std::unique_ptr<SymmetricFactor> make_indefinite_factor();
