@@ -73,7 +73,8 @@ TEST_P(Refinement, MakesSureOfWhatTheReducedModelKnowsRoughly) {
   EXPECT_GT(model.solve(samples, 1).bounds.colwise().maxCoeff().maxCoeff(), k_tolerance);
   const Outcome outcome = compare(family, model, samples, k_modes, k_tolerance);
   EXPECT_EQ(outcome.sure + outcome.unknown, 12);
-  // With twelve patches what is not seen may be nearly as low as the wanted modes: most samples are for a full solution.
+  // With twelve patches what is not seen may be nearly as low as the wanted modes: most samples are for a full
+  // solution.
   EXPECT_GE(outcome.sure, family.terms.stiffness.size() < 12 ? 5 : 2);
 }
 
