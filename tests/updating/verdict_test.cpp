@@ -186,6 +186,40 @@ TEST(Sphericity, FindsWhatItSaysInFourOfFive) {
   EXPECT_NEAR(refused_sphericity(9, 9, factor * factor), 0.8, 0.1) << factor;
 }
 
+/// Part of 400 free means about `truth`, in standard errors, that the bound test refuses. Both parameters have the
+/// physical limit 0; `correlation` is that of their means.
+double refused_at_limits(const Eigen::Vector2d& truth, double correlation) {
+  constexpr std::uint32_t k_replications = 400;
+  constexpr double k_error = 0.01;
+  const Distribution prior({.kind = DistributionKind::normal, .mean = 1.0, .std = 0.3});
+  const Parameter first{"a", "-", -9.0, 9.0, {0.0, false}};
+  const Parameter second{"b", "-", -9.0, 9.0, {0.0, false}};
+  const ParameterSpace space({first, second}, JointDistribution({prior, prior}));
+  const test::LinearModel model(Eigen::Vector2d::Zero(), Eigen::Matrix2d::Identity());
+  const UpdatingProblem problem{.model = model, .space = space};
+  Eigen::Matrix2d covariance;
+  covariance << 1.0, correlation, correlation, 1.0;
+  double refused = 0.0;
+  for (std::uint32_t r = 0; r < k_replications; ++r) {
+    RandomStream stream({.seed = 11, .purpose = StreamPurpose::truth}, r);
+    const double u = standard_normal_quantile(stream.uniform());
+    const double v = standard_normal_quantile(stream.uniform());
+    const Eigen::Vector2d noise(u, correlation * u + std::sqrt(1.0 - correlation * correlation) * v);
+    TestPlan plan;
+    plan_bound_test(problem, {k_error * (truth + noise), k_error * k_error * covariance, 1e9}, plan);
+    UpdatingResult result;
+    plan.make(0.05, result);
+    for (const VerdictTest& test : result.tests) refused += test.passed ? 0.0 : 1.0 / k_replications;
+  }
+  return refused;
+}
+
+TEST(Bounds, RefuseMeansOnTheirPhysicalLimitsAsOftenAsTheLevelSays) {
+  EXPECT_NEAR(refused_at_limits({0.0, 100.0}, 0.0), 0.05, k_chance);  // one
+  EXPECT_LE(refused_at_limits({0.8, 100.0}, 0.0), 0.05);
+  EXPECT_GT(refused_at_limits({-5.0, 100.0}, 0.0), 0.99);
+}
+
 TEST(NearestNonNegative, IsTheProjectionInTheMetricOfTheCovariance) {
   Eigen::Matrix2d covariance;
   covariance << 1.0, 0.6, 0.6, 2.0;
