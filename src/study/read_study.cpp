@@ -42,7 +42,9 @@ StudyTest read_test(TomlReader reader, const std::filesystem::path& folder) {
   StudyTest test;
   for (const std::string& file : reader.texts("file")) test.files.push_back(folder / file);
   if (reader.has("pairing")) {
-    test.pairs_by_mac = reader.choice("pairing", {"order", "mac"}, 0) == 1;
+    const std::size_t pairing = reader.choice("pairing", {"order", "mac", "named"}, 0);
+    test.pairs_by_mac = pairing == 1;
+    test.is_named = pairing == 2;
   } else {
     reader.raw("pairing");
   }

@@ -13,6 +13,7 @@
 #include "mottle/study/run_folder.hpp"
 #include "mottle/updating/verdict.hpp"
 #include "predict.hpp"
+#include "rank_numbering.hpp"
 #include "result_json.hpp"
 #include "run_files.hpp"
 #include "solver_use.hpp"
@@ -191,8 +192,12 @@ RunSummary run_update(const Study& study, const RunSettings& settings) {
   result.not_tested.insert(result.not_tested.end(), hidden.sentences.begin(), hidden.sentences.end());
   result.notes.insert(result.notes.end(), hidden.notes.begin(), hidden.notes.end());
 
+  std::optional<std::string> numbering;
+  if (tests.is_by_rank) numbering = rank_warning(made.model->selection(), tests.data.values, result.history);
+  if (numbering) context.warning(*numbering);
   Json json = update_result_json(study, tests, problem, *method, result);
   json["verdict"]["could_hide"] = hidden.list;
+  if (numbering) json["notes"].push_back(*numbering + '.');
   json["surrogate"] = surrogate ? surrogate_json(*study.surrogate, *surrogate) : Json(nullptr);
   if (plan) add_prediction(study, *plan, problem, result, context, folder, json);
   std::vector<Cloud> clouds;

@@ -84,6 +84,7 @@ struct StudyTest {
   std::optional<std::filesystem::path> repeats_file = std::nullopt;  ///< repeated tests, in place of the rules
   /// Whether specimens' modes are numbered by their shapes; not given: of tests that come as modes, not of a table.
   std::optional<bool> pairs_by_mac = std::nullopt;
+  bool is_named = false;  ///< columns of a table are the model's modes, told apart before; else they count by rank
 };
 
 /// [update]

@@ -35,6 +35,7 @@ struct StudyTests {
   std::string file = {};           ///< that they were read from, the first of several
   std::vector<std::string> notes;  ///< columns and rows that were left out, and why
   std::string pairing = {};        ///< pairing.csv; empty where the tests came as a table of outputs
+  bool is_by_rank = false;         ///< modes are numbered by rank of frequency, not by shape
 };
 
 /// Columns: output names, with or without a unit behind ("f1", "f1_Hz", "f1 [Hz]"). Columns of the study's parameters

@@ -1,0 +1,64 @@
+#include "rank_numbering.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "mottle/core/text.hpp"
+
+namespace mottle {
+namespace {
+
+/// Whether the measured frequencies of every specimen ascend with the modes' numbers.
+bool is_ranked(const std::vector<int>& modes, const Eigen::Ref<const Eigen::MatrixXd>& tests) {
+  for (std::size_t i = 0; i < modes.size(); ++i) {
+    for (std::size_t j = 0; j < modes.size(); ++j) {
+      if (modes[i] >= modes[j]) continue;
+      const auto lower = tests.col(static_cast<Eigen::Index>(i)).array();
+      if ((lower > tests.col(static_cast<Eigen::Index>(j)).array()).any()) return false;
+    }
+  }
+  return true;
+}
+
+struct Crossings {
+  double part = 0.0;     ///< of the cloud
+  std::string frequent;  ///< the note that most of these samples have
+};
+
+Crossings crossings_of(const IterationRecord& state) {
+  std::map<std::string, int> counts;
+  int crossed = 0;
+  for (const SampleNote& note : state.notes) {
+    if (note.text.find("crossed") == std::string::npos) continue;
+    ++crossed;
+    ++counts[note.text];
+  }
+  const Eigen::Index samples = state.cloud.samples.rows();
+  if (crossed == 0 || samples == 0) return {};
+  const auto most =
+      std::max_element(counts.begin(), counts.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+  return {static_cast<double>(crossed) / static_cast<double>(samples), most->first};
+}
+
+}  // namespace
+
+std::optional<std::string> rank_warning(const ModalOutputs& selection, const Eigen::Ref<const Eigen::MatrixXd>& tests,
+                                        const std::vector<IterationRecord>& history) {
+  constexpr double k_rare = 0.01;
+  if (selection.tracking != ModeTracking::mac || history.empty()) return std::nullopt;
+  if (!is_ranked(selection.frequencies, tests)) return std::nullopt;
+  const Crossings first = crossings_of(history.front());
+  const Crossings last = crossings_of(history.back());
+  if (std::max(first.part, last.part) < k_rare) return std::nullopt;
+  return fmt::format(
+      "The tests number their modes by rank of frequency, the model by shape (outputs.tracking = \"mac\"), and modes "
+      "cross in {:.0f} % of the prior's cloud and {:.0f} % of the updated one ({}): there a test's frequency is "
+      "compared with another mode's, which biases means and deviations. Set outputs.tracking = \"order\" to number "
+      "both "
+      "by rank, or measure shapes and set test.pairing = \"mac\". If the columns of the tests are the model's modes "
+      "already, say so: test.pairing = \"named\"",
+      100.0 * first.part, 100.0 * last.part, last.part > 0.0 ? last.frequent : first.frequent);
+}
+
+}  // namespace mottle

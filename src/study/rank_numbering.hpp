@@ -1,0 +1,23 @@
+// Tests that number modes by rank of frequency against a model that numbers them by shape.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "mottle/model/modal_model.hpp"
+#include "mottle/updating/updater.hpp"
+
+namespace mottle {
+
+/// What to say where modes cross in the prior's or the updated cloud, so that a test's f1 may be the model's f2: then
+/// means and deviations are biased. Nothing where the model numbers its modes by order, where crossings are rare (1 %
+/// of both clouds), or where a specimen's frequencies do not ascend (its modes were told apart by other means).
+///
+/// @param tests    [specimen x output], frequencies first, as ModalModel names them; nan: missing
+/// @param history  states of the update, with their clouds' notes
+std::optional<std::string> rank_warning(const ModalOutputs& selection, const Eigen::Ref<const Eigen::MatrixXd>& tests,
+                                        const std::vector<IterationRecord>& history);
+
+}  // namespace mottle
