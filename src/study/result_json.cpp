@@ -242,6 +242,35 @@ Json failures_json(const std::vector<FailedRun>& failures, std::size_t iteration
   return list;
 }
 
+namespace {
+
+Json normality_json(const NormalityReport& report, const std::vector<std::string>& names) {
+  Json json = {{"p_value", report.test.p_value},
+               {"level", report.level},
+               {"is_remarkable", report.is_remarkable},
+               {"joint", nullptr},
+               {"parameters", Json::array()}};
+  if (report.test.is_joint_tested) {
+    json["joint"] = {{"henze_zirkler", report.test.henze_zirkler}, {"p_value", report.test.henze_zirkler_p}};
+  }
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const VariableNormality& variable = report.test.variables[i];
+    Json own = {{"name", names[i]}, {"reliability", variable.reliability}, {"p_value", nullptr}};
+    if (variable.is_tested) {
+      own["p_value"] = variable.probabilities.p_value;
+      own["shapiro_wilk"] = variable.statistics.shapiro_wilk;
+      own["skewness"] = variable.statistics.skewness;
+      own["two_batches"] = {{"statistic", variable.statistics.two_batches},
+                            {"p_value", variable.probabilities.two_batches}};
+    }
+    own["suggestion"] = report.suggestions[i].empty() ? Json(nullptr) : Json(report.suggestions[i]);
+    json["parameters"].push_back(std::move(own));
+  }
+  return json;
+}
+
+}  // namespace
+
 Json update_result_json(const Study& study, const StudyTests& tests, const UpdatingProblem& problem,
                         const Updater& method, const UpdatingResult& result) {
   const TestMoments moments = test_moments(problem.tests);
@@ -270,6 +299,7 @@ Json update_result_json(const Study& study, const StudyTests& tests, const Updat
     json["outliers"].push_back(
         {{"specimen", outlier.sample + 1}, {"distance", outlier.distance}, {"p_value", outlier.p_value}});
   }
+  json["normality"] = result.normality ? normality_json(*result.normality, problem.space.names()) : Json(nullptr);
   json["other_solutions"] = Json::array();
   for (const Eigen::VectorXd& other : result.other_solutions) json["other_solutions"].push_back(to_json(other));
   json["specimens"] = specimens_json(result);

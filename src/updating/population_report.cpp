@@ -9,6 +9,7 @@
 #include "mottle/core/error.hpp"
 #include "mottle/core/text.hpp"
 #include "mottle/updating/scaled_parameters.hpp"
+#include "normality_report.hpp"
 #include "other_solutions.hpp"
 
 namespace mottle {
@@ -230,7 +231,7 @@ void describe_population(const UpdatingProblem& problem, const PopulationFit& fi
   for (Eigen::Index i = 0; i < fit.mean.size(); ++i) {
     result.sensitivity.col(i) /= scales[static_cast<std::size_t>(i)].slope(fit.mean(i));
   }
-  result.outliers = find_outliers(fit.effects.effects, problem.level);
+  result.outliers = find_outliers(fit.units, fit.effects, fit.settings, fit.map, problem.level);
   result.other_solutions = other_solutions(problem, fit, options.starts, context, result.model_evaluations);
   if (options.intervals == Intervals::analytic) result.intervals = analytic_intervals(problem, fit);
   if (options.intervals == Intervals::bootstrap) {
@@ -241,6 +242,7 @@ void describe_population(const UpdatingProblem& problem, const PopulationFit& fi
   }
   if (result.intervals) forget_unseen(problem, fit, *result.intervals);
   add_notes(problem, fit, settings, result);
+  report_normality(problem, fit, result);
   test_population(problem, fit, result);
 }
 

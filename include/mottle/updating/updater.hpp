@@ -13,6 +13,7 @@
 #include "mottle/model/model.hpp"
 #include "mottle/model/parameter_space.hpp"
 #include "mottle/propagation/cloud.hpp"
+#include "mottle/stats/normality.hpp"
 #include "mottle/stats/outliers.hpp"
 #include "mottle/stats/population_intervals.hpp"
 #include "mottle/stats/regression.hpp"
@@ -101,6 +102,14 @@ struct VerdictTest {
   std::string meaning = {};  ///< the question it answers, as a sentence
 };
 
+/// Whether the specimens come from a normal population.
+struct NormalityReport {
+  NormalityTest test;                    ///< [parameter], on the parameters' scales
+  double level = 0.05;                   ///< of the whole
+  bool is_remarkable = false;            ///< it is said in the notes
+  std::vector<std::string> suggestions;  ///< what each parameter looks like; empty: normal [parameter]
+};
+
 /// What a method found.
 struct UpdatingResult {
   UpdatingStatus status = UpdatingStatus::failed;
@@ -114,6 +123,7 @@ struct UpdatingResult {
   std::optional<PopulationOnScales> population = std::nullopt;  ///< `mean` and `covariance` come from it, where given
   std::optional<SpecimenEstimates> specimens = std::nullopt;    ///< of methods that look at each specimen
   std::vector<Outlier> outliers = {};                           ///< specimens that do not belong to the others
+  std::optional<NormalityReport> normality = std::nullopt;  ///< of methods that look at each specimen
   std::vector<Eigen::VectorXd> other_solutions = {};  ///< means that explain the tests' mean as well [parameter]
   Eigen::MatrixXd noise_covariance;                   ///< R as used or estimated [output x output]; else 0 x 0
   bool is_population = false;                         ///< `covariance` estimates the scatter of the specimens
