@@ -123,7 +123,7 @@ struct UpdatingResult {
   std::optional<PopulationOnScales> population = std::nullopt;  ///< `mean` and `covariance` come from it, where given
   std::optional<SpecimenEstimates> specimens = std::nullopt;    ///< of methods that look at each specimen
   std::vector<Outlier> outliers = {};                           ///< specimens that do not belong to the others
-  std::optional<NormalityReport> normality = std::nullopt;  ///< of methods that look at each specimen
+  std::optional<NormalityReport> normality = std::nullopt;      ///< of methods that look at each specimen
   std::vector<Eigen::VectorXd> other_solutions = {};  ///< means that explain the tests' mean as well [parameter]
   Eigen::MatrixXd noise_covariance;                   ///< R as used or estimated [output x output]; else 0 x 0
   bool is_population = false;                         ///< `covariance` estimates the scatter of the specimens
