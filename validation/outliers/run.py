@@ -19,8 +19,7 @@ DEFAULT = HERE.parent.parent / "build/release/validation/outliers/mottle_outlier
 
 # Columns: kind, specimens, variables, missing, noise, replications.
 LEVELS = [("linear", n, q, 0, 0, 1000 if n < 50 else 500) for n in (6, 10, 20, 50) for q in (1, 3, 6)]
-GAPS = [("linear", 10, 1, 0.4, 0, 500), ("linear", 50, 1, 0.4, 0, 400), ("linear", 6, 3, 0.4, 0, 300),
-        ("linear", 10, 3, 0.4, 0, 300), ("linear", 20, 3, 0.4, 0, 150), ("linear", 10, 6, 0.4, 0, 150),
+GAPS = [("linear", 6, 3, 0.4, 0, 300), ("linear", 10, 3, 0.4, 0, 300), ("linear", 20, 3, 0.4, 0, 150), ("linear", 10, 6, 0.4, 0, 150),
         ("linear", 10, 3, 0, 1, 500), ("linear", 10, 3, 0.4, 1, 150), ("three-masses", 10, 3, 0, 0, 200),
         ("three-masses", 10, 3, 0.4, 0, 60)]
 OUTLIERS = [("linear", 12, 3, 0, 0, p, 500) for p in ("same", "opposite", "apart", "oblique")] + [
