@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# clang-format over everything, the layer check, clang-tidy over the library and the command.
+# clang-format over everything, the checks of layers and type names, clang-tidy over the library and the command.
 #   tools/lint.sh BUILD_DIR JOBS [FILE...]      BUILD_DIR must be configured; FILEs restrict clang-tidy
 # clang-tidy leaves out the tests (the compiler's warnings hold them, and they would double its time) and the lane
 # kernels (written in GCC's vector extensions, which clang does not take).
@@ -12,6 +12,7 @@ echo "clang-format"
 find include src apps tests benchmarks web -name node_modules -prune -o \( -name '*.cpp' -o -name '*.hpp' \) -print0 |
   xargs -0 -r -P "$jobs" -n 16 clang-format --dry-run -Werror
 python3 tools/check_layers.py
+python3 tools/check_type_names.py
 
 echo "sources that are cited"
 keys=$(grep -rhoE '\[[A-Z][A-Za-z]+(19|20)[0-9]{2}[a-z]?\]' include src apps docs benchmarks --include='*.[ch]pp' --include='*.md' | tr -d '[]' | sort -u)

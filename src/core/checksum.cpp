@@ -13,6 +13,11 @@ std::string hexadecimal(const Digest& digest) {
   return fmt::format("{:016x}{:016x}", digest[0], digest[1]);
 }
 
+Digest digest_of(std::string_view bytes) {
+  const XXH128_hash_t hash = XXH3_128bits(bytes.data(), bytes.size());
+  return {hash.high64, hash.low64};
+}
+
 struct Checksum::State {
   State() {
     if (xxh == nullptr) throw std::bad_alloc();

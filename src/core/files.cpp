@@ -102,13 +102,4 @@ void make_writable_folder(const std::filesystem::path& folder) {
   ::unlink(probe.c_str());
 }
 
-std::uint64_t fingerprint(std::string_view bytes, std::uint64_t start) {
-  std::uint64_t hash = start;
-  for (const char byte : bytes) {
-    hash ^= static_cast<unsigned char>(byte);
-    hash *= 0x100000001b3ULL;
-  }
-  return hash;
-}
-
 }  // namespace mottle

@@ -15,7 +15,7 @@
 namespace mottle {
 namespace {
 
-constexpr std::string_view k_magic = "mottle journal 5\n";
+constexpr std::string_view k_magic = "mottle journal 6\n";
 
 void append_bytes(std::string& bytes, const void* data, std::size_t size) {
   bytes.append(static_cast<const char*>(data), size);
@@ -46,10 +46,11 @@ class Reader {
   std::string_view bytes_;
 };
 
-std::uint64_t hash_samples(const Eigen::MatrixXd& samples) {
-  const auto bytes = static_cast<std::size_t>(samples.size()) * sizeof(double);
-  return fingerprint({reinterpret_cast<const char*>(samples.data()), bytes},
-                     fingerprint(std::to_string(samples.rows())));
+Digest digest_of_samples(const Eigen::MatrixXd& samples) {
+  Checksum checksum;
+  checksum.add(std::to_string(samples.rows()));
+  checksum.add(samples.data(), static_cast<std::size_t>(samples.size()) * sizeof(double));
+  return checksum.digest();
 }
 
 void append_remark(std::string& body, Eigen::Index sample, const std::string& text) {
@@ -58,7 +59,7 @@ void append_remark(std::string& body, Eigen::Index sample, const std::string& te
   body += text;
 }
 
-std::string encode(std::uint64_t question, const Evaluation& evaluation) {
+std::string encode(const Digest& question, const Evaluation& evaluation) {
   std::string body;
   append_value(body, question);
   append_value(body, std::int64_t{evaluation.outputs.rows()});
@@ -70,7 +71,7 @@ std::string encode(std::uint64_t question, const Evaluation& evaluation) {
   append_value(body, evaluation.use);
   std::string record;
   append_value(record, static_cast<std::uint64_t>(body.size()));
-  append_value(record, fingerprint(body));
+  append_value(record, digest_of(body));
   return record + body;
 }
 
@@ -91,10 +92,10 @@ bool read_remarks(Reader& reader, std::vector<Remark>& remarks) {
   return true;
 }
 
-bool decode(std::string_view body, std::uint64_t question, Eigen::Index rows, Eigen::Index outputs,
+bool decode(std::string_view body, const Digest& question, Eigen::Index rows, Eigen::Index outputs,
             Evaluation& result) {
   Reader reader(body);
-  std::uint64_t asked = 0;
+  Digest asked = {};
   std::int64_t stored_rows = 0;
   if (!reader.read(asked) || asked != question || !reader.read(stored_rows) || stored_rows != rows) return false;
   result.outputs.resize(rows, outputs);
@@ -107,7 +108,7 @@ bool decode(std::string_view body, std::uint64_t question, Eigen::Index rows, Ei
 /// The open journal: what an earlier run left and where to append.
 class JournalledModel::File {
  public:
-  File(std::filesystem::path path, std::uint64_t study, bool resume) : path_(std::move(path)) {
+  File(std::filesystem::path path, const Digest& study, bool resume) : path_(std::move(path)) {
     std::string head(k_magic);
     append_value(head, study);
     const bool is_there = std::filesystem::exists(path_);
@@ -133,15 +134,17 @@ class JournalledModel::File {
   File& operator=(const File&) = delete;
 
   /// The answer that an earlier run left for this question, if it is the next one.
-  bool find(std::uint64_t question, Eigen::Index rows, Eigen::Index outputs, Evaluation& result) {
+  bool find(const Digest& question, Eigen::Index rows, Eigen::Index outputs, Evaluation& result) {
     if (position_ >= old_.size()) return false;
     Reader reader(std::string_view(old_).substr(position_));
     std::uint64_t size = 0;
-    std::uint64_t checksum = 0;
-    const bool is_whole = reader.read(size) && reader.read(checksum) && size <= reader.left();
-    const std::string_view body = is_whole ? std::string_view(old_).substr(position_ + 16, size) : std::string_view();
-    if (is_whole && fingerprint(body) == checksum && decode(body, question, rows, outputs, result)) {
-      position_ += 16 + size;
+    Digest digest = {};
+    constexpr std::size_t k_head = sizeof(size) + sizeof(digest);
+    const bool is_whole = reader.read(size) && reader.read(digest) && size <= reader.left();
+    const std::string_view body =
+        is_whole ? std::string_view(old_).substr(position_ + k_head, size) : std::string_view();
+    if (is_whole && digest_of(body) == digest && decode(body, question, rows, outputs, result)) {
+      position_ += k_head + size;
       reused_ += rows;
       return true;
     }
@@ -179,7 +182,7 @@ class JournalledModel::File {
   std::int64_t reused_ = 0;
 };
 
-JournalledModel::JournalledModel(const Model& model, std::filesystem::path file, std::uint64_t fingerprint, bool resume)
+JournalledModel::JournalledModel(const Model& model, std::filesystem::path file, const Digest& fingerprint, bool resume)
     : model_(model), file_(std::make_unique<File>(std::move(file), fingerprint, resume)) {}
 
 JournalledModel::~JournalledModel() = default;
@@ -196,7 +199,7 @@ Evaluation JournalledModel::evaluate(const Eigen::Ref<const Eigen::MatrixXd>& sa
   for (Eigen::Index begin = 0; begin < samples.rows(); begin += model_.batch_size()) {
     context.throw_if_stopped();
     const Eigen::MatrixXd part = samples.middleRows(begin, std::min(model_.batch_size(), samples.rows() - begin));
-    const std::uint64_t question = hash_samples(part);
+    const Digest question = digest_of_samples(part);
     Evaluation answer;
     if (!file_->find(question, part.rows(), output_count, answer)) {
       answer = model_.evaluate(part, context);

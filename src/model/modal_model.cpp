@@ -41,6 +41,12 @@ std::string tracking_note(const TrackedModes& tracked, const std::vector<bool>& 
   return join(parts, "; ");
 }
 
+/// Whether a degree of freedom, by the names that all formats have in common, is a rotation: "101:+RX".
+bool is_rotation(const std::string& degree_of_freedom) {
+  const std::size_t colon = degree_of_freedom.rfind(':');
+  return colon != std::string::npos && degree_of_freedom.size() == colon + 4 && degree_of_freedom[colon + 2] == 'R';
+}
+
 int largest(const std::vector<int>& modes) {
   return modes.empty() ? 0 : *std::max_element(modes.begin(), modes.end());
 }
@@ -92,7 +98,7 @@ void ModalModel::name_outputs() {
     for (const int mode : *modes) is_output_[static_cast<std::size_t>(mode - 1)] = true;
   }
   for (const int mode : selection_.frequencies)
-    outputs_.push_back({fmt::format("f{}", mode), selection_.frequency_unit});
+    outputs_.push_back({fmt::format("f{}", mode), selection_.frequency_unit, OutputKind::frequency, mode});
   for (const std::string& wanted : selection_.shape_degrees_of_freedom) {
     const int row = structure_->find_degree_of_freedom(wanted);
     if (row < 0) {
@@ -106,10 +112,12 @@ void ModalModel::name_outputs() {
           structure_->unknown_degree_of_freedom(""));
   for (const int mode : selection_.shape_modes) {
     for (const std::string& name : selection_.shape_degrees_of_freedom) {
-      outputs_.push_back({fmt::format("phi{}:{}", mode, name), selection_.shape_unit});
+      const OutputKind kind = is_rotation(name) ? OutputKind::rotation : OutputKind::displacement;
+      outputs_.push_back({fmt::format("phi{}:{}", mode, name), selection_.shape_unit, kind, mode});
     }
   }
-  for (const int mode : selection_.damping) outputs_.push_back({fmt::format("zeta{}", mode), "-"});
+  for (const int mode : selection_.damping)
+    outputs_.push_back({fmt::format("zeta{}", mode), "-", OutputKind::damping_ratio, mode});
 }
 
 bool ModalModel::needs_shapes() const {

@@ -10,6 +10,7 @@
 #include "mottle/core/files.hpp"
 #include "mottle/formats/csv.hpp"
 #include "mottle/report/page.hpp"
+#include "mottle/study/run_folder.hpp"
 #include "mottle/study/text_file.hpp"
 
 namespace mottle {
@@ -86,6 +87,11 @@ std::size_t parameter_count(const Json& result, const std::filesystem::path& fil
 }  // namespace
 
 void write_report(const std::filesystem::path& folder) {
+  require(
+      std::filesystem::exists(folder / "result.json") || !std::filesystem::exists(folder / k_previous),
+      "{}: its last run did not come to an end, so there is nothing to report; run it again, with --resume to go on "
+      "from where it was. Results of the run before are in {}",
+      folder.string(), (folder / k_previous).string());
   Json page;
   page["result"] = read_result(folder / "result.json");
   const std::size_t parameters = parameter_count(page["result"], folder / "result.json");

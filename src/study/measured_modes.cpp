@@ -143,7 +143,7 @@ MeasuredModes modes_from_uff(std::string_view bytes, const std::string& file, co
   return modes;
 }
 
-MeasuredModes modes_from_table(const CsvTable& table) {
+MeasuredModes modes_from_table(const CsvTable& table, const std::string& units) {
   const int column = table.find("dof");
   MeasuredModes modes;
   modes.file = table.file;
@@ -159,10 +159,13 @@ MeasuredModes modes_from_table(const CsvTable& table) {
   for (std::size_t k = 0; k < table.header.size(); ++k) {
     if (static_cast<int>(k) == column) continue;
     const std::string& name = table.header[k];
-    const std::string number = name.ends_with("Hz") ? name.substr(0, name.size() - 2) : name;
+    const bool is_kilohertz = name.ends_with("kHz");
+    const std::string number = name.substr(0, name.size() - (is_kilohertz ? 3 : name.ends_with("Hz") ? 2 : 0));
     if (!parse_number(number, modes.frequencies(mode)) || !std::isfinite(modes.frequencies(mode))) {
       throw FormatError(table.file, 1, fmt::format("column '{}' is no frequency; name a mode like \"5.99 Hz\"", name));
     }
+    const bool states_unit = number.size() < name.size();
+    if (states_unit) modes.frequencies(mode) *= (is_kilohertz ? 1e3 : 1.0) / unit_sizes(units).frequency;
     modes.shapes.col(mode++) = numbers_of_column(table, static_cast<int>(k));
   }
   modes.damping = Eigen::VectorXd::Constant(count, k_not_measured);

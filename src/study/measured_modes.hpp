@@ -41,8 +41,9 @@ MeasuredComponent named_component(const std::string& name);
 MeasuredModes modes_from_uff(std::string_view bytes, const std::string& file, const std::string& units,
                              std::vector<std::string>& notes);
 
-/// One specimen from a table with a column "dof" and a column a mode, named by its frequency: "5.99 Hz".
-MeasuredModes modes_from_table(const CsvTable& table);
+/// One specimen from a table with a column "dof" and a column a mode, named by its frequency: "5.99 Hz", "0.00599 kHz",
+/// or a number alone in the study's unit.
+MeasuredModes modes_from_table(const CsvTable& table, const std::string& units);
 
 /// Specimens from the variables of a MATLAB file: `frequencies` [specimen x mode], Hz, `shapes` [degree of freedom x
 /// mode x specimen], `dofs`, a cell array of names, and, where known, `modal_masses` [specimen x mode]; nan: not

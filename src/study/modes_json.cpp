@@ -37,7 +37,8 @@ Eigen::MatrixX3d node_displacements(const FiniteElementStructure& structure,
   return result;
 }
 
-Json drawing_json(const FiniteElementStructure& structure, const std::vector<ShownMode>& modes) {
+Json drawing_json(const FiniteElementStructure& structure, const std::vector<ShownMode>& modes,
+                  const std::string& frequency_unit) {
   const FiniteElementModel& model = structure.model();
   const Drawing drawing = drawing_of(model);
   Eigen::MatrixX3d positions(static_cast<Eigen::Index>(model.nodes.size()), 3);
@@ -61,7 +62,7 @@ Json drawing_json(const FiniteElementStructure& structure, const std::vector<Sho
                     {"note", mode.note},
                     {"shape", floats(shape, drawing.nodes, largest > 0.0 ? 1.0 / largest : 0.0)}});
   }
-  return {{"frequency_unit", "Hz"},
+  return {{"frequency_unit", frequency_unit},
           {"positions", floats(positions, drawing.nodes, 1.0)},
           {"node_ids", ids},
           {"triangles", base64_of(std::span<const std::uint32_t>(triangles))},

@@ -22,6 +22,9 @@ Eigen::MatrixX3d node_displacements(const FiniteElementStructure& structure,
                                     const Eigen::Ref<const Eigen::VectorXd>& shape);
 
 /// Surface, lines and shapes; arrays as base64 of 32-bit numbers, shapes scaled to a largest displacement of 1.
-Json drawing_json(const FiniteElementStructure& structure, const std::vector<ShownMode>& modes);
+///
+/// @param frequency_unit  of the modes' frequencies
+Json drawing_json(const FiniteElementStructure& structure, const std::vector<ShownMode>& modes,
+                  const std::string& frequency_unit = "Hz");
 
 }  // namespace mottle

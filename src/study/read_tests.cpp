@@ -12,18 +12,40 @@
 #include "noise_rules.hpp"
 #include "pair_modes.hpp"
 #include "test_files.hpp"
+#include "unit_names.hpp"
 
 namespace mottle {
 namespace {
 
-/// "f1_Hz", "f1 [Hz]", "f1 (Hz)" -> "f1".
-std::string without_unit(std::string name) {
+struct ColumnTitle {
+  std::string name;
+  std::string unit;  // as stated, without brackets; empty: none is
+};
+
+/// "f1_Hz", "f1 [Hz]", "f1 (Hz)".
+ColumnTitle split_title(const std::string& title) {
   for (const std::string open : {" [", " (", "[", "("}) {
-    const std::size_t position = name.find(open);
-    if (position != std::string::npos && position > 0) name.resize(position);
+    const std::size_t position = title.find(open);
+    if (position == std::string::npos || position == 0) continue;
+    const std::size_t start = position + open.size();
+    return {title.substr(0, position), title.substr(start, title.find_first_of("])", start) - start)};
   }
-  if (name.size() > 3 && name.compare(name.size() - 3, 3, "_Hz") == 0) name.resize(name.size() - 3);
-  return name;
+  for (const std::string unit : {"kHz", "Hz"}) {
+    const std::string end = "_" + unit;
+    if (title.size() > end.size() && title.ends_with(end)) return {title.substr(0, title.size() - end.size()), unit};
+  }
+  return {title, ""};
+}
+
+/// A frequency that states another unit than that of the study would be read wrong by a factor.
+void require_unit(const CsvTable& table, const Study& study, const std::string& title, const std::string& stated) {
+  const std::string used = unit_names(study.units).frequency;
+  const bool is_other = stated != used && (stated == "Hz" || stated == "kHz" || stated == "rad/s");
+  if (!is_other) return;
+  throw FormatError(table.file, 1,
+                    fmt::format("column '{}' is in {}, but frequencies of units = \"{}\" are in {}; convert the "
+                                "column, or set the study's units",
+                                title, stated, study.units, used));
 }
 
 /// Whether `name` is how a model of this kind would call some output: f4, zeta2, phi3:m1.
@@ -49,9 +71,10 @@ std::vector<int> match_columns(const CsvTable& table, const Study& study, const 
   std::vector<int> columns(outputs.size(), -1);
   std::vector<std::string> unused;
   for (std::size_t column = 0; column < table.header.size(); ++column) {
-    const std::string name = without_unit(table.header[column]);
+    const auto [name, unit] = split_title(table.header[column]);
     const auto output = std::find(outputs.begin(), outputs.end(), name);
     if (output != outputs.end()) {
+      require_unit(table, study, table.header[column], unit);
       int& found = columns[static_cast<std::size_t>(std::distance(outputs.begin(), output))];
       if (found >= 0) throw FormatError(table.file, 1, fmt::format("output '{}' has two columns", name));
       found = static_cast<int>(column);

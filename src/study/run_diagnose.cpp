@@ -12,13 +12,15 @@
 namespace mottle {
 namespace {
 
-Json sight_json(const Sight& sight) {
-  return {{"name", sight.name},
-          {"nominal", sight.nominal},
-          {"scale", sight.scale},
-          {"visibility", number_json(sight.visibility)},
-          {"own_share", number_json(sight.own_share)},
-          {"variance_inflation", number_json(sight.inflation)}};
+constexpr const char* k_result = "diagnosis.json";
+
+Json detectability_json(const Detectability& detectability) {
+  return {{"name", detectability.name},
+          {"nominal", detectability.nominal},
+          {"scale", detectability.scale},
+          {"visibility", number_json(detectability.visibility)},
+          {"own_share", number_json(detectability.own_share)},
+          {"variance_inflation", number_json(detectability.inflation)}};
 }
 
 Json fit_json(const CandidateFit& fit) {
@@ -30,7 +32,7 @@ Json fit_json(const CandidateFit& fit) {
 }
 
 Json candidate_json(const CandidateFinding& finding, const std::vector<std::string>& targets) {
-  Json json = sight_json(finding.sight);
+  Json json = detectability_json(finding.detectability);
   json["targets"] = targets;
   json["bic"] = number_json(finding.bic());
   json["best"] = finding.better().is_freed ? "freed" : "shifted";
@@ -44,7 +46,7 @@ Json diagnosis_json(const Study& study, const Study& whole, const Diagnosis& dia
   Json json = result_head(study, "diagnose");
   json["level"] = study.update.level;
   json["explained"] = diagnosis.is_explained;
-  json["best"] = diagnosis.candidates.front().sight.name;
+  json["best"] = diagnosis.candidates.front().detectability.name;
   json["alike"] = diagnosis.alike;
   json["sentences"] = diagnosis.sentences;
   Json names = Json::array();
@@ -58,15 +60,15 @@ Json diagnosis_json(const Study& study, const Study& whole, const Diagnosis& dia
                         {"unreproduced_specimens", diagnosis.unreproduced},
                         {"directions_out_of_reach", diagnosis.judging}};
   json["given"] = Json::array();
-  for (const Sight& sight : diagnosis.given) json["given"].push_back(sight_json(sight));
+  for (const Detectability& each : diagnosis.given) json["given"].push_back(detectability_json(each));
   json["candidates"] = Json::array();
   Json order = Json::array();
   for (const CandidateFinding& finding : diagnosis.candidates) {
     for (const StudyParameter& parameter : whole.parameters.list) {
-      if (parameter.name != finding.sight.name) continue;
+      if (parameter.name != finding.detectability.name) continue;
       json["candidates"].push_back(candidate_json(finding, parameter.targets));
     }
-    order.push_back(finding.sight.name);
+    order.push_back(finding.detectability.name);
   }
   json["cosines"] = {{"names", order}, {"matrix", to_json_rows(diagnosis.cosines)}};
   json["proposed"] = Json::array();
@@ -86,20 +88,22 @@ std::vector<std::string> table_lines(const Diagnosis& diagnosis) {
                               "mean", "std", "p (Holm)", "visible", "own part"));
   for (const CandidateFinding& finding : diagnosis.candidates) {
     const CandidateFit& fit = finding.better();
-    const std::string start = fmt::format("{:<16} {:>11.5g}", finding.sight.name, finding.sight.nominal);
-    const std::string sight = fmt::format("{:>9.3g} {:>9.3f}", finding.sight.visibility, finding.sight.own_share);
+    const std::string start =
+        fmt::format("{:<16} {:>11.5g}", finding.detectability.name, finding.detectability.nominal);
+    const std::string seen =
+        fmt::format("{:>9.3g} {:>9.3f}", finding.detectability.visibility, finding.detectability.own_share);
     if (!fit.failure.empty()) {
-      lines.push_back(fmt::format("{} {:>9} {:>11} {:>11} {:>9} {}  {}", start, "", "", "", "", sight, fit.failure));
+      lines.push_back(fmt::format("{} {:>9} {:>11} {:>11} {:>9} {}  {}", start, "", "", "", "", seen, fit.failure));
       continue;
     }
     lines.push_back(fmt::format("{} {:>+9.1f} {:>11.5g} {:>11.4g} {:>9.2g} {}  {}", start, fit.bic, fit.mean,
-                                fit.deviation, fit.adjusted_p, sight, fit.is_freed ? "freed" : "shifted"));
+                                fit.deviation, fit.adjusted_p, seen, fit.is_freed ? "freed" : "shifted"));
   }
   lines.push_back(fmt::format("{:<16} {:>11} {:>9} {:>11} {:>11} {:>9} {:>9} {:>9}", "parameter", "prior", "", "", "",
                               "", "visible", "own part"));
-  for (const Sight& sight : diagnosis.given) {
-    lines.push_back(fmt::format("{:<16} {:>11.5g} {:>9} {:>11} {:>11} {:>9} {:>9.3g} {:>9.3f}", sight.name,
-                                sight.nominal, "", "", "", "", sight.visibility, sight.own_share));
+  for (const Detectability& each : diagnosis.given) {
+    lines.push_back(fmt::format("{:<16} {:>11.5g} {:>9} {:>11} {:>11} {:>9} {:>9.3g} {:>9.3f}", each.name, each.nominal,
+                                "", "", "", "", each.visibility, each.own_share));
   }
   for (const std::string& sentence : diagnosis.sentences) lines.push_back(sentence);
   return lines;
@@ -123,6 +127,7 @@ RunSummary run_diagnose(const Study& study, const RunSettings& settings) {
   for (const StudyParameter& parameter : study.parameters.list) given.push_back(parameter.name);
   const std::vector<int> groups = covariance_groups(study, given);
   const UpdatingProblem problem{.model = model,
+                                .derivatives = made.model->structure().has_derivatives() ? made.model.get() : nullptr,
                                 .space = *made.space,
                                 .tests = tests.data,
                                 .iterations = study.update.iterations,
@@ -139,7 +144,7 @@ RunSummary run_diagnose(const Study& study, const RunSettings& settings) {
     std::error_code ignored;  // a file that stays behind does no harm
     std::filesystem::remove(file, ignored);
   };
-  const Diagnosis diagnosis = compute_or_discard(study, folder, [&] {
+  const Diagnosis diagnosis = compute_or_discard(study, folder, {k_result}, [&] {
     try {
       return diagnose(problem, rules, context);
     } catch (const InvalidInput&) {
@@ -151,12 +156,13 @@ RunSummary run_diagnose(const Study& study, const RunSettings& settings) {
 
   Json json = diagnosis_json(study, whole, diagnosis);
   json["timings_s"] = {{"total", steady_seconds() - start}};
-  folder.write("diagnosis.json", pretty(json));
+  folder.write(k_result, pretty(json));
   forget(journal);
+  folder.forget_previous({k_result});
   RunSummary summary;
   summary.status = "done";
   summary.lines = table_lines(diagnosis);
-  summary.lines.push_back("diagnosis: " + folder.file("diagnosis.json").string());
+  summary.lines.push_back("diagnosis: " + folder.file(k_result).string());
   summary.json = Json{{"command", "diagnose"},
                       {"explained", diagnosis.is_explained},
                       {"best", json["best"]},
@@ -164,7 +170,7 @@ RunSummary run_diagnose(const Study& study, const RunSettings& settings) {
                       {"sentences", diagnosis.sentences},
                       {"proposed", json["proposed"]},
                       {"folder", folder.path().string()},
-                      {"result", folder.file("diagnosis.json").string()}}
+                      {"result", folder.file(k_result).string()}}
                      .dump(-1, ' ', false, Json::error_handler_t::replace);
   return summary;
 }

@@ -146,14 +146,17 @@ RunSummary run_propagate(const Study& study, const std::optional<std::filesystem
   const auto outputs = static_cast<Eigen::Index>(made.model->outputs().size());
   const RunFolder folder(settings.folder);
   LogObserver log(folder.file("mottle.log"), settings.observer, settings.resume);
-  std::uint64_t print = study_fingerprint(study, made);
-  if (points) print = fingerprint(read_file(*points), print);
-  const JournalledModel model(*made.model, folder.journal(), print, settings.resume);
+  const JournalledModel model(*made.model, folder.journal(), study_fingerprint(study, made, points), settings.resume);
   const RunContext context{.seed = study.seed, .threads = settings.threads, .observer = &log, .stop = settings.stop};
 
   const CloudSettings cloud_rules = cloud_settings(study, specimens, outputs);
   const StreamKey key{.seed = study.seed, .purpose = StreamPurpose::parameter_cloud};
-  const Cloud cloud = compute_or_discard(study, folder, [&] {
+  std::vector<std::string> earlier = result_names();
+  std::error_code ignored;  // a file that is not there is not the points
+  std::erase_if(earlier, [&](const std::string& name) {
+    return points && std::filesystem::equivalent(folder.file(name), *points, ignored);
+  });
+  const Cloud cloud = compute_or_discard(study, folder, earlier, [&] {
     return points ? evaluate_points(model, given, cloud_rules.most_failed, context)
                   : evaluate_cloud(model, *made.space, made.space->prior(), cloud_rules, key, context);
   });
@@ -252,7 +255,7 @@ RunSummary run_check(const Study& study, const RunSettings& settings) {
   Json frequencies = Json::array();
   const Eigen::Index listed = std::min(k_listed_modes, modes.eigenvalues.size());
   const double scale = modes.eigenvalues.cwiseAbs().maxCoeff();
-  const std::string unit = model.outputs().front().unit == "kHz" ? "kHz" : "Hz";
+  const std::string& unit = model.selection().frequency_unit;
   for (Eigen::Index r = 0; r < listed; ++r) {
     const double frequency = natural_frequency_hz(modes.eigenvalues(r), scale);
     frequencies.push_back(frequency);

@@ -122,7 +122,7 @@ void write_shapes(const RunFolder& folder, const ModalModel& model, const Eigen:
     shown.push_back({k + 1, natural_frequency_hz(followed.modes.eigenvalues(k), scale),
                      std::numeric_limits<double>::quiet_NaN(), std::move(note), followed.modes.shapes.col(k)});
   }
-  const Json json = {{"modes", drawing_json(*structure, shown)}};
+  const Json json = {{"modes", drawing_json(*structure, shown, model.selection().frequency_unit)}};
   folder.write("modes.json", json.dump());
 }
 
@@ -183,8 +183,9 @@ RunSummary run_update(const Study& study, const RunSettings& settings) {
   std::optional<SurrogateUpdate> surrogate;
   if (study.surrogate) surrogate.emplace(given, *study.surrogate);
   const UpdatingProblem& problem = surrogate ? surrogate->problem() : given;
-  UpdatingResult result = compute_or_discard(
-      study, folder, [&] { return surrogate ? surrogate->run(*method, context) : method->update(given, context); });
+  UpdatingResult result = compute_or_discard(study, folder, result_names(), [&] {
+    return surrogate ? surrogate->run(*method, context) : method->update(given, context);
+  });
   if (result.status == UpdatingStatus::stopped) throw Stopped(result.message);
   const double updated = steady_seconds();
   note_what_happened(result, model, context);

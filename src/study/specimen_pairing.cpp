@@ -51,10 +51,11 @@ Terms terms_of(const ModalModel& model, const MeasuredComponent& component) {
   return terms;
 }
 
-std::vector<Eigen::Index> measured_rows(const Sight& sight, const MeasuredModes& modes, Eigen::Index mode) {
+std::vector<Eigen::Index> measured_rows(const ShapeComparison& comparison, const MeasuredModes& modes,
+                                        Eigen::Index mode) {
   std::vector<Eigen::Index> rows;
   for (Eigen::Index k = 0; k < modes.shapes.rows(); ++k) {
-    if (!sight.terms[static_cast<std::size_t>(k)].empty() && !std::isnan(modes.shapes(k, mode))) rows.push_back(k);
+    if (!comparison.terms[static_cast<std::size_t>(k)].empty() && !std::isnan(modes.shapes(k, mode))) rows.push_back(k);
   }
   return rows;
 }
@@ -105,38 +106,38 @@ double largest_other(const Eigen::VectorXd& values, Eigen::Index but) {
 
 }  // namespace
 
-Sight look(const ModalModel& model, const MeasuredModes& modes) {
-  Sight sight;
+ShapeComparison compare_shapes(const ModalModel& model, const MeasuredModes& modes) {
+  ShapeComparison comparison;
   const Eigen::MatrixXd& shapes = model.reference_modes().shapes;
-  sight.reference = Eigen::MatrixXd::Zero(modes.shapes.rows(), shapes.cols());
+  comparison.reference = Eigen::MatrixXd::Zero(modes.shapes.rows(), shapes.cols());
   for (Eigen::Index k = 0; k < modes.shapes.rows(); ++k) {
-    sight.terms.push_back(terms_of(model, modes.components[static_cast<std::size_t>(k)]));
-    sight.seen += sight.terms.back().empty() ? 0 : 1;
-    for (const auto& [slot, weight] : sight.terms.back()) {
-      sight.reference.row(k) += weight * model.structure().displacements(shapes, {slot});
+    comparison.terms.push_back(terms_of(model, modes.components[static_cast<std::size_t>(k)]));
+    comparison.seen += comparison.terms.back().empty() ? 0 : 1;
+    for (const auto& [slot, weight] : comparison.terms.back()) {
+      comparison.reference.row(k) += weight * model.structure().displacements(shapes, {slot});
     }
   }
-  sight.cosines.resize(shapes.cols(), modes.shapes.cols());
+  comparison.cosines.resize(shapes.cols(), modes.shapes.cols());
   for (Eigen::Index t = 0; t < modes.shapes.cols(); ++t) {
-    const std::vector<Eigen::Index> rows = measured_rows(sight, modes, t);
-    sight.cosines.col(t) = shape_cosines(sight.reference(rows, Eigen::all), modes.shapes(rows, t));
+    const std::vector<Eigen::Index> rows = measured_rows(comparison, modes, t);
+    comparison.cosines.col(t) = shape_cosines(comparison.reference(rows, Eigen::all), modes.shapes(rows, t));
   }
-  return sight;
+  return comparison;
 }
 
 double total_mac(const ModalModel& model, const MeasuredModes& modes) {
-  const Eigen::MatrixXd mac = look(model, modes).cosines.cwiseAbs2();
+  const Eigen::MatrixXd mac = compare_shapes(model, modes).cosines.cwiseAbs2();
   double total = 0.0;
   for (const auto& [reference, test] : assign_by_mac(mac, 0.0)) total += mac(reference, test);
   return total;
 }
 
 SpecimenPairing::SpecimenPairing(const ModalModel& model, const MeasuredModes& modes, bool by_mac)
-    : model_(model), modes_(modes), sight_(look(model, modes)) {
-  require(!by_mac || sight_.seen > 0,
+    : model_(model), modes_(modes), comparison_(compare_shapes(model, modes)) {
+  require(!by_mac || comparison_.seen > 0,
           "{}: none of its {} measured degrees of freedom is in the model, so its modes cannot be paired by shape",
           modes.file, modes.components.size());
-  mac_ = sight_.cosines.cwiseAbs2();
+  mac_ = comparison_.cosines.cwiseAbs2();
   assigned_ = by_mac ? assign_by_mac(mac_, model.selection().minimum_mac)
                      : assign_by_order(modes.frequencies, output_modes(model));
 }
@@ -158,10 +159,10 @@ void SpecimenPairing::fill(Eigen::Ref<Eigen::RowVectorXd, 0, Eigen::InnerStride<
 /// Why a pair is to be looked at; empty: it is sure.
 std::string SpecimenPairing::doubt(int reference, Eigen::Index test) const {
   std::vector<std::string> doubts;
-  if (sight_.seen > 0 && mac_(reference, test) < k_sure_mac) {
+  if (comparison_.seen > 0 && mac_(reference, test) < k_sure_mac) {
     doubts.push_back(fmt::format("MAC {:.2f}", mac_(reference, test)));
   }
-  if (sight_.seen > 0 && second(reference, test) > mac_(reference, test) - k_least_lead) {
+  if (comparison_.seen > 0 && second(reference, test) > mac_(reference, test) - k_least_lead) {
     doubts.push_back(fmt::format("another mode has MAC {:.2f}", second(reference, test)));
   }
   if (modes_.collinearity(test) < k_sure_collinearity) {
@@ -214,14 +215,14 @@ double SpecimenPairing::second(int reference, Eigen::Index test) const {
 
 /// By which the measured shape comes nearest to the reference's.
 double SpecimenPairing::fitted_scale(int reference, Eigen::Index test) const {
-  const std::vector<Eigen::Index> rows = measured_rows(sight_, modes_, test);
+  const std::vector<Eigen::Index> rows = measured_rows(comparison_, modes_, test);
   const Eigen::VectorXd shape = modes_.shapes(rows, test);
-  return shape.dot(sight_.reference(rows, reference)) / shape.squaredNorm();
+  return shape.dot(comparison_.reference(rows, reference)) / shape.squaredNorm();
 }
 
 double SpecimenPairing::scale_of(int reference, Eigen::Index test) const {
   if (!modes_.is_scaled[static_cast<std::size_t>(test)]) return fitted_scale(reference, test);
-  return sight_.cosines(reference, test) < 0.0 ? -1.0 : 1.0;
+  return comparison_.cosines(reference, test) < 0.0 ? -1.0 : 1.0;
 }
 
 /// Motion at one degree of freedom of the model, nan where the measured directions do not span it.
@@ -230,9 +231,9 @@ double SpecimenPairing::component(const std::string& name, Eigen::Index test) co
   const int wanted = model_.structure().find_degree_of_freedom(name);
   double value = 0.0;
   double span = 0.0;
-  for (std::size_t k = 0; k < sight_.terms.size(); ++k) {
+  for (std::size_t k = 0; k < comparison_.terms.size(); ++k) {
     const double measured = modes_.shapes(static_cast<Eigen::Index>(k), test);
-    for (const auto& [slot, weight] : sight_.terms[k]) {
+    for (const auto& [slot, weight] : comparison_.terms[k]) {
       if (slot != wanted || std::isnan(measured)) continue;
       value += weight * measured;
       span += weight * weight;

@@ -15,14 +15,14 @@ namespace mottle {
 using Terms = std::vector<std::pair<int, double>>;
 
 /// What of one specimen the model sees.
-struct Sight {
+struct ShapeComparison {
   std::vector<Terms> terms;   ///< [component]
   Eigen::MatrixXd reference;  ///< the model's shapes there; zero where it has no such component [component x mode]
   Eigen::Index seen = 0;      ///< components that the model has
   Eigen::MatrixXd cosines;    ///< [reference mode x measured mode]
 };
 
-Sight look(const ModalModel& model, const MeasuredModes& modes);
+ShapeComparison compare_shapes(const ModalModel& model, const MeasuredModes& modes);
 
 /// Sum of MAC over the pairs of an optimal assignment.
 double total_mac(const ModalModel& model, const MeasuredModes& modes);
@@ -41,7 +41,7 @@ class SpecimenPairing {
   /// The arguments must live as long.
   SpecimenPairing(const ModalModel& model, const MeasuredModes& modes, bool by_mac);
 
-  Eigen::Index unknown_components() const { return modes_.shapes.rows() - sight_.seen; }
+  Eigen::Index unknown_components() const { return modes_.shapes.rows() - comparison_.seen; }
   void fill(Eigen::Ref<Eigen::RowVectorXd, 0, Eigen::InnerStride<>> row) const;
   std::vector<PairingRow> rows() const;
 
@@ -55,7 +55,7 @@ class SpecimenPairing {
 
   const ModalModel& model_;
   const MeasuredModes& modes_;
-  Sight sight_;
+  ShapeComparison comparison_;
   Eigen::MatrixXd mac_;
   std::map<int, Eigen::Index> assigned_;  // measured mode of each reference mode
 };

@@ -280,16 +280,24 @@ std::vector<int> covariance_groups(const Study& study, const std::vector<std::st
   return groups;
 }
 
-std::uint64_t study_fingerprint(const Study& study, const StudyModel& made) {
-  std::uint64_t print = fingerprint(version());
-  for (const std::string& file : made.files) print = fingerprint(read_file(file), print);
-  print = fingerprint(study.text, print);
+Digest study_fingerprint(const Study& study, const StudyModel& made,
+                         const std::optional<std::filesystem::path>& points) {
+  Checksum checksum;
+  // Each part with its length: bytes that move from one file to the next are a change.
+  const auto add = [&](const std::string& bytes) {
+    checksum.add(fmt::format("{}:", bytes.size()));
+    checksum.add(bytes);
+  };
+  add(version());
+  for (const std::string& file : made.files) add(read_file(file));
+  add(study.text);
   if (study.test) {
-    for (const std::filesystem::path& file : list_test_files(study)) print = fingerprint(read_file(file), print);
+    for (const std::filesystem::path& file : list_test_files(study)) add(read_file(file));
   }
-  if (study.test && study.test->repeats_file) print = fingerprint(read_file(*study.test->repeats_file), print);
-  if (study.predict && study.predict->held_out) print = fingerprint(read_file(*study.predict->held_out), print);
-  return print;
+  if (study.test && study.test->repeats_file) add(read_file(*study.test->repeats_file));
+  if (study.predict && study.predict->held_out) add(read_file(*study.predict->held_out));
+  if (points) add(read_file(*points));
+  return checksum.digest();
 }
 
 }  // namespace mottle

@@ -63,7 +63,7 @@ void read_one(const Study& study, const std::filesystem::path& file, TestContent
   }
   CsvTable table = read_named_table(study, "test.file", file);
   if (table.find("dof") >= 0) {
-    contents.specimens.push_back(modes_from_table(table));
+    contents.specimens.push_back(modes_from_table(table, study.units));
   } else {
     contents.table = std::move(table);
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "mottle/core/error.hpp"
 #include "mottle/stats/chi_squared.hpp"
@@ -12,7 +13,7 @@
 namespace mottle {
 namespace {
 
-constexpr double k_difference_step = 0.05;  // of a prior deviation, as in the specimens' fits
+constexpr Eigen::Index k_batch = 4096;  // model runs of differences by hundreds of candidates that are held at once
 
 /// Plain maximum likelihood wants few rows of its own: the noise that the given parameters and one more leave over.
 NoiseModel common_noise(const UpdatingProblem& problem, const TestData& tests, Eigen::Index given) {
@@ -92,8 +93,9 @@ PopulationFit CandidateFits::fit_from(const UpdatingProblem& part, const Paramet
 
 SetFit CandidateFits::fit(const ParameterSet& set, const Eigen::VectorXd& start) {
   const ParameterSpace space = part_of(problem_.space, set.members);
-  const HeldModel model(problem_.model, problem_.space.prior().mean(), set.members, signs_);
+  const HeldModel model(problem_, problem_.space.prior().mean(), set.members, signs_);
   const UpdatingProblem part{.model = model,
+                             .derivatives = model.derivatives(),
                              .space = space,
                              .tests = tests_,
                              .iterations = problem_.iterations,
@@ -121,8 +123,8 @@ SetFit CandidateFits::fit(const ParameterSet& set, const Eigen::VectorXd& start)
 double CandidateFits::distance_beside(const ParameterSet& set, const Eigen::VectorXd& nominal, const TestMoments& tests,
                                       const Eigen::VectorXd& origin, Eigen::VectorXd& t) {
   const ParameterSpace space = part_of(problem_.space, set.members);
-  const HeldModel model(problem_.model, nominal, set.members, signs_);
-  const UpdatingProblem part{.model = model, .space = space, .tests = tests_};
+  const HeldModel model(problem_, nominal, set.members, signs_);
+  const UpdatingProblem part{.model = model, .derivatives = model.derivatives(), .space = space, .tests = tests_};
   PriorOnScales prior = prior_on_scales(space);
   if (origin.size() > 0) prior.mean = origin;
   try {
@@ -223,25 +225,40 @@ SetFit CandidateFits::fit_beside(const ParameterSet& set, const SetFit& base, Ei
   return best;
 }
 
-Eigen::MatrixXd CandidateFits::outputs_at(const Eigen::MatrixXd& samples) {
-  evaluations_ += samples.rows();
-  Eigen::MatrixXd outputs = problem_.model.evaluate(samples, context_).outputs;
-  turn_shapes(signs_, outputs);
-  return outputs;
+std::vector<Eigen::MatrixXd> CandidateFits::derivatives_at(const Eigen::MatrixXd& samples) {
+  std::vector<Eigen::Index> all(static_cast<std::size_t>(problem_.space.count()));
+  std::iota(all.begin(), all.end(), Eigen::Index{0});
+  std::vector<Parameter> parameters = problem_.space.parameters();
+  for (Parameter& parameter : parameters) parameter.scale = {};
+  const ParameterSpace space(std::move(parameters), problem_.space.prior());
+  const HeldModel model(problem_, problem_.space.prior().mean(), std::move(all), signs_);
+  const UpdatingProblem whole{.model = model, .derivatives = model.derivatives(), .space = space};
+  const ScaledParameters axes(space);
+  std::vector<Eigen::MatrixXd> derivatives;
+  const Eigen::Index at_once = std::max<Eigen::Index>(k_batch / (2 * space.count()), 1);
+  for (Eigen::Index begin = 0; begin < samples.rows(); begin += at_once) {
+    context_.throw_if_stopped();
+    const Eigen::MatrixXd points = samples.middleRows(begin, std::min(at_once, samples.rows() - begin));
+    const Eigen::MatrixXd outputs = outputs_on_scales(whole, points, context_, evaluations_);
+    for (Eigen::MatrixXd& one : scaled_jacobians(whole, axes, points, outputs, context_, evaluations_))
+      derivatives.push_back(std::move(one));
+  }
+  return derivatives;
 }
 
-double CandidateFits::linear_gain(const SetFit& base, const ParameterSet& set, Eigen::Index candidate) {
+std::vector<Eigen::MatrixXd> CandidateFits::derivatives_at(const SetFit& base, const ParameterSet& set) {
   const std::vector<NormalScale> scales = problem_.space.scales();
-  const double step = k_difference_step * std::sqrt(problem_.space.prior().covariance()(candidate, candidate));
-  const Eigen::Index n = specimens();
-  Eigen::MatrixXd samples = problem_.space.prior().mean().transpose().replicate(2 * n, 1);
+  Eigen::MatrixXd samples = problem_.space.prior().mean().transpose().replicate(specimens(), 1);
   for (std::size_t i = 0; i < set.members.size(); ++i) {
-    const Eigen::VectorXd x = to_variables({scales[static_cast<std::size_t>(set.members[i])]},
-                                           base.fit.specimens.points.col(static_cast<Eigen::Index>(i)));
-    samples.col(set.members[i]) << x, x;
+    samples.col(set.members[i]) = to_variables({scales[static_cast<std::size_t>(set.members[i])]},
+                                               base.fit.specimens.points.col(static_cast<Eigen::Index>(i)));
   }
-  samples.col(candidate).head(n).array() += step;
-  const Eigen::MatrixXd outputs = outputs_at(samples);
+  return derivatives_at(samples);
+}
+
+double CandidateFits::linear_gain(const SetFit& base, const ParameterSet& set, Eigen::Index candidate,
+                                  const std::vector<Eigen::MatrixXd>& derivatives) const {
+  const Eigen::Index n = specimens();
   std::vector<RandomEffectsUnit> units = base.fit.units;
   for (Eigen::Index s = 0; s < n; ++s) {
     RandomEffectsUnit& unit = units[static_cast<std::size_t>(s)];
@@ -249,7 +266,7 @@ double CandidateFits::linear_gain(const SetFit& base, const ParameterSet& set, E
     for (Eigen::Index k = 0; k < tests_.values.cols(); ++k) {
       if (!std::isnan(tests_.values(s, k))) rows.push_back(k);
     }
-    const Eigen::VectorXd slope = (outputs.row(s) - outputs.row(n + s)).transpose()(rows) / step;
+    const Eigen::VectorXd slope = derivatives[static_cast<std::size_t>(s)].col(candidate)(rows);
     if (!slope.allFinite()) return -1.0;
     unit.design.conservativeResize(Eigen::NoChange, unit.design.cols() + 1);
     unit.design.rightCols(1) = slope;

@@ -55,11 +55,17 @@ class CandidateFits {
   std::pair<CandidateFit, CandidateFit> compare_both(const ParameterSet& set, const SetFit& base,
                                                      Eigen::Index candidate);
 
-  /// Gain of the freed candidate in the linear models at the specimens of `base`; -1 where there is none.
-  double linear_gain(const SetFit& base, const ParameterSet& set, Eigen::Index candidate);
+  /// dy/dx of every parameter and candidate, [output x parameter] for each sample; nan where the model fails on both
+  /// sides.
+  std::vector<Eigen::MatrixXd> derivatives_at(const Eigen::MatrixXd& samples);
+  /// The same at the specimens of `base`.
+  std::vector<Eigen::MatrixXd> derivatives_at(const SetFit& base, const ParameterSet& set);
 
-  /// Outputs at parameters of the whole space [sample x parameter].
-  Eigen::MatrixXd outputs_at(const Eigen::MatrixXd& samples);
+  /// Gain of the freed candidate in the linear models at the specimens of `base`; -1 where there is none.
+  ///
+  /// @param derivatives  at these specimens
+  double linear_gain(const SetFit& base, const ParameterSet& set, Eigen::Index candidate,
+                     const std::vector<Eigen::MatrixXd>& derivatives) const;
 
   /// Whether more parameters can be put beside `count`: the noise must stay known or have rows to be estimated from.
   bool has_room_for(Eigen::Index count) const;
@@ -88,11 +94,11 @@ class CandidateFits {
 /// How the tests see every given parameter and candidate at the fit of the given ones, and the cosines between the
 /// candidates' own parts; `judging`: directions of the tests' mean that the given parameters, bounds minded, cannot
 /// reach.
-struct Sights {
-  std::vector<Sight> all;   ///< in the order of the problem's parameters
-  Eigen::MatrixXd cosines;  ///< [candidate x candidate]
+struct DetectabilityAnalysis {
+  std::vector<Detectability> all;  ///< in the order of the problem's parameters
+  Eigen::MatrixXd cosines;         ///< [candidate x candidate]
   Eigen::Index judging = 0;
 };
-Sights look_at(CandidateFits& fits, const SetFit& base);
+DetectabilityAnalysis analyse_detectability(CandidateFits& fits, const SetFit& base);
 
 }  // namespace mottle

@@ -7,16 +7,13 @@
 namespace mottle {
 
 std::vector<ShapeSign> shape_signs(const std::vector<Output>& outputs, const Eigen::Ref<const Eigen::MatrixXd>& tests) {
-  std::map<std::string, std::vector<Eigen::Index>> shapes;
+  std::map<int, std::vector<Eigen::Index>> shapes;
   for (std::size_t k = 0; k < outputs.size(); ++k) {
-    const std::string& name = outputs[k].name;
-    const std::size_t colon = name.find(':');
-    if (name.starts_with("phi") && colon != std::string::npos) {
-      shapes[name.substr(0, colon)].push_back(static_cast<Eigen::Index>(k));
-    }
+    const bool is_shape = outputs[k].kind == OutputKind::displacement || outputs[k].kind == OutputKind::rotation;
+    if (is_shape) shapes[outputs[k].mode].push_back(static_cast<Eigen::Index>(k));
   }
   std::vector<ShapeSign> signs;
-  for (auto& [name, columns] : shapes) {
+  for (auto& [mode, columns] : shapes) {
     const Eigen::MatrixXd measured =
         tests(Eigen::all, columns).unaryExpr([](double value) { return std::isnan(value) ? 0.0 : value; });
     const Eigen::JacobiSVD<Eigen::MatrixXd> svd(measured, Eigen::ComputeThinV);
@@ -41,10 +38,33 @@ void turn_shapes(const std::vector<ShapeSign>& signs, Eigen::MatrixXd& outputs) 
   }
 }
 
-Evaluation HeldModel::evaluate(const Eigen::Ref<const Eigen::MatrixXd>& samples, const RunContext& context) const {
+Eigen::MatrixXd HeldModel::all_parameters(const Eigen::Ref<const Eigen::MatrixXd>& samples) const {
   Eigen::MatrixXd all = nominal_.transpose().replicate(samples.rows(), 1);
   all(Eigen::all, members_) = samples;
-  Evaluation evaluation = full_.evaluate(all, context);
+  return all;
+}
+
+const DifferentiableModel* HeldModel::derivatives() const {
+  // Which way a shape is turned is read off the model itself: not off one that journals, several threads ask here.
+  const bool has_signs = signs_.empty() || dynamic_cast<const Model*>(full_derivatives_) != nullptr;
+  return full_derivatives_ != nullptr && full_derivatives_->has_cheap_jacobian() && has_signs ? this : nullptr;
+}
+
+Eigen::MatrixXd HeldModel::jacobian(const Eigen::Ref<const Eigen::VectorXd>& parameters) const {
+  const Eigen::MatrixXd sample = all_parameters(parameters.transpose());
+  Eigen::MatrixXd jacobian = full_derivatives_->jacobian(sample.row(0).transpose())(Eigen::all, members_);
+  if (signs_.empty()) return jacobian;
+  const Eigen::MatrixXd outputs = dynamic_cast<const Model&>(*full_derivatives_).evaluate(sample, {}).outputs;
+  Eigen::MatrixXd turned = outputs;
+  turn_shapes(signs_, turned);
+  for (Eigen::Index k = 0; k < jacobian.rows(); ++k) {
+    if (turned(0, k) != outputs(0, k)) jacobian.row(k) = -jacobian.row(k);
+  }
+  return jacobian;
+}
+
+Evaluation HeldModel::evaluate(const Eigen::Ref<const Eigen::MatrixXd>& samples, const RunContext& context) const {
+  Evaluation evaluation = full_.evaluate(all_parameters(samples), context);
   turn_shapes(signs_, evaluation.outputs);
   return evaluation;
 }

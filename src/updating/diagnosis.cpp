@@ -51,11 +51,12 @@ std::vector<bool> screen(CandidateFits& fits, const ParameterSet& set, const Set
   std::vector<bool> is_kept(candidates.size(), true);
   const auto most = static_cast<std::size_t>(fits.settings().screened);
   if (candidates.size() <= most) return is_kept;
+  const std::vector<Eigen::MatrixXd> derivatives = fits.derivatives_at(base, set);
   std::vector<std::pair<double, std::size_t>> gains;
   for (std::size_t c = 0; c < candidates.size(); ++c) {
     fits.context().throw_if_stopped();
     fits.context().progress("screen", static_cast<std::int64_t>(c), static_cast<std::int64_t>(candidates.size()));
-    gains.emplace_back(fits.linear_gain(base, set, candidates[c]), c);
+    gains.emplace_back(fits.linear_gain(base, set, candidates[c], derivatives), c);
   }
   std::stable_sort(gains.begin(), gains.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
   for (std::size_t k = most; k < gains.size(); ++k) is_kept[gains[k].second] = false;
@@ -64,16 +65,17 @@ std::vector<bool> screen(CandidateFits& fits, const ParameterSet& set, const Set
 
 /// Every candidate beside a set, best first.
 std::vector<CandidateFinding> try_all(CandidateFits& fits, const ParameterSet& set, const SetFit& base,
-                                      const std::vector<Eigen::Index>& candidates, const std::vector<Sight>& sights) {
+                                      const std::vector<Eigen::Index>& candidates,
+                                      const std::vector<Detectability>& analysis) {
   const std::vector<bool> is_kept = screen(fits, set, base, candidates);
   std::vector<CandidateFinding> findings;
   for (std::size_t c = 0; c < candidates.size(); ++c) {
     fits.context().throw_if_stopped();
     fits.context().progress("diagnose", static_cast<std::int64_t>(c), static_cast<std::int64_t>(candidates.size()));
     CandidateFinding finding;
-    finding.sight = sights[static_cast<std::size_t>(candidates[c])];
+    finding.detectability = analysis[static_cast<std::size_t>(candidates[c])];
     finding.is_screened_out = !is_kept[c];
-    const bool is_seen = finding.sight.visibility > 0.0;
+    const bool is_seen = finding.detectability.visibility > 0.0;
     if (is_kept[c] && is_seen) {
       std::tie(finding.shifted, finding.freed) = fits.compare_both(set, base, candidates[c]);
     } else {
@@ -100,13 +102,13 @@ std::vector<std::size_t> best_first(const std::vector<CandidateFinding>& finding
 
 /// Adds candidates as long as the best one lowers BIC and its gain is significant.
 void propose(CandidateFits& fits, ParameterSet set, SetFit base, std::vector<Eigen::Index> candidates,
-             std::vector<CandidateFinding> findings, const std::vector<Sight>& sights, Diagnosis& diagnosis) {
+             std::vector<CandidateFinding> findings, const std::vector<Detectability>& analysis, Diagnosis& diagnosis) {
   const double level = fits.problem().level;
   while (!candidates.empty()) {
     const std::size_t best = best_first(findings).front();
     const CandidateFit& better = findings[best].better();
     if (!(better.bic < 0.0) || better.adjusted_p > level) return;
-    diagnosis.proposed.push_back({findings[best].sight.name, false, better.is_freed, -better.bic});
+    diagnosis.proposed.push_back({findings[best].detectability.name, false, better.is_freed, -better.bic});
     const auto next = static_cast<Eigen::Index>(set.members.size()) + 2;
     const bool is_more_than_seen = next > fits.problem().tests.values.cols();
     if (candidates.size() == 1 || is_more_than_seen || !fits.has_room_for(next)) return;
@@ -114,7 +116,7 @@ void propose(CandidateFits& fits, ParameterSet set, SetFit base, std::vector<Eig
     if (!base.failure.empty()) return;
     set = set.with(candidates[best], better.is_freed);
     candidates.erase(candidates.begin() + static_cast<std::ptrdiff_t>(best));
-    findings = try_all(fits, set, base, candidates, sights);
+    findings = try_all(fits, set, base, candidates, analysis);
   }
 }
 
@@ -151,11 +153,11 @@ Diagnosis diagnose(const UpdatingProblem& problem, const DiagnosisSettings& sett
   if (!base.failure.empty()) throw SystemFailure(base.failure);
   Diagnosis diagnosis;
   describe_base(problem, base, diagnosis);
-  const Sights sights = look_at(fits, base);
-  diagnosis.judging = sights.judging;
+  const DetectabilityAnalysis analysis = analyse_detectability(fits, base);
+  diagnosis.judging = analysis.judging;
   std::vector<Eigen::Index> candidates;
   for (Eigen::Index i = settings.given; i < problem.space.count(); ++i) candidates.push_back(i);
-  const std::vector<CandidateFinding> findings = try_all(fits, set, base, candidates, sights.all);
+  const std::vector<CandidateFinding> findings = try_all(fits, set, base, candidates, analysis.all);
 
   const std::vector<std::size_t> order = best_first(findings);
   std::vector<Eigen::Index> rows;
@@ -164,15 +166,16 @@ Diagnosis diagnose(const UpdatingProblem& problem, const DiagnosisSettings& sett
   for (const std::size_t c : order) {
     diagnosis.candidates.push_back(findings[c]);
     rows.push_back(static_cast<Eigen::Index>(c));
-    if (findings[c].bic() <= best.bic() + settings.like_evidence) diagnosis.alike.push_back(findings[c].sight.name);
+    if (findings[c].bic() <= best.bic() + settings.like_evidence)
+      diagnosis.alike.push_back(findings[c].detectability.name);
   }
-  diagnosis.cosines = sights.cosines(rows, rows);
-  diagnosis.given.assign(sights.all.begin(), sights.all.begin() + settings.given);
-  for (const Sight& sight : diagnosis.given) diagnosis.proposed.push_back({sight.name});
-  std::stable_sort(diagnosis.given.begin(), diagnosis.given.end(), [](const Sight& a, const Sight& b) {
+  diagnosis.cosines = analysis.cosines(rows, rows);
+  diagnosis.given.assign(analysis.all.begin(), analysis.all.begin() + settings.given);
+  for (const Detectability& each : diagnosis.given) diagnosis.proposed.push_back({each.name});
+  std::stable_sort(diagnosis.given.begin(), diagnosis.given.end(), [](const Detectability& a, const Detectability& b) {
     return a.visibility * a.own_share > b.visibility * b.own_share;
   });
-  propose(fits, set, base, candidates, findings, sights.all, diagnosis);
+  propose(fits, set, base, candidates, findings, analysis.all, diagnosis);
   diagnosis.model_evaluations = fits.evaluations();
   diagnosis.sentences = diagnosis_sentences(diagnosis, problem.tests.values.cols(), problem.level);
   return diagnosis;

@@ -26,7 +26,7 @@ std::string fit_text(const CandidateFinding& finding) {
   const CandidateFit& fit = finding.better();
   const std::string how = fit.is_freed
                               ? fmt::format("freed, with mean {:.4g} and deviation {:.2g}", fit.mean, fit.deviation)
-                              : fmt::format("shifted from {:.4g} to {:.4g}", finding.sight.nominal, fit.mean);
+                              : fmt::format("shifted from {:.4g} to {:.4g}", finding.detectability.nominal, fit.mean);
   return fmt::format("{} (log-likelihood +{:.1f}, BIC {:+.1f}, {} after correction for all tries)", how, fit.gain,
                      fit.bic, chance_text(fit.adjusted_p));
 }
@@ -51,7 +51,7 @@ void add_base(const Diagnosis& diagnosis, std::vector<std::string>& sentences) {
 std::vector<std::string> seen_names(const Diagnosis& diagnosis) {
   std::vector<std::string> names;
   for (const CandidateFinding& finding : diagnosis.candidates) {
-    if (finding.sight.visibility > 0.0) names.push_back(finding.sight.name);
+    if (finding.detectability.visibility > 0.0) names.push_back(finding.detectability.name);
   }
   return names;
 }
@@ -74,11 +74,11 @@ void add_answer(const Diagnosis& diagnosis, Eigen::Index outputs, double level, 
   }
   if (diagnosis.alike.size() == 1) {
     sentences.push_back(
-        fmt::format("{} best explains what the given parameters cannot: {}.", best.sight.name, fit_text(best)));
+        fmt::format("{} best explains what the given parameters cannot: {}.", best.detectability.name, fit_text(best)));
     if (diagnosis.candidates.size() > 1 && std::isfinite(diagnosis.candidates[1].bic())) {
       const CandidateFinding& next = diagnosis.candidates[1];
-      sentences.push_back(
-          fmt::format("The next best, {}, stays behind by {:.1f} in BIC.", next.sight.name, next.bic() - best.bic()));
+      sentences.push_back(fmt::format("The next best, {}, stays behind by {:.1f} in BIC.", next.detectability.name,
+                                      next.bic() - best.bic()));
     }
     return;
   }
@@ -86,7 +86,7 @@ void add_answer(const Diagnosis& diagnosis, Eigen::Index outputs, double level, 
       fmt::format("{} explain the tests equally well (their BIC differ by no more than the evidence allows): these "
                   "tests cannot tell "
                   "them apart. The best by a little is {}: {}.",
-                  listed(diagnosis.alike), best.sight.name, fit_text(best)));
+                  listed(diagnosis.alike), best.detectability.name, fit_text(best)));
   if (diagnosis.judging <= 1) {
     sentences.push_back(fmt::format(
         "The given parameters that are free of bounds reach {} of the {} directions of the tests' mean: whatever "
@@ -102,8 +102,8 @@ void add_angles(const Diagnosis& diagnosis, std::vector<std::string>& sentences)
       sentences.push_back(fmt::format(
           "{} and {} move the outputs in the same direction, once what the given parameters can imitate is taken off "
           "(cosine {:.2f}).",
-          diagnosis.candidates[static_cast<std::size_t>(i)].sight.name,
-          diagnosis.candidates[static_cast<std::size_t>(j)].sight.name, diagnosis.cosines(i, j)));
+          diagnosis.candidates[static_cast<std::size_t>(i)].detectability.name,
+          diagnosis.candidates[static_cast<std::size_t>(j)].detectability.name, diagnosis.cosines(i, j)));
     }
   }
 }
@@ -114,10 +114,10 @@ void add_unseen(const Diagnosis& diagnosis, double level, std::vector<std::strin
   std::vector<std::string> imitated;
   for (const CandidateFinding& finding : diagnosis.candidates) {
     if (finding.better().adjusted_p <= level) continue;
-    if (finding.sight.visibility < 1.0) {
-      unseen.push_back(finding.sight.name);
-    } else if (finding.sight.visibility * finding.sight.own_share < 1.0) {
-      imitated.push_back(finding.sight.name);
+    if (finding.detectability.visibility < 1.0) {
+      unseen.push_back(finding.detectability.name);
+    } else if (finding.detectability.visibility * finding.detectability.own_share < 1.0) {
+      imitated.push_back(finding.detectability.name);
     }
   }
   if (!unseen.empty()) {
@@ -144,11 +144,11 @@ void add_proposal(const Diagnosis& diagnosis, std::vector<std::string>& sentence
     sentences.emplace_back("Proposed set: the given parameters; nothing that is added to them gains.");
     return;
   }
-  sentences.push_back(fmt::format("Proposed set: {}{}.", listed(names),
-                                  diagnosis.alike.size() > 1
-                                      ? fmt::format("; in place of {} any of {} may stand",
-                                                    diagnosis.candidates.front().sight.name, listed(diagnosis.alike))
-                                      : ""));
+  sentences.push_back(fmt::format(
+      "Proposed set: {}{}.", listed(names),
+      diagnosis.alike.size() > 1 ? fmt::format("; in place of {} any of {} may stand",
+                                               diagnosis.candidates.front().detectability.name, listed(diagnosis.alike))
+                                 : ""));
 }
 
 }  // namespace

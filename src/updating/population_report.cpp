@@ -191,15 +191,15 @@ NoiseModel noise_model(const UpdatingProblem& problem, const MaximumLikelihoodOp
           "[test] repeatability",
           p, problem.space.count());
   constexpr double k_hundredth = 0.01;
-  std::map<std::string, int> factors;
+  std::map<OutputKind, int> factors;
   for (Eigen::Index k = 0; k < p; ++k) {
     if (options.noise == Noise::automatic && given(k) > 0.0) continue;
-    const std::string& unit = problem.model.outputs()[static_cast<std::size_t>(k)].unit;
+    const OutputKind kind = problem.model.outputs()[static_cast<std::size_t>(k)].kind;
     const int next = static_cast<int>(factors.size());
-    model.factor[static_cast<std::size_t>(k)] = factors.try_emplace(unit, next).first->second;
+    model.factor[static_cast<std::size_t>(k)] = factors.try_emplace(kind, next).first->second;
   }
   model.factors = static_cast<int>(factors.size());
-  for (const auto& [unit, factor] : factors) {
+  for (const auto& [kind, factor] : factors) {
     double sum = 0.0;
     double count = 0.0;
     for (Eigen::Index k = 0; k < p; ++k) {
@@ -211,8 +211,7 @@ NoiseModel noise_model(const UpdatingProblem& problem, const MaximumLikelihoodOp
       count += measured;
       model.base(k) = k_hundredth * k_hundredth * squares.sum() / measured;
     }
-    // Frequencies are measured to a part of their value; shapes and other outputs all to the same level.
-    if (unit == "Hz") continue;
+    if (has_relative_noise(kind)) continue;
     for (Eigen::Index k = 0; k < p; ++k) {
       if (model.factor[static_cast<std::size_t>(k)] == factor) model.base(k) = k_hundredth * k_hundredth * sum / count;
     }

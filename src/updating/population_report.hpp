@@ -7,8 +7,9 @@
 
 namespace mottle {
 
-/// The noise that a fit works with. Where it is to be estimated: one factor for each unit of the outputs without
-/// repeatability, on the square of a hundredth of the tests' mean (frequencies) or root mean square (others).
+/// The noise that a fit works with. Where it is to be estimated: one factor for each kind of the outputs without
+/// repeatability, on the square of a hundredth of the tests' root mean square: of each output where the kind's noise is
+/// relative, of all outputs of the kind else.
 /// Throws InvalidInput: noise is to be estimated but there are no more outputs than parameters.
 NoiseModel noise_model(const UpdatingProblem& problem, const MaximumLikelihoodOptions& options);
 

@@ -208,18 +208,18 @@ void plan_correlations(const UpdatingProblem& problem, const PopulationFit& fit,
 void plan_reproduction(const UpdatingProblem& problem, const PopulationFit& fit, TestPlan& plan) {
   constexpr double k_small = 0.01;
   const Eigen::VectorXd scatter = test_moments(problem.tests).covariance.diagonal().cwiseSqrt();
-  double lost = 0.0;
+  std::vector<std::string> lost;
   for (Eigen::Index s = 0; s < fit.specimens.outputs.rows(); ++s) {
     const Eigen::ArrayXd off = (problem.tests.values.row(s) - fit.specimens.outputs.row(s)).transpose().array().abs();
     const bool is_off = (off > k_small * scatter.array()).any();
-    lost += is_off && !fit.specimens.converged[static_cast<std::size_t>(s)] ? 1.0 : 0.0;
+    if (is_off && !fit.specimens.converged[static_cast<std::size_t>(s)]) lost.push_back(fmt::format("{}", s + 1));
   }
   plan.add({.name = "reproduction",
-            .statistic = lost,
-            .p_value = lost > 0.0 ? 0.0 : 1.0,
+            .statistic = static_cast<double>(lost.size()),
+            .p_value = lost.empty() ? 1.0 : 0.0,
             .critical = [](double) { return 0.0; },
-            .meaning = fmt::format("Number of specimens, of {}, whose test no parameters reproduce.",
-                                   fit.specimens.converged.size()),
+            .meaning = fmt::format("Number of specimens, of {}, whose test no parameters reproduce{}.",
+                                   fit.specimens.converged.size(), lost.empty() ? "" : ": " + join(lost)),
             .share = 0.0,
             .is_listed_where_it_passes = false});
 }

@@ -39,7 +39,7 @@ Eigen::MatrixXd own_derivatives(const UpdatingProblem& problem, const Eigen::Vec
 /// Runs at points(point) +- step along the parameter: two rows a column.
 Eigen::MatrixXd shifted_outputs(const UpdatingProblem& problem, const ScaledParameters& parameters,
                                 const Eigen::Ref<const Eigen::MatrixXd>& points, const std::vector<Column>& columns,
-                                const RunContext& context) {
+                                const RunContext& context, std::int64_t& evaluations) {
   Eigen::MatrixXd shifted(2 * static_cast<Eigen::Index>(columns.size()), points.cols());
   Eigen::Index row = 0;
   for (const Column& column : columns) {
@@ -49,7 +49,7 @@ Eigen::MatrixXd shifted_outputs(const UpdatingProblem& problem, const ScaledPara
           sign * problem.model.difference_step() * parameters.deviation()(column.parameter);
     }
   }
-  return problem.model.evaluate(parameters.to_variables(shifted), context).outputs;
+  return outputs_on_scales(problem, shifted, context, evaluations);
 }
 
 double quotient(double ahead, double centre, double behind, double step) {
@@ -104,6 +104,23 @@ Eigen::VectorXi ScaledParameters::active_bounds(const Eigen::Ref<const Eigen::Ve
   return active;
 }
 
+Eigen::MatrixXd outputs_on_scales(const UpdatingProblem& problem, const Eigen::Ref<const Eigen::MatrixXd>& points,
+                                  const RunContext& context, std::int64_t& evaluations) {
+  const Eigen::MatrixXd x = to_variables(problem.space.scales(), points);
+  // What is physically impossible is not put to the model: it counts as a failed run.
+  std::vector<Eigen::Index> possible;
+  for (Eigen::Index s = 0; s < x.rows(); ++s) {
+    if (x.row(s).allFinite() && problem.space.is_possible(x.row(s))) possible.push_back(s);
+  }
+  const auto p = static_cast<Eigen::Index>(problem.model.outputs().size());
+  Eigen::MatrixXd result = Eigen::MatrixXd::Constant(x.rows(), p, std::nan(""));
+  if (possible.empty()) return result;
+  const Eigen::MatrixXd asked = x(possible, Eigen::all);
+  evaluations += asked.rows();
+  result(possible, Eigen::all) = problem.model.evaluate(asked, context).outputs;
+  return result;
+}
+
 std::vector<Eigen::MatrixXd> scaled_jacobians(const UpdatingProblem& problem, const ScaledParameters& parameters,
                                               const Eigen::Ref<const Eigen::MatrixXd>& points,
                                               const Eigen::Ref<const Eigen::MatrixXd>& outputs,
@@ -111,7 +128,7 @@ std::vector<Eigen::MatrixXd> scaled_jacobians(const UpdatingProblem& problem, co
   const Eigen::MatrixXd variables = parameters.to_variables(points);
   std::vector<Eigen::MatrixXd> jacobians(static_cast<std::size_t>(points.rows()),
                                          Eigen::MatrixXd::Constant(outputs.cols(), points.cols(), k_not_known));
-  if (problem.derivatives != nullptr) {
+  if (problem.derivatives != nullptr && (points.rows() == 1 || problem.derivatives->has_cheap_jacobian())) {
     parallel_for(points.rows(), 1, context.threads, [&](std::int64_t begin, std::int64_t end) {
       for (std::int64_t s = begin; s < end; ++s) {
         jacobians[static_cast<std::size_t>(s)] = own_derivatives(problem, variables.row(s).transpose()) *
@@ -126,8 +143,7 @@ std::vector<Eigen::MatrixXd> scaled_jacobians(const UpdatingProblem& problem, co
     }
   }
   if (columns.empty()) return jacobians;
-  const Eigen::MatrixXd shifted = shifted_outputs(problem, parameters, points, columns, context);
-  evaluations += shifted.rows();
+  const Eigen::MatrixXd shifted = shifted_outputs(problem, parameters, points, columns, context, evaluations);
   Eigen::Index row = 0;
   for (const auto& [point, parameter] : columns) {
     auto column = jacobians[static_cast<std::size_t>(point)].col(parameter);

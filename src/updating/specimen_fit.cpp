@@ -12,7 +12,6 @@
 namespace mottle {
 namespace {
 
-constexpr double k_difference_step = 0.05;  // of a prior deviation: far above what a reduced model may be off
 constexpr int k_most_steps = 40;
 constexpr double k_least_length = 1e-4;    // of a step, below which it is given up
 constexpr double k_at_rest = 1e-8;         // of a prior deviation
@@ -27,32 +26,11 @@ std::vector<Eigen::Index> measured(const Eigen::Ref<const Eigen::RowVectorXd>& v
   return rows;
 }
 
-/// All of the Jacobians at `points` of the specimens in `which`.
-void differentiate(const UpdatingProblem& problem, const Eigen::MatrixXd& points, const Eigen::MatrixXd& outputs,
-                   const std::vector<Eigen::Index>& which, const Eigen::VectorXd& step, const RunContext& context,
-                   std::int64_t& evaluations, std::vector<Eigen::MatrixXd>& jacobians) {
-  const Eigen::Index q = points.cols();
-  Eigen::MatrixXd shifted(static_cast<Eigen::Index>(which.size()) * 2 * q, q);
-  for (std::size_t w = 0; w < which.size(); ++w) {
-    for (Eigen::Index i = 0; i < 2 * q; ++i) {
-      auto row = shifted.row(static_cast<Eigen::Index>(w) * 2 * q + i);
-      row = points.row(which[w]);
-      row(i / 2) += i % 2 == 0 ? step(i / 2) : -step(i / 2);
-    }
-  }
-  const Eigen::MatrixXd y = outputs_on_scales(problem, shifted, context, evaluations);
-  for (std::size_t w = 0; w < which.size(); ++w) {
-    Eigen::MatrixXd& jacobian = jacobians[static_cast<std::size_t>(which[w])];
-    jacobian.resize(outputs.cols(), q);
-    for (Eigen::Index i = 0; i < q; ++i) {
-      const Eigen::Index row = static_cast<Eigen::Index>(w) * 2 * q + 2 * i;
-      const Eigen::VectorXd ahead = y.row(row);
-      const Eigen::VectorXd behind = y.row(row + 1);
-      const Eigen::VectorXd centre = outputs.row(which[w]);
-      jacobian.col(i) = ahead.allFinite() && behind.allFinite() ? (ahead - behind) / (2.0 * step(i))
-                        : ahead.allFinite()                     ? (ahead - centre) / step(i)
-                                                                : (centre - behind) / step(i);
-    }
+/// The Jacobians of all specimens where they are.
+void differentiate(const UpdatingProblem& problem, const ScaledParameters& parameters, const RunContext& context,
+                   std::int64_t& evaluations, SpecimenFits& fits) {
+  fits.jacobians = scaled_jacobians(problem, parameters, fits.points, fits.outputs, context, evaluations);
+  for (const Eigen::MatrixXd& jacobian : fits.jacobians) {
     if (!jacobian.allFinite()) throw SystemFailure("the model fails all around a specimen's parameters");
   }
 }
@@ -112,39 +90,18 @@ void learn(Eigen::MatrixXd& jacobian, const Eigen::VectorXd& step, const Eigen::
 
 }  // namespace
 
-Eigen::MatrixXd outputs_on_scales(const UpdatingProblem& problem, const Eigen::Ref<const Eigen::MatrixXd>& points,
-                                  const RunContext& context, std::int64_t& evaluations) {
-  const Eigen::MatrixXd x = to_variables(problem.space.scales(), points);
-  // What is physically impossible is not put to the model: it counts as a failed run.
-  std::vector<Eigen::Index> possible;
-  for (Eigen::Index s = 0; s < x.rows(); ++s) {
-    if (x.row(s).allFinite() && problem.space.is_possible(x.row(s))) possible.push_back(s);
-  }
-  const auto p = static_cast<Eigen::Index>(problem.model.outputs().size());
-  Eigen::MatrixXd result = Eigen::MatrixXd::Constant(x.rows(), p, std::nan(""));
-  if (possible.empty()) return result;
-  const Eigen::MatrixXd asked = x(possible, Eigen::all);
-  evaluations += asked.rows();
-  result(possible, Eigen::all) = problem.model.evaluate(asked, context).outputs;
-  return result;
-}
-
 SpecimenFits fit_specimens(const UpdatingProblem& problem, const Eigen::Ref<const Eigen::MatrixXd>& values,
                            const HoldingPopulation& population, const SpecimenStart& start, const RunContext& context,
                            std::int64_t& evaluations) {
   const Eigen::Index n = values.rows();
-  const Eigen::VectorXd prior_std = prior_on_scales(problem.space).covariance.diagonal().cwiseSqrt();
-  const Eigen::VectorXd step = k_difference_step * prior_std;
+  const ScaledParameters parameters(problem.space);
+  const Eigen::VectorXd& prior_std = parameters.deviation();
   SpecimenFits fits{start.points, outputs_on_scales(problem, start.points, context, evaluations), start.jacobians,
                     std::vector<bool>(static_cast<std::size_t>(n), false)};
   if (!fits.outputs.allFinite()) throw SystemFailure("the model fails where the fit of a specimen starts");
   std::vector<Eigen::Index> moving;
   for (Eigen::Index s = 0; s < n; ++s) moving.push_back(s);
-  const std::vector<Eigen::Index> all = moving;
-  if (fits.jacobians.empty()) {
-    fits.jacobians.resize(static_cast<std::size_t>(n));
-    differentiate(problem, fits.points, fits.outputs, all, step, context, evaluations, fits.jacobians);
-  }
+  if (fits.jacobians.empty()) differentiate(problem, parameters, context, evaluations, fits);
 
   // The least noise that a cost counts with: a thousandth of what a prior deviation moves an output. Less would forbid
   // steps along the curved set of points that give a test; its last digits come from steps that shrink by themselves.
@@ -213,7 +170,7 @@ SpecimenFits fit_specimens(const UpdatingProblem& problem, const Eigen::Ref<cons
     std::erase_if(moving, [&](Eigen::Index s) { return !travellers[static_cast<std::size_t>(s)].is_moving; });
     for (const Eigen::Index s : advanced) aim(s);
   }
-  differentiate(problem, fits.points, fits.outputs, all, step, context, evaluations, fits.jacobians);
+  differentiate(problem, parameters, context, evaluations, fits);
   return fits;
 }
 

@@ -1,4 +1,4 @@
-"""What a run leaves behind and what its options do: the contract of docs and DESIGN, seen from outside.
+"""What a run leaves behind and what its options do: the contract of docs/, seen from outside.
 
     python3 results_test.py PATH_TO_MOTTLE
 """

@@ -5,12 +5,6 @@
 namespace mottle {
 namespace {
 
-Digest digest_of(std::string_view text) {
-  Checksum checksum;
-  checksum.add(text);
-  return checksum.digest();
-}
-
 TEST(Checksum, AgreesWithTheCommandXxhsum) {  // printf '...' | xxhsum -H2
   EXPECT_EQ(hexadecimal(digest_of("")), "99aa06d3014798d86001c324468d497f");
   EXPECT_EQ(hexadecimal(digest_of("mottle")), "9d2265e50d153dfbe77b94c6a2c9d539");

@@ -139,16 +139,5 @@ TEST(MakeWritableFolder, RefusesANameThatTheFileSystemDoesNotTake) {
               HasSubstr("cannot be made"));
 }
 
-// Vectors published with the algorithm (Fowler, Noll, Vo; draft-eastlake-fnv, test vectors of FNV-1a 64).
-TEST(Fingerprint, ReproducesThePublishedVectorsOfFnv1a) {
-  EXPECT_EQ(fingerprint(""), 0xcbf29ce484222325ULL);
-  EXPECT_EQ(fingerprint("a"), 0xaf63dc4c8601ec8cULL);
-  EXPECT_EQ(fingerprint("foobar"), 0x85944171f73967e8ULL);
-}
-
-TEST(Fingerprint, OfPartsContinuedIsThatOfTheWhole) {
-  EXPECT_EQ(fingerprint("bar", fingerprint("foo")), fingerprint("foobar"));
-}
-
 }  // namespace
 }  // namespace mottle

@@ -40,7 +40,7 @@ std::string refusal(const std::vector<ParameterTargets>& parameters) {
   return test::message_of<InvalidInput>([&] { separate(system, parameters); });
 }
 
-// The entries of METHOD.md, section 4: K = [k1+k4+k6, -k4, -k6; -k4, k2+k4+k5, -k5; -k6, -k5, k3+k5+k6].
+// By hand from the springs of [Mares2006], Fig. 1: K = [k1+k4+k6, -k4, -k6; -k4, k2+k4+k5, -k5; -k6, -k5, k3+k5+k6].
 TEST(Separate, OfTheThreeMassesIsThePublishedMatrix) {
   const AffineStructure structure =
       separate(test::three_mass_system(), test::one_each({"spring:k1", "spring:k2", "spring:k5"}));

@@ -18,7 +18,8 @@ namespace {
 
 using test::TemporaryFolder;
 
-constexpr std::uint64_t k_study = 0x0123456789abcdefULL;
+constexpr Digest k_study = {0x0123456789abcdefULL, 0xfedcba9876543210ULL};
+constexpr Digest k_other = {k_study[0], k_study[1] + 1};
 
 /// y = (x1 + x2, x1 x2), fails where x1 < 0; counts the samples it is asked for; three samples a batch.
 class CountingModel final : public Model {
@@ -74,7 +75,7 @@ class Journal : public ::testing::Test {
     std::int64_t reused = 0;  ///< samples from the journal
   };
 
-  Run run(const Eigen::MatrixXd& x, bool resume, std::uint64_t study = k_study) const {
+  Run run(const Eigen::MatrixXd& x, bool resume, const Digest& study = k_study) const {
     const CountingModel model;
     const JournalledModel journalled(model, path, study, resume);
     Run result;
@@ -170,7 +171,7 @@ TEST_F(Journal, TornWithinTheLastRecordLosesThatRecordAlone) {
 TEST_F(Journal, DamagedInAnyByteOfItsRecordsNeverGivesAWrongAnswer) {
   run(samples(), false);
   const std::string whole = read_file(path);
-  constexpr std::size_t k_head = 17 + 8;  // "mottle journal 3\n" and the fingerprint
+  constexpr std::size_t k_head = 17 + 16;  // "mottle journal 6\n" and the fingerprint
   for (std::size_t byte = k_head; byte < whole.size(); ++byte) {
     std::string damaged = whole;
     damaged[byte] = static_cast<char>(damaged[byte] ^ 0x40);
@@ -181,13 +182,22 @@ TEST_F(Journal, DamagedInAnyByteOfItsRecordsNeverGivesAWrongAnswer) {
 
 TEST_F(Journal, OfAnotherStudyIsRefused) {
   run(samples(), false);
-  EXPECT_THAT(test::message_of<InvalidInput>([&] { run(samples(), true, k_study + 1); }),
+  EXPECT_THAT(test::message_of<InvalidInput>([&] { run(samples(), true, k_other); }),
               ::testing::AllOf(::testing::StartsWith(path.string()), ::testing::HasSubstr("have changed since")));
+}
+
+TEST_F(Journal, OfAnOlderFormIsRefusedAsThatOfAChangedStudy) {
+  run(samples(), false);
+  std::string older = read_file(path);
+  older[std::string("mottle journal ").size()] = '5';
+  leave(path, older);
+  EXPECT_THAT(test::message_of<InvalidInput>([&] { run(samples(), true); }),
+              ::testing::HasSubstr("have changed since"));
 }
 
 TEST_F(Journal, OfAnotherStudyIsStillThereAfterTheRefusal) {
   run(samples(), false);
-  EXPECT_THROW(run(samples(), true, k_study + 1), InvalidInput);
+  EXPECT_THROW(run(samples(), true, k_other), InvalidInput);
   EXPECT_EQ(run(samples(), true).reused, 8);
 }
 

@@ -44,7 +44,7 @@ ModalModel damped_mass() {
           Eigen::Vector3d(1.0, 1.0, 0.1)};
 }
 
-// lambda = 1, 4, 8 exactly (METHOD.md, section 4).
+// lambda = 1, 4, 8 exactly: M = I, shapes (1, 1, 1), (1, -2, 1), (1, 0, -1).
 TEST(ModalModel, GivesTheNominalFrequenciesOfTheThreeMasses) {
   const Eigen::RowVectorXd f = outputs_at(three_masses({.frequencies = {1, 2, 3}}), Eigen::RowVector3d::Ones());
   // Rounding of eigenvalues near ten: 1e-14.
@@ -73,6 +73,27 @@ TEST(ModalModel, NamesOutputsAsATestFileDoes) {
   std::vector<std::string> names;
   for (const Output& output : model.outputs()) names.push_back(output.name + " " + output.unit);
   EXPECT_THAT(names, ::testing::ElementsAre("f1 Hz", "f3 Hz", "phi2:m3 1/sqrt(kg)", "phi2:m1 1/sqrt(kg)"));
+}
+
+TEST(ModalModel, SaysWhatKindOfQuantityAnOutputIsAndOfWhichMode) {
+  MassSpringSystem system = test::two_mass_system(1.0, 1.1, 1.0);
+  system.masses[0].name = "7:+RX";
+  system.masses[1].name = "7:+X";
+  system.dampers = {{"c", k_ground, 0, 0.01}};
+  const ModalModel model(separate(system, one_each({"spring:k1", "spring:k2"})),
+                         {.frequencies = {2},
+                          .shape_modes = {1},
+                          .shape_degrees_of_freedom = {"7:+RX", "7:+X"},
+                          .damping = {2},
+                          .frequency_unit = "kHz"},
+                         Eigen::Vector2d(1.0, 1.1));
+  const std::vector<OutputKind> kinds{OutputKind::frequency, OutputKind::rotation, OutputKind::displacement,
+                                      OutputKind::damping_ratio};
+  const std::vector<int> modes{2, 1, 1, 2};
+  for (std::size_t k = 0; k < kinds.size(); ++k) {
+    EXPECT_EQ(model.outputs()[k].kind, kinds[k]) << k;
+    EXPECT_EQ(model.outputs()[k].mode, modes[k]) << k;
+  }
 }
 
 // K phi = lambda phi with lambda = 1, 8: phi = (1, 1, 1) / sqrt(3), (1, 0, -1) / sqrt(2).

@@ -43,7 +43,7 @@ std::string message_of_covariance(const Eigen::MatrixXd& covariance, int n_a, in
   return "accepted";
 }
 
-// [Mares2006], Fig. 2, computed with SciPy (METHOD.md, section 1): alpha = 0.05, p = 3, n1 + n2 on the axis.
+// [Mares2006], Fig. 2, computed with SciPy: alpha = 0.05, p = 3, n1 + n2 on the axis.
 TEST(HotellingCritical, ReproducesTheCurveOfThePaper) {
   EXPECT_NEAR(hotelling_t_critical(5, 5, 3, 0.05), 4.3621, 5e-5);
   EXPECT_NEAR(hotelling_t_critical(10, 10, 3, 0.05), 3.3062, 5e-5);

@@ -24,7 +24,7 @@ TEST(CovarianceAdjustment, ReachesTheFirstOrderFixedPointOfTheThreeMasses) {
   problem.tolerance = 1e-9;
   const UpdatingResult result = update(problem, {.cloud = CloudKind::first_order});
   EXPECT_EQ(result.status, UpdatingStatus::converged) << result.message;
-  // METHOD.md section 5, row "first order".
+  // validation/reference-rows: first order.
   EXPECT_LT((result.mean - Eigen::Vector3d(1.09877159, 1.05074330, 0.96464297)).cwiseAbs().maxCoeff(), 1e-8);
   EXPECT_LT((deviations(result) - Eigen::Vector3d(0.29255890, 0.11781059, 0.23789794)).cwiseAbs().maxCoeff(), 1e-8);
 }
@@ -51,7 +51,7 @@ TEST(CovarianceAdjustment, WithAWideCloudItApproachesMomentMatching) {
   problem.iterations = 100;
   problem.tolerance = 1e-6;
   const UpdatingResult result = update(problem);
-  // METHOD.md section 5, row "Gaussian moment matching"; 2e-3 is what it asks for.
+  // validation/reference-rows: Gaussian moment matching, and its limit.
   EXPECT_LT((result.mean - Eigen::Vector3d(1.07780753, 1.09323337, 0.96010173)).cwiseAbs().maxCoeff(), 2e-3);
   EXPECT_LT((deviations(result) - Eigen::Vector3d(0.28967961, 0.11086464, 0.23698861)).cwiseAbs().maxCoeff(), 2e-3);
 }

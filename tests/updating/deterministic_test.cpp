@@ -62,7 +62,7 @@ TEST(Deterministic, WithoutRegularisationItSolvesTheMeanOfTheTests) {
   problem.tolerance = 1e-10;
   const UpdatingResult result = update(problem, {.regularisation = Regularisation::none});
   EXPECT_EQ(result.status, UpdatingStatus::converged);
-  // METHOD.md section 5, row "first order": f(mu) = z, given to eight digits.
+  // validation/reference-rows, first order: f(mu) = z, given to eight digits.
   EXPECT_LT((result.mean - Eigen::Vector3d(1.09877159, 1.05074330, 0.96464297)).cwiseAbs().maxCoeff(), 1e-8);
 }
 

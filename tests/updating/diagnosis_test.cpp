@@ -78,7 +78,7 @@ TEST(Diagnosis, TheGainOfAShiftIsTheGeneralisedLeastSquaresOne) {
   const double along = direction.dot(mean);
   const double expected = 0.5 * 20.0 * along * along / (0.01 * direction.squaredNorm());
   for (const CandidateFinding& candidate : found.candidates) {
-    if (candidate.sight.name == "x3") {
+    if (candidate.detectability.name == "x3") {
       EXPECT_NEAR(candidate.shifted.gain, expected, 1e-4 * expected);
     }
   }
@@ -87,7 +87,7 @@ TEST(Diagnosis, TheGainOfAShiftIsTheGeneralisedLeastSquaresOne) {
 TEST(Diagnosis, ACandidateThatScattersIsFreed) {
   const Diagnosis found = Bench().run(Bench().tests(0.0, 1.0));
   EXPECT_TRUE(found.is_explained);
-  EXPECT_EQ(found.candidates[0].sight.name, "x3");
+  EXPECT_EQ(found.candidates[0].detectability.name, "x3");
   EXPECT_TRUE(found.candidates[0].better().is_freed);
   EXPECT_NEAR(found.candidates[0].better().deviation, 1.0, 0.5);
 }
@@ -102,7 +102,7 @@ TEST(Diagnosis, WhereNothingIsMissingNothingIsAdded) {
 
 TEST(Diagnosis, ScreeningInLinearModelsKeepsTheBestCandidate) {
   const Diagnosis found = Bench().run(Bench().tests(0.5, 0.0), {.given = 2, .screened = 1});
-  EXPECT_EQ(found.candidates[0].sight.name, "x3");
+  EXPECT_EQ(found.candidates[0].detectability.name, "x3");
   EXPECT_TRUE(found.candidates[1].is_screened_out);
 }
 
@@ -118,15 +118,15 @@ TEST(Diagnosis, WithAsManyParametersAsOutputsCandidatesCannotBeToldApart) {
   EXPECT_EQ(found.judging, 0);
   EXPECT_EQ(found.alike.size(), 2U);
   EXPECT_THAT(found.sentences[1], testing::HasSubstr("cannot tell"));
-  for (const CandidateFinding& candidate : found.candidates) EXPECT_EQ(candidate.sight.own_share, 0.0);
+  for (const CandidateFinding& candidate : found.candidates) EXPECT_EQ(candidate.detectability.own_share, 0.0);
 }
 
 TEST(Diagnosis, TheSharesAreThoseOfTheWhitenedSensitivities) {
   const Diagnosis found = Bench().run(Bench().tests(0.0, 0.0));
   for (const CandidateFinding& candidate : found.candidates) {
-    if (candidate.sight.name == "x4") {
-      EXPECT_NEAR(candidate.sight.visibility, std::sqrt(20.0) / 0.1, 1e-6 * std::sqrt(20.0) / 0.1);
-      EXPECT_NEAR(candidate.sight.own_share, 1.0, 1e-9);
+    if (candidate.detectability.name == "x4") {
+      EXPECT_NEAR(candidate.detectability.visibility, std::sqrt(20.0) / 0.1, 1e-6 * std::sqrt(20.0) / 0.1);
+      EXPECT_NEAR(candidate.detectability.own_share, 1.0, 1e-9);
     }
   }
 }

@@ -30,7 +30,7 @@ TEST(Inversion, GivesTheSpecimensOfTheThreeMassesBack) {
   EXPECT_EQ(result.status, UpdatingStatus::converged) << result.message;
   ASSERT_TRUE(result.specimens.has_value());
   EXPECT_LT((result.specimens->parameters - oracle_parameters()).cwiseAbs().maxCoeff(), 1e-7);
-  // METHOD.md section 5, row "per-specimen inversion".
+  // The mean and deviation that the specimens were made to have: validation/reference-rows.
   EXPECT_LT((result.mean - Eigen::Vector3d(1.08, 1.09, 0.96)).cwiseAbs().maxCoeff(), 1e-7);
   EXPECT_LT((deviations(result) - Eigen::Vector3d(0.288, 0.130, 0.241)).cwiseAbs().maxCoeff(), 1e-7);
 }

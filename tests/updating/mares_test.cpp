@@ -21,7 +21,8 @@ TEST(Mares, TheDecodedReadingReproducesThePublishedMeansAndDeviations) {
   const ThreeMasses structure;
   const UpdatingResult result = update(structure.problem(frequencies_of(structure, oracle_parameters())));
   EXPECT_EQ(result.status, UpdatingStatus::converged);
-  // METHOD.md section 3, with its tolerances for the Monte-Carlo error of 1000 samples.
+  // docs/theory/mares.md, the defaults, which the published tables follow from; tolerances: Monte-Carlo error of 1000
+  // samples.
   EXPECT_LT((result.mean - Eigen::Vector3d(1.086, 1.076, 0.961)).cwiseAbs().maxCoeff(), 0.015);
   EXPECT_LT((deviations(result) - Eigen::Vector3d(0.2095, 0.110, 0.186)).cwiseAbs().maxCoeff(), 0.01);
 }
@@ -41,7 +42,7 @@ TEST(Mares, TheLiteralReadingFallsBackToTheStart) {
   const UpdatingResult result =
       update(problem, {.prior = MaresOptions::Prior::fixed, .covariance = MaresOptions::Covariance::recursive});
   EXPECT_EQ(result.status, UpdatingStatus::max_iterations);
-  // METHOD.md section 3; 0.01 covers the Monte-Carlo error of the sensitivities.
+  // docs/theory/mares.md, the equations as printed; 0.01 covers the Monte-Carlo error of the sensitivities.
   EXPECT_LT((result.mean - Eigen::Vector3d(1.93, 1.91, 1.94)).cwiseAbs().maxCoeff(), 0.01);
   EXPECT_LT((deviations(result) - Eigen::Vector3d(0.119, 0.075, 0.067)).cwiseAbs().maxCoeff(), 0.005);
 }

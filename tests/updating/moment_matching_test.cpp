@@ -41,7 +41,7 @@ TEST(MomentMatching, ReproducesTheQuadratureSolutionOfTheThreeMasses) {
   problem.iterations = 100;
   const UpdatingResult result = update(problem);
   EXPECT_EQ(result.status, UpdatingStatus::converged) << result.message;
-  // METHOD.md section 5, row "Gaussian moment matching (quadrature)".
+  // validation/reference-rows: Gaussian moment matching by quadrature.
   EXPECT_LT((result.mean - Eigen::Vector3d(1.07780753, 1.09323337, 0.96010173)).cwiseAbs().maxCoeff(), 1e-6);
   EXPECT_LT((deviations(result) - Eigen::Vector3d(0.28967961, 0.11086464, 0.23698861)).cwiseAbs().maxCoeff(), 1e-6);
 }

@@ -25,7 +25,7 @@ TEST(Perturbation, ReachesTheFirstOrderFixedPointOfTheThreeMasses) {
   problem.tolerance = 1e-9;
   const UpdatingResult result = update(problem);
   EXPECT_EQ(result.status, UpdatingStatus::converged) << result.message;
-  // METHOD.md section 5, row "first order", given to eight digits.
+  // validation/reference-rows, first order, given to eight digits.
   EXPECT_LT((result.mean - Eigen::Vector3d(1.09877159, 1.05074330, 0.96464297)).cwiseAbs().maxCoeff(), 1e-8);
   EXPECT_LT((result.covariance.diagonal().cwiseSqrt() - Eigen::Vector3d(0.29255890, 0.11781059, 0.23789794))
                 .cwiseAbs()

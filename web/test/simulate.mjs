@@ -1,4 +1,4 @@
-// A run like the program's, in the shape of its result.json: METHOD.md sections 2 and 3 on any small model.
+// A run like the program's, in the shape of its result.json: the method of docs/theory/mares.md on any small model.
 // Its numbers serve to look at the page; nobody takes them as results.
 import {
   add,

@@ -16,6 +16,9 @@ using Digest = std::array<std::uint64_t, 2>;
 /// 32 hexadecimal digits.
 std::string hexadecimal(const Digest& digest);
 
+/// XXH3's 128-bit hash of bytes that are all there.
+Digest digest_of(std::string_view bytes);
+
 /// XXH3's 128-bit hash of bytes that come piece by piece; where the pieces end makes no difference.
 class Checksum {
  public:

@@ -1,4 +1,4 @@
-// Files that appear complete or not at all, and a fingerprint of bytes.
+// Files that appear complete or not at all.
 #pragma once
 
 #include <cstdint>
@@ -21,8 +21,5 @@ void write_file_atomically(const std::filesystem::path& path, std::span<const st
 /// Makes the folder and its parents, and proves by a probe file that it can be written.
 /// Throws InvalidInput where it cannot.
 void make_writable_folder(const std::filesystem::path& folder);
-
-/// 64-bit FNV-1a hash, continued from `start`. Tells changed input from unchanged, no protection against malice.
-std::uint64_t fingerprint(std::string_view bytes, std::uint64_t start = 0xcbf29ce484222325ULL);
 
 }  // namespace mottle

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "mottle/drivers/extraction.hpp"
+#include "mottle/model/model.hpp"
 
 namespace mottle {
 
@@ -38,8 +39,8 @@ struct SolverCommand {
   int parallel = 1;  ///< runs at once; also what the licences allow
   std::map<std::string, std::string> environment = {};
   KeptRuns kept = KeptRuns::failed;
-  double largest_failed_part = 0.25;  ///< of 20 runs or more; then all stops
-  double difference_step = 0.05;      ///< of a prior deviation: far above the digits that solvers print
+  double largest_failed_part = 0.25;                  ///< of 20 runs or more; then all stops
+  double difference_step = k_coarse_difference_step;  ///< of a prior deviation
   FrequencyRule frequencies = {};
   std::optional<ShapeRule> shapes = std::nullopt;
 };

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "mottle/core/checksum.hpp"
 #include "mottle/model/model.hpp"
 
 namespace mottle {
@@ -24,7 +25,7 @@ class JournalledModel final : public Model {
   /// @param resume       use what an earlier run left; else start an empty journal
   /// Throws InvalidInput: `resume` with a journal of another fingerprint (something has changed since);
   /// SystemFailure: the journal cannot be written.
-  JournalledModel(const Model& model, std::filesystem::path file, std::uint64_t fingerprint, bool resume);
+  JournalledModel(const Model& model, std::filesystem::path file, const Digest& fingerprint, bool resume);
   ~JournalledModel() override;
   JournalledModel(const JournalledModel&) = delete;
   JournalledModel& operator=(const JournalledModel&) = delete;

@@ -48,6 +48,7 @@ class ModalModel final : public Model, public DifferentiableModel {
   Evaluation evaluate(const Eigen::Ref<const Eigen::MatrixXd>& samples, const RunContext& context) const override;
   Eigen::MatrixXd jacobian(const Eigen::Ref<const Eigen::VectorXd>& parameters) const override;
 
+  bool has_cheap_jacobian() const override { return structure_->has_cheap_derivatives(); }
   Eigen::Index batch_size() const override { return structure_->batch_size(); }
   double difference_step() const override { return structure_->difference_step(); }
 

@@ -76,6 +76,8 @@ class ModalStructure {
 
   /// Whether derivatives are ever other than nan.
   virtual bool has_derivatives() const { return true; }
+  /// See DifferentiableModel::has_cheap_jacobian().
+  virtual bool has_cheap_derivatives() const { return true; }
   /// See Model::difference_step().
   virtual double difference_step() const { return k_usual_difference_step; }
 

@@ -11,10 +11,27 @@
 
 namespace mottle {
 
-/// One quantity that the model predicts and a test measures.
+/// What an output is, whatever it is called and in whatever unit its numbers are.
+enum class OutputKind {
+  frequency,
+  displacement,  ///< component of a mode shape
+  rotation,      ///< the same of a rotational degree of freedom: another dimension
+  damping_ratio,
+  other,
+};
+
+/// Whether the measurement's noise of such outputs is a fraction of their value (frequencies); else it is one level for
+/// all outputs of the kind.
+inline constexpr bool has_relative_noise(OutputKind kind) {
+  return kind == OutputKind::frequency;
+}
+
+/// One quantity that the model predicts and a test measures. Nothing is computed from its name or its unit.
 struct Output {
   std::string name;  ///< as in the header of a test file: f1, phi1:m2, zeta1
   std::string unit;  ///< "Hz", "1/sqrt(kg)", "-"
+  OutputKind kind = OutputKind::other;
+  int mode = 0;  ///< number of the mode that it belongs to; 0: none
 };
 
 /// One model run that gave no result.
@@ -66,6 +83,9 @@ struct Evaluation {
 /// Of a model that answers to rounding: balances truncation (h^2) and rounding (eps/h).
 inline constexpr double k_usual_difference_step = 1e-4;
 
+/// Of a model that answers within a tolerance (a reduced model) or in few digits (a solver's printed tables).
+inline constexpr double k_coarse_difference_step = 0.05;
+
 /// A structure with q uncertain parameters x and p outputs y = f(x).
 class Model {
  public:
@@ -93,6 +113,10 @@ class DifferentiableModel {
   /// dy/dx at `parameters` [parameter]: [output x parameter]; nan where no analytic derivative is to be had
   /// (frequency or shape of a repeated eigenvalue, frequency zero, damping ratio): the caller takes differences there.
   virtual Eigen::MatrixXd jacobian(const Eigen::Ref<const Eigen::VectorXd>& parameters) const = 0;
+
+  /// Whether a Jacobian costs no more than the evaluations of central differences. Not where evaluations come from a
+  /// reduced model and the Jacobian from the full matrices.
+  virtual bool has_cheap_jacobian() const { return true; }
 };
 
 }  // namespace mottle

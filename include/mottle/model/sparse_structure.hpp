@@ -41,6 +41,8 @@ class SparseStructure : public ModalStructure {
   Eigen::VectorXd damping_ratios(const Eigen::Ref<const Eigen::VectorXd>& parameters,
                                  const ModeSet& modes) const override;
   int modes_for_damping(int modes) const override { return modes; }
+  bool has_cheap_derivatives() const override { return !reduction_; }
+  double difference_step() const override { return reduction_ ? k_coarse_difference_step : k_usual_difference_step; }
   Eigen::Index batch_size() const override { return reduction_ ? 2048 : 64; }
 
   /// Allows clouds to be solved by a reduced model; nothing changes where the parameters are not separable or the model

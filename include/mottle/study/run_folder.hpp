@@ -12,6 +12,11 @@
 
 namespace mottle {
 
+inline constexpr const char* k_previous = "previous-results";
+
+/// What stands for the results of an update or a cloud. Not study.toml and tests.csv, which may be a study's input.
+const std::vector<std::string>& result_names();
+
 /// Where a run leaves its files.
 class RunFolder {
  public:
@@ -25,7 +30,18 @@ class RunFolder {
   /// Writes one file whole or not at all.
   void write(const std::string& name, const std::string& bytes) const;
 
-  /// The results are complete: the journal is no longer needed.
+  /// Takes results of an earlier run away, so that they do not stand as those of a run that fails: `names`, as far as
+  /// they are there, go to the folder k_previous within this one, in place of what an earlier run left there.
+  ///
+  /// @return  those that were moved
+  /// @throws  InvalidInput: there is a folder of that name that this program did not make
+  std::vector<std::string> set_aside(const std::vector<std::string>& names) const;
+  /// Takes them back.
+  void restore(const std::vector<std::string>& names) const;
+  /// New results are there: removes the earlier ones.
+  void forget_previous(const std::vector<std::string>& names) const;
+
+  /// The results of an update or a cloud are complete: the journal and earlier results are no longer needed.
   void finish() const;
 
   /// Nothing was computed: takes away the log, the journal and the folders that were made, where they are empty.

@@ -63,8 +63,9 @@ std::vector<int> covariance_groups(const Study& study, const std::vector<std::st
 /// Updating problem settings of a study with `specimens` tests ("auto" resolved).
 CloudSettings cloud_settings(const Study& study, Eigen::Index specimens, Eigen::Index outputs);
 
-/// Of everything that the results depend on: study, overrides, tests, the model's files, version.
-std::uint64_t study_fingerprint(const Study& study, const StudyModel& made);
+/// Of everything that the results depend on: study, overrides, tests, the model's files, points where given, version.
+Digest study_fingerprint(const Study& study, const StudyModel& made,
+                         const std::optional<std::filesystem::path>& points = std::nullopt);
 
 /// Version of the program, as in CMakeLists.txt.
 std::string version();

@@ -32,7 +32,7 @@ struct CandidateFit {
 };
 
 /// What one parameter or candidate is to the tests.
-struct Sight {
+struct Detectability {
   std::string name;
   double nominal = 0.0;     ///< prior mean
   double scale = 0.0;       ///< prior deviation
@@ -43,7 +43,7 @@ struct Sight {
 
 /// A candidate and all that is known of it.
 struct CandidateFinding {
-  Sight sight;
+  Detectability detectability;
   CandidateFit shifted;
   CandidateFit freed;
   bool is_screened_out = false;  ///< tried in linear models only, and worse there than the best `screened`
@@ -68,7 +68,7 @@ struct Diagnosis {
   std::vector<std::string> at_bound;         ///< parameters whose mean lies on a bound, without candidates
   int unreproduced = 0;                      ///< specimens that no parameters reproduce
   Eigen::Index judging = 0;                  ///< directions of the tests' mean that the given parameters cannot reach
-  std::vector<Sight> given;                  ///< most visible first
+  std::vector<Detectability> given;          ///< most visible first
   std::vector<CandidateFinding> candidates;  ///< best explanation first
   std::vector<std::string> alike;            ///< candidates that explain as well as the best, itself included
   Eigen::MatrixXd cosines;                   ///< between the candidates' own parts, in the order of `candidates`

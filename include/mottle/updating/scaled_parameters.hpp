@@ -48,8 +48,14 @@ class ScaledParameters {
   Eigen::VectorXd upper_;
 };
 
-/// dy/dt at each of several points: the model's own derivatives, and central differences (steps of the model's in prior
-/// deviations, all points in one batch) for what it does not give. A difference whose runs fail on one side is taken
+/// Outputs of points t [specimen x parameter] on the parameters' scales; nan where a run fails or
+/// where x is physically impossible, which is not put to the model.
+Eigen::MatrixXd outputs_on_scales(const UpdatingProblem& problem, const Eigen::Ref<const Eigen::MatrixXd>& points,
+                                  const RunContext& context, std::int64_t& evaluations);
+
+/// dy/dt at each of several points: the model's own derivatives (at more than one point only where they are cheap), and
+/// central differences (steps of the model's in prior deviations, all points in one batch) for what it does not give. A
+/// difference whose runs fail on one side is taken
 /// from the other; where both fail, the entries stay nan.
 ///
 /// @param points       [point x parameter]

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "mottle/updating/scaled_parameters.hpp"
 #include "mottle/updating/updater.hpp"
 
 namespace mottle {
@@ -36,8 +37,7 @@ struct SpecimenStart {
 ///
 /// missing entries left out, by Gauss-Newton steps in the form t = mu + Sigma G' (G Sigma G' + R)^-1 (z - f + G (t -
 /// mu)), halved where they do not help or where the model fails. With R = 0 it is the point nearest to the mean that
-/// gives the test. Derivatives are central differences over 5 % of a prior deviation, evaluated with all specimens in
-/// one batch.
+/// gives the test. Derivatives at start and end are those of scaled_jacobians(), between them Broyden's.
 ///
 /// @param values       tests [specimen x output], nan: missing
 /// @param population   what holds them
@@ -47,9 +47,5 @@ struct SpecimenStart {
 SpecimenFits fit_specimens(const UpdatingProblem& problem, const Eigen::Ref<const Eigen::MatrixXd>& values,
                            const HoldingPopulation& population, const SpecimenStart& start, const RunContext& context,
                            std::int64_t& evaluations);
-
-/// Outputs of points t [specimen x parameter] on the parameters' scales; nan where a run fails.
-Eigen::MatrixXd outputs_on_scales(const UpdatingProblem& problem, const Eigen::Ref<const Eigen::MatrixXd>& points,
-                                  const RunContext& context, std::int64_t& evaluations);
 
 }  // namespace mottle
