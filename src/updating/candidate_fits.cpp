@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 #include "mottle/core/error.hpp"
 #include "mottle/stats/chi_squared.hpp"
@@ -12,8 +11,6 @@
 
 namespace mottle {
 namespace {
-
-constexpr Eigen::Index k_batch = 4096;  // model runs of differences by hundreds of candidates that are held at once
 
 /// Plain maximum likelihood wants few rows of its own: the noise that the given parameters and one more leave over.
 NoiseModel common_noise(const UpdatingProblem& problem, const TestData& tests, Eigen::Index given) {
@@ -223,69 +220,6 @@ SetFit CandidateFits::fit_beside(const ParameterSet& set, const SetFit& base, Ei
     if (next.failure.empty() && is_better) best = std::move(next);
   }
   return best;
-}
-
-std::vector<Eigen::MatrixXd> CandidateFits::derivatives_at(const Eigen::MatrixXd& samples) {
-  std::vector<Eigen::Index> all(static_cast<std::size_t>(problem_.space.count()));
-  std::iota(all.begin(), all.end(), Eigen::Index{0});
-  std::vector<Parameter> parameters = problem_.space.parameters();
-  for (Parameter& parameter : parameters) parameter.scale = {};
-  const ParameterSpace space(std::move(parameters), problem_.space.prior());
-  const HeldModel model(problem_, problem_.space.prior().mean(), std::move(all), signs_);
-  const UpdatingProblem whole{.model = model, .derivatives = model.derivatives(), .space = space};
-  const ScaledParameters axes(space);
-  std::vector<Eigen::MatrixXd> derivatives;
-  const Eigen::Index at_once = std::max<Eigen::Index>(k_batch / (2 * space.count()), 1);
-  for (Eigen::Index begin = 0; begin < samples.rows(); begin += at_once) {
-    context_.throw_if_stopped();
-    const Eigen::MatrixXd points = samples.middleRows(begin, std::min(at_once, samples.rows() - begin));
-    const Eigen::MatrixXd outputs = outputs_on_scales(whole, points, context_, evaluations_);
-    for (Eigen::MatrixXd& one : scaled_jacobians(whole, axes, points, outputs, context_, evaluations_))
-      derivatives.push_back(std::move(one));
-  }
-  return derivatives;
-}
-
-std::vector<Eigen::MatrixXd> CandidateFits::derivatives_at(const SetFit& base, const ParameterSet& set) {
-  const std::vector<NormalScale> scales = problem_.space.scales();
-  Eigen::MatrixXd samples = problem_.space.prior().mean().transpose().replicate(specimens(), 1);
-  for (std::size_t i = 0; i < set.members.size(); ++i) {
-    samples.col(set.members[i]) = to_variables({scales[static_cast<std::size_t>(set.members[i])]},
-                                               base.fit.specimens.points.col(static_cast<Eigen::Index>(i)));
-  }
-  return derivatives_at(samples);
-}
-
-double CandidateFits::linear_gain(const SetFit& base, const ParameterSet& set, Eigen::Index candidate,
-                                  const std::vector<Eigen::MatrixXd>& derivatives) const {
-  const Eigen::Index n = specimens();
-  std::vector<RandomEffectsUnit> units = base.fit.units;
-  for (Eigen::Index s = 0; s < n; ++s) {
-    RandomEffectsUnit& unit = units[static_cast<std::size_t>(s)];
-    std::vector<Eigen::Index> rows;
-    for (Eigen::Index k = 0; k < tests_.values.cols(); ++k) {
-      if (!std::isnan(tests_.values(s, k))) rows.push_back(k);
-    }
-    const Eigen::VectorXd slope = derivatives[static_cast<std::size_t>(s)].col(candidate)(rows);
-    if (!slope.allFinite()) return -1.0;
-    unit.design.conservativeResize(Eigen::NoChange, unit.design.cols() + 1);
-    unit.design.rightCols(1) = slope;
-  }
-  const Eigen::Index q = base.fit.mean.size();
-  RandomEffectsSettings rules = base.fit.settings;
-  rules.covariance_groups = groups_of(set.with(candidate, true));
-  if (rules.mean_origin.size() > 0) {
-    rules.mean_origin.conservativeResize(q + 1);
-    rules.mean_origin(q) = 0.0;
-    const Eigen::Index columns = rules.mean_directions.cols();
-    rules.mean_directions.conservativeResize(q + 1, columns + 1);
-    rules.mean_directions.row(q).setZero();
-    rules.mean_directions.col(columns) = Eigen::VectorXd::Unit(q + 1, q);
-  }
-  Eigen::MatrixXd start = Eigen::MatrixXd::Zero(q + 1, q + 1);
-  start.topLeftCorner(q, q) = prior_on_scales(part_of(problem_.space, set.members)).covariance;
-  start(q, q) = problem_.space.prior().covariance()(candidate, candidate);
-  return fit_random_effects(units, start, rules).log_likelihood - base.fit.effects.log_likelihood;
 }
 
 }  // namespace mottle

@@ -31,6 +31,13 @@ struct SetFit {
   std::string failure;    ///< empty: there is a fit
 };
 
+/// A linear random-effects problem and where its estimate starts.
+struct LinearProblem {
+  std::vector<RandomEffectsUnit> units;
+  Eigen::MatrixXd start;
+  RandomEffectsSettings settings;
+};
+
 class CandidateFits {
  public:
   CandidateFits(const UpdatingProblem& problem, const DiagnosisSettings& settings, const RunContext& context);
@@ -60,6 +67,13 @@ class CandidateFits {
   std::vector<Eigen::MatrixXd> derivatives_at(const Eigen::MatrixXd& samples);
   /// The same at the specimens of `base`.
   std::vector<Eigen::MatrixXd> derivatives_at(const SetFit& base, const ParameterSet& set);
+
+  /// The linear models at the specimens of `base`: of the set alone, and with a candidate beside it.
+  ///
+  /// @param derivatives  at these specimens
+  LinearProblem linear_problem(const SetFit& base, const ParameterSet& set) const;
+  LinearProblem linear_problem(const SetFit& base, const ParameterSet& set, Eigen::Index candidate, bool is_freed,
+                               const std::vector<Eigen::MatrixXd>& derivatives) const;
 
   /// Gain of the freed candidate in the linear models at the specimens of `base`; -1 where there is none.
   ///

@@ -6,13 +6,14 @@
 #include <numeric>
 #include <tuple>
 
-#include "candidate_fits.hpp"
+#include "candidate_reference.hpp"
 #include "mottle/core/error.hpp"
 
 namespace mottle {
 namespace {
 
 constexpr Eigen::Index k_least_specimens = 3;
+constexpr Eigen::Index k_many_specimens = 30;  // chi-squared serves from there on
 
 ParameterSet given_set(Eigen::Index given) {
   ParameterSet set;
@@ -43,6 +44,23 @@ CandidateFit not_tried(bool is_freed, const std::string& why) {
   fit.bic = std::numeric_limits<double>::infinity();
   fit.failure = why;
   return fit;
+}
+
+/// Significance of tries by replications where specimens are few: only of those that chi-squared calls significant, it
+/// errs to that side.
+void refer_small_samples(CandidateFits& fits, const ParameterSet& set, const SetFit& base,
+                         const std::vector<Eigen::Index>& candidates, std::vector<CandidateFinding>& findings) {
+  if (fits.specimens() >= k_many_specimens) return;
+  std::vector<CandidateTry> tries;
+  for (std::size_t c = 0; c < findings.size(); ++c) {
+    for (CandidateFit* fit : {&findings[c].shifted, &findings[c].freed}) {
+      const bool is_significant = fit->failure.empty() && fit->adjusted_p <= fits.problem().level;
+      if (is_significant) tries.push_back({candidates[c], fit});
+    }
+  }
+  if (tries.empty()) return;
+  refer_to_replications(fits, set, base, fits.derivatives_at(base, set), tries);
+  adjust(findings);
 }
 
 /// The candidates that are worth a fit in the model itself, by their gain in linear models.
@@ -89,6 +107,7 @@ std::vector<CandidateFinding> try_all(CandidateFits& fits, const ParameterSet& s
     findings.push_back(std::move(finding));
   }
   adjust(findings);
+  refer_small_samples(fits, set, base, candidates, findings);
   return findings;
 }
 

@@ -10,25 +10,17 @@ import support
 from support import STUDY, edited, numbers
 
 OLD_TITLE, NEW_TITLE = 'title = "A study for tests"', 'title = "Another study"'
-FAILING = """\
-title = "A solver that fails"
-[model]
-kind = "command"
-command = "false"
-[model.frequencies]
-file = "f.txt"
-format = "column"
-[[parameter]]
-name = "k1"
-distribution = { kind = "normal", mean = 2.0, std = 0.3 }
-[outputs]
-frequencies = [1, 2, 3]
-[test]
-file = "tests.csv"
-[update]
-method = "mares"
-samples = 200
+# The study with a solver that only knows the parameters' means; they are places in a template.
+SOLVER = """\
+import sys
+if [float(word) for word in open("input.txt").read().split()] != [2.0, 2.0]:
+    sys.exit("no")
+open("f.txt", "w").write("0.2\\n0.3\\n0.5\\n")
 """
+FAILING = ('[model]\nkind = "command"\ncommand = ["python3", "solver.py"]\n'
+           'templates = ["input.txt"]\nfiles = ["solver.py"]\nretries = 0\n'
+           '[model.frequencies]\nfile = "f.txt"\nformat = "column"\n'
+           + "".join(line + "\n" for line in STUDY[STUDY.index("[[parameter]]"):].splitlines() if "target" not in line))
 
 
 class EarlierResultsTest(support.CommandTest):
@@ -36,13 +28,15 @@ class EarlierResultsTest(support.CommandTest):
 
     def setUp(self):
         super().setUp()
+        self.write("failing.toml", FAILING)
+        self.write("input.txt", "{{k1}} {{k2}}\n")
+        self.write("solver.py", SOLVER)
         self.out = self.folder / "out"
         self.previous = self.out / "previous-results"
         self.succeed("update", "study.toml", "--out", "out", "--quiet")
         self.first = numbers(self.out)
 
-    def fail(self, *arguments):
-        self.write("failing.toml", FAILING)
+    def run_into_failure(self, *arguments):
         ended = self.call("update", "failing.toml", "--out", "out", "--quiet", *arguments)
         self.assertEqual(ended.code, 3, ended.err)
 
@@ -51,31 +45,31 @@ class EarlierResultsTest(support.CommandTest):
 
     def test_a_run_that_fails_leaves_no_result_and_the_earlier_ones_beside_it(self):
         results = {"result.json", "report.html", "history.csv", "cloud-initial.csv", "cloud-final.csv"}
-        self.fail()
+        self.run_into_failure()
         self.assertFalse(results & self.names())
         self.assertEqual(numbers(self.previous), self.first)
         self.assertTrue(results < {file.name for file in self.previous.iterdir()})
         self.assertIn("earlier run", (self.previous / "README.txt").read_text(encoding="utf-8"))
 
     def test_a_report_of_a_run_that_failed_is_refused(self):
-        self.fail()
+        self.run_into_failure()
         ended = self.call("report", "out")
         self.assertEqual(ended.code, 2, ended.err)
         self.assertIn("previous-results", ended.err)
 
     def test_a_second_failure_keeps_the_earlier_results(self):
-        self.fail()
-        self.fail()
-        self.fail("--resume")
+        self.run_into_failure()
+        self.run_into_failure()
+        self.run_into_failure("--resume")
         self.assertEqual(numbers(self.previous), self.first)
 
     def test_when_a_run_ends_the_earlier_results_go(self):
         before = self.names()
-        self.fail()
+        self.run_into_failure()
         self.write("study.toml", edited(STUDY, (OLD_TITLE, NEW_TITLE)))
         self.succeed("update", "study.toml", "--out", "out", "--quiet")
         self.assertEqual(json.loads((self.out / "result.json").read_text(encoding="utf-8"))["title"], "Another study")
-        self.assertEqual(self.names() - {"runs"}, before)
+        self.assertEqual(self.names() - {"runs.store", "failed-runs"}, before)
 
     def test_a_study_that_is_refused_leaves_the_earlier_results(self):
         for change in (("f1,f2,f3", "f1,f2,f9"), ("iterations = 30", "iterations = 0")):
@@ -100,7 +94,6 @@ class EarlierResultsTest(support.CommandTest):
     def test_a_folder_of_the_users_with_that_name_is_left_alone(self):
         self.previous.mkdir()
         (self.previous / "result.json").write_text("mine", encoding="utf-8")
-        self.write("failing.toml", FAILING)
         ended = self.call("update", "failing.toml", "--out", "out", "--quiet")
         self.assertEqual(ended.code, 2, ended.err)
         self.assertIn("previous-results", ended.err)
@@ -109,7 +102,7 @@ class EarlierResultsTest(support.CommandTest):
 
     def test_files_that_are_not_results_stay(self):
         (self.out / "notes.txt").write_text("mine", encoding="utf-8")
-        self.fail()
+        self.run_into_failure()
         self.assertEqual((self.out / "notes.txt").read_text(encoding="utf-8"), "mine")
         self.assertTrue({"study.toml", "tests.csv"} <= self.names())
 

@@ -4,9 +4,11 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "mottle/core/checksum.hpp"
 #include "mottle/model/modal_model.hpp"
 #include "mottle/model/parameter_space.hpp"
 #include "mottle/study/run.hpp"

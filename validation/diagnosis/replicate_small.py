@@ -18,7 +18,7 @@ import replicate
 
 FIRST_SEED = 9000
 LEVEL = 0.05
-ROWS = [(1, 3), (1, 4), (1, 6), (1, 10), (2, 4), (2, 10)]
+ROWS = [(1, 3), (1, 4), (1, 6), (1, 10), (2, 3), (2, 4), (2, 6), (2, 10), (3, 4)]
 
 
 def study_text(k6, has_shapes, specimens):
