@@ -115,6 +115,7 @@ void add_updated_parameters(Json& parameters, const UpdatingProblem& problem, co
   parameters["mean_ci95"] = result.intervals ? to_json_rows(result.intervals->mean) : Json(nullptr);
   parameters["std_ci95"] = result.intervals ? to_json_rows(result.intervals->std) : Json(nullptr);
   parameters["correlation_ci95"] = result.intervals ? correlation_intervals_json(*result.intervals) : Json(nullptr);
+  parameters["mean_curvature_bias"] = result.curvature_bias.size() > 0 ? to_json(result.curvature_bias) : Json(nullptr);
   parameters["intervals_by"] = result.intervals ? Json(result.intervals->made_by) : Json(nullptr);
   Json at_bound = Json::array();
   for (const int side : problem.space.active_bounds(result.mean)) {

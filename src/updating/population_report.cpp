@@ -6,6 +6,7 @@
 #include <limits>
 #include <map>
 
+#include "curvature.hpp"
 #include "mottle/core/error.hpp"
 #include "mottle/core/text.hpp"
 #include "mottle/updating/scaled_parameters.hpp"
@@ -242,6 +243,7 @@ void describe_population(const UpdatingProblem& problem, const PopulationFit& fi
   if (result.intervals) forget_unseen(problem, fit, *result.intervals);
   add_notes(problem, fit, settings, result);
   report_normality(problem, fit, result);
+  describe_curvature(problem, fit, context, result);
   test_population(problem, fit, result);
 }
 

@@ -125,11 +125,13 @@ struct UpdatingResult {
   std::vector<Outlier> outliers = {};                           ///< specimens that do not belong to the others
   std::optional<NormalityReport> normality = std::nullopt;      ///< of methods that look at each specimen
   std::vector<Eigen::VectorXd> other_solutions = {};  ///< means that explain the tests' mean as well [parameter]
-  Eigen::MatrixXd noise_covariance;                   ///< R as used or estimated [output x output]; else 0 x 0
-  bool is_population = false;                         ///< `covariance` estimates the scatter of the specimens
-  std::vector<VerdictTest> tests;                     ///< of the final state, at the problem's level together
-  std::vector<std::string> not_tested = {};           ///< sentences: what of the model no test could see, and why
-  std::vector<std::string> notes;                     ///< what a reader of the numbers must know
+  /// Bias of `mean` by the curvature of the outputs, in its standard errors, to second order; empty: not known.
+  Eigen::VectorXd curvature_bias = {};
+  Eigen::MatrixXd noise_covariance;          ///< R as used or estimated [output x output]; else 0 x 0
+  bool is_population = false;                ///< `covariance` estimates the scatter of the specimens
+  std::vector<VerdictTest> tests;            ///< of the final state, at the problem's level together
+  std::vector<std::string> not_tested = {};  ///< sentences: what of the model no test could see, and why
+  std::vector<std::string> notes;            ///< what a reader of the numbers must know
 };
 
 /// An updating method. One struct of options, one file, one line in src/updating/registry.cpp.
