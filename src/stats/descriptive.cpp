@@ -61,15 +61,22 @@ double pairwise_covariance(const Eigen::Ref<const Eigen::MatrixXd>& samples, Eig
   return both.select(products, 0.0).sum() / (count - 1.0);
 }
 
-/// Makes `covariance` positive semi-definite by clipping the eigenvalues of its correlation; true where it had to.
-bool repair(Eigen::MatrixXd& covariance) {
+}  // namespace
+
+bool repair_covariance(Eigen::MatrixXd& covariance) {
+  for (Eigen::Index i = 0; i < covariance.rows(); ++i) {
+    if (covariance(i, i) > 0.0) continue;
+    covariance.row(i).setZero();
+    covariance.col(i).setZero();
+  }
   const Eigen::VectorXd deviation = covariance.diagonal().cwiseSqrt();
   Eigen::MatrixXd correlation = Eigen::MatrixXd::Identity(covariance.rows(), covariance.cols());
   for (Eigen::Index i = 0; i < covariance.rows(); ++i) {
     for (Eigen::Index j = 0; j < covariance.cols(); ++j) {
       // Not clamped: a pair whose covariance exceeds what its variances allow is one of the faults to be mended.
-      const double scale = deviation[i] * deviation[j];
-      if (i != j && scale > 0.0) correlation(i, j) = covariance(i, j) / scale;
+      if (i != j && deviation[i] > 0.0 && deviation[j] > 0.0) {
+        correlation(i, j) = covariance(i, j) / deviation[i] / deviation[j];
+      }
     }
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(correlation);
@@ -83,10 +90,9 @@ bool repair(Eigen::MatrixXd& covariance) {
   covariance.noalias() = scaled * scaled.transpose();
   covariance.triangularView<Eigen::StrictlyUpper>() = covariance.transpose();
   covariance.diagonal() = variances;
-  return true;
+  constexpr double k_beyond_rounding = 1e-8;
+  return eigen.eigenvalues()[0] < -k_beyond_rounding * largest;
 }
-
-}  // namespace
 
 SampleMoments available_case_moments(const Eigen::Ref<const Eigen::MatrixXd>& samples) {
   require(!samples.array().isInf().any(), "samples: an entry is infinite");
@@ -103,7 +109,7 @@ SampleMoments available_case_moments(const Eigen::Ref<const Eigen::MatrixXd>& sa
     }
   }
   // A complete sample's covariance is positive semi-definite by construction.
-  if (dimension > 0 && samples.array().isNaN().any()) moments.was_repaired = repair(moments.covariance);
+  if (dimension > 0 && samples.array().isNaN().any()) moments.was_repaired = repair_covariance(moments.covariance);
   return moments;
 }
 

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "mottle/core/error.hpp"
+#include "mottle/stats/descriptive.hpp"
 #include "mottle/stats/standard_normal.hpp"
 #include "stats/copula_covariance.hpp"
 
@@ -111,6 +112,7 @@ JointDistribution JointDistribution::normal_on_scales(const std::vector<NormalSc
   VariableMoments moments = moments_of_variables(scales, mean, result.covariance_);
   result.mean_ = std::move(moments.mean);
   result.covariance_ = std::move(moments.covariance);
+  repair_covariance(result.covariance_);  // its entries are integrals, each with an error of its own
   return result;
 }
 

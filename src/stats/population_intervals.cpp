@@ -52,11 +52,16 @@ class Draws {
 Eigen::RowVector2d equal_tails(std::vector<double> values, double confidence) {
   constexpr std::size_t k_fewest = 40;
   if (values.size() < k_fewest) return {k_nan, k_nan};
+  // Beyond what numbers can hold: so little is known of a variable on a log or logit scale.
+  for (double& value : values) {
+    if (std::isnan(value)) value = std::numeric_limits<double>::infinity();
+  }
   std::sort(values.begin(), values.end());
   const auto at = [&](double probability) {
     const double place = probability * static_cast<double>(values.size() - 1);
     const auto below = static_cast<std::size_t>(place);
     const std::size_t above = std::min(below + 1, values.size() - 1);
+    if (!std::isfinite(values[above])) return values[above];
     return values[below] + (place - static_cast<double>(below)) * (values[above] - values[below]);
   };
   return {at(0.5 * (1.0 - confidence)), at(0.5 * (1.0 + confidence))};

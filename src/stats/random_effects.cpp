@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "mottle/core/error.hpp"
+#include "mottle/stats/descriptive.hpp"
 #include "random_effects_step.hpp"
 
 namespace mottle {
@@ -22,6 +23,16 @@ void keep_groups(Eigen::MatrixXd& covariance, const RandomEffectsSettings& setti
       if (!may_be_correlated(settings, i, j)) covariance(i, j) = 0.0;
     }
   }
+}
+
+/// Positive definite in the effects that have a variance.
+bool is_positive(const Eigen::MatrixXd& covariance) {
+  std::vector<Eigen::Index> scattered;
+  for (Eigen::Index i = 0; i < covariance.rows(); ++i) {
+    if (covariance(i, i) != 0.0) scattered.push_back(i);
+  }
+  const Eigen::MatrixXd block = covariance(scattered, scattered);
+  return covariance.allFinite() && Eigen::LLT<Eigen::MatrixXd>(block).info() == Eigen::Success;
 }
 
 /// One step of expectation and maximisation.
@@ -59,6 +70,9 @@ State improve(const std::vector<RandomEffectsUnit>& units, const State& now, con
   next.covariance /= n + settings.shrinkage;
   next.covariance = (0.5 * (next.covariance + next.covariance.transpose())).eval();
   keep_groups(next.covariance, settings);
+  // Where all scatter lies in fewer directions than there are effects, differences of nearly equal numbers leave
+  // variances a little below zero, which further steps would carry on.
+  if (!is_positive(next.covariance)) repair_covariance(next.covariance);
   next.factors = next.factors.cwiseQuotient(rows.cwiseMax(1.0)).cwiseMax(0.0);
   if (pass_out != nullptr) *pass_out = std::move(pass);
   return next;
@@ -79,15 +93,8 @@ double largest_change(const State& before, const State& after) {
   return change;
 }
 
-/// Positive definite in the effects that have a variance.
 bool is_positive(const State& state) {
-  std::vector<Eigen::Index> scattered;
-  for (Eigen::Index i = 0; i < state.covariance.rows(); ++i) {
-    if (state.covariance(i, i) != 0.0) scattered.push_back(i);
-  }
-  const Eigen::MatrixXd block = state.covariance(scattered, scattered);
-  return (state.factors.array() > 0.0).all() && state.covariance.allFinite() &&
-         Eigen::LLT<Eigen::MatrixXd>(block).info() == Eigen::Success;
+  return (state.factors.array() > 0.0).all() && is_positive(state.covariance);
 }
 
 /// Two steps and the squared extrapolation along them; the second step where that leaves what is possible.

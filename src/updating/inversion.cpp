@@ -173,6 +173,8 @@ void finish(const Setup& setup, const InversionFit& fit, const RunContext& conte
   result.mean = distribution.mean();
   result.covariance = distribution.covariance();
   const auto specimens = static_cast<int>(fit.points.rows());
+  result.population = {population.mean, population.covariance,
+                       sample_evidence(population.mean, population.covariance, fit.points.rows())};
   result.intervals = normal_theory_intervals(setup.parameters.scales(), population.mean, population.covariance,
                                              specimens, setup.problem.covariance_groups);
   result.specimens =

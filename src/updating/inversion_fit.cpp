@@ -139,7 +139,21 @@ class BatchFit {
     // A Gauss-Newton step this short that does not help is rounding: the fit is as good as it gets.
     if (movement <= problem_.tolerance && damping == 0.0) fit.endings[s] = InversionFit::Ending::at_rest;
     damping = next_damping(damping, false);
-    if (damping > k_most_damping) fit.endings[s] = InversionFit::Ending::stuck;
+    if (damping > k_most_damping) {
+      const bool is_done = outputs.allFinite() && is_least(specimen);
+      fit.endings[s] = is_done ? InversionFit::Ending::at_rest : InversionFit::Ending::stuck;
+    }
+  }
+
+  /// Whether the residuals are as small as they get within the bounds: the linear model promises no more than a
+  /// hundredth of their squares. Where no parameters give the test, the way back to the prior then costs residuals.
+  bool is_least(Eigen::Index specimen) const {
+    constexpr double k_promising = 1e-2;
+    const Whitened here = whitened(specimen);
+    const Eigen::VectorXd point = fit.points.row(specimen).transpose();
+    const Eigen::VectorXd step = least_change_step(parameters_, point, here.sensitivity, here.residual, 0.0);
+    const double left = (here.residual - here.sensitivity * step).squaredNorm();
+    return left >= (1.0 - k_promising) * here.residual.squaredNorm();
   }
 
   double length_of(const Eigen::VectorXd& step) const {

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mottle/stats/descriptive.hpp"
+
 namespace mottle {
 namespace {
 
@@ -69,7 +71,7 @@ Eigen::VectorXd least_change_step(const ScaledParameters& parameters, const Eige
     Eigen::VectorXd move = gain.matrix * residual;
     if (gain.rank < seen.cols()) {
       const Eigen::VectorXd back = (parameters.start() - point)(free);
-      move += (back - least_change_gain(seen, deviation).matrix * (seen * back)) / (1.0 + damping);
+      move += (back - least_change_gain(seen, deviation).matrix * (seen * back)) / ((1.0 + damping) * (1.0 + damping));
     }
     std::vector<Eigen::Index> inside;
     for (std::size_t k = 0; k < free.size(); ++k) {
@@ -162,13 +164,18 @@ bool project_to_covariance(Eigen::MatrixXd& covariance, const Eigen::Ref<const E
   const Eigen::MatrixXd scaled =
       deviation.cwiseInverse().asDiagonal() * covariance * deviation.cwiseInverse().asDiagonal();
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled);
-  if (eigen.eigenvalues()(0) >= 0.0) return false;
+  if (eigen.eigenvalues()(0) >= 0.0) {
+    repair_covariance(covariance);
+    return false;
+  }
   const Eigen::VectorXd kept = eigen.eigenvalues().cwiseMax(0.0);
   const Eigen::MatrixXd rebuilt = deviation.asDiagonal() *
                                   (eigen.eigenvectors() * kept.asDiagonal() * eigen.eigenvectors().transpose()).eval() *
                                   deviation.asDiagonal();
   covariance = 0.5 * (rebuilt + rebuilt.transpose());
   keep_groups(covariance, groups);
+  // What is rounding in prior deviations need not be so for a parameter that hardly scatters.
+  repair_covariance(covariance);
   return eigen.eigenvalues()(0) < -k_rounding * eigen.eigenvalues().cwiseAbs().maxCoeff();
 }
 

@@ -90,7 +90,9 @@ Eigen::MatrixXd updated_covariance(const MaresSetup& setup, const IterationRecor
   const Eigen::MatrixXd& prior = is_recursive ? state.parameter_covariance : setup.prior_covariance;
   const Eigen::MatrixXd pg = prior * g.transpose();
   const Eigen::MatrixXd updated = prior - pg * (setup.test_variability + g * pg).ldlt().solve(pg.transpose());
-  return 0.5 * (updated + updated.transpose());
+  Eigen::MatrixXd covariance = 0.5 * (updated + updated.transpose());
+  repair_covariance(covariance);
+  return covariance;
 }
 
 std::string ending_message(UpdatingStatus status, std::size_t updates, double tolerance) {

@@ -188,6 +188,7 @@ void finish(const Setup& setup, const Progress& progress, const RunContext& cont
   result.sensitivity = state.sensitivity * setup.parameters.slopes(state.mean).cwiseInverse().asDiagonal();
   result.noise_covariance = setup.noise;
   result.is_population = true;
+  result.population = {state.mean, state.covariance, moment_evidence(setup.problem, setup.parameters, state)};
   test_matched_moments(setup.problem,
                        {.method = setup.method.name,
                         .mean = state.mean,

@@ -63,6 +63,13 @@ double carried_over(const NormalScale& first, const NormalScale& second, const E
 
 }  // namespace
 
+PopulationEvidence sample_evidence(const Eigen::Ref<const Eigen::VectorXd>& mean,
+                                   const Eigen::Ref<const Eigen::MatrixXd>& covariance, Eigen::Index count) {
+  const Eigen::Index q = mean.size();
+  const auto n = static_cast<double>(count);
+  return {mean, covariance, Eigen::MatrixXd::Zero(q, q), covariance / n, Eigen::MatrixXd::Constant(q, q, n - 1.0)};
+}
+
 ParameterIntervals normal_theory_intervals(const std::vector<NormalScale>& scales,
                                            const Eigen::Ref<const Eigen::VectorXd>& mean,
                                            const Eigen::Ref<const Eigen::MatrixXd>& covariance, int count,

@@ -4,12 +4,13 @@
 #include <limits>
 
 #include "mottle/core/error.hpp"
-#include "mottle/stats/descriptive.hpp"
 #include "mottle/stats/standard_normal.hpp"
 #include "population_report.hpp"
 
 namespace mottle {
 namespace {
+
+constexpr double k_tail = 0.025;
 
 /// Tests of specimens drawn from the estimate, with its noise and with the same entries missing.
 Eigen::MatrixXd draw_tests(const UpdatingProblem& problem, const PopulationFit& fit,
@@ -33,69 +34,148 @@ Eigen::MatrixXd draw_tests(const UpdatingProblem& problem, const PopulationFit& 
   return tests;
 }
 
-/// Ends theta such that the pivots of the samples leave equal tails: quantiles of `values`, sorted here.
-double quantile(std::vector<double>& values, double probability) {
-  const auto place = static_cast<std::size_t>(std::lround(probability * static_cast<double>(values.size() - 1)));
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(place), values.end());
-  return values[place];
-}
-
-constexpr double k_tail = 0.025;
-
-}  // namespace
-
-ParameterIntervals bootstrap_intervals(const UpdatingProblem& problem, const PopulationFit& fit,
-                                       const PopulationFitSettings& settings, int samples, const RunContext& context,
-                                       std::int64_t& evaluations) {
-  const Eigen::Index q = fit.mean.size();
+/// What is estimated again from each sample.
+std::vector<PopulationEvidence> estimate_samples(const UpdatingProblem& problem, const PopulationFit& fit,
+                                                 const PopulationFitSettings& settings, int samples,
+                                                 const RunContext& context, std::int64_t& evaluations) {
   const auto population = JointDistribution::normal_on_scales(problem.space.scales(), fit.mean, fit.covariance);
-  const Eigen::VectorXd mean = population.mean();
-  const Eigen::VectorXd deviation = population.covariance().diagonal().cwiseSqrt();
-  const Eigen::MatrixXd correlation = correlation_from_covariance(population.covariance());
-  const auto pairs = static_cast<std::size_t>(q * q);
-  std::vector<std::vector<double>> shifts(static_cast<std::size_t>(q));
-  std::vector<std::vector<double>> ratios(static_cast<std::size_t>(q));
-  std::vector<std::vector<double>> turns(pairs);
+  // Expectation-maximisation is slow at the border, and what a sample shows there does not wait for its last digits.
+  constexpr int k_inner_iterations = 90;
+  PopulationFitSettings quick = settings;
+  quick.inner_iterations = k_inner_iterations;
+  std::vector<PopulationEvidence> drawn;
   for (int b = 0; b < samples; ++b) {
     context.throw_if_stopped();
     context.progress("bootstrap", b, samples);
     const Eigen::MatrixXd tests = draw_tests(problem, fit, population, b, context, evaluations);
     if (!tests.array().isNaN().cwiseEqual(problem.tests.values.array().isNaN()).all()) continue;  // a failed run
-    const PopulationFit again =
-        fit_population(problem, tests, settings, context, [](const PopulationFit&) { return true; });
-    evaluations += again.evaluations;
-    const auto drawn = JointDistribution::normal_on_scales(problem.space.scales(), again.mean, again.covariance);
-    const Eigen::VectorXd drawn_deviation = drawn.covariance().diagonal().cwiseSqrt();
-    const Eigen::MatrixXd drawn_correlation = correlation_from_covariance(drawn.covariance());
-    constexpr double k_least = 1e-3;  // of the deviation: an estimate of zero is no infinite ratio
-    for (Eigen::Index i = 0; i < q; ++i) {
-      const auto place = static_cast<std::size_t>(i);
-      const double scale = std::max(drawn_deviation(i), k_least * deviation(i));
-      shifts[place].push_back((drawn.mean()(i) - mean(i)) / scale);
-      ratios[place].push_back(scale / std::max(deviation(i), 1e-300));
-      for (Eigen::Index j = 0; j < i; ++j) {
-        constexpr double k_one = 1.0 - 1e-9;
-        turns[static_cast<std::size_t>(i * q + j)].push_back(
-            std::atanh(std::clamp(drawn_correlation(i, j), -k_one, k_one)));
-      }
+    try {
+      const PopulationFit again =
+          fit_population(problem, tests, quick, context, [](const PopulationFit&) { return true; });
+      evaluations += again.evaluations;
+      drawn.push_back(evidence_of(again));
+    } catch (const SystemFailure&) {  // the model fails around some specimen of this sample
     }
   }
+  if (2 * drawn.size() < static_cast<std::size_t>(samples)) {
+    throw SystemFailure(
+        fmt::format("intervals = \"bootstrap\": the model fails in {} of {} samples of specimens drawn from the "
+                    "estimate; use intervals = \"analytic\"",
+                    static_cast<std::size_t>(samples) - drawn.size(), samples));
+  }
+  return drawn;
+}
+
+/// Quantile by order statistics: of B values, the k-th smallest is that of k / (B + 1).
+double quantile(const std::vector<double>& sorted, double probability) {
+  const auto count = static_cast<double>(sorted.size());
+  const double place = std::clamp(probability * (count + 1.0) - 1.0, 0.0, count - 1.0);
+  const auto below = static_cast<std::size_t>(place);
+  const std::size_t above = std::min(below + 1, sorted.size() - 1);
+  if (!std::isfinite(sorted[above])) return sorted[above];
+  return sorted[below] + (place - static_cast<double>(below)) * (sorted[above] - sorted[below]);
+}
+
+Eigen::RowVector2d equal_tails(std::vector<double> values) {
+  for (double& value : values) {
+    if (std::isnan(value)) value = std::numeric_limits<double>::infinity();  // beyond what numbers can hold
+  }
+  std::sort(values.begin(), values.end());
+  return {quantile(values, k_tail), quantile(values, 1.0 - k_tail)};
+}
+
+double quotient(double above, double below) {
+  return below > 0.0 ? above / below : 1.0;
+}
+
+/// The population's own values that each sample's pivots give back: a sample that shows twice the total variance that
+/// it was drawn from says that the tests may have shown twice theirs.
+class Pivots {
+ public:
+  Pivots(const PopulationFit& fit, const PopulationEvidence& seen, const std::vector<PopulationEvidence>& drawn)
+      : seen_(seen), drawn_(drawn), truth_mean_(fit.mean), truth_total_(fit.covariance + seen.noise) {}
+
+  /// Mean and deviation of a variable itself.
+  void add_moments(Eigen::Index i, const NormalScale& scale, ParameterIntervals& intervals) const {
+    std::vector<double> means;
+    std::vector<double> deviations;
+    for (const PopulationEvidence& sample : drawn_) {
+      const double total = seen_.total(i, i) * quotient(truth_total_(i, i), sample.total(i, i));
+      const double variance = std::max(total - seen_.noise(i, i), 0.0);
+      const double blown = quotient(seen_.mean_covariance(i, i), sample.mean_covariance(i, i));
+      const double mean = seen_.mean(i) - (sample.mean(i) - truth_mean_(i)) * std::sqrt(blown);
+      const VariableMoments moments =
+          moments_of_variables({scale}, Eigen::VectorXd::Constant(1, mean), Eigen::MatrixXd::Constant(1, 1, variance));
+      means.push_back(moments.mean(0));
+      deviations.push_back(std::sqrt(std::max(moments.covariance(0, 0), 0.0)));
+    }
+    intervals.mean.row(i) = equal_tails(std::move(means));
+    intervals.std.row(i) = equal_tails(std::move(deviations));
+  }
+
+  /// Correlation of two variables on their scales, over the samples that leave both a variance; not determined where
+  /// those are few.
+  Eigen::RowVector2d correlation(Eigen::Index i, Eigen::Index j) const {
+    const Factor truth(truth_total_, i, j);
+    const Factor seen(seen_.total, i, j);
+    std::vector<double> values;
+    for (const PopulationEvidence& sample : drawn_) {
+      const Factor drawn(sample.total, i, j);
+      // C = L_seen B^-1, B = L_truth^-1 L_drawn: in a linear model B is the root of a Wishart matrix.
+      const double first = seen.first * quotient(truth.first, drawn.first);
+      const double second = seen.second * quotient(truth.second, drawn.second);
+      const double turned = (drawn.between - quotient(truth.between, truth.first) * drawn.first) / truth.second;
+      const double between =
+          seen.between * quotient(truth.first, drawn.first) - second * turned * quotient(truth.first, drawn.first);
+      const double own_i = first * first - seen_.noise(i, i);
+      const double own_j = between * between + second * second - seen_.noise(j, j);
+      if (!(own_i > 0.0) || !(own_j > 0.0)) continue;
+      values.push_back(std::clamp((first * between - seen_.noise(i, j)) / std::sqrt(own_i * own_j), -1.0, 1.0));
+    }
+    constexpr std::size_t k_fewest = 40;
+    if (values.size() < k_fewest) return {-1.0, 1.0};
+    return equal_tails(std::move(values));
+  }
+
+ private:
+  /// Lower triangular root of two variables' covariance, regular however they are correlated.
+  struct Factor {
+    Factor(const Eigen::MatrixXd& covariance, Eigen::Index i, Eigen::Index j) {
+      constexpr double k_nearly_one = 1.0 - 1e-12;
+      constexpr double k_least = 1e-300;
+      const double a = std::max(covariance(i, i), k_least);
+      const double b = std::max(covariance(j, j), k_least);
+      const double r = std::clamp(covariance(i, j) / std::sqrt(a) / std::sqrt(b), -k_nearly_one, k_nearly_one);
+      first = std::sqrt(a);
+      between = r * std::sqrt(b);
+      second = std::sqrt(b * (1.0 - r * r));
+    }
+    double first, between, second;
+  };
+
+  const PopulationEvidence& seen_;
+  const std::vector<PopulationEvidence>& drawn_;
+  Eigen::VectorXd truth_mean_;
+  Eigen::MatrixXd truth_total_;
+};
+
+}  // namespace
+
+ParameterIntervals bootstrap_intervals(const UpdatingProblem& problem, const PopulationFit& fit,
+                                       const PopulationEvidence& evidence, const PopulationFitSettings& settings,
+                                       int samples, const RunContext& context, std::int64_t& evaluations) {
+  const Eigen::Index q = fit.mean.size();
+  const std::vector<NormalScale> scales = problem.space.scales();
+  const std::vector<PopulationEvidence> drawn = estimate_samples(problem, fit, settings, samples, context, evaluations);
+  const Pivots pivots(fit, evidence, drawn);
   ParameterIntervals intervals{Eigen::MatrixXd(q, 2), Eigen::MatrixXd(q, 2), Eigen::MatrixXd::Identity(q, q),
                                Eigen::MatrixXd::Identity(q, q), "bootstrap"};
   for (Eigen::Index i = 0; i < q; ++i) {
-    const auto place = static_cast<std::size_t>(i);
-    intervals.mean.row(i) << mean(i) - deviation(i) * quantile(shifts[place], 1.0 - k_tail),
-        mean(i) - deviation(i) * quantile(shifts[place], k_tail);
-    intervals.std.row(i) << deviation(i) / quantile(ratios[place], 1.0 - k_tail),
-        deviation(i) / quantile(ratios[place], k_tail);
+    pivots.add_moments(i, scales[static_cast<std::size_t>(i)], intervals);
     for (Eigen::Index j = 0; j < i; ++j) {
-      std::vector<double>& turned = turns[static_cast<std::size_t>(i * q + j)];
-      constexpr double k_one = 1.0 - 1e-9;
-      const double z = std::atanh(std::clamp(correlation(i, j), -k_one, k_one));
-      const double lower = std::tanh(2.0 * z - quantile(turned, 1.0 - k_tail));
-      const double upper = std::tanh(2.0 * z - quantile(turned, k_tail));
-      intervals.correlation_lower(i, j) = intervals.correlation_lower(j, i) = lower;
-      intervals.correlation_upper(i, j) = intervals.correlation_upper(j, i) = upper;
+      const Eigen::RowVector2d ends = pivots.correlation(i, j);
+      intervals.correlation_lower(i, j) = intervals.correlation_lower(j, i) = ends(0);
+      intervals.correlation_upper(i, j) = intervals.correlation_upper(j, i) = ends(1);
     }
   }
   return intervals;

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "mottle/core/error.hpp"
+#include "mottle/stats/descriptive.hpp"
 #include "mottle/updating/iteration.hpp"
 #include "mottle/updating/scaled_parameters.hpp"
 
@@ -179,6 +180,12 @@ Eigen::VectorXd clamp_on_scales(const ParameterSpace& space, const Eigen::Vector
   return result;
 }
 
+PopulationEvidence evidence_of(const PopulationFit& fit) {
+  PopulationEvidence evidence = population_evidence(fit.units, fit.effects, fit.settings, fit.map);
+  evidence.mean = fit.mean;
+  return evidence;
+}
+
 PopulationFit fit_population(const UpdatingProblem& problem, const Eigen::Ref<const Eigen::MatrixXd>& values,
                              const PopulationFitSettings& settings, const RunContext& context,
                              const std::function<bool(const PopulationFit&)>& each) {
@@ -214,8 +221,7 @@ PopulationFit fit_population(const UpdatingProblem& problem, const Eigen::Ref<co
   }
   // Each estimate goes on from the last one, kept off the border where expectation-maximisation no longer moves.
   constexpr double k_fresh = 0.01;
-  constexpr int k_inner_iterations = 300;
-  fit.settings.iterations = k_inner_iterations;
+  fit.settings.iterations = settings.inner_iterations;
   Eigen::MatrixXd start = frame.start;
   SpecimenStart from{fit.mean.transpose().replicate(values.rows(), 1),
                      std::vector<Eigen::MatrixXd>(static_cast<std::size_t>(values.rows()), centre.jacobians[0])};
@@ -231,7 +237,9 @@ PopulationFit fit_population(const UpdatingProblem& problem, const Eigen::Ref<co
     fit.effects = fit_within_bounds(problem, frame, fit.units, start, fit.settings);
     start = (1.0 - k_fresh) * fit.effects.covariance + k_fresh * frame.start;
     const Eigen::VectorXd mean = frame.origin + frame.map * fit.effects.mean;
-    const Eigen::MatrixXd covariance = frame.map * fit.effects.covariance * frame.map.transpose();
+    const Eigen::MatrixXd mapped = frame.map * fit.effects.covariance * frame.map.transpose();
+    Eigen::MatrixXd covariance = 0.5 * (mapped + mapped.transpose());
+    repair_covariance(covariance);
     const double step = largest_movement(prior_std, fit.mean, fit.covariance, mean, covariance);
     fit.converged = fit.iterations > 0 && step <= settings.tolerance;
     fit.mean = mean;

@@ -26,6 +26,7 @@ struct PopulationFitSettings {
   double rank_tolerance = 1e-3;
   int iterations = 30;
   double tolerance = 1e-3;
+  int inner_iterations = 300;  ///< of the linear problem, each time it is solved; it goes on from the last solution
   /// Parameters whose specimens all share one value; needs the problem's covariance_groups. Empty: all scatter.
   std::vector<bool> has_scatter = {};
   /// The mean, on the scales, that stands for the prior's: where the fit starts and where unseen directions stay.
@@ -54,6 +55,9 @@ Eigen::RowVectorXd means_of_tests(const Eigen::Ref<const Eigen::MatrixXd>& value
 
 /// A point t held within the bounds of the parameters; on a scale, a bound is a bound of the median.
 Eigen::VectorXd clamp_on_scales(const ParameterSpace& space, const Eigen::VectorXd& t);
+
+/// What the specimens show of a fitted population.
+PopulationEvidence evidence_of(const PopulationFit& fit);
 
 /// @param values      tests [specimen x output], nan: missing
 /// @param each        called with the state after every iteration; returns false to stop

@@ -153,11 +153,7 @@ Eigen::MatrixXd start_beside(const UpdatingProblem& problem, const PopulationFit
 }
 
 PopulationEvidence evidence_without_bounds(const UpdatingProblem& problem, const PopulationFit& fit) {
-  if (!is_mean_held(fit)) {
-    PopulationEvidence evidence = population_evidence(fit.units, fit.effects, fit.settings, fit.map);
-    evidence.mean = fit.mean;
-    return evidence;
-  }
+  if (!is_mean_held(fit)) return evidence_of(fit);
   RandomEffectsSettings settings = fit.settings;
   settings.mean_origin.resize(0);
   settings.mean_directions.resize(0, 0);
@@ -233,10 +229,12 @@ void describe_population(const UpdatingProblem& problem, const PopulationFit& fi
   }
   result.outliers = find_outliers(fit.units, fit.effects, fit.settings, fit.map, problem.level);
   result.other_solutions = other_solutions(problem, fit, options.starts, context, result.model_evaluations);
+  result.population = {fit.mean, fit.covariance, evidence_of(fit)};
+  const PopulationEvidence& evidence = result.population->evidence;
   if (options.intervals == Intervals::analytic) result.intervals = analytic_intervals(problem, fit);
   if (options.intervals == Intervals::bootstrap) {
-    result.intervals =
-        bootstrap_intervals(problem, fit, settings, options.bootstrap_samples, context, result.model_evaluations);
+    result.intervals = bootstrap_intervals(problem, fit, evidence, settings, options.bootstrap_samples, context,
+                                           result.model_evaluations);
     // A mean that a bound holds is held in every sample, which says nothing of where it may be.
     if (is_mean_held(fit)) result.intervals->mean = analytic_intervals(problem, fit).mean;
   }

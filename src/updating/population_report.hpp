@@ -39,8 +39,10 @@ Eigen::MatrixXd start_beside(const UpdatingProblem& problem, const PopulationFit
 void test_population(const UpdatingProblem& problem, const PopulationFit& fit, UpdatingResult& result);
 
 /// Intervals from populations drawn from the estimate and estimated again: see docs/theory/maximum-likelihood.md.
+/// `evidence` is that of `fit`. Samples whose model runs fail are left out.
+/// @throws SystemFailure  more than half of the samples fail
 ParameterIntervals bootstrap_intervals(const UpdatingProblem& problem, const PopulationFit& fit,
-                                       const PopulationFitSettings& settings, int samples, const RunContext& context,
-                                       std::int64_t& evaluations);
+                                       const PopulationEvidence& evidence, const PopulationFitSettings& settings,
+                                       int samples, const RunContext& context, std::int64_t& evaluations);
 
 }  // namespace mottle

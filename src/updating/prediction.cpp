@@ -16,43 +16,6 @@ namespace {
 
 constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
 
-/// Moments on the scales of a population whose variables have the given moments: exact for identity and log, to first
-/// order for a logit.
-void to_scales(const std::vector<NormalScale>& scales, Eigen::VectorXd& mean, Eigen::MatrixXd& covariance) {
-  const Eigen::VectorXd x = mean;
-  const Eigen::MatrixXd c = covariance;
-  const auto kind = [&](Eigen::Index i) { return scales[static_cast<std::size_t>(i)].kind; };
-  for (Eigen::Index i = 0; i < x.size(); ++i) {
-    for (Eigen::Index j = 0; j < x.size(); ++j) {
-      const bool has_logs = kind(i) == NormalScale::Kind::log && kind(j) == NormalScale::Kind::log;
-      const auto slope = [&](Eigen::Index k) {
-        const NormalScale& scale = scales[static_cast<std::size_t>(k)];
-        return scale.slope(scale.from_variable(x(k)));
-      };
-      covariance(i, j) = has_logs ? std::log1p(c(i, j) / (x(i) * x(j))) : c(i, j) / (slope(i) * slope(j));
-    }
-    mean(i) = scales[static_cast<std::size_t>(i)].from_variable(x(i));
-    if (kind(i) == NormalScale::Kind::log) mean(i) -= 0.5 * covariance(i, i);
-  }
-}
-
-/// (G' R^-1 G)^-1 over the directions that G sees; zero without noise.
-Eigen::MatrixXd share_of_noise(const Eigen::MatrixXd& sensitivity, const Eigen::MatrixXd& noise,
-                               const Eigen::VectorXd& scale) {
-  const Eigen::Index q = scale.size();
-  if (noise.size() == 0 || sensitivity.size() == 0 || noise.isZero(0.0)) return Eigen::MatrixXd::Zero(q, q);
-  const double least = 1e-12 * noise.diagonal().maxCoeff();
-  const Eigen::VectorXd weight = noise.diagonal().cwiseMax(least).cwiseInverse();
-  const Eigen::MatrixXd g = sensitivity * scale.asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(g.transpose() * weight.asDiagonal() * g);
-  constexpr double k_seen = 1e-8;
-  const double largest = solver.eigenvalues().maxCoeff();
-  const Eigen::VectorXd inverse =
-      solver.eigenvalues().unaryExpr([&](double value) { return value > k_seen * largest ? 1.0 / value : 0.0; });
-  const Eigen::MatrixXd turned = scale.asDiagonal() * solver.eigenvectors();
-  return turned * inverse.asDiagonal() * turned.transpose();
-}
-
 double quantile_of(Eigen::VectorXd values, double probability) {
   std::sort(values.begin(), values.end());
   const double place =
@@ -66,19 +29,8 @@ double quantile_of(Eigen::VectorXd values, double probability) {
 
 PredictedPopulation predicted_population(const ParameterSpace& space, const UpdatingResult& result,
                                          Eigen::Index specimens) {
-  PredictedPopulation population{result.mean, result.covariance, {}, result.is_population ? specimens : 0};
-  const std::vector<NormalScale> scales = space.scales();
-  Eigen::VectorXd slope(result.mean.size());
-  for (Eigen::Index i = 0; i < slope.size(); ++i) {
-    const NormalScale& scale = scales[static_cast<std::size_t>(i)];
-    slope(i) = scale.slope(scale.from_variable(result.mean(i)));
-  }
-  const Eigen::VectorXd prior_std = space.prior().covariance().diagonal().cwiseSqrt();
-  const Eigen::MatrixXd share = share_of_noise(result.sensitivity, result.noise_covariance, prior_std);
-  population.noise_share = slope.cwiseInverse().asDiagonal() * share * slope.cwiseInverse().asDiagonal();
-  if (!result.is_population) population.noise_share.setZero();
-  to_scales(scales, population.mean, population.covariance);
-  return population;
+  if (result.population) return {*result.population, space.scales(), specimens};
+  return {{result.mean, result.covariance, {}}, {}, 0};
 }
 
 Eigen::VectorXd squared_distances(const Prediction& prediction, const Eigen::Ref<const Eigen::MatrixXd>& values) {
@@ -114,7 +66,7 @@ Prediction predict(const Model& model, const ParameterSpace& space, const Predic
     prediction.interval(k, 1) = quantile_of(prediction.draws.col(k), 1.0 - 0.5 * settings.level);
   }
   prediction.joint_critical = k_nan;
-  if (population.specimens == 0 || population.specimens - 1 > population.mean.size()) {
+  if (maker.has_joint_region()) {
     const Eigen::MatrixXd joint = maker.draw(PredictiveDraws::Kind::joint, prediction);
     prediction.joint_critical = quantile_of(squared_distances(prediction, joint), 1.0 - settings.level);
   }

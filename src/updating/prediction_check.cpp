@@ -95,7 +95,7 @@ std::vector<std::string> prediction_sentences(const Prediction& prediction, cons
         "its covariance as it stands, taken as known.");
   } else if (std::isnan(prediction.joint_critical)) {
     sentences.push_back(fmt::format("Prediction: {} specimens are too few for a joint region of {} parameters.",
-                                    population.specimens, population.mean.size()));
+                                    population.specimens, population.estimate.mean.size()));
   }
   if (prediction.impossible > 0) {
     sentences.push_back(fmt::format("Prediction: {} draws were physically impossible or failed and are left out.",

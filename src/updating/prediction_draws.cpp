@@ -30,6 +30,15 @@ double chi_squared(RandomStream& stream, double freedom) {
   return boost::math::quantile(boost::math::chi_squared(freedom), stream.uniform());
 }
 
+/// sqrt(nu / chi2_nu) of each variable, all at one probability; 1 where nothing is determined.
+Eigen::VectorXd blown_deviations(RandomStream& stream, const Eigen::VectorXd& freedom) {
+  const double probability = stream.uniform();
+  return freedom.unaryExpr([&](double nu) {
+    if (!(nu > 0.0)) return 1.0;
+    return std::sqrt(nu / boost::math::quantile(boost::math::chi_squared(nu), probability));
+  });
+}
+
 /// Inverse of a Wishart matrix with scale I / freedom, by Bartlett's decomposition.
 Eigen::MatrixXd inverse_wishart(RandomStream& stream, Eigen::Index size, double freedom) {
   Eigen::MatrixXd factor = Eigen::MatrixXd::Zero(size, size);
@@ -43,38 +52,57 @@ Eigen::MatrixXd inverse_wishart(RandomStream& stream, Eigen::Index size, double 
 
 }  // namespace
 
+/// Mean degrees of freedom of the variances that the specimens determine.
+double PredictiveDraws::joint_freedom() const {
+  const Eigen::VectorXd freedom = population_.estimate.evidence.freedom.diagonal();
+  const auto determined = (freedom.array() > 0.0).count();
+  return determined > 0 ? freedom.sum() / static_cast<double>(determined) : 0.0;
+}
+
+bool PredictiveDraws::has_joint_region() const {
+  return population_.specimens == 0 || joint_freedom() > static_cast<double>(population_.estimate.mean.size());
+}
+
 Eigen::MatrixXd PredictiveDraws::points(Kind kind) const {
-  const Eigen::Index q = population_.mean.size();
-  const auto n = static_cast<double>(population_.specimens);
-  const Eigen::MatrixXd total = population_.covariance + population_.noise_share;
-  const Eigen::VectorXd deviation = total.diagonal().cwiseSqrt();
+  const PopulationOnScales& estimate = population_.estimate;
+  const PopulationEvidence& evidence = estimate.evidence;
+  const Eigen::Index q = estimate.mean.size();
+  const bool is_exact = kind == Kind::population || population_.specimens == 0;
+  const Eigen::MatrixXd& total = is_exact ? estimate.covariance : evidence.total;
+  const Eigen::VectorXd deviation = total.diagonal().cwiseMax(0.0).cwiseSqrt();
   const Eigen::VectorXd scale = (deviation.array() > 0.0).select(deviation, 1.0);
   const Eigen::MatrixXd total_root = root_of(total, scale);
-  const Eigen::MatrixXd plain_root = root_of(population_.covariance, scale);
-  const bool is_exact = kind == Kind::population || population_.specimens == 0;
+  const Eigen::MatrixXd mean_root = is_exact ? Eigen::MatrixXd() : root_of(evidence.mean_covariance, scale);
   Eigen::MatrixXd points(settings_.draws, q);
   for (Eigen::Index s = 0; s < settings_.draws; ++s) {
     const StreamKey key{
         .seed = context_.seed, .purpose = StreamPurpose::prediction, .iteration = static_cast<std::uint32_t>(kind)};
     RandomStream stream(key, static_cast<std::uint32_t>(s));
     if (is_exact) {
-      points.row(s) = (population_.mean + plain_root * normals(stream, q)).transpose();
+      points.row(s) = (estimate.mean + total_root * normals(stream, q)).transpose();
       continue;
     }
-    Eigen::MatrixXd drawn;
+    // What the population may be: factors on total and on the mean's covariance.
+    Eigen::MatrixXd blown;
+    Eigen::MatrixXd blown_mean;
     if (kind == Kind::outputs) {
-      drawn = (n - 1.0) / chi_squared(stream, n - 1.0) * total;
+      const Eigen::VectorXd factor = blown_deviations(stream, evidence.freedom.diagonal());
+      blown = factor.asDiagonal() * total * factor.asDiagonal();
+      blown_mean = factor.asDiagonal() * mean_root;
     } else {
-      drawn = total_root * inverse_wishart(stream, q, n - 1.0) * total_root.transpose();
+      const Eigen::MatrixXd wishart = inverse_wishart(stream, q, joint_freedom());
+      blown = total_root * wishart * total_root.transpose();
+      blown_mean = root_of(mean_root * wishart * mean_root.transpose(), scale);
     }
-    const Eigen::VectorXd mean = population_.mean + root_of(drawn, scale) * normals(stream, q) / std::sqrt(n);
-    points.row(s) = (mean + root_of(drawn - population_.noise_share, scale) * normals(stream, q)).transpose();
+    const Eigen::VectorXd mean = estimate.mean + blown_mean * normals(stream, q);
+    points.row(s) = (mean + root_of(blown - evidence.noise, scale) * normals(stream, q)).transpose();
   }
   return points;
 }
 
 Eigen::MatrixXd PredictiveDraws::draw(Kind kind, Prediction& prediction) const {
-  const Eigen::MatrixXd x = to_variables(space_.scales(), points(kind));
+  const Eigen::MatrixXd t = points(kind);
+  const Eigen::MatrixXd x = population_.scales.empty() ? t : to_variables(population_.scales, t);
   std::vector<Eigen::Index> possible;
   for (Eigen::Index s = 0; s < x.rows(); ++s) {
     if (x.row(s).allFinite() && space_.is_possible(x.row(s))) possible.push_back(s);

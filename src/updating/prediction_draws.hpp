@@ -19,12 +19,16 @@ class PredictiveDraws {
                   const PredictionSettings& settings, const RunContext& context)
       : model_(model), space_(space), population_(population), settings_(settings), context_(context) {}
 
+  /// Whether the specimens tell enough of the covariance for a region of all outputs together.
+  bool has_joint_region() const;
+
   /// Tests [draw x output], impossible ones left out and counted in `prediction`.
   /// @throws SystemFailure  more than half are
   Eigen::MatrixXd draw(Kind kind, Prediction& prediction) const;
 
  private:
   Eigen::MatrixXd points(Kind kind) const;
+  double joint_freedom() const;
 
   const Model& model_;
   const ParameterSpace& space_;

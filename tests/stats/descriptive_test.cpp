@@ -58,6 +58,31 @@ TEST(Correlation, RefusesANegativeVariance) {
   EXPECT_THROW(static_cast<void>(correlation_from_covariance(Eigen::MatrixXd::Ones(2, 3))), InvalidInput);
 }
 
+/// Deviations 1, 1e-6 and 1e6, correlations all one but for rounding that an eigenvalue of the covariance itself would
+/// not show.
+TEST(RepairedCovariance, IsPositiveInEveryUnitAndKeepsItsVariances) {
+  const Eigen::Vector3d deviation(1.0, 1e-6, 1e6);
+  Eigen::Matrix3d correlation = Eigen::Matrix3d::Ones();
+  correlation(0, 1) = correlation(1, 0) = 1.0 - 1e-9;
+  correlation(0, 2) = correlation(2, 0) = 1.0 + 1e-9;
+  const Eigen::MatrixXd spoilt = deviation.asDiagonal() * correlation * deviation.asDiagonal();
+  Eigen::MatrixXd covariance = spoilt;
+  EXPECT_FALSE(repair_covariance(covariance));  // nothing but rounding
+  EXPECT_EQ(covariance.diagonal(), spoilt.diagonal());
+  EXPECT_EQ(covariance, Eigen::MatrixXd(covariance.transpose()));
+  const Eigen::MatrixXd repaired =
+      deviation.cwiseInverse().asDiagonal() * covariance * deviation.cwiseInverse().asDiagonal();
+  EXPECT_GE(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(repaired).eigenvalues()(0), -1e-14);
+  EXPECT_LT((repaired - correlation).cwiseAbs().maxCoeff(), 4e-9);
+}
+
+TEST(RepairedCovariance, TakesAVariableWithoutVarianceOut) {
+  Eigen::MatrixXd covariance(2, 2);
+  covariance << -1e-20, 1e-12, 1e-12, 4.0;
+  repair_covariance(covariance);
+  EXPECT_EQ(covariance, (Eigen::MatrixXd(2, 2) << 0.0, 0.0, 0.0, 4.0).finished());
+}
+
 TEST(AvailableCases, CompleteSampleHasItsOrdinaryMoments) {
   const Eigen::MatrixXd samples = uniform_design(SamplingDesign::monte_carlo, 5, 8, {.seed = 4});
   const SampleMoments moments = available_case_moments(samples);

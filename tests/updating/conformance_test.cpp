@@ -154,6 +154,26 @@ TEST_P(EveryPopulationMethod, RecoversTheScatterOfALinearModel) {
   EXPECT_EQ(result.noise_covariance.rows(), 4);
 }
 
+TEST_P(EveryPopulationMethod, GivesThePopulationAndWhatTheSpecimensShowOfIt) {
+  const Reference reference;
+  UpdatingProblem problem = reference.problem();
+  problem.tests.repeatability_std.setConstant(0.05);
+  const UpdatingResult result = method()->update(problem, {});
+  ASSERT_TRUE(result.population);
+  const PopulationEvidence& evidence = result.population->evidence;
+  EXPECT_LT((result.population->mean - result.mean).norm(), 1e-12);
+  EXPECT_LT((result.population->covariance - result.covariance).norm(), 1e-12);
+  EXPECT_EQ(evidence.freedom, Eigen::MatrixXd::Constant(2, 2, 5.0));
+  EXPECT_LT((6.0 * evidence.mean_covariance - evidence.total).norm(), 0.1 * evidence.total.norm());
+  // What the noise adds to the specimens' own estimates: (G' R^-1 G)^-1. Inversion leaves it in its deviations.
+  const Eigen::MatrixXd share = 0.0025 * (Reference::slope().transpose() * Reference::slope()).inverse();
+  if (GetParam() == "inversion") {
+    EXPECT_TRUE(evidence.noise.isZero(0.0));
+  } else {
+    EXPECT_LT((evidence.noise - share).norm(), 1e-6 * share.norm());
+  }
+}
+
 TEST_P(EveryPopulationMethod, UsesSpecimensWithMissingEntries) {
   Reference reference;
   reference.tests(0, 1) = std::numeric_limits<double>::quiet_NaN();

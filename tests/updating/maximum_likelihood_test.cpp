@@ -340,5 +340,27 @@ TEST(MaximumLikelihood, IntervalsByBootstrapAreNearTheAnalyticOnes) {
   }
 }
 
+/// Tests that scatter by their noise alone: the interval of a deviation begins at zero and ends where the chi-squared
+/// of the total scatter has it, as the analytic one does.
+TEST(MaximumLikelihood, IntervalsByBootstrapHoldZeroWhereThereIsNoScatter) {
+  Linear linear;
+  Eigen::MatrixXd same(12, 2);
+  same.rowwise() = Eigen::RowVector2d(3.0, 5.0);
+  linear.tests += linear.model.evaluate(same, {}).outputs - linear.draw(12, Eigen::Vector4d::Zero());
+  const UpdatingProblem problem = linear.problem(linear.noise);
+  const UpdatingResult analytic = update(problem);
+  const UpdatingResult drawn =
+      update(problem, {.intervals = MaximumLikelihoodOptions::Intervals::bootstrap, .bootstrap_samples = 1000});
+  for (Eigen::Index i = 0; i < 2; ++i) {
+    EXPECT_EQ(drawn.intervals->std(i, 0), 0.0);
+    // The 2.5 % quantile of 1000 draws of chi-squared(11) / 11, 0.35, has a standard error of 0.012: 2 % of the
+    // deviation, more where noise is taken off.
+    EXPECT_NEAR(drawn.intervals->std(i, 1), analytic.intervals->std(i, 1), 0.2 * analytic.intervals->std(i, 1) + 0.01);
+    const double half = 0.5 * (analytic.intervals->mean(i, 1) - analytic.intervals->mean(i, 0));
+    EXPECT_NEAR(drawn.intervals->mean(i, 0), analytic.intervals->mean(i, 0), 0.2 * half);
+    EXPECT_NEAR(drawn.intervals->mean(i, 1), analytic.intervals->mean(i, 1), 0.2 * half);
+  }
+}
+
 }  // namespace
 }  // namespace mottle

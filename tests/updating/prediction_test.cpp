@@ -3,12 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
-#include <Eigen/LU>
 #include <boost/math/distributions/fisher_f.hpp>
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 
 #include "mottle/stats/standard_normal.hpp"
+#include "mottle/updating/normal_theory.hpp"
 #include "support/linear_model.hpp"
 
 namespace mottle {
@@ -28,7 +28,14 @@ struct Bench {
   }
 
   PredictedPopulation population(Eigen::Index specimens) const {
-    return {Eigen::Vector2d(0.3, 0.7), covariance, Eigen::Matrix2d::Zero(), specimens};
+    const Eigen::Vector2d mean(0.3, 0.7);
+    return {{mean, covariance, sample_evidence(mean, covariance, std::max(specimens, Eigen::Index{1}))}, {}, specimens};
+  }
+  /// As large as the scatter times `part`.
+  void add_noise(PredictedPopulation& known, double part) const {
+    known.estimate.evidence.noise = part * covariance;
+    known.estimate.evidence.total = (1.0 + part) * covariance;
+    known.estimate.evidence.mean_covariance = (1.0 + part) / static_cast<double>(known.specimens) * covariance;
   }
 
   Prediction run(const PredictedPopulation& known, double noise = 0.0, int draws = k_draws) const {
@@ -79,7 +86,7 @@ TEST(Prediction, OfAKnownPopulationHasNormalIntervalsAndNoiseAdds) {
 TEST(Prediction, TheNoisesShareIsTakenOffWhatIsUncertain) {
   const Bench bench;
   PredictedPopulation known = bench.population(10);
-  known.noise_share = known.covariance;
+  bench.add_noise(known, 1.0);
   const Prediction with = bench.run(known);
   const Prediction without = bench.run(bench.population(10));
   EXPECT_GT(with.interval(0, 1) - with.interval(0, 0), without.interval(0, 1) - without.interval(0, 0));
@@ -89,12 +96,14 @@ TEST(Prediction, TheNoisesShareIsTakenOffWhatIsUncertain) {
 TEST(Prediction, DoesNotDependOnTheUnitsOfTheParameters) {
   Bench bench;
   PredictedPopulation known = bench.population(10);
-  known.noise_share = 0.5 * known.covariance;
+  bench.add_noise(known, 0.5);
   const Prediction plain = bench.run(known, 0.0, 4000);
   const Eigen::Vector2d unit(1e11, 1e-6);
-  known.mean = unit.asDiagonal() * known.mean;
-  known.covariance = unit.asDiagonal() * known.covariance * unit.asDiagonal();
-  known.noise_share = unit.asDiagonal() * known.noise_share * unit.asDiagonal();
+  known.estimate.mean = unit.asDiagonal() * known.estimate.mean;
+  PopulationEvidence& evidence = known.estimate.evidence;
+  for (Eigen::MatrixXd* matrix :
+       {&known.estimate.covariance, &evidence.total, &evidence.noise, &evidence.mean_covariance})
+    *matrix = unit.asDiagonal() * *matrix * unit.asDiagonal();
   bench.model =
       std::make_unique<LinearModel>(Eigen::Vector2d(1.0, -2.0), bench.slope * unit.cwiseInverse().asDiagonal());
   bench.space =
@@ -138,19 +147,49 @@ TEST(Prediction, FewSpecimensHaveNoJointRegion) {
   EXPECT_TRUE(std::isnan(bench.run(bench.population(3)).joint_critical));
 }
 
-TEST(Prediction, ThePopulationOfAResultGetsTheNoisesShare) {
+/// Half of the entries of one variable missing: its intervals are those of its own degrees of freedom.
+TEST(Prediction, EachVariableHasItsOwnDegreesOfFreedom) {
+  Bench bench;
+  bench.slope.setIdentity();
+  bench.model = std::make_unique<LinearModel>(Eigen::Vector2d::Zero(), bench.slope);
+  PredictedPopulation known = bench.population(10);
+  known.estimate.evidence.freedom << 9.0, 4.0, 4.0, 4.0;
+  known.estimate.evidence.mean_covariance(1, 1) = bench.covariance(1, 1) / 5.0;
+  const Prediction found = bench.run(known);
+  const double first = boost::math::quantile(boost::math::students_t(9.0), 0.975) * std::sqrt(0.04 * 1.1);
+  const double second = boost::math::quantile(boost::math::students_t(4.0), 0.975) * std::sqrt(0.09 * 1.2);
+  EXPECT_NEAR(found.interval(0, 1) - found.interval(0, 0), 2.0 * first, 0.02 * 2.0 * first);
+  EXPECT_NEAR(found.interval(1, 1) - found.interval(1, 0), 2.0 * second, 0.02 * 2.0 * second);
+}
+
+/// A wide population on a logit: first-order moments of x there lead to another population (its 95 % interval
+/// would not be that of the logit).
+TEST(Prediction, OfALogitIsMadeOnItsScale) {
+  const LinearModel model(Eigen::VectorXd::Zero(1), Eigen::MatrixXd::Ones(1, 1));
+  Parameter parameter{.name = "a", .unit = "-"};
+  parameter.scale = {NormalScale::Kind::logit, 0.0, 1.0};
+  const ParameterSpace space(
+      {parameter}, JointDistribution({Distribution({.kind = DistributionKind::uniform, .lower = 0.0, .upper = 1.0})}));
+  UpdatingResult result;
+  const Eigen::VectorXd mean = Eigen::VectorXd::Constant(1, 1.0);
+  const Eigen::MatrixXd covariance = Eigen::MatrixXd::Constant(1, 1, 4.0);
+  result.population = {mean, covariance, sample_evidence(mean, covariance, 1000000)};
+  const Prediction found = predict(model, space, predicted_population(space, result, 1000000),
+                                   {.noise_std = Eigen::VectorXd::Zero(1), .draws = 100000}, {});
+  EXPECT_NEAR(found.interval(0, 0), 1.0 / (1.0 + std::exp(-1.0 + 1.959964 * 2.0)), 0.003);
+  EXPECT_NEAR(found.interval(0, 1), 1.0 / (1.0 + std::exp(-1.0 - 1.959964 * 2.0)), 0.003);
+}
+
+/// A method that estimates no population is normal in the parameters, on whatever scales others would take them.
+TEST(Prediction, OfAResultWithoutAPopulationTakesItsCovarianceAsKnown) {
   const Bench bench;
   UpdatingResult result;
   result.mean = Eigen::Vector2d(0.3, 0.7);
   result.covariance = bench.covariance;
-  result.is_population = true;
-  result.sensitivity = bench.slope;
-  result.noise_covariance = Eigen::Vector2d(0.01, 0.04).asDiagonal();
   const PredictedPopulation found = predicted_population(*bench.space, result, 10);
-  const Eigen::Matrix2d inverse = bench.slope.inverse();
-  const Eigen::Matrix2d expected = inverse * Eigen::Vector2d(0.01, 0.04).asDiagonal() * inverse.transpose();
-  EXPECT_TRUE(found.noise_share.isApprox(expected, 1e-9));
-  EXPECT_EQ(found.specimens, 10);
+  EXPECT_EQ(found.specimens, 0);
+  EXPECT_TRUE(found.scales.empty());
+  EXPECT_EQ(found.estimate.covariance, result.covariance);
 }
 
 }  // namespace

@@ -27,6 +27,15 @@ Eigen::VectorXd sample_standard_deviation(const Eigen::Ref<const Eigen::MatrixXd
 /// @throws InvalidInput  not square, or a negative variance
 Eigen::MatrixXd correlation_from_covariance(const Eigen::Ref<const Eigen::MatrixXd>& covariance);
 
+/// Makes an estimate of a covariance positive semi-definite, which rounding or pairwise formation may have spoiled:
+/// negative eigenvalues of its correlation become zero, and the correlation's diagonal is scaled back to 1, which keeps
+/// the variances. A variable whose variance is not positive has none. What is positive semi-definite to rounding stays.
+///
+/// @param covariance  [variable x variable], symmetric, finite, of any units
+/// @return            whether it had to be changed beyond rounding
+/// Source: [Rousseeuw1993].
+bool repair_covariance(Eigen::MatrixXd& covariance);
+
 /// Moments of samples in which entries may be missing.
 struct SampleMoments {
   Eigen::VectorXi count;       ///< [variable], values present

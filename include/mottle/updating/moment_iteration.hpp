@@ -53,6 +53,11 @@ struct MomentMethod {
 UpdatingResult iterate_moments(const UpdatingProblem& problem, const ScaledParameters& parameters,
                                const MomentMethod& method, const RunContext& context);
 
+/// What the specimens show of the state's population, each of them seen through the sensitivity at the mean
+/// (population_evidence). A parameter that no output moves has no degrees of freedom.
+PopulationEvidence moment_evidence(const UpdatingProblem& problem, const ScaledParameters& parameters,
+                                   const MomentState& state);
+
 /// f and dy/dt at the state's mean; false where the model fails there. `outputs`: f.
 bool evaluate_at_mean(const UpdatingProblem& problem, const ScaledParameters& parameters, MomentState& state,
                       Eigen::VectorXd& outputs, const RunContext& context, std::int64_t& evaluations);

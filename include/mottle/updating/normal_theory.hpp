@@ -24,4 +24,12 @@ ParameterIntervals normal_theory_intervals(const std::vector<NormalScale>& scale
                                            const Eigen::Ref<const Eigen::MatrixXd>& covariance, int count,
                                            const std::vector<int>& groups);
 
+/// Evidence of a sample without noise: its covariance, with n - 1 degrees of freedom in each entry, and a mean whose
+/// covariance is the n-th part of it.
+///
+/// @param mean, covariance  of t [parameter], [parameter x parameter]
+/// @param count             n >= 1
+PopulationEvidence sample_evidence(const Eigen::Ref<const Eigen::VectorXd>& mean,
+                                   const Eigen::Ref<const Eigen::MatrixXd>& covariance, Eigen::Index count);
+
 }  // namespace mottle

@@ -11,16 +11,14 @@
 
 namespace mottle {
 
-/// An estimated population as prediction needs it, on the parameters' scales.
+/// An estimated population as prediction needs it.
 struct PredictedPopulation {
-  Eigen::VectorXd mean;
-  Eigen::MatrixXd covariance;
-  Eigen::MatrixXd noise_share;  ///< what measurement noise adds to the scatter of the specimens' own estimates
-  Eigen::Index specimens = 0;   ///< that it was estimated from; 0: known exactly
+  PopulationOnScales estimate;           ///< `evidence` may be empty where `specimens` is 0
+  std::vector<NormalScale> scales = {};  ///< of the parameters; empty: it is normal in the parameters themselves
+  Eigen::Index specimens = 0;            ///< that it was estimated from; 0: known exactly
 };
 
-/// The population of an update. Sensitivity and noise of the result give the noise's share, (G' R^-1 G)^-1 where the
-/// outputs see the parameters. A method that estimates no population counts as known exactly.
+/// The population of an update. A method that estimates none counts as known exactly, normal in the parameters.
 PredictedPopulation predicted_population(const ParameterSpace& space, const UpdatingResult& result,
                                          Eigen::Index specimens);
 
@@ -51,13 +49,15 @@ struct Prediction {
   std::int64_t impossible = 0;  ///< draws that are physically impossible or failed, left out
 };
 
-/// Predicts by draws through the model. Each output's interval comes from
+/// Predicts by draws through the model. With total T = Sigma + N, noise's share N, covariance M of the mean and degrees
+/// of freedom nu_i of T_ii from the population's evidence, each output's interval comes from
 ///
-///   t* = mu + w (L_T / sqrt(n)) z1 + chol(w^2 T - N) z2,   y* = f(t*) + e,   T = Sigma + N,   w^2 = nu / chi2_nu
+///   t* = mu + w (M^1/2 z1) + (w T w - N)^1/2 z2,   y* = f(t*) + e,   w = diag(sqrt(nu_i / chi2_nu_i))
 ///
-/// with nu = n - 1: for a linear model without noise exactly mu_y +- t_nu s sqrt(1 + 1/n). The joint region
-/// (y - m)' C^-1 (y - m) <= c has its c from draws in which T is inverse Wishart: for a linear model without noise
-/// Hotelling's (1 + 1/n) p nu / (nu - p + 1) F.
+/// with the chi2 of all parameters at one probability: for a linear model of complete tests without noise exactly
+/// mu_y +- t_nu s sqrt(1 + 1/n), nu = n - 1. The joint region (y - m)' C^-1 (y - m) <= c has its c from draws in which
+/// T is inverse Wishart with the mean of the nu_i: for such a model Hotelling's (1 + 1/n) p nu / (nu - p + 1) F. What
+/// no output sees (nu_i = 0) is drawn as it stands.
 ///
 /// @param model  of the predicted outputs, over the parameters of `space`
 /// @throws SystemFailure  more than half of the draws fail
