@@ -79,6 +79,25 @@ double degrees_of_freedom(double spread, double variance, double units) {
   return std::max(expected * units / (units + k_small_sample), k_least);
 }
 
+/// Errors that all units share move the mean alone.
+void add_shared_errors(const std::vector<RandomEffectsUnit>& units, const RandomEffectsFit& fit,
+                       const RandomEffectsSettings& settings, const Eigen::Ref<const Eigen::MatrixXd>& map,
+                       PopulationEvidence& evidence) {
+  if (settings.shared_variance.isZero(0.0)) return;
+  const SharedErrorInformation shared = shared_error_information(units, fit, settings);
+  const Eigen::MatrixXd gain = map * shared.gain;
+  evidence.mean_shared = gain * shared.covariance * gain.transpose();
+  evidence.mean_covariance += evidence.mean_shared;
+  for (std::size_t level = 0; level < shared.levels.size(); ++level) {
+    Eigen::VectorXd variance = settings.shared_variance;
+    for (std::size_t k = 0; k < settings.shared_level.size(); ++k) {
+      if (settings.shared_level[k] != static_cast<int>(level)) variance(static_cast<Eigen::Index>(k)) = 0.0;
+    }
+    const Eigen::MatrixXd moved = map * shared.sensitivity;
+    evidence.levels.emplace_back(moved * variance.asDiagonal() * moved.transpose(), shared.levels[level]);
+  }
+}
+
 }  // namespace
 
 PopulationEvidence population_evidence(const std::vector<RandomEffectsUnit>& units, const RandomEffectsFit& fit,
@@ -88,6 +107,7 @@ PopulationEvidence population_evidence(const std::vector<RandomEffectsUnit>& uni
   evidence.mean = map * fit.mean;
   if (settings.covariance_groups.empty() && settings.mean_origin.size() == 0 &&
       gather_balanced(units, fit, map, evidence)) {
+    add_shared_errors(units, fit, settings, map, evidence);
     return evidence;
   }
   const RandomEffectsInformation information = random_effects_information(units, fit, settings);
@@ -109,6 +129,7 @@ PopulationEvidence population_evidence(const std::vector<RandomEffectsUnit>& uni
       evidence.freedom(i, j) = variance > 0.0 ? degrees_of_freedom(spread, variance, n) : 0.0;
     }
   }
+  add_shared_errors(units, fit, settings, map, evidence);
   return evidence;
 }
 

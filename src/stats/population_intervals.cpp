@@ -15,6 +15,8 @@ namespace mottle {
 namespace {
 
 constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double k_least_level_freedom = 0.1;  // less says nothing of a level
+constexpr Eigen::Index k_most_levels = 8;      // with draws of their own
 constexpr double k_least_freedom = 1.2;  // the Bartlett decomposition needs more than one
 
 /// Draws that all intervals share, and chi-squared deviates made of them by degrees of freedom.
@@ -26,7 +28,7 @@ class Draws {
     return deviates;
   }
 
-  /// Chi-squared of a column of uniforms, 0 or 1.
+  /// Chi-squared of a column of uniforms: 0 or 1, or one of a level.
   const Eigen::ArrayXd& chi_squared(Eigen::Index column, double freedom) {
     const auto [found, is_new] = made_.try_emplace({column, freedom});
     if (is_new) {
@@ -41,7 +43,7 @@ class Draws {
   static const Eigen::MatrixXd& uniforms() {
     constexpr Eigen::Index k_count = 2048;
     static const Eigen::MatrixXd design =
-        uniform_design(SamplingDesign::sobol, k_count, 3, {.purpose = StreamPurpose::bootstrap});
+        uniform_design(SamplingDesign::sobol, k_count, 3 + k_most_levels, {.purpose = StreamPurpose::bootstrap});
     return design;
   }
 
@@ -96,17 +98,72 @@ Eigen::RowVector2d correlation_interval(const PopulationEvidence& evidence, Eige
   return ends.allFinite() ? ends : Eigen::RowVector2d(-1.0, 1.0);
 }
 
+/// Draws of the part of a mean's variance that shared errors make; the same value where their variance is known.
+Eigen::ArrayXd shared_variances(const PopulationEvidence& evidence, Eigen::Index i, Eigen::Index count, Draws& draws) {
+  if (evidence.mean_shared.size() == 0) return Eigen::ArrayXd::Zero(count);
+  Eigen::ArrayXd variances = Eigen::ArrayXd::Constant(count, evidence.mean_shared(i, i));
+  Eigen::Index column = 3;
+  for (const auto& [spread, level] : evidence.levels) {
+    const double freedom = level.degrees_of_freedom;
+    const double estimate = std::max(level.observed - level.known, 0.0);
+    if (!(spread(i, i) > 0.0)) continue;
+    if (!(freedom > k_least_level_freedom)) return Eigen::ArrayXd::Constant(count, k_nan);
+    const Eigen::ArrayXd drawn =
+        (freedom * level.observed / draws.chi_squared(column, freedom) - level.known).max(0.0);
+    variances += spread(i, i) * (drawn - estimate);
+    column = std::min(column + 1, 2 + k_most_levels);
+  }
+  return variances.max(0.0);
+}
+
+/// Half the width of a mean's interval where levels of shared errors are estimated: it holds the given part of the
+/// fiducial distribution, normal at given variances.
+double half_width(const Eigen::ArrayXd& variances, double confidence) {
+  const Eigen::ArrayXd deviation = variances.max(0.0).sqrt();
+  const auto held = [&](double half) {
+    return (half / deviation.max(1e-300)).unaryExpr([](double z) { return std::erf(z / std::sqrt(2.0)); }).mean();
+  };
+  double lower = 0.0;
+  double upper = deviation.maxCoeff() + std::numeric_limits<double>::min();
+  while (held(upper) < confidence) upper *= 2.0;
+  for (int halving = 0; halving < 60; ++halving) {
+    const double middle = 0.5 * (lower + upper);
+    (held(middle) < confidence ? lower : upper) = middle;
+  }
+  return upper;
+}
+
+/// Half the width of the interval of a mean that is normal.
+double mean_half_width(const PopulationEvidence& evidence, Eigen::Index i, double confidence, Draws& draws) {
+  const double variance = evidence.mean_covariance(i, i);
+  const double shared = evidence.mean_shared.size() > 0 ? evidence.mean_shared(i, i) : 0.0;
+  const double own = std::max(variance - shared, 0.0);
+  if (!evidence.levels.empty()) {
+    const Eigen::ArrayXd& chi_squared = draws.chi_squared(0, evidence.freedom(i, i));
+    const Eigen::ArrayXd drawn = shared_variances(evidence, i, chi_squared.size(), draws);
+    if (!drawn.allFinite()) return k_nan;
+    return half_width(own * evidence.freedom(i, i) / chi_squared + drawn, confidence);
+  }
+  const double ratio = own > 0.0 ? variance / own : std::numeric_limits<double>::infinity();
+  constexpr double k_nearly_normal = 1e9;
+  const boost::math::students_t t(std::min(evidence.freedom(i, i) * ratio * ratio, k_nearly_normal));
+  return boost::math::quantile(complement(t, 0.5 * (1.0 - confidence))) * std::sqrt(variance);
+}
+
 /// Mean and deviation of a variable that is not normal itself.
 void add_scaled_intervals(const PopulationEvidence& evidence, Eigen::Index i, const NormalScale& scale,
                           double confidence, Draws& draws, PopulationIntervals& intervals) {
   const double freedom = evidence.freedom(i, i);
   const Eigen::ArrayXd& chi_squared = draws.chi_squared(0, freedom);
+  const Eigen::ArrayXd shared = shared_variances(evidence, i, chi_squared.size(), draws);
+  const double own_variance =
+      evidence.mean_covariance(i, i) - (evidence.mean_shared.size() > 0 ? evidence.mean_shared(i, i) : 0.0);
   std::vector<double> means;
   std::vector<double> deviations;
   for (Eigen::Index k = 0; k < chi_squared.size(); ++k) {
     const double blown = freedom / chi_squared(k);
     const double variance = std::max(evidence.total(i, i) * blown - evidence.noise(i, i), 0.0);
-    const double mean = evidence.mean(i) - Draws::normal()(k) * std::sqrt(evidence.mean_covariance(i, i) * blown);
+    const double mean = evidence.mean(i) - Draws::normal()(k) * std::sqrt(own_variance * blown + shared(k));
     const VariableMoments moments =
         moments_of_variables({scale}, Eigen::VectorXd::Constant(1, mean), Eigen::MatrixXd::Constant(1, 1, variance));
     means.push_back(moments.mean(0));
@@ -132,8 +189,7 @@ PopulationIntervals population_intervals(const PopulationEvidence& evidence, con
     if (scales[static_cast<std::size_t>(i)].kind != NormalScale::Kind::identity) {
       add_scaled_intervals(evidence, i, scales[static_cast<std::size_t>(i)], confidence, draws, intervals);
     } else {
-      const boost::math::students_t t(freedom);
-      const double half = boost::math::quantile(complement(t, tail)) * std::sqrt(evidence.mean_covariance(i, i));
+      const double half = mean_half_width(evidence, i, confidence, draws);
       intervals.mean.row(i) << evidence.mean(i) - half, evidence.mean(i) + half;
       const boost::math::chi_squared chi_squared(freedom);
       const double sum = freedom * evidence.total(i, i);

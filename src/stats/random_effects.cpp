@@ -6,6 +6,7 @@
 
 #include "mottle/core/error.hpp"
 #include "mottle/stats/descriptive.hpp"
+#include "random_effects_levels.hpp"
 #include "random_effects_step.hpp"
 
 namespace mottle {
@@ -36,25 +37,25 @@ bool is_positive(const Eigen::MatrixXd& covariance) {
 }
 
 /// One step of expectation and maximisation.
-State improve(const std::vector<RandomEffectsUnit>& units, const State& now, const RandomEffectsSettings& settings,
-              RandomEffectsPass* pass_out = nullptr) {
-  RandomEffectsPass pass(units, now.covariance, now.factors, settings);
+State improve(const std::vector<RandomEffectsUnit>& units, const State& now, const RandomEffectsSettings& settings) {
+  const RandomEffectsPass pass(units, now.covariance, now.factors, settings);
   const auto n = static_cast<double>(units.size());
   State next{Eigen::MatrixXd::Zero(now.covariance.rows(), now.covariance.cols()),
              Eigen::VectorXd::Zero(now.factors.size())};
   Eigen::MatrixXd removed = next.covariance;
   Eigen::VectorXd rows = next.factors;
+  const bool removes = pass.removed_variance.size() > 0;
   for (std::size_t s = 0; s < units.size(); ++s) {
     const RandomEffectsPass::Unit& unit = pass.units[s];
-    const Eigen::VectorXd residual = units[s].response - units[s].design * pass.mean;
+    const Eigen::VectorXd& residual = unit.residual;
     const Eigen::VectorXd effect = now.covariance * (unit.weighted * residual);
     next.covariance += effect * effect.transpose();
     removed += unit.seen;
-    if (settings.is_restricted) removed -= unit.seen * pass.mean_variance * unit.seen;
+    if (removes) removed -= unit.seen_common() * pass.removed_variance * unit.common_seen();
     if (now.factors.size() == 0) continue;
     const Eigen::VectorXd weighed = unit.precision * residual;
     Eigen::MatrixXd projection = unit.precision;
-    if (settings.is_restricted) projection -= unit.weighted.transpose() * pass.mean_variance * unit.weighted;
+    if (removes) projection -= unit.common_weighted().transpose() * pass.removed_variance * unit.common_weighted();
     for (Eigen::Index k = 0; k < residual.size(); ++k) {
       const int f = units[s].factor.empty() ? -1 : units[s].factor[static_cast<std::size_t>(k)];
       if (f < 0) continue;
@@ -74,7 +75,6 @@ State improve(const std::vector<RandomEffectsUnit>& units, const State& now, con
   // variances a little below zero, which further steps would carry on.
   if (!is_positive(next.covariance)) repair_covariance(next.covariance);
   next.factors = next.factors.cwiseQuotient(rows.cwiseMax(1.0)).cwiseMax(0.0);
-  if (pass_out != nullptr) *pass_out = std::move(pass);
   return next;
 }
 
@@ -129,12 +129,21 @@ void require_units(const std::vector<RandomEffectsUnit>& units, Eigen::Index eff
   }
 }
 
-}  // namespace
+void require_shared(const std::vector<RandomEffectsUnit>& units, const RandomEffectsSettings& settings) {
+  const auto errors = static_cast<int>(settings.shared_variance.size());
+  require(settings.shared_level.empty() || static_cast<int>(settings.shared_level.size()) == errors,
+          "random effects: {} levels are named for {} shared errors", settings.shared_level.size(), errors);
+  for (const RandomEffectsUnit& unit : units) {
+    const bool fits = unit.shared.empty() || static_cast<Eigen::Index>(unit.shared.size()) == unit.response.size();
+    require(fits && std::all_of(unit.shared.begin(), unit.shared.end(), [&](int k) { return k < errors; }),
+            "random effects: a unit of {} rows names {} of {} shared errors", unit.response.size(), unit.shared.size(),
+            errors);
+  }
+}
 
-RandomEffectsFit fit_random_effects(const std::vector<RandomEffectsUnit>& units,
-                                    const Eigen::Ref<const Eigen::MatrixXd>& start,
-                                    const RandomEffectsSettings& settings) {
-  require_units(units, start.rows());
+/// The estimate at known variances of the shared errors.
+RandomEffectsFit fit_at(const std::vector<RandomEffectsUnit>& units, const Eigen::Ref<const Eigen::MatrixXd>& start,
+                        const RandomEffectsSettings& settings) {
   State state{start, Eigen::VectorXd::Ones(settings.factors)};
   keep_groups(state.covariance, settings);
   RandomEffectsFit fit;
@@ -155,13 +164,38 @@ RandomEffectsFit fit_random_effects(const std::vector<RandomEffectsUnit>& units,
   fit.mean = pass.mean;
   fit.covariance = state.covariance;
   fit.noise_factors = state.factors;
+  fit.shared = pass.shared;
   fit.log_likelihood = pass.log_likelihood;
   fit.effects.resize(static_cast<Eigen::Index>(units.size()), start.rows());
   for (std::size_t s = 0; s < units.size(); ++s) {
-    const Eigen::VectorXd residual = units[s].response - units[s].design * pass.mean;
     fit.effects.row(static_cast<Eigen::Index>(s)) =
-        (pass.mean + state.covariance * (pass.units[s].weighted * residual)).transpose();
+        (pass.mean + state.covariance * (pass.units[s].weighted * pass.units[s].residual)).transpose();
   }
+  return fit;
+}
+
+}  // namespace
+
+RandomEffectsFit fit_random_effects(const std::vector<RandomEffectsUnit>& units,
+                                    const Eigen::Ref<const Eigen::MatrixXd>& start,
+                                    const RandomEffectsSettings& settings) {
+  require_units(units, start.rows());
+  require_shared(units, settings);
+  Eigen::VectorXd levels = Eigen::VectorXd::Ones(settings.levels);
+  RandomEffectsFit fit = fit_at(units, start, at_levels(settings, levels));
+  constexpr int k_most_rounds = 30;
+  for (int round = 0; round < k_most_rounds && settings.levels > 0; ++round) {
+    // Sigma hardly depends on the levels: where designs are alike, not at all.
+    fit.levels = levels;
+    const Eigen::VectorXd next = scored_levels(level_scores(units, fit, settings), levels);
+    const double change = ((next - levels).array() / next.cwiseMax(levels).array().max(1e-300)).abs().maxCoeff();
+    levels = next;
+    const int iterations = fit.iterations;
+    fit = fit_at(units, fit.covariance, at_levels(settings, levels));
+    fit.iterations += iterations;
+    if (change <= std::sqrt(settings.tolerance)) break;
+  }
+  fit.levels = levels;
   return fit;
 }
 

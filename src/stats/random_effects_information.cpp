@@ -25,18 +25,20 @@ double trace_with(const Eigen::MatrixXd& m, const std::pair<Eigen::Index, Eigen:
   return i == j ? m(i, i) : 2.0 * m(i, j);
 }
 
-Eigen::MatrixXd expected_information(const RandomEffectsPass& pass, const Entries& entries, bool is_restricted) {
+Eigen::MatrixXd expected_information(const RandomEffectsPass& pass, const Entries& entries) {
   const Eigen::Index q = pass.mean.size();
+  const Eigen::Index common = pass.information.rows();
+  const bool removes = pass.removed_variance.size() > 0;
   const auto count = static_cast<Eigen::Index>(entries.size());
   Eigen::MatrixXd information = Eigen::MatrixXd::Zero(count, count);
-  std::vector<Eigen::MatrixXd> sums(entries.size(), Eigen::MatrixXd::Zero(q, q));
+  std::vector<Eigen::MatrixXd> sums(entries.size(), Eigen::MatrixXd::Zero(common, common));
   for (const RandomEffectsPass::Unit& unit : pass.units) {
     Eigen::MatrixXd twice = Eigen::MatrixXd::Zero(q, q);
-    if (is_restricted) twice = unit.seen * pass.mean_variance * unit.seen;
+    if (removes) twice = unit.seen_common() * pass.removed_variance * unit.common_seen();
     for (Eigen::Index a = 0; a < count; ++a) {
       const auto& entry = entries[static_cast<std::size_t>(a)];
       Eigen::MatrixXd product = sandwich(unit.seen, unit.seen, entry);
-      sums[static_cast<std::size_t>(a)] += product;
+      sums[static_cast<std::size_t>(a)] += unit.has_shared ? sandwich(unit.shared_seen, unit.shared_seen, entry) : product;
       const Eigen::MatrixXd mixed = sandwich(unit.seen, twice, entry);
       product -= mixed + mixed.transpose();
       for (Eigen::Index b = 0; b <= a; ++b) {
@@ -44,8 +46,8 @@ Eigen::MatrixXd expected_information(const RandomEffectsPass& pass, const Entrie
       }
     }
   }
-  if (is_restricted) {
-    for (Eigen::MatrixXd& sum : sums) sum = (pass.mean_variance * sum).eval();
+  if (removes) {
+    for (Eigen::MatrixXd& sum : sums) sum = (pass.removed_variance * sum).eval();
     for (Eigen::Index a = 0; a < count; ++a) {
       for (Eigen::Index b = 0; b <= a; ++b) {
         const Eigen::MatrixXd& other = sums[static_cast<std::size_t>(b)];
@@ -82,23 +84,24 @@ double RandomEffectsInformation::variance_of(const Eigen::Ref<const Eigen::Vecto
 RandomEffectsInformation random_effects_information(const std::vector<RandomEffectsUnit>& units,
                                                     const RandomEffectsFit& fit,
                                                     const RandomEffectsSettings& settings) {
-  const RandomEffectsPass pass(units, fit.covariance, fit.noise_factors, settings);
+  const RandomEffectsPass pass(units, fit.covariance, fit.noise_factors, at_levels(settings, fit.levels));
   const Eigen::Index q = fit.mean.size();
   RandomEffectsInformation result;
-  Eigen::MatrixXd from_effects = Eigen::MatrixXd::Zero(q, q);
+  Eigen::MatrixXd from_effects = Eigen::MatrixXd::Zero(pass.information.rows(), pass.information.rows());
   Eigen::MatrixXd from_noise = from_effects;
   for (const RandomEffectsPass::Unit& unit : pass.units) {
-    from_effects += unit.seen * fit.covariance * unit.seen;
-    from_noise += unit.weighted * unit.noise.asDiagonal() * unit.weighted.transpose();
+    from_effects += unit.common_seen() * fit.covariance * unit.seen_common();
+    from_noise += unit.common_weighted() * unit.noise.asDiagonal() * unit.common_weighted().transpose();
   }
-  result.mean_from_effects = pass.mean_variance * from_effects * pass.mean_variance;
-  result.mean_from_noise = pass.mean_variance * from_noise * pass.mean_variance;
+  const Eigen::MatrixXd& m = pass.common_variance;
+  result.mean_from_effects = (m * from_effects * m).topLeftCorner(q, q);
+  result.mean_from_noise = (m * from_noise * m).topLeftCorner(q, q);
   for (Eigen::Index i = 0; i < q; ++i) {
     for (Eigen::Index j = 0; j <= i; ++j) {
       if (may_be_correlated(settings, i, j)) result.entries.emplace_back(i, j);
     }
   }
-  result.entry_covariance = inverse_of(expected_information(pass, result.entries, settings.is_restricted));
+  result.entry_covariance = inverse_of(expected_information(pass, result.entries));
   return result;
 }
 

@@ -27,44 +27,109 @@ std::pair<Eigen::MatrixXd, double> invert(Eigen::MatrixXd covariance) {
 
 }  // namespace
 
-RandomEffectsPass::RandomEffectsPass(const std::vector<RandomEffectsUnit>& observed, const Eigen::MatrixXd& covariance,
-                                     const Eigen::VectorXd& factors, const RandomEffectsSettings& settings) {
+RandomEffectsSettings at_levels(const RandomEffectsSettings& settings, const Eigen::VectorXd& levels) {
+  RandomEffectsSettings known = settings;
+  for (std::size_t k = 0; k < settings.shared_level.size(); ++k) {
+    const int level = settings.shared_level[k];
+    if (level >= 0) known.shared_variance(static_cast<Eigen::Index>(k)) *= levels(level);
+  }
+  known.shared_level.clear();
+  known.levels = 0;
+  return known;
+}
+
+RandomEffectsPass::Unit RandomEffectsPass::make_unit(const RandomEffectsUnit& from, const Eigen::MatrixXd& covariance,
+                                                     const Eigen::VectorXd& factors) {
+  Unit unit;
+  unit.noise = from.noise;
+  for (std::size_t k = 0; k < from.factor.size(); ++k) {
+    if (from.factor[k] >= 0) unit.noise(static_cast<Eigen::Index>(k)) *= factors(from.factor[k]);
+  }
+  Eigen::MatrixXd total = from.design * covariance * from.design.transpose();
+  total.diagonal() += unit.noise;
+  double log_det = 0.0;
+  std::tie(unit.precision, log_det) = invert(std::move(total));
+  unit.weighted = from.design.transpose() * unit.precision;
+  unit.seen = unit.weighted * from.design;
+  log_likelihood -= 0.5 * log_det;
+  unit.has_shared = shared.size() > 0;
+  if (!unit.has_shared) return unit;
   const Eigen::Index q = covariance.rows();
-  const bool has_origin = settings.mean_origin.size() == q;
-  const Eigen::MatrixXd directions =
-      has_origin ? settings.mean_directions : Eigen::MatrixXd(Eigen::MatrixXd::Identity(q, q));
-  mean = has_origin ? settings.mean_origin : Eigen::VectorXd(Eigen::VectorXd::Zero(q));
-  Eigen::MatrixXd information = Eigen::MatrixXd::Zero(q, q);
-  Eigen::VectorXd gradient = Eigen::VectorXd::Zero(q);
-  units.resize(observed.size());
-  for (std::size_t s = 0; s < observed.size(); ++s) {
-    const RandomEffectsUnit& from = observed[s];
-    Unit& unit = units[s];
-    unit.noise = from.noise;
-    for (std::size_t k = 0; k < from.factor.size(); ++k) {
-      if (from.factor[k] >= 0) unit.noise(static_cast<Eigen::Index>(k)) *= factors(from.factor[k]);
+  unit.shared_weighted = Eigen::MatrixXd::Zero(q + shared.size(), from.design.rows());
+  unit.shared_weighted.topRows(q) = unit.weighted;
+  for (std::size_t k = 0; k < from.shared.size(); ++k) {
+    if (from.shared[k] >= 0) {
+      unit.shared_weighted.row(q + from.shared[k]) += unit.precision.row(static_cast<Eigen::Index>(k));
     }
-    Eigen::MatrixXd total = from.design * covariance * from.design.transpose();
-    total.diagonal() += unit.noise;
-    double log_det = 0.0;
-    std::tie(unit.precision, log_det) = invert(std::move(total));
-    unit.weighted = from.design.transpose() * unit.precision;
-    unit.seen = unit.weighted * from.design;
-    information += unit.seen;
-    gradient += unit.weighted * (from.response - from.design * mean);
-    log_likelihood -= 0.5 * log_det;
   }
-  mean_variance = Eigen::MatrixXd::Zero(q, q);
-  if (directions.cols() > 0) {
-    const auto [inverse, log_det] = invert(directions.transpose() * information * directions);
-    mean_variance = directions * inverse * directions.transpose();
-    if (settings.is_restricted) log_likelihood -= 0.5 * log_det;
+  unit.shared_seen = unit.shared_weighted * from.design;
+  unit.seen_shared = unit.shared_seen.transpose();
+  return unit;
+}
+
+RandomEffectsPass::RandomEffectsPass(const std::vector<RandomEffectsUnit>& observed, const Eigen::MatrixXd& covariance,
+                                     const Eigen::VectorXd& factors, const RandomEffectsSettings& settings)
+    : shared(Eigen::VectorXd::Zero(settings.shared_variance.size())) {
+  const Eigen::Index q = covariance.rows();
+  const Eigen::Index common = q + shared.size();
+  mean = settings.mean_origin.size() == q ? settings.mean_origin : Eigen::VectorXd(Eigen::VectorXd::Zero(q));
+  information = Eigen::MatrixXd::Zero(common, common);
+  Eigen::VectorXd gradient = Eigen::VectorXd::Zero(common);
+  units.reserve(observed.size());
+  for (const RandomEffectsUnit& from : observed) {
+    units.push_back(make_unit(from, covariance, factors));
+    const Unit& unit = units.back();
+    information.leftCols(q) += unit.common_seen();
+    for (std::size_t k = 0; k < from.shared.size() && unit.has_shared; ++k) {
+      if (from.shared[k] >= 0) {
+        information.col(q + from.shared[k]) += unit.shared_weighted.col(static_cast<Eigen::Index>(k));
+      }
+    }
+    gradient += unit.common_weighted() * (from.response - from.design * mean);
   }
-  mean += mean_variance * gradient;
+  solve_common(settings, gradient);
   for (std::size_t s = 0; s < observed.size(); ++s) {
-    const Eigen::VectorXd residual = observed[s].response - observed[s].design * mean;
-    log_likelihood -= 0.5 * residual.dot(units[s].precision * residual);
+    Unit& unit = units[s];
+    unit.residual = observed[s].response - observed[s].design * mean;
+    for (std::size_t k = 0; k < observed[s].shared.size() && unit.has_shared; ++k) {
+      if (observed[s].shared[k] >= 0) unit.residual(static_cast<Eigen::Index>(k)) -= shared(observed[s].shared[k]);
+    }
+    log_likelihood -= 0.5 * unit.residual.dot(unit.precision * unit.residual);
   }
+}
+
+/// Shared errors are solved for in their standard deviations, d = D^1/2 u, u ~ N(0, I): an error of zero has no effect.
+void RandomEffectsPass::solve_common(const RandomEffectsSettings& settings, const Eigen::VectorXd& gradient) {
+  const Eigen::Index q = mean.size();
+  const Eigen::Index errors = shared.size();
+  const Eigen::MatrixXd directions =
+      settings.mean_origin.size() == q ? settings.mean_directions : Eigen::MatrixXd(Eigen::MatrixXd::Identity(q, q));
+  const Eigen::Index estimated = directions.cols();
+  const Eigen::VectorXd deviation = settings.shared_variance.cwiseSqrt();
+  Eigen::MatrixXd basis = Eigen::MatrixXd::Zero(q + errors, estimated + errors);
+  basis.topLeftCorner(q, estimated) = directions;
+  basis.bottomRightCorner(errors, errors) = deviation.asDiagonal();
+  common_variance = Eigen::MatrixXd::Zero(q + errors, q + errors);
+  if (basis.cols() > 0) {
+    Eigen::MatrixXd equations = basis.transpose() * information * basis;
+    equations.diagonal().tail(errors).array() += 1.0;
+    const auto [inverse, log_det] = invert(equations);
+    common_variance = basis * inverse * basis.transpose();
+    if (settings.is_restricted) log_likelihood -= 0.5 * log_det;
+    if (!settings.is_restricted && errors > 0) {
+      const auto [own_inverse, own_log_det] = invert(equations.bottomRightCorner(errors, errors));
+      removed_variance = Eigen::MatrixXd::Zero(q + errors, q + errors);
+      removed_variance.bottomRightCorner(errors, errors) =
+          deviation.asDiagonal() * own_inverse * deviation.asDiagonal();
+      log_likelihood -= 0.5 * own_log_det;
+    }
+  }
+  if (settings.is_restricted) removed_variance = common_variance;
+  const Eigen::VectorXd solution = common_variance * gradient;
+  mean += solution.head(q);
+  shared = solution.tail(errors);
+  const Eigen::ArrayXd standardised = shared.array() / deviation.array().max(1e-300);
+  log_likelihood -= 0.5 * standardised.square().sum();
 }
 
 }  // namespace mottle

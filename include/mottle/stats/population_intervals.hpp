@@ -17,6 +17,11 @@ struct PopulationEvidence {
   Eigen::MatrixXd noise;            ///< the part of `total` that measurement noise makes [variable x variable]
   Eigen::MatrixXd mean_covariance;  ///< of `mean` [variable x variable]
   Eigen::MatrixXd freedom;          ///< of each entry of `total`; 0: not determined [variable x variable]
+  /// The part of `mean_covariance` that errors shared by all units make: it does not shrink with their number. Empty:
+  /// none [variable x variable].
+  Eigen::MatrixXd mean_shared = {};
+  /// The part of `mean_shared` by each estimated level, at level one, and what the level rests on.
+  std::vector<std::pair<Eigen::MatrixXd, SharedErrorLevel>> levels = {};
 };
 
 /// Evidence from a fit.
@@ -42,7 +47,9 @@ struct PopulationIntervals {
 
 /// Two-sided intervals on the variables' own axes.
 ///
-/// Mean: Student's t. Deviation: sqrt(nu total / chi2 - noise), zero where that is negative. Correlation: quantiles of
+/// Mean: Student's t; with shared errors of known variance the degrees of freedom of the sum of both variances, nu
+/// (v / (v - v_shared))^2 [Satterthwaite1946]; with estimated levels the fiducial distribution of the mean, over those of
+/// its scatter and of each level, max(0, nu_level observed / chi2 - known). Deviation: sqrt(nu total / chi2 - noise), zero where that is negative. Correlation: quantiles of
 /// the fiducial distribution from the Bartlett decomposition of a 2 x 2 covariance, less the noise, over its draws with
 /// positive variances. All three are exact for a normal sample without noise. Means and deviations of variables on a
 /// log or logit scale: quantiles over the joint fiducial draws of mean and variance on the scale. Correlations are
