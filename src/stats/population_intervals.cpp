@@ -17,7 +17,7 @@ namespace {
 constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double k_least_level_freedom = 0.1;  // less says nothing of a level
 constexpr Eigen::Index k_most_levels = 8;      // with draws of their own
-constexpr double k_least_freedom = 1.2;  // the Bartlett decomposition needs more than one
+constexpr double k_least_freedom = 1.2;        // the Bartlett decomposition needs more than one
 
 /// Draws that all intervals share, and chi-squared deviates made of them by degrees of freedom.
 class Draws {
@@ -108,8 +108,7 @@ Eigen::ArrayXd shared_variances(const PopulationEvidence& evidence, Eigen::Index
     const double estimate = std::max(level.observed - level.known, 0.0);
     if (!(spread(i, i) > 0.0)) continue;
     if (!(freedom > k_least_level_freedom)) return Eigen::ArrayXd::Constant(count, k_nan);
-    const Eigen::ArrayXd drawn =
-        (freedom * level.observed / draws.chi_squared(column, freedom) - level.known).max(0.0);
+    const Eigen::ArrayXd drawn = (freedom * level.observed / draws.chi_squared(column, freedom) - level.known).max(0.0);
     variances += spread(i, i) * (drawn - estimate);
     column = std::min(column + 1, 2 + k_most_levels);
   }

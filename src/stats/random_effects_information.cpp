@@ -38,7 +38,8 @@ Eigen::MatrixXd expected_information(const RandomEffectsPass& pass, const Entrie
     for (Eigen::Index a = 0; a < count; ++a) {
       const auto& entry = entries[static_cast<std::size_t>(a)];
       Eigen::MatrixXd product = sandwich(unit.seen, unit.seen, entry);
-      sums[static_cast<std::size_t>(a)] += unit.has_shared ? sandwich(unit.shared_seen, unit.shared_seen, entry) : product;
+      sums[static_cast<std::size_t>(a)] +=
+          unit.has_shared ? sandwich(unit.shared_seen, unit.shared_seen, entry) : product;
       const Eigen::MatrixXd mixed = sandwich(unit.seen, twice, entry);
       product -= mixed + mixed.transpose();
       for (Eigen::Index b = 0; b <= a; ++b) {

@@ -55,7 +55,8 @@ std::vector<NoiseRule> read_noise_rules(TomlReader& reader, const std::string& k
 }
 
 NoiseDeviations noise_deviations(const std::vector<NoiseRule>& rules, const std::vector<std::string>& outputs,
-                                 const Eigen::Ref<const Eigen::VectorXd>& means, const std::string& key) {
+                                 const Eigen::Ref<const Eigen::VectorXd>& means, const std::string& key,
+                                 const std::string& what) {
   for (const NoiseRule& rule : rules) {
     const bool fits = std::any_of(outputs.begin(), outputs.end(), [&](const std::string& name) {
       return is_pattern(rule.pattern) ? matches_pattern(name, rule.pattern) : name == rule.pattern;
@@ -86,8 +87,8 @@ NoiseDeviations noise_deviations(const std::vector<NoiseRule>& rules, const std:
         held[r].begin(), held[r].begin() + static_cast<std::ptrdiff_t>(std::min(held[r].size(), k_listed)));
     result.notes.push_back(
         held[r].empty()
-            ? fmt::format("Measurement noise {}: holds for no output, others go before it.", rule_text(rules[r]))
-            : fmt::format("Measurement noise {}: holds for {}{}.", rule_text(rules[r]), join(first),
+            ? fmt::format("{} {}: holds for no output, others go before it.", what, rule_text(rules[r]))
+            : fmt::format("{} {}: holds for {}{}.", what, rule_text(rules[r]), join(first),
                           held[r].size() > k_listed ? fmt::format(" and {} more", held[r].size() - k_listed) : ""));
   }
   return result;

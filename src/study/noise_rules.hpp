@@ -1,4 +1,4 @@
-// Measurement noise by output name or pattern: reading the rules, and what each output gets from them.
+// Measurement noise and model error by output name or pattern: reading the rules, and what each output gets from them.
 #pragma once
 
 #include <Eigen/Core>
@@ -26,8 +26,10 @@ struct NoiseDeviations {
 ///
 /// @param means  of the outputs, of which a relative rule takes its part
 /// @param key    "test.repeatability", for messages
+/// @param what   "Measurement noise", for notes
 /// Throws InvalidInput: a rule that fits no output.
 NoiseDeviations noise_deviations(const std::vector<NoiseRule>& rules, const std::vector<std::string>& outputs,
-                                 const Eigen::Ref<const Eigen::VectorXd>& means, const std::string& key);
+                                 const Eigen::Ref<const Eigen::VectorXd>& means, const std::string& key,
+                                 const std::string& what = "Measurement noise");
 
 }  // namespace mottle

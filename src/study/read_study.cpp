@@ -54,6 +54,15 @@ StudyTest read_test(TomlReader reader, const std::filesystem::path& folder) {
   } else {
     test.repeatability = read_noise_rules(reader, "repeatability");
   }
+  const toml::node* error = reader.raw("model_error");
+  if (error != nullptr && error->is_string()) {
+    test.is_model_error_estimated = reader.text("model_error") == "estimated";
+    if (!test.is_model_error_estimated) {
+      reader.fail_value("model_error", "\"estimated\", or a table of outputs like { \"f*\" = \"0.3 %\" }");
+    }
+  } else {
+    test.model_error = read_noise_rules(reader, "model_error");
+  }
   reader.finish();
   return test;
 }

@@ -164,6 +164,34 @@ void read_repeats(const Study& study, const ModalModel& model, const std::vector
                                     least == most ? fmt::format("{}", least) : fmt::format("{} to {}", least, most)));
 }
 
+Eigen::VectorXd column_means(const Eigen::MatrixXd& values) {
+  Eigen::VectorXd means(values.cols());
+  for (Eigen::Index k = 0; k < values.cols(); ++k) {
+    const auto column = values.col(k).array();
+    means(k) = column.isNaN().select(0.0, column).sum() / static_cast<double>((!column.isNaN()).count());
+  }
+  return means;
+}
+
+/// What the rules of [test] `key` give each output.
+Eigen::VectorXd deviations_by_rules(const Study& study, const std::vector<NoiseRule>& rules, const std::string& key,
+                                    const std::string& what, const std::vector<std::string>& names, StudyTests& tests) {
+  try {
+    NoiseDeviations noise = noise_deviations(rules, names, column_means(tests.data.values), "test." + key, what);
+    for (std::string& note : noise.notes) tests.notes.push_back(std::move(note));
+    return noise.std;
+  } catch (const InvalidInput& error) {
+    throw InvalidInput(located(study, error.what()));
+  }
+}
+
+void add_model_error(const Study& study, const std::vector<std::string>& names, StudyTests& tests) {
+  tests.data.is_model_error_estimated = study.test->is_model_error_estimated;
+  if (study.test->model_error.empty()) return;
+  tests.data.model_error_std =
+      deviations_by_rules(study, study.test->model_error, "model_error", "Model error", names, tests);
+}
+
 void add_repeatability(const Study& study, const ModalModel& model, const std::vector<std::string>& names,
                        StudyTests& tests) {
   const Eigen::Index outputs = tests.data.values.cols();
@@ -173,18 +201,8 @@ void add_repeatability(const Study& study, const ModalModel& model, const std::v
     read_repeats(study, model, names, tests);
     return;
   }
-  Eigen::VectorXd means(outputs);
-  for (Eigen::Index k = 0; k < outputs; ++k) {
-    const auto column = tests.data.values.col(k).array();
-    means(k) = column.isNaN().select(0.0, column).sum() / static_cast<double>((!column.isNaN()).count());
-  }
-  try {
-    NoiseDeviations noise = noise_deviations(study.test->repeatability, names, means, "test.repeatability");
-    tests.data.repeatability_std = noise.std;
-    for (std::string& note : noise.notes) tests.notes.push_back(std::move(note));
-  } catch (const InvalidInput& error) {
-    throw InvalidInput(located(study, error.what()));
-  }
+  tests.data.repeatability_std =
+      deviations_by_rules(study, study.test->repeatability, "repeatability", "Measurement noise", names, tests);
 }
 
 /// Specimens from the rows of a table; those without any value are left out.
@@ -245,6 +263,7 @@ StudyTests read_tests(const Study& study, const ModalModel& model) {
             tests.file, names[static_cast<std::size_t>(k)], tests.data.values.rows());
   }
   add_repeatability(study, model, names, tests);
+  add_model_error(study, names, tests);
   return tests;
 }
 

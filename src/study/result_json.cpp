@@ -136,6 +136,21 @@ void add_test_outputs(Json& outputs, const TestMoments& tests, const UpdatingRes
   outputs["final_covariance"] = to_json_rows(result.history.back().output_covariance);
 }
 
+/// The model's error: standard deviation, what the tests say of its shift, and the standard error of that.
+void add_model_error(Json& outputs, const UpdatingResult& result) {
+  outputs["model_error_std"] = nullptr;
+  outputs["model_error"] = nullptr;
+  if (!result.model_error) return;
+  const ModelError& error = *result.model_error;
+  outputs["model_error_std"] = to_json(error.std);
+  Json list = Json::array();
+  for (Eigen::Index k = 0; k < error.shift.size(); ++k) {
+    list.push_back({{"shift", number_json(error.shift(k))},
+                    {"standard_error", number_json(std::sqrt(std::max(error.covariance(k, k), 0.0)))}});
+  }
+  outputs["model_error"] = std::move(list);
+}
+
 Json options_json(const Study& study, const UpdatingProblem& problem, const Updater& method) {
   Json options = {
       {"samples", problem.cloud.samples}, {"samples_rule", study.update.has_automatic_samples ? "auto" : "given"},
@@ -306,6 +321,7 @@ Json update_result_json(const Study& study, const StudyTests& tests, const Updat
   json["specimens"] = specimens_json(result);
   json["outputs"]["noise_std"] =
       result.noise_covariance.size() > 0 ? to_json(result.noise_covariance.diagonal().cwiseSqrt()) : Json(nullptr);
+  add_model_error(json["outputs"], result);
   json["test_ellipses"] = ellipses_json(moments.mean, moments.covariance);
   add_cloud_analysis(json, last.cloud, first.cloud);
   json["sample_size"] = sample_size_json(problem, last);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "model_error.hpp"
 #include "mottle/core/error.hpp"
 #include "mottle/stats/chi_squared.hpp"
 #include "mottle/updating/scaled_parameters.hpp"
@@ -52,6 +53,8 @@ CandidateFits::CandidateFits(const UpdatingProblem& problem, const DiagnosisSett
       tests_(problem.tests) {
   turn_shapes(signs_, tests_.values);
   noise_ = common_noise(problem, tests_, settings.given);
+  // An estimated level would take up whatever a candidate explains of the means: only a given error is used here.
+  if (!tests_.is_model_error_estimated) model_error_ = model_error_model(problem);
 }
 
 bool CandidateFits::has_room_for(Eigen::Index count) const {
@@ -74,6 +77,7 @@ std::vector<int> CandidateFits::groups_of(const ParameterSet& set) const {
 PopulationFit CandidateFits::fit_from(const UpdatingProblem& part, const ParameterSet& set,
                                       const Eigen::VectorXd& start) {
   const PopulationFitSettings rules{.noise = noise_,
+                                    .model_error = model_error_,
                                     .is_restricted = false,
                                     .rank_tolerance = settings_.rank_tolerance,
                                     .iterations = problem_.iterations,

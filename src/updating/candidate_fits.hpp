@@ -102,6 +102,7 @@ class CandidateFits {
   std::vector<ShapeSign> signs_;
   TestData tests_;
   NoiseModel noise_;
+  NoiseModel model_error_;
   std::int64_t evaluations_ = 0;
 };
 

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "deterministic_tests.hpp"
+#include "model_error.hpp"
 #include "mottle/core/error.hpp"
 #include "mottle/stats/distance.hpp"
 #include "mottle/updating/iteration.hpp"
@@ -76,8 +77,10 @@ LeastSquares prepare(const UpdatingProblem& problem, const DeterministicOptions&
           "leave the outputs out",
           options.specimen);
   Eigen::VectorXd sigma = options.measurement_error * setup.target.cwiseAbs();
+  const Eigen::VectorXd error = problem.tests.model_error_variance();
   for (Eigen::Index k = 0; k < sigma.size(); ++k) {
     if (problem.tests.repeatability_std(k) > 0.0) sigma(k) = problem.tests.repeatability_std(k);
+    if (error(k) > 0.0) sigma(k) = std::sqrt(sigma(k) * sigma(k) + error(k));
     require(sigma(k) > 0.0, "test.repeatability: needed for output {}, whose tested value is 0",
             problem.model.outputs()[static_cast<std::size_t>(k)].name);
   }
@@ -265,6 +268,8 @@ UpdatingResult DeterministicUpdater::update(const UpdatingProblem& problem, cons
                   .measurement_std = setup.weight.cwiseSqrt().cwiseInverse(),
                   .free_step = unbounded_step(setup, x, y, g)},
                  result);
+  note_model_error(problem, "deterministic", "is added to the measurement's: in weights, deviations and residuals.",
+                   result);
   result.notes.push_back(
       "The deviations of this method say how well the parameters of one structure are known; they do not describe "
       "the scatter of specimens.");

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "matched_moments.hpp"
+#include "model_error.hpp"
 #include "mottle/core/error.hpp"
 #include "mottle/core/text.hpp"
 #include "mottle/stats/descriptive.hpp"
@@ -105,6 +106,32 @@ Eigen::VectorXd noise_share(const Setup& setup, const InversionFit& fit, const E
   return (noise / static_cast<double>(fit.points.rows())).cwiseQuotient(variance);
 }
 
+/// Mean of the specimens' gains: what an error that all of them share does to the mean [parameter x output].
+Eigen::MatrixXd mean_gain(const Setup& setup, const InversionFit& fit) {
+  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(fit.points.cols(), fit.outputs.cols());
+  for (Eigen::Index s = 0; s < fit.points.rows(); ++s) {
+    Eigen::MatrixXd whitened = setup.sigma.cwiseInverse().asDiagonal() * fit.jacobians[static_cast<std::size_t>(s)];
+    for (Eigen::Index k = 0; k < whitened.rows(); ++k) {
+      if (std::isnan(setup.problem.tests.values(s, k))) whitened.row(k).setZero();
+    }
+    sum += least_change_gain(whitened, setup.parameters.deviation()).matrix;
+  }
+  return sum * setup.sigma.cwiseInverse().asDiagonal() / static_cast<double>(fit.points.rows());
+}
+
+/// The model's error moves the mean of the specimens' parameters, not their scatter.
+void add_model_error(const Setup& setup, const InversionFit& fit, const Population& population,
+                     UpdatingResult& result) {
+  if (!setup.problem.tests.has_model_error()) return;
+  note_model_error(setup.problem, "inversion", "is in the intervals of means; the deviations hold none.", result);
+  result.model_error = given_model_error(setup.problem, mean_gain(setup, fit));
+  if (!result.model_error) return;
+  const ModelError& error = *result.model_error;
+  const Eigen::MatrixXd shared = error.gain * error.covariance * error.gain.transpose();
+  result.intervals->mean = normal_theory_means(setup.parameters.scales(), population.mean, population.covariance,
+                                               static_cast<int>(fit.points.rows()), shared);
+}
+
 void add_notes(const Setup& setup, const InversionFit& fit, const Population& population, UpdatingResult& result) {
   result.notes.emplace_back(
       "The deviations of this method are those of the specimens' own parameters, each solved from its tests alone: "
@@ -191,6 +218,7 @@ void finish(const Setup& setup, const InversionFit& fit, const RunContext& conte
                         .sensitivity = sensitivity,
                         .scatter = MatchedEstimate::Scatter::with_noise},
                        result);
+  add_model_error(setup, fit, population, result);
   forget_held_means(setup, population, *result.intervals);
   add_notes(setup, fit, population, result);
 }

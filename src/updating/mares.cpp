@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "matched_moments.hpp"
+#include "model_error.hpp"
 #include "mottle/core/error.hpp"
 #include "mottle/stats/descriptive.hpp"
 #include "mottle/updating/iteration.hpp"
@@ -47,6 +48,7 @@ MaresSetup prepare(const UpdatingProblem& problem, const MaresOptions& options) 
   setup.prior_covariance = problem.space.prior().covariance();
   setup.test_variability = setup.tests.covariance;
   setup.test_variability.diagonal() += (options.model_error * setup.tests.mean).cwiseAbs2();
+  if (problem.tests.has_model_error()) setup.test_variability.diagonal() += problem.tests.model_error_variance();
   const Eigen::Index outputs = setup.tests.mean.size();
   const Eigen::MatrixXd correlation = correlation_from_covariance(setup.test_variability);
   constexpr double k_singular = 1e-12;
@@ -179,6 +181,8 @@ UpdatingResult MaresUpdater::update(const UpdatingProblem& problem, const RunCon
                         .sensitivity = estimate_sensitivity(result.history.back().cloud, options_.regression) *
                                        ScaledParameters(problem.space).slopes(point).asDiagonal()},
                        result);
+  note_model_error(problem, "mares",
+                   "is added to the test variability S_M of Eqs. 11 and 12, beside update.mares.model_error.", result);
   result.notes.push_back(
       "The deviations of this method (Eq. 12) say how well the mean is known given the spread of the tests and the "
       "prior; they do not estimate the spread of the specimens.");

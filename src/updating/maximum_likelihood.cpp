@@ -6,6 +6,7 @@
 #include <limits>
 #include <map>
 
+#include "model_error.hpp"
 #include "mottle/core/error.hpp"
 #include "mottle/stats/distance.hpp"
 #include "mottle/updating/iteration.hpp"
@@ -94,6 +95,7 @@ UpdatingResult MaximumLikelihoodUpdater::update(const UpdatingProblem& problem, 
   result.status = UpdatingStatus::max_iterations;
   append_state(result, record_state(problem, tests, problem.space.prior(), 0, context));
   const PopulationFitSettings settings{.noise = noise_model(problem, options_),
+                                       .model_error = model_error_model(problem),
                                        .is_restricted = options_.likelihood == Options::Likelihood::restricted,
                                        .rank_tolerance = options_.rank_tolerance,
                                        .iterations = problem.iterations,

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "matched_moments.hpp"
+#include "model_error.hpp"
 #include "mottle/core/error.hpp"
 #include "mottle/stats/descriptive.hpp"
 #include "mottle/stats/distance.hpp"
@@ -23,9 +24,10 @@ struct Setup {
   const ScaledParameters& parameters;
   const MomentMethod& method;
   TestMoments tests;
-  Eigen::MatrixXd noise;      // R
-  Eigen::MatrixXd whitening;  // W^1/2
-  Eigen::MatrixXd explained;  // W^1/2 (V - R) W^1/2'
+  Eigen::MatrixXd noise;           // R
+  Eigen::MatrixXd whitening;       // W^1/2
+  Eigen::MatrixXd explained;       // W^1/2 (V - R) W^1/2'
+  Eigen::MatrixXd mean_whitening;  // of the mean's residuals: W^1/2 unless the model has an error of its own
 };
 
 /// The state, and how the iteration came there.
@@ -37,8 +39,10 @@ struct Progress {
   double damping = 0.0;  ///< Levenberg's; 0 where steps are Gauss-Newton's
 };
 
-Eigen::MatrixXd whitening_matrix(const Setup& setup) {
-  const TestMoments& tests = setup.tests;
+/// @param added  variance beside that of the tests [output]
+Eigen::MatrixXd whitening_matrix(const Setup& setup, const Eigen::VectorXd& added) {
+  TestMoments tests = setup.tests;
+  tests.covariance.diagonal() += added;
   if (setup.method.weighting == MomentWeighting::covariance) {
     constexpr double k_singular = 1e-12;
     const Eigen::MatrixXd correlation = correlation_from_covariance(tests.covariance);
@@ -63,9 +67,12 @@ Setup prepare(const UpdatingProblem& problem, const ScaledParameters& parameters
           "method '{}': {} specimen has no scatter to explain; at least 2 are needed, or use method = "
           "\"deterministic\"",
           method.name, problem.tests.values.rows());
-  Setup setup{problem, parameters, method, test_moments(problem.tests), {}, {}, {}};
+  Setup setup{problem, parameters, method, test_moments(problem.tests), {}, {}, {}, {}};
   setup.noise = problem.tests.repeatability_std.cwiseAbs2().asDiagonal();
-  setup.whitening = whitening_matrix(setup);
+  setup.whitening = whitening_matrix(setup, Eigen::VectorXd::Zero(setup.tests.mean.size()));
+  // What the mean is off by is V / n + D: its weights are those of V + n D.
+  const auto specimens = static_cast<double>(problem.tests.values.rows());
+  setup.mean_whitening = whitening_matrix(setup, specimens * problem.tests.model_error_variance());
   setup.explained = setup.whitening * (setup.tests.covariance - setup.noise) * setup.whitening.transpose();
   return setup;
 }
@@ -88,7 +95,7 @@ IterationRecord record_of(const Setup& setup, const MomentState& state) {
 }
 
 double misfit(const Setup& setup, const MomentState& state) {
-  return (setup.whitening * (setup.tests.mean - state.output_mean)).norm();
+  return (setup.mean_whitening * (setup.tests.mean - state.output_mean)).norm();
 }
 
 /// The state that one step leads to; its outputs are still to be evaluated. Raises the damping where it must.
@@ -97,8 +104,9 @@ MomentState proposed(const Setup& setup, Progress& progress) {
   const std::vector<int>& groups = setup.problem.covariance_groups;
   const Eigen::VectorXd& deviation = setup.parameters.deviation();
   const Eigen::MatrixXd whitened = setup.whitening * state.sensitivity;
-  const Eigen::VectorXd residual = setup.whitening * (setup.tests.mean - state.output_mean);
-  const Eigen::VectorXd step = trusted_step(setup.parameters, state.mean, whitened, residual, progress.damping);
+  const Eigen::VectorXd residual = setup.mean_whitening * (setup.tests.mean - state.output_mean);
+  const Eigen::VectorXd step =
+      trusted_step(setup.parameters, state.mean, setup.mean_whitening * state.sensitivity, residual, progress.damping);
 
   MomentState next;
   next.mean = setup.parameters.clamp(state.mean + step);
@@ -195,6 +203,11 @@ void finish(const Setup& setup, const Progress& progress, const RunContext& cont
                         .sensitivity = state.sensitivity,
                         .scatter = MatchedEstimate::Scatter::without_noise},
                        result);
+  const Eigen::MatrixXd whitened = setup.mean_whitening * state.sensitivity;
+  const Eigen::MatrixXd gain = least_change_gain(whitened, setup.parameters.deviation()).matrix * setup.mean_whitening;
+  result.model_error = given_model_error(setup.problem, gain);
+  note_model_error(setup.problem, setup.method.name,
+                   "is in the weights of the outputs' mean; the deviations hold none.", result);
   add_notes(setup, progress, result);
 }
 

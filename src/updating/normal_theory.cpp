@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "mottle/stats/normal_intervals.hpp"
+#include "mottle/stats/population_intervals.hpp"
 #include "mottle/stats/sampling.hpp"
 #include "mottle/stats/standard_normal.hpp"
 
@@ -111,6 +112,21 @@ ParameterIntervals normal_theory_intervals(const std::vector<NormalScale>& scale
     }
   }
   return intervals;
+}
+
+Eigen::MatrixXd normal_theory_means(const std::vector<NormalScale>& scales,
+                                    const Eigen::Ref<const Eigen::VectorXd>& mean,
+                                    const Eigen::Ref<const Eigen::MatrixXd>& covariance, int count,
+                                    const Eigen::Ref<const Eigen::MatrixXd>& shared) {
+  const Eigen::Index q = mean.size();
+  PopulationEvidence evidence;
+  evidence.mean = mean;
+  evidence.total = covariance;
+  evidence.noise = Eigen::MatrixXd::Zero(q, q);
+  evidence.mean_covariance = covariance / static_cast<double>(count) + shared;
+  evidence.mean_shared = shared;
+  evidence.freedom = Eigen::MatrixXd::Constant(q, q, static_cast<double>(count - 1));
+  return population_intervals(evidence, scales, k_confidence).mean;
 }
 
 }  // namespace mottle

@@ -12,6 +12,12 @@ namespace {
 
 constexpr double k_tail = 0.025;
 
+/// One error of the model for all specimens of a sample, from the stream after theirs.
+Eigen::RowVectorXd draw_model_error(const ModelError& error, const StreamKey& key, Eigen::Index specimens) {
+  RandomStream stream(key, static_cast<std::uint32_t>(specimens));
+  return error.std.transpose().unaryExpr([&](double std) { return std * standard_normal_quantile(stream.uniform()); });
+}
+
 /// Tests of specimens drawn from the estimate, with its noise and with the same entries missing.
 Eigen::MatrixXd draw_tests(const UpdatingProblem& problem, const PopulationFit& fit,
                            const JointDistribution& population, int sample, const RunContext& context,
@@ -24,6 +30,7 @@ Eigen::MatrixXd draw_tests(const UpdatingProblem& problem, const PopulationFit& 
   evaluations += draw.samples.rows();
   const StreamKey noise_key{
       .seed = context.seed, .purpose = StreamPurpose::test_noise, .iteration = static_cast<std::uint32_t>(sample)};
+  if (fit.model_error) tests.rowwise() += draw_model_error(*fit.model_error, noise_key, tests.rows());
   for (Eigen::Index s = 0; s < tests.rows(); ++s) {
     RandomStream stream(noise_key, static_cast<std::uint32_t>(s));
     for (Eigen::Index k = 0; k < tests.cols(); ++k) {

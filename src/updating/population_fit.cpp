@@ -29,7 +29,8 @@ Eigen::MatrixXd seen_directions(const Eigen::MatrixXd& movement, double toleranc
 }
 
 /// The linear random-effects problem at the specimens' fits.
-std::vector<RandomEffectsUnit> linear_units(const Eigen::Ref<const Eigen::MatrixXd>& values, const SpecimenFits& fits,
+std::vector<RandomEffectsUnit> linear_units(const Eigen::Ref<const Eigen::MatrixXd>& values,
+                                            const Eigen::VectorXd& shift, const SpecimenFits& fits,
                                             const NoiseModel& noise, const Eigen::VectorXd& origin,
                                             const Eigen::MatrixXd& map) {
   std::vector<RandomEffectsUnit> units(static_cast<std::size_t>(values.rows()));
@@ -40,6 +41,7 @@ std::vector<RandomEffectsUnit> linear_units(const Eigen::Ref<const Eigen::Matrix
       if (std::isnan(values(s, k))) continue;
       rows.push_back(k);
       unit.factor.push_back(noise.factor[static_cast<std::size_t>(k)]);
+      if (shift.size() > 0) unit.shared.push_back(static_cast<int>(k));
     }
     const Eigen::MatrixXd g = fits.jacobians[static_cast<std::size_t>(s)](rows, Eigen::all);
     unit.design = g * map;
@@ -51,7 +53,8 @@ std::vector<RandomEffectsUnit> linear_units(const Eigen::Ref<const Eigen::Matrix
     // What no parameters can reproduce counts as noise of that specimen: its linear model must not be carried far.
     constexpr double k_far = 5.0;  // standard deviations of the noise
     if (fits.converged[static_cast<std::size_t>(s)]) continue;
-    const Eigen::ArrayXd misfit = (z - y).array().square();
+    const Eigen::VectorXd own = shift.size() > 0 ? Eigen::VectorXd(z - shift(rows)) : z;
+    const Eigen::ArrayXd misfit = (own - y).array().square();
     unit.noise.array() += (misfit > k_far * k_far * unit.noise.array()).select(misfit, 0.0);
   }
   return units;
@@ -158,6 +161,28 @@ double shrinkage_for(const Eigen::Ref<const Eigen::MatrixXd>& values) {
   return 0.2 * missing * n / (1.0 + n / 50.0);
 }
 
+/// Tests without what the model's error is taken to add to them.
+Eigen::MatrixXd without_shift(const Eigen::Ref<const Eigen::MatrixXd>& values, const Eigen::VectorXd& shift) {
+  if (shift.size() == 0) return values;
+  return values.rowwise() - shift.transpose();
+}
+
+/// The model's error of a linear fit.
+ModelError model_error_of(const PopulationFit& fit, const NoiseModel& given) {
+  const SharedErrorInformation information = shared_error_information(fit.units, fit.effects, fit.settings);
+  ModelError error{.std = given.base.cwiseSqrt(),
+                   .shift = fit.effects.shared,
+                   .covariance = information.covariance,
+                   .gain = fit.map * information.gain};
+  for (std::size_t k = 0; k < given.factor.size(); ++k) {
+    if (given.factor[k] >= 0) {
+      error.std(static_cast<Eigen::Index>(k)) *= std::sqrt(fit.effects.levels(given.factor[k]));
+    }
+  }
+  for (const SharedErrorLevel& level : information.levels) error.degrees_of_freedom.push_back(level.degrees_of_freedom);
+  return error;
+}
+
 }  // namespace
 
 Eigen::RowVectorXd means_of_tests(const Eigen::Ref<const Eigen::MatrixXd>& values) {
@@ -194,8 +219,11 @@ PopulationFit fit_population(const UpdatingProblem& problem, const Eigen::Ref<co
   const Eigen::VectorXd prior_std = prior.covariance.diagonal().cwiseSqrt();
   PopulationFit fit;
   fit.noise = settings.noise.base;
+  const bool has_error = settings.model_error.base.size() > 0;
+  Eigen::VectorXd error = has_error ? Eigen::VectorXd(Eigen::VectorXd::Zero(values.cols())) : Eigen::VectorXd();
   // The mean of the tests first: all specimens then start near their ends.
-  const SpecimenFits centre = fit_specimens(problem, means_of_tests(values), {prior.mean, prior.covariance, fit.noise},
+  const Eigen::VectorXd spread = has_error ? Eigen::VectorXd(fit.noise + settings.model_error.base) : fit.noise;
+  const SpecimenFits centre = fit_specimens(problem, means_of_tests(values), {prior.mean, prior.covariance, spread},
                                             {prior.mean.transpose()}, context, fit.evaluations);
   fit.mean = clamp_on_scales(problem.space, centre.points.row(0));
   fit.covariance = prior.covariance;
@@ -209,6 +237,9 @@ PopulationFit fit_population(const UpdatingProblem& problem, const Eigen::Ref<co
   fit.settings.factors = settings.noise.factors;
   fit.settings.covariance_groups = problem.covariance_groups;
   fit.settings.shrinkage = shrinkage_for(values);
+  fit.settings.shared_variance = settings.model_error.base;
+  fit.settings.shared_level = settings.model_error.factor;
+  fit.settings.levels = settings.model_error.factors;
   if (frame.map.cols() < prior.mean.size()) {
     fit.covariance = frame.map * frame.map.transpose();
     const Eigen::VectorXd shift =
@@ -230,12 +261,13 @@ PopulationFit fit_population(const UpdatingProblem& problem, const Eigen::Ref<co
       const auto column = static_cast<Eigen::Index>(i);
       if (!settings.has_scatter[i]) from.points.col(column).setConstant(fit.mean(column));
     }
-    fit.specimens =
-        fit_specimens(problem, values, {fit.mean, fit.covariance, fit.noise}, from, context, fit.evaluations);
+    fit.specimens = fit_specimens(problem, without_shift(values, error), {fit.mean, fit.covariance, fit.noise}, from,
+                                  context, fit.evaluations);
     from = {fit.specimens.points, fit.specimens.jacobians};
-    fit.units = linear_units(values, fit.specimens, settings.noise, frame.origin, frame.map);
+    fit.units = linear_units(values, error, fit.specimens, settings.noise, frame.origin, frame.map);
     fit.effects = fit_within_bounds(problem, frame, fit.units, start, fit.settings);
     start = (1.0 - k_fresh) * fit.effects.covariance + k_fresh * frame.start;
+    if (has_error) error = fit.effects.shared;
     const Eigen::VectorXd mean = frame.origin + frame.map * fit.effects.mean;
     const Eigen::MatrixXd mapped = frame.map * fit.effects.covariance * frame.map.transpose();
     Eigen::MatrixXd covariance = 0.5 * (mapped + mapped.transpose());
@@ -253,6 +285,7 @@ PopulationFit fit_population(const UpdatingProblem& problem, const Eigen::Ref<co
     ++fit.iterations;
     if (!each(fit)) break;
   }
+  if (has_error) fit.model_error = model_error_of(fit, settings.model_error);
   return fit;
 }
 

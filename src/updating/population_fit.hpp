@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,7 @@ struct NoiseModel {
 
 struct PopulationFitSettings {
   NoiseModel noise;
+  NoiseModel model_error = {};  ///< of errors that all specimens share; `base` empty: none
   bool is_restricted = true;
   double rank_tolerance = 1e-3;
   int iterations = 30;
@@ -38,8 +40,9 @@ struct PopulationFit {
   Eigen::VectorXd mean;
   Eigen::MatrixXd covariance;
   Eigen::VectorXd noise;  ///< variance of each output
-  Eigen::MatrixXd seen;   ///< orthonormal directions, in prior deviations, that the outputs see [parameter x rank]
-  Eigen::MatrixXd map;    ///< parameters of effects [parameter x effect]
+  std::optional<ModelError> model_error;
+  Eigen::MatrixXd seen;  ///< orthonormal directions, in prior deviations, that the outputs see [parameter x rank]
+  Eigen::MatrixXd map;   ///< parameters of effects [parameter x effect]
   SpecimenFits specimens;
   std::vector<RandomEffectsUnit> units;  ///< the last linear problem, in effects
   RandomEffectsSettings settings;        ///< and how it was solved

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "curvature.hpp"
+#include "model_error.hpp"
 #include "mottle/core/error.hpp"
 #include "mottle/core/text.hpp"
 #include "mottle/updating/scaled_parameters.hpp"
@@ -96,7 +97,9 @@ SpecimenEstimates estimate_specimens(const UpdatingProblem& problem, const Popul
     constexpr double k_singular = 1e-10;
     const Eigen::VectorXd root =
         solver.eigenvalues().unaryExpr([](double v) { return v > k_singular ? 1.0 / std::sqrt(v) : 0.0; });
-    const Eigen::VectorXd residual = (unit.response - unit.design * fit.effects.mean).cwiseQuotient(deviation);
+    Eigen::VectorXd misfit = unit.response - unit.design * fit.effects.mean;
+    if (fit.model_error) misfit -= fit.model_error->shift(rows);
+    const Eigen::VectorXd residual = misfit.cwiseQuotient(deviation);
     const Eigen::VectorXd whitened =
         solver.eigenvectors() * root.asDiagonal() * (solver.eigenvectors().transpose() * residual);
     for (std::size_t k = 0; k < rows.size(); ++k)
@@ -121,6 +124,7 @@ void add_notes(const UpdatingProblem& problem, const PopulationFit& fit, const P
   } else if (fit.noise.isZero(0.0)) {
     result.notes.push_back("The tests count as free of noise: all of their scatter is taken to be the specimens'.");
   }
+  if (fit.model_error) result.notes.push_back(model_error_note(problem, *fit.model_error));
   const Eigen::VectorXd unseen = unseen_parts(fit);
   std::vector<std::string> names;
   for (Eigen::Index i = 0; i < unseen.size(); ++i) {
@@ -187,10 +191,19 @@ NoiseModel noise_model(const UpdatingProblem& problem, const MaximumLikelihoodOp
           "update.maximum-likelihood.noise: cannot be estimated, {} outputs are no more than the {} parameters; give "
           "[test] repeatability",
           p, problem.space.count());
+  std::vector<bool> is_open(static_cast<std::size_t>(p), true);
+  for (Eigen::Index k = 0; k < p; ++k) {
+    if (options.noise == Noise::automatic && given(k) > 0.0) is_open[static_cast<std::size_t>(k)] = false;
+  }
+  return with_levels(problem, std::move(model), is_open);
+}
+
+NoiseModel with_levels(const UpdatingProblem& problem, NoiseModel model, const std::vector<bool>& is_open) {
+  const Eigen::Index p = problem.tests.values.cols();
   constexpr double k_hundredth = 0.01;
   std::map<OutputKind, int> factors;
   for (Eigen::Index k = 0; k < p; ++k) {
-    if (options.noise == Noise::automatic && given(k) > 0.0) continue;
+    if (!is_open[static_cast<std::size_t>(k)]) continue;
     const OutputKind kind = problem.model.outputs()[static_cast<std::size_t>(k)].kind;
     const int next = static_cast<int>(factors.size());
     model.factor[static_cast<std::size_t>(k)] = factors.try_emplace(kind, next).first->second;
@@ -223,6 +236,7 @@ void describe_population(const UpdatingProblem& problem, const PopulationFit& fi
   result.noise_covariance = fit.noise.asDiagonal();
   result.specimens = estimate_specimens(problem, fit);
   result.sensitivity = fit.sensitivity;
+  result.model_error = fit.model_error;
   const std::vector<NormalScale> scales = problem.space.scales();
   for (Eigen::Index i = 0; i < fit.mean.size(); ++i) {
     result.sensitivity.col(i) /= scales[static_cast<std::size_t>(i)].slope(fit.mean(i));

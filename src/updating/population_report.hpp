@@ -13,6 +13,9 @@ namespace mottle {
 /// Throws InvalidInput: noise is to be estimated but there are no more outputs than parameters.
 NoiseModel noise_model(const UpdatingProblem& problem, const MaximumLikelihoodOptions& options);
 
+/// The model with one level to estimate for each unit of the outputs that are open, on those squares.
+NoiseModel with_levels(const UpdatingProblem& problem, NoiseModel model, const std::vector<bool>& is_open);
+
 /// Puts sensitivity, noise, intervals, specimens and notes into the result.
 void describe_population(const UpdatingProblem& problem, const PopulationFit& fit,
                          const PopulationFitSettings& settings, const MaximumLikelihoodOptions& options,

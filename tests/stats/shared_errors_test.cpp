@@ -102,8 +102,8 @@ TEST(SharedErrors, MeanIsThatOfGeneralisedLeastSquaresOnTheStackedData) {
     const RandomEffectsFit fit = fit_random_effects(data.units, Eigen::Matrix2d::Identity(), settings);
     const Stacked dense(data.units, fit.covariance, data.variance);
     EXPECT_TRUE(fit.mean.isApprox(dense.mean, 1e-10));
-    const Eigen::VectorXd shared = data.variance.asDiagonal() * dense.errors.transpose() * dense.inverse *
-                                   (dense.y - dense.x * dense.mean);
+    const Eigen::VectorXd shared =
+        data.variance.asDiagonal() * dense.errors.transpose() * dense.inverse * (dense.y - dense.x * dense.mean);
     EXPECT_TRUE(fit.shared.isApprox(shared, 1e-9));
     EXPECT_EQ(fit.shared(2), 0.0);
     EXPECT_NEAR(fit.log_likelihood, dense.log_likelihood(is_restricted), 1e-8);
@@ -132,8 +132,8 @@ TEST(SharedErrors, InformationIsThatOfTheStackedData) {
   EXPECT_TRUE(shared.sensitivity.isApprox(estimator * dense.errors, 1e-9));
   const RandomEffectsInformation information = random_effects_information(data.units, fit, settings);
   const Eigen::MatrixXd from_shared = shared.sensitivity * data.variance.asDiagonal() * shared.sensitivity.transpose();
-  EXPECT_TRUE((information.mean_from_effects + information.mean_from_noise + from_shared)
-                  .isApprox(dense.covariance, 1e-9));
+  EXPECT_TRUE(
+      (information.mean_from_effects + information.mean_from_noise + from_shared).isApprox(dense.covariance, 1e-9));
   Eigen::Matrix3d expected;
   const std::pair<int, int> entries[] = {{0, 0}, {1, 0}, {1, 1}};
   for (int a = 0; a < 3; ++a) {
@@ -267,7 +267,8 @@ TEST(SharedErrors, LevelIsZeroWhereTheRowsAgreeBetterThanTheirNoise) {
   EXPECT_NEAR(shared.levels[0].known, 0.01 / 4.0, 1e-9);
 }
 
-/// Part of `replications` in which the interval of the first effect's mean holds the truth; errors drawn anew each time.
+/// Part of `replications` in which the interval of the first effect's mean holds the truth; errors drawn anew each
+/// time.
 double coverage(Eigen::Index rows, double deviation, bool is_estimated, int replications) {
   RandomEffectsSettings settings;
   settings.shared_variance = Eigen::VectorXd::Constant(rows, deviation * deviation);

@@ -22,6 +22,8 @@ function rows_of({ outputs: block, output_axes }) {
       final_mean: at("final_mean"),
       final_error: percent_change(at("test_mean"), at("final_mean")),
       final_std: std("final"),
+      model_error_std: at("model_error_std"),
+      model_error_shift: number_or_null(list(block.model_error)[index]?.shift),
     };
   });
 }
@@ -43,6 +45,8 @@ function columns_for(rows) {
     { key: "final_mean", title: "Mean", group: model[1] },
     { key: "final_error", title: "Error", group: model[1], text: error },
     { key: "final_std", title: "Std. dev.", group: model[1] },
+    { key: "model_error_std", title: "Std. dev.", group: "Model error" },
+    { key: "model_error_shift", title: "Shift", group: "Model error" },
   ].filter(({ key, is_text }) => (is_text ? rows.some((row) => row[key]) : rows.some((row) => is_number(row[key]))));
 }
 
@@ -50,7 +54,10 @@ export default {
   id: "outputs",
   title: "Outputs",
   has_data: (study) => list(study.outputs.names).length > 0,
-  explained: [["Error", "Mean of the model's cloud less mean of the tests, in percent of the latter."]],
+  explained: [
+    ["Error", "Mean of the model's cloud less mean of the tests, in percent of the latter."],
+    ["Model error", "An error of the model that all specimens share; its shift is what the tests say of it."],
+  ],
   content(study) {
     const rows = rows_of(study);
     const is_compared = rows.some((row) => is_number(row.test_mean));

@@ -48,12 +48,12 @@ struct PopulationIntervals {
 /// Two-sided intervals on the variables' own axes.
 ///
 /// Mean: Student's t; with shared errors of known variance the degrees of freedom of the sum of both variances, nu
-/// (v / (v - v_shared))^2 [Satterthwaite1946]; with estimated levels the fiducial distribution of the mean, over those of
-/// its scatter and of each level, max(0, nu_level observed / chi2 - known). Deviation: sqrt(nu total / chi2 - noise), zero where that is negative. Correlation: quantiles of
-/// the fiducial distribution from the Bartlett decomposition of a 2 x 2 covariance, less the noise, over its draws with
-/// positive variances. All three are exact for a normal sample without noise. Means and deviations of variables on a
-/// log or logit scale: quantiles over the joint fiducial draws of mean and variance on the scale. Correlations are
-/// those on the scale.
+/// (v / (v - v_shared))^2 [Satterthwaite1946]; with estimated levels the fiducial distribution of the mean, over those
+/// of its scatter and of each level, max(0, nu_level observed / chi2 - known). Deviation: sqrt(nu total / chi2 -
+/// noise), zero where that is negative. Correlation: quantiles of the fiducial distribution from the Bartlett
+/// decomposition of a 2 x 2 covariance, less the noise, over its draws with positive variances. All three are exact for
+/// a normal sample without noise. Means and deviations of variables on a log or logit scale: quantiles over the joint
+/// fiducial draws of mean and variance on the scale. Correlations are those on the scale.
 ///
 /// @param scales      one a variable
 /// @param confidence  in (0, 1)

@@ -88,7 +88,8 @@ struct SharedErrorInformation {
 /// With shared errors the mixed-model equations take the place of those of the mean, X_s = [G_s, E_s]:
 ///
 ///   [mu; d] = M sum X_s' C_s^-1 y_s,   M = (sum X_s' C_s^-1 X_s + blockdiag(0, D^-1))^-1,
-///   P_ss = C_s^-1 - C_s^-1 X_s M X_s' C_s^-1 (restricted; plain: only the part of d in M),  y_s - G_s mu - E_s d in b_s
+///   P_ss = C_s^-1 - C_s^-1 X_s M X_s' C_s^-1 (restricted; plain: only the part of d in M),  y_s - G_s mu - E_s d in
+///   b_s
 ///
 /// so that mu is the generalised least-squares estimate of all units together, whose covariance is blockdiag(C_s) +
 /// E D E'. Estimated levels of D: Fisher's scoring on the same likelihood.

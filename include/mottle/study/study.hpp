@@ -82,6 +82,8 @@ struct StudyTest {
   std::vector<std::filesystem::path> files;   ///< files, folders or patterns, resolved against the study's folder
   std::vector<NoiseRule> repeatability = {};  ///< in the order of the file
   std::optional<std::filesystem::path> repeats_file = std::nullopt;  ///< repeated tests, in place of the rules
+  std::vector<NoiseRule> model_error = {};  ///< of an error of the model, shared by all specimens
+  bool is_model_error_estimated = false;    ///< its level is estimated, there are no rules then
   /// Whether specimens' modes are numbered by their shapes; not given: of tests that come as modes, not of a table.
   std::optional<bool> pairs_by_mac = std::nullopt;
   bool is_named = false;  ///< columns of a table are the model's modes, told apart before; else they count by rank

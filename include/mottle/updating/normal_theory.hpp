@@ -32,4 +32,12 @@ ParameterIntervals normal_theory_intervals(const std::vector<NormalScale>& scale
 PopulationEvidence sample_evidence(const Eigen::Ref<const Eigen::VectorXd>& mean,
                                    const Eigen::Ref<const Eigen::MatrixXd>& covariance, Eigen::Index count);
 
+/// 95 % intervals of the means alone where an error that all members share is in them: by population_intervals.
+///
+/// @param shared  covariance of that part of t's mean [parameter x parameter]
+Eigen::MatrixXd normal_theory_means(const std::vector<NormalScale>& scales,
+                                    const Eigen::Ref<const Eigen::VectorXd>& mean,
+                                    const Eigen::Ref<const Eigen::MatrixXd>& covariance, int count,
+                                    const Eigen::Ref<const Eigen::MatrixXd>& shared);
+
 }  // namespace mottle

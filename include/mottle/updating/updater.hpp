@@ -30,7 +30,11 @@ struct TestData {
   /// Standard deviation of the model's own error d, shared by all specimens, z_s = f(x_s) + d + e_s, 0 where none;
   /// empty: none [output].
   Eigen::VectorXd model_error_std = {};
-  bool is_model_error_estimated = false;  ///< `model_error_std` gives proportions alone, their level is estimated
+  bool is_model_error_estimated = false;  ///< `model_error_std` is empty, levels of all outputs are estimated
+
+  /// Variance of the model's error where it is given, else 0 [output].
+  Eigen::VectorXd model_error_variance() const;
+  bool has_model_error() const { return is_model_error_estimated || !model_error_std.isZero(0.0); }
 };
 
 /// One updating problem. What it refers to must outlive it.
@@ -68,6 +72,16 @@ struct PopulationOnScales {
   Eigen::VectorXd mean;         ///< [parameter]
   Eigen::MatrixXd covariance;   ///< positive semi-definite [parameter x parameter]
   PopulationEvidence evidence;  ///< what the specimens show of it, on the same scales
+};
+
+/// The model's error as a fit has it. Given the tests, d ~ N(shift, covariance), and the population's mean, on the
+/// parameters' scales, moves by gain (d - shift) with it.
+struct ModelError {
+  Eigen::VectorXd std;                          ///< standard deviation before the tests, given or estimated [output]
+  Eigen::VectorXd shift;                        ///< d^, what the tests say of it [output]
+  Eigen::MatrixXd covariance;                   ///< of d, the tests given [output x output]
+  Eigen::MatrixXd gain;                         ///< [parameter x output]
+  std::vector<double> degrees_of_freedom = {};  ///< of each estimated level; empty: given
 };
 
 /// What a method knows of every specimen.
@@ -122,6 +136,7 @@ struct UpdatingResult {
   std::optional<ParameterIntervals> intervals = std::nullopt;   ///< of methods that estimate a population
   std::optional<PopulationOnScales> population = std::nullopt;  ///< `mean` and `covariance` come from it, where given
   std::optional<SpecimenEstimates> specimens = std::nullopt;    ///< of methods that look at each specimen
+  std::optional<ModelError> model_error = std::nullopt;         ///< of methods that estimate it; see TestData
   std::vector<Outlier> outliers = {};                           ///< specimens that do not belong to the others
   std::optional<NormalityReport> normality = std::nullopt;      ///< of methods that look at each specimen
   std::vector<Eigen::VectorXd> other_solutions = {};  ///< means that explain the tests' mean as well [parameter]

@@ -1,0 +1,61 @@
+"""[test] model_error: an error of the model that all specimens share, from the study file to results and predictions.
+
+    python3 model_error_test.py PATH_TO_MOTTLE
+"""
+
+import unittest
+
+import support
+from support import STUDY, edited, read_result
+
+METHOD = ('method = "mares"', 'method = "maximum-likelihood"')
+FILE = 'file = "tests.csv"'
+NOISE = FILE + '\nrepeatability = { "f*" = "0.05 %" }\n'
+
+
+def width(result):
+    lower, upper = result["parameters"]["mean_ci95"][0]
+    return upper - lower
+
+
+class ModelErrorTest(support.CommandTest):
+    """One claim a test."""
+
+    def update(self, test_section, *changes):
+        self.write("study.toml", edited(STUDY, METHOD, (FILE, test_section), *changes))
+        self.succeed("update", "study.toml", "--out", "out", "--quiet")
+        return read_result(self.folder / "out")
+
+    def test_widens_the_means_and_is_in_the_results(self):
+        without = self.update(NOISE)
+        self.assertIsNone(without["outputs"]["model_error_std"])
+        self.assertIsNone(without["outputs"]["model_error"])
+        result = self.update(NOISE + 'model_error = { "f*" = "0.3 %", f3 = 0.01 }')
+        std = result["outputs"]["model_error_std"]
+        self.assertAlmostEqual(std[0], 0.003 * result["outputs"]["test_mean"][0], places=12)
+        self.assertEqual(std[2], 0.01)
+        for error, deviation in zip(result["outputs"]["model_error"], std):
+            self.assertLessEqual(error["standard_error"], deviation * (1 + 1e-9))
+            self.assertLess(abs(error["shift"]), 5 * deviation)
+        self.assertGreater(width(result), width(without))
+        self.assertTrue(any(note.startswith("Model error f* = 0.3 %: holds for f1, f2") for note in result["notes"]))
+
+    def test_estimated(self):
+        result = self.update(NOISE + 'model_error = "estimated"')
+        self.assertEqual(len(result["outputs"]["model_error_std"]), 3)
+        self.assertTrue(any("degrees of freedom only" in note for note in result["notes"]))
+
+    def test_what_is_wrong_is_said(self):
+        for entry, words in (('model_error = "guess"', '"estimated", or a table'),
+                             ("model_error = { g1 = 0.1 }", "output 'g1'"),
+                             ('model_error = { "f*" = "-1 %" }', "a number >= 0")):
+            with self.subTest(entry=entry):
+                self.write("study.toml", edited(STUDY, METHOD, (FILE, NOISE + entry)))
+                ended = self.call("update", "study.toml", "--out", "out", "--quiet")
+                self.assertEqual(ended.code, 2, ended.err)
+                self.assertIn("test.model_error", ended.err)
+                self.assertIn(words, ended.err)
+
+
+if __name__ == "__main__":
+    support.main()

@@ -1,0 +1,230 @@
+// Errors of the model that all specimens share, in every method.
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <cmath>
+
+#include "mottle/core/error.hpp"
+#include "mottle/stats/descriptive.hpp"
+#include "mottle/stats/standard_normal.hpp"
+#include "mottle/updating/deterministic.hpp"
+#include "mottle/updating/maximum_likelihood.hpp"
+#include "support/linear_model.hpp"
+#include "support/three_masses.hpp"
+
+namespace mottle {
+namespace {
+
+/// Four outputs of two parameters, linear; twelve specimens with noise and one missing entry.
+struct Linear {
+  Linear() : model(Eigen::Vector4d(1.0, 2.0, 0.0, -1.0), slope()), noise(Eigen::Vector4d(0.05, 0.1, 0.04, 0.08)) {
+    const Distribution first({.kind = DistributionKind::normal, .mean = 2.5, .std = 1.0});
+    const Distribution second({.kind = DistributionKind::normal, .mean = 6.0, .std = 1.0});
+    space = std::make_unique<ParameterSpace>(std::vector<Parameter>{{"a", "-"}, {"b", "-"}},
+                                             JointDistribution({first, second}));
+    Eigen::MatrixXd x(12, 2);
+    Eigen::MatrixXd e(12, 4);
+    for (Eigen::Index s = 0; s < 12; ++s) {
+      RandomStream stream({.seed = 5}, static_cast<std::uint32_t>(s));
+      const double u = standard_normal_quantile(stream.uniform());
+      x.row(s) << 3.0 + 0.3 * u, 5.0 + 0.2 * u + 0.25 * standard_normal_quantile(stream.uniform());
+      for (Eigen::Index k = 0; k < 4; ++k) e(s, k) = noise(k) * standard_normal_quantile(stream.uniform());
+    }
+    tests = model.evaluate(x, {}).outputs + e;
+  }
+  static Eigen::MatrixXd slope() {
+    Eigen::MatrixXd g(4, 2);
+    g << 1.0, 0.5, -1.0, 2.0, 0.3, 0.7, 1.5, -0.2;
+    return g;
+  }
+  UpdatingProblem problem(const Eigen::VectorXd& error = {}) const {
+    return {.model = model,
+            .space = *space,
+            .tests = {.values = tests, .repeatability_std = noise, .model_error_std = error},
+            .cloud = {.samples = 50},
+            .iterations = 100,
+            .tolerance = 1e-9};
+  }
+  test::LinearModel model;
+  Eigen::VectorXd noise;
+  std::unique_ptr<ParameterSpace> space;
+  Eigen::MatrixXd tests;
+};
+
+UpdatingResult update(const UpdatingProblem& problem, const MaximumLikelihoodOptions& options = {.starts = 0}) {
+  return MaximumLikelihoodUpdater(options).update(problem, {});
+}
+
+bool says(const UpdatingResult& result, const std::string& words) {
+  for (const std::string& note : result.notes) {
+    if (note.find(words) != std::string::npos) return true;
+  }
+  return false;
+}
+
+TEST(ModelError, MeanIsThatOfGeneralisedLeastSquaresOnAllTestsStacked) {
+  Linear linear;
+  linear.tests(4, 2) = std::numeric_limits<double>::quiet_NaN();
+  const Eigen::Vector4d error(0.3, 0.1, 0.2, 0.0);
+  const UpdatingResult result = update(linear.problem(error));
+  const Eigen::Index rows = 47;
+  Eigen::MatrixXd x(rows, 2);
+  Eigen::MatrixXd picks = Eigen::MatrixXd::Zero(rows, 4);
+  Eigen::MatrixXd v = Eigen::MatrixXd::Zero(rows, rows);
+  Eigen::VectorXd y(rows);
+  Eigen::Index row = 0;
+  for (Eigen::Index s = 0; s < 12; ++s) {
+    const Eigen::Index first = row;
+    for (Eigen::Index k = 0; k < 4; ++k) {
+      if (std::isnan(linear.tests(s, k))) continue;
+      x.row(row) = Linear::slope().row(k);
+      picks(row, k) = 1.0;
+      v(row, row) = linear.noise(k) * linear.noise(k);
+      y(row++) = linear.tests(s, k) - Eigen::Vector4d(1.0, 2.0, 0.0, -1.0)(k);
+    }
+    const auto own = x.middleRows(first, row - first);
+    v.block(first, first, row - first, row - first) += own * result.covariance * own.transpose();
+  }
+  v += picks * error.cwiseAbs2().asDiagonal() * picks.transpose();
+  const Eigen::MatrixXd weighted = x.transpose() * v.inverse();
+  const Eigen::MatrixXd covariance = (weighted * x).inverse();
+  EXPECT_LT((result.mean - covariance * weighted * y).norm(), 1e-6);
+  const Eigen::VectorXd shift =
+      error.cwiseAbs2().asDiagonal() * picks.transpose() * v.inverse() * (y - x * result.mean);
+  ASSERT_TRUE(result.model_error);
+  EXPECT_LT((result.model_error->shift - shift).norm(), 1e-6);
+  EXPECT_EQ(result.model_error->shift(3), 0.0);
+}
+
+TEST(ModelError, OfZeroChangesNoBit) {
+  const Linear linear;
+  const UpdatingResult without = update(linear.problem());
+  const UpdatingResult with = update(linear.problem(Eigen::Vector4d::Zero()));
+  EXPECT_EQ(with.mean, without.mean);
+  EXPECT_EQ(with.covariance, without.covariance);
+  EXPECT_EQ(with.intervals->mean, without.intervals->mean);
+  EXPECT_FALSE(with.model_error);
+}
+
+TEST(ModelError, OfAsManyOutputsAsParametersWidensTheMeansAlone) {
+  const test::ThreeMasses structure;
+  UpdatingProblem problem = structure.problem(test::frequencies_of(structure, test::oracle_parameters()));
+  const UpdatingResult without = update(problem);
+  problem.tests.model_error_std = 0.003 * sample_mean(problem.tests.values);
+  const UpdatingResult with = update(problem);
+  EXPECT_LT((with.mean - without.mean).norm(), 1e-5);
+  EXPECT_LT((with.covariance - without.covariance).norm(), 1e-5);
+  EXPECT_TRUE(with.intervals->std.isApprox(without.intervals->std, 1e-4));
+  const Eigen::VectorXd wide = with.intervals->mean.col(1) - with.intervals->mean.col(0);
+  const Eigen::VectorXd narrow = without.intervals->mean.col(1) - without.intervals->mean.col(0);
+  EXPECT_TRUE((wide.array() > narrow.array()).all());
+  EXPECT_LT(with.model_error->shift.norm(), 1e-6);
+  EXPECT_TRUE(says(with, "as given"));
+}
+
+TEST(ModelError, FindsWhichOutputIsOff) {
+  Linear linear;
+  linear.tests.col(2).array() += 1.0;
+  const UpdatingResult misled = update(linear.problem());
+  const UpdatingResult result = update(linear.problem(Eigen::Vector4d(0.0, 0.0, 10.0, 0.0)));
+  const UpdatingResult truth = update(Linear().problem());
+  EXPECT_LT((result.mean - truth.mean).norm(), 0.1 * (misled.mean - truth.mean).norm());
+  EXPECT_NEAR(result.model_error->shift(2), 1.0, 3.0 * std::sqrt(result.model_error->covariance(2, 2)));
+}
+
+TEST(ModelError, EstimatedNeedsMoreOutputsThanParametersAndSaysOnHowFewItRests) {
+  const test::ThreeMasses structure;
+  UpdatingProblem problem = structure.problem(test::frequencies_of(structure, test::oracle_parameters()));
+  problem.tests.is_model_error_estimated = true;
+  try {
+    update(problem);
+    FAIL();
+  } catch (const InvalidInput& error) {
+    EXPECT_NE(std::string(error.what()).find("test.model_error: cannot be estimated"), std::string::npos);
+  }
+  Linear linear;
+  linear.tests.rowwise() += Eigen::RowVector4d(0.3, -0.5, 0.4, -0.2);
+  UpdatingProblem more = linear.problem();
+  more.tests.is_model_error_estimated = true;
+  const UpdatingResult result = update(more);
+  ASSERT_TRUE(result.model_error);
+  ASSERT_EQ(result.model_error->degrees_of_freedom.size(), 1U);
+  EXPECT_NEAR(result.model_error->degrees_of_freedom[0], 2.0, 0.1);
+  EXPECT_TRUE(says(result, "degrees of freedom only"));
+  // Four numbers about 0.36 of root mean square; two of their combinations are seen.
+  EXPECT_GT(result.model_error->std(0), 0.05);
+  EXPECT_LT(result.model_error->std(0), 2.0);
+  const UpdatingResult without = update(linear.problem());
+  EXPECT_GT(result.intervals->mean(0, 1) - result.intervals->mean(0, 0),
+            without.intervals->mean(0, 1) - without.intervals->mean(0, 0));
+}
+
+TEST(ModelError, OfOneStructureAddsToTheMeasurements) {
+  const Linear linear;
+  const auto deviations = [&](const Eigen::VectorXd& noise, const Eigen::VectorXd& error) {
+    UpdatingProblem problem = linear.problem(error);
+    problem.tests.repeatability_std = noise;
+    return test::deviations(DeterministicUpdater({}).update(problem, {}));
+  };
+  const Eigen::VectorXd error = Eigen::Vector4d(0.3, 0.1, 0.2, 0.4);
+  const Eigen::VectorXd both = (linear.noise.cwiseAbs2() + error.cwiseAbs2()).cwiseSqrt();
+  EXPECT_TRUE(deviations(linear.noise, error).isApprox(deviations(both, {}), 1e-12));
+}
+
+TEST(ModelError, BootstrapWidensTheMeansToo) {
+  const Linear linear;
+  const MaximumLikelihoodOptions options{
+      .intervals = MaximumLikelihoodOptions::Intervals::bootstrap, .bootstrap_samples = 100, .starts = 0};
+  const auto width = [&](const Eigen::VectorXd& error) {
+    UpdatingProblem problem = linear.problem(error);
+    problem.tolerance = 1e-3;
+    const ParameterIntervals ends = *update(problem, options).intervals;
+    return ends.mean(0, 1) - ends.mean(0, 0);
+  };
+  EXPECT_GT(width(Eigen::Vector4d::Constant(0.5)), 1.5 * width({}));
+}
+
+class EveryMethodAndModelError : public testing::TestWithParam<std::string> {};
+
+TEST_P(EveryMethodAndModelError, IsNeverPassedOverInSilence) {
+  const Linear linear;
+  const std::unique_ptr<Updater> method = find_method(GetParam()).make({}, "test");
+  UpdatingProblem problem = linear.problem(Eigen::Vector4d::Constant(0.1));
+  problem.tolerance = 1e-3;
+  EXPECT_TRUE(says(method->update(problem, {}), "rror of the model") ||
+              says(method->update(problem, {}), "model's error"));
+  problem.tests.model_error_std.resize(0);
+  problem.tests.is_model_error_estimated = true;
+  const UpdatingResult estimated = method->update(problem, {});
+  EXPECT_TRUE(says(estimated, "is not used") || estimated.model_error.has_value());
+}
+
+TEST_P(EveryMethodAndModelError, MakesTheMeansOfAPopulationLessSure) {
+  const Linear linear;
+  const std::unique_ptr<Updater> method = find_method(GetParam()).make({}, "test");
+  UpdatingProblem problem = linear.problem();
+  problem.tolerance = 1e-3;
+  const UpdatingResult without = method->update(problem, {});
+  problem.tests.model_error_std = Eigen::Vector4d::Constant(0.2);
+  const UpdatingResult with = method->update(problem, {});
+  if (!with.intervals) return;
+  EXPECT_GT(with.intervals->mean(0, 1) - with.intervals->mean(0, 0),
+            without.intervals->mean(0, 1) - without.intervals->mean(0, 0));
+}
+
+std::vector<std::string> method_names() {
+  std::vector<std::string> names;
+  for (const MethodEntry& method : updating_methods()) names.push_back(method.name);
+  return names;
+}
+
+std::string test_name(const testing::TestParamInfo<std::string>& info) {
+  std::string name = info.param;
+  std::replace(name.begin(), name.end(), '-', '_');
+  return name;
+}
+
+INSTANTIATE_TEST_SUITE_P(Methods, EveryMethodAndModelError, testing::ValuesIn(method_names()), test_name);
+
+}  // namespace
+}  // namespace mottle
