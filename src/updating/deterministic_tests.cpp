@@ -16,8 +16,9 @@ Eigen::VectorXd target_variance(const UpdatingProblem& problem, const StructureE
   Eigen::VectorXd variance = estimate.measurement_std.cwiseAbs2();
   if (estimate.specimen > 0) return variance;
   const Eigen::VectorXi count = test_moments(problem.tests).count;
+  const Eigen::VectorXd error = problem.tests.model_error_variance();
   for (Eigen::Index k = 0; k < variance.size(); ++k) {
-    if (problem.tests.repeatability_std(k) > 0.0) variance(k) /= count(k);
+    if (problem.tests.repeatability_std(k) > 0.0) variance(k) = (variance(k) - error(k)) / count(k) + error(k);
   }
   return variance;
 }

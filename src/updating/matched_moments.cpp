@@ -181,7 +181,10 @@ Eigen::MatrixXd covariance_of_tests_mean(const TestData& tests, const Eigen::Ref
   const Eigen::MatrixXd measured = (!tests.values.array().isNaN()).cast<double>();
   const Eigen::MatrixXd together = measured.transpose() * measured;
   const Eigen::VectorXd count = together.diagonal().cwiseMax(1.0);
-  return count.cwiseInverse().asDiagonal() * covariance.cwiseProduct(together) * count.cwiseInverse().asDiagonal();
+  Eigen::MatrixXd result =
+      count.cwiseInverse().asDiagonal() * covariance.cwiseProduct(together) * count.cwiseInverse().asDiagonal();
+  result.diagonal() += tests.model_error_variance();
+  return result;
 }
 
 Eigen::MatrixXd unmoved_directions(const Eigen::Ref<const Eigen::MatrixXd>& sensitivity,

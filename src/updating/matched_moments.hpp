@@ -19,8 +19,8 @@ struct MatchedEstimate {
   Scatter scatter = Scatter::not_estimated;
 };
 
-/// Sampling covariance of the mean of the tests, from that of one test [output x output]; the place where what all
-/// specimens have in common is added.
+/// Sampling covariance of the mean of the tests about the model's, C / n + D, from that of one test, C [output x
+/// output], and a given error D of the model, which all specimens have in common.
 Eigen::MatrixXd covariance_of_tests_mean(const TestData& tests, const Eigen::Ref<const Eigen::MatrixXd>& covariance);
 
 /// Directions of the outputs that no parameter moves: B with B' G = 0 [output x direction].

@@ -39,13 +39,14 @@ struct MeanMetric {
   double misfit(const Eigen::VectorXd& residual) const { return residual.dot(precision * residual); }
 };
 
-/// M = (G Sigma G' + R) / n. A part in a million of what the prior moves an output keeps it regular.
+/// M = (G Sigma G' + R) / n + D. A part in a million of what the prior moves an output keeps it regular.
 MeanMetric metric_of(const PopulationFit& fit, const TestData& tests, const Eigen::VectorXd& prior_std) {
   constexpr double k_smallest = 1e-6;
   const Eigen::MatrixXd moved = fit.sensitivity * prior_std.asDiagonal();
   Eigen::MatrixXd covariance = fit.sensitivity * fit.covariance * fit.sensitivity.transpose();
   covariance.diagonal() += fit.noise;
   covariance = covariance_of_tests_mean(tests, covariance);
+  if (tests.is_model_error_estimated) covariance.diagonal() += fit.model_error->std.cwiseAbs2();
   covariance.diagonal() += k_smallest * k_smallest * moved.rowwise().squaredNorm();
   MeanMetric metric;
   metric.precision = covariance.inverse();
@@ -66,8 +67,9 @@ std::vector<Eigen::VectorXd> other_solutions(const UpdatingProblem& problem, con
   const Eigen::RowVectorXd target = means_of_tests(problem.tests.values);
   const MeanMetric metric = metric_of(fit, problem.tests, std);
   const double same = chi_squared_quantile(1.0 - problem.level, static_cast<double>(fit.seen.cols()));
-  const HoldingPopulation hold{prior.mean, k_flat * k_flat * prior.covariance,
-                               fit.noise / static_cast<double>(problem.tests.values.rows())};
+  HoldingPopulation hold{prior.mean, k_flat * k_flat * prior.covariance,
+                         fit.noise / static_cast<double>(problem.tests.values.rows())};
+  if (fit.model_error) hold.noise += fit.model_error->std.cwiseAbs2();
   const Eigen::MatrixXd drawn = draw_starts(problem, prior, starts, context, evaluations);
   Eigen::MatrixXd from(drawn.rows() + 1, drawn.cols());
   from << fit.mean.transpose(), drawn;

@@ -1,4 +1,6 @@
 // Whether a fitted population can be right: what the specimens' residuals say.
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
@@ -61,10 +63,12 @@ Eigen::MatrixXd unmoved_whitened(const Eigen::MatrixXd& design) {
 /// The residuals in the directions that no parameter moves, about their means and of their means.
 struct UnmovedResiduals {
   WhitenedResiduals whitened;
-  Eigen::MatrixXd directions;  // orthonormal [output x direction]
-  double mean_squares = 0.0;   // n |v|^2
-  double squares = 0.0;        // about the means
-  double freedom = 0.0;        // of `squares`
+  Eigen::MatrixXd directions;     // orthonormal [output x direction]
+  double mean_squares = 0.0;      // n v' (I + n D)^-1 v, D the model's error in units of the noise
+  double plain_squares = 0.0;     // n |v|^2
+  double squares = 0.0;           // about the means
+  double freedom = 0.0;           // of `squares`
+  double largest_variance = 1.0;  // of a direction's mean, times n, in units of the noise: eigenvalue of I + n D
 };
 
 UnmovedResiduals unmoved_residuals(const UpdatingProblem& problem, const PopulationFit& fit) {
@@ -72,8 +76,18 @@ UnmovedResiduals unmoved_residuals(const UpdatingProblem& problem, const Populat
   result.directions = unmoved_whitened(result.whitened.mean_design);
   const Eigen::VectorXd sums = result.whitened.values.colwise().sum();
   const Eigen::VectorXd means = sums.cwiseQuotient(result.whitened.count.cwiseMax(1.0).cwiseSqrt());
-  result.mean_squares = (result.directions.transpose() * means).squaredNorm();
-  result.squares = std::max(result.whitened.squares - result.mean_squares, 1e-300);
+  const Eigen::VectorXd unmoved = result.directions.transpose() * means;
+  result.plain_squares = unmoved.squaredNorm();
+  result.mean_squares = result.plain_squares;
+  if (fit.model_error) {
+    const Eigen::ArrayXd ratio = fit.model_error->std.array().square() / fit.noise.array();
+    Eigen::MatrixXd covariance = result.directions.transpose() *
+                                 (ratio * result.whitened.count.array()).matrix().asDiagonal() * result.directions;
+    covariance.diagonal().array() += 1.0;
+    result.mean_squares = unmoved.dot(covariance.llt().solve(unmoved));
+    result.largest_variance = covariance.selfadjointView<Eigen::Lower>().eigenvalues().maxCoeff();
+  }
+  result.squares = std::max(result.whitened.squares - result.plain_squares, 1e-300);
   result.freedom = result.whitened.freedom - static_cast<double>(result.directions.cols());
   return result;
 }
@@ -88,11 +102,12 @@ void plan_mean_residuals(const UnmovedResiduals& residuals, bool is_noise_known,
   test.aspect = Aspect::means;
   test.meaning = fmt::format(
       "Mean residuals of {:.0f} specimens in the {:.0f} directions that no parameter moves: are they no more than the "
-      "measurement's noise?",
-      n, d);
+      "measurement's noise{}?",
+      n, d, residuals.largest_variance > 1.0 ? " and the model's stated error" : "");
+  const double per_mean = residuals.largest_variance / n;
   test.power = [=](double level) {
     const double shift =
-        std::sqrt((is_noise_known ? chi_squared_detectable(d, level) : f_detectable(d, rest, level)) / n);
+        std::sqrt((is_noise_known ? chi_squared_detectable(d, level) : f_detectable(d, rest, level)) * per_mean);
     return Power{fmt::format("means that are off by {:.2g} standard deviations of the noise in one of them", shift),
                  shift <= k_gross_error};
   };
@@ -142,7 +157,13 @@ void plan_residual_tests(const UpdatingProblem& problem, const PopulationFit& fi
                                     k_more_outputs));
     return;
   }
-  plan_mean_residuals(residuals, is_noise_known, plan);
+  if (fit.settings.levels > 0) {
+    plan.leave_untested(Aspect::means,
+                        "The means were not tested: what the model's means are off by is what the level of its error "
+                        "was estimated from. Give test.model_error as numbers, the error that you would accept.");
+  } else {
+    plan_mean_residuals(residuals, is_noise_known, plan);
+  }
   if (!is_noise_known) return plan_sphericity(problem, fit, residuals, plan);
   const auto d = static_cast<double>(residuals.directions.cols());
   plan.add(residual_scatter_test(residuals.squares, residuals.freedom / d, d, leverage_of(problem, fit, residuals)));
