@@ -54,6 +54,15 @@ std::vector<NoiseRule> read_noise_rules(TomlReader& reader, const std::string& k
   return rules;
 }
 
+const NoiseRule* rule_for(const std::vector<NoiseRule>& rules, const std::string& output) {
+  const NoiseRule* best = nullptr;
+  for (const NoiseRule& rule : rules) {
+    const bool fits = is_pattern(rule.pattern) ? matches_pattern(output, rule.pattern) : output == rule.pattern;
+    if (fits && (best == nullptr || precedence(rule) >= precedence(*best))) best = &rule;
+  }
+  return best;
+}
+
 NoiseDeviations noise_deviations(const std::vector<NoiseRule>& rules, const std::vector<std::string>& outputs,
                                  const Eigen::Ref<const Eigen::VectorXd>& means, const std::string& key,
                                  const std::string& what) {
@@ -71,15 +80,10 @@ NoiseDeviations noise_deviations(const std::vector<NoiseRule>& rules, const std:
   std::vector<std::vector<std::string>> held(rules.size());
   for (std::size_t k = 0; k < outputs.size(); ++k) {
     const auto index = static_cast<Eigen::Index>(k);
-    std::size_t best = rules.size();
-    for (std::size_t r = 0; r < rules.size(); ++r) {
-      const bool fits =
-          is_pattern(rules[r].pattern) ? matches_pattern(outputs[k], rules[r].pattern) : outputs[k] == rules[r].pattern;
-      if (fits && (best == rules.size() || precedence(rules[r]) >= precedence(rules[best]))) best = r;
-    }
-    if (best == rules.size()) continue;
-    result.std(index) = rules[best].is_relative ? rules[best].value * std::abs(means(index)) : rules[best].value;
-    held[best].push_back(outputs[k]);
+    const NoiseRule* best = rule_for(rules, outputs[k]);
+    if (best == nullptr) continue;
+    result.std(index) = best->is_relative ? best->value * std::abs(means(index)) : best->value;
+    held[static_cast<std::size_t>(best - rules.data())].push_back(outputs[k]);
   }
   constexpr std::size_t k_listed = 6;
   for (std::size_t r = 0; r < rules.size(); ++r) {

@@ -15,6 +15,9 @@ namespace mottle {
 /// Throws InvalidInput: a value that is neither a number >= 0 nor such a number with "%".
 std::vector<NoiseRule> read_noise_rules(TomlReader& reader, const std::string& key);
 
+/// The rule that holds for an output; null where none fits. See noise_deviations.
+const NoiseRule* rule_for(const std::vector<NoiseRule>& rules, const std::string& output);
+
 /// Standard deviation of each output and the rule that gave it.
 struct NoiseDeviations {
   Eigen::VectorXd std;             ///< 0 where no rule fits

@@ -7,6 +7,7 @@
 #include "mottle/core/error.hpp"
 #include "mottle/core/text.hpp"
 #include "mottle/formats/csv.hpp"
+#include "noise_rules.hpp"
 #include "study_sections.hpp"
 
 namespace mottle {
@@ -95,6 +96,39 @@ Eigen::VectorXd noise_of(const PredictionPlan& plan, const UpdatingProblem& prob
   return noise;
 }
 
+/// The model's error of the predicted outputs: of a tested output of the structure as it is the very error that the
+/// tests have seen; else one of its own, of the size that an output of that name has.
+std::optional<PredictedError> error_of(const Study& study, const PredictionPlan& plan, const UpdatingProblem& problem,
+                                       const UpdatingResult& result, const RunContext& context) {
+  if (!problem.tests.has_model_error()) return std::nullopt;
+  const std::vector<Output>& used = problem.model.outputs();
+  const std::vector<Output>& outputs = plan.made.model->outputs();
+  const auto tested = static_cast<Eigen::Index>(used.size());
+  const Eigen::VectorXd known =
+      result.model_error ? result.model_error->std : Eigen::VectorXd(problem.tests.model_error_variance().cwiseSqrt());
+  PredictedError error{{known, Eigen::VectorXd::Zero(tested), Eigen::MatrixXd::Zero(tested, tested),
+                        Eigen::MatrixXd::Zero(problem.space.count(), tested)},
+                       std::vector<Eigen::Index>(outputs.size(), -1),
+                       Eigen::VectorXd::Zero(static_cast<Eigen::Index>(outputs.size()))};
+  if (result.model_error) error.estimate = *result.model_error;
+  const bool is_same = study.predict->overrides.empty() && result.model_error.has_value();
+  const Eigen::VectorXd values = plan.made.model->evaluate(result.mean.transpose(), context).outputs.row(0);
+  for (std::size_t k = 0; k < outputs.size(); ++k) {
+    const auto place = static_cast<Eigen::Index>(k);
+    const auto found =
+        std::find_if(used.begin(), used.end(), [&](const Output& output) { return output.name == outputs[k].name; });
+    const NoiseRule* rule = rule_for(study.test->model_error, outputs[k].name);
+    if (found != used.end()) {
+      const auto index = std::distance(used.begin(), found);
+      if (is_same) error.tested[k] = index;
+      if (!is_same) error.own_std(place) = known(index);
+    } else if (rule != nullptr) {
+      error.own_std(place) = rule->is_relative ? rule->value * std::abs(values(place)) : rule->value;
+    }
+  }
+  return error;
+}
+
 Json check_json(const HeldOutCheck& check, double joint_critical) {
   return {{"specimens", check.transforms.rows()},
           {"coverage", to_json(check.coverage)},
@@ -155,7 +189,9 @@ PredictionReport run_prediction(const Study& study, const PredictionPlan& plan, 
                                 const UpdatingResult& result, const RunContext& context) {
   const std::vector<Output>& outputs = plan.made.model->outputs();
   const PredictedPopulation population = predicted_population(problem.space, result, problem.tests.values.rows());
-  const PredictionSettings settings{.noise_std = noise_of(plan, problem, result), .draws = study.predict->draws};
+  const PredictionSettings settings{.noise_std = noise_of(plan, problem, result),
+                                    .model_error = error_of(study, plan, problem, result, context),
+                                    .draws = study.predict->draws};
   const Prediction prediction = predict(*plan.made.model, problem.space, population, settings, context);
   std::optional<HeldOutCheck> check;
   if (plan.held_out) check = check_held_out(prediction, population, plan.held_out->data.values);

@@ -59,6 +59,7 @@ Prediction predict(const Model& model, const ParameterSpace& space, const Predic
   prediction.mean = sample_mean(plain);
   prediction.covariance = sample_covariance(plain);
   prediction.covariance.diagonal() += settings.noise_std.cwiseAbs2();
+  if (settings.model_error) prediction.covariance.diagonal() += settings.model_error->own_std.cwiseAbs2();
   prediction.draws = maker.draw(PredictiveDraws::Kind::outputs, prediction);
   prediction.interval.resize(prediction.mean.size(), 2);
   for (Eigen::Index k = 0; k < prediction.mean.size(); ++k) {

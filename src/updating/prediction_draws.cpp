@@ -63,6 +63,43 @@ bool PredictiveDraws::has_joint_region() const {
   return population_.specimens == 0 || joint_freedom() > static_cast<double>(population_.estimate.mean.size());
 }
 
+PredictiveDraws::PredictiveDraws(const Model& model, const ParameterSpace& space, const PredictedPopulation& population,
+                                 const PredictionSettings& settings, const RunContext& context)
+    : model_(model), space_(space), population_(population), settings_(settings), context_(context) {
+  if (!settings.model_error) return;
+  const ModelError& error = settings.model_error->estimate;
+  error_root_ = root_of(error.covariance, (error.std.array() > 0.0).select(error.std, 1.0));
+}
+
+/// The error of the tested outputs in one draw; its estimate where estimates are taken as exact.
+Eigen::VectorXd PredictiveDraws::shared_error(Kind kind, Eigen::Index draw) const {
+  const ModelError& error = settings_.model_error->estimate;
+  if (kind == Kind::population) return error.shift;
+  const StreamKey key{
+      .seed = context_.seed, .purpose = StreamPurpose::prediction, .iteration = 8 + static_cast<std::uint32_t>(kind)};
+  RandomStream stream(key, static_cast<std::uint32_t>(draw));
+  return error.shift + error_root_ * normals(stream, error.shift.size());
+}
+
+/// @param draws  of each row of the outputs
+void PredictiveDraws::add_model_error(Kind kind, const std::vector<Eigen::Index>& draws,
+                                      Eigen::MatrixXd& outputs) const {
+  const PredictedError& error = *settings_.model_error;
+  const StreamKey key{.seed = context_.seed,
+                      .purpose = StreamPurpose::prediction_noise,
+                      .iteration = 8 + static_cast<std::uint32_t>(kind)};
+  for (Eigen::Index row = 0; row < outputs.rows(); ++row) {
+    const Eigen::Index draw = draws[static_cast<std::size_t>(row)];
+    const Eigen::VectorXd shared = shared_error(kind, draw);
+    for (std::size_t k = 0; k < error.tested.size(); ++k) {
+      if (error.tested[k] >= 0) outputs(row, static_cast<Eigen::Index>(k)) += shared(error.tested[k]);
+    }
+    if (kind == Kind::population) continue;
+    RandomStream stream(key, static_cast<std::uint32_t>(draw));
+    outputs.row(row) += normals(stream, outputs.cols()).cwiseProduct(error.own_std).transpose();
+  }
+}
+
 Eigen::MatrixXd PredictiveDraws::points(Kind kind) const {
   const PopulationOnScales& estimate = population_.estimate;
   const PopulationEvidence& evidence = estimate.evidence;
@@ -72,7 +109,10 @@ Eigen::MatrixXd PredictiveDraws::points(Kind kind) const {
   const Eigen::VectorXd deviation = total.diagonal().cwiseMax(0.0).cwiseSqrt();
   const Eigen::VectorXd scale = (deviation.array() > 0.0).select(deviation, 1.0);
   const Eigen::MatrixXd total_root = root_of(total, scale);
-  const Eigen::MatrixXd mean_root = is_exact ? Eigen::MatrixXd() : root_of(evidence.mean_covariance, scale);
+  Eigen::MatrixXd mean_covariance = evidence.mean_covariance;
+  // What the model's error makes of it is drawn with the error itself, since the predicted outputs have it too.
+  if (settings_.model_error && evidence.mean_shared.size() > 0) mean_covariance -= evidence.mean_shared;
+  const Eigen::MatrixXd mean_root = is_exact ? Eigen::MatrixXd() : root_of(mean_covariance, scale);
   Eigen::MatrixXd points(settings_.draws, q);
   for (Eigen::Index s = 0; s < settings_.draws; ++s) {
     const StreamKey key{
@@ -96,6 +136,10 @@ Eigen::MatrixXd PredictiveDraws::points(Kind kind) const {
     }
     const Eigen::VectorXd mean = estimate.mean + blown_mean * normals(stream, q);
     points.row(s) = (mean + root_of(blown - evidence.noise, scale) * normals(stream, q)).transpose();
+    if (settings_.model_error) {
+      const ModelError& error = settings_.model_error->estimate;
+      points.row(s) += (error.gain * (shared_error(kind, s) - error.shift)).transpose();
+    }
   }
   return points;
 }
@@ -109,6 +153,7 @@ Eigen::MatrixXd PredictiveDraws::draw(Kind kind, Prediction& prediction) const {
   }
   Eigen::MatrixXd outputs = model_.evaluate(x(possible, Eigen::all), context_).outputs;
   prediction.model_evaluations += outputs.rows();
+  if (settings_.model_error) add_model_error(kind, possible, outputs);
   std::vector<Eigen::Index> kept;
   for (Eigen::Index s = 0; s < outputs.rows(); ++s) {
     if (outputs.row(s).allFinite()) kept.push_back(s);

@@ -16,8 +16,7 @@ class PredictiveDraws {
   };
 
   PredictiveDraws(const Model& model, const ParameterSpace& space, const PredictedPopulation& population,
-                  const PredictionSettings& settings, const RunContext& context)
-      : model_(model), space_(space), population_(population), settings_(settings), context_(context) {}
+                  const PredictionSettings& settings, const RunContext& context);
 
   /// Whether the specimens tell enough of the covariance for a region of all outputs together.
   bool has_joint_region() const;
@@ -29,12 +28,15 @@ class PredictiveDraws {
  private:
   Eigen::MatrixXd points(Kind kind) const;
   double joint_freedom() const;
+  Eigen::VectorXd shared_error(Kind kind, Eigen::Index draw) const;
+  void add_model_error(Kind kind, const std::vector<Eigen::Index>& draws, Eigen::MatrixXd& outputs) const;
 
   const Model& model_;
   const ParameterSpace& space_;
   const PredictedPopulation& population_;
   const PredictionSettings& settings_;
   const RunContext& context_;
+  Eigen::MatrixXd error_root_;  // of the covariance of the model's error, where there is one
 };
 
 /// Squared distances of tests from the prediction by its own covariance; nan where a test is incomplete.

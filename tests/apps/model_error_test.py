@@ -45,6 +45,22 @@ class ModelErrorTest(support.CommandTest):
         self.assertEqual(len(result["outputs"]["model_error_std"]), 3)
         self.assertTrue(any("degrees of freedom only" in note for note in result["notes"]))
 
+    def test_a_prediction_of_what_was_tested_is_not_made_less_sure(self):
+        # d moves the tested frequencies and the mean together: their sum is what the tests have measured.
+        predict = "\n[predict]\nfrequencies = [1, 2, 3]\ndraws = 4000\n"
+
+        def widths(entry, section=predict):
+            ends = self.update(NOISE + entry, ("weighting = \"mahalanobis\"\n", "weighting = \"mahalanobis\"\n" + section))
+            return [upper - lower for lower, upper in ends["prediction"]["interval95"]]
+
+        without = widths("")
+        for one, other in zip(without, widths('model_error = { "f*" = "3 %" }')):
+            self.assertAlmostEqual(other / one, 1.0, delta=0.1)
+        # Of another structure the error is a new one: 3 % of f1 and what the mean carries, against a scatter of 5 %.
+        changed = predict + 'model = { "mass:m1" = 1.5 }\n'
+        plain = widths("", changed)
+        self.assertGreater(widths('model_error = { "f*" = "3 %" }', changed)[0], 1.1 * plain[0])
+
     def test_what_is_wrong_is_said(self):
         for entry, words in (('model_error = "guess"', '"estimated", or a table'),
                              ("model_error = { g1 = 0.1 }", "output 'g1'"),

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,8 +23,16 @@ struct PredictedPopulation {
 PredictedPopulation predicted_population(const ParameterSpace& space, const UpdatingResult& result,
                                          Eigen::Index specimens);
 
+/// The model's error in predicted outputs.
+struct PredictedError {
+  ModelError estimate;               ///< of the tested outputs
+  std::vector<Eigen::Index> tested;  ///< of each predicted output the tested one whose very error it has, -1: none
+  Eigen::VectorXd own_std;           ///< of an error that no test has, 0: none [predicted output]
+};
+
 struct PredictionSettings {
   Eigen::VectorXd noise_std;  ///< of the measurement of a new specimen's outputs [output]
+  std::optional<PredictedError> model_error = std::nullopt;
   int draws = 4000;
   double level = 0.05;  ///< intervals and regions hold 1 - level of new specimens
 };
@@ -58,6 +67,9 @@ struct Prediction {
 /// mu_y +- t_nu s sqrt(1 + 1/n), nu = n - 1. The joint region (y - m)' C^-1 (y - m) <= c has its c from draws in which
 /// T is inverse Wishart with the mean of the nu_i: for such a model Hotelling's (1 + 1/n) p nu / (nu - p + 1) F. What
 /// no output sees (nu_i = 0) is drawn as it stands.
+///
+/// With a model error d, d* ~ N(d^, cov d) is drawn with each: t* moves by gain (d* - d^), outputs that have that error
+/// get d*, others an error of their own. `mean` holds d^ and `covariance` the errors of their own.
 ///
 /// @param model  of the predicted outputs, over the parameters of `space`
 /// @throws SystemFailure  more than half of the draws fail
