@@ -100,15 +100,18 @@ void plan_mean_residuals(const UnmovedResiduals& residuals, bool is_noise_known,
                          ? chi_squared_test("mean-residuals", residuals.mean_squares, d)
                          : f_test("mean-residuals", residuals.mean_squares / d * rest / residuals.squares, d, rest);
   test.aspect = Aspect::means;
+  const bool has_error = residuals.largest_variance > 1.0;
   test.meaning = fmt::format(
       "Mean residuals of {:.0f} specimens in the {:.0f} directions that no parameter moves: are they no more than the "
       "measurement's noise{}?",
-      n, d, residuals.largest_variance > 1.0 ? " and the model's stated error" : "");
-  const double per_mean = residuals.largest_variance / n;
+      n, d, has_error ? " and the model's stated error" : "");
+  // In units of the noise and the model's error of one test together, in the direction where the mean shows least.
+  const double per_mean = residuals.largest_variance / (n + residuals.largest_variance - 1.0);
   test.power = [=](double level) {
     const double shift =
         std::sqrt((is_noise_known ? chi_squared_detectable(d, level) : f_detectable(d, rest, level)) * per_mean);
-    return Power{fmt::format("means that are off by {:.2g} standard deviations of the noise in one of them", shift),
+    return Power{fmt::format("means that are off by {:.2g} standard deviations of {} in one of them", shift,
+                             has_error ? "the noise and the model's stated error" : "the noise"),
                  shift <= k_gross_error};
   };
   plan.add(std::move(test));
