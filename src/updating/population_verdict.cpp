@@ -25,7 +25,8 @@ struct WhitenedResiduals {
   double freedom = 0.0;
 };
 
-WhitenedResiduals whiten(const UpdatingProblem& problem, const PopulationFit& fit) {
+/// @param shift  taken off the tests [output]
+WhitenedResiduals whiten(const UpdatingProblem& problem, const PopulationFit& fit, const Eigen::VectorXd& shift) {
   const Eigen::MatrixXd& tests = problem.tests.values;
   const Eigen::Index effects = fit.effects.mean.size();
   WhitenedResiduals result{Eigen::MatrixXd::Zero(tests.rows(), tests.cols()),
@@ -38,7 +39,7 @@ WhitenedResiduals whiten(const UpdatingProblem& problem, const PopulationFit& fi
     }
     const Eigen::VectorXd weight = fit.noise(rows).cwiseSqrt().cwiseInverse();
     const Eigen::MatrixXd design = weight.asDiagonal() * unit.design;
-    const Eigen::VectorXd response = weight.asDiagonal() * unit.response;
+    const Eigen::VectorXd response = weight.asDiagonal() * (unit.response - shift(rows));
     const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> factor(design);
     const Eigen::VectorXd residual = response - design * factor.solve(response);
     for (std::size_t k = 0; k < rows.size(); ++k) {
@@ -65,29 +66,34 @@ struct UnmovedResiduals {
   WhitenedResiduals whitened;
   Eigen::MatrixXd directions;     // orthonormal [output x direction]
   double mean_squares = 0.0;      // n v' (I + n D)^-1 v, D the model's error in units of the noise
-  double plain_squares = 0.0;     // n |v|^2
   double squares = 0.0;           // about the means
   double freedom = 0.0;           // of `squares`
   double largest_variance = 1.0;  // of a direction's mean, times n, in units of the noise: eigenvalue of I + n D
 };
 
 UnmovedResiduals unmoved_residuals(const UpdatingProblem& problem, const PopulationFit& fit) {
-  UnmovedResiduals result{whiten(problem, fit), {}};
+  const Eigen::VectorXd none = Eigen::VectorXd::Zero(problem.tests.values.cols());
+  UnmovedResiduals result{whiten(problem, fit, none), {}};
   result.directions = unmoved_whitened(result.whitened.mean_design);
-  const Eigen::VectorXd sums = result.whitened.values.colwise().sum();
-  const Eigen::VectorXd means = sums.cwiseQuotient(result.whitened.count.cwiseMax(1.0).cwiseSqrt());
-  const Eigen::VectorXd unmoved = result.directions.transpose() * means;
-  result.plain_squares = unmoved.squaredNorm();
-  result.mean_squares = result.plain_squares;
+  const auto mean_of = [&](const WhitenedResiduals& whitened) -> Eigen::VectorXd {
+    const Eigen::VectorXd sums = whitened.values.colwise().sum();
+    return result.directions.transpose() * sums.cwiseQuotient(whitened.count.cwiseMax(1.0).cwiseSqrt());
+  };
+  const Eigen::VectorXd unmoved = mean_of(result.whitened);
+  result.mean_squares = unmoved.squaredNorm();
+  result.squares = result.whitened.squares - result.mean_squares;
   if (fit.model_error) {
     const Eigen::ArrayXd ratio = fit.model_error->std.array().square() / fit.noise.array();
     Eigen::MatrixXd covariance = result.directions.transpose() *
                                  (ratio * result.whitened.count.array()).matrix().asDiagonal() * result.directions;
     covariance.diagonal().array() += 1.0;
     result.mean_squares = unmoved.dot(covariance.llt().solve(unmoved));
+    // An error that all share scatters where no two specimens have the same unmoved directions.
+    const WhitenedResiduals own = whiten(problem, fit, fit.model_error->shift);
+    result.squares = own.squares - mean_of(own).squaredNorm();
     result.largest_variance = covariance.selfadjointView<Eigen::Lower>().eigenvalues().maxCoeff();
   }
-  result.squares = std::max(result.whitened.squares - result.plain_squares, 1e-300);
+  result.squares = std::max(result.squares, 1e-300);
   result.freedom = result.whitened.freedom - static_cast<double>(result.directions.cols());
   return result;
 }
