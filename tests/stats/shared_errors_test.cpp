@@ -146,6 +146,11 @@ TEST(SharedErrors, InformationIsThatOfTheStackedData) {
   EXPECT_TRUE(information.entry_covariance.isApprox(expected.inverse(), 1e-6));
 }
 
+std::vector<RandomEffectsUnit> without_shared(std::vector<RandomEffectsUnit> units) {
+  for (RandomEffectsUnit& unit : units) unit.shared.clear();
+  return units;
+}
+
 TEST(SharedErrors, OfVarianceZeroChangeNothing) {
   const Unlike data;
   RandomEffectsSettings settings;
@@ -155,11 +160,6 @@ TEST(SharedErrors, OfVarianceZeroChangeNothing) {
   EXPECT_TRUE(with.mean.isApprox(plain.mean, 1e-13));
   EXPECT_TRUE(with.covariance.isApprox(plain.covariance, 1e-12));
   EXPECT_TRUE(with.shared.isZero(0.0));
-}
-
-std::vector<RandomEffectsUnit> without_shared(std::vector<RandomEffectsUnit> units) {
-  for (RandomEffectsUnit& unit : units) unit.shared.clear();
-  return units;
 }
 
 /// Units that all see two effects by the same rows.
