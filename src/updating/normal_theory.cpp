@@ -103,8 +103,10 @@ ParameterIntervals normal_theory_intervals(const std::vector<NormalScale>& scale
         if (product > 0.0) {
           const Eigen::Vector2d means(mean(i), mean(j));
           const Eigen::Vector2d deviations(std(i), std(j));
-          ends = {carried_over(scale(i), scale(j), means, deviations, ends.lower),
-                  carried_over(scale(i), scale(j), means, deviations, ends.upper)};
+          // They ascend together, but where there is hardly any scatter rounding decides.
+          const auto [lower, upper] = std::minmax({carried_over(scale(i), scale(j), means, deviations, ends.lower),
+                                                   carried_over(scale(i), scale(j), means, deviations, ends.upper)});
+          ends = {lower, upper};
         }
       }
       intervals.correlation_lower(i, j) = intervals.correlation_lower(j, i) = ends.lower;

@@ -151,9 +151,24 @@ void plan_sphericity(const UpdatingProblem& problem, const PopulationFit& fit, c
                            leverage_of(problem, fit, residuals)));
 }
 
+/// Whether the noise of every output is more than the rounding of its tests: identical specimens leave an estimate of
+/// their last digits.
+bool has_noise_everywhere(const UpdatingProblem& problem, const PopulationFit& fit) {
+  constexpr double k_rounding = 1e-12;
+  const Eigen::ArrayXd size = k_rounding * means_of_tests(problem.tests.values).transpose().array();
+  return (fit.noise.array() > size.square()).all();
+}
+
 void plan_residual_tests(const UpdatingProblem& problem, const PopulationFit& fit, TestPlan& plan) {
   const bool is_noise_known = fit.settings.factors == 0;
-  const bool has_noise = (fit.noise.array() > 0.0).all();
+  const bool has_noise = has_noise_everywhere(problem, fit);
+  if (!has_noise && !is_noise_known) {
+    plan.leave_untested(Aspect::means,
+                        "The means were not tested: the parameters reproduce every test to rounding, so that the level "
+                        "of the noise cannot be estimated. Give [test] repeatability.");
+    plan.leave_untested(Aspect::scatter, "The scatter was not tested for the same reason.");
+    return;
+  }
   const UnmovedResiduals residuals = has_noise ? unmoved_residuals(problem, fit) : UnmovedResiduals{};
   if (!has_noise || residuals.directions.cols() == 0 || residuals.freedom <= 0.0) {
     plan.leave_untested(Aspect::means,
