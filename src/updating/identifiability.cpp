@@ -30,12 +30,29 @@ Identifiability identify(const Eigen::Ref<const Eigen::MatrixXd>& sensitivity,
   return result;
 }
 
+namespace {
+
+/// Sensitivity by linear regression; nothing where the samples are too few or do not span all parameters.
+std::optional<Eigen::MatrixXd> regressed_sensitivity(const Cloud& cloud) {
+  const Cloud::Valid valid = cloud.valid();
+  if (valid.samples.rows() <= valid.samples.cols() + 1) return std::nullopt;
+  try {
+    return linear_regression(valid.samples, valid.outputs).sensitivity;
+  } catch (const InvalidInput&) {
+    return std::nullopt;
+  }
+}
+
+}  // namespace
+
 std::optional<Identifiability> identify(const UpdatingProblem& problem, const UpdatingResult& result) {
   Eigen::MatrixXd sensitivity = result.sensitivity;
   if (sensitivity.size() == 0) {
-    const Cloud::Valid valid = result.history.back().cloud.valid();
-    if (valid.samples.rows() <= valid.samples.cols() + 1) return std::nullopt;
-    sensitivity = linear_regression(valid.samples, valid.outputs).sensitivity;
+    // A population without scatter in some direction has a cloud that lies in a plane: the first one does not.
+    const auto last = regressed_sensitivity(result.history.back().cloud);
+    const auto found = last ? last : regressed_sensitivity(result.history.front().cloud);
+    if (!found) return std::nullopt;
+    sensitivity = *found;
   }
   const TestMoments tests = test_moments(problem.tests);
   const Eigen::VectorXd deviation = tests.covariance.diagonal().cwiseSqrt();

@@ -144,13 +144,6 @@ RandomEffectsFit fit_within_bounds(const UpdatingProblem& problem, const Frame& 
   return fit;
 }
 
-/// The covariance that holds the specimens, regular in all that the outputs see: one without noise must be free to go
-/// where its test lies, though the present estimate has no scatter in that direction.
-Eigen::MatrixXd holding_covariance(const Eigen::MatrixXd& covariance, const Frame& frame) {
-  constexpr double k_slack = 1e-4;  // of the prior's variances: a hundredth of a deviation
-  return covariance + k_slack * (frame.map * frame.start * frame.map.transpose());
-}
-
 /// The covariance with no scatter of the parameters that have none.
 void take_scatter(Eigen::MatrixXd& covariance, const std::vector<bool>& has_scatter) {
   for (std::size_t i = 0; i < has_scatter.size(); ++i) {
@@ -268,9 +261,8 @@ PopulationFit fit_population(const UpdatingProblem& problem, const Eigen::Ref<co
       const auto column = static_cast<Eigen::Index>(i);
       if (!settings.has_scatter[i]) from.points.col(column).setConstant(fit.mean(column));
     }
-    fit.specimens =
-        fit_specimens(problem, without_shift(values, error),
-                      {fit.mean, holding_covariance(fit.covariance, frame), fit.noise}, from, context, fit.evaluations);
+    fit.specimens = fit_specimens(problem, without_shift(values, error), {fit.mean, fit.covariance, fit.noise}, from,
+                                  context, fit.evaluations);
     from = {fit.specimens.points, fit.specimens.jacobians};
     fit.units = linear_units(values, error, fit.specimens, settings.noise, frame.origin, frame.map);
     fit.effects = fit_within_bounds(problem, frame, fit.units, start, fit.settings);
