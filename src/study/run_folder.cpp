@@ -36,6 +36,9 @@ void RunFolder::write(const std::string& name, const std::string& bytes) const {
 
 std::vector<std::string> RunFolder::set_aside(const std::vector<std::string>& names) const {
   std::vector<std::string> there;
+  // Files without it are what a run that did not come to its end had written: they are written over.
+  if (!std::filesystem::is_regular_file(file("result.json")) && !std::filesystem::exists(file("diagnosis.json")))
+    return there;
   for (const std::string& name : names) {
     if (std::filesystem::is_regular_file(file(name))) there.push_back(name);
   }

@@ -22,8 +22,6 @@ constexpr std::array k_unit_factors = {
     UnitFactor{k_two_pi, "2 pi", "are the tests in rad/s? Divide them by 2 pi."},
     UnitFactor{1.0 / k_two_pi, "1/(2 pi)",
                "is it the model that gives rad/s, or were the tests divided by 2 pi twice?"},
-    UnitFactor{60.0, "60", "are the tests in cycles per minute? Divide them by 60."},
-    UnitFactor{1.0 / 60.0, "1/60", "is it the model that gives cycles per minute?"},
     UnitFactor{1000.0, "1000",
                "are the tests in mHz, or the model's moduli in MPa where its lengths and masses want Pa?"},
     UnitFactor{1.0 / 1000.0, "1/1000",

@@ -120,7 +120,7 @@ class NastranTest(support.CommandTest):
 
     def test_a_changed_deck_cannot_be_resumed(self):
         self.succeed("propagate", "study.toml", "--out", "out", "--quiet")
-        (self.folder / "out" / "resume.journal").write_bytes(b"mottle journal 3\n12345678")
+        (self.folder / "out" / "resume.journal").write_bytes(b"mottle journal 3\n1234567812345678")
         ended = self.call("propagate", "study.toml", "--out", "out", "--resume")
         self.assertEqual(ended.code, 2)
         self.assertIn("have changed", ended.err)
