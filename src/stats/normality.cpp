@@ -20,9 +20,8 @@ namespace {
 constexpr Eigen::Index k_least_size = 5;
 
 double polynomial(const std::array<double, 6>& coefficients, double x) {
-  double value = 0.0;
-  for (auto c = coefficients.rbegin(); c != coefficients.rend(); ++c) value = value * x + *c;
-  return value;
+  return std::accumulate(coefficients.rbegin(), coefficients.rend(), 0.0,
+                         [x](double value, double coefficient) { return value * x + coefficient; });
 }
 
 /// Royston's weights of the ordered values, antisymmetric, of length 1.
