@@ -71,7 +71,9 @@ std::vector<int> match_columns(const CsvTable& table, const Study& study, const 
   std::vector<int> columns(outputs.size(), -1);
   std::vector<std::string> unused;
   for (std::size_t column = 0; column < table.header.size(); ++column) {
-    const auto [name, unit] = split_title(table.header[column]);
+    const auto title = split_title(table.header[column]);
+    const std::string& name = title.name;
+    const std::string& unit = title.unit;
     const auto output = std::find(outputs.begin(), outputs.end(), name);
     if (output != outputs.end()) {
       require_unit(table, study, table.header[column], unit);
