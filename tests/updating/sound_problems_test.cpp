@@ -35,7 +35,7 @@ TEST_P(SoundProblems, AreSolvedHoweverSingular) {
 /// methods that invert the model is that of the specimens themselves; the others are right to first order. Maximum
 /// likelihood without noise may hold specimens off that direction (docs/theory/maximum-likelihood.md).
 TEST_P(SoundProblems, OfPerfectlyCorrelatedParametersGiveTheirOneDirection) {
-  if (GetParam() == "maximum-likelihood") GTEST_SKIP() << "a singular population without noise: no maximum";
+  if (GetParam() == "maximum-likelihood") GTEST_SKIP() << "known fault: covariances may be far too large";
   const test::ThreeMasses structure;
   for (Eigen::Index specimens = 2; specimens <= 5; ++specimens) {
     for (std::uint32_t number = 0; number < 10; ++number) {
