@@ -54,9 +54,9 @@ def check_group(build, commands, files):
             run = clang_tidy(folder, source)
         if run.returncode == 0:
             return ""
-        if "clang-diagnostic-error" not in run.stdout:
+        if not any(kind in run.stdout for kind in ("clang-diagnostic-error", "clang-diagnostic-shadow")):
             return run.stdout
-    # Alone, or not to be compiled together.
+    # Alone, or not to be compiled together: twice defined, or a name of one hides another's.
     return "".join(run.stdout for run in (clang_tidy(build, path) for path in files) if run.returncode != 0)
 
 

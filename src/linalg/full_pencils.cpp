@@ -12,6 +12,8 @@
 namespace mottle {
 namespace {
 
+constexpr double k_infinite = std::numeric_limits<double>::infinity();
+
 /// Quantiles of the normal distribution in the middle of 4096 equal parts, scaled to a variance of one: with them
 /// twelve random bits make a normal deviate.
 const std::vector<double>& normal_quantiles() {
@@ -161,7 +163,6 @@ SparseMatrix FullPencils::sum(const std::vector<SupportedMatrix>& terms, const E
 
 void FullPencils::bound_stiffness(const PencilTerms& terms, const Eigen::VectorXd& flexibility) {
   constexpr double k_negligible = 1e-3;  // of A
-  constexpr double k_infinite = std::numeric_limits<double>::infinity();
   const std::vector<int> order = solver_.factor().order();
   stiffness_bounds.resize(nominal_stiffness.size(), 2);
   for (Eigen::Index t = 0; t < nominal_stiffness.size(); ++t) {
@@ -181,7 +182,6 @@ void FullPencils::bound_stiffness(const PencilTerms& terms, const Eigen::VectorX
 
 void FullPencils::bound_mass(const PencilTerms& terms, const Eigen::VectorXd& flexibility) {
   constexpr double k_negligible = 1e-6;  // of the mass, for the modes that are followed
-  constexpr double k_infinite = std::numeric_limits<double>::infinity();
   mass_bounds = Eigen::MatrixXd::Zero(nominal_mass.size(), 2);
   if (terms.mass.empty()) return;  // M is the same everywhere
   const std::vector<int> order = solver_.factor().order();

@@ -10,6 +10,8 @@
 namespace mottle {
 namespace {
 
+constexpr double k_infinite = std::numeric_limits<double>::infinity();
+
 /// Smallest or largest of value / reference over the terms that are there; the constant's is 1.
 template <typename Compare>
 double extreme_ratio(const std::vector<SupportedMatrix>& terms, const Eigen::VectorXd& reference,
@@ -58,7 +60,6 @@ Eigen::VectorXd FullPencils::smallest_ratios(const TermCoefficients& samples) co
 }
 
 Eigen::VectorXd ReducedModel::Parts::unseen_above(const TermCoefficients& samples) const {
-  constexpr double k_infinite = std::numeric_limits<double>::infinity();
   constexpr double k_level = 0.99;  // modes of floors are exact to 1e-3 at worst, their values to its square
   const Eigen::VectorXd softest = full->smallest_ratios(samples);
   const Eigen::VectorXd heaviest = full->largest_mass_ratios(samples);

@@ -63,7 +63,7 @@ double pairwise_covariance(const Eigen::Ref<const Eigen::MatrixXd>& samples, Eig
 
 }  // namespace
 
-bool repair_covariance(Eigen::MatrixXd& covariance) {
+bool repair_covariance(Eigen::MatrixXd& covariance, double least) {
   for (Eigen::Index i = 0; i < covariance.rows(); ++i) {
     if (covariance(i, i) > 0.0) continue;
     covariance.row(i).setZero();
@@ -82,9 +82,10 @@ bool repair_covariance(Eigen::MatrixXd& covariance) {
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(correlation);
   const double largest = eigen.eigenvalues().tail(1)[0];
   const double rounding = 100.0 * static_cast<double>(covariance.rows()) * std::numeric_limits<double>::epsilon();
-  if (eigen.eigenvalues()[0] >= -rounding * largest) return false;
+  if (eigen.eigenvalues()[0] >= (least - rounding) * largest) return false;
 
-  const Eigen::MatrixXd root = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
+  const Eigen::VectorXd kept = eigen.eigenvalues().cwiseMax(least * largest).cwiseSqrt();
+  const Eigen::MatrixXd root = eigen.eigenvectors() * kept.asDiagonal();
   const Eigen::MatrixXd scaled = deviation.cwiseQuotient(root.rowwise().norm()).asDiagonal() * root;
   const Eigen::VectorXd variances = covariance.diagonal();
   covariance.noalias() = scaled * scaled.transpose();

@@ -26,14 +26,20 @@ void keep_groups(Eigen::MatrixXd& covariance, const RandomEffectsSettings& setti
   }
 }
 
-/// Positive definite in the effects that have a variance.
+// Least eigenvalue of Sigma's correlation, as a part of the largest one: all that is computed from Sigma^-1 then keeps
+// half of the digits, while no deviation changes by more than a ten-thousandth of another.
+constexpr double k_least_eigenvalue = 1e-8;
+
+/// Positive definite, and not nearly singular, in the effects that have a variance.
 bool is_positive(const Eigen::MatrixXd& covariance) {
   std::vector<Eigen::Index> scattered;
   for (Eigen::Index i = 0; i < covariance.rows(); ++i) {
     if (covariance(i, i) != 0.0) scattered.push_back(i);
   }
-  const Eigen::MatrixXd block = covariance(scattered, scattered);
-  return covariance.allFinite() && Eigen::LLT<Eigen::MatrixXd>(block).info() == Eigen::Success;
+  if (!covariance.allFinite() || (covariance.diagonal().array() < 0.0).any()) return false;
+  Eigen::MatrixXd block = covariance(scattered, scattered);
+  block.diagonal() *= 1.0 - static_cast<double>(block.rows()) * k_least_eigenvalue;
+  return Eigen::LLT<Eigen::MatrixXd>(block).info() == Eigen::Success;
 }
 
 /// One step of expectation and maximisation.
@@ -73,7 +79,10 @@ State improve(const std::vector<RandomEffectsUnit>& units, const State& now, con
   keep_groups(next.covariance, settings);
   // Where all scatter lies in fewer directions than there are effects, differences of nearly equal numbers leave
   // variances a little below zero, which further steps would carry on.
-  if (!is_positive(next.covariance)) repair_covariance(next.covariance);
+  if (!is_positive(next.covariance)) {
+    repair_covariance(next.covariance, k_least_eigenvalue);
+    keep_groups(next.covariance, settings);
+  }
   next.factors = next.factors.cwiseQuotient(rows.cwiseMax(1.0)).cwiseMax(0.0);
   return next;
 }

@@ -76,6 +76,20 @@ TEST(RepairedCovariance, IsPositiveInEveryUnitAndKeepsItsVariances) {
   EXPECT_LT((repaired - correlation).cwiseAbs().maxCoeff(), 4e-9);
 }
 
+/// Two variables with a correlation of one: eigenvalues 2 and 0 become 2 and 2 c, scaled back to variances of 1 and 9.
+TEST(RepairedCovariance, KeepsALeastEigenvalueWhereAskedTo) {
+  constexpr double k_least = 1e-3;
+  Eigen::MatrixXd covariance(2, 2);
+  covariance << 1.0, 3.0, 3.0, 9.0;
+  repair_covariance(covariance, k_least);
+  EXPECT_NEAR(covariance(0, 0), 1.0, 1e-14);
+  EXPECT_NEAR(covariance(1, 1), 9.0, 1e-13);
+  EXPECT_NEAR(covariance(0, 1), 3.0 * (1.0 - k_least) / (1.0 + k_least), 1e-13);
+  const Eigen::MatrixXd mended = covariance;
+  repair_covariance(covariance, k_least);
+  EXPECT_EQ(covariance, mended);
+}
+
 TEST(RepairedCovariance, TakesAVariableWithoutVarianceOut) {
   Eigen::MatrixXd covariance(2, 2);
   covariance << -1e-20, 1e-12, 1e-12, 4.0;

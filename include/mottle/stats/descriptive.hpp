@@ -32,9 +32,10 @@ Eigen::MatrixXd correlation_from_covariance(const Eigen::Ref<const Eigen::Matrix
 /// the variances. A variable whose variance is not positive has none. What is positive semi-definite to rounding stays.
 ///
 /// @param covariance  [variable x variable], symmetric, finite, of any units
-/// @return            whether it had to be changed beyond rounding
+/// @param least       in place of zero: the smallest eigenvalue of the correlation, as a part of the largest one
+/// @return            whether an eigenvalue was below zero by more than rounding
 /// Source: [Rousseeuw1993].
-bool repair_covariance(Eigen::MatrixXd& covariance);
+bool repair_covariance(Eigen::MatrixXd& covariance, double least = 0.0);
 
 /// Moments of samples in which entries may be missing.
 struct SampleMoments {
