@@ -4,10 +4,12 @@
 #include <Eigen/QR>
 #include <cmath>
 
+#include "random_effects_step.hpp"
+
 namespace mottle {
 
 ScatterRoot scatter_root(const Eigen::Ref<const Eigen::MatrixXd>& covariance) {
-  constexpr double k_no_scatter = 1e-10;
+  constexpr double k_no_scatter = 10.0 * k_least_eigenvalue;
   const Eigen::VectorXd deviation = covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
   const Eigen::VectorXd scale = (deviation.array() > 0.0).select(deviation.cwiseInverse(), 0.0);
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(scale.asDiagonal() * covariance * scale.asDiagonal());
@@ -48,6 +50,7 @@ WhitenedEffects whiten_effects(const std::vector<RandomEffectsUnit>& units, cons
 
 Eigen::LLT<Eigen::MatrixXd> positive_factor(Eigen::MatrixXd matrix) {
   constexpr double k_floor = 1e-12;
+  if (matrix.size() == 0) return Eigen::LLT<Eigen::MatrixXd>(matrix);
   const double least = k_floor * std::max(matrix.diagonal().maxCoeff(), 1e-280);
   matrix.diagonal() += k_floor * matrix.diagonal().cwiseMax(least);
   Eigen::LLT<Eigen::MatrixXd> factor(matrix);

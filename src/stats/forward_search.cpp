@@ -8,8 +8,10 @@
 namespace mottle {
 namespace {
 
-/// Of a squared distance whose covariance was estimated with so many degrees of freedom: Hotelling's T^2.
+/// Of a squared distance, by rounding perhaps below zero, whose covariance was estimated with so many degrees of
+/// freedom: Hotelling's T^2.
 DeletedDistance deleted_distance(double square, double dimensions, double freedom) {
+  square = std::max(square, 0.0);
   const double rest = std::max(freedom - dimensions + 1.0, 1.0);
   const double tail = boost::math::ibeta(0.5 * rest, 0.5 * dimensions, freedom / (freedom + square));
   return {std::sqrt(square), -std::log(std::max(tail, 1e-300))};

@@ -26,10 +26,6 @@ void keep_groups(Eigen::MatrixXd& covariance, const RandomEffectsSettings& setti
   }
 }
 
-// Least eigenvalue of Sigma's correlation, as a part of the largest one: all that is computed from Sigma^-1 then keeps
-// half of the digits, while no deviation changes by more than a ten-thousandth of another.
-constexpr double k_least_eigenvalue = 1e-8;
-
 /// Positive definite, and not nearly singular, in the effects that have a variance.
 bool is_positive(const Eigen::MatrixXd& covariance) {
   std::vector<Eigen::Index> scattered;
@@ -139,14 +135,13 @@ void require_units(const std::vector<RandomEffectsUnit>& units, Eigen::Index eff
 }
 
 void require_shared(const std::vector<RandomEffectsUnit>& units, const RandomEffectsSettings& settings) {
-  const auto errors = static_cast<int>(settings.shared_variance.size());
-  require(settings.shared_level.empty() || static_cast<int>(settings.shared_level.size()) == errors,
+  const Eigen::Index errors = settings.shared_variance.size();
+  require(settings.shared_level.empty() || static_cast<Eigen::Index>(settings.shared_level.size()) == errors,
           "random effects: {} levels are named for {} shared errors", settings.shared_level.size(), errors);
   for (const RandomEffectsUnit& unit : units) {
-    const bool fits = unit.shared.empty() || static_cast<Eigen::Index>(unit.shared.size()) == unit.response.size();
-    require(fits && std::all_of(unit.shared.begin(), unit.shared.end(), [&](int k) { return k < errors; }),
-            "random effects: a unit of {} rows names {} of {} shared errors", unit.response.size(), unit.shared.size(),
-            errors);
+    require(unit.shared.size() == 0 || (unit.shared.rows() == unit.response.size() && unit.shared.cols() == errors),
+            "random effects: a unit of {} rows has a design of {} x {} for {} shared errors", unit.response.size(),
+            unit.shared.rows(), unit.shared.cols(), errors);
   }
 }
 

@@ -57,11 +57,7 @@ RandomEffectsPass::Unit RandomEffectsPass::make_unit(const RandomEffectsUnit& fr
   const Eigen::Index q = covariance.rows();
   unit.shared_weighted = Eigen::MatrixXd::Zero(q + shared.size(), from.design.rows());
   unit.shared_weighted.topRows(q) = unit.weighted;
-  for (std::size_t k = 0; k < from.shared.size(); ++k) {
-    if (from.shared[k] >= 0) {
-      unit.shared_weighted.row(q + from.shared[k]) += unit.precision.row(static_cast<Eigen::Index>(k));
-    }
-  }
+  if (from.shared.size() > 0) unit.shared_weighted.bottomRows(shared.size()) = from.shared.transpose() * unit.precision;
   unit.shared_seen = unit.shared_weighted * from.design;
   unit.seen_shared = unit.shared_seen.transpose();
   return unit;
@@ -80,10 +76,8 @@ RandomEffectsPass::RandomEffectsPass(const std::vector<RandomEffectsUnit>& obser
     units.push_back(make_unit(from, covariance, factors));
     const Unit& unit = units.back();
     information.leftCols(q) += unit.common_seen();
-    for (std::size_t k = 0; k < from.shared.size() && unit.has_shared; ++k) {
-      if (from.shared[k] >= 0) {
-        information.col(q + from.shared[k]) += unit.shared_weighted.col(static_cast<Eigen::Index>(k));
-      }
+    if (unit.has_shared && from.shared.size() > 0) {
+      information.rightCols(shared.size()) += unit.shared_weighted * from.shared;
     }
     gradient += unit.common_weighted() * (from.response - from.design * mean);
   }
@@ -91,9 +85,7 @@ RandomEffectsPass::RandomEffectsPass(const std::vector<RandomEffectsUnit>& obser
   for (std::size_t s = 0; s < observed.size(); ++s) {
     Unit& unit = units[s];
     unit.residual = observed[s].response - observed[s].design * mean;
-    for (std::size_t k = 0; k < observed[s].shared.size() && unit.has_shared; ++k) {
-      if (observed[s].shared[k] >= 0) unit.residual(static_cast<Eigen::Index>(k)) -= shared(observed[s].shared[k]);
-    }
+    if (unit.has_shared && observed[s].shared.size() > 0) unit.residual -= observed[s].shared * shared;
     log_likelihood -= 0.5 * unit.residual.dot(unit.precision * unit.residual);
   }
 }

@@ -8,6 +8,10 @@
 
 namespace mottle {
 
+/// Least eigenvalue of Sigma's correlation, as a part of the largest one: all that is computed from Sigma^-1 then keeps
+/// half of the digits, while no deviation changes by more than a ten-thousandth of another.
+inline constexpr double k_least_eigenvalue = 1e-8;
+
 inline bool may_be_correlated(const RandomEffectsSettings& settings, Eigen::Index i, Eigen::Index j) {
   const std::vector<int>& groups = settings.covariance_groups;
   return groups.empty() || groups[static_cast<std::size_t>(i)] == groups[static_cast<std::size_t>(j)];

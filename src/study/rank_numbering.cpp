@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <string_view>
 
 #include "mottle/core/text.hpp"
 
@@ -20,6 +21,12 @@ bool is_ranked(const std::vector<int>& modes, const Eigen::Ref<const Eigen::Matr
   }
   return true;
 }
+
+constexpr std::string_view k_numbering =
+    "The tests number their modes by rank of frequency, the model by shape (outputs.tracking = \"mac\")";
+constexpr std::string_view k_remedy =
+    "Set outputs.tracking = \"order\" to number both by rank, or measure shapes and set test.pairing = \"mac\". If the "
+    "columns of the tests are the model's modes already, say so: test.pairing = \"named\"";
 
 struct Crossings {
   double part = 0.0;     ///< of the cloud
@@ -43,22 +50,23 @@ Crossings crossings_of(const IterationRecord& state) {
 
 }  // namespace
 
+std::optional<std::string> rank_note(const ModalOutputs& selection, const Eigen::Ref<const Eigen::MatrixXd>& tests) {
+  if (selection.tracking != ModeTracking::mac || selection.frequencies.size() < 2) return std::nullopt;
+  if (!is_ranked(selection.frequencies, tests)) return std::nullopt;
+  return fmt::format("{}: where modes cross a frequency is compared with another mode's. {}", k_numbering, k_remedy);
+}
+
 std::optional<std::string> rank_warning(const ModalOutputs& selection, const Eigen::Ref<const Eigen::MatrixXd>& tests,
                                         const std::vector<IterationRecord>& history) {
   constexpr double k_rare = 0.01;
-  if (selection.tracking != ModeTracking::mac || history.empty()) return std::nullopt;
-  if (!is_ranked(selection.frequencies, tests)) return std::nullopt;
+  if (history.empty() || !rank_note(selection, tests)) return std::nullopt;
   const Crossings first = crossings_of(history.front());
   const Crossings last = crossings_of(history.back());
   if (std::max(first.part, last.part) < k_rare) return std::nullopt;
   return fmt::format(
-      "The tests number their modes by rank of frequency, the model by shape (outputs.tracking = \"mac\"), and modes "
-      "cross in {:.0f} % of the prior's cloud and {:.0f} % of the updated one ({}): there a test's frequency is "
-      "compared with another mode's, which biases means and deviations. Set outputs.tracking = \"order\" to number "
-      "both "
-      "by rank, or measure shapes and set test.pairing = \"mac\". If the columns of the tests are the model's modes "
-      "already, say so: test.pairing = \"named\"",
-      100.0 * first.part, 100.0 * last.part, last.part > 0.0 ? last.frequent : first.frequent);
+      "{}, and modes cross in {:.0f} % of the prior's cloud and {:.0f} % of the updated one ({}): there a test's "
+      "frequency is compared with another mode's, which biases means and deviations. {}",
+      k_numbering, 100.0 * first.part, 100.0 * last.part, last.part > 0.0 ? last.frequent : first.frequent, k_remedy);
 }
 
 }  // namespace mottle

@@ -5,6 +5,7 @@
 #include "mottle/study/run.hpp"
 #include "mottle/study/run_folder.hpp"
 #include "mottle/updating/diagnosis.hpp"
+#include "rank_numbering.hpp"
 #include "result_json.hpp"
 #include "run_files.hpp"
 #include "unit_errors.hpp"
@@ -137,6 +138,9 @@ RunSummary run_diagnose(const Study& study, const RunSettings& settings) {
   const RunContext context{.seed = study.seed, .threads = settings.threads, .observer = &log, .stop = settings.stop};
   for (const std::string& note : made.notes) context.note(note);
   for (const std::string& note : tests.notes) context.note(note);
+  if (tests.is_by_rank) {
+    if (const auto numbering = rank_note(made.model->selection(), tests.data.values)) context.note(*numbering);
+  }
   const DiagnosisSettings rules{.given = static_cast<Eigen::Index>(study.parameters.list.size()),
                                 .screened = study.diagnose.screened,
                                 .like_evidence = study.diagnose.like_evidence};

@@ -139,12 +139,6 @@ Json summary_json(const Json& result, const RunFolder& folder) {
           {"report", folder.file("report.html").string()}};
 }
 
-/// Predictions of tested outputs would need the error that is taken off them: not replicated yet, so not given.
-void require_no_prediction_with_model_error(const Study& study, const UpdatingProblem& problem) {
-  require(problem.tests.model_error_std.size() == 0 || !study.predict,
-          "test.model_error: predictions do not carry it; leave out [predict] or test.model_error");
-}
-
 /// [predict]: into result.json, its notes, and prediction.csv.
 void add_prediction(const Study& study, const PredictionPlan& plan, const UpdatingProblem& problem,
                     const UpdatingResult& result, const RunContext& context, const RunFolder& folder, Json& json) {
@@ -177,7 +171,6 @@ RunSummary run_update(const Study& study, const RunSettings& settings) {
                               .level = study.update.level,
                               .tolerance = study.update.tolerance,
                               .covariance_groups = std::move(groups)};
-  require_no_prediction_with_model_error(study, given);
   const RunContext context{.seed = study.seed, .threads = settings.threads, .observer = &log, .stop = settings.stop};
   for (const std::string& note : made.notes) context.note(note);
   for (const std::string& note : tests.notes) context.note(note);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "linear_units.hpp"
 #include "mottle/core/error.hpp"
 #include "mottle/stats/descriptive.hpp"
 #include "mottle/updating/iteration.hpp"
@@ -26,38 +27,6 @@ Eigen::MatrixXd seen_directions(const Eigen::MatrixXd& movement, double toleranc
   Eigen::Index rank = 0;
   while (rank < svd.singularValues().size() && svd.singularValues()(rank) > tolerance * svd.singularValues()(0)) ++rank;
   return svd.matrixV().leftCols(rank);
-}
-
-/// The linear random-effects problem at the specimens' fits.
-std::vector<RandomEffectsUnit> linear_units(const Eigen::Ref<const Eigen::MatrixXd>& values,
-                                            const Eigen::VectorXd& shift, const SpecimenFits& fits,
-                                            const NoiseModel& noise, const Eigen::VectorXd& origin,
-                                            const Eigen::MatrixXd& map) {
-  std::vector<RandomEffectsUnit> units(static_cast<std::size_t>(values.rows()));
-  for (Eigen::Index s = 0; s < values.rows(); ++s) {
-    RandomEffectsUnit& unit = units[static_cast<std::size_t>(s)];
-    std::vector<Eigen::Index> rows;
-    for (Eigen::Index k = 0; k < values.cols(); ++k) {
-      if (std::isnan(values(s, k))) continue;
-      rows.push_back(k);
-      unit.factor.push_back(noise.factor[static_cast<std::size_t>(k)]);
-      if (shift.size() > 0) unit.shared.push_back(static_cast<int>(k));
-    }
-    const Eigen::MatrixXd g = fits.jacobians[static_cast<std::size_t>(s)](rows, Eigen::all);
-    unit.design = g * map;
-    const Eigen::VectorXd z = values.row(s)(rows);
-    const Eigen::VectorXd y = fits.outputs.row(s)(rows);
-    const Eigen::VectorXd point = fits.points.row(s);
-    unit.response = z - y + g * (point - origin);
-    unit.noise = noise.base(rows);
-    // What no parameters can reproduce counts as noise of that specimen: its linear model must not be carried far.
-    constexpr double k_far = 5.0;  // standard deviations of the noise
-    if (fits.converged[static_cast<std::size_t>(s)]) continue;
-    const Eigen::VectorXd own = shift.size() > 0 ? Eigen::VectorXd(z - shift(rows)) : z;
-    const Eigen::ArrayXd misfit = (own - y).array().square();
-    unit.noise.array() += (misfit > k_far * k_far * unit.noise.array()).select(misfit, 0.0);
-  }
-  return units;
 }
 
 /// What does not change while the estimate is iterated.
@@ -264,7 +233,13 @@ PopulationFit fit_population(const UpdatingProblem& problem, const Eigen::Ref<co
     fit.specimens = fit_specimens(problem, without_shift(values, error), {fit.mean, fit.covariance, fit.noise}, from,
                                   context, fit.evaluations);
     from = {fit.specimens.points, fit.specimens.jacobians};
-    fit.units = linear_units(values, error, fit.specimens, settings.noise, frame.origin, frame.map);
+    fit.sensitivity = mean_jacobian(fit.specimens);
+    Eigen::MatrixXd absorbed;
+    if (has_error) {
+      const Eigen::VectorXd variance = fit.noise / static_cast<double>(values.rows()) + settings.model_error.base;
+      absorbed = absorbed_errors(fit.sensitivity, prior_std.asDiagonal() * fit.seen, variance);
+    }
+    fit.units = linear_units(values, error, absorbed, fit.specimens, settings.noise, frame.origin, frame.map);
     fit.effects = fit_within_bounds(problem, frame, fit.units, start, fit.settings);
     start = (1.0 - k_fresh) * fit.effects.covariance + k_fresh * frame.start;
     if (has_error) error = fit.effects.shared;
@@ -280,8 +255,6 @@ PopulationFit fit_population(const UpdatingProblem& problem, const Eigen::Ref<co
       const int f = settings.noise.factor[static_cast<std::size_t>(k)];
       if (f >= 0) fit.noise(k) = settings.noise.base(k) * fit.effects.noise_factors(f);
     }
-    fit.sensitivity = Eigen::MatrixXd::Zero(values.cols(), prior_std.size());
-    for (const Eigen::MatrixXd& g : fit.specimens.jacobians) fit.sensitivity += g / static_cast<double>(values.rows());
     ++fit.iterations;
     if (!each(fit)) break;
   }

@@ -8,6 +8,7 @@
 
 #include "curvature.hpp"
 #include "model_error.hpp"
+#include "model_error_intervals.hpp"
 #include "mottle/core/error.hpp"
 #include "mottle/core/text.hpp"
 #include "mottle/updating/scaled_parameters.hpp"
@@ -18,7 +19,6 @@ namespace mottle {
 namespace {
 
 constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
-constexpr double k_confidence = 0.95;
 constexpr double k_mostly_seen = 0.1;  // part of a parameter that may be unseen before its interval means nothing
 
 /// Length of the part of each parameter, in prior deviations, that the outputs do not see.
@@ -98,7 +98,7 @@ SpecimenEstimates estimate_specimens(const UpdatingProblem& problem, const Popul
     const Eigen::VectorXd root =
         solver.eigenvalues().unaryExpr([](double v) { return v > k_singular ? 1.0 / std::sqrt(v) : 0.0; });
     Eigen::VectorXd misfit = unit.response - unit.design * fit.effects.mean;
-    if (fit.model_error) misfit -= fit.model_error->shift(rows);
+    if (fit.model_error) misfit -= unit.shared * fit.model_error->shift;
     const Eigen::VectorXd residual = misfit.cwiseQuotient(deviation);
     const Eigen::VectorXd whitened =
         solver.eigenvectors() * root.asDiagonal() * (solver.eigenvectors().transpose() * residual);
@@ -245,7 +245,13 @@ void describe_population(const UpdatingProblem& problem, const PopulationFit& fi
   result.other_solutions = other_solutions(problem, fit, options.starts, context, result.model_evaluations);
   result.population = {fit.mean, fit.covariance, evidence_of(fit)};
   const PopulationEvidence& evidence = result.population->evidence;
-  if (options.intervals == Intervals::analytic) result.intervals = analytic_intervals(problem, fit);
+  if (options.intervals == Intervals::analytic) {
+    result.intervals = analytic_intervals(problem, fit);
+    if (!is_mean_held(fit)) {
+      curve_by_model_error(problem, fit, evidence, result.mean, context, result.model_evaluations,
+                           result.intervals->mean);
+    }
+  }
   if (options.intervals == Intervals::bootstrap) {
     result.intervals = bootstrap_intervals(problem, fit, evidence, settings, options.bootstrap_samples, context,
                                            result.model_evaluations);

@@ -7,6 +7,8 @@
 
 namespace mottle {
 
+inline constexpr double k_confidence = 0.95;  // of intervals
+
 /// The noise that a fit works with. Where it is to be estimated: one factor for each kind of the outputs without
 /// repeatability, on the square of a hundredth of the tests' root mean square: of each output where the kind's noise is
 /// relative, of all outputs of the kind else.

@@ -151,10 +151,10 @@ void plan_sphericity(const UpdatingProblem& problem, const PopulationFit& fit, c
                            leverage_of(problem, fit, residuals)));
 }
 
-/// Whether the noise of every output is more than the rounding of its tests: identical specimens leave an estimate of
-/// their last digits.
+/// Whether the noise of every output is more than the last digits to which specimens are fitted: identical ones leave
+/// an estimate of these.
 bool has_noise_everywhere(const UpdatingProblem& problem, const PopulationFit& fit) {
-  constexpr double k_rounding = 1e-12;
+  constexpr double k_rounding = 1e-9;
   const Eigen::ArrayXd size = k_rounding * means_of_tests(problem.tests.values).transpose().array();
   return (fit.noise.array() > size.square()).all();
 }

@@ -14,7 +14,6 @@ namespace mottle {
 namespace {
 
 constexpr double k_infinity = std::numeric_limits<double>::infinity();
-constexpr double k_missed = 0.2;  // the power that is stated is 80 %
 
 /// Smallest x >= 1 with found(x), found monotone; infinite beyond gross.
 double smallest(const std::function<bool(double)>& found) {

@@ -13,8 +13,6 @@
 namespace mottle {
 namespace {
 
-constexpr double k_missed = 0.2;  // the power that is stated is 80 %
-
 std::string capitalised(Aspect aspect) {
   return aspect == Aspect::means ? "The means" : "The scatter";
 }

@@ -13,6 +13,8 @@ namespace mottle {
 /// What a verdict must have tested. A test of no aspect can refuse a model, but its passing does not support one.
 enum class Aspect { means, scatter, none };
 
+inline constexpr double k_missed = 0.2;  // the power that is stated is 80 %
+
 /// What a test would find with a probability of 80 %.
 struct Power {
   std::string finds;      ///< "a mean that is off by 1.2 standard deviations of a test in ..."

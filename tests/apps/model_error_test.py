@@ -1,4 +1,4 @@
-"""[test] model_error: an error of the model that all specimens share, from the study file to results.
+"""[test] model_error: an error of the model that all specimens share, from the study file to results and predictions.
 
     python3 model_error_test.py PATH_TO_MOTTLE
 """
@@ -11,6 +11,11 @@ from support import STUDY, edited, read_result
 METHOD = ('method = "mares"', 'method = "maximum-likelihood"')
 FILE = 'file = "tests.csv"'
 NOISE = FILE + '\nrepeatability = { "f*" = "0.05 %" }\n'
+
+
+def width(result):
+    lower, upper = result["parameters"]["mean_ci95"][0]
+    return upper - lower
 
 
 class ModelErrorTest(support.CommandTest):
@@ -31,6 +36,8 @@ class ModelErrorTest(support.CommandTest):
         self.assertEqual(std[2], 0.01)
         for error, deviation in zip(result["outputs"]["model_error"], std):
             self.assertLessEqual(error["standard_error"], deviation * (1 + 1e-9))
+            self.assertLess(abs(error["shift"]), 5 * deviation)
+        self.assertGreater(width(result), width(without))
         self.assertTrue(any(note.startswith("Model error f* = 0.3 %: holds for f1, f2") for note in result["notes"]))
 
     def test_estimated(self):
@@ -38,12 +45,24 @@ class ModelErrorTest(support.CommandTest):
         self.assertEqual(len(result["outputs"]["model_error_std"]), 3)
         self.assertTrue(any("degrees of freedom only" in note for note in result["notes"]))
 
-    def test_is_refused_beside_predictions(self):
-        self.write("study.toml", edited(STUDY, METHOD, (FILE, NOISE + 'model_error = { "f*" = "3 %" }')) +
-                   "\n[predict]\nfrequencies = [1, 2, 3]\n")
-        ended = self.call("update", "study.toml", "--out", "out", "--quiet")
-        self.assertEqual(ended.code, 2, ended.err)
-        self.assertIn("test.model_error: predictions do not carry it", ended.err)
+    def test_a_prediction_of_what_was_tested_is_not_made_less_sure(self):
+        # d moves the tested frequencies and the mean together: their sum is what the tests have measured.
+        two = "\n".join(line.rpartition(",")[0] for line in support.TESTS.splitlines()) + "\n"
+        self.write("two.csv", two)  # as many as parameters: any d can be
+        predict = "\n[predict]\nfrequencies = [1, 2]\ndraws = 4000\n"
+
+        def widths(entry, section=predict):
+            ends = self.update('file = "two.csv"\n' + entry, ("frequencies = [1, 2, 3]", "frequencies = [1, 2]"),
+                               ("weighting = \"mahalanobis\"\n", "weighting = \"mahalanobis\"\n" + section))
+            return [upper - lower for lower, upper in ends["prediction"]["interval95"]]
+
+        without = widths("")
+        for one, other in zip(without, widths('model_error = { "f*" = "0.5 %" }')):
+            self.assertAlmostEqual(other / one, 1.0, delta=0.1)
+        # Of another structure the error is a new one: 3 % of f1 and what the mean carries, against a scatter of 5 %.
+        changed = predict + 'model = { "mass:m1" = 1.5 }\n'
+        plain = widths("", changed)
+        self.assertGreater(widths('model_error = { "f*" = "3 %" }', changed)[0], 1.1 * plain[0])
 
     def test_what_is_wrong_is_said(self):
         for entry, words in (('model_error = "guess"', '"estimated", or a table'),

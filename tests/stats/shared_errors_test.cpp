@@ -30,10 +30,13 @@ struct Unlike {
       const Eigen::Vector2d x(1.0 + 0.5 * normal(stream), 2.0 + 0.3 * normal(stream));
       Eigen::VectorXd y = design * x;
       for (Eigen::Index k = 0; k < 4; ++k) y(k) += 0.1 * normal(stream) + 0.2 * static_cast<double>(k);
-      RandomEffectsUnit unit{design, y, Eigen::Vector4d(0.01, 0.02, 0.015, 0.01), {}, {0, 1, 2, 3}};
+      // Each unit sees the errors a little otherwise.
+      Eigen::MatrixXd shared = Eigen::Matrix4d::Identity();
+      for (Eigen::Index k = 0; k < 16; ++k) shared(k / 4, k % 4) += 0.1 * normal(stream);
+      RandomEffectsUnit unit{design, y, Eigen::Vector4d(0.01, 0.02, 0.015, 0.01), {}, shared};
       if (s == 2) {
         const std::vector<Eigen::Index> rows{0, 1, 3};
-        unit = {design(rows, Eigen::all), y(rows), unit.noise(rows), {}, {0, 1, 3}};
+        unit = {design(rows, Eigen::all), y(rows), unit.noise(rows), {}, shared(rows, Eigen::all)};
       }
       units.push_back(unit);
     }
@@ -58,7 +61,7 @@ struct Stacked {
       y.segment(at, own) = unit.response;
       v.block(at, at, own, own) = unit.design * sigma * unit.design.transpose();
       v.block(at, at, own, own).diagonal() += unit.noise;
-      for (Eigen::Index k = 0; k < own; ++k) errors(at + k, unit.shared[static_cast<std::size_t>(k)]) = 1.0;
+      errors.middleRows(at, own) = unit.shared;
       starts.push_back(at);
       at += own;
     }
@@ -147,7 +150,7 @@ TEST(SharedErrors, InformationIsThatOfTheStackedData) {
 }
 
 std::vector<RandomEffectsUnit> without_shared(std::vector<RandomEffectsUnit> units) {
-  for (RandomEffectsUnit& unit : units) unit.shared.clear();
+  for (RandomEffectsUnit& unit : units) unit.shared.resize(0, 0);
   return units;
 }
 
@@ -172,12 +175,11 @@ std::vector<RandomEffectsUnit> alike(Eigen::Index rows, const Eigen::VectorXd& e
   for (int s = 0; s < 9; ++s) {
     const Eigen::Vector2d x(1.0 + 0.5 * normal(stream), 2.0 + 0.3 * normal(stream));
     Eigen::VectorXd y = design.topRows(rows) * x + error;
-    std::vector<int> shared;
     for (Eigen::Index k = 0; k < rows; ++k) {
       y(k) += std::sqrt(noise) * normal(stream);
-      shared.push_back(static_cast<int>(k));
     }
-    units.push_back({design.topRows(rows), y, Eigen::VectorXd::Constant(rows, noise), {}, shared});
+    units.push_back(
+        {design.topRows(rows), y, Eigen::VectorXd::Constant(rows, noise), {}, Eigen::MatrixXd::Identity(rows, rows)});
   }
   return units;
 }
@@ -233,8 +235,11 @@ TEST(SharedErrors, LevelIsThatOfTheAnalysisOfVariance) {
   for (Eigen::Index s = 0; s < 6; ++s) {
     const double x = 1.0 + 0.5 * normal(stream);
     for (Eigen::Index k = 0; k < 3; ++k) y(s, k) = x + error(k) + 0.1 * normal(stream);
-    units.push_back(
-        {Eigen::MatrixXd::Ones(3, 1), y.row(s).transpose(), Eigen::VectorXd::Constant(3, 0.01), {}, {0, 1, 2}});
+    units.push_back({Eigen::MatrixXd::Ones(3, 1),
+                     y.row(s).transpose(),
+                     Eigen::VectorXd::Constant(3, 0.01),
+                     {},
+                     Eigen::Matrix3d::Identity()});
   }
   RandomEffectsSettings settings;
   settings.shared_variance = Eigen::Vector3d::Constant(0.5);
@@ -253,8 +258,11 @@ TEST(SharedErrors, LevelIsThatOfTheAnalysisOfVariance) {
 TEST(SharedErrors, LevelIsZeroWhereTheRowsAgreeBetterThanTheirNoise) {
   std::vector<RandomEffectsUnit> units;
   for (const double x : {1.0, 1.4, 0.7, 1.2}) {
-    units.push_back(
-        {Eigen::MatrixXd::Ones(3, 1), Eigen::Vector3d::Constant(x), Eigen::Vector3d::Constant(0.01), {}, {0, 1, 2}});
+    units.push_back({Eigen::MatrixXd::Ones(3, 1),
+                     Eigen::Vector3d::Constant(x),
+                     Eigen::Vector3d::Constant(0.01),
+                     {},
+                     Eigen::Matrix3d::Identity()});
   }
   RandomEffectsSettings settings;
   settings.shared_variance = Eigen::Vector3d::Ones();

@@ -72,10 +72,18 @@ TEST(RankNumbering, OfTestsIsNamedWhereModesCrossInTheCloud) {
   EXPECT_NE(warning->find("outputs.tracking = \"order\""), std::string::npos) << *warning;
 }
 
+TEST(RankNumbering, IsNamedWithoutACloud) {
+  const CrossingMasses by_shape(ModeTracking::mac);
+  const std::optional<std::string> note = rank_note(by_shape.selection, by_shape.tests(40));
+  ASSERT_TRUE(note.has_value());
+  EXPECT_NE(note->find("test.pairing = \"named\""), std::string::npos) << *note;
+}
+
 TEST(RankNumbering, IsSoundWhereTheModelCountsByRankToo) {
   const CrossingMasses by_rank(ModeTracking::order);
   const Eigen::MatrixXd tests = by_rank.tests(40);
   EXPECT_FALSE(rank_warning(by_rank.selection, tests, by_rank.update(tests).history).has_value());
+  EXPECT_FALSE(rank_note(by_rank.selection, tests).has_value());
 }
 
 TEST(RankNumbering, IsNotThatOfTestsWhoseFrequenciesDoNotAscend) {
@@ -84,6 +92,7 @@ TEST(RankNumbering, IsNotThatOfTestsWhoseFrequenciesDoNotAscend) {
   const UpdatingResult result = by_shape.update(tests);
   std::swap(tests(5, 0), tests(5, 1));
   EXPECT_FALSE(rank_warning(by_shape.selection, tests, result.history).has_value());
+  EXPECT_FALSE(rank_note(by_shape.selection, tests).has_value());
 }
 
 }  // namespace

@@ -3,12 +3,13 @@
 
 One mass on one spring, f = sqrt(k / m) / 2 pi. Specimens' m (f is as 1 / sqrt(m)) or k (f is as sqrt(k)) are normal about 1
 (never below 0), the measurement's noise is a part of what the scatter does to f. `mottle simulate` draws specimens (a new
-seed each time), `mottle update` estimates them by maximum-likelihood with the noise known. Writes README.md's table.
+seed each time), `mottle update` estimates them by maximum-likelihood with the noise known. Writes RESULTS.md beside this file.
 
     python3 validation/curvature/replicate.py [--mottle build/release/mottle] [--replications 200] [--jobs 2]
 """
 import argparse
 import concurrent.futures
+import datetime
 import json
 import math
 import pathlib
@@ -63,8 +64,8 @@ def main():
     parser.add_argument("--replications", type=int, default=200)
     parser.add_argument("--jobs", type=int, default=2)
     arguments = parser.parse_args()
-    print("| f is as | scatter | noise | specimens | bias of the mean, standard errors | stated (median) | "
-          "std over the truth (mean) | 95 % interval of the mean holds it | warned |\n|---|---|---|---|---|---|---|---|---|")
+    lines = ["| f is as | scatter | noise | specimens | bias of the mean, standard errors | stated (median) | "
+             "std over the truth (mean) | 95 % interval of the mean holds it | warned |", "|---|---|---|---|---|---|---|---|---|"]
     failed = []
     for row in ROWS:
         target, scatter, noise, specimens, scale = row
@@ -78,16 +79,22 @@ def main():
         holds = sum(one["holds"] for one in found) / count
         warned = sum(one["warned"] for one in found) / count
         law = {"mass:m": "1 / sqrt(m)", "spring:k": "sqrt(k)"}[target] + (", log scale" if scale == "log" else "")
-        print(f"| {law} | {100 * scatter:.0f} % | {noise} | {specimens} | {bias:+.2f} | {number:+.2f} | "
-              f"{statistics.mean(one['std'] for one in found) / scatter:.2f} | {100 * holds:.1f} % | {100 * warned:.0f} % |",
-              flush=True)
+        lines.append(f"| {law} | {100 * scatter:.0f} % | {noise} | {specimens} | {bias:+.2f} | {number:+.2f} | "
+                     f"{statistics.mean(one['std'] for one in found) / scatter:.2f} | {100 * holds:.1f} % | {100 * warned:.0f} % |")
+        print(lines[-1], flush=True)
         # The measured bias is known to 1 / sqrt(count) standard errors; what is stated is of second order.
         if abs(number - bias) > 3.0 / math.sqrt(count) + 0.35 * abs(bias):
             failed.append(f"{law}, {scatter}, {noise}, {specimens}: stated {number:+.2f}, measured {bias:+.2f}")
         # Without a warning the interval is at least 91 %, less three standard errors of the count.
         if warned < 0.5 and holds < 0.91 - 3.0 * math.sqrt(0.91 * 0.09 / count):
             failed.append(f"{law}, {scatter}, {noise}, {specimens}: holds {holds:.3f} without a warning")
-    print("\n".join(["", *(failed or ["passed: stated and measured bias agree, and where the interval fails a warning stands"])]))
+    lines += ["", *(failed or ["Passed: stated and measured bias agree, and where the interval fails a warning stands."])]
+    print("\n".join(lines[-1 - len(failed):]))
+    (HERE / "RESULTS.md").write_text("\n".join([
+        "# Curved outputs and the first-order likelihood", "",
+        f"{arguments.replications} replications a row, seeds from {FIRST_SEED} on, {datetime.date.today().isoformat()}; made by replicate.py.",
+        "", "One mass on one spring. Noise: its standard deviation as a part of what the scatter does to f. Stated: "
+        "`parameters.mean_curvature_bias`.", "", *lines, ""]))
     return 1 if failed else 0
 
 

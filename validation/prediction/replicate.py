@@ -4,8 +4,9 @@
 Each time ten specimens are drawn and updated to (three frequencies), and the frequencies and a shape component of the same
 structure with mass m1 doubled are predicted and held against fifty new specimens of that structure. Rows: without noise; a
 known noise of 1 % of each frequency; parameters that are normal on their logarithm (coefficient of variation 0.4) and on
-their logit between 0.3 and 3 (deviation 1 there), the update working on that scale; a fifth of the entries missing.
-Writes the table to RESULTS.md beside this file.
+their logit between 0.3 and 3 (deviation 1 there), the update working on that scale; a fifth of the entries missing; an
+error of the model of 0.3 % of each frequency, stated as test.model_error, which all specimens share (the changed structure
+has one of its own, the structure as it was, in the last row, the same). Writes the table to RESULTS.md beside this file.
 
     python3 validation/prediction/replicate.py [--mottle build/release/mottle] [--replications 200] [--jobs 2] [--rows NAME ...]
 """
@@ -27,12 +28,15 @@ SHAPES = 'shapes = { modes = [1], dofs = ["m2"] }'
 NOISE = "{ f1 = 0.0016, f2 = 0.0032, f3 = 0.0045 }"
 NORMAL = 'distribution = { kind = "normal", mean = 2.0, std = 0.3 }'
 LOWER, UPPER = 0.3, 3.0
+ERROR = 0.003
 ROWS = {
     "none": "no noise",
     "1 %": "noise of 1 % of each frequency, known",
     "log": "normal on the logarithm",
     "logit": "normal on the logit",
     "missing": "a fifth of the entries missing",
+    "error": "model error of 0.3 % of each frequency, given",
+    "error, as tested": "the same, frequencies of the structure as it was tested",
 }
 
 
@@ -96,11 +100,22 @@ def leave_gaps(path, generator):
     path.write_text("\n".join([lines[0]] + [",".join(row) for row in rows]) + "\n")
 
 
+def make_wrong(path, errors):
+    """The first columns as a model would have them that is wrong by these parts of them."""
+    lines = [line for line in path.read_text().splitlines() if not line.startswith("#")]
+    rows = [[float(cell) for cell in line.split(",")] for line in lines[1:]]
+    for row in rows:
+        row[:len(errors)] = [value * (1 + error) for value, error in zip(row, errors)]
+    path.write_text("\n".join([lines[0]] + [",".join(f"{value:.15g}" for value in row) for row in rows]) + "\n")
+
+
 def study_of(row):
     text = (HERE / "study.toml").read_text()
     if row == "1 %":
         text = edited(text, "specimens = 10", f"specimens = 10\nnoise = {NOISE}")
         text = edited(text, 'file = "truth/specimens.csv"', f'file = "truth/specimens.csv"\nrepeatability = {NOISE}')
+    if row.startswith("error"):
+        text = edited(text, 'file = "truth/specimens.csv"', f'file = "truth/specimens.csv"\nmodel_error = {{ "f*" = "{100 * ERROR} %" }}')
     if row == "log":
         text = edited(text, NORMAL, 'distribution = { kind = "lognormal", mean = 2.0, std = 0.3 }\nscale = "log"', 3)
     if row == "logit":
@@ -114,19 +129,27 @@ def make_specimens(mottle, row, text, folder, seed):
         write_specimens(folder / "truth" / "specimens.csv", row, 10, 1.0, ["f1", "f2", "f3"], generator)
         write_specimens(folder / "held-out" / "specimens.csv", row, 50, 2.0, ["f1", "f2", "f3", "phi1:m2"], generator)
         return
-    held_out = edited(edited(edited(text, "m1 = 1.0", "m1 = 2.0"), "frequencies = [1, 2, 3]",
-                             f"frequencies = [1, 2, 3]\n{SHAPES}"), "specimens = 10", "specimens = 50")
+    held_out = edited(text, "specimens = 10", "specimens = 50")
+    if row != "error, as tested":
+        held_out = edited(edited(held_out, "m1 = 1.0", "m1 = 2.0"), "frequencies = [1, 2, 3]",
+                          f"frequencies = [1, 2, 3]\n{SHAPES}")
     (folder / "held-out.toml").write_text(held_out)
     run(mottle, "simulate", folder / "study.toml", "--seed", seed, "--out", folder / "truth", "--quiet")
     run(mottle, "simulate", folder / "held-out.toml", "--seed", seed + 1000000, "--out", folder / "held-out", "--quiet")
+    if row.startswith("error"):
+        generator = random.Random(seed)
+        errors = [generator.gauss(0, ERROR) for _ in range(3)]
+        make_wrong(folder / "truth" / "specimens.csv", errors)
+        own = errors if row == "error, as tested" else [generator.gauss(0, ERROR) for _ in range(3)]
+        make_wrong(folder / "held-out" / "specimens.csv", own)
     if row == "missing":
         leave_gaps(folder / "truth" / "specimens.csv", random.Random(seed))
 
 
 def replicate(mottle, row, seed):
     text = study_of(row)
-    predict = (f'\n[predict]\nfrequencies = [1, 2, 3]\n{SHAPES}\nmodel = {{ "mass:m1" = 2.0 }}\n'
-               'held_out = "held-out/specimens.csv"\n')
+    changed = f'{SHAPES}\nmodel = {{ "mass:m1" = 2.0 }}\n' if row != "error, as tested" else ""
+    predict = f'\n[predict]\nfrequencies = [1, 2, 3]\n{changed}held_out = "held-out/specimens.csv"\n'
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         (folder / "study.toml").write_text(text + predict)
@@ -149,7 +172,8 @@ def main():
         with concurrent.futures.ThreadPoolExecutor(arguments.jobs) as pool:
             found = list(pool.map(lambda seed: replicate(arguments.mottle, row, seed), seeds))
         checked = [prediction["held_out"] for prediction in found]
-        columns = [[check["coverage"][k] for check in checked] for k in range(4)]
+        outputs = len(checked[0]["coverage"])
+        columns = [[check["coverage"][k] for check in checked] for k in range(outputs)]
         columns.append([check["joint_coverage"] for check in checked if check["joint_coverage"] is not None])
         means = [sum(column) / max(len(column), 1) for column in columns]
         errors = [math.sqrt(sum((value - mean) ** 2 for value in column) / max(len(column) - 1, 1) / max(len(column), 1))
@@ -158,6 +182,7 @@ def main():
         cells = [f"{100 * mean:.1f} % ± {100 * error:.1f}" for mean, error in zip(means, errors)]
         if len(columns[-1]) < len(checked):
             cells[-1] += f" (of {len(columns[-1])} that have one)"
+        cells[outputs:outputs] = ["-"] * (4 - outputs)
         lines.append(f"| {ROWS[row]} | " + " | ".join(cells) + f" | {100 * rejected:.1f} % |")
         print(lines[-1], flush=True)
         # Where noise hides an output's scatter, the scatter cannot be negative: intervals are then too wide, never too narrow.

@@ -15,7 +15,7 @@ struct RandomEffectsUnit {
   Eigen::VectorXd response;      ///< y [row]
   Eigen::VectorXd noise;         ///< variance of e; to be multiplied by a factor where that is estimated [row]
   std::vector<int> factor = {};  ///< of each row: index of the factor on its noise, -1: known. Empty: all known
-  std::vector<int> shared = {};  ///< of each row: index of its entry of d, -1: it has none. Empty: none has
+  Eigen::MatrixXd shared = {};   ///< E [row x shared]; empty: no error is shared
 };
 
 struct RandomEffectsSettings {
