@@ -1,8 +1,10 @@
 #include "mottle/fem/assembly.hpp"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <utility>
 
 #include "element_store.hpp"
@@ -179,6 +181,17 @@ class PositionSums {
   std::vector<int> reached_;
 };
 
+/// Whether the pivots of a piece of an element prove it, see PencilTerms; a sum of such pieces is semidefinite as well.
+bool is_semidefinite(const StoredPiece& piece, int size) {
+  Eigen::MatrixXd matrix(size, size);
+  each_entry(size, [&](std::size_t entry, int i, int j) { matrix(i, j) = piece.scale * piece.values[entry]; });
+  for (double& diagonal : matrix.diagonal()) {  // one of zero: nothing acts on the row, or what makes it indefinite
+    diagonal = diagonal == 0.0 ? std::numeric_limits<double>::min() : diagonal * (1.0 + k_inertia_tolerance);
+  }
+  const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> factor(matrix);
+  return factor.info() == Eigen::Success;
+}
+
 /// Adds up the pieces of one term after the other; each keeps only the positions that it reaches.
 void add_terms(const ElementStore& store, ElementPiece::Kind kind, SeparableMatrix& matrix) {
   std::vector<std::vector<std::pair<std::size_t, int>>> pieces_of(store.terms().size());
@@ -189,11 +202,15 @@ void add_terms(const ElementStore& store, ElementPiece::Kind kind, SeparableMatr
     }
   }
   PositionSums sums(static_cast<std::size_t>(matrix.pattern.nonZeros()));
+  const bool varies = std::ranges::any_of(
+      store.terms(), [&](const TermName& name) { return name.kind == kind && !name.coefficient.empty(); });
   for (std::size_t t = 0; t < pieces_of.size(); ++t) {
     if (store.terms()[t].kind != kind) continue;
+    bool is_definite = varies && kind != ElementPiece::Kind::damping;  // asked for by nobody else
     for (const auto& [e, k] : pieces_of[t]) {
       const int* numbers = store.equations(elements[e]);
       const StoredPiece& piece = store.piece(elements[e], k);
+      is_definite = is_definite && is_semidefinite(piece, elements[e].equation_count);
       int position = -1;  // ascends within a piece, as the element's equations do
       each_entry(elements[e].equation_count, [&](std::size_t entry, int i, int j) {
         if (numbers[i] < 0 || numbers[j] < 0 || piece.values[entry] == 0.0) return;
@@ -201,7 +218,7 @@ void add_terms(const ElementStore& store, ElementPiece::Kind kind, SeparableMatr
         sums.add(position, piece.scale * piece.values[entry]);
       });
     }
-    sums.move_to(matrix.terms.emplace_back(SeparableMatrix::Term{store.terms()[t].coefficient, {}, {}}));
+    sums.move_to(matrix.terms.emplace_back(SeparableMatrix::Term{store.terms()[t].coefficient, {}, {}, is_definite}));
   }
 }
 

@@ -34,12 +34,16 @@ SparseMatrix matrix_of(const SparseMatrix& pattern, const SeparableMatrix::Term&
   return matrix;
 }
 
-void split(const SeparableMatrix& sum, SparseMatrix& constant, std::vector<SparseMatrix>& terms) {
+void split(const SeparableMatrix& sum, SparseMatrix& constant, std::vector<SparseMatrix>& terms,
+           std::vector<bool>& is_semidefinite) {
   constant = SparseMatrix(sum.pattern.rows(), sum.pattern.cols());
+  is_semidefinite.assign(1, true);
   for (const SeparableMatrix::Term& term : sum.terms) {
     if (term.coefficient.empty()) {
       constant = matrix_of(sum.pattern, term);
+      is_semidefinite[0] = term.is_semidefinite;
     } else {
+      is_semidefinite.push_back(term.is_semidefinite);
       terms.push_back(matrix_of(sum.pattern, term));
     }
   }
@@ -86,8 +90,8 @@ SparseMatrix SeparableMatrix::derivative(const Eigen::Ref<const Eigen::VectorXd>
 
 PencilTerms pencil_terms(const SeparableMatrix& stiffness, const SeparableMatrix& mass) {
   PencilTerms terms;
-  split(stiffness, terms.stiffness_constant, terms.stiffness);
-  split(mass, terms.mass_constant, terms.mass);
+  split(stiffness, terms.stiffness_constant, terms.stiffness, terms.is_stiffness_semidefinite);
+  split(mass, terms.mass_constant, terms.mass, terms.is_mass_semidefinite);
   return terms;
 }
 

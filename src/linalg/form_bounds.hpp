@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "mottle/linalg/reduced_model.hpp"
 #include "mottle/linalg/symmetric_factor.hpp"
 #include "supported_matrix.hpp"
 
@@ -13,11 +14,6 @@ namespace mottle {
 struct FormBounds {
   double lower = 0.0, upper = 0.0;
 };
-
-/// Relative size, against diag(T), of what is added before a term's pivots are counted. Terms are singular as a rule
-/// (rigid-body motions of the part), so that rounding decides on the sign of some of them; this is a thousand times
-/// what rounding does in a factor.
-constexpr double k_inertia_tolerance = 1e-13;
 
 /// Whether T + k_inertia_tolerance diag(T) has no negative eigenvalue, by the pivots of its factor on T's own rows.
 ///

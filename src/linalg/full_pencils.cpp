@@ -84,6 +84,11 @@ double negative_part(const SparseMatrix& term, const Eigen::VectorXd& flexibilit
   return 2.0 * k_inertia_tolerance * flexibility.dot(Eigen::VectorXd(term.diagonal()).cwiseAbs());
 }
 
+bool is_known(const std::vector<bool>& is_semidefinite, Eigen::Index term) {
+  const auto t = static_cast<std::size_t>(term);
+  return t < is_semidefinite.size() && is_semidefinite[t];
+}
+
 }  // namespace
 
 FullPencils::FullPencils(const PencilTerms& terms, const TermCoefficients& nominal, const SparseMatrix& nominal_k,
@@ -171,7 +176,8 @@ void FullPencils::bound_stiffness(const PencilTerms& terms, const Eigen::VectorX
     const double negative = negative_part(term, flexibility);
     if (local.is_empty()) {
       stiffness_bounds.row(t).setZero();
-    } else if (nominal_stiffness(t) > 0.0 && negative <= k_negligible && is_semidefinite(local, order)) {
+    } else if (nominal_stiffness(t) > 0.0 && negative <= k_negligible &&
+               (is_known(terms.is_stiffness_semidefinite, t) || is_semidefinite(local, order))) {
       stiffness_bounds.row(t) << -negative, k_infinite;
     } else {
       const FormBounds bounds = verified_bounds(term, shifted, solver_.factor(), sketch_.col(0));
@@ -192,7 +198,7 @@ void FullPencils::bound_mass(const PencilTerms& terms, const Eigen::VectorXd& fl
     const SupportedMatrix& local = mass[static_cast<std::size_t>(t)];
     if (local.is_empty()) continue;
     if (nominal_mass(t) > 0.0 && negative_part(term, flexibility) * (highest_mode - shift) <= k_negligible &&
-        is_semidefinite(local, order)) {
+        (is_known(terms.is_mass_semidefinite, t) || is_semidefinite(local, order))) {
       mass_bounds(t, 1) = k_infinite;
       continue;
     }

@@ -66,6 +66,17 @@ class Hasher {
     add_count(static_cast<Eigen::Index>(matrices.size()));
     for (const SparseMatrix& matrix : matrices) add(matrix);
   }
+  void add(const PencilTerms& terms) {
+    const auto& [stiffness_constant, stiffness, mass_constant, mass, stiffness_known, mass_known] = terms;
+    add(stiffness_constant);
+    add(stiffness);
+    add(mass_constant);
+    add(mass);
+    for (const std::vector<bool>* known : {&stiffness_known, &mass_known}) {
+      add_count(static_cast<Eigen::Index>(known->size()));
+      for (const bool is_known : *known) add_count(is_known ? 1 : 0);
+    }
+  }
   void add(const TermCoefficients& coefficients) {
     add(coefficients.stiffness);
     add(coefficients.mass);
@@ -97,10 +108,7 @@ class Hasher {
 Digest fingerprint(const ReducedModelInputs& inputs) {
   Hasher hasher;
   hasher.add(numerics_identity());
-  hasher.add(inputs.terms.stiffness_constant);
-  hasher.add(inputs.terms.stiffness);
-  hasher.add(inputs.terms.mass_constant);
-  hasher.add(inputs.terms.mass);
+  hasher.add(inputs.terms);
   hasher.add(inputs.nominal);
   hasher.add(inputs.stiffness);
   hasher.add(inputs.mass);

@@ -12,9 +12,9 @@
 
 namespace mottle {
 
-constexpr Eigen::Index k_sketch_rows = 64;
-// Of squares that a sketch shows: chi-squared with 64 degrees of freedom is below a quarter of its mean once in 7e9.
-constexpr double k_sketch_reserve = 4.0;
+constexpr Eigen::Index k_sketch_rows = 80;
+// Of squares that a sketch shows: chi-squared with 80 degrees of freedom is below 80 / 3.2 once in 2e9.
+constexpr double k_sketch_reserve = 3.2;
 // Above the wanted modes: one that is followed as well as they are, since the two may meet anywhere, two that are
 // followed roughly, and one that tells only how far away the next is.
 constexpr int k_guard_modes = 4;
@@ -68,7 +68,7 @@ struct FullPencils : NominalFacts {
 
   /// Of A.
   DefiniteFactor& factor();
-  /// W with W W' near 64 A^-1 [equation x 64].
+  /// W with W W' near k_sketch_rows A^-1 [equation x sketch row].
   const VectorRows& sketch();
 
  private:
@@ -97,7 +97,7 @@ inline Eigen::VectorXd with_constant(const Eigen::Ref<const Eigen::VectorXd>& co
 /// basis was taken out; what is hardly there is dropped.
 Eigen::MatrixXd orthonormal_combinations(const Eigen::MatrixXd& gram, const Eigen::VectorXd& before);
 
-/// Upper estimates of r' A^-1 r from W' r [64 x residual].
+/// Upper estimates of r' A^-1 r from W' r [sketch row x residual].
 Eigen::VectorXd sketched_squares(const Eigen::Ref<const Eigen::MatrixXd>& sketched);
 
 /// NearbyModes of a basis, made when they are first asked for.
@@ -121,10 +121,11 @@ struct ReducedModel::Parts {
 
   /// Ritz values and vectors with guards, what they leave over, and what that means.
   struct Solution {
-    Eigen::MatrixXd values;     ///< [mode and guards x sample]
-    Eigen::MatrixXd vectors;    ///< [vector * (mode and guards) x sample]
-    Eigen::MatrixXd bounds;     ///< [mode and sharp guard x sample]
-    Eigen::MatrixXd residuals;  ///< sketched, over sqrt(64 ratio mu) [64 x (mode and guards) * sample]
+    Eigen::MatrixXd values;   ///< [mode and guards x sample]
+    Eigen::MatrixXd vectors;  ///< [vector * (mode and guards) x sample]
+    Eigen::MatrixXd bounds;   ///< [mode and sharp guard x sample]
+    /// Sketched, over sqrt(sketch rows * ratio * mu) [sketch row x (mode and guards) * sample].
+    Eigen::MatrixXd residuals;
   };
   /// Modes and guards that are solved for; the first of them are followed as well as the wanted ones.
   Eigen::Index solved_modes() const;

@@ -2,6 +2,8 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <utility>
 
 #include "blas.hpp"
 #include "mottle/core/parallel.hpp"
@@ -115,7 +117,7 @@ class TrainingSamples {
   /// Whether a few more vectors would hardly matter: bounds are within the tolerance, guards known well enough for
   /// them.
   bool are_nearly_good() const {
-    constexpr double k_bound = 1.3;  // times half the tolerance, squared
+    constexpr double k_bound = 1.4;  // its square times half the tolerance is within it
     constexpr double k_guard = 2.0;
     return wants.topRows(parts_.sharp_modes()).maxCoeff() < k_bound && wants.maxCoeff() < k_guard;
   }
@@ -125,7 +127,7 @@ class TrainingSamples {
 
   Eigen::MatrixXd values;       ///< Ritz values [mode and guards x sample]
   Eigen::MatrixXd coordinates;  ///< of Ritz vectors [vector x (mode and guards) * sample]
-  Eigen::MatrixXd residuals;    ///< sketched [64 x (mode and guards) * sample]
+  Eigen::MatrixXd residuals;    ///< sketched [sketch row x (mode and guards) * sample]
   Eigen::MatrixXd wants;        ///< see shortfalls()
 
  private:
@@ -229,7 +231,14 @@ class Progress {
     return (knows && predicted > k_margin) || (is_late && shortfall > blind);
   }
 
+  /// Whether the last of the rounds for a few samples hardly helped the worst: what it lacks is not vectors.
+  bool stands_still(double worst) {
+    constexpr double k_hardly = 0.9;
+    return worst > k_hardly * std::exchange(worst_, worst);
+  }
+
  private:
+  double worst_ = std::numeric_limits<double>::infinity();
   Eigen::Index vectors_ = 0;
   double shortfall_ = 0.0;
 };
@@ -276,7 +285,9 @@ void ReducedModel::train(const TermCoefficients& samples, int threads) {
     const Eigen::Index room = parts.options.most_vectors - parts.basis.cols();
     const std::vector<Pick> picks = pick_residuals(known.residuals, known.wants, std::min(most_picks, room));
     const bool is_complete = used == samples.samples();
-    if (is_complete && k_few * known.open_samples() <= used) ++last_rounds;
+    if (is_complete && k_few * known.open_samples() <= used) {
+      last_rounds += progress.stands_still(known.wants.maxCoeff()) ? k_last_rounds : 1;
+    }
     const bool is_good = is_complete && (known.are_nearly_good() || last_rounds > k_last_rounds);
     parts.reaches_tolerance = is_good || (picks.empty() && room > 0);
     if (is_good) needed = needed_directions(parts, known, known.fresh(k_compressing_samples, threads));

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Eigenvalues>
 #include <random>
 
 #include "fem/models.hpp"
@@ -138,6 +139,28 @@ std::vector<FieldParameter> many_parameters(const FiniteElementModel& model) {
           parameter(model, {{"PDAMP", 7, "B"}, {"PBUSH", 9, "B1"}}, true)};
 }
 
+/// Smallest eigenvalue of a term against its diagonal.
+double smallest_eigenvalue(const SparseMatrix& lower) {
+  const Eigen::MatrixXd term = dense(lower);
+  const Eigen::ArrayXd sizes = term.diagonal().array();
+  const Eigen::VectorXd scales = (sizes > 0.0).select(sizes.abs().sqrt().inverse(), 1.0);
+  const Eigen::MatrixXd scaled = scales.asDiagonal() * term * scales.asDiagonal();
+  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(scaled, Eigen::EigenvaluesOnly).eigenvalues()(0);
+}
+
+/// What is claimed of terms holds; returns how many claims there are.
+int sound_claims(const SparseMatrix& constant, const std::vector<SparseMatrix>& terms,
+                 const std::vector<bool>& claims) {
+  EXPECT_EQ(claims.size(), terms.size() + 1);
+  int count = 0;
+  for (std::size_t t = 0; t < claims.size(); ++t) {
+    if (!claims[t]) continue;
+    ++count;
+    EXPECT_GT(smallest_eigenvalue(t == 0 ? constant : terms[t - 1]), -1e-12) << t;  // ten times what is tolerated
+  }
+  return count;
+}
+
 TEST(SeparableMatrix, OfManyParametersAtOnceIsThatOfANewAssembly) {
   const FiniteElementModel model = mixed_model();
   const std::vector<FieldParameter> parameters = many_parameters(model);
@@ -219,6 +242,30 @@ TEST(SeparableMatrix, ASharedModulusIsSeparableWherePoissonsRatioStands) {
   EXPECT_TRUE(assemble(by_ratio, parameters).is_separable[0]);
   EXPECT_LT(error_of_terms(by_ratio, parameters), k_rounding);
   EXPECT_FALSE(assemble(by_moduli, parameters).is_separable[0]);
+}
+
+TEST(SeparableMatrix, TermsOfElementsAreKnownToBeSemidefiniteWhereTheyAre) {
+  const FiniteElementModel model = mixed_model();
+  const AssembledModel assembled = assemble(model, many_parameters(model));
+  const PencilTerms terms = pencil_terms(assembled.stiffness, assembled.mass);
+  // All stiffness is: solids, shells, beams, springs and bushes, also through rigid bodies and interpolations.
+  EXPECT_EQ(sound_claims(terms.stiffness_constant, terms.stiffness, terms.is_stiffness_semidefinite),
+            static_cast<int>(terms.stiffness.size()) + 1);
+  EXPECT_GE(sound_claims(terms.mass_constant, terms.mass, terms.is_mass_semidefinite), 3);
+}
+
+TEST(SeparableMatrix, ATermWithANegativeSpringOrAProductOfInertiaIsNotKnownToBeSemidefinite) {
+  FiniteElementModel model = mixed_model();
+  const AssembledModel product = assemble(model, {parameter(model, {{"CONM2", 10, "I21"}})});
+  const PencilTerms terms = pencil_terms(product.stiffness, product.mass);
+  ASSERT_EQ(terms.mass.size(), 1U);
+  EXPECT_LT(smallest_eigenvalue(terms.mass[0]), -0.1);
+  EXPECT_FALSE(terms.is_mass_semidefinite[1]);
+  // One of the springs of a term with many: its trace stays positive.
+  const std::vector<FieldParameter> tied{parameter(model, {{"MAT1", 1, "E"}, {"CELAS2", 6, "K"}}, true)};
+  EXPECT_TRUE(pencil_terms(assemble(model, tied).stiffness, {}).is_stiffness_semidefinite[1]);
+  model.fields[static_cast<std::size_t>(field_of(model, "CELAS2", 6, "K"))].value = -1e6;
+  EXPECT_FALSE(pencil_terms(assemble(model, tied).stiffness, {}).is_stiffness_semidefinite[1]);
 }
 
 }  // namespace

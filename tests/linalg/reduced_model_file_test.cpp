@@ -185,6 +185,8 @@ TEST(ReducedModelFingerprint, SeesEveryInput) {
   EXPECT_TRUE(changed([&](Chain& chain) { chain.nominal.mass(0, 0) += tiny; }));
   EXPECT_TRUE(changed([&](Chain& chain) { chain.training.stiffness(1, 40) += tiny; }));
   EXPECT_TRUE(changed([](Chain& chain) { chain.training = chain.training.range(0, 79); }));
+  EXPECT_TRUE(changed([](Chain& chain) { chain.terms.is_stiffness_semidefinite = {false, true}; }));
+  EXPECT_TRUE(changed([](Chain& chain) { chain.terms.is_mass_semidefinite = {true}; }));
   EXPECT_TRUE(changed([](Chain& chain) { chain.options.modes = 5; }));
   EXPECT_TRUE(changed([](Chain& chain) { chain.options.tolerance = 2e-6; }));
   EXPECT_TRUE(changed([](Chain& chain) { chain.options.most_vectors = 399; }));

@@ -204,6 +204,22 @@ TEST(ReducedModel, DoesNotGrowForSamplesThatNoVectorMends) {
   EXPECT_EQ(audit(family, model, family.lognormal(3, 0.3, 2), k_modes, 2e-4).violations, 0);
 }
 
+TEST(ReducedModel, WhatIsKnownOfTermsSparesTheirFactorsAndChangesNoResult) {
+  const Family family = grid({.moves_mass = true});
+  PencilTerms known = family.terms;
+  known.is_stiffness_semidefinite.assign(known.stiffness.size() + 1, true);
+  known.is_mass_semidefinite.assign(known.mass.size() + 1, true);
+  const TermCoefficients samples = family.lognormal(20, 0.1, 2);
+  const auto solved = [&](const PencilTerms& terms) {
+    ReducedModel model(terms, family.nominal(), family.stiffness, family.mass, {.modes = 8});
+    model.train(family.lognormal(60, 0.1, 1), 1);
+    return model.solve(samples, 1);
+  };
+  const CertifiedModes found = solved(family.terms), spared = solved(known);
+  EXPECT_EQ(found.values, spared.values);
+  EXPECT_EQ(found.bounds, spared.bounds);
+}
+
 TEST(ReducedModel, RefusesWhatDoesNotFit) {
   const Family family = grid({});
   EXPECT_THROW(ReducedModel(family.terms, family.constant(2, 1.0), family.stiffness, family.mass, {}), InvalidInput);

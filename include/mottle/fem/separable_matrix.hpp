@@ -24,6 +24,7 @@ struct SeparableMatrix {
     std::vector<ParameterPower> coefficient = {};  ///< ascending in parameter; empty: the constant term
     std::vector<int> positions = {};               ///< into the values of the pattern, ascending
     std::vector<double> values = {};
+    bool is_semidefinite = false;  ///< known from its elements, see PencilTerms
   };
 
   SparseMatrix pattern;  ///< lower triangle, compressed, all values zero

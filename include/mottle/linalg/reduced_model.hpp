@@ -11,6 +11,11 @@
 
 namespace mottle {
 
+/// Relative size, against diag(T), of what is added to a symmetric T before its pivots tell whether it is positive
+/// semidefinite. Terms are singular as a rule (rigid-body motions of the part), so that rounding decides on the sign of
+/// some pivots; this is a thousand times what rounding does in a factor.
+constexpr double k_inertia_tolerance = 1e-13;
+
 /// K(s) = K_0 + sum_t a_t(s) K_t, M(s) = M_0 + sum_t b_t(s) M_t: lower triangles, compressed, all of one size; M
 /// positive semidefinite. The constants may be without entries.
 struct PencilTerms {
@@ -18,6 +23,10 @@ struct PencilTerms {
   std::vector<SparseMatrix> stiffness;
   SparseMatrix mass_constant;
   std::vector<SparseMatrix> mass;
+  /// Of the constant and each term: T + k_inertia_tolerance diag(T) is known to be positive semidefinite. Where it is
+  /// not known (empty, false), a factor of the term tells.
+  std::vector<bool> is_stiffness_semidefinite = {};
+  std::vector<bool> is_mass_semidefinite = {};
 };
 
 /// a_t(s) and b_t(s), [term x sample].
