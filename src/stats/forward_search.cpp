@@ -8,10 +8,10 @@
 namespace mottle {
 namespace {
 
-/// Of a squared distance, by rounding perhaps below zero, whose covariance was estimated with so many degrees of
-/// freedom: Hotelling's T^2.
+/// Of a squared distance whose covariance was estimated with so many degrees of freedom: Hotelling's T^2. Nothing is
+/// known of it where there are none.
 DeletedDistance deleted_distance(double square, double dimensions, double freedom) {
-  square = std::max(square, 0.0);
+  if (!(freedom > 0.0)) return {0.0, 0.0};
   const double rest = std::max(freedom - dimensions + 1.0, 1.0);
   const double tail = boost::math::ibeta(0.5 * rest, 0.5 * dimensions, freedom / (freedom + square));
   return {std::sqrt(square), -std::log(std::max(tail, 1e-300))};
@@ -19,6 +19,7 @@ DeletedDistance deleted_distance(double square, double dimensions, double freedo
 
 /// Standard normal deviate of about the probability of the same squared distance. Source: [Paulson1942].
 double normal_deviate(double square, double dimensions, double freedom) {
+  if (!(freedom > 0.0)) return std::sqrt(square);
   const double rest = std::max(freedom - dimensions + 1.0, 1.0);
   const double root = std::cbrt(square * rest / (freedom * dimensions));
   const double a = 2.0 / (9.0 * dimensions);

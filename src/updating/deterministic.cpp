@@ -10,6 +10,8 @@
 #include "mottle/core/error.hpp"
 #include "mottle/stats/distance.hpp"
 #include "mottle/updating/iteration.hpp"
+#include "mottle/updating/scaled_parameters.hpp"
+#include "scatter_curvature.hpp"
 
 namespace mottle {
 namespace {
@@ -178,6 +180,14 @@ Eigen::VectorXd unbounded_step(const LeastSquares& setup, const Eigen::VectorXd&
   return (gw * g + setup.prior).ldlt().solve(gw * (setup.target - outputs) - setup.prior * (x - setup.start));
 }
 
+/// Means of the outputs of specimens around a point that scatter as the tests do.
+Eigen::VectorXd scattered_means(const UpdatingProblem& problem, const Eigen::VectorXd& x, const Eigen::MatrixXd& g,
+                                const RunContext& context, std::int64_t& evaluations) {
+  const Eigen::VectorXd point = from_variables(problem.space.scales(), x.transpose()).row(0);
+  const Eigen::VectorXd slopes = ScaledParameters(problem.space).slopes(point);
+  return means_of_scattered(problem, point, g * slopes.asDiagonal(), context, evaluations);
+}
+
 }  // namespace
 
 const OptionTable<DeterministicOptions>& deterministic_option_table() {
@@ -262,9 +272,11 @@ UpdatingResult DeterministicUpdater::update(const UpdatingProblem& problem, cons
                        ? fmt::format("after {} iterations no parameter moves by more than {} of its prior deviation",
                                      updates, problem.tolerance)
                        : fmt::format("{} iterations did not bring the parameters to rest", updates);
+  const bool is_of_many = options_.specimen == 0 && problem.tests.values.rows() > 1;
+  const Eigen::VectorXd means = is_of_many ? scattered_means(problem, x, g, context, result.model_evaluations) : y;
   test_structure(problem,
                  {.specimen = options_.specimen,
-                  .residual = setup.target - y,
+                  .residual = setup.target - means,
                   .measurement_std = setup.weight.cwiseSqrt().cwiseInverse(),
                   .free_step = unbounded_step(setup, x, y, g)},
                  result);

@@ -36,6 +36,14 @@ void plan_residual_test(const UpdatingProblem& problem, const StructureEstimate&
                     estimate.residual.size(), k_more_outputs));
     return;
   }
+  if (estimate.specimen == 0 && problem.tests.values.array().isNaN().any()) {
+    plan.leave_untested(Aspect::means, gaps_untested(Aspect::means, "deterministic"));
+    return;
+  }
+  if (!estimate.residual.allFinite()) {
+    plan.leave_untested(Aspect::means, k_curvature_unknown);
+    return;
+  }
   const Eigen::VectorXd residual = b.transpose() * estimate.residual;
   const Eigen::MatrixXd covariance = b.transpose() * target_variance(problem, estimate).asDiagonal() * b;
   PlannedTest test = chi_squared_test("residuals", residual.dot(covariance.ldlt().solve(residual)), d);

@@ -10,7 +10,7 @@ namespace mottle {
 /// What the tests need beside mean, covariance and sensitivity, which are the result's.
 struct StructureEstimate {
   int specimen = 0;                 ///< from 1; 0: the mean of all
-  Eigen::VectorXd residual;         ///< tested less computed [output]
+  Eigen::VectorXd residual;         ///< tested less the means of specimens that scatter so; nan: not known [output]
   Eigen::VectorXd measurement_std;  ///< of one test [output]
   Eigen::VectorXd free_step;        ///< from the mean to where it would be without bounds [parameter]
 };

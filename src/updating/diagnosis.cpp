@@ -8,6 +8,7 @@
 
 #include "candidate_reference.hpp"
 #include "mottle/core/error.hpp"
+#include "scatter_tests.hpp"
 
 namespace mottle {
 namespace {
@@ -145,6 +146,11 @@ void require_problem(const UpdatingProblem& problem, const DiagnosisSettings& se
   require(problem.tests.values.rows() >= k_least_specimens,
           "diagnose: {} specimens are too few to compare likelihoods; at least {} are needed",
           problem.tests.values.rows(), k_least_specimens);
+  const bool is_noise_known = (problem.tests.repeatability_std.array() > 0.0).all();
+  require(is_noise_known || (counts_with_scatter(test_moments(problem.tests)).array() > 0).any(),
+          "diagnose: the {} specimens are the same to the last digits, so their likelihood has no maximum; give [test] "
+          "repeatability of every output, or different specimens",
+          problem.tests.values.rows());
 }
 
 /// What the fit of the given parameters alone says.

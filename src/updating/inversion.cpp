@@ -34,9 +34,11 @@ Setup prepare(const UpdatingProblem& problem) {
           problem.tests.values.rows());
   Setup setup{problem, ScaledParameters(problem.space), test_moments(problem.tests), problem.tests.repeatability_std};
   for (Eigen::Index k = 0; k < setup.sigma.size(); ++k) {
-    constexpr double k_no_scatter = 1e-3;  // of the value, where specimens do not differ at all
+    constexpr double k_rounding = 1e-9;    // of the value: specimens do not differ
+    constexpr double k_no_scatter = 1e-3;  // of the value, in its place
+    const double size = std::abs(setup.tests.mean(k));
     if (!(setup.sigma(k) > 0.0)) setup.sigma(k) = std::sqrt(setup.tests.covariance(k, k));
-    if (!(setup.sigma(k) > 0.0)) setup.sigma(k) = k_no_scatter * std::abs(setup.tests.mean(k));
+    if (!(setup.sigma(k) > k_rounding * size)) setup.sigma(k) = k_no_scatter * size;
     if (!(setup.sigma(k) > 0.0)) setup.sigma(k) = 1.0;
   }
   return setup;

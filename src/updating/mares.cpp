@@ -10,6 +10,7 @@
 #include "mottle/stats/descriptive.hpp"
 #include "mottle/updating/iteration.hpp"
 #include "mottle/updating/scaled_parameters.hpp"
+#include "scatter_curvature.hpp"
 
 namespace mottle {
 namespace {
@@ -175,11 +176,13 @@ UpdatingResult MaresUpdater::update(const UpdatingProblem& problem, const RunCon
   result.covariance = result.history.back().parameter_covariance;
   result.message = ending_message(result.status, result.history.size() - 1, problem.tolerance);
   const Eigen::VectorXd point = from_variables(problem.space.scales(), result.mean.transpose()).row(0);
+  const Eigen::MatrixXd sensitivity = estimate_sensitivity(result.history.back().cloud, options_.regression) *
+                                      ScaledParameters(problem.space).slopes(point).asDiagonal();
   test_matched_moments(problem,
                        {.method = "mares",
                         .mean = point,
-                        .sensitivity = estimate_sensitivity(result.history.back().cloud, options_.regression) *
-                                       ScaledParameters(problem.space).slopes(point).asDiagonal()},
+                        .sensitivity = sensitivity,
+                        .means = means_of_scattered(problem, point, sensitivity, context, result.model_evaluations)},
                        result);
   note_model_error(problem, "mares",
                    "is added to the test variability S_M of Eqs. 11 and 12, beside update.mares.model_error.", result);

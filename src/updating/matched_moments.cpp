@@ -28,19 +28,24 @@ struct Comparison {
   Eigen::MatrixXd directions;   // B
   double specimens = 0.0;       // with the output that was tested least
   bool is_noise_known = false;  // of every output
+  bool has_gaps = false;        // entries are missing
+  bool is_scattered = true;     // every output, among the tests
 };
 
 Comparison compare(const UpdatingProblem& problem, const MatchedEstimate& estimate, const UpdatingResult& result) {
   const IterationRecord& state = result.history.back();
   Comparison c{problem, estimate, state, test_moments(problem.tests), {}, {}, {}, {}};
-  c.residual = c.tests.mean - state.output_mean;
+  c.residual = c.tests.mean - (estimate.means.size() > 0 ? estimate.means : state.output_mean);
+  c.has_gaps = problem.tests.values.array().isNaN().any();
   c.of_test = state.output_covariance;
   c.of_test.diagonal() += problem.tests.repeatability_std.cwiseAbs2();
   c.of_cloud =
       state.output_covariance / static_cast<double>(std::max<Eigen::Index>(state.cloud.valid().outputs.rows(), 1));
   c.specimens = c.tests.count.minCoeff();
   c.is_noise_known = (problem.tests.repeatability_std.array() > 0.0).all();
+  c.is_scattered = (counts_with_scatter(c.tests).array() > 0).all();
   Eigen::VectorXd scale = c.of_test.diagonal().cwiseMax(c.tests.covariance.diagonal()).cwiseSqrt();
+  scale = scale.cwiseMax(k_last_digits * c.tests.mean.cwiseAbs());
   scale = (scale.array() > 0.0).select(scale, c.tests.mean.cwiseAbs().cwiseMax(1e-300));
   c.directions =
       unmoved_directions(estimate.sensitivity, scale, prior_on_scales(problem.space).covariance.diagonal().cwiseSqrt());
@@ -74,6 +79,21 @@ void plan_mean_test(const Comparison& c, TestPlan& plan) {
                                                    "combinations of parameters that they see, which can match any "
                                                    "means. {}",
                                                    c.residual.size(), k_more_outputs));
+    return;
+  }
+  if (c.has_gaps) {
+    plan.leave_untested(Aspect::means, gaps_untested(Aspect::means, c.estimate.method));
+    return;
+  }
+  if (!c.is_noise_known && !c.is_scattered) {
+    plan.leave_untested(
+        Aspect::means,
+        "The means were not tested: an output is the same in all specimens, to the last digits, and its "
+        "noise is not known. Give [test] repeatability of every output.");
+    return;
+  }
+  if (!c.residual.allFinite()) {
+    plan.leave_untested(Aspect::means, k_curvature_unknown);
     return;
   }
   PlannedTest test;
@@ -121,6 +141,10 @@ void plan_residual_scatter(const Comparison& c, TestPlan& plan) {
                         "\"maximum-likelihood\", which estimates the noise.");
     return;
   }
+  if (c.has_gaps) {
+    plan.leave_untested(Aspect::scatter, gaps_untested(Aspect::scatter, c.estimate.method));
+    return;
+  }
   const Eigen::LLT<Eigen::MatrixXd> factor(b.transpose() * c.of_test * b);
   const Eigen::MatrixXd whitened = factor.matrixL().solve(b.transpose());
   const double freedom = c.tests.count.cast<double>().mean() - 1.0;
@@ -146,8 +170,8 @@ void plan_cloud_agreement(const Comparison& c, TestPlan& plan) {
   }
   std::vector<bool> is_whole;
   for (const double sigma : noise) is_whole.push_back(sigma > 0.0);
-  plan.add(
-      cloud_agreement_test(c.tests.covariance.diagonal(), model, c.tests.count, is_whole, output_names(c.problem)));
+  plan.add(cloud_agreement_test(c.tests.covariance.diagonal(), model, counts_with_scatter(c.tests), is_whole,
+                                output_names(c.problem)));
 }
 
 /// The output whose scatter in the cloud differs most from that of the tests.
@@ -167,15 +191,29 @@ void say_scatter_is_not_estimated(const Comparison& c, TestPlan& plan) {
 /// One Gauss-Newton step that no bound stops, and the sampling covariance of where it leads.
 FreeMean free_mean(const Comparison& c) {
   const Eigen::MatrixXd covariance = covariance_of_tests_mean(c.problem.tests, c.tests.covariance) + c.of_cloud;
-  const Eigen::VectorXd whitening = covariance.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  const Eigen::VectorXd whitening = covariance.diagonal()
+                                        .cwiseSqrt()
+                                        .cwiseMax(k_last_digits * c.tests.mean.cwiseAbs())
+                                        .cwiseMax(1e-300)
+                                        .cwiseInverse();
   const Eigen::MatrixXd gain = least_change_gain(whitening.asDiagonal() * c.estimate.sensitivity,
                                                  prior_on_scales(c.problem.space).covariance.diagonal().cwiseSqrt())
                                    .matrix *
                                whitening.asDiagonal();
-  return {c.estimate.mean + gain * c.residual, gain * covariance * gain.transpose(), c.specimens - 1.0};
+  // What curvature adds to the tests' means is no misfit of the mean that the method looks for.
+  const Eigen::VectorXd residual = c.tests.mean - c.state.output_mean;
+  return {c.estimate.mean + gain * residual, gain * covariance * gain.transpose(), c.specimens - 1.0};
 }
 
 }  // namespace
+
+std::string gaps_untested(Aspect aspect, const std::string& method) {
+  return fmt::format(
+      "The {} not tested: entries are missing, and method '{}' takes each output over the specimens that have it. "
+      "Update "
+      "with method = \"maximum-likelihood\", whose tests take each specimen by itself.",
+      aspect == Aspect::means ? "means were" : "scatter was", method);
+}
 
 Eigen::MatrixXd covariance_of_tests_mean(const TestData& tests, const Eigen::Ref<const Eigen::MatrixXd>& covariance) {
   const Eigen::MatrixXd measured = (!tests.values.array().isNaN()).cast<double>();

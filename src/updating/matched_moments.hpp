@@ -17,7 +17,17 @@ struct MatchedEstimate {
   Eigen::VectorXd mean;         ///< on the parameters' scales [parameter]
   Eigen::MatrixXd sensitivity;  ///< dy/dt there [output x parameter]
   Scatter scatter = Scatter::not_estimated;
+  /// Outputs' means of specimens that scatter as the tests do; nan: not known; empty: those of the cloud [output].
+  Eigen::VectorXd means = {};
 };
+
+inline constexpr const char* k_curvature_unknown =
+    "The means were not tested: the model fails a standard deviation of the specimens' scatter from the mean, so it is "
+    "not known what that scatter adds to the means of curved outputs.";
+
+/// Why a method that takes means and covariances output by output leaves an aspect untested where entries are missing:
+/// the parameters' scatter does not cancel in differences of outputs that other specimens have.
+std::string gaps_untested(Aspect aspect, const std::string& method);
 
 /// Sampling covariance of the mean of the tests about the model's, C / n + D, from that of one test, C [output x
 /// output], and a given error D of the model, which all specimens have in common.

@@ -69,6 +69,8 @@ struct UnmovedResiduals {
   double squares = 0.0;           // about the means
   double freedom = 0.0;           // of `squares`
   double largest_variance = 1.0;  // of a direction's mean, times n, in units of the noise: eigenvalue of I + n D
+  /// Where the model has an error: noncentrality of an output's mean that is off by the tests' standard deviation.
+  Eigen::VectorXd own_noncentrality = {};
 };
 
 UnmovedResiduals unmoved_residuals(const UpdatingProblem& problem, const PopulationFit& fit) {
@@ -87,7 +89,12 @@ UnmovedResiduals unmoved_residuals(const UpdatingProblem& problem, const Populat
     Eigen::MatrixXd covariance = result.directions.transpose() *
                                  (ratio * result.whitened.count.array()).matrix().asDiagonal() * result.directions;
     covariance.diagonal().array() += 1.0;
-    result.mean_squares = unmoved.dot(covariance.llt().solve(unmoved));
+    const Eigen::LLT<Eigen::MatrixXd> factor(covariance);
+    result.mean_squares = unmoved.dot(factor.solve(unmoved));
+    const Eigen::MatrixXd seen = factor.matrixL().solve(result.directions.transpose());
+    const Eigen::VectorXd variance = test_moments(problem.tests).covariance.diagonal();
+    result.own_noncentrality = seen.colwise().squaredNorm().transpose().array() * result.whitened.count.array() *
+                               variance.array() / fit.noise.array();
     // An error that all share scatters where no two specimens have the same unmoved directions.
     const WhitenedResiduals own = whiten(problem, fit, fit.model_error->shift);
     result.squares = own.squares - mean_of(own).squaredNorm();
@@ -113,12 +120,14 @@ void plan_mean_residuals(const UnmovedResiduals& residuals, bool is_noise_known,
       n, d, has_error ? " and the model's stated error" : "");
   // In units of the noise and the model's error of one test together, in the direction where the mean shows least.
   const double per_mean = residuals.largest_variance / (n + residuals.largest_variance - 1.0);
-  test.power = [=](double level) {
-    const double shift =
-        std::sqrt((is_noise_known ? chi_squared_detectable(d, level) : f_detectable(d, rest, level)) * per_mean);
+  test.power = [=, own = residuals.own_noncentrality](double level) {
+    const double needed = is_noise_known ? chi_squared_detectable(d, level) : f_detectable(d, rest, level);
+    const double shift = std::sqrt(needed * per_mean);
+    // A stated error may be so large that any model agrees within it.
+    const bool hides_all = has_error && std::sqrt(needed / own.maxCoeff()) > k_gross_error;
     return Power{fmt::format("means that are off by {:.2g} standard deviations of {} in one of them", shift,
                              has_error ? "the noise and the model's stated error" : "the noise"),
-                 shift <= k_gross_error};
+                 shift <= k_gross_error && !hides_all};
   };
   plan.add(std::move(test));
 }
@@ -154,8 +163,7 @@ void plan_sphericity(const UpdatingProblem& problem, const PopulationFit& fit, c
 /// Whether the noise of every output is more than the last digits to which specimens are fitted: identical ones leave
 /// an estimate of these.
 bool has_noise_everywhere(const UpdatingProblem& problem, const PopulationFit& fit) {
-  constexpr double k_rounding = 1e-9;
-  const Eigen::ArrayXd size = k_rounding * means_of_tests(problem.tests.values).transpose().array();
+  const Eigen::ArrayXd size = k_last_digits * means_of_tests(problem.tests.values).transpose().array();
   return (fit.noise.array() > size.square()).all();
 }
 
@@ -275,8 +283,8 @@ void plan_cloud_agreement(const UpdatingProblem& problem, const PopulationFit& f
   std::vector<bool> is_whole;
   for (const double variance : fit.noise) is_whole.push_back(variance > 0.0);
   plan.add(cloud_agreement_test(tests.covariance.diagonal(),
-                                result.history.back().output_covariance.diagonal() + fit.noise, tests.count, is_whole,
-                                output_names(problem)));
+                                result.history.back().output_covariance.diagonal() + fit.noise,
+                                counts_with_scatter(tests), is_whole, output_names(problem)));
 }
 
 }  // namespace

@@ -146,6 +146,11 @@ PlannedTest sphericity_test(const Eigen::Ref<const Eigen::MatrixXd>& scatter, do
   return test;
 }
 
+Eigen::VectorXi counts_with_scatter(const TestMoments& tests) {
+  const Eigen::ArrayXd digits = (k_last_digits * tests.mean.array()).square();
+  return (tests.covariance.diagonal().array() > digits).select(tests.count, 0);
+}
+
 PlannedTest cloud_agreement_test(const Eigen::Ref<const Eigen::VectorXd>& tested,
                                  const Eigen::Ref<const Eigen::VectorXd>& model,
                                  const Eigen::Ref<const Eigen::VectorXi>& count, const std::vector<bool>& is_whole,

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "mottle/updating/iteration.hpp"
 #include "test_plan.hpp"
 
 namespace mottle {
@@ -38,6 +39,13 @@ PlannedTest residual_scatter_test(double squares, double specimens, double direc
 PlannedTest sphericity_test(const Eigen::Ref<const Eigen::MatrixXd>& scatter, double specimens,
                             const ResidualLeverage& leverage);
 
+/// Standard deviation, as a part of its mean, below which an output counts as the same in all specimens.
+inline constexpr double k_last_digits = 1e-9;
+
+/// Specimens that have each output, 0 of an output that does not scatter among them beyond the last digits of its
+/// values: how much it does by itself is then not known.
+Eigen::VectorXi counts_with_scatter(const TestMoments& tests);
+
 /// Whether the variance of each output in the updated model is that of the tests: the most unlikely of their ratios,
 /// each against chi-squared. The variance that was fitted is not taken off the sampling variance, so that it refuses a
 /// right model more seldom than its level; it sees where a cloud cannot have the scatter that the estimate was to give
@@ -45,7 +53,7 @@ PlannedTest sphericity_test(const Eigen::Ref<const Eigen::MatrixXd>& scatter, do
 ///
 /// @param tested    variance of each output among the tests [output]
 /// @param model     the same of the updated model with the noise that is known [output]
-/// @param count     specimens that have the output [output]
+/// @param count     specimens that have the output; fewer than two: it is not tested [output]
 /// @param is_whole  the noise is part of `model`; else it may scatter less than the tests [output]
 PlannedTest cloud_agreement_test(const Eigen::Ref<const Eigen::VectorXd>& tested,
                                  const Eigen::Ref<const Eigen::VectorXd>& model,

@@ -39,13 +39,23 @@ RIGHT = (
     ("shapes", (1, 10, "1%", 0, "shapes"), (MM,)),
     ("shapes, noise not given", (1, 50, "1%", 0, "shapes"), (CA, "case.noise=unknown")),
     ("frequencies", (1, 10, 0, 0, "frequencies"), (MARES,)),
+    ("shapes", (1, 20, "1%", 0, "shapes"), (MARES,)),
+    ("shapes", (1, 10, "1%", 0, "shapes"), ("deterministic",)),
+    ("shapes", (1, 20, "1%", 0, "shapes"), ("deterministic",)),
+    ("shapes", (1, 10, "1%", 0, "shapes"), ("inversion",)),
+    ("shapes", (1, 50, "1%", 0, "shapes"), ("inversion",)),
+    ("shapes", (1, 10, "1%", 0, "shapes"), ("perturbation",)),
+    ("shapes, a quarter missing", (1, 12, "1%", 0.25, "shapes"), (ML,)),
+    ("shapes, a quarter missing", (1, 12, "1%", 0.25, "shapes"), (CA,)),
+    ("shapes, a quarter missing", (1, 12, "1%", 0.25, "shapes"), ("inversion",)),
+    ("shapes, a quarter missing", (1, 12, "1%", 0.25, "shapes"), ("deterministic",)),
 )
 WRONG = (  # least part inadequate, most adequate
     ("case 2: k6 = 3.5", (2, 10, "1%", 0, "shapes"), (ML,), 0.99, 0),
     ("case 2: k6 = 3.5", (2, 10, 0, 0, "frequencies"), (ML,), 0.99, 0),
-    ("case 2: k6 = 3.5", (2, 10, 0, 0, "frequencies"), (MARES,), 0.90, 0),
+    ("case 2: k6 = 3.5", (2, 10, 0, 0, "frequencies"), (MARES,), 0.80, 0),
     ("case 3: no k6", (3, 10, 0, 0, "frequencies"), (ML,), 0.99, 0),
-    ("case 3: no k6", (3, 10, 0, 0, "frequencies"), (MARES,), 0.90, 0),
+    ("case 3: no k6", (3, 10, 0, 0, "frequencies"), (MARES,), 0.80, 0),
     ("case 4: all springs vary", (4, 50, "1%", 0, "shapes"), (ML,), 0.80, 0.2),
     ("case 4: all springs vary", (4, 50, "1%", 0, "shapes"), (ML, "case.noise=unknown"), 0.80, 0.2),
     ("case 4: all springs vary", (4, 10, 0, 0, "frequencies"), (MARES,), 0, 0),
@@ -89,7 +99,7 @@ def main():
            "Goal: inadequate in 5 % + 2 at most.", "", HEAD]
     good = [row(out, arguments.program, count, *case, 0, 0.07, 1) for case in RIGHT]
     out += ["", "## Wrong models", "",
-            "Goals: cases 2 and 3 inadequate in 99 % (90 % by mares: an update that goes round in circles is undecided), case 4 with "
+            "Goals: cases 2 and 3 inadequate in 99 % (80 % by mares: an update that goes round in circles is undecided), case 4 with "
             "shapes in 80 %; nothing that was not tested adequate, and "
             "what no test can see undecided.", "", HEAD]
     for what, words, method, least, most_adequate in WRONG:
