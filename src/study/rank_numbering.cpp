@@ -25,8 +25,11 @@ bool is_ranked(const std::vector<int>& modes, const Eigen::Ref<const Eigen::Matr
 constexpr std::string_view k_numbering =
     "The tests number their modes by rank of frequency, the model by shape (outputs.tracking = \"mac\")";
 constexpr std::string_view k_remedy =
-    "Set outputs.tracking = \"order\" to number both by rank, or measure shapes and set test.pairing = \"mac\". If the "
-    "columns of the tests are the model's modes already, say so: test.pairing = \"named\"";
+    "Measure shapes and set test.pairing = \"mac\" (outputs.tracking = \"order\" numbers both by rank, but such "
+    "outputs "
+    "bend where modes cross, which biases estimates too). If the columns of the tests are the model's modes already, "
+    "say "
+    "so: test.pairing = \"named\"";
 
 struct Crossings {
   double part = 0.0;     ///< of the cloud
@@ -67,6 +70,30 @@ std::optional<std::string> rank_warning(const ModalOutputs& selection, const Eig
       "{}, and modes cross in {:.0f} % of the prior's cloud and {:.0f} % of the updated one ({}): there a test's "
       "frequency is compared with another mode's, which biases means and deviations. {}",
       k_numbering, 100.0 * first.part, 100.0 * last.part, last.part > 0.0 ? last.frequent : first.frequent, k_remedy);
+}
+
+std::optional<std::string> bend_warning(const ModalOutputs& selection, const IterationRecord& state) {
+  // Of a normal gap: 1 % of the samples lie beyond the crossing. The gap of modes counted by rank, |gap|, has less.
+  constexpr double k_apart = 2.33;  // means over standard deviations
+  const Cloud::Valid valid = state.cloud.valid();
+  if (selection.tracking != ModeTracking::order || valid.outputs.rows() < 2) return std::nullopt;
+  for (std::size_t i = 0; i < selection.frequencies.size(); ++i) {
+    for (std::size_t j = 0; j < selection.frequencies.size(); ++j) {
+      if (selection.frequencies[j] != selection.frequencies[i] + 1) continue;
+      const Eigen::VectorXd gap =
+          valid.outputs.col(static_cast<Eigen::Index>(j)) - valid.outputs.col(static_cast<Eigen::Index>(i));
+      const double deviation = std::sqrt((gap.array() - gap.mean()).square().mean());
+      if (!(gap.mean() < k_apart * deviation)) continue;
+      return fmt::format(
+          "Modes {} and {} cross in the updated population: their frequencies are {:.3g} apart, which scatters by "
+          "{:.3g}. "
+          "Numbered by rank (outputs.tracking = \"order\") they bend where modes cross, and estimates of first order "
+          "are "
+          "biased. Measure shapes, set outputs.tracking = \"mac\" and test.pairing = \"mac\"",
+          selection.frequencies[i], selection.frequencies[j], gap.mean(), deviation);
+    }
+  }
+  return std::nullopt;
 }
 
 }  // namespace mottle

@@ -24,4 +24,8 @@ std::optional<std::string> rank_note(const ModalOutputs& selection, const Eigen:
 std::optional<std::string> rank_warning(const ModalOutputs& selection, const Eigen::Ref<const Eigen::MatrixXd>& tests,
                                         const std::vector<IterationRecord>& history);
 
+/// What to say where both number modes by rank and neighbours cross: their gap in the cloud of the updated population
+/// is less than 2.33 of its standard deviations. Nothing where the model numbers its modes by shape.
+std::optional<std::string> bend_warning(const ModalOutputs& selection, const IterationRecord& state);
+
 }  // namespace mottle

@@ -195,6 +195,7 @@ RunSummary run_update(const Study& study, const RunSettings& settings) {
 
   std::optional<std::string> numbering;
   if (tests.is_by_rank) numbering = rank_warning(made.model->selection(), tests.data.values, result.history);
+  if (!numbering && !result.history.empty()) numbering = bend_warning(made.model->selection(), result.history.back());
   if (numbering) context.warning(*numbering);
   Json json = update_result_json(study, tests, problem, *method, result);
   json["verdict"]["could_hide"] = hidden.list;
