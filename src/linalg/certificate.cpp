@@ -26,7 +26,8 @@ double next_eigenvalue(double value, double square, double unseen) {
 }
 
 /// The root e of sum w_j / (e + d_j) = 1, d_0 = 0, from above: e <- sum w_j e / (e + d_j) falls towards it.
-double secular_root(const Eigen::ArrayXd& weights, const Eigen::ArrayXd& distances) {
+double secular_root(const Eigen::Ref<const Eigen::ArrayXd>& weights,
+                    const Eigen::Ref<const Eigen::ArrayXd>& distances) {
   constexpr int k_steps = 6;
   double root = weights.sum();
   for (int step = 0; step < k_steps && root > 0.0 && root < k_infinite; ++step) {
@@ -43,16 +44,22 @@ Eigen::VectorXd error_bounds(const Eigen::Ref<const Eigen::VectorXd>& values,
                              const Eigen::Ref<const Eigen::VectorXd>& squares, double unseen, Eigen::Index wanted) {
   const Eigen::Index known = values.size();
   Eigen::VectorXd bounds = Eigen::VectorXd::Constant(wanted, k_infinite);
+  Eigen::ArrayXd weights(known);
+  Eigen::ArrayXd distances(known);
   for (Eigen::Index p = 0; p + 1 < known; ++p) {
     const double next = next_eigenvalue(values(p + 1), squares(p + 1), unseen);
     if (!(next > values(p))) continue;
     for (Eigen::Index k = 0; k <= std::min(p, wanted - 1); ++k) {
       if (!(values(k) > 0.0)) continue;
-      const auto from = values.segment(k, p - k + 1).array();
-      const Eigen::ArrayXd near = values(k) / from;
-      const Eigen::ArrayXd weights = near * squares.segment(k, p - k + 1).array() / (1.0 - from / next);
-      if (!(weights(0) < std::min(bounds(k), k_largest_bound))) continue;
-      const double bound = secular_root(weights, 1.0 - near);
+      // The mode's own weight: the root is no less.
+      if (!(squares(k) / (1.0 - values(k) / next) < std::min(bounds(k), k_largest_bound))) continue;
+      const Eigen::Index count = p - k + 1;
+      for (Eigen::Index j = 0; j < count; ++j) {
+        const double near = values(k) / values(k + j);
+        weights(j) = near * squares(k + j) / (1.0 - values(k + j) / next);
+        distances(j) = 1.0 - near;
+      }
+      const double bound = secular_root(weights.head(count), distances.head(count));
       if (bound <= k_largest_bound) bounds(k) = std::min(bounds(k), bound);
     }
   }

@@ -57,8 +57,7 @@ MaresSetup prepare(const UpdatingProblem& problem, const MaresOptions& options) 
   const bool is_scattered =
       (setup.test_variability.diagonal().array().sqrt() > k_least * setup.tests.mean.array().abs()).all();
   // A direction without variability would leave the parameters without scatter there (Eq. 12): no cloud to regress on.
-  require(is_scattered && correlation.allFinite() &&
-              correlation.ldlt().vectorD().minCoeff() > k_singular,
+  require(is_scattered && correlation.allFinite() && correlation.ldlt().vectorD().minCoeff() > k_singular,
           "test: the covariance of {} outputs from {} specimens is singular; test more specimens than outputs, leave "
           "outputs out, or set update.mares.model_error above 0",
           outputs, problem.tests.values.rows());
