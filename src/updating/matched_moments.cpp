@@ -155,6 +155,7 @@ void plan_residual_scatter(const Comparison& c, TestPlan& plan) {
 }
 
 void plan_cloud_agreement(const Comparison& c, TestPlan& plan) {
+  if (c.has_gaps) return;  // the parameters match a covariance of which each entry is of other specimens
   Eigen::VectorXd model = c.of_test.diagonal();
   const Eigen::VectorXd& noise = c.problem.tests.repeatability_std;
   if (c.estimate.scatter == Scatter::with_noise) {
