@@ -1,12 +1,10 @@
 // Whether a fitted population can be right: what the specimens' residuals say.
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <map>
 
-#include "matched_moments.hpp"
+#include "mean_limits.hpp"
+#include "mean_residuals.hpp"
 #include "mottle/core/error.hpp"
 #include "mottle/stats/descriptive.hpp"
 #include "mottle/updating/iteration.hpp"
@@ -16,98 +14,9 @@
 namespace mottle {
 namespace {
 
-/// Residuals of the specimens in units of the noise, what their own best parameters leave of them.
-struct WhitenedResiduals {
-  Eigen::MatrixXd values;       // [specimen x output], 0 where missing
-  Eigen::MatrixXd mean_design;  // whitened, over the specimens that have the output [output x effect]
-  Eigen::VectorXd count;        // specimens that have the output [output]
-  double squares = 0.0;
-  double freedom = 0.0;
-};
-
-/// @param shift  taken off the tests [output]
-WhitenedResiduals whiten(const UpdatingProblem& problem, const PopulationFit& fit, const Eigen::VectorXd& shift) {
-  const Eigen::MatrixXd& tests = problem.tests.values;
-  const Eigen::Index effects = fit.effects.mean.size();
-  WhitenedResiduals result{Eigen::MatrixXd::Zero(tests.rows(), tests.cols()),
-                           Eigen::MatrixXd::Zero(tests.cols(), effects), Eigen::VectorXd::Zero(tests.cols())};
-  for (Eigen::Index s = 0; s < tests.rows(); ++s) {
-    const RandomEffectsUnit& unit = fit.units[static_cast<std::size_t>(s)];
-    std::vector<Eigen::Index> rows;
-    for (Eigen::Index k = 0; k < tests.cols(); ++k) {
-      if (!std::isnan(tests(s, k))) rows.push_back(k);
-    }
-    const Eigen::VectorXd weight = fit.noise(rows).cwiseSqrt().cwiseInverse();
-    const Eigen::MatrixXd design = weight.asDiagonal() * unit.design;
-    const Eigen::VectorXd response = weight.asDiagonal() * (unit.response - shift(rows));
-    const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> factor(design);
-    const Eigen::VectorXd residual = response - design * factor.solve(response);
-    for (std::size_t k = 0; k < rows.size(); ++k) {
-      const auto place = static_cast<Eigen::Index>(k);
-      result.values(s, rows[k]) = residual(place);
-      result.mean_design.row(rows[k]) += design.row(place);
-      result.count(rows[k]) += 1.0;
-    }
-    result.squares += residual.squaredNorm();
-    result.freedom += static_cast<double>(rows.size()) - static_cast<double>(factor.rank());
-  }
-  for (Eigen::Index k = 0; k < tests.cols(); ++k) result.mean_design.row(k) /= std::max(result.count(k), 1.0);
-  return result;
-}
-
-/// Directions of whitened outputs that no parameter moves, orthonormal [output x direction].
-Eigen::MatrixXd unmoved_whitened(const Eigen::MatrixXd& design) {
-  const Eigen::VectorXd scale = design.colwise().norm().transpose().cwiseMax(1e-300).cwiseInverse();
-  return unmoved_directions(design, Eigen::VectorXd::Ones(design.rows()), scale);
-}
-
-/// The residuals in the directions that no parameter moves, about their means and of their means.
-struct UnmovedResiduals {
-  WhitenedResiduals whitened;
-  Eigen::MatrixXd directions;     // orthonormal [output x direction]
-  double mean_squares = 0.0;      // n v' (I + n D)^-1 v, D the model's error in units of the noise
-  double squares = 0.0;           // about the means
-  double freedom = 0.0;           // of `squares`
-  double largest_variance = 1.0;  // of a direction's mean, times n, in units of the noise: eigenvalue of I + n D
-  /// Where the model has an error: noncentrality of an output's mean that is off by the tests' standard deviation.
-  Eigen::VectorXd own_noncentrality = {};
-};
-
-UnmovedResiduals unmoved_residuals(const UpdatingProblem& problem, const PopulationFit& fit) {
-  const Eigen::VectorXd none = Eigen::VectorXd::Zero(problem.tests.values.cols());
-  UnmovedResiduals result{whiten(problem, fit, none), {}};
-  result.directions = unmoved_whitened(result.whitened.mean_design);
-  const auto mean_of = [&](const WhitenedResiduals& whitened) -> Eigen::VectorXd {
-    const Eigen::VectorXd sums = whitened.values.colwise().sum();
-    return result.directions.transpose() * sums.cwiseQuotient(whitened.count.cwiseMax(1.0).cwiseSqrt());
-  };
-  const Eigen::VectorXd unmoved = mean_of(result.whitened);
-  result.mean_squares = unmoved.squaredNorm();
-  result.squares = result.whitened.squares - result.mean_squares;
-  if (fit.model_error) {
-    const Eigen::ArrayXd ratio = fit.model_error->std.array().square() / fit.noise.array();
-    Eigen::MatrixXd covariance = result.directions.transpose() *
-                                 (ratio * result.whitened.count.array()).matrix().asDiagonal() * result.directions;
-    covariance.diagonal().array() += 1.0;
-    const Eigen::LLT<Eigen::MatrixXd> factor(covariance);
-    result.mean_squares = unmoved.dot(factor.solve(unmoved));
-    const Eigen::MatrixXd seen = factor.matrixL().solve(result.directions.transpose());
-    const Eigen::VectorXd variance = test_moments(problem.tests).covariance.diagonal();
-    result.own_noncentrality = seen.colwise().squaredNorm().transpose().array() * result.whitened.count.array() *
-                               variance.array() / fit.noise.array();
-    // An error that all share scatters where no two specimens have the same unmoved directions.
-    const WhitenedResiduals own = whiten(problem, fit, fit.model_error->shift);
-    result.squares = own.squares - mean_of(own).squaredNorm();
-    result.largest_variance = covariance.selfadjointView<Eigen::Lower>().eigenvalues().maxCoeff();
-  }
-  result.squares = std::max(result.squares, 1e-300);
-  result.freedom = result.whitened.freedom - static_cast<double>(result.directions.cols());
-  return result;
-}
-
-void plan_mean_residuals(const UnmovedResiduals& residuals, bool is_noise_known, TestPlan& plan) {
-  const auto d = static_cast<double>(residuals.directions.cols());
-  const auto n = static_cast<double>(residuals.whitened.values.rows());
+void plan_mean_residuals(const MeanResiduals& residuals, bool is_noise_known, TestPlan& plan) {
+  const double d = residuals.mean_freedom;
+  const auto n = static_cast<double>(residuals.values.rows());
   const double rest = residuals.freedom;
   PlannedTest test = is_noise_known
                          ? chi_squared_test("mean-residuals", residuals.mean_squares, d)
@@ -133,15 +42,14 @@ void plan_mean_residuals(const UnmovedResiduals& residuals, bool is_noise_known,
 }
 
 /// How an output's own scatter shows in the directions.
-ResidualLeverage leverage_of(const UpdatingProblem& problem, const PopulationFit& fit,
-                             const UnmovedResiduals& residuals) {
-  const Eigen::MatrixXd design = fit.noise.cwiseSqrt().asDiagonal() * residuals.whitened.mean_design;
+ResidualLeverage leverage_of(const UpdatingProblem& problem, const PopulationFit& fit, const MeanResiduals& residuals) {
+  const Eigen::MatrixXd design = fit.noise.cwiseSqrt().asDiagonal() * residuals.mean_design;
   return {residuals.directions.rowwise().squaredNorm().cwiseQuotient(fit.noise),
           (design * fit.effects.covariance * design.transpose()).diagonal() + fit.noise, output_names(problem)};
 }
 
 /// Sphericity over the specimens without gaps: a level of noise that was estimated cannot be tested itself.
-void plan_sphericity(const UpdatingProblem& problem, const PopulationFit& fit, const UnmovedResiduals& residuals,
+void plan_sphericity(const UpdatingProblem& problem, const PopulationFit& fit, const MeanResiduals& residuals,
                      TestPlan& plan) {
   std::vector<Eigen::Index> whole;
   for (Eigen::Index s = 0; s < problem.tests.values.rows(); ++s) {
@@ -155,7 +63,7 @@ void plan_sphericity(const UpdatingProblem& problem, const PopulationFit& fit, c
         "more. Give [test] repeatability of every output, or measure further outputs.");
     return;
   }
-  const Eigen::MatrixXd values = residuals.whitened.values(whole, Eigen::all) * residuals.directions;
+  const Eigen::MatrixXd values = residuals.values(whole, Eigen::all) * residuals.directions;
   plan.add(sphericity_test(sample_covariance(values), static_cast<double>(whole.size() - 1),
                            leverage_of(problem, fit, residuals)));
 }
@@ -177,8 +85,12 @@ void plan_residual_tests(const UpdatingProblem& problem, const PopulationFit& fi
     plan.leave_untested(Aspect::scatter, "The scatter was not tested for the same reason.");
     return;
   }
-  const UnmovedResiduals residuals = has_noise ? unmoved_residuals(problem, fit) : UnmovedResiduals{};
-  if (!has_noise || residuals.directions.cols() == 0 || residuals.freedom <= 0.0) {
+  MeanResiduals residuals =
+      has_noise ? mean_residuals(problem.tests.values, fit.units, fit.noise, fit.model_error) : MeanResiduals{};
+  if (residuals.own_noncentrality.size() > 0) {  // off by the tests' standard deviation, not by 1
+    residuals.own_noncentrality.array() *= test_moments(problem.tests).covariance.diagonal().array();
+  }
+  if (!has_noise || residuals.mean_freedom == 0.0 || residuals.freedom <= 0.0) {
     plan.leave_untested(Aspect::means,
                         fmt::format("The means were not tested: {} outputs are no more than the {} combinations of "
                                     "parameters that they see, which can match any means. {}",
