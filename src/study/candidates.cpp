@@ -176,20 +176,22 @@ class Resolver {
     return candidates;
   }
 
-  /// Every number that has a size to be wrong by, masses too; dampers only where an output sees them.
-  std::vector<StudyParameter> all(std::size_t most, std::size_t& total) {
-    std::vector<StudyParameter> candidates;
-    total = 0;
+  /// Every number, masses too; dampers only where an output sees them.
+  FixedNumbers all(std::size_t most) {
+    FixedNumbers found;
+    std::vector<double> sizes;
     for (const Number& number : numbers_) {
       const bool is_seen = number.kind != "damper" || !study_.outputs.damping.empty();
       const bool is_taken = number.is_usual || study_.model.kind != StudyModelSource::Kind::nastran;
-      if (number.value == 0.0 || !is_seen || !is_taken || owned_.contains(key_of(number.target))) continue;
-      if (++total > most) continue;
+      if (!is_seen || !is_taken || owned_.contains(key_of(number.target))) continue;
+      if (++found.total > most) continue;
       StudyParameter candidate;
       candidate.targets = {number.target};
-      candidates.push_back(resolve(std::move(candidate)));
+      found.list.push_back(resolve(std::move(candidate)));
+      sizes.push_back(number.value != 0.0 ? number.value : size_of(number, numbers_));
     }
-    return candidates;
+    found.sizes = Eigen::Map<const Eigen::VectorXd>(sizes.data(), static_cast<Eigen::Index>(sizes.size()));
+    return found;
   }
 
  private:
@@ -246,9 +248,7 @@ std::vector<StudyParameter> resolve_candidates(const Study& study) {
 }
 
 FixedNumbers fixed_numbers(const Study& study, std::size_t most) {
-  FixedNumbers numbers;
-  numbers.list = Resolver(study).all(most, numbers.total);
-  return numbers;
+  return Resolver(study).all(most);
 }
 
 Study with_candidates(const Study& study, const std::vector<StudyParameter>& candidates) {

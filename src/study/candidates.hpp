@@ -1,6 +1,7 @@
 // The candidates of a diagnosis: what the study names, or everything in the model that may sensibly be wrong.
 #pragma once
 
+#include <Eigen/Core>
 #include <vector>
 
 #include "mottle/study/study.hpp"
@@ -18,11 +19,12 @@ std::vector<StudyParameter> resolve_candidates(const Study& study);
 /// Numbers of a model that no parameter moves, as candidates.
 struct FixedNumbers {
   std::vector<StudyParameter> list;  ///< the first of them, in the order of the model
+  Eigen::VectorXd sizes;  ///< of relative changes: each number itself, of a zero the median of its kind, else 1
   std::size_t total = 0;
 };
 
-/// The numbers of a model that are not zero and that an error could hide in: springs and masses (dampers where damping
-/// ratios are outputs), parts of matrices, of a deck what `resolve_candidates` takes by default.
+/// The numbers of a model that an error could hide in: springs and masses (dampers where damping ratios are outputs),
+/// parts of matrices, those that are zero too; of a deck what `resolve_candidates` takes by default.
 ///
 /// @param most  how many are listed
 /// @throws InvalidInput  a model by command, whose numbers are not known

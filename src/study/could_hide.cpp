@@ -26,7 +26,18 @@ struct TestScatter {
   Eigen::MatrixXd parameters;                                    ///< [parameter x parameter]
   Eigen::MatrixXd rest;                                          ///< [output x output]
   double denominator = std::numeric_limits<double>::infinity();  ///< of the test of the means; nan: by the effects
+  bool is_within = false;  ///< the test of the means is that of residuals within specimens, by the noise in `rest`
+  Eigen::VectorXd model_error_std = {};  ///< given or estimated [output]; empty: none
 };
+
+bool is_made(const UpdatingResult& result, const std::string& name) {
+  return std::any_of(result.tests.begin(), result.tests.end(),
+                     [&](const VerdictTest& test) { return test.name == name; });
+}
+
+bool are_means_tested(const UpdatingResult& result) {
+  return is_made(result, "mean-residuals") || is_made(result, "mean-agreement") || is_made(result, "residuals");
+}
 
 bool is_definite(const Eigen::MatrixXd& covariance) {
   const Eigen::VectorXd scale = covariance.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
@@ -43,7 +54,8 @@ TestScatter scatter_of_tests(const Study& study, const UpdatingProblem& problem,
   if (result.is_population && has_noise) {
     const bool is_known = (noise.array() > 0.0).all();
     return {result.covariance, result.noise_covariance,
-            is_known ? std::numeric_limits<double>::infinity() : std::nan("")};
+            is_known ? std::numeric_limits<double>::infinity() : std::nan(""),
+            is_made(result, "mean-residuals") || !is_made(result, "mean-agreement")};
   }
   Eigen::MatrixXd total = tests.covariance;
   double denominator = n;  // the means' degrees of freedom are still to be taken off
@@ -73,9 +85,13 @@ LinearTests linear_tests(const UpdatingProblem& problem, const TestScatter& scat
   tests.covariance.topLeftCorner(p, p) += scatter.rest;
   tests.covariance.diagonal().tail(all - p) += found.noise(further).cwiseAbs2();
   tests.covariance.diagonal() *= 1.0 + 1e-12;  // without noise it is only just definite
+  if (scatter.is_within) {
+    tests.noise.resize(all);
+    tests.noise << scatter.rest.diagonal(), found.noise(further).cwiseAbs2();
+  }
   tests.values = Eigen::MatrixXd::Zero(problem.tests.values.rows(), all);
   tests.values.leftCols(p) = problem.tests.values;
-  const Eigen::VectorXd& model_error = problem.tests.model_error_std;
+  const Eigen::VectorXd& model_error = scatter.model_error_std;
   if (model_error.size() > 0) {
     // The model errs as much, relatively, in further outputs as it does in those measured on the average.
     const double relative = (model_error.array() / found.size.head(p).array().max(1e-300)).mean();
@@ -104,6 +120,7 @@ MeansTest means_test(const UpdatingProblem& problem, const UpdatingResult& resul
                      const ErrorEffects& effects) {
   const auto n = static_cast<double>(problem.tests.values.rows());
   MeansTest test;
+  test.prior_std = problem.space.prior().covariance().diagonal().cwiseSqrt();
   test.denominator = std::isnan(scatter.denominator) ? static_cast<double>(effects.denominator_freedom)
                      : std::isinf(scatter.denominator)
                          ? scatter.denominator
@@ -114,7 +131,7 @@ MeansTest means_test(const UpdatingProblem& problem, const UpdatingResult& resul
   // Beyond bounds, or 10 prior deviations off, the verdict refuses by other tests.
   constexpr double k_absurd = 10.0;
   const Eigen::VectorXd start = problem.space.prior().mean();
-  const Eigen::VectorXd reach = k_absurd * problem.space.prior().covariance().diagonal().cwiseSqrt();
+  const Eigen::VectorXd reach = k_absurd * test.prior_std;
   test.room_below = (result.mean - problem.space.clamp(start - reach)).cwiseMax(0.0);
   test.room_above = (problem.space.clamp(start + reach) - result.mean).cwiseMax(0.0);
   return test;
@@ -124,13 +141,22 @@ MeansTest means_test(const UpdatingProblem& problem, const UpdatingResult& resul
 std::vector<HiddenError> errors_with(const UpdatingProblem& problem, const UpdatingResult& result,
                                      const TestScatter& scatter, const ErrorDerivatives& found,
                                      const std::vector<Eigen::Index>& further) {
-  const ErrorEffects effects = error_effects(linear_tests(problem, scatter, found, further));
+  LinearTests tests = linear_tests(problem, scatter, found, further);
+  if (further.empty() && is_made(result, "mean-agreement") && std::isinf(scatter.denominator)) {
+    const IterationRecord& state = result.history.back();
+    tests.of_test = state.output_covariance;
+    tests.of_test.diagonal() += problem.tests.repeatability_std.cwiseAbs2();
+    const Eigen::Index samples = state.cloud.valid().outputs.rows();
+    tests.of_cloud = state.output_covariance / static_cast<double>(std::max<Eigen::Index>(samples, 1));
+  }
+  const ErrorEffects effects = error_effects(tests);
   MeansTest test = means_test(problem, result, scatter, effects);
   if (!further.empty()) test.denominator = std::numeric_limits<double>::infinity();  // their noise is stated
+  if (further.empty() && !are_means_tested(result)) test.denominator = 0.0;
   if (further.empty() && result.intervals) {
     const Eigen::MatrixXd& ends = result.intervals->mean;
     const Eigen::VectorXd half = 0.5 * (ends.col(1) - ends.col(0));
-    test.half_widths = (half.array() > 0.0).select(half, test.half_widths);
+    test.half_widths = (half.array() > 0.0).select(half, 0.0);  // nan: there is no interval
   }
   return hidden_errors(effects, test);
 }
@@ -184,20 +210,24 @@ std::string deciding_sentence(const DecidingSet& set, const ErrorDerivatives& fo
   for (const std::size_t item : set.items) texts.push_back(found.further[item].text);
   return fmt::format(
       "{} would {}, measured beside these outputs to 0.1 % of a frequency and 1 % of a shape's size: {} would then be "
-      "refused in 80 % of cases.",
+      "refused in 80 % of cases by a test of the means that knows the noise.",
       capitalised(join(texts, " and ")), set.is_enough() ? "decide" : "show most", sizes_text(set.errors));
 }
 
-Json error_json(const NamedError& error, const std::vector<std::string>& parameters) {
+Json error_json(const NamedError& error, const std::vector<std::string>& parameters, bool is_level_known) {
   Json moves = Json::array();
   for (std::size_t i = 0; i < parameters.size(); ++i) {
     moves.push_back({{"parameter", parameters[i]},
-                     {"half_widths", number_json(error.error.would_move(static_cast<Eigen::Index>(i)))}});
+                     {"half_widths", number_json(error.error.would_move(static_cast<Eigen::Index>(i)))},
+                     {"prior_deviations", number_json(error.error.prior_deviations(static_cast<Eigen::Index>(i)))}});
   }
   return {{"name", error.name},
           {"nominal", error.nominal},
-          {"relative_change", number_json(error.error.relative_change)},
+          {"relative_change", error.nominal == 0.0 ? Json(nullptr) : number_json(error.error.relative_change)},
+          {"change", number_json(error.change())},
           {"is_detected", error.error.is_detected},
+          {"assumes_estimated_noise", error.error.is_detected && !is_level_known},
+          {"is_beyond_first_order", error.error.is_beyond_first_order()},
           {"would_move", moves}};
 }
 
@@ -205,7 +235,7 @@ std::vector<NamedError> name_errors(const FixedNumbers& numbers, const std::vect
   std::vector<NamedError> named;
   for (const HiddenError& error : errors) {
     const StudyParameter& number = numbers.list[static_cast<std::size_t>(error.quantity)];
-    named.push_back({number.name, number.distribution.mean, error});
+    named.push_back({number.name, number.distribution.mean, numbers.sizes(error.quantity), error});
   }
   std::stable_sort(named.begin(), named.end(), [](const NamedError& one, const NamedError& other) {
     return one.error.harm() > other.error.harm();
@@ -220,23 +250,29 @@ CouldHide work_out(const Study& study, const StudyModel& made, const UpdatingPro
   if (numbers.list.empty()) return hidden;
   const ErrorDerivatives found = differentiate_errors(study, made, numbers, result.mean, is_undecided, context);
   const Eigen::Index p = problem.tests.values.cols();
-  const TestScatter scatter = scatter_of_tests(study, problem, result, found.parameters.topRows(p));
+  TestScatter scatter = scatter_of_tests(study, problem, result, found.parameters.topRows(p));
+  scatter.model_error_std = result.model_error ? result.model_error->std : problem.tests.model_error_std;
   const std::vector<NamedError> errors = name_errors(numbers, errors_with(problem, result, scatter, found, {}));
   const std::vector<std::string> names = problem.space.names();
+  const bool is_level_known = !std::isnan(scatter.denominator);
   constexpr std::size_t k_told = 3;
   constexpr double k_harmless = 0.05;  // of a half-width
   std::vector<NamedError> worst;
   for (const NamedError& error : errors) {
-    if (hidden.list.size() < k_most_listed) hidden.list.push_back(error_json(error, names));
+    if (hidden.list.size() < k_most_listed) hidden.list.push_back(error_json(error, names, is_level_known));
     if (worst.size() < k_told && error.error.harm() >= k_harmless) worst.push_back(error);
   }
   if (worst.empty()) return hidden;
   if (is_undecided) {
-    for (const NamedError& error : worst) hidden.sentences.push_back(hidden_error_sentence(error, names));
-    const std::string decides = deciding_sentence(find_deciding_set(problem, result, scatter, found, worst), found);
-    if (!decides.empty()) hidden.sentences.push_back(decides);
+    for (const NamedError& error : worst)
+      hidden.sentences.push_back(hidden_error_sentence(error, names, is_level_known));
+    // No further output lets means be tested against a model error that is estimated from them.
+    if (!problem.tests.is_model_error_estimated) {
+      const std::string decides = deciding_sentence(find_deciding_set(problem, result, scatter, found, worst), found);
+      if (!decides.empty()) hidden.sentences.push_back(decides);
+    }
   }
-  hidden.summary = summary_text(worst, names);
+  hidden.summary = summary_text(worst, names, is_level_known);
   if (numbers.total > numbers.list.size()) {
     hidden.notes.push_back(fmt::format("Errors were looked at in the first {} of the {} numbers of the model.",
                                        numbers.list.size(), numbers.total));

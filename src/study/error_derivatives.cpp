@@ -69,9 +69,9 @@ ErrorDerivatives differentiate_errors(const Study& study, const StudyModel& made
   ErrorDerivatives found;
   if (has_further) found.further = further_outputs(study, mode_count);
   const std::vector<Eigen::Index> order = order_of_outputs(made, model.model->outputs(), found);
-  const Eigen::Index m = jacobian.cols() - q;
+  const Eigen::Index m = numbers.sizes.size();
   found.parameters = jacobian(order, Eigen::seqN(0, q));
-  found.errors = jacobian(order, Eigen::lastN(m)) * point.tail(m).asDiagonal();
+  found.errors = jacobian(order, Eigen::lastN(m)) * numbers.sizes.asDiagonal();
   const Eigen::VectorXd values = problem.model.evaluate(point.transpose(), context).outputs.row(0)(order).transpose();
   require(found.parameters.allFinite() && found.errors.allFinite() && values.allFinite(),
           "the model has no derivatives at the updated mean");

@@ -14,7 +14,7 @@ namespace mottle {
 /// Derivatives at the updated mean, of the study's outputs first, then of further ones.
 struct ErrorDerivatives {
   Eigen::MatrixXd parameters;  ///< [output x parameter]
-  Eigen::MatrixXd errors;      ///< by a relative error of 1 [output x quantity]
+  Eigen::MatrixXd errors;      ///< by an error as large as the number [output x quantity]
   Eigen::VectorXd size;        ///< a frequency's value, of a shape its largest component [output]
   Eigen::VectorXd noise;  ///< standard deviation at which further outputs would be measured, 0 of the others [output]
   std::vector<FurtherOutputs> further;

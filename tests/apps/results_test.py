@@ -151,6 +151,31 @@ class ResultsTest(support.CommandTest):
             # First order at the mean; the specimens scatter by a fifth about it, so that their mean differs by some per cent.
             self.assertAlmostEqual(found, said, delta=0.1 * abs(said))
 
+    def test_a_number_that_is_zero_in_the_model_could_hide_too(self):
+        """A spring of stiffness 0: its error is absolute, at a tenth of the other springs' median where no test sees it."""
+        k7 = 'stiffness = 3.0 },\n  { name = "k7", between = ["m1", "m3"], stiffness = 0.0 },'
+        result = self.update(("stiffness = 3.0 },", k7))
+        error = next(entry for entry in result["verdict"]["could_hide"] if entry["name"] == "k7")
+        self.assertEqual((error["nominal"], error["relative_change"]), (0.0, None))
+        self.assertTrue(0.0 < error["change"] <= 1.0)
+
+    def test_where_the_means_are_not_tested_no_error_is_refused(self):
+        """A model error that is estimated from the means leaves no test of them: no size may be said to be refused."""
+        verdict = self.update(('method = "mares"', 'method = "maximum-likelihood"'),
+                              ("[test]", '[test]\nrepeatability = { "f*" = 0.001 }\nmodel_error = "estimated"'))["verdict"]
+        self.assertNotIn("mean-residuals", [test["name"] for test in verdict["tests"]])
+        self.assertFalse(any(error["is_detected"] for error in verdict["could_hide"]))
+        self.assertNotIn("80 % of cases", " ".join(verdict["not_tested"]))
+
+    def test_an_estimated_noise_is_said_to_refuse_fewer(self):
+        """The level of the noise comes from the same tests, where an error of the model counts as noise too."""
+        result = self.update(('method = "mares"', 'method = "maximum-likelihood"'))
+        seen = [error for error in result["verdict"]["could_hide"] if error["is_detected"]]
+        self.assertTrue(all(error["assumes_estimated_noise"] for error in seen), seen)
+        given = self.update(('method = "mares"', 'method = "maximum-likelihood"'),
+                            ("[test]", '[test]\nrepeatability = { "f*" = 0.001 }'))
+        self.assertFalse(any(error["assumes_estimated_noise"] for error in given["verdict"]["could_hide"]))
+
     def test_identifiability_and_counts_in_the_result(self):
         result = self.update()
         seen = result["identifiability"]

@@ -107,6 +107,57 @@ TEST(HiddenErrors, OfAParameterThatTheTestsDoNotSeeMoveNothing) {
   EXPECT_EQ(effects.mean_covariance(1, 1), 0.0);
 }
 
+/// One parameter moves both outputs alike; an error moves the first. Within a specimen the test has their difference,
+/// of variance 2, and none where the second is missing. The means themselves would show more: 10 against 6 specimens.
+TEST(HiddenErrors, OfATestWithinSpecimensShowInThoseAloneThatHaveTheOutputs) {
+  LinearTests tests{.sensitivity = Eigen::Vector2d(1.0, 1.0),
+                    .errors = Eigen::Vector2d(1.0, 0.0),
+                    .covariance = Eigen::Matrix2d{{1.5, 0.5}, {0.5, 1.5}},
+                    .values = Eigen::MatrixXd::Zero(10, 2),
+                    .model_error_std = {},
+                    .noise = Eigen::Vector2d(1.0, 1.0)};
+  tests.values.col(1).head(4).setConstant(k_nan);
+  const ErrorEffects effects = error_effects(tests);
+  EXPECT_EQ(effects.means_freedom, 1);
+  EXPECT_EQ(effects.denominator_freedom, 5);
+  EXPECT_NEAR(effects.noncentrality(0), 6.0 / 2.0, 1e-9);
+  // With an error of the model d1 - d2 of variance 2 * 0.25 = 1/2: 1 / (2/6 + 1/2).
+  tests.model_error_std = Eigen::Vector2d(0.5, 0.5);
+  EXPECT_NEAR(error_effects(tests).noncentrality(0), 1.0 / (2.0 / 6.0 + 0.5), 1e-9);
+}
+
+/// The curvature of the outputs adds to what a cloud says of the unmoved direction: variance 0.04 of a test, 0.01 of
+/// the cloud's mean.
+TEST(HiddenErrors, OfATestOfMeansShowAgainstTheCovarianceThatTheTestHas) {
+  LinearTests tests = one_parameter(10);
+  tests.of_test = Eigen::Vector2d(0.04, 0.04).asDiagonal();
+  tests.of_cloud = Eigen::Vector2d(0.01, 0.01).asDiagonal();
+  EXPECT_NEAR(error_effects(tests).noncentrality(0), 0.25 / (0.004 + 0.01), 1e-9);
+  tests.values(3, 1) = k_nan;
+  EXPECT_NEAR(error_effects(tests).noncentrality(0), 0.25 / (0.04 / 9.0 + 0.01), 1e-9);
+}
+
+TEST(HiddenErrors, NothingIsDetectedByATestThatWasNotMade) {
+  const MeansTest rule{.denominator = 0.0,
+                       .half_widths = Eigen::VectorXd::Constant(1, 0.1),
+                       .room_below = Eigen::VectorXd::Ones(1),
+                       .room_above = Eigen::VectorXd::Ones(1)};
+  EXPECT_FALSE(hidden_errors(error_effects(one_parameter(10)), rule).front().is_detected);
+}
+
+TEST(HiddenErrors, WithoutAnIntervalMoveAMeanByPriorDeviations) {
+  const MeansTest rule{.denominator = k_infinity,
+                       .half_widths = Eigen::VectorXd::Zero(1),
+                       .prior_std = Eigen::VectorXd::Constant(1, 0.2),
+                       .room_below = Eigen::VectorXd::Ones(1),
+                       .room_above = Eigen::VectorXd::Ones(1)};
+  const HiddenError error = hidden_errors(error_effects(one_parameter(10)), rule).front();
+  EXPECT_TRUE(std::isnan(error.would_move(0)));
+  EXPECT_NEAR(error.prior_deviations(0), 3.0 * error.relative_change / 0.2, 1e-12);
+  EXPECT_NEAR(error.harm(), error.prior_deviations(0), 1e-12);
+  EXPECT_TRUE(error.is_beyond_first_order());  // 3 * 0.177 = 0.53 is more than 0.2
+}
+
 TEST(HiddenErrors, ACovarianceThatIsNotDefiniteIsRefused) {
   LinearTests tests = one_parameter(2);
   tests.covariance(1, 1) = -1.0;
