@@ -70,6 +70,9 @@ MeanResiduals mean_residuals(const Eigen::Ref<const Eigen::MatrixXd>& values,
   constexpr double k_unseen = 1e-6;  // of a direction that specimens see with all of their outputs
   const WhitenedResiduals whitened = whiten(values, units, noise, Eigen::VectorXd::Zero(values.cols()));
   MeanResiduals result{whitened.values, whitened.mean_design, unmoved_whitened(whitened.mean_design)};
+  result.squares = std::max(whitened.squares, 1e-300);
+  result.freedom = whitened.freedom;
+  if (result.directions.cols() == 0) return result;
   const Eigen::MatrixXd turn =
       result.directions.transpose() * whitened.count.cwiseMax(1.0).cwiseSqrt().cwiseInverse().asDiagonal();
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(turn * whitened.projection * turn.transpose());

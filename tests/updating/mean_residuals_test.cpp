@@ -85,5 +85,13 @@ TEST(MeanResiduals, ShowAShiftByTheNoncentralityOfLeastSquares) {
   EXPECT_NEAR(mean, 3.0 + expected, 4.0 * std::sqrt((6.0 + 4.0 * expected) / k_replications));
 }
 
+TEST(MeanResiduals, HaveNoFreedomWhereParametersMoveEveryOutput) {
+  const Eigen::MatrixXd values = Eigen::MatrixXd::Zero(3, 1);
+  const Eigen::VectorXd one = Eigen::VectorXd::Ones(1);
+  const MeanResiduals found = mean_residuals(values, {{one, one, one}, {one, one, one}, {one, one, one}}, one);
+  EXPECT_EQ(found.mean_freedom, 0.0);
+  EXPECT_EQ(found.freedom, 0.0);
+}
+
 }  // namespace
 }  // namespace mottle
