@@ -93,6 +93,7 @@ class UnitsTest(support.CommandTest):
         kept["sample_size"].pop("monte_carlo_error", None)
         for error in kept["verdict"].get("could_hide", []):
             error.pop("nominal")  # in the study's units
+            error.pop("change")
         iterations = [(state["distance_mahalanobis"], state["parameter_mean"], state["parameter_covariance"])
                       for state in result["iterations"]]
         return {**kept, "parameters": parameters, "outputs": outputs, "sensitivity": slopes,
