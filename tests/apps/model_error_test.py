@@ -47,19 +47,22 @@ class ModelErrorTest(support.CommandTest):
 
     def test_a_prediction_of_what_was_tested_is_not_made_less_sure(self):
         # d moves the tested frequencies and the mean together: their sum is what the tests have measured.
-        two = "\n".join(line.rpartition(",")[0] for line in support.TESTS.splitlines()) + "\n"
-        self.write("two.csv", two)  # as many as parameters: any d can be
+        truth = "\n[truth]\nspecimens = 12\n" + "".join(
+            f'\n[[truth.parameter]]\nname = "{k}"\ntarget = "spring:{k}"\n'
+            'distribution = { kind = "normal", mean = 2.0, std = 0.2 }\n' for k in ("k1", "k2"))
+        self.write("truth.toml", STUDY + truth)
+        self.succeed("simulate", "truth.toml", "--out", "truth", "--quiet")
         predict = "\n[predict]\nfrequencies = [1, 2]\ndraws = 4000\n"
 
         def widths(entry, section=predict):
-            ends = self.update('file = "two.csv"\n' + entry, ("frequencies = [1, 2, 3]", "frequencies = [1, 2]"),
+            ends = self.update('file = "truth/specimens.csv"\n' + entry, ("frequencies = [1, 2, 3]", "frequencies = [1, 2]"),
                                ("weighting = \"mahalanobis\"\n", "weighting = \"mahalanobis\"\n" + section))
             return [upper - lower for lower, upper in ends["prediction"]["interval95"]]
 
         without = widths("")
         for one, other in zip(without, widths('model_error = { "f*" = "0.5 %" }')):
             self.assertAlmostEqual(other / one, 1.0, delta=0.1)
-        # Of another structure the error is a new one: 3 % of f1 and what the mean carries, against a scatter of 5 %.
+        # Of another structure the error is a new one: 3 % of f1 and what the mean carries.
         changed = predict + 'model = { "mass:m1" = 1.5 }\n'
         plain = widths("", changed)
         self.assertGreater(widths('model_error = { "f*" = "3 %" }', changed)[0], 1.1 * plain[0])

@@ -182,7 +182,8 @@ class ResultsTest(support.CommandTest):
         self.assertEqual(seen["rank"], 2)
         self.assert_vector(seen["singular_values"], 2)
         self.assertEqual(seen["unseen_directions"], [])
-        self.assertEqual(result["model_evaluations"], 200 * len(result["iterations"]))
+        # And the mean, the point nearest to the tests, and two beside it for each parameter, for the test of the means.
+        self.assertEqual(result["model_evaluations"], 200 * len(result["iterations"]) + 6)
         self.assertEqual(result["failed_evaluations"], [])
         self.assertTrue(result["timings_s"])
         self.assertTrue(all(is_number(value) and value >= 0.0 for value in result["timings_s"].values()))
