@@ -85,7 +85,8 @@ void test_within_specimens(const LinearTests& tests, ErrorEffects& effects) {
   const Eigen::Index m = tests.errors.cols();
   const Eigen::Index shared = tests.model_error_std.size();
   Eigen::MatrixXd moved(p, m + shared);
-  moved << tests.errors, Eigen::MatrixXd(tests.model_error_std.asDiagonal());
+  moved.leftCols(m) = tests.errors;
+  if (shared > 0) moved.rightCols(shared) = tests.model_error_std.asDiagonal();
   Eigen::MatrixXd projection = Eigen::MatrixXd::Zero(p, p);
   Eigen::VectorXd measured = Eigen::VectorXd::Zero(p);
   Eigen::Index left = 0;
@@ -129,7 +130,9 @@ ErrorEffects error_effects(const LinearTests& tests) {
   const Eigen::Index m = tests.errors.cols();
   const Eigen::Index shared = tests.model_error_std.size();
   Eigen::MatrixXd design(tests.sensitivity.rows(), q + m + shared);
-  design << tests.sensitivity, tests.errors, Eigen::MatrixXd(tests.model_error_std.asDiagonal());
+  design.leftCols(q) = tests.sensitivity;
+  design.middleCols(q, m) = tests.errors;
+  if (shared > 0) design.rightCols(shared) = tests.model_error_std.asDiagonal();
   const Eigen::MatrixXd information = without_shared(information_of(tests, design), shared);
   const SeenInverse seen = invert_seen(information.topLeftCorner(q, q));
   ErrorEffects effects;
