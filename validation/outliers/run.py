@@ -8,13 +8,14 @@ columns. Writes RESULTS.md beside this file. Goals of levels are 5 % within 2 %,
 """
 import argparse
 import datetime
-import json
 import math
 import pathlib
-import subprocess
 import sys
 
 HERE = pathlib.Path(__file__).resolve().parent
+sys.path.append(str(HERE.parent))
+from replication import call  # noqa: E402
+
 DEFAULT = HERE.parent.parent / "build/release/validation/outliers/mottle_outlier_replication"
 
 # Columns: kind, specimens, variables, missing, noise, replications.
@@ -29,13 +30,6 @@ SHAPES = [("linear", n, 3, 0, 0, p, 300) for p in ("batches:0.05", "batches:0.1"
           for n in (10, 20, 50)] + [
     ("linear", 20, 3, 0, 1, "batches:0.1", 200), ("linear", 20, 3, 0, 3, "batches:0.1", 200),
     ("three-masses", 20, 3, 0, 0, "batches:0.1", 100), ("three-masses", 50, 3, 0, 0, "lognormal", 60)]
-
-
-def call(program, *words):
-    done = subprocess.run([program, *map(str, words)], capture_output=True, text=True, check=False)
-    if done.returncode != 0:
-        sys.exit(f"{' '.join(map(str, words))} ended with {done.returncode}: {done.stderr}")
-    return json.loads(done.stdout)
 
 
 def is_level(percent, replications, lowest):

@@ -9,13 +9,14 @@ file and ends with 1 where a row misses its goal.
 """
 import argparse
 import datetime
-import json
 import math
 import pathlib
-import subprocess
 import sys
 
 HERE = pathlib.Path(__file__).resolve().parent
+sys.path.append(str(HERE.parent))
+from replication import call  # noqa: E402
+
 ROOT = HERE.parent.parent
 DEFAULT = ROOT / "build/release/validation/population/mottle_bootstrap_coverage"
 
@@ -23,13 +24,6 @@ DEFAULT = ROOT / "build/release/validation/population/mottle_bootstrap_coverage"
 ROWS = ((10, 0, 0.2, 0, 400, 100, "linear"), (10, 1, 0.2, 0, 400, 100, "linear"), (5, 0, 0.2, 0, 400, 100, "linear"),
         (5, 1, 0.2, 0, 400, 100, "linear"), (10, 0, 0.2, 0.2, 400, 100, "linear"), (10, 1, 0, 0, 200, 100, "linear"),
         (5, 1, 0, 0, 200, 100, "linear"), (10, 0, 0.2, 0, 100, 100, "modal"), (10, 1, 0, 0, 100, 100, "modal"))
-
-
-def call(program, *words):
-    done = subprocess.run([program, *map(str, words)], capture_output=True, text=True, check=False)
-    if done.returncode != 0:
-        sys.exit(f"{' '.join(map(str, words))} ended with {done.returncode}: {done.stderr}")
-    return json.loads(done.stdout)
 
 
 def main():

@@ -8,21 +8,15 @@ RESULTS.md beside this file. 1000 replications and fixed seeds: the standard err
 """
 import argparse
 import datetime
-import json
 import pathlib
-import subprocess
 import sys
 
 HERE = pathlib.Path(__file__).resolve().parent
+sys.path.append(str(HERE.parent))
+from replication import call  # noqa: E402
+
 ROOT = HERE.parent.parent
 DEFAULT = ROOT / "build/release/validation/population/mottle_population_replication"
-
-
-def call(program, *words):
-    done = subprocess.run([program, *map(str, words)], capture_output=True, text=True, check=False)
-    if done.returncode != 0:
-        sys.exit(f"{' '.join(map(str, words))} ended with {done.returncode}: {done.stderr}")
-    return json.loads(done.stdout)
 
 
 def numbers(values, digits, percent=False):

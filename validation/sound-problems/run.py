@@ -11,21 +11,15 @@ with -DMOTTLE_BUILD_VALIDATION=ON; writes RESULTS.md beside this file and ends w
 """
 import argparse
 import datetime
-import json
 import pathlib
-import subprocess
 import sys
 
 HERE = pathlib.Path(__file__).resolve().parent
+sys.path.append(str(HERE.parent))
+from replication import call  # noqa: E402
+
 ROOT = HERE.parent.parent
 DEFAULT = ROOT / "build/release/validation/sound-problems/mottle_sound_problems"
-
-
-def call(program, *words):
-    done = subprocess.run([program, *map(str, words)], capture_output=True, text=True, check=False)
-    if done.returncode != 0:
-        sys.exit(f"{' '.join(map(str, words))} ended with {done.returncode}: {done.stderr}")
-    return json.loads(done.stdout)
 
 
 def main():

@@ -7,12 +7,13 @@ misses its goal. Seeds 20061 (structures) and 20062 (measurement).
     python3 validation/verdict/run.py [--program build/release/validation/population/mottle_population_replication]
 """
 import argparse
-import json
 import pathlib
-import subprocess
 import sys
 
 HERE = pathlib.Path(__file__).resolve().parent
+sys.path.append(str(HERE.parent))
+from replication import call  # noqa: E402
+
 ROOT = HERE.parent.parent
 DEFAULT = ROOT / "build/release/validation/population/mottle_population_replication"
 ML, CA, MM, MARES = "maximum-likelihood", "covariance-adjustment", "moment-matching", "mares"
@@ -64,16 +65,9 @@ WRONG = (  # least part inadequate, most adequate
 )
 
 
-def call(program, words):
-    done = subprocess.run([program, *map(str, words)], capture_output=True, text=True, check=False)
-    if done.returncode != 0:
-        sys.exit(f"{' '.join(map(str, words))} ended with {done.returncode}: {done.stderr}")
-    return json.loads(done.stdout)
-
-
 def row(out, program, count, what, words, method, least, most, most_adequate):
     """One line of a table, and whether its goal is met."""
-    r = call(program, [*words, count, *method])
+    r = call(program, *words, count, *method)
     refused, adequate = r["rejected"], r["adequate"]
     fine = least <= refused <= most and adequate <= most_adequate
     failed = ", ".join(f"{name} {number}" for name, number in r["failed_tests"].items())
