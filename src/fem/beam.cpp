@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "mottle/core/error.hpp"
+#include "rigid_motion.hpp"
 
 namespace mottle {
 namespace {
@@ -40,10 +41,6 @@ std::pair<Vector3, double> axis_of(const Vector3& a, const Vector3& b) {
   require(length > 1e-12 * std::max(a.norm(), b.norm()),
           "beam: both ends lie at ({:g}, {:g}, {:g}), two different points are needed", a.x(), a.y(), a.z());
   return {(b - a) / length, length};
-}
-
-Matrix3 cross_matrix(const Vector3& v) {
-  return (Matrix3() << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0).finished();
 }
 
 BeamFrame frame_of(const BeamGeometry& geometry) {

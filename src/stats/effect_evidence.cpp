@@ -27,10 +27,7 @@ WhitenedEffects whiten_effects(const std::vector<RandomEffectsUnit>& units, cons
   constexpr double k_smallest_noise = 1e-14;  // of the row's variance: rows without noise count alike
   WhitenedEffects effects{scatter_root(fit.covariance).root, {}};
   for (const RandomEffectsUnit& unit : units) {
-    Eigen::VectorXd noise = unit.noise;
-    for (std::size_t k = 0; k < unit.factor.size(); ++k) {
-      if (unit.factor[k] >= 0) noise(static_cast<Eigen::Index>(k)) *= fit.noise_factors(unit.factor[k]);
-    }
+    const Eigen::VectorXd noise = noise_of(unit, fit.noise_factors);
     const Eigen::MatrixXd moved = unit.design * effects.root;
     const Eigen::VectorXd smallest = k_smallest_noise * moved.rowwise().squaredNorm();
     const Eigen::VectorXd weight = noise.cwiseMax(smallest).cwiseMax(1e-300).cwiseSqrt().cwiseInverse();

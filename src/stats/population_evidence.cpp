@@ -21,10 +21,7 @@ OwnEstimate own_estimate(const RandomEffectsUnit& unit, const Eigen::VectorXd& f
   constexpr double k_smallest_noise = 1e-14;  // of the row's variance: rows without noise count alike
   OwnEstimate result;
   if (unit.design.rows() < unit.design.cols()) return result;
-  Eigen::VectorXd noise = unit.noise;
-  for (std::size_t k = 0; k < unit.factor.size(); ++k) {
-    if (unit.factor[k] >= 0) noise(static_cast<Eigen::Index>(k)) *= factors(unit.factor[k]);
-  }
+  const Eigen::VectorXd noise = noise_of(unit, factors);
   const Eigen::VectorXd scatter = (unit.design * sigma * unit.design.transpose()).diagonal();
   const Eigen::VectorXd weight = noise.cwiseMax(k_smallest_noise * scatter).cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
   const Eigen::VectorXd deviation = sigma.diagonal().cwiseMax(1e-300).cwiseSqrt();

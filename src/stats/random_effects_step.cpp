@@ -27,6 +27,14 @@ std::pair<Eigen::MatrixXd, double> invert(Eigen::MatrixXd covariance) {
 
 }  // namespace
 
+Eigen::VectorXd noise_of(const RandomEffectsUnit& unit, const Eigen::VectorXd& factors) {
+  Eigen::VectorXd noise = unit.noise;
+  for (std::size_t k = 0; k < unit.factor.size(); ++k) {
+    if (unit.factor[k] >= 0) noise(static_cast<Eigen::Index>(k)) *= factors(unit.factor[k]);
+  }
+  return noise;
+}
+
 RandomEffectsSettings at_levels(const RandomEffectsSettings& settings, const Eigen::VectorXd& levels) {
   RandomEffectsSettings known = settings;
   for (std::size_t k = 0; k < settings.shared_level.size(); ++k) {
@@ -41,10 +49,7 @@ RandomEffectsSettings at_levels(const RandomEffectsSettings& settings, const Eig
 RandomEffectsPass::Unit RandomEffectsPass::make_unit(const RandomEffectsUnit& from, const Eigen::MatrixXd& covariance,
                                                      const Eigen::VectorXd& factors) {
   Unit unit;
-  unit.noise = from.noise;
-  for (std::size_t k = 0; k < from.factor.size(); ++k) {
-    if (from.factor[k] >= 0) unit.noise(static_cast<Eigen::Index>(k)) *= factors(from.factor[k]);
-  }
+  unit.noise = noise_of(from, factors);
   Eigen::MatrixXd total = from.design * covariance * from.design.transpose();
   total.diagonal() += unit.noise;
   double log_det = 0.0;

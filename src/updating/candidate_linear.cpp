@@ -1,9 +1,9 @@
 // The linear models at the specimens of a fit: sensitivities of every candidate, and what a candidate gains in them.
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 
 #include "candidate_fits.hpp"
+#include "measured_outputs.hpp"
 #include "mottle/updating/scaled_parameters.hpp"
 
 namespace mottle {
@@ -60,10 +60,7 @@ LinearProblem CandidateFits::linear_problem(const SetFit& base, const ParameterS
   LinearProblem problem = linear_problem(base, set);
   for (Eigen::Index s = 0; s < specimens(); ++s) {
     RandomEffectsUnit& unit = problem.units[static_cast<std::size_t>(s)];
-    std::vector<Eigen::Index> rows;
-    for (Eigen::Index k = 0; k < tests_.values.cols(); ++k) {
-      if (!std::isnan(tests_.values(s, k))) rows.push_back(k);
-    }
+    const std::vector<Eigen::Index> rows = measured_outputs(tests_.values, s);
     unit.design.conservativeResize(Eigen::NoChange, unit.design.cols() + 1);
     unit.design.rightCols(1) = derivatives[static_cast<std::size_t>(s)].col(candidate)(rows);
   }

@@ -39,12 +39,8 @@ struct NullModel {
       const auto normal = [&](double) { return standard_normal_quantile(stream.uniform()); };
       const RandomEffectsUnit& unit = units[s];
       const Eigen::VectorXd effect = fit.mean + root * Eigen::VectorXd::Zero(root.cols()).unaryExpr(normal).eval();
-      Eigen::VectorXd noise = unit.noise;
-      for (Eigen::Index k = 0; k < noise.size(); ++k) {
-        const int f = unit.factor.empty() ? -1 : unit.factor[static_cast<std::size_t>(k)];
-        if (f >= 0) noise(k) *= fit.noise_factors(f);
-        noise(k) = std::sqrt(noise(k)) * standard_normal_quantile(stream.uniform());
-      }
+      Eigen::VectorXd noise = noise_of(unit, fit.noise_factors);
+      for (double& value : noise) value = std::sqrt(value) * standard_normal_quantile(stream.uniform());
       responses.push_back(unit.design * effect + noise);
     }
     return responses;

@@ -19,10 +19,8 @@ struct Posterior {
 
 Posterior posterior_of(const RandomEffectsUnit& unit, const RandomEffectsFit& effects) {
   Eigen::MatrixXd total = unit.design * effects.covariance * unit.design.transpose();
-  for (Eigen::Index k = 0; k < total.rows(); ++k) {
-    const int f = unit.factor.empty() ? -1 : unit.factor[static_cast<std::size_t>(k)];
-    total(k, k) = total(k, k) * (1.0 + 1e-13) + unit.noise(k) * (f < 0 ? 1.0 : effects.noise_factors(f));
-  }
+  total.diagonal() *= 1.0 + 1e-13;
+  total.diagonal() += noise_of(unit, effects.noise_factors);
   Posterior posterior;
   posterior.weighted = total.ldlt().solve(unit.design).transpose();
   posterior.gain = effects.covariance * posterior.weighted;

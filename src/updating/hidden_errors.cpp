@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "matched_moments.hpp"
+#include "measured_outputs.hpp"
 #include "mottle/core/error.hpp"
 #include "test_plan.hpp"
 
@@ -36,11 +37,7 @@ SeenInverse invert_seen(const Eigen::MatrixXd& matrix) {
 std::map<std::vector<Eigen::Index>, double> measured_patterns(const Eigen::MatrixXd& values) {
   std::map<std::vector<Eigen::Index>, double> patterns;
   for (Eigen::Index s = 0; s < values.rows(); ++s) {
-    std::vector<Eigen::Index> rows;
-    for (Eigen::Index k = 0; k < values.cols(); ++k) {
-      if (!std::isnan(values(s, k))) rows.push_back(k);
-    }
-    patterns[rows] += 1.0;
+    patterns[measured_outputs(values, s)] += 1.0;
   }
   return patterns;
 }

@@ -3,7 +3,9 @@
 #include <cmath>
 #include <limits>
 
+#include "linear_units.hpp"
 #include "matched_moments.hpp"
+#include "measured_outputs.hpp"
 #include "model_error.hpp"
 #include "mottle/core/error.hpp"
 #include "mottle/core/text.hpp"
@@ -34,12 +36,8 @@ Setup prepare(const UpdatingProblem& problem) {
           problem.tests.values.rows());
   Setup setup{problem, ScaledParameters(problem.space), test_moments(problem.tests), problem.tests.repeatability_std};
   for (Eigen::Index k = 0; k < setup.sigma.size(); ++k) {
-    constexpr double k_rounding = 1e-9;    // of the value: specimens do not differ
-    constexpr double k_no_scatter = 1e-3;  // of the value, in its place
-    const double size = std::abs(setup.tests.mean(k));
     if (!(setup.sigma(k) > 0.0)) setup.sigma(k) = std::sqrt(setup.tests.covariance(k, k));
-    if (!(setup.sigma(k) > k_rounding * size)) setup.sigma(k) = k_no_scatter * size;
-    if (!(setup.sigma(k) > 0.0)) setup.sigma(k) = 1.0;
+    setup.sigma(k) = weighing_deviation(setup.sigma(k), setup.tests.mean(k));
   }
   return setup;
 }
@@ -93,17 +91,22 @@ Eigen::VectorXd common_start(const Setup& setup, InversionOptions::Start kind, c
   return fit.points.row(0).transpose();
 }
 
+/// The step of a specimen's parameters by its residuals in units of sigma, outputs that it lacks left out.
+Eigen::MatrixXd specimen_gain(const Setup& setup, const InversionFit& fit, Eigen::Index specimen) {
+  Eigen::MatrixXd whitened =
+      setup.sigma.cwiseInverse().asDiagonal() * fit.jacobians[static_cast<std::size_t>(specimen)];
+  for (Eigen::Index k = 0; k < whitened.rows(); ++k) {
+    if (std::isnan(setup.problem.tests.values(specimen, k))) whitened.row(k).setZero();
+  }
+  return least_change_gain(whitened, setup.parameters.deviation()).matrix;
+}
+
 /// Of each parameter's variance, the part that measurement noise makes: mean of T R T' over the specimens.
 Eigen::VectorXd noise_share(const Setup& setup, const InversionFit& fit, const Eigen::VectorXd& variance) {
   Eigen::VectorXd noise = Eigen::VectorXd::Zero(variance.size());
   const Eigen::VectorXd relative = setup.problem.tests.repeatability_std.cwiseQuotient(setup.sigma);
   for (Eigen::Index s = 0; s < fit.points.rows(); ++s) {
-    Eigen::MatrixXd whitened = setup.sigma.cwiseInverse().asDiagonal() * fit.jacobians[static_cast<std::size_t>(s)];
-    for (Eigen::Index k = 0; k < whitened.rows(); ++k) {
-      if (std::isnan(setup.problem.tests.values(s, k))) whitened.row(k).setZero();
-    }
-    const Eigen::MatrixXd gain = least_change_gain(whitened, setup.parameters.deviation()).matrix;
-    noise += (gain * relative.asDiagonal()).rowwise().squaredNorm();
+    noise += (specimen_gain(setup, fit, s) * relative.asDiagonal()).rowwise().squaredNorm();
   }
   return (noise / static_cast<double>(fit.points.rows())).cwiseQuotient(variance);
 }
@@ -112,11 +115,7 @@ Eigen::VectorXd noise_share(const Setup& setup, const InversionFit& fit, const E
 Eigen::MatrixXd mean_gain(const Setup& setup, const InversionFit& fit) {
   Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(fit.points.cols(), fit.outputs.cols());
   for (Eigen::Index s = 0; s < fit.points.rows(); ++s) {
-    Eigen::MatrixXd whitened = setup.sigma.cwiseInverse().asDiagonal() * fit.jacobians[static_cast<std::size_t>(s)];
-    for (Eigen::Index k = 0; k < whitened.rows(); ++k) {
-      if (std::isnan(setup.problem.tests.values(s, k))) whitened.row(k).setZero();
-    }
-    sum += least_change_gain(whitened, setup.parameters.deviation()).matrix;
+    sum += specimen_gain(setup, fit, s);
   }
   return sum * setup.sigma.cwiseInverse().asDiagonal() / static_cast<double>(fit.points.rows());
 }
@@ -212,12 +211,10 @@ void finish(const Setup& setup, const InversionFit& fit, const RunContext& conte
   result.noise_covariance = setup.problem.tests.repeatability_std.cwiseAbs2().asDiagonal();
   result.is_population = true;
   if (!fit.jacobians.front().size()) return;  // stopped before the first step
-  Eigen::MatrixXd sensitivity = Eigen::MatrixXd::Zero(fit.outputs.cols(), fit.points.cols());
-  for (const Eigen::MatrixXd& own : fit.jacobians) sensitivity += own / static_cast<double>(specimens);
   test_matched_moments(setup.problem,
                        {.method = "inversion",
                         .mean = population.mean,
-                        .sensitivity = sensitivity,
+                        .sensitivity = mean_jacobian(fit.jacobians),
                         .scatter = MatchedEstimate::Scatter::with_noise},
                        result);
   add_model_error(setup, fit, population, result);

@@ -1,14 +1,15 @@
 #include "linear_units.hpp"
 
 #include <Eigen/QR>
-#include <cmath>
+
+#include "measured_outputs.hpp"
 
 namespace mottle {
 
-Eigen::MatrixXd mean_jacobian(const SpecimenFits& fits) {
-  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(fits.jacobians[0].rows(), fits.jacobians[0].cols());
-  for (const Eigen::MatrixXd& g : fits.jacobians) sum += g;
-  return sum / static_cast<double>(fits.jacobians.size());
+Eigen::MatrixXd mean_jacobian(const std::vector<Eigen::MatrixXd>& jacobians) {
+  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(jacobians[0].rows(), jacobians[0].cols());
+  for (const Eigen::MatrixXd& g : jacobians) sum += g;
+  return sum / static_cast<double>(jacobians.size());
 }
 
 Eigen::MatrixXd absorbed_errors(const Eigen::MatrixXd& sensitivity, const Eigen::MatrixXd& directions,
@@ -22,24 +23,20 @@ Eigen::MatrixXd absorbed_errors(const Eigen::MatrixXd& sensitivity, const Eigen:
 }
 
 std::vector<RandomEffectsUnit> linear_units(const Eigen::Ref<const Eigen::MatrixXd>& values,
-                                            const Eigen::VectorXd& shift, const Eigen::MatrixXd& absorbed,
-                                            const SpecimenFits& fits, const NoiseModel& noise,
-                                            const Eigen::VectorXd& origin, const Eigen::MatrixXd& map) {
-  const Eigen::MatrixXd middle = mean_jacobian(fits);
+                                            const Eigen::VectorXd& shift, const Eigen::MatrixXd& sensitivity,
+                                            const Eigen::MatrixXd& absorbed, const SpecimenFits& fits,
+                                            const NoiseModel& noise, const Eigen::VectorXd& origin,
+                                            const Eigen::MatrixXd& map) {
   std::vector<RandomEffectsUnit> units(static_cast<std::size_t>(values.rows()));
   for (Eigen::Index s = 0; s < values.rows(); ++s) {
     RandomEffectsUnit& unit = units[static_cast<std::size_t>(s)];
-    std::vector<Eigen::Index> rows;
-    for (Eigen::Index k = 0; k < values.cols(); ++k) {
-      if (std::isnan(values(s, k))) continue;
-      rows.push_back(k);
-      unit.factor.push_back(noise.factor[static_cast<std::size_t>(k)]);
-    }
+    const std::vector<Eigen::Index> rows = measured_outputs(values, s);
+    for (const Eigen::Index k : rows) unit.factor.push_back(noise.factor[static_cast<std::size_t>(k)]);
     const Eigen::MatrixXd g = fits.jacobians[static_cast<std::size_t>(s)](rows, Eigen::all);
     unit.design = g * map;
     if (shift.size() > 0) {
       unit.shared = Eigen::MatrixXd::Identity(shift.size(), shift.size())(rows, Eigen::all);
-      unit.shared += (g - middle(rows, Eigen::all)) * absorbed;
+      unit.shared += (g - sensitivity(rows, Eigen::all)) * absorbed;
     }
     const Eigen::VectorXd z = values.row(s)(rows);
     const Eigen::VectorXd y = fits.outputs.row(s)(rows);

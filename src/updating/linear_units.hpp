@@ -9,7 +9,7 @@
 namespace mottle {
 
 /// Mean of the specimens' Jacobians [output x parameter].
-Eigen::MatrixXd mean_jacobian(const SpecimenFits& fits);
+Eigen::MatrixXd mean_jacobian(const std::vector<Eigen::MatrixXd>& jacobians);
 
 /// How the parameters give way to an error of the outputs, K d: least squares in the directions that the outputs see,
 /// weights by the variance of each output's mean.
@@ -24,10 +24,12 @@ Eigen::MatrixXd absorbed_errors(const Eigen::MatrixXd& sensitivity, const Eigen:
 /// parameters give way to it they do so alike. Else differences of the G_s, which curved outputs correlate with the
 /// specimens' parameters, would count as evidence on d: with as many outputs as parameters there is none.
 ///
-/// @param absorbed  K [parameter x output]; empty: no error is shared
+/// @param sensitivity  G [output x parameter]
+/// @param absorbed     K [parameter x output]; empty: no error is shared
 std::vector<RandomEffectsUnit> linear_units(const Eigen::Ref<const Eigen::MatrixXd>& values,
-                                            const Eigen::VectorXd& shift, const Eigen::MatrixXd& absorbed,
-                                            const SpecimenFits& fits, const NoiseModel& noise,
-                                            const Eigen::VectorXd& origin, const Eigen::MatrixXd& map);
+                                            const Eigen::VectorXd& shift, const Eigen::MatrixXd& sensitivity,
+                                            const Eigen::MatrixXd& absorbed, const SpecimenFits& fits,
+                                            const NoiseModel& noise, const Eigen::VectorXd& origin,
+                                            const Eigen::MatrixXd& map);
 
 }  // namespace mottle

@@ -4,9 +4,9 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 #include <algorithm>
-#include <cmath>
 
 #include "matched_moments.hpp"
+#include "measured_outputs.hpp"
 
 namespace mottle {
 namespace {
@@ -55,14 +55,6 @@ Eigen::MatrixXd unmoved_whitened(const Eigen::MatrixXd& design) {
 }
 
 }  // namespace
-
-std::vector<Eigen::Index> measured_outputs(const Eigen::Ref<const Eigen::MatrixXd>& values, Eigen::Index specimen) {
-  std::vector<Eigen::Index> rows;
-  for (Eigen::Index k = 0; k < values.cols(); ++k) {
-    if (!std::isnan(values(specimen, k))) rows.push_back(k);
-  }
-  return rows;
-}
 
 MeanResiduals mean_residuals(const Eigen::Ref<const Eigen::MatrixXd>& values,
                              const std::vector<RandomEffectsUnit>& units, const Eigen::VectorXd& noise,

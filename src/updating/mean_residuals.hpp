@@ -11,9 +11,6 @@
 
 namespace mottle {
 
-/// Outputs that a specimen has.
-std::vector<Eigen::Index> measured_outputs(const Eigen::Ref<const Eigen::MatrixXd>& values, Eigen::Index specimen);
-
 /// Residuals in units of the noise. With the projections P_s of the specimens onto what their parameters do not reach,
 /// and v = U' N^-1/2 sum_s r_s, U the directions and N the specimens that have each output:
 ///

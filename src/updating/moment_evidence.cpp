@@ -1,7 +1,7 @@
 // What the specimens show of a population that was matched to the moments of their tests.
 #include <Eigen/SVD>
-#include <cmath>
 
+#include "measured_outputs.hpp"
 #include "mottle/updating/moment_iteration.hpp"
 
 namespace mottle {
@@ -25,10 +25,7 @@ std::vector<RandomEffectsUnit> units_around(const UpdatingProblem& problem, cons
   const Eigen::MatrixXd design = state.sensitivity * map;
   std::vector<RandomEffectsUnit> units(static_cast<std::size_t>(values.rows()));
   for (Eigen::Index s = 0; s < values.rows(); ++s) {
-    std::vector<Eigen::Index> rows;
-    for (Eigen::Index k = 0; k < values.cols(); ++k) {
-      if (!std::isnan(values(s, k))) rows.push_back(k);
-    }
+    const std::vector<Eigen::Index> rows = measured_outputs(values, s);
     const Eigen::VectorXd residual = values.row(s).transpose() - state.output_mean;
     units[static_cast<std::size_t>(s)] = {
         design(rows, Eigen::all), residual(rows), problem.tests.repeatability_std(rows).cwiseAbs2(), {}};

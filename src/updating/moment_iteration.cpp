@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "matched_moments.hpp"
+#include "measured_outputs.hpp"
 #include "model_error.hpp"
 #include "mottle/core/error.hpp"
 #include "mottle/stats/descriptive.hpp"
@@ -54,12 +55,8 @@ Eigen::MatrixXd whitening_matrix(const Setup& setup, const Eigen::VectorXd& adde
   }
   Eigen::VectorXd deviation = tests.covariance.diagonal().cwiseSqrt();
   for (Eigen::Index k = 0; k < deviation.size(); ++k) {
-    constexpr double k_rounding = 1e-9;    // of the value: specimens do not differ
-    constexpr double k_no_scatter = 1e-3;  // of the value, in its place
-    const double digits = k_rounding * std::abs(tests.mean(k));
-    if (!(deviation(k) > digits)) deviation(k) = std::sqrt(setup.noise(k, k));
-    if (!(deviation(k) > digits)) deviation(k) = k_no_scatter * std::abs(tests.mean(k));
-    if (!(deviation(k) > 0.0)) deviation(k) = 1.0;
+    if (!(deviation(k) > k_last_digits * std::abs(tests.mean(k)))) deviation(k) = std::sqrt(setup.noise(k, k));
+    deviation(k) = weighing_deviation(deviation(k), tests.mean(k));
   }
   return deviation.cwiseInverse().asDiagonal();
 }

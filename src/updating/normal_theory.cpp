@@ -8,11 +8,11 @@
 #include "mottle/stats/population_intervals.hpp"
 #include "mottle/stats/sampling.hpp"
 #include "mottle/stats/standard_normal.hpp"
+#include "population_report.hpp"
 
 namespace mottle {
 namespace {
 
-constexpr double k_confidence = 0.95;
 constexpr Eigen::Index k_draws = 4096;  // Sobol points: quantiles of smooth functions to about 1e-3 of their width
 
 /// mu = m + first * s, sigma = second * s: the same draws for every parameter.

@@ -233,13 +233,14 @@ PopulationFit fit_population(const UpdatingProblem& problem, const Eigen::Ref<co
     fit.specimens = fit_specimens(problem, without_shift(values, error), {fit.mean, fit.covariance, fit.noise}, from,
                                   context, fit.evaluations);
     from = {fit.specimens.points, fit.specimens.jacobians};
-    fit.sensitivity = mean_jacobian(fit.specimens);
+    fit.sensitivity = mean_jacobian(fit.specimens.jacobians);
     Eigen::MatrixXd absorbed;
     if (has_error) {
       const Eigen::VectorXd variance = fit.noise / static_cast<double>(values.rows()) + settings.model_error.base;
       absorbed = absorbed_errors(fit.sensitivity, prior_std.asDiagonal() * fit.seen, variance);
     }
-    fit.units = linear_units(values, error, absorbed, fit.specimens, settings.noise, frame.origin, frame.map);
+    fit.units =
+        linear_units(values, error, fit.sensitivity, absorbed, fit.specimens, settings.noise, frame.origin, frame.map);
     fit.effects = fit_within_bounds(problem, frame, fit.units, start, fit.settings);
     start = (1.0 - k_fresh) * fit.effects.covariance + k_fresh * frame.start;
     if (has_error) error = fit.effects.shared;

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "curvature.hpp"
+#include "measured_outputs.hpp"
 #include "model_error.hpp"
 #include "model_error_intervals.hpp"
 #include "mottle/core/error.hpp"
@@ -83,10 +84,7 @@ SpecimenEstimates estimate_specimens(const UpdatingProblem& problem, const Popul
   SpecimenEstimates estimates{to_variables(problem.space.scales(), fit.specimens.points),
                               Eigen::MatrixXd::Constant(values.rows(), values.cols(), k_nan)};
   for (Eigen::Index s = 0; s < values.rows(); ++s) {
-    std::vector<Eigen::Index> rows;
-    for (Eigen::Index k = 0; k < values.cols(); ++k) {
-      if (!std::isnan(values(s, k))) rows.push_back(k);
-    }
+    const std::vector<Eigen::Index> rows = measured_outputs(values, s);
     const RandomEffectsUnit& unit = fit.units[static_cast<std::size_t>(s)];
     Eigen::MatrixXd total = unit.design * fit.effects.covariance * unit.design.transpose();
     total.diagonal() += fit.noise(rows);

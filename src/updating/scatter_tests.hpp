@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "measured_outputs.hpp"
 #include "mottle/updating/iteration.hpp"
 #include "test_plan.hpp"
 
@@ -38,9 +39,6 @@ PlannedTest residual_scatter_test(double squares, double specimens, double direc
 /// Source: [John1972]; [Ledoit2002] for few specimens and many directions.
 PlannedTest sphericity_test(const Eigen::Ref<const Eigen::MatrixXd>& scatter, double specimens,
                             const ResidualLeverage& leverage);
-
-/// Standard deviation, as a part of its mean, below which an output counts as the same in all specimens.
-inline constexpr double k_last_digits = 1e-9;
 
 /// Specimens that have each output, 0 of an output that does not scatter among them beyond the last digits of its
 /// values: how much it does by itself is then not known.

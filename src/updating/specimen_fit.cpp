@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "measured_outputs.hpp"
 #include "mottle/core/error.hpp"
 #include "mottle/updating/scaled_parameters.hpp"
 
@@ -17,14 +18,6 @@ constexpr double k_least_length = 1e-4;    // of a step, below which it is given
 constexpr double k_at_rest = 1e-8;         // of a prior deviation
 constexpr double k_nearly_at_rest = 1e-3;  // where a model that answers within a tolerance may stay
 constexpr int k_patience = 6;              // steps that small
-
-std::vector<Eigen::Index> measured(const Eigen::Ref<const Eigen::RowVectorXd>& values) {
-  std::vector<Eigen::Index> rows;
-  for (Eigen::Index k = 0; k < values.size(); ++k) {
-    if (!std::isnan(values(k))) rows.push_back(k);
-  }
-  return rows;
-}
 
 /// The Jacobians of all specimens where they are.
 void differentiate(const UpdatingProblem& problem, const ScaledParameters& parameters, const RunContext& context,
@@ -39,7 +32,7 @@ void differentiate(const UpdatingProblem& problem, const ScaledParameters& param
 class Search {
  public:
   Search(const Eigen::RowVectorXd& values, const HoldingPopulation& population, const Eigen::VectorXd& floor)
-      : rows_(measured(values)), values_(values.transpose()(rows_)), population_(population) {
+      : rows_(measured_outputs(values, 0)), values_(values.transpose()(rows_)), population_(population) {
     noise_ = population.noise(rows_);
     weight_ = noise_.cwiseMax(floor(rows_)).cwiseInverse();
   }

@@ -7,6 +7,7 @@
 
 #include "mottle/core/random.hpp"
 #include "mottle/stats/standard_normal.hpp"
+#include "updating/measured_outputs.hpp"
 
 namespace mottle {
 namespace {

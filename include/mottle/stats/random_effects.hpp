@@ -18,6 +18,9 @@ struct RandomEffectsUnit {
   Eigen::MatrixXd shared = {};   ///< E [row x shared]; empty: no error is shared
 };
 
+/// Variances of a unit's noise with their factors [row].
+Eigen::VectorXd noise_of(const RandomEffectsUnit& unit, const Eigen::VectorXd& factors);
+
 struct RandomEffectsSettings {
   bool is_restricted = true;                ///< REML: unbiased in small samples; false: maximum likelihood
   int factors = 0;                          ///< number of noise factors to estimate
