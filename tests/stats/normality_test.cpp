@@ -6,6 +6,7 @@
 
 #include "mottle/core/random.hpp"
 #include "mottle/stats/standard_normal.hpp"
+#include "support/instrumented.hpp"
 
 namespace mottle {
 namespace {
@@ -86,6 +87,7 @@ TEST(Normality, HasHenzeAndZirklersStatistic) {
 }
 
 TEST(Normality, IsDeniedToOneNormalPopulationOfTwenty) {
+  if (test::k_is_instrumented) GTEST_SKIP();
   constexpr int k_replications = 1000;
   for (const double noise : {0.0, 1.0}) {
     int denied = 0;

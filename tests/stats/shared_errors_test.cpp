@@ -11,6 +11,7 @@
 #include "mottle/stats/population_intervals.hpp"
 #include "mottle/stats/random_effects.hpp"
 #include "mottle/stats/standard_normal.hpp"
+#include "support/instrumented.hpp"
 
 namespace mottle {
 namespace {
@@ -300,6 +301,7 @@ double coverage(Eigen::Index rows, double deviation, bool is_estimated, int repl
 }
 
 TEST(SharedErrors, IntervalsHoldTheMeanAsOftenAsTheySay) {
+  if (test::k_is_instrumented) GTEST_SKIP();
   constexpr int k_replications = 200;
   const double tolerance = 3.0 * std::sqrt(0.95 * 0.05 / k_replications);
   EXPECT_NEAR(coverage(3, 0.3, false, k_replications), 0.95, tolerance);

@@ -10,6 +10,7 @@
 #include "mottle/core/error.hpp"
 #include "mottle/updating/updater.hpp"
 #include "support/linear_model.hpp"
+#include "support/methods.hpp"
 #include "support/three_masses.hpp"
 
 namespace mottle {
@@ -233,23 +234,9 @@ TEST_P(EveryPopulationMethod, ChangesNoMoreThanItMustWhereOutputsAreFewerThanPar
   EXPECT_GE(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(result.covariance).eigenvalues()(0), -1e-12);
 }
 
-std::vector<std::string> method_names(bool of_populations) {
-  std::vector<std::string> names;
-  for (const MethodEntry& method : updating_methods()) {
-    if (method.estimates_population || !of_populations) names.push_back(method.name);
-  }
-  return names;
-}
-
-/// Names of tests hold no dash.
-std::string instance_name(const testing::TestParamInfo<std::string>& instance) {
-  std::string name = instance.param;
-  std::replace(name.begin(), name.end(), '-', '_');
-  return name;
-}
-
-INSTANTIATE_TEST_SUITE_P(Registry, EveryMethod, testing::ValuesIn(method_names(false)), instance_name);
-INSTANTIATE_TEST_SUITE_P(Registry, EveryPopulationMethod, testing::ValuesIn(method_names(true)), instance_name);
+INSTANTIATE_TEST_SUITE_P(Registry, EveryMethod, testing::ValuesIn(test::method_names(false)), test::instance_name);
+INSTANTIATE_TEST_SUITE_P(Registry, EveryPopulationMethod, testing::ValuesIn(test::method_names(true)),
+                         test::instance_name);
 
 TEST(Registry, RefusesAnUnknownMethodWithTheNearestKnownOne) {
   try {

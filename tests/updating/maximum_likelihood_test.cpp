@@ -12,7 +12,9 @@
 #include "mottle/stats/descriptive.hpp"
 #include "mottle/stats/standard_normal.hpp"
 #include "mottle/updating/verdict.hpp"
-#include "support/linear_model.hpp"
+#include "support/instrumented.hpp"
+#include "support/linear_problem.hpp"
+#include "support/methods.hpp"
 #include "support/three_masses.hpp"
 
 namespace mottle {
@@ -22,13 +24,6 @@ constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
 
 UpdatingResult update(const UpdatingProblem& problem, const MaximumLikelihoodOptions& options = {}) {
   return MaximumLikelihoodUpdater(options).update(problem, {});
-}
-
-bool says(const UpdatingResult& result, const std::string& words) {
-  for (const std::string& note : result.notes) {
-    if (note.find(words) != std::string::npos) return true;
-  }
-  return false;
 }
 
 TEST(MaximumLikelihood, OfTestsWithoutNoiseIsTheMeanAndCovarianceOfTheInvertedTests) {
@@ -44,49 +39,10 @@ TEST(MaximumLikelihood, OfTestsWithoutNoiseIsTheMeanAndCovarianceOfTheInvertedTe
   EXPECT_EQ(judge(structure.problem(test::frequencies_of(structure, x)), result).conclusion, Conclusion::undecided);
 }
 
-/// Four outputs of two parameters, linear, so that every step has a closed form.
-struct Linear {
-  Linear() : model(Eigen::Vector4d(1.0, 2.0, 0.0, -1.0), slope()), noise(Eigen::Vector4d(0.05, 0.1, 0.04, 0.08)) {
-    const Distribution first({.kind = DistributionKind::normal, .mean = 2.5, .std = 1.0});
-    const Distribution second({.kind = DistributionKind::normal, .mean = 6.0, .std = 1.0});
-    space = std::make_unique<ParameterSpace>(std::vector<Parameter>{{"a", "-"}, {"b", "-"}},
-                                             JointDistribution({first, second}));
-    tests = draw(12, noise);
-  }
-  static Eigen::MatrixXd slope() {
-    Eigen::MatrixXd g(4, 2);
-    g << 1.0, 0.5, -1.0, 2.0, 0.3, 0.7, 1.5, -0.2;
-    return g;
-  }
-  Eigen::MatrixXd draw(Eigen::Index count, const Eigen::VectorXd& sigma) const {
-    Eigen::MatrixXd x(count, 2);
-    Eigen::MatrixXd e(count, 4);
-    for (Eigen::Index s = 0; s < count; ++s) {
-      RandomStream stream({.seed = 5}, static_cast<std::uint32_t>(s));
-      const double u = standard_normal_quantile(stream.uniform());
-      x.row(s) << 3.0 + 0.3 * u, 5.0 + 0.2 * u + 0.25 * standard_normal_quantile(stream.uniform());
-      for (Eigen::Index k = 0; k < 4; ++k) e(s, k) = sigma(k) * standard_normal_quantile(stream.uniform());
-    }
-    return model.evaluate(x, {}).outputs + e;
-  }
-  UpdatingProblem problem(const Eigen::VectorXd& repeatability) const {
-    return {.model = model,
-            .space = *space,
-            .tests = {tests, repeatability},
-            .cloud = {.samples = 50},
-            .iterations = 50,
-            .tolerance = 1e-6};
-  }
-  test::LinearModel model;
-  Eigen::Vector4d noise;
-  std::unique_ptr<ParameterSpace> space;
-  Eigen::MatrixXd tests;
-};
-
 TEST(MaximumLikelihood, OfALinearModelTakesKnownNoiseOffAsTheAnalysisOfVariance) {
-  const Linear linear;
+  const test::LinearProblem linear;
   const UpdatingResult result = update(linear.problem(linear.noise));
-  const Eigen::MatrixXd g = Linear::slope();
+  const Eigen::MatrixXd g = test::LinearProblem::slope();
   const Eigen::MatrixXd w = linear.noise.cwiseAbs2().cwiseInverse().asDiagonal();
   const Eigen::MatrixXd own = (g.transpose() * w * g).inverse();
   const Eigen::RowVectorXd origin = Eigen::RowVector4d(1.0, 2.0, 0.0, -1.0);
@@ -96,23 +52,23 @@ TEST(MaximumLikelihood, OfALinearModelTakesKnownNoiseOffAsTheAnalysisOfVariance)
 }
 
 TEST(MaximumLikelihood, EstimatesTheNoiseWhereOutputsAreMoreThanParameters) {
-  Linear linear;
+  test::LinearProblem linear;
   linear.noise.setConstant(0.06);
   linear.tests = linear.draw(200, linear.noise);
   const UpdatingResult result = update(linear.problem(Eigen::Vector4d::Zero()));
   // 2 x 200 residuals: the standard error of the level is 0.06 / sqrt(800).
   EXPECT_NEAR(std::sqrt(result.noise_covariance(2, 2)), 0.06, 3.0 * 0.06 / std::sqrt(800.0));
-  EXPECT_TRUE(says(result, "Standard deviation of the measurement, estimated"));
+  EXPECT_TRUE(test::says(result, "Standard deviation of the measurement, estimated"));
 }
 
 TEST(MaximumLikelihood, RefusesToTakeMoreOutputsThanParametersAsFreeOfNoise) {
-  const Linear linear;
+  const test::LinearProblem linear;
   EXPECT_THROW(update(linear.problem(Eigen::Vector4d::Zero()), {.noise = MaximumLikelihoodOptions::Noise::given}),
                InvalidInput);
 }
 
 TEST(MaximumLikelihood, LeavesMissingEntriesOut) {
-  Linear linear;
+  test::LinearProblem linear;
   linear.tests = linear.draw(400, linear.noise);
   const UpdatingResult whole = update(linear.problem(linear.noise));
   for (Eigen::Index s = 0; s < 400; s += 3) linear.tests(s, s % 4) = k_nan;
@@ -124,7 +80,7 @@ TEST(MaximumLikelihood, LeavesMissingEntriesOut) {
 }
 
 TEST(MaximumLikelihood, KeepsGroupsUncorrelated) {
-  Linear linear;
+  test::LinearProblem linear;
   linear.tests = linear.draw(60, linear.noise);
   UpdatingProblem problem = linear.problem(linear.noise);
   problem.covariance_groups = {0, 1};
@@ -153,7 +109,7 @@ TEST(MaximumLikelihood, LeavesWhatNoOutputSeesAtThePrior) {
               sample_covariance(tests)(0, 0), 1e-9);
   EXPECT_TRUE(std::isnan(result.intervals->mean(0, 0)));
   EXPECT_FALSE(std::isnan(result.intervals->mean(2, 0)));
-  EXPECT_TRUE(says(result, "see 2 combinations of the 3 parameters"));
+  EXPECT_TRUE(test::says(result, "see 2 combinations of the 3 parameters"));
   const auto seen = identify(problem, result);
   ASSERT_EQ(seen->unseen_directions.size(), 1U);
   EXPECT_EQ(unseen_text(seen->unseen_directions[0], space.names()),
@@ -180,7 +136,7 @@ TEST(MaximumLikelihood, OnALogarithmicScaleIsThatOfTheLogarithms) {
 }
 
 TEST(MaximumLikelihood, IsAdequateWhereMeansAndScatterWereTestedAndSaysWithWhatPower) {
-  const Linear linear;
+  const test::LinearProblem linear;
   const UpdatingProblem problem = linear.problem(linear.noise);
   const UpdatingResult result = update(problem);
   EXPECT_EQ(judge(problem, result).conclusion, Conclusion::adequate);
@@ -191,7 +147,7 @@ TEST(MaximumLikelihood, IsAdequateWhereMeansAndScatterWereTestedAndSaysWithWhatP
 }
 
 TEST(MaximumLikelihood, TestsTheScatterOfResidualsWhereTheNoiseIsEstimated) {
-  Linear linear;
+  test::LinearProblem linear;
   linear.noise.setConstant(0.06);
   linear.tests = linear.draw(60, linear.noise);
   for (Eigen::Index s = 0; s < 60; ++s) {
@@ -208,7 +164,7 @@ TEST(MaximumLikelihood, TestsTheScatterOfResidualsWhereTheNoiseIsEstimated) {
 /// Part of the replications of right specimens whose first mean the bound at `slack` standard errors below the truth
 /// does not keep from a verdict of "inadequate"; and the narrowest interval of that mean.
 std::pair<double, double> rejected_at_bound(double slack, int replications) {
-  Linear linear;
+  test::LinearProblem linear;
   constexpr int k_specimens = 10;
   const double bound = 3.0 - slack * 0.3 / std::sqrt(k_specimens);
   const Distribution first({.kind = DistributionKind::normal, .mean = 4.0, .std = 1.0});
@@ -230,6 +186,7 @@ std::pair<double, double> rejected_at_bound(double slack, int replications) {
 }
 
 TEST(MaximumLikelihood, AMeanHeldOnABoundByChanceIsNoReasonAndHasAnInterval) {
+  if (test::k_is_instrumented) GTEST_SKIP();
   constexpr int k_replications = 400;
   const auto [rejected, narrowest] = rejected_at_bound(0.8, k_replications);
   EXPECT_LE(rejected, 0.05 + 3.0 * std::sqrt(0.05 * 0.95 / k_replications));
@@ -242,7 +199,7 @@ TEST(MaximumLikelihood, ABoundThatTheTestsContradictIsAReason) {
 }
 
 TEST(MaximumLikelihood, AShiftFarOutsideThePriorIsAReason) {
-  Linear linear;
+  test::LinearProblem linear;
   const Distribution first({.kind = DistributionKind::normal, .mean = 1.0, .std = 0.05});  // 20 deviations of both off
   const Distribution second({.kind = DistributionKind::normal, .mean = 6.0, .std = 1.0});
   linear.space = std::make_unique<ParameterSpace>(std::vector<Parameter>{{"a", "-"}, {"b", "-"}},
@@ -255,7 +212,7 @@ TEST(MaximumLikelihood, AShiftFarOutsideThePriorIsAReason) {
 }
 
 TEST(MaximumLikelihood, RejectsAModelWhoseOtherOutputsDoNotFit) {
-  Linear linear;
+  test::LinearProblem linear;
   linear.tests.col(3).array() += 0.3;  // almost four standard deviations of the noise, twelve of its mean's
   const UpdatingProblem problem = linear.problem(linear.noise);
   const UpdatingResult result = update(problem);
@@ -315,7 +272,7 @@ TEST(MaximumLikelihood, FindsASecondSolution) {
 }
 
 TEST(MaximumLikelihood, SaysOfAModelWithOneInverseThatThereIsNoOther) {
-  Linear linear;
+  test::LinearProblem linear;
   for (int r = 0; r < 20; ++r) {
     linear.noise.setConstant(0.5);  // as large as the scatter
     linear.tests = linear.draw(10 * (r + 1), linear.noise).bottomRows(10);
@@ -343,7 +300,8 @@ TEST(MaximumLikelihood, IntervalsByBootstrapAreNearTheAnalyticOnes) {
 /// Tests that scatter by their noise alone: the interval of a deviation begins at zero and ends where the chi-squared
 /// of the total scatter has it, as the analytic one does.
 TEST(MaximumLikelihood, IntervalsByBootstrapHoldZeroWhereThereIsNoScatter) {
-  Linear linear;
+  if (test::k_is_instrumented) GTEST_SKIP();
+  test::LinearProblem linear;
   Eigen::MatrixXd same(12, 2);
   same.rowwise() = Eigen::RowVector2d(3.0, 5.0);
   linear.tests += linear.model.evaluate(same, {}).outputs - linear.draw(12, Eigen::Vector4d::Zero());

@@ -6,67 +6,32 @@
 
 #include "mottle/core/error.hpp"
 #include "mottle/stats/descriptive.hpp"
-#include "mottle/stats/standard_normal.hpp"
 #include "mottle/updating/deterministic.hpp"
 #include "mottle/updating/maximum_likelihood.hpp"
-#include "support/linear_model.hpp"
+#include "support/linear_problem.hpp"
+#include "support/methods.hpp"
 #include "support/three_masses.hpp"
 
 namespace mottle {
 namespace {
 
-/// Four outputs of two parameters, linear; twelve specimens with noise and one missing entry.
-struct Linear {
-  Linear() : model(Eigen::Vector4d(1.0, 2.0, 0.0, -1.0), slope()), noise(Eigen::Vector4d(0.05, 0.1, 0.04, 0.08)) {
-    const Distribution first({.kind = DistributionKind::normal, .mean = 2.5, .std = 1.0});
-    const Distribution second({.kind = DistributionKind::normal, .mean = 6.0, .std = 1.0});
-    space = std::make_unique<ParameterSpace>(std::vector<Parameter>{{"a", "-"}, {"b", "-"}},
-                                             JointDistribution({first, second}));
-    Eigen::MatrixXd x(12, 2);
-    Eigen::MatrixXd e(12, 4);
-    for (Eigen::Index s = 0; s < 12; ++s) {
-      RandomStream stream({.seed = 5}, static_cast<std::uint32_t>(s));
-      const double u = standard_normal_quantile(stream.uniform());
-      x.row(s) << 3.0 + 0.3 * u, 5.0 + 0.2 * u + 0.25 * standard_normal_quantile(stream.uniform());
-      for (Eigen::Index k = 0; k < 4; ++k) e(s, k) = noise(k) * standard_normal_quantile(stream.uniform());
-    }
-    tests = model.evaluate(x, {}).outputs + e;
-  }
-  static Eigen::MatrixXd slope() {
-    Eigen::MatrixXd g(4, 2);
-    g << 1.0, 0.5, -1.0, 2.0, 0.3, 0.7, 1.5, -0.2;
-    return g;
-  }
-  UpdatingProblem problem(const Eigen::VectorXd& error = {}) const {
-    return {.model = model,
-            .space = *space,
-            .tests = {.values = tests, .repeatability_std = noise, .model_error_std = error},
-            .cloud = {.samples = 50},
-            .iterations = 100,
-            .tolerance = 1e-9};
-  }
-  test::LinearModel model;
-  Eigen::VectorXd noise;
-  std::unique_ptr<ParameterSpace> space;
-  Eigen::MatrixXd tests;
-};
+UpdatingProblem problem_of(const test::LinearProblem& linear, const Eigen::VectorXd& error = {}) {
+  UpdatingProblem problem = linear.problem(linear.noise);
+  problem.tests.model_error_std = error;
+  problem.iterations = 100;
+  problem.tolerance = 1e-9;
+  return problem;
+}
 
 UpdatingResult update(const UpdatingProblem& problem, const MaximumLikelihoodOptions& options = {.starts = 0}) {
   return MaximumLikelihoodUpdater(options).update(problem, {});
 }
 
-bool says(const UpdatingResult& result, const std::string& words) {
-  for (const std::string& note : result.notes) {
-    if (note.find(words) != std::string::npos) return true;
-  }
-  return false;
-}
-
 TEST(ModelError, MeanIsThatOfGeneralisedLeastSquaresOnAllTestsStacked) {
-  Linear linear;
+  test::LinearProblem linear;
   linear.tests(4, 2) = std::numeric_limits<double>::quiet_NaN();
   const Eigen::Vector4d error(0.3, 0.1, 0.2, 0.0);
-  const UpdatingResult result = update(linear.problem(error));
+  const UpdatingResult result = update(problem_of(linear, error));
   const Eigen::Index rows = 47;
   Eigen::MatrixXd x(rows, 2);
   Eigen::MatrixXd picks = Eigen::MatrixXd::Zero(rows, 4);
@@ -77,7 +42,7 @@ TEST(ModelError, MeanIsThatOfGeneralisedLeastSquaresOnAllTestsStacked) {
     const Eigen::Index first = row;
     for (Eigen::Index k = 0; k < 4; ++k) {
       if (std::isnan(linear.tests(s, k))) continue;
-      x.row(row) = Linear::slope().row(k);
+      x.row(row) = test::LinearProblem::slope().row(k);
       picks(row, k) = 1.0;
       v(row, row) = linear.noise(k) * linear.noise(k);
       y(row++) = linear.tests(s, k) - Eigen::Vector4d(1.0, 2.0, 0.0, -1.0)(k);
@@ -97,9 +62,9 @@ TEST(ModelError, MeanIsThatOfGeneralisedLeastSquaresOnAllTestsStacked) {
 }
 
 TEST(ModelError, OfZeroChangesNoBit) {
-  const Linear linear;
-  const UpdatingResult without = update(linear.problem());
-  const UpdatingResult with = update(linear.problem(Eigen::Vector4d::Zero()));
+  const test::LinearProblem linear;
+  const UpdatingResult without = update(problem_of(linear));
+  const UpdatingResult with = update(problem_of(linear, Eigen::Vector4d::Zero()));
   EXPECT_EQ(with.mean, without.mean);
   EXPECT_EQ(with.covariance, without.covariance);
   EXPECT_EQ(with.intervals->mean, without.intervals->mean);
@@ -120,15 +85,15 @@ TEST(ModelError, OfAsManyOutputsAsParametersWidensTheMeansAlone) {
   const Eigen::VectorXd narrow = without.intervals->mean.col(1) - without.intervals->mean.col(0);
   EXPECT_TRUE((wide.array() > narrow.array()).all());
   EXPECT_LT(with.model_error->shift.cwiseQuotient(problem.tests.model_error_std).cwiseAbs().maxCoeff(), 0.5);
-  EXPECT_TRUE(says(with, "as given"));
+  EXPECT_TRUE(test::says(with, "as given"));
 }
 
 TEST(ModelError, FindsWhichOutputIsOff) {
-  Linear linear;
+  test::LinearProblem linear;
   linear.tests.col(2).array() += 1.0;
-  const UpdatingResult misled = update(linear.problem());
-  const UpdatingResult result = update(linear.problem(Eigen::Vector4d(0.0, 0.0, 10.0, 0.0)));
-  const UpdatingResult truth = update(Linear().problem());
+  const UpdatingResult misled = update(problem_of(linear));
+  const UpdatingResult result = update(problem_of(linear, Eigen::Vector4d(0.0, 0.0, 10.0, 0.0)));
+  const UpdatingResult truth = update(problem_of(test::LinearProblem()));
   EXPECT_LT((result.mean - truth.mean).norm(), 0.1 * (misled.mean - truth.mean).norm());
   EXPECT_NEAR(result.model_error->shift(2), 1.0, 3.0 * std::sqrt(result.model_error->covariance(2, 2)));
 }
@@ -143,27 +108,27 @@ TEST(ModelError, EstimatedNeedsMoreOutputsThanParametersAndSaysOnHowFewItRests) 
   } catch (const InvalidInput& error) {
     EXPECT_NE(std::string(error.what()).find("test.model_error: cannot be estimated"), std::string::npos);
   }
-  Linear linear;
+  test::LinearProblem linear;
   linear.tests.rowwise() += Eigen::RowVector4d(0.3, -0.5, 0.4, -0.2);
-  UpdatingProblem more = linear.problem();
+  UpdatingProblem more = problem_of(linear);
   more.tests.is_model_error_estimated = true;
   const UpdatingResult result = update(more);
   ASSERT_TRUE(result.model_error);
   ASSERT_EQ(result.model_error->degrees_of_freedom.size(), 1U);
   EXPECT_NEAR(result.model_error->degrees_of_freedom[0], 2.0, 0.1);
-  EXPECT_TRUE(says(result, "degrees of freedom only"));
+  EXPECT_TRUE(test::says(result, "degrees of freedom only"));
   // Four numbers about 0.36 of root mean square; two of their combinations are seen.
   EXPECT_GT(result.model_error->std(0), 0.05);
   EXPECT_LT(result.model_error->std(0), 2.0);
-  const UpdatingResult without = update(linear.problem());
+  const UpdatingResult without = update(problem_of(linear));
   EXPECT_GT(result.intervals->mean(0, 1) - result.intervals->mean(0, 0),
             without.intervals->mean(0, 1) - without.intervals->mean(0, 0));
 }
 
 TEST(ModelError, OfOneStructureAddsToTheMeasurements) {
-  const Linear linear;
+  const test::LinearProblem linear;
   const auto deviations = [&](const Eigen::VectorXd& noise, const Eigen::VectorXd& error) {
-    UpdatingProblem problem = linear.problem(error);
+    UpdatingProblem problem = problem_of(linear, error);
     problem.tests.repeatability_std = noise;
     return test::deviations(DeterministicUpdater({}).update(problem, {}));
   };
@@ -173,11 +138,11 @@ TEST(ModelError, OfOneStructureAddsToTheMeasurements) {
 }
 
 TEST(ModelError, BootstrapWidensTheMeansToo) {
-  const Linear linear;
+  const test::LinearProblem linear;
   const MaximumLikelihoodOptions options{
       .intervals = MaximumLikelihoodOptions::Intervals::bootstrap, .bootstrap_samples = 100, .starts = 0};
   const auto width = [&](const Eigen::VectorXd& error) {
-    UpdatingProblem problem = linear.problem(error);
+    UpdatingProblem problem = problem_of(linear, error);
     problem.tolerance = 1e-3;
     const ParameterIntervals ends = *update(problem, options).intervals;
     return ends.mean(0, 1) - ends.mean(0, 0);
@@ -188,22 +153,22 @@ TEST(ModelError, BootstrapWidensTheMeansToo) {
 class EveryMethodAndModelError : public testing::TestWithParam<std::string> {};
 
 TEST_P(EveryMethodAndModelError, IsNeverPassedOverInSilence) {
-  const Linear linear;
+  const test::LinearProblem linear;
   const std::unique_ptr<Updater> method = find_method(GetParam()).make({}, "test");
-  UpdatingProblem problem = linear.problem(Eigen::Vector4d::Constant(0.1));
+  UpdatingProblem problem = problem_of(linear, Eigen::Vector4d::Constant(0.1));
   problem.tolerance = 1e-3;
-  EXPECT_TRUE(says(method->update(problem, {}), "rror of the model") ||
-              says(method->update(problem, {}), "model's error"));
+  EXPECT_TRUE(test::says(method->update(problem, {}), "rror of the model") ||
+              test::says(method->update(problem, {}), "model's error"));
   problem.tests.model_error_std.resize(0);
   problem.tests.is_model_error_estimated = true;
   const UpdatingResult estimated = method->update(problem, {});
-  EXPECT_TRUE(says(estimated, "is not used") || estimated.model_error.has_value());
+  EXPECT_TRUE(test::says(estimated, "is not used") || estimated.model_error.has_value());
 }
 
 TEST_P(EveryMethodAndModelError, MakesTheMeansOfAPopulationLessSure) {
-  const Linear linear;
+  const test::LinearProblem linear;
   const std::unique_ptr<Updater> method = find_method(GetParam()).make({}, "test");
-  UpdatingProblem problem = linear.problem();
+  UpdatingProblem problem = problem_of(linear);
   problem.tolerance = 1e-3;
   const UpdatingResult without = method->update(problem, {});
   problem.tests.model_error_std = Eigen::Vector4d::Constant(0.2);
@@ -213,19 +178,8 @@ TEST_P(EveryMethodAndModelError, MakesTheMeansOfAPopulationLessSure) {
             without.intervals->mean(0, 1) - without.intervals->mean(0, 0));
 }
 
-std::vector<std::string> method_names() {
-  std::vector<std::string> names;
-  for (const MethodEntry& method : updating_methods()) names.push_back(method.name);
-  return names;
-}
-
-std::string test_name(const testing::TestParamInfo<std::string>& info) {
-  std::string name = info.param;
-  std::replace(name.begin(), name.end(), '-', '_');
-  return name;
-}
-
-INSTANTIATE_TEST_SUITE_P(Methods, EveryMethodAndModelError, testing::ValuesIn(method_names()), test_name);
+INSTANTIATE_TEST_SUITE_P(Methods, EveryMethodAndModelError, testing::ValuesIn(test::method_names(false)),
+                         test::instance_name);
 
 }  // namespace
 }  // namespace mottle

@@ -1,10 +1,9 @@
 // No method fails on a sound problem: few specimens, singular populations, gaps, scales.
 #include <gtest/gtest.h>
 
-#include <algorithm>
-
 #include "mottle/core/error.hpp"
 #include "mottle/stats/descriptive.hpp"
+#include "support/methods.hpp"
 #include "support/random_problem.hpp"
 #include "support/soundness.hpp"
 #include "support/three_masses.hpp"
@@ -63,21 +62,7 @@ TEST_P(SoundProblems, OfIdenticalSpecimensHaveNoScatter) {
   EXPECT_LT(test::deviations(result).maxCoeff(), 1e-3);
 }
 
-std::vector<std::string> population_methods() {
-  std::vector<std::string> names;
-  for (const MethodEntry& method : updating_methods()) {
-    if (method.estimates_population) names.push_back(method.name);
-  }
-  return names;
-}
-
-std::string instance_name(const testing::TestParamInfo<std::string>& instance) {
-  std::string name = instance.param;
-  std::replace(name.begin(), name.end(), '-', '_');
-  return name;
-}
-
-INSTANTIATE_TEST_SUITE_P(Registry, SoundProblems, testing::ValuesIn(population_methods()), instance_name);
+INSTANTIATE_TEST_SUITE_P(Registry, SoundProblems, testing::ValuesIn(test::method_names(true)), test::instance_name);
 
 }  // namespace
 }  // namespace mottle

@@ -1,0 +1,35 @@
+// The registry of methods as parameters of tests, and what a result says.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "mottle/updating/updater.hpp"
+
+namespace mottle::test {
+
+inline std::vector<std::string> method_names(bool of_populations) {
+  std::vector<std::string> names;
+  for (const MethodEntry& method : updating_methods()) {
+    if (method.estimates_population || !of_populations) names.push_back(method.name);
+  }
+  return names;
+}
+
+/// Names of tests hold no dash.
+inline std::string instance_name(const testing::TestParamInfo<std::string>& instance) {
+  std::string name = instance.param;
+  std::replace(name.begin(), name.end(), '-', '_');
+  return name;
+}
+
+/// Whether a note of the result holds these words.
+inline bool says(const UpdatingResult& result, const std::string& words) {
+  return std::any_of(result.notes.begin(), result.notes.end(),
+                     [&](const std::string& note) { return note.find(words) != std::string::npos; });
+}
+
+}  // namespace mottle::test
