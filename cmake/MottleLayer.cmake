@@ -1,3 +1,5 @@
+include(MottleUnity)
+
 # mottle_layer(NAME [USES layer...] [LINKS PUBLIC|PRIVATE target...])
 # Makes the static library mottle_NAME (alias mottle::NAME) from src/NAME/*.cpp with include/mottle/NAME.
 function(mottle_layer name)
@@ -12,6 +14,7 @@ function(mottle_layer name)
     PRIVATE ${PROJECT_SOURCE_DIR}/src)
   mottle_warnings(mottle_${name})
   mottle_precompile(mottle_${name} <Eigen/Dense> <fmt/format.h> <filesystem> <functional> <map> <string> <vector>)
+  mottle_unity(mottle_${name})
   foreach(lower ${LAYER_USES})
     target_link_libraries(mottle_${name} PUBLIC mottle::${lower})
   endforeach()

@@ -1,75 +1,49 @@
 #!/usr/bin/env python3
-"""clang-tidy over several sources at a time: nearly all of its work on a source is on the headers, Eigen's above all, so
-the sources of a folder that share no names are included in one file and read together.
-  tools/tidy.py BUILD_DIR JOBS FILE...      BUILD_DIR must hold compile_commands.json; exit code 1 on any finding"""
+"""clang-tidy over the library and the command, as compile_commands.json holds them: nearly all of its work on a source is
+on the headers, Eigen's above all, so the groups of sources that the build compiles together are read together.
+  tools/tidy.py BUILD_DIR JOBS [FILE...]      FILEs restrict it to the groups that hold them; exit code 1 on any finding"""
 import concurrent.futures
 import json
 import os
 import re
 import subprocess
 import sys
-import tempfile
 
-CONFIG = os.path.join(os.path.dirname(__file__), "..", ".clang-tidy")
-LARGEST_GROUP = 8
-# What may stand twice in sources compiled alone, but not in one: names that a source defines at the start of a line.
-DEFINED = re.compile(r"^(?:(?:struct|class|enum class|using) (\w+)|constexpr .*?(\w+) ?[={]|[\w:].*?\b(\w+)\()", re.MULTILINE)
+ROOT = os.path.abspath(os.path.join(os.path.dirname(__file__), ".."))
+INCLUDED = re.compile(r'^#include "(.*\.cpp)"', re.MULTILINE)
 
 
-def defined_names(path):
+def sources_of(path):
+    """What is compiled with this file: the sources of a group, else itself."""
+    if not path.endswith(".cxx"):
+        return [path]
     with open(path, encoding="utf-8") as file:
-        return {name for found in DEFINED.findall(file.read()) for name in found if name}
+        return INCLUDED.findall(file.read())
 
 
-def groups(files):
-    result = []
-    for path in sorted(files):
-        folder, names = os.path.dirname(path), defined_names(path)
-        for group in result:
-            if group["folder"] == folder and len(group["files"]) < LARGEST_GROUP and not group["names"] & names:
-                break
-        else:
-            group = {"folder": folder, "files": [], "names": set()}
-            result.append(group)
-        group["files"].append(path)
-        group["names"] |= names
-    return [group["files"] for group in result]
+def is_checked(source):
+    """The library and the command without the lane kernels."""
+    folder = os.path.relpath(source, ROOT).split(os.sep)[0]
+    return folder in ("src", "apps") and not os.path.basename(source).startswith("lane_")
 
 
-def clang_tidy(database, source):
-    return subprocess.run(["clang-tidy", "--quiet", f"--config-file={CONFIG}", "-p", database, source], capture_output=True, text=True)
-
-
-def check_group(build, commands, files):
-    """The findings in these files, as text; empty where there are none."""
-    if len(files) > 1:
-        with tempfile.TemporaryDirectory() as folder:
-            source = os.path.join(folder, "group.cpp")
-            with open(source, "w", encoding="utf-8") as out:
-                out.writelines(f'#include "{os.path.abspath(path)}"  // NOLINT\n' for path in files)
-            command = dict(commands[os.path.abspath(files[0])], file=source)
-            command["command"] = command["command"].replace(os.path.abspath(files[0]), source)
-            with open(os.path.join(folder, "compile_commands.json"), "w", encoding="utf-8") as out:
-                json.dump([command], out)
-            run = clang_tidy(folder, source)
-        if run.returncode == 0:
-            return ""
-        if not any(kind in run.stdout for kind in ("clang-diagnostic-error", "clang-diagnostic-shadow")):
-            return run.stdout
-    # Alone, or not to be compiled together: twice defined, or a name of one hides another's.
-    return "".join(run.stdout for run in (clang_tidy(build, path) for path in files) if run.returncode != 0)
+def clang_tidy(build, path):
+    command = ["clang-tidy", "--quiet", f"--config-file={ROOT}/.clang-tidy", "-p", build, path]
+    run = subprocess.run(command, capture_output=True, text=True)
+    return run.stdout if run.returncode != 0 else ""
 
 
 def main():
-    build, jobs, files = sys.argv[1], int(sys.argv[2]), sys.argv[3:]
+    build, jobs, files = sys.argv[1], int(sys.argv[2]), {os.path.abspath(path) for path in sys.argv[3:]}
     with open(os.path.join(build, "compile_commands.json"), encoding="utf-8") as file:
-        commands = {entry["file"]: entry for entry in json.load(file)}
-    work = groups(files)
-    print(f"clang-tidy: {len(files)} files in {len(work)} groups", flush=True)
+        units = {entry["file"]: sources_of(entry["file"]) for entry in json.load(file)}
+    work = [unit for unit, sources in units.items()
+            if any(is_checked(source) and (not files or source in files) for source in sources)]
+    print(f"clang-tidy: {sum(len(units[unit]) for unit in work)} sources in {len(work)} groups", flush=True)
     with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
-        findings = list(pool.map(lambda group: check_group(build, commands, group), work))
+        findings = list(pool.map(lambda unit: clang_tidy(build, unit), work))
     print("".join(findings), end="")
-    return 1 if any(findings) else 0
+    return 1 if any(findings) or not work else 0
 
 
 if __name__ == "__main__":

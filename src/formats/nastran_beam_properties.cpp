@@ -155,7 +155,7 @@ void read_pbeam(ModelBuilder& builder, const Card& card) {
   finish(builder, builder.beam_properties, std::move(property));
 }
 
-constexpr std::array<CardRule, 4> k_rules = {{
+constexpr std::array<CardRule, 4> k_beam_property_rules = {{
     {"PBAR", Phase::properties, read_pbar, 19},
     {"PBARL", Phase::properties, read_pbarl},
     {"PBEAM", Phase::properties, read_pbeam},
@@ -165,7 +165,7 @@ constexpr std::array<CardRule, 4> k_rules = {{
 }  // namespace
 
 std::span<const CardRule> beam_property_rules() {
-  return k_rules;
+  return k_beam_property_rules;
 }
 
 }  // namespace mottle::nastran

@@ -120,7 +120,7 @@ void read_cbeam(ModelBuilder& builder, const Card& card) {
   builder.count_element(card);
 }
 
-constexpr std::array<CardRule, 4> k_rules = {{
+constexpr std::array<CardRule, 4> k_beam_rules = {{
     {"BAROR", Phase::defaults, read_baror, 8},
     {"BEAMOR", Phase::defaults, read_beamor, 8},
     {"CBAR", Phase::elements, read_cbar, 16},
@@ -130,7 +130,7 @@ constexpr std::array<CardRule, 4> k_rules = {{
 }  // namespace
 
 std::span<const CardRule> beam_rules() {
-  return k_rules;
+  return k_beam_rules;
 }
 
 }  // namespace mottle::nastran

@@ -125,7 +125,7 @@ void read_cbush(ModelBuilder& builder, const Card& card) {
   builder.count_element(card);
 }
 
-constexpr std::array<CardRule, 2> k_rules = {{
+constexpr std::array<CardRule, 2> k_bush_rules = {{
     {"PBUSH", Phase::properties, read_pbush},
     {"CBUSH", Phase::elements, read_cbush, 13},
 }};
@@ -133,7 +133,7 @@ constexpr std::array<CardRule, 2> k_rules = {{
 }  // namespace
 
 std::span<const CardRule> bush_rules() {
-  return k_rules;
+  return k_bush_rules;
 }
 
 }  // namespace mottle::nastran

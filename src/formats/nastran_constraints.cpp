@@ -178,7 +178,7 @@ void read_mpc(ModelBuilder& builder, const Card& card) {
 
 void read_nothing(ModelBuilder&, const Card&) {}
 
-constexpr std::array<CardRule, 5> k_rules = {{
+constexpr std::array<CardRule, 5> k_constraint_rules = {{
     {"SPC", Phase::constraints, read_spc, 7},
     {"SPC1", Phase::constraints, read_spc1},
     {"SPCADD", Phase::constraints, read_nothing},
@@ -189,7 +189,7 @@ constexpr std::array<CardRule, 5> k_rules = {{
 }  // namespace
 
 std::span<const CardRule> constraint_rules() {
-  return k_rules;
+  return k_constraint_rules;
 }
 
 void select_constraint_sets(ModelBuilder& builder) {

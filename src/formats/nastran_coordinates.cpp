@@ -162,7 +162,7 @@ class SystemResolver {
   std::vector<State> states_;
 };
 
-constexpr std::array<CardRule, 6> k_rules = {{
+constexpr std::array<CardRule, 6> k_coordinate_rules = {{
     {"CORD1R", Phase::points, read_cord1, 8},
     {"CORD1C", Phase::points, read_cord1, 8},
     {"CORD1S", Phase::points, read_cord1, 8},
@@ -174,7 +174,7 @@ constexpr std::array<CardRule, 6> k_rules = {{
 }  // namespace
 
 std::span<const CardRule> coordinate_rules() {
-  return k_rules;
+  return k_coordinate_rules;
 }
 
 Eigen::Vector3d basic_position(const ModelBuilder& builder, int system, const Eigen::Vector3d& coordinates) {

@@ -25,14 +25,14 @@ void read_mat1(ModelBuilder& builder, const Card& card) {
   builder.model.materials.push_back(material);
 }
 
-constexpr std::array<CardRule, 1> k_rules = {{
+constexpr std::array<CardRule, 1> k_material_rules = {{
     {"MAT1", Phase::materials, read_mat1, 12},
 }};
 
 }  // namespace
 
 std::span<const CardRule> material_rules() {
-  return k_rules;
+  return k_material_rules;
 }
 
 }  // namespace mottle::nastran

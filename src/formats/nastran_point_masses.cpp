@@ -51,7 +51,7 @@ void read_conm1(ModelBuilder& builder, const Card& card) {
   builder.count_element(card);
 }
 
-constexpr std::array<CardRule, 2> k_rules = {{
+constexpr std::array<CardRule, 2> k_point_mass_rules = {{
     {"CONM1", Phase::elements, read_conm1, 24},
     {"CONM2", Phase::elements, read_conm2, 14},
 }};
@@ -59,7 +59,7 @@ constexpr std::array<CardRule, 2> k_rules = {{
 }  // namespace
 
 std::span<const CardRule> point_mass_rules() {
-  return k_rules;
+  return k_point_mass_rules;
 }
 
 }  // namespace mottle::nastran

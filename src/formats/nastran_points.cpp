@@ -153,7 +153,7 @@ void place_nodes(ModelBuilder& builder) {
   }
 }
 
-constexpr std::array<CardRule, 3> k_rules = {{
+constexpr std::array<CardRule, 3> k_point_rules = {{
     {"GRDSET", Phase::defaults, read_grdset, 8},
     {"GRID", Phase::points, read_grid, 8},
     {"SPOINT", Phase::points, read_spoint},
@@ -162,7 +162,7 @@ constexpr std::array<CardRule, 3> k_rules = {{
 }  // namespace
 
 std::span<const CardRule> point_rules() {
-  return k_rules;
+  return k_point_rules;
 }
 
 void resolve_points(ModelBuilder& builder) {

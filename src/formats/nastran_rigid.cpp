@@ -151,7 +151,7 @@ void read_rbe3(ModelBuilder& builder, const Card& card) {
   builder.count_element(card);
 }
 
-constexpr std::array<CardRule, 4> k_rules = {{
+constexpr std::array<CardRule, 4> k_rigid_rules = {{
     {"RBE2", Phase::elements, read_rbe2},
     {"RBAR", Phase::elements, read_rbar, 8},
     {"RBAR1", Phase::elements, read_rbar1, 5},
@@ -161,7 +161,7 @@ constexpr std::array<CardRule, 4> k_rules = {{
 }  // namespace
 
 std::span<const CardRule> rigid_rules() {
-  return k_rules;
+  return k_rigid_rules;
 }
 
 }  // namespace mottle::nastran

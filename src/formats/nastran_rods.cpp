@@ -80,7 +80,7 @@ void read_conrod(ModelBuilder& builder, const Card& card) {
   add_rod(builder, card, 2, property);
 }
 
-constexpr std::array<CardRule, 5> k_rules = {{
+constexpr std::array<CardRule, 5> k_rod_rules = {{
     {"PROD", Phase::properties, read_prod, 6},
     {"PTUBE", Phase::properties, read_ptube, 6},
     {"CROD", Phase::elements, read_crod, 4},
@@ -91,7 +91,7 @@ constexpr std::array<CardRule, 5> k_rules = {{
 }  // namespace
 
 std::span<const CardRule> rod_rules() {
-  return k_rules;
+  return k_rod_rules;
 }
 
 }  // namespace mottle::nastran

@@ -95,7 +95,7 @@ void read_scalar(ModelBuilder& builder, const Card& card) {
   add_scalar(builder, card, kind, has_property, is_short);
 }
 
-constexpr std::array<CardRule, 15> k_rules = {{
+constexpr std::array<CardRule, 15> k_scalar_rules = {{
     {"PELAS", Phase::properties, read_pelas, 8},
     {"PMASS", Phase::properties, read_pmass, 8},
     {"PDAMP", Phase::properties, read_pdamp, 8},
@@ -116,7 +116,7 @@ constexpr std::array<CardRule, 15> k_rules = {{
 }  // namespace
 
 std::span<const CardRule> scalar_rules() {
-  return k_rules;
+  return k_scalar_rules;
 }
 
 }  // namespace mottle::nastran

@@ -98,7 +98,7 @@ const ModelBuilder::Method* find_method(ModelBuilder& builder) {
   return &*found;
 }
 
-constexpr std::array<CardRule, 3> k_rules = {{
+constexpr std::array<CardRule, 3> k_settings_rules = {{
     {"PARAM", Phase::settings, read_param},
     {"EIGRL", Phase::settings, read_eigrl},
     {"EIGR", Phase::settings, read_eigr},
@@ -107,7 +107,7 @@ constexpr std::array<CardRule, 3> k_rules = {{
 }  // namespace
 
 std::span<const CardRule> settings_rules() {
-  return k_rules;
+  return k_settings_rules;
 }
 
 void read_case_settings(ModelBuilder& builder) {

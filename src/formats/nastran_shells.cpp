@@ -86,7 +86,7 @@ void read_ctria3(ModelBuilder& builder, const Card& card) {
   add_shell(builder, card, 3, 7);
 }
 
-constexpr std::array<CardRule, 3> k_rules = {{
+constexpr std::array<CardRule, 3> k_shell_rules = {{
     {"PSHELL", Phase::properties, read_pshell, 11},
     {"CQUAD4", Phase::elements, read_cquad4, 14},
     {"CTRIA3", Phase::elements, read_ctria3, 13},
@@ -95,7 +95,7 @@ constexpr std::array<CardRule, 3> k_rules = {{
 }  // namespace
 
 std::span<const CardRule> shell_rules() {
-  return k_rules;
+  return k_shell_rules;
 }
 
 }  // namespace mottle::nastran

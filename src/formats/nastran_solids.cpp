@@ -52,7 +52,7 @@ void read_ctetra(ModelBuilder& builder, const Card& card) {
   add_solid(builder, card, has_midsides ? SolidShape::tetrahedron10 : SolidShape::tetrahedron4, has_midsides ? 10 : 4);
 }
 
-constexpr std::array<CardRule, 4> k_rules = {{
+constexpr std::array<CardRule, 4> k_solid_rules = {{
     {"PSOLID", Phase::properties, read_psolid, 8},
     {"CHEXA", Phase::elements, read_chexa, 22},
     {"CPENTA", Phase::elements, read_cpenta, 17},
@@ -62,7 +62,7 @@ constexpr std::array<CardRule, 4> k_rules = {{
 }  // namespace
 
 std::span<const CardRule> solid_rules() {
-  return k_rules;
+  return k_solid_rules;
 }
 
 }  // namespace mottle::nastran

@@ -18,7 +18,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr Index k_order = 40;
+constexpr Index k_equations = 40;
 constexpr double k_unseen = std::numeric_limits<double>::infinity();  // nothing is hidden from these residuals
 
 MatrixXd random_matrix(Index rows, Index columns, std::mt19937_64& random) {
@@ -33,8 +33,9 @@ struct Pencil {
   MatrixXd a, m, shapes;
 
   Pencil(const VectorXd& values, std::mt19937_64& random) {
-    const MatrixXd t = random_matrix(values.size(), values.size(), random) / std::sqrt(static_cast<double>(k_order)) +
-                       2.0 * MatrixXd::Identity(values.size(), values.size());
+    const MatrixXd t =
+        random_matrix(values.size(), values.size(), random) / std::sqrt(static_cast<double>(k_equations)) +
+        2.0 * MatrixXd::Identity(values.size(), values.size());
     a = t * values.asDiagonal() * t.transpose();
     m = t * t.transpose();
     shapes = t.transpose().inverse();
@@ -48,10 +49,10 @@ struct Ritz {
 
 /// Ritz pairs of the lowest shapes disturbed by `disturbance`, with some random vectors in the space as well.
 Ritz ritz(const Pencil& pencil, Index modes, double disturbance, std::mt19937_64& random) {
-  MatrixXd space(k_order, modes + 3);
+  MatrixXd space(k_equations, modes + 3);
   space.leftCols(modes) =
-      pencil.shapes.leftCols(modes) + disturbance * pencil.shapes * random_matrix(k_order, modes, random);
-  space.rightCols(3) = random_matrix(k_order, 3, random);
+      pencil.shapes.leftCols(modes) + disturbance * pencil.shapes * random_matrix(k_equations, modes, random);
+  space.rightCols(3) = random_matrix(k_equations, 3, random);
   const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> solver(space.transpose() * pencil.a * space,
                                                                   space.transpose() * pencil.m * space);
   Ritz result{solver.eigenvalues().head(modes), {}};
@@ -65,9 +66,9 @@ Ritz ritz(const Pencil& pencil, Index modes, double disturbance, std::mt19937_64
 /// Ascending eigenvalues of which some come close or are equal.
 VectorXd spectrum(std::mt19937_64& random) {
   std::uniform_real_distribution<double> uniform(0.0, 1.0);
-  VectorXd values(k_order);
+  VectorXd values(k_equations);
   double value = 1.0;
-  for (Index i = 0; i < k_order; ++i) {
+  for (Index i = 0; i < k_equations; ++i) {
     const double kind = uniform(random);
     value *= kind < 0.15 ? 1.0 : kind < 0.3 ? 1.0 + 1e-4 * uniform(random) : 1.0 + 0.4 * uniform(random);
     values(i) = value;
