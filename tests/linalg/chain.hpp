@@ -16,23 +16,23 @@ struct Chain {
   static constexpr int patches = 3;
 
   explicit Chain(double middle_mass = 1.0) {
-    using Entries = std::vector<Eigen::Triplet<double>>;
-    std::vector<Entries> springs(patches);
-    Entries ground{{0, 0, 1.0}}, masses, middle{{size / 2, size / 2, middle_mass}};
+    using Triplets = std::vector<Eigen::Triplet<double>>;
+    std::vector<Triplets> springs(patches);
+    Triplets ground{{0, 0, 1.0}}, masses, middle{{size / 2, size / 2, middle_mass}};
     for (int i = 0; i < size; ++i) masses.emplace_back(i, i, 1.0);
     for (int i = 0; i + 1 < size; ++i) {
-      Entries& entries = springs[static_cast<std::size_t>(i * patches / size)];
+      Triplets& entries = springs[static_cast<std::size_t>(i * patches / size)];
       entries.emplace_back(i, i, 1.0);
       entries.emplace_back(i + 1, i + 1, 1.0);
       entries.emplace_back(i + 1, i, -1.0);
     }
-    const auto matrix = [](const Entries& entries) {
+    const auto matrix = [](const Triplets& entries) {
       SparseMatrix result(size, size);
       result.setFromTriplets(entries.begin(), entries.end());
       return result;
     };
     terms = {matrix(ground), {}, matrix(masses), {matrix(middle)}};
-    for (const Entries& entries : springs) terms.stiffness.push_back(matrix(entries));
+    for (const Triplets& entries : springs) terms.stiffness.push_back(matrix(entries));
     stiffness = terms.stiffness_constant;
     for (const SparseMatrix& term : terms.stiffness) stiffness += term;
     mass = terms.mass_constant + terms.mass[0];
