@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "common_options.hpp"
+#include "mottle/study/folder_lock.hpp"
 
 namespace mottle::app {
 
@@ -14,7 +15,9 @@ void add_diagnose(CLI::App& app) {
   verb->callback([options] {
     const Study study = read_study(*options);
     Console console(options->quiet);
-    print_summary(*options, run_diagnose(study, run_settings(*options, console)));
+    const RunSettings settings = run_settings(*options, console);
+    const FolderLock lock(settings.folder);
+    print_summary(*options, run_diagnose(study, settings));
   });
 }
 

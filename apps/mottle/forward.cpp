@@ -5,6 +5,7 @@
 
 #include "common_options.hpp"
 #include "mottle/report/report.hpp"
+#include "mottle/study/folder_lock.hpp"
 #include "mottle/study/run_folder.hpp"
 
 namespace mottle::app {
@@ -19,6 +20,7 @@ void add_propagate(CLI::App& app) {
     const Study study = read_study(*options);
     Console console(options->quiet);
     const RunSettings settings = run_settings(*options, console);
+    const FolderLock lock(settings.folder);
     const RunSummary summary = run_propagate(study, *points, settings);
     write_report(settings.folder);
     RunFolder(settings.folder).finish();
@@ -34,7 +36,9 @@ void add_simulate(CLI::App& app) {
   verb->callback([options] {
     const Study study = read_study(*options);
     Console console(options->quiet);
-    print_summary(*options, run_simulate(study, run_settings(*options, console)));
+    const RunSettings settings = run_settings(*options, console);
+    const FolderLock lock(settings.folder);
+    print_summary(*options, run_simulate(study, settings));
   });
 }
 

@@ -1,16 +1,22 @@
 // The command: hands the arguments to a verb and turns what is thrown into a message and an exit code.
+#include <fcntl.h>
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
 #include <exception>
 #include <new>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "blas_kernels.hpp"
 #include "common_options.hpp"
 #include "mottle/core/error.hpp"
 #include "mottle/core/text.hpp"
+#include "mottle/core/utf8.hpp"
 #include "mottle/study/study_objects.hpp"
 
 namespace {
@@ -20,18 +26,8 @@ constexpr int k_failed = 3;
 constexpr int k_stopped = 4;
 constexpr int k_our_bug = 70;
 
-/// A message may quote what a file holds: control characters must not reach the terminal, nor one message two lines.
-std::string printable(const std::string& text) {
-  std::string result;
-  for (const char c : text) {
-    const auto byte = static_cast<unsigned char>(c);
-    result += byte < 0x20 || byte == 0x7F ? fmt::format("\\x{:02x}", byte) : std::string(1, c);
-  }
-  return result;
-}
-
 int fail(int code, const std::string& message) {
-  fmt::print(stderr, "mottle: {}\n", printable(message));
+  fmt::print(stderr, "mottle: {}\n", mottle::printable(message));
   return code;
 }
 
@@ -62,12 +58,23 @@ int run(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : k_wrong_input;
   }
+  if (std::fflush(stdout) != 0) {
+    throw mottle::SystemFailure(fmt::format("what is printed cannot be written: {}", std::strerror(errno)));
+  }
   return 0;
+}
+
+/// A file opened in place of a closed standard stream would be written over by messages.
+void open_standard_streams() {
+  for (int descriptor = 0; descriptor < 3; ++descriptor) {
+    if (::fcntl(descriptor, F_GETFD) == -1) (void)::open("/dev/null", descriptor == 0 ? O_RDONLY : O_WRONLY);
+  }
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
+  open_standard_streams();
   mottle::app::choose_blas_kernels(argv);
   mottle::app::catch_signals();
   try {
@@ -80,6 +87,8 @@ int main(int argc, char** argv) {
     return fail(k_stopped, fmt::format("{}; go on with --resume", error.what()));
   } catch (const std::bad_alloc&) {
     return fail(k_failed, "the memory does not suffice for this study; lower update.samples or take a larger machine");
+  } catch (const std::system_error& error) {  // files, threads, descriptors: the machine's answers
+    return fail(k_failed, error.what());
   } catch (const std::exception& error) {
     return fail(k_our_bug, fmt::format("this is a bug of Mottle, please report it: {}", error.what()));
   }

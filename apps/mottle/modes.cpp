@@ -6,6 +6,7 @@
 #include "common_options.hpp"
 #include "mottle/core/text.hpp"
 #include "mottle/report/report.hpp"
+#include "mottle/study/folder_lock.hpp"
 #include "mottle/study/run_modes.hpp"
 
 namespace mottle::app {
@@ -31,6 +32,7 @@ void add_modes(CLI::App& app) {
       settings->folder = settings->model;
       settings->folder.replace_extension(".modes");
     }
+    const FolderLock lock(settings->folder);
     const RunSummary summary = run_modes(*settings);
     write_modes_page(settings->folder);
     if (*is_json) {

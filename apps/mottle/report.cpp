@@ -4,8 +4,10 @@
 #include <fmt/format.h>
 
 #include <memory>
+#include <optional>
 
 #include "common_options.hpp"
+#include "mottle/study/folder_lock.hpp"
 
 namespace mottle::app {
 
@@ -16,6 +18,8 @@ void add_report(CLI::App& app) {
   verb->add_option("DIR", *folder, "folder with result.json")->required();
   verb->add_flag("--quiet", *is_quiet, "say nothing but errors");
   verb->callback([folder, is_quiet] {
+    std::optional<FolderLock> lock;
+    if (std::filesystem::is_directory(*folder)) lock.emplace(*folder);
     write_report(*folder);
     if (!*is_quiet) fmt::print("report: {}\n", (std::filesystem::path(*folder) / "report.html").string());
   });

@@ -5,6 +5,7 @@
 
 #include "common_options.hpp"
 #include "mottle/report/report.hpp"
+#include "mottle/study/folder_lock.hpp"
 #include "mottle/study/run_folder.hpp"
 
 namespace mottle::app {
@@ -17,6 +18,7 @@ void add_update(CLI::App& app) {
     const Study study = read_study(*options);
     Console console(options->quiet);
     const RunSettings settings = run_settings(*options, console);
+    const FolderLock lock(settings.folder);
     const RunSummary summary = run_update(study, settings);
     write_report(settings.folder);
     RunFolder(settings.folder).finish();

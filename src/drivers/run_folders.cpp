@@ -1,6 +1,7 @@
 #include "mottle/drivers/run_folders.hpp"
 
 #include <fcntl.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -19,14 +20,13 @@ constexpr const char* k_work = "runs";
 constexpr const char* k_failed = "failed-runs";
 constexpr const char* k_kept = "kept-runs";
 constexpr int k_most_failed_kept = 20;
-
-std::string own_prefix() {
-  return fmt::format("mottle-{}-", ::getpid());
-}
+// In every folder that is made here: only what holds it is ever removed.
+constexpr const char* k_mark = ".mottle-run";
+constexpr std::string_view k_mark_text = "Made by Mottle for runs of a solver, and removed by it.\n";
 
 /// A new folder with a name nobody else has, for nobody else's eyes.
 std::filesystem::path make_private(const std::filesystem::path& parent) {
-  std::string pattern = (parent / (own_prefix() + "XXXXXX")).string();
+  std::string pattern = (parent / fmt::format("mottle-{}-XXXXXX", ::getpid())).string();
   if (::mkdtemp(pattern.data()) == nullptr) {
     throw SystemFailure(fmt::format("{}: no folder can be made there: {}", parent.string(), std::strerror(errno)));
   }
@@ -47,6 +47,45 @@ int write_plainly(const std::filesystem::path& file, std::string_view bytes) {
   return error;
 }
 
+/// Marks a folder as made here; says so to other processes as long as the returned file is open. Negative: errno.
+int mark(const std::filesystem::path& folder) {
+  const int descriptor = ::open((folder / k_mark).c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0644);
+  if (descriptor < 0) return -errno;
+  ::flock(descriptor, LOCK_EX | LOCK_NB);
+  if (::write(descriptor, k_mark_text.data(), k_mark_text.size()) == static_cast<ssize_t>(k_mark_text.size())) {
+    return descriptor;
+  }
+  const int error = errno;
+  ::close(descriptor);
+  return -error;
+}
+
+/// Removes a folder that was made here and that no process is using; never what a link points to.
+void remove_marked(const std::filesystem::path& folder) {
+  std::error_code ignored;
+  if (std::filesystem::symlink_status(folder, ignored).type() != std::filesystem::file_type::directory) return;
+  const int descriptor = ::open((folder / k_mark).c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
+  if (descriptor < 0) return;
+  std::string text(k_mark_text.size(), ' ');
+  const bool is_ours =
+      ::read(descriptor, text.data(), text.size()) == static_cast<ssize_t>(text.size()) && text == k_mark_text;
+  if (is_ours && ::flock(descriptor, LOCK_EX | LOCK_NB) == 0) std::filesystem::remove_all(folder, ignored);
+  ::close(descriptor);
+}
+
+void remove_marked_within(const std::filesystem::path& group) {
+  std::error_code ignored;
+  std::filesystem::directory_iterator entry(group, ignored);
+  for (; entry != std::filesystem::directory_iterator(); entry.increment(ignored)) remove_marked(entry->path());
+}
+
+void require_no_link(const std::filesystem::path& group) {
+  std::error_code ignored;
+  require(!std::filesystem::is_symlink(group, ignored),
+          "{}: is a link, and solver runs are made and removed there; take it away or name another place with --out",
+          group.string());
+}
+
 }  // namespace
 
 RunFolders::RunFolders(const std::filesystem::path& results, bool forgets)
@@ -57,16 +96,17 @@ RunFolders::RunFolders(const std::filesystem::path& results, bool forgets)
   } else {
     make_writable_folder(results_);
     results_ = std::filesystem::absolute(results_);
-    std::filesystem::directory_iterator left(results_ / k_work, ignored);
-    for (; left != std::filesystem::directory_iterator(); left.increment(ignored)) {
-      if (!left->path().filename().string().starts_with(own_prefix())) {
-        std::filesystem::remove_all(left->path(), ignored);
-      }
+    for (const char* group : {k_work, k_failed, k_kept}) require_no_link(results_ / group);
+    remove_marked_within(results_ / k_work);
+    if (forgets) {
+      remove_marked_within(results_ / k_failed);
+      std::filesystem::remove(results_ / k_failed, ignored);  // where it is empty
     }
-    if (forgets) std::filesystem::remove_all(results_ / k_failed, ignored);
   }
   std::filesystem::create_directory(results_ / k_work, ignored);
   work_ = make_private(results_ / k_work);
+  mark_ = mark(work_);
+  if (mark_ < 0) throw SystemFailure(fmt::format("{}: cannot be written: {}", work_.string(), std::strerror(-mark_)));
   shared_ = work_ / "shared";
   if (!std::filesystem::create_directory(shared_, ignored)) {
     throw SystemFailure(fmt::format("{}: cannot be made: {}", shared_.string(), ignored.message()));
@@ -76,6 +116,7 @@ RunFolders::RunFolders(const std::filesystem::path& results, bool forgets)
 RunFolders::~RunFolders() {
   std::error_code ignored;
   std::filesystem::remove_all(work_, ignored);
+  ::close(mark_);
   std::filesystem::remove(results_ / k_work, ignored);  // where it is empty
   if (is_temporary_ && !has_kept_) std::filesystem::remove_all(results_, ignored);
 }
@@ -97,6 +138,11 @@ void RunFolders::remove(const std::filesystem::path& folder) {
   std::filesystem::remove_all(folder, ignored);
 }
 
+bool RunFolders::recover(const std::filesystem::path& folder) const {
+  struct stat there {};
+  return ::lstat(folder.c_str(), &there) == 0 && S_ISDIR(there.st_mode) && ::chmod(folder.c_str(), 0700) == 0;
+}
+
 std::filesystem::path RunFolders::keep(const std::filesystem::path& folder, bool has_failed, const std::string& name) {
   const std::lock_guard<std::mutex> lock(mutex_);
   std::error_code error;
@@ -106,11 +152,17 @@ std::filesystem::path RunFolders::keep(const std::filesystem::path& folder, bool
   }
   const std::filesystem::path group = results_ / (has_failed ? k_failed : k_kept);
   std::filesystem::create_directory(group, error);
-  std::filesystem::remove_all(group / name, error);
-  std::filesystem::rename(folder, group / name, error);
-  if (error) throw SystemFailure(fmt::format("{}: cannot be made: {}", (group / name).string(), error.message()));
+  std::filesystem::path kept = group / name;
+  remove_marked(kept);
+  for (int next = 2; std::filesystem::exists(std::filesystem::symlink_status(kept, error)); ++next) {
+    kept = group / fmt::format("{}-{}", name, next);  // what has that name is not ours
+  }
+  const int descriptor = mark(folder);
+  if (descriptor >= 0) ::close(descriptor);  // else the folder stays for good
+  std::filesystem::rename(folder, kept, error);
+  if (error) throw SystemFailure(fmt::format("{}: cannot be made: {}", kept.string(), error.message()));
   has_kept_ = true;
-  return group / name;
+  return kept;
 }
 
 void RunFolders::require_room(const std::filesystem::path& folder) const {

@@ -6,6 +6,7 @@
 #include "mottle/core/error.hpp"
 #include "mottle/core/files.hpp"
 #include "mottle/core/text.hpp"
+#include "mottle/core/utf8.hpp"
 #include "mottle/drivers/solver_process.hpp"
 #include "mottle/formats/text_lines.hpp"
 
@@ -178,6 +179,10 @@ bool SolverRuns::try_once(const Input& input, const std::filesystem::path& folde
                    .timeout = command_.timeout,
                    .stop = stop});
   if (end.kind == ProcessEnd::Kind::stopped) throw Stopped("stopped on request");
+  if (!folders_->recover(folder)) {
+    run.record = {.failure = "the run took away the folder that it ran in"};
+    return false;
+  }
   folders_->require_room(folder);
   run.record = {.failure = end.reason};
   if (end.kind != ProcessEnd::Kind::done) return false;
@@ -192,13 +197,16 @@ bool SolverRuns::try_once(const Input& input, const std::filesystem::path& folde
 
 void SolverRuns::put_away(const std::filesystem::path& folder, const std::string& id, Run& run) {
   const bool has_failed = !run.record.failure.empty();
-  if (has_failed) run.last_words = last_words(folder);
+  run.record.failure = printable(run.record.failure);
+  if (!folders_->recover(folder)) return;
+  if (has_failed) run.last_words = printable(last_words(folder));
   if (command_.kept == KeptRuns::none || (command_.kept == KeptRuns::failed && !has_failed)) {
     folders_->remove(folder);
     return;
   }
-  if (has_failed) write_run_file(folder / "reason.txt", run.record.failure + '\n');
   std::error_code ignored;
+  std::filesystem::remove_all(folder / "reason.txt", ignored);  // which may be a link out of the folder
+  if (has_failed) write_run_file(folder / "reason.txt", run.record.failure + '\n');
   for (const RunFile& file : command_.files) {  // what the links lead to goes with this Mottle
     std::filesystem::remove(folder / file.name, ignored);
     std::filesystem::create_symlink(std::filesystem::absolute(file.source), folder / file.name, ignored);

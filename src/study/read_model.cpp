@@ -43,7 +43,7 @@ std::vector<Connector> read_connectors(TomlReader& model, const std::string& lis
   std::set<std::string> seen;
   for (TomlReader& reader : model.tables(list)) {
     Connector connector;
-    connector.name = reader.text("name");
+    connector.name = reader.name("name");
     if (!seen.insert(connector.name).second) reader.fail("name", fmt::format("'{}' stands twice", connector.name));
     const std::vector<std::string> ends = reader.texts("between");
     if (ends.size() != 2) reader.fail_value("between", "two points, like [\"ground\", \"m1\"]");
@@ -88,7 +88,7 @@ void read_matrices(TomlReader& reader, const std::filesystem::path& folder, Stud
   source.constant_part.mass = matrix_place(reader, "mass", folder);
   source.row_names = matrix_place(reader, "degrees_of_freedom", folder);
   for (TomlReader& entry : reader.tables("terms")) {
-    StudyMatrixPart part{.name = entry.text("name")};
+    StudyMatrixPart part{.name = entry.name("name")};
     part.stiffness = matrix_place(entry, "stiffness", folder);
     part.mass = matrix_place(entry, "mass", folder);
     if (part.stiffness.empty() && part.mass.empty()) entry.fail("stiffness", "give stiffness, mass or both");

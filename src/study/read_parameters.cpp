@@ -59,7 +59,7 @@ NormalScale read_scale(TomlReader& reader, const StudyParameter& parameter) {
 
 StudyParameter read_parameter(TomlReader& reader, StudyModelSource::Kind kind) {
   StudyParameter parameter;
-  parameter.name = reader.text("name");
+  parameter.name = reader.name("name");
   const std::set<std::string> taken{"", "status", "iteration"};  // columns of the result files
   if (taken.contains(parameter.name)) reader.fail_value("name", "a name other than 'status' and 'iteration'");
   if (kind == StudyModelSource::Kind::command) {

@@ -100,6 +100,24 @@ std::vector<int> match_columns(const CsvTable& table, const Study& study, const 
   return columns;
 }
 
+/// Rows are specimens, columns the outputs, of which the first are natural frequencies.
+Eigen::MatrixXd values_of_columns(const CsvTable& table, const std::vector<int>& columns, const ModalModel& model) {
+  Eigen::MatrixXd values(static_cast<Eigen::Index>(table.rows.size()), static_cast<Eigen::Index>(columns.size()));
+  for (std::size_t k = 0; k < columns.size(); ++k) {
+    const Eigen::VectorXd column = numbers_of_column(table, columns[k]);
+    for (Eigen::Index row = 0; row < column.size() && k < model.selection().frequencies.size(); ++row) {
+      if (!(column(row) <= 0.0)) continue;
+      throw FormatError(
+          table.file, table.lines[static_cast<std::size_t>(row)],
+          fmt::format("column '{}' holds {:g}, but a natural frequency is greater than 0; a mode that was "
+                      "not measured has an empty cell",
+                      table.header[static_cast<std::size_t>(columns[k])], column(row)));
+    }
+    values.col(static_cast<Eigen::Index>(k)) = column;
+  }
+  return values;
+}
+
 /// Renumbers the modes of every row by their shapes.
 void pair_rows(const Study& study, const ModalModel& model, Eigen::MatrixXd& values, std::vector<std::string>& notes) {
   std::vector<Eigen::Index> columns_of_modes;
@@ -139,9 +157,7 @@ void read_repeats(const Study& study, const ModalModel& model, const std::vector
   const CsvTable table = read_named_table(study, "test.repeatability", file);
   std::vector<std::string> notes;
   const std::vector<int> columns = match_columns(table, study, names, notes);
-  Eigen::MatrixXd values(static_cast<Eigen::Index>(table.rows.size()), static_cast<Eigen::Index>(names.size()));
-  for (std::size_t k = 0; k < names.size(); ++k)
-    values.col(static_cast<Eigen::Index>(k)) = numbers_of_column(table, columns[k]);
+  Eigen::MatrixXd values = values_of_columns(table, columns, model);
   if (study.test->pairs_by_mac.value_or(false)) pair_rows(study, model, values, notes);
   const int specimen = table.find("specimen");
   std::vector<std::string> specimens(table.rows.size());
@@ -211,10 +227,7 @@ void add_repeatability(const Study& study, const ModalModel& model, const std::v
 Eigen::MatrixXd values_of_rows(const Study& study, const ModalModel& model, const CsvTable& table,
                                const std::vector<std::string>& names, std::vector<std::string>& notes) {
   const std::vector<int> columns = match_columns(table, study, names, notes);
-  Eigen::MatrixXd values(static_cast<Eigen::Index>(table.rows.size()), static_cast<Eigen::Index>(columns.size()));
-  for (std::size_t i = 0; i < columns.size(); ++i) {
-    values.col(static_cast<Eigen::Index>(i)) = numbers_of_column(table, columns[i]);
-  }
+  const Eigen::MatrixXd values = values_of_columns(table, columns, model);
   std::vector<Eigen::Index> kept;
   for (Eigen::Index row = 0; row < values.rows(); ++row) {
     if (!values.row(row).array().isNaN().all()) kept.push_back(row);
@@ -257,6 +270,10 @@ StudyTests read_tests(const Study& study, const ModalModel& model) {
       study.file.string());
   tests.is_by_rank = !study.test->pairs_by_mac.value_or(!contents.table) && !study.test->is_named;
   for (Eigen::Index k = 0; k < tests.data.values.cols(); ++k) {
+    const bool is_frequency = k < static_cast<Eigen::Index>(model.selection().frequencies.size());
+    require(!is_frequency || !(tests.data.values.col(k).array() <= 0.0).any(),
+            "{}: output '{}' of a specimen is not greater than 0, as a natural frequency is; leave that mode out",
+            tests.file, names[static_cast<std::size_t>(k)]);
     const auto measured = (!tests.data.values.col(k).array().isNaN()).count();
     require(measured > 0, "{}: output '{}' is never measured; leave it out of [outputs]", tests.file,
             names[static_cast<std::size_t>(k)]);

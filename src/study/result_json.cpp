@@ -339,7 +339,7 @@ Json update_result_json(const Study& study, const StudyTests& tests, const Updat
 }
 
 std::string pretty(const Json& json) {
-  return json.dump(1) + '\n';
+  return json.dump(1, ' ', false, Json::error_handler_t::replace) + '\n';
 }
 
 }  // namespace mottle

@@ -22,11 +22,6 @@ const std::vector<std::string>& result_names() {
 }
 
 RunFolder::RunFolder(std::filesystem::path folder) : folder_(std::move(folder)) {
-  std::error_code ignored;
-  for (std::filesystem::path path = std::filesystem::absolute(folder_).lexically_normal();
-       !std::filesystem::exists(path, ignored) && path.has_relative_path(); path = path.parent_path()) {
-    made_.push_back(path);
-  }
   make_writable_folder(folder_);
 }
 
@@ -83,7 +78,6 @@ void RunFolder::discard() const {
   std::error_code ignored;  // what cannot be taken away does no harm
   std::filesystem::remove(journal(), ignored);
   std::filesystem::remove(file("mottle.log"), ignored);
-  for (const std::filesystem::path& path : made_) std::filesystem::remove(path, ignored);
 }
 
 double steady_seconds() {

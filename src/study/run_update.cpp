@@ -123,7 +123,7 @@ void write_shapes(const RunFolder& folder, const ModalModel& model, const Eigen:
                      std::numeric_limits<double>::quiet_NaN(), std::move(note), followed.modes.shapes.col(k)});
   }
   const Json json = {{"modes", drawing_json(*structure, shown, model.selection().frequency_unit)}};
-  folder.write("modes.json", json.dump());
+  folder.write("modes.json", json.dump(-1, ' ', false, Json::error_handler_t::replace));
 }
 
 Json summary_json(const Json& result, const RunFolder& folder) {

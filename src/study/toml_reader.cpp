@@ -6,6 +6,15 @@
 #include "toml_writer.hpp"
 
 namespace mottle {
+namespace {
+
+/// Lines, escape sequences and the like, which would break the tables and the terminal that show them.
+bool has_control_character(std::string_view text) {
+  return std::any_of(text.begin(), text.end(),
+                     [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; });
+}
+
+}  // namespace
 
 std::string toml_text(const toml::node& node) {
   constexpr std::size_t k_longest = 60;
@@ -72,6 +81,12 @@ std::string TomlReader::text(const std::string& key) {
   const auto value = need(key).value_exact<std::string>();
   if (!value) fail_value(key, "a text in quotes");
   return *value;
+}
+
+std::string TomlReader::name(const std::string& key) {
+  std::string value = text(key);
+  if (has_control_character(value)) fail_value(key, "a name without control characters");
+  return value;
 }
 
 std::string TomlReader::text_or(const std::string& key, const std::string& fallback) {
@@ -164,6 +179,7 @@ std::map<std::string, double> TomlReader::number_map(const std::string& key, con
   if (find(key) == nullptr) return result;
   TomlReader entries = table(key);
   for (const auto& [name, node] : entries.table_) {
+    if (has_control_character(name.str())) fail_value(key, "names without control characters");
     result[std::string(name.str())] = entries.number(std::string(name.str()), range);
   }
   return result;

@@ -22,6 +22,8 @@ class TomlReader {
   bool has(const std::string& key) const { return table_.contains(key); }
 
   std::string text(const std::string& key);
+  /// A text that stands in tables and messages: without control characters.
+  std::string name(const std::string& key);
   std::string text_or(const std::string& key, const std::string& fallback);
   /// One text, or a list of texts.
   std::vector<std::string> texts(const std::string& key);

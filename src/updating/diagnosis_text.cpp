@@ -39,8 +39,10 @@ void add_base(const Diagnosis& diagnosis, std::vector<std::string>& sentences) {
                     listed(diagnosis.at_bound), diagnosis.at_bound.size() == 1 ? "ends on" : "end on"));
   }
   if (diagnosis.unreproduced > 0) {
-    sentences.push_back(fmt::format("{} {} cannot be reproduced by the given parameters.", diagnosis.unreproduced,
-                                    diagnosis.unreproduced == 1 ? "specimen" : "specimens"));
+    const bool is_one = diagnosis.unreproduced == 1;
+    sentences.push_back(fmt::format("{} {} reproduced by the given parameters: {} at a limit or did not come to rest.",
+                                    diagnosis.unreproduced, is_one ? "specimen was not" : "specimens were not",
+                                    is_one ? "its solution ended" : "their solutions ended"));
   }
   if (!diagnosis.converged) {
     sentences.emplace_back("The fit of the given parameters alone did not come to rest: gains over it are rough.");
@@ -64,11 +66,11 @@ void add_answer(const Diagnosis& diagnosis, Eigen::Index outputs, double level, 
                     "alone (level {:.3g}, all tries together).",
                     level));
     if (diagnosis.judging == 0) {
-      sentences.push_back(
-          fmt::format("The given parameters can match every mean and covariance of the {} outputs: these tests cannot "
-                      "say whether a "
-                      "candidate is wrong, and cannot tell {} apart. Measure more outputs, for example mode shapes.",
-                      outputs, listed(seen_names(diagnosis))));
+      sentences.push_back(fmt::format(
+          "Near their estimate, where the outputs are nearly linear, the given parameters can match every mean "
+          "and covariance of the {} outputs: these tests cannot say whether a candidate is wrong, and cannot "
+          "tell {} apart. Measure more outputs, for example mode shapes.",
+          outputs, listed(seen_names(diagnosis))));
     }
     return;
   }

@@ -285,6 +285,9 @@ tests_case("a decimal comma", edited(TESTS, ("0.3080098662667982", "0,3080098662
            tests_at=3)
 tests_case("a number with a unit", edited(TESTS, ("0.3080098662667982", "0.308 Hz")), ["column 'f2'", "'0.308 Hz'"],
            tests_at=3)
+for value in ("0", "-0.3080098662667982"):
+    tests_case(f"a frequency of {value}", edited(TESTS, ("0.3080098662667982", value)), ["column 'f2'", "greater than 0"],
+               tests_at=3)
 tests_case("an infinite value", edited(TESTS, ("0.3080098662667982", "inf")), ["column 'f2'", "'inf'"], tests_at=3)
 tests_case("a number too large for a computer", edited(TESTS, ("0.3080098662667982", "1e999")),
            ["column 'f2'", "'1e999'"], tests_at=3)
@@ -340,6 +343,9 @@ study_case("more unknowns than data", [("[1, 2, 3]", "[1]")], ["2 parameters", "
            at="method = ")
 study_case("too few samples for the regression", [("samples = 200", "samples = 3")],
            ["update.samples", "3", "at least 4"], at="samples = 3")
+study_case("a control character in a parameter's name", [('name = "k1"\ntarget', 'name = "k1\\u001b[31m"\ntarget')],
+           ["parameter.1.name", "control characters"], at="u001b")
+study_case("a control character in a mass's name", [("m1 = 1.0", '"m\\n1" = 1.0')], ["model.masses", "control characters"])
 study_case("no test file", [('"tests.csv"', '"missing.csv"')], ["test.file", "missing.csv", "no such file"],
            at="missing.csv")
 study_case("a folder in place of the test file", [('"tests.csv"', '"."')], ["test.file", "folder"], at='file = "."')

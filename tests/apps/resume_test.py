@@ -167,14 +167,17 @@ class ResumeTest(support.CommandTest):
             journal.write(random.Random(SEED).randbytes(5000))
         self.assert_resumes("junk behind the journal")
 
+    def contents(self):
+        passing = {"mottle.log", ".mottle.lock"}
+        return {file.name: file.read_bytes() for file in self.out.iterdir() if file.name not in passing}
+
     def assert_refuses(self, *arguments):
-        before = {file.name: file.read_bytes() for file in self.out.iterdir() if file.name != "mottle.log"}
+        before = self.contents()
         ended = self.call("update", "study.toml", "--out", "out", "--resume", *arguments)
         self.assertEqual(ended.code, 2, ended.err)
         self.assertIn("changed", ended.err)
         self.assertIn("without --resume", ended.err)
-        after = {file.name: file.read_bytes() for file in self.out.iterdir() if file.name != "mottle.log"}
-        self.assertEqual(after, before, "a refused resume leaves the interrupted run as it was")
+        self.assertEqual(self.contents(), before, "a refused resume leaves the interrupted run as it was")
 
     def test_resume_refuses_what_has_changed(self):
         self.kill_part_way()

@@ -20,16 +20,16 @@ DEFAULT = HERE.parent.parent / "build/release/validation/outliers/mottle_outlier
 
 # Columns: kind, specimens, variables, missing, noise, replications.
 LEVELS = [("linear", n, q, 0, 0, 1000 if n < 50 else 500) for n in (6, 10, 20, 50) for q in (1, 3, 6)]
-GAPS = [("linear", 6, 3, 0.4, 0, 300), ("linear", 10, 3, 0.4, 0, 300), ("linear", 20, 3, 0.4, 0, 150), ("linear", 10, 6, 0.4, 0, 150),
-        ("linear", 10, 3, 0, 1, 500), ("linear", 10, 3, 0.4, 1, 150), ("three-masses", 10, 3, 0, 0, 200),
-        ("three-masses", 10, 3, 0.4, 0, 60)]
-OUTLIERS = [("linear", 12, 3, 0, 0, p, 500) for p in ("same", "opposite", "apart", "oblique")] + [
-    ("linear", 12, 1, 0, 0, "same", 500), ("linear", 20, 6, 0, 0, "same", 300), ("linear", 20, 3, 0.2, 0, "same", 50),
-    ("three-masses", 12, 3, 0, 0, "same", 100)]
-SHAPES = [("linear", n, 3, 0, 0, p, 300) for p in ("batches:0.05", "batches:0.1", "batches:0.2", "lognormal")
+GAPS = [("linear", n, q, missing, noise, 1000) for n, q, missing, noise in (
+    (6, 3, 0.4, 0), (10, 3, 0.4, 0), (20, 3, 0.4, 0), (10, 6, 0.4, 0), (10, 3, 0, 1), (10, 3, 0.4, 1))] + [
+    ("three-masses", 10, 3, 0, 0, 500), ("three-masses", 10, 3, 0.4, 0, 300)]
+OUTLIERS = [("linear", 12, 3, 0, 0, p, 1000) for p in ("same", "opposite", "apart", "oblique")] + [
+    ("linear", 12, 1, 0, 0, "same", 1000), ("linear", 20, 6, 0, 0, "same", 500), ("linear", 20, 3, 0.2, 0, "same", 300),
+    ("three-masses", 12, 3, 0, 0, "same", 300)]
+SHAPES = [("linear", n, 3, 0, 0, p, 500) for p in ("batches:0.05", "batches:0.1", "batches:0.2", "lognormal")
           for n in (10, 20, 50)] + [
-    ("linear", 20, 3, 0, 1, "batches:0.1", 200), ("linear", 20, 3, 0, 3, "batches:0.1", 200),
-    ("three-masses", 20, 3, 0, 0, "batches:0.1", 100), ("three-masses", 50, 3, 0, 0, "lognormal", 60)]
+    ("linear", 20, 3, 0, 1, "batches:0.1", 500), ("linear", 20, 3, 0, 3, "batches:0.1", 500),
+    ("three-masses", 20, 3, 0, 0, "batches:0.1", 200), ("three-masses", 50, 3, 0, 0, "lognormal", 200)]
 
 
 def is_level(percent, replications, lowest):
@@ -88,7 +88,8 @@ def main():
     good.append(level_table(program, GAPS, out))
     out += ["", "## Two outliers at 7.5 deviations", "",
             "Before: both of twelve named in 2 of 40 (the search ended at the first step that was not significant). Goal: 90 % for "
-            "`same` and `opposite` along one of three variables.", ""]
+            "`same` and `opposite` along one of three variables. With missing entries sound specimens are named beside outliers "
+            "more often than without: look at each.", ""]
     good.append(outlier_table(program, out))
     out += ["", "## Populations that are not normal", "", "Before: never remarked upon. Suggestions are those of the whole method.",
             ""]

@@ -23,7 +23,7 @@ DEFAULT = ROOT / "build/release/validation/population/mottle_bootstrap_coverage"
 # specimens, noise, deviation, missing, replications, samples, model
 ROWS = ((10, 0, 0.2, 0, 400, 100, "linear"), (10, 1, 0.2, 0, 400, 100, "linear"), (5, 0, 0.2, 0, 400, 100, "linear"),
         (5, 1, 0.2, 0, 400, 100, "linear"), (10, 0, 0.2, 0.2, 400, 100, "linear"), (10, 1, 0, 0, 200, 100, "linear"),
-        (5, 1, 0, 0, 200, 100, "linear"), (10, 0, 0.2, 0, 100, 100, "modal"), (10, 1, 0, 0, 100, 100, "modal"))
+        (5, 1, 0, 0, 200, 100, "linear"), (10, 0, 0.2, 0, 400, 100, "modal"), (10, 1, 0, 0, 200, 100, "modal"))
 
 
 def main():

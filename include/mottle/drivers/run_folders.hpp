@@ -12,7 +12,8 @@ class RunFolders {
  public:
   /// @param results   empty: a temporary folder that goes again unless a run was kept there
   /// @param forgets   failed runs that an earlier Mottle kept there go
-  /// Takes away what a killed Mottle has left in `results`. Throws InvalidInput where nothing can be written.
+  /// Takes away what a killed Mottle has left in `results`: folders with its mark that no process holds, never others
+  /// and never through a link. Throws InvalidInput where nothing can be written, or where a link is.
   RunFolders(const std::filesystem::path& results, bool forgets);
   ~RunFolders();
   RunFolders(const RunFolders&) = delete;
@@ -25,6 +26,8 @@ class RunFolders {
   /// A new empty folder that nobody else can read.
   std::filesystem::path make();
   void remove(const std::filesystem::path& folder);
+  /// After a run: makes its folder writable again, whatever the run has done to it; false where the run took it away.
+  bool recover(const std::filesystem::path& folder) const;
   /// Moves a run's folder to RESULTS/failed-runs/`name`, at most 20, or RESULTS/kept-runs/`name`. Says where it is
   /// now; empty: it went.
   std::filesystem::path keep(const std::filesystem::path& folder, bool has_failed, const std::string& name);
@@ -36,6 +39,7 @@ class RunFolders {
   std::filesystem::path results_;
   std::filesystem::path work_;
   std::filesystem::path shared_;
+  int mark_ = -1;  ///< the open and locked mark of work_
   bool is_temporary_ = false;
   bool has_kept_ = false;
   int next_ = 0;

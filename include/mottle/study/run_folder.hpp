@@ -44,12 +44,11 @@ class RunFolder {
   /// The results of an update or a cloud are complete: the journal and earlier results are no longer needed.
   void finish() const;
 
-  /// Nothing was computed: takes away the log, the journal and the folders that were made, where they are empty.
+  /// Nothing was computed: takes away the log and the journal.
   void discard() const;
 
  private:
   std::filesystem::path folder_;
-  std::vector<std::filesystem::path> made_;  ///< folders that were not there before, the innermost first
 };
 
 /// Writes what it is told into a log file, with the time since the start, and passes it on.
