@@ -33,7 +33,8 @@ std::atomic<bool>& stop_flag() {
 void catch_signals() {
   stop_flag();
   for (const int signal_number : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal_number, request_stop);
-  // A file beyond the allowed size is an error of that write, not the end. (An ignored signal would be so in solvers too.)
+  // A file beyond the allowed size is an error of that write, not the end. (An ignored signal would be so in solvers
+  // too.)
   std::signal(SIGXFSZ, [](int) {});
 }
 
