@@ -23,6 +23,15 @@ SparseStructure::Matrices SparseStructure::derivative_at(const Eigen::Ref<const 
     const int p = static_cast<int>(parameter);
     return {stiffness_terms().derivative(parameters, p), mass_terms().derivative(parameters, p)};
   }
+  {
+    const std::lock_guard lock(differences_mutex_);
+    if (differences_at_.size() != parameters.size() || differences_at_ != parameters) {
+      differences_at_ = parameters;
+      differences_.clear();
+    }
+    const auto known = differences_.find(parameter);
+    if (known != differences_.end()) return known->second;
+  }
   // Central differences of the matrices: third-order small, and free of the rounding that eigenvalues would add.
   constexpr double k_step = 1e-5;
   const double step = k_step * std::max(std::abs(parameters(parameter)), 1e-3);
@@ -31,7 +40,13 @@ SparseStructure::Matrices SparseStructure::derivative_at(const Eigen::Ref<const 
   const Matrices after = matrices_at(moved);
   moved(parameter) = parameters(parameter) - step;
   const Matrices before = matrices_at(moved);
-  return {(after.stiffness - before.stiffness) * (0.5 / step), (after.mass - before.mass) * (0.5 / step)};
+  const auto slope = [step](const SparseMatrix& up, const SparseMatrix& down) -> SparseMatrix {
+    return SparseMatrix((up - down) * (0.5 / step)).pruned(0.0, 0.0);  // most elements do not know the parameter
+  };
+  const Matrices result{slope(after.stiffness, before.stiffness), slope(after.mass, before.mass)};
+  const std::lock_guard lock(differences_mutex_);
+  if (differences_at_.size() == parameters.size() && differences_at_ == parameters) differences_[parameter] = result;
+  return result;
 }
 
 std::unique_ptr<SparseModeSolver> SparseStructure::take_solver() const {

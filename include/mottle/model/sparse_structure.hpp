@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -106,6 +107,9 @@ class SparseStructure : public ModalStructure {
   mutable int reduced_modes_ = 0;
   mutable std::mutex mutex_;  // of the pool: solvers keep their symbolic factorisation, one a thread
   mutable std::vector<std::unique_ptr<SparseModeSolver>> solvers_;
+  mutable std::mutex differences_mutex_;  // of the next two: two assemblies each, asked for once for every mode's shape
+  mutable Eigen::VectorXd differences_at_;
+  mutable std::map<Eigen::Index, Matrices> differences_;
 };
 
 }  // namespace mottle
