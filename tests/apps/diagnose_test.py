@@ -1,6 +1,7 @@
 """`mottle diagnose` as a user meets it."""
 
 import json
+import math
 
 import support
 from support import edited, line_of, main
@@ -9,11 +10,18 @@ from support import edited, line_of, main
 STUDY = edited(support.STUDY, ('file = "tests.csv"', 'file = "tests.csv"\nrepeatability = { f1 = 0.002, f2 = 0.002, f3 = 0.002 }'))
 
 
+# So many specimens that likelihood ratios need no replications, which take seconds.
+MANY = "\n".join([support.TESTS.splitlines()[0]] + [
+    ",".join(str(float(cell) * (1.0 + 0.004 * math.sin(7 * row + 3 * column + copy * copy))) for column, cell in enumerate(line.split(",")))
+    for copy in range(6) for row, line in enumerate(support.TESTS.splitlines()[1:])]) + "\n"
+
+
 class Diagnose(support.CommandTest):
 
     def setUp(self):
         super().setUp()
         self.write("study.toml", STUDY)
+        self.write("tests.csv", MANY)
 
     def test_noise_that_cannot_be_told_from_a_candidate_is_refused_and_nothing_left_behind(self):
         self.write("study.toml", support.STUDY)
@@ -58,6 +66,7 @@ class Diagnose(support.CommandTest):
         self.assertEqual(texts[0], texts[1])
 
     def test_a_table_and_sentences_are_printed(self):
+        self.write("tests.csv", support.TESTS)  # with replications
         out = self.succeed("diagnose", "study.toml", "--out", "out").out
         self.assertIn("candidate", out)
         self.assertIn("Proposed set:", out)

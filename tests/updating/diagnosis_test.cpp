@@ -31,7 +31,7 @@ struct Bench {
   }
 
   /// Specimens with x1, x2 ~ N(0, 1), x3 = shift + scatter N(0, 1), noise 0.1.
-  Eigen::MatrixXd tests(double shift, double scatter, Eigen::Index count = 20, std::uint64_t seed = 3) const {
+  Eigen::MatrixXd tests(double shift, double scatter, Eigen::Index count = k_many, std::uint64_t seed = 3) const {
     Eigen::MatrixXd x = Eigen::MatrixXd::Zero(count, 4);
     Eigen::MatrixXd e(count, 5);
     for (Eigen::Index s = 0; s < count; ++s) {
@@ -52,6 +52,7 @@ struct Bench {
     return diagnose(problem, settings, {});
   }
 
+  static constexpr Eigen::Index k_many = 32;  // so many that likelihood ratios need no replications
   static constexpr double k_noise = 0.1;
   Eigen::MatrixXd slope{5, 4};
   std::unique_ptr<LinearModel> model;
@@ -63,7 +64,7 @@ TEST(Diagnosis, AShiftedCandidateIsNamedAndItsMeanFound) {
   EXPECT_TRUE(found.is_explained);
   EXPECT_THAT(found.alike, testing::ElementsAre("x3"));
   EXPECT_FALSE(found.candidates[0].better().is_freed);
-  EXPECT_NEAR(found.candidates[0].better().mean, 0.5, 4.0 * 0.1 / std::sqrt(20.0));
+  EXPECT_NEAR(found.candidates[0].better().mean, 0.5, 4.0 * 0.1 / std::sqrt(32.0));
   ASSERT_EQ(found.proposed.size(), 3U);
   EXPECT_EQ(found.proposed[2].name, "x3");
   EXPECT_FALSE(found.proposed[2].is_freed);
@@ -78,7 +79,7 @@ TEST(Diagnosis, TheGainOfAShiftIsTheGeneralisedLeastSquaresOne) {
   direction << 0.0, -0.5, 0.5, 1.0, 0.0;
   const Eigen::VectorXd mean = values.colwise().mean();
   const double along = direction.dot(mean);
-  const double expected = 0.5 * 20.0 * along * along / (0.01 * direction.squaredNorm());
+  const double expected = 0.5 * 32.0 * along * along / (0.01 * direction.squaredNorm());
   for (const CandidateFinding& candidate : found.candidates) {
     if (candidate.detectability.name == "x3") {
       EXPECT_NEAR(candidate.shifted.gain, expected, 1e-4 * expected);
@@ -160,7 +161,7 @@ TEST(Diagnosis, TheSharesAreThoseOfTheWhitenedSensitivities) {
   const Diagnosis found = Bench().run(Bench().tests(0.0, 0.0));
   for (const CandidateFinding& candidate : found.candidates) {
     if (candidate.detectability.name == "x4") {
-      EXPECT_NEAR(candidate.detectability.visibility, std::sqrt(20.0) / 0.1, 1e-6 * std::sqrt(20.0) / 0.1);
+      EXPECT_NEAR(candidate.detectability.visibility, std::sqrt(32.0) / 0.1, 1e-6 * std::sqrt(32.0) / 0.1);
       EXPECT_NEAR(candidate.detectability.own_share, 1.0, 1e-9);
     }
   }

@@ -3,6 +3,7 @@
 
 #include "mottle/core/error.hpp"
 #include "mottle/stats/descriptive.hpp"
+#include "support/instrumented.hpp"
 #include "support/methods.hpp"
 #include "support/random_problem.hpp"
 #include "support/soundness.hpp"
@@ -18,7 +19,7 @@ class SoundProblems : public testing::TestWithParam<std::string> {
 
 /// A few of the thousand that validation/sound-problems goes through.
 TEST_P(SoundProblems, AreSolvedHoweverSingular) {
-  for (std::uint32_t number = 0; number < 40; ++number) {
+  for (std::uint32_t number = 0; number < (test::k_is_instrumented ? 8U : 40U); ++number) {
     const test::RandomProblem drawn(number);
     const UpdatingProblem problem = drawn.problem();
     try {
