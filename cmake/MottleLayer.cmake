@@ -25,6 +25,9 @@ function(mottle_layer name)
 endfunction()
 
 function(mottle_warnings target)
+  if(CMAKE_CXX_FLAGS MATCHES "-fsanitize")
+    return()  # the plain builds warn; sanitizers cost time enough, and make warnings that are false
+  endif()
   target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
     -Wnon-virtual-dtor -Woverloaded-virtual -Wdouble-promotion)
   if(MOTTLE_WERROR)
