@@ -43,7 +43,7 @@ SparseStructure::Matrices SparseStructure::derivative_at(const Eigen::Ref<const 
   const auto slope = [step](const SparseMatrix& up, const SparseMatrix& down) -> SparseMatrix {
     return SparseMatrix((up - down) * (0.5 / step)).pruned(0.0, 0.0);  // most elements do not know the parameter
   };
-  const Matrices result{slope(after.stiffness, before.stiffness), slope(after.mass, before.mass)};
+  Matrices result{slope(after.stiffness, before.stiffness), slope(after.mass, before.mass)};
   const std::lock_guard lock(differences_mutex_);
   if (differences_at_.size() == parameters.size() && differences_at_ == parameters) differences_[parameter] = result;
   return result;
