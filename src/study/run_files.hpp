@@ -26,8 +26,8 @@ std::string tests_csv(const StudyTests& tests, const std::vector<Output>& output
 std::vector<std::string> column_names(const ParameterSpace& space, const std::vector<Output>& outputs);
 
 /// What `compute` returns. Results of an earlier run, files `names`, are set aside before. Where `compute` finds the
-/// input wrong, the message gets its place in the study, the folder that was made for the results goes again, and
-/// earlier results stay where they were.
+/// input wrong, the message gets its place in the study, log and journal go again, and earlier results stay where they
+/// were.
 template <typename Compute>
 auto compute_or_discard(const Study& study, const RunFolder& folder, const std::vector<std::string>& names,
                         const Compute& compute) {

@@ -17,10 +17,6 @@ if [float(word) for word in open("input.txt").read().split()] != [2.0, 2.0]:
     sys.exit("no")
 open("f.txt", "w").write("0.2\\n0.3\\n0.5\\n")
 """
-FAILING = ('[model]\nkind = "command"\ncommand = ["python3", "solver.py"]\n'
-           'templates = ["input.txt"]\nfiles = ["solver.py"]\nretries = 0\n'
-           '[model.frequencies]\nfile = "f.txt"\nformat = "column"\n'
-           + "".join(line + "\n" for line in STUDY[STUDY.index("[[parameter]]"):].splitlines() if "target" not in line))
 
 
 class EarlierResultsTest(support.CommandTest):
@@ -28,7 +24,7 @@ class EarlierResultsTest(support.CommandTest):
 
     def setUp(self):
         super().setUp()
-        self.write("failing.toml", FAILING)
+        self.write("failing.toml", support.command_study(["python3", "solver.py"]))
         self.write("input.txt", "{{k1}} {{k2}}\n")
         self.write("solver.py", SOLVER)
         self.out = self.folder / "out"

@@ -20,10 +20,6 @@ if k1 > 2.2:
 pathlib.Path("f.txt").write_text(f"{k1}\\n{k1 + k2}\\n{k1 + 2 * k2}\\n")
 """
 SLOW = SOLVER + "time.sleep(0.3)\n"
-COMMAND = ('[model]\nkind = "command"\ncommand = ["python3", "-S", "-E", "solver.py"]\n'
-           'templates = ["input.txt"]\nfiles = ["solver.py"]\nretries = 0\n'
-           '[model.frequencies]\nfile = "f.txt"\nformat = "column"\n'
-           + "".join(line + "\n" for line in STUDY[STUDY.index("[[parameter]]"):].splitlines() if "target" not in line))
 # What a solver may do to its folder before it fails; each costs its sample alone.
 ATTACKS = {
     "takes its folder away": "import shutil, os; shutil.rmtree(os.getcwd())",
@@ -44,7 +40,7 @@ class FoldersTest(support.CommandTest):
 
     def setUp(self):
         super().setUp()
-        self.write("solver.toml", COMMAND)
+        self.write("solver.toml", support.command_study(["python3", "-S", "-E", "solver.py"]))
         self.write("input.txt", "{{k1}} {{k2}}\n")
         self.write("solver.py", SOLVER)
         self.out = self.folder / "out"

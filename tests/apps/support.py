@@ -84,6 +84,15 @@ def line_of(text, needle):
     raise AssertionError(f"{needle!r} stands on no line")
 
 
+def command_study(command):
+    """The study with a solver of its own: solver.py is given the parameters in input.txt and leaves frequencies in f.txt."""
+    parameters = STUDY[STUDY.index("[[parameter]]"):].splitlines()
+    return (f'[model]\nkind = "command"\ncommand = {json.dumps(command)}\n'
+            'templates = ["input.txt"]\nfiles = ["solver.py"]\nretries = 0\n'
+            '[model.frequencies]\nfile = "f.txt"\nformat = "column"\n'
+            + "".join(line + "\n" for line in parameters if "target" not in line))
+
+
 class Run:
     """How one call of the command ended."""
 

@@ -301,7 +301,7 @@ double coverage(Eigen::Index rows, double deviation, bool is_estimated, int repl
 }
 
 TEST(SharedErrors, IntervalsHoldTheMeanAsOftenAsTheySay) {
-  if (test::k_is_instrumented) GTEST_SKIP();
+  if (test::k_is_instrumented) GTEST_SKIP() << test::k_left_to_optimised_build;
   constexpr int k_replications = 200;
   const double tolerance = 3.0 * std::sqrt(0.95 * 0.05 / k_replications);
   EXPECT_NEAR(coverage(3, 0.3, false, k_replications), 0.95, tolerance);

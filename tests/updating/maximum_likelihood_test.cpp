@@ -186,7 +186,7 @@ std::pair<double, double> rejected_at_bound(double slack, int replications) {
 }
 
 TEST(MaximumLikelihood, AMeanHeldOnABoundByChanceIsNoReasonAndHasAnInterval) {
-  if (test::k_is_instrumented) GTEST_SKIP();
+  if (test::k_is_instrumented) GTEST_SKIP() << test::k_left_to_optimised_build;
   constexpr int k_replications = 400;
   const auto [rejected, narrowest] = rejected_at_bound(0.8, k_replications);
   EXPECT_LE(rejected, 0.05 + 3.0 * std::sqrt(0.05 * 0.95 / k_replications));
@@ -300,7 +300,7 @@ TEST(MaximumLikelihood, IntervalsByBootstrapAreNearTheAnalyticOnes) {
 /// Tests that scatter by their noise alone: the interval of a deviation begins at zero and ends where the chi-squared
 /// of the total scatter has it, as the analytic one does.
 TEST(MaximumLikelihood, IntervalsByBootstrapHoldZeroWhereThereIsNoScatter) {
-  if (test::k_is_instrumented) GTEST_SKIP();
+  if (test::k_is_instrumented) GTEST_SKIP() << test::k_left_to_optimised_build;
   test::LinearProblem linear;
   Eigen::MatrixXd same(12, 2);
   same.rowwise() = Eigen::RowVector2d(3.0, 5.0);

@@ -34,7 +34,7 @@ Eigen::Vector2d coverage_of_a_lognormal(int count) {
 }
 
 TEST(NormalTheory, IntervalsOfALognormalHoldTheTruthIn95PerCent) {
-  if (test::k_is_instrumented) GTEST_SKIP();
+  if (test::k_is_instrumented) GTEST_SKIP() << test::k_left_to_optimised_build;
   const Eigen::Vector2d coverage = coverage_of_a_lognormal(10);
   // Three standard errors of 300 replications are 3.8 %.
   EXPECT_NEAR(coverage(0), 0.95, 0.038);

@@ -9,7 +9,6 @@
 
 #include "mottle/stats/standard_normal.hpp"
 #include "mottle/updating/normal_theory.hpp"
-#include "support/instrumented.hpp"
 #include "support/linear_model.hpp"
 
 namespace mottle {
@@ -85,7 +84,6 @@ TEST(Prediction, OfAKnownPopulationHasNormalIntervalsAndNoiseAdds) {
 
 /// Noise equal to the scatter, known: the total scatter is what nine degrees of freedom were seen of.
 TEST(Prediction, TheNoisesShareIsTakenOffWhatIsUncertain) {
-  if (test::k_is_instrumented) GTEST_SKIP();
   const Bench bench;
   PredictedPopulation known = bench.population(10);
   bench.add_noise(known, 1.0);
@@ -167,7 +165,6 @@ TEST(Prediction, EachVariableHasItsOwnDegreesOfFreedom) {
 /// A wide population on a logit: first-order moments of x there lead to another population (its 95 % interval
 /// would not be that of the logit).
 TEST(Prediction, OfALogitIsMadeOnItsScale) {
-  if (test::k_is_instrumented) GTEST_SKIP();
   const LinearModel model(Eigen::VectorXd::Zero(1), Eigen::MatrixXd::Ones(1, 1));
   Parameter parameter{.name = "a", .unit = "-"};
   parameter.scale = {NormalScale::Kind::logit, 0.0, 1.0};

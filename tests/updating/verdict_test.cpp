@@ -133,7 +133,7 @@ struct Replication {
 constexpr double k_chance = 0.033;
 
 TEST(MatchedMeans, AreRefusedAsOftenAsTheLevelSaysWhereTheNoiseIsKnown) {
-  if (test::k_is_instrumented) GTEST_SKIP();
+  if (test::k_is_instrumented) GTEST_SKIP() << test::k_left_to_optimised_build;
   for (const char* method : {"perturbation", "inversion", "mares"}) {
     const auto [inadequate, adequate] = Replication().judged(method, 0.1, 0.0);
     EXPECT_NEAR(inadequate, 0.05, k_chance) << method;
