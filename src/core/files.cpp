@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
@@ -42,8 +43,41 @@ void write_all(int descriptor, std::string_view bytes, const std::filesystem::pa
   }
 }
 
+/// A name beside `path` that no other writer has, of this process or another.
+std::string partial_name(const std::filesystem::path& path) {
+  static std::atomic<unsigned> next{0};
+  return fmt::format("{}.{}-{}.partial", path.string(), ::getpid(), next++);
+}
+
+std::filesystem::path folder_of(const std::filesystem::path& path) {
+  return path.has_parent_path() ? path.parent_path() : ".";
+}
+
+/// Opens a new file in the folder of `path`: without a name, so that nothing is left where Mottle is killed, or where
+/// the system has none such, under one of its own. Negative: errno says why not.
+int open_partial(const std::filesystem::path& path, std::string& name) {
+  const bool can_be_named_later = ::access("/proc/self/fd", X_OK) == 0;
+  int descriptor = -1;
+  if (can_be_named_later) descriptor = ::open(folder_of(path).c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0644);
+  for (errno = EEXIST; descriptor < 0 && errno == EEXIST;) {
+    name = partial_name(path);
+    descriptor = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
+  }
+  return descriptor;
+}
+
+/// Gives the open file the name `path`, in place of what has it.
+bool put_in_place(int descriptor, std::string& name, const std::filesystem::path& path) {
+  const std::string open = fmt::format("/proc/self/fd/{}", descriptor);
+  for (errno = EEXIST; name.empty() && errno == EEXIST;) {
+    const std::string next = partial_name(path);
+    if (::linkat(AT_FDCWD, open.c_str(), AT_FDCWD, next.c_str(), AT_SYMLINK_FOLLOW) == 0) name = next;
+  }
+  return !name.empty() && ::rename(name.c_str(), path.c_str()) == 0;
+}
+
 void flush_folder(const std::filesystem::path& folder) {
-  const Descriptor descriptor(::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  const Descriptor descriptor(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   // A file system without folder sync (EINVAL) still gave us the rename.
   if (descriptor.get() >= 0) ::fsync(descriptor.get());
 }
@@ -70,23 +104,22 @@ void write_file_atomically(const std::filesystem::path& path, std::string_view b
 }
 
 void write_file_atomically(const std::filesystem::path& path, std::span<const std::string_view> pieces) {
-  std::filesystem::path partial = path;
-  partial += ".partial";
+  std::string partial;
+  const Descriptor descriptor(open_partial(path, partial));
+  require(descriptor.get() >= 0, "{}: cannot be written: {}", path.string(), error_text());
   try {
-    const Descriptor descriptor(::open(partial.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644));
-    require(descriptor.get() >= 0, "{}: cannot be written: {}", path.string(), error_text());
     for (const std::string_view piece : pieces) write_all(descriptor.get(), piece, path);
     if (::fsync(descriptor.get()) != 0) {
       throw SystemFailure(fmt::format("{}: cannot be flushed to the disk: {}", path.string(), error_text()));
     }
-    if (::rename(partial.c_str(), path.c_str()) != 0) {
+    if (!put_in_place(descriptor.get(), partial, path)) {
       throw SystemFailure(fmt::format("{}: cannot be put in place: {}", path.string(), error_text()));
     }
   } catch (const Error&) {
-    ::unlink(partial.c_str());
+    if (!partial.empty()) ::unlink(partial.c_str());
     throw;
   }
-  flush_folder(path.parent_path());
+  flush_folder(folder_of(path));
 }
 
 void make_writable_folder(const std::filesystem::path& folder) {

@@ -14,6 +14,7 @@
 #include "mottle/core/text.hpp"
 #include "mottle/drivers/separable_fit.hpp"
 #include "mottle/drivers/solver_process.hpp"
+#include "run_output.hpp"
 
 namespace mottle {
 namespace {
@@ -50,13 +51,19 @@ class PrivateFolder {
 /// The last lines of what the solver printed, errors first.
 std::string tail_of(const fs::path& folder) {
   constexpr std::size_t k_bytes = 1500;
-  std::string text;
-  for (const char* name : {k_standard_output, k_standard_error}) {
-    if (fs::exists(folder / name)) text += read_file(folder / name);
-  }
+  const std::string text = last_part(folder / k_standard_output) + last_part(folder / k_standard_error);
   const std::size_t error = text.rfind("*ERROR");
   if (error != std::string::npos) return text.substr(error, k_bytes);
   return text.size() > k_bytes ? text.substr(text.size() - k_bytes) : text;
+}
+
+Eigen::Index diagonal_entries(const SparseMatrix& lower) {
+  Eigen::Index count = 0;
+  for (int j = 0; j < lower.outerSize(); ++j) {
+    const SparseMatrix::InnerIterator first(lower, j);
+    if (first && first.row() == j) ++count;
+  }
+  return count;
 }
 
 class Solver {
@@ -84,19 +91,14 @@ class Solver {
     write_file_atomically(folder.path() / "model.inp", deck);
     const ProcessEnd end = run({program_.string(), "model"}, folder.path());
     if (end.kind == ProcessEnd::Kind::stopped) throw Stopped("stopped on request");
-    const fs::path stiffness = folder.path() / "model.sti";
-    const fs::path mass = folder.path() / "model.mas";
-    if (end.kind != ProcessEnd::Kind::done || !fs::exists(stiffness) || !fs::exists(mass)) {
-      throw SystemFailure(
-          fmt::format("{}: {}; the end of what it printed:\n{}", settings_.program,
-                      end.kind == ProcessEnd::Kind::timed_out
-                          ? fmt::format("not done in {} s", 1e-3 * static_cast<double>(settings_.timeout.count()))
-                      : end.kind == ProcessEnd::Kind::done ? std::string("it stored no matrices")
-                                                           : end.reason,
-                      tail_of(folder.path())));
+    if (end.kind != ProcessEnd::Kind::done) {
+      fail(end.kind == ProcessEnd::Kind::timed_out
+               ? fmt::format("not done in {} s", 1e-3 * static_cast<double>(settings_.timeout.count()))
+               : end.reason,
+           folder.path());
     }
     ++runs_;
-    MatrixRun result{read_symmetric_matrix(stiffness.string()), read_symmetric_matrix(mass.string())};
+    MatrixRun result = read_stored(folder.path());
     keep_run(settings_.cache, digest, result);
     return result;
   }
@@ -105,6 +107,45 @@ class Solver {
   int reused() const { return reused_; }
 
  private:
+  [[noreturn]] void fail(const std::string& reason, const fs::path& folder) const {
+    throw SystemFailure(
+        fmt::format("{}: {}; the end of what it printed:\n{}", settings_.program, reason, tail_of(folder)));
+  }
+
+  /// The bytes of a file that it stored, to the last line end.
+  std::string stored(const fs::path& folder, const char* name) const {
+    if (!fs::exists(folder / name)) fail("it stored no matrices", folder);
+    std::string bytes = read_file(folder / name);
+    if (!bytes.ends_with('\n'))
+      fail(fmt::format("{} is cut short; is the disk of {} full?", name, folder.string()), folder);
+    return bytes;
+  }
+
+  /// CalculiX ends with status 0 where the disk was full. It stores every diagonal entry, the last row's at the end,
+  /// and the same entries of both matrices: that is held against the list of rows before anything is kept.
+  MatrixRun read_stored(const fs::path& folder) const {
+    const std::string stiffness = stored(folder, "model.sti");
+    const std::string mass = stored(folder, "model.mas");
+    const std::vector<std::string> names = parse_row_names(stored(folder, "model.dof"), "model.dof");
+    const auto lines = std::ranges::count(stiffness, '\n');
+    const auto mass_lines = std::ranges::count(mass, '\n');
+    if (lines != mass_lines) {
+      fail(fmt::format("model.sti has {} entries, model.mas {}; is the disk of {} full?", lines, mass_lines,
+                       folder.string()),
+           folder);
+    }
+    MatrixRun run{parse_symmetric_matrix(stiffness, "model.sti", ""), parse_symmetric_matrix(mass, "model.mas", "")};
+    const Eigen::Index rows = diagonal_entries(run.stiffness.lower);
+    if (rows != static_cast<Eigen::Index>(names.size()) || run.stiffness.lower.rows() != rows) {
+      fail(fmt::format("model.sti has {} diagonal entries, model.dof {} rows; is the disk of {} full?", rows,
+                       names.size(), folder.string()),
+           folder);
+    }
+    run.stiffness.names = names;
+    run.mass.names = names;
+    return run;
+  }
+
   ProcessEnd run(const std::vector<std::string>& arguments, const fs::path& folder) const {
     return run_process({.arguments = arguments,
                         .directory = folder,

@@ -86,7 +86,10 @@ class ExternalStructure::Pool {
 ExternalStructure::ExternalStructure(SolverCommand command, const std::vector<std::string>& names,
                                      const Eigen::VectorXd& nominal, const Eigen::VectorXd& deviations,
                                      const SolverPlace& place, const std::atomic<bool>* stop)
-    : runs_(std::move(command), names, place), nominal_(nominal), least_(runs_.command().frequencies.modes) {
+    : runs_(std::move(command), names, place),
+      nominal_(nominal),
+      least_(runs_.command().frequencies.modes),
+      stop_(stop) {
   SolverRuns::Run run = runs_.run(nominal, std::max(1, least_), stop);
   if (!run.record.failure.empty()) refuse(run);
   modes_ = std::move(run.record.modes);
@@ -129,7 +132,7 @@ Eigen::MatrixXd ExternalStructure::displacements(const Eigen::Ref<const Eigen::M
 
 ModeSet ExternalStructure::modes_at(const Eigen::Ref<const Eigen::VectorXd>& parameters, int /*modes*/) const {
   if (parameters == nominal_) return {modes_.eigenvalues, modes_.shapes};
-  SolverRuns::Run run = runs_.run(parameters, least_, nullptr);
+  SolverRuns::Run run = runs_.run(parameters, least_, stop_);
   if (!run.record.failure.empty()) refuse(run);
   return {std::move(run.record.modes.eigenvalues), std::move(run.record.modes.shapes)};
 }

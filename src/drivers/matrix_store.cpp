@@ -11,7 +11,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view k_mark = "mottle matrices 1\n";
+constexpr std::string_view k_mark = "mottle matrices 2\n";
 
 CacheFolder cache_of(const fs::path& folder) {
   return {folder, ".matrices", std::uintmax_t{2} << 30};
@@ -68,6 +68,9 @@ std::optional<MatrixRun> find_run(const fs::path& folder, const Digest& digest) 
     checksum.add(bytes);
     require(checksum.digest() == written, "damaged");
     bytes.remove_prefix(k_mark.size());
+    Digest key;
+    take(bytes, key.data(), key.size());
+    require(key == digest, "made of something else");
     MatrixRun run;
     run.stiffness.lower = take_matrix(bytes);
     run.mass.lower = take_matrix(bytes);
@@ -86,6 +89,7 @@ std::optional<MatrixRun> find_run(const fs::path& folder, const Digest& digest) 
 void keep_run(const fs::path& folder, const Digest& digest, const MatrixRun& run) {
   if (folder.empty()) return;
   std::string bytes(k_mark);
+  put(bytes, digest.data(), digest.size());
   put_matrix(bytes, run.stiffness.lower);
   put_matrix(bytes, run.mass.lower);
   for (const std::string& name : run.stiffness.names) bytes += name + '\n';

@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <sys/prctl.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -103,7 +104,14 @@ int become(const Start& start, pid_t guard) {
   sigset_t none;
   sigemptyset(&none);
   ::sigprocmask(SIG_SETMASK, &none, nullptr);
-  ::execve(start.program.c_str(), start.arguments.data(), start.environment.data());
+  // Another thread's guard may for a moment hold a file open that was just written and is to be run.
+  constexpr int k_most_attempts = 200;
+  const timespec moment{0, 5'000'000};
+  for (int attempt = 0; attempt < k_most_attempts; ++attempt) {
+    ::execve(start.program.c_str(), start.arguments.data(), start.environment.data());
+    if (errno != ETXTBSY) break;
+    ::nanosleep(&moment, nullptr);
+  }
   return errno;
 }
 
@@ -112,8 +120,33 @@ int become(const Start& start, pid_t guard) {
   ::_exit(0);
 }
 
+/// Ends what the program has left behind, in whatever session: its orphans are the guard's children.
+void kill_orphans() {
+  constexpr int k_most_rounds = 200;
+  const timespec moment{0, 2'000'000};
+  for (int round = 0; round < k_most_rounds; ++round) {
+    const int list = ::open("/proc/thread-self/children", O_RDONLY | O_CLOEXEC);
+    char text[4096];
+    const ssize_t size = list < 0 ? 0 : ::read(list, text, sizeof(text));
+    if (list >= 0) ::close(list);
+    if (size <= 0) return;
+    pid_t child = 0;
+    for (ssize_t i = 0; i < size; ++i) {
+      if (text[i] >= '0' && text[i] <= '9') {
+        child = 10 * child + (text[i] - '0');
+      } else {
+        if (child > 0) ::kill(child, SIGKILL);
+        child = 0;
+      }
+    }
+    while (::waitpid(-1, nullptr, WNOHANG) > 0) {
+    }
+    ::nanosleep(&moment, nullptr);
+  }
+}
+
 /// In the guard's process: starts the program and waits for its end. SIGTERM, of Mottle or of its death, ends the
-/// group: first asked, after the grace killed.
+/// group: first asked, after the grace or a second SIGTERM killed.
 [[noreturn]] void guard(const Start& start, int pipe, pid_t mottle, std::chrono::milliseconds grace) {
   sigset_t all;
   sigfillset(&all);
@@ -121,7 +154,11 @@ int become(const Start& start, pid_t guard) {
   ::signal(SIGCHLD, SIG_DFL);
   ::setpgid(0, 0);
   ::prctl(PR_SET_PDEATHSIG, SIGTERM);
+  ::prctl(PR_SET_CHILD_SUBREAPER, 1);
   if (::getppid() != mottle) ::_exit(1);
+  // A file that another thread is writing, held open here, could not be run.
+  ::close_range(3, static_cast<unsigned>(pipe) - 1, 0);
+  ::close_range(static_cast<unsigned>(pipe) + 1, ~0U, 0);
   const pid_t self = ::getpid();
   const pid_t program = ::_Fork();
   if (program < 0) tell(pipe, {.start_error = errno});
@@ -141,11 +178,12 @@ int become(const Start& start, pid_t guard) {
       ::kill(-program, SIGTERM);
       ::kill(-program, SIGCONT);
       is_asked = true;
-    } else if (number < 0 && errno == EAGAIN) {
+    } else if (number == SIGTERM || (number < 0 && errno == EAGAIN)) {
       ::kill(-program, SIGKILL);
     }
   }
   ::kill(-program, SIGKILL);
+  kill_orphans();
   tell(pipe, message);
 }
 
@@ -162,10 +200,22 @@ ProcessEnd describe(const Message& message, const ProcessRequest& request) {
   return {.kind = ProcessEnd::Kind::done};
 }
 
+/// The file that holds more than a program may print; nullptr: none does.
+const char* flooded_file(const ProcessRequest& request) {
+  for (const char* name : {k_standard_output, k_standard_error}) {
+    struct stat status {};
+    const bool is_there = ::lstat((request.directory / name).c_str(), &status) == 0 && S_ISREG(status.st_mode);
+    if (is_there && static_cast<std::uintmax_t>(status.st_size) > request.most_output) return name;
+  }
+  return nullptr;
+}
+
 /// Waits for the guard's message, and asks it for an early end where that is due.
 ProcessEnd await_end(const Pipe& pipe, pid_t guard_id, const ProcessRequest& request) {
   constexpr std::chrono::milliseconds k_between_looks{100};
+  constexpr std::chrono::milliseconds k_patience_of_a_stop{500};
   const Clock::time_point deadline = Clock::now() + request.timeout;
+  Clock::time_point asked;
   ProcessEnd early{.kind = ProcessEnd::Kind::done};
   Message message;
   for (;;) {
@@ -180,14 +230,25 @@ ProcessEnd await_end(const Pipe& pipe, pid_t guard_id, const ProcessRequest& req
       return size == sizeof(message) ? describe(message, request)
                                      : ProcessEnd{.reason = "its guard was killed from outside"};
     }
-    if (is_early) continue;
+    if (is_early) {
+      // A stop request is answered within a second, whatever the program does.
+      if (early.kind == ProcessEnd::Kind::stopped && Clock::now() > asked + k_patience_of_a_stop) {
+        ::kill(guard_id, SIGTERM);
+      }
+      continue;
+    }
     if (request.stop != nullptr && request.stop->load(std::memory_order_relaxed)) {
       early.kind = ProcessEnd::Kind::stopped;
     } else if (left <= std::chrono::milliseconds(0)) {
       early = {ProcessEnd::Kind::timed_out,
                fmt::format("no end within {} s, stopped", static_cast<double>(request.timeout.count()) / 1000.0)};
+    } else if (const char* file = flooded_file(request)) {
+      early = {ProcessEnd::Kind::failed,
+               fmt::format("it printed more than {} MB to {}, stopped", request.most_output >> 20U, file)};
     }
-    if (early.kind != ProcessEnd::Kind::done) ::kill(guard_id, SIGTERM);
+    if (early.kind == ProcessEnd::Kind::done) continue;
+    asked = Clock::now();
+    ::kill(guard_id, SIGTERM);
   }
 }
 

@@ -8,7 +8,7 @@
 #include "mottle/core/text.hpp"
 #include "mottle/core/utf8.hpp"
 #include "mottle/drivers/solver_process.hpp"
-#include "mottle/formats/text_lines.hpp"
+#include "run_output.hpp"
 
 namespace mottle {
 namespace {
@@ -40,22 +40,6 @@ std::string joined(const CommandLine& line) {
 std::vector<std::string> for_process(const std::vector<std::string>& arguments, bool is_shell) {
   if (!is_shell) return arguments;
   return {"/bin/sh", "-c", arguments.front()};
-}
-
-/// The last line with anything on it that a run has printed, the error's before the output's.
-std::string last_words(const std::filesystem::path& folder) {
-  constexpr std::size_t k_longest = 200;
-  for (const char* file : {k_standard_error, k_standard_output}) {
-    std::error_code ignored;
-    if (std::filesystem::file_size(folder / file, ignored) > (64U << 20U) || ignored) continue;
-    const std::string bytes = read_file(folder / file);
-    std::string last;
-    for (LineWalker walker(bytes); walker.next();) {
-      if (!words_of(walker.line()).empty()) last = walker.line().substr(0, k_longest);
-    }
-    if (!last.empty()) return last;
-  }
-  return {};
 }
 
 }  // namespace
@@ -115,19 +99,11 @@ void SolverRuns::require_program(const CommandLine& line) const {
           program);
 }
 
-/// Copies what all runs share once: a later change of the user's file, or a solver that writes to it, harms nothing.
 void SolverRuns::read_files() {
-  for (const RunFile& file : command_.files) {
-    const std::string bytes = read_file(file.source);
-    const std::filesystem::path copy = folders_->shared() / file.name;
-    std::error_code ignored;
-    std::filesystem::create_directories(copy.parent_path(), ignored);
-    write_run_file(copy, bytes);
-    std::filesystem::permissions(copy, std::filesystem::status(file.source).permissions(), ignored);
-    Checksum sum;
-    sum.add(bytes);
-    add_piece(constants_, file.name);
-    add_piece(constants_, hexadecimal(sum.digest()));
+  files_ = std::make_unique<InputFiles>(command_.files, folders_->shared());
+  for (std::size_t i = 0; i < command_.files.size(); ++i) {
+    add_piece(constants_, command_.files[i].name);
+    add_piece(constants_, hexadecimal(files_->digests()[i]));
   }
 }
 
@@ -159,12 +135,7 @@ void SolverRuns::prepare(const std::filesystem::path& folder, const Input& input
     std::filesystem::permissions(file, std::filesystem::status(command_.templates[i].source, error).permissions(),
                                  error);
   }
-  for (const RunFile& shared : command_.files) {
-    const std::filesystem::path link = folder / shared.name;
-    std::filesystem::create_directories(link.parent_path(), error);
-    std::filesystem::create_symlink(folders_->shared() / shared.name, link, error);
-    if (error) throw SystemFailure(fmt::format("{}: cannot be made: {}", link.string(), error.message()));
-  }
+  files_->put_into(folder);
 }
 
 bool SolverRuns::try_once(const Input& input, const std::filesystem::path& folder, int number, int least,
@@ -179,6 +150,7 @@ bool SolverRuns::try_once(const Input& input, const std::filesystem::path& folde
                    .timeout = command_.timeout,
                    .stop = stop});
   if (end.kind == ProcessEnd::Kind::stopped) throw Stopped("stopped on request");
+  files_->require_unchanged();
   if (!folders_->recover(folder)) {
     run.record = {.failure = "the run took away the folder that it ran in"};
     return false;
@@ -207,10 +179,8 @@ void SolverRuns::put_away(const std::filesystem::path& folder, const std::string
   std::error_code ignored;
   std::filesystem::remove_all(folder / "reason.txt", ignored);  // which may be a link out of the folder
   if (has_failed) write_run_file(folder / "reason.txt", run.record.failure + '\n');
-  for (const RunFile& file : command_.files) {  // what the links lead to goes with this Mottle
-    std::filesystem::remove(folder / file.name, ignored);
-    std::filesystem::create_symlink(std::filesystem::absolute(file.source), folder / file.name, ignored);
-  }
+  files_->relink(folder);
+  shorten_output(folder);
   run.folder = folders_->keep(folder, has_failed, id);
 }
 

@@ -1,7 +1,5 @@
 #include "mottle/linalg/reduced_model_file.hpp"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <deque>
 #include <fstream>
@@ -232,15 +230,7 @@ void ReducedModelFile::write(const ReducedModel& model, double training_seconds)
   Head head;
   k_magic.copy(head.magic.data(), head.magic.size());
   head.fingerprint = fingerprint_;
-  std::filesystem::path own = path_;
-  own += fmt::format(".{}", ::getpid());
-  write_file_atomically(own, writer.pieces(head));
-  std::error_code error;
-  std::filesystem::rename(own, path_, error);
-  if (!error) return;
-  std::error_code ignored;
-  std::filesystem::remove(own, ignored);
-  throw SystemFailure(fmt::format("{}: cannot be put in place: {}", path_.string(), error.message()));
+  write_file_atomically(path_, writer.pieces(head));
 }
 
 }  // namespace mottle

@@ -84,6 +84,32 @@ class CalculixTest(support.CommandTest):
             file.write_bytes(file.read_bytes()[:-9] + b"!" + file.read_bytes()[-8:])
         self.assertIn("(4 runs, 0 from the cache)", self.succeed("check", "study.toml", "--cache", "cache").out)
 
+    def test_an_entry_under_another_key_is_not_taken(self):
+        """Two entries of the cache that change places are whole, but not what their names say."""
+        reference = self.succeed("check", "study.toml", "--json", "--cache", "cache").out
+        first, second = sorted((self.folder / "cache").glob("*.matrices"))[:2]
+        bytes_of_first = first.read_bytes()
+        first.write_bytes(second.read_bytes())
+        second.write_bytes(bytes_of_first)
+        again = self.succeed("check", "study.toml", "--cache", "cache")
+        self.assertIn("(2 runs, 2 from the cache)", again.out)
+        self.assertEqual(self.succeed("check", "study.toml", "--json", "--cache", "cache").out, reference)
+
+    def test_matrices_that_are_not_whole_are_not_kept(self):
+        """CalculiX ends with 0 where the disk was full."""
+        sound = self.succeed("check", "study.toml", "--json", "--cache", "off").out
+        for file, cut in (("model.sti", "-c -4"), ("model.sti", "-n -1"), ("model.mas", "-c -40"), ("model.mas", "-n -3"),
+                          ("model.dof", "-c -1"), ("model.dof", "-n -1"), ("model.sti", "-c 0"), ("model.dof", "-c 0")):
+            with self.subTest(file=file, cut=cut):
+                shortened = self.solver(f'ccx "$@" && head {cut} {file} > short && mv short {file}')
+                ended = self.call("check", "study.toml", "--cache", "cache", *shortened)
+                self.assertEqual(ended.code, 3, ended.err)
+                self.assertIn("full?", ended.err)
+                self.assertFalse(list((self.folder / "cache").glob("*")))
+        both = self.solver('ccx "$@" && for f in sti mas; do head -n -1 model.$f > short && mv short model.$f; done')
+        self.assertIn("diagonal entries, model.dof", self.call("check", "study.toml", "--cache", "cache", *both).err)
+        self.assertEqual(self.succeed("check", "study.toml", "--json", "--cache", "cache").out, sound)
+
     def test_placeholders_are_filled(self):
         self.write("beam.inp", edited(DECK, ("2.1e11", "{{young}}")))
         self.write("study.toml", edited(STUDY, ("*ELASTIC:STEEL:E", "{{young}}")))

@@ -10,6 +10,8 @@
 
 #include "core/temporary_folder.hpp"
 #include "mottle/core/files.hpp"
+#include "mottle/drivers/run_folders.hpp"
+#include "support/instrumented.hpp"
 
 namespace {
 
@@ -76,6 +78,43 @@ TEST_F(SolverProcess, WhatAProgramLeavesRunningIsKilled) {
   EXPECT_TRUE(is_gone("child"));
 }
 
+TEST_F(SolverProcess, WhatLeavesItsSessionIsKilledToo) {
+  EXPECT_EQ(run({"sh", "-c",
+                 "setsid sh -c 'echo $$ > self; sleep 1000 & echo $! > child.new; mv child.new child; wait' & "
+                 "while [ ! -e child ]; do sleep 0.02; done"})
+                .kind,
+            ProcessEnd::Kind::done);
+  EXPECT_TRUE(is_gone("self"));
+  EXPECT_TRUE(is_gone("child"));
+}
+
+TEST_F(SolverProcess, AFloodOfOutputEndsIt) {
+  const ProcessEnd end = mottle::run_process({.arguments = {"sh", "-c", "exec yes >&2"},
+                                              .directory = folder_.path(),
+                                              .timeout = 60s,
+                                              .grace = 200ms,
+                                              .most_output = std::uintmax_t{1} << 20});
+  EXPECT_EQ(end.kind, ProcessEnd::Kind::failed);
+  EXPECT_EQ(end.reason, "it printed more than 1 MB to stderr.txt, stopped");
+}
+
+TEST_F(SolverProcess, AStopRequestIsAnsweredWithinASecondByAProgramThatIgnoresIt) {
+  std::atomic<bool> stop{false};
+  std::chrono::steady_clock::time_point asked;
+  std::jthread later([&] {
+    std::this_thread::sleep_for(300ms);
+    asked = std::chrono::steady_clock::now();
+    stop = true;
+  });
+  const ProcessEnd end = mottle::run_process({.arguments = {"sh", "-c", "trap '' TERM; while :; do sleep 0.05; done"},
+                                              .directory = folder_.path(),
+                                              .timeout = 100s,
+                                              .grace = 60s,
+                                              .stop = &stop});
+  EXPECT_EQ(end.kind, ProcessEnd::Kind::stopped);
+  EXPECT_LT(std::chrono::steady_clock::now() - asked, mottle::test::k_is_instrumented ? 5s : 1s);
+}
+
 TEST_F(SolverProcess, AStopRequestEndsIt) {
   std::atomic<bool> stop{false};
   std::jthread later([&] {
@@ -115,6 +154,27 @@ TEST_F(SolverProcess, ManyAtOnceDoNotDisturbEachOther) {
   }
   threads.clear();
   EXPECT_EQ(right, 80);
+}
+
+/// While one thread writes a script, others start programs, which for a moment have the script open for writing.
+TEST_F(SolverProcess, AScriptThatWasJustWrittenCanBeRun) {
+  std::vector<std::jthread> threads;
+  std::atomic<int> right{0};
+  for (int t = 0; t < 6; ++t) {
+    threads.emplace_back([&] {
+      for (int i = 0; i < 20; ++i) {
+        const mottle::test::TemporaryFolder own;
+        mottle::write_run_file(own / "solver.sh", "#!/bin/sh\n" + std::string(1 << 20, '#') + "\nexit 9\n");
+        std::filesystem::permissions(own / "solver.sh", std::filesystem::perms::owner_all);
+        if (mottle::run_process({.arguments = {"./solver.sh"}, .directory = own.path(), .timeout = 60s}).reason ==
+            "exit status 9") {
+          ++right;
+        }
+      }
+    });
+  }
+  threads.clear();
+  EXPECT_EQ(right, 120);
 }
 
 }  // namespace

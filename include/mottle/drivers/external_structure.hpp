@@ -18,6 +18,7 @@ class ExternalStructure final : public ModalStructure {
   /// @param names       of the parameters
   /// @param nominal     their means
   /// @param deviations  their prior deviations
+  /// @param stop        ends a single run early; nullptr: nothing does. Lives as long as this object
   /// @throws InvalidInput   as SolverRuns; FormatError: a value that does not fit into its place
   /// @throws SystemFailure  the run gave no modes; Stopped
   ExternalStructure(SolverCommand command, const std::vector<std::string>& names, const Eigen::VectorXd& nominal,
@@ -66,6 +67,7 @@ class ExternalStructure final : public ModalStructure {
   Eigen::VectorXd nominal_;
   ExtractedModes modes_;  // at the means
   int least_ = 0;         // how many a run must give
+  const std::atomic<bool>* stop_ = nullptr;
   std::map<std::string, int> rows_;
   std::vector<std::string> notes_;
   mutable std::atomic<std::int64_t> done_{0};

@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <string>
@@ -17,6 +18,7 @@ struct ProcessRequest {
   std::map<std::string, std::string> environment = {};        ///< added to Mottle's own
   std::chrono::milliseconds timeout = {};                     ///< then it is asked to end
   std::chrono::milliseconds grace = std::chrono::seconds(5);  ///< then it is ended
+  std::uintmax_t most_output = std::uintmax_t{256} << 20;     ///< bytes it may print to either file; then it is ended
   const std::atomic<bool>* stop = nullptr;                    ///< ends it early
 };
 
@@ -32,8 +34,9 @@ struct ProcessEnd {
   std::string reason = {};  ///< of a failure: "exit status 2", "killed by signal 11 (Segmentation fault)"
 };
 
-/// Runs a program to its end, in a process group of its own. Whatever it leaves running in that group when it ends is
-/// killed, and so is the whole group at the timeout, at a stop request, and when Mottle itself dies.
+/// Runs a program to its end, in a process group of its own. Whatever it leaves running when it ends, in that group or
+/// out of it, is killed, and so is all of it at the timeout, at a stop request (within a second), and when Mottle
+/// itself dies.
 ///
 /// @throws SystemFailure  no process can be started (memory, limits)
 ProcessEnd run_process(const ProcessRequest& request);

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "mottle/core/run_context.hpp"
+#include "mottle/drivers/input_files.hpp"
 #include "mottle/drivers/run_folders.hpp"
 #include "mottle/drivers/run_store.hpp"
 #include "mottle/drivers/solver_command.hpp"
@@ -80,6 +81,7 @@ class SolverRuns {
   std::vector<Template> retry_arguments_;
   std::string constants_;  ///< all that is the same for every run, for the digest
   std::unique_ptr<RunFolders> folders_;
+  std::unique_ptr<InputFiles> files_;
   std::unique_ptr<RunStore> store_;
   bool is_resumed_ = false;
   std::set<Digest> own_failures_;  ///< of this process: they count whether resumed or not

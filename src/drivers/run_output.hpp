@@ -1,0 +1,18 @@
+// What a run of a program printed: its end, and no more of it than is worth keeping.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace mottle {
+
+/// The last bytes of a regular file, at most 64 kB; empty where it is none. Never follows a link.
+std::string last_part(const std::filesystem::path& file);
+
+/// Shortens what a run printed to its last part where it is longer than 1 MB.
+void shorten_output(const std::filesystem::path& folder);
+
+/// The last line with anything on it that a run has printed, the error's before the output's.
+std::string last_words(const std::filesystem::path& folder);
+
+}  // namespace mottle
