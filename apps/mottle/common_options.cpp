@@ -42,6 +42,7 @@ void add_common_options(CLI::App& verb, CommonOptions& options) {
   verb.add_option("--cache", options.cache,
                   "folder of trained reduced models that later runs read (default: $XDG_CACHE_HOME/mottle or "
                   "~/.cache/mottle), or off");
+  verb.add_flag("--no-run", options.runs_nothing, "start no program: refuse a study whose model is run by one");
   verb.add_flag("--quiet", options.quiet, "say nothing but errors");
   verb.add_flag("--json", options.json, "print a summary as one line of JSON");
 }
@@ -60,6 +61,7 @@ RunSettings run_settings(const CommonOptions& options, Console& console) {
           .cache = cache_folder(options.cache),
           .threads = options.threads > 0 ? options.threads : available_threads(),
           .resume = options.resume,
+          .may_run_programs = !options.runs_nothing,
           .observer = &console,
           .stop = &stop_flag()};
 }

@@ -14,7 +14,7 @@
 
 namespace mottle::app {
 
-/// Values of --out, --set, --threads, --seed, --resume, --cache, --quiet, --json.
+/// Values of --out, --set, --threads, --seed, --resume, --cache, --no-run, --quiet, --json.
 struct CommonOptions {
   std::string study;
   std::string out;
@@ -23,6 +23,7 @@ struct CommonOptions {
   int threads = 0;
   std::optional<std::uint64_t> seed;
   bool resume = false;
+  bool runs_nothing = false;
   bool quiet = false;
   bool json = false;
 };

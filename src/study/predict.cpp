@@ -72,8 +72,7 @@ Study predicted_study(const Study& study) {
     }
   }
   if (study.predict->held_out) {
-    other.test = StudyTest{};
-    other.test->files = {*study.predict->held_out};
+    other.test = StudyTest{.key = "predict.held_out", .files = {*study.predict->held_out}};
   }
   return other;
 }

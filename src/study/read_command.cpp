@@ -44,12 +44,22 @@ std::vector<RunFile> read_run_files(TomlReader& reader, const std::string& key, 
   return files;
 }
 
+/// A file that a run leaves in its folder: elsewhere it could be that of another run.
+std::string read_output_name(TomlReader& reader) {
+  std::string name = reader.text("file");
+  const std::filesystem::path path = std::filesystem::path(name).lexically_normal();
+  if (path.is_absolute() || path.empty() || *path.begin() == "..") {
+    reader.fail_value("file", "the name of a file that each run leaves in its own folder");
+  }
+  return name;
+}
+
 /// What the formats "column" and "regex" and so on need; a key that the format does not use is unknown.
 FrequencyRule read_frequency_rule(TomlReader reader) {
   using Format = FrequencyRule::Format;
   using Quantity = FrequencyRule::Quantity;
   FrequencyRule rule;
-  rule.file = reader.text("file");
+  rule.file = read_output_name(reader);
   reader.text("format");
   rule.format = std::vector{Format::column, Format::regex, Format::csv,     Format::json,
                             Format::f06,    Format::punch, Format::calculix}[reader.choice(
@@ -81,7 +91,7 @@ FrequencyRule read_frequency_rule(TomlReader reader) {
 ShapeRule read_shape_rule(TomlReader reader) {
   using Format = ShapeRule::Format;
   ShapeRule rule;
-  rule.file = reader.text("file");
+  rule.file = read_output_name(reader);
   reader.text("format");
   rule.format =
       std::vector{Format::csv, Format::column, Format::f06, Format::punch,

@@ -249,7 +249,7 @@ Eigen::MatrixXd values_of_modes(const Study& study, const ModalModel& model,
     tests.pairing = std::move(paired.table);
     return paired.values;
   } catch (const InvalidInput& error) {
-    throw InvalidInput(located(study, fmt::format("test.file: {}", error.what())));
+    throw InvalidInput(located(study, fmt::format("{}: {}", study.test->key, error.what())));
   }
 }
 

@@ -1,11 +1,10 @@
-// The jobs that only run the model forward: propagate, simulate, check.
+// The jobs that only run the model forward: propagate, simulate.
 #include <algorithm>
 
 #include "mottle/core/error.hpp"
 #include "mottle/core/files.hpp"
 #include "mottle/core/text.hpp"
 #include "mottle/formats/csv.hpp"
-#include "mottle/modal/mode_set.hpp"
 #include "mottle/model/journal.hpp"
 #include "mottle/stats/descriptive.hpp"
 #include "mottle/study/run.hpp"
@@ -15,37 +14,9 @@
 #include "result_json.hpp"
 #include "run_files.hpp"
 #include "solver_use.hpp"
-#include "unit_errors.hpp"
 
 namespace mottle {
 namespace {
-
-constexpr Eigen::Index k_listed_modes = 10;
-
-std::string scale_text(const NormalScale& scale) {
-  if (scale.kind == NormalScale::Kind::log) return ", normal on its logarithm";
-  return scale.kind == NormalScale::Kind::logit ? ", normal on its logit between the bounds" : "";
-}
-
-/// What the population's covariance may hold.
-std::string covariance_line(const Study& study, const std::vector<std::string>& names) {
-  const std::vector<int> groups = covariance_groups(study, names);
-  if (!find_method(study.update.method).estimates_population) {
-    return groups.empty() ? fmt::format("  {} does not estimate the scatter of the specimens", study.update.method)
-                          : fmt::format("  covariance: not used, {} does not estimate the scatter of the specimens",
-                                        study.update.method);
-  }
-  std::vector<std::string> together;
-  for (std::size_t i = 0; i < names.size() && !groups.empty(); ++i) {
-    std::vector<std::string> group;
-    for (std::size_t j = 0; j < names.size(); ++j) {
-      if (groups[j] == groups[i]) group.push_back(names[j]);
-    }
-    if (group.front() == names[i] && group.size() > 1) together.push_back("[" + join(group) + "]");
-  }
-  if (groups.empty()) return "  covariance: full";
-  return together.empty() ? "  covariance: diagonal" : fmt::format("  covariance: only within {}", join(together));
-}
 
 Eigen::MatrixXd read_points(const std::filesystem::path& file, const ParameterSpace& space) {
   const CsvTable table = parse_csv(read_text_file(file), file.string());
@@ -222,74 +193,6 @@ RunSummary run_simulate(const Study& study, const RunSettings& settings) {
                       {"folder", folder.path().string()},
                       {"file", folder.file("specimens.csv").string()}}
                      .dump(-1, ' ', false, Json::error_handler_t::replace);
-  return summary;
-}
-
-RunSummary run_check(const Study& study, const RunSettings& settings) {
-  const StudyParameters& parameters = study.parameters.list.empty() ? study.truth->parameters : study.parameters;
-  const StudyModel made = make_model(study, parameters, {.folder = {}, .cache = settings.cache, .stop = settings.stop});
-  const ModalModel& model = *made.model;
-  const Eigen::VectorXd mean = made.space->prior().mean();
-  const int most_modes = static_cast<int>(std::min(k_listed_modes, model.structure().mode_count()));
-  const ModeSet modes = model.structure().modes_at(mean, most_modes);
-  const double total_mass = model.structure().total_mass(mean);
-
-  RunSummary summary;
-  summary.status = "done";
-  auto& lines = summary.lines;
-  lines.push_back(fmt::format("{}: {} (units {})", study.file.string(), study.title, study.units));
-  for (std::string& line : model.structure().description(mean)) lines.push_back(std::move(line));
-  for (const std::string& note : made.notes) lines.push_back("note: " + note);
-  lines.push_back(fmt::format("{:<14} {:<24} {:<18} {:>12} {:>12}  bounds, how it enters", "parameter", "acts on",
-                              "distribution", "mean", "std"));
-  const Eigen::VectorXd deviation = made.space->prior().covariance().diagonal().cwiseSqrt();
-  for (std::size_t i = 0; i < parameters.list.size(); ++i) {
-    const StudyParameter& parameter = parameters.list[i];
-    lines.push_back(
-        fmt::format("{:<14} {:<24} {:<18} {:>12.6g} {:>12.6g}  [{}, {}], {} {}{}", parameter.name,
-                    join(parameter.targets), distribution_kind_info(parameter.distribution.kind).name,
-                    mean(static_cast<Eigen::Index>(i)), deviation(static_cast<Eigen::Index>(i)), parameter.lower_bound,
-                    parameter.upper_bound, parameter.is_factor ? "as a factor," : "in place of the value,",
-                    model.structure().parameter_role(static_cast<Eigen::Index>(i)), scale_text(parameter.scale)));
-  }
-  Json frequencies = Json::array();
-  const Eigen::Index listed = std::min(k_listed_modes, modes.eigenvalues.size());
-  const double scale = modes.eigenvalues.cwiseAbs().maxCoeff();
-  const std::string& unit = model.selection().frequency_unit;
-  for (Eigen::Index r = 0; r < listed; ++r) {
-    const double frequency = natural_frequency_hz(modes.eigenvalues(r), scale);
-    frequencies.push_back(frequency);
-    lines.push_back(fmt::format("mode {:<3} {:>12.6g} {} at the parameters' means", r + 1, frequency, unit));
-  }
-  std::vector<std::string> names;
-  for (const Output& output : model.outputs()) names.push_back(fmt::format("{} [{}]", output.name, output.unit));
-  lines.push_back("outputs: " + join(names));
-  Json json = {{"command", "check"},
-               {"title", study.title},
-               {"units", study.units},
-               {"total_mass", total_mass},
-               {"frequencies", frequencies},
-               {"parameters", parameters_json(*made.space)},
-               {"outputs", outputs_json(model.outputs())}};
-  if (study.test) {
-    const StudyTests tests = read_tests(study, model);
-    refuse_unit_errors(study, made, tests);
-    const CloudSettings rules = cloud_settings(study, tests.data.values.rows(), tests.data.values.cols());
-    lines.push_back(
-        fmt::format("tests: {} specimens of {} outputs", tests.data.values.rows(), tests.data.values.cols()));
-    for (const std::string& note : tests.notes) lines.push_back("  " + note);
-    lines.push_back(fmt::format("would run: method {}, {} samples an iteration, at most {} iterations: {} model runs",
-                                study.update.method, rules.samples, study.update.iterations,
-                                static_cast<std::int64_t>(rules.samples) * (study.update.iterations + 1)));
-    lines.push_back(covariance_line(study, made.space->names()));
-    for (const auto& [name, value] : make_method(study)->options()) {
-      lines.push_back(fmt::format("  {} = {}", name, option_text(value)));
-    }
-    json["specimens"] = tests.data.values.rows();
-    json["samples"] = rules.samples;
-    json["method"] = study.update.method;
-  }
-  summary.json = json.dump(-1, ' ', false, Json::error_handler_t::replace);
   return summary;
 }
 

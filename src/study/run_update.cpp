@@ -12,13 +12,12 @@
 #include "mottle/study/run.hpp"
 #include "mottle/study/run_folder.hpp"
 #include "mottle/updating/verdict.hpp"
-#include "predict.hpp"
 #include "rank_numbering.hpp"
 #include "result_json.hpp"
 #include "run_files.hpp"
 #include "solver_use.hpp"
 #include "surrogate_section.hpp"
-#include "unit_errors.hpp"
+#include "update_plan.hpp"
 
 namespace mottle {
 namespace {
@@ -152,25 +151,13 @@ void add_prediction(const Study& study, const PredictionPlan& plan, const Updati
 
 RunSummary run_update(const Study& study, const RunSettings& settings) {
   const double start = steady_seconds();
-  const StudyModel made = make_model(study, study.parameters, settings);
-  const StudyTests tests = read_tests(study, *made.model);
-  refuse_unit_errors(study, made, tests);
-  const std::unique_ptr<Updater> method = make_method(study);
-  std::vector<int> groups = covariance_groups(study, made.space->names());
-  std::optional<PredictionPlan> plan;
-  if (study.predict) plan = plan_prediction(study, settings);
+  const UpdatePlan plan = plan_update(study, settings);
+  const StudyModel& made = plan.made;
+  const StudyTests& tests = plan.tests;
   const RunFolder folder(settings.folder);
   LogObserver log(folder.file("mottle.log"), settings.observer, settings.resume);
   const JournalledModel model(*made.model, folder.journal(), study_fingerprint(study, made), settings.resume);
-  const UpdatingProblem given{.model = model,
-                              .derivatives = made.model->structure().has_derivatives() ? made.model.get() : nullptr,
-                              .space = *made.space,
-                              .tests = tests.data,
-                              .cloud = cloud_settings(study, tests.data.values.rows(), tests.data.values.cols()),
-                              .iterations = study.update.iterations,
-                              .level = study.update.level,
-                              .tolerance = study.update.tolerance,
-                              .covariance_groups = std::move(groups)};
+  const UpdatingProblem given = problem_of(study, plan, model);
   const RunContext context{.seed = study.seed, .threads = settings.threads, .observer = &log, .stop = settings.stop};
   for (const std::string& note : made.notes) context.note(note);
   for (const std::string& note : tests.notes) context.note(note);
@@ -184,7 +171,7 @@ RunSummary run_update(const Study& study, const RunSettings& settings) {
   if (study.surrogate) surrogate.emplace(given, *study.surrogate);
   const UpdatingProblem& problem = surrogate ? surrogate->problem() : given;
   UpdatingResult result = compute_or_discard(study, folder, result_names(), [&] {
-    return surrogate ? surrogate->run(*method, context) : method->update(given, context);
+    return surrogate ? surrogate->run(*plan.method, context) : plan.method->update(given, context);
   });
   if (result.status == UpdatingStatus::stopped) throw Stopped(result.message);
   const double updated = steady_seconds();
@@ -197,11 +184,11 @@ RunSummary run_update(const Study& study, const RunSettings& settings) {
   if (tests.is_by_rank) numbering = rank_warning(made.model->selection(), tests.data.values, result.history);
   if (!numbering && !result.history.empty()) numbering = bend_warning(made.model->selection(), result.history.back());
   if (numbering) context.warning(*numbering);
-  Json json = update_result_json(study, tests, problem, *method, result);
+  Json json = update_result_json(study, tests, problem, *plan.method, result);
   json["verdict"]["could_hide"] = hidden.list;
   if (numbering) json["notes"].push_back(*numbering + '.');
   json["surrogate"] = surrogate ? surrogate_json(*study.surrogate, *surrogate) : Json(nullptr);
-  if (plan) add_prediction(study, *plan, problem, result, context, folder, json);
+  if (plan.prediction) add_prediction(study, *plan.prediction, problem, result, context, folder, json);
   std::vector<Cloud> clouds;
   for (const IterationRecord& state : result.history) clouds.push_back(state.cloud);
   folder.write("study.toml", study_text_for(study, folder.path()));
@@ -225,7 +212,7 @@ RunSummary run_update(const Study& study, const RunSettings& settings) {
   const Verdict verdict = judge(problem, result);
   for (const std::string& line : verdict_lines(verdict, hidden)) context.note(line);
   summary.lines = summary_lines(problem, result, verdict, hidden);
-  if (plan) {
+  if (plan.prediction) {
     for (const auto& note : json["prediction"]["notes"]) summary.lines.push_back(note.get<std::string>());
   }
   summary.json = summary_json(json, folder).dump(-1, ' ', false, Json::error_handler_t::replace);

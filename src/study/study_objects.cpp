@@ -154,8 +154,17 @@ ModelParts make_calculix(const CalculixDeck& deck, const std::vector<ParameterTa
   return parts;
 }
 
+void refuse_programs(const StudyModelSource& source) {
+  const bool is_calculix = source.kind == StudyModelSource::Kind::calculix;
+  require(!is_calculix && source.kind != StudyModelSource::Kind::command,
+          "model.{}: '{}' would be run, which --no-run forbids; read the study and what it runs first",
+          is_calculix ? "program" : "command",
+          is_calculix ? source.program : join(source.command.command.arguments, " "));
+}
+
 ModelParts make_parts(const StudyModelSource& source, const std::vector<ParameterTargets>& targets,
                       const JointDistribution& prior, const RunSettings& settings) {
+  if (!settings.may_run_programs) refuse_programs(source);
   if (source.kind == StudyModelSource::Kind::command) {
     std::vector<std::string> names;
     for (const ParameterTargets& target : targets) names.push_back(target.targets.front());

@@ -47,13 +47,13 @@ auto with_key(const Study& study, const std::string& key, const Read& read) {
 
 void read_one(const Study& study, const std::filesystem::path& file, TestContents& contents) {
   if (is_universal(file)) {
-    contents.specimens.push_back(with_key(study, "test.file", [&] {
+    contents.specimens.push_back(with_key(study, study.test->key, [&] {
       return modes_from_uff(read_file(file), file.string(), study.units, contents.notes);
     }));
     return;
   }
   if (extension_of(file) == ".mat") {
-    const auto variables = with_key(study, "test.file", [&] { return read_mat(file.string()); });
+    const auto variables = with_key(study, study.test->key, [&] { return read_mat(file.string()); });
     if (variables.contains("shapes")) {
       for (MeasuredModes& specimen : modes_from_mat(variables, file.string(), study.units)) {
         contents.specimens.push_back(std::move(specimen));
@@ -61,7 +61,7 @@ void read_one(const Study& study, const std::filesystem::path& file, TestContent
       return;
     }
   }
-  CsvTable table = read_named_table(study, "test.file", file);
+  CsvTable table = read_named_table(study, study.test->key, file);
   if (table.find("dof") >= 0) {
     contents.specimens.push_back(modes_from_table(table, study.units));
   } else {
@@ -94,7 +94,7 @@ std::vector<std::filesystem::path> list_test_files(const Study& study) {
             : files_in(named.parent_path(), [&](const auto& name) { return matches_pattern(name.string(), pattern); });
     if (found.empty()) {
       throw InvalidInput(located(
-          study, fmt::format("test.file: {}: {}", named.string(),
+          study, fmt::format("{}: {}: {}", study.test->key, named.string(),
                              is_folder ? "this folder holds no .uff or .unv file" : "no file fits this pattern")));
     }
     files.insert(files.end(), found.begin(), found.end());
@@ -108,9 +108,9 @@ TestContents read_test_files(const Study& study) {
   for (const std::filesystem::path& file : files) {
     read_one(study, file, contents);
     if (contents.table && files.size() > 1) {
-      throw InvalidInput(located(
-          study, fmt::format("test.file: {} is a table with a row a specimen, which stands alone; {} files are named",
-                             file.string(), files.size())));
+      throw InvalidInput(
+          located(study, fmt::format("{}: {} is a table with a row a specimen, which stands alone; {} files are named",
+                                     study.test->key, file.string(), files.size())));
     }
   }
   return contents;

@@ -1,4 +1,5 @@
-"""Every wrong input gives one message that says where, what was found and what is allowed; exit code 2; no files.
+"""Every wrong input gives one message that says where, what was found and what is allowed; exit code 2; no files. What
+update refuses, check refuses with the same words.
 
     python3 errors_test.py PATH_TO_MOTTLE          MOTTLE_SHOW=1 prints each message
 """
@@ -18,7 +19,7 @@ class Case:
     """One wrong input and what its message must hold."""
 
     def __init__(self, name, expect, *, study=STUDY, tests=TESTS, files=None, arguments=None, at=None, tests_at=None,
-                 is_usage=False, code=2, prepare=None):
+                 is_usage=False, code=2, prepare=None, is_checked=True):
         self.name = name
         self.expect = list(expect)
         self.study = study
@@ -28,6 +29,7 @@ class Case:
         self.is_usage = is_usage
         self.code = code
         self.prepare = prepare
+        self.is_checked = is_checked  # whether `check` can know it
         if at is not None:
             self.expect.append(f"study.toml:{line_of(study, at)}: ")
         if tests_at is not None:
@@ -349,7 +351,7 @@ study_case("a control character in a mass's name", [("m1 = 1.0", '"m\\n1" = 1.0'
 study_case("no test file", [('"tests.csv"', '"missing.csv"')], ["test.file", "missing.csv", "no such file"],
            at="missing.csv")
 study_case("a folder in place of the test file", [('"tests.csv"', '"."')], ["test.file", "folder"], at='file = "."')
-study_case("no test", [('[test]\nfile = "tests.csv"', "")], ["test: is missing", "[test]"])
+study_case("no test", [('[test]\nfile = "tests.csv"', "")], ["test: is missing", "[test]"], is_checked=False)
 study_case("a logarithm of a parameter that is not positive",
            [(K2, '{ kind = "normal", mean = -2.0, std = 0.3 }\nscale = "log"\n\n[outputs]')],
            ["parameter.2.scale", '"log"', "mean is -2", "identity"], at='scale = "log"')
@@ -455,8 +457,8 @@ case("results below a regular file", ["tests.csv/out", "cannot be made"],
 case("results in place of a regular file", ["tests.csv", "cannot be made"],
      arguments=["update", "study.toml", "--out", "tests.csv"])
 case("results in /proc", ["/proc/mottle", "cannot be made"],
-     arguments=["update", "study.toml", "--out", "/proc/mottle"])
-case("results in /sys", ["/sys", "--out"], arguments=["update", "study.toml", "--out", "/sys"])
+     arguments=["update", "study.toml", "--out", "/proc/mottle"], is_checked=False)
+case("results in /sys", ["/sys", "--out"], arguments=["update", "study.toml", "--out", "/sys"], is_checked=False)
 case("propagate into /proc", ["/proc/mottle", "cannot be made"],
      arguments=["propagate", "study.toml", "--out", "/proc/mottle"])
 case("simulate into /proc", ["/proc/mottle", "cannot be made"], study=truth("specimens = 3"),
@@ -541,6 +543,9 @@ class ErrorsTest(support.CommandTest):
             self.assertIn(fragment, ended.err)
         for trace in ("terminate called", "what()", "Sanitizer", "a bug of Mottle", "std::", "./src/"):
             self.assertNotIn(trace, ended.err)
+        if wrong.arguments[0] == "update" and wrong.code == 2 and wrong.is_checked and not wrong.is_usage:
+            checked = self.call("check", *wrong.arguments[1:], timeout=20)
+            self.assertEqual((checked.code, checked.err), (2, ended.err), "check refuses what update refuses")
         self.assertEqual(before, sorted(str(path) for path in self.folder.rglob("*")), "a wrong input leaves no files")
 
 

@@ -72,6 +72,8 @@ class Predict(support.CommandTest):
                 ('[predict]\nfrequencies = [1]\nmodel = { "spring:k1" = 1.0 }\n', "model = {",
                  "is what parameter 'k1' acts on"),
                 ('[predict]\nfrequencies = [1]\nheldout = "x.csv"\n', "heldout", "did you mean 'held_out'?"),
+                ('[predict]\nfrequencies = [1]\nheld_out = "none.csv"\n', "held_out", "predict.held_out: "),
+                ('[predict]\nfrequencies = [1]\nheld_out = "*.nothing"\n', "held_out", "predict.held_out: "),
                 ('[predict]\nfrequencies = [1]\nrepeatability = { f7 = 1.0 }\n', "repeatability = { f7", "output 'f7'")):
             text = self.study + "\n" + block
             self.write("study.toml", text)
@@ -80,6 +82,7 @@ class Predict(support.CommandTest):
             self.assertIn(message, ended.err)
             self.assertIn(f"study.toml:{line_of(text, key)}: ", ended.err)
             self.assertFalse((self.folder / "refused").exists())
+            self.assertEqual(self.call("check", "study.toml").err, ended.err)
 
 
 if __name__ == "__main__":

@@ -18,6 +18,7 @@ struct RunSettings {
   std::filesystem::path cache{};  ///< folder of what later runs may use again; empty: none. Changes no number
   int threads = 1;
   bool resume = false;
+  bool may_run_programs = true;  ///< else a study whose model is run by a program is refused
   ProgressObserver* observer = nullptr;
   const std::atomic<bool>* stop = nullptr;
 };
@@ -51,8 +52,9 @@ RunSummary run_simulate(const Study& study, const RunSettings& settings);
 /// Errors: as run_update.
 RunSummary run_diagnose(const Study& study, const RunSettings& settings);
 
-/// Reads everything and says what would run; computes nothing long and writes nothing. Of the settings, `cache` and
-/// `stop` count.
+/// Reads everything, refuses whatever run_update would refuse before its first cloud, and says what would run, with the
+/// programs and the files outside of the study's folder. Computes nothing long, writes nothing into `folder`; a solver
+/// by command is run once.
 RunSummary run_check(const Study& study, const RunSettings& settings);
 
 }  // namespace mottle

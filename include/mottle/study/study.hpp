@@ -79,6 +79,7 @@ struct NoiseRule {
 
 /// [test]
 struct StudyTest {
+  std::string key = "test.file";              ///< that names the files, for messages
   std::vector<std::filesystem::path> files;   ///< files, folders or patterns, resolved against the study's folder
   std::vector<NoiseRule> repeatability = {};  ///< in the order of the file
   std::optional<std::filesystem::path> repeats_file = std::nullopt;  ///< repeated tests, in place of the rules
