@@ -1,10 +1,12 @@
 #include "console.hpp"
 
 #include <fmt/format.h>
+#include <sys/time.h>
 #include <unistd.h>
 
 #include <csignal>
 #include <cstdio>
+#include <string_view>
 
 #include "mottle/study/run_folder.hpp"
 
@@ -16,11 +18,21 @@ constexpr double k_terminal_interval_s = 0.1;
 
 static_assert(std::atomic<bool>::is_always_lock_free, "the signal handler needs it");
 
+/// Ends Mottle where a stop request was not answered in time, in a long factorisation say: what is on the disk is
+/// whole, the journal goes as far as it goes, and guards end their solvers.
+void end_now(int) {
+  constexpr std::string_view k_text = "mottle: stopped on request; go on with --resume\n";
+  (void)!::write(STDERR_FILENO, k_text.data(), k_text.size());
+  ::_exit(k_stopped);
+}
+
 void request_stop(int signal_number) {
   if (stop_flag().exchange(true)) {
     std::signal(signal_number, SIG_DFL);
     std::raise(signal_number);
   }
+  const itimerval patience{.it_interval = {0, 0}, .it_value = {0, 900'000}};
+  ::setitimer(ITIMER_REAL, &patience, nullptr);
 }
 
 }  // namespace
@@ -32,6 +44,7 @@ std::atomic<bool>& stop_flag() {
 
 void catch_signals() {
   stop_flag();
+  std::signal(SIGALRM, end_now);
   for (const int signal_number : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal_number, request_stop);
   // A file beyond the allowed size is an error of that write, not the end. (An ignored signal would be so in solvers
   // too.)

@@ -30,10 +30,14 @@ class Console final : public ProgressObserver {
   std::string stage_;
 };
 
+/// The exit code of a job that was stopped on request.
+inline constexpr int k_stopped = 4;
+
 /// Set by SIGINT, SIGTERM and SIGHUP.
 std::atomic<bool>& stop_flag();
 
-/// From now on those signals ask for a stop; a second one ends the program at once.
+/// From now on those signals ask for a stop; where none comes within 0.9 s, or at a second signal, the program ends at
+/// once, and what it has finished stays for --resume.
 void catch_signals();
 
 }  // namespace mottle::app

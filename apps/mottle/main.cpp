@@ -23,7 +23,6 @@ namespace {
 
 constexpr int k_wrong_input = 2;
 constexpr int k_failed = 3;
-constexpr int k_stopped = 4;
 constexpr int k_our_bug = 70;
 
 int fail(int code, const std::string& message) {
@@ -84,7 +83,7 @@ int main(int argc, char** argv) {
   } catch (const mottle::SystemFailure& error) {
     return fail(k_failed, error.what());
   } catch (const mottle::Stopped& error) {
-    return fail(k_stopped, fmt::format("{}; go on with --resume", error.what()));
+    return fail(mottle::app::k_stopped, fmt::format("{}; go on with --resume", error.what()));
   } catch (const std::bad_alloc&) {
     return fail(k_failed, "the memory does not suffice for this study; lower update.samples or take a larger machine");
   } catch (const std::system_error& error) {  // files, threads, descriptors: the machine's answers

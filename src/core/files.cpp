@@ -5,6 +5,7 @@
 
 #include <atomic>
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <iterator>
@@ -32,6 +33,15 @@ class Descriptor {
 
 std::string error_text() {
   return std::strerror(errno);
+}
+
+/// Why `path` cannot be opened for writing: the machine's limits, or a place that is not the user's to write.
+[[noreturn]] void refuse_to_write(const std::filesystem::path& path, const char* what, const char* advice) {
+  const std::string message = fmt::format("{}: {}: {}", path.string(), what, error_text());
+  for (const int limit : {ENOSPC, EDQUOT, EMFILE, ENFILE, ENOMEM, EIO}) {
+    if (errno == limit) throw SystemFailure(message);
+  }
+  throw InvalidInput(message + advice);
 }
 
 void write_all(int descriptor, std::string_view bytes, const std::filesystem::path& path) {
@@ -106,7 +116,7 @@ void write_file_atomically(const std::filesystem::path& path, std::string_view b
 void write_file_atomically(const std::filesystem::path& path, std::span<const std::string_view> pieces) {
   std::string partial;
   const Descriptor descriptor(open_partial(path, partial));
-  require(descriptor.get() >= 0, "{}: cannot be written: {}", path.string(), error_text());
+  if (descriptor.get() < 0) refuse_to_write(path, "cannot be written", "");
   try {
     for (const std::string_view piece : pieces) write_all(descriptor.get(), piece, path);
     if (::fsync(descriptor.get()) != 0) {
@@ -122,6 +132,15 @@ void write_file_atomically(const std::filesystem::path& path, std::span<const st
   flush_folder(folder_of(path));
 }
 
+std::filesystem::path temporary_folder() {
+  std::error_code error;
+  std::filesystem::path folder = std::filesystem::temp_directory_path(error);
+  if (!error) return folder;
+  const char* given = std::getenv("TMPDIR");
+  throw SystemFailure(fmt::format("{}: the folder for temporary files: {}; set TMPDIR to one that is there",
+                                  given != nullptr ? given : "/tmp", error.message()));
+}
+
 void make_writable_folder(const std::filesystem::path& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
@@ -130,8 +149,9 @@ void make_writable_folder(const std::filesystem::path& folder) {
           error ? error.message() : "something else has that name");
   const std::filesystem::path probe = folder / ".mottle-probe";
   const Descriptor descriptor(::open(probe.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644));
-  require(descriptor.get() >= 0, "{}: nothing can be written there: {}; name another place with --out", folder.string(),
-          error_text());
+  if (descriptor.get() < 0) {
+    refuse_to_write(folder, "nothing can be written there", "; name another place with --out");
+  }
   ::unlink(probe.c_str());
 }
 

@@ -6,6 +6,7 @@
 #include <atomic>
 #include <exception>
 #include <mutex>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -35,7 +36,10 @@ void parallel_for(std::int64_t count, std::int64_t grain, int threads,
   };
   {
     std::vector<std::jthread> pool;
-    for (int worker = 1; worker < workers; ++worker) pool.emplace_back(work);
+    try {
+      for (int worker = 1; worker < workers; ++worker) pool.emplace_back(work);
+    } catch (const std::system_error&) {  // no more threads: those that there are do the same
+    }
     work();
   }
   if (first_error) std::rethrow_exception(first_error);

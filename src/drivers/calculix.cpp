@@ -30,7 +30,7 @@ std::map<std::string, std::string> one_thread() {
 class PrivateFolder {
  public:
   PrivateFolder() {
-    std::string name = (fs::temp_directory_path() / "mottle-ccx-XXXXXX").string();
+    std::string name = (temporary_folder() / "mottle-ccx-XXXXXX").string();
     if (mkdtemp(name.data()) == nullptr) {
       throw SystemFailure(fmt::format("{}: cannot make a folder: {}", name, std::strerror(errno)));
     }

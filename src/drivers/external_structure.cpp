@@ -5,6 +5,7 @@
 #include <condition_variable>
 #include <exception>
 #include <limits>
+#include <system_error>
 #include <thread>
 
 #include "mottle/core/error.hpp"
@@ -31,7 +32,11 @@ class ExternalStructure::Pool {
   Pool(Eigen::Index count, int parallel, std::function<void(Eigen::Index, const std::atomic<bool>&)> work)
       : count_(count), work_(std::move(work)) {
     const auto threads = std::min<Eigen::Index>(count, parallel);
-    for (Eigen::Index t = 0; t < threads; ++t) threads_.emplace_back([this] { take_samples(); });
+    try {
+      for (Eigen::Index t = 0; t < threads; ++t) threads_.emplace_back([this] { take_samples(); });
+    } catch (const std::system_error& error) {  // fewer at once, then
+      if (threads_.empty()) throw SystemFailure(fmt::format("no thread can be started: {}", error.code().message()));
+    }
   }
   ~Pool() { halt_ = true; }
   Pool(const Pool&) = delete;

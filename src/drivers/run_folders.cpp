@@ -92,7 +92,7 @@ RunFolders::RunFolders(const std::filesystem::path& results, bool forgets)
     : results_(results), is_temporary_(results.empty()) {
   std::error_code ignored;
   if (is_temporary_) {
-    results_ = make_private(std::filesystem::temp_directory_path());
+    results_ = make_private(temporary_folder());
   } else {
     make_writable_folder(results_);
     results_ = std::filesystem::absolute(results_);

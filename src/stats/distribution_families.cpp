@@ -1,6 +1,7 @@
 #include "stats/distribution_families.hpp"
 
 #include <algorithm>
+#include <array>
 #include <boost/math/quadrature/gauss.hpp>
 #include <cmath>
 #include <limits>
@@ -209,6 +210,28 @@ class GammaFamily : public Distribution::Implementation {
   double rate_;
 };
 
+/// Squares and logarithms of what lies beyond are no numbers.
+void require_sizes(const DistributionSpec& spec) {
+  constexpr double k_most = 1e150;
+  const bool is_between = spec.kind == DistributionKind::uniform || spec.kind == DistributionKind::beta;
+  const double not_used = std::nan("");
+  const std::array<std::pair<const char*, double>, 4> sizes{{{"mean", spec.mean},
+                                                             {"std", spec.std},
+                                                             {"lower", is_between ? spec.lower : not_used},
+                                                             {"upper", is_between ? spec.upper : not_used}}};
+  for (const auto& [key, value] : sizes) {
+    const double size = std::abs(value);
+    require(!std::isfinite(value) || value == 0.0 || (size <= k_most && size >= 1.0 / k_most),
+            "{}: {} is not 0 and not within 1e-150 and 1e150 in size; give the model other units", key, value);
+  }
+}
+
+void require_lognormal_exists(const DistributionSpec& spec) {
+  require(spec.mean > 0.0, "mean: {} of a lognormal distribution must be positive", spec.mean);
+  require(spec.std <= 1e3 * spec.mean, "std: {} of a lognormal distribution must be at most 1e3 times the mean, {}",
+          spec.std, spec.mean);
+}
+
 void require_truncation_leaves_mass(const DistributionSpec& spec) {
   const double from = (spec.lower - spec.mean) / spec.std;
   const double to = (spec.upper - spec.mean) / spec.std;
@@ -241,11 +264,12 @@ void require_gamma_exists(const DistributionSpec& spec) {
 }  // namespace
 
 std::shared_ptr<const Distribution::Implementation> make_distribution_family(const DistributionSpec& spec) {
+  require_sizes(spec);
   switch (spec.kind) {
     case DistributionKind::normal:
       return std::make_shared<NormalFamily>(spec);
     case DistributionKind::lognormal:
-      require(spec.mean > 0.0, "mean: {} of a lognormal distribution must be positive", spec.mean);
+      require_lognormal_exists(spec);
       return std::make_shared<LognormalFamily>(spec);
     case DistributionKind::uniform:
       return std::make_shared<UniformFamily>(spec);

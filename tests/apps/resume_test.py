@@ -118,6 +118,23 @@ class ResumeTest(support.CommandTest):
                     self.assertEqual(numbers(self.out), self.reference)
             self.assert_resumes(f"killed when {name} appeared")
 
+    def test_a_stop_request_is_answered_within_a_second(self):
+        """While decks are read, a basis is trained, clouds run and derivatives are taken."""
+        for moment in (0.1, 0.3, 0.6, 1.0, 1.4, 1.8, 2.2, 2.6):
+            process = subprocess.Popen([support.MOTTLE, "update", str(support.SOURCE / "examples" / "02-airframe" / "study.toml"), "--out", str(self.out),
+                                        "--cache", "off", "--quiet", "--set", "update.iterations=30"], stderr=subprocess.PIPE, text=True)
+            time.sleep(moment)
+            if process.poll() is not None:
+                break
+            start = time.monotonic()
+            process.send_signal(signal.SIGINT)
+            _, err = process.communicate(timeout=20)
+            self.assertLess(time.monotonic() - start, 1.2 * support.PATIENCE, f"after {moment} s")
+            if process.returncode == -signal.SIGINT:
+                continue  # it had not begun
+            self.assertEqual(process.returncode, 4, err)
+            self.assertIn("--resume", err)
+
     def test_signals_stop_the_run_resumably(self):
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
             shutil.rmtree(self.out, ignore_errors=True)

@@ -190,6 +190,11 @@ TEST(Distribution, SaysWhichValueIsWrong) {
   EXPECT_THAT(message_of({.kind = Kind::normal, .mean = 1.0, .std = 1.0, .lower = 0.0}), StartsWith("lower: 0"));
   EXPECT_THAT(message_of({.kind = Kind::uniform, .lower = 2.0, .upper = 2.0}), StartsWith("lower: 2"));
   EXPECT_THAT(message_of({.kind = Kind::lognormal, .mean = -1.0, .std = 1.0}), StartsWith("mean: -1"));
+  EXPECT_THAT(message_of({.kind = Kind::lognormal, .mean = 1e308, .std = 1e307}), StartsWith("mean: 1e+308"));
+  EXPECT_THAT(message_of({.kind = Kind::lognormal, .mean = 1e-308, .std = 1e-308}), StartsWith("mean: 1e-308"));
+  EXPECT_THAT(message_of({.kind = Kind::lognormal, .mean = 1.0, .std = 1e4}), StartsWith("std: 10000"));
+  EXPECT_THAT(message_of({.kind = Kind::normal, .mean = 1.0, .std = 1e200}), StartsWith("std: 1e+200"));
+  EXPECT_THAT(message_of({.kind = Kind::uniform, .lower = -1.7e308, .upper = 1.7e308}), StartsWith("lower: -1.7e+308"));
   EXPECT_THAT(message_of({.kind = Kind::gamma, .mean = 0.0, .std = 1.0}), StartsWith("mean: 0"));
   EXPECT_THAT(message_of({.kind = Kind::beta, .mean = 3.0, .std = 0.1, .lower = 0.0, .upper = 3.0}),
               StartsWith("mean: 3"));
