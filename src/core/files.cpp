@@ -1,20 +1,22 @@
 #include "mottle/core/files.hpp"
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
-#include <fstream>
-#include <iterator>
 #include <system_error>
 
 #include "mottle/core/error.hpp"
 
 namespace mottle {
 namespace {
+
+constexpr const char* k_not_regular = "{}: is a {}, a regular file is needed";
 
 /// Closes a file descriptor at the end of its scope.
 class Descriptor {
@@ -92,21 +94,51 @@ void flush_folder(const std::filesystem::path& folder) {
   if (descriptor.get() >= 0) ::fsync(descriptor.get());
 }
 
+[[noreturn]] void fail_to_open(const std::filesystem::path& path, int reason) {
+  const std::string text = std::strerror(reason);
+  require(reason != ENOENT && reason != ENOTDIR, "{}: no such file", path.string());
+  require(reason != ENXIO && reason != ENODEV, k_not_regular, path.string(), "socket or device");
+  const bool is_machines = reason == EMFILE || reason == ENFILE || reason == ENOMEM || reason == EIO;
+  if (is_machines) throw SystemFailure(fmt::format("{}: cannot be opened: {}", path.string(), text));
+  throw InvalidInput(fmt::format("{}: cannot be read: {}", path.string(), text));
+}
+
+std::uint64_t size_of_regular_file(int descriptor, const std::filesystem::path& path) {
+  struct stat status = {};
+  if (::fstat(descriptor, &status) != 0) {
+    throw SystemFailure(fmt::format("{}: cannot be read: {}", path.string(), error_text()));
+  }
+  require(!S_ISDIR(status.st_mode), "{}: is a folder, a file is needed", path.string());
+  require(!S_ISFIFO(status.st_mode), k_not_regular, path.string(), "named pipe");
+  require(S_ISREG(status.st_mode), k_not_regular, path.string(), "device");
+  return static_cast<std::uint64_t>(status.st_size);
+}
+
 }  // namespace
 
-std::string read_file(const std::filesystem::path& path) {
-  std::error_code status_error;
-  const auto status = std::filesystem::status(path, status_error);
-  require(status.type() != std::filesystem::file_type::not_found, "{}: no such file", path.string());
-  require(!status_error, "{}: cannot be read: {}", path.string(), status_error.message());
-  require(!std::filesystem::is_directory(status), "{}: is a folder, a file is needed", path.string());
-  std::ifstream stream(path, std::ios::binary);
-  require(stream.good(), "{}: cannot be read: {}", path.string(), error_text());
-  try {
-    return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-  } catch (const std::ios_base::failure&) {  // the stream's buffer throws, whatever the stream's exception mask
-    throw SystemFailure(fmt::format("{}: reading failed: {}", path.string(), error_text()));
+std::string read_file(const std::filesystem::path& path, std::uint64_t most_bytes) {
+  // Without O_NONBLOCK a named pipe waits for its other end; what was opened is then looked at, not its name.
+  const Descriptor descriptor(::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC));
+  if (descriptor.get() < 0) fail_to_open(path, errno);
+  const std::uint64_t expected = size_of_regular_file(descriptor.get(), path);
+  const auto check_size = [&](std::uint64_t size) {
+    require(size <= most_bytes, "{}: has {} bytes, at most {} are read of such a file", path.string(), size,
+            most_bytes);
+  };
+  check_size(expected);
+  std::string bytes(expected + 1, '\0');  // one more shows whether the file has grown
+  std::size_t end = 0;
+  while (true) {
+    const ssize_t count = ::read(descriptor.get(), bytes.data() + end, bytes.size() - end);
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) throw SystemFailure(fmt::format("{}: reading failed: {}", path.string(), error_text()));
+    if (count == 0) break;
+    end += static_cast<std::size_t>(count);
+    check_size(end);
+    if (end == bytes.size()) bytes.resize(end + std::max<std::size_t>(end / 2, 65536));
   }
+  bytes.resize(end);
+  return bytes;
 }
 
 void write_file_atomically(const std::filesystem::path& path, std::string_view bytes) {

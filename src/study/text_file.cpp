@@ -10,10 +10,6 @@
 namespace mottle {
 
 std::string read_text_file(const std::filesystem::path& file) {
-  std::error_code ignored;
-  const auto status = std::filesystem::status(file, ignored);
-  const bool can_end = !std::filesystem::is_character_file(status) && !std::filesystem::is_block_file(status);
-  require(can_end, "{}: is a device, a regular file is needed", file.string());
   std::string bytes = read_file(file);
   for (std::size_t i = 0; i < bytes.size();) {
     const std::size_t length = utf8_length(std::string_view(bytes).substr(i));

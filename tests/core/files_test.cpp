@@ -2,6 +2,10 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <unistd.h>
 
 #include <fstream>
 #include <iterator>
@@ -68,6 +72,44 @@ TEST(ReadFile, ReportsAnInputErrorOfTheSystem) {
   // Linux: address 0 of a process is not mapped, so reading its memory from the start fails with EIO.
   if (!std::filesystem::exists("/proc/self/mem")) GTEST_SKIP() << "no /proc/self/mem on this system";
   EXPECT_THROW(read_file("/proc/self/mem"), SystemFailure);
+}
+
+TEST(ReadFile, DoesNotWaitForANamedPipe) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(::mkfifo((folder / "pipe").c_str(), 0600), 0);
+  EXPECT_THAT(message_of<InvalidInput>([&] { read_file(folder / "pipe"); }),
+              HasSubstr("is a named pipe, a regular file is needed"));
+}
+
+TEST(ReadFile, RefusesDevicesAndSockets) {
+  EXPECT_THAT(message_of<InvalidInput>([] { read_file("/dev/zero"); }), HasSubstr("is a device"));
+  const TemporaryFolder folder;
+  std::filesystem::create_symlink("/dev/zero", folder / "link");
+  EXPECT_THAT(message_of<InvalidInput>([&] { read_file(folder / "link"); }), HasSubstr("is a device"));
+  const int descriptor = ::socket(AF_UNIX, SOCK_STREAM, 0);
+  sockaddr_un address = {.sun_family = AF_UNIX, .sun_path = {}};
+  const std::string place = (folder / "socket").string();
+  ASSERT_LT(place.size(), sizeof(address.sun_path));
+  place.copy(address.sun_path, place.size());
+  ASSERT_EQ(::bind(descriptor, reinterpret_cast<const sockaddr*>(&address), sizeof(address)), 0);
+  EXPECT_THAT(message_of<InvalidInput>([&] { read_file(place); }), HasSubstr("is a socket"));
+  ::close(descriptor);
+}
+
+TEST(ReadFile, RefusesAFileBeyondTheLimitBeforeItAsksForMemory) {
+  const TemporaryFolder folder;
+  write_file_atomically(folder / "file", "12345");
+  EXPECT_EQ(read_file(folder / "file", 5), "12345");
+  EXPECT_THAT(message_of<InvalidInput>([&] { read_file(folder / "file", 4); }), HasSubstr("has 5 bytes, at most 4"));
+  std::filesystem::resize_file(folder / "file", std::uint64_t{1} << 42);  // 4 TiB that take no space
+  EXPECT_THAT(message_of<InvalidInput>([&] { read_file(folder / "file"); }), HasSubstr("at most 8589934592"));
+}
+
+TEST(ReadFile, ReadsWhatTheSystemSaysIsEmpty) {
+  // Files of /proc have a size of 0, as one that grows while it is read has too small a one.
+  if (!std::filesystem::exists("/proc/self/status")) GTEST_SKIP() << "no /proc/self/status on this system";
+  EXPECT_THAT(read_file("/proc/self/status"), HasSubstr("Name:"));
+  EXPECT_THAT(message_of<InvalidInput>([] { read_file("/proc/self/status", 10); }), HasSubstr("at most 10"));
 }
 
 TEST(WriteFileAtomically, ReplacesWhatWasThere) {

@@ -9,8 +9,16 @@
 
 namespace mottle {
 
-/// The whole file as bytes. Throws InvalidInput where it is missing or unreadable (names the path and the reason).
-std::string read_file(const std::filesystem::path& path);
+/// Largest file that is read as a whole: 8 GiB, a matrix of 200 million entries as text.
+inline constexpr std::uint64_t k_largest_file = std::uint64_t{8} << 30;
+
+/// The whole file as bytes, as long as it was when its end was read. Named pipes, devices and sockets, which may never
+/// end, are not waited for.
+///
+/// @param most_bytes  limit, held against the file's size before memory is asked for
+/// @throws InvalidInput   missing, unreadable, larger than the limit, or not a regular file (path and reason)
+/// @throws SystemFailure  the disk or the system failed
+std::string read_file(const std::filesystem::path& path, std::uint64_t most_bytes = k_largest_file);
 
 /// Writes `bytes` beside `path`, flushes them to the disk and renames: a reader sees the old file or the new one.
 /// Throws SystemFailure (full disk, no descriptors or inodes left), InvalidInput (place not writable).
