@@ -12,9 +12,9 @@ add_library(mottle INTERFACE)
 add_library(mottle::mottle ALIAS mottle)
 target_link_libraries(mottle INTERFACE mottle::report)  # the top layer; the others follow from it
 
-# mottle_tomlplusplus, mottle_matio, mottle_sparse and mottle_hdf5 are exported
+# mottle_tomlplusplus, mottle_re2, mottle_sparse and mottle_hdf5 are exported
 # because a static library names even what it links privately.
-install(TARGETS ${mottle_layers} mottle_tomlplusplus mottle_matio mottle_sparse mottle_hdf5 mottle EXPORT mottle
+install(TARGETS ${mottle_layers} mottle_tomlplusplus mottle_re2 mottle_sparse mottle_hdf5 mottle EXPORT mottle
   ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development)
 install(DIRECTORY include/mottle DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development
   FILES_MATCHING PATTERN "*.hpp")
@@ -49,7 +49,7 @@ parameters that explains the measured scatter, and says how sure that is.")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libmottle-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
-  "libboost-dev, libeigen3-dev, libfmt-dev, libhdf5-dev, libmatio-dev, libmumps-seq-dev, libblas-dev, libopenturns-dev, libsuitesparse-dev, libtomlplusplus-dev, nlohmann-json3-dev")
+  "libboost-dev, libeigen3-dev, libfmt-dev, libhdf5-dev, libmumps-seq-dev, libblas-dev, libopenturns-dev, libre2-dev, libsuitesparse-dev, libtomlplusplus-dev, nlohmann-json3-dev, zlib1g-dev")
 set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION
 "Headers, static libraries and CMake package of Mottle, an engine for
 stochastic finite-element model updating.")

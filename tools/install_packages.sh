@@ -6,11 +6,11 @@ set -euo pipefail
 
 # "package" or "package:command": a command on the PATH counts too (node and npm often come from elsewhere, and
 # Debian's npm would conflict with them).
-run=(libcholmod3 libfmt9 libhdf5-103-1 libmatio11 libmumps-seq-5.5 libopenblas0 libopenturns0.21 libtomlplusplus3)
+run=(libcholmod3 libfmt9 libhdf5-103-1 libmumps-seq-5.5 libopenblas0 libopenturns0.21 libre2-9 libtomlplusplus3 zlib1g)
 build=(g++ make cmake ninja-build ca-certificates nodejs:node npm:npm
-       libeigen3-dev libboost-dev libfmt-dev libhdf5-dev libmatio-dev libmumps-seq-dev libopenblas0 libopenturns-dev
-       librandom123-dev libsuitesparse-dev libtomlplusplus-dev
-       libxxhash-dev nlohmann-json3-dev libcli11-dev)
+       libeigen3-dev libboost-dev libfmt-dev libhdf5-dev libmumps-seq-dev libopenblas0 libopenturns-dev
+       librandom123-dev libre2-dev libsuitesparse-dev libtomlplusplus-dev
+       libxxhash-dev nlohmann-json3-dev zlib1g-dev libcli11-dev)
 test=(libgtest-dev libgmock-dev python3:python3 chromium:chromium calculix-ccx:ccx)
 ci=(clang-format:clang-format clang-tidy:clang-tidy gcovr:gcovr dpkg-dev file ccache:ccache)
 fuzz=(clang:clang++)

@@ -32,10 +32,13 @@ int edit_distance(std::string_view a, std::string_view b) {
 }
 
 std::string nearest_name(std::string_view name, const std::vector<std::string>& candidates) {
+  constexpr std::size_t k_longest_mistyped = 200;  // comparing takes the product of the lengths
+  if (name.size() > k_longest_mistyped) return {};
   const int allowed = std::max(2, static_cast<int>(name.size()) / 3);
   std::string best;
   int best_distance = allowed + 1;
   for (const std::string& candidate : candidates) {
+    if (candidate.size() > name.size() + static_cast<std::size_t>(allowed)) continue;
     const int distance = edit_distance(name, candidate);
     const bool shares_letters = distance < static_cast<int>(std::max(name.size(), candidate.size()));
     if (shares_letters && distance < best_distance) {
@@ -74,6 +77,25 @@ bool matches_pattern(std::string_view name, std::string_view pattern) {
     }
   }
   return pattern.find_first_not_of('*', in_pattern) == std::string_view::npos;
+}
+
+bool nests_deeper_than(std::string_view json, int levels) {
+  int level = 0;
+  bool is_in_text = false;
+  for (std::size_t i = 0; i < json.size(); ++i) {
+    const char c = json[i];
+    if (is_in_text) {
+      i += c == '\\' ? 1 : 0;
+      is_in_text = c != '"';
+    } else if (c == '"') {
+      is_in_text = true;
+    } else if (c == '[' || c == '{') {
+      if (++level > levels) return true;
+    } else if (c == ']' || c == '}') {
+      --level;
+    }
+  }
+  return false;
 }
 
 std::string number_text(double value) {

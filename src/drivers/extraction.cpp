@@ -3,11 +3,11 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>
-#include <regex>
 
 #include "mottle/core/error.hpp"
 #include "mottle/core/files.hpp"
 #include "mottle/core/text.hpp"
+#include "mottle/drivers/number_pattern.hpp"
 #include "mottle/formats/calculix_results.hpp"
 #include "mottle/formats/csv.hpp"
 #include "mottle/formats/nastran_modes.hpp"
@@ -73,18 +73,11 @@ Eigen::VectorXd read_column(std::string_view bytes, const FrequencyRule& rule) {
 }
 
 Eigen::VectorXd read_matches(std::string_view bytes, const FrequencyRule& rule) {
-  constexpr std::size_t k_longest_line = 2000;  // the library's search goes as deep as a line is long
-  const std::regex pattern(rule.pattern);
+  const NumberPattern pattern(rule.pattern);
   std::vector<double> values;
   for (LineWalker walker(bytes); walker.next();) {
-    if (walker.line().size() > k_longest_line) {
-      throw FormatError(rule.file, walker.number(),
-                        fmt::format("has {} characters, patterns are tried on lines of at most {}",
-                                    walker.line().size(), k_longest_line));
-    }
-    const char* begin = walker.line().data();
-    for (std::cregex_iterator match(begin, begin + walker.line().size(), pattern), end; match != end; ++match) {
-      values.push_back(number_at((*match)[1].str(), rule.file, walker.number()));
+    for (const std::string_view number : pattern.first_groups(walker.line())) {
+      values.push_back(number_at(number, rule.file, walker.number()));
     }
   }
   return to_vector(values);
@@ -104,19 +97,23 @@ Eigen::VectorXd read_csv_column(std::string_view bytes, const FrequencyRule& rul
 }
 
 Eigen::VectorXd read_json_list(const std::string& bytes, const FrequencyRule& rule) {
-  nlohmann::json node = nlohmann::json::parse(bytes, nullptr, false);
-  if (node.is_discarded()) throw FormatError(rule.file, 0, "is not JSON");
+  if (nests_deeper_than(bytes, k_deepest_json)) {
+    throw FormatError(rule.file, 0, fmt::format("is JSON nested deeper than {} levels", k_deepest_json));
+  }
+  const nlohmann::json root = nlohmann::json::parse(bytes, nullptr, false);
+  if (root.is_discarded()) throw FormatError(rule.file, 0, "is not JSON");
+  const nlohmann::json* node = &root;
   std::string_view path = rule.column;
   while (!path.empty()) {
     const std::string key(path.substr(0, path.find('.')));
     path.remove_prefix(std::min(path.size(), key.size() + 1));
-    if (!node.is_object() || !node.contains(key))
+    if (!node->is_object() || !node->contains(key))
       throw FormatError(rule.file, 0, fmt::format("has no '{}'", rule.column));
-    node = nlohmann::json(node[key]);
+    node = &node->at(key);
   }
-  if (!node.is_array()) throw FormatError(rule.file, 0, fmt::format("'{}' is not a list", rule.column));
+  if (!node->is_array()) throw FormatError(rule.file, 0, fmt::format("'{}' is not a list", rule.column));
   std::vector<double> values;
-  for (const auto& entry : node) {
+  for (const auto& entry : *node) {
     if (!entry.is_number()) {
       throw FormatError(rule.file, 0, fmt::format("number {} of '{}' is not a number", values.size() + 1, rule.column));
     }

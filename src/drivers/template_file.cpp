@@ -1,9 +1,10 @@
 #include "mottle/drivers/template_file.hpp"
 
+#include <re2/re2.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <regex>
 
 #include "mottle/core/error.hpp"
 #include "mottle/core/text.hpp"
@@ -46,7 +47,7 @@ Template::Template(std::string_view text, std::string file, const std::vector<st
 }
 
 Template::Place Template::read_place(std::string_view inside, int line, const std::vector<std::string>& names) const {
-  static const std::regex k_format(R"(%[-+ 0]*([1-9][0-9]?)?(\.[0-9][0-9]?)?[eEfFgGd])");
+  static const re2::RE2 k_format(R"(%[-+ 0]*([1-9][0-9]?)?(?:\.[0-9][0-9]?)?[eEfFgGd])");
   const std::size_t percent = inside.find('%');
   // A name may hold a colon: a format begins with the one before its percent sign.
   const std::size_t colon = percent == std::string_view::npos ? percent : inside.rfind(':', percent);
@@ -65,15 +66,15 @@ Template::Place Template::read_place(std::string_view inside, int line, const st
   place.parameter = static_cast<std::size_t>(found - names.begin());
   if (colon == std::string_view::npos) return place;
   place.format = trimmed(inside.substr(colon + 1));
-  std::smatch parts;
-  if (!std::regex_match(place.format, parts, k_format)) {
+  std::string width;
+  if (!re2::RE2::FullMatch(place.format, k_format, &width)) {
     throw FormatError(
         file_, line,
         fmt::format("'{}' is no format for {}; allowed are %e, %f, %g and %d with a width and a precision "
                     "of at most two digits, like %8.3e",
                     place.format, place.name));
   }
-  if (parts[1].matched) place.width = static_cast<std::size_t>(std::stoi(parts[1]));
+  if (!width.empty()) place.width = static_cast<std::size_t>(std::stoi(width));
   return place;
 }
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <limits>
 #include <optional>
-#include <regex>
 #include <set>
 
 #include "matrix_text.hpp"
@@ -314,13 +313,16 @@ std::string deck_with_places(const CalculixDeck& deck, const std::vector<Calculi
 }
 
 bool writes_displacements(const CalculixDeck& deck) {
-  const std::regex displacements(R"(,\s*U\s*,)");
   for (std::size_t i = 0; i < deck.lines.size(); ++i) {
     const std::optional<Keyword> keyword = keyword_of(deck.lines[i].text);
     if (!keyword || (keyword->name != "NODE FILE" && keyword->name != "NODE OUTPUT")) continue;
     for (const std::size_t line : data_lines(deck, i)) {
-      const std::string text = fmt::format(",{},", capital_letters(deck.lines[line].text));
-      if (std::regex_search(text, displacements)) return true;
+      const std::string text = capital_letters(deck.lines[line].text);
+      for (std::size_t begin = 0; begin <= text.size();) {
+        const std::size_t comma = std::min(text.find(',', begin), text.size());
+        if (trim_blanks(std::string_view(text).substr(begin, comma - begin)) == "U") return true;
+        begin = comma + 1;
+      }
     }
   }
   return false;

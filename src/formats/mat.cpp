@@ -1,114 +1,113 @@
 #include "mottle/formats/mat.hpp"
 
-#include <matio.h>
+#include <cstring>
 
-#include <memory>
-
+#include "mat_readers.hpp"
 #include "mottle/core/error.hpp"
 #include "mottle/core/files.hpp"
 
 namespace mottle {
 namespace {
 
-struct Close {
-  void operator()(mat_t* file) const { Mat_Close(file); }
-  void operator()(matvar_t* variable) const { Mat_VarFree(variable); }
-};
-
 template <typename Number>
-void append(const matvar_t& variable, std::vector<double>& numbers) {
-  const auto* data = static_cast<const Number*>(variable.data);
-  const std::size_t count = variable.nbytes / sizeof(Number);
-  for (std::size_t k = 0; k < count; ++k) numbers.push_back(static_cast<double>(data[k]));
-}
-
-/// Whether the variable is an array of real numbers.
-bool read_numbers(const matvar_t& variable, std::vector<double>& numbers) {
-  if (variable.isComplex != 0 || variable.data == nullptr) return false;
-  switch (variable.data_type) {
-    case MAT_T_DOUBLE:
-      append<double>(variable, numbers);
-      return true;
-    case MAT_T_SINGLE:
-      append<float>(variable, numbers);
-      return true;
-    case MAT_T_INT32:
-      append<mat_int32_t>(variable, numbers);
-      return true;
-    case MAT_T_UINT8:
-      append<mat_uint8_t>(variable, numbers);
-      return true;
-    case MAT_T_INT16:
-      append<mat_int16_t>(variable, numbers);
-      return true;
-    case MAT_T_UINT16:
-      append<mat_uint16_t>(variable, numbers);
-      return true;
-    default:
-      return false;
+void append(std::string_view bytes, bool is_swapped, std::vector<double>& numbers) {
+  char raw[sizeof(Number)];
+  for (; bytes.size() >= sizeof(Number); bytes.remove_prefix(sizeof(Number))) {
+    for (std::size_t k = 0; k < sizeof(Number); ++k) raw[is_swapped ? sizeof(Number) - 1 - k : k] = bytes[k];
+    Number number;
+    std::memcpy(&number, raw, sizeof(Number));
+    numbers.push_back(static_cast<double>(number));
   }
 }
 
-/// Rows of a character array, without the blanks behind.
-std::vector<std::string> rows_of(const matvar_t& variable) {
+struct NumberType {
+  std::size_t size;
+  void (*append)(std::string_view, bool, std::vector<double>&);
+};
+
+template <typename Number>
+constexpr NumberType number_type() {
+  return {sizeof(Number), append<Number>};
+}
+
+const NumberType& type_of(MatNumber type) {
+  static constexpr NumberType k_types[] = {number_type<std::int8_t>(),  number_type<std::uint8_t>(),
+                                           number_type<std::int16_t>(), number_type<std::uint16_t>(),
+                                           number_type<std::int32_t>(), number_type<std::uint32_t>(),
+                                           number_type<std::int64_t>(), number_type<std::uint64_t>(),
+                                           number_type<float>(),        number_type<double>()};
+  return k_types[static_cast<int>(type)];
+}
+
+}  // namespace
+
+void MatBudget::fail(const std::string& message) const {
+  throw FormatError(file_, 0, message);
+}
+
+void MatBudget::take(std::uint64_t bytes) {
+  if (bytes > left_)
+    fail(fmt::format("its variables take more than {} bytes; save those of the tests alone", k_most_mat_bytes));
+  left_ -= bytes;
+}
+
+std::size_t size_of(MatNumber type) {
+  return type_of(type).size;
+}
+
+std::vector<double> mat_numbers(std::string_view bytes, MatNumber type, bool is_swapped, MatBudget& budget) {
+  const std::size_t count = bytes.size() / size_of(type);
+  budget.take(count * sizeof(double));
+  std::vector<double> numbers;
+  numbers.reserve(count);
+  type_of(type).append(bytes, is_swapped, numbers);
+  return numbers;
+}
+
+std::uint64_t element_count(const std::vector<std::size_t>& sizes, std::uint64_t most) {
+  std::uint64_t product = 1;
+  for (const std::size_t size : sizes) {
+    if (size == 0) return 0;
+  }
+  for (const std::size_t size : sizes) {
+    if (size > most / product) return most + 1;
+    product *= size;
+  }
+  return product;
+}
+
+std::vector<std::string> character_rows(const std::vector<std::size_t>& sizes, const std::vector<double>& codes) {
   std::vector<std::string> rows;
-  const std::size_t width = variable.data_size > 0 ? static_cast<std::size_t>(variable.data_size) : 1;
-  if (variable.rank != 2 || variable.data == nullptr) return rows;
-  const auto* bytes = static_cast<const unsigned char*>(variable.data);
-  const std::size_t height = variable.dims[0];
-  if (height * variable.dims[1] * width > variable.nbytes) return rows;
+  if (sizes.size() != 2 || codes.empty() || element_count(sizes, codes.size()) != codes.size()) return rows;
+  const std::size_t height = sizes[0];
   for (std::size_t row = 0; row < height; ++row) {
     std::string text;
-    for (std::size_t k = 0; k < variable.dims[1]; ++k) {
-      text += static_cast<char>(bytes[(row + k * height) * width]);  // names are ASCII: the low byte comes first
+    for (std::size_t k = row; k < codes.size(); k += height) {  // names are ASCII: the low byte is the letter
+      text += static_cast<char>(static_cast<unsigned char>(static_cast<unsigned>(codes[k])));
     }
     rows.push_back(text.substr(0, text.find_last_not_of(std::string_view(" \0", 2)) + 1));
   }
   return rows;
 }
 
-std::vector<std::string> cells_of(const matvar_t& variable) {
-  std::vector<std::string> texts;
-  const std::size_t count = variable.data_size > 0 ? variable.nbytes / static_cast<std::size_t>(variable.data_size) : 0;
-  for (std::size_t k = 0; k < count && variable.data != nullptr; ++k) {
-    const matvar_t* cell = static_cast<matvar_t* const*>(variable.data)[k];
-    if (cell == nullptr || cell->class_type != MAT_C_CHAR) return {};
-    const std::vector<std::string> rows = rows_of(*cell);
-    texts.push_back(rows.empty() ? "" : rows.front());
-  }
-  return texts;
+void keep(MatVariables& variables, const std::string& name, MatVariable variable) {
+  const bool is_empty = variable.numbers.empty() && variable.texts.empty();
+  if (!name.empty() && !is_empty) variables.emplace(name, std::move(variable));
 }
 
-}  // namespace
-
-std::map<std::string, MatVariable> read_mat(const std::string& file) {
-  read_file(file);                               // says why where it cannot be read
-  Mat_LogInitFunc("mottle", [](int, char*) {});  // else it prints
-  const std::unique_ptr<mat_t, Close> opened(Mat_Open(file.c_str(), MAT_ACC_RDONLY));
-  if (!opened) throw FormatError(file, 0, "is no MATLAB file (versions 4, 5 to 7 and 7.3 are read)");
-  std::map<std::string, MatVariable> variables;
-  while (std::unique_ptr<matvar_t, Close> next{Mat_VarReadNext(opened.get())}) {
-    MatVariable variable;
-    variable.sizes.assign(next->dims, next->dims + next->rank);
-    const bool is_cell = next->class_type == MAT_C_CELL;
-    if (is_cell || next->class_type == MAT_C_CHAR) {
-      variable.texts = is_cell ? cells_of(*next) : rows_of(*next);
-      if (variable.texts.empty()) continue;
-    } else if (next->class_type == MAT_C_STRUCT || next->class_type == MAT_C_SPARSE ||
-               !read_numbers(*next, variable.numbers)) {
-      continue;
-    }
-    std::size_t count = 1;
-    for (const std::size_t size : variable.sizes) count *= size;
-    if (!variable.numbers.empty() && count != variable.numbers.size()) {
-      throw FormatError(
-          file, 0,
-          fmt::format("variable '{}' holds {} numbers where {} should be", next->name, variable.numbers.size(), count));
-    }
-    if (next->name != nullptr) variables.emplace(next->name, std::move(variable));
-  }
-  if (variables.empty()) throw FormatError(file, 0, "holds no variable that is an array of numbers or texts");
+MatVariables parse_mat(std::string_view bytes, const std::string& file) {
+  constexpr std::size_t k_head = 128;
+  const std::string_view order = bytes.size() >= k_head ? bytes.substr(k_head - 2, 2) : "";
+  const char version = order == "IM" ? bytes[k_head - 3] : order == "MI" ? bytes[k_head - 4] : '\0';
+  MatBudget budget(file);
+  const auto parse = version == 1 ? parse_mat_level5 : version == 2 ? parse_mat_hdf5 : parse_mat_level4;
+  MatVariables variables = parse(bytes, budget);
+  if (variables.empty()) budget.fail("holds no variable that is an array of numbers or texts");
   return variables;
+}
+
+MatVariables read_mat(const std::string& file) {
+  return parse_mat(read_file(file, k_most_mat_bytes), file);
 }
 
 }  // namespace mottle

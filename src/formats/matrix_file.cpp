@@ -110,6 +110,7 @@ std::vector<std::string> read_row_names(const fs::path& file) {
 }
 
 SymmetricMatrix parse_symmetric_matrix(std::string_view bytes, const std::string& file, const std::string& name) {
+  if (bytes.starts_with(k_hdf5)) return parse_hdf5_matrix(bytes, file, name);
   const std::string_view first = first_line(bytes);
   if (is_output4(bytes)) return parse_output4(bytes, file, name);
   if (capital_letters(first).starts_with("DMIG")) return parse_dmig(bytes, file, name);
@@ -124,7 +125,6 @@ SymmetricMatrix read_symmetric_matrix(const std::string& place) {
   const fs::path file = file_of_matrix(place);
   const std::string name = place.size() > file.string().size() ? place.substr(file.string().size() + 1) : "";
   const std::string bytes = read_file(file);
-  if (bytes.starts_with(k_hdf5)) return read_hdf5_matrix(file.string(), name);
   SymmetricMatrix matrix = parse_symmetric_matrix(bytes, file.string(), name);
   for (const char* extension : {".dof", ".mapping"}) {
     fs::path beside = file;

@@ -13,7 +13,7 @@ SymmetricMatrix parse_abaqus_matrix(std::string_view bytes, const std::string& f
 SymmetricMatrix parse_dmig(std::string_view bytes, const std::string& file, const std::string& name);
 SymmetricMatrix parse_output4(std::string_view bytes, const std::string& file, const std::string& name);
 SymmetricMatrix parse_harwell_boeing(std::string_view bytes, const std::string& file);
-SymmetricMatrix read_hdf5_matrix(const std::string& file, const std::string& name);
+SymmetricMatrix parse_hdf5_matrix(std::string_view bytes, const std::string& file, const std::string& name);
 
 /// Rows whose diagonal is Abaqus's penalty, in ascending order.
 std::vector<int> penalised_rows(const SparseMatrix& lower);

@@ -8,6 +8,7 @@
 
 #include "mottle/core/error.hpp"
 #include "mottle/core/files.hpp"
+#include "mottle/core/text.hpp"
 #include "mottle/formats/csv.hpp"
 #include "mottle/report/page.hpp"
 #include "mottle/study/run_folder.hpp"
@@ -20,6 +21,10 @@ using Json = nlohmann::ordered_json;
 
 Json read_result(const std::filesystem::path& file) {
   const std::string bytes = read_file(file);
+  if (nests_deeper_than(bytes, k_deepest_json)) {
+    throw FormatError(file.string(), 0,
+                      fmt::format("is nested deeper than {} levels; run the study again", k_deepest_json));
+  }
   try {
     return Json::parse(bytes);
   } catch (const nlohmann::json::parse_error& error) {
@@ -27,6 +32,8 @@ Json read_result(const std::filesystem::path& file) {
         1 + std::count(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(std::min(error.byte, bytes.size())),
                        '\n');
     throw FormatError(file.string(), static_cast<int>(line), "is not valid JSON; run the study again");
+  } catch (const nlohmann::json::exception& error) {  // a number beyond the largest double
+    throw FormatError(file.string(), 0, fmt::format("cannot be read: {}; run the study again", error.what()));
   }
 }
 
@@ -84,6 +91,14 @@ std::size_t parameter_count(const Json& result, const std::filesystem::path& fil
   return result[path].size();
 }
 
+Json read_modes(const std::filesystem::path& file) {
+  Json modes = read_result(file);
+  if (!modes.is_object() || !modes.contains("modes")) {
+    throw FormatError(file.string(), 0, "is not a list of modes of this program; run the study again");
+  }
+  return std::move(modes["modes"]);
+}
+
 }  // namespace
 
 void write_report(const std::filesystem::path& folder) {
@@ -97,7 +112,7 @@ void write_report(const std::filesystem::path& folder) {
   const std::size_t parameters = parameter_count(page["result"], folder / "result.json");
   if (std::filesystem::exists(folder / "tests.csv")) page["tests"] = tests_json(folder / "tests.csv");
   if (std::filesystem::exists(folder / "clouds.csv")) page["clouds"] = clouds_json(folder / "clouds.csv", parameters);
-  if (std::filesystem::exists(folder / "modes.json")) page["modes"] = read_result(folder / "modes.json").at("modes");
+  if (std::filesystem::exists(folder / "modes.json")) page["modes"] = read_modes(folder / "modes.json");
   const std::string data = page.dump(-1, ' ', false, Json::error_handler_t::replace);
   write_file_atomically(folder / "report.html", render_page(data));
 }

@@ -2,10 +2,10 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <regex>
 #include <set>
 
 #include "mottle/core/text.hpp"
+#include "mottle/drivers/number_pattern.hpp"
 #include "study_sections.hpp"
 
 namespace mottle {
@@ -72,10 +72,9 @@ FrequencyRule read_frequency_rule(TomlReader reader) {
   if (rule.format == Format::regex) {
     rule.pattern = reader.text("pattern");
     try {
-      const std::regex pattern(rule.pattern);
-      if (pattern.mark_count() < 1) reader.fail_value("pattern", "a regular expression with the number in parentheses");
-    } catch (const std::regex_error& error) {
-      reader.fail("pattern", fmt::format("is no regular expression: {}", error.what()));
+      const NumberPattern pattern(rule.pattern);
+    } catch (const InvalidInput& error) {
+      reader.fail("pattern", error.what());
     }
   } else if (rule.format == Format::column) {
     rule.after = reader.text_or("after", "");

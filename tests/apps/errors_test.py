@@ -429,6 +429,18 @@ case("a study below a regular file", ["tests.csv/study.toml", "no such file"],
 case("a study that cannot be read", ["/proc/self/mem", "reading failed"], code=3,
      arguments=["update", "/proc/self/mem", "--out", "out"])
 case("a study that never ends", ["/dev/zero", "regular file"], arguments=["update", "/dev/zero", "--out", "out"])
+
+
+def pattern_case(name, pattern, expect):
+    study = support.command_study(["true"]).replace('format = "column"', f'format = "regex"\npattern = {pattern}')
+    case(name, ["study.toml", "pattern", *expect], study=study, at="pattern = ")
+
+
+pattern_case("a pattern that is none", '"f = (+"', ["no regular expression", "+"])
+pattern_case("a pattern with a back reference", "'(a)\\1'", ["no regular expression", "\\1"])
+pattern_case("a pattern that looks ahead", "'(?=a)(b)'", ["no regular expression", "(?="])
+pattern_case("a pattern without a group", '"f = .*"', ["no group", "parentheses"])
+pattern_case("a pattern without end", "'" + "(a{1000}){1000}" * 2000 + "'", ["no regular expression"])
 case("the test file in place of the study", ["tests.csv:1: ", "not valid TOML"],
      arguments=["update", "tests.csv", "--out", "out"])
 
@@ -510,7 +522,12 @@ report_case("a report of an empty result", "", ["result.json", "not valid JSON"]
 report_case("a report of something else", "[1, 2]", ["result.json", "not a result", "parameters.names"])
 report_case("a report of another JSON", '{"parameters": 3}', ["result.json", "parameters.names"])
 report_case("a report of a result that is not UTF-8", b'{"title": "\xff"}', ["result.json:1: ", "not valid JSON"])
-report_case("a report of a result that is deeply nested", "[" * 200000, ["result.json:1: ", "not valid JSON"])
+report_case("a report of a result that is deeply nested", "[" * 200000, ["result.json: ", "nested deeper than 100 levels"])
+report_case("a report of a result that is nested and closed", '{"a": ' + '{"a": ' * 200000 + "1" + "}" * 200001,
+            ["result.json: ", "nested deeper than 100 levels"])
+report_case("a report of a result with a number beyond all", '{"a": 1e999}', ["result.json: ", "1e999", "again"])
+case("a report with modes of another file", ["modes.json: ", "not a list of modes", "again"],
+     files={"results/result.json": NAMES, "results/modes.json": "[]"}, arguments=["report", "results"])
 report_case("a report with clouds of another run", NAMES, ["clouds.csv", "fit"], clouds="iteration,f1\n0,1\n")
 report_case("a report with clouds of junk", NAMES, ["clouds.csv:2: "], clouds="iteration,k1,f1\n0,a,1\n")
 report_case("a report with tests that are not UTF-8", NAMES, ["tests.csv"], tests=b"f\xff\n1\n")

@@ -67,6 +67,21 @@ TEST(NearestName, OfAShortNameSharesALetterWithIt) {
   EXPECT_EQ(nearest_name("k1", {"m2", "k2"}), "k2");
 }
 
+TEST(NearestName, OfANameWithoutEndIsNotSought) {
+  // Comparing two such names would take 10^12 steps.
+  const std::string endless(1000000, 'k');
+  EXPECT_EQ(nearest_name(endless, {endless + "1"}), "");
+  EXPECT_EQ(nearest_name("k1", {endless, "k2"}), "k2");
+}
+
+TEST(NestsDeeperThan, CountsBracketsOutsideOfTexts) {
+  EXPECT_FALSE(nests_deeper_than(R"([{"a": []}, [[]]])", 3));
+  EXPECT_TRUE(nests_deeper_than(R"([{"a": []}, [[]]])", 2));
+  EXPECT_FALSE(nests_deeper_than(R"(["[[[", "\"[[[", "\\"])", 1));
+  EXPECT_TRUE(nests_deeper_than(R"(["\\", [[]]])", 2));
+  EXPECT_TRUE(nests_deeper_than(std::string(200000, '['), 100));
+}
+
 TEST(UnknownNameMessage, NamesTheNearestAndAllKnown) {
   EXPECT_EQ(unknown_name_message("key", "stifness", {"mass", "stiffness"}),
             "key 'stifness' is not known here; did you mean 'stiffness'? Known: mass, stiffness");

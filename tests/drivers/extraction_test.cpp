@@ -8,6 +8,7 @@
 #include "core/temporary_folder.hpp"
 #include "mottle/core/error.hpp"
 #include "mottle/core/files.hpp"
+#include "mottle/drivers/number_pattern.hpp"
 #include "mottle/formats/calculix_results.hpp"
 
 namespace {
@@ -97,10 +98,40 @@ TEST_F(Extraction, EveryMatchOfAPatternIsAMode) {
               ElementsAre(testing::DoubleEq(10.5), testing::DoubleEq(20.25), testing::DoubleEq(30.0)));
 }
 
-TEST_F(Extraction, APatternIsNotTriedOnALineWithoutEnd) {
-  write("log", std::string(1 << 22, 'f'));
-  EXPECT_THAT([&] { extract({.file = "log", .format = Format::regex, .pattern = "(f*)*g"}); },
-              ThrowsMessage<FormatError>(HasSubstr("log:1: has 4194304 characters")));
+TEST_F(Extraction, APatternTakesTimeInProportionToTheText) {
+  // An engine that backtracks takes 2^n steps for the first, and goes as deep as the line is long for the second.
+  write("log", std::string(1 << 20, '1') + "x");
+  EXPECT_THAT([&] { extract({.file = "log", .format = Format::regex, .pattern = "((1+)+)+$"}); },
+              ThrowsMessage<FormatError>(HasSubstr("0 modes are there")));
+  EXPECT_THAT([&] { extract({.file = "log", .format = Format::regex, .pattern = "(1*)*g"}); },
+              ThrowsMessage<FormatError>(HasSubstr("0 modes are there")));
+}
+
+TEST_F(Extraction, AMatchWithoutItsNumberIsNamedWithItsLine) {
+  write("log", "f = 10\nf =\n");
+  EXPECT_THAT([&] { extract({.file = "log", .format = Format::regex, .pattern = "f =( \\d+)?"}); },
+              ThrowsMessage<FormatError>(HasSubstr("log:2: '' is not a number")));
+}
+
+TEST(NumberPattern, IsRefusedWhereItIsNoneOrTooLarge) {
+  const auto make = [](const std::string& text) { return [text] { mottle::NumberPattern{text}; }; };
+  EXPECT_THAT(make("(a"), ThrowsMessage<InvalidInput>(HasSubstr("is no regular expression")));
+  EXPECT_THAT(make("a+"), ThrowsMessage<InvalidInput>(HasSubstr("has no group")));
+  EXPECT_THAT(make("(a)\\1"), ThrowsMessage<InvalidInput>(HasSubstr("invalid escape sequence: \\1")));
+  EXPECT_THAT(make("(?=a)(b)"), ThrowsMessage<InvalidInput>(HasSubstr("is no regular expression")));
+  EXPECT_THAT(make("(((a{1000}){1000}){1000})"), ThrowsMessage<InvalidInput>(HasSubstr("is no regular expression")));
+}
+
+TEST(NumberPattern, TakesAnyNumberOfParentheses) {
+  const mottle::NumberPattern pattern(std::string(20000, '(') + "1" + std::string(20000, ')'));
+  EXPECT_THAT(pattern.first_groups("1 2 1"), ElementsAre("1", "1"));
+}
+
+TEST_F(Extraction, JsonNestedWithoutEndIsRefused) {
+  const std::string deep = std::string(200000, '[') + std::string(200000, ']');
+  write("f.json", R"({"f": [1.0], "rest": )" + deep + "}");
+  EXPECT_THAT([&] { extract({.file = "f.json", .format = Format::json, .column = "f"}); },
+              ThrowsMessage<FormatError>(HasSubstr("f.json: is JSON nested deeper than 100 levels")));
 }
 
 TEST_F(Extraction, ColumnsOfCsvAndListsOfJson) {

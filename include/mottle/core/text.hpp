@@ -25,6 +25,13 @@ std::string unknown_name_message(std::string_view what, std::string_view name,
 /// Whether `name` fits `pattern`, in which * stands for any characters (also none) and ? for any one.
 bool matches_pattern(std::string_view name, std::string_view pattern);
 
+/// Levels of nesting that are read of a JSON file: those of solvers and of Mottle have a handful.
+inline constexpr int k_deepest_json = 100;
+
+/// Whether objects and lists stand in one another deeper than `levels`: what walks the parsed text would run out of
+/// stack. Of a text that is not JSON the answer means nothing.
+bool nests_deeper_than(std::string_view json, int levels);
+
 /// Shortest decimal text that reads back as the same double.
 std::string number_text(double value);
 

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <map>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace mottle {
@@ -15,10 +17,17 @@ struct MatVariable {
   std::vector<std::string> texts = {};  ///< of a cell array or a character array; then there are no numbers
 };
 
-/// Variables by name. Structures, objects (tables, strings), sparse and complex arrays are left out.
+/// Most bytes that a file, what it unpacks to and the numbers in it may take each: 1 GiB.
+inline constexpr std::uint64_t k_most_mat_bytes = std::uint64_t{1} << 30;
+
+/// Variables by name. Structures, objects (tables, strings), sparse and complex arrays are left out, and so are cell
+/// arrays that hold anything but texts.
 ///
-/// @throws InvalidInput  no such file
-/// @throws FormatError   not a MATLAB file, a variable that cannot be read
+/// @throws FormatError   not a MATLAB file, a variable that cannot be read or claims more than the file holds
+std::map<std::string, MatVariable> parse_mat(std::string_view bytes, const std::string& file);
+
+/// The same of a file.
+/// @throws InvalidInput  no such file, larger than the limit
 std::map<std::string, MatVariable> read_mat(const std::string& file);
 
 }  // namespace mottle

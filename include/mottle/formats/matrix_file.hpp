@@ -46,7 +46,7 @@ std::filesystem::path file_of_matrix(const std::string& place);
 std::vector<std::string> read_row_names(const std::filesystem::path& file);
 std::vector<std::string> parse_row_names(std::string_view bytes, const std::string& file);
 
-/// The text and binary formats from memory; HDF5 needs a file.
+/// The same from memory, without the names of a file beside it.
 ///
 /// @param name  of the matrix wanted; empty: the only one
 SymmetricMatrix parse_symmetric_matrix(std::string_view bytes, const std::string& file, const std::string& name);
