@@ -3,6 +3,8 @@
 JOBS ?= $(shell nproc)
 MOTTLE_WERROR ?= OFF
 FUZZ_SECONDS ?= 60
+ATTACK_HOURS ?= 8
+ATTACK_OPTIONS ?=
 INSTALL = tools/install_packages.sh
 # Threads start in these layers; the rest runs below them or not in threads at all.
 TSAN_LAYERS = core linalg model propagation updating study
@@ -12,7 +14,7 @@ build = cmake --build --preset $(1) -j $(JOBS)
 ctest = ctest --preset $(1) -j $(JOBS)
 tsan_options = TSAN_OPTIONS="suppressions=$(CURDIR)/tools/tsan.supp $$TSAN_OPTIONS"
 
-.PHONY: build demo test lint asan tsan coverage fuzz deb bench clean
+.PHONY: build demo test lint asan tsan coverage fuzz attack deb bench clean
 .DEFAULT_GOAL := build
 
 build:
@@ -68,6 +70,11 @@ fuzz:
 	$(call configure,fuzz)
 	$(call build,fuzz) --target nastran_fuzz csv_fuzz uff_fuzz matrix_fuzz solver_output_fuzz
 	tools/fuzz.sh build/fuzz $(FUZZ_SECONDS)
+
+# The long forms of tests/attack: mutated inputs, kills, faulty solvers; its table is validation/attack/RESULTS.md. Stopped, it goes
+# on with make attack ATTACK_OPTIONS=--resume.
+attack: build
+	python3 validation/attack/run.py build/release/mottle --hours $(ATTACK_HOURS) $(ATTACK_OPTIONS)
 
 deb:
 	$(INSTALL) --build --ci

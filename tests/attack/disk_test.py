@@ -9,7 +9,7 @@ import os
 import subprocess
 import unittest
 
-import support
+from attack import support
 from support import STUDY, edited, numbers
 
 LONG = edited(STUDY, ("samples = 200", "samples = 40000"), ("iterations = 30", "iterations = 6"))

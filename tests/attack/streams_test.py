@@ -7,7 +7,7 @@ import resource
 import subprocess
 import unittest
 
-import support
+from attack import support
 from support import numbers
 
 

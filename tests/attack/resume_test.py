@@ -1,22 +1,19 @@
-"""A run that is killed or stopped goes on with --resume and ends with the same numbers.
+"""A run that is killed or stopped goes on with --resume and ends with the same numbers (kills_test.py: at random moments).
 
-    python3 resume_test.py PATH_TO_MOTTLE          MOTTLE_KILLS=n instead of 20 kills
+    python3 resume_test.py PATH_TO_MOTTLE
 """
 
 import os
-import random
 import shutil
 import signal
 import subprocess
 import time
 import unittest
 
-import support
+from attack import support
 from support import STUDY, TESTS, edited, numbers
 
 LONG = edited(STUDY, ("samples = 200", "samples = 45000"), ("iterations = 30", "iterations = 12"))
-KILLS = int(os.environ.get("MOTTLE_KILLS", "20"))
-SEED = 20060
 
 
 class ResumeTest(support.CommandTest):
@@ -72,20 +69,6 @@ class ResumeTest(support.CommandTest):
         process.kill()
         process.communicate()
         self.assertTrue((self.out / "resume.journal").exists(), "the run was over before it was killed")
-
-    def test_kills_at_random_moments(self):
-        moments = random.Random(SEED)
-        reached = 0
-        for attempt in range(KILLS):
-            shutil.rmtree(self.out, ignore_errors=True)
-            moment = moments.uniform(0.0, 1.0) * self.duration
-            process = self.start("--quiet")
-            time.sleep(moment)
-            process.kill()
-            process.communicate()
-            reached += (self.out / "resume.journal").exists()
-            self.assert_resumes(f"kill {attempt + 1} of {KILLS} after {moment:.3f} s")
-        self.assertGreater(reached, KILLS // 3, "most kills met no running job; make the study longer")
 
     def test_kills_one_after_another(self):
         for size in (1 << 19, 3 << 19, 5 << 19):
@@ -159,30 +142,12 @@ class ResumeTest(support.CommandTest):
         self.assertIn(process.returncode, (4, -signal.SIGTERM, -signal.SIGINT))  # handlers may nest
         self.assert_resumes("two signals")
 
-    def test_journals_cut_anywhere(self):
+    def test_journals_cut_at_the_ends_of_their_parts(self):
         self.kill_part_way()
         journal = (self.out / "resume.journal").read_bytes()
-        places = random.Random(SEED)
-        for size in [0, 1, 10, 24, 25, 26, len(journal) - 1] + [places.randrange(len(journal)) for _ in range(4)]:
+        for size in (0, 1, 10, 24, 25, 26, len(journal) - 1):
             (self.out / "resume.journal").write_bytes(journal[:size])
             self.assert_resumes(f"journal cut to {size} of {len(journal)} bytes")
-
-    def test_journals_with_a_wrong_bit(self):
-        self.kill_part_way()
-        journal = (self.out / "resume.journal").read_bytes()
-        places = random.Random(SEED + 1)
-        for _ in range(4):
-            place = places.randrange(40, len(journal))
-            damaged = bytearray(journal)
-            damaged[place] ^= 1 << places.randrange(8)
-            (self.out / "resume.journal").write_bytes(damaged)
-            self.assert_resumes(f"bit flipped at {place} of {len(journal)}")
-
-    def test_journals_with_bytes_behind(self):
-        self.kill_part_way()
-        with open(self.out / "resume.journal", "ab") as journal:
-            journal.write(random.Random(SEED).randbytes(5000))
-        self.assert_resumes("junk behind the journal")
 
     def contents(self):
         passing = {"mottle.log", ".mottle.lock"}

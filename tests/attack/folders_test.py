@@ -3,13 +3,12 @@
     python3 folders_test.py PATH_TO_MOTTLE
 """
 
-import json
 import os
 import subprocess
 import time
 import unittest
 
-import support
+from attack import support
 from support import STUDY
 
 SOLVER = """\
@@ -20,17 +19,6 @@ if k1 > 2.2:
 pathlib.Path("f.txt").write_text(f"{k1}\\n{k1 + k2}\\n{k1 + 2 * k2}\\n")
 """
 SLOW = SOLVER + "time.sleep(0.3)\n"
-# What a solver may do to its folder before it fails; each costs its sample alone.
-ATTACKS = {
-    "takes its folder away": "import shutil, os; shutil.rmtree(os.getcwd())",
-    "makes its folder read-only": "import os; os.chmod('.', 0o500)",
-    "puts a file in place of its folder": "import shutil, os; d = os.getcwd(); shutil.rmtree(d); open(d, 'w').close()",
-    "makes reason.txt a folder": "import os; os.mkdir('reason.txt')",
-    "makes reason.txt a link out of the folder": "import os; os.symlink(VICTIM, 'reason.txt')",
-    "makes its mark a link out of the folder": "import os; os.symlink(VICTIM, '.mottle-run')",
-    "prints bytes that are not text": "import os; os.write(2, b'caf\\xe9 \\xff\\x1b[31m\\n')",
-    "writes numbers that are not text": "open('f.txt', 'wb').write(b'\\xff\\xfe 1\\n'); sys.exit(0)",
-}
 PROPAGATE = ("propagate", "solver.toml", "--out", "out", "--quiet", "--set", "update.samples=12", "--set",
              "update.max_failed=0.9")
 
@@ -86,20 +74,6 @@ class FoldersTest(support.CommandTest):
         self.succeed(*PROPAGATE)
         self.assertTrue(target.exists())
 
-    def test_what_a_solver_does_to_its_folder_costs_its_sample_alone(self):
-        self.succeed(*PROPAGATE)
-        clean = json.loads((self.out / "result.json").read_text(encoding="utf-8"))
-        victim = self.user_file("victim", "x")
-        for name, attack in ATTACKS.items():
-            with self.subTest(name):
-                attack = attack.replace("VICTIM", repr(str(victim)))
-                self.write("solver.py", SOLVER.replace('sys.exit("too stiff")', attack + "; sys.exit(1)"))
-                self.succeed(*PROPAGATE)
-                result = json.loads((self.out / "result.json").read_text(encoding="utf-8"))
-                self.assertEqual(result["outputs"], clean["outputs"])
-                self.assertEqual(len(result["failed_evaluations"]), len(clean["failed_evaluations"]))
-                self.assertEqual(victim.read_text(encoding="utf-8"), "mine\n")
-
     def start(self, *arguments):
         return subprocess.Popen([support.MOTTLE, *arguments], cwd=self.folder, stdout=subprocess.DEVNULL,
                                 stderr=subprocess.PIPE, text=True)
@@ -131,25 +105,6 @@ class FoldersTest(support.CommandTest):
         _, error = first.communicate(timeout=100)
         self.assertEqual(first.returncode, 0, error)
         self.assertEqual((self.out / "cloud.csv").read_bytes(), (self.folder / "alone" / "cloud.csv").read_bytes())
-
-    def test_of_two_updates_at_once_the_folder_holds_one_whole(self):
-        alone = {}
-        for seed in ("1", "2"):
-            self.succeed("update", "study.toml", "--out", "alone", "--quiet", "--seed", seed)
-            alone[seed] = self.contents("alone")
-        for delay in (0.0, 0.01, 0.03, 0.06):
-            runs = {}
-            for seed in ("1", "2"):
-                runs[seed] = self.start("update", "study.toml", "--out", "out", "--quiet", "--seed", seed)
-                time.sleep(delay)
-            codes = {seed: (process.communicate()[1], process.returncode)[1] for seed, process in runs.items()}
-            self.assertIn(0, codes.values())
-            self.assertLessEqual(set(codes.values()), {0, 2})
-            self.assertIn(self.contents("out"), [alone[seed] for seed in codes if codes[seed] == 0])
-
-    def contents(self, name):
-        folder = self.folder / name
-        return {file: (folder / file).read_bytes() for file in ("history.csv", "cloud-final.csv", "clouds.csv")}
 
     def test_a_refused_study_leaves_no_folder(self):
         self.write("bad.toml", STUDY.replace('target = "spring:k1"', 'target = "spring:k9"'))
