@@ -7,7 +7,6 @@ Needs the right to mount a tmpfs; is skipped where there is none.
 
 import os
 import subprocess
-import unittest
 
 from attack import support
 from support import STUDY, edited, numbers

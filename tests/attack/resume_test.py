@@ -8,7 +8,6 @@ import shutil
 import signal
 import subprocess
 import time
-import unittest
 
 from attack import support
 from support import STUDY, TESTS, edited, numbers

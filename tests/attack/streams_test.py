@@ -5,7 +5,6 @@
 
 import resource
 import subprocess
-import unittest
 
 from attack import support
 from support import numbers
