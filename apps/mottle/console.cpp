@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <string_view>
 
+#include "mottle/core/utf8.hpp"
 #include "mottle/study/run_folder.hpp"
 
 namespace mottle::app {
@@ -37,6 +38,10 @@ void request_stop(int signal_number) {
 
 }  // namespace
 
+void tell(const std::string& text) {
+  (void)std::fputs(text.c_str(), stderr);
+}
+
 std::atomic<bool>& stop_flag() {
   static std::atomic<bool> flag{false};
   return flag;
@@ -58,7 +63,7 @@ Console::~Console() {
 }
 
 void Console::end_line() {
-  if (has_open_line_) fmt::print(stderr, "\n");
+  if (has_open_line_) tell("\n");
   has_open_line_ = false;
 }
 
@@ -78,17 +83,17 @@ void Console::progress(const std::string& stage, std::int64_t done, std::int64_t
   const std::string text =
       fmt::format("{}: {} of {}, {:.3g} a second, at most {:.0f} s left", stage, done, total, rate, left);
   if (is_terminal_) {
-    fmt::print(stderr, "\r\033[K{}", text);
+    tell(fmt::format("\r\033[K{}", text));
     std::fflush(stderr);
     has_open_line_ = true;
   } else {
-    fmt::print(stderr, "{}\n", text);
+    tell(text + "\n");
   }
 }
 
 void Console::warning(const std::string& text) {
   end_line();
-  if (!is_quiet_) fmt::print(stderr, "mottle: warning: {}\n", text);
+  if (!is_quiet_) tell(fmt::format("mottle: warning: {}\n", printable(text)));
 }
 
 void Console::note(const std::string&) {}  // notes are for the log; the summary says what matters

@@ -30,6 +30,9 @@ class Console final : public ProgressObserver {
   std::string stage_;
 };
 
+/// Writes to standard error; one that takes nothing changes nothing else.
+void tell(const std::string& text);
+
 /// The exit code of a job that was stopped on request.
 inline constexpr int k_stopped = 4;
 

@@ -25,8 +25,20 @@ constexpr int k_wrong_input = 2;
 constexpr int k_failed = 3;
 constexpr int k_our_bug = 70;
 
+/// The begin and the end of a message that holds more of a foreign text than a person reads.
+std::string shortened(const std::string& text) {
+  constexpr std::size_t k_begin = 1500;
+  constexpr std::size_t k_end = 1000;
+  if (text.size() <= k_begin + k_end) return text;
+  const auto whole_from = [&](std::size_t place) {  // not within a letter of several bytes
+    while ((static_cast<unsigned char>(text[place]) & 0xC0U) == 0x80U) ++place;
+    return place;
+  };
+  return text.substr(0, whole_from(k_begin)) + " [...] " + text.substr(whole_from(text.size() - k_end));
+}
+
 int fail(int code, const std::string& message) {
-  fmt::print(stderr, "mottle: {}\n", mottle::printable(message));
+  mottle::app::tell(fmt::format("mottle: {}\n", shortened(mottle::printable(message))));
   return code;
 }
 
@@ -87,7 +99,7 @@ int main(int argc, char** argv) {
   } catch (const std::bad_alloc&) {
     return fail(k_failed, "the memory does not suffice for this study; lower update.samples or take a larger machine");
   } catch (const std::system_error& error) {  // files, threads, descriptors: the machine's answers
-    return fail(k_failed, error.what());
+    return fail(k_failed, fmt::format("the system refuses: {}", error.what()));
   } catch (const std::exception& error) {
     return fail(k_our_bug, fmt::format("this is a bug of Mottle, please report it: {}", error.what()));
   }

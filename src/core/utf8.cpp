@@ -22,7 +22,8 @@ std::string printable(std::string_view foreign) {
   std::string text;
   while (!foreign.empty()) {
     const std::size_t length = utf8_length(foreign);
-    const bool is_shown = length > 0 && foreign.find_first_of("\n\r\x7f") != 0;
+    const char first = foreign.front();
+    const bool is_shown = length > 0 && first != '\n' && first != '\r' && first != '\x7f';
     if (is_shown) text += foreign.substr(0, length);
     if (!is_shown) text += fmt::format("\\x{:02x}", static_cast<unsigned char>(foreign.front()));
     foreign.remove_prefix(is_shown ? length : 1);

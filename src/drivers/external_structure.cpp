@@ -20,7 +20,7 @@ constexpr double k_not_known = std::numeric_limits<double>::quiet_NaN();
 [[noreturn]] void refuse(const SolverRuns::Run& run) {
   const std::string said = run.last_words.empty() ? "" : fmt::format("; it said: {}", run.last_words);
   const std::string kept = run.folder.empty() ? "" : fmt::format("; its files are in {}", run.folder.string());
-  throw SystemFailure(fmt::format("the solver's run failed: {}{}{}", run.record.failure, said, kept));
+  throw ModelFailure(fmt::format("the solver's run failed: {}{}{}", run.record.failure, said, kept));
 }
 
 }  // namespace

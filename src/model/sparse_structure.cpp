@@ -80,7 +80,7 @@ ModeSet SparseStructure::modes_at(const Eigen::Ref<const Eigen::VectorXd>& param
   SparseModes found = solve_one(parameters, {.modes = modes, .counts_below = true});
   require(found.failure.empty(), "model: it cannot be solved at the parameters' means: {}", failure_text(found));
   if (!found.is_complete()) {
-    throw SystemFailure(
+    throw ModelFailure(
         fmt::format("the solver found {} modes below {:.6g} (rad/s)^2 where the inertia of K - s M counts {}",
                     found.values.size(), found.counted_at, found.counted_below));
   }

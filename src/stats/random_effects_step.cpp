@@ -15,7 +15,7 @@ std::pair<Eigen::MatrixXd, double> invert(Eigen::MatrixXd covariance) {
   constexpr double k_no_variance = 1e-200;  // its inverse, and products of that, are still numbers
   const Eigen::VectorXd scale = covariance.diagonal().cwiseMax(k_no_variance).cwiseSqrt().cwiseInverse();
   const Eigen::MatrixXd scaled = scale.asDiagonal() * covariance * scale.asDiagonal();
-  if (!scaled.allFinite()) throw SystemFailure("random effects: the covariance of a unit is not finite");
+  if (!scaled.allFinite()) throw ModelFailure("random effects: the covariance of a unit is not finite");
   Eigen::LLT<Eigen::MatrixXd> factor(scaled);
   for (double lift = k_floor; factor.info() != Eigen::Success; lift *= 10.0) {
     factor.compute(scaled + lift * Eigen::MatrixXd::Identity(scaled.rows(), scaled.cols()));

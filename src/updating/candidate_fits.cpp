@@ -115,7 +115,7 @@ SetFit CandidateFits::fit(const ParameterSet& set, const Eigen::VectorXd& start)
       if (set.members[i] < settings_.given && active(static_cast<Eigen::Index>(i)) != 0) result.is_within = false;
     }
     if (!std::isfinite(result.fit.effects.log_likelihood)) result.failure = "the likelihood is not finite";
-  } catch (const SystemFailure& error) {
+  } catch (const ModelFailure& error) {
     result.failure = error.what();
   }
   return result;
@@ -136,7 +136,7 @@ double CandidateFits::distance_beside(const ParameterSet& set, const Eigen::Vect
     const Eigen::ArrayXd variance = (tests.covariance.diagonal() + noise_.base).array().max(1e-300);
     const double distance = ((tests.mean - y).array().square() / variance).sum();
     return std::isfinite(distance) ? distance : std::numeric_limits<double>::infinity();
-  } catch (const SystemFailure&) {
+  } catch (const ModelFailure&) {
     return std::numeric_limits<double>::infinity();
   }
 }

@@ -60,7 +60,7 @@ Eigen::MatrixXd difference_quotients(const UpdatingProblem& problem, const Eigen
       const Eigen::VectorXd side = y.col(has_ahead ? i : q + i);
       quotients.col(i) = (side - *centre) / (has_ahead ? steps(i) : -steps(i));
     } else {
-      throw SystemFailure("the model fails all around the present parameters, so there is no derivative");
+      throw ModelFailure("the model fails all around the present parameters, so there is no derivative");
     }
   }
   return quotients;
@@ -234,7 +234,7 @@ UpdatingResult DeterministicUpdater::update(const UpdatingProblem& problem, cons
   Eigen::VectorXd x = problem.space.clamp(setup.start);
   const auto at_start = evaluate_one(problem, x, context, result.model_evaluations);
   if (!at_start)
-    throw SystemFailure("the model fails at the parameters' prior means, so there is nothing to start from");
+    throw ModelFailure("the model fails at the parameters' prior means, so there is nothing to start from");
   Eigen::VectorXd y = *at_start;
   Eigen::MatrixXd g = model_jacobian(problem, x, setup.prior_std, context, result.model_evaluations);
   for (int index = 1; index <= problem.iterations; ++index) {

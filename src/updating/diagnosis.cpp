@@ -175,7 +175,7 @@ Diagnosis diagnose(const UpdatingProblem& problem, const DiagnosisSettings& sett
   CandidateFits fits(problem, settings, context);
   const ParameterSet set = given_set(settings.given);
   const SetFit base = fits.fit(set);
-  if (!base.failure.empty()) throw SystemFailure(base.failure);
+  if (!base.failure.empty()) throw ModelFailure(base.failure);
   Diagnosis diagnosis;
   describe_base(problem, base, diagnosis);
   const DetectabilityAnalysis analysis = analyse_detectability(fits, base);

@@ -253,7 +253,7 @@ UpdatingResult InversionUpdater::update(const UpdatingProblem& problem, const Ru
                                          });
   if (static_cast<double>(fit.count(Ending::stuck)) >
       problem.cloud.most_failed * static_cast<double>(fit.points.rows()))
-    throw SystemFailure(
+    throw ModelFailure(
         fmt::format("{} of {} specimens find no step that makes their residuals smaller: the model "
                     "fails around them or is not smooth",
                     fit.count(Ending::stuck), fit.points.rows()));

@@ -34,7 +34,7 @@ class BatchFit {
     const Evaluation evaluation = problem.model.evaluate(parameters.to_variables(start), context);
     fit.evaluations = targets.rows();
     if (!evaluation.failures.empty()) {
-      throw SystemFailure(
+      throw ModelFailure(
           fmt::format("the model fails where the fit of a specimen starts: {}", evaluation.failures.front().reason));
     }
     fit.outputs = evaluation.outputs;
@@ -101,7 +101,7 @@ class BatchFit {
       const auto s = static_cast<std::size_t>(moved[i]);
       if (!jacobians[i].allFinite()) {
         if (fit.jacobians[s].size() == 0)
-          throw SystemFailure("the model fails all around the present parameters, so there is no derivative");
+          throw ModelFailure("the model fails all around the present parameters, so there is no derivative");
         jacobians[i] = jacobians[i].array().isNaN().select(fit.jacobians[s], jacobians[i]).eval();
       }
       fit.jacobians[s] = std::move(jacobians[i]);

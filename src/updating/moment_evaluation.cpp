@@ -53,7 +53,7 @@ void require_enough_runs(const Cloud& cloud, const Eigen::VectorXd& weights, dou
   double failed = 0.0;
   for (const FailedRun& failure : cloud.failures) failed += weights(failure.sample);
   if (failed <= most_failed) return;
-  throw SystemFailure(
+  throw ModelFailure(
       fmt::format("{} model runs, {:.0f} % of the population, failed, at most {:.0f} % may; the first: {}",
                   cloud.failures.size(), 100.0 * failed, 100.0 * most_failed, cloud.failures.front().reason));
 }

@@ -222,7 +222,7 @@ UpdatingResult iterate_moments(const UpdatingProblem& problem, const ScaledParam
   progress.state.covariance = parameters.covariance();
   keep_groups(progress.state.covariance, problem.covariance_groups);
   if (!method.evaluate(progress.state, progress.evaluations))
-    throw SystemFailure(
+    throw ModelFailure(
         "the model fails at the parameters' prior means, or too much of the prior is physically impossible, so there "
         "is "
         "nothing to start from");

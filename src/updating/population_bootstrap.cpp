@@ -61,11 +61,11 @@ std::vector<PopulationEvidence> estimate_samples(const UpdatingProblem& problem,
           fit_population(problem, tests, quick, context, [](const PopulationFit&) { return true; });
       evaluations += again.evaluations;
       drawn.push_back(evidence_of(again));
-    } catch (const SystemFailure&) {  // the model fails around some specimen of this sample
+    } catch (const ModelFailure&) {  // the model fails around some specimen of this sample
     }
   }
   if (2 * drawn.size() < static_cast<std::size_t>(samples)) {
-    throw SystemFailure(
+    throw ModelFailure(
         fmt::format("intervals = \"bootstrap\": the model fails in {} of {} samples of specimens drawn from the "
                     "estimate; use intervals = \"analytic\"",
                     static_cast<std::size_t>(samples) - drawn.size(), samples));

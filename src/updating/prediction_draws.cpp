@@ -160,7 +160,7 @@ Eigen::MatrixXd PredictiveDraws::draw(Kind kind, Prediction& prediction) const {
   }
   prediction.impossible += settings_.draws - static_cast<Eigen::Index>(kept.size());
   if (2 * static_cast<Eigen::Index>(kept.size()) < settings_.draws) {
-    throw SystemFailure(
+    throw ModelFailure(
         fmt::format("predict: {} of {} draws of new specimens are physically impossible or fail in the "
                     "model; the population is too wide",
                     settings_.draws - static_cast<Eigen::Index>(kept.size()), settings_.draws));

@@ -24,7 +24,7 @@ void differentiate(const UpdatingProblem& problem, const ScaledParameters& param
                    std::int64_t& evaluations, SpecimenFits& fits) {
   fits.jacobians = scaled_jacobians(problem, parameters, fits.points, fits.outputs, context, evaluations);
   for (const Eigen::MatrixXd& jacobian : fits.jacobians) {
-    if (!jacobian.allFinite()) throw SystemFailure("the model fails all around a specimen's parameters");
+    if (!jacobian.allFinite()) throw ModelFailure("the model fails all around a specimen's parameters");
   }
 }
 
@@ -91,7 +91,7 @@ SpecimenFits fit_specimens(const UpdatingProblem& problem, const Eigen::Ref<cons
   const Eigen::VectorXd& prior_std = parameters.deviation();
   SpecimenFits fits{start.points, outputs_on_scales(problem, start.points, context, evaluations), start.jacobians,
                     std::vector<bool>(static_cast<std::size_t>(n), false)};
-  if (!fits.outputs.allFinite()) throw SystemFailure("the model fails where the fit of a specimen starts");
+  if (!fits.outputs.allFinite()) throw ModelFailure("the model fails where the fit of a specimen starts");
   std::vector<Eigen::Index> moving;
   for (Eigen::Index s = 0; s < n; ++s) moving.push_back(s);
   if (fits.jacobians.empty()) differentiate(problem, parameters, context, evaluations, fits);

@@ -36,6 +36,13 @@ class SystemFailure : public Error {
   using Error::Error;
 };
 
+/// The model gives no answer where a method needs one: its runs fail there. The machine is sound, so a method may look
+/// elsewhere. Exit code 3.
+class ModelFailure : public SystemFailure {
+ public:
+  using SystemFailure::SystemFailure;
+};
+
 /// The run was asked to stop (signal) and can be resumed. Exit code 4.
 class Stopped : public Error {
  public:
