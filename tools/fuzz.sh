@@ -8,6 +8,9 @@ cd "$(dirname "$0")/.."
 
 # Every word in capitals that the reader knows is a token worth trying.
 grep -oh '"[A-Z][A-Z0-9]*"' src/formats/nastran_*.cpp | sort -u >"$build/nastran.dict"
+grep -oh '"[a-z][a-z_-]*"' src/study/read_*.cpp | sort -u >"$build/study.dict"
+mkdir -p "$build/studies"
+for study in examples/*/*.toml; do cp "$study" "$build/studies/$(basename "$(dirname "$study")")-$(basename "$study")"; done
 
 fuzz() {
   local name=$1
@@ -26,7 +29,12 @@ start nastran -dict="$build/nastran.dict" tests/formats/nastran
 start csv examples/01-three-masses
 start uff tests/formats/uff examples/05-uff-population/specimens
 start matrix tests/formats/matrices
-start solver_output -dict=tests/fuzz/solver_output.dict
+start solver_output -dict=tests/fuzz/solver_output.dict tests/fuzz/solver_output
+start mat tests/formats/mat tests/fuzz/hdf5
+start hdf5 -detect_leaks=0 tests/fuzz/hdf5 tests/formats/matrices  # the HDF5 library leaks on files that it refuses
+start calculix tests/fuzz/calculix examples/03-plate-calculix
+start report tests/fuzz/report
+start study -dict="$build/study.dict" "$build/studies"
 
 failed=0
 for name in "${!job[@]}"; do

@@ -161,6 +161,9 @@ Eigen::VectorXd to_eigenvalues(const Eigen::VectorXd& numbers, const FrequencyRu
     }
     const double omega = rule.quantity == Quantity::hertz ? k_two_pi * numbers(k) : numbers(k);
     if (!is_eigenvalue) eigenvalues(k) = omega * omega;
+    if (!std::isfinite(eigenvalues(k))) {
+      throw FormatError(rule.file, 0, fmt::format("the frequency of mode {}, {:.6g}, is too large", k + 1, numbers(k)));
+    }
   }
   return eigenvalues;
 }

@@ -83,7 +83,8 @@ std::vector<std::string> character_rows(const std::vector<std::size_t>& sizes, c
   for (std::size_t row = 0; row < height; ++row) {
     std::string text;
     for (std::size_t k = row; k < codes.size(); k += height) {  // names are ASCII: the low byte is the letter
-      text += static_cast<char>(static_cast<unsigned char>(static_cast<unsigned>(codes[k])));
+      const bool is_code = codes[k] >= 0.0 && codes[k] <= 65535.0;
+      text += is_code ? static_cast<char>(static_cast<unsigned>(codes[k]) & 0xffU) : '?';
     }
     rows.push_back(text.substr(0, text.find_last_not_of(std::string_view(" \0", 2)) + 1));
   }

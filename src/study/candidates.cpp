@@ -14,32 +14,6 @@
 
 namespace mottle {
 
-StudyDiagnose read_diagnose(TomlReader reader) {
-  StudyDiagnose diagnose;
-  diagnose.spread = reader.number_or("spread", diagnose.spread, {.lower = 1e-6, .upper = 1.0});
-  diagnose.screened = static_cast<int>(reader.integer_or("screened", diagnose.screened, {.lower = 1.0, .upper = 1e6}));
-  diagnose.like_evidence = reader.number_or("like_evidence", diagnose.like_evidence, {.lower = 0.0, .upper = 1e6});
-  if (const toml::node* node = reader.raw("candidates"); node != nullptr) {
-    const std::string allowed = "a list of targets, like [\"spring:k3\"], or of tables like a [[parameter]]";
-    const toml::array* list = node->as_array();
-    if (list == nullptr || list->empty()) reader.fail_value("candidates", allowed);
-    for (std::size_t i = 0; i < list->size(); ++i) {
-      StudyParameter candidate;
-      if (const auto target = list->get(i)->value_exact<std::string>()) {
-        candidate.targets = {*target};
-      } else if (list->get(i)->is_table()) {
-        TomlReader entry = reader.table_in("candidates", i);
-        candidate = read_parameter(entry);
-      } else {
-        reader.fail_value("candidates", allowed);
-      }
-      diagnose.candidates.push_back(std::move(candidate));
-    }
-  }
-  reader.finish();
-  return diagnose;
-}
-
 namespace {
 
 /// A number of the model that a candidate may stand for.

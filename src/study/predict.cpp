@@ -12,19 +12,6 @@
 
 namespace mottle {
 
-StudyPredict read_predict(TomlReader reader, const StudyModelSource& model, const std::filesystem::path& folder) {
-  StudyPredict predict;
-  predict.overrides = reader.number_map("model", {.lower = 0.0});
-  if (!predict.overrides.empty() && model.kind == StudyModelSource::Kind::command) {
-    reader.fail("model", "is not for a model by command, whose numbers are its own");
-  }
-  predict.repeatability = reader.number_map("repeatability", {.lower = 0.0});
-  predict.draws = static_cast<int>(reader.integer_or("draws", predict.draws, {.lower = 1000.0, .upper = 1e7}));
-  if (reader.raw("held_out") != nullptr) predict.held_out = folder / reader.text("held_out");
-  predict.outputs = read_outputs(std::move(reader), model);
-  return predict;
-}
-
 namespace {
 
 void override_system(MassSpringSystem& system, const std::string& target, double value) {

@@ -25,6 +25,8 @@ StudyUpdate read_update(TomlReader reader);
 StudyTruth read_truth(TomlReader reader, StudyModelSource::Kind kind);
 StudyDiagnose read_diagnose(TomlReader reader);
 SurrogateSettings read_surrogate(TomlReader reader);
+/// Names of SurrogateKind, in its order.
+const std::vector<std::string>& surrogate_kinds();
 StudyPredict read_predict(TomlReader reader, const StudyModelSource& model, const std::filesystem::path& folder);
 
 /// One [[parameter]]; of a model by command it needs no target.

@@ -82,6 +82,7 @@ TEST_F(Extraction, FaultsOfATableAreNamedWithFileAndLine) {
   EXPECT_THAT(attempt("FREQ\n1 10.0\n2 9.0\n"),
               ThrowsMessage<FormatError>(HasSubstr("do not ascend: mode 1 has 10, mode 2 has 9")));
   EXPECT_THAT(attempt("FREQ\n1 -10.0\n2 9.0\n"), ThrowsMessage<FormatError>(HasSubstr("is negative")));
+  EXPECT_THAT(attempt("FREQ\n1 10.0\n2 1e200\n"), ThrowsMessage<FormatError>(HasSubstr("1e+200, is too large")));
   EXPECT_THAT(attempt("FREQ\n1 10.0\n"), ThrowsMessage<FormatError>(HasSubstr("1 modes are there, 2 are needed")));
   EXPECT_THAT(attempt("1 10.0\n"), ThrowsMessage<FormatError>(HasSubstr("has no table after 'FREQ'")));
   EXPECT_THAT([&] { extract({.file = "lost"}); }, ThrowsMessage<InvalidInput>(HasSubstr("left no file 'lost'")));

@@ -145,5 +145,11 @@ INSTANTIATE_TEST_SUITE_P(
         Hostile{"Version73WithoutHdf5", [] { return mat_file(std::string(1024, '\0'), 2); }, "is not an HDF5 file"}),
     [](const auto& instance) { return std::string(instance.param.name); });
 
+TEST(ReadMat, ShowsCodesThatAreNoCharactersAsQuestionMarks) {
+  const std::string text = test::bytes_of(std::vector<std::uint32_t>{1, 1, 3, 0, 2}) + std::string("s\0", 2) +
+                           test::bytes_of(std::vector<double>{97.0, -1e300, 98.0});
+  EXPECT_THAT(parse_mat(text, "text.mat").at("s").texts, ElementsAre("a?b"));
+}
+
 }  // namespace
 }  // namespace mottle

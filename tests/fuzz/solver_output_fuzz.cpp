@@ -1,12 +1,15 @@
 // libFuzzer target for what solvers leave and users write: whatever the bytes, Nastran's printed and punched modes and
-// templates are either refused with FormatError or give numbers that keep their promises.
+// templates, and files of every other kind that rules of extraction read, are either refused with FormatError or give
+// numbers that keep their promises.
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
 #include <string_view>
 
+#include "fuzz_folder.hpp"
 #include "mottle/core/error.hpp"
+#include "mottle/drivers/extraction.hpp"
 #include "mottle/drivers/template_file.hpp"
 #include "mottle/formats/nastran_modes.hpp"
 
@@ -34,6 +37,32 @@ void check_shapes(const mottle::NamedShapes& shapes) {
   expect(static_cast<Eigen::Index>(shapes.names.size()) == shapes.values.rows());
 }
 
+/// Rules that read files of no program alone.
+void check_extraction(const mottle::test::FuzzFolder& folder) {
+  using Format = mottle::FrequencyRule::Format;
+  const std::vector<mottle::FrequencyRule> rules = {
+      {.file = "f", .format = Format::json, .column = "modes.f"},
+      {.file = "f", .format = Format::csv, .column = "f"},
+      {.file = "f", .format = Format::regex, .pattern = "(?:f *= *)(\\S+)|((x+)+)+$"},
+      {.file = "f", .format = Format::column, .after = "FREQ", .line = 2, .column = "2"},
+      {.file = "f", .format = Format::calculix}};
+  for (const mottle::FrequencyRule& rule : rules) {
+    attempt([&] { return mottle::extract_modes(folder.path(""), rule, std::nullopt, 1); },
+            [](const mottle::ExtractedModes& modes) { check_values(modes.eigenvalues); });
+  }
+  using Shapes = mottle::ShapeRule::Format;
+  const mottle::FrequencyRule one{.file = "one", .column = "1"};
+  folder.write("one", "1.0\n");
+  for (const mottle::ShapeRule& rule : {mottle::ShapeRule{.file = "f", .format = Shapes::csv},
+                                        mottle::ShapeRule{.file = "f", .format = Shapes::column, .after = "MODE"},
+                                        mottle::ShapeRule{.file = "f", .format = Shapes::calculix}}) {
+    attempt([&] { return mottle::extract_modes(folder.path(""), one, rule, 1); },
+            [](const mottle::ExtractedModes& modes) {
+              check_shapes({.names = modes.degree_of_freedom_names, .values = modes.shapes});
+            });
+  }
+}
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
@@ -47,5 +76,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         return mottle::Template(bytes, "fuzz.in", {"a", "E1", "k:2"}).fill(Eigen::Vector3d(1e308, -2.5, 3.0));
       },
       [&](const std::string& text) { expect(text.size() <= 600 * size); });
+  static const mottle::test::FuzzFolder folder;
+  folder.write("f", bytes);
+  check_extraction(folder);
   return 0;
 }

@@ -1,0 +1,37 @@
+// libFuzzer target for the study file: whatever the bytes, read_study throws InvalidInput or gives a study that its own
+// text gives again. Nothing is solved or started. Seeds: the studies of examples/.
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <memory>
+#include <string_view>
+
+#include "fuzz_folder.hpp"
+#include "mottle/core/error.hpp"
+#include "mottle/study/study.hpp"
+#include "mottle/updating/updater.hpp"
+
+/// Methods are not part of a study's reader: one that takes no options stands for them all.
+const std::vector<mottle::MethodEntry>& mottle::updating_methods() {
+  const auto make = [](const OptionValues& values, const std::string& where) -> std::unique_ptr<Updater> {
+    if (!values.empty()) throw InvalidInput(where + ": is not known");
+    return nullptr;
+  };
+  static const std::vector<MethodEntry> methods = {{"mares", "", {}, make}};
+  return methods;
+}
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  static const mottle::test::FuzzFolder folder;
+  folder.write("study.toml", {reinterpret_cast<const char*>(data), size});
+  try {
+    const mottle::Study study = mottle::read_study(folder.path("study.toml"), {});
+    folder.write("again.toml", study.text);
+    const mottle::Study again = mottle::read_study(folder.path("again.toml"), {});
+    if (again.parameters.list.size() != study.parameters.list.size() || again.text != study.text) std::abort();
+    mottle::located(study, "update.method", "");
+  } catch (const mottle::InvalidInput& error) {
+    if (std::string_view(error.what()).size() > 65536) std::abort();
+  }
+  return 0;
+}
