@@ -8,7 +8,8 @@ namespace mottle {
 
 /// The bytes of a text file.
 ///
-/// Throws InvalidInput: no such file, or what read_file refuses. FormatError with the line: bytes that are not UTF-8 text.
+/// Throws InvalidInput: no such file, or what read_file refuses. FormatError with the line: bytes that are not UTF-8
+/// text.
 std::string read_text_file(const std::filesystem::path& file);
 
 }  // namespace mottle
