@@ -1,14 +1,17 @@
 // The command: hands the arguments to a verb and turns what is thrown into a message and an exit code.
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <exception>
 #include <new>
 #include <string>
+#include <string_view>
 #include <system_error>
 #include <vector>
 
@@ -82,9 +85,25 @@ void open_standard_streams() {
   }
 }
 
+constexpr std::string_view k_no_memory =
+    "the memory does not suffice for this study; lower update.samples or take a larger machine";
+
+/// Where an error has nobody to catch it: in another library's thread, or while another one is told.
+[[noreturn]] void end_by_nobody() {
+  try {
+    if (const std::exception_ptr error = std::current_exception()) std::rethrow_exception(error);
+  } catch (const std::bad_alloc&) {
+    (void)!::write(STDERR_FILENO, k_no_memory.data(), k_no_memory.size());
+    ::_exit(k_failed);
+  } catch (...) {  // NOLINT(bugprone-empty-catch): told below as the system does
+  }
+  std::abort();
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
+  std::set_terminate(end_by_nobody);
   open_standard_streams();
   mottle::app::choose_blas_kernels(argv);
   mottle::app::catch_signals();
@@ -97,7 +116,7 @@ int main(int argc, char** argv) {
   } catch (const mottle::Stopped& error) {
     return fail(mottle::app::k_stopped, fmt::format("{}; go on with --resume", error.what()));
   } catch (const std::bad_alloc&) {
-    return fail(k_failed, "the memory does not suffice for this study; lower update.samples or take a larger machine");
+    return fail(k_failed, std::string(k_no_memory));
   } catch (const std::system_error& error) {  // files, threads, descriptors: the machine's answers
     return fail(k_failed, fmt::format("the system refuses: {}", error.what()));
   } catch (const std::exception& error) {

@@ -1,8 +1,12 @@
 #include "blas.hpp"
 
 #include <dlfcn.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
 
+#include <atomic>
 #include <cassert>
+#include <new>
 
 extern "C" void dgemm_(  // NOLINT(readability-identifier-naming): Fortran's name
     const char* transposes_a, const char* transposes_b, const int* rows, const int* columns, const int* inner,
@@ -10,6 +14,22 @@ extern "C" void dgemm_(  // NOLINT(readability-identifier-naming): Fortran's nam
     double* c, const int* stride_c);
 
 namespace mottle {
+namespace {
+
+/// OpenBLAS takes such a buffer for each thread that calls it at the same time as others, and tries for ever where the
+/// address space is limited and has no room. Those of threads before may be taken or not yet.
+void require_room_for_buffer() {
+  constexpr std::size_t k_buffer = std::size_t{136} << 20;
+  static std::atomic<std::size_t> threads{0};
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return;
+  const std::size_t size = k_buffer * ++threads;
+  void* const room = ::mmap(nullptr, size, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  if (room == MAP_FAILED) throw std::bad_alloc();
+  ::munmap(room, size);
+}
+
+}  // namespace
 
 void use_one_thread() {
   // Found at run time: not every BLAS has them, and those that don't have no threads.
@@ -23,8 +43,10 @@ void use_one_thread() {
     if (const auto set = reinterpret_cast<Set>(dlsym(RTLD_DEFAULT, "omp_set_max_active_levels"))) set(0);
     return true;
   }();
+  thread_local const bool has_room = (require_room_for_buffer(), true);
   (void)is_blas_done;
   (void)is_openmp_done;
+  (void)has_room;
 }
 
 namespace {
