@@ -28,6 +28,14 @@ std::string read_output(const std::filesystem::path& folder, const std::string& 
   return read_file(path);
 }
 
+/// The same of a file by a finite-element program, which ends every line: a last number that is cut short would be read
+/// as another one.
+std::string read_whole_output(const std::filesystem::path& folder, const std::string& file) {
+  std::string bytes = read_output(folder, file);
+  if (!bytes.empty() && bytes.back() != '\n') throw FormatError(file, 0, "ends within a line: it was cut short");
+  return bytes;
+}
+
 double number_at(std::string_view text, const std::string& file, int line) {
   double value = 0.0;
   if (!parse_printed_number(text, value)) throw FormatError(file, line, fmt::format("'{}' is not a number", text));
@@ -124,7 +132,9 @@ Eigen::VectorXd read_json_list(const std::string& bytes, const FrequencyRule& ru
 
 Eigen::VectorXd read_frequencies(const std::filesystem::path& folder, const FrequencyRule& rule) {
   using Format = FrequencyRule::Format;
-  const std::string bytes = read_output(folder, rule.file);
+  const bool is_programs =
+      rule.format == Format::f06 || rule.format == Format::punch || rule.format == Format::calculix;
+  const std::string bytes = is_programs ? read_whole_output(folder, rule.file) : read_output(folder, rule.file);
   switch (rule.format) {
     case Format::f06:
       return read_f06_eigenvalues(bytes, rule.file);
@@ -218,7 +228,8 @@ NamedShapes read_calculix_shapes(std::string_view bytes, const std::string& file
 
 NamedShapes read_shapes(const std::filesystem::path& folder, const ShapeRule& rule) {
   using Format = ShapeRule::Format;
-  const std::string bytes = read_output(folder, rule.file);
+  const bool is_own = rule.format == Format::csv || rule.format == Format::column;
+  const std::string bytes = is_own ? read_output(folder, rule.file) : read_whole_output(folder, rule.file);
   switch (rule.format) {
     case Format::f06:
       return read_f06_shapes(bytes, rule.file);

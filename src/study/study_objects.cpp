@@ -15,6 +15,7 @@
 #include "mottle/model/finite_element_structure.hpp"
 #include "mottle/model/matrix_structure.hpp"
 #include "mottle/updating/verdict.hpp"
+#include "study_matrices.hpp"
 #include "test_files.hpp"
 #include "unit_names.hpp"
 
@@ -79,31 +80,6 @@ void override_fields(FiniteElementModel& model, const std::map<std::string, doub
     }
     require(is_found, "predict.model: the deck has no number '{}'", target);
   }
-}
-
-MatrixModel read_matrices(const StudyModelSource& source, const std::vector<ParameterTargets>& targets,
-                          const Eigen::VectorXd& prior_mean, std::vector<std::string>& files) {
-  std::vector<std::string> names;
-  if (!source.row_names.empty()) {
-    names = read_row_names(source.row_names);
-    files.push_back(source.row_names.string());
-  }
-  const auto read = [&](const std::string& place) -> std::optional<SymmetricMatrix> {
-    if (place.empty()) return std::nullopt;
-    SymmetricMatrix matrix = read_symmetric_matrix(place);
-    files.push_back(file_of_matrix(place).string());
-    if (!names.empty()) {
-      require(names.size() == static_cast<std::size_t>(matrix.lower.rows()),
-              "model.degrees_of_freedom: {} names, but {} has {} rows", names.size(), place, matrix.lower.rows());
-      matrix.names = names;
-    }
-    return matrix;
-  };
-  MatrixSystem system{read(source.constant_part.stiffness), read(source.constant_part.mass), {}};
-  for (const StudyMatrixPart& part : source.parts) {
-    system.parts.push_back({part.name, read(part.stiffness), read(part.mass), part.nominal, part.exponent});
-  }
-  return bind_parameters(system, targets, prior_mean);
 }
 
 ModelParts parts_of(MatrixModel model, std::vector<std::string> files) {

@@ -79,6 +79,12 @@ class MatricesTest(support.CommandTest):
         tip = [float(row[header.index("phi1:40:+X")]) for row in rows]
         self.assertAlmostEqual(tip[0], tip[1], delta=1e-12)
 
+    def test_a_last_number_that_may_be_cut_short_is_told(self):
+        self.assertNotIn("has no end", self.succeed("check", "study.toml").out)
+        file = self.folder / "data" / "K2.mtx"
+        file.write_bytes(file.read_bytes().rstrip())
+        self.assertIn("K2.mtx: its last line has no end", self.succeed("check", "study.toml").out)
+
     def test_the_study_in_the_results_finds_the_matrices(self):
         self.succeed("propagate", "study.toml", "--out", "elsewhere/out")
         self.succeed("check", "elsewhere/out/study.toml")

@@ -150,11 +150,9 @@ CALCULIX = [
     ("an INCLUDE without a name", {"plate.inp": "*INCLUDE\n" + PLATE}, ""),
     ("a generated set without end", {"plate.inp": f"*NSET, NSET=X, GENERATE\n1, {HUGE}, 1\n" + PLATE}, ""),
     ("a million stars", {"plate.inp": "*" * 1000000 + "\n" + PLATE}, ""),
-]
-# Not survived yet. What mends one moves it up to where it belongs.
-OPEN_CALCULIX = [
     ("a device to include", {"plate.inp": "*INCLUDE, INPUT=/dev/zero\n" + PLATE}, "/dev/zero"),
 ]
+# Not survived yet. What mends one moves it up to where it belongs.
 
 
 def cases(decks, calculix, matrices):
@@ -212,9 +210,6 @@ def inputs():
     yield "JSON 200,000 deep", printed(rules, "[" * 200000 + "]" * 200000), CHECK, ""
     yield "result.json 200,000 deep", {"out/result.json": "[" * 200000 + "]" * 200000}, ("report", "out"), "result.json"
 
-
-def open_inputs():
-    """Not survived yet. What mends one moves it up."""
     matlab = studied(('"tests.csv"', '"a.mat"'))
     yield "a.mat: 2^31 x 0 letters", {**matlab, "a.mat": matlab_variable((HUGE, 0), (16, b""))}, CHECK, "a.mat"
     yield "a.mat: zeros that unfold to 1.5 GB", {**matlab, "a.mat": matlab_bomb()}, CHECK, "a.mat"
@@ -248,13 +243,6 @@ class Lies(attack.Family):
         demand(phrase in ended.err, f"says nothing of {phrase}: {told(ended)}")
         demand("memory does not suffice" not in ended.err, f"asked for too much: {told(ended)}")
         demand(len(ended.err) < 20000, f"a message of {len(ended.err)} letters")
-
-
-class OpenLies(Lies):
-    """Not in the tests: known, and not mended yet."""
-
-    table = [*cases([], OPEN_CALCULIX, {}), *open_inputs()]
-    few, many = 0, len(table)
 
 
 class LiesTest(attack.AttackTest):

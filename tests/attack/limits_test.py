@@ -106,7 +106,7 @@ class Descriptors(Limited):
     """RLIMIT_NOFILE, from hardly enough for the libraries."""
 
     title = "limits on open files"
-    allowed = (0, 2, 3)
+    allowed = (0, 3)
     many = 300
 
     def attack(self, chance, number):
@@ -117,40 +117,33 @@ class Descriptors(Limited):
         self.demand_all_or_nothing(command, self.allowed, limits=((resource.RLIMIT_NOFILE, limit),))
 
 
-class OpenMemory(Limited):
-    """Not in the tests, since not survived yet: RLIMIT_AS, from what the libraries take to plenty."""
+class Memory(Limited):
+    """RLIMIT_AS, from what the libraries take before anything begins (about 400 MB) to plenty."""
 
     title = "limits on memory"
-    many = 400
+    few, many = 6, 400
     seconds = 30
 
     def attack(self, chance, number):
         command = COMMANDS[number % 3]
-        limit = int(2 ** chance.uniform(7.5, 11) * MEGABYTE)
+        limit = int(2 ** chance.uniform(8.7, 11) * MEGABYTE)
         self.doing = f"ulimit -v {limit // 1024}, {command[0]} {command[1]}"
         self.demand_all_or_nothing(command, memory=limit)
 
 
-class OpenDescriptors(Descriptors):
-    """Not in the tests, since not survived yet: files that the machine refuses to open are no fault of the input."""
-
-    allowed = (0, 3)
-    few, many = 0, 50
-
-
-class OpenDiagnosis(FileSizes):
-    """Not in the tests, since not survived yet: a journal that cannot be written is taken for a model that fails."""
+class DiagnosisFileSizes(FileSizes):
+    """A journal that cannot be written is no model that fails."""
 
     title = "limits on the size of files, diagnose"
     commands = [("diagnose", "study.toml")]
-    few, many = 0, 20
+    few, many = 3, 20
 
 
-class OpenStreams(Limited):
-    """Not in the tests, since not survived yet: a standard error that takes nothing."""
+class FullStreams(Limited):
+    """A standard error that takes nothing."""
 
     title = "a full standard error"
-    few, many = 0, 3
+    few, many = 3, 3
 
     def attack(self, chance, number):
         arguments = [("check", "nowhere.toml"), ("update", "nowhere.toml"), ("update", "study.toml", "--out", "/dev/null")][number]
@@ -164,6 +157,17 @@ class LimitsTest(attack.AttackTest):
     @unittest.skipIf(attack.IS_INSTRUMENTED, "what watches the command writes files of its own")
     def test_limits_of_file_sizes(self):
         self.assertIn(3, self.survive(FileSizes).codes, "no limit was met")
+
+    @unittest.skipIf(attack.IS_INSTRUMENTED, "what watches the command takes memory of its own")
+    def test_limits_of_memory(self):
+        self.survive(Memory)
+
+    @unittest.skipIf(attack.IS_INSTRUMENTED, "what watches the command writes files of its own")
+    def test_a_journal_that_cannot_be_written(self):
+        self.survive(DiagnosisFileSizes)
+
+    def test_a_full_standard_error(self):
+        self.survive(FullStreams)
 
     def test_places(self):
         self.survive(Places)

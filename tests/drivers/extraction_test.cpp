@@ -208,4 +208,14 @@ TEST_F(Extraction, ModesOfCalculix) {
   }
 }
 
+/// The last number of a file that was cut short reads as another one.
+TEST_F(Extraction, AProgramsFileThatEndsWithinALineIsRefused) {
+  std::string bytes = mottle::read_file(std::string(MOTTLE_SOURCE_DIR) + "/tests/formats/matrices/bar.dat");
+  const FrequencyRule rule{.file = "bar.dat", .format = FrequencyRule::Format::calculix};
+  while (bytes.back() == '\n' || bytes.back() == ' ') bytes.pop_back();
+  write("bar.dat", bytes.substr(0, bytes.size() - 3));
+  EXPECT_THAT([&] { mottle::extract_modes(folder_.path(), rule, {}, 1); },
+              testing::ThrowsMessage<mottle::FormatError>(testing::HasSubstr("ends within a line")));
+}
+
 }  // namespace

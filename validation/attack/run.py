@@ -123,7 +123,7 @@ def read_settings():
     parser.add_argument("--hours", type=float, default=24.0, help="that all families together may take")
     parser.add_argument("--scale", type=float, default=1.0, help="times the number of attacks of each family, or its time")
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--family", action="append", choices=[family.__name__ for family in families.ALL + families.OPEN])
+    parser.add_argument("--family", action="append", choices=[family.__name__ for family in families.ALL])
     parser.add_argument("--number", type=int, help="this attack alone; no table is written")
     parser.add_argument("--resume", action="store_true")
     return parser.parse_args()
@@ -133,7 +133,7 @@ def main():
     settings = read_settings()
     for number in (signal.SIGINT, signal.SIGTERM):  # either way the row of what was done is written
         signal.signal(number, signal.default_int_handler)
-    chosen = [family for family in families.ALL + families.OPEN if family.__name__ in settings.family] if settings.family else families.ALL
+    chosen = [family for family in families.ALL if family.__name__ in settings.family] if settings.family else families.ALL
     families.support.MOTTLE = str(settings.mottle.resolve())
     if settings.number is not None:
         sys.exit(again(chosen[0], settings))
