@@ -27,21 +27,10 @@ namespace {
 constexpr int k_wrong_input = 2;
 constexpr int k_failed = 3;
 constexpr int k_our_bug = 70;
-
-/// The begin and the end of a message that holds more of a foreign text than a person reads.
-std::string shortened(const std::string& text) {
-  constexpr std::size_t k_begin = 1500;
-  constexpr std::size_t k_end = 1000;
-  if (text.size() <= k_begin + k_end) return text;
-  const auto whole_from = [&](std::size_t place) {  // not within a letter of several bytes
-    while ((static_cast<unsigned char>(text[place]) & 0xC0U) == 0x80U) ++place;
-    return place;
-  };
-  return text.substr(0, whole_from(k_begin)) + " [...] " + text.substr(whole_from(text.size() - k_end));
-}
+constexpr std::size_t k_longest_message = 2500;  // of bytes; CalculiX may have said 1500 of them
 
 int fail(int code, const std::string& message) {
-  mottle::app::tell(fmt::format("mottle: {}\n", shortened(mottle::printable(message))));
+  mottle::app::tell(fmt::format("mottle: {}\n", mottle::shortened(mottle::printable(message), k_longest_message)));
   return code;
 }
 

@@ -31,4 +31,17 @@ std::string printable(std::string_view foreign) {
   return text;
 }
 
+std::string shortened(const std::string& text, std::size_t most) {
+  constexpr std::string_view k_left_out = " [...] ";
+  if (text.size() <= most) return text;
+  const auto whole_from = [&](std::size_t place) {  // not within a letter of several bytes
+    while (place < text.size() && (static_cast<unsigned char>(text[place]) & 0xC0U) == 0x80U) ++place;
+    return place;
+  };
+  const std::size_t end = most / 3;
+  const std::size_t begin = most - end;
+  return fmt::format("{}{}{}", text.substr(0, whole_from(begin)), k_left_out,
+                     text.substr(whole_from(text.size() - end)));
+}
+
 }  // namespace mottle

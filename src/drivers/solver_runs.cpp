@@ -169,7 +169,8 @@ bool SolverRuns::try_once(const Input& input, const std::filesystem::path& folde
 
 void SolverRuns::put_away(const std::filesystem::path& folder, const std::string& id, Run& run) {
   const bool has_failed = !run.record.failure.empty();
-  run.record.failure = printable(run.record.failure);
+  constexpr std::size_t k_longest_failure = 600;
+  run.record.failure = shortened(printable(run.record.failure), k_longest_failure);
   if (!folders_->recover(folder)) return;
   if (has_failed) run.last_words = printable(last_words(folder));
   if (command_.kept == KeptRuns::none || (command_.kept == KeptRuns::failed && !has_failed)) {
