@@ -94,7 +94,8 @@ class TestsAsModes(support.CommandTest):
         self.write("study.toml", system)
         self.assertIn("output 'f2' is measured once in 2 specimens", self.call("check", "study.toml").err)
         self.write("study.toml", edited(system, ("octave-v4", "scipy-v7")))
-        out = self.succeed("check", "study.toml", "--set", "outputs.frequencies=[1]").out
+        out = self.succeed("check", "study.toml", "--set", "outputs.frequencies=[1]", "--set",
+                           'update.method="maximum-likelihood"').out
         self.assertIn("tests: 2 specimens of 1 outputs", out)
         self.assertIn("Measured components that the model does not have: 2 of specimen 1", out)
 
