@@ -29,8 +29,15 @@ constexpr int k_failed = 3;
 constexpr int k_our_bug = 70;
 constexpr std::size_t k_longest_message = 2500;  // of bytes; CalculiX may have said 1500 of them
 
+/// Lines stay lines: what a solver said at the end is shown as it said it.
 int fail(int code, const std::string& message) {
-  mottle::app::tell(fmt::format("mottle: {}\n", mottle::shortened(mottle::printable(message), k_longest_message)));
+  std::string text;
+  for (std::size_t begin = 0; begin <= message.size();) {
+    const std::size_t end = std::min(message.find('\n', begin), message.size());
+    text += (begin > 0 ? "\n" : "") + mottle::printable(std::string_view(message).substr(begin, end - begin));
+    begin = end + 1;
+  }
+  mottle::app::tell(fmt::format("mottle: {}\n", mottle::shortened(text, k_longest_message)));
   return code;
 }
 

@@ -179,8 +179,8 @@ void make_writable_folder(const std::filesystem::path& folder) {
   std::error_code status_error;
   require(std::filesystem::is_directory(folder, status_error), "{}: this folder cannot be made: {}", folder.string(),
           error ? error.message() : "something else has that name");
-  const std::filesystem::path probe = folder / ".mottle-probe";
-  const Descriptor descriptor(::open(probe.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644));
+  const std::string probe = partial_name(folder / ".mottle-probe");
+  const Descriptor descriptor(::open(probe.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644));
   if (descriptor.get() < 0) {
     refuse_to_write(folder, "nothing can be written there", "; name another place with --out");
   }

@@ -75,7 +75,8 @@ class Solver {
             settings.program);
     const PrivateFolder folder;
     run({program_.string(), "-v"}, folder.path());
-    version_ = read_file(folder.path() / k_standard_output);
+    version_ = last_part(folder.path() / k_standard_output);  // whatever its exit status: 201 of version 2.20
+    if (version_.empty()) fail("it does not say its version (-v)", folder.path());
   }
 
   MatrixRun matrices(const std::string& deck) {
@@ -98,7 +99,12 @@ class Solver {
            folder.path());
     }
     ++runs_;
-    MatrixRun result = read_stored(folder.path());
+    MatrixRun result;
+    try {
+      result = read_stored(folder.path());
+    } catch (const InvalidInput& error) {
+      fail(fmt::format("what it stored cannot be read: {}", error.what()), folder.path());
+    }
     keep_run(settings_.cache, digest, result);
     return result;
   }

@@ -14,12 +14,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool is_same(const struct stat& a, const struct stat& b) {
-  const auto same_time = [](const timespec& x, const timespec& y) {
-    return x.tv_sec == y.tv_sec && x.tv_nsec == y.tv_nsec;
-  };
-  return a.st_ino == b.st_ino && a.st_dev == b.st_dev && a.st_size == b.st_size && same_time(a.st_mtim, b.st_mtim) &&
-         same_time(a.st_ctim, b.st_ctim);
+bool is_same(const timespec& a, const timespec& b) {
+  return a.tv_sec == b.tv_sec && a.tv_nsec == b.tv_nsec;
+}
+
+/// Whether nothing was written to a file: what was written and put back in between, other runs may have read.
+bool is_unwritten(const struct stat& a, const struct stat& b) {
+  return a.st_ino == b.st_ino && a.st_dev == b.st_dev && a.st_size == b.st_size && is_same(a.st_mtim, b.st_mtim);
 }
 
 /// Lets the file system share the blocks of a new file with an old one; false where it cannot.
@@ -91,9 +92,10 @@ void InputFiles::require_unchanged() {
     Original& original = originals_[i];
     struct stat now {};
     if (!original.is_large) continue;
-    if (::lstat(original.copy.c_str(), &now) == 0 && is_same(now, original.seen)) continue;
-    // Rights or names may have changed alone.
-    if (!S_ISREG(now.st_mode) || digest_of(read_file(original.copy)) != digests_[i]) refuse_changed(original.file);
+    if (::lstat(original.copy.c_str(), &now) != 0 || !is_unwritten(now, original.seen)) refuse_changed(original.file);
+    if (is_same(now.st_ctim, original.seen.st_ctim)) continue;
+    // Rights or names have changed, or times were set back.
+    if (digest_of(read_file(original.copy)) != digests_[i]) refuse_changed(original.file);
     original.seen = now;
   }
 }

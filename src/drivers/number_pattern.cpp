@@ -18,7 +18,10 @@ re2::RE2::Options options() {
 
 }  // namespace
 
-NumberPattern::NumberPattern(const std::string& text) : expression_(std::make_unique<re2::RE2>(text, options())) {
+NumberPattern::NumberPattern(const std::string& text) {
+  constexpr std::size_t k_longest = 100'000;
+  require(text.size() <= k_longest, "has {} characters, at most {} are allowed", text.size(), k_longest);
+  expression_ = std::make_unique<re2::RE2>(text, options());
   constexpr std::size_t k_longest_shown = 200;  // an error quotes the expression, which may be of any length
   require(expression_->ok(), "is no regular expression that is known here: {}",
           expression_->error().substr(0, k_longest_shown));

@@ -33,9 +33,9 @@ std::filesystem::path make_private(const std::filesystem::path& parent) {
   return pattern;
 }
 
-/// 0, or errno.
+/// Writes a new file. 0, or errno.
 int write_plainly(const std::filesystem::path& file, std::string_view bytes) {
-  const int descriptor = ::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
+  const int descriptor = ::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0644);
   if (descriptor < 0) return errno;
   int error = 0;
   while (!bytes.empty() && error == 0) {
@@ -79,14 +79,17 @@ void remove_marked_within(const std::filesystem::path& group) {
   for (; entry != std::filesystem::directory_iterator(); entry.increment(ignored)) remove_marked(entry->path());
 }
 
-void require_no_link(const std::filesystem::path& group) {
-  std::error_code ignored;
-  require(!std::filesystem::is_symlink(group, ignored),
-          "{}: is a link, and solver runs are made and removed there; take it away or name another place with --out",
-          group.string());
-}
-
 }  // namespace
+
+void require_no_linked_runs(const std::filesystem::path& results) {
+  for (const char* group : {k_work, k_failed, k_kept}) {
+    const std::filesystem::path folder = std::filesystem::absolute(results) / group;
+    std::error_code ignored;
+    require(!std::filesystem::is_symlink(folder, ignored),
+            "{}: is a link, and solver runs are made and removed there; take it away or name another place with --out",
+            folder.string());
+  }
+}
 
 RunFolders::RunFolders(const std::filesystem::path& results, bool forgets)
     : results_(results), is_temporary_(results.empty()) {
@@ -96,7 +99,7 @@ RunFolders::RunFolders(const std::filesystem::path& results, bool forgets)
   } else {
     make_writable_folder(results_);
     results_ = std::filesystem::absolute(results_);
-    for (const char* group : {k_work, k_failed, k_kept}) require_no_link(results_ / group);
+    require_no_linked_runs(results_);
     remove_marked_within(results_ / k_work);
     if (forgets) {
       remove_marked_within(results_ / k_failed);
@@ -167,6 +170,8 @@ std::filesystem::path RunFolders::keep(const std::filesystem::path& folder, bool
 
 void RunFolders::require_room(const std::filesystem::path& folder) const {
   const std::filesystem::path probe = folder / ".mottle-probe";
+  std::error_code ignored;
+  std::filesystem::remove_all(probe, ignored);  // a link or pipe that the run has left
   const int error = write_plainly(probe, std::string(1 << 16, 'x'));
   ::unlink(probe.c_str());
   if (error == 0) return;

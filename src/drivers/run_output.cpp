@@ -41,7 +41,8 @@ void shorten_output(const std::filesystem::path& folder) {
     if (descriptor < 0) continue;
     const std::string bytes = end_of(descriptor, k_kept);
     struct stat status {};
-    const bool is_long = ::fstat(descriptor, &status) == 0 && status.st_size > k_kept;
+    // A second name: the file may be one of the user's.
+    const bool is_long = ::fstat(descriptor, &status) == 0 && status.st_size > k_kept && status.st_nlink == 1;
     if (is_long && ::pwrite(descriptor, bytes.data(), bytes.size(), 0) == static_cast<ssize_t>(bytes.size())) {
       (void)!::ftruncate(descriptor, static_cast<off_t>(bytes.size()));
     }

@@ -122,7 +122,7 @@ int become(const Start& start, pid_t guard) {
 
 /// Ends what the program has left behind, in whatever session: its orphans are the guard's children.
 void kill_orphans() {
-  constexpr int k_most_rounds = 200;
+  constexpr int k_most_rounds = 5000;  // each ends one generation
   const timespec moment{0, 2'000'000};
   for (int round = 0; round < k_most_rounds; ++round) {
     const int list = ::open("/proc/thread-self/children", O_RDONLY | O_CLOEXEC);

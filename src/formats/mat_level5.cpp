@@ -113,6 +113,17 @@ class Inflation {
     }
   }
 
+  /// Throws FormatError where there is more than was read, or where the sum at the end, which zlib holds against what
+  /// it unpacked, is not reached or wrong: other numbers may stand there then.
+  void finish() {
+    char more = 0;
+    stream_.next_out = reinterpret_cast<Bytef*>(&more);
+    stream_.avail_out = 1;
+    if (inflate(&stream_, Z_FINISH) != Z_STREAM_END || stream_.avail_out == 0) {
+      budget_.fail("a packed variable is damaged");
+    }
+  }
+
  private:
   z_stream stream_ = {};
   MatBudget& budget_;
@@ -131,6 +142,7 @@ std::string unpacked(std::string_view packed, bool is_swapped, MatBudget& budget
   budget.take(size);
   bytes.resize(8 + std::size_t{size});
   inflation.read(bytes.data() + 8, size);
+  inflation.finish();
   return bytes;
 }
 

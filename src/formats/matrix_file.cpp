@@ -126,7 +126,7 @@ SymmetricMatrix read_symmetric_matrix(const std::string& place) {
   const std::string name = place.size() > file.string().size() ? place.substr(file.string().size() + 1) : "";
   const std::string bytes = read_file(file);
   SymmetricMatrix matrix = parse_symmetric_matrix(bytes, file.string(), name);
-  for (const char* extension : {".dof", ".mapping"}) {
+  for (const char* extension : k_names_beside_matrices) {
     fs::path beside = file;
     beside.replace_extension(extension);
     if (matrix.names.empty() && beside != file && fs::exists(beside)) matrix.names = read_row_names(beside);

@@ -37,6 +37,13 @@ const std::vector<double>& numbers_of(const Variables& variables, const std::str
   return found->second.numbers;
 }
 
+/// Tests of more structures than anybody builds would take gigabytes from a file of kilobytes.
+void require_few(std::size_t specimens, const std::string& file) {
+  constexpr std::size_t k_most = 1'000'000;
+  if (specimens > k_most)
+    throw FormatError(file, 0, fmt::format("holds {} specimens, at most {} are read", specimens, k_most));
+}
+
 }  // namespace
 
 std::vector<MeasuredModes> modes_from_mat(const Variables& variables, const std::string& file,
@@ -51,6 +58,7 @@ std::vector<MeasuredModes> modes_from_mat(const Variables& variables, const std:
   const std::size_t specimens = counts[0];
   const std::size_t modes = counts[1];
   const std::size_t rows = dofs->second.texts.size();
+  require_few(specimens, file);
   const std::vector<double>& frequencies = numbers_of(variables, file, "frequencies", {specimens, modes});
   const std::vector<double>& shapes = numbers_of(variables, file, "shapes", {rows, modes, specimens});
   const bool has_masses = variables.contains("modal_masses");
@@ -99,6 +107,7 @@ CsvTable table_from_mat(const Variables& variables, const std::string& file) {
                                     name, sizes_text(variable.sizes)));
     }
     rows = count;
+    require_few(rows, file);
     table.header.push_back(name);
     table.rows.resize(rows);
     for (std::size_t row = 0; row < rows; ++row) {

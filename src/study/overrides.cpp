@@ -5,6 +5,7 @@
 
 #include "mottle/core/error.hpp"
 #include "mottle/core/text.hpp"
+#include "mottle/core/utf8.hpp"
 
 namespace mottle {
 namespace {
@@ -33,7 +34,8 @@ toml::node* entry_of(toml::array& list, const std::string& step, std::vector<std
 }
 
 /// The value as TOML, or as bare text where it is a word that no TOML value looks like.
-toml::table parse_value(const std::string& value, const std::string& assignment) {
+toml::table parse_value(const std::string& value, const std::string& given) {
+  const std::string assignment = printable(given);
   try {
     toml::table parsed = toml::parse("value = " + value);
     require(parsed.size() == 1, "--set {}: give one TOML value", assignment);
@@ -42,7 +44,7 @@ toml::table parse_value(const std::string& value, const std::string& assignment)
     const bool is_word = !value.empty() && value.find_first_not_of(
                                                "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
                                                "0123456789_-./") == std::string::npos;
-    require(is_word, "--set {}: '{}' is not a TOML value; quote texts: key='\"text\"'", assignment, value);
+    require(is_word, "--set {}: '{}' is not a TOML value; quote texts: key='\"text\"'", assignment, printable(value));
     return toml::table{{"value", value}};
   }
 }

@@ -141,8 +141,23 @@ StudyTruth read_truth(TomlReader reader, StudyModelSource::Kind kind) {
 
 namespace {
 
+/// Keys of thousands of parts (a.a.a...) would take the parser deeper than the stack is.
+void require_short_keys(const std::string& bytes, const std::filesystem::path& file) {
+  constexpr int k_most_parts = 1000;
+  int line = 1;
+  int parts = 0;
+  for (const char c : bytes) {
+    if (c == '\n') ++line;
+    if (std::string_view("\n=,[]{}#").find(c) != std::string_view::npos) parts = 0;
+    if (c == '.' && ++parts > k_most_parts) {
+      throw FormatError(file.string(), line, fmt::format("holds a key of more than {} parts", k_most_parts));
+    }
+  }
+}
+
 toml::table parse_file(const std::filesystem::path& file) {
   const std::string bytes = read_text_file(file);
+  require_short_keys(bytes, file);
   try {
     return toml::parse(bytes, file.string());
   } catch (const toml::parse_error& error) {

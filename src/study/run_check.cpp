@@ -5,6 +5,7 @@
 
 #include "mottle/core/error.hpp"
 #include "mottle/core/text.hpp"
+#include "mottle/drivers/run_folders.hpp"
 #include "mottle/modal/mode_set.hpp"
 #include "mottle/study/run.hpp"
 #include "result_json.hpp"
@@ -122,6 +123,7 @@ void describe_update(const Study& study, const UpdatePlan& plan, std::vector<std
 
 RunSummary run_check(const Study& study, const RunSettings& settings) {
   require_place(settings.folder);
+  if (study.model.kind == StudyModelSource::Kind::command) require_no_linked_runs(settings.folder);
   if (!settings.may_run_programs && settings.observer != nullptr) {  // before the study may be refused for it
     for (const std::string& line : reach_lines(reach_of(study))) settings.observer->warning(line);
   }

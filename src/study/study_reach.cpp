@@ -1,9 +1,11 @@
 #include "study_reach.hpp"
 
-#include <algorithm>
+#include <set>
 
+#include "mottle/core/error.hpp"
 #include "mottle/core/text.hpp"
 #include "mottle/formats/matrix_file.hpp"
+#include "test_files.hpp"
 
 namespace mottle {
 namespace {
@@ -20,13 +22,13 @@ class Reach {
     const fs::path path = fs::weakly_canonical(fs::absolute(file), error);
     const fs::path relative = path.lexically_relative(folder_);
     if (!error && !relative.empty() && *relative.begin() != "..") return;
-    const std::string line = fmt::format("{}: {}", key, path.string());
-    if (std::find(found_.begin(), found_.end(), line) == found_.end()) found_.push_back(line);
+    if (seen_.insert(path).second) found_.push_back(fmt::format("{}: {}", key, path.string()));
   }
   std::vector<std::string> found() && { return std::move(found_); }
 
  private:
   fs::path folder_;
+  std::set<fs::path> seen_;
   std::vector<std::string> found_;
 };
 
@@ -47,8 +49,26 @@ std::vector<std::string> programs_of(const StudyModelSource& model) {
 
 void add_matrices(Reach& reach, const StudyMatrixPart& part) {
   for (const std::string& place : {part.stiffness, part.mass}) {
-    if (!place.empty()) reach.add("model", file_of_matrix(place));
+    if (place.empty()) continue;
+    const fs::path file = file_of_matrix(place);
+    reach.add("model", file);
+    for (const char* extension : k_names_beside_matrices) {
+      std::error_code ignored;
+      const fs::path beside = fs::path(file).replace_extension(extension);
+      if (fs::exists(beside, ignored)) reach.add("model", beside);
+    }
   }
+}
+
+/// The files themselves, which may be links within a folder; what is named where they cannot be listed.
+void add_tests(Reach& reach, const Study& study) {
+  std::vector<fs::path> files = study.test->files;
+  try {
+    files = list_test_files(study);
+  } catch (const InvalidInput&) {  // told where they are read
+  }
+  for (const fs::path& file : files) reach.add(study.test->key, file);
+  if (study.test->repeats_file) reach.add("test.repeatability", *study.test->repeats_file);
 }
 
 }  // namespace
@@ -62,10 +82,7 @@ StudyReach reach_of(const Study& study, const std::vector<std::string>& read) {
   for (const StudyMatrixPart& part : model.parts) add_matrices(reach, part);
   for (const RunFile& file : model.command.templates) reach.add("model.templates", file.source);
   for (const RunFile& file : model.command.files) reach.add("model.files", file.source);
-  if (study.test) {
-    for (const fs::path& file : study.test->files) reach.add("test.file", file);
-    if (study.test->repeats_file) reach.add("test.repeatability", *study.test->repeats_file);
-  }
+  if (study.test) add_tests(reach, study);
   if (study.predict && study.predict->held_out) reach.add("predict.held_out", *study.predict->held_out);
   const bool is_by_command = model.kind == StudyModelSource::Kind::command;
   for (const std::string& file : read) {

@@ -93,13 +93,13 @@ UpdatingResult MaximumLikelihoodUpdater::update(const UpdatingProblem& problem, 
   UpdatingResult result;
   result.is_population = true;
   result.status = UpdatingStatus::max_iterations;
-  append_state(result, record_state(problem, tests, problem.space.prior(), 0, context));
   const PopulationFitSettings settings{.noise = noise_model(problem, options_),
                                        .model_error = model_error_model(problem),
                                        .is_restricted = options_.likelihood == Options::Likelihood::restricted,
                                        .rank_tolerance = options_.rank_tolerance,
                                        .iterations = problem.iterations,
                                        .tolerance = problem.tolerance};
+  append_state(result, record_state(problem, tests, problem.space.prior(), 0, context));
   result.mean = problem.space.prior().mean();
   result.covariance = problem.space.prior().covariance();
   result.message = "stopped on request before the first iteration";

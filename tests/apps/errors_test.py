@@ -351,6 +351,11 @@ study_case("a control character in a mass's name", [("m1 = 1.0", '"m\\n1" = 1.0'
 study_case("no test file", [('"tests.csv"', '"missing.csv"')], ["test.file", "missing.csv", "no such file"],
            at="missing.csv")
 study_case("a folder in place of the test file", [('"tests.csv"', '"."')], ["test.file", "folder"], at='file = "."')
+study_case("a key of 60,000 parts", [('[test]', "[" + ".".join("a" * 60000) + "]\n[test]")], ["key of more than 1000 parts"])
+study_case("the model's error to be estimated from as many outputs as parameters",
+           [('method = "mares"', 'method = "maximum-likelihood"'), ('[test]\n', '[test]\nmodel_error = "estimated"\n'),
+            ("[1, 2, 3]", "[1, 2]")],
+           ["test.model_error", "cannot be estimated"], at="model_error")
 study_case("no test", [('[test]\nfile = "tests.csv"', "")], ["test: is missing", "[test]"], is_checked=False)
 study_case("a logarithm of a parameter that is not positive",
            [(K2, '{ kind = "normal", mean = -2.0, std = 0.3 }\nscale = "log"\n\n[outputs]')],

@@ -67,6 +67,14 @@ class ReachTest(support.CommandTest):
         self.write("inner/study.toml", edited(STUDY, ('"tests.csv"', '"../elsewhere/*.csv"')))
         self.assertIn("reads outside of the study's folder by test.file: ", self.succeed("check", "inner/study.toml").out)
 
+    def test_links_within_a_folder_of_tests_are_listed(self):
+        self.write("elsewhere/a.csv", TESTS)
+        self.write("inner/study.toml", edited(STUDY, ('"tests.csv"', '"specimens/*.csv"')))
+        (self.folder / "inner" / "specimens").mkdir()
+        (self.folder / "inner" / "specimens" / "b.csv").symlink_to(self.folder / "elsewhere" / "a.csv")
+        place = (self.folder / "elsewhere" / "a.csv").resolve()
+        self.assertEqual(json.loads(self.succeed("check", "inner/study.toml", "--json").out)["outside"], [f"test.file: {place}"])
+
     def test_includes_of_a_deck_are_listed(self):
         deck = self.folder / "study" / "deck.bdf"
         self.write("study/deck.bdf", "CEND\nBEGIN BULK\nINCLUDE '../cards.bdf'\nENDDATA\n")

@@ -74,6 +74,8 @@ FAILS = {
     "makes reason.txt a link out of the folder": "os.symlink(victim, 'reason.txt'); sys.exit(1)",
     "makes its mark a link out of the folder": "os.symlink(victim, '.mottle-run'); sys.exit(1)",
     "puts a link in place of what it printed": "os.remove('stderr.txt'); os.symlink(victim, 'stderr.txt'); sys.exit(1)",
+    "makes what it printed a second name of a file of the user":
+        "os.remove('stdout.txt'); os.link(victim, 'stdout.txt'); sys.exit(1)",
     "leaves a link to a folder of the user": "os.symlink(victim.parent, 'results'); sys.exit(1)",
     "leaves files of strange names": "[open(b'a\\n\\x1b[31m\\xff' + bytes([k]), 'w').close() for k in range(48, 58)]; sys.exit(1)",
     "leaves 3,000 files": "[open(f'{k}', 'w').close() for k in range(3000)]; sys.exit(1)",
@@ -96,11 +98,14 @@ PASSES = {
     "writes Fortran's exponents": "leave(*(repr(v) + 'D+00' for v in values))",
     "closes its streams": "leave_all(); [os.close(k) for k in (0, 1, 2)]",
     "leaves a child in a session of its own": "leave_all(); leave_child() and (os.setsid(), time.sleep(1))",
+    "leaves a link to a file of the user where the disk is tried": "leave_all(); os.symlink(victim, '.mottle-probe')",
+    "leaves a pipe where the disk is tried": "leave_all(); os.mkfifo('.mottle-probe')",
     "leaves a child in its group": "leave_all(); leave_child() and time.sleep(30)",
     "makes its file a link within the folder": "leave_all(); os.rename('f.txt', 'g.txt'); os.symlink('g.txt', 'f.txt')",
     "finds 100,000 modes too many": "leave(*map(repr, [*values, *range(99, 100099)]))",
     "has removed its input": "leave_all(); os.remove('input.txt')",
 }
+MINE = "mine\n" * 300000  # more than is kept of an output
 FAULTS = [(name, text, True, False) for name, text in FAILS.items()] + [(name, text, True, True) for name, text in HANGS.items()]
 FAULTS += [(name, text, False, False) for name, text in PASSES.items()]
 PROPAGATE = ("propagate", "solver.toml", "--out", "out", "--quiet", "--set", "update.samples=6", "--set", "update.max_failed=0.9")
@@ -124,7 +129,7 @@ class Faults(attack.Family):
     def lay_out(self, fault, limit, patience):
         study = support.command_study(self.python).replace("retries = 0\n", f'retries = 0\nparallel = 2\ntimeout = "{patience} s"\n')
         self.write("solver.toml", study)
-        victim = self.write("victim/x", "mine\n")
+        victim = self.write("victim/x", MINE)
         self.write("solver.py", SOLVER.replace("VICTIM", repr(str(victim))).replace("LIMIT", repr(limit)).replace("FAULT", fault))
 
     def cloud(self):
@@ -160,7 +165,7 @@ class Faults(attack.Family):
         failed = len(result["failed_evaluations"])
         demand(failed == is_failure, f"{failed} samples failed: {result['failed_evaluations'][:1]}")
         demand(self.cloud() == expected, "the numbers of other samples have changed")
-        demand((self.folder / "victim" / "x").read_text(encoding="utf-8") == "mine\n", "a file of the user has changed")
+        demand((self.folder / "victim" / "x").read_text(encoding="utf-8") == MINE, "a file of the user has changed")
         demand(len(list((self.folder / "victim").iterdir())) == 1, "something was put beside a file of the user")
         demand(not (self.folder / "out" / "runs").exists(), "folders of runs are left")
 

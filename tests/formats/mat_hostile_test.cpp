@@ -54,6 +54,23 @@ TEST_P(HostileMatFile, IsRefusedOrReadPast) {
   EXPECT_LT(peak_kilobytes() - before, k_most_kilobytes);
 }
 
+/// What is packed has a sum at its end: no damage is read as other numbers.
+TEST(PackedMatFile, AFlippedBitIsSeen) {
+  const std::string sound = mat_file(mat_packed(k_sound, static_cast<std::uint32_t>(k_sound.size() - 8)));
+  ASSERT_THAT(parse_mat(sound, "sound.mat").at("f1").numbers, ElementsAre(1.0, 2.0, 3.0));
+  constexpr std::size_t k_packed = 128 + 8;
+  for (std::size_t bit = 8 * k_packed; bit < 8 * sound.size(); ++bit) {
+    std::string bytes = sound;
+    bytes[bit / 8] = static_cast<char>(bytes[bit / 8] ^ (1 << bit % 8));
+    try {
+      const auto variables = parse_mat(bytes, "flipped.mat");
+      EXPECT_THAT(variables.at("f1").numbers, ElementsAre(1.0, 2.0, 3.0)) << "bit " << bit;
+    } catch (const FormatError&) {
+      continue;
+    }
+  }
+}
+
 /// Bytes that cannot be packed.
 std::string noise(std::size_t size) {
   std::string bytes(size, '\0');

@@ -7,6 +7,9 @@
 
 namespace mottle {
 
+/// Throws InvalidInput where a folder for runs within the folder of results is a link.
+void require_no_linked_runs(const std::filesystem::path& results);
+
 /// Folders of runs within a folder of results, or within the system's folder of temporary files.
 class RunFolders {
  public:

@@ -18,6 +18,9 @@ struct SymmetricMatrix {
   std::vector<int> held = {};           ///< rows that the solver fixed by a penalty on the diagonal, ascending
 };
 
+/// Extensions of files beside a matrix that hold the names of its rows.
+inline constexpr const char* k_names_beside_matrices[] = {".dof", ".mapping"};
+
 /// Reads one matrix. By content and, where that leaves it open, by extension:
 ///
 ///   Matrix Market            coordinate or array, real or integer, general or symmetric
