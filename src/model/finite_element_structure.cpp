@@ -46,6 +46,22 @@ FiniteElementStructure::FiniteElementStructure(FiniteElementModel model,
   set_reference(reference_);
 }
 
+bool FiniteElementStructure::do_terms_hold(const Eigen::Ref<const Eigen::VectorXd>& parameters,
+                                           Eigen::Index parameter) const {
+  if (is_separable_) return true;
+  if (!assembled_.is_separable[static_cast<std::size_t>(parameter)]) return false;
+  for (std::size_t p = 0; p < targets_.parameters.size(); ++p) {
+    if (assembled_.is_separable[p]) continue;
+    const FieldParameter& held = targets_.parameters[p];
+    const double value = parameters(static_cast<Eigen::Index>(p));
+    const bool is_as_assembled = std::all_of(held.fields.begin(), held.fields.end(), [&](FieldIndex field) {
+      return value == (held.is_factor ? 1.0 : model_.value(field));
+    });
+    if (!is_as_assembled) return false;
+  }
+  return true;
+}
+
 FiniteElementStructure::Matrices FiniteElementStructure::matrices_at(
     const Eigen::Ref<const Eigen::VectorXd>& parameters) const {
   if (is_separable_) return SparseStructure::matrices_at(parameters);

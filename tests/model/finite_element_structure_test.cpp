@@ -132,6 +132,26 @@ TEST(FiniteElementStructure, IsAssembledAnewWherePoissonsRatioMoves) {
   EXPECT_NEAR(model.jacobian(x)(0, 0), -0.5 * f(0, 0) / 1.3, 1e-6 * f(0, 0));
 }
 
+// Beside what must be assembled anew, at the deck's value of that and off it; the length as a factor and by its cards.
+TEST(FiniteElementStructure, HasTheDerivativesOfDifferencesBesideWhatIsAssembledAnew) {
+  for (const bool is_factor : {true, false}) {
+    const std::vector<ParameterTargets> parameters = {
+        {"young", {"MAT1:1:E"}, false}, {"tip", {"GRID:106:X"}, is_factor}, {"area", {"PBAR:1:A"}, true}};
+    const ModalModel model = modal(
+        cantilever(6), parameters,
+        {.frequencies = {1, 2, 3}, .shape_modes = {1, 3}, .shape_degrees_of_freedom = {"103:+Z", "106:+RY"}});
+    for (const double stretch : {1.0, 1.01}) {
+      const Eigen::Vector3d x(6.5e10, is_factor ? stretch : stretch * k_length, 1.1);
+      const Eigen::MatrixXd jacobian = scaled_jacobian(model, x);
+      const Eigen::MatrixXd difference = differences(model, x);
+      for (Eigen::Index i = 0; i < jacobian.rows(); ++i) {
+        const double scale = difference.row(i).cwiseAbs().maxCoeff();
+        EXPECT_LT((jacobian - difference).row(i).cwiseAbs().maxCoeff(), 1e-6 * scale) << i << " at " << stretch;
+      }
+    }
+  }
+}
+
 // An arm along x becomes oblique: entries appear in the matrices that were zero by geometry at the deck's values, and
 // a chain of rods loses the straightness for which AUTOSPC held it. Each sample must be what it is alone.
 TEST(FiniteElementStructure, KeepsItsEquationsWhereGeometryFillsZeros) {
