@@ -89,7 +89,9 @@ constexpr std::string_view k_no_memory =
   try {
     if (const std::exception_ptr error = std::current_exception()) std::rethrow_exception(error);
   } catch (const std::bad_alloc&) {
-    (void)!::write(STDERR_FILENO, k_no_memory.data(), k_no_memory.size());
+    for (const std::string_view part : {std::string_view("mottle: "), k_no_memory, std::string_view("\n")}) {
+      (void)!::write(STDERR_FILENO, part.data(), part.size());
+    }
     ::_exit(k_failed);
   } catch (...) {  // NOLINT(bugprone-empty-catch): told below as the system does
   }

@@ -118,17 +118,20 @@ class Solver {
         fmt::format("{}: {}; the end of what it printed:\n{}", settings_.program, reason, tail_of(folder)));
   }
 
+  [[noreturn]] void fail_short(const std::string& reason, const fs::path& folder) const {
+    fail(fmt::format("{}; is the disk of {} full?", reason, folder.string()), folder);
+  }
+
   /// The bytes of a file that it stored, to the last line end.
   std::string stored(const fs::path& folder, const char* name) const {
     if (!fs::exists(folder / name)) fail("it stored no matrices", folder);
     std::string bytes = read_file(folder / name);
-    if (!bytes.ends_with('\n'))
-      fail(fmt::format("{} is cut short; is the disk of {} full?", name, folder.string()), folder);
+    if (!bytes.ends_with('\n')) fail_short(fmt::format("{} is cut short", name), folder);
     return bytes;
   }
 
-  /// CalculiX ends with status 0 where the disk was full. It stores every diagonal entry, the last row's at the end,
-  /// and the same entries of both matrices: that is held against the list of rows before anything is kept.
+  /// CalculiX ends with status 0 where the disk was full. It stores every diagonal entry and the same entries of both
+  /// matrices: that is held against the list of rows before anything is kept.
   MatrixRun read_stored(const fs::path& folder) const {
     const std::string stiffness = stored(folder, "model.sti");
     const std::string mass = stored(folder, "model.mas");
@@ -136,16 +139,12 @@ class Solver {
     const auto lines = std::ranges::count(stiffness, '\n');
     const auto mass_lines = std::ranges::count(mass, '\n');
     if (lines != mass_lines) {
-      fail(fmt::format("model.sti has {} entries, model.mas {}; is the disk of {} full?", lines, mass_lines,
-                       folder.string()),
-           folder);
+      fail_short(fmt::format("model.sti has {} entries, model.mas {}", lines, mass_lines), folder);
     }
     MatrixRun run{parse_symmetric_matrix(stiffness, "model.sti", ""), parse_symmetric_matrix(mass, "model.mas", "")};
     const Eigen::Index rows = diagonal_entries(run.stiffness.lower);
     if (rows != static_cast<Eigen::Index>(names.size()) || run.stiffness.lower.rows() != rows) {
-      fail(fmt::format("model.sti has {} diagonal entries, model.dof {} rows; is the disk of {} full?", rows,
-                       names.size(), folder.string()),
-           folder);
+      fail_short(fmt::format("model.sti has {} diagonal entries, model.dof {} rows", rows, names.size()), folder);
     }
     run.stiffness.names = names;
     run.mass.names = names;

@@ -39,10 +39,10 @@ void shorten_output(const std::filesystem::path& folder) {
   for (const char* name : {k_standard_output, k_standard_error}) {
     const int descriptor = ::open((folder / name).c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
     if (descriptor < 0) continue;
-    const std::string bytes = end_of(descriptor, k_kept);
     struct stat status {};
     // A second name: the file may be one of the user's.
     const bool is_long = ::fstat(descriptor, &status) == 0 && status.st_size > k_kept && status.st_nlink == 1;
+    const std::string bytes = is_long ? end_of(descriptor, k_kept) : std::string();
     if (is_long && ::pwrite(descriptor, bytes.data(), bytes.size(), 0) == static_cast<ssize_t>(bytes.size())) {
       (void)!::ftruncate(descriptor, static_cast<off_t>(bytes.size()));
     }

@@ -84,10 +84,7 @@ StudyReach reach_of(const Study& study, const std::vector<std::string>& read) {
   for (const RunFile& file : model.command.files) reach.add("model.files", file.source);
   if (study.test) add_tests(reach, study);
   if (study.predict && study.predict->held_out) reach.add("predict.held_out", *study.predict->held_out);
-  const bool is_by_command = model.kind == StudyModelSource::Kind::command;
-  for (const std::string& file : read) {
-    if (!is_by_command && file != model.deck.string()) reach.add("included", file);
-  }
+  for (const std::string& file : read) reach.add("included", file);  // those above are there already
   return {programs_of(model), std::move(reach).found()};
 }
 
