@@ -7,7 +7,7 @@ ATTACK_HOURS ?= 8
 ATTACK_OPTIONS ?=
 INSTALL = tools/install_packages.sh
 # Threads start in these layers; the rest runs below them or not in threads at all.
-TSAN_LAYERS = core linalg model propagation updating study
+TSAN_LAYERS = core linalg model updating study
 
 configure = cmake --preset $(1) -DMOTTLE_WERROR=$(MOTTLE_WERROR)
 build = cmake --build --preset $(1) -j $(JOBS)

@@ -15,7 +15,7 @@
 
 #include "eigen_peers.hpp"
 #include "lapack_peers.hpp"
-#include "mottle/linalg/batch_eigen.hpp"
+#include "mottle/linalg/batched/batch_eigen.hpp"
 #include "patch_model.hpp"
 
 namespace {

@@ -5,8 +5,8 @@
 #include <Eigen/Eigenvalues>
 #include <random>
 
-#include "mottle/linalg/batch_eigen.hpp"
-#include "mottle/linalg/dense_modes.hpp"
+#include "mottle/linalg/batched/batch_eigen.hpp"
+#include "mottle/linalg/batched/dense_modes.hpp"
 
 namespace {
 

@@ -12,8 +12,8 @@
 #include <string_view>
 
 #include "mottle/core/error.hpp"
-#include "mottle/formats/nastran_model.hpp"
-#include "mottle/linalg/reduced_model.hpp"
+#include "mottle/formats/nastran/model.hpp"
+#include "mottle/linalg/reduced/reduced_model.hpp"
 #include "patch_model.hpp"
 
 namespace {

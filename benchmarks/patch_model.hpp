@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "mottle/model/field_targets.hpp"
+#include "mottle/model/parameters/field_targets.hpp"
 
 namespace mottle::benchmarks {
 

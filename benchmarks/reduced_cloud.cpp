@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "mottle/core/error.hpp"
-#include "mottle/formats/nastran_model.hpp"
-#include "mottle/linalg/reduced_model.hpp"
+#include "mottle/formats/nastran/model.hpp"
+#include "mottle/linalg/reduced/reduced_model.hpp"
 #include "patch_model.hpp"
 
 namespace {

@@ -1,6 +1,6 @@
 // One deck from its file to its lowest modes, each step timed on one thread; K and M are left for the peers of
 // compare_sparse.py, which sets OPENBLAS_CORETYPE for both sides.
-#include "mottle/linalg/sparse_modes.hpp"
+#include "mottle/linalg/sparse/sparse_modes.hpp"
 
 #include <dlfcn.h>
 #include <fmt/format.h>
@@ -17,8 +17,8 @@
 #include <vector>
 
 #include "mottle/core/error.hpp"
-#include "mottle/formats/nastran_model.hpp"
-#include "mottle/model/field_targets.hpp"
+#include "mottle/formats/nastran/model.hpp"
+#include "mottle/model/parameters/field_targets.hpp"
 #include "patch_model.hpp"
 
 namespace {

@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "mottle/core/error.hpp"
-#include "mottle/linalg/symmetric_factor.hpp"
+#include "mottle/linalg/sparse/symmetric_factor.hpp"
 #include "patch_model.hpp"
 
 namespace {

@@ -6,7 +6,7 @@
 
 #include <string_view>
 
-#include "mottle/propagation/cloud.hpp"
+#include "mottle/updating/methods/cloud.hpp"
 #include "patch_model.hpp"
 
 namespace {

@@ -12,7 +12,7 @@
 
 #include "eigen_peers.hpp"
 #include "mottle/core/error.hpp"
-#include "mottle/linalg/batch_eigen.hpp"
+#include "mottle/linalg/batched/batch_eigen.hpp"
 #include "patch_model.hpp"
 
 namespace {

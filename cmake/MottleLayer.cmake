@@ -1,10 +1,10 @@
 include(MottleUnity)
 
 # mottle_layer(NAME [USES layer...] [LINKS PUBLIC|PRIVATE target...])
-# Makes the static library mottle_NAME (alias mottle::NAME) from src/NAME/*.cpp with include/mottle/NAME.
+# Makes the static library mottle_NAME (alias mottle::NAME) from the sources in src/NAME and its rooms, with include/mottle/NAME.
 function(mottle_layer name)
   cmake_parse_arguments(LAYER "" "" "USES;LINKS" ${ARGN})
-  file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/${name}/*.cpp)
+  file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/${name}/*.cpp)
   add_library(mottle_${name} STATIC ${sources})
   add_library(mottle::${name} ALIAS mottle_${name})
   set_target_properties(mottle_${name} PROPERTIES EXPORT_NAME ${name} LINKER_LANGUAGE CXX)

@@ -7,8 +7,8 @@ build=$1 seconds=$2
 cd "$(dirname "$0")/.."
 
 # Every word in capitals that the reader knows is a token worth trying.
-grep -oh '"[A-Z][A-Z0-9]*"' src/formats/nastran_*.cpp | sort -u >"$build/nastran.dict"
-grep -oh '"[a-z][a-z_-]*"' src/study/read_*.cpp | sort -u >"$build/study.dict"
+grep -oh '"[A-Z][A-Z0-9]*"' src/formats/nastran/*.cpp | sort -u >"$build/nastran.dict"
+grep -oh '"[a-z][a-z_-]*"' src/study/input/read_*.cpp | sort -u >"$build/study.dict"
 mkdir -p "$build/studies"
 for study in examples/*/*.toml; do cp "$study" "$build/studies/$(basename "$(dirname "$study")")-$(basename "$study")"; done
 

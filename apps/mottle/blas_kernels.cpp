@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <string_view>
 
-#include "mottle/linalg/batch_eigen.hpp"
+#include "mottle/linalg/batched/batch_eigen.hpp"
 
 namespace mottle::app {
 

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "console.hpp"
-#include "mottle/study/run.hpp"
-#include "mottle/study/study.hpp"
+#include "mottle/study/input/study.hpp"
+#include "mottle/study/jobs/run.hpp"
 
 namespace mottle::app {
 

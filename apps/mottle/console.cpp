@@ -9,7 +9,7 @@
 #include <string_view>
 
 #include "mottle/core/utf8.hpp"
-#include "mottle/study/run_folder.hpp"
+#include "mottle/study/results/run_folder.hpp"
 
 namespace mottle::app {
 namespace {

@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "common_options.hpp"
-#include "mottle/study/folder_lock.hpp"
+#include "mottle/study/results/folder_lock.hpp"
 
 namespace mottle::app {
 

@@ -20,7 +20,7 @@
 #include "mottle/core/error.hpp"
 #include "mottle/core/text.hpp"
 #include "mottle/core/utf8.hpp"
-#include "mottle/study/study_objects.hpp"
+#include "mottle/study/jobs/study_objects.hpp"
 
 namespace {
 

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common_options.hpp"
-#include "mottle/updating/updater.hpp"
+#include "mottle/updating/methods/updater.hpp"
 
 namespace mottle::app {
 namespace {

@@ -6,8 +6,8 @@
 #include "common_options.hpp"
 #include "mottle/core/text.hpp"
 #include "mottle/report/report.hpp"
-#include "mottle/study/folder_lock.hpp"
-#include "mottle/study/run_modes.hpp"
+#include "mottle/study/jobs/run_modes.hpp"
+#include "mottle/study/results/folder_lock.hpp"
 
 namespace mottle::app {
 

@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "common_options.hpp"
-#include "mottle/study/folder_lock.hpp"
+#include "mottle/study/results/folder_lock.hpp"
 
 namespace mottle::app {
 

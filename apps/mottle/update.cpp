@@ -5,8 +5,8 @@
 
 #include "common_options.hpp"
 #include "mottle/report/report.hpp"
-#include "mottle/study/folder_lock.hpp"
-#include "mottle/study/run_folder.hpp"
+#include "mottle/study/results/folder_lock.hpp"
+#include "mottle/study/results/run_folder.hpp"
 
 namespace mottle::app {
 

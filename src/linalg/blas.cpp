@@ -1,4 +1,4 @@
-#include "blas.hpp"
+#include "linalg/blas.hpp"
 
 #include <dlfcn.h>
 #include <sys/mman.h>

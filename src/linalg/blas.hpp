@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 
 #include "mottle/linalg/one_thread.hpp"
-#include "mottle/linalg/symmetric_factor.hpp"
+#include "mottle/linalg/sparse/symmetric_factor.hpp"
 
 namespace mottle {
 

@@ -9,10 +9,10 @@
 #include "mottle/core/error.hpp"
 #include "mottle/core/files.hpp"
 #include "mottle/core/text.hpp"
-#include "mottle/formats/csv.hpp"
-#include "mottle/report/page.hpp"
-#include "mottle/study/run_folder.hpp"
-#include "mottle/study/text_file.hpp"
+#include "mottle/formats/tables/csv.hpp"
+#include "mottle/study/input/text_file.hpp"
+#include "mottle/study/results/run_folder.hpp"
+#include "report/page.hpp"
 
 namespace mottle {
 namespace {

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "mottle/fem/assembly.hpp"
+#include "mottle/fem/assembly/assembly.hpp"
 #include "mottle/fem/finite_element_model.hpp"
 
 namespace mottle::test {

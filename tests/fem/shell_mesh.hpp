@@ -7,7 +7,7 @@
 #include <functional>
 #include <vector>
 
-#include "mottle/fem/shell.hpp"
+#include "mottle/fem/elements/shell.hpp"
 
 namespace mottle::test {
 

@@ -10,7 +10,7 @@
 
 #include "fuzz_folder.hpp"
 #include "mottle/core/error.hpp"
-#include "mottle/formats/calculix_deck.hpp"
+#include "mottle/formats/calculix/deck.hpp"
 
 namespace {
 

@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "mottle/core/error.hpp"
-#include "mottle/formats/csv.hpp"
+#include "mottle/formats/tables/csv.hpp"
 
 namespace {
 

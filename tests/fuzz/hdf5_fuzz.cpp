@@ -10,8 +10,8 @@
 #include <string_view>
 
 #include "mottle/core/error.hpp"
-#include "mottle/formats/mat.hpp"
-#include "mottle/formats/matrix_file.hpp"
+#include "mottle/formats/matrices/mat.hpp"
+#include "mottle/formats/matrices/matrix_file.hpp"
 
 namespace {
 

@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "mottle/core/error.hpp"
-#include "mottle/formats/mat.hpp"
+#include "mottle/formats/matrices/mat.hpp"
 
 namespace {
 

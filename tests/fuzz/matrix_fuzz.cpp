@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "mottle/core/error.hpp"
-#include "mottle/formats/matrix_file.hpp"
+#include "mottle/formats/matrices/matrix_file.hpp"
 
 namespace {
 

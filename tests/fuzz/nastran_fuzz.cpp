@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "mottle/core/error.hpp"
-#include "mottle/formats/nastran_model.hpp"
+#include "mottle/formats/nastran/model.hpp"
 
 namespace {
 

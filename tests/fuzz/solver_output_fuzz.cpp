@@ -9,9 +9,9 @@
 
 #include "fuzz_folder.hpp"
 #include "mottle/core/error.hpp"
-#include "mottle/drivers/extraction.hpp"
-#include "mottle/drivers/template_file.hpp"
-#include "mottle/formats/nastran_modes.hpp"
+#include "mottle/drivers/command/extraction.hpp"
+#include "mottle/drivers/command/template_file.hpp"
+#include "mottle/formats/nastran/modes.hpp"
 
 namespace {
 

@@ -8,8 +8,8 @@
 
 #include "fuzz_folder.hpp"
 #include "mottle/core/error.hpp"
-#include "mottle/study/study.hpp"
-#include "mottle/updating/updater.hpp"
+#include "mottle/study/input/study.hpp"
+#include "mottle/updating/methods/updater.hpp"
 
 /// Methods are not part of a study's reader: one that takes no options stands for them all.
 const std::vector<mottle::MethodEntry>& mottle::updating_methods() {

@@ -7,8 +7,8 @@
 #include <string_view>
 
 #include "mottle/core/error.hpp"
-#include "mottle/formats/uff.hpp"
-#include "mottle/formats/uff_frames.hpp"
+#include "mottle/formats/uff/frames.hpp"
+#include "mottle/formats/uff/uff.hpp"
 
 namespace {
 

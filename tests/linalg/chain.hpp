@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-#include "mottle/linalg/reduced_model_file.hpp"
+#include "mottle/linalg/reduced/reduced_model_file.hpp"
 
 namespace mottle::test {
 

@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "mottle/linalg/batch_eigen.hpp"
-#include "mottle/linalg/symmetric_factor.hpp"
+#include "mottle/linalg/batched/batch_eigen.hpp"
+#include "mottle/linalg/sparse/symmetric_factor.hpp"
 
 namespace mottle::linalg_test {
 

@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-#include "mottle/linalg/reduced_model.hpp"
+#include "mottle/linalg/reduced/reduced_model.hpp"
 
 namespace mottle::test {
 

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "mottle/fem/mass_spring.hpp"
-#include "mottle/model/affine_matrices.hpp"
+#include "mottle/fem/assembly/mass_spring.hpp"
+#include "mottle/model/structures/affine_matrices.hpp"
 
 namespace mottle::test {
 

@@ -1,4 +1,4 @@
-#include "mottle/report/page.hpp"
+#include "report/page.hpp"
 
 #include <gtest/gtest.h>
 

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "mottle/core/random.hpp"
-#include "mottle/stats/standard_normal.hpp"
-#include "mottle/updating/updater.hpp"
+#include "mottle/stats/distributions/standard_normal.hpp"
+#include "mottle/updating/methods/updater.hpp"
 #include "support/linear_model.hpp"
 
 namespace mottle::test {

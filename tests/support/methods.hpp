@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "mottle/updating/updater.hpp"
+#include "mottle/updating/methods/updater.hpp"
 
 namespace mottle::test {
 

@@ -13,10 +13,10 @@
 #include <string>
 #include <vector>
 
-#include "mottle/model/modal_model.hpp"
-#include "mottle/model/parameter_space.hpp"
-#include "mottle/stats/standard_normal.hpp"
-#include "mottle/updating/updater.hpp"
+#include "mottle/model/parameters/parameter_space.hpp"
+#include "mottle/model/responses/modal_model.hpp"
+#include "mottle/stats/distributions/standard_normal.hpp"
+#include "mottle/updating/methods/updater.hpp"
 
 namespace mottle::test {
 

@@ -6,9 +6,9 @@
 #include <string>
 
 #include "mottle/core/error.hpp"
-#include "mottle/updating/prediction.hpp"
-#include "mottle/updating/updater.hpp"
-#include "mottle/updating/verdict.hpp"
+#include "mottle/updating/methods/updater.hpp"
+#include "mottle/updating/prediction/prediction.hpp"
+#include "mottle/updating/verdict/verdict.hpp"
 
 namespace mottle::test {
 

@@ -7,9 +7,9 @@
 #include <memory>
 #include <string>
 
-#include "mottle/model/modal_model.hpp"
-#include "mottle/model/parameter_space.hpp"
-#include "mottle/updating/updater.hpp"
+#include "mottle/model/parameters/parameter_space.hpp"
+#include "mottle/model/responses/modal_model.hpp"
+#include "mottle/updating/methods/updater.hpp"
 
 namespace mottle::test {
 

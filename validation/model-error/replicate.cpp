@@ -17,10 +17,10 @@
 #include <vector>
 
 #include "mottle/core/parallel.hpp"
-#include "mottle/stats/descriptive.hpp"
-#include "mottle/stats/standard_normal.hpp"
-#include "mottle/updating/updater.hpp"
-#include "mottle/updating/verdict.hpp"
+#include "mottle/stats/distributions/standard_normal.hpp"
+#include "mottle/stats/moments/descriptive.hpp"
+#include "mottle/updating/methods/updater.hpp"
+#include "mottle/updating/verdict/verdict.hpp"
 #include "support/three_masses.hpp"
 
 namespace {

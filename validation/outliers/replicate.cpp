@@ -19,10 +19,10 @@
 
 #include "mottle/core/parallel.hpp"
 #include "mottle/core/random.hpp"
-#include "mottle/stats/normality.hpp"
-#include "mottle/stats/outliers.hpp"
-#include "mottle/stats/standard_normal.hpp"
-#include "mottle/updating/maximum_likelihood.hpp"
+#include "mottle/stats/distributions/standard_normal.hpp"
+#include "mottle/stats/tests/normality.hpp"
+#include "mottle/stats/tests/outliers.hpp"
+#include "mottle/updating/methods/maximum_likelihood.hpp"
 #include "support/three_masses.hpp"
 
 namespace {

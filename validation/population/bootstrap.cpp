@@ -15,8 +15,8 @@
 #include <vector>
 
 #include "mottle/core/parallel.hpp"
-#include "mottle/stats/standard_normal.hpp"
-#include "mottle/updating/maximum_likelihood.hpp"
+#include "mottle/stats/distributions/standard_normal.hpp"
+#include "mottle/updating/methods/maximum_likelihood.hpp"
 #include "support/linear_model.hpp"
 #include "support/three_masses.hpp"
 

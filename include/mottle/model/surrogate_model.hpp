@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "mottle/model/model.hpp"
-#include "mottle/model/parameter_space.hpp"
-#include "mottle/stats/surrogate.hpp"
+#include "mottle/model/parameters/parameter_space.hpp"
+#include "mottle/stats/surrogates/surrogate.hpp"
 
 namespace mottle {
 

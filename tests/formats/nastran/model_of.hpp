@@ -5,7 +5,7 @@
 
 #include "core/message_of.hpp"
 #include "mottle/core/error.hpp"
-#include "mottle/formats/nastran_model.hpp"
+#include "mottle/formats/nastran/model.hpp"
 
 namespace mottle::test {
 

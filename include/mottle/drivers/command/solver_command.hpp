@@ -1,0 +1,48 @@
+// A solver that is run by its command, as plain data: what goes in, how it is started, where its modes stand.
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "mottle/drivers/command/extraction.hpp"
+#include "mottle/model/model.hpp"
+
+namespace mottle {
+
+/// A file of the study and its name in a run's folder.
+struct RunFile {
+  std::filesystem::path source;
+  std::string name;
+  std::optional<std::string> text = std::nullopt;  ///< what it holds, in place of the source's bytes
+};
+
+/// The program and what it is handed, each with places for parameters; of a shell one text.
+struct CommandLine {
+  std::vector<std::string> arguments = {};
+  bool is_shell = false;
+};
+
+/// Which folders of runs stay.
+enum class KeptRuns { none, failed, all };
+
+struct SolverCommand {
+  std::vector<RunFile> templates = {};  ///< places for parameters are filled in
+  std::vector<RunFile> files = {};      ///< as they are
+  CommandLine command = {};
+  std::optional<CommandLine> retry_command = std::nullopt;  ///< in place of the command from the second try on
+  int retries = 0;
+  std::chrono::milliseconds timeout = std::chrono::hours(24);
+  int parallel = 1;  ///< runs at once; also what the licences allow
+  std::map<std::string, std::string> environment = {};
+  KeptRuns kept = KeptRuns::failed;
+  double largest_failed_part = 0.25;                  ///< of 20 runs or more; then all stops
+  double difference_step = k_coarse_difference_step;  ///< of a prior deviation
+  FrequencyRule frequencies = {};
+  std::optional<ShapeRule> shapes = std::nullopt;
+};
+
+}  // namespace mottle

@@ -1,0 +1,91 @@
+// Runs a solver for one parameter vector after another: fills its input in, starts it, reads its modes, tries again,
+// and asks the store first.
+#pragma once
+
+#include <Eigen/Core>
+#include <atomic>
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "mottle/core/run_context.hpp"
+#include "mottle/drivers/command/input_files.hpp"
+#include "mottle/drivers/command/run_folders.hpp"
+#include "mottle/drivers/command/run_store.hpp"
+#include "mottle/drivers/command/solver_command.hpp"
+#include "mottle/drivers/command/template_file.hpp"
+
+namespace mottle {
+
+/// Where runs happen and what may be used again.
+struct SolverPlace {
+  std::filesystem::path results = {};  ///< folder of results; empty: temporary, nothing is used again
+  bool is_resumed = false;             ///< runs that failed before count as they did; else they are tried again
+};
+
+class SolverRuns {
+ public:
+  /// @param names  of the parameters
+  /// @throws InvalidInput, FormatError  a file that is missing, a fault of a template, a parameter without place, a
+  ///                                    program that is not there
+  SolverRuns(SolverCommand command, const std::vector<std::string>& names, const SolverPlace& place);
+
+  struct Run {
+    RunRecord record = {};
+    bool is_reused = false;
+    int tries = 0;
+    std::filesystem::path folder = {};  ///< where a failed run is kept; empty: it is not
+    std::string last_words = {};        ///< what a failed run printed last
+  };
+
+  /// One run; called by several threads at once.
+  ///
+  /// @param least  how many modes it must give
+  /// @throws FormatError    a value does not fit into its place
+  /// @throws SystemFailure  disk full; Stopped
+  Run run(const Eigen::Ref<const Eigen::VectorXd>& values, int least, const std::atomic<bool>* stop);
+
+  /// Also keeps a run under another number of modes that it must give.
+  void keep_as(const Eigen::Ref<const Eigen::VectorXd>& values, int least, const RunRecord& record);
+
+  const SolverCommand& command() const { return command_; }
+  /// "ccx plate".
+  std::string command_text() const;
+  /// Places in templates whose formats are too coarse for steps of the parameters.
+  std::vector<std::string> coarse_places(const Eigen::Ref<const Eigen::VectorXd>& values,
+                                         const Eigen::Ref<const Eigen::VectorXd>& steps) const;
+
+ private:
+  /// Everything of one run that parameters move.
+  struct Input {
+    std::vector<std::string> texts = {};  ///< by template
+    std::vector<std::string> arguments = {};
+    std::vector<std::string> retry_arguments = {};
+  };
+  void read_files();
+  void read_templates(const std::vector<std::string>& names);
+  void require_program(const CommandLine& line) const;
+  Input fill(const Eigen::Ref<const Eigen::VectorXd>& values) const;
+  Digest key_of(const Input& input, int least) const;
+  void prepare(const std::filesystem::path& folder, const Input& input) const;
+  bool try_once(const Input& input, const std::filesystem::path& folder, int number, int least,
+                const std::atomic<bool>* stop, Run& run) const;
+  void put_away(const std::filesystem::path& folder, const std::string& id, Run& run);
+
+  SolverCommand command_;
+  std::vector<Template> templates_;
+  std::vector<Template> arguments_;
+  std::vector<Template> retry_arguments_;
+  std::string constants_;  ///< all that is the same for every run, for the digest
+  std::unique_ptr<RunFolders> folders_;
+  std::unique_ptr<InputFiles> files_;
+  std::unique_ptr<RunStore> store_;
+  bool is_resumed_ = false;
+  std::set<Digest> own_failures_;  ///< of this process: they count whether resumed or not
+  std::mutex mutex_;
+};
+
+}  // namespace mottle

@@ -1,0 +1,79 @@
+// Stiffness and mass of flat shell elements with three or four nodes as constant matrices times numbers of the cards.
+// Knows nothing of cards and fields: the assembly multiplies each matrix by its coefficient and adds.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "mottle/fem/elements/solid.hpp"
+
+namespace mottle {
+
+/// Basic coordinates; by node three translations, then three rotations. A triangle fills the leading 18 x 18.
+using ShellMatrix = Eigen::Matrix<double, 24, 24>;
+
+/// One element. Everything here stays as it is while parameters move; what they move are the coefficients below.
+struct ShellInput {
+  int node_count = 4;                                                       ///< 3 or 4
+  Eigen::Matrix<double, 3, 4> nodes = Eigen::Matrix<double, 3, 4>::Zero();  ///< basic, around the element, as columns
+  double offset = 0.0;                                                      ///< ZOFFS, along the normal
+  double poisson_membrane = 0.3, poisson_bending = 0.3;
+  /// D / (G t TS/T) at the card's values, length^2: how soft the plate is in shear compared with bending; of one
+  /// material (12 I/T^3) t^2 / (6 (1 - nu) TS/T). 0: rigid in shear (MID3 blank), the piece `shear` is then zero. A
+  /// quadrilateral only asks whether it is 0. A triangle shares the deformation of its edges between bending and shear
+  /// by it; where t, E or G move away from it this share is a little off, and the frequencies of a plate of 8 x 8 cells
+  /// with t/a = 0.1 are wrong by 0.1 % for t + 10 %, 0.3 % for t + 20 %; less where it is thinner or finer.
+  double shear_flexibility = 0.0;
+};
+
+/// Unit matrices; each is symmetric to the last bit.
+struct ShellPieces {
+  ShellMatrix membrane = ShellMatrix::Zero();  ///< times E t of the membrane material
+  ShellMatrix bending = ShellMatrix::Zero();   ///< times E t^3 (12 I/T^3) of the bending material
+  ShellMatrix shear = ShellMatrix::Zero();     ///< times G t (TS/T) of the shear material
+  ShellMatrix drilling = ShellMatrix::Zero();  ///< times G t K6ROT of the membrane material
+};
+
+/// Stiffness of a shell as unit matrices.
+///
+///   K = E t membrane + E t^3 (12 I/T^3) bending + G t (TS/T) shear + G t K6ROT drilling
+///
+/// Quadrilateral: membrane with incompatible modes; rotations linear, shear tied at the mid-edges (MITC4; where rigid
+/// in shear, with quadratic rotations along the edges that follow the deflection). Triangle: constant membrane strain,
+/// as CTRIA3; rotations with the same quadratic part, reduced by the shear that the edge can take (DKMT). Neither
+/// locks. Drilling: 1e-6 times the integral of (rotation about the normal - rotation of the membrane)^2. At
+/// K6ROT = 100 this is weak: where the cells of a curved shell are hardly larger than its thickness, raise K6ROT to 1e4
+/// (a roof of 48 x 48 cells, of 1.5 and 2 thicknesses, sinks 2 % too far).
+///
+/// The element is flat, across both diagonals. Rigid links lead from there to the nodes of a warped quadrilateral, and
+/// to an offset. At a warped corner the rotation about the corner's own normal is that of the membrane, so that moments
+/// which change planes from one element to the next are carried by forces instead of the weak drilling stiffness.
+///
+/// @throws InvalidInput  nodes that enclose no area or turn inwards, a Poisson's ratio outside (-1, 0.5], a negative
+///                       shear flexibility
+/// Source: [Taylor1976] (membrane), [Bathe1985] (MITC4), [Katili1993] (edges).
+ShellPieces shell_stiffness(const ShellInput& input);
+
+/// Mass at unit mass per area: translations only, no rotary inertia of the thickness (as Nastran).
+///
+/// Lumped: integrals of the shape functions, at the nodes. Consistent: integrals of their products. Both sit at the
+/// offset position.
+///
+/// @throws InvalidInput  the geometry, as shell_stiffness
+ShellMatrix shell_mass(const ShellInput& input, MassKind kind);
+
+/// Area of the flat element.
+/// @throws InvalidInput  as shell_stiffness
+double shell_area(const ShellInput& input);
+
+/// How far an element is from its ideal, a square or an equilateral triangle.
+struct ShellQuality {
+  double warp = 0.0;            ///< distance of the nodes from the mean plane / mean half diagonal; 0 is flat
+  double aspect = 1.0;          ///< longest edge / shortest edge
+  double skew = 90.0;           ///< degrees; least angle between the lines through mid-edges, of a triangle at a corner
+  double jacobian_ratio = 1.0;  ///< least / largest Jacobian determinant at the corners; <= 0: it turns inwards
+};
+
+/// @throws InvalidInput  nodes that enclose no area
+ShellQuality shell_quality(const ShellInput& input);
+
+}  // namespace mottle

@@ -1,0 +1,54 @@
+// Nastran's cards as a finite-element model: ids become indices, coordinates basic ones, sets the selected ones. Which
+// physics a number means is left to the fem layer.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "mottle/fem/finite_element_model.hpp"
+#include "mottle/formats/nastran/deck.hpp"
+
+namespace mottle {
+
+struct NastranOptions {
+  std::set<std::string> ignore_cards = {};    ///< names in capitals; such cards (and K2GG, NSM... of the case control
+                                              ///< section) are skipped, with a note
+  std::optional<int> subcase = std::nullopt;  ///< id; without it the first subcase holds
+};
+
+struct NastranModel {
+  FiniteElementModel model;
+  std::vector<std::string> notes;             ///< what was left out, assumed or repaired, one sentence each
+  std::map<std::string, int> element_counts;  ///< card name -> number of elements
+  std::vector<std::string> files;             ///< every file that was read, the main one first
+};
+
+/// The finite-element model that a deck describes.
+///
+/// Read are GRID, GRDSET, SPOINT; CORD1R/C/S, CORD2R/C/S; CHEXA (8), CPENTA (6), CTETRA (4, 10), CQUAD4, CTRIA3, CBAR,
+/// CBEAM, CROD, CONROD, CTUBE, CBUSH, CELAS1..4, CMASS1..4, CDAMP1..4, CONM1, CONM2 with PSOLID, PSHELL, PBAR, PBARL,
+/// PBEAM, PBEAML (constant sections), PROD, PTUBE, PBUSH, PELAS, PMASS, PDAMP, BAROR, BEAMOR; MAT1; RBE2, RBE3, RBAR,
+/// RBAR1, MPC, MPCADD, SPC, SPC1, SPCADD; EIGRL, EIGR, PARAM. Cards that do not change the stiffness and mass matrix
+/// (loads, tables, output) are skipped. ASET, OMIT and SUPORT are noted: all degrees of freedom stay.
+///
+/// SPC, MPC and METHOD are taken from the case control section; where there is none and the deck holds one set, that
+/// one is taken, with a note.
+///
+/// Every number that a parameter may act on becomes a CardField named as in the Quick Reference Guide: MAT1 E G NU RHO;
+/// PSHELL T NSM (CQUAD4 T, CTRIA3 T where the element has its own); PROD, CONROD A J NSM; PTUBE A J NSM (computed);
+/// PBAR, PBEAM A I1 I2 I12 J NSM; PBARL, PBEAML DIM1.. NSM; PELAS, CELAS2, CELAS4 K; PDAMP, CDAMP2, CDAMP4 B; PMASS,
+/// CMASS2, CMASS4 M; CONM2 M I11 I21 I22 I31 I32 I33; CONM1 M11 M21..; PBUSH K1..K6 B1..B6. A number that the card
+/// leaves blank has no field (MAT1 RHO too).
+///
+/// @throws FormatError  with file and line: a card that breaks the format's rules, names what does not exist, or is
+///                      not supported although it changes the model; `ignore_cards` goes on without the latter
+NastranModel read_nastran_model(const std::filesystem::path& file, const NastranOptions& options = {});
+
+/// The same from a deck in memory.
+NastranModel build_nastran_model(const NastranDeck& deck, const NastranOptions& options = {});
+
+}  // namespace mottle

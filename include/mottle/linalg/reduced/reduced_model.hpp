@@ -1,0 +1,127 @@
+// Many large sparse pencils of one family by a reduced basis from one factorisation, each result with a bound on its
+// error.
+#pragma once
+
+#include <Eigen/Core>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "mottle/linalg/sparse/sparse_modes.hpp"
+
+namespace mottle {
+
+/// Relative size, against diag(T), of what is added to a symmetric T before its pivots tell whether it is positive
+/// semidefinite. Terms are singular as a rule (rigid-body motions of the part), so that rounding decides on the sign of
+/// some pivots; this is a thousand times what rounding does in a factor.
+constexpr double k_inertia_tolerance = 1e-13;
+
+/// K(s) = K_0 + sum_t a_t(s) K_t, M(s) = M_0 + sum_t b_t(s) M_t: lower triangles, compressed, all of one size; M
+/// positive semidefinite. The constants may be without entries.
+struct PencilTerms {
+  SparseMatrix stiffness_constant;
+  std::vector<SparseMatrix> stiffness;
+  SparseMatrix mass_constant;
+  std::vector<SparseMatrix> mass;
+  /// Of the constant and each term: T + k_inertia_tolerance diag(T) is known to be positive semidefinite. Where it is
+  /// not known (empty, false), a factor of the term tells.
+  std::vector<bool> is_stiffness_semidefinite = {};
+  std::vector<bool> is_mass_semidefinite = {};
+};
+
+/// a_t(s) and b_t(s), [term x sample].
+struct TermCoefficients {
+  Eigen::MatrixXd stiffness;
+  Eigen::MatrixXd mass;
+
+  Eigen::Index samples() const { return stiffness.cols(); }
+  TermCoefficients range(Eigen::Index first, Eigen::Index count) const {
+    return {stiffness.middleCols(first, count), mass.middleCols(first, count)};
+  }
+};
+
+struct ReducedModelOptions {
+  int modes = 10;           ///< wanted of every sample
+  double tolerance = 2e-4;  ///< of an eigenvalue, relative: half of it is that of a frequency
+  int most_vectors = 400;   ///< of the basis
+};
+
+/// Lowest modes of many samples from the reduced model.
+struct CertifiedModes {
+  Eigen::MatrixXd values;   ///< lambda [mode x sample]; nan where a sample has none
+  Eigen::MatrixXd vectors;  ///< coordinates in the basis [vector * mode x sample]; phi' M phi = 1
+  Eigen::MatrixXd bounds;   ///< e, lambda (1 - e) <= exact <= lambda [mode x sample]; infinite where nothing is known
+};
+
+/// Lowest modes of one sample, as good as the tolerance asks for where `bounds` say so.
+struct RefinedModes {
+  Eigen::VectorXd values;   ///< lambda [mode]
+  Eigen::MatrixXd vectors;  ///< phi' M phi = 1, the component of largest magnitude positive [equation x mode]
+  Eigen::VectorXd bounds;   ///< e, lambda (1 - e) <= exact <= lambda [mode]; infinite where nothing is known
+};
+using RefinedVisitor = std::function<void(Eigen::Index sample, const RefinedModes& modes)>;
+
+/// Reduced model of a family of pencils around one nominal pencil.
+///
+/// The basis holds the nominal modes and answers of the nominal factor to residuals of samples, those chosen that
+/// matter most (pivoting over sketches of all residuals of the training samples), until every training sample is within
+/// half the tolerance. Residuals are measured in the norm of the inverse of the nominal stiffness by a sketch of 64
+/// random directions, with a reserve, and bounded for a sample's own stiffness by the smallest ratio of its
+/// coefficients to the nominal ones. Modes that share nothing with the basis are kept away by comparison with a pencil
+/// of which enough modes are known. The whole of it: docs/theory/reduced-model.md.
+///
+/// Not changed by solve(), which may be called by several threads. Training two copies at once is not allowed.
+/// Source: [Kato1949]; [Mathias1998]; reduced bases with residual certificates after [Hesthaven2016]; sketches after
+/// [Halko2011].
+class ReducedModel {
+ public:
+  struct Parts;  ///< of the implementation
+
+  /// @param nominal    one sample: where the basis starts
+  /// @param stiffness  K there, in a pattern that holds all terms'
+  /// @param mass       M there
+  /// @throws InvalidInput  shapes that do not fit; a nominal pencil that has no modes
+  ReducedModel(const PencilTerms& terms, const TermCoefficients& nominal, const SparseMatrix& stiffness,
+               const SparseMatrix& mass, const ReducedModelOptions& options);
+  ReducedModel(const ReducedModel& other);
+  ReducedModel(ReducedModel&&) noexcept;
+  ~ReducedModel();
+
+  /// Adds to the basis until all samples are within half the tolerance or the basis is as large as it may be.
+  void train(const TermCoefficients& samples, int threads);
+
+  /// Whether the training samples came within the tolerance: false where the largest basis allowed was too small, or
+  /// would have been, in which case the training ended early.
+  bool reaches_tolerance() const;
+
+  /// Lowest modes of every sample, and how sure they are.
+  CertifiedModes solve(const TermCoefficients& samples, int threads) const;
+
+  /// Lowest modes of samples that solve() is not sure enough of, in the full space.
+  ///
+  /// Begins with the reduced model's modes and answers their residuals r with the nominal factor A, Rayleigh and Ritz
+  /// on what has come together, up to five times, until the bound is within the tolerance. A step costs a sixth of an
+  /// exact solution of 20,000 equations, less of larger ones. Where solve() knows no bound at all (a mode may be
+  /// missing) no step is taken: the bounds stay infinite, and there are no vectors.
+  ///
+  /// @param visit  called once a sample, by any of the threads
+  /// Source: preconditioned block steps after [Knyazev2001].
+  void refine(const TermCoefficients& samples, int threads, const RefinedVisitor& visit) const;
+
+  /// [equation x vector]
+  const Eigen::MatrixXd& basis() const;
+
+  /// Whether a term of K or M is not proven to be positive semidefinite: its effect is bounded by extreme eigenvalues,
+  /// and where these say too little, bounds are infinite.
+  bool has_indefinite_terms() const;
+
+  /// Processor time that the exact solution of the nominal pencil took.
+  double exact_seconds() const;
+
+ private:
+  friend class ReducedModelFile;
+  explicit ReducedModel(std::unique_ptr<Parts> parts);
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace mottle

@@ -1,0 +1,53 @@
+// A finite-element model with parameters on its card fields.
+#pragma once
+
+#include <vector>
+
+#include "mottle/fem/assembly/assembly.hpp"
+#include "mottle/model/parameters/field_targets.hpp"
+#include "mottle/model/structures/sparse_structure.hpp"
+
+namespace mottle {
+
+/// K(x) = sum of powers of x times constant matrices where the parameters allow it, re-assembled for each sample where
+/// not. Shapes have a row for each equation; degrees of freedom are named "101:+Z", "101:+RX", in the displacement
+/// system of the grid point.
+class FiniteElementStructure final : public SparseStructure {
+ public:
+  /// @param fallback  parts of the reference where a parameter's cards differ in value [parameter]
+  /// Throws InvalidInput: what find_field_targets() and assemble() refuse, a parameter that acts on no element.
+  FiniteElementStructure(FiniteElementModel model, const std::vector<ParameterTargets>& parameters,
+                         const Eigen::VectorXd& fallback);
+
+  Eigen::Index parameter_count() const override { return static_cast<Eigen::Index>(targets_.parameters.size()); }
+  Eigen::Index mode_count() const override { return static_cast<Eigen::Index>(assembled_.equations.size()); }
+  int find_degree_of_freedom(const std::string& name) const override;
+  std::string unknown_degree_of_freedom(const std::string& name) const override;
+  Eigen::MatrixXd displacements(const Eigen::Ref<const Eigen::MatrixXd>& shapes,
+                                const std::vector<int>& degrees_of_freedom) const override;
+  double total_mass(const Eigen::Ref<const Eigen::VectorXd>& parameters) const override;
+  std::vector<std::string> description(const Eigen::Ref<const Eigen::VectorXd>& parameters) const override;
+  std::string parameter_role(Eigen::Index parameter) const override;
+
+  const FiniteElementModel& model() const { return model_; }
+  const AssembledModel& assembled() const { return assembled_; }
+  const std::vector<PhysicalLimit>& limits() const { return targets_.limits; }
+  /// The parameters of the deck as it stands: 1 for factors, the cards' value otherwise [parameter].
+  const Eigen::VectorXd& reference() const { return reference_; }
+
+ private:
+  const SeparableMatrix& stiffness_terms() const override { return assembled_.stiffness; }
+  const SeparableMatrix& mass_terms() const override { return assembled_.mass; }
+  bool is_separable() const override { return is_separable_; }
+  bool do_terms_hold(const Eigen::Ref<const Eigen::VectorXd>& parameters, Eigen::Index parameter) const override;
+  Matrices matrices_at(const Eigen::Ref<const Eigen::VectorXd>& parameters) const override;
+  std::string equation_name(int row) const override;
+
+  FiniteElementModel model_;
+  FieldTargets targets_;
+  AssembledModel assembled_;
+  Eigen::VectorXd reference_;
+  bool is_separable_ = true;
+};
+
+}  // namespace mottle

@@ -1,0 +1,78 @@
+// Several random variables together: marginal distributions tied by a normal copula, or a multivariate normal.
+// Turns uniforms into samples; where the uniforms come from is sampling.hpp's business.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "mottle/stats/distributions/distribution.hpp"
+#include "mottle/stats/distributions/normal_scale.hpp"
+
+namespace mottle {
+
+/// Joint distribution of a model's parameters. Value type; const members may be called from many threads.
+class JointDistribution {
+ public:
+  /// Independent variables.
+  explicit JointDistribution(std::vector<Distribution> marginals);
+
+  /// Variables tied by a normal copula: X_j = F_j^-1(Phi(w_j)), w ~ N(0, copula_correlation).
+  ///
+  /// @param copula_correlation  [variable x variable], correlation of w, which is that of X only between normals
+  /// @throws InvalidInput  wrong size, not finite, not symmetric, diagonal not 1, not positive definite (says the
+  ///                       smallest eigenvalue)
+  /// Source: [Liu1986].
+  JointDistribution(std::vector<Distribution> marginals, const Eigen::MatrixXd& copula_correlation);
+
+  /// Multivariate normal; directions of zero variance are allowed.
+  ///
+  /// @param covariance  [variable x variable], symmetric, positive semi-definite to 1e-10 of the largest eigenvalue
+  /// @throws InvalidInput  wrong size, not finite, not symmetric, or a negative eigenvalue (says it)
+  static JointDistribution multivariate_normal(const Eigen::VectorXd& mean, const Eigen::MatrixXd& covariance);
+
+  /// Variables that are normal each on its own scale, together multivariate normal there; directions of zero variance
+  /// are allowed.
+  ///
+  /// @param scales      one a variable
+  /// @param mean        on the scales [variable]
+  /// @param covariance  on the scales [variable x variable], as of multivariate_normal
+  /// @throws InvalidInput  as multivariate_normal
+  static JointDistribution normal_on_scales(const std::vector<NormalScale>& scales, const Eigen::VectorXd& mean,
+                                            const Eigen::MatrixXd& covariance);
+
+  Eigen::Index dimension() const { return mean_.size(); }
+
+  /// The marginals; empty for a multivariate normal, whose variables may have no variance.
+  const std::vector<Distribution>& marginals() const { return marginals_; }
+
+  Eigen::VectorXd mean() const { return mean_; }
+
+  /// Covariance of the variables themselves, with what the copula does to marginals that are not normal:
+  ///
+  ///   cov(X_i, X_j) = sum_k a_ik a_jk rho_ij^k,   a_ik = E[X_i(w) h_k(w)],   h_k the orthonormal Hermite polynomials
+  ///
+  /// Accurate to 1e-10 relative to the standard deviations, U-shaped betas included; less for what is nearly a
+  /// two-point distribution.
+  /// Source: [Liu1986]; the series is Mehler's, [Kibble1945].
+  Eigen::MatrixXd covariance() const { return covariance_; }
+
+  /// Samples from uniforms: the inverse iso-probabilistic transform. Row i of the result depends on row i alone, bit
+  /// for bit. Variable j is monotone in its own uniform; independent variables depend on no other.
+  ///
+  /// @param uniforms  [sample x variable], in the open interval (0, 1)
+  /// @return          [sample x variable]
+  /// @throws InvalidInput  wrong number of columns, or a value outside (0, 1)
+  Eigen::MatrixXd from_uniform(const Eigen::Ref<const Eigen::MatrixXd>& uniforms) const;
+
+ private:
+  JointDistribution() = default;
+
+  std::vector<Distribution> marginals_;
+  Eigen::VectorXd mean_;
+  Eigen::MatrixXd covariance_;
+  std::vector<NormalScale> scales_;  ///< of a normal on scales; empty for others
+  Eigen::VectorXd scale_mean_;       ///< and its mean there
+  Eigen::MatrixXd factor_;  ///< of the copula's correlation, or of the covariance; empty for independent variables
+};
+
+}  // namespace mottle

@@ -1,0 +1,173 @@
+// A study as the user wrote it: plain data, checked one by one, before any object is made from it.
+#pragma once
+
+#include <Eigen/Core>
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "mottle/core/options.hpp"
+#include "mottle/drivers/command/solver_command.hpp"
+#include "mottle/fem/assembly/mass_spring.hpp"
+#include "mottle/model/responses/modal_model.hpp"
+#include "mottle/stats/distributions/distribution.hpp"
+#include "mottle/stats/distributions/normal_scale.hpp"
+#include "mottle/stats/sampling/sampling.hpp"
+#include "mottle/updating/methods/surrogate_update.hpp"
+
+namespace mottle {
+
+/// Matrices of a part of the structure, by their places ("K1.mtx", "model.op4#K1"; resolved), and how parameters scale
+/// it.
+struct StudyMatrixPart {
+  std::string name = {};
+  std::string stiffness = {};  ///< empty: none
+  std::string mass = {};
+  std::optional<double> nominal = {};
+  int exponent = 1;
+};
+
+/// [model]: what kind, and what that kind needs.
+struct StudyModelSource {
+  enum class Kind { mass_spring, nastran, matrices, calculix, command };
+
+  Kind kind = Kind::mass_spring;
+  MassSpringSystem system = {};
+  std::filesystem::path deck = {};               ///< resolved against the study's folder
+  std::set<std::string> ignore_cards = {};       ///< in capitals
+  std::map<std::string, double> overrides = {};  ///< numbers of the deck that are other, by target in capitals
+  StudyMatrixPart constant_part = {};            ///< of matrices: what no parameter moves
+  std::vector<StudyMatrixPart> parts = {};       ///< of matrices
+  std::string program = "ccx";                   ///< of calculix: its command
+  std::chrono::milliseconds timeout = std::chrono::hours(1);  ///< of calculix: of one run
+  int parallel = 1;                                           ///< of calculix: runs of samples at once
+  std::filesystem::path row_names = {};  ///< of matrices: the degrees of freedom, where not in the files
+  bool may_reduce = true;                ///< clouds by a reduced model where that pays
+  double frequency_error = 1e-4;         ///< that a reduced model may make, relative
+  SolverCommand command = {};
+};
+
+/// One [[parameter]].
+struct StudyParameter {
+  std::string name;
+  std::vector<std::string> targets;
+  bool is_factor = false;
+  DistributionSpec distribution;
+  double lower_bound = -std::numeric_limits<double>::infinity();
+  double upper_bound = std::numeric_limits<double>::infinity();
+  NormalScale scale = {};   ///< on which its population is normal
+  bool may_vanish = false;  ///< its value may be zero where a stiffness must be positive else: a spring not there yet
+};
+
+/// Parameters with the correlation of their normal copula (identity where none is given).
+struct StudyParameters {
+  std::vector<StudyParameter> list;
+  Eigen::MatrixXd correlation;
+};
+
+/// Measurement noise of the outputs whose names fit a pattern.
+struct NoiseRule {
+  std::string pattern;
+  double value = 0.0;  ///< standard deviation in the output's unit, or as a part of its mean
+  bool is_relative = false;
+};
+
+/// [test]
+struct StudyTest {
+  std::string key = "test.file";              ///< that names the files, for messages
+  std::vector<std::filesystem::path> files;   ///< files, folders or patterns, resolved against the study's folder
+  std::vector<NoiseRule> repeatability = {};  ///< in the order of the file
+  std::optional<std::filesystem::path> repeats_file = std::nullopt;  ///< repeated tests, in place of the rules
+  std::vector<NoiseRule> model_error = {};  ///< of an error of the model, shared by all specimens
+  bool is_model_error_estimated = false;    ///< its level is estimated, there are no rules then
+  /// Whether specimens' modes are numbered by their shapes; not given: of tests that come as modes, not of a table.
+  std::optional<bool> pairs_by_mac = std::nullopt;
+  bool is_named = false;  ///< columns of a table are the model's modes, told apart before; else they count by rank
+};
+
+/// [update]
+struct StudyUpdate {
+  std::string method = "maximum-likelihood";
+  int samples = 1000;
+  bool has_automatic_samples = false;
+  SamplingDesign design = SamplingDesign::monte_carlo;
+  int iterations = 30;
+  double tolerance = 1e-3;
+  double level = 0.05;
+  double most_failed = 0.3;
+  bool is_diagonal = false;  ///< no two parameters are correlated in the population
+  /// Parameters that may be correlated with each other, those not named each alone; empty: all with all.
+  std::vector<std::vector<std::string>> covariance_groups = {};
+  std::map<std::string, OptionValues> method_options;  ///< by method; those not chosen are checked but not used
+};
+
+/// [truth]: what `simulate` draws specimens from.
+struct StudyTruth {
+  int specimens = 10;
+  StudyParameters parameters;
+  std::vector<NoiseRule> noise = {};  ///< of the measurement
+};
+
+/// [diagnose]: what may be missing among the parameters.
+struct StudyDiagnose {
+  std::vector<StudyParameter> candidates;  ///< without name and distribution where only a target is given; empty: all
+  double spread = 0.2;                     ///< prior deviation of a candidate given by its target, relative
+  int screened = 12;
+  double like_evidence = 6.0;
+};
+
+/// [predict]: outputs that were not used, of the structure as it is or as it will be.
+struct StudyPredict {
+  ModalOutputs outputs;
+  std::map<std::string, double> overrides;      ///< numbers of the model that are other there, by target
+  std::map<std::string, double> repeatability;  ///< by output; else that of the update's output of the same name
+  std::optional<std::filesystem::path> held_out = std::nullopt;
+  int draws = 4000;
+};
+
+/// The whole study.
+struct Study {
+  std::filesystem::path file;
+  std::string title;
+  std::string units = "SI";
+  std::uint64_t seed = 1;
+  StudyModelSource model;
+  StudyParameters parameters;  ///< empty in a study that only holds a truth
+  ModalOutputs outputs;
+  std::optional<StudyTest> test;
+  StudyUpdate update;
+  std::optional<StudyTruth> truth;
+  StudyDiagnose diagnose;
+  std::optional<StudyPredict> predict = std::nullopt;
+  std::optional<SurrogateSettings> surrogate = std::nullopt;  ///< `update` works on a surrogate of the model
+  std::string text;                                           ///< the study as run, overrides applied, as TOML
+  /// Line of what a message may start with: "outputs.frequencies", "parameter 'k1'", "truth.parameter 'k1'".
+  std::map<std::string, int> lines;
+};
+
+/// What the command line adds to a study.
+struct StudyOverrides {
+  std::vector<std::string> assignments;  ///< "dotted.key=value"
+  std::optional<std::uint64_t> seed;
+};
+
+/// Reads and checks a study file.
+///
+/// @throws InvalidInput  (file, line, key, value found, what is allowed): TOML that cannot be read, unknown keys with
+///                       the nearest known one, wrong types, values out of range, an override that fits nothing
+Study read_study(const std::filesystem::path& file, const StudyOverrides& overrides);
+
+/// `message` with the study file in front, and the line of what the message starts with ("outputs.frequencies: ...").
+///
+/// @param section  put before the message to look its line up: "truth." for a parameter of the truth
+std::string located(const Study& study, const std::string& message, const std::string& section = "");
+
+/// The study's text for a file in `folder`: relative paths are rewritten to hold from there.
+std::string study_text_for(const Study& study, const std::filesystem::path& folder);
+
+}  // namespace mottle

@@ -1,0 +1,40 @@
+// Steps that iterative methods share: evaluate the cloud of a state, judge convergence.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "mottle/updating/methods/updater.hpp"
+
+namespace mottle {
+
+/// Mean and covariance of the tests, missing entries left out.
+struct TestMoments {
+  Eigen::VectorXd mean;        ///< [output]
+  Eigen::MatrixXd covariance;  ///< unbiased; zero where there is one specimen [output x output]
+  Eigen::VectorXi count;       ///< measured values of each output
+};
+
+/// Throws InvalidInput: an output without any measured value.
+TestMoments test_moments(const TestData& tests);
+
+/// Evaluates the cloud of a state and compares it with the tests.
+///
+/// @param distribution  the state's distribution; the prior for the first
+/// @param index         0 for the first state; names the random streams
+IterationRecord record_state(const UpdatingProblem& problem, const TestMoments& tests,
+                             const JointDistribution& distribution, int index, const RunContext& context);
+
+/// Puts a state at the end of the history and counts its runs. Clouds between the first and the last are thinned to
+/// what a plot can show.
+void append_state(UpdatingResult& result, IterationRecord state);
+
+/// The largest movement from one state to the next of any mean or standard deviation, in units of the prior's
+/// standard deviation of that parameter.
+double largest_movement(const Eigen::Ref<const Eigen::VectorXd>& prior_std, const Eigen::VectorXd& mean_before,
+                        const Eigen::MatrixXd& covariance_before, const Eigen::VectorXd& mean_after,
+                        const Eigen::MatrixXd& covariance_after);
+
+/// Whether the movements go round in circles: none of the last `window` is smaller than one before them.
+bool is_stalled(const std::vector<double>& movements, std::size_t window);
+
+}  // namespace mottle

@@ -1,0 +1,18 @@
+// Matrices of solver runs in a folder, each under the digest of what it was made from.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+
+#include "mottle/core/checksum.hpp"
+#include "mottle/drivers/calculix/separable_fit.hpp"
+
+namespace mottle {
+
+/// Nothing where the run is not kept or its file is damaged.
+std::optional<MatrixRun> find_run(const std::filesystem::path& folder, const Digest& digest);
+
+/// Keeps a run, and of older ones as many as fit into 2 GB. A place that cannot be written costs the reuse alone.
+void keep_run(const std::filesystem::path& folder, const Digest& digest, const MatrixRun& run);
+
+}  // namespace mottle

@@ -1,0 +1,191 @@
+#include "mottle/drivers/command/run_folders.hpp"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+
+#include "mottle/core/error.hpp"
+#include "mottle/core/files.hpp"
+
+namespace mottle {
+namespace {
+
+constexpr const char* k_work = "runs";
+constexpr const char* k_failed = "failed-runs";
+constexpr const char* k_kept = "kept-runs";
+constexpr int k_most_failed_kept = 20;
+// In every folder that is made here: only what holds it is ever removed.
+constexpr const char* k_mark = ".mottle-run";
+constexpr std::string_view k_mark_text = "Made by Mottle for runs of a solver, and removed by it.\n";
+
+/// A new folder with a name nobody else has, for nobody else's eyes.
+std::filesystem::path make_private(const std::filesystem::path& parent) {
+  std::string pattern = (parent / fmt::format("mottle-{}-XXXXXX", ::getpid())).string();
+  if (::mkdtemp(pattern.data()) == nullptr) {
+    throw SystemFailure(fmt::format("{}: no folder can be made there: {}", parent.string(), std::strerror(errno)));
+  }
+  return pattern;
+}
+
+/// Writes a new file. 0, or errno.
+int write_plainly(const std::filesystem::path& file, std::string_view bytes) {
+  const int descriptor = ::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0644);
+  if (descriptor < 0) return errno;
+  int error = 0;
+  while (!bytes.empty() && error == 0) {
+    const ssize_t size = ::write(descriptor, bytes.data(), bytes.size());
+    if (size < 0 && errno != EINTR) error = errno;
+    bytes.remove_prefix(static_cast<std::size_t>(std::max<ssize_t>(size, 0)));
+  }
+  ::close(descriptor);
+  return error;
+}
+
+/// Marks a folder as made here; says so to other processes as long as the returned file is open. Negative: errno.
+int mark(const std::filesystem::path& folder) {
+  const int descriptor = ::open((folder / k_mark).c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0644);
+  if (descriptor < 0) return -errno;
+  ::flock(descriptor, LOCK_EX | LOCK_NB);
+  if (::write(descriptor, k_mark_text.data(), k_mark_text.size()) == static_cast<ssize_t>(k_mark_text.size())) {
+    return descriptor;
+  }
+  const int error = errno;
+  ::close(descriptor);
+  return -error;
+}
+
+/// Removes a folder that was made here and that no process is using; never what a link points to.
+void remove_marked(const std::filesystem::path& folder) {
+  std::error_code ignored;
+  if (std::filesystem::symlink_status(folder, ignored).type() != std::filesystem::file_type::directory) return;
+  const int descriptor = ::open((folder / k_mark).c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
+  if (descriptor < 0) return;
+  std::string text(k_mark_text.size(), ' ');
+  const bool is_ours =
+      ::read(descriptor, text.data(), text.size()) == static_cast<ssize_t>(text.size()) && text == k_mark_text;
+  if (is_ours && ::flock(descriptor, LOCK_EX | LOCK_NB) == 0) std::filesystem::remove_all(folder, ignored);
+  ::close(descriptor);
+}
+
+void remove_marked_within(const std::filesystem::path& group) {
+  std::error_code ignored;
+  std::filesystem::directory_iterator entry(group, ignored);
+  for (; entry != std::filesystem::directory_iterator(); entry.increment(ignored)) remove_marked(entry->path());
+}
+
+}  // namespace
+
+void require_no_linked_runs(const std::filesystem::path& results) {
+  for (const char* group : {k_work, k_failed, k_kept}) {
+    const std::filesystem::path folder = std::filesystem::absolute(results) / group;
+    std::error_code ignored;
+    require(!std::filesystem::is_symlink(folder, ignored),
+            "{}: is a link, and solver runs are made and removed there; take it away or name another place with --out",
+            folder.string());
+  }
+}
+
+RunFolders::RunFolders(const std::filesystem::path& results, bool forgets)
+    : results_(results), is_temporary_(results.empty()) {
+  std::error_code ignored;
+  if (is_temporary_) {
+    results_ = make_private(temporary_folder());
+  } else {
+    make_writable_folder(results_);
+    results_ = std::filesystem::absolute(results_);
+    require_no_linked_runs(results_);
+    remove_marked_within(results_ / k_work);
+    if (forgets) {
+      remove_marked_within(results_ / k_failed);
+      std::filesystem::remove(results_ / k_failed, ignored);  // where it is empty
+    }
+  }
+  std::filesystem::create_directory(results_ / k_work, ignored);
+  work_ = make_private(results_ / k_work);
+  mark_ = mark(work_);
+  if (mark_ < 0) throw SystemFailure(fmt::format("{}: cannot be written: {}", work_.string(), std::strerror(-mark_)));
+  shared_ = work_ / "shared";
+  if (!std::filesystem::create_directory(shared_, ignored)) {
+    throw SystemFailure(fmt::format("{}: cannot be made: {}", shared_.string(), ignored.message()));
+  }
+}
+
+RunFolders::~RunFolders() {
+  std::error_code ignored;
+  std::filesystem::remove_all(work_, ignored);
+  ::close(mark_);
+  std::filesystem::remove(results_ / k_work, ignored);  // where it is empty
+  if (is_temporary_ && !has_kept_) std::filesystem::remove_all(results_, ignored);
+}
+
+std::filesystem::path RunFolders::make() {
+  std::filesystem::path folder;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    folder = work_ / fmt::format("run-{}", ++next_);
+  }
+  if (::mkdir(folder.c_str(), 0700) != 0) {
+    throw SystemFailure(fmt::format("{}: cannot be made: {}", folder.string(), std::strerror(errno)));
+  }
+  return folder;
+}
+
+void RunFolders::remove(const std::filesystem::path& folder) {
+  std::error_code ignored;
+  std::filesystem::remove_all(folder, ignored);
+}
+
+bool RunFolders::recover(const std::filesystem::path& folder) const {
+  struct stat there {};
+  return ::lstat(folder.c_str(), &there) == 0 && S_ISDIR(there.st_mode) && ::chmod(folder.c_str(), 0700) == 0;
+}
+
+std::filesystem::path RunFolders::keep(const std::filesystem::path& folder, bool has_failed, const std::string& name) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  std::error_code error;
+  if (has_failed && ++failed_ > k_most_failed_kept) {
+    std::filesystem::remove_all(folder, error);
+    return {};
+  }
+  const std::filesystem::path group = results_ / (has_failed ? k_failed : k_kept);
+  std::filesystem::create_directory(group, error);
+  std::filesystem::path kept = group / name;
+  remove_marked(kept);
+  for (int next = 2; std::filesystem::exists(std::filesystem::symlink_status(kept, error)); ++next) {
+    kept = group / fmt::format("{}-{}", name, next);  // what has that name is not ours
+  }
+  const int descriptor = mark(folder);
+  if (descriptor >= 0) ::close(descriptor);  // else the folder stays for good
+  std::filesystem::rename(folder, kept, error);
+  if (error) throw SystemFailure(fmt::format("{}: cannot be made: {}", kept.string(), error.message()));
+  has_kept_ = true;
+  return kept;
+}
+
+void RunFolders::require_room(const std::filesystem::path& folder) const {
+  const std::filesystem::path probe = folder / ".mottle-probe";
+  std::error_code ignored;
+  std::filesystem::remove_all(probe, ignored);  // a link or pipe that the run has left
+  const int error = write_plainly(probe, std::string(1 << 16, 'x'));
+  ::unlink(probe.c_str());
+  if (error == 0) return;
+  throw SystemFailure(
+      fmt::format("{}: cannot be written: {}; what the solver left there is not used, finished runs are "
+                  "kept: make room and go on with --resume",
+                  folder.string(), std::strerror(error)));
+}
+
+void write_run_file(const std::filesystem::path& file, const std::string& bytes) {
+  const int error = write_plainly(file, bytes);
+  if (error == 0) return;
+  throw SystemFailure(fmt::format("{}: cannot be written: {}; finished runs are kept, go on with --resume",
+                                  file.string(), std::strerror(error)));
+}
+
+}  // namespace mottle

@@ -1,0 +1,66 @@
+#include "drivers/command/run_output.hpp"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+
+#include "drivers/command/solver_process.hpp"
+#include "mottle/formats/text_lines.hpp"
+
+namespace mottle {
+namespace {
+
+/// The last `most` bytes of what is open.
+std::string end_of(int descriptor, off_t most) {
+  struct stat status {};
+  if (::fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode)) return {};
+  std::string bytes(static_cast<std::size_t>(std::min(status.st_size, most)), '\0');
+  const ssize_t size =
+      ::pread(descriptor, bytes.data(), bytes.size(), status.st_size - static_cast<off_t>(bytes.size()));
+  bytes.resize(static_cast<std::size_t>(std::max<ssize_t>(size, 0)));
+  return bytes;
+}
+
+}  // namespace
+
+std::string last_part(const std::filesystem::path& file) {
+  constexpr off_t k_most = 64 << 10;
+  const int descriptor = ::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
+  if (descriptor < 0) return {};
+  std::string bytes = end_of(descriptor, k_most);
+  ::close(descriptor);
+  return bytes;
+}
+
+void shorten_output(const std::filesystem::path& folder) {
+  constexpr off_t k_kept = 1 << 20;
+  for (const char* name : {k_standard_output, k_standard_error}) {
+    const int descriptor = ::open((folder / name).c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
+    if (descriptor < 0) continue;
+    struct stat status {};
+    // A second name: the file may be one of the user's.
+    const bool is_long = ::fstat(descriptor, &status) == 0 && status.st_size > k_kept && status.st_nlink == 1;
+    const std::string bytes = is_long ? end_of(descriptor, k_kept) : std::string();
+    if (is_long && ::pwrite(descriptor, bytes.data(), bytes.size(), 0) == static_cast<ssize_t>(bytes.size())) {
+      (void)!::ftruncate(descriptor, static_cast<off_t>(bytes.size()));
+    }
+    ::close(descriptor);
+  }
+}
+
+std::string last_words(const std::filesystem::path& folder) {
+  constexpr std::size_t k_longest = 200;
+  for (const char* file : {k_standard_error, k_standard_output}) {
+    const std::string bytes = last_part(folder / file);
+    std::string last;
+    for (LineWalker walker(bytes); walker.next();) {
+      if (!words_of(walker.line()).empty()) last = walker.line().substr(0, k_longest);
+    }
+    if (!last.empty()) return last;
+  }
+  return {};
+}
+
+}  // namespace mottle

@@ -1,0 +1,203 @@
+#include "mottle/drivers/command/run_store.hpp"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+
+#include "mottle/core/error.hpp"
+
+namespace mottle {
+namespace {
+
+constexpr std::string_view k_magic = "mottle runs 1\n";
+
+struct RecordHead {
+  std::uint64_t size = 0;  ///< of the body
+  Digest key = {};
+  Digest checksum = {};  ///< of key and body
+};
+
+Digest checksum_of(const Digest& key, std::string_view body) {
+  Checksum sum;
+  sum.add(key.data(), sizeof(key));
+  sum.add(body);
+  return sum.digest();
+}
+
+void add_text(std::string& body, const std::string& text) {
+  const std::uint64_t size = text.size();
+  body.append(reinterpret_cast<const char*>(&size), sizeof(size));
+  body += text;
+}
+
+void add_matrix(std::string& body, const Eigen::MatrixXd& matrix) {
+  const std::uint64_t sizes[2] = {static_cast<std::uint64_t>(matrix.rows()), static_cast<std::uint64_t>(matrix.cols())};
+  body.append(reinterpret_cast<const char*>(sizes), sizeof(sizes));
+  body.append(reinterpret_cast<const char*>(matrix.data()), static_cast<std::size_t>(matrix.size()) * sizeof(double));
+}
+
+std::string encode(const RunRecord& record) {
+  std::string body;
+  add_text(body, record.failure);
+  add_matrix(body, record.modes.eigenvalues);
+  add_matrix(body, record.modes.shapes);
+  std::string names;
+  for (const std::string& name : record.modes.degree_of_freedom_names) names += name + '\n';
+  add_text(body, names);
+  return body;
+}
+
+/// Takes values off the front of a body whose checksum was right.
+class BodyReader {
+ public:
+  explicit BodyReader(std::string_view bytes) : bytes_(bytes) {}
+  std::uint64_t size() {
+    std::uint64_t value = 0;
+    std::memcpy(&value, take(sizeof(value)).data(), sizeof(value));
+    return value;
+  }
+  std::string text() { return std::string(take(size())); }
+  Eigen::MatrixXd matrix() {
+    const std::uint64_t rows = size();
+    const std::uint64_t columns = size();
+    Eigen::MatrixXd matrix(static_cast<Eigen::Index>(rows), static_cast<Eigen::Index>(columns));
+    const std::string_view values = take(rows * columns * sizeof(double));
+    if (!values.empty()) std::memcpy(matrix.data(), values.data(), values.size());
+    return matrix;
+  }
+
+ private:
+  std::string_view take(std::uint64_t size) {
+    if (size > bytes_.size()) throw SystemFailure("a record of runs is damaged");
+    const std::string_view taken = bytes_.substr(0, size);
+    bytes_.remove_prefix(size);
+    return taken;
+  }
+  std::string_view bytes_;
+};
+
+RunRecord decode(std::string_view body) {
+  BodyReader reader(body);
+  RunRecord record;
+  record.failure = reader.text();
+  record.modes.eigenvalues = reader.matrix();
+  record.modes.shapes = reader.matrix();
+  const std::string names = reader.text();
+  for (std::size_t begin = 0; begin < names.size();) {
+    const std::size_t end = names.find('\n', begin);
+    record.modes.degree_of_freedom_names.push_back(names.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return record;
+}
+
+bool read_at(int descriptor, std::uint64_t offset, void* destination, std::size_t size) {
+  auto* bytes = static_cast<char*>(destination);
+  while (size > 0) {
+    const ssize_t got = ::pread(descriptor, bytes, size, static_cast<off_t>(offset));
+    if (got < 0 && errno == EINTR) continue;
+    if (got <= 0) return false;
+    bytes += got;
+    offset += static_cast<std::uint64_t>(got);
+    size -= static_cast<std::size_t>(got);
+  }
+  return true;
+}
+
+bool append(int descriptor, std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t written = ::write(descriptor, bytes.data(), bytes.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) return false;
+    bytes.remove_prefix(static_cast<std::size_t>(written));
+  }
+  return true;
+}
+
+std::uint64_t size_of(int descriptor) {
+  return static_cast<std::uint64_t>(::lseek(descriptor, 0, SEEK_END));
+}
+
+}  // namespace
+
+RunStore::RunStore(std::filesystem::path file) : file_(std::move(file)) {
+  descriptor_ = ::open(file_.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
+  if (descriptor_ < 0) {
+    throw SystemFailure(fmt::format("{}: cannot be opened: {}", file_.string(), std::strerror(errno)));
+  }
+  try {
+    struct flock lock {};
+    lock.l_type = F_WRLCK;
+    lock.l_whence = SEEK_SET;
+    require(::fcntl(descriptor_, F_SETLK, &lock) == 0 || (errno != EACCES && errno != EAGAIN),
+            "{}: another Mottle is filling this folder; wait for its end, or name another place with --out",
+            file_.string());
+    read_places();
+  } catch (...) {
+    ::close(descriptor_);
+    throw;
+  }
+}
+
+RunStore::~RunStore() {
+  ::close(descriptor_);
+}
+
+void RunStore::read_places() {
+  const std::uint64_t size = size_of(descriptor_);
+  std::string magic(std::min<std::uint64_t>(size, k_magic.size()), ' ');
+  const bool is_read = read_at(descriptor_, 0, magic.data(), magic.size());
+  require(is_read && k_magic.starts_with(magic),
+          "{}: is not a store of solver runs; take it away or name another place "
+          "with --out",
+          file_.string());
+  if (magic.size() < k_magic.size() && !append(descriptor_, k_magic.substr(magic.size()))) {
+    throw SystemFailure(fmt::format("{}: cannot be written: {}", file_.string(), std::strerror(errno)));
+  }
+  std::string body;
+  std::uint64_t end = k_magic.size();
+  for (;;) {
+    RecordHead head;
+    if (end + sizeof(head) > size || !read_at(descriptor_, end, &head, sizeof(head))) break;
+    if (head.size > size - end - sizeof(head)) break;
+    body.resize(head.size);
+    if (!read_at(descriptor_, end + sizeof(head), body.data(), body.size())) break;
+    if (checksum_of(head.key, body) != head.checksum) break;
+    places_[head.key] = {end + sizeof(head), head.size};
+    end += sizeof(head) + head.size;
+  }
+  if (end < size && ::ftruncate(descriptor_, static_cast<off_t>(end)) != 0) {
+    throw SystemFailure(fmt::format("{}: cannot be cut to size: {}", file_.string(), std::strerror(errno)));
+  }
+}
+
+std::optional<RunRecord> RunStore::find(const Digest& key) const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const auto found = places_.find(key);
+  if (found == places_.end()) return std::nullopt;
+  std::string body(found->second.size, ' ');
+  if (!read_at(descriptor_, found->second.offset, body.data(), body.size())) {
+    throw SystemFailure(fmt::format("{}: cannot be read: {}", file_.string(), std::strerror(errno)));
+  }
+  return decode(body);
+}
+
+void RunStore::keep(const Digest& key, const RunRecord& record) {
+  const std::string body = encode(record);
+  const RecordHead head{body.size(), key, checksum_of(key, body)};
+  std::string bytes(reinterpret_cast<const char*>(&head), sizeof(head));
+  bytes += body;
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const std::uint64_t end = size_of(descriptor_);  // a second store of this process may have written
+  if (!append(descriptor_, bytes) || ::fdatasync(descriptor_) != 0) {
+    const int error = errno;
+    [[maybe_unused]] const int ignored = ::ftruncate(descriptor_, static_cast<off_t>(end));  // else cut when opened
+    throw SystemFailure(fmt::format("{}: cannot be written: {}; finished runs are kept, go on with --resume",
+                                    file_.string(), std::strerror(error)));
+  }
+  places_[key] = {end + sizeof(head), body.size()};
+}
+
+}  // namespace mottle

@@ -1,0 +1,243 @@
+#include "mottle/drivers/command/solver_runs.hpp"
+
+#include <algorithm>
+#include <functional>
+
+#include "drivers/command/run_output.hpp"
+#include "drivers/command/solver_process.hpp"
+#include "mottle/core/error.hpp"
+#include "mottle/core/files.hpp"
+#include "mottle/core/text.hpp"
+#include "mottle/core/utf8.hpp"
+
+namespace mottle {
+namespace {
+
+/// Appends a piece so that no two lists of pieces give the same text.
+void add_piece(std::string& text, std::string_view piece) {
+  text += fmt::format("{}:", piece.size());
+  text += piece;
+}
+
+std::string rules_text(const SolverCommand& command) {
+  const FrequencyRule& f = command.frequencies;
+  std::string text = fmt::format("{} {} {} {} {} ", static_cast<int>(f.format), static_cast<int>(f.quantity), f.line,
+                                 f.modes, command.retries);
+  for (const std::string* piece : {&f.file, &f.pattern, &f.after, &f.column}) add_piece(text, *piece);
+  if (command.shapes) {
+    const ShapeRule& s = *command.shapes;
+    text += fmt::format("{} {} ", static_cast<int>(s.format), s.line);
+    for (const std::string* piece : {&s.file, &s.after}) add_piece(text, *piece);
+    for (const std::string& component : s.components) add_piece(text, component);
+  }
+  return text;
+}
+
+std::string joined(const CommandLine& line) {
+  return join(line.arguments, " ");
+}
+
+std::vector<std::string> for_process(const std::vector<std::string>& arguments, bool is_shell) {
+  if (!is_shell) return arguments;
+  return {"/bin/sh", "-c", arguments.front()};
+}
+
+}  // namespace
+
+SolverRuns::SolverRuns(SolverCommand command, const std::vector<std::string>& names, const SolverPlace& place)
+    : command_(std::move(command)), is_resumed_(place.is_resumed) {
+  read_templates(names);
+  require_program(command_.command);
+  if (command_.retry_command) require_program(*command_.retry_command);
+  folders_ = std::make_unique<RunFolders>(place.results, !place.is_resumed);
+  read_files();
+  if (!place.results.empty()) store_ = std::make_unique<RunStore>(place.results / "runs.store");
+}
+
+void SolverRuns::read_templates(const std::vector<std::string>& names) {
+  for (const RunFile& file : command_.templates) {
+    templates_.emplace_back(file.text ? *file.text : read_file(file.source), file.source.string(), names);
+    add_piece(constants_, file.name);
+  }
+  for (const std::string& argument : command_.command.arguments) {
+    arguments_.emplace_back(argument, "model.command", names);
+  }
+  if (command_.retry_command) {
+    for (const std::string& argument : command_.retry_command->arguments) {
+      retry_arguments_.emplace_back(argument, "model.retry_command", names);
+    }
+  }
+  std::vector<bool> used(names.size());
+  for (const std::vector<Template>* list : {&templates_, &arguments_}) {
+    for (const Template& text : *list) {
+      const std::vector<bool> here = text.uses(names.size());
+      std::transform(used.begin(), used.end(), here.begin(), used.begin(), std::logical_or<>());
+    }
+  }
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    require(used[i], "parameter '{0}': acts on nothing: {{{{{0}}}}} stands in no template and not in the command",
+            names[i]);
+  }
+  add_piece(constants_, rules_text(command_));
+  for (const auto& [name, value] : command_.environment) add_piece(constants_, fmt::format("{}={}", name, value));
+}
+
+void SolverRuns::require_program(const CommandLine& line) const {
+  const std::string& program = line.arguments.front();
+  if (line.is_shell || program.find("{{") != std::string::npos) return;
+  if (program.find('/') == std::string::npos) {
+    require(!find_program(program).empty(), "model.command: there is no program '{}' on PATH", program);
+    return;
+  }
+  const auto is_meant = [&](const RunFile& file) {
+    return std::filesystem::path(program).lexically_normal() == file.name;
+  };
+  const bool is_own = std::any_of(command_.files.begin(), command_.files.end(), is_meant) ||
+                      std::any_of(command_.templates.begin(), command_.templates.end(), is_meant);
+  require(is_own || (std::filesystem::path(program).is_absolute() && std::filesystem::exists(program)),
+          "model.command: '{}' is not there; give a program on PATH, an absolute path, or one of model.files as ./NAME",
+          program);
+}
+
+void SolverRuns::read_files() {
+  files_ = std::make_unique<InputFiles>(command_.files, folders_->shared());
+  for (std::size_t i = 0; i < command_.files.size(); ++i) {
+    add_piece(constants_, command_.files[i].name);
+    add_piece(constants_, hexadecimal(files_->digests()[i]));
+  }
+}
+
+SolverRuns::Input SolverRuns::fill(const Eigen::Ref<const Eigen::VectorXd>& values) const {
+  Input input;
+  for (const Template& text : templates_) input.texts.push_back(text.fill(values));
+  for (const Template& text : arguments_) input.arguments.push_back(text.fill(values));
+  for (const Template& text : retry_arguments_) input.retry_arguments.push_back(text.fill(values));
+  return input;
+}
+
+Digest SolverRuns::key_of(const Input& input, int least) const {
+  std::string text = constants_ + fmt::format("{} {} ", least, command_.command.is_shell);
+  for (const auto* list : {&input.texts, &input.arguments, &input.retry_arguments}) {
+    text += fmt::format("[{}]", list->size());
+    for (const std::string& piece : *list) add_piece(text, piece);
+  }
+  Checksum sum;
+  sum.add(text);
+  return sum.digest();
+}
+
+void SolverRuns::prepare(const std::filesystem::path& folder, const Input& input) const {
+  std::error_code error;
+  for (std::size_t i = 0; i < input.texts.size(); ++i) {
+    const std::filesystem::path file = folder / command_.templates[i].name;
+    std::filesystem::create_directories(file.parent_path(), error);
+    write_run_file(file, input.texts[i]);
+    std::filesystem::permissions(file, std::filesystem::status(command_.templates[i].source, error).permissions(),
+                                 error);
+  }
+  files_->put_into(folder);
+}
+
+bool SolverRuns::try_once(const Input& input, const std::filesystem::path& folder, int number, int least,
+                          const std::atomic<bool>* stop, Run& run) const {
+  const bool is_other = number > 0 && command_.retry_command;
+  prepare(folder, input);
+  const ProcessEnd end =
+      run_process({.arguments = for_process(is_other ? input.retry_arguments : input.arguments,
+                                            is_other ? command_.retry_command->is_shell : command_.command.is_shell),
+                   .directory = folder,
+                   .environment = command_.environment,
+                   .timeout = command_.timeout,
+                   .stop = stop});
+  if (end.kind == ProcessEnd::Kind::stopped) throw Stopped("stopped on request");
+  files_->require_unchanged();
+  if (!folders_->recover(folder)) {
+    run.record = {.failure = "the run took away the folder that it ran in"};
+    return false;
+  }
+  folders_->require_room(folder);
+  run.record = {.failure = end.reason};
+  if (end.kind != ProcessEnd::Kind::done) return false;
+  try {
+    run.record.modes = extract_modes(folder, command_.frequencies, command_.shapes, least);
+    return true;
+  } catch (const InvalidInput& error) {
+    run.record.failure = error.what();
+    return false;
+  }
+}
+
+void SolverRuns::put_away(const std::filesystem::path& folder, const std::string& id, Run& run) {
+  const bool has_failed = !run.record.failure.empty();
+  constexpr std::size_t k_longest_failure = 600;
+  run.record.failure = shortened(printable(run.record.failure), k_longest_failure);
+  if (!folders_->recover(folder)) return;
+  if (has_failed) run.last_words = printable(last_words(folder));
+  if (command_.kept == KeptRuns::none || (command_.kept == KeptRuns::failed && !has_failed)) {
+    folders_->remove(folder);
+    return;
+  }
+  std::error_code ignored;
+  std::filesystem::remove_all(folder / "reason.txt", ignored);  // which may be a link out of the folder
+  if (has_failed) write_run_file(folder / "reason.txt", run.record.failure + '\n');
+  files_->relink(folder);
+  shorten_output(folder);
+  run.folder = folders_->keep(folder, has_failed, id);
+}
+
+SolverRuns::Run SolverRuns::run(const Eigen::Ref<const Eigen::VectorXd>& values, int least,
+                                const std::atomic<bool>* stop) {
+  const Input input = fill(values);
+  const Digest key = key_of(input, least);
+  Run run;
+  if (store_) {
+    std::optional<RunRecord> known = store_->find(key);
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (known && (known->failure.empty() || is_resumed_ || own_failures_.contains(key))) {
+      run.record = std::move(*known);
+      run.is_reused = true;
+      return run;
+    }
+  }
+  const std::string id = hexadecimal(key).substr(0, 12);
+  std::filesystem::path folder;
+  bool is_done = false;
+  for (int number = 0; number <= command_.retries && !is_done; ++number) {
+    if (!folder.empty()) folders_->remove(folder);
+    folder = folders_->make();
+    is_done = try_once(input, folder, number, least, stop, run);
+    run.tries = number + 1;
+  }
+  if (!is_done)
+    run.record.failure += fmt::format(" ({}run {})", run.tries > 1 ? fmt::format("{} tries, ", run.tries) : "", id);
+  put_away(folder, id, run);
+  if (store_) {
+    store_->keep(key, run.record);
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (!is_done) own_failures_.insert(key);
+  }
+  return run;
+}
+
+void SolverRuns::keep_as(const Eigen::Ref<const Eigen::VectorXd>& values, int least, const RunRecord& record) {
+  if (!store_) return;
+  const Digest key = key_of(fill(values), least);
+  if (!store_->find(key)) store_->keep(key, record);
+}
+
+std::string SolverRuns::command_text() const {
+  return joined(command_.command);
+}
+
+std::vector<std::string> SolverRuns::coarse_places(const Eigen::Ref<const Eigen::VectorXd>& values,
+                                                   const Eigen::Ref<const Eigen::VectorXd>& steps) const {
+  std::vector<std::string> places;
+  for (const std::vector<Template>* list : {&templates_, &arguments_}) {
+    for (const Template& text : *list) {
+      for (std::string& place : text.coarse_places(values, steps)) places.push_back(std::move(place));
+    }
+  }
+  return places;
+}
+
+}  // namespace mottle

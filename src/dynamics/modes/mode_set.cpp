@@ -1,0 +1,15 @@
+#include "mottle/dynamics/modes/mode_set.hpp"
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace mottle {
+
+double natural_frequency_hz(double eigenvalue, double scale) {
+  constexpr double k_rounding = 1e-9;
+  if (eigenvalue >= 0.0) return std::sqrt(eigenvalue) / (2.0 * std::numbers::pi);
+  return eigenvalue >= -k_rounding * scale ? 0.0 : std::numeric_limits<double>::quiet_NaN();
+}
+
+}  // namespace mottle

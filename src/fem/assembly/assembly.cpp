@@ -1,0 +1,278 @@
+#include "mottle/fem/assembly/assembly.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <utility>
+
+#include "fem/assembly/element_store.hpp"
+#include "mottle/core/error.hpp"
+
+namespace mottle {
+namespace {
+
+std::vector<FieldRole> field_roles(const FiniteElementModel& model, const std::vector<FieldParameter>& parameters) {
+  std::vector<FieldRole> roles(model.fields.size());
+  for (std::size_t p = 0; p < parameters.size(); ++p) {
+    for (const FieldIndex field : parameters[p].fields) {
+      roles[static_cast<std::size_t>(field)] = {static_cast<int>(p), parameters[p].is_factor};
+    }
+  }
+  return roles;
+}
+
+/// Calls add(packed position, i, j) for the lower triangle of an element, i and j its local rows.
+template <typename Add>
+void each_entry(int size, const Add& add) {
+  std::size_t position = 0;
+  for (int j = 0; j < size; ++j) {
+    for (int i = j; i < size; ++i) add(position++, i, j);
+  }
+}
+
+/// Stiffness of each node's translations and rotations among themselves, at the card's values.
+std::vector<std::array<Eigen::Matrix3d, 2>> nodal_stiffness(const ElementStore& store, const EquationMap& map,
+                                                            std::size_t nodes) {
+  std::vector<std::array<Eigen::Matrix3d, 2>> blocks(nodes, {Eigen::Matrix3d::Zero(), Eigen::Matrix3d::Zero()});
+  const std::vector<Equation>& equations = map.equations();
+  for (const StoredElement& element : store.elements()) {
+    const int* numbers = store.equations(element);
+    for (int k = 0; k < element.piece_count; ++k) {
+      const StoredPiece& piece = store.piece(element, k);
+      if (store.terms()[static_cast<std::size_t>(piece.term)].kind != ElementPiece::Kind::stiffness) continue;
+      each_entry(element.equation_count, [&](std::size_t position, int i, int j) {
+        const Equation& row = equations[static_cast<std::size_t>(numbers[i])];
+        const Equation& column = equations[static_cast<std::size_t>(numbers[j])];
+        if (row.node != column.node || row.component / 3 != column.component / 3) return;
+        Eigen::Matrix3d& block =
+            blocks[static_cast<std::size_t>(row.node)][static_cast<std::size_t>(row.component / 3)];
+        const double value = piece.at_card_values * piece.values[position];
+        block(row.component % 3, column.component % 3) += value;
+        if (i != j) block(column.component % 3, row.component % 3) += value;
+      });
+    }
+  }
+  return blocks;
+}
+
+/// Components of a 3 x 3 block along which nothing resists, each time the one nearest to the soft direction.
+std::array<bool, 3> soft_components(const Eigen::Matrix3d& stiffness, const std::array<bool, 3>& is_free) {
+  constexpr double k_soft = 1e-8;  // Nastran's EPZERO
+  std::array<bool, 3> is_soft = {false, false, false};
+  std::vector<int> rows;
+  for (int c = 0; c < 3; ++c) {
+    if (is_free[static_cast<std::size_t>(c)]) rows.push_back(c);
+  }
+  while (!rows.empty()) {
+    const Eigen::MatrixXd block = stiffness(rows, rows);
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(block);
+    const double largest = std::max(solver.eigenvalues().cwiseAbs().maxCoeff(), stiffness.cwiseAbs().maxCoeff());
+    if (solver.eigenvalues()(0) > k_soft * largest) break;
+    Eigen::Index nearest = 0;
+    solver.eigenvectors().col(0).cwiseAbs().maxCoeff(&nearest);
+    is_soft[static_cast<std::size_t>(rows[static_cast<std::size_t>(nearest)])] = true;
+    rows.erase(rows.begin() + nearest);
+  }
+  return is_soft;
+}
+
+std::vector<bool> find_soft_equations(const ElementStore& store, const EquationMap& map, std::size_t nodes,
+                                      std::vector<AutomaticConstraint>& constraints) {
+  const auto blocks = nodal_stiffness(store, map, nodes);
+  std::vector<bool> is_held(static_cast<std::size_t>(map.equation_count()), false);
+  for (std::size_t node = 0; node < nodes; ++node) {
+    for (int triple = 0; triple < 2; ++triple) {
+      std::array<bool, 3> is_free = {};
+      const int first = degree_of_freedom(static_cast<int>(node), 3 * triple);
+      for (int c = 0; c < 3; ++c) is_free[static_cast<std::size_t>(c)] = map.state(first + c) >= 0;
+      const auto is_soft = soft_components(blocks[node][static_cast<std::size_t>(triple)], is_free);
+      for (int c = 0; c < 3; ++c) {
+        if (!is_soft[static_cast<std::size_t>(c)]) continue;
+        is_held[static_cast<std::size_t>(map.state(first + c))] = true;
+        constraints.push_back({static_cast<int>(node), 3 * triple + c});
+      }
+    }
+  }
+  return is_held;
+}
+
+/// Lower triangle of which equations meet in an element of the wanted kinds.
+template <typename Wanted>
+SparseMatrix find_pattern(const ElementStore& store, int size, const Wanted& is_wanted) {
+  std::vector<std::vector<std::size_t>> elements_of(static_cast<std::size_t>(size));
+  const auto& elements = store.elements();
+  for (std::size_t e = 0; e < elements.size(); ++e) {
+    if (!is_wanted(elements[e])) continue;
+    for (int k = 0; k < elements[e].equation_count; ++k) {
+      const int equation = store.equations(elements[e])[k];
+      if (equation >= 0) elements_of[static_cast<std::size_t>(equation)].push_back(e);
+    }
+  }
+  std::vector<int> starts(1, 0);
+  std::vector<int> rows;
+  std::vector<int> last_column(static_cast<std::size_t>(size), -1);
+  for (int column = 0; column < size; ++column) {
+    const std::size_t first = rows.size();
+    rows.push_back(column);  // the diagonal, whatever stands there
+    last_column[static_cast<std::size_t>(column)] = column;
+    for (const std::size_t e : elements_of[static_cast<std::size_t>(column)]) {
+      const int* numbers = store.equations(elements[e]);
+      for (int k = 0; k < elements[e].equation_count; ++k) {
+        const int row = numbers[k];
+        if (row <= column || last_column[static_cast<std::size_t>(row)] == column) continue;
+        last_column[static_cast<std::size_t>(row)] = column;
+        rows.push_back(row);
+      }
+    }
+    std::sort(rows.begin() + static_cast<std::ptrdiff_t>(first), rows.end());
+    starts.push_back(static_cast<int>(rows.size()));
+  }
+  const std::vector<double> zeros(rows.size(), 0.0);
+  return Eigen::Map<const SparseMatrix>(size, size, static_cast<Eigen::Index>(rows.size()), starts.data(), rows.data(),
+                                        zeros.data());
+}
+
+/// Where the pattern has (row, column), not before `start`. Most often just there: the rows of a node follow each
+/// other.
+int position_from(int start, const SparseMatrix& pattern, int row, int column) {
+  const int* const rows = pattern.innerIndexPtr();
+  const int* const first = rows + std::max(start, pattern.outerIndexPtr()[column]);
+  if (*first == row) return static_cast<int>(first - rows);
+  return static_cast<int>(std::lower_bound(first, rows + pattern.outerIndexPtr()[column + 1], row) - rows);
+}
+
+/// Sums by position, of which only those count that something was added to.
+class PositionSums {
+ public:
+  explicit PositionSums(std::size_t size) : sums_(size, 0.0), is_reached_(size, 0) {}
+
+  void add(int position, double value) {
+    const auto place = static_cast<std::size_t>(position);
+    sums_[place] += value;
+    if (is_reached_[place] == 0) reached_.push_back(position);
+    is_reached_[place] = 1;
+  }
+
+  /// Hands over the sums in ascending positions and begins again from zero.
+  void move_to(SeparableMatrix::Term& term) {
+    sort_reached();
+    term.values.reserve(reached_.size());
+    for (const int position : reached_) {
+      term.values.push_back(std::exchange(sums_[static_cast<std::size_t>(position)], 0.0));
+      is_reached_[static_cast<std::size_t>(position)] = 0;
+    }
+    term.positions = std::exchange(reached_, {});
+  }
+
+ private:
+  void sort_reached() {
+    constexpr std::size_t k_few = 16;  // up to one in so many positions, sorting is faster than looking at all
+    if (reached_.size() < is_reached_.size() / k_few) return std::sort(reached_.begin(), reached_.end());
+    reached_.clear();
+    for (std::size_t place = 0; place < is_reached_.size(); ++place) {
+      if (is_reached_[place] != 0) reached_.push_back(static_cast<int>(place));
+    }
+  }
+
+  std::vector<double> sums_;
+  std::vector<char> is_reached_;
+  std::vector<int> reached_;
+};
+
+/// Whether the pivots of a piece of an element prove it, see PencilTerms; a sum of such pieces is semidefinite as well.
+bool is_semidefinite(const StoredPiece& piece, int size) {
+  Eigen::MatrixXd matrix(size, size);
+  each_entry(size, [&](std::size_t entry, int i, int j) { matrix(i, j) = piece.scale * piece.values[entry]; });
+  for (double& diagonal : matrix.diagonal()) {  // one of zero: nothing acts on the row, or what makes it indefinite
+    diagonal = diagonal == 0.0 ? std::numeric_limits<double>::min() : diagonal * (1.0 + k_inertia_tolerance);
+  }
+  const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> factor(matrix);
+  return factor.info() == Eigen::Success;
+}
+
+/// Adds up the pieces of one term after the other; each keeps only the positions that it reaches.
+void add_terms(const ElementStore& store, ElementPiece::Kind kind, SeparableMatrix& matrix) {
+  std::vector<std::vector<std::pair<std::size_t, int>>> pieces_of(store.terms().size());
+  const auto& elements = store.elements();
+  for (std::size_t e = 0; e < elements.size(); ++e) {
+    for (int k = 0; k < elements[e].piece_count; ++k) {
+      pieces_of[static_cast<std::size_t>(store.piece(elements[e], k).term)].emplace_back(e, k);
+    }
+  }
+  PositionSums sums(static_cast<std::size_t>(matrix.pattern.nonZeros()));
+  const bool varies = std::ranges::any_of(
+      store.terms(), [&](const TermName& name) { return name.kind == kind && !name.coefficient.empty(); });
+  for (std::size_t t = 0; t < pieces_of.size(); ++t) {
+    if (store.terms()[t].kind != kind) continue;
+    bool is_definite = varies && kind != ElementPiece::Kind::damping;  // asked for by nobody else
+    for (const auto& [e, k] : pieces_of[t]) {
+      const int* numbers = store.equations(elements[e]);
+      const StoredPiece& piece = store.piece(elements[e], k);
+      is_definite = is_definite && is_semidefinite(piece, elements[e].equation_count);
+      int position = -1;  // ascends within a piece, as the element's equations do
+      each_entry(elements[e].equation_count, [&](std::size_t entry, int i, int j) {
+        if (numbers[i] < 0 || numbers[j] < 0 || piece.values[entry] == 0.0) return;
+        position = position_from(position + 1, matrix.pattern, numbers[i], numbers[j]);
+        sums.add(position, piece.scale * piece.values[entry]);
+      });
+    }
+    sums.move_to(matrix.terms.emplace_back(SeparableMatrix::Term{store.terms()[t].coefficient, {}, {}, is_definite}));
+  }
+}
+
+Eigen::SparseMatrix<double, Eigen::RowMajor> expansion_matrix(const EquationMap& map, std::size_t nodes) {
+  std::vector<Eigen::Triplet<double>> entries;
+  for (int slot = 0; slot < static_cast<int>(6 * nodes); ++slot) {
+    const int state = map.state(slot);
+    if (state >= 0) entries.emplace_back(slot, state, 1.0);
+    if (state > EquationMap::k_dependent) continue;
+    for (const auto& term : map.sum(state)) entries.emplace_back(slot, term.equation, term.coefficient);
+  }
+  Eigen::SparseMatrix<double, Eigen::RowMajor> expansion(static_cast<Eigen::Index>(6 * nodes), map.equation_count());
+  expansion.setFromTriplets(entries.begin(), entries.end());
+  return expansion;
+}
+
+}  // namespace
+
+AssembledModel assemble(const FiniteElementModel& model, const std::vector<FieldParameter>& parameters) {
+  EquationMap map(model);
+  ElementStore store(model, map, field_roles(model, parameters), parameters.size());
+  AssembledModel result;
+  if (model.settings.automatic_constraints) {
+    const std::vector<bool> is_held = find_soft_equations(store, map, model.nodes.size(), result.automatic_constraints);
+    store.hold(is_held);
+    map.hold(is_held);
+  }
+  require(map.equation_count() > 0, "the model has no free degree of freedom that anything stiffens");
+  const auto has_kind = [&store](ElementPiece::Kind kind) {
+    return [&store, kind](const StoredElement& element) {
+      for (int k = 0; k < element.piece_count; ++k) {
+        const auto found = store.terms()[static_cast<std::size_t>(store.piece(element, k).term)].kind;
+        if ((found == ElementPiece::Kind::damping) == (kind == ElementPiece::Kind::damping)) return true;
+      }
+      return false;
+    };
+  };
+  result.stiffness.pattern = find_pattern(store, map.equation_count(), has_kind(ElementPiece::Kind::stiffness));
+  result.mass.pattern = result.stiffness.pattern;
+  result.damping.pattern = find_pattern(store, map.equation_count(), has_kind(ElementPiece::Kind::damping));
+  add_terms(store, ElementPiece::Kind::stiffness, result.stiffness);
+  add_terms(store, ElementPiece::Kind::mass, result.mass);
+  add_terms(store, ElementPiece::Kind::damping, result.damping);
+  result.equations = map.equations();
+  result.is_separable = store.is_separable();
+  result.dependent_degrees_of_freedom = map.dependent_count();
+  result.expansion = expansion_matrix(map, model.nodes.size());
+  return result;
+}
+
+std::string degree_of_freedom_name(const FiniteElementModel& model, int node, int component) {
+  static constexpr const char* k_names[] = {"+X", "+Y", "+Z", "+RX", "+RY", "+RZ"};
+  const Node& point = model.nodes[static_cast<std::size_t>(node)];
+  return point.is_scalar ? fmt::format("{}", point.id) : fmt::format("{}:{}", point.id, k_names[component]);
+}
+
+}  // namespace mottle

@@ -1,0 +1,331 @@
+#include "mottle/formats/calculix/deck.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <optional>
+#include <set>
+
+#include "formats/matrices/matrix_text.hpp"
+#include "mottle/core/files.hpp"
+#include "mottle/core/text.hpp"
+
+namespace mottle {
+namespace {
+
+/// A keyword line: "*SHELL SECTION, ELSET=PLATE" -> SHELL SECTION, {ELSET: PLATE}; all in capitals.
+struct Keyword {
+  std::string name;
+  std::map<std::string, std::string> parameters;
+};
+
+bool is_comment(std::string_view line) {
+  return line.starts_with("**");
+}
+
+std::optional<Keyword> keyword_of(std::string_view line) {
+  if (!line.starts_with('*') || is_comment(line)) return std::nullopt;
+  const std::string text = capital_letters(line.substr(1));
+  Keyword keyword;
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t comma = std::min(text.find(',', begin), text.size());
+    const std::string_view part = std::string_view(text).substr(begin, comma - begin);
+    const std::size_t equals = part.find('=');
+    if (begin == 0) {
+      keyword.name = std::string(trim_blanks(part));
+    } else if (!trim_blanks(part).empty()) {
+      keyword.parameters[std::string(trim_blanks(part.substr(0, equals)))] =
+          equals == std::string_view::npos ? "" : std::string(trim_blanks(part.substr(equals + 1)));
+    }
+    begin = comma + 1;
+  }
+  return keyword;
+}
+
+/// INPUT=file of an *INCLUDE, in its own letters.
+std::string included_file(std::string_view line) {
+  const std::size_t equals = line.find('=');
+  if (equals == std::string_view::npos) return {};
+  std::string_view name = trim_blanks(line.substr(equals + 1));
+  if (name.size() >= 2 && name.front() == '"' && name.back() == '"') name = name.substr(1, name.size() - 2);
+  return std::string(name);
+}
+
+void read_into(CalculixDeck& deck, const std::filesystem::path& file, std::vector<std::string>& open) {
+  constexpr std::size_t k_most_files = 100;
+  const std::string bytes = read_file(file);
+  const int index = static_cast<int>(deck.files.size());
+  deck.files.push_back(file.string());
+  open.push_back(file.string());
+  MatrixLines text(bytes, file.string());
+  while (text.next()) {
+    const std::optional<Keyword> keyword = keyword_of(text.line());
+    if (!keyword || keyword->name != "INCLUDE") {
+      deck.lines.push_back({std::string(text.line()), index, text.number()});
+      continue;
+    }
+    const std::filesystem::path included = file.parent_path() / included_file(text.line());
+    if (std::count(open.begin(), open.end(), included.string()) > 0 || deck.files.size() >= k_most_files) {
+      text.fail(fmt::format("includes {} in a circle, or more than {} files", included.string(), k_most_files));
+    }
+    read_into(deck, included, open);
+  }
+  open.pop_back();
+}
+
+/// The cards that hold a number to move.
+struct Card {
+  const char* keyword;
+  const char* owner;                ///< the parameter that names the card; empty: the material that it belongs to
+  const char* example;              ///< for messages
+  std::vector<std::string> fields;  ///< names of the numbers on the first data line; one "": no name needed
+  bool stands_last = false;         ///< the number stands on the last data line
+};
+
+const std::vector<Card>& cards() {
+  static const std::vector<Card> k_cards = {{"ELASTIC", "", "*ELASTIC:STEEL:E", {"E", "NU"}},
+                                            {"DENSITY", "", "*DENSITY:STEEL", {""}},
+                                            {"SPRING", "ELSET", "*SPRING:BOLTS", {""}, true},
+                                            {"MASS", "ELSET", "*MASS:TIPS", {""}},
+                                            {"SHELL SECTION", "ELSET", "*SHELL SECTION:PLATE:T", {"T"}}};
+  return k_cards;
+}
+
+struct Target {
+  const Card* card = nullptr;
+  std::string name;
+  std::size_t field = 0;
+};
+
+Target parse_target(const std::string& target) {
+  const std::string text = capital_letters(target);
+  const std::size_t first = text.find(':');
+  const std::size_t second = first == std::string::npos ? first : text.find(':', first + 1);
+  const std::string field = second == std::string::npos ? "" : text.substr(second + 1);
+  Target result;
+  std::vector<std::string> examples;
+  for (const Card& card : cards()) {
+    examples.emplace_back(card.example);
+    if (first == std::string::npos || text.substr(0, first) != fmt::format("*{}", card.keyword)) continue;
+    const auto found = std::find(card.fields.begin(), card.fields.end(), field);
+    if (found == card.fields.end()) continue;
+    result.card = &card;
+    result.field = static_cast<std::size_t>(found - card.fields.begin());
+    result.name = text.substr(first + 1, second == std::string::npos ? second : second - first - 1);
+  }
+  require(result.card != nullptr, "target '{}' is none that is known; there are {} and {{{{name}}}}", target,
+          join(examples));
+  return result;
+}
+
+[[noreturn]] void refuse(const CalculixDeck& deck, std::size_t line, const std::string& message) {
+  const CalculixDeck::Line& at = deck.lines[line];
+  throw FormatError(deck.files[static_cast<std::size_t>(at.file)], at.number, message);
+}
+
+/// Data lines of the keyword on `line`.
+std::vector<std::size_t> data_lines(const CalculixDeck& deck, std::size_t line) {
+  std::vector<std::size_t> lines;
+  for (std::size_t i = line + 1; i < deck.lines.size(); ++i) {
+    const std::string_view text = deck.lines[i].text;
+    if (is_comment(text)) continue;
+    if (text.starts_with('*')) break;
+    if (!trim_blanks(text).empty()) lines.push_back(i);
+  }
+  return lines;
+}
+
+CalculixNumber number_on(const CalculixDeck& deck, std::size_t line, std::size_t field) {
+  const std::string_view text = deck.lines[line].text;
+  CalculixNumber number{.line = line};
+  for (std::size_t k = 0; k < field && number.begin != std::string_view::npos; ++k) {
+    const std::size_t comma = text.find(',', number.begin);
+    number.begin = comma == std::string_view::npos ? comma : comma + 1;
+  }
+  if (number.begin == std::string_view::npos) refuse(deck, line, fmt::format("has no number in field {}", field + 1));
+  const std::size_t comma = text.find(',', number.begin);
+  number.length = (comma == std::string_view::npos ? text.size() : comma) - number.begin;
+  const std::string_view digits = text.substr(number.begin, number.length);
+  if (!parse_fortran(digits, number.value)) refuse(deck, line, fmt::format("'{}' is not a number", digits));
+  return number;
+}
+
+CalculixNumber number_of_card(const CalculixDeck& deck, std::size_t line, const Keyword& keyword,
+                              const Target& target) {
+  const Card& card = *target.card;
+  const std::vector<std::size_t> data = data_lines(deck, line);
+  if (data.empty()) refuse(deck, line, fmt::format("*{} has no data line", card.keyword));
+  if (keyword.parameters.contains("NONLINEAR")) refuse(deck, line, "a nonlinear spring has no single stiffness");
+  const auto type = keyword.parameters.find("TYPE");
+  if (card.fields.front() == "E" && type != keyword.parameters.end() && !type->second.starts_with("ISO")) {
+    refuse(deck, line,
+           fmt::format("*ELASTIC of type {} has no single modulus; write {{{{name}}}} in its place", type->second));
+  }
+  const bool is_material = std::string_view(card.owner).empty();
+  if (is_material && data.size() > 1) {
+    refuse(deck, data[1],
+           fmt::format("*{} depends on temperature; write {{{{name}}}} in place of the numbers that the "
+                       "parameter sets",
+                       card.keyword));
+  }
+  return number_on(deck, card.stands_last ? data.back() : data.front(), target.field);
+}
+
+std::vector<CalculixNumber> find_placeholders(const CalculixDeck& deck, const std::string& mark) {
+  std::vector<CalculixNumber> numbers;
+  for (std::size_t i = 0; i < deck.lines.size(); ++i) {
+    const std::string& text = deck.lines[i].text;
+    if (is_comment(text)) continue;
+    for (std::size_t at = text.find(mark); at != std::string::npos; at = text.find(mark, at + mark.size())) {
+      numbers.push_back({i, at, mark.size(), std::numeric_limits<double>::quiet_NaN(), true});
+    }
+  }
+  return numbers;
+}
+
+/// Lines of the one step, from *STEP to *END STEP, and that of *FREQUENCY; none where there is no step.
+struct Step {
+  std::size_t begin = 0, frequency = 0;
+  bool is_there = false;
+};
+
+Step find_step(const CalculixDeck& deck) {
+  static const std::set<std::string> k_procedures = {"STATIC",
+                                                     "BUCKLE",
+                                                     "DYNAMIC",
+                                                     "MODAL DYNAMIC",
+                                                     "STEADY STATE DYNAMICS",
+                                                     "HEAT TRANSFER",
+                                                     "COUPLED TEMPERATURE-DISPLACEMENT",
+                                                     "COMPLEX FREQUENCY"};
+  Step step;
+  for (std::size_t i = 0; i < deck.lines.size(); ++i) {
+    const std::optional<Keyword> keyword = keyword_of(deck.lines[i].text);
+    if (!keyword) continue;
+    if (keyword->name == "STEP") {
+      if (step.is_there) {
+        refuse(deck, i, "a second *STEP; a deck with the one step *FREQUENCY is read here (no preload)");
+      }
+      step.is_there = true;
+      step.begin = i;
+    }
+    if (keyword->name == "FREQUENCY") step.frequency = i;
+    if (k_procedures.contains(keyword->name)) {
+      refuse(deck, i,
+             fmt::format("*{} instead of *FREQUENCY; matrices for modes come from a *FREQUENCY step", keyword->name));
+    }
+  }
+  if (step.is_there && step.frequency == 0) refuse(deck, step.begin, "the step has no *FREQUENCY");
+  return step;
+}
+
+/// The deck's lines with texts in place of numbers.
+std::vector<std::string> replaced_lines(const CalculixDeck& deck, std::vector<CalculixPlace> places) {
+  std::vector<std::string> lines;
+  for (const CalculixDeck::Line& line : deck.lines) lines.push_back(line.text);
+  std::sort(places.begin(), places.end(), [](const CalculixPlace& a, const CalculixPlace& b) {
+    return a.number.line != b.number.line ? a.number.line < b.number.line : a.number.begin > b.number.begin;
+  });
+  for (const auto& [number, text] : places) lines[number.line].replace(number.begin, number.length, text);
+  return lines;
+}
+
+}  // namespace
+
+std::string CalculixDeck::where(std::size_t line) const {
+  return fmt::format("{}:{}", files[static_cast<std::size_t>(lines[line].file)], lines[line].number);
+}
+
+CalculixDeck read_calculix_deck(const std::filesystem::path& file) {
+  CalculixDeck deck;
+  std::vector<std::string> open;
+  read_into(deck, file, open);
+  return deck;
+}
+
+std::vector<CalculixNumber> find_calculix_numbers(const CalculixDeck& deck, const std::string& target) {
+  if (target.starts_with("{{") && target.ends_with("}}")) {
+    std::vector<CalculixNumber> numbers = find_placeholders(deck, target);
+    require(!numbers.empty(), "target '{}' does not stand in {}", target, deck.files.front());
+    return numbers;
+  }
+  const Target wanted = parse_target(target);
+  const std::string owner = wanted.card->owner;
+  std::vector<CalculixNumber> numbers;
+  std::vector<std::string> known;
+  std::string material;
+  for (std::size_t i = 0; i < deck.lines.size(); ++i) {
+    const std::optional<Keyword> keyword = keyword_of(deck.lines[i].text);
+    if (!keyword) continue;
+    const auto parameter = [&](const std::string& name) {
+      const auto found = keyword->parameters.find(name);
+      return found == keyword->parameters.end() ? std::string() : found->second;
+    };
+    if (keyword->name == "MATERIAL") material = parameter("NAME");
+    if (keyword->name != wanted.card->keyword) continue;
+    known.push_back(owner.empty() ? material : parameter(owner));
+    if (known.back() == wanted.name) numbers.push_back(number_of_card(deck, i, *keyword, wanted));
+  }
+  require(!numbers.empty(), "target '{}': {}", target,
+          unknown_name_message(fmt::format("*{}", wanted.card->keyword), wanted.name, known));
+  return numbers;
+}
+
+std::string calculix_field(const std::string& target) {
+  const std::size_t last = target.rfind(':');
+  return !target.starts_with('*') || last == target.find(':') ? "" : capital_letters(target.substr(last + 1));
+}
+
+std::string matrix_storage_deck(const CalculixDeck& deck, const std::vector<CalculixChange>& changes) {
+  std::vector<CalculixPlace> places;
+  for (const CalculixChange& change : changes) places.push_back({change.number, fmt::format("{:.13e}", change.value)});
+  const std::vector<std::string> lines = replaced_lines(deck, std::move(places));
+  const Step step = find_step(deck);
+  std::string text;
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    const std::size_t open = is_comment(lines[i]) ? std::string::npos : lines[i].find("{{");
+    if (open != std::string::npos) {
+      refuse(deck, i,
+             fmt::format("no parameter fills '{}'", lines[i].substr(open, lines[i].find("}}", open) + 2 - open)));
+    }
+    text += lines[i];
+    if (step.is_there && i == step.frequency) {
+      text.resize(text.size() - lines[i].size());
+      text += "*FREQUENCY, SOLVER=MATRIXSTORAGE";
+      const std::vector<std::size_t> data = data_lines(deck, i);
+      if (!data.empty()) i = data.back();
+    }
+    text += '\n';
+  }
+  if (!step.is_there) text += "*STEP\n*FREQUENCY, SOLVER=MATRIXSTORAGE\n*END STEP\n";
+  return text;
+}
+
+std::string deck_with_places(const CalculixDeck& deck, const std::vector<CalculixPlace>& places) {
+  if (!find_step(deck).is_there) {
+    throw FormatError(deck.files.front(), 0, "has no step; modes come from a *FREQUENCY step");
+  }
+  std::string text;
+  for (const std::string& line : replaced_lines(deck, places)) {
+    text += is_comment(line) ? std::string("**") : line;
+    text += '\n';
+  }
+  return text;
+}
+
+bool writes_displacements(const CalculixDeck& deck) {
+  for (std::size_t i = 0; i < deck.lines.size(); ++i) {
+    const std::optional<Keyword> keyword = keyword_of(deck.lines[i].text);
+    if (!keyword || (keyword->name != "NODE FILE" && keyword->name != "NODE OUTPUT")) continue;
+    for (const std::size_t line : data_lines(deck, i)) {
+      const std::string text = capital_letters(deck.lines[line].text);
+      for (std::size_t begin = 0; begin <= text.size();) {
+        const std::size_t comma = std::min(text.find(',', begin), text.size());
+        if (trim_blanks(std::string_view(text).substr(begin, comma - begin)) == "U") return true;
+        begin = comma + 1;
+      }
+    }
+  }
+  return false;
+}
+
+}  // namespace mottle

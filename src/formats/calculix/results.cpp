@@ -1,0 +1,76 @@
+#include "mottle/formats/calculix/results.hpp"
+
+#include "formats/matrices/matrix_text.hpp"
+
+namespace mottle {
+namespace {
+
+std::string_view columns(const MatrixLines& text, std::size_t first, std::size_t width) {
+  const std::string_view line = text.line();
+  if (line.size() < first + width) text.fail(fmt::format("the line ends before column {}", first + width));
+  return line.substr(first, width);
+}
+
+double real(const MatrixLines& text, std::string_view field) {
+  double value = 0.0;
+  if (!parse_fortran(field, value)) text.fail(fmt::format("'{}' is not a finite number", field));
+  return value;
+}
+
+/// " -1", the node in 10 columns, three components in 12 each; " -3" ends the block.
+void read_displacements(MatrixLines& text, CalculixShape& shape) {
+  for (text.need("displacements"); text.line().substr(0, 3) != " -3"; text.need("the end of the block, -3")) {
+    const std::string_view mark = text.line().substr(0, 3);
+    if (mark == " -5") continue;  // what the components are
+    long long node = 0;
+    if (mark != " -1" || !parse_whole(columns(text, 3, 10), node)) text.fail("expected ' -1' and a node");
+    Eigen::Vector3d& displacement = shape.displacements[static_cast<int>(node)];
+    for (std::size_t c = 0; c < 3; ++c) {
+      displacement(static_cast<Eigen::Index>(c)) = real(text, columns(text, 13 + 12 * c, 12));
+    }
+  }
+}
+
+}  // namespace
+
+Eigen::VectorXd parse_calculix_eigenvalues(std::string_view bytes, const std::string& file) {
+  MatrixLines text(bytes, file);
+  bool is_table = false;
+  std::vector<double> values;
+  Words words;
+  while (text.next()) {
+    const std::size_t count = split_words(text.line(), words);
+    if (text.line().find("E I G E N V A L U E   O U T P U T") != std::string_view::npos) is_table = values.empty();
+    long long mode = 0;
+    if (!is_table || count < 2) {
+      if (count > 0 && !values.empty()) break;
+      continue;
+    }
+    if (!parse_whole(words[0], mode)) {
+      if (!values.empty()) break;
+      continue;  // headings
+    }
+    if (mode != static_cast<long long>(values.size()) + 1) {
+      text.fail(fmt::format("mode {} follows mode {}", mode, values.size()));
+    }
+    values.push_back(real(text, words[1]));
+  }
+  if (values.empty()) throw FormatError(file, 0, "holds no table of eigenvalues");
+  return Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
+}
+
+std::vector<CalculixShape> parse_calculix_shapes(std::string_view bytes, const std::string& file) {
+  MatrixLines text(bytes, file);
+  std::vector<CalculixShape> shapes;
+  double frequency = 0.0;
+  while (text.next()) {
+    if (text.line().starts_with("  100C")) frequency = real(text, columns(text, 12, 12));
+    if (!text.line().starts_with(" -4  DISP")) continue;
+    shapes.push_back({frequency, {}});
+    read_displacements(text, shapes.back());
+  }
+  if (shapes.empty()) throw FormatError(file, 0, "holds no displacements; ask for them by *NODE FILE and U, as text");
+  return shapes;
+}
+
+}  // namespace mottle

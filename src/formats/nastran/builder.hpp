@@ -1,0 +1,197 @@
+// What the card readers share while a model is built: the model, tables from ids to indices, and the rules that say
+// which function reads which card, and when.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <unordered_set>
+#include <vector>
+
+#include "formats/nastran/fields.hpp"
+#include "mottle/formats/nastran/model.hpp"
+
+namespace mottle::nastran {
+
+/// PSOLID.
+struct SolidProperty {
+  int material = -1;
+};
+
+/// PROD, PTUBE.
+struct RodProperty {
+  int material = -1;
+  FieldIndex area = k_no_field, torsion = k_no_field, nonstructural_mass = k_no_field;
+};
+
+/// PBUSH.
+struct BushProperty {
+  std::array<FieldIndex, 6> stiffness = {-1, -1, -1, -1, -1, -1};
+  std::array<FieldIndex, 6> damping = {-1, -1, -1, -1, -1, -1};
+};
+
+/// GRID or SPOINT before coordinate systems are known.
+struct RawPoint {
+  int id = 0;
+  Eigen::Vector3d coordinates = Eigen::Vector3d::Zero();
+  int position_system = 0, displacement_system = 0;
+  Components fixed = 0;
+  bool is_scalar = false;
+  const BulkCard* card = nullptr;
+};
+
+/// CORD1x or CORD2x before it is resolved.
+struct RawSystem {
+  int id = 0;
+  CoordinateSystem::Kind kind = CoordinateSystem::Kind::rectangular;
+  bool is_by_grids = false;
+  int reference = 0;                           ///< CORD2x: RID
+  std::array<Eigen::Vector3d, 3> points = {};  ///< CORD2x: A, B, C
+  std::array<int, 3> grids = {};               ///< CORD1x: G1, G2, G3
+  const BulkCard* card = nullptr;
+};
+
+/// Kinds of ids that several cards share; a card of its own kind uses its rule's number instead.
+enum class IdSpace : int {
+  own = -1,
+  bar_property = 100000,
+  beam_property,
+  rod_property,
+  point,
+  coordinate_system,
+  method
+};
+
+class ModelBuilder {
+ public:
+  ModelBuilder(const NastranDeck& the_deck, const NastranOptions& the_options)
+      : deck(the_deck), options(the_options), model(result.model) {}
+  ModelBuilder(const ModelBuilder&) = delete;
+  ModelBuilder& operator=(const ModelBuilder&) = delete;
+
+  const NastranDeck& deck;
+  const NastranOptions& options;
+  NastranModel result;
+  FiniteElementModel& model;
+
+  /// EIGRL, EIGR.
+  struct Method {
+    int id = 0;
+    double lowest = -1.0, highest = -1.0;  ///< Hz; negative: not given
+    int modes = 0;
+  };
+
+  std::vector<Method> methods;
+  std::vector<int> node_ids;  ///< ascending, as model.nodes
+  std::vector<RawPoint> raw_points;
+  std::vector<RawSystem> raw_systems;
+  std::unordered_map<int, int> systems, materials, shell_properties, bar_properties, beam_properties;
+  std::unordered_map<int, SolidProperty> solid_properties;
+  std::unordered_map<int, RodProperty> rod_properties, tube_properties;
+  std::unordered_map<int, BushProperty> bush_properties;
+  std::unordered_map<int, FieldIndex> spring_properties, mass_properties, damper_properties;
+  const BulkCard* grid_defaults = nullptr;
+  const BulkCard* bar_defaults = nullptr;
+  const BulkCard* beam_defaults = nullptr;
+  std::unordered_set<int> spc_sets, mpc_sets;  ///< the selected ones
+  std::vector<Components> fixed;               ///< of every node
+  int subcase = -1;                            ///< index into deck.subcases
+  int rule = 0;                                ///< number of the rule that is at work
+  int points_of_ranges = 0;                    ///< that SPOINT cards made by THRU
+  int unknown_kinds = 0;                       ///< of cards so far
+  std::int64_t listed_points = 0;              ///< by THRU ranges so far
+
+  Card card_of(const BulkCard& card) const { return {deck, card}; }
+  void note(std::string text) { result.notes.push_back(std::move(text)); }
+  /// Counts what is worth one note at the end: "{} ...".
+  void count(const std::string& message, int times = 1) { counts_[message] += times; }
+  void write_counted_notes();
+
+  FieldIndex add_field(std::string_view card, int id, std::string_view name, double value);
+  /// A field for the number in field n, k_no_field where it is blank. `id` is that of the card.
+  FieldIndex read_field(const Card& card, int n, std::string_view name, int id);
+  double real(const Card& card, int n, std::string_view what, double otherwise);
+
+  /// Whether this is the first card with that id. False, with a note, where it repeats an earlier one word for word.
+  /// Compares the fields first..first + count - 1 (count -1: all). @throws FormatError where the two differ.
+  bool is_first(const Card& card, int id, IdSpace space = IdSpace::own, int first = 1, int count = -1);
+
+  /// Index of the node that field n names. @throws FormatError where there is none
+  int node(const Card& card, int n, std::string_view what) const;
+  int find_node(int id) const;
+  /// Index of a coordinate system, -1 for basic (0 or blank).
+  int system(const Card& card, int n, std::string_view what) const;
+  int material(const Card& card, int n, std::string_view what) const;
+  /// Axes (columns) of the displacement system of a node.
+  Eigen::Matrix3d displacement_axes(int node) const;
+  /// Axes of a coordinate system (index, -1: basic) at a point.
+  Eigen::Matrix3d axes_at(int system, const Eigen::Vector3d& position) const;
+  const Eigen::Vector3d& position(int node) const { return model.nodes[static_cast<std::size_t>(node)].position; }
+  /// Refuses scalar points where a grid point is needed.
+  int grid(const Card& card, int n, std::string_view what) const;
+  /// Reads grid points from fields first.. into nodes; refuses one that stands twice.
+  void read_corners(const Card& card, int first, int count, int* nodes) const;
+  void count_element(const Card& card) { ++result.element_counts[std::string(card.name())]; }
+
+ private:
+  struct Claim {
+    const BulkCard* card = nullptr;
+    int first = 1;
+  };
+
+  std::map<std::string, int> counts_;
+  std::unordered_map<std::uint64_t, Claim> claims_;
+};
+
+/// The property with that id; refuses one that does not exist.
+template <typename Value>
+const Value& find_property(const std::unordered_map<int, Value>& table, const Card& card, int id,
+                           std::string_view kinds) {
+  const auto found = table.find(id);
+  if (found == table.end()) card.fail(fmt::format("property {} has no {} card", id, kinds));
+  return found->second;
+}
+
+/// When a card is read. A card may use what an earlier phase read.
+enum class Phase : std::uint8_t { defaults, points, materials, properties, elements, constraints, settings };
+inline constexpr int k_phases = 7;
+
+struct CardRule {
+  std::string_view name;
+  Phase phase;
+  void (*read)(ModelBuilder&, const Card&);
+  int most_fields = 0;  ///< that the card may have; 0: any number
+};
+
+std::span<const CardRule> point_rules();
+std::span<const CardRule> coordinate_rules();
+std::span<const CardRule> material_rules();
+std::span<const CardRule> solid_rules();
+std::span<const CardRule> shell_rules();
+std::span<const CardRule> beam_property_rules();
+std::span<const CardRule> beam_rules();
+std::span<const CardRule> rod_rules();
+std::span<const CardRule> scalar_rules();
+std::span<const CardRule> bush_rules();
+std::span<const CardRule> point_mass_rules();
+std::span<const CardRule> rigid_rules();
+std::span<const CardRule> constraint_rules();
+std::span<const CardRule> settings_rules();
+
+/// After Phase::points: sorts the points, resolves the systems and places the nodes.
+void resolve_points(ModelBuilder& builder);
+/// Before Phase::constraints: which SPC and MPC sets hold.
+void select_constraint_sets(ModelBuilder& builder);
+/// After Phase::constraints: model.fixed from builder.fixed.
+void write_fixed(ModelBuilder& builder);
+/// After Phase::settings: what the case control section says about the solution.
+void read_case_settings(ModelBuilder& builder);
+/// What happens with cards that no rule reads; `count` of them, the first one given.
+void handle_unread_card(ModelBuilder& builder, const Card& first, int count);
+/// Refuses case control commands that change the matrices in a way that is not supported.
+void refuse_matrix_commands(ModelBuilder& builder);
+
+}  // namespace mottle::nastran

@@ -1,0 +1,22 @@
+// INCLUDE statements: the file name as written and where it is found.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "mottle/formats/nastran/deck.hpp"
+
+namespace mottle::nastran {
+
+/// A deck with its included files may hold this many bytes.
+inline constexpr std::uintmax_t k_most_bytes = 2'000'000'000;
+
+/// Looks beside the including file, then beside `main_file`; forgives backslashes and letter case.
+IncludeResolver resolver_of_files(const std::filesystem::path& main_file);
+
+/// The file's bytes; refuses what is larger than `limit`.
+std::string read_limited_file(const std::filesystem::path& path, std::uintmax_t limit);
+
+}  // namespace mottle::nastran

@@ -1,0 +1,135 @@
+// The order in which cards become a model: each card by its rule, the rules by their phase.
+#include "mottle/formats/nastran/model.hpp"
+
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "formats/nastran/builder.hpp"
+#include "formats/nastran/rows.hpp"
+#include "mottle/core/error.hpp"
+#include "mottle/core/text.hpp"
+
+namespace mottle {
+namespace nastran {
+namespace {
+
+std::vector<CardRule> all_rules() {
+  std::vector<CardRule> rules;
+  for (const auto& family : {point_rules(), coordinate_rules(), material_rules(), solid_rules(), shell_rules(),
+                             beam_property_rules(), beam_rules(), rod_rules(), scalar_rules(), bush_rules(),
+                             point_mass_rules(), rigid_rules(), constraint_rules(), settings_rules()}) {
+    rules.insert(rules.end(), family.begin(), family.end());
+  }
+  return rules;
+}
+
+/// Cards by the phase in which they are read.
+class CardSorter {
+ public:
+  explicit CardSorter(ModelBuilder& builder) : builder_(builder), rules_(all_rules()) {
+    for (std::size_t rule = 0; rule < rules_.size(); ++rule) rule_of_[rules_[rule].name] = static_cast<int>(rule);
+    for (const BulkCard& card : builder.deck.cards) sort(card);
+  }
+
+  void read(Phase phase) {
+    for (const auto& [card, rule] : sorted_[static_cast<std::size_t>(phase)]) {
+      const CardRule& reader = rules_[static_cast<std::size_t>(rule)];
+      const Card view = builder_.card_of(*card);
+      if (reader.most_fields > 0 && view.size() > reader.most_fields) {
+        view.fail(fmt::format("field {} holds '{}', but the card has {} fields", view.size(),
+                              shown(view.at(view.size())), reader.most_fields));
+      }
+      builder_.rule = rule;
+      reader.read(builder_, view);
+    }
+  }
+
+  void handle_the_others() {
+    for (const auto& [name, times] : ignored_) {
+      builder_.note(fmt::format("{} {} cards were left out, as model.ignore_cards asks", times, name));
+    }
+    for (const auto& [name, group] : unread_)
+      handle_unread_card(builder_, builder_.card_of(*group.first), group.second);
+  }
+
+ private:
+  void sort(const BulkCard& card) {
+    if (card.name != last_name_) {  // cards of one kind stand together
+      last_name_ = card.name;
+      const auto found = rule_of_.find(card.name);
+      last_rule_ = found == rule_of_.end() ? -1 : found->second;
+      is_last_ignored_ = builder_.options.ignore_cards.contains(std::string(card.name));
+    }
+    if (is_last_ignored_) {
+      ++ignored_[card.name];
+    } else if (last_rule_ >= 0) {
+      const Phase phase = rules_[static_cast<std::size_t>(last_rule_)].phase;
+      sorted_[static_cast<std::size_t>(phase)].emplace_back(&card, last_rule_);
+    } else {
+      auto& group = unread_.try_emplace(card.name, &card, 0).first->second;
+      ++group.second;
+    }
+  }
+
+  ModelBuilder& builder_;
+  std::vector<CardRule> rules_;
+  std::unordered_map<std::string_view, int> rule_of_;
+  std::array<std::vector<std::pair<const BulkCard*, int>>, k_phases> sorted_;
+  std::map<std::string_view, int> ignored_;
+  std::map<std::string_view, std::pair<const BulkCard*, int>> unread_;
+  std::string_view last_name_;
+  int last_rule_ = -1;
+  bool is_last_ignored_ = false;
+};
+
+void choose_subcase(ModelBuilder& builder) {
+  const std::vector<int>& subcases = builder.deck.subcases;
+  if (!builder.options.subcase) {
+    builder.subcase = subcases.empty() ? -1 : 0;
+    if (subcases.size() > 1) {
+      builder.note(fmt::format("the deck has {} subcases; the first one, {}, was taken", subcases.size(), subcases[0]));
+    }
+    return;
+  }
+  const auto found = std::find(subcases.begin(), subcases.end(), *builder.options.subcase);
+  require(found != subcases.end(), "{}: there is no subcase {}; the deck has {}", builder.deck.files.front(),
+          *builder.options.subcase, subcases.empty() ? "none" : fmt::format("{}", fmt::join(subcases, ", ")));
+  builder.subcase = static_cast<int>(found - subcases.begin());
+}
+
+void build(ModelBuilder& builder) {
+  choose_subcase(builder);
+  refuse_matrix_commands(builder);
+  CardSorter sorter(builder);
+  sorter.handle_the_others();
+  sorter.read(Phase::defaults);
+  sorter.read(Phase::points);
+  resolve_points(builder);
+  sorter.read(Phase::materials);
+  sorter.read(Phase::properties);
+  sorter.read(Phase::elements);
+  select_constraint_sets(builder);
+  sorter.read(Phase::constraints);
+  write_fixed(builder);
+  sorter.read(Phase::settings);
+  read_case_settings(builder);
+  builder.write_counted_notes();
+}
+
+}  // namespace
+}  // namespace nastran
+
+NastranModel build_nastran_model(const NastranDeck& deck, const NastranOptions& options) {
+  nastran::ModelBuilder builder(deck, options);
+  builder.result.notes = deck.notes;
+  builder.result.files = deck.files;
+  nastran::build(builder);
+  return std::move(builder.result);
+}
+
+NastranModel read_nastran_model(const std::filesystem::path& file, const NastranOptions& options) {
+  return build_nastran_model(read_nastran_deck(file), options);
+}
+
+}  // namespace mottle

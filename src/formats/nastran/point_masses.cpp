@@ -1,0 +1,65 @@
+// CONM1, CONM2.
+#include <array>
+
+#include "formats/nastran/builder.hpp"
+
+namespace mottle::nastran {
+namespace {
+
+/// EID G CID M X1 X2 X3 - / I11 I21 I22 I31 I32 I33. CID -1: X is the centre of gravity itself, in basic coordinates.
+void read_conm2(ModelBuilder& builder, const Card& card) {
+  const int id = card.id(1, "EID");
+  if (!builder.is_first(card, id)) return;
+  PointMassElement mass;
+  mass.card = card.name();
+  mass.id = id;
+  mass.node = builder.grid(card, 2, "G");
+  const Eigen::Vector3d position = builder.position(mass.node);
+  const Eigen::Vector3d x(builder.real(card, 5, "X1", 0.0), builder.real(card, 6, "X2", 0.0),
+                          builder.real(card, 7, "X3", 0.0));
+  if (card.integer_or(3, "CID", 0) == -1) {
+    mass.offset = x - position;
+  } else {
+    mass.axes = builder.axes_at(builder.system(card, 3, "CID"), position);
+    mass.offset = x;
+  }
+  mass.mass = builder.read_field(card, 4, "M", id);
+  constexpr std::array<std::string_view, 6> k_names = {"I11", "I21", "I22", "I31", "I32", "I33"};
+  for (std::size_t i = 0; i < 6; ++i) {
+    mass.inertia[i] = builder.read_field(card, 9 + static_cast<int>(i), k_names[i], id);
+  }
+  builder.model.point_masses.push_back(std::move(mass));
+  builder.count_element(card);
+}
+
+/// EID G CID M11 M21 M22 M31 ... M66, by rows of the lower triangle.
+void read_conm1(ModelBuilder& builder, const Card& card) {
+  const int id = card.id(1, "EID");
+  if (!builder.is_first(card, id)) return;
+  PointMassElement mass;
+  mass.card = card.name();
+  mass.id = id;
+  mass.node = builder.grid(card, 2, "G");
+  mass.axes = builder.axes_at(builder.system(card, 3, "CID"), builder.position(mass.node));
+  int n = 4;
+  for (int row = 1; row <= 6; ++row) {
+    for (int column = 1; column <= row; ++column) {
+      mass.matrix.push_back(builder.read_field(card, n++, fmt::format("M{}{}", row, column), id));
+    }
+  }
+  builder.model.point_masses.push_back(std::move(mass));
+  builder.count_element(card);
+}
+
+constexpr std::array<CardRule, 2> k_point_mass_rules = {{
+    {"CONM1", Phase::elements, read_conm1, 24},
+    {"CONM2", Phase::elements, read_conm2, 14},
+}};
+
+}  // namespace
+
+std::span<const CardRule> point_mass_rules() {
+  return k_point_mass_rules;
+}
+
+}  // namespace mottle::nastran

@@ -1,0 +1,68 @@
+// PSOLID, CHEXA, CPENTA, CTETRA.
+#include <array>
+
+#include "formats/nastran/builder.hpp"
+#include "formats/nastran/rows.hpp"
+
+namespace mottle::nastran {
+namespace {
+
+void read_psolid(ModelBuilder& builder, const Card& card) {
+  const int id = card.id(1, "PID");
+  if (!builder.is_first(card, id)) return;
+  if (!card.is_blank(7) && card.at(7) != "SMECH") {
+    card.fail(fmt::format("FCTN is '{}'; only structural solids (SMECH) are supported", shown(card.at(7))));
+  }
+  builder.solid_properties[id] = {builder.material(card, 2, "MID")};
+}
+
+void add_solid(ModelBuilder& builder, const Card& card, SolidShape shape, int corners) {
+  const int id = card.id(1, "EID");
+  if (!builder.is_first(card, id)) return;
+  SolidElement element;
+  element.id = id;
+  element.shape = shape;
+  element.property_id = card.is_blank(2) ? id : card.id(2, "PID");
+  element.material = find_property(builder.solid_properties, card, element.property_id, "PSOLID").material;
+  builder.read_corners(card, 3, corners, element.nodes.data());
+  builder.model.solids.push_back(element);
+  builder.count_element(card);
+}
+
+void refuse_midside_nodes(const Card& card, int corners, int last) {
+  if (!card.has_any(3 + corners, last)) return;
+  for (int n = 3 + corners; n <= last; ++n) {
+    card.require_absent(n, fmt::format("G{}", n - 2),
+                        fmt::format("midside nodes of {} are not supported", card.name()));
+  }
+}
+
+void read_chexa(ModelBuilder& builder, const Card& card) {
+  refuse_midside_nodes(card, 8, 22);
+  add_solid(builder, card, SolidShape::hexahedron8, 8);
+}
+
+void read_cpenta(ModelBuilder& builder, const Card& card) {
+  refuse_midside_nodes(card, 6, 17);
+  add_solid(builder, card, SolidShape::wedge6, 6);
+}
+
+void read_ctetra(ModelBuilder& builder, const Card& card) {
+  const bool has_midsides = card.has_any(7, 12);
+  add_solid(builder, card, has_midsides ? SolidShape::tetrahedron10 : SolidShape::tetrahedron4, has_midsides ? 10 : 4);
+}
+
+constexpr std::array<CardRule, 4> k_solid_rules = {{
+    {"PSOLID", Phase::properties, read_psolid, 8},
+    {"CHEXA", Phase::elements, read_chexa, 22},
+    {"CPENTA", Phase::elements, read_cpenta, 17},
+    {"CTETRA", Phase::elements, read_ctetra, 12},
+}};
+
+}  // namespace
+
+std::span<const CardRule> solid_rules() {
+  return k_solid_rules;
+}
+
+}  // namespace mottle::nastran

@@ -1,0 +1,85 @@
+// Products of a sparse symmetric matrix with many vectors at once: here the lanes hold vectors, not samples.
+#pragma once
+
+#include "linalg/batched/lanes/loose_lane.hpp"
+
+namespace mottle::lane_kernels {
+namespace {
+
+/// Where the rows of vectors are that the matrix works on.
+template <bool IsGathered>
+struct RowPlaces {
+  const int* places;
+  long width;
+
+  MOTTLE_INLINE long operator()(int row) const { return (IsGathered ? places[row] : row) * width; }
+};
+
+/// One panel of Lanes * MOTTLE_LANES vectors: the column's own vectors stay in registers.
+template <int Lanes, bool IsScaled, typename In, typename Out>
+MOTTLE_INLINE void add_panel(const SparseLower& a, const In& in_place, const Out& out_place, const double* scales,
+                             const double* in, double* out) {
+  Lane factors[Lanes];
+  for (int l = 0; l < Lanes; ++l) factors[l] = IsScaled ? load(scales + l * MOTTLE_LANES) : broadcast(1.0);
+  for (int j = 0; j < a.columns; ++j) {
+    const double* const source = in + in_place(j);
+    Lane x[Lanes], scaled[Lanes], sum[Lanes];
+    for (int l = 0; l < Lanes; ++l) {
+      x[l] = load(source + l * MOTTLE_LANES);
+      scaled[l] = IsScaled ? x[l] * factors[l] : x[l];
+      sum[l] = broadcast(0.0);
+    }
+    for (int k = a.starts[j]; k < a.starts[j + 1]; ++k) {
+      const int i = a.rows[k];
+      const Lane value = broadcast(a.values[k]);
+      if (i == j) {
+        for (int l = 0; l < Lanes; ++l) sum[l] += value * x[l];
+        continue;
+      }
+      const double* const other = in + in_place(i);
+      double* const target = out + out_place(i);
+      for (int l = 0; l < Lanes; ++l) {
+        sum[l] += value * load(other + l * MOTTLE_LANES);
+        store(target + l * MOTTLE_LANES, load(target + l * MOTTLE_LANES) + value * scaled[l]);
+      }
+    }
+    double* const target = out + out_place(j);
+    for (int l = 0; l < Lanes; ++l) {
+      const Lane own = IsScaled ? sum[l] * factors[l] : sum[l];
+      store(target + l * MOTTLE_LANES, load(target + l * MOTTLE_LANES) + own);
+    }
+  }
+}
+
+template <bool IsScaled, typename In, typename Out>
+MOTTLE_INLINE void add_panels(const SparseLower& a, const In& in_place, const Out& out_place, const double* scales,
+                              int width, const double* in, double* out) {
+  int first = 0;
+  const auto add = [&](auto lanes) MOTTLE_FLAT {
+    constexpr int k_lanes = lanes.value;
+    for (; first + k_lanes * MOTTLE_LANES <= width; first += k_lanes * MOTTLE_LANES) {
+      add_panel<k_lanes, IsScaled>(a, in_place, out_place, IsScaled ? scales + first : nullptr, in + first,
+                                   out + first);
+    }
+  };
+  add(Index<4>{});
+  add(Index<2>{});
+  add(Index<1>{});
+}
+
+void add_symmetric_product(const SparseLower& a, int width, const double* in, double* out) {
+  const RowPlaces<false> all{nullptr, width};
+  add_panels<false>(a, all, all, nullptr, width, in, out);
+}
+
+void add_local_product(const SparseLower& a, int width, const double* in, double* out) {
+  add_panels<false>(a, RowPlaces<true>{a.places, width}, RowPlaces<false>{nullptr, width}, nullptr, width, in, out);
+}
+
+void add_scaled_product(const SparseLower& a, const double* scales, int width, const double* in, double* out) {
+  const RowPlaces<true> own{a.places, width};
+  add_panels<true>(a, own, own, scales, width, in, out);
+}
+
+}  // namespace
+}  // namespace mottle::lane_kernels

@@ -1,9 +1,0 @@
-// Jacobi for every processor: 2 samples at a time.
-#define MOTTLE_LANES 2
-#include "linalg/lanes/jacobi.hpp"
-
-namespace mottle::lane_kernels {
-void jacobi_plain(const Problem& problem, const Output& output, long begin, long end) {
-  dispatch<1>(problem, output, begin, end);
-}
-}  // namespace mottle::lane_kernels

@@ -1,0 +1,89 @@
+// Lowest modes of reduced pencils that lie near a nominal one: cheaper than solving each from nothing.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "mottle/linalg/batched/batch_eigen.hpp"
+#include "mottle/linalg/reduced/reduced_model.hpp"
+
+namespace mottle {
+
+/// Dense terms, the constants' first, in coordinates in which the nominal K - shift M is the identity.
+struct NearbyFamily {
+  const std::vector<Eigen::MatrixXd>& stiffness;
+  const std::vector<Eigen::MatrixXd>& mass;
+  const Eigen::VectorXd& nominal_stiffness;  ///< coefficients, 1 for the constants
+  const Eigen::VectorXd& nominal_mass;
+  double shift = 0.0;
+  const std::vector<Eigen::MatrixXd>& stiffness_sketch;  ///< W'K_t, rows a multiple of 16
+  const std::vector<Eigen::MatrixXd>& mass_sketch;
+};
+
+/// Modes, and what they leave over in the full space as a sketch sees it.
+struct SketchedModes {
+  BatchModes modes;           ///< in the family's coordinates
+  Eigen::MatrixXd residuals;  ///< W'(K - lambda M) y [sketch row x mode * sample]
+};
+
+struct NearbyOptions {
+  Eigen::Index modes = 0;  ///< wanted
+  Eigen::Index sharp = 0;  ///< the first of them: their residuals keep to a limit
+  SimdLevel simd = SimdLevel::automatic;
+};
+
+/// What is known of samples against the nominal pencil.
+struct NearbyBounds {
+  Eigen::VectorXd ratios;   ///< alpha: K(s) - shift M(s) >= alpha (K - shift M) [sample]
+  Eigen::VectorXd heavier;  ///< beta: M(s) <= beta M [sample]
+};
+
+/// Block Davidson iteration, one sample in each SIMD lane.
+///
+/// The block begins with the lowest nominal modes, more than are wanted, turned to the Ritz vectors of the sample. Its
+/// residuals r = K y - theta M y are answered by the diagonals, y <- y - r_i / (k_ii - theta m_ii), until those of the
+/// sharp modes keep to the limit; Rayleigh and Ritz on the block give the modes. A sample's modes are given only where
+///
+///   #(negative eigenvalues of S'(K - x M) S - R' D^-1 R) = number of Ritz values below x,
+///
+/// x above the wanted ones, S the block, R the other rows of (K - x M) S and D = alpha - (x - shift) beta m_i a lower
+/// bound of K - x M there, proves that no mode below x is missed. Bits of a sample do not depend on its neighbours.
+///
+/// Source: [Davidson1975]; the count is Sylvester's law of inertia after a congruence, [Parlett1998].
+class NearbyModes {
+ public:
+  NearbyModes(const NearbyFamily& family, const NearbyOptions& options);
+
+  /// False where the pencils are too small, or their spectrum too dense, for the block to be cheaper.
+  bool is_useful() const { return block_ > 0; }
+
+  /// Samples that are too far from the nominal one, or whose modes are not proven to be the lowest, are marked failed.
+  ///
+  /// @param limit  of r'r over alpha (lambda - shift) y'My
+  SketchedModes solve(const TermCoefficients& samples, const NearbyBounds& bounds, double limit, int threads) const;
+
+ private:
+  void pack(const std::vector<Eigen::MatrixXd>& terms, double filling, std::vector<double>& packed) const;
+  void pack_sketch(const std::vector<Eigen::MatrixXd>& terms, std::vector<double>& packed) const;
+  std::vector<Eigen::Index> near_samples(const TermCoefficients& samples) const;
+  SketchedModes solve_near(const TermCoefficients& samples, const NearbyBounds& bounds, double limit,
+                           int threads) const;
+
+  NearbyOptions options_;
+  double shift_;
+  Eigen::VectorXd nominal_stiffness_, nominal_mass_;  ///< coefficients
+  Eigen::MatrixXd turn_;    ///< nominal modes in the family's coordinates; empty where they are the unit vectors
+  Eigen::VectorXd masses_;  ///< of the nominal modes, filled up
+  std::vector<double> stiffness_, mass_, stiffness_sketch_, mass_sketch_;  ///< in tiles
+  Eigen::Index sketch_rows_;
+  Eigen::Index rows_ = 0, order_ = 0, block_ = 0, kept_ = 0, corrected_ = 0;
+};
+
+/// sum of coefficients(t) terms[t].
+Eigen::MatrixXd weighted_sum(const std::vector<Eigen::MatrixXd>& terms, const Eigen::VectorXd& coefficients);
+
+/// Orthonormal eigenvectors of the nominal mass, its largest eigenvalue (the lowest mode) first; empty where the matrix
+/// is diagonal in that order already.
+Eigen::MatrixXd nominal_turn(const Eigen::MatrixXd& nominal_mass);
+
+}  // namespace mottle

@@ -1,0 +1,142 @@
+// The basis of a reduced model: how it grows and turns, with its projections.
+#include <Eigen/Eigenvalues>
+
+#include "linalg/blas.hpp"
+#include "linalg/reduced/reduced_model_parts.hpp"
+#include "mottle/core/parallel.hpp"
+
+namespace mottle {
+
+Eigen::MatrixXd orthonormal_combinations(const Eigen::MatrixXd& gram, const Eigen::VectorXd& before) {
+  constexpr double k_least = 1e-10;
+  const Eigen::VectorXd scales = (gram.diagonal().array() > k_least * before.array())
+                                     .select(gram.diagonal().cwiseAbs().cwiseSqrt().cwiseInverse(), 0.0);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(scales.asDiagonal() * gram * scales.asDiagonal());
+  const Eigen::VectorXd& parts = solver.eigenvalues();
+  const Eigen::Index kept = (parts.array() > k_least * parts.maxCoeff()).count();
+  return scales.asDiagonal() * solver.eigenvectors().rightCols(kept) *
+         parts.tail(kept).cwiseSqrt().cwiseInverse().asDiagonal();
+}
+
+VectorRows ReducedModel::Parts::shapes(const Eigen::MatrixXd& coordinates) const {
+  Eigen::MatrixXd padded = Eigen::MatrixXd::Zero(coordinates.rows(), padded_width(coordinates.cols()));
+  padded.leftCols(coordinates.cols()) = coordinates;
+  return product_by_rows(basis, pending.size() > 0 ? product(pending, padded) : padded);
+}
+
+void ReducedModel::Parts::append(const VectorRows& block, Eigen::Index count, int threads) {
+  constexpr int k_most_turns = 3;
+  constexpr double k_rounding = 1e-12;
+  prepared = std::make_shared<PreparedModes>();
+  Eigen::Index added = count;
+  basis.conservativeResize(block.rows(), basis.cols() + added);
+  basis.rightCols(added) = to_columns(block, added);
+  for (int turn = 0; turn < k_most_turns; ++turn) {
+    pending.conservativeResizeLike(Eigen::MatrixXd::Identity(basis.cols(), basis.cols()));
+    project_last(turn == 0 ? block : to_rows(basis.rightCols(added)), added, threads);
+    added = orthonormalise_last(added);
+    if (added == 0) break;
+    Eigen::MatrixXd gram = nominal_columns(added);
+    gram.bottomRows(added).diagonal().array() -= 1.0;
+    // Little was new in some of the block, and what was taken out left its rounding errors: project what is left.
+    if (gram.cwiseAbs().maxCoeff() <= k_rounding) break;
+    settle();
+  }
+  const Eigen::Index known = floor_modes.rows();
+  floor_modes.conservativeResize(basis.cols(), Eigen::NoChange);
+  floor_modes.bottomRows(basis.cols() - known).setZero();
+}
+
+void ReducedModel::Parts::project_last(const VectorRows& block, Eigen::Index added, int threads) {
+  const Eigen::Index size = basis.cols();
+  const auto extend = [&](const SupportedMatrix& term, Eigen::MatrixXd& projected, Eigen::MatrixXd& sketched) {
+    const VectorRows image = term.local_product(block);
+    const Eigen::MatrixXd columns = transposed_product(pending, term.project(basis, image).leftCols(added));
+    projected.conservativeResize(size, size);
+    projected.rightCols(added) = columns;
+    projected.bottomRows(added) = columns.transpose();
+    projected.bottomRightCorner(added, added) =
+        0.5 * (columns.bottomRows(added) + columns.bottomRows(added).transpose());
+    sketched.conservativeResize(k_sketch_rows, size);
+    sketched.rightCols(added) = term.project(full->sketch(), image).leftCols(added);
+  };
+  const std::size_t elastic = stiffness.size();
+  parallel_for(static_cast<std::int64_t>(elastic + mass.size()), 1, threads, [&](std::int64_t begin, std::int64_t end) {
+    for (auto t = static_cast<std::size_t>(begin); t < static_cast<std::size_t>(end); ++t) {
+      if (t < elastic) {
+        extend(full->stiffness[t], stiffness[t], stiffness_sketch[t]);
+      } else {
+        extend(full->mass[t - elastic], mass[t - elastic], mass_sketch[t - elastic]);
+      }
+    }
+  });
+}
+
+Eigen::MatrixXd ReducedModel::Parts::nominal_columns(Eigen::Index count) const {
+  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(mass[0].rows(), count);
+  for (std::size_t t = 0; t < stiffness.size(); ++t) {
+    columns += full->nominal_stiffness(static_cast<Eigen::Index>(t)) * stiffness[t].rightCols(count);
+  }
+  for (std::size_t t = 0; t < mass.size(); ++t) {
+    columns -= full->shift * full->nominal_mass(static_cast<Eigen::Index>(t)) * mass[t].rightCols(count);
+  }
+  return columns;
+}
+
+Eigen::Index ReducedModel::Parts::orthonormalise_last(Eigen::Index added) {
+  const Eigen::Index before = basis.cols() - added;
+  const Eigen::MatrixXd gram = nominal_columns(added);
+  const Eigen::MatrixXd inside = gram.topRows(before);
+  const Eigen::MatrixXd rest = gram.bottomRows(added) - transposed_product(inside, inside);
+  const Eigen::MatrixXd combinations = orthonormal_combinations(rest, gram.bottomRows(added).diagonal());
+  const Eigen::Index kept = combinations.cols(), size = before + kept;
+  Eigen::MatrixXd turn(before + added, kept);
+  turn << -product(inside, combinations), combinations;
+  const Eigen::MatrixXd turned = product(pending, turn);
+  pending.conservativeResize(Eigen::NoChange, size);
+  pending.rightCols(kept) = turned;
+  if (kept < added) settle();
+  const auto apply = [&](Eigen::MatrixXd& projected, Eigen::MatrixXd& sketched) {
+    const Eigen::MatrixXd columns = product(projected, turn);
+    const Eigen::MatrixXd corner = transposed_product(turn, columns);
+    projected.conservativeResize(size, size);
+    projected.topRightCorner(before, kept) = columns.topRows(before);
+    projected.bottomLeftCorner(kept, before) = columns.topRows(before).transpose();
+    projected.bottomRightCorner(kept, kept) = 0.5 * (corner + corner.transpose());
+    const Eigen::MatrixXd last = product(sketched, turn);
+    sketched.conservativeResize(Eigen::NoChange, size);
+    sketched.rightCols(kept) = last;
+  };
+  for (std::size_t t = 0; t < stiffness.size(); ++t) apply(stiffness[t], stiffness_sketch[t]);
+  for (std::size_t t = 0; t < mass.size(); ++t) apply(mass[t], mass_sketch[t]);
+  return kept;
+}
+
+void ReducedModel::Parts::settle() {
+  if (pending.size() == 0) return;
+  constexpr Eigen::Index k_rows = 4096;  // at a time: a large basis is not held twice
+  for (Eigen::Index first = 0; first < basis.rows(); first += k_rows) {
+    const Eigen::Index count = std::min(k_rows, basis.rows() - first);
+    basis.block(first, 0, count, pending.cols()) = product(basis.middleRows(first, count), pending);
+  }
+  basis.conservativeResize(Eigen::NoChange, pending.cols());
+  pending.resize(0, 0);
+}
+
+void ReducedModel::Parts::rotate(const Eigen::MatrixXd& q) {
+  prepared = std::make_shared<PreparedModes>();
+  pending = pending.size() > 0 ? product(pending, q) : q;
+  settle();
+  floor_modes = transposed_product(q, floor_modes);
+  for (auto* terms : {&stiffness, &mass}) {
+    for (Eigen::MatrixXd& term : *terms) {
+      const Eigen::MatrixXd turned = transposed_product(q, product(term, q));
+      term = 0.5 * (turned + turned.transpose());
+    }
+  }
+  for (auto* terms : {&stiffness_sketch, &mass_sketch}) {
+    for (Eigen::MatrixXd& term : *terms) term = product(term, q);
+  }
+}
+
+}  // namespace mottle

@@ -1,0 +1,115 @@
+// What keeps modes away that no residual can show.
+#include <algorithm>
+#include <functional>
+#include <limits>
+
+#include "linalg/blas.hpp"
+#include "linalg/reduced/form_bounds.hpp"
+#include "linalg/reduced/reduced_model_parts.hpp"
+
+namespace mottle {
+namespace {
+
+constexpr double k_infinite = std::numeric_limits<double>::infinity();
+
+/// Smallest or largest of value / reference over the terms that are there; the constant's is 1.
+template <typename Compare>
+double extreme_ratio(const std::vector<SupportedMatrix>& terms, const Eigen::VectorXd& reference,
+                     const Eigen::Ref<const Eigen::VectorXd>& values, double start, Compare is_worse) {
+  double ratio = start;
+  for (std::size_t t = 0; t < terms.size(); ++t) {
+    if (terms[t].is_empty()) continue;
+    const auto k = static_cast<Eigen::Index>(t);
+    const double own = t == 0 ? 1.0 : values(k - 1) / reference(k);
+    if (is_worse(own, ratio) || own != own) ratio = own;
+  }
+  return ratio;
+}
+
+}  // namespace
+
+Eigen::VectorXd FullPencils::largest_mass_ratios(const TermCoefficients& samples) const {
+  Eigen::VectorXd result = Eigen::VectorXd::Ones(samples.samples());
+  if (samples.mass.rows() == 0) return result;
+  Eigen::VectorXd values = nominal_mass;
+  for (Eigen::Index s = 0; s < result.size(); ++s) {
+    values.tail(samples.mass.rows()) = samples.mass.col(s);
+    result(s) = upper_ratio(values, nominal_mass, mass_bounds);
+  }
+  return result;
+}
+
+Eigen::VectorXd FullPencils::smallest_ratios(const TermCoefficients& samples) const {
+  // The shifted mass is one term more: between zero and its share of A, its value a bound of M(s) against M.
+  const Eigen::Index terms = nominal_stiffness.size();
+  Eigen::MatrixXd bounds(terms + 1, 2);
+  bounds << stiffness_bounds, 0.0, mass_share;
+  Eigen::VectorXd reference(terms + 1), values(terms + 1);
+  reference << nominal_stiffness, 1.0;
+  values = reference;
+  Eigen::VectorXd masses = nominal_mass, result(samples.samples());
+  for (Eigen::Index s = 0; s < result.size(); ++s) {
+    values.segment(1, terms - 1) = samples.stiffness.col(s);
+    if (samples.mass.rows() > 0) {
+      masses.tail(samples.mass.rows()) = samples.mass.col(s);
+      values(terms) = lower_ratio(masses, nominal_mass, mass_bounds);
+    }
+    result(s) = lower_ratio(values, reference, bounds);
+  }
+  return result;
+}
+
+Eigen::VectorXd ReducedModel::Parts::unseen_above(const TermCoefficients& samples) const {
+  constexpr double k_level = 0.99;  // modes of floors are exact to 1e-3 at worst, their values to its square
+  const Eigen::VectorXd softest = full->smallest_ratios(samples);
+  const Eigen::VectorXd heaviest = full->largest_mass_ratios(samples);
+  const auto factor = [](double soft, double heavy) { return heavy > 0.0 ? std::max(soft, 0.0) / heavy : 0.0; };
+  Eigen::VectorXd result(samples.samples());
+  for (Eigen::Index s = 0; s < result.size(); ++s) {
+    result(s) = factor(softest(s), heaviest(s)) * (k_level * floors[0].level - full->shift) + full->shift;
+    for (std::size_t f = 1; f < floors.size(); ++f) {
+      const Floor& floor = floors[f];
+      const double soft =
+          extreme_ratio(full->stiffness, floor.stiffness, samples.stiffness.col(s), k_infinite, std::less<>());
+      const double heavy = extreme_ratio(full->mass, floor.mass, samples.mass.col(s), 0.0, std::greater<>());
+      result(s) = std::max(result(s), factor(soft, heavy) * k_level * floor.level);
+    }
+  }
+  return result;
+}
+
+void ReducedModel::Parts::add_floor(Floor floor, const Eigen::MatrixXd& modes, int threads) {
+  const VectorRows block = to_rows(modes);
+  const Eigen::MatrixXd weighed = to_columns(product_rows(full->shifted, block), modes.cols());
+  append(block, modes.cols(), threads);
+  settle();
+  const Eigen::Index known = floor_modes.cols();
+  floor_modes.conservativeResize(basis.cols(), known + modes.cols());
+  floor_modes.rightCols(modes.cols()) = transposed_product(basis, weighed);
+  floor_modes.rightCols(modes.cols()).colwise().normalize();
+  floors.push_back(std::move(floor));
+}
+
+void ReducedModel::Parts::raise_floor(const TermCoefficients& samples, int threads) {
+  constexpr double k_margin = 1.1;       // other samples go farther than these
+  constexpr double k_left_out = 0.0025;  // of the samples: they are solved exactly
+  if (full->has_indefinite_terms()) return;
+  const Eigen::VectorXd softest = with_constant(samples.stiffness.rowwise().minCoeff());
+  const Eigen::VectorXd heaviest = with_constant(samples.mass.rowwise().maxCoeff());
+  if (softest.minCoeff() < 0.0) return;
+  const Eigen::Index most_modes = Eigen::Index{4} * options.modes + 16;
+  for (Eigen::Index modes = options.modes + 8; modes <= most_modes; modes *= 2) {
+    const Solution solution = solve(samples, Purpose::training, threads);
+    const Eigen::ArrayXd needed = k_margin * solution.values.row(solution.bounds.rows() - 1).transpose().array();
+    const auto unsafe = static_cast<double>((needed >= unseen_above(samples).array()).count());
+    if (unsafe <= k_left_out * static_cast<double>(samples.samples())) return;
+    if (basis.cols() + modes > options.most_vectors) return;
+    SparseModeSolver solver;
+    const SparseModes found = solver.solve(full->stiffness_at(softest), full->mass_at(heaviest),
+                                           {.modes = static_cast<int>(modes), .tolerance = 1e-4, .measures = false});
+    if (!found.failure.empty() || found.values.size() == 0) return;
+    add_floor({softest, heaviest, found.values(found.values.size() - 1)}, found.vectors, threads);
+  }
+}
+
+}  // namespace mottle

@@ -1,0 +1,198 @@
+#include "mottle/linalg/reduced/reduced_model.hpp"
+
+#include <cmath>
+#include <limits>
+
+#include "linalg/blas.hpp"
+#include "linalg/reduced/certificate.hpp"
+#include "linalg/reduced/nearby_modes.hpp"
+#include "linalg/reduced/reduced_model_parts.hpp"
+#include "mottle/core/error.hpp"
+#include "mottle/core/parallel.hpp"
+#include "mottle/linalg/batched/batch_eigen.hpp"
+
+namespace mottle {
+namespace {
+
+constexpr Eigen::Index k_batch = 1024;  // samples whose vectors are held at once: few, so that memory is used again
+constexpr Eigen::Index k_grain = 32;
+
+/// The terms side by side, [entries x term].
+Eigen::MatrixXd flattened(const std::vector<Eigen::MatrixXd>& terms) {
+  Eigen::MatrixXd flat(terms[0].size(), static_cast<Eigen::Index>(terms.size()));
+  for (std::size_t t = 0; t < terms.size(); ++t) flat.col(static_cast<Eigen::Index>(t)) = terms[t].reshaped();
+  return flat;
+}
+
+PencilFamily family_of(const std::vector<Eigen::MatrixXd>& stiffness, const std::vector<Eigen::MatrixXd>& mass) {
+  return {stiffness[0], {stiffness.begin() + 1, stiffness.end()}, mass[0], {mass.begin() + 1, mass.end()}};
+}
+
+/// The terms at some samples [entries x sample]; one column for all where only the constant is there.
+Eigen::MatrixXd combined(const Eigen::MatrixXd& terms, const Eigen::MatrixXd& coefficients, Eigen::Index begin,
+                         Eigen::Index count) {
+  if (coefficients.rows() == 0) return terms;
+  Eigen::MatrixXd with_constant(coefficients.rows() + 1, count);
+  with_constant.row(0).setOnes();
+  with_constant.bottomRows(coefficients.rows()) = coefficients.middleCols(begin, count);
+  return product(terms, with_constant);
+}
+
+}  // namespace
+
+Eigen::Index ReducedModel::Parts::solved_modes() const {
+  return std::min<Eigen::Index>(options.modes + k_guard_modes, basis.cols());
+}
+
+Eigen::Index ReducedModel::Parts::sharp_modes() const {
+  return std::min<Eigen::Index>(options.modes + k_sharp_guards, solved_modes());
+}
+
+Eigen::VectorXd sketched_squares(const Eigen::Ref<const Eigen::MatrixXd>& sketched) {
+  return sketched.colwise().squaredNorm().transpose() * (k_sketch_reserve / k_sketch_rows);
+}
+
+Eigen::VectorXd ReducedModel::Parts::bounds(const Eigen::Ref<const Eigen::VectorXd>& lambda,
+                                            const Eigen::VectorXd& squares, double unseen, Eigen::Index wanted) const {
+  const Eigen::VectorXd mu = lambda.array() - full->shift;
+  const auto values = lambda.head(wanted).array();
+  const Eigen::ArrayXd errors = error_bounds(mu, squares.cwiseQuotient(mu), unseen - full->shift, wanted);
+  // Of lambda instead of mu; modes near the shift are those of a body that moves as one.
+  return errors * mu.head(wanted).array() / values.max(std::abs(full->shift));
+}
+
+Eigen::MatrixXd ReducedModel::Parts::sketched_residuals(const TermCoefficients& samples, const BatchModes& found,
+                                                        int threads) const {
+  const Eigen::Index modes = found.values.rows(), vectors = basis.cols();
+  Eigen::MatrixXd result(k_sketch_rows, modes * samples.samples());
+  const Eigen::MatrixXd stiffness_terms = flattened(stiffness_sketch);
+  const Eigen::MatrixXd mass_terms = flattened(mass_sketch);
+  parallel_for(samples.samples(), k_grain, threads, [&](std::int64_t begin, std::int64_t end) {
+    const Eigen::Index count = end - begin;
+    const Eigen::MatrixXd elastic = combined(stiffness_terms, samples.stiffness, begin, count);
+    const Eigen::MatrixXd inertial = combined(mass_terms, samples.mass, begin, count);
+    for (Eigen::Index i = 0; i < count; ++i) {
+      const Eigen::Index s = begin + i;
+      const auto y = found.sample_vectors(s);
+      const auto residuals = result.middleCols(s * modes, modes);
+      multiply(1.0, elastic.col(std::min(i, elastic.cols() - 1)).reshaped(k_sketch_rows, vectors), false, y, 0.0,
+               residuals);
+      multiply(-1.0, inertial.col(std::min(i, inertial.cols() - 1)).reshaped(k_sketch_rows, vectors), false,
+               y * found.values.col(s).asDiagonal(), 1.0, residuals);
+    }
+  });
+  return result;
+}
+
+const NearbyModes& ReducedModel::Parts::nearby_modes() const {
+  std::call_once(prepared->is_made, [&] {
+    const Eigen::Index modes = solved_modes();
+    prepared->modes =
+        std::make_unique<NearbyModes>(NearbyFamily{stiffness, mass, full->nominal_stiffness, full->nominal_mass,
+                                                   full->shift, stiffness_sketch, mass_sketch},
+                                      NearbyOptions{.modes = modes, .sharp = sharp_modes()});
+  });
+  return *prepared->modes;
+}
+
+SketchedModes ReducedModel::Parts::reduced_modes(const TermCoefficients& samples, const Eigen::VectorXd& ratios,
+                                                 double inside, int threads) const {
+  const Eigen::Index modes = solved_modes();
+  SketchedModes result =
+      nearby_modes().solve(samples, {ratios, full->largest_mass_ratios(samples)}, inside * options.tolerance, threads);
+  std::vector<Eigen::Index> rest;
+  for (Eigen::Index s = 0; s < samples.samples(); ++s) {
+    if (result.modes.failed[static_cast<std::size_t>(s)] != 0) rest.push_back(s);
+  }
+  if (rest.empty()) return result;
+  const TermCoefficients others{samples.stiffness(Eigen::all, rest), samples.mass(Eigen::all, rest)};
+  const BatchModes found = solve_batch(family_of(stiffness, mass), others.stiffness, others.mass,
+                                       {.modes = static_cast<int>(modes), .vectors = true, .threads = threads});
+  const Eigen::MatrixXd residuals = sketched_residuals(others, found, threads);
+  for (std::size_t i = 0; i < rest.size(); ++i) {
+    const auto from = static_cast<Eigen::Index>(i);
+    result.modes.failed[static_cast<std::size_t>(rest[i])] = found.failed[i];
+    result.modes.values.col(rest[i]) = found.values.col(from);
+    result.modes.vectors.col(rest[i]) = found.vectors.col(from);
+    result.residuals.middleCols(rest[i] * modes, modes) = residuals.middleCols(from * modes, modes);
+  }
+  return result;
+}
+
+ReducedModel::Parts::Solution ReducedModel::Parts::solve(const TermCoefficients& samples, Purpose purpose,
+                                                         int threads) const {
+  constexpr double k_infinite = std::numeric_limits<double>::infinity();
+  constexpr double k_inside = 0.05, k_inside_training = 0.02;  // of the tolerance
+  const bool is_training = purpose == Purpose::training;
+  const Eigen::Index modes = solved_modes();
+  const Eigen::Index wanted = sharp_modes();
+  const Eigen::VectorXd ratios = full->smallest_ratios(samples);
+  SketchedModes found = reduced_modes(samples, ratios, is_training ? k_inside_training : k_inside, threads);
+  Solution result{std::move(found.modes.values), std::move(found.modes.vectors),
+                  Eigen::MatrixXd::Constant(wanted, samples.samples(), k_infinite), std::move(found.residuals)};
+  const Eigen::VectorXd unseen =
+      is_training ? Eigen::VectorXd::Constant(samples.samples(), k_infinite) : unseen_above(samples);
+  parallel_for(samples.samples(), k_grain, threads, [&](std::int64_t begin, std::int64_t end) {
+    for (Eigen::Index s = begin; s < end; ++s) {
+      auto residuals = result.residuals.middleCols(s * modes, modes);
+      const auto lambda = result.values.col(s);
+      const Eigen::VectorXd mu = lambda.array() - full->shift;
+      if (found.modes.failed[static_cast<std::size_t>(s)] != 0 || !(ratios(s) > 0.0) || !(mu(0) > 0.0)) {
+        residuals.setZero();
+        continue;
+      }
+      result.bounds.col(s) = bounds(lambda, sketched_squares(residuals) / ratios(s), unseen(s), wanted);
+      residuals *= (k_sketch_rows * ratios(s) * mu).cwiseSqrt().cwiseInverse().asDiagonal();
+    }
+  });
+  return result;
+}
+
+ReducedModel::ReducedModel(const PencilTerms& terms, const TermCoefficients& nominal, const SparseMatrix& stiffness,
+                           const SparseMatrix& mass, const ReducedModelOptions& options)
+    : parts_(std::make_unique<Parts>()) {
+  require(options.modes >= 1, "modes: {} asked for, need at least 1", options.modes);
+  parts_->options = options;
+  parts_->full = std::make_shared<FullPencils>(terms, nominal, stiffness, mass, options);
+  parts_->stiffness.resize(terms.stiffness.size() + 1);
+  parts_->mass.resize(terms.mass.size() + 1);
+  parts_->stiffness_sketch.resize(terms.stiffness.size() + 1);
+  parts_->mass_sketch.resize(terms.mass.size() + 1);
+  const FullPencils& full = *parts_->full;
+  const Eigen::MatrixXd modes = std::move(parts_->full->modes);  // the basis holds them from here on
+  parts_->add_floor({full.nominal_stiffness, full.nominal_mass, full.highest_mode}, modes, 1);
+}
+
+ReducedModel::ReducedModel(const ReducedModel& other) : parts_(std::make_unique<Parts>(*other.parts_)) {}
+ReducedModel::ReducedModel(ReducedModel&&) noexcept = default;
+ReducedModel::~ReducedModel() = default;
+
+CertifiedModes ReducedModel::solve(const TermCoefficients& samples, int threads) const {
+  const Eigen::Index wanted = std::min<Eigen::Index>(parts_->options.modes, parts_->solved_modes());
+  const Eigen::Index vectors = parts_->basis.cols();
+  CertifiedModes result{Eigen::MatrixXd(wanted, samples.samples()),
+                        Eigen::MatrixXd(vectors * wanted, samples.samples()),
+                        Eigen::MatrixXd(wanted, samples.samples())};
+  for (Eigen::Index first = 0; first < samples.samples(); first += k_batch) {
+    const Eigen::Index count = std::min(k_batch, samples.samples() - first);
+    const Parts::Solution part = parts_->solve(samples.range(first, count), Purpose::results, threads);
+    result.values.middleCols(first, count) = part.values.topRows(wanted);
+    result.vectors.middleCols(first, count) = part.vectors.topRows(vectors * wanted);
+    result.bounds.middleCols(first, count) = part.bounds.topRows(wanted);
+  }
+  return result;
+}
+
+const Eigen::MatrixXd& ReducedModel::basis() const {
+  return parts_->basis;
+}
+
+bool ReducedModel::has_indefinite_terms() const {
+  return parts_->full->has_indefinite_terms();
+}
+
+double ReducedModel::exact_seconds() const {
+  return parts_->full->exact_seconds;
+}
+
+}  // namespace mottle

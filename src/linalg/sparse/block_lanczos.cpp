@@ -1,0 +1,242 @@
+#include "linalg/sparse/block_lanczos.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "linalg/blas.hpp"
+#include "mottle/core/random.hpp"
+
+namespace mottle {
+namespace {
+
+constexpr int k_most_restarts = 60;
+constexpr double k_deflated = 1e-11;  // what is left of a vector after orthogonalisation that counts as nothing
+
+/// Solutions for up to eight right-hand sides cost as much as for eight, and a wider block needs more of them in all;
+/// it should be wider than a free body has rigid-body modes.
+int first_block(int wanted) {
+  constexpr int k_many = 48;
+  return wanted < k_many ? std::clamp(wanted / 3, 7, 8) : 16;
+}
+
+/// Whether a root is found as often as a block is wide: it may be repeated more often, and a Krylov space holds no more
+/// copies than it began with. Values descend.
+bool may_hide_copies(const Eigen::VectorXd& values, Eigen::Index block, double tolerance) {
+  const double equal = std::max(10.0 * tolerance * tolerance, 1e-8);
+  for (Eigen::Index i = 0; i + block <= values.size(); ++i) {
+    if (values(i) - values(i + block - 1) <= equal * std::abs(values(i))) return true;
+  }
+  return false;
+}
+
+/// The growing basis Q and the projected operator T = Q' M OP Q.
+class KrylovBasis {
+ public:
+  KrylovBasis(const LanczosProblem& problem, int wanted, Eigen::Index block)
+      : problem_(problem),
+        block_(block),
+        most_vectors_(
+            std::min<Eigen::Index>(problem.size, std::max<Eigen::Index>(Eigen::Index{2} * wanted + 6 * block_, 80))),
+        basis_(problem.size, most_vectors_ + block_),
+        projected_(Eigen::MatrixXd::Zero(most_vectors_, most_vectors_)) {}
+
+  /// A new block of random vectors, once through the operator, which purges what lies in the null space of M. Starts
+  /// the basis, and goes on when the basis has become invariant: roots repeated more often than the block is wide.
+  void append_random() {
+    Eigen::MatrixXd block(problem_.size, block_);
+    for (Eigen::Index j = 0; j < block_; ++j) {
+      RandomStream stream({.seed = 0}, random_vectors_++);
+      for (Eigen::Index i = 0; i < problem_.size; ++i) block(i, j) = stream.uniform() - 0.5;
+    }
+    block = problem_.weigh(block);
+    solve(block);
+    newest_ = orthonormalise(block, nullptr);
+    coupling_.setZero();
+    if (newest_ > 0) append(block);
+  }
+
+  /// One block step: OP times the newest block, orthogonal to all before.
+  void extend() {
+    Eigen::MatrixXd block = weighed_;
+    solve(block);
+    Eigen::MatrixXd coefficients = Eigen::MatrixXd::Zero(size_, block.cols());
+    const Eigen::Index next = orthonormalise(block, &coefficients);
+    const Eigen::Index first = projected_size_;
+    projected_.block(0, first, size_, newest_) = coefficients;
+    projected_.block(first, 0, newest_, first) = coefficients.topRows(first).transpose();
+    auto diagonal = projected_.block(first, first, newest_, newest_);
+    diagonal = (0.5 * (diagonal + diagonal.transpose())).eval();
+    projected_size_ = size_;
+    newest_ = next;
+    if (next > 0) {
+      append(block);
+    } else {
+      append_random();
+    }
+  }
+
+  bool is_full() const { return projected_size_ + newest_ > most_vectors_; }
+  bool is_exhausted() const { return newest_ == 0; }
+  Eigen::Index projected_size() const { return projected_size_; }
+  int solved_vectors() const { return solved_vectors_; }
+
+  /// Ritz values, descending, and vectors of T.
+  void ritz(Eigen::VectorXd& values, Eigen::MatrixXd& vectors) const {
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(
+        projected_.topLeftCorner(projected_size_, projected_size_));
+    values = solver.eigenvalues().reverse();
+    vectors = solver.eigenvectors().rowwise().reverse();
+  }
+
+  /// norm(OP y - theta y) in the M inner product of each Ritz pair.
+  Eigen::VectorXd residuals(const Eigen::MatrixXd& vectors) const {
+    if (is_exhausted()) return Eigen::VectorXd::Zero(vectors.cols());
+    return (coupling_ * vectors.bottomRows(coupling_.cols())).colwise().norm().transpose();
+  }
+
+  Eigen::MatrixXd combine(const Eigen::Ref<const Eigen::MatrixXd>& weights) const {
+    return product(basis_.leftCols(projected_size_), weights);
+  }
+
+  /// Keeps the leading Ritz vectors and the newest block, and forgets the rest.
+  void restart(const Eigen::VectorXd& values, const Eigen::MatrixXd& vectors, Eigen::Index kept) {
+    const Eigen::MatrixXd leading = combine(vectors.leftCols(kept));
+    const Eigen::MatrixXd block = basis_.middleCols(projected_size_, newest_);
+    basis_.leftCols(kept) = leading;
+    projected_.setZero();
+    projected_.topLeftCorner(kept, kept) = values.head(kept).asDiagonal();
+    projected_size_ = kept;
+    size_ = kept;
+    append(block);
+  }
+
+ private:
+  void solve(Eigen::MatrixXd& vectors) {
+    problem_.solve(vectors);
+    solved_vectors_ += static_cast<int>(vectors.cols());
+  }
+
+  void append(const Eigen::MatrixXd& block) {
+    basis_.middleCols(size_, newest_) = block.leftCols(newest_);
+    size_ += newest_;
+  }
+
+  /// Makes the block M-orthonormal to the basis and within itself; its first columns are the new vectors, their number
+  /// is returned. `coefficients` receives Q' M block, coupling_ the triangle-like factor R with block_old = ... + new
+  /// R, weighed_ M new.
+  Eigen::Index orthonormalise(Eigen::MatrixXd& block, Eigen::MatrixXd* coefficients) {
+    constexpr double k_much_lost = 1e-5;
+    const auto basis = basis_.leftCols(size_);
+    const auto take_out = [&] {
+      const Eigen::MatrixXd components = transposed_product(basis, weighed_);
+      multiply(-1.0, basis, false, components, 1.0, block);
+      if (coefficients != nullptr) *coefficients += components;
+    };
+    weighed_ = problem_.weigh(block);
+    const double before = std::sqrt(block.cwiseProduct(weighed_).colwise().sum().maxCoeff());
+    take_out();
+    weighed_ = problem_.weigh(block);
+    take_out();  // rounding errors of the first time; too small to change M block
+    coupling_ = normalise(block, weighed_, k_deflated * before);
+    if (block.cols() == 0) return 0;
+    if (least_length_ < k_much_lost * before) {
+      // Scaling up what little was left has scaled up its rounding errors too.
+      coefficients = nullptr;
+      weighed_ = problem_.weigh(block);
+      take_out();
+      weighed_ = problem_.weigh(block);
+      normalise(block, weighed_, 0.0);
+    }
+    return block.cols();
+  }
+
+  /// block = new R by Gram and Schmidt, twice a vector; what becomes shorter than `shortest` is dropped. A Gram matrix
+  /// would be cheaper and could not tell 1e-8 from nothing.
+  Eigen::MatrixXd normalise(Eigen::MatrixXd& block, Eigen::MatrixXd& weighed, double shortest) {
+    Eigen::MatrixXd triangle = Eigen::MatrixXd::Zero(block.cols(), block.cols());
+    Eigen::Index kept = 0;
+    least_length_ = std::numeric_limits<double>::infinity();
+    for (Eigen::Index j = 0; j < block.cols(); ++j) {
+      Eigen::VectorXd vector = block.col(j);
+      Eigen::VectorXd weighed_vector = weighed.col(j);
+      for (int sweep = 0; sweep < 2; ++sweep) {
+        const Eigen::VectorXd parts = weighed.leftCols(kept).transpose() * vector;
+        vector.noalias() -= block.leftCols(kept) * parts;
+        weighed_vector.noalias() -= weighed.leftCols(kept) * parts;
+        triangle.col(j).head(kept) += parts;
+      }
+      const double length = std::sqrt(std::max(0.0, vector.dot(weighed_vector)));
+      if (length <= shortest) continue;
+      triangle(kept, j) = length;
+      least_length_ = std::min(least_length_, length);
+      block.col(kept) = vector / length;
+      weighed.col(kept) = weighed_vector / length;
+      ++kept;
+    }
+    block.conservativeResize(Eigen::NoChange, kept);
+    weighed.conservativeResize(Eigen::NoChange, kept);
+    return triangle.topRows(kept);
+  }
+
+  const LanczosProblem& problem_;
+  Eigen::Index block_;
+  Eigen::Index most_vectors_;
+  Eigen::MatrixXd basis_;      // [row x vector]; the first size_ columns are in use
+  Eigen::MatrixXd projected_;  // T; the first projected_size_ rows and columns are known
+  Eigen::MatrixXd coupling_;   // R of the newest block
+  Eigen::MatrixXd weighed_;    // M times the newest block
+  double least_length_ = 0.0;  // of the vectors that the last normalise() kept
+  Eigen::Index size_ = 0;
+  Eigen::Index projected_size_ = 0;  // size_ less the newest block
+  Eigen::Index newest_ = 0;
+  int solved_vectors_ = 0;
+  std::uint32_t random_vectors_ = 0;
+};
+
+LanczosPairs pairs_by_block(const LanczosProblem& problem, int wanted, double tolerance, Eigen::Index block) {
+  KrylovBasis basis(problem, wanted, block);
+  LanczosPairs pairs;
+  basis.append_random();
+  Eigen::VectorXd values;
+  Eigen::MatrixXd vectors;
+  for (int restart = 0; restart <= k_most_restarts && !basis.is_exhausted();) {
+    basis.extend();
+    if (basis.projected_size() < wanted && !basis.is_exhausted() && !basis.is_full()) continue;
+    basis.ritz(values, vectors);
+    const Eigen::Index found = std::min<Eigen::Index>(wanted, values.size());
+    const Eigen::ArrayXd residuals = basis.residuals(vectors.leftCols(found)).array();
+    pairs.is_converged =
+        basis.is_exhausted() || (found == wanted && (residuals <= tolerance * values.head(found).array()).all());
+    if (pairs.is_converged) break;
+    if (basis.is_full()) {
+      basis.restart(values, vectors, std::min<Eigen::Index>(values.size() / 2, wanted + wanted / 2 + 4));
+      ++restart;
+    }
+  }
+  pairs.solved_vectors = basis.solved_vectors();
+  if (basis.projected_size() == 0) return pairs;
+  basis.ritz(values, vectors);
+  const Eigen::Index found = std::min<Eigen::Index>(wanted, values.size());
+  pairs.values = values.head(found);
+  pairs.vectors = basis.combine(vectors.leftCols(found));
+  return pairs;
+}
+
+}  // namespace
+
+LanczosPairs largest_pairs(const LanczosProblem& problem, int wanted, double tolerance) {
+  Eigen::Index block = std::min<Eigen::Index>(first_block(wanted), problem.size);
+  LanczosPairs pairs = pairs_by_block(problem, wanted, tolerance, block);
+  while (pairs.is_converged && block < std::min<Eigen::Index>(wanted, problem.size) &&
+         may_hide_copies(pairs.values, block, tolerance)) {
+    const int solved = pairs.solved_vectors;
+    block = std::min(2 * block, problem.size);
+    pairs = pairs_by_block(problem, wanted, tolerance, block);
+    pairs.solved_vectors += solved;
+  }
+  return pairs;
+}
+
+}  // namespace mottle

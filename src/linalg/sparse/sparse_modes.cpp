@@ -1,0 +1,229 @@
+#include "mottle/linalg/sparse/sparse_modes.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "linalg/sparse/block_lanczos.hpp"
+#include "linalg/vector_signs.hpp"
+#include "mottle/core/error.hpp"
+
+namespace mottle {
+namespace {
+
+/// A shift below all modes: a small part of the typical local K_ii / M_ii, which is near the highest eigenvalues. Small
+/// against the lowest elastic modes, large enough that K - s M is definite beyond rounding for a free structure.
+double default_shift(const SparseMatrix& stiffness, const SparseMatrix& mass) {
+  constexpr double k_part_of_typical = 1e-9;
+  const Eigen::VectorXd k = stiffness.diagonal();
+  const Eigen::VectorXd m = mass.diagonal();
+  std::vector<double> ratios;
+  for (Eigen::Index i = 0; i < k.size(); ++i) {
+    if (k(i) > 0.0 && m(i) > 0.0) ratios.push_back(k(i) / m(i));
+  }
+  if (ratios.empty()) return -1.0;
+  const auto middle = ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2);
+  std::nth_element(ratios.begin(), middle, ratios.end());
+  return -k_part_of_typical * *middle;
+}
+
+/// Where a matrix has entries, seen and not copied.
+struct Pattern {
+  std::span<const int> starts, rows;
+
+  bool operator==(const Pattern& other) const {
+    return std::ranges::equal(starts, other.starts) && std::ranges::equal(rows, other.rows);
+  }
+};
+
+Pattern pattern_of(const SparseMatrix& matrix) {
+  return {{matrix.outerIndexPtr(), static_cast<std::size_t>(matrix.outerSize()) + 1},
+          {matrix.innerIndexPtr(), static_cast<std::size_t>(matrix.nonZeros())}};
+}
+
+SparseMatrix shifted(const SparseMatrix& stiffness, const SparseMatrix& mass, double shift) {
+  if (pattern_of(stiffness) == pattern_of(mass)) {
+    SparseMatrix result = stiffness;
+    result.coeffs() -= shift * mass.coeffs();
+    return result;
+  }
+  SparseMatrix result = stiffness - shift * mass;
+  result.makeCompressed();
+  return result;
+}
+
+/// norm(K x - lambda M x) against the size of the terms that cancel in it.
+Eigen::VectorXd relative_residuals(const SparseMatrix& stiffness, const SparseMatrix& mass, const SparseModes& modes) {
+  const Eigen::MatrixXd elastic = symmetric_product(stiffness, modes.vectors);
+  const Eigen::MatrixXd inertial = symmetric_product(mass, modes.vectors) * modes.values.asDiagonal();
+  const Eigen::MatrixXd sizes = symmetric_product(stiffness.cwiseAbs(), modes.vectors.cwiseAbs());
+  Eigen::VectorXd residuals(modes.values.size());
+  for (Eigen::Index r = 0; r < residuals.size(); ++r) {
+    const double scale = sizes.col(r).norm() + inertial.col(r).norm();
+    residuals(r) = scale > 0.0 ? (elastic.col(r) - inertial.col(r)).norm() / scale : 0.0;
+  }
+  return residuals;
+}
+
+/// Where to count: how many of the values lie below a wide gap, at or after the first `wanted` of them, or before where
+/// a repeated root goes on beyond all that are known.
+Eigen::Index cut_position(const Eigen::VectorXd& values, Eigen::Index wanted, double shift) {
+  constexpr double k_wide = 1e-3;
+  constexpr double k_one_root = 1e-6;  // closer ones are not told apart by the inertia
+  // Against the distance from the shift, by which values are exact: those of rigid-body modes are zero but for
+  // rounding.
+  const auto gap_before = [&](Eigen::Index i) { return (values(i) - values(i - 1)) / (values(i) - shift); };
+  Eigen::Index best = wanted;
+  double widest = -1.0;
+  for (Eigen::Index i = wanted; i < values.size(); ++i) {
+    if (gap_before(i) <= widest) continue;
+    widest = gap_before(i);
+    best = i;
+    if (widest > k_wide) break;  // wide enough; the nearer the better, since the farther values are less exact
+  }
+  if (wanted == values.size() || widest > k_one_root) return best;
+  for (best = wanted - 1; best > 0 && gap_before(best) <= k_one_root; --best) continue;
+  return best;
+}
+
+using LongMatrix = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
+
+/// Phi' A Phi in extended precision.
+LongMatrix projected(const SparseMatrix& lower, const LongMatrix& vectors) {
+  LongMatrix product = LongMatrix::Zero(vectors.cols(), vectors.rows());  // by equation, for one pass over the matrix
+  const LongMatrix by_row = vectors.transpose();
+  for (int j = 0; j < lower.outerSize(); ++j) {
+    for (SparseMatrix::InnerIterator entry(lower, j); entry; ++entry) {
+      product.col(entry.row()) += entry.value() * by_row.col(j);
+      if (entry.row() != j) product.col(j) += entry.value() * by_row.col(entry.row());
+    }
+  }
+  const LongMatrix result = product * vectors;
+  return 0.5L * (result + result.transpose());
+}
+
+/// Modes far below the shift, a soft suspension's, drown in the rounding errors of the factor, which are those of the
+/// stiffest parts, and mix. The space that they span is good: Rayleigh and Ritz find them there once more.
+void refine_soft_modes(const SparseMatrix& stiffness, const SparseMatrix& mass, double shift, Eigen::VectorXd& values,
+                       Eigen::MatrixXd& vectors) {
+  constexpr double k_soft = 100.0;
+  const Eigen::Index soft = (values.array() <= k_soft * std::abs(shift)).count();
+  if (soft == 0) return;
+  const LongMatrix basis = vectors.leftCols(soft).cast<long double>();
+  const Eigen::GeneralizedSelfAdjointEigenSolver<LongMatrix> solver(projected(stiffness, basis),
+                                                                    projected(mass, basis));
+  values.head(soft) = solver.eigenvalues().cast<double>();
+  vectors.leftCols(soft) = (basis * solver.eigenvectors()).cast<double>();
+}
+
+}  // namespace
+
+struct SparseModeSolver::Factors {
+  std::unique_ptr<DefiniteFactor> definite = make_definite_factor();
+  std::unique_ptr<SymmetricFactor> indefinite;
+
+  std::vector<int> starts, rows;  ///< pattern of which the symbolic factorisations are
+
+  /// Starts anew where the pattern is another one: a moved node may fill what was zero by geometry.
+  void keep_pattern(const SparseMatrix& lower) {
+    const Pattern pattern = pattern_of(lower);
+    if (pattern == Pattern{starts, rows}) return;
+    if (!starts.empty()) {
+      definite = make_definite_factor();
+      indefinite.reset();
+    }
+    starts.assign(pattern.starts.begin(), pattern.starts.end());
+    rows.assign(pattern.rows.begin(), pattern.rows.end());
+  }
+
+  /// Factorises K - s M at the first shift that makes it definite; the shift, or 0 where none does.
+  double factorise_below(const SparseMatrix& stiffness, const SparseMatrix& mass) {
+    constexpr int k_attempts = 3;
+    constexpr double k_farther = 100.0;
+    double shift = default_shift(stiffness, mass);
+    for (int attempt = 0; attempt < k_attempts; ++attempt, shift *= k_farther) {
+      const SparseMatrix matrix = shifted(stiffness, mass, shift);
+      keep_pattern(matrix);
+      if (definite->factorise(matrix)) return shift;
+    }
+    return 0.0;
+  }
+
+  int count_below(const SparseMatrix& stiffness, const SparseMatrix& mass, double shift) {
+    if (indefinite == nullptr) indefinite = make_indefinite_factor();
+    return indefinite->factorise(shifted(stiffness, mass, shift)) ? indefinite->negative_eigenvalues() : -1;
+  }
+};
+
+SparseModeSolver::SparseModeSolver() : factors_(std::make_unique<Factors>()) {}
+SparseModeSolver::SparseModeSolver(SparseModeSolver&&) noexcept = default;
+SparseModeSolver& SparseModeSolver::operator=(SparseModeSolver&&) noexcept = default;
+SparseModeSolver::~SparseModeSolver() = default;
+
+double SparseModeSolver::factorise(const SparseMatrix& stiffness, const SparseMatrix& mass) {
+  return factors_->factorise_below(stiffness, mass);
+}
+
+DefiniteFactor& SparseModeSolver::factor() {
+  return *factors_->definite;
+}
+
+SparseModes SparseModeSolver::solve(const SparseMatrix& stiffness, const SparseMatrix& mass,
+                                    const SparseModesOptions& options) {
+  require(stiffness.rows() == stiffness.cols() && mass.rows() == stiffness.rows() && mass.cols() == stiffness.cols(),
+          "stiffness is {} x {}, mass is {} x {}; both must be square and of one size", stiffness.rows(),
+          stiffness.cols(), mass.rows(), mass.cols());
+  require(options.modes >= 1, "modes: {} asked for, need at least 1", options.modes);
+  SparseModes result;
+  const auto begin = std::chrono::steady_clock::now();
+  result.shift = factors_->factorise_below(stiffness, mass);
+  result.factor_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  if (result.shift == 0.0) {
+    result.failure = "the stiffness is not positive semidefinite, or a part can move without stiffness and mass";
+    result.failed_row = factors_->definite->failed_column();
+    return result;
+  }
+  const SparseMatrix lean_mass = mass.pruned(0.0, 0.0);
+  // Two more than wanted: a gap above the last wanted one is needed for the count.
+  const int sought = options.modes + (options.counts_below ? 2 : 0);
+  LanczosPairs pairs = largest_pairs(
+      {.size = stiffness.rows(),
+       .solve =
+           [&](Eigen::Ref<Eigen::MatrixXd> vectors) {  // NOLINT(performance-unnecessary-value-param): a Ref is a view
+             factors_->definite->solve(vectors);
+           },
+       .weigh =
+           [&](const Eigen::Ref<const Eigen::MatrixXd>& vectors) { return symmetric_product(lean_mass, vectors); }},
+      sought, options.tolerance);
+  result.basis_vectors = pairs.solved_vectors;
+  if (!pairs.is_converged) {
+    result.failure =
+        fmt::format("the {} lowest modes did not converge in {} solutions", options.modes, pairs.solved_vectors);
+    return result;
+  }
+  Eigen::VectorXd values = pairs.values.cwiseInverse().array() + result.shift;
+  Eigen::MatrixXd vectors = std::move(pairs.vectors);
+  refine_soft_modes(stiffness, mass, result.shift, values, vectors);
+  const Eigen::Index found = std::min<Eigen::Index>(options.modes, values.size());
+  result.values = values.head(found);
+  result.vectors = vectors.leftCols(found);
+  make_largest_component_positive(result.vectors);
+  if (options.measures) result.residuals = relative_residuals(stiffness, mass, result);
+  if (options.counts_below && found > 0) {
+    const Eigen::Index cut = cut_position(values, found, result.shift);
+    const double below = cut > 0 ? values(cut - 1) : result.shift;
+    result.counted_at = cut < values.size() ? 0.5 * (below + values(cut)) : below + 1e-3 * (below - result.shift);
+    const int counted = factors_->count_below(stiffness, mass, result.counted_at);
+    if (counted < 0) result.failure = "the modes below the last one cannot be counted: the factorisation failed";
+    // Modes between the last wanted one and the cut are known: taken off again, or added where the cut lies lower.
+    result.counted_below = counted < 0 ? -1 : counted - static_cast<int>(cut - found);
+  }
+  return result;
+}
+
+}  // namespace mottle

@@ -1,0 +1,131 @@
+#include "mottle/model/structures/finite_element_structure.hpp"
+
+#include <algorithm>
+#include <charconv>
+
+#include "mottle/core/error.hpp"
+#include "mottle/core/text.hpp"
+#include "mottle/fem/assembly/mass_properties.hpp"
+
+namespace mottle {
+namespace {
+
+constexpr const char* k_no_role = "acts on no element";
+
+const char* const k_components[] = {"+X", "+Y", "+Z", "+RX", "+RY", "+RZ"};
+
+}  // namespace
+
+FiniteElementStructure::FiniteElementStructure(FiniteElementModel model,
+                                               const std::vector<ParameterTargets>& parameters,
+                                               const Eigen::VectorXd& fallback)
+    : model_(std::move(model)),
+      targets_(find_field_targets(model_, parameters)),
+      assembled_(assemble(model_, targets_.parameters)) {
+  for (const GeometryTarget& target : targets_.geometry) {
+    for (std::size_t p = 0; p < targets_.parameters.size(); ++p) {
+      const auto& fields = targets_.parameters[p].fields;
+      if (std::count(fields.begin(), fields.end(), target.field) > 0) assembled_.is_separable[p] = false;
+    }
+  }
+  is_separable_ =
+      std::all_of(assembled_.is_separable.begin(), assembled_.is_separable.end(), [](bool is) { return is; });
+  for (std::size_t p = 0; p < parameters.size(); ++p) {
+    require(parameter_role(static_cast<Eigen::Index>(p)) != k_no_role,
+            "parameter '{}': it acts on nothing: no element uses {}", parameters[p].parameter,
+            join(parameters[p].targets));
+  }
+  reference_ = fallback;
+  for (std::size_t p = 0; p < parameters.size(); ++p) {
+    const FieldParameter& parameter = targets_.parameters[p];
+    const double first = model_.value(parameter.fields.front());
+    const bool is_one = std::all_of(parameter.fields.begin(), parameter.fields.end(),
+                                    [&](FieldIndex field) { return model_.value(field) == first; });
+    if (parameter.is_factor || is_one) reference_(static_cast<Eigen::Index>(p)) = parameter.is_factor ? 1.0 : first;
+  }
+  set_reference(reference_);
+}
+
+bool FiniteElementStructure::do_terms_hold(const Eigen::Ref<const Eigen::VectorXd>& parameters,
+                                           Eigen::Index parameter) const {
+  if (is_separable_) return true;
+  if (!assembled_.is_separable[static_cast<std::size_t>(parameter)]) return false;
+  for (std::size_t p = 0; p < targets_.parameters.size(); ++p) {
+    if (assembled_.is_separable[p]) continue;
+    const FieldParameter& held = targets_.parameters[p];
+    const double value = parameters(static_cast<Eigen::Index>(p));
+    const bool is_as_assembled = std::all_of(held.fields.begin(), held.fields.end(), [&](FieldIndex field) {
+      return value == (held.is_factor ? 1.0 : model_.value(field));
+    });
+    if (!is_as_assembled) return false;
+  }
+  return true;
+}
+
+FiniteElementStructure::Matrices FiniteElementStructure::matrices_at(
+    const Eigen::Ref<const Eigen::VectorXd>& parameters) const {
+  if (is_separable_) return SparseStructure::matrices_at(parameters);
+  FiniteElementModel deck = model_at(model_, targets_, parameters);
+  // What AUTOSPC holds is settled by the reference, so that shapes of all samples have the same rows.
+  deck.settings.automatic_constraints = false;
+  for (const AutomaticConstraint& held : assembled_.automatic_constraints) {
+    deck.fixed.emplace_back(held.node, static_cast<Components>(1 << held.component));
+  }
+  const AssembledModel moved = assemble(deck, {});
+  const Eigen::VectorXd none;
+  return {moved.stiffness.at(none), moved.mass.at(none)};
+}
+
+int FiniteElementStructure::find_degree_of_freedom(const std::string& name) const {
+  int id = 0;
+  const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), id);
+  const int node = error == std::errc() ? model_.find_node(id) : -1;
+  if (node < 0) return -1;
+  const std::string rest(end, name.data() + name.size());
+  const bool is_scalar = model_.nodes[static_cast<std::size_t>(node)].is_scalar;
+  if (is_scalar) return rest.empty() ? 6 * node : -1;
+  for (int c = 0; c < 6; ++c) {
+    if (rest == fmt::format(":{}", k_components[c])) return 6 * node + c;
+  }
+  return -1;
+}
+
+std::string FiniteElementStructure::unknown_degree_of_freedom(const std::string& name) const {
+  constexpr const char* k_form =
+      "a degree of freedom is GRID:DIRECTION, like 101:+Z or 101:+RX, with directions +X +Y +Z "
+      "+RX +RY +RZ of the grid point's displacement system";
+  if (name.empty()) return fmt::format("none is named; {}", k_form);
+  int id = 0;
+  const bool is_number = std::from_chars(name.data(), name.data() + name.size(), id).ec == std::errc();
+  if (is_number && model_.find_node(id) < 0) return fmt::format("'{}': the deck has no grid point {}", name, id);
+  return fmt::format("'{}' is not known here; {}", name, k_form);
+}
+
+Eigen::MatrixXd FiniteElementStructure::displacements(const Eigen::Ref<const Eigen::MatrixXd>& shapes,
+                                                      const std::vector<int>& degrees_of_freedom) const {
+  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(degrees_of_freedom.size()), shapes.cols());
+  for (Eigen::Index k = 0; k < result.rows(); ++k) {
+    const int slot = degrees_of_freedom[static_cast<std::size_t>(k)];
+    for (decltype(assembled_.expansion)::InnerIterator entry(assembled_.expansion, slot); entry; ++entry) {
+      result.row(k) += entry.value() * shapes.row(entry.col());
+    }
+  }
+  return result;
+}
+
+double FiniteElementStructure::total_mass(const Eigen::Ref<const Eigen::VectorXd>& parameters) const {
+  return mass_properties(model_at(model_, targets_, parameters)).mass.mean();
+}
+
+std::string FiniteElementStructure::equation_name(int row) const {
+  const Equation& equation = assembled_.equations[static_cast<std::size_t>(row)];
+  return degree_of_freedom_name(model_, equation.node, equation.component);
+}
+
+std::string FiniteElementStructure::parameter_role(Eigen::Index parameter) const {
+  if (!assembled_.is_separable[static_cast<std::size_t>(parameter)]) return "re-assembled for each sample";
+  std::string role = separable_role(parameter);
+  return role.empty() ? k_no_role : role;
+}
+
+}  // namespace mottle

@@ -1,0 +1,62 @@
+// [surrogate], [predict] and [diagnose]: what is asked beside the update.
+#include "study/input/study_sections.hpp"
+
+namespace mottle {
+
+const std::vector<std::string>& surrogate_kinds() {
+  static const std::vector<std::string> k_kinds = {"quadratic", "kriging", "chaos"};
+  return k_kinds;
+}
+
+StudyPredict read_predict(TomlReader reader, const StudyModelSource& model, const std::filesystem::path& folder) {
+  StudyPredict predict;
+  predict.overrides = reader.number_map("model", {.lower = 0.0});
+  if (!predict.overrides.empty() && model.kind == StudyModelSource::Kind::command) {
+    reader.fail("model", "is not for a model by command, whose numbers are its own");
+  }
+  predict.repeatability = reader.number_map("repeatability", {.lower = 0.0});
+  predict.draws = static_cast<int>(reader.integer_or("draws", predict.draws, {.lower = 1000.0, .upper = 1e7}));
+  if (reader.raw("held_out") != nullptr) predict.held_out = folder / reader.text("held_out");
+  predict.outputs = read_outputs(std::move(reader), model);
+  return predict;
+}
+
+StudyDiagnose read_diagnose(TomlReader reader) {
+  StudyDiagnose diagnose;
+  diagnose.spread = reader.number_or("spread", diagnose.spread, {.lower = 1e-6, .upper = 1.0});
+  diagnose.screened = static_cast<int>(reader.integer_or("screened", diagnose.screened, {.lower = 1.0, .upper = 1e6}));
+  diagnose.like_evidence = reader.number_or("like_evidence", diagnose.like_evidence, {.lower = 0.0, .upper = 1e6});
+  if (const toml::node* node = reader.raw("candidates"); node != nullptr) {
+    const std::string allowed = "a list of targets, like [\"spring:k3\"], or of tables like a [[parameter]]";
+    const toml::array* list = node->as_array();
+    if (list == nullptr || list->empty()) reader.fail_value("candidates", allowed);
+    for (std::size_t i = 0; i < list->size(); ++i) {
+      StudyParameter candidate;
+      if (const auto target = list->get(i)->value_exact<std::string>()) {
+        candidate.targets = {*target};
+      } else if (list->get(i)->is_table()) {
+        TomlReader entry = reader.table_in("candidates", i);
+        candidate = read_parameter(entry);
+      } else {
+        reader.fail_value("candidates", allowed);
+      }
+      diagnose.candidates.push_back(std::move(candidate));
+    }
+  }
+  reader.finish();
+  return diagnose;
+}
+
+SurrogateSettings read_surrogate(TomlReader reader) {
+  SurrogateSettings settings;
+  settings.kind =
+      static_cast<SurrogateKind>(reader.choice("kind", surrogate_kinds(), static_cast<std::size_t>(settings.kind)));
+  settings.runs = static_cast<int>(reader.integer_or("runs", settings.runs, {.lower = 10.0, .upper = 1e5}));
+  settings.spread = reader.number_or("spread", settings.spread, {.lower = 0.5, .upper = 6.0});
+  settings.rounds = static_cast<int>(reader.integer_or("rounds", settings.rounds, {.lower = 0.0, .upper = 100.0}));
+  settings.tolerance = reader.number_or("tolerance", settings.tolerance, {.lower = 1e-6, .upper = 1.0});
+  reader.finish();
+  return settings;
+}
+
+}  // namespace mottle

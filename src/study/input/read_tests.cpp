@@ -1,0 +1,289 @@
+// The tests of a study: columns of a file that are outputs of its model, and their repeatability.
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include "mottle/core/text.hpp"
+#include "mottle/formats/tables/csv.hpp"
+#include "mottle/study/jobs/study_objects.hpp"
+#include "study/input/noise_rules.hpp"
+#include "study/input/unit_names.hpp"
+#include "study/tests/pair_modes.hpp"
+#include "study/tests/pair_tests.hpp"
+#include "study/tests/test_files.hpp"
+
+namespace mottle {
+namespace {
+
+struct ColumnTitle {
+  std::string name;
+  std::string unit;  // as stated, without brackets; empty: none is
+};
+
+/// "f1_Hz", "f1 [Hz]", "f1 (Hz)".
+ColumnTitle split_title(const std::string& title) {
+  for (const std::string open : {" [", " (", "[", "("}) {
+    const std::size_t position = title.find(open);
+    if (position == std::string::npos || position == 0) continue;
+    const std::size_t start = position + open.size();
+    return {title.substr(0, position), title.substr(start, title.find_first_of("])", start) - start)};
+  }
+  for (const std::string unit : {"kHz", "Hz"}) {
+    const std::string end = "_" + unit;
+    if (title.size() > end.size() && title.ends_with(end)) return {title.substr(0, title.size() - end.size()), unit};
+  }
+  return {title, ""};
+}
+
+/// A frequency that states another unit than that of the study would be read wrong by a factor.
+void require_unit(const CsvTable& table, const Study& study, const std::string& title, const std::string& stated) {
+  const std::string used = unit_names(study.units).frequency;
+  const bool is_other = stated != used && (stated == "Hz" || stated == "kHz" || stated == "rad/s");
+  if (!is_other) return;
+  throw FormatError(table.file, 1,
+                    fmt::format("column '{}' is in {}, but frequencies of units = \"{}\" are in {}; convert the "
+                                "column, or set the study's units",
+                                title, stated, study.units, used));
+}
+
+/// Whether `name` is how a model of this kind would call some output: f4, zeta2, phi3:m1.
+bool looks_like_output(const std::string& name) {
+  for (const std::string stem : {"zeta", "phi", "f"}) {
+    if (name.rfind(stem, 0) != 0) continue;
+    std::size_t end = stem.size();
+    while (end < name.size() && std::isdigit(static_cast<unsigned char>(name[end])) != 0) ++end;
+    return end > stem.size() && (end == name.size() || (stem == "phi" && name[end] == ':'));
+  }
+  return false;
+}
+
+std::vector<std::string> names_of(const std::vector<Output>& outputs) {
+  std::vector<std::string> names;
+  for (const Output& output : outputs) names.push_back(output.name);
+  return names;
+}
+
+/// Column of each output; throws where one is missing or a column is nothing known.
+std::vector<int> match_columns(const CsvTable& table, const Study& study, const std::vector<std::string>& outputs,
+                               std::vector<std::string>& notes) {
+  std::vector<int> columns(outputs.size(), -1);
+  std::vector<std::string> unused;
+  for (std::size_t column = 0; column < table.header.size(); ++column) {
+    const auto title = split_title(table.header[column]);
+    const std::string& name = title.name;
+    const std::string& unit = title.unit;
+    const auto output = std::find(outputs.begin(), outputs.end(), name);
+    if (output != outputs.end()) {
+      require_unit(table, study, table.header[column], unit);
+      int& found = columns[static_cast<std::size_t>(std::distance(outputs.begin(), output))];
+      if (found >= 0) throw FormatError(table.file, 1, fmt::format("output '{}' has two columns", name));
+      found = static_cast<int>(column);
+      continue;
+    }
+    const bool is_parameter = std::any_of(study.parameters.list.begin(), study.parameters.list.end(),
+                                          [&](const StudyParameter& parameter) { return parameter.name == name; });
+    const bool is_label = name == "specimen" || name == "status";
+    if (!is_parameter && !is_label && !looks_like_output(name)) {
+      throw FormatError(table.file, 1, unknown_name_message("column", table.header[column], outputs));
+    }
+    if (!is_label) unused.push_back(table.header[column]);
+  }
+  for (std::size_t i = 0; i < outputs.size(); ++i) {
+    if (columns[i] < 0) {
+      throw FormatError(table.file, 1,
+                        fmt::format("output '{}' has no column; the columns are {}", outputs[i], join(table.header)));
+    }
+  }
+  if (!unused.empty()) notes.push_back(fmt::format("Columns of the test file that are not used: {}.", join(unused)));
+  return columns;
+}
+
+/// Rows are specimens, columns the outputs, of which the first are natural frequencies.
+Eigen::MatrixXd values_of_columns(const CsvTable& table, const std::vector<int>& columns, const ModalModel& model) {
+  Eigen::MatrixXd values(static_cast<Eigen::Index>(table.rows.size()), static_cast<Eigen::Index>(columns.size()));
+  for (std::size_t k = 0; k < columns.size(); ++k) {
+    const Eigen::VectorXd column = numbers_of_column(table, columns[k]);
+    for (Eigen::Index row = 0; row < column.size() && k < model.selection().frequencies.size(); ++row) {
+      if (!(column(row) <= 0.0)) continue;
+      throw FormatError(
+          table.file, table.lines[static_cast<std::size_t>(row)],
+          fmt::format("column '{}' holds {:g}, but a natural frequency is greater than 0; a mode that was "
+                      "not measured has an empty cell",
+                      table.header[static_cast<std::size_t>(columns[k])], column(row)));
+    }
+    values.col(static_cast<Eigen::Index>(k)) = column;
+  }
+  return values;
+}
+
+/// Renumbers the modes of every row by their shapes.
+void pair_rows(const Study& study, const ModalModel& model, Eigen::MatrixXd& values, std::vector<std::string>& notes) {
+  std::vector<Eigen::Index> columns_of_modes;
+  for (const int mode : model.selection().shape_modes) columns_of_modes.push_back(mode - 1);
+  try {
+    const Eigen::MatrixXd reference = model.reference_displacements()(Eigen::all, columns_of_modes);
+    for (std::string& note : pair_tests(values, model.selection(), reference)) notes.push_back(note);
+  } catch (const InvalidInput& error) {
+    throw InvalidInput(located(study, error.what()));
+  }
+}
+
+/// Squares about the specimens' means and their degrees of freedom.
+struct Pooled {
+  double squares = 0.0;
+  int freedom = 0;
+};
+
+Pooled pool(const Eigen::Ref<const Eigen::VectorXd>& values, const std::vector<std::string>& specimens) {
+  std::map<std::string, std::vector<double>> repeats;
+  for (Eigen::Index row = 0; row < values.size(); ++row) {
+    if (!std::isnan(values(row))) repeats[specimens[static_cast<std::size_t>(row)]].push_back(values(row));
+  }
+  Pooled pooled;
+  for (const auto& [specimen, list] : repeats) {
+    const Eigen::Map<const Eigen::VectorXd> numbers(list.data(), static_cast<Eigen::Index>(list.size()));
+    pooled.squares += (numbers.array() - numbers.mean()).square().sum();
+    pooled.freedom += static_cast<int>(list.size()) - 1;
+  }
+  return pooled;
+}
+
+/// Repeatability from repeated tests.
+void read_repeats(const Study& study, const ModalModel& model, const std::vector<std::string>& names,
+                  StudyTests& tests) {
+  const std::filesystem::path& file = *study.test->repeats_file;
+  const CsvTable table = read_named_table(study, "test.repeatability", file);
+  std::vector<std::string> notes;
+  const std::vector<int> columns = match_columns(table, study, names, notes);
+  Eigen::MatrixXd values = values_of_columns(table, columns, model);
+  if (study.test->pairs_by_mac.value_or(false)) pair_rows(study, model, values, notes);
+  const int specimen = table.find("specimen");
+  std::vector<std::string> specimens(table.rows.size());
+  for (std::size_t row = 0; row < specimens.size() && specimen >= 0; ++row)
+    specimens[row] = table.rows[row][static_cast<std::size_t>(specimen)];
+  int least = std::numeric_limits<int>::max();
+  int most = 0;
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    const auto index = static_cast<Eigen::Index>(k);
+    const Pooled pooled = pool(values.col(index), specimens);
+    if (pooled.freedom == 0) {
+      throw FormatError(
+          table.file, 0,
+          fmt::format("output '{}' is measured twice on no specimen, so there is no repeatability", names[k]));
+    }
+    tests.data.repeatability_std(index) = std::sqrt(pooled.squares / pooled.freedom);
+    tests.data.repeatability_freedom(index) = pooled.freedom;
+    least = std::min(least, pooled.freedom);
+    most = std::max(most, pooled.freedom);
+  }
+  tests.notes.push_back(fmt::format("Measurement noise from the repeats of {}: {} degrees of freedom.", table.file,
+                                    least == most ? fmt::format("{}", least) : fmt::format("{} to {}", least, most)));
+}
+
+Eigen::VectorXd column_means(const Eigen::MatrixXd& values) {
+  Eigen::VectorXd means(values.cols());
+  for (Eigen::Index k = 0; k < values.cols(); ++k) {
+    const auto column = values.col(k).array();
+    means(k) = column.isNaN().select(0.0, column).sum() / static_cast<double>((!column.isNaN()).count());
+  }
+  return means;
+}
+
+/// What the rules of [test] `key` give each output.
+Eigen::VectorXd deviations_by_rules(const Study& study, const std::vector<NoiseRule>& rules, const std::string& key,
+                                    const std::string& what, const std::vector<std::string>& names, StudyTests& tests) {
+  try {
+    NoiseDeviations noise = noise_deviations(rules, names, column_means(tests.data.values), "test." + key, what);
+    for (std::string& note : noise.notes) tests.notes.push_back(std::move(note));
+    return noise.std;
+  } catch (const InvalidInput& error) {
+    throw InvalidInput(located(study, error.what()));
+  }
+}
+
+void add_model_error(const Study& study, const std::vector<std::string>& names, StudyTests& tests) {
+  tests.data.is_model_error_estimated = study.test->is_model_error_estimated;
+  if (study.test->model_error.empty()) return;
+  tests.data.model_error_std =
+      deviations_by_rules(study, study.test->model_error, "model_error", "Model error", names, tests);
+}
+
+void add_repeatability(const Study& study, const ModalModel& model, const std::vector<std::string>& names,
+                       StudyTests& tests) {
+  const Eigen::Index outputs = tests.data.values.cols();
+  tests.data.repeatability_std = Eigen::VectorXd::Zero(outputs);
+  tests.data.repeatability_freedom = Eigen::VectorXi::Zero(outputs);
+  if (study.test->repeats_file) {
+    read_repeats(study, model, names, tests);
+    return;
+  }
+  tests.data.repeatability_std =
+      deviations_by_rules(study, study.test->repeatability, "repeatability", "Measurement noise", names, tests);
+}
+
+/// Specimens from the rows of a table; those without any value are left out.
+Eigen::MatrixXd values_of_rows(const Study& study, const ModalModel& model, const CsvTable& table,
+                               const std::vector<std::string>& names, std::vector<std::string>& notes) {
+  const std::vector<int> columns = match_columns(table, study, names, notes);
+  const Eigen::MatrixXd values = values_of_columns(table, columns, model);
+  std::vector<Eigen::Index> kept;
+  for (Eigen::Index row = 0; row < values.rows(); ++row) {
+    if (!values.row(row).array().isNaN().all()) kept.push_back(row);
+  }
+  if (kept.empty()) throw FormatError(table.file, 0, "holds no specimen: there is no row with a value");
+  if (kept.size() < table.rows.size()) {
+    notes.push_back(fmt::format("{} specimens without any value are left out.", table.rows.size() - kept.size()));
+  }
+  Eigen::MatrixXd rows = values(kept, Eigen::all);
+  if (study.test->pairs_by_mac.value_or(false)) pair_rows(study, model, rows, notes);
+  return rows;
+}
+
+Eigen::MatrixXd values_of_modes(const Study& study, const ModalModel& model,
+                                const std::vector<MeasuredModes>& specimens, StudyTests& tests) {
+  try {
+    PairedModes paired = pair_modes(model, specimens, study.test->pairs_by_mac.value_or(true));
+    for (std::string& note : paired.notes) tests.notes.push_back(std::move(note));
+    tests.pairing = std::move(paired.table);
+    return paired.values;
+  } catch (const InvalidInput& error) {
+    throw InvalidInput(located(study, fmt::format("{}: {}", study.test->key, error.what())));
+  }
+}
+
+}  // namespace
+
+StudyTests read_tests(const Study& study, const ModalModel& model) {
+  require(study.test.has_value(), "{}: test: is missing; give [test] file = \"...\"", study.file.string());
+  TestContents contents = read_test_files(study);
+  const std::vector<std::string> names = names_of(model.outputs());
+  StudyTests tests;
+  tests.notes = std::move(contents.notes);
+  tests.data.values = contents.table ? values_of_rows(study, model, *contents.table, names, tests.notes)
+                                     : values_of_modes(study, model, contents.specimens, tests);
+  tests.file = contents.table ? contents.table->file : study.test->files.front().string();
+  require(
+      contents.table || !study.test->is_named,
+      "{}: test.pairing: \"named\" is of a table with a row a specimen; these tests are modes: \"mac\" or \"order\"",
+      study.file.string());
+  tests.is_by_rank = !study.test->pairs_by_mac.value_or(!contents.table) && !study.test->is_named;
+  for (Eigen::Index k = 0; k < tests.data.values.cols(); ++k) {
+    const bool is_frequency = k < static_cast<Eigen::Index>(model.selection().frequencies.size());
+    require(!is_frequency || !(tests.data.values.col(k).array() <= 0.0).any(),
+            "{}: output '{}' of a specimen is not greater than 0, as a natural frequency is; leave that mode out",
+            tests.file, names[static_cast<std::size_t>(k)]);
+    const auto measured = (!tests.data.values.col(k).array().isNaN()).count();
+    require(measured > 0, "{}: output '{}' is never measured; leave it out of [outputs]", tests.file,
+            names[static_cast<std::size_t>(k)]);
+    require(measured > 1 || tests.data.values.rows() == 1,
+            "{}: output '{}' is measured once in {} specimens, which gives no scatter; leave it out of [outputs]",
+            tests.file, names[static_cast<std::size_t>(k)], tests.data.values.rows());
+  }
+  add_repeatability(study, model, names, tests);
+  add_model_error(study, names, tests);
+  return tests;
+}
+
+}  // namespace mottle

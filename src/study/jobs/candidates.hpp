@@ -1,0 +1,36 @@
+// The candidates of a diagnosis: what the study names, or everything in the model that may sensibly be wrong.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "mottle/study/input/study.hpp"
+
+namespace mottle {
+
+/// Candidates with name, nominal value and spread. By default every spring of a mass-spring system, and of a deck the
+/// numbers of materials, properties, springs and point masses that are not zero; what a parameter acts on is left out.
+///
+/// A candidate whose nominal value is zero takes its scale from the median of the others of its kind.
+///
+/// @throws InvalidInput  a target that the model does not have or that a parameter acts on, no candidate at all
+std::vector<StudyParameter> resolve_candidates(const Study& study);
+
+/// Numbers of a model that no parameter moves, as candidates.
+struct FixedNumbers {
+  std::vector<StudyParameter> list;  ///< the first of them, in the order of the model
+  Eigen::VectorXd sizes;  ///< of relative changes: each number itself, of a zero the median of its kind, else 1
+  std::size_t total = 0;
+};
+
+/// The numbers of a model that an error could hide in: springs and masses (dampers where damping ratios are outputs),
+/// parts of matrices, those that are zero too; of a deck what `resolve_candidates` takes by default.
+///
+/// @param most  how many are listed
+/// @throws InvalidInput  a model by command, whose numbers are not known
+FixedNumbers fixed_numbers(const Study& study, std::size_t most);
+
+/// The study with `candidates` put after its parameters.
+Study with_candidates(const Study& study, const std::vector<StudyParameter>& candidates);
+
+}  // namespace mottle

@@ -1,0 +1,204 @@
+#include "study/jobs/predict.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+
+#include "mottle/core/error.hpp"
+#include "mottle/core/text.hpp"
+#include "mottle/formats/tables/csv.hpp"
+#include "study/input/noise_rules.hpp"
+#include "study/input/study_sections.hpp"
+
+namespace mottle {
+
+namespace {
+
+void override_system(MassSpringSystem& system, const std::string& target, double value) {
+  std::vector<std::string> known;
+  for (PointMass& mass : system.masses) {
+    known.push_back("mass:" + mass.name);
+    if (known.back() == target) mass.mass = value;
+  }
+  for (Connector& spring : system.springs) {
+    known.push_back("spring:" + spring.name);
+    if (known.back() == target) spring.value = value;
+  }
+  for (Connector& damper : system.dampers) {
+    known.push_back("damper:" + damper.name);
+    if (known.back() == target) damper.value = value;
+  }
+  require(std::find(known.begin(), known.end(), target) != known.end(), "predict.model: {}",
+          unknown_name_message("target", target, known));
+}
+
+/// The study whose model and outputs are the predicted ones.
+Study predicted_study(const Study& study) {
+  Study other = study;
+  other.outputs = study.predict->outputs;
+  for (const auto& [given, value] : study.predict->overrides) {
+    const bool is_system = study.model.kind == StudyModelSource::Kind::mass_spring;
+    require(is_system || study.model.kind == StudyModelSource::Kind::nastran,
+            "predict.model: numbers of a model of matrices or of CalculiX cannot be other in the prediction; make them "
+            "parameters");
+    std::string target = given;
+    if (!is_system) {
+      std::transform(target.begin(), target.end(), target.begin(),
+                     [](unsigned char letter) { return static_cast<char>(std::toupper(letter)); });
+    }
+    for (const StudyParameter& parameter : study.parameters.list) {
+      const bool is_owned =
+          std::find(parameter.targets.begin(), parameter.targets.end(), target) != parameter.targets.end();
+      require(!is_owned, "predict.model: '{}' is what parameter '{}' acts on: its value comes from the update", given,
+              parameter.name);
+    }
+    if (is_system) {
+      override_system(other.model.system, target, value);
+    } else {
+      other.model.overrides[target] = value;
+    }
+  }
+  if (study.predict->held_out) {
+    other.test = StudyTest{.key = "predict.held_out", .files = {*study.predict->held_out}};
+  }
+  return other;
+}
+
+/// Noise of the predicted outputs: given, else that of the update's output of the same name, else none.
+Eigen::VectorXd noise_of(const PredictionPlan& plan, const UpdatingProblem& problem, const UpdatingResult& result) {
+  Eigen::VectorXd noise = plan.repeatability;
+  const std::vector<Output>& used = problem.model.outputs();
+  const std::vector<Output>& outputs = plan.made.model->outputs();
+  for (Eigen::Index k = 0; k < noise.size(); ++k) {
+    if (!std::isnan(noise(k))) continue;
+    noise(k) = 0.0;
+    for (std::size_t j = 0; j < used.size(); ++j) {
+      if (used[j].name != outputs[static_cast<std::size_t>(k)].name) continue;
+      const auto place = static_cast<Eigen::Index>(j);
+      noise(k) = result.noise_covariance.size() > 0 ? std::sqrt(result.noise_covariance(place, place))
+                                                    : problem.tests.repeatability_std(place);
+    }
+  }
+  return noise;
+}
+
+/// The model's error of the predicted outputs: of a tested output of the structure as it is the very error that the
+/// tests have seen; else one of its own, of the size that an output of that name has.
+std::optional<PredictedError> error_of(const Study& study, const PredictionPlan& plan, const UpdatingProblem& problem,
+                                       const UpdatingResult& result, const RunContext& context) {
+  if (!problem.tests.has_model_error()) return std::nullopt;
+  const std::vector<Output>& used = problem.model.outputs();
+  const std::vector<Output>& outputs = plan.made.model->outputs();
+  const auto tested = static_cast<Eigen::Index>(used.size());
+  const Eigen::VectorXd known =
+      result.model_error ? result.model_error->std : Eigen::VectorXd(problem.tests.model_error_variance().cwiseSqrt());
+  PredictedError error{{known, Eigen::VectorXd::Zero(tested), Eigen::MatrixXd::Zero(tested, tested),
+                        Eigen::MatrixXd::Zero(problem.space.count(), tested)},
+                       std::vector<Eigen::Index>(outputs.size(), -1),
+                       Eigen::VectorXd::Zero(static_cast<Eigen::Index>(outputs.size()))};
+  if (result.model_error) error.estimate = *result.model_error;
+  const bool is_same = study.predict->overrides.empty() && result.model_error.has_value();
+  const Eigen::VectorXd values = plan.made.model->evaluate(result.mean.transpose(), context).outputs.row(0);
+  for (std::size_t k = 0; k < outputs.size(); ++k) {
+    const auto place = static_cast<Eigen::Index>(k);
+    const auto found =
+        std::find_if(used.begin(), used.end(), [&](const Output& output) { return output.name == outputs[k].name; });
+    const NoiseRule* rule = rule_for(study.test->model_error, outputs[k].name);
+    if (found != used.end()) {
+      const auto index = std::distance(used.begin(), found);
+      if (is_same) error.tested[k] = index;
+      if (!is_same) error.own_std(place) = known(index);
+    } else if (rule != nullptr) {
+      error.own_std(place) = rule->is_relative ? rule->value * std::abs(values(place)) : rule->value;
+    }
+  }
+  return error;
+}
+
+Json check_json(const HeldOutCheck& check, double joint_critical) {
+  return {{"specimens", check.transforms.rows()},
+          {"coverage", to_json(check.coverage)},
+          {"joint_coverage", number_json(check.joint_coverage)},
+          {"joint_critical", number_json(joint_critical)},
+          {"squared_distances", to_json(check.distances)},
+          {"transforms", to_json_rows(check.transforms)},
+          {"uniformity_p_values", to_json(check.uniformity)},
+          {"adjusted_p_value", number_json(check.adjusted_p)}};
+}
+
+std::string prediction_csv(const Prediction& prediction, const HeldOutCheck* check,
+                           const std::vector<Output>& outputs) {
+  const Eigen::Index p = prediction.mean.size();
+  std::vector<std::string> header{"mean", "std", "lower95", "upper95"};
+  Eigen::MatrixXd values(p, check != nullptr ? 6 : 4);
+  values.leftCols(4) << prediction.mean, prediction.covariance.diagonal().cwiseSqrt(), prediction.interval;
+  if (check != nullptr) {
+    header.insert(header.end(), {"held_out_coverage", "uniformity_p"});
+    values.rightCols(2) << check->coverage, check->uniformity;
+  }
+  header.insert(header.end(), {"output", "unit"});
+  std::vector<std::string> names;
+  std::vector<std::string> units;
+  for (const Output& output : outputs) {
+    names.push_back(output.name);
+    units.push_back(output.unit);
+  }
+  return format_csv(header, values, {names, units});
+}
+
+}  // namespace
+
+PredictionPlan plan_prediction(const Study& study, const RunSettings& settings) {
+  try {
+    const Study other = predicted_study(study);
+    PredictionPlan plan{make_model(other, other.parameters, settings), std::nullopt, {}};
+    if (study.predict->held_out) plan.held_out = read_tests(other, *plan.made.model);
+    const std::vector<Output>& outputs = plan.made.model->outputs();
+    plan.repeatability = Eigen::VectorXd::Constant(static_cast<Eigen::Index>(outputs.size()), std::nan(""));
+    for (const auto& [name, value] : study.predict->repeatability) {
+      std::vector<std::string> names;
+      for (const Output& output : outputs) names.push_back(output.name);
+      const auto found = std::find(names.begin(), names.end(), name);
+      require(found != names.end(), "predict.repeatability: {}", unknown_name_message("output", name, names));
+      plan.repeatability(std::distance(names.begin(), found)) = value;
+    }
+    return plan;
+  } catch (const FormatError&) {
+    throw;  // names its own file and line
+  } catch (const InvalidInput& error) {
+    const std::string message = error.what();
+    throw InvalidInput(message.starts_with("predict.") ? located(study, message) : message);
+  }
+}
+
+PredictionReport run_prediction(const Study& study, const PredictionPlan& plan, const UpdatingProblem& problem,
+                                const UpdatingResult& result, const RunContext& context) {
+  const std::vector<Output>& outputs = plan.made.model->outputs();
+  const PredictedPopulation population = predicted_population(problem.space, result, problem.tests.values.rows());
+  const PredictionSettings settings{.noise_std = noise_of(plan, problem, result),
+                                    .model_error = error_of(study, plan, problem, result, context),
+                                    .draws = study.predict->draws};
+  const Prediction prediction = predict(*plan.made.model, problem.space, population, settings, context);
+  std::optional<HeldOutCheck> check;
+  if (plan.held_out) check = check_held_out(prediction, population, plan.held_out->data.values);
+  const HeldOutCheck* checked = check ? &*check : nullptr;
+  PredictionReport report;
+  report.notes = prediction_sentences(prediction, checked, population, outputs, settings.level);
+  report.csv = prediction_csv(prediction, checked, outputs);
+  report.json = outputs_json(outputs);
+  report.json["mean"] = to_json(prediction.mean);
+  report.json["std"] = to_json(prediction.covariance.diagonal().cwiseSqrt());
+  report.json["covariance"] = to_json_rows(prediction.covariance);
+  report.json["interval95"] = to_json_rows(prediction.interval);
+  report.json["joint_critical"] = number_json(prediction.joint_critical);
+  report.json["noise_std"] = to_json(settings.noise_std);
+  report.json["draws"] = settings.draws;
+  report.json["draws_left_out"] = prediction.impossible;
+  report.json["model_evaluations"] = prediction.model_evaluations;
+  report.json["model"] = study.predict->overrides;
+  report.json["held_out"] = check ? check_json(*check, prediction.joint_critical) : Json(nullptr);
+  report.json["notes"] = report.notes;
+  return report;
+}
+
+}  // namespace mottle

@@ -1,0 +1,72 @@
+#include "study/jobs/update_plan.hpp"
+
+#include "mottle/core/error.hpp"
+#include "mottle/updating/methods/surrogate_update.hpp"
+#include "study/results/run_files.hpp"
+#include "study/tests/unit_errors.hpp"
+
+namespace mottle {
+namespace {
+
+/// Thrown by the first model run.
+struct FirstRun {};
+
+/// A model in whose place nothing is run.
+class UnusedModel final : public Model {
+ public:
+  explicit UnusedModel(const Model& model) : model_(model) {}
+
+  Eigen::Index parameter_count() const override { return model_.parameter_count(); }
+  const std::vector<Output>& outputs() const override { return model_.outputs(); }
+  double difference_step() const override { return model_.difference_step(); }
+  Evaluation evaluate(const Eigen::Ref<const Eigen::MatrixXd>&, const RunContext&) const override { throw FirstRun(); }
+
+ private:
+  const Model& model_;
+};
+
+}  // namespace
+
+UpdatePlan plan_update(const Study& study, const RunSettings& settings) {
+  StudyModel made = make_model(study, study.parameters, settings);
+  StudyTests tests = read_tests(study, *made.model);
+  refuse_unit_errors(study, made, tests);
+  std::vector<int> groups = covariance_groups(study, made.space->names());
+  UpdatePlan plan{std::move(made), std::move(tests), make_method(study), std::move(groups), std::nullopt};
+  if (study.predict) plan.prediction = plan_prediction(study, settings);
+  return plan;
+}
+
+UpdatingProblem problem_of(const Study& study, const UpdatePlan& plan, const Model& model) {
+  const TestData& tests = plan.tests.data;
+  const ModalModel& own = *plan.made.model;
+  return {.model = model,
+          .derivatives = own.structure().has_derivatives() ? &own : nullptr,
+          .space = *plan.made.space,
+          .tests = tests,
+          .cloud = cloud_settings(study, tests.values.rows(), tests.values.cols()),
+          .iterations = study.update.iterations,
+          .level = study.update.level,
+          .tolerance = study.update.tolerance,
+          .covariance_groups = plan.covariance_groups};
+}
+
+void refuse_what_methods_refuse(const Study& study, const UpdatePlan& plan, const RunContext& context) {
+  const UnusedModel model(*plan.made.model);
+  const UpdatingProblem problem = problem_of(study, plan, model);
+  const auto begin = [&](const auto& work) {
+    try {
+      work();
+    } catch (const FirstRun&) {
+      return;
+    } catch (const FormatError&) {
+      throw;
+    } catch (const InvalidInput& error) {
+      throw InvalidInput(located(study, error.what()));
+    }
+  };
+  begin([&] { plan.method->update(problem, context); });
+  if (study.surrogate) begin([&] { SurrogateUpdate(problem, *study.surrogate).run(*plan.method, context); });
+}
+
+}  // namespace mottle

@@ -1,0 +1,34 @@
+// Everything of an update that is made before its first model run: what `update` computes with and `check` looks at.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "mottle/study/jobs/run.hpp"
+#include "mottle/study/jobs/study_objects.hpp"
+#include "mottle/updating/methods/updater.hpp"
+#include "study/jobs/predict.hpp"
+
+namespace mottle {
+
+struct UpdatePlan {
+  StudyModel made;
+  StudyTests tests;
+  std::unique_ptr<Updater> method;
+  std::vector<int> covariance_groups;
+  std::optional<PredictionPlan> prediction;
+};
+
+/// Throws InvalidInput, FormatError: whatever of the study, its tests or its prediction does not fit the model.
+UpdatePlan plan_update(const Study& study, const RunSettings& settings);
+
+/// The plan's problem over `model`, which must outlive it as the plan must.
+UpdatingProblem problem_of(const Study& study, const UpdatePlan& plan, const Model& model);
+
+/// Lets the method, and the surrogate where there is one, begin, up to their first model run.
+///
+/// Throws InvalidInput: what they refuse (too few specimens, more parameters than outputs, ...).
+void refuse_what_methods_refuse(const Study& study, const UpdatePlan& plan, const RunContext& context);
+
+}  // namespace mottle

@@ -1,0 +1,30 @@
+// Mode shapes of a finite-element model as the page draws them.
+#pragma once
+
+#include <vector>
+
+#include "mottle/model/structures/finite_element_structure.hpp"
+#include "study/results/result_json.hpp"
+
+namespace mottle {
+
+/// One shape to draw.
+struct ShownMode {
+  int number = 0;          ///< as the user counts
+  double frequency = 0.0;  ///< in the unit of the outputs
+  double residual = 0.0;   ///< nan: not known
+  std::string note;
+  Eigen::VectorXd shape;  ///< [equation]
+};
+
+/// Displacements of every node in basic axes [node x xyz].
+Eigen::MatrixX3d node_displacements(const FiniteElementStructure& structure,
+                                    const Eigen::Ref<const Eigen::VectorXd>& shape);
+
+/// Surface, lines and shapes; arrays as base64 of 32-bit numbers, shapes scaled to a largest displacement of 1.
+///
+/// @param frequency_unit  of the modes' frequencies
+Json drawing_json(const FiniteElementStructure& structure, const std::vector<ShownMode>& modes,
+                  const std::string& frequency_unit = "Hz");
+
+}  // namespace mottle

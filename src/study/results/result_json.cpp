@@ -1,0 +1,345 @@
+#include "study/results/result_json.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "mottle/core/error.hpp"
+#include "mottle/stats/moments/descriptive.hpp"
+#include "mottle/stats/moments/ellipse.hpp"
+#include "mottle/stats/moments/spearman.hpp"
+#include "mottle/stats/surrogates/regression.hpp"
+#include "mottle/stats/tests/hotelling.hpp"
+#include "mottle/updating/verdict/verdict.hpp"
+
+namespace mottle {
+namespace {
+
+constexpr double k_ellipse_sigmas = 2.0;
+
+Json iteration_json(const IterationRecord& state, std::size_t index) {
+  return {{"index", index},
+          {"distance_euclidean", number_json(state.distance_euclidean)},
+          {"distance_mahalanobis", number_json(state.distance_mahalanobis)},
+          {"parameter_mean", to_json(state.parameter_mean)},
+          {"parameter_std", to_json(state.parameter_covariance.diagonal().cwiseSqrt())},
+          {"parameter_covariance", to_json_rows(state.parameter_covariance)},
+          {"output_mean", to_json(state.output_mean)},
+          {"output_std", to_json(state.output_covariance.diagonal().cwiseSqrt())},
+          {"output_covariance", to_json_rows(state.output_covariance)},
+          {"failed", state.failures.size()},
+          {"rejected_draws", state.rejected_draws},
+          {"ellipses", ellipses_json(state.output_mean, state.output_covariance)},
+          {"parameter_ellipses", ellipses_json(state.parameter_mean, state.parameter_covariance)}};
+}
+
+Json verdict_json(const Verdict& verdict) {
+  Json tests = Json::array();
+  for (const VerdictTest& test : verdict.tests) {
+    tests.push_back({{"name", test.name},
+                     {"statistic", number_json(test.statistic)},
+                     {"critical", number_json(test.critical)},
+                     {"p_value", number_json(test.p_value)},
+                     {"passed", test.passed},
+                     {"meaning", test.meaning}});
+  }
+  Json adequate = nullptr;
+  if (verdict.conclusion != Conclusion::undecided) adequate = verdict.conclusion == Conclusion::adequate;
+  return {{"conclusion", conclusion_text(verdict.conclusion)},
+          {"adequate", std::move(adequate)},
+          {"level", verdict.level},
+          {"tests", tests},
+          {"reasons", verdict.reasons},
+          {"not_tested", verdict.not_tested}};
+}
+
+Json identifiability_json(const Identifiability& seen, const std::vector<std::string>& names) {
+  Json unseen = Json::array();
+  for (const Eigen::VectorXd& direction : seen.unseen_directions) {
+    Json weights = Json::object();
+    for (std::size_t i = 0; i < names.size(); ++i) weights[names[i]] = direction(static_cast<Eigen::Index>(i));
+    unseen.push_back({{"weights", weights}, {"meaning", unseen_text(direction, names)}});
+  }
+  return {{"rank", seen.rank}, {"singular_values", to_json(seen.singular_values)}, {"unseen_directions", unseen}};
+}
+
+/// Fig. 2 of [Mares2006]: the critical value against the number of tests and samples together.
+Json t_curve_json(int p, double alpha, int most) {
+  Json totals = Json::array();
+  Json values = Json::array();
+  for (int total = p + 2; total <= most; total = total < 50 ? total + 1 : static_cast<int>(total * 1.08)) {
+    totals.push_back(total);
+    values.push_back(hotelling_t_critical(1, total - 1, p, alpha));
+  }
+  const double limit = hotelling_t_critical(1, 1000000000, p, alpha);
+  return {{"n_total", totals}, {"t", values}, {"limit", limit}};
+}
+
+Json sample_size_json(const UpdatingProblem& problem, const IterationRecord& last) {
+  const auto p = static_cast<int>(problem.model.outputs().size());
+  const auto n_test = static_cast<int>(problem.tests.values.rows());
+  const auto n_model = static_cast<int>(last.cloud.valid().outputs.rows());
+  const bool has_critical = n_test + n_model > p + 1;
+  return {{"alpha", problem.level},
+          {"n_test", n_test},
+          {"n_model", n_model},
+          {"t_critical", has_critical ? Json(hotelling_t_critical(n_test, n_model, p, problem.level)) : Json(nullptr)},
+          {"monte_carlo_error",
+           to_json(last.output_covariance.diagonal().cwiseSqrt() / std::sqrt(static_cast<double>(n_model)))},
+          {"curve", t_curve_json(p, problem.level, std::max(2000, 2 * (n_test + n_model)))}};
+}
+
+Json correlation_intervals_json(const ParameterIntervals& intervals) {
+  Json rows = Json::array();
+  for (Eigen::Index i = 0; i < intervals.correlation_lower.rows(); ++i) {
+    Json row = Json::array();
+    for (Eigen::Index j = 0; j < intervals.correlation_lower.cols(); ++j) {
+      row.push_back({number_json(intervals.correlation_lower(i, j)), number_json(intervals.correlation_upper(i, j))});
+    }
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+Json specimens_json(const UpdatingResult& result) {
+  if (!result.specimens) return nullptr;
+  return {{"parameters", to_json_rows(result.specimens->parameters)},
+          {"residuals", to_json_rows(result.specimens->residuals)}};
+}
+
+void add_updated_parameters(Json& parameters, const UpdatingProblem& problem, const UpdatingResult& result) {
+  parameters["mean"] = to_json(result.mean);
+  parameters["std"] = to_json(result.covariance.diagonal().cwiseSqrt());
+  parameters["covariance"] = to_json_rows(result.covariance);
+  parameters["is_population"] = result.is_population;
+  parameters["mean_ci95"] = result.intervals ? to_json_rows(result.intervals->mean) : Json(nullptr);
+  parameters["std_ci95"] = result.intervals ? to_json_rows(result.intervals->std) : Json(nullptr);
+  parameters["correlation_ci95"] = result.intervals ? correlation_intervals_json(*result.intervals) : Json(nullptr);
+  parameters["mean_curvature_bias"] = result.curvature_bias.size() > 0 ? to_json(result.curvature_bias) : Json(nullptr);
+  parameters["intervals_by"] = result.intervals ? Json(result.intervals->made_by) : Json(nullptr);
+  Json at_bound = Json::array();
+  for (const int side : problem.space.active_bounds(result.mean)) {
+    at_bound.push_back(side == 0 ? Json(nullptr) : Json(side < 0 ? "lower" : "upper"));
+  }
+  parameters["at_bound"] = at_bound;
+}
+
+void add_test_outputs(Json& outputs, const TestMoments& tests, const UpdatingResult& result) {
+  Json counts = Json::array();
+  for (const int count : tests.count) counts.push_back(count);
+  outputs["test_count"] = counts;
+  outputs["test_mean"] = to_json(tests.mean);
+  outputs["test_covariance"] = to_json_rows(tests.covariance);
+  outputs["initial_mean"] = to_json(result.history.front().output_mean);
+  outputs["initial_covariance"] = to_json_rows(result.history.front().output_covariance);
+  outputs["final_mean"] = to_json(result.history.back().output_mean);
+  outputs["final_covariance"] = to_json_rows(result.history.back().output_covariance);
+}
+
+/// The model's error: standard deviation, what the tests say of its shift, and the standard error of that.
+void add_model_error(Json& outputs, const UpdatingResult& result) {
+  outputs["model_error_std"] = nullptr;
+  outputs["model_error"] = nullptr;
+  if (!result.model_error) return;
+  const ModelError& error = *result.model_error;
+  outputs["model_error_std"] = to_json(error.std);
+  Json list = Json::array();
+  for (Eigen::Index k = 0; k < error.shift.size(); ++k) {
+    list.push_back({{"shift", number_json(error.shift(k))},
+                    {"standard_error", number_json(std::sqrt(std::max(error.covariance(k, k), 0.0)))}});
+  }
+  outputs["model_error"] = std::move(list);
+}
+
+Json options_json(const Study& study, const UpdatingProblem& problem, const Updater& method) {
+  Json options = {
+      {"samples", problem.cloud.samples}, {"samples_rule", study.update.has_automatic_samples ? "auto" : "given"},
+      {"iterations", problem.iterations}, {"tolerance", problem.tolerance},
+      {"level", problem.level},           {"max_failed", problem.cloud.most_failed}};
+  for (const auto& [name, value] : method.options()) {
+    std::visit([&options, &name = name](const auto& held) { options[name] = held; }, value);
+  }
+  return options;
+}
+
+}  // namespace
+
+Json number_json(double value) {
+  return std::isfinite(value) ? Json(value) : Json(nullptr);
+}
+
+Json to_json(const Eigen::Ref<const Eigen::VectorXd>& values) {
+  Json list = Json::array();
+  for (const double value : values) list.push_back(number_json(value));
+  return list;
+}
+
+Json to_json_rows(const Eigen::Ref<const Eigen::MatrixXd>& values) {
+  Json rows = Json::array();
+  for (Eigen::Index i = 0; i < values.rows(); ++i) rows.push_back(to_json(values.row(i).transpose()));
+  return rows;
+}
+
+Json result_head(const Study& study, const std::string& command) {
+  return {{"schema", 1},        {"mottle", version()},  {"title", study.title},
+          {"command", command}, {"units", study.units}, {"seed", study.seed}};
+}
+
+Json outputs_json(const std::vector<Output>& outputs) {
+  Json names = Json::array();
+  Json units = Json::array();
+  for (const Output& output : outputs) {
+    names.push_back(output.name);
+    units.push_back(output.unit);
+  }
+  return {{"names", names}, {"units", units}};
+}
+
+void add_cloud_analysis(Json& result, const Cloud& regressed, const Cloud& ranked) {
+  const Cloud::Valid last = regressed.valid();
+  const Cloud::Valid first = ranked.valid();
+  const Eigen::Index q = last.samples.cols();
+  const Eigen::Index quadratic_terms = 1 + 2 * q + q * (q - 1) / 2;
+  result["regression"] = nullptr;
+  if (last.samples.rows() > q + 1) {
+    try {
+      const LinearRegression fit = linear_regression(last.samples, last.outputs);
+      result["regression"] = {{"sensitivity", to_json_rows(fit.sensitivity)},
+                              {"standard_error", to_json_rows(fit.standard_error)},
+                              {"r_squared", to_json(fit.r_squared)},
+                              {"condition", number_json(fit.condition)},
+                              {"largest_leverage", number_json(fit.leverage.maxCoeff())}};
+      if (last.samples.rows() > 2 * quadratic_terms) {
+        const QuadraticRegression quadratic = quadratic_regression(last.samples, last.outputs);
+        result["regression"]["r_squared_quadratic"] = to_json(quadratic.r_squared);
+      }
+    } catch (const InvalidInput&) {
+      // Points given by hand may not span all parameters: there is then no sensitivity to report.
+    }
+  }
+  result["spearman"] = first.samples.rows() >= 3 ? to_json_rows(spearman(first.samples, first.outputs)) : Json(nullptr);
+}
+
+Json ellipses_json(const Eigen::Ref<const Eigen::VectorXd>& mean, const Eigen::Ref<const Eigen::MatrixXd>& covariance) {
+  Json list = Json::array();
+  if (mean.size() < 2 || !covariance.allFinite()) return list;
+  for (const Ellipse& ellipse : pairwise_ellipses(mean, covariance, k_ellipse_sigmas)) {
+    list.push_back({{"first", ellipse.first},
+                    {"second", ellipse.second},
+                    {"centre", to_json(ellipse.centre)},
+                    {"semi_major", ellipse.semi_major},
+                    {"semi_minor", ellipse.semi_minor},
+                    {"angle", ellipse.angle}});
+  }
+  return list;
+}
+
+Json rejected_draws_json(std::int64_t count) {
+  return {
+      {"count", count},
+      {"rule", "a draw with a stiffness or mass <= 0 (damping < 0) is rejected and drawn again from its own stream"}};
+}
+
+Json tracking_json(const std::vector<SampleNote>& notes, std::size_t iteration) {
+  std::map<std::string, std::size_t> counts;
+  for (const SampleNote& note : notes) ++counts[note.text];
+  Json json = Json::array();
+  for (const auto& [text, samples] : counts) {
+    json.push_back({{"iteration", iteration}, {"remark", text}, {"samples", samples}});
+  }
+  return json;
+}
+
+Json failures_json(const std::vector<FailedRun>& failures, std::size_t iteration) {
+  Json list = Json::array();
+  for (const FailedRun& failure : failures) {
+    list.push_back({{"iteration", iteration}, {"sample", failure.sample}, {"reason", failure.reason}});
+  }
+  return list;
+}
+
+namespace {
+
+Json normality_json(const NormalityReport& report, const std::vector<std::string>& names) {
+  Json json = {{"p_value", report.test.p_value},
+               {"level", report.level},
+               {"is_remarkable", report.is_remarkable},
+               {"joint", nullptr},
+               {"parameters", Json::array()}};
+  if (report.test.is_joint_tested) {
+    json["joint"] = {{"henze_zirkler", report.test.henze_zirkler}, {"p_value", report.test.henze_zirkler_p}};
+  }
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const VariableNormality& variable = report.test.variables[i];
+    Json own = {{"name", names[i]}, {"reliability", variable.reliability}, {"p_value", nullptr}};
+    if (variable.is_tested) {
+      own["p_value"] = variable.probabilities.p_value;
+      own["shapiro_wilk"] = variable.statistics.shapiro_wilk;
+      own["skewness"] = variable.statistics.skewness;
+      own["two_batches"] = {{"statistic", variable.statistics.two_batches},
+                            {"p_value", variable.probabilities.two_batches}};
+    }
+    own["suggestion"] = report.suggestions[i].empty() ? Json(nullptr) : Json(report.suggestions[i]);
+    json["parameters"].push_back(std::move(own));
+  }
+  return json;
+}
+
+}  // namespace
+
+Json update_result_json(const Study& study, const StudyTests& tests, const UpdatingProblem& problem,
+                        const Updater& method, const UpdatingResult& result) {
+  const TestMoments moments = test_moments(problem.tests);
+  const IterationRecord& first = result.history.front();
+  const IterationRecord& last = result.history.back();
+  Json json = result_head(study, "update");
+  json["method"] = study.update.method;
+  json["status"] = status_text(result.status);
+  json["message"] = result.message;
+  json["parameters"] = parameters_json(problem.space);
+  add_updated_parameters(json["parameters"], problem, result);
+  json["outputs"] = outputs_json(problem.model.outputs());
+  add_test_outputs(json["outputs"], moments, result);
+  json["iterations"] = Json::array();
+  Json failures = Json::array();
+  Json tracking = Json::array();
+  std::int64_t rejected = 0;
+  for (std::size_t i = 0; i < result.history.size(); ++i) {
+    json["iterations"].push_back(iteration_json(result.history[i], i));
+    for (Json& failure : failures_json(result.history[i].failures, i)) failures.push_back(std::move(failure));
+    for (Json& remark : tracking_json(result.history[i].notes, i)) tracking.push_back(std::move(remark));
+    rejected += result.history[i].rejected_draws;
+  }
+  json["outliers"] = Json::array();
+  for (const Outlier& outlier : result.outliers) {
+    json["outliers"].push_back(
+        {{"specimen", outlier.sample + 1}, {"distance", outlier.distance}, {"p_value", outlier.p_value}});
+  }
+  json["normality"] = result.normality ? normality_json(*result.normality, problem.space.names()) : Json(nullptr);
+  json["other_solutions"] = Json::array();
+  for (const Eigen::VectorXd& other : result.other_solutions) json["other_solutions"].push_back(to_json(other));
+  json["specimens"] = specimens_json(result);
+  json["outputs"]["noise_std"] =
+      result.noise_covariance.size() > 0 ? to_json(result.noise_covariance.diagonal().cwiseSqrt()) : Json(nullptr);
+  add_model_error(json["outputs"], result);
+  json["test_ellipses"] = ellipses_json(moments.mean, moments.covariance);
+  add_cloud_analysis(json, last.cloud, first.cloud);
+  json["sample_size"] = sample_size_json(problem, last);
+  json["verdict"] = verdict_json(judge(problem, result));
+  const std::optional<Identifiability> seen = identify(problem, result);
+  json["identifiability"] = seen ? identifiability_json(*seen, problem.space.names()) : Json(nullptr);
+  json["model_evaluations"] = result.model_evaluations;
+  json["rejected_draws"] = rejected_draws_json(rejected);
+  json["failed_evaluations"] = failures;
+  json["tracking"] = tracking;
+  json["options"] = options_json(study, problem, method);
+  json["notes"] = result.notes;
+  for (const std::string& note : tests.notes) json["notes"].push_back(note);
+  return json;
+}
+
+std::string pretty(const Json& json) {
+  return json.dump(1, ' ', false, Json::error_handler_t::replace) + '\n';
+}
+
+}  // namespace mottle

@@ -1,0 +1,116 @@
+#include "mottle/study/results/run_folder.hpp"
+
+#include <chrono>
+#include <iterator>
+
+#include "mottle/core/files.hpp"
+
+namespace mottle {
+namespace {
+
+constexpr const char* k_mark = "README.txt";
+constexpr const char* k_mark_text =
+    "Results of an earlier run. A later run in the folder above has not come to its end; when one does, these go.\n";
+
+}  // namespace
+
+const std::vector<std::string>& result_names() {
+  static const std::vector<std::string> names = {"report.html", "history.csv", "cloud-initial.csv", "cloud-final.csv",
+                                                 "clouds.csv",  "cloud.csv",   "pairing.csv",       "prediction.csv",
+                                                 "modes.json",  "result.json"};
+  return names;
+}
+
+RunFolder::RunFolder(std::filesystem::path folder) : folder_(std::move(folder)) {
+  make_writable_folder(folder_);
+}
+
+void RunFolder::write(const std::string& name, const std::string& bytes) const {
+  write_file_atomically(file(name), bytes);
+}
+
+std::vector<std::string> RunFolder::set_aside(const std::vector<std::string>& names) const {
+  std::vector<std::string> there;
+  // Files without it are what a run that did not come to its end had written: they are written over.
+  if (!std::filesystem::is_regular_file(file("result.json")) && !std::filesystem::exists(file("diagnosis.json")))
+    return there;
+  for (const std::string& name : names) {
+    if (std::filesystem::is_regular_file(file(name))) there.push_back(name);
+  }
+  if (there.empty()) return there;
+  const std::filesystem::path previous = file(k_previous);
+  const std::filesystem::path mark = previous / k_mark;
+  require(!std::filesystem::exists(previous) || std::filesystem::exists(mark),
+          "{}: earlier results go there, but something else has that name; rename it, or name another place with --out",
+          previous.string());
+  std::filesystem::create_directories(previous);
+  write_file_atomically(mark, k_mark_text);
+  for (const std::string& name : names) std::filesystem::remove(previous / name);
+  for (const std::string& name : there) std::filesystem::rename(file(name), previous / name);
+  return there;
+}
+
+void RunFolder::restore(const std::vector<std::string>& names) const {
+  std::error_code ignored;  // what cannot be moved back is still in the other folder
+  for (const std::string& name : names) std::filesystem::rename(file(k_previous) / name, file(name), ignored);
+  forget_previous({});
+}
+
+void RunFolder::forget_previous(const std::vector<std::string>& names) const {
+  std::error_code ignored;  // what stays behind says what it is
+  const std::filesystem::path previous = file(k_previous);
+  const std::filesystem::path mark = previous / k_mark;
+  if (!std::filesystem::exists(mark, ignored)) return;
+  for (const std::string& name : names) std::filesystem::remove(previous / name, ignored);
+  const std::filesystem::directory_iterator files(previous, ignored);
+  if (std::distance(begin(files), end(files)) > 1) return;
+  std::filesystem::remove(mark, ignored);
+  std::filesystem::remove(previous, ignored);
+}
+
+void RunFolder::finish() const {
+  std::error_code ignored;  // a journal that stays behind does no harm
+  std::filesystem::remove(journal(), ignored);
+  forget_previous(result_names());
+}
+
+void RunFolder::discard() const {
+  std::error_code ignored;  // what cannot be taken away does no harm
+  std::filesystem::remove(journal(), ignored);
+  std::filesystem::remove(file("mottle.log"), ignored);
+}
+
+double steady_seconds() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+LogObserver::LogObserver(const std::filesystem::path& file, ProgressObserver* next, bool append)
+    : stream_(std::fopen(file.c_str(), append ? "a" : "w")), next_(next), start_(steady_seconds()) {
+  require(stream_ != nullptr, "{}: cannot be written", file.string());
+}
+
+LogObserver::~LogObserver() {
+  std::fclose(stream_);
+}
+
+void LogObserver::line(const char* kind, const std::string& text) {
+  std::fputs(fmt::format("{:9.3f} s  {}{}\n", steady_seconds() - start_, kind, text).c_str(), stream_);
+  std::fflush(stream_);
+}
+
+void LogObserver::progress(const std::string& stage, std::int64_t done, std::int64_t total) {
+  line("", fmt::format("{}: {} of {}", stage, done, total));
+  if (next_ != nullptr) next_->progress(stage, done, total);
+}
+
+void LogObserver::warning(const std::string& text) {
+  line("warning: ", text);
+  if (next_ != nullptr) next_->warning(text);
+}
+
+void LogObserver::note(const std::string& text) {
+  line("", text);
+  if (next_ != nullptr) next_->note(text);
+}
+
+}  // namespace mottle

@@ -1,0 +1,13 @@
+// How the samples of a run were solved, told in result.json and in the log.
+#pragma once
+
+#include "mottle/core/run_context.hpp"
+#include "mottle/model/model.hpp"
+#include "study/results/result_json.hpp"
+
+namespace mottle {
+
+/// Sets "reduction" (null where no reduced model was used) and adds a sentence to "notes" and, with times, to the log.
+void tell_solver_use(const SolverUse& use, Json& result, const RunContext& context);
+
+}  // namespace mottle

@@ -1,0 +1,11 @@
+// [surrogate] of a study and of its results.
+#pragma once
+
+#include "study/results/result_json.hpp"
+
+namespace mottle {
+
+/// `surrogate` of result.json: the rounds of an update by surrogate.
+Json surrogate_json(const SurrogateSettings& settings, const SurrogateUpdate& update);
+
+}  // namespace mottle

@@ -1,0 +1,105 @@
+#include "study/tests/pair_modes.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "mottle/core/text.hpp"
+#include "study/tests/specimen_pairing.hpp"
+
+namespace mottle {
+namespace {
+
+/// By the format the numbers at a node are in its own axes, but some programs write them in the global ones.
+void settle_axes(const ModalModel& model, MeasuredModes& modes, std::vector<std::string>& notes) {
+  constexpr double k_telling = 0.01;  // a mode
+  MeasuredModes global = modes;
+  for (MeasuredComponent& component : global.components) component.direction = Eigen::Vector3d::Unit(component.axis);
+  const double own_total = total_mac(model, modes);
+  const double global_total = total_mac(model, global);
+  const double needed = k_telling * static_cast<double>(modes.frequencies.size());
+  const bool is_global = global_total > own_total + needed;
+  const bool is_told = std::abs(global_total - own_total) > needed;
+  notes.push_back(fmt::format("{}: shapes taken in {} (sum of MAC {:.2f}, in {} {:.2f}){}.", modes.file,
+                              is_global ? "global axes" : "the nodes' own axes", is_global ? global_total : own_total,
+                              is_global ? "the nodes' own" : "global ones", is_global ? own_total : global_total,
+                              is_told ? "" : ", which the shapes do not tell"));
+  if (is_global) modes = std::move(global);
+}
+
+/// The rows of the table as columns.
+struct Table {
+  std::vector<std::array<double, 7>> numbers;
+  std::vector<std::string> files, verdicts, reasons;
+
+  void add(std::size_t specimen, const MeasuredModes& modes, const PairingRow& row) {
+    constexpr double k_none = std::numeric_limits<double>::quiet_NaN();
+    const bool is_there = row.test >= 0;
+    numbers.push_back({static_cast<double>(specimen), static_cast<double>(row.mode),
+                       is_there ? static_cast<double>(row.test + 1) : k_none,
+                       is_there ? modes.frequencies(row.test) : k_none, row.mac, row.second_mac,
+                       is_there ? modes.collinearity(row.test) : k_none});
+    files.push_back(std::filesystem::path(modes.file).filename().string());
+    verdicts.push_back(row.verdict);
+    reasons.push_back(row.reason);
+  }
+
+  std::string csv() const {
+    Eigen::MatrixXd values(static_cast<Eigen::Index>(numbers.size()), 7);
+    for (std::size_t row = 0; row < numbers.size(); ++row) {
+      values.row(static_cast<Eigen::Index>(row)) = Eigen::Map<const Eigen::RowVectorXd>(numbers[row].data(), 7);
+    }
+    return format_csv({"specimen", "mode", "test_mode", "frequency", "mac", "second_mac", "collinearity", "file",
+                       "verdict", "reason"},
+                      values, {files, verdicts, reasons});
+  }
+};
+
+/// The first few of many remarks, and how many more there are.
+void add_note(std::vector<std::string>& notes, const char* what, const std::vector<std::string>& remarks) {
+  constexpr std::size_t k_listed = 8;
+  if (remarks.empty()) return;
+  const auto shown = static_cast<std::ptrdiff_t>(std::min(remarks.size(), k_listed));
+  const std::string more = remarks.size() > k_listed ? fmt::format(" and {} more", remarks.size() - k_listed) : "";
+  notes.push_back(fmt::format("{}: {}{}.", what, join({remarks.begin(), remarks.begin() + shown}), more));
+}
+
+}  // namespace
+
+PairedModes pair_modes(const ModalModel& model, const std::vector<MeasuredModes>& specimens, bool by_mac) {
+  PairedModes paired;
+  paired.values.resize(static_cast<Eigen::Index>(specimens.size()), static_cast<Eigen::Index>(model.outputs().size()));
+  Table table;
+  std::vector<std::string> missing;
+  std::vector<std::string> doubtful;
+  std::vector<std::string> unknown;
+  bool is_fitted = false;
+  for (std::size_t s = 0; s < specimens.size(); ++s) {
+    MeasuredModes modes = specimens[s];
+    if (by_mac && modes.has_own_axes) settle_axes(model, modes, paired.notes);
+    const SpecimenPairing pairing(model, modes, by_mac);
+    pairing.fill(paired.values.row(static_cast<Eigen::Index>(s)));
+    is_fitted = is_fitted || std::count(modes.is_scaled.begin(), modes.is_scaled.end(), false) > 0;
+    if (pairing.unknown_components() > 0) {
+      unknown.push_back(fmt::format("{} of specimen {}", pairing.unknown_components(), s + 1));
+    }
+    for (const PairingRow& row : pairing.rows()) {
+      table.add(s + 1, modes, row);
+      const std::string name = fmt::format("specimen {} mode {}", s + 1, row.mode);
+      if (row.verdict == "missing") missing.push_back(name);
+      if (row.verdict == "doubtful") doubtful.push_back(fmt::format("{} ({})", name, row.reason));
+    }
+  }
+  paired.table = table.csv();
+  add_note(paired.notes, "Modes that were not found", missing);
+  add_note(paired.notes, "Doubtful pairs, used all the same", doubtful);
+  add_note(paired.notes, "Measured components that the model does not have", unknown);
+  if (is_fitted && !model.selection().shape_modes.empty()) {
+    paired.notes.emplace_back(
+        "Shapes without modal mass were scaled to the model's by least squares; their size tells nothing.");
+  }
+  return paired;
+}
+
+}  // namespace mottle

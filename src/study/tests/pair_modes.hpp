@@ -1,0 +1,33 @@
+// Which measured mode of each specimen is which mode of the model, told in a table.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "mottle/model/responses/modal_model.hpp"
+#include "study/tests/measured_modes.hpp"
+
+namespace mottle {
+
+/// Specimens as values of the model's outputs, and how they came about.
+struct PairedModes {
+  Eigen::MatrixXd values = {};          ///< [specimen x output]; nan: not measured
+  std::string table = {};               ///< CSV: a row for each mode of the outputs and each measured mode that is none
+  std::vector<std::string> notes = {};  ///< what is missing, doubtful or left out
+};
+
+/// Pairs every specimen's modes with the reference's by MAC at the measured components and optimal assignment, or by
+/// rank in frequency.
+///
+/// A pair whose MAC is below `minimum_mac` of the outputs is none. A pair is doubtful where its MAC is below 0.8, where
+/// another mode comes within 0.1 of it, or where the modal phase collinearity is below 0.9. Shapes get the reference's
+/// sign; one that is not mass-normalised is scaled to the reference by least squares. An output's component is taken
+/// where the measured directions at its node span it.
+///
+/// Where a file has nodes with axes of their own, its numbers are in those axes by the format, but global in the files
+/// of some programs: the sum of MAC decides, and a note says so.
+///
+/// Throws InvalidInput: no measured component is in the model, by MAC a specimen without shapes.
+PairedModes pair_modes(const ModalModel& model, const std::vector<MeasuredModes>& specimens, bool by_mac);
+
+}  // namespace mottle

@@ -1,0 +1,72 @@
+#include "study/tests/pair_tests.hpp"
+
+#include <limits>
+
+#include "mottle/core/error.hpp"
+#include "mottle/core/text.hpp"
+#include "mottle/dynamics/modes/mac.hpp"
+
+namespace mottle {
+namespace {
+
+constexpr std::size_t k_listed = 8;
+
+/// The first few of many remarks, and how many more there are.
+std::string shorten(const std::vector<std::string>& remarks) {
+  const std::vector<std::string> first(
+      remarks.begin(), remarks.begin() + static_cast<std::ptrdiff_t>(std::min(remarks.size(), k_listed)));
+  return join(first) + (remarks.size() > k_listed ? fmt::format(" and {} more", remarks.size() - k_listed) : "");
+}
+
+}  // namespace
+
+std::vector<std::string> pair_tests(Eigen::MatrixXd& values, const ModalOutputs& selection,
+                                    const Eigen::Ref<const Eigen::MatrixXd>& reference) {
+  const std::vector<int>& modes = selection.shape_modes;
+  require(!modes.empty(),
+          "test.pairing: it needs measured shapes; name them in outputs.shapes, or give pairing = \"order\"");
+  require(selection.frequencies.empty() || selection.frequencies == modes,
+          "test.pairing: outputs.frequencies and outputs.shapes.modes must name the same modes in the same order");
+  const auto count = static_cast<Eigen::Index>(modes.size());
+  const Eigen::Index points = reference.rows();
+  const auto first_shape = static_cast<Eigen::Index>(selection.frequencies.size());
+  const double not_measured = std::numeric_limits<double>::quiet_NaN();
+  std::vector<std::string> moved;
+  std::vector<std::string> doubtful;
+  for (Eigen::Index s = 0; s < values.rows(); ++s) {
+    const Eigen::RowVectorXd row = values.row(s);
+    Eigen::MatrixXd shapes = row.segment(first_shape, count * points).reshaped(points, count);
+    for (Eigen::Index t = 0; t < count; ++t) {
+      if (!shapes.col(t).allFinite()) shapes.col(t).setZero();
+    }
+    const Eigen::MatrixXd cosines = shape_cosines(reference, shapes);
+    const std::vector<int> test_of = optimal_assignment(cosines.cwiseAbs2());
+    for (Eigen::Index m = 0; m < count; ++m) {
+      const Eigen::Index t = test_of[static_cast<std::size_t>(m)];
+      const double mac = cosines(m, t) * cosines(m, t);
+      const bool is_paired = mac >= selection.minimum_mac && mac > 0.0;
+      const double sign = cosines(m, t) < 0.0 ? -1.0 : 1.0;
+      const int number = modes[static_cast<std::size_t>(m)];
+      if (first_shape > 0) values(s, m) = is_paired ? row(t) : not_measured;
+      for (Eigen::Index d = 0; d < points; ++d) {
+        values(s, first_shape + m * points + d) = is_paired ? sign * shapes(d, t) : not_measured;
+      }
+      const int label = modes[static_cast<std::size_t>(t)];
+      if (is_paired && t != m) {
+        moved.push_back(fmt::format("specimen {} mode {} is the model's {} (MAC {:.2f})", s + 1, label, number, mac));
+      } else if (!is_paired && !shapes.col(t).isZero(0.0)) {
+        doubtful.push_back(
+            fmt::format("specimen {} mode {} (best MAC with mode {}: {:.2f})", s + 1, label, number, mac));
+      }
+    }
+  }
+  std::vector<std::string> notes;
+  if (!moved.empty())
+    notes.push_back(fmt::format("Paired by shape, {} modes renumbered: {}.", moved.size(), shorten(moved)));
+  if (!doubtful.empty()) {
+    notes.push_back(fmt::format("Modes that fit none of the model's and are left out: {}.", shorten(doubtful)));
+  }
+  return notes;
+}
+
+}  // namespace mottle

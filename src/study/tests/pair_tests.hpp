@@ -1,0 +1,27 @@
+// Gives measured modes the model's mode numbers, by their shapes.
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "mottle/model/responses/modal_model.hpp"
+
+namespace mottle {
+
+/// Renumbers the modes of every specimen: a test counts its modes as it finds them, the model as the reference does.
+///
+/// Each specimen's shapes are paired with the reference's by MAC and optimal assignment; frequency and shape of a
+/// measured mode move to the number of the mode that it is, turned to the sign of the reference. A pair whose MAC is
+/// below `minimum_mac` is left out (not measured), as is a mode with a missing component.
+///
+/// @param values     [specimen x output], frequencies first, then shapes mode by mode, as ModalModel names them;
+/// changed
+/// @param selection  whose frequencies and shape_modes are the same modes
+/// @param reference  shapes at the outputs' degrees of freedom [degree of freedom x shape mode]
+/// @return           what was changed or left out, a sentence each
+/// @throws InvalidInput  no shapes among the outputs, or other modes than the frequencies'
+std::vector<std::string> pair_tests(Eigen::MatrixXd& values, const ModalOutputs& selection,
+                                    const Eigen::Ref<const Eigen::MatrixXd>& reference);
+
+}  // namespace mottle

@@ -1,0 +1,63 @@
+// One specimen's modes against the model's reference.
+#pragma once
+
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "mottle/model/responses/modal_model.hpp"
+#include "study/tests/measured_modes.hpp"
+
+namespace mottle {
+
+/// A measured component as a sum of the model's degrees of freedom; empty: the model does not have it.
+using Terms = std::vector<std::pair<int, double>>;
+
+/// What of one specimen the model sees.
+struct ShapeComparison {
+  std::vector<Terms> terms;   ///< [component]
+  Eigen::MatrixXd reference;  ///< the model's shapes there; zero where it has no such component [component x mode]
+  Eigen::Index seen = 0;      ///< components that the model has
+  Eigen::MatrixXd cosines;    ///< [reference mode x measured mode]
+};
+
+ShapeComparison compare_shapes(const ModalModel& model, const MeasuredModes& modes);
+
+/// Sum of MAC over the pairs of an optimal assignment.
+double total_mac(const ModalModel& model, const MeasuredModes& modes);
+
+/// A row of the table of pairs.
+struct PairingRow {
+  int mode = 0;            ///< the model's, counted from 1
+  Eigen::Index test = -1;  ///< the specimen's, counted from 0; -1: there is none
+  double mac = 0.0, second_mac = 0.0;
+  std::string verdict, reason = {};
+};
+
+/// Fills a specimen's outputs and its rows of the table.
+class SpecimenPairing {
+ public:
+  /// The arguments must live as long.
+  SpecimenPairing(const ModalModel& model, const MeasuredModes& modes, bool by_mac);
+
+  Eigen::Index unknown_components() const { return modes_.shapes.rows() - comparison_.seen; }
+  void fill(Eigen::Ref<Eigen::RowVectorXd, 0, Eigen::InnerStride<>> row) const;
+  std::vector<PairingRow> rows() const;
+
+ private:
+  std::string doubt(int reference, Eigen::Index test) const;
+  double value_of(int mode, const Eigen::VectorXd& values) const;
+  double second(int reference, Eigen::Index test) const;
+  double fitted_scale(int reference, Eigen::Index test) const;
+  double scale_of(int reference, Eigen::Index test) const;
+  double component(const std::string& name, Eigen::Index test) const;
+
+  const ModalModel& model_;
+  const MeasuredModes& modes_;
+  ShapeComparison comparison_;
+  Eigen::MatrixXd mac_;
+  std::map<int, Eigen::Index> assigned_;  // measured mode of each reference mode
+};
+
+}  // namespace mottle

@@ -1,0 +1,154 @@
+#include "study/tests/unit_errors.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "mottle/core/text.hpp"
+#include "mottle/dynamics/modes/mode_set.hpp"
+
+namespace mottle {
+namespace {
+
+struct UnitFactor {
+  double value;  ///< of the tests' frequencies over the model's
+  const char* name;
+  const char* remedy;
+};
+
+constexpr double k_two_pi = 2.0 * std::numbers::pi;
+constexpr std::array k_unit_factors = {
+    UnitFactor{k_two_pi, "2 pi", "are the tests in rad/s? Divide them by 2 pi."},
+    UnitFactor{1.0 / k_two_pi, "1/(2 pi)",
+               "is it the model that gives rad/s, or were the tests divided by 2 pi twice?"},
+    UnitFactor{1000.0, "1000",
+               "are the tests in mHz, or the model's moduli in MPa where its lengths and masses want Pa?"},
+    UnitFactor{1.0 / 1000.0, "1/1000",
+               "are the tests in kHz, or the model's moduli in Pa where its lengths and masses want MPa?"}};
+
+/// What parameters that are still to be updated may move a frequency by, beside the unit.
+constexpr double k_near = 1.5;
+
+/// Natural frequencies of the outputs' modes, by number; empty where the model gives none there.
+Eigen::VectorXd frequencies_at(const ModalModel& model, const Eigen::VectorXd& parameters) {
+  const auto count = static_cast<Eigen::Index>(model.selection().frequencies.size());
+  try {
+    const ModeSet modes = model.structure().modes_at(parameters, model.highest_mode());
+    if (modes.eigenvalues.size() < model.highest_mode() || !modes.eigenvalues.allFinite()) return {};
+    const double scale = modes.eigenvalues.cwiseAbs().maxCoeff();
+    Eigen::VectorXd frequencies(count);
+    for (Eigen::Index k = 0; k < count; ++k) {
+      const int mode = model.selection().frequencies[static_cast<std::size_t>(k)];
+      frequencies(k) = natural_frequency_hz(modes.eigenvalues(mode - 1), scale);
+    }
+    return frequencies;
+  } catch (const InvalidInput&) {
+  } catch (const SystemFailure&) {
+  }
+  return {};
+}
+
+/// Means of the tested frequencies, nan where never measured; a factor on all changes no ratio between them.
+Eigen::VectorXd tested_frequencies(const ModalModel& model, const TestData& tests) {
+  Eigen::VectorXd means(static_cast<Eigen::Index>(model.selection().frequencies.size()));
+  for (Eigen::Index k = 0; k < means.size(); ++k) {
+    const Eigen::ArrayXd column = tests.values.col(k).array();
+    means(k) = column.isNaN().select(0.0, column).sum() / static_cast<double>((!column.isNaN()).count());
+  }
+  return means;
+}
+
+/// ln of tested over computed, of the frequencies that are positive in both.
+std::vector<double> log_ratios(const Eigen::VectorXd& tested, const Eigen::VectorXd& computed) {
+  std::vector<double> ratios;
+  for (Eigen::Index k = 0; k < computed.size(); ++k) {
+    if (tested(k) > 0.0 && computed(k) > 0.0) ratios.push_back(std::log(tested(k) / computed(k)));
+  }
+  return ratios;
+}
+
+double mean_of(const std::vector<double>& values) {
+  double sum = 0.0;
+  for (const double value : values) sum += value;
+  return sum / static_cast<double>(values.size());
+}
+
+const UnitFactor* find_factor(const std::vector<double>& ratios) {
+  for (const UnitFactor& factor : k_unit_factors) {
+    const auto near = std::count_if(ratios.begin(), ratios.end(), [&](double ratio) {
+      return std::abs(ratio - std::log(factor.value)) <= std::log(k_near);
+    });
+    if (!ratios.empty() && 4 * static_cast<std::size_t>(near) >= 3 * ratios.size()) return &factor;
+  }
+  return nullptr;
+}
+
+/// Quantile of a parameter's prior within what is physically possible.
+double possible_quantile(const ParameterSpace& space, Eigen::Index i, double probability) {
+  const auto place = static_cast<std::size_t>(i);
+  const Distribution& prior = space.prior().marginals()[place];
+  const double impossible = prior.cdf(space.parameters()[place].limit.lower);
+  return prior.quantile(impossible + probability * (1.0 - impossible));
+}
+
+/// The softest (stiffest) model that the prior of the first `parameters` allows (candidates of a diagnosis follow
+/// them); empty where it gives no frequencies.
+Eigen::VectorXd extreme_frequencies(const StudyModel& made, Eigen::Index parameters, const Eigen::VectorXd& tested,
+                                    bool is_soft) {
+  constexpr double k_tail = 0.001;
+  const Eigen::VectorXd mean = made.space->prior().mean();
+  const double middle = mean_of(log_ratios(tested, frequencies_at(*made.model, mean)));
+  Eigen::VectorXd corner = mean;
+  for (Eigen::Index i = 0; i < parameters; ++i) {
+    Eigen::VectorXd upper = mean;
+    upper(i) = possible_quantile(*made.space, i, 1.0 - k_tail);
+    const std::vector<double> ratios = log_ratios(tested, frequencies_at(*made.model, upper));
+    if (ratios.empty()) return {};
+    const bool is_softened = mean_of(ratios) > middle;
+    corner(i) = is_softened == is_soft ? upper(i) : possible_quantile(*made.space, i, k_tail);
+  }
+  return frequencies_at(*made.model, corner);
+}
+
+/// "f1: 1 against 0.204, f2: ..." of the first few.
+std::string listed(const ModalModel& model, const Eigen::VectorXd& tested, const Eigen::VectorXd& computed) {
+  constexpr Eigen::Index k_listed = 3;
+  std::vector<std::string> parts;
+  for (Eigen::Index k = 0; k < std::min(k_listed, computed.size()); ++k) {
+    parts.push_back(fmt::format("{} {:.4g} against {:.4g} {}", model.outputs()[static_cast<std::size_t>(k)].name,
+                                tested(k), computed(k), model.selection().frequency_unit));
+  }
+  return join(parts) + (computed.size() > k_listed ? ", ..." : "");
+}
+
+}  // namespace
+
+void refuse_unit_errors(const Study& study, const StudyModel& made, const StudyTests& tests) {
+  const ModalModel& model = *made.model;
+  const Eigen::VectorXd tested = tested_frequencies(model, tests.data);
+  const ModeSet& reference = model.reference_modes();
+  Eigen::VectorXd computed(tested.size());
+  for (Eigen::Index k = 0; k < computed.size(); ++k) {
+    const int mode = model.selection().frequencies[static_cast<std::size_t>(k)];
+    computed(k) = natural_frequency_hz(reference.eigenvalues(mode - 1), reference.eigenvalues.cwiseAbs().maxCoeff());
+  }
+  if (find_factor(log_ratios(tested, computed)) == nullptr) return;
+  computed = frequencies_at(model, made.space->prior().mean());  // modes may be numbered at other parameters
+  const std::vector<double> ratios = log_ratios(tested, computed);
+  const UnitFactor* const factor = find_factor(ratios);
+  if (factor == nullptr) return;
+  const std::vector<double> left = log_ratios(
+      tested,
+      extreme_frequencies(made, static_cast<Eigen::Index>(study.parameters.list.size()), tested, factor->value < 1.0));
+  const bool can_prior_give = left.empty() || (factor->value < 1.0 ? mean_of(left) >= 0.0 : mean_of(left) <= 0.0);
+  if (can_prior_give) return;
+  throw InvalidInput(located(
+      study, fmt::format("test.file: {}: the frequencies are {:.4g} times the model's at the prior's mean ({}), and no "
+                         "parameters that the prior allows give them. The factor is near {}, which a wrong unit makes: "
+                         "{} If the model is really so far off, widen the prior.",
+                         tests.file, std::exp(mean_of(ratios)), listed(model, tested, computed), factor->name,
+                         factor->remedy)));
+}
+
+}  // namespace mottle

@@ -1,0 +1,95 @@
+// What the tests can see of parameters and candidates: sizes and angles of their sensitivities.
+#include <Eigen/Eigenvalues>
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+
+#include "updating/diagnosis/candidate_fits.hpp"
+
+namespace mottle {
+namespace {
+
+/// dy/dx of every parameter and candidate at x [output x parameter]; 0 where the model fails on both sides.
+Eigen::MatrixXd sensitivity_at(CandidateFits& fits, const Eigen::VectorXd& x) {
+  Eigen::MatrixXd slope = fits.derivatives_at(Eigen::MatrixXd(x.transpose())).front();
+  for (auto column : slope.colwise()) {
+    if (!column.allFinite()) column.setZero();
+  }
+  return slope;
+}
+
+/// C^-1/2; directions without variance to rounding count with the smallest that there is.
+Eigen::MatrixXd whitener(const Eigen::MatrixXd& covariance) {
+  constexpr double k_least = 1e-10;
+  const Eigen::VectorXd deviation = covariance.diagonal().cwiseMax(1e-300).cwiseSqrt();
+  const Eigen::MatrixXd correlation =
+      deviation.cwiseInverse().asDiagonal() * covariance * deviation.cwiseInverse().asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(correlation);
+  const Eigen::VectorXd root = solver.eigenvalues().cwiseMax(k_least).cwiseSqrt().cwiseInverse();
+  return root.asDiagonal() * solver.eigenvectors().transpose() * deviation.cwiseInverse().asDiagonal();
+}
+
+/// What a direction keeps when the span of `others` is taken from it.
+Eigen::VectorXd own_part(const Eigen::MatrixXd& others, const Eigen::VectorXd& direction) {
+  if (others.cols() == 0) return direction;
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> factor;
+  factor.setThreshold(1e-8);
+  factor.compute(others * others.colwise().norm().cwiseMax(1e-300).cwiseInverse().asDiagonal());
+  const Eigen::MatrixXd q = factor.householderQ() * Eigen::MatrixXd::Identity(others.rows(), factor.rank());
+  return direction - q * (q.transpose() * direction);
+}
+
+}  // namespace
+
+DetectabilityAnalysis analyse_detectability(CandidateFits& fits, const SetFit& base) {
+  const ParameterSpace& space = fits.problem().space;
+  const Eigen::Index given = fits.settings().given;
+  const Eigen::Index all = space.count();
+  Eigen::VectorXd x = space.prior().mean();
+  x.head(given) = base.mean;
+  const Eigen::MatrixXd slope = sensitivity_at(fits, x);
+  const Eigen::MatrixXd reached = slope.leftCols(given);
+  Eigen::MatrixXd total = reached * base.covariance * reached.transpose();
+  total.diagonal() += base.fit.noise;
+  const Eigen::VectorXd scale = space.prior().covariance().diagonal().cwiseSqrt();
+  const double root_n = std::sqrt(static_cast<double>(fits.specimens()));
+  const Eigen::MatrixXd white = root_n * whitener(total) * slope * scale.asDiagonal();
+  const Eigen::VectorXi active = space.active_bounds(x);
+  DetectabilityAnalysis analysis;
+  Eigen::MatrixXd parts(white.rows(), all - given);
+  for (Eigen::Index i = 0; i < all; ++i) {
+    std::vector<Eigen::Index> others;  // that are free to imitate it
+    for (Eigen::Index j = 0; j < given; ++j) {
+      if (j != i && active(j) == 0) others.push_back(j);
+    }
+    const Eigen::VectorXd own = own_part(white(Eigen::all, others), white.col(i));
+    Detectability detectability{space.parameters()[static_cast<std::size_t>(i)].name, space.prior().mean()(i),
+                                scale(i)};
+    detectability.visibility = white.col(i).norm();
+    detectability.own_share =
+        detectability.visibility > 0.0 ? std::min(own.norm() / detectability.visibility, 1.0) : 0.0;
+    if (detectability.own_share < 1e-6) detectability.own_share = 0.0;
+    detectability.inflation = 1.0 / (detectability.own_share * detectability.own_share);
+    analysis.all.push_back(std::move(detectability));
+    if (i < given) continue;
+    const double length = own.norm();
+    const bool is_seen = analysis.all.back().own_share > 0.0;
+    parts.col(i - given) = is_seen ? Eigen::VectorXd(own / length) : Eigen::VectorXd(Eigen::VectorXd::Zero(own.size()));
+  }
+  analysis.cosines = parts.transpose() * parts;
+  std::vector<Eigen::Index> free;
+  for (Eigen::Index j = 0; j < given; ++j) {
+    if (active(j) == 0) free.push_back(j);
+  }
+  Eigen::Index rank = 0;
+  if (!free.empty()) {
+    Eigen::ColPivHouseholderQR<Eigen::MatrixXd> factor;
+    factor.setThreshold(1e-8);
+    factor.compute(white(Eigen::all, free));
+    rank = factor.rank();
+  }
+  analysis.judging = white.rows() - rank;
+  return analysis;
+}
+
+}  // namespace mottle

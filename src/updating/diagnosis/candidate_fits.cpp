@@ -1,0 +1,229 @@
+#include "updating/diagnosis/candidate_fits.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "mottle/core/error.hpp"
+#include "mottle/stats/distributions/chi_squared.hpp"
+#include "updating/methods/scaled_parameters.hpp"
+#include "updating/population/model_error.hpp"
+#include "updating/population/population_report.hpp"
+
+namespace mottle {
+namespace {
+
+/// Plain maximum likelihood wants few rows of its own: the noise that the given parameters and one more leave over.
+NoiseModel common_noise(const UpdatingProblem& problem, const TestData& tests, Eigen::Index given) {
+  std::vector<Eigen::Index> members;
+  const Eigen::Index judged = std::min(given + 1, problem.space.count());
+  for (Eigen::Index i = 0; i < judged; ++i) members.push_back(i);
+  const Eigen::Index p = tests.values.cols();
+  const bool is_known = (tests.repeatability_std.array() > 0.0).all();
+  require(is_known || p != judged,
+          "diagnose: {} outputs leave no room to tell the noise from a candidate beside {} parameters; give [test] "
+          "repeatability",
+          p, given);
+  const ParameterSpace space = part_of(problem.space, members);
+  const UpdatingProblem part{.model = problem.model, .space = space, .tests = tests};
+  return noise_model(part, {});
+}
+
+double likelihood_ratio_p(double gain, bool is_freed) {
+  const double ratio = std::max(2.0 * gain, 0.0);
+  const double one = chi_squared_upper_tail(ratio, 1.0);
+  return is_freed ? 0.5 * (one + chi_squared_upper_tail(ratio, 2.0)) : one;
+}
+
+}  // namespace
+
+ParameterSet ParameterSet::with(Eigen::Index member, bool is_freed) const {
+  ParameterSet more = *this;
+  more.members.push_back(member);
+  more.has_scatter.push_back(is_freed);
+  return more;
+}
+
+CandidateFits::CandidateFits(const UpdatingProblem& problem, const DiagnosisSettings& settings,
+                             const RunContext& context)
+    : problem_(problem),
+      settings_(settings),
+      context_(context),
+      signs_(shape_signs(problem.model.outputs(), problem.tests.values)),
+      tests_(problem.tests) {
+  turn_shapes(signs_, tests_.values);
+  noise_ = common_noise(problem, tests_, settings.given);
+  // An estimated level would take up whatever a candidate explains of the means: only a given error is used here.
+  if (!tests_.is_model_error_estimated) model_error_ = model_error_model(problem);
+}
+
+bool CandidateFits::has_room_for(Eigen::Index count) const {
+  return noise_.factors == 0 || tests_.values.cols() > count;
+}
+
+std::vector<int> CandidateFits::groups_of(const ParameterSet& set) const {
+  std::vector<int> groups;
+  int next = 0;
+  for (const int group : problem_.covariance_groups) next = std::max(next, group + 1);
+  next = std::max(next, 1);
+  for (const Eigen::Index member : set.members) {
+    const bool is_given = member < settings_.given;
+    const bool is_free = problem_.covariance_groups.empty();
+    groups.push_back(!is_given ? next++ : is_free ? 0 : problem_.covariance_groups[static_cast<std::size_t>(member)]);
+  }
+  return groups;
+}
+
+PopulationFit CandidateFits::fit_from(const UpdatingProblem& part, const ParameterSet& set,
+                                      const Eigen::VectorXd& start) {
+  const PopulationFitSettings rules{.noise = noise_,
+                                    .model_error = model_error_,
+                                    .is_restricted = false,
+                                    .rank_tolerance = settings_.rank_tolerance,
+                                    .iterations = problem_.iterations,
+                                    .tolerance = problem_.tolerance,
+                                    .has_scatter = set.has_scatter,
+                                    .start = start};
+  PopulationFit fit = fit_population(part, tests_.values, rules, context_, [&](const PopulationFit&) {
+    context_.throw_if_stopped();
+    return true;
+  });
+  evaluations_ += fit.evaluations;
+  return fit;
+}
+
+SetFit CandidateFits::fit(const ParameterSet& set, const Eigen::VectorXd& start) {
+  const ParameterSpace space = part_of(problem_.space, set.members);
+  const HeldModel model(problem_, problem_.space.prior().mean(), set.members, signs_);
+  const UpdatingProblem part{.model = model,
+                             .derivatives = model.derivatives(),
+                             .space = space,
+                             .tests = tests_,
+                             .iterations = problem_.iterations,
+                             .level = problem_.level,
+                             .tolerance = problem_.tolerance,
+                             .covariance_groups = groups_of(set)};
+  SetFit result;
+  try {
+    result.fit = fit_from(part, set, start);
+    const auto population = JointDistribution::normal_on_scales(space.scales(), result.fit.mean, result.fit.covariance);
+    result.mean = population.mean();
+    result.covariance = population.covariance();
+    result.deviation = result.covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
+    const Eigen::VectorXi active = space.active_bounds(result.mean);
+    for (std::size_t i = 0; i < set.members.size(); ++i) {
+      if (set.members[i] < settings_.given && active(static_cast<Eigen::Index>(i)) != 0) result.is_within = false;
+    }
+    if (!std::isfinite(result.fit.effects.log_likelihood)) result.failure = "the likelihood is not finite";
+  } catch (const ModelFailure& error) {
+    result.failure = error.what();
+  }
+  return result;
+}
+
+double CandidateFits::distance_beside(const ParameterSet& set, const Eigen::VectorXd& nominal, const TestMoments& tests,
+                                      const Eigen::VectorXd& origin, Eigen::VectorXd& t) {
+  const ParameterSpace space = part_of(problem_.space, set.members);
+  const HeldModel model(problem_, nominal, set.members, signs_);
+  const UpdatingProblem part{.model = model, .derivatives = model.derivatives(), .space = space, .tests = tests_};
+  PriorOnScales prior = prior_on_scales(space);
+  if (origin.size() > 0) prior.mean = origin;
+  try {
+    const SpecimenFits centre = fit_specimens(part, tests.mean.transpose(), {prior.mean, prior.covariance, noise_.base},
+                                              {prior.mean.transpose()}, context_, evaluations_);
+    t = clamp_on_scales(space, centre.points.row(0));
+    const Eigen::VectorXd y = outputs_on_scales(part, t.transpose(), context_, evaluations_).row(0);
+    const Eigen::ArrayXd variance = (tests.covariance.diagonal() + noise_.base).array().max(1e-300);
+    const double distance = ((tests.mean - y).array().square() / variance).sum();
+    return std::isfinite(distance) ? distance : std::numeric_limits<double>::infinity();
+  } catch (const ModelFailure&) {
+    return std::numeric_limits<double>::infinity();
+  }
+}
+
+std::vector<Eigen::VectorXd> CandidateFits::starts_beside(const ParameterSet& set, const SetFit& base,
+                                                          Eigen::Index candidate) {
+  // The given parameters alone may be misled: their prior is then the better place to start from.
+  const bool is_extended = static_cast<Eigen::Index>(set.members.size()) > settings_.given;
+  const Eigen::VectorXd origin = is_extended ? base.fit.mean : Eigen::VectorXd();
+  constexpr double k_steps[] = {0.0, -2.0, 2.0, 5.0, 10.0, 15.0};  // of the candidate's prior deviation
+  constexpr double k_alike = 0.01;                                 // squared deviations of the tests, all outputs
+  constexpr std::size_t k_most = 4;
+  const TestMoments tests = test_moments(tests_);
+  const double scale = std::sqrt(problem_.space.prior().covariance()(candidate, candidate));
+  const Parameter& parameter = problem_.space.parameters()[static_cast<std::size_t>(candidate)];
+  std::vector<std::pair<double, Eigen::VectorXd>> found;
+  double best = std::numeric_limits<double>::infinity();
+  for (const double step : k_steps) {
+    Eigen::VectorXd nominal = problem_.space.prior().mean();
+    nominal(candidate) += step * scale;
+    if (!problem_.space.is_possible(nominal) || nominal(candidate) < parameter.lower_bound ||
+        nominal(candidate) > parameter.upper_bound) {
+      continue;
+    }
+    Eigen::VectorXd t;
+    const double distance = distance_beside(set, nominal, tests, origin, t);
+    if (!std::isfinite(distance)) continue;
+    best = std::min(best, distance);
+    Eigen::VectorXd start(t.size() + 1);
+    start << t, parameter.scale.from_variable(nominal(candidate));
+    found.emplace_back(distance, std::move(start));
+  }
+  std::vector<Eigen::VectorXd> starts;
+  for (auto& [distance, start] : found) {
+    if (distance <= best + k_alike && starts.size() < k_most) starts.push_back(std::move(start));
+  }
+  return starts;
+}
+
+CandidateFit CandidateFits::compare(const ParameterSet& set, const SetFit& base, Eigen::Index candidate, bool is_freed,
+                                    const Eigen::VectorXd& start) {
+  const SetFit more = fit(set.with(candidate, is_freed), start);
+  CandidateFit result;
+  result.is_freed = is_freed;
+  result.failure = more.failure;
+  if (!more.failure.empty()) return result;
+  result.gain = more.fit.effects.log_likelihood - base.fit.effects.log_likelihood;
+  const double added = is_freed ? 2.0 : 1.0;
+  result.bic = added * std::log(static_cast<double>(specimens())) - 2.0 * result.gain;
+  result.p_value = likelihood_ratio_p(result.gain, is_freed);
+  result.adjusted_p = result.p_value;
+  const Eigen::Index last = more.mean.size() - 1;
+  result.mean = more.mean(last);
+  result.deviation = more.deviation(last);
+  result.is_within = more.is_within;
+  result.converged = more.fit.converged;
+  return result;
+}
+
+std::pair<CandidateFit, CandidateFit> CandidateFits::compare_both(const ParameterSet& set, const SetFit& base,
+                                                                  Eigen::Index candidate) {
+  CandidateFit shifted;
+  shifted.failure = "the model fails wherever the candidate was put";
+  Eigen::VectorXd from;
+  for (const Eigen::VectorXd& start : starts_beside(set, base, candidate)) {
+    context_.throw_if_stopped();
+    const CandidateFit next = compare(set, base, candidate, false, start);
+    const bool is_better = shifted.failure.empty() ? next.gain > shifted.gain : true;
+    if (!next.failure.empty() || !is_better) continue;
+    shifted = next;
+    from = start;
+  }
+  CandidateFit freed = shifted;
+  freed.is_freed = true;
+  if (from.size() > 0) freed = compare(set, base, candidate, true, from);
+  return {shifted, freed};
+}
+
+SetFit CandidateFits::fit_beside(const ParameterSet& set, const SetFit& base, Eigen::Index candidate, bool is_freed) {
+  SetFit best;
+  best.failure = "the model fails wherever the candidate was put";
+  for (const Eigen::VectorXd& start : starts_beside(set, base, candidate)) {
+    SetFit next = fit(set.with(candidate, is_freed), start);
+    const bool is_better = !best.failure.empty() || next.fit.effects.log_likelihood > best.fit.effects.log_likelihood;
+    if (next.failure.empty() && is_better) best = std::move(next);
+  }
+  return best;
+}
+
+}  // namespace mottle

@@ -1,0 +1,119 @@
+// The fits that a diagnosis compares: the same tests, the same noise, other sets of parameters.
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "mottle/updating/diagnosis/diagnosis.hpp"
+#include "mottle/updating/methods/iteration.hpp"
+#include "updating/diagnosis/candidate_model.hpp"
+#include "updating/population/population_fit.hpp"
+
+namespace mottle {
+
+/// A set of parameters: those of the problem that are fitted, and which of them scatter.
+struct ParameterSet {
+  std::vector<Eigen::Index> members;
+  std::vector<bool> has_scatter;
+
+  ParameterSet with(Eigen::Index member, bool is_freed) const;
+};
+
+/// One fit of a set.
+struct SetFit {
+  PopulationFit fit;
+  Eigen::VectorXd mean;  ///< on the parameters' own axes [member]
+  Eigen::VectorXd deviation;
+  Eigen::MatrixXd covariance;
+  bool is_within = true;  ///< no mean of a given parameter on a bound
+  std::string failure;    ///< empty: there is a fit
+};
+
+/// A linear random-effects problem and where its estimate starts.
+struct LinearProblem {
+  std::vector<RandomEffectsUnit> units;
+  Eigen::MatrixXd start;
+  RandomEffectsSettings settings;
+};
+
+class CandidateFits {
+ public:
+  CandidateFits(const UpdatingProblem& problem, const DiagnosisSettings& settings, const RunContext& context);
+
+  /// Plain maximum likelihood of a set.
+  ///
+  /// @param start  on the scales [member]; empty: the prior's mean
+  SetFit fit(const ParameterSet& set, const Eigen::VectorXd& start = {});
+
+  /// Where fits of a set and one candidate beside it start: of some values of the candidate, from nominal to far off,
+  /// those at which the set, bounds minded, comes as near to the tests' mean as it can.
+  std::vector<Eigen::VectorXd> starts_beside(const ParameterSet& set, const SetFit& base, Eigen::Index candidate);
+
+  /// The best fit of a set and one candidate beside it, from all of these starts.
+  SetFit fit_beside(const ParameterSet& set, const SetFit& base, Eigen::Index candidate, bool is_freed);
+
+  /// A set's fit and what a candidate beside it gains.
+  CandidateFit compare(const ParameterSet& set, const SetFit& base, Eigen::Index candidate, bool is_freed,
+                       const Eigen::VectorXd& start);
+
+  /// Both kinds of a candidate: shifted from every start, freed from the best of them.
+  std::pair<CandidateFit, CandidateFit> compare_both(const ParameterSet& set, const SetFit& base,
+                                                     Eigen::Index candidate);
+
+  /// dy/dx of every parameter and candidate, [output x parameter] for each sample; nan where the model fails on both
+  /// sides.
+  std::vector<Eigen::MatrixXd> derivatives_at(const Eigen::MatrixXd& samples);
+  /// The same at the specimens of `base`.
+  std::vector<Eigen::MatrixXd> derivatives_at(const SetFit& base, const ParameterSet& set);
+
+  /// The linear models at the specimens of `base`: of the set alone, and with a candidate beside it.
+  ///
+  /// @param derivatives  at these specimens
+  LinearProblem linear_problem(const SetFit& base, const ParameterSet& set) const;
+  LinearProblem linear_problem(const SetFit& base, const ParameterSet& set, Eigen::Index candidate, bool is_freed,
+                               const std::vector<Eigen::MatrixXd>& derivatives) const;
+
+  /// Gain of the freed candidate in the linear models at the specimens of `base`; -1 where there is none.
+  ///
+  /// @param derivatives  at these specimens
+  double linear_gain(const SetFit& base, const ParameterSet& set, Eigen::Index candidate,
+                     const std::vector<Eigen::MatrixXd>& derivatives) const;
+
+  /// Whether more parameters can be put beside `count`: the noise must stay known or have rows to be estimated from.
+  bool has_room_for(Eigen::Index count) const;
+
+  const UpdatingProblem& problem() const { return problem_; }
+  const DiagnosisSettings& settings() const { return settings_; }
+  const RunContext& context() const { return context_; }
+  Eigen::Index specimens() const { return tests_.values.rows(); }
+  std::int64_t evaluations() const { return evaluations_; }
+
+ private:
+  double distance_beside(const ParameterSet& set, const Eigen::VectorXd& nominal, const TestMoments& tests,
+                         const Eigen::VectorXd& origin, Eigen::VectorXd& t);
+  std::vector<int> groups_of(const ParameterSet& set) const;
+  PopulationFit fit_from(const UpdatingProblem& part, const ParameterSet& set, const Eigen::VectorXd& start);
+
+  const UpdatingProblem& problem_;
+  const DiagnosisSettings& settings_;
+  const RunContext& context_;
+  std::vector<ShapeSign> signs_;
+  TestData tests_;
+  NoiseModel noise_;
+  NoiseModel model_error_;
+  std::int64_t evaluations_ = 0;
+};
+
+/// How the tests see every given parameter and candidate at the fit of the given ones, and the cosines between the
+/// candidates' own parts; `judging`: directions of the tests' mean that the given parameters, bounds minded, cannot
+/// reach.
+struct DetectabilityAnalysis {
+  std::vector<Detectability> all;  ///< in the order of the problem's parameters
+  Eigen::MatrixXd cosines;         ///< [candidate x candidate]
+  Eigen::Index judging = 0;
+};
+DetectabilityAnalysis analyse_detectability(CandidateFits& fits, const SetFit& base);
+
+}  // namespace mottle

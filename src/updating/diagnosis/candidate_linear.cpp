@@ -1,0 +1,95 @@
+// The linear models at the specimens of a fit: sensitivities of every candidate, and what a candidate gains in them.
+#include <algorithm>
+#include <numeric>
+
+#include "updating/diagnosis/candidate_fits.hpp"
+#include "updating/methods/measured_outputs.hpp"
+#include "updating/methods/scaled_parameters.hpp"
+
+namespace mottle {
+namespace {
+
+constexpr Eigen::Index k_batch = 4096;  // model runs of differences by hundreds of candidates that are held at once
+
+}  // namespace
+
+std::vector<Eigen::MatrixXd> CandidateFits::derivatives_at(const Eigen::MatrixXd& samples) {
+  std::vector<Eigen::Index> all(static_cast<std::size_t>(problem_.space.count()));
+  std::iota(all.begin(), all.end(), Eigen::Index{0});
+  std::vector<Parameter> parameters = problem_.space.parameters();
+  for (Parameter& parameter : parameters) parameter.scale = {};
+  const ParameterSpace space(std::move(parameters), problem_.space.prior());
+  const HeldModel model(problem_, problem_.space.prior().mean(), std::move(all), signs_);
+  const UpdatingProblem whole{.model = model, .derivatives = model.derivatives(), .space = space};
+  const ScaledParameters axes(space);
+  std::vector<Eigen::MatrixXd> derivatives;
+  const Eigen::Index at_once = std::max<Eigen::Index>(k_batch / (2 * space.count()), 1);
+  for (Eigen::Index begin = 0; begin < samples.rows(); begin += at_once) {
+    context_.throw_if_stopped();
+    const Eigen::MatrixXd points = samples.middleRows(begin, std::min(at_once, samples.rows() - begin));
+    const Eigen::MatrixXd outputs = outputs_on_scales(whole, points, context_, evaluations_);
+    for (Eigen::MatrixXd& one : scaled_jacobians(whole, axes, points, outputs, context_, evaluations_))
+      derivatives.push_back(std::move(one));
+  }
+  return derivatives;
+}
+
+std::vector<Eigen::MatrixXd> CandidateFits::derivatives_at(const SetFit& base, const ParameterSet& set) {
+  const std::vector<NormalScale> scales = problem_.space.scales();
+  Eigen::MatrixXd samples = problem_.space.prior().mean().transpose().replicate(specimens(), 1);
+  for (std::size_t i = 0; i < set.members.size(); ++i) {
+    samples.col(set.members[i]) = to_variables({scales[static_cast<std::size_t>(set.members[i])]},
+                                               base.fit.specimens.points.col(static_cast<Eigen::Index>(i)));
+  }
+  return derivatives_at(samples);
+}
+
+LinearProblem CandidateFits::linear_problem(const SetFit& base, const ParameterSet& set) const {
+  const PriorOnScales prior = prior_on_scales(part_of(problem_.space, set.members));
+  LinearProblem problem{base.fit.units, prior.covariance, base.fit.settings};
+  for (std::size_t i = 0; i < set.has_scatter.size(); ++i) {
+    if (set.has_scatter[i]) continue;
+    problem.start.row(static_cast<Eigen::Index>(i)).setZero();
+    problem.start.col(static_cast<Eigen::Index>(i)).setZero();
+  }
+  return problem;
+}
+
+LinearProblem CandidateFits::linear_problem(const SetFit& base, const ParameterSet& set, Eigen::Index candidate,
+                                            bool is_freed, const std::vector<Eigen::MatrixXd>& derivatives) const {
+  LinearProblem problem = linear_problem(base, set);
+  for (Eigen::Index s = 0; s < specimens(); ++s) {
+    RandomEffectsUnit& unit = problem.units[static_cast<std::size_t>(s)];
+    const std::vector<Eigen::Index> rows = measured_outputs(tests_.values, s);
+    unit.design.conservativeResize(Eigen::NoChange, unit.design.cols() + 1);
+    unit.design.rightCols(1) = derivatives[static_cast<std::size_t>(s)].col(candidate)(rows);
+  }
+  const Eigen::Index q = base.fit.mean.size();
+  RandomEffectsSettings& rules = problem.settings;
+  rules.covariance_groups = groups_of(set.with(candidate, is_freed));
+  if (rules.mean_origin.size() > 0) {
+    rules.mean_origin.conservativeResize(q + 1);
+    rules.mean_origin(q) = 0.0;
+    const Eigen::Index columns = rules.mean_directions.cols();
+    rules.mean_directions.conservativeResize(q + 1, columns + 1);
+    rules.mean_directions.row(q).setZero();
+    rules.mean_directions.col(columns) = Eigen::VectorXd::Unit(q + 1, q);
+  }
+  problem.start.conservativeResize(q + 1, q + 1);
+  problem.start.row(q).setZero();
+  problem.start.col(q).setZero();
+  if (is_freed) problem.start(q, q) = problem_.space.prior().covariance()(candidate, candidate);
+  return problem;
+}
+
+double CandidateFits::linear_gain(const SetFit& base, const ParameterSet& set, Eigen::Index candidate,
+                                  const std::vector<Eigen::MatrixXd>& derivatives) const {
+  const LinearProblem problem = linear_problem(base, set, candidate, true, derivatives);
+  for (const RandomEffectsUnit& unit : problem.units) {
+    if (!unit.design.allFinite()) return -1.0;
+  }
+  return fit_random_effects(problem.units, problem.start, problem.settings).log_likelihood -
+         base.fit.effects.log_likelihood;
+}
+
+}  // namespace mottle

@@ -1,0 +1,209 @@
+#include "mottle/updating/diagnosis/diagnosis.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <tuple>
+
+#include "mottle/core/error.hpp"
+#include "updating/diagnosis/candidate_reference.hpp"
+#include "updating/verdict/scatter_tests.hpp"
+
+namespace mottle {
+namespace {
+
+constexpr Eigen::Index k_least_specimens = 3;
+constexpr Eigen::Index k_many_specimens = 30;  // chi-squared serves from there on
+
+ParameterSet given_set(Eigen::Index given) {
+  ParameterSet set;
+  for (Eigen::Index i = 0; i < given; ++i) set.members.push_back(i);
+  set.has_scatter.assign(static_cast<std::size_t>(given), true);
+  return set;
+}
+
+/// Holm's adjusted p-values of all tries; what was not tried counts as a try with p = 1.
+void adjust(std::vector<CandidateFinding>& findings) {
+  std::vector<CandidateFit*> tries;
+  for (CandidateFinding& finding : findings) {
+    tries.push_back(&finding.shifted);
+    tries.push_back(&finding.freed);
+  }
+  std::stable_sort(tries.begin(), tries.end(),
+                   [](const CandidateFit* a, const CandidateFit* b) { return a->p_value < b->p_value; });
+  double largest = 0.0;
+  for (std::size_t i = 0; i < tries.size(); ++i) {
+    largest = std::max(largest, static_cast<double>(tries.size() - i) * tries[i]->p_value);
+    tries[i]->adjusted_p = std::min(largest, 1.0);
+  }
+}
+
+CandidateFit not_tried(bool is_freed, const std::string& why) {
+  CandidateFit fit;
+  fit.is_freed = is_freed;
+  fit.bic = std::numeric_limits<double>::infinity();
+  fit.failure = why;
+  return fit;
+}
+
+/// Significance of tries by replications where specimens are few: only of those that chi-squared calls significant, it
+/// errs to that side.
+void refer_small_samples(CandidateFits& fits, const ParameterSet& set, const SetFit& base,
+                         const std::vector<Eigen::Index>& candidates, std::vector<CandidateFinding>& findings) {
+  if (fits.specimens() >= k_many_specimens) return;
+  std::vector<CandidateTry> tries;
+  for (std::size_t c = 0; c < findings.size(); ++c) {
+    for (CandidateFit* fit : {&findings[c].shifted, &findings[c].freed}) {
+      const bool is_significant = fit->failure.empty() && fit->adjusted_p <= fits.problem().level;
+      if (is_significant) tries.push_back({candidates[c], fit});
+    }
+  }
+  if (tries.empty()) return;
+  refer_to_replications(fits, set, base, fits.derivatives_at(base, set), tries);
+  adjust(findings);
+}
+
+/// The candidates that are worth a fit in the model itself, by their gain in linear models.
+std::vector<bool> screen(CandidateFits& fits, const ParameterSet& set, const SetFit& base,
+                         const std::vector<Eigen::Index>& candidates) {
+  std::vector<bool> is_kept(candidates.size(), true);
+  const auto most = static_cast<std::size_t>(fits.settings().screened);
+  if (candidates.size() <= most) return is_kept;
+  const std::vector<Eigen::MatrixXd> derivatives = fits.derivatives_at(base, set);
+  std::vector<std::pair<double, std::size_t>> gains;
+  for (std::size_t c = 0; c < candidates.size(); ++c) {
+    fits.context().throw_if_stopped();
+    fits.context().progress("screen", static_cast<std::int64_t>(c), static_cast<std::int64_t>(candidates.size()));
+    gains.emplace_back(fits.linear_gain(base, set, candidates[c], derivatives), c);
+  }
+  std::stable_sort(gains.begin(), gains.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  for (std::size_t k = most; k < gains.size(); ++k) is_kept[gains[k].second] = false;
+  return is_kept;
+}
+
+/// Every candidate beside a set, best first.
+std::vector<CandidateFinding> try_all(CandidateFits& fits, const ParameterSet& set, const SetFit& base,
+                                      const std::vector<Eigen::Index>& candidates,
+                                      const std::vector<Detectability>& analysis) {
+  const std::vector<bool> is_kept = screen(fits, set, base, candidates);
+  std::vector<CandidateFinding> findings;
+  for (std::size_t c = 0; c < candidates.size(); ++c) {
+    fits.context().throw_if_stopped();
+    fits.context().progress("diagnose", static_cast<std::int64_t>(c), static_cast<std::int64_t>(candidates.size()));
+    CandidateFinding finding;
+    finding.detectability = analysis[static_cast<std::size_t>(candidates[c])];
+    finding.is_screened_out = !is_kept[c];
+    const bool is_seen = finding.detectability.visibility > 0.0;
+    if (is_kept[c] && is_seen) {
+      std::tie(finding.shifted, finding.freed) = fits.compare_both(set, base, candidates[c]);
+    } else {
+      const std::string why = is_seen ? "others gain more in the linear models" : "it moves no output";
+      finding.shifted = not_tried(false, why);
+      finding.freed = not_tried(true, why);
+    }
+    for (CandidateFit* fit : {&finding.shifted, &finding.freed}) {
+      if (!fit->failure.empty()) fit->bic = std::numeric_limits<double>::infinity();
+    }
+    findings.push_back(std::move(finding));
+  }
+  adjust(findings);
+  refer_small_samples(fits, set, base, candidates, findings);
+  return findings;
+}
+
+std::vector<std::size_t> best_first(const std::vector<CandidateFinding>& findings) {
+  std::vector<std::size_t> order(findings.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return findings[a].bic() < findings[b].bic(); });
+  return order;
+}
+
+/// Adds candidates as long as the best one lowers BIC and its gain is significant.
+void propose(CandidateFits& fits, ParameterSet set, SetFit base, std::vector<Eigen::Index> candidates,
+             std::vector<CandidateFinding> findings, const std::vector<Detectability>& analysis, Diagnosis& diagnosis) {
+  const double level = fits.problem().level;
+  while (!candidates.empty()) {
+    const std::size_t best = best_first(findings).front();
+    const CandidateFit& better = findings[best].better();
+    if (!(better.bic < 0.0) || better.adjusted_p > level) return;
+    diagnosis.proposed.push_back({findings[best].detectability.name, false, better.is_freed, -better.bic});
+    const auto next = static_cast<Eigen::Index>(set.members.size()) + 2;
+    const bool is_more_than_seen = next > fits.problem().tests.values.cols();
+    if (candidates.size() == 1 || is_more_than_seen || !fits.has_room_for(next)) return;
+    base = fits.fit_beside(set, base, candidates[best], better.is_freed);
+    if (!base.failure.empty()) return;
+    set = set.with(candidates[best], better.is_freed);
+    candidates.erase(candidates.begin() + static_cast<std::ptrdiff_t>(best));
+    findings = try_all(fits, set, base, candidates, analysis);
+  }
+}
+
+void require_problem(const UpdatingProblem& problem, const DiagnosisSettings& settings) {
+  require(settings.given >= 1 && settings.given < problem.space.count(),
+          "diagnose: there is no candidate beside the {} parameters", settings.given);
+  require(problem.tests.values.rows() >= k_least_specimens,
+          "diagnose: {} specimens are too few to compare likelihoods; at least {} are needed",
+          problem.tests.values.rows(), k_least_specimens);
+  const bool is_noise_known = (problem.tests.repeatability_std.array() > 0.0).all();
+  require(is_noise_known || (counts_with_scatter(test_moments(problem.tests)).array() > 0).any(),
+          "diagnose: the {} specimens are the same to the last digits, so their likelihood has no maximum; give [test] "
+          "repeatability of every output, or different specimens",
+          problem.tests.values.rows());
+}
+
+/// What the fit of the given parameters alone says.
+void describe_base(const UpdatingProblem& problem, const SetFit& base, Diagnosis& diagnosis) {
+  diagnosis.log_likelihood = base.fit.effects.log_likelihood;
+  diagnosis.converged = base.fit.converged;
+  diagnosis.mean = base.mean;
+  diagnosis.deviation = base.deviation;
+  for (const bool converged : base.fit.specimens.converged) diagnosis.unreproduced += converged ? 0 : 1;
+  Eigen::VectorXd x = problem.space.prior().mean();
+  x.head(base.mean.size()) = base.mean;
+  const Eigen::VectorXi active = problem.space.active_bounds(x);
+  for (Eigen::Index i = 0; i < base.mean.size(); ++i) {
+    if (active(i) != 0) diagnosis.at_bound.push_back(problem.space.parameters()[static_cast<std::size_t>(i)].name);
+  }
+}
+
+}  // namespace
+
+Diagnosis diagnose(const UpdatingProblem& problem, const DiagnosisSettings& settings, const RunContext& context) {
+  require_problem(problem, settings);
+  CandidateFits fits(problem, settings, context);
+  const ParameterSet set = given_set(settings.given);
+  const SetFit base = fits.fit(set);
+  if (!base.failure.empty()) throw ModelFailure(base.failure);
+  Diagnosis diagnosis;
+  describe_base(problem, base, diagnosis);
+  const DetectabilityAnalysis analysis = analyse_detectability(fits, base);
+  diagnosis.judging = analysis.judging;
+  std::vector<Eigen::Index> candidates;
+  for (Eigen::Index i = settings.given; i < problem.space.count(); ++i) candidates.push_back(i);
+  const std::vector<CandidateFinding> findings = try_all(fits, set, base, candidates, analysis.all);
+
+  const std::vector<std::size_t> order = best_first(findings);
+  std::vector<Eigen::Index> rows;
+  const CandidateFinding& best = findings[order.front()];
+  diagnosis.is_explained = best.bic() < 0.0 && best.better().adjusted_p <= problem.level;
+  for (const std::size_t c : order) {
+    diagnosis.candidates.push_back(findings[c]);
+    rows.push_back(static_cast<Eigen::Index>(c));
+    if (findings[c].bic() <= best.bic() + settings.like_evidence)
+      diagnosis.alike.push_back(findings[c].detectability.name);
+  }
+  diagnosis.cosines = analysis.cosines(rows, rows);
+  diagnosis.given.assign(analysis.all.begin(), analysis.all.begin() + settings.given);
+  for (const Detectability& each : diagnosis.given) diagnosis.proposed.push_back({each.name});
+  std::stable_sort(diagnosis.given.begin(), diagnosis.given.end(), [](const Detectability& a, const Detectability& b) {
+    return a.visibility * a.own_share > b.visibility * b.own_share;
+  });
+  propose(fits, set, base, candidates, findings, analysis.all, diagnosis);
+  diagnosis.model_evaluations = fits.evaluations();
+  diagnosis.sentences = diagnosis_sentences(diagnosis, problem.tests.values.cols(), problem.level);
+  return diagnosis;
+}
+
+}  // namespace mottle

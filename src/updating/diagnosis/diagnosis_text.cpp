@@ -1,0 +1,168 @@
+// A diagnosis in plain words.
+#include <algorithm>
+#include <cmath>
+
+#include "mottle/core/error.hpp"
+#include "mottle/core/text.hpp"
+#include "mottle/updating/diagnosis/diagnosis.hpp"
+
+namespace mottle {
+namespace {
+
+constexpr double k_parallel = 0.95;
+
+/// "k3, k4 and k6"
+std::string listed(const std::vector<std::string>& names) {
+  if (names.size() < 2) return join(names);
+  const std::vector<std::string> first(names.begin(), names.end() - 1);
+  return fmt::format("{} and {}", join(first), names.back());
+}
+
+std::string chance_text(double p) {
+  return p < 1e-4 ? "p < 0.0001" : fmt::format("p = {:.2g}", p);
+}
+
+std::string fit_text(const CandidateFinding& finding) {
+  const CandidateFit& fit = finding.better();
+  const std::string how = fit.is_freed
+                              ? fmt::format("freed, with mean {:.4g} and deviation {:.2g}", fit.mean, fit.deviation)
+                              : fmt::format("shifted from {:.4g} to {:.4g}", finding.detectability.nominal, fit.mean);
+  return fmt::format("{} (log-likelihood +{:.1f}, BIC {:+.1f}, {} after correction for all tries)", how, fit.gain,
+                     fit.bic, chance_text(fit.adjusted_p));
+}
+
+void add_base(const Diagnosis& diagnosis, std::vector<std::string>& sentences) {
+  if (!diagnosis.at_bound.empty()) {
+    sentences.push_back(
+        fmt::format("With the given parameters alone {} {} a bound: the tests ask for more than the "
+                    "bounds allow.",
+                    listed(diagnosis.at_bound), diagnosis.at_bound.size() == 1 ? "ends on" : "end on"));
+  }
+  if (diagnosis.unreproduced > 0) {
+    const bool is_one = diagnosis.unreproduced == 1;
+    sentences.push_back(fmt::format("{} {} reproduced by the given parameters: {} at a limit or did not come to rest.",
+                                    diagnosis.unreproduced, is_one ? "specimen was not" : "specimens were not",
+                                    is_one ? "its solution ended" : "their solutions ended"));
+  }
+  if (!diagnosis.converged) {
+    sentences.emplace_back("The fit of the given parameters alone did not come to rest: gains over it are rough.");
+  }
+}
+
+/// Names of all candidates that move the outputs.
+std::vector<std::string> seen_names(const Diagnosis& diagnosis) {
+  std::vector<std::string> names;
+  for (const CandidateFinding& finding : diagnosis.candidates) {
+    if (finding.detectability.visibility > 0.0) names.push_back(finding.detectability.name);
+  }
+  return names;
+}
+
+void add_answer(const Diagnosis& diagnosis, Eigen::Index outputs, double level, std::vector<std::string>& sentences) {
+  const CandidateFinding& best = diagnosis.candidates.front();
+  if (!diagnosis.is_explained) {
+    sentences.push_back(
+        fmt::format("No candidate explains the tests significantly better than the given parameters "
+                    "alone (level {:.3g}, all tries together).",
+                    level));
+    if (diagnosis.judging == 0) {
+      sentences.push_back(fmt::format(
+          "Near their estimate, where the outputs are nearly linear, the given parameters can match every mean "
+          "and covariance of the {} outputs: these tests cannot say whether a candidate is wrong, and cannot "
+          "tell {} apart. Measure more outputs, for example mode shapes.",
+          outputs, listed(seen_names(diagnosis))));
+    }
+    return;
+  }
+  if (diagnosis.alike.size() == 1) {
+    sentences.push_back(
+        fmt::format("{} best explains what the given parameters cannot: {}.", best.detectability.name, fit_text(best)));
+    if (diagnosis.candidates.size() > 1 && std::isfinite(diagnosis.candidates[1].bic())) {
+      const CandidateFinding& next = diagnosis.candidates[1];
+      sentences.push_back(fmt::format("The next best, {}, stays behind by {:.1f} in BIC.", next.detectability.name,
+                                      next.bic() - best.bic()));
+    }
+    return;
+  }
+  sentences.push_back(
+      fmt::format("{} explain the tests equally well (their BIC differ by no more than the evidence allows): these "
+                  "tests cannot tell "
+                  "them apart. The best by a little is {}: {}.",
+                  listed(diagnosis.alike), best.detectability.name, fit_text(best)));
+  if (diagnosis.judging <= 1) {
+    sentences.push_back(fmt::format(
+        "The given parameters that are free of bounds reach {} of the {} directions of the tests' mean: whatever "
+        "candidate moves the rest will do. Measure more outputs, for example mode shapes.",
+        outputs - diagnosis.judging, outputs));
+  }
+}
+
+void add_angles(const Diagnosis& diagnosis, std::vector<std::string>& sentences) {
+  for (Eigen::Index i = 0; i < diagnosis.cosines.rows(); ++i) {
+    for (Eigen::Index j = i + 1; j < diagnosis.cosines.cols(); ++j) {
+      if (std::abs(diagnosis.cosines(i, j)) < k_parallel || sentences.size() > 12) continue;
+      sentences.push_back(fmt::format(
+          "{} and {} move the outputs in the same direction, once what the given parameters can imitate is taken off "
+          "(cosine {:.2f}).",
+          diagnosis.candidates[static_cast<std::size_t>(i)].detectability.name,
+          diagnosis.candidates[static_cast<std::size_t>(j)].detectability.name, diagnosis.cosines(i, j)));
+    }
+  }
+}
+
+/// Of candidates that explain nothing: whether they were in sight at all.
+void add_unseen(const Diagnosis& diagnosis, double level, std::vector<std::string>& sentences) {
+  std::vector<std::string> unseen;
+  std::vector<std::string> imitated;
+  for (const CandidateFinding& finding : diagnosis.candidates) {
+    if (finding.better().adjusted_p <= level) continue;
+    if (finding.detectability.visibility < 1.0) {
+      unseen.push_back(finding.detectability.name);
+    } else if (finding.detectability.visibility * finding.detectability.own_share < 1.0) {
+      imitated.push_back(finding.detectability.name);
+    }
+  }
+  if (!unseen.empty()) {
+    sentences.push_back(
+        fmt::format("{}: a prior deviation moves the tests' mean by less than its standard error; these "
+                    "tests cannot see it.",
+                    listed(unseen)));
+  }
+  if (!imitated.empty()) {
+    sentences.push_back(fmt::format("{}: the given parameters imitate it within the standard error of the tests' mean.",
+                                    listed(imitated)));
+  }
+}
+
+void add_proposal(const Diagnosis& diagnosis, std::vector<std::string>& sentences) {
+  std::vector<std::string> names;
+  bool has_more = false;
+  for (const ProposedParameter& parameter : diagnosis.proposed) {
+    const std::string how = parameter.is_given ? "" : parameter.is_freed ? " (new)" : " (new, mean only)";
+    names.push_back(parameter.name + how);
+    has_more = has_more || !parameter.is_given;
+  }
+  if (!has_more) {
+    sentences.emplace_back("Proposed set: the given parameters; nothing that is added to them gains.");
+    return;
+  }
+  sentences.push_back(fmt::format(
+      "Proposed set: {}{}.", listed(names),
+      diagnosis.alike.size() > 1 ? fmt::format("; in place of {} any of {} may stand",
+                                               diagnosis.candidates.front().detectability.name, listed(diagnosis.alike))
+                                 : ""));
+}
+
+}  // namespace
+
+std::vector<std::string> diagnosis_sentences(const Diagnosis& diagnosis, Eigen::Index outputs, double level) {
+  std::vector<std::string> sentences;
+  add_base(diagnosis, sentences);
+  add_answer(diagnosis, outputs, level, sentences);
+  add_angles(diagnosis, sentences);
+  add_unseen(diagnosis, level, sentences);
+  add_proposal(diagnosis, sentences);
+  return sentences;
+}
+
+}  // namespace mottle

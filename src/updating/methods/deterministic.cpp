@@ -1,0 +1,291 @@
+#include "mottle/updating/methods/deterministic.hpp"
+
+#include <Eigen/Dense>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "mottle/core/error.hpp"
+#include "mottle/stats/moments/distance.hpp"
+#include "mottle/updating/methods/iteration.hpp"
+#include "updating/methods/deterministic_tests.hpp"
+#include "updating/methods/scaled_parameters.hpp"
+#include "updating/methods/scatter_curvature.hpp"
+#include "updating/population/model_error.hpp"
+
+namespace mottle {
+namespace {
+
+constexpr int k_most_halvings = 12;
+
+/// The least-squares problem in fixed numbers.
+struct LeastSquares {
+  Eigen::VectorXd target;     // z
+  Eigen::VectorXd weight;     // diagonal of W
+  Eigen::VectorXd start;      // x0
+  Eigen::VectorXd prior_std;  // s0
+  Eigen::MatrixXd prior;      // Q
+};
+
+/// Outputs at one point, or nothing where the model run failed.
+std::optional<Eigen::VectorXd> evaluate_one(const UpdatingProblem& problem, const Eigen::VectorXd& parameters,
+                                            const RunContext& context, std::int64_t& evaluations) {
+  const Evaluation evaluation = problem.model.evaluate(parameters.transpose(), context);
+  ++evaluations;
+  if (!evaluation.failures.empty()) return std::nullopt;
+  return evaluation.outputs.row(0).transpose();
+}
+
+/// Derivative along one parameter; where a run on one side fails, from the other side.
+/// Central differences by all parameters at once: a model whose runs are long may do them side by side. Where one side
+/// fails, differences from the middle.
+Eigen::MatrixXd difference_quotients(const UpdatingProblem& problem, const Eigen::VectorXd& parameters,
+                                     const Eigen::VectorXd& steps, const RunContext& context,
+                                     std::int64_t& evaluations) {
+  const Eigen::Index q = parameters.size();
+  Eigen::MatrixXd points = parameters.transpose().replicate(2 * q, 1);
+  points.topRows(q).diagonal() += steps;
+  points.bottomRows(q).diagonal() -= steps;
+  const Eigen::MatrixXd y = problem.model.evaluate(points, context).outputs.transpose();
+  evaluations += points.rows();
+  std::optional<Eigen::VectorXd> centre;
+  if (!y.allFinite()) centre = evaluate_one(problem, parameters, context, evaluations);
+  Eigen::MatrixXd quotients(y.rows(), q);
+  for (Eigen::Index i = 0; i < q; ++i) {
+    const bool has_ahead = y.col(i).allFinite();
+    const bool has_behind = y.col(q + i).allFinite();
+    if (has_ahead && has_behind) {
+      quotients.col(i) = (y.col(i) - y.col(q + i)) / (2.0 * steps(i));
+    } else if (centre && (has_ahead || has_behind)) {
+      const Eigen::VectorXd side = y.col(has_ahead ? i : q + i);
+      quotients.col(i) = (side - *centre) / (has_ahead ? steps(i) : -steps(i));
+    } else {
+      throw ModelFailure("the model fails all around the present parameters, so there is no derivative");
+    }
+  }
+  return quotients;
+}
+
+LeastSquares prepare(const UpdatingProblem& problem, const DeterministicOptions& options) {
+  const Eigen::Index specimens = problem.tests.values.rows();
+  require(options.specimen <= specimens,
+          "update.deterministic.specimen: {} is not there, the tests have 1 to {} (0 means their mean)",
+          options.specimen, specimens);
+  LeastSquares setup;
+  setup.target = options.specimen == 0 ? test_moments(problem.tests).mean
+                                       : Eigen::VectorXd(problem.tests.values.row(options.specimen - 1).transpose());
+  require(setup.target.allFinite(),
+          "update.deterministic.specimen: specimen {} has missing values; choose another or "
+          "leave the outputs out",
+          options.specimen);
+  Eigen::VectorXd sigma = options.measurement_error * setup.target.cwiseAbs();
+  const Eigen::VectorXd error = problem.tests.model_error_variance();
+  for (Eigen::Index k = 0; k < sigma.size(); ++k) {
+    if (problem.tests.repeatability_std(k) > 0.0) sigma(k) = problem.tests.repeatability_std(k);
+    if (error(k) > 0.0) sigma(k) = std::sqrt(sigma(k) * sigma(k) + error(k));
+    require(sigma(k) > 0.0, "test.repeatability: needed for output {}, whose tested value is 0",
+            problem.model.outputs()[static_cast<std::size_t>(k)].name);
+  }
+  setup.weight = sigma.cwiseAbs2().cwiseInverse();
+  const Eigen::MatrixXd covariance = problem.space.prior().covariance();
+  setup.start = problem.space.prior().mean();
+  setup.prior_std = covariance.diagonal().cwiseSqrt();
+  setup.prior = Eigen::MatrixXd::Zero(setup.start.size(), setup.start.size());
+  if (options.regularisation == DeterministicOptions::Regularisation::bayesian) setup.prior = covariance.inverse();
+  if (options.regularisation == DeterministicOptions::Regularisation::tikhonov) {
+    setup.prior.diagonal() = (options.tikhonov_parameter * setup.prior_std.cwiseInverse()).cwiseAbs2();
+  }
+  require(!setup.prior.isZero(0.0) || setup.target.size() >= setup.start.size(),
+          "method 'deterministic': {} parameters are more unknowns than the {} measured outputs can determine; set "
+          "update.deterministic.regularisation to \"tikhonov\" or \"bayesian\", or free fewer parameters",
+          setup.start.size(), setup.target.size());
+  return setup;
+}
+
+double cost(const LeastSquares& setup, const Eigen::VectorXd& parameters, const Eigen::VectorXd& outputs) {
+  const Eigen::VectorXd residual = setup.target - outputs;
+  const Eigen::VectorXd shift = parameters - setup.start;
+  return residual.cwiseAbs2().dot(setup.weight) + shift.dot(setup.prior * shift);
+}
+
+void require_full_rank(const LeastSquares& setup, const Eigen::MatrixXd& g) {
+  const Eigen::MatrixXd scaled = setup.weight.cwiseSqrt().asDiagonal() * g * setup.prior_std.asDiagonal();
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> factor(scaled);
+  require(!setup.prior.isZero(0.0) || factor.rank() == g.cols(),
+          "method 'deterministic': the outputs tell only {} combinations of the {} parameters apart; set "
+          "update.deterministic.regularisation to \"tikhonov\" or \"bayesian\"",
+          factor.rank(), g.cols());
+}
+
+/// Gauss-Newton step over the parameters that no bound holds.
+Eigen::VectorXd free_step(const Eigen::MatrixXd& hessian, const Eigen::VectorXd& descent,
+                          const Eigen::VectorXi& active) {
+  std::vector<Eigen::Index> free;
+  for (Eigen::Index i = 0; i < descent.size(); ++i) {
+    const bool is_held = (active(i) < 0 && descent(i) < 0.0) || (active(i) > 0 && descent(i) > 0.0);
+    if (!is_held) free.push_back(i);
+  }
+  Eigen::VectorXd step = Eigen::VectorXd::Zero(descent.size());
+  if (free.empty()) return step;
+  const Eigen::MatrixXd free_hessian = hessian(free, free);
+  const Eigen::VectorXd free_descent = descent(free);
+  const Eigen::VectorXd solved = free_hessian.ldlt().solve(free_descent);
+  step(free) = solved;
+  return step;
+}
+
+/// The step, halved until the cost does not rise (a failed run counts as a rise); `outputs` become those of the new
+/// point. Where no part of the step helps the point stays where it is.
+Eigen::VectorXd accepted_step(const UpdatingProblem& problem, const LeastSquares& setup, const Eigen::VectorXd& x,
+                              const Eigen::VectorXd& step, Eigen::VectorXd& outputs, const RunContext& context,
+                              std::int64_t& evaluations) {
+  const double old_cost = cost(setup, x, outputs);
+  double length = 1.0;
+  for (int halving = 0; halving <= k_most_halvings; ++halving, length *= 0.5) {
+    Eigen::VectorXd next = problem.space.clamp(x + length * step);
+    const auto trial = evaluate_one(problem, next, context, evaluations);
+    if (!trial || cost(setup, next, *trial) > old_cost) continue;
+    outputs = *trial;
+    return next;
+  }
+  return x;
+}
+
+IterationRecord record_point(const Eigen::VectorXd& parameters, const Eigen::MatrixXd& covariance,
+                             const Eigen::VectorXd& outputs, const Eigen::MatrixXd& g, const LeastSquares& setup) {
+  IterationRecord record;
+  record.parameter_mean = parameters;
+  record.parameter_covariance = covariance;
+  record.output_mean = outputs;
+  record.output_covariance = g * covariance * g.transpose();
+  record.distance_euclidean = euclidean_distance(outputs, setup.target);
+  record.distance_mahalanobis = std::sqrt((setup.target - outputs).cwiseAbs2().dot(setup.weight));
+  return record;
+}
+
+Eigen::MatrixXd estimate_covariance(const LeastSquares& setup, const Eigen::MatrixXd& g,
+                                    DeterministicOptions::Regularisation regularisation) {
+  const Eigen::MatrixXd information = g.transpose() * setup.weight.asDiagonal() * g;
+  const Eigen::MatrixXd inverse =
+      (information + setup.prior).ldlt().solve(Eigen::MatrixXd::Identity(information.rows(), information.cols()));
+  const bool is_posterior = regularisation == DeterministicOptions::Regularisation::bayesian;
+  const Eigen::MatrixXd covariance = is_posterior ? inverse : Eigen::MatrixXd(inverse * information * inverse);
+  return 0.5 * (covariance + covariance.transpose());
+}
+
+/// The Gauss-Newton step that no bound stops.
+Eigen::VectorXd unbounded_step(const LeastSquares& setup, const Eigen::VectorXd& x, const Eigen::VectorXd& outputs,
+                               const Eigen::MatrixXd& g) {
+  const Eigen::MatrixXd gw = g.transpose() * setup.weight.asDiagonal();
+  return (gw * g + setup.prior).ldlt().solve(gw * (setup.target - outputs) - setup.prior * (x - setup.start));
+}
+
+/// Means of the outputs of specimens around a point that scatter as the tests do.
+Eigen::VectorXd scattered_means(const UpdatingProblem& problem, const Eigen::VectorXd& x, const Eigen::MatrixXd& g,
+                                const RunContext& context, std::int64_t& evaluations) {
+  const Eigen::VectorXd point = from_variables(problem.space.scales(), x.transpose()).row(0);
+  const Eigen::VectorXd slopes = ScaledParameters(problem.space).slopes(point);
+  return means_of_scattered(problem, point, g * slopes.asDiagonal(), context, evaluations);
+}
+
+}  // namespace
+
+const OptionTable<DeterministicOptions>& deterministic_option_table() {
+  using D = DeterministicOptions;
+  static const OptionTable<D> table =
+      OptionTable<D>()
+          .choice<D::Regularisation>("regularisation", &D::regularisation,
+                                     {{"bayesian", D::Regularisation::bayesian},
+                                      {"tikhonov", D::Regularisation::tikhonov},
+                                      {"none", D::Regularisation::none}},
+                                     "What holds parameters that the test does not see: the prior's covariance, a "
+                                     "common factor on the prior's deviations, or nothing.")
+          .number("tikhonov_parameter", &D::tikhonov_parameter, {.lower = 0.0, .excludes_lower = true}, "-",
+                  "Weight lambda of a shift by one prior deviation against a residual of one measurement deviation.")
+          .integer("specimen", &D::specimen, {.lower = 0.0}, "-",
+                   "Number of the specimen to update to, counted from 1; 0 means the mean of all.")
+          .number("measurement_error", &D::measurement_error, {.lower = 0.0, .excludes_lower = true},
+                  "part of the value",
+                  "Measurement deviation of an output as a part of its tested value, used where [test] repeatability "
+                  "does not give it.");
+  return table;
+}
+
+Eigen::MatrixXd model_jacobian(const UpdatingProblem& problem, const Eigen::VectorXd& parameters,
+                               const Eigen::VectorXd& scale, const RunContext& context, std::int64_t& evaluations) {
+  const auto outputs = static_cast<Eigen::Index>(problem.model.outputs().size());
+  Eigen::MatrixXd jacobian =
+      problem.derivatives != nullptr
+          ? problem.derivatives->jacobian(parameters)
+          : Eigen::MatrixXd::Constant(outputs, parameters.size(), std::numeric_limits<double>::quiet_NaN());
+  if (jacobian.allFinite()) return jacobian;
+  const Eigen::MatrixXd differences =
+      difference_quotients(problem, parameters, problem.model.difference_step() * scale, context, evaluations);
+  return jacobian.array().isFinite().select(jacobian, differences);
+}
+
+UpdatingResult DeterministicUpdater::update(const UpdatingProblem& problem, const RunContext& context) const {
+  const LeastSquares setup = prepare(problem, options_);
+  const TestMoments tests = test_moments(problem.tests);
+  UpdatingResult result;
+  result.status = UpdatingStatus::max_iterations;
+  append_state(result, record_state(problem, tests, problem.space.prior(), 0, context));
+
+  Eigen::VectorXd x = problem.space.clamp(setup.start);
+  const auto at_start = evaluate_one(problem, x, context, result.model_evaluations);
+  if (!at_start)
+    throw ModelFailure("the model fails at the parameters' prior means, so there is nothing to start from");
+  Eigen::VectorXd y = *at_start;
+  Eigen::MatrixXd g = model_jacobian(problem, x, setup.prior_std, context, result.model_evaluations);
+  for (int index = 1; index <= problem.iterations; ++index) {
+    if (context.stop_requested()) {
+      result.status = UpdatingStatus::stopped;
+      break;
+    }
+    require_full_rank(setup, g);
+    const Eigen::MatrixXd gw = g.transpose() * setup.weight.asDiagonal();
+    const Eigen::VectorXd descent = gw * (setup.target - y) - setup.prior * (x - setup.start);
+    const Eigen::VectorXd step = free_step(gw * g + setup.prior, descent, problem.space.active_bounds(x));
+    const Eigen::VectorXd next = accepted_step(problem, setup, x, step, y, context, result.model_evaluations);
+    const double movement = ((next - x).cwiseAbs().array() / setup.prior_std.array()).maxCoeff();
+    x = next;
+    g = model_jacobian(problem, x, setup.prior_std, context, result.model_evaluations);
+    append_state(result, record_point(x, estimate_covariance(setup, g, options_.regularisation), y, g, setup));
+    context.progress("update", index, problem.iterations);
+    if (movement <= problem.tolerance) {
+      result.status = UpdatingStatus::converged;
+      break;
+    }
+  }
+  result.mean = x;
+  result.sensitivity = g;
+  result.covariance = estimate_covariance(setup, g, options_.regularisation);
+  IterationRecord last =
+      record_state(problem, tests, JointDistribution::multivariate_normal(x, result.covariance), 0, context);
+  last.output_mean = y;  // the method's own point; the cloud shows the uncertainty around it
+  last.distance_euclidean = euclidean_distance(y, setup.target);
+  result.model_evaluations += last.cloud.samples.rows();
+  const std::size_t updates = result.history.size() - 1;
+  if (updates > 0) result.history.pop_back();
+  result.history.push_back(std::move(last));
+  result.message = result.status == UpdatingStatus::converged
+                       ? fmt::format("after {} iterations no parameter moves by more than {} of its prior deviation",
+                                     updates, problem.tolerance)
+                       : fmt::format("{} iterations did not bring the parameters to rest", updates);
+  const bool is_of_many = options_.specimen == 0 && problem.tests.values.rows() > 1;
+  const Eigen::VectorXd means = is_of_many ? scattered_means(problem, x, g, context, result.model_evaluations) : y;
+  test_structure(problem,
+                 {.specimen = options_.specimen,
+                  .residual = setup.target - means,
+                  .measurement_std = setup.weight.cwiseSqrt().cwiseInverse(),
+                  .free_step = unbounded_step(setup, x, y, g)},
+                 result);
+  note_model_error(problem, "deterministic", "is added to the measurement's: in weights, deviations and residuals.",
+                   result);
+  result.notes.push_back(
+      "The deviations of this method say how well the parameters of one structure are known; they do not describe "
+      "the scatter of specimens.");
+  return result;
+}
+
+}  // namespace mottle

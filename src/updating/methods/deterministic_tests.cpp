@@ -1,0 +1,84 @@
+#include "updating/methods/deterministic_tests.hpp"
+
+#include <Eigen/Cholesky>
+#include <cmath>
+#include <limits>
+
+#include "mottle/core/error.hpp"
+#include "mottle/updating/methods/iteration.hpp"
+#include "updating/methods/matched_moments.hpp"
+#include "updating/methods/scaled_parameters.hpp"
+
+namespace mottle {
+namespace {
+
+Eigen::VectorXd target_variance(const UpdatingProblem& problem, const StructureEstimate& estimate) {
+  Eigen::VectorXd variance = estimate.measurement_std.cwiseAbs2();
+  if (estimate.specimen > 0) return variance;
+  const Eigen::VectorXi count = test_moments(problem.tests).count;
+  const Eigen::VectorXd error = problem.tests.model_error_variance();
+  for (Eigen::Index k = 0; k < variance.size(); ++k) {
+    if (problem.tests.repeatability_std(k) > 0.0) variance(k) = (variance(k) - error(k)) / count(k) + error(k);
+  }
+  return variance;
+}
+
+void plan_residual_test(const UpdatingProblem& problem, const StructureEstimate& estimate,
+                        const Eigen::MatrixXd& sensitivity, TestPlan& plan) {
+  const Eigen::MatrixXd b = unmoved_directions(sensitivity, estimate.measurement_std,
+                                               problem.space.prior().covariance().diagonal().cwiseSqrt());
+  const auto d = static_cast<double>(b.cols());
+  if (d == 0.0) {
+    plan.leave_untested(
+        Aspect::means,
+        fmt::format("The outputs were not tested: {} of them are no more than the combinations of parameters that they "
+                    "see, so the residuals cannot tell whether the model is right. {}",
+                    estimate.residual.size(), k_more_outputs));
+    return;
+  }
+  if (estimate.specimen == 0 && problem.tests.values.array().isNaN().any()) {
+    plan.leave_untested(Aspect::means, gaps_untested(Aspect::means, "deterministic"));
+    return;
+  }
+  if (!estimate.residual.allFinite()) {
+    plan.leave_untested(Aspect::means, k_curvature_unknown);
+    return;
+  }
+  const Eigen::VectorXd residual = b.transpose() * estimate.residual;
+  const Eigen::MatrixXd covariance = b.transpose() * target_variance(problem, estimate).asDiagonal() * b;
+  PlannedTest test = chi_squared_test("residuals", residual.dot(covariance.ldlt().solve(residual)), d);
+  test.aspect = Aspect::means;
+  test.meaning = fmt::format(
+      "Chi-squared with {:.0f} degrees of freedom: are the residuals of the outputs, in the directions that no "
+      "parameter "
+      "moves, no larger than the measurement error?",
+      d);
+  test.power = [=](double level) {
+    return Power{fmt::format("outputs that are off by {:.2g} standard deviations of the target in one of them",
+                             std::sqrt(chi_squared_detectable(d, level)))};
+  };
+  plan.add(std::move(test));
+}
+
+}  // namespace
+
+void test_structure(const UpdatingProblem& problem, const StructureEstimate& estimate, UpdatingResult& result) {
+  TestPlan plan;
+  plan_residual_test(problem, estimate, result.sensitivity, plan);
+  if (estimate.specimen == 0 && problem.tests.values.rows() > 1) {
+    plan.leave_untested(Aspect::scatter,
+                        "The scatter was not tested: method 'deterministic' updates to the mean of the tests alone. "
+                        "Update with method = \"maximum-likelihood\", which estimates the scatter of the specimens.");
+  }
+  const ScaledParameters parameters(problem.space);
+  const Eigen::VectorXd point = from_variables(parameters.scales(), result.mean.transpose()).row(0);
+  const Eigen::VectorXd slope = parameters.slopes(point).cwiseInverse();
+  const FreeMean free{point + slope.cwiseProduct(estimate.free_step),
+                      slope.asDiagonal() * result.covariance * slope.asDiagonal(),
+                      std::numeric_limits<double>::infinity()};
+  plan_bound_test(problem, free, plan);
+  plan_prior_shift(problem, point, free.covariance, plan);
+  plan.make(problem.level, result);
+}
+
+}  // namespace mottle

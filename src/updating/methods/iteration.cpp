@@ -1,0 +1,77 @@
+#include "mottle/updating/methods/iteration.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "mottle/core/error.hpp"
+#include "mottle/stats/moments/descriptive.hpp"
+#include "mottle/stats/moments/distance.hpp"
+
+namespace mottle {
+
+TestMoments test_moments(const TestData& tests) {
+  if (tests.values.rows() >= 2) {
+    const SampleMoments moments = available_case_moments(tests.values);
+    return {moments.mean, moments.covariance, moments.count};
+  }
+  require(tests.values.rows() == 1, "test: there is no specimen");
+  require(tests.values.allFinite(), "test: the only specimen has missing values");
+  return {tests.values.row(0).transpose(), Eigen::MatrixXd::Zero(tests.values.cols(), tests.values.cols()),
+          Eigen::VectorXi::Ones(tests.values.cols())};
+}
+
+IterationRecord record_state(const UpdatingProblem& problem, const TestMoments& tests,
+                             const JointDistribution& distribution, int index, const RunContext& context) {
+  // The same streams at every iteration (common random numbers): the update is then a smooth fixed-point map, and
+  // its convergence is not hidden by the Monte-Carlo error of one cloud against the next.
+  const StreamKey key{.seed = context.seed, .purpose = StreamPurpose::parameter_cloud, .iteration = 0};
+  IterationRecord record;
+  record.cloud = evaluate_cloud(problem.model, problem.space, distribution, problem.cloud, key, context);
+  record.parameter_mean = distribution.mean();
+  record.parameter_covariance = distribution.covariance();
+  const Cloud::Valid valid = record.cloud.valid();
+  record.output_mean = sample_mean(valid.outputs);
+  record.output_covariance = sample_covariance(valid.outputs);
+  record.failures = record.cloud.failures;
+  record.notes = record.cloud.notes;
+  record.rejected_draws = record.cloud.rejected;
+  record.distance_euclidean = euclidean_distance(record.output_mean, tests.mean);
+  record.distance_mahalanobis = tests.covariance.isZero(0.0)
+                                    ? std::numeric_limits<double>::quiet_NaN()
+                                    : mahalanobis_distance(record.output_mean, tests.mean, tests.covariance);
+  context.progress("update", index, problem.iterations);
+  return record;
+}
+
+void append_state(UpdatingResult& result, IterationRecord state) {
+  constexpr Eigen::Index k_shown = 500;
+  result.model_evaluations += state.cloud.samples.rows();
+  if (result.history.size() > 1) {
+    Cloud& cloud = result.history.back().cloud;
+    const Cloud::Valid valid = cloud.valid();
+    const Eigen::Index shown = std::min(k_shown, valid.samples.rows());
+    cloud.samples = valid.samples.topRows(shown);
+    cloud.outputs = valid.outputs.topRows(shown);
+    cloud.failures.clear();
+  }
+  result.history.push_back(std::move(state));
+}
+
+double largest_movement(const Eigen::Ref<const Eigen::VectorXd>& prior_std, const Eigen::VectorXd& mean_before,
+                        const Eigen::MatrixXd& covariance_before, const Eigen::VectorXd& mean_after,
+                        const Eigen::MatrixXd& covariance_after) {
+  const Eigen::ArrayXd mean_change = (mean_after - mean_before).array().abs() / prior_std.array();
+  const Eigen::ArrayXd std_change =
+      (covariance_after.diagonal().array().sqrt() - covariance_before.diagonal().array().sqrt()).abs() /
+      prior_std.array();
+  return std::max(mean_change.maxCoeff(), std_change.maxCoeff());
+}
+
+bool is_stalled(const std::vector<double>& movements, std::size_t window) {
+  if (movements.size() <= window) return false;
+  const auto best = std::min_element(movements.begin(), movements.end());
+  return static_cast<std::size_t>(std::distance(best, movements.end())) > window;
+}
+
+}  // namespace mottle

@@ -1,0 +1,197 @@
+#include "updating/methods/mares.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <cmath>
+
+#include "mottle/core/error.hpp"
+#include "mottle/stats/moments/descriptive.hpp"
+#include "mottle/updating/methods/iteration.hpp"
+#include "updating/methods/matched_moments.hpp"
+#include "updating/methods/scaled_parameters.hpp"
+#include "updating/methods/scatter_curvature.hpp"
+#include "updating/population/model_error.hpp"
+
+namespace mottle {
+namespace {
+
+constexpr std::size_t k_stall_window = 8;
+
+/// What stays the same through all iterations.
+struct MaresSetup {
+  TestMoments tests;
+  Eigen::VectorXd prior_mean;        // x0
+  Eigen::MatrixXd prior_covariance;  // S0
+  Eigen::MatrixXd test_variability;  // S_M
+  Eigen::MatrixXd weight;            // W
+};
+
+void require_solvable(const UpdatingProblem& problem) {
+  const Eigen::Index outputs = problem.tests.values.cols();
+  require(problem.tests.values.rows() >= 2,
+          "method 'mares': {} specimen has no scatter to explain; at least 2 are needed, or use method = "
+          "\"deterministic\"",
+          problem.tests.values.rows());
+  require(outputs >= problem.space.count(),
+          "method 'mares': {} parameters are more unknowns than the {} measured outputs can determine; free fewer "
+          "parameters or measure more outputs",
+          problem.space.count(), outputs);
+  require(problem.cloud.samples > problem.space.count() + 1,
+          "update.samples: {} is too few for a regression on {} parameters, at least {} are needed",
+          problem.cloud.samples, problem.space.count(), problem.space.count() + 2);
+}
+
+MaresSetup prepare(const UpdatingProblem& problem, const MaresOptions& options) {
+  require_solvable(problem);
+  MaresSetup setup;
+  setup.tests = test_moments(problem.tests);
+  setup.prior_mean = problem.space.prior().mean();
+  setup.prior_covariance = problem.space.prior().covariance();
+  setup.test_variability = setup.tests.covariance;
+  setup.test_variability.diagonal() += (options.model_error * setup.tests.mean).cwiseAbs2();
+  if (problem.tests.has_model_error()) setup.test_variability.diagonal() += problem.tests.model_error_variance();
+  const Eigen::Index outputs = setup.tests.mean.size();
+  const Eigen::MatrixXd correlation = correlation_from_covariance(setup.test_variability);
+  constexpr double k_singular = 1e-12;
+  constexpr double k_least = 1e-8;  // standard deviation, of the mean
+  const bool is_scattered =
+      (setup.test_variability.diagonal().array().sqrt() > k_least * setup.tests.mean.array().abs()).all();
+  // A direction without variability would leave the parameters without scatter there (Eq. 12): no cloud to regress on.
+  require(is_scattered && correlation.allFinite() && correlation.ldlt().vectorD().minCoeff() > k_singular,
+          "test: the covariance of {} outputs from {} specimens is singular; test more specimens than outputs, leave "
+          "outputs out, or set update.mares.model_error above 0",
+          outputs, problem.tests.values.rows());
+  setup.weight = options.weighting == MaresOptions::Weighting::euclidean
+                     ? Eigen::MatrixXd(Eigen::MatrixXd::Identity(outputs, outputs) * static_cast<double>(outputs) /
+                                       setup.test_variability.trace())
+                     : Eigen::MatrixXd(setup.test_variability.inverse());
+  return setup;
+}
+
+Eigen::MatrixXd estimate_sensitivity(const Cloud& cloud, MaresOptions::Regression kind) {
+  const Cloud::Valid valid = cloud.valid();
+  if (kind == MaresOptions::Regression::quadratic)
+    return quadratic_regression(valid.samples, valid.outputs).sensitivity;
+  return linear_regression(valid.samples, valid.outputs).sensitivity;
+}
+
+/// Eq. 11.
+Eigen::VectorXd updated_mean(const MaresSetup& setup, const IterationRecord& state, const Eigen::MatrixXd& g,
+                             const MaresOptions& options) {
+  const bool is_recursive = options.covariance == MaresOptions::Covariance::recursive;
+  const bool is_recentred = options.prior == MaresOptions::Prior::recentred;
+  const Eigen::MatrixXd& damping = is_recentred || !is_recursive ? setup.prior_covariance : state.parameter_covariance;
+  const Eigen::MatrixXd precision = damping.inverse();
+  const Eigen::MatrixXd gw = g.transpose() * setup.weight;
+  Eigen::VectorXd gradient = gw * (setup.tests.mean - state.output_mean);
+  if (!is_recentred) gradient -= precision * (state.parameter_mean - setup.prior_mean);
+  return state.parameter_mean + (gw * g + precision).ldlt().solve(gradient);
+}
+
+/// Eq. 12.
+Eigen::MatrixXd updated_covariance(const MaresSetup& setup, const IterationRecord& state, const Eigen::MatrixXd& g,
+                                   const MaresOptions& options) {
+  const bool is_recursive = options.covariance == MaresOptions::Covariance::recursive;
+  const Eigen::MatrixXd& prior = is_recursive ? state.parameter_covariance : setup.prior_covariance;
+  const Eigen::MatrixXd pg = prior * g.transpose();
+  const Eigen::MatrixXd updated = prior - pg * (setup.test_variability + g * pg).ldlt().solve(pg.transpose());
+  Eigen::MatrixXd covariance = 0.5 * (updated + updated.transpose());
+  repair_covariance(covariance);
+  return covariance;
+}
+
+std::string ending_message(UpdatingStatus status, std::size_t updates, double tolerance) {
+  switch (status) {
+    case UpdatingStatus::converged:
+      return fmt::format("after {} iterations no parameter moves by more than {} of its prior deviation", updates,
+                         tolerance);
+    case UpdatingStatus::stalled:
+      return fmt::format("the parameters go round in circles: their movement has not become smaller for {} iterations",
+                         k_stall_window);
+    case UpdatingStatus::stopped:
+      return fmt::format("stopped on request after {} iterations", updates);
+    default:
+      return fmt::format("{} iterations did not bring the parameters to rest", updates);
+  }
+}
+
+}  // namespace
+
+const OptionTable<MaresOptions>& mares_option_table() {
+  using M = MaresOptions;
+  static const OptionTable<M> table =
+      OptionTable<M>()
+          .choice<M::Weighting>("weighting", &M::weighting,
+                                {{"mahalanobis", M::Weighting::mahalanobis}, {"euclidean", M::Weighting::euclidean}},
+                                "Weight W of the residuals in Eq. 11: the inverse of the tests' covariance, or the "
+                                "identity scaled by their mean variance.")
+          .choice<M::Prior>("prior", &M::prior, {{"recentred", M::Prior::recentred}, {"fixed", M::Prior::fixed}},
+                            "Centre of the prior term in Eq. 11: the present mean, so that it only damps the step, or "
+                            "the start to the letter.")
+          .choice<M::Covariance>(
+              "covariance", &M::covariance,
+              {{"fixed-prior", M::Covariance::fixed_prior}, {"recursive", M::Covariance::recursive}},
+              "Covariance that Eq. 12 starts from: the first prior at every iteration, or the present one to the "
+              "letter, which uses the same tests again and collapses.")
+          .choice<M::Regression>("regression", &M::regression,
+                                 {{"linear", M::Regression::linear}, {"quadratic", M::Regression::quadratic}},
+                                 "Regression that gives the sensitivity: linear, or with squares and interactions, "
+                                 "taken at the cloud's mean.")
+          .number("model_error", &M::model_error, {.lower = 0.0}, "part of the mean",
+                  "Standard deviation of the model's own error, as a part of each output's tested mean, added to the "
+                  "test variability.");
+  return table;
+}
+
+UpdatingResult MaresUpdater::update(const UpdatingProblem& problem, const RunContext& context) const {
+  const MaresSetup setup = prepare(problem, options_);
+  const Eigen::VectorXd prior_std = setup.prior_covariance.diagonal().cwiseSqrt();
+
+  UpdatingResult result;
+  std::vector<double> movements;
+  result.status = UpdatingStatus::max_iterations;
+  append_state(result, record_state(problem, setup.tests, problem.space.prior(), 0, context));
+  for (int index = 1; index <= problem.iterations; ++index) {
+    if (context.stop_requested()) {
+      result.status = UpdatingStatus::stopped;
+      break;
+    }
+    const IterationRecord& state = result.history.back();
+    const Eigen::MatrixXd g = estimate_sensitivity(state.cloud, options_.regression);
+    const Eigen::VectorXd mean = problem.space.clamp(updated_mean(setup, state, g, options_));
+    const Eigen::MatrixXd covariance = updated_covariance(setup, state, g, options_);
+    const double movement =
+        largest_movement(prior_std, state.parameter_mean, state.parameter_covariance, mean, covariance);
+    append_state(result, record_state(problem, setup.tests, JointDistribution::multivariate_normal(mean, covariance),
+                                      index, context));
+    if (movement <= problem.tolerance) {
+      result.status = UpdatingStatus::converged;
+      break;
+    }
+    movements.push_back(movement);
+    if (is_stalled(movements, k_stall_window)) {
+      result.status = UpdatingStatus::stalled;
+      break;
+    }
+  }
+  result.mean = result.history.back().parameter_mean;
+  result.covariance = result.history.back().parameter_covariance;
+  result.message = ending_message(result.status, result.history.size() - 1, problem.tolerance);
+  const Eigen::VectorXd point = from_variables(problem.space.scales(), result.mean.transpose()).row(0);
+  const Eigen::MatrixXd sensitivity = estimate_sensitivity(result.history.back().cloud, options_.regression) *
+                                      ScaledParameters(problem.space).slopes(point).asDiagonal();
+  test_matched_moments(problem,
+                       {.method = "mares",
+                        .mean = point,
+                        .sensitivity = sensitivity,
+                        .means = means_of_scattered(problem, point, sensitivity, context, result.model_evaluations)},
+                       result);
+  note_model_error(problem, "mares",
+                   "is added to the test variability S_M of Eqs. 11 and 12, beside update.mares.model_error.", result);
+  result.notes.push_back(
+      "The deviations of this method (Eq. 12) say how well the mean is known given the spread of the tests and the "
+      "prior; they do not estimate the spread of the specimens.");
+  return result;
+}
+
+}  // namespace mottle

@@ -1,0 +1,258 @@
+#include "updating/methods/matched_moments.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "mottle/core/error.hpp"
+#include "mottle/updating/methods/iteration.hpp"
+#include "updating/methods/least_change.hpp"
+#include "updating/verdict/scatter_tests.hpp"
+
+namespace mottle {
+namespace {
+
+using Scatter = MatchedEstimate::Scatter;
+
+/// What every test of the estimate needs.
+struct Comparison {
+  const UpdatingProblem& problem;
+  const MatchedEstimate& estimate;
+  const IterationRecord& state;
+  TestMoments tests;
+  Eigen::VectorXd residual;     // z - y
+  Eigen::MatrixXd of_test;      // C + R
+  Eigen::MatrixXd of_cloud;     // C / N, of the cloud's mean
+  Eigen::MatrixXd directions;   // B
+  double specimens = 0.0;       // with the output that was tested least
+  bool is_noise_known = false;  // of every output
+  bool has_gaps = false;        // entries are missing
+  bool is_scattered = true;     // every output, among the tests
+};
+
+Comparison compare(const UpdatingProblem& problem, const MatchedEstimate& estimate, const UpdatingResult& result) {
+  const IterationRecord& state = result.history.back();
+  Comparison c{problem, estimate, state, test_moments(problem.tests), {}, {}, {}, {}};
+  c.residual = c.tests.mean - (estimate.means.size() > 0 ? estimate.means : state.output_mean);
+  c.has_gaps = problem.tests.values.array().isNaN().any();
+  c.of_test = state.output_covariance;
+  c.of_test.diagonal() += problem.tests.repeatability_std.cwiseAbs2();
+  c.of_cloud =
+      state.output_covariance / static_cast<double>(std::max<Eigen::Index>(state.cloud.valid().outputs.rows(), 1));
+  c.specimens = c.tests.count.minCoeff();
+  c.is_noise_known = (problem.tests.repeatability_std.array() > 0.0).all();
+  c.is_scattered = (counts_with_scatter(c.tests).array() > 0).all();
+  Eigen::VectorXd scale = c.of_test.diagonal().cwiseMax(c.tests.covariance.diagonal()).cwiseSqrt();
+  scale = scale.cwiseMax(k_last_digits * c.tests.mean.cwiseAbs());
+  scale = (scale.array() > 0.0).select(scale, c.tests.mean.cwiseAbs().cwiseMax(1e-300));
+  c.directions =
+      unmoved_directions(estimate.sensitivity, scale, prior_on_scales(problem.space).covariance.diagonal().cwiseSqrt());
+  return c;
+}
+
+/// r' B (B' M B)^-1 B' r; negative where M is singular in a direction.
+double squared_distance(const Comparison& c, const Eigen::MatrixXd& covariance) {
+  const Eigen::MatrixXd own = c.directions.transpose() * covariance * c.directions;
+  const Eigen::VectorXd off = c.directions.transpose() * c.residual;
+  const Eigen::LDLT<Eigen::MatrixXd> factor(own);
+  constexpr double k_singular = 1e-12;
+  const Eigen::VectorXd pivots = factor.vectorD();
+  if (!(pivots.minCoeff() > k_singular * pivots.maxCoeff())) return -1.0;
+  return off.dot(factor.solve(off));
+}
+
+Power mean_power(double noncentrality, double specimens) {
+  const double shift = std::sqrt(noncentrality / specimens);
+  return {
+      fmt::format("means that are off by {:.2g} standard deviations of a test in a direction that no parameter moves",
+                  shift),
+      shift <= k_gross_error};
+}
+
+void plan_mean_test(const Comparison& c, TestPlan& plan) {
+  const auto d = static_cast<double>(c.directions.cols());
+  const double n = c.specimens;
+  if (d == 0.0) {
+    plan.leave_untested(Aspect::means, fmt::format("The means were not tested: {} outputs are no more than the "
+                                                   "combinations of parameters that they see, which can match any "
+                                                   "means. {}",
+                                                   c.residual.size(), k_more_outputs));
+    return;
+  }
+  if (c.has_gaps) {
+    plan.leave_untested(Aspect::means, gaps_untested(Aspect::means, c.estimate.method));
+    return;
+  }
+  if (!c.is_noise_known && !c.is_scattered) {
+    plan.leave_untested(
+        Aspect::means,
+        "The means were not tested: an output is the same in all specimens, to the last digits, and its "
+        "noise is not known. Give [test] repeatability of every output.");
+    return;
+  }
+  if (!c.residual.allFinite()) {
+    plan.leave_untested(Aspect::means, k_curvature_unknown);
+    return;
+  }
+  PlannedTest test;
+  if (c.is_noise_known) {
+    const double squares = squared_distance(c, covariance_of_tests_mean(c.problem.tests, c.of_test) + c.of_cloud);
+    test = chi_squared_test("mean-agreement", squares, d);
+    test.power = [=](double level) { return mean_power(chi_squared_detectable(d, level), n); };
+  } else {
+    const double squares =
+        n > d ? squared_distance(c, covariance_of_tests_mean(c.problem.tests, c.tests.covariance) + c.of_cloud) : -1.0;
+    if (squares < 0.0) {
+      plan.leave_untested(
+          Aspect::means,
+          fmt::format("The means were not tested: {:.0f} specimens are too few for the {:.0f} directions "
+                      "of the outputs that no parameter moves, as their noise is not known. Give [test] "
+                      "repeatability of every output, or test more specimens.",
+                      n, d));
+      return;
+    }
+    test = f_test("mean-agreement", squares * (n - d) / ((n - 1.0) * d), d, n - d);
+    test.power = [=](double level) { return mean_power(f_detectable(d, n - d, level), n); };
+  }
+  test.aspect = Aspect::means;
+  test.meaning = fmt::format(
+      "{} in the {:.0f} directions of the outputs that no parameter moves: have the tests and the updated model's "
+      "cloud "
+      "the same means?",
+      c.is_noise_known ? "Chi-squared" : "Hotelling's T^2, as F,", d);
+  plan.add(std::move(test));
+}
+
+void plan_residual_scatter(const Comparison& c, TestPlan& plan) {
+  const Eigen::MatrixXd& b = c.directions;
+  if (b.cols() == 0) {
+    plan.leave_untested(Aspect::scatter,
+                        fmt::format("The scatter was not tested: the covariance of the parameters can match that of "
+                                    "the outputs. {}",
+                                    k_more_outputs));
+    return;
+  }
+  if (!c.is_noise_known) {
+    plan.leave_untested(Aspect::scatter,
+                        "The scatter was not tested: what no parameter explains may be noise of the tests, which is "
+                        "not known. Give [test] repeatability of every output, or update with method = "
+                        "\"maximum-likelihood\", which estimates the noise.");
+    return;
+  }
+  if (c.has_gaps) {
+    plan.leave_untested(Aspect::scatter, gaps_untested(Aspect::scatter, c.estimate.method));
+    return;
+  }
+  const Eigen::LLT<Eigen::MatrixXd> factor(b.transpose() * c.of_test * b);
+  const Eigen::MatrixXd whitened = factor.matrixL().solve(b.transpose());
+  const double freedom = c.tests.count.cast<double>().mean() - 1.0;
+  const double squares = freedom * (whitened * c.tests.covariance * whitened.transpose()).trace();
+  plan.add(residual_scatter_test(
+      squares, freedom, static_cast<double>(b.cols()),
+      {whitened.colwise().squaredNorm().transpose(), c.of_test.diagonal(), output_names(c.problem)}));
+}
+
+void plan_cloud_agreement(const Comparison& c, TestPlan& plan) {
+  if (c.has_gaps) return;  // the parameters match a covariance of which each entry is of other specimens
+  Eigen::VectorXd model = c.of_test.diagonal();
+  const Eigen::VectorXd& noise = c.problem.tests.repeatability_std;
+  if (c.estimate.scatter == Scatter::with_noise) {
+    // The cloud has the noise already, but for what of it no parameter takes up: R - P R P', P = G T.
+    const Eigen::VectorXd weight = (noise.array() > 0.0).select(noise, c.tests.covariance.diagonal().cwiseSqrt());
+    const Eigen::VectorXd whitening = weight.cwiseMax(1e-300).cwiseInverse();
+    const Eigen::MatrixXd gain = least_change_gain(whitening.asDiagonal() * c.estimate.sensitivity,
+                                                   prior_on_scales(c.problem.space).covariance.diagonal().cwiseSqrt())
+                                     .matrix *
+                                 whitening.asDiagonal();
+    const Eigen::MatrixXd taken_up = c.estimate.sensitivity * gain * noise.asDiagonal();
+    model -= taken_up.rowwise().squaredNorm().cwiseMin(noise.cwiseAbs2());
+  }
+  std::vector<bool> is_whole;
+  for (const double sigma : noise) is_whole.push_back(sigma > 0.0);
+  plan.add(cloud_agreement_test(c.tests.covariance.diagonal(), model, counts_with_scatter(c.tests), is_whole,
+                                output_names(c.problem)));
+}
+
+/// The output whose scatter in the cloud differs most from that of the tests.
+void say_scatter_is_not_estimated(const Comparison& c, TestPlan& plan) {
+  const Eigen::ArrayXd ratio =
+      (c.of_test.diagonal().array() / c.tests.covariance.diagonal().array().max(1e-300)).sqrt();
+  Eigen::Index worst = 0;
+  ratio.max(1e-300).log().abs().maxCoeff(&worst);
+  plan.leave_untested(
+      Aspect::scatter,
+      fmt::format(
+          "The scatter was not tested: method '{}' does not estimate it ({}'s standard deviation in the model's "
+          "cloud is {:.0f} % of the tests'). Update with method = \"maximum-likelihood\", which does.",
+          c.estimate.method, c.problem.model.outputs()[static_cast<std::size_t>(worst)].name, 100.0 * ratio(worst)));
+}
+
+/// One Gauss-Newton step that no bound stops, and the sampling covariance of where it leads.
+FreeMean free_mean(const Comparison& c) {
+  const Eigen::MatrixXd covariance = covariance_of_tests_mean(c.problem.tests, c.tests.covariance) + c.of_cloud;
+  const Eigen::VectorXd whitening = covariance.diagonal()
+                                        .cwiseSqrt()
+                                        .cwiseMax(k_last_digits * c.tests.mean.cwiseAbs())
+                                        .cwiseMax(1e-300)
+                                        .cwiseInverse();
+  const Eigen::MatrixXd gain = least_change_gain(whitening.asDiagonal() * c.estimate.sensitivity,
+                                                 prior_on_scales(c.problem.space).covariance.diagonal().cwiseSqrt())
+                                   .matrix *
+                               whitening.asDiagonal();
+  // What curvature adds to the tests' means is no misfit of the mean that the method looks for.
+  const Eigen::VectorXd residual = c.tests.mean - c.state.output_mean;
+  return {c.estimate.mean + gain * residual, gain * covariance * gain.transpose(), c.specimens - 1.0};
+}
+
+}  // namespace
+
+std::string gaps_untested(Aspect aspect, const std::string& method) {
+  return fmt::format(
+      "The {} not tested: entries are missing, and method '{}' takes each output over the specimens that have it. "
+      "Update "
+      "with method = \"maximum-likelihood\", whose tests take each specimen by itself.",
+      aspect == Aspect::means ? "means were" : "scatter was", method);
+}
+
+Eigen::MatrixXd covariance_of_tests_mean(const TestData& tests, const Eigen::Ref<const Eigen::MatrixXd>& covariance) {
+  const Eigen::MatrixXd measured = (!tests.values.array().isNaN()).cast<double>();
+  const Eigen::MatrixXd together = measured.transpose() * measured;
+  const Eigen::VectorXd count = together.diagonal().cwiseMax(1.0);
+  Eigen::MatrixXd result =
+      count.cwiseInverse().asDiagonal() * covariance.cwiseProduct(together) * count.cwiseInverse().asDiagonal();
+  result.diagonal() += tests.model_error_variance();
+  return result;
+}
+
+Eigen::MatrixXd unmoved_directions(const Eigen::Ref<const Eigen::MatrixXd>& sensitivity,
+                                   const Eigen::Ref<const Eigen::VectorXd>& output_scale,
+                                   const Eigen::Ref<const Eigen::VectorXd>& parameter_scale) {
+  constexpr double k_unseen = 1e-6;
+  const Eigen::VectorXd unit = output_scale.cwiseInverse();
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(unit.asDiagonal() * sensitivity * parameter_scale.asDiagonal(),
+                                              Eigen::ComputeFullU);
+  const Eigen::VectorXd& values = svd.singularValues();
+  const Eigen::Index rank = (values.array() > k_unseen * values(0)).count();
+  return unit.asDiagonal() * svd.matrixU().rightCols(sensitivity.rows() - rank);
+}
+
+void test_matched_moments(const UpdatingProblem& problem, const MatchedEstimate& estimate, UpdatingResult& result) {
+  if (!estimate.sensitivity.allFinite() || estimate.sensitivity.size() == 0) return;  // stopped before the first step
+  const Comparison comparison = compare(problem, estimate, result);
+  TestPlan plan;
+  plan_mean_test(comparison, plan);
+  if (estimate.scatter == Scatter::not_estimated) {
+    say_scatter_is_not_estimated(comparison, plan);
+  } else {
+    plan_residual_scatter(comparison, plan);
+    plan_cloud_agreement(comparison, plan);
+  }
+  const FreeMean free = free_mean(comparison);
+  plan_bound_test(problem, free, plan);
+  plan_prior_shift(problem, estimate.mean, free.covariance, plan);
+  plan.make(problem.level, result);
+}
+
+}  // namespace mottle

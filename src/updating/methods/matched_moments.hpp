@@ -1,0 +1,56 @@
+// Tests of an update that matched the means of the tests, and perhaps their scatter, by its cloud.
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+
+#include "updating/methods/mean_limits.hpp"
+
+namespace mottle {
+
+/// An estimate whose cloud is the last of the result's history.
+struct MatchedEstimate {
+  /// What the covariance of the parameters is: not the specimens' scatter; that without the known noise; that with it.
+  enum class Scatter { not_estimated, without_noise, with_noise };
+
+  std::string method;
+  Eigen::VectorXd mean;         ///< on the parameters' scales [parameter]
+  Eigen::MatrixXd sensitivity;  ///< dy/dt there [output x parameter]
+  Scatter scatter = Scatter::not_estimated;
+  /// Outputs' means of specimens that scatter as the tests do; nan: not known; empty: those of the cloud [output].
+  Eigen::VectorXd means = {};
+};
+
+inline constexpr const char* k_curvature_unknown =
+    "The means were not tested: the model fails a standard deviation of the specimens' scatter from the mean, so it is "
+    "not known what that scatter adds to the means of curved outputs.";
+
+/// Why a method that takes means and covariances output by output leaves an aspect untested where entries are missing:
+/// the parameters' scatter does not cancel in differences of outputs that other specimens have.
+std::string gaps_untested(Aspect aspect, const std::string& method);
+
+/// Sampling covariance of the mean of the tests about the model's, C / n + D, from that of one test, C [output x
+/// output], and a given error D of the model, which all specimens have in common.
+Eigen::MatrixXd covariance_of_tests_mean(const TestData& tests, const Eigen::Ref<const Eigen::MatrixXd>& covariance);
+
+/// Directions of the outputs that no parameter moves: B with B' G = 0 [output x direction].
+///
+/// @param output_scale     typical size of a difference in each output, > 0
+/// @param parameter_scale  the same of the parameters
+/// Singular values below 1e-6 of the largest count as zero.
+Eigen::MatrixXd unmoved_directions(const Eigen::Ref<const Eigen::MatrixXd>& sensitivity,
+                                   const Eigen::Ref<const Eigen::VectorXd>& output_scale,
+                                   const Eigen::Ref<const Eigen::VectorXd>& parameter_scale);
+
+/// Puts the tests of the estimate into the result, which must have its history:
+///
+///   mean-agreement: means of tests and cloud in the p - q directions B that no parameter moves,
+///     r' B (B' M B)^-1 B' r,  r = z - y: chi-squared with p - q degrees of freedom, M = (C + R) / n + C / N, where the
+///     noise R is known; Hotelling's T^2 with (p - q, n - 1), M = V / n + C / N, where it is not;
+///   scatter-of-residuals: tr[(B' (C + R) B)^-1 B' V B] (n - 1) against chi-squared (noise known);
+///   scatter-agreement, bounds, prior-shift: see scatter_tests.hpp, mean_limits.hpp.
+///
+/// z, V: mean and covariance of n tests; y, C: of the N samples of the cloud; G = dy/dt.
+void test_matched_moments(const UpdatingProblem& problem, const MatchedEstimate& estimate, UpdatingResult& result);
+
+}  // namespace mottle

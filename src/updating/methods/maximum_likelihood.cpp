@@ -1,0 +1,131 @@
+#include "mottle/updating/methods/maximum_likelihood.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include "mottle/core/error.hpp"
+#include "mottle/stats/moments/distance.hpp"
+#include "mottle/updating/methods/iteration.hpp"
+#include "updating/population/model_error.hpp"
+#include "updating/population/population_fit.hpp"
+#include "updating/population/population_report.hpp"
+
+namespace mottle {
+namespace {
+
+using Options = MaximumLikelihoodOptions;
+
+/// One iteration without a cloud: outputs to first order from the specimens' own linear models.
+IterationRecord linear_record(const UpdatingProblem& problem, const PopulationFit& fit, const TestMoments& tests) {
+  IterationRecord record;
+  const auto population = JointDistribution::normal_on_scales(problem.space.scales(), fit.mean, fit.covariance);
+  record.parameter_mean = population.mean();
+  record.parameter_covariance = population.covariance();
+  const Eigen::VectorXd point = fit.specimens.points.colwise().mean();
+  const Eigen::VectorXd outputs = fit.specimens.outputs.colwise().mean();
+  record.output_mean = outputs + fit.sensitivity * (fit.mean - point);
+  record.output_covariance = fit.sensitivity * fit.covariance * fit.sensitivity.transpose();
+  record.distance_euclidean = euclidean_distance(record.output_mean, tests.mean);
+  record.distance_mahalanobis = std::numeric_limits<double>::quiet_NaN();
+  if (!tests.covariance.isZero(0.0)) {
+    record.distance_mahalanobis = mahalanobis_distance(record.output_mean, tests.mean, tests.covariance);
+  }
+  return record;
+}
+
+std::string ending_message(const UpdatingResult& result, int iterations, double tolerance) {
+  switch (result.status) {
+    case UpdatingStatus::converged:
+      return fmt::format("after {} iterations no mean and no deviation moves by more than {} of its prior deviation",
+                         iterations, tolerance);
+    case UpdatingStatus::stopped:
+      return fmt::format("stopped on request after {} iterations", iterations);
+    default:
+      return fmt::format("{} iterations did not bring means and deviations to rest", iterations);
+  }
+}
+
+}  // namespace
+
+const OptionTable<Options>& maximum_likelihood_option_table() {
+  static const OptionTable<Options> table =
+      OptionTable<Options>()
+          .choice<Options::Likelihood>(
+              "likelihood", &Options::likelihood,
+              {{"restricted", Options::Likelihood::restricted}, {"plain", Options::Likelihood::plain}},
+              "Restricted likelihood, whose deviations are not too small where specimens are few, or the plain one.")
+          .choice<Options::Noise>(
+              "noise", &Options::noise,
+              {{"automatic", Options::Noise::automatic},
+               {"given", Options::Noise::given},
+               {"estimated", Options::Noise::estimated}},
+              "Measurement noise: as [test] repeatability gives it (none where it is silent), or estimated, one level "
+              "for all outputs of a unit (for frequencies a part of the value). Automatic: estimated for the outputs "
+              "without repeatability where there are more outputs than parameters, else given.")
+          .choice<Options::Intervals>("intervals", &Options::intervals,
+                                      {{"analytic", Options::Intervals::analytic},
+                                       {"bootstrap", Options::Intervals::bootstrap},
+                                       {"none", Options::Intervals::none}},
+                                      "Confidence intervals from sampling theory, or from samples of specimens drawn "
+                                      "from the estimate and updated again.")
+          .integer("bootstrap_samples", &Options::bootstrap_samples, {.lower = 100.0, .upper = 100000.0}, "-",
+                   "Number of samples of all specimens for intervals by bootstrap.")
+          .integer(
+              "starts", &Options::starts, {.lower = 0.0, .upper = 10000.0}, "-",
+              "Number of starts, drawn from the prior, from which other parameters that explain the tests' mean as "
+              "well are looked for.")
+          .number("rank_tolerance", &Options::rank_tolerance, {.lower = 0.0, .upper = 1.0}, "-",
+                  "Combinations of parameters that move the outputs by less than this part of what the strongest "
+                  "moves them, each by a prior deviation, count as not seen: they stay as the prior has them.");
+  return table;
+}
+
+UpdatingResult MaximumLikelihoodUpdater::update(const UpdatingProblem& problem, const RunContext& context) const {
+  const Eigen::Index specimens = problem.tests.values.rows();
+  require(specimens >= 2,
+          "method 'maximum-likelihood': {} specimen has no scatter to explain; at least 2 are needed, or use method = "
+          "\"deterministic\"",
+          specimens);
+  const TestMoments tests = test_moments(problem.tests);
+  UpdatingResult result;
+  result.is_population = true;
+  result.status = UpdatingStatus::max_iterations;
+  const PopulationFitSettings settings{.noise = noise_model(problem, options_),
+                                       .model_error = model_error_model(problem),
+                                       .is_restricted = options_.likelihood == Options::Likelihood::restricted,
+                                       .rank_tolerance = options_.rank_tolerance,
+                                       .iterations = problem.iterations,
+                                       .tolerance = problem.tolerance};
+  append_state(result, record_state(problem, tests, problem.space.prior(), 0, context));
+  result.mean = problem.space.prior().mean();
+  result.covariance = problem.space.prior().covariance();
+  result.message = "stopped on request before the first iteration";
+  if (context.stop_requested()) {
+    result.status = UpdatingStatus::stopped;
+    return result;
+  }
+  const PopulationFit fit =
+      fit_population(problem, problem.tests.values, settings, context, [&](const PopulationFit& now) {
+        append_state(result, linear_record(problem, now, tests));
+        context.progress("update", now.iterations, problem.iterations);
+        if (context.stop_requested()) result.status = UpdatingStatus::stopped;
+        return !context.stop_requested();
+      });
+  result.model_evaluations += fit.evaluations;
+  if (fit.converged) result.status = UpdatingStatus::converged;
+  result.message = ending_message(result, fit.iterations, problem.tolerance);
+  const auto population = JointDistribution::normal_on_scales(problem.space.scales(), fit.mean, fit.covariance);
+  result.mean = population.mean();
+  result.covariance = population.covariance();
+  if (result.status == UpdatingStatus::stopped) return result;
+  IterationRecord last = record_state(problem, tests, population, 0, context);
+  result.model_evaluations += last.cloud.samples.rows();
+  result.history.back() = std::move(last);
+  describe_population(problem, fit, settings, options_, context, result);
+  return result;
+}
+
+}  // namespace mottle

@@ -1,0 +1,76 @@
+#include <memory>
+
+#include "mottle/core/error.hpp"
+#include "mottle/core/text.hpp"
+#include "mottle/updating/methods/deterministic.hpp"
+#include "mottle/updating/methods/maximum_likelihood.hpp"
+#include "mottle/updating/methods/updater.hpp"
+#include "updating/methods/covariance_adjustment.hpp"
+#include "updating/methods/inversion.hpp"
+#include "updating/methods/mares.hpp"
+#include "updating/methods/moment_matching.hpp"
+#include "updating/methods/perturbation.hpp"
+
+namespace mottle {
+namespace {
+
+template <typename Method, const auto& table>
+std::unique_ptr<Updater> make(const OptionValues& values, const std::string& where) {
+  return std::make_unique<Method>(table().read(values, where));
+}
+
+}  // namespace
+
+const std::vector<MethodEntry>& updating_methods() {
+  static const std::vector<MethodEntry> methods = {
+      {"maximum-likelihood",
+       "The population of the specimens: mean and covariance by (restricted) maximum likelihood, with confidence "
+       "intervals.",
+       maximum_likelihood_option_table().describe(), make<MaximumLikelihoodUpdater, maximum_likelihood_option_table>},
+      {"mares",
+       "Regression on Monte-Carlo clouds, mean and covariance by Eqs. 11 and 12 of Mares, Mottershead and Friswell "
+       "(2006).",
+       mares_option_table().describe(), make<MaresUpdater, mares_option_table>, false},
+      {"deterministic",
+       "One structure, or the mean of many: weighted least squares with Tikhonov or Bayesian regularisation.",
+       deterministic_option_table().describe(), make<DeterministicUpdater, deterministic_option_table>, false},
+      {"inversion", "The population's mean and covariance from parameters that are solved for each specimen alone.",
+       inversion_option_table().describe(), make<InversionUpdater, inversion_option_table>},
+      {"perturbation", "The population to first order, after Khodaparast, Mottershead and Friswell (2008).",
+       perturbation_option_table().describe(), make<PerturbationUpdater, perturbation_option_table>},
+      {"covariance-adjustment",
+       "The population whose cloud has the tests' mean and covariance, after Govers and Link (2010).",
+       covariance_adjustment_option_table().describe(),
+       make<CovarianceAdjustmentUpdater, covariance_adjustment_option_table>},
+      {"moment-matching", "The population whose outputs have the tests' mean and covariance, by quadrature.",
+       moment_matching_option_table().describe(), make<MomentMatchingUpdater, moment_matching_option_table>},
+  };
+  return methods;
+}
+
+const MethodEntry& find_method(const std::string& name) {
+  std::vector<std::string> names;
+  for (const MethodEntry& method : updating_methods()) {
+    if (method.name == name) return method;
+    names.push_back(method.name);
+  }
+  throw InvalidInput(unknown_name_message("update.method", name, names));
+}
+
+std::string status_text(UpdatingStatus status) {
+  switch (status) {
+    case UpdatingStatus::converged:
+      return "converged";
+    case UpdatingStatus::max_iterations:
+      return "max-iterations";
+    case UpdatingStatus::stalled:
+      return "stalled";
+    case UpdatingStatus::stopped:
+      return "stopped";
+    case UpdatingStatus::failed:
+      return "failed";
+  }
+  return "failed";
+}
+
+}  // namespace mottle

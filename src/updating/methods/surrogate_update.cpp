@@ -1,0 +1,165 @@
+#include "mottle/updating/methods/surrogate_update.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "mottle/core/error.hpp"
+#include "mottle/core/text.hpp"
+#include "mottle/stats/sampling/sampling.hpp"
+
+namespace mottle {
+namespace {
+
+constexpr Eigen::Index k_least_check = 10;
+
+/// The design's ends on the standard normal axis of one parameter, drawn in to what is physically possible.
+double possible_end(const ParameterSpace& space, Eigen::Index parameter, double end) {
+  const Distribution& marginal = space.prior().marginals()[static_cast<std::size_t>(parameter)];
+  Eigen::VectorXd x = space.prior().mean();
+  for (; std::abs(end) > 1e-3; end *= 0.9) {
+    x(parameter) = marginal.from_standard_normal(end);
+    if (space.is_possible(x.transpose())) break;
+  }
+  return end;
+}
+
+Eigen::VectorXd root_mean_square(const Eigen::Ref<const Eigen::MatrixXd>& residuals) {
+  return (residuals.colwise().squaredNorm() / static_cast<double>(residuals.rows())).cwiseSqrt().transpose();
+}
+
+}  // namespace
+
+SurrogateUpdate::SurrogateUpdate(const UpdatingProblem& problem, const SurrogateSettings& settings)
+    : given_(problem),
+      settings_(settings),
+      model_(problem.model, problem.space),
+      problem_{.model = model_,
+               .derivatives = nullptr,
+               .space = problem.space,
+               .tests = problem.tests,
+               .cloud = problem.cloud,
+               .iterations = problem.iterations,
+               .level = problem.level,
+               .tolerance = problem.tolerance,
+               .covariance_groups = problem.covariance_groups} {}
+
+void SurrogateUpdate::add_runs(const Eigen::MatrixXd& samples, const RunContext& context) {
+  context.progress("surrogate runs", 0, samples.rows());
+  const Cloud cloud = evaluate_points(given_.model, samples, given_.cloud.most_failed, context);
+  context.progress("surrogate runs", samples.rows(), samples.rows());
+  evaluations_ += samples.rows();
+  if (!cloud.failures.empty()) {
+    context.warning(fmt::format("{} of {} runs for the surrogate failed and are left out; the first: {}",
+                                cloud.failures.size(), samples.rows(), cloud.failures.front().reason));
+  }
+  const Cloud::Valid valid = cloud.valid();
+  const Eigen::Index before = samples_.rows();
+  samples_.conservativeResize(before + valid.samples.rows(), samples.cols());
+  samples_.bottomRows(valid.samples.rows()) = valid.samples;
+  outputs_.conservativeResize(before + valid.outputs.rows(), valid.outputs.cols());
+  outputs_.bottomRows(valid.outputs.rows()) = valid.outputs;
+}
+
+void SurrogateUpdate::run_design(const RunContext& context) {
+  const ParameterSpace& space = given_.space;
+  const Eigen::Index q = space.count();
+  const Eigen::Index least = Surrogate::least_runs(settings_.kind, q);
+  require(settings_.runs == 0 || settings_.runs >= least,
+          "surrogate.runs: {} are too few for {} parameters, at least {} are needed", settings_.runs, q, least);
+  const Eigen::Index runs = settings_.runs > 0 ? settings_.runs : std::max<Eigen::Index>(10 * q, least + least / 2);
+  const StreamKey key{.seed = context.seed, .purpose = StreamPurpose::surrogate_runs};
+  Eigen::MatrixXd samples = uniform_design(SamplingDesign::latin_hypercube, runs, q, key);
+  for (Eigen::Index i = 0; i < q; ++i) {
+    const double lower = possible_end(space, i, -settings_.spread);
+    const double upper = possible_end(space, i, settings_.spread);
+    const Distribution& marginal = space.prior().marginals()[static_cast<std::size_t>(i)];
+    samples.col(i) =
+        samples.col(i).unaryExpr([&](double u) { return marginal.from_standard_normal(lower + u * (upper - lower)); });
+  }
+  add_runs(samples, context);
+  first_near_ = samples_.rows();
+}
+
+void SurrogateUpdate::fit() {
+  model_.train(settings_.kind, samples_, outputs_);
+  const Eigen::MatrixXd& residuals = model_.surrogate().left_out_residuals();
+  const bool has_near = samples_.rows() - first_near_ >= k_least_check;
+  Eigen::VectorXd error =
+      root_mean_square(residuals.bottomRows(has_near ? residuals.rows() - first_near_ : residuals.rows()));
+  // Both were seen at runs that took no part, by fits to fewer runs than this one.
+  if (has_near) error = error.cwiseMin(rounds_.back().error_at_estimate);
+  rounds_.push_back({samples_.rows(), error, {}});
+  const bool may_be_estimated = error.size() > given_.space.count();
+  for (Eigen::Index k = 0; k < error.size(); ++k) {
+    const double known = given_.tests.repeatability_std(k);
+    if (known > 0.0 || !may_be_estimated) problem_.tests.repeatability_std(k) = std::hypot(known, error(k));
+  }
+}
+
+/// Standard deviations of the tests; of the runs where there are no two tests.
+Eigen::VectorXd SurrogateUpdate::scatter() const {
+  Eigen::VectorXd deviation(outputs_.cols());
+  for (Eigen::Index k = 0; k < deviation.size(); ++k) {
+    const auto spread = [](const Eigen::ArrayXd& values) {
+      const Eigen::Index n = values.size();
+      return n < 2 ? 0.0 : std::sqrt((values - values.mean()).square().sum() / static_cast<double>(n - 1));
+    };
+    std::vector<Eigen::Index> rows;
+    for (Eigen::Index s = 0; s < given_.tests.values.rows(); ++s) {
+      if (!std::isnan(given_.tests.values(s, k))) rows.push_back(s);
+    }
+    deviation(k) = spread(given_.tests.values(rows, k));
+    if (!(deviation(k) > 0.0)) deviation(k) = spread(outputs_.col(k));
+  }
+  return deviation;
+}
+
+void SurrogateUpdate::check(const UpdatingResult& result, const RunContext& context) {
+  constexpr double k_least_spread = 0.05;  // of the prior's: an estimate may have no scatter at all
+  Eigen::MatrixXd covariance = result.covariance;
+  covariance.diagonal() += k_least_spread * k_least_spread * given_.space.prior().covariance().diagonal();
+  const auto round = static_cast<std::uint32_t>(rounds_.size());
+  const Eigen::Index points = std::max<Eigen::Index>(k_least_check, 2 * result.mean.size());
+  const ParameterDraw draw = given_.space.draw(
+      JointDistribution::multivariate_normal(result.mean, covariance), SamplingDesign::latin_hypercube, points,
+      {.seed = context.seed, .purpose = StreamPurpose::surrogate_runs, .iteration = round});
+  const Eigen::Index before = samples_.rows();
+  add_runs(draw.samples, context);
+  const Eigen::Index added = samples_.rows() - before;
+  const Eigen::MatrixXd said = model_.evaluate(samples_.bottomRows(added), context).outputs;
+  SurrogateRound& last = rounds_.back();
+  last.error_at_estimate = root_mean_square(said - outputs_.bottomRows(added));
+  const double worst = last.error_at_estimate.cwiseQuotient(scatter()).maxCoeff();
+  is_good_ = worst <= settings_.tolerance;
+  context.note(
+      fmt::format("surrogate of {} runs: at the estimate off by up to {:.2g} of the tests' scatter ({} new runs)",
+                  last.runs, worst, added));
+}
+
+UpdatingResult SurrogateUpdate::run(const Updater& method, const RunContext& context) {
+  run_design(context);
+  for (int round = 0;; ++round) {
+    fit();
+    UpdatingResult result = method.update(problem_, context);
+    if (result.status == UpdatingStatus::stopped) return result;
+    check(result, context);
+    result.model_evaluations = evaluations_;
+    // The first round carries the error of the whole design, far from the estimate: too much noise, too little scatter.
+    if ((!is_good_ || round == 0) && round < settings_.rounds) continue;
+    result.notes.push_back(
+        fmt::format("A surrogate fitted to {} model runs stood in for the model; its error is part "
+                    "of the tests' noise.",
+                    rounds_.back().runs));
+    if (!is_good_) {
+      const std::string text = fmt::format(
+          "The surrogate is still off by more than {:.2g} of the tests' scatter after {} refinements: give more runs, "
+          "another kind or a narrower prior.",
+          settings_.tolerance, settings_.rounds);
+      result.notes.push_back(text);
+      context.warning(text);
+    }
+    return result;
+  }
+}
+
+}  // namespace mottle

@@ -1,0 +1,101 @@
+#include "updating/population/mean_residuals.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/QR>
+#include <algorithm>
+
+#include "updating/methods/matched_moments.hpp"
+#include "updating/methods/measured_outputs.hpp"
+
+namespace mottle {
+namespace {
+
+/// Residuals of the specimens in units of the noise, what their own best parameters leave of them.
+struct WhitenedResiduals {
+  Eigen::MatrixXd values;       // [specimen x output], 0 where missing
+  Eigen::MatrixXd mean_design;  // [output x effect]
+  Eigen::MatrixXd projection;   // sum of P_s [output x output]
+  Eigen::VectorXd count;        // specimens that have the output [output]
+  double squares = 0.0;
+  double freedom = 0.0;
+};
+
+/// @param shift  taken off the tests [output]
+WhitenedResiduals whiten(const Eigen::Ref<const Eigen::MatrixXd>& tests, const std::vector<RandomEffectsUnit>& units,
+                         const Eigen::VectorXd& noise, const Eigen::VectorXd& shift) {
+  const Eigen::Index p = tests.cols();
+  WhitenedResiduals result{Eigen::MatrixXd::Zero(tests.rows(), p), Eigen::MatrixXd::Zero(p, units[0].design.cols()),
+                           Eigen::MatrixXd::Zero(p, p), Eigen::VectorXd::Zero(p)};
+  for (Eigen::Index s = 0; s < tests.rows(); ++s) {
+    const RandomEffectsUnit& unit = units[static_cast<std::size_t>(s)];
+    const std::vector<Eigen::Index> rows = measured_outputs(tests, s);
+    const auto count = static_cast<Eigen::Index>(rows.size());
+    const Eigen::VectorXd weight = noise(rows).cwiseSqrt().cwiseInverse();
+    const Eigen::MatrixXd design = weight.asDiagonal() * unit.design;
+    const Eigen::VectorXd response = weight.asDiagonal() * (unit.response - shift(rows));
+    const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> factor(design);
+    const Eigen::MatrixXd reached = factor.householderQ() * Eigen::MatrixXd::Identity(count, factor.rank());
+    const Eigen::VectorXd residual = response - reached * (reached.transpose() * response);
+    result.projection(rows, rows) += Eigen::MatrixXd::Identity(count, count) - reached * reached.transpose();
+    result.mean_design(rows, Eigen::all) += design;
+    result.values(s, rows) = residual.transpose();
+    result.count(rows).array() += 1.0;
+    result.squares += residual.squaredNorm();
+    result.freedom += static_cast<double>(count - factor.rank());
+  }
+  result.mean_design = (result.count.cwiseMax(1.0).cwiseInverse().asDiagonal() * result.mean_design).eval();
+  return result;
+}
+
+/// Directions of whitened outputs that no parameter moves, orthonormal [output x direction].
+Eigen::MatrixXd unmoved_whitened(const Eigen::MatrixXd& design) {
+  const Eigen::VectorXd scale = design.colwise().norm().transpose().cwiseMax(1e-300).cwiseInverse();
+  return unmoved_directions(design, Eigen::VectorXd::Ones(design.rows()), scale);
+}
+
+}  // namespace
+
+MeanResiduals mean_residuals(const Eigen::Ref<const Eigen::MatrixXd>& values,
+                             const std::vector<RandomEffectsUnit>& units, const Eigen::VectorXd& noise,
+                             const std::optional<ModelError>& error) {
+  constexpr double k_unseen = 1e-6;  // of a direction that specimens see with all of their outputs
+  const WhitenedResiduals whitened = whiten(values, units, noise, Eigen::VectorXd::Zero(values.cols()));
+  MeanResiduals result{whitened.values, whitened.mean_design, unmoved_whitened(whitened.mean_design)};
+  result.squares = std::max(whitened.squares, 1e-300);
+  result.freedom = whitened.freedom;
+  if (result.directions.cols() == 0) return result;
+  const Eigen::MatrixXd turn =
+      result.directions.transpose() * whitened.count.cwiseMax(1.0).cwiseSqrt().cwiseInverse().asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(turn * whitened.projection * turn.transpose());
+  const Eigen::Index seen = (solver.eigenvalues().array() > k_unseen).count();
+  // Rows of `unit` turn sums of residuals into independent normal deviates of variance 1.
+  const Eigen::MatrixXd unit = solver.eigenvalues().tail(seen).cwiseSqrt().cwiseInverse().asDiagonal() *
+                               solver.eigenvectors().rightCols(seen).transpose() * turn;
+  const auto mean_of = [&](const WhitenedResiduals& own) -> Eigen::VectorXd {
+    return unit * own.values.colwise().sum().transpose();
+  };
+  const Eigen::VectorXd unmoved = mean_of(whitened);
+  result.mean_freedom = static_cast<double>(seen);
+  result.mean_squares = unmoved.squaredNorm();
+  result.squares = whitened.squares - result.mean_squares;
+  if (error && seen > 0) {
+    const Eigen::MatrixXd by_output = unit * whitened.projection * noise.cwiseSqrt().cwiseInverse().asDiagonal();
+    const Eigen::MatrixXd moved = by_output * error->std.asDiagonal();
+    Eigen::MatrixXd covariance = moved * moved.transpose();
+    covariance.diagonal().array() += 1.0;
+    const Eigen::LLT<Eigen::MatrixXd> factor(covariance);
+    result.mean_squares = unmoved.dot(factor.solve(unmoved));
+    const Eigen::MatrixXd seen_by_output = factor.matrixL().solve(by_output);
+    result.own_noncentrality = seen_by_output.colwise().squaredNorm().transpose();
+    // An error that all share scatters where no two specimens have the same unmoved directions.
+    const WhitenedResiduals own = whiten(values, units, noise, error->shift);
+    result.squares = own.squares - mean_of(own).squaredNorm();
+    result.largest_variance = covariance.selfadjointView<Eigen::Lower>().eigenvalues().maxCoeff();
+  }
+  result.squares = std::max(result.squares, 1e-300);
+  result.freedom = whitened.freedom - result.mean_freedom;
+  return result;
+}
+
+}  // namespace mottle

@@ -1,0 +1,43 @@
+// The statistic of the verdict's test `mean-residuals`: what the specimens' own best parameters leave of their tests,
+// in the directions that no parameter moves, about its mean and of its mean.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "mottle/stats/population/random_effects.hpp"
+#include "mottle/updating/methods/updater.hpp"
+
+namespace mottle {
+
+/// Residuals in units of the noise. With the projections P_s of the specimens onto what their parameters do not reach,
+/// and v = U' N^-1/2 sum_s r_s, U the directions and N the specimens that have each output:
+///
+///   cov v = K = U' N^-1/2 (sum_s P_s) N^-1/2 U,   v' K^-1 v ~ chi2(rank K)
+///
+/// exactly where outputs are linear and the noise is that given, with entries missing and designs that differ too; it
+/// is the projection of all residuals on those that a common shift makes, so that the rest of their squares is
+/// independent.
+struct MeanResiduals {
+  Eigen::MatrixXd values;         ///< residuals, 0 where missing [specimen x output]
+  Eigen::MatrixXd mean_design;    ///< in units of the noise, over the specimens that have the output [output x effect]
+  Eigen::MatrixXd directions;     ///< U, orthonormal [output x direction]
+  double mean_freedom = 0.0;      ///< rank of K
+  double mean_squares = 0.0;      ///< v' (K + M D M')^-1 v, M D M' what the model's error D adds to K
+  double squares = 0.0;           ///< of the rest
+  double freedom = 0.0;           ///< of `squares`
+  double largest_variance = 1.0;  ///< of a direction's mean against K: what the model's error makes of it
+  /// Where the model has an error: noncentrality of a mean that is off by 1 in an output [output]
+  Eigen::VectorXd own_noncentrality = {};
+};
+
+/// @param values  the tests; only which are nan counts [specimen x output]
+/// @param units   the linear problem of their specimens, of one design each
+/// @param noise   variance of each output, > 0
+/// @param error   of the model, shared by all
+MeanResiduals mean_residuals(const Eigen::Ref<const Eigen::MatrixXd>& values,
+                             const std::vector<RandomEffectsUnit>& units, const Eigen::VectorXd& noise,
+                             const std::optional<ModelError>& error = std::nullopt);
+
+}  // namespace mottle

@@ -1,0 +1,72 @@
+// The population behind given tests: the alternation of specimens' fits and a linear random-effects estimate, without
+// clouds. What `maximum-likelihood`, its bootstrap and the diagnosis have in common.
+#pragma once
+
+#include <Eigen/Core>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "mottle/stats/population/random_effects.hpp"
+#include "mottle/updating/methods/updater.hpp"
+#include "updating/methods/specimen_fit.hpp"
+
+namespace mottle {
+
+/// What is known of the measurement's noise: variance = base * factor.
+struct NoiseModel {
+  Eigen::VectorXd base;     ///< variance [output]
+  std::vector<int> factor;  ///< index of the factor on each output's base, -1: base is the variance [output]
+  int factors = 0;
+};
+
+struct PopulationFitSettings {
+  NoiseModel noise;
+  NoiseModel model_error = {};  ///< of errors that all specimens share; `base` empty: none
+  bool is_restricted = true;
+  double rank_tolerance = 1e-3;
+  int iterations = 30;
+  double tolerance = 1e-3;
+  int inner_iterations = 300;  ///< of the linear problem, each time it is solved; it goes on from the last solution
+  /// Parameters whose specimens all share one value; needs the problem's covariance_groups. Empty: all scatter.
+  std::vector<bool> has_scatter = {};
+  /// The mean, on the scales, that stands for the prior's: where the fit starts and where unseen directions stay.
+  Eigen::VectorXd start = {};
+};
+
+/// An estimated population on the parameters' scales.
+struct PopulationFit {
+  Eigen::VectorXd mean;
+  Eigen::MatrixXd covariance;
+  Eigen::VectorXd noise;  ///< variance of each output
+  std::optional<ModelError> model_error;
+  Eigen::MatrixXd seen;  ///< orthonormal directions, in prior deviations, that the outputs see [parameter x rank]
+  Eigen::MatrixXd map;   ///< parameters of effects [parameter x effect]
+  SpecimenFits specimens;
+  std::vector<RandomEffectsUnit> units;  ///< the last linear problem, in effects
+  RandomEffectsSettings settings;        ///< and how it was solved
+  RandomEffectsFit effects;
+  Eigen::MatrixXd sensitivity;  ///< mean of df/dt over the specimens [output x parameter]
+  int iterations = 0;
+  bool converged = false;
+  std::int64_t evaluations = 0;
+};
+
+/// Means of the measured values of each output.
+Eigen::RowVectorXd means_of_tests(const Eigen::Ref<const Eigen::MatrixXd>& values);
+
+/// A point t held within the bounds of the parameters; on a scale, a bound is a bound of the median.
+Eigen::VectorXd clamp_on_scales(const ParameterSpace& space, const Eigen::VectorXd& t);
+
+/// What the specimens show of a fitted population.
+PopulationEvidence evidence_of(const PopulationFit& fit);
+
+/// @param values      tests [specimen x output], nan: missing
+/// @param each        called with the state after every iteration; returns false to stop
+/// @throws as fit_specimens and fit_random_effects
+PopulationFit fit_population(const UpdatingProblem& problem, const Eigen::Ref<const Eigen::MatrixXd>& values,
+                             const PopulationFitSettings& settings, const RunContext& context,
+                             const std::function<bool(const PopulationFit&)>& each);
+
+}  // namespace mottle

@@ -1,0 +1,77 @@
+#include "mottle/updating/prediction/prediction.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "mottle/core/error.hpp"
+#include "mottle/stats/distributions/standard_normal.hpp"
+#include "mottle/stats/moments/descriptive.hpp"
+#include "updating/prediction/prediction_draws.hpp"
+
+namespace mottle {
+namespace {
+
+constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
+
+double quantile_of(Eigen::VectorXd values, double probability) {
+  std::sort(values.begin(), values.end());
+  const double place =
+      std::clamp(probability * static_cast<double>(values.size()) - 0.5, 0.0, static_cast<double>(values.size() - 1));
+  const auto below = static_cast<Eigen::Index>(place);
+  const Eigen::Index above = std::min(below + 1, values.size() - 1);
+  return values(below) + (place - static_cast<double>(below)) * (values(above) - values(below));
+}
+
+}  // namespace
+
+PredictedPopulation predicted_population(const ParameterSpace& space, const UpdatingResult& result,
+                                         Eigen::Index specimens) {
+  if (result.population) return {*result.population, space.scales(), specimens};
+  return {{result.mean, result.covariance, {}}, {}, 0};
+}
+
+Eigen::VectorXd squared_distances(const Prediction& prediction, const Eigen::Ref<const Eigen::MatrixXd>& values) {
+  // Outputs without scatter of their own count with a millionth of their correlation: a region has no flat sides.
+  constexpr double k_least = 1e-9;
+  const Eigen::VectorXd deviation = prediction.covariance.diagonal().cwiseMax(1e-300).cwiseSqrt();
+  const Eigen::MatrixXd correlation =
+      deviation.cwiseInverse().asDiagonal() * prediction.covariance * deviation.cwiseInverse().asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(correlation);
+  const Eigen::VectorXd root = solver.eigenvalues().unaryExpr(
+      [&](double value) { return value > k_least ? 1.0 / std::sqrt(value) : 1.0 / std::sqrt(k_least); });
+  Eigen::VectorXd distances(values.rows());
+  for (Eigen::Index s = 0; s < values.rows(); ++s) {
+    const Eigen::VectorXd apart = (values.row(s).transpose() - prediction.mean).cwiseQuotient(deviation);
+    distances(s) =
+        apart.allFinite() ? (root.asDiagonal() * (solver.eigenvectors().transpose() * apart)).squaredNorm() : k_nan;
+  }
+  return distances;
+}
+
+Prediction predict(const Model& model, const ParameterSpace& space, const PredictedPopulation& population,
+                   const PredictionSettings& settings, const RunContext& context) {
+  Prediction prediction;
+  const PredictiveDraws maker(model, space, population, settings, context);
+  const Eigen::MatrixXd plain = maker.draw(PredictiveDraws::Kind::population, prediction);
+  prediction.mean = sample_mean(plain);
+  prediction.covariance = sample_covariance(plain);
+  prediction.covariance.diagonal() += settings.noise_std.cwiseAbs2();
+  if (settings.model_error) prediction.covariance.diagonal() += settings.model_error->own_std.cwiseAbs2();
+  prediction.draws = maker.draw(PredictiveDraws::Kind::outputs, prediction);
+  prediction.interval.resize(prediction.mean.size(), 2);
+  for (Eigen::Index k = 0; k < prediction.mean.size(); ++k) {
+    prediction.interval(k, 0) = quantile_of(prediction.draws.col(k), 0.5 * settings.level);
+    prediction.interval(k, 1) = quantile_of(prediction.draws.col(k), 1.0 - 0.5 * settings.level);
+  }
+  prediction.joint_critical = k_nan;
+  if (maker.has_joint_region()) {
+    const Eigen::MatrixXd joint = maker.draw(PredictiveDraws::Kind::joint, prediction);
+    prediction.joint_critical = quantile_of(squared_distances(prediction, joint), 1.0 - settings.level);
+  }
+  return prediction;
+}
+
+}  // namespace mottle

@@ -1,0 +1,110 @@
+// What the outputs can tell of the parameters, and which combinations they do not see.
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+
+#include "mottle/core/error.hpp"
+#include "mottle/stats/surrogates/regression.hpp"
+#include "mottle/stats/tests/hotelling.hpp"
+#include "mottle/updating/methods/iteration.hpp"
+#include "mottle/updating/verdict/verdict.hpp"
+
+namespace mottle {
+
+Identifiability identify(const Eigen::Ref<const Eigen::MatrixXd>& sensitivity,
+                         const Eigen::Ref<const Eigen::VectorXd>& output_scale,
+                         const Eigen::Ref<const Eigen::VectorXd>& parameter_scale) {
+  constexpr double k_unseen = 1e-6;
+  const Eigen::MatrixXd scaled = output_scale.cwiseInverse().asDiagonal() * sensitivity * parameter_scale.asDiagonal();
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(scaled, Eigen::ComputeFullV);
+  Identifiability result;
+  result.singular_values = svd.singularValues();
+  const double threshold = k_unseen * result.singular_values(0);
+  for (Eigen::Index i = 0; i < scaled.cols(); ++i) {
+    if (i < result.singular_values.size() && result.singular_values(i) > threshold) {
+      ++result.rank;
+    } else {
+      result.unseen_directions.push_back(svd.matrixV().col(i));
+    }
+  }
+  return result;
+}
+
+namespace {
+
+/// Sensitivity by linear regression; nothing where the samples are too few or do not span all parameters.
+std::optional<Eigen::MatrixXd> regressed_sensitivity(const Cloud& cloud) {
+  const Cloud::Valid valid = cloud.valid();
+  if (valid.samples.rows() <= valid.samples.cols() + 1) return std::nullopt;
+  try {
+    return linear_regression(valid.samples, valid.outputs).sensitivity;
+  } catch (const InvalidInput&) {
+    return std::nullopt;
+  }
+}
+
+}  // namespace
+
+std::optional<Identifiability> identify(const UpdatingProblem& problem, const UpdatingResult& result) {
+  Eigen::MatrixXd sensitivity = result.sensitivity;
+  if (sensitivity.size() == 0) {
+    // A population without scatter in some direction has a cloud that lies in a plane: the first one does not.
+    const auto last = regressed_sensitivity(result.history.back().cloud);
+    const auto found = last ? last : regressed_sensitivity(result.history.front().cloud);
+    if (!found) return std::nullopt;
+    sensitivity = *found;
+  }
+  const TestMoments tests = test_moments(problem.tests);
+  const Eigen::VectorXd deviation = tests.covariance.diagonal().cwiseSqrt();
+  const bool has_scatter = (deviation.array() > 0.0).all();
+  return identify(sensitivity, has_scatter ? deviation : Eigen::VectorXd(tests.mean.cwiseAbs()),
+                  problem.space.prior().covariance().diagonal().cwiseSqrt());
+}
+
+std::string unseen_text(const Eigen::Ref<const Eigen::VectorXd>& direction, const std::vector<std::string>& names) {
+  constexpr double k_alone = 0.95;
+  constexpr double k_takes_part = 0.1;
+  std::vector<Eigen::Index> parts;
+  for (Eigen::Index i = 0; i < direction.size(); ++i) {
+    if (std::abs(direction(i)) >= k_takes_part) parts.push_back(i);
+  }
+  const auto name = [&](Eigen::Index i) { return names[static_cast<std::size_t>(i)]; };
+  Eigen::Index largest = 0;
+  if (direction.cwiseAbs().maxCoeff(&largest) >= k_alone) {
+    return fmt::format("{} is not seen by the outputs", name(largest));
+  }
+  if (parts.size() == 2) {
+    const Eigen::Index first = parts[0];
+    const Eigen::Index second = parts[1];
+    const double ratio = -direction(first) / direction(second);
+    return fmt::format("{} and {} can only be seen together: {} {} {:.2g} {}, in prior deviations", name(first),
+                       name(second), name(first), ratio < 0.0 ? '-' : '+', std::abs(ratio), name(second));
+  }
+  return fmt::format("the outputs do not see {}, in prior deviations", direction_text(direction, names));
+}
+
+std::string direction_text(const Eigen::Ref<const Eigen::VectorXd>& direction, const std::vector<std::string>& names) {
+  constexpr double k_small = 0.1;
+  constexpr std::size_t k_most = 6;
+  std::vector<Eigen::Index> order;
+  for (Eigen::Index i = 0; i < direction.size(); ++i) {
+    if (std::abs(direction(i)) >= k_small) order.push_back(i);
+  }
+  std::stable_sort(order.begin(), order.end(),
+                   [&](Eigen::Index a, Eigen::Index b) { return std::abs(direction(a)) > std::abs(direction(b)); });
+  std::string text;
+  for (std::size_t k = 0; k < std::min(order.size(), k_most); ++k) {
+    const double weight = direction(order[k]);
+    const char* sign = weight < 0.0 ? (k == 0 ? "-" : " - ") : (k == 0 ? "" : " + ");
+    text += fmt::format("{}{:.2f} {}", sign, std::abs(weight), names[static_cast<std::size_t>(order[k])]);
+  }
+  return order.size() > k_most ? text + " + ..." : text;
+}
+
+int automatic_samples(int specimens, int outputs, double alpha) {
+  constexpr double k_near_limit = 0.01;
+  constexpr int k_per_specimen = 100;
+  return std::max(sufficient_samples(specimens, outputs, alpha, k_near_limit), k_per_specimen * specimens);
+}
+
+}  // namespace mottle

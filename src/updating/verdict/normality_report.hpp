@@ -1,0 +1,14 @@
+// What the specimens' own estimates say of the population's shape, put into words: a remark, not evidence against the
+// model.
+#pragma once
+
+#include "mottle/updating/methods/updater.hpp"
+#include "updating/population/population_fit.hpp"
+
+namespace mottle {
+
+/// Tests the population at the problem's level; says in the result's notes what is not normal and what may be done.
+/// `result.outliers` must be known.
+void report_normality(const UpdatingProblem& problem, const PopulationFit& fit, UpdatingResult& result);
+
+}  // namespace mottle

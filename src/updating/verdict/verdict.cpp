@@ -1,0 +1,115 @@
+#include "mottle/updating/verdict/verdict.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "mottle/core/error.hpp"
+#include "mottle/core/text.hpp"
+#include "mottle/updating/methods/iteration.hpp"
+
+namespace mottle {
+namespace {
+
+/// Whether the tests speak of the method's own answer: where the iteration was cut off, of a point that hardly moves.
+bool is_at_rest(const UpdatingProblem& problem, const UpdatingResult& result) {
+  constexpr double k_hardly = 0.1;  // of a prior deviation, by the last step
+  if (result.status == UpdatingStatus::converged) return true;
+  const std::size_t states = result.history.size();
+  if (states < 3) return false;
+  const IterationRecord& before = result.history[states - 2];
+  const IterationRecord& last = result.history[states - 1];
+  return largest_movement(problem.space.prior().covariance().diagonal().cwiseSqrt(), before.parameter_mean,
+                          before.parameter_covariance, last.parameter_mean, last.parameter_covariance) <= k_hardly;
+}
+
+void say_tests(const UpdatingResult& result, Verdict& verdict) {
+  for (const VerdictTest& test : result.tests) {
+    verdict.reasons.push_back(
+        fmt::format("{} {} (statistic {:.4g}, critical value {:.4g}, p = {:.3g}).", test.meaning,
+                    test.passed ? "They agree as well as chance allows." : "They differ by more than chance allows.",
+                    test.statistic, test.critical, test.p_value));
+  }
+}
+
+/// Means on their bounds or physical limits. That they lie there is no reason by itself: the test of bounds decides.
+void say_bounds(const UpdatingProblem& problem, const UpdatingResult& result, Verdict& verdict) {
+  constexpr double k_on_limit = 1e-9;
+  const auto test = std::find_if(result.tests.begin(), result.tests.end(),
+                                 [](const VerdictTest& made) { return made.name == "bounds"; });
+  const bool is_refused = test != result.tests.end() && !test->passed;
+  const double infinity = std::numeric_limits<double>::infinity();
+  const Eigen::VectorXd lowest = problem.space.clamp(Eigen::VectorXd::Constant(result.mean.size(), -infinity));
+  const Eigen::VectorXi active = problem.space.active_bounds(result.mean);
+  for (Eigen::Index i = 0; i < active.size(); ++i) {
+    const bool is_on_limit = result.mean(i) <= lowest(i) + k_on_limit * std::abs(lowest(i));
+    if (active(i) == 0 && !is_on_limit) continue;
+    const char* kind = active(i) > 0 ? "upper bound" : active(i) < 0 ? "lower bound" : "physical limit";
+    verdict.reasons.push_back(fmt::format(
+        "The mean of {} ended on its {}, {:.6g}: {}", problem.space.parameters()[static_cast<std::size_t>(i)].name,
+        kind, result.mean(i),
+        is_refused ? "within the bounds the chosen parameters cannot explain the tests, so something else in the model "
+                     "is wrong or missing."
+                   : "the tests do not speak against it, and do not determine it either."));
+  }
+}
+
+void say_specimens_and_solutions(const UpdatingProblem& problem, const UpdatingResult& result, Verdict& verdict) {
+  for (const Outlier& outlier : result.outliers) {
+    verdict.reasons.push_back(fmt::format(
+        "Specimen {} lies {:.1f} standard deviations from the others (p = {:.2g} among all of them): look at its test "
+        "before trusting means and deviations.",
+        outlier.sample + 1, outlier.distance, outlier.p_value));
+  }
+  for (const Eigen::VectorXd& other : result.other_solutions) {
+    std::vector<std::string> values;
+    for (Eigen::Index i = 0; i < other.size(); ++i) {
+      values.push_back(
+          fmt::format("{} = {:.4g}", problem.space.parameters()[static_cast<std::size_t>(i)].name, other(i)));
+    }
+    verdict.reasons.push_back(
+        fmt::format("Other parameters explain the mean of the tests as well: {}. Measure what tells "
+                    "them apart, or narrow the bounds.",
+                    join(values)));
+  }
+}
+
+}  // namespace
+
+std::string conclusion_text(Conclusion conclusion) {
+  switch (conclusion) {
+    case Conclusion::adequate:
+      return "adequate";
+    case Conclusion::inadequate:
+      return "inadequate";
+    default:
+      return "undecided";
+  }
+}
+
+Verdict judge(const UpdatingProblem& problem, const UpdatingResult& result) {
+  Verdict verdict;
+  verdict.level = problem.level;
+  verdict.tests = result.tests;
+  verdict.not_tested = result.not_tested;
+  say_tests(result, verdict);
+  say_bounds(problem, result, verdict);
+  say_specimens_and_solutions(problem, result, verdict);
+  const bool has_failed =
+      std::any_of(result.tests.begin(), result.tests.end(), [](const VerdictTest& test) { return !test.passed; });
+  const bool counts = is_at_rest(problem, result);
+  if (result.status != UpdatingStatus::converged) {
+    verdict.not_tested.push_back(
+        fmt::format("The iteration did not converge: {}. {}", result.message,
+                    counts ? "Its last step was small, so tests that failed count; tests that passed do not."
+                           : "Tests of an unfinished update say nothing of the model. Allow more update.iterations, or "
+                             "start nearer."));
+  }
+  const bool is_tested = !result.tests.empty() && verdict.not_tested.empty();
+  verdict.conclusion = has_failed && counts ? Conclusion::inadequate
+                       : is_tested          ? Conclusion::adequate
+                                            : Conclusion::undecided;
+  return verdict;
+}
+
+}  // namespace mottle

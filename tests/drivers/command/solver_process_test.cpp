@@ -1,0 +1,180 @@
+// Running other programs: what they get, how they end, and that nothing of them outlives its time.
+#include "drivers/command/solver_process.hpp"
+
+#include <gmock/gmock.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <thread>
+
+#include "core/temporary_folder.hpp"
+#include "mottle/core/files.hpp"
+#include "mottle/drivers/command/run_folders.hpp"
+#include "support/instrumented.hpp"
+
+namespace {
+
+using namespace std::chrono_literals;
+using mottle::ProcessEnd;
+using mottle::ProcessRequest;
+using testing::HasSubstr;
+
+class SolverProcess : public testing::Test {
+ protected:
+  ProcessEnd run(std::vector<std::string> arguments, std::chrono::milliseconds timeout = 20s,
+                 const std::atomic<bool>* stop = nullptr) {
+    return mottle::run_process({.arguments = std::move(arguments),
+                                .directory = folder_.path(),
+                                .environment = {{"MOTTLE_TEST_WORD", "two words"}},
+                                .timeout = timeout,
+                                .grace = 200ms,
+                                .stop = stop});
+  }
+  std::string read(const std::string& name) { return mottle::read_file(folder_.path() / name); }
+  /// Waits for a process that wrote its number into `file` to be gone.
+  bool is_gone(const std::string& file) {
+    const pid_t process = std::stoi(read(file));
+    for (int look = 0; look < 100; ++look) {
+      if (::kill(process, 0) != 0) return true;
+      std::this_thread::sleep_for(50ms);
+    }
+    return false;
+  }
+
+  mottle::test::TemporaryFolder folder_;
+};
+
+TEST_F(SolverProcess, ArgumentsReachTheProgramWithoutAShell) {
+  EXPECT_EQ(run({"printf", "%s|", "a b", "$HOME; rm -rf *", "'\""}).kind, ProcessEnd::Kind::done);
+  EXPECT_EQ(read("stdout.txt"), "a b|$HOME; rm -rf *|'\"|");
+}
+
+TEST_F(SolverProcess, RunsInItsFolderWithItsEnvironment) {
+  EXPECT_EQ(run({"sh", "-c", "pwd; echo $MOTTLE_TEST_WORD; echo to-error >&2; cat"}).kind, ProcessEnd::Kind::done);
+  EXPECT_EQ(read("stdout.txt"), std::filesystem::canonical(folder_.path()).string() + "\ntwo words\n");
+  EXPECT_EQ(read("stderr.txt"), "to-error\n");
+}
+
+TEST_F(SolverProcess, EndsAreToldInWords) {
+  EXPECT_EQ(run({"sh", "-c", "exit 7"}).reason, "exit status 7");
+  EXPECT_THAT(run({"sh", "-c", "kill -SEGV $$"}).reason, HasSubstr("killed by signal 11 (Segmentation fault"));
+  EXPECT_THAT(run({"/no/such/program"}).reason, HasSubstr("No such file"));
+}
+
+TEST_F(SolverProcess, AHangingProgramAndItsChildrenEndAtTheTimeout) {
+  const auto start = std::chrono::steady_clock::now();
+  const ProcessEnd end =
+      run({"sh", "-c", "trap '' TERM; sleep 1000 & echo $! > child; echo $$ > self; wait; wait"}, 500ms);
+  EXPECT_EQ(end.kind, ProcessEnd::Kind::timed_out);
+  EXPECT_EQ(end.reason, "no end within 0.5 s, stopped");
+  EXPECT_LT(std::chrono::steady_clock::now() - start, 10s);
+  EXPECT_TRUE(is_gone("child"));
+  EXPECT_TRUE(is_gone("self"));
+}
+
+TEST_F(SolverProcess, WhatAProgramLeavesRunningIsKilled) {
+  EXPECT_EQ(run({"sh", "-c", "sleep 1000 & echo $! > child"}).kind, ProcessEnd::Kind::done);
+  EXPECT_TRUE(is_gone("child"));
+}
+
+TEST_F(SolverProcess, WhatLeavesItsSessionIsKilledToo) {
+  EXPECT_EQ(run({"sh", "-c",
+                 "setsid sh -c 'echo $$ > self; sleep 1000 & echo $! > child.new; mv child.new child; wait' & "
+                 "while [ ! -e child ]; do sleep 0.02; done"})
+                .kind,
+            ProcessEnd::Kind::done);
+  EXPECT_TRUE(is_gone("self"));
+  EXPECT_TRUE(is_gone("child"));
+}
+
+TEST_F(SolverProcess, AFloodOfOutputEndsIt) {
+  const ProcessEnd end = mottle::run_process({.arguments = {"sh", "-c", "exec yes >&2"},
+                                              .directory = folder_.path(),
+                                              .timeout = 60s,
+                                              .grace = 200ms,
+                                              .most_output = std::uintmax_t{1} << 20});
+  EXPECT_EQ(end.kind, ProcessEnd::Kind::failed);
+  EXPECT_EQ(end.reason, "it printed more than 1 MB to stderr.txt, stopped");
+}
+
+TEST_F(SolverProcess, AStopRequestIsAnsweredWithinASecondByAProgramThatIgnoresIt) {
+  std::atomic<bool> stop{false};
+  std::chrono::steady_clock::time_point asked;
+  std::jthread later([&] {
+    std::this_thread::sleep_for(300ms);
+    asked = std::chrono::steady_clock::now();
+    stop = true;
+  });
+  const ProcessEnd end = mottle::run_process({.arguments = {"sh", "-c", "trap '' TERM; while :; do sleep 0.05; done"},
+                                              .directory = folder_.path(),
+                                              .timeout = 100s,
+                                              .grace = 60s,
+                                              .stop = &stop});
+  EXPECT_EQ(end.kind, ProcessEnd::Kind::stopped);
+  EXPECT_LT(std::chrono::steady_clock::now() - asked, mottle::test::k_is_instrumented ? 5s : 1s);
+}
+
+TEST_F(SolverProcess, AStopRequestEndsIt) {
+  std::atomic<bool> stop{false};
+  std::jthread later([&] {
+    std::this_thread::sleep_for(300ms);
+    stop = true;
+  });
+  EXPECT_EQ(run({"sleep", "1000"}, 100s, &stop).kind, ProcessEnd::Kind::stopped);
+}
+
+TEST_F(SolverProcess, ItDoesNotOutliveAMottleThatIsKilled) {
+  const pid_t mottle = ::fork();
+  if (mottle == 0) {
+    run({"sh", "-c", "sleep 1000 & echo $! > child.new; echo $$ > self; mv child.new child; wait"}, 100s);
+    ::_exit(0);
+  }
+  for (int look = 0; look < 200 && !std::filesystem::exists(folder_.path() / "child"); ++look) {
+    std::this_thread::sleep_for(50ms);
+  }
+  ::kill(mottle, SIGKILL);
+  ::waitpid(mottle, nullptr, 0);
+  EXPECT_TRUE(is_gone("self"));
+  EXPECT_TRUE(is_gone("child"));
+}
+
+TEST_F(SolverProcess, ManyAtOnceDoNotDisturbEachOther) {
+  std::vector<std::jthread> threads;
+  std::atomic<int> right{0};
+  for (int t = 0; t < 8; ++t) {
+    threads.emplace_back([&, t] {
+      const mottle::test::TemporaryFolder own;
+      for (int i = 0; i < 10; ++i) {
+        const ProcessEnd end = mottle::run_process(
+            {.arguments = {"sh", "-c", "exit " + std::to_string(t + 1)}, .directory = own.path(), .timeout = 60s});
+        if (end.reason == "exit status " + std::to_string(t + 1)) ++right;
+      }
+    });
+  }
+  threads.clear();
+  EXPECT_EQ(right, 80);
+}
+
+/// While one thread writes a script, others start programs, which for a moment have the script open for writing.
+TEST_F(SolverProcess, AScriptThatWasJustWrittenCanBeRun) {
+  std::vector<std::jthread> threads;
+  std::atomic<int> right{0};
+  for (int t = 0; t < 6; ++t) {
+    threads.emplace_back([&] {
+      for (int i = 0; i < 20; ++i) {
+        const mottle::test::TemporaryFolder own;
+        mottle::write_run_file(own / "solver.sh", "#!/bin/sh\n" + std::string(1 << 20, '#') + "\nexit 9\n");
+        std::filesystem::permissions(own / "solver.sh", std::filesystem::perms::owner_all);
+        if (mottle::run_process({.arguments = {"./solver.sh"}, .directory = own.path(), .timeout = 60s}).reason ==
+            "exit status 9") {
+          ++right;
+        }
+      }
+    });
+  }
+  threads.clear();
+  EXPECT_EQ(right, 120);
+}
+
+}  // namespace

@@ -1,0 +1,128 @@
+#include "mottle/formats/calculix/deck.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/message_of.hpp"
+#include "core/temporary_folder.hpp"
+#include "mottle/core/error.hpp"
+#include "mottle/core/files.hpp"
+
+namespace mottle {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr const char* k_deck =
+    "*Node\n1, 0, 0, 0\n"
+    "*MATERIAL, NAME = Steel\n*ELASTIC\n2.1e11, 0.3\n** 2.1e11 of a comment\n*DENSITY\n7800.\n"
+    "*MATERIAL, NAME=RUBBER\n*ELASTIC\n{{soft}}, 0.4\n"
+    "*SPRING, ELSET=BOLTS\n3\n1000.0\n*SPRING,ELSET=CABLES\n5.D3\n"
+    "*SHELL SECTION, ELSET=PLATE, MATERIAL=STEEL, OFFSET=0.5\n0.002\n"
+    "*STEP\n*FREQUENCY\n10\n*END STEP\n";
+
+class CalculixDecks : public testing::Test {
+ protected:
+  CalculixDeck deck(const std::string& text) const {
+    write_file_atomically(folder / "plate.inp", text);
+    return read_calculix_deck(folder / "plate.inp");
+  }
+  static double value(const CalculixDeck& deck, const std::string& target) {
+    return find_calculix_numbers(deck, target).at(0).value;
+  }
+
+  test::TemporaryFolder folder;
+};
+
+TEST_F(CalculixDecks, FindsTheNumbersOfCards) {
+  const CalculixDeck read = deck(k_deck);
+  EXPECT_EQ(value(read, "*ELASTIC:STEEL:E"), 2.1e11);
+  EXPECT_EQ(value(read, "*elastic:steel:nu"), 0.3);
+  EXPECT_EQ(value(read, "*DENSITY:Steel"), 7800.0);
+  EXPECT_EQ(value(read, "*SPRING:BOLTS"), 1000.0);
+  EXPECT_EQ(value(read, "*SPRING:CABLES"), 5000.0);
+  EXPECT_EQ(value(read, "*SHELL SECTION:PLATE:T"), 0.002);
+  EXPECT_TRUE(find_calculix_numbers(read, "{{soft}}").at(0).is_placeholder);
+}
+
+TEST_F(CalculixDecks, WritesOtherNumbersInTwentyCharactersAndTheStepThatStoresMatrices) {
+  const CalculixDeck read = deck(k_deck);
+  const std::string text = matrix_storage_deck(read, {{find_calculix_numbers(read, "*ELASTIC:STEEL:E")[0], 1.0 / 3e-11},
+                                                      {find_calculix_numbers(read, "{{soft}}")[0], 7e5}});
+  EXPECT_THAT(text, HasSubstr("*ELASTIC\n3.3333333333333e+10, 0.3\n"));
+  EXPECT_THAT(text, HasSubstr("*ELASTIC\n7.0000000000000e+05, 0.4\n"));
+  EXPECT_THAT(text, HasSubstr("*STEP\n*FREQUENCY, SOLVER=MATRIXSTORAGE\n*END STEP\n"));
+}
+
+TEST_F(CalculixDecks, PutsTextsInPlaceOfNumbersAndLeavesTheStep) {
+  const CalculixDeck read = deck(k_deck);
+  const std::string text = deck_with_places(read, {{find_calculix_numbers(read, "*ELASTIC:STEEL:NU")[0], "<nu>"},
+                                                   {find_calculix_numbers(read, "*ELASTIC:STEEL:E")[0], "<E>"}});
+  EXPECT_THAT(text, HasSubstr("*ELASTIC\n<E>,<nu>\n**\n*DENSITY"));
+  EXPECT_THAT(text, HasSubstr("*STEP\n*FREQUENCY\n10\n*END STEP\n"));
+  EXPECT_THAT(test::message_of<FormatError>([&] { deck_with_places(deck("*NODE\n1, 0, 0, 0\n"), {}); }),
+              HasSubstr("has no step"));
+}
+
+TEST_F(CalculixDecks, KnowWhetherDisplacementsAreWritten) {
+  EXPECT_FALSE(writes_displacements(deck(k_deck)));
+  EXPECT_TRUE(writes_displacements(deck("*STEP\n*FREQUENCY\n3\n*NODE FILE\nRF, u\n*END STEP\n")));
+  EXPECT_FALSE(writes_displacements(deck("*STEP\n*FREQUENCY\n3\n*NODE FILE\nRF\n*EL FILE\nU\n*END STEP\n")));
+}
+
+TEST_F(CalculixDecks, TakesIncludedFilesIn) {
+  write_file_atomically(folder / "material.inc", "*MATERIAL, NAME=M\n*DENSITY\nx\n");
+  const CalculixDeck read = deck("*NODE\n*INCLUDE, INPUT=material.inc\n");
+  EXPECT_EQ(read.lines.size(), 4U);
+  EXPECT_THAT(test::message_of<FormatError>([&] { find_calculix_numbers(read, "*DENSITY:M"); }),
+              HasSubstr("material.inc:3: 'x' is not a number"));
+  EXPECT_THAT(test::message_of<FormatError>([&] { deck("*NODE\n*INCLUDE, INPUT=plate.inp\n"); }),
+              HasSubstr("plate.inp:2: includes"));
+}
+
+struct Refused {
+  const char* target;
+  const char* text;
+  const char* message;
+};
+
+TEST_F(CalculixDecks, RefusesTargetsThatAreNotThere) {
+  const CalculixDeck read = deck(k_deck);
+  for (const Refused& each :
+       {Refused{"*ELASTIC:STEAL:E", "", "did you mean 'STEEL'?"},
+        Refused{"*ELASTIC:STEEL", "", "is none that is known"},
+        Refused{"*ELASTIC:STEEL:G", "", "is none that is known"}, Refused{"MAT1:1:E", "", "is none that is known"},
+        Refused{"{{hard}}", "", "does not stand in"}}) {
+    EXPECT_THAT(test::message_of<InvalidInput>([&] { find_calculix_numbers(read, each.target); }),
+                HasSubstr(each.message));
+  }
+}
+
+TEST_F(CalculixDecks, RefusesCardsWhoseNumberCannotBeMoved) {
+  for (const Refused& each :
+       {Refused{"*ELASTIC:M:E", "*MATERIAL,NAME=M\n*ELASTIC\n1.,0.3,0.\n2.,0.3,100.\n",
+                "plate.inp:4: *ELASTIC depends"},
+        Refused{"*ELASTIC:M:E", "*MATERIAL,NAME=M\n*ELASTIC,TYPE=ORTHO\n1.,2.,3.\n",
+                "plate.inp:2: *ELASTIC of type ORTHO"},
+        Refused{"*SPRING:S", "*SPRING,ELSET=S,NONLINEAR\n1.,2.\n", "plate.inp:1: a nonlinear spring"},
+        Refused{"*DENSITY:M", "*MATERIAL,NAME=M\n*DENSITY\n*STEP\n", "plate.inp:2: *DENSITY has no data line"}}) {
+    const CalculixDeck read = deck(each.text);
+    EXPECT_THAT(test::message_of<FormatError>([&] { find_calculix_numbers(read, each.target); }),
+                HasSubstr(each.message));
+  }
+}
+
+TEST_F(CalculixDecks, RefusesStepsThatStoreNoMatrices) {
+  for (const Refused& each : {Refused{"", "*STEP\n*STATIC\n*END STEP\n", "plate.inp:2: *STATIC instead of *FREQUENCY"},
+                              Refused{"", "*STEP\n*END STEP\n", "plate.inp:1: the step has no *FREQUENCY"},
+                              Refused{"", "*STEP\n*FREQUENCY\n*END STEP\n*STEP\n", "plate.inp:4: a second *STEP"},
+                              Refused{"", "*NODE\n1, {{a}}, 0\n", "plate.inp:2: no parameter fills '{{a}}'"}}) {
+    EXPECT_THAT(test::message_of<FormatError>([&] { matrix_storage_deck(deck(each.text), {}); }),
+                HasSubstr(each.message));
+  }
+}
+
+}  // namespace
+}  // namespace mottle

@@ -1,0 +1,14 @@
+#include "linalg/lane_roots.hpp"
+
+#define MOTTLE_LANES 8
+#include "linalg/batched/lanes/loose_lane.hpp"
+
+void mottle::linalg_test::lane_roots_avx512(const double* x, const double* y, double* reciprocal, double* quotient,
+                                            double* root, double* reciprocal_root) {
+  namespace lanes = mottle::lane_kernels;
+  const lanes::Lane own = lanes::load(x), inverse = lanes::reciprocal(own);
+  lanes::store(reciprocal, inverse);
+  lanes::store(quotient, lanes::quotient(lanes::load(y), own, inverse));
+  lanes::store(root, lanes::positive_root(own));
+  lanes::store(reciprocal_root, lanes::reciprocal_root(own));
+}

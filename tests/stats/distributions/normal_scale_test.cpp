@@ -1,0 +1,58 @@
+#include "mottle/stats/distributions/normal_scale.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "mottle/stats/distributions/joint_distribution.hpp"
+#include "mottle/stats/sampling/sampling.hpp"
+
+namespace mottle {
+namespace {
+
+using Kind = NormalScale::Kind;
+
+TEST(NormalScale, GoesThereAndBack) {
+  for (const NormalScale& scale : {NormalScale{}, NormalScale{Kind::log}, NormalScale{Kind::logit, 0.5, 3.0}}) {
+    EXPECT_NEAR(scale.to_variable(scale.from_variable(1.7)), 1.7, 1e-14);
+    const double t = scale.from_variable(1.7);
+    const double h = 1e-6;
+    EXPECT_NEAR(scale.slope(t), (scale.to_variable(t + h) - scale.to_variable(t - h)) / (2 * h), 1e-8);
+  }
+}
+
+TEST(NormalScale, LogitKeepsItsDigitsFarOut) {
+  const NormalScale scale{Kind::logit, 0.0, 1.0};
+  EXPECT_NEAR(scale.slope(40.0) / std::exp(-40.0), 1.0, 1e-9);
+  EXPECT_EQ(scale.slope(40.0), scale.slope(-40.0));
+}
+
+TEST(NormalScale, MomentsOfLogarithmsAreThoseOfTheLognormalDistribution) {
+  Eigen::Matrix2d covariance;
+  covariance << 0.09, 0.03, 0.03, 0.04;
+  const VariableMoments moments =
+      moments_of_variables({NormalScale{Kind::log}, NormalScale{}}, Eigen::Vector2d(0.2, 1.0), covariance);
+  const double mean = std::exp(0.2 + 0.045);
+  EXPECT_NEAR(moments.mean(0), mean, 1e-15);
+  EXPECT_NEAR(moments.covariance(0, 0), mean * mean * std::expm1(0.09), 1e-15);
+  EXPECT_NEAR(moments.covariance(0, 1), 0.03 * mean, 1e-15);  // Stein's lemma
+  EXPECT_EQ(moments.covariance(1, 0), moments.covariance(0, 1));
+}
+
+TEST(NormalScale, MomentsOfALogitAreThoseOfItsSamples) {
+  Eigen::Matrix2d covariance;
+  covariance << 0.49, 0.2, 0.2, 0.25;
+  const std::vector<NormalScale> scales{{Kind::logit, 0.5, 3.0}, {Kind::log}};
+  const auto joint = JointDistribution::normal_on_scales(scales, Eigen::Vector2d(0.3, -0.1), covariance);
+  const Eigen::Index n = 200000;
+  const Eigen::MatrixXd x = joint.from_uniform(uniform_design(SamplingDesign::sobol, n, 2, {.seed = 3}));
+  const Eigen::RowVectorXd mean = x.colwise().mean();
+  const Eigen::MatrixXd centred = x.rowwise() - mean;
+  const Eigen::Matrix2d sampled = centred.transpose() * centred / static_cast<double>(n);
+  // A Sobol net of this size integrates smooth functions to about 1e-4 of their deviation.
+  EXPECT_LT((mean.transpose() - joint.mean()).cwiseAbs().maxCoeff(), 3e-4);
+  EXPECT_LT((sampled - joint.covariance()).cwiseAbs().maxCoeff(), 1e-3);
+}
+
+}  // namespace
+}  // namespace mottle

@@ -1,0 +1,62 @@
+#include "study/tests/pair_tests.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "mottle/core/error.hpp"
+
+namespace mottle {
+namespace {
+
+constexpr double k_missing = std::numeric_limits<double>::quiet_NaN();
+
+ModalOutputs three_modes() {
+  return {.frequencies = {1, 2, 4}, .shape_modes = {1, 2, 4}, .shape_degrees_of_freedom = {"a", "b", "c"}};
+}
+
+TEST(PairTests, AMeasuredModeMovesToTheNumberOfItsShape) {
+  // The test found the model's second mode first, upside down: frequencies 20, 10, 40.
+  Eigen::MatrixXd values(1, 12);
+  values << 20, 10, 40, 0, -1, 0, 1, 0, 0, 0, 0, 2;
+  const auto notes = pair_tests(values, three_modes(), Eigen::Matrix3d::Identity());
+  Eigen::RowVectorXd expected(12);
+  expected << 10, 20, 40, 1, 0, 0, 0, 1, 0, 0, 0, 2;
+  EXPECT_EQ((values - expected).cwiseAbs().maxCoeff(), 0.0) << values;
+  ASSERT_EQ(notes.size(), 1U);
+  EXPECT_NE(notes[0].find("specimen 1 mode 2 is the model's 1 (MAC 1.00)"), std::string::npos) << notes[0];
+}
+
+TEST(PairTests, AModeThatFitsNoneIsLeftOut) {
+  Eigen::MatrixXd values(1, 12);
+  const double third = std::sqrt(1.0 / 3.0);  // MAC 1/3 with each
+  values << 10, 20, 40, 1, 0, 0, 0, 1, 0, third, third, third;
+  Eigen::MatrixXd expected = values;
+  const auto notes = pair_tests(values, three_modes(), Eigen::Matrix3d::Identity());
+  EXPECT_TRUE(std::isnan(values(0, 2)));
+  EXPECT_TRUE(values.row(0).tail(3).array().isNaN().all());
+  EXPECT_EQ(values(0, 0), 10.0);
+  ASSERT_EQ(notes.size(), 1U);
+  EXPECT_NE(notes[0].find("specimen 1 mode 4"), std::string::npos) << notes[0];
+}
+
+TEST(PairTests, AModeWithAMissingComponentCountsAsNotMeasured) {
+  Eigen::MatrixXd values(1, 12);
+  values << 10, 20, 40, 1, 0, 0, 0, k_missing, 0, 0, 0, 1;
+  EXPECT_TRUE(pair_tests(values, three_modes(), Eigen::Matrix3d::Identity()).empty());
+  EXPECT_TRUE(std::isnan(values(0, 1)));
+  EXPECT_EQ(values(0, 2), 40.0);
+}
+
+TEST(PairTests, NeedsShapesOfTheSameModesAsTheFrequencies) {
+  Eigen::MatrixXd values(1, 4);
+  ModalOutputs outputs = three_modes();
+  outputs.frequencies = {1};
+  EXPECT_THROW(pair_tests(values, outputs, Eigen::Matrix3d::Identity()), InvalidInput);
+  outputs.shape_modes.clear();
+  EXPECT_THROW(pair_tests(values, outputs, Eigen::Matrix3d::Identity()), InvalidInput);
+}
+
+}  // namespace
+}  // namespace mottle

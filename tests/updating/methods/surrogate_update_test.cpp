@@ -1,0 +1,114 @@
+// Updates by surrogate against the same updates in the model itself.
+#include "mottle/updating/methods/surrogate_update.hpp"
+
+#include <gtest/gtest.h>
+
+#include "mottle/core/error.hpp"
+#include "mottle/updating/methods/maximum_likelihood.hpp"
+#include "support/three_masses.hpp"
+
+namespace mottle {
+namespace {
+
+/// Counts what it is asked, and fails where it is told to.
+class CountedModel final : public Model {
+ public:
+  explicit CountedModel(const Model& model) : model_(model) {}
+  Eigen::Index parameter_count() const override { return model_.parameter_count(); }
+  const std::vector<Output>& outputs() const override { return model_.outputs(); }
+  Evaluation evaluate(const Eigen::Ref<const Eigen::MatrixXd>& samples, const RunContext& context) const override {
+    Evaluation evaluation = model_.evaluate(samples, context);
+    for (Eigen::Index s = 0; s < samples.rows(); ++s) {
+      if (fails_every == 0 || (count + s) % fails_every != 0) continue;
+      evaluation.outputs.row(s).setConstant(std::nan(""));
+      evaluation.failures.push_back({s, "crashed"});
+    }
+    count += samples.rows();
+    return evaluation;
+  }
+
+  mutable std::int64_t count = 0;
+  int fails_every = 0;
+
+ private:
+  const Model& model_;
+};
+
+struct Bench {
+  Bench() : counted(*structure.model), tests(test::frequencies_of(structure, test::oracle_parameters())) {}
+  UpdatingProblem problem() const {
+    const UpdatingProblem plain = structure.problem(tests);
+    return {.model = counted,
+            .space = plain.space,
+            .tests = plain.tests,
+            .cloud = plain.cloud,
+            .iterations = plain.iterations};
+  }
+  test::ThreeMasses structure;
+  CountedModel counted;
+  Eigen::MatrixXd tests;
+};
+
+TEST(SurrogateUpdate, FindsWhatTheModelItselfFinds) {
+  for (const SurrogateKind kind : {SurrogateKind::quadratic, SurrogateKind::kriging, SurrogateKind::chaos}) {
+    const Bench bench;
+    const MaximumLikelihoodUpdater method({});
+    const UpdatingResult direct = method.update(bench.structure.problem(bench.tests), {});
+    const UpdatingProblem problem = bench.problem();
+    SurrogateUpdate update(problem, {.kind = kind});
+    const UpdatingResult result = update.run(method, {});
+    ASSERT_EQ(result.status, UpdatingStatus::converged);
+    EXPECT_TRUE(update.is_good());
+    EXPECT_EQ(result.model_evaluations, bench.counted.count);
+    EXPECT_LE(bench.counted.count, 80);
+    // What the surrogate may be off in the outputs is more in the parameters, which several outputs share.
+    const Eigen::VectorXd deviation = direct.covariance.diagonal().cwiseSqrt();
+    EXPECT_LT(((result.mean - direct.mean).cwiseQuotient(deviation)).cwiseAbs().maxCoeff(), 0.15);
+    EXPECT_LT((result.covariance.diagonal().cwiseSqrt().cwiseQuotient(deviation).array() - 1.0).abs().maxCoeff(), 0.1);
+  }
+}
+
+TEST(SurrogateUpdate, CarriesItsErrorIntoTheTestsNoise) {
+  const Bench bench;
+  UpdatingProblem problem = bench.problem();
+  problem.tests.repeatability_std.setConstant(0.003);
+  SurrogateUpdate update(problem, {.kind = SurrogateKind::quadratic, .rounds = 0});
+  update.run(MaximumLikelihoodUpdater({}), {});
+  ASSERT_EQ(update.rounds().size(), 1U);
+  const Eigen::VectorXd error = update.rounds().front().carried_error;
+  EXPECT_GT(error.minCoeff(), 0.0);
+  for (Eigen::Index k = 0; k < error.size(); ++k) {
+    EXPECT_DOUBLE_EQ(update.problem().tests.repeatability_std(k), std::hypot(0.003, error(k)));
+  }
+}
+
+/// A design of ten runs a parameter is not enough for a tolerance of a thousandth: rounds follow, and end.
+TEST(SurrogateUpdate, RefinesWhereTheEstimateLies) {
+  const Bench bench;
+  const UpdatingProblem problem = bench.problem();
+  SurrogateUpdate update(problem, {.kind = SurrogateKind::kriging, .runs = 12, .rounds = 2, .tolerance = 1e-6});
+  const UpdatingResult result = update.run(MaximumLikelihoodUpdater({}), {});
+  ASSERT_EQ(update.rounds().size(), 3U);
+  EXPECT_FALSE(update.is_good());
+  EXPECT_LT(update.rounds().back().error_at_estimate.norm(), 0.5 * update.rounds().front().error_at_estimate.norm());
+  EXPECT_NE(result.notes.back().find("still off"), std::string::npos);
+}
+
+TEST(SurrogateUpdate, LeavesFailedRunsOut) {
+  Bench bench;
+  bench.counted.fails_every = 7;
+  const UpdatingProblem problem = bench.problem();
+  SurrogateUpdate update(problem, {.kind = SurrogateKind::quadratic});
+  EXPECT_EQ(update.run(MaximumLikelihoodUpdater({}), {}).status, UpdatingStatus::converged);
+  EXPECT_LT(update.rounds().front().runs, 30);
+}
+
+TEST(SurrogateUpdate, RefusesTooFewRuns) {
+  const Bench bench;
+  const UpdatingProblem problem = bench.problem();
+  SurrogateUpdate update(problem, {.kind = SurrogateKind::quadratic, .runs = 10});
+  EXPECT_THROW(update.run(MaximumLikelihoodUpdater({}), {}), InvalidInput);
+}
+
+}  // namespace
+}  // namespace mottle
