@@ -8,31 +8,9 @@
 #include <vector>
 
 #include "mottle/core/run_context.hpp"
+#include "mottle/model/quantity.hpp"
 
 namespace mottle {
-
-/// What an output is, whatever it is called and in whatever unit its numbers are.
-enum class OutputKind {
-  frequency,
-  displacement,  ///< component of a mode shape
-  rotation,      ///< the same of a rotational degree of freedom: another dimension
-  damping_ratio,
-  other,
-};
-
-/// Whether the measurement's noise of such outputs is a fraction of their value (frequencies); else it is one level for
-/// all outputs of the kind.
-inline constexpr bool has_relative_noise(OutputKind kind) {
-  return kind == OutputKind::frequency;
-}
-
-/// One quantity that the model predicts and a test measures. Nothing is computed from its name or its unit.
-struct Output {
-  std::string name;  ///< as in the header of a test file: f1, phi1:m2, zeta1
-  std::string unit;  ///< "Hz", "1/sqrt(kg)", "-"
-  OutputKind kind = OutputKind::other;
-  int mode = 0;  ///< number of the mode that it belongs to; 0: none
-};
 
 /// One model run that gave no result.
 struct FailedRun {

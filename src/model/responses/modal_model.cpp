@@ -97,8 +97,7 @@ void ModalModel::name_outputs() {
   for (const std::vector<int>* modes : {&selection_.frequencies, &selection_.shape_modes, &selection_.damping}) {
     for (const int mode : *modes) is_output_[static_cast<std::size_t>(mode - 1)] = true;
   }
-  for (const int mode : selection_.frequencies)
-    outputs_.push_back({fmt::format("f{}", mode), selection_.frequency_unit, OutputKind::frequency, mode});
+  for (const int mode : selection_.frequencies) outputs_.push_back(frequency_output(mode, selection_.frequency_unit));
   for (const std::string& wanted : selection_.shape_degrees_of_freedom) {
     const int row = structure_->find_degree_of_freedom(wanted);
     if (row < 0) {
@@ -113,11 +112,10 @@ void ModalModel::name_outputs() {
   for (const int mode : selection_.shape_modes) {
     for (const std::string& name : selection_.shape_degrees_of_freedom) {
       const OutputKind kind = is_rotation(name) ? OutputKind::rotation : OutputKind::displacement;
-      outputs_.push_back({fmt::format("phi{}:{}", mode, name), selection_.shape_unit, kind, mode});
+      outputs_.push_back(shape_output(mode, name, kind, selection_.shape_unit));
     }
   }
-  for (const int mode : selection_.damping)
-    outputs_.push_back({fmt::format("zeta{}", mode), "-", OutputKind::damping_ratio, mode});
+  for (const int mode : selection_.damping) outputs_.push_back(damping_output(mode));
 }
 
 bool ModalModel::needs_shapes() const {

@@ -1,6 +1,5 @@
 // The tests of a study: columns of a file that are outputs of its model, and their repeatability.
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -48,17 +47,6 @@ void require_unit(const CsvTable& table, const Study& study, const std::string& 
                                 title, stated, study.units, used));
 }
 
-/// Whether `name` is how a model of this kind would call some output: f4, zeta2, phi3:m1.
-bool looks_like_output(const std::string& name) {
-  for (const std::string stem : {"zeta", "phi", "f"}) {
-    if (name.rfind(stem, 0) != 0) continue;
-    std::size_t end = stem.size();
-    while (end < name.size() && std::isdigit(static_cast<unsigned char>(name[end])) != 0) ++end;
-    return end > stem.size() && (end == name.size() || (stem == "phi" && name[end] == ':'));
-  }
-  return false;
-}
-
 std::vector<std::string> names_of(const std::vector<Output>& outputs) {
   std::vector<std::string> names;
   for (const Output& output : outputs) names.push_back(output.name);
@@ -85,7 +73,7 @@ std::vector<int> match_columns(const CsvTable& table, const Study& study, const 
     const bool is_parameter = std::any_of(study.parameters.list.begin(), study.parameters.list.end(),
                                           [&](const StudyParameter& parameter) { return parameter.name == name; });
     const bool is_label = name == "specimen" || name == "status";
-    if (!is_parameter && !is_label && !looks_like_output(name)) {
+    if (!is_parameter && !is_label && !may_name_output(name)) {
       throw FormatError(table.file, 1, unknown_name_message("column", table.header[column], outputs));
     }
     if (!is_label) unused.push_back(table.header[column]);

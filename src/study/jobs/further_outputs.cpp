@@ -59,13 +59,16 @@ std::vector<std::string> places_of_shapes(const Study& study) {
 std::vector<FurtherOutputs> further_outputs(const Study& study, Eigen::Index mode_count) {
   std::vector<FurtherOutputs> further;
   for (const int mode : further_frequencies(study.outputs, mode_count)) {
-    further.push_back({fmt::format("f{}", mode), {fmt::format("f{}", mode)}, false});
+    const std::string name = frequency_output(mode, "").name;
+    further.push_back({name, {name}, false});
   }
   const std::vector<std::string> places = places_of_shapes(study);
   if (places.empty()) return further;
   for (const int mode : further_shapes(study.outputs)) {
     FurtherOutputs shape{fmt::format("the shape of mode {} at {}", mode, join(places)), {}, true};
-    for (const std::string& place : places) shape.names.push_back(fmt::format("phi{}:{}", mode, place));
+    for (const std::string& place : places) {
+      shape.names.push_back(shape_output(mode, place, OutputKind::displacement, "").name);
+    }
     further.push_back(std::move(shape));
   }
   return further;
