@@ -1,4 +1,6 @@
 // mottle diagnose
+#include "mottle/study/jobs/diagnose.hpp"
+
 #include <fmt/format.h>
 
 #include <memory>
@@ -17,7 +19,9 @@ void add_diagnose(CLI::App& app) {
     Console console(options->quiet);
     const RunSettings settings = run_settings(*options, console);
     const FolderLock lock(settings.folder);
-    print_summary(*options, run_diagnose(study, settings));
+    const DiagnoseOutcome outcome = diagnose(study, settings);
+    write_results(outcome, settings.folder);
+    print_summary(*options, summarise(outcome, settings.folder));
   });
 }
 

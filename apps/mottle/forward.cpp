@@ -1,4 +1,6 @@
 // mottle propagate, mottle simulate, mottle check: the verbs that only run the model forward.
+#include "mottle/study/jobs/forward.hpp"
+
 #include <fmt/format.h>
 
 #include <memory>
@@ -9,6 +11,17 @@
 #include "mottle/study/results/run_folder.hpp"
 
 namespace mottle::app {
+namespace {
+
+/// The outcome holds the cloud and the model: it goes before the report is made.
+RunSummary propagate_into_folder(const Study& study, const std::optional<std::filesystem::path>& points,
+                                 const RunSettings& settings) {
+  const PropagateOutcome outcome = propagate(study, points, settings);
+  write_results(outcome, settings.folder);
+  return summarise(outcome, settings.folder);
+}
+
+}  // namespace
 
 void add_propagate(CLI::App& app) {
   CLI::App* verb = app.add_subcommand("propagate", "draw the forward cloud alone, or evaluate given points");
@@ -21,7 +34,7 @@ void add_propagate(CLI::App& app) {
     Console console(options->quiet);
     const RunSettings settings = run_settings(*options, console);
     const FolderLock lock(settings.folder);
-    const RunSummary summary = run_propagate(study, *points, settings);
+    const RunSummary summary = propagate_into_folder(study, *points, settings);
     write_report(settings.folder);
     RunFolder(settings.folder).finish();
     print_summary(*options, summary);
@@ -38,7 +51,9 @@ void add_simulate(CLI::App& app) {
     Console console(options->quiet);
     const RunSettings settings = run_settings(*options, console);
     const FolderLock lock(settings.folder);
-    print_summary(*options, run_simulate(study, settings));
+    const SimulateOutcome outcome = simulate(study, settings);
+    write_results(outcome, settings.folder);
+    print_summary(*options, summarise(outcome, settings.folder));
   });
 }
 

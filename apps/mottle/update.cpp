@@ -1,4 +1,6 @@
 // mottle update
+#include "mottle/study/jobs/update.hpp"
+
 #include <fmt/format.h>
 
 #include <memory>
@@ -9,6 +11,16 @@
 #include "mottle/study/results/run_folder.hpp"
 
 namespace mottle::app {
+namespace {
+
+/// The outcome holds clouds and the model: it goes before the report is made.
+RunSummary update_into_folder(const Study& study, const RunSettings& settings) {
+  const UpdateOutcome outcome = update(study, settings);
+  write_results(outcome, settings.folder);
+  return summarise(outcome, settings.folder);
+}
+
+}  // namespace
 
 void add_update(CLI::App& app) {
   CLI::App* verb = app.add_subcommand("update", "find the distribution of the parameters that explains the tests");
@@ -19,7 +31,7 @@ void add_update(CLI::App& app) {
     Console console(options->quiet);
     const RunSettings settings = run_settings(*options, console);
     const FolderLock lock(settings.folder);
-    const RunSummary summary = run_update(study, settings);
+    const RunSummary summary = update_into_folder(study, settings);
     write_report(settings.folder);
     RunFolder(settings.folder).finish();
     print_summary(*options, summary);

@@ -183,28 +183,32 @@ class JournalledModel::File {
 };
 
 JournalledModel::JournalledModel(const Model& model, std::filesystem::path file, const Digest& fingerprint, bool resume)
-    : model_(model), file_(std::make_unique<File>(std::move(file), fingerprint, resume)) {}
+    : model_(model), file_(file.empty() ? nullptr : std::make_unique<File>(std::move(file), fingerprint, resume)) {}
 
 JournalledModel::~JournalledModel() = default;
 
 std::int64_t JournalledModel::reused() const {
-  return file_->reused();
+  return file_ ? file_->reused() : 0;
+}
+
+Evaluation JournalledModel::answer_to(const Eigen::MatrixXd& samples, const RunContext& context) const {
+  if (!file_) return model_.evaluate(samples, context);
+  const Digest question = digest_of_samples(samples);
+  Evaluation answer;
+  if (file_->find(question, samples.rows(), static_cast<Eigen::Index>(outputs().size()), answer)) return answer;
+  answer = model_.evaluate(samples, context);
+  file_->append(encode(question, answer));
+  return answer;
 }
 
 Evaluation JournalledModel::evaluate(const Eigen::Ref<const Eigen::MatrixXd>& samples,
                                      const RunContext& context) const {
-  const auto output_count = static_cast<Eigen::Index>(outputs().size());
   Evaluation whole;
-  whole.outputs.resize(samples.rows(), output_count);
+  whole.outputs.resize(samples.rows(), static_cast<Eigen::Index>(outputs().size()));
   for (Eigen::Index begin = 0; begin < samples.rows(); begin += model_.batch_size()) {
     context.throw_if_stopped();
     const Eigen::MatrixXd part = samples.middleRows(begin, std::min(model_.batch_size(), samples.rows() - begin));
-    const Digest question = digest_of_samples(part);
-    Evaluation answer;
-    if (!file_->find(question, part.rows(), output_count, answer)) {
-      answer = model_.evaluate(part, context);
-      file_->append(encode(question, answer));
-    }
+    Evaluation answer = answer_to(part, context);
     whole.outputs.middleRows(begin, part.rows()) = answer.outputs;
     for (FailedRun& failure : answer.failures) {
       whole.failures.push_back({begin + failure.sample, std::move(failure.reason)});

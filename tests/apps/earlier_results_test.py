@@ -87,6 +87,18 @@ class EarlierResultsTest(support.CommandTest):
         self.assertEqual(numbers(self.out), self.first)
         self.assertFalse(self.previous.exists())
 
+    def test_a_diagnosis_that_is_refused_leaves_an_interrupted_update_alone(self):
+        files = {"resume.journal": "of an update", "mottle.log": "of an update"}
+        for name, text in files.items():
+            (self.out / name).write_text(text, encoding="utf-8")
+        # Three outputs beside two parameters and a candidate, and no noise known: only the method finds that it cannot be.
+        self.write("tests.csv", "\n".join(support.TESTS.splitlines()[:1] + 6 * support.TESTS.splitlines()[1:]) + "\n")
+        ended = self.call("diagnose", "study.toml", "--out", "out", "--quiet")
+        self.assertEqual(ended.code, 2, ended.err)
+        for name, text in files.items():
+            self.assertEqual((self.out / name).read_text(encoding="utf-8"), text)
+        self.assertFalse({"diagnosis.log", "diagnosis.journal"} & self.names())
+
     def test_a_folder_of_the_users_with_that_name_is_left_alone(self):
         self.previous.mkdir()
         (self.previous / "result.json").write_text("mine", encoding="utf-8")
@@ -94,6 +106,24 @@ class EarlierResultsTest(support.CommandTest):
         self.assertEqual(ended.code, 2, ended.err)
         self.assertIn("previous-results", ended.err)
         self.assertEqual((self.previous / "result.json").read_text(encoding="utf-8"), "mine")
+        self.assertEqual(numbers(self.out), self.first)
+
+    def test_a_folder_that_a_killed_run_left_without_its_mark_is_used(self):
+        for leftover in ([], ["README.txt.4711-1.partial"]):
+            with self.subTest(leftover=leftover):
+                self.previous.mkdir()
+                for name in leftover:
+                    (self.previous / name).touch()
+                self.run_into_failure()
+                self.assertEqual(numbers(self.previous), self.first)
+                self.succeed("update", "study.toml", "--out", "out", "--quiet")
+                self.assertFalse(self.previous.exists())
+
+    def test_a_link_with_that_name_is_left_alone(self):
+        (self.folder / "elsewhere").mkdir()
+        self.previous.symlink_to("../elsewhere")
+        self.assertEqual(self.call("update", "failing.toml", "--out", "out", "--quiet").code, 2)
+        self.assertEqual(list((self.folder / "elsewhere").iterdir()), [])
         self.assertEqual(numbers(self.out), self.first)
 
     def test_files_that_are_not_results_stay(self):

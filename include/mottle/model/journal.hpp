@@ -20,7 +20,7 @@ namespace mottle {
 class JournalledModel final : public Model {
  public:
   /// @param model        the model that computes; must outlive this one
-  /// @param file         the journal
+  /// @param file         the journal; empty: none is kept
   /// @param fingerprint  of everything the results depend on; kept in the journal's head
   /// @param resume       use what an earlier run left; else start an empty journal
   /// Throws InvalidInput: `resume` with a journal of another fingerprint (something has changed since);
@@ -42,6 +42,8 @@ class JournalledModel final : public Model {
 
  private:
   class File;
+  /// Of one part of a batch.
+  Evaluation answer_to(const Eigen::MatrixXd& samples, const RunContext& context) const;
   const Model& model_;
   std::unique_ptr<File> file_;
   mutable SolverUse use_;

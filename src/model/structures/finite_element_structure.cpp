@@ -46,7 +46,7 @@ FiniteElementStructure::FiniteElementStructure(FiniteElementModel model,
   set_reference(reference_);
 }
 
-bool FiniteElementStructure::do_terms_hold(const Eigen::Ref<const Eigen::VectorXd>& parameters,
+bool FiniteElementStructure::terms_hold_at(const Eigen::Ref<const Eigen::VectorXd>& parameters,
                                            Eigen::Index parameter) const {
   if (is_separable_) return true;
   if (!assembled_.is_separable[static_cast<std::size_t>(parameter)]) return false;

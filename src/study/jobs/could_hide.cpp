@@ -1,4 +1,4 @@
-#include "study/jobs/could_hide.hpp"
+#include "mottle/study/jobs/could_hide.hpp"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -214,23 +214,6 @@ std::string deciding_sentence(const DecidingSet& set, const ErrorDerivatives& fo
       capitalised(join(texts, " and ")), set.is_enough() ? "decide" : "show most", sizes_text(set.errors));
 }
 
-Json error_json(const NamedError& error, const std::vector<std::string>& parameters, bool is_level_known) {
-  Json moves = Json::array();
-  for (std::size_t i = 0; i < parameters.size(); ++i) {
-    moves.push_back({{"parameter", parameters[i]},
-                     {"half_widths", number_json(error.error.would_move(static_cast<Eigen::Index>(i)))},
-                     {"prior_deviations", number_json(error.error.prior_deviations(static_cast<Eigen::Index>(i)))}});
-  }
-  return {{"name", error.name},
-          {"nominal", error.nominal},
-          {"relative_change", error.nominal == 0.0 ? Json(nullptr) : number_json(error.error.relative_change)},
-          {"change", number_json(error.change())},
-          {"is_detected", error.error.is_detected},
-          {"assumes_estimated_noise", error.error.is_detected && !is_level_known},
-          {"is_beyond_first_order", error.error.is_beyond_first_order()},
-          {"would_move", moves}};
-}
-
 std::vector<NamedError> name_errors(const FixedNumbers& numbers, const std::vector<HiddenError>& errors) {
   std::vector<NamedError> named;
   for (const HiddenError& error : errors) {
@@ -254,25 +237,25 @@ CouldHide work_out(const Study& study, const StudyModel& made, const UpdatingPro
   scatter.model_error_std = result.model_error ? result.model_error->std : problem.tests.model_error_std;
   const std::vector<NamedError> errors = name_errors(numbers, errors_with(problem, result, scatter, found, {}));
   const std::vector<std::string> names = problem.space.names();
-  const bool is_level_known = !std::isnan(scatter.denominator);
+  hidden.is_level_known = !std::isnan(scatter.denominator);
   constexpr std::size_t k_told = 3;
   constexpr double k_harmless = 0.05;  // of a half-width
   std::vector<NamedError> worst;
   for (const NamedError& error : errors) {
-    if (hidden.list.size() < k_most_listed) hidden.list.push_back(error_json(error, names, is_level_known));
+    if (hidden.errors.size() < k_most_listed) hidden.errors.push_back(error);
     if (worst.size() < k_told && error.error.harm() >= k_harmless) worst.push_back(error);
   }
   if (worst.empty()) return hidden;
   if (is_undecided) {
     for (const NamedError& error : worst)
-      hidden.sentences.push_back(hidden_error_sentence(error, names, is_level_known));
+      hidden.sentences.push_back(hidden_error_sentence(error, names, hidden.is_level_known));
     // No further output lets means be tested against a model error that is estimated from them.
     if (!problem.tests.is_model_error_estimated) {
       const std::string decides = deciding_sentence(find_deciding_set(problem, result, scatter, found, worst), found);
       if (!decides.empty()) hidden.sentences.push_back(decides);
     }
   }
-  hidden.summary = summary_text(worst, names, is_level_known);
+  hidden.summary = summary_text(worst, names, hidden.is_level_known);
   if (numbers.total > numbers.list.size()) {
     hidden.notes.push_back(fmt::format("Errors were looked at in the first {} of the {} numbers of the model.",
                                        numbers.list.size(), numbers.total));

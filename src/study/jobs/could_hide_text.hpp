@@ -4,19 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "mottle/updating/verdict/hidden_errors.hpp"
+#include "mottle/study/jobs/could_hide.hpp"
 
 namespace mottle {
-
-/// A hidden error with the names of what it is of and what it moves.
-struct NamedError {
-  std::string name;
-  double nominal = 0.0;
-  double size = 0.0;  ///< of relative changes: the number itself, of a zero the size of its kind
-  HiddenError error;
-
-  double change() const { return error.relative_change * size; }
-};
 
 /// "1.2 %"; of a number that is 0 in the model the change itself.
 std::string change_text(const NamedError& error);

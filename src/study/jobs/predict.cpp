@@ -1,4 +1,4 @@
-#include "study/jobs/predict.hpp"
+#include "mottle/study/jobs/predict.hpp"
 
 #include <algorithm>
 #include <cctype>
@@ -6,9 +6,7 @@
 
 #include "mottle/core/error.hpp"
 #include "mottle/core/text.hpp"
-#include "mottle/formats/tables/csv.hpp"
 #include "study/input/noise_rules.hpp"
-#include "study/input/study_sections.hpp"
 
 namespace mottle {
 
@@ -115,37 +113,6 @@ std::optional<PredictedError> error_of(const Study& study, const PredictionPlan&
   return error;
 }
 
-Json check_json(const HeldOutCheck& check, double joint_critical) {
-  return {{"specimens", check.transforms.rows()},
-          {"coverage", to_json(check.coverage)},
-          {"joint_coverage", number_json(check.joint_coverage)},
-          {"joint_critical", number_json(joint_critical)},
-          {"squared_distances", to_json(check.distances)},
-          {"transforms", to_json_rows(check.transforms)},
-          {"uniformity_p_values", to_json(check.uniformity)},
-          {"adjusted_p_value", number_json(check.adjusted_p)}};
-}
-
-std::string prediction_csv(const Prediction& prediction, const HeldOutCheck* check,
-                           const std::vector<Output>& outputs) {
-  const Eigen::Index p = prediction.mean.size();
-  std::vector<std::string> header{"mean", "std", "lower95", "upper95"};
-  Eigen::MatrixXd values(p, check != nullptr ? 6 : 4);
-  values.leftCols(4) << prediction.mean, prediction.covariance.diagonal().cwiseSqrt(), prediction.interval;
-  if (check != nullptr) {
-    header.insert(header.end(), {"held_out_coverage", "uniformity_p"});
-    values.rightCols(2) << check->coverage, check->uniformity;
-  }
-  header.insert(header.end(), {"output", "unit"});
-  std::vector<std::string> names;
-  std::vector<std::string> units;
-  for (const Output& output : outputs) {
-    names.push_back(output.name);
-    units.push_back(output.unit);
-  }
-  return format_csv(header, values, {names, units});
-}
-
 }  // namespace
 
 PredictionPlan plan_prediction(const Study& study, const RunSettings& settings) {
@@ -171,34 +138,17 @@ PredictionPlan plan_prediction(const Study& study, const RunSettings& settings) 
   }
 }
 
-PredictionReport run_prediction(const Study& study, const PredictionPlan& plan, const UpdatingProblem& problem,
-                                const UpdatingResult& result, const RunContext& context) {
-  const std::vector<Output>& outputs = plan.made.model->outputs();
+PredictionOutcome run_prediction(const Study& study, const PredictionPlan& plan, const UpdatingProblem& problem,
+                                 const UpdatingResult& result, const RunContext& context) {
   const PredictedPopulation population = predicted_population(problem.space, result, problem.tests.values.rows());
-  const PredictionSettings settings{.noise_std = noise_of(plan, problem, result),
-                                    .model_error = error_of(study, plan, problem, result, context),
-                                    .draws = study.predict->draws};
-  const Prediction prediction = predict(*plan.made.model, problem.space, population, settings, context);
-  std::optional<HeldOutCheck> check;
-  if (plan.held_out) check = check_held_out(prediction, population, plan.held_out->data.values);
-  const HeldOutCheck* checked = check ? &*check : nullptr;
-  PredictionReport report;
-  report.notes = prediction_sentences(prediction, checked, population, outputs, settings.level);
-  report.csv = prediction_csv(prediction, checked, outputs);
-  report.json = outputs_json(outputs);
-  report.json["mean"] = to_json(prediction.mean);
-  report.json["std"] = to_json(prediction.covariance.diagonal().cwiseSqrt());
-  report.json["covariance"] = to_json_rows(prediction.covariance);
-  report.json["interval95"] = to_json_rows(prediction.interval);
-  report.json["joint_critical"] = number_json(prediction.joint_critical);
-  report.json["noise_std"] = to_json(settings.noise_std);
-  report.json["draws"] = settings.draws;
-  report.json["draws_left_out"] = prediction.impossible;
-  report.json["model_evaluations"] = prediction.model_evaluations;
-  report.json["model"] = study.predict->overrides;
-  report.json["held_out"] = check ? check_json(*check, prediction.joint_critical) : Json(nullptr);
-  report.json["notes"] = report.notes;
-  return report;
+  PredictionOutcome outcome{.settings = {.noise_std = noise_of(plan, problem, result),
+                                         .model_error = error_of(study, plan, problem, result, context),
+                                         .draws = study.predict->draws}};
+  outcome.prediction = predict(*plan.made.model, problem.space, population, outcome.settings, context);
+  if (plan.held_out) outcome.check = check_held_out(outcome.prediction, population, plan.held_out->data.values);
+  outcome.notes = prediction_sentences(outcome.prediction, outcome.check ? &*outcome.check : nullptr, population,
+                                       plan.made.model->outputs(), outcome.settings.level);
+  return outcome;
 }
 
 }  // namespace mottle

@@ -8,8 +8,8 @@
 #include "mottle/drivers/command/run_folders.hpp"
 #include "mottle/dynamics/modes/mode_set.hpp"
 #include "mottle/study/jobs/run.hpp"
+#include "mottle/study/jobs/update_plan.hpp"
 #include "study/jobs/study_reach.hpp"
-#include "study/jobs/update_plan.hpp"
 #include "study/results/result_json.hpp"
 
 namespace mottle {
@@ -154,7 +154,7 @@ RunSummary run_check(const Study& study, const RunSettings& settings) {
   for (std::string& line : reach_lines(reach)) summary.lines.push_back(std::move(line));
   json["programs"] = reach.programs;
   json["outside"] = reach.outside;
-  summary.json = json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  summary.json = one_line(json);
   return summary;
 }
 

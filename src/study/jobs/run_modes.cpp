@@ -248,8 +248,8 @@ RunSummary run_modes(const ModesSettings& settings) {
   const RunFolder folder(settings.folder);
   write_tables(folder, solved);
   if (settings.writes_universal_file) folder.write("modes.uff", format_uff(universal_file(solved)));
-  folder.write("modes.json", page.dump(-1, ' ', false, Json::error_handler_t::replace));
-  summary.json = json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  folder.write("modes.json", one_line(page));
+  summary.json = one_line(json);
   return summary;
 }
 

@@ -29,6 +29,18 @@ const char* scale_name(NormalScale::Kind kind) {
   return "identity";
 }
 
+Json correlation_intervals_json(const ParameterIntervals& intervals) {
+  Json rows = Json::array();
+  for (Eigen::Index i = 0; i < intervals.correlation_lower.rows(); ++i) {
+    Json row = Json::array();
+    for (Eigen::Index j = 0; j < intervals.correlation_lower.cols(); ++j) {
+      row.push_back({number_json(intervals.correlation_lower(i, j)), number_json(intervals.correlation_upper(i, j))});
+    }
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
 }  // namespace
 
 Json parameters_json(const ParameterSpace& space) {
@@ -50,6 +62,25 @@ Json parameters_json(const ParameterSpace& space) {
           {"prior", marginals},
           {"prior_mean", to_json(space.prior().mean())},
           {"prior_std", to_json(covariance.diagonal().cwiseSqrt())}};
+}
+
+Json updated_parameters_json(const UpdatingProblem& problem, const UpdatingResult& result) {
+  Json parameters = parameters_json(problem.space);
+  parameters["mean"] = to_json(result.mean);
+  parameters["std"] = to_json(result.covariance.diagonal().cwiseSqrt());
+  parameters["covariance"] = to_json_rows(result.covariance);
+  parameters["is_population"] = result.is_population;
+  parameters["mean_ci95"] = result.intervals ? to_json_rows(result.intervals->mean) : Json(nullptr);
+  parameters["std_ci95"] = result.intervals ? to_json_rows(result.intervals->std) : Json(nullptr);
+  parameters["correlation_ci95"] = result.intervals ? correlation_intervals_json(*result.intervals) : Json(nullptr);
+  parameters["mean_curvature_bias"] = result.curvature_bias.size() > 0 ? to_json(result.curvature_bias) : Json(nullptr);
+  parameters["intervals_by"] = result.intervals ? Json(result.intervals->made_by) : Json(nullptr);
+  Json at_bound = Json::array();
+  for (const int side : problem.space.active_bounds(result.mean)) {
+    at_bound.push_back(side == 0 ? Json(nullptr) : Json(side < 0 ? "lower" : "upper"));
+  }
+  parameters["at_bound"] = at_bound;
+  return parameters;
 }
 
 }  // namespace mottle

@@ -43,10 +43,8 @@ Json verdict_json(const Verdict& verdict) {
                      {"passed", test.passed},
                      {"meaning", test.meaning}});
   }
-  Json adequate = nullptr;
-  if (verdict.conclusion != Conclusion::undecided) adequate = verdict.conclusion == Conclusion::adequate;
   return {{"conclusion", conclusion_text(verdict.conclusion)},
-          {"adequate", std::move(adequate)},
+          {"adequate", adequate_json(verdict.conclusion)},
           {"level", verdict.level},
           {"tests", tests},
           {"reasons", verdict.reasons},
@@ -89,39 +87,10 @@ Json sample_size_json(const UpdatingProblem& problem, const IterationRecord& las
           {"curve", t_curve_json(p, problem.level, std::max(2000, 2 * (n_test + n_model)))}};
 }
 
-Json correlation_intervals_json(const ParameterIntervals& intervals) {
-  Json rows = Json::array();
-  for (Eigen::Index i = 0; i < intervals.correlation_lower.rows(); ++i) {
-    Json row = Json::array();
-    for (Eigen::Index j = 0; j < intervals.correlation_lower.cols(); ++j) {
-      row.push_back({number_json(intervals.correlation_lower(i, j)), number_json(intervals.correlation_upper(i, j))});
-    }
-    rows.push_back(std::move(row));
-  }
-  return rows;
-}
-
 Json specimens_json(const UpdatingResult& result) {
   if (!result.specimens) return nullptr;
   return {{"parameters", to_json_rows(result.specimens->parameters)},
           {"residuals", to_json_rows(result.specimens->residuals)}};
-}
-
-void add_updated_parameters(Json& parameters, const UpdatingProblem& problem, const UpdatingResult& result) {
-  parameters["mean"] = to_json(result.mean);
-  parameters["std"] = to_json(result.covariance.diagonal().cwiseSqrt());
-  parameters["covariance"] = to_json_rows(result.covariance);
-  parameters["is_population"] = result.is_population;
-  parameters["mean_ci95"] = result.intervals ? to_json_rows(result.intervals->mean) : Json(nullptr);
-  parameters["std_ci95"] = result.intervals ? to_json_rows(result.intervals->std) : Json(nullptr);
-  parameters["correlation_ci95"] = result.intervals ? correlation_intervals_json(*result.intervals) : Json(nullptr);
-  parameters["mean_curvature_bias"] = result.curvature_bias.size() > 0 ? to_json(result.curvature_bias) : Json(nullptr);
-  parameters["intervals_by"] = result.intervals ? Json(result.intervals->made_by) : Json(nullptr);
-  Json at_bound = Json::array();
-  for (const int side : problem.space.active_bounds(result.mean)) {
-    at_bound.push_back(side == 0 ? Json(nullptr) : Json(side < 0 ? "lower" : "upper"));
-  }
-  parameters["at_bound"] = at_bound;
 }
 
 void add_test_outputs(Json& outputs, const TestMoments& tests, const UpdatingResult& result) {
@@ -296,8 +265,7 @@ Json update_result_json(const Study& study, const StudyTests& tests, const Updat
   json["method"] = study.update.method;
   json["status"] = status_text(result.status);
   json["message"] = result.message;
-  json["parameters"] = parameters_json(problem.space);
-  add_updated_parameters(json["parameters"], problem, result);
+  json["parameters"] = updated_parameters_json(problem, result);
   json["outputs"] = outputs_json(problem.model.outputs());
   add_test_outputs(json["outputs"], moments, result);
   json["iterations"] = Json::array();
@@ -336,6 +304,14 @@ Json update_result_json(const Study& study, const StudyTests& tests, const Updat
   json["notes"] = result.notes;
   for (const std::string& note : tests.notes) json["notes"].push_back(note);
   return json;
+}
+
+Json adequate_json(Conclusion conclusion) {
+  return conclusion == Conclusion::undecided ? Json(nullptr) : Json(conclusion == Conclusion::adequate);
+}
+
+std::string one_line(const Json& json) {
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
 std::string pretty(const Json& json) {

@@ -10,6 +10,7 @@
 #include "mottle/updating/methods/cloud.hpp"
 #include "mottle/updating/methods/iteration.hpp"
 #include "mottle/updating/methods/updater.hpp"
+#include "mottle/updating/verdict/verdict.hpp"
 
 namespace mottle {
 
@@ -26,6 +27,9 @@ Json result_head(const Study& study, const std::string& command);
 /// names, units, bounds, prior (its moments, and each marginal as the study gives it: `prior[] {kind, mean, std, lower,
 /// upper}`, null for what its kind does not need), and the scale on which a population is taken as normal.
 Json parameters_json(const ParameterSpace& space);
+
+/// The same with what the update found of them.
+Json updated_parameters_json(const UpdatingProblem& problem, const UpdatingResult& result);
 
 Json outputs_json(const std::vector<Output>& outputs);
 
@@ -46,7 +50,13 @@ Json failures_json(const std::vector<FailedRun>& failures, std::size_t iteration
 Json update_result_json(const Study& study, const StudyTests& tests, const UpdatingProblem& problem,
                         const Updater& method, const UpdatingResult& result);
 
+/// true, false, or null where undecided.
+Json adequate_json(Conclusion conclusion);
+
 /// Text of the document as it stands in result.json.
 std::string pretty(const Json& json);
+
+/// For programs that read a line a job.
+std::string one_line(const Json& json);
 
 }  // namespace mottle

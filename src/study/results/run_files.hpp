@@ -5,9 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "mottle/core/error.hpp"
 #include "mottle/study/jobs/study_objects.hpp"
-#include "mottle/study/results/run_folder.hpp"
 #include "mottle/updating/methods/cloud.hpp"
 
 namespace mottle {
@@ -24,22 +22,6 @@ std::string tests_csv(const StudyTests& tests, const std::vector<Output>& output
 
 /// Names of parameters, then of outputs.
 std::vector<std::string> column_names(const ParameterSpace& space, const std::vector<Output>& outputs);
-
-/// What `compute` returns. Results of an earlier run, files `names`, are set aside before. Where `compute` finds the
-/// input wrong, the message gets its place in the study, log and journal go again, and earlier results stay where they
-/// were.
-template <typename Compute>
-auto compute_or_discard(const Study& study, const RunFolder& folder, const std::vector<std::string>& names,
-                        const Compute& compute) {
-  const std::vector<std::string> aside = folder.set_aside(names);
-  try {
-    return compute();
-  } catch (const InvalidInput& error) {
-    folder.restore(aside);
-    folder.discard();
-    throw InvalidInput(located(study, error.what()));
-  }
-}
 
 /// The study's method with its options.
 std::unique_ptr<Updater> make_method(const Study& study);

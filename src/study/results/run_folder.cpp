@@ -1,7 +1,7 @@
 #include "mottle/study/results/run_folder.hpp"
 
+#include <algorithm>
 #include <chrono>
-#include <iterator>
 
 #include "mottle/core/files.hpp"
 
@@ -11,6 +11,22 @@ namespace {
 constexpr const char* k_mark = "README.txt";
 constexpr const char* k_mark_text =
     "Results of an earlier run. A later run in the folder above has not come to its end; when one does, these go.\n";
+
+/// Whether a file is the mark or what was to become it.
+bool is_mark(const std::filesystem::path& file) {
+  const std::string name = file.filename().string();
+  return name == k_mark || (name.starts_with(k_mark) && name.ends_with(".partial"));
+}
+
+/// Whether nothing is there, or a folder that this program made: one with its mark, or one in which it was killed
+/// before the mark was whole.
+bool may_hold_previous(const std::filesystem::path& folder) {
+  if (!std::filesystem::exists(std::filesystem::symlink_status(folder))) return true;
+  if (std::filesystem::is_symlink(folder) || !std::filesystem::is_directory(folder)) return false;
+  if (std::filesystem::exists(folder / k_mark)) return true;
+  const std::filesystem::directory_iterator files(folder);
+  return std::all_of(begin(files), end(files), [](const auto& file) { return is_mark(file.path()); });
+}
 
 }  // namespace
 
@@ -40,7 +56,7 @@ std::vector<std::string> RunFolder::set_aside(const std::vector<std::string>& na
   if (there.empty()) return there;
   const std::filesystem::path previous = file(k_previous);
   const std::filesystem::path mark = previous / k_mark;
-  require(!std::filesystem::exists(previous) || std::filesystem::exists(mark),
+  require(may_hold_previous(previous),
           "{}: earlier results go there, but something else has that name; rename it, or name another place with --out",
           previous.string());
   std::filesystem::create_directories(previous);
@@ -59,25 +75,25 @@ void RunFolder::restore(const std::vector<std::string>& names) const {
 void RunFolder::forget_previous(const std::vector<std::string>& names) const {
   std::error_code ignored;  // what stays behind says what it is
   const std::filesystem::path previous = file(k_previous);
-  const std::filesystem::path mark = previous / k_mark;
-  if (!std::filesystem::exists(mark, ignored)) return;
+  if (std::filesystem::is_symlink(previous, ignored) || !std::filesystem::exists(previous / k_mark, ignored)) return;
   for (const std::string& name : names) std::filesystem::remove(previous / name, ignored);
-  const std::filesystem::directory_iterator files(previous, ignored);
-  if (std::distance(begin(files), end(files)) > 1) return;
-  std::filesystem::remove(mark, ignored);
+  std::vector<std::filesystem::path> marks;
+  for (const auto& file : std::filesystem::directory_iterator(previous, ignored)) {
+    if (!is_mark(file.path())) return;
+    marks.push_back(file.path());
+  }
+  for (const std::filesystem::path& mark : marks) std::filesystem::remove(mark, ignored);
   std::filesystem::remove(previous, ignored);
 }
 
 void RunFolder::finish() const {
-  std::error_code ignored;  // a journal that stays behind does no harm
-  std::filesystem::remove(journal(), ignored);
+  remove(k_journal);
   forget_previous(result_names());
 }
 
-void RunFolder::discard() const {
-  std::error_code ignored;  // what cannot be taken away does no harm
-  std::filesystem::remove(journal(), ignored);
-  std::filesystem::remove(file("mottle.log"), ignored);
+void RunFolder::remove(const std::string& name) const {
+  std::error_code ignored;
+  std::filesystem::remove(file(name), ignored);
 }
 
 double steady_seconds() {

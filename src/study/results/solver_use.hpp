@@ -7,7 +7,10 @@
 
 namespace mottle {
 
-/// Sets "reduction" (null where no reduced model was used) and adds a sentence to "notes" and, with times, to the log.
-void tell_solver_use(const SolverUse& use, Json& result, const RunContext& context);
+/// Sets "reduction" (null where no reduced model was used) and adds a sentence to "notes".
+void add_solver_use(const SolverUse& use, Json& result);
+
+/// The same sentence with times, and the runs of a solver.
+void log_solver_use(const SolverUse& use, const RunContext& context);
 
 }  // namespace mottle

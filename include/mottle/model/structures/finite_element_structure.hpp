@@ -39,7 +39,7 @@ class FiniteElementStructure final : public SparseStructure {
   const SeparableMatrix& stiffness_terms() const override { return assembled_.stiffness; }
   const SeparableMatrix& mass_terms() const override { return assembled_.mass; }
   bool is_separable() const override { return is_separable_; }
-  bool do_terms_hold(const Eigen::Ref<const Eigen::VectorXd>& parameters, Eigen::Index parameter) const override;
+  bool terms_hold_at(const Eigen::Ref<const Eigen::VectorXd>& parameters, Eigen::Index parameter) const override;
   Matrices matrices_at(const Eigen::Ref<const Eigen::VectorXd>& parameters) const override;
   std::string equation_name(int row) const override;
 

@@ -60,14 +60,14 @@ class SparseStructure : public ModalStructure {
     SparseMatrix stiffness, mass;
   };
 
-  /// The terms of K(x) and M(x); where is_separable() is false they hold where do_terms_hold() says so.
+  /// The terms of K(x) and M(x); where is_separable() is false they hold where terms_hold_at() says so.
   virtual const SeparableMatrix& stiffness_terms() const = 0;
   virtual const SeparableMatrix& mass_terms() const = 0;
   virtual bool is_separable() const { return true; }
   /// Whether the terms give the matrices at these parameters, and their derivative by this one.
-  virtual bool do_terms_hold(const Eigen::Ref<const Eigen::VectorXd>& /*parameters*/,
+  virtual bool terms_hold_at(const Eigen::Ref<const Eigen::VectorXd>& /*parameters*/,
                              Eigen::Index /*parameter*/) const {
-    return true;
+    return is_separable();
   }
   virtual Matrices matrices_at(const Eigen::Ref<const Eigen::VectorXd>& parameters) const;
   /// What the user calls a row of the matrices.

@@ -160,7 +160,7 @@ struct StudyOverrides {
 ///
 /// @throws InvalidInput  (file, line, key, value found, what is allowed): TOML that cannot be read, unknown keys with
 ///                       the nearest known one, wrong types, values out of range, an override that fits nothing
-Study read_study(const std::filesystem::path& file, const StudyOverrides& overrides);
+Study read_study(const std::filesystem::path& file, const StudyOverrides& overrides = {});
 
 /// `message` with the study file in front, and the line of what the message starts with ("outputs.frequencies: ...").
 ///

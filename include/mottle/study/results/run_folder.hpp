@@ -13,6 +13,8 @@
 namespace mottle {
 
 inline constexpr const char* k_previous = "previous-results";
+inline constexpr const char* k_journal = "resume.journal";  ///< of an update or a cloud
+inline constexpr const char* k_log = "mottle.log";
 
 /// What stands for the results of an update or a cloud. Not study.toml and tests.csv, which may be a study's input.
 const std::vector<std::string>& result_names();
@@ -25,7 +27,6 @@ class RunFolder {
 
   const std::filesystem::path& path() const { return folder_; }
   std::filesystem::path file(const std::string& name) const { return folder_ / name; }
-  std::filesystem::path journal() const { return folder_ / "resume.journal"; }
 
   /// Writes one file whole or not at all.
   void write(const std::string& name, const std::string& bytes) const;
@@ -44,8 +45,8 @@ class RunFolder {
   /// The results of an update or a cloud are complete: the journal and earlier results are no longer needed.
   void finish() const;
 
-  /// Nothing was computed: takes away the log and the journal.
-  void discard() const;
+  /// Takes away a file that does no harm where it stays.
+  void remove(const std::string& name) const;
 
  private:
   std::filesystem::path folder_;

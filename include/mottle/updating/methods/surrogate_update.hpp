@@ -36,6 +36,8 @@ class SurrogateUpdate {
  public:
   /// @param problem  with the model that costs; must outlive this object
   SurrogateUpdate(const UpdatingProblem& problem, const SurrogateSettings& settings);
+  SurrogateUpdate(const SurrogateUpdate&) = delete;  // problem() refers to a member
+  SurrogateUpdate& operator=(const SurrogateUpdate&) = delete;
 
   /// Result of the last round; its model_evaluations are runs of the model that costs.
   ///

@@ -1,15 +1,15 @@
 // The [predict] block of a study, run at the end of an update.
 #pragma once
 
-#include <filesystem>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "mottle/study/input/study.hpp"
 #include "mottle/study/jobs/run.hpp"
 #include "mottle/study/jobs/study_objects.hpp"
 #include "mottle/updating/methods/updater.hpp"
 #include "mottle/updating/prediction/prediction.hpp"
-#include "study/results/result_json.hpp"
 
 namespace mottle {
 
@@ -24,13 +24,16 @@ struct PredictionPlan {
 /// as make_model and read_tests.
 PredictionPlan plan_prediction(const Study& study, const RunSettings& settings);
 
-/// `prediction` of result.json, prediction.csv as text, and sentences.
-struct PredictionReport {
-  Json json;
-  std::string csv;
-  std::vector<std::string> notes;
+/// What a study's prediction says.
+struct PredictionOutcome {
+  PredictionSettings settings;
+  Prediction prediction = {};
+  std::optional<HeldOutCheck> check = std::nullopt;
+  std::vector<std::string> notes = {};  ///< sentences
 };
-PredictionReport run_prediction(const Study& study, const PredictionPlan& plan, const UpdatingProblem& problem,
-                                const UpdatingResult& result, const RunContext& context);
+
+/// Throws SystemFailure as predict().
+PredictionOutcome run_prediction(const Study& study, const PredictionPlan& plan, const UpdatingProblem& problem,
+                                 const UpdatingResult& result, const RunContext& context);
 
 }  // namespace mottle

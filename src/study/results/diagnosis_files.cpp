@@ -1,19 +1,11 @@
-// The job of `mottle diagnose`.
-#include "mottle/core/text.hpp"
-#include "mottle/model/journal.hpp"
-#include "mottle/study/jobs/run.hpp"
+// The file and words of a diagnosis.
+#include "mottle/study/jobs/diagnose.hpp"
 #include "mottle/study/results/run_folder.hpp"
-#include "mottle/updating/diagnosis/diagnosis.hpp"
-#include "study/jobs/candidates.hpp"
+#include "study/results/diagnosis_names.hpp"
 #include "study/results/result_json.hpp"
-#include "study/results/run_files.hpp"
-#include "study/tests/rank_numbering.hpp"
-#include "study/tests/unit_errors.hpp"
 
 namespace mottle {
 namespace {
-
-constexpr const char* k_result = "diagnosis.json";
 
 Json detectability_json(const Detectability& detectability) {
   return {{"name", detectability.name},
@@ -43,7 +35,20 @@ Json candidate_json(const CandidateFinding& finding, const std::vector<std::stri
   return json;
 }
 
-Json diagnosis_json(const Study& study, const Study& whole, const Diagnosis& diagnosis) {
+Json proposed_json(const Diagnosis& diagnosis) {
+  Json proposed = Json::array();
+  for (const ProposedParameter& parameter : diagnosis.proposed) {
+    proposed.push_back({{"name", parameter.name},
+                        {"given", parameter.is_given},
+                        {"scatter", parameter.is_freed},
+                        {"bic_lowered", parameter.bic}});
+  }
+  return proposed;
+}
+
+Json outcome_json(const DiagnoseOutcome& outcome) {
+  const Study& study = outcome.study;
+  const Diagnosis& diagnosis = outcome.diagnosis;
   Json json = result_head(study, "diagnose");
   json["level"] = study.update.level;
   json["explained"] = diagnosis.is_explained;
@@ -65,20 +70,14 @@ Json diagnosis_json(const Study& study, const Study& whole, const Diagnosis& dia
   json["candidates"] = Json::array();
   Json order = Json::array();
   for (const CandidateFinding& finding : diagnosis.candidates) {
-    for (const StudyParameter& parameter : whole.parameters.list) {
+    for (const StudyParameter& parameter : outcome.whole.parameters.list) {
       if (parameter.name != finding.detectability.name) continue;
       json["candidates"].push_back(candidate_json(finding, parameter.targets));
     }
     order.push_back(finding.detectability.name);
   }
   json["cosines"] = {{"names", order}, {"matrix", to_json_rows(diagnosis.cosines)}};
-  json["proposed"] = Json::array();
-  for (const ProposedParameter& parameter : diagnosis.proposed) {
-    json["proposed"].push_back({{"name", parameter.name},
-                                {"given", parameter.is_given},
-                                {"scatter", parameter.is_freed},
-                                {"bic_lowered", parameter.bic}});
-  }
+  json["proposed"] = proposed_json(diagnosis);
   json["model_evaluations"] = diagnosis.model_evaluations;
   return json;
 }
@@ -112,70 +111,28 @@ std::vector<std::string> table_lines(const Diagnosis& diagnosis) {
 
 }  // namespace
 
-RunSummary run_diagnose(const Study& study, const RunSettings& settings) {
-  const double start = steady_seconds();
-  require(!study.parameters.list.empty(), "{}: parameter: there is none; give at least one [[parameter]]",
-          study.file.string());
-  const Study whole = with_candidates(study, resolve_candidates(study));
-  const StudyModel made = make_model(whole, whole.parameters, settings);
-  const StudyTests tests = read_tests(study, *made.model);
-  refuse_unit_errors(study, made, tests);
-  const RunFolder folder(settings.folder);
-  LogObserver log(folder.file("diagnosis.log"), settings.observer, settings.resume);
-  const std::filesystem::path journal = folder.file("diagnosis.journal");
-  const JournalledModel model(*made.model, journal, study_fingerprint(whole, made), settings.resume);
-  std::vector<std::string> given;
-  for (const StudyParameter& parameter : study.parameters.list) given.push_back(parameter.name);
-  const std::vector<int> groups = covariance_groups(study, given);
-  const UpdatingProblem problem{.model = model,
-                                .derivatives = made.model->structure().has_derivatives() ? made.model.get() : nullptr,
-                                .space = *made.space,
-                                .tests = tests.data,
-                                .iterations = study.update.iterations,
-                                .level = study.update.level,
-                                .tolerance = study.update.tolerance,
-                                .covariance_groups = groups};
-  const RunContext context{.seed = study.seed, .threads = settings.threads, .observer = &log, .stop = settings.stop};
-  for (const std::string& note : made.notes) context.note(note);
-  for (const std::string& note : tests.notes) context.note(note);
-  if (tests.is_by_rank) {
-    if (const auto numbering = rank_note(made.model->selection(), tests.data.values)) context.note(*numbering);
-  }
-  const DiagnosisSettings rules{.given = static_cast<Eigen::Index>(study.parameters.list.size()),
-                                .screened = study.diagnose.screened,
-                                .like_evidence = study.diagnose.like_evidence};
-  const auto forget = [&](const std::filesystem::path& file) {
-    std::error_code ignored;  // a file that stays behind does no harm
-    std::filesystem::remove(file, ignored);
-  };
-  const Diagnosis diagnosis = compute_or_discard(study, folder, {k_result}, [&] {
-    try {
-      return diagnose(problem, rules, context);
-    } catch (const InvalidInput&) {
-      forget(journal);
-      forget(folder.file("diagnosis.log"));
-      throw;
-    }
-  });
+void write_results(const DiagnoseOutcome& outcome, const std::filesystem::path& path) {
+  const RunFolder folder(path);
+  Json json = outcome_json(outcome);
+  json["timings_s"] = {{"total", outcome.seconds}};
+  folder.write(k_diagnosis, pretty(json));
+  folder.remove(k_diagnosis_journal);
+  folder.forget_previous({k_diagnosis});
+}
 
-  Json json = diagnosis_json(study, whole, diagnosis);
-  json["timings_s"] = {{"total", steady_seconds() - start}};
-  folder.write(k_result, pretty(json));
-  forget(journal);
-  folder.forget_previous({k_result});
-  RunSummary summary;
-  summary.status = "done";
-  summary.lines = table_lines(diagnosis);
-  summary.lines.push_back("diagnosis: " + folder.file(k_result).string());
-  summary.json = Json{{"command", "diagnose"},
-                      {"explained", diagnosis.is_explained},
-                      {"best", json["best"]},
-                      {"alike", diagnosis.alike},
-                      {"sentences", diagnosis.sentences},
-                      {"proposed", json["proposed"]},
-                      {"folder", folder.path().string()},
-                      {"result", folder.file(k_result).string()}}
-                     .dump(-1, ' ', false, Json::error_handler_t::replace);
+RunSummary summarise(const DiagnoseOutcome& outcome, const std::filesystem::path& folder) {
+  const Diagnosis& diagnosis = outcome.diagnosis;
+  const std::string file = (folder / k_diagnosis).string();
+  const Json json = {{"command", "diagnose"},
+                     {"explained", diagnosis.is_explained},
+                     {"best", diagnosis.candidates.front().detectability.name},
+                     {"alike", diagnosis.alike},
+                     {"sentences", diagnosis.sentences},
+                     {"proposed", proposed_json(diagnosis)},
+                     {"folder", folder.string()},
+                     {"result", file}};
+  RunSummary summary{.status = "done", .lines = table_lines(diagnosis), .json = one_line(json)};
+  summary.lines.push_back("diagnosis: " + file);
   return summary;
 }
 

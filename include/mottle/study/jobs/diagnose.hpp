@@ -1,0 +1,25 @@
+// The job of `mottle diagnose`: which candidate, beside the parameters, best explains what they cannot.
+#pragma once
+
+#include <filesystem>
+
+#include "mottle/study/jobs/run.hpp"
+#include "mottle/updating/diagnosis/diagnosis.hpp"
+
+namespace mottle {
+
+struct DiagnoseOutcome {
+  Study study;
+  Study whole;  ///< with the candidates as parameters
+  Diagnosis diagnosis = {};
+  double seconds = 0.0;
+};
+
+/// Folder and errors as with update(); log and journal are diagnosis.log and diagnosis.journal.
+DiagnoseOutcome diagnose(const Study& study, const RunSettings& settings);
+
+/// diagnosis.json; the journal and the diagnosis of an earlier run are no longer needed then.
+void write_results(const DiagnoseOutcome& outcome, const std::filesystem::path& folder);
+RunSummary summarise(const DiagnoseOutcome& outcome, const std::filesystem::path& folder);
+
+}  // namespace mottle

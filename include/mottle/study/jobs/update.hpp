@@ -1,0 +1,53 @@
+// The main job: a study's method run over its model and tests.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "mottle/study/jobs/could_hide.hpp"
+#include "mottle/study/jobs/predict.hpp"
+#include "mottle/study/jobs/run.hpp"
+#include "mottle/study/jobs/update_plan.hpp"
+#include "mottle/updating/methods/surrogate_update.hpp"
+#include "mottle/updating/verdict/verdict.hpp"
+
+namespace mottle {
+
+/// What an update found, and all that it was found from.
+struct UpdateOutcome {
+  Study study;
+  UpdatePlan plan;
+  std::unique_ptr<const Model> model = nullptr;            ///< that was run; see plan.made for what it is
+  std::unique_ptr<const UpdatingProblem> given = nullptr;  ///< over `model`
+  std::unique_ptr<SurrogateUpdate> surrogate = nullptr;    ///< null: the method ran the model itself
+  UpdatingResult result = {};
+  Verdict verdict = {};
+  CouldHide could_hide = {};
+  std::optional<PredictionOutcome> prediction = std::nullopt;  ///< where the study has [predict]
+  std::optional<std::string> numbering = std::nullopt;  ///< a doubt whether modes numbered by rank are the same modes
+  SolverUse solver_use = {};
+  double reading_seconds = 0.0, updating_seconds = 0.0, assessing_seconds = 0.0;
+
+  /// As the method saw it last.
+  const UpdatingProblem& problem() const { return surrogate ? surrogate->problem() : *given; }
+};
+
+/// Updates. Where `settings` name a folder, its mottle.log tells what happens, its journal lets a killed update go on,
+/// and results of an earlier run are set aside there; results are written by write_results().
+///
+/// Throws InvalidInput, FormatError, SystemFailure as the parts do; Stopped where a stop was requested: the journal
+/// stays, and `resume` goes on from there.
+UpdateOutcome update(const Study& study, const RunSettings& settings);
+
+/// result.json, history.csv, cloud-initial.csv, cloud-final.csv, clouds.csv, tests.csv, study.toml; pairing.csv,
+/// prediction.csv and modes.json where there is something to say. The journal and results that were set aside stay
+/// until RunFolder::finish().
+void write_results(const UpdateOutcome& outcome, const std::filesystem::path& folder);
+
+/// @param folder  where the results and their report are
+RunSummary summarise(const UpdateOutcome& outcome, const std::filesystem::path& folder);
+
+}  // namespace mottle

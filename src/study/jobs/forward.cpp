@@ -1,0 +1,122 @@
+#include "mottle/study/jobs/forward.hpp"
+
+#include <algorithm>
+
+#include "mottle/core/error.hpp"
+#include "mottle/core/text.hpp"
+#include "mottle/formats/tables/csv.hpp"
+#include "mottle/model/journal.hpp"
+#include "mottle/study/input/text_file.hpp"
+#include "study/input/noise_rules.hpp"
+#include "study/jobs/job_files.hpp"
+#include "study/results/solver_use.hpp"
+
+namespace mottle {
+namespace {
+
+Eigen::MatrixXd read_points(const std::filesystem::path& file, const ParameterSpace& space) {
+  const CsvTable table = parse_csv(read_text_file(file), file.string());
+  const std::vector<std::string> names = space.names();
+  for (const std::string& column : table.header) {
+    if (std::find(names.begin(), names.end(), column) == names.end()) {
+      throw FormatError(table.file, 1, unknown_name_message("parameter", column, names));
+    }
+  }
+  if (table.rows.empty()) throw FormatError(table.file, 0, "holds no point: there is no row under the header");
+  Eigen::MatrixXd points(static_cast<Eigen::Index>(table.rows.size()), space.count());
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const int column = table.find(names[i]);
+    if (column < 0) throw FormatError(table.file, 1, fmt::format("parameter '{}' has no column", names[i]));
+    points.col(static_cast<Eigen::Index>(i)) = numbers_of_column(table, column);
+  }
+  for (Eigen::Index row = 0; row < points.rows(); ++row) {
+    const int line = table.lines[static_cast<std::size_t>(row)];
+    if (!points.row(row).allFinite()) throw FormatError(table.file, line, "a parameter has no value");
+    if (!space.is_possible(points.row(row))) {
+      throw FormatError(table.file, line,
+                        "a stiffness or mass is <= 0 or a damping < 0, which is physically impossible");
+    }
+  }
+  return points;
+}
+
+/// Measurement noise of the truth added to the outputs, one stream a specimen. A relative noise is a part of the
+/// output at the parameters' means.
+void add_noise(Eigen::MatrixXd& outputs, const Study& study, const StudyModel& made, const RunContext& context) {
+  if (study.truth->noise.empty()) return;
+  std::vector<std::string> names;
+  for (const Output& output : made.model->outputs()) names.push_back(output.name);
+  const Eigen::MatrixXd nominal = made.model->evaluate(made.space->prior().mean().transpose(), context).outputs;
+  Eigen::VectorXd deviation;
+  try {
+    deviation = noise_deviations(study.truth->noise, names, nominal.row(0).transpose(), "truth.noise").std;
+  } catch (const InvalidInput& error) {
+    throw InvalidInput(located(study, error.what()));
+  }
+  if (deviation.isZero(0.0)) return;
+  const JointDistribution noise =
+      JointDistribution::multivariate_normal(Eigen::VectorXd::Zero(outputs.cols()), deviation.cwiseAbs2().asDiagonal());
+  outputs += noise.from_uniform(uniform_design(SamplingDesign::monte_carlo, outputs.rows(), outputs.cols(),
+                                               {.seed = study.seed, .purpose = StreamPurpose::test_noise}));
+}
+
+/// Those of an earlier job, but not the points themselves.
+std::vector<std::string> earlier_results(const RunSettings& settings,
+                                         const std::optional<std::filesystem::path>& points) {
+  std::vector<std::string> names = result_names();
+  std::error_code ignored;  // a file that is not there is not the points
+  std::erase_if(names, [&](const std::string& name) {
+    return points && std::filesystem::equivalent(settings.folder / name, *points, ignored);
+  });
+  return names;
+}
+
+}  // namespace
+
+PropagateOutcome propagate(const Study& study, const std::optional<std::filesystem::path>& points,
+                           const RunSettings& settings) {
+  const double start = steady_seconds();
+  PropagateOutcome outcome{.study = study, .made = make_model(study, study.parameters, settings)};
+  const StudyModel& made = outcome.made;
+  const Eigen::MatrixXd given = points ? read_points(*points, *made.space) : Eigen::MatrixXd();
+  const Eigen::Index specimens = study.test ? read_tests(study, *made.model).data.values.rows() : 10;
+  const JobFiles files(settings, k_log, k_journal);
+  const RunContext context = files.context(study, settings);
+  const JournalledModel model(*made.model, files.journal(), study_fingerprint(study, made, points), settings.resume);
+  const CloudSettings rules = cloud_settings(study, specimens, static_cast<Eigen::Index>(made.model->outputs().size()));
+  const StreamKey key{.seed = study.seed, .purpose = StreamPurpose::parameter_cloud};
+  outcome.cloud = files.compute(study, earlier_results(settings, points), [&] {
+    return points ? evaluate_points(model, given, rules.most_failed, context)
+                  : evaluate_cloud(model, *made.space, made.space->prior(), rules, key, context);
+  });
+  if (!outcome.cloud.failures.empty()) {
+    context.warning(
+        fmt::format("{} of {} model runs failed and were left out; if failures are not a matter of chance, "
+                    "the cloud is biased",
+                    outcome.cloud.failures.size(), outcome.cloud.samples.rows()));
+  }
+  outcome.solver_use = model.use();
+  log_solver_use(outcome.solver_use, context);
+  outcome.seconds = steady_seconds() - start;
+  return outcome;
+}
+
+SimulateOutcome simulate(const Study& study, const RunSettings& settings) {
+  require(study.truth.has_value(),
+          "{}: truth: is missing; give [truth] specimens = 10 and, where they differ from "
+          "[[parameter]], [[truth.parameter]]",
+          study.file.string());
+  const StudyParameters& parameters = study.truth->parameters.list.empty() ? study.parameters : study.truth->parameters;
+  SimulateOutcome outcome{.study = study, .made = make_model(study, parameters, settings)};
+  const RunContext context{
+      .seed = study.seed, .threads = settings.threads, .observer = settings.observer, .stop = settings.stop};
+  const CloudSettings rules{.samples = study.truth->specimens, .most_failed = 0.0};
+  const StreamKey key{.seed = study.seed, .purpose = StreamPurpose::truth};
+  const ParameterSpace& space = *outcome.made.space;
+  outcome.cloud = evaluate_cloud(*outcome.made.model, space, space.prior(), rules, key, context);
+  outcome.exact = outcome.cloud.outputs;
+  add_noise(outcome.cloud.outputs, study, outcome.made, context);
+  return outcome;
+}
+
+}  // namespace mottle

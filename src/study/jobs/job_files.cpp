@@ -1,0 +1,26 @@
+#include "study/jobs/job_files.hpp"
+
+namespace mottle {
+
+JobFiles::JobFiles(const RunSettings& settings, const char* log, const char* journal)
+    : log_name_(log), journal_(journal) {
+  if (settings.folder.empty()) return;
+  folder_.emplace(settings.folder);
+  log_ = std::make_unique<LogObserver>(folder_->file(log_name_), settings.observer, settings.resume);
+}
+
+RunContext JobFiles::context(const Study& study, const RunSettings& settings) const {
+  return {.seed = study.seed,
+          .threads = settings.threads,
+          .observer = log_ ? log_.get() : settings.observer,
+          .stop = settings.stop};
+}
+
+void JobFiles::discard(const std::vector<std::string>& aside) const {
+  if (!folder_) return;
+  folder_->restore(aside);
+  folder_->remove(journal_);
+  folder_->remove(log_name_);
+}
+
+}  // namespace mottle

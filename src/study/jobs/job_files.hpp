@@ -1,0 +1,51 @@
+// What a job keeps in its folder while it computes: its log, and the journal that lets a killed job go on.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "mottle/core/error.hpp"
+#include "mottle/study/jobs/run.hpp"
+#include "mottle/study/results/run_folder.hpp"
+
+namespace mottle {
+
+/// The files of a running job; none where the settings name no folder.
+class JobFiles {
+ public:
+  /// @param log, journal  names of the files
+  /// Throws InvalidInput where nothing can be written into the folder.
+  JobFiles(const RunSettings& settings, const char* log, const char* journal);
+
+  /// Empty where there is no folder.
+  std::filesystem::path journal() const { return folder_ ? folder_->file(journal_) : std::filesystem::path(); }
+
+  /// Seed, threads and stop of the job, with the log as its observer.
+  RunContext context(const Study& study, const RunSettings& settings) const;
+
+  /// What `work` returns. Results of an earlier job, files `names`, are set aside before. Where `work` finds the input
+  /// wrong, the message gets its place in the study, log and journal go again, and earlier results stay where they
+  /// were.
+  template <typename Work>
+  auto compute(const Study& study, const std::vector<std::string>& names, const Work& work) const {
+    const std::vector<std::string> aside = folder_ ? folder_->set_aside(names) : std::vector<std::string>();
+    try {
+      return work();
+    } catch (const InvalidInput& error) {
+      discard(aside);
+      throw InvalidInput(located(study, error.what()));
+    }
+  }
+
+ private:
+  void discard(const std::vector<std::string>& aside) const;
+
+  std::optional<RunFolder> folder_;
+  std::string log_name_, journal_;
+  std::unique_ptr<LogObserver> log_;
+};
+
+}  // namespace mottle

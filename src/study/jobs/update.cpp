@@ -1,0 +1,100 @@
+#include "mottle/study/jobs/update.hpp"
+
+#include "mottle/core/error.hpp"
+#include "mottle/model/journal.hpp"
+#include "mottle/study/results/run_folder.hpp"
+#include "study/jobs/job_files.hpp"
+#include "study/results/solver_use.hpp"
+#include "study/results/update_text.hpp"
+#include "study/tests/rank_numbering.hpp"
+
+namespace mottle {
+namespace {
+
+void note_what_happened(const UpdatingResult& result, std::int64_t reused, const RunContext& context) {
+  std::size_t failed = 0;
+  for (const IterationRecord& state : result.history) failed += state.failures.size();
+  std::size_t noted = 0;
+  for (const SampleNote& note : result.history.back().notes) noted += note.text.empty() ? 0 : 1;
+  if (noted > 0) {
+    context.note(fmt::format(
+        "in {} samples of the last cloud modes crossed or mixed; the status column of cloud-final.csv says which",
+        noted));
+  }
+  if (failed > 0) {
+    context.warning(
+        fmt::format("{} of {} model runs failed and were left out; if failures are not a matter of chance, "
+                    "the clouds are biased",
+                    failed, result.model_evaluations));
+  }
+  if (reused > 0) context.note(fmt::format("{} model runs of the interrupted run were used again", reused));
+  context.note(fmt::format("{}: {}", status_text(result.status), result.message));
+}
+
+void note_what_is_given(const Study& study, const UpdatePlan& plan, const RunContext& context) {
+  for (const std::string& note : plan.made.notes) context.note(note);
+  for (const std::string& note : plan.tests.notes) context.note(note);
+  if (!plan.covariance_groups.empty() && !find_method(study.update.method).estimates_population) {
+    context.warning(fmt::format("update.covariance is not used: method '{}' does not estimate the scatter of specimens",
+                                study.update.method));
+  }
+}
+
+std::optional<std::string> doubt_of_numbering(const UpdatePlan& plan, const UpdatingResult& result) {
+  const ModalOutputs& outputs = plan.made.model->selection();
+  std::optional<std::string> doubt;
+  if (plan.tests.is_by_rank) doubt = rank_warning(outputs, plan.tests.data.values, result.history);
+  if (!doubt && !result.history.empty()) doubt = bend_warning(outputs, result.history.back());
+  return doubt;
+}
+
+/// Verdict, what could hide behind it, and the prediction.
+void assess(UpdateOutcome& outcome, const RunContext& context) {
+  const UpdatingProblem& problem = outcome.problem();
+  UpdatingResult& result = outcome.result;
+  outcome.could_hide =
+      find_could_hide(outcome.study, outcome.plan.made, problem, result, judge(problem, result).conclusion, context);
+  const CouldHide& hidden = outcome.could_hide;
+  result.not_tested.insert(result.not_tested.end(), hidden.sentences.begin(), hidden.sentences.end());
+  result.notes.insert(result.notes.end(), hidden.notes.begin(), hidden.notes.end());
+  outcome.verdict = judge(problem, result);
+  outcome.numbering = doubt_of_numbering(outcome.plan, result);
+  if (outcome.numbering) context.warning(*outcome.numbering);
+  if (outcome.plan.prediction) {
+    outcome.prediction = run_prediction(outcome.study, *outcome.plan.prediction, problem, result, context);
+  }
+}
+
+}  // namespace
+
+UpdateOutcome update(const Study& study, const RunSettings& settings) {
+  const double start = steady_seconds();
+  UpdateOutcome outcome{.study = study, .plan = plan_update(study, settings)};
+  const JobFiles files(settings, k_log, k_journal);
+  const RunContext context = files.context(study, settings);
+  auto model = std::make_unique<JournalledModel>(*outcome.plan.made.model, files.journal(),
+                                                 study_fingerprint(study, outcome.plan.made), settings.resume);
+  const JournalledModel& journalled = *model;
+  outcome.model = std::move(model);
+  outcome.given = std::make_unique<UpdatingProblem>(problem_of(study, outcome.plan, *outcome.model));
+  if (study.surrogate) outcome.surrogate = std::make_unique<SurrogateUpdate>(*outcome.given, *study.surrogate);
+  note_what_is_given(study, outcome.plan, context);
+  const double ready = steady_seconds();
+  outcome.result = files.compute(study, result_names(), [&] {
+    return outcome.surrogate ? outcome.surrogate->run(*outcome.plan.method, context)
+                             : outcome.plan.method->update(*outcome.given, context);
+  });
+  if (outcome.result.status == UpdatingStatus::stopped) throw Stopped(outcome.result.message);
+  const double updated = steady_seconds();
+  note_what_happened(outcome.result, journalled.reused(), context);
+  assess(outcome, context);
+  outcome.solver_use = journalled.use();
+  log_solver_use(outcome.solver_use, context);
+  for (const std::string& line : verdict_lines(outcome)) context.note(line);
+  outcome.reading_seconds = ready - start;
+  outcome.updating_seconds = updated - ready;
+  outcome.assessing_seconds = steady_seconds() - updated;
+  return outcome;
+}
+
+}  // namespace mottle

@@ -1,0 +1,118 @@
+// The files and words of propagate and simulate.
+#include "mottle/formats/tables/csv.hpp"
+#include "mottle/stats/moments/descriptive.hpp"
+#include "mottle/study/jobs/forward.hpp"
+#include "mottle/study/results/run_folder.hpp"
+#include "study/results/result_json.hpp"
+#include "study/results/run_files.hpp"
+#include "study/results/solver_use.hpp"
+
+namespace mottle {
+namespace {
+
+/// Names and units of the outputs, with their moments where there are two samples or more.
+Json propagated_outputs(const PropagateOutcome& outcome) {
+  const Cloud::Valid valid = outcome.cloud.valid();
+  Json json = outputs_json(outcome.made.model->outputs());
+  if (valid.outputs.rows() < 2) return json;
+  json["initial_mean"] = to_json(sample_mean(valid.outputs));
+  json["initial_covariance"] = to_json_rows(sample_covariance(valid.outputs));
+  return json;
+}
+
+Json outcome_json(const PropagateOutcome& outcome) {
+  const Cloud& cloud = outcome.cloud;
+  const Cloud::Valid valid = cloud.valid();
+  Json json = result_head(outcome.study, "propagate");
+  json["status"] = "converged";
+  json["message"] = fmt::format("{} samples evaluated", cloud.samples.rows());
+  json["parameters"] = parameters_json(*outcome.made.space);
+  json["outputs"] = propagated_outputs(outcome);
+  if (valid.outputs.rows() >= 2) {
+    const Eigen::VectorXd mean = sample_mean(valid.outputs);
+    const Eigen::MatrixXd covariance = sample_covariance(valid.outputs);
+    json["iterations"] = Json::array({{{"index", 0},
+                                       {"output_mean", to_json(mean)},
+                                       {"output_std", to_json(covariance.diagonal().cwiseSqrt())},
+                                       {"output_covariance", to_json_rows(covariance)},
+                                       {"ellipses", ellipses_json(mean, covariance)}}});
+  }
+  add_cloud_analysis(json, cloud, cloud);
+  json["model_evaluations"] = cloud.samples.rows();
+  json["rejected_draws"] = rejected_draws_json(cloud.rejected);
+  json["failed_evaluations"] = failures_json(cloud.failures, 0);
+  json["tracking"] = tracking_json(cloud.notes, 0);
+  return json;
+}
+
+std::vector<std::string> cloud_lines(const Cloud& cloud, const std::vector<Output>& outputs) {
+  const Cloud::Valid valid = cloud.valid();
+  std::vector<std::string> lines;
+  lines.push_back(fmt::format("{} samples, {} failed, {} impossible draws replaced", cloud.samples.rows(),
+                              cloud.failures.size(), cloud.rejected));
+  if (valid.outputs.rows() < 2) return lines;
+  const Eigen::VectorXd mean = sample_mean(valid.outputs);
+  const Eigen::VectorXd deviation = sample_standard_deviation(valid.outputs);
+  lines.push_back(fmt::format("{:<14} {:>13} {:>13}  unit", "output", "mean", "std"));
+  for (Eigen::Index k = 0; k < mean.size(); ++k) {
+    const Output& output = outputs[static_cast<std::size_t>(k)];
+    lines.push_back(fmt::format("{:<14} {:>13.6g} {:>13.6g}  {}", output.name, mean(k), deviation(k), output.unit));
+  }
+  return lines;
+}
+
+}  // namespace
+
+void write_results(const PropagateOutcome& outcome, const std::filesystem::path& path) {
+  const double start = steady_seconds();
+  const RunFolder folder(path);
+  folder.set_aside(result_names());  // where the job ran without a folder
+  const std::vector<Output>& outputs = outcome.made.model->outputs();
+  folder.write("study.toml", study_text_for(outcome.study, folder.path()));
+  folder.write("cloud.csv", cloud_csv(outcome.cloud, *outcome.made.space, outputs));
+  folder.write("clouds.csv", clouds_csv({outcome.cloud}, *outcome.made.space, outputs));
+  Json json = outcome_json(outcome);
+  json["timings_s"] = {{"total", outcome.seconds + steady_seconds() - start}};
+  add_solver_use(outcome.solver_use, json);
+  folder.write("result.json", pretty(json));
+}
+
+RunSummary summarise(const PropagateOutcome& outcome, const std::filesystem::path& folder) {
+  const std::vector<Output>& outputs = outcome.made.model->outputs();
+  const Json json = {{"command", "propagate"},
+                     {"samples", outcome.cloud.samples.rows()},
+                     {"failed", outcome.cloud.failures.size()},
+                     {"rejected_draws", outcome.cloud.rejected},
+                     {"outputs", propagated_outputs(outcome)},
+                     {"folder", folder.string()},
+                     {"cloud", (folder / "cloud.csv").string()},
+                     {"report", (folder / "report.html").string()}};
+  return {.status = "done", .lines = cloud_lines(outcome.cloud, outputs), .json = one_line(json)};
+}
+
+void write_results(const SimulateOutcome& outcome, const std::filesystem::path& path) {
+  const RunFolder folder(path);
+  const std::vector<Output>& outputs = outcome.made.model->outputs();
+  std::vector<std::string> names;
+  for (const Output& output : outputs) names.push_back(output.name);
+  Eigen::MatrixXd truth(outcome.exact.rows(), outcome.cloud.samples.cols() + outcome.exact.cols());
+  truth << outcome.cloud.samples, outcome.exact;
+  folder.write("study.toml", study_text_for(outcome.study, folder.path()));
+  folder.write("specimens-truth.csv", format_csv(column_names(*outcome.made.space, outputs), truth));
+  folder.write("specimens.csv", format_csv(names, outcome.cloud.outputs));
+}
+
+RunSummary summarise(const SimulateOutcome& outcome, const std::filesystem::path& folder) {
+  const std::string file = (folder / "specimens.csv").string();
+  const Json json = {{"command", "simulate"},
+                     {"specimens", outcome.cloud.samples.rows()},
+                     {"rejected_draws", outcome.cloud.rejected},
+                     {"folder", folder.string()},
+                     {"file", file}};
+  RunSummary summary{.status = "done", .json = one_line(json)};
+  summary.lines = cloud_lines(outcome.cloud, outcome.made.model->outputs());
+  summary.lines.push_back("specimens: " + file);
+  return summary;
+}
+
+}  // namespace mottle

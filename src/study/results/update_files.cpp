@@ -1,0 +1,103 @@
+// The files of an update.
+#include <limits>
+
+#include "mottle/dynamics/modes/mode_set.hpp"
+#include "mottle/formats/tables/csv.hpp"
+#include "mottle/model/structures/finite_element_structure.hpp"
+#include "mottle/study/jobs/update.hpp"
+#include "mottle/study/results/run_folder.hpp"
+#include "study/results/could_hide_json.hpp"
+#include "study/results/modes_json.hpp"
+#include "study/results/prediction_files.hpp"
+#include "study/results/result_json.hpp"
+#include "study/results/run_files.hpp"
+#include "study/results/solver_use.hpp"
+#include "study/results/surrogate_section.hpp"
+
+namespace mottle {
+namespace {
+
+std::string history_csv(const UpdatingProblem& problem, const UpdatingResult& result) {
+  std::vector<std::string> header{"iteration", "distance_euclidean", "distance_mahalanobis"};
+  for (const std::string& name : problem.space.names()) header.push_back(name + "_mean");
+  for (const std::string& name : problem.space.names()) header.push_back(name + "_std");
+  for (const Output& output : problem.model.outputs()) header.push_back(output.name + "_mean");
+  for (const Output& output : problem.model.outputs()) header.push_back(output.name + "_std");
+  Eigen::MatrixXd rows(static_cast<Eigen::Index>(result.history.size()), static_cast<Eigen::Index>(header.size()));
+  for (Eigen::Index i = 0; i < rows.rows(); ++i) {
+    const IterationRecord& state = result.history[static_cast<std::size_t>(i)];
+    rows.row(i) << static_cast<double>(i), state.distance_euclidean, state.distance_mahalanobis,
+        state.parameter_mean.transpose(), state.parameter_covariance.diagonal().cwiseSqrt().transpose(),
+        state.output_mean.transpose(), state.output_covariance.diagonal().cwiseSqrt().transpose();
+  }
+  return format_csv(header, rows);
+}
+
+/// The modes of the updated model for the report's drawing, numbered and followed as the outputs are.
+void write_shapes(const RunFolder& folder, const ModalModel& model, const Eigen::VectorXd& mean) {
+  const auto* structure = dynamic_cast<const FiniteElementStructure*>(&model.structure());
+  if (structure == nullptr) return;
+  const ModalModel::FollowedModes followed = model.follow(mean);
+  const double scale = followed.modes.eigenvalues.cwiseAbs().maxCoeff();
+  std::vector<ShownMode> shown;
+  for (int k = 0; k < model.highest_mode(); ++k) {
+    if (!model.is_output(k)) continue;
+    const auto place = static_cast<std::size_t>(k);
+    const int rank = followed.rank[place] + 1;
+    std::string note = fmt::format("MAC {:.3f} with the model as read", followed.mac[place]);
+    if (rank != k + 1) note += fmt::format(", number {} by frequency now", rank);
+    shown.push_back({k + 1, natural_frequency_hz(followed.modes.eigenvalues(k), scale),
+                     std::numeric_limits<double>::quiet_NaN(), std::move(note), followed.modes.shapes.col(k)});
+  }
+  const Json json = {{"modes", drawing_json(*structure, shown, model.selection().frequency_unit)}};
+  folder.write("modes.json", one_line(json));
+}
+
+Json outcome_json(const UpdateOutcome& outcome) {
+  const UpdatePlan& plan = outcome.plan;
+  Json json = update_result_json(outcome.study, plan.tests, outcome.problem(), *plan.method, outcome.result);
+  json["verdict"]["could_hide"] = could_hide_json(outcome.could_hide, plan.made.space->names());
+  if (outcome.numbering) json["notes"].push_back(*outcome.numbering + '.');
+  json["surrogate"] = outcome.surrogate ? surrogate_json(*outcome.study.surrogate, *outcome.surrogate) : Json(nullptr);
+  if (outcome.prediction) {
+    json["prediction"] =
+        prediction_json(*outcome.prediction, plan.prediction->made.model->outputs(), outcome.study.predict->overrides);
+    for (const std::string& note : outcome.prediction->notes) json["notes"].push_back(note);
+  }
+  return json;
+}
+
+}  // namespace
+
+void write_results(const UpdateOutcome& outcome, const std::filesystem::path& path) {
+  const double start = steady_seconds();
+  const RunFolder folder(path);
+  folder.set_aside(result_names());  // where the job ran without a folder
+  const StudyModel& made = outcome.plan.made;
+  const StudyTests& tests = outcome.plan.tests;
+  const std::vector<Output>& outputs = made.model->outputs();
+  const std::vector<IterationRecord>& history = outcome.result.history;
+  std::vector<Cloud> clouds;
+  for (const IterationRecord& state : history) clouds.push_back(state.cloud);
+  folder.write("study.toml", study_text_for(outcome.study, folder.path()));
+  folder.write("history.csv", history_csv(outcome.problem(), outcome.result));
+  folder.write("cloud-initial.csv", cloud_csv(history.front().cloud, *made.space, outputs));
+  folder.write("cloud-final.csv", cloud_csv(history.back().cloud, *made.space, outputs));
+  folder.write("clouds.csv", clouds_csv(clouds, *made.space, outputs));
+  folder.write("tests.csv", tests_csv(tests, outputs));
+  if (!tests.pairing.empty()) folder.write("pairing.csv", tests.pairing);
+  if (outcome.prediction) {
+    folder.write("prediction.csv", prediction_csv(*outcome.prediction, outcome.plan.prediction->made.model->outputs()));
+  }
+  write_shapes(folder, *made.model, outcome.result.mean);
+  Json json = outcome_json(outcome);
+  const double writing = outcome.assessing_seconds + steady_seconds() - start;
+  json["timings_s"] = {{"reading", outcome.reading_seconds},
+                       {"updating", outcome.updating_seconds},
+                       {"writing", writing},
+                       {"total", outcome.reading_seconds + outcome.updating_seconds + writing}};
+  add_solver_use(outcome.solver_use, json);
+  folder.write("result.json", pretty(json));
+}
+
+}  // namespace mottle

@@ -1,0 +1,81 @@
+#include "study/results/update_text.hpp"
+
+#include <cmath>
+
+#include "study/results/result_json.hpp"
+
+namespace mottle {
+namespace {
+
+std::string interval_text(const Eigen::Ref<const Eigen::RowVectorXd>& ends) {
+  return ends.allFinite() ? fmt::format("[{:.5g}, {:.5g}]", ends(0), ends(1)) : "not determined";
+}
+
+std::vector<std::string> table_lines(const UpdatingProblem& problem, const UpdatingResult& result) {
+  std::vector<std::string> lines;
+  lines.push_back(fmt::format("{}: {}", status_text(result.status), result.message));
+  const std::string ends = result.intervals ? fmt::format("  {:>23} {:>23}", "mean, 95 %", "std, 95 %") : "";
+  // What a method that does not estimate the scatter prints here must not be taken for it.
+  lines.push_back(fmt::format("{:<14} {:>13} {:>13} {:>13} {:>13}{}", "parameter", "prior mean", "prior std", "mean",
+                              result.is_population ? "std" : "std (mean's)", ends));
+  const Eigen::VectorXd prior_mean = problem.space.prior().mean();
+  const Eigen::VectorXd prior_std = problem.space.prior().covariance().diagonal().cwiseSqrt();
+  const Eigen::VectorXi active = problem.space.active_bounds(result.mean);
+  for (Eigen::Index i = 0; i < result.mean.size(); ++i) {
+    const std::string intervals = result.intervals
+                                      ? fmt::format("  {:>23} {:>23}", interval_text(result.intervals->mean.row(i)),
+                                                    interval_text(result.intervals->std.row(i)))
+                                      : "";
+    lines.push_back(
+        fmt::format("{:<14} {:>13.6g} {:>13.6g} {:>13.6g} {:>13.6g}{}{}",
+                    problem.space.parameters()[static_cast<std::size_t>(i)].name, prior_mean(i), prior_std(i),
+                    result.mean(i), std::sqrt(result.covariance(i, i)), intervals,
+                    active(i) == 0 ? "" : (active(i) < 0 ? "  at its lower bound" : "  at its upper bound")));
+  }
+  return lines;
+}
+
+}  // namespace
+
+std::vector<std::string> verdict_lines(const UpdateOutcome& outcome) {
+  const Verdict& verdict = outcome.verdict;
+  const CouldHide& hidden = outcome.could_hide;
+  std::vector<std::string> lines{fmt::format("verdict: {}", conclusion_text(verdict.conclusion))};
+  for (const std::string& reason : verdict.reasons) lines.push_back("  " + reason);
+  if (!verdict.not_tested.empty()) lines.emplace_back("not tested:");
+  for (const std::string& sentence : verdict.not_tested) lines.push_back("  " + sentence);
+  if (verdict.conclusion == Conclusion::adequate && !hidden.summary.empty()) lines.push_back("  " + hidden.summary);
+  return lines;
+}
+
+RunSummary summarise(const UpdateOutcome& outcome, const std::filesystem::path& folder) {
+  const UpdatingProblem& problem = outcome.problem();
+  const UpdatingResult& result = outcome.result;
+  RunSummary summary{.status = status_text(result.status), .message = result.message};
+  summary.lines = table_lines(problem, result);
+  for (std::string& line : verdict_lines(outcome)) summary.lines.push_back(std::move(line));
+  const std::optional<Identifiability> seen = identify(problem, result);
+  if (seen && !seen->unseen_directions.empty()) {
+    summary.lines.emplace_back("what the tests do not tell:");
+    for (const Eigen::VectorXd& direction : seen->unseen_directions) {
+      summary.lines.push_back("  " + unseen_text(direction, problem.space.names()));
+    }
+  }
+  if (outcome.prediction) {
+    for (const std::string& note : outcome.prediction->notes) summary.lines.push_back(note);
+  }
+  const Json json = {{"command", "update"},
+                     {"status", summary.status},
+                     {"message", summary.message},
+                     {"conclusion", conclusion_text(outcome.verdict.conclusion)},
+                     {"adequate", adequate_json(outcome.verdict.conclusion)},
+                     {"parameters", updated_parameters_json(problem, result)},
+                     {"model_evaluations", result.model_evaluations},
+                     {"folder", folder.string()},
+                     {"result", (folder / "result.json").string()},
+                     {"report", (folder / "report.html").string()}};
+  summary.json = one_line(json);
+  return summary;
+}
+
+}  // namespace mottle
