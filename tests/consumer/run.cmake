@@ -1,11 +1,23 @@
-# cmake -D BUILD=<build dir of mottle> -D WORK=<empty place> -D FLAGS=<compiler flags> -P run.cmake
-# Installs into WORK/prefix, then configures, builds and runs the consumer against that prefix alone.
+# cmake -D BUILD=<build dir of mottle> -D SOURCE=<mottle> -D WORK=<empty place> -D FLAGS=<compiler flags> -P run.cmake
+# Installs into WORK/prefix, then configures, builds and runs the example of the library against that prefix alone.
 file(REMOVE_RECURSE ${WORK})
-function(run)
-  execute_process(COMMAND ${ARGN} COMMAND_ERROR_IS_FATAL ANY)
+function(run result)
+  execute_process(COMMAND ${ARGN} COMMAND_ERROR_IS_FATAL ANY OUTPUT_VARIABLE output)
+  message("${output}")
+  set(${result} "${output}" PARENT_SCOPE)
 endfunction()
-run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK}/prefix)
-run(${CMAKE_COMMAND} -S ${CMAKE_CURRENT_LIST_DIR} -B ${WORK}/build -G Ninja -DCMAKE_PREFIX_PATH=${WORK}/prefix
-    -DCMAKE_BUILD_TYPE=Release "-DCMAKE_CXX_FLAGS=${FLAGS}")
-run(${CMAKE_COMMAND} --build ${WORK}/build)
-run(${WORK}/build/consumer)
+function(expect text pattern)
+  if(NOT text MATCHES "${pattern}")
+    message(FATAL_ERROR "'${pattern}' is not in:\n${text}")
+  endif()
+endfunction()
+run(ignored ${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK}/prefix)
+run(ignored ${CMAKE_COMMAND} -S ${SOURCE}/examples/06-cpp-library -B ${WORK}/build -G Ninja
+    -DCMAKE_PREFIX_PATH=${WORK}/prefix -DCMAKE_BUILD_TYPE=Release "-DCMAKE_CXX_FLAGS=${FLAGS}")
+run(ignored ${CMAKE_COMMAND} --build ${WORK}/build)
+run(own ${WORK}/build/own_model)
+expect("${own}" "k1: mean (9[5-9]|10[0-5])[0-9.]*, ")
+expect("${own}" "verdict: adequate")
+run(deck ${WORK}/build/deck ${SOURCE}/examples/02-airframe/study.toml)
+expect("${deck}" "wing_E +mean")
+expect("${deck}" "verdict: (adequate|undecided)")
