@@ -66,7 +66,6 @@ std::vector<std::string> cloud_lines(const Cloud& cloud, const std::vector<Outpu
 void write_results(const PropagateOutcome& outcome, const std::filesystem::path& path) {
   const double start = steady_seconds();
   const RunFolder folder(path);
-  folder.set_aside(result_names());  // where the job ran without a folder
   const std::vector<Output>& outputs = outcome.made.model->outputs();
   folder.write("study.toml", study_text_for(outcome.study, folder.path()));
   folder.write("cloud.csv", cloud_csv(outcome.cloud, *outcome.made.space, outputs));

@@ -257,7 +257,7 @@ Json normality_json(const NormalityReport& report, const std::vector<std::string
 }  // namespace
 
 Json update_result_json(const Study& study, const StudyTests& tests, const UpdatingProblem& problem,
-                        const Updater& method, const UpdatingResult& result) {
+                        const Updater& method, const UpdatingResult& result, const Verdict& verdict) {
   const TestMoments moments = test_moments(problem.tests);
   const IterationRecord& first = result.history.front();
   const IterationRecord& last = result.history.back();
@@ -293,7 +293,7 @@ Json update_result_json(const Study& study, const StudyTests& tests, const Updat
   json["test_ellipses"] = ellipses_json(moments.mean, moments.covariance);
   add_cloud_analysis(json, last.cloud, first.cloud);
   json["sample_size"] = sample_size_json(problem, last);
-  json["verdict"] = verdict_json(judge(problem, result));
+  json["verdict"] = verdict_json(verdict);
   const std::optional<Identifiability> seen = identify(problem, result);
   json["identifiability"] = seen ? identifiability_json(*seen, problem.space.names()) : Json(nullptr);
   json["model_evaluations"] = result.model_evaluations;

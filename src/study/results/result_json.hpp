@@ -48,7 +48,7 @@ Json failures_json(const std::vector<FailedRun>& failures, std::size_t iteration
 
 /// The whole of result.json of `update`, timings left to the caller.
 Json update_result_json(const Study& study, const StudyTests& tests, const UpdatingProblem& problem,
-                        const Updater& method, const UpdatingResult& result);
+                        const Updater& method, const UpdatingResult& result, const Verdict& verdict);
 
 /// true, false, or null where undecided.
 Json adequate_json(Conclusion conclusion);

@@ -55,7 +55,8 @@ void write_shapes(const RunFolder& folder, const ModalModel& model, const Eigen:
 
 Json outcome_json(const UpdateOutcome& outcome) {
   const UpdatePlan& plan = outcome.plan;
-  Json json = update_result_json(outcome.study, plan.tests, outcome.problem(), *plan.method, outcome.result);
+  Json json =
+      update_result_json(outcome.study, plan.tests, outcome.problem(), *plan.method, outcome.result, outcome.verdict);
   json["verdict"]["could_hide"] = could_hide_json(outcome.could_hide, plan.made.space->names());
   if (outcome.numbering) json["notes"].push_back(*outcome.numbering + '.');
   json["surrogate"] = outcome.surrogate ? surrogate_json(*outcome.study.surrogate, *outcome.surrogate) : Json(nullptr);
