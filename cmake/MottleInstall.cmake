@@ -27,6 +27,15 @@ install(FILES ${CMAKE_CURRENT_BINARY_DIR}/mottleConfig.cmake ${CMAKE_CURRENT_BIN
   DESTINATION ${mottle_cmake_dir} COMPONENT development)
 
 install(TARGETS mottle_app RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT runtime)
+find_program(MOTTLE_HELP2MAN help2man)  # without it there are no man pages
+if(MOTTLE_HELP2MAN)
+  set(mottle_man ${CMAKE_CURRENT_BINARY_DIR}/man)
+  add_custom_command(OUTPUT ${mottle_man}/mottle.1.gz
+    COMMAND ${PROJECT_SOURCE_DIR}/tools/make_man_pages.sh $<TARGET_FILE:mottle_app> ${mottle_man}
+    DEPENDS mottle_app tools/make_man_pages.sh VERBATIM)
+  add_custom_target(mottle_man_pages ALL DEPENDS ${mottle_man}/mottle.1.gz)
+  install(DIRECTORY ${mottle_man}/ DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT runtime)
+endif()
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/mottle RENAME copyright COMPONENT runtime)
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/libmottle-dev RENAME copyright COMPONENT development)
 install(DIRECTORY examples DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/mottle COMPONENT runtime

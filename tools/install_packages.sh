@@ -12,7 +12,8 @@ build=(g++ make cmake ninja-build ca-certificates nodejs:node npm:npm
        librandom123-dev libre2-dev libsuitesparse-dev libtomlplusplus-dev
        libxxhash-dev nlohmann-json3-dev zlib1g-dev libcli11-dev)
 test=(libgtest-dev libgmock-dev python3:python3 chromium:chromium calculix-ccx:ccx)
-ci=(clang-format:clang-format clang-tidy:clang-tidy gcovr:gcovr dpkg-dev file ccache:ccache)
+ci=(clang-format:clang-format clang-tidy:clang-tidy gcovr:gcovr dpkg-dev file
+    help2man:help2man ccache:ccache)
 fuzz=(clang:clang++)
 bench=(libbenchmark-dev libspectra-dev octave python3:python3 python3-numpy python3-scipy python3-openturns
        python3-petsc4py-real python3-slepc4py-real)

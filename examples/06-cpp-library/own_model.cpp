@@ -14,7 +14,7 @@ int main() {
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> modes(stiffness, Eigen::EigenvaluesOnly);
     return modes.eigenvalues().cwiseSqrt() / (2.0 * std::numbers::pi);
   };
-  const FunctionModel model(2, {frequency_output(1, "Hz"), frequency_output(2, "Hz"), frequency_output(3, "Hz")},
+  const FunctionModel model(2, {natural_frequency(1, "Hz"), natural_frequency(2, "Hz"), natural_frequency(3, "Hz")},
                             frequencies);
   const Distribution prior1({.mean = 1200.0, .std = 200.0}), prior2({.mean = 2200.0, .std = 300.0});
   const ParameterSpace space({{.name = "k1", .unit = "N/m"}, {.name = "k2", .unit = "N/m"}},

@@ -10,6 +10,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <system_error>
+#include <utility>
 
 #include "mottle/core/error.hpp"
 
@@ -28,6 +29,7 @@ class Descriptor {
     if (value_ >= 0) ::close(value_);
   }
   int get() const { return value_; }
+  int release() { return std::exchange(value_, -1); }
 
  private:
   int value_;
@@ -103,6 +105,10 @@ void flush_folder(const std::filesystem::path& folder) {
   throw InvalidInput(fmt::format("{}: cannot be read: {}", path.string(), text));
 }
 
+[[noreturn]] void fail_to_read(const std::filesystem::path& path) {
+  throw SystemFailure(fmt::format("{}: reading failed: {}", path.string(), error_text()));
+}
+
 std::uint64_t size_of_regular_file(int descriptor, const std::filesystem::path& path) {
   struct stat status = {};
   if (::fstat(descriptor, &status) != 0) {
@@ -116,25 +122,55 @@ std::uint64_t size_of_regular_file(int descriptor, const std::filesystem::path& 
 
 }  // namespace
 
-std::string read_file(const std::filesystem::path& path, std::uint64_t most_bytes) {
+BlockReader::BlockReader(std::filesystem::path path, std::uint64_t most_bytes)
+    : path_(std::move(path)), most_bytes_(most_bytes) {
   // Without O_NONBLOCK a named pipe waits for its other end; what was opened is then looked at, not its name.
-  const Descriptor descriptor(::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC));
-  if (descriptor.get() < 0) fail_to_open(path, errno);
-  const std::uint64_t expected = size_of_regular_file(descriptor.get(), path);
-  const auto check_size = [&](std::uint64_t size) {
-    require(size <= most_bytes, "{}: has {} bytes, at most {} are read of such a file", path.string(), size,
-            most_bytes);
-  };
-  check_size(expected);
-  std::string bytes(expected + 1, '\0');  // one more shows whether the file has grown
+  Descriptor opened(::open(path_.c_str(), O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC));
+  if (opened.get() < 0) fail_to_open(path_, errno);
+  size_ = size_of_regular_file(opened.get(), path_);
+  check_size(size_);
+  descriptor_ = opened.release();
+}
+
+BlockReader::BlockReader(BlockReader&& other) noexcept
+    : path_(std::move(other.path_)),
+      most_bytes_(other.most_bytes_),
+      size_(other.size_),
+      read_(other.read_),
+      descriptor_(std::exchange(other.descriptor_, -1)) {}
+
+BlockReader::~BlockReader() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+}
+
+void BlockReader::check_size(std::uint64_t size) const {
+  require(size <= most_bytes_, "{}: has {} bytes, at most {} are read of such a file", path_.string(), size,
+          most_bytes_);
+}
+
+bool BlockReader::ends_with_line() const {
+  char last = '\n';
+  if (size_ > 0 && ::pread(descriptor_, &last, 1, static_cast<off_t>(size_ - 1)) < 0) fail_to_read(path_);
+  return last == '\n';
+}
+
+std::size_t BlockReader::read(std::span<char> block) {
+  ssize_t count = -1;
+  do {
+    count = ::read(descriptor_, block.data(), block.size());
+  } while (count < 0 && errno == EINTR);
+  if (count < 0) fail_to_read(path_);
+  read_ += static_cast<std::uint64_t>(count);
+  check_size(read_);
+  return static_cast<std::size_t>(count);
+}
+
+std::string read_file(const std::filesystem::path& path, std::uint64_t most_bytes) {
+  BlockReader reader(path, most_bytes);
+  std::string bytes(reader.size() + 1, '\0');  // one more shows whether the file has grown
   std::size_t end = 0;
-  while (true) {
-    const ssize_t count = ::read(descriptor.get(), bytes.data() + end, bytes.size() - end);
-    if (count < 0 && errno == EINTR) continue;
-    if (count < 0) throw SystemFailure(fmt::format("{}: reading failed: {}", path.string(), error_text()));
-    if (count == 0) break;
-    end += static_cast<std::size_t>(count);
-    check_size(end);
+  while (const std::size_t count = reader.read(std::span(bytes).subspan(end))) {
+    end += count;
     if (end == bytes.size()) bytes.resize(end + std::max<std::size_t>(end / 2, 65536));
   }
   bytes.resize(end);

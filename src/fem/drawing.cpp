@@ -1,6 +1,7 @@
 #include "mottle/fem/drawing.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <map>
 #include <set>
 #include <span>
@@ -10,71 +11,72 @@ namespace {
 
 using Face = std::vector<int>;  // nodes in order around it
 
-const std::vector<std::vector<int>>& local_faces(SolidShape shape) {
-  static const std::vector<std::vector<int>> k_hexahedron = {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4},
-                                                             {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}};
-  static const std::vector<std::vector<int>> k_wedge = {{0, 2, 1}, {3, 4, 5}, {0, 1, 4, 3}, {1, 2, 5, 4}, {2, 0, 3, 5}};
-  static const std::vector<std::vector<int>> k_tetrahedron = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
-  if (shape == SolidShape::hexahedron8) return k_hexahedron;
-  return shape == SolidShape::wedge6 ? k_wedge : k_tetrahedron;
+/// What is drawn of a model's elements, in nodes of the model.
+struct Shapes {
+  std::vector<Face> faces;
+  std::set<std::pair<int, int>> lines;
+  std::set<int> points;
+};
+
+/// Adds the face of a solid; a face that two solids have in common lies inside.
+void add_face_of_solid(const Face& face, std::map<Face, std::pair<Face, int>>& faces) {
+  Face key = face;
+  std::sort(key.begin(), key.end());
+  auto& entry = faces[key];  // as seen, how often
+  entry.first = face;
+  ++entry.second;
 }
 
-std::vector<Face> surface(const FiniteElementModel& model) {
-  std::map<Face, std::pair<Face, int>> faces;  // sorted nodes -> (as seen, how often)
-  for (const SolidElement& element : model.solids) {
-    for (const std::vector<int>& local : local_faces(element.shape)) {
-      Face face;
-      for (const int k : local) face.push_back(element.nodes[static_cast<std::size_t>(k)]);
-      Face key = face;
-      std::sort(key.begin(), key.end());
-      auto& entry = faces[key];
-      entry.first = face;
-      ++entry.second;
+/// Adds a line between two grid points that lie apart.
+void add_line(const FiniteElementModel& model, int a, int b, std::set<std::pair<int, int>>& lines) {
+  if (a < 0 || b < 0 || a == b) return;
+  const Node& first = model.nodes[static_cast<std::size_t>(a)];
+  const Node& second = model.nodes[static_cast<std::size_t>(b)];
+  if (first.is_scalar || second.is_scalar) return;  // lies nowhere
+  if (first.position != second.position) lines.insert(std::minmax(a, b));
+}
+
+Shapes shapes_of(const FiniteElementModel& model) {
+  Shapes shapes;
+  std::vector<Face> faces_of_shells;
+  std::map<Face, std::pair<Face, int>> faces_of_solids;  // by their nodes in ascending order
+  for_each_list(model.element_lists, [&](const auto& list) {
+    const auto& traits = traits_of(list);
+    for (const auto& element : list) {
+      const Topology& topology = traits.topology(element);
+      const std::span<const int> nodes = traits.nodes(element);
+      const auto node = [&](int k) { return nodes[static_cast<std::size_t>(k)]; };
+      for (const std::vector<int>& local : topology.faces) {
+        Face face(local.size());
+        std::transform(local.begin(), local.end(), face.begin(), node);
+        if (topology.is_solid) {
+          add_face_of_solid(face, faces_of_solids);
+        } else {
+          faces_of_shells.push_back(std::move(face));
+        }
+      }
+      for (const std::array<int, 2>& line : topology.lines) add_line(model, node(line[0]), node(line[1]), shapes.lines);
+      for (const int point : topology.points) shapes.points.insert(node(point));
     }
+  });
+  for (auto& [key, entry] : faces_of_solids) {
+    if (entry.second == 1) shapes.faces.push_back(std::move(entry.first));
   }
-  std::vector<Face> outer;
-  for (auto& [key, entry] : faces) {
-    if (entry.second == 1) outer.push_back(std::move(entry.first));
+  std::move(faces_of_shells.begin(), faces_of_shells.end(), std::back_inserter(shapes.faces));
+  for (const Face& face : shapes.faces) {
+    for (std::size_t k = 0; k < face.size(); ++k) add_line(model, face[k], face[(k + 1) % face.size()], shapes.lines);
   }
-  for (const ShellElement& element : model.shells) {
-    outer.emplace_back(element.nodes.begin(), element.nodes.begin() + element.node_count);
-  }
-  return outer;
-}
-
-/// Ends of everything that is drawn as a line, in nodes of the model.
-std::set<std::pair<int, int>> lines(const FiniteElementModel& model, const std::vector<Face>& faces) {
-  std::set<std::pair<int, int>> result;
-  const auto add = [&](int a, int b) {
-    if (a < 0 || b < 0 || a == b) return;
-    const Node& first = model.nodes[static_cast<std::size_t>(a)];
-    const Node& second = model.nodes[static_cast<std::size_t>(b)];
-    if (first.is_scalar || second.is_scalar) return;  // lies nowhere
-    if (first.position != second.position) result.insert(std::minmax(a, b));
-  };
-  for (const Face& face : faces) {
-    for (std::size_t k = 0; k < face.size(); ++k) add(face[k], face[(k + 1) % face.size()]);
-  }
-  for (const BeamElement& element : model.beams) add(element.nodes[0], element.nodes[1]);
-  for (const RodElement& element : model.rods) add(element.nodes[0], element.nodes[1]);
-  for (const BushElement& element : model.bushes) add(element.nodes[0], element.nodes[1]);
-  for (const ScalarElement& element : model.scalars) {
-    if (element.kind == ScalarElement::Kind::spring) add(element.nodes[0], element.nodes[1]);
-  }
-  return result;
+  return shapes;
 }
 
 }  // namespace
 
 Drawing drawing_of(const FiniteElementModel& model) {
-  const std::vector<Face> faces = surface(model);
-  const std::set<std::pair<int, int>> edges = lines(model, faces);
+  const auto& [faces, lines, points] = shapes_of(model);
   std::set<int> used;
   for (const Face& face : faces) used.insert(face.begin(), face.end());
-  for (const auto& [a, b] : edges) used.insert({a, b});
-  std::set<int> masses;
-  for (const PointMassElement& element : model.point_masses) masses.insert(element.node);
-  used.insert(masses.begin(), masses.end());
+  for (const auto& [a, b] : lines) used.insert({a, b});
+  used.insert(points.begin(), points.end());
 
   Drawing drawing;
   drawing.nodes.assign(used.begin(), used.end());
@@ -95,8 +97,8 @@ Drawing drawing_of(const FiniteElementModel& model) {
       add(face[1], face[2], face[3]);
     }
   }
-  for (const auto& [a, b] : edges) drawing.edges.push_back({number(a), number(b)});
-  for (const int node : masses) drawing.points.push_back(number(node));
+  for (const auto& [a, b] : lines) drawing.edges.push_back({number(a), number(b)});
+  for (const int node : points) drawing.points.push_back(number(node));
   return drawing;
 }
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <cstring>
 #include <span>
@@ -16,60 +17,30 @@ struct Cells {
   std::vector<std::int32_t> nodes, ends, ids;
   std::vector<std::uint8_t> types;
 
-  void add(std::span<const int> of_nodes, std::uint8_t type, int id) {
-    nodes.insert(nodes.end(), of_nodes.begin(), of_nodes.end());
+  void add(std::span<const int> of_nodes, const Topology& topology, int id) {
+    for (const int k : topology.cell_nodes) nodes.push_back(of_nodes[static_cast<std::size_t>(k)]);
     ends.push_back(static_cast<std::int32_t>(nodes.size()));
-    types.push_back(type);
+    types.push_back(static_cast<std::uint8_t>(topology.cell));
     ids.push_back(id);
   }
 };
 
-enum VtkCell : std::uint8_t {
-  k_line = 3,
-  k_triangle = 5,
-  k_quad = 9,
-  k_tetra = 10,
-  k_hexahedron = 12,
-  k_wedge = 13,
-  k_quadratic_tetra = 24,
-};
-
-void add_solid(const SolidElement& element, Cells& cells) {
-  const std::array<int, 10>& n = element.nodes;
-  switch (element.shape) {
-    case SolidShape::hexahedron8:
-      return cells.add(std::span(n).first(8), k_hexahedron, element.id);
-    case SolidShape::wedge6:
-      // VTK's base is seen from outside, Nastran's from inside.
-      return cells.add(std::array{n[0], n[2], n[1], n[3], n[5], n[4]}, k_wedge, element.id);
-    case SolidShape::tetrahedron4:
-      return cells.add(std::span(n).first(4), k_tetra, element.id);
-    case SolidShape::tetrahedron10:
-      return cells.add(n, k_quadratic_tetra, element.id);
-  }
-}
-
-/// Whether an element lies between two grid points; a scalar point lies nowhere.
-bool has_two_places(const FiniteElementModel& model, const ScalarElement& element) {
+/// Whether an element lies between different grid points; ground and scalar points lie nowhere.
+bool has_places(const FiniteElementModel& model, std::span<const int> nodes) {
   const auto is_placed = [&](int node) { return node >= 0 && !model.nodes[static_cast<std::size_t>(node)].is_scalar; };
-  return is_placed(element.nodes[0]) && is_placed(element.nodes[1]) && element.nodes[0] != element.nodes[1];
+  return std::all_of(nodes.begin(), nodes.end(), is_placed) && (nodes.size() != 2 || nodes[0] != nodes[1]);
 }
 
 Cells cells_of(const FiniteElementModel& model) {
   Cells cells;
-  for (const SolidElement& element : model.solids) add_solid(element, cells);
-  for (const ShellElement& element : model.shells) {
-    cells.add(std::span(element.nodes).first(static_cast<std::size_t>(element.node_count)),
-              element.node_count == 3 ? k_triangle : k_quad, element.id);
-  }
-  for (const BeamElement& element : model.beams) cells.add(element.nodes, k_line, element.id);
-  for (const RodElement& element : model.rods) cells.add(element.nodes, k_line, element.id);
-  for (const BushElement& element : model.bushes) {
-    if (element.nodes[1] >= 0) cells.add(element.nodes, k_line, element.id);
-  }
-  for (const ScalarElement& element : model.scalars) {
-    if (has_two_places(model, element)) cells.add(element.nodes, k_line, element.id);
-  }
+  for_each_list(model.element_lists, [&](const auto& list) {
+    const auto& traits = traits_of(list);
+    for (const auto& element : list) {
+      const Topology& topology = traits.topology(element);
+      const std::span<const int> nodes = traits.nodes(element);
+      if (topology.cell != VtkCell::none && has_places(model, nodes)) cells.add(nodes, topology, element.id);
+    }
+  });
   return cells;
 }
 

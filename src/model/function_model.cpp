@@ -13,28 +13,28 @@ namespace mottle {
 namespace {
 
 /// Why these are no outputs; empty where they are.
-std::string fault_of(const Eigen::VectorXd& values, const std::vector<Output>& outputs) {
+std::string fault_of(const Eigen::VectorXd& values, const std::vector<Quantity>& outputs) {
   if (values.size() != static_cast<Eigen::Index>(outputs.size())) {
     return fmt::format("the function gave {} values for {} outputs", values.size(), outputs.size());
   }
   for (std::size_t k = 0; k < outputs.size(); ++k) {
     const double value = values(static_cast<Eigen::Index>(k));
-    if (!std::isfinite(value)) return fmt::format("output '{}' is {}", outputs[k].name, value);
+    if (!std::isfinite(value)) return fmt::format("output '{}' is {}", outputs[k].name(), value);
   }
   return {};
 }
 
 }  // namespace
 
-FunctionModel::FunctionModel(Eigen::Index parameters, std::vector<Output> outputs, Function function)
+FunctionModel::FunctionModel(Eigen::Index parameters, std::vector<Quantity> outputs, Function function)
     : parameters_(parameters), outputs_(std::move(outputs)), function_(std::move(function)) {
   require(parameters_ > 0, "a model needs a parameter; it has {}", parameters_);
   require(!outputs_.empty(), "a model needs an output; it has none");
   require(function_ != nullptr, "a model needs a function; it is empty");
   std::set<std::string> names;
-  for (const Output& output : outputs_) {
-    require(!output.name.empty(), "an output of the model has no name");
-    require(names.insert(output.name).second, "output '{}' is there twice", output.name);
+  for (const Quantity& output : outputs_) {
+    require(!output.name().empty(), "an output of the model has no name");
+    require(names.insert(output.name()).second, "output '{}' is there twice", output.name());
   }
 }
 

@@ -13,19 +13,38 @@ constexpr const char* k_damping = "zeta";
 
 }  // namespace
 
-Output frequency_output(int mode, const std::string& unit) {
-  return {fmt::format("{}{}", k_frequency, mode), unit, OutputKind::frequency, mode};
+std::string Quantity::name() const {
+  switch (kind) {
+    case QuantityKind::frequency:
+      return fmt::format("{}{}", k_frequency, mode);
+    case QuantityKind::displacement:
+    case QuantityKind::rotation:
+      return fmt::format("{}{}:{}", k_shape, mode, place);
+    case QuantityKind::damping_ratio:
+      return fmt::format("{}{}", k_damping, mode);
+    case QuantityKind::other:
+      break;
+  }
+  return place;
 }
 
-Output shape_output(int mode, const std::string& place, OutputKind kind, const std::string& unit) {
-  return {fmt::format("{}{}:{}", k_shape, mode, place), unit, kind, mode};
+Quantity natural_frequency(int mode, const std::string& unit) {
+  return {.kind = QuantityKind::frequency, .mode = mode, .unit = unit};
 }
 
-Output damping_output(int mode) {
-  return {fmt::format("{}{}", k_damping, mode), "-", OutputKind::damping_ratio, mode};
+Quantity shape_component(int mode, const std::string& place, QuantityKind kind, const std::string& unit) {
+  return {.kind = kind, .mode = mode, .place = place, .unit = unit};
 }
 
-bool may_name_output(const std::string& name) {
+Quantity damping_ratio(int mode) {
+  return {.kind = QuantityKind::damping_ratio, .mode = mode};
+}
+
+Quantity named_quantity(const std::string& name, const std::string& unit) {
+  return {.place = name, .unit = unit};
+}
+
+bool may_name_quantity(const std::string& name) {
   for (const std::string stem : {k_damping, k_shape, k_frequency}) {
     if (!name.starts_with(stem)) continue;
     std::size_t end = stem.size();

@@ -139,6 +139,14 @@ class EarlierResultsTest(support.CommandTest):
         self.succeed(*arguments)
         self.assertFalse(self.previous.exists())
 
+    def test_points_that_lie_beside_a_diagnosis_stay(self):
+        points = "k1,k2\n1.0,1.0\n1.1,1.2\n"
+        (self.out / "cloud-final.csv").write_text(points, encoding="utf-8")
+        (self.out / "diagnosis.json").write_text("{}", encoding="utf-8")
+        self.succeed("propagate", "study.toml", "--points", "out/cloud-final.csv", "--out", "out", "--quiet")
+        self.assertEqual((self.out / "cloud-final.csv").read_text(encoding="utf-8"), points)
+        self.assertFalse((self.previous / "cloud-final.csv").exists())
+
 
 if __name__ == "__main__":
     support.main()

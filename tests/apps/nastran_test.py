@@ -137,6 +137,11 @@ class NastranTest(support.CommandTest):
                 self.write("study.toml", edited(STUDY, ('"MAT1:1:E"', f'"{target}"')))
                 self.refuse("study.toml:", *phrases)
 
+    def test_a_prediction_does_not_override_a_target_however_it_is_written(self):
+        predict = '[predict]\nfrequencies = [1]\nmodel = { "MAT1:1:E" = 6.0e10 }\n'
+        self.write("study.toml", edited(STUDY, ('"MAT1:1:E"', '"mat1:1:e"')) + predict)
+        self.refuse("study.toml:", "is what parameter 'E' acts on")
+
     def test_a_number_that_no_element_uses_is_no_target(self):
         self.write("deck.bdf", FREE_DECK.replace("ENDDATA", "MAT1,2,1.+9,,.3\nENDDATA"))
         self.write("study.toml", edited(STUDY, ("MAT1:1:E", "MAT1:2:E")))

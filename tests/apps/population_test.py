@@ -40,6 +40,23 @@ class PopulationTest(support.CommandTest):
                 self.assertEqual(result["status"], "converged", result["message"])
                 self.assertEqual(result["method"], method)
 
+    def test_a_parameter_pressed_to_the_end_of_its_logit_is_an_answer(self):
+        # Tests from far outside of the bounds: the outputs no longer see the parameter, its mean rounds to the end.
+        narrow = ('mean = 2.0, std = 0.3 }\nbounds = [0.5, 3.0]', 'mean = 0.8, std = 0.03 }\nbounds = [0.76, 0.88]\nscale = "logit"')
+        for method in (*METHODS, "maximum-likelihood"):
+            for surrogate in ("", '[surrogate]\nkind = "chaos"\n', '[surrogate]\nkind = "kriging"\n'):
+                with self.subTest(method=method, surrogate=surrogate):
+                    study = edited(STUDY, ('method = "mares"', f'method = "{method}"\niterations = 3'), narrow)
+                    self.write("study.toml", study + surrogate)
+                    ended = self.call("update", "study.toml", "--out", "out", "--quiet")
+                    self.assertIn(ended.code, (0, 3), ended.err)
+                    self.assertNotIn("nan", ended.err)
+                    if ended.code == 0:
+                        found = read_result(self.folder / "out")
+                        self.assertTrue(0.76 < found["parameters"]["mean"][0] < 0.88)
+                        for value in (found["identifiability"] or {"singular_values": []})["singular_values"]:
+                            self.assertTrue(value == 0.0 or value > 1e-300, value)
+
     def test_a_diagonal_covariance(self):
         for method in METHODS:
             with self.subTest(method=method):

@@ -21,8 +21,7 @@ node test/report_test.mjs "$work/$job/report.html" --screenshots "$work/screensh
 # Made-up data in the page that the program has just written: a structure; or every scale, many parameters, hardly any numbers.
 pages=(modes shapes)
 if [[ $job == population ]]; then
-  node test/numbers_test.mjs
-  pages=(population aeroplane sparse)
+  pages=(population posterior old aeroplane sparse)
 fi
 node test/make_fixture.mjs "$work/fixtures-$job" "$work/$job/report.html"
 for page in "${pages[@]}"; do

@@ -21,7 +21,8 @@ FiniteElementModel bricks(int count) {
   }
   for (int i = 0; i < count; ++i) {
     const int n = 4 * i;
-    maker.model.solids.push_back({.id = i + 1, .nodes = {n, n + 1, n + 2, n + 3, n + 4, n + 5, n + 6, n + 7}});
+    maker.model.elements<SolidElement>().push_back(
+        {.id = i + 1, .nodes = {n, n + 1, n + 2, n + 3, n + 4, n + 5, n + 6, n + 7}});
   }
   return maker.model;
 }
@@ -60,16 +61,17 @@ TEST(Drawing, OfWedgeAndTetrahedraLooksOutwards) {
   test::ModelMaker maker;
   const double points[7][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 1}, {0, 1, 1}, {0.2, 0.2, 2}};
   for (int k = 0; k < 7; ++k) maker.node(k + 1, {points[k][0], points[k][1], points[k][2]});
-  maker.model.solids.push_back({.id = 1, .shape = SolidShape::wedge6, .nodes = {0, 1, 2, 3, 4, 5}});
+  maker.model.elements<SolidElement>().push_back({.id = 1, .shape = SolidShape::wedge6, .nodes = {0, 1, 2, 3, 4, 5}});
   EXPECT_NEAR(volume(maker.model, drawing_of(maker.model)), 0.5, 1e-15);
-  maker.model.solids.push_back({.id = 2, .shape = SolidShape::tetrahedron4, .nodes = {3, 4, 5, 6}});
+  maker.model.elements<SolidElement>().push_back({.id = 2, .shape = SolidShape::tetrahedron4, .nodes = {3, 4, 5, 6}});
   EXPECT_NEAR(volume(maker.model, drawing_of(maker.model)), 0.5 + 0.5 / 3.0, 1e-15);
 }
 
 TEST(Drawing, LeavesOutMidEdgeNodes) {
   test::ModelMaker maker;
   for (int k = 0; k < 10; ++k) maker.node(k + 1, {k == 1 ? 1.0 : 0.1 * k, k == 2 ? 1.0 : 0.0, k == 3 ? 1.0 : 0.0});
-  maker.model.solids.push_back({.id = 1, .shape = SolidShape::tetrahedron10, .nodes = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9}});
+  maker.model.elements<SolidElement>().push_back(
+      {.id = 1, .shape = SolidShape::tetrahedron10, .nodes = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9}});
   const Drawing drawing = drawing_of(maker.model);
   EXPECT_THAT(drawing.nodes, ::testing::ElementsAre(0, 1, 2, 3));
   EXPECT_EQ(drawing.edges.size(), 6U);
@@ -81,7 +83,7 @@ TEST(Drawing, SplitsQuadrilateralsAlongTheirShorterDiagonal) {
   maker.node(2, {2, 0, 0});
   maker.node(3, {5, 2, 0});
   maker.node(4, {1, 1, 0});
-  maker.model.shells.push_back({.id = 1, .nodes = {0, 1, 2, 3}});
+  maker.model.elements<ShellElement>().push_back({.id = 1, .nodes = {0, 1, 2, 3}});
   const Drawing drawing = drawing_of(maker.model);
   using Triangle = std::array<std::uint32_t, 3>;
   EXPECT_THAT(drawing.triangles, ::testing::ElementsAre(Triangle{0, 1, 3}, Triangle{1, 2, 3}));

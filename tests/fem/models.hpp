@@ -54,23 +54,25 @@ struct ModelMaker {
     return static_cast<int>(model.beam_properties.size()) - 1;
   }
   void beam(int id, int a, int b, int property, const Eigen::Vector3d& orientation = Eigen::Vector3d::UnitY()) {
-    model.beams.push_back(
+    model.elements<BeamElement>().push_back(
         {.card = "CBAR", .id = id, .nodes = {a, b}, .property = property, .orientation = orientation});
   }
   void rod(int id, int a, int b, int material, FieldIndex area) {
-    model.rods.push_back({.id = id, .nodes = {a, b}, .material = material, .area = area});
+    model.elements<RodElement>().push_back({.id = id, .nodes = {a, b}, .material = material, .area = area});
   }
   /// A spring (or mass) with a number of its own; b = -1: to ground.
   void spring(int id, int a, int component_a, int b, int component_b, double stiffness) {
-    model.scalars.push_back(
+    model.elements<ScalarElement>().push_back(
         {ScalarElement::Kind::spring, id, {a, b}, {component_a, component_b}, field("CELAS2", id, "K", stiffness)});
   }
   void mass(int id, int a, int component, double mass) {
-    model.scalars.push_back({ScalarElement::Kind::mass, id, {a, -1}, {component, 0}, field("CMASS2", id, "M", mass)});
+    model.elements<ScalarElement>().push_back(
+        {ScalarElement::Kind::mass, id, {a, -1}, {component, 0}, field("CMASS2", id, "M", mass)});
   }
   PointMassElement& point_mass(int id, int at, double mass) {
-    model.point_masses.push_back({.card = "CONM2", .id = id, .node = at, .mass = field("CONM2", id, "M", mass)});
-    return model.point_masses.back();
+    model.elements<PointMassElement>().push_back(
+        {.card = "CONM2", .id = id, .node = at, .mass = field("CONM2", id, "M", mass)});
+    return model.elements<PointMassElement>().back();
   }
 };
 

@@ -79,13 +79,14 @@ FiniteElementModel model() {
   const double wedge[6][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 1}, {0, 1, 1}};
   for (std::size_t k = 0; k < 6; ++k) model.nodes[k].position = {wedge[k][0], wedge[k][1], wedge[k][2]};
   model.nodes.push_back({.id = 200, .is_scalar = true});
-  model.solids.push_back({.id = 1, .shape = SolidShape::wedge6, .nodes = {0, 1, 2, 3, 4, 5}});
-  model.solids.push_back({.id = 2, .shape = SolidShape::tetrahedron10, .nodes = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9}});
-  model.shells.push_back({.id = 3, .node_count = 3, .nodes = {1, 2, 4, 0}});
-  model.rods.push_back({.id = 4, .nodes = {8, 9}});
-  model.scalars.push_back({.id = 5, .nodes = {7, 8}});
-  model.scalars.push_back({.id = 6, .nodes = {7, -1}});
-  model.scalars.push_back({.id = 7, .nodes = {7, 10}});
+  model.elements<SolidElement>().push_back({.id = 1, .shape = SolidShape::wedge6, .nodes = {0, 1, 2, 3, 4, 5}});
+  model.elements<SolidElement>().push_back(
+      {.id = 2, .shape = SolidShape::tetrahedron10, .nodes = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9}});
+  model.elements<ShellElement>().push_back({.id = 3, .node_count = 3, .nodes = {1, 2, 4, 0}});
+  model.elements<RodElement>().push_back({.id = 4, .nodes = {8, 9}});
+  model.elements<ScalarElement>().push_back({.id = 5, .nodes = {7, 8}});
+  model.elements<ScalarElement>().push_back({.id = 6, .nodes = {7, -1}});
+  model.elements<ScalarElement>().push_back({.id = 7, .nodes = {7, 10}});
   return model;
 }
 

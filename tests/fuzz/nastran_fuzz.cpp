@@ -79,11 +79,11 @@ class Checker {
 
   void check_elements() const {
     constexpr std::size_t k_corners[] = {8, 6, 4, 10};
-    for (const SolidElement& e : model_.solids) {
+    for (const SolidElement& e : model_.elements<SolidElement>()) {
       for (std::size_t i = 0; i < k_corners[static_cast<int>(e.shape)]; ++i) grid(e.nodes[i]);
       expect(is_index(e.material, model_.materials.size()));
     }
-    for (const ShellElement& e : model_.shells) {
+    for (const ShellElement& e : model_.elements<ShellElement>()) {
       for (int i = 0; i < e.node_count; ++i) grid(e.nodes[static_cast<std::size_t>(i)]);
       expect(is_index(e.property, model_.shell_properties.size()) && std::isfinite(e.offset));
       const FieldIndex own = e.thickness;
@@ -91,12 +91,12 @@ class Checker {
           own != k_no_field ? own : model_.shell_properties[static_cast<std::size_t>(e.property)].thickness;
       expect(used != k_no_field && model_.value(used) > 0.0);
     }
-    for (const RodElement& e : model_.rods) {
+    for (const RodElement& e : model_.elements<RodElement>()) {
       for (const int node : e.nodes) grid(node);
       fields({e.area, e.torsion, e.nonstructural_mass});
       expect(is_index(e.material, model_.materials.size()));
     }
-    for (const BeamElement& e : model_.beams) {
+    for (const BeamElement& e : model_.elements<BeamElement>()) {
       for (const int node : e.nodes) grid(node);
       expect(is_index(e.property, model_.beam_properties.size()));
       expect(e.orientation.allFinite() && e.offsets[0].allFinite() && e.offsets[1].allFinite());
@@ -105,16 +105,16 @@ class Checker {
   }
 
   void check_points_and_links() const {
-    for (const ScalarElement& e : model_.scalars) {
+    for (const ScalarElement& e : model_.elements<ScalarElement>()) {
       expect(is_index(e.nodes[0], model_.nodes.size()) && is_index_or_none(e.nodes[1], model_.nodes.size()));
       for (const int component : e.components) expect(component >= 0 && component < 6);
       fields({e.value});
     }
-    for (const BushElement& e : model_.bushes) {
+    for (const BushElement& e : model_.elements<BushElement>()) {
       grid(e.nodes[0]);
       expect(is_index_or_none(e.nodes[1], model_.nodes.size()) && is_rotation(e.axes) && e.location.allFinite());
     }
-    for (const PointMassElement& e : model_.point_masses) {
+    for (const PointMassElement& e : model_.elements<PointMassElement>()) {
       grid(e.node);
       fields({e.mass});
       expect(is_rotation(e.axes) && e.offset.allFinite() && (e.matrix.empty() || e.matrix.size() == 21));

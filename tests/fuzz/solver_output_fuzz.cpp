@@ -67,10 +67,10 @@ void check_extraction(const mottle::test::FuzzFolder& folder) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string_view bytes(reinterpret_cast<const char*>(data), size);
-  attempt([&] { return mottle::read_f06_eigenvalues(bytes, "fuzz.f06"); }, check_values);
-  attempt([&] { return mottle::read_f06_shapes(bytes, "fuzz.f06"); }, check_shapes);
-  attempt([&] { return mottle::read_punch_eigenvalues(bytes, "fuzz.pch"); }, check_values);
-  attempt([&] { return mottle::read_punch_shapes(bytes, "fuzz.pch"); }, check_shapes);
+  attempt([&] { return mottle::read_f06_eigenvalues(mottle::LineWalker(bytes), "fuzz.f06"); }, check_values);
+  attempt([&] { return mottle::read_f06_shapes(mottle::LineWalker(bytes), "fuzz.f06"); }, check_shapes);
+  attempt([&] { return mottle::read_punch_eigenvalues(mottle::LineWalker(bytes), "fuzz.pch"); }, check_values);
+  attempt([&] { return mottle::read_punch_shapes(mottle::LineWalker(bytes), "fuzz.pch"); }, check_shapes);
   attempt(
       [&] {
         return mottle::Template(bytes, "fuzz.in", {"a", "E1", "k:2"}).fill(Eigen::Vector3d(1e308, -2.5, 3.0));

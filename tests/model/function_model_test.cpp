@@ -16,7 +16,7 @@ namespace {
 using test::message_of;
 using ::testing::HasSubstr;
 
-const std::vector<Output> k_outputs = {{"sum", "-"}, {"product", "-"}};
+const std::vector<Quantity> k_outputs = {named_quantity("sum", "-"), named_quantity("product", "-")};
 
 Eigen::VectorXd sum_and_product(const Eigen::VectorXd& x) {
   if (x(0) < -1.0) throw std::runtime_error("x1 is below -1");
@@ -59,7 +59,7 @@ TEST(FunctionModel, AStopRequestEndsABatch) {
 
 TEST(FunctionModel, RefusesOutputsThatCannotBeToldApart) {
   EXPECT_THAT(message_of<InvalidInput>([] {
-                FunctionModel(2, {{"f", "Hz"}, {"f", "Hz"}}, sum_and_product);
+                FunctionModel(2, {named_quantity("f", "Hz"), named_quantity("f", "Hz")}, sum_and_product);
               }),
               HasSubstr("'f' is there twice"));
   EXPECT_THAT(message_of<InvalidInput>([] { FunctionModel(2, {}, sum_and_product); }), HasSubstr("needs an output"));

@@ -25,7 +25,7 @@ constexpr Digest k_other = {k_study[0], k_study[1] + 1};
 class CountingModel final : public Model {
  public:
   Eigen::Index parameter_count() const override { return 2; }
-  const std::vector<Output>& outputs() const override { return outputs_; }
+  const std::vector<Quantity>& outputs() const override { return outputs_; }
   Eigen::Index batch_size() const override { return 3; }
   Evaluation evaluate(const Eigen::Ref<const Eigen::MatrixXd>& samples, const RunContext&) const override {
     evaluated += static_cast<int>(samples.rows());
@@ -42,7 +42,7 @@ class CountingModel final : public Model {
   mutable int evaluated = 0;
 
  private:
-  std::vector<Output> outputs_{{"sum", "-"}, {"product", "-"}};
+  std::vector<Quantity> outputs_{named_quantity("sum", "-"), named_quantity("product", "-")};
 };
 
 /// Eight samples, those of index 4 and 7 fail: batches of 3, 3 and 2.
@@ -98,7 +98,7 @@ TEST_F(Journal, PassesOnTheModelsShape) {
   const CountingModel model;
   const JournalledModel journalled(model, path, k_study, false);
   EXPECT_EQ(journalled.parameter_count(), 2);
-  EXPECT_EQ(journalled.outputs()[1].name, "product");
+  EXPECT_EQ(journalled.outputs()[1].name(), "product");
 }
 
 TEST_F(Journal, ResumesWithoutCallingTheModel) {

@@ -16,11 +16,12 @@ namespace mottle::test {
 class LinearModel final : public Model {
  public:
   LinearModel(Eigen::VectorXd offset, Eigen::MatrixXd slope) : offset_(std::move(offset)), slope_(std::move(slope)) {
-    for (Eigen::Index k = 0; k < offset_.size(); ++k) outputs_.push_back({fmt::format("y{}", k + 1), "-"});
+    for (Eigen::Index k = 0; k < offset_.size(); ++k)
+      outputs_.push_back(named_quantity(fmt::format("y{}", k + 1), "-"));
   }
 
   Eigen::Index parameter_count() const override { return slope_.cols(); }
-  const std::vector<Output>& outputs() const override { return outputs_; }
+  const std::vector<Quantity>& outputs() const override { return outputs_; }
   Evaluation evaluate(const Eigen::Ref<const Eigen::MatrixXd>& samples, const RunContext&) const override {
     runs += samples.rows();
     Evaluation evaluation;
@@ -39,7 +40,7 @@ class LinearModel final : public Model {
  private:
   Eigen::VectorXd offset_;
   Eigen::MatrixXd slope_;
-  std::vector<Output> outputs_;
+  std::vector<Quantity> outputs_;
 };
 
 }  // namespace mottle::test

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "mottle/model/parameters/parameter_space.hpp"
-#include "mottle/model/responses/modal_model.hpp"
+#include "mottle/model/structure_model.hpp"
 #include "mottle/stats/distributions/standard_normal.hpp"
 #include "mottle/updating/methods/updater.hpp"
 
@@ -110,7 +110,7 @@ class RandomProblem {
     }
     ModalOutputs selection;
     for (Eigen::Index k = 1; k <= outputs_; ++k) selection.frequencies.push_back(static_cast<int>(k));
-    model_ = std::make_unique<ModalModel>(separate(system, targets), selection, space_->prior().mean());
+    model_ = std::make_unique<StructureModel>(separate(system, targets), selection, space_->prior().mean());
   }
 
   Eigen::MatrixXd specimens() {
@@ -168,7 +168,7 @@ class RandomProblem {
   int scaled_ = 0;
   Eigen::VectorXd truth_;
   std::unique_ptr<ParameterSpace> space_;
-  std::unique_ptr<ModalModel> model_;
+  std::unique_ptr<StructureModel> model_;
   TestData tests_;
   std::vector<int> groups_;
 };

@@ -34,9 +34,10 @@ inline std::string fault_of(const UpdatingResult& result) {
   if (!result.mean.allFinite() || !result.covariance.allFinite()) return "mean or covariance is not finite";
   if (result.covariance.diagonal().minCoeff() < 0.0) return "a variance is negative";
   if (smallest_eigenvalue(result.covariance) < -k_rounding) return "the covariance is indefinite";
-  if (!result.population) return "there is no population on the scales";
-  if (!result.population->mean.allFinite() || !result.population->covariance.allFinite() ||
-      smallest_eigenvalue(result.population->covariance) < -k_rounding)
+  const PopulationOnScales* population = result.estimate ? result.estimate->population() : nullptr;
+  if (population == nullptr) return "there is no population on the scales";
+  if (!population->mean.allFinite() || !population->covariance.allFinite() ||
+      smallest_eigenvalue(population->covariance) < -k_rounding)
     return "the population on the scales is none";
   if (!result.intervals) return "";
   if (!are_ordered(result.intervals->mean)) return "an interval of a mean is reversed";
@@ -53,9 +54,8 @@ inline std::string fault_of(const UpdatingProblem& problem, const UpdatingResult
   for (const VerdictTest& test : verdict.tests) {
     if (!std::isfinite(test.statistic)) return "the statistic of " + test.name + " is not finite";
   }
-  const PredictedPopulation population = predicted_population(problem.space, result, problem.tests.values.rows());
   try {
-    const Prediction prediction = predict(problem.model, problem.space, population,
+    const Prediction prediction = predict(problem.model, problem.space, *result.estimate,
                                           {.noise_std = problem.tests.repeatability_std, .draws = 200}, context);
     return prediction.interval.allFinite() ? "" : "a predicted interval is not finite";
   } catch (const SystemFailure& error) {

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "mottle/model/parameters/parameter_space.hpp"
-#include "mottle/model/responses/modal_model.hpp"
+#include "mottle/model/structure_model.hpp"
 #include "mottle/updating/methods/updater.hpp"
 
 namespace mottle::test {
@@ -32,8 +32,8 @@ struct ThreeMasses {
     for (const ParameterTargets& target : targets) parameters.push_back({target.parameter, "N/m", 0.5, 3.0, {}});
     const Distribution prior({.kind = DistributionKind::normal, .mean = 2.0, .std = 0.3});
     space = std::make_unique<ParameterSpace>(parameters, JointDistribution({prior, prior, prior}));
-    model = std::make_unique<ModalModel>(separate(three_mass_system(k6), targets),
-                                         ModalOutputs{.frequencies = {1, 2, 3}}, Eigen::VectorXd::Constant(3, 2.0));
+    model = std::make_unique<StructureModel>(separate(three_mass_system(k6), targets),
+                                             ModalOutputs{.frequencies = {1, 2, 3}}, Eigen::VectorXd::Constant(3, 2.0));
   }
 
   UpdatingProblem problem(const Eigen::MatrixXd& tests) const {
@@ -46,7 +46,7 @@ struct ThreeMasses {
   }
 
   std::unique_ptr<ParameterSpace> space;
-  std::unique_ptr<ModalModel> model;
+  std::unique_ptr<StructureModel> model;
 };
 
 inline Eigen::VectorXd deviations(const UpdatingResult& result) {

@@ -51,7 +51,7 @@ Eigen::MatrixXd structures(Eigen::Index count, std::uint32_t replication) {
 }
 
 /// A hundredth of each frequency, and of the root mean square of all components of shapes.
-Eigen::VectorXd hundredths(const ModalModel& model) {
+Eigen::VectorXd hundredths(const StructureModel& model) {
   const Eigen::MatrixXd outputs = model.evaluate(structures(2000, 4000000), {}).outputs;
   Eigen::VectorXd unit = 0.01 * sample_mean(outputs).cwiseAbs();
   const Eigen::Index shapes = unit.size() - 3;
@@ -69,7 +69,7 @@ struct Outcome {
 };
 
 Outcome replicate(const Settings& settings, const Updater& method, const test::ThreeMasses& structure,
-                  const ModalModel& model, const Eigen::VectorXd& unit, std::uint32_t replication) {
+                  const StructureModel& model, const Eigen::VectorXd& unit, std::uint32_t replication) {
   Outcome outcome;
   const Eigen::VectorXd noise = settings.has_shapes ? Eigen::VectorXd(0.1 * unit) : Eigen::VectorXd(0.0 * unit);
   const Eigen::VectorXd deviation = 100.0 * settings.error * unit;
@@ -190,7 +190,8 @@ int main(int argc, char** argv) {
     outputs.shape_degrees_of_freedom = {"m1", "m2", "m3"};
   }
   const std::vector<ParameterTargets> targets{{"k1", {"spring:k1"}}, {"k2", {"spring:k2"}}, {"k5", {"spring:k5"}}};
-  const ModalModel model(separate(test::three_mass_system(3.0), targets), outputs, Eigen::VectorXd::Constant(3, 2.0));
+  const StructureModel model(separate(test::three_mass_system(3.0), targets), outputs,
+                             Eigen::VectorXd::Constant(3, 2.0));
   const Eigen::VectorXd unit = hundredths(model);
   std::vector<Outcome> outcomes(static_cast<std::size_t>(settings.replications));
   const auto start = std::chrono::steady_clock::now();

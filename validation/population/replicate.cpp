@@ -61,7 +61,7 @@ struct Laboratory {
     reference << 2.0, 2.0, 1.0, 1.0, 2.0, 3.0;
     MassSpringSystem system = test::three_mass_system();
     if (settings.which == 6) system.masses[0].mass *= 1.1;
-    model = std::make_unique<ModalModel>(separate(system, targets), outputs_of(settings), reference);
+    model = std::make_unique<StructureModel>(separate(system, targets), outputs_of(settings), reference);
     mean = Eigen::VectorXd::Ones(6);
     mean(5) = settings.which == 2 ? 3.5 : settings.which == 5 ? 3.1 : 3.0;
     deviation = Eigen::VectorXd::Constant(6, 0.2);
@@ -83,7 +83,7 @@ struct Laboratory {
     return x;
   }
 
-  std::unique_ptr<ModalModel> model;
+  std::unique_ptr<StructureModel> model;
   Eigen::VectorXd mean;
   Eigen::VectorXd deviation;
 };
@@ -133,7 +133,7 @@ struct Outcome {
 };
 
 Outcome replicate(const Settings& settings, const Updater& method, const test::ThreeMasses& structure,
-                  const ModalModel& model, const Laboratory& laboratory, const Eigen::VectorXd& noise,
+                  const StructureModel& model, const Laboratory& laboratory, const Eigen::VectorXd& noise,
                   std::uint32_t replication) {
   Outcome outcome;
   UpdatingProblem problem{.model = model,
@@ -300,8 +300,8 @@ int main(int argc, char** argv) {
   test::ThreeMasses structure;
   structure.space = bounded_space(structure, settings);
   const std::vector<ParameterTargets> targets{{"k1", {"spring:k1"}}, {"k2", {"spring:k2"}}, {"k5", {"spring:k5"}}};
-  const ModalModel model(separate(test::three_mass_system(settings.which == 3 ? 0.0 : 3.0), targets),
-                         outputs_of(settings), Eigen::VectorXd::Constant(3, 2.0));
+  const StructureModel model(separate(test::three_mass_system(settings.which == 3 ? 0.0 : 3.0), targets),
+                             outputs_of(settings), Eigen::VectorXd::Constant(3, 2.0));
   const Eigen::VectorXd noise = noise_of(settings, laboratory);
   std::vector<Outcome> outcomes(static_cast<std::size_t>(settings.replications));
   const auto start = std::chrono::steady_clock::now();

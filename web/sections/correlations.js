@@ -8,7 +8,7 @@ import { figure } from "../src/figure.js";
 import { plural, short_number } from "../src/format.js";
 import { matrix_map, signed } from "../src/matrix_map.js";
 import { diverging } from "../src/palette.js";
-import { correlation_pairs, is_population } from "../src/population.js";
+import { correlation_pairs, is_population, is_posterior } from "../src/population.js";
 import { data_table } from "../src/table.js";
 
 const id = "correlation-ellipses";
@@ -18,7 +18,7 @@ const map_from_pairs = 3;
 
 const excludes_zero = ({ interval }) => Boolean(interval) && (interval[0] > 0 || interval[1] < 0);
 
-function pairs_table(pairs) {
+function pairs_table(pairs, title) {
   const rank = (pair) => (excludes_zero(pair) ? 2 : 0) + Math.abs(pair.correlation ?? 0);
   const known = pairs.length <= all_listed_at_most ? pairs : pairs.filter(({ correlation }) => is_number(correlation));
   const listed =
@@ -42,7 +42,7 @@ function pairs_table(pairs) {
   });
   return data_table({
     id: "correlations",
-    title: "Correlations of the parameters from specimen to specimen",
+    title,
     columns: [
       { key: "name", title: "Parameters", is_text: true },
       { key: "correlation", title: "Correlation", text: (value) => (is_number(value) ? signed(value) : "–") },
@@ -58,7 +58,9 @@ function pairs_table(pairs) {
     all_rows: pairs.map(row_of),
     caption: left_out
       ? `The ${listed.length} clearest of ${pairs.length} pairs; CSV saves them all.`
-      : "An interval that holds zero: these tests do not show that the two parameters go together.",
+      : !pairs.some(({ interval }) => interval)
+        ? null
+        : "An interval that holds zero: these tests do not show that the two parameters go together.",
   });
 }
 
@@ -151,22 +153,25 @@ function ellipses_figure(study, pairs) {
   let shown = choice.chosen;
   return figure({
     id,
-    title: "Pairs of parameters with the uncertainty of their correlation",
-    caption:
-      "Solid: the ellipse that holds about 86\u00a0% of the specimens. Thin: what it would be at either end of the " +
+    title: is_posterior(study)
+      ? "Pairs of parameters in the posterior"
+      : "Pairs of parameters with the uncertainty of their correlation",
+    caption: is_posterior(study)
+      ? "The ellipse that holds 86\u00a0% of the posterior's samples."
+      : "Solid: the ellipse that holds about 86\u00a0% of the specimens. Thin: what it would be at either end of the " +
       "correlation's 95\u00a0% interval. Diamonds: the specimens, as far as their own tests tell.",
     controls: choice.control ? [choice.control] : [],
     build: (width) => ellipse_panels(study, shown, width),
   });
 }
 
-const has_covariance = (study) =>
+const has_pairs = (study) =>
   correlation_pairs(study).some(({ correlation, interval }) => is_number(correlation) || interval);
 
 export default {
   id: "correlations",
   title: "Correlations of the parameters",
-  has_data: (study) => is_population(study) && study.parameter_axes.length > 1 && has_covariance(study),
+  has_data: (study) => (is_population(study) || is_posterior(study)) && study.parameter_axes.length > 1 && has_pairs(study),
   explained: [
     [
       "Correlation",
@@ -176,9 +181,19 @@ export default {
   ],
   content(study) {
     const pairs = correlation_pairs(study);
+    if (!Array.isArray(study.parameters.correlation)) {
+      return [
+        paragraph("This result holds no correlations, since an earlier version wrote it: run the study again to see them."),
+      ];
+    }
     return [
-      statement(pairs),
-      pairs_table(pairs),
+      is_posterior(study) ? null : statement(pairs),
+      pairs_table(
+        pairs,
+        is_posterior(study)
+          ? "Correlations of the parameters in the posterior"
+          : "Correlations of the parameters from specimen to specimen",
+      ),
       study.parameter_axes.length >= map_from_parameters && pairs.filter(is_in_map).length >= map_from_pairs
         ? correlation_map(study, pairs)
         : null,

@@ -1,12 +1,12 @@
 // Prior and updated density of every parameter, what the intervals leave open, and where the specimens lie.
 import { extent, is_number } from "../src/data.js";
 import { legend, legend_height, tooltip_box, zooming } from "../src/charts.js";
-import { curve_on_scale, density_band, prior_curve } from "../src/density.js";
+import { paragraph } from "../src/dom.js";
 import { paged_figure } from "../src/figure.js";
 import { name_with_unit, number_text, short_number } from "../src/format.js";
 import { band_series, layout, line_series, panel_frame } from "../src/panels.js";
 import { band, bound, model, muted, test } from "../src/palette.js";
-import { is_population, parameter_of } from "../src/population.js";
+import { has_curves, is_population, is_posterior, parameter_of } from "../src/population.js";
 
 const id = "densities";
 const panels_a_page = 9;
@@ -17,21 +17,6 @@ const names = {
   specimens: "Estimate of a specimen",
   bounds: "Bound",
 };
-
-/** A population of no width is a line: what the tests do not see is given no scatter. */
-const has_width = ({ on_scale, mean, std }) =>
-  Boolean(on_scale) && on_scale.std > 0 && std > 1e-6 * Math.max(Math.abs(mean), 1e-300);
-
-function curves_of(parameter) {
-  return {
-    prior: prior_curve(parameter.prior, parameter.prior_mean, parameter.prior_std),
-    updated: has_width(parameter) ? curve_on_scale(parameter.scale, parameter.on_scale) : [],
-    band:
-      parameter.mean_ci95 && parameter.std_ci95
-        ? density_band(parameter.scale, parameter.mean_ci95, parameter.std_ci95)
-        : [],
-  };
-}
 
 const peak_of = (points, which = 1) => extent(points.map((point) => point[which]))?.[1] ?? 0;
 
@@ -108,7 +93,7 @@ function tooltip_lines(parameter, x, limits) {
 }
 
 function title_of(study, parameter) {
-  const scale = parameter.scale.kind === "identity" ? "" : `, ${parameter.scale.kind} scale`;
+  const scale = parameter.scale === "identity" ? "" : `, ${parameter.scale} scale`;
   const has_intervals = Array.isArray(study.parameters.mean_ci95);
   const is_open = has_intervals && !parameter.mean_ci95 && !parameter.std_ci95 ? ", not determined" : "";
   return `${parameter.name}${scale}${is_open}`;
@@ -120,7 +105,7 @@ function build(study, parameters, width) {
     legend_height: legend_height(Object.values(names), width),
   });
   const drawn = parameters.map((parameter) => {
-    const curves = curves_of(parameter);
+    const { curves } = parameter;
     const top = top_of(curves);
     return { parameter, curves, top, limits: sideways(parameter, curves, top) };
   });
@@ -164,10 +149,11 @@ function caption_of(study, parameters) {
   return [
     "Dashed: the distribution that the study started from; solid: as updated.",
     has_band ? "The band holds the densities whose mean and deviation lie within their 95 % intervals." : null,
-    parameters.some(({ scale }) => scale.kind !== "identity")
+    parameters.some(({ scale }) => scale !== "identity") && !is_posterior(study)
       ? "Log or logit scale: the population is taken as normal there."
       : null,
     has_marks ? "Each tick at the foot is one specimen." : null,
+    is_posterior(study) ? "Updated: the posterior's samples, each as a narrow normal curve." : null,
     is_population(study)
       ? null
       : "This method's deviation is not the scatter of the specimens: see the notes under the verdict.",
@@ -194,6 +180,9 @@ export default {
   ],
   content(study) {
     const parameters = can_be_drawn(study);
+    if (!has_curves(study)) {
+      return [paragraph("This result holds no curves, since an earlier version wrote it: run the study again to see them.")];
+    }
     return [
       paged_figure({
         id,

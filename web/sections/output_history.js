@@ -1,5 +1,5 @@
 // Mean outputs of the cloud, iteration by iteration, against the tests' means.
-import { has_history, history_of, is_number, list, standard_deviations } from "../src/data.js";
+import { has_history, history_of, is_number, list } from "../src/data.js";
 import { number_text } from "../src/format.js";
 import { history_figure, history_line } from "../src/history_panels.js";
 import { band_series, level_series } from "../src/panels.js";
@@ -13,10 +13,8 @@ const names = {
 
 function test_mean_of(study, output) {
   const mean = list(study.outputs.test_mean)[output];
-  const std = standard_deviations(study.outputs.test_covariance)[output];
-  const count = list(study.outputs.test_count)[output];
-  const error = is_number(std) && count > 0 ? (2 * std) / Math.sqrt(count) : null;
-  return is_number(mean) ? { mean, error } : null;
+  const standard_error = list(study.outputs.test_mean_standard_error)[output];
+  return is_number(mean) ? { mean, error: is_number(standard_error) ? 2 * standard_error : null } : null;
 }
 
 function panel_series(study, axis, panel, range) {

@@ -1,6 +1,8 @@
 // The table of the parameters: before, after, how sure, and who ended on a bound.
-import { is_number, list, number_or_null, percent_change } from "../src/data.js";
-import { number_text, percent_text, short_number } from "../src/format.js";
+import { is_number, list, number_or_null, percent_change, record } from "../src/data.js";
+import { paragraph } from "../src/dom.js";
+import { count_text, number_text, percent_text, short_number } from "../src/format.js";
+import { estimate_of, is_posterior } from "../src/population.js";
 import { data_table } from "../src/table.js";
 
 const interval_text = (interval) =>
@@ -85,6 +87,38 @@ function other_solutions(study) {
   });
 }
 
+/** What a posterior of samples says beside its moments. */
+function posterior(study) {
+  if (!is_posterior(study)) return null;
+  const { log_evidence, effective_samples } = estimate_of(study);
+  const { probabilities, values } = record(study.parameters.quantiles);
+  const rows = study.parameter_axes.map(({ index, name, unit }) => ({
+    name,
+    unit,
+    ...Object.fromEntries(list(probabilities).map((p, k) => [`q${p}`, number_or_null(list(list(values)[index])[k])])),
+  }));
+  return [
+    paragraph(
+      is_number(effective_samples)
+        ? `The posterior is a sample worth ${count_text(Math.round(effective_samples))} independent draws. `
+        : "",
+      is_number(log_evidence)
+        ? `Logarithm of the evidence: ${number_text(log_evidence, 5)}; of two models of the same tests the one with more explains them better.`
+        : "",
+    ),
+    data_table({
+      id: "quantiles",
+      title: "Quantiles of the posterior",
+      columns: [
+        { key: "name", title: "Parameter", is_text: true },
+        rows.some(({ unit }) => unit) ? { key: "unit", title: "Unit", is_text: true } : null,
+        ...list(probabilities).map((p) => ({ key: `q${p}`, title: `${short_number(100 * p)}\u00a0%` })),
+      ].filter(Boolean),
+      rows,
+    }),
+  ];
+}
+
 export default {
   id: "parameters",
   title: "Parameters",
@@ -99,8 +133,9 @@ export default {
   content(study) {
     const rows = rows_of(study);
     // Methods that do not estimate the scatter of the specimens have another deviation, which must not be taken for it.
-    const is_of_mean = study.is_update && study.parameters.is_population === false;
-    const columns = columns_for(rows, is_of_mean ? "Std. dev. of the mean" : "Std. dev.");
+    const is_of_mean = study.is_update && study.parameters.is_population === false && !is_posterior(study);
+    const updated_std = is_posterior(study) ? "Posterior std. dev." : is_of_mean ? "Std. dev. of the mean" : "Std. dev.";
+    const columns = columns_for(rows, updated_std);
     const has_intervals = columns.some(({ key }) => key === "mean_ci95" || key === "std_ci95");
     return [
       data_table({
@@ -116,6 +151,7 @@ export default {
               "the specimens."
             : null,
       }),
+      posterior(study),
       other_solutions(study),
     ];
   },

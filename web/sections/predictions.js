@@ -3,26 +3,24 @@ import { is_number, list, number_or_null, record } from "../src/data.js";
 import { paragraph } from "../src/dom.js";
 import { figure, paged_figure } from "../src/figure.js";
 import { number_text, p_value_text, plural } from "../src/format.js";
-import { interval_bars, pit_histograms, tested } from "../src/prediction_panels.js";
+import { has_histogram, interval_bars, pit_histograms, tested } from "../src/prediction_panels.js";
 import { data_table } from "../src/table.js";
-import { binomial_range } from "../src/quantiles.js";
 
 const panels_a_page = 9;
-const level = 0.95;
 const percent = (share) => (is_number(share) ? `${(100 * share).toFixed(0)}\u00a0%` : "–");
 
 /** The prediction with one entry an output; what is missing is null or empty. */
 function read(study) {
   const block = record(study.result.prediction);
   const held_out = record(block.held_out);
-  const names = list(record(block.outputs).names);
-  const units = list(record(block.outputs).units);
-  const pit = list(held_out.pit).map(list);
+  const units = list(block.units);
+  const pit = list(held_out.transforms).map(list);
+  const scores = list(held_out.scores).map(list);
   return {
-    count: number_or_null(held_out.count) ?? (pit.length || null),
+    count: number_or_null(held_out.specimens) ?? (pit.length || null),
     joint_coverage: number_or_null(held_out.joint_coverage),
     has_held_out: pit.length > 0 || list(held_out.coverage).some(is_number),
-    outputs: names.map((name, k) => {
+    outputs: list(block.names).map((name, k) => {
       const interval = list(list(block.interval95)[k]);
       return {
         name: String(name),
@@ -31,8 +29,11 @@ function read(study) {
         std: number_or_null(list(block.std)[k]),
         interval: interval.length === 2 && interval.every(is_number) ? interval : null,
         coverage: number_or_null(list(held_out.coverage)[k]),
-        uniformity_p: number_or_null(list(held_out.uniformity_p)[k]),
+        uniformity_p: number_or_null(list(held_out.uniformity_p_values)[k]),
+        least_inside: number_or_null(list(held_out.least_inside)[k]),
+        histogram: list(held_out.histograms)[k] ?? null,
         pit: pit.map((row) => number_or_null(row[k])),
+        scores: scores.map((row) => number_or_null(row[k])),
       };
     }),
   };
@@ -41,10 +42,8 @@ function read(study) {
 function table(prediction) {
   const rows = prediction.outputs.map((output) => ({ ...output, tests: tested(output).length || null }));
   const any = (key) => rows.some((row) => is_number(row[key]));
-  const is_off = ({ coverage, tests }) => {
-    const range = is_number(coverage) && tests ? binomial_range(tests, level, 0.99) : null;
-    return range !== null && Math.round(coverage * tests) < range[0];
-  };
+  const is_off = ({ coverage, tests, least_inside }) =>
+    is_number(coverage) && is_number(least_inside) && Math.round(coverage * tests) < least_inside;
   return data_table({
     id: "predictions",
     title: "Predicted outputs",
@@ -147,7 +146,7 @@ export default {
             build: (width) => interval_bars(with_bars, width),
           })
         : null,
-      with_tests.length ? histogram_figure(with_tests) : null,
+      with_tests.some(has_histogram) ? histogram_figure(with_tests.filter(has_histogram)) : null,
     ];
   },
 };

@@ -10,7 +10,6 @@ import { data_table } from "../src/table.js";
 const id = "residuals";
 const specimens_a_page = 50;
 const limit = 3;
-const share_beyond = 0.0027; // of a standard normal, beyond three deviations
 
 const cell = {
   width_at_most: 74,
@@ -68,7 +67,7 @@ function outlier_table(study, outliers) {
 
 function statement(study, found) {
   const total = rows_of(study).flat().filter(is_number).length;
-  const expected = share_beyond * total;
+  const expected = record(study.result.specimens).expected_large;
   if (!found.length) return paragraph(`None of the ${plural(total, "residual")} lies beyond ±${limit}.`);
   const named = found
     .slice(0, 8)
@@ -78,8 +77,8 @@ function statement(study, found) {
     )
     .join(", ");
   return paragraph(
-    `${plural(found.length, "residual")} of ${total} ${found.length === 1 ? "lies" : "lie"} beyond ±${limit}, where a right model would have ` +
-      `${short_number(expected, 2)} on average: ${named}${found.length > 8 ? " …" : ""}.`,
+    `${plural(found.length, "residual")} of ${total} ${found.length === 1 ? "lies" : "lie"} beyond ±${limit}` +
+      `${is_number(expected) ? `, where a right model would have ${short_number(expected, 2)} on average` : ""}: ${named}${found.length > 8 ? " …" : ""}.`,
   );
 }
 

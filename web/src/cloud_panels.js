@@ -22,25 +22,14 @@ export function pairs_of(axes) {
 export function snapshot(study, iteration, space) {
   const cloud = study.clouds.find((one) => one.iteration === iteration);
   const entry = study.iterations.find((one) => one.index === iteration);
-  const is_output = space === "outputs";
-  const kind = is_output ? "output" : "parameter";
-  const block = is_output ? study.outputs : {};
   return {
     points: cloud ? cloud[space] : [],
-    ellipses: entry ? entry[is_output ? "ellipses" : "parameter_ellipses"] : [],
-    mean: entry?.[`${kind}_mean`] ?? (study.iterations.length ? null : block.initial_mean),
-    covariance: entry?.[`${kind}_covariance`] ?? (study.iterations.length ? null : block.initial_covariance),
+    ellipses: entry ? entry[space === "outputs" ? "ellipses" : "parameter_ellipses"] : [],
   };
 }
 
 function test_ellipse(study, pair) {
-  return ellipse_of_pair(
-    study.result.test_ellipses,
-    study.outputs.test_mean,
-    study.outputs.test_covariance,
-    pair.x,
-    pair.y,
-  );
+  return ellipse_of_pair(study.result.test_ellipses, pair.x, pair.y);
 }
 
 const points_of_pair = (rows, { x, y }) =>
@@ -49,8 +38,8 @@ const points_of_pair = (rows, { x, y }) =>
 /** Axis limits that hold every given snapshot of a pair, so that iterations can be compared by eye. */
 export function limits_of_pair(study, snapshots, pair, space) {
   const points = snapshots.flatMap(({ points: rows }) => points_of_pair(rows, pair));
-  for (const { ellipses, mean, covariance } of snapshots) {
-    points.push(...(ellipse_of_pair(ellipses, mean, covariance, pair.x, pair.y) ?? []));
+  for (const { ellipses } of snapshots) {
+    points.push(...(ellipse_of_pair(ellipses, pair.x, pair.y) ?? []));
   }
   if (space === "outputs") points.push(...points_of_pair(study.tests, pair), ...(test_ellipse(study, pair) ?? []));
   const padded = (which) => {
@@ -98,7 +87,7 @@ function series_of_pair(study, view, pair, panel, space, limits) {
     line(
       names.ellipse,
       panel,
-      ellipse_of_pair(view.ellipses, view.mean, view.covariance, pair.x, pair.y) ?? [],
+      ellipse_of_pair(view.ellipses, pair.x, pair.y) ?? [],
       { color: model },
       3,
     ),

@@ -6,10 +6,11 @@ import { name_with_unit, number_text, short_number } from "./format.js";
 import { signed } from "./matrix_map.js";
 import { layout, line_series, panel_frame } from "./panels.js";
 import { model, paper, test } from "./palette.js";
-import { correlation_pair, ellipse_on_scales } from "./population.js";
+import { correlation_pair, is_posterior } from "./population.js";
 
 const names = {
-  ellipse: "Updated, 2σ ellipse",
+  region: "Updated, 2σ ellipse",
+  posterior: "Posterior, 86 % region",
   ends: "At the ends of the correlation's 95 % interval",
   specimens: "Estimate of a specimen",
 };
@@ -19,31 +20,31 @@ export const correlation_interval_text = (interval) =>
 
 /** What one panel shows of a pair: curves and points, each null or empty where it is not known. */
 function drawing_of(study, { x, y }) {
-  const { first, second, correlation, interval } = correlation_pair(study, x, y);
-  const has_width = first.on_scale?.std > 0 && second.on_scale?.std > 0;
+  const { first, second, correlation, interval, region, ends } = correlation_pair(study, x, y);
   return {
     pair: { x, y },
     correlation,
     interval,
-    ellipse: has_width && is_number(correlation) ? ellipse_on_scales(first, second, correlation) : [],
-    ends: has_width && interval ? interval.map((end) => ellipse_on_scales(first, second, end)) : [],
+    name: is_posterior(study) ? names.posterior : names.region,
+    region,
+    ends,
     points: first.specimens
       .map((value, k) => [value, second.specimens[k], k])
       .filter(([a, b]) => is_number(a) && is_number(b)),
   };
 }
 
-function limits_of({ ellipse, ends, points }, which) {
-  const range = extent([...ellipse, ...ends.flat(), ...points].map((point) => point[which]));
+function limits_of({ region, ends, points }, which) {
+  const range = extent([...region.flat(), ...ends.flat(), ...points].map((point) => point[which]));
   if (!range) return {};
   const margin = 0.06 * (range[1] - range[0]) || 0.03 * Math.abs(range[0]) || 1;
   return { min: range[0] - margin, max: range[1] + margin };
 }
 
-function series_of({ ellipse, ends, points }, panel) {
+function series_of({ name, region, ends, points }, panel) {
   return [
     ...ends.map((data) => line_series(names.ends, data, panel, { color: model, width: 1, opacity: 0.75, type: [3, 3] }, { z: 2, silent: true })),
-    line_series(names.ellipse, ellipse, panel, { color: model }, { z: 3, silent: true }),
+    ...region.map((data) => line_series(name, data, panel, { color: model }, { z: 3, silent: true })),
     {
       name: names.specimens,
       type: "scatter",
@@ -58,19 +59,21 @@ function series_of({ ellipse, ends, points }, panel) {
   ];
 }
 
-const panel_title = ({ correlation, interval }) =>
+const panel_title = ({ name, correlation, interval }) =>
   is_number(correlation) && interval
     ? `${signed(correlation)}, 95 %: ${correlation_interval_text(interval)}`
     : is_number(correlation)
-      ? `${signed(correlation)}, no interval`
+      ? `${signed(correlation)}${name === names.posterior ? "" : ", no interval"}`
       : "not determined";
 
 /** One panel for every pair of `axes`. */
 export function ellipse_panels(study, axes, width) {
   const drawings = pairs_of(axes).map((pair) => drawing_of(study, pair));
+  const unused = is_posterior(study) ? names.region : names.posterior;
+  const shown = Object.values(names).filter((name) => name !== unused);
   const { cells, height } = layout(drawings.length, width, {
     aspect: 0.8,
-    legend_height: legend_height(Object.values(names), width),
+    legend_height: legend_height(shown, width),
   });
   const axis_label = {
     showMinLabel: false,
@@ -89,7 +92,7 @@ export function ellipse_panels(study, axes, width) {
     ...panel_frame(panels, cells),
     ...zooming(panels.length),
     series,
-    legend: legend(series, Object.values(names)),
+    legend: legend(series, shown),
     tooltip: {
       trigger: "item",
       formatter: ({ value, seriesIndex }) => {

@@ -115,11 +115,8 @@ export function shown_iterations(study) {
 
 const matches_axis = (reference, axis) => reference === axis.index || reference === axis.name;
 
-/**
- * 2-sigma ellipse of two axes as a closed polyline, from the listed ellipses or, where the pair is not among them,
- * from mean and covariance; null where neither is known.
- */
-export function ellipse_of_pair(ellipses, mean, covariance, x_axis, y_axis) {
+/** 2-sigma ellipse of two axes as a closed polyline, from the listed ellipses; null where the pair is not among them. */
+export function ellipse_of_pair(ellipses, x_axis, y_axis) {
   for (const ellipse of list(ellipses).map(record)) {
     const same = matches_axis(ellipse.first, x_axis) && matches_axis(ellipse.second, y_axis);
     const swapped = matches_axis(ellipse.first, y_axis) && matches_axis(ellipse.second, x_axis);
@@ -127,27 +124,7 @@ export function ellipse_of_pair(ellipses, mean, covariance, x_axis, y_axis) {
     const points = ellipse_points(ellipse);
     return points && swapped ? points.map(([x, y]) => [y, x]) : points;
   }
-  const entry = (i, j) => list(list(covariance)[i])[j];
-  return ellipse_points(
-    ellipse_of_covariance(
-      [list(mean)[x_axis.index], list(mean)[y_axis.index]],
-      entry(x_axis.index, x_axis.index),
-      entry(x_axis.index, y_axis.index),
-      entry(y_axis.index, y_axis.index),
-    ),
-  );
-}
-
-function ellipse_of_covariance(centre, xx, xy, yy) {
-  if (![...centre, xx, xy, yy].every(is_number)) return {};
-  const middle = (xx + yy) / 2;
-  const radius = Math.hypot((xx - yy) / 2, xy);
-  return {
-    centre,
-    semi_major: 2 * Math.sqrt(Math.max(0, middle + radius)),
-    semi_minor: 2 * Math.sqrt(Math.max(0, middle - radius)),
-    angle: 0.5 * Math.atan2(2 * xy, xx - yy),
-  };
+  return null;
 }
 
 /** `angle` in radians, from the first axis to the major one. */

@@ -1,17 +1,16 @@
 // Drawings of a prediction: intervals of the outputs with the held-out tests on them, and histograms of their transforms.
-import { extent, is_number } from "./data.js";
+import { extent, is_number, list, record } from "./data.js";
 import { axis, tooltip_box, zooming } from "./charts.js";
 import { name_with_unit, number_text, p_value_text, plural, short_number } from "./format.js";
 import { band_series, layout, panel_frame } from "./panels.js";
 import { bound, ink, model, muted, paper, test, test_band } from "./palette.js";
-import { binomial_range, normal_quantile } from "./quantiles.js";
 
 const level = 0.95;
 /** Transforms of the held-out tests that have the output; `pit` also holds null. */
 export const tested = ({ pit }) => pit.filter(is_number);
 
-/** Where a held-out test lies, in predicted deviations from the predicted mean; its transform is kept within ±4. */
-const place_of = (pit) => Math.max(-4, Math.min(4, normal_quantile(pit)));
+/** Where a held-out test lies, as a standard normal number, kept within ±4. */
+const place_of = (score) => Math.max(-4, Math.min(4, score));
 const is_outside = (pit) => pit < (1 - level) / 2 || pit > (1 + level) / 2;
 
 function label_of(output, width) {
@@ -26,9 +25,11 @@ export function interval_bars(outputs, width) {
   const row_height = 26;
   const grid = { left, right: 16, top: 14, height: outputs.length * row_height, outerBoundsMode: "none" };
   const points = (wanted) =>
-    outputs.flatMap(({ pit }, row) =>
+    outputs.flatMap(({ pit, scores }, row) =>
       pit.flatMap((value, specimen) =>
-        is_number(value) && is_outside(value) === wanted ? [[place_of(value), row, specimen, value]] : [],
+        is_number(value) && is_number(scores[specimen]) && is_outside(value) === wanted
+          ? [[place_of(scores[specimen]), row, specimen, value]]
+          : [],
       ),
     );
   const marks = (name, data, color, symbol) => ({
@@ -110,21 +111,17 @@ export function interval_bars(outputs, width) {
   return { option, height: grid.top + grid.height + 52 };
 }
 
-/** As many bins as the tests can fill: about ten in each, five to ten bins. */
-const bins_for = (count) => Math.max(4, Math.min(10, Math.floor(count / 8)));
+export const has_histogram = ({ histogram }) => list(record(histogram).counts).length > 0;
 
-function histogram(output) {
-  const values = tested(output);
-  const bins = bins_for(values.length);
-  const counts = new Array(bins).fill(0);
-  for (const value of values) counts[Math.min(bins - 1, Math.max(0, Math.floor(value * bins)))] += 1;
-  return { counts, bins, total: values.length, range: binomial_range(values.length, 1 / bins, level) };
+function read_histogram(output) {
+  const { counts, expected_range } = output.histogram;
+  return { counts, bins: counts.length, total: tested(output).length, range: list(expected_range) };
 }
 
 /** One histogram an output, with the range that an even spread gives. */
 export function pit_histograms(outputs, width) {
   const { cells, height } = layout(outputs.length, width, { aspect: 0.5, legend_height: 6 });
-  const drawn = outputs.map((output) => ({ output, ...histogram(output) }));
+  const drawn = outputs.map((output) => ({ output, ...read_histogram(output) }));
   const panels = drawn.map(({ output, counts, range }) => ({
     title: is_number(output.uniformity_p)
       ? `${output.name}, p ${p_value_text(output.uniformity_p).replace(/^(?!<)/, "= ")}`

@@ -72,8 +72,8 @@ export const checks = [
     async ({ page, data }) => {
       const { command, parameters = {} } = result_of(data);
       if (command === "propagate" || !has_numbers(parameters.std)) return;
-      const heads = (await page.locator('[data-table="parameters"] thead').innerText()).includes("of the mean");
-      assert.equal(heads, parameters.is_population === false);
+      const heads = await page.locator('[data-table="parameters"] thead').innerText();
+      assert.equal(/of the mean|Posterior/.test(heads), parameters.is_population === false);
     },
   ],
   [

@@ -16,18 +16,18 @@ function plots_of_estimate(result) {
   const names = list(parameters.names);
   const pairs = names.flatMap((_, i) => names.slice(i + 1).map((__, k) => [i, i + 1 + k]));
   const has_width = (i) => is_number(parameters.mean?.[i]) && parameters.std?.[i] > 0;
-  const is_known = ([i, j]) => has_width(i) && has_width(j) && is_number(parameters.covariance?.[i]?.[j]);
+  const is_known = ([i, j]) => has_width(i) && has_width(j) && is_number(parameters.correlation?.[i]?.[j]);
   const has_interval = ([i, j]) => list(parameters.correlation_ci95?.[i]?.[j]).filter(is_number).length === 2;
-  const is_population = parameters.is_population === true;
-  const has_correlations = is_population && pairs.some((pair) => is_known(pair) || has_interval(pair));
+  const is_population = parameters.is_population === true || parameters.estimate?.kind === "posterior";
+  const has_correlations = is_population && Array.isArray(parameters.correlation) && pairs.some((pair) => is_known(pair) || has_interval(pair));
   const in_map = pairs.filter((pair) => is_known(pair) && has_interval(pair)).length;
-  const predicted = list(prediction?.outputs?.names).map((_, k) => k);
+  const predicted = list(prediction?.names).map((_, k) => k);
   const has_prediction = predicted.some((k) => is_number(prediction.mean?.[k]));
   const has_bar = (k) => list(prediction.interval95?.[k]).filter(is_number).length === 2 && prediction.std?.[k] > 0;
   const has_directions = list(identifiability?.unseen_directions).length > 0;
   const has_density = (_, i) => is_number(parameters.mean?.[i]) && is_number(parameters.std?.[i]);
   return [
-    is_update(result) && names.some(has_density) ? "densities" : null,
+    is_update(result) && names.some(has_density) && Array.isArray(parameters.densities) ? "densities" : null,
     has_correlations && names.length >= 4 && in_map >= 3 ? "correlation-map" : null,
     has_correlations ? "correlation-ellipses" : null,
     has_numbers(identifiability?.singular_values) ? "singular-values" : null,
@@ -35,7 +35,7 @@ function plots_of_estimate(result) {
     has_directions ? "unseen-directions" : null,
     has_numbers(specimens?.residuals) ? "residuals" : null,
     has_prediction && predicted.some(has_bar) ? "prediction-intervals" : null,
-    has_prediction && has_numbers(prediction.held_out?.pit) ? "prediction-pit" : null,
+    has_prediction && has_numbers(prediction.held_out?.transforms) ? "prediction-pit" : null,
   ];
 }
 

@@ -2,9 +2,12 @@
 //   case1      the paper's three masses, right model           refused   its case 2: inadequate, a parameter on its bound, hostile texts
 //   population case1 by a method that estimates a population: every scale, an outlier, a prediction
 //   modes      a page of mode shapes                           shapes    case1 with mode shapes
+//   posterior  case1 by a sampler of a posterior
+//   old        population without the curves that earlier versions did not write
 //   aeroplane  14 outputs and 18 parameters, gaps in the tests  propagate only a cloud        sparse    most entries missing or null
 import { mkdirSync, readFileSync, writeFileSync } from "node:fs";
 import path from "node:path";
+import { add_curves } from "./curves_fixture.mjs";
 import { eigen, random_normal } from "./matrix.mjs";
 import { prediction_of, with_population } from "./population_fixture.mjs";
 import { update } from "./simulate.mjs";
@@ -56,7 +59,6 @@ function masses_study(more) {
     samples: 1000,
     iterations: 12,
     seed: 1,
-    ellipses_at_most: 3,
     model: (x) => three_masses(...x, 3),
     tests: specimens.map((x) => three_masses(...x, more.test_k6 ?? 3)),
     verdict: {
@@ -150,7 +152,6 @@ function aeroplane_study() {
     samples: 600,
     iterations: 8,
     seed: 20060117,
-    ellipses_at_most: 40,
     model,
     tests: Array.from({ length: 86 }, () => model(truth.map((t) => t + 0.1 * normal()))),
     verdict: {
@@ -254,11 +255,15 @@ function propagate(data) {
 function sparse(data) {
   const { result } = data;
   result.title = null;
+  result.parameters.densities = [{ prior: null, updated: { x: [1, null], density: [0.1] }, band: null }, null];
   result.verdict = {
     adequate: null,
     tests: [{ name: "Hotelling's T²", statistic: null, critical: null, p_value: null, passed: null }],
   };
   result.parameters.mean[1] = null;
+  result.parameters.regions = result.parameters.regions.filter(({ first, second }) => first !== 1 && second !== 1);
+  result.parameters.correlation.forEach((row) => (row[1] = null));
+  result.parameters.correlation[1] = null;
   result.parameters.mean_ci95 = null;
   result.parameters.bounds = null;
   result.parameters.at_bound = [null, null, null];
@@ -286,6 +291,7 @@ function sparse(data) {
     unseen_directions: [{ weights: { k1: 0.71, k2: -0.7, k5: 0.04 } }],
   };
   result.parameters.is_population = true;
+  result.parameters.estimate = { kind: "population", log_evidence: null };
   result.parameters.correlation_ci95 = [[[1, 1], [null, null], null], null, [null, null, [1, 1]]];
   result.specimens = {
     parameters: [[1.1, null, 0.9], null, [null, null, null]],
@@ -294,11 +300,20 @@ function sparse(data) {
   result.outliers = [];
   result.other_solutions = [[1.4, null, 0.7]];
   result.prediction = {
-    outputs: { names: ["f4", "f5"], units: null },
+    names: ["f4", "f5"],
+    units: null,
     mean: [0.31, null],
     std: [0.01, null],
     interval95: [[0.29, 0.33], null],
-    held_out: { count: null, coverage: null, joint_coverage: null, pit: [[0.5, null], null], uniformity_p: null },
+    held_out: {
+      specimens: null,
+      coverage: null,
+      joint_coverage: null,
+      transforms: [[0.5, null], null],
+      scores: [[0, null], null],
+      histograms: [{ counts: [0, 0, 1, 0], expected_range: [0, 1] }, null],
+      uniformity_p_values: null,
+    },
   };
   result.surrogate = { kind: null, rounds: [{ runs: null, carried_error: [0.1, null], error_at_estimate: null }, null] };
   result.rejected_draws = null;
@@ -306,6 +321,30 @@ function sparse(data) {
   data.clouds = [data.clouds[0], data.clouds[6]];
   data.tests.rows[2][1] = null;
   data.tests.rows[4] = [null, null, null];
+  return data;
+}
+
+/** As an earlier version wrote it. */
+function without_curves(data) {
+  const copy = structuredClone(data);
+  for (const key of ["estimate", "densities", "correlation", "regions"]) delete copy.result.parameters[key];
+  return copy;
+}
+
+/** What a sampler of a posterior leaves: no intervals, but quantiles and evidence. */
+function as_posterior(data) {
+  const { parameters } = data.result;
+  const scores = [-1.96, -1, 0, 1, 1.96];
+  Object.assign(parameters, {
+    is_population: false,
+    mean_ci95: null,
+    std_ci95: null,
+    estimate: { kind: "posterior", log_evidence: -12.34, effective_samples: 412.7 },
+    quantiles: {
+      probabilities: [0.025, 0.16, 0.5, 0.84, 0.975],
+      values: parameters.mean.map((mean, i) => scores.map((z) => mean + z * parameters.std[i])),
+    },
+  });
   return data;
 }
 
@@ -319,7 +358,11 @@ function write_page(name, data) {
 }
 
 mkdirSync(out, { recursive: true });
-const case_1 = () => update(masses_study({})).data;
+function case_1() {
+  const { data } = update(masses_study({}));
+  add_curves(data.result.parameters);
+  return data;
+}
 write_page("case1", case_1());
 write_page("refused", update(refused_study()).data);
 const population = with_population(case_1(), {
@@ -354,5 +397,7 @@ write_page("propagate", propagate(case_1()));
 write_page("sparse", sparse(case_1()));
 write_page("modes", modes_page(20, 10, 8));
 write_page("shapes", { ...case_1(), modes: plate_modes(20, 10, 3), mac: plate_mac(3, 3) });
+write_page("posterior", as_posterior(case_1()));
+write_page("old", without_curves(population));
 write_page("empty", { result: { title: "Nothing but a title" } });
 console.log(out);

@@ -1,5 +1,6 @@
 // Turns a simulated run into one of a method that estimates a population: intervals, specimens, outliers, predictions.
 // Its numbers serve to look at the page; nobody takes them as results.
+import { add_curves } from "./curves_fixture.mjs";
 import { apply, cholesky, random_normal } from "./matrix.mjs";
 
 const fisher = (r, n) => [
@@ -34,6 +35,13 @@ function unseen_of(names, count) {
   });
 }
 
+function histogram(pit) {
+  const bins = Math.max(4, Math.min(10, Math.floor(pit.length / 8)));
+  const counts = new Array(bins).fill(0);
+  for (const value of pit) counts[Math.min(bins - 1, Math.floor(value * bins))] += 1;
+  return { counts, expected_range: [0, Math.ceil((2.2 * pit.length) / bins)] };
+}
+
 export function prediction_of(names, held_out, { seed = 5, narrow = 1 } = {}) {
   const normal = random_normal(seed);
   const mean = names.map((_, k) => 40 * 1.4 ** k);
@@ -42,16 +50,20 @@ export function prediction_of(names, held_out, { seed = 5, narrow = 1 } = {}) {
   const pit = z.map((row) => row.map(normal_probability));
   const share = (inside) => inside.filter(Boolean).length / held_out;
   return {
-    outputs: { names, units: names.map(() => "Hz") },
+    names,
+    units: names.map(() => "Hz"),
     mean,
     std,
     interval95: mean.map((value, k) => [value - 1.96 * std[k], value + 1.96 * std[k]]),
     held_out: {
-      count: held_out,
+      specimens: held_out,
       coverage: names.map((_, k) => share(z.map((row) => Math.abs(row[k]) < 1.96))),
       joint_coverage: share(z.map((row) => row.every((value) => Math.abs(value) < 1.96 + 0.12 * names.length))),
-      pit,
-      uniformity_p: names.map((_, k) => (narrow < 1 ? 1e-5 : 0.2 + 0.1 * k)),
+      transforms: pit,
+      scores: z,
+      histograms: names.map((_, k) => histogram(pit.map((row) => row[k]))),
+      least_inside: names.map(() => Math.floor(0.85 * held_out)),
+      uniformity_p_values: names.map((_, k) => (narrow < 1 ? 1e-5 : 0.2 + 0.1 * k)),
     },
   };
 }
@@ -98,6 +110,7 @@ export function with_population(data, { scales = [], unseen = 0, outliers = [], 
       ),
     ),
   });
+  add_curves(parameters);
   const residual = (specimen, output) => {
     if (tests.rows[specimen][output] === null) return null;
     const far = outliers.includes(specimen + 1) && output < 2 ? 3.6 - 7.4 * output : 0;
@@ -113,6 +126,8 @@ export function with_population(data, { scales = [], unseen = 0, outliers = [], 
       return parameters.mean.map((value, i) => value + step[i]);
     }),
     residuals: tests.rows.map((row, s) => row.map((_, k) => residual(s, k))),
+    large_residual: 3,
+    expected_large: 0.0027 * n * tests.columns.length,
   };
   result.outliers = outliers.map((specimen, k) => ({ specimen, distance: 5.3 + k, p_value: 2e-5 / (k + 1) }));
   if (prediction) result.prediction = prediction;

@@ -80,8 +80,8 @@ function iteration_entry(index, cloud, study, test) {
     output_mean,
     output_std: standard_deviations(output_covariance),
     output_covariance,
-    ellipses: ellipses_of(output_mean, output_covariance).slice(0, study.ellipses_at_most),
-    parameter_ellipses: ellipses_of(parameter_mean, parameter_covariance).slice(0, study.ellipses_at_most),
+    ellipses: ellipses_of(output_mean, output_covariance),
+    parameter_ellipses: ellipses_of(parameter_mean, parameter_covariance),
   };
 }
 
@@ -194,7 +194,7 @@ function result_of(study, { iterations, test, regression, first, cloud }) {
       final_covariance: last.output_covariance,
     },
     iterations,
-    test_ellipses: ellipses_of(test.mean, test.covariance).slice(0, study.ellipses_at_most),
+    test_ellipses: ellipses_of(test.mean, test.covariance),
     regression,
     spearman: spearman(first.parameters.slice(0, 400), first.outputs.slice(0, 400)),
     sample_size: {

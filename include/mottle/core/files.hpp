@@ -12,12 +12,36 @@ namespace mottle {
 /// Largest file that is read as a whole: 8 GiB, a matrix of 200 million entries as text.
 inline constexpr std::uint64_t k_largest_file = std::uint64_t{8} << 30;
 
-/// The whole file as bytes, as long as it was when its end was read. Named pipes, devices and sockets, which may never
+/// A regular file that is read from its beginning, a block at a time. Named pipes, devices and sockets, which may never
 /// end, are not waited for.
-///
-/// @param most_bytes  limit, held against the file's size before memory is asked for
-/// @throws InvalidInput   missing, unreadable, larger than the limit, or not a regular file (path and reason)
-/// @throws SystemFailure  the disk or the system failed
+class BlockReader {
+ public:
+  /// @param most_bytes  limit, held against the file's size now and against what is read later
+  /// @throws InvalidInput   missing, unreadable, larger than the limit, or not a regular file (path and reason)
+  /// @throws SystemFailure  the disk or the system failed
+  explicit BlockReader(std::filesystem::path path, std::uint64_t most_bytes = k_largest_file);
+  BlockReader(BlockReader&& other) noexcept;
+  BlockReader& operator=(BlockReader&&) = delete;
+  BlockReader(const BlockReader&) = delete;
+  BlockReader& operator=(const BlockReader&) = delete;
+  ~BlockReader();
+
+  std::uint64_t size() const { return size_; }  ///< when the file was opened
+  /// Whether its last byte ends a line; true of an empty file too. Throws as the constructor does.
+  bool ends_with_line() const;
+  /// Puts the next bytes into `block`, which is not empty; how many they are, 0 at the end. Throws as the constructor.
+  std::size_t read(std::span<char> block);
+
+ private:
+  void check_size(std::uint64_t size) const;
+
+  std::filesystem::path path_;
+  std::uint64_t most_bytes_ = 0, size_ = 0, read_ = 0;
+  int descriptor_ = -1;
+};
+
+/// The whole file as bytes, as long as it was when its end was read. Limits and errors are those of BlockReader; the
+/// limit is held against the file's size before memory is asked for.
 std::string read_file(const std::filesystem::path& path, std::uint64_t most_bytes = k_largest_file);
 
 /// Writes `bytes` beside `path`, flushes them to the disk and renames: a reader sees the old file or the new one.

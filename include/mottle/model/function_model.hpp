@@ -18,16 +18,16 @@ class FunctionModel final : public Model {
   /// @param parameters  their number
   /// @param outputs     what the function's values are
   /// @throws InvalidInput  no parameter, no output, an output without a name or of a name twice
-  FunctionModel(Eigen::Index parameters, std::vector<Output> outputs, Function function);
+  FunctionModel(Eigen::Index parameters, std::vector<Quantity> outputs, Function function);
 
   Eigen::Index parameter_count() const override { return parameters_; }
-  const std::vector<Output>& outputs() const override { return outputs_; }
+  const std::vector<Quantity>& outputs() const override { return outputs_; }
   /// A value that is not finite, or a wrong number of values, fails the sample too. Lack of memory ends the batch.
   Evaluation evaluate(const Eigen::Ref<const Eigen::MatrixXd>& samples, const RunContext& context) const override;
 
  private:
   Eigen::Index parameters_;
-  std::vector<Output> outputs_;
+  std::vector<Quantity> outputs_;
   Function function_;
 };
 

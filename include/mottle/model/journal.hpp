@@ -31,7 +31,7 @@ class JournalledModel final : public Model {
   JournalledModel& operator=(const JournalledModel&) = delete;
 
   Eigen::Index parameter_count() const override { return model_.parameter_count(); }
-  const std::vector<Output>& outputs() const override { return model_.outputs(); }
+  const std::vector<Quantity>& outputs() const override { return model_.outputs(); }
   double difference_step() const override { return model_.difference_step(); }
   Evaluation evaluate(const Eigen::Ref<const Eigen::MatrixXd>& samples, const RunContext& context) const override;
 

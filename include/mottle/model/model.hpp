@@ -70,7 +70,7 @@ class Model {
   virtual ~Model() = default;
 
   virtual Eigen::Index parameter_count() const = 0;
-  virtual const std::vector<Output>& outputs() const = 0;
+  virtual const std::vector<Quantity>& outputs() const = 0;
 
   /// Evaluates every row of `samples` [sample x parameter]. A row's result depends on that row alone, but for models
   /// that answer within a tolerance: there on the batch that it is in, and on nothing before.

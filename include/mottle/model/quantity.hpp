@@ -5,44 +5,52 @@
 
 namespace mottle {
 
-/// What an output is, whatever it is called and in whatever unit its numbers are.
-enum class OutputKind {
-  frequency,
+/// What a quantity is, whatever it is called and in whatever unit its numbers are.
+enum class QuantityKind {
+  frequency,     ///< natural frequency
   displacement,  ///< component of a mode shape
   rotation,      ///< the same of a rotational degree of freedom: another dimension
   damping_ratio,
   other,
 };
 
-/// Whether the measurement's noise of such outputs is a fraction of their value (frequencies); else it is one level for
-/// all outputs of the kind.
-inline constexpr bool has_relative_noise(OutputKind kind) {
-  return kind == OutputKind::frequency;
+/// Whether the measurement's noise of such quantities is a fraction of their value (frequencies); else it is one level
+/// for all quantities of the kind.
+inline constexpr bool has_relative_noise(QuantityKind kind) {
+  return kind == QuantityKind::frequency;
 }
 
-/// One quantity that the model predicts and a test measures. Nothing is computed from its name or its unit.
-struct Output {
-  std::string name;  ///< as in the header of a test file
-  std::string unit;  ///< "Hz", "1/sqrt(kg)", "-"
-  OutputKind kind = OutputKind::other;
-  int mode = 0;  ///< number of the mode that it belongs to; 0: none
+/// One number that the model predicts and a test measures.
+struct Quantity {
+  QuantityKind kind = QuantityKind::other;
+  int mode = 0;            ///< number of the mode that it belongs to; 0: none
+  std::string place = {};  ///< degree of freedom of a shape's component as the structure names it; of `other` its name
+  std::string unit = "-";  ///< for readers: nothing is computed from it
+
+  /// As in the header of a test file: "f1", "phi1:m2", "zeta1".
+  std::string name() const;
+
+  bool operator==(const Quantity&) const = default;
 };
 
 /// "f1".
 ///
 /// @param mode  from 1
-Output frequency_output(int mode, const std::string& unit);
+Quantity natural_frequency(int mode, const std::string& unit);
 
 /// "phi1:m2".
 ///
 /// @param place  degree of freedom as the structure names it
 /// @param kind   displacement or rotation
-Output shape_output(int mode, const std::string& place, OutputKind kind, const std::string& unit);
+Quantity shape_component(int mode, const std::string& place, QuantityKind kind, const std::string& unit);
 
 /// "zeta1", without unit.
-Output damping_output(int mode);
+Quantity damping_ratio(int mode);
+
+/// A user's own quantity by its name.
+Quantity named_quantity(const std::string& name, const std::string& unit);
 
 /// Whether one of these could have this name: a column of a test file that the study does not use.
-bool may_name_output(const std::string& name);
+bool may_name_quantity(const std::string& name);
 
 }  // namespace mottle

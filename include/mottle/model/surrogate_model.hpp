@@ -25,7 +25,7 @@ class SurrogateModel final : public Model {
   const Surrogate& surrogate() const { return *surrogate_; }
 
   Eigen::Index parameter_count() const override { return model_.parameter_count(); }
-  const std::vector<Output>& outputs() const override { return model_.outputs(); }
+  const std::vector<Quantity>& outputs() const override { return model_.outputs(); }
   /// Needs train().
   Evaluation evaluate(const Eigen::Ref<const Eigen::MatrixXd>& samples, const RunContext& context) const override;
 

@@ -11,8 +11,8 @@
 #include "drivers/calculix/matrix_store.hpp"
 #include "drivers/command/run_output.hpp"
 #include "drivers/command/solver_process.hpp"
-#include "mottle/core/error.hpp"
 #include "mottle/core/files.hpp"
+#include "mottle/core/subject.hpp"
 #include "mottle/core/text.hpp"
 #include "mottle/drivers/calculix/separable_fit.hpp"
 
@@ -66,13 +66,14 @@ Eigen::Index diagonal_entries(const SparseMatrix& lower) {
   return count;
 }
 
-class Solver {
+class CalculixProgram {
  public:
-  explicit Solver(const CalculixSettings& settings) : settings_(settings), program_(find_program(settings.program)) {
-    require(!program_.empty(),
-            "model.program: there is no program '{}' on the PATH; install CalculiX (Debian: calculix-ccx) or name its "
-            "file",
-            settings.program);
+  explicit CalculixProgram(const CalculixSettings& settings)
+      : settings_(settings), program_(find_program(settings.program)) {
+    require_of(!program_.empty(), {Subject::Kind::program},
+               "there is no program '{}' on the PATH; install CalculiX (Debian: calculix-ccx) or name its "
+               "file",
+               settings.program);
     const PrivateFolder folder;
     run({program_.string(), "-v"}, folder.path());
     version_ = last_part(folder.path() / k_standard_output);  // whatever its exit status: 201 of version 2.20
@@ -178,7 +179,7 @@ std::vector<Setting> find_settings(const CalculixDeck& deck, const std::vector<P
   for (const ParameterTargets& parameter : parameters) {
     Setting& setting = settings.emplace_back();
     setting.is_factor = parameter.is_factor;
-    const std::string start = fmt::format("parameter '{}'", parameter.parameter);
+    const Subject subject = subject_parameter(parameter.parameter);
     for (const std::string& target : parameter.targets) {
       std::vector<CalculixNumber> numbers;
       try {
@@ -186,20 +187,20 @@ std::vector<Setting> find_settings(const CalculixDeck& deck, const std::vector<P
       } catch (const FormatError&) {
         throw;
       } catch (const InvalidInput& error) {
-        throw InvalidInput(fmt::format("{}: it acts on nothing: {}", start, error.what()));
+        throw SubjectError(subject, fmt::format("it acts on nothing: {}", error.what()));
       }
       for (const CalculixNumber& number : numbers) {
         const auto [owner, is_new] = owners.emplace(std::pair{number.line, number.begin}, parameter.parameter);
-        require(is_new, "{}: target '{}' ({}) is already tied to parameter '{}'", start, target,
-                deck.where(number.line), owner->second);
-        require(!parameter.is_factor || !number.is_placeholder,
-                "{}: '{}' has no value in the deck that a factor could multiply", start, target);
-        require(!parameter.is_factor || number.value != 0.0,
-                "{}: a factor on '{}', whose nominal value is 0, acts on nothing", start, target);
+        require_of(is_new, subject, "target '{}' ({}) is already tied to parameter '{}'", target,
+                   deck.where(number.line), owner->second);
+        require_of(!parameter.is_factor || !number.is_placeholder, subject,
+                   "'{}' has no value in the deck that a factor could multiply", target);
+        require_of(!parameter.is_factor || number.value != 0.0, subject,
+                   "a factor on '{}', whose nominal value is 0, acts on nothing", target);
         setting.numbers.push_back(number);
       }
     }
-    require(!setting.numbers.empty(), "{}: it has no target, so it acts on nothing", start);
+    require_of(!setting.numbers.empty(), subject, "it has no target, so it acts on nothing");
   }
   return settings;
 }
@@ -231,14 +232,14 @@ MatrixModel calculix_model(const CalculixDeck& deck, const std::vector<Parameter
   for (std::size_t i = 0; i < parameters.size(); ++i) {
     const auto p = static_cast<Eigen::Index>(i);
     model.reference(p) = nominal_of(moved[i], fallback(p));
-    require(model.reference(p) != 0.0, "parameter '{}': its nominal value is 0; CalculiX cannot be run there",
-            parameters[i].parameter);
+    require_of(model.reference(p) != 0.0, subject_parameter(parameters[i].parameter),
+               "its nominal value is 0; CalculiX cannot be run there");
     const auto& targets = parameters[i].targets;
     axes.push_back({parameters[i].parameter, model.reference(p),
                     std::any_of(targets.begin(), targets.end(),
                                 [](const std::string& target) { return calculix_field(target) == "T"; })});
   }
-  Solver solver(settings);
+  CalculixProgram solver(settings);
   SeparableFit fit = fit_separable(axes, [&](const Eigen::VectorXd& values) {
     std::vector<CalculixChange> changes;
     for (std::size_t i = 0; i < moved.size(); ++i) {

@@ -18,21 +18,41 @@ namespace {
 
 constexpr double k_two_pi = 2.0 * std::numbers::pi;
 
-/// The bytes of a file that a run has left.
-std::string read_output(const std::filesystem::path& folder, const std::string& file) {
-  const std::filesystem::path path = folder / file;
+/// A file that a run has left.
+std::filesystem::path output_file(const std::filesystem::path& folder, const std::string& file) {
+  std::filesystem::path path = folder / file;
   std::error_code error;
   const auto status = std::filesystem::status(path, error);
   require(status.type() != std::filesystem::file_type::not_found, "the run left no file '{}'", file);
   require(std::filesystem::is_regular_file(status), "'{}' is no regular file", file);
-  return read_file(path);
+  return path;
+}
+
+/// The bytes of a file whose format needs it as a whole.
+std::string read_output(const std::filesystem::path& folder, const std::string& file) {
+  return read_file(output_file(folder, file));
+}
+
+/// The lines of a printed file, which may be larger than the memory.
+LineWalker lines_of(const std::filesystem::path& folder, const std::string& file) {
+  return {BlockReader(output_file(folder, file)), file};
+}
+
+[[noreturn]] void refuse_cut_file(const std::string& file) {
+  throw FormatError(file, 0, "ends within a line: it was cut short");
 }
 
 /// The same of a file by a finite-element program, which ends every line: a last number that is cut short would be read
 /// as another one.
+LineWalker whole_lines_of(const std::filesystem::path& folder, const std::string& file) {
+  BlockReader reader(output_file(folder, file));
+  if (!reader.ends_with_line()) refuse_cut_file(file);
+  return {std::move(reader), file};
+}
+
 std::string read_whole_output(const std::filesystem::path& folder, const std::string& file) {
   std::string bytes = read_output(folder, file);
-  if (!bytes.empty() && bytes.back() != '\n') throw FormatError(file, 0, "ends within a line: it was cut short");
+  if (!bytes.empty() && bytes.back() != '\n') refuse_cut_file(file);
   return bytes;
 }
 
@@ -59,8 +79,7 @@ bool find_table(LineWalker& walker, const std::string& after, int line) {
   return true;
 }
 
-Eigen::VectorXd read_column(std::string_view bytes, const FrequencyRule& rule) {
-  LineWalker walker(bytes);
+Eigen::VectorXd read_column(LineWalker walker, const FrequencyRule& rule) {
   if (!find_table(walker, rule.after, rule.line)) {
     throw FormatError(rule.file, 0,
                       rule.after.empty() ? fmt::format("has no line {}", rule.line)
@@ -80,10 +99,10 @@ Eigen::VectorXd read_column(std::string_view bytes, const FrequencyRule& rule) {
   return to_vector(values);
 }
 
-Eigen::VectorXd read_matches(std::string_view bytes, const FrequencyRule& rule) {
+Eigen::VectorXd read_matches(LineWalker walker, const FrequencyRule& rule) {
   const NumberPattern pattern(rule.pattern);
   std::vector<double> values;
-  for (LineWalker walker(bytes); walker.next();) {
+  while (walker.next()) {
     for (const std::string_view number : pattern.first_groups(walker.line())) {
       values.push_back(number_at(number, rule.file, walker.number()));
     }
@@ -132,26 +151,23 @@ Eigen::VectorXd read_json_list(const std::string& bytes, const FrequencyRule& ru
 
 Eigen::VectorXd read_frequencies(const std::filesystem::path& folder, const FrequencyRule& rule) {
   using Format = FrequencyRule::Format;
-  const bool is_programs =
-      rule.format == Format::f06 || rule.format == Format::punch || rule.format == Format::calculix;
-  const std::string bytes = is_programs ? read_whole_output(folder, rule.file) : read_output(folder, rule.file);
   switch (rule.format) {
     case Format::f06:
-      return read_f06_eigenvalues(bytes, rule.file);
+      return read_f06_eigenvalues(whole_lines_of(folder, rule.file), rule.file);
     case Format::punch:
-      return read_punch_eigenvalues(bytes, rule.file);
+      return read_punch_eigenvalues(whole_lines_of(folder, rule.file), rule.file);
     case Format::calculix:
-      return parse_calculix_eigenvalues(bytes, rule.file);
+      return parse_calculix_eigenvalues(read_whole_output(folder, rule.file), rule.file);
     case Format::regex:
-      return read_matches(bytes, rule);
+      return read_matches(lines_of(folder, rule.file), rule);
     case Format::csv:
-      return read_csv_column(bytes, rule);
+      return read_csv_column(read_output(folder, rule.file), rule);
     case Format::json:
-      return read_json_list(bytes, rule);
+      return read_json_list(read_output(folder, rule.file), rule);
     case Format::column:
       break;
   }
-  return read_column(bytes, rule);
+  return read_column(lines_of(folder, rule.file), rule);
 }
 
 /// Eigenvalues of what the rule's numbers are; negative frequencies do not exist, negative eigenvalues do.
@@ -178,9 +194,8 @@ Eigen::VectorXd to_eigenvalues(const Eigen::VectorXd& numbers, const FrequencyRu
   return eigenvalues;
 }
 
-NamedShapes read_shape_tables(std::string_view bytes, const ShapeRule& rule) {
+NamedShapes read_shape_tables(LineWalker walker, const ShapeRule& rule) {
   ShapeCollector collector(rule.file);
-  LineWalker walker(bytes);
   for (int mode = 1; find_table(walker, rule.after, rule.line); ++mode) {
     collector.begin_mode(mode, walker.number());
     while (walker.next()) {
@@ -228,21 +243,19 @@ NamedShapes read_calculix_shapes(std::string_view bytes, const std::string& file
 
 NamedShapes read_shapes(const std::filesystem::path& folder, const ShapeRule& rule) {
   using Format = ShapeRule::Format;
-  const bool is_own = rule.format == Format::csv || rule.format == Format::column;
-  const std::string bytes = is_own ? read_output(folder, rule.file) : read_whole_output(folder, rule.file);
   switch (rule.format) {
     case Format::f06:
-      return read_f06_shapes(bytes, rule.file);
+      return read_f06_shapes(whole_lines_of(folder, rule.file), rule.file);
     case Format::punch:
-      return read_punch_shapes(bytes, rule.file);
+      return read_punch_shapes(whole_lines_of(folder, rule.file), rule.file);
     case Format::calculix:
-      return read_calculix_shapes(bytes, rule.file);
+      return read_calculix_shapes(read_whole_output(folder, rule.file), rule.file);
     case Format::column:
-      return read_shape_tables(bytes, rule);
+      return read_shape_tables(lines_of(folder, rule.file), rule);
     case Format::csv:
       break;
   }
-  return read_shape_csv(bytes, rule);
+  return read_shape_csv(read_output(folder, rule.file), rule);
 }
 
 }  // namespace

@@ -36,10 +36,10 @@ bool clone(const fs::path& source, const fs::path& place) {
 }
 
 [[noreturn]] void refuse_changed(const RunFile& file) {
-  throw SystemFailure(fmt::format(
-      "model.files: a run has changed the copy of '{}' that all runs start from; let the solver change only "
-      "what lies in its own folder and is no link",
-      file.name));
+  throw SystemFailure(
+      fmt::format("a run has changed the copy of '{}' that all runs start from; let the solver change only "
+                  "what lies in its own folder and is no link",
+                  file.name));
 }
 
 }  // namespace

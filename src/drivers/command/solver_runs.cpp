@@ -5,8 +5,8 @@
 
 #include "drivers/command/run_output.hpp"
 #include "drivers/command/solver_process.hpp"
-#include "mottle/core/error.hpp"
 #include "mottle/core/files.hpp"
+#include "mottle/core/subject.hpp"
 #include "mottle/core/text.hpp"
 #include "mottle/core/utf8.hpp"
 
@@ -75,8 +75,8 @@ void SolverRuns::read_templates(const std::vector<std::string>& names) {
     }
   }
   for (std::size_t i = 0; i < names.size(); ++i) {
-    require(used[i], "parameter '{0}': acts on nothing: {{{{{0}}}}} stands in no template and not in the command",
-            names[i]);
+    require_of(used[i], subject_parameter(names[i]),
+               "acts on nothing: {{{{{}}}}} stands in no template and not in the command", names[i]);
   }
   add_piece(constants_, rules_text(command_));
   for (const auto& [name, value] : command_.environment) add_piece(constants_, fmt::format("{}={}", name, value));
@@ -86,7 +86,7 @@ void SolverRuns::require_program(const CommandLine& line) const {
   const std::string& program = line.arguments.front();
   if (line.is_shell || program.find("{{") != std::string::npos) return;
   if (program.find('/') == std::string::npos) {
-    require(!find_program(program).empty(), "model.command: there is no program '{}' on PATH", program);
+    require_of(!find_program(program).empty(), {Subject::Kind::command}, "there is no program '{}' on PATH", program);
     return;
   }
   const auto is_meant = [&](const RunFile& file) {
@@ -94,9 +94,10 @@ void SolverRuns::require_program(const CommandLine& line) const {
   };
   const bool is_own = std::any_of(command_.files.begin(), command_.files.end(), is_meant) ||
                       std::any_of(command_.templates.begin(), command_.templates.end(), is_meant);
-  require(is_own || (std::filesystem::path(program).is_absolute() && std::filesystem::exists(program)),
-          "model.command: '{}' is not there; give a program on PATH, an absolute path, or one of model.files as ./NAME",
-          program);
+  require_of(is_own || (std::filesystem::path(program).is_absolute() && std::filesystem::exists(program)),
+             {Subject::Kind::command},
+             "'{}' is not there; give a program on PATH, an absolute path, or one of the files of a run as ./NAME",
+             program);
 }
 
 void SolverRuns::read_files() {

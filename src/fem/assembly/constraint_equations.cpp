@@ -18,7 +18,7 @@ bool has(Components components, int component) {
 
 /// Displacement components of `node` (rows) for a rigid motion given at `origin` (columns: three translations, three
 /// rotations, basic).
-Rigid rigid_motion(const FiniteElementModel& model, int node, const Eigen::Vector3d& origin) {
+Rigid rigid_motion_of_node(const FiniteElementModel& model, int node, const Eigen::Vector3d& origin) {
   return mottle::rigid_motion(displacement_directions(model, node),
                               model.nodes[static_cast<std::size_t>(node)].position - origin);
 }
@@ -45,7 +45,7 @@ void add_rigid_body(const FiniteElementModel& model, const RigidBody& body,
   to_basic.topLeftCorner<3, 3>() = own;
   to_basic.bottomRightCorner<3, 3>() = own;
   for (const int node : body.dependents) {
-    const Rigid motion = rigid_motion(model, node, origin) * to_basic;
+    const Rigid motion = rigid_motion_of_node(model, node, origin) * to_basic;
     for (int c = 0; c < 6; ++c) {
       if (!has(body.components, c)) continue;
       DependentDegreeOfFreedom equation{degree_of_freedom(node, c), {}, fmt::format("RBE2 {}", body.id)};
@@ -58,7 +58,8 @@ void add_rigid_body(const FiniteElementModel& model, const RigidBody& body,
 void add_rigid_bar(const FiniteElementModel& model, const RigidBar& bar,
                    std::vector<DependentDegreeOfFreedom>& equations) {
   const Eigen::Vector3d& origin = position(model, bar.nodes[0]);
-  const Rigid motions[2] = {rigid_motion(model, bar.nodes[0], origin), rigid_motion(model, bar.nodes[1], origin)};
+  const Rigid motions[2] = {rigid_motion_of_node(model, bar.nodes[0], origin),
+                            rigid_motion_of_node(model, bar.nodes[1], origin)};
   Rigid independent = Rigid::Zero();
   std::vector<int> columns;
   for (int end = 0; end < 2; ++end) {
@@ -102,7 +103,7 @@ void add_interpolation(const FiniteElementModel& model, const Interpolation& ele
   const double length = total > 0.0 && distance > 0.0 ? distance / total : 1.0;
   Rigid normal = Rigid::Zero();
   for (const auto& source : element.sources) {
-    const Rigid motion = rigid_motion(model, source.node, origin);
+    const Rigid motion = rigid_motion_of_node(model, source.node, origin);
     for (int c = 0; c < 6; ++c) {
       if (!has(source.components, c)) continue;
       const double weight = source.weight * (c < 3 ? 1.0 : length * length);
@@ -118,13 +119,13 @@ void add_interpolation(const FiniteElementModel& model, const Interpolation& ele
           "RBE3 {}: its sources do not determine a rigid-body motion; give more of them or more components",
           element.id);
   const Rigid fit = scale * inverse.inverse() * scale;
-  const Rigid reference = rigid_motion(model, element.reference, origin);
+  const Rigid reference = rigid_motion_of_node(model, element.reference, origin);
   for (int c = 0; c < 6; ++c) {
     if (!has(element.reference_components, c)) continue;
     DependentDegreeOfFreedom equation{degree_of_freedom(element.reference, c), {}, fmt::format("RBE3 {}", element.id)};
     const Eigen::RowVectorXd row = reference.row(c) * fit;
     for (const auto& source : element.sources) {
-      const Rigid motion = rigid_motion(model, source.node, origin);
+      const Rigid motion = rigid_motion_of_node(model, source.node, origin);
       for (int k = 0; k < 6; ++k) {
         if (!has(source.components, k)) continue;
         const double weight = source.weight * (k < 3 ? 1.0 : length * length);

@@ -3,8 +3,11 @@
 
 #include <Eigen/Core>
 #include <functional>
+#include <span>
+#include <string>
 #include <vector>
 
+#include "mottle/fem/elements/solid.hpp"
 #include "mottle/fem/finite_element_model.hpp"
 
 namespace mottle {
@@ -36,6 +39,15 @@ struct ElementPieces {
 
 /// Which pieces are wanted.
 enum class PieceSelection : std::uint8_t { all, mass };
+
+/// What the model's settings make of masses.
+MassKind mass_kind(const FiniteElementModel& model);
+
+/// Basic coordinates of nodes: [3 x node].
+Eigen::Matrix3Xd positions(const FiniteElementModel& model, std::span<const int> nodes);
+
+/// Lets an element act on all six degrees of freedom of a node.
+void add_six_degrees_of_freedom(int node, ElementPieces& element);
 
 /// Calls `visit` for every element, in the model's order. The object may be changed by the visitor.
 ///

@@ -8,6 +8,9 @@ namespace mottle {
 namespace {
 
 constexpr long long k_most_rows = 10'000'000;
+// Rows that a matrix may have whatever stands in it, and for each of its entries: a line must not claim gigabytes.
+constexpr std::size_t k_free_rows = 1'000'000;
+constexpr std::size_t k_rows_an_entry = 100;
 
 }  // namespace
 
@@ -129,6 +132,11 @@ bool SymmetricBuilder::is_full(Stored stored) const {
 
 SparseMatrix SymmetricBuilder::finish(Stored stored) {
   if (size_ < 1) throw FormatError(file_, 0, "holds no matrix entry");
+  if (static_cast<std::size_t>(size_) > k_free_rows + k_rows_an_entry * entries_.size()) {
+    throw FormatError(
+        file_, 0,
+        fmt::format("a matrix of {} rows with {} entries: nearly all of its rows are empty", size_, entries_.size()));
+  }
   std::stable_sort(entries_.begin(), entries_.end(), [](const Entry& a, const Entry& b) {
     return a.column != b.column ? a.column < b.column : a.row < b.row;
   });

@@ -69,7 +69,8 @@ class SymmetricBuilder {
   /// Throws FormatError: outside of the matrix.
   void add(int line, long long row, long long column, double value);
 
-  /// Throws FormatError: an entry twice, two triangles that disagree.
+  /// Throws FormatError: an entry twice, two triangles that disagree, more than a million rows that are nearly all
+  /// empty.
   SparseMatrix finish(Stored stored = Stored::triangle);
 
  private:

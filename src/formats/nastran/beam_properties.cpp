@@ -4,6 +4,7 @@
 #include <array>
 
 #include "formats/nastran/builder.hpp"
+#include "formats/nastran/card_table.hpp"
 #include "formats/nastran/rows.hpp"
 #include "mottle/core/error.hpp"
 #include "mottle/fem/elements/beam_section.hpp"
@@ -19,8 +20,8 @@ BeamProperty started(ModelBuilder& builder, const Card& card, int id) {
   return property;
 }
 
-void finish(ModelBuilder& builder, std::unordered_map<int, int>& table, BeamProperty property) {
-  table[property.id] = static_cast<int>(builder.model.beam_properties.size());
+void finish(ModelBuilder& builder, std::string_view kinds, BeamProperty property) {
+  builder.properties<int>(kinds)[property.id] = static_cast<int>(builder.model.beam_properties.size());
   builder.model.beam_properties.push_back(std::move(property));
 }
 
@@ -37,7 +38,7 @@ void read_pbar(ModelBuilder& builder, const Card& card) {
   property.shear_1 = builder.real(card, 17, "K1", 0.0);
   property.shear_2 = builder.real(card, 18, "K2", 0.0);
   property.inertia_12 = builder.read_field(card, 19, "I12", id);
-  finish(builder, builder.bar_properties, std::move(property));
+  finish(builder, "PBAR or PBARL", std::move(property));
 }
 
 /// Whether field n repeats the number of a field at end A (blank: it does by default).
@@ -96,7 +97,7 @@ BeamProperty read_section(ModelBuilder& builder, const Card& card, int id) {
 void read_pbarl(ModelBuilder& builder, const Card& card) {
   const int id = card.id(1, "PID");
   if (!builder.is_first(card, id, IdSpace::bar_property)) return;
-  finish(builder, builder.bar_properties, read_section(builder, card, id));
+  finish(builder, "PBAR or PBARL", read_section(builder, card, id));
 }
 
 void read_pbeaml(ModelBuilder& builder, const Card& card) {
@@ -104,7 +105,7 @@ void read_pbeaml(ModelBuilder& builder, const Card& card) {
   if (!builder.is_first(card, id, IdSpace::beam_property)) return;
   BeamProperty property = read_section(builder, card, id);
   require_constant_dimensions(builder, card, property, 10 + static_cast<int>(property.dimensions.size()));
-  finish(builder, builder.beam_properties, std::move(property));
+  finish(builder, "PBEAM or PBEAML", std::move(property));
 }
 
 bool is_station(std::string_view field) {
@@ -152,20 +153,20 @@ void read_pbeam(ModelBuilder& builder, const Card& card) {
   for (int i = n + 8; i < n + 16; ++i) {
     card.require_absent(i, i < n + 12 ? "M" : "N", "offsets of the neutral axis or the mass are not supported");
   }
-  finish(builder, builder.beam_properties, std::move(property));
+  finish(builder, "PBEAM or PBEAML", std::move(property));
 }
 
 constexpr std::array<CardRule, 4> k_beam_property_rules = {{
-    {"PBAR", Phase::properties, read_pbar, 19},
-    {"PBARL", Phase::properties, read_pbarl},
-    {"PBEAM", Phase::properties, read_pbeam},
-    {"PBEAML", Phase::properties, read_pbeaml},
+    {"PBAR", Phase::properties, read_pbar, 19, "A I1 I2 J"},
+    {"PBARL", Phase::properties, read_pbarl, 0, "DIM*"},
+    {"PBEAM", Phase::properties, read_pbeam, 0, "A I1 I2 J"},
+    {"PBEAML", Phase::properties, read_pbeaml, 0, "DIM*"},
 }};
 
 }  // namespace
 
-std::span<const CardRule> beam_property_rules() {
-  return k_beam_property_rules;
+CardFamily beam_property_cards() {
+  return {"", k_beam_property_rules};
 }
 
 }  // namespace mottle::nastran

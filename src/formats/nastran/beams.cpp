@@ -3,6 +3,7 @@
 #include <array>
 
 #include "formats/nastran/builder.hpp"
+#include "formats/nastran/card_table.hpp"
 #include "formats/nastran/rows.hpp"
 
 namespace mottle::nastran {
@@ -30,12 +31,12 @@ class BeamReader {
       : builder_(builder), card_(card), defaults_(defaults == nullptr ? card : builder.card_of(*defaults)) {}
 
   /// EID PID GA GB X1 X2 X3 OFFT / PA PB W1A W2A W3A W1B W2B W3B.
-  BeamElement read(const std::unordered_map<int, int>& properties, std::string_view kinds) {
+  BeamElement read(std::string_view kinds) {
     BeamElement beam;
     beam.card = card_.name();
     beam.id = card_.id(1, "EID");
     const Card& property = card_.is_blank(2) ? defaults_ : card_;
-    beam.property = find_property(properties, card_, property.is_blank(2) ? beam.id : property.id(2, "PID"), kinds);
+    beam.property = builder_.property<int>(card_, property.is_blank(2) ? beam.id : property.id(2, "PID"), kinds);
     nodes_ = {builder_.grid(card_, 3, "GA"), builder_.grid(card_, 4, "GB")};
     beam.nodes = nodes_;
     if (nodes_[0] == nodes_[1]) card_.fail("GA and GB are the same grid point");
@@ -108,16 +109,14 @@ class BeamReader {
 void read_cbar(ModelBuilder& builder, const Card& card) {
   if (!builder.is_first(card, card.id(1, "EID"))) return;
   BeamReader reader(builder, card, builder.bar_defaults);
-  builder.model.beams.push_back(reader.read(builder.bar_properties, "PBAR or PBARL"));
-  builder.count_element(card);
+  builder.add_element(card, reader.read("PBAR or PBARL"));
 }
 
 void read_cbeam(ModelBuilder& builder, const Card& card) {
   if (!builder.is_first(card, card.id(1, "EID"))) return;
   if (card.has_any(17, 18)) builder.count("{} CBEAM cards name warping points (SA, SB), which were ignored");
   BeamReader reader(builder, card, builder.beam_defaults);
-  builder.model.beams.push_back(reader.read(builder.beam_properties, "PBEAM or PBEAML"));
-  builder.count_element(card);
+  builder.add_element(card, reader.read("PBEAM or PBEAML"));
 }
 
 constexpr std::array<CardRule, 4> k_beam_rules = {{
@@ -129,8 +128,8 @@ constexpr std::array<CardRule, 4> k_beam_rules = {{
 
 }  // namespace
 
-std::span<const CardRule> beam_rules() {
-  return k_beam_rules;
+CardFamily beam_cards() {
+  return {"CBAR, CBEAM", k_beam_rules};
 }
 
 }  // namespace mottle::nastran

@@ -2,8 +2,11 @@
 // which function reads which card, and when.
 #pragma once
 
+#include <any>
 #include <array>
 #include <cstdint>
+#include <functional>
+#include <map>
 #include <span>
 #include <string>
 #include <string_view>
@@ -15,23 +18,6 @@
 #include "mottle/formats/nastran/model.hpp"
 
 namespace mottle::nastran {
-
-/// PSOLID.
-struct SolidProperty {
-  int material = -1;
-};
-
-/// PROD, PTUBE.
-struct RodProperty {
-  int material = -1;
-  FieldIndex area = k_no_field, torsion = k_no_field, nonstructural_mass = k_no_field;
-};
-
-/// PBUSH.
-struct BushProperty {
-  std::array<FieldIndex, 6> stiffness = {-1, -1, -1, -1, -1, -1};
-  std::array<FieldIndex, 6> damping = {-1, -1, -1, -1, -1, -1};
-};
 
 /// GRID or SPOINT before coordinate systems are known.
 struct RawPoint {
@@ -88,11 +74,7 @@ class ModelBuilder {
   std::vector<int> node_ids;  ///< ascending, as model.nodes
   std::vector<RawPoint> raw_points;
   std::vector<RawSystem> raw_systems;
-  std::unordered_map<int, int> systems, materials, shell_properties, bar_properties, beam_properties;
-  std::unordered_map<int, SolidProperty> solid_properties;
-  std::unordered_map<int, RodProperty> rod_properties, tube_properties;
-  std::unordered_map<int, BushProperty> bush_properties;
-  std::unordered_map<int, FieldIndex> spring_properties, mass_properties, damper_properties;
+  std::unordered_map<int, int> systems, materials;
   const BulkCard* grid_defaults = nullptr;
   const BulkCard* bar_defaults = nullptr;
   const BulkCard* beam_defaults = nullptr;
@@ -134,7 +116,30 @@ class ModelBuilder {
   int grid(const Card& card, int n, std::string_view what) const;
   /// Reads grid points from fields first.. into nodes; refuses one that stands twice.
   void read_corners(const Card& card, int first, int count, int* nodes) const;
+  template <typename Element>
+  void add_element(const Card& card, Element element) {
+    model.elements<Element>().push_back(std::move(element));
+    count_element(card);
+  }
   void count_element(const Card& card) { ++result.element_counts[std::string(card.name())]; }
+
+  /// Properties by id, of the cards that `kinds` names ("PBAR or PBARL"): what their readers leave for those of
+  /// elements.
+  template <typename Property>
+  std::unordered_map<int, Property>& properties(std::string_view kinds) {
+    using Table = std::unordered_map<int, Property>;
+    const auto found = properties_.find(kinds);
+    if (found != properties_.end()) return *std::any_cast<Table>(&found->second);
+    return *std::any_cast<Table>(&properties_.emplace(kinds, Table()).first->second);
+  }
+  /// The property with that id; refuses one that does not exist.
+  template <typename Property>
+  const Property& property(const Card& card, int id, std::string_view kinds) {
+    const auto& table = properties<Property>(kinds);
+    const auto found = table.find(id);
+    if (found == table.end()) card.fail(fmt::format("property {} has no {} card", id, kinds));
+    return found->second;
+  }
 
  private:
   struct Claim {
@@ -144,16 +149,8 @@ class ModelBuilder {
 
   std::map<std::string, int> counts_;
   std::unordered_map<std::uint64_t, Claim> claims_;
+  std::map<std::string, std::any, std::less<>> properties_;
 };
-
-/// The property with that id; refuses one that does not exist.
-template <typename Value>
-const Value& find_property(const std::unordered_map<int, Value>& table, const Card& card, int id,
-                           std::string_view kinds) {
-  const auto found = table.find(id);
-  if (found == table.end()) card.fail(fmt::format("property {} has no {} card", id, kinds));
-  return found->second;
-}
 
 /// When a card is read. A card may use what an earlier phase read.
 enum class Phase : std::uint8_t { defaults, points, materials, properties, elements, constraints, settings };
@@ -163,23 +160,9 @@ struct CardRule {
   std::string_view name;
   Phase phase;
   void (*read)(ModelBuilder&, const Card&);
-  int most_fields = 0;  ///< that the card may have; 0: any number
+  int most_fields = 0;                   ///< that the card may have; 0: any number
+  std::string_view design_numbers = {};  ///< that models are usually wrong in: "A I1 I2 J", "DIM*"
 };
-
-std::span<const CardRule> point_rules();
-std::span<const CardRule> coordinate_rules();
-std::span<const CardRule> material_rules();
-std::span<const CardRule> solid_rules();
-std::span<const CardRule> shell_rules();
-std::span<const CardRule> beam_property_rules();
-std::span<const CardRule> beam_rules();
-std::span<const CardRule> rod_rules();
-std::span<const CardRule> scalar_rules();
-std::span<const CardRule> bush_rules();
-std::span<const CardRule> point_mass_rules();
-std::span<const CardRule> rigid_rules();
-std::span<const CardRule> constraint_rules();
-std::span<const CardRule> settings_rules();
 
 /// After Phase::points: sorts the points, resolves the systems and places the nodes.
 void resolve_points(ModelBuilder& builder);

@@ -3,10 +3,16 @@
 #include <array>
 
 #include "formats/nastran/builder.hpp"
+#include "formats/nastran/card_table.hpp"
 #include "formats/nastran/rows.hpp"
 
 namespace mottle::nastran {
 namespace {
+
+struct BushProperty {
+  std::array<FieldIndex, 6> stiffness = {-1, -1, -1, -1, -1, -1};
+  std::array<FieldIndex, 6> damping = {-1, -1, -1, -1, -1, -1};
+};
 
 void read_six(ModelBuilder& builder, const Card& card, int first, char letter, int id,
               std::array<FieldIndex, 6>& fields) {
@@ -37,7 +43,7 @@ void read_pbush(ModelBuilder& builder, const Card& card) {
       card.fail(fmt::format("'{}' stands where K, B, GE, M or RCV must", shown(flag)));
     }
   }
-  builder.bush_properties[id] = property;
+  builder.properties<BushProperty>("PBUSH")[id] = property;
 }
 
 /// Reads EID PID GA GB G0/X1 X2 X3 CID / S OCID S1 S2 S3.
@@ -49,7 +55,7 @@ class BushReader {
     BushElement bush;
     bush.id = card_.id(1, "EID");
     const int id = card_.is_blank(2) ? bush.id : card_.id(2, "PID");
-    const BushProperty& property = find_property(builder_.bush_properties, card_, id, "PBUSH");
+    const BushProperty& property = builder_.property<BushProperty>(card_, id, "PBUSH");
     bush.stiffness = property.stiffness;
     bush.damping = property.damping;
     bush.nodes[0] = builder_.grid(card_, 3, "GA");
@@ -121,19 +127,18 @@ class BushReader {
 
 void read_cbush(ModelBuilder& builder, const Card& card) {
   if (!builder.is_first(card, card.id(1, "EID"))) return;
-  builder.model.bushes.push_back(BushReader(builder, card).read());
-  builder.count_element(card);
+  builder.add_element(card, BushReader(builder, card).read());
 }
 
 constexpr std::array<CardRule, 2> k_bush_rules = {{
-    {"PBUSH", Phase::properties, read_pbush},
+    {"PBUSH", Phase::properties, read_pbush, 0, "K1 K2 K3 K4 K5 K6"},
     {"CBUSH", Phase::elements, read_cbush, 13},
 }};
 
 }  // namespace
 
-std::span<const CardRule> bush_rules() {
-  return k_bush_rules;
+CardFamily bush_cards() {
+  return {"CBUSH", k_bush_rules};
 }
 
 }  // namespace mottle::nastran

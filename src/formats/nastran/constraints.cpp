@@ -4,6 +4,7 @@
 #include <charconv>
 
 #include "formats/nastran/builder.hpp"
+#include "formats/nastran/card_table.hpp"
 #include "formats/nastran/lists.hpp"
 #include "formats/nastran/rows.hpp"
 #include "mottle/core/error.hpp"
@@ -188,8 +189,8 @@ constexpr std::array<CardRule, 5> k_constraint_rules = {{
 
 }  // namespace
 
-std::span<const CardRule> constraint_rules() {
-  return k_constraint_rules;
+CardFamily constraint_cards() {
+  return {"MPC, SPC, SPC1", k_constraint_rules};
 }
 
 void select_constraint_sets(ModelBuilder& builder) {

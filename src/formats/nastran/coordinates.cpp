@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <array>
 
+#include "formats/nastran/card_table.hpp"
+
 namespace mottle::nastran {
 namespace {
 
@@ -173,8 +175,8 @@ constexpr std::array<CardRule, 6> k_coordinate_rules = {{
 
 }  // namespace
 
-std::span<const CardRule> coordinate_rules() {
-  return k_coordinate_rules;
+CardFamily coordinate_cards() {
+  return {"CORD1R/C/S, CORD2R/C/S", k_coordinate_rules};
 }
 
 Eigen::Vector3d basic_position(const ModelBuilder& builder, int system, const Eigen::Vector3d& coordinates) {

@@ -2,6 +2,7 @@
 #include <array>
 
 #include "formats/nastran/builder.hpp"
+#include "formats/nastran/card_table.hpp"
 
 namespace mottle::nastran {
 namespace {
@@ -26,13 +27,13 @@ void read_mat1(ModelBuilder& builder, const Card& card) {
 }
 
 constexpr std::array<CardRule, 1> k_material_rules = {{
-    {"MAT1", Phase::materials, read_mat1, 12},
+    {"MAT1", Phase::materials, read_mat1, 12, "E G RHO"},
 }};
 
 }  // namespace
 
-std::span<const CardRule> material_rules() {
-  return k_material_rules;
+CardFamily material_cards() {
+  return {"MAT1", k_material_rules};
 }
 
 }  // namespace mottle::nastran

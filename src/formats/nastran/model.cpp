@@ -5,23 +5,25 @@
 
 #include <algorithm>
 
-#include "formats/nastran/builder.hpp"
+#include "formats/nastran/card_table.hpp"
 #include "formats/nastran/rows.hpp"
 #include "mottle/core/error.hpp"
 #include "mottle/core/text.hpp"
+#include "mottle/formats/text_lines.hpp"
 
 namespace mottle {
 namespace nastran {
 namespace {
 
-std::vector<CardRule> all_rules() {
-  std::vector<CardRule> rules;
-  for (const auto& family : {point_rules(), coordinate_rules(), material_rules(), solid_rules(), shell_rules(),
-                             beam_property_rules(), beam_rules(), rod_rules(), scalar_rules(), bush_rules(),
-                             point_mass_rules(), rigid_rules(), constraint_rules(), settings_rules()}) {
-    rules.insert(rules.end(), family.begin(), family.end());
-  }
-  return rules;
+const std::vector<CardRule>& all_rules() {
+  static const std::vector<CardRule> k_all = [] {
+    std::vector<CardRule> rules;
+    for (const CardFamily& family : card_families()) {
+      rules.insert(rules.end(), family.rules.begin(), family.rules.end());
+    }
+    return rules;
+  }();
+  return k_all;
 }
 
 /// Cards by the phase in which they are read.
@@ -73,7 +75,7 @@ class CardSorter {
   }
 
   ModelBuilder& builder_;
-  std::vector<CardRule> rules_;
+  const std::vector<CardRule>& rules_;
   std::unordered_map<std::string_view, int> rule_of_;
   std::array<std::vector<std::pair<const BulkCard*, int>>, k_phases> sorted_;
   std::map<std::string_view, int> ignored_;
@@ -126,6 +128,17 @@ NastranModel build_nastran_model(const NastranDeck& deck, const NastranOptions& 
   builder.result.files = deck.files;
   nastran::build(builder);
   return std::move(builder.result);
+}
+
+bool is_design_number(const CardField& field) {
+  for (const nastran::CardRule& rule : nastran::all_rules()) {
+    if (rule.name != field.card) continue;
+    const std::vector<std::string_view> names = words_of(rule.design_numbers);
+    return std::any_of(names.begin(), names.end(), [&field](std::string_view name) {
+      return name.ends_with('*') ? field.name.starts_with(name.substr(0, name.size() - 1)) : field.name == name;
+    });
+  }
+  return false;
 }
 
 NastranModel read_nastran_model(const std::filesystem::path& file, const NastranOptions& options) {

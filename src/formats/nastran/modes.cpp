@@ -141,48 +141,48 @@ NamedShapes ShapeCollector::shapes() const {
   return shapes;
 }
 
-Eigen::VectorXd read_f06_eigenvalues(std::string_view bytes, const std::string& file) {
+Eigen::VectorXd read_f06_eigenvalues(LineWalker lines, const std::string& file) {
   EigenvalueList list(file);
   bool is_inside = false;
   bool has_rows = false;
-  for (LineWalker walker(bytes); walker.next();) {
-    if (walker.line().find(k_eigenvalue_title) != std::string_view::npos) {
+  while (lines.next()) {
+    if (lines.line().find(k_eigenvalue_title) != std::string_view::npos) {
       is_inside = true;
       has_rows = false;
     }
-    const std::vector<std::string_view> words = words_of(walker.line());
+    const std::vector<std::string_view> words = words_of(lines.line());
     int mode = 0;
     if (!is_inside || words.empty() || !parse_whole_number(words[0], mode)) {
       if (has_rows) is_inside = false;
       continue;
     }
-    if (words.size() != 7 && walker.line().starts_with('1')) {  // carriage control: the title of a new page
+    if (words.size() != 7 && lines.line().starts_with('1')) {  // carriage control: the title of a new page
       is_inside = false;
       continue;
     }
     has_rows = true;
     if (words.size() != 7) {
-      throw FormatError(file, walker.number(),
+      throw FormatError(file, lines.number(),
                         fmt::format("a row of the eigenvalue table has {} columns, not 7", words.size()));
     }
-    list.add(mode, words[2], walker.number());
+    list.add(mode, words[2], lines.number());
   }
   return list.values("table of real eigenvalues");
 }
 
-NamedShapes read_f06_shapes(std::string_view bytes, const std::string& file) {
+NamedShapes read_f06_shapes(LineWalker lines, const std::string& file) {
   ShapeCollector collector(file);
   bool is_inside = false;
   bool has_rows = false;
-  for (LineWalker walker(bytes); walker.next();) {
-    const std::string_view line = walker.line();
+  while (lines.next()) {
+    const std::string_view line = lines.line();
     const std::size_t title = line.find(k_eigenvector_title);
     if (title != std::string_view::npos) {
       const std::string_view number = line.substr(title + k_eigenvector_title.size());
-      collector.begin_mode(mode_number(number, file, walker.number()), walker.number());
+      collector.begin_mode(mode_number(number, file, lines.number()), lines.number());
       is_inside = true;
       has_rows = false;
-    } else if (is_inside && add_f06_row(words_of(line), file, walker.number(), collector)) {
+    } else if (is_inside && add_f06_row(words_of(line), file, lines.number(), collector)) {
       has_rows = true;
     } else if (has_rows) {
       is_inside = false;
@@ -191,25 +191,25 @@ NamedShapes read_f06_shapes(std::string_view bytes, const std::string& file) {
   return collector.shapes();
 }
 
-Eigen::VectorXd read_punch_eigenvalues(std::string_view bytes, const std::string& file) {
+Eigen::VectorXd read_punch_eigenvalues(LineWalker lines, const std::string& file) {
   EigenvalueList list(file);
-  for (LineWalker walker(bytes); walker.next();) {
+  while (lines.next()) {
     std::string_view value;
     std::string_view mode;
-    if (!read_eigenvalue_line(walker.line(), value, mode)) continue;
-    list.add(mode_number(mode, file, walker.number()), value, walker.number());
+    if (!read_eigenvalue_line(lines.line(), value, mode)) continue;
+    list.add(mode_number(mode, file, lines.number()), value, lines.number());
   }
   return list.values("$EIGENVALUE line");
 }
 
-NamedShapes read_punch_shapes(std::string_view bytes, const std::string& file) {
+NamedShapes read_punch_shapes(LineWalker lines, const std::string& file) {
   ShapeCollector collector(file);
   bool is_vector = false;  // within a block of displacements
   bool has_mode = false;
   bool is_grid = false;
   int point = 0;  // that its -CONT- line is still missing of
-  for (LineWalker walker(bytes); walker.next();) {
-    const std::string_view line = walker.line();
+  while (lines.next()) {
+    const std::string_view line = lines.line();
     if (line.starts_with('$')) {
       std::string_view value;
       std::string_view mode;
@@ -217,7 +217,7 @@ NamedShapes read_punch_shapes(std::string_view bytes, const std::string& file) {
       if (line.starts_with("$TITLE")) is_vector = has_mode = false;
       if (line.starts_with("$EIGENVECTOR") || line.starts_with("$DISPLACEMENT")) is_vector = true;
       if (!is_vector || !read_eigenvalue_line(line, value, mode)) continue;
-      collector.begin_mode(mode_number(mode, file, walker.number()), walker.number());
+      collector.begin_mode(mode_number(mode, file, lines.number()), lines.number());
       has_mode = true;
       continue;
     }
@@ -225,13 +225,13 @@ NamedShapes read_punch_shapes(std::string_view bytes, const std::string& file) {
     if (!is_vector || !has_mode || (is_continued && point == 0 && !is_grid)) continue;
     const std::vector<std::string_view> head = words_of(punch_field(line, 0));
     if (is_continued != (point > 0) || (!is_continued && (head.size() != 2 || !parse_whole_number(head[0], point)))) {
-      throw FormatError(file, walker.number(), "not a point with its -CONT- line, as eigenvectors have them");
+      throw FormatError(file, lines.number(), "not a point with its -CONT- line, as eigenvectors have them");
     }
     if (!is_continued) is_grid = head[1] == "G";
     for (std::size_t field = 1; field <= (is_grid ? 3U : 1U); ++field) {
       const std::size_t c = field - 1 + (is_continued ? 3 : 0);
       collector.add(is_grid ? fmt::format("{}:{}", point, k_components[c]) : fmt::format("{}", point),
-                    component(punch_field(line, field), file, walker.number()));
+                    component(punch_field(line, field), file, lines.number()));
     }
     if (is_continued || !is_grid) point = 0;
   }

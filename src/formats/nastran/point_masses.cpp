@@ -2,6 +2,7 @@
 #include <array>
 
 #include "formats/nastran/builder.hpp"
+#include "formats/nastran/card_table.hpp"
 
 namespace mottle::nastran {
 namespace {
@@ -28,8 +29,7 @@ void read_conm2(ModelBuilder& builder, const Card& card) {
   for (std::size_t i = 0; i < 6; ++i) {
     mass.inertia[i] = builder.read_field(card, 9 + static_cast<int>(i), k_names[i], id);
   }
-  builder.model.point_masses.push_back(std::move(mass));
-  builder.count_element(card);
+  builder.add_element(card, std::move(mass));
 }
 
 /// EID G CID M11 M21 M22 M31 ... M66, by rows of the lower triangle.
@@ -47,19 +47,18 @@ void read_conm1(ModelBuilder& builder, const Card& card) {
       mass.matrix.push_back(builder.read_field(card, n++, fmt::format("M{}{}", row, column), id));
     }
   }
-  builder.model.point_masses.push_back(std::move(mass));
-  builder.count_element(card);
+  builder.add_element(card, std::move(mass));
 }
 
 constexpr std::array<CardRule, 2> k_point_mass_rules = {{
     {"CONM1", Phase::elements, read_conm1, 24},
-    {"CONM2", Phase::elements, read_conm2, 14},
+    {"CONM2", Phase::elements, read_conm2, 14, "M"},
 }};
 
 }  // namespace
 
-std::span<const CardRule> point_mass_rules() {
-  return k_point_mass_rules;
+CardFamily point_mass_cards() {
+  return {"CONM1, CONM2", k_point_mass_rules};
 }
 
 }  // namespace mottle::nastran

@@ -3,6 +3,7 @@
 #include <array>
 
 #include "formats/nastran/builder.hpp"
+#include "formats/nastran/card_table.hpp"
 #include "formats/nastran/coordinates.hpp"
 #include "formats/nastran/rows.hpp"
 #include "mottle/core/error.hpp"
@@ -161,8 +162,8 @@ constexpr std::array<CardRule, 3> k_point_rules = {{
 
 }  // namespace
 
-std::span<const CardRule> point_rules() {
-  return k_point_rules;
+CardFamily point_cards() {
+  return {"GRID, SPOINT", k_point_rules};
 }
 
 void resolve_points(ModelBuilder& builder) {

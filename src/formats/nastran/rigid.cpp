@@ -4,6 +4,7 @@
 #include <bit>
 
 #include "formats/nastran/builder.hpp"
+#include "formats/nastran/card_table.hpp"
 #include "formats/nastran/lists.hpp"
 #include "formats/nastran/rows.hpp"
 
@@ -160,8 +161,8 @@ constexpr std::array<CardRule, 4> k_rigid_rules = {{
 
 }  // namespace
 
-std::span<const CardRule> rigid_rules() {
-  return k_rigid_rules;
+CardFamily rigid_cards() {
+  return {"RBE2, RBE3, RBAR", k_rigid_rules};
 }
 
 }  // namespace mottle::nastran

@@ -4,9 +4,16 @@
 #include <numbers>
 
 #include "formats/nastran/builder.hpp"
+#include "formats/nastran/card_table.hpp"
 
 namespace mottle::nastran {
 namespace {
+
+/// PROD, PTUBE.
+struct RodProperty {
+  int material = -1;
+  FieldIndex area = k_no_field, torsion = k_no_field, nonstructural_mass = k_no_field;
+};
 
 void read_prod(ModelBuilder& builder, const Card& card) {
   const int id = card.id(1, "PID");
@@ -16,7 +23,7 @@ void read_prod(ModelBuilder& builder, const Card& card) {
   property.area = builder.read_field(card, 3, "A", id);
   property.torsion = builder.read_field(card, 4, "J", id);
   property.nonstructural_mass = builder.read_field(card, 6, "NSM", id);
-  builder.rod_properties[id] = property;
+  builder.properties<RodProperty>("PROD")[id] = property;
 }
 
 /// A tube of outer diameter OD and wall T (blank or 0: solid).
@@ -39,7 +46,7 @@ void read_ptube(ModelBuilder& builder, const Card& card) {
   property.torsion =
       builder.add_field(card.name(), id, "J", std::numbers::pi / 32.0 * (std::pow(outer, 4) - std::pow(inner, 4)));
   property.nonstructural_mass = builder.read_field(card, 5, "NSM", id);
-  builder.tube_properties[id] = property;
+  builder.properties<RodProperty>("PTUBE")[id] = property;
 }
 
 void add_rod(ModelBuilder& builder, const Card& card, int first_grid, const RodProperty& property) {
@@ -51,22 +58,21 @@ void add_rod(ModelBuilder& builder, const Card& card, int first_grid, const RodP
   rod.area = property.area;
   rod.torsion = property.torsion;
   rod.nonstructural_mass = property.nonstructural_mass;
-  builder.model.rods.push_back(rod);
-  builder.count_element(card);
+  builder.add_element(card, rod);
 }
 
 void read_crod(ModelBuilder& builder, const Card& card) {
   const int id = card.id(1, "EID");
   if (!builder.is_first(card, id)) return;
   const int property = card.is_blank(2) ? id : card.id(2, "PID");
-  add_rod(builder, card, 3, find_property(builder.rod_properties, card, property, "PROD"));
+  add_rod(builder, card, 3, builder.property<RodProperty>(card, property, "PROD"));
 }
 
 void read_ctube(ModelBuilder& builder, const Card& card) {
   const int id = card.id(1, "EID");
   if (!builder.is_first(card, id)) return;
   const int property = card.is_blank(2) ? id : card.id(2, "PID");
-  add_rod(builder, card, 3, find_property(builder.tube_properties, card, property, "PTUBE"));
+  add_rod(builder, card, 3, builder.property<RodProperty>(card, property, "PTUBE"));
 }
 
 void read_conrod(ModelBuilder& builder, const Card& card) {
@@ -81,17 +87,17 @@ void read_conrod(ModelBuilder& builder, const Card& card) {
 }
 
 constexpr std::array<CardRule, 5> k_rod_rules = {{
-    {"PROD", Phase::properties, read_prod, 6},
-    {"PTUBE", Phase::properties, read_ptube, 6},
+    {"PROD", Phase::properties, read_prod, 6, "A J"},
+    {"PTUBE", Phase::properties, read_ptube, 6, "A J"},
     {"CROD", Phase::elements, read_crod, 4},
     {"CTUBE", Phase::elements, read_ctube, 4},
-    {"CONROD", Phase::elements, read_conrod, 8},
+    {"CONROD", Phase::elements, read_conrod, 8, "A J"},
 }};
 
 }  // namespace
 
-std::span<const CardRule> rod_rules() {
-  return k_rod_rules;
+CardFamily rod_cards() {
+  return {"CROD, CONROD, CTUBE", k_rod_rules};
 }
 
 }  // namespace mottle::nastran

@@ -3,6 +3,7 @@
 #include <bit>
 
 #include "formats/nastran/builder.hpp"
+#include "formats/nastran/card_table.hpp"
 
 namespace mottle::nastran {
 namespace {
@@ -17,19 +18,14 @@ std::string_view property_name(Kind kind) {
   return kind == Kind::spring ? "PELAS" : kind == Kind::mass ? "PMASS" : "PDAMP";
 }
 
-std::unordered_map<int, FieldIndex>& properties_of(ModelBuilder& builder, Kind kind) {
-  return kind == Kind::spring ? builder.spring_properties
-         : kind == Kind::mass ? builder.mass_properties
-                              : builder.damper_properties;
-}
-
 /// Several properties a card, each `width` fields wide: an id, a number and what is not needed here.
 void read_properties(ModelBuilder& builder, const Card& card, Kind kind, int width) {
   for (int first = 1; first <= 8; first += width) {
     if (first > 1 && !card.has_any(first, first + width - 1)) continue;
     const int id = card.id(first, "PID");
     if (!builder.is_first(card, id, IdSpace::own, first, width)) continue;
-    properties_of(builder, kind)[id] = builder.read_field(card, first + 1, number_name(kind), id);
+    builder.properties<FieldIndex>(property_name(kind))[id] =
+        builder.read_field(card, first + 1, number_name(kind), id);
   }
 }
 
@@ -82,12 +78,11 @@ void add_scalar(ModelBuilder& builder, const Card& card, Kind kind, bool has_pro
   }
   if (has_property) {
     const int property = card.is_blank(2) ? id : card.id(2, "PID");
-    element.value = find_property(properties_of(builder, kind), card, property, property_name(kind));
+    element.value = builder.property<FieldIndex>(card, property, property_name(kind));
   } else {
     element.value = builder.read_field(card, 2, number_name(kind), id);
   }
-  builder.model.scalars.push_back(element);
-  builder.count_element(card);
+  builder.add_element(card, element);
 }
 
 template <Kind kind, bool has_property, bool is_short>
@@ -96,17 +91,17 @@ void read_scalar(ModelBuilder& builder, const Card& card) {
 }
 
 constexpr std::array<CardRule, 15> k_scalar_rules = {{
-    {"PELAS", Phase::properties, read_pelas, 8},
-    {"PMASS", Phase::properties, read_pmass, 8},
+    {"PELAS", Phase::properties, read_pelas, 8, "K"},
+    {"PMASS", Phase::properties, read_pmass, 8, "M"},
     {"PDAMP", Phase::properties, read_pdamp, 8},
     {"CELAS1", Phase::elements, read_scalar<Kind::spring, true, false>, 6},
-    {"CELAS2", Phase::elements, read_scalar<Kind::spring, false, false>, 8},
+    {"CELAS2", Phase::elements, read_scalar<Kind::spring, false, false>, 8, "K"},
     {"CELAS3", Phase::elements, read_scalar<Kind::spring, true, true>, 4},
-    {"CELAS4", Phase::elements, read_scalar<Kind::spring, false, true>, 4},
+    {"CELAS4", Phase::elements, read_scalar<Kind::spring, false, true>, 4, "K"},
     {"CMASS1", Phase::elements, read_scalar<Kind::mass, true, false>, 6},
-    {"CMASS2", Phase::elements, read_scalar<Kind::mass, false, false>, 6},
+    {"CMASS2", Phase::elements, read_scalar<Kind::mass, false, false>, 6, "M"},
     {"CMASS3", Phase::elements, read_scalar<Kind::mass, true, true>, 4},
-    {"CMASS4", Phase::elements, read_scalar<Kind::mass, false, true>, 4},
+    {"CMASS4", Phase::elements, read_scalar<Kind::mass, false, true>, 4, "M"},
     {"CDAMP1", Phase::elements, read_scalar<Kind::damper, true, false>, 6},
     {"CDAMP2", Phase::elements, read_scalar<Kind::damper, false, false>, 6},
     {"CDAMP3", Phase::elements, read_scalar<Kind::damper, true, true>, 4},
@@ -115,8 +110,8 @@ constexpr std::array<CardRule, 15> k_scalar_rules = {{
 
 }  // namespace
 
-std::span<const CardRule> scalar_rules() {
-  return k_scalar_rules;
+CardFamily scalar_cards() {
+  return {"CELAS1-4, CMASS1-4, CDAMP1-4", k_scalar_rules};
 }
 
 }  // namespace mottle::nastran

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "formats/nastran/builder.hpp"
+#include "formats/nastran/card_table.hpp"
 #include "formats/nastran/rows.hpp"
 
 namespace mottle::nastran {
@@ -106,8 +107,8 @@ constexpr std::array<CardRule, 3> k_settings_rules = {{
 
 }  // namespace
 
-std::span<const CardRule> settings_rules() {
-  return k_settings_rules;
+CardFamily settings_cards() {
+  return {"", k_settings_rules};
 }
 
 void read_case_settings(ModelBuilder& builder) {

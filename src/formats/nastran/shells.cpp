@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "formats/nastran/builder.hpp"
+#include "formats/nastran/card_table.hpp"
 #include "formats/nastran/rows.hpp"
 
 namespace mottle::nastran {
@@ -28,7 +29,7 @@ void read_pshell(ModelBuilder& builder, const Card& card) {
   if (property.bending_ratio <= 0.0) card.fail("12I/T3 must be positive");
   if (property.shear_ratio <= 0.0) card.fail("TS/T must be positive");
   property.nonstructural_mass = builder.read_field(card, 8, "NSM", id);
-  builder.shell_properties[id] = static_cast<int>(builder.model.shell_properties.size());
+  builder.properties<int>("PSHELL")[id] = static_cast<int>(builder.model.shell_properties.size());
   builder.model.shell_properties.push_back(property);
 }
 
@@ -70,12 +71,11 @@ void add_shell(ModelBuilder& builder, const Card& card, int corners, int offset_
   element.id = id;
   element.node_count = corners;
   const int property = card.is_blank(2) ? id : card.id(2, "PID");
-  element.property = find_property(builder.shell_properties, card, property, "PSHELL");
+  element.property = builder.property<int>(card, property, "PSHELL");
   builder.read_corners(card, 3, corners, element.nodes.data());
   element.offset = builder.real(card, offset_field, "ZOFFS", 0.0);
   element.thickness = read_thickness(builder, card, element);
-  builder.model.shells.push_back(element);
-  builder.count_element(card);
+  builder.add_element(card, element);
 }
 
 void read_cquad4(ModelBuilder& builder, const Card& card) {
@@ -87,15 +87,15 @@ void read_ctria3(ModelBuilder& builder, const Card& card) {
 }
 
 constexpr std::array<CardRule, 3> k_shell_rules = {{
-    {"PSHELL", Phase::properties, read_pshell, 11},
+    {"PSHELL", Phase::properties, read_pshell, 11, "T"},
     {"CQUAD4", Phase::elements, read_cquad4, 14},
     {"CTRIA3", Phase::elements, read_ctria3, 13},
 }};
 
 }  // namespace
 
-std::span<const CardRule> shell_rules() {
-  return k_shell_rules;
+CardFamily shell_cards() {
+  return {"CQUAD4, CTRIA3", k_shell_rules};
 }
 
 }  // namespace mottle::nastran

@@ -2,10 +2,15 @@
 #include <array>
 
 #include "formats/nastran/builder.hpp"
+#include "formats/nastran/card_table.hpp"
 #include "formats/nastran/rows.hpp"
 
 namespace mottle::nastran {
 namespace {
+
+struct SolidProperty {
+  int material = -1;
+};
 
 void read_psolid(ModelBuilder& builder, const Card& card) {
   const int id = card.id(1, "PID");
@@ -13,7 +18,7 @@ void read_psolid(ModelBuilder& builder, const Card& card) {
   if (!card.is_blank(7) && card.at(7) != "SMECH") {
     card.fail(fmt::format("FCTN is '{}'; only structural solids (SMECH) are supported", shown(card.at(7))));
   }
-  builder.solid_properties[id] = {builder.material(card, 2, "MID")};
+  builder.properties<SolidProperty>("PSOLID")[id] = {builder.material(card, 2, "MID")};
 }
 
 void add_solid(ModelBuilder& builder, const Card& card, SolidShape shape, int corners) {
@@ -23,10 +28,9 @@ void add_solid(ModelBuilder& builder, const Card& card, SolidShape shape, int co
   element.id = id;
   element.shape = shape;
   element.property_id = card.is_blank(2) ? id : card.id(2, "PID");
-  element.material = find_property(builder.solid_properties, card, element.property_id, "PSOLID").material;
+  element.material = builder.property<SolidProperty>(card, element.property_id, "PSOLID").material;
   builder.read_corners(card, 3, corners, element.nodes.data());
-  builder.model.solids.push_back(element);
-  builder.count_element(card);
+  builder.add_element(card, element);
 }
 
 void refuse_midside_nodes(const Card& card, int corners, int last) {
@@ -61,8 +65,8 @@ constexpr std::array<CardRule, 4> k_solid_rules = {{
 
 }  // namespace
 
-std::span<const CardRule> solid_rules() {
-  return k_solid_rules;
+CardFamily solid_cards() {
+  return {"CHEXA, CPENTA, CTETRA", k_solid_rules};
 }
 
 }  // namespace mottle::nastran

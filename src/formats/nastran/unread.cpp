@@ -1,9 +1,12 @@
 // Cards and commands that no reader knows: which of them may be skipped, and which would change the model.
 #include <algorithm>
 #include <array>
+#include <string>
+#include <vector>
 
-#include "formats/nastran/builder.hpp"
+#include "formats/nastran/card_table.hpp"
 #include "formats/nastran/rows.hpp"
+#include "mottle/core/text.hpp"
 
 namespace mottle::nastran {
 namespace {
@@ -36,9 +39,14 @@ constexpr std::string_view k_refused[] = {
     "PLPLANE", "PLSOLID", "PBCOMP",  "PBMSECT", "PBRSECT", "PBEAM3", "PBEND",   "PSHLN*", "PSLDN1",  "SPCAX",
     "MPCAX",   "RINGAX",  "GRIDB",   "GRIDF",   "SECTAX",  "SEBULK", "SECONCT", "SEELT",  "RELEASE"};
 
-constexpr std::string_view k_read =
-    "GRID, SPOINT, CORD1R/C/S, CORD2R/C/S, CHEXA, CPENTA, CTETRA, CQUAD4, CTRIA3, CBAR, CBEAM, CROD, CONROD, CTUBE, "
-    "CBUSH, CELAS1-4, CMASS1-4, CDAMP1-4, CONM1, CONM2, RBE2, RBE3, RBAR, MPC, SPC, SPC1, MAT1";
+/// What a deck may hold instead of a card that is refused.
+std::string names_of_read_cards() {
+  std::vector<std::string> names;
+  for (const CardFamily& family : card_families()) {
+    if (!family.names.empty()) names.emplace_back(family.names);
+  }
+  return join(names);
+}
 
 bool is_one_of(std::span<const std::string_view> names, std::string_view name) {
   return std::any_of(names.begin(), names.end(), [&](std::string_view known) {
@@ -56,7 +64,7 @@ std::string reason_for(std::string_view name) {
   if (name.starts_with("PCOMP")) return "composite shells are not supported, only PSHELL with MAT1";
   if (name.starts_with("PB") || name.starts_with("PL") || name.starts_with("PS"))
     return "this property is not supported";
-  return fmt::format("this card changes the model and is not supported; read are {}", k_read);
+  return fmt::format("this card changes the model and is not supported; read are {}", names_of_read_cards());
 }
 
 constexpr std::string_view k_matrix_commands[] = {"K2GG", "M2GG", "B2GG", "K2PP", "M2PP", "B2PP", "K42GG", "NSM"};

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "linalg/blas.hpp"
+#include "mottle/core/error.hpp"
 #include "mottle/core/random.hpp"
 
 namespace mottle {
@@ -135,6 +136,7 @@ class KrylovBasis {
       if (coefficients != nullptr) *coefficients += components;
     };
     weighed_ = problem_.weigh(block);
+    require_lengths(block);
     const double before = std::sqrt(block.cwiseProduct(weighed_).colwise().sum().maxCoeff());
     take_out();
     weighed_ = problem_.weigh(block);
@@ -150,6 +152,17 @@ class KrylovBasis {
       normalise(block, weighed_, 0.0);
     }
     return block.cols();
+  }
+
+  /// Throws InvalidInput where the mass matrix gives a vector of `block`, whose products are in weighed_, no real
+  /// length.
+  void require_lengths(const Eigen::MatrixXd& block) const {
+    constexpr double k_rounding = 1e-8;
+    for (Eigen::Index k = 0; k < block.cols(); ++k) {
+      const double square = block.col(k).dot(weighed_.col(k));
+      require(square >= -k_rounding * block.col(k).norm() * weighed_.col(k).norm(),
+              "the mass matrix is not positive semidefinite, or holds what is not finite");
+    }
   }
 
   /// block = new R by Gram and Schmidt, twice a vector; what becomes shorter than `shortest` is dropped. A Gram matrix

@@ -1,12 +1,13 @@
 #include "mottle/model/parameters/field_targets.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <charconv>
 #include <limits>
 #include <map>
 #include <set>
 
-#include "mottle/core/error.hpp"
+#include "mottle/core/subject.hpp"
 #include "mottle/core/text.hpp"
 
 namespace mottle {
@@ -28,8 +29,8 @@ TargetName split(const std::string& parameter, const std::string& target) {
   const char* begin = target.data() + (has_parts ? first + 1 : 0);
   const char* end = target.data() + (has_parts ? second : 0);
   const auto [stop, error] = std::from_chars(begin, end, name.id);
-  require(has_parts && error == std::errc() && stop == end,
-          "parameter '{}': target '{}' is not CARD:ID:FIELD, like MAT1:2:E or PELAS:160:K", parameter, target);
+  require_of(has_parts && error == std::errc() && stop == end, subject_parameter(parameter),
+             "target '{}' is not CARD:ID:FIELD, like MAT1:2:E or PELAS:160:K", target);
   name.card = target.substr(0, first);
   name.field = target.substr(second + 1);
   for (std::string* text : {&name.card, &name.field}) {
@@ -39,18 +40,23 @@ TargetName split(const std::string& parameter, const std::string& target) {
   return name;
 }
 
+/// Calls `action` with the elements of the kind to which a card belongs, if that card has geometry numbers, and with
+/// their description.
+template <typename Lists, typename Action>
+void with_geometry(Lists& lists, const std::string& card, const Action& action) {
+  for_each_list(lists, [&](auto& list) {
+    const auto& geometry = traits_of(list).geometry;
+    if (std::count(geometry.cards.begin(), geometry.cards.end(), card) > 0) action(list, geometry);
+  });
+}
+
 /// The names of a card's geometry numbers, in the order of their numbers.
-const std::vector<std::string>& geometry_names(const std::string& card) {
-  static const std::map<std::string, std::vector<std::string>> k_names = {
-      {"GRID", {"X", "Y", "Z"}},
-      {"CBAR", {"X1", "X2", "X3", "W1A", "W2A", "W3A", "W1B", "W2B", "W3B"}},
-      {"CBEAM", {"X1", "X2", "X3", "W1A", "W2A", "W3A", "W1B", "W2B", "W3B"}},
-      {"CONM2", {"X1", "X2", "X3"}},
-      {"CQUAD4", {"ZOFFS"}},
-      {"CTRIA3", {"ZOFFS"}}};
-  static const std::vector<std::string> k_none;
-  const auto found = k_names.find(card);
-  return found == k_names.end() ? k_none : found->second;
+std::vector<std::string> geometry_names(const std::string& card) {
+  if (card == "GRID") return {"X", "Y", "Z"};
+  const ElementLists kinds;
+  std::vector<std::string> names;
+  with_geometry(kinds, card, [&](const auto&, const auto& geometry) { names = geometry.names; });
+  return names;
 }
 
 template <typename Elements, typename Claim>
@@ -61,47 +67,37 @@ int index_where(const Elements& elements, const Claim& claim) {
 
 int geometry_index(const FiniteElementModel& model, const TargetName& name) {
   if (name.card == "GRID") return model.find_node(name.id);
-  if (name.card == "CBAR" || name.card == "CBEAM") {
-    return index_where(model.beams, [&](const BeamElement& e) { return e.card == name.card && e.id == name.id; });
-  }
-  if (name.card == "CONM2") {
-    return index_where(model.point_masses,
-                       [&](const PointMassElement& e) { return e.card == name.card && e.id == name.id; });
-  }
-  const int nodes = name.card == "CQUAD4" ? 4 : 3;
-  return index_where(model.shells, [&](const ShellElement& e) { return e.node_count == nodes && e.id == name.id; });
+  int index = -1;
+  with_geometry(model.element_lists, name.card, [&](const auto& list, const auto&) {
+    index = index_where(list, [&](const auto& e) { return e.id == name.id && e.k_traits.card(e) == name.card; });
+  });
+  return index;
 }
 
 /// The ids of all nodes or elements of a card that has geometry numbers.
 std::vector<std::string> geometry_ids(const FiniteElementModel& model, const std::string& card) {
   std::vector<std::string> ids;
-  const auto add = [&](const auto& elements, const auto& is_meant) {
-    for (const auto& element : elements) {
-      if (is_meant(element)) ids.push_back(std::to_string(element.id));
-    }
-  };
   if (card == "GRID") {
-    add(model.nodes, [](const Node& node) { return !node.is_scalar; });
-  } else if (card == "CONM2") {
-    add(model.point_masses, [&](const PointMassElement& e) { return e.card == card; });
-  } else if (card == "CBAR" || card == "CBEAM") {
-    add(model.beams, [&](const BeamElement& e) { return e.card == card; });
-  } else {
-    add(model.shells, [&](const ShellElement& e) { return e.node_count == (card == "CQUAD4" ? 4 : 3); });
+    for (const Node& node : model.nodes) {
+      if (!node.is_scalar) ids.push_back(std::to_string(node.id));
+    }
   }
+  with_geometry(model.element_lists, card, [&](const auto& list, const auto&) {
+    for (const auto& element : list) {
+      if (element.k_traits.card(element) == card) ids.push_back(std::to_string(element.id));
+    }
+  });
   return ids;
 }
 
 double& geometry_number(FiniteElementModel& model, const GeometryTarget& target) {
   const auto index = static_cast<std::size_t>(target.index);
   if (target.card == "GRID") return model.nodes[index].position(target.number);
-  if (target.card == "CONM2") return model.point_masses[index].offset(target.number);
-  if (target.card == "CBAR" || target.card == "CBEAM") {
-    BeamElement& beam = model.beams[index];
-    if (target.number < 3) return beam.orientation(target.number);
-    return beam.offsets[target.number < 6 ? 0 : 1](target.number % 3);
-  }
-  return model.shells[index].offset;
+  double* number = nullptr;
+  with_geometry(model.element_lists, target.card,
+                [&](auto& list, const auto& geometry) { number = &geometry.at(list[index], target.number); });
+  assert(number != nullptr);
+  return *number;
 }
 
 [[noreturn]] void refuse(const FiniteElementModel& model, const std::string& parameter, const TargetName& name) {
@@ -114,7 +110,7 @@ double& geometry_number(FiniteElementModel& model, const GeometryTarget& target)
     if (ids.empty() || ids.back() != std::to_string(field.id)) ids.push_back(std::to_string(field.id));
     if (field.id == name.id) names.push_back(field.name);
   }
-  const std::vector<std::string>& of_geometry = geometry_names(name.card);
+  const std::vector<std::string> of_geometry = geometry_names(name.card);
   if (!of_geometry.empty()) {
     if (geometry_index(model, name) >= 0) {
       names.insert(names.end(), of_geometry.begin(), of_geometry.end());
@@ -122,23 +118,25 @@ double& geometry_number(FiniteElementModel& model, const GeometryTarget& target)
       ids = geometry_ids(model, name.card);
     }
   }
-  const std::string start = fmt::format("parameter '{}': it acts on nothing: ", parameter);
+  const auto fault_of = [&](const std::string& fault) {
+    return SubjectError(subject_parameter(parameter), "it acts on nothing: " + fault);
+  };
   if (!names.empty()) {
     const std::string owner = fmt::format("number of {} {}", name.card, name.id);
-    throw InvalidInput(start + unknown_name_message(owner, name.field, names));
+    throw fault_of(unknown_name_message(owner, name.field, names));
   }
   if (!ids.empty()) {
     const bool is_cut = ids.size() > k_listed_names;
     if (is_cut) ids.resize(k_listed_names);
-    throw InvalidInput(fmt::format("{}the deck has no {} {}; it has {}{}", start, name.card, name.id, join(ids),
-                                   is_cut ? ", ..." : ""));
+    throw fault_of(
+        fmt::format("the deck has no {} {}; it has {}{}", name.card, name.id, join(ids), is_cut ? ", ..." : ""));
   }
-  throw InvalidInput(start + unknown_name_message("card", name.card, {cards.begin(), cards.end()}));
+  throw fault_of(unknown_name_message("card", name.card, {cards.begin(), cards.end()}));
 }
 
 /// Adds a geometry number to the fields; k_no_field where the name is none.
 FieldIndex geometry_field(FiniteElementModel& model, const TargetName& name, FieldTargets& targets) {
-  const std::vector<std::string>& names = geometry_names(name.card);
+  const std::vector<std::string> names = geometry_names(name.card);
   const auto found = std::find(names.begin(), names.end(), name.field);
   if (found == names.end()) return k_no_field;
   const int index = geometry_index(model, name);
@@ -157,8 +155,8 @@ PhysicalLimit limit_of(const CardField& field, bool is_factor) {
   const auto is_one_of = [&name](std::initializer_list<const char*> names) {
     return std::find(names.begin(), names.end(), name) != names.end();
   };
-  const bool is_geometry = !geometry_names(field.card).empty() &&
-                           std::count(geometry_names(field.card).begin(), geometry_names(field.card).end(), name) > 0;
+  const std::vector<std::string> of_geometry = geometry_names(field.card);
+  const bool is_geometry = std::count(of_geometry.begin(), of_geometry.end(), name) > 0;
   const bool is_product =
       is_one_of({"I12", "I21", "I31", "I32"}) || (field.card == "CONM1" && name.size() == 3 && name[1] != name[2]);
   if (is_geometry || is_product) return {.lower = k_none, .excludes_lower = true};
@@ -178,7 +176,8 @@ FieldTargets find_field_targets(FiniteElementModel& model, const std::vector<Par
   FieldTargets targets;
   std::map<FieldIndex, std::string> owner;
   for (const ParameterTargets& parameter : parameters) {
-    require(!parameter.targets.empty(), "parameter '{}': it has no target, so it acts on nothing", parameter.parameter);
+    const Subject subject = subject_parameter(parameter.parameter);
+    require_of(!parameter.targets.empty(), subject, "it has no target, so it acts on nothing");
     FieldParameter result{{}, parameter.is_factor};
     PhysicalLimit limit{.lower = -std::numeric_limits<double>::infinity(), .excludes_lower = true};
     for (const std::string& target : parameter.targets) {
@@ -189,12 +188,10 @@ FieldTargets find_field_targets(FiniteElementModel& model, const std::vector<Par
       if (field == k_no_field) field = geometry_field(model, name, targets);
       if (field == k_no_field) refuse(model, parameter.parameter, name);
       const auto [previous, is_new] = owner.emplace(field, parameter.parameter);
-      require(is_new, "parameter '{}': target '{}' is already tied to parameter '{}'", parameter.parameter, target,
-              previous->second);
+      require_of(is_new, subject, "target '{}' is already tied to parameter '{}'", target, previous->second);
       const CardField& found = model.fields[static_cast<std::size_t>(field)];
-      require(!parameter.is_factor || found.value != 0.0,
-              "parameter '{}': a factor on '{}', whose nominal value is 0, acts on nothing", parameter.parameter,
-              target);
+      require_of(!parameter.is_factor || found.value != 0.0, subject,
+                 "a factor on '{}', whose nominal value is 0, acts on nothing", target);
       result.fields.push_back(field);
       limit = stricter(limit, limit_of(found, parameter.is_factor));
     }

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mottle/core/error.hpp"
+#include "mottle/core/subject.hpp"
 
 namespace mottle {
 namespace {
@@ -24,19 +24,18 @@ struct Redraw {
 
 ParameterSpace::ParameterSpace(std::vector<Parameter> parameters, JointDistribution prior)
     : parameters_(std::move(parameters)), prior_(std::move(prior)) {
-  require(!parameters_.empty(), "parameter: there is none; give at least one [[parameter]]");
+  require(!parameters_.empty(), "parameter: there is none; give at least one");
   require(prior_.dimension() == count(), "{} parameters but a distribution of {}", count(), prior_.dimension());
   const Eigen::VectorXd mean = prior_.mean();
   for (Eigen::Index i = 0; i < count(); ++i) {
     const Parameter& parameter = parameters_[static_cast<std::size_t>(i)];
-    require(parameter.lower_bound < parameter.upper_bound, "parameter '{}': bounds [{}, {}] are crossed or empty",
-            parameter.name, parameter.lower_bound, parameter.upper_bound);
-    require(mean(i) >= parameter.lower_bound && mean(i) <= parameter.upper_bound,
-            "parameter '{}': the mean {} is outside the bounds [{}, {}]", parameter.name, mean(i),
-            parameter.lower_bound, parameter.upper_bound);
-    require(is_within(mean(i), parameter.limit),
-            "parameter '{}': the mean {} is physically impossible, it must be {} {}", parameter.name, mean(i),
-            parameter.limit.excludes_lower ? ">" : ">=", parameter.limit.lower);
+    const Subject subject = subject_parameter(parameter.name);
+    require_of(parameter.lower_bound < parameter.upper_bound, subject, "bounds [{}, {}] are crossed or empty",
+               parameter.lower_bound, parameter.upper_bound);
+    require_of(mean(i) >= parameter.lower_bound && mean(i) <= parameter.upper_bound, subject,
+               "the mean {} is outside the bounds [{}, {}]", mean(i), parameter.lower_bound, parameter.upper_bound);
+    require_of(is_within(mean(i), parameter.limit), subject, "the mean {} is physically impossible, it must be {} {}",
+               mean(i), parameter.limit.excludes_lower ? ">" : ">=", parameter.limit.lower);
   }
 }
 
@@ -86,9 +85,15 @@ Eigen::VectorXi ParameterSpace::active_bounds(const Eigen::Ref<const Eigen::Vect
 
 ParameterDraw ParameterSpace::draw(const JointDistribution& distribution, SamplingDesign design, Eigen::Index samples,
                                    const StreamKey& key) const {
+  return draw([&](const Eigen::Ref<const Eigen::MatrixXd>& uniforms) { return distribution.from_uniform(uniforms); },
+              design, samples, key);
+}
+
+ParameterDraw ParameterSpace::draw(const SampleTransform& from_uniform, SamplingDesign design, Eigen::Index samples,
+                                   const StreamKey& key) const {
   constexpr int k_most_attempts = 10000;
   ParameterDraw draw;
-  draw.samples = distribution.from_uniform(uniform_design(design, samples, count(), key));
+  draw.samples = from_uniform(uniform_design(design, samples, count(), key));
   StreamKey redraw_key = key;
   // Each purpose has its own redraws, else a truth and a cloud of one seed would share them.
   redraw_key.purpose = static_cast<StreamPurpose>((static_cast<std::uint32_t>(StreamPurpose::redraw) << 16U) +
@@ -109,7 +114,7 @@ ParameterDraw ParameterSpace::draw(const JointDistribution& distribution, Sampli
       for (Eigen::Index j = 0; j < count(); ++j)
         uniforms(static_cast<Eigen::Index>(i), j) = impossible[i].stream.uniform();
     }
-    const Eigen::MatrixXd candidates = distribution.from_uniform(uniforms);
+    const Eigen::MatrixXd candidates = from_uniform(uniforms);
     std::vector<Redraw> still_impossible;
     for (std::size_t i = 0; i < impossible.size(); ++i) {
       const auto candidate = candidates.row(static_cast<Eigen::Index>(i));

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <map>
 
-#include "mottle/core/error.hpp"
+#include "mottle/core/subject.hpp"
 #include "mottle/core/text.hpp"
 
 namespace mottle {
@@ -39,8 +39,8 @@ Element& find_element(std::map<std::string, Element>& elements, const std::strin
   if (found != elements.end()) return found->second;
   std::vector<std::string> known;
   for (const auto& [name, element] : elements) known.push_back(name);
-  throw InvalidInput(
-      fmt::format("parameter '{}': it acts on nothing: {}", parameter, unknown_name_message("target", target, known)));
+  throw SubjectError(subject_parameter(parameter),
+                     "it acts on nothing: " + unknown_name_message("target", target, known));
 }
 
 void add_term(AffineMatrix& destination, Eigen::Index parameter, const Eigen::MatrixXd& matrix) {
@@ -81,15 +81,14 @@ AffineStructure separate(const MassSpringSystem& system, const std::vector<Param
   std::map<std::string, std::string> owner;
   for (std::size_t i = 0; i < parameters.size(); ++i) {
     const ParameterTargets& parameter = parameters[i];
-    require(!parameter.targets.empty(), "parameter '{}': it has no target, so it acts on nothing", parameter.parameter);
+    const Subject subject = subject_parameter(parameter.parameter);
+    require_of(!parameter.targets.empty(), subject, "it has no target, so it acts on nothing");
     for (const std::string& target : parameter.targets) {
       const Element& element = find_element(elements, parameter.parameter, target);
       const auto [previous, is_new] = owner.emplace(target, parameter.parameter);
-      require(is_new, "parameter '{}': target '{}' is already tied to parameter '{}'", parameter.parameter, target,
-              previous->second);
-      require(!parameter.is_factor || element.nominal != 0.0,
-              "parameter '{}': a factor on '{}', whose nominal value is 0, acts on nothing", parameter.parameter,
-              target);
+      require_of(is_new, subject, "target '{}' is already tied to parameter '{}'", target, previous->second);
+      require_of(!parameter.is_factor || element.nominal != 0.0, subject,
+                 "a factor on '{}', whose nominal value is 0, acts on nothing", target);
       const double factor = parameter.is_factor ? element.nominal : 1.0;
       add_term(*element.destination, static_cast<Eigen::Index>(i), factor * element.unit_matrix);
     }

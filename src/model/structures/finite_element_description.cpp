@@ -2,11 +2,10 @@
 #include <fmt/format.h>
 
 #include <map>
+#include <optional>
 
 #include "mottle/core/text.hpp"
 #include "mottle/fem/assembly/mass_properties.hpp"
-#include "mottle/fem/elements/shell.hpp"
-#include "mottle/fem/elements/solid.hpp"
 #include "mottle/model/structures/finite_element_structure.hpp"
 
 namespace mottle {
@@ -14,17 +13,12 @@ namespace {
 
 std::map<std::string, int> element_counts(const FiniteElementModel& model) {
   std::map<std::string, int> counts;
-  for (const SolidElement& e : model.solids) {
-    ++counts[e.shape == SolidShape::hexahedron8 ? "CHEXA" : e.shape == SolidShape::wedge6 ? "CPENTA" : "CTETRA"];
-  }
-  for (const ShellElement& e : model.shells) ++counts[e.node_count == 3 ? "CTRIA3" : "CQUAD4"];
-  for (const BeamElement& e : model.beams) ++counts[e.card];
-  counts["CROD, CONROD"] = static_cast<int>(model.rods.size());
-  for (const ScalarElement& e : model.scalars) {
-    ++counts[e.kind == ScalarElement::Kind::spring ? "CELAS" : e.kind == ScalarElement::Kind::mass ? "CMASS" : "CDAMP"];
-  }
-  counts["CBUSH"] = static_cast<int>(model.bushes.size());
-  for (const PointMassElement& e : model.point_masses) ++counts[e.card];
+  for_each_list(model.element_lists, [&](const auto& list) {
+    const auto& traits = traits_of(list);
+    for (const auto& element : list) {
+      ++counts[traits.counted_as != nullptr ? traits.counted_as : std::string(traits.card(element))];
+    }
+  });
   counts["RBE2"] = static_cast<int>(model.rigid_bodies.size());
   counts["RBE3"] = static_cast<int>(model.interpolations.size());
   counts["RBAR"] = static_cast<int>(model.rigid_bars.size());
@@ -33,47 +27,35 @@ std::map<std::string, int> element_counts(const FiniteElementModel& model) {
   return counts;
 }
 
-/// The element of a family whose form is farthest from ideal.
-struct Worst {
+/// The elements of a family whose form is farthest from ideal.
+struct WorstShape {
   double jacobian_ratio = 2.0;
   int jacobian_id = 0;
   double aspect_ratio = 0.0;
   int aspect_id = 0;
+  std::optional<double> warp;
 
-  void add(int id, double jacobian, double aspect) {
-    if (jacobian < jacobian_ratio) jacobian_ratio = jacobian, jacobian_id = id;
-    if (aspect > aspect_ratio) aspect_ratio = aspect, aspect_id = id;
+  void add(int id, const ElementQuality& quality) {
+    if (quality.jacobian_ratio < jacobian_ratio) jacobian_ratio = quality.jacobian_ratio, jacobian_id = id;
+    if (quality.aspect_ratio > aspect_ratio) aspect_ratio = quality.aspect_ratio, aspect_id = id;
+    if (quality.warp) warp = std::max(warp.value_or(0.0), *quality.warp);
   }
   std::string text(const char* family) const {
-    return fmt::format("worst {}: Jacobian ratio {:.3f} (element {}), aspect ratio {:.3g} (element {})", family,
-                       jacobian_ratio, jacobian_id, aspect_ratio, aspect_id);
+    return fmt::format("worst {}: Jacobian ratio {:.3f} (element {}), aspect ratio {:.3g} (element {}){}", family,
+                       jacobian_ratio, jacobian_id, aspect_ratio, aspect_id,
+                       warp ? fmt::format(", warp {:.3g}", *warp) : "");
   }
 };
 
 std::vector<std::string> worst_shapes(const FiniteElementModel& model) {
   std::vector<std::string> lines;
-  Worst solids;
-  for (const SolidElement& e : model.solids) {
-    Eigen::Matrix3Xd nodes(3, node_count(e.shape));
-    for (Eigen::Index k = 0; k < nodes.cols(); ++k) {
-      nodes.col(k) = model.nodes[static_cast<std::size_t>(e.nodes[static_cast<std::size_t>(k)])].position;
-    }
-    const SolidQuality quality = solid_quality(e.shape, nodes);
-    solids.add(e.id, quality.jacobian_ratio, quality.aspect_ratio);
-  }
-  if (!model.solids.empty()) lines.push_back(solids.text("solids"));
-  Worst shells;
-  double warp = 0.0;
-  for (const ShellElement& e : model.shells) {
-    ShellInput input{.node_count = e.node_count};
-    for (int k = 0; k < e.node_count; ++k) {
-      input.nodes.col(k) = model.nodes[static_cast<std::size_t>(e.nodes[static_cast<std::size_t>(k)])].position;
-    }
-    const ShellQuality quality = shell_quality(input);
-    shells.add(e.id, quality.jacobian_ratio, quality.aspect);
-    warp = std::max(warp, quality.warp);
-  }
-  if (!model.shells.empty()) lines.push_back(fmt::format("{}, warp {:.3g}", shells.text("shells"), warp));
+  for_each_list(model.element_lists, [&](const auto& list) {
+    const auto& traits = traits_of(list);
+    if (traits.quality == nullptr || list.empty()) return;
+    WorstShape worst;
+    for (const auto& element : list) worst.add(element.id, traits.quality(model, element));
+    lines.push_back(worst.text(traits.family));
+  });
   return lines;
 }
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <charconv>
 
-#include "mottle/core/error.hpp"
+#include "mottle/core/subject.hpp"
 #include "mottle/core/text.hpp"
 #include "mottle/fem/assembly/mass_properties.hpp"
 
@@ -31,9 +31,8 @@ FiniteElementStructure::FiniteElementStructure(FiniteElementModel model,
   is_separable_ =
       std::all_of(assembled_.is_separable.begin(), assembled_.is_separable.end(), [](bool is) { return is; });
   for (std::size_t p = 0; p < parameters.size(); ++p) {
-    require(parameter_role(static_cast<Eigen::Index>(p)) != k_no_role,
-            "parameter '{}': it acts on nothing: no element uses {}", parameters[p].parameter,
-            join(parameters[p].targets));
+    require_of(parameter_role(static_cast<Eigen::Index>(p)) != k_no_role, subject_parameter(parameters[p].parameter),
+               "it acts on nothing: no element uses {}", join(parameters[p].targets));
   }
   reference_ = fallback;
   for (std::size_t p = 0; p < parameters.size(); ++p) {
@@ -43,7 +42,6 @@ FiniteElementStructure::FiniteElementStructure(FiniteElementModel model,
                                     [&](FieldIndex field) { return model_.value(field) == first; });
     if (parameter.is_factor || is_one) reference_(static_cast<Eigen::Index>(p)) = parameter.is_factor ? 1.0 : first;
   }
-  set_reference(reference_);
 }
 
 bool FiniteElementStructure::terms_hold_at(const Eigen::Ref<const Eigen::VectorXd>& parameters,

@@ -4,6 +4,7 @@
 #include <limits>
 #include <set>
 
+#include "mottle/core/subject.hpp"
 #include "mottle/core/text.hpp"
 #include "mottle/model/structures/matrix_structure.hpp"
 
@@ -33,8 +34,9 @@ std::vector<Piece> list_pieces(const MatrixSystem& system) {
   std::set<std::string> names;
   for (const MatrixPart& part : system.parts) {
     const double nominal = part.nominal.value_or(1.0);
-    require(nominal > 0.0, "model.terms '{}': nominal value {}, must be > 0", part.name, nominal);
-    require(names.insert(part.name).second, "model.terms '{}': stands twice", part.name);
+    const Subject subject{Subject::Kind::matrix_part, part.name};
+    require_of(nominal > 0.0, subject, "nominal value {}, must be > 0", nominal);
+    require_of(names.insert(part.name).second, subject, "stands twice");
     Piece piece{.target = fmt::format("K:{}", part.name),
                 .nominal = nominal,
                 .states_nominal = part.nominal.has_value(),
@@ -53,15 +55,15 @@ void bind(std::vector<Piece>& pieces, const std::vector<ParameterTargets>& param
     if (!piece.target.empty()) known.push_back(piece.target);
   }
   for (std::size_t p = 0; p < parameters.size(); ++p) {
-    const std::string start = fmt::format("parameter '{}'", parameters[p].parameter);
-    require(!parameters[p].targets.empty(), "{}: it has no target, so it acts on nothing", start);
+    const Subject subject = subject_parameter(parameters[p].parameter);
+    require_of(!parameters[p].targets.empty(), subject, "it has no target, so it acts on nothing");
     for (const std::string& target : parameters[p].targets) {
       const auto found = std::find_if(pieces.begin(), pieces.end(),
                                       [&](const Piece& piece) { return !target.empty() && piece.target == target; });
-      require(found != pieces.end(), "{}: it acts on nothing: {}", start,
-              unknown_name_message("matrix", target, known));
-      require(found->parameter < 0, "{}: target '{}' is already tied to parameter '{}'", start, target,
-              found->parameter < 0 ? "" : parameters[static_cast<std::size_t>(found->parameter)].parameter);
+      require_of(found != pieces.end(), subject, "it acts on nothing: {}",
+                 unknown_name_message("matrix", target, known));
+      require_of(found->parameter < 0, subject, "target '{}' is already tied to parameter '{}'", target,
+                 found->parameter < 0 ? "" : parameters[static_cast<std::size_t>(found->parameter)].parameter);
       found->parameter = static_cast<int>(p);
     }
   }
@@ -73,6 +75,12 @@ struct Numbering {
   Eigen::Index size = 0;
   std::vector<std::vector<int>> rows;  ///< by piece
 };
+
+/// The matrix that no parameter moves, or the part by its name: "wall" of "K:wall".
+Subject subject_of(const Piece& piece) {
+  if (!piece.target.empty()) return {Subject::Kind::matrix_part, piece.target.substr(2)};
+  return {piece.is_mass ? Subject::Kind::mass : Subject::Kind::stiffness};
+}
 
 bool are_alike(const std::vector<Piece>& pieces) {
   const SymmetricMatrix& first = *pieces.front().matrix;
@@ -93,11 +101,11 @@ Numbering number_rows(const std::vector<Piece>& pieces) {
   for (const Piece& piece : pieces) {
     std::vector<int>& rows = result.rows.emplace_back();
     const SymmetricMatrix& matrix = *piece.matrix;
-    const std::string label = piece.target.empty() ? (piece.is_mass ? "model.mass" : "model.stiffness") : piece.target;
-    require(by_position || !matrix.names.empty(),
-            "{}: has {} rows without names, others have {}; matrices of different rows are put together by names: give "
-            "them in model.degrees_of_freedom or in the files",
-            label, matrix.lower.rows(), pieces.front().matrix->lower.rows());
+    const Subject subject = subject_of(piece);
+    require_of(by_position || !matrix.names.empty(), subject,
+               "has {} rows without names, others have {}; matrices of different rows are put together by names: give "
+               "those of the degrees of freedom, or name them in the files",
+               matrix.lower.rows(), pieces.front().matrix->lower.rows());
     std::set<std::string> own;
     for (int row = 0; row < static_cast<int>(matrix.lower.rows()); ++row) {
       if (by_position) {
@@ -105,9 +113,8 @@ Numbering number_rows(const std::vector<Piece>& pieces) {
         continue;
       }
       const std::string& name = matrix.names[static_cast<std::size_t>(row)];
-      require(own.insert(name).second,
-              "{}: row '{}' stands twice, so the matrices, whose rows differ, cannot be put together by names", label,
-              name);
+      require_of(own.insert(name).second, subject,
+                 "row '{}' stands twice, so the matrices, whose rows differ, cannot be put together by names", name);
       const auto [place, is_new] = by_name.try_emplace(name, static_cast<int>(result.names.size()));
       if (is_new) result.names.push_back(name);
       rows.push_back(place->second);
@@ -181,9 +188,9 @@ MatrixModel bind_parameters(const MatrixSystem& system, const std::vector<Parame
                             const Eigen::VectorXd& fallback) {
   std::vector<Piece> pieces = list_pieces(system);
   const auto masses = std::count_if(pieces.begin(), pieces.end(), [](const Piece& piece) { return piece.is_mass; });
-  require(masses > 0, "model: there is no mass matrix; give model.mass or the mass of a term");
-  require(masses < static_cast<std::ptrdiff_t>(pieces.size()),
-          "model: there is no stiffness matrix; give model.stiffness or the stiffness of a term");
+  require_of(masses > 0, {Subject::Kind::model}, "there is no mass matrix; give one, or the mass of a part");
+  require_of(masses < static_cast<std::ptrdiff_t>(pieces.size()), {Subject::Kind::model},
+             "there is no stiffness matrix; give one, or the stiffness of a part");
   bind(pieces, parameters);
   Numbering numbering = number_rows(pieces);
   MatrixModel model;

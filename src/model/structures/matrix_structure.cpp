@@ -55,14 +55,13 @@ SeparablePencil make_pencil(const std::vector<ScaledMatrix>& stiffness, const st
   return {in_pattern(pattern, stiffness), in_pattern(pattern, mass), std::move(names)};
 }
 
-MatrixStructure::MatrixStructure(SeparablePencil pencil, const Eigen::VectorXd& reference)
-    : pencil_(std::move(pencil)), parameters_(reference.size()) {
+MatrixStructure::MatrixStructure(SeparablePencil pencil, Eigen::VectorXd reference)
+    : pencil_(std::move(pencil)), reference_(std::move(reference)) {
   for (int row = 0; row < static_cast<int>(mode_count()); ++row) {
     const auto [place, is_new] = numbers_.try_emplace(equation_name(row), static_cast<int>(layers_.size()));
     if (is_new) layers_.emplace_back();
     layers_[static_cast<std::size_t>(place->second)].push_back(row);
   }
-  set_reference(reference);
 }
 
 std::string MatrixStructure::equation_name(int row) const {
@@ -78,7 +77,7 @@ std::string MatrixStructure::unknown_degree_of_freedom(const std::string& name) 
   if (pencil_.names.empty()) {
     return fmt::format(
         "'{}' is not known here: the matrices' rows have no names, only numbers from 1 to {}; give the "
-        "names in model.degrees_of_freedom",
+        "names of the degrees of freedom",
         name, mode_count());
   }
   constexpr std::size_t k_listed = 8;

@@ -13,11 +13,12 @@ const GaussianRule& rule() {
   return result;
 }
 
+/// Strictly within the bounds, as a mean is: the sum may round to an end or past it.
 double mean_by_quadrature(const NormalScale& scale, double mean, double std) {
   const auto& [nodes, weights] = rule();
   double sum = 0.0;
   for (Eigen::Index k = 0; k < nodes.rows(); ++k) sum += weights(k) * scale.to_variable(mean + std * nodes(k, 0));
-  return sum;
+  return std::clamp(sum, std::nextafter(scale.lower, scale.upper), std::nextafter(scale.upper, scale.lower));
 }
 
 double covariance_by_quadrature(const NormalScale& first, const NormalScale& second, const Eigen::Vector2d& mean,

@@ -20,7 +20,7 @@ OwnEstimate own_estimate(const RandomEffectsUnit& unit, const Eigen::VectorXd& f
   constexpr double k_determined = 1e-10;
   constexpr double k_smallest_noise = 1e-14;  // of the row's variance: rows without noise count alike
   OwnEstimate result;
-  if (unit.design.rows() < unit.design.cols()) return result;
+  if (unit.design.cols() == 0 || unit.design.rows() < unit.design.cols()) return result;
   const Eigen::VectorXd noise = noise_of(unit, factors);
   const Eigen::VectorXd scatter = (unit.design * sigma * unit.design.transpose()).diagonal();
   const Eigen::VectorXd weight = noise.cwiseMax(k_smallest_noise * scatter).cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
@@ -102,6 +102,11 @@ PopulationEvidence population_evidence(const std::vector<RandomEffectsUnit>& uni
                                        const Eigen::Ref<const Eigen::MatrixXd>& map) {
   PopulationEvidence evidence;
   evidence.mean = map * fit.mean;
+  if (map.cols() == 0) {  // the outputs see nothing
+    evidence.total = Eigen::MatrixXd::Zero(map.rows(), map.rows());
+    evidence.noise = evidence.mean_covariance = evidence.freedom = evidence.total;
+    return evidence;
+  }
   if (settings.covariance_groups.empty() && settings.mean_origin.size() == 0 &&
       gather_balanced(units, fit, map, evidence)) {
     add_shared_errors(units, fit, settings, map, evidence);

@@ -64,17 +64,16 @@ const NoiseRule* rule_for(const std::vector<NoiseRule>& rules, const std::string
 }
 
 NoiseDeviations noise_deviations(const std::vector<NoiseRule>& rules, const std::vector<std::string>& outputs,
-                                 const Eigen::Ref<const Eigen::VectorXd>& means, const std::string& key,
-                                 const std::string& what) {
+                                 const Eigen::Ref<const Eigen::VectorXd>& means, const std::string& what) {
   for (const NoiseRule& rule : rules) {
     const bool fits = std::any_of(outputs.begin(), outputs.end(), [&](const std::string& name) {
       return is_pattern(rule.pattern) ? matches_pattern(name, rule.pattern) : name == rule.pattern;
     });
     if (fits) continue;
     if (!is_pattern(rule.pattern)) {
-      throw InvalidInput(fmt::format("{}: {}", key, unknown_name_message("output", rule.pattern, outputs)));
+      throw InvalidInput(unknown_name_message("output", rule.pattern, outputs));
     }
-    throw InvalidInput(fmt::format("{}: '{}' fits no output; outputs are {}", key, rule.pattern, join(outputs)));
+    throw InvalidInput(fmt::format("'{}' fits no output; outputs are {}", rule.pattern, join(outputs)));
   }
   NoiseDeviations result{Eigen::VectorXd::Zero(means.size()), {}};
   std::vector<std::vector<std::string>> held(rules.size());

@@ -28,11 +28,10 @@ struct NoiseDeviations {
 /// one holds.
 ///
 /// @param means  of the outputs, of which a relative rule takes its part
-/// @param key    "test.repeatability", for messages
 /// @param what   "Measurement noise", for notes
 /// Throws InvalidInput: a rule that fits no output.
 NoiseDeviations noise_deviations(const std::vector<NoiseRule>& rules, const std::vector<std::string>& outputs,
-                                 const Eigen::Ref<const Eigen::VectorXd>& means, const std::string& key,
+                                 const Eigen::Ref<const Eigen::VectorXd>& means,
                                  const std::string& what = "Measurement noise");
 
 }  // namespace mottle

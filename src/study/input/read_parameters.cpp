@@ -57,12 +57,12 @@ NormalScale read_scale(TomlReader& reader, const StudyParameter& parameter) {
 
 }  // namespace
 
-StudyParameter read_parameter(TomlReader& reader, StudyModelSource::Kind kind) {
+StudyParameter read_parameter(TomlReader& reader, bool has_targets) {
   StudyParameter parameter;
   parameter.name = reader.name("name");
   const std::set<std::string> taken{"", "status", "iteration"};  // columns of the result files
   if (taken.contains(parameter.name)) reader.fail_value("name", "a name other than 'status' and 'iteration'");
-  if (kind == StudyModelSource::Kind::command) {
+  if (!has_targets) {
     parameter.targets = {reader.text_or("target", parameter.name)};
   } else {
     parameter.targets = reader.texts("target");
@@ -128,12 +128,12 @@ Eigen::MatrixXd read_pairs(TomlReader& reader, const std::vector<std::string>& n
 
 }  // namespace
 
-StudyParameters read_parameters(TomlReader& owner, StudyModelSource::Kind kind) {
+StudyParameters read_parameters(TomlReader& owner, const ModelSource& model) {
   StudyParameters parameters;
   std::set<std::string> seen;
   std::vector<std::string> names;
   for (TomlReader& reader : owner.tables("parameter")) {
-    parameters.list.push_back(read_parameter(reader, kind));
+    parameters.list.push_back(read_parameter(reader, model.has_targets()));
     names.push_back(parameters.list.back().name);
     if (!seen.insert(names.back()).second) {
       reader.fail("name", fmt::format("parameter '{}' stands twice", names.back()));

@@ -8,10 +8,10 @@ const std::vector<std::string>& surrogate_kinds() {
   return k_kinds;
 }
 
-StudyPredict read_predict(TomlReader reader, const StudyModelSource& model, const std::filesystem::path& folder) {
+StudyPredict read_predict(TomlReader reader, const ModelSource& model, const std::filesystem::path& folder) {
   StudyPredict predict;
   predict.overrides = reader.number_map("model", {.lower = 0.0});
-  if (!predict.overrides.empty() && model.kind == StudyModelSource::Kind::command) {
+  if (!predict.overrides.empty() && !model.has_targets()) {
     reader.fail("model", "is not for a model by command, whose numbers are its own");
   }
   predict.repeatability = reader.number_map("repeatability", {.lower = 0.0});

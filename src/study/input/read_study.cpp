@@ -8,10 +8,11 @@
 #include "study/input/overrides.hpp"
 #include "study/input/study_sections.hpp"
 #include "study/input/toml_writer.hpp"
+#include "study/models/registry.hpp"
 
 namespace mottle {
 
-ModalOutputs read_outputs(TomlReader reader, const StudyModelSource& model) {
+ModalOutputs read_outputs(TomlReader reader, const ModelSource& model) {
   ModalOutputs outputs;
   outputs.frequencies = reader.mode_numbers("frequencies");
   outputs.damping = reader.mode_numbers("damping");
@@ -24,12 +25,10 @@ ModalOutputs read_outputs(TomlReader reader, const StudyModelSource& model) {
   } else {
     reader.raw("shapes");
   }
-  using Kind = StudyModelSource::Kind;
-  const bool lacks_shapes = model.kind == Kind::command && !model.command.shapes;
-  const std::size_t usual = model.kind == Kind::mass_spring || lacks_shapes ? 0 : 1;
+  const std::size_t usual = model.tracks_by_mac() ? 1 : 0;
   outputs.tracking =
       std::vector{ModeTracking::order, ModeTracking::mac}[reader.choice("tracking", {"order", "mac"}, usual)];
-  if (lacks_shapes && outputs.tracking == ModeTracking::mac) {
+  if (!model.gives_shapes() && outputs.tracking == ModeTracking::mac) {
     reader.fail("tracking",
                 "\"mac\" compares shapes, and the model gives none; say in [model.shapes] where they stand");
   }
@@ -37,6 +36,17 @@ ModalOutputs read_outputs(TomlReader reader, const StudyModelSource& model) {
   reader.finish();
   return outputs;
 }
+
+namespace {
+
+std::shared_ptr<const ModelSource> read_model(TomlReader reader, const std::filesystem::path& folder) {
+  reader.text("kind");
+  std::vector<std::string> names;
+  for (const ModelKind& kind : model_kinds()) names.push_back(kind.name);
+  return model_kinds()[reader.choice("kind", names, 0)].read(reader, folder);
+}
+
+}  // namespace
 
 StudyTest read_test(TomlReader reader, const std::filesystem::path& folder) {
   StudyTest test;
@@ -130,11 +140,11 @@ StudyUpdate read_update(TomlReader reader) {
   return update;
 }
 
-StudyTruth read_truth(TomlReader reader, StudyModelSource::Kind kind) {
+StudyTruth read_truth(TomlReader reader, const ModelSource& model) {
   StudyTruth truth;
   truth.specimens = static_cast<int>(reader.integer_or("specimens", truth.specimens, {.lower = 1.0, .upper = 1e7}));
   truth.noise = read_noise_rules(reader, "noise");
-  truth.parameters = read_parameters(reader, kind);
+  truth.parameters = read_parameters(reader, model);
   reader.finish();
   return truth;
 }
@@ -198,12 +208,12 @@ Study read_study(const std::filesystem::path& file, const StudyOverrides& overri
   study.seed = static_cast<std::uint64_t>(reader.integer_or("seed", 1, {.lower = 0.0}));
   const std::filesystem::path folder = file.parent_path();
   study.model = read_model(reader.table("model"), folder);
-  study.parameters = read_parameters(reader, study.model.kind);
-  study.outputs = read_outputs(reader.table("outputs"), study.model);
+  study.parameters = read_parameters(reader, *study.model);
+  study.outputs = read_outputs(reader.table("outputs"), *study.model);
   if (reader.raw("test") != nullptr) study.test = read_test(reader.table("test"), folder);
   if (reader.raw("update") != nullptr) study.update = read_update(reader.table("update"));
-  if (reader.raw("truth") != nullptr) study.truth = read_truth(reader.table("truth"), study.model.kind);
-  if (reader.raw("predict") != nullptr) study.predict = read_predict(reader.table("predict"), study.model, folder);
+  if (reader.raw("truth") != nullptr) study.truth = read_truth(reader.table("truth"), *study.model);
+  if (reader.raw("predict") != nullptr) study.predict = read_predict(reader.table("predict"), *study.model, folder);
   if (reader.raw("surrogate") != nullptr) study.surrogate = read_surrogate(reader.table("surrogate"));
   if (reader.raw("diagnose") != nullptr) study.diagnose = read_diagnose(reader.table("diagnose"));
   reader.finish();
@@ -218,17 +228,27 @@ Study read_study(const std::filesystem::path& file, const StudyOverrides& overri
   return study;
 }
 
-std::string located(const Study& study, const std::string& message, const std::string& section) {
-  int line = 0;
-  std::size_t longest = 0;
-  for (const auto& [key, its_line] : study.lines) {
-    if (key.size() < longest || !(section + message).starts_with(key)) continue;
-    longest = key.size();
-    line = its_line;
+namespace {
+
+/// The places of the model's files, as `relative` gives them; lists of files are made anew.
+template <class Relative>
+void rewrite_files(toml::table& model, const std::vector<NamedFile>& files, const Relative& relative) {
+  std::set<std::string> lists;
+  for (const NamedFile& named : files) {
+    if (named.key.empty()) continue;
+    if (!named.key.ends_with(']')) {
+      const std::size_t dot = named.key.rfind('.');
+      toml::table* table = dot == std::string::npos ? &model : model.at_path(named.key.substr(0, dot)).as_table();
+      table->insert_or_assign(named.key.substr(dot + 1), relative(named.place));
+      continue;
+    }
+    const std::string list = named.key.substr(0, named.key.find('['));
+    if (lists.insert(list).second) model.insert_or_assign(list, toml::array());
+    model[list].as_array()->push_back(relative(named.place));
   }
-  return line > 0 ? fmt::format("{}:{}: {}", study.file.string(), line, message)
-                  : fmt::format("{}: {}", study.file.string(), message);
 }
+
+}  // namespace
 
 std::string study_text_for(const Study& study, const std::filesystem::path& folder) {
   toml::table root = toml::parse(study.text);
@@ -239,11 +259,6 @@ std::string study_text_for(const Study& study, const std::filesystem::path& fold
   };
   const auto rewrite = [&](const char* section, const char* key, const std::filesystem::path& file) {
     root[section].as_table()->insert_or_assign(key, relative(file));
-  };
-  const auto rewrite_list = [&](const char* key, const std::vector<RunFile>& files) {
-    toml::array list;
-    for (const RunFile& file : files) list.push_back(relative(file.source));
-    if (!files.empty()) root["model"].as_table()->insert_or_assign(key, std::move(list));
   };
   if (study.test) {
     toml::array files;
@@ -256,22 +271,7 @@ std::string study_text_for(const Study& study, const std::filesystem::path& fold
     }
   }
   if (study.test && study.test->repeats_file) rewrite("test", "repeatability", *study.test->repeats_file);
-  if (!study.model.deck.empty()) rewrite("model", "file", study.model.deck);
-  if (study.model.kind == StudyModelSource::Kind::matrices) {
-    const auto rewrite_part = [&](toml::table& table, const StudyMatrixPart& part) {
-      for (const auto& [key, place] : {std::pair{"stiffness", part.stiffness}, std::pair{"mass", part.mass}}) {
-        if (!place.empty()) table.insert_or_assign(key, relative(place));
-      }
-    };
-    rewrite_part(*root["model"].as_table(), study.model.constant_part);
-    toml::array* terms = root["model"]["terms"].as_array();
-    for (std::size_t i = 0; i < study.model.parts.size(); ++i) {
-      rewrite_part(*terms->get(i)->as_table(), study.model.parts[i]);
-    }
-    if (!study.model.row_names.empty()) rewrite("model", "degrees_of_freedom", study.model.row_names);
-  }
-  rewrite_list("templates", study.model.command.templates);
-  rewrite_list("files", study.model.command.files);
+  rewrite_files(*root["model"].as_table(), study.model->files(), relative);
   if (study.predict && study.predict->held_out) rewrite("predict", "held_out", *study.predict->held_out);
   return toml_document(root);
 }

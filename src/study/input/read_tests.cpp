@@ -47,9 +47,9 @@ void require_unit(const CsvTable& table, const Study& study, const std::string& 
                                 title, stated, study.units, used));
 }
 
-std::vector<std::string> names_of(const std::vector<Output>& outputs) {
+std::vector<std::string> names_of(const std::vector<Quantity>& outputs) {
   std::vector<std::string> names;
-  for (const Output& output : outputs) names.push_back(output.name);
+  for (const Quantity& output : outputs) names.push_back(output.name());
   return names;
 }
 
@@ -73,7 +73,7 @@ std::vector<int> match_columns(const CsvTable& table, const Study& study, const 
     const bool is_parameter = std::any_of(study.parameters.list.begin(), study.parameters.list.end(),
                                           [&](const StudyParameter& parameter) { return parameter.name == name; });
     const bool is_label = name == "specimen" || name == "status";
-    if (!is_parameter && !is_label && !may_name_output(name)) {
+    if (!is_parameter && !is_label && !may_name_quantity(name)) {
       throw FormatError(table.file, 1, unknown_name_message("column", table.header[column], outputs));
     }
     if (!is_label) unused.push_back(table.header[column]);
@@ -89,7 +89,7 @@ std::vector<int> match_columns(const CsvTable& table, const Study& study, const 
 }
 
 /// Rows are specimens, columns the outputs, of which the first are natural frequencies.
-Eigen::MatrixXd values_of_columns(const CsvTable& table, const std::vector<int>& columns, const ModalModel& model) {
+Eigen::MatrixXd values_of_columns(const CsvTable& table, const std::vector<int>& columns, const StructureModel& model) {
   Eigen::MatrixXd values(static_cast<Eigen::Index>(table.rows.size()), static_cast<Eigen::Index>(columns.size()));
   for (std::size_t k = 0; k < columns.size(); ++k) {
     const Eigen::VectorXd column = numbers_of_column(table, columns[k]);
@@ -107,14 +107,15 @@ Eigen::MatrixXd values_of_columns(const CsvTable& table, const std::vector<int>&
 }
 
 /// Renumbers the modes of every row by their shapes.
-void pair_rows(const Study& study, const ModalModel& model, Eigen::MatrixXd& values, std::vector<std::string>& notes) {
+void pair_rows(const Study& study, const StructureModel& model, Eigen::MatrixXd& values,
+               std::vector<std::string>& notes) {
   std::vector<Eigen::Index> columns_of_modes;
   for (const int mode : model.selection().shape_modes) columns_of_modes.push_back(mode - 1);
   try {
     const Eigen::MatrixXd reference = model.reference_displacements()(Eigen::all, columns_of_modes);
     for (std::string& note : pair_tests(values, model.selection(), reference)) notes.push_back(note);
   } catch (const InvalidInput& error) {
-    throw InvalidInput(located(study, error.what()));
+    throw InvalidInput(located(study, error));
   }
 }
 
@@ -139,7 +140,7 @@ Pooled pool(const Eigen::Ref<const Eigen::VectorXd>& values, const std::vector<s
 }
 
 /// Repeatability from repeated tests.
-void read_repeats(const Study& study, const ModalModel& model, const std::vector<std::string>& names,
+void read_repeats(const Study& study, const StructureModel& model, const std::vector<std::string>& names,
                   StudyTests& tests) {
   const std::filesystem::path& file = *study.test->repeats_file;
   const CsvTable table = read_named_table(study, "test.repeatability", file);
@@ -183,11 +184,11 @@ Eigen::VectorXd column_means(const Eigen::MatrixXd& values) {
 Eigen::VectorXd deviations_by_rules(const Study& study, const std::vector<NoiseRule>& rules, const std::string& key,
                                     const std::string& what, const std::vector<std::string>& names, StudyTests& tests) {
   try {
-    NoiseDeviations noise = noise_deviations(rules, names, column_means(tests.data.values), "test." + key, what);
+    NoiseDeviations noise = noise_deviations(rules, names, column_means(tests.data.values), what);
     for (std::string& note : noise.notes) tests.notes.push_back(std::move(note));
     return noise.std;
   } catch (const InvalidInput& error) {
-    throw InvalidInput(located(study, error.what()));
+    throw InvalidInput(located(study, "test." + key, error.what()));
   }
 }
 
@@ -198,7 +199,7 @@ void add_model_error(const Study& study, const std::vector<std::string>& names, 
       deviations_by_rules(study, study.test->model_error, "model_error", "Model error", names, tests);
 }
 
-void add_repeatability(const Study& study, const ModalModel& model, const std::vector<std::string>& names,
+void add_repeatability(const Study& study, const StructureModel& model, const std::vector<std::string>& names,
                        StudyTests& tests) {
   const Eigen::Index outputs = tests.data.values.cols();
   tests.data.repeatability_std = Eigen::VectorXd::Zero(outputs);
@@ -212,7 +213,7 @@ void add_repeatability(const Study& study, const ModalModel& model, const std::v
 }
 
 /// Specimens from the rows of a table; those without any value are left out.
-Eigen::MatrixXd values_of_rows(const Study& study, const ModalModel& model, const CsvTable& table,
+Eigen::MatrixXd values_of_rows(const Study& study, const StructureModel& model, const CsvTable& table,
                                const std::vector<std::string>& names, std::vector<std::string>& notes) {
   const std::vector<int> columns = match_columns(table, study, names, notes);
   const Eigen::MatrixXd values = values_of_columns(table, columns, model);
@@ -229,7 +230,7 @@ Eigen::MatrixXd values_of_rows(const Study& study, const ModalModel& model, cons
   return rows;
 }
 
-Eigen::MatrixXd values_of_modes(const Study& study, const ModalModel& model,
+Eigen::MatrixXd values_of_modes(const Study& study, const StructureModel& model,
                                 const std::vector<MeasuredModes>& specimens, StudyTests& tests) {
   try {
     PairedModes paired = pair_modes(model, specimens, study.test->pairs_by_mac.value_or(true));
@@ -237,13 +238,13 @@ Eigen::MatrixXd values_of_modes(const Study& study, const ModalModel& model,
     tests.pairing = std::move(paired.table);
     return paired.values;
   } catch (const InvalidInput& error) {
-    throw InvalidInput(located(study, fmt::format("{}: {}", study.test->key, error.what())));
+    throw InvalidInput(located(study, study.test->key, error.what()));
   }
 }
 
 }  // namespace
 
-StudyTests read_tests(const Study& study, const ModalModel& model) {
+StudyTests read_tests(const Study& study, const StructureModel& model) {
   require(study.test.has_value(), "{}: test: is missing; give [test] file = \"...\"", study.file.string());
   TestContents contents = read_test_files(study);
   const std::vector<std::string> names = names_of(model.outputs());

@@ -26,7 +26,4 @@ struct UnitSizes {
 };
 UnitSizes unit_sizes(const std::string& units);
 
-/// Unit of what a parameter acts on: "spring:k1", "MAT1:2:E".
-std::string target_unit(const std::string& target, const UnitNames& units);
-
 }  // namespace mottle

@@ -267,10 +267,9 @@ CouldHide work_out(const Study& study, const StudyModel& made, const UpdatingPro
 
 CouldHide find_could_hide(const Study& study, const StudyModel& made, const UpdatingProblem& problem,
                           const UpdatingResult& result, Conclusion conclusion, const RunContext& context) {
-  using Kind = StudyModelSource::Kind;
   CouldHide hidden;
   if (conclusion == Conclusion::inadequate) return hidden;
-  if (study.model.kind == Kind::command || study.model.kind == Kind::calculix) {
+  if (!study.model->shows_numbers()) {
     hidden.notes.emplace_back(
         "What errors in the model's fixed numbers could hide is not worked out: a model by another program does not "
         "show its numbers.");

@@ -35,7 +35,7 @@ DiagnoseOutcome diagnose(const Study& study, const RunSettings& settings) {
   std::vector<std::string> given;
   for (const StudyParameter& parameter : study.parameters.list) given.push_back(parameter.name);
   const UpdatingProblem problem{.model = model,
-                                .derivatives = made.model->structure().has_derivatives() ? made.model.get() : nullptr,
+                                .derivatives = made.model->derivatives(),
                                 .space = *made.space,
                                 .tests = tests.data,
                                 .iterations = study.update.iterations,

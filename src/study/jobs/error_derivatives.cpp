@@ -11,8 +11,8 @@ namespace {
 constexpr double k_frequency_noise = 0.001;
 constexpr double k_shape_noise = 0.01;
 
-Eigen::Index place_of(const std::vector<Output>& outputs, const std::string& name) {
-  const auto found = std::find_if(outputs.begin(), outputs.end(), [&](const Output& o) { return o.name == name; });
+Eigen::Index place_of(const std::vector<Quantity>& outputs, const std::string& name) {
+  const auto found = std::find_if(outputs.begin(), outputs.end(), [&](const Quantity& o) { return o.name() == name; });
   return std::distance(outputs.begin(), found);
 }
 
@@ -30,16 +30,16 @@ void add_noise(const Eigen::VectorXd& values, ErrorDerivatives& found) {
 /// The study with the numbers as parameters.
 Study widened(const Study& study, const FixedNumbers& numbers, bool has_further, Eigen::Index mode_count) {
   Study whole = with_candidates(study, numbers.list);
-  whole.model.may_reduce = false;  // one point does not pay for the training of a reduced model
+  whole.may_reduce = false;  // one point does not pay for the training of a reduced model
   if (has_further) whole.outputs = wider_outputs(study, mode_count);
   return whole;
 }
 
 /// Rows of the wider model's outputs: those of the study, then the further ones, which are numbered in `found`.
-std::vector<Eigen::Index> order_of_outputs(const StudyModel& made, const std::vector<Output>& wider,
+std::vector<Eigen::Index> order_of_outputs(const StudyModel& made, const std::vector<Quantity>& wider,
                                            ErrorDerivatives& found) {
   std::vector<Eigen::Index> order;
-  for (const Output& output : made.model->outputs()) order.push_back(place_of(wider, output.name));
+  for (const Quantity& output : made.model->outputs()) order.push_back(place_of(wider, output.name()));
   for (const FurtherOutputs& item : found.further) {
     found.rows.emplace_back();
     for (const std::string& name : item.names) {
@@ -60,9 +60,8 @@ ErrorDerivatives differentiate_errors(const Study& study, const StudyModel& made
   const Eigen::Index q = mean.size();
   Eigen::VectorXd point = model.space->prior().mean();
   point.head(q) = mean;
-  const UpdatingProblem problem{.model = *model.model,
-                                .derivatives = model.model->structure().has_derivatives() ? model.model.get() : nullptr,
-                                .space = *model.space};
+  const UpdatingProblem problem{
+      .model = *model.model, .derivatives = model.model->derivatives(), .space = *model.space};
   std::int64_t evaluations = 0;
   const Eigen::VectorXd prior_std = model.space->prior().covariance().diagonal().cwiseSqrt();
   const Eigen::MatrixXd jacobian = model_jacobian(problem, point, prior_std, context, evaluations);

@@ -45,13 +45,13 @@ Eigen::MatrixXd read_points(const std::filesystem::path& file, const ParameterSp
 void add_noise(Eigen::MatrixXd& outputs, const Study& study, const StudyModel& made, const RunContext& context) {
   if (study.truth->noise.empty()) return;
   std::vector<std::string> names;
-  for (const Output& output : made.model->outputs()) names.push_back(output.name);
+  for (const Quantity& output : made.model->outputs()) names.push_back(output.name());
   const Eigen::MatrixXd nominal = made.model->evaluate(made.space->prior().mean().transpose(), context).outputs;
   Eigen::VectorXd deviation;
   try {
-    deviation = noise_deviations(study.truth->noise, names, nominal.row(0).transpose(), "truth.noise").std;
+    deviation = noise_deviations(study.truth->noise, names, nominal.row(0).transpose()).std;
   } catch (const InvalidInput& error) {
-    throw InvalidInput(located(study, error.what()));
+    throw InvalidInput(located(study, "truth.noise", error.what()));
   }
   if (deviation.isZero(0.0)) return;
   const JointDistribution noise =

@@ -10,7 +10,6 @@ namespace {
 constexpr int k_modes_above = 3;
 constexpr int k_most_frequencies = 4;
 constexpr std::size_t k_most_shapes = 4;
-constexpr std::size_t k_most_degrees_of_freedom = 12;
 
 bool holds(const std::vector<int>& list, int value) {
   return std::find(list.begin(), list.end(), value) != list.end();
@@ -47,11 +46,7 @@ std::vector<int> further_shapes(const ModalOutputs& outputs) {
 
 std::vector<std::string> places_of_shapes(const Study& study) {
   if (!study.outputs.shape_degrees_of_freedom.empty()) return study.outputs.shape_degrees_of_freedom;
-  std::vector<std::string> places;
-  for (const PointMass& mass : study.model.system.masses) {
-    if (places.size() < k_most_degrees_of_freedom) places.push_back(mass.name);
-  }
-  return places;
+  return study.model->places_of_shapes();
 }
 
 }  // namespace
@@ -59,7 +54,7 @@ std::vector<std::string> places_of_shapes(const Study& study) {
 std::vector<FurtherOutputs> further_outputs(const Study& study, Eigen::Index mode_count) {
   std::vector<FurtherOutputs> further;
   for (const int mode : further_frequencies(study.outputs, mode_count)) {
-    const std::string name = frequency_output(mode, "").name;
+    const std::string name = natural_frequency(mode, "").name();
     further.push_back({name, {name}, false});
   }
   const std::vector<std::string> places = places_of_shapes(study);
@@ -67,7 +62,7 @@ std::vector<FurtherOutputs> further_outputs(const Study& study, Eigen::Index mod
   for (const int mode : further_shapes(study.outputs)) {
     FurtherOutputs shape{fmt::format("the shape of mode {} at {}", mode, join(places)), {}, true};
     for (const std::string& place : places) {
-      shape.names.push_back(shape_output(mode, place, OutputKind::displacement, "").name);
+      shape.names.push_back(shape_component(mode, place, QuantityKind::displacement, "").name());
     }
     further.push_back(std::move(shape));
   }

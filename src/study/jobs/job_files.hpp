@@ -36,7 +36,7 @@ class JobFiles {
       return work();
     } catch (const InvalidInput& error) {
       discard(aside);
-      throw InvalidInput(located(study, error.what()));
+      throw InvalidInput(located(study, error));
     }
   }
 

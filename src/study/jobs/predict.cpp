@@ -1,60 +1,30 @@
 #include "mottle/study/jobs/predict.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 
 #include "mottle/core/error.hpp"
 #include "mottle/core/text.hpp"
+#include "study/input/key_error.hpp"
 #include "study/input/noise_rules.hpp"
 
 namespace mottle {
 
 namespace {
 
-void override_system(MassSpringSystem& system, const std::string& target, double value) {
-  std::vector<std::string> known;
-  for (PointMass& mass : system.masses) {
-    known.push_back("mass:" + mass.name);
-    if (known.back() == target) mass.mass = value;
-  }
-  for (Connector& spring : system.springs) {
-    known.push_back("spring:" + spring.name);
-    if (known.back() == target) spring.value = value;
-  }
-  for (Connector& damper : system.dampers) {
-    known.push_back("damper:" + damper.name);
-    if (known.back() == target) damper.value = value;
-  }
-  require(std::find(known.begin(), known.end(), target) != known.end(), "predict.model: {}",
-          unknown_name_message("target", target, known));
-}
-
 /// The study whose model and outputs are the predicted ones.
 Study predicted_study(const Study& study) {
   Study other = study;
   other.outputs = study.predict->outputs;
   for (const auto& [given, value] : study.predict->overrides) {
-    const bool is_system = study.model.kind == StudyModelSource::Kind::mass_spring;
-    require(is_system || study.model.kind == StudyModelSource::Kind::nastran,
-            "predict.model: numbers of a model of matrices or of CalculiX cannot be other in the prediction; make them "
-            "parameters");
-    std::string target = given;
-    if (!is_system) {
-      std::transform(target.begin(), target.end(), target.begin(),
-                     [](unsigned char letter) { return static_cast<char>(std::toupper(letter)); });
-    }
+    const std::string target = study.model->target_key(given);
     for (const StudyParameter& parameter : study.parameters.list) {
-      const bool is_owned =
-          std::find(parameter.targets.begin(), parameter.targets.end(), target) != parameter.targets.end();
-      require(!is_owned, "predict.model: '{}' is what parameter '{}' acts on: its value comes from the update", given,
-              parameter.name);
+      const bool is_owned = std::any_of(parameter.targets.begin(), parameter.targets.end(),
+                                        [&](const std::string& own) { return study.model->target_key(own) == target; });
+      require_key(!is_owned, "predict.model", "'{}' is what parameter '{}' acts on: its value comes from the update",
+                  given, parameter.name);
     }
-    if (is_system) {
-      override_system(other.model.system, target, value);
-    } else {
-      other.model.overrides[target] = value;
-    }
+    other.model = other.model->with_number(target, value);
   }
   if (study.predict->held_out) {
     other.test = StudyTest{.key = "predict.held_out", .files = {*study.predict->held_out}};
@@ -65,13 +35,13 @@ Study predicted_study(const Study& study) {
 /// Noise of the predicted outputs: given, else that of the update's output of the same name, else none.
 Eigen::VectorXd noise_of(const PredictionPlan& plan, const UpdatingProblem& problem, const UpdatingResult& result) {
   Eigen::VectorXd noise = plan.repeatability;
-  const std::vector<Output>& used = problem.model.outputs();
-  const std::vector<Output>& outputs = plan.made.model->outputs();
+  const std::vector<Quantity>& used = problem.model.outputs();
+  const std::vector<Quantity>& outputs = plan.made.model->outputs();
   for (Eigen::Index k = 0; k < noise.size(); ++k) {
     if (!std::isnan(noise(k))) continue;
     noise(k) = 0.0;
     for (std::size_t j = 0; j < used.size(); ++j) {
-      if (used[j].name != outputs[static_cast<std::size_t>(k)].name) continue;
+      if (used[j].name() != outputs[static_cast<std::size_t>(k)].name()) continue;
       const auto place = static_cast<Eigen::Index>(j);
       noise(k) = result.noise_covariance.size() > 0 ? std::sqrt(result.noise_covariance(place, place))
                                                     : problem.tests.repeatability_std(place);
@@ -85,8 +55,8 @@ Eigen::VectorXd noise_of(const PredictionPlan& plan, const UpdatingProblem& prob
 std::optional<PredictedError> error_of(const Study& study, const PredictionPlan& plan, const UpdatingProblem& problem,
                                        const UpdatingResult& result, const RunContext& context) {
   if (!problem.tests.has_model_error()) return std::nullopt;
-  const std::vector<Output>& used = problem.model.outputs();
-  const std::vector<Output>& outputs = plan.made.model->outputs();
+  const std::vector<Quantity>& used = problem.model.outputs();
+  const std::vector<Quantity>& outputs = plan.made.model->outputs();
   const auto tested = static_cast<Eigen::Index>(used.size());
   const Eigen::VectorXd known =
       result.model_error ? result.model_error->std : Eigen::VectorXd(problem.tests.model_error_variance().cwiseSqrt());
@@ -99,9 +69,9 @@ std::optional<PredictedError> error_of(const Study& study, const PredictionPlan&
   const Eigen::VectorXd values = plan.made.model->evaluate(result.mean.transpose(), context).outputs.row(0);
   for (std::size_t k = 0; k < outputs.size(); ++k) {
     const auto place = static_cast<Eigen::Index>(k);
-    const auto found =
-        std::find_if(used.begin(), used.end(), [&](const Output& output) { return output.name == outputs[k].name; });
-    const NoiseRule* rule = rule_for(study.test->model_error, outputs[k].name);
+    const auto found = std::find_if(used.begin(), used.end(),
+                                    [&](const Quantity& output) { return output.name() == outputs[k].name(); });
+    const NoiseRule* rule = rule_for(study.test->model_error, outputs[k].name());
     if (found != used.end()) {
       const auto index = std::distance(used.begin(), found);
       if (is_same) error.tested[k] = index;
@@ -120,33 +90,30 @@ PredictionPlan plan_prediction(const Study& study, const RunSettings& settings) 
     const Study other = predicted_study(study);
     PredictionPlan plan{make_model(other, other.parameters, settings), std::nullopt, {}};
     if (study.predict->held_out) plan.held_out = read_tests(other, *plan.made.model);
-    const std::vector<Output>& outputs = plan.made.model->outputs();
+    const std::vector<Quantity>& outputs = plan.made.model->outputs();
     plan.repeatability = Eigen::VectorXd::Constant(static_cast<Eigen::Index>(outputs.size()), std::nan(""));
     for (const auto& [name, value] : study.predict->repeatability) {
       std::vector<std::string> names;
-      for (const Output& output : outputs) names.push_back(output.name);
+      for (const Quantity& output : outputs) names.push_back(output.name());
       const auto found = std::find(names.begin(), names.end(), name);
-      require(found != names.end(), "predict.repeatability: {}", unknown_name_message("output", name, names));
+      require_key(found != names.end(), "predict.repeatability", "{}", unknown_name_message("output", name, names));
       plan.repeatability(std::distance(names.begin(), found)) = value;
     }
     return plan;
-  } catch (const FormatError&) {
-    throw;  // names its own file and line
-  } catch (const InvalidInput& error) {
-    const std::string message = error.what();
-    throw InvalidInput(message.starts_with("predict.") ? located(study, message) : message);
+  } catch (const KeyError& error) {
+    throw InvalidInput(located(study, error));
   }
 }
 
 PredictionOutcome run_prediction(const Study& study, const PredictionPlan& plan, const UpdatingProblem& problem,
                                  const UpdatingResult& result, const RunContext& context) {
-  const PredictedPopulation population = predicted_population(problem.space, result, problem.tests.values.rows());
+  const Estimate& estimate = *result.estimate;
   PredictionOutcome outcome{.settings = {.noise_std = noise_of(plan, problem, result),
                                          .model_error = error_of(study, plan, problem, result, context),
                                          .draws = study.predict->draws}};
-  outcome.prediction = predict(*plan.made.model, problem.space, population, outcome.settings, context);
-  if (plan.held_out) outcome.check = check_held_out(outcome.prediction, population, plan.held_out->data.values);
-  outcome.notes = prediction_sentences(outcome.prediction, outcome.check ? &*outcome.check : nullptr, population,
+  outcome.prediction = predict(*plan.made.model, problem.space, estimate, outcome.settings, context);
+  if (plan.held_out) outcome.check = check_held_out(outcome.prediction, estimate, plan.held_out->data.values);
+  outcome.notes = prediction_sentences(outcome.prediction, outcome.check ? &*outcome.check : nullptr, estimate,
                                        plan.made.model->outputs(), outcome.settings.level);
   return outcome;
 }

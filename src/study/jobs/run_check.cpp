@@ -73,10 +73,10 @@ void describe_parameters(const StudyParameters& parameters, const StudyModel& ma
 /// Model, parameters and modes at the parameters' means.
 Json describe_model(const Study& study, const StudyParameters& parameters, const StudyModel& made,
                     std::vector<std::string>& lines) {
-  const ModalModel& model = *made.model;
+  const StructureModel& model = *made.model;
   const Eigen::VectorXd mean = made.space->prior().mean();
   const int most_modes = static_cast<int>(std::min(k_listed_modes, model.structure().mode_count()));
-  const ModeSet modes = model.structure().modes_at(mean, most_modes);
+  const ModeSet modes = model.solver().modes_at(mean, most_modes);
   for (std::string& line : model.structure().description(mean)) lines.push_back(std::move(line));
   for (const std::string& note : made.notes) lines.push_back("note: " + note);
   describe_parameters(parameters, made, lines);
@@ -90,7 +90,7 @@ Json describe_model(const Study& study, const StudyParameters& parameters, const
     lines.push_back(fmt::format("mode {:<3} {:>12.6g} {} at the parameters' means", r + 1, frequency, unit));
   }
   std::vector<std::string> names;
-  for (const Output& output : model.outputs()) names.push_back(fmt::format("{} [{}]", output.name, output.unit));
+  for (const Quantity& output : model.outputs()) names.push_back(fmt::format("{} [{}]", output.name(), output.unit));
   lines.push_back("outputs: " + join(names));
   return {{"command", "check"},
           {"title", study.title},
@@ -123,7 +123,7 @@ void describe_update(const Study& study, const UpdatePlan& plan, std::vector<std
 
 RunSummary run_check(const Study& study, const RunSettings& settings) {
   require_place(settings.folder);
-  if (study.model.kind == StudyModelSource::Kind::command) require_no_linked_runs(settings.folder);
+  if (study.model->keeps_runs()) require_no_linked_runs(settings.folder);
   if (!settings.may_run_programs && settings.observer != nullptr) {  // before the study may be refused for it
     for (const std::string& line : reach_lines(reach_of(study))) settings.observer->warning(line);
   }

@@ -12,6 +12,7 @@
 #include "mottle/formats/tables/csv.hpp"
 #include "mottle/formats/uff/uff.hpp"
 #include "mottle/formats/vtu.hpp"
+#include "mottle/model/solvers/exact_solver.hpp"
 #include "mottle/model/structures/finite_element_structure.hpp"
 #include "mottle/study/input/text_file.hpp"
 #include "mottle/study/jobs/study_objects.hpp"
@@ -26,7 +27,8 @@ constexpr int k_usual_modes = 10;
 
 /// A model with its modes.
 struct SolvedModel {
-  std::unique_ptr<FiniteElementStructure> structure;
+  std::unique_ptr<ExactSolver> solver;
+  const FiniteElementStructure* structure = nullptr;  ///< the solver's
   SparseModes modes;
   Eigen::VectorXd frequencies;  ///< Hz where the deck's time unit is the second
   std::vector<std::string> notes;
@@ -42,8 +44,10 @@ SolvedModel solve_deck(const std::filesystem::path& deck, const std::set<std::st
   if (modes == 0) modes = read.model.settings.modes > 0 ? read.model.settings.modes : k_usual_modes;
   const Eigen::VectorXd none;
   try {
-    solved.structure =
+    auto structure =
         std::make_unique<FiniteElementStructure>(std::move(read.model), std::vector<ParameterTargets>{}, none);
+    solved.structure = structure.get();
+    solved.solver = std::make_unique<ExactSolver>(std::move(structure));
   } catch (const FormatError&) {
     throw;
   } catch (const InvalidInput& error) {
@@ -51,9 +55,9 @@ SolvedModel solve_deck(const std::filesystem::path& deck, const std::set<std::st
   }
   const double assembled = steady_seconds();
   solved.assembly_seconds = assembled - start - solved.read_seconds;
-  solved.modes = solved.structure->solve_one(none, {.modes = modes, .counts_below = true});
+  solved.modes = solved.solver->solve_one(none, {.modes = modes, .counts_below = true});
   if (!solved.modes.failure.empty()) {
-    throw InvalidInput(fmt::format("{}: {}", deck.string(), solved.structure->failure_text(solved.modes)));
+    throw InvalidInput(fmt::format("{}: {}", deck.string(), solved.solver->failure_text(solved.modes)));
   }
   if (!solved.modes.is_complete()) {
     throw SystemFailure(fmt::format("{}: {} modes were found below {:.6g} (rad/s)^2, the inertia of K - s M counts {}",

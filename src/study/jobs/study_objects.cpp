@@ -6,16 +6,12 @@
 #include <set>
 
 #include "mottle/core/files.hpp"
+#include "mottle/core/subject.hpp"
 #include "mottle/core/text.hpp"
-#include "mottle/drivers/calculix/calculix.hpp"
-#include "mottle/drivers/calculix/separable_fit.hpp"
-#include "mottle/drivers/command/external_structure.hpp"
-#include "mottle/formats/nastran/model.hpp"
-#include "mottle/model/structures/dense_structure.hpp"
-#include "mottle/model/structures/finite_element_structure.hpp"
-#include "mottle/model/structures/matrix_structure.hpp"
+#include "mottle/model/solvers/reduced_solver.hpp"
+#include "mottle/study/models/model_source.hpp"
 #include "mottle/updating/verdict/verdict.hpp"
-#include "study/input/study_matrices.hpp"
+#include "study/input/key_error.hpp"
 #include "study/input/unit_names.hpp"
 #include "study/tests/test_files.hpp"
 
@@ -43,143 +39,30 @@ void require_effects(const StudyParameters& parameters, const ModalOutputs& outp
     const bool is_seen = !outputs.damping.empty() ||
                          std::any_of(parameter.targets.begin(), parameter.targets.end(),
                                      [](const std::string& target) { return !target.starts_with("damper:"); });
-    require(is_seen,
-            "parameter '{}': it acts on nothing: {} changes damping alone, which no output sees; name mode numbers in "
-            "outputs.damping or leave the parameter out",
-            parameter.name, join(parameter.targets));
+    require_of(is_seen, subject_parameter(parameter.name),
+               "it acts on nothing: {} changes damping alone, which no output sees; name mode numbers in "
+               "outputs.damping or leave the parameter out",
+               join(parameter.targets));
   }
 }
 
 /// Parameters and outputs are columns of one table.
-void require_own_names(const StudyParameters& parameters, const std::vector<Output>& outputs) {
+void require_own_names(const StudyParameters& parameters, const std::vector<Quantity>& outputs) {
   std::set<std::string> names;
-  for (const Output& output : outputs) names.insert(output.name);
+  for (const Quantity& output : outputs) names.insert(output.name());
   for (const StudyParameter& parameter : parameters.list) {
-    require(!names.contains(parameter.name), "parameter '{}': an output has that name, choose another", parameter.name);
+    require_of(!names.contains(parameter.name), subject_parameter(parameter.name),
+               "an output has that name, choose another");
   }
 }
 
-/// A structure and what belongs to it.
-struct ModelParts {
-  std::unique_ptr<ModalStructure> structure;
-  SparseStructure* sparse = nullptr;  ///< the same, where it is one
-  Eigen::VectorXd reference;          ///< parameters at which modes are numbered
-  std::vector<PhysicalLimit> limits;
-  std::vector<std::string> files;
-  std::vector<std::string> notes;
-};
-
-/// Numbers of the deck that are other than it says.
-void override_fields(FiniteElementModel& model, const std::map<std::string, double>& overrides) {
-  for (const auto& [target, value] : overrides) {
-    bool is_found = false;
-    for (CardField& field : model.fields) {
-      if (fmt::format("{}:{}:{}", field.card, field.id, field.name) != target) continue;
-      field.value = value;
-      is_found = true;
-    }
-    require(is_found, "predict.model: the deck has no number '{}'", target);
+void refuse_programs(const ModelSource& model) {
+  for (const std::string& program : model.programs()) {
+    const std::size_t colon = program.find(": ");
+    throw KeyError(program.substr(0, colon),
+                   fmt::format("'{}' would be run, which --no-run forbids; read the study and what it runs first",
+                               program.substr(colon + 2)));
   }
-}
-
-ModelParts parts_of(MatrixModel model, std::vector<std::string> files) {
-  ModelParts parts;
-  parts.reference = model.reference;
-  parts.limits = std::move(model.limits);
-  parts.notes = std::move(model.notes);
-  parts.files = std::move(files);
-  auto structure = std::make_unique<MatrixStructure>(std::move(model.pencil), parts.reference);
-  parts.sparse = structure.get();
-  parts.structure = std::move(structure);
-  return parts;
-}
-
-/// A solver by command: places in its input have these names.
-ModelParts make_external(const SolverCommand& command, const std::vector<std::string>& names,
-                         const JointDistribution& prior, const RunSettings& settings) {
-  ModelParts parts;
-  parts.reference = prior.mean();
-  parts.limits.assign(names.size(), {.lower = -std::numeric_limits<double>::infinity()});
-  for (const std::vector<RunFile>* list : {&command.templates, &command.files}) {
-    for (const RunFile& file : *list) parts.files.push_back(file.source.string());
-  }
-  auto structure = std::make_unique<ExternalStructure>(
-      command, names, parts.reference, prior.covariance().diagonal().cwiseSqrt(),
-      SolverPlace{.results = settings.folder, .is_resumed = settings.resume}, settings.stop);
-  parts.notes = structure->notes();
-  parts.structure = std::move(structure);
-  return parts;
-}
-
-/// By its matrices, or where they have no separable form by a run for each sample.
-ModelParts make_calculix(const CalculixDeck& deck, const std::vector<ParameterTargets>& targets,
-                         const JointDistribution& prior, const CalculixSettings& calculix,
-                         const RunSettings& settings) {
-  std::string reason;
-  try {
-    return parts_of(calculix_model(deck, targets, prior.mean(), calculix), deck.files);
-  } catch (const NotSeparable& error) {
-    reason = error.what();
-  }
-  std::vector<std::string> names;
-  for (const ParameterTargets& target : targets) names.push_back(target.parameter);
-  ModelParts parts = make_external(calculix_command(deck, targets, calculix), names, prior, settings);
-  parts.limits.assign(targets.size(), {});
-  parts.files = deck.files;
-  parts.notes.insert(parts.notes.begin(), fmt::format("CalculiX: each sample is a run, since {}", reason));
-  return parts;
-}
-
-void refuse_programs(const StudyModelSource& source) {
-  const bool is_calculix = source.kind == StudyModelSource::Kind::calculix;
-  require(!is_calculix && source.kind != StudyModelSource::Kind::command,
-          "model.{}: '{}' would be run, which --no-run forbids; read the study and what it runs first",
-          is_calculix ? "program" : "command",
-          is_calculix ? source.program : join(source.command.command.arguments, " "));
-}
-
-ModelParts make_parts(const StudyModelSource& source, const std::vector<ParameterTargets>& targets,
-                      const JointDistribution& prior, const RunSettings& settings) {
-  if (!settings.may_run_programs) refuse_programs(source);
-  if (source.kind == StudyModelSource::Kind::command) {
-    std::vector<std::string> names;
-    for (const ParameterTargets& target : targets) names.push_back(target.targets.front());
-    return make_external(source.command, names, prior, settings);
-  }
-  const Eigen::VectorXd prior_mean = prior.mean();
-  const std::filesystem::path& cache = settings.cache;
-  ModelParts parts;
-  if (source.kind == StudyModelSource::Kind::mass_spring) {
-    parts.structure = std::make_unique<DenseStructure>(separate(source.system, targets), prior_mean.size());
-    parts.reference = prior_mean;
-    for (const ParameterTargets& target : targets) parts.limits.push_back(physical_limit(target));
-    return parts;
-  }
-  if (source.kind == StudyModelSource::Kind::matrices) {
-    std::vector<std::string> files;
-    MatrixModel model = read_matrices(source, targets, prior_mean, files);
-    return parts_of(std::move(model), std::move(files));
-  }
-  if (source.kind == StudyModelSource::Kind::calculix) {
-    const CalculixDeck deck = read_calculix_deck(source.deck);
-    return make_calculix(deck, targets, prior,
-                         {.program = source.program,
-                          .timeout = source.timeout,
-                          .cache = cache,
-                          .parallel = source.parallel,
-                          .stop = settings.stop},
-                         settings);
-  }
-  NastranModel deck = read_nastran_model(source.deck, {.ignore_cards = source.ignore_cards});
-  override_fields(deck.model, source.overrides);
-  parts.files = std::move(deck.files);
-  parts.notes = std::move(deck.notes);
-  auto structure = std::make_unique<FiniteElementStructure>(std::move(deck.model), targets, prior_mean);
-  parts.reference = structure->reference();
-  parts.limits = structure->limits();
-  parts.sparse = structure.get();
-  parts.structure = std::move(structure);
-  return parts;
 }
 
 /// A reduced model learns from the prior, by samples that no cloud uses: its numbers then depend on nothing else.
@@ -202,14 +85,13 @@ StudyModel make_model(const Study& study, const StudyParameters& parameters, con
   try {
     const std::vector<ParameterTargets> targets = list_targets(parameters);
     JointDistribution prior = joint_prior(parameters);
-    ModelParts parts = make_parts(study.model, targets, prior, settings);
+    if (!settings.may_run_programs) refuse_programs(*study.model);
+    ModelParts parts = study.model->make(targets, prior, settings);
     const UnitNames units = unit_names(study.units);
     std::vector<Parameter> list;
     for (std::size_t i = 0; i < parameters.list.size(); ++i) {
       const StudyParameter& parameter = parameters.list[i];
-      const bool is_external = study.model.kind == StudyModelSource::Kind::command;
-      const std::string of_target = is_external ? "" : target_unit(parameter.targets.front(), units);
-      const std::string unit = parameter.is_factor ? "-" : of_target;
+      const std::string unit = parameter.is_factor ? "-" : study.model->target_unit(parameter.targets.front(), units);
       list.push_back(
           {parameter.name, unit, parameter.lower_bound, parameter.upper_bound, parts.limits[i], parameter.scale});
       if (parameter.may_vanish) list.back().limit.excludes_lower = false;
@@ -222,16 +104,17 @@ StudyModel make_model(const Study& study, const StudyParameters& parameters, con
     made.notes = std::move(parts.notes);
     made.space = std::make_unique<ParameterSpace>(std::move(list), std::move(prior));
     require_effects(parameters, outputs);
-    if (study.model.may_reduce && parts.sparse != nullptr) {
-      parts.sparse->allow_reduction(reduction_settings(study.model.frequency_error, *made.space, settings.cache));
+    if (parts.sparse) {
+      std::optional<ReductionSettings> reduction;
+      const std::optional<double> error = study.model->reduction_error();
+      if (error && study.may_reduce) reduction = reduction_settings(*error, *made.space, settings.cache);
+      parts.solver = make_sparse_solver(std::move(parts.sparse), std::move(reduction));
     }
-    made.model = std::make_unique<ModalModel>(std::move(parts.structure), std::move(outputs), parts.reference);
+    made.model = std::make_unique<StructureModel>(std::move(parts.solver), std::move(outputs), parts.reference);
     require_own_names(parameters, made.model->outputs());
     return made;
-  } catch (const FormatError&) {
-    throw;  // names the deck's own file and line
   } catch (const InvalidInput& error) {
-    throw InvalidInput(located(study, error.what(), is_truth ? "truth." : ""));
+    throw InvalidInput(located(study, error, is_truth ? "truth." : ""));
   }
 }
 
@@ -255,7 +138,7 @@ std::vector<int> covariance_groups(const Study& study, const std::vector<std::st
     for (const std::string& name : together) {
       const auto found = std::find(names.begin(), names.end(), name);
       if (found == names.end()) {
-        throw InvalidInput(located(study, "update.covariance: " + unknown_name_message("parameter", name, names)));
+        throw InvalidInput(located(study, "update.covariance", unknown_name_message("parameter", name, names)));
       }
       const auto index = static_cast<std::size_t>(std::distance(names.begin(), found));
       if (group < 0) group = groups[index];

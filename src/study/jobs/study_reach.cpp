@@ -4,7 +4,6 @@
 
 #include "mottle/core/error.hpp"
 #include "mottle/core/text.hpp"
-#include "mottle/formats/matrices/matrix_file.hpp"
 #include "study/tests/test_files.hpp"
 
 namespace mottle {
@@ -32,34 +31,6 @@ class Reach {
   std::vector<std::string> found_;
 };
 
-std::vector<std::string> programs_of(const StudyModelSource& model) {
-  std::vector<std::string> programs;
-  if (model.kind == StudyModelSource::Kind::calculix) programs.push_back("model.program: " + model.program);
-  if (model.kind != StudyModelSource::Kind::command) return programs;
-  const auto add = [&](const char* key, const CommandLine& line) {
-    programs.push_back(fmt::format("{}: {}", key, join(line.arguments, " ")));
-  };
-  add("model.command", model.command.command);
-  if (model.command.retry_command) add("model.retry_command", *model.command.retry_command);
-  for (const auto& [name, value] : model.command.environment) {
-    programs.push_back(fmt::format("model.environment: {}={}", name, value));
-  }
-  return programs;
-}
-
-void add_matrices(Reach& reach, const StudyMatrixPart& part) {
-  for (const std::string& place : {part.stiffness, part.mass}) {
-    if (place.empty()) continue;
-    const fs::path file = file_of_matrix(place);
-    reach.add("model", file);
-    for (const char* extension : k_names_beside_matrices) {
-      std::error_code ignored;
-      const fs::path beside = fs::path(file).replace_extension(extension);
-      if (fs::exists(beside, ignored)) reach.add("model", beside);
-    }
-  }
-}
-
 /// The files themselves, which may be links within a folder; what is named where they cannot be listed.
 void add_tests(Reach& reach, const Study& study) {
   std::vector<fs::path> files = study.test->files;
@@ -75,17 +46,11 @@ void add_tests(Reach& reach, const Study& study) {
 
 StudyReach reach_of(const Study& study, const std::vector<std::string>& read) {
   Reach reach(study);
-  const StudyModelSource& model = study.model;
-  reach.add("model.file", model.deck);
-  reach.add("model.degrees_of_freedom", model.row_names);
-  add_matrices(reach, model.constant_part);
-  for (const StudyMatrixPart& part : model.parts) add_matrices(reach, part);
-  for (const RunFile& file : model.command.templates) reach.add("model.templates", file.source);
-  for (const RunFile& file : model.command.files) reach.add("model.files", file.source);
+  for (const NamedFile& named : study.model->files()) reach.add(named.label, named.file);
   if (study.test) add_tests(reach, study);
   if (study.predict && study.predict->held_out) reach.add("predict.held_out", *study.predict->held_out);
   for (const std::string& file : read) reach.add("included", file);  // those above are there already
-  return {programs_of(model), std::move(reach).found()};
+  return {study.model->programs(), std::move(reach).found()};
 }
 
 std::vector<std::string> reach_lines(const StudyReach& reach) {

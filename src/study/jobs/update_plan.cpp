@@ -17,7 +17,7 @@ class UnusedModel final : public Model {
   explicit UnusedModel(const Model& model) : model_(model) {}
 
   Eigen::Index parameter_count() const override { return model_.parameter_count(); }
-  const std::vector<Output>& outputs() const override { return model_.outputs(); }
+  const std::vector<Quantity>& outputs() const override { return model_.outputs(); }
   double difference_step() const override { return model_.difference_step(); }
   Evaluation evaluate(const Eigen::Ref<const Eigen::MatrixXd>&, const RunContext&) const override { throw FirstRun(); }
 
@@ -39,9 +39,8 @@ UpdatePlan plan_update(const Study& study, const RunSettings& settings) {
 
 UpdatingProblem problem_of(const Study& study, const UpdatePlan& plan, const Model& model) {
   const TestData& tests = plan.tests.data;
-  const ModalModel& own = *plan.made.model;
   return {.model = model,
-          .derivatives = own.structure().has_derivatives() ? &own : nullptr,
+          .derivatives = plan.made.model->derivatives(),
           .space = *plan.made.space,
           .tests = tests,
           .cloud = cloud_settings(study, tests.values.rows(), tests.values.cols()),
@@ -59,10 +58,8 @@ void refuse_what_methods_refuse(const Study& study, const UpdatePlan& plan, cons
       work();
     } catch (const FirstRun&) {
       return;
-    } catch (const FormatError&) {
-      throw;
     } catch (const InvalidInput& error) {
-      throw InvalidInput(located(study, error.what()));
+      throw InvalidInput(located(study, error));
     }
   };
   begin([&] { plan.method->update(problem, context); });

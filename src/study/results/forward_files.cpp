@@ -45,7 +45,7 @@ Json outcome_json(const PropagateOutcome& outcome) {
   return json;
 }
 
-std::vector<std::string> cloud_lines(const Cloud& cloud, const std::vector<Output>& outputs) {
+std::vector<std::string> cloud_lines(const Cloud& cloud, const std::vector<Quantity>& outputs) {
   const Cloud::Valid valid = cloud.valid();
   std::vector<std::string> lines;
   lines.push_back(fmt::format("{} samples, {} failed, {} impossible draws replaced", cloud.samples.rows(),
@@ -55,8 +55,8 @@ std::vector<std::string> cloud_lines(const Cloud& cloud, const std::vector<Outpu
   const Eigen::VectorXd deviation = sample_standard_deviation(valid.outputs);
   lines.push_back(fmt::format("{:<14} {:>13} {:>13}  unit", "output", "mean", "std"));
   for (Eigen::Index k = 0; k < mean.size(); ++k) {
-    const Output& output = outputs[static_cast<std::size_t>(k)];
-    lines.push_back(fmt::format("{:<14} {:>13.6g} {:>13.6g}  {}", output.name, mean(k), deviation(k), output.unit));
+    const Quantity& output = outputs[static_cast<std::size_t>(k)];
+    lines.push_back(fmt::format("{:<14} {:>13.6g} {:>13.6g}  {}", output.name(), mean(k), deviation(k), output.unit));
   }
   return lines;
 }
@@ -66,7 +66,7 @@ std::vector<std::string> cloud_lines(const Cloud& cloud, const std::vector<Outpu
 void write_results(const PropagateOutcome& outcome, const std::filesystem::path& path) {
   const double start = steady_seconds();
   const RunFolder folder(path);
-  const std::vector<Output>& outputs = outcome.made.model->outputs();
+  const std::vector<Quantity>& outputs = outcome.made.model->outputs();
   folder.write("study.toml", study_text_for(outcome.study, folder.path()));
   folder.write("cloud.csv", cloud_csv(outcome.cloud, *outcome.made.space, outputs));
   folder.write("clouds.csv", clouds_csv({outcome.cloud}, *outcome.made.space, outputs));
@@ -77,7 +77,7 @@ void write_results(const PropagateOutcome& outcome, const std::filesystem::path&
 }
 
 RunSummary summarise(const PropagateOutcome& outcome, const std::filesystem::path& folder) {
-  const std::vector<Output>& outputs = outcome.made.model->outputs();
+  const std::vector<Quantity>& outputs = outcome.made.model->outputs();
   const Json json = {{"command", "propagate"},
                      {"samples", outcome.cloud.samples.rows()},
                      {"failed", outcome.cloud.failures.size()},
@@ -91,9 +91,9 @@ RunSummary summarise(const PropagateOutcome& outcome, const std::filesystem::pat
 
 void write_results(const SimulateOutcome& outcome, const std::filesystem::path& path) {
   const RunFolder folder(path);
-  const std::vector<Output>& outputs = outcome.made.model->outputs();
+  const std::vector<Quantity>& outputs = outcome.made.model->outputs();
   std::vector<std::string> names;
-  for (const Output& output : outputs) names.push_back(output.name);
+  for (const Quantity& output : outputs) names.push_back(output.name());
   Eigen::MatrixXd truth(outcome.exact.rows(), outcome.cloud.samples.cols() + outcome.exact.cols());
   truth << outcome.cloud.samples, outcome.exact;
   folder.write("study.toml", study_text_for(outcome.study, folder.path()));

@@ -1,6 +1,7 @@
 #include "study/results/modes_json.hpp"
 
 #include <cmath>
+#include <numeric>
 #include <span>
 
 #include "mottle/core/base64.hpp"
@@ -19,10 +20,11 @@ std::string floats(const Eigen::MatrixX3d& rows, const std::vector<int>& nodes, 
 
 }  // namespace
 
-Eigen::MatrixX3d node_displacements(const FiniteElementStructure& structure,
-                                    const Eigen::Ref<const Eigen::VectorXd>& shape) {
-  const FiniteElementModel& model = structure.model();
-  const Eigen::VectorXd all = structure.assembled().expansion * shape;
+Eigen::MatrixX3d node_displacements(const Structure& structure, const Eigen::Ref<const Eigen::VectorXd>& shape) {
+  const FiniteElementModel& model = *structure.mesh();
+  std::vector<int> components(6 * model.nodes.size());
+  std::iota(components.begin(), components.end(), 0);
+  const Eigen::VectorXd all = structure.displacements(shape, components);
   Eigen::MatrixX3d result(static_cast<Eigen::Index>(model.nodes.size()), 3);
   for (Eigen::Index i = 0; i < result.rows(); ++i) {
     const Node& node = model.nodes[static_cast<std::size_t>(i)];
@@ -37,9 +39,8 @@ Eigen::MatrixX3d node_displacements(const FiniteElementStructure& structure,
   return result;
 }
 
-Json drawing_json(const FiniteElementStructure& structure, const std::vector<ShownMode>& modes,
-                  const std::string& frequency_unit) {
-  const FiniteElementModel& model = structure.model();
+Json drawing_json(const Structure& structure, const std::vector<ShownMode>& modes, const std::string& frequency_unit) {
+  const FiniteElementModel& model = *structure.mesh();
   const Drawing drawing = drawing_of(model);
   Eigen::MatrixX3d positions(static_cast<Eigen::Index>(model.nodes.size()), 3);
   for (Eigen::Index i = 0; i < positions.rows(); ++i) {

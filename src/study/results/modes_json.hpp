@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "mottle/model/structures/finite_element_structure.hpp"
+#include "mottle/model/structures/structure.hpp"
 #include "study/results/result_json.hpp"
 
 namespace mottle {
@@ -18,13 +18,15 @@ struct ShownMode {
 };
 
 /// Displacements of every node in basic axes [node x xyz].
-Eigen::MatrixX3d node_displacements(const FiniteElementStructure& structure,
-                                    const Eigen::Ref<const Eigen::VectorXd>& shape);
+///
+/// @param structure  has a mesh
+Eigen::MatrixX3d node_displacements(const Structure& structure, const Eigen::Ref<const Eigen::VectorXd>& shape);
 
 /// Surface, lines and shapes; arrays as base64 of 32-bit numbers, shapes scaled to a largest displacement of 1.
 ///
+/// @param structure       has a mesh
 /// @param frequency_unit  of the modes' frequencies
-Json drawing_json(const FiniteElementStructure& structure, const std::vector<ShownMode>& modes,
+Json drawing_json(const Structure& structure, const std::vector<ShownMode>& modes,
                   const std::string& frequency_unit = "Hz");
 
 }  // namespace mottle

@@ -5,6 +5,14 @@
 namespace mottle {
 namespace {
 
+Json histograms_json(const std::vector<HeldOutCheck::Histogram>& histograms) {
+  Json list = Json::array();
+  for (const HeldOutCheck::Histogram& histogram : histograms) {
+    list.push_back({{"counts", histogram.counts}, {"expected_range", {histogram.fewest, histogram.most}}});
+  }
+  return list;
+}
+
 Json check_json(const HeldOutCheck& check, double joint_critical) {
   return {{"specimens", check.transforms.rows()},
           {"coverage", to_json(check.coverage)},
@@ -12,13 +20,16 @@ Json check_json(const HeldOutCheck& check, double joint_critical) {
           {"joint_critical", number_json(joint_critical)},
           {"squared_distances", to_json(check.distances)},
           {"transforms", to_json_rows(check.transforms)},
+          {"scores", to_json_rows(check.scores)},
+          {"histograms", histograms_json(check.histograms)},
+          {"least_inside", std::vector<int>(check.least_inside.begin(), check.least_inside.end())},
           {"uniformity_p_values", to_json(check.uniformity)},
           {"adjusted_p_value", number_json(check.adjusted_p)}};
 }
 
 }  // namespace
 
-std::string prediction_csv(const PredictionOutcome& outcome, const std::vector<Output>& outputs) {
+std::string prediction_csv(const PredictionOutcome& outcome, const std::vector<Quantity>& outputs) {
   const Prediction& prediction = outcome.prediction;
   const HeldOutCheck* check = outcome.check ? &*outcome.check : nullptr;
   const Eigen::Index p = prediction.mean.size();
@@ -32,14 +43,14 @@ std::string prediction_csv(const PredictionOutcome& outcome, const std::vector<O
   header.insert(header.end(), {"output", "unit"});
   std::vector<std::string> names;
   std::vector<std::string> units;
-  for (const Output& output : outputs) {
-    names.push_back(output.name);
+  for (const Quantity& output : outputs) {
+    names.push_back(output.name());
     units.push_back(output.unit);
   }
   return format_csv(header, values, {names, units});
 }
 
-Json prediction_json(const PredictionOutcome& outcome, const std::vector<Output>& outputs,
+Json prediction_json(const PredictionOutcome& outcome, const std::vector<Quantity>& outputs,
                      const std::map<std::string, double>& overrides) {
   const Prediction& prediction = outcome.prediction;
   Json json = outputs_json(outputs);

@@ -14,10 +14,10 @@ namespace mottle {
 ///
 /// @param outputs    that were predicted
 /// @param overrides  numbers of the model that are other than in the update, as the study has them
-Json prediction_json(const PredictionOutcome& outcome, const std::vector<Output>& outputs,
+Json prediction_json(const PredictionOutcome& outcome, const std::vector<Quantity>& outputs,
                      const std::map<std::string, double>& overrides);
 
 /// prediction.csv: a row an output.
-std::string prediction_csv(const PredictionOutcome& outcome, const std::vector<Output>& outputs);
+std::string prediction_csv(const PredictionOutcome& outcome, const std::vector<Quantity>& outputs);
 
 }  // namespace mottle

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 
 #include "mottle/core/error.hpp"
 #include "mottle/stats/moments/descriptive.hpp"
@@ -11,11 +12,13 @@
 #include "mottle/stats/surrogates/regression.hpp"
 #include "mottle/stats/tests/hotelling.hpp"
 #include "mottle/updating/verdict/verdict.hpp"
+#include "study/results/estimate_json.hpp"
 
 namespace mottle {
 namespace {
 
 constexpr double k_ellipse_sigmas = 2.0;
+constexpr double k_large_residual = 3.0;  // in deviations: of a thousand, three are larger by chance
 
 Json iteration_json(const IterationRecord& state, std::size_t index) {
   return {{"index", index},
@@ -89,35 +92,12 @@ Json sample_size_json(const UpdatingProblem& problem, const IterationRecord& las
 
 Json specimens_json(const UpdatingResult& result) {
   if (!result.specimens) return nullptr;
+  const Eigen::MatrixXd& residuals = result.specimens->residuals;
+  const auto known = static_cast<double>(residuals.size() - residuals.array().isNaN().count());
   return {{"parameters", to_json_rows(result.specimens->parameters)},
-          {"residuals", to_json_rows(result.specimens->residuals)}};
-}
-
-void add_test_outputs(Json& outputs, const TestMoments& tests, const UpdatingResult& result) {
-  Json counts = Json::array();
-  for (const int count : tests.count) counts.push_back(count);
-  outputs["test_count"] = counts;
-  outputs["test_mean"] = to_json(tests.mean);
-  outputs["test_covariance"] = to_json_rows(tests.covariance);
-  outputs["initial_mean"] = to_json(result.history.front().output_mean);
-  outputs["initial_covariance"] = to_json_rows(result.history.front().output_covariance);
-  outputs["final_mean"] = to_json(result.history.back().output_mean);
-  outputs["final_covariance"] = to_json_rows(result.history.back().output_covariance);
-}
-
-/// The model's error: standard deviation, what the tests say of its shift, and the standard error of that.
-void add_model_error(Json& outputs, const UpdatingResult& result) {
-  outputs["model_error_std"] = nullptr;
-  outputs["model_error"] = nullptr;
-  if (!result.model_error) return;
-  const ModelError& error = *result.model_error;
-  outputs["model_error_std"] = to_json(error.std);
-  Json list = Json::array();
-  for (Eigen::Index k = 0; k < error.shift.size(); ++k) {
-    list.push_back({{"shift", number_json(error.shift(k))},
-                    {"standard_error", number_json(std::sqrt(std::max(error.covariance(k, k), 0.0)))}});
-  }
-  outputs["model_error"] = std::move(list);
+          {"residuals", to_json_rows(residuals)},
+          {"large_residual", k_large_residual},
+          {"expected_large", known * std::erfc(k_large_residual / std::numbers::sqrt2)}};
 }
 
 Json options_json(const Study& study, const UpdatingProblem& problem, const Updater& method) {
@@ -152,16 +132,6 @@ Json to_json_rows(const Eigen::Ref<const Eigen::MatrixXd>& values) {
 Json result_head(const Study& study, const std::string& command) {
   return {{"schema", 1},        {"mottle", version()},  {"title", study.title},
           {"command", command}, {"units", study.units}, {"seed", study.seed}};
-}
-
-Json outputs_json(const std::vector<Output>& outputs) {
-  Json names = Json::array();
-  Json units = Json::array();
-  for (const Output& output : outputs) {
-    names.push_back(output.name);
-    units.push_back(output.unit);
-  }
-  return {{"names", names}, {"units", units}};
 }
 
 void add_cloud_analysis(Json& result, const Cloud& regressed, const Cloud& ranked) {
@@ -266,8 +236,8 @@ Json update_result_json(const Study& study, const StudyTests& tests, const Updat
   json["status"] = status_text(result.status);
   json["message"] = result.message;
   json["parameters"] = updated_parameters_json(problem, result);
-  json["outputs"] = outputs_json(problem.model.outputs());
-  add_test_outputs(json["outputs"], moments, result);
+  add_estimate(problem, result, json["parameters"]);
+  json["outputs"] = updated_outputs_json(problem, moments, result);
   json["iterations"] = Json::array();
   Json failures = Json::array();
   Json tracking = Json::array();
@@ -287,9 +257,6 @@ Json update_result_json(const Study& study, const StudyTests& tests, const Updat
   json["other_solutions"] = Json::array();
   for (const Eigen::VectorXd& other : result.other_solutions) json["other_solutions"].push_back(to_json(other));
   json["specimens"] = specimens_json(result);
-  json["outputs"]["noise_std"] =
-      result.noise_covariance.size() > 0 ? to_json(result.noise_covariance.diagonal().cwiseSqrt()) : Json(nullptr);
-  add_model_error(json["outputs"], result);
   json["test_ellipses"] = ellipses_json(moments.mean, moments.covariance);
   add_cloud_analysis(json, last.cloud, first.cloud);
   json["sample_size"] = sample_size_json(problem, last);

@@ -31,7 +31,10 @@ Json parameters_json(const ParameterSpace& space);
 /// The same with what the update found of them.
 Json updated_parameters_json(const UpdatingProblem& problem, const UpdatingResult& result);
 
-Json outputs_json(const std::vector<Output>& outputs);
+Json outputs_json(const std::vector<Quantity>& outputs);
+
+/// The same with the moments of tests and clouds, the noise and the model's own error.
+Json updated_outputs_json(const UpdatingProblem& problem, const TestMoments& tests, const UpdatingResult& result);
 
 /// regression, r_squared_quadratic and spearman of a cloud; null where the cloud has no scatter in some parameter.
 void add_cloud_analysis(Json& result, const Cloud& regressed, const Cloud& ranked);

@@ -6,13 +6,13 @@
 
 namespace mottle {
 
-std::vector<std::string> column_names(const ParameterSpace& space, const std::vector<Output>& outputs) {
+std::vector<std::string> column_names(const ParameterSpace& space, const std::vector<Quantity>& outputs) {
   std::vector<std::string> names = space.names();
-  for (const Output& output : outputs) names.push_back(output.name);
+  for (const Quantity& output : outputs) names.push_back(output.name());
   return names;
 }
 
-std::string cloud_csv(const Cloud& cloud, const ParameterSpace& space, const std::vector<Output>& outputs) {
+std::string cloud_csv(const Cloud& cloud, const ParameterSpace& space, const std::vector<Quantity>& outputs) {
   std::vector<std::string> header = column_names(space, outputs);
   header.emplace_back("status");
   Eigen::MatrixXd values(cloud.samples.rows(), cloud.samples.cols() + cloud.outputs.cols());
@@ -24,7 +24,7 @@ std::string cloud_csv(const Cloud& cloud, const ParameterSpace& space, const std
 }
 
 std::string clouds_csv(const std::vector<Cloud>& clouds, const ParameterSpace& space,
-                       const std::vector<Output>& outputs) {
+                       const std::vector<Quantity>& outputs) {
   constexpr Eigen::Index k_shown = 500;
   std::vector<std::string> header = column_names(space, outputs);
   header.insert(header.begin(), "iteration");
@@ -49,9 +49,9 @@ std::string clouds_csv(const std::vector<Cloud>& clouds, const ParameterSpace& s
   return format_csv(header, all);
 }
 
-std::string tests_csv(const StudyTests& tests, const std::vector<Output>& outputs) {
+std::string tests_csv(const StudyTests& tests, const std::vector<Quantity>& outputs) {
   std::vector<std::string> header;
-  for (const Output& output : outputs) header.push_back(output.name);
+  for (const Quantity& output : outputs) header.push_back(output.name());
   return format_csv(header, tests.data.values);
 }
 

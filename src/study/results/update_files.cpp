@@ -3,7 +3,6 @@
 
 #include "mottle/dynamics/modes/mode_set.hpp"
 #include "mottle/formats/tables/csv.hpp"
-#include "mottle/model/structures/finite_element_structure.hpp"
 #include "mottle/study/jobs/update.hpp"
 #include "mottle/study/results/run_folder.hpp"
 #include "study/results/could_hide_json.hpp"
@@ -21,8 +20,8 @@ std::string history_csv(const UpdatingProblem& problem, const UpdatingResult& re
   std::vector<std::string> header{"iteration", "distance_euclidean", "distance_mahalanobis"};
   for (const std::string& name : problem.space.names()) header.push_back(name + "_mean");
   for (const std::string& name : problem.space.names()) header.push_back(name + "_std");
-  for (const Output& output : problem.model.outputs()) header.push_back(output.name + "_mean");
-  for (const Output& output : problem.model.outputs()) header.push_back(output.name + "_std");
+  for (const Quantity& output : problem.model.outputs()) header.push_back(output.name() + "_mean");
+  for (const Quantity& output : problem.model.outputs()) header.push_back(output.name() + "_std");
   Eigen::MatrixXd rows(static_cast<Eigen::Index>(result.history.size()), static_cast<Eigen::Index>(header.size()));
   for (Eigen::Index i = 0; i < rows.rows(); ++i) {
     const IterationRecord& state = result.history[static_cast<std::size_t>(i)];
@@ -34,10 +33,9 @@ std::string history_csv(const UpdatingProblem& problem, const UpdatingResult& re
 }
 
 /// The modes of the updated model for the report's drawing, numbered and followed as the outputs are.
-void write_shapes(const RunFolder& folder, const ModalModel& model, const Eigen::VectorXd& mean) {
-  const auto* structure = dynamic_cast<const FiniteElementStructure*>(&model.structure());
-  if (structure == nullptr) return;
-  const ModalModel::FollowedModes followed = model.follow(mean);
+void write_shapes(const RunFolder& folder, const StructureModel& model, const Eigen::VectorXd& mean) {
+  if (model.structure().mesh() == nullptr) return;
+  const StructureModel::FollowedModes followed = model.follow(mean);
   const double scale = followed.modes.eigenvalues.cwiseAbs().maxCoeff();
   std::vector<ShownMode> shown;
   for (int k = 0; k < model.highest_mode(); ++k) {
@@ -49,7 +47,7 @@ void write_shapes(const RunFolder& folder, const ModalModel& model, const Eigen:
     shown.push_back({k + 1, natural_frequency_hz(followed.modes.eigenvalues(k), scale),
                      std::numeric_limits<double>::quiet_NaN(), std::move(note), followed.modes.shapes.col(k)});
   }
-  const Json json = {{"modes", drawing_json(*structure, shown, model.selection().frequency_unit)}};
+  const Json json = {{"modes", drawing_json(model.structure(), shown, model.selection().frequency_unit)}};
   folder.write("modes.json", one_line(json));
 }
 
@@ -76,7 +74,7 @@ void write_results(const UpdateOutcome& outcome, const std::filesystem::path& pa
   folder.set_aside(result_names());  // where the job ran without a folder
   const StudyModel& made = outcome.plan.made;
   const StudyTests& tests = outcome.plan.tests;
-  const std::vector<Output>& outputs = made.model->outputs();
+  const std::vector<Quantity>& outputs = made.model->outputs();
   const std::vector<IterationRecord>& history = outcome.result.history;
   std::vector<Cloud> clouds;
   for (const IterationRecord& state : history) clouds.push_back(state.cloud);

@@ -12,7 +12,7 @@ namespace mottle {
 namespace {
 
 /// By the format the numbers at a node are in its own axes, but some programs write them in the global ones.
-void settle_axes(const ModalModel& model, MeasuredModes& modes, std::vector<std::string>& notes) {
+void settle_axes(const StructureModel& model, MeasuredModes& modes, std::vector<std::string>& notes) {
   constexpr double k_telling = 0.01;  // a mode
   MeasuredModes global = modes;
   for (MeasuredComponent& component : global.components) component.direction = Eigen::Vector3d::Unit(component.axis);
@@ -67,7 +67,7 @@ void add_note(std::vector<std::string>& notes, const char* what, const std::vect
 
 }  // namespace
 
-PairedModes pair_modes(const ModalModel& model, const std::vector<MeasuredModes>& specimens, bool by_mac) {
+PairedModes pair_modes(const StructureModel& model, const std::vector<MeasuredModes>& specimens, bool by_mac) {
   PairedModes paired;
   paired.values.resize(static_cast<Eigen::Index>(specimens.size()), static_cast<Eigen::Index>(model.outputs().size()));
   Table table;

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "mottle/model/responses/modal_model.hpp"
+#include "mottle/model/structure_model.hpp"
 #include "study/tests/measured_modes.hpp"
 
 namespace mottle {
@@ -28,6 +28,6 @@ struct PairedModes {
 /// of some programs: the sum of MAC decides, and a note says so.
 ///
 /// Throws InvalidInput: no measured component is in the model, by MAC a specimen without shapes.
-PairedModes pair_modes(const ModalModel& model, const std::vector<MeasuredModes>& specimens, bool by_mac);
+PairedModes pair_modes(const StructureModel& model, const std::vector<MeasuredModes>& specimens, bool by_mac);
 
 }  // namespace mottle

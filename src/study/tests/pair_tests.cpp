@@ -2,7 +2,7 @@
 
 #include <limits>
 
-#include "mottle/core/error.hpp"
+#include "mottle/core/subject.hpp"
 #include "mottle/core/text.hpp"
 #include "mottle/dynamics/modes/mac.hpp"
 
@@ -23,10 +23,11 @@ std::string shorten(const std::vector<std::string>& remarks) {
 std::vector<std::string> pair_tests(Eigen::MatrixXd& values, const ModalOutputs& selection,
                                     const Eigen::Ref<const Eigen::MatrixXd>& reference) {
   const std::vector<int>& modes = selection.shape_modes;
-  require(!modes.empty(),
-          "test.pairing: it needs measured shapes; name them in outputs.shapes, or give pairing = \"order\"");
-  require(selection.frequencies.empty() || selection.frequencies == modes,
-          "test.pairing: outputs.frequencies and outputs.shapes.modes must name the same modes in the same order");
+  const Subject pairing{Subject::Kind::pairing};
+  require_of(!modes.empty(), pairing,
+             "it needs measured shapes; name them in outputs.shapes, or give pairing = \"order\"");
+  require_of(selection.frequencies.empty() || selection.frequencies == modes, pairing,
+             "outputs.frequencies and outputs.shapes.modes must name the same modes in the same order");
   const auto count = static_cast<Eigen::Index>(modes.size());
   const Eigen::Index points = reference.rows();
   const auto first_shape = static_cast<Eigen::Index>(selection.frequencies.size());

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "mottle/model/responses/modal_model.hpp"
+#include "mottle/model/structure_model.hpp"
 
 namespace mottle {
 
@@ -15,7 +15,7 @@ namespace mottle {
 /// measured mode move to the number of the mode that it is, turned to the sign of the reference. A pair whose MAC is
 /// below `minimum_mac` is left out (not measured), as is a mode with a missing component.
 ///
-/// @param values     [specimen x output], frequencies first, then shapes mode by mode, as ModalModel names them;
+/// @param values     [specimen x output], frequencies first, then shapes mode by mode, as StructureModel names them;
 /// changed
 /// @param selection  whose frequencies and shape_modes are the same modes
 /// @param reference  shapes at the outputs' degrees of freedom [degree of freedom x shape mode]

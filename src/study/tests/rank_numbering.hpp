@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "mottle/model/responses/modal_model.hpp"
+#include "mottle/model/structure_model.hpp"
 #include "mottle/updating/methods/updater.hpp"
 
 namespace mottle {
@@ -14,7 +14,7 @@ namespace mottle {
 /// What to say where no cloud shows whether modes cross. Nothing where the model numbers its modes by order, or where a
 /// specimen's frequencies do not ascend (its modes were told apart by other means).
 ///
-/// @param tests  [specimen x output], frequencies first, as ModalModel names them; nan: missing
+/// @param tests  [specimen x output], frequencies first, as StructureModel names them; nan: missing
 std::optional<std::string> rank_note(const ModalOutputs& selection, const Eigen::Ref<const Eigen::MatrixXd>& tests);
 
 /// What to say where modes cross in the prior's or the updated cloud, so that a test's f1 may be the model's f2: then

@@ -9,7 +9,7 @@
 #include "mottle/core/error.hpp"
 #include "mottle/core/text.hpp"
 #include "mottle/dynamics/modes/mac.hpp"
-#include "mottle/model/structures/finite_element_structure.hpp"
+#include "mottle/fem/finite_element_model.hpp"
 
 namespace mottle {
 namespace {
@@ -21,18 +21,16 @@ constexpr double k_sure_collinearity = 0.9;
 constexpr double k_alike_scale = 2.0;
 
 /// Directions of the model's components at a node, which the file gives in the global frame.
-Eigen::Matrix3d model_directions(const ModalModel& model, int node) {
-  const auto* structure = dynamic_cast<const FiniteElementStructure*>(&model.structure());
-  if (structure == nullptr) return Eigen::Matrix3d::Identity();
-  const FiniteElementModel& deck = structure->model();
-  const int index = deck.find_node(node);
+Eigen::Matrix3d model_directions(const StructureModel& model, int node) {
+  const FiniteElementModel* mesh = model.structure().mesh();
+  const int index = mesh == nullptr ? -1 : mesh->find_node(node);
   if (index < 0) return Eigen::Matrix3d::Identity();
-  const Node& point = deck.nodes[static_cast<std::size_t>(index)];
+  const Node& point = mesh->nodes[static_cast<std::size_t>(index)];
   if (point.displacement_system < 0) return Eigen::Matrix3d::Identity();
-  return deck.coordinate_systems[static_cast<std::size_t>(point.displacement_system)].directions_at(point.position);
+  return mesh->coordinate_systems[static_cast<std::size_t>(point.displacement_system)].directions_at(point.position);
 }
 
-Terms terms_of(const ModalModel& model, const MeasuredComponent& component) {
+Terms terms_of(const StructureModel& model, const MeasuredComponent& component) {
   constexpr double k_rounding = 1e-5;  // of axes written with six digits
   Terms terms;
   if (!component.name.empty()) {
@@ -61,7 +59,7 @@ std::vector<Eigen::Index> measured_rows(const ShapeComparison& comparison, const
 }
 
 /// Modes of the outputs, counted from 1, ascending.
-std::set<int> output_modes(const ModalModel& model) {
+std::set<int> output_modes(const StructureModel& model) {
   std::set<int> modes;
   for (int mode = 1; mode <= model.highest_mode(); ++mode) {
     if (model.is_output(mode - 1)) modes.insert(mode);
@@ -106,7 +104,7 @@ double largest_other(const Eigen::VectorXd& values, Eigen::Index but) {
 
 }  // namespace
 
-ShapeComparison compare_shapes(const ModalModel& model, const MeasuredModes& modes) {
+ShapeComparison compare_shapes(const StructureModel& model, const MeasuredModes& modes) {
   ShapeComparison comparison;
   const Eigen::MatrixXd& shapes = model.reference_modes().shapes;
   comparison.reference = Eigen::MatrixXd::Zero(modes.shapes.rows(), shapes.cols());
@@ -125,14 +123,14 @@ ShapeComparison compare_shapes(const ModalModel& model, const MeasuredModes& mod
   return comparison;
 }
 
-double total_mac(const ModalModel& model, const MeasuredModes& modes) {
+double total_mac(const StructureModel& model, const MeasuredModes& modes) {
   const Eigen::MatrixXd mac = compare_shapes(model, modes).cosines.cwiseAbs2();
   double total = 0.0;
   for (const auto& [reference, test] : assign_by_mac(mac, 0.0)) total += mac(reference, test);
   return total;
 }
 
-SpecimenPairing::SpecimenPairing(const ModalModel& model, const MeasuredModes& modes, bool by_mac)
+SpecimenPairing::SpecimenPairing(const StructureModel& model, const MeasuredModes& modes, bool by_mac)
     : model_(model), modes_(modes), comparison_(compare_shapes(model, modes)) {
   require(!by_mac || comparison_.seen > 0,
           "{}: none of its {} measured degrees of freedom is in the model, so its modes cannot be paired by shape",

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "mottle/model/responses/modal_model.hpp"
+#include "mottle/model/structure_model.hpp"
 #include "study/tests/measured_modes.hpp"
 
 namespace mottle {
@@ -22,10 +22,10 @@ struct ShapeComparison {
   Eigen::MatrixXd cosines;    ///< [reference mode x measured mode]
 };
 
-ShapeComparison compare_shapes(const ModalModel& model, const MeasuredModes& modes);
+ShapeComparison compare_shapes(const StructureModel& model, const MeasuredModes& modes);
 
 /// Sum of MAC over the pairs of an optimal assignment.
-double total_mac(const ModalModel& model, const MeasuredModes& modes);
+double total_mac(const StructureModel& model, const MeasuredModes& modes);
 
 /// A row of the table of pairs.
 struct PairingRow {
@@ -39,7 +39,7 @@ struct PairingRow {
 class SpecimenPairing {
  public:
   /// The arguments must live as long.
-  SpecimenPairing(const ModalModel& model, const MeasuredModes& modes, bool by_mac);
+  SpecimenPairing(const StructureModel& model, const MeasuredModes& modes, bool by_mac);
 
   Eigen::Index unknown_components() const { return modes_.shapes.rows() - comparison_.seen; }
   void fill(Eigen::Ref<Eigen::RowVectorXd, 0, Eigen::InnerStride<>> row) const;
@@ -53,7 +53,7 @@ class SpecimenPairing {
   double scale_of(int reference, Eigen::Index test) const;
   double component(const std::string& name, Eigen::Index test) const;
 
-  const ModalModel& model_;
+  const StructureModel& model_;
   const MeasuredModes& modes_;
   ShapeComparison comparison_;
   Eigen::MatrixXd mac_;

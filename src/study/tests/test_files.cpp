@@ -41,7 +41,7 @@ auto with_key(const Study& study, const std::string& key, const Read& read) {
   } catch (const FormatError&) {
     throw;
   } catch (const InvalidInput& error) {
-    throw InvalidInput(located(study, fmt::format("{}: {}", key, error.what())));
+    throw InvalidInput(located(study, key, error.what()));
   }
 }
 
@@ -93,9 +93,10 @@ std::vector<std::filesystem::path> list_test_files(const Study& study) {
             ? files_in(named, is_universal)
             : files_in(named.parent_path(), [&](const auto& name) { return matches_pattern(name.string(), pattern); });
     if (found.empty()) {
-      throw InvalidInput(located(
-          study, fmt::format("{}: {}: {}", study.test->key, named.string(),
-                             is_folder ? "this folder holds no .uff or .unv file" : "no file fits this pattern")));
+      throw InvalidInput(
+          located(study, study.test->key,
+                  fmt::format("{}: {}", named.string(),
+                              is_folder ? "this folder holds no .uff or .unv file" : "no file fits this pattern")));
     }
     files.insert(files.end(), found.begin(), found.end());
   }
@@ -109,8 +110,9 @@ TestContents read_test_files(const Study& study) {
     read_one(study, file, contents);
     if (contents.table && files.size() > 1) {
       throw InvalidInput(
-          located(study, fmt::format("{}: {} is a table with a row a specimen, which stands alone; {} files are named",
-                                     study.test->key, file.string(), files.size())));
+          located(study, study.test->key,
+                  fmt::format("{} is a table with a row a specimen, which stands alone; {} files are named",
+                              file.string(), files.size())));
     }
   }
   return contents;

@@ -31,10 +31,10 @@ constexpr std::array k_unit_factors = {
 constexpr double k_near = 1.5;
 
 /// Natural frequencies of the outputs' modes, by number; empty where the model gives none there.
-Eigen::VectorXd frequencies_at(const ModalModel& model, const Eigen::VectorXd& parameters) {
+Eigen::VectorXd frequencies_at(const StructureModel& model, const Eigen::VectorXd& parameters) {
   const auto count = static_cast<Eigen::Index>(model.selection().frequencies.size());
   try {
-    const ModeSet modes = model.structure().modes_at(parameters, model.highest_mode());
+    const ModeSet modes = model.solver().modes_at(parameters, model.highest_mode());
     if (modes.eigenvalues.size() < model.highest_mode() || !modes.eigenvalues.allFinite()) return {};
     const double scale = modes.eigenvalues.cwiseAbs().maxCoeff();
     Eigen::VectorXd frequencies(count);
@@ -50,7 +50,7 @@ Eigen::VectorXd frequencies_at(const ModalModel& model, const Eigen::VectorXd& p
 }
 
 /// Means of the tested frequencies, nan where never measured; a factor on all changes no ratio between them.
-Eigen::VectorXd tested_frequencies(const ModalModel& model, const TestData& tests) {
+Eigen::VectorXd tested_frequencies(const StructureModel& model, const TestData& tests) {
   Eigen::VectorXd means(static_cast<Eigen::Index>(model.selection().frequencies.size()));
   for (Eigen::Index k = 0; k < means.size(); ++k) {
     const Eigen::ArrayXd column = tests.values.col(k).array();
@@ -112,11 +112,11 @@ Eigen::VectorXd extreme_frequencies(const StudyModel& made, Eigen::Index paramet
 }
 
 /// "f1: 1 against 0.204, f2: ..." of the first few.
-std::string listed(const ModalModel& model, const Eigen::VectorXd& tested, const Eigen::VectorXd& computed) {
+std::string listed(const StructureModel& model, const Eigen::VectorXd& tested, const Eigen::VectorXd& computed) {
   constexpr Eigen::Index k_listed = 3;
   std::vector<std::string> parts;
   for (Eigen::Index k = 0; k < std::min(k_listed, computed.size()); ++k) {
-    parts.push_back(fmt::format("{} {:.4g} against {:.4g} {}", model.outputs()[static_cast<std::size_t>(k)].name,
+    parts.push_back(fmt::format("{} {:.4g} against {:.4g} {}", model.outputs()[static_cast<std::size_t>(k)].name(),
                                 tested(k), computed(k), model.selection().frequency_unit));
   }
   return join(parts) + (computed.size() > k_listed ? ", ..." : "");
@@ -125,7 +125,7 @@ std::string listed(const ModalModel& model, const Eigen::VectorXd& tested, const
 }  // namespace
 
 void refuse_unit_errors(const Study& study, const StudyModel& made, const StudyTests& tests) {
-  const ModalModel& model = *made.model;
+  const StructureModel& model = *made.model;
   const Eigen::VectorXd tested = tested_frequencies(model, tests.data);
   const ModeSet& reference = model.reference_modes();
   Eigen::VectorXd computed(tested.size());
@@ -144,11 +144,12 @@ void refuse_unit_errors(const Study& study, const StudyModel& made, const StudyT
   const bool can_prior_give = left.empty() || (factor->value < 1.0 ? mean_of(left) >= 0.0 : mean_of(left) <= 0.0);
   if (can_prior_give) return;
   throw InvalidInput(located(
-      study, fmt::format("test.file: {}: the frequencies are {:.4g} times the model's at the prior's mean ({}), and no "
-                         "parameters that the prior allows give them. The factor is near {}, which a wrong unit makes: "
-                         "{} If the model is really so far off, widen the prior.",
-                         tests.file, std::exp(mean_of(ratios)), listed(model, tested, computed), factor->name,
-                         factor->remedy)));
+      study, "test.file",
+      fmt::format("{}: the frequencies are {:.4g} times the model's at the prior's mean ({}), and no "
+                  "parameters that the prior allows give them. The factor is near {}, which a wrong unit makes: "
+                  "{} If the model is really so far off, widen the prior.",
+                  tests.file, std::exp(mean_of(ratios)), listed(model, tested, computed), factor->name,
+                  factor->remedy)));
 }
 
 }  // namespace mottle

@@ -131,7 +131,7 @@ double CandidateFits::distance_beside(const ParameterSet& set, const Eigen::Vect
   try {
     const SpecimenFits centre = fit_specimens(part, tests.mean.transpose(), {prior.mean, prior.covariance, noise_.base},
                                               {prior.mean.transpose()}, context_, evaluations_);
-    t = clamp_on_scales(space, centre.points.row(0));
+    t = ScaledParameters(space).clamp(centre.points.row(0).transpose());
     const Eigen::VectorXd y = outputs_on_scales(part, t.transpose(), context_, evaluations_).row(0);
     const Eigen::ArrayXd variance = (tests.covariance.diagonal() + noise_.base).array().max(1e-300);
     const double distance = ((tests.mean - y).array().square() / variance).sum();

@@ -6,10 +6,11 @@
 
 namespace mottle {
 
-std::vector<ShapeSign> shape_signs(const std::vector<Output>& outputs, const Eigen::Ref<const Eigen::MatrixXd>& tests) {
+std::vector<ShapeSign> shape_signs(const std::vector<Quantity>& outputs,
+                                   const Eigen::Ref<const Eigen::MatrixXd>& tests) {
   std::map<int, std::vector<Eigen::Index>> shapes;
   for (std::size_t k = 0; k < outputs.size(); ++k) {
-    const bool is_shape = outputs[k].kind == OutputKind::displacement || outputs[k].kind == OutputKind::rotation;
+    const bool is_shape = outputs[k].kind == QuantityKind::displacement || outputs[k].kind == QuantityKind::rotation;
     if (is_shape) shapes[outputs[k].mode].push_back(static_cast<Eigen::Index>(k));
   }
   std::vector<ShapeSign> signs;

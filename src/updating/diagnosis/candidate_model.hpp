@@ -17,7 +17,8 @@ struct ShapeSign {
 
 /// The shapes among outputs, mode by mode, with the direction in which most of the tests' scatter
 /// around zero lies: no sign of any specimen counts in it.
-std::vector<ShapeSign> shape_signs(const std::vector<Output>& outputs, const Eigen::Ref<const Eigen::MatrixXd>& tests);
+std::vector<ShapeSign> shape_signs(const std::vector<Quantity>& outputs,
+                                   const Eigen::Ref<const Eigen::MatrixXd>& tests);
 
 /// Turns each row's shapes to the tests' sign; nan stay.
 void turn_shapes(const std::vector<ShapeSign>& signs, Eigen::MatrixXd& outputs);
@@ -37,7 +38,7 @@ class HeldModel final : public Model, public DifferentiableModel {
         signs_(signs) {}
 
   Eigen::Index parameter_count() const override { return static_cast<Eigen::Index>(members_.size()); }
-  const std::vector<Output>& outputs() const override { return full_.outputs(); }
+  const std::vector<Quantity>& outputs() const override { return full_.outputs(); }
   Evaluation evaluate(const Eigen::Ref<const Eigen::MatrixXd>& samples, const RunContext& context) const override;
   Eigen::Index batch_size() const override { return full_.batch_size(); }
   double difference_step() const override { return full_.difference_step(); }

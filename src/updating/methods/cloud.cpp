@@ -36,7 +36,15 @@ Cloud::Valid Cloud::valid() const {
 
 Cloud evaluate_cloud(const Model& model, const ParameterSpace& space, const JointDistribution& distribution,
                      const CloudSettings& settings, const StreamKey& key, const RunContext& context) {
-  ParameterDraw draw = space.draw(distribution, settings.design, settings.samples, key);
+  return evaluate_cloud(
+      model, space,
+      [&](const Eigen::Ref<const Eigen::MatrixXd>& uniforms) { return distribution.from_uniform(uniforms); }, settings,
+      key, context);
+}
+
+Cloud evaluate_cloud(const Model& model, const ParameterSpace& space, const SampleTransform& from_uniform,
+                     const CloudSettings& settings, const StreamKey& key, const RunContext& context) {
+  ParameterDraw draw = space.draw(from_uniform, settings.design, settings.samples, key);
   Cloud cloud = evaluate_points(model, draw.samples, settings.most_failed, context);
   cloud.rejected = draw.rejected;
   return cloud;

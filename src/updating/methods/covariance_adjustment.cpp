@@ -11,7 +11,7 @@ const OptionTable<CovarianceAdjustmentOptions>& covariance_adjustment_option_tab
           .choice<C::CloudKind>(
               "cloud", &C::cloud,
               {{"monte-carlo", C::CloudKind::monte_carlo}, {"first-order", C::CloudKind::first_order}},
-              "Where mean and covariance of the model's outputs come from: a cloud of update.samples "
+              "Where mean and covariance of the model's outputs come from: a cloud of samples "
               "points, or the sensitivities at the mean.")
           .choice<MomentWeighting>(
               "weighting", &C::weighting,

@@ -5,7 +5,7 @@
 #include <limits>
 #include <optional>
 
-#include "mottle/core/error.hpp"
+#include "mottle/core/subject.hpp"
 #include "mottle/stats/moments/distance.hpp"
 #include "mottle/updating/methods/iteration.hpp"
 #include "updating/methods/deterministic_tests.hpp"
@@ -66,25 +66,27 @@ Eigen::MatrixXd difference_quotients(const UpdatingProblem& problem, const Eigen
   return quotients;
 }
 
+const Subject k_method{Subject::Kind::method, "deterministic"};
+
 LeastSquares prepare(const UpdatingProblem& problem, const DeterministicOptions& options) {
   const Eigen::Index specimens = problem.tests.values.rows();
-  require(options.specimen <= specimens,
-          "update.deterministic.specimen: {} is not there, the tests have 1 to {} (0 means their mean)",
-          options.specimen, specimens);
+  const Subject specimen{Subject::Kind::option, "deterministic.specimen"};
+  require_of(options.specimen <= specimens, specimen, "{} is not there, the tests have 1 to {} (0 means their mean)",
+             options.specimen, specimens);
   LeastSquares setup;
   setup.target = options.specimen == 0 ? test_moments(problem.tests).mean
                                        : Eigen::VectorXd(problem.tests.values.row(options.specimen - 1).transpose());
-  require(setup.target.allFinite(),
-          "update.deterministic.specimen: specimen {} has missing values; choose another or "
-          "leave the outputs out",
-          options.specimen);
+  require_of(setup.target.allFinite(), specimen,
+             "specimen {} has missing values; choose another or "
+             "leave the outputs out",
+             options.specimen);
   Eigen::VectorXd sigma = options.measurement_error * setup.target.cwiseAbs();
   const Eigen::VectorXd error = problem.tests.model_error_variance();
   for (Eigen::Index k = 0; k < sigma.size(); ++k) {
     if (problem.tests.repeatability_std(k) > 0.0) sigma(k) = problem.tests.repeatability_std(k);
     if (error(k) > 0.0) sigma(k) = std::sqrt(sigma(k) * sigma(k) + error(k));
-    require(sigma(k) > 0.0, "test.repeatability: needed for output {}, whose tested value is 0",
-            problem.model.outputs()[static_cast<std::size_t>(k)].name);
+    require_of(sigma(k) > 0.0, {Subject::Kind::repeatability}, "needed for output {}, whose tested value is 0",
+               problem.model.outputs()[static_cast<std::size_t>(k)].name());
   }
   setup.weight = sigma.cwiseAbs2().cwiseInverse();
   const Eigen::MatrixXd covariance = problem.space.prior().covariance();
@@ -95,10 +97,10 @@ LeastSquares prepare(const UpdatingProblem& problem, const DeterministicOptions&
   if (options.regularisation == DeterministicOptions::Regularisation::tikhonov) {
     setup.prior.diagonal() = (options.tikhonov_parameter * setup.prior_std.cwiseInverse()).cwiseAbs2();
   }
-  require(!setup.prior.isZero(0.0) || setup.target.size() >= setup.start.size(),
-          "method 'deterministic': {} parameters are more unknowns than the {} measured outputs can determine; set "
-          "update.deterministic.regularisation to \"tikhonov\" or \"bayesian\", or free fewer parameters",
-          setup.start.size(), setup.target.size());
+  require_of(!setup.prior.isZero(0.0) || setup.target.size() >= setup.start.size(), k_method,
+             "{} parameters are more unknowns than the {} measured outputs can determine; set "
+             "the option regularisation to \"tikhonov\" or \"bayesian\", or free fewer parameters",
+             setup.start.size(), setup.target.size());
   return setup;
 }
 
@@ -111,10 +113,10 @@ double cost(const LeastSquares& setup, const Eigen::VectorXd& parameters, const 
 void require_full_rank(const LeastSquares& setup, const Eigen::MatrixXd& g) {
   const Eigen::MatrixXd scaled = setup.weight.cwiseSqrt().asDiagonal() * g * setup.prior_std.asDiagonal();
   const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> factor(scaled);
-  require(!setup.prior.isZero(0.0) || factor.rank() == g.cols(),
-          "method 'deterministic': the outputs tell only {} combinations of the {} parameters apart; set "
-          "update.deterministic.regularisation to \"tikhonov\" or \"bayesian\"",
-          factor.rank(), g.cols());
+  require_of(!setup.prior.isZero(0.0) || factor.rank() == g.cols(), k_method,
+             "the outputs tell only {} combinations of the {} parameters apart; set "
+             "the option regularisation to \"tikhonov\" or \"bayesian\"",
+             factor.rank(), g.cols());
 }
 
 /// Gauss-Newton step over the parameters that no bound holds.
@@ -257,11 +259,10 @@ UpdatingResult DeterministicUpdater::update(const UpdatingProblem& problem, cons
       break;
     }
   }
-  result.mean = x;
+  result.set_estimate(std::make_shared<MomentEstimate>(problem.space.scales(), x,
+                                                       estimate_covariance(setup, g, options_.regularisation)));
   result.sensitivity = g;
-  result.covariance = estimate_covariance(setup, g, options_.regularisation);
-  IterationRecord last =
-      record_state(problem, tests, JointDistribution::multivariate_normal(x, result.covariance), 0, context);
+  IterationRecord last = record_state(problem, tests, *result.estimate, 0, context);
   last.output_mean = y;  // the method's own point; the cloud shows the uncertainty around it
   last.distance_euclidean = euclidean_distance(y, setup.target);
   result.model_evaluations += last.cloud.samples.rows();

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "mottle/core/error.hpp"
+#include "mottle/core/subject.hpp"
 #include "mottle/core/text.hpp"
 #include "mottle/stats/moments/descriptive.hpp"
 #include "mottle/stats/moments/distance.hpp"
@@ -30,10 +30,10 @@ struct Setup {
 };
 
 Setup prepare(const UpdatingProblem& problem) {
-  require(problem.tests.values.rows() >= 2,
-          "method 'inversion': {} specimen has no scatter to explain; at least 2 are needed, or use method = "
-          "\"deterministic\"",
-          problem.tests.values.rows());
+  require_of(problem.tests.values.rows() >= 2, {Subject::Kind::method, "inversion"},
+             "{} specimen has no scatter to explain; at least 2 are needed, or use method = "
+             "\"deterministic\"",
+             problem.tests.values.rows());
   Setup setup{problem, ScaledParameters(problem.space), test_moments(problem.tests), problem.tests.repeatability_std};
   for (Eigen::Index k = 0; k < setup.sigma.size(); ++k) {
     if (!(setup.sigma(k) > 0.0)) setup.sigma(k) = std::sqrt(setup.tests.covariance(k, k));
@@ -192,24 +192,21 @@ void forget_held_means(const Setup& setup, const Population& population, Paramet
 
 void finish(const Setup& setup, const InversionFit& fit, const RunContext& context, UpdatingResult& result) {
   const Population population = population_of(setup, fit.points);
-  const JointDistribution distribution =
-      JointDistribution::normal_on_scales(setup.parameters.scales(), population.mean, population.covariance);
-  IterationRecord last = record_state(setup.problem, setup.tests, distribution, 0, context);
+  const PopulationEvidence evidence = sample_evidence(population.mean, population.covariance, fit.points.rows());
+  result.set_estimate(std::make_shared<NormalPopulation>(
+      setup.parameters.scales(), PopulationOnScales{population.mean, population.covariance, evidence},
+      setup.problem.tests.values.rows()));
+  IterationRecord last = record_state(setup.problem, setup.tests, *result.estimate, 0, context);
   result.model_evaluations += fit.evaluations + result.history.front().cloud.samples.rows() + last.cloud.samples.rows();
   if (result.history.size() > 1) result.history.pop_back();
   result.history.push_back(std::move(last));
-  result.mean = distribution.mean();
-  result.covariance = distribution.covariance();
   const auto specimens = static_cast<int>(fit.points.rows());
-  result.population = {population.mean, population.covariance,
-                       sample_evidence(population.mean, population.covariance, fit.points.rows())};
   result.intervals = normal_theory_intervals(setup.parameters.scales(), population.mean, population.covariance,
                                              specimens, setup.problem.covariance_groups);
   result.specimens =
       SpecimenEstimates{setup.parameters.to_variables(fit.points),
                         (setup.problem.tests.values - fit.outputs) * setup.sigma.cwiseInverse().asDiagonal()};
   result.noise_covariance = setup.problem.tests.repeatability_std.cwiseAbs2().asDiagonal();
-  result.is_population = true;
   if (!fit.jacobians.front().size()) return;  // stopped before the first step
   test_matched_moments(setup.problem,
                        {.method = "inversion",

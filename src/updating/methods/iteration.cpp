@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "mottle/core/error.hpp"
+#include "mottle/core/subject.hpp"
 #include "mottle/stats/moments/descriptive.hpp"
 #include "mottle/stats/moments/distance.hpp"
 
@@ -15,21 +15,21 @@ TestMoments test_moments(const TestData& tests) {
     const SampleMoments moments = available_case_moments(tests.values);
     return {moments.mean, moments.covariance, moments.count};
   }
-  require(tests.values.rows() == 1, "test: there is no specimen");
-  require(tests.values.allFinite(), "test: the only specimen has missing values");
+  require_of(tests.values.rows() == 1, {Subject::Kind::tests}, "there is no specimen");
+  require_of(tests.values.allFinite(), {Subject::Kind::tests}, "the only specimen has missing values");
   return {tests.values.row(0).transpose(), Eigen::MatrixXd::Zero(tests.values.cols(), tests.values.cols()),
           Eigen::VectorXi::Ones(tests.values.cols())};
 }
 
-IterationRecord record_state(const UpdatingProblem& problem, const TestMoments& tests,
-                             const JointDistribution& distribution, int index, const RunContext& context) {
+namespace {
+
+IterationRecord record_drawn(const UpdatingProblem& problem, const TestMoments& tests,
+                             const SampleTransform& from_uniform, int index, const RunContext& context) {
   // The same streams at every iteration (common random numbers): the update is then a smooth fixed-point map, and
   // its convergence is not hidden by the Monte-Carlo error of one cloud against the next.
   const StreamKey key{.seed = context.seed, .purpose = StreamPurpose::parameter_cloud, .iteration = 0};
   IterationRecord record;
-  record.cloud = evaluate_cloud(problem.model, problem.space, distribution, problem.cloud, key, context);
-  record.parameter_mean = distribution.mean();
-  record.parameter_covariance = distribution.covariance();
+  record.cloud = evaluate_cloud(problem.model, problem.space, from_uniform, problem.cloud, key, context);
   const Cloud::Valid valid = record.cloud.valid();
   record.output_mean = sample_mean(valid.outputs);
   record.output_covariance = sample_covariance(valid.outputs);
@@ -42,6 +42,31 @@ IterationRecord record_state(const UpdatingProblem& problem, const TestMoments& 
                                     : mahalanobis_distance(record.output_mean, tests.mean, tests.covariance);
   context.progress("update", index, problem.iterations);
   return record;
+}
+
+/// Of a distribution or an estimate.
+template <typename Drawable>
+IterationRecord state_of(const UpdatingProblem& problem, const TestMoments& tests, const Drawable& drawable, int index,
+                         const RunContext& context) {
+  const auto from_uniform = [&](const Eigen::Ref<const Eigen::MatrixXd>& uniforms) {
+    return drawable.from_uniform(uniforms);
+  };
+  IterationRecord record = record_drawn(problem, tests, from_uniform, index, context);
+  record.parameter_mean = drawable.mean();
+  record.parameter_covariance = drawable.covariance();
+  return record;
+}
+
+}  // namespace
+
+IterationRecord record_state(const UpdatingProblem& problem, const TestMoments& tests,
+                             const JointDistribution& distribution, int index, const RunContext& context) {
+  return state_of(problem, tests, distribution, index, context);
+}
+
+IterationRecord record_state(const UpdatingProblem& problem, const TestMoments& tests, const Estimate& estimate,
+                             int index, const RunContext& context) {
+  return state_of(problem, tests, estimate, index, context);
 }
 
 void append_state(UpdatingResult& result, IterationRecord state) {

@@ -4,7 +4,7 @@
 #include <Eigen/LU>
 #include <cmath>
 
-#include "mottle/core/error.hpp"
+#include "mottle/core/subject.hpp"
 #include "mottle/stats/moments/descriptive.hpp"
 #include "mottle/updating/methods/iteration.hpp"
 #include "updating/methods/matched_moments.hpp"
@@ -28,17 +28,18 @@ struct MaresSetup {
 
 void require_solvable(const UpdatingProblem& problem) {
   const Eigen::Index outputs = problem.tests.values.cols();
-  require(problem.tests.values.rows() >= 2,
-          "method 'mares': {} specimen has no scatter to explain; at least 2 are needed, or use method = "
-          "\"deterministic\"",
-          problem.tests.values.rows());
-  require(outputs >= problem.space.count(),
-          "method 'mares': {} parameters are more unknowns than the {} measured outputs can determine; free fewer "
-          "parameters or measure more outputs",
-          problem.space.count(), outputs);
-  require(problem.cloud.samples > problem.space.count() + 1,
-          "update.samples: {} is too few for a regression on {} parameters, at least {} are needed",
-          problem.cloud.samples, problem.space.count(), problem.space.count() + 2);
+  const Subject method{Subject::Kind::method, "mares"};
+  require_of(problem.tests.values.rows() >= 2, method,
+             "{} specimen has no scatter to explain; at least 2 are needed, or use method = "
+             "\"deterministic\"",
+             problem.tests.values.rows());
+  require_of(outputs >= problem.space.count(), method,
+             "{} parameters are more unknowns than the {} measured outputs can determine; free fewer "
+             "parameters or measure more outputs",
+             problem.space.count(), outputs);
+  require_of(problem.cloud.samples > problem.space.count() + 1, {Subject::Kind::samples},
+             "{} is too few for a regression on {} parameters, at least {} are needed", problem.cloud.samples,
+             problem.space.count(), problem.space.count() + 2);
 }
 
 MaresSetup prepare(const UpdatingProblem& problem, const MaresOptions& options) {
@@ -57,10 +58,11 @@ MaresSetup prepare(const UpdatingProblem& problem, const MaresOptions& options) 
   const bool is_scattered =
       (setup.test_variability.diagonal().array().sqrt() > k_least * setup.tests.mean.array().abs()).all();
   // A direction without variability would leave the parameters without scatter there (Eq. 12): no cloud to regress on.
-  require(is_scattered && correlation.allFinite() && correlation.ldlt().vectorD().minCoeff() > k_singular,
-          "test: the covariance of {} outputs from {} specimens is singular; test more specimens than outputs, leave "
-          "outputs out, or set update.mares.model_error above 0",
-          outputs, problem.tests.values.rows());
+  require_of(is_scattered && correlation.allFinite() && correlation.ldlt().vectorD().minCoeff() > k_singular,
+             {Subject::Kind::tests},
+             "the covariance of {} outputs from {} specimens is singular; test more specimens than outputs, leave "
+             "outputs out, or set the method's model_error above 0",
+             outputs, problem.tests.values.rows());
   setup.weight = options.weighting == MaresOptions::Weighting::euclidean
                      ? Eigen::MatrixXd(Eigen::MatrixXd::Identity(outputs, outputs) * static_cast<double>(outputs) /
                                        setup.test_variability.trace())
@@ -174,8 +176,8 @@ UpdatingResult MaresUpdater::update(const UpdatingProblem& problem, const RunCon
       break;
     }
   }
-  result.mean = result.history.back().parameter_mean;
-  result.covariance = result.history.back().parameter_covariance;
+  result.set_estimate(std::make_shared<MomentEstimate>(problem.space.scales(), result.history.back().parameter_mean,
+                                                       result.history.back().parameter_covariance));
   result.message = ending_message(result.status, result.history.size() - 1, problem.tolerance);
   const Eigen::VectorXd point = from_variables(problem.space.scales(), result.mean.transpose()).row(0);
   const Eigen::MatrixXd sensitivity = estimate_sensitivity(result.history.back().cloud, options_.regression) *
@@ -187,7 +189,7 @@ UpdatingResult MaresUpdater::update(const UpdatingProblem& problem, const RunCon
                         .means = means_of_scattered(problem, point, sensitivity, context, result.model_evaluations)},
                        result);
   note_model_error(problem, "mares",
-                   "is added to the test variability S_M of Eqs. 11 and 12, beside update.mares.model_error.", result);
+                   "is added to the test variability S_M of Eqs. 11 and 12, beside the method's model_error.", result);
   result.notes.push_back(
       "The deviations of this method (Eq. 12) say how well the mean is known given the spread of the tests and the "
       "prior; they do not estimate the spread of the specimens.");

@@ -186,7 +186,7 @@ void say_scatter_is_not_estimated(const Comparison& c, TestPlan& plan) {
       fmt::format(
           "The scatter was not tested: method '{}' does not estimate it ({}'s standard deviation in the model's "
           "cloud is {:.0f} % of the tests'). Update with method = \"maximum-likelihood\", which does.",
-          c.estimate.method, c.problem.model.outputs()[static_cast<std::size_t>(worst)].name, 100.0 * ratio(worst)));
+          c.estimate.method, c.problem.model.outputs()[static_cast<std::size_t>(worst)].name(), 100.0 * ratio(worst)));
 }
 
 /// One Gauss-Newton step that no bound stops, and the sampling covariance of where it leads.

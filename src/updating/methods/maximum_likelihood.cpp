@@ -6,7 +6,7 @@
 #include <limits>
 #include <map>
 
-#include "mottle/core/error.hpp"
+#include "mottle/core/subject.hpp"
 #include "mottle/stats/moments/distance.hpp"
 #include "mottle/updating/methods/iteration.hpp"
 #include "updating/population/model_error.hpp"
@@ -85,10 +85,10 @@ const OptionTable<Options>& maximum_likelihood_option_table() {
 
 UpdatingResult MaximumLikelihoodUpdater::update(const UpdatingProblem& problem, const RunContext& context) const {
   const Eigen::Index specimens = problem.tests.values.rows();
-  require(specimens >= 2,
-          "method 'maximum-likelihood': {} specimen has no scatter to explain; at least 2 are needed, or use method = "
-          "\"deterministic\"",
-          specimens);
+  require_of(specimens >= 2, {Subject::Kind::method, "maximum-likelihood"},
+             "{} specimen has no scatter to explain; at least 2 are needed, or use method = "
+             "\"deterministic\"",
+             specimens);
   const TestMoments tests = test_moments(problem.tests);
   UpdatingResult result;
   result.is_population = true;
@@ -117,11 +117,13 @@ UpdatingResult MaximumLikelihoodUpdater::update(const UpdatingProblem& problem, 
   result.model_evaluations += fit.evaluations;
   if (fit.converged) result.status = UpdatingStatus::converged;
   result.message = ending_message(result, fit.iterations, problem.tolerance);
-  const auto population = JointDistribution::normal_on_scales(problem.space.scales(), fit.mean, fit.covariance);
-  result.mean = population.mean();
-  result.covariance = population.covariance();
-  if (result.status == UpdatingStatus::stopped) return result;
-  IterationRecord last = record_state(problem, tests, population, 0, context);
+  const bool is_stopped = result.status == UpdatingStatus::stopped;
+  result.set_estimate(std::make_shared<NormalPopulation>(
+      problem.space.scales(),
+      PopulationOnScales{fit.mean, fit.covariance, is_stopped ? PopulationEvidence{} : evidence_of(fit)},
+      is_stopped ? 0 : problem.tests.values.rows()));
+  if (is_stopped) return result;
+  IterationRecord last = record_state(problem, tests, *result.estimate, 0, context);
   result.model_evaluations += last.cloud.samples.rows();
   result.history.back() = std::move(last);
   describe_population(problem, fit, settings, options_, context, result);

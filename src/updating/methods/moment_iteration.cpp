@@ -5,7 +5,7 @@
 #include <cmath>
 #include <optional>
 
-#include "mottle/core/error.hpp"
+#include "mottle/core/subject.hpp"
 #include "mottle/stats/moments/descriptive.hpp"
 #include "mottle/stats/moments/distance.hpp"
 #include "updating/methods/least_change.hpp"
@@ -47,9 +47,10 @@ Eigen::MatrixXd whitening_matrix(const Setup& setup, const Eigen::VectorXd& adde
   if (setup.method.weighting == MomentWeighting::covariance) {
     constexpr double k_singular = 1e-12;
     const Eigen::MatrixXd correlation = correlation_from_covariance(tests.covariance);
-    require(tests.covariance.diagonal().minCoeff() > 0.0 && correlation.ldlt().vectorD().minCoeff() > k_singular,
-            "update.{}.weighting: the covariance of {} outputs from {} specimens is singular; give \"variance\"",
-            setup.method.name, tests.mean.size(), setup.problem.tests.values.rows());
+    require_of(tests.covariance.diagonal().minCoeff() > 0.0 && correlation.ldlt().vectorD().minCoeff() > k_singular,
+               {Subject::Kind::option, setup.method.name + ".weighting"},
+               "the covariance of {} outputs from {} specimens is singular; give \"variance\"", tests.mean.size(),
+               setup.problem.tests.values.rows());
     return tests.covariance.llt().matrixL().solve(
         Eigen::MatrixXd::Identity(tests.covariance.rows(), tests.covariance.cols()));
   }
@@ -62,10 +63,10 @@ Eigen::MatrixXd whitening_matrix(const Setup& setup, const Eigen::VectorXd& adde
 }
 
 Setup prepare(const UpdatingProblem& problem, const ScaledParameters& parameters, const MomentMethod& method) {
-  require(problem.tests.values.rows() >= 2,
-          "method '{}': {} specimen has no scatter to explain; at least 2 are needed, or use method = "
-          "\"deterministic\"",
-          method.name, problem.tests.values.rows());
+  require_of(problem.tests.values.rows() >= 2, {Subject::Kind::method, method.name},
+             "{} specimen has no scatter to explain; at least 2 are needed, or use method = "
+             "\"deterministic\"",
+             problem.tests.values.rows());
   Setup setup{problem, parameters, method, test_moments(problem.tests), {}, {}, {}, {}};
   setup.noise = problem.tests.repeatability_std.cwiseAbs2().asDiagonal();
   setup.whitening = whitening_matrix(setup, Eigen::VectorXd::Zero(setup.tests.mean.size()));
@@ -177,25 +178,23 @@ void add_notes(const Setup& setup, const Progress& progress, UpdatingResult& res
   }
   if (setup.noise.isZero(0.0)) {
     result.notes.emplace_back(
-        "No measurement noise is given (test.repeatability): whatever there is counts as scatter of the parameters.");
+        "No measurement noise is given (repeatability): whatever there is counts as scatter of the parameters.");
   }
 }
 
 void finish(const Setup& setup, const Progress& progress, const RunContext& context, UpdatingResult& result) {
   const MomentState& state = progress.state;
-  const JointDistribution population =
-      JointDistribution::normal_on_scales(setup.parameters.scales(), state.mean, state.covariance);
-  IterationRecord last = record_state(setup.problem, setup.tests, population, 0, context);
+  const PopulationOnScales population{state.mean, state.covariance,
+                                      moment_evidence(setup.problem, setup.parameters, state)};
+  result.set_estimate(
+      std::make_shared<NormalPopulation>(setup.parameters.scales(), population, setup.problem.tests.values.rows()));
+  IterationRecord last = record_state(setup.problem, setup.tests, *result.estimate, 0, context);
   result.model_evaluations =
       progress.evaluations + result.history.front().cloud.samples.rows() + last.cloud.samples.rows();
   if (result.history.size() > 1) result.history.pop_back();
   result.history.push_back(std::move(last));
-  result.mean = population.mean();
-  result.covariance = population.covariance();
   result.sensitivity = state.sensitivity * setup.parameters.slopes(state.mean).cwiseInverse().asDiagonal();
   result.noise_covariance = setup.noise;
-  result.is_population = true;
-  result.population = {state.mean, state.covariance, moment_evidence(setup.problem, setup.parameters, state)};
   test_matched_moments(setup.problem,
                        {.method = setup.method.name,
                         .mean = state.mean,

@@ -36,7 +36,7 @@ const OptionTable<MomentMatchingOptions>& moment_matching_option_table() {
                             {"degree-5", M::Rule::fifth_degree},
                             {"cloud", M::Rule::cloud}},
                            "Points over which mean and covariance of the outputs are taken: a Gauss-Hermite grid, the "
-                           "symmetric rule of degree 5, or a cloud of update.samples points drawn as update.sampling "
+                           "symmetric rule of degree 5, or a cloud of samples points drawn as sampling "
                            "says; \"auto\" chooses by the number of parameters.")
           .integer("points", &M::points, {.lower = 2.0, .upper = 40.0}, "-",
                    "Points of the Gauss-Hermite grid along each parameter.")

@@ -54,7 +54,14 @@ const MethodEntry& find_method(const std::string& name) {
     if (method.name == name) return method;
     names.push_back(method.name);
   }
-  throw InvalidInput(unknown_name_message("update.method", name, names));
+  throw InvalidInput(unknown_name_message("method", name, names));
+}
+
+void UpdatingResult::set_estimate(std::shared_ptr<const Estimate> found) {
+  estimate = std::move(found);
+  mean = estimate->mean();
+  covariance = estimate->covariance();
+  is_population = estimate->kind() == EstimateKind::population;
 }
 
 std::string status_text(UpdatingStatus status) {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mottle/core/error.hpp"
+#include "mottle/core/subject.hpp"
 #include "mottle/core/text.hpp"
 #include "mottle/stats/sampling/sampling.hpp"
 
@@ -64,8 +64,8 @@ void SurrogateUpdate::run_design(const RunContext& context) {
   const ParameterSpace& space = given_.space;
   const Eigen::Index q = space.count();
   const Eigen::Index least = Surrogate::least_runs(settings_.kind, q);
-  require(settings_.runs == 0 || settings_.runs >= least,
-          "surrogate.runs: {} are too few for {} parameters, at least {} are needed", settings_.runs, q, least);
+  require_of(settings_.runs == 0 || settings_.runs >= least, {Subject::Kind::surrogate_runs},
+             "{} are too few for {} parameters, at least {} are needed", settings_.runs, q, least);
   const Eigen::Index runs = settings_.runs > 0 ? settings_.runs : std::max<Eigen::Index>(10 * q, least + least / 2);
   const StreamKey key{.seed = context.seed, .purpose = StreamPurpose::surrogate_runs};
   Eigen::MatrixXd samples = uniform_design(SamplingDesign::latin_hypercube, runs, q, key);

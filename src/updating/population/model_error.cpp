@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mottle/core/error.hpp"
+#include "mottle/core/subject.hpp"
 #include "mottle/core/text.hpp"
 #include "updating/population/population_report.hpp"
 
@@ -20,9 +20,9 @@ NoiseModel model_error_model(const UpdatingProblem& problem) {
   const auto outputs = static_cast<std::size_t>(p);
   NoiseModel model{problem.tests.model_error_variance(), std::vector<int>(outputs, -1), 0};
   if (!problem.tests.is_model_error_estimated) return model;
-  require(p > problem.space.count(),
-          "test.model_error: cannot be estimated, {} outputs are no more than the {} parameters; give it as numbers", p,
-          problem.space.count());
+  require_of(p > problem.space.count(), {Subject::Kind::model_error},
+             "cannot be estimated, {} outputs are no more than the {} parameters; give it as numbers", p,
+             problem.space.count());
   return with_levels(problem, std::move(model), std::vector<bool>(outputs, true));
 }
 
@@ -32,7 +32,7 @@ std::string model_error_note(const UpdatingProblem& problem, const ModelError& e
   for (std::size_t k = 0; k < std::min(problem.model.outputs().size(), k_listed); ++k) {
     const auto place = static_cast<Eigen::Index>(k);
     if (problem.tests.is_model_error_estimated || error.std(place) > 0.0) {
-      parts.push_back(fmt::format("{} {:.3g}", problem.model.outputs()[k].name, error.std(place)));
+      parts.push_back(fmt::format("{} {:.3g}", problem.model.outputs()[k].name(), error.std(place)));
     }
   }
   const bool is_cut = problem.model.outputs().size() > k_listed;
@@ -54,12 +54,12 @@ void note_model_error(const UpdatingProblem& problem, const std::string& method,
   if (!problem.tests.has_model_error()) return;
   if (problem.tests.is_model_error_estimated) {
     result.notes.push_back(fmt::format(
-        "test.model_error = \"estimated\" is not used: method '{}' does not estimate it; give it as numbers, or use "
+        "model_error = \"estimated\" is not used: method '{}' does not estimate it; give it as numbers, or use "
         "method = \"maximum-likelihood\".",
         method));
     return;
   }
-  result.notes.push_back("The model's error (test.model_error) " + use);
+  result.notes.push_back("The model's error (model_error) " + use);
 }
 
 std::optional<ModelError> given_model_error(const UpdatingProblem& problem, const Eigen::MatrixXd& gain) {

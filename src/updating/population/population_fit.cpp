@@ -87,12 +87,13 @@ RandomEffectsFit fit_within_bounds(const UpdatingProblem& problem, const Frame& 
     settings.mean_origin = Eigen::VectorXd::Zero(effects);
     settings.mean_directions = frame.directions;
   }
+  const ScaledParameters parameters(problem.space);
   Eigen::MatrixXd held(0, effects);  // rows a with a' m = b
   Eigen::VectorXd level(0);
   RandomEffectsFit fit = fit_random_effects(units, start, settings);
   for (Eigen::Index round = 0; round < effects; ++round) {
     const Eigen::VectorXd t = frame.origin + frame.map * fit.mean;
-    const Eigen::VectorXd clamped = clamp_on_scales(problem.space, t);
+    const Eigen::VectorXd clamped = parameters.clamp(t);
     std::vector<Eigen::Index> beyond;
     for (Eigen::Index i = 0; i < t.size(); ++i) {
       if (std::abs(clamped(i) - t(i)) > 1e-12 * std::abs(t(i))) beyond.push_back(i);
@@ -163,17 +164,6 @@ Eigen::RowVectorXd means_of_tests(const Eigen::Ref<const Eigen::MatrixXd>& value
   return means;
 }
 
-Eigen::VectorXd clamp_on_scales(const ParameterSpace& space, const Eigen::VectorXd& t) {
-  const std::vector<NormalScale> scales = space.scales();
-  const Eigen::VectorXd x = to_variables(scales, t.transpose()).row(0);
-  const Eigen::VectorXd clamped = space.clamp(x);
-  Eigen::VectorXd result = t;
-  for (Eigen::Index i = 0; i < t.size(); ++i) {
-    if (clamped(i) != x(i)) result(i) = scales[static_cast<std::size_t>(i)].from_variable(clamped(i));
-  }
-  return result;
-}
-
 PopulationEvidence evidence_of(const PopulationFit& fit) {
   PopulationEvidence evidence = population_evidence(fit.units, fit.effects, fit.settings, fit.map);
   evidence.mean = fit.mean;
@@ -194,7 +184,7 @@ PopulationFit fit_population(const UpdatingProblem& problem, const Eigen::Ref<co
   const Eigen::VectorXd spread = has_error ? Eigen::VectorXd(fit.noise + settings.model_error.base) : fit.noise;
   const SpecimenFits centre = fit_specimens(problem, means_of_tests(values), {prior.mean, prior.covariance, spread},
                                             {prior.mean.transpose()}, context, fit.evaluations);
-  fit.mean = clamp_on_scales(problem.space, centre.points.row(0));
+  fit.mean = ScaledParameters(problem.space).clamp(centre.points.row(0).transpose());
   fit.covariance = prior.covariance;
   const Eigen::MatrixXd movement = scaled_movement(centre.jacobians[0], prior_std);
   fit.seen = seen_directions(movement, settings.rank_tolerance);

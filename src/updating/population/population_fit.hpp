@@ -56,9 +56,6 @@ struct PopulationFit {
 /// Means of the measured values of each output.
 Eigen::RowVectorXd means_of_tests(const Eigen::Ref<const Eigen::MatrixXd>& values);
 
-/// A point t held within the bounds of the parameters; on a scale, a bound is a bound of the median.
-Eigen::VectorXd clamp_on_scales(const ParameterSpace& space, const Eigen::VectorXd& t);
-
 /// What the specimens show of a fitted population.
 PopulationEvidence evidence_of(const PopulationFit& fit);
 

@@ -6,7 +6,7 @@
 #include <limits>
 #include <map>
 
-#include "mottle/core/error.hpp"
+#include "mottle/core/subject.hpp"
 #include "mottle/core/text.hpp"
 #include "updating/methods/curvature.hpp"
 #include "updating/methods/measured_outputs.hpp"
@@ -115,7 +115,7 @@ void add_notes(const UpdatingProblem& problem, const PopulationFit& fit, const P
     for (std::size_t k = 0; k < settings.noise.factor.size(); ++k) {
       const auto place = static_cast<Eigen::Index>(k);
       if (settings.noise.factor[k] >= 0) {
-        levels.push_back(fmt::format("{} {:.3g}", problem.model.outputs()[k].name, std::sqrt(fit.noise(place))));
+        levels.push_back(fmt::format("{} {:.3g}", problem.model.outputs()[k].name(), std::sqrt(fit.noise(place))));
       }
     }
     result.notes.push_back(fmt::format("Standard deviation of the measurement, estimated: {}.", join(levels)));
@@ -137,7 +137,7 @@ void add_notes(const UpdatingProblem& problem, const PopulationFit& fit, const P
   if (!fit.effects.converged && problem.tests.values.array().isNaN().any()) {
     result.notes.push_back(
         "The likelihood has no clear maximum: the specimens are too few, or too many of their entries are missing, for "
-        "a covariance of all parameters; set update.covariance = \"diagonal\" or leave parameters out.");
+        "a covariance of all parameters; set covariance = \"diagonal\" or leave parameters out.");
   }
 }
 
@@ -177,18 +177,17 @@ NoiseModel noise_model(const UpdatingProblem& problem, const MaximumLikelihoodOp
   const bool has_more_outputs = p > problem.space.count();
   const bool is_estimated = options.noise == Noise::estimated ||
                             (options.noise == Noise::automatic && has_more_outputs && (given.array() <= 0.0).any());
+  const Subject noise_option{Subject::Kind::option, "maximum-likelihood.noise"};
   if (!is_estimated) {
-    require(
-        !has_more_outputs || (given.array() > 0.0).all(),
-        "update.maximum-likelihood.noise: \"given\" needs [test] repeatability of every output, because {} outputs are "
-        "more than the {} parameters can reproduce; give it, or set noise = \"estimated\"",
-        p, problem.space.count());
+    require_of(!has_more_outputs || (given.array() > 0.0).all(), noise_option,
+               "\"given\" needs the repeatability of every output, because {} outputs are "
+               "more than the {} parameters can reproduce; give it, or set noise = \"estimated\"",
+               p, problem.space.count());
     return model;
   }
-  require(has_more_outputs,
-          "update.maximum-likelihood.noise: cannot be estimated, {} outputs are no more than the {} parameters; give "
-          "[test] repeatability",
-          p, problem.space.count());
+  require_of(has_more_outputs, noise_option,
+             "cannot be estimated, {} outputs are no more than the {} parameters; give the tests' repeatability", p,
+             problem.space.count());
   std::vector<bool> is_open(static_cast<std::size_t>(p), true);
   for (Eigen::Index k = 0; k < p; ++k) {
     if (options.noise == Noise::automatic && given(k) > 0.0) is_open[static_cast<std::size_t>(k)] = false;
@@ -199,10 +198,10 @@ NoiseModel noise_model(const UpdatingProblem& problem, const MaximumLikelihoodOp
 NoiseModel with_levels(const UpdatingProblem& problem, NoiseModel model, const std::vector<bool>& is_open) {
   const Eigen::Index p = problem.tests.values.cols();
   constexpr double k_hundredth = 0.01;
-  std::map<OutputKind, int> factors;
+  std::map<QuantityKind, int> factors;
   for (Eigen::Index k = 0; k < p; ++k) {
     if (!is_open[static_cast<std::size_t>(k)]) continue;
-    const OutputKind kind = problem.model.outputs()[static_cast<std::size_t>(k)].kind;
+    const QuantityKind kind = problem.model.outputs()[static_cast<std::size_t>(k)].kind;
     const int next = static_cast<int>(factors.size());
     model.factor[static_cast<std::size_t>(k)] = factors.try_emplace(kind, next).first->second;
   }
@@ -241,8 +240,7 @@ void describe_population(const UpdatingProblem& problem, const PopulationFit& fi
   }
   result.outliers = find_outliers(fit.units, fit.effects, fit.settings, fit.map, problem.level);
   result.other_solutions = other_solutions(problem, fit, options.starts, context, result.model_evaluations);
-  result.population = {fit.mean, fit.covariance, evidence_of(fit)};
-  const PopulationEvidence& evidence = result.population->evidence;
+  const PopulationEvidence& evidence = result.estimate->population()->evidence;
   if (options.intervals == Intervals::analytic) {
     result.intervals = analytic_intervals(problem, fit);
     if (!is_mean_held(fit)) {

@@ -27,12 +27,6 @@ double quantile_of(Eigen::VectorXd values, double probability) {
 
 }  // namespace
 
-PredictedPopulation predicted_population(const ParameterSpace& space, const UpdatingResult& result,
-                                         Eigen::Index specimens) {
-  if (result.population) return {*result.population, space.scales(), specimens};
-  return {{result.mean, result.covariance, {}}, {}, 0};
-}
-
 Eigen::VectorXd squared_distances(const Prediction& prediction, const Eigen::Ref<const Eigen::MatrixXd>& values) {
   // Outputs without scatter of their own count with a millionth of their correlation: a region has no flat sides.
   constexpr double k_least = 1e-9;
@@ -51,10 +45,10 @@ Eigen::VectorXd squared_distances(const Prediction& prediction, const Eigen::Ref
   return distances;
 }
 
-Prediction predict(const Model& model, const ParameterSpace& space, const PredictedPopulation& population,
+Prediction predict(const Model& model, const ParameterSpace& space, const Estimate& estimate,
                    const PredictionSettings& settings, const RunContext& context) {
   Prediction prediction;
-  const PredictiveDraws maker(model, space, population, settings, context);
+  const PredictiveDraws maker(model, space, estimate, settings, context);
   const Eigen::MatrixXd plain = maker.draw(PredictiveDraws::Kind::population, prediction);
   prediction.mean = sample_mean(plain);
   prediction.covariance = sample_covariance(plain);
@@ -67,7 +61,7 @@ Prediction predict(const Model& model, const ParameterSpace& space, const Predic
     prediction.interval(k, 1) = quantile_of(prediction.draws.col(k), 1.0 - 0.5 * settings.level);
   }
   prediction.joint_critical = k_nan;
-  if (maker.has_joint_region()) {
+  if (estimate.has_joint_region()) {
     const Eigen::MatrixXd joint = maker.draw(PredictiveDraws::Kind::joint, prediction);
     prediction.joint_critical = quantile_of(squared_distances(prediction, joint), 1.0 - settings.level);
   }

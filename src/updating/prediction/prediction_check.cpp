@@ -5,6 +5,8 @@
 #include <numbers>
 
 #include "mottle/core/text.hpp"
+#include "mottle/stats/distributions/standard_normal.hpp"
+#include "mottle/stats/tests/binomial_range.hpp"
 #include "updating/prediction/prediction_draws.hpp"
 
 namespace mottle {
@@ -46,19 +48,44 @@ double smallest_after_holm(const Eigen::VectorXd& p) {
   return std::min(smallest * count, 1.0);
 }
 
+/// About ten transforms a part, four to ten parts.
+HeldOutCheck::Histogram histogram_of(const std::vector<double>& transforms) {
+  constexpr std::size_t k_to_a_part = 8;
+  constexpr double k_level = 0.95;
+  const std::size_t parts = std::clamp<std::size_t>(transforms.size() / k_to_a_part, 4, 10);
+  HeldOutCheck::Histogram histogram{std::vector<int>(parts, 0)};
+  for (const double u : transforms) {
+    const double place = std::clamp(u * static_cast<double>(parts), 0.0, static_cast<double>(parts - 1));
+    ++histogram.counts[static_cast<std::size_t>(place)];
+  }
+  const CountRange range =
+      binomial_range(static_cast<int>(transforms.size()), 1.0 / static_cast<double>(parts), k_level);
+  histogram.fewest = range.fewest;
+  histogram.most = range.most;
+  return histogram;
+}
+
+/// Of tests of which 95 % should lie inside.
+int least_inside(int tests) {
+  constexpr double k_inside = 0.95;
+  constexpr double k_level = 0.99;
+  return binomial_range(tests, k_inside, k_level).fewest;
+}
+
 std::string percent(double part) {
   return fmt::format("{:.0f} %", 100.0 * part);
 }
 
 }  // namespace
 
-HeldOutCheck check_held_out(const Prediction& prediction, const PredictedPopulation& population,
+HeldOutCheck check_held_out(const Prediction& prediction, const Estimate& estimate,
                             const Eigen::Ref<const Eigen::MatrixXd>& values) {
   const Eigen::Index p = values.cols();
   HeldOutCheck check;
   check.coverage = Eigen::VectorXd::Constant(p, k_nan);
   check.uniformity = Eigen::VectorXd::Constant(p, k_nan);
   check.transforms = Eigen::MatrixXd::Constant(values.rows(), p, k_nan);
+  check.least_inside.resize(p);
   for (Eigen::Index k = 0; k < p; ++k) {
     Eigen::VectorXd sorted = prediction.draws.col(k);
     std::sort(sorted.begin(), sorted.end());
@@ -73,8 +100,11 @@ HeldOutCheck check_held_out(const Prediction& prediction, const PredictedPopulat
       if (value >= prediction.interval(k, 0) && value <= prediction.interval(k, 1)) inside += 1.0;
     }
     if (!transforms.empty()) check.coverage(k) = inside / static_cast<double>(transforms.size());
-    check.uniformity(k) = uniformity_p(std::move(transforms), population.specimens);
+    check.least_inside(k) = least_inside(static_cast<int>(transforms.size()));
+    check.histograms.push_back(histogram_of(transforms));
+    check.uniformity(k) = uniformity_p(std::move(transforms), estimate.specimens());
   }
+  check.scores = check.transforms.unaryExpr([](double u) { return std::isnan(u) ? u : standard_normal_quantile(u); });
   check.adjusted_p = smallest_after_holm(check.uniformity);
   check.distances = squared_distances(prediction, values);
   const auto complete = (!check.distances.array().isNaN()).count();
@@ -85,17 +115,15 @@ HeldOutCheck check_held_out(const Prediction& prediction, const PredictedPopulat
 }
 
 std::vector<std::string> prediction_sentences(const Prediction& prediction, const HeldOutCheck* check,
-                                              const PredictedPopulation& population, const std::vector<Output>& outputs,
+                                              const Estimate& estimate, const std::vector<Quantity>& outputs,
                                               double level) {
   std::vector<std::string> sentences;
   const std::string inside = percent(1.0 - level);
-  if (population.specimens == 0) {
-    sentences.emplace_back(
-        "Prediction: this method estimates no scatter of specimens; the predicted intervals hold for "
-        "its covariance as it stands, taken as known.");
+  if (const std::string note = estimate.prediction_note(); !note.empty()) {
+    sentences.push_back(note);
   } else if (std::isnan(prediction.joint_critical)) {
     sentences.push_back(fmt::format("Prediction: {} specimens are too few for a joint region of {} parameters.",
-                                    population.specimens, population.estimate.mean.size()));
+                                    estimate.specimens(), estimate.parameter_count()));
   }
   if (prediction.impossible > 0) {
     sentences.push_back(fmt::format("Prediction: {} draws were physically impossible or failed and are left out.",
@@ -118,7 +146,7 @@ std::vector<std::string> prediction_sentences(const Prediction& prediction, cons
   std::vector<std::string> odd;
   for (Eigen::Index k = 0; k < check->uniformity.size(); ++k) {
     const bool is_odd = check->uniformity(k) * count <= level;
-    if (is_odd) odd.push_back(outputs[static_cast<std::size_t>(k)].name);
+    if (is_odd) odd.push_back(outputs[static_cast<std::size_t>(k)].name());
   }
   sentences.push_back(odd.empty()
                           ? fmt::format("Their places in the predicted distributions are as even as chance makes "

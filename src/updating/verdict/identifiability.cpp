@@ -54,6 +54,7 @@ std::optional<Identifiability> identify(const UpdatingProblem& problem, const Up
     if (!found) return std::nullopt;
     sensitivity = *found;
   }
+  if (!sensitivity.allFinite()) return std::nullopt;
   const TestMoments tests = test_moments(problem.tests);
   const Eigen::VectorXd deviation = tests.covariance.diagonal().cwiseSqrt();
   const bool has_scatter = (deviation.array() > 0.0).all();

@@ -79,6 +79,7 @@ std::vector<Eigen::VectorXd> other_solutions(const UpdatingProblem& problem, con
   const auto seen = [&](const Eigen::VectorXd& t) -> Eigen::VectorXd {
     return fit.seen.transpose() * (t - prior.mean).cwiseQuotient(std);
   };
+  const ScaledParameters parameters(problem.space);
   std::vector<Eigen::VectorXd> kept{found.points.row(0)};
   for (Eigen::Index s = 1; s < found.points.rows(); ++s) {
     const Eigen::VectorXd t = found.points.row(s);
@@ -87,7 +88,7 @@ std::vector<Eigen::VectorXd> other_solutions(const UpdatingProblem& problem, con
       const Eigen::VectorXd between = seen(t) - seen(other);
       return between.cwiseAbs().maxCoeff() < k_apart || between.dot(metric.covariance.ldlt().solve(between)) <= same;
     });
-    if (fits && is_new && clamp_on_scales(problem.space, t) == t) kept.push_back(t);
+    if (fits && is_new && parameters.clamp(t) == t) kept.push_back(t);
   }
   std::sort(kept.begin() + 1, kept.end(),
             [&](const Eigen::VectorXd& a, const Eigen::VectorXd& b) { return seen(a).norm() < seen(b).norm(); });

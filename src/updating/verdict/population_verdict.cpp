@@ -102,9 +102,10 @@ void plan_residual_tests(const UpdatingProblem& problem, const PopulationFit& fi
     return;
   }
   if (fit.settings.levels > 0) {
-    plan.leave_untested(Aspect::means,
-                        "The means were not tested: what the model's means are off by is what the level of its error "
-                        "was estimated from. Give test.model_error as numbers, the error that you would accept.");
+    plan.leave_untested(
+        Aspect::means,
+        "The means were not tested: what the model's means are off by is what the level of its error "
+        "was estimated from. Give the model's error (model_error) as numbers, the error that you would accept.");
   } else {
     plan_mean_residuals(residuals, is_noise_known, plan);
   }
@@ -143,7 +144,7 @@ void plan_correlations(const UpdatingProblem& problem, const PopulationFit& fit,
   const double freedom = static_cast<double>(fit.units.size()) - 1.0;
   if (freedom <= q) {
     plan.leave_untested(Aspect::scatter,
-                        fmt::format("The correlations that update.covariance forbids were not tested: {} specimens are "
+                        fmt::format("The correlations that are left out (covariance) were not tested: {} specimens are "
                                     "too few, at least {:.0f} are needed.",
                                     fit.units.size(), q + 2.0));
     return;

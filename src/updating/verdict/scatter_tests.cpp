@@ -90,7 +90,7 @@ std::vector<DrawnScatter> draw_scatters(Eigen::Index d, double freedom) {
 
 std::vector<std::string> output_names(const UpdatingProblem& problem) {
   std::vector<std::string> names;
-  for (const Output& output : problem.model.outputs()) names.push_back(output.name);
+  for (const Quantity& output : problem.model.outputs()) names.push_back(output.name());
   return names;
 }
 

@@ -102,7 +102,7 @@ Verdict judge(const UpdatingProblem& problem, const UpdatingResult& result) {
     verdict.not_tested.push_back(
         fmt::format("The iteration did not converge: {}. {}", result.message,
                     counts ? "Its last step was small, so tests that failed count; tests that passed do not."
-                           : "Tests of an unfinished update say nothing of the model. Allow more update.iterations, or "
+                           : "Tests of an unfinished update say nothing of the model. Allow more iterations, or "
                              "start nearer."));
   }
   const bool is_tested = !result.tests.empty() && verdict.not_tested.empty();

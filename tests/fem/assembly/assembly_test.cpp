@@ -41,7 +41,7 @@ test::ModelMaker one_brick() {
     const bool is_right = k % 4 == 1 || k % 4 == 2;
     maker.node(k + 1, {is_right ? 1.0 : 0.0, k % 4 > 1 ? 1.0 : 0.0, k > 3 ? 1.0 : 0.0});
   }
-  maker.model.solids.push_back({.id = 1, .nodes = {0, 1, 2, 3, 4, 5, 6, 7}, .material = metal});
+  maker.model.elements<SolidElement>().push_back({.id = 1, .nodes = {0, 1, 2, 3, 4, 5, 6, 7}, .material = metal});
   return maker;
 }
 
@@ -51,7 +51,8 @@ test::ModelMaker rods(const std::vector<Eigen::Vector3d>& points, const std::vec
   const int metal = maker.material(1, 2e11, 0.3, 7800.0);
   const FieldIndex area = maker.field("PROD", 1, "A", 1e-4);
   for (std::size_t k = 0; k < points.size(); ++k) maker.node(static_cast<int>(k) + 1, points[k]);
-  for (const auto& [a, b] : ends) maker.rod(static_cast<int>(maker.model.rods.size()) + 1, a, b, metal, area);
+  for (const auto& [a, b] : ends)
+    maker.rod(static_cast<int>(maker.model.elements<RodElement>().size()) + 1, a, b, metal, area);
   return maker;
 }
 
@@ -128,7 +129,7 @@ TEST(Assembly, RefusesAModelInWhichNothingIsFree) {
 
 TEST(Assembly, NamesTheElementThatCannotBe) {
   FiniteElementModel model = one_brick().model;
-  std::swap(model.solids[0].nodes[0], model.solids[0].nodes[6]);
+  std::swap(model.elements<SolidElement>()[0].nodes[0], model.elements<SolidElement>()[0].nodes[6]);
   EXPECT_THAT(test::message_of<InvalidInput>([&] { assemble(model, {}); }), testing::StartsWith("CHEXA 1: "));
 }
 
@@ -137,7 +138,7 @@ TEST(Assembly, ASpringWithoutANumberIsNone) {
   test::ModelMaker maker;
   maker.scalar_point(1);
   maker.spring(1, 0, 0, -1, 0, 5.0);
-  maker.model.scalars.push_back({.id = 2, .nodes = {0, -1}});
+  maker.model.elements<ScalarElement>().push_back({.id = 2, .nodes = {0, -1}});
   EXPECT_EQ(dense(assemble(maker.model, {}).stiffness.at(Eigen::VectorXd()))(0, 0), 5.0);
 }
 

@@ -88,7 +88,7 @@ TEST(MassProperties, OfAWholeMatrixAreThoseOfTheMassThatItDescribes) {
   for (const double value : rows) {
     mass.matrix.push_back(value == 0.0 ? k_no_field : maker.field("CONM1", 1, "M", value));
   }
-  maker.model.point_masses.push_back(mass);
+  maker.model.elements<PointMassElement>().push_back(mass);
   const MassProperties properties = mass_properties(maker.model);
   EXPECT_LT((properties.center - Vector3d(1, -0.3, 0)).norm(), k_rounding);
   EXPECT_LT(properties.inertia.norm(), k_rounding);
@@ -135,7 +135,7 @@ TEST(MassProperties, OfABrickAreThoseOfItsCorners) {
     const bool is_right = k % 4 == 1 || k % 4 == 2;
     maker.node(k + 1, {is_right ? 1.0 : 0.0, k % 4 > 1 ? 2.0 : 0.0, k > 3 ? 3.0 : 0.0});
   }
-  maker.model.solids.push_back({.id = 1, .nodes = {0, 1, 2, 3, 4, 5, 6, 7}, .material = 0});
+  maker.model.elements<SolidElement>().push_back({.id = 1, .nodes = {0, 1, 2, 3, 4, 5, 6, 7}, .material = 0});
   const MassProperties properties = mass_properties(maker.model);
   EXPECT_LT((properties.mass - Vector3d::Constant(12.0)).norm(), 10 * k_rounding);
   EXPECT_LT((properties.center - Vector3d(0.5, 1.0, 1.5)).norm(), k_rounding);

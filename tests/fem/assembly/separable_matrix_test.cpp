@@ -31,9 +31,9 @@ FiniteElementModel mixed_model() {
             hub = maker.node(11, {3, 1, 1});
   const int solid = maker.material(1, 7e10, 0.3, 2700.0);
   const int metal = maker.material(2, 2e11, 0.28, 7800.0);
-  model.solids.push_back({.id = 1, .nodes = {0, 1, 2, 3, 4, 5, 6, 7}, .material = solid});
+  model.elements<SolidElement>().push_back({.id = 1, .nodes = {0, 1, 2, 3, 4, 5, 6, 7}, .material = solid});
   const int skin = maker.shell_property(3, metal, 0.02);
-  model.shells.push_back({.id = 2, .nodes = {4, 5, 6, 7}, .property = skin, .offset = 0.05});
+  model.elements<ShellElement>().push_back({.id = 2, .nodes = {4, 5, 6, 7}, .property = skin, .offset = 0.05});
   const int stiff = maker.beam_property(4, metal, 1e-3, 2e-6, 1e-6, 1.5e-6);
   const int soft = maker.beam_property(5, metal, 2e-3, 3e-6, 2e-6, 2e-6);
   model.beam_properties[1].shear_1 = model.beam_properties[1].shear_2 = 0.8;
@@ -41,14 +41,15 @@ FiniteElementModel mixed_model() {
   maker.beam(4, tip, end, soft, {1, 0, 0.2});
   maker.rod(5, 2, end, solid, maker.field("PROD", 6, "A", 3e-4));
   maker.spring(6, tip, 2, end, 2, 1e6);
-  model.scalars.push_back({ScalarElement::Kind::damper, 7, {tip, -1}, {0, 0}, maker.field("PDAMP", 7, "B", 12.0)});
+  model.elements<ScalarElement>().push_back(
+      {ScalarElement::Kind::damper, 7, {tip, -1}, {0, 0}, maker.field("PDAMP", 7, "B", 12.0)});
   maker.mass(8, end, 1, 3.0);
   BushElement bush{.id = 9, .nodes = {end, hub}, .location = {2.7, 1.2, 0.5}};
   for (int c = 0; c < 6; ++c) {
     bush.stiffness[static_cast<std::size_t>(c)] = maker.field("PBUSH", 9, "K" + std::to_string(c + 1), 1e5 * (c + 1));
   }
   bush.damping[0] = maker.field("PBUSH", 9, "B1", 30.0);
-  model.bushes.push_back(bush);
+  model.elements<BushElement>().push_back(bush);
   PointMassElement& mass = maker.point_mass(10, hub, 5.0);
   mass.offset = {0.1, 0.2, -0.1};
   mass.inertia[0] = maker.field("CONM2", 10, "I11", 0.4);
@@ -206,7 +207,7 @@ class InseparableField : public testing::TestWithParam<Field> {};
 TEST_P(InseparableField, IsSaidToBeSoAndIs) {
   FiniteElementModel model = mixed_model();
   test::ModelMaker maker{model};
-  maker.model.shells.push_back({.id = 20, .node_count = 3, .nodes = {1, 2, 5, 0}, .property = 1});
+  maker.model.elements<ShellElement>().push_back({.id = 20, .node_count = 3, .nodes = {1, 2, 5, 0}, .property = 1});
   maker.shell_property(21, 1, 0.3);
   BeamProperty section = maker.model.beam_properties[0];
   section.id = 22;
@@ -234,7 +235,7 @@ TEST(SeparableMatrix, ASharedModulusIsSeparableWherePoissonsRatioStands) {
   model.fields.push_back({"MAT1", 2, "G", 2e11 / 2.56});
   const auto shear = static_cast<FieldIndex>(model.fields.size()) - 1;
   model.materials[1].shear = shear;
-  model.shells.push_back({.id = 20, .node_count = 3, .nodes = {1, 2, 5, 0}, .property = 0});
+  model.elements<ShellElement>().push_back({.id = 20, .node_count = 3, .nodes = {1, 2, 5, 0}, .property = 0});
   FiniteElementModel by_ratio = model, by_moduli = model;
   by_ratio.materials[1].young = k_no_field;
   by_moduli.materials[1].poisson = k_no_field;

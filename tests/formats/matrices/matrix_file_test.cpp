@@ -174,6 +174,7 @@ INSTANTIATE_TEST_SUITE_P(
                   "k.x:1: a stiffness or mass matrix is symmetric"},
         Malformed{"MarketHeader", "%%MatrixMarket vector\n", "k.x:1: expected '%%MatrixMarket matrix"},
         Malformed{"MarketNotSquare", k_market + "2 3 1\n1 1 1\n", "k.x:2: the matrix is 2 x 3, not square"},
+        Malformed{"MarketNearlyEmpty", k_market + "9000000 9000000 1\n1 1 1\n", "nearly all of its rows are empty"},
         Malformed{"MarketHuge", k_market + "2000000000 2000000000 1\n1 1 1\n", "k.x:2: 2000000000 rows, more than"},
         Malformed{"MarketShort", k_market + "2 2 3\n1 1 1\n", "k.x:3: the file ends here; expected entry 2 of 3"},
         Malformed{"MarketLong", k_market + "2 2 1\n1 1 1\n2 2 1\n", "k.x:4: stands after the last entry"},

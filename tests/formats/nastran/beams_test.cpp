@@ -64,41 +64,41 @@ TEST(NastranBeams, HaveAPropertyThatRepeatsEndA) {
 TEST(NastranBeams, AreReadWithEndsAndOrientation) {
   const FiniteElementModel model =
       cube_with(k_bar + "CBAR,1,,1,2,0.,1.,0.\n,6,45,0.,.1,0.,0.,.2,0.\nPBEAM,1,1,.1,.2,.3\nCBEAM,2,1,1,2,8\n");
-  const BeamElement& bar = model.beams.at(0);
+  const BeamElement& bar = model.elements<BeamElement>().at(0);
   EXPECT_THAT(bar.nodes, ElementsAre(0, 1));
   EXPECT_EQ(bar.orientation, Eigen::Vector3d(0, 1, 0));
   EXPECT_EQ(bar.pins[0], 0x20);
   EXPECT_EQ(bar.pins[1], 0x18);
   EXPECT_EQ(bar.offsets[0], Eigen::Vector3d(0, 0.1, 0));
   EXPECT_EQ(bar.offsets[1], Eigen::Vector3d(0, 0.2, 0));
-  EXPECT_EQ(model.beams.at(1).card, "CBEAM");
-  EXPECT_EQ(model.beams[1].orientation, Eigen::Vector3d(0, 2, 2));
-  EXPECT_EQ(model.beams[1].property, 1);
+  EXPECT_EQ(model.elements<BeamElement>().at(1).card, "CBEAM");
+  EXPECT_EQ(model.elements<BeamElement>()[1].orientation, Eigen::Vector3d(0, 2, 2));
+  EXPECT_EQ(model.elements<BeamElement>()[1].property, 1);
 }
 
 TEST(NastranBeams, TurnWithTheDisplacementSystem) {
   const std::string points = "GRID,11,,0.,0.,0.,4\nGRID,12,,1.,0.,0.\n" + k_quarter_turn;
   const FiniteElementModel model =
       cube_with(k_bar + points + "CBAR,1,,11,12,1.,0.,0.\n,,,.1,0.,0.,0.,.3,0.\nCBAR,2,1,11,12,0.,0.,1.,BGG\n");
-  EXPECT_EQ(model.beams.at(0).orientation, Eigen::Vector3d(0, 1, 0));
-  EXPECT_EQ(model.beams[0].offsets[0], Eigen::Vector3d(0, 0.1, 0));
-  EXPECT_EQ(model.beams[0].offsets[1], Eigen::Vector3d(0, 0.3, 0));  // end B has basic directions
-  EXPECT_EQ(model.beams.at(1).orientation, Eigen::Vector3d(0, 0, 1));
+  EXPECT_EQ(model.elements<BeamElement>().at(0).orientation, Eigen::Vector3d(0, 1, 0));
+  EXPECT_EQ(model.elements<BeamElement>()[0].offsets[0], Eigen::Vector3d(0, 0.1, 0));
+  EXPECT_EQ(model.elements<BeamElement>()[0].offsets[1], Eigen::Vector3d(0, 0.3, 0));  // end B has basic directions
+  EXPECT_EQ(model.elements<BeamElement>().at(1).orientation, Eigen::Vector3d(0, 0, 1));
 }
 
 TEST(NastranBeams, MayHaveOffsetsAlongThemselves) {
   // From 2 to 3 the axis is basic y; v = basic z; then z of the beam is y cross z = basic x.
   const FiniteElementModel model = cube_with(k_bar + "CBAR,1,,2,3,0.,0.,1.,GOO\n,,,.1,.2,.3,0.,0.,.4\n");
-  EXPECT_LT((model.beams.at(0).offsets[0] - Eigen::Vector3d(0.3, 0.1, 0.2)).norm(), k_rounding);
-  EXPECT_LT((model.beams[0].offsets[1] - Eigen::Vector3d(0.4, 0, 0)).norm(), k_rounding);
+  EXPECT_LT((model.elements<BeamElement>().at(0).offsets[0] - Eigen::Vector3d(0.3, 0.1, 0.2)).norm(), k_rounding);
+  EXPECT_LT((model.elements<BeamElement>()[0].offsets[1] - Eigen::Vector3d(0.4, 0, 0)).norm(), k_rounding);
 }
 
 TEST(NastranBeams, TakeWhatIsBlankFromTheirDefaults) {
   const FiniteElementModel model =
       cube_with("PBAR,9,1,.1\nBAROR,,9,,,0.,0.,1.,BGG\nCBAR,1,,1,2\nCBAR,2,,1,2,0.,1.,0.\n");
-  EXPECT_EQ(model.beams.at(0).orientation, Eigen::Vector3d(0, 0, 1));
-  EXPECT_EQ(model.beams.at(1).orientation, Eigen::Vector3d(0, 1, 0));
-  EXPECT_EQ(model.beam_properties.at(static_cast<std::size_t>(model.beams[0].property)).id, 9);
+  EXPECT_EQ(model.elements<BeamElement>().at(0).orientation, Eigen::Vector3d(0, 0, 1));
+  EXPECT_EQ(model.elements<BeamElement>().at(1).orientation, Eigen::Vector3d(0, 1, 0));
+  EXPECT_EQ(model.beam_properties.at(static_cast<std::size_t>(model.elements<BeamElement>()[0].property)).id, 9);
 }
 
 const std::string k_bush = "PBUSH,1,K,1.,2.,3.,4.,5.,6.\n,,B,.1\n,,GE,.02\nPBUSH,2,K,1.\n";
@@ -107,8 +107,8 @@ TEST(NastranBushes, HaveStiffnessAndDamping) {
   const NastranModel read = model_of(k_cube + k_bush + "CBUSH,1,1,1,2,,,,0\n");
   EXPECT_EQ(value_of(read.model, "PBUSH:1:K6"), 6.0);
   EXPECT_EQ(value_of(read.model, "PBUSH:1:B1"), 0.1);
-  EXPECT_EQ(field_name(read.model, read.model.bushes.at(0).stiffness[4]), "PBUSH:1:K5");
-  EXPECT_EQ(read.model.bushes[0].damping[1], k_no_field);
+  EXPECT_EQ(field_name(read.model, read.model.elements<BushElement>().at(0).stiffness[4]), "PBUSH:1:K5");
+  EXPECT_EQ(read.model.elements<BushElement>()[0].damping[1], k_no_field);
   EXPECT_THAT(read.notes, ElementsAre("1 PBUSH lines of structural damping (GE) were ignored"));
 }
 
@@ -117,19 +117,19 @@ TEST(NastranBushes, LieAlongTheirPointsOrTheirSystem) {
       k_bush + k_quarter_turn + "CBUSH,1,1,2,3,0.,0.,1.\nCBUSH,2,1,2,3,6\nCBUSH,3,1,1,,,,,4\nCBUSH,4,2,1,2\n");
   Eigen::Matrix3d along;  // x = basic y, y = basic z, z = basic x
   along << 0, 0, 1, 1, 0, 0, 0, 1, 0;
-  EXPECT_EQ(model.bushes.at(0).axes, along);
-  EXPECT_EQ(model.bushes.at(1).axes, along);
-  EXPECT_EQ(model.bushes.at(2).axes, model.coordinate_systems.at(0).axes);
-  EXPECT_THAT(model.bushes[2].nodes, ElementsAre(0, -1));
-  EXPECT_EQ(model.bushes.at(3).axes.col(0), Eigen::Vector3d::UnitX());
+  EXPECT_EQ(model.elements<BushElement>().at(0).axes, along);
+  EXPECT_EQ(model.elements<BushElement>().at(1).axes, along);
+  EXPECT_EQ(model.elements<BushElement>().at(2).axes, model.coordinate_systems.at(0).axes);
+  EXPECT_THAT(model.elements<BushElement>()[2].nodes, ElementsAre(0, -1));
+  EXPECT_EQ(model.elements<BushElement>().at(3).axes.col(0), Eigen::Vector3d::UnitX());
 }
 
 TEST(NastranBushes, SitWhereTheCardSays) {
   const FiniteElementModel model = cube_with(
       k_bush + k_quarter_turn + "CBUSH,1,1,1,2,,,,0\nCBUSH,2,1,1,2,,,,0\n,.25\nCBUSH,3,1,1,2,,,,0\n,,4,1.,0.,3.\n");
-  EXPECT_EQ(model.bushes.at(0).location, Eigen::Vector3d(1, 0, 0));
-  EXPECT_EQ(model.bushes.at(1).location, Eigen::Vector3d(0.5, 0, 0));
-  EXPECT_EQ(model.bushes.at(2).location, Eigen::Vector3d(0, 1, 3));
+  EXPECT_EQ(model.elements<BushElement>().at(0).location, Eigen::Vector3d(1, 0, 0));
+  EXPECT_EQ(model.elements<BushElement>().at(1).location, Eigen::Vector3d(0.5, 0, 0));
+  EXPECT_EQ(model.elements<BushElement>().at(2).location, Eigen::Vector3d(0, 1, 3));
 }
 
 TEST(NastranRigid, BodyHasItsDependents) {

@@ -38,7 +38,7 @@ TEST(NastranModel, NotesReductionsAndUnknownCards) {
 TEST(NastranModel, LeavesOutWhatItIsTold) {
   const NastranModel read =
       model_of(k_cube + "CQUAD8,1,1\nCQUAD8,2,1\nCONM2,1,1,,1.\n", {.ignore_cards = {"CQUAD8", "CONM2"}});
-  EXPECT_THAT(read.model.point_masses, IsEmpty());
+  EXPECT_THAT(read.model.elements<PointMassElement>(), IsEmpty());
   EXPECT_THAT(read.notes, ElementsAre("1 CONM2 cards were left out, as model.ignore_cards asks",
                                       "2 CQUAD8 cards were left out, as model.ignore_cards asks"));
 }
@@ -47,7 +47,7 @@ TEST(NastranModel, ReadsEqualDuplicatesOnce) {
   const NastranModel read =
       model_of(k_cube + "MAT1,1,210.+9,,.3,7850.\nPELAS,1,5.,,,1,5.0\nCONM2,1,1,,1.\nCONM2,1,1,,1.0\n");
   EXPECT_EQ(read.model.materials.size(), 1U);
-  EXPECT_EQ(read.model.point_masses.size(), 1U);
+  EXPECT_EQ(read.model.elements<PointMassElement>().size(), 1U);
   EXPECT_EQ(read.notes.size(), 3U);
 }
 

@@ -41,8 +41,8 @@ TEST(NastranDecks, OfShellsInACylindricalSystem) {
             (Counts{{"CBAR", 2}, {"CBEAM", 1}, {"CONM2", 1}, {"CONROD", 1}, {"CQUAD4", 1}, {"CTRIA3", 2}}));
   // Grid point 5 lies at 90 degrees, so its radius is basic y; CBAR 4's orientation points inwards at 0 degrees.
   EXPECT_LT((read.model.nodes[4].position - Eigen::Vector3d(0, 1, 0)).norm(), 1e-15);
-  EXPECT_LT((read.model.beams[0].orientation - Eigen::Vector3d(-1, 0, 0)).norm(), 1e-15);
-  EXPECT_LT((read.model.point_masses[0].offset - Eigen::Vector3d(0, 0, 0.1)).norm(), 1e-15);
+  EXPECT_LT((read.model.elements<BeamElement>()[0].orientation - Eigen::Vector3d(-1, 0, 0)).norm(), 1e-15);
+  EXPECT_LT((read.model.elements<PointMassElement>()[0].offset - Eigen::Vector3d(0, 0, 0.1)).norm(), 1e-15);
   EXPECT_THAT(read.model.fixed, ElementsAre(std::pair<int, Components>(6, 0x3f)));
   EXPECT_THAT(read_deck("shells.bdf", {.subcase = 2}).model.fixed, SizeIs(2));
 }
@@ -50,8 +50,8 @@ TEST(NastranDecks, OfShellsInACylindricalSystem) {
 TEST(NastranDecks, OfSpringsAndRigidLinks) {
   const NastranModel read = read_deck("springs.bdf");
   EXPECT_THAT(read.model.nodes, SizeIs(9));
-  EXPECT_THAT(read.model.scalars, SizeIs(9));
-  EXPECT_THAT(read.model.bushes, SizeIs(3));
+  EXPECT_THAT(read.model.elements<ScalarElement>(), SizeIs(9));
+  EXPECT_THAT(read.model.elements<BushElement>(), SizeIs(3));
   EXPECT_THAT(read.model.multipoint_equations, SizeIs(1));
   EXPECT_EQ(read.model.multipoint_equations[0].terms.size(), 3U);
   EXPECT_THAT(read.notes, ElementsAre(HasSubstr("the only SPC set, 1, was taken"), HasSubstr("the only MPC set, 1")));

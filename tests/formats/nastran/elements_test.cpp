@@ -41,20 +41,20 @@ TEST(NastranSolids, AreReadWithTheirCorners) {
   const FiniteElementModel model = cube_with(
       "PSOLID,5,1,,,,,SMECH\nCHEXA,1,5,1,2,3,4,5,6,\n7,8\nCPENTA,2,5,1,2,3,5,6,7\nCTETRA,3,5,1,2,3,8\nPSOLID,9,1\n"
       "CTETRA,9,,1,2,3,8\n");
-  ASSERT_EQ(model.solids.size(), 4U);
-  EXPECT_EQ(model.solids[0].shape, SolidShape::hexahedron8);
-  EXPECT_THAT(model.solids[0].nodes, ElementsAre(0, 1, 2, 3, 4, 5, 6, 7, 0, 0));
-  EXPECT_EQ(model.solids[1].shape, SolidShape::wedge6);
-  EXPECT_EQ(model.solids[1].nodes[5], 6);
-  EXPECT_EQ(model.solids[2].shape, SolidShape::tetrahedron4);
-  EXPECT_EQ(model.solids[2].material, 0);
-  EXPECT_EQ(model.solids[3].property_id, 9);
+  ASSERT_EQ(model.elements<SolidElement>().size(), 4U);
+  EXPECT_EQ(model.elements<SolidElement>()[0].shape, SolidShape::hexahedron8);
+  EXPECT_THAT(model.elements<SolidElement>()[0].nodes, ElementsAre(0, 1, 2, 3, 4, 5, 6, 7, 0, 0));
+  EXPECT_EQ(model.elements<SolidElement>()[1].shape, SolidShape::wedge6);
+  EXPECT_EQ(model.elements<SolidElement>()[1].nodes[5], 6);
+  EXPECT_EQ(model.elements<SolidElement>()[2].shape, SolidShape::tetrahedron4);
+  EXPECT_EQ(model.elements<SolidElement>()[2].material, 0);
+  EXPECT_EQ(model.elements<SolidElement>()[3].property_id, 9);
 }
 
 TEST(NastranSolids, AreReadWithMidsideNodesOfTetrahedra) {
   const FiniteElementModel model = cube_with("GRID,9\nGRID,10\nPSOLID,5,1\nCTETRA,3,5,1,2,3,4,5,6\n,7,8,9,10\n");
-  EXPECT_EQ(model.solids.at(0).shape, SolidShape::tetrahedron10);
-  EXPECT_EQ(model.solids[0].nodes[9], 9);
+  EXPECT_EQ(model.elements<SolidElement>().at(0).shape, SolidShape::tetrahedron10);
+  EXPECT_EQ(model.elements<SolidElement>()[0].nodes[9], 9);
 }
 
 TEST(NastranShells, AreReadWithTheirProperty) {
@@ -70,18 +70,18 @@ TEST(NastranShells, AreReadWithTheirProperty) {
   EXPECT_EQ(model.shell_properties[1].membrane_material, -1);
   EXPECT_EQ(model.shell_properties[1].shear_material, -1);
   EXPECT_DOUBLE_EQ(model.shell_properties[1].shear_ratio, 5.0 / 6.0);
-  EXPECT_EQ(model.shells.at(0).offset, 0.01);
-  EXPECT_EQ(model.shells[0].thickness, k_no_field);
-  EXPECT_EQ(model.shells.at(1).node_count, 3);
-  EXPECT_EQ(model.shells[1].offset, -0.01);
-  EXPECT_EQ(model.shells[1].property, 1);
+  EXPECT_EQ(model.elements<ShellElement>().at(0).offset, 0.01);
+  EXPECT_EQ(model.elements<ShellElement>()[0].thickness, k_no_field);
+  EXPECT_EQ(model.elements<ShellElement>().at(1).node_count, 3);
+  EXPECT_EQ(model.elements<ShellElement>()[1].offset, -0.01);
+  EXPECT_EQ(model.elements<ShellElement>()[1].property, 1);
 }
 
 TEST(NastranShells, MayHaveAThicknessOfTheirOwn) {
   const FiniteElementModel model = cube_with(
       "PSHELL,3,1,.002\nCQUAD4,1,3,1,2,3,4\n,,,.001,.001,.001,.001\n"
       "CTRIA3,2,3,1,2,3\n,,1,.5,.5,2.\n");
-  EXPECT_EQ(field_name(model, model.shells.at(0).thickness), "CQUAD4:1:T");
+  EXPECT_EQ(field_name(model, model.elements<ShellElement>().at(0).thickness), "CQUAD4:1:T");
   EXPECT_EQ(value_of(model, "CQUAD4:1:T"), 0.001);
   EXPECT_NEAR(value_of(model, "CTRIA3:2:T"), 0.002, 1e-17);  // mean of .001, .001, .004; two roundings
 }
@@ -95,12 +95,12 @@ TEST(NastranShells, TakeBlankCornersFromTheProperty) {
 TEST(NastranRods, AreReadFromEveryCard) {
   const FiniteElementModel model =
       cube_with("PROD,1,1,.1,.2,,.3\nCROD,1,1,1,2\nCONROD,2,3,4,1,.5,.6,,.7\nPTUBE,3,1,.2,.05,.4\nCTUBE,3,3,5,6\n");
-  ASSERT_EQ(model.rods.size(), 3U);
-  EXPECT_EQ(field_name(model, model.rods[0].area), "PROD:1:A");
+  ASSERT_EQ(model.elements<RodElement>().size(), 3U);
+  EXPECT_EQ(field_name(model, model.elements<RodElement>()[0].area), "PROD:1:A");
   EXPECT_EQ(value_of(model, "PROD:1:NSM"), 0.3);
-  EXPECT_EQ(field_name(model, model.rods[1].torsion), "CONROD:2:J");
+  EXPECT_EQ(field_name(model, model.elements<RodElement>()[1].torsion), "CONROD:2:J");
   EXPECT_EQ(value_of(model, "CONROD:2:NSM"), 0.7);
-  EXPECT_THAT(model.rods[1].nodes, ElementsAre(2, 3));
+  EXPECT_THAT(model.elements<RodElement>()[1].nodes, ElementsAre(2, 3));
   // outer radius .1, inner .05: A = pi (.01 - .0025), J = pi / 2 (1e-4 - 6.25e-6)
   EXPECT_NEAR(value_of(model, "PTUBE:3:A"), std::numbers::pi * 0.0075, k_rounding);
   EXPECT_NEAR(value_of(model, "PTUBE:3:J"), std::numbers::pi / 2.0 * 9.375e-5, k_rounding);
@@ -113,28 +113,28 @@ TEST(NastranScalars, AreReadFromEveryCard) {
       "CELAS1,1,2,1,3,2,6\nCELAS2,2,300.,,,3,1\nCELAS3,3,1,21,22\nCELAS4,4,400.,22\n"
       "CMASS1,1,4,1,1\nCMASS2,2,5.,2,2\nCMASS3,3,3,21\nCMASS4,4,6.,21,22\n"
       "CDAMP1,1,2,1,1,2,1\nCDAMP2,2,.3,2,2\nCDAMP3,3,1,21,0\nCDAMP4,4,.4,21,22\n");
-  ASSERT_EQ(model.scalars.size(), 12U);
-  const ScalarElement& spring = model.scalars[0];
+  ASSERT_EQ(model.elements<ScalarElement>().size(), 12U);
+  const ScalarElement& spring = model.elements<ScalarElement>()[0];
   EXPECT_EQ(field_name(model, spring.value), "PELAS:2:K");
   EXPECT_THAT(spring.nodes, ElementsAre(0, 1));
   EXPECT_THAT(spring.components, ElementsAre(2, 5));
-  EXPECT_EQ(field_name(model, model.scalars[1].value), "CELAS2:2:K");
-  EXPECT_THAT(model.scalars[1].nodes, ElementsAre(2, -1));
-  EXPECT_THAT(model.scalars[2].nodes, ElementsAre(8, 9));
-  EXPECT_THAT(model.scalars[3].nodes, ElementsAre(9, -1));
-  EXPECT_EQ(model.scalars[4].kind, ScalarElement::Kind::mass);
+  EXPECT_EQ(field_name(model, model.elements<ScalarElement>()[1].value), "CELAS2:2:K");
+  EXPECT_THAT(model.elements<ScalarElement>()[1].nodes, ElementsAre(2, -1));
+  EXPECT_THAT(model.elements<ScalarElement>()[2].nodes, ElementsAre(8, 9));
+  EXPECT_THAT(model.elements<ScalarElement>()[3].nodes, ElementsAre(9, -1));
+  EXPECT_EQ(model.elements<ScalarElement>()[4].kind, ScalarElement::Kind::mass);
   EXPECT_EQ(value_of(model, "PMASS:4:M"), 4.0);
-  EXPECT_EQ(field_name(model, model.scalars[5].value), "CMASS2:2:M");
-  EXPECT_EQ(field_name(model, model.scalars[7].value), "CMASS4:4:M");
-  EXPECT_EQ(model.scalars[8].kind, ScalarElement::Kind::damper);
+  EXPECT_EQ(field_name(model, model.elements<ScalarElement>()[5].value), "CMASS2:2:M");
+  EXPECT_EQ(field_name(model, model.elements<ScalarElement>()[7].value), "CMASS4:4:M");
+  EXPECT_EQ(model.elements<ScalarElement>()[8].kind, ScalarElement::Kind::damper);
   EXPECT_EQ(value_of(model, "PDAMP:2:B"), 0.2);
-  EXPECT_EQ(field_name(model, model.scalars[9].value), "CDAMP2:2:B");
+  EXPECT_EQ(field_name(model, model.elements<ScalarElement>()[9].value), "CDAMP2:2:B");
   EXPECT_EQ(value_of(model, "CDAMP4:4:B"), 0.4);
 }
 
 TEST(NastranPointMass, IsReadWithItsInertia) {
   const FiniteElementModel model = cube_with("CONM2,7,3,,12.,.1,.2,.3\n,1.,,2.,-.5,,3.\n");
-  const PointMassElement& mass = model.point_masses.at(0);
+  const PointMassElement& mass = model.elements<PointMassElement>().at(0);
   EXPECT_EQ(mass.node, 2);
   EXPECT_EQ(mass.offset, Eigen::Vector3d(0.1, 0.2, 0.3));
   EXPECT_EQ(mass.axes, Eigen::Matrix3d::Identity());
@@ -146,7 +146,8 @@ TEST(NastranPointMass, IsReadWithItsInertia) {
 }
 
 TEST(NastranPointMass, MayGiveItsCentreInBasicCoordinates) {
-  EXPECT_EQ(cube_with("CONM2,7,3,-1,12.,2.5,2.,.3\n").point_masses.at(0).offset, Eigen::Vector3d(0.5, 0, 0.3));
+  EXPECT_EQ(cube_with("CONM2,7,3,-1,12.,2.5,2.,.3\n").elements<PointMassElement>().at(0).offset,
+            Eigen::Vector3d(0.5, 0, 0.3));
 }
 
 // Local x is basic y, local y is basic -x.
@@ -154,13 +155,15 @@ const std::string k_quarter_turn = "CORD2R,4,,0.,0.,0.,0.,0.,1.\n,0.,1.,0.\n";
 
 TEST(NastranPointMass, TurnsWithItsSystem) {
   const FiniteElementModel model = cube_with(k_quarter_turn + "CONM2,7,3,4,12.,1.\n");
-  EXPECT_EQ(Eigen::Vector3d(model.point_masses.at(0).axes * model.point_masses[0].offset), Eigen::Vector3d(0, 1, 0));
+  EXPECT_EQ(
+      Eigen::Vector3d(model.elements<PointMassElement>().at(0).axes * model.elements<PointMassElement>()[0].offset),
+      Eigen::Vector3d(0, 1, 0));
 }
 
 TEST(NastranPointMass, MayBeAWholeMatrix) {
   const FiniteElementModel model =
       cube_with("CONM1,7,3,,11.,21.,22.,31.,32.\n,33.,41.,42.,43.,44.,51.,52.,53.\n,54.,55.,61.,62.,63.,64.,65.,66.\n");
-  const PointMassElement& mass = model.point_masses.at(0);
+  const PointMassElement& mass = model.elements<PointMassElement>().at(0);
   ASSERT_EQ(mass.matrix.size(), 21U);
   EXPECT_EQ(field_name(model, mass.matrix[2]), "CONM1:7:M22");
   for (const int number : {11, 21, 33, 44, 53, 55, 61, 66}) {

@@ -29,7 +29,7 @@ FiniteElementModel small_model() {
   const int property = maker.beam_property(4, metal, 1e-3, 2e-7, 1e-7, 1e-7);
   maker.model.beam_properties[0].inertia_12 = maker.field("PBAR", 4, "I12", 0.0);
   maker.beam(10, 0, 1, property);
-  maker.model.shells.push_back(
+  maker.model.elements<ShellElement>().push_back(
       {.id = 11, .node_count = 3, .nodes = {0, 1, 2, 0}, .property = maker.shell_property(6, metal, 0.01)});
   maker.point_mass(8, 2, 1.5).offset = {0.1, 0.2, 0.3};
   maker.spring(12, 0, 0, -1, 0, 0.0);
@@ -64,11 +64,11 @@ TEST(FieldTargets, MoveEveryKindOfGeometry) {
   x << 1, 2, 3, 4, 5, 6;
   const FiniteElementModel moved = model_at(model, targets, x);
   EXPECT_EQ(moved.nodes[2].position, Eigen::Vector3d(1, 1, 0));
-  EXPECT_EQ(moved.beams[0].orientation, Eigen::Vector3d(0, 1, 2));
-  EXPECT_EQ(moved.beams[0].offsets[0], Eigen::Vector3d(0, 3, 0));
-  EXPECT_EQ(moved.beams[0].offsets[1], Eigen::Vector3d(0, 0, 4));
-  EXPECT_EQ(moved.point_masses[0].offset, Eigen::Vector3d(0.1, 5, 0.3));
-  EXPECT_EQ(moved.shells[0].offset, 6.0);
+  EXPECT_EQ(moved.elements<BeamElement>()[0].orientation, Eigen::Vector3d(0, 1, 2));
+  EXPECT_EQ(moved.elements<BeamElement>()[0].offsets[0], Eigen::Vector3d(0, 3, 0));
+  EXPECT_EQ(moved.elements<BeamElement>()[0].offsets[1], Eigen::Vector3d(0, 0, 4));
+  EXPECT_EQ(moved.elements<PointMassElement>()[0].offset, Eigen::Vector3d(0.1, 5, 0.3));
+  EXPECT_EQ(moved.elements<ShellElement>()[0].offset, 6.0);
 }
 
 TEST(FieldTargets, OfAFactorMultiplyWhatStandsInTheDeck) {

@@ -12,7 +12,8 @@
 #include "core/message_of.hpp"
 #include "fem/models.hpp"
 #include "model/structures.hpp"
-#include "mottle/model/responses/modal_model.hpp"
+#include "mottle/model/solvers/exact_solver.hpp"
+#include "mottle/model/structure_model.hpp"
 
 namespace mottle {
 namespace {
@@ -45,12 +46,12 @@ double euler_bernoulli_hz(int mode, double inertia) {
 }
 
 /// Outputs of a structure with these parameters, whose reference is the deck.
-ModalModel modal(const FiniteElementModel& model, const std::vector<ParameterTargets>& parameters,
-                 ModalOutputs outputs) {
+StructureModel modal(const FiniteElementModel& model, const std::vector<ParameterTargets>& parameters,
+                     ModalOutputs outputs) {
   auto structure = std::make_unique<FiniteElementStructure>(
       model, parameters, Eigen::VectorXd::Zero(static_cast<Eigen::Index>(parameters.size())));
   const Eigen::VectorXd reference = structure->reference();
-  return {std::move(structure), std::move(outputs), reference};
+  return {std::make_unique<ExactSolver>(std::move(structure)), std::move(outputs), reference};
 }
 
 /// x d outputs / dx by differences of fourth order with steps of x / 1000.
@@ -66,14 +67,14 @@ Eigen::MatrixXd differences(const Model& model, const Eigen::VectorXd& x) {
   return result;
 }
 
-Eigen::MatrixXd scaled_jacobian(const ModalModel& model, const Eigen::VectorXd& x) {
+Eigen::MatrixXd scaled_jacobian(const StructureModel& model, const Eigen::VectorXd& x) {
   return model.jacobian(x) * x.asDiagonal();
 }
 
 // Consistent cubic beams of length h are too stiff by (beta h)^4 / 720 in the eigenvalue, so
 // by 5e-8 and 2e-6 in these frequencies; the next term is smaller by (beta h)^2.
 TEST(FiniteElementStructure, HasTheFrequenciesOfEulerAndBernoulli) {
-  const ModalModel model = modal(cantilever(20), one_each({"MAT1:1:E"}), {.frequencies = {1, 2, 3, 4}});
+  const StructureModel model = modal(cantilever(20), one_each({"MAT1:1:E"}), {.frequencies = {1, 2, 3, 4}});
   const Eigen::RowVectorXd f = model.evaluate(Eigen::MatrixXd::Constant(1, 1, k_young), {}).outputs;
   // Ascending: the first of plane 2, the first of plane 1 (twice as high), the second of both.
   EXPECT_NEAR(f(0) / euler_bernoulli_hz(1, k_inertia_2), 1.0 + 5.4e-8, 1e-8);
@@ -86,7 +87,7 @@ TEST(FiniteElementStructure, HasTheFrequenciesOfEulerAndBernoulli) {
 constexpr double k_difference_error = 1e-7;
 
 TEST(FiniteElementStructure, HasTheDerivativesOfDifferences) {
-  const ModalModel model =
+  const StructureModel model =
       modal(cantilever(6), one_each({"MAT1:1:E", "MAT1:1:RHO", "PBAR:1:A", "PBAR:1:I1", "PBAR:1:I2"}),
             {.frequencies = {1, 2, 3}, .shape_modes = {1, 3}, .shape_degrees_of_freedom = {"103:+Z", "106:+RY"}});
   Eigen::VectorXd x(5);
@@ -101,7 +102,7 @@ TEST(FiniteElementStructure, HasTheDerivativesOfDifferences) {
 
 // f ~ sqrt(E): E df/dE = f / 2.
 TEST(FiniteElementStructure, HasTheClosedFormDerivativeWithRespectToYoungsModulus) {
-  const ModalModel model = modal(cantilever(6), one_each({"MAT1:1:E"}), {.frequencies = {1, 2, 3}});
+  const StructureModel model = modal(cantilever(6), one_each({"MAT1:1:E"}), {.frequencies = {1, 2, 3}});
   const Eigen::VectorXd x = Eigen::VectorXd::Constant(1, 5e10);
   const Eigen::RowVectorXd f = model.evaluate(x.transpose(), {}).outputs;
   EXPECT_LT((scaled_jacobian(model, x).transpose() - 0.5 * f).cwiseAbs().maxCoeff(), 1e-8 * f(2));
@@ -109,7 +110,7 @@ TEST(FiniteElementStructure, HasTheClosedFormDerivativeWithRespectToYoungsModulu
 
 // The last point moves out and all parts stretch alike: f ~ L^-2 where every coordinate is a factor of the same x.
 TEST(FiniteElementStructure, IsAssembledAnewWhereGeometryMoves) {
-  const ModalModel model =
+  const StructureModel model =
       modal(cantilever(4), {{"length", {"GRID:101:X", "GRID:102:X", "GRID:103:X", "GRID:104:X"}, true}},
             {.frequencies = {1, 2}});
   EXPECT_EQ(model.structure().parameter_role(0), "re-assembled for each sample");
@@ -124,7 +125,7 @@ TEST(FiniteElementStructure, IsAssembledAnewWherePoissonsRatioMoves) {
   FiniteElementModel deck = cantilever(4);
   deck.settings.automatic_constraints = false;
   for (int k = 1; k <= 4; ++k) deck.fixed.emplace_back(k, Components{0x37});  // all but the rotation about x
-  const ModalModel model = modal(deck, one_each({"MAT1:1:NU"}), {.frequencies = {1}});
+  const StructureModel model = modal(deck, one_each({"MAT1:1:NU"}), {.frequencies = {1}});
   EXPECT_EQ(model.structure().parameter_role(0), "re-assembled for each sample");
   const Eigen::MatrixXd f = model.evaluate(Eigen::Vector2d(0.3, 0.1), {}).outputs;
   EXPECT_NEAR(f(1, 0) / f(0, 0), std::sqrt(1.3 / 1.1), 1e-8);
@@ -137,7 +138,7 @@ TEST(FiniteElementStructure, HasTheDerivativesOfDifferencesBesideWhatIsAssembled
   for (const bool is_factor : {true, false}) {
     const std::vector<ParameterTargets> parameters = {
         {"young", {"MAT1:1:E"}, false}, {"tip", {"GRID:106:X"}, is_factor}, {"area", {"PBAR:1:A"}, true}};
-    const ModalModel model =
+    const StructureModel model =
         modal(cantilever(6), parameters,
               {.frequencies = {1, 2, 3}, .shape_modes = {1, 3}, .shape_degrees_of_freedom = {"103:+Z", "106:+RY"}});
     for (const double stretch : {1.0, 1.01}) {
@@ -178,7 +179,7 @@ TEST(FiniteElementStructure, KeepsItsEquationsWhereGeometryFillsZeros) {
 }
 
 /// A cantilever whose plane 1 is stiffer; outputs follow the shapes.
-ModalModel two_planes(ModeTracking tracking) {
+StructureModel two_planes(ModeTracking tracking) {
   return modal(cantilever(6), one_each({"PBAR:1:I2"}),
                {.frequencies = {1, 2},
                 .shape_modes = {1},
@@ -221,7 +222,7 @@ FiniteElementModel chain() {
 }
 
 TEST(FiniteElementStructure, AFailedSampleIsAValueWithAReason) {
-  const ModalModel model = modal(chain(), one_each({"CELAS2:2:K", "CELAS2:3:K"}), {.frequencies = {1, 2}});
+  const StructureModel model = modal(chain(), one_each({"CELAS2:2:K", "CELAS2:3:K"}), {.frequencies = {1, 2}});
   const Eigen::MatrixXd samples = (Eigen::MatrixXd(3, 2) << 50, 50, 0, 0, 60, 60).finished();
   const Evaluation evaluation = model.evaluate(samples, {});
   ASSERT_EQ(evaluation.failures.size(), 1U);
@@ -232,7 +233,7 @@ TEST(FiniteElementStructure, AFailedSampleIsAValueWithAReason) {
 }
 
 TEST(FiniteElementStructure, AnImpossibleGeometryIsAFailureThatNamesTheElement) {
-  const ModalModel model = modal(cantilever(3), one_each({"GRID:103:X"}), {.frequencies = {1}});
+  const StructureModel model = modal(cantilever(3), one_each({"GRID:103:X"}), {.frequencies = {1}});
   const Evaluation evaluation = model.evaluate(Eigen::Vector2d(k_length * 2.0 / 3.0, 1.3), {});
   ASSERT_EQ(evaluation.failures.size(), 1U);
   EXPECT_THAT(evaluation.failures[0].reason, HasSubstr("CBAR 3: beam: both ends lie at"));
@@ -247,7 +248,7 @@ TEST(FiniteElementStructure, WithoutAutomaticConstraintsNamesTheLooseDegreeOfFre
 }
 
 TEST(FiniteElementStructure, GivesTheSameNumbersWithOneAndTwoThreads) {
-  const ModalModel model =
+  const StructureModel model =
       modal(cantilever(6), one_each({"MAT1:1:E", "PBAR:1:I1"}),
             {.frequencies = {1, 2, 3}, .shape_modes = {2}, .shape_degrees_of_freedom = {"104:+Y"}});
   Eigen::MatrixXd samples(9, 2);
@@ -275,8 +276,8 @@ TEST(FiniteElementStructure, FindsDegreesOfFreedomByName) {
 TEST(FiniteElementStructure, ShowsDependentDegreesOfFreedom) {
   test::ModelMaker maker{cantilever(4)};
   maker.model.rigid_bodies.push_back({50, 4, k_all_components, {maker.node(110, {k_length + 0.5, 0, 0})}});
-  const ModalModel model = modal(maker.model, one_each({"MAT1:1:E"}),
-                                 {.shape_modes = {1}, .shape_degrees_of_freedom = {"104:+Z", "104:+RY", "110:+Z"}});
+  const StructureModel model = modal(maker.model, one_each({"MAT1:1:E"}),
+                                     {.shape_modes = {1}, .shape_degrees_of_freedom = {"104:+Z", "104:+RY", "110:+Z"}});
   const Eigen::RowVectorXd y = model.evaluate(Eigen::MatrixXd::Constant(1, 1, k_young), {}).outputs;
   EXPECT_NEAR(y(2), y(0) - 0.5 * y(1), 1e-13 * std::abs(y(2)));
 }
@@ -298,9 +299,10 @@ TEST(FiniteElementStructure, SaysHowAParameterEnters) {
   FiniteElementModel model = cantilever(3);
   test::ModelMaker maker{model};
   maker.node(200, {1.2, 1, 0});
-  maker.model.shells.push_back({.id = 9, .nodes = {0, 3, 4, 0}, .property = maker.shell_property(9, 0, 0.01)});
+  maker.model.elements<ShellElement>().push_back(
+      {.id = 9, .nodes = {0, 3, 4, 0}, .property = maker.shell_property(9, 0, 0.01)});
   maker.node(201, {0, 1, 0});
-  maker.model.shells[0].nodes[3] = 5;
+  maker.model.elements<ShellElement>()[0].nodes[3] = 5;
   const FiniteElementStructure structure(maker.model, one_each({"MAT1:1:RHO", "PSHELL:9:T"}), Eigen::Vector2d::Ones());
   EXPECT_EQ(structure.parameter_role(0), "exactly separable, linearly: no re-assembly");
   EXPECT_EQ(structure.parameter_role(1), "exactly separable, powers up to 3: no re-assembly");

@@ -7,6 +7,7 @@
 
 #include "core/message_of.hpp"
 #include "mottle/core/error.hpp"
+#include "mottle/model/solvers/exact_solver.hpp"
 
 namespace mottle {
 namespace {
@@ -42,14 +43,14 @@ TEST(MatrixStructure, ScalesPartsByPowersOfTheirNominalValues) {
 
 TEST(MatrixStructure, HasTheModesOfTheClosedForm) {
   MatrixModel model = bind_parameters(two_masses(), k_both, Eigen::Vector2d(1.0, 1.0));
-  const MatrixStructure structure(std::move(model.pencil), model.reference);
+  const ExactSolver solver(std::make_unique<MatrixStructure>(std::move(model.pencil), model.reference));
   // K = [2 -1; -1 1]: (3 -+ sqrt 5) / 2.
-  const ModeSet modes = structure.modes_at(Eigen::Vector2d(1.0, 1.0), 2);
+  const ModeSet modes = solver.modes_at(Eigen::Vector2d(1.0, 1.0), 2);
   EXPECT_NEAR(modes.eigenvalues(0), 0.5 * (3.0 - std::sqrt(5.0)), 1e-12);
   EXPECT_NEAR(modes.eigenvalues(1), 0.5 * (3.0 + std::sqrt(5.0)), 1e-12);
-  EXPECT_EQ(structure.total_mass(Eigen::Vector2d(1.0, 1.0)), 2.0);
-  EXPECT_EQ(structure.find_degree_of_freedom("2:+X"), 1);
-  EXPECT_THAT(structure.unknown_degree_of_freedom("2:+Y"), HasSubstr("did you mean '2:+X'?"));
+  EXPECT_EQ(solver.structure().total_mass(Eigen::Vector2d(1.0, 1.0)), 2.0);
+  EXPECT_EQ(solver.structure().find_degree_of_freedom("2:+X"), 1);
+  EXPECT_THAT(solver.structure().unknown_degree_of_freedom("2:+Y"), HasSubstr("did you mean '2:+X'?"));
 }
 
 TEST(MatrixStructure, PutsMatricesOfOtherRowsTogetherByNames) {
@@ -77,8 +78,8 @@ TEST(MatrixStructure, FindsRigidBodyModesOfAFreeStructureAndNoModesOfMasslessRow
   system.parts.push_back({"chain", symmetric(k), {}, {}, 1});
   system.mass = symmetric(Eigen::Vector3d(1.0, 0.0, 1.0).asDiagonal());
   MatrixModel model = bind_parameters(system, {{"k", {"K:chain"}}}, Eigen::VectorXd::Ones(1));
-  const MatrixStructure structure(std::move(model.pencil), model.reference);
-  const ModeSet modes = structure.modes_at(Eigen::VectorXd::Ones(1), 3);
+  const ExactSolver solver(std::make_unique<MatrixStructure>(std::move(model.pencil), model.reference));
+  const ModeSet modes = solver.modes_at(Eigen::VectorXd::Ones(1), 3);
   ASSERT_EQ(modes.eigenvalues.size(), 2);
   EXPECT_NEAR(modes.eigenvalues(0), 0.0, 1e-12);
   EXPECT_NEAR(modes.eigenvalues(1), 1.0, 1e-12);  // the ends against each other, half of the chain's k / 2 each
@@ -89,9 +90,19 @@ TEST(MatrixStructure, SaysWhichRowHasNeitherStiffnessNorMass) {
   system.stiffness = symmetric(Eigen::Vector2d(1.0, 0.0).asDiagonal(), {"1:+X", "9:+Z"});
   system.mass = symmetric(Eigen::Vector2d(1.0, 0.0).asDiagonal(), {"1:+X", "9:+Z"});
   MatrixModel model = bind_parameters(system, {}, Eigen::VectorXd());
-  const MatrixStructure structure(std::move(model.pencil), model.reference);
-  EXPECT_THAT(test::message_of<InvalidInput>([&] { structure.modes_at(Eigen::VectorXd(), 1); }),
+  const ExactSolver solver(std::make_unique<MatrixStructure>(std::move(model.pencil), model.reference));
+  EXPECT_THAT(test::message_of<InvalidInput>([&] { solver.modes_at(Eigen::VectorXd(), 1); }),
               HasSubstr("first seen at 9:+Z"));
+}
+
+TEST(MatrixStructure, RefusesAMassMatrixThatGivesNoLength) {
+  MatrixSystem system;
+  system.stiffness = symmetric(Eigen::Vector2d(2.0, 1.0).asDiagonal());
+  system.mass = symmetric(Eigen::Vector2d(1.0, -1.0).asDiagonal());
+  MatrixModel model = bind_parameters(system, {}, Eigen::VectorXd());
+  const ExactSolver solver(std::make_unique<MatrixStructure>(std::move(model.pencil), model.reference));
+  EXPECT_THAT(test::message_of<InvalidInput>([&] { solver.modes_at(Eigen::VectorXd(), 2); }),
+              HasSubstr("not positive semidefinite"));
 }
 
 TEST(MatrixStructure, RefusesWhatCannotBeBound) {

@@ -27,6 +27,17 @@ TEST(NormalScale, LogitKeepsItsDigitsFarOut) {
   EXPECT_EQ(scale.slope(40.0), scale.slope(-40.0));
 }
 
+TEST(NormalScale, MeansOfLogitsStayWithinTheBounds) {
+  const std::vector<NormalScale> scales{{Kind::logit, 0.76, 0.8800000000000001}};
+  for (const double t : {-800.0, -40.0, -25.0, 25.0, 40.0, 800.0}) {
+    const double mean =
+        moments_of_variables(scales, Eigen::VectorXd::Constant(1, t), Eigen::MatrixXd::Constant(1, 1, 1e-6)).mean(0);
+    EXPECT_GT(mean, scales[0].lower);
+    EXPECT_LT(mean, scales[0].upper);
+    EXPECT_TRUE(std::isfinite(scales[0].from_variable(mean)));
+  }
+}
+
 TEST(NormalScale, MomentsOfLogarithmsAreThoseOfTheLognormalDistribution) {
   Eigen::Matrix2d covariance;
   covariance << 0.09, 0.03, 0.03, 0.04;

@@ -162,6 +162,20 @@ TEST(RandomEffects, InformationOfACompleteSampleIsThatOfTheWishartDistribution) 
   EXPECT_LT((information.mean_from_effects - s / 6.0).norm(), 1e-8);
 }
 
+TEST(PopulationEvidence, OfOutputsThatSeeNothingIsNone) {
+  std::vector<RandomEffectsUnit> units(3);
+  for (RandomEffectsUnit& unit : units) {
+    unit = {Eigen::MatrixXd(2, 0), Eigen::Vector2d(0.1, 0.2), Eigen::Vector2d(1.0, 1.0), {}};
+  }
+  RandomEffectsFit fit;
+  fit.mean = Eigen::VectorXd(0);
+  fit.covariance = Eigen::MatrixXd(0, 0);
+  const PopulationEvidence evidence = population_evidence(units, fit, {}, Eigen::MatrixXd(2, 0));
+  EXPECT_EQ(evidence.mean, Eigen::Vector2d::Zero());
+  EXPECT_EQ(evidence.freedom, Eigen::Matrix2d::Zero());
+  EXPECT_TRUE(std::isnan(population_intervals(evidence, std::vector<NormalScale>(2), 0.95).mean(0, 0)));
+}
+
 TEST(PopulationIntervals, OfACompleteSampleAreTheTextbookOnes) {
   const Complete c;
   const RandomEffectsFit fit = fit_random_effects(c.units, Eigen::Matrix3d::Identity(), {});

@@ -9,7 +9,7 @@
 
 #include "core/message_of.hpp"
 #include "mottle/core/error.hpp"
-#include "mottle/model/responses/modal_model.hpp"
+#include "mottle/model/structure_model.hpp"
 #include "mottle/model/structures/affine_matrices.hpp"
 
 namespace mottle {
@@ -20,7 +20,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
 /// Frequencies sqrt(1, 2, 3) / (2 pi), mass-normalised shapes e_1, e_2, e_3.
-ModalModel model() {
+StructureModel model() {
   MassSpringSystem system;
   for (const char* name : {"1:+X", "1:+Y", "1:+Z"}) system.masses.push_back({name, 1.0});
   for (int k = 0; k < 3; ++k) system.springs.push_back({std::string("k") + "123"[k], k_ground, k, k + 1.0});

@@ -24,7 +24,7 @@ struct CrossingMasses {
         std::vector<Parameter>{{.name = "k1", .unit = "N/m"}, {.name = "k2", .unit = "N/m"}},
         JointDistribution({prior1, prior2}));
     selection = {.frequencies = {1, 2}, .tracking = tracking};
-    model = std::make_unique<ModalModel>(separate(system, targets), selection, Eigen::Vector2d(1.0, 1.2));
+    model = std::make_unique<StructureModel>(separate(system, targets), selection, Eigen::Vector2d(1.0, 1.2));
   }
 
   /// k1 ~ N(1, 0.2), k2 ~ N(1.2, 0.2).
@@ -56,7 +56,7 @@ struct CrossingMasses {
 
   std::unique_ptr<ParameterSpace> space;
   ModalOutputs selection;
-  std::unique_ptr<ModalModel> model;
+  std::unique_ptr<StructureModel> model;
 };
 
 TEST(RankNumbering, OfTestsIsNamedWhereModesCrossInTheCloud) {

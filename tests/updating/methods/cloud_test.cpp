@@ -20,7 +20,7 @@ class DoublingModel final : public Model {
  public:
   explicit DoublingModel(double highest = std::numeric_limits<double>::infinity()) : highest_(highest) {}
   Eigen::Index parameter_count() const override { return 1; }
-  const std::vector<Output>& outputs() const override { return outputs_; }
+  const std::vector<Quantity>& outputs() const override { return outputs_; }
   Evaluation evaluate(const Eigen::Ref<const Eigen::MatrixXd>& samples, const RunContext&) const override {
     Evaluation result{2.0 * samples, {}};
     for (Eigen::Index s = 0; s < samples.rows(); ++s) {
@@ -33,7 +33,7 @@ class DoublingModel final : public Model {
 
  private:
   double highest_;
-  std::vector<Output> outputs_{{"y", "-"}};
+  std::vector<Quantity> outputs_{named_quantity("y", "-")};
 };
 
 ParameterSpace space(double mean = 1.0, double std = 0.8) {

@@ -73,6 +73,25 @@ TEST_P(EveryMethod, GivesASymmetricPositiveCovariance) {
   EXPECT_GT(result.covariance.determinant(), 0.0);
 }
 
+TEST_P(EveryMethod, GivesAnEstimateOfWhichItsMomentsAre) {
+  const Reference reference;
+  const UpdatingResult result = method()->update(reference.problem(), {});
+  ASSERT_TRUE(result.estimate);
+  EXPECT_EQ(result.mean, result.estimate->mean());
+  EXPECT_EQ(result.covariance, result.estimate->covariance());
+  EXPECT_EQ(result.is_population, result.estimate->kind() == EstimateKind::population);
+  const StreamKey key{.seed = 3, .purpose = StreamPurpose::truth};
+  const Eigen::MatrixXd drawn =
+      result.estimate->from_uniform(uniform_design(SamplingDesign::latin_hypercube, 20000, 2, key));
+  const Eigen::VectorXd deviation = result.covariance.diagonal().cwiseSqrt();
+  EXPECT_LT((drawn.colwise().mean().transpose() - result.mean).cwiseQuotient(deviation).norm(), 0.02);
+  for (Eigen::Index i = 0; i < 2; ++i) {
+    const double median = result.estimate->quantile(i, 0.5);
+    const auto below = (drawn.col(i).array() < median).count();
+    EXPECT_NEAR(static_cast<double>(below) / 20000.0, 0.5, 0.02);
+  }
+}
+
 TEST_P(EveryMethod, RepeatsUnderItsSeedAtAnyThreadCount) {
   const test::ThreeMasses structure;
   const UpdatingProblem problem = structure.problem(test::frequencies_of(structure, test::oracle_parameters()));
@@ -160,10 +179,12 @@ TEST_P(EveryPopulationMethod, GivesThePopulationAndWhatTheSpecimensShowOfIt) {
   UpdatingProblem problem = reference.problem();
   problem.tests.repeatability_std.setConstant(0.05);
   const UpdatingResult result = method()->update(problem, {});
-  ASSERT_TRUE(result.population);
-  const PopulationEvidence& evidence = result.population->evidence;
-  EXPECT_LT((result.population->mean - result.mean).norm(), 1e-12);
-  EXPECT_LT((result.population->covariance - result.covariance).norm(), 1e-12);
+  ASSERT_TRUE(result.estimate);
+  const PopulationOnScales* population = result.estimate->population();
+  ASSERT_NE(population, nullptr);
+  const PopulationEvidence& evidence = population->evidence;
+  EXPECT_LT((population->mean - result.mean).norm(), 1e-12);
+  EXPECT_LT((population->covariance - result.covariance).norm(), 1e-12);
   EXPECT_EQ(evidence.freedom, Eigen::MatrixXd::Constant(2, 2, 5.0));
   EXPECT_LT((6.0 * evidence.mean_covariance - evidence.total).norm(), 0.1 * evidence.total.norm());
   // What the noise adds to the specimens' own estimates: (G' R^-1 G)^-1. Inversion leaves it in its deviations.

@@ -17,7 +17,7 @@ class CurvedModel final : public Model {
     outputs_.resize(static_cast<std::size_t>(slope_.rows()));
   }
   Eigen::Index parameter_count() const override { return slope_.cols(); }
-  const std::vector<Output>& outputs() const override { return outputs_; }
+  const std::vector<Quantity>& outputs() const override { return outputs_; }
   Evaluation evaluate(const Eigen::Ref<const Eigen::MatrixXd>& samples, const RunContext&) const override {
     const Eigen::ArrayXd along = samples * direction_;
     Evaluation evaluation;
@@ -28,7 +28,7 @@ class CurvedModel final : public Model {
  private:
   Eigen::MatrixXd slope_;
   Eigen::VectorXd curvature_, direction_;
-  std::vector<Output> outputs_;
+  std::vector<Quantity> outputs_;
 };
 
 struct Case {

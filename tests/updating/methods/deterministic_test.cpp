@@ -150,7 +150,7 @@ TEST(Deterministic, ResidualsBeyondTheMeasurementErrorFailTheChiSquaredTest) {
 TEST(Deterministic, MoreParametersThanOutputsNeedRegularisation) {
   const ThreeMasses structure;
   const Eigen::MatrixXd tests = frequencies_of(structure, oracle_parameters());
-  const ModalModel one_output(
+  const StructureModel one_output(
       separate(test::three_mass_system(), {{"k1", {"spring:k1"}}, {"k2", {"spring:k2"}}, {"k5", {"spring:k5"}}}),
       {.frequencies = {1}}, Eigen::VectorXd::Constant(3, 2.0));
   const UpdatingProblem problem{.model = one_output,

@@ -11,9 +11,10 @@ namespace {
 
 // y = (x1 + x2, x1 - x2) of two normal parameters: a linear model's population is its specimens' mean and covariance.
 TEST(UpdatedFunctionModel, HasThePopulationOfItsSpecimensWhereItIsLinear) {
-  const FunctionModel model(2, {{"sum", "-"}, {"difference", "-"}}, [](const Eigen::VectorXd& x) -> Eigen::VectorXd {
+  const auto sum_and_difference = [](const Eigen::VectorXd& x) -> Eigen::VectorXd {
     return Eigen::Vector2d(x(0) + x(1), x(0) - x(1));
-  });
+  };
+  const FunctionModel model(2, {named_quantity("sum", "-"), named_quantity("difference", "-")}, sum_and_difference);
   const Distribution prior({.kind = DistributionKind::normal, .mean = 10.0, .std = 1.0});
   const ParameterSpace space({{.name = "x1", .unit = "-"}, {.name = "x2", .unit = "-"}},
                              JointDistribution({prior, prior}));

@@ -53,7 +53,7 @@ TEST(Mares, TheCovarianceIsEquation12AppliedToTheFirstPrior) {
   const Distribution prior({.kind = DistributionKind::normal, .mean = 100.0, .std = 1.0});
   const ParameterSpace space({{"k", "N/m", 50.0, 150.0, {}}}, JointDistribution({prior}));
   const MassSpringSystem system{.masses = {{"m", 1.0}}, .springs = {{"k", k_ground, 0, 1.0}}, .dampers = {}};
-  const ModalModel model(separate(system, targets), {.frequencies = {1}}, Eigen::VectorXd::Constant(1, 100.0));
+  const StructureModel model(separate(system, targets), {.frequencies = {1}}, Eigen::VectorXd::Constant(1, 100.0));
   Eigen::MatrixXd tests(3, 1);
   tests << 1.58, 1.60, 1.62;
   const UpdatingResult result = update({.model = model,

@@ -248,13 +248,13 @@ TEST(MaximumLikelihood, NamesAnOutlyingSpecimen) {
 class Square final : public Model {
  public:
   Eigen::Index parameter_count() const override { return 1; }
-  const std::vector<Output>& outputs() const override { return outputs_; }
+  const std::vector<Quantity>& outputs() const override { return outputs_; }
   Evaluation evaluate(const Eigen::Ref<const Eigen::MatrixXd>& samples, const RunContext&) const override {
     return {samples.array().square(), {}};
   }
 
  private:
-  std::vector<Output> outputs_{{"y", "-"}};
+  std::vector<Quantity> outputs_{named_quantity("y", "-")};
 };
 
 TEST(MaximumLikelihood, FindsASecondSolution) {

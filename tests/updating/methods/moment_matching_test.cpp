@@ -23,7 +23,7 @@ UpdatingResult update(const UpdatingProblem& problem, const MomentMatchingOption
 class Square final : public Model {
  public:
   Eigen::Index parameter_count() const override { return 1; }
-  const std::vector<Output>& outputs() const override { return outputs_; }
+  const std::vector<Quantity>& outputs() const override { return outputs_; }
   Evaluation evaluate(const Eigen::Ref<const Eigen::MatrixXd>& samples, const RunContext&) const override {
     Evaluation evaluation;
     evaluation.outputs = samples.cwiseAbs2();
@@ -31,7 +31,7 @@ class Square final : public Model {
   }
 
  private:
-  std::vector<Output> outputs_{{"y", "-"}};
+  std::vector<Quantity> outputs_{named_quantity("y", "-")};
 };
 
 TEST(MomentMatching, ReproducesTheQuadratureSolutionOfTheThreeMasses) {

@@ -15,7 +15,7 @@ class CountedModel final : public Model {
  public:
   explicit CountedModel(const Model& model) : model_(model) {}
   Eigen::Index parameter_count() const override { return model_.parameter_count(); }
-  const std::vector<Output>& outputs() const override { return model_.outputs(); }
+  const std::vector<Quantity>& outputs() const override { return model_.outputs(); }
   Evaluation evaluate(const Eigen::Ref<const Eigen::MatrixXd>& samples, const RunContext& context) const override {
     Evaluation evaluation = model_.evaluate(samples, context);
     for (Eigen::Index s = 0; s < samples.rows(); ++s) {

@@ -106,7 +106,7 @@ TEST(ModelError, EstimatedNeedsMoreOutputsThanParametersAndSaysOnHowFewItRests) 
     update(problem);
     FAIL();
   } catch (const InvalidInput& error) {
-    EXPECT_NE(std::string(error.what()).find("test.model_error: cannot be estimated"), std::string::npos);
+    EXPECT_NE(std::string(error.what()).find("model error: cannot be estimated"), std::string::npos);
   }
   test::LinearProblem linear;
   linear.tests.rowwise() += Eigen::RowVector4d(0.3, -0.5, 0.4, -0.2);

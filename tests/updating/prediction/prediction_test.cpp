@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "mottle/stats/distributions/standard_normal.hpp"
+#include "mottle/updating/estimate/sample_estimate.hpp"
 #include "support/linear_model.hpp"
 #include "updating/population/normal_theory.hpp"
 
@@ -15,6 +16,16 @@ namespace mottle {
 namespace {
 
 using test::LinearModel;
+
+/// A normal population that a test changes before it predicts.
+struct KnownPopulation {
+  PopulationOnScales estimate;
+  Eigen::Index specimens = 0;  ///< 0: known exactly
+
+  NormalPopulation made() const {
+    return {std::vector<NormalScale>(static_cast<std::size_t>(estimate.mean.size())), estimate, specimens};
+  }
+};
 
 struct Bench {
   Bench() {
@@ -27,19 +38,19 @@ struct Bench {
     space = std::make_unique<ParameterSpace>(parameters, JointDistribution({prior, prior}));
   }
 
-  PredictedPopulation population(Eigen::Index specimens) const {
+  KnownPopulation population(Eigen::Index specimens) const {
     const Eigen::Vector2d mean(0.3, 0.7);
-    return {{mean, covariance, sample_evidence(mean, covariance, std::max(specimens, Eigen::Index{1}))}, {}, specimens};
+    return {{mean, covariance, sample_evidence(mean, covariance, std::max(specimens, Eigen::Index{1}))}, specimens};
   }
   /// As large as the scatter times `part`.
-  void add_noise(PredictedPopulation& known, double part) const {
+  void add_noise(KnownPopulation& known, double part) const {
     known.estimate.evidence.noise = part * covariance;
     known.estimate.evidence.total = (1.0 + part) * covariance;
     known.estimate.evidence.mean_covariance = (1.0 + part) / static_cast<double>(known.specimens) * covariance;
   }
 
-  Prediction run(const PredictedPopulation& known, double noise = 0.0, int draws = k_draws) const {
-    return predict(*model, *space, known, {.noise_std = Eigen::Vector2d::Constant(noise), .draws = draws}, {});
+  Prediction run(const KnownPopulation& known, double noise = 0.0, int draws = k_draws) const {
+    return predict(*model, *space, known.made(), {.noise_std = Eigen::Vector2d::Constant(noise), .draws = draws}, {});
   }
 
   static constexpr int k_draws = 100000;
@@ -85,7 +96,7 @@ TEST(Prediction, OfAKnownPopulationHasNormalIntervalsAndNoiseAdds) {
 /// Noise equal to the scatter, known: the total scatter is what nine degrees of freedom were seen of.
 TEST(Prediction, TheNoisesShareIsTakenOffWhatIsUncertain) {
   const Bench bench;
-  PredictedPopulation known = bench.population(10);
+  KnownPopulation known = bench.population(10);
   bench.add_noise(known, 1.0);
   const Prediction with = bench.run(known);
   const Prediction without = bench.run(bench.population(10));
@@ -95,7 +106,7 @@ TEST(Prediction, TheNoisesShareIsTakenOffWhatIsUncertain) {
 /// A modulus in Pa beside a thickness in km: the same prediction as in units in which both are about one.
 TEST(Prediction, DoesNotDependOnTheUnitsOfTheParameters) {
   Bench bench;
-  PredictedPopulation known = bench.population(10);
+  KnownPopulation known = bench.population(10);
   bench.add_noise(known, 0.5);
   const Prediction plain = bench.run(known, 0.0, 4000);
   const Eigen::Vector2d unit(1e11, 1e-6);
@@ -119,7 +130,7 @@ TEST(Prediction, DoesNotDependOnTheUnitsOfTheParameters) {
 
 TEST(Prediction, HeldOutTestsOfTheSamePopulationAreCoveredAndUniform) {
   const Bench bench;
-  const PredictedPopulation known = bench.population(0);
+  const KnownPopulation known = bench.population(0);
   const Prediction found = bench.run(known);
   const Eigen::Matrix2d root = bench.covariance.llt().matrixL();
   Eigen::MatrixXd values(400, 2);
@@ -129,7 +140,7 @@ TEST(Prediction, HeldOutTestsOfTheSamePopulationAreCoveredAndUniform) {
     values.row(s) = (Eigen::Vector2d(1.0, -2.0) + bench.slope * (Eigen::Vector2d(0.3, 0.7) + root * z)).transpose();
   }
   values(3, 0) = std::nan("");
-  const HeldOutCheck check = check_held_out(found, known, values);
+  const HeldOutCheck check = check_held_out(found, known.made(), values);
   for (int k = 0; k < 2; ++k) EXPECT_NEAR(check.coverage(k), 0.95, 0.04);
   EXPECT_NEAR(check.joint_coverage, 0.95, 0.04);
   EXPECT_GT(check.adjusted_p, 0.01);
@@ -137,9 +148,28 @@ TEST(Prediction, HeldOutTestsOfTheSamePopulationAreCoveredAndUniform) {
   EXPECT_TRUE(std::isnan(check.distances(3)));
 
   values.col(1).array() += 1.0;  // another population
-  const HeldOutCheck other = check_held_out(found, known, values);
+  const HeldOutCheck other = check_held_out(found, known.made(), values);
   EXPECT_LT(other.adjusted_p, 1e-6);
   EXPECT_LT(other.joint_coverage, 0.9);
+}
+
+TEST(Prediction, HeldOutTestsAreCountedByTheirTransforms) {
+  const Bench bench;
+  const KnownPopulation known = bench.population(0);
+  const Prediction found = bench.run(known);
+  Eigen::MatrixXd values(40, 2);
+  values.col(0).setConstant(found.mean(0));
+  values.col(1).setConstant(1e6);
+  values(0, 1) = std::nan("");
+  const HeldOutCheck check = check_held_out(found, known.made(), values);
+  // 40 / 8 = 5 parts; the mean of a normal lies in the third.
+  EXPECT_EQ(check.histograms[0].counts, (std::vector<int>{0, 0, 40, 0, 0}));
+  EXPECT_EQ(check.histograms[1].counts, (std::vector<int>{0, 0, 0, 39}));
+  EXPECT_EQ(check.histograms[0].fewest,
+            3);  // P(K <= 2) = 0.008, P(K <= 3) = 0.028, P(K <= 12) = 0.957, P(K <= 13) = 0.981
+  EXPECT_EQ(check.histograms[0].most, 13);
+  EXPECT_EQ(check.least_inside(0), 34);        // of 40 at 0.95: P(K <= 33) = 0.0034, P(K <= 34) = 0.0139
+  EXPECT_NEAR(check.scores(0, 0), 0.0, 0.01);  // 100,000 draws
 }
 
 TEST(Prediction, FewSpecimensHaveNoJointRegion) {
@@ -152,7 +182,7 @@ TEST(Prediction, EachVariableHasItsOwnDegreesOfFreedom) {
   Bench bench;
   bench.slope.setIdentity();
   bench.model = std::make_unique<LinearModel>(Eigen::Vector2d::Zero(), bench.slope);
-  PredictedPopulation known = bench.population(10);
+  KnownPopulation known = bench.population(10);
   known.estimate.evidence.freedom << 9.0, 4.0, 4.0, 4.0;
   known.estimate.evidence.mean_covariance(1, 1) = bench.covariance(1, 1) / 5.0;
   const Prediction found = bench.run(known);
@@ -170,26 +200,40 @@ TEST(Prediction, OfALogitIsMadeOnItsScale) {
   parameter.scale = {NormalScale::Kind::logit, 0.0, 1.0};
   const ParameterSpace space(
       {parameter}, JointDistribution({Distribution({.kind = DistributionKind::uniform, .lower = 0.0, .upper = 1.0})}));
-  UpdatingResult result;
   const Eigen::VectorXd mean = Eigen::VectorXd::Constant(1, 1.0);
   const Eigen::MatrixXd covariance = Eigen::MatrixXd::Constant(1, 1, 4.0);
-  result.population = {mean, covariance, sample_evidence(mean, covariance, 1000000)};
-  const Prediction found = predict(model, space, predicted_population(space, result, 1000000),
-                                   {.noise_std = Eigen::VectorXd::Zero(1), .draws = 100000}, {});
+  const NormalPopulation estimate(space.scales(), {mean, covariance, sample_evidence(mean, covariance, 1000000)},
+                                  1000000);
+  const Prediction found =
+      predict(model, space, estimate, {.noise_std = Eigen::VectorXd::Zero(1), .draws = 100000}, {});
   EXPECT_NEAR(found.interval(0, 0), 1.0 / (1.0 + std::exp(-1.0 + 1.959964 * 2.0)), 0.003);
   EXPECT_NEAR(found.interval(0, 1), 1.0 / (1.0 + std::exp(-1.0 - 1.959964 * 2.0)), 0.003);
 }
 
 /// A method that estimates no population is normal in the parameters, on whatever scales others would take them.
-TEST(Prediction, OfAResultWithoutAPopulationTakesItsCovarianceAsKnown) {
+TEST(Prediction, OfMomentsAloneTakesTheirCovarianceAsKnown) {
   const Bench bench;
-  UpdatingResult result;
-  result.mean = Eigen::Vector2d(0.3, 0.7);
-  result.covariance = bench.covariance;
-  const PredictedPopulation found = predicted_population(*bench.space, result, 10);
-  EXPECT_EQ(found.specimens, 0);
-  EXPECT_TRUE(found.scales.empty());
-  EXPECT_EQ(found.estimate.covariance, result.covariance);
+  const MomentEstimate moments(std::vector<NormalScale>(2, NormalScale{NormalScale::Kind::log}),
+                               Eigen::Vector2d(0.3, 0.7), bench.covariance);
+  const Prediction found =
+      predict(*bench.model, *bench.space, moments, {.noise_std = Eigen::Vector2d::Zero(), .draws = Bench::k_draws}, {});
+  const Prediction exact = bench.run(bench.population(0));
+  EXPECT_EQ(found.interval, exact.interval);
+  EXPECT_EQ(found.joint_critical, exact.joint_critical);
+}
+
+/// Of a sample of parameters the predicted distribution is that of the sample's outputs.
+TEST(Prediction, OfAPosteriorHoldsItsSamplesOutputs) {
+  const Bench bench;
+  Eigen::MatrixXd samples(3, 2);
+  samples << 0.0, 0.0, 1.0, 0.0, 0.0, 1.0;
+  const SampleEstimate posterior(std::vector<NormalScale>(2), samples, Eigen::Vector3d(0.5, 0.3, 0.2));
+  const Prediction found = predict(*bench.model, *bench.space, posterior,
+                                   {.noise_std = Eigen::Vector2d::Zero(), .draws = Bench::k_draws}, {});
+  const Eigen::Vector2d mean = Eigen::Vector2d(1.0, -2.0) + bench.slope * Eigen::Vector2d(0.3, 0.2);
+  EXPECT_LT((found.mean - mean).norm(), 0.02);  // standard error 0.003
+  EXPECT_EQ(found.interval(0, 0), 1.0);
+  EXPECT_EQ(found.interval(0, 1), 2.0);
 }
 
 }  // namespace

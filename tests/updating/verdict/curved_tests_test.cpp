@@ -15,8 +15,8 @@ struct CurvedMasses {
     const std::vector<ParameterTargets> targets{{"k1", {"spring:k1"}}, {"k2", {"spring:k2"}}, {"k5", {"spring:k5"}}};
     const ModalOutputs outputs{
         .frequencies = {1, 2, 3}, .shape_modes = {1, 2}, .shape_degrees_of_freedom = {"m1", "m2", "m3"}};
-    model = std::make_unique<ModalModel>(separate(test::three_mass_system(), targets), outputs,
-                                         Eigen::VectorXd::Constant(3, 2.0));
+    model = std::make_unique<StructureModel>(separate(test::three_mass_system(), targets), outputs,
+                                             Eigen::VectorXd::Constant(3, 2.0));
     noise.resize(9);
     noise << 0.0003, 0.0006, 0.0009, Eigen::VectorXd::Constant(6, 0.006);
   }
@@ -43,7 +43,7 @@ struct CurvedMasses {
   }
 
   test::ThreeMasses masses;
-  std::unique_ptr<ModalModel> model;
+  std::unique_ptr<StructureModel> model;
   Eigen::VectorXd noise;
 };
 

@@ -7,8 +7,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "mottle/fem/card_field.hpp"
 #include "mottle/fem/elements/solid.hpp"
-#include "mottle/fem/finite_element_model.hpp"
 
 namespace mottle {
 

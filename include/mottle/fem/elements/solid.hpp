@@ -5,9 +5,9 @@
 #include <Eigen/Core>
 #include <cstdint>
 
-#include "mottle/fem/finite_element_model.hpp"
-
 namespace mottle {
+
+enum class SolidShape : std::uint8_t { hexahedron8, wedge6, tetrahedron4, tetrahedron10 };
 
 /// Diagonal mass by scaling the consistent diagonal to the exact total (HRZ), or the mass of the shape functions.
 enum class MassKind : std::uint8_t { lumped, consistent };

@@ -29,20 +29,14 @@ struct NastranModel {
 
 /// The finite-element model that a deck describes.
 ///
-/// Read are GRID, GRDSET, SPOINT; CORD1R/C/S, CORD2R/C/S; CHEXA (8), CPENTA (6), CTETRA (4, 10), CQUAD4, CTRIA3, CBAR,
-/// CBEAM, CROD, CONROD, CTUBE, CBUSH, CELAS1..4, CMASS1..4, CDAMP1..4, CONM1, CONM2 with PSOLID, PSHELL, PBAR, PBARL,
-/// PBEAM, PBEAML (constant sections), PROD, PTUBE, PBUSH, PELAS, PMASS, PDAMP, BAROR, BEAMOR; MAT1; RBE2, RBE3, RBAR,
-/// RBAR1, MPC, MPCADD, SPC, SPC1, SPCADD; EIGRL, EIGR, PARAM. Cards that do not change the stiffness and mass matrix
-/// (loads, tables, output) are skipped. ASET, OMIT and SUPORT are noted: all degrees of freedom stay.
+/// Read are the cards that docs/howto/nastran.md lists. Cards that do not change the stiffness and mass matrix (loads,
+/// tables, output) are skipped. ASET, OMIT and SUPORT are noted: all degrees of freedom stay.
 ///
 /// SPC, MPC and METHOD are taken from the case control section; where there is none and the deck holds one set, that
 /// one is taken, with a note.
 ///
-/// Every number that a parameter may act on becomes a CardField named as in the Quick Reference Guide: MAT1 E G NU RHO;
-/// PSHELL T NSM (CQUAD4 T, CTRIA3 T where the element has its own); PROD, CONROD A J NSM; PTUBE A J NSM (computed);
-/// PBAR, PBEAM A I1 I2 I12 J NSM; PBARL, PBEAML DIM1.. NSM; PELAS, CELAS2, CELAS4 K; PDAMP, CDAMP2, CDAMP4 B; PMASS,
-/// CMASS2, CMASS4 M; CONM2 M I11 I21 I22 I31 I32 I33; CONM1 M11 M21..; PBUSH K1..K6 B1..B6. A number that the card
-/// leaves blank has no field (MAT1 RHO too).
+/// Every number that a parameter may act on becomes a CardField named as in the Quick Reference Guide; that page lists
+/// them too. A number that the card leaves blank has no field (MAT1 RHO too).
 ///
 /// @throws FormatError  with file and line: a card that breaks the format's rules, names what does not exist, or is
 ///                      not supported although it changes the model; `ignore_cards` goes on without the latter
@@ -50,5 +44,8 @@ NastranModel read_nastran_model(const std::filesystem::path& file, const Nastran
 
 /// The same from a deck in memory.
 NastranModel build_nastran_model(const NastranDeck& deck, const NastranOptions& options = {});
+
+/// Whether a number of a deck is one that models are usually wrong in: moduli, densities, dimensions, springs, masses.
+bool is_design_number(const CardField& field);
 
 }  // namespace mottle

@@ -3,8 +3,9 @@
 
 #include <Eigen/Core>
 #include <string>
-#include <string_view>
 #include <vector>
+
+#include "mottle/formats/text_lines.hpp"
 
 namespace mottle {
 
@@ -41,15 +42,15 @@ class ShapeCollector {
 /// Eigenvalues, (rad/s)^2, of the last table "R E A L   E I G E N V A L U E S" of an .f06 file, over all its pages.
 ///
 /// Throws FormatError (file, line): no table, modes that do not count from 1, what is no number.
-Eigen::VectorXd read_f06_eigenvalues(std::string_view bytes, const std::string& file);
+Eigen::VectorXd read_f06_eigenvalues(LineWalker lines, const std::string& file);
 
 /// The last set of tables "R E A L   E I G E N V E C T O R   N O ." of an .f06 file. Errors as above.
-NamedShapes read_f06_shapes(std::string_view bytes, const std::string& file);
+NamedShapes read_f06_shapes(LineWalker lines, const std::string& file);
 
 /// Eigenvalues of the last set of $EIGENVALUE lines of a punch file. Errors as above.
-Eigen::VectorXd read_punch_eigenvalues(std::string_view bytes, const std::string& file);
+Eigen::VectorXd read_punch_eigenvalues(LineWalker lines, const std::string& file);
 
 /// The last set of blocks $EIGENVECTOR (or $DISPLACEMENTS with a $EIGENVALUE line). Errors as above.
-NamedShapes read_punch_shapes(std::string_view bytes, const std::string& file);
+NamedShapes read_punch_shapes(LineWalker lines, const std::string& file);
 
 }  // namespace mottle

@@ -13,7 +13,7 @@ namespace mottle {
 /// A number of the model's geometry that a parameter moves: the model is assembled anew for each of its values.
 struct GeometryTarget {
   FieldIndex field = k_no_field;  ///< where its value stands
-  std::string card;               ///< GRID, CBAR, CBEAM, CONM2, CQUAD4, CTRIA3
+  std::string card;               ///< GRID, or of an element whose traits have geometry numbers
   int index = 0;                  ///< of the node or element
   int number = 0;                 ///< which of its numbers, as in `name`
 };

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <string>
 #include <vector>
@@ -30,6 +31,9 @@ struct ParameterDraw {
   std::int64_t rejected = 0;  ///< draws that were physically impossible and were drawn again
 };
 
+/// Samples from uniforms in (0, 1), row by row: the inverse transform of a distribution [sample x parameter].
+using SampleTransform = std::function<Eigen::MatrixXd(const Eigen::Ref<const Eigen::MatrixXd>& uniforms)>;
+
 /// All uncertain parameters with their joint prior.
 class ParameterSpace {
  public:
@@ -51,10 +55,13 @@ class ParameterSpace {
   /// -1 where a parameter is on its lower bound, +1 on its upper, else 0 (relative tolerance 1e-9).
   Eigen::VectorXi active_bounds(const Eigen::Ref<const Eigen::VectorXd>& parameters) const;
 
-  /// Draws from `distribution`; a sample that is physically impossible is rejected and drawn again, independently
-  /// and by plain Monte Carlo, until it is possible: the cloud follows the distribution cut at the physical limits.
+  /// Draws from the distribution whose transform is `from_uniform`; a sample that is physically impossible is rejected
+  /// and drawn again, independently and by plain Monte Carlo, until it is possible: the cloud follows the distribution
+  /// cut at the physical limits.
   ///
   /// Throws InvalidInput after 10,000 rejections of one sample: the distribution is almost wholly impossible.
+  ParameterDraw draw(const SampleTransform& from_uniform, SamplingDesign design, Eigen::Index samples,
+                     const StreamKey& key) const;
   ParameterDraw draw(const JointDistribution& distribution, SamplingDesign design, Eigen::Index samples,
                      const StreamKey& key) const;
 

@@ -29,13 +29,13 @@ class FiniteElementStructure final : public SparseStructure {
   std::vector<std::string> description(const Eigen::Ref<const Eigen::VectorXd>& parameters) const override;
   std::string parameter_role(Eigen::Index parameter) const override;
 
+  const FiniteElementModel* mesh() const override { return &model_; }
+
   const FiniteElementModel& model() const { return model_; }
   const AssembledModel& assembled() const { return assembled_; }
   const std::vector<PhysicalLimit>& limits() const { return targets_.limits; }
   /// The parameters of the deck as it stands: 1 for factors, the cards' value otherwise [parameter].
-  const Eigen::VectorXd& reference() const { return reference_; }
-
- private:
+  const Eigen::VectorXd& reference() const override { return reference_; }
   const SeparableMatrix& stiffness_terms() const override { return assembled_.stiffness; }
   const SeparableMatrix& mass_terms() const override { return assembled_.mass; }
   bool is_separable() const override { return is_separable_; }
@@ -43,6 +43,7 @@ class FiniteElementStructure final : public SparseStructure {
   Matrices matrices_at(const Eigen::Ref<const Eigen::VectorXd>& parameters) const override;
   std::string equation_name(int row) const override;
 
+ private:
   FiniteElementModel model_;
   FieldTargets targets_;
   AssembledModel assembled_;

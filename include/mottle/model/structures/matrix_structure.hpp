@@ -70,10 +70,10 @@ MatrixModel bind_parameters(const MatrixSystem& system, const std::vector<Parame
 /// displacement is their mean.
 class MatrixStructure final : public SparseStructure {
  public:
-  /// @param reference  [parameter]
-  MatrixStructure(SeparablePencil pencil, const Eigen::VectorXd& reference);
+  /// @param reference  where modes are numbered [parameter]
+  MatrixStructure(SeparablePencil pencil, Eigen::VectorXd reference);
 
-  Eigen::Index parameter_count() const override { return parameters_; }
+  Eigen::Index parameter_count() const override { return reference_.size(); }
   Eigen::Index mode_count() const override { return pencil_.stiffness.pattern.rows(); }
   int find_degree_of_freedom(const std::string& name) const override;
   std::string unknown_degree_of_freedom(const std::string& name) const override;
@@ -84,13 +84,14 @@ class MatrixStructure final : public SparseStructure {
   std::vector<std::string> description(const Eigen::Ref<const Eigen::VectorXd>& parameters) const override;
   std::string parameter_role(Eigen::Index parameter) const override { return separable_role(parameter); }
 
- private:
+  const Eigen::VectorXd& reference() const override { return reference_; }
   const SeparableMatrix& stiffness_terms() const override { return pencil_.stiffness; }
   const SeparableMatrix& mass_terms() const override { return pencil_.mass; }
   std::string equation_name(int row) const override;
 
+ private:
   SeparablePencil pencil_;
-  Eigen::Index parameters_;
+  Eigen::VectorXd reference_;
   std::map<std::string, int> numbers_;    // of names, into the next
   std::vector<std::vector<int>> layers_;  // rows of each name
 };

@@ -6,51 +6,21 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <optional>
-#include <set>
 #include <string>
 #include <vector>
 
+#include "mottle/core/error.hpp"
 #include "mottle/core/options.hpp"
-#include "mottle/drivers/command/solver_command.hpp"
-#include "mottle/fem/assembly/mass_spring.hpp"
-#include "mottle/model/responses/modal_model.hpp"
+#include "mottle/model/responses/modal_outputs.hpp"
 #include "mottle/stats/distributions/distribution.hpp"
 #include "mottle/stats/distributions/normal_scale.hpp"
 #include "mottle/stats/sampling/sampling.hpp"
+#include "mottle/study/models/model_source.hpp"
 #include "mottle/updating/methods/surrogate_update.hpp"
 
 namespace mottle {
-
-/// Matrices of a part of the structure, by their places ("K1.mtx", "model.op4#K1"; resolved), and how parameters scale
-/// it.
-struct StudyMatrixPart {
-  std::string name = {};
-  std::string stiffness = {};  ///< empty: none
-  std::string mass = {};
-  std::optional<double> nominal = {};
-  int exponent = 1;
-};
-
-/// [model]: what kind, and what that kind needs.
-struct StudyModelSource {
-  enum class Kind { mass_spring, nastran, matrices, calculix, command };
-
-  Kind kind = Kind::mass_spring;
-  MassSpringSystem system = {};
-  std::filesystem::path deck = {};               ///< resolved against the study's folder
-  std::set<std::string> ignore_cards = {};       ///< in capitals
-  std::map<std::string, double> overrides = {};  ///< numbers of the deck that are other, by target in capitals
-  StudyMatrixPart constant_part = {};            ///< of matrices: what no parameter moves
-  std::vector<StudyMatrixPart> parts = {};       ///< of matrices
-  std::string program = "ccx";                   ///< of calculix: its command
-  std::chrono::milliseconds timeout = std::chrono::hours(1);  ///< of calculix: of one run
-  int parallel = 1;                                           ///< of calculix: runs of samples at once
-  std::filesystem::path row_names = {};  ///< of matrices: the degrees of freedom, where not in the files
-  bool may_reduce = true;                ///< clouds by a reduced model where that pays
-  double frequency_error = 1e-4;         ///< that a reduced model may make, relative
-  SolverCommand command = {};
-};
 
 /// One [[parameter]].
 struct StudyParameter {
@@ -136,7 +106,8 @@ struct Study {
   std::string title;
   std::string units = "SI";
   std::uint64_t seed = 1;
-  StudyModelSource model;
+  std::shared_ptr<const ModelSource> model;
+  bool may_reduce = true;      ///< clouds by a reduced model, where [model] allows it and it pays
   StudyParameters parameters;  ///< empty in a study that only holds a truth
   ModalOutputs outputs;
   std::optional<StudyTest> test;
@@ -146,7 +117,7 @@ struct Study {
   std::optional<StudyPredict> predict = std::nullopt;
   std::optional<SurrogateSettings> surrogate = std::nullopt;  ///< `update` works on a surrogate of the model
   std::string text;                                           ///< the study as run, overrides applied, as TOML
-  /// Line of what a message may start with: "outputs.frequencies", "parameter 'k1'", "truth.parameter 'k1'".
+  /// Line of each key: "outputs.frequencies", "parameter 'k1'", "truth.parameter 'k1'".
   std::map<std::string, int> lines;
 };
 
@@ -162,10 +133,13 @@ struct StudyOverrides {
 ///                       the nearest known one, wrong types, values out of range, an override that fits nothing
 Study read_study(const std::filesystem::path& file, const StudyOverrides& overrides = {});
 
-/// `message` with the study file in front, and the line of what the message starts with ("outputs.frequencies: ...").
+/// "study.toml:12: outputs.frequencies: FAULT": the key's line, or that of the table that it would stand in.
 ///
-/// @param section  put before the message to look its line up: "truth." for a parameter of the truth
-std::string located(const Study& study, const std::string& message, const std::string& section = "");
+/// @param section  put before the key to look its line up: "truth." for a parameter of the truth
+std::string located(const Study& study, const std::string& key, const std::string& fault,
+                    const std::string& section = "");
+/// The same of an error that says what it is about; of others the study's name alone is put in front.
+std::string located(const Study& study, const InvalidInput& error, const std::string& section = "");
 
 /// The study's text for a file in `folder`: relative paths are rewritten to hold from there.
 std::string study_text_for(const Study& study, const std::filesystem::path& folder);

@@ -2,25 +2,13 @@
 // the outcome in a folder, summarise() puts it into words.
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <vector>
 
-#include "mottle/core/run_context.hpp"
 #include "mottle/study/input/study.hpp"
+#include "mottle/study/run_settings.hpp"
 
 namespace mottle {
-
-/// Where and how a job runs.
-struct RunSettings {
-  std::filesystem::path folder{};  ///< empty: no log, no journal to resume from
-  std::filesystem::path cache{};   ///< folder of what later runs may use again; empty: none. Changes no number
-  int threads = 1;
-  bool resume = false;
-  bool may_run_programs = true;  ///< else a study whose model is run by a program is refused
-  ProgressObserver* observer = nullptr;
-  const std::atomic<bool>* stop = nullptr;  ///< a model made for the job may ask it for as long as it lives
-};
 
 /// What a job says at its end; everything else is in its folder.
 struct RunSummary {

@@ -10,7 +10,7 @@
 
 #include "mottle/core/checksum.hpp"
 #include "mottle/model/parameters/parameter_space.hpp"
-#include "mottle/model/responses/modal_model.hpp"
+#include "mottle/model/structure_model.hpp"
 #include "mottle/study/input/study.hpp"
 #include "mottle/study/jobs/run.hpp"
 #include "mottle/updating/methods/updater.hpp"
@@ -20,7 +20,7 @@ namespace mottle {
 /// Parameters and the model that they drive.
 struct StudyModel {
   std::unique_ptr<ParameterSpace> space;
-  std::unique_ptr<ModalModel> model;
+  std::unique_ptr<StructureModel> model;
   std::vector<std::string> files = {};  ///< that the model was read from
   std::vector<std::string> notes = {};  ///< what a reader of the model should know
 };
@@ -55,7 +55,7 @@ struct StudyTests {
 ///
 /// Throws FormatError, InvalidInput: no [test], a column that is nothing of these, an output without column, no row,
 /// text where a number should be, repeatability of something that is not an output, an output that is never repeated.
-StudyTests read_tests(const Study& study, const ModalModel& model);
+StudyTests read_tests(const Study& study, const StructureModel& model);
 
 /// UpdatingProblem::covariance_groups of the parameters `names`.
 ///

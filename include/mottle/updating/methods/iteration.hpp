@@ -20,9 +20,13 @@ TestMoments test_moments(const TestData& tests);
 /// Evaluates the cloud of a state and compares it with the tests.
 ///
 /// @param distribution  the state's distribution; the prior for the first
-/// @param index         0 for the first state; names the random streams
+/// @param index         of the state, for the progress
 IterationRecord record_state(const UpdatingProblem& problem, const TestMoments& tests,
                              const JointDistribution& distribution, int index, const RunContext& context);
+
+/// The same of an estimate: the last state.
+IterationRecord record_state(const UpdatingProblem& problem, const TestMoments& tests, const Estimate& estimate,
+                             int index, const RunContext& context);
 
 /// Puts a state at the end of the history and counts its runs. Clouds between the first and the last are thinned to
 /// what a plot can show.

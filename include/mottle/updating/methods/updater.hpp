@@ -12,10 +12,10 @@
 #include "mottle/core/run_context.hpp"
 #include "mottle/model/model.hpp"
 #include "mottle/model/parameters/parameter_space.hpp"
-#include "mottle/stats/population/population_intervals.hpp"
 #include "mottle/stats/surrogates/regression.hpp"
 #include "mottle/stats/tests/normality.hpp"
 #include "mottle/stats/tests/outliers.hpp"
+#include "mottle/updating/estimate/normal_estimates.hpp"
 #include "mottle/updating/methods/cloud.hpp"
 
 namespace mottle {
@@ -65,13 +65,6 @@ struct ParameterIntervals {
   Eigen::MatrixXd correlation_lower;  ///< [parameter x parameter], 1 on the diagonal
   Eigen::MatrixXd correlation_upper;
   std::string made_by;  ///< "analytic" | "bootstrap"
-};
-
-/// The estimated population on the parameters' scales t, where it is normal: t ~ N(mean, covariance).
-struct PopulationOnScales {
-  Eigen::VectorXd mean;         ///< [parameter]
-  Eigen::MatrixXd covariance;   ///< positive semi-definite [parameter x parameter]
-  PopulationEvidence evidence;  ///< what the specimens show of it, on the same scales
 };
 
 /// The model's error as a fit has it. Given the tests, d ~ N(shift, covariance), and the population's mean, on the
@@ -128,17 +121,17 @@ struct NormalityReport {
 struct UpdatingResult {
   UpdatingStatus status = UpdatingStatus::failed;
   std::string message;
-  Eigen::VectorXd mean;                  ///< [parameter]
-  Eigen::MatrixXd covariance;            ///< [parameter x parameter]
-  std::vector<IterationRecord> history;  ///< first: the prior's cloud; last: the cloud of `mean` and `covariance`
-  Eigen::MatrixXd sensitivity;           ///< dy/dx at `mean` where the method has it [output x parameter]; else 0 x 0
+  std::shared_ptr<const Estimate> estimate;  ///< of the parameters; null where the method was stopped before it had one
+  Eigen::VectorXd mean;                      ///< of `estimate` [parameter]
+  Eigen::MatrixXd covariance;                ///< of `estimate` [parameter x parameter]
+  std::vector<IterationRecord> history;      ///< first: the prior's cloud; last: the cloud of `estimate`
+  Eigen::MatrixXd sensitivity;  ///< dy/dx at `mean` where the method has it [output x parameter]; else 0 x 0
   std::int64_t model_evaluations = 0;
-  std::optional<ParameterIntervals> intervals = std::nullopt;   ///< of methods that estimate a population
-  std::optional<PopulationOnScales> population = std::nullopt;  ///< `mean` and `covariance` come from it, where given
-  std::optional<SpecimenEstimates> specimens = std::nullopt;    ///< of methods that look at each specimen
-  std::optional<ModelError> model_error = std::nullopt;         ///< of methods that estimate it; see TestData
-  std::vector<Outlier> outliers = {};                           ///< specimens that do not belong to the others
-  std::optional<NormalityReport> normality = std::nullopt;      ///< of methods that look at each specimen
+  std::optional<ParameterIntervals> intervals = std::nullopt;  ///< of methods that estimate a population
+  std::optional<SpecimenEstimates> specimens = std::nullopt;   ///< of methods that look at each specimen
+  std::optional<ModelError> model_error = std::nullopt;        ///< of methods that estimate it; see TestData
+  std::vector<Outlier> outliers = {};                          ///< specimens that do not belong to the others
+  std::optional<NormalityReport> normality = std::nullopt;     ///< of methods that look at each specimen
   std::vector<Eigen::VectorXd> other_solutions = {};  ///< means that explain the tests' mean as well [parameter]
   /// Bias of `mean` by the curvature of the outputs, in its standard errors, to second order; empty: not known.
   Eigen::VectorXd curvature_bias = {};
@@ -147,6 +140,9 @@ struct UpdatingResult {
   std::vector<VerdictTest> tests;            ///< of the final state, at the problem's level together
   std::vector<std::string> not_tested = {};  ///< sentences: what of the model no test could see, and why
   std::vector<std::string> notes;            ///< what a reader of the numbers must know
+
+  /// Makes `found` the estimate; `mean`, `covariance` and `is_population` follow it.
+  void set_estimate(std::shared_ptr<const Estimate> found);
 };
 
 /// An updating method. One struct of options, one file, one line in src/updating/methods/registry.cpp.

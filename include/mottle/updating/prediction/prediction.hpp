@@ -1,4 +1,4 @@
-// What the updated population says of specimens and outputs that were not used, and whether held-out tests agree.
+// What the updated parameters say of specimens and outputs that were not used, and whether held-out tests agree.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,17 +11,6 @@
 #include "mottle/updating/methods/updater.hpp"
 
 namespace mottle {
-
-/// An estimated population as prediction needs it.
-struct PredictedPopulation {
-  PopulationOnScales estimate;           ///< `evidence` may be empty where `specimens` is 0
-  std::vector<NormalScale> scales = {};  ///< of the parameters; empty: it is normal in the parameters themselves
-  Eigen::Index specimens = 0;            ///< that it was estimated from; 0: known exactly
-};
-
-/// The population of an update. A method that estimates none counts as known exactly, normal in the parameters.
-PredictedPopulation predicted_population(const ParameterSpace& space, const UpdatingResult& result,
-                                         Eigen::Index specimens);
 
 /// The model's error in predicted outputs.
 struct PredictedError {
@@ -39,12 +28,22 @@ struct PredictionSettings {
 
 /// Held-out tests against the prediction.
 struct HeldOutCheck {
+  /// How often the transforms fall into each of as many equal parts of (0, 1) as they can fill.
+  struct Histogram {
+    std::vector<int> counts;
+    int fewest = 0;  ///< counts that a right prediction gives a part in 95 % of cases
+    int most = 0;
+  };
+
   Eigen::VectorXd coverage;     ///< part of the tests inside each output's interval; nan: never measured [output]
   double joint_coverage = 0.0;  ///< part of the complete tests inside the joint region; nan: none, or no region
   Eigen::VectorXd distances;    ///< squared, of every complete test from the predicted mean; nan: incomplete [specimen]
   Eigen::MatrixXd transforms;   ///< probability integral transforms [specimen x output], nan: missing
   Eigen::VectorXd uniformity;   ///< p-value of each output's transforms being uniform [output]
   double adjusted_p = 1.0;      ///< the smallest of them after Holm
+  Eigen::MatrixXd scores = {};  ///< transforms as standard normal numbers [specimen x output], nan: missing
+  std::vector<Histogram> histograms = {};  ///< [output]
+  Eigen::VectorXi least_inside = {};       ///< fewer tests inside are seen in one of a hundred cases [output]
 };
 
 /// Predictive distribution of one new specimen's test.
@@ -58,8 +57,9 @@ struct Prediction {
   std::int64_t impossible = 0;  ///< draws that are physically impossible or failed, left out
 };
 
-/// Predicts by draws through the model. With total T = Sigma + N, noise's share N, covariance M of the mean and degrees
-/// of freedom nu_i of T_ii from the population's evidence, each output's interval comes from
+/// Predicts by draws of the estimate through the model. Of a normal population with total T = Sigma + N, noise's share
+/// N, covariance M of the mean and degrees of freedom nu_i of T_ii from the population's evidence, each output's
+/// interval comes from
 ///
 ///   t* = mu + w (M^1/2 z1) + (w T w - N)^1/2 z2,   y* = f(t*) + e,   w = diag(sqrt(nu_i / chi2_nu_i))
 ///
@@ -74,18 +74,18 @@ struct Prediction {
 /// @param model  of the predicted outputs, over the parameters of `space`
 /// @throws SystemFailure  more than half of the draws fail
 /// Source: [Geisser1963]; [Anderson2003], section 5.3.
-Prediction predict(const Model& model, const ParameterSpace& space, const PredictedPopulation& population,
+Prediction predict(const Model& model, const ParameterSpace& space, const Estimate& estimate,
                    const PredictionSettings& settings, const RunContext& context);
 
 /// @param values  held-out tests [specimen x output], nan: missing
 /// Uniformity is Kolmogorov's test with the effective number m n / (m + n): the tests share one estimate from n.
 /// Source: [Dawid1984]; [Stephens1970] for small samples.
-HeldOutCheck check_held_out(const Prediction& prediction, const PredictedPopulation& population,
+HeldOutCheck check_held_out(const Prediction& prediction, const Estimate& estimate,
                             const Eigen::Ref<const Eigen::MatrixXd>& values);
 
 /// What a prediction and its check say, in words.
 std::vector<std::string> prediction_sentences(const Prediction& prediction, const HeldOutCheck* check,
-                                              const PredictedPopulation& population, const std::vector<Output>& outputs,
+                                              const Estimate& estimate, const std::vector<Quantity>& outputs,
                                               double level);
 
 }  // namespace mottle

@@ -1,0 +1,89 @@
+// A structure whose modes come from runs of somebody else's program.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "mottle/drivers/command/solver_runs.hpp"
+#include "mottle/model/solvers/solver.hpp"
+
+namespace mottle {
+
+/// What a program's run at the parameters' means tells of the structure.
+class ExternalStructure final : public Structure {
+ public:
+  /// @param nominal      modes of that run
+  /// @param description  of the program, a line
+  ExternalStructure(Eigen::Index parameters, ExtractedModes nominal, std::string description);
+
+  Eigen::Index parameter_count() const override { return parameters_; }
+  /// As many as the run at the means gave.
+  Eigen::Index mode_count() const override { return nominal_.eigenvalues.size(); }
+  int find_degree_of_freedom(const std::string& name) const override;
+  std::string unknown_degree_of_freedom(const std::string& name) const override;
+  Eigen::MatrixXd displacements(const Eigen::Ref<const Eigen::MatrixXd>& shapes,
+                                const std::vector<int>& degrees_of_freedom) const override;
+  double total_mass(const Eigen::Ref<const Eigen::VectorXd>& parameters) const override;
+  std::vector<std::string> description(const Eigen::Ref<const Eigen::VectorXd>& parameters) const override;
+  std::string parameter_role(Eigen::Index) const override { return "through the solver's input: a run each"; }
+
+  const ExtractedModes& nominal() const { return nominal_; }
+
+ private:
+  Eigen::Index parameters_;
+  ExtractedModes nominal_;
+  std::string description_;
+  std::map<std::string, int> rows_;
+};
+
+class ExternalSolver final : public Solver {
+ public:
+  /// Runs the program once, at the parameters' means: what it gives there says which modes and degrees of freedom there
+  /// are.
+  ///
+  /// @param names       of the parameters
+  /// @param nominal     their means
+  /// @param deviations  their prior standard deviations
+  /// @param stop        ends a single run early; nullptr: nothing does. Lives as long as this object
+  /// @throws InvalidInput   as SolverRuns; FormatError: a value that does not fit into its place
+  /// @throws SystemFailure  the run gave no modes; Stopped
+  ExternalSolver(SolverCommand command, const std::vector<std::string>& names, const Eigen::VectorXd& nominal,
+                 const Eigen::VectorXd& deviations, const SolverPlace& place, const std::atomic<bool>* stop);
+
+  const Structure& structure() const override { return structure_; }
+  /// Throws SystemFailure where the run fails.
+  ModeSet modes_at(const Eigen::Ref<const Eigen::VectorXd>& parameters, int modes) const override;
+  /// Throws SystemFailure where too many runs fail.
+  SolverUse solve(const Eigen::Ref<const Eigen::MatrixXd>& samples, const SolutionRequest& request,
+                  const RunContext& context, const Visitor& visit) const override;
+  Eigen::MatrixXd cosines(const ModeSet& reference, const ModeSet& modes) const override;
+
+  bool has_derivatives() const override { return false; }
+  /// nan: differences must be taken.
+  Eigen::MatrixXd eigenvalue_derivatives(const Eigen::Ref<const Eigen::VectorXd>& parameters,
+                                         const ModeSet& modes) const override;
+  Eigen::MatrixXd shape_derivatives(const Eigen::Ref<const Eigen::VectorXd>& parameters, const ModeSet& modes,
+                                    int mode) const override;
+  double difference_step() const override { return runs_.command().difference_step; }
+  Eigen::Index batch_size() const override { return 8192; }  // each run is kept by itself
+
+  /// What a user should know: places whose formats are too coarse.
+  const std::vector<std::string>& notes() const { return notes_; }
+
+ private:
+  class Pool;
+  ExternalStructure run_at_means(const std::atomic<bool>* stop);
+  std::string observe(const ExtractedModes& found, const SolutionRequest& request, Solution& solution) const;
+
+  mutable SolverRuns runs_;
+  Eigen::VectorXd nominal_;
+  int least_ = 0;  // modes that a run must give
+  ExternalStructure structure_;
+  const std::atomic<bool>* stop_ = nullptr;
+  std::vector<std::string> notes_;
+  mutable std::atomic<std::int64_t> done_{0};
+  mutable std::atomic<std::int64_t> failed_{0};
+};
+
+}  // namespace mottle

@@ -1,0 +1,39 @@
+// Beams and their properties as the cards describe them; their matrices are in beam.hpp.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <string>
+#include <vector>
+
+#include "mottle/fem/card_field.hpp"
+#include "mottle/fem/elements/element_traits.hpp"
+
+namespace mottle {
+
+/// PBAR, PBEAM (constant section), PBARL and PBEAML (numbers follow from the dimensions).
+struct BeamProperty {
+  std::string card;  ///< "PBAR", "PBARL", ...
+  int id = 0;
+  int material = -1;
+  FieldIndex area = k_no_field, inertia_1 = k_no_field, inertia_2 = k_no_field, inertia_12 = k_no_field,
+             torsion = k_no_field, nonstructural_mass = k_no_field;
+  double shear_1 = 0.0, shear_2 = 0.0;  ///< K1, K2: shear area / area; 0: rigid in shear
+  std::string section;                  ///< "ROD", "BAR", "TUBE", ... of PBARL; empty: the numbers above are given
+  std::vector<FieldIndex> dimensions;   ///< DIM1...
+};
+
+/// CBAR, CBEAM.
+struct BeamElement {
+  std::string card;
+  int id = 0;
+  std::array<int, 2> nodes = {};
+  int property = -1;
+  Eigen::Vector3d orientation = Eigen::Vector3d::UnitZ();  ///< v, basic: plane 1 is spanned by the axis and v
+  std::array<Eigen::Vector3d, 2> offsets = {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};  ///< WA, WB, basic
+  std::array<Components, 2> pins = {};  ///< released components at ends A and B, in element axes
+
+  static const ElementTraits<BeamElement> k_traits;
+};
+
+}  // namespace mottle

@@ -1,0 +1,21 @@
+// Solid elements as their cards describe them; their matrices are in solid.hpp.
+#pragma once
+
+#include <array>
+
+#include "mottle/fem/elements/element_traits.hpp"
+#include "mottle/fem/elements/solid.hpp"
+
+namespace mottle {
+
+/// CHEXA, CPENTA, CTETRA with PSOLID.
+struct SolidElement {
+  int id = 0, property_id = 0;
+  SolidShape shape = SolidShape::hexahedron8;
+  std::array<int, 10> nodes = {};  ///< indices into nodes
+  int material = -1;               ///< index into materials
+
+  static const ElementTraits<SolidElement> k_traits;
+};
+
+}  // namespace mottle

@@ -1,0 +1,33 @@
+// Solves all samples of a batch of a small structure side by side in SIMD lanes.
+#pragma once
+
+#include "mottle/linalg/batched/batch_eigen.hpp"
+#include "mottle/model/solvers/solver.hpp"
+#include "mottle/model/structures/dense_structure.hpp"
+
+namespace mottle {
+
+class DenseSolver final : public Solver {
+ public:
+  explicit DenseSolver(DenseStructure structure);
+
+  const Structure& structure() const override { return structure_; }
+  /// All modes, however many are asked for.
+  ModeSet modes_at(const Eigen::Ref<const Eigen::VectorXd>& parameters, int modes) const override;
+  SolverUse solve(const Eigen::Ref<const Eigen::MatrixXd>& samples, const SolutionRequest& request,
+                  const RunContext& context, const Visitor& visit) const override;
+  Eigen::MatrixXd cosines(const ModeSet& reference, const ModeSet& modes) const override;
+  Eigen::MatrixXd eigenvalue_derivatives(const Eigen::Ref<const Eigen::VectorXd>& parameters,
+                                         const ModeSet& modes) const override;
+  Eigen::MatrixXd shape_derivatives(const Eigen::Ref<const Eigen::VectorXd>& parameters, const ModeSet& modes,
+                                    int mode) const override;
+  /// All: the damping ratios come from the whole damped eigenproblem.
+  int modes_for_damping(int modes) const override;
+  Eigen::Index batch_size() const override { return 8192; }
+
+ private:
+  DenseStructure structure_;
+  PencilFamily pencils_;
+};
+
+}  // namespace mottle

@@ -1,0 +1,83 @@
+// Solves clouds of a structure with sparse matrices by a certified reduced model, and exactly where that is not sure.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+#include "mottle/linalg/reduced/reduced_model.hpp"
+#include "mottle/model/solvers/exact_solver.hpp"
+
+namespace mottle {
+
+/// How clouds may be solved.
+struct ReductionSettings {
+  double frequency_error = 1e-4;  ///< that a sample may have, relative
+  Eigen::VectorXd nominal = {};   ///< where the reduced model begins [parameter]
+  Eigen::MatrixXd training = {};  ///< samples that the reduced model learns from [sample x parameter]
+  std::filesystem::path cache{};  ///< folder where trained models are kept; empty: nowhere. Changes no number
+};
+
+/// A reduced model that is trained when a cloud first needs it, for one number of modes at a time. It depends on the
+/// structure and the settings alone, never on a cloud. What at() gives lives until it is asked for another number of
+/// modes.
+class TrainedReducedModel {
+ public:
+  TrainedReducedModel(const SparseStructure& structure, ReductionSettings settings)
+      : structure_(structure), settings_(std::move(settings)) {}
+
+  const ReductionSettings& settings() const { return settings_; }
+  /// Null where the nominal model cannot be solved.
+  const ReducedModel* at(int modes, const RunContext& context);
+
+ private:
+  const SparseStructure& structure_;
+  ReductionSettings settings_;
+  std::mutex mutex_;  // of the next two
+  std::unique_ptr<ReducedModel> model_;
+  int modes_ = 0;
+};
+
+/// A cloud's samples by the reduced model where its error bounds are small enough, the others refined by steps with the
+/// nominal factor or solved exactly; a sample's numbers then depend on the batch that it is in. Single solutions and
+/// derivatives are exact.
+class ReducedSolver final : public Solver {
+ public:
+  ReducedSolver(std::unique_ptr<const ExactSolver> exact, ReductionSettings settings);
+
+  const Structure& structure() const override { return exact_->structure(); }
+  ModeSet modes_at(const Eigen::Ref<const Eigen::VectorXd>& parameters, int modes) const override {
+    return exact_->modes_at(parameters, modes);
+  }
+  SolverUse solve(const Eigen::Ref<const Eigen::MatrixXd>& samples, const SolutionRequest& request,
+                  const RunContext& context, const Visitor& visit) const override;
+  Eigen::MatrixXd cosines(const ModeSet& reference, const ModeSet& modes) const override {
+    return exact_->cosines(reference, modes);
+  }
+  Eigen::MatrixXd eigenvalue_derivatives(const Eigen::Ref<const Eigen::VectorXd>& parameters,
+                                         const ModeSet& modes) const override {
+    return exact_->eigenvalue_derivatives(parameters, modes);
+  }
+  Eigen::MatrixXd shape_derivatives(const Eigen::Ref<const Eigen::VectorXd>& parameters, const ModeSet& modes,
+                                    int mode) const override {
+    return exact_->shape_derivatives(parameters, modes, mode);
+  }
+  bool has_cheap_derivatives() const override { return false; }
+  double difference_step() const override { return k_coarse_difference_step; }
+  Eigen::Index batch_size() const override { return 2048; }
+
+ private:
+  class CloudSolution;
+
+  std::unique_ptr<const ExactSolver> exact_;
+  mutable TrainedReducedModel reduced_;  // a function of structure and settings
+};
+
+/// By a reduced model where settings are given, the structure is separable and large enough to gain by it; else
+/// exactly.
+std::unique_ptr<Solver> make_sparse_solver(std::unique_ptr<const SparseStructure> structure,
+                                           std::optional<ReductionSettings> settings);
+
+}  // namespace mottle

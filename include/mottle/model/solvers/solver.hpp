@@ -1,0 +1,80 @@
+// Where the modes of a structure and their derivatives come from.
+#pragma once
+
+#include <Eigen/Core>
+#include <functional>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "mottle/core/run_context.hpp"
+#include "mottle/dynamics/modes/mode_set.hpp"
+#include "mottle/model/model.hpp"
+#include "mottle/model/structures/structure.hpp"
+
+namespace mottle {
+
+/// What is wanted of the solution of every sample.
+struct SolutionRequest {
+  int modes = 0;                             ///< the lowest so many
+  ModeSet reference = {};                    ///< shapes to compare with; without shapes: no comparison
+  std::vector<int> degrees_of_freedom = {};  ///< where displacements are wanted
+  bool damping = false;                      ///< whether damping ratios are wanted
+
+  bool needs_shapes() const { return reference.shapes.cols() > 0 || !degrees_of_freedom.empty() || damping; }
+};
+
+/// The solution of one sample as far as it was asked for.
+struct Solution {
+  Eigen::VectorXd eigenvalues;     ///< ascending [mode]
+  Eigen::MatrixXd cosines;         ///< with the reference's shapes [reference mode x mode]
+  Eigen::MatrixXd displacements;   ///< [degree of freedom x mode]
+  Eigen::VectorXd damping_ratios;  ///< nan where a mode does not oscillate [mode]
+};
+
+/// The way in which one structure's equations are solved.
+class Solver {
+ public:
+  virtual ~Solver() = default;
+
+  virtual const Structure& structure() const = 0;
+
+  /// The lowest `modes` modes, ascending and mass-normalised, at one parameter vector; more where that costs nothing.
+  /// Eigenvalues are nan where the structure has no modes.
+  virtual ModeSet modes_at(const Eigen::Ref<const Eigen::VectorXd>& parameters, int modes) const = 0;
+
+  /// What is done with each sample; called once a sample, by several threads at once. A failure that is not empty says
+  /// why there is no solution.
+  using Visitor = std::function<void(Eigen::Index sample, const Solution& solution, const std::string& failure)>;
+
+  /// Solves each row of `samples` [sample x parameter].
+  ///
+  /// @return  how they were solved
+  virtual SolverUse solve(const Eigen::Ref<const Eigen::MatrixXd>& samples, const SolutionRequest& request,
+                          const RunContext& context, const Visitor& visit) const = 0;
+
+  /// Cosines between shapes of the reference and of a sample, [reference mode x mode], within [-1, 1]; squares are the
+  /// modal assurance criterion.
+  virtual Eigen::MatrixXd cosines(const ModeSet& reference, const ModeSet& modes) const = 0;
+
+  /// Whether derivatives are ever other than nan.
+  virtual bool has_derivatives() const { return true; }
+  /// d lambda / dx [mode x parameter]; nan for repeated eigenvalues. See eigenvalue_sensitivity().
+  virtual Eigen::MatrixXd eigenvalue_derivatives(const Eigen::Ref<const Eigen::VectorXd>& parameters,
+                                                 const ModeSet& modes) const = 0;
+  /// d phi / dx of one mode [equation x parameter]; nan for a repeated eigenvalue.
+  virtual Eigen::MatrixXd shape_derivatives(const Eigen::Ref<const Eigen::VectorXd>& parameters, const ModeSet& modes,
+                                            int mode) const = 0;
+
+  /// How many modes the damping ratios of the lowest `modes` rest on.
+  virtual int modes_for_damping(int modes) const { return modes; }
+
+  /// See DifferentiableModel::has_cheap_jacobian().
+  virtual bool has_cheap_derivatives() const { return true; }
+  /// See Model::difference_step().
+  virtual double difference_step() const { return k_usual_difference_step; }
+  /// Samples that are evaluated before they are written down.
+  virtual Eigen::Index batch_size() const = 0;
+};
+
+}  // namespace mottle

@@ -1,0 +1,93 @@
+// The model of a structure: a solver, and what of its solutions are outputs.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "mottle/dynamics/modes/mode_set.hpp"
+#include "mottle/model/model.hpp"
+#include "mottle/model/responses/modal_outputs.hpp"
+#include "mottle/model/solvers/solver.hpp"
+#include "mottle/model/structures/affine_matrices.hpp"
+
+namespace mottle {
+
+class Response;
+struct ModeMatch;
+
+/// Outputs of K(x), M(x), C(x). Modes have the numbers, and shapes the signs, of the reference's.
+class StructureModel final : public Model, public DifferentiableModel {
+ public:
+  /// @param reference  parameters at which mode numbers and signs are defined [parameter]
+  /// Throws InvalidInput: a mode number or degree of freedom that the structure does not have (says which it has),
+  /// a repeated one, no output at all, damping ratios of an undamped structure, a reference structure that is
+  /// unstable or has no modes.
+  StructureModel(std::unique_ptr<Solver> solver, ModalOutputs selection, const Eigen::VectorXd& reference);
+  /// The same of a small structure with full matrices.
+  StructureModel(AffineStructure structure, ModalOutputs selection, const Eigen::VectorXd& reference);
+  StructureModel(StructureModel&&) noexcept;
+  ~StructureModel() override;
+
+  Eigen::Index parameter_count() const override { return reference_parameters_.size(); }
+  const std::vector<Quantity>& outputs() const override { return outputs_; }
+  Evaluation evaluate(const Eigen::Ref<const Eigen::MatrixXd>& samples, const RunContext& context) const override;
+  Eigen::MatrixXd jacobian(const Eigen::Ref<const Eigen::VectorXd>& parameters) const override;
+
+  bool has_cheap_jacobian() const override { return solver_->has_cheap_derivatives(); }
+  Eigen::Index batch_size() const override { return solver_->batch_size(); }
+  double difference_step() const override { return solver_->difference_step(); }
+  /// Itself, where its solver has derivatives; else null.
+  const DifferentiableModel* derivatives() const { return solver_->has_derivatives() ? this : nullptr; }
+
+  /// The modes at other parameters as the reference numbers them.
+  struct FollowedModes {
+    ModeSet modes;            ///< column k is the reference's mode k + 1
+    std::vector<int> rank;    ///< by frequency among the modes there, counted from 0
+    std::vector<double> mac;  ///< with the reference's mode
+  };
+  /// Throws InvalidInput where a mode is lost.
+  FollowedModes follow(const Eigen::Ref<const Eigen::VectorXd>& parameters) const;
+
+  /// Whether a mode of the reference, counted from 0, is among the outputs.
+  bool is_output(int mode) const { return is_output_[static_cast<std::size_t>(mode)]; }
+  int highest_mode() const { return static_cast<int>(is_output_.size()); }
+  const ModalOutputs& selection() const { return selection_; }
+  /// Shapes of the reference at the degrees of freedom of the outputs [degree of freedom x mode 1..highest].
+  Eigen::MatrixXd reference_displacements() const;
+
+  const Solver& solver() const { return *solver_; }
+  const Structure& structure() const { return solver_->structure(); }
+  /// Modes at the reference parameters, by which mode numbers are defined.
+  const ModeSet& reference_modes() const { return reference_; }
+
+ private:
+  /// A response with its share of the outputs and of the request's degrees of freedom.
+  struct Part {
+    std::unique_ptr<Response> response;
+    Eigen::Index outputs = 0;
+    Eigen::Index degrees_of_freedom = 0;
+  };
+
+  void take(std::unique_ptr<Response> response);
+  void settle_request();
+  void solve_reference();
+  ModeMatch match_modes(Eigen::Index found, const Eigen::MatrixXd& cosines) const;
+  ModeMatch match_all(const ModeSet& modes) const;
+  ModeSet numbered_modes() const;
+  std::string fill_outputs(const Solution& solution, const ModeMatch& match,
+                           Eigen::Ref<Eigen::RowVectorXd, 0, Eigen::InnerStride<>> row) const;
+
+  std::unique_ptr<Solver> solver_;
+  ModalOutputs selection_;
+  std::vector<Part> responses_;
+  std::vector<Quantity> outputs_;
+  Eigen::VectorXd reference_parameters_;
+  ModeSet reference_;
+  double largest_eigenvalue_ = 0.0;  // of the reference
+  SolutionRequest request_;          // of all responses together
+  bool compares_ = false;            // whether modes are compared with the reference's
+  std::vector<bool> is_output_;      // by mode up to the highest; the others only keep the outputs' modes apart
+};
+
+}  // namespace mottle

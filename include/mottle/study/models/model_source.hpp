@@ -1,0 +1,91 @@
+// [model] of a study: what one kind of model needs, and what it offers to the jobs. A folder a kind in
+// src/study/models, a line a kind in src/study/models/registry.cpp.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "mottle/model/solvers/solver.hpp"
+#include "mottle/model/structures/affine_matrices.hpp"
+#include "mottle/model/structures/sparse_structure.hpp"
+#include "mottle/stats/distributions/joint_distribution.hpp"
+#include "mottle/study/run_settings.hpp"
+
+namespace mottle {
+
+struct UnitNames;
+
+/// A structure, as sparse matrices or with its solver, and what belongs to it.
+struct ModelParts {
+  std::unique_ptr<SparseStructure> sparse = nullptr;
+  std::unique_ptr<Solver> solver = nullptr;
+  Eigen::VectorXd reference = {};          ///< parameters at which modes are numbered
+  std::vector<PhysicalLimit> limits = {};  ///< [parameter]
+  std::vector<std::string> files = {};     ///< that it was read from
+  std::vector<std::string> notes = {};     ///< what a reader of the model should know
+};
+
+/// A number of the model that a parameter may stand for.
+struct ModelNumber {
+  std::string target;
+  std::string kind;  ///< numbers of one kind are of one size: "spring", "PELAS:K"
+  double value = 0.0;
+  bool is_usual = false;    ///< a candidate of a diagnosis by default
+  bool is_doubtful = true;  ///< errors in it are looked for behind a verdict
+};
+
+/// A file that [model] names.
+struct NamedFile {
+  std::string label;           ///< for messages: "model.file"
+  std::string key;             ///< its place in [model]: "file", "terms[0].mass"; empty: beside a file that is named
+  std::string place;           ///< resolved against the study's folder; may name a matrix behind a '#'
+  std::filesystem::path file;  ///< the same without
+};
+
+/// What [model] says, as one kind of model understands it: plain data and what it can be asked.
+class ModelSource {
+ public:
+  virtual ~ModelSource() = default;
+
+  /// Reads the model's files and makes its structure.
+  ///
+  /// @throws InvalidInput, FormatError  what the parameters name is not in the model, files that cannot be read
+  /// @throws SystemFailure  a program fails at the parameters' means
+  virtual ModelParts make(const std::vector<ParameterTargets>& parameters, const JointDistribution& prior,
+                          const RunSettings& settings) const = 0;
+
+  /// Relative error of frequencies that a reduced model may make; nothing: none may be used.
+  virtual std::optional<double> reduction_error() const { return std::nullopt; }
+
+  virtual std::vector<NamedFile> files() const { return {}; }
+  /// What it would run, by key: "model.program: ccx".
+  virtual std::vector<std::string> programs() const { return {}; }
+  /// Whether runs are kept in folders among the results.
+  virtual bool keeps_runs() const { return false; }
+
+  /// Whether parameters name what they act on; else they are places in the input of a program, by their names.
+  virtual bool has_targets() const { return true; }
+  /// A target as it is compared with others: in capitals where letters' case has no meaning.
+  virtual std::string target_key(const std::string& target) const { return target; }
+  /// Unit of what a parameter acts on: "spring:k1", "MAT1:2:E"; empty: not known.
+  virtual std::string target_unit(const std::string& target, const UnitNames& units) const = 0;
+
+  /// Whether numbers() are all that the model rests on.
+  virtual bool shows_numbers() const { return false; }
+  virtual std::vector<ModelNumber> numbers() const { return {}; }
+  /// The same with a number that is other than it says; `target` as target_key() gives it.
+  ///
+  /// @throws InvalidInput  this kind has no such numbers; an unknown target may be refused by make() only
+  virtual std::unique_ptr<ModelSource> with_number(const std::string& target, double value) const;
+
+  virtual bool gives_shapes() const { return true; }
+  /// Whether modes are tracked by MAC unless told otherwise.
+  virtual bool tracks_by_mac() const { return true; }
+  /// Where shapes could be measured; empty: not known.
+  virtual std::vector<std::string> places_of_shapes() const { return {}; }
+};
+
+}  // namespace mottle

@@ -1,0 +1,244 @@
+#include "mottle/drivers/command/external_solver.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <condition_variable>
+#include <exception>
+#include <limits>
+#include <system_error>
+#include <thread>
+
+#include "mottle/core/error.hpp"
+#include "mottle/core/text.hpp"
+#include "mottle/dynamics/modes/mac.hpp"
+
+namespace mottle {
+namespace {
+
+constexpr double k_not_known = std::numeric_limits<double>::quiet_NaN();
+
+[[noreturn]] void refuse(const SolverRuns::Run& run) {
+  const std::string said = run.last_words.empty() ? "" : fmt::format("; it said: {}", run.last_words);
+  const std::string kept = run.folder.empty() ? "" : fmt::format("; its files are in {}", run.folder.string());
+  throw ModelFailure(fmt::format("the solver's run failed: {}{}{}", run.record.failure, said, kept));
+}
+
+}  // namespace
+
+/// Hands samples to several threads, each of which runs one solver at a time; the thread that owns the pool tells
+/// progress and passes a stop request on.
+class ExternalSolver::Pool {
+ public:
+  Pool(Eigen::Index count, int parallel, std::function<void(Eigen::Index, const std::atomic<bool>&)> work)
+      : count_(count), work_(std::move(work)) {
+    const auto threads = std::min<Eigen::Index>(count, parallel);
+    try {
+      for (Eigen::Index t = 0; t < threads; ++t) threads_.emplace_back([this] { take_samples(); });
+    } catch (const std::system_error& error) {  // fewer at once, then
+      if (threads_.empty()) throw SystemFailure(fmt::format("no thread can be started: {}", error.code().message()));
+    }
+  }
+  ~Pool() { halt_ = true; }
+  Pool(const Pool&) = delete;
+  Pool& operator=(const Pool&) = delete;
+
+  /// Throws what a run threw, and Stopped.
+  void wait(const RunContext& context) {
+    using Clock = std::chrono::steady_clock;
+    Clock::time_point told = Clock::now();
+    std::unique_lock<std::mutex> lock(mutex_);
+    while (idle_ < threads_.size()) {
+      changed_.wait_for(lock, std::chrono::milliseconds(100));
+      if (context.stop_requested()) halt_ = true;
+      if (Clock::now() - told < std::chrono::seconds(1)) continue;
+      told = Clock::now();
+      context.progress("solver runs", done_, count_);
+    }
+    if (error_) std::rethrow_exception(error_);
+    context.throw_if_stopped();
+  }
+
+ private:
+  void take_samples() {
+    for (Eigen::Index sample = next_++; sample < count_ && !halt_; sample = next_++) {
+      try {
+        work_(sample, halt_);
+        const std::lock_guard<std::mutex> lock(mutex_);
+        ++done_;
+      } catch (...) {
+        const std::lock_guard<std::mutex> lock(mutex_);
+        if (!error_ && !halt_) error_ = std::current_exception();
+        halt_ = true;
+      }
+    }
+    const std::lock_guard<std::mutex> lock(mutex_);
+    ++idle_;
+    changed_.notify_all();
+  }
+
+  Eigen::Index count_;
+  std::function<void(Eigen::Index, const std::atomic<bool>&)> work_;
+  std::atomic<Eigen::Index> next_{0};
+  std::atomic<bool> halt_{false};
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::exception_ptr error_;
+  std::int64_t done_ = 0;
+  std::size_t idle_ = 0;
+  std::vector<std::jthread> threads_;  // last: they end before what they use
+};
+
+ExternalStructure::ExternalStructure(Eigen::Index parameters, ExtractedModes nominal, std::string description)
+    : parameters_(parameters), nominal_(std::move(nominal)), description_(std::move(description)) {
+  for (std::size_t row = 0; row < nominal_.degree_of_freedom_names.size(); ++row) {
+    rows_[nominal_.degree_of_freedom_names[row]] = static_cast<int>(row);
+  }
+}
+
+int ExternalStructure::find_degree_of_freedom(const std::string& name) const {
+  const auto found = rows_.find(name);
+  return found == rows_.end() ? -1 : found->second;
+}
+
+std::string ExternalStructure::unknown_degree_of_freedom(const std::string& name) const {
+  constexpr std::size_t k_listed = 12;
+  if (rows_.empty()) return "the model gives no shapes; say in its rule for shapes where a run leaves them";
+  std::vector<std::string> known = nominal_.degree_of_freedom_names;
+  if (known.size() > k_listed) {
+    known.resize(k_listed);
+    known.emplace_back("...");
+  }
+  if (name.empty()) return fmt::format("none is named, known: {}", join(known));
+  return unknown_name_message("degree of freedom", name, known);
+}
+
+Eigen::MatrixXd ExternalStructure::displacements(const Eigen::Ref<const Eigen::MatrixXd>& shapes,
+                                                 const std::vector<int>& degrees_of_freedom) const {
+  return shapes(degrees_of_freedom, Eigen::all);
+}
+
+double ExternalStructure::total_mass(const Eigen::Ref<const Eigen::VectorXd>&) const {
+  return k_not_known;
+}
+
+std::vector<std::string> ExternalStructure::description(const Eigen::Ref<const Eigen::VectorXd>&) const {
+  std::vector<std::string> lines{description_};
+  if (!rows_.empty()) lines.push_back(fmt::format("shapes: {} degrees of freedom", rows_.size()));
+  return lines;
+}
+
+ExternalSolver::ExternalSolver(SolverCommand command, const std::vector<std::string>& names,
+                               const Eigen::VectorXd& nominal, const Eigen::VectorXd& deviations,
+                               const SolverPlace& place, const std::atomic<bool>* stop)
+    : runs_(std::move(command), names, place),
+      nominal_(nominal),
+      least_(runs_.command().frequencies.modes),
+      structure_(run_at_means(stop)),
+      stop_(stop) {
+  for (const std::string& spot : runs_.coarse_places(nominal, difference_step() * deviations)) {
+    notes_.push_back(
+        fmt::format("{} has too few digits for differences by {} of a prior deviation: derivatives will be "
+                    "poor; give it more",
+                    spot, difference_step()));
+  }
+}
+
+/// The structure as the run at the means shows it, which also settles how many modes a run must give.
+ExternalStructure ExternalSolver::run_at_means(const std::atomic<bool>* stop) {
+  SolverRuns::Run run = runs_.run(nominal_, std::max(1, least_), stop);
+  if (!run.record.failure.empty()) refuse(run);
+  ExtractedModes modes = std::move(run.record.modes);
+  if (least_ == 0) {
+    least_ = static_cast<int>(modes.eigenvalues.size());
+    runs_.keep_as(nominal_, least_, {.failure = {}, .modes = modes});
+  }
+  std::string description = fmt::format("model: by command '{}', {} modes a run, {} at once, total mass not known",
+                                        runs_.command_text(), least_, runs_.command().parallel);
+  return {nominal_.size(), std::move(modes), std::move(description)};
+}
+
+ModeSet ExternalSolver::modes_at(const Eigen::Ref<const Eigen::VectorXd>& parameters, int /*modes*/) const {
+  if (parameters == nominal_) {
+    return {structure_.nominal().eigenvalues, structure_.nominal().shapes};
+  }
+  SolverRuns::Run run = runs_.run(parameters, least_, stop_);
+  if (!run.record.failure.empty()) refuse(run);
+  return {std::move(run.record.modes.eigenvalues), std::move(run.record.modes.shapes)};
+}
+
+std::string ExternalSolver::observe(const ExtractedModes& found, const SolutionRequest& request,
+                                    Solution& solution) const {
+  solution.eigenvalues = found.eigenvalues;
+  if (!request.needs_shapes()) return {};
+  if (found.degree_of_freedom_names != structure_.nominal().degree_of_freedom_names) {
+    return "its shapes have other degrees of freedom than those at the parameters' means";
+  }
+  const ModeSet modes{found.eigenvalues, found.shapes};
+  if (request.reference.shapes.cols() > 0) solution.cosines = cosines(request.reference, modes);
+  solution.displacements = structure_.displacements(found.shapes, request.degrees_of_freedom);
+  return {};
+}
+
+namespace {
+
+/// Throws where so many failed that chance cannot be why, or, at the end of a batch, too many at all.
+void require_few_failures(std::int64_t done, std::int64_t failed, double largest_part, bool is_end,
+                          const std::string& last) {
+  constexpr std::int64_t k_fewest = 20;
+  const auto runs = static_cast<double>(done);
+  const double slack = is_end ? 0.0 : 3.0 * std::sqrt(largest_part * (1.0 - largest_part) * runs);
+  if (done < k_fewest || static_cast<double>(failed) <= largest_part * runs + slack) return;
+  throw SystemFailure(
+      fmt::format("{} of {} solver runs failed, at most {:.0f} % may (largest_failed_part); folders "
+                  "of failed runs are in failed-runs; the last: {}",
+                  failed, done, 100.0 * largest_part, last));
+}
+
+}  // namespace
+
+SolverUse ExternalSolver::solve(const Eigen::Ref<const Eigen::MatrixXd>& samples, const SolutionRequest& request,
+                                const RunContext& context, const Visitor& visit) const {
+  const double part = runs_.command().largest_failed_part;
+  std::atomic<std::int64_t> reused{0};
+  std::mutex mutex;
+  std::string last_failure;
+  const auto work = [&](Eigen::Index s, const std::atomic<bool>& halt) {
+    Solution solution;
+    if (!samples.row(s).allFinite()) return visit(s, solution, "a parameter is not finite");
+    SolverRuns::Run run;
+    try {
+      run = runs_.run(samples.row(s).transpose(), least_, &halt);
+    } catch (const FormatError& error) {  // a value that does not fit into its place
+      run.record.failure = error.what();
+    }
+    std::string failure = run.record.failure;
+    if (failure.empty()) failure = observe(run.record.modes, request, solution);
+    visit(s, solution, failure);
+    if (run.is_reused) ++reused;
+    const std::int64_t done = ++done_;
+    if (failure.empty()) return;
+    const std::int64_t failed = ++failed_;
+    const std::lock_guard<std::mutex> lock(mutex);
+    last_failure = failure;
+    require_few_failures(done, failed, part, false, failure);
+  };
+  Pool(samples.rows(), runs_.command().parallel, work).wait(context);
+  if (!last_failure.empty()) require_few_failures(done_, failed_, part, true, last_failure);
+  return {.runs = samples.rows(), .repeated = reused};
+}
+
+Eigen::MatrixXd ExternalSolver::cosines(const ModeSet& reference, const ModeSet& modes) const {
+  return shape_cosines(reference.shapes, modes.shapes);
+}
+
+Eigen::MatrixXd ExternalSolver::eigenvalue_derivatives(const Eigen::Ref<const Eigen::VectorXd>&,
+                                                       const ModeSet& modes) const {
+  return Eigen::MatrixXd::Constant(modes.eigenvalues.size(), nominal_.size(), k_not_known);
+}
+
+Eigen::MatrixXd ExternalSolver::shape_derivatives(const Eigen::Ref<const Eigen::VectorXd>&, const ModeSet& modes,
+                                                  int) const {
+  return Eigen::MatrixXd::Constant(modes.shapes.rows(), nominal_.size(), k_not_known);
+}
+
+}  // namespace mottle

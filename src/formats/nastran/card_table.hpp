@@ -1,0 +1,37 @@
+// The table of cards: every family that a deck may hold. A family is added by declaring it and by naming it here.
+#pragma once
+
+#include <vector>
+
+#include "formats/nastran/builder.hpp"
+
+namespace mottle::nastran {
+
+/// Cards that one source reads.
+struct CardFamily {
+  std::string_view names;  ///< of what a deck's author would look for, as messages give them; may be empty
+  std::span<const CardRule> rules;
+};
+
+CardFamily point_cards();
+CardFamily coordinate_cards();
+CardFamily solid_cards();
+CardFamily shell_cards();
+CardFamily beam_cards();
+CardFamily beam_property_cards();
+CardFamily rod_cards();
+CardFamily bush_cards();
+CardFamily scalar_cards();
+CardFamily point_mass_cards();
+CardFamily rigid_cards();
+CardFamily constraint_cards();
+CardFamily material_cards();
+CardFamily settings_cards();
+
+inline std::vector<CardFamily> card_families() {
+  return {point_cards(),         coordinate_cards(), solid_cards(),    shell_cards(),   beam_cards(),
+          beam_property_cards(), rod_cards(),        bush_cards(),     scalar_cards(),  point_mass_cards(),
+          rigid_cards(),         constraint_cards(), material_cards(), settings_cards()};
+}
+
+}  // namespace mottle::nastran

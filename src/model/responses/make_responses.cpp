@@ -1,0 +1,42 @@
+// Every kind of response, in the order of the outputs.
+#include <set>
+
+#include "model/responses/damping_ratios.hpp"
+#include "model/responses/mode_shapes.hpp"
+#include "model/responses/natural_frequencies.hpp"
+#include "mottle/core/subject.hpp"
+
+namespace mottle {
+namespace {
+
+void require_modes(const std::vector<int>& modes, const Subject& subject, Eigen::Index available) {
+  std::set<int> seen;
+  for (const int mode : modes) {
+    require_of(mode >= 1 && mode <= available, subject, "mode {} is not there, the model has modes 1 to {}", mode,
+               available);
+    require_of(seen.insert(mode).second, subject, "mode {} stands twice", mode);
+  }
+}
+
+}  // namespace
+
+std::vector<std::unique_ptr<Response>> make_responses(const ModalOutputs& selection, const Structure& structure) {
+  const Eigen::Index available = structure.mode_count();
+  require_modes(selection.frequencies, {Subject::Kind::frequencies}, available);
+  require_modes(selection.shape_modes, {Subject::Kind::shape_modes}, available);
+  require_modes(selection.damping, {Subject::Kind::damping}, available);
+  require_of(!selection.frequencies.empty() || !selection.shape_modes.empty() || !selection.damping.empty(),
+             {Subject::Kind::outputs}, "none is named; give for example frequencies = [1, 2]");
+  std::vector<std::unique_ptr<Response>> responses;
+  if (!selection.frequencies.empty()) {
+    responses.push_back(std::make_unique<NaturalFrequencies>(selection.frequencies, selection.frequency_unit));
+  }
+  if (!selection.shape_modes.empty() || !selection.shape_degrees_of_freedom.empty()) {
+    responses.push_back(std::make_unique<ModeShapes>(selection.shape_modes, selection.shape_degrees_of_freedom,
+                                                     selection.shape_unit, structure));
+  }
+  if (!selection.damping.empty()) responses.push_back(std::make_unique<DampingRatios>(selection.damping, structure));
+  return responses;
+}
+
+}  // namespace mottle

@@ -1,0 +1,64 @@
+#include "model/responses/mode_shapes.hpp"
+
+#include <algorithm>
+
+#include "mottle/core/subject.hpp"
+
+namespace mottle {
+namespace {
+
+/// Whether a degree of freedom, by the names that all formats have in common, is a rotation: "101:+RX".
+bool is_rotation(const std::string& degree_of_freedom) {
+  const std::size_t colon = degree_of_freedom.rfind(':');
+  return colon != std::string::npos && degree_of_freedom.size() == colon + 4 && degree_of_freedom[colon + 2] == 'R';
+}
+
+}  // namespace
+
+ModeShapes::ModeShapes(std::vector<int> modes, std::vector<std::string> degrees_of_freedom, std::string unit,
+                       const Structure& structure)
+    : modes_(std::move(modes)), names_(std::move(degrees_of_freedom)), unit_(std::move(unit)) {
+  const Subject places{Subject::Kind::shape_places};
+  for (const std::string& name : names_) {
+    const int number = structure.find_degree_of_freedom(name);
+    if (number < 0) throw SubjectError(places, structure.unknown_degree_of_freedom(name));
+    require_of(std::find(degrees_of_freedom_.begin(), degrees_of_freedom_.end(), number) == degrees_of_freedom_.end(),
+               places, "'{}' stands twice", name);
+    degrees_of_freedom_.push_back(number);
+  }
+  require_of(!names_.empty(), places, "{}", structure.unknown_degree_of_freedom(""));
+}
+
+std::vector<Quantity> ModeShapes::quantities() const {
+  std::vector<Quantity> quantities;
+  for (const int mode : modes_) {
+    for (const std::string& name : names_) {
+      const QuantityKind kind = is_rotation(name) ? QuantityKind::rotation : QuantityKind::displacement;
+      quantities.push_back(shape_component(mode, name, kind, unit_));
+    }
+  }
+  return quantities;
+}
+
+std::string ModeShapes::fill(const NumberedSolution& solution, Row row) const {
+  Eigen::Index k = 0;
+  for (const int mode : modes_) {
+    for (Eigen::Index d = 0; d < solution.degrees_of_freedom(); ++d) row(k++) = solution.displacement(mode, d);
+  }
+  return {};
+}
+
+Eigen::MatrixXd ModeShapes::derivatives(const SolvedPoint& point) const {
+  const auto rows = static_cast<Eigen::Index>(degrees_of_freedom_.size());
+  Eigen::MatrixXd derivatives(rows * static_cast<Eigen::Index>(modes_.size()), point.parameters.size());
+  Eigen::Index first = 0;
+  for (const int mode : modes_) {
+    const Eigen::MatrixXd shape = point.solver.shape_derivatives(point.parameters, point.modes, point.column(mode));
+    derivatives.middleRows(first, rows) = point.match.sign[static_cast<std::size_t>(mode - 1)] *
+                                          point.solver.structure().displacements(shape, degrees_of_freedom_);
+    first += rows;
+  }
+  return derivatives;
+}
+
+}  // namespace mottle

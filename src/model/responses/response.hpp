@@ -1,0 +1,91 @@
+// What of a structure's solution are outputs: one class a kind of quantity.
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "mottle/model/quantity.hpp"
+#include "mottle/model/responses/modal_outputs.hpp"
+#include "mottle/model/solvers/solver.hpp"
+
+namespace mottle {
+
+/// Which mode of a sample is which mode of the reference, and how its shape is turned.
+struct ModeMatch {
+  std::vector<int> column;   ///< by the reference's mode, counted from 0
+  std::vector<double> sign;  ///< the same, of its shape against the reference's
+  std::string failure = {};  ///< not empty: a mode is lost, and why
+  std::string note = {};     ///< modes that crossed or mixed
+};
+
+/// What a response needs of the solution of every sample.
+struct ResponseNeeds {
+  std::vector<int> modes = {};               ///< numbers from 1
+  std::vector<int> degrees_of_freedom = {};  ///< where it needs displacements
+  bool shapes = false;                       ///< whether modes must be compared with the reference's shapes
+  bool damping = false;                      ///< whether it needs damping ratios
+};
+
+/// The solution of one sample by the numbers and signs of the reference's modes.
+class NumberedSolution {
+ public:
+  /// @param first, count   rows of the solution's displacements that are the response's
+  /// @param largest        of the reference's eigenvalues
+  NumberedSolution(const Solution& solution, const ModeMatch& match, Eigen::Index first, Eigen::Index count,
+                   double largest)
+      : solution_(solution), match_(match), first_(first), count_(count), largest_(largest) {}
+
+  /// Natural frequency in 1 / (time unit of the matrices); nan where the eigenvalue is negative.
+  double frequency(int mode) const { return natural_frequency_hz(solution_.eigenvalues(column(mode)), largest_); }
+  double damping_ratio(int mode) const { return solution_.damping_ratios(column(mode)); }
+  /// Of the mass-normalised shape, at one of the response's degrees of freedom.
+  double displacement(int mode, Eigen::Index k) const {
+    return match_.sign[static_cast<std::size_t>(mode - 1)] * solution_.displacements(first_ + k, column(mode));
+  }
+  Eigen::Index degrees_of_freedom() const { return count_; }
+
+ private:
+  int column(int mode) const { return match_.column[static_cast<std::size_t>(mode - 1)]; }
+
+  const Solution& solution_;
+  const ModeMatch& match_;
+  Eigen::Index first_, count_;
+  double largest_;
+};
+
+/// One point of the parameters with its modes, where derivatives are taken.
+struct SolvedPoint {
+  const Solver& solver;
+  const Eigen::VectorXd& parameters;
+  const ModeSet& modes;
+  const ModeMatch& match;
+  const Eigen::MatrixXd& eigenvalue_derivatives;  ///< [mode as found x parameter]
+
+  int column(int mode) const { return match.column[static_cast<std::size_t>(mode - 1)]; }
+};
+
+/// One kind of outputs.
+class Response {
+ public:
+  using Row = Eigen::Ref<Eigen::RowVectorXd, 0, Eigen::InnerStride<>>;
+
+  virtual ~Response() = default;
+
+  virtual std::vector<Quantity> quantities() const = 0;
+  virtual ResponseNeeds needs() const = 0;
+  /// Fills `row` [quantity] from the solution of one sample.
+  ///
+  /// @return  why the sample has failed; empty: it has not
+  virtual std::string fill(const NumberedSolution& solution, Row row) const = 0;
+  /// [quantity x parameter]; nan where no analytic derivative is to be had.
+  virtual Eigen::MatrixXd derivatives(const SolvedPoint& point) const = 0;
+};
+
+/// The responses that give the selected outputs, in the outputs' order.
+///
+/// @throws InvalidInput  an output that the structure does not have (says which it has), a repeated one, none at all
+std::vector<std::unique_ptr<Response>> make_responses(const ModalOutputs& selection, const Structure& structure);
+
+}  // namespace mottle

@@ -1,0 +1,100 @@
+#include "mottle/model/solvers/dense_solver.hpp"
+
+#include "mottle/core/parallel.hpp"
+#include "mottle/dynamics/modes/damping.hpp"
+#include "mottle/dynamics/modes/mac.hpp"
+#include "mottle/dynamics/modes/sensitivity.hpp"
+#include "mottle/linalg/batched/dense_modes.hpp"
+
+namespace mottle {
+namespace {
+
+PencilFamily make_pencils(const AffineStructure& structure) {
+  PencilFamily family;
+  family.stiffness_constant = structure.stiffness.constant;
+  family.mass_constant = structure.mass.constant;
+  for (const auto& term : structure.stiffness.terms) family.stiffness_terms.push_back(term.matrix);
+  for (const auto& term : structure.mass.terms) family.mass_terms.push_back(term.matrix);
+  return family;
+}
+
+/// Coefficients of the terms for each sample [term x sample].
+Eigen::MatrixXd coefficients(const AffineMatrix& matrix, const Eigen::Ref<const Eigen::MatrixXd>& samples) {
+  Eigen::MatrixXd result(static_cast<Eigen::Index>(matrix.terms.size()), samples.rows());
+  for (Eigen::Index t = 0; t < result.rows(); ++t) {
+    result.row(t) = samples.col(matrix.terms[static_cast<std::size_t>(t)].parameter).transpose();
+  }
+  return result;
+}
+
+}  // namespace
+
+DenseSolver::DenseSolver(DenseStructure structure)
+    : structure_(std::move(structure)), pencils_(make_pencils(structure_.matrices())) {}
+
+ModeSet DenseSolver::modes_at(const Eigen::Ref<const Eigen::VectorXd>& parameters, int /*modes*/) const {
+  const AffineStructure& matrices = structure_.matrices();
+  const auto solved = solve_modes(matrices.stiffness.at(parameters), matrices.mass.at(parameters), 0);
+  return {solved.values, solved.vectors};
+}
+
+SolverUse DenseSolver::solve(const Eigen::Ref<const Eigen::MatrixXd>& samples, const SolutionRequest& request,
+                             const RunContext& context, const Visitor& visit) const {
+  const BatchModes batch =
+      solve_batch(pencils_, coefficients(structure_.matrices().stiffness, samples),
+                  coefficients(structure_.matrices().mass, samples),
+                  {.modes = request.modes, .vectors = request.needs_shapes(), .threads = context.threads});
+  constexpr std::int64_t k_grain = 256;
+  parallel_for(samples.rows(), k_grain, context.threads, [&](std::int64_t begin, std::int64_t end) {
+    for (Eigen::Index s = begin; s < end; ++s) {
+      Solution solution{batch.values.col(s), {}, {}, {}};
+      if (!solution.eigenvalues.allFinite()) {
+        visit(s, solution,
+              "the eigenproblem has no solution: the mass matrix is not positive definite or a value is not finite");
+        continue;
+      }
+      if (request.needs_shapes()) {
+        const ModeSet found{batch.values.col(s), batch.sample_vectors(s)};
+        if (request.reference.shapes.cols() > 0) solution.cosines = cosines(request.reference, found);
+        solution.displacements = structure_.displacements(found.shapes, request.degrees_of_freedom);
+        if (request.damping) {
+          const Eigen::VectorXd parameters = samples.row(s).transpose();
+          solution.damping_ratios = modal_damping_ratios(found, structure_.matrices().damping.at(parameters));
+        }
+      }
+      visit(s, solution, {});
+    }
+  });
+  return {};
+}
+
+Eigen::MatrixXd DenseSolver::cosines(const ModeSet& reference, const ModeSet& modes) const {
+  return shape_cosines(reference.shapes, modes.shapes);
+}
+
+Eigen::MatrixXd DenseSolver::eigenvalue_derivatives(const Eigen::Ref<const Eigen::VectorXd>&,
+                                                    const ModeSet& modes) const {
+  Eigen::MatrixXd derivatives(modes.eigenvalues.size(), structure_.parameter_count());
+  for (Eigen::Index i = 0; i < structure_.parameter_count(); ++i) {
+    derivatives.col(i) = eigenvalue_sensitivity(modes, structure_.matrices().stiffness.derivative(i),
+                                                structure_.matrices().mass.derivative(i));
+  }
+  return derivatives;
+}
+
+Eigen::MatrixXd DenseSolver::shape_derivatives(const Eigen::Ref<const Eigen::VectorXd>&, const ModeSet& modes,
+                                               int mode) const {
+  Eigen::MatrixXd derivatives(modes.shapes.rows(), structure_.parameter_count());
+  for (Eigen::Index i = 0; i < structure_.parameter_count(); ++i) {
+    derivatives.col(i) = shape_sensitivity(modes, structure_.matrices().stiffness.derivative(i),
+                                           structure_.matrices().mass.derivative(i))
+                             .col(mode);
+  }
+  return derivatives;
+}
+
+int DenseSolver::modes_for_damping(int /*modes*/) const {
+  return static_cast<int>(structure_.mode_count());
+}
+
+}  // namespace mottle

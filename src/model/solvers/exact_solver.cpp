@@ -1,0 +1,152 @@
+#include "mottle/model/solvers/exact_solver.hpp"
+
+#include <algorithm>
+#include <ctime>
+#include <limits>
+#include <numeric>
+
+#include "mottle/core/parallel.hpp"
+#include "mottle/core/subject.hpp"
+#include "mottle/dynamics/modes/sensitivity.hpp"
+
+namespace mottle {
+
+SparseStructure::Matrices MatrixDerivatives::at(const SparseStructure& structure,
+                                                const Eigen::Ref<const Eigen::VectorXd>& parameters,
+                                                Eigen::Index parameter) {
+  if (structure.terms_hold_at(parameters, parameter)) return structure.derivative_at(parameters, parameter);
+  {
+    const std::lock_guard lock(mutex_);
+    if (point_.size() != parameters.size() || point_ != parameters) {
+      point_ = parameters;
+      known_.clear();
+    }
+    const auto known = known_.find(parameter);
+    if (known != known_.end()) return known->second;
+  }
+  SparseStructure::Matrices result = structure.derivative_at(parameters, parameter);
+  const std::lock_guard lock(mutex_);
+  if (point_.size() == parameters.size() && point_ == parameters) known_[parameter] = result;
+  return result;
+}
+
+SparseModes SparseModeSolverPool::solve(const SparseStructure::Matrices& matrices, const SparseModesOptions& options) {
+  std::unique_ptr<SparseModeSolver> solver;
+  {
+    const std::lock_guard lock(mutex_);
+    if (!idle_.empty()) {
+      solver = std::move(idle_.back());
+      idle_.pop_back();
+    }
+  }
+  if (!solver) solver = std::make_unique<SparseModeSolver>();
+  SparseModes modes = solver->solve(matrices.stiffness, matrices.mass, options);
+  const std::lock_guard lock(mutex_);
+  idle_.push_back(std::move(solver));
+  return modes;
+}
+
+ExactSolver::ExactSolver(std::unique_ptr<const SparseStructure> structure)
+    : structure_(std::move(structure)), reference_mass_(structure_->matrices_at(structure_->reference()).mass) {}
+
+SparseModes ExactSolver::solve_one(const Eigen::Ref<const Eigen::VectorXd>& parameters,
+                                   const SparseModesOptions& options) const {
+  return pool_.solve(structure_->matrices_at(parameters), options);
+}
+
+std::string ExactSolver::failure_text(const SparseModes& modes) const {
+  if (modes.failed_row < 0) return modes.failure;
+  return fmt::format("{} (first seen at {})", modes.failure, structure_->equation_name(modes.failed_row));
+}
+
+Solution ExactSolver::observe(const Eigen::VectorXd& values, const Eigen::MatrixXd& vectors,
+                              const SolutionRequest& request) const {
+  Solution solution{values, {}, {}, {}};
+  solution.displacements = structure_->displacements(vectors, request.degrees_of_freedom);
+  if (request.reference.shapes.cols() > 0) solution.cosines = cosines(request.reference, {values, vectors});
+  return solution;
+}
+
+SolverUse ExactSolver::solve(const Eigen::Ref<const Eigen::MatrixXd>& samples, const SolutionRequest& request,
+                             const RunContext& context, const Visitor& visit) const {
+  std::vector<Eigen::Index> rows(static_cast<std::size_t>(samples.rows()));
+  std::iota(rows.begin(), rows.end(), Eigen::Index{0});
+  const std::clock_t begin = std::clock();
+  solve_rows(samples, rows, request, context, visit);
+  SolverUse use;
+  use.exact = samples.rows();
+  const double seconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
+  if (!rows.empty()) use.exact_seconds = seconds / static_cast<double>(rows.size());
+  return use;
+}
+
+void ExactSolver::solve_rows(const Eigen::Ref<const Eigen::MatrixXd>& samples, const std::vector<Eigen::Index>& rows,
+                             const SolutionRequest& request, const RunContext& context, const Visitor& visit) const {
+  parallel_for(static_cast<std::int64_t>(rows.size()), 1, context.threads, [&](std::int64_t begin, std::int64_t end) {
+    for (Eigen::Index i = begin; i < end; ++i) {
+      context.throw_if_stopped();
+      const Eigen::Index s = rows[static_cast<std::size_t>(i)];
+      const Eigen::VectorXd parameters = samples.row(s).transpose();
+      Solution solution{Eigen::VectorXd::Constant(request.modes, std::numeric_limits<double>::quiet_NaN()), {}, {}, {}};
+      std::string failure;
+      try {
+        SparseModes solved;
+        if (parameters.allFinite()) solved = solve_one(parameters, {.modes = request.modes, .measures = false});
+        failure = failure_text(solved);
+        if (failure.empty() && solved.values.size() > 0) solution = observe(solved.values, solved.vectors, request);
+      } catch (const InvalidInput& error) {
+        failure = error.what();  // a geometry that this sample's parameters make impossible
+      }
+      visit(s, solution, failure);
+    }
+  });
+}
+
+ModeSet ExactSolver::modes_at(const Eigen::Ref<const Eigen::VectorXd>& parameters, int modes) const {
+  SparseModes found = solve_one(parameters, {.modes = modes, .counts_below = true});
+  require_of(found.failure.empty(), {Subject::Kind::model}, "it cannot be solved at the parameters' means: {}",
+             failure_text(found));
+  if (!found.is_complete()) {
+    throw ModelFailure(
+        fmt::format("the solver found {} modes below {:.6g} (rad/s)^2 where the inertia of K - s M counts {}",
+                    found.values.size(), found.counted_at, found.counted_below));
+  }
+  return {found.values, found.vectors};
+}
+
+Eigen::MatrixXd ExactSolver::cosines(const ModeSet& reference, const ModeSet& modes) const {
+  const Eigen::MatrixXd weighed = symmetric_product(reference_mass_, modes.shapes);
+  const Eigen::RowVectorXd squares = modes.shapes.cwiseProduct(weighed).colwise().sum();
+  return cosines_from(reference.shapes.transpose() * weighed, squares);
+}
+
+Eigen::MatrixXd cosines_from(const Eigen::MatrixXd& products, const Eigen::RowVectorXd& squares) {
+  return (products * squares.cwiseSqrt().cwiseInverse().asDiagonal()).cwiseMax(-1.0).cwiseMin(1.0);
+}
+
+Eigen::MatrixXd ExactSolver::eigenvalue_derivatives(const Eigen::Ref<const Eigen::VectorXd>& parameters,
+                                                    const ModeSet& modes) const {
+  Eigen::MatrixXd derivatives(modes.eigenvalues.size(), structure_->parameter_count());
+  for (Eigen::Index i = 0; i < structure_->parameter_count(); ++i) {
+    const SparseStructure::Matrices d = derivatives_.at(*structure_, parameters, i);
+    derivatives.col(i) = eigenvalue_sensitivity_from_products(modes, symmetric_product(d.stiffness, modes.shapes),
+                                                              symmetric_product(d.mass, modes.shapes));
+  }
+  return derivatives;
+}
+
+Eigen::MatrixXd ExactSolver::shape_derivatives(const Eigen::Ref<const Eigen::VectorXd>& parameters,
+                                               const ModeSet& modes, int mode) const {
+  const SparseStructure::Matrices at = structure_->matrices_at(parameters);
+  const auto shape = modes.shapes.col(mode);
+  Eigen::MatrixXd elastic(shape.size(), structure_->parameter_count());
+  Eigen::MatrixXd inertial(shape.size(), structure_->parameter_count());
+  for (Eigen::Index i = 0; i < structure_->parameter_count(); ++i) {
+    const SparseStructure::Matrices d = derivatives_.at(*structure_, parameters, i);
+    elastic.col(i) = symmetric_product(d.stiffness, shape);
+    inertial.col(i) = symmetric_product(d.mass, shape);
+  }
+  return nelson_shape_sensitivity(at.stiffness, at.mass, modes, mode, elastic, inertial);
+}
+
+}  // namespace mottle

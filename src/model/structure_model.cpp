@@ -1,0 +1,195 @@
+#include "mottle/model/structure_model.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <limits>
+
+#include "model/responses/response.hpp"
+#include "mottle/core/subject.hpp"
+#include "mottle/core/text.hpp"
+#include "mottle/dynamics/modes/tracking.hpp"
+#include "mottle/model/solvers/dense_solver.hpp"
+
+namespace mottle {
+namespace {
+
+constexpr int k_guard_modes = 4;  // tracking must see a mode that left the band of wanted ones
+
+/// "modes 7 and 8 crossed; modes 19, 20 mixed", of those that are outputs.
+std::string tracking_note(const TrackedModes& tracked, const std::vector<bool>& is_output) {
+  std::vector<std::string> parts;
+  for (const auto& [i, j] : tracked.crossed) {
+    if (!is_output[static_cast<std::size_t>(i)] && !is_output[static_cast<std::size_t>(j)]) continue;
+    parts.push_back(fmt::format("modes {} and {} crossed", i + 1, j + 1));
+  }
+  for (const std::vector<int>& group : tracked.mixed) {
+    std::vector<std::string> names;
+    for (const int mode : group) names.push_back(fmt::format("{}", mode + 1));
+    parts.push_back(fmt::format("modes {} mixed", join(names)));
+  }
+  return join(parts, "; ");
+}
+
+}  // namespace
+
+StructureModel::StructureModel(AffineStructure structure, ModalOutputs selection, const Eigen::VectorXd& reference)
+    : StructureModel(std::make_unique<DenseSolver>(DenseStructure(std::move(structure), reference.size())),
+                     std::move(selection), reference) {}
+
+StructureModel::StructureModel(std::unique_ptr<Solver> solver, ModalOutputs selection, const Eigen::VectorXd& reference)
+    : solver_(std::move(solver)), selection_(std::move(selection)), reference_parameters_(reference) {
+  for (auto& response : make_responses(selection_, solver_->structure())) take(std::move(response));
+  settle_request();
+  solve_reference();
+  if (compares_) request_.reference = numbered_modes();
+}
+
+StructureModel::StructureModel(StructureModel&&) noexcept = default;
+StructureModel::~StructureModel() = default;
+
+/// Its outputs and what it needs go behind those of the responses before it.
+void StructureModel::take(std::unique_ptr<Response> response) {
+  std::vector<Quantity> quantities = response->quantities();
+  const ResponseNeeds needs = response->needs();
+  for (const int mode : needs.modes) {
+    is_output_.resize(std::max(is_output_.size(), static_cast<std::size_t>(mode)));
+    is_output_[static_cast<std::size_t>(mode - 1)] = true;
+  }
+  std::vector<int>& places = request_.degrees_of_freedom;
+  places.insert(places.end(), needs.degrees_of_freedom.begin(), needs.degrees_of_freedom.end());
+  request_.damping = request_.damping || needs.damping;
+  compares_ = compares_ || needs.shapes;
+  responses_.push_back({std::move(response), static_cast<Eigen::Index>(quantities.size()),
+                        static_cast<Eigen::Index>(needs.degrees_of_freedom.size())});
+  std::move(quantities.begin(), quantities.end(), std::back_inserter(outputs_));
+}
+
+void StructureModel::settle_request() {
+  const int all = static_cast<int>(structure().mode_count());
+  const bool is_tracked = selection_.tracking == ModeTracking::mac;
+  compares_ = compares_ || is_tracked;
+  request_.modes = is_tracked ? std::min(all, highest_mode() + k_guard_modes) : highest_mode();
+  if (request_.damping) request_.modes = solver_->modes_for_damping(highest_mode());
+}
+
+void StructureModel::solve_reference() {
+  reference_ = solver_->modes_at(reference_parameters_, request_.modes);
+  require_of(reference_.eigenvalues.size() >= highest_mode() && reference_.eigenvalues.allFinite(),
+             {Subject::Kind::model},
+             "it has no modes at the parameters' means: the mass matrix is not positive definite there");
+  largest_eigenvalue_ = reference_.eigenvalues.cwiseAbs().maxCoeff();
+  require_of(!std::isnan(natural_frequency_hz(reference_.eigenvalues(0), largest_eigenvalue_)), {Subject::Kind::model},
+             "it is unstable at the parameters' means, its lowest eigenvalue is {:.6g}; a stiffness must be negative",
+             reference_.eigenvalues(0));
+}
+
+ModeMatch StructureModel::match_modes(Eigen::Index found, const Eigen::MatrixXd& cosines) const {
+  ModeMatch match;
+  match.sign.assign(static_cast<std::size_t>(highest_mode()), 1.0);
+  for (int mode = 0; mode < highest_mode(); ++mode) match.column.push_back(mode);
+  if (found < highest_mode()) {
+    match.failure = fmt::format("only {} modes were found, {} are needed", found, highest_mode());
+    return match;
+  }
+  if (cosines.size() == 0) return match;
+  if (selection_.tracking == ModeTracking::mac) {
+    const TrackedModes tracked = track_modes(cosines, selection_.minimum_mac);
+    match.column = tracked.mode;
+    for (int mode = 0; mode < highest_mode() && match.failure.empty(); ++mode) {
+      const auto k = static_cast<std::size_t>(mode);
+      if (!is_output_[k] || tracked.subspace_mac[k] >= selection_.minimum_mac) continue;
+      match.failure =
+          fmt::format("mode {} is lost: its best MAC with the reference is {:.2f}", mode + 1, tracked.mac[k]);
+    }
+    match.note = tracking_note(tracked, is_output_);
+  }
+  for (std::size_t mode = 0; mode < match.column.size(); ++mode) {
+    if (cosines(static_cast<Eigen::Index>(mode), match.column[mode]) < 0.0) match.sign[mode] = -1.0;
+  }
+  return match;
+}
+
+std::string StructureModel::fill_outputs(const Solution& solution, const ModeMatch& match,
+                                         Eigen::Ref<Eigen::RowVectorXd, 0, Eigen::InnerStride<>> row) const {
+  Eigen::Index output = 0;
+  Eigen::Index place = 0;
+  for (const Part& part : responses_) {
+    const NumberedSolution numbered(solution, match, place, part.degrees_of_freedom, largest_eigenvalue_);
+    if (std::string reason = part.response->fill(numbered, row.segment(output, part.outputs)); !reason.empty()) {
+      return reason;
+    }
+    output += part.outputs;
+    place += part.degrees_of_freedom;
+  }
+  return {};
+}
+
+Evaluation StructureModel::evaluate(const Eigen::Ref<const Eigen::MatrixXd>& samples, const RunContext& context) const {
+  Evaluation result;
+  result.outputs.setConstant(samples.rows(), static_cast<Eigen::Index>(outputs_.size()),
+                             std::numeric_limits<double>::quiet_NaN());
+  std::vector<std::string> reasons(static_cast<std::size_t>(samples.rows()));
+  std::vector<std::string> notes(reasons.size());
+  const auto visit = [&](Eigen::Index s, const Solution& solution, const std::string& failure) {
+    std::string& reason = reasons[static_cast<std::size_t>(s)];
+    reason = samples.row(s).allFinite() ? failure : "a parameter is not finite";
+    if (!reason.empty()) return;
+    ModeMatch match = match_modes(solution.eigenvalues.size(), solution.cosines);
+    reason = match.failure;
+    if (reason.empty()) reason = fill_outputs(solution, match, result.outputs.row(s));
+    if (!reason.empty()) result.outputs.row(s).setConstant(std::numeric_limits<double>::quiet_NaN());
+    notes[static_cast<std::size_t>(s)] = std::move(match.note);
+  };
+  result.use = solver_->solve(samples, request_, context, visit);
+  for (Eigen::Index s = 0; s < samples.rows(); ++s) {
+    const auto k = static_cast<std::size_t>(s);
+    if (!reasons[k].empty()) {
+      result.failures.push_back({s, std::move(reasons[k])});
+    } else if (!notes[k].empty()) {
+      result.notes.push_back({s, std::move(notes[k])});
+    }
+  }
+  return result;
+}
+
+ModeSet StructureModel::numbered_modes() const {
+  return {reference_.eigenvalues.head(highest_mode()), reference_.shapes.leftCols(highest_mode())};
+}
+
+ModeMatch StructureModel::match_all(const ModeSet& modes) const {
+  if (!compares_) return match_modes(modes.eigenvalues.size(), {});
+  return match_modes(modes.eigenvalues.size(), solver_->cosines(numbered_modes(), modes));
+}
+
+StructureModel::FollowedModes StructureModel::follow(const Eigen::Ref<const Eigen::VectorXd>& parameters) const {
+  const ModeSet modes = solver_->modes_at(parameters, request_.modes);
+  const ModeMatch match = match_all(modes);
+  if (!match.failure.empty()) throw InvalidInput(match.failure);
+  FollowedModes followed{{modes.eigenvalues(match.column), modes.shapes(Eigen::all, match.column)}, match.column, {}};
+  const Eigen::MatrixXd cosines = solver_->cosines(numbered_modes(), followed.modes);
+  for (Eigen::Index k = 0; k < highest_mode(); ++k) followed.mac.push_back(cosines(k, k) * cosines(k, k));
+  return followed;
+}
+
+Eigen::MatrixXd StructureModel::reference_displacements() const {
+  return structure().displacements(reference_.shapes.leftCols(highest_mode()), request_.degrees_of_freedom);
+}
+
+Eigen::MatrixXd StructureModel::jacobian(const Eigen::Ref<const Eigen::VectorXd>& parameters) const {
+  const Eigen::VectorXd point = parameters;
+  const ModeSet modes = solver_->modes_at(point, request_.modes);
+  const ModeMatch match = match_all(modes);
+  if (!match.failure.empty()) throw InvalidInput(match.failure);
+  const Eigen::MatrixXd d_lambda = solver_->eigenvalue_derivatives(point, modes);
+  const SolvedPoint solved{*solver_, point, modes, match, d_lambda};
+  Eigen::MatrixXd jacobian(static_cast<Eigen::Index>(outputs_.size()), point.size());
+  Eigen::Index first = 0;
+  for (const Part& part : responses_) {
+    jacobian.middleRows(first, part.outputs) = part.response->derivatives(solved);
+    first += part.outputs;
+  }
+  return jacobian;
+}
+
+}  // namespace mottle

@@ -1,0 +1,22 @@
+#include "mottle/stats/tests/binomial_range.hpp"
+
+#include <boost/math/distributions/binomial.hpp>
+
+#include "mottle/core/error.hpp"
+
+namespace mottle {
+
+CountRange binomial_range(int count, double p, double level) {
+  require(count >= 0, "count: {} must not be negative", count);
+  require(p > 0.0 && p < 1.0, "p: {} is outside (0, 1)", p);
+  require(level > 0.0 && level < 1.0, "level: {} is outside (0, 1)", level);
+  const double tail = 0.5 * (1.0 - level);
+  const boost::math::binomial successes(count, p);
+  CountRange range{0, count};
+  while (range.fewest < count && !(cdf(successes, range.fewest) > tail)) ++range.fewest;
+  range.most = range.fewest;
+  while (range.most < count && !(cdf(successes, range.most) >= 1.0 - tail)) ++range.most;
+  return range;
+}
+
+}  // namespace mottle

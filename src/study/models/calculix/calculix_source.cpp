@@ -1,0 +1,90 @@
+// [model] of kind "calculix": a deck that CalculiX reads and assembles, and solves where the parameters are not
+// separable.
+#include <algorithm>
+#include <cctype>
+#include <map>
+
+#include "mottle/drivers/calculix/calculix.hpp"
+#include "mottle/drivers/calculix/separable_fit.hpp"
+#include "study/input/durations.hpp"
+#include "study/input/unit_names.hpp"
+#include "study/models/model_parts.hpp"
+#include "study/models/registry.hpp"
+
+namespace mottle {
+namespace {
+
+/// By its matrices, or where they have no separable form by a run for each sample.
+ModelParts make_calculix(const CalculixDeck& deck, const std::vector<ParameterTargets>& targets,
+                         const JointDistribution& prior, const CalculixSettings& calculix,
+                         const RunSettings& settings) {
+  std::string reason;
+  try {
+    return parts_of(calculix_model(deck, targets, prior.mean(), calculix), deck.files);
+  } catch (const NotSeparable& error) {
+    reason = error.what();
+  }
+  std::vector<std::string> names;
+  for (const ParameterTargets& target : targets) names.push_back(target.parameter);
+  ModelParts parts = make_external(calculix_command(deck, targets, calculix), names, prior, settings);
+  parts.limits.assign(targets.size(), {});
+  parts.files = deck.files;
+  parts.notes.insert(parts.notes.begin(), fmt::format("CalculiX: each sample is a run, since {}", reason));
+  return parts;
+}
+
+class CalculixSource final : public ModelSource {
+ public:
+  CalculixSource(TomlReader& reader, const std::filesystem::path& folder)
+      : deck_(folder / reader.text("file")),
+        program_(reader.text_or("program", "ccx")),
+        timeout_(read_duration(reader, "timeout", std::chrono::hours(1))),
+        parallel_(static_cast<int>(reader.integer_or("parallel", 1, {.lower = 1.0, .upper = 1000.0}))),
+        reduction_error_(read_reduction(reader)) {}
+
+  ModelParts make(const std::vector<ParameterTargets>& parameters, const JointDistribution& prior,
+                  const RunSettings& settings) const override {
+    const CalculixDeck deck = read_calculix_deck(deck_);
+    return make_calculix(deck, parameters, prior,
+                         {.program = program_,
+                          .timeout = timeout_,
+                          .cache = settings.cache,
+                          .parallel = parallel_,
+                          .stop = settings.stop},
+                         settings);
+  }
+
+  std::optional<double> reduction_error() const override { return reduction_error_; }
+  std::vector<NamedFile> files() const override { return {{"model.file", "file", deck_.string(), deck_}}; }
+  std::vector<std::string> programs() const override { return {"model.program: " + program_}; }
+
+  std::string target_unit(const std::string& target, const UnitNames& units) const override {
+    static const std::map<std::string, const char* UnitNames::*> k_units = {{"*ELASTIC", &UnitNames::pressure},
+                                                                            {"*DENSITY", &UnitNames::density},
+                                                                            {"*SPRING", &UnitNames::stiffness},
+                                                                            {"*MASS", &UnitNames::mass},
+                                                                            {"*SHELL SECTION", &UnitNames::length}};
+    std::string keyword = target.substr(0, target.find(':'));
+    std::transform(keyword.begin(), keyword.end(), keyword.begin(),
+                   [](unsigned char letter) { return static_cast<char>(std::toupper(letter)); });
+    const auto found = k_units.find(keyword);
+    return found == k_units.end() ? "" : units.*(found->second);
+  }
+
+ private:
+  std::filesystem::path deck_;
+  std::string program_;
+  std::chrono::milliseconds timeout_;  // of one run
+  int parallel_;                       // runs of samples at once
+  std::optional<double> reduction_error_;
+};
+
+}  // namespace
+
+std::shared_ptr<const ModelSource> read_calculix_source(TomlReader& reader, const std::filesystem::path& folder) {
+  auto source = std::make_shared<CalculixSource>(reader, folder);
+  reader.finish();
+  return source;
+}
+
+}  // namespace mottle

@@ -1,0 +1,147 @@
+// [model] of kind "command": a solver that is run by its command.
+#include "study/models/command/read_command.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <set>
+
+#include "mottle/core/text.hpp"
+#include "mottle/drivers/command/number_pattern.hpp"
+#include "study/input/durations.hpp"
+
+namespace mottle {
+namespace {
+
+constexpr OptionRange k_any_count{.lower = 1.0, .upper = 1e6};
+
+/// A list of texts as they are; of a shell one text.
+CommandLine read_line(TomlReader& reader, const std::string& key) {
+  CommandLine line{.arguments = reader.texts(key)};
+  line.is_shell = reader.raw(key)->is_string();
+  if (line.arguments.front().empty()) reader.fail_value(key, "a program and its arguments, like [\"ccx\", \"plate\"]");
+  return line;
+}
+
+/// Files of the study by the names that they have in a run's folder: their own where they lie in the study's folder,
+/// else the last part. Of templates ".in" and ".template" go.
+std::vector<RunFile> read_run_files(TomlReader& reader, const std::string& key, const std::filesystem::path& folder,
+                                    bool are_templates, std::set<std::string>& taken) {
+  std::vector<RunFile> files;
+  if (!reader.has(key)) {
+    reader.raw(key);
+    return files;
+  }
+  for (const std::string& text : reader.texts(key)) {
+    const std::filesystem::path given = std::filesystem::path(text).lexically_normal();
+    const bool is_below = given.is_relative() && *given.begin() != "..";
+    std::filesystem::path name = is_below ? given : given.filename();
+    if (are_templates && (name.extension() == ".in" || name.extension() == ".template")) name.replace_extension();
+    if (name.empty()) reader.fail_value(key, "names of files");
+    if (!taken.insert(name.string()).second) {
+      reader.fail(key, fmt::format("two files would be called '{}' in a run's folder", name.string()));
+    }
+    files.push_back({folder / text, name.string()});
+  }
+  return files;
+}
+
+/// A file that a run leaves in its folder: elsewhere it could be that of another run.
+std::string read_output_name(TomlReader& reader) {
+  std::string name = reader.text("file");
+  const std::filesystem::path path = std::filesystem::path(name).lexically_normal();
+  if (path.is_absolute() || path.empty() || *path.begin() == "..") {
+    reader.fail_value("file", "the name of a file that each run leaves in its own folder");
+  }
+  return name;
+}
+
+/// What the formats "column" and "regex" and so on need; a key that the format does not use is unknown.
+FrequencyRule read_frequency_rule(TomlReader reader) {
+  using Format = FrequencyRule::Format;
+  using Quantity = FrequencyRule::Quantity;
+  FrequencyRule rule;
+  rule.file = read_output_name(reader);
+  reader.text("format");
+  rule.format = std::vector{Format::column, Format::regex, Format::csv,     Format::json,
+                            Format::f06,    Format::punch, Format::calculix}[reader.choice(
+      "format", {"column", "regex", "csv", "json", "f06", "punch", "calculix"}, 0)];
+  if (!rule.has_eigenvalues()) {
+    rule.quantity = std::vector{Quantity::hertz, Quantity::radians,
+                                Quantity::eigenvalue}[reader.choice("quantity", {"Hz", "rad/s", "eigenvalue"}, 0)];
+  }
+  rule.modes = static_cast<int>(reader.integer_or("modes", 0, k_any_count));
+  if (rule.format == Format::regex) {
+    rule.pattern = reader.text("pattern");
+    try {
+      const NumberPattern pattern(rule.pattern);
+    } catch (const InvalidInput& error) {
+      reader.fail("pattern", error.what());
+    }
+  } else if (rule.format == Format::column) {
+    rule.after = reader.text_or("after", "");
+    rule.line = static_cast<int>(reader.integer_or("line", 1, k_any_count));
+    rule.column = fmt::format("{}", reader.integer_or("column", 1, k_any_count));
+  } else if (rule.format == Format::csv || rule.format == Format::json) {
+    rule.column = reader.text("column");
+  }
+  reader.finish();
+  return rule;
+}
+
+ShapeRule read_shape_rule(TomlReader reader) {
+  using Format = ShapeRule::Format;
+  ShapeRule rule;
+  rule.file = read_output_name(reader);
+  reader.text("format");
+  rule.format =
+      std::vector{Format::csv, Format::column, Format::f06, Format::punch,
+                  Format::calculix}[reader.choice("format", {"csv", "column", "f06", "punch", "calculix"}, 0)];
+  if (rule.format == Format::column) {
+    rule.after = reader.text("after");
+    if (rule.after.empty()) reader.fail_value("after", "a text that stands before the table of each mode");
+    rule.line = static_cast<int>(reader.integer_or("line", 1, k_any_count));
+    if (reader.has("components"))
+      rule.components = reader.texts("components");
+    else
+      reader.raw("components");
+  }
+  reader.finish();
+  return rule;
+}
+
+std::map<std::string, std::string> read_environment(TomlReader reader) {
+  std::map<std::string, std::string> environment;
+  for (const std::string& name : reader.keys()) {
+    if (name.empty() || name.find('=') != std::string::npos) reader.fail(name, "is no name of a variable");
+    environment[name] = reader.text(name);
+  }
+  return environment;
+}
+
+}  // namespace
+
+SolverCommand read_command(TomlReader& reader, const std::filesystem::path& folder) {
+  SolverCommand command;
+  std::set<std::string> taken{"stdout.txt", "stderr.txt", "reason.txt"};
+  command.templates = read_run_files(reader, "templates", folder, true, taken);
+  command.files = read_run_files(reader, "files", folder, false, taken);
+  command.command = read_line(reader, "command");
+  if (reader.raw("retry_command") != nullptr) command.retry_command = read_line(reader, "retry_command");
+  const int usual_retries = command.retry_command ? 1 : 0;
+  command.retries = static_cast<int>(reader.integer_or("retries", usual_retries, {.lower = 0.0, .upper = 100.0}));
+  if (command.retry_command && command.retries == 0) reader.fail("retry_command", "is never used with retries = 0");
+  command.timeout = read_duration(reader, "timeout", command.timeout);
+  command.parallel = static_cast<int>(reader.integer_or("parallel", 1, {.lower = 1.0, .upper = 1000.0}));
+  if (reader.raw("environment") != nullptr) command.environment = read_environment(reader.table("environment"));
+  command.kept =
+      std::vector{KeptRuns::failed, KeptRuns::none, KeptRuns::all}[reader.choice("keep", {"failed", "none", "all"}, 0)];
+  command.largest_failed_part =
+      reader.number_or("largest_failed_part", command.largest_failed_part, {.lower = 0.0, .upper = 1.0});
+  command.difference_step = reader.number_or("difference_step", command.difference_step, {.lower = 1e-6, .upper = 1.0});
+  command.frequencies = read_frequency_rule(reader.table("frequencies"));
+  if (reader.raw("shapes") != nullptr) command.shapes = read_shape_rule(reader.table("shapes"));
+  return command;
+}
+
+}  // namespace mottle

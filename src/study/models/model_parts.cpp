@@ -1,0 +1,42 @@
+#include "study/models/model_parts.hpp"
+
+#include <limits>
+
+#include "mottle/drivers/command/external_solver.hpp"
+
+namespace mottle {
+
+std::optional<double> read_reduction(TomlReader& reader) {
+  constexpr double k_usual_error = 1e-4;
+  const bool is_allowed = reader.choice("reduction", {"auto", "off"}, 0) == 0;
+  const double error = reader.number_or("frequency_error", k_usual_error, {1e-8, 0.1});
+  return is_allowed ? std::optional(error) : std::nullopt;
+}
+
+ModelParts parts_of(MatrixModel model, std::vector<std::string> files) {
+  ModelParts parts;
+  parts.reference = model.reference;
+  parts.limits = std::move(model.limits);
+  parts.notes = std::move(model.notes);
+  parts.files = std::move(files);
+  parts.sparse = std::make_unique<MatrixStructure>(std::move(model.pencil), parts.reference);
+  return parts;
+}
+
+ModelParts make_external(const SolverCommand& command, const std::vector<std::string>& names,
+                         const JointDistribution& prior, const RunSettings& settings) {
+  ModelParts parts;
+  parts.reference = prior.mean();
+  parts.limits.assign(names.size(), {.lower = -std::numeric_limits<double>::infinity()});
+  for (const std::vector<RunFile>* list : {&command.templates, &command.files}) {
+    for (const RunFile& file : *list) parts.files.push_back(file.source.string());
+  }
+  auto solver = std::make_unique<ExternalSolver>(
+      command, names, parts.reference, prior.covariance().diagonal().cwiseSqrt(),
+      SolverPlace{.results = settings.folder, .is_resumed = settings.resume}, settings.stop);
+  parts.notes = solver->notes();
+  parts.solver = std::move(solver);
+  return parts;
+}
+
+}  // namespace mottle

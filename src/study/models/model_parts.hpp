@@ -1,0 +1,23 @@
+// What kinds of model have in common.
+#pragma once
+
+#include <set>
+#include <string>
+
+#include "mottle/drivers/command/solver_command.hpp"
+#include "mottle/model/structures/matrix_structure.hpp"
+#include "mottle/study/models/model_source.hpp"
+#include "study/input/toml_reader.hpp"
+
+namespace mottle {
+
+/// Keys of kinds with sparse matrices, whose clouds may be solved by a reduced model.
+std::optional<double> read_reduction(TomlReader& reader);
+
+ModelParts parts_of(MatrixModel model, std::vector<std::string> files);
+
+/// By runs of a program, in whose input places have these names.
+ModelParts make_external(const SolverCommand& command, const std::vector<std::string>& names,
+                         const JointDistribution& prior, const RunSettings& settings);
+
+}  // namespace mottle

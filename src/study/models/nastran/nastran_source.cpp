@@ -1,0 +1,123 @@
+// [model] of kind "nastran": a deck with parameters on the fields of its cards.
+#include <algorithm>
+#include <cctype>
+#include <map>
+#include <set>
+
+#include "mottle/core/error.hpp"
+#include "mottle/formats/nastran/model.hpp"
+#include "mottle/model/structures/finite_element_structure.hpp"
+#include "study/input/key_error.hpp"
+#include "study/input/unit_names.hpp"
+#include "study/models/model_parts.hpp"
+#include "study/models/registry.hpp"
+
+namespace mottle {
+namespace {
+
+std::string capitals(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char letter) { return static_cast<char>(std::toupper(letter)); });
+  return text;
+}
+
+/// Unit of a card's number, from what its name means on that card.
+std::string field_unit(const std::string& card, const std::string& name, const UnitNames& units) {
+  static const std::set<std::string> k_inertias = {"I1", "I2", "I12", "J"};
+  static const std::set<std::string> k_springs = {"PELAS", "CELAS2", "CELAS4", "PBUSH"};
+  if (card == "MAT1") return name == "NU" ? "-" : name == "RHO" ? units.density : units.pressure;
+  if (k_springs.contains(card)) {
+    const bool is_rotation = name.size() == 2 && name[1] > '3';
+    const char* unit = name.front() == 'B' ? units.damping : units.stiffness;
+    return is_rotation ? fmt::format("{} {}^2/rad", unit, units.length) : unit;
+  }
+  if (card == "PDAMP" || card == "CDAMP2" || card == "CDAMP4") return units.damping;
+  if (name == "M" || card == "CONM1") return units.mass;
+  if (card == "CONM2" && name.front() == 'I') return fmt::format("{} {}^2", units.mass, units.length);
+  if (k_inertias.contains(name)) return fmt::format("{}^4", units.length);
+  if (name == "A") return fmt::format("{}^2", units.length);
+  if (name == "NSM") return fmt::format("{}/{}{}", units.mass, units.length, card == "PSHELL" ? "^2" : "");
+  return units.length;
+}
+
+/// Numbers of the deck that are other than it says.
+void override_fields(FiniteElementModel& model, const std::map<std::string, double>& overrides) {
+  for (const auto& [target, value] : overrides) {
+    bool is_found = false;
+    for (CardField& field : model.fields) {
+      if (fmt::format("{}:{}:{}", field.card, field.id, field.name) != target) continue;
+      field.value = value;
+      is_found = true;
+    }
+    require_key(is_found, "predict.model", "the deck has no number '{}'", target);
+  }
+}
+
+class NastranSource final : public ModelSource {
+ public:
+  NastranSource(std::filesystem::path deck, std::set<std::string> ignore_cards, std::optional<double> reduction_error)
+      : deck_(std::move(deck)), ignore_cards_(std::move(ignore_cards)), reduction_error_(reduction_error) {}
+
+  ModelParts make(const std::vector<ParameterTargets>& parameters, const JointDistribution& prior,
+                  const RunSettings& /*settings*/) const override {
+    NastranModel deck = read();
+    override_fields(deck.model, overrides_);
+    ModelParts parts;
+    parts.files = std::move(deck.files);
+    parts.notes = std::move(deck.notes);
+    auto structure = std::make_unique<FiniteElementStructure>(std::move(deck.model), parameters, prior.mean());
+    parts.reference = structure->reference();
+    parts.limits = structure->limits();
+    parts.sparse = std::move(structure);
+    return parts;
+  }
+
+  std::optional<double> reduction_error() const override { return reduction_error_; }
+  std::vector<NamedFile> files() const override { return {{"model.file", "file", deck_.string(), deck_}}; }
+
+  std::string target_key(const std::string& target) const override { return capitals(target); }
+  std::string target_unit(const std::string& target, const UnitNames& units) const override {
+    return field_unit(capitals(target.substr(0, target.find(':'))), capitals(target.substr(target.rfind(':') + 1)),
+                      units);
+  }
+
+  bool shows_numbers() const override { return true; }
+  std::vector<ModelNumber> numbers() const override {
+    const NastranModel deck = read();
+    std::vector<ModelNumber> numbers;
+    for (const CardField& field : deck.model.fields) {
+      const bool is_usual = is_design_number(field) && field.value != 0.0;
+      numbers.push_back({fmt::format("{}:{}:{}", field.card, field.id, field.name),
+                         fmt::format("{}:{}", field.card, field.name), field.value, is_usual, is_usual});
+    }
+    return numbers;
+  }
+  std::unique_ptr<ModelSource> with_number(const std::string& target, double value) const override {
+    auto other = std::make_unique<NastranSource>(*this);
+    other->overrides_[target] = value;
+    return other;
+  }
+
+ private:
+  NastranModel read() const { return read_nastran_model(deck_, {.ignore_cards = ignore_cards_}); }
+
+  std::filesystem::path deck_;
+  std::set<std::string> ignore_cards_;       // in capitals
+  std::map<std::string, double> overrides_;  // numbers of the deck that are other, by target in capitals
+  std::optional<double> reduction_error_;
+};
+
+}  // namespace
+
+std::shared_ptr<const ModelSource> read_nastran_source(TomlReader& reader, const std::filesystem::path& folder) {
+  const std::filesystem::path deck = folder / reader.text("file");
+  std::set<std::string> ignore_cards;
+  if (reader.raw("ignore_cards") != nullptr) {
+    for (const std::string& card : reader.texts("ignore_cards")) ignore_cards.insert(capitals(card));
+  }
+  const std::optional<double> reduction_error = read_reduction(reader);
+  reader.finish();
+  return std::make_shared<NastranSource>(deck, std::move(ignore_cards), reduction_error);
+}
+
+}  // namespace mottle

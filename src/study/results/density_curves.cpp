@@ -1,0 +1,135 @@
+#include "study/results/density_curves.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <utility>
+#include <vector>
+
+#include "mottle/stats/distributions/scale_moments.hpp"
+
+namespace mottle {
+namespace {
+
+constexpr Eigen::Index k_points = 161;
+constexpr Eigen::Index k_family_points = 241;  // of families that may rise steeply
+constexpr double k_reach = 4.0;                // in deviations
+
+double normal_density(double x, double std) {
+  return std::exp(-0.5 * (x / std) * (x / std)) / (std * std::sqrt(2.0 * std::numbers::pi));
+}
+
+DensityCurve box(const DistributionSpec& spec) {
+  const double height = 1.0 / (spec.upper - spec.lower);
+  return {Eigen::Vector4d(spec.lower, spec.lower, spec.upper, spec.upper), Eigen::Vector4d(0.0, height, height, 0.0)};
+}
+
+/// Where a family that is no normal on a scale is drawn. Densities may be infinite at the ends of a support.
+std::pair<double, double> drawn_range(const Distribution& prior) {
+  constexpr double k_inset = 1e-3;  // of the support, or of the mean
+  const DistributionSpec& spec = prior.spec();
+  const double mean = spec.mean;
+  const double std = spec.std;
+  if (spec.kind == DistributionKind::truncated_normal) {
+    return {std::max(spec.lower, mean - 5.0 * std), std::min(spec.upper, mean + 5.0 * std)};
+  }
+  if (spec.kind == DistributionKind::beta) {
+    const double inset = k_inset * (spec.upper - spec.lower);
+    return {std::max(spec.lower + inset, mean - 6.0 * std), std::min(spec.upper - inset, mean + 6.0 * std)};
+  }
+  return {std::max(k_inset * mean, mean - 4.0 * std), mean + 6.0 * std};  // gamma
+}
+
+DensityCurve curve_on_scale(const NormalScale& scale, const ScaleMoments& moments) {
+  DensityCurve curve{points_on_scale(scale, moments, k_reach, k_points), {}};
+  curve.density = curve.x.unaryExpr([&](double x) { return density_on_scale(scale, moments, x); });
+  return curve;
+}
+
+/// Bounds of normals with a mean in [a, b] and a deviation in [c, d].
+DensityBand normal_band(const Eigen::Vector2d& mean, const Eigen::Vector2d& std, double reach) {
+  DensityBand band;
+  band.x = Eigen::VectorXd::LinSpaced(k_points, mean(0) - reach * std(1), mean(1) + reach * std(1));
+  band.least.resize(k_points);
+  band.greatest.resize(k_points);
+  for (Eigen::Index k = 0; k < k_points; ++k) {
+    const double x = band.x(k);
+    const double near = std::max({0.0, mean(0) - x, x - mean(1)});
+    const double far = std::max(std::abs(x - mean(0)), std::abs(x - mean(1)));
+    band.least(k) = std::min(normal_density(far, std(0)), normal_density(far, std(1)));
+    band.greatest(k) = normal_density(near, std::min(std(1), std::max(std(0), near)));
+  }
+  return band;
+}
+
+/// The pairs of mean and deviation within their intervals that some normal on the scale has.
+std::vector<ScaleMoments> moments_within(const NormalScale& scale, const Eigen::Vector2d& mean,
+                                         const Eigen::Vector2d& std) {
+  std::vector<ScaleMoments> found;
+  for (const double m : Eigen::VectorXd::LinSpaced(17, mean(0), mean(1))) {
+    for (const double s : Eigen::VectorXd::LinSpaced(7, std(0), std(1))) {
+      if (const auto moments = moments_on_scale(scale, m, s)) found.push_back(*moments);
+    }
+  }
+  return found;
+}
+
+DensityBand band_on_scale(const NormalScale& scale, const std::vector<ScaleMoments>& pairs, double reach) {
+  double low = std::numeric_limits<double>::infinity();
+  double high = -low;
+  for (const ScaleMoments& moments : pairs) {
+    low = std::min(low, scale.to_variable(moments.mean - reach * moments.std));
+    high = std::max(high, scale.to_variable(moments.mean + reach * moments.std));
+  }
+  DensityBand band{Eigen::VectorXd::LinSpaced(k_points, low, high), Eigen::VectorXd(k_points),
+                   Eigen::VectorXd(k_points)};
+  for (Eigen::Index k = 0; k < k_points; ++k) {
+    double least = std::numeric_limits<double>::infinity();
+    double greatest = 0.0;
+    for (const ScaleMoments& moments : pairs) {
+      const double density = density_on_scale(scale, moments, band.x(k));
+      least = std::min(least, density);
+      greatest = std::max(greatest, density);
+    }
+    band.least(k) = least;
+    band.greatest(k) = greatest;
+  }
+  return band;
+}
+
+}  // namespace
+
+DensityCurve normal_curve(double mean, double std) {
+  if (!std::isfinite(mean) || !(std > 0.0) || !std::isfinite(std)) return {};
+  return curve_on_scale({}, {mean, std});
+}
+
+DensityCurve prior_curve(const Distribution& prior) {
+  const DistributionSpec& spec = prior.spec();
+  if (spec.kind == DistributionKind::uniform) return box(spec);
+  if (spec.kind == DistributionKind::normal) return normal_curve(spec.mean, spec.std);
+  if (spec.kind == DistributionKind::lognormal) {
+    const NormalScale scale{NormalScale::Kind::log};
+    const auto moments = moments_on_scale(scale, spec.mean, spec.std);
+    return moments ? curve_on_scale(scale, *moments) : DensityCurve{};
+  }
+  const auto [low, high] = drawn_range(prior);
+  DensityCurve curve{Eigen::VectorXd::LinSpaced(k_family_points, low, high), {}};
+  curve.density = curve.x.unaryExpr([&](double x) { return prior.pdf(x); });
+  if (!curve.density.allFinite()) return {};
+  return curve;
+}
+
+DensityBand density_band(const NormalScale& scale, const Eigen::Vector2d& mean, const Eigen::Vector2d& std) {
+  constexpr double k_least_share = 0.02;
+  constexpr double k_band_reach = 3.5;
+  if (!mean.allFinite() || !std.allFinite() || !(std(1) > 0.0)) return {};
+  const Eigen::Vector2d stds(std::max(std(0), k_least_share * std(1)), std(1));
+  if (scale.kind == NormalScale::Kind::identity) return normal_band(mean, stds, k_band_reach);
+  const std::vector<ScaleMoments> pairs = moments_within(scale, mean, stds);
+  if (pairs.empty()) return {};
+  return band_on_scale(scale, pairs, k_band_reach);
+}
+
+}  // namespace mottle

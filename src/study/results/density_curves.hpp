@@ -1,0 +1,35 @@
+// Densities of parameters as the page draws them: the prior's, and what intervals of mean and deviation leave open.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "mottle/stats/distributions/distribution.hpp"
+#include "mottle/stats/distributions/normal_scale.hpp"
+
+namespace mottle {
+
+struct DensityCurve {
+  Eigen::VectorXd x;  ///< ascending; empty: nothing to draw
+  Eigen::VectorXd density;
+};
+
+struct DensityBand {
+  Eigen::VectorXd x;  ///< ascending; empty: nothing to draw
+  Eigen::VectorXd least;
+  Eigen::VectorXd greatest;
+};
+
+/// Density of a prior, over nearly all of its probability; a uniform one as a box.
+DensityCurve prior_curve(const Distribution& prior);
+
+/// Density of a normal distribution, four deviations to each side.
+DensityCurve normal_curve(double mean, double std);
+
+/// Between which densities intervals of mean and deviation leave room, for variables that are normal on a scale. A
+/// normal's bounds are exact; on another scale they are those of 17 by 7 pairs of mean and deviation. A deviation that
+/// may be zero has an infinite density: from a fiftieth of the interval's upper end on it counts.
+///
+/// @param mean, std  lower and upper ends; nan: not known, and there is no band
+DensityBand density_band(const NormalScale& scale, const Eigen::Vector2d& mean, const Eigen::Vector2d& std);
+
+}  // namespace mottle

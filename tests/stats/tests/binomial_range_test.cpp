@@ -1,0 +1,29 @@
+#include "mottle/stats/tests/binomial_range.hpp"
+
+#include <gtest/gtest.h>
+
+#include "mottle/core/error.hpp"
+
+namespace mottle {
+namespace {
+
+TEST(BinomialRange, IsThatOfTheQuantiles) {
+  const CountRange ten = binomial_range(10, 0.5, 0.95);  // P(K <= 1) = 11/1024, P(K <= 2) = 56/1024, and mirrored
+  EXPECT_EQ(ten.fewest, 2);
+  EXPECT_EQ(ten.most, 8);
+  const CountRange three = binomial_range(3, 0.1, 0.95);  // P(K <= 1) = 0.972, P(K <= 2) = 0.999
+  EXPECT_EQ(three.fewest, 0);
+  EXPECT_EQ(three.most, 2);
+}
+
+TEST(BinomialRange, OfNoTrialsIsNone) {
+  EXPECT_EQ(binomial_range(0, 0.5, 0.95).most, 0);
+}
+
+TEST(BinomialRange, RefusesCertainty) {
+  EXPECT_THROW(binomial_range(3, 1.0, 0.95), InvalidInput);
+  EXPECT_THROW(binomial_range(-1, 0.5, 0.95), InvalidInput);
+}
+
+}  // namespace
+}  // namespace mottle
