@@ -80,12 +80,17 @@ int open_partial(const std::filesystem::path& path, std::string& name) {
   return descriptor;
 }
 
-/// Gives the open file the name `path`, in place of what has it.
+/// Gives the open file the name `path`, in place of what has it. A file without a name takes it in one step where it is
+/// free; where it is not, the system can only replace by a second name, which a kill between the two steps leaves.
 bool put_in_place(int descriptor, std::string& name, const std::filesystem::path& path) {
   const std::string open = fmt::format("/proc/self/fd/{}", descriptor);
+  const auto link = [&](const std::string& to) {
+    return ::linkat(AT_FDCWD, open.c_str(), AT_FDCWD, to.c_str(), AT_SYMLINK_FOLLOW) == 0;
+  };
+  if (name.empty() && link(path.string())) return true;
   for (errno = EEXIST; name.empty() && errno == EEXIST;) {
     const std::string next = partial_name(path);
-    if (::linkat(AT_FDCWD, open.c_str(), AT_FDCWD, next.c_str(), AT_SYMLINK_FOLLOW) == 0) name = next;
+    if (link(next)) name = next;
   }
   return !name.empty() && ::rename(name.c_str(), path.c_str()) == 0;
 }

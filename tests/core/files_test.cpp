@@ -1,12 +1,15 @@
 #include "mottle/core/files.hpp"
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/inotify.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
 #include <unistd.h>
 
+#include <array>
 #include <fstream>
 #include <iterator>
 
@@ -43,6 +46,46 @@ TEST(WriteFileAtomically, PutsPiecesOneAfterTheOther) {
   const std::vector<std::string_view> pieces{"one", "", "two"};
   write_file_atomically(folder / "pieces", pieces);
   EXPECT_EQ(read_file(folder / "pieces"), "onetwo");
+}
+
+/// The names given in a folder since this was made, in order.
+class NamesGiven {
+ public:
+  explicit NamesGiven(const std::filesystem::path& folder) {
+    ::inotify_add_watch(watch_, folder.c_str(), IN_CREATE | IN_MOVED_TO);
+  }
+  NamesGiven(const NamesGiven&) = delete;
+  NamesGiven& operator=(const NamesGiven&) = delete;
+  ~NamesGiven() { ::close(watch_); }
+
+  std::vector<std::string> all() const {
+    alignas(inotify_event) std::array<char, 4096> events{};
+    const ssize_t size = ::read(watch_, events.data(), events.size());
+    std::vector<std::string> names;
+    for (ssize_t at = 0; at < size;) {
+      const auto* event = reinterpret_cast<const inotify_event*>(events.data() + at);
+      names.emplace_back(event->name);
+      at += static_cast<ssize_t>(sizeof(inotify_event)) + event->len;
+    }
+    return names;
+  }
+
+ private:
+  int watch_ = ::inotify_init1(IN_NONBLOCK | IN_CLOEXEC);
+};
+
+TEST(WriteFileAtomically, GivesANewFileNoOtherNameThatAKillCouldLeave) {
+  const TemporaryFolder folder;
+  const NamesGiven given(folder.path());
+  write_file_atomically(folder / "new", "once");
+  if (given.all() != std::vector<std::string>{"new"}) {
+    const int unnamed = ::open(folder.path().c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0644);
+    ASSERT_LT(unnamed, 0) << "another name was given";
+    GTEST_SKIP() << "files without a name are not known here";
+  }
+  write_file_atomically(folder / "new", "again");
+  EXPECT_THAT(names_in(folder.path()), ::testing::ElementsAre("new"));
+  EXPECT_EQ(read_file(folder / "new"), "again");
 }
 
 TEST(ReadFile, GivesNothingFromAnEmptyFile) {
