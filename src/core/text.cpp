@@ -57,6 +57,12 @@ std::string unknown_name_message(std::string_view what, std::string_view name,
                      candidates.empty() ? "none" : join(candidates));
 }
 
+std::string capitals(std::string_view text) {
+  std::string result(text);
+  for (char& c : result) c = c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c;
+  return result;
+}
+
 bool matches_pattern(std::string_view name, std::string_view pattern) {
   std::size_t at = 0;
   std::size_t in_pattern = 0;

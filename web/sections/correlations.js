@@ -8,7 +8,7 @@ import { figure } from "../src/figure.js";
 import { plural, short_number } from "../src/format.js";
 import { matrix_map, signed } from "../src/matrix_map.js";
 import { diverging } from "../src/palette.js";
-import { correlation_pairs, is_population, is_posterior } from "../src/population.js";
+import { correlation_pairs, is_population, is_posterior, region_text } from "../src/population.js";
 import { data_table } from "../src/table.js";
 
 const id = "correlation-ellipses";
@@ -157,8 +157,8 @@ function ellipses_figure(study, pairs) {
       ? "Pairs of parameters in the posterior"
       : "Pairs of parameters with the uncertainty of their correlation",
     caption: is_posterior(study)
-      ? "The ellipse that holds 86\u00a0% of the posterior's samples."
-      : "Solid: the ellipse that holds about 86\u00a0% of the specimens. Thin: what it would be at either end of the " +
+      ? `The ellipse that holds ${region_text(study)} of the posterior's samples.`
+      : `Solid: the ellipse that holds about ${region_text(study)} of the specimens. Thin: what it would be at either end of the ` +
       "correlation's 95\u00a0% interval. Diamonds: the specimens, as far as their own tests tell.",
     controls: choice.control ? [choice.control] : [],
     build: (width) => ellipse_panels(study, shown, width),

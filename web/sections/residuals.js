@@ -1,5 +1,5 @@
 // What the updated population leaves of every specimen: whitened residuals as a map, and the specimens that stand out.
-import { is_number, list, record } from "../src/data.js";
+import { is_number, list, number_or_null, record } from "../src/data.js";
 import { paragraph } from "../src/dom.js";
 import { paged_figure } from "../src/figure.js";
 import { p_value_text, plural, short_number } from "../src/format.js";
@@ -9,7 +9,6 @@ import { data_table } from "../src/table.js";
 
 const id = "residuals";
 const specimens_a_page = 50;
-const limit = 3;
 
 const cell = {
   width_at_most: 74,
@@ -20,9 +19,12 @@ const cell = {
   column_room: 34,
 };
 
+/** Beyond which a whitened residual is large, as the result has it; those of earlier versions do not say it and mean 3. */
+const limit_of = (study) => number_or_null(record(study.result.specimens).large_residual) ?? 3;
 const rows_of = (study) => list(record(study.result.specimens).residuals).map(list);
 
 function beyond(study) {
+  const limit = limit_of(study);
   return rows_of(study).flatMap((row, specimen) =>
     row.flatMap((value, output) => (Math.abs(value) > limit ? [{ specimen, output, value }] : [])),
   );
@@ -67,6 +69,7 @@ function outlier_table(study, outliers) {
 
 function statement(study, found) {
   const total = rows_of(study).flat().filter(is_number).length;
+  const limit = limit_of(study);
   const expected = record(study.result.specimens).expected_large;
   if (!found.length) return paragraph(`None of the ${plural(total, "residual")} lies beyond ±${limit}.`);
   const named = found
@@ -86,6 +89,7 @@ function statement(study, found) {
 function map_of(study, shown, marked) {
   const rows = rows_of(study);
   const outputs = study.output_axes;
+  const limit = limit_of(study);
   return matrix_map({
     name: "Whitened residual",
     rows: outputs.map(({ name }) => name),
@@ -112,7 +116,7 @@ function residual_figure(study) {
     id,
     title: "Whitened residuals of every specimen",
     caption:
-      `Columns are specimens, rows are outputs. Framed: beyond ±${limit}` +
+      `Columns are specimens, rows are outputs. Framed: beyond ±${limit_of(study)}` +
       `${outliers.size ? "; *: specimens that stand out" : ""}; empty: not measured.`,
     items: rows_of(study).map((_, k) => k),
     size: specimens_a_page,

@@ -10,7 +10,7 @@ import { correlation_pair, is_posterior } from "./population.js";
 
 const names = {
   region: "Updated, 2σ ellipse",
-  posterior: "Posterior, 86 % region",
+  posterior: "Posterior, region of its samples",
   ends: "At the ends of the correlation's 95 % interval",
   specimens: "Estimate of a specimen",
 };

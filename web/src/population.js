@@ -1,6 +1,7 @@
 // What a result says of its estimate: distribution and intervals of each parameter, and their pairs. Curves and regions come
 // from the result; nothing is computed here.
 import { is_number, list, number_or_null, record } from "./data.js";
+import { short_number } from "./format.js";
 
 const numbers_or_null = (values) => (list(values).length === 2 && values.every(is_number) ? values : null);
 
@@ -17,6 +18,9 @@ export const estimate_of = ({ parameters }) => {
 /** Whether the updated covariance is that of the specimens, as of methods that estimate a population. */
 export const is_population = (study) => estimate_of(study).kind === "population";
 export const is_posterior = (study) => estimate_of(study).kind === "posterior";
+
+/** How much of the population or posterior the regions of pairs hold, as the result says it. */
+export const region_text = ({ parameters }) => `${short_number(100 * record(parameters.estimate).region_probability, 2)}\u00a0%`;
 
 /** Parameters of the specimens, one row each; a method that does not look at each has none. */
 export const specimen_rows = ({ result }) => list(record(result.specimens).parameters).map(list);

@@ -72,7 +72,7 @@ export function add_curves(parameters) {
   const correlation = mean.map((_, i) =>
     mean.map((__, j) => (i !== j && has_intervals && intervals(i, j).length < 2 ? null : rho(i, j))),
   );
-  parameters.estimate = { kind: parameters.is_population ? "population" : "mean", log_evidence: null, effective_samples: null };
+  parameters.estimate = { kind: parameters.is_population ? "population" : "mean", log_evidence: null, effective_samples: null, region_probability: 1 - Math.exp(-2) };
   parameters.densities = all.map(({ scale, kind, moments }, i) => {
     const prior_scale = kind === "log" ? scale : scales.identity();
     return {

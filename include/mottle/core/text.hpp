@@ -25,6 +25,9 @@ std::string unknown_name_message(std::string_view what, std::string_view name,
 /// Whether `name` fits `pattern`, in which * stands for any characters (also none) and ? for any one.
 bool matches_pattern(std::string_view name, std::string_view pattern);
 
+/// The text with a to z as A to Z; other bytes stay.
+std::string capitals(std::string_view text);
+
 /// Levels of nesting that are read of a JSON file: those of solvers and of Mottle have a handful.
 inline constexpr int k_deepest_json = 100;
 

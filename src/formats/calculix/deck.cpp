@@ -24,7 +24,7 @@ bool is_comment(std::string_view line) {
 
 std::optional<Keyword> keyword_of(std::string_view line) {
   if (!line.starts_with('*') || is_comment(line)) return std::nullopt;
-  const std::string text = capital_letters(line.substr(1));
+  const std::string text = capitals(line.substr(1));
   Keyword keyword;
   for (std::size_t begin = 0; begin <= text.size();) {
     const std::size_t comma = std::min(text.find(',', begin), text.size());
@@ -97,7 +97,7 @@ struct Target {
 };
 
 Target parse_target(const std::string& target) {
-  const std::string text = capital_letters(target);
+  const std::string text = capitals(target);
   const std::size_t first = text.find(':');
   const std::size_t second = first == std::string::npos ? first : text.find(':', first + 1);
   const std::string field = second == std::string::npos ? "" : text.substr(second + 1);
@@ -272,7 +272,7 @@ std::vector<CalculixNumber> find_calculix_numbers(const CalculixDeck& deck, cons
 
 std::string calculix_field(const std::string& target) {
   const std::size_t last = target.rfind(':');
-  return !target.starts_with('*') || last == target.find(':') ? "" : capital_letters(target.substr(last + 1));
+  return !target.starts_with('*') || last == target.find(':') ? "" : capitals(target.substr(last + 1));
 }
 
 std::string matrix_storage_deck(const CalculixDeck& deck, const std::vector<CalculixChange>& changes) {
@@ -317,7 +317,7 @@ bool writes_displacements(const CalculixDeck& deck) {
     const std::optional<Keyword> keyword = keyword_of(deck.lines[i].text);
     if (!keyword || (keyword->name != "NODE FILE" && keyword->name != "NODE OUTPUT")) continue;
     for (const std::size_t line : data_lines(deck, i)) {
-      const std::string text = capital_letters(deck.lines[line].text);
+      const std::string text = capitals(deck.lines[line].text);
       for (std::size_t begin = 0; begin <= text.size();) {
         const std::size_t comma = std::min(text.find(',', begin), text.size());
         if (trim_blanks(std::string_view(text).substr(begin, comma - begin)) == "U") return true;

@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "formats/matrices/matrix_readers.hpp"
+#include "mottle/core/text.hpp"
 
 namespace mottle {
 namespace {
@@ -14,7 +15,7 @@ struct FieldFormat {
 };
 
 FieldFormat parse_format(const MatrixLines& text, std::string_view format, std::string_view letters) {
-  const std::string descriptor = capital_letters(format);
+  const std::string descriptor = capitals(format);
   FieldFormat result;
   std::size_t i = descriptor.find_first_of(letters);
   std::size_t begin = i;
@@ -117,7 +118,7 @@ SymmetricMatrix parse_harwell_boeing(std::string_view bytes, const std::string& 
   if (count < 4 || !parse_whole(words[1], rows) || !parse_whole(words[2], columns) || !parse_whole(words[3], entries)) {
     text.fail("expected a type like RSA and rows, columns and number of entries");
   }
-  check_type(text, capital_letters(words[0]));
+  check_type(text, capitals(words[0]));
   SymmetricBuilder builder(file);
   builder.set_size(text.number(), rows, columns);
   if (entries < 0 || entries > static_cast<long long>(bytes.size())) {

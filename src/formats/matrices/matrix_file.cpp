@@ -20,7 +20,7 @@ bool is_harwell_boeing(std::string_view bytes) {
   Words words;
   const std::size_t count = split_words(text.line(), words);
   if ((count != 4 && count != 5) || words[0].size() != 3) return false;
-  const std::string type = capital_letters(words[0]);
+  const std::string type = capitals(words[0]);
   long long value = 0;
   return std::string_view("RCPI").find(type[0]) != std::string_view::npos &&
          std::string_view("SUHZR").find(type[1]) != std::string_view::npos &&
@@ -34,7 +34,7 @@ bool is_output4(std::string_view bytes) {
   if (bytes.starts_with(k_little) || bytes.starts_with(k_big)) return true;
   const std::string_view line = bytes.substr(0, bytes.find('\n'));
   constexpr std::size_t k_field = 8;
-  if (line.size() < 5 * k_field || capital_letters(line).find("1P") == std::string::npos) return false;
+  if (line.size() < 5 * k_field || capitals(line).find("1P") == std::string::npos) return false;
   long long value = 0;
   for (std::size_t k = 0; k < 4; ++k) {
     if (!parse_whole(line.substr(k * k_field, k_field), value)) return false;
@@ -62,7 +62,7 @@ std::size_t choose_matrix(const std::string& file, const std::string& name, cons
     return 0;
   }
   for (std::size_t i = 0; i < known.size(); ++i) {
-    if (known[i] == capital_letters(name)) return i;
+    if (known[i] == capitals(name)) return i;
   }
   throw InvalidInput(fmt::format("{}: {}", file, unknown_name_message("matrix", name, known)));
 }
@@ -81,7 +81,7 @@ std::vector<std::string> parse_row_names(std::string_view bytes, const std::stri
     long long node = 0;
     long long equation = 0;
     if (count == 3 && parse_whole(words[0], equation) && parse_whole(words[1], node)) {  // ANSYS
-      const std::string axis = capital_letters(words[2]);
+      const std::string axis = capitals(words[2]);
       const std::size_t component = std::string_view("UX  UY  UZ  ROTXROTYROTZ").find(axis);
       if (equation != static_cast<long long>(names.size()) + 1) text.fail("equations are not numbered one by one");
       const bool is_direction = component != std::string_view::npos && component % 4 == 0 && axis.size() >= 2;
@@ -113,7 +113,7 @@ SymmetricMatrix parse_symmetric_matrix(std::string_view bytes, const std::string
   if (bytes.starts_with(k_hdf5)) return parse_hdf5_matrix(bytes, file, name);
   const std::string_view first = first_line(bytes);
   if (is_output4(bytes)) return parse_output4(bytes, file, name);
-  if (capital_letters(first).starts_with("DMIG")) return parse_dmig(bytes, file, name);
+  if (capitals(first).starts_with("DMIG")) return parse_dmig(bytes, file, name);
   require(name.empty(), "{}: a file of this format holds one matrix without a name; leave '#{}' out", file, name);
   if (first.starts_with("%%")) return parse_matrix_market(bytes, file);
   if (is_harwell_boeing(bytes)) return parse_harwell_boeing(bytes, file);

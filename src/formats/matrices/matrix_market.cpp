@@ -1,5 +1,6 @@
 // Matrix Market exchange format. Source: [Boisvert1996].
 #include "formats/matrices/matrix_readers.hpp"
+#include "mottle/core/text.hpp"
 
 namespace mottle {
 namespace {
@@ -13,7 +14,7 @@ Header read_header(MatrixLines& text) {
   text.need("%%MatrixMarket matrix ...");
   Words words;
   const std::size_t count = split_words(text.line(), words);
-  const auto word = [&](std::size_t i) { return i < count && i < k_most_words ? capital_letters(words[i]) : ""; };
+  const auto word = [&](std::size_t i) { return i < count && i < k_most_words ? capitals(words[i]) : ""; };
   if (count != 5 || word(0) != "%%MATRIXMARKET" || word(1) != "MATRIX") {
     text.fail("expected '%%MatrixMarket matrix coordinate|array real|integer general|symmetric'");
   }

@@ -51,12 +51,6 @@ std::string_view trim_blanks(std::string_view text) {
   return text.substr(first, text.find_last_not_of(" \t") - first + 1);
 }
 
-std::string capital_letters(std::string_view text) {
-  std::string result(text);
-  for (char& c : result) c = c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c;
-  return result;
-}
-
 bool parse_whole(std::string_view text, long long& value) {
   text = trim_blanks(text);
   if (text.starts_with('+')) text.remove_prefix(1);

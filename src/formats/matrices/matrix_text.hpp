@@ -44,7 +44,6 @@ bool parse_whole(std::string_view text, long long& value);
 bool parse_fortran(std::string_view text, double& value);
 
 std::string_view trim_blanks(std::string_view text);
-std::string capital_letters(std::string_view text);
 
 /// "101:+Z" for component 3 (1..6), "101" for component 0.
 std::string row_name(long long node, int component);

@@ -7,6 +7,7 @@
 #include <charconv>
 
 #include "formats/nastran/rows.hpp"
+#include "mottle/core/text.hpp"
 
 namespace mottle {
 namespace nastran {

@@ -9,6 +9,7 @@
 #include "formats/nastran/includes.hpp"
 #include "formats/nastran/rows.hpp"
 #include "mottle/core/error.hpp"
+#include "mottle/core/text.hpp"
 
 namespace mottle {
 namespace nastran {

@@ -3,6 +3,7 @@
 #include <map>
 
 #include "formats/matrices/matrix_readers.hpp"
+#include "mottle/core/text.hpp"
 
 namespace mottle {
 namespace {
@@ -60,7 +61,7 @@ class PunchReader {
   }
 
   void read_line() {
-    const std::string head = capital_letters(trim_blanks(text_.line().substr(0, 8)));
+    const std::string head = capitals(trim_blanks(text_.line().substr(0, 8)));
     is_wide_ = head.find('*') != std::string::npos;
     if (head.starts_with("DMIG")) {
       read_head();
@@ -72,7 +73,7 @@ class PunchReader {
   }
 
   void read_head() {
-    const std::string name = capital_letters(field(2));
+    const std::string name = capitals(field(2));
     if (!is_wide_ && field(3) == "0") {
       start_matrix(name);
       return;

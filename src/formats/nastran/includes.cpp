@@ -6,6 +6,7 @@
 #include "formats/nastran/rows.hpp"
 #include "mottle/core/error.hpp"
 #include "mottle/core/files.hpp"
+#include "mottle/core/text.hpp"
 
 namespace mottle::nastran {
 namespace {

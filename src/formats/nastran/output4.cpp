@@ -6,6 +6,7 @@
 #include <cstdlib>
 
 #include "formats/matrices/matrix_readers.hpp"
+#include "mottle/core/text.hpp"
 
 namespace mottle {
 namespace {
@@ -166,7 +167,7 @@ class TextReader final : public Reader {
         text_.fail("expected the header of a matrix: four whole numbers in 8 columns each, a name and a format");
       }
     }
-    const std::string rest = capital_letters(text_.line().substr(4 * k_field));
+    const std::string rest = capitals(text_.line().substr(4 * k_field));
     header.name = std::string(trim_blanks(rest.substr(0, k_field)));
     const std::size_t format = rest.find(',');
     const std::size_t letter = format == std::string::npos ? format : rest.find_first_of("ED", format);
@@ -270,7 +271,7 @@ class BinaryReader final : public Reader {
     if (record_.size() != k_bytes) fail_at(fmt::format("the header of a matrix has {} bytes, not 24", record_.size()));
     for (long long* number : {&header.columns, &header.rows, &header.form, &header.type})
       *number = take<std::int32_t>();
-    header.name = capital_letters(trim_blanks(record_));
+    header.name = capitals(trim_blanks(record_));
     return true;
   }
 

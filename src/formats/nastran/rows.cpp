@@ -152,12 +152,6 @@ std::string_view without_comment(std::string_view line) {
   return line;
 }
 
-std::string capitals(std::string_view text) {
-  std::string copy(text);
-  make_capitals(copy, copy);
-  return copy;
-}
-
 void make_capitals(std::string& bytes, std::string_view part) {
   if (part.empty()) return;
   char* const first = bytes.data() + (part.data() - bytes.data());

@@ -32,7 +32,6 @@ std::string shown(std::string_view text);
 std::string_view trim(std::string_view text);
 /// Everything in front of a '$' that stands outside quotes.
 std::string_view without_comment(std::string_view line);
-std::string capitals(std::string_view text);
 /// Puts part of `bytes` into capitals; `part` looks into `bytes`.
 void make_capitals(std::string& bytes, std::string_view part);
 

@@ -31,12 +31,8 @@ TargetName split(const std::string& parameter, const std::string& target) {
   const auto [stop, error] = std::from_chars(begin, end, name.id);
   require_of(has_parts && error == std::errc() && stop == end, subject_parameter(parameter),
              "target '{}' is not CARD:ID:FIELD, like MAT1:2:E or PELAS:160:K", target);
-  name.card = target.substr(0, first);
-  name.field = target.substr(second + 1);
-  for (std::string* text : {&name.card, &name.field}) {
-    std::transform(text->begin(), text->end(), text->begin(),
-                   [](unsigned char letter) { return static_cast<char>(std::toupper(letter)); });
-  }
+  name.card = capitals(target.substr(0, first));
+  name.field = capitals(target.substr(second + 1));
   return name;
 }
 

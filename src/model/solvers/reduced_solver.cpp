@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <ctime>
-#include <numeric>
 
 #include "model/solvers/reduced_model_cache.hpp"
 #include "mottle/core/error.hpp"

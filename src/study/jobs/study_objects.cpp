@@ -1,7 +1,6 @@
 #include "mottle/study/jobs/study_objects.hpp"
 
 #include <algorithm>
-#include <limits>
 #include <numeric>
 #include <set>
 

@@ -1,7 +1,6 @@
 // What kinds of model have in common.
 #pragma once
 
-#include <set>
 #include <string>
 
 #include "mottle/drivers/command/solver_command.hpp"

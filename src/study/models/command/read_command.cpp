@@ -1,9 +1,7 @@
 // [model] of kind "command": a solver that is run by its command.
 #include "study/models/command/read_command.hpp"
 
-#include <algorithm>
 #include <charconv>
-#include <cmath>
 #include <set>
 
 #include "mottle/core/text.hpp"

@@ -1,10 +1,10 @@
 // [model] of kind "nastran": a deck with parameters on the fields of its cards.
-#include <algorithm>
 #include <cctype>
 #include <map>
 #include <set>
 
 #include "mottle/core/error.hpp"
+#include "mottle/core/text.hpp"
 #include "mottle/formats/nastran/model.hpp"
 #include "mottle/model/structures/finite_element_structure.hpp"
 #include "study/input/key_error.hpp"
@@ -14,12 +14,6 @@
 
 namespace mottle {
 namespace {
-
-std::string capitals(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](unsigned char letter) { return static_cast<char>(std::toupper(letter)); });
-  return text;
-}
 
 /// Unit of a card's number, from what its name means on that card.
 std::string field_unit(const std::string& card, const std::string& name, const UnitNames& units) {
