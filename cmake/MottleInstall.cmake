@@ -5,6 +5,7 @@ if(NOT MOTTLE_INSTALL)
   return()
 endif()
 include(CMakePackageConfigHelpers)
+include(PublicHeaders)
 
 set(mottle_cmake_dir ${CMAKE_INSTALL_LIBDIR}/cmake/mottle)
 get_property(mottle_layers GLOBAL PROPERTY MOTTLE_LAYERS)
@@ -16,8 +17,11 @@ target_link_libraries(mottle INTERFACE mottle::report)  # the top layer; the oth
 # because a static library names even what it links privately.
 install(TARGETS ${mottle_layers} mottle_tomlplusplus mottle_re2 mottle_sparse mottle_hdf5 mottle EXPORT mottle
   ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development)
-install(DIRECTORY include/mottle DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development
-  FILES_MATCHING PATTERN "*.hpp")
+mottle_public_headers(mottle_headers)
+foreach(header ${mottle_headers})
+  cmake_path(GET header PARENT_PATH folder)
+  install(FILES include/${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/${folder} COMPONENT development)
+endforeach()
 install(EXPORT mottle FILE mottleTargets.cmake NAMESPACE mottle:: DESTINATION ${mottle_cmake_dir}
   COMPONENT development)
 configure_package_config_file(cmake/mottleConfig.cmake.in mottleConfig.cmake INSTALL_DESTINATION ${mottle_cmake_dir})

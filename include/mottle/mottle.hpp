@@ -6,6 +6,7 @@
 #include "mottle/core/run_context.hpp"      // seed, threads, progress, stop
 #include "mottle/model/function_model.hpp"  // a model of one's own
 #include "mottle/model/parameters/parameter_space.hpp"
+#include "mottle/report/report.hpp"      // report.html of a folder of results
 #include "mottle/study/input/study.hpp"  // a study file as plain data
 #include "mottle/study/jobs/diagnose.hpp"
 #include "mottle/study/jobs/forward.hpp"

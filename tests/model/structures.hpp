@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "mottle/fem/assembly/mass_spring.hpp"
-#include "mottle/model/structures/affine_matrices.hpp"
+#include "mottle/model/parameters/parameter_targets.hpp"
 
 namespace mottle::test {
 

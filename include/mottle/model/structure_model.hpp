@@ -9,11 +9,11 @@
 #include "mottle/model/model.hpp"
 #include "mottle/model/responses/modal_outputs.hpp"
 #include "mottle/model/solvers/solver.hpp"
-#include "mottle/model/structures/affine_matrices.hpp"
 
 namespace mottle {
 
 class Response;
+struct AffineStructure;
 struct ModeMatch;
 
 /// Outputs of K(x), M(x), C(x). Modes have the numbers, and shapes the signs, of the reference's.

@@ -99,10 +99,4 @@ AffineStructure separate(const MassSpringSystem& system, const std::vector<Param
   return structure;
 }
 
-PhysicalLimit physical_limit(const ParameterTargets& parameter) {
-  const bool is_damping_only = std::all_of(parameter.targets.begin(), parameter.targets.end(),
-                                           [](const std::string& target) { return target.rfind("damper:", 0) == 0; });
-  return {.lower = 0.0, .excludes_lower = !is_damping_only};
-}
-
 }  // namespace mottle

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "mottle/core/error.hpp"
 #include "mottle/core/text.hpp"
 
 namespace mottle {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "mottle/core/error.hpp"
 #include "mottle/core/text.hpp"
 
 namespace mottle {

@@ -5,6 +5,7 @@
 
 #include "mottle/core/text.hpp"
 #include "mottle/stats/distributions/joint_distribution.hpp"
+#include "mottle/study/models/model_source.hpp"
 #include "study/input/study_sections.hpp"
 
 namespace mottle {

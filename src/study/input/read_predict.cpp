@@ -1,4 +1,5 @@
 // [surrogate], [predict] and [diagnose]: what is asked beside the update.
+#include "mottle/study/models/model_source.hpp"
 #include "study/input/study_sections.hpp"
 
 namespace mottle {

@@ -7,6 +7,7 @@
 
 #include "mottle/core/error.hpp"
 #include "mottle/core/text.hpp"
+#include "mottle/study/models/model_source.hpp"
 #include "study/input/key_error.hpp"
 
 namespace mottle {

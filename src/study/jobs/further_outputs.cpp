@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "mottle/core/text.hpp"
+#include "mottle/study/models/model_source.hpp"
 
 namespace mottle {
 namespace {

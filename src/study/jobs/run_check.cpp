@@ -8,8 +8,9 @@
 #include "mottle/drivers/command/run_folders.hpp"
 #include "mottle/dynamics/modes/mode_set.hpp"
 #include "mottle/study/jobs/run.hpp"
-#include "mottle/study/jobs/update_plan.hpp"
+#include "mottle/study/models/model_source.hpp"
 #include "study/jobs/study_reach.hpp"
+#include "study/jobs/update_plan.hpp"
 #include "study/results/result_json.hpp"
 
 namespace mottle {

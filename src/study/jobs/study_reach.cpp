@@ -4,6 +4,7 @@
 
 #include "mottle/core/error.hpp"
 #include "mottle/core/text.hpp"
+#include "mottle/study/models/model_source.hpp"
 #include "study/tests/test_files.hpp"
 
 namespace mottle {

@@ -3,7 +3,9 @@
 #include "mottle/core/error.hpp"
 #include "mottle/model/journal.hpp"
 #include "mottle/study/results/run_folder.hpp"
+#include "study/jobs/find_could_hide.hpp"
 #include "study/jobs/job_files.hpp"
+#include "study/jobs/update_workings.hpp"
 #include "study/results/solver_use.hpp"
 #include "study/results/update_text.hpp"
 #include "study/tests/rank_numbering.hpp"
@@ -50,39 +52,46 @@ std::optional<std::string> doubt_of_numbering(const UpdatePlan& plan, const Upda
 
 /// Verdict, what could hide behind it, and the prediction.
 void assess(UpdateOutcome& outcome, const RunContext& context) {
+  const UpdatePlan& plan = outcome.workings->plan;
   const UpdatingProblem& problem = outcome.problem();
   UpdatingResult& result = outcome.result;
   outcome.could_hide =
-      find_could_hide(outcome.study, outcome.plan.made, problem, result, judge(problem, result).conclusion, context);
+      find_could_hide(outcome.study, plan.made, problem, result, judge(problem, result).conclusion, context);
   const CouldHide& hidden = outcome.could_hide;
   result.not_tested.insert(result.not_tested.end(), hidden.sentences.begin(), hidden.sentences.end());
   result.notes.insert(result.notes.end(), hidden.notes.begin(), hidden.notes.end());
   outcome.verdict = judge(problem, result);
-  outcome.numbering = doubt_of_numbering(outcome.plan, result);
+  outcome.numbering = doubt_of_numbering(plan, result);
   if (outcome.numbering) context.warning(*outcome.numbering);
-  if (outcome.plan.prediction) {
-    outcome.prediction = run_prediction(outcome.study, *outcome.plan.prediction, problem, result, context);
+  if (plan.prediction) {
+    outcome.prediction = run_prediction(outcome.study, *plan.prediction, problem, result, context);
   }
 }
 
 }  // namespace
 
+const UpdatingProblem& UpdateOutcome::problem() const {
+  return workings->problem();
+}
+
 UpdateOutcome update(const Study& study, const RunSettings& settings) {
   const double start = steady_seconds();
-  UpdateOutcome outcome{.study = study, .plan = plan_update(study, settings)};
+  const auto workings = std::make_shared<UpdateWorkings>(UpdateWorkings{.plan = plan_update(study, settings)});
+  const UpdatePlan& plan = workings->plan;
+  UpdateOutcome outcome{.study = study, .workings = workings};
   const JobFiles files(settings, k_log, k_journal);
   const RunContext context = files.context(study, settings);
-  auto model = std::make_unique<JournalledModel>(*outcome.plan.made.model, files.journal(),
-                                                 study_fingerprint(study, outcome.plan.made), settings.resume);
+  auto model = std::make_unique<JournalledModel>(*plan.made.model, files.journal(), study_fingerprint(study, plan.made),
+                                                 settings.resume);
   const JournalledModel& journalled = *model;
-  outcome.model = std::move(model);
-  outcome.given = std::make_unique<UpdatingProblem>(problem_of(study, outcome.plan, *outcome.model));
-  if (study.surrogate) outcome.surrogate = std::make_unique<SurrogateUpdate>(*outcome.given, *study.surrogate);
-  note_what_is_given(study, outcome.plan, context);
+  workings->model = std::move(model);
+  workings->given = std::make_unique<UpdatingProblem>(problem_of(study, plan, *workings->model));
+  if (study.surrogate) workings->surrogate = std::make_unique<SurrogateUpdate>(*workings->given, *study.surrogate);
+  note_what_is_given(study, plan, context);
   const double ready = steady_seconds();
   outcome.result = files.compute(study, result_names(), [&] {
-    return outcome.surrogate ? outcome.surrogate->run(*outcome.plan.method, context)
-                             : outcome.plan.method->update(*outcome.given, context);
+    return workings->surrogate ? workings->surrogate->run(*plan.method, context)
+                               : plan.method->update(*workings->given, context);
   });
   if (outcome.result.status == UpdatingStatus::stopped) throw Stopped(outcome.result.message);
   const double updated = steady_seconds();

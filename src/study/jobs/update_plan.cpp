@@ -1,4 +1,4 @@
-#include "mottle/study/jobs/update_plan.hpp"
+#include "study/jobs/update_plan.hpp"
 
 #include "mottle/core/error.hpp"
 #include "mottle/updating/methods/surrogate_update.hpp"

@@ -1,6 +1,7 @@
 // [surrogate] of a study and of its results.
 #pragma once
 
+#include "mottle/updating/methods/surrogate_update.hpp"
 #include "study/results/result_json.hpp"
 
 namespace mottle {

@@ -5,6 +5,7 @@
 #include "mottle/formats/tables/csv.hpp"
 #include "mottle/study/jobs/update.hpp"
 #include "mottle/study/results/run_folder.hpp"
+#include "study/jobs/update_workings.hpp"
 #include "study/results/could_hide_json.hpp"
 #include "study/results/modes_json.hpp"
 #include "study/results/prediction_files.hpp"
@@ -52,12 +53,13 @@ void write_shapes(const RunFolder& folder, const StructureModel& model, const Ei
 }
 
 Json outcome_json(const UpdateOutcome& outcome) {
-  const UpdatePlan& plan = outcome.plan;
+  const UpdatePlan& plan = outcome.workings->plan;
+  const SurrogateUpdate* const surrogate = outcome.workings->surrogate.get();
   Json json =
       update_result_json(outcome.study, plan.tests, outcome.problem(), *plan.method, outcome.result, outcome.verdict);
   json["verdict"]["could_hide"] = could_hide_json(outcome.could_hide, plan.made.space->names());
   if (outcome.numbering) json["notes"].push_back(*outcome.numbering + '.');
-  json["surrogate"] = outcome.surrogate ? surrogate_json(*outcome.study.surrogate, *outcome.surrogate) : Json(nullptr);
+  json["surrogate"] = surrogate ? surrogate_json(*outcome.study.surrogate, *surrogate) : Json(nullptr);
   if (outcome.prediction) {
     json["prediction"] =
         prediction_json(*outcome.prediction, plan.prediction->made.model->outputs(), outcome.study.predict->overrides);
@@ -72,8 +74,9 @@ void write_results(const UpdateOutcome& outcome, const std::filesystem::path& pa
   const double start = steady_seconds();
   const RunFolder folder(path);
   folder.set_aside(result_names());  // where the job ran without a folder
-  const StudyModel& made = outcome.plan.made;
-  const StudyTests& tests = outcome.plan.tests;
+  const UpdatePlan& plan = outcome.workings->plan;
+  const StudyModel& made = plan.made;
+  const StudyTests& tests = plan.tests;
   const std::vector<Quantity>& outputs = made.model->outputs();
   const std::vector<IterationRecord>& history = outcome.result.history;
   std::vector<Cloud> clouds;
@@ -86,7 +89,7 @@ void write_results(const UpdateOutcome& outcome, const std::filesystem::path& pa
   folder.write("tests.csv", tests_csv(tests, outputs));
   if (!tests.pairing.empty()) folder.write("pairing.csv", tests.pairing);
   if (outcome.prediction) {
-    folder.write("prediction.csv", prediction_csv(*outcome.prediction, outcome.plan.prediction->made.model->outputs()));
+    folder.write("prediction.csv", prediction_csv(*outcome.prediction, plan.prediction->made.model->outputs()));
   }
   write_shapes(folder, *made.model, outcome.result.mean);
   Json json = outcome_json(outcome);

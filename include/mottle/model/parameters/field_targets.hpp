@@ -6,7 +6,7 @@
 
 #include "mottle/fem/assembly/assembly.hpp"
 #include "mottle/fem/finite_element_model.hpp"
-#include "mottle/model/structures/affine_matrices.hpp"
+#include "mottle/model/parameters/parameter_targets.hpp"
 
 namespace mottle {
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "mottle/core/random.hpp"
-#include "mottle/model/structures/affine_matrices.hpp"
+#include "mottle/model/parameters/parameter_targets.hpp"
 #include "mottle/stats/distributions/joint_distribution.hpp"
 #include "mottle/stats/sampling/sampling.hpp"
 

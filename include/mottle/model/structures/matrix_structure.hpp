@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "mottle/formats/matrices/matrix_file.hpp"
-#include "mottle/model/structures/affine_matrices.hpp"
+#include "mottle/model/parameters/parameter_targets.hpp"
 #include "mottle/model/structures/sparse_structure.hpp"
 
 namespace mottle {

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <map>
@@ -17,10 +16,11 @@
 #include "mottle/stats/distributions/distribution.hpp"
 #include "mottle/stats/distributions/normal_scale.hpp"
 #include "mottle/stats/sampling/sampling.hpp"
-#include "mottle/study/models/model_source.hpp"
-#include "mottle/updating/methods/surrogate_update.hpp"
+#include "mottle/updating/methods/surrogate_settings.hpp"
 
 namespace mottle {
+
+class ModelSource;
 
 /// One [[parameter]].
 struct StudyParameter {
@@ -106,9 +106,9 @@ struct Study {
   std::string title;
   std::string units = "SI";
   std::uint64_t seed = 1;
-  std::shared_ptr<const ModelSource> model;
-  bool may_reduce = true;      ///< clouds by a reduced model, where [model] allows it and it pays
-  StudyParameters parameters;  ///< empty in a study that only holds a truth
+  std::shared_ptr<const ModelSource> model;  ///< [model]
+  bool may_reduce = true;                    ///< clouds by a reduced model, where [model] allows it and it pays
+  StudyParameters parameters;                ///< empty in a study that only holds a truth
   ModalOutputs outputs;
   std::optional<StudyTest> test;
   StudyUpdate update;

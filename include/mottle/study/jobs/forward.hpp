@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "mottle/study/jobs/run.hpp"
-#include "mottle/study/jobs/study_objects.hpp"
+#include "mottle/study/jobs/study_model.hpp"
 #include "mottle/updating/methods/cloud.hpp"
 
 namespace mottle {

@@ -3,27 +3,17 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "mottle/core/checksum.hpp"
-#include "mottle/model/parameters/parameter_space.hpp"
-#include "mottle/model/structure_model.hpp"
 #include "mottle/study/input/study.hpp"
 #include "mottle/study/jobs/run.hpp"
+#include "mottle/study/jobs/study_model.hpp"
 #include "mottle/updating/methods/updater.hpp"
 
 namespace mottle {
-
-/// Parameters and the model that they drive.
-struct StudyModel {
-  std::unique_ptr<ParameterSpace> space;
-  std::unique_ptr<StructureModel> model;
-  std::vector<std::string> files = {};  ///< that the model was read from
-  std::vector<std::string> notes = {};  ///< what a reader of the model should know
-};
 
 /// @param settings  folders of results and of what later runs may use again; without a folder of results, runs of a
 ///                  solver by command are kept nowhere

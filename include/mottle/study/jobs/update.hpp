@@ -10,19 +10,16 @@
 #include "mottle/study/jobs/could_hide.hpp"
 #include "mottle/study/jobs/predict.hpp"
 #include "mottle/study/jobs/run.hpp"
-#include "mottle/study/jobs/update_plan.hpp"
-#include "mottle/updating/methods/surrogate_update.hpp"
 #include "mottle/updating/verdict/verdict.hpp"
 
 namespace mottle {
 
-/// What an update found, and all that it was found from.
+struct UpdateWorkings;
+
+/// What an update found.
 struct UpdateOutcome {
   Study study;
-  UpdatePlan plan;
-  std::unique_ptr<const Model> model = nullptr;            ///< that was run; see plan.made for what it is
-  std::unique_ptr<const UpdatingProblem> given = nullptr;  ///< over `model`
-  std::unique_ptr<SurrogateUpdate> surrogate = nullptr;    ///< null: the method ran the model itself
+  std::shared_ptr<const UpdateWorkings> workings = nullptr;  ///< model, tests and method; opaque, see problem()
   UpdatingResult result = {};
   Verdict verdict = {};
   CouldHide could_hide = {};
@@ -31,8 +28,8 @@ struct UpdateOutcome {
   SolverUse solver_use = {};
   double reading_seconds = 0.0, updating_seconds = 0.0, assessing_seconds = 0.0;
 
-  /// As the method saw it last.
-  const UpdatingProblem& problem() const { return surrogate ? surrogate->problem() : *given; }
+  /// Model, parameters and tests as the method saw them last: with a surrogate for the model where the study has one.
+  const UpdatingProblem& problem() const;
 };
 
 /// Updates. Where `settings` name a folder, its mottle.log tells what happens, its journal lets a killed update go on,

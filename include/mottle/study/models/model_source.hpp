@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "mottle/model/parameters/parameter_targets.hpp"
 #include "mottle/model/solvers/solver.hpp"
-#include "mottle/model/structures/affine_matrices.hpp"
 #include "mottle/model/structures/sparse_structure.hpp"
 #include "mottle/stats/distributions/joint_distribution.hpp"
 #include "mottle/study/run_settings.hpp"

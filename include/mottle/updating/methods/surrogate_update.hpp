@@ -4,17 +4,10 @@
 #include <vector>
 
 #include "mottle/model/surrogate_model.hpp"
+#include "mottle/updating/methods/surrogate_settings.hpp"
 #include "mottle/updating/methods/updater.hpp"
 
 namespace mottle {
-
-struct SurrogateSettings {
-  SurrogateKind kind = SurrogateKind::kriging;
-  int runs = 0;            ///< of the first design; 0: ten a parameter, more where the kind needs them
-  double spread = 3.0;     ///< half the first design's width, in deviations of the prior
-  int rounds = 3;          ///< most refinements
-  double tolerance = 0.1;  ///< error that is good enough, as a part of the tests' scatter
-};
 
 /// What was known of the surrogate's error in one round.
 struct SurrogateRound {

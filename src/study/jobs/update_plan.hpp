@@ -5,10 +5,10 @@
 #include <optional>
 #include <vector>
 
-#include "mottle/study/jobs/predict.hpp"
 #include "mottle/study/jobs/run.hpp"
 #include "mottle/study/jobs/study_objects.hpp"
 #include "mottle/updating/methods/updater.hpp"
+#include "study/jobs/prediction_plan.hpp"
 
 namespace mottle {
 

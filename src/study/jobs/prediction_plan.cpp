@@ -1,10 +1,11 @@
-#include "mottle/study/jobs/predict.hpp"
+#include "study/jobs/prediction_plan.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 #include "mottle/core/error.hpp"
 #include "mottle/core/text.hpp"
+#include "mottle/study/models/model_source.hpp"
 #include "study/input/key_error.hpp"
 #include "study/input/noise_rules.hpp"
 

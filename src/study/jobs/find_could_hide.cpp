@@ -1,4 +1,4 @@
-#include "mottle/study/jobs/could_hide.hpp"
+#include "study/jobs/find_could_hide.hpp"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -10,6 +10,7 @@
 
 #include "mottle/core/text.hpp"
 #include "mottle/stats/distributions/chi_squared.hpp"
+#include "mottle/study/models/model_source.hpp"
 #include "mottle/updating/methods/iteration.hpp"
 #include "study/jobs/could_hide_text.hpp"
 #include "study/jobs/error_derivatives.hpp"

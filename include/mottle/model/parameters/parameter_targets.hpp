@@ -1,0 +1,25 @@
+// What a parameter acts on in a model, and which values of it are possible.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace mottle {
+
+/// What one parameter acts on.
+struct ParameterTargets {
+  std::string parameter;             ///< its name, for messages
+  std::vector<std::string> targets;  ///< "spring:k1", "mass:m1", "damper:c1"
+  bool is_factor = false;            ///< the value multiplies the nominal value instead of replacing it
+};
+
+/// Whether a parameter is a stiffness or mass (must be > 0), or damping alone (must be >= 0).
+struct PhysicalLimit {
+  double lower = 0.0;
+  bool excludes_lower = true;
+};
+
+/// The physically possible values of one parameter.
+PhysicalLimit physical_limit(const ParameterTargets& parameter);
+
+}  // namespace mottle

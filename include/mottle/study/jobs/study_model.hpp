@@ -1,0 +1,21 @@
+// The model of a study.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "mottle/model/parameters/parameter_space.hpp"
+#include "mottle/model/structure_model.hpp"
+
+namespace mottle {
+
+/// Parameters and the model that they drive.
+struct StudyModel {
+  std::unique_ptr<ParameterSpace> space;
+  std::unique_ptr<StructureModel> model;
+  std::vector<std::string> files = {};  ///< that the model was read from
+  std::vector<std::string> notes = {};  ///< what a reader of the model should know
+};
+
+}  // namespace mottle

@@ -1,0 +1,22 @@
+// All that an update was computed with.
+#pragma once
+
+#include <memory>
+
+#include "mottle/model/model.hpp"
+#include "mottle/updating/methods/surrogate_update.hpp"
+#include "mottle/updating/methods/updater.hpp"
+#include "study/jobs/update_plan.hpp"
+
+namespace mottle {
+
+struct UpdateWorkings {
+  UpdatePlan plan;
+  std::unique_ptr<const Model> model = nullptr;            ///< that was run; see plan.made for what it is
+  std::unique_ptr<const UpdatingProblem> given = nullptr;  ///< over `model`
+  std::unique_ptr<SurrogateUpdate> surrogate = nullptr;    ///< null: the method ran the model itself
+
+  const UpdatingProblem& problem() const { return surrogate ? surrogate->problem() : *given; }
+};
+
+}  // namespace mottle
