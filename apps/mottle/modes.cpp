@@ -1,4 +1,6 @@
 // mottle modes: natural frequencies and shapes of a model, a page to look at them, MAC against others.
+#include "mottle/study/jobs/modes.hpp"
+
 #include <fmt/format.h>
 
 #include <memory>
@@ -6,7 +8,6 @@
 #include "common_options.hpp"
 #include "mottle/core/text.hpp"
 #include "mottle/report/report.hpp"
-#include "mottle/study/jobs/run_modes.hpp"
 #include "mottle/study/results/folder_lock.hpp"
 
 namespace mottle::app {
@@ -14,11 +15,12 @@ namespace mottle::app {
 void add_modes(CLI::App& app) {
   CLI::App* verb = app.add_subcommand("modes", "natural frequencies and shapes of a Nastran deck; MAC against others");
   const auto settings = std::make_shared<ModesSettings>();
+  const auto folder = std::make_shared<std::filesystem::path>();
   const auto cards = std::make_shared<std::vector<std::string>>();
   const auto is_json = std::make_shared<bool>(false);
   const auto is_quiet = std::make_shared<bool>(false);
   verb->add_option("model", settings->model, "Nastran deck")->required();
-  verb->add_option("--out", settings->folder, "folder of the results (default: MODEL.modes beside the deck)");
+  verb->add_option("--out", *folder, "folder of the results (default: MODEL.modes beside the deck)");
   verb->add_option("--modes", settings->modes, "how many of the lowest (default: the deck's EIGRL, or 10)")
       ->check(CLI::Range(1, 100000));
   verb->add_option("--compare", settings->compare, "CSV of shapes (dof, one column a mode) or another deck");
@@ -28,17 +30,16 @@ void add_modes(CLI::App& app) {
   verb->add_flag("--quiet", *is_quiet, "print nothing");
   verb->callback([=] {
     settings->ignore_cards = {cards->begin(), cards->end()};
-    if (settings->folder.empty()) {
-      settings->folder = settings->model;
-      settings->folder.replace_extension(".modes");
-    }
-    const FolderLock lock(settings->folder);
-    const RunSummary summary = run_modes(*settings);
-    write_modes_page(settings->folder);
+    if (folder->empty()) *folder = std::filesystem::path(settings->model).replace_extension(".modes");
+    const FolderLock lock(*folder);
+    const ModesOutcome outcome = find_modes(*settings);
+    write_results(outcome, *folder);
+    write_modes_page(*folder);
+    const RunSummary summary = summarise(outcome, *folder);
     if (*is_json) {
       fmt::print("{}\n", summary.json);
     } else if (!*is_quiet) {
-      fmt::print("{}\npage: {}\n", join(summary.lines, "\n"), (settings->folder / "modes.html").string());
+      fmt::print("{}\npage: {}\n", join(summary.lines, "\n"), (*folder / "modes.html").string());
     }
   });
 }

@@ -1,0 +1,150 @@
+#include "mottle/study/jobs/modes.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "mottle/core/error.hpp"
+#include "mottle/dynamics/modes/mac.hpp"
+#include "mottle/dynamics/modes/mode_set.hpp"
+#include "mottle/formats/nastran/model.hpp"
+#include "mottle/formats/tables/csv.hpp"
+#include "mottle/study/input/text_file.hpp"
+#include "mottle/study/results/run_folder.hpp"
+#include "study/jobs/solved_deck.hpp"
+
+namespace mottle {
+namespace {
+
+constexpr int k_usual_modes = 10;
+
+SolvedDeck solve_deck(const std::filesystem::path& deck, const std::set<std::string>& ignore_cards, int modes) {
+  const double start = steady_seconds();
+  NastranModel read = read_nastran_model(deck, {.ignore_cards = ignore_cards});
+  SolvedDeck solved;
+  solved.read_seconds = steady_seconds() - start;
+  solved.notes = std::move(read.notes);
+  if (modes == 0) modes = read.model.settings.modes > 0 ? read.model.settings.modes : k_usual_modes;
+  const Eigen::VectorXd none;
+  try {
+    auto structure =
+        std::make_unique<FiniteElementStructure>(std::move(read.model), std::vector<ParameterTargets>{}, none);
+    solved.structure = structure.get();
+    solved.solver = std::make_unique<ExactSolver>(std::move(structure));
+  } catch (const FormatError&) {
+    throw;
+  } catch (const InvalidInput& error) {
+    throw InvalidInput(fmt::format("{}: {}", deck.string(), error.what()));
+  }
+  const double assembled = steady_seconds();
+  solved.assembly_seconds = assembled - start - solved.read_seconds;
+  solved.modes = solved.solver->solve_one(none, {.modes = modes, .counts_below = true});
+  if (!solved.modes.failure.empty()) {
+    throw InvalidInput(fmt::format("{}: {}", deck.string(), solved.solver->failure_text(solved.modes)));
+  }
+  if (!solved.modes.is_complete()) {
+    throw SystemFailure(fmt::format("{}: {} modes were found below {:.6g} (rad/s)^2, the inertia of K - s M counts {}",
+                                    deck.string(), solved.modes.values.size(), solved.modes.counted_at,
+                                    solved.modes.counted_below));
+  }
+  solved.solution_seconds = steady_seconds() - assembled;
+  const double scale = solved.modes.values.cwiseAbs().maxCoeff();
+  solved.frequencies.resize(solved.modes.values.size());
+  for (Eigen::Index r = 0; r < solved.frequencies.size(); ++r) {
+    solved.frequencies(r) = natural_frequency_hz(solved.modes.values(r), scale);
+  }
+  return solved;
+}
+
+/// Shapes to compare with, at degrees of freedom that both sides have.
+struct Shapes {
+  std::vector<std::string> names;  ///< of the other side's modes
+  Eigen::MatrixXd own, other;      ///< [common degree of freedom x mode]
+};
+
+Shapes shapes_of_table(const SolvedDeck& solved, const std::filesystem::path& file) {
+  const CsvTable table = parse_csv(read_text_file(file), file.string());
+  const int column = table.find("dof");
+  if (column < 0) throw FormatError(file.string(), 1, "has no column 'dof' with names like 101:+Z");
+  Shapes result;
+  std::vector<int> slots;
+  for (std::size_t row = 0; row < table.rows.size(); ++row) {
+    const std::string& name = table.rows[row][static_cast<std::size_t>(column)];
+    slots.push_back(solved.structure->find_degree_of_freedom(name));
+    if (slots.back() < 0) {
+      throw FormatError(file.string(), table.lines[row], solved.structure->unknown_degree_of_freedom(name));
+    }
+  }
+  result.own = solved.structure->displacements(solved.modes.vectors, slots);
+  for (std::size_t other = 0; other < table.header.size(); ++other) {
+    if (static_cast<int>(other) == column) continue;
+    result.names.push_back(table.header[other]);
+    result.other.conservativeResize(static_cast<Eigen::Index>(table.rows.size()), result.other.cols() + 1);
+    result.other.rightCols(1) = numbers_of_column(table, static_cast<int>(other));
+  }
+  require(!result.names.empty() && !slots.empty(),
+          "{}: holds no shape: a column 'dof' and one column a mode are needed", file.string());
+  return result;
+}
+
+Shapes shapes_of_deck(const SolvedDeck& solved, const ModesSettings& settings) {
+  const SolvedDeck other =
+      solve_deck(*settings.compare, settings.ignore_cards, static_cast<int>(solved.modes.values.size()));
+  std::vector<int> here;
+  std::vector<int> there;
+  for (const Equation& equation : solved.structure->assembled().equations) {
+    if (equation.component > 2) continue;
+    const int id = solved.structure->model().nodes[static_cast<std::size_t>(equation.node)].id;
+    const int node = other.structure->model().find_node(id);
+    if (node < 0) continue;
+    here.push_back(6 * equation.node + equation.component);
+    there.push_back(6 * node + equation.component);
+  }
+  require(!here.empty(), "{} and {} have no grid point in common", settings.model.string(), settings.compare->string());
+  Shapes result{{},
+                solved.structure->displacements(solved.modes.vectors, here),
+                other.structure->displacements(other.modes.vectors, there)};
+  for (const double frequency : other.frequencies) {
+    result.names.push_back(fmt::format("{}: {:.5g} Hz", result.names.size() + 1, frequency));
+  }
+  return result;
+}
+
+ModeComparison compare(const Shapes& shapes) {
+  ModeComparison result{shapes.names, Eigen::MatrixXd(shapes.own.cols(), shapes.other.cols()), {}, shapes.own.rows()};
+  Eigen::MatrixXd& mac = result.mac;
+  for (Eigen::Index c = 0; c < mac.cols(); ++c) {
+    std::vector<Eigen::Index> measured;  // each shape is compared where it was measured
+    for (Eigen::Index d = 0; d < shapes.other.rows(); ++d) {
+      if (!std::isnan(shapes.other(d, c))) measured.push_back(d);
+    }
+    mac.col(c) = modal_assurance_criterion(shapes.own(measured, Eigen::all), shapes.other(measured, c));
+  }
+  const bool is_wide = mac.rows() <= mac.cols();
+  const std::vector<int> pairs = optimal_assignment(is_wide ? mac : Eigen::MatrixXd(mac.transpose()));
+  result.partner.assign(static_cast<std::size_t>(mac.rows()), -1);
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    const std::size_t own = is_wide ? k : static_cast<std::size_t>(pairs[k]);
+    result.partner[own] = static_cast<Eigen::Index>(is_wide ? pairs[k] : static_cast<int>(k));
+  }
+  return result;
+}
+
+}  // namespace
+
+ModesOutcome find_modes(const ModesSettings& settings) {
+  const double start = steady_seconds();
+  ModesOutcome outcome{.settings = settings};
+  const auto deck =
+      std::make_shared<const SolvedDeck>(solve_deck(settings.model, settings.ignore_cards, settings.modes));
+  outcome.deck = deck;
+  outcome.seconds = steady_seconds() - start;
+  if (settings.compare) {
+    const std::string extension = settings.compare->extension().string();
+    const bool is_table = extension == ".csv" || extension == ".CSV";
+    outcome.comparison =
+        compare(is_table ? shapes_of_table(*deck, *settings.compare) : shapes_of_deck(*deck, settings));
+  }
+  return outcome;
+}
+
+}  // namespace mottle

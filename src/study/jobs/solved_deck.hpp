@@ -1,0 +1,24 @@
+// A deck with its modes, as `modes` solves it and its files show it.
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "mottle/model/solvers/exact_solver.hpp"
+#include "mottle/model/structures/finite_element_structure.hpp"
+
+namespace mottle {
+
+/// A deck with its modes.
+struct SolvedDeck {
+  std::unique_ptr<ExactSolver> solver;
+  const FiniteElementStructure* structure = nullptr;  ///< the solver's
+  SparseModes modes;
+  Eigen::VectorXd frequencies;  ///< Hz where the deck's time unit is the second
+  std::vector<std::string> notes;
+  double read_seconds = 0.0, assembly_seconds = 0.0, solution_seconds = 0.0;
+};
+
+}  // namespace mottle
