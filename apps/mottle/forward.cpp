@@ -7,6 +7,7 @@
 
 #include "common_options.hpp"
 #include "mottle/report/report.hpp"
+#include "mottle/study/jobs/check.hpp"
 #include "mottle/study/results/folder_lock.hpp"
 #include "mottle/study/results/run_folder.hpp"
 
@@ -63,7 +64,7 @@ void add_check(CLI::App& app) {
   add_common_options(*verb, *options);
   verb->callback([options] {
     Console console(options->quiet);
-    print_summary(*options, run_check(read_study(*options), run_settings(*options, console)));
+    print_summary(*options, summarise(check(read_study(*options), run_settings(*options, console))));
   });
 }
 

@@ -8,8 +8,10 @@
 #include "mottle/model/parameters/parameter_space.hpp"
 #include "mottle/report/report.hpp"      // report.html of a folder of results
 #include "mottle/study/input/study.hpp"  // a study file as plain data
+#include "mottle/study/jobs/check.hpp"
 #include "mottle/study/jobs/diagnose.hpp"
 #include "mottle/study/jobs/forward.hpp"
+#include "mottle/study/jobs/modes.hpp"
 #include "mottle/study/jobs/update.hpp"
 #include "mottle/updating/methods/updater.hpp"  // every method over any model
 #include "mottle/updating/verdict/verdict.hpp"

@@ -18,9 +18,4 @@ struct RunSummary {
   std::string json = {};                ///< for a machine: one line
 };
 
-/// Reads everything, refuses whatever update() would refuse before its first cloud, and says what would run, with the
-/// programs and the files outside of the study's folder. Computes nothing long, writes nothing into `folder`; a solver
-/// by command is run once.
-RunSummary run_check(const Study& study, const RunSettings& settings);
-
 }  // namespace mottle

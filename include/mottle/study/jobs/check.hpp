@@ -1,0 +1,38 @@
+// The job of `mottle check`: what a study is, and whether an update would be refused.
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "mottle/study/input/study.hpp"
+#include "mottle/study/jobs/run.hpp"
+
+namespace mottle {
+
+/// What a study reaches beyond its own folder, for whoever is handed a study by a stranger: the programs that it runs
+/// and the files that lie elsewhere.
+struct StudyReach {
+  std::vector<std::string> programs;  ///< "model.command: python3 solver.py"
+  std::vector<std::string> outside;   ///< "test.file: /data/tests.csv", links followed
+};
+
+/// The model, tests and method, opaque: src/study/jobs/checked_study.hpp.
+struct CheckedStudy;
+
+struct CheckOutcome {
+  Study study;
+  std::shared_ptr<const CheckedStudy> checked = nullptr;
+  Eigen::VectorXd frequencies = {};  ///< the ten lowest at the parameters' means, in Hz
+  double total_mass = 0.0;           ///< there
+  StudyReach reach = {};
+};
+
+/// Reads everything and refuses whatever update() would refuse before its first cloud. Computes nothing long, writes
+/// nothing into the folder of `settings`; a solver by command is run once.
+CheckOutcome check(const Study& study, const RunSettings& settings);
+
+RunSummary summarise(const CheckOutcome& outcome);
+
+}  // namespace mottle

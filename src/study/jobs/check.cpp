@@ -1,0 +1,73 @@
+// mottle check: reads everything, says what would run, and refuses whatever an update would refuse.
+#include "mottle/study/jobs/check.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+
+#include "mottle/core/error.hpp"
+#include "mottle/drivers/command/run_folders.hpp"
+#include "mottle/dynamics/modes/mode_set.hpp"
+#include "mottle/study/models/model_source.hpp"
+#include "study/jobs/checked_study.hpp"
+#include "study/jobs/study_reach.hpp"
+
+namespace mottle {
+namespace {
+
+constexpr Eigen::Index k_listed_modes = 10;
+
+/// Throws InvalidInput where an update could not put its results: a file, or a folder that may not be written.
+void require_place(const std::filesystem::path& folder) {
+  if (folder.empty()) return;
+  std::error_code ignored;
+  std::filesystem::path place = std::filesystem::absolute(folder);
+  while (place.has_relative_path() && !std::filesystem::exists(place, ignored)) place = place.parent_path();
+  require(std::filesystem::is_directory(place, ignored), "{}: this folder cannot be made: Not a directory",
+          folder.string());
+  require(::access(place.c_str(), W_OK | X_OK) == 0, "{}: nothing can be written there; name another place with --out",
+          folder.string());
+}
+
+/// The lowest modes at the parameters' means, in Hz.
+Eigen::VectorXd frequencies_of(const StudyModel& made) {
+  const Eigen::VectorXd mean = made.space->prior().mean();
+  const Eigen::Index wanted = std::min(k_listed_modes, made.model->structure().mode_count());
+  const ModeSet modes = made.model->solver().modes_at(mean, static_cast<int>(wanted));
+  const double scale = modes.eigenvalues.cwiseAbs().maxCoeff();
+  Eigen::VectorXd frequencies(std::min(k_listed_modes, modes.eigenvalues.size()));
+  for (Eigen::Index r = 0; r < frequencies.size(); ++r) {
+    frequencies(r) = natural_frequency_hz(modes.eigenvalues(r), scale);
+  }
+  return frequencies;
+}
+
+}  // namespace
+
+CheckOutcome check(const Study& study, const RunSettings& settings) {
+  require_place(settings.folder);
+  if (study.model->keeps_runs()) require_no_linked_runs(settings.folder);
+  if (!settings.may_run_programs && settings.observer != nullptr) {  // before the study may be refused for it
+    for (const std::string& line : reach_lines(reach_of(study))) settings.observer->warning(line);
+  }
+  RunSettings without_results = settings;
+  without_results.folder.clear();
+  const auto checked = std::make_shared<CheckedStudy>();
+  if (study.test && !study.parameters.list.empty()) {
+    checked->plan = plan_update(study, without_results);
+  } else {
+    checked->alone = make_model(study, parameters_of(study), without_results);
+  }
+  const StudyModel& made = checked->made();
+  CheckOutcome outcome{.study = study, .checked = checked};
+  outcome.frequencies = frequencies_of(made);
+  outcome.total_mass = made.model->structure().total_mass(made.space->prior().mean());
+  if (checked->plan) {
+    refuse_what_methods_refuse(study, *checked->plan,
+                               {.seed = study.seed, .threads = settings.threads, .stop = settings.stop});
+  }
+  outcome.reach = reach_of(study, made.files);
+  return outcome;
+}
+
+}  // namespace mottle
