@@ -42,7 +42,7 @@ MatrixXd uniform(Index rows, Index columns, double low, double high, std::mt1993
 /// A rod of linear elements with lumped masses, fixed at one end, in five parts with a parameter each, seen in a turned
 /// basis in which every matrix is full: K(x) = sum x_i K_i, M = sum y_i M_i or the same with y = 1.
 struct Workload {
-  mottle::PencilFamily family;
+  mottle::linalg::PencilFamily family;
   MatrixXd stiffness_coefficients, mass_coefficients;
 
   MatrixXd stiffness(Index sample) const {
@@ -128,7 +128,7 @@ VectorXd reference_values(const Workload& work, Index sample) {
     }
     return result;
   };
-  const mottle::PencilFamily& f = work.family;
+  const mottle::linalg::PencilFamily& f = work.family;
   const Eigen::GeneralizedSelfAdjointEigenSolver<LongMatrix> solver(
       sum(f.stiffness_constant, f.stiffness_terms, work.stiffness_coefficients),
       sum(f.mass_constant, f.mass_terms, work.mass_coefficients), Eigen::EigenvaluesOnly);

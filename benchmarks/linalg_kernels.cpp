@@ -23,8 +23,8 @@ MatrixXd uniform(Index rows, Index columns, double low, double high, std::mt1993
 }
 
 /// Springs between all neighbours and next neighbours of a chain, split over the terms, with a full constant mass.
-mottle::PencilFamily chain_family(Index order, bool parametric_mass, bool diagonal_mass) {
-  mottle::PencilFamily family{
+mottle::linalg::PencilFamily chain_family(Index order, bool parametric_mass, bool diagonal_mass) {
+  mottle::linalg::PencilFamily family{
       MatrixXd::Identity(order, order) * 0.01, {}, MatrixXd::Identity(order, order) * (diagonal_mass ? 1.5 : 4.0), {}};
   family.stiffness_terms.assign(k_terms, MatrixXd::Zero(order, order));
   const auto add_spring = [&](Index a, Index b, double stiffness) {
@@ -44,7 +44,7 @@ mottle::PencilFamily chain_family(Index order, bool parametric_mass, bool diagon
 }
 
 struct Workload {
-  mottle::PencilFamily family;
+  mottle::linalg::PencilFamily family;
   MatrixXd stiffness_coefficients;
   MatrixXd mass_coefficients;
 };
@@ -69,8 +69,9 @@ void report(benchmark::State& state, Index samples) {
       static_cast<double>(samples), benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 
-void run_batch(benchmark::State& state, const Workload& work, int modes, bool vectors, mottle::SimdLevel level) {
-  if (!mottle::is_simd_level_available(level)) return state.SkipWithError("this processor lacks the level");
+void run_batch(benchmark::State& state, const Workload& work, int modes, bool vectors,
+               mottle::linalg::SimdLevel level) {
+  if (!mottle::linalg::is_simd_level_available(level)) return state.SkipWithError("this processor lacks the level");
   for (auto _ : state) {
     benchmark::DoNotOptimize(solve_batch(work.family, work.stiffness_coefficients, work.mass_coefficients,
                                          {.modes = modes, .vectors = vectors, .simd = level}));
@@ -78,32 +79,32 @@ void run_batch(benchmark::State& state, const Workload& work, int modes, bool ve
   report(state, work.stiffness_coefficients.cols());
 }
 
-void batch_small(benchmark::State& state, mottle::SimdLevel level) {
+void batch_small(benchmark::State& state, mottle::linalg::SimdLevel level) {
   run_batch(state, workload(state.range(0), 1 << 14), 0, true, level);
 }
 
 void batch_small_values(benchmark::State& state) {
-  run_batch(state, workload(state.range(0), 1 << 14), 0, false, mottle::SimdLevel::automatic);
+  run_batch(state, workload(state.range(0), 1 << 14), 0, false, mottle::linalg::SimdLevel::automatic);
 }
 
 void batch_small_parametric_mass(benchmark::State& state) {
-  run_batch(state, workload(state.range(0), 1 << 14, true), 0, true, mottle::SimdLevel::automatic);
+  run_batch(state, workload(state.range(0), 1 << 14, true), 0, true, mottle::linalg::SimdLevel::automatic);
 }
 
-void batch_lowest_10(benchmark::State& state, mottle::SimdLevel level) {
+void batch_lowest_10(benchmark::State& state, mottle::linalg::SimdLevel level) {
   run_batch(state, workload(state.range(0), 256), 10, true, level);
 }
 
 void batch_lowest_10_values(benchmark::State& state) {
-  run_batch(state, workload(state.range(0), 256), 10, false, mottle::SimdLevel::automatic);
+  run_batch(state, workload(state.range(0), 256), 10, false, mottle::linalg::SimdLevel::automatic);
 }
 
 void batch_lowest_10_parametric_mass(benchmark::State& state) {
-  run_batch(state, workload(state.range(0), 256, true), 10, true, mottle::SimdLevel::automatic);
+  run_batch(state, workload(state.range(0), 256, true), 10, true, mottle::linalg::SimdLevel::automatic);
 }
 
 void batch_lowest_10_diagonal_parametric_mass(benchmark::State& state) {
-  run_batch(state, workload(state.range(0), 256, true, true), 10, true, mottle::SimdLevel::automatic);
+  run_batch(state, workload(state.range(0), 256, true, true), 10, true, mottle::linalg::SimdLevel::automatic);
 }
 
 void eigen_generalised(benchmark::State& state) {
@@ -135,22 +136,22 @@ void eigen_compute_direct(benchmark::State& state) {
   report(state, k_samples);
 }
 
-BENCHMARK_CAPTURE(batch_small, automatic, mottle::SimdLevel::automatic)->DenseRange(2, 8);
-BENCHMARK_CAPTURE(batch_small, avx2, mottle::SimdLevel::avx2)->Arg(3)->Arg(8);
-BENCHMARK_CAPTURE(batch_small, plain, mottle::SimdLevel::plain)->Arg(3)->Arg(8);
+BENCHMARK_CAPTURE(batch_small, automatic, mottle::linalg::SimdLevel::automatic)->DenseRange(2, 8);
+BENCHMARK_CAPTURE(batch_small, avx2, mottle::linalg::SimdLevel::avx2)->Arg(3)->Arg(8);
+BENCHMARK_CAPTURE(batch_small, plain, mottle::linalg::SimdLevel::plain)->Arg(3)->Arg(8);
 BENCHMARK(batch_small_values)->Arg(3)->Arg(8);
 BENCHMARK(batch_small_parametric_mass)->Arg(3)->Arg(8);
 BENCHMARK(eigen_compute_direct);
 BENCHMARK(eigen_generalised)->Arg(3)->Arg(8)->Arg(20)->Arg(40)->Arg(80)->Arg(120);
-BENCHMARK_CAPTURE(batch_lowest_10, automatic, mottle::SimdLevel::automatic)
+BENCHMARK_CAPTURE(batch_lowest_10, automatic, mottle::linalg::SimdLevel::automatic)
     ->Arg(10)
     ->Arg(20)
     ->Arg(40)
     ->Arg(80)
     ->Arg(120)
     ->Arg(200);
-BENCHMARK_CAPTURE(batch_lowest_10, avx2, mottle::SimdLevel::avx2)->Arg(20)->Arg(80);
-BENCHMARK_CAPTURE(batch_lowest_10, plain, mottle::SimdLevel::plain)->Arg(20)->Arg(80);
+BENCHMARK_CAPTURE(batch_lowest_10, avx2, mottle::linalg::SimdLevel::avx2)->Arg(20)->Arg(80);
+BENCHMARK_CAPTURE(batch_lowest_10, plain, mottle::linalg::SimdLevel::plain)->Arg(20)->Arg(80);
 BENCHMARK(batch_lowest_10_values)->Arg(40)->Arg(80);
 BENCHMARK(batch_lowest_10_parametric_mass)->Arg(20)->Arg(80);
 BENCHMARK(batch_lowest_10_diagonal_parametric_mass)->Arg(20)->Arg(80);

@@ -48,31 +48,32 @@ MatrixXd factors(Eigen::Index samples, Eigen::Index parameters, unsigned seed) {
 }
 
 void run(const char* deck_file, int patches, int modes, std::string_view what) {
-  mottle::AssembledModel model;
+  mottle::fem::AssembledModel model;
   {
-    mottle::NastranModel deck = mottle::read_nastran_model(deck_file);
-    const auto targets = mottle::find_field_targets(deck.model, mottle::benchmarks::patch_parameters(patches, "E"));
-    model = mottle::assemble(deck.model, targets.parameters);
+    mottle::formats::NastranModel deck = mottle::formats::read_nastran_model(deck_file);
+    const auto targets =
+        mottle::model::find_field_targets(deck.model, mottle::benchmarks::patch_parameters(patches, "E"));
+    model = mottle::fem::assemble(deck.model, targets.parameters);
   }
   const VectorXd ones = VectorXd::Ones(patches);
-  const mottle::SparseMatrix stiffness = model.stiffness.at(ones);
-  const mottle::SparseMatrix mass = model.mass.at(ones);
+  const mottle::linalg::SparseMatrix stiffness = model.stiffness.at(ones);
+  const mottle::linalg::SparseMatrix mass = model.mass.at(ones);
   const auto coefficients = [&](const MatrixXd& x) {
-    return mottle::term_coefficients(model.stiffness, model.mass, x);
+    return mottle::fem::term_coefficients(model.stiffness, model.mass, x);
   };
   double factor = 0.0, vectors = 0.0;
   const double held = begin_peak();
   double peak = 0.0;
   if (what == "exact") {
-    mottle::SparseModeSolver solver;
-    const mottle::SparseModes found = solver.solve(stiffness, mass, {.modes = modes, .measures = false});
+    mottle::linalg::SparseModeSolver solver;
+    const mottle::linalg::SparseModes found = solver.solve(stiffness, mass, {.modes = modes, .measures = false});
     peak = status_bytes("VmHWM:");
     mottle::require(found.failure.empty(), "{}", found.failure);
     factor = solver.factor().factor_entries();
     vectors = found.basis_vectors;
   } else {
-    mottle::ReducedModel reduced(mottle::pencil_terms(model.stiffness, model.mass), coefficients(ones.transpose()),
-                                 stiffness, mass, {.modes = modes});
+    mottle::linalg::ReducedModel reduced(mottle::fem::pencil_terms(model.stiffness, model.mass),
+                                         coefficients(ones.transpose()), stiffness, mass, {.modes = modes});
     reduced.train(coefficients(factors(400, patches, 1)), 1);
     reduced.solve(coefficients(factors(1000, patches, 2)), 1);
     peak = status_bytes("VmHWM:");

@@ -11,6 +11,8 @@
 
 namespace mottle::benchmarks {
 
+using namespace model;
+
 /// Of processor time: on one thread it is the clock's time where nothing else runs, and nearly so where something does.
 inline double seconds() {
   return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;

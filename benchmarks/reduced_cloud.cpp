@@ -48,8 +48,8 @@ MatrixXd lognormal(Index samples, Index parameters, double variation, unsigned s
   return x;
 }
 
-mottle::TermCoefficients coefficients(const mottle::AssembledModel& model, const MatrixXd& samples) {
-  return mottle::term_coefficients(model.stiffness, model.mass, samples);
+mottle::linalg::TermCoefficients coefficients(const mottle::fem::AssembledModel& model, const MatrixXd& samples) {
+  return mottle::fem::term_coefficients(model.stiffness, model.mass, samples);
 }
 
 /// What is kept of a cloud: its shapes are read off batch by batch.
@@ -57,12 +57,13 @@ struct Found {
   MatrixXd values, bounds;  ///< [mode x sample]
 };
 
-Found solve_cloud(const mottle::ReducedModel& reduced, const mottle::TermCoefficients& samples, int threads) {
+Found solve_cloud(const mottle::linalg::ReducedModel& reduced, const mottle::linalg::TermCoefficients& samples,
+                  int threads) {
   constexpr Index k_batch = 2048;  // as in a study
   Found found;
   for (Index first = 0; first < samples.samples(); first += k_batch) {
     const Index count = std::min(k_batch, samples.samples() - first);
-    const mottle::CertifiedModes part = reduced.solve(samples.range(first, count), threads);
+    const mottle::linalg::CertifiedModes part = reduced.solve(samples.range(first, count), threads);
     found.values.conservativeResize(part.values.rows(), first + count);
     found.bounds.conservativeResize(part.values.rows(), first + count);
     found.values.rightCols(count) = part.values;
@@ -85,9 +86,10 @@ std::vector<Index> chosen_samples(const VectorXd& worst, Index count) {
   return chosen;
 }
 
-Lines audit(const mottle::AssembledModel& model, const MatrixXd& x, const Found& found, const Arguments& arguments) {
+Lines audit(const mottle::fem::AssembledModel& model, const MatrixXd& x, const Found& found,
+            const Arguments& arguments) {
   const VectorXd worst = found.bounds.colwise().maxCoeff().transpose();
-  mottle::SparseModeSolver solver;
+  mottle::linalg::SparseModeSolver solver;
   double largest = 0.0;
   Index pairs = 0;
   Index violations = 0;
@@ -112,16 +114,16 @@ Lines audit(const mottle::AssembledModel& model, const MatrixXd& x, const Found&
 }
 
 /// Refines what is not certain; how many samples remain so.
-Index refine_unsure(const mottle::ReducedModel& reduced, const mottle::TermCoefficients& samples,
+Index refine_unsure(const mottle::linalg::ReducedModel& reduced, const mottle::linalg::TermCoefficients& samples,
                     const Arguments& arguments, Found& found, Index& refined, double& seconds) {
   std::vector<Index> rows;
   for (Index s = 0; s < found.bounds.cols(); ++s) {
     if (!(0.5 * found.bounds.col(s).maxCoeff() <= arguments.frequency_error)) rows.push_back(s);
   }
   if (rows.empty()) return 0;
-  const mottle::TermCoefficients unsure{samples.stiffness(Eigen::all, rows), samples.mass(Eigen::all, rows)};
+  const mottle::linalg::TermCoefficients unsure{samples.stiffness(Eigen::all, rows), samples.mass(Eigen::all, rows)};
   seconds = time_of([&] {
-    reduced.refine(unsure, arguments.threads, [&](Index i, const mottle::RefinedModes& modes) {
+    reduced.refine(unsure, arguments.threads, [&](Index i, const mottle::linalg::RefinedModes& modes) {
       const Index s = rows[static_cast<std::size_t>(i)];
       found.values.col(s) = modes.values;
       found.bounds.col(s) = modes.bounds;
@@ -134,25 +136,25 @@ Index refine_unsure(const mottle::ReducedModel& reduced, const mottle::TermCoeff
 }
 
 Lines run(const Arguments& arguments) {
-  mottle::NastranModel deck = mottle::read_nastran_model(arguments.deck);
-  const auto targets =
-      mottle::find_field_targets(deck.model, mottle::benchmarks::patch_parameters(arguments.patches, arguments.fields));
-  const mottle::AssembledModel model = mottle::assemble(deck.model, targets.parameters);
+  mottle::formats::NastranModel deck = mottle::formats::read_nastran_model(arguments.deck);
+  const auto targets = mottle::model::find_field_targets(
+      deck.model, mottle::benchmarks::patch_parameters(arguments.patches, arguments.fields));
+  const mottle::fem::AssembledModel model = mottle::fem::assemble(deck.model, targets.parameters);
   const auto parameters = static_cast<Index>(targets.parameters.size());
   const VectorXd ones = VectorXd::Ones(parameters);
   const auto k = model.stiffness.at(ones);
   const auto m = model.mass.at(ones);
   const double exact = mottle::benchmarks::best_time(3.0, [&] {
-    mottle::SparseModeSolver solver;
+    mottle::linalg::SparseModeSolver solver;
     solver.solve(k, m, {.modes = arguments.modes, .measures = false});
   });
   const MatrixXd x = lognormal(arguments.samples, parameters, arguments.variation, 2);
   const MatrixXd training = lognormal(400, parameters, arguments.variation, 1);
-  std::unique_ptr<mottle::ReducedModel> reduced;
+  std::unique_ptr<mottle::linalg::ReducedModel> reduced;
   const double begun = time_of([&] {
-    reduced = std::make_unique<mottle::ReducedModel>(
-        mottle::pencil_terms(model.stiffness, model.mass), coefficients(model, ones.transpose()), k, m,
-        mottle::ReducedModelOptions{.modes = arguments.modes, .tolerance = 2.0 * arguments.frequency_error});
+    reduced = std::make_unique<mottle::linalg::ReducedModel>(
+        mottle::fem::pencil_terms(model.stiffness, model.mass), coefficients(model, ones.transpose()), k, m,
+        mottle::linalg::ReducedModelOptions{.modes = arguments.modes, .tolerance = 2.0 * arguments.frequency_error});
   });
   const double trained = time_of([&] { reduced->train(coefficients(model, training), arguments.threads); });
   Found found;

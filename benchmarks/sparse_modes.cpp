@@ -23,10 +23,10 @@
 
 namespace {
 
-using mottle::SparseMatrix;
 using mottle::benchmarks::best_time;
 using mottle::benchmarks::patch_parameters;
 using mottle::benchmarks::time_of;
+using mottle::linalg::SparseMatrix;
 
 struct Arguments {
   std::filesystem::path deck;
@@ -69,7 +69,7 @@ std::vector<std::string> time_factor(const SparseMatrix& stiffness, double budge
   double again = 1e300;
   double entries = 0.0;
   best_time(budget, [&] {
-    const auto factor = mottle::make_definite_factor();
+    const auto factor = mottle::linalg::make_definite_factor();
     first = std::min(first, time_of([&] { factor->factorise(stiffness); }));
     again = std::min(again, time_of([&] { factor->factorise(stiffness); }));
     entries = factor->factor_entries();
@@ -78,22 +78,22 @@ std::vector<std::string> time_factor(const SparseMatrix& stiffness, double budge
           fmt::format("\"factor_entries\": {}", entries)};
 }
 
-std::vector<std::string> time_modes(const mottle::AssembledModel& model, const Arguments& arguments) {
-  const mottle::SparseModesOptions options{.modes = arguments.modes, .measures = false};
+std::vector<std::string> time_modes(const mottle::fem::AssembledModel& model, const Arguments& arguments) {
+  const mottle::linalg::SparseModesOptions options{.modes = arguments.modes, .measures = false};
   const Eigen::VectorXd reference = parameters_at(0, arguments.parameters);
   const SparseMatrix stiffness = model.stiffness.at(reference);
   const SparseMatrix mass = model.mass.at(reference);
   write_matrix(arguments.folder, "K", stiffness);
   write_matrix(arguments.folder, "M", mass);
-  mottle::SparseModes modes;
+  mottle::linalg::SparseModes modes;
   const double cold = best_time(arguments.budget, [&] {
-    mottle::SparseModeSolver solver;
+    mottle::linalg::SparseModeSolver solver;
     modes = solver.solve(stiffness, mass, options);
   });
   mottle::require(modes.failure.empty(), "{}: {}", arguments.deck.string(), modes.failure);
-  mottle::SparseModeSolver solver;
+  mottle::linalg::SparseModeSolver solver;
   solver.solve(stiffness, mass, options);
-  mottle::SparseModes modes_at_point;
+  mottle::linalg::SparseModes modes_at_point;
   int point = 0;
   const double sample = best_time(arguments.budget, [&] {
     const Eigen::VectorXd x = parameters_at(++point, arguments.parameters);
@@ -113,13 +113,13 @@ std::vector<std::string> time_modes(const mottle::AssembledModel& model, const A
 
 void run(const Arguments& arguments) {
   std::filesystem::create_directories(arguments.folder);
-  mottle::NastranModel deck;
-  const double read = best_time(arguments.budget, [&] { deck = mottle::read_nastran_model(arguments.deck); });
-  const mottle::FieldTargets targets =
-      mottle::find_field_targets(deck.model, patch_parameters(arguments.parameters, arguments.field));
-  mottle::AssembledModel model;
+  mottle::formats::NastranModel deck;
+  const double read = best_time(arguments.budget, [&] { deck = mottle::formats::read_nastran_model(arguments.deck); });
+  const mottle::model::FieldTargets targets =
+      mottle::model::find_field_targets(deck.model, patch_parameters(arguments.parameters, arguments.field));
+  mottle::fem::AssembledModel model;
   const double assembly =
-      best_time(arguments.budget, [&] { model = mottle::assemble(deck.model, targets.parameters); });
+      best_time(arguments.budget, [&] { model = mottle::fem::assemble(deck.model, targets.parameters); });
   std::vector<std::string> lines = time_modes(model, arguments);
   lines.insert(lines.end(), {fmt::format("\"read_s\": {}", read), fmt::format("\"assembly_s\": {}", assembly),
                              fmt::format("\"blas_kernel\": \"{}\"", blas_kernel())});

@@ -21,7 +21,7 @@
 
 namespace {
 
-using mottle::SparseMatrix;
+using mottle::linalg::SparseMatrix;
 
 template <typename T>
 std::vector<T> read_array(const std::filesystem::path& file) {
@@ -60,7 +60,7 @@ class CholmodShiftInvert {
 
  private:
   const SparseMatrix& stiffness_;
-  std::unique_ptr<mottle::DefiniteFactor> factor_ = mottle::make_definite_factor();
+  std::unique_ptr<mottle::linalg::DefiniteFactor> factor_ = mottle::linalg::make_definite_factor();
 };
 
 template <typename Operator>

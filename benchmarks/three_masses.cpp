@@ -33,12 +33,13 @@ int main(int argc, char** argv) {
   constexpr int k_many = 1 << 20;
   std::uint32_t iteration = 0;
   const auto cloud = [&](int samples) {
-    const mottle::Cloud result = mottle::evaluate_cloud(*structure.model, *structure.space, structure.space->prior(),
-                                                        {.samples = samples}, {.iteration = ++iteration}, {});
+    const mottle::updating::Cloud result =
+        mottle::updating::evaluate_cloud(*structure.model, *structure.space, structure.space->prior(),
+                                         {.samples = samples}, {.iteration = ++iteration}, {});
     if (result.outputs.rows() != samples) std::abort();
   };
   const Eigen::MatrixXd points =
-      structure.space->draw(structure.space->prior(), mottle::SamplingDesign::monte_carlo, k_many, {}).samples;
+      structure.space->draw(structure.space->prior(), mottle::stats::SamplingDesign::monte_carlo, k_many, {}).samples;
   const double one_cloud = best_time([&] { cloud(k_samples); });
   const double many = best_time([&] { cloud(k_many); }) / k_many;
   const double solve = best_time([&] { structure.model->evaluate(points, {}); }) / k_many;

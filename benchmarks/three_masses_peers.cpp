@@ -30,7 +30,7 @@ Matrix3d stiffness(double k1, double k2, double k5) {
   return k;
 }
 
-mottle::PencilFamily family() {
+mottle::linalg::PencilFamily family() {
   const Matrix3d constant = stiffness(0.0, 0.0, 0.0);
   return {
       constant,
@@ -97,8 +97,8 @@ double best_of(Work&& work) {
 
 void run() {
   const MatrixXd samples = draw();
-  const mottle::PencilFamily pencils = family();
-  mottle::BatchModes modes;
+  const mottle::linalg::PencilFamily pencils = family();
+  mottle::linalg::BatchModes modes;
   const auto ours = [&](bool vectors) {
     return best_of([&] { modes = solve_batch(pencils, samples, MatrixXd(), {.vectors = vectors}); });
   };

@@ -3,7 +3,7 @@
 
 A layer may include itself and everything below it. A layer's private headers (src/<layer>/x.hpp, included as
 "<layer>/x.hpp") are its own; a test's helper (tests/<layer>/x.hpp) counts as its layer. Some libraries may be seen
-only in some folders, and never in a public header. Prints file:line and the reason; exit code 1 when something is wrong.
+only in some folders, and never in a public header. A layer's names stand in its own namespace. Prints file:line and the reason; exit code 1 when something is wrong.
 """
 import argparse
 import pathlib
@@ -22,6 +22,8 @@ CONFINED = {
     "xxhash": ["src/core"],
 }
 UMBRELLA = "include/mottle/mottle.hpp"  # what a program that uses the library includes, of every layer
+NAMESPACES = "include/mottle/layers.hpp"  # which names each layer sees
+NAMESPACE = re.compile(r"^namespace mottle(?:::(\w+))?\b")
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]')
 
 
@@ -85,6 +87,10 @@ def check_include(root, path, included, layer, allowed):
     return None
 
 
+def namespace_of(layer):
+    return "mottle" if layer == "core" else f"mottle::{layer}"
+
+
 def check_sources(root, allowed):
     for folder in ("include", "src", "apps", "tests", "benchmarks"):
         for file in sorted((root / folder).rglob("*")):
@@ -93,7 +99,7 @@ def check_sources(root, allowed):
             relative = file.relative_to(root)
             layer = layer_of(relative.parts)
             if layer not in allowed:
-                if folder in ("include", "src") and relative.as_posix() != UMBRELLA:
+                if folder in ("include", "src") and relative.as_posix() not in (UMBRELLA, NAMESPACES):
                     yield f"{relative}:1: belongs to no layer of tools/layers.txt"
                     continue
                 layer = None
@@ -102,6 +108,9 @@ def check_sources(root, allowed):
                 reason = match and check_include(root, relative.as_posix(), match.group(1), layer, allowed)
                 if reason:
                     yield f"{relative}:{number}: {reason}"
+                opened = NAMESPACE.match(line) if folder in ("include", "src") and layer is not None else None
+                if opened and (opened.group(1) not in allowed[layer] if layer != "core" else opened.group(1)):
+                    yield f"{relative}:{number}: {opened.group()} in layer {layer}, whose namespace is {namespace_of(layer)}"
 
 
 def check_build(root, table):
@@ -115,12 +124,25 @@ def check_build(root, table):
             yield f"CMakeLists.txt:{number}: layer {match.group(1)} and tools/layers.txt disagree on what it uses"
 
 
+def check_namespaces(root, table):
+    """Each layer's namespace sees those of the same table."""
+    file = root / NAMESPACES
+    if not file.exists():
+        return
+    text = file.read_text()
+    seen = {name: set(re.findall(r"using namespace (\w+);", body))
+            for name, body in re.findall(r"^namespace (\w+) \{([^{}]*)\}", text, re.MULTILINE)}
+    for layer, lower in table.items():
+        if layer != "core" and seen.get({"apps": "app"}.get(layer, layer)) != lower - {"core"}:
+            yield f"{NAMESPACES}:1: layer {layer} and tools/layers.txt disagree on what it sees"
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--root", type=pathlib.Path, default=pathlib.Path(__file__).resolve().parent.parent)
     root = parser.parse_args().root
     table = read_table(root / "tools/layers.txt")
-    violations = [*check_sources(root, close_over(table)), *check_build(root, table)]
+    violations = [*check_sources(root, close_over(table)), *check_build(root, table), *check_namespaces(root, table)]
     print("\n".join(violations) if violations else f"layers: every #include agrees with {root / 'tools/layers.txt'}")
     return 1 if violations else 0
 

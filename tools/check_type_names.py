@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Holds that a type's name stands for one type in the whole program.
 
-Two classes of one namespace with one name in two files break the one-definition rule, and no linker says so. Types in
-unnamed namespaces, in other classes and in functions are their file's own; tests have their own programs. Prints
+Two classes of one namespace with one name in two files break the one-definition rule, and no linker says so; in two
+layers they are taken for each other, by the compiler where a layer sees both, and by people. Types in unnamed namespaces, in other classes and in functions are their file's own; tests have their own programs. Prints
 file:line of each definition; exit code 1 when a name has two.
 """
 import argparse
@@ -11,6 +11,7 @@ import pathlib
 import re
 import sys
 
+LAYERS = pathlib.Path(__file__).resolve().parent / "layers.txt"
 FOLDERS = ("include", "src", "apps")
 TOKENS = re.compile(
     r"""(?P<skip>//[^\n]*|/\*.*?\*/|R"(?P<mark>[^()\s]*)\(.*?\)(?P=mark)"|"(?:\\.|[^"\\\n])*"|'(?:\\.|[^'\\\n])+'|\#[^\n]*)
@@ -61,15 +62,21 @@ def definitions(text):
         words = []
 
 
+def without_layer(name, layers):
+    """mottle::stats::Surrogate -> mottle::Surrogate."""
+    return re.sub(rf"^mottle::({'|'.join(layers)})::", "mottle::", name)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--root", type=pathlib.Path, default=pathlib.Path(__file__).resolve().parent.parent)
     root = parser.parse_args().root
+    layers = [line.split(":")[0] for line in LAYERS.read_text().splitlines() if ":" in line.split("#")[0]]
     places = collections.defaultdict(list)
     for folder in FOLDERS:
         for file in sorted((root / folder).rglob("*.[hc]pp")):
             for line, name in definitions(file.read_text(encoding="utf-8")):
-                places[name].append(f"{file.relative_to(root)}:{line}")
+                places[without_layer(name, layers)].append(f"{file.relative_to(root)}:{line}")
     wrong = {name: where for name, where in places.items() if len(where) > 1}
     for name, where in sorted(wrong.items()):
         print(f"{name} is defined {len(where)} times: {', '.join(where)}")

@@ -1,6 +1,8 @@
 // Makes BLAS use the registers that this processor has.
 #pragma once
 
+#include "mottle/layers.hpp"
+
 namespace mottle::app {
 
 /// Debian's OpenBLAS takes a processor younger than itself for its oldest one and runs four times slower than it could.

@@ -48,7 +48,7 @@ void add_common_options(CLI::App& verb, CommonOptions& options) {
 }
 
 Study read_study(const CommonOptions& options) {
-  return mottle::read_study(options.study, {.assignments = options.assignments, .seed = options.seed});
+  return study::read_study(options.study, {.assignments = options.assignments, .seed = options.seed});
 }
 
 RunSettings run_settings(const CommonOptions& options, Console& console) {

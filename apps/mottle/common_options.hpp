@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "console.hpp"
+#include "mottle/layers.hpp"
 #include "mottle/study/input/study.hpp"
 #include "mottle/study/jobs/run.hpp"
 

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "mottle/core/run_context.hpp"
+#include "mottle/layers.hpp"
 
 namespace mottle::app {
 

@@ -51,7 +51,7 @@ void require_known_verb(CLI::App& app, const std::string& word) {
 
 int run(int argc, char** argv) {
   CLI::App app("Mottle: stochastic finite-element model updating", "mottle");
-  app.set_version_flag("--version", "mottle " + mottle::version());
+  app.set_version_flag("--version", "mottle " + mottle::study::version());
   app.require_subcommand(1);
   app.footer("Exit codes: 0 done, 2 wrong input, 3 a solver or file failed, 4 stopped (resumable), 70 a bug.");
   mottle::app::add_update(app);

@@ -1,4 +1,4 @@
-// What a program that uses the library needs: studies and their jobs, models and methods.
+// What a program that uses the library needs: studies and their jobs, models and methods, all as names of mottle.
 #pragma once
 
 #include "mottle/core/error.hpp"            // what is thrown, and what it means
@@ -15,3 +15,7 @@
 #include "mottle/study/jobs/update.hpp"
 #include "mottle/updating/methods/updater.hpp"  // every method over any model
 #include "mottle/updating/verdict/verdict.hpp"
+
+namespace mottle {
+using namespace report;  // which sees all layers
+}

@@ -6,7 +6,7 @@
 #include <set>
 #include <span>
 
-namespace mottle {
+namespace mottle::fem {
 namespace {
 
 using Face = std::vector<int>;  // nodes in order around it
@@ -102,4 +102,4 @@ Drawing drawing_of(const FiniteElementModel& model) {
   return drawing;
 }
 
-}  // namespace mottle
+}  // namespace mottle::fem

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace mottle {
+namespace mottle::fem {
 namespace {
 
 double radians(double degrees) {
@@ -59,4 +59,4 @@ int FiniteElementModel::find_node(int id) const {
   return found != nodes.end() && found->id == id ? static_cast<int>(found - nodes.begin()) : -1;
 }
 
-}  // namespace mottle
+}  // namespace mottle::fem

@@ -9,7 +9,7 @@
 #include "mottle/core/error.hpp"
 #include "mottle/core/text.hpp"
 
-namespace mottle {
+namespace mottle::formats {
 
 bool LineWalker::next() {
   std::size_t end = rest_.find('\n');
@@ -71,4 +71,4 @@ bool parse_whole_number(std::string_view text, int& value) {
   return error == std::errc() && end == text.data() + text.size();
 }
 
-}  // namespace mottle
+}  // namespace mottle::formats

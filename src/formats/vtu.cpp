@@ -9,7 +9,7 @@
 
 #include "mottle/core/base64.hpp"
 
-namespace mottle {
+namespace mottle::formats {
 namespace {
 
 /// Connectivity in VTK's form.
@@ -111,4 +111,4 @@ std::string format_vtu(const FiniteElementModel& model, const std::vector<VtuFie
   return text;
 }
 
-}  // namespace mottle
+}  // namespace mottle::formats

@@ -13,7 +13,7 @@ extern "C" void dgemm_(  // NOLINT(readability-identifier-naming): Fortran's nam
     const double* alpha, const double* a, const int* stride_a, const double* b, const int* stride_b, const double* beta,
     double* c, const int* stride_c);
 
-namespace mottle {
+namespace mottle::linalg {
 namespace {
 
 /// OpenBLAS takes such a buffer for each thread that calls it at the same time as others, and tries for ever where the
@@ -106,4 +106,4 @@ Eigen::MatrixXd transposed_product(const Eigen::Ref<const Eigen::MatrixXd>& a,
   return product;
 }
 
-}  // namespace mottle
+}  // namespace mottle::linalg

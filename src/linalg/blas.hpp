@@ -7,7 +7,7 @@
 #include "mottle/linalg/one_thread.hpp"
 #include "mottle/linalg/sparse/symmetric_factor.hpp"
 
-namespace mottle {
+namespace mottle::linalg {
 
 /// C = alpha op(A) B + beta C, column-major; op transposes where asked.
 void multiply(double alpha, const Eigen::Ref<const Eigen::MatrixXd>& a, bool transposes_a,
@@ -23,4 +23,4 @@ VectorRows product_by_rows(const Eigen::Ref<const Eigen::MatrixXd>& a, const Eig
 Eigen::MatrixXd transposed_product(const Eigen::Ref<const Eigen::MatrixXd>& a,
                                    const Eigen::Ref<const Eigen::MatrixXd>& b);
 
-}  // namespace mottle
+}  // namespace mottle::linalg

@@ -3,7 +3,7 @@
 
 #include <Eigen/Core>
 
-namespace mottle {
+namespace mottle::linalg {
 
 /// Turns each column so that its component of largest magnitude (ties: the first) is positive.
 inline void make_largest_component_positive(Eigen::MatrixXd& vectors) {
@@ -14,4 +14,4 @@ inline void make_largest_component_positive(Eigen::MatrixXd& vectors) {
   }
 }
 
-}  // namespace mottle
+}  // namespace mottle::linalg

@@ -9,7 +9,7 @@
 #include "mottle/core/error.hpp"
 #include "mottle/core/parallel.hpp"
 
-namespace mottle {
+namespace mottle::model {
 namespace {
 
 /// Why these are no outputs; empty where they are.
@@ -69,4 +69,4 @@ Evaluation FunctionModel::evaluate(const Eigen::Ref<const Eigen::MatrixXd>& samp
   return result;
 }
 
-}  // namespace mottle
+}  // namespace mottle::model

@@ -12,7 +12,7 @@
 #include "mottle/core/error.hpp"
 #include "mottle/core/files.hpp"
 
-namespace mottle {
+namespace mottle::model {
 namespace {
 
 constexpr std::string_view k_magic = "mottle journal 6\n";
@@ -220,4 +220,4 @@ Evaluation JournalledModel::evaluate(const Eigen::Ref<const Eigen::MatrixXd>& sa
   return whole;
 }
 
-}  // namespace mottle
+}  // namespace mottle::model

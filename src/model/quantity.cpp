@@ -4,7 +4,7 @@
 
 #include <cctype>
 
-namespace mottle {
+namespace mottle::model {
 namespace {
 
 constexpr const char* k_frequency = "f";
@@ -54,4 +54,4 @@ bool may_name_quantity(const std::string& name) {
   return false;
 }
 
-}  // namespace mottle
+}  // namespace mottle::model

@@ -11,7 +11,7 @@
 #include "mottle/dynamics/modes/tracking.hpp"
 #include "mottle/model/solvers/dense_solver.hpp"
 
-namespace mottle {
+namespace mottle::model {
 namespace {
 
 constexpr int k_guard_modes = 4;  // tracking must see a mode that left the band of wanted ones
@@ -192,4 +192,4 @@ Eigen::MatrixXd StructureModel::jacobian(const Eigen::Ref<const Eigen::VectorXd>
   return jacobian;
 }
 
-}  // namespace mottle
+}  // namespace mottle::model

@@ -1,6 +1,6 @@
 #include "mottle/model/surrogate_model.hpp"
 
-namespace mottle {
+namespace mottle::model {
 
 void SurrogateModel::train(SurrogateKind kind, const Eigen::Ref<const Eigen::MatrixXd>& samples,
                            const Eigen::Ref<const Eigen::MatrixXd>& outputs) {
@@ -12,4 +12,4 @@ Evaluation SurrogateModel::evaluate(const Eigen::Ref<const Eigen::MatrixXd>& sam
   return {(*surrogate_)(from_variables(scales_, samples)), {}};
 }
 
-}  // namespace mottle
+}  // namespace mottle::model

@@ -5,7 +5,7 @@
 
 #include "mottle_page.hpp"
 
-namespace mottle {
+namespace mottle::report {
 
 std::string render_page(std::string_view data_json) {
   constexpr std::string_view k_place = "/*MOTTLE_DATA*/";
@@ -29,4 +29,4 @@ std::string render_page(std::string_view data_json) {
   return html;
 }
 
-}  // namespace mottle
+}  // namespace mottle::report

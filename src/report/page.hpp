@@ -4,7 +4,9 @@
 #include <string>
 #include <string_view>
 
-namespace mottle {
+#include "mottle/layers.hpp"
+
+namespace mottle::report {
 
 /// The report: the built page with `data_json` in its data element.
 ///
@@ -15,4 +17,4 @@ namespace mottle {
 /// @return           the complete HTML file
 std::string render_page(std::string_view data_json);
 
-}  // namespace mottle
+}  // namespace mottle::report

@@ -14,7 +14,7 @@
 #include "mottle/study/results/run_folder.hpp"
 #include "report/page.hpp"
 
-namespace mottle {
+namespace mottle::report {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -121,4 +121,4 @@ void write_modes_page(const std::filesystem::path& folder) {
   write_file_atomically(folder / "modes.html", render_page(read_file(folder / "modes.json")));
 }
 
-}  // namespace mottle
+}  // namespace mottle::report

@@ -6,7 +6,7 @@
 
 #include "fem/models.hpp"
 
-namespace mottle {
+namespace mottle::fem {
 namespace {
 
 using Eigen::Vector3d;
@@ -119,4 +119,4 @@ TEST(Drawing, ShowsAPointMassOnce) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::fem

@@ -12,6 +12,8 @@
 
 namespace mottle::test {
 
+using namespace fem;  // of which these are the tests
+
 /// A model that grows card by card; ids of nodes must ascend.
 struct ModelMaker {
   FiniteElementModel model;

@@ -11,6 +11,8 @@
 
 namespace mottle::test {
 
+using namespace fem;  // of which these are the tests
+
 struct ShellMesh {
   std::vector<Eigen::Vector3d> nodes;
   std::vector<std::vector<int>> elements;

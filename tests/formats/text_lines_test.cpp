@@ -8,7 +8,7 @@
 #include "mottle/core/error.hpp"
 #include "mottle/core/files.hpp"
 
-namespace mottle {
+namespace mottle::formats {
 namespace {
 
 using test::message_of;
@@ -81,4 +81,4 @@ TEST_F(LinesOfAFile, StayInPlaceWhenTheWalkerMoves) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::formats

@@ -9,7 +9,7 @@
 #include <stack>
 #include <string>
 
-namespace mottle {
+namespace mottle::formats {
 namespace {
 
 using ::testing::ElementsAre;
@@ -144,4 +144,4 @@ TEST(Vtu, OfAnEmptyModelIsWellFormed) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::formats

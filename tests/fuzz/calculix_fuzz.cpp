@@ -15,6 +15,7 @@
 namespace {
 
 using namespace mottle;
+using namespace mottle::formats;
 
 void expect(bool claim) {
   if (!claim) std::abort();

@@ -20,15 +20,15 @@ bool are_same(double a, double b) {
   return (std::isnan(a) && std::isnan(b)) || std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
 }
 
-Eigen::MatrixXd numbers_of(const mottle::CsvTable& table) {
+Eigen::MatrixXd numbers_of(const mottle::formats::CsvTable& table) {
   Eigen::MatrixXd numbers(table.rows.size(), table.header.size());
   for (Eigen::Index column = 0; column < numbers.cols(); ++column) {
-    numbers.col(column) = mottle::numbers_of_column(table, static_cast<int>(column));
+    numbers.col(column) = mottle::formats::numbers_of_column(table, static_cast<int>(column));
   }
   return numbers;
 }
 
-void check_table(const mottle::CsvTable& table) {
+void check_table(const mottle::formats::CsvTable& table) {
   expect(!table.header.empty());
   expect(table.rows.size() == table.lines.size());
   for (std::size_t row = 0; row < table.rows.size(); ++row) {
@@ -41,17 +41,18 @@ void check_table(const mottle::CsvTable& table) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string_view bytes(reinterpret_cast<const char*>(data), size);
-  mottle::CsvTable table;
+  mottle::formats::CsvTable table;
   Eigen::MatrixXd numbers;
   try {
-    table = mottle::parse_csv(bytes, "fuzz.csv");
+    table = mottle::formats::parse_csv(bytes, "fuzz.csv");
     check_table(table);
     numbers = numbers_of(table);
   } catch (const mottle::FormatError&) {
     return 0;
   }
   // From here on nothing may throw.
-  const mottle::CsvTable again = mottle::parse_csv(mottle::format_csv(table.header, numbers), "again.csv");
+  const mottle::formats::CsvTable again =
+      mottle::formats::parse_csv(mottle::formats::format_csv(table.header, numbers), "again.csv");
   expect(again.header == table.header);
   const Eigen::MatrixXd copy = numbers_of(again);
   expect(copy.rows() == numbers.rows());

@@ -47,13 +47,13 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   bytes.replace(0, std::min(size, k_signature.size()), k_signature);
   for (const char* name : {"", "K", "A/value"}) {
     attempt([&] {
-      const mottle::SparseMatrix lower = mottle::parse_symmetric_matrix(bytes, "fuzz.h5", name).lower;
+      const mottle::linalg::SparseMatrix lower = mottle::formats::parse_symmetric_matrix(bytes, "fuzz.h5", name).lower;
       expect(lower.rows() > 0 && lower.rows() == lower.cols());
       for (Eigen::Index k = 0; k < lower.nonZeros(); ++k) expect(std::isfinite(lower.valuePtr()[k]));
     });
   }
   attempt([&] {
-    for (const auto& [name, variable] : mottle::parse_mat(matlab_head() + bytes, "fuzz.mat")) {
+    for (const auto& [name, variable] : mottle::formats::parse_mat(matlab_head() + bytes, "fuzz.mat")) {
       expect(variable.numbers.empty() != variable.texts.empty());
     }
   });

@@ -14,7 +14,7 @@ void expect(bool claim) {
   if (!claim) std::abort();
 }
 
-void check(const std::string& name, const mottle::MatVariable& variable) {
+void check(const std::string& name, const mottle::formats::MatVariable& variable) {
   expect(!name.empty() && variable.sizes.size() >= 2);
   expect(variable.numbers.empty() != variable.texts.empty());
   if (variable.numbers.empty()) return;
@@ -28,7 +28,7 @@ void check(const std::string& name, const mottle::MatVariable& variable) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string_view bytes(reinterpret_cast<const char*>(data), size);
   try {
-    for (const auto& [name, variable] : mottle::parse_mat(bytes, "fuzz.mat")) check(name, variable);
+    for (const auto& [name, variable] : mottle::formats::parse_mat(bytes, "fuzz.mat")) check(name, variable);
   } catch (const mottle::FormatError& error) {
     expect(std::string_view(error.what()).size() < 8192);
   }

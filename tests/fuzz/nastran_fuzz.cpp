@@ -16,6 +16,7 @@
 namespace {
 
 using namespace mottle;
+using namespace mottle::formats;
 
 void expect(bool claim) {
   if (!claim) std::abort();

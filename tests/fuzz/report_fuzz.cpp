@@ -26,7 +26,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     bytes.remove_prefix(border == std::string_view::npos ? bytes.size() : border + k_border.size());
   }
   try {
-    mottle::write_report(folder.path(""));
+    mottle::report::write_report(folder.path(""));
     if (std::filesystem::file_size(folder.path("report.html")) == 0) std::abort();
   } catch (const mottle::InvalidInput& error) {
     if (std::string_view(error.what()).size() > 8192) std::abort();

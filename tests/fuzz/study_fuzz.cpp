@@ -12,7 +12,7 @@
 #include "mottle/updating/methods/updater.hpp"
 
 /// Methods are not part of a study's reader: one that takes no options stands for them all.
-const std::vector<mottle::MethodEntry>& mottle::updating_methods() {
+const std::vector<mottle::updating::MethodEntry>& mottle::updating::updating_methods() {
   const auto make = [](const OptionValues& values, const std::string& where) -> std::unique_ptr<Updater> {
     if (!values.empty()) throw InvalidInput(where + ": is not known");
     return nullptr;
@@ -25,11 +25,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   static const mottle::test::FuzzFolder folder;
   folder.write("study.toml", {reinterpret_cast<const char*>(data), size});
   try {
-    const mottle::Study study = mottle::read_study(folder.path("study.toml"), {});
+    const mottle::study::Study study = mottle::study::read_study(folder.path("study.toml"), {});
     folder.write("again.toml", study.text);
-    const mottle::Study again = mottle::read_study(folder.path("again.toml"), {});
+    const mottle::study::Study again = mottle::study::read_study(folder.path("again.toml"), {});
     if (again.parameters.list.size() != study.parameters.list.size() || again.text != study.text) std::abort();
-    mottle::located(study, "update.method", "");
+    mottle::study::located(study, "update.method", "");
   } catch (const mottle::InvalidInput& error) {
     if (std::string_view(error.what()).size() > 65536) std::abort();
   }

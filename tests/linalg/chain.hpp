@@ -10,6 +10,8 @@
 
 namespace mottle::test {
 
+using namespace linalg;  // of which these are the tests
+
 /// A chain of masses with springs in three patches and a pair of springs across one of them; its middle mass moves too.
 struct Chain {
   static constexpr int size = 120;

@@ -14,6 +14,8 @@
 
 namespace mottle::test {
 
+using namespace linalg;  // of which these are the tests
+
 /// A family, how its coefficients scatter, and how much the reduced model may learn.
 struct HostileFamily {
   std::string name;

@@ -15,6 +15,8 @@
 
 namespace mottle::linalg_test {
 
+using namespace linalg;
+
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;

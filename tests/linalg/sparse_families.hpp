@@ -10,6 +10,8 @@
 
 namespace mottle::test {
 
+using namespace linalg;  // of which these are the tests
+
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;

@@ -10,7 +10,7 @@
 #include "core/message_of.hpp"
 #include "mottle/core/error.hpp"
 
-namespace mottle {
+namespace mottle::model {
 namespace {
 
 using test::message_of;
@@ -69,4 +69,4 @@ TEST(FunctionModel, RefusesOutputsThatCannotBeToldApart) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::model

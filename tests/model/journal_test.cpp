@@ -13,7 +13,7 @@
 #include "model/structures.hpp"
 #include "mottle/core/files.hpp"
 
-namespace mottle {
+namespace mottle::model {
 namespace {
 
 using test::TemporaryFolder;
@@ -226,4 +226,4 @@ TEST_F(Journal, StopsBetweenBatchesOnRequest) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::model

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace mottle {
+namespace mottle::model {
 namespace {
 
 TEST(Quantity, ANameFollowsFromKindModeAndPlace) {
@@ -24,4 +24,4 @@ TEST(Quantity, EveryNameThatIsMadeMayNameAnOutputAndOthersMayNot) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::model

@@ -7,8 +7,9 @@
 
 #include "model/structures.hpp"
 #include "mottle/model/structure_model.hpp"
+#include "mottle/model/structures/affine_matrices.hpp"
 
-namespace mottle {
+namespace mottle::model {
 namespace {
 
 /// Three masses with parameters k1, m2, k6 and a factor on k2 and k5, all outputs but damping.
@@ -135,4 +136,4 @@ TEST(ModalBatch, ListsFailuresInTheOrderOfSamples) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::model

@@ -9,8 +9,9 @@
 
 #include "core/message_of.hpp"
 #include "model/structures.hpp"
+#include "mottle/model/structures/affine_matrices.hpp"
 
-namespace mottle {
+namespace mottle::model {
 namespace {
 
 using test::one_each;
@@ -208,4 +209,4 @@ TEST(StructureModel, RefusesAReferenceWithoutMass) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::model

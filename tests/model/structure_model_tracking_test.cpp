@@ -7,8 +7,9 @@
 
 #include "model/structures.hpp"
 #include "mottle/model/structure_model.hpp"
+#include "mottle/model/structures/affine_matrices.hpp"
 
-namespace mottle {
+namespace mottle::model {
 namespace {
 
 constexpr double k_two_pi = 2.0 * std::numbers::pi;
@@ -104,4 +105,4 @@ TEST(Tracking, KeepsAModeWhoseMacIsAboveTheLimit) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::model

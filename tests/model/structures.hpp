@@ -11,6 +11,8 @@
 
 namespace mottle::test {
 
+using namespace model;  // of which these are the tests
+
 /// Three unit masses ([Mares2006]): k1, k2, k3 to ground, k4 = 1-2, k5 = 2-3, k6 = 1-3.
 inline MassSpringSystem three_mass_system() {
   return {.masses = {{"m1", 1.0}, {"m2", 1.0}, {"m3", 1.0}},

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-namespace mottle {
+namespace mottle::report {
 namespace {
 
 using nlohmann::json;
@@ -55,4 +55,4 @@ TEST(Page, AsksForNothingFromTheNetwork) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::report

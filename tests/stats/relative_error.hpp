@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-namespace mottle {
+namespace mottle::stats {
 
 /// Passes where |actual - expected| <= tolerance |expected|.
 inline ::testing::AssertionResult is_relatively_near(double actual, double expected, double tolerance) {
@@ -15,4 +15,4 @@ inline ::testing::AssertionResult is_relatively_near(double actual, double expec
                                        << (actual - expected) / expected;
 }
 
-}  // namespace mottle
+}  // namespace mottle::stats

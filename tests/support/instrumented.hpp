@@ -3,6 +3,8 @@
 
 namespace mottle::test {
 
+using namespace model;  // of which these are the tests
+
 /// Under sanitizers replications take ten times as long: statistical claims are left to the optimised build, what they
 /// run is run by other tests.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)

@@ -13,6 +13,8 @@
 
 namespace mottle::test {
 
+using namespace model;  // of which these are the tests
+
 class LinearModel final : public Model {
  public:
   LinearModel(Eigen::VectorXd offset, Eigen::MatrixXd slope) : offset_(std::move(offset)), slope_(std::move(slope)) {

@@ -12,6 +12,8 @@
 
 namespace mottle::test {
 
+using namespace updating;  // of which these are the tests
+
 /// Four outputs of two correlated parameters, linear, so that every step has a closed form.
 struct LinearProblem {
   LinearProblem() : model(Eigen::Vector4d(1.0, 2.0, 0.0, -1.0), slope()), noise(0.05, 0.1, 0.04, 0.08) {

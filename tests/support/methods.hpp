@@ -11,6 +11,8 @@
 
 namespace mottle::test {
 
+using namespace updating;  // of which these are the tests
+
 inline std::vector<std::string> method_names(bool of_populations) {
   std::vector<std::string> names;
   for (const MethodEntry& method : updating_methods()) {

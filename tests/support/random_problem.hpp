@@ -15,10 +15,13 @@
 
 #include "mottle/model/parameters/parameter_space.hpp"
 #include "mottle/model/structure_model.hpp"
+#include "mottle/model/structures/affine_matrices.hpp"
 #include "mottle/stats/distributions/standard_normal.hpp"
 #include "mottle/updating/methods/updater.hpp"
 
 namespace mottle::test {
+
+using namespace updating;  // of which these are the tests
 
 /// Problem `number`: 2 to 6 specimens of a chain of 1 to 7 masses whose 1 to 6 springs are to be found from 1 to 7
 /// frequencies. Everything about it follows from its number.

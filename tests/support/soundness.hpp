@@ -12,6 +12,8 @@
 
 namespace mottle::test {
 
+using namespace updating;  // of which these are the tests
+
 /// Whether each interval is ordered; ends that are nan mean "not determined".
 inline bool are_ordered(const Eigen::MatrixXd& ends) {
   for (Eigen::Index i = 0; i < ends.rows(); ++i) {

@@ -9,9 +9,12 @@
 
 #include "mottle/model/parameters/parameter_space.hpp"
 #include "mottle/model/structure_model.hpp"
+#include "mottle/model/structures/affine_matrices.hpp"
 #include "mottle/updating/methods/updater.hpp"
 
 namespace mottle::test {
+
+using namespace updating;  // of which these are the tests
 
 inline MassSpringSystem three_mass_system(double k6 = 3.0) {
   return {.masses = {{"m1", 1.0}, {"m2", 1.0}, {"m3", 1.0}},

@@ -51,6 +51,18 @@ class CheckLayers(unittest.TestCase):
         code, output = self.run_on({"tests/stats/helper.hpp": "", "tests/core/x_test.cpp": '#include "stats/helper.hpp"'})
         self.assertEqual(code, 1, output)
 
+    def test_anothers_namespace_is_found(self):
+        self.assert_found("src/stats/x.cpp", 2, "namespace mottle::study {")
+        self.assert_found("include/mottle/stats/x.hpp", 2, "namespace mottle {")
+        self.assert_found("src/core/x.cpp", 2, "namespace mottle::stats {")
+        self.assert_sound("src/core/x.cpp", "namespace mottle {")
+        self.assert_sound("src/study/x.cpp", "namespace mottle::stats {\nclass Declared;\n}\nnamespace mottle::study {")
+
+    def test_a_table_of_namespaces_that_is_not_that_of_the_layers_is_found(self):
+        self.assert_found("include/mottle/layers.hpp", 1, "namespace stats {}\nnamespace study {\nusing namespace stats;\n}")
+        self.assert_sound("include/mottle/layers.hpp", "namespace stats {}\nnamespace modal {}\nnamespace study {\nusing namespace "
+                          "stats;\nusing namespace modal;\n}\nnamespace app {\nusing namespace study;\n}")
+
     def test_an_unknown_layer_is_found(self):
         self.assert_found("src/study/x.cpp", 2, '#include "mottle/nowhere/x.hpp"')
         self.assert_found("src/nowhere/x.cpp", 1, "")

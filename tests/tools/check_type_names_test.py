@@ -40,6 +40,11 @@ class CheckTypeNames(unittest.TestCase):
                        "struct alignas(64) Sight {};"):
             self.assert_found(first, second.replace("\n", " "))
 
+    def test_a_name_of_two_layers_is_found(self):
+        code, output = self.run_on("namespace mottle::stats {\nstruct Sight {};\n}\n", "namespace mottle::fem {\nclass Sight {};\n}\n")
+        self.assertEqual(code, 1, output)
+        self.assertIn("mottle::Sight is defined 2 times", output)
+
     def test_behind_functions_comments_and_texts_it_is_still_found(self):
         self.assert_found("struct Sight {};", 'int f() { return "{"[0]; } /* { */ struct Sight {};')
 

@@ -4,7 +4,9 @@
 #include <cstdint>
 #include <string>
 
-namespace mottle {
+#include "mottle/layers.hpp"
+
+namespace mottle::fem {
 
 /// A number on a card that a parameter may act on: "MAT1:2:E". A card's number is read from here at every assembly.
 struct CardField {
@@ -22,4 +24,4 @@ inline constexpr FieldIndex k_no_field = -1;
 using Components = std::uint8_t;
 inline constexpr Components k_all_components = 0x3f;
 
-}  // namespace mottle
+}  // namespace mottle::fem

@@ -6,8 +6,9 @@
 #include <vector>
 
 #include "mottle/fem/finite_element_model.hpp"
+#include "mottle/layers.hpp"
 
-namespace mottle {
+namespace mottle::fem {
 
 /// Indices of triangles, edges and points count the drawn nodes.
 struct Drawing {
@@ -21,4 +22,4 @@ struct Drawing {
 /// apart; concentrated masses. Quadrilaterals are split along their shorter diagonal; mid-edge nodes are left out.
 Drawing drawing_of(const FiniteElementModel& model);
 
-}  // namespace mottle
+}  // namespace mottle::fem

@@ -10,8 +10,9 @@
 
 #include "mottle/fem/card_field.hpp"
 #include "mottle/fem/elements/element_table.hpp"
+#include "mottle/layers.hpp"
 
-namespace mottle {
+namespace mottle::fem {
 
 /// A local coordinate system, resolved to basic coordinates.
 struct CoordinateSystem {
@@ -128,4 +129,4 @@ struct FiniteElementModel {
   int find_node(int id) const;
 };
 
-}  // namespace mottle
+}  // namespace mottle::fem

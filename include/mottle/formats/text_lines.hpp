@@ -9,8 +9,9 @@
 #include <vector>
 
 #include "mottle/core/files.hpp"
+#include "mottle/layers.hpp"
 
-namespace mottle {
+namespace mottle::formats {
 
 /// Longest line that is read of a file, in bytes.
 inline constexpr std::size_t k_longest_line = std::size_t{16} << 20;
@@ -50,4 +51,4 @@ bool parse_printed_number(std::string_view text, double& value);
 /// A whole number that fills `text`.
 bool parse_whole_number(std::string_view text, int& value);
 
-}  // namespace mottle
+}  // namespace mottle::formats

@@ -6,8 +6,9 @@
 #include <vector>
 
 #include "mottle/fem/finite_element_model.hpp"
+#include "mottle/layers.hpp"
 
-namespace mottle {
+namespace mottle::formats {
 
 /// One vector field over the model's nodes.
 struct VtuField {
@@ -19,4 +20,4 @@ struct VtuField {
 /// data. Arrays are inline base64 with 32-bit lengths. Source: the VTK file formats document, XML unstructured grid.
 std::string format_vtu(const FiniteElementModel& model, const std::vector<VtuField>& fields);
 
-}  // namespace mottle
+}  // namespace mottle::formats

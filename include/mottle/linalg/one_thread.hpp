@@ -1,10 +1,10 @@
 // Foreign packages' own threads, switched off.
 #pragma once
 
-namespace mottle {
+namespace mottle::linalg {
 
 /// Keeps BLAS, and the OpenMP loops of the sparse packages, from starting threads of their own inside the calling
 /// thread: they would slow both down and change the last bits of sums. To be called wherever such a package is entered.
 void use_one_thread();
 
-}  // namespace mottle
+}  // namespace mottle::linalg

@@ -4,9 +4,10 @@
 #include <functional>
 #include <vector>
 
+#include "mottle/layers.hpp"
 #include "mottle/model/model.hpp"
 
-namespace mottle {
+namespace mottle::model {
 
 /// A model that is a function of one parameter vector.
 class FunctionModel final : public Model {
@@ -31,4 +32,4 @@ class FunctionModel final : public Model {
   Function function_;
 };
 
-}  // namespace mottle
+}  // namespace mottle::model

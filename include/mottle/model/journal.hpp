@@ -9,9 +9,10 @@
 #include <vector>
 
 #include "mottle/core/checksum.hpp"
+#include "mottle/layers.hpp"
 #include "mottle/model/model.hpp"
 
-namespace mottle {
+namespace mottle::model {
 
 /// A model that answers from its journal where it can and writes there what it had to compute.
 ///
@@ -49,4 +50,4 @@ class JournalledModel final : public Model {
   mutable SolverUse use_;
 };
 
-}  // namespace mottle
+}  // namespace mottle::model

@@ -8,9 +8,10 @@
 #include <vector>
 
 #include "mottle/core/run_context.hpp"
+#include "mottle/layers.hpp"
 #include "mottle/model/quantity.hpp"
 
-namespace mottle {
+namespace mottle::model {
 
 /// One model run that gave no result.
 struct FailedRun {
@@ -97,4 +98,4 @@ class DifferentiableModel {
   virtual bool has_cheap_jacobian() const { return true; }
 };
 
-}  // namespace mottle
+}  // namespace mottle::model

@@ -3,7 +3,9 @@
 
 #include <string>
 
-namespace mottle {
+#include "mottle/layers.hpp"
+
+namespace mottle::model {
 
 /// What a quantity is, whatever it is called and in whatever unit its numbers are.
 enum class QuantityKind {
@@ -53,4 +55,4 @@ Quantity named_quantity(const std::string& name, const std::string& unit);
 /// Whether one of these could have this name: a column of a test file that the study does not use.
 bool may_name_quantity(const std::string& name);
 
-}  // namespace mottle
+}  // namespace mottle::model

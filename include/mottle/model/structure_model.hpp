@@ -6,11 +6,12 @@
 #include <vector>
 
 #include "mottle/dynamics/modes/mode_set.hpp"
+#include "mottle/layers.hpp"
 #include "mottle/model/model.hpp"
 #include "mottle/model/responses/modal_outputs.hpp"
 #include "mottle/model/solvers/solver.hpp"
 
-namespace mottle {
+namespace mottle::model {
 
 class Response;
 struct AffineStructure;
@@ -90,4 +91,4 @@ class StructureModel final : public Model, public DifferentiableModel {
   std::vector<bool> is_output_;      // by mode up to the highest; the others only keep the outputs' modes apart
 };
 
-}  // namespace mottle
+}  // namespace mottle::model

@@ -4,11 +4,12 @@
 #include <memory>
 #include <vector>
 
+#include "mottle/layers.hpp"
 #include "mottle/model/model.hpp"
 #include "mottle/model/parameters/parameter_space.hpp"
 #include "mottle/stats/surrogates/surrogate.hpp"
 
-namespace mottle {
+namespace mottle::model {
 
 /// Outputs of a model as functions fitted on the parameters' own scales.
 class SurrogateModel final : public Model {
@@ -35,4 +36,4 @@ class SurrogateModel final : public Model {
   std::unique_ptr<const Surrogate> surrogate_;
 };
 
-}  // namespace mottle
+}  // namespace mottle::model

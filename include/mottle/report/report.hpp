@@ -3,7 +3,9 @@
 
 #include <filesystem>
 
-namespace mottle {
+#include "mottle/layers.hpp"
+
+namespace mottle::report {
 
 /// Reads result.json, tests.csv and clouds.csv of `folder` and writes report.html beside them.
 ///
@@ -13,4 +15,4 @@ void write_report(const std::filesystem::path& folder);
 /// Reads modes.json of `folder` and writes modes.html beside it.
 void write_modes_page(const std::filesystem::path& folder);
 
-}  // namespace mottle
+}  // namespace mottle::report

@@ -5,8 +5,9 @@
 #include <filesystem>
 
 #include "mottle/core/run_context.hpp"
+#include "mottle/layers.hpp"
 
-namespace mottle {
+namespace mottle::study {
 
 struct RunSettings {
   std::filesystem::path folder{};  ///< empty: no log, no journal to resume from
@@ -18,4 +19,4 @@ struct RunSettings {
   const std::atomic<bool>* stop = nullptr;  ///< a model made for the job may ask it for as long as it lives
 };
 
-}  // namespace mottle
+}  // namespace mottle::study

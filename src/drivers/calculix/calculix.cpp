@@ -16,7 +16,7 @@
 #include "mottle/core/text.hpp"
 #include "mottle/drivers/calculix/separable_fit.hpp"
 
-namespace mottle {
+namespace mottle::drivers {
 namespace {
 
 namespace fs = std::filesystem;
@@ -279,4 +279,4 @@ SolverCommand calculix_command(const CalculixDeck& deck, const std::vector<Param
   return command;
 }
 
-}  // namespace mottle
+}  // namespace mottle::drivers

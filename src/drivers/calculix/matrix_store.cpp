@@ -6,7 +6,7 @@
 #include "mottle/core/error.hpp"
 #include "mottle/core/files.hpp"
 
-namespace mottle {
+namespace mottle::drivers {
 namespace {
 
 namespace fs = std::filesystem;
@@ -107,4 +107,4 @@ void keep_run(const fs::path& folder, const Digest& digest, const MatrixRun& run
   }
 }
 
-}  // namespace mottle
+}  // namespace mottle::drivers

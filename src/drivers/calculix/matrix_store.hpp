@@ -6,8 +6,9 @@
 
 #include "mottle/core/checksum.hpp"
 #include "mottle/drivers/calculix/separable_fit.hpp"
+#include "mottle/layers.hpp"
 
-namespace mottle {
+namespace mottle::drivers {
 
 /// Nothing where the run is not kept or its file is damaged.
 std::optional<MatrixRun> find_run(const std::filesystem::path& folder, const Digest& digest);
@@ -15,4 +16,4 @@ std::optional<MatrixRun> find_run(const std::filesystem::path& folder, const Dig
 /// Keeps a run, and of older ones as many as fit into 2 GB. A place that cannot be written costs the reuse alone.
 void keep_run(const std::filesystem::path& folder, const Digest& digest, const MatrixRun& run);
 
-}  // namespace mottle
+}  // namespace mottle::drivers

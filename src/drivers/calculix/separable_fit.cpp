@@ -8,7 +8,7 @@
 
 #include "mottle/core/error.hpp"
 
-namespace mottle {
+namespace mottle::drivers {
 namespace {
 
 constexpr double k_agreement = 1e-8;
@@ -292,4 +292,4 @@ SeparableFit fit_separable(const std::vector<FitAxis>& axes,
   return Fit(axes, run).find();
 }
 
-}  // namespace mottle
+}  // namespace mottle::drivers

@@ -12,7 +12,7 @@
 #include "mottle/core/text.hpp"
 #include "mottle/dynamics/modes/mac.hpp"
 
-namespace mottle {
+namespace mottle::drivers {
 namespace {
 
 constexpr double k_not_known = std::numeric_limits<double>::quiet_NaN();
@@ -241,4 +241,4 @@ Eigen::MatrixXd ExternalSolver::shape_derivatives(const Eigen::Ref<const Eigen::
   return Eigen::MatrixXd::Constant(modes.shapes.rows(), nominal_.size(), k_not_known);
 }
 
-}  // namespace mottle
+}  // namespace mottle::drivers

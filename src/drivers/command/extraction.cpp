@@ -13,7 +13,7 @@
 #include "mottle/formats/tables/csv.hpp"
 #include "mottle/formats/text_lines.hpp"
 
-namespace mottle {
+namespace mottle::drivers {
 namespace {
 
 constexpr double k_two_pi = 2.0 * std::numbers::pi;
@@ -283,4 +283,4 @@ ExtractedModes extract_modes(const std::filesystem::path& folder, const Frequenc
   return modes;
 }
 
-}  // namespace mottle
+}  // namespace mottle::drivers

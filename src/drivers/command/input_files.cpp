@@ -9,7 +9,7 @@
 #include "mottle/core/files.hpp"
 #include "mottle/drivers/command/run_folders.hpp"
 
-namespace mottle {
+namespace mottle::drivers {
 namespace {
 
 namespace fs = std::filesystem;
@@ -110,4 +110,4 @@ void InputFiles::relink(const fs::path& folder) const {
   }
 }
 
-}  // namespace mottle
+}  // namespace mottle::drivers

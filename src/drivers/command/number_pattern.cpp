@@ -6,7 +6,7 @@
 
 #include "mottle/core/error.hpp"
 
-namespace mottle {
+namespace mottle::drivers {
 namespace {
 
 re2::RE2::Options options() {
@@ -45,4 +45,4 @@ std::vector<std::string_view> NumberPattern::first_groups(std::string_view line)
   return groups;
 }
 
-}  // namespace mottle
+}  // namespace mottle::drivers

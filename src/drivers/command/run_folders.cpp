@@ -13,7 +13,7 @@
 #include "mottle/core/error.hpp"
 #include "mottle/core/files.hpp"
 
-namespace mottle {
+namespace mottle::drivers {
 namespace {
 
 constexpr const char* k_work = "runs";
@@ -188,4 +188,4 @@ void write_run_file(const std::filesystem::path& file, const std::string& bytes)
                                   file.string(), std::strerror(error)));
 }
 
-}  // namespace mottle
+}  // namespace mottle::drivers

@@ -9,7 +9,7 @@
 #include "drivers/command/solver_process.hpp"
 #include "mottle/formats/text_lines.hpp"
 
-namespace mottle {
+namespace mottle::drivers {
 namespace {
 
 /// The last `most` bytes of what is open.
@@ -63,4 +63,4 @@ std::string last_words(const std::filesystem::path& folder) {
   return {};
 }
 
-}  // namespace mottle
+}  // namespace mottle::drivers

@@ -4,7 +4,9 @@
 #include <filesystem>
 #include <string>
 
-namespace mottle {
+#include "mottle/layers.hpp"
+
+namespace mottle::drivers {
 
 /// The last bytes of a regular file, at most 64 kB; empty where it is none. Never follows a link.
 std::string last_part(const std::filesystem::path& file);
@@ -15,4 +17,4 @@ void shorten_output(const std::filesystem::path& folder);
 /// The last line with anything on it that a run has printed, the error's before the output's.
 std::string last_words(const std::filesystem::path& folder);
 
-}  // namespace mottle
+}  // namespace mottle::drivers

@@ -8,7 +8,7 @@
 
 #include "mottle/core/error.hpp"
 
-namespace mottle {
+namespace mottle::drivers {
 namespace {
 
 constexpr std::string_view k_magic = "mottle runs 1\n";
@@ -200,4 +200,4 @@ void RunStore::keep(const Digest& key, const RunRecord& record) {
   places_[key] = {end + sizeof(head), body.size()};
 }
 
-}  // namespace mottle
+}  // namespace mottle::drivers

@@ -20,7 +20,7 @@
 // copies of a process with many threads and call nothing but what is safe there; hence _Fork, which runs no handlers
 // of libraries, and strings that are made before.
 
-namespace mottle {
+namespace mottle::drivers {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -292,4 +292,4 @@ std::filesystem::path find_program(const std::string& name) {
   return {};
 }
 
-}  // namespace mottle
+}  // namespace mottle::drivers

@@ -9,7 +9,9 @@
 #include <string>
 #include <vector>
 
-namespace mottle {
+#include "mottle/layers.hpp"
+
+namespace mottle::drivers {
 
 /// What to run and where.
 struct ProcessRequest {
@@ -44,4 +46,4 @@ ProcessEnd run_process(const ProcessRequest& request);
 /// The program's file: itself where `name` holds a slash, else the first of that name on PATH; empty: there is none.
 std::filesystem::path find_program(const std::string& name);
 
-}  // namespace mottle
+}  // namespace mottle::drivers

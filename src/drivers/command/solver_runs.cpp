@@ -10,7 +10,7 @@
 #include "mottle/core/text.hpp"
 #include "mottle/core/utf8.hpp"
 
-namespace mottle {
+namespace mottle::drivers {
 namespace {
 
 /// Appends a piece so that no two lists of pieces give the same text.
@@ -241,4 +241,4 @@ std::vector<std::string> SolverRuns::coarse_places(const Eigen::Ref<const Eigen:
   return places;
 }
 
-}  // namespace mottle
+}  // namespace mottle::drivers

@@ -9,7 +9,7 @@
 #include "mottle/core/error.hpp"
 #include "mottle/core/text.hpp"
 
-namespace mottle {
+namespace mottle::drivers {
 namespace {
 
 constexpr std::size_t k_longest_place = 200;
@@ -133,4 +133,4 @@ std::vector<std::string> Template::coarse_places(const Eigen::Ref<const Eigen::V
   return coarse;
 }
 
-}  // namespace mottle
+}  // namespace mottle::drivers

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <complex>
 
-namespace mottle {
+namespace mottle::dynamics {
 
 RealShape nearest_real_shape(const Eigen::Ref<const Eigen::VectorXcd>& shape) {
   const double xx = shape.real().squaredNorm();
@@ -15,4 +15,4 @@ RealShape nearest_real_shape(const Eigen::Ref<const Eigen::VectorXcd>& shape) {
   return {(shape * std::polar(1.0, -phase)).real(), split * split};
 }
 
-}  // namespace mottle
+}  // namespace mottle::dynamics

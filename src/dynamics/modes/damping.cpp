@@ -8,7 +8,7 @@
 #include "mottle/core/error.hpp"
 #include "mottle/dynamics/modes/mac.hpp"
 
-namespace mottle {
+namespace mottle::dynamics {
 
 Eigen::VectorXd modal_damping_ratios(const ModeSet& modes, const Eigen::Ref<const Eigen::MatrixXd>& damping) {
   const Eigen::Index n = modes.shapes.rows();
@@ -41,4 +41,4 @@ Eigen::VectorXd modal_damping_ratios(const ModeSet& modes, const Eigen::Ref<cons
   return result;
 }
 
-}  // namespace mottle
+}  // namespace mottle::dynamics

@@ -5,7 +5,7 @@
 
 #include "mottle/core/error.hpp"
 
-namespace mottle {
+namespace mottle::dynamics {
 
 Eigen::MatrixXd modal_assurance_criterion(const Eigen::Ref<const Eigen::MatrixXd>& a,
                                           const Eigen::Ref<const Eigen::MatrixXd>& b) {
@@ -80,4 +80,4 @@ Eigen::MatrixXd shape_cosines(const Eigen::Ref<const Eigen::MatrixXd>& a, const 
   return cosines;
 }
 
-}  // namespace mottle
+}  // namespace mottle::dynamics

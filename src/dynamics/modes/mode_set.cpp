@@ -4,7 +4,7 @@
 #include <limits>
 #include <numbers>
 
-namespace mottle {
+namespace mottle::dynamics {
 
 double natural_frequency_hz(double eigenvalue, double scale) {
   constexpr double k_rounding = 1e-9;
@@ -12,4 +12,4 @@ double natural_frequency_hz(double eigenvalue, double scale) {
   return eigenvalue >= -k_rounding * scale ? 0.0 : std::numeric_limits<double>::quiet_NaN();
 }
 
-}  // namespace mottle
+}  // namespace mottle::dynamics

@@ -7,7 +7,7 @@
 
 #include "mottle/core/error.hpp"
 
-namespace mottle {
+namespace mottle::dynamics {
 namespace {
 
 /// Whether two eigenvalues are one to rounding: their shapes, and derivatives along these, are arbitrary. Compared with
@@ -113,4 +113,4 @@ Eigen::MatrixXd shape_sensitivity(const ModeSet& modes, const Eigen::Ref<const E
   return modes.shapes * weights;
 }
 
-}  // namespace mottle
+}  // namespace mottle::dynamics

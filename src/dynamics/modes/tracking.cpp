@@ -6,7 +6,7 @@
 
 #include "mottle/dynamics/modes/mac.hpp"
 
-namespace mottle {
+namespace mottle::dynamics {
 namespace {
 
 constexpr double k_shares_shape = 0.1;  // MAC from which a mode counts as part of another's shape
@@ -66,4 +66,4 @@ TrackedModes track_modes(const Eigen::Ref<const Eigen::MatrixXd>& cosines, doubl
   return tracked;
 }
 
-}  // namespace mottle
+}  // namespace mottle::dynamics

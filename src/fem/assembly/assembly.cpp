@@ -10,7 +10,7 @@
 #include "fem/assembly/element_store.hpp"
 #include "mottle/core/error.hpp"
 
-namespace mottle {
+namespace mottle::fem {
 namespace {
 
 std::vector<FieldRole> field_roles(const FiniteElementModel& model, const std::vector<FieldParameter>& parameters) {
@@ -275,4 +275,4 @@ std::string degree_of_freedom_name(const FiniteElementModel& model, int node, in
   return point.is_scalar ? fmt::format("{}", point.id) : fmt::format("{}:{}", point.id, k_names[component]);
 }
 
-}  // namespace mottle
+}  // namespace mottle::fem

@@ -7,7 +7,7 @@
 #include "fem/assembly/rigid_motion.hpp"
 #include "mottle/core/error.hpp"
 
-namespace mottle {
+namespace mottle::fem {
 namespace {
 
 using Rigid = Eigen::Matrix<double, 6, 6>;
@@ -19,8 +19,8 @@ bool has(Components components, int component) {
 /// Displacement components of `node` (rows) for a rigid motion given at `origin` (columns: three translations, three
 /// rotations, basic).
 Rigid rigid_motion_of_node(const FiniteElementModel& model, int node, const Eigen::Vector3d& origin) {
-  return mottle::rigid_motion(displacement_directions(model, node),
-                              model.nodes[static_cast<std::size_t>(node)].position - origin);
+  return fem::rigid_motion(displacement_directions(model, node),
+                           model.nodes[static_cast<std::size_t>(node)].position - origin);
 }
 
 const Eigen::Vector3d& position(const FiniteElementModel& model, int node) {
@@ -221,4 +221,4 @@ std::vector<DependentDegreeOfFreedom> dependent_degrees_of_freedom(const FiniteE
   return equations;
 }
 
-}  // namespace mottle
+}  // namespace mottle::fem

@@ -5,8 +5,9 @@
 #include <vector>
 
 #include "mottle/fem/finite_element_model.hpp"
+#include "mottle/layers.hpp"
 
-namespace mottle {
+namespace mottle::fem {
 
 /// Six slots a node, in its displacement system; a scalar point uses the first.
 inline int degree_of_freedom(int node, int component) {
@@ -34,4 +35,4 @@ Eigen::Matrix3d displacement_directions(const FiniteElementModel& model, int nod
 /// carry a rigid-body motion, an equation whose dependent coefficient is zero.
 std::vector<DependentDegreeOfFreedom> dependent_degrees_of_freedom(const FiniteElementModel& model);
 
-}  // namespace mottle
+}  // namespace mottle::fem

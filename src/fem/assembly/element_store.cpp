@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-namespace mottle {
+namespace mottle::fem {
 namespace {
 
 /// Turns triples of degrees of freedom from basic axes into their nodes' displacement systems.
@@ -162,4 +162,4 @@ void ElementStore::hold(const std::vector<bool>& is_held) {
   for (int& equation : equations_) equation = renumbered[static_cast<std::size_t>(equation)];
 }
 
-}  // namespace mottle
+}  // namespace mottle::fem

@@ -7,8 +7,9 @@
 
 #include "fem/assembly/equation_map.hpp"
 #include "fem/elements/element_pieces.hpp"
+#include "mottle/layers.hpp"
 
-namespace mottle {
+namespace mottle::fem {
 
 /// What a field means to the parameters.
 struct FieldRole {
@@ -75,4 +76,4 @@ class ElementStore {
   std::map<TermName, int> index_of_term_;
 };
 
-}  // namespace mottle
+}  // namespace mottle::fem

@@ -5,7 +5,7 @@
 
 #include "mottle/core/error.hpp"
 
-namespace mottle {
+namespace mottle::fem {
 namespace {
 
 constexpr int k_free = 0;
@@ -117,4 +117,4 @@ void EquationMap::hold(const std::vector<bool>& is_held) {
   std::erase_if(equations_, [&, k = std::size_t{0}](const Equation&) mutable { return is_held[k++]; });
 }
 
-}  // namespace mottle
+}  // namespace mottle::fem

@@ -5,8 +5,9 @@
 
 #include "fem/assembly/constraint_equations.hpp"
 #include "mottle/fem/assembly/assembly.hpp"
+#include "mottle/layers.hpp"
 
-namespace mottle {
+namespace mottle::fem {
 
 /// Each slot (6 node + component) is free (an equation of its own), fixed, or a sum of equations.
 class EquationMap {
@@ -42,4 +43,4 @@ class EquationMap {
   std::vector<Equation> equations_;
 };
 
-}  // namespace mottle
+}  // namespace mottle::fem

@@ -6,7 +6,7 @@
 #include "fem/assembly/rigid_motion.hpp"
 #include "fem/elements/element_pieces.hpp"
 
-namespace mottle {
+namespace mottle::fem {
 namespace {
 
 /// Motion of one degree of freedom for the six unit motions about `origin`.
@@ -64,4 +64,4 @@ MassProperties mass_properties(const FiniteElementModel& model) {
   return result;
 }
 
-}  // namespace mottle
+}  // namespace mottle::fem

@@ -5,7 +5,7 @@
 
 #include "mottle/core/error.hpp"
 
-namespace mottle {
+namespace mottle::fem {
 namespace {
 
 void require_new_name(const std::string& kind, const std::string& name, std::set<std::string>& known) {
@@ -55,4 +55,4 @@ Eigen::MatrixXd unit_mass_matrix(Eigen::Index index, Eigen::Index degrees_of_fre
   return matrix;
 }
 
-}  // namespace mottle
+}  // namespace mottle::fem

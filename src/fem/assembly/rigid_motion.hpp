@@ -3,7 +3,9 @@
 
 #include <Eigen/Core>
 
-namespace mottle {
+#include "mottle/layers.hpp"
+
+namespace mottle::fem {
 
 /// cross_matrix(v) w = v x w.
 inline Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
@@ -22,4 +24,4 @@ inline Eigen::Matrix<double, 6, 6> rigid_motion(const Eigen::Matrix3d& axes, con
   return motion;
 }
 
-}  // namespace mottle
+}  // namespace mottle::fem

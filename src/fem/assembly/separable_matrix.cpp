@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace mottle {
+namespace mottle::fem {
 namespace {
 
 void add_term(SparseMatrix& sum, const SeparableMatrix::Term& term, double coefficient) {
@@ -100,4 +100,4 @@ TermCoefficients term_coefficients(const SeparableMatrix& stiffness, const Separ
   return {coefficients(stiffness, samples), coefficients(mass, samples)};
 }
 
-}  // namespace mottle
+}  // namespace mottle::fem

@@ -7,7 +7,7 @@
 #include "fem/assembly/rigid_motion.hpp"
 #include "mottle/core/error.hpp"
 
-namespace mottle {
+namespace mottle::fem {
 namespace {
 
 using Matrix3 = Eigen::Matrix3d;
@@ -264,4 +264,4 @@ BeamMatrix rod_mass(const std::array<Eigen::Vector3d, 2>& nodes, MassKind kind) 
   return symmetric(mass);
 }
 
-}  // namespace mottle
+}  // namespace mottle::fem

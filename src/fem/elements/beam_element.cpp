@@ -7,7 +7,7 @@
 #include "mottle/fem/elements/beam_section.hpp"
 #include "mottle/fem/finite_element_model.hpp"
 
-namespace mottle {
+namespace mottle::fem {
 namespace {
 
 constexpr FieldIndex k_section_number = -2;  // a number that follows from the dimensions, not from a field of its own
@@ -139,4 +139,4 @@ const ElementTraits<BeamElement> BeamElement::k_traits = {
                  .names = {"X1", "X2", "X3", "W1A", "W2A", "W3A", "W1B", "W2B", "W3B"},
                  .at = geometry_number}};
 
-}  // namespace mottle
+}  // namespace mottle::fem

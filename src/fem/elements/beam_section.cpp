@@ -10,7 +10,7 @@
 
 #include "mottle/core/error.hpp"
 
-namespace mottle {
+namespace mottle::fem {
 namespace {
 
 using Dimensions = std::span<const double>;
@@ -268,4 +268,4 @@ BeamSection beam_section(std::string_view name, std::span<const double> dimensio
   return section->numbers(dimensions);
 }
 
-}  // namespace mottle
+}  // namespace mottle::fem

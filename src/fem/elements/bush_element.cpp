@@ -5,7 +5,7 @@
 #include "fem/elements/line_element.hpp"
 #include "mottle/fem/finite_element_model.hpp"
 
-namespace mottle {
+namespace mottle::fem {
 namespace {
 
 void add_bush(const FiniteElementModel& model, const BushElement& element, PieceSelection selection,
@@ -41,4 +41,4 @@ const ElementTraits<BushElement> BushElement::k_traits = {
     .topology = line_topology<BushElement>,
     .add_pieces = add_bush};
 
-}  // namespace mottle
+}  // namespace mottle::fem

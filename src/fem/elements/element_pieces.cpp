@@ -5,7 +5,7 @@
 #include "fem/assembly/constraint_equations.hpp"
 #include "mottle/core/error.hpp"
 
-namespace mottle {
+namespace mottle::fem {
 
 MassKind mass_kind(const FiniteElementModel& model) {
   return model.settings.coupled_mass ? MassKind::consistent : MassKind::lumped;
@@ -40,4 +40,4 @@ void visit_elements(const FiniteElementModel& model, PieceSelection selection,
   });
 }
 
-}  // namespace mottle
+}  // namespace mottle::fem

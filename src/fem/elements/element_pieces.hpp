@@ -9,8 +9,9 @@
 
 #include "mottle/fem/elements/solid.hpp"
 #include "mottle/fem/finite_element_model.hpp"
+#include "mottle/layers.hpp"
 
-namespace mottle {
+namespace mottle::fem {
 
 /// One card field raised to a power.
 struct FieldPower {
@@ -55,4 +56,4 @@ void add_six_degrees_of_freedom(int node, ElementPieces& element);
 void visit_elements(const FiniteElementModel& model, PieceSelection selection,
                     const std::function<void(ElementPieces&)>& visit);
 
-}  // namespace mottle
+}  // namespace mottle::fem

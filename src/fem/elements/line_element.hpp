@@ -5,8 +5,9 @@
 
 #include "fem/elements/element_pieces.hpp"
 #include "fem/elements/material_coefficients.hpp"
+#include "mottle/layers.hpp"
 
-namespace mottle {
+namespace mottle::fem {
 
 template <typename Element>
 std::span<const int> nodes_of(const Element& element) {
@@ -32,4 +33,4 @@ void add_piece(ElementPieces& result, ElementPiece::Kind kind, double factor, co
   result.pieces.push_back({kind, factor * coefficient.factor, coefficient.fields, coefficient.held, matrix});
 }
 
-}  // namespace mottle
+}  // namespace mottle::fem

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace mottle {
+namespace mottle::fem {
 
 Coefficient young_coefficient(const FiniteElementModel& model, const Material& material) {
   if (material.young != k_no_field) return {1.0, {{material.young, 1}}, {}};
@@ -49,4 +49,4 @@ double value_of(const FiniteElementModel& model, const Coefficient& coefficient)
   return value;
 }
 
-}  // namespace mottle
+}  // namespace mottle::fem

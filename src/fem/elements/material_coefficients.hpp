@@ -2,8 +2,9 @@
 #pragma once
 
 #include "fem/elements/element_pieces.hpp"
+#include "mottle/layers.hpp"
 
-namespace mottle {
+namespace mottle::fem {
 
 /// factor * product of fields, with the fields on which the factor rests.
 struct Coefficient {
@@ -30,4 +31,4 @@ Coefficient times(Coefficient coefficient, FieldIndex field, int power = 1);
 /// Product of everything at the card's values.
 double value_of(const FiniteElementModel& model, const Coefficient& coefficient);
 
-}  // namespace mottle
+}  // namespace mottle::fem

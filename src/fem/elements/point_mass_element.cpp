@@ -4,7 +4,7 @@
 #include "fem/elements/element_pieces.hpp"
 #include "mottle/fem/finite_element_model.hpp"
 
-namespace mottle {
+namespace mottle::fem {
 namespace {
 
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
@@ -72,4 +72,4 @@ const ElementTraits<PointMassElement> PointMassElement::k_traits = {
                  .names = {"X1", "X2", "X3"},
                  .at = [](PointMassElement& element, int number) -> double& { return element.offset(number); }}};
 
-}  // namespace mottle
+}  // namespace mottle::fem

@@ -6,7 +6,7 @@
 #include "mottle/fem/elements/beam.hpp"
 #include "mottle/fem/finite_element_model.hpp"
 
-namespace mottle {
+namespace mottle::fem {
 namespace {
 
 void add_rod(const FiniteElementModel& model, const RodElement& element, PieceSelection selection,
@@ -36,4 +36,4 @@ const ElementTraits<RodElement> RodElement::k_traits = {
     .topology = line_topology<RodElement>,
     .add_pieces = add_rod};
 
-}  // namespace mottle
+}  // namespace mottle::fem

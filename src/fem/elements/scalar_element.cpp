@@ -5,7 +5,7 @@
 #include "fem/elements/line_element.hpp"
 #include "mottle/fem/finite_element_model.hpp"
 
-namespace mottle {
+namespace mottle::fem {
 namespace {
 
 std::string_view card_of(const ScalarElement& element) {
@@ -46,4 +46,4 @@ void add_scalar(const FiniteElementModel& model, const ScalarElement& element, P
 const ElementTraits<ScalarElement> ScalarElement::k_traits = {
     .card = card_of, .nodes = nodes_of<ScalarElement>, .topology = topology_of, .add_pieces = add_scalar};
 
-}  // namespace mottle
+}  // namespace mottle::fem

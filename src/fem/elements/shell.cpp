@@ -9,7 +9,7 @@
 #include "fem/elements/shell_flat.hpp"
 #include "fem/elements/shell_motion.hpp"
 
-namespace mottle {
+namespace mottle::fem {
 namespace {
 
 using shell::Flat;
@@ -99,4 +99,4 @@ ShellQuality shell_quality(const ShellInput& input) {
   return quality;
 }
 
-}  // namespace mottle
+}  // namespace mottle::fem

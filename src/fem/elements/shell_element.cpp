@@ -5,7 +5,7 @@
 #include "mottle/fem/elements/shell.hpp"
 #include "mottle/fem/finite_element_model.hpp"
 
-namespace mottle {
+namespace mottle::fem {
 namespace {
 
 std::string_view card_of(const ShellElement& element) {
@@ -118,4 +118,4 @@ const ElementTraits<ShellElement> ShellElement::k_traits = {
                    return element.offset;
                  }}};
 
-}  // namespace mottle
+}  // namespace mottle::fem

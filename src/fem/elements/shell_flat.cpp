@@ -6,7 +6,7 @@
 
 #include "mottle/core/error.hpp"
 
-namespace mottle::shell {
+namespace mottle::fem::shell {
 namespace {
 
 /// Shape functions and their derivatives [xi, eta] at a parent point.
@@ -111,4 +111,4 @@ Eigen::Matrix3d plane_stress(double poisson) {
   return elasticity / (1.0 - poisson * poisson);
 }
 
-}  // namespace mottle::shell
+}  // namespace mottle::fem::shell

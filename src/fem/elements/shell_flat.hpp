@@ -5,8 +5,9 @@
 #include <array>
 
 #include "mottle/fem/elements/shell.hpp"
+#include "mottle/layers.hpp"
 
-namespace mottle::shell {
+namespace mottle::fem::shell {
 
 /// An integration point of the flat element.
 struct Point {
@@ -71,4 +72,4 @@ Plate plate(const Flat& flat, double poisson, double shear_flexibility);
 /// Resistance of the rotation about the normal against the plane's own, per G t K6ROT.
 MembraneMatrix drilling(const Flat& flat);
 
-}  // namespace mottle::shell
+}  // namespace mottle::fem::shell

@@ -6,7 +6,7 @@
 
 #include "fem/elements/shell_flat.hpp"
 
-namespace mottle::shell {
+namespace mottle::fem::shell {
 namespace {
 
 using Strain2 = Eigen::Matrix<double, 3, 2>;
@@ -65,4 +65,4 @@ MembraneMatrix drilling(const Flat& flat) {
   return stiffness;
 }
 
-}  // namespace mottle::shell
+}  // namespace mottle::fem::shell

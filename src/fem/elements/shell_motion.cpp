@@ -2,7 +2,7 @@
 
 #include <Eigen/Geometry>
 
-namespace mottle::shell {
+namespace mottle::fem::shell {
 namespace {
 
 using Rotation = Eigen::Matrix<double, 3, 24>;
@@ -77,4 +77,4 @@ ShellMatrix symmetric(ShellMatrix matrix) {
   return matrix;
 }
 
-}  // namespace mottle::shell
+}  // namespace mottle::fem::shell

@@ -4,8 +4,9 @@
 #include <Eigen/Core>
 
 #include "fem/elements/shell_flat.hpp"
+#include "mottle/layers.hpp"
 
-namespace mottle::shell {
+namespace mottle::fem::shell {
 
 using MotionMatrix = Eigen::Matrix<double, 12, 24>;
 
@@ -25,4 +26,4 @@ ShellMatrix to_basic(const Flat& flat, const Motion& motion, const MotionMatrix&
 /// Copies the lower triangle to the upper one.
 ShellMatrix symmetric(ShellMatrix matrix);
 
-}  // namespace mottle::shell
+}  // namespace mottle::fem::shell

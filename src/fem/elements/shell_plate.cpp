@@ -4,7 +4,7 @@
 #include "fem/elements/shell_flat.hpp"
 #include "mottle/core/error.hpp"
 
-namespace mottle::shell {
+namespace mottle::fem::shell {
 namespace {
 
 using Row12 = Eigen::Matrix<double, 1, 12>;
@@ -105,4 +105,4 @@ Plate plate(const Flat& flat, double poisson, double shear_flexibility) {
   return plate;
 }
 
-}  // namespace mottle::shell
+}  // namespace mottle::fem::shell

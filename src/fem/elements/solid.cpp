@@ -13,7 +13,7 @@
 #include "fem/elements/solid_shapes.hpp"
 #include "mottle/core/error.hpp"
 
-namespace mottle {
+namespace mottle::fem {
 namespace {
 
 using solid_shapes::Point;
@@ -298,4 +298,4 @@ SolidQuality solid_quality(SolidShape shape, const NodesRef& nodes) {
   return quality;
 }
 
-}  // namespace mottle
+}  // namespace mottle::fem

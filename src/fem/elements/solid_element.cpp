@@ -5,7 +5,7 @@
 #include "fem/elements/material_coefficients.hpp"
 #include "mottle/fem/finite_element_model.hpp"
 
-namespace mottle {
+namespace mottle::fem {
 namespace {
 
 std::string_view card_of(const SolidElement& element) {
@@ -82,4 +82,4 @@ const ElementTraits<SolidElement> SolidElement::k_traits = {.card = card_of,
                                                             .family = "solids",
                                                             .quality = quality_of};
 
-}  // namespace mottle
+}  // namespace mottle::fem

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace mottle::solid_shapes {
+namespace mottle::fem::solid_shapes {
 namespace {
 
 struct Abscissa {
@@ -203,4 +203,4 @@ const QuadraticTetrahedronTable& quadratic_tetrahedron() {
   return table;
 }
 
-}  // namespace mottle::solid_shapes
+}  // namespace mottle::fem::solid_shapes

@@ -4,7 +4,9 @@
 #include <Eigen/Core>
 #include <vector>
 
-namespace mottle::solid_shapes {
+#include "mottle/layers.hpp"
+
+namespace mottle::fem::solid_shapes {
 
 /// A place in an element's own coordinates with all that depends on the place alone.
 template <int nodes, int modes>
@@ -34,4 +36,4 @@ const WedgeTable& wedge();
 const TetrahedronTable& tetrahedron();
 const QuadraticTetrahedronTable& quadratic_tetrahedron();
 
-}  // namespace mottle::solid_shapes
+}  // namespace mottle::fem::solid_shapes

@@ -9,7 +9,7 @@
 #include "mottle/core/files.hpp"
 #include "mottle/core/text.hpp"
 
-namespace mottle {
+namespace mottle::formats {
 namespace {
 
 /// A keyword line: "*SHELL SECTION, ELSET=PLATE" -> SHELL SECTION, {ELSET: PLATE}; all in capitals.
@@ -328,4 +328,4 @@ bool writes_displacements(const CalculixDeck& deck) {
   return false;
 }
 
-}  // namespace mottle
+}  // namespace mottle::formats

@@ -2,7 +2,7 @@
 
 #include "formats/matrices/matrix_text.hpp"
 
-namespace mottle {
+namespace mottle::formats {
 namespace {
 
 std::string_view columns(const MatrixLines& text, std::size_t first, std::size_t width) {
@@ -73,4 +73,4 @@ std::vector<CalculixShape> parse_calculix_shapes(std::string_view bytes, const s
   return shapes;
 }
 
-}  // namespace mottle
+}  // namespace mottle::formats

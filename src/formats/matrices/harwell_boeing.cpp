@@ -5,7 +5,7 @@
 #include "formats/matrices/matrix_readers.hpp"
 #include "mottle/core/text.hpp"
 
-namespace mottle {
+namespace mottle::formats {
 namespace {
 
 /// A Fortran edit descriptor of numbers, "(10I8)" or "(1P,4D25.16)".
@@ -163,4 +163,4 @@ SymmetricMatrix parse_harwell_boeing(std::string_view bytes, const std::string& 
   return {.lower = builder.finish()};
 }
 
-}  // namespace mottle
+}  // namespace mottle::formats

@@ -5,7 +5,7 @@
 
 #include "mottle/core/error.hpp"
 
-namespace mottle {
+namespace mottle::formats {
 namespace {
 
 /// The bytes lent to the library's driver of files in memory, which would copy them twice by itself.
@@ -175,4 +175,4 @@ void Hdf5File::read_rows(const Hdf5Dataset& set, std::uint64_t first, std::uint6
   read_into(set, H5T_NATIVE_DOUBLE, memory, set.space, values.data());
 }
 
-}  // namespace mottle
+}  // namespace mottle::formats

@@ -10,7 +10,9 @@
 #include <utility>
 #include <vector>
 
-namespace mottle {
+#include "mottle/layers.hpp"
+
+namespace mottle::formats {
 
 /// An HDF5 identifier, closed where it goes out of use.
 class Hdf5Handle {
@@ -84,4 +86,4 @@ class Hdf5File {
   Hdf5Handle file_;
 };
 
-}  // namespace mottle
+}  // namespace mottle::formats

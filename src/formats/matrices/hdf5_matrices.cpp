@@ -5,7 +5,7 @@
 #include "formats/matrices/matrix_readers.hpp"
 #include "mottle/core/text.hpp"
 
-namespace mottle {
+namespace mottle::formats {
 namespace {
 
 template <typename Number>
@@ -85,4 +85,4 @@ SymmetricMatrix parse_hdf5_matrix(std::string_view bytes, const std::string& fil
   return read_dense(opened, file, "/" + path);
 }
 
-}  // namespace mottle
+}  // namespace mottle::formats

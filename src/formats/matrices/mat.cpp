@@ -6,7 +6,7 @@
 #include "mottle/core/error.hpp"
 #include "mottle/core/files.hpp"
 
-namespace mottle {
+namespace mottle::formats {
 namespace {
 
 template <typename Number>
@@ -111,4 +111,4 @@ MatVariables read_mat(const std::string& file) {
   return parse_mat(read_file(file, k_most_mat_bytes), file);
 }
 
-}  // namespace mottle
+}  // namespace mottle::formats

@@ -4,7 +4,7 @@
 #include "formats/matrices/hdf5_file.hpp"
 #include "formats/matrices/mat_readers.hpp"
 
-namespace mottle {
+namespace mottle::formats {
 namespace {
 
 /// MATLAB's class of a dataset; "" where none is said.
@@ -98,4 +98,4 @@ MatVariables parse_mat_hdf5(std::string_view bytes, MatBudget& budget) {
   return variables;
 }
 
-}  // namespace mottle
+}  // namespace mottle::formats

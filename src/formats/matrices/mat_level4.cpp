@@ -6,7 +6,7 @@
 
 #include "formats/matrices/mat_readers.hpp"
 
-namespace mottle {
+namespace mottle::formats {
 namespace {
 
 static_assert(std::endian::native == std::endian::little);
@@ -73,4 +73,4 @@ MatVariables parse_mat_level4(std::string_view bytes, MatBudget& budget) {
   return variables;
 }
 
-}  // namespace mottle
+}  // namespace mottle::formats

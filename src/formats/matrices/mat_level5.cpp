@@ -8,7 +8,7 @@
 
 #include "formats/matrices/mat_readers.hpp"
 
-namespace mottle {
+namespace mottle::formats {
 namespace {
 
 enum DataType : std::uint32_t { k_matrix = 14, k_compressed = 15, k_utf8 = 16, k_utf16 = 17 };
@@ -262,4 +262,4 @@ MatVariables parse_mat_level5(std::string_view bytes, MatBudget& budget) {
   return variables;
 }
 
-}  // namespace mottle
+}  // namespace mottle::formats

@@ -9,8 +9,9 @@
 
 #include "mottle/core/error.hpp"
 #include "mottle/formats/matrices/mat.hpp"
+#include "mottle/layers.hpp"
 
-namespace mottle {
+namespace mottle::formats {
 
 using MatVariables = std::map<std::string, MatVariable>;
 
@@ -47,4 +48,4 @@ MatVariables parse_mat_level5(std::string_view bytes, MatBudget& budget);
 /// Version 7.3: an HDF5 file behind 512 bytes.
 MatVariables parse_mat_hdf5(std::string_view bytes, MatBudget& budget);
 
-}  // namespace mottle
+}  // namespace mottle::formats

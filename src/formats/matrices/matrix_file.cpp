@@ -4,7 +4,7 @@
 #include "mottle/core/files.hpp"
 #include "mottle/core/text.hpp"
 
-namespace mottle {
+namespace mottle::formats {
 namespace {
 
 namespace fs = std::filesystem;
@@ -142,4 +142,4 @@ SymmetricMatrix read_symmetric_matrix(const std::string& place) {
   return matrix;
 }
 
-}  // namespace mottle
+}  // namespace mottle::formats

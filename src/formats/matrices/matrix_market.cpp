@@ -2,7 +2,7 @@
 #include "formats/matrices/matrix_readers.hpp"
 #include "mottle/core/text.hpp"
 
-namespace mottle {
+namespace mottle::formats {
 namespace {
 
 struct Header {
@@ -91,4 +91,4 @@ SymmetricMatrix parse_matrix_market(std::string_view bytes, const std::string& f
   return {.lower = builder.finish()};
 }
 
-}  // namespace mottle
+}  // namespace mottle::formats

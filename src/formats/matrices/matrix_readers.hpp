@@ -2,8 +2,9 @@
 #pragma once
 
 #include "formats/matrices/matrix_text.hpp"
+#include "mottle/layers.hpp"
 
-namespace mottle {
+namespace mottle::formats {
 
 SymmetricMatrix parse_matrix_market(std::string_view bytes, const std::string& file);
 /// "row column value" a line: CalculiX, and Abaqus's coordinate format.
@@ -21,4 +22,4 @@ std::vector<int> penalised_rows(const SparseMatrix& lower);
 /// Throws InvalidInput: the file has no matrix `name`, or several and none is named.
 std::size_t choose_matrix(const std::string& file, const std::string& name, const std::vector<std::string>& known);
 
-}  // namespace mottle
+}  // namespace mottle::formats

@@ -4,7 +4,7 @@
 #include <charconv>
 #include <cmath>
 
-namespace mottle {
+namespace mottle::formats {
 namespace {
 
 constexpr long long k_most_rows = 10'000'000;
@@ -171,4 +171,4 @@ SparseMatrix SymmetricBuilder::finish(Stored stored) {
   return lower;
 }
 
-}  // namespace mottle
+}  // namespace mottle::formats

@@ -8,8 +8,9 @@
 
 #include "mottle/core/error.hpp"
 #include "mottle/formats/matrices/matrix_file.hpp"
+#include "mottle/layers.hpp"
 
-namespace mottle {
+namespace mottle::formats {
 
 /// The lines of a text, one after the other, and where a fault is.
 class MatrixLines {
@@ -88,4 +89,4 @@ class SymmetricBuilder {
   std::vector<Entry> entries_;
 };
 
-}  // namespace mottle
+}  // namespace mottle::formats

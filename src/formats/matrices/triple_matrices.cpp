@@ -3,7 +3,7 @@
 
 #include "formats/matrices/matrix_readers.hpp"
 
-namespace mottle {
+namespace mottle::formats {
 namespace {
 
 [[noreturn]] void refuse_entry(const MatrixLines& text, std::string_view form) {
@@ -79,4 +79,4 @@ SymmetricMatrix parse_abaqus_matrix(std::string_view bytes, const std::string& f
   return matrix;
 }
 
-}  // namespace mottle
+}  // namespace mottle::formats

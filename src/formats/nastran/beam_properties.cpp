@@ -9,7 +9,7 @@
 #include "mottle/core/error.hpp"
 #include "mottle/fem/elements/beam_section.hpp"
 
-namespace mottle::nastran {
+namespace mottle::formats::nastran {
 namespace {
 
 BeamProperty started(ModelBuilder& builder, const Card& card, int id) {
@@ -169,4 +169,4 @@ CardFamily beam_property_cards() {
   return {"", k_beam_property_rules};
 }
 
-}  // namespace mottle::nastran
+}  // namespace mottle::formats::nastran

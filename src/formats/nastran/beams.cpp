@@ -6,7 +6,7 @@
 #include "formats/nastran/card_table.hpp"
 #include "formats/nastran/rows.hpp"
 
-namespace mottle::nastran {
+namespace mottle::formats::nastran {
 namespace {
 
 void keep_defaults(ModelBuilder& builder, const Card& card, const BulkCard*& place) {
@@ -132,4 +132,4 @@ CardFamily beam_cards() {
   return {"CBAR, CBEAM", k_beam_rules};
 }
 
-}  // namespace mottle::nastran
+}  // namespace mottle::formats::nastran

@@ -4,7 +4,7 @@
 
 #include "formats/nastran/rows.hpp"
 
-namespace mottle::nastran {
+namespace mottle::formats::nastran {
 namespace {
 
 constexpr std::array<std::string_view, 10> k_corner_names = {"G1", "G2", "G3", "G4", "G5",
@@ -113,4 +113,4 @@ Eigen::Matrix3d ModelBuilder::displacement_axes(int node_index) const {
   return axes_at(at.displacement_system, at.position);
 }
 
-}  // namespace mottle::nastran
+}  // namespace mottle::formats::nastran

@@ -16,8 +16,9 @@
 
 #include "formats/nastran/fields.hpp"
 #include "mottle/formats/nastran/model.hpp"
+#include "mottle/layers.hpp"
 
-namespace mottle::nastran {
+namespace mottle::formats::nastran {
 
 /// GRID or SPOINT before coordinate systems are known.
 struct RawPoint {
@@ -177,4 +178,4 @@ void handle_unread_card(ModelBuilder& builder, const Card& first, int count);
 /// Refuses case control commands that change the matrices in a way that is not supported.
 void refuse_matrix_commands(ModelBuilder& builder);
 
-}  // namespace mottle::nastran
+}  // namespace mottle::formats::nastran

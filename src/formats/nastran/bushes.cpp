@@ -6,7 +6,7 @@
 #include "formats/nastran/card_table.hpp"
 #include "formats/nastran/rows.hpp"
 
-namespace mottle::nastran {
+namespace mottle::formats::nastran {
 namespace {
 
 struct BushProperty {
@@ -141,4 +141,4 @@ CardFamily bush_cards() {
   return {"CBUSH", k_bush_rules};
 }
 
-}  // namespace mottle::nastran
+}  // namespace mottle::formats::nastran

@@ -4,8 +4,9 @@
 #include <vector>
 
 #include "formats/nastran/builder.hpp"
+#include "mottle/layers.hpp"
 
-namespace mottle::nastran {
+namespace mottle::formats::nastran {
 
 /// Cards that one source reads.
 struct CardFamily {
@@ -34,4 +35,4 @@ inline std::vector<CardFamily> card_families() {
           rigid_cards(),         constraint_cards(), material_cards(), settings_cards()};
 }
 
-}  // namespace mottle::nastran
+}  // namespace mottle::formats::nastran

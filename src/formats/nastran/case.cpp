@@ -9,7 +9,7 @@
 #include "formats/nastran/rows.hpp"
 #include "mottle/core/text.hpp"
 
-namespace mottle {
+namespace mottle::formats {
 namespace nastran {
 namespace {
 
@@ -87,4 +87,4 @@ std::string NastranDeck::place_of(const BulkCard& card) const {
   return files[static_cast<std::size_t>(card.file)] + ':' + std::to_string(card.line);
 }
 
-}  // namespace mottle
+}  // namespace mottle::formats

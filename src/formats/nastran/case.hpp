@@ -5,10 +5,11 @@
 #include <string_view>
 
 #include "mottle/formats/nastran/deck.hpp"
+#include "mottle/layers.hpp"
 
-namespace mottle::nastran {
+namespace mottle::formats::nastran {
 
 /// Adds one command (its continuation lines joined, its comment removed) to the deck.
 void read_case_command(std::string_view line, int file, int line_number, NastranDeck& deck);
 
-}  // namespace mottle::nastran
+}  // namespace mottle::formats::nastran

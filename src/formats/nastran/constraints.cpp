@@ -9,7 +9,7 @@
 #include "formats/nastran/rows.hpp"
 #include "mottle/core/error.hpp"
 
-namespace mottle::nastran {
+namespace mottle::formats::nastran {
 namespace {
 
 /// The sets of one kind that a deck holds.
@@ -206,4 +206,4 @@ void write_fixed(ModelBuilder& builder) {
   }
 }
 
-}  // namespace mottle::nastran
+}  // namespace mottle::formats::nastran

@@ -8,7 +8,7 @@
 
 #include "formats/nastran/rows.hpp"
 
-namespace mottle::nastran {
+namespace mottle::formats::nastran {
 namespace {
 
 constexpr int k_most_rows_of_a_card = 1000000;
@@ -186,4 +186,4 @@ void join_rows(std::vector<BulkRow>& rows, NastranDeck& deck, NastranDeck::Text&
   RowJoiner(rows, deck, text).join();
 }
 
-}  // namespace mottle::nastran
+}  // namespace mottle::formats::nastran

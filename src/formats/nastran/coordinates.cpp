@@ -7,7 +7,7 @@
 
 #include "formats/nastran/card_table.hpp"
 
-namespace mottle::nastran {
+namespace mottle::formats::nastran {
 namespace {
 
 CoordinateSystem::Kind kind_of(std::string_view name) {
@@ -188,4 +188,4 @@ void resolve_systems(ModelBuilder& builder) {
   SystemResolver(builder).resolve_all();
 }
 
-}  // namespace mottle::nastran
+}  // namespace mottle::formats::nastran

@@ -11,7 +11,7 @@
 #include "mottle/core/error.hpp"
 #include "mottle/core/text.hpp"
 
-namespace mottle {
+namespace mottle::formats {
 namespace nastran {
 namespace {
 
@@ -248,4 +248,4 @@ NastranDeck read_nastran_deck(const std::filesystem::path& file) {
   return parse_nastran_deck(std::move(bytes), file.string(), nastran::resolver_of_files(file));
 }
 
-}  // namespace mottle
+}  // namespace mottle::formats

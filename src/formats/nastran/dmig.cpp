@@ -5,7 +5,7 @@
 #include "formats/matrices/matrix_readers.hpp"
 #include "mottle/core/text.hpp"
 
-namespace mottle {
+namespace mottle::formats {
 namespace {
 
 /// Grid point (or scalar point) and component.
@@ -151,4 +151,4 @@ SymmetricMatrix parse_dmig(std::string_view bytes, const std::string& file, cons
   return result;
 }
 
-}  // namespace mottle
+}  // namespace mottle::formats

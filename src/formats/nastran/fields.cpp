@@ -7,7 +7,7 @@
 #include "formats/nastran/rows.hpp"
 #include "mottle/core/error.hpp"
 
-namespace mottle::nastran {
+namespace mottle::formats::nastran {
 namespace {
 
 /// Nastran's number as from_chars wants it: E in front of the exponent. Empty where `text` has another form.
@@ -136,4 +136,4 @@ void Card::fail(const std::string& message) const {
                 fmt::format("{}{}: {}", name(), id, message));
 }
 
-}  // namespace mottle::nastran
+}  // namespace mottle::formats::nastran

@@ -8,8 +8,9 @@
 
 #include "mottle/fem/finite_element_model.hpp"
 #include "mottle/formats/nastran/deck.hpp"
+#include "mottle/layers.hpp"
 
-namespace mottle::nastran {
+namespace mottle::formats::nastran {
 
 /// Reads Nastran's reals: "1.5", ".5", "1.+7", "7.D-3", "1E5" and integers. False where `text` is none or not finite.
 bool parse_real(std::string_view text, double& value);
@@ -55,4 +56,4 @@ class Card {
   const BulkCard* card_;
 };
 
-}  // namespace mottle::nastran
+}  // namespace mottle::formats::nastran

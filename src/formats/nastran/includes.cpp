@@ -8,7 +8,7 @@
 #include "mottle/core/files.hpp"
 #include "mottle/core/text.hpp"
 
-namespace mottle::nastran {
+namespace mottle::formats::nastran {
 namespace {
 
 namespace fs = std::filesystem;
@@ -64,4 +64,4 @@ IncludeResolver resolver_of_files(const std::filesystem::path& main_file) {
   };
 }
 
-}  // namespace mottle::nastran
+}  // namespace mottle::formats::nastran

@@ -7,8 +7,9 @@
 #include <string_view>
 
 #include "mottle/formats/nastran/deck.hpp"
+#include "mottle/layers.hpp"
 
-namespace mottle::nastran {
+namespace mottle::formats::nastran {
 
 /// A deck with its included files may hold this many bytes.
 inline constexpr std::uintmax_t k_most_bytes = 2'000'000'000;
@@ -19,4 +20,4 @@ IncludeResolver resolver_of_files(const std::filesystem::path& main_file);
 /// The file's bytes; refuses what is larger than `limit`.
 std::string read_limited_file(const std::filesystem::path& path, std::uintmax_t limit);
 
-}  // namespace mottle::nastran
+}  // namespace mottle::formats::nastran

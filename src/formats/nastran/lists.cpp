@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace mottle::nastran {
+namespace mottle::formats::nastran {
 namespace {
 
 constexpr std::int64_t k_most_listed_points = 200'000'000;
@@ -40,4 +40,4 @@ void for_each_listed_node(ModelBuilder& builder, const Card& card, int first, in
   }
 }
 
-}  // namespace mottle::nastran
+}  // namespace mottle::formats::nastran

@@ -4,7 +4,7 @@
 #include "formats/nastran/builder.hpp"
 #include "formats/nastran/card_table.hpp"
 
-namespace mottle::nastran {
+namespace mottle::formats::nastran {
 namespace {
 
 void read_mat1(ModelBuilder& builder, const Card& card) {
@@ -36,4 +36,4 @@ CardFamily material_cards() {
   return {"MAT1", k_material_rules};
 }
 
-}  // namespace mottle::nastran
+}  // namespace mottle::formats::nastran

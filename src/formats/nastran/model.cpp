@@ -11,7 +11,7 @@
 #include "mottle/core/text.hpp"
 #include "mottle/formats/text_lines.hpp"
 
-namespace mottle {
+namespace mottle::formats {
 namespace nastran {
 namespace {
 
@@ -145,4 +145,4 @@ NastranModel read_nastran_model(const std::filesystem::path& file, const Nastran
   return build_nastran_model(read_nastran_deck(file), options);
 }
 
-}  // namespace mottle
+}  // namespace mottle::formats

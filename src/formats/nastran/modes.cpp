@@ -5,7 +5,7 @@
 #include "mottle/core/error.hpp"
 #include "mottle/formats/text_lines.hpp"
 
-namespace mottle {
+namespace mottle::formats {
 namespace {
 
 constexpr std::string_view k_eigenvalue_title = "R E A L   E I G E N V A L U E S";
@@ -238,4 +238,4 @@ NamedShapes read_punch_shapes(LineWalker lines, const std::string& file) {
   return collector.shapes();
 }
 
-}  // namespace mottle
+}  // namespace mottle::formats

@@ -8,7 +8,7 @@
 #include "formats/matrices/matrix_readers.hpp"
 #include "mottle/core/text.hpp"
 
-namespace mottle {
+namespace mottle::formats {
 namespace {
 
 struct Header {
@@ -303,4 +303,4 @@ SymmetricMatrix parse_output4(std::string_view bytes, const std::string& file, c
   return TextReader(bytes, file).read(name);
 }
 
-}  // namespace mottle
+}  // namespace mottle::formats

@@ -4,7 +4,7 @@
 #include "formats/nastran/builder.hpp"
 #include "formats/nastran/card_table.hpp"
 
-namespace mottle::nastran {
+namespace mottle::formats::nastran {
 namespace {
 
 /// EID G CID M X1 X2 X3 - / I11 I21 I22 I31 I32 I33. CID -1: X is the centre of gravity itself, in basic coordinates.
@@ -61,4 +61,4 @@ CardFamily point_mass_cards() {
   return {"CONM1, CONM2", k_point_mass_rules};
 }
 
-}  // namespace mottle::nastran
+}  // namespace mottle::formats::nastran

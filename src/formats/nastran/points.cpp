@@ -8,7 +8,7 @@
 #include "formats/nastran/rows.hpp"
 #include "mottle/core/error.hpp"
 
-namespace mottle::nastran {
+namespace mottle::formats::nastran {
 namespace {
 
 constexpr int k_most_points_of_ranges = 1'000'000;
@@ -176,4 +176,4 @@ void resolve_points(ModelBuilder& builder) {
   }
 }
 
-}  // namespace mottle::nastran
+}  // namespace mottle::formats::nastran

@@ -8,7 +8,7 @@
 #include "formats/nastran/lists.hpp"
 #include "formats/nastran/rows.hpp"
 
-namespace mottle::nastran {
+namespace mottle::formats::nastran {
 namespace {
 
 /// A number with a point: ALPHA or a weight, where ids are integers.
@@ -165,4 +165,4 @@ CardFamily rigid_cards() {
   return {"RBE2, RBE3, RBAR", k_rigid_rules};
 }
 
-}  // namespace mottle::nastran
+}  // namespace mottle::formats::nastran

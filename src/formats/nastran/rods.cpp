@@ -6,7 +6,7 @@
 #include "formats/nastran/builder.hpp"
 #include "formats/nastran/card_table.hpp"
 
-namespace mottle::nastran {
+namespace mottle::formats::nastran {
 namespace {
 
 /// PROD, PTUBE.
@@ -100,4 +100,4 @@ CardFamily rod_cards() {
   return {"CROD, CONROD, CTUBE", k_rod_rules};
 }
 
-}  // namespace mottle::nastran
+}  // namespace mottle::formats::nastran

@@ -5,7 +5,7 @@
 
 #include "mottle/core/error.hpp"
 
-namespace mottle::nastran {
+namespace mottle::formats::nastran {
 namespace {
 
 constexpr std::size_t k_columns_of_data = 72;
@@ -169,4 +169,4 @@ BulkRow cut_row(std::string_view line, const Place& place, NastranDeck::Text& te
   return cut_fixed_row(line, place, text);
 }
 
-}  // namespace mottle::nastran
+}  // namespace mottle::formats::nastran

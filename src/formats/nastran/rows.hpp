@@ -7,8 +7,9 @@
 #include <vector>
 
 #include "mottle/formats/nastran/deck.hpp"
+#include "mottle/layers.hpp"
 
-namespace mottle {
+namespace mottle::formats {
 
 struct NastranDeck::Text {
   std::deque<std::string> bytes;         ///< whole files and expanded lines; a deque does not move its strings
@@ -63,4 +64,4 @@ BulkRow cut_row(std::string_view line, const Place& place, NastranDeck::Text& te
 void join_rows(std::vector<BulkRow>& rows, NastranDeck& deck, NastranDeck::Text& text);
 
 }  // namespace nastran
-}  // namespace mottle
+}  // namespace mottle::formats

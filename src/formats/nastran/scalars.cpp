@@ -5,7 +5,7 @@
 #include "formats/nastran/builder.hpp"
 #include "formats/nastran/card_table.hpp"
 
-namespace mottle::nastran {
+namespace mottle::formats::nastran {
 namespace {
 
 using Kind = ScalarElement::Kind;
@@ -114,4 +114,4 @@ CardFamily scalar_cards() {
   return {"CELAS1-4, CMASS1-4, CDAMP1-4", k_scalar_rules};
 }
 
-}  // namespace mottle::nastran
+}  // namespace mottle::formats::nastran

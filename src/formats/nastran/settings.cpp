@@ -8,7 +8,7 @@
 #include "formats/nastran/card_table.hpp"
 #include "formats/nastran/rows.hpp"
 
-namespace mottle::nastran {
+namespace mottle::formats::nastran {
 namespace {
 
 /// A PARAM from the bulk data or the case control section.
@@ -128,4 +128,4 @@ void read_case_settings(ModelBuilder& builder) {
   }
 }
 
-}  // namespace mottle::nastran
+}  // namespace mottle::formats::nastran

@@ -6,7 +6,7 @@
 #include "formats/nastran/card_table.hpp"
 #include "formats/nastran/rows.hpp"
 
-namespace mottle::nastran {
+namespace mottle::formats::nastran {
 namespace {
 
 /// PID MID1 T MID2 12I/T3 MID3 TS/T NSM / Z1 Z2 MID4.
@@ -98,4 +98,4 @@ CardFamily shell_cards() {
   return {"CQUAD4, CTRIA3", k_shell_rules};
 }
 
-}  // namespace mottle::nastran
+}  // namespace mottle::formats::nastran

@@ -5,7 +5,7 @@
 #include "formats/nastran/card_table.hpp"
 #include "formats/nastran/rows.hpp"
 
-namespace mottle::nastran {
+namespace mottle::formats::nastran {
 namespace {
 
 struct SolidProperty {
@@ -69,4 +69,4 @@ CardFamily solid_cards() {
   return {"CHEXA, CPENTA, CTETRA", k_solid_rules};
 }
 
-}  // namespace mottle::nastran
+}  // namespace mottle::formats::nastran

@@ -8,7 +8,7 @@
 #include "formats/nastran/rows.hpp"
 #include "mottle/core/text.hpp"
 
-namespace mottle::nastran {
+namespace mottle::formats::nastran {
 namespace {
 
 /// Loads, tables, output, thermal, aeroelastic, optimisation data: no part of stiffness and mass. Skipped in silence.
@@ -106,4 +106,4 @@ void refuse_matrix_commands(ModelBuilder& builder) {
   }
 }
 
-}  // namespace mottle::nastran
+}  // namespace mottle::formats::nastran

@@ -11,7 +11,7 @@
 #include "mottle/core/error.hpp"
 #include "mottle/core/text.hpp"
 
-namespace mottle {
+namespace mottle::formats {
 namespace {
 
 constexpr std::string_view k_byte_order_mark = "\xEF\xBB\xBF";
@@ -156,4 +156,4 @@ std::string format_csv(const std::vector<std::string>& header, const Eigen::Ref<
   return text;
 }
 
-}  // namespace mottle
+}  // namespace mottle::formats

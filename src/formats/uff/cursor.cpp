@@ -7,7 +7,7 @@
 #include "mottle/core/error.hpp"
 #include "mottle/core/text.hpp"
 
-namespace mottle {
+namespace mottle::formats {
 namespace {
 
 constexpr std::string_view k_blanks = " \t\r\v\f";
@@ -172,4 +172,4 @@ std::string_view UffCursor::take(std::size_t count) {
   return taken;
 }
 
-}  // namespace mottle
+}  // namespace mottle::formats

@@ -7,7 +7,9 @@
 #include <string_view>
 #include <vector>
 
-namespace mottle {
+#include "mottle/layers.hpp"
+
+namespace mottle::formats {
 
 /// A record's fields by their columns.
 using UffWidths = std::initializer_list<int>;
@@ -58,4 +60,4 @@ class UffCursor {
 /// The text of some columns, without the blanks around it.
 std::string uff_columns(std::string_view line, std::size_t start, std::size_t width);
 
-}  // namespace mottle
+}  // namespace mottle::formats

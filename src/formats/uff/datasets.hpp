@@ -6,8 +6,9 @@
 
 #include "formats/uff/cursor.hpp"
 #include "mottle/formats/uff/uff.hpp"
+#include "mottle/layers.hpp"
 
-namespace mottle {
+namespace mottle::formats {
 
 void read_uff_header(UffCursor& cursor, UffFile& out);
 void read_uff_units(UffCursor& cursor, UffFile& out);
@@ -25,4 +26,4 @@ void read_uff_function(UffCursor& cursor, UffFile& out, const std::optional<std:
 
 UffTitles read_uff_titles(UffCursor& cursor);
 
-}  // namespace mottle
+}  // namespace mottle::formats

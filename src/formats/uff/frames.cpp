@@ -6,7 +6,7 @@
 
 #include "mottle/core/error.hpp"
 
-namespace mottle {
+namespace mottle::formats {
 namespace {
 
 /// Exponents of length and force of a quantity, by its number in the format.
@@ -138,4 +138,4 @@ Eigen::Matrix3d UffFrames::directions_at(int node) const {
   return found == directions_.end() ? Eigen::Matrix3d(Eigen::Matrix3d::Identity()) : found->second;
 }
 
-}  // namespace mottle
+}  // namespace mottle::formats

@@ -9,7 +9,7 @@
 #include "formats/uff/datasets.hpp"
 #include "mottle/core/error.hpp"
 
-namespace mottle {
+namespace mottle::formats {
 namespace {
 
 constexpr UffWidths k_single = {13, 13, 13, 13, 13, 13};
@@ -195,4 +195,4 @@ void read_uff_function(UffCursor& cursor, UffFile& out, const std::optional<std:
   out.functions.push_back(std::move(function));
 }
 
-}  // namespace mottle
+}  // namespace mottle::formats

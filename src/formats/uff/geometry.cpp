@@ -8,7 +8,7 @@
 
 #include "formats/uff/datasets.hpp"
 
-namespace mottle {
+namespace mottle::formats {
 namespace {
 
 Eigen::Vector3d vector(const std::vector<double>& numbers, std::size_t start = 0) {
@@ -201,4 +201,4 @@ void read_uff_elements(UffCursor& cursor, UffFile& out) {
   }
 }
 
-}  // namespace mottle
+}  // namespace mottle::formats

@@ -6,7 +6,7 @@
 #include "formats/uff/datasets.hpp"
 #include "mottle/core/error.hpp"
 
-namespace mottle {
+namespace mottle::formats {
 namespace {
 
 using Reader = void (*)(UffCursor&, UffFile&);
@@ -89,4 +89,4 @@ UffFile parse_uff(std::string_view bytes, const std::string& file) {
   return out;
 }
 
-}  // namespace mottle
+}  // namespace mottle::formats

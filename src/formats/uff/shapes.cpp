@@ -5,7 +5,7 @@
 
 #include "formats/uff/datasets.hpp"
 
-namespace mottle {
+namespace mottle::formats {
 namespace {
 
 /// What is common to both: kind of result, layout of the numbers at a node.
@@ -138,4 +138,4 @@ void read_uff_shape_2414(UffCursor& cursor, UffFile& out) {
   out.shapes.push_back(std::move(shape));
 }
 
-}  // namespace mottle
+}  // namespace mottle::formats

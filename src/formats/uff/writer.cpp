@@ -8,7 +8,7 @@
 #include "mottle/core/error.hpp"
 #include "mottle/formats/uff/uff.hpp"
 
-namespace mottle {
+namespace mottle::formats {
 namespace {
 
 /// Text as one line of a dataset.
@@ -229,4 +229,4 @@ std::string format_uff(const UffFile& contents, const UffWriteOptions& options) 
   return writer.take();
 }
 
-}  // namespace mottle
+}  // namespace mottle::formats

@@ -14,7 +14,7 @@
 #include "mottle/core/parallel.hpp"
 #include "mottle/linalg/batched/dense_modes.hpp"
 
-namespace mottle {
+namespace mottle::linalg {
 namespace {
 
 using lane_kernels::Kernels;
@@ -275,4 +275,4 @@ BatchModes solve_batch(const PencilFamily& family, const Coefficients& stiffness
   return result;
 }
 
-}  // namespace mottle
+}  // namespace mottle::linalg

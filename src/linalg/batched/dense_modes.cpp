@@ -7,7 +7,7 @@
 #include "linalg/vector_signs.hpp"
 #include "mottle/core/error.hpp"
 
-namespace mottle {
+namespace mottle::linalg {
 namespace {
 
 DenseModes failed_modes(Eigen::Index order, Eigen::Index modes) {
@@ -43,4 +43,4 @@ DenseModes solve_modes(const Eigen::Ref<const Eigen::MatrixXd>& stiffness,
   return result;
 }
 
-}  // namespace mottle
+}  // namespace mottle::linalg

@@ -3,9 +3,9 @@
 #define MOTTLE_LANES 4
 #include "linalg/batched/lanes/jacobi.hpp"
 
-namespace mottle::lane_kernels {
+namespace mottle::linalg::lane_kernels {
 void jacobi_avx2(const Problem& problem, const Output& output, long begin, long end) {
   dispatch<1>(problem, output, begin, end);
 }
-}  // namespace mottle::lane_kernels
+}  // namespace mottle::linalg::lane_kernels
 #endif

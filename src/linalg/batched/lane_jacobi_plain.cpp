@@ -2,8 +2,8 @@
 #define MOTTLE_LANES 2
 #include "linalg/batched/lanes/jacobi.hpp"
 
-namespace mottle::lane_kernels {
+namespace mottle::linalg::lane_kernels {
 void jacobi_plain(const Problem& problem, const Output& output, long begin, long end) {
   dispatch<1>(problem, output, begin, end);
 }
-}  // namespace mottle::lane_kernels
+}  // namespace mottle::linalg::lane_kernels

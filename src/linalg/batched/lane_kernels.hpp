@@ -2,11 +2,11 @@
 // an inline function here would be compiled with AVX-512 flags too and the linker might keep that copy.
 #pragma once
 
-namespace mottle {
+namespace mottle::linalg {
 enum class SimdLevel;
 }
 
-namespace mottle::lane_kernels {
+namespace mottle::linalg::lane_kernels {
 
 /// Where the mass is when a kernel gets to work.
 enum class MassKind {
@@ -150,4 +150,4 @@ extern const Kernels k_avx2;
 extern const Kernels k_avx512;
 #endif
 
-}  // namespace mottle::lane_kernels
+}  // namespace mottle::linalg::lane_kernels

@@ -11,7 +11,7 @@
 #include "linalg/batched/lanes/sparse_product.hpp"
 #include "linalg/batched/lanes/supernodal_solve.hpp"
 
-namespace mottle::lane_kernels {
+namespace mottle::linalg::lane_kernels {
 const Kernels k_avx2{jacobi_avx2,          solve_large,           workspace_doubles,      solve_nearby,
                      nearby_doubles,       add_symmetric_product, add_local_product,      add_scaled_product,
                      add_gathered_product, solve_lower,           solve_lower_transposed, MOTTLE_LANES};

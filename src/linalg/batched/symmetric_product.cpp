@@ -5,7 +5,7 @@
 #include "linalg/batched/lane_kernels.hpp"
 #include "mottle/linalg/sparse/sparse_modes.hpp"
 
-namespace mottle {
+namespace mottle::linalg {
 
 constexpr Eigen::Index k_rows = 64;  // at a time: the columns' parts stay in the cache
 
@@ -55,4 +55,4 @@ Eigen::MatrixXd symmetric_product(const SparseMatrix& lower, const Eigen::Ref<co
   return to_columns(product_rows(lower, to_rows(x)), x.cols());
 }
 
-}  // namespace mottle
+}  // namespace mottle::linalg

@@ -5,7 +5,7 @@
 
 #include "mottle/linalg/sparse/symmetric_factor.hpp"
 
-namespace mottle {
+namespace mottle::linalg {
 
 /// The number of vectors that products work on: some of zeros fill up a multiple of 8.
 Eigen::Index padded_width(Eigen::Index vectors);
@@ -22,4 +22,4 @@ Eigen::MatrixXd product_of_rows(const VectorRows& left, const VectorRows& right)
 /// A x for the symmetric A given by its lower triangle, compressed.
 VectorRows product_rows(const SparseMatrix& lower, const VectorRows& x);
 
-}  // namespace mottle
+}  // namespace mottle::linalg

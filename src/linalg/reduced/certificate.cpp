@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-namespace mottle {
+namespace mottle::linalg {
 namespace {
 
 // A residual this large says that the space does not know the spectrum there, and a bound this large that it does not
@@ -66,4 +66,4 @@ Eigen::VectorXd error_bounds(const Eigen::Ref<const Eigen::VectorXd>& values,
   return bounds;
 }
 
-}  // namespace mottle
+}  // namespace mottle::linalg

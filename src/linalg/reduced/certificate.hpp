@@ -3,7 +3,7 @@
 
 #include <Eigen/Core>
 
-namespace mottle {
+namespace mottle::linalg {
 
 /// Bounds on the relative errors of the lowest Ritz values mu_1 <= mu_2 <= ... of a definite pencil (A, M):
 ///
@@ -28,4 +28,4 @@ namespace mottle {
 Eigen::VectorXd error_bounds(const Eigen::Ref<const Eigen::VectorXd>& values,
                              const Eigen::Ref<const Eigen::VectorXd>& squares, double unseen, Eigen::Index wanted);
 
-}  // namespace mottle
+}  // namespace mottle::linalg

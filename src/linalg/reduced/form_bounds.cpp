@@ -8,7 +8,7 @@
 
 #include "mottle/linalg/sparse/sparse_modes.hpp"
 
-namespace mottle {
+namespace mottle::linalg {
 namespace {
 
 constexpr double k_infinite = std::numeric_limits<double>::infinity();
@@ -137,4 +137,4 @@ double upper_ratio(const Eigen::Ref<const Eigen::VectorXd>& values, const Eigen:
   return -lower_ratio(-values, reference, bounds);
 }
 
-}  // namespace mottle
+}  // namespace mottle::linalg

@@ -8,7 +8,7 @@
 #include "mottle/linalg/reduced/reduced_model.hpp"
 #include "mottle/linalg/sparse/symmetric_factor.hpp"
 
-namespace mottle {
+namespace mottle::linalg {
 
 /// lower P <= T <= upper P as quadratic forms; infinite where nothing is proven.
 struct FormBounds {
@@ -46,4 +46,4 @@ double lower_ratio(const Eigen::Ref<const Eigen::VectorXd>& values, const Eigen:
 double upper_ratio(const Eigen::Ref<const Eigen::VectorXd>& values, const Eigen::VectorXd& reference,
                    const Eigen::MatrixXd& bounds);
 
-}  // namespace mottle
+}  // namespace mottle::linalg

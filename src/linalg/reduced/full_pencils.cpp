@@ -9,7 +9,7 @@
 #include "mottle/core/error.hpp"
 #include "mottle/core/random.hpp"
 
-namespace mottle {
+namespace mottle::linalg {
 namespace {
 
 constexpr double k_infinite = std::numeric_limits<double>::infinity();
@@ -228,4 +228,4 @@ bool FullPencils::has_indefinite_terms() const {
   return is_bounded_above(stiffness_bounds) || is_bounded_above(mass_bounds);
 }
 
-}  // namespace mottle
+}  // namespace mottle::linalg

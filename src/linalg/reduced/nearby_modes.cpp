@@ -9,7 +9,7 @@
 #include "linalg/blas.hpp"
 #include "mottle/core/parallel.hpp"
 
-namespace mottle {
+namespace mottle::linalg {
 namespace {
 
 constexpr Eigen::Index k_tile = lane_kernels::k_tile;
@@ -187,4 +187,4 @@ SketchedModes NearbyModes::solve(const TermCoefficients& samples, const NearbyBo
   return result;
 }
 
-}  // namespace mottle
+}  // namespace mottle::linalg

@@ -7,7 +7,7 @@
 #include "mottle/linalg/batched/batch_eigen.hpp"
 #include "mottle/linalg/reduced/reduced_model.hpp"
 
-namespace mottle {
+namespace mottle::linalg {
 
 /// Dense terms, the constants' first, in coordinates in which the nominal K - shift M is the identity.
 struct NearbyFamily {
@@ -86,4 +86,4 @@ Eigen::MatrixXd weighted_sum(const std::vector<Eigen::MatrixXd>& terms, const Ei
 /// is diagonal in that order already.
 Eigen::MatrixXd nominal_turn(const Eigen::MatrixXd& nominal_mass);
 
-}  // namespace mottle
+}  // namespace mottle::linalg

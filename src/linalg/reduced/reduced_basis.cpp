@@ -5,7 +5,7 @@
 #include "linalg/reduced/reduced_model_parts.hpp"
 #include "mottle/core/parallel.hpp"
 
-namespace mottle {
+namespace mottle::linalg {
 
 Eigen::MatrixXd orthonormal_combinations(const Eigen::MatrixXd& gram, const Eigen::VectorXd& before) {
   constexpr double k_least = 1e-10;
@@ -139,4 +139,4 @@ void ReducedModel::Parts::rotate(const Eigen::MatrixXd& q) {
   }
 }
 
-}  // namespace mottle
+}  // namespace mottle::linalg

@@ -7,7 +7,7 @@
 #include "linalg/reduced/form_bounds.hpp"
 #include "linalg/reduced/reduced_model_parts.hpp"
 
-namespace mottle {
+namespace mottle::linalg {
 namespace {
 
 constexpr double k_infinite = std::numeric_limits<double>::infinity();
@@ -112,4 +112,4 @@ void ReducedModel::Parts::raise_floor(const TermCoefficients& samples, int threa
   }
 }
 
-}  // namespace mottle
+}  // namespace mottle::linalg

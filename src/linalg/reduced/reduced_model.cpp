@@ -11,7 +11,7 @@
 #include "mottle/core/parallel.hpp"
 #include "mottle/linalg/batched/batch_eigen.hpp"
 
-namespace mottle {
+namespace mottle::linalg {
 namespace {
 
 constexpr Eigen::Index k_batch = 1024;  // samples whose vectors are held at once: few, so that memory is used again
@@ -195,4 +195,4 @@ double ReducedModel::exact_seconds() const {
   return parts_->full->exact_seconds;
 }
 
-}  // namespace mottle
+}  // namespace mottle::linalg

@@ -11,7 +11,7 @@
 #include "mottle/core/error.hpp"
 #include "mottle/core/files.hpp"
 
-namespace mottle {
+namespace mottle::linalg {
 namespace {
 
 constexpr std::string_view k_magic("mottle basis 2\n\0", 16);
@@ -233,4 +233,4 @@ void ReducedModelFile::write(const ReducedModel& model, double training_seconds)
   write_file_atomically(path_, writer.pieces(head));
 }
 
-}  // namespace mottle
+}  // namespace mottle::linalg

@@ -12,7 +12,7 @@
 
 extern "C" void dgemm_();  // NOLINT(readability-identifier-naming): Fortran's name; only its address is asked for
 
-namespace mottle {
+namespace mottle::linalg {
 namespace {
 
 /// The library that holds a function: path, size and time, which change when it is replaced.
@@ -117,4 +117,4 @@ Digest fingerprint(const ReducedModelInputs& inputs) {
   return hasher.digest();
 }
 
-}  // namespace mottle
+}  // namespace mottle::linalg

@@ -10,7 +10,7 @@
 #include "linalg/sparse/supported_matrix.hpp"
 #include "mottle/linalg/reduced/reduced_model.hpp"
 
-namespace mottle {
+namespace mottle::linalg {
 
 constexpr Eigen::Index k_sketch_rows = 80;
 // Of squares that a sketch shows: chi-squared with 80 degrees of freedom is below 80 / 3.2 once in 2e9.
@@ -172,4 +172,4 @@ struct ReducedModel::Parts {
   void settle();
 };
 
-}  // namespace mottle
+}  // namespace mottle::linalg

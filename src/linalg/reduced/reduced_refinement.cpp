@@ -10,7 +10,7 @@
 #include "linalg/vector_signs.hpp"
 #include "mottle/core/parallel.hpp"
 
-namespace mottle {
+namespace mottle::linalg {
 namespace {
 
 constexpr double k_infinite = std::numeric_limits<double>::infinity();
@@ -214,4 +214,4 @@ void ReducedModel::refine(const TermCoefficients& samples, int threads, const Re
   });
 }
 
-}  // namespace mottle
+}  // namespace mottle::linalg

@@ -9,7 +9,7 @@
 #include "linalg/reduced/reduced_model_parts.hpp"
 #include "mottle/core/parallel.hpp"
 
-namespace mottle {
+namespace mottle::linalg {
 namespace {
 
 constexpr double k_guard_residual = 0.1;       // relative residual that is good enough for a guard mode
@@ -306,4 +306,4 @@ bool ReducedModel::reaches_tolerance() const {
   return parts_->reaches_tolerance;
 }
 
-}  // namespace mottle
+}  // namespace mottle::linalg

@@ -9,7 +9,7 @@
 #include "mottle/core/error.hpp"
 #include "mottle/core/random.hpp"
 
-namespace mottle {
+namespace mottle::linalg {
 namespace {
 
 constexpr int k_most_restarts = 60;
@@ -252,4 +252,4 @@ LanczosPairs largest_pairs(const LanczosProblem& problem, int wanted, double tol
   return pairs;
 }
 
-}  // namespace mottle
+}  // namespace mottle::linalg

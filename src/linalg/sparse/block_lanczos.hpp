@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 #include <functional>
 
-namespace mottle {
+namespace mottle::linalg {
 
 /// The largest eigenvalues theta of OP q = theta q, OP = (K - s M)^-1 M.
 struct LanczosProblem {
@@ -26,4 +26,4 @@ struct LanczosPairs {
 /// Source: [Grimes1994], restarts [Wu2000].
 LanczosPairs largest_pairs(const LanczosProblem& problem, int wanted, double tolerance);
 
-}  // namespace mottle
+}  // namespace mottle::linalg

@@ -11,7 +11,7 @@
 #include "mottle/core/error.hpp"
 #include "mottle/linalg/sparse/symmetric_factor.hpp"
 
-namespace mottle {
+namespace mottle::linalg {
 namespace {
 
 constexpr Eigen::Index k_nested_dissection_from = 3000;  // below, minimum degree is found faster and is as good
@@ -189,4 +189,4 @@ std::unique_ptr<DefiniteFactor> make_definite_factor(std::vector<int> order) {
   return std::make_unique<CholmodFactor>(std::move(order));
 }
 
-}  // namespace mottle
+}  // namespace mottle::linalg

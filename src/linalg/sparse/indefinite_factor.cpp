@@ -8,7 +8,7 @@
 #include "mottle/core/error.hpp"
 #include "mottle/linalg/sparse/symmetric_factor.hpp"
 
-namespace mottle {
+namespace mottle::linalg {
 namespace {
 
 constexpr int k_symmetric_indefinite = 2;
@@ -105,4 +105,4 @@ std::unique_ptr<SymmetricFactor> make_indefinite_factor() {
   return std::make_unique<IndefiniteFactor>();
 }
 
-}  // namespace mottle
+}  // namespace mottle::linalg

@@ -13,7 +13,7 @@
 #include "linalg/vector_signs.hpp"
 #include "mottle/core/error.hpp"
 
-namespace mottle {
+namespace mottle::linalg {
 namespace {
 
 /// A shift below all modes: a small part of the typical local K_ii / M_ii, which is near the highest eigenvalues. Small
@@ -226,4 +226,4 @@ SparseModes SparseModeSolver::solve(const SparseMatrix& stiffness, const SparseM
   return result;
 }
 
-}  // namespace mottle
+}  // namespace mottle::linalg

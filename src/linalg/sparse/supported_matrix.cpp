@@ -1,6 +1,6 @@
 #include "linalg/sparse/supported_matrix.hpp"
 
-namespace mottle {
+namespace mottle::linalg {
 
 SupportedMatrix::SupportedMatrix(const SparseMatrix& lower) {
   std::vector<int> place(static_cast<std::size_t>(lower.rows()), -1);
@@ -80,4 +80,4 @@ void add_weighted_products(const std::vector<SupportedMatrix>& terms, const Eige
   }
 }
 
-}  // namespace mottle
+}  // namespace mottle::linalg

@@ -7,7 +7,7 @@
 #include "linalg/batched/lane_kernels.hpp"
 #include "linalg/batched/symmetric_product.hpp"
 
-namespace mottle {
+namespace mottle::linalg {
 
 /// The rows that hold entries, and the lower triangle among them.
 class SupportedMatrix {
@@ -49,4 +49,4 @@ class SupportedMatrix {
 void add_weighted_products(const std::vector<SupportedMatrix>& terms, const Eigen::MatrixXd& weights,
                            const VectorRows& x, VectorRows& result);
 
-}  // namespace mottle
+}  // namespace mottle::linalg

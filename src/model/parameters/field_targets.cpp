@@ -10,7 +10,7 @@
 #include "mottle/core/subject.hpp"
 #include "mottle/core/text.hpp"
 
-namespace mottle {
+namespace mottle::model {
 namespace {
 
 constexpr std::size_t k_listed_names = 12;
@@ -211,4 +211,4 @@ FiniteElementModel model_at(const FiniteElementModel& model, const FieldTargets&
   return moved;
 }
 
-}  // namespace mottle
+}  // namespace mottle::model

@@ -5,7 +5,7 @@
 
 #include "mottle/core/subject.hpp"
 
-namespace mottle {
+namespace mottle::model {
 namespace {
 
 constexpr double k_on_bound = 1e-9;
@@ -126,4 +126,4 @@ ParameterDraw ParameterSpace::draw(const SampleTransform& from_uniform, Sampling
   return draw;
 }
 
-}  // namespace mottle
+}  // namespace mottle::model

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace mottle {
+namespace mottle::model {
 
 PhysicalLimit physical_limit(const ParameterTargets& parameter) {
   const bool is_damping_only = std::all_of(parameter.targets.begin(), parameter.targets.end(),
@@ -10,4 +10,4 @@ PhysicalLimit physical_limit(const ParameterTargets& parameter) {
   return {.lower = 0.0, .excludes_lower = !is_damping_only};
 }
 
-}  // namespace mottle
+}  // namespace mottle::model

@@ -5,7 +5,7 @@
 
 #include "mottle/core/subject.hpp"
 
-namespace mottle {
+namespace mottle::model {
 
 DampingRatios::DampingRatios(std::vector<int> modes, const Structure& structure) : modes_(std::move(modes)) {
   require_of(structure.is_damped(), {Subject::Kind::damping}, "the model has no damper");
@@ -31,4 +31,4 @@ Eigen::MatrixXd DampingRatios::derivatives(const SolvedPoint& point) const {
                                    std::numeric_limits<double>::quiet_NaN());
 }
 
-}  // namespace mottle
+}  // namespace mottle::model

@@ -2,8 +2,9 @@
 #pragma once
 
 #include "model/responses/response.hpp"
+#include "mottle/layers.hpp"
 
-namespace mottle {
+namespace mottle::model {
 
 class DampingRatios final : public Response {
  public:
@@ -20,4 +21,4 @@ class DampingRatios final : public Response {
   std::vector<int> modes_;
 };
 
-}  // namespace mottle
+}  // namespace mottle::model

@@ -6,7 +6,7 @@
 #include "model/responses/natural_frequencies.hpp"
 #include "mottle/core/subject.hpp"
 
-namespace mottle {
+namespace mottle::model {
 namespace {
 
 void require_modes(const std::vector<int>& modes, const Subject& subject, Eigen::Index available) {
@@ -39,4 +39,4 @@ std::vector<std::unique_ptr<Response>> make_responses(const ModalOutputs& select
   return responses;
 }
 
-}  // namespace mottle
+}  // namespace mottle::model

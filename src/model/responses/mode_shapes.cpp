@@ -4,7 +4,7 @@
 
 #include "mottle/core/subject.hpp"
 
-namespace mottle {
+namespace mottle::model {
 namespace {
 
 /// Whether a degree of freedom, by the names that all formats have in common, is a rotation: "101:+RX".
@@ -61,4 +61,4 @@ Eigen::MatrixXd ModeShapes::derivatives(const SolvedPoint& point) const {
   return derivatives;
 }
 
-}  // namespace mottle
+}  // namespace mottle::model

@@ -2,8 +2,9 @@
 #pragma once
 
 #include "model/responses/response.hpp"
+#include "mottle/layers.hpp"
 
-namespace mottle {
+namespace mottle::model {
 
 class ModeShapes final : public Response {
  public:
@@ -25,4 +26,4 @@ class ModeShapes final : public Response {
   std::string unit_;
 };
 
-}  // namespace mottle
+}  // namespace mottle::model

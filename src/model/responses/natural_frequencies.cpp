@@ -6,7 +6,7 @@
 #include <limits>
 #include <numbers>
 
-namespace mottle {
+namespace mottle::model {
 
 std::vector<Quantity> NaturalFrequencies::quantities() const {
   std::vector<Quantity> quantities;
@@ -40,4 +40,4 @@ Eigen::MatrixXd NaturalFrequencies::derivatives(const SolvedPoint& point) const 
   return derivatives;
 }
 
-}  // namespace mottle
+}  // namespace mottle::model

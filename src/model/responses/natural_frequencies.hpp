@@ -2,8 +2,9 @@
 #pragma once
 
 #include "model/responses/response.hpp"
+#include "mottle/layers.hpp"
 
-namespace mottle {
+namespace mottle::model {
 
 class NaturalFrequencies final : public Response {
  public:
@@ -20,4 +21,4 @@ class NaturalFrequencies final : public Response {
   std::string unit_;
 };
 
-}  // namespace mottle
+}  // namespace mottle::model

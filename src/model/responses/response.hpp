@@ -6,11 +6,12 @@
 #include <string>
 #include <vector>
 
+#include "mottle/layers.hpp"
 #include "mottle/model/quantity.hpp"
 #include "mottle/model/responses/modal_outputs.hpp"
 #include "mottle/model/solvers/solver.hpp"
 
-namespace mottle {
+namespace mottle::model {
 
 /// Which mode of a sample is which mode of the reference, and how its shape is turned.
 struct ModeMatch {
@@ -88,4 +89,4 @@ class Response {
 /// @throws InvalidInput  an output that the structure does not have (says which it has), a repeated one, none at all
 std::vector<std::unique_ptr<Response>> make_responses(const ModalOutputs& selection, const Structure& structure);
 
-}  // namespace mottle
+}  // namespace mottle::model

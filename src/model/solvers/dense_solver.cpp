@@ -6,7 +6,7 @@
 #include "mottle/dynamics/modes/sensitivity.hpp"
 #include "mottle/linalg/batched/dense_modes.hpp"
 
-namespace mottle {
+namespace mottle::model {
 namespace {
 
 PencilFamily make_pencils(const AffineStructure& structure) {
@@ -97,4 +97,4 @@ int DenseSolver::modes_for_damping(int /*modes*/) const {
   return static_cast<int>(structure_.mode_count());
 }
 
-}  // namespace mottle
+}  // namespace mottle::model

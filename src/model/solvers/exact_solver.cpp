@@ -9,7 +9,7 @@
 #include "mottle/core/subject.hpp"
 #include "mottle/dynamics/modes/sensitivity.hpp"
 
-namespace mottle {
+namespace mottle::model {
 
 SparseStructure::Matrices MatrixDerivatives::at(const SparseStructure& structure,
                                                 const Eigen::Ref<const Eigen::VectorXd>& parameters,
@@ -149,4 +149,4 @@ Eigen::MatrixXd ExactSolver::shape_derivatives(const Eigen::Ref<const Eigen::Vec
   return nelson_shape_sensitivity(at.stiffness, at.mass, modes, mode, elastic, inertial);
 }
 
-}  // namespace mottle
+}  // namespace mottle::model

@@ -6,7 +6,7 @@
 #include "mottle/core/cache_folder.hpp"
 #include "mottle/core/error.hpp"
 
-namespace mottle {
+namespace mottle::model {
 namespace {
 
 namespace fs = std::filesystem;
@@ -66,4 +66,4 @@ std::unique_ptr<ReducedModel> find_or_train(const ReducedModelCache& cache, cons
   return model;
 }
 
-}  // namespace mottle
+}  // namespace mottle::model

@@ -6,9 +6,10 @@
 #include <memory>
 
 #include "mottle/core/run_context.hpp"
+#include "mottle/layers.hpp"
 #include "mottle/linalg/reduced/reduced_model_file.hpp"
 
-namespace mottle {
+namespace mottle::model {
 
 /// Where trained models are kept.
 struct ReducedModelCache {
@@ -23,4 +24,4 @@ struct ReducedModelCache {
 std::unique_ptr<ReducedModel> find_or_train(const ReducedModelCache& cache, const ReducedModelInputs& inputs,
                                             const RunContext& context);
 
-}  // namespace mottle
+}  // namespace mottle::model

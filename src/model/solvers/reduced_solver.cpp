@@ -8,7 +8,7 @@
 #include "mottle/core/error.hpp"
 #include "mottle/core/parallel.hpp"
 
-namespace mottle {
+namespace mottle::model {
 namespace {
 
 using Rows = std::vector<Eigen::Index>;
@@ -248,4 +248,4 @@ std::unique_ptr<Solver> make_sparse_solver(std::unique_ptr<const SparseStructure
   return std::make_unique<ReducedSolver>(std::move(exact), std::move(*settings));
 }
 
-}  // namespace mottle
+}  // namespace mottle::model

@@ -6,7 +6,7 @@
 #include "mottle/core/subject.hpp"
 #include "mottle/core/text.hpp"
 
-namespace mottle {
+namespace mottle::model {
 namespace {
 
 /// One element of the system as a parameter sees it.
@@ -99,4 +99,4 @@ AffineStructure separate(const MassSpringSystem& system, const std::vector<Param
   return structure;
 }
 
-}  // namespace mottle
+}  // namespace mottle::model

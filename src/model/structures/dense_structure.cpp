@@ -5,7 +5,7 @@
 #include "mottle/core/error.hpp"
 #include "mottle/core/text.hpp"
 
-namespace mottle {
+namespace mottle::model {
 
 bool DenseStructure::is_damped() const {
   return !matrices_.damping.terms.empty() || !matrices_.damping.constant.isZero(0.0);
@@ -35,4 +35,4 @@ std::vector<std::string> DenseStructure::description(const Eigen::Ref<const Eige
   return {fmt::format("model: {} degrees of freedom, total mass {:.6g}", mode_count(), total_mass(parameters))};
 }
 
-}  // namespace mottle
+}  // namespace mottle::model

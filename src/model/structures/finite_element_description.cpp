@@ -8,7 +8,7 @@
 #include "mottle/fem/assembly/mass_properties.hpp"
 #include "mottle/model/structures/finite_element_structure.hpp"
 
-namespace mottle {
+namespace mottle::model {
 namespace {
 
 std::map<std::string, int> element_counts(const FiniteElementModel& model) {
@@ -85,4 +85,4 @@ std::vector<std::string> FiniteElementStructure::description(
   return lines;
 }
 
-}  // namespace mottle
+}  // namespace mottle::model

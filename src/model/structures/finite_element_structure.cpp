@@ -7,7 +7,7 @@
 #include "mottle/core/text.hpp"
 #include "mottle/fem/assembly/mass_properties.hpp"
 
-namespace mottle {
+namespace mottle::model {
 namespace {
 
 constexpr const char* k_no_role = "acts on no element";
@@ -126,4 +126,4 @@ std::string FiniteElementStructure::parameter_role(Eigen::Index parameter) const
   return role.empty() ? k_no_role : role;
 }
 
-}  // namespace mottle
+}  // namespace mottle::model

@@ -8,7 +8,7 @@
 #include "mottle/core/text.hpp"
 #include "mottle/model/structures/matrix_structure.hpp"
 
-namespace mottle {
+namespace mottle::model {
 namespace {
 
 /// One matrix of the system: K:skin, or K and M of what no parameter moves.
@@ -218,4 +218,4 @@ MatrixModel bind_parameters(const MatrixSystem& system, const std::vector<Parame
   return model;
 }
 
-}  // namespace mottle
+}  // namespace mottle::model

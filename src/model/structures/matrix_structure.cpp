@@ -7,7 +7,7 @@
 #include "mottle/core/error.hpp"
 #include "mottle/core/text.hpp"
 
-namespace mottle {
+namespace mottle::model {
 namespace {
 
 SparseMatrix pattern_of(const std::vector<const std::vector<ScaledMatrix>*>& sums) {
@@ -128,4 +128,4 @@ std::vector<std::string> MatrixStructure::description(const Eigen::Ref<const Eig
   return lines;
 }
 
-}  // namespace mottle
+}  // namespace mottle::model

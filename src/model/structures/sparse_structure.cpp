@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace mottle {
+namespace mottle::model {
 
 SparseStructure::Matrices SparseStructure::matrices_at(const Eigen::Ref<const Eigen::VectorXd>& parameters) const {
   return {stiffness_terms().at(parameters), mass_terms().at(parameters)};
@@ -49,4 +49,4 @@ std::string SparseStructure::separable_role(Eigen::Index parameter) const {
                       : fmt::format("exactly separable, powers up to {}: no re-assembly", highest);
 }
 
-}  // namespace mottle
+}  // namespace mottle::model

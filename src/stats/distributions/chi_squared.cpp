@@ -5,7 +5,7 @@
 
 #include "mottle/core/error.hpp"
 
-namespace mottle {
+namespace mottle::stats {
 
 double chi_squared_quantile(double probability, double degrees_of_freedom) {
   require(0.0 <= probability && probability < 1.0, "probability: {} is outside [0, 1)", probability);
@@ -22,4 +22,4 @@ double chi_squared_upper_tail(double value, double degrees_of_freedom) {
   return cdf(complement(boost::math::chi_squared(degrees_of_freedom), value));
 }
 
-}  // namespace mottle
+}  // namespace mottle::stats

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace mottle {
+namespace mottle::stats {
 
 namespace {
 
@@ -62,4 +62,4 @@ Eigen::MatrixXd copula_covariance(const std::vector<Distribution>& marginals,
   return covariance;
 }
 
-}  // namespace mottle
+}  // namespace mottle::stats

@@ -4,12 +4,13 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "mottle/layers.hpp"
 #include "mottle/stats/distributions/distribution.hpp"
 
-namespace mottle {
+namespace mottle::stats {
 
 /// Covariance of X_j = F_j^-1(Phi(w_j)), w ~ N(0, copula_correlation); see JointDistribution::covariance.
 Eigen::MatrixXd copula_covariance(const std::vector<Distribution>& marginals,
                                   const Eigen::MatrixXd& copula_correlation);
 
-}  // namespace mottle
+}  // namespace mottle::stats

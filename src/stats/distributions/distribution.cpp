@@ -9,7 +9,7 @@
 #include "mottle/core/text.hpp"
 #include "stats/distributions/distribution_families.hpp"
 
-namespace mottle {
+namespace mottle::stats {
 
 const std::vector<DistributionKindInfo>& distribution_kinds() {
   static const std::vector<DistributionKindInfo> k_kinds = {
@@ -116,4 +116,4 @@ double Distribution::from_standard_normal(double z) const {
   return implementation_->from_standard_normal(z);
 }
 
-}  // namespace mottle
+}  // namespace mottle::stats

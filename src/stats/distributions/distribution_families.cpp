@@ -17,7 +17,7 @@
 #include "mottle/core/error.hpp"
 #include "mottle/stats/distributions/standard_normal.hpp"
 
-namespace mottle {
+namespace mottle::stats {
 
 Distribution::Implementation::Implementation(OT::Distribution object, double mean, double standard_deviation)
     : object_(std::move(object)),
@@ -286,4 +286,4 @@ std::shared_ptr<const Distribution::Implementation> make_distribution_family(con
   throw InvalidInput("kind: not a distribution");
 }
 
-}  // namespace mottle
+}  // namespace mottle::stats

@@ -5,9 +5,10 @@
 #include <memory>
 #include <openturns/Distribution.hxx>
 
+#include "mottle/layers.hpp"
 #include "mottle/stats/distributions/distribution.hpp"
 
-namespace mottle {
+namespace mottle::stats {
 
 class Distribution::Implementation {
  public:
@@ -42,4 +43,4 @@ class Distribution::Implementation {
 /// Throws InvalidInput for what is particular to the family.
 std::shared_ptr<const Distribution::Implementation> make_distribution_family(const DistributionSpec& spec);
 
-}  // namespace mottle
+}  // namespace mottle::stats

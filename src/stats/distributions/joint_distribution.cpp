@@ -11,7 +11,7 @@
 #include "mottle/stats/moments/descriptive.hpp"
 #include "stats/distributions/copula_covariance.hpp"
 
-namespace mottle {
+namespace mottle::stats {
 
 namespace {
 
@@ -140,4 +140,4 @@ Eigen::MatrixXd JointDistribution::from_uniform(const Eigen::Ref<const Eigen::Ma
   return samples;
 }
 
-}  // namespace mottle
+}  // namespace mottle::stats

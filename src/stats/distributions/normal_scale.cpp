@@ -5,7 +5,7 @@
 
 #include "mottle/stats/sampling/gaussian_rules.hpp"
 
-namespace mottle {
+namespace mottle::stats {
 namespace {
 
 const GaussianRule& rule() {
@@ -114,4 +114,4 @@ VariableMoments moments_of_variables(const std::vector<NormalScale>& scales,
   return result;
 }
 
-}  // namespace mottle
+}  // namespace mottle::stats

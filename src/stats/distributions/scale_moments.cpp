@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace mottle {
+namespace mottle::stats {
 namespace {
 
 constexpr int k_most_steps = 60;
@@ -97,4 +97,4 @@ Eigen::VectorXd points_on_scale(const NormalScale& scale, const ScaleMoments& mo
   return points;
 }
 
-}  // namespace mottle
+}  // namespace mottle::stats

@@ -7,7 +7,7 @@
 
 #include "mottle/core/error.hpp"
 
-namespace mottle {
+namespace mottle::stats {
 
 namespace {
 // Boost evaluates in long double by default, at several times the cost and for no digit that a double could keep.
@@ -25,4 +25,4 @@ double standard_normal_quantile(double probability) {
   return -std::numbers::sqrt2 * boost::math::erfc_inv(2.0 * probability, Policy());
 }
 
-}  // namespace mottle
+}  // namespace mottle::stats

@@ -5,9 +5,10 @@
 #include <cstdint>
 
 #include "mottle/core/random.hpp"
+#include "mottle/layers.hpp"
 #include "mottle/stats/distributions/standard_normal.hpp"
 
-namespace mottle {
+namespace mottle::stats {
 
 /// Seeds of the references.
 constexpr std::uint64_t k_outlier_stream = 1963;
@@ -21,4 +22,4 @@ inline Eigen::VectorXd standard_normals(Eigen::Index count, std::uint64_t seed, 
   return normals;
 }
 
-}  // namespace mottle
+}  // namespace mottle::stats

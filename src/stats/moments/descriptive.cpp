@@ -7,7 +7,7 @@
 
 #include "mottle/core/error.hpp"
 
-namespace mottle {
+namespace mottle::stats {
 
 Eigen::VectorXd sample_mean(const Eigen::Ref<const Eigen::MatrixXd>& samples) {
   require(samples.rows() >= 1, "samples: no rows, need at least 1");
@@ -114,4 +114,4 @@ SampleMoments available_case_moments(const Eigen::Ref<const Eigen::MatrixXd>& sa
   return moments;
 }
 
-}  // namespace mottle
+}  // namespace mottle::stats

@@ -5,7 +5,7 @@
 
 #include "mottle/core/error.hpp"
 
-namespace mottle {
+namespace mottle::stats {
 
 double euclidean_distance(const Eigen::Ref<const Eigen::VectorXd>& a, const Eigen::Ref<const Eigen::VectorXd>& b) {
   require(a.size() == b.size(), "distance: vectors of {} and {} entries", a.size(), b.size());
@@ -35,4 +35,4 @@ double mahalanobis_distance(const Eigen::Ref<const Eigen::VectorXd>& a, const Ei
   return std::sqrt(squared);
 }
 
-}  // namespace mottle
+}  // namespace mottle::stats

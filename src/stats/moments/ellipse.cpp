@@ -6,7 +6,7 @@
 
 #include "mottle/core/error.hpp"
 
-namespace mottle {
+namespace mottle::stats {
 
 Ellipse sigma_ellipse(const Eigen::Ref<const Eigen::VectorXd>& mean,
                       const Eigen::Ref<const Eigen::MatrixXd>& covariance, double sigmas) {
@@ -51,4 +51,4 @@ std::vector<Ellipse> pairwise_ellipses(const Eigen::Ref<const Eigen::VectorXd>& 
   return ellipses;
 }
 
-}  // namespace mottle
+}  // namespace mottle::stats

@@ -6,7 +6,7 @@
 
 #include "mottle/core/error.hpp"
 
-namespace mottle {
+namespace mottle::stats {
 
 Eigen::VectorXd average_ranks(const Eigen::Ref<const Eigen::VectorXd>& values) {
   const auto count = static_cast<std::size_t>(values.size());
@@ -51,4 +51,4 @@ Eigen::MatrixXd spearman(const Eigen::Ref<const Eigen::MatrixXd>& inputs,
   return correlation.cwiseMax(-1.0).cwiseMin(1.0);
 }
 
-}  // namespace mottle
+}  // namespace mottle::stats

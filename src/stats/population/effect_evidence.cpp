@@ -6,7 +6,7 @@
 
 #include "stats/population/random_effects_step.hpp"
 
-namespace mottle {
+namespace mottle::stats {
 
 ScatterRoot scatter_root(const Eigen::Ref<const Eigen::MatrixXd>& covariance) {
   constexpr double k_no_scatter = 10.0 * k_least_eigenvalue;
@@ -107,4 +107,4 @@ std::optional<Eigen::MatrixXd> alike_estimates(const WhitenedEffects& effects, d
   return estimates;
 }
 
-}  // namespace mottle
+}  // namespace mottle::stats

@@ -7,9 +7,10 @@
 #include <optional>
 #include <vector>
 
+#include "mottle/layers.hpp"
 #include "mottle/stats/population/random_effects.hpp"
 
-namespace mottle {
+namespace mottle::stats {
 
 /// What was observed of one specimen's effects x ~ N(0, 1): y = A x + e, e ~ N(0, noise).
 struct EffectEvidence {
@@ -54,4 +55,4 @@ Eigen::LLT<Eigen::MatrixXd> positive_factor(Eigen::MatrixXd matrix);
 /// @param likeness  largest difference of two specimens' noise, in population variances
 std::optional<Eigen::MatrixXd> alike_estimates(const WhitenedEffects& effects, double likeness);
 
-}  // namespace mottle
+}  // namespace mottle::stats

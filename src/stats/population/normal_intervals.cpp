@@ -11,7 +11,7 @@
 
 #include "mottle/core/error.hpp"
 
-namespace mottle {
+namespace mottle::stats {
 namespace {
 
 void require_sample(double std, int count, double confidence) {
@@ -85,4 +85,4 @@ Interval correlation_interval(double correlation, int count, double confidence) 
   return {fiducial_quantile(tail, r, count), fiducial_quantile(1.0 - tail, r, count)};
 }
 
-}  // namespace mottle
+}  // namespace mottle::stats

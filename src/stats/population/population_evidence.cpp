@@ -6,7 +6,7 @@
 #include "mottle/stats/moments/descriptive.hpp"
 #include "mottle/stats/population/population_intervals.hpp"
 
-namespace mottle {
+namespace mottle::stats {
 namespace {
 
 /// Generalised least-squares estimate of one unit's effects and its covariance; nothing where it is not determined.
@@ -135,4 +135,4 @@ PopulationEvidence population_evidence(const std::vector<RandomEffectsUnit>& uni
   return evidence;
 }
 
-}  // namespace mottle
+}  // namespace mottle::stats

@@ -11,7 +11,7 @@
 #include "mottle/stats/distributions/standard_normal.hpp"
 #include "mottle/stats/sampling/sampling.hpp"
 
-namespace mottle {
+namespace mottle::stats {
 namespace {
 
 constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
@@ -207,4 +207,4 @@ PopulationIntervals population_intervals(const PopulationEvidence& evidence, con
   return intervals;
 }
 
-}  // namespace mottle
+}  // namespace mottle::stats

@@ -9,7 +9,7 @@
 #include "stats/population/random_effects_levels.hpp"
 #include "stats/population/random_effects_step.hpp"
 
-namespace mottle {
+namespace mottle::stats {
 namespace {
 
 /// What is iterated.
@@ -203,4 +203,4 @@ RandomEffectsFit fit_random_effects(const std::vector<RandomEffectsUnit>& units,
   return fit;
 }
 
-}  // namespace mottle
+}  // namespace mottle::stats

@@ -5,7 +5,7 @@
 #include "mottle/stats/population/random_effects.hpp"
 #include "stats/population/random_effects_step.hpp"
 
-namespace mottle {
+namespace mottle::stats {
 namespace {
 
 using Entries = std::vector<std::pair<Eigen::Index, Eigen::Index>>;
@@ -106,4 +106,4 @@ RandomEffectsInformation random_effects_information(const std::vector<RandomEffe
   return result;
 }
 
-}  // namespace mottle
+}  // namespace mottle::stats

@@ -4,7 +4,7 @@
 
 #include "stats/population/random_effects_step.hpp"
 
-namespace mottle {
+namespace mottle::stats {
 
 LevelScores level_scores(const std::vector<RandomEffectsUnit>& units, const RandomEffectsFit& fit,
                          const RandomEffectsSettings& settings) {
@@ -48,4 +48,4 @@ Eigen::VectorXd scored_levels(const LevelScores& scores, const Eigen::VectorXd& 
   return next.cwiseMax(0.0);
 }
 
-}  // namespace mottle
+}  // namespace mottle::stats

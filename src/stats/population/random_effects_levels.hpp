@@ -4,9 +4,10 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "mottle/layers.hpp"
 #include "mottle/stats/population/random_effects.hpp"
 
-namespace mottle {
+namespace mottle::stats {
 
 /// The likelihood's slope and Fisher's information at a fit, D = sum over levels of level * E_f,
 ///
@@ -30,4 +31,4 @@ Eigen::VectorXd scored_levels(const LevelScores& scores, const Eigen::VectorXd& 
 /// Whether the units say anything of a level.
 bool is_determined(const LevelScores& scores, const Eigen::VectorXd& levels, Eigen::Index level);
 
-}  // namespace mottle
+}  // namespace mottle::stats

@@ -5,7 +5,7 @@
 
 #include "mottle/core/error.hpp"
 
-namespace mottle {
+namespace mottle::stats {
 namespace {
 
 /// C^-1 and log det C of a covariance that may be singular to rounding: a part in 1e13 of its diagonal is added.
@@ -129,4 +129,4 @@ void RandomEffectsPass::solve_common(const RandomEffectsSettings& settings, cons
   log_likelihood -= 0.5 * standardised.square().sum();
 }
 
-}  // namespace mottle
+}  // namespace mottle::stats

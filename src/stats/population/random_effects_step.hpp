@@ -4,9 +4,10 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "mottle/layers.hpp"
 #include "mottle/stats/population/random_effects.hpp"
 
-namespace mottle {
+namespace mottle::stats {
 
 /// Least eigenvalue of Sigma's correlation, as a part of the largest one: all that is computed from Sigma^-1 then keeps
 /// half of the digits, while no deviation changes by more than a ten-thousandth of another.
@@ -60,4 +61,4 @@ struct RandomEffectsPass {
   void solve_common(const RandomEffectsSettings& settings, const Eigen::VectorXd& gradient);
 };
 
-}  // namespace mottle
+}  // namespace mottle::stats

@@ -4,7 +4,7 @@
 #include "stats/population/random_effects_levels.hpp"
 #include "stats/population/random_effects_step.hpp"
 
-namespace mottle {
+namespace mottle::stats {
 namespace {
 
 SharedErrorLevel level_evidence(const LevelScores& scores, const Eigen::VectorXd& levels, Eigen::Index level) {
@@ -44,4 +44,4 @@ SharedErrorInformation shared_error_information(const std::vector<RandomEffectsU
   return result;
 }
 
-}  // namespace mottle
+}  // namespace mottle::stats

@@ -7,7 +7,7 @@
 #include "mottle/core/error.hpp"
 #include "mottle/stats/distributions/standard_normal.hpp"
 
-namespace mottle {
+namespace mottle::stats {
 
 GaussianRule hermite_rule(int points) {
   require(points >= 1, "a quadrature rule needs at least 1 point, found {}", points);
@@ -76,4 +76,4 @@ GaussianRule standardised_rule(const Eigen::Ref<const Eigen::MatrixXd>& uniforms
   return {sheared, Eigen::VectorXd::Constant(points.rows(), 1.0 / count)};
 }
 
-}  // namespace mottle
+}  // namespace mottle::stats

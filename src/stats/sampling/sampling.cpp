@@ -10,7 +10,7 @@
 
 #include "mottle/core/error.hpp"
 
-namespace mottle {
+namespace mottle::stats {
 
 namespace {
 
@@ -103,4 +103,4 @@ Eigen::MatrixXd uniform_design(SamplingDesign design, Eigen::Index samples, Eige
   throw InvalidInput("design: not a sampling design");
 }
 
-}  // namespace mottle
+}  // namespace mottle::stats

@@ -11,7 +11,7 @@
 #include "mottle/core/error.hpp"
 #include "stats/surrogates/tall_least_squares.hpp"
 
-namespace mottle {
+namespace mottle::stats {
 
 namespace {
 
@@ -169,4 +169,4 @@ Eigen::MatrixXd QuadraticRegression::sensitivity_at(const Eigen::Ref<const Eigen
   return slope;
 }
 
-}  // namespace mottle
+}  // namespace mottle::stats

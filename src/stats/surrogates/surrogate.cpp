@@ -24,7 +24,7 @@
 #include "mottle/core/error.hpp"
 #include "mottle/linalg/one_thread.hpp"
 
-namespace mottle {
+namespace mottle::stats {
 
 /// Outputs in scaled units at scaled inputs.
 class Surrogate::Fit {
@@ -216,4 +216,4 @@ Eigen::MatrixXd Surrogate::operator()(const Eigen::Ref<const Eigen::MatrixXd>& i
   return y.rowwise() + output_centre_;
 }
 
-}  // namespace mottle
+}  // namespace mottle::stats

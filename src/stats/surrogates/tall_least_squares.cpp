@@ -8,7 +8,7 @@
 
 #include "mottle/core/error.hpp"
 
-namespace mottle {
+namespace mottle::stats {
 
 Eigen::MatrixXd tall_triangular_factor(Eigen::Index rows, Eigen::Index columns, const FillRows& fill) {
   // Long enough to make the stacked factor a small share of the work, short enough to stay in the second-level cache.
@@ -77,4 +77,4 @@ TallLeastSquares solve_tall_least_squares(Eigen::Index rows, Eigen::Index terms,
   return solution;
 }
 
-}  // namespace mottle
+}  // namespace mottle::stats

@@ -5,7 +5,9 @@
 #include <functional>
 #include <string>
 
-namespace mottle {
+#include "mottle/layers.hpp"
+
+namespace mottle::stats {
 
 /// Writes rows begin .. begin + block.rows() of a tall matrix into `block`.
 using FillRows = std::function<void(Eigen::Index begin, Eigen::Ref<Eigen::MatrixXd> block)>;
@@ -35,4 +37,4 @@ TallLeastSquares solve_tall_least_squares(Eigen::Index rows, Eigen::Index terms,
                                           const FillRows& fill,
                                           const std::function<std::string(Eigen::Index)>& term_name);
 
-}  // namespace mottle
+}  // namespace mottle::stats

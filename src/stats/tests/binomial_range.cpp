@@ -4,7 +4,7 @@
 
 #include "mottle/core/error.hpp"
 
-namespace mottle {
+namespace mottle::stats {
 
 CountRange binomial_range(int count, double p, double level) {
   require(count >= 0, "count: {} must not be negative", count);
@@ -19,4 +19,4 @@ CountRange binomial_range(int count, double p, double level) {
   return range;
 }
 
-}  // namespace mottle
+}  // namespace mottle::stats

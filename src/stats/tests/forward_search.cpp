@@ -5,7 +5,7 @@
 #include <limits>
 #include <numeric>
 
-namespace mottle {
+namespace mottle::stats {
 namespace {
 
 /// Of a squared distance whose covariance was estimated with so many degrees of freedom: Hotelling's T^2. Nothing is
@@ -237,4 +237,4 @@ std::vector<Eigen::Index> nearest_specimens(const Eigen::VectorXd& ranking, Eige
   return order;
 }
 
-}  // namespace mottle
+}  // namespace mottle::stats

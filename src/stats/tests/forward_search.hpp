@@ -7,9 +7,10 @@
 #include <algorithm>
 #include <vector>
 
+#include "mottle/layers.hpp"
 #include "stats/population/effect_evidence.hpp"
 
-namespace mottle {
+namespace mottle::stats {
 
 /// How far a specimen lies from a core that it is not part of.
 struct DeletedDistance {
@@ -134,4 +135,4 @@ std::vector<ForwardStep> forward_search(const Sample& sample, Eigen::Index most)
   return steps;
 }
 
-}  // namespace mottle
+}  // namespace mottle::stats

@@ -10,7 +10,7 @@
 #include "mottle/core/error.hpp"
 #include "mottle/stats/distributions/chi_squared.hpp"
 
-namespace mottle {
+namespace mottle::stats {
 
 namespace {
 
@@ -114,4 +114,4 @@ TwoSampleTest hotelling_two_sample(const Eigen::Ref<const Eigen::VectorXd>& mean
   return test;
 }
 
-}  // namespace mottle
+}  // namespace mottle::stats

@@ -14,7 +14,7 @@
 #include "stats/distributions/standard_normals.hpp"
 #include "stats/population/effect_evidence.hpp"
 
-namespace mottle {
+namespace mottle::stats {
 namespace {
 
 constexpr Eigen::Index k_least_size = 5;
@@ -237,4 +237,4 @@ NormalityTest test_normality(const std::vector<RandomEffectsUnit>& units, const 
   return test;
 }
 
-}  // namespace mottle
+}  // namespace mottle::stats

@@ -14,7 +14,7 @@
 #include "stats/distributions/standard_normals.hpp"
 #include "stats/tests/forward_search.hpp"
 
-namespace mottle {
+namespace mottle::stats {
 namespace {
 
 constexpr Eigen::Index k_largest_group = 10;  // more of them are a population of their own
@@ -233,4 +233,4 @@ std::vector<Outlier> find_outliers(const std::vector<RandomEffectsUnit>& units, 
   return describe(PartialSample(effects.specimens, settings.shrinkage), groups, left);
 }
 
-}  // namespace mottle
+}  // namespace mottle::stats

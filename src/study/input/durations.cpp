@@ -6,7 +6,7 @@
 
 #include "mottle/core/text.hpp"
 
-namespace mottle {
+namespace mottle::study {
 
 std::chrono::milliseconds read_duration(TomlReader& reader, const std::string& key,
                                         std::chrono::milliseconds fallback) {
@@ -26,4 +26,4 @@ std::chrono::milliseconds read_duration(TomlReader& reader, const std::string& k
   return std::chrono::milliseconds(std::llround(1000.0 * seconds));
 }
 
-}  // namespace mottle
+}  // namespace mottle::study

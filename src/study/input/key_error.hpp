@@ -5,8 +5,9 @@
 #include <utility>
 
 #include "mottle/core/error.hpp"
+#include "mottle/layers.hpp"
 
-namespace mottle {
+namespace mottle::study {
 
 /// what() is "KEY: FAULT"; located() puts file and line in front.
 class KeyError final : public InvalidInput {
@@ -29,4 +30,4 @@ void require_key(bool claim, const std::string& key, fmt::format_string<Argument
   if (!claim) throw KeyError(key, fmt::format(fault, std::forward<Arguments>(arguments)...));
 }
 
-}  // namespace mottle
+}  // namespace mottle::study

@@ -3,7 +3,7 @@
 #include "mottle/study/input/study.hpp"
 #include "study/input/key_error.hpp"
 
-namespace mottle {
+namespace mottle::study {
 namespace {
 
 /// The key of a study that a subject is read from.
@@ -88,4 +88,4 @@ std::string located(const Study& study, const InvalidInput& error, const std::st
   return fmt::format("{}: {}", study.file.string(), error.what());
 }
 
-}  // namespace mottle
+}  // namespace mottle::study

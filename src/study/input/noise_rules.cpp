@@ -6,7 +6,7 @@
 #include "mottle/core/text.hpp"
 #include "study/input/toml_writer.hpp"
 
-namespace mottle {
+namespace mottle::study {
 namespace {
 
 bool is_pattern(const std::string& text) {
@@ -97,4 +97,4 @@ NoiseDeviations noise_deviations(const std::vector<NoiseRule>& rules, const std:
   return result;
 }
 
-}  // namespace mottle
+}  // namespace mottle::study

@@ -5,10 +5,11 @@
 #include <string>
 #include <vector>
 
+#include "mottle/layers.hpp"
 #include "mottle/study/input/study.hpp"
 #include "study/input/toml_reader.hpp"
 
-namespace mottle {
+namespace mottle::study {
 
 /// A table { f1 = 0.001, "phi*" = "1 %" } as rules in the order of the file; none where the key is missing.
 ///
@@ -34,4 +35,4 @@ NoiseDeviations noise_deviations(const std::vector<NoiseRule>& rules, const std:
                                  const Eigen::Ref<const Eigen::VectorXd>& means,
                                  const std::string& what = "Measurement noise");
 
-}  // namespace mottle
+}  // namespace mottle::study

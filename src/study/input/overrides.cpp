@@ -7,7 +7,7 @@
 #include "mottle/core/text.hpp"
 #include "mottle/core/utf8.hpp"
 
-namespace mottle {
+namespace mottle::study {
 namespace {
 
 std::vector<std::string> split_key(const std::string& key, const std::string& assignment) {
@@ -76,4 +76,4 @@ void apply_override(toml::table& root, const std::string& assignment) {
   table->insert_or_assign(steps.back(), *value.get("value"));
 }
 
-}  // namespace mottle
+}  // namespace mottle::study

@@ -8,7 +8,7 @@
 #include "mottle/study/models/model_source.hpp"
 #include "study/input/study_sections.hpp"
 
-namespace mottle {
+namespace mottle::study {
 namespace {
 
 DistributionSpec read_distribution(TomlReader reader) {
@@ -162,4 +162,4 @@ StudyParameters read_parameters(TomlReader& owner, const ModelSource& model) {
   return parameters;
 }
 
-}  // namespace mottle
+}  // namespace mottle::study

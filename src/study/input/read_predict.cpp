@@ -2,7 +2,7 @@
 #include "mottle/study/models/model_source.hpp"
 #include "study/input/study_sections.hpp"
 
-namespace mottle {
+namespace mottle::study {
 
 const std::vector<std::string>& surrogate_kinds() {
   static const std::vector<std::string> k_kinds = {"quadratic", "kriging", "chaos"};
@@ -60,4 +60,4 @@ SurrogateSettings read_surrogate(TomlReader reader) {
   return settings;
 }
 
-}  // namespace mottle
+}  // namespace mottle::study

@@ -10,7 +10,7 @@
 #include "study/input/toml_writer.hpp"
 #include "study/models/registry.hpp"
 
-namespace mottle {
+namespace mottle::study {
 
 ModalOutputs read_outputs(TomlReader reader, const ModelSource& model) {
   ModalOutputs outputs;
@@ -276,4 +276,4 @@ std::string study_text_for(const Study& study, const std::filesystem::path& fold
   return toml_document(root);
 }
 
-}  // namespace mottle
+}  // namespace mottle::study

@@ -13,7 +13,7 @@
 #include "study/tests/pair_tests.hpp"
 #include "study/tests/test_files.hpp"
 
-namespace mottle {
+namespace mottle::study {
 namespace {
 
 struct ColumnTitle {
@@ -275,4 +275,4 @@ StudyTests read_tests(const Study& study, const StructureModel& model) {
   return tests;
 }
 
-}  // namespace mottle
+}  // namespace mottle::study

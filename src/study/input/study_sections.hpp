@@ -1,10 +1,11 @@
 // Readers of the sections of a study file, one function a section.
 #pragma once
 
+#include "mottle/layers.hpp"
 #include "mottle/study/input/study.hpp"
 #include "study/input/toml_reader.hpp"
 
-namespace mottle {
+namespace mottle::study {
 
 /// [[parameter]] and [correlation] of `owner` (the root, or [truth]).
 StudyParameters read_parameters(TomlReader& owner, const ModelSource& model);
@@ -24,4 +25,4 @@ StudyPredict read_predict(TomlReader reader, const ModelSource& model, const std
 /// One [[parameter]]; without targets its name is its place.
 StudyParameter read_parameter(TomlReader& reader, bool has_targets = true);
 
-}  // namespace mottle
+}  // namespace mottle::study

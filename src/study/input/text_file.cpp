@@ -7,7 +7,7 @@
 #include "mottle/core/files.hpp"
 #include "mottle/core/utf8.hpp"
 
-namespace mottle {
+namespace mottle::study {
 
 std::string read_text_file(const std::filesystem::path& file) {
   std::string bytes = read_file(file);
@@ -25,4 +25,4 @@ std::string read_text_file(const std::filesystem::path& file) {
   return bytes;
 }
 
-}  // namespace mottle
+}  // namespace mottle::study

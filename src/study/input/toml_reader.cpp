@@ -5,7 +5,7 @@
 #include "mottle/core/text.hpp"
 #include "study/input/toml_writer.hpp"
 
-namespace mottle {
+namespace mottle::study {
 namespace {
 
 /// Lines, escape sequences and the like, which would break the tables and the terminal that show them.
@@ -256,4 +256,4 @@ void TomlReader::finish() const {
   }
 }
 
-}  // namespace mottle
+}  // namespace mottle::study

@@ -10,8 +10,9 @@
 
 #include "mottle/core/error.hpp"
 #include "mottle/core/options.hpp"
+#include "mottle/layers.hpp"
 
-namespace mottle {
+namespace mottle::study {
 
 class TomlReader {
  public:
@@ -78,4 +79,4 @@ class TomlReader {
 /// The value as it stands in the file, on one line and not too long.
 std::string toml_text(const toml::node& node);
 
-}  // namespace mottle
+}  // namespace mottle::study

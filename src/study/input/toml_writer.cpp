@@ -7,7 +7,7 @@
 #include <sstream>
 #include <tuple>
 
-namespace mottle {
+namespace mottle::study {
 namespace {
 
 std::string quoted(const std::string& text) {
@@ -126,4 +126,4 @@ std::string toml_document(const toml::table& root) {
   return text;
 }
 
-}  // namespace mottle
+}  // namespace mottle::study

@@ -7,7 +7,9 @@
 #include <string>
 #include <vector>
 
-namespace mottle {
+#include "mottle/layers.hpp"
+
+namespace mottle::study {
 
 /// The keys of a table as they stood in the file; keys without a place (from --set) come first.
 std::vector<std::string> keys_in_file_order(const toml::table& table);
@@ -18,4 +20,4 @@ std::string toml_on_one_line(const toml::node& node);
 /// A whole file.
 std::string toml_document(const toml::table& root);
 
-}  // namespace mottle
+}  // namespace mottle::study

@@ -1,6 +1,6 @@
 #include "study/input/unit_names.hpp"
 
-namespace mottle {
+namespace mottle::study {
 
 UnitNames unit_names(const std::string& units) {
   if (units == "mm-t-s") return {"N/mm", "t", "N s/mm", "Hz", "1/sqrt(t)", "mm", "MPa", "t/mm^3"};
@@ -20,4 +20,4 @@ UnitSizes unit_sizes(const std::string& units) {
   return {};
 }
 
-}  // namespace mottle
+}  // namespace mottle::study

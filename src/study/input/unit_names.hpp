@@ -3,7 +3,9 @@
 
 #include <string>
 
-namespace mottle {
+#include "mottle/layers.hpp"
+
+namespace mottle::study {
 
 /// Units of one system.
 struct UnitNames {
@@ -26,4 +28,4 @@ struct UnitSizes {
 };
 UnitSizes unit_sizes(const std::string& units);
 
-}  // namespace mottle
+}  // namespace mottle::study

@@ -10,7 +10,7 @@
 #include "mottle/study/models/model_source.hpp"
 #include "study/input/key_error.hpp"
 
-namespace mottle {
+namespace mottle::study {
 
 namespace {
 
@@ -154,4 +154,4 @@ Study with_candidates(const Study& study, const std::vector<StudyParameter>& can
   return more;
 }
 
-}  // namespace mottle
+}  // namespace mottle::study

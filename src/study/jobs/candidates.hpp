@@ -4,9 +4,10 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "mottle/layers.hpp"
 #include "mottle/study/input/study.hpp"
 
-namespace mottle {
+namespace mottle::study {
 
 /// Candidates with name, nominal value and spread. By default every spring of a mass-spring system, and of a deck the
 /// numbers of materials, properties, springs and point masses that are not zero; what a parameter acts on is left out.
@@ -33,4 +34,4 @@ FixedNumbers fixed_numbers(const Study& study, std::size_t most);
 /// The study with `candidates` put after its parameters.
 Study with_candidates(const Study& study, const std::vector<StudyParameter>& candidates);
 
-}  // namespace mottle
+}  // namespace mottle::study

@@ -12,7 +12,7 @@
 #include "study/jobs/checked_study.hpp"
 #include "study/jobs/study_reach.hpp"
 
-namespace mottle {
+namespace mottle::study {
 namespace {
 
 constexpr Eigen::Index k_listed_modes = 10;
@@ -70,4 +70,4 @@ CheckOutcome check(const Study& study, const RunSettings& settings) {
   return outcome;
 }
 
-}  // namespace mottle
+}  // namespace mottle::study

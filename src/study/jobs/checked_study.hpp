@@ -3,9 +3,10 @@
 
 #include <optional>
 
+#include "mottle/layers.hpp"
 #include "study/jobs/update_plan.hpp"
 
-namespace mottle {
+namespace mottle::study {
 
 /// Of a study whose parameters are not updated to tests, the model alone.
 struct CheckedStudy {
@@ -20,4 +21,4 @@ inline const StudyParameters& parameters_of(const Study& study) {
   return study.parameters.list.empty() ? study.truth->parameters : study.parameters;
 }
 
-}  // namespace mottle
+}  // namespace mottle::study

@@ -5,7 +5,7 @@
 #include "mottle/core/error.hpp"
 #include "mottle/core/text.hpp"
 
-namespace mottle {
+namespace mottle::study {
 namespace {
 
 std::string percent(double part) {
@@ -79,4 +79,4 @@ std::string summary_text(const std::vector<NamedError>& worst, const std::vector
   return fmt::format("{} The first moves {}.", text, harm_text(worst.front().error, parameters));
 }
 
-}  // namespace mottle
+}  // namespace mottle::study

@@ -4,9 +4,10 @@
 #include <string>
 #include <vector>
 
+#include "mottle/layers.hpp"
 #include "mottle/study/jobs/could_hide.hpp"
 
-namespace mottle {
+namespace mottle::study {
 
 /// "1.2 %"; of a number that is 0 in the model the change itself.
 std::string change_text(const NamedError& error);
@@ -28,4 +29,4 @@ std::string summary_text(const std::vector<NamedError>& worst, const std::vector
 /// "k6 off by 1.2 %, k4 off by 2 %".
 std::string sizes_text(const std::vector<NamedError>& errors);
 
-}  // namespace mottle
+}  // namespace mottle::study

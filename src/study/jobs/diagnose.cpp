@@ -9,7 +9,7 @@
 #include "study/tests/rank_numbering.hpp"
 #include "study/tests/unit_errors.hpp"
 
-namespace mottle {
+namespace mottle::study {
 namespace {
 
 void note_what_is_given(const StudyModel& made, const StudyTests& tests, const RunContext& context) {
@@ -51,4 +51,4 @@ DiagnoseOutcome diagnose(const Study& study, const RunSettings& settings) {
   return outcome;
 }
 
-}  // namespace mottle
+}  // namespace mottle::study

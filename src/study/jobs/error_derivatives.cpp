@@ -5,7 +5,7 @@
 #include "mottle/core/error.hpp"
 #include "mottle/updating/methods/deterministic.hpp"
 
-namespace mottle {
+namespace mottle::study {
 namespace {
 
 constexpr double k_frequency_noise = 0.001;
@@ -78,4 +78,4 @@ ErrorDerivatives differentiate_errors(const Study& study, const StudyModel& made
   return found;
 }
 
-}  // namespace mottle
+}  // namespace mottle::study

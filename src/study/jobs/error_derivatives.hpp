@@ -5,11 +5,12 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "mottle/layers.hpp"
 #include "mottle/study/jobs/study_objects.hpp"
 #include "study/jobs/candidates.hpp"
 #include "study/jobs/further_outputs.hpp"
 
-namespace mottle {
+namespace mottle::study {
 
 /// Derivatives at the updated mean, of the study's outputs first, then of further ones.
 struct ErrorDerivatives {
@@ -29,4 +30,4 @@ struct ErrorDerivatives {
 ErrorDerivatives differentiate_errors(const Study& study, const StudyModel& made, const FixedNumbers& numbers,
                                       const Eigen::VectorXd& mean, bool has_further, const RunContext& context);
 
-}  // namespace mottle
+}  // namespace mottle::study

@@ -16,7 +16,7 @@
 #include "study/jobs/error_derivatives.hpp"
 #include "study/results/run_files.hpp"
 
-namespace mottle {
+namespace mottle::study {
 namespace {
 
 constexpr std::size_t k_most_numbers = 200;
@@ -289,4 +289,4 @@ CouldHide find_could_hide(const Study& study, const StudyModel& made, const Upda
   return hidden;
 }
 
-}  // namespace mottle
+}  // namespace mottle::study

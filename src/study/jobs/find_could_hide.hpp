@@ -2,13 +2,14 @@
 // them is src/updating/verdict/hidden_errors.
 #pragma once
 
+#include "mottle/layers.hpp"
 #include "mottle/study/input/study.hpp"
 #include "mottle/study/jobs/could_hide.hpp"
 #include "mottle/study/jobs/study_model.hpp"
 #include "mottle/updating/methods/updater.hpp"
 #include "mottle/updating/verdict/verdict.hpp"
 
-namespace mottle {
+namespace mottle::study {
 
 /// For each number of the model that no parameter moves: the error that the verdict's test of the means refuses with
 /// probability 0.8 (10 % where it refuses none), and how far that moves the estimated means, in half-widths of their
@@ -20,4 +21,4 @@ namespace mottle {
 CouldHide find_could_hide(const Study& study, const StudyModel& made, const UpdatingProblem& problem,
                           const UpdatingResult& result, Conclusion conclusion, const RunContext& context);
 
-}  // namespace mottle
+}  // namespace mottle::study

@@ -11,7 +11,7 @@
 #include "study/jobs/job_files.hpp"
 #include "study/results/solver_use.hpp"
 
-namespace mottle {
+namespace mottle::study {
 namespace {
 
 Eigen::MatrixXd read_points(const std::filesystem::path& file, const ParameterSpace& space) {
@@ -119,4 +119,4 @@ SimulateOutcome simulate(const Study& study, const RunSettings& settings) {
   return outcome;
 }
 
-}  // namespace mottle
+}  // namespace mottle::study

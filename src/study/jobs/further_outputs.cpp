@@ -5,7 +5,7 @@
 #include "mottle/core/text.hpp"
 #include "mottle/study/models/model_source.hpp"
 
-namespace mottle {
+namespace mottle::study {
 namespace {
 
 constexpr int k_modes_above = 3;
@@ -80,4 +80,4 @@ ModalOutputs wider_outputs(const Study& study, Eigen::Index mode_count) {
   return outputs;
 }
 
-}  // namespace mottle
+}  // namespace mottle::study

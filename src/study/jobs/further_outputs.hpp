@@ -4,9 +4,10 @@
 #include <string>
 #include <vector>
 
+#include "mottle/layers.hpp"
 #include "mottle/study/input/study.hpp"
 
-namespace mottle {
+namespace mottle::study {
 
 /// What is measured together: a natural frequency, or one mode's shape.
 struct FurtherOutputs {
@@ -24,4 +25,4 @@ std::vector<FurtherOutputs> further_outputs(const Study& study, Eigen::Index mod
 /// The study's outputs with everything that further_outputs() names.
 ModalOutputs wider_outputs(const Study& study, Eigen::Index mode_count);
 
-}  // namespace mottle
+}  // namespace mottle::study

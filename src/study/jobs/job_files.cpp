@@ -1,6 +1,6 @@
 #include "study/jobs/job_files.hpp"
 
-namespace mottle {
+namespace mottle::study {
 
 JobFiles::JobFiles(const RunSettings& settings, const char* log, const char* journal)
     : log_name_(log), journal_(journal) {
@@ -23,4 +23,4 @@ void JobFiles::discard(const std::vector<std::string>& aside) const {
   folder_->remove(log_name_);
 }
 
-}  // namespace mottle
+}  // namespace mottle::study

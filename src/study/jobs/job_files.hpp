@@ -8,10 +8,11 @@
 #include <vector>
 
 #include "mottle/core/error.hpp"
+#include "mottle/layers.hpp"
 #include "mottle/study/jobs/run.hpp"
 #include "mottle/study/results/run_folder.hpp"
 
-namespace mottle {
+namespace mottle::study {
 
 /// The files of a running job; none where the settings name no folder.
 class JobFiles {
@@ -48,4 +49,4 @@ class JobFiles {
   std::unique_ptr<LogObserver> log_;
 };
 
-}  // namespace mottle
+}  // namespace mottle::study

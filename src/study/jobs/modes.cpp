@@ -12,7 +12,7 @@
 #include "mottle/study/results/run_folder.hpp"
 #include "study/jobs/solved_deck.hpp"
 
-namespace mottle {
+namespace mottle::study {
 namespace {
 
 constexpr int k_usual_modes = 10;
@@ -147,4 +147,4 @@ ModesOutcome find_modes(const ModesSettings& settings) {
   return outcome;
 }
 
-}  // namespace mottle
+}  // namespace mottle::study

@@ -9,7 +9,7 @@
 #include "study/input/key_error.hpp"
 #include "study/input/noise_rules.hpp"
 
-namespace mottle {
+namespace mottle::study {
 
 namespace {
 
@@ -119,4 +119,4 @@ PredictionOutcome run_prediction(const Study& study, const PredictionPlan& plan,
   return outcome;
 }
 
-}  // namespace mottle
+}  // namespace mottle::study

@@ -3,10 +3,11 @@
 
 #include <optional>
 
+#include "mottle/layers.hpp"
 #include "mottle/study/jobs/predict.hpp"
 #include "mottle/study/jobs/study_objects.hpp"
 
-namespace mottle {
+namespace mottle::study {
 
 /// What [predict] needs, made before anything long is computed.
 struct PredictionPlan {
@@ -23,4 +24,4 @@ PredictionPlan plan_prediction(const Study& study, const RunSettings& settings);
 PredictionOutcome run_prediction(const Study& study, const PredictionPlan& plan, const UpdatingProblem& problem,
                                  const UpdatingResult& result, const RunContext& context);
 
-}  // namespace mottle
+}  // namespace mottle::study

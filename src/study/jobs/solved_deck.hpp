@@ -6,10 +6,11 @@
 #include <string>
 #include <vector>
 
+#include "mottle/layers.hpp"
 #include "mottle/model/solvers/exact_solver.hpp"
 #include "mottle/model/structures/finite_element_structure.hpp"
 
-namespace mottle {
+namespace mottle::study {
 
 /// A deck with its modes.
 struct SolvedDeck {
@@ -21,4 +22,4 @@ struct SolvedDeck {
   double read_seconds = 0.0, assembly_seconds = 0.0, solution_seconds = 0.0;
 };
 
-}  // namespace mottle
+}  // namespace mottle::study

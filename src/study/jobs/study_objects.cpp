@@ -14,7 +14,7 @@
 #include "study/input/unit_names.hpp"
 #include "study/tests/test_files.hpp"
 
-namespace mottle {
+namespace mottle::study {
 namespace {
 
 std::vector<ParameterTargets> list_targets(const StudyParameters& parameters) {
@@ -167,4 +167,4 @@ Digest study_fingerprint(const Study& study, const StudyModel& made,
   return checksum.digest();
 }
 
-}  // namespace mottle
+}  // namespace mottle::study

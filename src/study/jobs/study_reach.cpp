@@ -7,7 +7,7 @@
 #include "mottle/study/models/model_source.hpp"
 #include "study/tests/test_files.hpp"
 
-namespace mottle {
+namespace mottle::study {
 namespace {
 
 namespace fs = std::filesystem;
@@ -61,4 +61,4 @@ std::vector<std::string> reach_lines(const StudyReach& reach) {
   return lines;
 }
 
-}  // namespace mottle
+}  // namespace mottle::study

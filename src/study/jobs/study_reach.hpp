@@ -4,10 +4,11 @@
 #include <string>
 #include <vector>
 
+#include "mottle/layers.hpp"
 #include "mottle/study/input/study.hpp"
 #include "mottle/study/jobs/check.hpp"
 
-namespace mottle {
+namespace mottle::study {
 
 /// @param read  files that the model was read from beside those that the study names (includes of a deck)
 StudyReach reach_of(const Study& study, const std::vector<std::string>& read = {});
@@ -15,4 +16,4 @@ StudyReach reach_of(const Study& study, const std::vector<std::string>& read = {
 /// Sentences; none where the study stays within its folder and runs nothing.
 std::vector<std::string> reach_lines(const StudyReach& reach);
 
-}  // namespace mottle
+}  // namespace mottle::study

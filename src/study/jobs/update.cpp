@@ -10,7 +10,7 @@
 #include "study/results/update_text.hpp"
 #include "study/tests/rank_numbering.hpp"
 
-namespace mottle {
+namespace mottle::study {
 namespace {
 
 void note_what_happened(const UpdatingResult& result, std::int64_t reused, const RunContext& context) {
@@ -106,4 +106,4 @@ UpdateOutcome update(const Study& study, const RunSettings& settings) {
   return outcome;
 }
 
-}  // namespace mottle
+}  // namespace mottle::study

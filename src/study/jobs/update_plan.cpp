@@ -5,7 +5,7 @@
 #include "study/results/run_files.hpp"
 #include "study/tests/unit_errors.hpp"
 
-namespace mottle {
+namespace mottle::study {
 namespace {
 
 /// Thrown by the first model run.
@@ -66,4 +66,4 @@ void refuse_what_methods_refuse(const Study& study, const UpdatePlan& plan, cons
   if (study.surrogate) begin([&] { SurrogateUpdate(problem, *study.surrogate).run(*plan.method, context); });
 }
 
-}  // namespace mottle
+}  // namespace mottle::study

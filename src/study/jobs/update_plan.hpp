@@ -5,12 +5,13 @@
 #include <optional>
 #include <vector>
 
+#include "mottle/layers.hpp"
 #include "mottle/study/jobs/run.hpp"
 #include "mottle/study/jobs/study_objects.hpp"
 #include "mottle/updating/methods/updater.hpp"
 #include "study/jobs/prediction_plan.hpp"
 
-namespace mottle {
+namespace mottle::study {
 
 struct UpdatePlan {
   StudyModel made;
@@ -31,4 +32,4 @@ UpdatingProblem problem_of(const Study& study, const UpdatePlan& plan, const Mod
 /// Throws InvalidInput: what they refuse (too few specimens, more parameters than outputs, ...).
 void refuse_what_methods_refuse(const Study& study, const UpdatePlan& plan, const RunContext& context);
 
-}  // namespace mottle
+}  // namespace mottle::study

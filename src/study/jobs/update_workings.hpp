@@ -3,12 +3,13 @@
 
 #include <memory>
 
+#include "mottle/layers.hpp"
 #include "mottle/model/model.hpp"
 #include "mottle/updating/methods/surrogate_update.hpp"
 #include "mottle/updating/methods/updater.hpp"
 #include "study/jobs/update_plan.hpp"
 
-namespace mottle {
+namespace mottle::study {
 
 struct UpdateWorkings {
   UpdatePlan plan;
@@ -19,4 +20,4 @@ struct UpdateWorkings {
   const UpdatingProblem& problem() const { return surrogate ? surrogate->problem() : *given; }
 };
 
-}  // namespace mottle
+}  // namespace mottle::study

@@ -4,7 +4,7 @@
 
 #include "mottle/drivers/command/external_solver.hpp"
 
-namespace mottle {
+namespace mottle::study {
 
 std::optional<double> read_reduction(TomlReader& reader) {
   constexpr double k_usual_error = 1e-4;
@@ -39,4 +39,4 @@ ModelParts make_external(const SolverCommand& command, const std::vector<std::st
   return parts;
 }
 
-}  // namespace mottle
+}  // namespace mottle::study

@@ -4,11 +4,12 @@
 #include <string>
 
 #include "mottle/drivers/command/solver_command.hpp"
+#include "mottle/layers.hpp"
 #include "mottle/model/structures/matrix_structure.hpp"
 #include "mottle/study/models/model_source.hpp"
 #include "study/input/toml_reader.hpp"
 
-namespace mottle {
+namespace mottle::study {
 
 /// Keys of kinds with sparse matrices, whose clouds may be solved by a reduced model.
 std::optional<double> read_reduction(TomlReader& reader);
@@ -19,4 +20,4 @@ ModelParts parts_of(MatrixModel model, std::vector<std::string> files);
 ModelParts make_external(const SolverCommand& command, const std::vector<std::string>& names,
                          const JointDistribution& prior, const RunSettings& settings);
 
-}  // namespace mottle
+}  // namespace mottle::study

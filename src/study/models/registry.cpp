@@ -2,7 +2,7 @@
 
 #include "study/input/key_error.hpp"
 
-namespace mottle {
+namespace mottle::study {
 
 const std::vector<ModelKind>& model_kinds() {
   static const std::vector<ModelKind> k_kinds = {
@@ -18,4 +18,4 @@ std::unique_ptr<ModelSource> ModelSource::with_number(const std::string& /*targe
                  "parameters");
 }
 
-}  // namespace mottle
+}  // namespace mottle::study

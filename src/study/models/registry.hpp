@@ -5,10 +5,11 @@
 #include <string>
 #include <vector>
 
+#include "mottle/layers.hpp"
 #include "mottle/study/models/model_source.hpp"
 #include "study/input/toml_reader.hpp"
 
-namespace mottle {
+namespace mottle::study {
 
 /// A kind of model as a study names it.
 struct ModelKind {
@@ -26,4 +27,4 @@ std::shared_ptr<const ModelSource> read_matrix_source(TomlReader& reader, const 
 std::shared_ptr<const ModelSource> read_calculix_source(TomlReader& reader, const std::filesystem::path& folder);
 std::shared_ptr<const ModelSource> read_command_source(TomlReader& reader, const std::filesystem::path& folder);
 
-}  // namespace mottle
+}  // namespace mottle::study

@@ -6,7 +6,7 @@
 #include "study/jobs/study_reach.hpp"
 #include "study/results/result_json.hpp"
 
-namespace mottle {
+namespace mottle::study {
 namespace {
 
 std::string scale_text(const NormalScale& scale) {
@@ -111,4 +111,4 @@ RunSummary summarise(const CheckOutcome& outcome) {
   return summary;
 }
 
-}  // namespace mottle
+}  // namespace mottle::study

@@ -1,6 +1,6 @@
 #include "study/results/could_hide_json.hpp"
 
-namespace mottle {
+namespace mottle::study {
 namespace {
 
 Json error_json(const NamedError& error, const std::vector<std::string>& parameters, bool is_level_known) {
@@ -28,4 +28,4 @@ Json could_hide_json(const CouldHide& hidden, const std::vector<std::string>& pa
   return list;
 }
 
-}  // namespace mottle
+}  // namespace mottle::study

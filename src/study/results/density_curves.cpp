@@ -9,7 +9,7 @@
 
 #include "mottle/stats/distributions/scale_moments.hpp"
 
-namespace mottle {
+namespace mottle::study {
 namespace {
 
 constexpr Eigen::Index k_points = 161;
@@ -132,4 +132,4 @@ DensityBand density_band(const NormalScale& scale, const Eigen::Vector2d& mean, 
   return band_on_scale(scale, pairs, k_band_reach);
 }
 
-}  // namespace mottle
+}  // namespace mottle::study

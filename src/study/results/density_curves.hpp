@@ -3,10 +3,11 @@
 
 #include <Eigen/Core>
 
+#include "mottle/layers.hpp"
 #include "mottle/stats/distributions/distribution.hpp"
 #include "mottle/stats/distributions/normal_scale.hpp"
 
-namespace mottle {
+namespace mottle::study {
 
 struct DensityCurve {
   Eigen::VectorXd x;  ///< ascending; empty: nothing to draw
@@ -32,4 +33,4 @@ DensityCurve normal_curve(double mean, double std);
 /// @param mean, std  lower and upper ends; nan: not known, and there is no band
 DensityBand density_band(const NormalScale& scale, const Eigen::Vector2d& mean, const Eigen::Vector2d& std);
 
-}  // namespace mottle
+}  // namespace mottle::study

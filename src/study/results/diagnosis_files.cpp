@@ -4,7 +4,7 @@
 #include "study/results/diagnosis_names.hpp"
 #include "study/results/result_json.hpp"
 
-namespace mottle {
+namespace mottle::study {
 namespace {
 
 Json detectability_json(const Detectability& detectability) {
@@ -136,4 +136,4 @@ RunSummary summarise(const DiagnoseOutcome& outcome, const std::filesystem::path
   return summary;
 }
 
-}  // namespace mottle
+}  // namespace mottle::study

@@ -8,7 +8,7 @@
 #include "mottle/updating/estimate/normal_estimates.hpp"
 #include "study/results/density_curves.hpp"
 
-namespace mottle {
+namespace mottle::study {
 namespace {
 
 constexpr Eigen::Index k_density_points = 161;
@@ -183,4 +183,4 @@ void add_estimate(const UpdatingProblem& problem, const UpdatingResult& result, 
   parameters["regions"] = regions_json(problem, result, correlation);
 }
 
-}  // namespace mottle
+}  // namespace mottle::study

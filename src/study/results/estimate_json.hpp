@@ -1,9 +1,10 @@
 // What the page draws of an estimate: densities, quantiles, correlations and regions of pairs.
 #pragma once
 
+#include "mottle/layers.hpp"
 #include "study/results/result_json.hpp"
 
-namespace mottle {
+namespace mottle::study {
 
 /// Adds to the parameters of result.json what docs/reference/result-json.md calls `estimate`, `quantiles`, `densities`,
 /// `correlation` and `regions`.
@@ -12,4 +13,4 @@ void add_estimate(const UpdatingProblem& problem, const UpdatingResult& result, 
 /// Numbers with six digits of their range: enough to draw them.
 Json drawn_json(const Eigen::Ref<const Eigen::VectorXd>& values);
 
-}  // namespace mottle
+}  // namespace mottle::study

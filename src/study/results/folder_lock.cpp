@@ -13,7 +13,7 @@
 #include "mottle/core/error.hpp"
 #include "mottle/core/files.hpp"
 
-namespace mottle {
+namespace mottle::study {
 namespace {
 
 std::vector<std::filesystem::path> missing_folders(const std::filesystem::path& folder) {
@@ -77,4 +77,4 @@ FolderLock::~FolderLock() {
   for (const std::filesystem::path& path : made_) std::filesystem::remove(path, ignored);
 }
 
-}  // namespace mottle
+}  // namespace mottle::study

@@ -7,7 +7,7 @@
 #include "study/results/run_files.hpp"
 #include "study/results/solver_use.hpp"
 
-namespace mottle {
+namespace mottle::study {
 namespace {
 
 /// Names and units of the outputs, with their moments where there are two samples or more.
@@ -114,4 +114,4 @@ RunSummary summarise(const SimulateOutcome& outcome, const std::filesystem::path
   return summary;
 }
 
-}  // namespace mottle
+}  // namespace mottle::study

@@ -11,7 +11,7 @@
 #include "study/results/modes_json.hpp"
 #include "study/results/result_json.hpp"
 
-namespace mottle {
+namespace mottle::study {
 namespace {
 
 std::vector<ShownMode> shown_modes(const SolvedDeck& solved) {
@@ -149,4 +149,4 @@ RunSummary summarise(const ModesOutcome& outcome, const std::filesystem::path& f
   return summary;
 }
 
-}  // namespace mottle
+}  // namespace mottle::study

@@ -7,7 +7,7 @@
 #include "mottle/core/base64.hpp"
 #include "mottle/fem/drawing.hpp"
 
-namespace mottle {
+namespace mottle::study {
 namespace {
 
 std::string floats(const Eigen::MatrixX3d& rows, const std::vector<int>& nodes, double scale) {
@@ -72,4 +72,4 @@ Json drawing_json(const Structure& structure, const std::vector<ShownMode>& mode
           {"list", list}};
 }
 
-}  // namespace mottle
+}  // namespace mottle::study

@@ -3,10 +3,11 @@
 
 #include <vector>
 
+#include "mottle/layers.hpp"
 #include "mottle/model/structures/structure.hpp"
 #include "study/results/result_json.hpp"
 
-namespace mottle {
+namespace mottle::study {
 
 /// One shape to draw.
 struct ShownMode {
@@ -29,4 +30,4 @@ Eigen::MatrixX3d node_displacements(const Structure& structure, const Eigen::Ref
 Json drawing_json(const Structure& structure, const std::vector<ShownMode>& modes,
                   const std::string& frequency_unit = "Hz");
 
-}  // namespace mottle
+}  // namespace mottle::study

@@ -4,7 +4,7 @@
 
 #include "study/results/result_json.hpp"
 
-namespace mottle {
+namespace mottle::study {
 namespace {
 
 /// null for an output that only one specimen has.
@@ -66,4 +66,4 @@ Json updated_outputs_json(const UpdatingProblem& problem, const TestMoments& tes
   return outputs;
 }
 
-}  // namespace mottle
+}  // namespace mottle::study

@@ -1,7 +1,7 @@
 // The parameters of result.json: what a study says of them before anything is computed.
 #include "study/results/result_json.hpp"
 
-namespace mottle {
+namespace mottle::study {
 namespace {
 
 Json bounds_json(const Parameter& parameter) {
@@ -83,4 +83,4 @@ Json updated_parameters_json(const UpdatingProblem& problem, const UpdatingResul
   return parameters;
 }
 
-}  // namespace mottle
+}  // namespace mottle::study

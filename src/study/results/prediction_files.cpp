@@ -2,7 +2,7 @@
 
 #include "mottle/formats/tables/csv.hpp"
 
-namespace mottle {
+namespace mottle::study {
 namespace {
 
 Json histograms_json(const std::vector<HeldOutCheck::Histogram>& histograms) {
@@ -69,4 +69,4 @@ Json prediction_json(const PredictionOutcome& outcome, const std::vector<Quantit
   return json;
 }
 
-}  // namespace mottle
+}  // namespace mottle::study

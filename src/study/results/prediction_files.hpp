@@ -5,10 +5,11 @@
 #include <string>
 #include <vector>
 
+#include "mottle/layers.hpp"
 #include "mottle/study/jobs/predict.hpp"
 #include "study/results/result_json.hpp"
 
-namespace mottle {
+namespace mottle::study {
 
 /// `prediction` of result.json.
 ///
@@ -20,4 +21,4 @@ Json prediction_json(const PredictionOutcome& outcome, const std::vector<Quantit
 /// prediction.csv: a row an output.
 std::string prediction_csv(const PredictionOutcome& outcome, const std::vector<Quantity>& outputs);
 
-}  // namespace mottle
+}  // namespace mottle::study

@@ -14,7 +14,7 @@
 #include "mottle/updating/verdict/verdict.hpp"
 #include "study/results/estimate_json.hpp"
 
-namespace mottle {
+namespace mottle::study {
 namespace {
 
 constexpr double k_ellipse_sigmas = 2.0;
@@ -285,4 +285,4 @@ std::string pretty(const Json& json) {
   return json.dump(1, ' ', false, Json::error_handler_t::replace) + '\n';
 }
 
-}  // namespace mottle
+}  // namespace mottle::study

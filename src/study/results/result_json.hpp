@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "mottle/layers.hpp"
 #include "mottle/study/input/study.hpp"
 #include "mottle/study/jobs/study_objects.hpp"
 #include "mottle/updating/methods/cloud.hpp"
@@ -12,7 +13,7 @@
 #include "mottle/updating/methods/updater.hpp"
 #include "mottle/updating/verdict/verdict.hpp"
 
-namespace mottle {
+namespace mottle::study {
 
 using Json = nlohmann::ordered_json;
 
@@ -62,4 +63,4 @@ std::string pretty(const Json& json);
 /// For programs that read a line a job.
 std::string one_line(const Json& json);
 
-}  // namespace mottle
+}  // namespace mottle::study

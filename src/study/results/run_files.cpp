@@ -4,7 +4,7 @@
 
 #include "mottle/formats/tables/csv.hpp"
 
-namespace mottle {
+namespace mottle::study {
 
 std::vector<std::string> column_names(const ParameterSpace& space, const std::vector<Quantity>& outputs) {
   std::vector<std::string> names = space.names();
@@ -62,4 +62,4 @@ std::unique_ptr<Updater> make_method(const Study& study) {
             fmt::format("{}: [update.{}]", study.file.string(), study.update.method));
 }
 
-}  // namespace mottle
+}  // namespace mottle::study

@@ -5,10 +5,11 @@
 #include <string>
 #include <vector>
 
+#include "mottle/layers.hpp"
 #include "mottle/study/jobs/study_objects.hpp"
 #include "mottle/updating/methods/cloud.hpp"
 
-namespace mottle {
+namespace mottle::study {
 
 /// Columns: parameters, outputs, status ("ok", or why the run failed).
 std::string cloud_csv(const Cloud& cloud, const ParameterSpace& space, const std::vector<Quantity>& outputs);
@@ -26,4 +27,4 @@ std::vector<std::string> column_names(const ParameterSpace& space, const std::ve
 /// The study's method with its options.
 std::unique_ptr<Updater> make_method(const Study& study);
 
-}  // namespace mottle
+}  // namespace mottle::study

@@ -5,7 +5,7 @@
 
 #include "mottle/core/files.hpp"
 
-namespace mottle {
+namespace mottle::study {
 namespace {
 
 constexpr const char* k_mark = "README.txt";
@@ -129,4 +129,4 @@ void LogObserver::note(const std::string& text) {
   if (next_ != nullptr) next_->note(text);
 }
 
-}  // namespace mottle
+}  // namespace mottle::study

@@ -1,6 +1,6 @@
 #include "study/results/solver_use.hpp"
 
-namespace mottle {
+namespace mottle::study {
 namespace {
 
 std::string reduction_text(const SolverUse& use) {
@@ -35,4 +35,4 @@ void log_solver_use(const SolverUse& use, const RunContext& context) {
                            static_cast<double>(use.reduced) * use.exact_seconds));
 }
 
-}  // namespace mottle
+}  // namespace mottle::study

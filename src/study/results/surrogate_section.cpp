@@ -2,7 +2,7 @@
 
 #include "study/input/study_sections.hpp"
 
-namespace mottle {
+namespace mottle::study {
 
 Json surrogate_json(const SurrogateSettings& settings, const SurrogateUpdate& update) {
   Json rounds = Json::array();
@@ -17,4 +17,4 @@ Json surrogate_json(const SurrogateSettings& settings, const SurrogateUpdate& up
           {"rounds", rounds}};
 }
 
-}  // namespace mottle
+}  // namespace mottle::study

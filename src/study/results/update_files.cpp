@@ -14,7 +14,7 @@
 #include "study/results/solver_use.hpp"
 #include "study/results/surrogate_section.hpp"
 
-namespace mottle {
+namespace mottle::study {
 namespace {
 
 std::string history_csv(const UpdatingProblem& problem, const UpdatingResult& result) {
@@ -102,4 +102,4 @@ void write_results(const UpdateOutcome& outcome, const std::filesystem::path& pa
   folder.write("result.json", pretty(json));
 }
 
-}  // namespace mottle
+}  // namespace mottle::study

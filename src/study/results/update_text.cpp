@@ -4,7 +4,7 @@
 
 #include "study/results/result_json.hpp"
 
-namespace mottle {
+namespace mottle::study {
 namespace {
 
 std::string interval_text(const Eigen::Ref<const Eigen::RowVectorXd>& ends) {
@@ -78,4 +78,4 @@ RunSummary summarise(const UpdateOutcome& outcome, const std::filesystem::path& 
   return summary;
 }
 
-}  // namespace mottle
+}  // namespace mottle::study

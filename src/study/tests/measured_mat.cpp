@@ -9,7 +9,7 @@
 #include "study/input/unit_names.hpp"
 #include "study/tests/measured_modes.hpp"
 
-namespace mottle {
+namespace mottle::study {
 namespace {
 
 using Variables = std::map<std::string, MatVariable>;
@@ -118,4 +118,4 @@ CsvTable table_from_mat(const Variables& variables, const std::string& file) {
   return table;
 }
 
-}  // namespace mottle
+}  // namespace mottle::study

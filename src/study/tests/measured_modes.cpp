@@ -12,7 +12,7 @@
 #include "mottle/formats/uff/frames.hpp"
 #include "study/input/unit_names.hpp"
 
-namespace mottle {
+namespace mottle::study {
 namespace {
 
 constexpr double k_not_measured = std::numeric_limits<double>::quiet_NaN();
@@ -174,4 +174,4 @@ MeasuredModes modes_from_table(const CsvTable& table, const std::string& units) 
   return modes;
 }
 
-}  // namespace mottle
+}  // namespace mottle::study

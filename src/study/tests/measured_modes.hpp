@@ -7,9 +7,10 @@
 
 #include "mottle/formats/matrices/mat.hpp"
 #include "mottle/formats/tables/csv.hpp"
+#include "mottle/layers.hpp"
 #include "mottle/study/input/study.hpp"
 
-namespace mottle {
+namespace mottle::study {
 
 /// Where one row of measured shapes was measured: by name, or along a direction at a node.
 struct MeasuredComponent {
@@ -54,4 +55,4 @@ std::vector<MeasuredModes> modes_from_mat(const std::map<std::string, MatVariabl
 /// A table whose columns are variables, one number a specimen each.
 CsvTable table_from_mat(const std::map<std::string, MatVariable>& variables, const std::string& file);
 
-}  // namespace mottle
+}  // namespace mottle::study

@@ -8,7 +8,7 @@
 #include "mottle/core/text.hpp"
 #include "study/tests/specimen_pairing.hpp"
 
-namespace mottle {
+namespace mottle::study {
 namespace {
 
 /// By the format the numbers at a node are in its own axes, but some programs write them in the global ones.
@@ -102,4 +102,4 @@ PairedModes pair_modes(const StructureModel& model, const std::vector<MeasuredMo
   return paired;
 }
 
-}  // namespace mottle
+}  // namespace mottle::study

@@ -4,10 +4,11 @@
 #include <string>
 #include <vector>
 
+#include "mottle/layers.hpp"
 #include "mottle/model/structure_model.hpp"
 #include "study/tests/measured_modes.hpp"
 
-namespace mottle {
+namespace mottle::study {
 
 /// Specimens as values of the model's outputs, and how they came about.
 struct PairedModes {
@@ -30,4 +31,4 @@ struct PairedModes {
 /// Throws InvalidInput: no measured component is in the model, by MAC a specimen without shapes.
 PairedModes pair_modes(const StructureModel& model, const std::vector<MeasuredModes>& specimens, bool by_mac);
 
-}  // namespace mottle
+}  // namespace mottle::study

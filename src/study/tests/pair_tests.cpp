@@ -6,7 +6,7 @@
 #include "mottle/core/text.hpp"
 #include "mottle/dynamics/modes/mac.hpp"
 
-namespace mottle {
+namespace mottle::study {
 namespace {
 
 constexpr std::size_t k_listed = 8;
@@ -70,4 +70,4 @@ std::vector<std::string> pair_tests(Eigen::MatrixXd& values, const ModalOutputs&
   return notes;
 }
 
-}  // namespace mottle
+}  // namespace mottle::study

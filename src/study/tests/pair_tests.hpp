@@ -5,9 +5,10 @@
 #include <string>
 #include <vector>
 
+#include "mottle/layers.hpp"
 #include "mottle/model/structure_model.hpp"
 
-namespace mottle {
+namespace mottle::study {
 
 /// Renumbers the modes of every specimen: a test counts its modes as it finds them, the model as the reference does.
 ///
@@ -24,4 +25,4 @@ namespace mottle {
 std::vector<std::string> pair_tests(Eigen::MatrixXd& values, const ModalOutputs& selection,
                                     const Eigen::Ref<const Eigen::MatrixXd>& reference);
 
-}  // namespace mottle
+}  // namespace mottle::study

@@ -7,7 +7,7 @@
 
 #include "mottle/core/text.hpp"
 
-namespace mottle {
+namespace mottle::study {
 namespace {
 
 /// Whether the measured frequencies of every specimen ascend with the modes' numbers.
@@ -96,4 +96,4 @@ std::optional<std::string> bend_warning(const ModalOutputs& selection, const Ite
   return std::nullopt;
 }
 
-}  // namespace mottle
+}  // namespace mottle::study

@@ -6,10 +6,11 @@
 #include <string>
 #include <vector>
 
+#include "mottle/layers.hpp"
 #include "mottle/model/structure_model.hpp"
 #include "mottle/updating/methods/updater.hpp"
 
-namespace mottle {
+namespace mottle::study {
 
 /// What to say where no cloud shows whether modes cross. Nothing where the model numbers its modes by order, or where a
 /// specimen's frequencies do not ascend (its modes were told apart by other means).
@@ -28,4 +29,4 @@ std::optional<std::string> rank_warning(const ModalOutputs& selection, const Eig
 /// is less than 2.33 of its standard deviations. Nothing where the model numbers its modes by shape.
 std::optional<std::string> bend_warning(const ModalOutputs& selection, const IterationRecord& state);
 
-}  // namespace mottle
+}  // namespace mottle::study

@@ -11,7 +11,7 @@
 #include "mottle/dynamics/modes/mac.hpp"
 #include "mottle/fem/finite_element_model.hpp"
 
-namespace mottle {
+namespace mottle::study {
 namespace {
 
 constexpr double k_not_measured = std::numeric_limits<double>::quiet_NaN();
@@ -240,4 +240,4 @@ double SpecimenPairing::component(const std::string& name, Eigen::Index test) co
   return std::abs(span - 1.0) < k_rounding ? value : k_not_measured;
 }
 
-}  // namespace mottle
+}  // namespace mottle::study

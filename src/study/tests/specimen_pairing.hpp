@@ -6,10 +6,11 @@
 #include <utility>
 #include <vector>
 
+#include "mottle/layers.hpp"
 #include "mottle/model/structure_model.hpp"
 #include "study/tests/measured_modes.hpp"
 
-namespace mottle {
+namespace mottle::study {
 
 /// A measured component as a sum of the model's degrees of freedom; empty: the model does not have it.
 using Terms = std::vector<std::pair<int, double>>;
@@ -60,4 +61,4 @@ class SpecimenPairing {
   std::map<int, Eigen::Index> assigned_;  // measured mode of each reference mode
 };
 
-}  // namespace mottle
+}  // namespace mottle::study

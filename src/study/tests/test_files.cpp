@@ -8,7 +8,7 @@
 #include "mottle/core/text.hpp"
 #include "mottle/study/input/text_file.hpp"
 
-namespace mottle {
+namespace mottle::study {
 namespace {
 
 std::string extension_of(const std::filesystem::path& file) {
@@ -118,4 +118,4 @@ TestContents read_test_files(const Study& study) {
   return contents;
 }
 
-}  // namespace mottle
+}  // namespace mottle::study

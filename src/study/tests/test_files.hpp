@@ -7,10 +7,11 @@
 #include <vector>
 
 #include "mottle/formats/tables/csv.hpp"
+#include "mottle/layers.hpp"
 #include "mottle/study/input/study.hpp"
 #include "study/tests/measured_modes.hpp"
 
-namespace mottle {
+namespace mottle::study {
 
 /// The files of test.file: a file itself, of a folder all .uff and .unv, of a pattern in the last part of a path ("*"
 /// and
@@ -34,4 +35,4 @@ TestContents read_test_files(const Study& study);
 /// The table of a .csv or .mat file that the study names under `key`.
 CsvTable read_named_table(const Study& study, const std::string& key, const std::filesystem::path& file);
 
-}  // namespace mottle
+}  // namespace mottle::study

@@ -8,7 +8,7 @@
 #include "mottle/core/text.hpp"
 #include "mottle/dynamics/modes/mode_set.hpp"
 
-namespace mottle {
+namespace mottle::study {
 namespace {
 
 struct UnitFactor {
@@ -152,4 +152,4 @@ void refuse_unit_errors(const Study& study, const StudyModel& made, const StudyT
                   factor->remedy)));
 }
 
-}  // namespace mottle
+}  // namespace mottle::study

@@ -1,9 +1,10 @@
 // Tests whose frequencies are in another unit than the model's: found before anything is updated.
 #pragma once
 
+#include "mottle/layers.hpp"
 #include "mottle/study/jobs/study_objects.hpp"
 
-namespace mottle {
+namespace mottle::study {
 
 /// Refuses tests whose frequencies are a common factor 2 pi, 60 or 1000, or the inverse of one, away from the model's.
 ///
@@ -15,4 +16,4 @@ namespace mottle {
 /// @throws InvalidInput  the test file, the ratios found, the units that they point to and what to do
 void refuse_unit_errors(const Study& study, const StudyModel& made, const StudyTests& tests);
 
-}  // namespace mottle
+}  // namespace mottle::study

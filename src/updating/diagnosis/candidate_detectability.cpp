@@ -6,7 +6,7 @@
 
 #include "updating/diagnosis/candidate_fits.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 namespace {
 
 /// dy/dx of every parameter and candidate at x [output x parameter]; 0 where the model fails on both sides.
@@ -92,4 +92,4 @@ DetectabilityAnalysis analyse_detectability(CandidateFits& fits, const SetFit& b
   return analysis;
 }
 
-}  // namespace mottle
+}  // namespace mottle::updating

@@ -10,7 +10,7 @@
 #include "updating/population/model_error.hpp"
 #include "updating/population/population_report.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 namespace {
 
 /// Plain maximum likelihood wants few rows of its own: the noise that the given parameters and one more leave over.
@@ -226,4 +226,4 @@ SetFit CandidateFits::fit_beside(const ParameterSet& set, const SetFit& base, Ei
   return best;
 }
 
-}  // namespace mottle
+}  // namespace mottle::updating

@@ -6,12 +6,13 @@
 #include <utility>
 #include <vector>
 
+#include "mottle/layers.hpp"
 #include "mottle/updating/diagnosis/diagnosis.hpp"
 #include "mottle/updating/methods/iteration.hpp"
 #include "updating/diagnosis/candidate_model.hpp"
 #include "updating/population/population_fit.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 
 /// A set of parameters: those of the problem that are fitted, and which of them scatter.
 struct ParameterSet {
@@ -116,4 +117,4 @@ struct DetectabilityAnalysis {
 };
 DetectabilityAnalysis analyse_detectability(CandidateFits& fits, const SetFit& base);
 
-}  // namespace mottle
+}  // namespace mottle::updating

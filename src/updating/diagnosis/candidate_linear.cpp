@@ -6,7 +6,7 @@
 #include "updating/methods/measured_outputs.hpp"
 #include "updating/methods/scaled_parameters.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 namespace {
 
 constexpr Eigen::Index k_batch = 4096;  // model runs of differences by hundreds of candidates that are held at once
@@ -92,4 +92,4 @@ double CandidateFits::linear_gain(const SetFit& base, const ParameterSet& set, E
          base.fit.effects.log_likelihood;
 }
 
-}  // namespace mottle
+}  // namespace mottle::updating

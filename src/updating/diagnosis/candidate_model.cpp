@@ -4,7 +4,7 @@
 #include <cmath>
 #include <map>
 
-namespace mottle {
+namespace mottle::updating {
 
 std::vector<ShapeSign> shape_signs(const std::vector<Quantity>& outputs,
                                    const Eigen::Ref<const Eigen::MatrixXd>& tests) {
@@ -77,4 +77,4 @@ ParameterSpace part_of(const ParameterSpace& space, const std::vector<Eigen::Ind
                                                                         space.prior().covariance()(members, members))};
 }
 
-}  // namespace mottle
+}  // namespace mottle::updating

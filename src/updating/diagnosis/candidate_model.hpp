@@ -5,9 +5,10 @@
 #include <string>
 #include <vector>
 
+#include "mottle/layers.hpp"
 #include "mottle/updating/methods/updater.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 
 /// Outputs that are one mode's shape, and the sign in which it is compared.
 struct ShapeSign {
@@ -60,4 +61,4 @@ class HeldModel final : public Model, public DifferentiableModel {
 /// The members' part of a space, normal with the moments of its prior.
 ParameterSpace part_of(const ParameterSpace& space, const std::vector<Eigen::Index>& members);
 
-}  // namespace mottle
+}  // namespace mottle::updating

@@ -10,7 +10,7 @@
 #include "mottle/core/random.hpp"
 #include "mottle/stats/distributions/standard_normal.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 namespace {
 
 constexpr int k_replications = 400;
@@ -101,4 +101,4 @@ void refer_to_replications(const CandidateFits& fits, const ParameterSet& set, c
   }
 }
 
-}  // namespace mottle
+}  // namespace mottle::updating

@@ -1,9 +1,10 @@
 // How likelihood ratios scatter in small samples where no candidate is missing: replications of the linear models.
 #pragma once
 
+#include "mottle/layers.hpp"
 #include "updating/diagnosis/candidate_fits.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 
 /// One try of a candidate beside a set.
 struct CandidateTry {
@@ -27,4 +28,4 @@ struct CandidateTry {
 void refer_to_replications(const CandidateFits& fits, const ParameterSet& set, const SetFit& base,
                            const std::vector<Eigen::MatrixXd>& derivatives, const std::vector<CandidateTry>& tries);
 
-}  // namespace mottle
+}  // namespace mottle::updating

@@ -10,7 +10,7 @@
 #include "updating/diagnosis/candidate_reference.hpp"
 #include "updating/verdict/scatter_tests.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 namespace {
 
 constexpr Eigen::Index k_least_specimens = 3;
@@ -206,4 +206,4 @@ Diagnosis diagnose(const UpdatingProblem& problem, const DiagnosisSettings& sett
   return diagnosis;
 }
 
-}  // namespace mottle
+}  // namespace mottle::updating

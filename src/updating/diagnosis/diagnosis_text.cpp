@@ -6,7 +6,7 @@
 #include "mottle/core/text.hpp"
 #include "mottle/updating/diagnosis/diagnosis.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 namespace {
 
 constexpr double k_parallel = 0.95;
@@ -165,4 +165,4 @@ std::vector<std::string> diagnosis_sentences(const Diagnosis& diagnosis, Eigen::
   return sentences;
 }
 
-}  // namespace mottle
+}  // namespace mottle::updating

@@ -4,7 +4,7 @@
 
 #include "mottle/core/random.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 
 std::string estimate_kind_text(EstimateKind kind) {
   switch (kind) {
@@ -38,4 +38,4 @@ Eigen::MatrixXd Estimate::draw_specimens(const SpecimenDrawing& drawing) const {
   return from_uniform(uniforms);
 }
 
-}  // namespace mottle
+}  // namespace mottle::updating

@@ -7,7 +7,7 @@
 
 #include "mottle/stats/distributions/standard_normal.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 namespace {
 
 double chi_squared(RandomStream& stream, double freedom) {
@@ -110,4 +110,4 @@ Eigen::MatrixXd draw_uncertain(const PopulationOnScales& population, const Speci
   return points;
 }
 
-}  // namespace mottle
+}  // namespace mottle::updating

@@ -4,9 +4,10 @@
 #include <Eigen/Core>
 
 #include "mottle/core/random.hpp"
+#include "mottle/layers.hpp"
 #include "mottle/updating/estimate/normal_estimates.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 
 /// The symmetric square root of what is positive in a matrix, in units of `scale`: an elastic modulus and a thickness
 /// have variances twenty-five orders of magnitude apart.
@@ -26,4 +27,4 @@ Eigen::MatrixXd draw_exact(const Eigen::VectorXd& mean, const Eigen::MatrixXd& c
 /// predict().
 Eigen::MatrixXd draw_uncertain(const PopulationOnScales& population, const SpecimenDrawing& drawing);
 
-}  // namespace mottle
+}  // namespace mottle::updating

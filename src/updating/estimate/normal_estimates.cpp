@@ -8,7 +8,7 @@
 #include "mottle/stats/distributions/standard_normal.hpp"
 #include "updating/estimate/normal_draws.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 namespace {
 
 constexpr double k_reach = 4.0;  // of a drawn density, in deviations
@@ -162,4 +162,4 @@ std::string MomentEstimate::prediction_note() const {
          "as it stands, taken as known.";
 }
 
-}  // namespace mottle
+}  // namespace mottle::updating

@@ -8,7 +8,7 @@
 #include "mottle/core/error.hpp"
 #include "mottle/updating/estimate/normal_estimates.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 namespace {
 
 constexpr double k_kernel_reach = 4.0;  // in bandwidths
@@ -154,4 +154,4 @@ std::string SampleEstimate::prediction_note() const {
          "specimens.";
 }
 
-}  // namespace mottle
+}  // namespace mottle::updating

@@ -2,7 +2,7 @@
 
 #include "mottle/core/error.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 namespace {
 
 void require_enough_runs(const Cloud& cloud, double most_failed) {
@@ -60,4 +60,4 @@ Cloud evaluate_points(const Model& model, const Eigen::Ref<const Eigen::MatrixXd
   return cloud;
 }
 
-}  // namespace mottle
+}  // namespace mottle::updating

@@ -2,7 +2,7 @@
 
 #include "mottle/stats/sampling/sampling.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 
 const OptionTable<CovarianceAdjustmentOptions>& covariance_adjustment_option_table() {
   using C = CovarianceAdjustmentOptions;
@@ -44,4 +44,4 @@ UpdatingResult CovarianceAdjustmentUpdater::update(const UpdatingProblem& proble
   return iterate_moments(problem, parameters, method, context);
 }
 
-}  // namespace mottle
+}  // namespace mottle::updating

@@ -1,9 +1,10 @@
 // Covariance adjustment of Govers and Link (2010): the model's cloud is given the mean and covariance of the tests.
 #pragma once
 
+#include "mottle/layers.hpp"
 #include "updating/methods/moment_iteration.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 
 /// How covariance adjustment is run.
 struct CovarianceAdjustmentOptions {
@@ -37,4 +38,4 @@ class CovarianceAdjustmentUpdater final : public Updater {
   CovarianceAdjustmentOptions options_;
 };
 
-}  // namespace mottle
+}  // namespace mottle::updating

@@ -7,7 +7,7 @@
 #include "mottle/core/text.hpp"
 #include "updating/methods/scaled_parameters.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 namespace {
 
 /// What a specimen's test says of its effects.
@@ -139,4 +139,4 @@ void describe_curvature(const UpdatingProblem& problem, const PopulationFit& fit
       join(biases)));
 }
 
-}  // namespace mottle
+}  // namespace mottle::updating

@@ -1,9 +1,10 @@
 // What curvature of the outputs does to an estimate that is linear around each specimen.
 #pragma once
 
+#include "mottle/layers.hpp"
 #include "updating/population/population_fit.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 
 /// Bias of the mean by the outputs' curvature, to second order, in standard errors of the mean [parameter].
 ///
@@ -26,4 +27,4 @@ Eigen::VectorXd curvature_bias(const UpdatingProblem& problem, const PopulationF
 void describe_curvature(const UpdatingProblem& problem, const PopulationFit& fit, const RunContext& context,
                         UpdatingResult& result);
 
-}  // namespace mottle
+}  // namespace mottle::updating

@@ -13,7 +13,7 @@
 #include "updating/methods/scatter_curvature.hpp"
 #include "updating/population/model_error.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 namespace {
 
 constexpr int k_most_halvings = 12;
@@ -289,4 +289,4 @@ UpdatingResult DeterministicUpdater::update(const UpdatingProblem& problem, cons
   return result;
 }
 
-}  // namespace mottle
+}  // namespace mottle::updating

@@ -9,7 +9,7 @@
 #include "updating/methods/matched_moments.hpp"
 #include "updating/methods/scaled_parameters.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 namespace {
 
 Eigen::VectorXd target_variance(const UpdatingProblem& problem, const StructureEstimate& estimate) {
@@ -81,4 +81,4 @@ void test_structure(const UpdatingProblem& problem, const StructureEstimate& est
   plan.make(problem.level, result);
 }
 
-}  // namespace mottle
+}  // namespace mottle::updating

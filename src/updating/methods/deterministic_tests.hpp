@@ -3,9 +3,10 @@
 
 #include <Eigen/Core>
 
+#include "mottle/layers.hpp"
 #include "mottle/updating/methods/updater.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 
 /// What the tests need beside mean, covariance and sensitivity, which are the result's.
 struct StructureEstimate {
@@ -24,4 +25,4 @@ struct StructureEstimate {
 /// taken to be common to all.
 void test_structure(const UpdatingProblem& problem, const StructureEstimate& estimate, UpdatingResult& result);
 
-}  // namespace mottle
+}  // namespace mottle::updating

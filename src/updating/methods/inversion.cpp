@@ -16,7 +16,7 @@
 #include "updating/population/model_error.hpp"
 #include "updating/population/normal_theory.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 namespace {
 
 using Ending = InversionFit::Ending;
@@ -259,4 +259,4 @@ UpdatingResult InversionUpdater::update(const UpdatingProblem& problem, const Ru
   return result;
 }
 
-}  // namespace mottle
+}  // namespace mottle::updating

@@ -1,9 +1,10 @@
 // Per-specimen inversion: each specimen's parameters are solved for alone; the population is their sample.
 #pragma once
 
+#include "mottle/layers.hpp"
 #include "mottle/updating/methods/updater.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 
 /// How per-specimen inversion is run.
 struct InversionOptions {
@@ -39,4 +40,4 @@ class InversionUpdater final : public Updater {
   InversionOptions options_;
 };
 
-}  // namespace mottle
+}  // namespace mottle::updating

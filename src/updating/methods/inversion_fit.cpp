@@ -6,7 +6,7 @@
 #include "mottle/core/error.hpp"
 #include "updating/methods/least_change.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 namespace {
 
 constexpr double k_most_damping = 1e6;
@@ -188,4 +188,4 @@ InversionFit fit_specimens(const UpdatingProblem& problem, const ScaledParameter
   return batch.fit;
 }
 
-}  // namespace mottle
+}  // namespace mottle::updating

@@ -5,9 +5,10 @@
 #include <functional>
 #include <vector>
 
+#include "mottle/layers.hpp"
 #include "updating/methods/scaled_parameters.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 
 /// Where the fits of all specimens stand.
 struct InversionFit {
@@ -45,4 +46,4 @@ InversionFit fit_specimens(const UpdatingProblem& problem, const ScaledParameter
                            const Eigen::Ref<const Eigen::MatrixXd>& start, const RunContext& context,
                            const std::function<bool(const InversionFit&)>& after_each);
 
-}  // namespace mottle
+}  // namespace mottle::updating

@@ -8,7 +8,7 @@
 #include "mottle/stats/moments/descriptive.hpp"
 #include "mottle/stats/moments/distance.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 
 TestMoments test_moments(const TestData& tests) {
   if (tests.values.rows() >= 2) {
@@ -99,4 +99,4 @@ bool is_stalled(const std::vector<double>& movements, std::size_t window) {
   return static_cast<std::size_t>(std::distance(best, movements.end())) > window;
 }
 
-}  // namespace mottle
+}  // namespace mottle::updating

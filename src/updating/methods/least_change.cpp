@@ -8,7 +8,7 @@
 
 #include "mottle/stats/moments/descriptive.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 namespace {
 
 constexpr double k_unseen = 1e-6;         // as Identifiability counts
@@ -179,4 +179,4 @@ bool project_to_covariance(Eigen::MatrixXd& covariance, const Eigen::Ref<const E
   return eigen.eigenvalues()(0) < -k_rounding * eigen.eigenvalues().cwiseAbs().maxCoeff();
 }
 
-}  // namespace mottle
+}  // namespace mottle::updating

@@ -4,9 +4,10 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "mottle/layers.hpp"
 #include "updating/methods/scaled_parameters.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 
 /// T = argmin |W^1/2 (r - G d)| as a map from residuals to steps, d of least length in prior deviations.
 ///
@@ -65,4 +66,4 @@ void keep_groups(Eigen::MatrixXd& covariance, const std::vector<int>& groups);
 bool project_to_covariance(Eigen::MatrixXd& covariance, const Eigen::Ref<const Eigen::VectorXd>& deviation,
                            const std::vector<int>& groups);
 
-}  // namespace mottle
+}  // namespace mottle::updating

@@ -4,7 +4,7 @@
 
 #include "updating/methods/measured_outputs.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 
 Eigen::MatrixXd mean_jacobian(const std::vector<Eigen::MatrixXd>& jacobians) {
   Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(jacobians[0].rows(), jacobians[0].cols());
@@ -53,4 +53,4 @@ std::vector<RandomEffectsUnit> linear_units(const Eigen::Ref<const Eigen::Matrix
   return units;
 }
 
-}  // namespace mottle
+}  // namespace mottle::updating

@@ -4,9 +4,10 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "mottle/layers.hpp"
 #include "updating/population/population_fit.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 
 /// Mean of the specimens' Jacobians [output x parameter].
 Eigen::MatrixXd mean_jacobian(const std::vector<Eigen::MatrixXd>& jacobians);
@@ -32,4 +33,4 @@ std::vector<RandomEffectsUnit> linear_units(const Eigen::Ref<const Eigen::Matrix
                                             const NoiseModel& noise, const Eigen::VectorXd& origin,
                                             const Eigen::MatrixXd& map);
 
-}  // namespace mottle
+}  // namespace mottle::updating

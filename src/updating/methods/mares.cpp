@@ -12,7 +12,7 @@
 #include "updating/methods/scatter_curvature.hpp"
 #include "updating/population/model_error.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 namespace {
 
 constexpr std::size_t k_stall_window = 8;
@@ -196,4 +196,4 @@ UpdatingResult MaresUpdater::update(const UpdatingProblem& problem, const RunCon
   return result;
 }
 
-}  // namespace mottle
+}  // namespace mottle::updating

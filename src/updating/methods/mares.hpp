@@ -1,9 +1,10 @@
 // The method of Mares, Mottershead and Friswell (2006): regression on a cloud, mean by Eq. 11, covariance by Eq. 12.
 #pragma once
 
+#include "mottle/layers.hpp"
 #include "mottle/updating/methods/updater.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 
 /// What the paper leaves open or what its tables decode to; docs/theory/mares.md explains each.
 struct MaresOptions {
@@ -44,4 +45,4 @@ class MaresUpdater final : public Updater {
   MaresOptions options_;
 };
 
-}  // namespace mottle
+}  // namespace mottle::updating

@@ -11,7 +11,7 @@
 #include "updating/methods/least_change.hpp"
 #include "updating/verdict/scatter_tests.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 namespace {
 
 using Scatter = MatchedEstimate::Scatter;
@@ -255,4 +255,4 @@ void test_matched_moments(const UpdatingProblem& problem, const MatchedEstimate&
   plan.make(problem.level, result);
 }
 
-}  // namespace mottle
+}  // namespace mottle::updating

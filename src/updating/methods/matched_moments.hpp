@@ -4,9 +4,10 @@
 #include <Eigen/Core>
 #include <string>
 
+#include "mottle/layers.hpp"
 #include "updating/methods/mean_limits.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 
 /// An estimate whose cloud is the last of the result's history.
 struct MatchedEstimate {
@@ -53,4 +54,4 @@ Eigen::MatrixXd unmoved_directions(const Eigen::Ref<const Eigen::MatrixXd>& sens
 /// z, V: mean and covariance of n tests; y, C: of the N samples of the cloud; G = dy/dt.
 void test_matched_moments(const UpdatingProblem& problem, const MatchedEstimate& estimate, UpdatingResult& result);
 
-}  // namespace mottle
+}  // namespace mottle::updating

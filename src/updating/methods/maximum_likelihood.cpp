@@ -13,7 +13,7 @@
 #include "updating/population/population_fit.hpp"
 #include "updating/population/population_report.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 namespace {
 
 using Options = MaximumLikelihoodOptions;
@@ -130,4 +130,4 @@ UpdatingResult MaximumLikelihoodUpdater::update(const UpdatingProblem& problem, 
   return result;
 }
 
-}  // namespace mottle
+}  // namespace mottle::updating

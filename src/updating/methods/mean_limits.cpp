@@ -14,7 +14,7 @@
 #include "mottle/stats/distributions/standard_normal.hpp"
 #include "updating/methods/scaled_parameters.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 namespace {
 
 constexpr double k_infinity = std::numeric_limits<double>::infinity();
@@ -154,4 +154,4 @@ void plan_prior_shift(const UpdatingProblem& problem, const Eigen::Ref<const Eig
             .is_listed_where_it_passes = false});
 }
 
-}  // namespace mottle
+}  // namespace mottle::updating

@@ -3,9 +3,10 @@
 
 #include <Eigen/Core>
 
+#include "mottle/layers.hpp"
 #include "updating/verdict/test_plan.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 
 /// The mean that the tests alone ask for, on the parameters' scales: no bound holds it.
 struct FreeMean {
@@ -38,4 +39,4 @@ void plan_prior_shift(const UpdatingProblem& problem, const Eigen::Ref<const Eig
 Eigen::VectorXd nearest_non_negative(const Eigen::Ref<const Eigen::VectorXd>& mean,
                                      const Eigen::Ref<const Eigen::MatrixXd>& covariance);
 
-}  // namespace mottle
+}  // namespace mottle::updating

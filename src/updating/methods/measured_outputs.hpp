@@ -5,7 +5,9 @@
 #include <cmath>
 #include <vector>
 
-namespace mottle {
+#include "mottle/layers.hpp"
+
+namespace mottle::updating {
 
 /// Standard deviation, as a part of its mean, below which an output counts as the same in all specimens.
 inline constexpr double k_last_digits = 1e-9;
@@ -31,4 +33,4 @@ inline double weighing_deviation(double deviation, double mean) {
   return size > 0.0 ? k_no_scatter * size : 1.0;
 }
 
-}  // namespace mottle
+}  // namespace mottle::updating

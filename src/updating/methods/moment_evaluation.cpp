@@ -8,7 +8,7 @@
 #include "mottle/stats/sampling/gaussian_rules.hpp"
 #include "updating/methods/moment_iteration.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 namespace {
 
 /// Symmetric root: it moves smoothly with the covariance.
@@ -101,4 +101,4 @@ bool evaluate_by_rule(const UpdatingProblem& problem, const ScaledParameters& pa
   return true;
 }
 
-}  // namespace mottle
+}  // namespace mottle::updating

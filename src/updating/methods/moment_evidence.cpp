@@ -4,7 +4,7 @@
 #include "updating/methods/measured_outputs.hpp"
 #include "updating/methods/moment_iteration.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 namespace {
 
 /// Combinations of parameters that the outputs see, each of length one in prior deviations [parameter x combination];
@@ -58,4 +58,4 @@ PopulationEvidence moment_evidence(const UpdatingProblem& problem, const ScaledP
   return evidence;
 }
 
-}  // namespace mottle
+}  // namespace mottle::updating

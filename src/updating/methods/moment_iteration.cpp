@@ -13,7 +13,7 @@
 #include "updating/methods/measured_outputs.hpp"
 #include "updating/population/model_error.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 namespace {
 
 constexpr std::size_t k_stall_window = 8;
@@ -256,4 +256,4 @@ UpdatingResult iterate_moments(const UpdatingProblem& problem, const ScaledParam
   return result;
 }
 
-}  // namespace mottle
+}  // namespace mottle::updating

@@ -6,11 +6,12 @@
 #include <functional>
 #include <string>
 
+#include "mottle/layers.hpp"
 #include "mottle/stats/sampling/gaussian_rules.hpp"
 #include "mottle/updating/methods/iteration.hpp"
 #include "updating/methods/scaled_parameters.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 
 /// How much a residual counts.
 enum class MomentWeighting {
@@ -71,4 +72,4 @@ bool evaluate_at_mean(const UpdatingProblem& problem, const ScaledParameters& pa
 bool evaluate_by_rule(const UpdatingProblem& problem, const ScaledParameters& parameters, const GaussianRule& rule,
                       MomentState& state, const RunContext& context, std::int64_t& evaluations);
 
-}  // namespace mottle
+}  // namespace mottle::updating

@@ -3,7 +3,7 @@
 #include "mottle/core/error.hpp"
 #include "mottle/stats/sampling/sampling.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 namespace {
 
 using Rule = MomentMatchingOptions::Rule;
@@ -66,4 +66,4 @@ UpdatingResult MomentMatchingUpdater::update(const UpdatingProblem& problem, con
   return iterate_moments(problem, parameters, method, context);
 }
 
-}  // namespace mottle
+}  // namespace mottle::updating

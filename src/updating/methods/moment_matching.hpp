@@ -1,9 +1,10 @@
 // Moment matching: the population whose outputs have the tests' mean and covariance, not linearised.
 #pragma once
 
+#include "mottle/layers.hpp"
 #include "updating/methods/moment_iteration.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 
 /// How moment matching is run.
 struct MomentMatchingOptions {
@@ -40,4 +41,4 @@ class MomentMatchingUpdater final : public Updater {
   MomentMatchingOptions options_;
 };
 
-}  // namespace mottle
+}  // namespace mottle::updating

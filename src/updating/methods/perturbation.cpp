@@ -1,6 +1,6 @@
 #include "updating/methods/perturbation.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 
 const OptionTable<PerturbationOptions>& perturbation_option_table() {
   using P = PerturbationOptions;
@@ -30,4 +30,4 @@ UpdatingResult PerturbationUpdater::update(const UpdatingProblem& problem, const
   return iterate_moments(problem, parameters, method, context);
 }
 
-}  // namespace mottle
+}  // namespace mottle::updating

@@ -1,9 +1,10 @@
 // The perturbation method of Khodaparast, Mottershead and Friswell (2008): mean and covariance to first order.
 #pragma once
 
+#include "mottle/layers.hpp"
 #include "updating/methods/moment_iteration.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 
 /// How the perturbation method is run.
 struct PerturbationOptions {
@@ -35,4 +36,4 @@ class PerturbationUpdater final : public Updater {
   PerturbationOptions options_;
 };
 
-}  // namespace mottle
+}  // namespace mottle::updating

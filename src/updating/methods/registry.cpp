@@ -11,7 +11,7 @@
 #include "updating/methods/moment_matching.hpp"
 #include "updating/methods/perturbation.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 namespace {
 
 template <typename Method, const auto& table>
@@ -80,4 +80,4 @@ std::string status_text(UpdatingStatus status) {
   return "failed";
 }
 
-}  // namespace mottle
+}  // namespace mottle::updating

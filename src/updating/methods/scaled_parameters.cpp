@@ -6,7 +6,7 @@
 #include "mottle/core/error.hpp"
 #include "mottle/core/parallel.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 namespace {
 
 constexpr double k_infinity = std::numeric_limits<double>::infinity();
@@ -85,7 +85,7 @@ ScaledParameters::ScaledParameters(const ParameterSpace& space) : scales_(space.
 }
 
 Eigen::MatrixXd ScaledParameters::to_variables(const Eigen::Ref<const Eigen::MatrixXd>& points) const {
-  return mottle::to_variables(scales_, points);
+  return stats::to_variables(scales_, points);
 }
 
 Eigen::VectorXd ScaledParameters::slopes(const Eigen::Ref<const Eigen::VectorXd>& point) const {
@@ -157,4 +157,4 @@ std::vector<Eigen::MatrixXd> scaled_jacobians(const UpdatingProblem& problem, co
   return jacobians;
 }
 
-}  // namespace mottle
+}  // namespace mottle::updating

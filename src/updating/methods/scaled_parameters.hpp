@@ -4,9 +4,10 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "mottle/layers.hpp"
 #include "mottle/updating/methods/updater.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 
 /// Prior mean and covariance on the parameters' scales: those of the prior itself for the identity, to first order
 /// through the mean else.
@@ -67,4 +68,4 @@ std::vector<Eigen::MatrixXd> scaled_jacobians(const UpdatingProblem& problem, co
                                               const Eigen::Ref<const Eigen::MatrixXd>& outputs,
                                               const RunContext& context, std::int64_t& evaluations);
 
-}  // namespace mottle
+}  // namespace mottle::updating

@@ -7,7 +7,7 @@
 #include "updating/methods/least_change.hpp"
 #include "updating/methods/scaled_parameters.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 namespace {
 
 /// The least change of the parameters that explains a change of the outputs, weighed by the tests' noise where it is
@@ -53,4 +53,4 @@ Eigen::VectorXd means_of_scattered(const UpdatingProblem& problem, const Eigen::
   return means;
 }
 
-}  // namespace mottle
+}  // namespace mottle::updating

@@ -3,9 +3,10 @@
 
 #include <Eigen/Core>
 
+#include "mottle/layers.hpp"
 #include "mottle/updating/methods/updater.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 
 /// Means of the outputs of specimens that scatter as the tests do, to second order:
 ///
@@ -23,4 +24,4 @@ Eigen::VectorXd means_of_scattered(const UpdatingProblem& problem, const Eigen::
                                    const Eigen::MatrixXd& sensitivity, const RunContext& context,
                                    std::int64_t& evaluations);
 
-}  // namespace mottle
+}  // namespace mottle::updating

@@ -10,7 +10,7 @@
 #include "updating/methods/measured_outputs.hpp"
 #include "updating/methods/scaled_parameters.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 namespace {
 
 constexpr int k_most_steps = 40;
@@ -167,4 +167,4 @@ SpecimenFits fit_specimens(const UpdatingProblem& problem, const Eigen::Ref<cons
   return fits;
 }
 
-}  // namespace mottle
+}  // namespace mottle::updating

@@ -5,10 +5,11 @@
 #include <cstdint>
 #include <vector>
 
+#include "mottle/layers.hpp"
 #include "mottle/updating/methods/updater.hpp"
 #include "updating/methods/scaled_parameters.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 
 /// The population that holds the fits, on the parameters' own scales t.
 struct HoldingPopulation {
@@ -48,4 +49,4 @@ SpecimenFits fit_specimens(const UpdatingProblem& problem, const Eigen::Ref<cons
                            const HoldingPopulation& population, const SpecimenStart& start, const RunContext& context,
                            std::int64_t& evaluations);
 
-}  // namespace mottle
+}  // namespace mottle::updating

@@ -7,7 +7,7 @@
 #include "mottle/core/text.hpp"
 #include "mottle/stats/sampling/sampling.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 namespace {
 
 constexpr Eigen::Index k_least_check = 10;
@@ -162,4 +162,4 @@ UpdatingResult SurrogateUpdate::run(const Updater& method, const RunContext& con
   }
 }
 
-}  // namespace mottle
+}  // namespace mottle::updating

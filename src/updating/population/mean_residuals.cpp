@@ -8,7 +8,7 @@
 #include "updating/methods/matched_moments.hpp"
 #include "updating/methods/measured_outputs.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 namespace {
 
 /// Residuals of the specimens in units of the noise, what their own best parameters leave of them.
@@ -98,4 +98,4 @@ MeanResiduals mean_residuals(const Eigen::Ref<const Eigen::MatrixXd>& values,
   return result;
 }
 
-}  // namespace mottle
+}  // namespace mottle::updating

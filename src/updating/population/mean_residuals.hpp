@@ -6,10 +6,11 @@
 #include <optional>
 #include <vector>
 
+#include "mottle/layers.hpp"
 #include "mottle/stats/population/random_effects.hpp"
 #include "mottle/updating/methods/updater.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 
 /// Residuals in units of the noise. With the projections P_s of the specimens onto what their parameters do not reach,
 /// and v = U' N^-1/2 sum_s r_s, U the directions and N the specimens that have each output:
@@ -40,4 +41,4 @@ MeanResiduals mean_residuals(const Eigen::Ref<const Eigen::MatrixXd>& values,
                              const std::vector<RandomEffectsUnit>& units, const Eigen::VectorXd& noise,
                              const std::optional<ModelError>& error = std::nullopt);
 
-}  // namespace mottle
+}  // namespace mottle::updating

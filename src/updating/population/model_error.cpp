@@ -7,7 +7,7 @@
 #include "mottle/core/text.hpp"
 #include "updating/population/population_report.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 
 Eigen::VectorXd TestData::model_error_variance() const {
   if (is_model_error_estimated || model_error_std.size() == 0) return Eigen::VectorXd::Zero(values.cols());
@@ -71,4 +71,4 @@ std::optional<ModelError> given_model_error(const UpdatingProblem& problem, cons
                     .gain = -gain};
 }
 
-}  // namespace mottle
+}  // namespace mottle::updating

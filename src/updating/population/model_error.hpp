@@ -3,9 +3,10 @@
 
 #include <string>
 
+#include "mottle/layers.hpp"
 #include "updating/population/population_fit.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 
 /// The model's error that a fit works with, as given, or in levels to estimate: one for each unit of the outputs, as
 /// for noise (see noise_model). Empty where the tests have none. Throws InvalidInput: it is to be estimated but there
@@ -24,4 +25,4 @@ void note_model_error(const UpdatingProblem& problem, const std::string& method,
 /// @param gain  change of the estimated mean with what is taken off the tests [parameter x output]
 std::optional<ModelError> given_model_error(const UpdatingProblem& problem, const Eigen::MatrixXd& gain);
 
-}  // namespace mottle
+}  // namespace mottle::updating

@@ -5,7 +5,7 @@
 #include "updating/methods/scaled_parameters.hpp"
 #include "updating/population/population_report.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 namespace {
 
 /// Halves of the linear intervals on the parameters' scales.
@@ -77,4 +77,4 @@ void curve_by_model_error(const UpdatingProblem& problem, const PopulationFit& f
   }
 }
 
-}  // namespace mottle
+}  // namespace mottle::updating

@@ -1,9 +1,10 @@
 // Intervals of means where the model's error moves them further than the model is linear.
 #pragma once
 
+#include "mottle/layers.hpp"
 #include "updating/population/population_fit.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 
 /// Makes up for curved outputs in the intervals of means, whose halves are of first order in the model's error.
 ///
@@ -22,4 +23,4 @@ void curve_by_model_error(const UpdatingProblem& problem, const PopulationFit& f
                           const Eigen::VectorXd& centre, const RunContext& context, std::int64_t& evaluations,
                           Eigen::MatrixXd& intervals);
 
-}  // namespace mottle
+}  // namespace mottle::updating

@@ -10,7 +10,7 @@
 #include "mottle/stats/sampling/sampling.hpp"
 #include "updating/population/population_report.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 namespace {
 
 constexpr Eigen::Index k_draws = 4096;  // Sobol points: quantiles of smooth functions to about 1e-3 of their width
@@ -131,4 +131,4 @@ Eigen::MatrixXd normal_theory_means(const std::vector<NormalScale>& scales,
   return population_intervals(evidence, scales, k_confidence).mean;
 }
 
-}  // namespace mottle
+}  // namespace mottle::updating

@@ -4,9 +4,10 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "mottle/layers.hpp"
 #include "mottle/updating/methods/updater.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 
 /// 95 % intervals of means, deviations and correlations of x, from the sample moments of t = g(x), t normal.
 ///
@@ -40,4 +41,4 @@ Eigen::MatrixXd normal_theory_means(const std::vector<NormalScale>& scales,
                                     const Eigen::Ref<const Eigen::MatrixXd>& covariance, int count,
                                     const Eigen::Ref<const Eigen::MatrixXd>& shared);
 
-}  // namespace mottle
+}  // namespace mottle::updating

@@ -7,7 +7,7 @@
 #include "mottle/stats/distributions/standard_normal.hpp"
 #include "updating/population/population_report.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 namespace {
 
 constexpr double k_tail = 0.025;
@@ -188,4 +188,4 @@ ParameterIntervals bootstrap_intervals(const UpdatingProblem& problem, const Pop
   return intervals;
 }
 
-}  // namespace mottle
+}  // namespace mottle::updating

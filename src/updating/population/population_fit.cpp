@@ -11,7 +11,7 @@
 #include "updating/methods/linear_units.hpp"
 #include "updating/methods/scaled_parameters.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 namespace {
 
 /// How far prior deviations move the outputs, each measured by what all of them together move it.
@@ -253,4 +253,4 @@ PopulationFit fit_population(const UpdatingProblem& problem, const Eigen::Ref<co
   return fit;
 }
 
-}  // namespace mottle
+}  // namespace mottle::updating

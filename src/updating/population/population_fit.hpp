@@ -8,11 +8,12 @@
 #include <string>
 #include <vector>
 
+#include "mottle/layers.hpp"
 #include "mottle/stats/population/random_effects.hpp"
 #include "mottle/updating/methods/updater.hpp"
 #include "updating/methods/specimen_fit.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 
 /// What is known of the measurement's noise: variance = base * factor.
 struct NoiseModel {
@@ -66,4 +67,4 @@ PopulationFit fit_population(const UpdatingProblem& problem, const Eigen::Ref<co
                              const PopulationFitSettings& settings, const RunContext& context,
                              const std::function<bool(const PopulationFit&)>& each);
 
-}  // namespace mottle
+}  // namespace mottle::updating

@@ -16,7 +16,7 @@
 #include "updating/verdict/normality_report.hpp"
 #include "updating/verdict/other_solutions.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 namespace {
 
 constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
@@ -261,4 +261,4 @@ void describe_population(const UpdatingProblem& problem, const PopulationFit& fi
   test_population(problem, fit, result);
 }
 
-}  // namespace mottle
+}  // namespace mottle::updating

@@ -1,11 +1,12 @@
 // What a fitted population says beyond its moments: noise, intervals, specimens, and notes in words.
 #pragma once
 
+#include "mottle/layers.hpp"
 #include "mottle/stats/population/population_intervals.hpp"
 #include "mottle/updating/methods/maximum_likelihood.hpp"
 #include "updating/population/population_fit.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 
 inline constexpr double k_confidence = 0.95;  // of intervals
 
@@ -50,4 +51,4 @@ ParameterIntervals bootstrap_intervals(const UpdatingProblem& problem, const Pop
                                        const PopulationEvidence& evidence, const PopulationFitSettings& settings,
                                        int samples, const RunContext& context, std::int64_t& evaluations);
 
-}  // namespace mottle
+}  // namespace mottle::updating

@@ -11,7 +11,7 @@
 #include "mottle/stats/moments/descriptive.hpp"
 #include "updating/prediction/prediction_draws.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 namespace {
 
 constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
@@ -68,4 +68,4 @@ Prediction predict(const Model& model, const ParameterSpace& space, const Estima
   return prediction;
 }
 
-}  // namespace mottle
+}  // namespace mottle::updating

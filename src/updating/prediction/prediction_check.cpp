@@ -9,7 +9,7 @@
 #include "mottle/stats/tests/binomial_range.hpp"
 #include "updating/prediction/prediction_draws.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 namespace {
 
 constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
@@ -158,4 +158,4 @@ std::vector<std::string> prediction_sentences(const Prediction& prediction, cons
   return sentences;
 }
 
-}  // namespace mottle
+}  // namespace mottle::updating

@@ -3,7 +3,7 @@
 #include "mottle/core/error.hpp"
 #include "updating/estimate/normal_draws.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 
 PredictiveDraws::PredictiveDraws(const Model& model, const ParameterSpace& space, const Estimate& estimate,
                                  const PredictionSettings& settings, const RunContext& context)
@@ -88,4 +88,4 @@ Eigen::MatrixXd PredictiveDraws::draw(Kind kind, Prediction& prediction) const {
   return outputs;
 }
 
-}  // namespace mottle
+}  // namespace mottle::updating

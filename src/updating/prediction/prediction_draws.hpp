@@ -3,9 +3,10 @@
 
 #include <Eigen/Core>
 
+#include "mottle/layers.hpp"
 #include "mottle/updating/prediction/prediction.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 
 class PredictiveDraws {
  public:
@@ -35,4 +36,4 @@ class PredictiveDraws {
 /// Squared distances of tests from the prediction by its own covariance; nan where a test is incomplete.
 Eigen::VectorXd squared_distances(const Prediction& prediction, const Eigen::Ref<const Eigen::MatrixXd>& values);
 
-}  // namespace mottle
+}  // namespace mottle::updating

@@ -13,7 +13,7 @@
 #include "updating/methods/measured_outputs.hpp"
 #include "updating/verdict/test_plan.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 namespace {
 
 /// Inverse of a positive semi-definite matrix on the directions that it sees, after scaling to a unit diagonal.
@@ -210,4 +210,4 @@ std::vector<HiddenError> hidden_errors(const ErrorEffects& effects, const MeansT
   return errors;
 }
 
-}  // namespace mottle
+}  // namespace mottle::updating

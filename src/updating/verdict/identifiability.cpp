@@ -9,7 +9,7 @@
 #include "mottle/updating/methods/iteration.hpp"
 #include "mottle/updating/verdict/verdict.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 
 Identifiability identify(const Eigen::Ref<const Eigen::MatrixXd>& sensitivity,
                          const Eigen::Ref<const Eigen::VectorXd>& output_scale,
@@ -108,4 +108,4 @@ int automatic_samples(int specimens, int outputs, double alpha) {
   return std::max(sufficient_samples(specimens, outputs, alpha, k_near_limit), k_per_specimen * specimens);
 }
 
-}  // namespace mottle
+}  // namespace mottle::updating

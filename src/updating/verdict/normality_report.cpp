@@ -6,7 +6,7 @@
 
 #include "mottle/core/text.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 namespace {
 
 constexpr double k_passes = 0.05;  // p-value from which another explanation is good enough
@@ -155,4 +155,4 @@ void report_normality(const UpdatingProblem& problem, const PopulationFit& fit, 
   result.normality = std::move(report);
 }
 
-}  // namespace mottle
+}  // namespace mottle::updating

@@ -2,13 +2,14 @@
 // model.
 #pragma once
 
+#include "mottle/layers.hpp"
 #include "mottle/updating/methods/updater.hpp"
 #include "updating/population/population_fit.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 
 /// Tests the population at the problem's level; says in the result's notes what is not normal and what may be done.
 /// `result.outliers` must be known.
 void report_normality(const UpdatingProblem& problem, const PopulationFit& fit, UpdatingResult& result);
 
-}  // namespace mottle
+}  // namespace mottle::updating

@@ -10,7 +10,7 @@
 #include "updating/methods/matched_moments.hpp"
 #include "updating/methods/scaled_parameters.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 namespace {
 
 /// Starts spread over twice the prior's deviations, on the scales; those where the model fails are left out.
@@ -100,4 +100,4 @@ std::vector<Eigen::VectorXd> other_solutions(const UpdatingProblem& problem, con
   return solutions;
 }
 
-}  // namespace mottle
+}  // namespace mottle::updating

@@ -1,9 +1,10 @@
 // Whether other parameters explain the mean of the tests as well.
 #pragma once
 
+#include "mottle/layers.hpp"
 #include "updating/population/population_fit.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 
 /// Means of the parameters that explain the mean test z as well as the estimate does, found without a prior from starts
 /// drawn from it (Latin hypercube). With M = (G Sigma G' + R) / n, the sampling covariance of z, a mean t explains z as
@@ -20,4 +21,4 @@ namespace mottle {
 std::vector<Eigen::VectorXd> other_solutions(const UpdatingProblem& problem, const PopulationFit& fit, int starts,
                                              const RunContext& context, std::int64_t& evaluations);
 
-}  // namespace mottle
+}  // namespace mottle::updating

@@ -11,7 +11,7 @@
 #include "updating/population/population_report.hpp"
 #include "updating/verdict/scatter_tests.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 namespace {
 
 void plan_mean_residuals(const MeanResiduals& residuals, bool is_noise_known, TestPlan& plan) {
@@ -216,4 +216,4 @@ void test_population(const UpdatingProblem& problem, const PopulationFit& fit, U
   plan.make(problem.level, result);
 }
 
-}  // namespace mottle
+}  // namespace mottle::updating

@@ -10,7 +10,7 @@
 #include "mottle/stats/distributions/chi_squared.hpp"
 #include "mottle/stats/distributions/standard_normal.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 namespace {
 
 constexpr double k_infinity = std::numeric_limits<double>::infinity();
@@ -185,4 +185,4 @@ PlannedTest cloud_agreement_test(const Eigen::Ref<const Eigen::VectorXd>& tested
           .is_listed_where_it_passes = false};
 }
 
-}  // namespace mottle
+}  // namespace mottle::updating

@@ -5,11 +5,12 @@
 #include <string>
 #include <vector>
 
+#include "mottle/layers.hpp"
 #include "mottle/updating/methods/iteration.hpp"
 #include "updating/methods/measured_outputs.hpp"
 #include "updating/verdict/test_plan.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 
 std::vector<std::string> output_names(const UpdatingProblem& problem);
 
@@ -58,4 +59,4 @@ PlannedTest cloud_agreement_test(const Eigen::Ref<const Eigen::VectorXd>& tested
                                  const Eigen::Ref<const Eigen::VectorXi>& count, const std::vector<bool>& is_whole,
                                  const std::vector<std::string>& names);
 
-}  // namespace mottle
+}  // namespace mottle::updating

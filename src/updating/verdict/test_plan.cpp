@@ -10,7 +10,7 @@
 #include "mottle/core/error.hpp"
 #include "mottle/stats/distributions/chi_squared.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 namespace {
 
 std::string capitalised(Aspect aspect) {
@@ -92,4 +92,4 @@ double f_detectable(double numerator, double denominator, double level) {
   return high;
 }
 
-}  // namespace mottle
+}  // namespace mottle::updating

@@ -6,9 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "mottle/layers.hpp"
 #include "mottle/updating/methods/updater.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 
 /// What a verdict must have tested. A test of no aspect can refuse a model, but its passing does not support one.
 enum class Aspect { means, scatter, none };
@@ -73,4 +74,4 @@ double chi_squared_detectable(double degrees_of_freedom, double level);
 /// The same of an F test, infinite where the denominator's degrees of freedom are too few to say.
 double f_detectable(double numerator, double denominator, double level);
 
-}  // namespace mottle
+}  // namespace mottle::updating

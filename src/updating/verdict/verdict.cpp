@@ -8,7 +8,7 @@
 #include "mottle/core/text.hpp"
 #include "mottle/updating/methods/iteration.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 namespace {
 
 /// Whether the tests speak of the method's own answer: where the iteration was cut off, of a point that hardly moves.
@@ -112,4 +112,4 @@ Verdict judge(const UpdatingProblem& problem, const UpdatingResult& result) {
   return verdict;
 }
 
-}  // namespace mottle
+}  // namespace mottle::updating

@@ -8,7 +8,7 @@
 #include "core/message_of.hpp"
 #include "mottle/core/error.hpp"
 
-namespace mottle {
+namespace mottle::drivers {
 namespace {
 
 using testing::HasSubstr;
@@ -76,4 +76,4 @@ TEST(SeparableFit, RefusesRowsThatChange) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::drivers

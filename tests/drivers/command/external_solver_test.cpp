@@ -14,13 +14,13 @@
 
 namespace {
 
-using mottle::Evaluation;
-using mottle::ExternalSolver;
 using mottle::InvalidInput;
-using mottle::ModalOutputs;
-using mottle::SolverCommand;
-using mottle::StructureModel;
 using mottle::SystemFailure;
+using mottle::drivers::ExternalSolver;
+using mottle::drivers::SolverCommand;
+using mottle::model::Evaluation;
+using mottle::model::ModalOutputs;
+using mottle::model::StructureModel;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 
@@ -49,14 +49,15 @@ class External : public testing::Test {
     command_.command.arguments = {"sh", "solve.sh"};
     command_.timeout = std::chrono::seconds(20);
     command_.environment = {{"LOG", (folder_ / "log").string()}};
-    command_.frequencies = {.file = "out", .quantity = mottle::FrequencyRule::Quantity::eigenvalue, .column = "1"};
+    command_.frequencies = {
+        .file = "out", .quantity = mottle::drivers::FrequencyRule::Quantity::eigenvalue, .column = "1"};
     command_.largest_failed_part = 1.0;
   }
 
   std::unique_ptr<ExternalSolver> make(bool is_resumed = false, double mean = 4.0) {
     return std::make_unique<ExternalSolver>(command_, std::vector<std::string>{"k"}, Eigen::VectorXd::Constant(1, mean),
                                             Eigen::VectorXd::Constant(1, 0.4),
-                                            mottle::SolverPlace{folder_ / "results", is_resumed}, nullptr);
+                                            mottle::drivers::SolverPlace{folder_ / "results", is_resumed}, nullptr);
   }
   Evaluation evaluate(const std::vector<double>& k, bool is_resumed = false,
                       ModalOutputs outputs = {.frequencies = {1, 2}}) {
@@ -85,12 +86,12 @@ TEST_F(External, GivesTheSolversFrequencies) {
 }
 
 TEST_F(External, ShapesAreOutputsAndTheirSignIsTheReferences) {
-  command_.shapes = mottle::ShapeRule{.file = "shapes.csv"};
+  command_.shapes = mottle::drivers::ShapeRule{.file = "shapes.csv"};
   const Evaluation found = evaluate({1.0}, false,
                                     {.frequencies = {1},
                                      .shape_modes = {2},
                                      .shape_degrees_of_freedom = {"2:+X", "1:+X"},
-                                     .tracking = mottle::ModeTracking::mac});
+                                     .tracking = mottle::model::ModeTracking::mac});
   EXPECT_EQ(found.outputs(0, 1), -0.618033988749895);
   EXPECT_EQ(found.outputs(0, 2), 1.0);
 }
@@ -120,7 +121,7 @@ TEST_F(External, ARunThatFailsCostsItsSampleAlone) {
 
 TEST_F(External, AFailedRunIsTriedAgainWithTheOtherCommand) {
   command_.retries = 2;
-  command_.retry_command = mottle::CommandLine{.arguments = {"sh", "solve.sh", "again"}};
+  command_.retry_command = mottle::drivers::CommandLine{.arguments = {"sh", "solve.sh", "again"}};
   const Evaluation found = evaluate({55.0, 54.0});
   ASSERT_EQ(found.failures.size(), 1U);
   EXPECT_THAT(found.failures[0].reason, HasSubstr("exit status 3 (3 tries, run "));

@@ -13,11 +13,11 @@
 
 namespace {
 
-using mottle::ExtractedModes;
 using mottle::FormatError;
-using mottle::FrequencyRule;
 using mottle::InvalidInput;
-using mottle::ShapeRule;
+using mottle::drivers::ExtractedModes;
+using mottle::drivers::FrequencyRule;
+using mottle::drivers::ShapeRule;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
@@ -42,7 +42,7 @@ class Extraction : public testing::Test {
  protected:
   void write(const std::string& name, const std::string& text) { mottle::write_file_atomically(folder_ / name, text); }
   ExtractedModes extract(const FrequencyRule& rule, int least = 1) {
-    return mottle::extract_modes(folder_.path(), rule, std::nullopt, least);
+    return mottle::drivers::extract_modes(folder_.path(), rule, std::nullopt, least);
   }
   std::vector<double> hertz(const FrequencyRule& rule) {
     std::vector<double> values;
@@ -115,7 +115,7 @@ TEST_F(Extraction, AMatchWithoutItsNumberIsNamedWithItsLine) {
 }
 
 TEST(NumberPattern, IsRefusedWhereItIsNoneOrTooLarge) {
-  const auto make = [](const std::string& text) { return [text] { mottle::NumberPattern{text}; }; };
+  const auto make = [](const std::string& text) { return [text] { mottle::drivers::NumberPattern{text}; }; };
   EXPECT_THAT(make("(a"), ThrowsMessage<InvalidInput>(HasSubstr("is no regular expression")));
   EXPECT_THAT(make("a+"), ThrowsMessage<InvalidInput>(HasSubstr("has no group")));
   EXPECT_THAT(make("(a)\\1"), ThrowsMessage<InvalidInput>(HasSubstr("invalid escape sequence: \\1")));
@@ -124,7 +124,7 @@ TEST(NumberPattern, IsRefusedWhereItIsNoneOrTooLarge) {
 }
 
 TEST(NumberPattern, TakesAnyNumberOfParentheses) {
-  const mottle::NumberPattern pattern(std::string(20000, '(') + "1" + std::string(20000, ')'));
+  const mottle::drivers::NumberPattern pattern(std::string(20000, '(') + "1" + std::string(20000, ')'));
   EXPECT_THAT(pattern.first_groups("1 2 1"), ElementsAre("1", "1"));
 }
 
@@ -162,14 +162,14 @@ TEST_F(Extraction, ShapesFromAMatrixOfDegreesOfFreedom) {
   write("f", "1.0\n2.0\n");
   write("s.csv", "dof,a,b\n1:+X,0.5,-1\n2:+X,1.0,0.25\n");
   const FrequencyRule rule{.file = "f", .column = "1"};
-  const ExtractedModes modes = mottle::extract_modes(folder_.path(), rule, ShapeRule{.file = "s.csv"}, 1);
+  const ExtractedModes modes = mottle::drivers::extract_modes(folder_.path(), rule, ShapeRule{.file = "s.csv"}, 1);
   EXPECT_THAT(modes.degree_of_freedom_names, ElementsAre("1:+X", "2:+X"));
   EXPECT_EQ(modes.shapes(0, 1), -1.0);
   write("s.csv", "dof,a\n1:+X,0.5\n");
-  EXPECT_THAT([&] { mottle::extract_modes(folder_.path(), rule, ShapeRule{.file = "s.csv"}, 1); },
+  EXPECT_THAT([&] { mottle::drivers::extract_modes(folder_.path(), rule, ShapeRule{.file = "s.csv"}, 1); },
               ThrowsMessage<FormatError>(HasSubstr("has shapes of 1 modes")));
   write("s.csv", "dof,a,b\n1:+X,0.5,\n");
-  EXPECT_THAT([&] { mottle::extract_modes(folder_.path(), rule, ShapeRule{.file = "s.csv"}, 1); },
+  EXPECT_THAT([&] { mottle::drivers::extract_modes(folder_.path(), rule, ShapeRule{.file = "s.csv"}, 1); },
               ThrowsMessage<FormatError>(HasSubstr("s.csv:2: ")));
 }
 
@@ -181,7 +181,7 @@ TEST_F(Extraction, ShapesFromATableForEachMode) {
         " displacements (vx,vy,vz) for set TOP and time  0.2\n\n  7 -1.0E+00 0.0E+00 2.0E+00\n  8  1.5E+00 0.0E+00 "
         "3.5E+00\n");
   const ShapeRule shapes{.file = "s.dat", .format = ShapeRule::Format::column, .after = "displacements (vx", .line = 2};
-  const ExtractedModes modes = mottle::extract_modes(folder_.path(), {.file = "f", .column = "1"}, shapes, 2);
+  const ExtractedModes modes = mottle::drivers::extract_modes(folder_.path(), {.file = "f", .column = "1"}, shapes, 2);
   EXPECT_THAT(modes.degree_of_freedom_names, ElementsAre("7:+X", "7:+Y", "7:+Z", "8:+X", "8:+Y", "8:+Z"));
   EXPECT_EQ(modes.shapes(0, 1), -1.0);
   EXPECT_EQ(modes.shapes(5, 1), 3.5);
@@ -193,12 +193,12 @@ TEST_F(Extraction, ModesOfCalculix) {
   write("bar.frd", mottle::read_file(bar + ".frd"));
   const FrequencyRule frequencies{.file = "bar.dat", .format = FrequencyRule::Format::calculix};
   const ShapeRule shapes{.file = "bar.frd", .format = ShapeRule::Format::calculix};
-  const ExtractedModes modes = mottle::extract_modes(folder_.path(), frequencies, shapes, 5);
-  const std::vector<mottle::CalculixShape> listed =
-      mottle::parse_calculix_shapes(mottle::read_file(bar + ".frd"), "bar.frd");
+  const ExtractedModes modes = mottle::drivers::extract_modes(folder_.path(), frequencies, shapes, 5);
+  const std::vector<mottle::formats::CalculixShape> listed =
+      mottle::formats::parse_calculix_shapes(mottle::read_file(bar + ".frd"), "bar.frd");
   ASSERT_EQ(modes.shapes.cols(), 5);
   for (Eigen::Index mode = 0; mode < 5; ++mode) {
-    const mottle::CalculixShape& shape = listed[static_cast<std::size_t>(mode)];
+    const mottle::formats::CalculixShape& shape = listed[static_cast<std::size_t>(mode)];
     EXPECT_NEAR(std::sqrt(modes.eigenvalues(mode)) / (2.0 * std::numbers::pi) / shape.frequency, 1.0, 1e-6);
     for (std::size_t row = 0; row < modes.degree_of_freedom_names.size(); ++row) {
       const std::string& name = modes.degree_of_freedom_names[row];
@@ -214,7 +214,7 @@ TEST_F(Extraction, AProgramsFileThatEndsWithinALineIsRefused) {
   const FrequencyRule rule{.file = "bar.dat", .format = FrequencyRule::Format::calculix};
   while (bytes.back() == '\n' || bytes.back() == ' ') bytes.pop_back();
   write("bar.dat", bytes.substr(0, bytes.size() - 3));
-  EXPECT_THAT([&] { mottle::extract_modes(folder_.path(), rule, {}, 1); },
+  EXPECT_THAT([&] { mottle::drivers::extract_modes(folder_.path(), rule, {}, 1); },
               testing::ThrowsMessage<mottle::FormatError>(testing::HasSubstr("ends within a line")));
 }
 

@@ -11,7 +11,7 @@
 #include "mottle/core/files.hpp"
 #include "mottle/drivers/command/run_folders.hpp"
 
-namespace mottle {
+namespace mottle::drivers {
 namespace {
 
 namespace fs = std::filesystem;
@@ -100,4 +100,4 @@ TEST_F(InputFilesTest, AKeptFolderLeadsToTheUsersFileAndLosesNothingOfIts) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::drivers

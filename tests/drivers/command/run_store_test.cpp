@@ -13,8 +13,8 @@
 namespace {
 
 using mottle::Digest;
-using mottle::RunRecord;
-using mottle::RunStore;
+using mottle::drivers::RunRecord;
+using mottle::drivers::RunStore;
 
 RunRecord record_of(double value) {
   RunRecord record;

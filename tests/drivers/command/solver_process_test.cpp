@@ -16,20 +16,20 @@
 namespace {
 
 using namespace std::chrono_literals;
-using mottle::ProcessEnd;
-using mottle::ProcessRequest;
+using mottle::drivers::ProcessEnd;
+using mottle::drivers::ProcessRequest;
 using testing::HasSubstr;
 
 class SolverProcess : public testing::Test {
  protected:
   ProcessEnd run(std::vector<std::string> arguments, std::chrono::milliseconds timeout = 20s,
                  const std::atomic<bool>* stop = nullptr) {
-    return mottle::run_process({.arguments = std::move(arguments),
-                                .directory = folder_.path(),
-                                .environment = {{"MOTTLE_TEST_WORD", "two words"}},
-                                .timeout = timeout,
-                                .grace = 200ms,
-                                .stop = stop});
+    return mottle::drivers::run_process({.arguments = std::move(arguments),
+                                         .directory = folder_.path(),
+                                         .environment = {{"MOTTLE_TEST_WORD", "two words"}},
+                                         .timeout = timeout,
+                                         .grace = 200ms,
+                                         .stop = stop});
   }
   std::string read(const std::string& name) { return mottle::read_file(folder_.path() / name); }
   /// Waits for a process that wrote its number into `file` to be gone.
@@ -89,11 +89,11 @@ TEST_F(SolverProcess, WhatLeavesItsSessionIsKilledToo) {
 }
 
 TEST_F(SolverProcess, AFloodOfOutputEndsIt) {
-  const ProcessEnd end = mottle::run_process({.arguments = {"sh", "-c", "exec yes >&2"},
-                                              .directory = folder_.path(),
-                                              .timeout = 60s,
-                                              .grace = 200ms,
-                                              .most_output = std::uintmax_t{1} << 20});
+  const ProcessEnd end = mottle::drivers::run_process({.arguments = {"sh", "-c", "exec yes >&2"},
+                                                       .directory = folder_.path(),
+                                                       .timeout = 60s,
+                                                       .grace = 200ms,
+                                                       .most_output = std::uintmax_t{1} << 20});
   EXPECT_EQ(end.kind, ProcessEnd::Kind::failed);
   EXPECT_EQ(end.reason, "it printed more than 1 MB to stderr.txt, stopped");
 }
@@ -106,11 +106,12 @@ TEST_F(SolverProcess, AStopRequestIsAnsweredWithinASecondByAProgramThatIgnoresIt
     asked = std::chrono::steady_clock::now();
     stop = true;
   });
-  const ProcessEnd end = mottle::run_process({.arguments = {"sh", "-c", "trap '' TERM; while :; do sleep 0.05; done"},
-                                              .directory = folder_.path(),
-                                              .timeout = 100s,
-                                              .grace = 60s,
-                                              .stop = &stop});
+  const ProcessEnd end =
+      mottle::drivers::run_process({.arguments = {"sh", "-c", "trap '' TERM; while :; do sleep 0.05; done"},
+                                    .directory = folder_.path(),
+                                    .timeout = 100s,
+                                    .grace = 60s,
+                                    .stop = &stop});
   EXPECT_EQ(end.kind, ProcessEnd::Kind::stopped);
   EXPECT_LT(std::chrono::steady_clock::now() - asked, mottle::test::k_is_instrumented ? 5s : 1s);
 }
@@ -146,7 +147,7 @@ TEST_F(SolverProcess, ManyAtOnceDoNotDisturbEachOther) {
     threads.emplace_back([&, t] {
       const mottle::test::TemporaryFolder own;
       for (int i = 0; i < 10; ++i) {
-        const ProcessEnd end = mottle::run_process(
+        const ProcessEnd end = mottle::drivers::run_process(
             {.arguments = {"sh", "-c", "exit " + std::to_string(t + 1)}, .directory = own.path(), .timeout = 60s});
         if (end.reason == "exit status " + std::to_string(t + 1)) ++right;
       }
@@ -164,10 +165,10 @@ TEST_F(SolverProcess, AScriptThatWasJustWrittenCanBeRun) {
     threads.emplace_back([&] {
       for (int i = 0; i < 20; ++i) {
         const mottle::test::TemporaryFolder own;
-        mottle::write_run_file(own / "solver.sh", "#!/bin/sh\n" + std::string(1 << 20, '#') + "\nexit 9\n");
+        mottle::drivers::write_run_file(own / "solver.sh", "#!/bin/sh\n" + std::string(1 << 20, '#') + "\nexit 9\n");
         std::filesystem::permissions(own / "solver.sh", std::filesystem::perms::owner_all);
-        if (mottle::run_process({.arguments = {"./solver.sh"}, .directory = own.path(), .timeout = 60s}).reason ==
-            "exit status 9") {
+        if (mottle::drivers::run_process({.arguments = {"./solver.sh"}, .directory = own.path(), .timeout = 60s})
+                .reason == "exit status 9") {
           ++right;
         }
       }

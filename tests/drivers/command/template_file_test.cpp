@@ -8,7 +8,7 @@
 namespace {
 
 using mottle::FormatError;
-using mottle::Template;
+using mottle::drivers::Template;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <complex>
 
-namespace mottle {
+namespace mottle::dynamics {
 namespace {
 
 TEST(NearestRealShape, TurnsARealShapeOfAnyPhaseBack) {
@@ -32,4 +32,4 @@ TEST(NearestRealShape, LeavesAZeroShape) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::dynamics

@@ -8,7 +8,7 @@
 
 #include "mottle/core/error.hpp"
 
-namespace mottle {
+namespace mottle::dynamics {
 namespace {
 
 struct Structure {
@@ -93,4 +93,4 @@ TEST(ModalDamping, NeedsAllModes) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::dynamics

@@ -12,7 +12,7 @@
 
 #include "mottle/core/error.hpp"
 
-namespace mottle {
+namespace mottle::dynamics {
 namespace {
 
 Eigen::MatrixXd random_matrix(Eigen::Index rows, Eigen::Index columns, std::mt19937_64& random) {
@@ -129,4 +129,4 @@ TEST(OptimalAssignment, RefusesMoreRowsThanColumns) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::dynamics

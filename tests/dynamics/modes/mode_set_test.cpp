@@ -6,7 +6,7 @@
 #include <limits>
 #include <numbers>
 
-namespace mottle {
+namespace mottle::dynamics {
 namespace {
 
 TEST(NaturalFrequency, IsTheRootOverTwoPi) {
@@ -29,4 +29,4 @@ TEST(NaturalFrequency, IsNotANumberWhereTheEigenvalueIsNone) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::dynamics

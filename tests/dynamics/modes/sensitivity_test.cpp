@@ -8,7 +8,7 @@
 
 #include "mottle/core/error.hpp"
 
-namespace mottle {
+namespace mottle::dynamics {
 namespace {
 
 using LongMatrix = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
@@ -255,4 +255,4 @@ TEST(RepeatedEigenvalueSensitivity, NeedsAProductForEachMember) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::dynamics

@@ -9,7 +9,7 @@
 
 #include "mottle/dynamics/modes/mac.hpp"
 
-namespace mottle {
+namespace mottle::dynamics {
 namespace {
 
 TEST(TrackModes, FindsAPermutationOfTheReference) {
@@ -61,4 +61,4 @@ TEST(TrackModes, AModeThatLeftTheSubspaceIsNotSavedByOthers) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::dynamics

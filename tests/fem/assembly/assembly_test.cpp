@@ -12,7 +12,7 @@
 #include "fem/models.hpp"
 #include "mottle/linalg/batched/dense_modes.hpp"
 
-namespace mottle {
+namespace mottle::fem {
 namespace {
 
 using test::dense;
@@ -204,4 +204,4 @@ TEST(Assembly, DisplacementSystemsChangeNoFrequency) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::fem

@@ -8,7 +8,7 @@
 #include "fem/models.hpp"
 #include "mottle/linalg/sparse/sparse_modes.hpp"
 
-namespace mottle {
+namespace mottle::fem {
 namespace {
 
 using test::at_equations;
@@ -277,4 +277,4 @@ TEST(AFreeStructure, HasExactlySixRigidBodyModes) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::fem

@@ -5,7 +5,7 @@
 
 #include "fem/models.hpp"
 
-namespace mottle {
+namespace mottle::fem {
 namespace {
 
 using Eigen::Matrix3d;
@@ -151,4 +151,4 @@ TEST(MassProperties, OfAModelWithoutMassAreZero) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::fem

@@ -8,7 +8,7 @@
 
 #include "core/message_of.hpp"
 
-namespace mottle {
+namespace mottle::fem {
 namespace {
 
 using ::testing::HasSubstr;
@@ -116,4 +116,4 @@ TEST(MassSpringSystem, RefusesAConnectorWithBothEndsOnOnePoint) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::fem

@@ -8,7 +8,7 @@
 
 #include "fem/models.hpp"
 
-namespace mottle {
+namespace mottle::fem {
 namespace {
 
 using test::dense;
@@ -270,4 +270,4 @@ TEST(SeparableMatrix, ATermWithANegativeSpringOrAProductOfInertiaIsNotKnownToBeS
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::fem

@@ -8,7 +8,7 @@
 
 #include "mottle/fem/elements/beam.hpp"
 
-namespace mottle {
+namespace mottle::fem {
 namespace {
 
 constexpr double k_pi = std::numbers::pi;
@@ -84,4 +84,4 @@ TEST(BeamFrequencies, OfTheRodConvergeWithTheFourthPowerOrLumpedWithTheSecond) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::fem

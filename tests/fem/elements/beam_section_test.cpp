@@ -10,7 +10,7 @@
 
 #include "mottle/core/error.hpp"
 
-namespace mottle {
+namespace mottle::fem {
 namespace {
 
 constexpr double k_pi = std::numbers::pi;
@@ -203,4 +203,4 @@ TEST(BeamSection, RefusesDimensionsThatDoNotFitTogether) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::fem

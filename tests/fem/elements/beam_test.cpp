@@ -10,7 +10,7 @@
 
 #include "mottle/core/error.hpp"
 
-namespace mottle {
+namespace mottle::fem {
 namespace {
 
 constexpr double k_young = 70.0, k_shear = 26.0;
@@ -286,4 +286,4 @@ TEST(Rod, IsTheAxialAndTorsionalPartOfABeam) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::fem

@@ -6,7 +6,7 @@
 
 #include "fem/shell_mesh.hpp"
 
-namespace mottle {
+namespace mottle::fem {
 namespace {
 
 using test::grid;
@@ -199,4 +199,4 @@ TEST(ShellStructure, StripBendsInItsPlaneWithoutLocking) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::fem

@@ -13,7 +13,7 @@
 #include "fem/shell_mesh.hpp"
 #include "mottle/core/error.hpp"
 
-namespace mottle {
+namespace mottle::fem {
 namespace {
 
 using test::ShellMaterial;
@@ -296,4 +296,4 @@ TEST(Shell, RefusesNumbersWithoutMeaning) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::fem

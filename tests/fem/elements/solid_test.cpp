@@ -15,7 +15,7 @@
 
 #include "mottle/core/error.hpp"
 
-namespace mottle {
+namespace mottle::fem {
 namespace {
 
 using Eigen::Matrix3d;
@@ -622,4 +622,4 @@ TEST(SolidHexahedron, ConvergesToTheBendingModeOfABarWithOrderTwo) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::fem

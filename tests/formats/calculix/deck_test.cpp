@@ -10,7 +10,7 @@
 #include "mottle/core/error.hpp"
 #include "mottle/core/files.hpp"
 
-namespace mottle {
+namespace mottle::formats {
 namespace {
 
 using testing::HasSubstr;
@@ -125,4 +125,4 @@ TEST_F(CalculixDecks, RefusesStepsThatStoreNoMatrices) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::formats

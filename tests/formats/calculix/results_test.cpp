@@ -10,7 +10,7 @@
 #include "mottle/core/files.hpp"
 #include "mottle/formats/matrices/matrix_file.hpp"
 
-namespace mottle {
+namespace mottle::formats {
 namespace {
 
 using testing::HasSubstr;
@@ -77,4 +77,4 @@ TEST(CalculixResults, FaultsAreToldWithFileAndLine) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::formats

@@ -13,7 +13,7 @@
 #include "mottle/formats/matrices/mat.hpp"
 #include "mottle/formats/matrices/matrix_file.hpp"
 
-namespace mottle {
+namespace mottle::formats {
 namespace {
 
 using test::message_of;
@@ -210,4 +210,4 @@ TEST_F(MatHdf5, NumbersThatAreNotStoredOrLieElsewhereAreRefused) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::formats

@@ -11,7 +11,7 @@
 #include "mottle/core/error.hpp"
 #include "mottle/formats/matrices/mat.hpp"
 
-namespace mottle {
+namespace mottle::formats {
 namespace {
 
 using test::mat_array;
@@ -169,4 +169,4 @@ TEST(ReadMat, ShowsCodesThatAreNoCharactersAsQuestionMarks) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::formats

@@ -13,7 +13,7 @@
 #include "core/temporary_folder.hpp"
 #include "mottle/core/error.hpp"
 
-namespace mottle {
+namespace mottle::formats {
 namespace {
 
 using ::testing::ElementsAre;
@@ -57,4 +57,4 @@ TEST(ReadMat, RefusesWhatIsNoMatlabFileOrIsCutShort) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::formats

@@ -12,7 +12,7 @@
 #include "mottle/core/error.hpp"
 #include "mottle/core/files.hpp"
 
-namespace mottle {
+namespace mottle::formats {
 namespace {
 
 using testing::ElementsAre;
@@ -237,4 +237,4 @@ TEST(MatrixFile, ReadsNamesOfRows) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::formats

@@ -6,7 +6,7 @@
 
 #include "mottle/formats/nastran/model.hpp"
 
-namespace mottle {
+namespace mottle::formats {
 namespace {
 
 class Airmod : public ::testing::Test {
@@ -65,4 +65,4 @@ TEST_F(Airmod, NeedsNoNote) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::formats

@@ -7,7 +7,7 @@
 
 #include "formats/nastran/model_of.hpp"
 
-namespace mottle {
+namespace mottle::formats {
 namespace {
 
 using test::field_name;
@@ -164,4 +164,4 @@ TEST(NastranRigid, InterpolationHasItsGroups) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::formats

@@ -7,7 +7,7 @@
 
 #include "formats/nastran/model_of.hpp"
 
-namespace mottle {
+namespace mottle::formats {
 namespace {
 
 using test::k_cube;
@@ -52,4 +52,4 @@ TEST(NastranModel, ReadsEqualDuplicatesOnce) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::formats

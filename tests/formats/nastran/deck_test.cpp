@@ -9,7 +9,7 @@
 #include "core/message_of.hpp"
 #include "mottle/core/error.hpp"
 
-namespace mottle {
+namespace mottle::formats {
 namespace {
 
 using ::testing::ElementsAre;
@@ -225,4 +225,4 @@ TEST(NastranDeck, ReadsManyLinesOfEveryKindInLinearTime) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::formats

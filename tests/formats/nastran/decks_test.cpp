@@ -7,7 +7,7 @@
 
 #include "mottle/formats/nastran/model.hpp"
 
-namespace mottle {
+namespace mottle::formats {
 namespace {
 
 using ::testing::ElementsAre;
@@ -66,4 +66,4 @@ TEST(NastranDecks, OfSeveralFiles) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::formats

@@ -5,7 +5,7 @@
 namespace {
 
 bool is_design(const char* card, const char* name) {
-  return mottle::is_design_number({card, 1, name, 1.0});
+  return mottle::formats::is_design_number({card, 1, name, 1.0});
 }
 
 TEST(DesignNumbers, AreModuliDensitiesDimensionsSpringsAndMasses) {

@@ -8,7 +8,7 @@
 
 #include "formats/nastran/model_of.hpp"
 
-namespace mottle {
+namespace mottle::formats {
 namespace {
 
 using test::field_name;
@@ -172,4 +172,4 @@ TEST(NastranPointMass, MayBeAWholeMatrix) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::formats

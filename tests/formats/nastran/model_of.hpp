@@ -9,6 +9,8 @@
 
 namespace mottle::test {
 
+using namespace formats;  // of which these are the tests
+
 inline NastranModel model_of(const std::string& deck, const NastranOptions& options = {}) {
   return build_nastran_model(parse_nastran_deck(deck, "deck.bdf"), options);
 }

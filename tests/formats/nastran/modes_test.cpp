@@ -94,13 +94,15 @@ std::string replaced(std::string text, const std::string& from, const std::strin
 }
 
 TEST(NastranModes, TheEigenvalueTableIsReadFromAPrintout) {
-  const Eigen::VectorXd values = mottle::read_f06_eigenvalues(mottle::LineWalker(k_eigenvalues), "m.f06");
+  const Eigen::VectorXd values =
+      mottle::formats::read_f06_eigenvalues(mottle::formats::LineWalker(k_eigenvalues), "m.f06");
   EXPECT_THAT(std::vector(values.begin(), values.end()), ElementsAre(8.232776e6, 8.232776e6, 2.824056e8));
 }
 
 TEST(NastranModes, ATableThatStartsAnewReplacesTheOneBefore) {
   const std::string second = replaced(k_eigenvalues, "2.824056E+08", "2.900000E+08");
-  const Eigen::VectorXd values = mottle::read_f06_eigenvalues(mottle::LineWalker(k_eigenvalues + second), "m.f06");
+  const Eigen::VectorXd values =
+      mottle::formats::read_f06_eigenvalues(mottle::formats::LineWalker(k_eigenvalues + second), "m.f06");
   EXPECT_THAT(std::vector(values.begin(), values.end()), ElementsAre(8.232776e6, 8.232776e6, 2.9e8));
 }
 
@@ -109,12 +111,12 @@ TEST(NastranModes, ATableGoesOnOverAPage) {
   const std::string continued = k_eigenvalues.substr(0, third) + k_page + k_eigenvalues.substr(third);
   const std::string titled =
       replaced(continued, "        3         3", "   R E A L   E I G E N V A L U E S\n        3         3");
-  EXPECT_EQ(mottle::read_f06_eigenvalues(mottle::LineWalker(titled), "m.f06").size(), 3);
+  EXPECT_EQ(mottle::formats::read_f06_eigenvalues(mottle::formats::LineWalker(titled), "m.f06").size(), 3);
 }
 
 TEST(NastranModes, GarbageInTheTableIsNamedByItsLine) {
   const auto read = [](const std::string& text) {
-    return [text] { mottle::read_f06_eigenvalues(mottle::LineWalker(text), "m.f06"); };
+    return [text] { mottle::formats::read_f06_eigenvalues(mottle::formats::LineWalker(text), "m.f06"); };
   };
   EXPECT_THAT(read(replaced(k_eigenvalues, "2.824056E+08", "*********** ")),
               ThrowsMessage<FormatError>(HasSubstr("m.f06:10: ")));
@@ -130,7 +132,8 @@ TEST(NastranModes, GarbageInTheTableIsNamedByItsLine) {
 }
 
 TEST(NastranModes, EigenvectorsAreReadFromAPrintout) {
-  const mottle::NamedShapes shapes = mottle::read_f06_shapes(mottle::LineWalker(k_mode1 + k_page + k_mode2), "m.f06");
+  const mottle::formats::NamedShapes shapes =
+      mottle::formats::read_f06_shapes(mottle::formats::LineWalker(k_mode1 + k_page + k_mode2), "m.f06");
   ASSERT_EQ(shapes.values.rows(), 12);
   ASSERT_EQ(shapes.values.cols(), 2);
   EXPECT_EQ(shapes.names[7], "2:+Y");
@@ -142,41 +145,44 @@ TEST(NastranModes, EigenvectorsAreReadFromAPrintout) {
 TEST(NastranModes, AnEigenvectorGoesOnOverAPage) {
   const std::size_t second = k_mode1.find("             2      G");
   const std::string head = k_mode1.substr(0, k_mode1.find("             1      G"));
-  const mottle::NamedShapes whole = mottle::read_f06_shapes(mottle::LineWalker(k_mode1), "m.f06");
-  const mottle::NamedShapes parts = mottle::read_f06_shapes(
-      mottle::LineWalker(k_mode1.substr(0, second) + k_page + head + k_mode1.substr(second)), "m.f06");
+  const mottle::formats::NamedShapes whole =
+      mottle::formats::read_f06_shapes(mottle::formats::LineWalker(k_mode1), "m.f06");
+  const mottle::formats::NamedShapes parts = mottle::formats::read_f06_shapes(
+      mottle::formats::LineWalker(k_mode1.substr(0, second) + k_page + head + k_mode1.substr(second)), "m.f06");
   EXPECT_EQ(parts.names, whole.names);
   EXPECT_EQ(parts.values, whole.values);
 }
 
 TEST(NastranModes, ModesWithOtherPointsAreRefused) {
   const std::string other = replaced(k_mode2, "             2      G", "             3      G");
-  EXPECT_THAT([&] { mottle::read_f06_shapes(mottle::LineWalker(k_mode1 + other), "m.f06"); },
+  EXPECT_THAT([&] { mottle::formats::read_f06_shapes(mottle::formats::LineWalker(k_mode1 + other), "m.f06"); },
               ThrowsMessage<FormatError>(HasSubstr("m.f06:8: mode 2 lists other degrees of freedom")));
 }
 
 TEST(NastranModes, PunchedEigenvectorsAreReadAndForcesAreNot) {
-  const mottle::NamedShapes shapes = mottle::read_punch_shapes(mottle::LineWalker(k_punch), "m.pch");
+  const mottle::formats::NamedShapes shapes =
+      mottle::formats::read_punch_shapes(mottle::formats::LineWalker(k_punch), "m.pch");
   EXPECT_THAT(shapes.names, ElementsAre("2:+X", "2:+Y", "2:+Z", "2:+RX", "2:+RY", "2:+RZ", "12"));
   ASSERT_EQ(shapes.values.cols(), 2);
   EXPECT_EQ(shapes.values(4, 0), -3.055872e-2);
   EXPECT_EQ(shapes.values(2, 1), -2.771224e-3);
   EXPECT_EQ(shapes.values(6, 1), 2.0);
-  const Eigen::VectorXd values = mottle::read_punch_eigenvalues(mottle::LineWalker(k_punch), "m.pch");
+  const Eigen::VectorXd values = mottle::formats::read_punch_eigenvalues(mottle::formats::LineWalker(k_punch), "m.pch");
   EXPECT_THAT(std::vector(values.begin(), values.end()), ElementsAre(8.2327765e6, 2.8240563e8));
 }
 
 TEST(NastranModes, FieldsThatTouchAreStillFields) {
   const std::string touching =
       replaced(k_punch, "      2.771224E-03      1.857573E-02", "-2.77122400000E-103.757573000000E-02");
-  const mottle::NamedShapes shapes = mottle::read_punch_shapes(mottle::LineWalker(touching), "m.pch");
+  const mottle::formats::NamedShapes shapes =
+      mottle::formats::read_punch_shapes(mottle::formats::LineWalker(touching), "m.pch");
   EXPECT_EQ(shapes.values(1, 0), -2.771224e-10);
   EXPECT_EQ(shapes.values(2, 0), 3.757573e-2);
 }
 
 TEST(NastranModes, ABrokenPunchFileIsNamedByItsLine) {
   const auto read = [](const std::string& text) {
-    return [text] { mottle::read_punch_shapes(mottle::LineWalker(text), "m.pch"); };
+    return [text] { mottle::formats::read_punch_shapes(mottle::formats::LineWalker(text), "m.pch"); };
   };
   EXPECT_THAT(
       read(replaced(k_punch, "-CONT-                  5.445647E-17     -3.055872E-02      4.558909E-03       9\n", "")),

@@ -9,7 +9,7 @@
 
 #include "formats/nastran/model_of.hpp"
 
-namespace mottle {
+namespace mottle::formats {
 namespace {
 
 using test::k_cube;
@@ -256,4 +256,4 @@ TEST(NastranSettings, TakeTheSelectedMethod) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::formats

@@ -9,7 +9,7 @@
 #include "core/temporary_folder.hpp"
 #include "formats/nastran/model_of.hpp"
 
-namespace mottle {
+namespace mottle::formats {
 namespace {
 
 using ::testing::HasSubstr;
@@ -218,4 +218,4 @@ TEST_F(NastranFiles, ThatDoNotExistAreRefused) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::formats

@@ -9,7 +9,7 @@
 #include "mottle/core/error.hpp"
 #include "mottle/formats/nastran/deck.hpp"
 
-namespace mottle {
+namespace mottle::formats {
 namespace {
 
 using ::testing::ElementsAre;
@@ -132,4 +132,4 @@ TEST(NastranInclude, RefusesTooManyFilesAndLevels) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::formats

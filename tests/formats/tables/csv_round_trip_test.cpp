@@ -10,7 +10,7 @@
 
 #include "mottle/formats/tables/csv.hpp"
 
-namespace mottle {
+namespace mottle::formats {
 namespace {
 
 using Limits = std::numeric_limits<double>;
@@ -92,4 +92,4 @@ TEST(CsvRoundTrip, PutsATextOfSeveralLinesOnOne) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::formats

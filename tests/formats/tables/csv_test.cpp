@@ -8,7 +8,7 @@
 
 #include "core/message_of.hpp"
 
-namespace mottle {
+namespace mottle::formats {
 namespace {
 
 using ::testing::ElementsAre;
@@ -154,4 +154,4 @@ TEST(NumbersOfColumn, RefusesWhatIsNoFiniteNumber) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::formats

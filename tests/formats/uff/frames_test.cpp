@@ -6,7 +6,7 @@
 
 #include "formats/uff/datasets.hpp"
 
-namespace mottle {
+namespace mottle::formats {
 namespace {
 
 using test::dataset;
@@ -67,4 +67,4 @@ TEST(ConvertToSi, DividesByTheFactors) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::formats

@@ -8,7 +8,7 @@
 #include "mottle/formats/uff/frames.hpp"
 #include "mottle/formats/uff/uff.hpp"
 
-namespace mottle {
+namespace mottle::formats {
 namespace {
 
 using test::dataset;
@@ -131,4 +131,4 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{binary(k_little, std::string(8, '\0') + "\0\0\0\0\0\0\xf8\x7f" + "\n"), "13: at byte"}));
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::formats

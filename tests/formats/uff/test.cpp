@@ -9,7 +9,7 @@
 #include "formats/uff/datasets.hpp"
 #include "mottle/formats/uff/uff.hpp"
 
-namespace mottle {
+namespace mottle::formats {
 namespace {
 
 using test::dataset;
@@ -307,4 +307,4 @@ TEST(ParseUff, ReadsAMeshThatGmshWrote) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::formats

@@ -9,7 +9,7 @@
 #include "mottle/core/text.hpp"
 #include "mottle/formats/uff/uff.hpp"
 
-namespace mottle {
+namespace mottle::formats {
 namespace {
 
 /// `value` to so many significant digits.
@@ -135,4 +135,4 @@ TEST_P(UffFunctions, ComeBackBitByBit) {
 INSTANTIATE_TEST_SUITE_P(EveryForm, UffFunctions, ::testing::Range(0, 32));
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::formats

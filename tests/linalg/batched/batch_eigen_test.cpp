@@ -12,7 +12,7 @@
 #include "linalg/pencils.hpp"
 #include "mottle/core/error.hpp"
 
-namespace mottle {
+namespace mottle::linalg {
 namespace {
 
 using namespace linalg_test;
@@ -271,4 +271,4 @@ TEST(BatchEigenInput, ShapesThatDoNotFitAreRefused) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::linalg

@@ -11,7 +11,7 @@
 #include "linalg/pencils.hpp"
 #include "mottle/linalg/batched/batch_eigen.hpp"
 
-namespace mottle {
+namespace mottle::linalg {
 namespace {
 
 using namespace linalg_test;
@@ -106,4 +106,4 @@ TEST_P(BatchIndependence, ASingularConstantMassFailsEverySample) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::linalg

@@ -8,7 +8,7 @@
 #include "linalg/pencils.hpp"
 #include "mottle/core/error.hpp"
 
-namespace mottle {
+namespace mottle::linalg {
 namespace {
 
 using namespace linalg_test;
@@ -35,4 +35,4 @@ TEST(SolveModes, RefusesShapesThatDoNotFit) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::linalg

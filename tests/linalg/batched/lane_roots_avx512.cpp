@@ -5,7 +5,7 @@
 
 void mottle::linalg_test::lane_roots_avx512(const double* x, const double* y, double* reciprocal, double* quotient,
                                             double* root, double* reciprocal_root) {
-  namespace lanes = mottle::lane_kernels;
+  namespace lanes = mottle::linalg::lane_kernels;
   const lanes::Lane own = lanes::load(x), inverse = lanes::reciprocal(own);
   lanes::store(reciprocal, inverse);
   lanes::store(quotient, lanes::quotient(lanes::load(y), own, inverse));

@@ -8,7 +8,7 @@
 
 #include "mottle/linalg/batched/batch_eigen.hpp"
 
-namespace mottle {
+namespace mottle::linalg {
 namespace {
 
 #if defined(__x86_64__)
@@ -49,4 +49,4 @@ TEST(LaneRoots, EndOneBitLowForAMantissaOfOnes) {
 #endif
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::linalg

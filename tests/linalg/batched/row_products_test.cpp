@@ -9,7 +9,7 @@
 #include "linalg/pencils.hpp"
 #include "mottle/linalg/sparse/symmetric_factor.hpp"
 
-namespace mottle {
+namespace mottle::linalg {
 namespace {
 
 using Eigen::Index;
@@ -97,4 +97,4 @@ TEST_P(RowProducts, GatheredVectorsLieByColumnsOrByRows) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::linalg

@@ -11,7 +11,7 @@
 #include <random>
 #include <vector>
 
-namespace mottle {
+namespace mottle::linalg {
 namespace {
 
 using Eigen::Index;
@@ -153,4 +153,4 @@ TEST(ErrorBounds, AGuardThatCouplesWithWhatIsNotSeenLowersTheNextEigenvalue) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::linalg

@@ -9,7 +9,7 @@
 #include "linalg/pencils.hpp"
 #include "linalg/sparse_families.hpp"
 
-namespace mottle {
+namespace mottle::linalg {
 namespace {
 
 using Eigen::Index;
@@ -106,4 +106,4 @@ TEST(FormBounds, NothingIsKnownWhereATermThatHasNoUpperBoundVanishesFromTheRefer
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::linalg

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-namespace mottle {
+namespace mottle::linalg {
 namespace {
 
 using Eigen::Index;
@@ -72,4 +72,4 @@ TEST(HostileFamilies, RandomTermsOfStiffnessAndMass) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::linalg

@@ -13,7 +13,7 @@
 
 #include "linalg/pencils.hpp"
 
-namespace mottle {
+namespace mottle::linalg {
 namespace {
 
 using namespace linalg_test;
@@ -217,4 +217,4 @@ TEST(NearbyModes, IsNoUseWherePencilsAreHardlyLargerThanTheBlock) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::linalg

@@ -13,7 +13,7 @@
 #include "mottle/core/error.hpp"
 #include "mottle/core/files.hpp"
 
-namespace mottle {
+namespace mottle::linalg {
 namespace {
 
 using Eigen::Index;
@@ -200,4 +200,4 @@ TEST(ReducedModelFingerprint, DoesNotSeeRoomBetweenEntries) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::linalg

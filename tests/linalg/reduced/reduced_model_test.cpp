@@ -9,7 +9,7 @@
 #include "linalg/sparse_families.hpp"
 #include "mottle/core/error.hpp"
 
-namespace mottle {
+namespace mottle::linalg {
 namespace {
 
 using Eigen::Index;
@@ -231,4 +231,4 @@ TEST(ReducedModel, RefusesWhatDoesNotFit) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::linalg

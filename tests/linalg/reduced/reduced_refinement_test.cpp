@@ -6,7 +6,7 @@
 
 #include "linalg/sparse_families.hpp"
 
-namespace mottle {
+namespace mottle::linalg {
 namespace {
 
 using Eigen::Index;
@@ -150,4 +150,4 @@ TEST(Refinement, ASampleIsTheSameAloneAndInABatchAtAnyNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::linalg

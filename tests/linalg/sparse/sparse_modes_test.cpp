@@ -12,7 +12,7 @@
 #include "mottle/core/error.hpp"
 #include "mottle/linalg/batched/dense_modes.hpp"
 
-namespace mottle {
+namespace mottle::linalg {
 namespace {
 
 using linalg_test::lower_of;
@@ -335,4 +335,4 @@ TEST(SymmetricFactor, TheIndefiniteOneCountsNegativeEigenvalues) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::linalg

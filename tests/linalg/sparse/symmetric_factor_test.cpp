@@ -12,7 +12,7 @@
 #include "mottle/core/random.hpp"
 #include "mottle/linalg/batched/batch_eigen.hpp"
 
-namespace mottle {
+namespace mottle::linalg {
 namespace {
 
 using linalg_test::lower_of;
@@ -260,4 +260,4 @@ TEST(SupernodalKernels, SolveInRegistersOfEveryWidth) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::linalg

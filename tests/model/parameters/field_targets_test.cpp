@@ -10,7 +10,7 @@
 #include "fem/models.hpp"
 #include "model/structures.hpp"
 
-namespace mottle {
+namespace mottle::model {
 namespace {
 
 using test::one_each;
@@ -158,4 +158,4 @@ TEST(FieldTargets, TiedToOneParameterObeyTheStrictestLimit) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::model

@@ -8,7 +8,7 @@
 
 #include "core/message_of.hpp"
 
-namespace mottle {
+namespace mottle::model {
 namespace {
 
 using ::testing::HasSubstr;
@@ -204,4 +204,4 @@ TEST(ParameterSpace, NamesItsParameters) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::model

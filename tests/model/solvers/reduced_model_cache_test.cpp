@@ -14,7 +14,7 @@
 #include "model/structures.hpp"
 #include "mottle/core/files.hpp"
 
-namespace mottle {
+namespace mottle::model {
 namespace {
 
 namespace fs = std::filesystem;
@@ -176,4 +176,4 @@ TEST(ReducedModelCache, ForeignFilesStayAndAbandonedOnesGo) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::model

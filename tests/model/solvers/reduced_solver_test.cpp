@@ -13,7 +13,7 @@
 #include "mottle/model/structure_model.hpp"
 #include "mottle/model/structures/finite_element_structure.hpp"
 
-namespace mottle {
+namespace mottle::model {
 namespace {
 
 using Eigen::Index;
@@ -152,4 +152,4 @@ TEST(ReducedSolver, ANominalModelWithoutModesLeavesAllToTheFullOne) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::model

@@ -8,7 +8,7 @@
 #include "core/message_of.hpp"
 #include "model/structures.hpp"
 
-namespace mottle {
+namespace mottle::model {
 namespace {
 
 using ::testing::HasSubstr;
@@ -159,4 +159,4 @@ TEST(PhysicalLimit, OfASpringOrMassExcludesZero) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::model

@@ -15,7 +15,7 @@
 #include "mottle/model/solvers/exact_solver.hpp"
 #include "mottle/model/structure_model.hpp"
 
-namespace mottle {
+namespace mottle::model {
 namespace {
 
 using test::have_same_bits;
@@ -309,4 +309,4 @@ TEST(FiniteElementStructure, SaysHowAParameterEnters) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::model

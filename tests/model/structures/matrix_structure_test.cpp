@@ -9,7 +9,7 @@
 #include "mottle/core/error.hpp"
 #include "mottle/model/solvers/exact_solver.hpp"
 
-namespace mottle {
+namespace mottle::model {
 namespace {
 
 using testing::ElementsAre;
@@ -122,4 +122,4 @@ TEST(MatrixStructure, RefusesWhatCannotBeBound) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::model

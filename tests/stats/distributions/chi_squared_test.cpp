@@ -7,7 +7,7 @@
 #include "mottle/core/error.hpp"
 #include "stats/relative_error.hpp"
 
-namespace mottle {
+namespace mottle::stats {
 namespace {
 
 // SciPy 1.10: chi2.ppf(.95, 3), chi2.ppf(.99, 10).
@@ -33,4 +33,4 @@ TEST(ChiSquared, RefusesArgumentsOutsideTheirRange) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::stats

@@ -12,7 +12,7 @@
 #include "mottle/core/error.hpp"
 #include "stats/relative_error.hpp"
 
-namespace mottle {
+namespace mottle::stats {
 namespace {
 
 using Kind = DistributionKind;
@@ -246,4 +246,4 @@ TEST(Distribution, TableNamesEveryKindOnceAsAStudyWritesIt) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::stats

@@ -18,7 +18,7 @@
 #include "mottle/stats/sampling/sampling.hpp"
 #include "stats/relative_error.hpp"
 
-namespace mottle {
+namespace mottle::stats {
 namespace {
 
 using Kind = DistributionKind;
@@ -218,4 +218,4 @@ TEST(JointDistribution, RefusesUniformsOutsideTheOpenInterval) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::stats

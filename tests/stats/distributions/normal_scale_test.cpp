@@ -7,7 +7,7 @@
 #include "mottle/stats/distributions/joint_distribution.hpp"
 #include "mottle/stats/sampling/sampling.hpp"
 
-namespace mottle {
+namespace mottle::stats {
 namespace {
 
 using Kind = NormalScale::Kind;
@@ -66,4 +66,4 @@ TEST(NormalScale, MomentsOfALogitAreThoseOfItsSamples) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::stats

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace mottle {
+namespace mottle::stats {
 namespace {
 
 TEST(ScaleMoments, OfALogAreThoseOfTheLognormalDistribution) {
@@ -50,4 +50,4 @@ TEST(ScaleMoments, SpreadPointsEvenlyOnTheScale) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::stats

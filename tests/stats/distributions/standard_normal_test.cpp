@@ -7,7 +7,7 @@
 #include "mottle/core/error.hpp"
 #include "stats/relative_error.hpp"
 
-namespace mottle {
+namespace mottle::stats {
 namespace {
 
 // SciPy 1.10: [repr(scipy.special.ndtri(p)) for p in (1e-300, 1e-16, .025, .3)].
@@ -38,4 +38,4 @@ TEST(StandardNormal, EndsAreInfiniteAndTheRestIsRefused) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::stats

@@ -12,7 +12,7 @@
 #include "mottle/stats/distributions/joint_distribution.hpp"
 #include "mottle/stats/sampling/sampling.hpp"
 
-namespace mottle {
+namespace mottle::stats {
 namespace {
 
 constexpr double k_missing = std::numeric_limits<double>::quiet_NaN();
@@ -181,4 +181,4 @@ TEST(AvailableCases, CovarianceIsUnbiasedWhereEntriesAreMissingAtRandom) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::stats

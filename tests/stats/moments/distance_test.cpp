@@ -7,7 +7,7 @@
 #include "mottle/core/error.hpp"
 #include "stats/relative_error.hpp"
 
-namespace mottle {
+namespace mottle::stats {
 namespace {
 
 TEST(Distance, EuclideanIsTheLengthOfTheDifference) {
@@ -58,4 +58,4 @@ TEST(Distance, RefusesSizesThatDoNotMatchAndWhatIsNoCovariance) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::stats

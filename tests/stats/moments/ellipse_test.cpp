@@ -8,7 +8,7 @@
 
 #include "mottle/core/error.hpp"
 
-namespace mottle {
+namespace mottle::stats {
 namespace {
 
 Eigen::Matrix2d symmetric(double a, double c, double b) {
@@ -85,4 +85,4 @@ TEST(Ellipse, RefusesWhatIsNoCovariance) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::stats

@@ -8,7 +8,7 @@
 #include "mottle/core/error.hpp"
 #include "mottle/stats/sampling/sampling.hpp"
 
-namespace mottle {
+namespace mottle::stats {
 namespace {
 
 TEST(Spearman, EqualValuesShareTheAverageOfTheirRanks) {
@@ -54,4 +54,4 @@ TEST(Spearman, RefusesMissingEntriesAndTooFewRows) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::stats

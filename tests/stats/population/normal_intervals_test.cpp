@@ -6,7 +6,7 @@
 
 #include "mottle/core/error.hpp"
 
-namespace mottle {
+namespace mottle::stats {
 namespace {
 
 TEST(NormalIntervals, MeanAndDeviationAreThoseOfTheTables) {
@@ -61,4 +61,4 @@ TEST(NormalIntervals, RefuseImpossibleSamples) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::stats

@@ -9,7 +9,7 @@
 #include "mottle/stats/moments/descriptive.hpp"
 #include "mottle/stats/population/population_intervals.hpp"
 
-namespace mottle {
+namespace mottle::stats {
 namespace {
 
 /// Distance between pituitary and pterygomaxillary fissure of 27 children at ages 8, 10, 12 and 14, in mm: the data of
@@ -205,4 +205,4 @@ TEST(PopulationIntervals, OfACorrelationAreThoseOfItsExactDistribution) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::stats

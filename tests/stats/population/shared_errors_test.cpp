@@ -13,7 +13,7 @@
 #include "mottle/stats/population/random_effects.hpp"
 #include "support/instrumented.hpp"
 
-namespace mottle {
+namespace mottle::stats {
 namespace {
 
 double normal(RandomStream& stream) {
@@ -311,4 +311,4 @@ TEST(SharedErrors, IntervalsHoldTheMeanAsOftenAsTheySay) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::stats

@@ -7,7 +7,7 @@
 #include "mottle/core/error.hpp"
 #include "mottle/stats/sampling/sampling.hpp"
 
-namespace mottle {
+namespace mottle::stats {
 namespace {
 
 /// E[w1^a w2^b ...] by the rule.
@@ -71,4 +71,4 @@ TEST(GaussianRules, RefuseWhatTheyCannotMake) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::stats

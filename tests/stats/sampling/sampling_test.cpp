@@ -10,7 +10,7 @@
 #include "mottle/core/error.hpp"
 #include "mottle/stats/moments/descriptive.hpp"
 
-namespace mottle {
+namespace mottle::stats {
 namespace {
 
 constexpr StreamKey k_key{.seed = 42, .purpose = StreamPurpose::parameter_cloud, .iteration = 3};
@@ -156,4 +156,4 @@ TEST(UniformDesign, RefusesSizesOutsideItsRange) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::stats

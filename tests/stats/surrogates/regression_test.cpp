@@ -12,7 +12,7 @@
 #include "mottle/stats/sampling/sampling.hpp"
 #include "stats/relative_error.hpp"
 
-namespace mottle {
+namespace mottle::stats {
 namespace {
 
 Eigen::MatrixXd small_inputs() {
@@ -219,4 +219,4 @@ TEST(QuadraticRegression, SaysHowManySamplesItNeedsAndWhichTermDepends) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::stats

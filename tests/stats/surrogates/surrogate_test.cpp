@@ -8,7 +8,7 @@
 #include "mottle/core/error.hpp"
 #include "mottle/stats/sampling/sampling.hpp"
 
-namespace mottle {
+namespace mottle::stats {
 namespace {
 
 constexpr SurrogateKind k_kinds[] = {SurrogateKind::quadratic, SurrogateKind::kriging, SurrogateKind::chaos};
@@ -94,4 +94,4 @@ TEST(Surrogate, TooFewRunsAreRefusedWithTheirNumber) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::stats

@@ -4,7 +4,7 @@
 
 #include "mottle/core/error.hpp"
 
-namespace mottle {
+namespace mottle::stats {
 namespace {
 
 TEST(BinomialRange, IsThatOfTheQuantiles) {
@@ -26,4 +26,4 @@ TEST(BinomialRange, RefusesCertainty) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::stats

@@ -13,7 +13,7 @@
 #include "mottle/stats/sampling/sampling.hpp"
 #include "stats/relative_error.hpp"
 
-namespace mottle {
+namespace mottle::stats {
 namespace {
 
 Eigen::MatrixXd sample_a() {
@@ -153,4 +153,4 @@ TEST(HotellingTwoSample, FalseAlarmRateIsAlpha) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::stats

@@ -8,7 +8,7 @@
 #include "mottle/stats/distributions/standard_normal.hpp"
 #include "support/instrumented.hpp"
 
-namespace mottle {
+namespace mottle::stats {
 namespace {
 
 Eigen::VectorXd weights_of_men() {  // the example of [Shapiro1965]
@@ -133,4 +133,4 @@ TEST(Normality, NeedsFiveSpecimens) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::stats

@@ -9,7 +9,7 @@
 #include "mottle/stats/distributions/standard_normal.hpp"
 #include "support/instrumented.hpp"
 
-namespace mottle {
+namespace mottle::stats {
 namespace {
 
 Eigen::MatrixXd normal_samples(Eigen::Index count, Eigen::Index variables, std::uint32_t replication) {
@@ -152,4 +152,4 @@ TEST(Outliers, AmongIdenticalSpecimensAreNone) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::stats

@@ -10,7 +10,7 @@
 #include "mottle/study/jobs/forward.hpp"
 #include "mottle/study/results/run_folder.hpp"
 
-namespace mottle {
+namespace mottle::study {
 namespace {
 
 using test::TemporaryFolder;
@@ -70,4 +70,4 @@ TEST(PropagateJob, GivesTheCloudThatItsFilesHold) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::study

@@ -9,7 +9,7 @@
 
 #include "mottle/stats/distributions/scale_moments.hpp"
 
-namespace mottle {
+namespace mottle::study {
 namespace {
 
 double normal_density(double x, double mean, double std) {
@@ -85,4 +85,4 @@ TEST(DensityBand, OfAnIntervalThatIsNotKnownOrHasNoWidthIsNone) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::study

@@ -7,7 +7,7 @@
 #include "mottle/updating/estimate/sample_estimate.hpp"
 #include "support/linear_model.hpp"
 
-namespace mottle {
+namespace mottle::study {
 namespace {
 
 /// Two parameters with a normal prior, and a result for them.
@@ -85,4 +85,4 @@ TEST(EstimateJson, KeepsSixDigitsOfTheRangeOfWhatIsDrawn) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::study

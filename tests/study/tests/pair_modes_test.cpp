@@ -12,7 +12,7 @@
 #include "mottle/model/structure_model.hpp"
 #include "mottle/model/structures/affine_matrices.hpp"
 
-namespace mottle {
+namespace mottle::study {
 namespace {
 
 using ::testing::ElementsAre;
@@ -125,4 +125,4 @@ TEST(PairModes, PairsByRankInFrequencyWhereAsked) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::study

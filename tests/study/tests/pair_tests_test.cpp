@@ -7,7 +7,7 @@
 
 #include "mottle/core/error.hpp"
 
-namespace mottle {
+namespace mottle::study {
 namespace {
 
 constexpr double k_missing = std::numeric_limits<double>::quiet_NaN();
@@ -59,4 +59,4 @@ TEST(PairTests, NeedsShapesOfTheSameModesAsTheFrequencies) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::study

@@ -5,10 +5,11 @@
 #include <algorithm>
 
 #include "mottle/core/random.hpp"
+#include "mottle/model/structures/affine_matrices.hpp"
 #include "mottle/stats/distributions/standard_normal.hpp"
 #include "mottle/updating/methods/maximum_likelihood.hpp"
 
-namespace mottle {
+namespace mottle::study {
 namespace {
 
 /// Two masses on springs of their own, tied by next to nothing: their modes cross where k1 = k2.
@@ -111,4 +112,4 @@ TEST(RankNumbering, IsNotThatOfTestsWhoseFrequenciesDoNotAscend) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::study

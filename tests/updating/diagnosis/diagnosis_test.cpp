@@ -9,7 +9,7 @@
 #include "support/instrumented.hpp"
 #include "support/linear_model.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 namespace {
 
 using test::LinearModel;
@@ -173,4 +173,4 @@ TEST(Diagnosis, RefusesWhatItCannotJudge) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::updating

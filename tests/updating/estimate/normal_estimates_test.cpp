@@ -7,7 +7,7 @@
 
 #include "mottle/stats/sampling/sampling.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 namespace {
 
 const NormalScale k_log{NormalScale::Kind::log};
@@ -143,4 +143,4 @@ TEST(MomentEstimate, WithoutAMatchOnItsScaleIsNormal) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::updating

@@ -10,7 +10,7 @@
 #include "mottle/stats/sampling/sampling.hpp"
 #include "mottle/updating/estimate/normal_estimates.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 namespace {
 
 const std::vector<NormalScale> k_two(2);
@@ -126,4 +126,4 @@ TEST(SampleEstimate, RefusesWhatIsNoSample) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::updating

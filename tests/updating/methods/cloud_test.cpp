@@ -8,7 +8,7 @@
 
 #include "core/message_of.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 namespace {
 
 using ::testing::HasSubstr;
@@ -131,4 +131,4 @@ TEST(EvaluateCloud, StopsWhereTooManyRunsFail) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::updating

@@ -13,7 +13,7 @@
 #include "support/methods.hpp"
 #include "support/three_masses.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 namespace {
 
 /// Tests of a linear model whose parameters are known: four outputs, two parameters, six specimens with mean (3, 5).
@@ -269,4 +269,4 @@ TEST(Registry, RefusesAnUnknownMethodWithTheNearestKnownOne) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::updating

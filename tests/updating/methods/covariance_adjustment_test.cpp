@@ -4,7 +4,7 @@
 
 #include "support/three_masses.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 namespace {
 
 using CloudKind = CovarianceAdjustmentOptions::CloudKind;
@@ -68,4 +68,4 @@ TEST(CovarianceAdjustment, StandardisedSamplesLeaveLittleMonteCarloError) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::updating

@@ -6,7 +6,7 @@
 
 #include "mottle/stats/distributions/standard_normal.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 namespace {
 
 /// y_k = g_k' t + c_k (a' t)^2 / 2.
@@ -105,4 +105,4 @@ TEST(CurvatureBias, OfOneParameterDoesNotReachAnotherThatIsApart) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::updating

@@ -8,7 +8,7 @@
 #include "support/linear_model.hpp"
 #include "support/three_masses.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 namespace {
 
 using Regularisation = DeterministicOptions::Regularisation;
@@ -162,4 +162,4 @@ TEST(Deterministic, MoreParametersThanOutputsNeedRegularisation) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::updating

@@ -6,7 +6,7 @@
 #include "mottle/stats/distributions/joint_distribution.hpp"
 #include "mottle/updating/methods/updater.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 namespace {
 
 // y = (x1 + x2, x1 - x2) of two normal parameters: a linear model's population is its specimens' mean and covariance.
@@ -32,4 +32,4 @@ TEST(UpdatedFunctionModel, HasThePopulationOfItsSpecimensWhereItIsLinear) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::updating

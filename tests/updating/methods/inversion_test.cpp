@@ -10,7 +10,7 @@
 #include "support/linear_model.hpp"
 #include "support/three_masses.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 namespace {
 
 using test::deviations;
@@ -120,4 +120,4 @@ TEST(Inversion, OneSpecimenIsRefused) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::updating

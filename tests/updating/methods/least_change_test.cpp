@@ -5,7 +5,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
-namespace mottle {
+namespace mottle::updating {
 namespace {
 
 Eigen::MatrixXd tall() {
@@ -86,4 +86,4 @@ TEST(LeastChange, ANegativeVarianceBecomesZeroAndIsReported) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::updating

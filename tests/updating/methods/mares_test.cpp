@@ -5,7 +5,7 @@
 #include "mottle/core/error.hpp"
 #include "support/three_masses.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 namespace {
 
 using test::deviations;
@@ -126,4 +126,4 @@ TEST(Mares, HistoryHoldsThePriorFirstAndTheEstimateLast) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::updating

@@ -17,7 +17,7 @@
 #include "support/methods.hpp"
 #include "support/three_masses.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 namespace {
 
 constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
@@ -321,4 +321,4 @@ TEST(MaximumLikelihood, IntervalsByBootstrapHoldZeroWhereThereIsNoScatter) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::updating

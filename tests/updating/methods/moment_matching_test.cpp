@@ -6,7 +6,7 @@
 
 #include "support/three_masses.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 namespace {
 
 using Rule = MomentMatchingOptions::Rule;
@@ -99,4 +99,4 @@ TEST(MomentMatching, OnTheLogarithmOfASquareIsItsClosedForm) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::updating

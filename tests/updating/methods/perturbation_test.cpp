@@ -8,7 +8,7 @@
 #include "support/linear_model.hpp"
 #include "support/three_masses.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 namespace {
 
 using test::frequencies_of;
@@ -129,4 +129,4 @@ TEST(Perturbation, ASingularCovarianceIsRefusedAsAWeight) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::updating

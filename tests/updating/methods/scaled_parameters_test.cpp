@@ -8,7 +8,7 @@
 #include "support/linear_model.hpp"
 #include "support/three_masses.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 namespace {
 
 using Kind = NormalScale::Kind;
@@ -76,4 +76,4 @@ TEST(ScaledJacobians, AFailureOnOneSideLeavesTheOtherAndOnBothLeavesNan) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::updating

@@ -7,7 +7,7 @@
 #include "mottle/updating/methods/maximum_likelihood.hpp"
 #include "support/three_masses.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 namespace {
 
 /// Counts what it is asked, and fails where it is told to.
@@ -111,4 +111,4 @@ TEST(SurrogateUpdate, RefusesTooFewRuns) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::updating

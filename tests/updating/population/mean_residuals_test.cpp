@@ -9,7 +9,7 @@
 #include "mottle/stats/distributions/standard_normal.hpp"
 #include "updating/methods/measured_outputs.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 namespace {
 
 struct Sums {
@@ -95,4 +95,4 @@ TEST(MeanResiduals, HaveNoFreedomWhereParametersMoveEveryOutput) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::updating

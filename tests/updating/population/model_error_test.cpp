@@ -12,7 +12,7 @@
 #include "support/methods.hpp"
 #include "support/three_masses.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 namespace {
 
 UpdatingProblem problem_of(const test::LinearProblem& linear, const Eigen::VectorXd& error = {}) {
@@ -182,4 +182,4 @@ INSTANTIATE_TEST_SUITE_P(Methods, EveryMethodAndModelError, testing::ValuesIn(te
                          test::instance_name);
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::updating

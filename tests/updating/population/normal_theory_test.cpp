@@ -8,7 +8,7 @@
 #include "mottle/stats/distributions/standard_normal.hpp"
 #include "support/instrumented.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 namespace {
 
 using Kind = NormalScale::Kind;
@@ -70,4 +70,4 @@ TEST(NormalTheory, TheCorrelationOfLognormalsIsCarriedOverInClosedForm) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::updating

@@ -12,7 +12,7 @@
 #include "support/linear_model.hpp"
 #include "updating/population/normal_theory.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 namespace {
 
 using test::LinearModel;
@@ -237,4 +237,4 @@ TEST(Prediction, OfAPosteriorHoldsItsSamplesOutputs) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::updating

@@ -6,7 +6,7 @@
 #include "mottle/updating/verdict/verdict.hpp"
 #include "support/three_masses.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 namespace {
 
 /// Frequencies and the shapes of two modes of three masses, k1, k2, k5 ~ N(1, 0.2), noise 0.2 % and 1 %.
@@ -113,4 +113,4 @@ TEST(CopiesOfOneSpecimen, GiveItsParametersAndNoVerdictOnScatter) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::updating

@@ -8,7 +8,7 @@
 
 #include "mottle/core/error.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 namespace {
 
 constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
@@ -165,4 +165,4 @@ TEST(HiddenErrors, ACovarianceThatIsNotDefiniteIsRefused) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::updating

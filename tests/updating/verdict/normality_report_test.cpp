@@ -8,7 +8,7 @@
 #include "mottle/updating/methods/maximum_likelihood.hpp"
 #include "support/three_masses.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 namespace {
 
 /// k1, k2, k5 ~ N(1, 0.1).
@@ -61,4 +61,4 @@ TEST(NormalityReport, SuggestsTheLogarithmOfALogNormalParameter) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::updating

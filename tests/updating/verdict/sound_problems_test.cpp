@@ -9,7 +9,7 @@
 #include "support/soundness.hpp"
 #include "support/three_masses.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 namespace {
 
 class SoundProblems : public testing::TestWithParam<std::string> {
@@ -66,4 +66,4 @@ TEST_P(SoundProblems, OfIdenticalSpecimensHaveNoScatter) {
 INSTANTIATE_TEST_SUITE_P(Registry, SoundProblems, testing::ValuesIn(test::method_names(true)), test::instance_name);
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::updating

@@ -15,7 +15,7 @@
 #include "updating/methods/mean_limits.hpp"
 #include "updating/verdict/scatter_tests.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 namespace {
 
 using test::frequencies_of;
@@ -275,4 +275,4 @@ TEST(IsStalled, OnlyWhenNoLaterMovementIsSmaller) {
 }
 
 }  // namespace
-}  // namespace mottle
+}  // namespace mottle::updating

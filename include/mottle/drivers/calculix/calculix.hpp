@@ -9,9 +9,10 @@
 
 #include "mottle/drivers/command/solver_command.hpp"
 #include "mottle/formats/calculix/deck.hpp"
+#include "mottle/layers.hpp"
 #include "mottle/model/structures/matrix_structure.hpp"
 
-namespace mottle {
+namespace mottle::drivers {
 
 /// How CalculiX is run.
 struct CalculixSettings {
@@ -39,4 +40,4 @@ MatrixModel calculix_model(const CalculixDeck& deck, const std::vector<Parameter
 SolverCommand calculix_command(const CalculixDeck& deck, const std::vector<ParameterTargets>& parameters,
                                const CalculixSettings& settings);
 
-}  // namespace mottle
+}  // namespace mottle::drivers

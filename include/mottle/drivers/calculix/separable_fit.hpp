@@ -6,9 +6,10 @@
 #include <vector>
 
 #include "mottle/core/error.hpp"
+#include "mottle/layers.hpp"
 #include "mottle/model/structures/matrix_structure.hpp"
 
-namespace mottle {
+namespace mottle::drivers {
 
 /// What the parameters do to the matrices has no separable form; the message says which, and why.
 class NotSeparable : public InvalidInput {
@@ -52,4 +53,4 @@ struct SeparableFit {
 SeparableFit fit_separable(const std::vector<FitAxis>& axes,
                            const std::function<MatrixRun(const Eigen::VectorXd&)>& run);
 
-}  // namespace mottle
+}  // namespace mottle::drivers

@@ -6,9 +6,10 @@
 #include <vector>
 
 #include "mottle/drivers/command/solver_runs.hpp"
+#include "mottle/layers.hpp"
 #include "mottle/model/solvers/solver.hpp"
 
-namespace mottle {
+namespace mottle::drivers {
 
 /// What a program's run at the parameters' means tells of the structure.
 class ExternalStructure final : public Structure {
@@ -86,4 +87,4 @@ class ExternalSolver final : public Solver {
   mutable std::atomic<std::int64_t> failed_{0};
 };
 
-}  // namespace mottle
+}  // namespace mottle::drivers

@@ -8,7 +8,9 @@
 #include <string>
 #include <vector>
 
-namespace mottle {
+#include "mottle/layers.hpp"
+
+namespace mottle::drivers {
 
 /// Natural frequencies.
 struct FrequencyRule {
@@ -55,4 +57,4 @@ struct ExtractedModes {
 ExtractedModes extract_modes(const std::filesystem::path& folder, const FrequencyRule& frequencies,
                              const std::optional<ShapeRule>& shapes, int least);
 
-}  // namespace mottle
+}  // namespace mottle::drivers

@@ -9,8 +9,9 @@
 
 #include "mottle/core/checksum.hpp"
 #include "mottle/drivers/command/solver_command.hpp"
+#include "mottle/layers.hpp"
 
-namespace mottle {
+namespace mottle::drivers {
 
 /// Up to this size each run has a copy of its own. Above, it has one where the file system copies without moving bytes
 /// (FICLONE), else a link to one copy that is looked at after every run.
@@ -53,4 +54,4 @@ class InputFiles {
   std::mutex mutex_;
 };
 
-}  // namespace mottle
+}  // namespace mottle::drivers

@@ -7,11 +7,13 @@
 #include <string_view>
 #include <vector>
 
+#include "mottle/layers.hpp"
+
 namespace re2 {
 class RE2;
 }
 
-namespace mottle {
+namespace mottle::drivers {
 
 class NumberPattern {
  public:
@@ -28,4 +30,4 @@ class NumberPattern {
   std::unique_ptr<re2::RE2> expression_;
 };
 
-}  // namespace mottle
+}  // namespace mottle::drivers

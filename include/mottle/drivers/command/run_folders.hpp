@@ -5,7 +5,9 @@
 #include <mutex>
 #include <string>
 
-namespace mottle {
+#include "mottle/layers.hpp"
+
+namespace mottle::drivers {
 
 /// Throws InvalidInput where a folder for runs within the folder of results is a link.
 void require_no_linked_runs(const std::filesystem::path& results);
@@ -53,4 +55,4 @@ class RunFolders {
 /// Writes a file without waiting for the disk. Throws SystemFailure.
 void write_run_file(const std::filesystem::path& file, const std::string& bytes);
 
-}  // namespace mottle
+}  // namespace mottle::drivers

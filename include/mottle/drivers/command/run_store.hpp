@@ -9,8 +9,9 @@
 
 #include "mottle/core/checksum.hpp"
 #include "mottle/drivers/command/extraction.hpp"
+#include "mottle/layers.hpp"
 
-namespace mottle {
+namespace mottle::drivers {
 
 /// What one run gave: modes, or why there are none.
 struct RunRecord {
@@ -52,4 +53,4 @@ class RunStore {
   mutable std::mutex mutex_;
 };
 
-}  // namespace mottle
+}  // namespace mottle::drivers

@@ -9,9 +9,10 @@
 #include <vector>
 
 #include "mottle/drivers/command/extraction.hpp"
+#include "mottle/layers.hpp"
 #include "mottle/model/model.hpp"
 
-namespace mottle {
+namespace mottle::drivers {
 
 /// A file of the study and its name in a run's folder.
 struct RunFile {
@@ -45,4 +46,4 @@ struct SolverCommand {
   std::optional<ShapeRule> shapes = std::nullopt;
 };
 
-}  // namespace mottle
+}  // namespace mottle::drivers

@@ -17,8 +17,9 @@
 #include "mottle/drivers/command/run_store.hpp"
 #include "mottle/drivers/command/solver_command.hpp"
 #include "mottle/drivers/command/template_file.hpp"
+#include "mottle/layers.hpp"
 
-namespace mottle {
+namespace mottle::drivers {
 
 /// Where runs happen and what may be used again.
 struct SolverPlace {
@@ -88,4 +89,4 @@ class SolverRuns {
   std::mutex mutex_;
 };
 
-}  // namespace mottle
+}  // namespace mottle::drivers

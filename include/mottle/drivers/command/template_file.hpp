@@ -7,7 +7,9 @@
 #include <string_view>
 #include <vector>
 
-namespace mottle {
+#include "mottle/layers.hpp"
+
+namespace mottle::drivers {
 
 /// A text with places that values are put into.
 class Template {
@@ -50,4 +52,4 @@ class Template {
   std::vector<Place> places_;
 };
 
-}  // namespace mottle
+}  // namespace mottle::drivers

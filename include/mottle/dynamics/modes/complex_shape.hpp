@@ -3,7 +3,9 @@
 
 #include <Eigen/Core>
 
-namespace mottle {
+#include "mottle/layers.hpp"
+
+namespace mottle::dynamics {
 
 /// A shape turned to the phase of best fit, and how well one phase fits it.
 struct RealShape {
@@ -22,4 +24,4 @@ struct RealShape {
 /// Source: [Pappa1993].
 RealShape nearest_real_shape(const Eigen::Ref<const Eigen::VectorXcd>& shape);
 
-}  // namespace mottle
+}  // namespace mottle::dynamics

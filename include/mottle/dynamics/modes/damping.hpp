@@ -4,8 +4,9 @@
 #include <Eigen/Core>
 
 #include "mottle/dynamics/modes/mode_set.hpp"
+#include "mottle/layers.hpp"
 
-namespace mottle {
+namespace mottle::dynamics {
 
 /// Damping ratio of each mode, from the eigenvalues mu of the damped structure, damping of any pattern.
 ///
@@ -18,4 +19,4 @@ namespace mottle {
 /// @return         [mode], dimensionless; nan for a mode that does not oscillate (overdamped)
 Eigen::VectorXd modal_damping_ratios(const ModeSet& modes, const Eigen::Ref<const Eigen::MatrixXd>& damping);
 
-}  // namespace mottle
+}  // namespace mottle::dynamics

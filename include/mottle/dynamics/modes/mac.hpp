@@ -4,7 +4,9 @@
 #include <Eigen/Core>
 #include <vector>
 
-namespace mottle {
+#include "mottle/layers.hpp"
+
+namespace mottle::dynamics {
 
 /// Modal assurance criterion of every pair of real shapes.
 ///
@@ -28,4 +30,4 @@ std::vector<int> optimal_assignment(const Eigen::Ref<const Eigen::MatrixXd>& sco
 /// @return  [mode of a x mode of b], within [-1, 1]; 0 where a shape is zero
 Eigen::MatrixXd shape_cosines(const Eigen::Ref<const Eigen::MatrixXd>& a, const Eigen::Ref<const Eigen::MatrixXd>& b);
 
-}  // namespace mottle
+}  // namespace mottle::dynamics

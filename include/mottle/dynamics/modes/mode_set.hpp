@@ -3,7 +3,9 @@
 
 #include <Eigen/Core>
 
-namespace mottle {
+#include "mottle/layers.hpp"
+
+namespace mottle::dynamics {
 
 /// Modes of K phi = lambda M phi, ascending.
 struct ModeSet {
@@ -18,4 +20,4 @@ struct ModeSet {
 /// @return            Hz, or nan where lambda is truly negative (the structure is unstable)
 double natural_frequency_hz(double eigenvalue, double scale);
 
-}  // namespace mottle
+}  // namespace mottle::dynamics

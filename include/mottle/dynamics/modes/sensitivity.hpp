@@ -5,9 +5,10 @@
 #include <vector>
 
 #include "mottle/dynamics/modes/mode_set.hpp"
+#include "mottle/layers.hpp"
 #include "mottle/linalg/sparse/symmetric_factor.hpp"
 
-namespace mottle {
+namespace mottle::dynamics {
 
 /// Derivative of distinct eigenvalues.
 ///
@@ -63,4 +64,4 @@ Eigen::MatrixXd nelson_shape_sensitivity(const SparseMatrix& stiffness, const Sp
 Eigen::MatrixXd shape_sensitivity(const ModeSet& modes, const Eigen::Ref<const Eigen::MatrixXd>& dK,
                                   const Eigen::Ref<const Eigen::MatrixXd>& dM);
 
-}  // namespace mottle
+}  // namespace mottle::dynamics

@@ -5,7 +5,9 @@
 #include <string>
 #include <vector>
 
-namespace mottle {
+#include "mottle/layers.hpp"
+
+namespace mottle::dynamics {
 
 /// A pairing with the story behind it.
 struct TrackedModes {
@@ -27,4 +29,4 @@ struct TrackedModes {
 /// Source: [Allemang1982]; subspace angles [GolubVanLoan2013], section 6.4.3.
 TrackedModes track_modes(const Eigen::Ref<const Eigen::MatrixXd>& cosines, double minimum_mac);
 
-}  // namespace mottle
+}  // namespace mottle::dynamics

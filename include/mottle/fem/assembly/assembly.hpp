@@ -8,8 +8,9 @@
 
 #include "mottle/fem/assembly/separable_matrix.hpp"
 #include "mottle/fem/finite_element_model.hpp"
+#include "mottle/layers.hpp"
 
-namespace mottle {
+namespace mottle::fem {
 
 /// What one parameter moves: card fields, all set to its value, or all multiplied by it.
 struct FieldParameter {
@@ -57,4 +58,4 @@ AssembledModel assemble(const FiniteElementModel& model, const std::vector<Field
 /// "101:+Z", "101:+RX"; "7" for a scalar point: how an equation is named.
 std::string degree_of_freedom_name(const FiniteElementModel& model, int node, int component);
 
-}  // namespace mottle
+}  // namespace mottle::fem

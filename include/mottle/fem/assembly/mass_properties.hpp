@@ -4,8 +4,9 @@
 #include <Eigen/Core>
 
 #include "mottle/fem/finite_element_model.hpp"
+#include "mottle/layers.hpp"
 
-namespace mottle {
+namespace mottle::fem {
 
 /// Mass as the model has it, direction by direction: scalar masses may weigh in one direction only.
 struct MassProperties {
@@ -22,4 +23,4 @@ struct MassProperties {
 /// PARAM,WTMASS is taken out again, so that masses are in the units of the deck's densities.
 MassProperties mass_properties(const FiniteElementModel& model);
 
-}  // namespace mottle
+}  // namespace mottle::fem

@@ -5,7 +5,9 @@
 #include <string>
 #include <vector>
 
-namespace mottle {
+#include "mottle/layers.hpp"
+
+namespace mottle::fem {
 
 /// A mass and its degree of freedom.
 struct PointMass {
@@ -43,4 +45,4 @@ Eigen::MatrixXd unit_connector_matrix(const Connector& connector, Eigen::Index d
 /// Mass matrix of one unit mass at degree of freedom `index`.
 Eigen::MatrixXd unit_mass_matrix(Eigen::Index index, Eigen::Index degrees_of_freedom);
 
-}  // namespace mottle
+}  // namespace mottle::fem

@@ -4,9 +4,10 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "mottle/layers.hpp"
 #include "mottle/linalg/reduced/reduced_model.hpp"
 
-namespace mottle {
+namespace mottle::fem {
 
 /// One factor of a coefficient: the parameter raised to a power.
 struct ParameterPower {
@@ -44,4 +45,4 @@ PencilTerms pencil_terms(const SeparableMatrix& stiffness, const SeparableMatrix
 TermCoefficients term_coefficients(const SeparableMatrix& stiffness, const SeparableMatrix& mass,
                                    const Eigen::Ref<const Eigen::MatrixXd>& samples);
 
-}  // namespace mottle
+}  // namespace mottle::fem

@@ -9,8 +9,9 @@
 
 #include "mottle/fem/card_field.hpp"
 #include "mottle/fem/elements/solid.hpp"
+#include "mottle/layers.hpp"
 
-namespace mottle {
+namespace mottle::fem {
 
 /// Basic coordinates; by node three translations, then three rotations.
 using BeamMatrix = Eigen::Matrix<double, 12, 12>;
@@ -86,4 +87,4 @@ std::array<BeamPiece, 2> rod_stiffness(const std::array<Eigen::Vector3d, 2>& nod
 /// @throws InvalidInput  ends that coincide
 BeamMatrix rod_mass(const std::array<Eigen::Vector3d, 2>& nodes, MassKind kind);
 
-}  // namespace mottle
+}  // namespace mottle::fem

@@ -8,8 +8,9 @@
 
 #include "mottle/fem/card_field.hpp"
 #include "mottle/fem/elements/element_traits.hpp"
+#include "mottle/layers.hpp"
 
-namespace mottle {
+namespace mottle::fem {
 
 /// PBAR, PBEAM (constant section), PBARL and PBEAML (numbers follow from the dimensions).
 struct BeamProperty {
@@ -36,4 +37,4 @@ struct BeamElement {
   static const ElementTraits<BeamElement> k_traits;
 };
 
-}  // namespace mottle
+}  // namespace mottle::fem

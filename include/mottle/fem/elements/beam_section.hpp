@@ -7,8 +7,9 @@
 #include <vector>
 
 #include "mottle/fem/elements/beam.hpp"
+#include "mottle/layers.hpp"
 
-namespace mottle {
+namespace mottle::fem {
 
 /// Names of the sections that beam_section knows, in alphabetical order.
 std::vector<std::string> beam_section_names();
@@ -47,4 +48,4 @@ int beam_section_dimensions(std::string_view name);
 /// Source: [Young2002], table 10.1 (torsion), ch. 8.10 (shear factors).
 BeamSection beam_section(std::string_view name, std::span<const double> dimensions);
 
-}  // namespace mottle
+}  // namespace mottle::fem

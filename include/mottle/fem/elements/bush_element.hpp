@@ -6,8 +6,9 @@
 
 #include "mottle/fem/card_field.hpp"
 #include "mottle/fem/elements/element_traits.hpp"
+#include "mottle/layers.hpp"
 
-namespace mottle {
+namespace mottle::fem {
 
 /// CBUSH with PBUSH.
 struct BushElement {
@@ -21,4 +22,4 @@ struct BushElement {
   static const ElementTraits<BushElement> k_traits;
 };
 
-}  // namespace mottle
+}  // namespace mottle::fem

@@ -11,8 +11,9 @@
 #include "mottle/fem/elements/scalar_element.hpp"
 #include "mottle/fem/elements/shell_element.hpp"
 #include "mottle/fem/elements/solid_element.hpp"
+#include "mottle/layers.hpp"
 
-namespace mottle {
+namespace mottle::fem {
 
 template <typename... Elements>
 using ListsOf = std::tuple<std::vector<Elements>...>;
@@ -33,4 +34,4 @@ const auto& traits_of(const List&) {
   return List::value_type::k_traits;
 }
 
-}  // namespace mottle
+}  // namespace mottle::fem

@@ -10,7 +10,9 @@
 #include <string_view>
 #include <vector>
 
-namespace mottle {
+#include "mottle/layers.hpp"
+
+namespace mottle::fem {
 
 struct FiniteElementModel;
 struct ElementPieces;
@@ -66,4 +68,4 @@ struct ElementTraits {
   GeometryNumbers<Element> geometry = {};
 };
 
-}  // namespace mottle
+}  // namespace mottle::fem

@@ -8,8 +8,9 @@
 
 #include "mottle/fem/card_field.hpp"
 #include "mottle/fem/elements/element_traits.hpp"
+#include "mottle/layers.hpp"
 
-namespace mottle {
+namespace mottle::fem {
 
 /// CONM2 (mass, offset, inertia about its centre of gravity) and CONM1 (a whole 6 x 6 matrix).
 struct PointMassElement {
@@ -25,4 +26,4 @@ struct PointMassElement {
   static const ElementTraits<PointMassElement> k_traits;
 };
 
-}  // namespace mottle
+}  // namespace mottle::fem

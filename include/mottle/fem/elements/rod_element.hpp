@@ -5,8 +5,9 @@
 
 #include "mottle/fem/card_field.hpp"
 #include "mottle/fem/elements/element_traits.hpp"
+#include "mottle/layers.hpp"
 
-namespace mottle {
+namespace mottle::fem {
 
 /// CROD with PROD, CONROD.
 struct RodElement {
@@ -18,4 +19,4 @@ struct RodElement {
   static const ElementTraits<RodElement> k_traits;
 };
 
-}  // namespace mottle
+}  // namespace mottle::fem

@@ -6,8 +6,9 @@
 
 #include "mottle/fem/card_field.hpp"
 #include "mottle/fem/elements/element_traits.hpp"
+#include "mottle/layers.hpp"
 
-namespace mottle {
+namespace mottle::fem {
 
 /// CELAS, CMASS, CDAMP: one number between two degrees of freedom, or one and ground (node -1).
 struct ScalarElement {
@@ -22,4 +23,4 @@ struct ScalarElement {
   static const ElementTraits<ScalarElement> k_traits;
 };
 
-}  // namespace mottle
+}  // namespace mottle::fem

@@ -5,8 +5,9 @@
 #include <Eigen/Core>
 
 #include "mottle/fem/elements/solid.hpp"
+#include "mottle/layers.hpp"
 
-namespace mottle {
+namespace mottle::fem {
 
 /// Basic coordinates; by node three translations, then three rotations. A triangle fills the leading 18 x 18.
 using ShellMatrix = Eigen::Matrix<double, 24, 24>;
@@ -76,4 +77,4 @@ struct ShellQuality {
 /// @throws InvalidInput  nodes that enclose no area
 ShellQuality shell_quality(const ShellInput& input);
 
-}  // namespace mottle
+}  // namespace mottle::fem

@@ -5,8 +5,9 @@
 
 #include "mottle/fem/card_field.hpp"
 #include "mottle/fem/elements/element_traits.hpp"
+#include "mottle/layers.hpp"
 
-namespace mottle {
+namespace mottle::fem {
 
 /// PSHELL. A material of -1 leaves that stiffness out (MID2 blank: no bending; MID3 blank: no shear flexibility).
 struct ShellProperty {
@@ -30,4 +31,4 @@ struct ShellElement {
   static const ElementTraits<ShellElement> k_traits;
 };
 
-}  // namespace mottle
+}  // namespace mottle::fem

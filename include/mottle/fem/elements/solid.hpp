@@ -5,7 +5,9 @@
 #include <Eigen/Core>
 #include <cstdint>
 
-namespace mottle {
+#include "mottle/layers.hpp"
+
+namespace mottle::fem {
 
 enum class SolidShape : std::uint8_t { hexahedron8, wedge6, tetrahedron4, tetrahedron10 };
 
@@ -69,4 +71,4 @@ double solid_volume(SolidShape shape, const Eigen::Ref<const Eigen::Matrix3Xd>& 
 /// Quality of an element's form; also of one that the other functions refuse.
 SolidQuality solid_quality(SolidShape shape, const Eigen::Ref<const Eigen::Matrix3Xd>& nodes);
 
-}  // namespace mottle
+}  // namespace mottle::fem

@@ -5,8 +5,9 @@
 
 #include "mottle/fem/elements/element_traits.hpp"
 #include "mottle/fem/elements/solid.hpp"
+#include "mottle/layers.hpp"
 
-namespace mottle {
+namespace mottle::fem {
 
 /// CHEXA, CPENTA, CTETRA with PSOLID.
 struct SolidElement {
@@ -18,4 +19,4 @@ struct SolidElement {
   static const ElementTraits<SolidElement> k_traits;
 };
 
-}  // namespace mottle
+}  // namespace mottle::fem

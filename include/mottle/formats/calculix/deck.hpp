@@ -7,7 +7,9 @@
 #include <string_view>
 #include <vector>
 
-namespace mottle {
+#include "mottle/layers.hpp"
+
+namespace mottle::formats {
 
 /// A deck with what it includes.
 struct CalculixDeck {
@@ -77,4 +79,4 @@ std::string deck_with_places(const CalculixDeck& deck, const std::vector<Calculi
 /// Whether the deck asks for displacements in .frd: *NODE FILE (or *NODE OUTPUT) with U.
 bool writes_displacements(const CalculixDeck& deck);
 
-}  // namespace mottle
+}  // namespace mottle::formats

@@ -7,7 +7,9 @@
 #include <string_view>
 #include <vector>
 
-namespace mottle {
+#include "mottle/layers.hpp"
+
+namespace mottle::formats {
 
 /// Eigenvalues, (rad/time)^2, of the first table of a .dat file [mode]; 7 digits.
 ///
@@ -25,4 +27,4 @@ struct CalculixShape {
 /// @throws FormatError  a block that is cut off, a number that is none, an .frd in binary
 std::vector<CalculixShape> parse_calculix_shapes(std::string_view bytes, const std::string& file);
 
-}  // namespace mottle
+}  // namespace mottle::formats

@@ -8,7 +8,9 @@
 #include <string_view>
 #include <vector>
 
-namespace mottle {
+#include "mottle/layers.hpp"
+
+namespace mottle::formats {
 
 /// One variable.
 struct MatVariable {
@@ -30,4 +32,4 @@ std::map<std::string, MatVariable> parse_mat(std::string_view bytes, const std::
 /// @throws InvalidInput  no such file, larger than the limit
 std::map<std::string, MatVariable> read_mat(const std::string& file);
 
-}  // namespace mottle
+}  // namespace mottle::formats

@@ -6,9 +6,10 @@
 #include <string_view>
 #include <vector>
 
+#include "mottle/layers.hpp"
 #include "mottle/linalg/sparse/symmetric_factor.hpp"
 
-namespace mottle {
+namespace mottle::formats {
 
 /// A symmetric matrix with the names of its rows.
 struct SymmetricMatrix {
@@ -54,4 +55,4 @@ std::vector<std::string> parse_row_names(std::string_view bytes, const std::stri
 /// @param name  of the matrix wanted; empty: the only one
 SymmetricMatrix parse_symmetric_matrix(std::string_view bytes, const std::string& file, const std::string& name);
 
-}  // namespace mottle
+}  // namespace mottle::formats

@@ -13,7 +13,9 @@
 #include <string_view>
 #include <vector>
 
-namespace mottle {
+#include "mottle/layers.hpp"
+
+namespace mottle::formats {
 
 /// One bulk data card with its continuation lines. The views look into the deck that holds it.
 struct BulkCard {
@@ -77,4 +79,4 @@ NastranDeck read_nastran_deck(const std::filesystem::path& file);
 /// The same from bytes; `name` stands for the main file in messages.
 NastranDeck parse_nastran_deck(std::string bytes, const std::string& name, const IncludeResolver& resolve = {});
 
-}  // namespace mottle
+}  // namespace mottle::formats

@@ -11,8 +11,9 @@
 
 #include "mottle/fem/finite_element_model.hpp"
 #include "mottle/formats/nastran/deck.hpp"
+#include "mottle/layers.hpp"
 
-namespace mottle {
+namespace mottle::formats {
 
 struct NastranOptions {
   std::set<std::string> ignore_cards = {};    ///< names in capitals; such cards (and K2GG, NSM... of the case control
@@ -48,4 +49,4 @@ NastranModel build_nastran_model(const NastranDeck& deck, const NastranOptions& 
 /// Whether a number of a deck is one that models are usually wrong in: moduli, densities, dimensions, springs, masses.
 bool is_design_number(const CardField& field);
 
-}  // namespace mottle
+}  // namespace mottle::formats

@@ -6,8 +6,9 @@
 #include <vector>
 
 #include "mottle/formats/text_lines.hpp"
+#include "mottle/layers.hpp"
 
-namespace mottle {
+namespace mottle::formats {
 
 /// Shapes at named degrees of freedom.
 struct NamedShapes {
@@ -53,4 +54,4 @@ Eigen::VectorXd read_punch_eigenvalues(LineWalker lines, const std::string& file
 /// The last set of blocks $EIGENVECTOR (or $DISPLACEMENTS with a $EIGENVALUE line). Errors as above.
 NamedShapes read_punch_shapes(LineWalker lines, const std::string& file);
 
-}  // namespace mottle
+}  // namespace mottle::formats

@@ -6,7 +6,9 @@
 #include <string_view>
 #include <vector>
 
-namespace mottle {
+#include "mottle/layers.hpp"
+
+namespace mottle::formats {
 
 /// A table as it stands in a file.
 struct CsvTable {
@@ -38,4 +40,4 @@ Eigen::VectorXd numbers_of_column(const CsvTable& table, int column);
 std::string format_csv(const std::vector<std::string>& header, const Eigen::Ref<const Eigen::MatrixXd>& values,
                        const std::vector<std::vector<std::string>>& text_columns = {});
 
-}  // namespace mottle
+}  // namespace mottle::formats

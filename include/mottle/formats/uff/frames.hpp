@@ -5,8 +5,9 @@
 #include <map>
 
 #include "mottle/formats/uff/uff.hpp"
+#include "mottle/layers.hpp"
 
-namespace mottle {
+namespace mottle::formats {
 
 /// Turns all numbers into SI by dataset 164; without one nothing is changed. A number is divided by the factor of its
 /// unit; shapes are ratios: translations stay, rotations are per metre, modal mass is a mass (force s^2 / length).
@@ -32,4 +33,4 @@ class UffFrames {
   std::map<int, Eigen::Matrix3d> directions_;
 };
 
-}  // namespace mottle
+}  // namespace mottle::formats

@@ -11,8 +11,9 @@
 #include <vector>
 
 #include "mottle/fem/finite_element_model.hpp"
+#include "mottle/layers.hpp"
 
-namespace mottle {
+namespace mottle::formats {
 
 /// Five lines of text in front of shapes and functions.
 using UffTitles = std::array<std::string, 5>;
@@ -151,4 +152,4 @@ struct UffWriteOptions {
 /// Titles are cut at 80 bytes.
 std::string format_uff(const UffFile& contents, const UffWriteOptions& options = {});
 
-}  // namespace mottle
+}  // namespace mottle::formats

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace mottle {
+namespace mottle::linalg {
 
 /// Which instructions the kernels use.
 enum class SimdLevel {
@@ -71,4 +71,4 @@ BatchModes solve_batch(const PencilFamily& family, const Eigen::Ref<const Eigen:
 /// Whether this processor (and this build) can run kernels of a level.
 bool is_simd_level_available(SimdLevel level);
 
-}  // namespace mottle
+}  // namespace mottle::linalg

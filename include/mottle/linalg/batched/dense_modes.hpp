@@ -3,7 +3,7 @@
 
 #include <Eigen/Core>
 
-namespace mottle {
+namespace mottle::linalg {
 
 /// Modes of one pencil, in ascending order of the eigenvalue.
 struct DenseModes {
@@ -25,4 +25,4 @@ struct DenseModes {
 DenseModes solve_modes(const Eigen::Ref<const Eigen::MatrixXd>& stiffness,
                        const Eigen::Ref<const Eigen::MatrixXd>& mass, int modes = 0);
 
-}  // namespace mottle
+}  // namespace mottle::linalg

@@ -9,7 +9,7 @@
 
 #include "mottle/linalg/sparse/sparse_modes.hpp"
 
-namespace mottle {
+namespace mottle::linalg {
 
 /// Relative size, against diag(T), of what is added to a symmetric T before its pivots tell whether it is positive
 /// semidefinite. Terms are singular as a rule (rigid-body motions of the part), so that rounding decides on the sign of
@@ -124,4 +124,4 @@ class ReducedModel {
   std::unique_ptr<Parts> parts_;
 };
 
-}  // namespace mottle
+}  // namespace mottle::linalg

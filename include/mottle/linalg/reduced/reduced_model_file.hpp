@@ -7,7 +7,7 @@
 #include "mottle/core/checksum.hpp"
 #include "mottle/linalg/reduced/reduced_model.hpp"
 
-namespace mottle {
+namespace mottle::linalg {
 
 /// All that a trained model is made from. Refers to what it is made of.
 struct ReducedModelInputs {
@@ -51,4 +51,4 @@ class ReducedModelFile {
   Digest fingerprint_;
 };
 
-}  // namespace mottle
+}  // namespace mottle::linalg

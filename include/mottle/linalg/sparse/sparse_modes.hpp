@@ -7,7 +7,7 @@
 
 #include "mottle/linalg/sparse/symmetric_factor.hpp"
 
-namespace mottle {
+namespace mottle::linalg {
 
 /// How the modes are sought.
 struct SparseModesOptions {
@@ -71,4 +71,4 @@ class SparseModeSolver {
 /// y = A x for a symmetric matrix given by its lower triangle, x of any number of columns.
 Eigen::MatrixXd symmetric_product(const SparseMatrix& lower, const Eigen::Ref<const Eigen::MatrixXd>& x);
 
-}  // namespace mottle
+}  // namespace mottle::linalg

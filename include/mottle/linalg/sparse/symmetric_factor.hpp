@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace mottle {
+namespace mottle::linalg {
 
 /// A sparse symmetric matrix by its lower triangle, compressed columns.
 using SparseMatrix = Eigen::SparseMatrix<double, Eigen::ColMajor, int>;
@@ -63,4 +63,4 @@ std::unique_ptr<DefiniteFactor> make_definite_factor(std::vector<int> order = {}
 /// L D L' with pivoting of an indefinite matrix by MUMPS: the one that counts negative eigenvalues.
 std::unique_ptr<SymmetricFactor> make_indefinite_factor();
 
-}  // namespace mottle
+}  // namespace mottle::linalg

@@ -6,9 +6,10 @@
 
 #include "mottle/fem/assembly/assembly.hpp"
 #include "mottle/fem/finite_element_model.hpp"
+#include "mottle/layers.hpp"
 #include "mottle/model/parameters/parameter_targets.hpp"
 
-namespace mottle {
+namespace mottle::model {
 
 /// A number of the model's geometry that a parameter moves: the model is assembled anew for each of its values.
 struct GeometryTarget {
@@ -43,4 +44,4 @@ FieldTargets find_field_targets(FiniteElementModel& model, const std::vector<Par
 FiniteElementModel model_at(const FiniteElementModel& model, const FieldTargets& targets,
                             const Eigen::Ref<const Eigen::VectorXd>& parameters);
 
-}  // namespace mottle
+}  // namespace mottle::model

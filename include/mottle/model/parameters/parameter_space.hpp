@@ -9,11 +9,12 @@
 #include <vector>
 
 #include "mottle/core/random.hpp"
+#include "mottle/layers.hpp"
 #include "mottle/model/parameters/parameter_targets.hpp"
 #include "mottle/stats/distributions/joint_distribution.hpp"
 #include "mottle/stats/sampling/sampling.hpp"
 
-namespace mottle {
+namespace mottle::model {
 
 /// One uncertain parameter.
 struct Parameter {
@@ -70,4 +71,4 @@ class ParameterSpace {
   JointDistribution prior_;
 };
 
-}  // namespace mottle
+}  // namespace mottle::model

@@ -4,7 +4,9 @@
 #include <string>
 #include <vector>
 
-namespace mottle {
+#include "mottle/layers.hpp"
+
+namespace mottle::model {
 
 /// What one parameter acts on.
 struct ParameterTargets {
@@ -22,4 +24,4 @@ struct PhysicalLimit {
 /// The physically possible values of one parameter.
 PhysicalLimit physical_limit(const ParameterTargets& parameter);
 
-}  // namespace mottle
+}  // namespace mottle::model

@@ -4,7 +4,9 @@
 #include <string>
 #include <vector>
 
-namespace mottle {
+#include "mottle/layers.hpp"
+
+namespace mottle::model {
 
 /// How the modes of a sample get the numbers of the reference's.
 enum class ModeTracking {
@@ -25,4 +27,4 @@ struct ModalOutputs {
   double minimum_mac = 0.5;
 };
 
-}  // namespace mottle
+}  // namespace mottle::model

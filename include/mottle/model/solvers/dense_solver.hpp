@@ -1,11 +1,12 @@
 // Solves all samples of a batch of a small structure side by side in SIMD lanes.
 #pragma once
 
+#include "mottle/layers.hpp"
 #include "mottle/linalg/batched/batch_eigen.hpp"
 #include "mottle/model/solvers/solver.hpp"
 #include "mottle/model/structures/dense_structure.hpp"
 
-namespace mottle {
+namespace mottle::model {
 
 class DenseSolver final : public Solver {
  public:
@@ -30,4 +31,4 @@ class DenseSolver final : public Solver {
   PencilFamily pencils_;
 };
 
-}  // namespace mottle
+}  // namespace mottle::model

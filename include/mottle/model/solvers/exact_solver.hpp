@@ -6,11 +6,12 @@
 #include <mutex>
 #include <vector>
 
+#include "mottle/layers.hpp"
 #include "mottle/linalg/sparse/sparse_modes.hpp"
 #include "mottle/model/solvers/solver.hpp"
 #include "mottle/model/structures/sparse_structure.hpp"
 
-namespace mottle {
+namespace mottle::model {
 
 /// Derivatives of a structure's matrices at the point that was asked for last: some are two assemblies each, and are
 /// asked for once for every mode's shape. Safe to use from several threads.
@@ -74,4 +75,4 @@ class ExactSolver final : public Solver {
 /// Cosines from phi_ref' M phi and the squared M-lengths of the phi.
 Eigen::MatrixXd cosines_from(const Eigen::MatrixXd& products, const Eigen::RowVectorXd& squares);
 
-}  // namespace mottle
+}  // namespace mottle::model

@@ -7,10 +7,11 @@
 #include <optional>
 #include <vector>
 
+#include "mottle/layers.hpp"
 #include "mottle/linalg/reduced/reduced_model.hpp"
 #include "mottle/model/solvers/exact_solver.hpp"
 
-namespace mottle {
+namespace mottle::model {
 
 /// How clouds may be solved.
 struct ReductionSettings {
@@ -80,4 +81,4 @@ class ReducedSolver final : public Solver {
 std::unique_ptr<Solver> make_sparse_solver(std::unique_ptr<const SparseStructure> structure,
                                            std::optional<ReductionSettings> settings);
 
-}  // namespace mottle
+}  // namespace mottle::model

@@ -8,10 +8,11 @@
 
 #include "mottle/core/run_context.hpp"
 #include "mottle/dynamics/modes/mode_set.hpp"
+#include "mottle/layers.hpp"
 #include "mottle/model/model.hpp"
 #include "mottle/model/structures/structure.hpp"
 
-namespace mottle {
+namespace mottle::model {
 
 /// What is wanted of the solution of every sample.
 struct SolutionRequest {
@@ -76,4 +77,4 @@ class Solver {
   virtual Eigen::Index batch_size() const = 0;
 };
 
-}  // namespace mottle
+}  // namespace mottle::model

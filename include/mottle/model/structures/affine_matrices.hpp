@@ -6,9 +6,10 @@
 #include <vector>
 
 #include "mottle/fem/assembly/mass_spring.hpp"
+#include "mottle/layers.hpp"
 #include "mottle/model/parameters/parameter_targets.hpp"
 
-namespace mottle {
+namespace mottle::model {
 
 /// A matrix that depends on the parameters through known terms (Eq. 2 of [Mares2006] with g_i(x) = x_i).
 struct AffineMatrix {
@@ -41,4 +42,4 @@ struct AffineStructure {
 /// two parameters, a factor on an element whose nominal value is zero (the parameter would act on nothing).
 AffineStructure separate(const MassSpringSystem& system, const std::vector<ParameterTargets>& parameters);
 
-}  // namespace mottle
+}  // namespace mottle::model

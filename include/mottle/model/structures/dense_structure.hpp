@@ -1,10 +1,11 @@
 // A small structure with full matrices.
 #pragma once
 
+#include "mottle/layers.hpp"
 #include "mottle/model/structures/affine_matrices.hpp"
 #include "mottle/model/structures/structure.hpp"
 
-namespace mottle {
+namespace mottle::model {
 
 class DenseStructure final : public Structure {
  public:
@@ -29,4 +30,4 @@ class DenseStructure final : public Structure {
   Eigen::Index parameters_;
 };
 
-}  // namespace mottle
+}  // namespace mottle::model

@@ -4,10 +4,11 @@
 #include <vector>
 
 #include "mottle/fem/assembly/assembly.hpp"
+#include "mottle/layers.hpp"
 #include "mottle/model/parameters/field_targets.hpp"
 #include "mottle/model/structures/sparse_structure.hpp"
 
-namespace mottle {
+namespace mottle::model {
 
 /// K(x) = sum of powers of x times constant matrices where the parameters allow it, re-assembled for each sample where
 /// not. Shapes have a row for each equation; degrees of freedom are named "101:+Z", "101:+RX", in the displacement
@@ -51,4 +52,4 @@ class FiniteElementStructure final : public SparseStructure {
   bool is_separable_ = true;
 };
 
-}  // namespace mottle
+}  // namespace mottle::model

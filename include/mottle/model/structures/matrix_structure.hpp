@@ -7,10 +7,11 @@
 #include <vector>
 
 #include "mottle/formats/matrices/matrix_file.hpp"
+#include "mottle/layers.hpp"
 #include "mottle/model/parameters/parameter_targets.hpp"
 #include "mottle/model/structures/sparse_structure.hpp"
 
-namespace mottle {
+namespace mottle::model {
 
 /// One matrix and the powers of parameters that it is multiplied by.
 struct ScaledMatrix {
@@ -96,4 +97,4 @@ class MatrixStructure final : public SparseStructure {
   std::vector<std::vector<int>> layers_;  // rows of each name
 };
 
-}  // namespace mottle
+}  // namespace mottle::model

@@ -4,9 +4,10 @@
 #include <string>
 
 #include "mottle/fem/assembly/separable_matrix.hpp"
+#include "mottle/layers.hpp"
 #include "mottle/model/structures/structure.hpp"
 
-namespace mottle {
+namespace mottle::model {
 
 /// K(x) and M(x), the sums of known functions of x times constant matrices where the parameters allow it.
 class SparseStructure : public Structure {
@@ -38,4 +39,4 @@ class SparseStructure : public Structure {
   std::string separable_role(Eigen::Index parameter) const;
 };
 
-}  // namespace mottle
+}  // namespace mottle::model

@@ -6,9 +6,13 @@
 #include <string>
 #include <vector>
 
-namespace mottle {
+#include "mottle/layers.hpp"
 
+namespace mottle::fem {
 struct FiniteElementModel;
+}  // namespace mottle::fem
+
+namespace mottle::model {
 
 /// Stiffness, mass and damping as functions of the parameters, or somebody else's program that knows them. Shapes have
 /// a row for each equation; the degrees of freedom that a user names are found by number and read off by
@@ -42,4 +46,4 @@ class Structure {
   virtual const FiniteElementModel* mesh() const { return nullptr; }
 };
 
-}  // namespace mottle
+}  // namespace mottle::model

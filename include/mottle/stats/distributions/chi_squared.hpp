@@ -1,7 +1,9 @@
 // The chi-squared distribution: limits and p-values of large-sample tests.
 #pragma once
 
-namespace mottle {
+#include "mottle/layers.hpp"
+
+namespace mottle::stats {
 
 /// Value that a chi-squared variable stays below with the given probability.
 ///
@@ -17,4 +19,4 @@ double chi_squared_quantile(double probability, double degrees_of_freedom);
 /// @throws InvalidInput       an argument outside its range
 double chi_squared_upper_tail(double value, double degrees_of_freedom);
 
-}  // namespace mottle
+}  // namespace mottle::stats

@@ -7,7 +7,9 @@
 #include <string>
 #include <vector>
 
-namespace mottle {
+#include "mottle/layers.hpp"
+
+namespace mottle::stats {
 
 /// The families of distributions that a study may name.
 enum class DistributionKind { normal, lognormal, uniform, truncated_normal, beta, gamma };
@@ -81,4 +83,4 @@ class Distribution {
   std::shared_ptr<const Implementation> implementation_;
 };
 
-}  // namespace mottle
+}  // namespace mottle::stats

@@ -5,10 +5,11 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "mottle/layers.hpp"
 #include "mottle/stats/distributions/distribution.hpp"
 #include "mottle/stats/distributions/normal_scale.hpp"
 
-namespace mottle {
+namespace mottle::stats {
 
 /// Joint distribution of a model's parameters. Value type; const members may be called from many threads.
 class JointDistribution {
@@ -75,4 +76,4 @@ class JointDistribution {
   Eigen::MatrixXd factor_;  ///< of the copula's correlation, or of the covariance; empty for independent variables
 };
 
-}  // namespace mottle
+}  // namespace mottle::stats

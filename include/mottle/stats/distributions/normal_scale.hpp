@@ -5,7 +5,9 @@
 #include <Eigen/Core>
 #include <vector>
 
-namespace mottle {
+#include "mottle/layers.hpp"
+
+namespace mottle::stats {
 
 /// t = g(x), normal in the population.
 ///
@@ -44,4 +46,4 @@ VariableMoments moments_of_variables(const std::vector<NormalScale>& scales,
                                      const Eigen::Ref<const Eigen::VectorXd>& mean,
                                      const Eigen::Ref<const Eigen::MatrixXd>& covariance);
 
-}  // namespace mottle
+}  // namespace mottle::stats

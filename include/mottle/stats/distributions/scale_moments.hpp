@@ -4,9 +4,10 @@
 #include <Eigen/Core>
 #include <optional>
 
+#include "mottle/layers.hpp"
 #include "mottle/stats/distributions/normal_scale.hpp"
 
-namespace mottle {
+namespace mottle::stats {
 
 /// Mean and standard deviation of t.
 struct ScaleMoments {
@@ -28,4 +29,4 @@ double density_on_scale(const NormalScale& scale, const ScaleMoments& moments, d
 Eigen::VectorXd points_on_scale(const NormalScale& scale, const ScaleMoments& moments, double reach,
                                 Eigen::Index count);
 
-}  // namespace mottle
+}  // namespace mottle::stats

@@ -1,7 +1,9 @@
 // The standard normal distribution: probability and quantile with full relative accuracy in both tails.
 #pragma once
 
-namespace mottle {
+#include "mottle/layers.hpp"
+
+namespace mottle::stats {
 
 /// P(N <= z) of a standard normal N: erfc(-z / sqrt 2) / 2.
 double standard_normal_cdf(double z);
@@ -14,4 +16,4 @@ double standard_normal_cdf(double z);
 /// @throws InvalidInput  probability outside [0, 1] or nan
 double standard_normal_quantile(double probability);
 
-}  // namespace mottle
+}  // namespace mottle::stats

@@ -3,7 +3,9 @@
 
 #include <Eigen/Core>
 
-namespace mottle {
+#include "mottle/layers.hpp"
+
+namespace mottle::stats {
 
 /// Mean of every column.
 ///
@@ -56,4 +58,4 @@ struct SampleMoments {
 /// Source: [Little2019], section 3.4; [Rousseeuw1993] for the repair.
 SampleMoments available_case_moments(const Eigen::Ref<const Eigen::MatrixXd>& samples);
 
-}  // namespace mottle
+}  // namespace mottle::stats

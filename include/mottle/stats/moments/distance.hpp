@@ -3,7 +3,9 @@
 
 #include <Eigen/Core>
 
-namespace mottle {
+#include "mottle/layers.hpp"
+
+namespace mottle::stats {
 
 /// sqrt((a - b)'(a - b)), in the vectors' unit.
 ///
@@ -23,4 +25,4 @@ double euclidean_distance(const Eigen::Ref<const Eigen::VectorXd>& a, const Eige
 double mahalanobis_distance(const Eigen::Ref<const Eigen::VectorXd>& a, const Eigen::Ref<const Eigen::VectorXd>& b,
                             const Eigen::Ref<const Eigen::MatrixXd>& covariance);
 
-}  // namespace mottle
+}  // namespace mottle::stats

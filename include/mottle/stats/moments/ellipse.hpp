@@ -4,7 +4,9 @@
 #include <Eigen/Core>
 #include <vector>
 
-namespace mottle {
+#include "mottle/layers.hpp"
+
+namespace mottle::stats {
 
 /// Ellipse in the plane of two variables.
 struct Ellipse {
@@ -33,4 +35,4 @@ Ellipse sigma_ellipse(const Eigen::Ref<const Eigen::VectorXd>& mean,
 std::vector<Ellipse> pairwise_ellipses(const Eigen::Ref<const Eigen::VectorXd>& mean,
                                        const Eigen::Ref<const Eigen::MatrixXd>& covariance, double sigmas);
 
-}  // namespace mottle
+}  // namespace mottle::stats

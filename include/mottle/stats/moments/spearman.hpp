@@ -3,7 +3,9 @@
 
 #include <Eigen/Core>
 
-namespace mottle {
+#include "mottle/layers.hpp"
+
+namespace mottle::stats {
 
 /// Rank correlation of every column of `inputs` with every column of `outputs`: Pearson's correlation of the ranks,
 /// equal values sharing the average of their ranks.
@@ -21,4 +23,4 @@ Eigen::MatrixXd spearman(const Eigen::Ref<const Eigen::MatrixXd>& inputs,
 /// @param values  [sample], no nan
 Eigen::VectorXd average_ranks(const Eigen::Ref<const Eigen::VectorXd>& values);
 
-}  // namespace mottle
+}  // namespace mottle::stats

@@ -1,7 +1,9 @@
 // Confidence intervals of a normal population's mean, deviation and correlation from a complete sample.
 #pragma once
 
-namespace mottle {
+#include "mottle/layers.hpp"
+
+namespace mottle::stats {
 
 /// The two ends of an interval.
 struct Interval {
@@ -34,4 +36,4 @@ Interval deviation_interval(double std, int count, double confidence);
 /// Source: [Anderson2003], section 4.2 and 7.2.
 Interval correlation_interval(double correlation, int count, double confidence);
 
-}  // namespace mottle
+}  // namespace mottle::stats

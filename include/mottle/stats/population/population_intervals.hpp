@@ -4,10 +4,11 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "mottle/layers.hpp"
 #include "mottle/stats/distributions/normal_scale.hpp"
 #include "mottle/stats/population/random_effects.hpp"
 
-namespace mottle {
+namespace mottle::stats {
 
 /// What intervals rest on. `total` = Sigma + noise is what the units show of the population's covariance: a quantity
 /// whose sampling distribution is that of a sample covariance with `freedom` degrees of freedom.
@@ -61,4 +62,4 @@ struct PopulationIntervals {
 PopulationIntervals population_intervals(const PopulationEvidence& evidence, const std::vector<NormalScale>& scales,
                                          double confidence);
 
-}  // namespace mottle
+}  // namespace mottle::stats

@@ -6,7 +6,9 @@
 #include <utility>
 #include <vector>
 
-namespace mottle {
+#include "mottle/layers.hpp"
+
+namespace mottle::stats {
 
 /// What was observed of one unit: y = G x + E d + e, x ~ N(mu, Sigma), e ~ N(0, diag(noise)), d ~ N(0, D) the same for
 /// all units. Missing entries have no row.
@@ -123,4 +125,4 @@ RandomEffectsInformation random_effects_information(const std::vector<RandomEffe
 SharedErrorInformation shared_error_information(const std::vector<RandomEffectsUnit>& units,
                                                 const RandomEffectsFit& fit, const RandomEffectsSettings& settings);
 
-}  // namespace mottle
+}  // namespace mottle::stats

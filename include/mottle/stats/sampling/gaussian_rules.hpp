@@ -3,7 +3,9 @@
 
 #include <Eigen/Core>
 
-namespace mottle {
+#include "mottle/layers.hpp"
+
+namespace mottle::stats {
 
 /// E[f(w)] = sum_i weight_i f(point_i), w ~ N(0, I).
 struct GaussianRule {
@@ -37,4 +39,4 @@ GaussianRule fifth_degree_rule(Eigen::Index dimension);
 /// @throws InvalidInput  too few points, or points in a plane
 GaussianRule standardised_rule(const Eigen::Ref<const Eigen::MatrixXd>& uniforms);
 
-}  // namespace mottle
+}  // namespace mottle::stats

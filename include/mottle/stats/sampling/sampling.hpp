@@ -4,8 +4,9 @@
 #include <Eigen/Core>
 
 #include "mottle/core/random.hpp"
+#include "mottle/layers.hpp"
 
-namespace mottle {
+namespace mottle::stats {
 
 /// How samples are spread over the unit cube.
 enum class SamplingDesign {
@@ -31,4 +32,4 @@ enum class SamplingDesign {
 Eigen::MatrixXd uniform_design(SamplingDesign design, Eigen::Index samples, Eigen::Index dimension,
                                const StreamKey& key);
 
-}  // namespace mottle
+}  // namespace mottle::stats

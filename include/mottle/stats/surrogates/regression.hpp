@@ -5,7 +5,9 @@
 #include <Eigen/Core>
 #include <vector>
 
-namespace mottle {
+#include "mottle/layers.hpp"
+
+namespace mottle::stats {
 
 /// y(x) = intercept + sensitivity (x - centre) and how well it holds.
 struct LinearRegression {
@@ -58,4 +60,4 @@ struct QuadraticRegression {
 QuadraticRegression quadratic_regression(const Eigen::Ref<const Eigen::MatrixXd>& inputs,
                                          const Eigen::Ref<const Eigen::MatrixXd>& outputs);
 
-}  // namespace mottle
+}  // namespace mottle::stats

@@ -4,7 +4,9 @@
 #include <Eigen/Core>
 #include <memory>
 
-namespace mottle {
+#include "mottle/layers.hpp"
+
+namespace mottle::stats {
 
 enum class SurrogateKind {
   quadratic,  ///< all terms up to the second degree, by least squares
@@ -45,4 +47,4 @@ class Surrogate {
   Eigen::MatrixXd residuals_;
 };
 
-}  // namespace mottle
+}  // namespace mottle::stats

@@ -1,7 +1,9 @@
 // The range of a count that chance explains.
 #pragma once
 
-namespace mottle {
+#include "mottle/layers.hpp"
+
+namespace mottle::stats {
 
 struct CountRange {
   int fewest = 0;
@@ -17,4 +19,4 @@ struct CountRange {
 /// @throws InvalidInput  an argument outside its range
 CountRange binomial_range(int count, double p, double level);
 
-}  // namespace mottle
+}  // namespace mottle::stats

@@ -4,7 +4,9 @@
 
 #include <Eigen/Core>
 
-namespace mottle {
+#include "mottle/layers.hpp"
+
+namespace mottle::stats {
 
 /// Critical value of Hotelling's two-sample statistic, as T (not T^2).
 ///
@@ -59,4 +61,4 @@ TwoSampleTest hotelling_two_sample(const Eigen::Ref<const Eigen::VectorXd>& mean
                                    const Eigen::Ref<const Eigen::VectorXd>& mean_b,
                                    const Eigen::Ref<const Eigen::MatrixXd>& cov_b, int n_b, double alpha);
 
-}  // namespace mottle
+}  // namespace mottle::stats

@@ -6,9 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "mottle/layers.hpp"
 #include "mottle/stats/population/random_effects.hpp"
 
-namespace mottle {
+namespace mottle::stats {
 
 /// What numbers look like against a normal sample of their size.
 struct NormalityStatistics {
@@ -70,4 +71,4 @@ struct NormalityTest {
 NormalityTest test_normality(const std::vector<RandomEffectsUnit>& units, const RandomEffectsFit& fit,
                              const Eigen::Ref<const Eigen::MatrixXd>& map);
 
-}  // namespace mottle
+}  // namespace mottle::stats

@@ -4,9 +4,10 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "mottle/layers.hpp"
 #include "mottle/stats/population/random_effects.hpp"
 
-namespace mottle {
+namespace mottle::stats {
 
 /// One specimen far from the rest.
 struct Outlier {
@@ -44,4 +45,4 @@ std::vector<Outlier> find_outliers(const std::vector<RandomEffectsUnit>& units, 
                                    const RandomEffectsSettings& settings, const Eigen::Ref<const Eigen::MatrixXd>& map,
                                    double level);
 
-}  // namespace mottle
+}  // namespace mottle::stats

@@ -12,13 +12,14 @@
 
 #include "mottle/core/error.hpp"
 #include "mottle/core/options.hpp"
+#include "mottle/layers.hpp"
 #include "mottle/model/responses/modal_outputs.hpp"
 #include "mottle/stats/distributions/distribution.hpp"
 #include "mottle/stats/distributions/normal_scale.hpp"
 #include "mottle/stats/sampling/sampling.hpp"
 #include "mottle/updating/methods/surrogate_settings.hpp"
 
-namespace mottle {
+namespace mottle::study {
 
 class ModelSource;
 
@@ -144,4 +145,4 @@ std::string located(const Study& study, const InvalidInput& error, const std::st
 /// The study's text for a file in `folder`: relative paths are rewritten to hold from there.
 std::string study_text_for(const Study& study, const std::filesystem::path& folder);
 
-}  // namespace mottle
+}  // namespace mottle::study

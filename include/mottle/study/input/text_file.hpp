@@ -4,7 +4,9 @@
 #include <filesystem>
 #include <string>
 
-namespace mottle {
+#include "mottle/layers.hpp"
+
+namespace mottle::study {
 
 /// The bytes of a text file.
 ///
@@ -12,4 +14,4 @@ namespace mottle {
 /// text.
 std::string read_text_file(const std::filesystem::path& file);
 
-}  // namespace mottle
+}  // namespace mottle::study

@@ -6,10 +6,11 @@
 #include <string>
 #include <vector>
 
+#include "mottle/layers.hpp"
 #include "mottle/study/input/study.hpp"
 #include "mottle/study/jobs/run.hpp"
 
-namespace mottle {
+namespace mottle::study {
 
 /// What a study reaches beyond its own folder, for whoever is handed a study by a stranger: the programs that it runs
 /// and the files that lie elsewhere.
@@ -35,4 +36,4 @@ CheckOutcome check(const Study& study, const RunSettings& settings);
 
 RunSummary summarise(const CheckOutcome& outcome);
 
-}  // namespace mottle
+}  // namespace mottle::study

@@ -4,9 +4,10 @@
 #include <string>
 #include <vector>
 
+#include "mottle/layers.hpp"
 #include "mottle/updating/verdict/hidden_errors.hpp"
 
-namespace mottle {
+namespace mottle::study {
 
 /// A hidden error with the name of the number that it is of.
 struct NamedError {
@@ -27,4 +28,4 @@ struct CouldHide {
   std::string summary;                 ///< one line; empty where nothing is known
 };
 
-}  // namespace mottle
+}  // namespace mottle::study

@@ -3,10 +3,11 @@
 
 #include <filesystem>
 
+#include "mottle/layers.hpp"
 #include "mottle/study/jobs/run.hpp"
 #include "mottle/updating/diagnosis/diagnosis.hpp"
 
-namespace mottle {
+namespace mottle::study {
 
 struct DiagnoseOutcome {
   Study study;
@@ -22,4 +23,4 @@ DiagnoseOutcome diagnose(const Study& study, const RunSettings& settings);
 void write_results(const DiagnoseOutcome& outcome, const std::filesystem::path& folder);
 RunSummary summarise(const DiagnoseOutcome& outcome, const std::filesystem::path& folder);
 
-}  // namespace mottle
+}  // namespace mottle::study

@@ -4,11 +4,12 @@
 #include <filesystem>
 #include <optional>
 
+#include "mottle/layers.hpp"
 #include "mottle/study/jobs/run.hpp"
 #include "mottle/study/jobs/study_model.hpp"
 #include "mottle/updating/methods/cloud.hpp"
 
-namespace mottle {
+namespace mottle::study {
 
 /// The forward cloud.
 struct PropagateOutcome {
@@ -44,4 +45,4 @@ SimulateOutcome simulate(const Study& study, const RunSettings& settings);
 void write_results(const SimulateOutcome& outcome, const std::filesystem::path& folder);
 RunSummary summarise(const SimulateOutcome& outcome, const std::filesystem::path& folder);
 
-}  // namespace mottle
+}  // namespace mottle::study

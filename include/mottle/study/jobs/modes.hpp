@@ -9,9 +9,10 @@
 #include <string>
 #include <vector>
 
+#include "mottle/layers.hpp"
 #include "mottle/study/jobs/run.hpp"
 
-namespace mottle {
+namespace mottle::study {
 
 /// What to compute.
 struct ModesSettings {
@@ -54,4 +55,4 @@ ModesOutcome find_modes(const ModesSettings& settings);
 void write_results(const ModesOutcome& outcome, const std::filesystem::path& folder);
 RunSummary summarise(const ModesOutcome& outcome, const std::filesystem::path& folder);
 
-}  // namespace mottle
+}  // namespace mottle::study

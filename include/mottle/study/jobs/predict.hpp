@@ -5,9 +5,10 @@
 #include <string>
 #include <vector>
 
+#include "mottle/layers.hpp"
 #include "mottle/updating/prediction/prediction.hpp"
 
-namespace mottle {
+namespace mottle::study {
 
 /// What a study's prediction says.
 struct PredictionOutcome {
@@ -17,4 +18,4 @@ struct PredictionOutcome {
   std::vector<std::string> notes = {};  ///< sentences
 };
 
-}  // namespace mottle
+}  // namespace mottle::study

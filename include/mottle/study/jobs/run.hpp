@@ -5,10 +5,11 @@
 #include <string>
 #include <vector>
 
+#include "mottle/layers.hpp"
 #include "mottle/study/input/study.hpp"
 #include "mottle/study/run_settings.hpp"
 
-namespace mottle {
+namespace mottle::study {
 
 /// What a job says at its end; everything else is in its folder.
 struct RunSummary {
@@ -18,4 +19,4 @@ struct RunSummary {
   std::string json = {};                ///< for a machine: one line
 };
 
-}  // namespace mottle
+}  // namespace mottle::study

@@ -5,10 +5,11 @@
 #include <string>
 #include <vector>
 
+#include "mottle/layers.hpp"
 #include "mottle/model/parameters/parameter_space.hpp"
 #include "mottle/model/structure_model.hpp"
 
-namespace mottle {
+namespace mottle::study {
 
 /// Parameters and the model that they drive.
 struct StudyModel {
@@ -18,4 +19,4 @@ struct StudyModel {
   std::vector<std::string> notes = {};  ///< what a reader of the model should know
 };
 
-}  // namespace mottle
+}  // namespace mottle::study

@@ -8,12 +8,13 @@
 #include <vector>
 
 #include "mottle/core/checksum.hpp"
+#include "mottle/layers.hpp"
 #include "mottle/study/input/study.hpp"
 #include "mottle/study/jobs/run.hpp"
 #include "mottle/study/jobs/study_model.hpp"
 #include "mottle/updating/methods/updater.hpp"
 
-namespace mottle {
+namespace mottle::study {
 
 /// @param settings  folders of results and of what later runs may use again; without a folder of results, runs of a
 ///                  solver by command are kept nowhere
@@ -62,4 +63,4 @@ Digest study_fingerprint(const Study& study, const StudyModel& made,
 /// Version of the program, as in CMakeLists.txt.
 std::string version();
 
-}  // namespace mottle
+}  // namespace mottle::study

@@ -7,12 +7,13 @@
 #include <string>
 #include <vector>
 
+#include "mottle/layers.hpp"
 #include "mottle/study/jobs/could_hide.hpp"
 #include "mottle/study/jobs/predict.hpp"
 #include "mottle/study/jobs/run.hpp"
 #include "mottle/updating/verdict/verdict.hpp"
 
-namespace mottle {
+namespace mottle::study {
 
 struct UpdateWorkings;
 
@@ -47,4 +48,4 @@ void write_results(const UpdateOutcome& outcome, const std::filesystem::path& fo
 /// @param folder  where the results and their report are
 RunSummary summarise(const UpdateOutcome& outcome, const std::filesystem::path& folder);
 
-}  // namespace mottle
+}  // namespace mottle::study

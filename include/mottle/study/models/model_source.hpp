@@ -8,13 +8,14 @@
 #include <string>
 #include <vector>
 
+#include "mottle/layers.hpp"
 #include "mottle/model/parameters/parameter_targets.hpp"
 #include "mottle/model/solvers/solver.hpp"
 #include "mottle/model/structures/sparse_structure.hpp"
 #include "mottle/stats/distributions/joint_distribution.hpp"
 #include "mottle/study/run_settings.hpp"
 
-namespace mottle {
+namespace mottle::study {
 
 struct UnitNames;
 
@@ -88,4 +89,4 @@ class ModelSource {
   virtual std::vector<std::string> places_of_shapes() const { return {}; }
 };
 
-}  // namespace mottle
+}  // namespace mottle::study

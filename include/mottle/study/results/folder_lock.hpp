@@ -4,7 +4,9 @@
 #include <filesystem>
 #include <vector>
 
-namespace mottle {
+#include "mottle/layers.hpp"
+
+namespace mottle::study {
 
 /// Holds a folder of results for this process as long as the object lives: other processes that would write there are
 /// refused. The lock is the kernel's (flock on the file `.mottle.lock`): it ends with the process however that ends.
@@ -25,4 +27,4 @@ class FolderLock {
   std::vector<std::filesystem::path> made_;  ///< folders that were not there before, the innermost first
 };
 
-}  // namespace mottle
+}  // namespace mottle::study

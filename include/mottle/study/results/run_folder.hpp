@@ -9,8 +9,9 @@
 #include <vector>
 
 #include "mottle/core/run_context.hpp"
+#include "mottle/layers.hpp"
 
-namespace mottle {
+namespace mottle::study {
 
 inline constexpr const char* k_previous = "previous-results";
 inline constexpr const char* k_journal = "resume.journal";  ///< of an update or a cloud
@@ -76,4 +77,4 @@ class LogObserver final : public ProgressObserver {
 /// Seconds on a steady clock.
 double steady_seconds();
 
-}  // namespace mottle
+}  // namespace mottle::study

@@ -5,9 +5,10 @@
 #include <string>
 #include <vector>
 
+#include "mottle/layers.hpp"
 #include "mottle/updating/methods/updater.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 
 /// How a diagnosis is made.
 struct DiagnosisSettings {
@@ -96,4 +97,4 @@ Diagnosis diagnose(const UpdatingProblem& problem, const DiagnosisSettings& sett
 /// Sentences of a diagnosis, in plain words.
 std::vector<std::string> diagnosis_sentences(const Diagnosis& diagnosis, Eigen::Index outputs, double level);
 
-}  // namespace mottle
+}  // namespace mottle::updating

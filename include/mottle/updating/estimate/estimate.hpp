@@ -8,7 +8,9 @@
 #include <string>
 #include <vector>
 
-namespace mottle {
+#include "mottle/layers.hpp"
+
+namespace mottle::updating {
 
 struct PopulationOnScales;
 
@@ -88,4 +90,4 @@ class Estimate {
   virtual std::optional<double> effective_samples() const { return std::nullopt; }
 };
 
-}  // namespace mottle
+}  // namespace mottle::updating

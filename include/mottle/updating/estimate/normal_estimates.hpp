@@ -4,12 +4,13 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "mottle/layers.hpp"
 #include "mottle/stats/distributions/joint_distribution.hpp"
 #include "mottle/stats/distributions/scale_moments.hpp"
 #include "mottle/stats/population/population_intervals.hpp"
 #include "mottle/updating/estimate/estimate.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 
 /// The estimated population on the parameters' scales t, where it is normal: t ~ N(mean, covariance).
 struct PopulationOnScales {
@@ -95,4 +96,4 @@ class MomentEstimate final : public Estimate {
   JointDistribution distribution_;
 };
 
-}  // namespace mottle
+}  // namespace mottle::updating

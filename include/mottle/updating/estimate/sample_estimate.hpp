@@ -5,10 +5,11 @@
 #include <optional>
 #include <vector>
 
+#include "mottle/layers.hpp"
 #include "mottle/stats/distributions/normal_scale.hpp"
 #include "mottle/updating/estimate/estimate.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 
 /// Weighted samples of the parameters.
 ///
@@ -64,4 +65,4 @@ class SampleEstimate final : public Estimate {
 double weighted_quantile(const Eigen::Ref<const Eigen::VectorXd>& values,
                          const Eigen::Ref<const Eigen::VectorXd>& weights, double probability);
 
-}  // namespace mottle
+}  // namespace mottle::updating

@@ -6,11 +6,12 @@
 #include <vector>
 
 #include "mottle/core/run_context.hpp"
+#include "mottle/layers.hpp"
 #include "mottle/model/model.hpp"
 #include "mottle/model/parameters/parameter_space.hpp"
 #include "mottle/stats/sampling/sampling.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 
 /// How a cloud is drawn.
 struct CloudSettings {
@@ -49,4 +50,4 @@ Cloud evaluate_cloud(const Model& model, const ParameterSpace& space, const Join
 Cloud evaluate_points(const Model& model, const Eigen::Ref<const Eigen::MatrixXd>& points, double most_failed,
                       const RunContext& context);
 
-}  // namespace mottle
+}  // namespace mottle::updating

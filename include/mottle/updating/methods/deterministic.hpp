@@ -1,9 +1,10 @@
 // Updating of one structure, or of the mean of many: regularised weighted least squares with analytic sensitivities.
 #pragma once
 
+#include "mottle/layers.hpp"
 #include "mottle/updating/methods/updater.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 
 /// How the deterministic method is run.
 struct DeterministicOptions {
@@ -48,4 +49,4 @@ class DeterministicUpdater final : public Updater {
 Eigen::MatrixXd model_jacobian(const UpdatingProblem& problem, const Eigen::VectorXd& parameters,
                                const Eigen::VectorXd& scale, const RunContext& context, std::int64_t& evaluations);
 
-}  // namespace mottle
+}  // namespace mottle::updating

@@ -3,9 +3,10 @@
 
 #include <Eigen/Core>
 
+#include "mottle/layers.hpp"
 #include "mottle/updating/methods/updater.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 
 /// Mean and covariance of the tests, missing entries left out.
 struct TestMoments {
@@ -41,4 +42,4 @@ double largest_movement(const Eigen::Ref<const Eigen::VectorXd>& prior_std, cons
 /// Whether the movements go round in circles: none of the last `window` is smaller than one before them.
 bool is_stalled(const std::vector<double>& movements, std::size_t window);
 
-}  // namespace mottle
+}  // namespace mottle::updating

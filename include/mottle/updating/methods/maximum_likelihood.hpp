@@ -1,9 +1,10 @@
 // The population of the specimens by (restricted) maximum likelihood: random effects in a non-linear model.
 #pragma once
 
+#include "mottle/layers.hpp"
 #include "mottle/updating/methods/updater.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 
 /// How the maximum-likelihood method is run.
 struct MaximumLikelihoodOptions {
@@ -41,4 +42,4 @@ class MaximumLikelihoodUpdater final : public Updater {
   MaximumLikelihoodOptions options_;
 };
 
-}  // namespace mottle
+}  // namespace mottle::updating

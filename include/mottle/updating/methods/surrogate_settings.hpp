@@ -1,9 +1,10 @@
 // How an update by surrogate is made.
 #pragma once
 
+#include "mottle/layers.hpp"
 #include "mottle/stats/surrogates/surrogate.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 
 struct SurrogateSettings {
   SurrogateKind kind = SurrogateKind::kriging;
@@ -13,4 +14,4 @@ struct SurrogateSettings {
   double tolerance = 0.1;  ///< error that is good enough, as a part of the tests' scatter
 };
 
-}  // namespace mottle
+}  // namespace mottle::updating

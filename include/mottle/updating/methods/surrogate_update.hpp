@@ -3,11 +3,12 @@
 
 #include <vector>
 
+#include "mottle/layers.hpp"
 #include "mottle/model/surrogate_model.hpp"
 #include "mottle/updating/methods/surrogate_settings.hpp"
 #include "mottle/updating/methods/updater.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 
 /// What was known of the surrogate's error in one round.
 struct SurrogateRound {
@@ -62,4 +63,4 @@ class SurrogateUpdate {
   bool is_good_ = false;
 };
 
-}  // namespace mottle
+}  // namespace mottle::updating

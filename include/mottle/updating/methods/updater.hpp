@@ -10,6 +10,7 @@
 
 #include "mottle/core/options.hpp"
 #include "mottle/core/run_context.hpp"
+#include "mottle/layers.hpp"
 #include "mottle/model/model.hpp"
 #include "mottle/model/parameters/parameter_space.hpp"
 #include "mottle/stats/surrogates/regression.hpp"
@@ -18,7 +19,7 @@
 #include "mottle/updating/estimate/normal_estimates.hpp"
 #include "mottle/updating/methods/cloud.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 
 /// The tests of all specimens.
 struct TestData {
@@ -174,4 +175,4 @@ const std::vector<MethodEntry>& updating_methods();
 /// The method of that name. Throws InvalidInput with the nearest known name.
 const MethodEntry& find_method(const std::string& name);
 
-}  // namespace mottle
+}  // namespace mottle::updating

@@ -6,11 +6,12 @@
 #include <string>
 #include <vector>
 
+#include "mottle/layers.hpp"
 #include "mottle/model/model.hpp"
 #include "mottle/model/parameters/parameter_space.hpp"
 #include "mottle/updating/methods/updater.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 
 /// The model's error in predicted outputs.
 struct PredictedError {
@@ -88,4 +89,4 @@ std::vector<std::string> prediction_sentences(const Prediction& prediction, cons
                                               const Estimate& estimate, const std::vector<Quantity>& outputs,
                                               double level);
 
-}  // namespace mottle
+}  // namespace mottle::updating

@@ -5,7 +5,9 @@
 #include <Eigen/Core>
 #include <vector>
 
-namespace mottle {
+#include "mottle/layers.hpp"
+
+namespace mottle::updating {
 
 /// Tests about the updated mean, to first order: z_s = f(x) + G dx + H e + S_s, S_s ~ N(0, C) by specimen, and a model
 /// error d ~ N(0, D) that all of them share.
@@ -77,4 +79,4 @@ struct HiddenError {
 /// One for each quantity, in their order.
 std::vector<HiddenError> hidden_errors(const ErrorEffects& effects, const MeansTest& test);
 
-}  // namespace mottle
+}  // namespace mottle::updating

@@ -6,9 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "mottle/layers.hpp"
 #include "mottle/updating/methods/updater.hpp"
 
-namespace mottle {
+namespace mottle::updating {
 
 /// adequate: it was tested and stands; inadequate: a test refuses it; undecided: nothing, or not enough, could be
 /// tested.
@@ -59,4 +60,4 @@ std::string unseen_text(const Eigen::Ref<const Eigen::VectorXd>& direction, cons
 /// and 100 specimens' worth, so that the Monte-Carlo error of a mean is a tenth of the tests' standard error.
 int automatic_samples(int specimens, int outputs, double alpha);
 
-}  // namespace mottle
+}  // namespace mottle::updating

@@ -4,7 +4,7 @@
 #include "linalg/batched/lanes/term_sum.hpp"
 #include "linalg/batched/lanes/workspace.hpp"
 
-namespace mottle::lane_kernels {
+namespace mottle::linalg::lane_kernels {
 namespace {
 
 /// result = constant + sum of coefficient * term over `size` entries: all terms over some entries before the next,
@@ -165,4 +165,4 @@ inline Mask assemble_standard_form(const Problem& problem, const BatchSamples& b
 }
 
 }  // namespace
-}  // namespace mottle::lane_kernels
+}  // namespace mottle::linalg::lane_kernels

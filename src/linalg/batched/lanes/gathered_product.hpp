@@ -4,7 +4,7 @@
 
 #include "linalg/batched/lanes/loose_lane.hpp"
 
-namespace mottle::lane_kernels {
+namespace mottle::linalg::lane_kernels {
 namespace {
 
 constexpr int k_left = 4;                           // vectors of the left side that are worked on together
@@ -69,4 +69,4 @@ void add_gathered_product(const GatheredVectors& left, int width, const double* 
 }
 
 }  // namespace
-}  // namespace mottle::lane_kernels
+}  // namespace mottle::linalg::lane_kernels

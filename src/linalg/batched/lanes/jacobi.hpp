@@ -4,7 +4,7 @@
 
 #include "linalg/batched/lanes/small_pencil.hpp"
 
-namespace mottle::lane_kernels {
+namespace mottle::linalg::lane_kernels {
 namespace {
 
 /// Order of the N(N-1)/2 rotations of a sweep: rounds of disjoint pairs (round-robin tournament), so that the
@@ -238,4 +238,4 @@ void dispatch(const Problem& problem, const Output& output, long begin, long end
 }
 
 }  // namespace
-}  // namespace mottle::lane_kernels
+}  // namespace mottle::linalg::lane_kernels

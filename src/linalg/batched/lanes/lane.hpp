@@ -12,7 +12,7 @@
 #define MOTTLE_INLINE inline __attribute__((always_inline))
 #define MOTTLE_FLAT __attribute__((always_inline))  // for lambdas
 
-namespace mottle::lane_kernels {
+namespace mottle::linalg::lane_kernels {
 namespace {
 
 using Lane = double __attribute__((vector_size(8 * MOTTLE_LANES)));
@@ -198,4 +198,4 @@ MOTTLE_INLINE Lane gather(const double* coefficients, long stride, int term, con
 }
 
 }  // namespace
-}  // namespace mottle::lane_kernels
+}  // namespace mottle::linalg::lane_kernels

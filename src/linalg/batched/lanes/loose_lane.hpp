@@ -3,7 +3,7 @@
 
 #include "linalg/batched/lanes/lane.hpp"
 
-namespace mottle::lane_kernels {
+namespace mottle::linalg::lane_kernels {
 namespace {
 
 /// Lanes at any address.
@@ -17,4 +17,4 @@ MOTTLE_INLINE void store(double* to, Lane value) {
 }
 
 }  // namespace
-}  // namespace mottle::lane_kernels
+}  // namespace mottle::linalg::lane_kernels

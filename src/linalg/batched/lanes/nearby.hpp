@@ -5,7 +5,7 @@
 
 #include "linalg/batched/lanes/nearby_ritz.hpp"
 
-namespace mottle::lane_kernels {
+namespace mottle::linalg::lane_kernels {
 namespace {
 
 /// The block's first vectors: modes of the leading corner of the pencil, roughly. Vectors that are no modes, or hardly
@@ -224,4 +224,4 @@ long nearby_doubles(const NearbyProblem& problem) {
 }
 
 }  // namespace
-}  // namespace mottle::lane_kernels
+}  // namespace mottle::linalg::lane_kernels

@@ -4,7 +4,7 @@
 #include "linalg/batched/lanes/nearby_workspace.hpp"
 #include "linalg/batched/lanes/solve.hpp"
 
-namespace mottle::lane_kernels {
+namespace mottle::linalg::lane_kernels {
 namespace {
 
 /// The first `vectors` vectors of work.small's pencil, into work.turn [n][vectors].
@@ -124,4 +124,4 @@ inline Mask misses_none(const NearbyProblem& problem, const NearbyWorkspace& wor
 }
 
 }  // namespace
-}  // namespace mottle::lane_kernels
+}  // namespace mottle::linalg::lane_kernels

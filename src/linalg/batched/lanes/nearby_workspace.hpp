@@ -4,7 +4,7 @@
 #include "linalg/batched/lanes/tiles.hpp"
 #include "linalg/batched/lanes/workspace.hpp"
 
-namespace mottle::lane_kernels {
+namespace mottle::linalg::lane_kernels {
 namespace {
 
 /// What the block's vectors are like, by column.
@@ -108,4 +108,4 @@ inline void assemble_nearby(const NearbyProblem& problem, const BatchSamples& ba
 }
 
 }  // namespace
-}  // namespace mottle::lane_kernels
+}  // namespace mottle::linalg::lane_kernels

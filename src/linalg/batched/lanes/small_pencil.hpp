@@ -3,7 +3,7 @@
 
 #include "linalg/batched/lanes/lane.hpp"
 
-namespace mottle::lane_kernels {
+namespace mottle::linalg::lane_kernels {
 namespace {
 
 /// A pencil in standard form: packed symmetric matrix, and the columns that Jacobi turns into eigenvectors.
@@ -88,4 +88,4 @@ MOTTLE_INLINE void reduce_to_standard_form(const Lane (&mass)[N * (N + 1) / 2], 
 }
 
 }  // namespace
-}  // namespace mottle::lane_kernels
+}  // namespace mottle::linalg::lane_kernels

@@ -8,7 +8,7 @@
 #include "linalg/batched/lanes/tridiagonal_vectors.hpp"
 #include "linalg/batched/lanes/tridiagonalise.hpp"
 
-namespace mottle::lane_kernels {
+namespace mottle::linalg::lane_kernels {
 namespace {
 
 /// x_c <- L^-T x_c for a constant L^-T given by columns; row i needs rows i and below only, so it can go in place.
@@ -135,4 +135,4 @@ long workspace_doubles(const Problem& problem) {
 }
 
 }  // namespace
-}  // namespace mottle::lane_kernels
+}  // namespace mottle::linalg::lane_kernels

@@ -3,7 +3,7 @@
 
 #include "linalg/batched/lanes/loose_lane.hpp"
 
-namespace mottle::lane_kernels {
+namespace mottle::linalg::lane_kernels {
 namespace {
 
 /// Where the rows of vectors are that the matrix works on.
@@ -82,4 +82,4 @@ void add_scaled_product(const SparseLower& a, const double* scales, int width, c
 }
 
 }  // namespace
-}  // namespace mottle::lane_kernels
+}  // namespace mottle::linalg::lane_kernels

@@ -5,7 +5,7 @@
 
 #include "linalg/batched/lanes/loose_lane.hpp"
 
-namespace mottle::lane_kernels {
+namespace mottle::linalg::lane_kernels {
 namespace {
 
 /// Two lanes of right-hand sides, so that an entry of L is spread over a register but once.
@@ -180,4 +180,4 @@ void solve_lower_transposed(const SupernodalLower& lower, int width, double* x) 
 }
 
 }  // namespace
-}  // namespace mottle::lane_kernels
+}  // namespace mottle::linalg::lane_kernels

@@ -3,7 +3,7 @@
 
 #include "linalg/batched/lanes/lane.hpp"
 
-namespace mottle::lane_kernels {
+namespace mottle::linalg::lane_kernels {
 namespace {
 
 /// result_e = constant_e + sum of coefficient(t) * term_t,e over `size` entries; terms go four at a time through
@@ -31,4 +31,4 @@ MOTTLE_INLINE void sum_terms(const double* terms, long step, int count, const Co
 }
 
 }  // namespace
-}  // namespace mottle::lane_kernels
+}  // namespace mottle::linalg::lane_kernels

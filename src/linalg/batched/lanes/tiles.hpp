@@ -4,7 +4,7 @@
 
 #include "linalg/batched/lanes/term_sum.hpp"
 
-namespace mottle::lane_kernels {
+namespace mottle::linalg::lane_kernels {
 namespace {
 
 /// A block of vectors: `stride` of them in memory, the first `columns` at work.
@@ -115,4 +115,4 @@ inline void turn_block(const Block& in, const Lane* turn, const Block& out) {
 }
 
 }  // namespace
-}  // namespace mottle::lane_kernels
+}  // namespace mottle::linalg::lane_kernels

@@ -4,7 +4,7 @@
 
 #include "linalg/batched/lanes/workspace.hpp"
 
-namespace mottle::lane_kernels {
+namespace mottle::linalg::lane_kernels {
 namespace {
 
 /// Most eigenvalues treated side by side, so that their divisions overlap.
@@ -196,4 +196,4 @@ inline void find_eigenvalues(const Workspace& work, int n, int modes, Lane bound
 }
 
 }  // namespace
-}  // namespace mottle::lane_kernels
+}  // namespace mottle::linalg::lane_kernels

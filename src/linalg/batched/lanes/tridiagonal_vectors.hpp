@@ -3,7 +3,7 @@
 
 #include "linalg/batched/lanes/workspace.hpp"
 
-namespace mottle::lane_kernels {
+namespace mottle::linalg::lane_kernels {
 namespace {
 
 /// T - shift = P L U by elimination with row exchanges: U has reciprocals r of its diagonal and two superdiagonals.
@@ -219,4 +219,4 @@ inline Mask iterate_vectors(const Workspace& work, int n, int modes, Lane bound,
 }
 
 }  // namespace
-}  // namespace mottle::lane_kernels
+}  // namespace mottle::linalg::lane_kernels

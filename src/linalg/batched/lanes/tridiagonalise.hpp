@@ -3,7 +3,7 @@
 
 #include "linalg/batched/lanes/workspace.hpp"
 
-namespace mottle::lane_kernels {
+namespace mottle::linalg::lane_kernels {
 namespace {
 
 /// Turns x[first..n) into a reflector (I - tau v v') x = beta e_first with v[first] = 1, written over x.
@@ -213,4 +213,4 @@ inline void transform_back(const Workspace& work, int n, int modes) {
 }
 
 }  // namespace
-}  // namespace mottle::lane_kernels
+}  // namespace mottle::linalg::lane_kernels

@@ -3,7 +3,7 @@
 
 #include "linalg/batched/lanes/lane.hpp"
 
-namespace mottle::lane_kernels {
+namespace mottle::linalg::lane_kernels {
 namespace {
 
 /// Modes whose vectors are found side by side, see tridiagonal_vectors.hpp.
@@ -58,4 +58,4 @@ struct Workspace {
 };
 
 }  // namespace
-}  // namespace mottle::lane_kernels
+}  // namespace mottle::linalg::lane_kernels

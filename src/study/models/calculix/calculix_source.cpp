@@ -11,7 +11,7 @@
 #include "study/models/model_parts.hpp"
 #include "study/models/registry.hpp"
 
-namespace mottle {
+namespace mottle::study {
 namespace {
 
 /// By its matrices, or where they have no separable form by a run for each sample.
@@ -87,4 +87,4 @@ std::shared_ptr<const ModelSource> read_calculix_source(TomlReader& reader, cons
   return source;
 }
 
-}  // namespace mottle
+}  // namespace mottle::study

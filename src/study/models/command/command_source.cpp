@@ -4,7 +4,7 @@
 #include "study/models/model_parts.hpp"
 #include "study/models/registry.hpp"
 
-namespace mottle {
+namespace mottle::study {
 namespace {
 
 class CommandSource final : public ModelSource {
@@ -61,4 +61,4 @@ std::shared_ptr<const ModelSource> read_command_source(TomlReader& reader, const
   return source;
 }
 
-}  // namespace mottle
+}  // namespace mottle::study

@@ -8,7 +8,7 @@
 #include "mottle/drivers/command/number_pattern.hpp"
 #include "study/input/durations.hpp"
 
-namespace mottle {
+namespace mottle::study {
 namespace {
 
 constexpr OptionRange k_any_count{.lower = 1.0, .upper = 1e6};
@@ -142,4 +142,4 @@ SolverCommand read_command(TomlReader& reader, const std::filesystem::path& fold
   return command;
 }
 
-}  // namespace mottle
+}  // namespace mottle::study

@@ -10,7 +10,7 @@
 #include "study/input/unit_names.hpp"
 #include "study/models/registry.hpp"
 
-namespace mottle {
+namespace mottle::study {
 namespace {
 
 constexpr std::size_t k_max_places = 12;  // where shapes are thought to be measured
@@ -150,4 +150,4 @@ std::shared_ptr<const ModelSource> read_mass_spring_source(TomlReader& reader, c
   return std::make_shared<MassSpringSource>(read_mass_springs(reader));
 }
 
-}  // namespace mottle
+}  // namespace mottle::study

@@ -4,7 +4,7 @@
 #include "study/models/model_parts.hpp"
 #include "study/models/registry.hpp"
 
-namespace mottle {
+namespace mottle::study {
 namespace {
 
 const OptionRange k_positive{.lower = 0.0, .excludes_lower = true};
@@ -100,4 +100,4 @@ std::shared_ptr<const ModelSource> read_matrix_source(TomlReader& reader, const 
   return std::make_shared<MatrixSource>(std::move(files), reduction_error);
 }
 
-}  // namespace mottle
+}  // namespace mottle::study

@@ -9,7 +9,7 @@
 #include "mottle/formats/matrices/matrix_file.hpp"
 #include "study/input/key_error.hpp"
 
-namespace mottle {
+namespace mottle::study {
 namespace {
 
 /// A text whose last line has no end may have been cut short within its last number.
@@ -58,4 +58,4 @@ MatrixModel read_matrices(const MatrixFiles& source, const std::vector<Parameter
   return model;
 }
 
-}  // namespace mottle
+}  // namespace mottle::study

@@ -6,9 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "mottle/layers.hpp"
 #include "mottle/model/structures/matrix_structure.hpp"
 
-namespace mottle {
+namespace mottle::study {
 
 /// Matrices of a part of the structure, by their places ("K1.mtx", "model.op4#K1"; resolved), and how parameters scale
 /// it.
@@ -32,4 +33,4 @@ struct MatrixFiles {
 MatrixModel read_matrices(const MatrixFiles& source, const std::vector<ParameterTargets>& targets,
                           const Eigen::VectorXd& prior_mean, std::vector<std::string>& files);
 
-}  // namespace mottle
+}  // namespace mottle::study

@@ -12,7 +12,7 @@
 #include "study/models/model_parts.hpp"
 #include "study/models/registry.hpp"
 
-namespace mottle {
+namespace mottle::study {
 namespace {
 
 /// Unit of a card's number, from what its name means on that card.
@@ -114,4 +114,4 @@ std::shared_ptr<const ModelSource> read_nastran_source(TomlReader& reader, const
   return std::make_shared<NastranSource>(deck, std::move(ignore_cards), reduction_error);
 }
 
-}  // namespace mottle
+}  // namespace mottle::study
