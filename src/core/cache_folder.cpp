@@ -62,7 +62,7 @@ void CacheFolder::trim(const fs::path& newest) const {
   }
   std::sort(files.begin(), files.end(), [](const Kept& a, const Kept& b) { return a.time < b.time; });
   for (const Kept& file : files) {
-    if (total <= most_bytes_) break;
+    if (total <= max_bytes_) break;
     if (fs::remove(file.path, error)) total -= file.size;
   }
 }

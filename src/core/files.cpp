@@ -127,8 +127,8 @@ std::uint64_t size_of_regular_file(int descriptor, const std::filesystem::path& 
 
 }  // namespace
 
-BlockReader::BlockReader(std::filesystem::path path, std::uint64_t most_bytes)
-    : path_(std::move(path)), most_bytes_(most_bytes) {
+BlockReader::BlockReader(std::filesystem::path path, std::uint64_t max_bytes)
+    : path_(std::move(path)), max_bytes_(max_bytes) {
   // Without O_NONBLOCK a named pipe waits for its other end; what was opened is then looked at, not its name.
   Descriptor opened(::open(path_.c_str(), O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC));
   if (opened.get() < 0) fail_to_open(path_, errno);
@@ -139,7 +139,7 @@ BlockReader::BlockReader(std::filesystem::path path, std::uint64_t most_bytes)
 
 BlockReader::BlockReader(BlockReader&& other) noexcept
     : path_(std::move(other.path_)),
-      most_bytes_(other.most_bytes_),
+      max_bytes_(other.max_bytes_),
       size_(other.size_),
       read_(other.read_),
       descriptor_(std::exchange(other.descriptor_, -1)) {}
@@ -149,8 +149,7 @@ BlockReader::~BlockReader() {
 }
 
 void BlockReader::check_size(std::uint64_t size) const {
-  require(size <= most_bytes_, "{}: has {} bytes, at most {} are read of such a file", path_.string(), size,
-          most_bytes_);
+  require(size <= max_bytes_, "{}: has {} bytes, at most {} are read of such a file", path_.string(), size, max_bytes_);
 }
 
 bool BlockReader::ends_with_line() const {
@@ -170,8 +169,8 @@ std::size_t BlockReader::read(std::span<char> block) {
   return static_cast<std::size_t>(count);
 }
 
-std::string read_file(const std::filesystem::path& path, std::uint64_t most_bytes) {
-  BlockReader reader(path, most_bytes);
+std::string read_file(const std::filesystem::path& path, std::uint64_t max_bytes) {
+  BlockReader reader(path, max_bytes);
   std::string bytes(reader.size() + 1, '\0');  // one more shows whether the file has grown
   std::size_t end = 0;
   while (const std::size_t count = reader.read(std::span(bytes).subspan(end))) {

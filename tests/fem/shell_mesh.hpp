@@ -110,7 +110,7 @@ inline Sparse mass(const ShellMesh& mesh, MassKind kind) {
 }
 
 /// Selects the free degrees of freedom.
-inline Sparse freedom(const ShellMesh& mesh) {
+inline Sparse degrees_of_freedom(const ShellMesh& mesh) {
   std::vector<Eigen::Triplet<double>> entries;
   int free = 0;
   for (std::size_t i = 0; i < mesh.is_fixed.size(); ++i) {
@@ -123,7 +123,7 @@ inline Sparse freedom(const ShellMesh& mesh) {
 
 /// Displacements under loads, of all degrees of freedom.
 inline Eigen::VectorXd solve(const ShellMesh& mesh, const Sparse& K, const Eigen::VectorXd& loads) {
-  const Sparse select = freedom(mesh);
+  const Sparse select = degrees_of_freedom(mesh);
   const Eigen::SimplicialLDLT<Sparse> factor(Sparse(select.transpose() * K * select));
   return select * factor.solve(select.transpose() * loads);
 }
@@ -137,7 +137,7 @@ inline Eigen::VectorXd solve_uniform(const ShellMesh& mesh, const ShellMaterial&
 
 /// Lowest circular frequencies at unit mass per area, by subspace iteration (no rigid motions allowed).
 inline Eigen::VectorXd frequencies(const ShellMesh& mesh, const ShellMaterial& material, MassKind kind, int count) {
-  const Sparse select = freedom(mesh);
+  const Sparse select = degrees_of_freedom(mesh);
   const Sparse K = select.transpose() * stiffness(mesh, material) * select;
   const Sparse M = select.transpose() * mass(mesh, kind) * select;
   const Eigen::SimplicialLDLT<Sparse> factor(K);

@@ -23,14 +23,14 @@ void expect(bool claim) {
 
 std::string write_files(const test::FuzzFolder& folder, std::string_view bytes) {
   constexpr std::string_view k_border = "$FILE\n";
-  constexpr int k_most_files = 4;
+  constexpr int k_max_files = 4;
   int file = 0;
-  for (std::size_t border = 0; border != std::string_view::npos && file < k_most_files; ++file) {
+  for (std::size_t border = 0; border != std::string_view::npos && file < k_max_files; ++file) {
     border = bytes.find(k_border);
     folder.write(std::to_string(file), bytes.substr(0, border));
     bytes.remove_prefix(border == std::string_view::npos ? bytes.size() : border + k_border.size());
   }
-  for (; file < k_most_files; ++file) folder.write(std::to_string(file), "");
+  for (; file < k_max_files; ++file) folder.write(std::to_string(file), "");
   return folder.path("0");
 }
 

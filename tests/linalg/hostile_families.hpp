@@ -22,7 +22,7 @@ struct HostileFamily {
   Family family;
   std::function<void(TermCoefficients&, std::mt19937_64&)> scatter;  ///< changes coefficients that are nominal
   int modes = 10;
-  int most_vectors = 400;
+  int max_vectors = 400;
   double nominal_of_last = 1.0;  ///< of the last stiffness term
 
   TermCoefficients nominal() const { return nominal_samples(1); }
@@ -34,7 +34,7 @@ struct HostileFamily {
   }
   ReducedModel trained(double tolerance = 2e-4, unsigned seed = 1) const {
     ReducedModel model(family.terms, nominal(), family.stiffness, family.mass,
-                       {.modes = modes, .tolerance = tolerance, .most_vectors = most_vectors});
+                       {.modes = modes, .tolerance = tolerance, .max_vectors = max_vectors});
     model.train(draw(200, seed), 1);
     return model;
   }
@@ -97,10 +97,11 @@ inline std::function<void(TermCoefficients&, std::mt19937_64&)> lognormal_scatte
 }
 
 /// Of the first stiffness or mass terms lognormal, of the last stiffness (or mass) term normal.
-inline std::function<void(TermCoefficients&, std::mt19937_64&)> normal_last(double deviation, bool is_mass = false) {
-  return [deviation, is_mass](TermCoefficients& samples, std::mt19937_64& random) {
+inline std::function<void(TermCoefficients&, std::mt19937_64&)> normal_last(double standard_deviation,
+                                                                            bool is_mass = false) {
+  return [standard_deviation, is_mass](TermCoefficients& samples, std::mt19937_64& random) {
     std::lognormal_distribution<double> others(0.0, 0.1);
-    std::normal_distribution<double> last(0.0, deviation);
+    std::normal_distribution<double> last(0.0, standard_deviation);
     for (MatrixXd* side : {&samples.stiffness, &samples.mass}) {
       const Index rows = side->rows();
       for (Index s = 0; s < side->cols(); ++s) {
@@ -319,7 +320,7 @@ inline HostileFamily one_soft_in_a_thousand(int length, int width) {
 inline HostileFamily blind_basis(int count, double coupling) {
   HostileFamily result = subsystems(count, coupling, 0.1);
   result.name = "basis that may not grow";
-  result.most_vectors = 24;
+  result.max_vectors = 24;
   return result;
 }
 
@@ -360,7 +361,7 @@ inline HostileFamily oscillators_above_the_edge(int count, double above, double 
                                      value = std::max(1.0, distribution(random));
                                    }
                                  });
-  result.most_vectors = 20;
+  result.max_vectors = 20;
   return result;
 }
 

@@ -124,10 +124,10 @@ class RandomProblem {
     if (scatter_ == Scatter::correlated || directions < parameters_) {
       root = Eigen::MatrixXd::NullaryExpr(parameters_, directions, [&] { return normal(); });
     }
-    double deviation = between(0.02, 0.12);
-    if (scatter_ == Scatter::nearly_none) deviation = 1e-7;
-    if (scatter_ == Scatter::none) deviation = 0.0;
-    root = (deviation * root.rowwise().norm().cwiseInverse().asDiagonal() * root).eval();
+    double standard_deviation = between(0.02, 0.12);
+    if (scatter_ == Scatter::nearly_none) standard_deviation = 1e-7;
+    if (scatter_ == Scatter::none) standard_deviation = 0.0;
+    root = (standard_deviation * root.rowwise().norm().cwiseInverse().asDiagonal() * root).eval();
     if (scatter_ == Scatter::some_without) root.row(below(parameters_)).setZero();
     Eigen::MatrixXd x(specimens_, parameters_);
     for (Eigen::Index s = 0; s < specimens_; ++s) {

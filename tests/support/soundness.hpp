@@ -24,8 +24,8 @@ inline bool are_ordered(const Eigen::MatrixXd& ends) {
 
 /// Smallest eigenvalue of the covariance as a correlation.
 inline double smallest_eigenvalue(const Eigen::MatrixXd& covariance) {
-  const Eigen::VectorXd deviation = covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
-  const Eigen::VectorXd inverse = deviation.unaryExpr([](double d) { return d > 0.0 ? 1.0 / d : 0.0; });
+  const Eigen::VectorXd standard_deviation = covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
+  const Eigen::VectorXd inverse = standard_deviation.unaryExpr([](double d) { return d > 0.0 ? 1.0 / d : 0.0; });
   const Eigen::MatrixXd correlation = inverse.asDiagonal() * covariance * inverse.asDiagonal();
   return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(correlation, Eigen::EigenvaluesOnly).eigenvalues()(0);
 }

@@ -52,7 +52,7 @@ struct ThreeMasses {
   std::unique_ptr<StructureModel> model;
 };
 
-inline Eigen::VectorXd deviations(const UpdatingResult& result) {
+inline Eigen::VectorXd standard_deviations(const UpdatingResult& result) {
   return result.covariance.diagonal().cwiseSqrt();
 }
 
@@ -71,9 +71,9 @@ inline Eigen::MatrixXd oracle_parameters() {
     x.row(i) << t, t * t - 8.25, t * t * t - 14.65 * t;
   }
   const Eigen::RowVector3d mean(1.08, 1.09, 0.96);
-  const Eigen::RowVector3d deviation(0.288, 0.130, 0.241);
+  const Eigen::RowVector3d standard_deviation(0.288, 0.130, 0.241);
   for (int j = 0; j < 3; ++j) {
-    const double scale = deviation(j) / std::sqrt(x.col(j).squaredNorm() / 9.0);
+    const double scale = standard_deviation(j) / std::sqrt(x.col(j).squaredNorm() / 9.0);
     x.col(j) = (x.col(j) * scale).array() + mean(j);
   }
   return x;

@@ -13,8 +13,8 @@ namespace mottle {
 /// The files of one extension in a folder that other kinds share. Several commands may use it at the same time.
 class CacheFolder {
  public:
-  CacheFolder(std::filesystem::path folder, std::string extension, std::uintmax_t most_bytes)
-      : folder_(std::move(folder)), extension_(std::move(extension)), most_bytes_(most_bytes) {}
+  CacheFolder(std::filesystem::path folder, std::string extension, std::uintmax_t max_bytes)
+      : folder_(std::move(folder)), extension_(std::move(extension)), max_bytes_(max_bytes) {}
 
   std::filesystem::path file(const Digest& digest) const;
 
@@ -33,7 +33,7 @@ class CacheFolder {
 
   std::filesystem::path folder_;
   std::string extension_;
-  std::uintmax_t most_bytes_;
+  std::uintmax_t max_bytes_;
 };
 
 }  // namespace mottle

@@ -19,7 +19,7 @@ class BlockReader {
   /// @param most_bytes  limit, held against the file's size now and against what is read later
   /// @throws InvalidInput   missing, unreadable, larger than the limit, or not a regular file (path and reason)
   /// @throws SystemFailure  the disk or the system failed
-  explicit BlockReader(std::filesystem::path path, std::uint64_t most_bytes = k_largest_file);
+  explicit BlockReader(std::filesystem::path path, std::uint64_t max_bytes = k_largest_file);
   BlockReader(BlockReader&& other) noexcept;
   BlockReader& operator=(BlockReader&&) = delete;
   BlockReader(const BlockReader&) = delete;
@@ -36,13 +36,13 @@ class BlockReader {
   void check_size(std::uint64_t size) const;
 
   std::filesystem::path path_;
-  std::uint64_t most_bytes_ = 0, size_ = 0, read_ = 0;
+  std::uint64_t max_bytes_ = 0, size_ = 0, read_ = 0;
   int descriptor_ = -1;
 };
 
 /// The whole file as bytes, as long as it was when its end was read. Limits and errors are those of BlockReader; the
 /// limit is held against the file's size before memory is asked for.
-std::string read_file(const std::filesystem::path& path, std::uint64_t most_bytes = k_largest_file);
+std::string read_file(const std::filesystem::path& path, std::uint64_t max_bytes = k_largest_file);
 
 /// Writes `bytes` beside `path`, flushes them to the disk and renames: a reader sees the old file or the new one.
 /// Throws SystemFailure (full disk, no descriptors or inodes left), InvalidInput (place not writable).

@@ -128,14 +128,14 @@ std::vector<std::string> ExternalStructure::description(const Eigen::Ref<const E
 }
 
 ExternalSolver::ExternalSolver(SolverCommand command, const std::vector<std::string>& names,
-                               const Eigen::VectorXd& nominal, const Eigen::VectorXd& deviations,
+                               const Eigen::VectorXd& nominal, const Eigen::VectorXd& standard_deviations,
                                const SolverPlace& place, const std::atomic<bool>* stop)
     : runs_(std::move(command), names, place),
       nominal_(nominal),
       least_(runs_.command().frequencies.modes),
       structure_(run_at_means(stop)),
       stop_(stop) {
-  for (const std::string& spot : runs_.coarse_places(nominal, difference_step() * deviations)) {
+  for (const std::string& spot : runs_.coarse_places(nominal, difference_step() * standard_deviations)) {
     notes_.push_back(
         fmt::format("{} has too few digits for differences by {} of a prior deviation: derivatives will be "
                     "poor; give it more",

@@ -19,7 +19,7 @@ namespace {
 constexpr const char* k_work = "runs";
 constexpr const char* k_failed = "failed-runs";
 constexpr const char* k_kept = "kept-runs";
-constexpr int k_most_failed_kept = 20;
+constexpr int k_max_failed_kept = 20;
 // In every folder that is made here: only what holds it is ever removed.
 constexpr const char* k_mark = ".mottle-run";
 constexpr std::string_view k_mark_text = "Made by Mottle for runs of a solver, and removed by it.\n";
@@ -149,7 +149,7 @@ bool RunFolders::recover(const std::filesystem::path& folder) const {
 std::filesystem::path RunFolders::keep(const std::filesystem::path& folder, bool has_failed, const std::string& name) {
   const std::lock_guard<std::mutex> lock(mutex_);
   std::error_code error;
-  if (has_failed && ++failed_ > k_most_failed_kept) {
+  if (has_failed && ++failed_ > k_max_failed_kept) {
     std::filesystem::remove_all(folder, error);
     return {};
   }

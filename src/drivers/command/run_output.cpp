@@ -26,10 +26,10 @@ std::string end_of(int descriptor, off_t most) {
 }  // namespace
 
 std::string last_part(const std::filesystem::path& file) {
-  constexpr off_t k_most = 64 << 10;
+  constexpr off_t k_max = 64 << 10;
   const int descriptor = ::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
   if (descriptor < 0) return {};
-  std::string bytes = end_of(descriptor, k_most);
+  std::string bytes = end_of(descriptor, k_max);
   ::close(descriptor);
   return bytes;
 }

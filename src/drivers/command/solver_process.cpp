@@ -105,9 +105,9 @@ int become(const Start& start, pid_t guard) {
   sigemptyset(&none);
   ::sigprocmask(SIG_SETMASK, &none, nullptr);
   // Another thread's guard may for a moment hold a file open that was just written and is to be run.
-  constexpr int k_most_attempts = 200;
+  constexpr int k_max_attempts = 200;
   const timespec moment{0, 5'000'000};
-  for (int attempt = 0; attempt < k_most_attempts; ++attempt) {
+  for (int attempt = 0; attempt < k_max_attempts; ++attempt) {
     ::execve(start.program.c_str(), start.arguments.data(), start.environment.data());
     if (errno != ETXTBSY) break;
     ::nanosleep(&moment, nullptr);
@@ -122,9 +122,9 @@ int become(const Start& start, pid_t guard) {
 
 /// Ends what the program has left behind, in whatever session: its orphans are the guard's children.
 void kill_orphans() {
-  constexpr int k_most_rounds = 5000;  // each ends one generation
+  constexpr int k_max_rounds = 5000;  // each ends one generation
   const timespec moment{0, 2'000'000};
-  for (int round = 0; round < k_most_rounds; ++round) {
+  for (int round = 0; round < k_max_rounds; ++round) {
     const int list = ::open("/proc/thread-self/children", O_RDONLY | O_CLOEXEC);
     char text[4096];
     const ssize_t size = list < 0 ? 0 : ::read(list, text, sizeof(text));
@@ -205,7 +205,7 @@ const char* flooded_file(const ProcessRequest& request) {
   for (const char* name : {k_standard_output, k_standard_error}) {
     struct stat status {};
     const bool is_there = ::lstat((request.directory / name).c_str(), &status) == 0 && S_ISREG(status.st_mode);
-    if (is_there && static_cast<std::uintmax_t>(status.st_size) > request.most_output) return name;
+    if (is_there && static_cast<std::uintmax_t>(status.st_size) > request.max_output) return name;
   }
   return nullptr;
 }
@@ -244,7 +244,7 @@ ProcessEnd await_end(const Pipe& pipe, pid_t guard_id, const ProcessRequest& req
                fmt::format("no end within {} s, stopped", static_cast<double>(request.timeout.count()) / 1000.0)};
     } else if (const char* file = flooded_file(request)) {
       early = {ProcessEnd::Kind::failed,
-               fmt::format("it printed more than {} MB to {}, stopped", request.most_output >> 20U, file)};
+               fmt::format("it printed more than {} MB to {}, stopped", request.max_output >> 20U, file)};
     }
     if (early.kind == ProcessEnd::Kind::done) continue;
     asked = Clock::now();

@@ -20,7 +20,7 @@ struct ProcessRequest {
   std::map<std::string, std::string> environment = {};        ///< added to Mottle's own
   std::chrono::milliseconds timeout = {};                     ///< then it is asked to end
   std::chrono::milliseconds grace = std::chrono::seconds(5);  ///< then it is ended
-  std::uintmax_t most_output = std::uintmax_t{256} << 20;     ///< bytes it may print to either file; then it is ended
+  std::uintmax_t max_output = std::uintmax_t{256} << 20;      ///< bytes it may print to either file; then it is ended
   const std::atomic<bool>* stop = nullptr;                    ///< ends it early
 };
 

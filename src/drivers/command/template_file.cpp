@@ -117,7 +117,7 @@ std::vector<bool> Template::uses(std::size_t parameters) const {
 
 std::vector<std::string> Template::coarse_places(const Eigen::Ref<const Eigen::VectorXd>& values,
                                                  const Eigen::Ref<const Eigen::VectorXd>& steps) const {
-  constexpr double k_most_error = 0.01;  // of a step: a derivative's error from rounding the input
+  constexpr double k_max_error = 0.01;  // of a step: a derivative's error from rounding the input
   std::vector<std::string> coarse;
   for (const Place& place : places_) {
     const auto p = static_cast<Eigen::Index>(place.parameter);
@@ -127,7 +127,7 @@ std::vector<std::string> Template::coarse_places(const Eigen::Ref<const Eigen::V
     const double step = place.factor * steps(p);
     if (place.format.empty() || step == 0.0) continue;
     if (!parse_number(text_of(place, value), near) || !parse_number(text_of(place, value + step), far)) continue;
-    if (std::abs(far - near - step) <= k_most_error * std::abs(step)) continue;
+    if (std::abs(far - near - step) <= k_max_error * std::abs(step)) continue;
     coarse.push_back(fmt::format("{}:{}: {} as {}", file_, place.line, place.name, place.format));
   }
   return coarse;

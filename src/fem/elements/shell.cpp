@@ -24,7 +24,7 @@ double angle(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   return degrees(std::atan2(a.cross(b).norm(), a.dot(b)));
 }
 
-double least_skew_angle(const ShellInput& input) {
+double min_skew_angle(const ShellInput& input) {
   const auto& r = input.nodes;
   if (input.node_count == 4) {
     const Eigen::Vector3d along = r.col(1) + r.col(2) - r.col(0) - r.col(3);
@@ -79,7 +79,7 @@ double shell_area(const ShellInput& input) {
 ShellQuality shell_quality(const ShellInput& input) {
   const shell::Plane plane = shell::plane_of(input);
   const Eigen::Index n = input.node_count;
-  ShellQuality quality{.skew = least_skew_angle(input)};
+  ShellQuality quality{.skew = min_skew_angle(input)};
   double longest = 0.0, shortest = std::numeric_limits<double>::infinity();
   Eigen::Vector4d corner_areas = Eigen::Vector4d::Ones();
   for (Eigen::Index i = 0; i < n; ++i) {

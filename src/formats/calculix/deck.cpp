@@ -51,7 +51,7 @@ std::string included_file(std::string_view line) {
 }
 
 void read_into(CalculixDeck& deck, const std::filesystem::path& file, std::vector<std::string>& open) {
-  constexpr std::size_t k_most_files = 100;
+  constexpr std::size_t k_max_files = 100;
   const std::string bytes = read_file(file);
   const int index = static_cast<int>(deck.files.size());
   deck.files.push_back(file.string());
@@ -64,8 +64,8 @@ void read_into(CalculixDeck& deck, const std::filesystem::path& file, std::vecto
       continue;
     }
     const std::filesystem::path included = file.parent_path() / included_file(text.line());
-    if (std::count(open.begin(), open.end(), included.string()) > 0 || deck.files.size() >= k_most_files) {
-      text.fail(fmt::format("includes {} in a circle, or more than {} files", included.string(), k_most_files));
+    if (std::count(open.begin(), open.end(), included.string()) > 0 || deck.files.size() >= k_max_files) {
+      text.fail(fmt::format("includes {} in a circle, or more than {} files", included.string(), k_max_files));
     }
     read_into(deck, included, open);
   }

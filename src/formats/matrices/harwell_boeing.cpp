@@ -29,8 +29,8 @@ FieldFormat parse_format(const MatrixLines& text, std::string_view format, std::
     const std::size_t end = descriptor.find_first_not_of("0123456789", i + 1);
     is_read = parse_whole(descriptor.substr(i + 1, end - i - 1), width);
   }
-  constexpr long long k_most = 1000;
-  if (!is_read || count < 1 || count > k_most || width < 1 || width > k_most) {
+  constexpr long long k_max = 1000;
+  if (!is_read || count < 1 || count > k_max || width < 1 || width > k_max) {
     text.fail(fmt::format("'{}' is not a Fortran format like (10I8) or (4D25.16)", trim_blanks(format)));
   }
   result.count = static_cast<std::size_t>(count);

@@ -50,7 +50,7 @@ Hdf5Handle access_within(hid_t kind, std::string* noted) {
 
 /// Bytes that a dataset's storage can become: deflate packs 1032 bytes into one at best, and chunks that were never
 /// written count as if they had been packed so.
-std::uint64_t most_bytes(hid_t set, hid_t creation, std::uint64_t file_size) {
+std::uint64_t max_bytes(hid_t set, hid_t creation, std::uint64_t file_size) {
   constexpr std::uint64_t k_largest_ratio = 1032;
   const std::uint64_t stored = std::min<std::uint64_t>(H5Dget_storage_size(set), file_size);
   return H5Pget_layout(creation) == H5D_CHUNKED ? k_largest_ratio * stored : stored;
@@ -148,7 +148,7 @@ Hdf5Dataset Hdf5File::checked(hid_t id, const std::string& path) const {
   set.shape.assign(static_cast<std::size_t>(rank), 0);
   H5Sget_simple_extent_dims(set.space, set.shape.data(), nullptr);
   set.type = H5Tget_class(kind);
-  const std::uint64_t most = most_bytes(set.id, creation, size_) / std::max<std::size_t>(H5Tget_size(kind), 1);
+  const std::uint64_t most = max_bytes(set.id, creation, size_) / std::max<std::size_t>(H5Tget_size(kind), 1);
   set.count = H5Sget_simple_extent_type(set.space) == H5S_NULL ? 0 : bounded_product(set.shape, most);
   std::vector<hsize_t> chunk(H5Pget_layout(creation) == H5D_CHUNKED ? set.shape.size() : 0);
   if (!chunk.empty()) H5Pget_chunk(creation, rank, chunk.data());

@@ -47,7 +47,7 @@ void MatBudget::fail(const std::string& message) const {
 
 void MatBudget::take(std::uint64_t bytes) {
   if (bytes > left_)
-    fail(fmt::format("its variables take more than {} bytes; save those of the tests alone", k_most_mat_bytes));
+    fail(fmt::format("its variables take more than {} bytes; save those of the tests alone", k_max_mat_bytes));
   left_ -= bytes;
 }
 
@@ -108,7 +108,7 @@ MatVariables parse_mat(std::string_view bytes, const std::string& file) {
 }
 
 MatVariables read_mat(const std::string& file) {
-  return parse_mat(read_file(file, k_most_mat_bytes), file);
+  return parse_mat(read_file(file, k_max_mat_bytes), file);
 }
 
 }  // namespace mottle::formats

@@ -180,12 +180,12 @@ class Level5Reader {
  private:
   ArrayHead read_head(Elements& parts) const {
     constexpr std::uint32_t k_complex = 0x800;
-    constexpr std::size_t k_most_dimensions = 32;
+    constexpr std::size_t k_max_dimensions = 32;
     const Element flags = parts.next();
     const Element sizes = parts.next();
     const Element name = parts.next();
     const bool is_sound = flags.type == 6 && flags.data.size() == 8 && sizes.type == 5 && sizes.data.size() % 4 == 0 &&
-                          sizes.data.size() >= 8 && sizes.data.size() <= 4 * k_most_dimensions && name.type <= 2;
+                          sizes.data.size() >= 8 && sizes.data.size() <= 4 * k_max_dimensions && name.type <= 2;
     if (!is_sound) budget_.fail("the head of a variable has parts that it should not have");
     ArrayHead head{.name = std::string(name.data.substr(0, name.data.find('\0')))};
     const std::vector<double> words = mat_numbers(flags.data, MatNumber::uint32, is_swapped_, budget_);
@@ -233,7 +233,7 @@ class Level5Reader {
   /// The first row of each cell; none at all where a cell is no text.
   std::vector<std::string> read_cells(const ArrayHead& head, Elements& parts) const {
     std::vector<std::string> texts;
-    const std::uint64_t count = element_count(head.sizes, k_most_mat_bytes / sizeof(std::string));
+    const std::uint64_t count = element_count(head.sizes, k_max_mat_bytes / sizeof(std::string));
     for (std::uint64_t k = 0; k < count; ++k) {
       const Element cell = parts.next();
       if (cell.type != k_matrix) budget_.fail(fmt::format("a cell of '{}' is no array", head.name));

@@ -26,7 +26,7 @@ class MatBudget {
 
  private:
   std::string file_;
-  std::uint64_t left_ = k_most_mat_bytes;
+  std::uint64_t left_ = k_max_mat_bytes;
 };
 
 /// How numbers lie in a file.

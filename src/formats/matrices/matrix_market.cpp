@@ -14,7 +14,7 @@ Header read_header(MatrixLines& text) {
   text.need("%%MatrixMarket matrix ...");
   Words words;
   const std::size_t count = split_words(text.line(), words);
-  const auto word = [&](std::size_t i) { return i < count && i < k_most_words ? capitals(words[i]) : ""; };
+  const auto word = [&](std::size_t i) { return i < count && i < k_max_words ? capitals(words[i]) : ""; };
   if (count != 5 || word(0) != "%%MATRIXMARKET" || word(1) != "MATRIX") {
     text.fail("expected '%%MatrixMarket matrix coordinate|array real|integer general|symmetric'");
   }

@@ -7,7 +7,7 @@
 namespace mottle::formats {
 namespace {
 
-constexpr long long k_most_rows = 10'000'000;
+constexpr long long k_max_rows = 10'000'000;
 // Rows that a matrix may have whatever stands in it, and for each of its entries: a line must not claim gigabytes.
 constexpr std::size_t k_free_rows = 1'000'000;
 constexpr std::size_t k_rows_an_entry = 100;
@@ -38,7 +38,7 @@ std::size_t split_words(std::string_view line, Words& words, char separator) {
     }
     std::size_t end = i;
     while (end < line.size() && !is_gap(line[end])) ++end;
-    if (count == k_most_words) return k_most_words + 1;
+    if (count == k_max_words) return k_max_words + 1;
     words[count++] = line.substr(i, end - i);
     i = end;
   }
@@ -93,8 +93,8 @@ std::string row_name(long long node, int component) {
 void SymmetricBuilder::set_size(int line, long long rows, long long columns) {
   if (rows != columns) throw FormatError(file_, line, fmt::format("the matrix is {} x {}, not square", rows, columns));
   if (rows < 1) throw FormatError(file_, line, fmt::format("the matrix has {} rows, need at least 1", rows));
-  if (rows > k_most_rows) {
-    throw FormatError(file_, line, fmt::format("{} rows, more than the {} allowed", rows, k_most_rows));
+  if (rows > k_max_rows) {
+    throw FormatError(file_, line, fmt::format("{} rows, more than the {} allowed", rows, k_max_rows));
   }
   size_ = static_cast<int>(rows);
 }

@@ -33,10 +33,10 @@ class MatrixLines {
   int number_ = 0;
 };
 
-constexpr std::size_t k_most_words = 8;
-using Words = std::array<std::string_view, k_most_words>;
+constexpr std::size_t k_max_words = 8;
+using Words = std::array<std::string_view, k_max_words>;
 
-/// Splits at blanks, tabs and `separator`; the number of words, k_most_words + 1 where there are more.
+/// Splits at blanks, tabs and `separator`; the number of words, k_max_words + 1 where there are more.
 std::size_t split_words(std::string_view line, Words& words, char separator = ' ');
 
 /// A whole number that fills `text` (blanks around allowed); false where it does not.

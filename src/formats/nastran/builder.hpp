@@ -161,7 +161,7 @@ struct CardRule {
   std::string_view name;
   Phase phase;
   void (*read)(ModelBuilder&, const Card&);
-  int most_fields = 0;                   ///< that the card may have; 0: any number
+  int max_fields = 0;                    ///< that the card may have; 0: any number
   std::string_view design_numbers = {};  ///< that models are usually wrong in: "A I1 I2 J", "DIM*"
 };
 

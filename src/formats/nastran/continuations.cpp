@@ -11,7 +11,7 @@
 namespace mottle::formats::nastran {
 namespace {
 
-constexpr int k_most_rows_of_a_card = 1000000;
+constexpr int k_max_rows_of_a_card = 1000000;
 
 class RowJoiner {
  public:
@@ -102,8 +102,8 @@ class RowJoiner {
       int length = 0;
       for (int row = first; row >= 0; row = at(row).next) {
         is_reached[static_cast<std::size_t>(row)] = true;
-        if (++length > k_most_rows_of_a_card) {
-          fail(place_of(at(first)), fmt::format("more than {} continuation lines", k_most_rows_of_a_card));
+        if (++length > k_max_rows_of_a_card) {
+          fail(place_of(at(first)), fmt::format("more than {} continuation lines", k_max_rows_of_a_card));
         }
       }
     }

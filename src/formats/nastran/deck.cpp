@@ -16,11 +16,11 @@ namespace nastran {
 namespace {
 
 constexpr std::size_t k_longest_line = 65536;
-constexpr std::size_t k_most_rows = 20'000'000;
-constexpr std::size_t k_most_includes = 1000;
+constexpr std::size_t k_max_rows = 20'000'000;
+constexpr std::size_t k_max_includes = 1000;
 constexpr std::size_t k_deepest_include = 32;
-constexpr int k_most_lines_of_a_file_name = 20;
-constexpr int k_most_lines_of_a_command = 100'000;
+constexpr int k_max_lines_of_a_file_name = 20;
+constexpr int k_max_lines_of_a_command = 100'000;
 
 /// Where the line that begins at `at` ends.
 std::size_t end_of_line(std::string_view bytes, std::size_t at) {
@@ -105,8 +105,8 @@ class DeckReader {
 
   void read_file_text(std::string bytes, const std::string& name) {
     total_bytes_ += bytes.size();
-    if (total_bytes_ > k_most_bytes) {
-      throw FormatError(name, 0, fmt::format("the deck is larger than {} bytes with this file", k_most_bytes));
+    if (total_bytes_ > k_max_bytes) {
+      throw FormatError(name, 0, fmt::format("the deck is larger than {} bytes with this file", k_max_bytes));
     }
     deck_.files.push_back(name);
     open_.push_back(static_cast<int>(deck_.files.size()) - 1);
@@ -150,7 +150,7 @@ class DeckReader {
       section_ = Section::done;
       return;
     }
-    if (rows_.size() >= k_most_rows) fail(source.place(), fmt::format("more than {} lines of bulk data", k_most_rows));
+    if (rows_.size() >= k_max_rows) fail(source.place(), fmt::format("more than {} lines of bulk data", k_max_rows));
     make_capitals(source.bytes(), line);
     BulkRow& row = rows_.emplace_back(cut_row(line, source.place(), text_));
     row.file = open_.back();
@@ -169,7 +169,7 @@ class DeckReader {
     const bool is_text = word.ends_with("TITLE") || word == "LABEL";
     int lines = 1;
     while (!is_text && trim(command).ends_with(',') && source.next(line)) {
-      if (++lines > k_most_lines_of_a_command) fail(source.place(), "the command above has too many lines");
+      if (++lines > k_max_lines_of_a_command) fail(source.place(), "the command above has too many lines");
       command += ' ';
       command += trim(line);
     }
@@ -184,7 +184,7 @@ class DeckReader {
     if (open_.size() >= k_deepest_include) {
       fail(place, fmt::format("files include each other more than {} levels deep", k_deepest_include));
     }
-    if (deck_.files.size() > k_most_includes) fail(place, fmt::format("more than {} included files", k_most_includes));
+    if (deck_.files.size() > k_max_includes) fail(place, fmt::format("more than {} included files", k_max_includes));
     std::optional<IncludedFile> found = resolve_ ? resolve_(written, place.file) : std::nullopt;
     if (!found) {
       fail(place, fmt::format("INCLUDE '{}': no such file beside this file or the main one", printable(written)));
@@ -219,7 +219,7 @@ class DeckReader {
       const std::size_t end = rest.find(quote);
       name += trim(rest.substr(0, end));
       if (end != std::string_view::npos) return name;
-      if (lines > k_most_lines_of_a_file_name || !source.next(rest)) fail(start, "INCLUDE: the quote is not closed");
+      if (lines > k_max_lines_of_a_file_name || !source.next(rest)) fail(start, "INCLUDE: the quote is not closed");
     }
   }
 
@@ -244,7 +244,7 @@ NastranDeck parse_nastran_deck(std::string bytes, const std::string& name, const
 }
 
 NastranDeck read_nastran_deck(const std::filesystem::path& file) {
-  std::string bytes = nastran::read_limited_file(file, nastran::k_most_bytes);
+  std::string bytes = nastran::read_limited_file(file, nastran::k_max_bytes);
   return parse_nastran_deck(std::move(bytes), file.string(), nastran::resolver_of_files(file));
 }
 

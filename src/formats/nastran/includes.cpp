@@ -57,7 +57,7 @@ IncludeResolver resolver_of_files(const std::filesystem::path& main_file) {
     for (const fs::path& folder : {fs::path(from).parent_path(), main_file.parent_path()}) {
       if (const auto path = find_file(written, folder)) {
         const std::string name = path->lexically_normal().string();
-        return IncludedFile{name, read_limited_file(*path, k_most_bytes)};
+        return IncludedFile{name, read_limited_file(*path, k_max_bytes)};
       }
     }
     return std::nullopt;

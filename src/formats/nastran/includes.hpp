@@ -12,7 +12,7 @@
 namespace mottle::formats::nastran {
 
 /// A deck with its included files may hold this many bytes.
-inline constexpr std::uintmax_t k_most_bytes = 2'000'000'000;
+inline constexpr std::uintmax_t k_max_bytes = 2'000'000'000;
 
 /// Looks beside the including file, then beside `main_file`; forgives backslashes and letter case.
 IncludeResolver resolver_of_files(const std::filesystem::path& main_file);

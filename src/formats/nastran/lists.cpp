@@ -5,7 +5,7 @@
 namespace mottle::formats::nastran {
 namespace {
 
-constexpr std::int64_t k_most_listed_points = 200'000'000;
+constexpr std::int64_t k_max_listed_points = 200'000'000;
 
 /// Nodes first..last (indices, last excluded) of the range that starts at field n.
 std::pair<int, int> range_at(const ModelBuilder& builder, const Card& card, int n) {
@@ -31,8 +31,8 @@ void for_each_listed_node(ModelBuilder& builder, const Card& card, int first, in
     }
     const auto [begin, end] = range_at(builder, card, n);
     builder.listed_points += end - begin;
-    if (builder.listed_points > k_most_listed_points) {
-      card.fail(fmt::format("THRU ranges name more than {} points in all", k_most_listed_points));
+    if (builder.listed_points > k_max_listed_points) {
+      card.fail(fmt::format("THRU ranges name more than {} points in all", k_max_listed_points));
     }
     for (int node = begin; node < end; ++node) use(node);
     n += 2;

@@ -38,9 +38,9 @@ class CardSorter {
     for (const auto& [card, rule] : sorted_[static_cast<std::size_t>(phase)]) {
       const CardRule& reader = rules_[static_cast<std::size_t>(rule)];
       const Card view = builder_.card_of(*card);
-      if (reader.most_fields > 0 && view.size() > reader.most_fields) {
+      if (reader.max_fields > 0 && view.size() > reader.max_fields) {
         view.fail(fmt::format("field {} holds '{}', but the card has {} fields", view.size(),
-                              shown(view.at(view.size())), reader.most_fields));
+                              shown(view.at(view.size())), reader.max_fields));
       }
       builder_.rule = rule;
       reader.read(builder_, view);

@@ -11,7 +11,7 @@
 namespace mottle::formats::nastran {
 namespace {
 
-constexpr int k_most_points_of_ranges = 1'000'000;
+constexpr int k_max_points_of_ranges = 1'000'000;
 constexpr double k_farthest = 1e100;  // differences and squares of coordinates stay finite
 
 void read_grdset(ModelBuilder& builder, const Card& card) {
@@ -63,9 +63,8 @@ void read_spoint(ModelBuilder& builder, const Card& card) {
   const int first = card.id(1, "ID1");
   const int last = card.id(3, "ID2");
   if (last < first) card.fail(fmt::format("ID2 is {}, it must not be below ID1 = {}", last, first));
-  if (last - first >= k_most_points_of_ranges - builder.points_of_ranges) {
-    card.fail(
-        fmt::format("{} THRU {}: more than {} scalar points in all ranges", first, last, k_most_points_of_ranges));
+  if (last - first >= k_max_points_of_ranges - builder.points_of_ranges) {
+    card.fail(fmt::format("{} THRU {}: more than {} scalar points in all ranges", first, last, k_max_points_of_ranges));
   }
   builder.points_of_ranges += last - first + 1;
   for (int id = first; id < last; ++id) add_scalar_point(builder, card, id);

@@ -30,7 +30,7 @@ constexpr std::string_view k_harmless[] = {
 /// Of the harmless ones those that a reader of the results should hear of.
 constexpr std::string_view k_reductions[] = {"ASET*", "OMIT*", "CSET*", "BSET*", "QSET*", "SUPORT*"};
 
-constexpr int k_most_notes = 30;
+constexpr int k_max_notes = 30;
 
 /// Everything else that changes stiffness, mass or constraints, besides what looks like an element.
 constexpr std::string_view k_refused[] = {
@@ -83,7 +83,7 @@ void handle_unread_card(ModelBuilder& builder, const Card& first, int count) {
     const std::string others = count > 1 ? fmt::format(" ({} such cards in the deck)", count) : std::string();
     first.fail(fmt::format("{}{}; model.ignore_cards = [\"{}\"] goes on without it", reason_for(name), others, name));
   }
-  if (++builder.unknown_kinds > k_most_notes) {
+  if (++builder.unknown_kinds > k_max_notes) {
     builder.count("{} further kinds of cards are not known here and were ignored");
     return;
   }

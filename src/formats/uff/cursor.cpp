@@ -133,9 +133,8 @@ std::vector<double> UffCursor::numbers(std::string_view what, UffWidths widths, 
 std::vector<int> UffCursor::integers(std::string_view what, UffWidths widths, std::size_t needed) {
   std::vector<int> result;
   for (const double number : numbers(what, widths, needed)) {
-    constexpr double k_least = -999'999'999.0;  // ten columns
-    const bool is_whole =
-        number == std::round(number) && number >= k_least && number <= std::numeric_limits<int>::max();
+    constexpr double k_min = -999'999'999.0;  // ten columns
+    const bool is_whole = number == std::round(number) && number >= k_min && number <= std::numeric_limits<int>::max();
     if (!is_whole) fail(fmt::format("{} stands where a whole number should be ({})", number, what));
     result.push_back(static_cast<int>(number));
   }

@@ -69,8 +69,8 @@ UffAxis read_axis(UffCursor& cursor, const char* what) {
   axis.quantity = whole(cursor, line, 0, 10, what);
   for (std::size_t k = 0; k < 3; ++k) axis.units[k] = whole(cursor, line, 10 + 5 * k, 5, what);
   for (const int exponent : axis.units) {
-    constexpr int k_most = 20;
-    if (std::abs(exponent) > k_most) cursor.fail(fmt::format("a unit to the power of {} ({})", exponent, what));
+    constexpr int k_max = 20;
+    if (std::abs(exponent) > k_max) cursor.fail(fmt::format("a unit to the power of {} ({})", exponent, what));
   }
   axis.label = uff_columns(line, 26, 20);
   axis.unit = uff_columns(line, 47, 20);

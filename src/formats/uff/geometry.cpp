@@ -25,11 +25,11 @@ CoordinateSystem::Kind kind_of(const UffCursor& cursor, int type) {
 /// Axes from the origin, a point on +x and a point of the xz plane on the side of +z.
 Eigen::Matrix3d axes_from_points(const UffCursor& cursor, const Eigen::Vector3d& origin, const Eigen::Vector3d& on_x,
                                  const Eigen::Vector3d& on_xz) {
-  constexpr double k_least_sine = 1e-6;
+  constexpr double k_min_sine = 1e-6;
   const Eigen::Vector3d x = on_x - origin;
   const Eigen::Vector3d in_plane = on_xz - origin;
   const Eigen::Vector3d y = in_plane.cross(x);
-  const bool is_degenerate = !(y.norm() > k_least_sine * x.norm() * in_plane.norm());
+  const bool is_degenerate = !(y.norm() > k_min_sine * x.norm() * in_plane.norm());
   if (is_degenerate) cursor.fail("the coordinate system's three points lie on one line");
   Eigen::Matrix3d axes;
   axes << x.normalized(), y.normalized(), x.cross(y).normalized();

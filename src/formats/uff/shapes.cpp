@@ -92,8 +92,8 @@ void read_uff_shape_55(UffCursor& cursor, UffFile& out) {
     return;
   }
   std::vector<int> whole = cursor.integers("counts, load case and mode", {10}, 4);
-  constexpr int k_most = 1000;
-  if (whole[0] < 0 || whole[0] > k_most || whole[1] < 0 || whole[1] > k_most) {
+  constexpr int k_max = 1000;
+  if (whole[0] < 0 || whole[0] > k_max || whole[1] < 0 || whole[1] > k_max) {
     cursor.fail(fmt::format("{} whole and {} real numbers of the analysis", whole[0], whole[1]));
   }
   const auto count = static_cast<std::size_t>(whole[0]) + 2;

@@ -8,12 +8,12 @@
 namespace mottle::linalg {
 
 Eigen::MatrixXd orthonormal_combinations(const Eigen::MatrixXd& gram, const Eigen::VectorXd& before) {
-  constexpr double k_least = 1e-10;
-  const Eigen::VectorXd scales = (gram.diagonal().array() > k_least * before.array())
+  constexpr double k_min = 1e-10;
+  const Eigen::VectorXd scales = (gram.diagonal().array() > k_min * before.array())
                                      .select(gram.diagonal().cwiseAbs().cwiseSqrt().cwiseInverse(), 0.0);
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(scales.asDiagonal() * gram * scales.asDiagonal());
   const Eigen::VectorXd& parts = solver.eigenvalues();
-  const Eigen::Index kept = (parts.array() > k_least * parts.maxCoeff()).count();
+  const Eigen::Index kept = (parts.array() > k_min * parts.maxCoeff()).count();
   return scales.asDiagonal() * solver.eigenvectors().rightCols(kept) *
          parts.tail(kept).cwiseSqrt().cwiseInverse().asDiagonal();
 }
@@ -25,13 +25,13 @@ VectorRows ReducedModel::Parts::shapes(const Eigen::MatrixXd& coordinates) const
 }
 
 void ReducedModel::Parts::append(const VectorRows& block, Eigen::Index count, int threads) {
-  constexpr int k_most_turns = 3;
+  constexpr int k_max_turns = 3;
   constexpr double k_rounding = 1e-12;
   prepared = std::make_shared<PreparedModes>();
   Eigen::Index added = count;
   basis.conservativeResize(block.rows(), basis.cols() + added);
   basis.rightCols(added) = to_columns(block, added);
-  for (int turn = 0; turn < k_most_turns; ++turn) {
+  for (int turn = 0; turn < k_max_turns; ++turn) {
     pending.conservativeResizeLike(Eigen::MatrixXd::Identity(basis.cols(), basis.cols()));
     project_last(turn == 0 ? block : to_rows(basis.rightCols(added)), added, threads);
     added = orthonormalise_last(added);

@@ -97,13 +97,13 @@ void ReducedModel::Parts::raise_floor(const TermCoefficients& samples, int threa
   const Eigen::VectorXd softest = with_constant(samples.stiffness.rowwise().minCoeff());
   const Eigen::VectorXd heaviest = with_constant(samples.mass.rowwise().maxCoeff());
   if (softest.minCoeff() < 0.0) return;
-  const Eigen::Index most_modes = Eigen::Index{4} * options.modes + 16;
-  for (Eigen::Index modes = options.modes + 8; modes <= most_modes; modes *= 2) {
+  const Eigen::Index max_modes = Eigen::Index{4} * options.modes + 16;
+  for (Eigen::Index modes = options.modes + 8; modes <= max_modes; modes *= 2) {
     const Solution solution = solve(samples, Purpose::training, threads);
     const Eigen::ArrayXd needed = k_margin * solution.values.row(solution.bounds.rows() - 1).transpose().array();
     const auto unsafe = static_cast<double>((needed >= unseen_above(samples).array()).count());
     if (unsafe <= k_left_out * static_cast<double>(samples.samples())) return;
-    if (basis.cols() + modes > options.most_vectors) return;
+    if (basis.cols() + modes > options.max_vectors) return;
     SparseModeSolver solver;
     const SparseModes found = solver.solve(full->stiffness_at(softest), full->mass_at(heaviest),
                                            {.modes = static_cast<int>(modes), .tolerance = 1e-4, .measures = false});

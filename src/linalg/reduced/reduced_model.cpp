@@ -4,8 +4,8 @@
 #include <limits>
 
 #include "linalg/blas.hpp"
+#include "linalg/reduced/batched_davidson.hpp"
 #include "linalg/reduced/certificate.hpp"
-#include "linalg/reduced/nearby_modes.hpp"
 #include "linalg/reduced/reduced_model_parts.hpp"
 #include "mottle/core/error.hpp"
 #include "mottle/core/parallel.hpp"
@@ -84,13 +84,13 @@ Eigen::MatrixXd ReducedModel::Parts::sketched_residuals(const TermCoefficients& 
   return result;
 }
 
-const NearbyModes& ReducedModel::Parts::nearby_modes() const {
+const BatchedDavidson& ReducedModel::Parts::batched_davidson() const {
   std::call_once(prepared->is_made, [&] {
     const Eigen::Index modes = solved_modes();
     prepared->modes =
-        std::make_unique<NearbyModes>(NearbyFamily{stiffness, mass, full->nominal_stiffness, full->nominal_mass,
-                                                   full->shift, stiffness_sketch, mass_sketch},
-                                      NearbyOptions{.modes = modes, .sharp = sharp_modes()});
+        std::make_unique<BatchedDavidson>(NearbyPencils{stiffness, mass, full->nominal_stiffness, full->nominal_mass,
+                                                        full->shift, stiffness_sketch, mass_sketch},
+                                          NearbyOptions{.modes = modes, .sharp = sharp_modes()});
   });
   return *prepared->modes;
 }
@@ -98,8 +98,8 @@ const NearbyModes& ReducedModel::Parts::nearby_modes() const {
 SketchedModes ReducedModel::Parts::reduced_modes(const TermCoefficients& samples, const Eigen::VectorXd& ratios,
                                                  double inside, int threads) const {
   const Eigen::Index modes = solved_modes();
-  SketchedModes result =
-      nearby_modes().solve(samples, {ratios, full->largest_mass_ratios(samples)}, inside * options.tolerance, threads);
+  SketchedModes result = batched_davidson().solve(samples, {ratios, full->largest_mass_ratios(samples)},
+                                                  inside * options.tolerance, threads);
   std::vector<Eigen::Index> rest;
   for (Eigen::Index s = 0; s < samples.samples(); ++s) {
     if (result.modes.failed[static_cast<std::size_t>(s)] != 0) rest.push_back(s);

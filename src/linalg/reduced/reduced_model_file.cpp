@@ -113,10 +113,10 @@ class Reader {
   Digest digest() const { return checksum_.digest(); }
 
  private:
-  std::uint64_t count(std::uint64_t least_bytes) {
+  std::uint64_t count(std::uint64_t min_bytes) {
     std::int64_t value = 0;
     (*this)(value);
-    require(value >= 0 && static_cast<std::uint64_t>(value) <= left_ / least_bytes, "its parts do not fit together");
+    require(value >= 0 && static_cast<std::uint64_t>(value) <= left_ / min_bytes, "its parts do not fit together");
     return static_cast<std::uint64_t>(value);
   }
   void copy(void* destination, std::uint64_t size) {

@@ -82,10 +82,10 @@ class Hasher {
     add(coefficients.mass);
   }
   void add(const ReducedModelOptions& options) {
-    const auto& [modes, tolerance, most_vectors] = options;  // a new option does not compile here until it is added
+    const auto& [modes, tolerance, max_vectors] = options;  // a new option does not compile here until it is added
     add_array(&modes, 1);
     add_array(&tolerance, 1);
-    add_array(&most_vectors, 1);
+    add_array(&max_vectors, 1);
   }
   void add(const std::string& text) {
     add_count(static_cast<Eigen::Index>(text.size()));

@@ -6,7 +6,7 @@
 #include <mutex>
 #include <vector>
 
-#include "linalg/reduced/nearby_modes.hpp"
+#include "linalg/reduced/batched_davidson.hpp"
 #include "linalg/sparse/supported_matrix.hpp"
 #include "mottle/linalg/reduced/reduced_model.hpp"
 
@@ -100,10 +100,10 @@ Eigen::MatrixXd orthonormal_combinations(const Eigen::MatrixXd& gram, const Eige
 /// Upper estimates of r' A^-1 r from W' r [sketch row x residual].
 Eigen::VectorXd sketched_squares(const Eigen::Ref<const Eigen::MatrixXd>& sketched);
 
-/// NearbyModes of a basis, made when they are first asked for.
+/// BatchedDavidson of a basis, made when they are first asked for.
 struct PreparedModes {
   std::once_flag is_made;
-  std::unique_ptr<NearbyModes> modes;
+  std::unique_ptr<BatchedDavidson> modes;
 };
 
 struct ReducedModel::Parts {
@@ -131,8 +131,9 @@ struct ReducedModel::Parts {
   Eigen::Index solved_modes() const;
   Eigen::Index sharp_modes() const;
   Solution solve(const TermCoefficients& samples, Purpose purpose, int threads) const;
-  const NearbyModes& nearby_modes() const;
-  /// Lowest modes of the reduced pencils, guards included: of most samples by NearbyModes, of the others by themselves.
+  const BatchedDavidson& batched_davidson() const;
+  /// Lowest modes of the reduced pencils, guards included: of most samples by BatchedDavidson, of the others by
+  /// themselves.
   ///
   /// @param inside  squared residual that the iteration may leave over inside the basis, of the tolerance
   SketchedModes reduced_modes(const TermCoefficients& samples, const Eigen::VectorXd& ratios, double inside,

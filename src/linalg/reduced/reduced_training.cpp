@@ -221,11 +221,11 @@ class Progress {
     constexpr double k_blind = 0.97;
     const Eigen::Index vectors = parts.basis.cols();
     const double added = static_cast<double>(vectors - vectors_);
-    const double room = static_cast<double>(parts.options.most_vectors - vectors);
+    const double room = static_cast<double>(parts.options.max_vectors - vectors);
     const double predicted = shortfall - std::max(shortfall_ - shortfall, 0.0) * room / std::max(added, 1.0);
     const double blind = k_blind * std::log(k_largest_shortfall);
-    const bool knows = added > 0.0 && 2 * vectors > parts.options.most_vectors && vectors_ > 0 && shortfall_ < blind;
-    const bool is_late = 4 * vectors > 3 * parts.options.most_vectors;
+    const bool knows = added > 0.0 && 2 * vectors > parts.options.max_vectors && vectors_ > 0 && shortfall_ < blind;
+    const bool is_late = 4 * vectors > 3 * parts.options.max_vectors;
     vectors_ = vectors;
     shortfall_ = shortfall;
     return (knows && predicted > k_margin) || (is_late && shortfall > blind);
@@ -268,11 +268,11 @@ void ReducedModel::train(const TermCoefficients& samples, int threads) {
   constexpr Eigen::Index k_choosing_samples = 128;
   constexpr Eigen::Index k_compressing_samples = 200;
   constexpr int k_rounds = 30;
-  constexpr int k_last_rounds = 3;           // for a few that are not good yet: refinement takes care of them
-  constexpr Eigen::Index k_few = 50;         // one in so many samples
-  constexpr Eigen::Index k_most_picks = 48;  // whole sweeps through the factor
+  constexpr int k_last_rounds = 3;          // for a few that are not good yet: refinement takes care of them
+  constexpr Eigen::Index k_few = 50;        // one in so many samples
+  constexpr Eigen::Index k_max_picks = 48;  // whole sweeps through the factor
   Parts& parts = *parts_;
-  const Eigen::Index most_picks = std::min<Eigen::Index>(k_most_picks, Eigen::Index{5} * parts.options.modes);
+  const Eigen::Index max_picks = std::min<Eigen::Index>(k_max_picks, Eigen::Index{5} * parts.options.modes);
   parts.raise_floor(samples, threads);
   Eigen::Index used = std::min(samples.samples(), k_first_samples);
   TrainingSamples known(parts, samples, 0.5 * parts.options.tolerance);
@@ -282,8 +282,8 @@ void ReducedModel::train(const TermCoefficients& samples, int threads) {
   Eigen::MatrixXd needed;
   for (int round = 0; round < k_rounds; ++round) {
     known.solve(used, threads);
-    const Eigen::Index room = parts.options.most_vectors - parts.basis.cols();
-    const std::vector<Pick> picks = pick_residuals(known.residuals, known.wants, std::min(most_picks, room));
+    const Eigen::Index room = parts.options.max_vectors - parts.basis.cols();
+    const std::vector<Pick> picks = pick_residuals(known.residuals, known.wants, std::min(max_picks, room));
     const bool is_complete = used == samples.samples();
     if (is_complete && k_few * known.open_samples() <= used) {
       last_rounds += progress.stands_still(known.wants.maxCoeff()) ? k_last_rounds : 1;

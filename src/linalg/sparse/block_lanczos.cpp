@@ -12,7 +12,7 @@
 namespace mottle::linalg {
 namespace {
 
-constexpr int k_most_restarts = 60;
+constexpr int k_max_restarts = 60;
 constexpr double k_deflated = 1e-11;  // what is left of a vector after orthogonalisation that counts as nothing
 
 /// Solutions for up to eight right-hand sides cost as much as for eight, and a wider block needs more of them in all;
@@ -38,10 +38,10 @@ class KrylovBasis {
   KrylovBasis(const LanczosProblem& problem, int wanted, Eigen::Index block)
       : problem_(problem),
         block_(block),
-        most_vectors_(
+        max_vectors_(
             std::min<Eigen::Index>(problem.size, std::max<Eigen::Index>(Eigen::Index{2} * wanted + 6 * block_, 80))),
-        basis_(problem.size, most_vectors_ + block_),
-        projected_(Eigen::MatrixXd::Zero(most_vectors_, most_vectors_)) {}
+        basis_(problem.size, max_vectors_ + block_),
+        projected_(Eigen::MatrixXd::Zero(max_vectors_, max_vectors_)) {}
 
   /// A new block of random vectors, once through the operator, which purges what lies in the null space of M. Starts
   /// the basis, and goes on when the basis has become invariant: roots repeated more often than the block is wide.
@@ -78,7 +78,7 @@ class KrylovBasis {
     }
   }
 
-  bool is_full() const { return projected_size_ + newest_ > most_vectors_; }
+  bool is_full() const { return projected_size_ + newest_ > max_vectors_; }
   bool is_exhausted() const { return newest_ == 0; }
   Eigen::Index projected_size() const { return projected_size_; }
   int solved_vectors() const { return solved_vectors_; }
@@ -143,7 +143,7 @@ class KrylovBasis {
     take_out();  // rounding errors of the first time; too small to change M block
     coupling_ = normalise(block, weighed_, k_deflated * before);
     if (block.cols() == 0) return 0;
-    if (least_length_ < k_much_lost * before) {
+    if (min_length_ < k_much_lost * before) {
       // Scaling up what little was left has scaled up its rounding errors too.
       coefficients = nullptr;
       weighed_ = problem_.weigh(block);
@@ -170,7 +170,7 @@ class KrylovBasis {
   Eigen::MatrixXd normalise(Eigen::MatrixXd& block, Eigen::MatrixXd& weighed, double shortest) {
     Eigen::MatrixXd triangle = Eigen::MatrixXd::Zero(block.cols(), block.cols());
     Eigen::Index kept = 0;
-    least_length_ = std::numeric_limits<double>::infinity();
+    min_length_ = std::numeric_limits<double>::infinity();
     for (Eigen::Index j = 0; j < block.cols(); ++j) {
       Eigen::VectorXd vector = block.col(j);
       Eigen::VectorXd weighed_vector = weighed.col(j);
@@ -183,7 +183,7 @@ class KrylovBasis {
       const double length = std::sqrt(std::max(0.0, vector.dot(weighed_vector)));
       if (length <= shortest) continue;
       triangle(kept, j) = length;
-      least_length_ = std::min(least_length_, length);
+      min_length_ = std::min(min_length_, length);
       block.col(kept) = vector / length;
       weighed.col(kept) = weighed_vector / length;
       ++kept;
@@ -195,12 +195,12 @@ class KrylovBasis {
 
   const LanczosProblem& problem_;
   Eigen::Index block_;
-  Eigen::Index most_vectors_;
+  Eigen::Index max_vectors_;
   Eigen::MatrixXd basis_;      // [row x vector]; the first size_ columns are in use
   Eigen::MatrixXd projected_;  // T; the first projected_size_ rows and columns are known
   Eigen::MatrixXd coupling_;   // R of the newest block
   Eigen::MatrixXd weighed_;    // M times the newest block
-  double least_length_ = 0.0;  // of the vectors that the last normalise() kept
+  double min_length_ = 0.0;    // of the vectors that the last normalise() kept
   Eigen::Index size_ = 0;
   Eigen::Index projected_size_ = 0;  // size_ less the newest block
   Eigen::Index newest_ = 0;
@@ -214,7 +214,7 @@ LanczosPairs pairs_by_block(const LanczosProblem& problem, int wanted, double to
   basis.append_random();
   Eigen::VectorXd values;
   Eigen::MatrixXd vectors;
-  for (int restart = 0; restart <= k_most_restarts && !basis.is_exhausted();) {
+  for (int restart = 0; restart <= k_max_restarts && !basis.is_exhausted();) {
     basis.extend();
     if (basis.projected_size() < wanted && !basis.is_exhausted() && !basis.is_full()) continue;
     basis.ritz(values, vectors);

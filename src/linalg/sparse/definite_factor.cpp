@@ -15,7 +15,7 @@ namespace mottle::linalg {
 namespace {
 
 constexpr Eigen::Index k_nested_dissection_from = 3000;  // below, minimum degree is found faster and is as good
-constexpr Eigen::Index k_most_sides = 32;                // in one sweep through L; more would only need more memory
+constexpr Eigen::Index k_max_sides = 32;                 // in one sweep through L; more would only need more memory
 
 /// Eight doubles that lie in one line of the cache.
 struct alignas(64) CacheLine {
@@ -128,8 +128,8 @@ class CholmodFactor final : public DefiniteFactor {
     const int* order = static_cast<const int*>(factor_->Perm);
     const Eigen::Index rows = right_hand_sides.rows();
     std::vector<CacheLine> sides_by_rows;  // as the kernels want them
-    for (Eigen::Index first = 0; first < right_hand_sides.cols(); first += k_most_sides) {
-      const Eigen::Index sides = std::min(k_most_sides, right_hand_sides.cols() - first);
+    for (Eigen::Index first = 0; first < right_hand_sides.cols(); first += k_max_sides) {
+      const Eigen::Index sides = std::min(k_max_sides, right_hand_sides.cols() - first);
       const Eigen::Index width = sides == 1 ? 1 : (sides + kernels.lanes - 1) / kernels.lanes * kernels.lanes;
       sides_by_rows.resize(static_cast<std::size_t>(rows * width / 8 + 1));
       double* const x = sides_by_rows.data()->values;

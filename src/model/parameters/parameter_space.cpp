@@ -91,7 +91,7 @@ ParameterDraw ParameterSpace::draw(const JointDistribution& distribution, Sampli
 
 ParameterDraw ParameterSpace::draw(const SampleTransform& from_uniform, SamplingDesign design, Eigen::Index samples,
                                    const StreamKey& key) const {
-  constexpr int k_most_attempts = 10000;
+  constexpr int k_max_attempts = 10000;
   ParameterDraw draw;
   draw.samples = from_uniform(uniform_design(design, samples, count(), key));
   StreamKey redraw_key = key;
@@ -104,10 +104,10 @@ ParameterDraw ParameterSpace::draw(const SampleTransform& from_uniform, Sampling
       impossible.push_back({s, RandomStream(redraw_key, static_cast<std::uint32_t>(s))});
   }
   for (int attempt = 0; !impossible.empty(); ++attempt) {
-    require(attempt < k_most_attempts,
+    require(attempt < k_max_attempts,
             "the distribution of the parameters is almost wholly physically impossible: {} draws in a row gave a "
             "stiffness or mass <= 0; move its mean or narrow it",
-            k_most_attempts);
+            k_max_attempts);
     draw.rejected += static_cast<std::int64_t>(impossible.size());
     Eigen::MatrixXd uniforms(static_cast<Eigen::Index>(impossible.size()), count());
     for (std::size_t i = 0; i < impossible.size(); ++i) {

@@ -56,7 +56,7 @@ std::unique_ptr<ReducedModel> find_or_train(const ReducedModelCache& cache, cons
                                             const RunContext& context) {
   if (cache.folder.empty()) return train(inputs, context);
   const Digest digest = fingerprint(inputs);
-  const CacheFolder folder(cache.folder, ".basis", cache.most_bytes);
+  const CacheFolder folder(cache.folder, ".basis", cache.max_bytes);
   const fs::path path = folder.file(digest);
   const ReducedModelFile file(path, digest);
   if (auto found = find(path, file, inputs, context)) return found;

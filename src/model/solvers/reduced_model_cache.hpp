@@ -13,8 +13,8 @@ namespace mottle::model {
 
 /// Where trained models are kept.
 struct ReducedModelCache {
-  std::filesystem::path folder;                         ///< empty: nothing is kept
-  std::uintmax_t most_bytes = std::uintmax_t{2} << 30;  ///< of all models there; the least recently used go first
+  std::filesystem::path folder;                        ///< empty: nothing is kept
+  std::uintmax_t max_bytes = std::uintmax_t{2} << 30;  ///< of all models there; the least recently used go first
 };
 
 /// The trained model of these inputs: from the cache where it lies there, else trained and kept there. The same bits

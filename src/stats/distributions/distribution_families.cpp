@@ -212,7 +212,7 @@ class GammaFamily : public Distribution::Implementation {
 
 /// Squares and logarithms of what lies beyond are no numbers.
 void require_sizes(const DistributionSpec& spec) {
-  constexpr double k_most = 1e150;
+  constexpr double k_max = 1e150;
   const bool is_between = spec.kind == DistributionKind::uniform || spec.kind == DistributionKind::beta;
   const double not_used = std::nan("");
   const std::array<std::pair<const char*, double>, 4> sizes{{{"mean", spec.mean},
@@ -221,7 +221,7 @@ void require_sizes(const DistributionSpec& spec) {
                                                              {"upper", is_between ? spec.upper : not_used}}};
   for (const auto& [key, value] : sizes) {
     const double size = std::abs(value);
-    require(!std::isfinite(value) || value == 0.0 || (size <= k_most && size >= 1.0 / k_most),
+    require(!std::isfinite(value) || value == 0.0 || (size <= k_max && size >= 1.0 / k_max),
             "{}: {} is not 0 and not within 1e-150 and 1e150 in size; give the model other units", key, value);
   }
 }

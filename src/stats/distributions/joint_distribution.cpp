@@ -86,8 +86,8 @@ JointDistribution JointDistribution::multivariate_normal(const Eigen::VectorXd& 
   normal.covariance_ = 0.5 * (covariance + covariance.transpose());
   if (mean.size() == 0) return normal;
   // The root is taken of the correlation, so that the same uniforms give the same samples in any units.
-  const Eigen::VectorXd deviation = normal.covariance_.diagonal().cwiseMax(0.0).cwiseSqrt();
-  const Eigen::VectorXd scale = (deviation.array() > 0.0).select(deviation, 1.0);
+  const Eigen::VectorXd standard_deviation = normal.covariance_.diagonal().cwiseMax(0.0).cwiseSqrt();
+  const Eigen::VectorXd scale = (standard_deviation.array() > 0.0).select(standard_deviation, 1.0);
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scale.cwiseInverse().asDiagonal() * normal.covariance_ *
                                                              scale.cwiseInverse().asDiagonal());
   const double smallest = eigen.eigenvalues()[0];

@@ -8,7 +8,7 @@
 namespace mottle::stats {
 namespace {
 
-constexpr int k_most_steps = 60;
+constexpr int k_max_steps = 60;
 constexpr double k_tolerance = 1e-11;  // of the deviation
 constexpr double k_reach = 6.0;        // in deviations: what lies beyond is 2e-9
 constexpr int k_intervals = 60;
@@ -47,7 +47,7 @@ std::optional<ScaleMoments> moments_on_logit(const NormalScale& scale, double me
   const double start = scale.from_variable(mean);
   ScaleMoments at{start, std / scale.slope(start)};
   if (std == 0.0) return at;
-  for (int step = 0; step < k_most_steps; ++step) {
+  for (int step = 0; step < k_max_steps; ++step) {
     const Eigen::Vector2d here = moments_on_axis(scale, at);
     const Eigen::Vector2d gap = Eigen::Vector2d(mean, std) - here;
     if (gap.norm() <= k_tolerance * std) return at;

@@ -69,13 +69,13 @@ bool repair_covariance(Eigen::MatrixXd& covariance, double least) {
     covariance.row(i).setZero();
     covariance.col(i).setZero();
   }
-  const Eigen::VectorXd deviation = covariance.diagonal().cwiseSqrt();
+  const Eigen::VectorXd standard_deviation = covariance.diagonal().cwiseSqrt();
   Eigen::MatrixXd correlation = Eigen::MatrixXd::Identity(covariance.rows(), covariance.cols());
   for (Eigen::Index i = 0; i < covariance.rows(); ++i) {
     for (Eigen::Index j = 0; j < covariance.cols(); ++j) {
       // Not clamped: a pair whose covariance exceeds what its variances allow is one of the faults to be mended.
-      if (i != j && deviation[i] > 0.0 && deviation[j] > 0.0) {
-        correlation(i, j) = covariance(i, j) / deviation[i] / deviation[j];
+      if (i != j && standard_deviation[i] > 0.0 && standard_deviation[j] > 0.0) {
+        correlation(i, j) = covariance(i, j) / standard_deviation[i] / standard_deviation[j];
       }
     }
   }
@@ -86,7 +86,7 @@ bool repair_covariance(Eigen::MatrixXd& covariance, double least) {
 
   const Eigen::VectorXd kept = eigen.eigenvalues().cwiseMax(least * largest).cwiseSqrt();
   const Eigen::MatrixXd root = eigen.eigenvectors() * kept.asDiagonal();
-  const Eigen::MatrixXd scaled = deviation.cwiseQuotient(root.rowwise().norm()).asDiagonal() * root;
+  const Eigen::MatrixXd scaled = standard_deviation.cwiseQuotient(root.rowwise().norm()).asDiagonal() * root;
   const Eigen::VectorXd variances = covariance.diagonal();
   covariance.noalias() = scaled * scaled.transpose();
   covariance.triangularView<Eigen::StrictlyUpper>() = covariance.transpose();

@@ -9,17 +9,17 @@
 namespace mottle::stats {
 
 ScatterRoot scatter_root(const Eigen::Ref<const Eigen::MatrixXd>& covariance) {
-  constexpr double k_no_scatter = 10.0 * k_least_eigenvalue;
-  const Eigen::VectorXd deviation = covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
-  const Eigen::VectorXd scale = (deviation.array() > 0.0).select(deviation.cwiseInverse(), 0.0);
+  constexpr double k_no_scatter = 10.0 * k_min_eigenvalue;
+  const Eigen::VectorXd standard_deviation = covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
+  const Eigen::VectorXd scale = (standard_deviation.array() > 0.0).select(standard_deviation.cwiseInverse(), 0.0);
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(scale.asDiagonal() * covariance * scale.asDiagonal());
   std::vector<Eigen::Index> kept;
-  for (Eigen::Index k = 0; k < deviation.size(); ++k) {
+  for (Eigen::Index k = 0; k < standard_deviation.size(); ++k) {
     if (solver.eigenvalues()(k) > k_no_scatter * solver.eigenvalues().maxCoeff()) kept.push_back(k);
   }
   const Eigen::MatrixXd vectors = solver.eigenvectors()(Eigen::all, kept);
   const Eigen::VectorXd lengths = solver.eigenvalues()(kept).cwiseSqrt();
-  return {deviation.asDiagonal() * vectors * lengths.asDiagonal(),
+  return {standard_deviation.asDiagonal() * vectors * lengths.asDiagonal(),
           lengths.cwiseInverse().asDiagonal() * vectors.transpose() * scale.asDiagonal()};
 }
 
@@ -76,12 +76,12 @@ Eigen::MatrixXd ShrunkenEffects::along(const Eigen::Ref<const Eigen::MatrixXd>& 
   return points * axes.transpose();
 }
 
-Eigen::MatrixXd ShrunkenEffects::deviations(const Eigen::Ref<const Eigen::MatrixXd>& axes) const {
-  Eigen::MatrixXd deviations(points.rows(), axes.rows());
+Eigen::MatrixXd ShrunkenEffects::standard_deviations(const Eigen::Ref<const Eigen::MatrixXd>& axes) const {
+  Eigen::MatrixXd standard_deviations(points.rows(), axes.rows());
   for (std::size_t s = 0; s < spreads.size(); ++s) {
-    deviations.row(static_cast<Eigen::Index>(s)) = (axes * spreads[s]).rowwise().norm().transpose();
+    standard_deviations.row(static_cast<Eigen::Index>(s)) = (axes * spreads[s]).rowwise().norm().transpose();
   }
-  return deviations;
+  return standard_deviations;
 }
 
 std::optional<Eigen::MatrixXd> alike_estimates(const WhitenedEffects& effects, double likeness) {

@@ -43,7 +43,7 @@ struct ShrunkenEffects {
   /// a'x for each axis a, a row of `axes` [specimen x axis].
   Eigen::MatrixXd along(const Eigen::Ref<const Eigen::MatrixXd>& axes) const;
   /// Their standard deviations where the population's is 1: 1 where x is known, 0 where nothing is [specimen x axis].
-  Eigen::MatrixXd deviations(const Eigen::Ref<const Eigen::MatrixXd>& axes) const;
+  Eigen::MatrixXd standard_deviations(const Eigen::Ref<const Eigen::MatrixXd>& axes) const;
 };
 ShrunkenEffects shrink_effects(const std::vector<EffectEvidence>& specimens, const Eigen::VectorXd& mean,
                                const Eigen::MatrixXd& covariance);

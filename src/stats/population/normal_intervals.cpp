@@ -70,9 +70,9 @@ Interval deviation_interval(double std, int count, double confidence) {
   require_sample(std, count, confidence);
   const boost::math::chi_squared distribution(count - 1);
   const double tail = 0.5 - 0.5 * confidence;
-  const double freedom = count - 1;
-  return {std * std::sqrt(freedom / boost::math::quantile(complement(distribution, tail))),
-          std * std::sqrt(freedom / boost::math::quantile(distribution, tail))};
+  const double degrees_of_freedom = count - 1;
+  return {std * std::sqrt(degrees_of_freedom / boost::math::quantile(complement(distribution, tail))),
+          std * std::sqrt(degrees_of_freedom / boost::math::quantile(distribution, tail))};
 }
 
 Interval correlation_interval(double correlation, int count, double confidence) {

@@ -24,12 +24,12 @@ OwnEstimate own_estimate(const RandomEffectsUnit& unit, const Eigen::VectorXd& f
   const Eigen::VectorXd noise = noise_of(unit, factors);
   const Eigen::VectorXd scatter = (unit.design * sigma * unit.design.transpose()).diagonal();
   const Eigen::VectorXd weight = noise.cwiseMax(k_smallest_noise * scatter).cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-  const Eigen::VectorXd deviation = sigma.diagonal().cwiseMax(1e-300).cwiseSqrt();
-  const Eigen::MatrixXd scaled = weight.asDiagonal() * unit.design * deviation.asDiagonal();
+  const Eigen::VectorXd standard_deviation = sigma.diagonal().cwiseMax(1e-300).cwiseSqrt();
+  const Eigen::MatrixXd scaled = weight.asDiagonal() * unit.design * standard_deviation.asDiagonal();
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(scaled, Eigen::ComputeThinU | Eigen::ComputeThinV);
   const Eigen::VectorXd& values = svd.singularValues();
   if (!(values.minCoeff() > k_determined * values.maxCoeff())) return result;
-  const Eigen::MatrixXd inverse = deviation.asDiagonal() * svd.matrixV() * values.cwiseInverse().asDiagonal() *
+  const Eigen::MatrixXd inverse = standard_deviation.asDiagonal() * svd.matrixV() * values.cwiseInverse().asDiagonal() *
                                   svd.matrixU().transpose() * weight.asDiagonal();
   result.effects = inverse * unit.response;
   result.noise = inverse * noise.asDiagonal() * inverse.transpose();
@@ -62,18 +62,18 @@ bool gather_balanced(const std::vector<RandomEffectsUnit>& units, const RandomEf
   evidence.total = total;
   evidence.noise = noise;
   evidence.mean_covariance = total / static_cast<double>(n);
-  evidence.freedom = Eigen::MatrixXd::Constant(map.rows(), map.rows(), static_cast<double>(n - 1));
+  evidence.degrees_of_freedom = Eigen::MatrixXd::Constant(map.rows(), map.rows(), static_cast<double>(n - 1));
   return true;
 }
 
 /// Degrees of freedom of an entry from its sampling variance, `spread` being the variance that one degree would give.
-double degrees_of_freedom(double spread, double variance, double units) {
+double entry_degrees_of_freedom(double spread, double variance, double units) {
   const double complete = units - 1.0;
   const double expected = std::min(spread / std::max(variance, 1e-300), complete);
-  constexpr double k_least = 0.5;
+  constexpr double k_min = 0.5;
   constexpr double k_small_sample = 3.0;  // chosen by replication at 5 to 50 specimens (validation/population)
   if (expected > complete * (1.0 - 1e-6)) return complete;
-  return std::max(expected * units / (units + k_small_sample), k_least);
+  return std::max(expected * units / (units + k_small_sample), k_min);
 }
 
 /// Errors that all units share move the mean alone.
@@ -104,7 +104,7 @@ PopulationEvidence population_evidence(const std::vector<RandomEffectsUnit>& uni
   evidence.mean = map * fit.mean;
   if (map.cols() == 0) {  // the outputs see nothing
     evidence.total = Eigen::MatrixXd::Zero(map.rows(), map.rows());
-    evidence.noise = evidence.mean_covariance = evidence.freedom = evidence.total;
+    evidence.noise = evidence.mean_covariance = evidence.degrees_of_freedom = evidence.total;
     return evidence;
   }
   if (settings.covariance_groups.empty() && settings.mean_origin.size() == 0 &&
@@ -121,14 +121,14 @@ PopulationEvidence population_evidence(const std::vector<RandomEffectsUnit>& uni
   evidence.noise = ratio.asDiagonal() * from_noise * ratio.asDiagonal();
   evidence.total = sigma + evidence.noise;
   evidence.mean_covariance = from_effects + from_noise;
-  evidence.freedom = Eigen::MatrixXd::Zero(map.rows(), map.rows());
+  evidence.degrees_of_freedom = Eigen::MatrixXd::Zero(map.rows(), map.rows());
   const auto n = static_cast<double>(units.size());
   for (Eigen::Index i = 0; i < map.rows(); ++i) {
     for (Eigen::Index j = 0; j < map.rows(); ++j) {
       const double t = evidence.total(i, j);
       const double spread = t * t + evidence.total(i, i) * evidence.total(j, j);
       const double variance = information.variance_of(map.row(i).transpose(), map.row(j).transpose());
-      evidence.freedom(i, j) = variance > 0.0 ? degrees_of_freedom(spread, variance, n) : 0.0;
+      evidence.degrees_of_freedom(i, j) = variance > 0.0 ? entry_degrees_of_freedom(spread, variance, n) : 0.0;
     }
   }
   add_shared_errors(units, fit, settings, map, evidence);

@@ -34,7 +34,7 @@ bool is_positive(const Eigen::MatrixXd& covariance) {
   }
   if (!covariance.allFinite() || (covariance.diagonal().array() < 0.0).any()) return false;
   Eigen::MatrixXd block = covariance(scattered, scattered);
-  block.diagonal() *= 1.0 - static_cast<double>(block.rows()) * k_least_eigenvalue;
+  block.diagonal() *= 1.0 - static_cast<double>(block.rows()) * k_min_eigenvalue;
   return Eigen::LLT<Eigen::MatrixXd>(block).info() == Eigen::Success;
 }
 
@@ -76,7 +76,7 @@ State improve(const std::vector<RandomEffectsUnit>& units, const State& now, con
   // Where all scatter lies in fewer directions than there are effects, differences of nearly equal numbers leave
   // variances a little below zero, which further steps would carry on.
   if (!is_positive(next.covariance)) {
-    repair_covariance(next.covariance, k_least_eigenvalue);
+    repair_covariance(next.covariance, k_min_eigenvalue);
     keep_groups(next.covariance, settings);
   }
   next.factors = next.factors.cwiseQuotient(rows.cwiseMax(1.0)).cwiseMax(0.0);
@@ -84,11 +84,12 @@ State improve(const std::vector<RandomEffectsUnit>& units, const State& now, con
 }
 
 double largest_change(const State& before, const State& after) {
-  const Eigen::VectorXd deviation = before.covariance.diagonal().cwiseMax(after.covariance.diagonal()).cwiseSqrt();
+  const Eigen::VectorXd standard_deviation =
+      before.covariance.diagonal().cwiseMax(after.covariance.diagonal()).cwiseSqrt();
   double change = 0.0;
-  for (Eigen::Index i = 0; i < deviation.size(); ++i) {
+  for (Eigen::Index i = 0; i < standard_deviation.size(); ++i) {
     for (Eigen::Index j = 0; j <= i; ++j) {
-      const double scale = std::max(deviation(i) * deviation(j), 1e-300);
+      const double scale = std::max(standard_deviation(i) * standard_deviation(j), 1e-300);
       change = std::max(change, std::abs(after.covariance(i, j) - before.covariance(i, j)) / scale);
     }
   }
@@ -187,8 +188,8 @@ RandomEffectsFit fit_random_effects(const std::vector<RandomEffectsUnit>& units,
   require_shared(units, settings);
   Eigen::VectorXd levels = Eigen::VectorXd::Ones(settings.levels);
   RandomEffectsFit fit = fit_at(units, start, at_levels(settings, levels));
-  constexpr int k_most_rounds = 30;
-  for (int round = 0; round < k_most_rounds && settings.levels > 0; ++round) {
+  constexpr int k_max_rounds = 30;
+  for (int round = 0; round < k_max_rounds && settings.levels > 0; ++round) {
     // Sigma hardly depends on the levels: where designs are alike, not at all.
     fit.levels = levels;
     const Eigen::VectorXd next = scored_levels(level_scores(units, fit, settings), levels);

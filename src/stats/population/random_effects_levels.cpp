@@ -28,9 +28,9 @@ LevelScores level_scores(const std::vector<RandomEffectsUnit>& units, const Rand
 }
 
 bool is_determined(const LevelScores& scores, const Eigen::VectorXd& levels, Eigen::Index level) {
-  constexpr double k_least = 1e-6;  // degrees of freedom
+  constexpr double k_min = 1e-6;  // degrees of freedom
   const double scale = levels(level) > 0.0 ? levels(level) : 1.0;
-  return scores.trace(level) * scale > k_least;
+  return scores.trace(level) * scale > k_min;
 }
 
 Eigen::VectorXd scored_levels(const LevelScores& scores, const Eigen::VectorXd& levels) {

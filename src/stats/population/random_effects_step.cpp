@@ -102,10 +102,10 @@ void RandomEffectsPass::solve_common(const RandomEffectsSettings& settings, cons
   const Eigen::MatrixXd directions =
       settings.mean_origin.size() == q ? settings.mean_directions : Eigen::MatrixXd(Eigen::MatrixXd::Identity(q, q));
   const Eigen::Index estimated = directions.cols();
-  const Eigen::VectorXd deviation = settings.shared_variance.cwiseSqrt();
+  const Eigen::VectorXd standard_deviation = settings.shared_variance.cwiseSqrt();
   Eigen::MatrixXd basis = Eigen::MatrixXd::Zero(q + errors, estimated + errors);
   basis.topLeftCorner(q, estimated) = directions;
-  basis.bottomRightCorner(errors, errors) = deviation.asDiagonal();
+  basis.bottomRightCorner(errors, errors) = standard_deviation.asDiagonal();
   common_variance = Eigen::MatrixXd::Zero(q + errors, q + errors);
   if (basis.cols() > 0) {
     Eigen::MatrixXd equations = basis.transpose() * information * basis;
@@ -117,7 +117,7 @@ void RandomEffectsPass::solve_common(const RandomEffectsSettings& settings, cons
       const auto [own_inverse, own_log_det] = invert(equations.bottomRightCorner(errors, errors));
       removed_variance = Eigen::MatrixXd::Zero(q + errors, q + errors);
       removed_variance.bottomRightCorner(errors, errors) =
-          deviation.asDiagonal() * own_inverse * deviation.asDiagonal();
+          standard_deviation.asDiagonal() * own_inverse * standard_deviation.asDiagonal();
       log_likelihood -= 0.5 * own_log_det;
     }
   }
@@ -125,7 +125,7 @@ void RandomEffectsPass::solve_common(const RandomEffectsSettings& settings, cons
   const Eigen::VectorXd solution = common_variance * gradient;
   mean += solution.head(q);
   shared = solution.tail(errors);
-  const Eigen::ArrayXd standardised = shared.array() / deviation.array().max(1e-300);
+  const Eigen::ArrayXd standardised = shared.array() / standard_deviation.array().max(1e-300);
   log_likelihood -= 0.5 * standardised.square().sum();
 }
 

@@ -11,7 +11,7 @@ namespace mottle::stats {
 
 /// Least eigenvalue of Sigma's correlation, as a part of the largest one: all that is computed from Sigma^-1 then keeps
 /// half of the digits, while no deviation changes by more than a ten-thousandth of another.
-inline constexpr double k_least_eigenvalue = 1e-8;
+inline constexpr double k_min_eigenvalue = 1e-8;
 
 inline bool may_be_correlated(const RandomEffectsSettings& settings, Eigen::Index i, Eigen::Index j) {
   const std::vector<int>& groups = settings.covariance_groups;

@@ -19,8 +19,8 @@ GaussianRule hermite_rule(int points) {
 }
 
 GaussianRule tensor_hermite_rule(Eigen::Index dimension, int points) {
-  constexpr double k_most_points = 1e6;
-  require(dimension >= 1 && std::pow(points, static_cast<double>(dimension)) <= k_most_points,
+  constexpr double k_max_points = 1e6;
+  require(dimension >= 1 && std::pow(points, static_cast<double>(dimension)) <= k_max_points,
           "a Gauss-Hermite rule of {} points in {} variables has too many points", points, dimension);
   const GaussianRule line = hermite_rule(points);
   GaussianRule rule{Eigen::MatrixXd::Zero(1, dimension), Eigen::VectorXd::Ones(1)};

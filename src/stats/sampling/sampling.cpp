@@ -87,11 +87,11 @@ Eigen::MatrixXd sobol_design(Eigen::Index samples, Eigen::Index dimension, const
 
 Eigen::MatrixXd uniform_design(SamplingDesign design, Eigen::Index samples, Eigen::Index dimension,
                                const StreamKey& key) {
-  constexpr Eigen::Index k_most_samples = std::numeric_limits<std::uint32_t>::max();
-  constexpr Eigen::Index k_most_dimensions = 65535;
-  require(1 <= samples && samples <= k_most_samples, "samples: {} is outside 1 to {}", samples, k_most_samples);
-  require(1 <= dimension && dimension <= k_most_dimensions, "dimension: {} is outside 1 to {}", dimension,
-          k_most_dimensions);
+  constexpr Eigen::Index k_max_samples = std::numeric_limits<std::uint32_t>::max();
+  constexpr Eigen::Index k_max_dimensions = 65535;
+  require(1 <= samples && samples <= k_max_samples, "samples: {} is outside 1 to {}", samples, k_max_samples);
+  require(1 <= dimension && dimension <= k_max_dimensions, "dimension: {} is outside 1 to {}", dimension,
+          k_max_dimensions);
   switch (design) {
     case SamplingDesign::monte_carlo:
       return monte_carlo_design(samples, dimension, key);

@@ -183,8 +183,8 @@ Surrogate::Surrogate(SurrogateKind kind, const Eigen::Ref<const Eigen::MatrixXd>
   use_one_thread();
   OT::Log::Show(OT::Log::NONE);  // it remarks on every covariance length's limits
   const Eigen::Index runs = inputs.rows();
-  require(runs >= least_runs(kind, inputs.cols()), "a surrogate of {} parameters needs at least {} runs, {} are there",
-          inputs.cols(), least_runs(kind, inputs.cols()), runs);
+  require(runs >= min_runs(kind, inputs.cols()), "a surrogate of {} parameters needs at least {} runs, {} are there",
+          inputs.cols(), min_runs(kind, inputs.cols()), runs);
   input_scale_ = half_range(inputs);
   input_centre_ = inputs.colwise().minCoeff() + input_scale_;
   output_scale_ = half_range(outputs);
@@ -201,7 +201,7 @@ Surrogate::Surrogate(SurrogateKind kind, const Eigen::Ref<const Eigen::MatrixXd>
   }
 }
 
-Eigen::Index Surrogate::least_runs(SurrogateKind kind, Eigen::Index inputs) {
+Eigen::Index Surrogate::min_runs(SurrogateKind kind, Eigen::Index inputs) {
   const Eigen::Index terms = kind == SurrogateKind::quadratic ? quadratic_terms(inputs) : 2 * (inputs + 1);
   return std::max<Eigen::Index>(k_folds, (terms * k_folds + k_folds - 2) / (k_folds - 1));
 }

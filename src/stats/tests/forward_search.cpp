@@ -10,18 +10,19 @@ namespace {
 
 /// Of a squared distance whose covariance was estimated with so many degrees of freedom: Hotelling's T^2. Nothing is
 /// known of it where there are none.
-DeletedDistance deleted_distance(double square, double dimensions, double freedom) {
-  if (!(freedom > 0.0)) return {0.0, 0.0};
-  const double rest = std::max(freedom - dimensions + 1.0, 1.0);
-  const double tail = boost::math::ibeta(0.5 * rest, 0.5 * dimensions, freedom / (freedom + square));
+DeletedDistance deleted_distance(double square, double dimensions, double degrees_of_freedom) {
+  if (!(degrees_of_freedom > 0.0)) return {0.0, 0.0};
+  const double rest = std::max(degrees_of_freedom - dimensions + 1.0, 1.0);
+  const double tail =
+      boost::math::ibeta(0.5 * rest, 0.5 * dimensions, degrees_of_freedom / (degrees_of_freedom + square));
   return {std::sqrt(square), -std::log(std::max(tail, 1e-300))};
 }
 
 /// Standard normal deviate of about the probability of the same squared distance. Source: [Paulson1942].
-double normal_deviate(double square, double dimensions, double freedom) {
-  if (!(freedom > 0.0)) return std::sqrt(square);
-  const double rest = std::max(freedom - dimensions + 1.0, 1.0);
-  const double root = std::cbrt(square * rest / (freedom * dimensions));
+double normal_deviate(double square, double dimensions, double degrees_of_freedom) {
+  if (!(degrees_of_freedom > 0.0)) return std::sqrt(square);
+  const double rest = std::max(degrees_of_freedom - dimensions + 1.0, 1.0);
+  const double root = std::cbrt(square * rest / (degrees_of_freedom * dimensions));
   const double a = 2.0 / (9.0 * dimensions);
   const double b = 2.0 / (9.0 * rest);
   return ((1.0 - b) * root - (1.0 - a)) / std::sqrt(b * root * root + a);
@@ -101,7 +102,7 @@ double PartialSample::complete_specimens() const {
 }
 
 Eigen::MatrixXd PartialSample::along(const Eigen::Ref<const Eigen::MatrixXd>& axes) const {
-  return effects_.along(axes).cwiseQuotient(effects_.deviations(axes).cwiseMax(1e-300));
+  return effects_.along(axes).cwiseQuotient(effects_.standard_deviations(axes).cwiseMax(1e-300));
 }
 
 PartialSample::Sums PartialSample::pass(const std::vector<Eigen::Index>& core,
@@ -216,12 +217,12 @@ std::vector<ForwardStep> line_search(const Eigen::Ref<const Eigen::VectorXd>& va
     std::stable_sort(step.suspects.begin(), step.suspects.end(), [&](Eigen::Index a, Eigen::Index b) {
       return std::abs(sorted(a) - centre) < std::abs(sorted(b) - centre);
     });
-    const auto freedom = static_cast<double>(count - 1);
-    const double variance = std::max(least / freedom, 1e-24 * sorted.squaredNorm());
+    const auto degrees_of_freedom = static_cast<double>(count - 1);
+    const double variance = std::max(least / degrees_of_freedom, 1e-24 * sorted.squaredNorm());
     const double away = sorted(step.suspects.front()) - centre;
     step.evidence = deleted_distance(away * away / std::max(variance, 1e-300) * static_cast<double>(count) /
                                          static_cast<double>(count + 1),
-                                     1.0, freedom)
+                                     1.0, degrees_of_freedom)
                         .evidence;
     for (Eigen::Index& s : step.suspects) s = order[static_cast<std::size_t>(s)];
   }

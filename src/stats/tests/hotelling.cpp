@@ -14,12 +14,12 @@ namespace mottle::stats {
 
 namespace {
 
-constexpr int k_most_samples = 1'000'000'000;
+constexpr int k_max_samples = 1'000'000'000;
 
 void require_test_arguments(std::int64_t n_a, std::int64_t n_b, int p, double alpha) {
   require(p >= 1, "p: {} outputs, need at least 1", p);
-  require(1 <= n_a && n_a <= k_most_samples && 1 <= n_b && n_b <= k_most_samples,
-          "sample sizes: {} and {}, each must be within 1 and {}", n_a, n_b, k_most_samples);
+  require(1 <= n_a && n_a <= k_max_samples && 1 <= n_b && n_b <= k_max_samples,
+          "sample sizes: {} and {}, each must be within 1 and {}", n_a, n_b, k_max_samples);
   require(n_a + n_b - 2 >= p, "{} tests and {} samples cannot support {} outputs; together at least {} are needed", n_a,
           n_b, p, std::int64_t{p} + 2);
   require(0.0 < alpha && alpha < 1.0, "alpha: {} is outside (0, 1)", alpha);
@@ -40,14 +40,14 @@ double hotelling_t_critical(int n_test, int n_model, int p, double alpha) {
 }
 
 int sufficient_samples(int n_test, int p, double alpha, double tolerance) {
-  require_test_arguments(n_test, k_most_samples, p, alpha);
+  require_test_arguments(n_test, k_max_samples, p, alpha);
   require(tolerance > 0.0, "tolerance: {} must be positive", tolerance);
   const double limit = (1.0 + tolerance) * std::sqrt(chi_squared_quantile(1.0 - alpha, p));
   const auto is_enough = [&](int n_model) { return hotelling_t_critical(n_test, n_model, p, alpha) <= limit; };
-  require(is_enough(k_most_samples), "tolerance: {} is not reached by {} samples", tolerance, k_most_samples);
+  require(is_enough(k_max_samples), "tolerance: {} is not reached by {} samples", tolerance, k_max_samples);
 
   int too_few = std::max(1, p + 2 - n_test) - 1;
-  int enough = k_most_samples;
+  int enough = k_max_samples;
   while (enough - too_few > 1) {
     const int middle = too_few + (enough - too_few) / 2;
     (is_enough(middle) ? enough : too_few) = middle;
@@ -76,11 +76,12 @@ Eigen::MatrixXd pooled_covariance(Eigen::Index size, const Eigen::Ref<const Eige
 /// difference' S^-1 difference; throws where S is singular.
 double squared_distance(const Eigen::VectorXd& difference, const Eigen::MatrixXd& pooled) {
   // Scaled to unit diagonal, so that "singular" does not depend on the units of the outputs.
-  const Eigen::VectorXd deviation = pooled.diagonal().cwiseSqrt();
-  for (Eigen::Index i = 0; i < deviation.size(); ++i) {
-    require(deviation[i] > 0.0, "pooled covariance: singular, output {} (from 0) does not vary; leave it out", i);
+  const Eigen::VectorXd standard_deviation = pooled.diagonal().cwiseSqrt();
+  for (Eigen::Index i = 0; i < standard_deviation.size(); ++i) {
+    require(standard_deviation[i] > 0.0, "pooled covariance: singular, output {} (from 0) does not vary; leave it out",
+            i);
   }
-  const Eigen::VectorXd scale = deviation.cwiseInverse();
+  const Eigen::VectorXd scale = standard_deviation.cwiseInverse();
   const Eigen::MatrixXd correlation = scale.asDiagonal() * pooled * scale.asDiagonal();
   const double smallest =
       Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(correlation, Eigen::EigenvaluesOnly).eigenvalues()[0];

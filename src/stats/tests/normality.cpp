@@ -17,7 +17,7 @@
 namespace mottle::stats {
 namespace {
 
-constexpr Eigen::Index k_least_size = 5;
+constexpr Eigen::Index k_min_size = 5;
 
 double polynomial(const std::array<double, 6>& coefficients, double x) {
   return std::accumulate(coefficients.rbegin(), coefficients.rend(), 0.0,
@@ -109,12 +109,12 @@ double henze_zirkler_probability(double statistic, Eigen::Index specimens, Eigen
 }
 
 /// The specimens that determine all directions, each estimate turned to unit covariance.
-Eigen::MatrixXd joint_scores(const ShrunkenEffects& effects, double least_variance) {
+Eigen::MatrixXd joint_scores(const ShrunkenEffects& effects, double min_variance) {
   const Eigen::Index directions = effects.points.cols();
   std::vector<Eigen::VectorXd> scores;
   for (std::size_t s = 0; s < effects.spreads.size(); ++s) {
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(effects.spreads[s] * effects.spreads[s].transpose());
-    if (!(solver.eigenvalues().minCoeff() > least_variance)) continue;
+    if (!(solver.eigenvalues().minCoeff() > min_variance)) continue;
     scores.emplace_back(solver.operatorInverseSqrt() * effects.points.row(static_cast<Eigen::Index>(s)).transpose());
   }
   Eigen::MatrixXd rows(static_cast<Eigen::Index>(scores.size()), directions);
@@ -122,20 +122,20 @@ Eigen::MatrixXd joint_scores(const ShrunkenEffects& effects, double least_varian
   return rows;
 }
 
-VariableNormality test_variable(const Eigen::VectorXd& values, const Eigen::VectorXd& deviations, double scale,
-                                double least_reliability) {
+VariableNormality test_variable(const Eigen::VectorXd& values, const Eigen::VectorXd& standard_deviations, double scale,
+                                double min_reliability) {
   VariableNormality variable;
   variable.scores.setConstant(values.size(), std::numeric_limits<double>::quiet_NaN());
   std::vector<double> kept;
   for (Eigen::Index s = 0; s < values.size(); ++s) {
-    const double part = scale > 0.0 ? std::pow(deviations(s) / scale, 2) : 0.0;
+    const double part = scale > 0.0 ? std::pow(standard_deviations(s) / scale, 2) : 0.0;
     variable.reliability += part / static_cast<double>(values.size());
-    if (part < least_reliability) continue;
-    variable.scores(s) = values(s) / deviations(s) * scale;
+    if (part < min_reliability) continue;
+    variable.scores(s) = values(s) / standard_deviations(s) * scale;
     kept.push_back(variable.scores(s));
   }
   const auto size = static_cast<Eigen::Index>(kept.size());
-  variable.is_tested = size >= k_least_size;
+  variable.is_tested = size >= k_min_size;
   if (!variable.is_tested) return variable;
   variable.statistics = normality_statistics(Eigen::Map<const Eigen::VectorXd>(kept.data(), size));
   variable.probabilities = normality_probabilities(variable.statistics, size);
@@ -207,24 +207,25 @@ double NormalityTest::level_of_each(double level) const {
 
 NormalityTest test_normality(const std::vector<RandomEffectsUnit>& units, const RandomEffectsFit& fit,
                              const Eigen::Ref<const Eigen::MatrixXd>& map) {
-  constexpr double k_least_reliability = 0.1;
+  constexpr double k_min_reliability = 0.1;
   const WhitenedEffects effects = whiten_effects(units, fit);
   const Eigen::Index directions = effects.root.cols();
   const ShrunkenEffects shrunken = shrink_effects(effects.specimens, Eigen::VectorXd::Zero(directions),
                                                   Eigen::MatrixXd::Identity(directions, directions));
   const Eigen::MatrixXd axes = map * effects.root;
   const Eigen::MatrixXd values = shrunken.along(axes);
-  const Eigen::MatrixXd deviations = shrunken.deviations(axes);
+  const Eigen::MatrixXd standard_deviations = shrunken.standard_deviations(axes);
   NormalityTest test;
   double least = 1.0;
   for (Eigen::Index i = 0; i < axes.rows(); ++i) {
-    test.variables.push_back(test_variable(values.col(i), deviations.col(i), axes.row(i).norm(), k_least_reliability));
+    test.variables.push_back(
+        test_variable(values.col(i), standard_deviations.col(i), axes.row(i).norm(), k_min_reliability));
     if (!test.variables.back().is_tested) continue;
     ++test.tests;
     least = std::min(least, test.variables.back().probabilities.p_value);
   }
   if (directions > 1) {
-    const Eigen::MatrixXd scores = joint_scores(shrunken, k_least_reliability);
+    const Eigen::MatrixXd scores = joint_scores(shrunken, k_min_reliability);
     if (scores.rows() >= directions + 3) {
       test.is_joint_tested = true;
       test.henze_zirkler = henze_zirkler(scores);

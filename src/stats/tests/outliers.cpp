@@ -20,7 +20,7 @@ namespace {
 constexpr Eigen::Index k_largest_group = 10;  // more of them are a population of their own
 
 /// How many suspects there may be: the core must determine what is estimated of it.
-Eigen::Index most_suspects(Eigen::Index specimens, double complete, Eigen::Index effects) {
+Eigen::Index max_suspects(Eigen::Index specimens, double complete, Eigen::Index effects) {
   const double needed = static_cast<double>(effects + 2) / std::max(complete, 1e-9);
   const auto spared = static_cast<Eigen::Index>(std::floor(static_cast<double>(specimens) * (1.0 - needed) + 1e-9));
   return std::max<Eigen::Index>(std::min({specimens / 3, k_largest_group, spared}), 0);
@@ -30,23 +30,23 @@ Eigen::Index most_suspects(Eigen::Index specimens, double complete, Eigen::Index
 template <class Sample>
 std::vector<ForwardStep> all_steps(const Sample& sample, const Eigen::MatrixXd& along) {
   const Eigen::Index effects = sample.effects();
-  const Eigen::Index most = most_suspects(sample.size(), sample.complete_specimens(), effects);
+  const Eigen::Index most = max_suspects(sample.size(), sample.complete_specimens(), effects);
   std::vector<ForwardStep> steps;
   if (most > 0) steps = forward_search(sample, most);
   if (effects < 2) return steps;
-  const Eigen::Index most_along = most_suspects(sample.size(), static_cast<double>(sample.size()), 1);
+  const Eigen::Index max_along = max_suspects(sample.size(), static_cast<double>(sample.size()), 1);
   for (const auto& column : along.colwise()) {
-    for (ForwardStep& step : line_search(column, most_along)) steps.push_back(std::move(step));
+    for (ForwardStep& step : line_search(column, max_along)) steps.push_back(std::move(step));
   }
   return steps;
 }
 
 /// t of all divisions.
 Eigen::RowVectorXd evidence_of(const std::vector<ForwardStep>& steps) {
-  constexpr double k_least = 1e-3;
+  constexpr double k_min = 1e-3;
   Eigen::RowVectorXd evidence(static_cast<Eigen::Index>(steps.size()));
   for (std::size_t k = 0; k < steps.size(); ++k) {
-    evidence(static_cast<Eigen::Index>(k)) = std::log(std::max(steps[k].evidence, k_least));
+    evidence(static_cast<Eigen::Index>(k)) = std::log(std::max(steps[k].evidence, k_min));
   }
   return evidence;
 }
@@ -62,11 +62,11 @@ struct Group {
 Group judge_steps(const std::vector<ForwardStep>& steps, const Eigen::MatrixXd& rows) {
   const Eigen::RowVectorXd mean = rows.colwise().mean();
   const Eigen::MatrixXd centred = rows.rowwise() - mean;
-  const Eigen::RowVectorXd deviation =
+  const Eigen::RowVectorXd standard_deviation =
       (centred.colwise().squaredNorm() / static_cast<double>(rows.rows())).cwiseMax(1e-30).cwiseSqrt();
-  const Eigen::VectorXd largest = (centred * deviation.cwiseInverse().asDiagonal()).rowwise().maxCoeff();
+  const Eigen::VectorXd largest = (centred * standard_deviation.cwiseInverse().asDiagonal()).rowwise().maxCoeff();
   Eigen::Index place = 0;
-  const double seen = (evidence_of(steps) - mean).cwiseQuotient(deviation).maxCoeff(&place);
+  const double seen = (evidence_of(steps) - mean).cwiseQuotient(standard_deviation).maxCoeff(&place);
   const auto above = static_cast<double>((largest.array() >= seen).count());
   return {steps[static_cast<std::size_t>(place)].suspects, (above + 1.0) / static_cast<double>(rows.rows() + 1),
           above == 0.0};

@@ -125,7 +125,7 @@ StudyUpdate read_update(TomlReader reader) {
   update.tolerance =
       reader.number_or("tolerance", update.tolerance, {.lower = 0.0, .upper = 1.0, .excludes_lower = true});
   update.level = reader.number_or("level", update.level, {.lower = 1e-6, .upper = 0.5});
-  update.most_failed = reader.number_or("max_failed", update.most_failed, {.lower = 0.0, .upper = 1.0});
+  update.max_failed = reader.number_or("max_failed", update.max_failed, {.lower = 0.0, .upper = 1.0});
   read_covariance(reader, update);
   for (const MethodEntry& method : updating_methods()) {
     if (!reader.has(method.name)) {
@@ -153,14 +153,14 @@ namespace {
 
 /// Keys of thousands of parts (a.a.a...) would take the parser deeper than the stack is.
 void require_short_keys(const std::string& bytes, const std::filesystem::path& file) {
-  constexpr int k_most_parts = 1000;
+  constexpr int k_max_parts = 1000;
   int line = 1;
   int parts = 0;
   for (const char c : bytes) {
     if (c == '\n') ++line;
     if (std::string_view("\n=,[]{}#").find(c) != std::string_view::npos) parts = 0;
-    if (c == '.' && ++parts > k_most_parts) {
-      throw FormatError(file.string(), line, fmt::format("holds a key of more than {} parts", k_most_parts));
+    if (c == '.' && ++parts > k_max_parts) {
+      throw FormatError(file.string(), line, fmt::format("holds a key of more than {} parts", k_max_parts));
     }
   }
 }

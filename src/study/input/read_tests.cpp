@@ -122,7 +122,7 @@ void pair_rows(const Study& study, const StructureModel& model, Eigen::MatrixXd&
 /// Squares about the specimens' means and their degrees of freedom.
 struct Pooled {
   double squares = 0.0;
-  int freedom = 0;
+  int degrees_of_freedom = 0;
 };
 
 Pooled pool(const Eigen::Ref<const Eigen::VectorXd>& values, const std::vector<std::string>& specimens) {
@@ -134,7 +134,7 @@ Pooled pool(const Eigen::Ref<const Eigen::VectorXd>& values, const std::vector<s
   for (const auto& [specimen, list] : repeats) {
     const Eigen::Map<const Eigen::VectorXd> numbers(list.data(), static_cast<Eigen::Index>(list.size()));
     pooled.squares += (numbers.array() - numbers.mean()).square().sum();
-    pooled.freedom += static_cast<int>(list.size()) - 1;
+    pooled.degrees_of_freedom += static_cast<int>(list.size()) - 1;
   }
   return pooled;
 }
@@ -157,15 +157,15 @@ void read_repeats(const Study& study, const StructureModel& model, const std::ve
   for (std::size_t k = 0; k < names.size(); ++k) {
     const auto index = static_cast<Eigen::Index>(k);
     const Pooled pooled = pool(values.col(index), specimens);
-    if (pooled.freedom == 0) {
+    if (pooled.degrees_of_freedom == 0) {
       throw FormatError(
           table.file, 0,
           fmt::format("output '{}' is measured twice on no specimen, so there is no repeatability", names[k]));
     }
-    tests.data.repeatability_std(index) = std::sqrt(pooled.squares / pooled.freedom);
-    tests.data.repeatability_freedom(index) = pooled.freedom;
-    least = std::min(least, pooled.freedom);
-    most = std::max(most, pooled.freedom);
+    tests.data.repeatability_std(index) = std::sqrt(pooled.squares / pooled.degrees_of_freedom);
+    tests.data.repeatability_degrees_of_freedom(index) = pooled.degrees_of_freedom;
+    least = std::min(least, pooled.degrees_of_freedom);
+    most = std::max(most, pooled.degrees_of_freedom);
   }
   tests.notes.push_back(fmt::format("Measurement noise from the repeats of {}: {} degrees of freedom.", table.file,
                                     least == most ? fmt::format("{}", least) : fmt::format("{} to {}", least, most)));
@@ -203,7 +203,7 @@ void add_repeatability(const Study& study, const StructureModel& model, const st
                        StudyTests& tests) {
   const Eigen::Index outputs = tests.data.values.cols();
   tests.data.repeatability_std = Eigen::VectorXd::Zero(outputs);
-  tests.data.repeatability_freedom = Eigen::VectorXi::Zero(outputs);
+  tests.data.repeatability_degrees_of_freedom = Eigen::VectorXi::Zero(outputs);
   if (study.test->repeats_file) {
     read_repeats(study, model, names, tests);
     return;

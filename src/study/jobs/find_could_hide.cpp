@@ -19,8 +19,8 @@
 namespace mottle::study {
 namespace {
 
-constexpr std::size_t k_most_numbers = 200;
-constexpr std::size_t k_most_listed = 12;
+constexpr std::size_t k_max_numbers = 200;
+constexpr std::size_t k_max_listed = 12;
 
 /// Covariance of a specimen's test as the verdict has it: scatter of the parameters and what is added to it.
 struct TestScatter {
@@ -103,14 +103,15 @@ LinearTests linear_tests(const UpdatingProblem& problem, const TestScatter& scat
 }
 
 /// The level of the verdict's test of the means, from its critical value; where it has none, that of one test of two.
-double level_of_means_test(const UpdatingProblem& problem, const UpdatingResult& result, double freedom,
+double level_of_means_test(const UpdatingProblem& problem, const UpdatingResult& result, double degrees_of_freedom,
                            double denominator) {
   for (const VerdictTest& test : result.tests) {
     const bool is_of_means = test.name == "mean-residuals" || test.name == "mean-agreement" || test.name == "residuals";
-    if (!is_of_means || !(freedom > 0.0) || !(denominator > 0.0)) continue;
-    const double level = std::isinf(denominator)
-                             ? chi_squared_upper_tail(test.critical, freedom)
-                             : boost::math::cdf(complement(boost::math::fisher_f(freedom, denominator), test.critical));
+    if (!is_of_means || !(degrees_of_freedom > 0.0) || !(denominator > 0.0)) continue;
+    const double level =
+        std::isinf(denominator)
+            ? chi_squared_upper_tail(test.critical, degrees_of_freedom)
+            : boost::math::cdf(complement(boost::math::fisher_f(degrees_of_freedom, denominator), test.critical));
     if (level > 1e-6 && level <= problem.level) return level;
   }
   return 1.0 - std::sqrt(1.0 - problem.level);
@@ -122,11 +123,12 @@ MeansTest means_test(const UpdatingProblem& problem, const UpdatingResult& resul
   const auto n = static_cast<double>(problem.tests.values.rows());
   MeansTest test;
   test.prior_std = problem.space.prior().covariance().diagonal().cwiseSqrt();
-  test.denominator = std::isnan(scatter.denominator) ? static_cast<double>(effects.denominator_freedom)
+  test.denominator = std::isnan(scatter.denominator) ? static_cast<double>(effects.denominator_degrees_of_freedom)
                      : std::isinf(scatter.denominator)
                          ? scatter.denominator
-                         : std::max(scatter.denominator - static_cast<double>(effects.means_freedom), 0.0);
-  test.level = level_of_means_test(problem, result, static_cast<double>(effects.means_freedom), test.denominator);
+                         : std::max(scatter.denominator - static_cast<double>(effects.means_degrees_of_freedom), 0.0);
+  test.level =
+      level_of_means_test(problem, result, static_cast<double>(effects.means_degrees_of_freedom), test.denominator);
   const double quantile = n > 1.0 ? boost::math::quantile(boost::math::students_t(n - 1.0), 0.975) : 1.96;
   test.half_widths = quantile * effects.mean_covariance.diagonal().cwiseSqrt();
   // Beyond bounds, or 10 prior deviations off, the verdict refuses by other tests.
@@ -230,7 +232,7 @@ std::vector<NamedError> name_errors(const FixedNumbers& numbers, const std::vect
 CouldHide work_out(const Study& study, const StudyModel& made, const UpdatingProblem& problem,
                    const UpdatingResult& result, bool is_undecided, const RunContext& context) {
   CouldHide hidden;
-  const FixedNumbers numbers = fixed_numbers(study, k_most_numbers);
+  const FixedNumbers numbers = fixed_numbers(study, k_max_numbers);
   if (numbers.list.empty()) return hidden;
   const ErrorDerivatives found = differentiate_errors(study, made, numbers, result.mean, is_undecided, context);
   const Eigen::Index p = problem.tests.values.cols();
@@ -243,7 +245,7 @@ CouldHide work_out(const Study& study, const StudyModel& made, const UpdatingPro
   constexpr double k_harmless = 0.05;  // of a half-width
   std::vector<NamedError> worst;
   for (const NamedError& error : errors) {
-    if (hidden.errors.size() < k_most_listed) hidden.errors.push_back(error);
+    if (hidden.errors.size() < k_max_listed) hidden.errors.push_back(error);
     if (worst.size() < k_told && error.error.harm() >= k_harmless) worst.push_back(error);
   }
   if (worst.empty()) return hidden;

@@ -47,15 +47,15 @@ void add_noise(Eigen::MatrixXd& outputs, const Study& study, const StudyModel& m
   std::vector<std::string> names;
   for (const Quantity& output : made.model->outputs()) names.push_back(output.name());
   const Eigen::MatrixXd nominal = made.model->evaluate(made.space->prior().mean().transpose(), context).outputs;
-  Eigen::VectorXd deviation;
+  Eigen::VectorXd standard_deviation;
   try {
-    deviation = noise_deviations(study.truth->noise, names, nominal.row(0).transpose()).std;
+    standard_deviation = noise_deviations(study.truth->noise, names, nominal.row(0).transpose()).std;
   } catch (const InvalidInput& error) {
     throw InvalidInput(located(study, "truth.noise", error.what()));
   }
-  if (deviation.isZero(0.0)) return;
-  const JointDistribution noise =
-      JointDistribution::multivariate_normal(Eigen::VectorXd::Zero(outputs.cols()), deviation.cwiseAbs2().asDiagonal());
+  if (standard_deviation.isZero(0.0)) return;
+  const JointDistribution noise = JointDistribution::multivariate_normal(Eigen::VectorXd::Zero(outputs.cols()),
+                                                                         standard_deviation.cwiseAbs2().asDiagonal());
   outputs += noise.from_uniform(uniform_design(SamplingDesign::monte_carlo, outputs.rows(), outputs.cols(),
                                                {.seed = study.seed, .purpose = StreamPurpose::test_noise}));
 }
@@ -86,7 +86,7 @@ PropagateOutcome propagate(const Study& study, const std::optional<std::filesyst
   const CloudSettings rules = cloud_settings(study, specimens, static_cast<Eigen::Index>(made.model->outputs().size()));
   const StreamKey key{.seed = study.seed, .purpose = StreamPurpose::parameter_cloud};
   outcome.cloud = files.compute(study, earlier_results(settings, points), [&] {
-    return points ? evaluate_points(model, given, rules.most_failed, context)
+    return points ? evaluate_points(model, given, rules.max_failed, context)
                   : evaluate_cloud(model, *made.space, made.space->prior(), rules, key, context);
   });
   if (!outcome.cloud.failures.empty()) {
@@ -110,7 +110,7 @@ SimulateOutcome simulate(const Study& study, const RunSettings& settings) {
   SimulateOutcome outcome{.study = study, .made = make_model(study, parameters, settings)};
   const RunContext context{
       .seed = study.seed, .threads = settings.threads, .observer = settings.observer, .stop = settings.stop};
-  const CloudSettings rules{.samples = study.truth->specimens, .most_failed = 0.0};
+  const CloudSettings rules{.samples = study.truth->specimens, .max_failed = 0.0};
   const StreamKey key{.seed = study.seed, .purpose = StreamPurpose::truth};
   const ParameterSpace& space = *outcome.made.space;
   outcome.cloud = evaluate_cloud(*outcome.made.model, space, space.prior(), rules, key, context);

@@ -9,8 +9,8 @@ namespace mottle::study {
 namespace {
 
 constexpr int k_modes_above = 3;
-constexpr int k_most_frequencies = 4;
-constexpr std::size_t k_most_shapes = 4;
+constexpr int k_max_frequencies = 4;
+constexpr std::size_t k_max_shapes = 4;
 
 bool holds(const std::vector<int>& list, int value) {
   return std::find(list.begin(), list.end(), value) != list.end();
@@ -30,7 +30,7 @@ std::vector<int> further_frequencies(const ModalOutputs& outputs, Eigen::Index m
   std::vector<int> modes;
   // Those above come first: a mode below that nobody uses is seldom measured well.
   for (int mode = highest + 1; mode <= highest + k_modes_above && mode <= mode_count; ++mode) modes.push_back(mode);
-  for (int mode = highest; mode >= 1 && modes.size() < k_most_frequencies; --mode) {
+  for (int mode = highest; mode >= 1 && modes.size() < k_max_frequencies; --mode) {
     if (!holds(outputs.frequencies, mode)) modes.push_back(mode);
   }
   std::sort(modes.begin(), modes.end());
@@ -40,7 +40,7 @@ std::vector<int> further_frequencies(const ModalOutputs& outputs, Eigen::Index m
 std::vector<int> further_shapes(const ModalOutputs& outputs) {
   std::vector<int> modes;
   for (const int mode : used_modes(outputs)) {
-    if (!holds(outputs.shape_modes, mode) && modes.size() < k_most_shapes) modes.push_back(mode);
+    if (!holds(outputs.shape_modes, mode) && modes.size() < k_max_shapes) modes.push_back(mode);
   }
   return modes;
 }

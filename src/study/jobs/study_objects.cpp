@@ -124,7 +124,7 @@ CloudSettings cloud_settings(const Study& study, Eigen::Index specimens, Eigen::
     settings.samples = automatic_samples(static_cast<int>(specimens), static_cast<int>(outputs), study.update.level);
   }
   settings.design = study.update.design;
-  settings.most_failed = study.update.most_failed;
+  settings.max_failed = study.update.max_failed;
   return settings;
 }
 

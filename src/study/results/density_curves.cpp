@@ -122,10 +122,10 @@ DensityCurve prior_curve(const Distribution& prior) {
 }
 
 DensityBand density_band(const NormalScale& scale, const Eigen::Vector2d& mean, const Eigen::Vector2d& std) {
-  constexpr double k_least_share = 0.02;
+  constexpr double k_min_share = 0.02;
   constexpr double k_band_reach = 3.5;
   if (!mean.allFinite() || !std.allFinite() || !(std(1) > 0.0)) return {};
-  const Eigen::Vector2d stds(std::max(std(0), k_least_share * std(1)), std(1));
+  const Eigen::Vector2d stds(std::max(std(0), k_min_share * std(1)), std(1));
   if (scale.kind == NormalScale::Kind::identity) return normal_band(mean, stds, k_band_reach);
   const std::vector<ScaleMoments> pairs = moments_within(scale, mean, stds);
   if (pairs.empty()) return {};

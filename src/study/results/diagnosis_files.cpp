@@ -18,19 +18,23 @@ Json detectability_json(const Detectability& detectability) {
 
 Json fit_json(const CandidateFit& fit) {
   if (!fit.failure.empty()) return {{"failure", fit.failure}};
-  return {{"gain", number_json(fit.gain)},       {"bic", number_json(fit.bic)},
-          {"p_value", number_json(fit.p_value)}, {"adjusted_p_value", number_json(fit.adjusted_p)},
-          {"mean", number_json(fit.mean)},       {"std", number_json(fit.deviation)},
-          {"within_bounds", fit.is_within},      {"converged", fit.converged}};
+  return {{"gain", number_json(fit.log_likelihood_increase)},
+          {"bic", number_json(fit.bic)},
+          {"p_value", number_json(fit.p_value)},
+          {"adjusted_p_value", number_json(fit.adjusted_p)},
+          {"mean", number_json(fit.mean)},
+          {"std", number_json(fit.standard_deviation)},
+          {"within_bounds", fit.is_within},
+          {"converged", fit.converged}};
 }
 
 Json candidate_json(const CandidateFinding& finding, const std::vector<std::string>& targets) {
   Json json = detectability_json(finding.detectability);
   json["targets"] = targets;
   json["bic"] = number_json(finding.bic());
-  json["best"] = finding.better().is_freed ? "freed" : "shifted";
-  json["shifted"] = fit_json(finding.shifted);
-  json["freed"] = fit_json(finding.freed);
+  json["best"] = finding.better().is_random ? "freed" : "shifted";
+  json["shifted"] = fit_json(finding.fixed);
+  json["freed"] = fit_json(finding.random);
   json["screened_out"] = finding.is_screened_out;
   return json;
 }
@@ -40,7 +44,7 @@ Json proposed_json(const Diagnosis& diagnosis) {
   for (const ProposedParameter& parameter : diagnosis.proposed) {
     proposed.push_back({{"name", parameter.name},
                         {"given", parameter.is_given},
-                        {"scatter", parameter.is_freed},
+                        {"scatter", parameter.is_random},
                         {"bic_lowered", parameter.bic}});
   }
   return proposed;
@@ -59,7 +63,7 @@ Json outcome_json(const DiagnoseOutcome& outcome) {
   for (const StudyParameter& parameter : study.parameters.list) names.push_back(parameter.name);
   json["parameters"] = {{"names", names},
                         {"mean", to_json(diagnosis.mean)},
-                        {"std", to_json(diagnosis.deviation)},
+                        {"std", to_json(diagnosis.standard_deviation)},
                         {"at_bound", diagnosis.at_bound},
                         {"log_likelihood", number_json(diagnosis.log_likelihood)},
                         {"converged", diagnosis.converged},
@@ -97,7 +101,7 @@ std::vector<std::string> table_lines(const Diagnosis& diagnosis) {
       continue;
     }
     lines.push_back(fmt::format("{} {:>+9.1f} {:>11.5g} {:>11.4g} {:>9.2g} {}  {}", start, fit.bic, fit.mean,
-                                fit.deviation, fit.adjusted_p, seen, fit.is_freed ? "freed" : "shifted"));
+                                fit.standard_deviation, fit.adjusted_p, seen, fit.is_random ? "freed" : "shifted"));
   }
   lines.push_back(fmt::format("{:<16} {:>11} {:>9} {:>11} {:>11} {:>9} {:>9} {:>9}", "parameter", "prior", "", "", "",
                               "", "visible", "own part"));

@@ -54,10 +54,10 @@ DensityCurve prior_of(const ParameterSpace& space, Eigen::Index i) {
 
 /// Of no width counts what the tests do not see: it is given no scatter but for rounding.
 DensityCurve updated_curve(const UpdatingResult& result, Eigen::Index i) {
-  constexpr double k_least_width = 1e-6;
+  constexpr double k_min_width = 1e-6;
   constexpr double k_smallest = 1e-300;
   const double std = std::sqrt(std::max(result.covariance(i, i), 0.0));
-  if (!(std > k_least_width * std::max(std::abs(result.mean(i)), k_smallest))) return {};
+  if (!(std > k_min_width * std::max(std::abs(result.mean(i)), k_smallest))) return {};
   DensityCurve curve{result.estimate->density_points(i, k_density_points), {}};
   if (curve.x.size() > 0) curve.density = result.estimate->density(i, curve.x);
   return curve;
@@ -154,14 +154,14 @@ Json optional_json(const std::optional<double>& value) {
 
 Json drawn_json(const Eigen::Ref<const Eigen::VectorXd>& values) {
   constexpr int k_digits = 6;
-  constexpr int k_most_digits = 17;
+  constexpr int k_max_digits = 17;
   Json list = Json::array();
   if (values.size() == 0) return list;
   const double range = values.maxCoeff() - values.minCoeff();
   const double largest = values.cwiseAbs().maxCoeff();
   // Of a narrow range far from zero the leading digits say nothing.
-  const double leading = range > 0.0 && std::isfinite(range) ? std::ceil(std::log10(largest / range)) : k_most_digits;
-  const int digits = static_cast<int>(std::clamp<double>(k_digits + leading, k_digits, k_most_digits));
+  const double leading = range > 0.0 && std::isfinite(range) ? std::ceil(std::log10(largest / range)) : k_max_digits;
+  const int digits = static_cast<int>(std::clamp<double>(k_digits + leading, k_digits, k_max_digits));
   for (const double value : values) {
     const std::string text = fmt::format("{:.{}g}", value, digits);
     list.push_back(number_json(std::strtod(text.c_str(), nullptr)));

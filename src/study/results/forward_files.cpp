@@ -52,11 +52,12 @@ std::vector<std::string> cloud_lines(const Cloud& cloud, const std::vector<Quant
                               cloud.failures.size(), cloud.rejected));
   if (valid.outputs.rows() < 2) return lines;
   const Eigen::VectorXd mean = sample_mean(valid.outputs);
-  const Eigen::VectorXd deviation = sample_standard_deviation(valid.outputs);
+  const Eigen::VectorXd standard_deviation = sample_standard_deviation(valid.outputs);
   lines.push_back(fmt::format("{:<14} {:>13} {:>13}  unit", "output", "mean", "std"));
   for (Eigen::Index k = 0; k < mean.size(); ++k) {
     const Quantity& output = outputs[static_cast<std::size_t>(k)];
-    lines.push_back(fmt::format("{:<14} {:>13.6g} {:>13.6g}  {}", output.name(), mean(k), deviation(k), output.unit));
+    lines.push_back(
+        fmt::format("{:<14} {:>13.6g} {:>13.6g}  {}", output.name(), mean(k), standard_deviation(k), output.unit));
   }
   return lines;
 }

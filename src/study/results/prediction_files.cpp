@@ -22,7 +22,7 @@ Json check_json(const HeldOutCheck& check, double joint_critical) {
           {"transforms", to_json_rows(check.transforms)},
           {"scores", to_json_rows(check.scores)},
           {"histograms", histograms_json(check.histograms)},
-          {"least_inside", std::vector<int>(check.least_inside.begin(), check.least_inside.end())},
+          {"least_inside", std::vector<int>(check.min_inside.begin(), check.min_inside.end())},
           {"uniformity_p_values", to_json(check.uniformity)},
           {"adjusted_p_value", number_json(check.adjusted_p)}};
 }

@@ -104,7 +104,7 @@ Json options_json(const Study& study, const UpdatingProblem& problem, const Upda
   Json options = {
       {"samples", problem.cloud.samples}, {"samples_rule", study.update.has_automatic_samples ? "auto" : "given"},
       {"iterations", problem.iterations}, {"tolerance", problem.tolerance},
-      {"level", problem.level},           {"max_failed", problem.cloud.most_failed}};
+      {"level", problem.level},           {"max_failed", problem.cloud.max_failed}};
   for (const auto& [name, value] : method.options()) {
     std::visit([&options, &name = name](const auto& held) { options[name] = held; }, value);
   }

@@ -39,9 +39,9 @@ const std::vector<double>& numbers_of(const Variables& variables, const std::str
 
 /// Tests of more structures than anybody builds would take gigabytes from a file of kilobytes.
 void require_few(std::size_t specimens, const std::string& file) {
-  constexpr std::size_t k_most = 1'000'000;
-  if (specimens > k_most)
-    throw FormatError(file, 0, fmt::format("holds {} specimens, at most {} are read", specimens, k_most));
+  constexpr std::size_t k_max = 1'000'000;
+  if (specimens > k_max)
+    throw FormatError(file, 0, fmt::format("holds {} specimens, at most {} are read", specimens, k_max));
 }
 
 }  // namespace

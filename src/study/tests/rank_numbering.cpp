@@ -82,15 +82,15 @@ std::optional<std::string> bend_warning(const ModalOutputs& selection, const Ite
       if (selection.frequencies[j] != selection.frequencies[i] + 1) continue;
       const Eigen::VectorXd gap =
           valid.outputs.col(static_cast<Eigen::Index>(j)) - valid.outputs.col(static_cast<Eigen::Index>(i));
-      const double deviation = std::sqrt((gap.array() - gap.mean()).square().mean());
-      if (!(gap.mean() < k_apart * deviation)) continue;
+      const double standard_deviation = std::sqrt((gap.array() - gap.mean()).square().mean());
+      if (!(gap.mean() < k_apart * standard_deviation)) continue;
       return fmt::format(
           "Modes {} and {} cross in the updated population: their frequencies are {:.3g} apart, which scatters by "
           "{:.3g}. "
           "Numbered by rank (outputs.tracking = \"order\") they bend where modes cross, and estimates of first order "
           "are "
           "biased. Measure shapes, set outputs.tracking = \"mac\" and test.pairing = \"mac\"",
-          selection.frequencies[i], selection.frequencies[j], gap.mean(), deviation);
+          selection.frequencies[i], selection.frequencies[j], gap.mean(), standard_deviation);
     }
   }
   return std::nullopt;

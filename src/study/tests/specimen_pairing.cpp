@@ -16,7 +16,7 @@ namespace {
 
 constexpr double k_not_measured = std::numeric_limits<double>::quiet_NaN();
 constexpr double k_sure_mac = 0.8;
-constexpr double k_least_lead = 0.1;
+constexpr double k_min_lead = 0.1;
 constexpr double k_sure_collinearity = 0.9;
 constexpr double k_alike_scale = 2.0;
 
@@ -160,7 +160,7 @@ std::string SpecimenPairing::doubt(int reference, Eigen::Index test) const {
   if (comparison_.seen > 0 && mac_(reference, test) < k_sure_mac) {
     doubts.push_back(fmt::format("MAC {:.2f}", mac_(reference, test)));
   }
-  if (comparison_.seen > 0 && second(reference, test) > mac_(reference, test) - k_least_lead) {
+  if (comparison_.seen > 0 && second(reference, test) > mac_(reference, test) - k_min_lead) {
     doubts.push_back(fmt::format("another mode has MAC {:.2f}", second(reference, test)));
   }
   if (modes_.collinearity(test) < k_sure_collinearity) {

@@ -20,13 +20,13 @@ Eigen::MatrixXd sensitivity_at(CandidateFits& fits, const Eigen::VectorXd& x) {
 
 /// C^-1/2; directions without variance to rounding count with the smallest that there is.
 Eigen::MatrixXd whitener(const Eigen::MatrixXd& covariance) {
-  constexpr double k_least = 1e-10;
-  const Eigen::VectorXd deviation = covariance.diagonal().cwiseMax(1e-300).cwiseSqrt();
+  constexpr double k_min = 1e-10;
+  const Eigen::VectorXd standard_deviation = covariance.diagonal().cwiseMax(1e-300).cwiseSqrt();
   const Eigen::MatrixXd correlation =
-      deviation.cwiseInverse().asDiagonal() * covariance * deviation.cwiseInverse().asDiagonal();
+      standard_deviation.cwiseInverse().asDiagonal() * covariance * standard_deviation.cwiseInverse().asDiagonal();
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(correlation);
-  const Eigen::VectorXd root = solver.eigenvalues().cwiseMax(k_least).cwiseSqrt().cwiseInverse();
-  return root.asDiagonal() * solver.eigenvectors().transpose() * deviation.cwiseInverse().asDiagonal();
+  const Eigen::VectorXd root = solver.eigenvalues().cwiseMax(k_min).cwiseSqrt().cwiseInverse();
+  return root.asDiagonal() * solver.eigenvectors().transpose() * standard_deviation.cwiseInverse().asDiagonal();
 }
 
 /// What a direction keeps when the span of `others` is taken from it.

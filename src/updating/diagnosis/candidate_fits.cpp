@@ -29,18 +29,18 @@ NoiseModel common_noise(const UpdatingProblem& problem, const TestData& tests, E
   return noise_model(part, {});
 }
 
-double likelihood_ratio_p(double gain, bool is_freed) {
-  const double ratio = std::max(2.0 * gain, 0.0);
+double likelihood_ratio_p(double log_likelihood_increase, bool is_random) {
+  const double ratio = std::max(2.0 * log_likelihood_increase, 0.0);
   const double one = chi_squared_upper_tail(ratio, 1.0);
-  return is_freed ? 0.5 * (one + chi_squared_upper_tail(ratio, 2.0)) : one;
+  return is_random ? 0.5 * (one + chi_squared_upper_tail(ratio, 2.0)) : one;
 }
 
 }  // namespace
 
-ParameterSet ParameterSet::with(Eigen::Index member, bool is_freed) const {
+ParameterSet ParameterSet::with(Eigen::Index member, bool is_random) const {
   ParameterSet more = *this;
   more.members.push_back(member);
-  more.has_scatter.push_back(is_freed);
+  more.has_scatter.push_back(is_random);
   return more;
 }
 
@@ -94,7 +94,7 @@ PopulationFit CandidateFits::fit_from(const UpdatingProblem& part, const Paramet
 
 SetFit CandidateFits::fit(const ParameterSet& set, const Eigen::VectorXd& start) {
   const ParameterSpace space = part_of(problem_.space, set.members);
-  const HeldModel model(problem_, problem_.space.prior().mean(), set.members, signs_);
+  const FixedParameterModel model(problem_, problem_.space.prior().mean(), set.members, signs_);
   const UpdatingProblem part{.model = model,
                              .derivatives = model.derivatives(),
                              .space = space,
@@ -109,7 +109,7 @@ SetFit CandidateFits::fit(const ParameterSet& set, const Eigen::VectorXd& start)
     const auto population = JointDistribution::normal_on_scales(space.scales(), result.fit.mean, result.fit.covariance);
     result.mean = population.mean();
     result.covariance = population.covariance();
-    result.deviation = result.covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
+    result.standard_deviation = result.covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
     const Eigen::VectorXi active = space.active_bounds(result.mean);
     for (std::size_t i = 0; i < set.members.size(); ++i) {
       if (set.members[i] < settings_.given && active(static_cast<Eigen::Index>(i)) != 0) result.is_within = false;
@@ -124,7 +124,7 @@ SetFit CandidateFits::fit(const ParameterSet& set, const Eigen::VectorXd& start)
 double CandidateFits::distance_beside(const ParameterSet& set, const Eigen::VectorXd& nominal, const TestMoments& tests,
                                       const Eigen::VectorXd& origin, Eigen::VectorXd& t) {
   const ParameterSpace space = part_of(problem_.space, set.members);
-  const HeldModel model(problem_, nominal, set.members, signs_);
+  const FixedParameterModel model(problem_, nominal, set.members, signs_);
   const UpdatingProblem part{.model = model, .derivatives = model.derivatives(), .space = space, .tests = tests_};
   PriorOnScales prior = prior_on_scales(space);
   if (origin.size() > 0) prior.mean = origin;
@@ -148,7 +148,7 @@ std::vector<Eigen::VectorXd> CandidateFits::starts_beside(const ParameterSet& se
   const Eigen::VectorXd origin = is_extended ? base.fit.mean : Eigen::VectorXd();
   constexpr double k_steps[] = {0.0, -2.0, 2.0, 5.0, 10.0, 15.0};  // of the candidate's prior deviation
   constexpr double k_alike = 0.01;                                 // squared deviations of the tests, all outputs
-  constexpr std::size_t k_most = 4;
+  constexpr std::size_t k_max = 4;
   const TestMoments tests = test_moments(tests_);
   const double scale = std::sqrt(problem_.space.prior().covariance()(candidate, candidate));
   const Parameter& parameter = problem_.space.parameters()[static_cast<std::size_t>(candidate)];
@@ -171,26 +171,26 @@ std::vector<Eigen::VectorXd> CandidateFits::starts_beside(const ParameterSet& se
   }
   std::vector<Eigen::VectorXd> starts;
   for (auto& [distance, start] : found) {
-    if (distance <= best + k_alike && starts.size() < k_most) starts.push_back(std::move(start));
+    if (distance <= best + k_alike && starts.size() < k_max) starts.push_back(std::move(start));
   }
   return starts;
 }
 
-CandidateFit CandidateFits::compare(const ParameterSet& set, const SetFit& base, Eigen::Index candidate, bool is_freed,
+CandidateFit CandidateFits::compare(const ParameterSet& set, const SetFit& base, Eigen::Index candidate, bool is_random,
                                     const Eigen::VectorXd& start) {
-  const SetFit more = fit(set.with(candidate, is_freed), start);
+  const SetFit more = fit(set.with(candidate, is_random), start);
   CandidateFit result;
-  result.is_freed = is_freed;
+  result.is_random = is_random;
   result.failure = more.failure;
   if (!more.failure.empty()) return result;
-  result.gain = more.fit.effects.log_likelihood - base.fit.effects.log_likelihood;
-  const double added = is_freed ? 2.0 : 1.0;
-  result.bic = added * std::log(static_cast<double>(specimens())) - 2.0 * result.gain;
-  result.p_value = likelihood_ratio_p(result.gain, is_freed);
+  result.log_likelihood_increase = more.fit.effects.log_likelihood - base.fit.effects.log_likelihood;
+  const double added = is_random ? 2.0 : 1.0;
+  result.bic = added * std::log(static_cast<double>(specimens())) - 2.0 * result.log_likelihood_increase;
+  result.p_value = likelihood_ratio_p(result.log_likelihood_increase, is_random);
   result.adjusted_p = result.p_value;
   const Eigen::Index last = more.mean.size() - 1;
   result.mean = more.mean(last);
-  result.deviation = more.deviation(last);
+  result.standard_deviation = more.standard_deviation(last);
   result.is_within = more.is_within;
   result.converged = more.fit.converged;
   return result;
@@ -198,28 +198,28 @@ CandidateFit CandidateFits::compare(const ParameterSet& set, const SetFit& base,
 
 std::pair<CandidateFit, CandidateFit> CandidateFits::compare_both(const ParameterSet& set, const SetFit& base,
                                                                   Eigen::Index candidate) {
-  CandidateFit shifted;
-  shifted.failure = "the model fails wherever the candidate was put";
+  CandidateFit fixed;
+  fixed.failure = "the model fails wherever the candidate was put";
   Eigen::VectorXd from;
   for (const Eigen::VectorXd& start : starts_beside(set, base, candidate)) {
     context_.throw_if_stopped();
     const CandidateFit next = compare(set, base, candidate, false, start);
-    const bool is_better = shifted.failure.empty() ? next.gain > shifted.gain : true;
+    const bool is_better = fixed.failure.empty() ? next.log_likelihood_increase > fixed.log_likelihood_increase : true;
     if (!next.failure.empty() || !is_better) continue;
-    shifted = next;
+    fixed = next;
     from = start;
   }
-  CandidateFit freed = shifted;
-  freed.is_freed = true;
-  if (from.size() > 0) freed = compare(set, base, candidate, true, from);
-  return {shifted, freed};
+  CandidateFit random = fixed;
+  random.is_random = true;
+  if (from.size() > 0) random = compare(set, base, candidate, true, from);
+  return {fixed, random};
 }
 
-SetFit CandidateFits::fit_beside(const ParameterSet& set, const SetFit& base, Eigen::Index candidate, bool is_freed) {
+SetFit CandidateFits::fit_beside(const ParameterSet& set, const SetFit& base, Eigen::Index candidate, bool is_random) {
   SetFit best;
   best.failure = "the model fails wherever the candidate was put";
   for (const Eigen::VectorXd& start : starts_beside(set, base, candidate)) {
-    SetFit next = fit(set.with(candidate, is_freed), start);
+    SetFit next = fit(set.with(candidate, is_random), start);
     const bool is_better = !best.failure.empty() || next.fit.effects.log_likelihood > best.fit.effects.log_likelihood;
     if (next.failure.empty() && is_better) best = std::move(next);
   }

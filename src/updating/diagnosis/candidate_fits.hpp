@@ -19,14 +19,14 @@ struct ParameterSet {
   std::vector<Eigen::Index> members;
   std::vector<bool> has_scatter;
 
-  ParameterSet with(Eigen::Index member, bool is_freed) const;
+  ParameterSet with(Eigen::Index member, bool is_random) const;
 };
 
 /// One fit of a set.
 struct SetFit {
   PopulationFit fit;
   Eigen::VectorXd mean;  ///< on the parameters' own axes [member]
-  Eigen::VectorXd deviation;
+  Eigen::VectorXd standard_deviation;
   Eigen::MatrixXd covariance;
   bool is_within = true;  ///< no mean of a given parameter on a bound
   std::string failure;    ///< empty: there is a fit
@@ -53,13 +53,13 @@ class CandidateFits {
   std::vector<Eigen::VectorXd> starts_beside(const ParameterSet& set, const SetFit& base, Eigen::Index candidate);
 
   /// The best fit of a set and one candidate beside it, from all of these starts.
-  SetFit fit_beside(const ParameterSet& set, const SetFit& base, Eigen::Index candidate, bool is_freed);
+  SetFit fit_beside(const ParameterSet& set, const SetFit& base, Eigen::Index candidate, bool is_random);
 
   /// A set's fit and what a candidate beside it gains.
-  CandidateFit compare(const ParameterSet& set, const SetFit& base, Eigen::Index candidate, bool is_freed,
+  CandidateFit compare(const ParameterSet& set, const SetFit& base, Eigen::Index candidate, bool is_random,
                        const Eigen::VectorXd& start);
 
-  /// Both kinds of a candidate: shifted from every start, freed from the best of them.
+  /// Both kinds of a candidate: fixed from every start, random from the best of them.
   std::pair<CandidateFit, CandidateFit> compare_both(const ParameterSet& set, const SetFit& base,
                                                      Eigen::Index candidate);
 
@@ -73,10 +73,11 @@ class CandidateFits {
   ///
   /// @param derivatives  at these specimens
   LinearProblem linear_problem(const SetFit& base, const ParameterSet& set) const;
-  LinearProblem linear_problem(const SetFit& base, const ParameterSet& set, Eigen::Index candidate, bool is_freed,
+  LinearProblem linear_problem(const SetFit& base, const ParameterSet& set, Eigen::Index candidate, bool is_random,
                                const std::vector<Eigen::MatrixXd>& derivatives) const;
 
-  /// Gain of the freed candidate in the linear models at the specimens of `base`; -1 where there is none.
+  /// Increase of the log-likelihood by the random candidate in the linear models at the specimens of `base`; -1 where
+  /// there is none.
   ///
   /// @param derivatives  at these specimens
   double linear_gain(const SetFit& base, const ParameterSet& set, Eigen::Index candidate,

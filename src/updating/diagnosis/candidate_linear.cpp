@@ -19,7 +19,7 @@ std::vector<Eigen::MatrixXd> CandidateFits::derivatives_at(const Eigen::MatrixXd
   std::vector<Parameter> parameters = problem_.space.parameters();
   for (Parameter& parameter : parameters) parameter.scale = {};
   const ParameterSpace space(std::move(parameters), problem_.space.prior());
-  const HeldModel model(problem_, problem_.space.prior().mean(), std::move(all), signs_);
+  const FixedParameterModel model(problem_, problem_.space.prior().mean(), std::move(all), signs_);
   const UpdatingProblem whole{.model = model, .derivatives = model.derivatives(), .space = space};
   const ScaledParameters axes(space);
   std::vector<Eigen::MatrixXd> derivatives;
@@ -56,7 +56,7 @@ LinearProblem CandidateFits::linear_problem(const SetFit& base, const ParameterS
 }
 
 LinearProblem CandidateFits::linear_problem(const SetFit& base, const ParameterSet& set, Eigen::Index candidate,
-                                            bool is_freed, const std::vector<Eigen::MatrixXd>& derivatives) const {
+                                            bool is_random, const std::vector<Eigen::MatrixXd>& derivatives) const {
   LinearProblem problem = linear_problem(base, set);
   for (Eigen::Index s = 0; s < specimens(); ++s) {
     RandomEffectsUnit& unit = problem.units[static_cast<std::size_t>(s)];
@@ -66,7 +66,7 @@ LinearProblem CandidateFits::linear_problem(const SetFit& base, const ParameterS
   }
   const Eigen::Index q = base.fit.mean.size();
   RandomEffectsSettings& rules = problem.settings;
-  rules.covariance_groups = groups_of(set.with(candidate, is_freed));
+  rules.covariance_groups = groups_of(set.with(candidate, is_random));
   if (rules.mean_origin.size() > 0) {
     rules.mean_origin.conservativeResize(q + 1);
     rules.mean_origin(q) = 0.0;
@@ -78,7 +78,7 @@ LinearProblem CandidateFits::linear_problem(const SetFit& base, const ParameterS
   problem.start.conservativeResize(q + 1, q + 1);
   problem.start.row(q).setZero();
   problem.start.col(q).setZero();
-  if (is_freed) problem.start(q, q) = problem_.space.prior().covariance()(candidate, candidate);
+  if (is_random) problem.start(q, q) = problem_.space.prior().covariance()(candidate, candidate);
   return problem;
 }
 

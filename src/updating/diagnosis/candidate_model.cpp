@@ -39,19 +39,19 @@ void turn_shapes(const std::vector<ShapeSign>& signs, Eigen::MatrixXd& outputs) 
   }
 }
 
-Eigen::MatrixXd HeldModel::all_parameters(const Eigen::Ref<const Eigen::MatrixXd>& samples) const {
+Eigen::MatrixXd FixedParameterModel::all_parameters(const Eigen::Ref<const Eigen::MatrixXd>& samples) const {
   Eigen::MatrixXd all = nominal_.transpose().replicate(samples.rows(), 1);
   all(Eigen::all, members_) = samples;
   return all;
 }
 
-const DifferentiableModel* HeldModel::derivatives() const {
+const DifferentiableModel* FixedParameterModel::derivatives() const {
   // Which way a shape is turned is read off the model itself: not off one that journals, several threads ask here.
   const bool has_signs = signs_.empty() || dynamic_cast<const Model*>(full_derivatives_) != nullptr;
   return full_derivatives_ != nullptr && full_derivatives_->has_cheap_jacobian() && has_signs ? this : nullptr;
 }
 
-Eigen::MatrixXd HeldModel::jacobian(const Eigen::Ref<const Eigen::VectorXd>& parameters) const {
+Eigen::MatrixXd FixedParameterModel::jacobian(const Eigen::Ref<const Eigen::VectorXd>& parameters) const {
   const Eigen::MatrixXd sample = all_parameters(parameters.transpose());
   Eigen::MatrixXd jacobian = full_derivatives_->jacobian(sample.row(0).transpose())(Eigen::all, members_);
   if (signs_.empty()) return jacobian;
@@ -64,7 +64,8 @@ Eigen::MatrixXd HeldModel::jacobian(const Eigen::Ref<const Eigen::VectorXd>& par
   return jacobian;
 }
 
-Evaluation HeldModel::evaluate(const Eigen::Ref<const Eigen::MatrixXd>& samples, const RunContext& context) const {
+Evaluation FixedParameterModel::evaluate(const Eigen::Ref<const Eigen::MatrixXd>& samples,
+                                         const RunContext& context) const {
   Evaluation evaluation = full_.evaluate(all_parameters(samples), context);
   turn_shapes(signs_, evaluation.outputs);
   return evaluation;

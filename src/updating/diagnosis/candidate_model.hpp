@@ -25,13 +25,13 @@ std::vector<ShapeSign> shape_signs(const std::vector<Quantity>& outputs,
 void turn_shapes(const std::vector<ShapeSign>& signs, Eigen::MatrixXd& outputs);
 
 /// The model with some of its parameters; the others are held, shapes have the tests' sign.
-class HeldModel final : public Model, public DifferentiableModel {
+class FixedParameterModel final : public Model, public DifferentiableModel {
  public:
   /// @param full     whose model and derivatives these are
   /// @param nominal  of all parameters of `full`
   /// @param members  which of them are parameters here
-  HeldModel(const UpdatingProblem& full, Eigen::VectorXd nominal, std::vector<Eigen::Index> members,
-            const std::vector<ShapeSign>& signs)
+  FixedParameterModel(const UpdatingProblem& full, Eigen::VectorXd nominal, std::vector<Eigen::Index> members,
+                      const std::vector<ShapeSign>& signs)
       : full_(full.model),
         full_derivatives_(full.derivatives),
         nominal_(std::move(nominal)),

@@ -79,7 +79,7 @@ void refer_to_replications(const CandidateFits& fits, const ParameterSet& set, c
   null.root = root_of(null.fit.covariance);
   std::vector<LinearProblem> problems;
   for (const CandidateTry& each : tries) {
-    problems.push_back(fits.linear_problem(base, set, each.candidate, each.fit->is_freed, derivatives));
+    problems.push_back(fits.linear_problem(base, set, each.candidate, each.fit->is_random, derivatives));
   }
   Eigen::MatrixXd ratios(k_replications, static_cast<Eigen::Index>(tries.size()));
   parallel_for(k_replications, 8, fits.context().threads, [&](std::int64_t begin, std::int64_t end) {
@@ -96,7 +96,8 @@ void refer_to_replications(const CandidateFits& fits, const ParameterSet& set, c
   for (std::size_t k = 0; k < tries.size(); ++k) {
     const auto column = ratios.col(static_cast<Eigen::Index>(k));
     if (!column.allFinite()) continue;
-    const double p = upper_tail({column.begin(), column.end()}, std::max(2.0 * tries[k].fit->gain, 0.0));
+    const double p =
+        upper_tail({column.begin(), column.end()}, std::max(2.0 * tries[k].fit->log_likelihood_increase, 0.0));
     tries[k].fit->p_value = std::max(tries[k].fit->p_value, p);
   }
 }

@@ -13,7 +13,7 @@
 namespace mottle::updating {
 namespace {
 
-constexpr Eigen::Index k_least_specimens = 3;
+constexpr Eigen::Index k_min_specimens = 3;
 constexpr Eigen::Index k_many_specimens = 30;  // chi-squared serves from there on
 
 ParameterSet given_set(Eigen::Index given) {
@@ -27,8 +27,8 @@ ParameterSet given_set(Eigen::Index given) {
 void adjust(std::vector<CandidateFinding>& findings) {
   std::vector<CandidateFit*> tries;
   for (CandidateFinding& finding : findings) {
-    tries.push_back(&finding.shifted);
-    tries.push_back(&finding.freed);
+    tries.push_back(&finding.fixed);
+    tries.push_back(&finding.random);
   }
   std::stable_sort(tries.begin(), tries.end(),
                    [](const CandidateFit* a, const CandidateFit* b) { return a->p_value < b->p_value; });
@@ -39,9 +39,9 @@ void adjust(std::vector<CandidateFinding>& findings) {
   }
 }
 
-CandidateFit not_tried(bool is_freed, const std::string& why) {
+CandidateFit not_tried(bool is_random, const std::string& why) {
   CandidateFit fit;
-  fit.is_freed = is_freed;
+  fit.is_random = is_random;
   fit.bic = std::numeric_limits<double>::infinity();
   fit.failure = why;
   return fit;
@@ -54,7 +54,7 @@ void refer_small_samples(CandidateFits& fits, const ParameterSet& set, const Set
   if (fits.specimens() >= k_many_specimens) return;
   std::vector<CandidateTry> tries;
   for (std::size_t c = 0; c < findings.size(); ++c) {
-    for (CandidateFit* fit : {&findings[c].shifted, &findings[c].freed}) {
+    for (CandidateFit* fit : {&findings[c].fixed, &findings[c].random}) {
       const bool is_significant = fit->failure.empty() && fit->adjusted_p <= fits.problem().level;
       if (is_significant) tries.push_back({candidates[c], fit});
     }
@@ -96,13 +96,13 @@ std::vector<CandidateFinding> try_all(CandidateFits& fits, const ParameterSet& s
     finding.is_screened_out = !is_kept[c];
     const bool is_seen = finding.detectability.visibility > 0.0;
     if (is_kept[c] && is_seen) {
-      std::tie(finding.shifted, finding.freed) = fits.compare_both(set, base, candidates[c]);
+      std::tie(finding.fixed, finding.random) = fits.compare_both(set, base, candidates[c]);
     } else {
       const std::string why = is_seen ? "others gain more in the linear models" : "it moves no output";
-      finding.shifted = not_tried(false, why);
-      finding.freed = not_tried(true, why);
+      finding.fixed = not_tried(false, why);
+      finding.random = not_tried(true, why);
     }
-    for (CandidateFit* fit : {&finding.shifted, &finding.freed}) {
+    for (CandidateFit* fit : {&finding.fixed, &finding.random}) {
       if (!fit->failure.empty()) fit->bic = std::numeric_limits<double>::infinity();
     }
     findings.push_back(std::move(finding));
@@ -128,13 +128,13 @@ void propose(CandidateFits& fits, ParameterSet set, SetFit base, std::vector<Eig
     const std::size_t best = best_first(findings).front();
     const CandidateFit& better = findings[best].better();
     if (!(better.bic < 0.0) || better.adjusted_p > level) return;
-    diagnosis.proposed.push_back({findings[best].detectability.name, false, better.is_freed, -better.bic});
+    diagnosis.proposed.push_back({findings[best].detectability.name, false, better.is_random, -better.bic});
     const auto next = static_cast<Eigen::Index>(set.members.size()) + 2;
     const bool is_more_than_seen = next > fits.problem().tests.values.cols();
     if (candidates.size() == 1 || is_more_than_seen || !fits.has_room_for(next)) return;
-    base = fits.fit_beside(set, base, candidates[best], better.is_freed);
+    base = fits.fit_beside(set, base, candidates[best], better.is_random);
     if (!base.failure.empty()) return;
-    set = set.with(candidates[best], better.is_freed);
+    set = set.with(candidates[best], better.is_random);
     candidates.erase(candidates.begin() + static_cast<std::ptrdiff_t>(best));
     findings = try_all(fits, set, base, candidates, analysis);
   }
@@ -143,9 +143,9 @@ void propose(CandidateFits& fits, ParameterSet set, SetFit base, std::vector<Eig
 void require_problem(const UpdatingProblem& problem, const DiagnosisSettings& settings) {
   require(settings.given >= 1 && settings.given < problem.space.count(),
           "diagnose: there is no candidate beside the {} parameters", settings.given);
-  require(problem.tests.values.rows() >= k_least_specimens,
+  require(problem.tests.values.rows() >= k_min_specimens,
           "diagnose: {} specimens are too few to compare likelihoods; at least {} are needed",
-          problem.tests.values.rows(), k_least_specimens);
+          problem.tests.values.rows(), k_min_specimens);
   const bool is_noise_known = (problem.tests.repeatability_std.array() > 0.0).all();
   require(is_noise_known || (counts_with_scatter(test_moments(problem.tests)).array() > 0).any(),
           "diagnose: the {} specimens are the same to the last digits, so their likelihood has no maximum; give [test] "
@@ -158,7 +158,7 @@ void describe_base(const UpdatingProblem& problem, const SetFit& base, Diagnosis
   diagnosis.log_likelihood = base.fit.effects.log_likelihood;
   diagnosis.converged = base.fit.converged;
   diagnosis.mean = base.mean;
-  diagnosis.deviation = base.deviation;
+  diagnosis.standard_deviation = base.standard_deviation;
   for (const bool converged : base.fit.specimens.converged) diagnosis.unreproduced += converged ? 0 : 1;
   Eigen::VectorXd x = problem.space.prior().mean();
   x.head(base.mean.size()) = base.mean;

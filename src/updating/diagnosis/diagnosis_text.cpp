@@ -24,11 +24,11 @@ std::string chance_text(double p) {
 
 std::string fit_text(const CandidateFinding& finding) {
   const CandidateFit& fit = finding.better();
-  const std::string how = fit.is_freed
-                              ? fmt::format("freed, with mean {:.4g} and deviation {:.2g}", fit.mean, fit.deviation)
-                              : fmt::format("shifted from {:.4g} to {:.4g}", finding.detectability.nominal, fit.mean);
-  return fmt::format("{} (log-likelihood +{:.1f}, BIC {:+.1f}, {} after correction for all tries)", how, fit.gain,
-                     fit.bic, chance_text(fit.adjusted_p));
+  const std::string how =
+      fit.is_random ? fmt::format("freed, with mean {:.4g} and deviation {:.2g}", fit.mean, fit.standard_deviation)
+                    : fmt::format("shifted from {:.4g} to {:.4g}", finding.detectability.nominal, fit.mean);
+  return fmt::format("{} (log-likelihood +{:.1f}, BIC {:+.1f}, {} after correction for all tries)", how,
+                     fit.log_likelihood_increase, fit.bic, chance_text(fit.adjusted_p));
 }
 
 void add_base(const Diagnosis& diagnosis, std::vector<std::string>& sentences) {
@@ -138,7 +138,7 @@ void add_proposal(const Diagnosis& diagnosis, std::vector<std::string>& sentence
   std::vector<std::string> names;
   bool has_more = false;
   for (const ProposedParameter& parameter : diagnosis.proposed) {
-    const std::string how = parameter.is_given ? "" : parameter.is_freed ? " (new)" : " (new, mean only)";
+    const std::string how = parameter.is_given ? "" : parameter.is_random ? " (new)" : " (new, mean only)";
     names.push_back(parameter.name + how);
     has_more = has_more || !parameter.is_given;
   }

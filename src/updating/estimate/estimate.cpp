@@ -20,8 +20,8 @@ std::string estimate_kind_text(EstimateKind kind) {
 
 Eigen::MatrixXd Estimate::correlation() const {
   const Eigen::MatrixXd spread = covariance();
-  const Eigen::VectorXd deviation = spread.diagonal().cwiseMax(0.0).cwiseSqrt();
-  const Eigen::VectorXd inverse = deviation.unaryExpr(
+  const Eigen::VectorXd standard_deviation = spread.diagonal().cwiseMax(0.0).cwiseSqrt();
+  const Eigen::VectorXd inverse = standard_deviation.unaryExpr(
       [](double value) { return value > 0.0 ? 1.0 / value : std::numeric_limits<double>::quiet_NaN(); });
   return inverse.asDiagonal() * spread * inverse.asDiagonal();
 }

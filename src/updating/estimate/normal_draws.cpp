@@ -10,28 +10,28 @@
 namespace mottle::updating {
 namespace {
 
-double chi_squared(RandomStream& stream, double freedom) {
-  return boost::math::quantile(boost::math::chi_squared(freedom), stream.uniform());
+double chi_squared(RandomStream& stream, double degrees_of_freedom) {
+  return boost::math::quantile(boost::math::chi_squared(degrees_of_freedom), stream.uniform());
 }
 
 /// sqrt(nu / chi2_nu) of each variable, all at one probability; 1 where nothing is determined.
-Eigen::VectorXd blown_deviations(RandomStream& stream, const Eigen::VectorXd& freedom) {
+Eigen::VectorXd blown_deviations(RandomStream& stream, const Eigen::VectorXd& degrees_of_freedom) {
   const double probability = stream.uniform();
-  return freedom.unaryExpr([&](double nu) {
+  return degrees_of_freedom.unaryExpr([&](double nu) {
     if (!(nu > 0.0)) return 1.0;
     return std::sqrt(nu / boost::math::quantile(boost::math::chi_squared(nu), probability));
   });
 }
 
 /// Inverse of a Wishart matrix with scale I / freedom, by Bartlett's decomposition.
-Eigen::MatrixXd inverse_wishart(RandomStream& stream, Eigen::Index size, double freedom) {
+Eigen::MatrixXd inverse_wishart(RandomStream& stream, Eigen::Index size, double degrees_of_freedom) {
   Eigen::MatrixXd factor = Eigen::MatrixXd::Zero(size, size);
   for (Eigen::Index i = 0; i < size; ++i) {
-    factor(i, i) = std::sqrt(chi_squared(stream, freedom - static_cast<double>(i)));
+    factor(i, i) = std::sqrt(chi_squared(stream, degrees_of_freedom - static_cast<double>(i)));
     for (Eigen::Index j = 0; j < i; ++j) factor(i, j) = standard_normal_quantile(stream.uniform());
   }
   const Eigen::MatrixXd inverse = factor.triangularView<Eigen::Lower>().solve(Eigen::MatrixXd::Identity(size, size));
-  return freedom * (inverse.transpose() * inverse);
+  return degrees_of_freedom * (inverse.transpose() * inverse);
 }
 
 RandomStream stream_of(const SpecimenDrawing& drawing, Eigen::Index draw) {
@@ -42,8 +42,8 @@ RandomStream stream_of(const SpecimenDrawing& drawing, Eigen::Index draw) {
 }
 
 Eigen::VectorXd scale_of(const Eigen::MatrixXd& covariance) {
-  const Eigen::VectorXd deviation = covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
-  return (deviation.array() > 0.0).select(deviation, 1.0);
+  const Eigen::VectorXd standard_deviation = covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
+  return (standard_deviation.array() > 0.0).select(standard_deviation, 1.0);
 }
 
 }  // namespace
@@ -61,10 +61,10 @@ Eigen::VectorXd standard_normals(RandomStream& stream, Eigen::Index count) {
   return z;
 }
 
-double joint_freedom(const PopulationEvidence& evidence) {
-  const Eigen::VectorXd freedom = evidence.freedom.diagonal();
-  const auto determined = (freedom.array() > 0.0).count();
-  return determined > 0 ? freedom.sum() / static_cast<double>(determined) : 0.0;
+double joint_degrees_of_freedom(const PopulationEvidence& evidence) {
+  const Eigen::VectorXd degrees_of_freedom = evidence.degrees_of_freedom.diagonal();
+  const auto determined = (degrees_of_freedom.array() > 0.0).count();
+  return determined > 0 ? degrees_of_freedom.sum() / static_cast<double>(determined) : 0.0;
 }
 
 Eigen::MatrixXd draw_exact(const Eigen::VectorXd& mean, const Eigen::MatrixXd& covariance,
@@ -95,11 +95,11 @@ Eigen::MatrixXd draw_uncertain(const PopulationOnScales& population, const Speci
     Eigen::MatrixXd blown;
     Eigen::MatrixXd blown_mean;
     if (drawing.kind == SpecimenDrawing::Kind::outputs) {
-      const Eigen::VectorXd factor = blown_deviations(stream, evidence.freedom.diagonal());
+      const Eigen::VectorXd factor = blown_deviations(stream, evidence.degrees_of_freedom.diagonal());
       blown = factor.asDiagonal() * total * factor.asDiagonal();
       blown_mean = factor.asDiagonal() * mean_root;
     } else {
-      const Eigen::MatrixXd wishart = inverse_wishart(stream, q, joint_freedom(evidence));
+      const Eigen::MatrixXd wishart = inverse_wishart(stream, q, joint_degrees_of_freedom(evidence));
       blown = total_root * wishart * total_root.transpose();
       blown_mean = scaled_root(mean_root * wishart * mean_root.transpose(), scale);
     }

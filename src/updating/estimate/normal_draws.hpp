@@ -17,7 +17,7 @@ Eigen::MatrixXd scaled_root(const Eigen::MatrixXd& matrix, const Eigen::VectorXd
 Eigen::VectorXd standard_normals(RandomStream& stream, Eigen::Index count);
 
 /// Mean degrees of freedom of the variances that the specimens determine; 0 where they determine none.
-double joint_freedom(const PopulationEvidence& evidence);
+double joint_degrees_of_freedom(const PopulationEvidence& evidence);
 
 /// Draws t ~ N(mean, covariance), the estimate taken as exact [draw x parameter].
 Eigen::MatrixXd draw_exact(const Eigen::VectorXd& mean, const Eigen::MatrixXd& covariance,

@@ -90,8 +90,8 @@ std::vector<Eigen::MatrixXd> NormalPopulation::region(Eigen::Index first, Eigen:
 }
 
 Eigen::MatrixXd NormalPopulation::correlation() const {
-  const Eigen::VectorXd deviation = population_.covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
-  const Eigen::VectorXd inverse = deviation.unaryExpr(
+  const Eigen::VectorXd standard_deviation = population_.covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
+  const Eigen::VectorXd inverse = standard_deviation.unaryExpr(
       [](double value) { return value > 0.0 ? 1.0 / value : std::numeric_limits<double>::quiet_NaN(); });
   const Eigen::MatrixXd correlation = inverse.asDiagonal() * population_.covariance * inverse.asDiagonal();
   return correlation.unaryExpr([](double rho) { return std::isnan(rho) ? rho : std::clamp(rho, -1.0, 1.0); });
@@ -105,7 +105,8 @@ Eigen::MatrixXd NormalPopulation::draw_specimens(const SpecimenDrawing& drawing)
 }
 
 bool NormalPopulation::has_joint_region() const {
-  return specimens_ == 0 || joint_freedom(population_.evidence) > static_cast<double>(population_.mean.size());
+  return specimens_ == 0 ||
+         joint_degrees_of_freedom(population_.evidence) > static_cast<double>(population_.mean.size());
 }
 
 std::string NormalPopulation::prediction_note() const {

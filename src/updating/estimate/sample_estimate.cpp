@@ -93,10 +93,11 @@ Eigen::MatrixXd SampleEstimate::from_uniform(const Eigen::Ref<const Eigen::Matri
 double SampleEstimate::bandwidth(Eigen::Index parameter) const {
   constexpr double k_quartiles_of_normal = 1.34;  // between them, in deviations
   const Eigen::VectorXd values = scaled_.col(parameter);
-  const double deviation = std::sqrt(scaled_covariance_(parameter, parameter));
+  const double standard_deviation = std::sqrt(scaled_covariance_(parameter, parameter));
   const double quartiles = weighted_quantile(values, weights_, 0.75) - weighted_quantile(values, weights_, 0.25);
   // Where half of the weight is on one value the quartiles say nothing of the width.
-  const double spread = quartiles > 0.0 ? std::min(deviation, quartiles / k_quartiles_of_normal) : deviation;
+  const double spread =
+      quartiles > 0.0 ? std::min(standard_deviation, quartiles / k_quartiles_of_normal) : standard_deviation;
   return 0.9 * spread * std::pow(*effective_samples(), -0.2);
 }
 
@@ -136,11 +137,11 @@ std::vector<Eigen::MatrixXd> SampleEstimate::region(Eigen::Index first, Eigen::I
   const double b = std::sqrt(scaled_covariance_(second, second));
   if (!(a > 0.0) || !(b > 0.0)) return {};
   const double rho = std::clamp(scaled_covariance_(first, second) / (a * b), -1.0, 1.0);
-  constexpr double k_least = 1e-12;  // samples on a line: the outline is the line
+  constexpr double k_min = 1e-12;  // samples on a line: the outline is the line
   const Eigen::ArrayXd u = (scaled_.col(first).array() - scaled_mean_(first)) / a;
   const Eigen::ArrayXd v = (scaled_.col(second).array() - scaled_mean_(second)) / b;
   const Eigen::VectorXd distance =
-      (u.square() + (v - rho * u).square() / std::max(1.0 - rho * rho, k_least)).sqrt().matrix();
+      (u.square() + (v - rho * u).square() / std::max(1.0 - rho * rho, k_min)).sqrt().matrix();
   const ScaledPair pair{scales_[static_cast<std::size_t>(first)],
                         scales_[static_cast<std::size_t>(second)],
                         {scaled_mean_(first), a},

@@ -5,12 +5,12 @@
 namespace mottle::updating {
 namespace {
 
-void require_enough_runs(const Cloud& cloud, double most_failed) {
+void require_enough_runs(const Cloud& cloud, double max_failed) {
   const auto failed = static_cast<double>(cloud.failures.size());
   const auto total = static_cast<double>(cloud.samples.rows());
-  if (cloud.failures.empty() || (failed <= most_failed * total && failed < total)) return;
+  if (cloud.failures.empty() || (failed <= max_failed * total && failed < total)) return;
   throw ModelFailure(fmt::format("{} of {} model runs failed, at most {:.0f} % may; the first, sample {}: {}", failed,
-                                 total, 100.0 * most_failed, cloud.failures.front().sample,
+                                 total, 100.0 * max_failed, cloud.failures.front().sample,
                                  cloud.failures.front().reason));
 }
 
@@ -45,18 +45,18 @@ Cloud evaluate_cloud(const Model& model, const ParameterSpace& space, const Join
 Cloud evaluate_cloud(const Model& model, const ParameterSpace& space, const SampleTransform& from_uniform,
                      const CloudSettings& settings, const StreamKey& key, const RunContext& context) {
   ParameterDraw draw = space.draw(from_uniform, settings.design, settings.samples, key);
-  Cloud cloud = evaluate_points(model, draw.samples, settings.most_failed, context);
+  Cloud cloud = evaluate_points(model, draw.samples, settings.max_failed, context);
   cloud.rejected = draw.rejected;
   return cloud;
 }
 
-Cloud evaluate_points(const Model& model, const Eigen::Ref<const Eigen::MatrixXd>& points, double most_failed,
+Cloud evaluate_points(const Model& model, const Eigen::Ref<const Eigen::MatrixXd>& points, double max_failed,
                       const RunContext& context) {
   require(points.cols() == model.parameter_count(), "{} columns of parameters given, the model has {}", points.cols(),
           model.parameter_count());
   Evaluation evaluation = model.evaluate(points, context);
   Cloud cloud{points, std::move(evaluation.outputs), std::move(evaluation.failures), std::move(evaluation.notes), 0};
-  require_enough_runs(cloud, most_failed);
+  require_enough_runs(cloud, max_failed);
   return cloud;
 }
 

@@ -16,7 +16,7 @@
 namespace mottle::updating {
 namespace {
 
-constexpr int k_most_halvings = 12;
+constexpr int k_max_halvings = 12;
 
 /// The least-squares problem in fixed numbers.
 struct LeastSquares {
@@ -143,7 +143,7 @@ Eigen::VectorXd accepted_step(const UpdatingProblem& problem, const LeastSquares
                               std::int64_t& evaluations) {
   const double old_cost = cost(setup, x, outputs);
   double length = 1.0;
-  for (int halving = 0; halving <= k_most_halvings; ++halving, length *= 0.5) {
+  for (int halving = 0; halving <= k_max_halvings; ++halving, length *= 0.5) {
     Eigen::VectorXd next = problem.space.clamp(x + length * step);
     const auto trial = evaluate_one(problem, next, context, evaluations);
     if (!trial || cost(setup, next, *trial) > old_cost) continue;

@@ -98,7 +98,7 @@ Eigen::MatrixXd specimen_gain(const Setup& setup, const InversionFit& fit, Eigen
   for (Eigen::Index k = 0; k < whitened.rows(); ++k) {
     if (std::isnan(setup.problem.tests.values(specimen, k))) whitened.row(k).setZero();
   }
-  return least_change_gain(whitened, setup.parameters.deviation()).matrix;
+  return least_change_gain(whitened, setup.parameters.standard_deviation()).matrix;
 }
 
 /// Of each parameter's variance, the part that measurement noise makes: mean of T R T' over the specimens.
@@ -248,8 +248,7 @@ UpdatingResult InversionUpdater::update(const UpdatingProblem& problem, const Ru
                                            is_stopped = is_stopped || context.stop_requested();
                                            return !is_stopped;
                                          });
-  if (static_cast<double>(fit.count(Ending::stuck)) >
-      problem.cloud.most_failed * static_cast<double>(fit.points.rows()))
+  if (static_cast<double>(fit.count(Ending::stuck)) > problem.cloud.max_failed * static_cast<double>(fit.points.rows()))
     throw ModelFailure(
         fmt::format("{} of {} specimens find no step that makes their residuals smaller: the model "
                     "fails around them or is not smooth",

@@ -9,7 +9,7 @@
 namespace mottle::updating {
 namespace {
 
-constexpr double k_most_damping = 1e6;
+constexpr double k_max_damping = 1e6;
 
 /// One specimen's residuals over what is measured.
 struct Whitened {
@@ -112,7 +112,8 @@ class BatchFit {
   Eigen::VectorXd proposed(Eigen::Index specimen) {
     const Whitened here = whitened(specimen);
     const Eigen::VectorXd point = fit.points.row(specimen).transpose();
-    fit.ranks[static_cast<std::size_t>(specimen)] = least_change_gain(here.sensitivity, parameters_.deviation()).rank;
+    fit.ranks[static_cast<std::size_t>(specimen)] =
+        least_change_gain(here.sensitivity, parameters_.standard_deviation()).rank;
     const Eigen::VectorXd step = trusted_step(parameters_, point, here.sensitivity, here.residual, damping_(specimen));
     return parameters_.clamp(point + step);
   }
@@ -139,7 +140,7 @@ class BatchFit {
     // A Gauss-Newton step this short that does not help is rounding: the fit is as good as it gets.
     if (movement <= problem_.tolerance && damping == 0.0) fit.endings[s] = InversionFit::Ending::at_rest;
     damping = next_damping(damping, false);
-    if (damping > k_most_damping) {
+    if (damping > k_max_damping) {
       const bool is_done = outputs.allFinite() && is_least(specimen);
       fit.endings[s] = is_done ? InversionFit::Ending::at_rest : InversionFit::Ending::stuck;
     }
@@ -157,7 +158,7 @@ class BatchFit {
   }
 
   double length_of(const Eigen::VectorXd& step) const {
-    return (step.array().abs() / parameters_.deviation().array()).maxCoeff();
+    return (step.array().abs() / parameters_.standard_deviation().array()).maxCoeff();
   }
 
   const UpdatingProblem& problem_;

@@ -11,8 +11,8 @@
 namespace mottle::updating {
 namespace {
 
-constexpr double k_unseen = 1e-6;         // as Identifiability counts
-constexpr double k_least_damping = 1e-3;  // below, the step is Gauss-Newton's
+constexpr double k_unseen = 1e-6;       // as Identifiability counts
+constexpr double k_min_damping = 1e-3;  // below, the step is Gauss-Newton's
 
 bool is_one_group(const std::vector<int>& groups) {
   for (const int group : groups) {
@@ -39,8 +39,8 @@ Eigen::VectorXd half_vectorised(const Eigen::Ref<const Eigen::MatrixXd>& symmetr
 }  // namespace
 
 Gain least_change_gain(const Eigen::Ref<const Eigen::MatrixXd>& whitened,
-                       const Eigen::Ref<const Eigen::VectorXd>& deviation, double damping) {
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(whitened * deviation.asDiagonal(),
+                       const Eigen::Ref<const Eigen::VectorXd>& standard_deviation, double damping) {
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(whitened * standard_deviation.asDiagonal(),
                                               Eigen::ComputeThinU | Eigen::ComputeThinV);
   const Eigen::VectorXd& values = svd.singularValues();
   Eigen::VectorXd inverse = Eigen::VectorXd::Zero(values.size());
@@ -50,7 +50,7 @@ Gain least_change_gain(const Eigen::Ref<const Eigen::MatrixXd>& whitened,
     ++gain.rank;
     inverse(i) = values(i) / (values(i) * values(i) + damping * damping * values(0) * values(0));
   }
-  gain.matrix = deviation.asDiagonal() * svd.matrixV() * inverse.asDiagonal() * svd.matrixU().transpose();
+  gain.matrix = standard_deviation.asDiagonal() * svd.matrixV() * inverse.asDiagonal() * svd.matrixU().transpose();
   return gain;
 }
 
@@ -66,12 +66,13 @@ Eigen::VectorXd least_change_step(const ScaledParameters& parameters, const Eige
   Eigen::VectorXd step = Eigen::VectorXd::Zero(point.size());
   while (!free.empty()) {
     const Eigen::MatrixXd seen = whitened(Eigen::all, free);
-    const Eigen::VectorXd deviation = parameters.deviation()(free);
-    const Gain gain = least_change_gain(seen, deviation, damping);
+    const Eigen::VectorXd standard_deviation = parameters.standard_deviation()(free);
+    const Gain gain = least_change_gain(seen, standard_deviation, damping);
     Eigen::VectorXd move = gain.matrix * residual;
     if (gain.rank < seen.cols()) {
       const Eigen::VectorXd back = (parameters.start() - point)(free);
-      move += (back - least_change_gain(seen, deviation).matrix * (seen * back)) / ((1.0 + damping) * (1.0 + damping));
+      move += (back - least_change_gain(seen, standard_deviation).matrix * (seen * back)) /
+              ((1.0 + damping) * (1.0 + damping));
     }
     std::vector<Eigen::Index> inside;
     for (std::size_t k = 0; k < free.size(); ++k) {
@@ -91,31 +92,31 @@ Eigen::VectorXd trusted_step(const ScaledParameters& parameters, const Eigen::Re
                              const Eigen::Ref<const Eigen::VectorXd>& residual, double& damping) {
   constexpr double k_longest = 2.0;
   constexpr double k_raise = 3.0;
-  constexpr double k_most = 1e6;
+  constexpr double k_max = 1e6;
   while (true) {
     Eigen::VectorXd step = least_change_step(parameters, point, whitened, residual, damping);
-    const double length = (step.array().abs() / parameters.deviation().array()).maxCoeff();
+    const double length = (step.array().abs() / parameters.standard_deviation().array()).maxCoeff();
     if (length <= k_longest) return step;
-    if (damping > k_most) return step * (k_longest / length);
-    damping = std::max(k_raise * damping, k_least_damping);
+    if (damping > k_max) return step * (k_longest / length);
+    damping = std::max(k_raise * damping, k_min_damping);
   }
 }
 
 double next_damping(double damping, bool has_helped) {
-  if (!has_helped) return std::max(10.0 * damping, 10.0 * k_least_damping);
-  return damping <= k_least_damping ? 0.0 : 0.1 * damping;
+  if (!has_helped) return std::max(10.0 * damping, 10.0 * k_min_damping);
+  return damping <= k_min_damping ? 0.0 : 0.1 * damping;
 }
 
 Eigen::MatrixXd least_change_covariance(const Eigen::Ref<const Eigen::MatrixXd>& whitened,
-                                        const Eigen::Ref<const Eigen::VectorXd>& deviation,
+                                        const Eigen::Ref<const Eigen::VectorXd>& standard_deviation,
                                         const Eigen::Ref<const Eigen::MatrixXd>& change, const std::vector<int>& groups,
                                         double damping) {
   if (is_one_group(groups)) {
-    const Eigen::MatrixXd gain = least_change_gain(whitened, deviation, damping).matrix;
+    const Eigen::MatrixXd gain = least_change_gain(whitened, standard_deviation, damping).matrix;
     const Eigen::MatrixXd result = gain * change * gain.transpose();
     return 0.5 * (result + result.transpose());
   }
-  const Eigen::MatrixXd scaled = whitened * deviation.asDiagonal();
+  const Eigen::MatrixXd scaled = whitened * standard_deviation.asDiagonal();
   std::vector<std::pair<Eigen::Index, Eigen::Index>> entries;
   for (Eigen::Index i = 0; i < scaled.cols(); ++i) {
     for (Eigen::Index j = 0; j <= i; ++j) {
@@ -145,7 +146,8 @@ Eigen::MatrixXd least_change_covariance(const Eigen::Ref<const Eigen::MatrixXd>&
   Eigen::MatrixXd result = Eigen::MatrixXd::Zero(scaled.cols(), scaled.cols());
   for (Eigen::Index k = 0; k < solution.size(); ++k) {
     const auto [i, j] = entries[static_cast<std::size_t>(k)];
-    result(i, j) = result(j, i) = deviation(i) * deviation(j) * (i == j ? solution(k) : solution(k) / std::sqrt(2.0));
+    result(i, j) = result(j, i) =
+        standard_deviation(i) * standard_deviation(j) * (i == j ? solution(k) : solution(k) / std::sqrt(2.0));
   }
   return result;
 }
@@ -158,20 +160,20 @@ void keep_groups(Eigen::MatrixXd& covariance, const std::vector<int>& groups) {
   }
 }
 
-bool project_to_covariance(Eigen::MatrixXd& covariance, const Eigen::Ref<const Eigen::VectorXd>& deviation,
+bool project_to_covariance(Eigen::MatrixXd& covariance, const Eigen::Ref<const Eigen::VectorXd>& standard_deviation,
                            const std::vector<int>& groups) {
   constexpr double k_rounding = 1e-12;
   const Eigen::MatrixXd scaled =
-      deviation.cwiseInverse().asDiagonal() * covariance * deviation.cwiseInverse().asDiagonal();
+      standard_deviation.cwiseInverse().asDiagonal() * covariance * standard_deviation.cwiseInverse().asDiagonal();
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled);
   if (eigen.eigenvalues()(0) >= 0.0) {
     repair_covariance(covariance);
     return false;
   }
   const Eigen::VectorXd kept = eigen.eigenvalues().cwiseMax(0.0);
-  const Eigen::MatrixXd rebuilt = deviation.asDiagonal() *
+  const Eigen::MatrixXd rebuilt = standard_deviation.asDiagonal() *
                                   (eigen.eigenvectors() * kept.asDiagonal() * eigen.eigenvectors().transpose()).eval() *
-                                  deviation.asDiagonal();
+                                  standard_deviation.asDiagonal();
   covariance = 0.5 * (rebuilt + rebuilt.transpose());
   keep_groups(covariance, groups);
   // What is rounding in prior deviations need not be so for a parameter that hardly scatters.

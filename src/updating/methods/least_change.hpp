@@ -22,7 +22,7 @@ struct Gain {
 /// @param damping    Levenberg's, as a part of the largest singular value of A; 0: none
 /// Singular values below 1e-6 of the largest count as zero.
 Gain least_change_gain(const Eigen::Ref<const Eigen::MatrixXd>& whitened,
-                       const Eigen::Ref<const Eigen::VectorXd>& deviation, double damping = 0.0);
+                       const Eigen::Ref<const Eigen::VectorXd>& standard_deviation, double damping = 0.0);
 
 /// Gauss-Newton step from `point` towards small residuals and, where they do not decide, back to the prior mean.
 /// Parameters that a bound holds are left out of it.
@@ -53,7 +53,7 @@ double next_damping(double damping, bool has_helped);
 /// @param groups    of each parameter; empty: one group
 /// @param damping   Levenberg's, as above
 Eigen::MatrixXd least_change_covariance(const Eigen::Ref<const Eigen::MatrixXd>& whitened,
-                                        const Eigen::Ref<const Eigen::VectorXd>& deviation,
+                                        const Eigen::Ref<const Eigen::VectorXd>& standard_deviation,
                                         const Eigen::Ref<const Eigen::MatrixXd>& change, const std::vector<int>& groups,
                                         double damping = 0.0);
 
@@ -63,7 +63,7 @@ void keep_groups(Eigen::MatrixXd& covariance, const std::vector<int>& groups);
 /// The nearest covariance in units of the prior deviations: negative eigenvalues become zero.
 ///
 /// @return  whether anything was changed beyond rounding
-bool project_to_covariance(Eigen::MatrixXd& covariance, const Eigen::Ref<const Eigen::VectorXd>& deviation,
+bool project_to_covariance(Eigen::MatrixXd& covariance, const Eigen::Ref<const Eigen::VectorXd>& standard_deviation,
                            const std::vector<int>& groups);
 
 }  // namespace mottle::updating

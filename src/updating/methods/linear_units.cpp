@@ -14,9 +14,9 @@ Eigen::MatrixXd mean_jacobian(const std::vector<Eigen::MatrixXd>& jacobians) {
 
 Eigen::MatrixXd absorbed_errors(const Eigen::MatrixXd& sensitivity, const Eigen::MatrixXd& directions,
                                 const Eigen::VectorXd& variance) {
-  constexpr double k_least = 1e-12;
+  constexpr double k_min = 1e-12;
   const Eigen::VectorXd root =
-      variance.cwiseMax(k_least * variance.maxCoeff()).cwiseMax(1e-280).cwiseSqrt().cwiseInverse();
+      variance.cwiseMax(k_min * variance.maxCoeff()).cwiseMax(1e-280).cwiseSqrt().cwiseInverse();
   const Eigen::MatrixXd moved = root.asDiagonal() * (sensitivity * directions);
   const Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver(moved);
   return directions * solver.pseudoInverse() * root.asDiagonal();

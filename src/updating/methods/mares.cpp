@@ -54,9 +54,9 @@ MaresSetup prepare(const UpdatingProblem& problem, const MaresOptions& options) 
   const Eigen::Index outputs = setup.tests.mean.size();
   const Eigen::MatrixXd correlation = correlation_from_covariance(setup.test_variability);
   constexpr double k_singular = 1e-12;
-  constexpr double k_least = 1e-8;  // standard deviation, of the mean
+  constexpr double k_min = 1e-8;  // standard deviation, of the mean
   const bool is_scattered =
-      (setup.test_variability.diagonal().array().sqrt() > k_least * setup.tests.mean.array().abs()).all();
+      (setup.test_variability.diagonal().array().sqrt() > k_min * setup.tests.mean.array().abs()).all();
   // A direction without variability would leave the parameters without scatter there (Eq. 12): no cloud to regress on.
   require_of(is_scattered && correlation.allFinite() && correlation.ldlt().vectorD().minCoeff() > k_singular,
              {Subject::Kind::tests},

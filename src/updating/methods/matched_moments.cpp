@@ -147,10 +147,10 @@ void plan_residual_scatter(const Comparison& c, TestPlan& plan) {
   }
   const Eigen::LLT<Eigen::MatrixXd> factor(b.transpose() * c.of_test * b);
   const Eigen::MatrixXd whitened = factor.matrixL().solve(b.transpose());
-  const double freedom = c.tests.count.cast<double>().mean() - 1.0;
-  const double squares = freedom * (whitened * c.tests.covariance * whitened.transpose()).trace();
+  const double degrees_of_freedom = c.tests.count.cast<double>().mean() - 1.0;
+  const double squares = degrees_of_freedom * (whitened * c.tests.covariance * whitened.transpose()).trace();
   plan.add(residual_scatter_test(
-      squares, freedom, static_cast<double>(b.cols()),
+      squares, degrees_of_freedom, static_cast<double>(b.cols()),
       {whitened.colwise().squaredNorm().transpose(), c.of_test.diagonal(), output_names(c.problem)}));
 }
 

@@ -95,11 +95,11 @@ void add_laws(const NearBounds& near, double degrees_of_freedom, PlannedTest& te
 
 Eigen::VectorXd nearest_non_negative(const Eigen::Ref<const Eigen::VectorXd>& mean,
                                      const Eigen::Ref<const Eigen::MatrixXd>& covariance) {
-  constexpr int k_most_rounds = 10000;
+  constexpr int k_max_rounds = 10000;
   constexpr double k_at_rest = 1e-12;
   const Eigen::MatrixXd precision = covariance.inverse();
   Eigen::VectorXd u = mean.cwiseMax(0.0);
-  for (int round = 0; round < k_most_rounds; ++round) {
+  for (int round = 0; round < k_max_rounds; ++round) {
     double change = 0.0;
     for (Eigen::Index i = 0; i < u.size(); ++i) {
       const double gradient = precision.row(i).dot(u - mean);

@@ -26,10 +26,10 @@ inline std::vector<Eigen::Index> measured_outputs(const Eigen::Ref<const Eigen::
 
 /// The deviation to weigh an output by: that given, a thousandth of the output's mean where specimens do not differ
 /// beyond its last digits, 1 where the mean is 0 too.
-inline double weighing_deviation(double deviation, double mean) {
+inline double weighing_deviation(double standard_deviation, double mean) {
   constexpr double k_no_scatter = 1e-3;
   const double size = std::abs(mean);
-  if (deviation > k_last_digits * size) return deviation;
+  if (standard_deviation > k_last_digits * size) return standard_deviation;
   return size > 0.0 ? k_no_scatter * size : 1.0;
 }
 

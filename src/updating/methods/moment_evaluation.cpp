@@ -12,12 +12,12 @@ namespace mottle::updating {
 namespace {
 
 /// Symmetric root: it moves smoothly with the covariance.
-Eigen::MatrixXd symmetric_root(const Eigen::MatrixXd& covariance, const Eigen::VectorXd& deviation) {
+Eigen::MatrixXd symmetric_root(const Eigen::MatrixXd& covariance, const Eigen::VectorXd& standard_deviation) {
   const Eigen::MatrixXd scaled =
-      deviation.cwiseInverse().asDiagonal() * covariance * deviation.cwiseInverse().asDiagonal();
+      standard_deviation.cwiseInverse().asDiagonal() * covariance * standard_deviation.cwiseInverse().asDiagonal();
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled);
-  return deviation.asDiagonal() * eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal() *
-         eigen.eigenvectors().transpose();
+  return standard_deviation.asDiagonal() * eigen.eigenvectors() *
+         eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal() * eigen.eigenvectors().transpose();
 }
 
 /// Terms of a surface over the points: 1 and w, and with `is_quadratic` all w_i w_j.
@@ -49,13 +49,13 @@ void fill_by_surface(const GaussianRule& rule, Eigen::MatrixXd& outputs) {
   outputs(missing, Eigen::all) = terms(missing, Eigen::all) * surface;
 }
 
-void require_enough_runs(const Cloud& cloud, const Eigen::VectorXd& weights, double most_failed) {
+void require_enough_runs(const Cloud& cloud, const Eigen::VectorXd& weights, double max_failed) {
   double failed = 0.0;
   for (const FailedRun& failure : cloud.failures) failed += weights(failure.sample);
-  if (failed <= most_failed) return;
+  if (failed <= max_failed) return;
   throw ModelFailure(
       fmt::format("{} model runs, {:.0f} % of the population, failed, at most {:.0f} % may; the first: {}",
-                  cloud.failures.size(), 100.0 * failed, 100.0 * most_failed, cloud.failures.front().reason));
+                  cloud.failures.size(), 100.0 * failed, 100.0 * max_failed, cloud.failures.front().reason));
 }
 
 }  // namespace
@@ -73,7 +73,7 @@ bool evaluate_at_mean(const UpdatingProblem& problem, const ScaledParameters& pa
 
 bool evaluate_by_rule(const UpdatingProblem& problem, const ScaledParameters& parameters, const GaussianRule& rule,
                       MomentState& state, const RunContext& context, std::int64_t& evaluations) {
-  const Eigen::MatrixXd root = symmetric_root(state.covariance, parameters.deviation());
+  const Eigen::MatrixXd root = symmetric_root(state.covariance, parameters.standard_deviation());
   const Eigen::MatrixXd points = (rule.points * root.transpose()).rowwise() + state.mean.transpose();
   const Eigen::MatrixXd variables = parameters.to_variables(points);
   std::vector<Eigen::Index> possible;
@@ -86,10 +86,10 @@ bool evaluate_by_rule(const UpdatingProblem& problem, const ScaledParameters& pa
       impossible += std::abs(rule.weights(s)) / whole;
     }
   }
-  if (impossible > problem.cloud.most_failed) return false;
+  if (impossible > problem.cloud.max_failed) return false;
   state.cloud = evaluate_points(problem.model, variables(possible, Eigen::all), 1.0, context);
   evaluations += static_cast<std::int64_t>(possible.size());
-  require_enough_runs(state.cloud, rule.weights(possible).cwiseAbs() / whole, problem.cloud.most_failed);
+  require_enough_runs(state.cloud, rule.weights(possible).cwiseAbs() / whole, problem.cloud.max_failed);
   Eigen::MatrixXd outputs =
       Eigen::MatrixXd::Constant(points.rows(), state.cloud.outputs.cols(), std::numeric_limits<double>::quiet_NaN());
   outputs(possible, Eigen::all) = state.cloud.outputs;

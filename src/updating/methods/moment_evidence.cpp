@@ -9,13 +9,13 @@ namespace {
 
 /// Combinations of parameters that the outputs see, each of length one in prior deviations [parameter x combination];
 /// the parameters themselves where all are seen.
-Eigen::MatrixXd seen_combinations(const Eigen::MatrixXd& sensitivity, const Eigen::VectorXd& deviation) {
+Eigen::MatrixXd seen_combinations(const Eigen::MatrixXd& sensitivity, const Eigen::VectorXd& standard_deviation) {
   constexpr double k_unseen = 1e-6;  // as least_change_gain counts
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(sensitivity * deviation.asDiagonal(), Eigen::ComputeThinV);
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(sensitivity * standard_deviation.asDiagonal(), Eigen::ComputeThinV);
   const Eigen::VectorXd& values = svd.singularValues();
   const Eigen::Index rank = (values.array() > k_unseen * values(0)).count();
-  if (rank == deviation.size()) return deviation.asDiagonal();
-  return deviation.asDiagonal() * svd.matrixV().leftCols(rank);
+  if (rank == standard_deviation.size()) return standard_deviation.asDiagonal();
+  return standard_deviation.asDiagonal() * svd.matrixV().leftCols(rank);
 }
 
 /// The tests as linear random effects around the state's mean.
@@ -37,9 +37,9 @@ std::vector<RandomEffectsUnit> units_around(const UpdatingProblem& problem, cons
 
 PopulationEvidence moment_evidence(const UpdatingProblem& problem, const ScaledParameters& parameters,
                                    const MomentState& state) {
-  const Eigen::VectorXd& deviation = parameters.deviation();
-  const Eigen::MatrixXd map = seen_combinations(state.sensitivity, deviation);
-  const Eigen::MatrixXd back = map.transpose() * deviation.cwiseAbs2().cwiseInverse().asDiagonal();
+  const Eigen::VectorXd& standard_deviation = parameters.standard_deviation();
+  const Eigen::MatrixXd map = seen_combinations(state.sensitivity, standard_deviation);
+  const Eigen::MatrixXd back = map.transpose() * standard_deviation.cwiseAbs2().cwiseInverse().asDiagonal();
   RandomEffectsSettings settings;
   if (map.cols() == map.rows()) settings.covariance_groups = problem.covariance_groups;
   RandomEffectsFit fit;
@@ -51,9 +51,9 @@ PopulationEvidence moment_evidence(const UpdatingProblem& problem, const ScaledP
   evidence.total = state.covariance + evidence.noise;
   for (Eigen::Index i = 0; i < map.rows(); ++i) {
     constexpr double k_not_seen = 1e-12;
-    if (map.row(i).squaredNorm() > k_not_seen * deviation(i) * deviation(i)) continue;
-    evidence.freedom.row(i).setZero();
-    evidence.freedom.col(i).setZero();
+    if (map.row(i).squaredNorm() > k_not_seen * standard_deviation(i) * standard_deviation(i)) continue;
+    evidence.degrees_of_freedom.row(i).setZero();
+    evidence.degrees_of_freedom.col(i).setZero();
   }
   return evidence;
 }

@@ -17,7 +17,7 @@ namespace mottle::updating {
 namespace {
 
 constexpr std::size_t k_stall_window = 8;
-constexpr int k_most_trials = 12;
+constexpr int k_max_trials = 12;
 
 /// What stays the same through all iterations.
 struct Setup {
@@ -54,12 +54,13 @@ Eigen::MatrixXd whitening_matrix(const Setup& setup, const Eigen::VectorXd& adde
     return tests.covariance.llt().matrixL().solve(
         Eigen::MatrixXd::Identity(tests.covariance.rows(), tests.covariance.cols()));
   }
-  Eigen::VectorXd deviation = tests.covariance.diagonal().cwiseSqrt();
-  for (Eigen::Index k = 0; k < deviation.size(); ++k) {
-    if (!(deviation(k) > k_last_digits * std::abs(tests.mean(k)))) deviation(k) = std::sqrt(setup.noise(k, k));
-    deviation(k) = weighing_deviation(deviation(k), tests.mean(k));
+  Eigen::VectorXd standard_deviation = tests.covariance.diagonal().cwiseSqrt();
+  for (Eigen::Index k = 0; k < standard_deviation.size(); ++k) {
+    if (!(standard_deviation(k) > k_last_digits * std::abs(tests.mean(k))))
+      standard_deviation(k) = std::sqrt(setup.noise(k, k));
+    standard_deviation(k) = weighing_deviation(standard_deviation(k), tests.mean(k));
   }
-  return deviation.cwiseInverse().asDiagonal();
+  return standard_deviation.cwiseInverse().asDiagonal();
 }
 
 Setup prepare(const UpdatingProblem& problem, const ScaledParameters& parameters, const MomentMethod& method) {
@@ -102,7 +103,7 @@ double misfit(const Setup& setup, const MomentState& state) {
 MomentState proposed(const Setup& setup, Progress& progress) {
   const MomentState& state = progress.state;
   const std::vector<int>& groups = setup.problem.covariance_groups;
-  const Eigen::VectorXd& deviation = setup.parameters.deviation();
+  const Eigen::VectorXd& standard_deviation = setup.parameters.standard_deviation();
   const Eigen::MatrixXd whitened = setup.whitening * state.sensitivity;
   const Eigen::VectorXd residual = setup.mean_whitening * (setup.tests.mean - state.output_mean);
   const Eigen::VectorXd step =
@@ -110,7 +111,7 @@ MomentState proposed(const Setup& setup, Progress& progress) {
 
   MomentState next;
   next.mean = setup.parameters.clamp(state.mean + step);
-  const Gain gain = least_change_gain(whitened, deviation, progress.damping);
+  const Gain gain = least_change_gain(whitened, standard_deviation, progress.damping);
   progress.rank = gain.rank;
   const bool is_whole = std::all_of(groups.begin(), groups.end(), [&](int group) { return group == groups.front(); });
   if (setup.method.replaces_covariance && is_whole) {
@@ -121,10 +122,10 @@ MomentState proposed(const Setup& setup, Progress& progress) {
     const Eigen::MatrixXd missing =
         setup.explained - setup.whitening * state.output_covariance * setup.whitening.transpose();
     next.covariance =
-        state.covariance + least_change_covariance(whitened, deviation, missing, groups, progress.damping);
+        state.covariance + least_change_covariance(whitened, standard_deviation, missing, groups, progress.damping);
   }
   next.covariance = (0.5 * (next.covariance + next.covariance.transpose())).eval();
-  progress.is_projected = project_to_covariance(next.covariance, deviation, groups);
+  progress.is_projected = project_to_covariance(next.covariance, standard_deviation, groups);
   return next;
 }
 
@@ -136,10 +137,10 @@ std::optional<double> advance(const Setup& setup, const std::vector<double>& mis
   const std::size_t from = misfits.size() - std::min(misfits.size(), k_memory);
   const double most = *std::max_element(misfits.begin() + static_cast<std::ptrdiff_t>(from), misfits.end()) +
                       k_small * std::sqrt(static_cast<double>(setup.tests.mean.size()));
-  for (int trial = 0; trial < k_most_trials; ++trial) {
+  for (int trial = 0; trial < k_max_trials; ++trial) {
     MomentState next = proposed(setup, progress);
     if (setup.method.evaluate(next, progress.evaluations) && misfit(setup, next) <= most) {
-      const double movement = largest_movement(setup.parameters.deviation(), progress.state.mean,
+      const double movement = largest_movement(setup.parameters.standard_deviation(), progress.state.mean,
                                                progress.state.covariance, next.mean, next.covariance);
       progress.state = std::move(next);
       return movement;
@@ -202,7 +203,8 @@ void finish(const Setup& setup, const Progress& progress, const RunContext& cont
                         .scatter = MatchedEstimate::Scatter::without_noise},
                        result);
   const Eigen::MatrixXd whitened = setup.mean_whitening * state.sensitivity;
-  const Eigen::MatrixXd gain = least_change_gain(whitened, setup.parameters.deviation()).matrix * setup.mean_whitening;
+  const Eigen::MatrixXd gain =
+      least_change_gain(whitened, setup.parameters.standard_deviation()).matrix * setup.mean_whitening;
   result.model_error = given_model_error(setup.problem, gain);
   note_model_error(setup.problem, setup.method.name,
                    "is in the weights of the outputs' mean; the deviations hold none.", result);

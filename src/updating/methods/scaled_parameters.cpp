@@ -11,14 +11,14 @@ namespace {
 
 constexpr double k_infinity = std::numeric_limits<double>::infinity();
 constexpr double k_not_known = std::numeric_limits<double>::quiet_NaN();
-constexpr double k_most_logit = 25.0;  // x is then 1e-11 of the range from its bound: on it for every purpose
+constexpr double k_max_logit = 25.0;  // x is then 1e-11 of the range from its bound: on it for every purpose
 
 double scaled_end(const NormalScale& scale, double end) {
   if (scale.kind == NormalScale::Kind::log) return end > 0.0 ? std::log(end) : -k_infinity;
   if (scale.kind != NormalScale::Kind::logit) return end;
-  if (end <= scale.lower) return -k_most_logit;
-  if (end >= scale.upper) return k_most_logit;
-  return std::clamp(scale.from_variable(end), -k_most_logit, k_most_logit);
+  if (end <= scale.lower) return -k_max_logit;
+  if (end >= scale.upper) return k_max_logit;
+  return std::clamp(scale.from_variable(end), -k_max_logit, k_max_logit);
 }
 
 /// One column of one point's Jacobian that differences must fill.
@@ -46,7 +46,7 @@ Eigen::MatrixXd shifted_outputs(const UpdatingProblem& problem, const ScaledPara
     for (const double sign : {1.0, -1.0}) {
       shifted.row(row) = points.row(column.point);
       shifted(row++, column.parameter) +=
-          sign * problem.model.difference_step() * parameters.deviation()(column.parameter);
+          sign * problem.model.difference_step() * parameters.standard_deviation()(column.parameter);
     }
   }
   return outputs_on_scales(problem, shifted, context, evaluations);
@@ -72,7 +72,7 @@ ScaledParameters::ScaledParameters(const ParameterSpace& space) : scales_(space.
   PriorOnScales prior = prior_on_scales(space);
   start_ = std::move(prior.mean);
   covariance_ = std::move(prior.covariance);
-  deviation_ = covariance_.diagonal().cwiseSqrt();
+  standard_deviation_ = covariance_.diagonal().cwiseSqrt();
   const Eigen::VectorXd lowest = space.clamp(Eigen::VectorXd::Constant(space.count(), -k_infinity));
   const Eigen::VectorXd highest = space.clamp(Eigen::VectorXd::Constant(space.count(), k_infinity));
   lower_ = lowest;
@@ -147,7 +147,7 @@ std::vector<Eigen::MatrixXd> scaled_jacobians(const UpdatingProblem& problem, co
   Eigen::Index row = 0;
   for (const auto& [point, parameter] : columns) {
     auto column = jacobians[static_cast<std::size_t>(point)].col(parameter);
-    const double step = problem.model.difference_step() * parameters.deviation()(parameter);
+    const double step = problem.model.difference_step() * parameters.standard_deviation()(parameter);
     for (Eigen::Index k = 0; k < outputs.cols(); ++k) {
       if (!std::isfinite(column(k)))
         column(k) = quotient(shifted(row, k), outputs(point, k), shifted(row + 1, k), step);

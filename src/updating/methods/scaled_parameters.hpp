@@ -27,7 +27,7 @@ class ScaledParameters {
   /// t of the prior mean.
   const Eigen::VectorXd& start() const { return start_; }
   /// Prior deviations of t to first order: s_x / (dx/dt).
-  const Eigen::VectorXd& deviation() const { return deviation_; }
+  const Eigen::VectorXd& standard_deviation() const { return standard_deviation_; }
   /// Prior covariance of t to first order.
   const Eigen::MatrixXd& covariance() const { return covariance_; }
 
@@ -43,7 +43,7 @@ class ScaledParameters {
  private:
   std::vector<NormalScale> scales_;
   Eigen::VectorXd start_;
-  Eigen::VectorXd deviation_;
+  Eigen::VectorXd standard_deviation_;
   Eigen::MatrixXd covariance_;
   Eigen::VectorXd lower_;
   Eigen::VectorXd upper_;

@@ -39,8 +39,8 @@ Eigen::VectorXd means_of_scattered(const UpdatingProblem& problem, const Eigen::
   const Eigen::Index q = point.size();
   Eigen::MatrixXd points = centre.transpose().replicate(2 * q + 1, 1);
   for (Eigen::Index i = 0; i < q; ++i) {
-    const double deviation = std::sqrt(std::abs(axes.eigenvalues()(i)));
-    const Eigen::RowVectorXd step = deviation * prior_std.cwiseProduct(axes.eigenvectors().col(i)).transpose();
+    const double standard_deviation = std::sqrt(std::abs(axes.eigenvalues()(i)));
+    const Eigen::RowVectorXd step = standard_deviation * prior_std.cwiseProduct(axes.eigenvectors().col(i)).transpose();
     points.row(1 + 2 * i) += step;
     points.row(2 + 2 * i) -= step;
   }

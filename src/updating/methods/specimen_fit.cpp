@@ -13,8 +13,8 @@
 namespace mottle::updating {
 namespace {
 
-constexpr int k_most_steps = 40;
-constexpr double k_least_length = 1e-4;    // of a step, below which it is given up
+constexpr int k_max_steps = 40;
+constexpr double k_min_length = 1e-4;      // of a step, below which it is given up
 constexpr double k_at_rest = 1e-8;         // of a prior deviation
 constexpr double k_nearly_at_rest = 1e-3;  // where a model that answers within a tolerance may stay
 constexpr int k_patience = 6;              // steps that small
@@ -62,7 +62,7 @@ class Search {
 };
 
 /// One specimen on its way.
-struct Traveller {
+struct Iterate {
   Eigen::VectorXd u;    // t = mu + Sigma u
   Eigen::VectorXd aim;  // where its step leads
   double cost = 0.0;
@@ -88,7 +88,7 @@ SpecimenFits fit_specimens(const UpdatingProblem& problem, const Eigen::Ref<cons
                            std::int64_t& evaluations) {
   const Eigen::Index n = values.rows();
   const ScaledParameters parameters(problem.space);
-  const Eigen::VectorXd& prior_std = parameters.deviation();
+  const Eigen::VectorXd& prior_std = parameters.standard_deviation();
   SpecimenFits fits{start.points, outputs_on_scales(problem, start.points, context, evaluations), start.jacobians,
                     std::vector<bool>(static_cast<std::size_t>(n), false)};
   if (!fits.outputs.allFinite()) throw ModelFailure("the model fails where the fit of a specimen starts");
@@ -103,64 +103,64 @@ SpecimenFits fit_specimens(const UpdatingProblem& problem, const Eigen::Ref<cons
   const Eigen::VectorXd floor = 1e-6 * moved.rowwise().squaredNorm();
   const Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> coordinates(population.covariance);
   std::vector<Search> searches;
-  std::vector<Traveller> travellers(static_cast<std::size_t>(n));
+  std::vector<Iterate> iterates(static_cast<std::size_t>(n));
   for (Eigen::Index s = 0; s < n; ++s) searches.emplace_back(values.row(s), population, floor);
   const auto aim = [&](Eigen::Index s) {
     const auto place = static_cast<std::size_t>(s);
-    Traveller& traveller = travellers[place];
-    traveller.aim = searches[place].target(fits.points.row(s), fits.outputs.row(s), fits.jacobians[place]);
-    if (traveller.u.size() == 0) {
-      traveller.u = coordinates.solve(fits.points.row(s).transpose() - population.mean);
-      traveller.cost = searches[place].cost(traveller.u, fits.outputs.row(s));
+    Iterate& iterate = iterates[place];
+    iterate.aim = searches[place].target(fits.points.row(s), fits.outputs.row(s), fits.jacobians[place]);
+    if (iterate.u.size() == 0) {
+      iterate.u = coordinates.solve(fits.points.row(s).transpose() - population.mean);
+      iterate.cost = searches[place].cost(iterate.u, fits.outputs.row(s));
     }
-    traveller.length = 1.0;
+    iterate.length = 1.0;
   };
   for (const Eigen::Index s : moving) aim(s);
-  for (int iteration = 0; iteration < k_most_steps && !moving.empty(); ++iteration) {
+  for (int iteration = 0; iteration < k_max_steps && !moving.empty(); ++iteration) {
     context.throw_if_stopped();
     Eigen::MatrixXd trial(static_cast<Eigen::Index>(moving.size()), prior_std.size());
     for (std::size_t w = 0; w < moving.size(); ++w) {
-      const Traveller& traveller = travellers[static_cast<std::size_t>(moving[w])];
-      const Eigen::VectorXd goal = population.mean + population.covariance * traveller.aim;
+      const Iterate& iterate = iterates[static_cast<std::size_t>(moving[w])];
+      const Eigen::VectorXd goal = population.mean + population.covariance * iterate.aim;
       const Eigen::VectorXd from = fits.points.row(moving[w]);
-      trial.row(static_cast<Eigen::Index>(w)) = (from + traveller.length * (goal - from)).transpose();
+      trial.row(static_cast<Eigen::Index>(w)) = (from + iterate.length * (goal - from)).transpose();
     }
     const Eigen::MatrixXd y = outputs_on_scales(problem, trial, context, evaluations);
     std::vector<Eigen::Index> advanced;
     for (std::size_t w = 0; w < moving.size(); ++w) {
       const Eigen::Index s = moving[w];
       const auto place = static_cast<std::size_t>(s);
-      Traveller& traveller = travellers[place];
+      Iterate& iterate = iterates[place];
       const auto row = static_cast<Eigen::Index>(w);
-      const Eigen::VectorXd u = traveller.u + traveller.length * (traveller.aim - traveller.u);
+      const Eigen::VectorXd u = iterate.u + iterate.length * (iterate.aim - iterate.u);
       const double cost =
           y.row(row).allFinite() ? searches[place].cost(u, y.row(row)) : std::numeric_limits<double>::infinity();
       const double movement =
           ((trial.row(row) - fits.points.row(s)).cwiseAbs().transpose().array() / prior_std.array()).maxCoeff();
-      const bool is_contracting = traveller.length == 1.0 && movement < 0.5 * traveller.movement;
-      const bool is_better = cost <= traveller.cost * (1.0 + 1e-9) + 1e-12;
+      const bool is_contracting = iterate.length == 1.0 && movement < 0.5 * iterate.movement;
+      const bool is_better = cost <= iterate.cost * (1.0 + 1e-9) + 1e-12;
       if (!is_better && !(is_contracting && std::isfinite(cost)) && movement > k_at_rest) {
-        traveller.length *= 0.5;
-        traveller.is_moving = traveller.length > k_least_length;
+        iterate.length *= 0.5;
+        iterate.is_moving = iterate.length > k_min_length;
         continue;
       }
       if (!y.row(row).allFinite()) {
-        traveller.is_moving = false;
+        iterate.is_moving = false;
         continue;
       }
       learn(fits.jacobians[place], (trial.row(row) - fits.points.row(s)).transpose(),
             (y.row(row) - fits.outputs.row(s)).transpose(), prior_std);
       fits.points.row(s) = trial.row(row);
       fits.outputs.row(s) = y.row(row);
-      traveller.u = u;
-      traveller.cost = cost;
-      traveller.movement = movement;
-      traveller.small_steps += movement <= k_nearly_at_rest ? 1 : 0;
-      traveller.is_moving = movement > k_at_rest && traveller.small_steps < k_patience;
-      fits.converged[place] = !traveller.is_moving;
-      if (traveller.is_moving) advanced.push_back(s);
+      iterate.u = u;
+      iterate.cost = cost;
+      iterate.movement = movement;
+      iterate.small_steps += movement <= k_nearly_at_rest ? 1 : 0;
+      iterate.is_moving = movement > k_at_rest && iterate.small_steps < k_patience;
+      fits.converged[place] = !iterate.is_moving;
+      if (iterate.is_moving) advanced.push_back(s);
     }
-    std::erase_if(moving, [&](Eigen::Index s) { return !travellers[static_cast<std::size_t>(s)].is_moving; });
+    std::erase_if(moving, [&](Eigen::Index s) { return !iterates[static_cast<std::size_t>(s)].is_moving; });
     for (const Eigen::Index s : advanced) aim(s);
   }
   differentiate(problem, parameters, context, evaluations, fits);

@@ -10,7 +10,7 @@
 namespace mottle::updating {
 namespace {
 
-constexpr Eigen::Index k_least_check = 10;
+constexpr Eigen::Index k_min_check = 10;
 
 /// The design's ends on the standard normal axis of one parameter, drawn in to what is physically possible.
 double possible_end(const ParameterSpace& space, Eigen::Index parameter, double end) {
@@ -45,7 +45,7 @@ SurrogateUpdate::SurrogateUpdate(const UpdatingProblem& problem, const Surrogate
 
 void SurrogateUpdate::add_runs(const Eigen::MatrixXd& samples, const RunContext& context) {
   context.progress("surrogate runs", 0, samples.rows());
-  const Cloud cloud = evaluate_points(given_.model, samples, given_.cloud.most_failed, context);
+  const Cloud cloud = evaluate_points(given_.model, samples, given_.cloud.max_failed, context);
   context.progress("surrogate runs", samples.rows(), samples.rows());
   evaluations_ += samples.rows();
   if (!cloud.failures.empty()) {
@@ -63,7 +63,7 @@ void SurrogateUpdate::add_runs(const Eigen::MatrixXd& samples, const RunContext&
 void SurrogateUpdate::run_design(const RunContext& context) {
   const ParameterSpace& space = given_.space;
   const Eigen::Index q = space.count();
-  const Eigen::Index least = Surrogate::least_runs(settings_.kind, q);
+  const Eigen::Index least = Surrogate::min_runs(settings_.kind, q);
   require_of(settings_.runs == 0 || settings_.runs >= least, {Subject::Kind::surrogate_runs},
              "{} are too few for {} parameters, at least {} are needed", settings_.runs, q, least);
   const Eigen::Index runs = settings_.runs > 0 ? settings_.runs : std::max<Eigen::Index>(10 * q, least + least / 2);
@@ -83,7 +83,7 @@ void SurrogateUpdate::run_design(const RunContext& context) {
 void SurrogateUpdate::fit() {
   model_.train(settings_.kind, samples_, outputs_);
   const Eigen::MatrixXd& residuals = model_.surrogate().left_out_residuals();
-  const bool has_near = samples_.rows() - first_near_ >= k_least_check;
+  const bool has_near = samples_.rows() - first_near_ >= k_min_check;
   Eigen::VectorXd error =
       root_mean_square(residuals.bottomRows(has_near ? residuals.rows() - first_near_ : residuals.rows()));
   // Both were seen at runs that took no part, by fits to fewer runs than this one.
@@ -98,8 +98,8 @@ void SurrogateUpdate::fit() {
 
 /// Standard deviations of the tests; of the runs where there are no two tests.
 Eigen::VectorXd SurrogateUpdate::scatter() const {
-  Eigen::VectorXd deviation(outputs_.cols());
-  for (Eigen::Index k = 0; k < deviation.size(); ++k) {
+  Eigen::VectorXd standard_deviation(outputs_.cols());
+  for (Eigen::Index k = 0; k < standard_deviation.size(); ++k) {
     const auto spread = [](const Eigen::ArrayXd& values) {
       const Eigen::Index n = values.size();
       return n < 2 ? 0.0 : std::sqrt((values - values.mean()).square().sum() / static_cast<double>(n - 1));
@@ -108,18 +108,18 @@ Eigen::VectorXd SurrogateUpdate::scatter() const {
     for (Eigen::Index s = 0; s < given_.tests.values.rows(); ++s) {
       if (!std::isnan(given_.tests.values(s, k))) rows.push_back(s);
     }
-    deviation(k) = spread(given_.tests.values(rows, k));
-    if (!(deviation(k) > 0.0)) deviation(k) = spread(outputs_.col(k));
+    standard_deviation(k) = spread(given_.tests.values(rows, k));
+    if (!(standard_deviation(k) > 0.0)) standard_deviation(k) = spread(outputs_.col(k));
   }
-  return deviation;
+  return standard_deviation;
 }
 
 void SurrogateUpdate::check(const UpdatingResult& result, const RunContext& context) {
-  constexpr double k_least_spread = 0.05;  // of the prior's: an estimate may have no scatter at all
+  constexpr double k_min_spread = 0.05;  // of the prior's: an estimate may have no scatter at all
   Eigen::MatrixXd covariance = result.covariance;
-  covariance.diagonal() += k_least_spread * k_least_spread * given_.space.prior().covariance().diagonal();
+  covariance.diagonal() += k_min_spread * k_min_spread * given_.space.prior().covariance().diagonal();
   const auto round = static_cast<std::uint32_t>(rounds_.size());
-  const Eigen::Index points = std::max<Eigen::Index>(k_least_check, 2 * result.mean.size());
+  const Eigen::Index points = std::max<Eigen::Index>(k_min_check, 2 * result.mean.size());
   const ParameterDraw draw = given_.space.draw(
       JointDistribution::multivariate_normal(result.mean, covariance), SamplingDesign::latin_hypercube, points,
       {.seed = context.seed, .purpose = StreamPurpose::surrogate_runs, .iteration = round});

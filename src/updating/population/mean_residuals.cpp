@@ -18,7 +18,7 @@ struct WhitenedResiduals {
   Eigen::MatrixXd projection;   // sum of P_s [output x output]
   Eigen::VectorXd count;        // specimens that have the output [output]
   double squares = 0.0;
-  double freedom = 0.0;
+  double degrees_of_freedom = 0.0;
 };
 
 /// @param shift  taken off the tests [output]
@@ -42,7 +42,7 @@ WhitenedResiduals whiten(const Eigen::Ref<const Eigen::MatrixXd>& tests, const s
     result.values(s, rows) = residual.transpose();
     result.count(rows).array() += 1.0;
     result.squares += residual.squaredNorm();
-    result.freedom += static_cast<double>(count - factor.rank());
+    result.degrees_of_freedom += static_cast<double>(count - factor.rank());
   }
   result.mean_design = (result.count.cwiseMax(1.0).cwiseInverse().asDiagonal() * result.mean_design).eval();
   return result;
@@ -63,7 +63,7 @@ MeanResiduals mean_residuals(const Eigen::Ref<const Eigen::MatrixXd>& values,
   const WhitenedResiduals whitened = whiten(values, units, noise, Eigen::VectorXd::Zero(values.cols()));
   MeanResiduals result{whitened.values, whitened.mean_design, unmoved_whitened(whitened.mean_design)};
   result.squares = std::max(whitened.squares, 1e-300);
-  result.freedom = whitened.freedom;
+  result.degrees_of_freedom = whitened.degrees_of_freedom;
   if (result.directions.cols() == 0) return result;
   const Eigen::MatrixXd turn =
       result.directions.transpose() * whitened.count.cwiseMax(1.0).cwiseSqrt().cwiseInverse().asDiagonal();
@@ -76,7 +76,7 @@ MeanResiduals mean_residuals(const Eigen::Ref<const Eigen::MatrixXd>& values,
     return unit * own.values.colwise().sum().transpose();
   };
   const Eigen::VectorXd unmoved = mean_of(whitened);
-  result.mean_freedom = static_cast<double>(seen);
+  result.mean_degrees_of_freedom = static_cast<double>(seen);
   result.mean_squares = unmoved.squaredNorm();
   result.squares = whitened.squares - result.mean_squares;
   if (error && seen > 0) {
@@ -94,7 +94,7 @@ MeanResiduals mean_residuals(const Eigen::Ref<const Eigen::MatrixXd>& values,
     result.largest_variance = covariance.selfadjointView<Eigen::Lower>().eigenvalues().maxCoeff();
   }
   result.squares = std::max(result.squares, 1e-300);
-  result.freedom = whitened.freedom - result.mean_freedom;
+  result.degrees_of_freedom = whitened.degrees_of_freedom - result.mean_degrees_of_freedom;
   return result;
 }
 

@@ -21,14 +21,14 @@ namespace mottle::updating {
 /// is the projection of all residuals on those that a common shift makes, so that the rest of their squares is
 /// independent.
 struct MeanResiduals {
-  Eigen::MatrixXd values;         ///< residuals, 0 where missing [specimen x output]
-  Eigen::MatrixXd mean_design;    ///< in units of the noise, over the specimens that have the output [output x effect]
-  Eigen::MatrixXd directions;     ///< U, orthonormal [output x direction]
-  double mean_freedom = 0.0;      ///< rank of K
-  double mean_squares = 0.0;      ///< v' (K + M D M')^-1 v, M D M' what the model's error D adds to K
-  double squares = 0.0;           ///< of the rest
-  double freedom = 0.0;           ///< of `squares`
-  double largest_variance = 1.0;  ///< of a direction's mean against K: what the model's error makes of it
+  Eigen::MatrixXd values;       ///< residuals, 0 where missing [specimen x output]
+  Eigen::MatrixXd mean_design;  ///< in units of the noise, over the specimens that have the output [output x effect]
+  Eigen::MatrixXd directions;   ///< U, orthonormal [output x direction]
+  double mean_degrees_of_freedom = 0.0;  ///< rank of K
+  double mean_squares = 0.0;             ///< v' (K + M D M')^-1 v, M D M' what the model's error D adds to K
+  double squares = 0.0;                  ///< of the rest
+  double degrees_of_freedom = 0.0;       ///< of `squares`
+  double largest_variance = 1.0;         ///< of a direction's mean against K: what the model's error makes of it
   /// Where the model has an error: noncentrality of a mean that is off by 1 in an output [output]
   Eigen::VectorXd own_noncentrality = {};
 };

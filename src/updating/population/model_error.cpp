@@ -42,7 +42,8 @@ std::string model_error_note(const UpdatingProblem& problem, const ModelError& e
       error.degrees_of_freedom.empty() ? "as given" : "estimated", join(parts), is_cut ? ", ..." : "");
   if (error.degrees_of_freedom.empty()) return text;
   std::vector<std::string> counts;
-  for (const double freedom : error.degrees_of_freedom) counts.push_back(fmt::format("{:.1f}", freedom));
+  for (const double degrees_of_freedom : error.degrees_of_freedom)
+    counts.push_back(fmt::format("{:.1f}", degrees_of_freedom));
   return text + fmt::format(
                     " That rests on {} degrees of freedom only, whatever the number of specimens: outputs beyond those "
                     "that the parameters need.",

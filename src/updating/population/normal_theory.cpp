@@ -19,11 +19,11 @@ constexpr Eigen::Index k_draws = 4096;  // Sobol points: quantiles of smooth fun
 Eigen::MatrixXd fiducial_draws(int count) {
   const Eigen::MatrixXd uniforms =
       uniform_design(SamplingDesign::sobol, k_draws, 2, {.seed = 1, .purpose = StreamPurpose::bootstrap});
-  const double freedom = count - 1;
-  const boost::math::chi_squared distribution(freedom);
+  const double degrees_of_freedom = count - 1;
+  const boost::math::chi_squared distribution(degrees_of_freedom);
   Eigen::MatrixXd draws(k_draws, 2);
   for (Eigen::Index i = 0; i < k_draws; ++i) {
-    const double ratio = std::sqrt(freedom / boost::math::quantile(distribution, uniforms(i, 1)));
+    const double ratio = std::sqrt(degrees_of_freedom / boost::math::quantile(distribution, uniforms(i, 1)));
     draws(i, 0) = standard_normal_quantile(uniforms(i, 0)) * ratio / std::sqrt(count);
     draws(i, 1) = ratio;
   }
@@ -40,15 +40,15 @@ Interval central(Eigen::VectorXd& values) {
 std::pair<Interval, Interval> scaled_intervals(const NormalScale& scale, double mean, double std,
                                                const Eigen::MatrixXd& draws) {
   Eigen::VectorXd means(draws.rows());
-  Eigen::VectorXd deviations(draws.rows());
+  Eigen::VectorXd standard_deviations(draws.rows());
   for (Eigen::Index i = 0; i < draws.rows(); ++i) {
     const VariableMoments moments =
         moments_of_variables({scale}, Eigen::VectorXd::Constant(1, mean + draws(i, 0) * std),
                              Eigen::MatrixXd::Constant(1, 1, draws(i, 1) * draws(i, 1) * std * std));
     means(i) = moments.mean(0);
-    deviations(i) = std::sqrt(moments.covariance(0, 0));
+    standard_deviations(i) = std::sqrt(moments.covariance(0, 0));
   }
-  return {central(means), central(deviations)};
+  return {central(means), central(standard_deviations)};
 }
 
 /// Correlation of x where that of t is given.
@@ -102,10 +102,11 @@ ParameterIntervals normal_theory_intervals(const std::vector<NormalScale>& scale
                    : Interval{-1.0, 1.0};
         if (product > 0.0) {
           const Eigen::Vector2d means(mean(i), mean(j));
-          const Eigen::Vector2d deviations(std(i), std(j));
+          const Eigen::Vector2d standard_deviations(std(i), std(j));
           // They ascend together, but where there is hardly any scatter rounding decides.
-          const auto [lower, upper] = std::minmax({carried_over(scale(i), scale(j), means, deviations, ends.lower),
-                                                   carried_over(scale(i), scale(j), means, deviations, ends.upper)});
+          const auto [lower, upper] =
+              std::minmax({carried_over(scale(i), scale(j), means, standard_deviations, ends.lower),
+                           carried_over(scale(i), scale(j), means, standard_deviations, ends.upper)});
           ends = {lower, upper};
         }
       }
@@ -127,7 +128,7 @@ Eigen::MatrixXd normal_theory_means(const std::vector<NormalScale>& scales,
   evidence.noise = Eigen::MatrixXd::Zero(q, q);
   evidence.mean_covariance = covariance / static_cast<double>(count) + shared;
   evidence.mean_shared = shared;
-  evidence.freedom = Eigen::MatrixXd::Constant(q, q, static_cast<double>(count - 1));
+  evidence.degrees_of_freedom = Eigen::MatrixXd::Constant(q, q, static_cast<double>(count - 1));
   return population_intervals(evidence, scales, k_confidence).mean;
 }
 

@@ -105,7 +105,7 @@ class Pivots {
   /// Mean and deviation of a variable itself.
   void add_moments(Eigen::Index i, const NormalScale& scale, ParameterIntervals& intervals) const {
     std::vector<double> means;
-    std::vector<double> deviations;
+    std::vector<double> standard_deviations;
     for (const PopulationEvidence& sample : drawn_) {
       const double total = seen_.total(i, i) * quotient(truth_total_(i, i), sample.total(i, i));
       const double variance = std::max(total - seen_.noise(i, i), 0.0);
@@ -114,10 +114,10 @@ class Pivots {
       const VariableMoments moments =
           moments_of_variables({scale}, Eigen::VectorXd::Constant(1, mean), Eigen::MatrixXd::Constant(1, 1, variance));
       means.push_back(moments.mean(0));
-      deviations.push_back(std::sqrt(std::max(moments.covariance(0, 0), 0.0)));
+      standard_deviations.push_back(std::sqrt(std::max(moments.covariance(0, 0), 0.0)));
     }
     intervals.mean.row(i) = equal_tails(std::move(means));
-    intervals.std.row(i) = equal_tails(std::move(deviations));
+    intervals.std.row(i) = equal_tails(std::move(standard_deviations));
   }
 
   /// Correlation of two variables on their scales, over the samples that leave both a variance; not determined where
@@ -149,9 +149,9 @@ class Pivots {
   struct Factor {
     Factor(const Eigen::MatrixXd& covariance, Eigen::Index i, Eigen::Index j) {
       constexpr double k_nearly_one = 1.0 - 1e-12;
-      constexpr double k_least = 1e-300;
-      const double a = std::max(covariance(i, i), k_least);
-      const double b = std::max(covariance(j, j), k_least);
+      constexpr double k_min = 1e-300;
+      const double a = std::max(covariance(i, i), k_min);
+      const double b = std::max(covariance(j, j), k_min);
       const double r = std::clamp(covariance(i, j) / std::sqrt(a) / std::sqrt(b), -k_nearly_one, k_nearly_one);
       first = std::sqrt(a);
       between = r * std::sqrt(b);

@@ -88,16 +88,16 @@ SpecimenEstimates estimate_specimens(const UpdatingProblem& problem, const Popul
     const RandomEffectsUnit& unit = fit.units[static_cast<std::size_t>(s)];
     Eigen::MatrixXd total = unit.design * fit.effects.covariance * unit.design.transpose();
     total.diagonal() += fit.noise(rows);
-    const Eigen::VectorXd deviation = total.diagonal().cwiseMax(1e-300).cwiseSqrt();
+    const Eigen::VectorXd standard_deviation = total.diagonal().cwiseMax(1e-300).cwiseSqrt();
     const Eigen::MatrixXd correlation =
-        deviation.cwiseInverse().asDiagonal() * total * deviation.cwiseInverse().asDiagonal();
+        standard_deviation.cwiseInverse().asDiagonal() * total * standard_deviation.cwiseInverse().asDiagonal();
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(correlation);
     constexpr double k_singular = 1e-10;
     const Eigen::VectorXd root =
         solver.eigenvalues().unaryExpr([](double v) { return v > k_singular ? 1.0 / std::sqrt(v) : 0.0; });
     Eigen::VectorXd misfit = unit.response - unit.design * fit.effects.mean;
     if (fit.model_error) misfit -= unit.shared * fit.model_error->shift;
-    const Eigen::VectorXd residual = misfit.cwiseQuotient(deviation);
+    const Eigen::VectorXd residual = misfit.cwiseQuotient(standard_deviation);
     const Eigen::VectorXd whitened =
         solver.eigenvectors() * root.asDiagonal() * (solver.eigenvectors().transpose() * residual);
     for (std::size_t k = 0; k < rows.size(); ++k)

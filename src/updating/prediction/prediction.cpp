@@ -29,16 +29,16 @@ double quantile_of(Eigen::VectorXd values, double probability) {
 
 Eigen::VectorXd squared_distances(const Prediction& prediction, const Eigen::Ref<const Eigen::MatrixXd>& values) {
   // Outputs without scatter of their own count with a millionth of their correlation: a region has no flat sides.
-  constexpr double k_least = 1e-9;
-  const Eigen::VectorXd deviation = prediction.covariance.diagonal().cwiseMax(1e-300).cwiseSqrt();
-  const Eigen::MatrixXd correlation =
-      deviation.cwiseInverse().asDiagonal() * prediction.covariance * deviation.cwiseInverse().asDiagonal();
+  constexpr double k_min = 1e-9;
+  const Eigen::VectorXd standard_deviation = prediction.covariance.diagonal().cwiseMax(1e-300).cwiseSqrt();
+  const Eigen::MatrixXd correlation = standard_deviation.cwiseInverse().asDiagonal() * prediction.covariance *
+                                      standard_deviation.cwiseInverse().asDiagonal();
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(correlation);
   const Eigen::VectorXd root = solver.eigenvalues().unaryExpr(
-      [&](double value) { return value > k_least ? 1.0 / std::sqrt(value) : 1.0 / std::sqrt(k_least); });
+      [&](double value) { return value > k_min ? 1.0 / std::sqrt(value) : 1.0 / std::sqrt(k_min); });
   Eigen::VectorXd distances(values.rows());
   for (Eigen::Index s = 0; s < values.rows(); ++s) {
-    const Eigen::VectorXd apart = (values.row(s).transpose() - prediction.mean).cwiseQuotient(deviation);
+    const Eigen::VectorXd apart = (values.row(s).transpose() - prediction.mean).cwiseQuotient(standard_deviation);
     distances(s) =
         apart.allFinite() ? (root.asDiagonal() * (solver.eigenvectors().transpose() * apart)).squaredNorm() : k_nan;
   }

@@ -66,7 +66,7 @@ HeldOutCheck::Histogram histogram_of(const std::vector<double>& transforms) {
 }
 
 /// Of tests of which 95 % should lie inside.
-int least_inside(int tests) {
+int min_inside(int tests) {
   constexpr double k_inside = 0.95;
   constexpr double k_level = 0.99;
   return binomial_range(tests, k_inside, k_level).fewest;
@@ -85,7 +85,7 @@ HeldOutCheck check_held_out(const Prediction& prediction, const Estimate& estima
   check.coverage = Eigen::VectorXd::Constant(p, k_nan);
   check.uniformity = Eigen::VectorXd::Constant(p, k_nan);
   check.transforms = Eigen::MatrixXd::Constant(values.rows(), p, k_nan);
-  check.least_inside.resize(p);
+  check.min_inside.resize(p);
   for (Eigen::Index k = 0; k < p; ++k) {
     Eigen::VectorXd sorted = prediction.draws.col(k);
     std::sort(sorted.begin(), sorted.end());
@@ -100,7 +100,7 @@ HeldOutCheck check_held_out(const Prediction& prediction, const Estimate& estima
       if (value >= prediction.interval(k, 0) && value <= prediction.interval(k, 1)) inside += 1.0;
     }
     if (!transforms.empty()) check.coverage(k) = inside / static_cast<double>(transforms.size());
-    check.least_inside(k) = least_inside(static_cast<int>(transforms.size()));
+    check.min_inside(k) = min_inside(static_cast<int>(transforms.size()));
     check.histograms.push_back(histogram_of(transforms));
     check.uniformity(k) = uniformity_p(std::move(transforms), estimate.specimens());
   }

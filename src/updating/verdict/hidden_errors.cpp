@@ -102,8 +102,8 @@ void test_within_specimens(const LinearTests& tests, ErrorEffects& effects) {
   }
   const Eigen::VectorXd root = measured.cwiseMax(1.0).cwiseSqrt().cwiseInverse();
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(root.asDiagonal() * projection * root.asDiagonal());
-  effects.means_freedom = (solver.eigenvalues().array() > k_unseen).count();
-  effects.denominator_freedom = std::max<Eigen::Index>(left - effects.means_freedom, 0);
+  effects.means_degrees_of_freedom = (solver.eigenvalues().array() > k_unseen).count();
+  effects.denominator_degrees_of_freedom = std::max<Eigen::Index>(left - effects.means_degrees_of_freedom, 0);
   const Eigen::MatrixXd whitened = tests.noise.cwiseSqrt().cwiseInverse().asDiagonal() * moved;
   const Eigen::VectorXd whole = (projection.diagonal().asDiagonal() * whitened.leftCols(m).cwiseAbs2()).colwise().sum();
   const Eigen::VectorXd remains = without_shared(whitened.transpose() * projection * whitened, shared).diagonal();
@@ -142,8 +142,8 @@ ErrorEffects error_effects(const LinearTests& tests) {
   for (Eigen::Index s = 0; s < tests.values.rows(); ++s) {
     left += std::max<Eigen::Index>((!tests.values.row(s).array().isNaN()).count() - seen.rank, 0);
   }
-  effects.means_freedom = std::max<Eigen::Index>(measured - seen.rank, 0);
-  effects.denominator_freedom = std::max<Eigen::Index>(left - effects.means_freedom, 0);
+  effects.means_degrees_of_freedom = std::max<Eigen::Index>(measured - seen.rank, 0);
+  effects.denominator_degrees_of_freedom = std::max<Eigen::Index>(left - effects.means_degrees_of_freedom, 0);
   if (tests.noise.size() > 0) test_within_specimens(tests, effects);
   if (tests.of_test.size() > 0) test_means(tests, effects);
   return effects;
@@ -151,9 +151,9 @@ ErrorEffects error_effects(const LinearTests& tests) {
 
 namespace {
 
-double noncentrality_refused(double freedom, const MeansTest& test) {
-  return std::isinf(test.denominator) ? chi_squared_detectable(freedom, test.level)
-                                      : f_detectable(freedom, test.denominator, test.level);
+double noncentrality_refused(double degrees_of_freedom, const MeansTest& test) {
+  return std::isinf(test.denominator) ? chi_squared_detectable(degrees_of_freedom, test.level)
+                                      : f_detectable(degrees_of_freedom, test.denominator, test.level);
 }
 
 }  // namespace
@@ -175,9 +175,9 @@ bool HiddenError::is_beyond_first_order() const {
 }
 
 std::vector<HiddenError> hidden_errors(const ErrorEffects& effects, const MeansTest& test) {
-  const auto freedom = static_cast<double>(effects.means_freedom);
-  const bool is_tested = freedom > 0.0 && test.denominator > 0.0;
-  const double needed = is_tested ? noncentrality_refused(freedom, test) : 0.0;
+  const auto degrees_of_freedom = static_cast<double>(effects.means_degrees_of_freedom);
+  const bool is_tested = degrees_of_freedom > 0.0 && test.denominator > 0.0;
+  const double needed = is_tested ? noncentrality_refused(degrees_of_freedom, test) : 0.0;
   std::vector<HiddenError> errors;
   for (Eigen::Index e = 0; e < effects.noncentrality.size(); ++e) {
     HiddenError error{.quantity = e, .relative_change = test.stated_change};

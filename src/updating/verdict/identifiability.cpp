@@ -56,9 +56,9 @@ std::optional<Identifiability> identify(const UpdatingProblem& problem, const Up
   }
   if (!sensitivity.allFinite()) return std::nullopt;
   const TestMoments tests = test_moments(problem.tests);
-  const Eigen::VectorXd deviation = tests.covariance.diagonal().cwiseSqrt();
-  const bool has_scatter = (deviation.array() > 0.0).all();
-  return identify(sensitivity, has_scatter ? deviation : Eigen::VectorXd(tests.mean.cwiseAbs()),
+  const Eigen::VectorXd standard_deviation = tests.covariance.diagonal().cwiseSqrt();
+  const bool has_scatter = (standard_deviation.array() > 0.0).all();
+  return identify(sensitivity, has_scatter ? standard_deviation : Eigen::VectorXd(tests.mean.cwiseAbs()),
                   problem.space.prior().covariance().diagonal().cwiseSqrt());
 }
 
@@ -86,7 +86,7 @@ std::string unseen_text(const Eigen::Ref<const Eigen::VectorXd>& direction, cons
 
 std::string direction_text(const Eigen::Ref<const Eigen::VectorXd>& direction, const std::vector<std::string>& names) {
   constexpr double k_small = 0.1;
-  constexpr std::size_t k_most = 6;
+  constexpr std::size_t k_max = 6;
   std::vector<Eigen::Index> order;
   for (Eigen::Index i = 0; i < direction.size(); ++i) {
     if (std::abs(direction(i)) >= k_small) order.push_back(i);
@@ -94,12 +94,12 @@ std::string direction_text(const Eigen::Ref<const Eigen::VectorXd>& direction, c
   std::stable_sort(order.begin(), order.end(),
                    [&](Eigen::Index a, Eigen::Index b) { return std::abs(direction(a)) > std::abs(direction(b)); });
   std::string text;
-  for (std::size_t k = 0; k < std::min(order.size(), k_most); ++k) {
+  for (std::size_t k = 0; k < std::min(order.size(), k_max); ++k) {
     const double weight = direction(order[k]);
     const char* sign = weight < 0.0 ? (k == 0 ? "-" : " - ") : (k == 0 ? "" : " + ");
     text += fmt::format("{}{:.2f} {}", sign, std::abs(weight), names[static_cast<std::size_t>(order[k])]);
   }
-  return order.size() > k_most ? text + " + ..." : text;
+  return order.size() > k_max ? text + " + ..." : text;
 }
 
 int automatic_samples(int specimens, int outputs, double alpha) {

@@ -18,8 +18,8 @@ struct Estimates {
 
   double p_value() const {
     const auto size = static_cast<Eigen::Index>(values.size());
-    constexpr Eigen::Index k_least = 5;
-    if (size < k_least) return std::numeric_limits<double>::quiet_NaN();
+    constexpr Eigen::Index k_min = 5;
+    if (size < k_min) return std::numeric_limits<double>::quiet_NaN();
     const Eigen::Map<const Eigen::VectorXd> all(values.data(), size);
     return normality_probabilities(normality_statistics(all), size).p_value;
   }

@@ -15,9 +15,9 @@ namespace mottle::updating {
 namespace {
 
 void plan_mean_residuals(const MeanResiduals& residuals, bool is_noise_known, TestPlan& plan) {
-  const double d = residuals.mean_freedom;
+  const double d = residuals.mean_degrees_of_freedom;
   const auto n = static_cast<double>(residuals.values.rows());
-  const double rest = residuals.freedom;
+  const double rest = residuals.degrees_of_freedom;
   PlannedTest test = is_noise_known
                          ? chi_squared_test("mean-residuals", residuals.mean_squares, d)
                          : f_test("mean-residuals", residuals.mean_squares / d * rest / residuals.squares, d, rest);
@@ -90,7 +90,7 @@ void plan_residual_tests(const UpdatingProblem& problem, const PopulationFit& fi
   if (residuals.own_noncentrality.size() > 0) {  // off by the tests' standard deviation, not by 1
     residuals.own_noncentrality.array() *= test_moments(problem.tests).covariance.diagonal().array();
   }
-  if (!has_noise || residuals.mean_freedom == 0.0 || residuals.freedom <= 0.0) {
+  if (!has_noise || residuals.mean_degrees_of_freedom == 0.0 || residuals.degrees_of_freedom <= 0.0) {
     plan.leave_untested(Aspect::means,
                         fmt::format("The means were not tested: {} outputs are no more than the {} combinations of "
                                     "parameters that they see, which can match any means. {}",
@@ -111,7 +111,8 @@ void plan_residual_tests(const UpdatingProblem& problem, const PopulationFit& fi
   }
   if (!is_noise_known) return plan_sphericity(problem, fit, residuals, plan);
   const auto d = static_cast<double>(residuals.directions.cols());
-  plan.add(residual_scatter_test(residuals.squares, residuals.freedom / d, d, leverage_of(problem, fit, residuals)));
+  plan.add(residual_scatter_test(residuals.squares, residuals.degrees_of_freedom / d, d,
+                                 leverage_of(problem, fit, residuals)));
 }
 
 /// Entries of the covariance that the groups hold at zero, and what Box's factor takes off the specimens' number.
@@ -141,8 +142,8 @@ void plan_correlations(const UpdatingProblem& problem, const PopulationFit& fit,
   const Restriction restriction = restriction_of(fit.settings.covariance_groups);
   if (!(restriction.entries > 0.0)) return;
   const auto q = static_cast<double>(fit.effects.mean.size());
-  const double freedom = static_cast<double>(fit.units.size()) - 1.0;
-  if (freedom <= q) {
+  const double degrees_of_freedom = static_cast<double>(fit.units.size()) - 1.0;
+  if (degrees_of_freedom <= q) {
     plan.leave_untested(Aspect::scatter,
                         fmt::format("The correlations that are left out (covariance) were not tested: {} specimens are "
                                     "too few, at least {:.0f} are needed.",
@@ -152,8 +153,8 @@ void plan_correlations(const UpdatingProblem& problem, const PopulationFit& fit,
   RandomEffectsSettings full = fit.settings;
   full.covariance_groups.clear();
   const RandomEffectsFit free = fit_random_effects(fit.units, start_beside(problem, fit), full);
-  const double counted = fit.settings.is_restricted ? freedom : freedom + 1.0;
-  const double effective = freedom - restriction.correction;
+  const double counted = fit.settings.is_restricted ? degrees_of_freedom : degrees_of_freedom + 1.0;
+  const double effective = degrees_of_freedom - restriction.correction;
   const double gain = std::max(free.log_likelihood - fit.effects.log_likelihood, 0.0);
   PlannedTest test = chi_squared_test("correlations", 2.0 * effective / counted * gain, restriction.entries);
   test.aspect = Aspect::scatter;
@@ -209,8 +210,8 @@ void test_population(const UpdatingProblem& problem, const PopulationFit& fit, U
   plan_cloud_agreement(problem, fit, result, plan);
   if (!(fit.noise.array() > 0.0).all()) plan_reproduction(problem, fit, plan);
   const PopulationEvidence evidence = evidence_without_bounds(problem, fit);
-  const Eigen::VectorXd freedom = evidence.freedom.diagonal();
-  const double least = (freedom.array() > 0.0).select(freedom.array(), 1e9).minCoeff();
+  const Eigen::VectorXd degrees_of_freedom = evidence.degrees_of_freedom.diagonal();
+  const double least = (degrees_of_freedom.array() > 0.0).select(degrees_of_freedom.array(), 1e9).minCoeff();
   plan_bound_test(problem, {evidence.mean, evidence.mean_covariance, least}, plan);
   plan_prior_shift(problem, fit.mean, evidence.mean_covariance, plan);
   plan.make(problem.level, result);

@@ -17,13 +17,13 @@ constexpr double k_infinity = std::numeric_limits<double>::infinity();
 
 /// Smallest x >= 1 with found(x), found monotone; infinite beyond gross.
 double smallest(const std::function<bool(double)>& found) {
-  constexpr double k_most = 1e8;
+  constexpr double k_max = 1e8;
   double low = 1.0;
   double high = 2.0;
   while (!found(high)) {
     low = high;
     high *= 2.0;
-    if (high > k_most) return k_infinity;
+    if (high > k_max) return k_infinity;
   }
   constexpr double k_close = 1e-3;
   while (high - low > k_close * low) {
@@ -66,9 +66,9 @@ struct DrawnScatter {
 
 /// Wishart matrices of d directions with nu degrees of freedom: by Bartlett's triangular factor, or by nu samples where
 /// these are fewer.
-std::vector<DrawnScatter> draw_scatters(Eigen::Index d, double freedom) {
+std::vector<DrawnScatter> draw_scatters(Eigen::Index d, double degrees_of_freedom) {
   constexpr std::uint32_t k_draws = 400;  // a power of 80 % to 2 %
-  const auto columns = std::min(d, static_cast<Eigen::Index>(std::ceil(freedom)));
+  const auto columns = std::min(d, static_cast<Eigen::Index>(std::ceil(degrees_of_freedom)));
   std::vector<DrawnScatter> draws;
   for (std::uint32_t r = 0; r < k_draws; ++r) {
     RandomStream stream({.seed = 2, .purpose = StreamPurpose::bootstrap}, r);
@@ -76,7 +76,7 @@ std::vector<DrawnScatter> draw_scatters(Eigen::Index d, double freedom) {
     for (Eigen::Index j = 0; j < columns; ++j) {
       for (Eigen::Index i = columns < d ? 0 : j; i < d; ++i) root(i, j) = standard_normal_quantile(stream.uniform());
       if (columns < d) continue;
-      const boost::math::chi_squared law(freedom - static_cast<double>(j));
+      const boost::math::chi_squared law(degrees_of_freedom - static_cast<double>(j));
       root(j, j) = std::sqrt(boost::math::quantile(law, stream.uniform()));
     }
     const Eigen::MatrixXd wishart = root * root.transpose();
@@ -96,19 +96,19 @@ std::vector<std::string> output_names(const UpdatingProblem& problem) {
 
 PlannedTest residual_scatter_test(double squares, double specimens, double directions,
                                   const ResidualLeverage& leverage) {
-  const double freedom = specimens * directions;
-  PlannedTest test = chi_squared_test("scatter-of-residuals", squares, freedom);
+  const double degrees_of_freedom = specimens * directions;
+  PlannedTest test = chi_squared_test("scatter-of-residuals", squares, degrees_of_freedom);
   test.aspect = Aspect::scatter;
   test.meaning = fmt::format(
       "Chi-squared with {:.0f} degrees of freedom: do the residuals scatter from specimen to specimen no more than the "
       "measurement's noise?",
-      freedom);
+      degrees_of_freedom);
   // ratio chi2(specimens) + chi2(the rest), by the chi-squared variable with the same mean and variance.
   test.power = [=](double level) {
-    const double critical = chi_squared_quantile(1.0 - level, freedom);
+    const double critical = chi_squared_quantile(1.0 - level, degrees_of_freedom);
     return output_power(smallest([&](double ratio) {
-                          const double mean = freedom - specimens + ratio * specimens;
-                          const double spread = freedom - specimens + ratio * ratio * specimens;
+                          const double mean = degrees_of_freedom - specimens + ratio * specimens;
+                          const double spread = degrees_of_freedom - specimens + ratio * ratio * specimens;
                           return chi_squared_upper_tail(critical * mean / spread, mean * mean / spread) >=
                                  1.0 - k_missed;
                         }),
@@ -122,18 +122,18 @@ PlannedTest sphericity_test(const Eigen::Ref<const Eigen::MatrixXd>& scatter, do
   const auto d = static_cast<double>(scatter.rows());
   const double mean = scatter.trace() / d;
   const double u = scatter.squaredNorm() / (mean * mean * d) - 1.0;
-  const double freedom = 0.5 * d * (d + 1.0) - 1.0;
+  const double degrees_of_freedom = 0.5 * d * (d + 1.0) - 1.0;
   // Mean of U for a Wishart matrix: E tr W^2 / E (tr W)^2, tr W being independent of W / tr W.
   const double expected = d * (specimens + d + 1.0) / (specimens * d + 2.0) - 1.0;
-  const double scale = freedom / expected;
-  PlannedTest test = chi_squared_test("scatter-of-residuals", scale * u, freedom);
+  const double scale = degrees_of_freedom / expected;
+  PlannedTest test = chi_squared_test("scatter-of-residuals", scale * u, degrees_of_freedom);
   test.aspect = Aspect::scatter;
   test.meaning = fmt::format(
       "John's test of sphericity with {:.0f} degrees of freedom: do the residuals scatter alike in the {:.0f} "
       "directions that no parameter moves, as measurement noise does?",
-      freedom, d);
+      degrees_of_freedom, d);
   test.power = [=](double level) {
-    const double needed = chi_squared_quantile(1.0 - level, freedom) / scale;
+    const double needed = chi_squared_quantile(1.0 - level, degrees_of_freedom) / scale;
     const std::vector<DrawnScatter> draws = draw_scatters(static_cast<Eigen::Index>(d), specimens);
     return output_power(smallest([&](double ratio) {
                           const auto found = std::count_if(draws.begin(), draws.end(), [&](const DrawnScatter& draw) {
@@ -159,8 +159,8 @@ PlannedTest cloud_agreement_test(const Eigen::Ref<const Eigen::VectorXd>& tested
   Eigen::Index worst = 0;
   for (Eigen::Index k = 0; k < tested.size(); ++k) {
     if (count(k) < 2 || !(model(k) > 0.0)) continue;
-    const double freedom = count(k) - 1;
-    const double above = chi_squared_upper_tail(freedom * tested(k) / model(k), freedom);
+    const double degrees_of_freedom = count(k) - 1;
+    const double above = chi_squared_upper_tail(degrees_of_freedom * tested(k) / model(k), degrees_of_freedom);
     const double below = 1.0 - above;
     const double p = is_whole[static_cast<std::size_t>(k)] ? 2.0 * std::min(above, below) : below;
     if (p < smallest_p) {
@@ -170,8 +170,8 @@ PlannedTest cloud_agreement_test(const Eigen::Ref<const Eigen::VectorXd>& tested
   }
   const auto outputs = static_cast<double>(tested.size());
   const auto as_normal = [](double p) {
-    constexpr double k_least = 1e-15;  // quantiles of the normal distribution beyond would be infinite
-    return -standard_normal_quantile(0.5 * std::max(p, k_least));
+    constexpr double k_min = 1e-15;  // quantiles of the normal distribution beyond would be infinite
+    return -standard_normal_quantile(0.5 * std::max(p, k_min));
   };
   return {.name = "scatter-agreement",
           .statistic = std::max(as_normal(smallest_p), 0.0),

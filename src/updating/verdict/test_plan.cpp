@@ -72,7 +72,7 @@ double chi_squared_detectable(double degrees_of_freedom, double level) {
 }
 
 double f_detectable(double numerator, double denominator, double level) {
-  constexpr double k_most = 1e5;  // far beyond gross errors
+  constexpr double k_max = 1e5;  // far beyond gross errors
   const double critical = boost::math::quantile(complement(boost::math::fisher_f(numerator, denominator), level));
   const auto missed = [&](double noncentrality) {
     return boost::math::cdf(boost::math::non_central_f(numerator, denominator, noncentrality), critical);
@@ -82,7 +82,7 @@ double f_detectable(double numerator, double denominator, double level) {
   while (missed(high) > k_missed) {
     low = high;
     high *= 2.0;
-    if (high > k_most) return std::numeric_limits<double>::infinity();
+    if (high > k_max) return std::numeric_limits<double>::infinity();
   }
   constexpr double k_close = 1e-3;
   while (high - low > k_close * high) {

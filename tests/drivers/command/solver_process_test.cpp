@@ -93,7 +93,7 @@ TEST_F(SolverProcess, AFloodOfOutputEndsIt) {
                                                        .directory = folder_.path(),
                                                        .timeout = 60s,
                                                        .grace = 200ms,
-                                                       .most_output = std::uintmax_t{1} << 20});
+                                                       .max_output = std::uintmax_t{1} << 20});
   EXPECT_EQ(end.kind, ProcessEnd::Kind::failed);
   EXPECT_EQ(end.reason, "it printed more than 1 MB to stderr.txt, stopped");
 }

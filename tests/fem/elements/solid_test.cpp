@@ -271,8 +271,8 @@ TEST_P(Solid, DoesNotDependOnTheCornerWhereItsNumberingBegins) {
   const Elasticity elasticity = isotropic_elasticity(1.0, 0.3);
   const MatrixXd K = solid_stiffness(shape(), nodes, elasticity);
   const MatrixXd reordered = solid_stiffness(shape(), nodes(Eigen::all, order), elasticity);
-  const std::vector<int> freedom = freedoms_of(order);
-  EXPECT_LT((reordered - K(freedom, freedom)).norm(), 1e-13 * K.norm());  // sums in another order
+  const std::vector<int> degrees_of_freedom = freedoms_of(order);
+  EXPECT_LT((reordered - K(degrees_of_freedom, degrees_of_freedom)).norm(), 1e-13 * K.norm());  // sums in another order
 }
 
 TEST_P(Solid, IsSymmetricToTheLastBit) {

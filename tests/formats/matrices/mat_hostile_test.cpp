@@ -50,8 +50,8 @@ TEST_P(HostileMatFile, IsRefusedOrReadPast) {
     EXPECT_THAT(message_of<FormatError>([&] { parse_mat(bytes, "hostile.mat"); }),
                 ::testing::AllOf(HasSubstr("hostile.mat: "), HasSubstr(GetParam().message)));
   }
-  constexpr long k_most_kilobytes = 200000;  // the files have 3 MB at most, and claim 2 GB and more
-  EXPECT_LT(peak_kilobytes() - before, k_most_kilobytes);
+  constexpr long k_max_kilobytes = 200000;  // the files have 3 MB at most, and claim 2 GB and more
+  EXPECT_LT(peak_kilobytes() - before, k_max_kilobytes);
 }
 
 /// What is packed has a sum at its end: no damage is read as other numbers.

@@ -189,7 +189,7 @@ TEST(ReducedModelFingerprint, SeesEveryInput) {
   EXPECT_TRUE(changed([](Chain& chain) { chain.terms.is_mass_semidefinite = {true}; }));
   EXPECT_TRUE(changed([](Chain& chain) { chain.options.modes = 5; }));
   EXPECT_TRUE(changed([](Chain& chain) { chain.options.tolerance = 2e-6; }));
-  EXPECT_TRUE(changed([](Chain& chain) { chain.options.most_vectors = 399; }));
+  EXPECT_TRUE(changed([](Chain& chain) { chain.options.max_vectors = 399; }));
 }
 
 TEST(ReducedModelFingerprint, DoesNotSeeRoomBetweenEntries) {

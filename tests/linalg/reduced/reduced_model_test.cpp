@@ -170,7 +170,7 @@ TEST(ReducedModel, ClaimsNothingWhereTheStiffnessIsNotPositive) {
 TEST(ReducedModel, KeepsToTheLargestBasisAllowed) {
   const Family family = grid({.patches = 12});
   ReducedModel model(family.terms, family.nominal(), family.stiffness, family.mass,
-                     {.modes = 6, .tolerance = 1e-7, .most_vectors = 40});
+                     {.modes = 6, .tolerance = 1e-7, .max_vectors = 40});
   model.train(family.lognormal(100, 0.3, 1), 1);
   EXPECT_LE(model.basis().cols(), 40);
   const Audit seen = audit(family, model, family.lognormal(10, 0.3, 2), 6, 1e-7);
@@ -180,7 +180,7 @@ TEST(ReducedModel, KeepsToTheLargestBasisAllowed) {
 
 TEST(ReducedModel, EndsTrainingThatCannotReachTheTolerance) {
   const Family family = grid({.length = 24, .width = 15, .patches = 12, .moves_mass = true});
-  const ReducedModelOptions options{.modes = 6, .tolerance = 1e-9, .most_vectors = 100};
+  const ReducedModelOptions options{.modes = 6, .tolerance = 1e-9, .max_vectors = 100};
   ReducedModel wide(family.terms, family.nominal(), family.stiffness, family.mass, options);
   wide.train(family.lognormal(300, 0.5, 1), 1);
   EXPECT_FALSE(wide.reaches_tolerance());

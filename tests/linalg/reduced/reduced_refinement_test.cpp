@@ -67,7 +67,7 @@ TEST_P(Refinement, MakesSureOfWhatTheReducedModelKnowsRoughly) {
   constexpr double k_tolerance = 1e-6;
   const Family family = grid(GetParam().options);
   ReducedModel model(family.terms, family.nominal(), family.stiffness, family.mass,
-                     {.modes = k_modes, .tolerance = k_tolerance, .most_vectors = 32});
+                     {.modes = k_modes, .tolerance = k_tolerance, .max_vectors = 32});
   model.train(family.lognormal(20, 0.03, 1), 1);
   const TermCoefficients samples = family.lognormal(12, 0.1, 2);
   EXPECT_GT(model.solve(samples, 1).bounds.colwise().maxCoeff().maxCoeff(), k_tolerance);

@@ -61,32 +61,32 @@ TEST(Correlation, RefusesANegativeVariance) {
 /// Deviations 1, 1e-6 and 1e6, correlations all one but for rounding that an eigenvalue of the covariance itself would
 /// not show.
 TEST(RepairedCovariance, IsPositiveInEveryUnitAndKeepsItsVariances) {
-  const Eigen::Vector3d deviation(1.0, 1e-6, 1e6);
+  const Eigen::Vector3d standard_deviation(1.0, 1e-6, 1e6);
   Eigen::Matrix3d correlation = Eigen::Matrix3d::Ones();
   correlation(0, 1) = correlation(1, 0) = 1.0 - 1e-9;
   correlation(0, 2) = correlation(2, 0) = 1.0 + 1e-9;
-  const Eigen::MatrixXd spoilt = deviation.asDiagonal() * correlation * deviation.asDiagonal();
+  const Eigen::MatrixXd spoilt = standard_deviation.asDiagonal() * correlation * standard_deviation.asDiagonal();
   Eigen::MatrixXd covariance = spoilt;
   EXPECT_FALSE(repair_covariance(covariance));  // nothing but rounding
   EXPECT_EQ(covariance.diagonal(), spoilt.diagonal());
   EXPECT_EQ(covariance, Eigen::MatrixXd(covariance.transpose()));
   const Eigen::MatrixXd repaired =
-      deviation.cwiseInverse().asDiagonal() * covariance * deviation.cwiseInverse().asDiagonal();
+      standard_deviation.cwiseInverse().asDiagonal() * covariance * standard_deviation.cwiseInverse().asDiagonal();
   EXPECT_GE(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(repaired).eigenvalues()(0), -1e-14);
   EXPECT_LT((repaired - correlation).cwiseAbs().maxCoeff(), 4e-9);
 }
 
 /// Two variables with a correlation of one: eigenvalues 2 and 0 become 2 and 2 c, scaled back to variances of 1 and 9.
 TEST(RepairedCovariance, KeepsALeastEigenvalueWhereAskedTo) {
-  constexpr double k_least = 1e-3;
+  constexpr double k_min = 1e-3;
   Eigen::MatrixXd covariance(2, 2);
   covariance << 1.0, 3.0, 3.0, 9.0;
-  repair_covariance(covariance, k_least);
+  repair_covariance(covariance, k_min);
   EXPECT_NEAR(covariance(0, 0), 1.0, 1e-14);
   EXPECT_NEAR(covariance(1, 1), 9.0, 1e-13);
-  EXPECT_NEAR(covariance(0, 1), 3.0 * (1.0 - k_least) / (1.0 + k_least), 1e-13);
+  EXPECT_NEAR(covariance(0, 1), 3.0 * (1.0 - k_min) / (1.0 + k_min), 1e-13);
   const Eigen::MatrixXd mended = covariance;
-  repair_covariance(covariance, k_least);
+  repair_covariance(covariance, k_min);
   EXPECT_EQ(covariance, mended);
 }
 

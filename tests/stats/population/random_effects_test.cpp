@@ -172,7 +172,7 @@ TEST(PopulationEvidence, OfOutputsThatSeeNothingIsNone) {
   fit.covariance = Eigen::MatrixXd(0, 0);
   const PopulationEvidence evidence = population_evidence(units, fit, {}, Eigen::MatrixXd(2, 0));
   EXPECT_EQ(evidence.mean, Eigen::Vector2d::Zero());
-  EXPECT_EQ(evidence.freedom, Eigen::Matrix2d::Zero());
+  EXPECT_EQ(evidence.degrees_of_freedom, Eigen::Matrix2d::Zero());
   EXPECT_TRUE(std::isnan(population_intervals(evidence, std::vector<NormalScale>(2), 0.95).mean(0, 0)));
 }
 
@@ -198,7 +198,7 @@ TEST(PopulationIntervals, OfACorrelationAreThoseOfItsExactDistribution) {
   evidence.total = (Eigen::Matrix2d() << 4.0, 1.0, 1.0, 1.0).finished();
   evidence.noise = Eigen::Matrix2d::Zero();
   evidence.mean_covariance = Eigen::Vector2d(0.4, 0.1).asDiagonal();
-  evidence.freedom = Eigen::Matrix2d::Constant(9.0);
+  evidence.degrees_of_freedom = Eigen::Matrix2d::Constant(9.0);
   const PopulationIntervals intervals = population_intervals(evidence, std::vector<NormalScale>(2), 0.95);
   EXPECT_NEAR(intervals.correlation_lower(1, 0), -0.18092, 0.01);
   EXPECT_NEAR(intervals.correlation_upper(1, 0), 0.83929, 0.01);

@@ -278,9 +278,9 @@ TEST(SharedErrors, LevelIsZeroWhereTheRowsAgreeBetterThanTheirNoise) {
 
 /// Part of `replications` in which the interval of the first effect's mean holds the truth; errors drawn anew each
 /// time.
-double coverage(Eigen::Index rows, double deviation, bool is_estimated, int replications) {
+double coverage(Eigen::Index rows, double standard_deviation, bool is_estimated, int replications) {
   RandomEffectsSettings settings;
-  settings.shared_variance = Eigen::VectorXd::Constant(rows, deviation * deviation);
+  settings.shared_variance = Eigen::VectorXd::Constant(rows, standard_deviation * standard_deviation);
   if (is_estimated) {
     settings.shared_level.assign(static_cast<std::size_t>(rows), 0);
     settings.levels = 1;
@@ -289,7 +289,7 @@ double coverage(Eigen::Index rows, double deviation, bool is_estimated, int repl
   for (int r = 0; r < replications; ++r) {
     RandomStream stream({.seed = 77}, static_cast<std::uint32_t>(r));
     Eigen::VectorXd error(rows);
-    for (Eigen::Index k = 0; k < rows; ++k) error(k) = deviation * normal(stream);
+    for (Eigen::Index k = 0; k < rows; ++k) error(k) = standard_deviation * normal(stream);
     const std::vector<RandomEffectsUnit> units = alike(rows, error, 1e-3, static_cast<std::uint32_t>(r));
     const RandomEffectsFit fit = fit_random_effects(units, 0.2 * Eigen::Matrix2d::Identity(), settings);
     const PopulationEvidence evidence =

@@ -37,7 +37,7 @@ Eigen::VectorXd ishigami(const Eigen::MatrixXd& x) {
   return a.sin() + 7.0 * b.sin().square() + 0.1 * c.pow(4) * a.sin();
 }
 
-double deviation(const Eigen::VectorXd& values) {
+double standard_deviation(const Eigen::VectorXd& values) {
   return std::sqrt((values.array() - values.mean()).square().mean());
 }
 
@@ -68,7 +68,7 @@ TEST(Surrogate, ErrorOfLeftOutRunsIsTheErrorElsewhere) {
     EXPECT_GT(stated, 0.6 * made);
     EXPECT_LT(stated, 2.0 * made);
     if (kind != SurrogateKind::quadratic) {
-      EXPECT_LT(made, 0.4 * deviation(ishigami(others)));
+      EXPECT_LT(made, 0.4 * standard_deviation(ishigami(others)));
     }
   }
 }
@@ -83,7 +83,7 @@ TEST(Surrogate, OutputsAreFittedEachByItself) {
 }
 
 TEST(Surrogate, TooFewRunsAreRefusedWithTheirNumber) {
-  EXPECT_EQ(Surrogate::least_runs(SurrogateKind::quadratic, 3), 12);  // ten terms, nine tenths of the runs
+  EXPECT_EQ(Surrogate::min_runs(SurrogateKind::quadratic, 3), 12);  // ten terms, nine tenths of the runs
   const Eigen::MatrixXd x = points(11, 0);
   try {
     const Surrogate surrogate(SurrogateKind::quadratic, x, quadratic(x));

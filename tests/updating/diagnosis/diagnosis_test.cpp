@@ -63,11 +63,11 @@ TEST(Diagnosis, AShiftedCandidateIsNamedAndItsMeanFound) {
   const Diagnosis found = Bench().run(Bench().tests(0.5, 0.0));
   EXPECT_TRUE(found.is_explained);
   EXPECT_THAT(found.alike, testing::ElementsAre("x3"));
-  EXPECT_FALSE(found.candidates[0].better().is_freed);
+  EXPECT_FALSE(found.candidates[0].better().is_random);
   EXPECT_NEAR(found.candidates[0].better().mean, 0.5, 4.0 * 0.1 / std::sqrt(32.0));
   ASSERT_EQ(found.proposed.size(), 3U);
   EXPECT_EQ(found.proposed[2].name, "x3");
-  EXPECT_FALSE(found.proposed[2].is_freed);
+  EXPECT_FALSE(found.proposed[2].is_random);
 }
 
 /// With the noise known the gain of a shift is closed: only the candidate's part that the given parameters cannot
@@ -82,7 +82,7 @@ TEST(Diagnosis, TheGainOfAShiftIsTheGeneralisedLeastSquaresOne) {
   const double expected = 0.5 * 32.0 * along * along / (0.01 * direction.squaredNorm());
   for (const CandidateFinding& candidate : found.candidates) {
     if (candidate.detectability.name == "x3") {
-      EXPECT_NEAR(candidate.shifted.gain, expected, 1e-4 * expected);
+      EXPECT_NEAR(candidate.fixed.log_likelihood_increase, expected, 1e-4 * expected);
     }
   }
 }
@@ -91,8 +91,8 @@ TEST(Diagnosis, ACandidateThatScattersIsFreed) {
   const Diagnosis found = Bench().run(Bench().tests(0.0, 1.0));
   EXPECT_TRUE(found.is_explained);
   EXPECT_EQ(found.candidates[0].detectability.name, "x3");
-  EXPECT_TRUE(found.candidates[0].better().is_freed);
-  EXPECT_NEAR(found.candidates[0].better().deviation, 1.0, 0.5);
+  EXPECT_TRUE(found.candidates[0].better().is_random);
+  EXPECT_NEAR(found.candidates[0].better().standard_deviation, 1.0, 0.5);
 }
 
 TEST(Diagnosis, WhereNothingIsMissingNothingIsAdded) {
@@ -131,8 +131,8 @@ TEST(Diagnosis, ReplicationsDoNotDependOnThreads) {
   const Diagnosis one = diagnose(problem, {.given = 2}, {.threads = 1});
   const Diagnosis three = diagnose(problem, {.given = 2}, {.threads = 3});
   for (std::size_t c = 0; c < one.candidates.size(); ++c) {
-    EXPECT_EQ(one.candidates[c].shifted.p_value, three.candidates[c].shifted.p_value);
-    EXPECT_EQ(one.candidates[c].freed.adjusted_p, three.candidates[c].freed.adjusted_p);
+    EXPECT_EQ(one.candidates[c].fixed.p_value, three.candidates[c].fixed.p_value);
+    EXPECT_EQ(one.candidates[c].random.adjusted_p, three.candidates[c].random.adjusted_p);
   }
 }
 

@@ -100,8 +100,8 @@ TEST(NormalPopulation, WithoutScatterHasNeitherDensityNorRegion) {
 
 TEST(MomentEstimate, HasDensitiesWithItsMomentsOnEveryScale) {
   const Eigen::Vector3d mean(2.0, 1.4, 3.7);
-  const Eigen::Vector3d deviation(0.3, 0.4, 0.15);
-  const MomentEstimate estimate({NormalScale{}, k_log, k_logit}, mean, deviation.cwiseAbs2().asDiagonal());
+  const Eigen::Vector3d standard_deviation(0.3, 0.4, 0.15);
+  const MomentEstimate estimate({NormalScale{}, k_log, k_logit}, mean, standard_deviation.cwiseAbs2().asDiagonal());
   EXPECT_EQ(estimate.mean(), mean);
   for (Eigen::Index i = 0; i < 3; ++i) {
     const Eigen::VectorXd points = estimate.density_points(i, 8001);
@@ -116,7 +116,7 @@ TEST(MomentEstimate, HasDensitiesWithItsMomentsOnEveryScale) {
       second += (x - mean(i)) * (x - mean(i)) * mass;
     }
     EXPECT_NEAR(first, mean(i), 3e-4 * mean(i));  // 6e-5 of the mass lie beyond the points
-    EXPECT_NEAR(std::sqrt(second), deviation(i), 2e-3 * deviation(i));
+    EXPECT_NEAR(std::sqrt(second), standard_deviation(i), 2e-3 * standard_deviation(i));
   }
 }
 

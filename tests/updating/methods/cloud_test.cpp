@@ -126,7 +126,7 @@ TEST(EvaluateCloud, StopsWhereTooManyRunsFail) {
   const ParameterSpace prior = space();
   EXPECT_NO_THROW(evaluate_cloud(DoublingModel(2.0), prior, prior.prior(), {.samples = 1000}, k_key, {}));
   EXPECT_THROW(
-      evaluate_cloud(DoublingModel(2.0), prior, prior.prior(), {.samples = 1000, .most_failed = 0.05}, k_key, {}),
+      evaluate_cloud(DoublingModel(2.0), prior, prior.prior(), {.samples = 1000, .max_failed = 0.05}, k_key, {}),
       SystemFailure);
 }
 

@@ -83,8 +83,8 @@ TEST_P(EveryMethod, GivesAnEstimateOfWhichItsMomentsAre) {
   const StreamKey key{.seed = 3, .purpose = StreamPurpose::truth};
   const Eigen::MatrixXd drawn =
       result.estimate->from_uniform(uniform_design(SamplingDesign::latin_hypercube, 20000, 2, key));
-  const Eigen::VectorXd deviation = result.covariance.diagonal().cwiseSqrt();
-  EXPECT_LT((drawn.colwise().mean().transpose() - result.mean).cwiseQuotient(deviation).norm(), 0.02);
+  const Eigen::VectorXd standard_deviation = result.covariance.diagonal().cwiseSqrt();
+  EXPECT_LT((drawn.colwise().mean().transpose() - result.mean).cwiseQuotient(standard_deviation).norm(), 0.02);
   for (Eigen::Index i = 0; i < 2; ++i) {
     const double median = result.estimate->quantile(i, 0.5);
     const auto below = (drawn.col(i).array() < median).count();
@@ -185,7 +185,7 @@ TEST_P(EveryPopulationMethod, GivesThePopulationAndWhatTheSpecimensShowOfIt) {
   const PopulationEvidence& evidence = population->evidence;
   EXPECT_LT((population->mean - result.mean).norm(), 1e-12);
   EXPECT_LT((population->covariance - result.covariance).norm(), 1e-12);
-  EXPECT_EQ(evidence.freedom, Eigen::MatrixXd::Constant(2, 2, 5.0));
+  EXPECT_EQ(evidence.degrees_of_freedom, Eigen::MatrixXd::Constant(2, 2, 5.0));
   EXPECT_LT((6.0 * evidence.mean_covariance - evidence.total).norm(), 0.1 * evidence.total.norm());
   // What the noise adds to the specimens' own estimates: (G' R^-1 G)^-1. Inversion leaves it in its deviations.
   const Eigen::MatrixXd share = 0.0025 * (Reference::slope().transpose() * Reference::slope()).inverse();

@@ -8,9 +8,9 @@ namespace mottle::updating {
 namespace {
 
 using CloudKind = CovarianceAdjustmentOptions::CloudKind;
-using test::deviations;
 using test::frequencies_of;
 using test::oracle_parameters;
+using test::standard_deviations;
 using test::ThreeMasses;
 
 UpdatingResult update(const UpdatingProblem& problem, const CovarianceAdjustmentOptions& options = {},
@@ -26,7 +26,8 @@ TEST(CovarianceAdjustment, ReachesTheFirstOrderFixedPointOfTheThreeMasses) {
   EXPECT_EQ(result.status, UpdatingStatus::converged) << result.message;
   // validation/reference-rows: first order.
   EXPECT_LT((result.mean - Eigen::Vector3d(1.09877159, 1.05074330, 0.96464297)).cwiseAbs().maxCoeff(), 1e-8);
-  EXPECT_LT((deviations(result) - Eigen::Vector3d(0.29255890, 0.11781059, 0.23789794)).cwiseAbs().maxCoeff(), 1e-8);
+  EXPECT_LT((standard_deviations(result) - Eigen::Vector3d(0.29255890, 0.11781059, 0.23789794)).cwiseAbs().maxCoeff(),
+            1e-8);
 }
 
 TEST(CovarianceAdjustment, TheCloudOfItsLastStateHasMeanAndCovarianceOfTheTests) {
@@ -53,15 +54,16 @@ TEST(CovarianceAdjustment, WithAWideCloudItApproachesMomentMatching) {
   const UpdatingResult result = update(problem);
   // validation/reference-rows: Gaussian moment matching, and its limit.
   EXPECT_LT((result.mean - Eigen::Vector3d(1.07780753, 1.09323337, 0.96010173)).cwiseAbs().maxCoeff(), 2e-3);
-  EXPECT_LT((deviations(result) - Eigen::Vector3d(0.28967961, 0.11086464, 0.23698861)).cwiseAbs().maxCoeff(), 2e-3);
+  EXPECT_LT((standard_deviations(result) - Eigen::Vector3d(0.28967961, 0.11086464, 0.23698861)).cwiseAbs().maxCoeff(),
+            2e-3);
 }
 
 TEST(CovarianceAdjustment, StandardisedSamplesLeaveLittleMonteCarloError) {
   const ThreeMasses structure;
   UpdatingProblem problem = structure.problem(frequencies_of(structure, oracle_parameters()));
   problem.iterations = 100;
-  const Eigen::VectorXd first = deviations(update(problem, {}, 1));
-  const Eigen::VectorXd second = deviations(update(problem, {}, 2));
+  const Eigen::VectorXd first = standard_deviations(update(problem, {}, 1));
+  const Eigen::VectorXd second = standard_deviations(update(problem, {}, 2));
   // 1000 plain samples would leave 2.2 % on each deviation; of linear outputs nothing is left, of these half a per
   // cent.
   EXPECT_LT((first - second).cwiseAbs().cwiseQuotient(first).maxCoeff(), 0.02);

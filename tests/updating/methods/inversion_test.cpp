@@ -13,9 +13,9 @@
 namespace mottle::updating {
 namespace {
 
-using test::deviations;
 using test::frequencies_of;
 using test::oracle_parameters;
+using test::standard_deviations;
 using test::ThreeMasses;
 
 UpdatingResult update(const UpdatingProblem& problem, const InversionOptions& options = {}) {
@@ -32,7 +32,7 @@ TEST(Inversion, GivesTheSpecimensOfTheThreeMassesBack) {
   EXPECT_LT((result.specimens->parameters - oracle_parameters()).cwiseAbs().maxCoeff(), 1e-7);
   // The mean and deviation that the specimens were made to have: validation/reference-rows.
   EXPECT_LT((result.mean - Eigen::Vector3d(1.08, 1.09, 0.96)).cwiseAbs().maxCoeff(), 1e-7);
-  EXPECT_LT((deviations(result) - Eigen::Vector3d(0.288, 0.130, 0.241)).cwiseAbs().maxCoeff(), 1e-7);
+  EXPECT_LT((standard_deviations(result) - Eigen::Vector3d(0.288, 0.130, 0.241)).cwiseAbs().maxCoeff(), 1e-7);
 }
 
 TEST(Inversion, NeedsNoDerivativesOfTheModel) {

@@ -23,10 +23,10 @@ TEST(LeastChange, OfMoreOutputsThanParametersIsLeastSquares) {
 
 TEST(LeastChange, OfFewerOutputsItIsTheShortestInPriorDeviations) {
   const Eigen::RowVector2d g(1.0, 2.0);
-  const Eigen::Vector2d deviation(0.5, 1.5);
+  const Eigen::Vector2d standard_deviation(0.5, 1.5);
   // Lagrange: d = D^2 g' / (g D^2 g') r.
-  const Eigen::Vector2d weighted = deviation.cwiseAbs2().asDiagonal() * g.transpose();
-  const Gain gain = least_change_gain(g, deviation);
+  const Eigen::Vector2d weighted = standard_deviation.cwiseAbs2().asDiagonal() * g.transpose();
+  const Gain gain = least_change_gain(g, standard_deviation);
   EXPECT_EQ(gain.rank, 1);
   EXPECT_LT((gain.matrix - weighted / g.dot(weighted)).cwiseAbs().maxCoeff(), 1e-14);
 }
@@ -56,13 +56,15 @@ TEST(LeastChange, OneGroupOrManyTheCovarianceOfTheOutputsIsExplained) {
   const Eigen::MatrixXd g = tall();
   Eigen::Matrix2d truth;
   truth << 0.04, 0.01, 0.01, 0.09;
-  const Eigen::Vector2d deviation(0.2, 0.5);
-  EXPECT_LT((least_change_covariance(g, deviation, g * truth * g.transpose(), {}) - truth).cwiseAbs().maxCoeff(),
-            1e-14);
-  const Eigen::Matrix2d diagonal = truth.diagonal().asDiagonal();
+  const Eigen::Vector2d standard_deviation(0.2, 0.5);
   EXPECT_LT(
-      (least_change_covariance(g, deviation, g * diagonal * g.transpose(), {0, 1}) - diagonal).cwiseAbs().maxCoeff(),
+      (least_change_covariance(g, standard_deviation, g * truth * g.transpose(), {}) - truth).cwiseAbs().maxCoeff(),
       1e-14);
+  const Eigen::Matrix2d diagonal = truth.diagonal().asDiagonal();
+  EXPECT_LT((least_change_covariance(g, standard_deviation, g * diagonal * g.transpose(), {0, 1}) - diagonal)
+                .cwiseAbs()
+                .maxCoeff(),
+            1e-14);
 }
 
 TEST(LeastChange, AVariancePatternCanBeSeenWhereTheFullCovarianceCannot) {

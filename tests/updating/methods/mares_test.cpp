@@ -8,9 +8,9 @@
 namespace mottle::updating {
 namespace {
 
-using test::deviations;
 using test::frequencies_of;
 using test::oracle_parameters;
+using test::standard_deviations;
 using test::ThreeMasses;
 
 UpdatingResult update(const UpdatingProblem& problem, const MaresOptions& options = {}, std::uint64_t seed = 1) {
@@ -24,7 +24,7 @@ TEST(Mares, TheDecodedReadingReproducesThePublishedMeansAndDeviations) {
   // docs/theory/mares.md, the defaults, which the published tables follow from; tolerances: Monte-Carlo error of 1000
   // samples.
   EXPECT_LT((result.mean - Eigen::Vector3d(1.086, 1.076, 0.961)).cwiseAbs().maxCoeff(), 0.015);
-  EXPECT_LT((deviations(result) - Eigen::Vector3d(0.2095, 0.110, 0.186)).cwiseAbs().maxCoeff(), 0.01);
+  EXPECT_LT((standard_deviations(result) - Eigen::Vector3d(0.2095, 0.110, 0.186)).cwiseAbs().maxCoeff(), 0.01);
 }
 
 TEST(Mares, TheDistanceOfTheMeansStartsAtThePublishedValueAndFallsByThreeOrders) {
@@ -44,7 +44,7 @@ TEST(Mares, TheLiteralReadingFallsBackToTheStart) {
   EXPECT_EQ(result.status, UpdatingStatus::max_iterations);
   // docs/theory/mares.md, the equations as printed; 0.01 covers the Monte-Carlo error of the sensitivities.
   EXPECT_LT((result.mean - Eigen::Vector3d(1.93, 1.91, 1.94)).cwiseAbs().maxCoeff(), 0.01);
-  EXPECT_LT((deviations(result) - Eigen::Vector3d(0.119, 0.075, 0.067)).cwiseAbs().maxCoeff(), 0.005);
+  EXPECT_LT((standard_deviations(result) - Eigen::Vector3d(0.119, 0.075, 0.067)).cwiseAbs().maxCoeff(), 0.005);
 }
 
 TEST(Mares, TheCovarianceIsEquation12AppliedToTheFirstPrior) {
@@ -94,8 +94,8 @@ TEST(Mares, EveryWeightingAndRegressionReachesTheTestedMeans) {
 TEST(Mares, ModelErrorWidensTheUpdatedCovariance) {
   const ThreeMasses structure;
   const UpdatingProblem problem = structure.problem(frequencies_of(structure, oracle_parameters()));
-  const Eigen::VectorXd without = deviations(update(problem));
-  const Eigen::VectorXd with = deviations(update(problem, {.model_error = 0.05}));
+  const Eigen::VectorXd without = standard_deviations(update(problem));
+  const Eigen::VectorXd with = standard_deviations(update(problem, {.model_error = 0.05}));
   EXPECT_TRUE((with.array() > without.array()).all());
 }
 

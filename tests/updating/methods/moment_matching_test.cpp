@@ -10,9 +10,9 @@ namespace mottle::updating {
 namespace {
 
 using Rule = MomentMatchingOptions::Rule;
-using test::deviations;
 using test::frequencies_of;
 using test::oracle_parameters;
+using test::standard_deviations;
 using test::ThreeMasses;
 
 UpdatingResult update(const UpdatingProblem& problem, const MomentMatchingOptions& options = {}) {
@@ -43,7 +43,8 @@ TEST(MomentMatching, ReproducesTheQuadratureSolutionOfTheThreeMasses) {
   EXPECT_EQ(result.status, UpdatingStatus::converged) << result.message;
   // validation/reference-rows: Gaussian moment matching by quadrature.
   EXPECT_LT((result.mean - Eigen::Vector3d(1.07780753, 1.09323337, 0.96010173)).cwiseAbs().maxCoeff(), 1e-6);
-  EXPECT_LT((deviations(result) - Eigen::Vector3d(0.28967961, 0.11086464, 0.23698861)).cwiseAbs().maxCoeff(), 1e-6);
+  EXPECT_LT((standard_deviations(result) - Eigen::Vector3d(0.28967961, 0.11086464, 0.23698861)).cwiseAbs().maxCoeff(),
+            1e-6);
 }
 
 TEST(MomentMatching, EveryRuleComesToTheSamePopulation) {
@@ -54,7 +55,8 @@ TEST(MomentMatching, EveryRuleComesToTheSamePopulation) {
   for (const Rule rule : {Rule::gauss_hermite, Rule::fifth_degree, Rule::cloud}) {
     const UpdatingResult result = update(problem, {.rule = rule});
     EXPECT_LT((result.mean - Eigen::Vector3d(1.07780753, 1.09323337, 0.96010173)).cwiseAbs().maxCoeff(), 2e-3);
-    EXPECT_LT((deviations(result) - Eigen::Vector3d(0.28967961, 0.11086464, 0.23698861)).cwiseAbs().maxCoeff(), 2e-3);
+    EXPECT_LT((standard_deviations(result) - Eigen::Vector3d(0.28967961, 0.11086464, 0.23698861)).cwiseAbs().maxCoeff(),
+              2e-3);
   }
 }
 

@@ -25,7 +25,7 @@ TEST(ScaledParameters, StartAndDeviationAreTheFirstOrderOnesOfThePrior) {
   const ScaledParameters parameters(three_scales());
   EXPECT_LT((parameters.start() - Eigen::Vector3d(2.0, std::log(2.0), std::log(0.5))).cwiseAbs().maxCoeff(), 1e-14);
   // dt/dx: 1, 1/x, (u - l) / ((x - l)(u - x)) = 3 / 2.
-  EXPECT_LT((parameters.deviation() - Eigen::Vector3d(0.2, 0.1, 0.3)).cwiseAbs().maxCoeff(), 1e-14);
+  EXPECT_LT((parameters.standard_deviation() - Eigen::Vector3d(0.2, 0.1, 0.3)).cwiseAbs().maxCoeff(), 1e-14);
 }
 
 TEST(ScaledParameters, ClampsToTheBoundsOfTheVariables) {

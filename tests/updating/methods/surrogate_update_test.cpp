@@ -62,9 +62,11 @@ TEST(SurrogateUpdate, FindsWhatTheModelItselfFinds) {
     EXPECT_EQ(result.model_evaluations, bench.counted.count);
     EXPECT_LE(bench.counted.count, 80);
     // What the surrogate may be off in the outputs is more in the parameters, which several outputs share.
-    const Eigen::VectorXd deviation = direct.covariance.diagonal().cwiseSqrt();
-    EXPECT_LT(((result.mean - direct.mean).cwiseQuotient(deviation)).cwiseAbs().maxCoeff(), 0.15);
-    EXPECT_LT((result.covariance.diagonal().cwiseSqrt().cwiseQuotient(deviation).array() - 1.0).abs().maxCoeff(), 0.1);
+    const Eigen::VectorXd standard_deviation = direct.covariance.diagonal().cwiseSqrt();
+    EXPECT_LT(((result.mean - direct.mean).cwiseQuotient(standard_deviation)).cwiseAbs().maxCoeff(), 0.15);
+    EXPECT_LT(
+        (result.covariance.diagonal().cwiseSqrt().cwiseQuotient(standard_deviation).array() - 1.0).abs().maxCoeff(),
+        0.1);
   }
 }
 

@@ -52,8 +52,8 @@ TEST(MeanResiduals, AreChiSquaredWhereEntriesAreMissing) {
   double product = 0.0;
   for (std::uint32_t i = 0; i < k_replications; ++i) {
     const MeanResiduals found = draw(i, 0.0);
-    EXPECT_EQ(found.mean_freedom, 3.0);
-    EXPECT_EQ(found.freedom, 3.0 * 3.0 + 5.0 * 1.0 - 3.0);
+    EXPECT_EQ(found.mean_degrees_of_freedom, 3.0);
+    EXPECT_EQ(found.degrees_of_freedom, 3.0 * 3.0 + 5.0 * 1.0 - 3.0);
     means.add(found.mean_squares);
     rest.add(found.squares);
     product += found.mean_squares * found.squares;
@@ -90,8 +90,8 @@ TEST(MeanResiduals, HaveNoFreedomWhereParametersMoveEveryOutput) {
   const Eigen::MatrixXd values = Eigen::MatrixXd::Zero(3, 1);
   const Eigen::VectorXd one = Eigen::VectorXd::Ones(1);
   const MeanResiduals found = mean_residuals(values, {{one, one, one}, {one, one, one}, {one, one, one}}, one);
-  EXPECT_EQ(found.mean_freedom, 0.0);
-  EXPECT_EQ(found.freedom, 0.0);
+  EXPECT_EQ(found.mean_degrees_of_freedom, 0.0);
+  EXPECT_EQ(found.degrees_of_freedom, 0.0);
 }
 
 }  // namespace

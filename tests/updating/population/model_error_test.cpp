@@ -127,14 +127,14 @@ TEST(ModelError, EstimatedNeedsMoreOutputsThanParametersAndSaysOnHowFewItRests) 
 
 TEST(ModelError, OfOneStructureAddsToTheMeasurements) {
   const test::LinearProblem linear;
-  const auto deviations = [&](const Eigen::VectorXd& noise, const Eigen::VectorXd& error) {
+  const auto standard_deviations = [&](const Eigen::VectorXd& noise, const Eigen::VectorXd& error) {
     UpdatingProblem problem = problem_of(linear, error);
     problem.tests.repeatability_std = noise;
-    return test::deviations(DeterministicUpdater({}).update(problem, {}));
+    return test::standard_deviations(DeterministicUpdater({}).update(problem, {}));
   };
   const Eigen::VectorXd error = Eigen::Vector4d(0.3, 0.1, 0.2, 0.4);
   const Eigen::VectorXd both = (linear.noise.cwiseAbs2() + error.cwiseAbs2()).cwiseSqrt();
-  EXPECT_TRUE(deviations(linear.noise, error).isApprox(deviations(both, {}), 1e-12));
+  EXPECT_TRUE(standard_deviations(linear.noise, error).isApprox(standard_deviations(both, {}), 1e-12));
 }
 
 TEST(ModelError, BootstrapWidensTheMeansToo) {

@@ -168,7 +168,7 @@ TEST(Prediction, HeldOutTestsAreCountedByTheirTransforms) {
   EXPECT_EQ(check.histograms[0].fewest,
             3);  // P(K <= 2) = 0.008, P(K <= 3) = 0.028, P(K <= 12) = 0.957, P(K <= 13) = 0.981
   EXPECT_EQ(check.histograms[0].most, 13);
-  EXPECT_EQ(check.least_inside(0), 34);        // of 40 at 0.95: P(K <= 33) = 0.0034, P(K <= 34) = 0.0139
+  EXPECT_EQ(check.min_inside(0), 34);          // of 40 at 0.95: P(K <= 33) = 0.0034, P(K <= 34) = 0.0139
   EXPECT_NEAR(check.scores(0, 0), 0.0, 0.01);  // 100,000 draws
 }
 
@@ -183,7 +183,7 @@ TEST(Prediction, EachVariableHasItsOwnDegreesOfFreedom) {
   bench.slope.setIdentity();
   bench.model = std::make_unique<LinearModel>(Eigen::Vector2d::Zero(), bench.slope);
   KnownPopulation known = bench.population(10);
-  known.estimate.evidence.freedom << 9.0, 4.0, 4.0, 4.0;
+  known.estimate.evidence.degrees_of_freedom << 9.0, 4.0, 4.0, 4.0;
   known.estimate.evidence.mean_covariance(1, 1) = bench.covariance(1, 1) / 5.0;
   const Prediction found = bench.run(known);
   const double first = boost::math::quantile(boost::math::students_t(9.0), 0.975) * std::sqrt(0.04 * 1.1);

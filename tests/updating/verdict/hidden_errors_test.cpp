@@ -25,8 +25,8 @@ LinearTests one_parameter(Eigen::Index specimens) {
 
 TEST(HiddenErrors, OfOneParameterAreThoseOfTheClosedForm) {
   const ErrorEffects effects = error_effects(one_parameter(10));
-  EXPECT_EQ(effects.means_freedom, 1);
-  EXPECT_EQ(effects.denominator_freedom, 9);
+  EXPECT_EQ(effects.means_degrees_of_freedom, 1);
+  EXPECT_EQ(effects.denominator_degrees_of_freedom, 9);
   EXPECT_NEAR(effects.noncentrality(0), 10.0 * 0.25 / 0.01, 1e-9);
   EXPECT_NEAR(effects.shift(0, 0), 3.0, 1e-12);
   EXPECT_NEAR(effects.mean_covariance(0, 0), 0.004, 1e-12);
@@ -38,7 +38,7 @@ TEST(HiddenErrors, AMissingEntryTakesItsSpecimenOutOfTheOutputAlone) {
   const ErrorEffects effects = error_effects(tests);
   EXPECT_NEAR(effects.noncentrality(0), 9.0 * 0.25 / 0.01, 1e-9);
   EXPECT_NEAR(effects.mean_covariance(0, 0), 0.004, 1e-12);
-  EXPECT_EQ(effects.denominator_freedom, 8);
+  EXPECT_EQ(effects.denominator_degrees_of_freedom, 8);
 }
 
 TEST(HiddenErrors, AModelErrorDoesNotShrinkWithTheSpecimens) {
@@ -54,7 +54,7 @@ TEST(HiddenErrors, NothingRemainsWhereThereAreAsManyParametersAsOutputs) {
   tests.sensitivity = Eigen::Matrix2d{{1.0, 0.4}, {0.2, 2.0}};
   tests.covariance = tests.sensitivity * tests.sensitivity.transpose();
   const ErrorEffects effects = error_effects(tests);
-  EXPECT_EQ(effects.means_freedom, 0);
+  EXPECT_EQ(effects.means_degrees_of_freedom, 0);
   EXPECT_EQ(effects.noncentrality(0), 0.0);
   EXPECT_LT((effects.shift - tests.sensitivity.inverse() * tests.errors).cwiseAbs().maxCoeff(), 1e-12);
 }
@@ -102,7 +102,7 @@ TEST(HiddenErrors, OfAParameterThatTheTestsDoNotSeeMoveNothing) {
   LinearTests tests = one_parameter(10);
   tests.sensitivity = Eigen::Matrix2d{{1.0, 0.0}, {0.0, 0.0}};
   const ErrorEffects effects = error_effects(tests);
-  EXPECT_EQ(effects.means_freedom, 1);
+  EXPECT_EQ(effects.means_degrees_of_freedom, 1);
   EXPECT_EQ(effects.shift(1, 0), 0.0);
   EXPECT_EQ(effects.mean_covariance(1, 1), 0.0);
 }
@@ -118,8 +118,8 @@ TEST(HiddenErrors, OfATestWithinSpecimensShowInThoseAloneThatHaveTheOutputs) {
                     .noise = Eigen::Vector2d(1.0, 1.0)};
   tests.values.col(1).head(4).setConstant(k_nan);
   const ErrorEffects effects = error_effects(tests);
-  EXPECT_EQ(effects.means_freedom, 1);
-  EXPECT_EQ(effects.denominator_freedom, 5);
+  EXPECT_EQ(effects.means_degrees_of_freedom, 1);
+  EXPECT_EQ(effects.denominator_degrees_of_freedom, 5);
   EXPECT_NEAR(effects.noncentrality(0), 6.0 / 2.0, 1e-9);
   // With an error of the model d1 - d2 of variance 2 * 0.25 = 1/2: 1 / (2/6 + 1/2).
   tests.model_error_std = Eigen::Vector2d(0.5, 0.5);

@@ -60,7 +60,7 @@ TEST_P(SoundProblems, OfIdenticalSpecimensHaveNoScatter) {
   const UpdatingResult result = method()->update(problem, {});
   EXPECT_EQ(test::fault_of(problem, result, {}), "");
   EXPECT_LT((result.mean - Eigen::Vector3d::Ones()).cwiseAbs().maxCoeff(), 1e-2);
-  EXPECT_LT(test::deviations(result).maxCoeff(), 1e-3);
+  EXPECT_LT(test::standard_deviations(result).maxCoeff(), 1e-3);
 }
 
 INSTANTIATE_TEST_SUITE_P(Registry, SoundProblems, testing::ValuesIn(test::method_names(true)), test::instance_name);

@@ -20,7 +20,7 @@ struct MatVariable {
 };
 
 /// Most bytes that a file, what it unpacks to and the numbers in it may take each: 1 GiB.
-inline constexpr std::uint64_t k_most_mat_bytes = std::uint64_t{1} << 30;
+inline constexpr std::uint64_t k_max_mat_bytes = std::uint64_t{1} << 30;
 
 /// Variables by name. Structures, objects (tables, strings), sparse and complex arrays are left out, and so are cell
 /// arrays that hold anything but texts.

@@ -43,7 +43,7 @@ struct TermCoefficients {
 struct ReducedModelOptions {
   int modes = 10;           ///< wanted of every sample
   double tolerance = 2e-4;  ///< of an eigenvalue, relative: half of it is that of a frequency
-  int most_vectors = 400;   ///< of the basis
+  int max_vectors = 400;    ///< of the basis
 };
 
 /// Lowest modes of many samples from the reduced model.

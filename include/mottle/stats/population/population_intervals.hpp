@@ -13,11 +13,11 @@ namespace mottle::stats {
 /// What intervals rest on. `total` = Sigma + noise is what the units show of the population's covariance: a quantity
 /// whose sampling distribution is that of a sample covariance with `freedom` degrees of freedom.
 struct PopulationEvidence {
-  Eigen::VectorXd mean;             ///< [variable]
-  Eigen::MatrixXd total;            ///< [variable x variable]
-  Eigen::MatrixXd noise;            ///< the part of `total` that measurement noise makes [variable x variable]
-  Eigen::MatrixXd mean_covariance;  ///< of `mean` [variable x variable]
-  Eigen::MatrixXd freedom;          ///< of each entry of `total`; 0: not determined [variable x variable]
+  Eigen::VectorXd mean;                ///< [variable]
+  Eigen::MatrixXd total;               ///< [variable x variable]
+  Eigen::MatrixXd noise;               ///< the part of `total` that measurement noise makes [variable x variable]
+  Eigen::MatrixXd mean_covariance;     ///< of `mean` [variable x variable]
+  Eigen::MatrixXd degrees_of_freedom;  ///< of each entry of `total`; 0: not determined [variable x variable]
   /// The part of `mean_covariance` that errors shared by all units make: it does not shrink with their number. Empty:
   /// none [variable x variable].
   Eigen::MatrixXd mean_shared = {};

@@ -29,7 +29,7 @@ class Surrogate {
             const Eigen::Ref<const Eigen::MatrixXd>& outputs);
 
   /// The fewest runs that leave a tenth to be left out.
-  static Eigen::Index least_runs(SurrogateKind kind, Eigen::Index inputs);
+  static Eigen::Index min_runs(SurrogateKind kind, Eigen::Index inputs);
 
   /// Outputs at `inputs` [point x input]: [point x output].
   Eigen::MatrixXd operator()(const Eigen::Ref<const Eigen::MatrixXd>& inputs) const;

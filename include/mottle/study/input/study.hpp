@@ -70,7 +70,7 @@ struct StudyUpdate {
   int iterations = 30;
   double tolerance = 1e-3;
   double level = 0.05;
-  double most_failed = 0.3;
+  double max_failed = 0.3;
   bool is_diagonal = false;  ///< no two parameters are correlated in the population
   /// Parameters that may be correlated with each other, those not named each alone; empty: all with all.
   std::vector<std::vector<std::string>> covariance_groups = {};

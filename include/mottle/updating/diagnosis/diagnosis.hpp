@@ -18,16 +18,17 @@ struct DiagnosisSettings {
   double rank_tolerance = 1e-3;
 };
 
-/// One candidate put beside the parameters: with a mean of its own (shifted), or a mean and a scatter (freed).
+/// One candidate put beside the parameters: with a mean of its own that all specimens share (fixed), or a mean and a
+/// scatter (random).
 struct CandidateFit {
-  bool is_freed = false;
-  double gain = 0.0;        ///< of the log-likelihood over the parameters alone
-  double bic = 0.0;         ///< BIC less that of the parameters alone; negative: better
-  double p_value = 1.0;     ///< of the likelihood ratio
-  double adjusted_p = 1.0;  ///< after Holm, over all candidates and both kinds
-  double mean = 0.0;        ///< of the candidate, on its own axis
-  double deviation = 0.0;   ///< of the candidate
-  bool is_within = true;    ///< no given parameter's mean lies on a bound
+  bool is_random = false;
+  double log_likelihood_increase = 0.0;  ///< of the log-likelihood over the parameters alone
+  double bic = 0.0;                      ///< BIC less that of the parameters alone; negative: better
+  double p_value = 1.0;                  ///< of the likelihood ratio
+  double adjusted_p = 1.0;               ///< after Holm, over all candidates and both kinds
+  double mean = 0.0;                     ///< of the candidate, on its own axis
+  double standard_deviation = 0.0;       ///< of the candidate
+  bool is_within = true;                 ///< no given parameter's mean lies on a bound
   bool converged = false;
   std::string failure;  ///< why there is no fit; empty: there is
 };
@@ -45,19 +46,19 @@ struct Detectability {
 /// A candidate and all that is known of it.
 struct CandidateFinding {
   Detectability detectability;
-  CandidateFit shifted;
-  CandidateFit freed;
+  CandidateFit fixed;
+  CandidateFit random;
   bool is_screened_out = false;  ///< tried in linear models only, and worse there than the best `screened`
-  double bic() const { return freed.bic < shifted.bic ? freed.bic : shifted.bic; }
-  const CandidateFit& better() const { return freed.bic < shifted.bic ? freed : shifted; }
+  double bic() const { return random.bic < fixed.bic ? random.bic : fixed.bic; }
+  const CandidateFit& better() const { return random.bic < fixed.bic ? random : fixed; }
 };
 
 /// One parameter of the set that is proposed.
 struct ProposedParameter {
   std::string name;
   bool is_given = true;
-  bool is_freed = true;  ///< false: its mean is to be moved, it has no scatter of its own
-  double bic = 0.0;      ///< by which it lowered BIC when it was added
+  bool is_random = true;  ///< false: its mean is to be moved, it has no scatter of its own
+  double bic = 0.0;       ///< by which it lowered BIC when it was added
 };
 
 /// Answer of diagnose().
@@ -65,7 +66,7 @@ struct Diagnosis {
   double log_likelihood = 0.0;  ///< of the parameters alone
   bool converged = false;       ///< and whether their fit came to rest
   Eigen::VectorXd mean;         ///< of the parameters alone, on their own axes
-  Eigen::VectorXd deviation;
+  Eigen::VectorXd standard_deviation;
   std::vector<std::string> at_bound;         ///< parameters whose mean lies on a bound, without candidates
   int unreproduced = 0;                      ///< specimens that no parameters reproduce
   Eigen::Index judging = 0;                  ///< directions of the tests' mean that the given parameters cannot reach

@@ -17,7 +17,7 @@ namespace mottle::updating {
 struct CloudSettings {
   int samples = 1000;
   SamplingDesign design = SamplingDesign::monte_carlo;
-  double most_failed = 0.3;  ///< a cloud with a larger fraction of failed runs stops the computation
+  double max_failed = 0.3;  ///< a cloud with a larger fraction of failed runs stops the computation
 };
 
 /// All samples of a cloud, failed ones included (their outputs are nan).
@@ -47,7 +47,7 @@ Cloud evaluate_cloud(const Model& model, const ParameterSpace& space, const Join
                      const CloudSettings& settings, const StreamKey& key, const RunContext& context);
 
 /// Evaluates given parameter vectors [sample x parameter] in place of drawn ones.
-Cloud evaluate_points(const Model& model, const Eigen::Ref<const Eigen::MatrixXd>& points, double most_failed,
+Cloud evaluate_points(const Model& model, const Eigen::Ref<const Eigen::MatrixXd>& points, double max_failed,
                       const RunContext& context);
 
 }  // namespace mottle::updating

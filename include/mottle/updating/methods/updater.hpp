@@ -27,7 +27,7 @@ struct TestData {
   Eigen::VectorXd repeatability_std;  ///< measurement noise of each output, 0 where not known [output]
   /// Degrees of freedom of `repeatability_std` where it comes from repeated tests, 0 where it was given as a number;
   /// empty: 0 for all [output].
-  Eigen::VectorXi repeatability_freedom = {};
+  Eigen::VectorXi repeatability_degrees_of_freedom = {};
   /// Standard deviation of the model's own error d, shared by all specimens, z_s = f(x_s) + d + e_s, 0 where none;
   /// empty: none [output].
   Eigen::VectorXd model_error_std = {};

@@ -44,7 +44,7 @@ struct HeldOutCheck {
   double adjusted_p = 1.0;      ///< the smallest of them after Holm
   Eigen::MatrixXd scores = {};  ///< transforms as standard normal numbers [specimen x output], nan: missing
   std::vector<Histogram> histograms = {};  ///< [output]
-  Eigen::VectorXi least_inside = {};       ///< fewer tests inside are seen in one of a hundred cases [output]
+  Eigen::VectorXi min_inside = {};         ///< fewer tests inside are seen in one of a hundred cases [output]
 };
 
 /// Predictive distribution of one new specimen's test.

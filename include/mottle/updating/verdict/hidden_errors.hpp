@@ -32,10 +32,11 @@ struct ErrorEffects {
   /// what that test looks at (all tests, or within specimens, or the means), J_ee - J_ex J_xx^+ J_xe, the part of the
   /// error's effect that no parameters imitate; 0 where nothing remains [quantity]
   Eigen::VectorXd noncentrality;
-  Eigen::MatrixXd shift;                 ///< J_xx^+ J_xe: of the estimated means [parameter x quantity]
-  Eigen::MatrixXd mean_covariance;       ///< J_xx^+: of the estimated means [parameter x parameter]
-  Eigen::Index means_freedom = 0;        ///< degrees of freedom that the fit leaves to the means
-  Eigen::Index denominator_freedom = 0;  ///< and to the scatter about them, where the noise's level is estimated
+  Eigen::MatrixXd shift;                      ///< J_xx^+ J_xe: of the estimated means [parameter x quantity]
+  Eigen::MatrixXd mean_covariance;            ///< J_xx^+: of the estimated means [parameter x parameter]
+  Eigen::Index means_degrees_of_freedom = 0;  ///< degrees of freedom that the fit leaves to the means
+  Eigen::Index denominator_degrees_of_freedom =
+      0;  ///< and to the scatter about them, where the noise's level is estimated
 };
 
 /// Effects of small errors on tests and estimates. Missing entries drop out of their specimens.

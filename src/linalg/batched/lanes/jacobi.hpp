@@ -94,7 +94,7 @@ constexpr int k_batches = MOTTLE_LANES == 8 && N <= 3 ? (Vectors ? 3 : 4)
 /// Diagonalises; each lane stops by its own criterion, so extra sweeps for a neighbour change nothing.
 template <int N, bool Vectors, int Batches>
 MOTTLE_INLINE void diagonalise(SmallPencil<N> (&pencils)[Batches]) {
-  constexpr int k_most_sweeps = 20;
+  constexpr int k_max_sweeps = 20;
   static constexpr Tournament<N> k_order;
   Lane squares[Batches], floor[Batches];
   Mask active[Batches], open{};
@@ -106,7 +106,7 @@ MOTTLE_INLINE void diagonalise(SmallPencil<N> (&pencils)[Batches]) {
     active[b] = unconverged_lanes<N>(pencils[b], floor[b]);
     open |= active[b];
   }
-  for (int sweep = 0; sweep < k_most_sweeps && any(open); ++sweep) {
+  for (int sweep = 0; sweep < k_max_sweeps && any(open); ++sweep) {
     unrolled<0, N*(N - 1) / 2>([&](auto pair) MOTTLE_FLAT {
       unrolled<0, Batches>([&](auto b) MOTTLE_FLAT {
         rotate<N, Vectors, k_order.first[pair.value], k_order.second[pair.value]>(pencils[b.value], active[b.value]);

@@ -1,6 +1,6 @@
 // Lowest modes of pencils near a nominal one in whose modes they are written: a block that begins with the nominal
 // modes, corrections of its residuals by the diagonals (Davidson's), Rayleigh and Ritz at the end, and a count of the
-// eigenvalues that shows that none is missed. See nearby_modes.hpp.
+// eigenvalues that shows that none is missed. See batched_davidson.hpp.
 #pragma once
 
 #include "linalg/batched/lanes/nearby_ritz.hpp"
@@ -107,13 +107,13 @@ inline void correct_block(const NearbyProblem& problem, const NearbyWorkspace& w
 /// Corrections until the sharp modes' residuals are small, the first of as many vectors as are kept, the others of the
 /// sharp modes'.
 inline void correct_blocks(const NearbyProblem& problem, NearbyWorkspace& work) {
-  constexpr int k_most = 6;
+  constexpr int k_max = 6;
   constexpr double k_share = 0.25;  // the vectors of the block still couple
   for (int step = 0;; ++step) {
     find_quotients(work);
     find_squares(work, problem.block);
     const Mask open = ~are_sharp(problem, work, k_share);
-    if (!any(open) || step == k_most) break;
+    if (!any(open) || step == k_max) break;
     if (step == 0) work.set_columns(problem.kept);
     correct_block(problem, work, open);
     work.set_columns(problem.corrected);
@@ -193,7 +193,7 @@ inline void store_nearby(const NearbyProblem& problem, const Output& output, con
 
 inline void solve_nearby_batch(const NearbyProblem& problem, const Output& output, const BatchSamples& batch,
                                NearbyWorkspace& work) {
-  constexpr int k_most = 3;  // Ritz steps after the first
+  constexpr int k_max = 3;  // Ritz steps after the first
   assemble_nearby(problem, batch, work);
   Mask open = start_block(problem, work);  // lanes that are sound and not finished
   const int corner = (problem.block + k_tile - 1) / k_tile * k_tile;
@@ -207,7 +207,7 @@ inline void solve_nearby_batch(const NearbyProblem& problem, const Output& outpu
     const Mask sharp = are_sharp(problem, work, 1.0);
     store_nearby(problem, output, batch, work, open & sharp);
     open &= ~sharp;
-    if (!any(open) || step == k_most) break;
+    if (!any(open) || step == k_max) break;
     correct_block(problem, work, open);
   }
 }

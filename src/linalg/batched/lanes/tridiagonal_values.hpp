@@ -142,7 +142,7 @@ MOTTLE_INLINE Mask narrow(const Workspace& work, int n, int mode, Mask count, La
 template <int Count>
 inline void find_group(const Workspace& work, int n, int from, int modes, Lane bound, double rounding) {
   constexpr int k_newton_rounds = 40;  // isolation by halving comes out of these too
-  constexpr int k_most_rounds = 100;   // 55 halvings close any bracket
+  constexpr int k_max_rounds = 100;    // 55 halvings close any bracket
   const Lane least = larger(bound * 1e-20, broadcast(k_tiny));
   section<Count>(work, n, from, modes, least);
   Probe<Count> probe;
@@ -151,7 +151,7 @@ inline void find_group(const Workspace& work, int n, int from, int modes, Lane b
     search[g].point = (work.low[from + g] + work.high[from + g]) * 0.5;
     search[g].overshoot = resolution(search[g].point, bound, rounding) * 0.4;
   }
-  for (int round = 0; round < k_most_rounds; ++round) {
+  for (int round = 0; round < k_max_rounds; ++round) {
     for (int g = 0; g < Count; ++g) probe.point[g] = search[g].point;
     probe_spectrum<Count>(work, n, least, probe);
     Mask open{};

@@ -1,4 +1,4 @@
-#include "linalg/reduced/nearby_modes.hpp"
+#include "linalg/reduced/batched_davidson.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
@@ -52,7 +52,7 @@ Eigen::MatrixXd nominal_turn(const Eigen::MatrixXd& nominal) {
   return solver.eigenvectors().rowwise().reverse();
 }
 
-NearbyModes::NearbyModes(const NearbyFamily& family, const NearbyOptions& options)
+BatchedDavidson::BatchedDavidson(const NearbyPencils& family, const NearbyOptions& options)
     : options_(options),
       shift_(family.shift),
       nominal_stiffness_(family.nominal_stiffness),
@@ -82,7 +82,8 @@ NearbyModes::NearbyModes(const NearbyFamily& family, const NearbyOptions& option
   pack_sketch(family.mass_sketch, mass_sketch_);
 }
 
-void NearbyModes::pack(const std::vector<Eigen::MatrixXd>& terms, double filling, std::vector<double>& packed) const {
+void BatchedDavidson::pack(const std::vector<Eigen::MatrixXd>& terms, double filling,
+                           std::vector<double>& packed) const {
   const Eigen::Index tiles = order_ / k_tile, stride = static_cast<Eigen::Index>(terms.size()) * k_tile_entries;
   packed.resize(static_cast<std::size_t>(stride * tiles * (tiles + 1) / 2));
   Eigen::MatrixXd filled = Eigen::MatrixXd::Zero(order_, order_);
@@ -97,7 +98,7 @@ void NearbyModes::pack(const std::vector<Eigen::MatrixXd>& terms, double filling
   }
 }
 
-void NearbyModes::pack_sketch(const std::vector<Eigen::MatrixXd>& terms, std::vector<double>& packed) const {
+void BatchedDavidson::pack_sketch(const std::vector<Eigen::MatrixXd>& terms, std::vector<double>& packed) const {
   const Eigen::Index stride = static_cast<Eigen::Index>(terms.size()) * k_tile_entries;
   packed.resize(terms.size() * static_cast<std::size_t>(sketch_rows_ * order_));
   Eigen::MatrixXd filled = Eigen::MatrixXd::Zero(sketch_rows_, order_);
@@ -110,7 +111,7 @@ void NearbyModes::pack_sketch(const std::vector<Eigen::MatrixXd>& terms, std::ve
   }
 }
 
-std::vector<Eigen::Index> NearbyModes::near_samples(const TermCoefficients& samples) const {
+std::vector<Eigen::Index> BatchedDavidson::near_samples(const TermCoefficients& samples) const {
   std::vector<Eigen::Index> near;
   for (Eigen::Index s = 0; s < samples.samples(); ++s) {
     if (are_near(samples.stiffness.col(s), nominal_stiffness_) && are_near(samples.mass.col(s), nominal_mass_)) {
@@ -120,8 +121,8 @@ std::vector<Eigen::Index> NearbyModes::near_samples(const TermCoefficients& samp
   return near;
 }
 
-SketchedModes NearbyModes::solve_near(const TermCoefficients& samples, const NearbyBounds& bounds, double limit,
-                                      int threads) const {
+SketchedModes BatchedDavidson::solve_near(const TermCoefficients& samples, const NearbyBounds& bounds, double limit,
+                                          int threads) const {
   constexpr std::int64_t k_grain = 32;
   const Eigen::Index modes = options_.modes, count = samples.samples();
   SketchedModes result{{Eigen::MatrixXd(modes, count), Eigen::MatrixXd(rows_ * modes, count), {}},
@@ -160,8 +161,8 @@ SketchedModes NearbyModes::solve_near(const TermCoefficients& samples, const Nea
   return result;
 }
 
-SketchedModes NearbyModes::solve(const TermCoefficients& samples, const NearbyBounds& bounds, double limit,
-                                 int threads) const {
+SketchedModes BatchedDavidson::solve(const TermCoefficients& samples, const NearbyBounds& bounds, double limit,
+                                     int threads) const {
   const Eigen::Index modes = options_.modes, count = samples.samples();
   const std::vector<Eigen::Index> near = is_useful() ? near_samples(samples) : std::vector<Eigen::Index>{};
   const bool takes_all = static_cast<Eigen::Index>(near.size()) == count;

@@ -10,7 +10,7 @@
 namespace mottle::linalg {
 
 /// Dense terms, the constants' first, in coordinates in which the nominal K - shift M is the identity.
-struct NearbyFamily {
+struct NearbyPencils {
   const std::vector<Eigen::MatrixXd>& stiffness;
   const std::vector<Eigen::MatrixXd>& mass;
   const Eigen::VectorXd& nominal_stiffness;  ///< coefficients, 1 for the constants
@@ -50,9 +50,9 @@ struct NearbyBounds {
 /// bound of K - x M there, proves that no mode below x is missed. Bits of a sample do not depend on its neighbours.
 ///
 /// Source: [Davidson1975]; the count is Sylvester's law of inertia after a congruence, [Parlett1998].
-class NearbyModes {
+class BatchedDavidson {
  public:
-  NearbyModes(const NearbyFamily& family, const NearbyOptions& options);
+  BatchedDavidson(const NearbyPencils& family, const NearbyOptions& options);
 
   /// False where the pencils are too small, or their spectrum too dense, for the block to be cheaper.
   bool is_useful() const { return block_ > 0; }

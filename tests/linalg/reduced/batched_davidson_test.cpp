@@ -1,5 +1,5 @@
 // Modes of pencils near a nominal one against the dense solver, and pencils whose modes the block would miss.
-#include "linalg/reduced/nearby_modes.hpp"
+#include "linalg/reduced/batched_davidson.hpp"
 
 #include <gtest/gtest.h>
 
@@ -63,7 +63,7 @@ struct Family {
     for (std::size_t t = 0; t < mass.size(); ++t) mass_sketch.push_back(uniform(k_sketch, order, -1.0, 1.0, random));
   }
 
-  NearbyModes solver(SimdLevel simd) const {
+  BatchedDavidson solver(SimdLevel simd) const {
     return {{stiffness, mass, nominal_stiffness, nominal_mass, k_shift, stiffness_sketch, mass_sketch},
             {.modes = k_modes, .sharp = k_sharp, .simd = simd}};
   }
@@ -110,7 +110,7 @@ TEST_P(NearbyModesTest, AgreesWithTheDenseSolver) {
         const Family family(order, 5, is_mass_parametric, is_turned, random);
         const TermCoefficients samples = coefficients(family, 37, 0.1, random);
         const NearbyBounds bounds = bounds_of(samples);
-        const NearbyModes solver = family.solver(GetParam());
+        const BatchedDavidson solver = family.solver(GetParam());
         ASSERT_TRUE(solver.is_useful());
         const SketchedModes found = solver.solve(samples, bounds, k_limit, 1);
         Index solved = 0;
@@ -194,7 +194,7 @@ TEST_P(NearbyModesTest, ASampleHasTheSameBitsWhateverItsNeighboursAndTheThreads)
   const Family family(96, 13, true, true, random);
   const TermCoefficients samples = coefficients(family, 70, 0.12, random);
   const NearbyBounds bounds = bounds_of(samples);
-  const NearbyModes solver = family.solver(GetParam());
+  const BatchedDavidson solver = family.solver(GetParam());
   const SketchedModes together = solver.solve(samples, bounds, 1e-6, 2);
   for (const Index s : {0, 1, 9, 33, 69}) {
     const SketchedModes alone =
@@ -207,10 +207,10 @@ TEST_P(NearbyModesTest, ASampleHasTheSameBitsWhateverItsNeighboursAndTheThreads)
   }
 }
 
-TEST(NearbyModes, IsNoUseWherePencilsAreHardlyLargerThanTheBlock) {
+TEST(BatchedDavidson, IsNoUseWherePencilsAreHardlyLargerThanTheBlock) {
   std::mt19937_64 random(5);
   const Family family(50, 3, false, true, random);
-  const NearbyModes solver = family.solver(SimdLevel::automatic);
+  const BatchedDavidson solver = family.solver(SimdLevel::automatic);
   EXPECT_FALSE(solver.is_useful());
   const TermCoefficients samples = coefficients(family, 5, 0.1, random);
   for (const auto failed : solver.solve(samples, bounds_of(samples), 1e-6, 1).modes.failed) EXPECT_EQ(failed, 1);
