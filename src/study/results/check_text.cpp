@@ -28,7 +28,7 @@ std::string covariance_line(const Study& study, const std::vector<std::string>& 
     for (std::size_t j = 0; j < names.size(); ++j) {
       if (groups[j] == groups[i]) group.push_back(names[j]);
     }
-    if (group.front() == names[i] && group.size() > 1) together.push_back("[" + join(group) + "]");
+    if (group.front() == names[i] && group.size() > 1) together.push_back(fmt::format("[{}]", join(group)));
   }
   if (groups.empty()) return "  covariance: full";
   return together.empty() ? "  covariance: diagonal" : fmt::format("  covariance: only within {}", join(together));
