@@ -47,6 +47,15 @@ class EarlierResultsTest(support.CommandTest):
         self.assertTrue(results < {file.name for file in self.previous.iterdir()})
         self.assertIn("earlier run", (self.previous / "README.txt").read_text(encoding="utf-8"))
 
+    def test_a_failure_of_the_very_first_run_does_the_same(self):
+        self.write("solver.py", 'import sys\nsys.exit("no")\n')
+        for verb in ("update", "propagate"):
+            self.succeed("update", "study.toml", "--out", "out", "--quiet")
+            ended = self.call(verb, "failing.toml", "--out", "out", "--quiet")
+            self.assertEqual(ended.code, 3, ended.err)
+            self.assertFalse({"result.json", "report.html"} & self.names(), verb)
+            self.assertEqual(numbers(self.previous), self.first, verb)
+
     def test_a_report_of_a_run_that_failed_is_refused(self):
         self.run_into_failure()
         ended = self.call("report", "out")

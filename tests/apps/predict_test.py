@@ -74,6 +74,7 @@ class Predict(support.CommandTest):
                 ('[predict]\nfrequencies = [1]\nheldout = "x.csv"\n', "heldout", "did you mean 'held_out'?"),
                 ('[predict]\nfrequencies = [1]\nheld_out = "none.csv"\n', "held_out", "predict.held_out: "),
                 ('[predict]\nfrequencies = [1]\nheld_out = "*.nothing"\n', "held_out", "predict.held_out: "),
+                ('[predict]\nfrequencies = [99]\n', "frequencies = [99]", "predict.frequencies: "),
                 ('[predict]\nfrequencies = [1]\nrepeatability = { f7 = 1.0 }\n', "repeatability = { f7", "output 'f7'")):
             text = self.study + "\n" + block
             self.write("study.toml", text)

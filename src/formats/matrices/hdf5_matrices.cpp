@@ -1,5 +1,6 @@
 // Matrices in HDF5: a square dataset, or a group in one of SciPy's layouts.
 #include <algorithm>
+#include <limits>
 
 #include "formats/matrices/hdf5_file.hpp"
 #include "formats/matrices/matrix_readers.hpp"
@@ -47,6 +48,11 @@ SymmetricMatrix read_dense(const Hdf5File& file, const std::string& name, const 
   return {.lower = builder.finish()};
 }
 
+/// Counted from 1, in place of 0. The largest number stays: no matrix has such a row.
+long long number_of(long long index) {
+  return index == std::numeric_limits<long long>::max() ? index : index + 1;
+}
+
 SymmetricMatrix read_sparse(const Hdf5File& file, const std::string& name, const std::string& group) {
   const std::vector<double> values = read_numbers(file, group + "/data");
   const bool is_compressed = file.has(group + "/indptr");
@@ -57,7 +63,9 @@ SymmetricMatrix read_sparse(const Hdf5File& file, const std::string& name, const
   SymmetricBuilder builder(name);
   if (!is_compressed) {
     builder.grow();
-    for (std::size_t k = 0; k < values.size(); ++k) builder.add(0, rows[k] + 1, columns[k] + 1, values[k]);
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      builder.add(0, number_of(rows[k]), number_of(columns[k]), values[k]);
+    }
     return {.lower = builder.finish()};
   }
   const auto size = static_cast<long long>(rows.size()) - 1;
@@ -67,7 +75,7 @@ SymmetricMatrix read_sparse(const Hdf5File& file, const std::string& name, const
         rows[i] >= 0 && rows[i] <= rows[i + 1] && rows[i + 1] <= static_cast<long long>(values.size());
     if (!is_sound) file.fail(fmt::format("'{}/indptr' is not ascending from 0 to the number of entries", group));
     for (auto k = static_cast<std::size_t>(rows[i]); k < static_cast<std::size_t>(rows[i + 1]); ++k) {
-      builder.add(0, static_cast<long long>(i) + 1, columns[k] + 1, values[k]);
+      builder.add(0, static_cast<long long>(i) + 1, number_of(columns[k]), values[k]);
     }
   }
   return {.lower = builder.finish()};

@@ -7,7 +7,7 @@ namespace mottle::study {
 namespace {
 
 /// The key of a study that a subject is read from.
-std::string key_of(const Subject& subject) {
+std::string key_of(const Study& study, const Subject& subject) {
   switch (subject.kind) {
     case Subject::Kind::parameter:
       return fmt::format("parameter '{}'", subject.name);
@@ -30,15 +30,15 @@ std::string key_of(const Subject& subject) {
     case Subject::Kind::run_files:
       return "model.files";
     case Subject::Kind::outputs:
-      return "outputs";
+      return study.outputs_key;
     case Subject::Kind::frequencies:
-      return "outputs.frequencies";
+      return study.outputs_key + ".frequencies";
     case Subject::Kind::shape_modes:
-      return "outputs.shapes.modes";
+      return study.outputs_key + ".shapes.modes";
     case Subject::Kind::shape_places:
-      return "outputs.shapes.dofs";
+      return study.outputs_key + ".shapes.dofs";
     case Subject::Kind::damping:
-      return "outputs.damping";
+      return study.outputs_key + ".damping";
     case Subject::Kind::tests:
       return "test";
     case Subject::Kind::repeatability:
@@ -80,7 +80,7 @@ std::string located(const Study& study, const std::string& key, const std::strin
 
 std::string located(const Study& study, const InvalidInput& error, const std::string& section) {
   if (const auto* of = dynamic_cast<const SubjectError*>(&error)) {
-    return located(study, key_of(of->subject()), of->fault(), section);
+    return located(study, key_of(study, of->subject()), of->fault(), section);
   }
   if (const auto* of = dynamic_cast<const KeyError*>(&error)) return located(study, of->key(), of->fault(), section);
   // Names the file and the line itself.

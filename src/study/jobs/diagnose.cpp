@@ -26,7 +26,8 @@ DiagnoseOutcome diagnose(const Study& study, const RunSettings& settings) {
   require(!study.parameters.list.empty(), "{}: parameter: there is none; give at least one [[parameter]]",
           study.file.string());
   DiagnoseOutcome outcome{.study = study, .whole = with_candidates(study, resolve_candidates(study))};
-  const StudyModel made = make_model(outcome.whole, outcome.whole.parameters, settings);
+  const StudyModel made =
+      prepare(settings, {k_diagnosis}, [&] { return make_model(outcome.whole, outcome.whole.parameters, settings); });
   const StudyTests tests = read_tests(study, *made.model);
   refuse_unit_errors(study, made, tests);
   const JobFiles files(settings, k_diagnosis_log, k_diagnosis_journal);

@@ -76,7 +76,10 @@ std::vector<std::string> earlier_results(const RunSettings& settings,
 PropagateOutcome propagate(const Study& study, const std::optional<std::filesystem::path>& points,
                            const RunSettings& settings) {
   const double start = steady_seconds();
-  PropagateOutcome outcome{.study = study, .made = make_model(study, study.parameters, settings)};
+  const std::vector<std::string> earlier = earlier_results(settings, points);
+  PropagateOutcome outcome{.study = study, .made = prepare(settings, earlier, [&] {
+                                             return make_model(study, study.parameters, settings);
+                                           })};
   const StudyModel& made = outcome.made;
   const Eigen::MatrixXd given = points ? read_points(*points, *made.space) : Eigen::MatrixXd();
   const Eigen::Index specimens = study.test ? read_tests(study, *made.model).data.values.rows() : 10;
@@ -85,7 +88,7 @@ PropagateOutcome propagate(const Study& study, const std::optional<std::filesyst
   const JournalledModel model(*made.model, files.journal(), study_fingerprint(study, made, points), settings.resume);
   const CloudSettings rules = cloud_settings(study, specimens, static_cast<Eigen::Index>(made.model->outputs().size()));
   const StreamKey key{.seed = study.seed, .purpose = StreamPurpose::parameter_cloud};
-  outcome.cloud = files.compute(study, earlier_results(settings, points), [&] {
+  outcome.cloud = files.compute(study, earlier, [&] {
     return points ? evaluate_points(model, given, rules.max_failed, context)
                   : evaluate_cloud(model, *made.space, made.space->prior(), rules, key, context);
   });

@@ -2,6 +2,15 @@
 
 namespace mottle::study {
 
+void set_aside_in(const std::filesystem::path& folder, const std::vector<std::string>& names) {
+  std::error_code ignored;
+  if (!std::filesystem::is_directory(folder, ignored)) return;
+  try {
+    RunFolder(folder).set_aside(names);
+  } catch (const std::exception&) {  // what is told is why the job ends
+  }
+}
+
 JobFiles::JobFiles(const RunSettings& settings, const char* log, const char* journal)
     : log_name_(log), journal_(journal) {
   if (settings.folder.empty()) return;

@@ -14,6 +14,23 @@
 
 namespace mottle::study {
 
+/// Sets earlier results aside, if the folder is there and can be written.
+void set_aside_in(const std::filesystem::path& folder, const std::vector<std::string>& names);
+
+/// What `work` returns, which makes the job's model and runs it for the first time. Where that fails or is stopped,
+/// results of an earlier job, files `names`, are set aside; where the input is wrong they stay.
+template <typename Work>
+auto prepare(const RunSettings& settings, const std::vector<std::string>& names, const Work& work) {
+  try {
+    return work();
+  } catch (const InvalidInput&) {
+    throw;
+  } catch (const Error&) {
+    if (!settings.folder.empty()) set_aside_in(settings.folder, names);
+    throw;
+  }
+}
+
 /// The files of a running job; none where the settings name no folder.
 class JobFiles {
  public:

@@ -17,6 +17,7 @@ namespace {
 Study predicted_study(const Study& study) {
   Study other = study;
   other.outputs = study.predict->outputs;
+  other.outputs_key = "predict";
   for (const auto& [given, value] : study.predict->overrides) {
     const std::string target = study.model->target_key(given);
     for (const StudyParameter& parameter : study.parameters.list) {

@@ -76,7 +76,8 @@ const UpdatingProblem& UpdateOutcome::problem() const {
 
 UpdateOutcome update(const Study& study, const RunSettings& settings) {
   const double start = steady_seconds();
-  const auto workings = std::make_shared<UpdateWorkings>(UpdateWorkings{.plan = plan_update(study, settings)});
+  const auto workings = std::make_shared<UpdateWorkings>(
+      UpdateWorkings{.plan = prepare(settings, result_names(), [&] { return plan_update(study, settings); })});
   const UpdatePlan& plan = workings->plan;
   UpdateOutcome outcome{.study = study, .workings = workings};
   const JobFiles files(settings, k_log, k_journal);

@@ -111,6 +111,7 @@ struct Study {
   bool may_reduce = true;                    ///< clouds by a reduced model, where [model] allows it and it pays
   StudyParameters parameters;                ///< empty in a study that only holds a truth
   ModalOutputs outputs;
+  std::string outputs_key = "outputs";  ///< that names the outputs, for messages
   std::optional<StudyTest> test;
   StudyUpdate update;
   std::optional<StudyTruth> truth;
