@@ -1,5 +1,7 @@
 #include "mottle/model/surrogate_model.hpp"
 
+#include <limits>
+
 namespace mottle::model {
 
 void SurrogateModel::train(SurrogateKind kind, const Eigen::Ref<const Eigen::MatrixXd>& samples,
@@ -9,7 +11,14 @@ void SurrogateModel::train(SurrogateKind kind, const Eigen::Ref<const Eigen::Mat
 
 Evaluation SurrogateModel::evaluate(const Eigen::Ref<const Eigen::MatrixXd>& samples, const RunContext& context) const {
   context.throw_if_stopped();
-  return {(*surrogate_)(from_variables(scales_, samples)), {}};
+  const Eigen::MatrixXd points = from_variables(scales_, samples);
+  Evaluation evaluation{(*surrogate_)(points), {}};
+  for (Eigen::Index s = 0; s < points.rows(); ++s) {
+    if (points.row(s).allFinite()) continue;
+    evaluation.outputs.row(s).setConstant(std::numeric_limits<double>::quiet_NaN());
+    evaluation.failures.push_back({s, "a parameter lies beyond the ends of its scale, where there is no surrogate"});
+  }
+  return evaluation;
 }
 
 }  // namespace mottle::model

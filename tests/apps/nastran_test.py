@@ -138,7 +138,8 @@ class NastranTest(support.CommandTest):
                 self.refuse("study.toml:", *phrases)
 
     def test_a_prediction_does_not_override_a_target_however_it_is_written(self):
-        predict = '[predict]\nfrequencies = [1]\nmodel = { "MAT1:1:E" = 6.0e10 }\n'
+        predict = '[test]\nfile = "tests.csv"\n[predict]\nfrequencies = [1]\nmodel = { "MAT1:1:E" = 6.0e10 }\n'
+        self.write("tests.csv", "f1,f2\n23.2,24.6\n23.3,24.7\n23.1,24.9\n23.4,24.5\n")
         self.write("study.toml", edited(STUDY, ('"MAT1:1:E"', '"mat1:1:e"')) + predict)
         self.refuse("study.toml:", "is what parameter 'E' acts on")
 

@@ -27,7 +27,7 @@ class SurrogateModel final : public Model {
 
   Eigen::Index parameter_count() const override { return model_.parameter_count(); }
   const std::vector<Quantity>& outputs() const override { return model_.outputs(); }
-  /// Needs train().
+  /// Needs train(). Samples beyond the ends of a parameter's scale (a logit's bounds, zero of a logarithm) fail.
   Evaluation evaluate(const Eigen::Ref<const Eigen::MatrixXd>& samples, const RunContext& context) const override;
 
  private:

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "mottle/core/subject.hpp"
 #include "mottle/core/text.hpp"
@@ -12,13 +13,25 @@ namespace {
 
 constexpr Eigen::Index k_min_check = 10;
 
-/// The design's ends on the standard normal axis of one parameter, drawn in to what is physically possible.
+/// x drawn in to where the parameter's scale is finite: a surrogate is fitted on the scales.
+double within_scale(const ParameterSpace& space, Eigen::Index parameter, double x) {
+  constexpr double k_reach = 10.0;  // on the scale: beyond it a logit is at its bound but for 5e-5 of its width
+  const NormalScale scale = space.parameters()[static_cast<std::size_t>(parameter)].scale;
+  if (scale.kind == NormalScale::Kind::identity) return x;
+  const bool is_log = scale.kind == NormalScale::Kind::log;
+  const double middle = is_log ? scale.from_variable(space.prior().mean()(parameter)) : 0.0;
+  const double upper = is_log ? std::numeric_limits<double>::infinity() : scale.to_variable(k_reach);
+  return std::clamp(x, scale.to_variable(middle - k_reach), upper);
+}
+
+/// The design's ends on the standard normal axis of one parameter, drawn in to what is physically possible and to where
+/// its scale is finite.
 double possible_end(const ParameterSpace& space, Eigen::Index parameter, double end) {
   const Distribution& marginal = space.prior().marginals()[static_cast<std::size_t>(parameter)];
   Eigen::VectorXd x = space.prior().mean();
   for (; std::abs(end) > 1e-3; end *= 0.9) {
     x(parameter) = marginal.from_standard_normal(end);
-    if (space.is_possible(x.transpose())) break;
+    if (space.is_possible(x.transpose()) && within_scale(space, parameter, x(parameter)) == x(parameter)) break;
   }
   return end;
 }
@@ -123,8 +136,12 @@ void SurrogateUpdate::check(const UpdatingResult& result, const RunContext& cont
   const ParameterDraw draw = given_.space.draw(
       JointDistribution::multivariate_normal(result.mean, covariance), SamplingDesign::latin_hypercube, points,
       {.seed = context.seed, .purpose = StreamPurpose::surrogate_runs, .iteration = round});
+  Eigen::MatrixXd samples = draw.samples;
+  for (Eigen::Index i = 0; i < samples.cols(); ++i) {
+    samples.col(i) = samples.col(i).unaryExpr([&](double x) { return within_scale(given_.space, i, x); });
+  }
   const Eigen::Index before = samples_.rows();
-  add_runs(draw.samples, context);
+  add_runs(samples, context);
   const Eigen::Index added = samples_.rows() - before;
   const Eigen::MatrixXd said = model_.evaluate(samples_.bottomRows(added), context).outputs;
   SurrogateRound& last = rounds_.back();

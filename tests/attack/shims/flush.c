@@ -1,7 +1,7 @@
 /* A disk that loses what was not flushed. Loaded before all other libraries (LD_PRELOAD), by environment:
      SHIM_FSYNC=n     the n-th fsync or fdatasync, and all that follow, fail with EIO
-     SHIM_RENAME=n    the power goes at the n-th rename, just after it
-     SHIM_LOSE=1      with SHIM_RENAME: every file that was renamed without being flushed first loses its bytes */
+     SHIM_RENAME=n    the power goes at the n-th rename or link, just after it
+     SHIM_LOSE=1      with SHIM_RENAME: every file that got a name without being flushed first loses its bytes */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>
@@ -13,7 +13,7 @@
 
 enum { k_files = 4096 };
 static ino_t flushed[k_files];
-static int n_flushed, n_syncs, n_renames;
+static int n_flushed, n_syncs, n_names;
 
 static int setting(const char* name) {
   const char* text = getenv(name);
@@ -46,11 +46,25 @@ static int was_flushed(const char* path) {
   return 0;
 }
 
-int rename(const char* from, const char* to) {
-  if (setting("SHIM_LOSE") && !was_flushed(from) && truncate(from, 0) != 0) _exit(99);
-  int (*next)(const char*, const char*) = (int (*)(const char*, const char*))dlsym(RTLD_NEXT, "rename");
-  const int result = next(from, to);
+static void lose_unflushed(const char* path) {
+  if (setting("SHIM_LOSE") && !was_flushed(path) && truncate(path, 0) != 0) _exit(99);
+}
+
+static int named(int result) {
   const int dies = setting("SHIM_RENAME");
-  if (dies > 0 && ++n_renames == dies) _exit(98);
+  if (result == 0 && dies > 0 && ++n_names == dies) _exit(98);
   return result;
+}
+
+int rename(const char* from, const char* to) {
+  lose_unflushed(from);
+  int (*next)(const char*, const char*) = (int (*)(const char*, const char*))dlsym(RTLD_NEXT, "rename");
+  return named(next(from, to));
+}
+
+int linkat(int from_folder, const char* from, int to_folder, const char* to, int flags) {
+  lose_unflushed(from);
+  int (*next)(int, const char*, int, const char*, int) =
+      (int (*)(int, const char*, int, const char*, int))dlsym(RTLD_NEXT, "linkat");
+  return named(next(from_folder, from, to_folder, to, flags));
 }

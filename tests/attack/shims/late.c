@@ -1,5 +1,5 @@
 /* A network file system that shows what was written late. Loaded before all other libraries (LD_PRELOAD):
-     SHIM_DELAY_MS=n  each open, rename and fsync takes that long */
+     SHIM_DELAY_MS=n  each open, rename, link and fsync takes that long */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>
@@ -45,6 +45,15 @@ int rename(const char* from, const char* to) {
   wait_a_little();
   int (*next)(const char*, const char*) = (int (*)(const char*, const char*))dlsym(RTLD_NEXT, "rename");
   const int result = next(from, to);
+  wait_a_little();
+  return result;
+}
+
+int linkat(int from_folder, const char* from, int to_folder, const char* to, int flags) {
+  wait_a_little();
+  int (*next)(int, const char*, int, const char*, int) =
+      (int (*)(int, const char*, int, const char*, int))dlsym(RTLD_NEXT, "linkat");
+  const int result = next(from_folder, from, to_folder, to, flags);
   wait_a_little();
   return result;
 }
