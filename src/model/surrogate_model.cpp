@@ -12,12 +12,18 @@ void SurrogateModel::train(SurrogateKind kind, const Eigen::Ref<const Eigen::Mat
 Evaluation SurrogateModel::evaluate(const Eigen::Ref<const Eigen::MatrixXd>& samples, const RunContext& context) const {
   context.throw_if_stopped();
   const Eigen::MatrixXd points = from_variables(scales_, samples);
-  Evaluation evaluation{(*surrogate_)(points), {}};
+  constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
+  Evaluation evaluation{
+      Eigen::MatrixXd::Constant(points.rows(), static_cast<Eigen::Index>(model_.outputs().size()), k_nan), {}};
+  std::vector<Eigen::Index> within;
   for (Eigen::Index s = 0; s < points.rows(); ++s) {
-    if (points.row(s).allFinite()) continue;
-    evaluation.outputs.row(s).setConstant(std::numeric_limits<double>::quiet_NaN());
-    evaluation.failures.push_back({s, "a parameter lies beyond the ends of its scale, where there is no surrogate"});
+    if (points.row(s).allFinite()) {
+      within.push_back(s);
+    } else {
+      evaluation.failures.push_back({s, "a parameter lies beyond the ends of its scale, where there is no surrogate"});
+    }
   }
+  evaluation.outputs(within, Eigen::all) = (*surrogate_)(points(within, Eigen::all));
   return evaluation;
 }
 
