@@ -1,5 +1,5 @@
-// Which layers' names each layer sees: those of the layers below it, as tools/layers.txt has them. A layer's namespace is
-// mottle::<layer>, of core mottle itself.
+// Which layers' names each layer sees: those of the layers below it, as tools/layers.txt has them. A layer's namespace
+// is mottle::<layer>, of core mottle itself.
 #pragma once
 
 namespace mottle {
