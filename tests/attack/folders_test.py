@@ -92,9 +92,12 @@ class FoldersTest(support.CommandTest):
         self.assertFalse((self.out / ".mottle.lock").exists())
 
     def test_a_second_command_is_refused_and_harms_nothing(self):
-        self.write("solver.py", SLOW)
+        hold = self.folder / "hold"  # while it is there, no run of the solver ends
+        self.write("solver.py", SOLVER + f"import os\nwhile os.path.exists({str(hold)!r}):\n    time.sleep(0.02)\n")
         self.succeed("propagate", "solver.toml", "--out", "alone", *PROPAGATE[4:])
+        hold.touch()
         first = self.start(*PROPAGATE)
+        self.addCleanup(first.kill)
         while not list(self.out.glob("runs/*/run-1/stdout.txt")):
             time.sleep(0.01)
         for command in (PROPAGATE, ("update", "study.toml", "--out", "out"), ("diagnose", "study.toml", "--out", "out"),
@@ -102,6 +105,7 @@ class FoldersTest(support.CommandTest):
             ended = self.call(*command)
             self.assertEqual(ended.code, 2, ended.err)
             self.assertIn(f"another Mottle is filling this folder (process {first.pid})", ended.err)
+        hold.unlink()
         _, error = first.communicate(timeout=100)
         self.assertEqual(first.returncode, 0, error)
         self.assertEqual((self.out / "cloud.csv").read_bytes(), (self.folder / "alone" / "cloud.csv").read_bytes())
