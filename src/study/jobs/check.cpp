@@ -34,12 +34,7 @@ Eigen::VectorXd frequencies_of(const StudyModel& made) {
   const Eigen::VectorXd mean = made.space->prior().mean();
   const Eigen::Index wanted = std::min(k_listed_modes, made.model->structure().mode_count());
   const ModeSet modes = made.model->solver().modes_at(mean, static_cast<int>(wanted));
-  const double scale = modes.eigenvalues.cwiseAbs().maxCoeff();
-  Eigen::VectorXd frequencies(std::min(k_listed_modes, modes.eigenvalues.size()));
-  for (Eigen::Index r = 0; r < frequencies.size(); ++r) {
-    frequencies(r) = natural_frequency_hz(modes.eigenvalues(r), scale);
-  }
-  return frequencies;
+  return natural_frequencies_hz(modes.eigenvalues).head(std::min(k_listed_modes, modes.eigenvalues.size()));
 }
 
 }  // namespace

@@ -47,11 +47,7 @@ SolvedDeck solve_deck(const std::filesystem::path& deck, const std::set<std::str
                                     solved.modes.counted_below));
   }
   solved.solution_seconds = steady_seconds() - assembled;
-  const double scale = solved.modes.values.cwiseAbs().maxCoeff();
-  solved.frequencies.resize(solved.modes.values.size());
-  for (Eigen::Index r = 0; r < solved.frequencies.size(); ++r) {
-    solved.frequencies(r) = natural_frequency_hz(solved.modes.values(r), scale);
-  }
+  solved.frequencies = natural_frequencies_hz(solved.modes.values);
   return solved;
 }
 

@@ -115,12 +115,11 @@ Json ends_json(const UpdatingProblem& problem, const UpdatingResult& result, Eig
   Json ends = Json::array();
   const PopulationOnScales* population = result.estimate->population();
   if (population == nullptr || !has_interval(result, i, j)) return ends;
-  const auto moments = [&](Eigen::Index k) {
-    return ScaleMoments{population->mean(k), std::sqrt(std::max(population->covariance(k, k), 0.0))};
+  const auto variable = [&](Eigen::Index k) {
+    return ScaledNormal{problem.space.parameters()[static_cast<std::size_t>(k)].scale, population->moments(k)};
   };
-  const ScaledPair pair{problem.space.parameters()[static_cast<std::size_t>(i)].scale,
-                        problem.space.parameters()[static_cast<std::size_t>(j)].scale, moments(i), moments(j)};
-  if (!(pair.first_moments.std > 0.0) || !(pair.second_moments.std > 0.0)) return ends;
+  const ScaledPair pair{variable(i), variable(j)};
+  if (!pair.first.has_width() || !pair.second.has_width()) return ends;
   for (const double rho : {result.intervals->correlation_lower(i, j), result.intervals->correlation_upper(i, j)}) {
     ends.push_back(outline_json(pair_outline(pair, rho, k_reach, k_outline_points)));
   }

@@ -13,22 +13,31 @@ namespace {
 
 constexpr double k_reach = 4.0;  // of a drawn density, in deviations
 
-bool has_width(const ScaleMoments& moments) {
-  return moments.std > 0.0 && std::isfinite(moments.std);
+/// The population's variables, one a parameter.
+std::vector<ScaledNormal> marginals_of(const std::vector<NormalScale>& scales, const PopulationOnScales& population) {
+  std::vector<ScaledNormal> marginals;
+  for (std::size_t i = 0; i < scales.size(); ++i) {
+    marginals.push_back({scales[i], population.moments(static_cast<Eigen::Index>(i))});
+  }
+  return marginals;
 }
 
-Eigen::VectorXd densities_on_scale(const NormalScale& scale, const ScaleMoments& moments,
-                                   const Eigen::Ref<const Eigen::VectorXd>& points) {
-  return points.unaryExpr([&](double x) { return density_on_scale(scale, moments, x); });
-}
-
-ScaleMoments scale_moments(const PopulationOnScales& population, Eigen::Index parameter) {
-  return {population.mean(parameter), std::sqrt(std::max(population.covariance(parameter, parameter), 0.0))};
+/// Variables of these moments that are normal on the scales; on their own axes where there is none such.
+std::vector<ScaledNormal> matched_marginals(const std::vector<NormalScale>& scales, const Eigen::VectorXd& mean,
+                                            const Eigen::MatrixXd& covariance) {
+  std::vector<ScaledNormal> marginals;
+  for (Eigen::Index i = 0; i < mean.size(); ++i) {
+    const double std = std::sqrt(std::max(covariance(i, i), 0.0));
+    const NormalScale& scale = scales[static_cast<std::size_t>(i)];
+    const std::optional<ScaleMoments> matched = moments_on_scale(scale, mean(i), std);
+    marginals.push_back(matched ? ScaledNormal{scale, *matched} : ScaledNormal{{}, {mean(i), std}});
+  }
+  return marginals;
 }
 
 std::vector<Eigen::MatrixXd> region_of_pair(const ScaledPair& pair, double correlation, double probability,
                                             Eigen::Index points) {
-  if (!std::isfinite(correlation) || !has_width(pair.first_moments) || !has_width(pair.second_moments)) return {};
+  if (!std::isfinite(correlation) || !pair.first.has_width() || !pair.second.has_width()) return {};
   return {pair_outline(pair, correlation, reach_of_pair(probability), points)};
 }
 
@@ -45,48 +54,58 @@ Eigen::MatrixXd pair_outline(const ScaledPair& pair, double correlation, double 
     const double angle = 2.0 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(points - 1);
     const double u = reach * std::cos(angle);
     const double v = reach * std::sin(angle);
-    outline(k, 0) = pair.first.to_variable(pair.first_moments.mean + pair.first_moments.std * u);
-    outline(k, 1) =
-        pair.second.to_variable(pair.second_moments.mean + pair.second_moments.std * (correlation * u + rest * v));
+    const auto at = [](const ScaledNormal& variable, double z) {
+      return variable.scale.to_variable(variable.moments.mean + variable.moments.std * z);
+    };
+    outline(k, 0) = at(pair.first, u);
+    outline(k, 1) = at(pair.second, correlation * u + rest * v);
   }
   outline.row(points - 1) = outline.row(0);
   return outline;
 }
 
-NormalPopulation::NormalPopulation(std::vector<NormalScale> scales, PopulationOnScales population,
-                                   Eigen::Index specimens)
-    : scales_(std::move(scales)),
-      population_(std::move(population)),
-      specimens_(specimens),
-      distribution_(JointDistribution::normal_on_scales(scales_, population_.mean, population_.covariance)) {}
+ScaleMoments PopulationOnScales::moments(Eigen::Index parameter) const {
+  return {mean(parameter), std::sqrt(std::max(covariance(parameter, parameter), 0.0))};
+}
 
-Eigen::MatrixXd NormalPopulation::from_uniform(const Eigen::Ref<const Eigen::MatrixXd>& uniforms) const {
+bool ScaledNormal::has_width() const {
+  return moments.std > 0.0 && std::isfinite(moments.std);
+}
+
+NormalEstimate::NormalEstimate(JointDistribution distribution, std::vector<ScaledNormal> marginals)
+    : distribution_(std::move(distribution)), marginals_(std::move(marginals)) {}
+
+Eigen::MatrixXd NormalEstimate::from_uniform(const Eigen::Ref<const Eigen::MatrixXd>& uniforms) const {
   return distribution_.from_uniform(uniforms);
 }
 
-Eigen::VectorXd NormalPopulation::density(Eigen::Index parameter,
-                                          const Eigen::Ref<const Eigen::VectorXd>& points) const {
-  return densities_on_scale(scales_[static_cast<std::size_t>(parameter)], scale_moments(population_, parameter),
-                            points);
+Eigen::VectorXd NormalEstimate::density(Eigen::Index parameter, const Eigen::Ref<const Eigen::VectorXd>& points) const {
+  const ScaledNormal& variable = marginal(parameter);
+  return points.unaryExpr([&](double x) { return density_on_scale(variable.scale, variable.moments, x); });
 }
 
-Eigen::VectorXd NormalPopulation::density_points(Eigen::Index parameter, Eigen::Index count) const {
-  const ScaleMoments moments = scale_moments(population_, parameter);
-  if (!has_width(moments)) return {};
-  return points_on_scale(scales_[static_cast<std::size_t>(parameter)], moments, k_reach, count);
+Eigen::VectorXd NormalEstimate::density_points(Eigen::Index parameter, Eigen::Index count) const {
+  const ScaledNormal& variable = marginal(parameter);
+  return variable.has_width() ? points_on_scale(variable.scale, variable.moments, k_reach, count) : Eigen::VectorXd();
 }
 
-double NormalPopulation::quantile(Eigen::Index parameter, double probability) const {
-  const ScaleMoments moments = scale_moments(population_, parameter);
-  return scales_[static_cast<std::size_t>(parameter)].to_variable(moments.mean +
-                                                                  moments.std * standard_normal_quantile(probability));
+double NormalEstimate::quantile(Eigen::Index parameter, double probability) const {
+  const ScaledNormal& variable = marginal(parameter);
+  return variable.scale.to_variable(variable.moments.mean +
+                                    variable.moments.std * standard_normal_quantile(probability));
 }
+
+NormalPopulation::NormalPopulation(std::vector<NormalScale> scales, PopulationOnScales population,
+                                   Eigen::Index specimens)
+    : NormalEstimate{JointDistribution::normal_on_scales(scales, population.mean, population.covariance),
+                     marginals_of(scales, population)},
+      scales_(std::move(scales)),
+      population_(std::move(population)),
+      specimens_(specimens) {}
 
 std::vector<Eigen::MatrixXd> NormalPopulation::region(Eigen::Index first, Eigen::Index second, double probability,
                                                       Eigen::Index points) const {
-  const ScaledPair pair{scales_[static_cast<std::size_t>(first)], scales_[static_cast<std::size_t>(second)],
-                        scale_moments(population_, first), scale_moments(population_, second)};
-  return region_of_pair(pair, correlation()(first, second), probability, points);
+  return region_of_pair({marginal(first), marginal(second)}, correlation()(first, second), probability, points);
 }
 
 Eigen::MatrixXd NormalPopulation::correlation() const {
@@ -115,43 +134,16 @@ std::string NormalPopulation::prediction_note() const {
 
 MomentEstimate::MomentEstimate(const std::vector<NormalScale>& scales, const Eigen::VectorXd& mean,
                                const Eigen::MatrixXd& covariance)
-    : scales_(scales), distribution_(JointDistribution::multivariate_normal(mean, covariance)) {
-  for (Eigen::Index i = 0; i < mean.size(); ++i) {
-    const double std = std::sqrt(std::max(covariance(i, i), 0.0));
-    const auto place = static_cast<std::size_t>(i);
-    const std::optional<ScaleMoments> matched = moments_on_scale(scales_[place], mean(i), std);
-    if (!matched) scales_[place] = {};
-    moments_.push_back(matched.value_or(ScaleMoments{mean(i), std}));
-  }
-}
-
-Eigen::MatrixXd MomentEstimate::from_uniform(const Eigen::Ref<const Eigen::MatrixXd>& uniforms) const {
-  return distribution_.from_uniform(uniforms);
-}
-
-Eigen::VectorXd MomentEstimate::density(Eigen::Index parameter, const Eigen::Ref<const Eigen::VectorXd>& points) const {
-  const auto place = static_cast<std::size_t>(parameter);
-  return densities_on_scale(scales_[place], moments_[place], points);
-}
-
-Eigen::VectorXd MomentEstimate::density_points(Eigen::Index parameter, Eigen::Index count) const {
-  const auto place = static_cast<std::size_t>(parameter);
-  if (!has_width(moments_[place])) return {};
-  return points_on_scale(scales_[place], moments_[place], k_reach, count);
-}
-
-double MomentEstimate::quantile(Eigen::Index parameter, double probability) const {
-  const auto place = static_cast<std::size_t>(parameter);
-  return scales_[place].to_variable(moments_[place].mean + moments_[place].std * standard_normal_quantile(probability));
-}
+    : NormalEstimate{JointDistribution::multivariate_normal(mean, covariance),
+                     matched_marginals(scales, mean, covariance)} {}
 
 std::vector<Eigen::MatrixXd> MomentEstimate::region(Eigen::Index first, Eigen::Index second, double probability,
                                                     Eigen::Index points) const {
-  const Eigen::VectorXd mean = distribution_.mean();
-  const Eigen::MatrixXd covariance = distribution_.covariance();
-  const auto moments = [&](Eigen::Index i) { return ScaleMoments{mean(i), std::sqrt(covariance(i, i))}; };
+  const Eigen::VectorXd centre = mean();
+  const Eigen::MatrixXd spread = covariance();
+  const auto own = [&](Eigen::Index i) { return ScaledNormal{{}, {centre(i), std::sqrt(spread(i, i))}}; };
   const double rho = std::clamp(correlation()(first, second), -1.0, 1.0);
-  return region_of_pair({{}, {}, moments(first), moments(second)}, rho, probability, points);
+  return region_of_pair({own(first), own(second)}, rho, probability, points);
 }
 
 Eigen::MatrixXd MomentEstimate::draw_specimens(const SpecimenDrawing& drawing) const {

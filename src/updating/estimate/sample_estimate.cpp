@@ -142,10 +142,8 @@ std::vector<Eigen::MatrixXd> SampleEstimate::region(Eigen::Index first, Eigen::I
   const Eigen::ArrayXd v = (scaled_.col(second).array() - scaled_mean_(second)) / b;
   const Eigen::VectorXd distance =
       (u.square() + (v - rho * u).square() / std::max(1.0 - rho * rho, k_min)).sqrt().matrix();
-  const ScaledPair pair{scales_[static_cast<std::size_t>(first)],
-                        scales_[static_cast<std::size_t>(second)],
-                        {scaled_mean_(first), a},
-                        {scaled_mean_(second), b}};
+  const ScaledPair pair{{scales_[static_cast<std::size_t>(first)], {scaled_mean_(first), a}},
+                        {scales_[static_cast<std::size_t>(second)], {scaled_mean_(second), b}}};
   return {pair_outline(pair, rho, weighted_quantile(distance, weights_, probability), points)};
 }
 

@@ -28,5 +28,13 @@ TEST(NaturalFrequency, IsNotANumberWhereTheEigenvalueIsNone) {
   EXPECT_TRUE(std::isnan(natural_frequency_hz(std::numeric_limits<double>::quiet_NaN(), 1.0)));
 }
 
+TEST(NaturalFrequencies, TakeTheLargestEigenvalueForTheScale) {
+  const Eigen::VectorXd frequencies = natural_frequencies_hz(Eigen::Vector4d(-1.0, -1e-4, 4.0, 1e6));
+  EXPECT_TRUE(std::isnan(frequencies(0)));
+  EXPECT_EQ(frequencies(1), 0.0);
+  EXPECT_DOUBLE_EQ(frequencies(2), 1.0 / std::numbers::pi);
+  EXPECT_EQ(natural_frequencies_hz(Eigen::VectorXd()).size(), 0);
+}
+
 }  // namespace
 }  // namespace mottle::dynamics

@@ -19,5 +19,7 @@ struct ModeSet {
 /// @param scale       size of a typical eigenvalue; -1e-9 scale <= lambda < 0 counts as rounding
 /// @return            Hz, or nan where lambda is truly negative (the structure is unstable)
 double natural_frequency_hz(double eigenvalue, double scale);
+/// The same of all eigenvalues of a structure, whose largest is the scale [mode].
+Eigen::VectorXd natural_frequencies_hz(const Eigen::Ref<const Eigen::VectorXd>& eigenvalues);
 
 }  // namespace mottle::dynamics

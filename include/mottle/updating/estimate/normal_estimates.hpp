@@ -17,14 +17,23 @@ struct PopulationOnScales {
   Eigen::VectorXd mean;         ///< [parameter]
   Eigen::MatrixXd covariance;   ///< positive semi-definite [parameter x parameter]
   PopulationEvidence evidence;  ///< what the specimens show of it, on the same scales
+
+  ScaleMoments moments(Eigen::Index parameter) const;
 };
 
-/// Two variables that are normal on their scales.
+/// A variable that is normal on its scale.
+struct ScaledNormal {
+  NormalScale scale;
+  ScaleMoments moments;
+
+  /// Whether it has a density.
+  bool has_width() const;
+};
+
+/// Two of them.
 struct ScaledPair {
-  NormalScale first;
-  NormalScale second;
-  ScaleMoments first_moments;
-  ScaleMoments second_moments;
+  ScaledNormal first;
+  ScaledNormal second;
 };
 
 /// Outline of the region about their mean, `reach` deviations from it [point x 2].
@@ -33,8 +42,30 @@ Eigen::MatrixXd pair_outline(const ScaledPair& pair, double correlation, double 
 /// Deviations from the mean within which a bivariate normal lies with `probability`: sqrt(-2 ln(1 - probability)).
 double reach_of_pair(double probability);
 
+/// An estimate whose marginals are normal on scales.
+class NormalEstimate : public Estimate {
+ public:
+  Eigen::VectorXd mean() const final { return distribution_.mean(); }
+  Eigen::MatrixXd covariance() const final { return distribution_.covariance(); }
+  Eigen::MatrixXd from_uniform(const Eigen::Ref<const Eigen::MatrixXd>& uniforms) const final;
+  Eigen::VectorXd density(Eigen::Index parameter, const Eigen::Ref<const Eigen::VectorXd>& points) const final;
+  Eigen::VectorXd density_points(Eigen::Index parameter, Eigen::Index count) const final;
+  double quantile(Eigen::Index parameter, double probability) const final;
+
+ protected:
+  /// @param distribution  moments and draws are its
+  /// @param marginals     densities and quantiles are theirs [parameter]
+  NormalEstimate(JointDistribution distribution, std::vector<ScaledNormal> marginals);
+
+  const ScaledNormal& marginal(Eigen::Index parameter) const { return marginals_[static_cast<std::size_t>(parameter)]; }
+
+ private:
+  JointDistribution distribution_;
+  std::vector<ScaledNormal> marginals_;
+};
+
 /// A population of specimens that is normal on the parameters' scales.
-class NormalPopulation final : public Estimate {
+class NormalPopulation final : public NormalEstimate {
  public:
   /// @param scales      one a parameter
   /// @param population  its evidence may be empty where `specimens` is 0
@@ -43,12 +74,6 @@ class NormalPopulation final : public Estimate {
   NormalPopulation(std::vector<NormalScale> scales, PopulationOnScales population, Eigen::Index specimens);
 
   EstimateKind kind() const override { return EstimateKind::population; }
-  Eigen::VectorXd mean() const override { return distribution_.mean(); }
-  Eigen::MatrixXd covariance() const override { return distribution_.covariance(); }
-  Eigen::MatrixXd from_uniform(const Eigen::Ref<const Eigen::MatrixXd>& uniforms) const override;
-  Eigen::VectorXd density(Eigen::Index parameter, const Eigen::Ref<const Eigen::VectorXd>& points) const override;
-  Eigen::VectorXd density_points(Eigen::Index parameter, Eigen::Index count) const override;
-  double quantile(Eigen::Index parameter, double probability) const override;
   std::vector<Eigen::MatrixXd> region(Eigen::Index first, Eigen::Index second, double probability,
                                       Eigen::Index points) const override;
   Eigen::MatrixXd correlation() const override;
@@ -65,35 +90,23 @@ class NormalPopulation final : public Estimate {
   std::vector<NormalScale> scales_;
   PopulationOnScales population_;
   Eigen::Index specimens_ = 0;
-  JointDistribution distribution_;
 };
 
 /// Mean and covariance on the parameters' own axes, of methods that find no more. Draws are of the normal distribution
 /// of these moments, as the methods' own equations have it, and so are regions of pairs. Marginal densities and
 /// quantiles are those of the variables with these moments that are normal on the parameters' scales, so that a
 /// positive parameter has no density below zero; where there are none, those of the normal distribution.
-class MomentEstimate final : public Estimate {
+class MomentEstimate final : public NormalEstimate {
  public:
   /// @throws InvalidInput  as JointDistribution::multivariate_normal
   MomentEstimate(const std::vector<NormalScale>& scales, const Eigen::VectorXd& mean,
                  const Eigen::MatrixXd& covariance);
 
   EstimateKind kind() const override { return EstimateKind::mean; }
-  Eigen::VectorXd mean() const override { return distribution_.mean(); }
-  Eigen::MatrixXd covariance() const override { return distribution_.covariance(); }
-  Eigen::MatrixXd from_uniform(const Eigen::Ref<const Eigen::MatrixXd>& uniforms) const override;
-  Eigen::VectorXd density(Eigen::Index parameter, const Eigen::Ref<const Eigen::VectorXd>& points) const override;
-  Eigen::VectorXd density_points(Eigen::Index parameter, Eigen::Index count) const override;
-  double quantile(Eigen::Index parameter, double probability) const override;
   std::vector<Eigen::MatrixXd> region(Eigen::Index first, Eigen::Index second, double probability,
                                       Eigen::Index points) const override;
   Eigen::MatrixXd draw_specimens(const SpecimenDrawing& drawing) const override;
   std::string prediction_note() const override;
-
- private:
-  std::vector<NormalScale> scales_;    // identity where the moments have no match on the parameter's own
-  std::vector<ScaleMoments> moments_;  // on them
-  JointDistribution distribution_;
 };
 
 }  // namespace mottle::updating
