@@ -1,11 +1,12 @@
 #include "mottle/dynamics/modes/sensitivity.hpp"
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "mottle/core/error.hpp"
+#include "mottle/linalg/dense/decompositions.hpp"
 
 namespace mottle::dynamics {
 namespace {
@@ -56,7 +57,7 @@ Eigen::VectorXd repeated_eigenvalue_sensitivity(const ModeSet& modes, const std:
   const Eigen::MatrixXd shapes = modes.shapes(Eigen::all, members);
   const Eigen::MatrixXd split = shapes.transpose() * (dK_shapes - modes.eigenvalues(members.front()) * dM_shapes);
   const Eigen::MatrixXd symmetric = 0.5 * (split + split.transpose());
-  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(symmetric, Eigen::EigenvaluesOnly).eigenvalues();
+  return symmetric_eigenvalues(symmetric);
 }
 
 Eigen::MatrixXd nelson_shape_sensitivity(const SparseMatrix& stiffness, const SparseMatrix& mass, const ModeSet& modes,

@@ -1,10 +1,11 @@
 #include "mottle/dynamics/modes/tracking.hpp"
 
-#include <Eigen/SVD>
+#include <Eigen/Core>
 #include <algorithm>
 #include <set>
 
 #include "mottle/dynamics/modes/mac.hpp"
+#include "mottle/linalg/dense/decompositions.hpp"
 
 namespace mottle::dynamics {
 namespace {
@@ -34,7 +35,7 @@ double subspace_mac(const Eigen::Ref<const Eigen::MatrixXd>& cosines, const std:
   std::vector<int> columns;
   for (const int row : rows) columns.push_back(mode[static_cast<std::size_t>(row)]);
   const Eigen::MatrixXd block = cosines(rows, columns);
-  const double least = Eigen::JacobiSVD<Eigen::MatrixXd>(block).singularValues().minCoeff();
+  const double least = SingularValues(block).values().minCoeff();
   return least * least;
 }
 

@@ -9,6 +9,7 @@
 
 #include "fem/assembly/element_store.hpp"
 #include "mottle/core/error.hpp"
+#include "mottle/linalg/dense/decompositions.hpp"
 
 namespace mottle::fem {
 namespace {
@@ -67,7 +68,7 @@ std::array<bool, 3> soft_components(const Eigen::Matrix3d& stiffness, const std:
   }
   while (!rows.empty()) {
     const Eigen::MatrixXd block = stiffness(rows, rows);
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(block);
+    const SymmetricEigen solver(block);
     const double largest = std::max(solver.eigenvalues().cwiseAbs().maxCoeff(), stiffness.cwiseAbs().maxCoeff());
     if (solver.eigenvalues()(0) > k_soft * largest) break;
     Eigen::Index nearest = 0;

@@ -1,7 +1,7 @@
 // Checks and packs a family, sends chunks of samples to the lane kernels and the remaining samples to solve_modes.
 #include "mottle/linalg/batched/batch_eigen.hpp"
 
-#include <Eigen/Cholesky>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -13,6 +13,7 @@
 #include "mottle/core/error.hpp"
 #include "mottle/core/parallel.hpp"
 #include "mottle/linalg/batched/dense_modes.hpp"
+#include "mottle/linalg/dense/decompositions.hpp"
 
 namespace mottle::linalg {
 namespace {
@@ -82,11 +83,11 @@ Eigen::MatrixXd reduce_by_diagonal(const Eigen::MatrixXd& stiffness, const Eigen
   return reduced;
 }
 
-Eigen::MatrixXd reduce_by_factor(const Eigen::MatrixXd& stiffness, const Eigen::LLT<Eigen::MatrixXd>& factor) {
+Eigen::MatrixXd reduce_by_factor(const Eigen::MatrixXd& stiffness, const CholeskyFactor& factor) {
   Eigen::MatrixXd reduced = stiffness.selfadjointView<Eigen::Lower>();
-  factor.matrixL().solveInPlace(reduced);
+  factor.solve_lower_in_place(reduced);
   reduced.transposeInPlace();
-  factor.matrixL().solveInPlace(reduced);
+  factor.solve_lower_in_place(reduced);
   return reduced;
 }
 
@@ -103,11 +104,12 @@ void fold_constant_mass(const PencilFamily& family, PackedFamily& packed) {
   const Eigen::Index order = family.mass_constant.rows();
   const bool diagonal = is_lower_triangle_diagonal(family.mass_constant);
   const Eigen::VectorXd masses = family.mass_constant.diagonal();
-  const Eigen::LLT<Eigen::MatrixXd> factor(family.mass_constant);
-  packed.mass_is_definite = masses.allFinite() && factor.info() == Eigen::Success;
+  const CholeskyFactor factor(family.mass_constant);
+  packed.mass_is_definite = masses.allFinite() && factor.is_positive_definite();
   if (!packed.mass_is_definite) return;
   packed.mass_kind = diagonal ? MassKind::folded_diagonal : MassKind::folded;
-  packed.back_transform = factor.matrixU().solve(Eigen::MatrixXd::Identity(order, order));
+  packed.back_transform = Eigen::MatrixXd::Identity(order, order);
+  factor.solve_upper_in_place(packed.back_transform);
   // Where many large terms are to be reduced, products by the BLAS library cost a fifth of triangular solutions.
   constexpr Eigen::Index k_large = 64;
   const auto reduce = [&](const Eigen::MatrixXd& stiffness) -> Eigen::MatrixXd {

@@ -1,11 +1,11 @@
 #include "mottle/linalg/batched/dense_modes.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
 #include <limits>
 
 #include "linalg/vector_signs.hpp"
 #include "mottle/core/error.hpp"
+#include "mottle/linalg/dense/decompositions.hpp"
 
 namespace mottle::linalg {
 namespace {
@@ -27,17 +27,17 @@ DenseModes solve_modes(const Eigen::Ref<const Eigen::MatrixXd>& stiffness,
   const Eigen::Index count = modes == 0 ? order : modes;
 
   if (!stiffness.allFinite() || !mass.allFinite()) return failed_modes(order, count);
-  const Eigen::LLT<Eigen::MatrixXd> cholesky(mass);
-  if (cholesky.info() != Eigen::Success) return failed_modes(order, count);
+  const CholeskyFactor cholesky(mass);
+  if (!cholesky.is_positive_definite()) return failed_modes(order, count);
   Eigen::MatrixXd reduced = stiffness.selfadjointView<Eigen::Lower>();
-  cholesky.matrixL().solveInPlace(reduced);
+  cholesky.solve_lower_in_place(reduced);
   reduced.transposeInPlace();
-  cholesky.matrixL().solveInPlace(reduced);
+  cholesky.solve_lower_in_place(reduced);
 
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(reduced);
-  if (solver.info() != Eigen::Success) return failed_modes(order, count);
+  const SymmetricEigen solver(reduced);
+  if (!solver.has_converged()) return failed_modes(order, count);
   DenseModes result{solver.eigenvalues().head(count), solver.eigenvectors().leftCols(count), false};
-  cholesky.matrixU().solveInPlace(result.vectors);
+  cholesky.solve_upper_in_place(result.vectors);
   if (!result.values.allFinite() || !result.vectors.allFinite()) return failed_modes(order, count);
   make_largest_component_positive(result.vectors);
   return result;

@@ -1,6 +1,6 @@
 #include "linalg/reduced/batched_davidson.hpp"
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -8,6 +8,7 @@
 #include "linalg/batched/lane_kernels.hpp"
 #include "linalg/blas.hpp"
 #include "mottle/core/parallel.hpp"
+#include "mottle/linalg/dense/decompositions.hpp"
 
 namespace mottle::linalg {
 namespace {
@@ -48,7 +49,7 @@ Eigen::MatrixXd nominal_turn(const Eigen::MatrixXd& nominal) {
   rest.diagonal().setZero();
   const bool descends = std::is_sorted(roots.data(), roots.data() + roots.size(), std::greater<>());
   if (descends && (rest.cwiseAbs().array() <= k_negligible * (roots * roots.transpose()).array()).all()) return {};
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(nominal);
+  const SymmetricEigen solver(nominal);
   return solver.eigenvectors().rowwise().reverse();
 }
 

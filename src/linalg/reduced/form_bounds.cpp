@@ -1,11 +1,12 @@
 #include "linalg/reduced/form_bounds.hpp"
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <optional>
 
+#include "mottle/linalg/dense/decompositions.hpp"
 #include "mottle/linalg/sparse/sparse_modes.hpp"
 
 namespace mottle::linalg {
@@ -43,8 +44,8 @@ FormBounds extreme_ritz_values(const SparseMatrix& term, const SparseMatrix& for
   }
   if (found == 0) return {};
   const Eigen::MatrixXd projected = basis.leftCols(found).transpose() * images.leftCols(found);
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(projected, Eigen::EigenvaluesOnly);
-  return {solver.eigenvalues()(0), solver.eigenvalues()(found - 1)};
+  const Eigen::VectorXd eigenvalues = symmetric_eigenvalues(projected);
+  return {eigenvalues(0), eigenvalues(found - 1)};
 }
 
 /// The order of elimination of some rows out of that of all; what parts the structure parts its terms as well.

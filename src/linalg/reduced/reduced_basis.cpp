@@ -1,9 +1,10 @@
 // The basis of a reduced model: how it grows and turns, with its projections.
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
 
 #include "linalg/blas.hpp"
 #include "linalg/reduced/reduced_model_parts.hpp"
 #include "mottle/core/parallel.hpp"
+#include "mottle/linalg/dense/decompositions.hpp"
 
 namespace mottle::linalg {
 
@@ -11,7 +12,7 @@ Eigen::MatrixXd orthonormal_combinations(const Eigen::MatrixXd& gram, const Eige
   constexpr double k_min = 1e-10;
   const Eigen::VectorXd scales = (gram.diagonal().array() > k_min * before.array())
                                      .select(gram.diagonal().cwiseAbs().cwiseSqrt().cwiseInverse(), 0.0);
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(scales.asDiagonal() * gram * scales.asDiagonal());
+  const SymmetricEigen solver(scales.asDiagonal() * gram * scales.asDiagonal());
   const Eigen::VectorXd& parts = solver.eigenvalues();
   const Eigen::Index kept = (parts.array() > k_min * parts.maxCoeff()).count();
   return scales.asDiagonal() * solver.eigenvectors().rightCols(kept) *

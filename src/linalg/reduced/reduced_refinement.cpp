@@ -1,5 +1,5 @@
 // Samples of which the reduced model is not sure enough: a few block steps with the nominal factor in the full space.
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
 #include <algorithm>
 #include <limits>
 #include <numeric>
@@ -9,6 +9,7 @@
 #include "linalg/reduced/reduced_model_parts.hpp"
 #include "linalg/vector_signs.hpp"
 #include "mottle/core/parallel.hpp"
+#include "mottle/linalg/dense/decompositions.hpp"
 
 namespace mottle::linalg {
 namespace {
@@ -122,7 +123,7 @@ Eigen::MatrixXd ritz_weights(const GrowingSpace& space, double shift, Eigen::Ind
   // K - s M is definite and M need not be: the largest 1 / (lambda - s) are those sought.
   const Eigen::MatrixXd gram = space.elastic - shift * space.inertial;
   const Eigen::MatrixXd basis = orthonormal_combinations(gram, gram.diagonal());
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(basis.transpose() * space.inertial * basis);
+  const SymmetricEigen solver(basis.transpose() * space.inertial * basis);
   const Eigen::Index found = std::min(count, basis.cols());
   const Eigen::VectorXd flexibilities = solver.eigenvalues().tail(found).reverse().cwiseMax(1e-300);
   return basis * solver.eigenvectors().rightCols(found).rowwise().reverse() *

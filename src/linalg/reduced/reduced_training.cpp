@@ -1,5 +1,5 @@
 // Which residuals of the training samples enlarge the basis, and which of its directions are kept.
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -8,6 +8,7 @@
 #include "linalg/blas.hpp"
 #include "linalg/reduced/reduced_model_parts.hpp"
 #include "mottle/core/parallel.hpp"
+#include "mottle/linalg/dense/decompositions.hpp"
 
 namespace mottle::linalg {
 namespace {
@@ -186,7 +187,7 @@ Eigen::MatrixXd needed_directions(const ReducedModel::Parts& parts, const Traini
     weighted.col(c) = samples.coordinates.col(s * modes + k) / std::max(length * allowed, 1e-300);
   }
   const Eigen::MatrixXd transposed = weighted.transpose();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(transposed_product(transposed, transposed));
+  const SymmetricEigen solver(transposed_product(transposed, transposed));
   const Eigen::MatrixXd shares = transposed_product(solver.eigenvectors(), weighted).cwiseAbs2();
   Eigen::RowVectorXd neglected = Eigen::RowVectorXd::Zero(weighted.cols());
   Eigen::Index dropped = 0;

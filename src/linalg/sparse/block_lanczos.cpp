@@ -1,6 +1,6 @@
 #include "linalg/sparse/block_lanczos.hpp"
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -8,6 +8,7 @@
 #include "linalg/blas.hpp"
 #include "mottle/core/error.hpp"
 #include "mottle/core/random.hpp"
+#include "mottle/linalg/dense/decompositions.hpp"
 
 namespace mottle::linalg {
 namespace {
@@ -85,8 +86,7 @@ class KrylovBasis {
 
   /// Ritz values, descending, and vectors of T.
   void ritz(Eigen::VectorXd& values, Eigen::MatrixXd& vectors) const {
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(
-        projected_.topLeftCorner(projected_size_, projected_size_));
+    const SymmetricEigen solver(projected_.topLeftCorner(projected_size_, projected_size_));
     values = solver.eigenvalues().reverse();
     vectors = solver.eigenvectors().rowwise().reverse();
   }

@@ -1,12 +1,12 @@
 #include "mottle/stats/distributions/joint_distribution.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "mottle/core/error.hpp"
+#include "mottle/linalg/dense/decompositions.hpp"
 #include "mottle/stats/distributions/standard_normal.hpp"
 #include "mottle/stats/moments/descriptive.hpp"
 #include "stats/distributions/copula_covariance.hpp"
@@ -35,9 +35,9 @@ void require_correlation(const Eigen::MatrixXd& correlation, Eigen::Index dimens
     require(std::abs(correlation(i, i) - 1.0) <= 1e-10, "correlation: diagonal entry {} is {}, must be 1", i,
             correlation(i, i));
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(correlation, Eigen::EigenvaluesOnly);
-  require(eigen.eigenvalues()[0] > 1e-12, "correlation: not positive definite, its smallest eigenvalue is {:.6g}",
-          eigen.eigenvalues()[0]);
+  const Eigen::VectorXd eigenvalues = symmetric_eigenvalues(correlation);
+  require(eigenvalues[0] > 1e-12, "correlation: not positive definite, its smallest eigenvalue is {:.6g}",
+          eigenvalues[0]);
 }
 
 /// Rows of `scores` times the transposed factor. Plain loops: a blocked product would round a row differently
@@ -74,7 +74,7 @@ JointDistribution::JointDistribution(std::vector<Distribution> marginals, const 
   require_correlation(copula_correlation, dimension());
   if (copula_correlation.isIdentity(0.0)) return;
   covariance_ = copula_covariance(marginals_, copula_correlation);
-  factor_ = copula_correlation.llt().matrixL();
+  factor_ = CholeskyFactor(copula_correlation).lower();
 }
 
 JointDistribution JointDistribution::multivariate_normal(const Eigen::VectorXd& mean,
@@ -88,8 +88,8 @@ JointDistribution JointDistribution::multivariate_normal(const Eigen::VectorXd& 
   // The root is taken of the correlation, so that the same uniforms give the same samples in any units.
   const Eigen::VectorXd standard_deviation = normal.covariance_.diagonal().cwiseMax(0.0).cwiseSqrt();
   const Eigen::VectorXd scale = (standard_deviation.array() > 0.0).select(standard_deviation, 1.0);
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scale.cwiseInverse().asDiagonal() * normal.covariance_ *
-                                                             scale.cwiseInverse().asDiagonal());
+  const SymmetricEigen eigen(scale.cwiseInverse().asDiagonal() * normal.covariance_ *
+                             scale.cwiseInverse().asDiagonal());
   const double smallest = eigen.eigenvalues()[0];
   require(smallest >= -1e-10 * eigen.eigenvalues().cwiseAbs().maxCoeff(),
           "covariance: not positive semi-definite, as a correlation its smallest eigenvalue is {:.6g}", smallest);

@@ -1,11 +1,12 @@
 #include "mottle/stats/moments/descriptive.hpp"
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "mottle/core/error.hpp"
+#include "mottle/linalg/dense/decompositions.hpp"
 
 namespace mottle::stats {
 
@@ -79,7 +80,7 @@ bool repair_covariance(Eigen::MatrixXd& covariance, double least) {
       }
     }
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(correlation);
+  const SymmetricEigen eigen(correlation);
   const double largest = eigen.eigenvalues().tail(1)[0];
   const double rounding = 100.0 * static_cast<double>(covariance.rows()) * std::numeric_limits<double>::epsilon();
   if (eigen.eigenvalues()[0] >= (least - rounding) * largest) return false;

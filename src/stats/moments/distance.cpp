@@ -1,9 +1,10 @@
 #include "mottle/stats/moments/distance.hpp"
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
 #include <cmath>
 
 #include "mottle/core/error.hpp"
+#include "mottle/linalg/dense/decompositions.hpp"
 
 namespace mottle::stats {
 
@@ -25,7 +26,7 @@ double mahalanobis_distance(const Eigen::Ref<const Eigen::VectorXd>& a, const Ei
   const Eigen::VectorXd scale =
       covariance.diagonal().unaryExpr([](double variance) { return variance > 0.0 ? 1.0 / std::sqrt(variance) : 0.0; });
   // The eigenvalues serve the regular and the singular case alike; p is small and this is no hot path.
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scale.asDiagonal() * covariance * scale.asDiagonal());
+  const SymmetricEigen eigen(scale.asDiagonal() * covariance * scale.asDiagonal());
   const Eigen::VectorXd components = eigen.eigenvectors().transpose() * scale.cwiseProduct(a - b);
   const double threshold = k_rank_tolerance * eigen.eigenvalues().tail(1)[0];
   double squared = 0.0;

@@ -1,9 +1,8 @@
 #include "stats/population/effect_evidence.hpp"
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
 #include <cmath>
 
+#include "mottle/linalg/dense/decompositions.hpp"
 #include "stats/population/random_effects_step.hpp"
 
 namespace mottle::stats {
@@ -12,7 +11,7 @@ ScatterRoot scatter_root(const Eigen::Ref<const Eigen::MatrixXd>& covariance) {
   constexpr double k_no_scatter = 10.0 * k_min_eigenvalue;
   const Eigen::VectorXd standard_deviation = covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
   const Eigen::VectorXd scale = (standard_deviation.array() > 0.0).select(standard_deviation.cwiseInverse(), 0.0);
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(scale.asDiagonal() * covariance * scale.asDiagonal());
+  const SymmetricEigen solver(scale.asDiagonal() * covariance * scale.asDiagonal());
   std::vector<Eigen::Index> kept;
   for (Eigen::Index k = 0; k < standard_deviation.size(); ++k) {
     if (solver.eigenvalues()(k) > k_no_scatter * solver.eigenvalues().maxCoeff()) kept.push_back(k);
@@ -38,22 +37,21 @@ WhitenedEffects whiten_effects(const std::vector<RandomEffectsUnit>& units, cons
       effects.specimens.push_back({scaled, scaled_noise, response});
       continue;
     }
-    const Eigen::HouseholderQR<Eigen::MatrixXd> factor(scaled);
-    const Eigen::MatrixXd q = factor.householderQ() * Eigen::MatrixXd::Identity(scaled.rows(), scaled.cols());
+    const Eigen::MatrixXd q = orthonormal_columns(scaled);
     effects.specimens.push_back({q.transpose() * scaled, q.transpose() * scaled_noise * q, q.transpose() * response});
   }
   return effects;
 }
 
-Eigen::LLT<Eigen::MatrixXd> positive_factor(Eigen::MatrixXd matrix) {
+CholeskyFactor positive_factor(Eigen::MatrixXd matrix) {
   constexpr double k_floor = 1e-12;
-  if (matrix.size() == 0) return Eigen::LLT<Eigen::MatrixXd>(matrix);
+  if (matrix.size() == 0) return CholeskyFactor(matrix);
   const double least = k_floor * std::max(matrix.diagonal().maxCoeff(), 1e-280);
   matrix.diagonal() += k_floor * matrix.diagonal().cwiseMax(least);
-  Eigen::LLT<Eigen::MatrixXd> factor(matrix);
-  for (double lift = k_floor; factor.info() != Eigen::Success; lift *= 10.0) {
+  CholeskyFactor factor(matrix);
+  for (double lift = k_floor; !factor.is_positive_definite(); lift *= 10.0) {
     matrix.diagonal().array() += lift * std::max(matrix.diagonal().maxCoeff(), 1e-300);
-    factor.compute(matrix);
+    factor = CholeskyFactor(matrix);
   }
   return factor;
 }
@@ -64,9 +62,9 @@ ShrunkenEffects shrink_effects(const std::vector<EffectEvidence>& specimens, con
   for (std::size_t s = 0; s < specimens.size(); ++s) {
     const EffectEvidence& own = specimens[s];
     const Eigen::MatrixXd moved = own.design * covariance;
-    const Eigen::LLT<Eigen::MatrixXd> factor = positive_factor(moved * own.design.transpose() + own.noise);
-    shrunken.spreads.emplace_back(factor.matrixL().solve(moved).transpose());
-    const Eigen::VectorXd whitened = factor.matrixL().solve(own.response - own.design * mean);
+    const CholeskyFactor factor = positive_factor(moved * own.design.transpose() + own.noise);
+    shrunken.spreads.emplace_back(factor.solve_lower(moved).transpose());
+    const Eigen::VectorXd whitened = factor.solve_lower(own.response - own.design * mean);
     shrunken.points.row(static_cast<Eigen::Index>(s)) = (shrunken.spreads.back() * whitened).transpose();
   }
   return shrunken;
@@ -93,8 +91,7 @@ std::optional<Eigen::MatrixXd> alike_estimates(const WhitenedEffects& effects, d
   for (std::size_t s = 0; s < effects.specimens.size(); ++s) {
     const EffectEvidence& own = effects.specimens[s];
     if (own.design.rows() < directions) return std::nullopt;
-    Eigen::ColPivHouseholderQR<Eigen::MatrixXd> factor(own.design);
-    factor.setThreshold(k_determined);
+    const PivotedQr factor(own.design, k_determined);
     if (factor.rank() < directions) return std::nullopt;
     const Eigen::MatrixXd inverse = factor.inverse();
     estimates.row(static_cast<Eigen::Index>(s)) = (inverse * own.response).transpose();

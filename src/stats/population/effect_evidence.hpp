@@ -2,12 +2,12 @@
 // variance 1.
 #pragma once
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <optional>
 #include <vector>
 
 #include "mottle/layers.hpp"
+#include "mottle/linalg/dense/decompositions.hpp"
 #include "mottle/stats/population/random_effects.hpp"
 
 namespace mottle::stats {
@@ -49,7 +49,7 @@ ShrunkenEffects shrink_effects(const std::vector<EffectEvidence>& specimens, con
                                const Eigen::MatrixXd& covariance);
 
 /// Cholesky factor of a covariance; one that is singular to rounding is lifted.
-Eigen::LLT<Eigen::MatrixXd> positive_factor(Eigen::MatrixXd matrix);
+CholeskyFactor positive_factor(Eigen::MatrixXd matrix);
 
 /// Own least-squares estimates [specimen x direction]; nothing where a specimen does not determine its effects.
 /// @param likeness  largest difference of two specimens' noise, in population variances

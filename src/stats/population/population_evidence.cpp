@@ -1,8 +1,9 @@
 // What a fit of random effects tells about the population, put into the terms of a sample covariance.
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 
+#include "mottle/linalg/dense/decompositions.hpp"
 #include "mottle/stats/moments/descriptive.hpp"
 #include "mottle/stats/population/population_intervals.hpp"
 
@@ -26,11 +27,11 @@ OwnEstimate own_estimate(const RandomEffectsUnit& unit, const Eigen::VectorXd& f
   const Eigen::VectorXd weight = noise.cwiseMax(k_smallest_noise * scatter).cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
   const Eigen::VectorXd standard_deviation = sigma.diagonal().cwiseMax(1e-300).cwiseSqrt();
   const Eigen::MatrixXd scaled = weight.asDiagonal() * unit.design * standard_deviation.asDiagonal();
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(scaled, Eigen::ComputeThinU | Eigen::ComputeThinV);
-  const Eigen::VectorXd& values = svd.singularValues();
+  const SingularValues svd(scaled, Eigen::ComputeThinU | Eigen::ComputeThinV);
+  const Eigen::VectorXd& values = svd.values();
   if (!(values.minCoeff() > k_determined * values.maxCoeff())) return result;
-  const Eigen::MatrixXd inverse = standard_deviation.asDiagonal() * svd.matrixV() * values.cwiseInverse().asDiagonal() *
-                                  svd.matrixU().transpose() * weight.asDiagonal();
+  const Eigen::MatrixXd inverse = standard_deviation.asDiagonal() * svd.right() * values.cwiseInverse().asDiagonal() *
+                                  svd.left().transpose() * weight.asDiagonal();
   result.effects = inverse * unit.response;
   result.noise = inverse * noise.asDiagonal() * inverse.transpose();
   result.is_determined = true;

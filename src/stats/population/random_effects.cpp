@@ -1,10 +1,11 @@
 #include "mottle/stats/population/random_effects.hpp"
 
-#include <Eigen/Cholesky>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 
 #include "mottle/core/error.hpp"
+#include "mottle/linalg/dense/decompositions.hpp"
 #include "mottle/stats/moments/descriptive.hpp"
 #include "stats/population/random_effects_levels.hpp"
 #include "stats/population/random_effects_step.hpp"
@@ -35,7 +36,7 @@ bool is_positive(const Eigen::MatrixXd& covariance) {
   if (!covariance.allFinite() || (covariance.diagonal().array() < 0.0).any()) return false;
   Eigen::MatrixXd block = covariance(scattered, scattered);
   block.diagonal() *= 1.0 - static_cast<double>(block.rows()) * k_min_eigenvalue;
-  return Eigen::LLT<Eigen::MatrixXd>(block).info() == Eigen::Success;
+  return CholeskyFactor(block).is_positive_definite();
 }
 
 /// One step of expectation and maximisation.

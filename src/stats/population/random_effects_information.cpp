@@ -1,7 +1,8 @@
 // Fisher's information on a population's covariance.
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
 #include <cmath>
 
+#include "mottle/linalg/dense/decompositions.hpp"
 #include "mottle/stats/population/random_effects.hpp"
 #include "stats/population/random_effects_step.hpp"
 
@@ -64,7 +65,7 @@ Eigen::MatrixXd expected_information(const RandomEffectsPass& pass, const Entrie
 Eigen::MatrixXd inverse_of(const Eigen::MatrixXd& information) {
   constexpr double k_unseen = 1e-12;
   const Eigen::VectorXd scale = information.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(scale.asDiagonal() * information * scale.asDiagonal());
+  const SymmetricEigen solver(scale.asDiagonal() * information * scale.asDiagonal());
   const Eigen::VectorXd inverse = solver.eigenvalues().cwiseMax(k_unseen).cwiseInverse();
   const Eigen::MatrixXd turned = scale.asDiagonal() * solver.eigenvectors();
   return turned * inverse.asDiagonal() * turned.transpose();

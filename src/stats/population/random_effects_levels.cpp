@@ -1,7 +1,8 @@
 #include "stats/population/random_effects_levels.hpp"
 
-#include <Eigen/Cholesky>
+#include <Eigen/Core>
 
+#include "mottle/linalg/dense/decompositions.hpp"
 #include "stats/population/random_effects_step.hpp"
 
 namespace mottle::stats {
@@ -43,7 +44,7 @@ Eigen::VectorXd scored_levels(const LevelScores& scores, const Eigen::VectorXd& 
   if (free.empty()) return next;
   const Eigen::MatrixXd information = scores.information(free, free);
   const Eigen::VectorXd slope = (scores.quadratic - scores.trace)(free);
-  const Eigen::VectorXd step = information.ldlt().solve(slope);
+  const Eigen::VectorXd step = solve_semidefinite(information, slope);
   next(free) += step;
   return next.cwiseMax(0.0);
 }

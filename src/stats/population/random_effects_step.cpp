@@ -1,9 +1,9 @@
 #include "stats/population/random_effects_step.hpp"
 
-#include <Eigen/Cholesky>
 #include <cmath>
 
 #include "mottle/core/error.hpp"
+#include "mottle/linalg/dense/decompositions.hpp"
 
 namespace mottle::stats {
 namespace {
@@ -16,12 +16,12 @@ std::pair<Eigen::MatrixXd, double> invert(Eigen::MatrixXd covariance) {
   const Eigen::VectorXd scale = covariance.diagonal().cwiseMax(k_no_variance).cwiseSqrt().cwiseInverse();
   const Eigen::MatrixXd scaled = scale.asDiagonal() * covariance * scale.asDiagonal();
   if (!scaled.allFinite()) throw ModelFailure("random effects: the covariance of a unit is not finite");
-  Eigen::LLT<Eigen::MatrixXd> factor(scaled);
-  for (double lift = k_floor; factor.info() != Eigen::Success; lift *= 10.0) {
-    factor.compute(scaled + lift * Eigen::MatrixXd::Identity(scaled.rows(), scaled.cols()));
+  CholeskyFactor factor(scaled);
+  for (double lift = k_floor; !factor.is_positive_definite(); lift *= 10.0) {
+    factor = CholeskyFactor(scaled + lift * Eigen::MatrixXd::Identity(scaled.rows(), scaled.cols()));
   }
   const Eigen::MatrixXd inverse = factor.solve(Eigen::MatrixXd::Identity(scaled.rows(), scaled.cols()));
-  const double log_det = 2.0 * factor.matrixLLT().diagonal().array().log().sum() - 2.0 * scale.array().log().sum();
+  const double log_det = factor.log_determinant() - 2.0 * scale.array().log().sum();
   return {scale.asDiagonal() * inverse * scale.asDiagonal(), log_det};
 }
 

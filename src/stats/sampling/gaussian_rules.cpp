@@ -1,10 +1,10 @@
 #include "mottle/stats/sampling/gaussian_rules.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
 #include <cmath>
 
 #include "mottle/core/error.hpp"
+#include "mottle/linalg/dense/decompositions.hpp"
 #include "mottle/stats/distributions/standard_normal.hpp"
 
 namespace mottle::stats {
@@ -13,8 +13,7 @@ GaussianRule hermite_rule(int points) {
   require(points >= 1, "a quadrature rule needs at least 1 point, found {}", points);
   Eigen::VectorXd off(points - 1);
   for (Eigen::Index k = 0; k < off.size(); ++k) off(k) = std::sqrt(static_cast<double>(k + 1));
-  Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver;
-  solver.computeFromTridiagonal(Eigen::VectorXd::Zero(points), off);
+  const SymmetricEigen solver(Eigen::VectorXd::Zero(points), off);
   return {solver.eigenvalues(), solver.eigenvectors().row(0).transpose().cwiseAbs2()};
 }
 
@@ -69,10 +68,10 @@ GaussianRule standardised_rule(const Eigen::Ref<const Eigen::MatrixXd>& uniforms
   Eigen::MatrixXd points = uniforms.unaryExpr([](double uniform) { return standard_normal_quantile(uniform); });
   points.rowwise() -= points.colwise().mean().eval();
   const auto count = static_cast<double>(points.rows());
-  const Eigen::LLT<Eigen::MatrixXd> factor(points.transpose() * points / count);
-  require(factor.info() == Eigen::Success, "{} points lie in a plane of their {} variables", points.rows(),
+  const CholeskyFactor factor(points.transpose() * points / count);
+  require(factor.is_positive_definite(), "{} points lie in a plane of their {} variables", points.rows(),
           points.cols());
-  const Eigen::MatrixXd sheared = factor.matrixL().solve(points.transpose()).transpose();
+  const Eigen::MatrixXd sheared = factor.solve_lower(points.transpose()).transpose();
   return {sheared, Eigen::VectorXd::Constant(points.rows(), 1.0 / count)};
 }
 

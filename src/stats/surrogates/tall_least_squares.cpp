@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "mottle/core/error.hpp"
+#include "mottle/linalg/dense/decompositions.hpp"
 
 namespace mottle::stats {
 
@@ -37,12 +38,13 @@ Eigen::MatrixXd independent_unit_columns(const Eigen::MatrixXd& factor, Eigen::I
     require(length[i] > 0.0, "{} does not vary over the {} samples", term_name(i), rows);
   }
   Eigen::MatrixXd scaled = factor * length.cwiseInverse().asDiagonal();
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> pivoted(scaled);
+  const PivotedQr pivoted(scaled);
+  const Eigen::VectorXd pivots = pivoted.diagonal();
   const double tolerance = static_cast<double>(rows) * std::numeric_limits<double>::epsilon();
   for (Eigen::Index i = 0; i < length.size(); ++i) {
-    require(std::abs(pivoted.matrixQR()(i, i)) > tolerance,
+    require(std::abs(pivots(i)) > tolerance,
             "{} depends linearly on the others over the {} samples; leave one of them out",
-            term_name(pivoted.colsPermutation().indices()[i]), rows);
+            term_name(pivoted.column(i)), rows);
   }
   return scaled;
 }
@@ -72,7 +74,7 @@ TallLeastSquares solve_tall_least_squares(Eigen::Index rows, Eigen::Index terms,
       length.cwiseInverse().asDiagonal() * triangle.solve(factor.block(1, 1 + terms, terms, outputs));
   solution.inverse_factor =
       length.cwiseInverse().asDiagonal() * triangle.solve(Eigen::MatrixXd::Identity(terms, terms));
-  const Eigen::VectorXd singular_values = Eigen::BDCSVD<Eigen::MatrixXd>(scaled).singularValues();
+  const Eigen::VectorXd singular_values = singular_values_of(scaled);
   solution.condition = singular_values[0] / singular_values[terms - 1];
   return solution;
 }

@@ -5,6 +5,8 @@
 #include <limits>
 #include <numeric>
 
+#include "mottle/linalg/dense/decompositions.hpp"
+
 namespace mottle::stats {
 namespace {
 
@@ -33,8 +35,8 @@ void take_out(const Eigen::Ref<const Eigen::MatrixXd>& points, bool is_pair, std
   const auto n = static_cast<Eigen::Index>(kept.size());
   const Eigen::MatrixXd chosen = points(kept, Eigen::all);
   const Eigen::MatrixXd centred = chosen.rowwise() - chosen.colwise().mean();
-  const Eigen::LLT<Eigen::MatrixXd> factor = positive_factor(centred.transpose() * centred);
-  const Eigen::MatrixXd whitened = factor.matrixL().solve(centred.transpose());
+  const CholeskyFactor factor = positive_factor(centred.transpose() * centred);
+  const Eigen::MatrixXd whitened = factor.solve_lower(centred.transpose());
   const double mean_part = 1.0 / static_cast<double>(n);
   const Eigen::ArrayXd own = (1.0 - mean_part) - whitened.colwise().squaredNorm().transpose().array();
   Eigen::Index first = 0;
@@ -71,13 +73,12 @@ CompleteSample::Estimate CompleteSample::estimate(const std::vector<Eigen::Index
 
 Eigen::VectorXd CompleteSample::ranking(const Estimate& estimate) const {
   const Eigen::MatrixXd centred = columns_.colwise() - estimate.mean;
-  return estimate.factor.matrixL().solve(centred).colwise().squaredNorm();
+  return estimate.factor.solve_lower(centred).colwise().squaredNorm();
 }
 
 DeletedDistance CompleteSample::deleted(Eigen::Index specimen, const Estimate& estimate) const {
   const Eigen::VectorXd centred = columns_.col(specimen) - estimate.mean;
-  const double square =
-      estimate.factor.matrixL().solve(centred).squaredNorm() * estimate.count / (estimate.count + 1.0);
+  const double square = estimate.factor.solve_lower(centred).squaredNorm() * estimate.count / (estimate.count + 1.0);
   return deleted_distance(square, static_cast<double>(columns_.rows()), estimate.count - 1.0);
 }
 
@@ -115,16 +116,15 @@ PartialSample::Sums PartialSample::pass(const std::vector<Eigen::Index>& core,
   Eigen::VectorXd gradient = Eigen::VectorXd::Zero(effects);
   for (std::size_t i = 0; i < core.size(); ++i) {
     const EffectEvidence& own = specimens_[static_cast<std::size_t>(core[i])];
-    const Eigen::LLT<Eigen::MatrixXd> factor =
-        positive_factor(own.design * covariance * own.design.transpose() + own.noise);
-    const Eigen::MatrixXd whitened = factor.matrixL().solve(own.design);
+    const CholeskyFactor factor = positive_factor(own.design * covariance * own.design.transpose() + own.noise);
+    const Eigen::MatrixXd whitened = factor.solve_lower(own.design);
     seen[i] = whitened.transpose() * whitened;
-    scores[i] = whitened.transpose() * factor.matrixL().solve(own.response);
+    scores[i] = whitened.transpose() * factor.solve_lower(own.response);
     information += seen[i];
     gradient += scores[i];
   }
   Sums sums;
-  const Eigen::LLT<Eigen::MatrixXd> factor(information);
+  const CholeskyFactor factor(information);
   sums.mean = factor.solve(gradient);
   sums.mean_variance = factor.solve(Eigen::MatrixXd::Identity(effects, effects));
   sums.growth = Eigen::MatrixXd::Zero(effects, effects);
@@ -166,7 +166,7 @@ Eigen::VectorXd PartialSample::ranking(const Estimate& estimate) const {
   for (std::size_t s = 0; s < specimens_.size(); ++s) {
     const EffectEvidence& own = specimens_[s];
     const auto factor = positive_factor(own.design * estimate.covariance * own.design.transpose() + own.noise);
-    const double square = factor.matrixL().solve(own.response - own.design * estimate.mean).squaredNorm();
+    const double square = factor.solve_lower(own.response - own.design * estimate.mean).squaredNorm();
     ranking(static_cast<Eigen::Index>(s)) =
         normal_deviate(square, static_cast<double>(own.response.size()), estimate.count - 1.0);
   }
@@ -178,7 +178,7 @@ DeletedDistance PartialSample::deleted(Eigen::Index specimen, const Estimate& es
   const EffectEvidence& own = specimens_[s];
   const auto factor =
       positive_factor(own.design * (estimate.covariance + estimate.mean_variance) * own.design.transpose() + own.noise);
-  const double square = factor.matrixL().solve(own.response - own.design * estimate.mean).squaredNorm();
+  const double square = factor.solve_lower(own.response - own.design * estimate.mean).squaredNorm();
   return deleted_distance(square, static_cast<double>(own.response.size()), estimate.count - 1.0);
 }
 

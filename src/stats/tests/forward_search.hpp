@@ -2,12 +2,12 @@
 // another. Knows two kinds of samples; what is too far is outliers.cpp's business.
 #pragma once
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <algorithm>
 #include <vector>
 
 #include "mottle/layers.hpp"
+#include "mottle/linalg/dense/decompositions.hpp"
 #include "stats/population/effect_evidence.hpp"
 
 namespace mottle::stats {
@@ -23,7 +23,7 @@ class CompleteSample {
  public:
   struct Estimate {
     Eigen::VectorXd mean;
-    Eigen::LLT<Eigen::MatrixXd> factor;  ///< of the covariance
+    CholeskyFactor factor;  ///< of the covariance
     double count = 0.0;
   };
 

@@ -1,13 +1,13 @@
 #include "mottle/stats/tests/hotelling.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
 #include <algorithm>
 #include <boost/math/distributions/fisher_f.hpp>
 #include <cmath>
 #include <cstdint>
 
 #include "mottle/core/error.hpp"
+#include "mottle/linalg/dense/decompositions.hpp"
 #include "mottle/stats/distributions/chi_squared.hpp"
 
 namespace mottle::stats {
@@ -83,14 +83,13 @@ double squared_distance(const Eigen::VectorXd& difference, const Eigen::MatrixXd
   }
   const Eigen::VectorXd scale = standard_deviation.cwiseInverse();
   const Eigen::MatrixXd correlation = scale.asDiagonal() * pooled * scale.asDiagonal();
-  const double smallest =
-      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(correlation, Eigen::EigenvaluesOnly).eigenvalues()[0];
+  const double smallest = symmetric_eigenvalues(correlation)[0];
   require(smallest > 1e-12,
           "pooled covariance: singular, the smallest eigenvalue of its correlation is {:.3g}; leave out an output that "
           "follows from the others",
           smallest);
   const Eigen::VectorXd scaled = scale.cwiseProduct(difference);
-  return scaled.dot(correlation.llt().solve(scaled));
+  return scaled.dot(CholeskyFactor(correlation).solve(scaled));
 }
 
 }  // namespace

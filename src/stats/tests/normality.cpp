@@ -1,6 +1,6 @@
 #include "mottle/stats/tests/normality.hpp"
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,6 +9,7 @@
 #include <mutex>
 #include <numeric>
 
+#include "mottle/linalg/dense/decompositions.hpp"
 #include "mottle/stats/distributions/standard_normal.hpp"
 #include "mottle/stats/moments/descriptive.hpp"
 #include "stats/distributions/standard_normals.hpp"
@@ -113,7 +114,7 @@ Eigen::MatrixXd joint_scores(const ShrunkenEffects& effects, double min_variance
   const Eigen::Index directions = effects.points.cols();
   std::vector<Eigen::VectorXd> scores;
   for (std::size_t s = 0; s < effects.spreads.size(); ++s) {
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(effects.spreads[s] * effects.spreads[s].transpose());
+    const SymmetricEigen solver(effects.spreads[s] * effects.spreads[s].transpose());
     if (!(solver.eigenvalues().minCoeff() > min_variance)) continue;
     scores.emplace_back(solver.operatorInverseSqrt() * effects.points.row(static_cast<Eigen::Index>(s)).transpose());
   }

@@ -1,6 +1,6 @@
 #include "mottle/stats/tests/outliers.hpp"
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,6 +10,7 @@
 #include <numeric>
 #include <utility>
 
+#include "mottle/linalg/dense/decompositions.hpp"
 #include "mottle/stats/moments/descriptive.hpp"
 #include "stats/distributions/standard_normals.hpp"
 #include "stats/tests/forward_search.hpp"
@@ -121,7 +122,7 @@ class PartialDraws {
  public:
   explicit PartialDraws(const std::vector<EffectEvidence>& specimens) : specimens_(specimens) {
     for (const EffectEvidence& own : specimens) {
-      const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(own.noise);
+      const SymmetricEigen solver(own.noise);
       roots_.emplace_back(solver.eigenvectors() * solver.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal());
       normals_ += own.design.cols() + own.noise.cols();
     }

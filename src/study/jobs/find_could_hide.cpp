@@ -1,6 +1,6 @@
 #include "study/jobs/find_could_hide.hpp"
 
-#include <Eigen/Cholesky>
+#include <Eigen/Core>
 #include <algorithm>
 #include <boost/math/distributions/fisher_f.hpp>
 #include <boost/math/distributions/students_t.hpp>
@@ -9,6 +9,7 @@
 #include <numeric>
 
 #include "mottle/core/text.hpp"
+#include "mottle/linalg/dense/decompositions.hpp"
 #include "mottle/stats/distributions/chi_squared.hpp"
 #include "mottle/study/models/model_source.hpp"
 #include "mottle/updating/methods/iteration.hpp"
@@ -42,8 +43,7 @@ bool are_means_tested(const UpdatingResult& result) {
 
 bool is_definite(const Eigen::MatrixXd& covariance) {
   const Eigen::VectorXd scale = covariance.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-  const Eigen::LDLT<Eigen::MatrixXd> factor(scale.asDiagonal() * covariance * scale.asDiagonal());
-  return factor.vectorD().minCoeff() > 1e-10;
+  return semidefinite_pivots(scale.asDiagonal() * covariance * scale.asDiagonal()).minCoeff() > 1e-10;
 }
 
 TestScatter scatter_of_tests(const Study& study, const UpdatingProblem& problem, const UpdatingResult& result,

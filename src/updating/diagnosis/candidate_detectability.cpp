@@ -1,9 +1,9 @@
 // What the tests can see of parameters and candidates: sizes and angles of their sensitivities.
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 
+#include "mottle/linalg/dense/decompositions.hpp"
 #include "updating/diagnosis/candidate_fits.hpp"
 
 namespace mottle::updating {
@@ -24,7 +24,7 @@ Eigen::MatrixXd whitener(const Eigen::MatrixXd& covariance) {
   const Eigen::VectorXd standard_deviation = covariance.diagonal().cwiseMax(1e-300).cwiseSqrt();
   const Eigen::MatrixXd correlation =
       standard_deviation.cwiseInverse().asDiagonal() * covariance * standard_deviation.cwiseInverse().asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(correlation);
+  const SymmetricEigen solver(correlation);
   const Eigen::VectorXd root = solver.eigenvalues().cwiseMax(k_min).cwiseSqrt().cwiseInverse();
   return root.asDiagonal() * solver.eigenvectors().transpose() * standard_deviation.cwiseInverse().asDiagonal();
 }
@@ -32,10 +32,8 @@ Eigen::MatrixXd whitener(const Eigen::MatrixXd& covariance) {
 /// What a direction keeps when the span of `others` is taken from it.
 Eigen::VectorXd own_part(const Eigen::MatrixXd& others, const Eigen::VectorXd& direction) {
   if (others.cols() == 0) return direction;
-  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> factor;
-  factor.setThreshold(1e-8);
-  factor.compute(others * others.colwise().norm().cwiseMax(1e-300).cwiseInverse().asDiagonal());
-  const Eigen::MatrixXd q = factor.householderQ() * Eigen::MatrixXd::Identity(others.rows(), factor.rank());
+  const Eigen::VectorXd scale = others.colwise().norm().cwiseMax(1e-300).cwiseInverse();
+  const Eigen::MatrixXd q = PivotedQr(others * scale.asDiagonal(), 1e-8).range();
   return direction - q * (q.transpose() * direction);
 }
 
@@ -81,13 +79,7 @@ DetectabilityAnalysis analyse_detectability(CandidateFits& fits, const SetFit& b
   for (Eigen::Index j = 0; j < given; ++j) {
     if (active(j) == 0) free.push_back(j);
   }
-  Eigen::Index rank = 0;
-  if (!free.empty()) {
-    Eigen::ColPivHouseholderQR<Eigen::MatrixXd> factor;
-    factor.setThreshold(1e-8);
-    factor.compute(white(Eigen::all, free));
-    rank = factor.rank();
-  }
+  const Eigen::Index rank = free.empty() ? 0 : PivotedQr(white(Eigen::all, free), 1e-8).rank();
   analysis.judging = white.rows() - rank;
   return analysis;
 }

@@ -1,8 +1,10 @@
 #include "updating/diagnosis/candidate_model.hpp"
 
-#include <Eigen/SVD>
+#include <Eigen/Core>
 #include <cmath>
 #include <map>
+
+#include "mottle/linalg/dense/decompositions.hpp"
 
 namespace mottle::updating {
 
@@ -17,8 +19,8 @@ std::vector<ShapeSign> shape_signs(const std::vector<Quantity>& outputs,
   for (auto& [mode, columns] : shapes) {
     const Eigen::MatrixXd measured =
         tests(Eigen::all, columns).unaryExpr([](double value) { return std::isnan(value) ? 0.0 : value; });
-    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(measured, Eigen::ComputeThinV);
-    Eigen::VectorXd towards = svd.matrixV().col(0);
+    const SingularValues svd(measured, Eigen::ComputeThinV);
+    Eigen::VectorXd towards = svd.right().col(0);
     if ((measured * towards).sum() < 0.0) towards = -towards;
     signs.push_back({std::move(columns), std::move(towards)});
   }

@@ -1,6 +1,6 @@
 #include "updating/diagnosis/candidate_reference.hpp"
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -8,6 +8,7 @@
 #include "mottle/core/error.hpp"
 #include "mottle/core/parallel.hpp"
 #include "mottle/core/random.hpp"
+#include "mottle/linalg/dense/decompositions.hpp"
 #include "mottle/stats/distributions/standard_normal.hpp"
 
 namespace mottle::updating {
@@ -18,7 +19,7 @@ constexpr double k_tail = 0.1;  // 40 excesses: their mean is known to 16 %
 
 /// A covariance's square root.
 Eigen::MatrixXd root_of(const Eigen::MatrixXd& covariance) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(covariance);
+  const SymmetricEigen solver(covariance);
   return solver.eigenvectors() * solver.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
 }
 

@@ -1,10 +1,10 @@
 #include "updating/estimate/normal_draws.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
 #include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
 
+#include "mottle/linalg/dense/decompositions.hpp"
 #include "mottle/stats/distributions/standard_normal.hpp"
 
 namespace mottle::updating {
@@ -50,7 +50,7 @@ Eigen::VectorXd scale_of(const Eigen::MatrixXd& covariance) {
 
 Eigen::MatrixXd scaled_root(const Eigen::MatrixXd& matrix, const Eigen::VectorXd& scale) {
   const Eigen::VectorXd inverse = scale.cwiseInverse();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(inverse.asDiagonal() * matrix * inverse.asDiagonal());
+  const SymmetricEigen solver(inverse.asDiagonal() * matrix * inverse.asDiagonal());
   return scale.asDiagonal() * solver.eigenvectors() * solver.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal() *
          solver.eigenvectors().transpose();
 }

@@ -1,10 +1,10 @@
 #include "updating/methods/curvature.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
 #include <cmath>
 
 #include "mottle/core/text.hpp"
+#include "mottle/linalg/dense/decompositions.hpp"
 #include "updating/methods/scaled_parameters.hpp"
 
 namespace mottle::updating {
@@ -22,7 +22,7 @@ Posterior posterior_of(const RandomEffectsUnit& unit, const RandomEffectsFit& ef
   total.diagonal() *= 1.0 + 1e-13;
   total.diagonal() += noise_of(unit, effects.noise_factors);
   Posterior posterior;
-  posterior.weighted = total.ldlt().solve(unit.design).transpose();
+  posterior.weighted = solve_semidefinite(total, unit.design).transpose();
   posterior.gain = effects.covariance * posterior.weighted;
   posterior.covariance = effects.covariance - posterior.gain * unit.design * effects.covariance;
   return posterior;
@@ -69,7 +69,7 @@ Eigen::MatrixXd mean_deviations(const std::vector<Posterior>& posteriors) {
   for (const Posterior& one : posteriors) mean += one.covariance / static_cast<double>(posteriors.size());
   const Eigen::VectorXd scale = mean.diagonal().cwiseMax(1e-300).cwiseSqrt();
   const Eigen::MatrixXd scaled = scale.cwiseInverse().asDiagonal() * mean * scale.cwiseInverse().asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(scaled);
+  const SymmetricEigen solver(scaled);
   constexpr double k_none = 1e-8;
   Eigen::Index first = 0;
   while (first < scale.size() && !(solver.eigenvalues()(first) > k_none)) ++first;

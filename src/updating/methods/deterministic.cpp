@@ -1,11 +1,12 @@
 #include "mottle/updating/methods/deterministic.hpp"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <cmath>
 #include <limits>
 #include <optional>
 
 #include "mottle/core/subject.hpp"
+#include "mottle/linalg/dense/decompositions.hpp"
 #include "mottle/stats/moments/distance.hpp"
 #include "mottle/updating/methods/iteration.hpp"
 #include "updating/methods/deterministic_tests.hpp"
@@ -93,7 +94,7 @@ LeastSquares prepare(const UpdatingProblem& problem, const DeterministicOptions&
   setup.start = problem.space.prior().mean();
   setup.prior_std = covariance.diagonal().cwiseSqrt();
   setup.prior = Eigen::MatrixXd::Zero(setup.start.size(), setup.start.size());
-  if (options.regularisation == DeterministicOptions::Regularisation::bayesian) setup.prior = covariance.inverse();
+  if (options.regularisation == DeterministicOptions::Regularisation::bayesian) setup.prior = inverse_by_lu(covariance);
   if (options.regularisation == DeterministicOptions::Regularisation::tikhonov) {
     setup.prior.diagonal() = (options.tikhonov_parameter * setup.prior_std.cwiseInverse()).cwiseAbs2();
   }
@@ -112,11 +113,11 @@ double cost(const LeastSquares& setup, const Eigen::VectorXd& parameters, const 
 
 void require_full_rank(const LeastSquares& setup, const Eigen::MatrixXd& g) {
   const Eigen::MatrixXd scaled = setup.weight.cwiseSqrt().asDiagonal() * g * setup.prior_std.asDiagonal();
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> factor(scaled);
-  require_of(!setup.prior.isZero(0.0) || factor.rank() == g.cols(), k_method,
+  const Eigen::Index rank = PivotedQr(scaled).rank();
+  require_of(!setup.prior.isZero(0.0) || rank == g.cols(), k_method,
              "the outputs tell only {} combinations of the {} parameters apart; set "
              "the option regularisation to \"tikhonov\" or \"bayesian\"",
-             factor.rank(), g.cols());
+             rank, g.cols());
 }
 
 /// Gauss-Newton step over the parameters that no bound holds.
@@ -131,7 +132,7 @@ Eigen::VectorXd free_step(const Eigen::MatrixXd& hessian, const Eigen::VectorXd&
   if (free.empty()) return step;
   const Eigen::MatrixXd free_hessian = hessian(free, free);
   const Eigen::VectorXd free_descent = descent(free);
-  const Eigen::VectorXd solved = free_hessian.ldlt().solve(free_descent);
+  const Eigen::VectorXd solved = solve_semidefinite(free_hessian, free_descent);
   step(free) = solved;
   return step;
 }
@@ -169,7 +170,7 @@ Eigen::MatrixXd estimate_covariance(const LeastSquares& setup, const Eigen::Matr
                                     DeterministicOptions::Regularisation regularisation) {
   const Eigen::MatrixXd information = g.transpose() * setup.weight.asDiagonal() * g;
   const Eigen::MatrixXd inverse =
-      (information + setup.prior).ldlt().solve(Eigen::MatrixXd::Identity(information.rows(), information.cols()));
+      solve_semidefinite(information + setup.prior, Eigen::MatrixXd::Identity(information.rows(), information.cols()));
   const bool is_posterior = regularisation == DeterministicOptions::Regularisation::bayesian;
   const Eigen::MatrixXd covariance = is_posterior ? inverse : Eigen::MatrixXd(inverse * information * inverse);
   return 0.5 * (covariance + covariance.transpose());
@@ -179,7 +180,7 @@ Eigen::MatrixXd estimate_covariance(const LeastSquares& setup, const Eigen::Matr
 Eigen::VectorXd unbounded_step(const LeastSquares& setup, const Eigen::VectorXd& x, const Eigen::VectorXd& outputs,
                                const Eigen::MatrixXd& g) {
   const Eigen::MatrixXd gw = g.transpose() * setup.weight.asDiagonal();
-  return (gw * g + setup.prior).ldlt().solve(gw * (setup.target - outputs) - setup.prior * (x - setup.start));
+  return solve_semidefinite(gw * g + setup.prior, gw * (setup.target - outputs) - setup.prior * (x - setup.start));
 }
 
 /// Means of the outputs of specimens around a point that scatter as the tests do.

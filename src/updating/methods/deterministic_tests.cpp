@@ -1,10 +1,11 @@
 #include "updating/methods/deterministic_tests.hpp"
 
-#include <Eigen/Cholesky>
+#include <Eigen/Core>
 #include <cmath>
 #include <limits>
 
 #include "mottle/core/error.hpp"
+#include "mottle/linalg/dense/decompositions.hpp"
 #include "mottle/updating/methods/iteration.hpp"
 #include "updating/methods/matched_moments.hpp"
 #include "updating/methods/scaled_parameters.hpp"
@@ -46,7 +47,7 @@ void plan_residual_test(const UpdatingProblem& problem, const StructureEstimate&
   }
   const Eigen::VectorXd residual = b.transpose() * estimate.residual;
   const Eigen::MatrixXd covariance = b.transpose() * target_variance(problem, estimate).asDiagonal() * b;
-  PlannedTest test = chi_squared_test("residuals", residual.dot(covariance.ldlt().solve(residual)), d);
+  PlannedTest test = chi_squared_test("residuals", residual.dot(solve_semidefinite(covariance, residual)), d);
   test.aspect = Aspect::means;
   test.meaning = fmt::format(
       "Chi-squared with {:.0f} degrees of freedom: are the residuals of the outputs, in the directions that no "

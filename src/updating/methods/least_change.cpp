@@ -1,11 +1,10 @@
 #include "updating/methods/least_change.hpp"
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
-#include <Eigen/SVD>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 
+#include "mottle/linalg/dense/decompositions.hpp"
 #include "mottle/stats/moments/descriptive.hpp"
 
 namespace mottle::updating {
@@ -40,9 +39,8 @@ Eigen::VectorXd half_vectorised(const Eigen::Ref<const Eigen::MatrixXd>& symmetr
 
 Gain least_change_gain(const Eigen::Ref<const Eigen::MatrixXd>& whitened,
                        const Eigen::Ref<const Eigen::VectorXd>& standard_deviation, double damping) {
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(whitened * standard_deviation.asDiagonal(),
-                                              Eigen::ComputeThinU | Eigen::ComputeThinV);
-  const Eigen::VectorXd& values = svd.singularValues();
+  const SingularValues svd(whitened * standard_deviation.asDiagonal(), Eigen::ComputeThinU | Eigen::ComputeThinV);
+  const Eigen::VectorXd& values = svd.values();
   Eigen::VectorXd inverse = Eigen::VectorXd::Zero(values.size());
   Gain gain;
   for (Eigen::Index i = 0; i < values.size(); ++i) {
@@ -50,7 +48,7 @@ Gain least_change_gain(const Eigen::Ref<const Eigen::MatrixXd>& whitened,
     ++gain.rank;
     inverse(i) = values(i) / (values(i) * values(i) + damping * damping * values(0) * values(0));
   }
-  gain.matrix = standard_deviation.asDiagonal() * svd.matrixV() * inverse.asDiagonal() * svd.matrixU().transpose();
+  gain.matrix = standard_deviation.asDiagonal() * svd.right() * inverse.asDiagonal() * svd.left().transpose();
   return gain;
 }
 
@@ -139,10 +137,7 @@ Eigen::MatrixXd least_change_covariance(const Eigen::Ref<const Eigen::MatrixXd>&
     wanted.conservativeResize(effect.rows());
     wanted.tail(effect.cols()).setZero();
   }
-  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver;
-  solver.setThreshold(k_unseen * k_unseen);
-  solver.compute(effect);
-  const Eigen::VectorXd solution = solver.solve(wanted);
+  const Eigen::VectorXd solution = LeastNormSolver(effect, k_unseen * k_unseen).solve(wanted);
   Eigen::MatrixXd result = Eigen::MatrixXd::Zero(scaled.cols(), scaled.cols());
   for (Eigen::Index k = 0; k < solution.size(); ++k) {
     const auto [i, j] = entries[static_cast<std::size_t>(k)];
@@ -165,7 +160,7 @@ bool project_to_covariance(Eigen::MatrixXd& covariance, const Eigen::Ref<const E
   constexpr double k_rounding = 1e-12;
   const Eigen::MatrixXd scaled =
       standard_deviation.cwiseInverse().asDiagonal() * covariance * standard_deviation.cwiseInverse().asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled);
+  const SymmetricEigen eigen(scaled);
   if (eigen.eigenvalues()(0) >= 0.0) {
     repair_covariance(covariance);
     return false;

@@ -1,7 +1,8 @@
 #include "updating/methods/linear_units.hpp"
 
-#include <Eigen/QR>
+#include <Eigen/Core>
 
+#include "mottle/linalg/dense/decompositions.hpp"
 #include "updating/methods/measured_outputs.hpp"
 
 namespace mottle::updating {
@@ -18,8 +19,8 @@ Eigen::MatrixXd absorbed_errors(const Eigen::MatrixXd& sensitivity, const Eigen:
   const Eigen::VectorXd root =
       variance.cwiseMax(k_min * variance.maxCoeff()).cwiseMax(1e-280).cwiseSqrt().cwiseInverse();
   const Eigen::MatrixXd moved = root.asDiagonal() * (sensitivity * directions);
-  const Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver(moved);
-  return directions * solver.pseudoInverse() * root.asDiagonal();
+  const LeastNormSolver solver(moved);
+  return directions * solver.pseudo_inverse() * root.asDiagonal();
 }
 
 std::vector<RandomEffectsUnit> linear_units(const Eigen::Ref<const Eigen::MatrixXd>& values,

@@ -1,10 +1,10 @@
 #include "updating/methods/mares.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/LU>
+#include <Eigen/Core>
 #include <cmath>
 
 #include "mottle/core/subject.hpp"
+#include "mottle/linalg/dense/decompositions.hpp"
 #include "mottle/stats/moments/descriptive.hpp"
 #include "mottle/updating/methods/iteration.hpp"
 #include "updating/methods/matched_moments.hpp"
@@ -58,7 +58,7 @@ MaresSetup prepare(const UpdatingProblem& problem, const MaresOptions& options) 
   const bool is_scattered =
       (setup.test_variability.diagonal().array().sqrt() > k_min * setup.tests.mean.array().abs()).all();
   // A direction without variability would leave the parameters without scatter there (Eq. 12): no cloud to regress on.
-  require_of(is_scattered && correlation.allFinite() && correlation.ldlt().vectorD().minCoeff() > k_singular,
+  require_of(is_scattered && correlation.allFinite() && semidefinite_pivots(correlation).minCoeff() > k_singular,
              {Subject::Kind::tests},
              "the covariance of {} outputs from {} specimens is singular; test more specimens than outputs, leave "
              "outputs out, or set the method's model_error above 0",
@@ -66,7 +66,7 @@ MaresSetup prepare(const UpdatingProblem& problem, const MaresOptions& options) 
   setup.weight = options.weighting == MaresOptions::Weighting::euclidean
                      ? Eigen::MatrixXd(Eigen::MatrixXd::Identity(outputs, outputs) * static_cast<double>(outputs) /
                                        setup.test_variability.trace())
-                     : Eigen::MatrixXd(setup.test_variability.inverse());
+                     : inverse_by_lu(setup.test_variability);
   return setup;
 }
 
@@ -83,11 +83,11 @@ Eigen::VectorXd updated_mean(const MaresSetup& setup, const IterationRecord& sta
   const bool is_recursive = options.covariance == MaresOptions::Covariance::recursive;
   const bool is_recentred = options.prior == MaresOptions::Prior::recentred;
   const Eigen::MatrixXd& damping = is_recentred || !is_recursive ? setup.prior_covariance : state.parameter_covariance;
-  const Eigen::MatrixXd precision = damping.inverse();
+  const Eigen::MatrixXd precision = inverse_by_lu(damping);
   const Eigen::MatrixXd gw = g.transpose() * setup.weight;
   Eigen::VectorXd gradient = gw * (setup.tests.mean - state.output_mean);
   if (!is_recentred) gradient -= precision * (state.parameter_mean - setup.prior_mean);
-  return state.parameter_mean + (gw * g + precision).ldlt().solve(gradient);
+  return state.parameter_mean + solve_semidefinite(gw * g + precision, gradient);
 }
 
 /// Eq. 12.
@@ -96,7 +96,7 @@ Eigen::MatrixXd updated_covariance(const MaresSetup& setup, const IterationRecor
   const bool is_recursive = options.covariance == MaresOptions::Covariance::recursive;
   const Eigen::MatrixXd& prior = is_recursive ? state.parameter_covariance : setup.prior_covariance;
   const Eigen::MatrixXd pg = prior * g.transpose();
-  const Eigen::MatrixXd updated = prior - pg * (setup.test_variability + g * pg).ldlt().solve(pg.transpose());
+  const Eigen::MatrixXd updated = prior - pg * solve_semidefinite(setup.test_variability + g * pg, pg.transpose());
   Eigen::MatrixXd covariance = 0.5 * (updated + updated.transpose());
   repair_covariance(covariance);
   return covariance;

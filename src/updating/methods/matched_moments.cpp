@@ -1,12 +1,12 @@
 #include "updating/methods/matched_moments.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/SVD>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "mottle/core/error.hpp"
+#include "mottle/linalg/dense/decompositions.hpp"
 #include "mottle/updating/methods/iteration.hpp"
 #include "updating/methods/least_change.hpp"
 #include "updating/verdict/scatter_tests.hpp"
@@ -56,11 +56,10 @@ Comparison compare(const UpdatingProblem& problem, const MatchedEstimate& estima
 double squared_distance(const Comparison& c, const Eigen::MatrixXd& covariance) {
   const Eigen::MatrixXd own = c.directions.transpose() * covariance * c.directions;
   const Eigen::VectorXd off = c.directions.transpose() * c.residual;
-  const Eigen::LDLT<Eigen::MatrixXd> factor(own);
   constexpr double k_singular = 1e-12;
-  const Eigen::VectorXd pivots = factor.vectorD();
+  const Eigen::VectorXd pivots = semidefinite_pivots(own);
   if (!(pivots.minCoeff() > k_singular * pivots.maxCoeff())) return -1.0;
-  return off.dot(factor.solve(off));
+  return off.dot(solve_semidefinite(own, off));
 }
 
 Power mean_power(double noncentrality, double specimens) {
@@ -145,8 +144,8 @@ void plan_residual_scatter(const Comparison& c, TestPlan& plan) {
     plan.leave_untested(Aspect::scatter, gaps_untested(Aspect::scatter, c.estimate.method));
     return;
   }
-  const Eigen::LLT<Eigen::MatrixXd> factor(b.transpose() * c.of_test * b);
-  const Eigen::MatrixXd whitened = factor.matrixL().solve(b.transpose());
+  const CholeskyFactor factor(b.transpose() * c.of_test * b);
+  const Eigen::MatrixXd whitened = factor.solve_lower(b.transpose());
   const double degrees_of_freedom = c.tests.count.cast<double>().mean() - 1.0;
   const double squares = degrees_of_freedom * (whitened * c.tests.covariance * whitened.transpose()).trace();
   plan.add(residual_scatter_test(
@@ -231,11 +230,10 @@ Eigen::MatrixXd unmoved_directions(const Eigen::Ref<const Eigen::MatrixXd>& sens
                                    const Eigen::Ref<const Eigen::VectorXd>& parameter_scale) {
   constexpr double k_unseen = 1e-6;
   const Eigen::VectorXd unit = output_scale.cwiseInverse();
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(unit.asDiagonal() * sensitivity * parameter_scale.asDiagonal(),
-                                              Eigen::ComputeFullU);
-  const Eigen::VectorXd& values = svd.singularValues();
+  const SingularValues svd(unit.asDiagonal() * sensitivity * parameter_scale.asDiagonal(), Eigen::ComputeFullU);
+  const Eigen::VectorXd& values = svd.values();
   const Eigen::Index rank = (values.array() > k_unseen * values(0)).count();
-  return unit.asDiagonal() * svd.matrixU().rightCols(sensitivity.rows() - rank);
+  return unit.asDiagonal() * svd.left().rightCols(sensitivity.rows() - rank);
 }
 
 void test_matched_moments(const UpdatingProblem& problem, const MatchedEstimate& estimate, UpdatingResult& result) {

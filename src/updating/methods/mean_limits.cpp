@@ -1,7 +1,6 @@
 #include "updating/methods/mean_limits.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/LU>
+#include <Eigen/Core>
 #include <algorithm>
 #include <boost/math/distributions/chi_squared.hpp>
 #include <boost/math/distributions/students_t.hpp>
@@ -11,6 +10,7 @@
 #include "mottle/core/error.hpp"
 #include "mottle/core/random.hpp"
 #include "mottle/core/text.hpp"
+#include "mottle/linalg/dense/decompositions.hpp"
 #include "mottle/stats/distributions/standard_normal.hpp"
 #include "updating/methods/scaled_parameters.hpp"
 
@@ -53,13 +53,13 @@ NearBounds find_near_bounds(const ScaledParameters& parameters, const FreeMean& 
 
 double distance_from_cone(const Eigen::VectorXd& slack, const Eigen::MatrixXd& correlation) {
   const Eigen::VectorXd beyond = nearest_non_negative(slack, correlation) - slack;
-  return std::sqrt(std::max(beyond.dot(correlation.llt().solve(beyond)), 0.0));
+  return std::sqrt(std::max(beyond.dot(CholeskyFactor(correlation).solve(beyond)), 0.0));
 }
 
 /// Distances of means whose truth lies on all the bounds, ascending.
 std::vector<double> drawn_distances(const Eigen::MatrixXd& correlation, double degrees_of_freedom) {
   constexpr std::uint32_t k_draws = 4000;  // a level of 1 % to 0.16 %
-  const Eigen::MatrixXd root = correlation.llt().matrixL();
+  const Eigen::MatrixXd root = CholeskyFactor(correlation).lower();
   const bool is_known = std::isinf(degrees_of_freedom);
   const boost::math::chi_squared law(is_known ? 1.0 : degrees_of_freedom);
   std::vector<double> distances;
@@ -97,7 +97,7 @@ Eigen::VectorXd nearest_non_negative(const Eigen::Ref<const Eigen::VectorXd>& me
                                      const Eigen::Ref<const Eigen::MatrixXd>& covariance) {
   constexpr int k_max_rounds = 10000;
   constexpr double k_at_rest = 1e-12;
-  const Eigen::MatrixXd precision = covariance.inverse();
+  const Eigen::MatrixXd precision = inverse_by_lu(covariance);
   Eigen::VectorXd u = mean.cwiseMax(0.0);
   for (int round = 0; round < k_max_rounds; ++round) {
     double change = 0.0;

@@ -1,10 +1,10 @@
 // What the outputs of a population are, at its mean and over points of a rule.
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
+#include <Eigen/Core>
 #include <cmath>
 #include <limits>
 
 #include "mottle/core/error.hpp"
+#include "mottle/linalg/dense/decompositions.hpp"
 #include "mottle/stats/sampling/gaussian_rules.hpp"
 #include "updating/methods/moment_iteration.hpp"
 
@@ -15,7 +15,7 @@ namespace {
 Eigen::MatrixXd symmetric_root(const Eigen::MatrixXd& covariance, const Eigen::VectorXd& standard_deviation) {
   const Eigen::MatrixXd scaled =
       standard_deviation.cwiseInverse().asDiagonal() * covariance * standard_deviation.cwiseInverse().asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled);
+  const SymmetricEigen eigen(scaled);
   return standard_deviation.asDiagonal() * eigen.eigenvectors() *
          eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal() * eigen.eigenvectors().transpose();
 }

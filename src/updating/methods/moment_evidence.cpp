@@ -1,6 +1,7 @@
 // What the specimens show of a population that was matched to the moments of their tests.
-#include <Eigen/SVD>
+#include <Eigen/Core>
 
+#include "mottle/linalg/dense/decompositions.hpp"
 #include "updating/methods/measured_outputs.hpp"
 #include "updating/methods/moment_iteration.hpp"
 
@@ -11,11 +12,11 @@ namespace {
 /// the parameters themselves where all are seen.
 Eigen::MatrixXd seen_combinations(const Eigen::MatrixXd& sensitivity, const Eigen::VectorXd& standard_deviation) {
   constexpr double k_unseen = 1e-6;  // as least_change_gain counts
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(sensitivity * standard_deviation.asDiagonal(), Eigen::ComputeThinV);
-  const Eigen::VectorXd& values = svd.singularValues();
+  const SingularValues svd(sensitivity * standard_deviation.asDiagonal(), Eigen::ComputeThinV);
+  const Eigen::VectorXd& values = svd.values();
   const Eigen::Index rank = (values.array() > k_unseen * values(0)).count();
   if (rank == standard_deviation.size()) return standard_deviation.asDiagonal();
-  return standard_deviation.asDiagonal() * svd.matrixV().leftCols(rank);
+  return standard_deviation.asDiagonal() * svd.right().leftCols(rank);
 }
 
 /// The tests as linear random effects around the state's mean.

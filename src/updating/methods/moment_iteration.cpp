@@ -1,11 +1,12 @@
 #include "updating/methods/moment_iteration.hpp"
 
-#include <Eigen/Cholesky>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
 #include "mottle/core/subject.hpp"
+#include "mottle/linalg/dense/decompositions.hpp"
 #include "mottle/stats/moments/descriptive.hpp"
 #include "mottle/stats/moments/distance.hpp"
 #include "updating/methods/least_change.hpp"
@@ -47,12 +48,12 @@ Eigen::MatrixXd whitening_matrix(const Setup& setup, const Eigen::VectorXd& adde
   if (setup.method.weighting == MomentWeighting::covariance) {
     constexpr double k_singular = 1e-12;
     const Eigen::MatrixXd correlation = correlation_from_covariance(tests.covariance);
-    require_of(tests.covariance.diagonal().minCoeff() > 0.0 && correlation.ldlt().vectorD().minCoeff() > k_singular,
+    require_of(tests.covariance.diagonal().minCoeff() > 0.0 && semidefinite_pivots(correlation).minCoeff() > k_singular,
                {Subject::Kind::option, setup.method.name + ".weighting"},
                "the covariance of {} outputs from {} specimens is singular; give \"variance\"", tests.mean.size(),
                setup.problem.tests.values.rows());
-    return tests.covariance.llt().matrixL().solve(
-        Eigen::MatrixXd::Identity(tests.covariance.rows(), tests.covariance.cols()));
+    return CholeskyFactor(tests.covariance)
+        .solve_lower(Eigen::MatrixXd::Identity(tests.covariance.rows(), tests.covariance.cols()));
   }
   Eigen::VectorXd standard_deviation = tests.covariance.diagonal().cwiseSqrt();
   for (Eigen::Index k = 0; k < standard_deviation.size(); ++k) {

@@ -1,8 +1,9 @@
 #include "updating/methods/scatter_curvature.hpp"
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
 #include <cmath>
 
+#include "mottle/linalg/dense/decompositions.hpp"
 #include "mottle/updating/methods/iteration.hpp"
 #include "updating/methods/least_change.hpp"
 #include "updating/methods/scaled_parameters.hpp"
@@ -35,7 +36,7 @@ Eigen::VectorXd means_of_scattered(const UpdatingProblem& problem, const Eigen::
   const auto n = static_cast<double>(problem.tests.values.rows());
   const Eigen::MatrixXd scatter = (n - 1.0) / n * gain * own * gain.transpose();
   const Eigen::VectorXd unit = prior_std.cwiseInverse();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> axes(unit.asDiagonal() * scatter * unit.asDiagonal());
+  const SymmetricEigen axes(unit.asDiagonal() * scatter * unit.asDiagonal());
   const Eigen::Index q = point.size();
   Eigen::MatrixXd points = centre.transpose().replicate(2 * q + 1, 1);
   for (Eigen::Index i = 0; i < q; ++i) {

@@ -1,12 +1,12 @@
 #include "updating/methods/specimen_fit.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/QR>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "mottle/core/error.hpp"
+#include "mottle/linalg/dense/decompositions.hpp"
 #include "updating/methods/measured_outputs.hpp"
 #include "updating/methods/scaled_parameters.hpp"
 
@@ -45,7 +45,7 @@ class Search {
     total.diagonal() += noise_;
     total.diagonal() *= 1.0 + 1e-13;
     const Eigen::VectorXd residual = values_ - outputs(rows_) + own * (t - population_.mean);
-    return own.transpose() * total.ldlt().solve(residual);
+    return own.transpose() * solve_semidefinite(total, residual);
   }
 
   double cost(const Eigen::VectorXd& u, const Eigen::VectorXd& outputs) const {
@@ -101,7 +101,7 @@ SpecimenFits fit_specimens(const UpdatingProblem& problem, const Eigen::Ref<cons
   Eigen::MatrixXd moved = Eigen::MatrixXd::Zero(values.cols(), prior_std.size());
   for (const Eigen::MatrixXd& g : fits.jacobians) moved = moved.cwiseMax((g * prior_std.asDiagonal()).cwiseAbs());
   const Eigen::VectorXd floor = 1e-6 * moved.rowwise().squaredNorm();
-  const Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> coordinates(population.covariance);
+  const LeastNormSolver coordinates(population.covariance);
   std::vector<Search> searches;
   std::vector<Iterate> iterates(static_cast<std::size_t>(n));
   for (Eigen::Index s = 0; s < n; ++s) searches.emplace_back(values.row(s), population, floor);

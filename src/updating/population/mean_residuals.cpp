@@ -1,10 +1,9 @@
 #include "updating/population/mean_residuals.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
+#include <Eigen/Core>
 #include <algorithm>
 
+#include "mottle/linalg/dense/decompositions.hpp"
 #include "updating/methods/matched_moments.hpp"
 #include "updating/methods/measured_outputs.hpp"
 
@@ -34,15 +33,14 @@ WhitenedResiduals whiten(const Eigen::Ref<const Eigen::MatrixXd>& tests, const s
     const Eigen::VectorXd weight = noise(rows).cwiseSqrt().cwiseInverse();
     const Eigen::MatrixXd design = weight.asDiagonal() * unit.design;
     const Eigen::VectorXd response = weight.asDiagonal() * (unit.response - shift(rows));
-    const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> factor(design);
-    const Eigen::MatrixXd reached = factor.householderQ() * Eigen::MatrixXd::Identity(count, factor.rank());
+    const Eigen::MatrixXd reached = PivotedQr(design).range();
     const Eigen::VectorXd residual = response - reached * (reached.transpose() * response);
     result.projection(rows, rows) += Eigen::MatrixXd::Identity(count, count) - reached * reached.transpose();
     result.mean_design(rows, Eigen::all) += design;
     result.values(s, rows) = residual.transpose();
     result.count(rows).array() += 1.0;
     result.squares += residual.squaredNorm();
-    result.degrees_of_freedom += static_cast<double>(count - factor.rank());
+    result.degrees_of_freedom += static_cast<double>(count - reached.cols());
   }
   result.mean_design = (result.count.cwiseMax(1.0).cwiseInverse().asDiagonal() * result.mean_design).eval();
   return result;
@@ -67,7 +65,7 @@ MeanResiduals mean_residuals(const Eigen::Ref<const Eigen::MatrixXd>& values,
   if (result.directions.cols() == 0) return result;
   const Eigen::MatrixXd turn =
       result.directions.transpose() * whitened.count.cwiseMax(1.0).cwiseSqrt().cwiseInverse().asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(turn * whitened.projection * turn.transpose());
+  const SymmetricEigen solver(turn * whitened.projection * turn.transpose());
   const Eigen::Index seen = (solver.eigenvalues().array() > k_unseen).count();
   // Rows of `unit` turn sums of residuals into independent normal deviates of variance 1.
   const Eigen::MatrixXd unit = solver.eigenvalues().tail(seen).cwiseSqrt().cwiseInverse().asDiagonal() *
@@ -84,9 +82,9 @@ MeanResiduals mean_residuals(const Eigen::Ref<const Eigen::MatrixXd>& values,
     const Eigen::MatrixXd moved = by_output * error->std.asDiagonal();
     Eigen::MatrixXd covariance = moved * moved.transpose();
     covariance.diagonal().array() += 1.0;
-    const Eigen::LLT<Eigen::MatrixXd> factor(covariance);
+    const CholeskyFactor factor(covariance);
     result.mean_squares = unmoved.dot(factor.solve(unmoved));
-    const Eigen::MatrixXd seen_by_output = factor.matrixL().solve(by_output);
+    const Eigen::MatrixXd seen_by_output = factor.solve_lower(by_output);
     result.own_noncentrality = seen_by_output.colwise().squaredNorm().transpose();
     // An error that all share scatters where no two specimens have the same unmoved directions.
     const WhitenedResiduals own = whiten(values, units, noise, error->shift);

@@ -1,11 +1,11 @@
 #include "updating/population/population_fit.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/SVD>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 
 #include "mottle/core/error.hpp"
+#include "mottle/linalg/dense/decompositions.hpp"
 #include "mottle/stats/moments/descriptive.hpp"
 #include "mottle/updating/methods/iteration.hpp"
 #include "updating/methods/linear_units.hpp"
@@ -23,10 +23,10 @@ Eigen::MatrixXd scaled_movement(const Eigen::MatrixXd& sensitivity, const Eigen:
 
 /// Directions, in prior deviations, that the outputs see.
 Eigen::MatrixXd seen_directions(const Eigen::MatrixXd& movement, double tolerance) {
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(movement, Eigen::ComputeThinV);
+  const SingularValues svd(movement, Eigen::ComputeThinV);
   Eigen::Index rank = 0;
-  while (rank < svd.singularValues().size() && svd.singularValues()(rank) > tolerance * svd.singularValues()(0)) ++rank;
-  return svd.matrixV().leftCols(rank);
+  while (rank < svd.values().size() && svd.values()(rank) > tolerance * svd.values()(0)) ++rank;
+  return svd.right().leftCols(rank);
 }
 
 /// What does not change while the estimate is iterated.
@@ -67,9 +67,9 @@ void confine_mean(const Frame& frame, const Eigen::MatrixXd& held, const Eigen::
   const bool is_partial = frame.directions.size() > 0;
   const Eigen::VectorXd unit = is_partial ? frame.prior_std : Eigen::VectorXd(Eigen::VectorXd::Ones(effects));
   const Eigen::MatrixXd scaled = held * unit.asDiagonal();
-  const Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver(scaled);
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(scaled, Eigen::ComputeFullV);
-  const Eigen::MatrixXd free = svd.matrixV().rightCols(effects - svd.rank());
+  const LeastNormSolver solver(scaled);
+  const SingularValues svd(scaled, Eigen::ComputeFullV);
+  const Eigen::MatrixXd free = svd.right().rightCols(effects - svd.rank());
   settings.mean_origin = unit.asDiagonal() * solver.solve(level);
   settings.mean_directions = unit.asDiagonal() * free;
   if (is_partial && free.cols() > 0)

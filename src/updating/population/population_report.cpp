@@ -1,6 +1,6 @@
 #include "updating/population/population_report.hpp"
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -8,6 +8,7 @@
 
 #include "mottle/core/subject.hpp"
 #include "mottle/core/text.hpp"
+#include "mottle/linalg/dense/decompositions.hpp"
 #include "updating/methods/curvature.hpp"
 #include "updating/methods/measured_outputs.hpp"
 #include "updating/methods/scaled_parameters.hpp"
@@ -91,7 +92,7 @@ SpecimenEstimates estimate_specimens(const UpdatingProblem& problem, const Popul
     const Eigen::VectorXd standard_deviation = total.diagonal().cwiseMax(1e-300).cwiseSqrt();
     const Eigen::MatrixXd correlation =
         standard_deviation.cwiseInverse().asDiagonal() * total * standard_deviation.cwiseInverse().asDiagonal();
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(correlation);
+    const SymmetricEigen solver(correlation);
     constexpr double k_singular = 1e-10;
     const Eigen::VectorXd root =
         solver.eigenvalues().unaryExpr([](double v) { return v > k_singular ? 1.0 / std::sqrt(v) : 0.0; });

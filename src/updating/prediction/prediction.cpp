@@ -1,12 +1,12 @@
 #include "mottle/updating/prediction/prediction.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "mottle/core/error.hpp"
+#include "mottle/linalg/dense/decompositions.hpp"
 #include "mottle/stats/distributions/standard_normal.hpp"
 #include "mottle/stats/moments/descriptive.hpp"
 #include "updating/prediction/prediction_draws.hpp"
@@ -33,7 +33,7 @@ Eigen::VectorXd squared_distances(const Prediction& prediction, const Eigen::Ref
   const Eigen::VectorXd standard_deviation = prediction.covariance.diagonal().cwiseMax(1e-300).cwiseSqrt();
   const Eigen::MatrixXd correlation = standard_deviation.cwiseInverse().asDiagonal() * prediction.covariance *
                                       standard_deviation.cwiseInverse().asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(correlation);
+  const SymmetricEigen solver(correlation);
   const Eigen::VectorXd root = solver.eigenvalues().unaryExpr(
       [&](double value) { return value > k_min ? 1.0 / std::sqrt(value) : 1.0 / std::sqrt(k_min); });
   Eigen::VectorXd distances(values.rows());

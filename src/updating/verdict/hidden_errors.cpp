@@ -1,14 +1,13 @@
 #include "mottle/updating/verdict/hidden_errors.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <vector>
 
 #include "mottle/core/error.hpp"
+#include "mottle/linalg/dense/decompositions.hpp"
 #include "updating/methods/matched_moments.hpp"
 #include "updating/methods/measured_outputs.hpp"
 #include "updating/verdict/test_plan.hpp"
@@ -26,7 +25,7 @@ SeenInverse invert_seen(const Eigen::MatrixXd& matrix) {
   constexpr double k_unseen = 1e-10;
   const Eigen::VectorXd scale =
       matrix.diagonal().unaryExpr([](double value) { return value > 0.0 ? 1.0 / std::sqrt(value) : 1.0; });
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(scale.asDiagonal() * matrix * scale.asDiagonal());
+  const SymmetricEigen solver(scale.asDiagonal() * matrix * scale.asDiagonal());
   const Eigen::VectorXd inverses =
       solver.eigenvalues().unaryExpr([](double value) { return value > k_unseen ? 1.0 / value : 0.0; });
   const Eigen::MatrixXd turned = scale.asDiagonal() * solver.eigenvectors();
@@ -46,9 +45,9 @@ std::map<std::vector<Eigen::Index>, double> measured_patterns(const Eigen::Matri
 Eigen::MatrixXd information_of(const LinearTests& tests, const Eigen::MatrixXd& design) {
   Eigen::MatrixXd information = Eigen::MatrixXd::Zero(design.cols(), design.cols());
   for (const auto& [rows, count] : measured_patterns(tests.values)) {
-    const Eigen::LLT<Eigen::MatrixXd> factor(tests.covariance(rows, rows));
+    const CholeskyFactor factor(tests.covariance(rows, rows));
     require(factor.info() == Eigen::Success, "the covariance of the tests is not positive definite");
-    const Eigen::MatrixXd whitened = factor.matrixL().solve(design(rows, Eigen::all));
+    const Eigen::MatrixXd whitened = factor.solve_lower(design(rows, Eigen::all));
     information += count * whitened.transpose() * whitened;
   }
   return information;
@@ -61,7 +60,7 @@ Eigen::MatrixXd without_shared(const Eigen::MatrixXd& information, Eigen::Index 
   Eigen::MatrixXd own = information.bottomRightCorner(shared, shared);
   own.diagonal().array() += 1.0;
   const Eigen::MatrixXd across = information.topRightCorner(left, shared);
-  return information.topLeftCorner(left, left) - across * own.ldlt().solve(across.transpose());
+  return information.topLeftCorner(left, left) - across * solve_semidefinite(own, across.transpose());
 }
 
 /// What remains of the errors' own information, [parameters, errors], where parameters imitate what they can.
@@ -92,16 +91,13 @@ void test_within_specimens(const LinearTests& tests, ErrorEffects& effects) {
     const Eigen::VectorXd weight = tests.noise(rows).cwiseSqrt().cwiseInverse();
     const Eigen::MatrixXd design = weight.asDiagonal() * tests.sensitivity(rows, Eigen::all);
     const Eigen::VectorXd scale = design.colwise().norm().transpose().cwiseMax(1e-300).cwiseInverse();
-    Eigen::ColPivHouseholderQR<Eigen::MatrixXd> factor;
-    factor.setThreshold(1e-8);
-    factor.compute(design * scale.asDiagonal());
-    const Eigen::MatrixXd reached = factor.householderQ() * Eigen::MatrixXd::Identity(size, factor.rank());
+    const Eigen::MatrixXd reached = PivotedQr(design * scale.asDiagonal(), 1e-8).range();
     projection(rows, rows) += count * (Eigen::MatrixXd::Identity(size, size) - reached * reached.transpose());
     measured(rows).array() += count;
-    left += static_cast<Eigen::Index>(count) * (size - factor.rank());
+    left += static_cast<Eigen::Index>(count) * (size - reached.cols());
   }
   const Eigen::VectorXd root = measured.cwiseMax(1.0).cwiseSqrt().cwiseInverse();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(root.asDiagonal() * projection * root.asDiagonal());
+  const SymmetricEigen solver(root.asDiagonal() * projection * root.asDiagonal());
   effects.means_degrees_of_freedom = (solver.eigenvalues().array() > k_unseen).count();
   effects.denominator_degrees_of_freedom = std::max<Eigen::Index>(left - effects.means_degrees_of_freedom, 0);
   const Eigen::MatrixXd whitened = tests.noise.cwiseSqrt().cwiseInverse().asDiagonal() * moved;

@@ -1,9 +1,10 @@
 // What the outputs can tell of the parameters, and which combinations they do not see.
-#include <Eigen/SVD>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 
 #include "mottle/core/error.hpp"
+#include "mottle/linalg/dense/decompositions.hpp"
 #include "mottle/stats/surrogates/regression.hpp"
 #include "mottle/stats/tests/hotelling.hpp"
 #include "mottle/updating/methods/iteration.hpp"
@@ -16,15 +17,15 @@ Identifiability identify(const Eigen::Ref<const Eigen::MatrixXd>& sensitivity,
                          const Eigen::Ref<const Eigen::VectorXd>& parameter_scale) {
   constexpr double k_unseen = 1e-6;
   const Eigen::MatrixXd scaled = output_scale.cwiseInverse().asDiagonal() * sensitivity * parameter_scale.asDiagonal();
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(scaled, Eigen::ComputeFullV);
+  const SingularValues svd(scaled, Eigen::ComputeFullV);
   Identifiability result;
-  result.singular_values = svd.singularValues();
+  result.singular_values = svd.values();
   const double threshold = k_unseen * result.singular_values(0);
   for (Eigen::Index i = 0; i < scaled.cols(); ++i) {
     if (i < result.singular_values.size() && result.singular_values(i) > threshold) {
       ++result.rank;
     } else {
-      result.unseen_directions.push_back(svd.matrixV().col(i));
+      result.unseen_directions.push_back(svd.right().col(i));
     }
   }
   return result;

@@ -1,10 +1,10 @@
 #include "updating/verdict/other_solutions.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/LU>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 
+#include "mottle/linalg/dense/decompositions.hpp"
 #include "mottle/stats/distributions/chi_squared.hpp"
 #include "mottle/stats/distributions/standard_normal.hpp"
 #include "updating/methods/matched_moments.hpp"
@@ -49,9 +49,9 @@ MeanMetric metric_of(const PopulationFit& fit, const TestData& tests, const Eige
   if (tests.is_model_error_estimated) covariance.diagonal() += fit.model_error->std.cwiseAbs2();
   covariance.diagonal() += k_smallest * k_smallest * moved.rowwise().squaredNorm();
   MeanMetric metric;
-  metric.precision = covariance.inverse();
+  metric.precision = inverse_by_lu(covariance);
   const Eigen::MatrixXd seen = moved * fit.seen;
-  metric.covariance = (seen.transpose() * metric.precision * seen).inverse();
+  metric.covariance = inverse_by_lu(seen.transpose() * metric.precision * seen);
   return metric;
 }
 
@@ -86,7 +86,8 @@ std::vector<Eigen::VectorXd> other_solutions(const UpdatingProblem& problem, con
     const bool fits = found.converged[static_cast<std::size_t>(s)] && misfit(s) - misfit(0) <= same;
     const bool is_new = std::none_of(kept.begin(), kept.end(), [&](const Eigen::VectorXd& other) {
       const Eigen::VectorXd between = seen(t) - seen(other);
-      return between.cwiseAbs().maxCoeff() < k_apart || between.dot(metric.covariance.ldlt().solve(between)) <= same;
+      return between.cwiseAbs().maxCoeff() < k_apart ||
+             between.dot(solve_semidefinite(metric.covariance, between)) <= same;
     });
     if (fits && is_new && parameters.clamp(t) == t) kept.push_back(t);
   }
