@@ -11,7 +11,7 @@
 namespace mottle::app {
 
 void add_diagnose(CLI::App& app) {
-  CLI::App* verb = app.add_subcommand("diagnose", "say which parameter is missing, and which can be seen");
+  CLI::App* verb = app.add_subcommand("diagnose", "say which parameter is missing, and which can be identified");
   const auto options = std::make_shared<CommonOptions>();
   add_common_options(*verb, *options);
   verb->callback([options] {

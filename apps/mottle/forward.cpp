@@ -25,7 +25,9 @@ RunSummary propagate_into_folder(const Study& study, const std::optional<std::fi
 }  // namespace
 
 void add_propagate(CLI::App& app) {
-  CLI::App* verb = app.add_subcommand("propagate", "draw the forward cloud alone, or evaluate given points");
+  CLI::App* verb = app.add_subcommand("propagate",
+                                      "propagate samples through the model without updating, or "
+                                      "evaluate given points");
   const auto options = std::make_shared<CommonOptions>();
   const auto points = std::make_shared<std::optional<std::filesystem::path>>();
   add_common_options(*verb, *options);

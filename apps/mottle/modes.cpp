@@ -21,10 +21,10 @@ void add_modes(CLI::App& app) {
   const auto is_quiet = std::make_shared<bool>(false);
   verb->add_option("model", settings->model, "Nastran deck")->required();
   verb->add_option("--out", *folder, "folder of the results (default: MODEL.modes beside the deck)");
-  verb->add_option("--modes", settings->modes, "how many of the lowest (default: the deck's EIGRL, or 10)")
+  verb->add_option("--modes", settings->modes, "number of lowest modes (default: the deck's EIGRL, or 10)")
       ->check(CLI::Range(1, 100000));
-  verb->add_option("--compare", settings->compare, "CSV of shapes (dof, one column a mode) or another deck");
-  verb->add_option("--ignore-cards", *cards, "go on without these cards (CARD,CARD)")->delimiter(',');
+  verb->add_option("--compare", settings->compare, "CSV of shapes (dof, one column for each mode) or another deck");
+  verb->add_option("--ignore-cards", *cards, "leave out these cards (CARD,CARD)")->delimiter(',');
   verb->add_flag("--uff", settings->writes_universal_file, "also write modes.uff: grid points and shapes, global axes");
   verb->add_flag("--json", *is_json, "machine-readable summary on stdout");
   verb->add_flag("--quiet", *is_quiet, "print nothing");

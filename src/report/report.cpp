@@ -102,11 +102,10 @@ Json read_modes(const std::filesystem::path& file) {
 }  // namespace
 
 void write_report(const std::filesystem::path& folder) {
-  require(
-      std::filesystem::exists(folder / "result.json") || !std::filesystem::exists(folder / k_previous),
-      "{}: its last run did not come to an end, so there is nothing to report; run it again, with --resume to go on "
-      "from where it was. Results of the run before are in {}",
-      folder.string(), (folder / k_previous).string());
+  require(std::filesystem::exists(folder / "result.json") || !std::filesystem::exists(folder / k_previous),
+          "{}: its last run did not finish, so there is nothing to report; run it again, with --resume to go on from "
+          "where it was. Results of the run before are in {}",
+          folder.string(), (folder / k_previous).string());
   Json page;
   page["result"] = read_result(folder / "result.json");
   const std::size_t parameters = parameter_count(page["result"], folder / "result.json");

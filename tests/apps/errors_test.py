@@ -369,7 +369,7 @@ study_case("a covariance that is none", [("samples = 200", 'samples = 200\ncovar
 study_case("covariance groups of unknown parameters", [("samples = 200", 'samples = 200\ncovariance = [["k1", "k9"]]')],
            ["update.covariance", "'k9'", "k1, k2"], at="covariance = ")
 study_case("a parameter in two covariance groups", [("samples = 200", 'samples = 200\ncovariance = [["k1"], ["k1", "k2"]]')],
-           ["update.covariance", "'k1' stands twice"], at="covariance = ")
+           ["update.covariance", "'k1' is given twice"], at="covariance = ")
 study_case("repeatability by a pattern that fits nothing", [('"tests.csv"', '"tests.csv"\nrepeatability = { "g*" = 0.001 }')],
            ["test.repeatability", "'g*' fits no output", "f1, f2, f3"], at="repeatability")
 study_case("repeatability in something other than per cent",

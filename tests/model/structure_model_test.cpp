@@ -171,7 +171,7 @@ TEST(StructureModel, RefusesAModeThatIsNotThere) {
 }
 
 TEST(StructureModel, RefusesARepeatedMode) {
-  EXPECT_EQ(refusal({.frequencies = {1, 2, 1}}), "frequencies: mode 1 stands twice");
+  EXPECT_EQ(refusal({.frequencies = {1, 2, 1}}), "frequencies: mode 1 is given twice");
 }
 
 TEST(StructureModel, RefusesADegreeOfFreedomThatIsNotThere) {
@@ -180,7 +180,7 @@ TEST(StructureModel, RefusesADegreeOfFreedomThatIsNotThere) {
 
 TEST(StructureModel, RefusesARepeatedDegreeOfFreedom) {
   EXPECT_EQ(refusal({.shape_modes = {1}, .shape_degrees_of_freedom = {"m1", "m1"}}),
-            "degrees of freedom of shapes: 'm1' stands twice");
+            "degrees of freedom of shapes: 'm1' is given twice");
 }
 
 TEST(StructureModel, NeedsAnOutput) {

@@ -36,8 +36,8 @@ function pairs_table(pairs, title) {
         ? ""
         : excludes_zero({ interval })
           ? correlation > 0
-            ? "rise together"
-            : "one falls as the other rises"
+            ? "increase together"
+            : "one decreases as the other increases"
           : "",
   });
   return data_table({
@@ -60,20 +60,20 @@ function pairs_table(pairs, title) {
       ? `The ${listed.length} clearest of ${pairs.length} pairs; CSV saves them all.`
       : !pairs.some(({ interval }) => interval)
         ? null
-        : "An interval that holds zero: these tests do not show that the two parameters go together.",
+        : "An interval that contains zero: these tests do not show that the two parameters are correlated.",
   });
 }
 
 function statement(pairs) {
   const known = pairs.filter(({ interval }) => interval);
-  if (!known.length) return paragraph("No intervals are given: how sure these correlations are is not known.");
+  if (!known.length) return paragraph("No intervals are given: the uncertainty of these correlations is not known.");
   const clear = known.filter(excludes_zero).length;
   const by_chance = 0.05 * known.length;
   return paragraph(
     clear
-      ? `${plural(clear, "correlation")} of ${known.length} ${clear === 1 ? "is" : "are"} told apart from zero by ${clear === 1 ? "its" : "their"} 95 % interval; ` +
+      ? `${plural(clear, "correlation")} of ${known.length} ${clear === 1 ? "differs" : "differ"} from zero by ${clear === 1 ? "its" : "their"} 95 % interval; ` +
           `without any correlation, chance alone would do so for ${short_number(by_chance, 2)} on average.`
-      : `None of the ${plural(known.length, "correlation")} is told apart from zero by these tests.`,
+      : `None of the ${plural(known.length, "correlation")} differs significantly from zero in these tests.`,
     known.length < pairs.length ? ` ${plural(pairs.length - known.length, "pair")} cannot be determined.` : "",
   );
 }
@@ -96,7 +96,7 @@ function correlation_map(study, pairs) {
     id: "correlation-map",
     title: "Correlations of the parameters",
     caption:
-      "Each pair once. Framed: the 95 % interval does not hold zero." +
+      "Each pair once. Framed: the 95 % interval does not contain zero." +
       (shown.length < (parameters.length * (parameters.length - 1)) / 2 ? " Left empty: not determined." : "") +
       (left_out ? ` Left out: ${plural(left_out, "parameter")} of which no correlation is determined.` : ""),
     build: matrix_map({
@@ -157,8 +157,8 @@ function ellipses_figure(study, pairs) {
       ? "Pairs of parameters in the posterior"
       : "Pairs of parameters with the uncertainty of their correlation",
     caption: is_posterior(study)
-      ? `The ellipse that holds ${region_text(study)} of the posterior's samples.`
-      : `Solid: the ellipse that holds about ${region_text(study)} of the specimens. Thin: what it would be at either end of the ` +
+      ? `The ellipse that contains ${region_text(study)} of the posterior's samples.`
+      : `Solid: the ellipse that contains about ${region_text(study)} of the specimens. Thin: what it would be at either end of the ` +
       "correlation's 95\u00a0% interval. Diamonds: the specimens, as far as their own tests tell.",
     controls: choice.control ? [choice.control] : [],
     build: (width) => ellipse_panels(study, shown, width),
@@ -175,7 +175,7 @@ export default {
   explained: [
     [
       "Correlation",
-      "Whether two parameters go together from one specimen to the next. Its interval is wide with few specimens: with ten, " +
+      "Whether two parameters vary together from one specimen to the next. Its interval is wide with few specimens: with ten, " +
         "a correlation of zero may well be found as ±0.5.",
     ],
   ],

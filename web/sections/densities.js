@@ -13,7 +13,7 @@ const panels_a_page = 9;
 const names = {
   prior: "Prior",
   updated: "Updated",
-  band: "Left open by the 95 % intervals",
+  band: "Range within the 95 % intervals",
   specimens: "Estimate of a specimen",
   bounds: "Bound",
 };
@@ -148,7 +148,7 @@ function caption_of(study, parameters) {
   const has_marks = parameters.some(({ specimens }) => specimens.some(is_number));
   return [
     "Dashed: the distribution that the study started from; solid: as updated.",
-    has_band ? "The band holds the densities whose mean and deviation lie within their 95 % intervals." : null,
+    has_band ? "The band contains the densities whose mean and standard deviation lie within their 95 % intervals." : null,
     parameters.some(({ scale }) => scale !== "identity") && !is_posterior(study)
       ? "Log or logit scale: the population is taken as normal there."
       : null,
@@ -156,7 +156,7 @@ function caption_of(study, parameters) {
     is_posterior(study) ? "Updated: the posterior's samples, each as a narrow normal curve." : null,
     is_population(study)
       ? null
-      : "This method's deviation is not the scatter of the specimens: see the notes under the verdict.",
+      : "This method's standard deviation is not the scatter of the specimens: see the notes under the verdict.",
   ]
     .filter(Boolean)
     .join(" ");

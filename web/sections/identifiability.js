@@ -20,7 +20,7 @@ function build(values, rank, width) {
     xAxis: axis({
       type: "category",
       data: values.map((_, i) => String(i + 1)),
-      name: "Direction, from the best seen to the least",
+      name: "Direction, from the best identified to the least",
       nameGap: 28,
       splitLine: { show: false },
     }),
@@ -36,7 +36,7 @@ function build(values, rank, width) {
       formatter: ({ dataIndex, value }) =>
         tooltip_box(`Direction ${dataIndex + 1}`, [
           `Singular value ${number_text(value)}`,
-          dataIndex < rank ? "seen" : "not seen",
+          dataIndex < rank ? "identified" : "not identified",
         ]),
     },
     series: [
@@ -69,11 +69,11 @@ function statement(study, block, count) {
   const { rank } = block;
   if (!is_number(rank)) return null;
   if (rank >= count) {
-    return paragraph(`The outputs see all ${plural(count, "parameter")} independently: rank ${rank} of ${count}.`);
+    return paragraph(`All ${plural(count, "parameter")} can be identified independently: rank ${rank} of ${count}.`);
   }
   return paragraph(
-    `The outputs see only ${plural(rank, "combination")} of the ${plural(count, "parameter")}: rank ${rank} of ${count}. `,
-    element("b", {}, "What lies in the other directions comes from the prior, not from the tests."),
+    `The outputs determine only ${plural(rank, "combination")} of the ${plural(count, "parameter")}: rank ${rank} of ${count}. `,
+    element("b", {}, "The values in the other directions come from the prior, not from the tests."),
   );
 }
 
@@ -94,7 +94,7 @@ function words_of({ terms, weights, meaning }) {
       combination(`${combination_text(weights)}.`),
     ];
   }
-  return ["The outputs do not see ", combination(combination_text(weights)), "."];
+  return ["The outputs do not determine ", combination(combination_text(weights)), "."];
 }
 
 function unseen(directions) {
@@ -103,7 +103,7 @@ function unseen(directions) {
     "div",
     { class: "unseen" },
     paragraph(
-      "Combinations that the tests do not see, in standard deviations of the prior" +
+      "Combinations that the tests do not determine, in standard deviations of the prior" +
         (directions.length > 1 ? "; any mixture of them is unseen too:" : ":"),
     ),
     bullets(directions.map((direction) => words_of(direction))),
@@ -113,7 +113,7 @@ function unseen(directions) {
 function direction_figure(directions) {
   return paged_figure({
     id: "unseen-directions",
-    title: "Directions that the tests do not see, by parameter",
+    title: "Directions that cannot be identified, by parameter",
     caption:
       "Moving all parameters at once by these weights, in prior standard deviations, changes no output. " +
       `Up to ${bars_at_most} largest weights each.`,
@@ -125,7 +125,7 @@ function direction_figure(directions) {
 
 export default {
   id: "identifiability",
-  title: "What the tests can see",
+  title: "Identifiability of the parameters",
   has_data: (study) => {
     const block = record(study.result.identifiability);
     return is_number(block.rank) || list(block.singular_values).length > 0;
@@ -133,12 +133,12 @@ export default {
   explained: [
     [
       "Singular values",
-      "How strongly the outputs answer to the parameters' independent combinations, best first. A value far below the others " +
-        "is a combination that the tests do not see.",
+      "How strongly the outputs depend on the parameters' independent combinations, strongest first. A value far below the others " +
+        "is a combination that cannot be identified from the tests.",
     ],
     [
-      "Part unseen",
-      "How much of a parameter's prior variance lies in combinations that the tests do not see: 100\u00a0% of it is not seen at all, " +
+      "Unidentified variance",
+      "The fraction of a parameter's prior variance in combinations that cannot be identified: 100\u00a0% means not identified at all, " +
         "0\u00a0% wholly. What is unseen stays as the prior has it.",
     ],
   ],
@@ -154,7 +154,7 @@ export default {
         ? figure({
             id: "singular-values",
             title: "Singular values of the scaled sensitivity",
-            caption: "Filled circles: directions that the outputs see. Open triangles: directions that they do not.",
+            caption: "Filled circles: directions that can be identified. Open triangles: directions that cannot.",
             build: (width) => build(values, rank, width),
           })
         : null,
@@ -162,8 +162,8 @@ export default {
       directions.length
         ? figure({
             id: "unseen-parts",
-            title: "Part of each parameter that the tests do not see",
-            caption: "Share of the parameter's prior variance that lies in the unseen directions.",
+            title: "Fraction of each parameter's variance that is not identified",
+            caption: "Fraction of the parameter's prior variance in the directions that cannot be identified.",
             build: (width) => part_panel(study.parameter_axes, directions, width),
           })
         : null,

@@ -23,7 +23,7 @@ function names_of(names, count) {
 
 export default {
   id: "mac",
-  title: "Which shape is which",
+  title: "Modal assurance criterion (MAC)",
   has_data: ({ mac }) => list(mac.values).some((row) => list(row).some(is_number)),
   explained: [
     [

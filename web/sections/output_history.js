@@ -48,8 +48,8 @@ export default {
   explained: [
     [
       "Mean outputs",
-      "Each panel shows one output: the cloud's mean should come to rest inside the grey strip, within " +
-        "which the tests know their own mean.",
+      "Each panel shows one output: the cloud's mean should converge to a value inside the grey strip, within " +
+        "which the mean of the tests is known.",
     ],
   ],
   content(study) {

@@ -55,8 +55,8 @@ export default {
   title: "Outputs",
   has_data: (study) => list(study.outputs.names).length > 0,
   explained: [
-    ["Error", "Mean of the model's cloud less mean of the tests, in percent of the latter."],
-    ["Model error", "An error of the model that all specimens share; its shift is what the tests say of it."],
+    ["Error", "Mean of the model's cloud minus mean of the tests, in percent of the latter."],
+    ["Model error", "An error of the model that all specimens share; the shift is its estimate from the tests."],
   ],
   content(study) {
     const rows = rows_of(study);

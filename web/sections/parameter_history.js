@@ -31,13 +31,13 @@ export default {
   title: "Parameters by iteration",
   has_data: (study) => has_history(study, "parameter_mean") && study.iterations.length > 1,
   explained: [
-    ["Parameters by iteration", "A mean that comes to rest on a dotted bound has not been found: it was stopped."],
+    ["Parameters by iteration", "A mean that stays on a dotted bound has not been found: the bound stopped it."],
   ],
   content(study) {
     return [
       history_figure(study, {
         id: "parameter-history",
-        title: "Means and deviations of the parameters",
+        title: "Means and standard deviations of the parameters",
         caption:
           "Mean of each parameter at each iteration with a band of two standard deviations either side" +
           (list(study.parameters.bounds).some(has_numbers) ? "; dotted: bounds." : "."),

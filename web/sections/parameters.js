@@ -77,13 +77,13 @@ function other_solutions(study) {
   }));
   return data_table({
     id: "other-solutions",
-    title: "Other parameters that explain the mean of the tests as well",
+    title: "Other parameters that explain the mean of the tests equally well",
     columns: [
       { key: "name", title: "", is_text: true },
       ...study.parameter_axes.map(({ index, name, unit }) => ({ key: `p${index}`, title: name, unit })),
     ],
     rows,
-    caption: "The tests do not tell these apart from the estimate above: measure what does, or narrow the bounds.",
+    caption: "The tests do not distinguish these from the estimate above: measure outputs that do, or narrow the bounds.",
   });
 }
 
@@ -103,7 +103,7 @@ function posterior(study) {
         ? `The posterior is a sample worth ${count_text(Math.round(effective_samples))} independent draws. `
         : "",
       is_number(log_evidence)
-        ? `Logarithm of the evidence: ${number_text(log_evidence, 5)}; of two models of the same tests the one with more explains them better.`
+        ? `Logarithm of the evidence: ${number_text(log_evidence, 5)}; of two models of the same tests, the one with the larger value explains them better.`
         : "",
     ),
     data_table({
@@ -147,7 +147,7 @@ export default {
           ? "The 95 % intervals say how well mean and standard deviation of the population are known from these " +
             "tests; the standard deviation itself is the spread from one specimen to the next."
           : is_of_mean
-            ? "The updated standard deviation says how well the method takes the mean to be known; it does not estimate the scatter of " +
+            ? "The updated standard deviation is the method's uncertainty of the mean; it does not estimate the scatter of " +
               "the specimens."
             : null,
       }),

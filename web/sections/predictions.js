@@ -84,8 +84,8 @@ function table(prediction) {
     ].filter(Boolean),
     rows,
     caption: any("coverage")
-      ? "Within: share of the held-out tests inside the 95 % interval. Set off: a share that a right prediction would give in fewer than " +
-        "one of a hundred cases, or a p below 0.05 shared among the outputs."
+      ? "Within: fraction of the held-out tests inside the 95 % interval. Set off: a fraction that a right prediction would give in fewer than " +
+        "one of a hundred cases, or a p below 0.05 after correction for the number of outputs."
       : null,
   });
 }
@@ -95,7 +95,7 @@ function statement({ count, joint_coverage, has_held_out, outputs }) {
   const known = outputs.filter(({ coverage }) => is_number(coverage));
   const mean = known.reduce((sum, { coverage }) => sum + coverage, 0) / (known.length || 1);
   return paragraph(
-    `Held against ${is_number(count) ? plural(count, "test") : "tests"} that the update did not see`,
+    `Compared with ${is_number(count) ? plural(count, "test") : "tests"} that the update did not use`,
     known.length ? `: ${percent(mean)} of their outputs lie within the predicted 95\u00a0% intervals` : "",
     is_number(joint_coverage)
       ? `, and ${percent(joint_coverage)} of the tests as a whole within the predicted 95\u00a0% region.`
@@ -123,7 +123,7 @@ export default {
   explained: [
     [
       "Probability integral transform",
-      "The share of the predicted distribution that lies below a test. If the prediction is right these numbers are spread evenly from 0 to 1.",
+      "The predicted probability of a value below that of the test. If the prediction is right, these numbers are uniform from 0 to 1.",
     ],
     ["Held-out tests", "Tests that the update did not use: the only ones that can show whether it predicts."],
   ],

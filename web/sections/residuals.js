@@ -126,13 +126,13 @@ function residual_figure(study) {
 
 export default {
   id: "specimens",
-  title: "What is left of every specimen",
+  title: "Residuals of every specimen",
   has_data: (study) => rows_of(study).some((row) => row.some(is_number)) || outliers_of(study).length > 0,
   explained: [
     [
       "Whitened residual",
-      "Test less mean of the model, freed of correlation and scaled so that each is a standard normal number where the model is right. " +
-        "A row of one colour is an output that the model misses; a column of deep colours is a specimen that does not belong to the others.",
+      "Test minus mean of the model, decorrelated and scaled so that each is a standard normal number where the model is right. " +
+        "A row of one colour is an output that the model misses; a column of strong colours is a specimen that does not belong to the others.",
     ],
   ],
   content(study) {

@@ -80,7 +80,7 @@ function sentences(size) {
   if (is_number(limit) && is_number(t_critical)) {
     text.push(
       `Infinitely many would bring this to ${number_text(limit)}, ${(100 * (1 - limit / t_critical)).toFixed(1)}\u00a0% lower: ` +
-        "beyond that only more tests can make the comparison sharper.",
+        "beyond that only more tests can make the comparison more powerful.",
     );
   }
   return text.length ? paragraph(text.join(" ")) : null;

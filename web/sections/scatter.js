@@ -56,7 +56,7 @@ export default {
   explained: [
     [
       "Scatter and ellipses",
-      "Each dot is one sample of the model, each diamond one specimen. An ellipse holds about 86\u00a0% of a normal " +
+      "Each dot is one sample of the model, each diamond one specimen. An ellipse contains about 86\u00a0% of a normal " +
         "scatter of two outputs (2σ). In the last iteration the solid ellipse should lie on the dashed one.",
     ],
   ],

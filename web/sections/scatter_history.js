@@ -118,7 +118,7 @@ export default {
   explained: [
     [
       "Parameter scatter",
-      "The samples that each iteration drew; a slanted ellipse means that the data tell a combination " +
+      "The samples that each iteration drew; a slanted ellipse means that the data determine a combination " +
         "of two parameters better than each alone.",
     ],
   ],

@@ -70,11 +70,11 @@ export default {
   explained: [
     [
       "Sensitivity",
-      "Slopes of a straight-line fit of the outputs over the cloud; a slope not well above its standard error is not known.",
+      "Slopes of a linear fit of the outputs over the cloud; a slope that is not well above its standard error is not known.",
     ],
     [
       "R²",
-      "Share of an output's scatter that the straight-line fit explains; where the quadratic one explains much more, the model is curved " +
+      "Fraction of an output's variance that the linear fit explains; where the quadratic one explains much more, the model is curved " +
         "over the cloud.",
     ],
   ],

@@ -56,7 +56,7 @@ export default {
   explained: [
     [
       "Mode shape",
-      "The form in which a structure swings freely at a natural frequency. Its size is arbitrary: here the largest displacement is 1. " +
+      "The form in which a structure vibrates freely at a natural frequency. Its size is arbitrary: here the largest displacement is 1. " +
         "Drag to turn, with the right button or Shift to move, Ctrl and the mouse wheel to enlarge; by touch with one finger and two. " +
         "Arrow keys turn the drawing or leaf through the table, + and \u2212 enlarge.",
     ],

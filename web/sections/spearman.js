@@ -15,13 +15,13 @@ const cell = {
 
 export default {
   id: "spearman",
-  title: "Which parameter moves which output",
+  title: "Rank correlation of parameters and outputs",
   has_data: (study) => list(study.result.spearman).some((row) => list(row).some(is_number)),
   explained: [
     [
       "Spearman map",
-      "Rank correlation over the first cloud: +1 rises together, −1 one falls as the other rises, 0 no monotone link. " +
-        "A parameter with a pale row cannot be found from these outputs.",
+      "Rank correlation over the first cloud: +1 both increase together, −1 one decreases as the other increases, 0 no monotone relation. " +
+        "A parameter with a pale row cannot be identified from these outputs.",
     ],
   ],
   content(study) {

@@ -39,7 +39,7 @@ function table(study, rounds) {
         text: percent,
         of_class: ({ share }) => (is_number(share) && is_number(tolerance) && share > tolerance ? "flag" : null),
       },
-      { key: "carried_error", title: "Carried into the noise" },
+      { key: "carried_error", title: "Added to the noise" },
     ].filter(Boolean),
     rows,
     caption: "At the estimate: over new model runs drawn from the updated population. Set off: above what was asked for.",
@@ -53,7 +53,7 @@ export default {
   explained: [
     [
       "Surrogate",
-      "A formula fitted to model runs, used in their place. Its own error, seen at runs that took no part in the fit, counts as noise of the tests.",
+      "A formula fitted to model runs and used in their place. Its error, measured at runs that were not used for the fit, counts as noise of the tests.",
     ],
   ],
   content(study) {

@@ -38,8 +38,8 @@ function statement(verdict, study) {
         sign: "?",
         word: "Undecided",
         text:
-          "Nothing refuses the model, but too little of it could be tested to call it right: a wrong model may explain these tests " +
-          "as well, and give other parameters.",
+          "No test refuses the model, but too little of it could be tested to call it right: a wrong model may explain these tests " +
+          "equally well, with other parameters.",
       };
     default:
       return {
@@ -49,7 +49,7 @@ function statement(verdict, study) {
         text:
           study.tests.length || has_test_means(study)
             ? "The result says nothing about whether the model is right."
-            : "There are no test data to hold the model against: this page shows what the model predicts.",
+            : "There are no test data to compare the model with: this page shows what the model predicts.",
       };
   }
 }
@@ -76,7 +76,7 @@ function tests_table(tests) {
         of_class: (row) => (row.passed === false ? "flag" : null),
         text: (passed) => (passed === true ? "✓ passed" : passed === false ? "✗ refused" : "– not run"),
       },
-      { key: "meaning", title: "What it says", is_text: true, of_class: () => "prose" },
+      { key: "meaning", title: "Meaning", is_text: true, of_class: () => "prose" },
     ],
     rows: tests,
   });
@@ -89,9 +89,9 @@ function off_by(relative_change, row) {
 }
 
 function refused_text(is_detected, row) {
-  if (!is_detected) return "does not see it";
+  if (!is_detected) return "never refuses it";
   return row.assumes_estimated_noise
-    ? "would refuse it in 80\u00a0% of cases were the noise known; it is estimated, and refuses fewer"
+    ? "would refuse it in 80\u00a0% of cases if the noise were known; it is estimated, and fewer are refused"
     : "refuses it in 80\u00a0% of cases";
 }
 
@@ -125,8 +125,8 @@ function could_hide_table(hidden) {
     ],
     rows: hidden,
     caption:
-      "Smaller errors pass more often. Where a mean moves by more than 1, its interval misses: it holds for a right model only. " +
-      "Shifts are of first order: one beyond a prior deviation is no more than a sign of trouble.",
+      "Smaller errors pass more often. Where a mean moves by more than 1, its interval misses the true value: it is valid for a right model only. " +
+      "Shifts are of first order: one beyond a prior standard deviation only shows that the error is harmful.",
   });
 }
 

@@ -51,7 +51,7 @@ export function interval_bars(outputs, width) {
     grid: [grid],
     xAxis: axis({
       name:
-        width < 560 ? "Predicted deviations from the mean" : "Predicted standard deviations from the predicted mean",
+        width < 560 ? "Predicted std. dev. from the mean" : "Predicted standard deviations from the predicted mean",
       nameGap: 28,
       min: -reach,
       max: reach,

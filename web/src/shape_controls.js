@@ -20,7 +20,7 @@ export function controls_of(viewer) {
   const { state } = viewer;
   viewer.play_button = button(
     "▶ Play",
-    "Let the structure swing, or hold it",
+    "Start or stop the animation",
     () => (state.is_playing ? viewer.pause() : viewer.play()),
     { id: "shape-play" },
   );
@@ -41,7 +41,7 @@ export function controls_of(viewer) {
       min: 1,
       max: 30,
       value: 10 * state.speed,
-      text: (value) => `${value / 10} swings a second`,
+      text: (value) => `${value / 10} cycles per second`,
       action: (value) => viewer.set({ speed: value / 10 }),
     }),
     checkbox("Edges", state.has_edges, (has_edges) => viewer.set({ has_edges }), { id: "shape-edges" }),

@@ -92,7 +92,7 @@ function bar_panels(panels, width, { name, columns_at_most, interval, format, ti
 /** One panel a direction, its largest weights as bars. */
 export function direction_panels(directions, width) {
   const panels = directions.map(({ terms, position }) => ({
-    title: `Unseen direction ${position + 1}`,
+    title: `Direction ${position + 1} that cannot be identified`,
     min: -1,
     max: 1,
     bars: terms
@@ -119,10 +119,10 @@ export function part_panel(axes, directions, width) {
     ),
   }));
   return bar_panels([{ title: "", bars, min: 0, max: 1 }], width, {
-    name: "Part unseen",
+    name: "Unidentified variance",
     columns_at_most: 1,
     interval: 0.25,
     format: (value) => `${Math.round(100 * value)} %`,
-    tip: (value) => `${short_number(100 * value, 3)} % of it is not seen`,
+    tip: (value) => `${short_number(100 * value, 3)} % of it is not identified`,
   });
 }

@@ -252,8 +252,8 @@ MatrixModel calculix_model(const CalculixDeck& deck, const std::vector<Parameter
   });
   model.pencil = std::move(fit.pencil);
   model.notes.push_back(fmt::format(
-      "CalculiX: matrices from {} decks ({} runs, {} from the cache); where they were not made from, they agree to "
-      "{:.1e} of their diagonal",
+      "CalculiX: matrices from {} decks ({} runs, {} from the cache); for a deck that was not used for the fit "
+      "they agree to {:.1e} of their diagonal",
       fit.runs, solver.runs(), solver.reused(), fit.error));
   return model;
 }

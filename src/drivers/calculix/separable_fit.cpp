@@ -44,7 +44,7 @@ class Fit {
     runs_ = 1;
     require(nominal_.stiffness.names == nominal_.mass.names &&
                 nominal_.stiffness.lower.rows() == nominal_.mass.lower.rows(),
-            "stiffness and mass have other rows");
+            "stiffness and mass have different rows");
     matrices_[{}] = packed(nominal_);
     const Eigen::VectorXd elsewhere = verification_point();
     const Values there = ask(elsewhere);

@@ -137,8 +137,8 @@ ExternalSolver::ExternalSolver(SolverCommand command, const std::vector<std::str
       stop_(stop) {
   for (const std::string& spot : runs_.coarse_places(nominal, difference_step() * standard_deviations)) {
     notes_.push_back(
-        fmt::format("{} has too few digits for differences by {} of a prior deviation: derivatives will be "
-                    "poor; give it more",
+        fmt::format("{} has too few digits for differences by {} of a prior standard deviation: derivatives will "
+                    "be poor; give it more",
                     spot, difference_step()));
   }
 }

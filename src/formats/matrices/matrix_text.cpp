@@ -153,7 +153,7 @@ SparseMatrix SymmetricBuilder::finish(Stored stored) {
       const Entry& mirror = entries_[++i];
       if (mirror.is_upper == entry.is_upper || is_same(i + 1)) {
         throw FormatError(file_, mirror.line,
-                          fmt::format("entry ({}, {}) stands twice", entry.row + 1, entry.column + 1));
+                          fmt::format("entry ({}, {}) is given twice", entry.row + 1, entry.column + 1));
       }
       other = mirror.value;
     }

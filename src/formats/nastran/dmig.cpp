@@ -105,7 +105,7 @@ class PunchReader {
       text_.fail(fmt::format("matrix '{}' has type {}; 1 or 2 (real) is read here", name, type));
     }
     for (const Matrix& other : matrices_) {
-      if (other.name == name) text_.fail(fmt::format("matrix '{}' stands twice", name));
+      if (other.name == name) text_.fail(fmt::format("matrix '{}' is given twice", name));
     }
     matrices_.push_back({name, {}});
     column_ = {};

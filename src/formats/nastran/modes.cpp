@@ -125,7 +125,7 @@ NamedShapes ShapeCollector::shapes() const {
   std::sort(sorted.begin(), sorted.end());
   const auto twice = std::adjacent_find(sorted.begin(), sorted.end());
   if (twice != sorted.end())
-    throw FormatError(file_, lines_.front(), fmt::format("'{}' stands twice in mode 1", *twice));
+    throw FormatError(file_, lines_.front(), fmt::format("'{}' is given twice in mode 1", *twice));
   shapes.values.resize(static_cast<Eigen::Index>(first.size()), static_cast<Eigen::Index>(modes_.size()));
   for (std::size_t mode = 0; mode < modes_.size(); ++mode) {
     const std::vector<Entry>& entries = modes_[mode];

@@ -42,7 +42,7 @@ void read_rbe2(ModelBuilder& builder, const Card& card) {
   std::sort(sorted.begin(), sorted.end());
   const auto twice = std::adjacent_find(sorted.begin(), sorted.end());
   if (twice != sorted.end()) {
-    card.fail(fmt::format("grid point {} stands twice among GM", builder.node_ids[static_cast<std::size_t>(*twice)]));
+    card.fail(fmt::format("grid point {} is given twice among GM", builder.node_ids[static_cast<std::size_t>(*twice)]));
   }
   builder.model.rigid_bodies.push_back(std::move(body));
   builder.count_element(card);

@@ -63,7 +63,8 @@ void require_good_header(const CsvTable& table, int line) {
   std::set<std::string_view> names;
   for (const std::string& name : table.header) {
     if (name.empty()) throw FormatError(table.file, line, fmt::format("column {} has no name", names.size() + 1));
-    if (!names.insert(name).second) throw FormatError(table.file, line, fmt::format("column '{}' stands twice", name));
+    if (!names.insert(name).second)
+      throw FormatError(table.file, line, fmt::format("column '{}' is given twice", name));
   }
 }
 

@@ -63,7 +63,7 @@ void read_at_nodes(UffCursor& cursor, const Kind& kind, UffShape& shape) {
   while (!cursor.at_mark()) {
     const std::vector<int> node = cursor.integers("a node", {10}, 1);
     if (node.size() > 1) cursor.fail(fmt::format("{} numbers stand where a node alone should be", node.size()));
-    if (!seen.insert(node[0]).second) cursor.fail(fmt::format("node {} stands twice in one shape", node[0]));
+    if (!seen.insert(node[0]).second) cursor.fail(fmt::format("node {} is given twice in one shape", node[0]));
     shape.nodes.push_back(node[0]);
     const std::vector<double> at_node =
         cursor.values(fmt::format("{} values of node {}", count, node[0]), {13, 13, 13, 13, 13, 13}, count);

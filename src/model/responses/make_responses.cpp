@@ -14,7 +14,7 @@ void require_modes(const std::vector<int>& modes, const Subject& subject, Eigen:
   for (const int mode : modes) {
     require_of(mode >= 1 && mode <= available, subject, "mode {} is not there, the model has modes 1 to {}", mode,
                available);
-    require_of(seen.insert(mode).second, subject, "mode {} stands twice", mode);
+    require_of(seen.insert(mode).second, subject, "mode {} is given twice", mode);
   }
 }
 

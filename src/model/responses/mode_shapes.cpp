@@ -23,7 +23,7 @@ ModeShapes::ModeShapes(std::vector<int> modes, std::vector<std::string> degrees_
     const int number = structure.find_degree_of_freedom(name);
     if (number < 0) throw SubjectError(places, structure.unknown_degree_of_freedom(name));
     require_of(std::find(degrees_of_freedom_.begin(), degrees_of_freedom_.end(), number) == degrees_of_freedom_.end(),
-               places, "'{}' stands twice", name);
+               places, "'{}' is given twice", name);
     degrees_of_freedom_.push_back(number);
   }
   require_of(!names_.empty(), places, "{}", structure.unknown_degree_of_freedom(""));

@@ -171,8 +171,8 @@ Rows ReducedSolver::CloudSolution::solve_with(const ReducedModel& trained, const
   constexpr std::size_t k_many = 4;  // one in so many
   if (trained.has_indefinite_terms() && k_many * left.size() > rows.size()) {
     context_.note(fmt::format(
-        "Terms of K or M are not positive semidefinite, and what they may do leaves {} of {} samples without "
-        "a certain bound: these are solved in full.",
+        "Terms of K or M are not positive semidefinite, so that {} of {} samples have no certified bound: these "
+        "are solved in full.",
         left.size(), rows.size()));
   }
   return left;

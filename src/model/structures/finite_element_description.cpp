@@ -70,7 +70,7 @@ std::vector<std::string> FiniteElementStructure::description(
                               model_.nodes.size(), assembled_.equations.size(),
                               assembled_.dependent_degrees_of_freedom));
   lines.push_back(fmt::format("elements: {}", join(counts)));
-  lines.push_back(fmt::format("AUTOSPC: {} degrees of freedom without stiffness are held",
+  lines.push_back(fmt::format("AUTOSPC: {} degrees of freedom without stiffness are constrained",
                               assembled_.automatic_constraints.size()));
   const MassProperties weight = mass_properties(model_at(model_, targets_, parameters));
   lines.push_back(fmt::format("mass: {:.6g} along x, {:.6g} along y, {:.6g} along z", weight.mass.x(), weight.mass.y(),

@@ -36,7 +36,7 @@ std::vector<Piece> list_pieces(const MatrixSystem& system) {
     const double nominal = part.nominal.value_or(1.0);
     const Subject subject{Subject::Kind::matrix_part, part.name};
     require_of(nominal > 0.0, subject, "nominal value {}, must be > 0", nominal);
-    require_of(names.insert(part.name).second, subject, "stands twice");
+    require_of(names.insert(part.name).second, subject, "is given twice");
     Piece piece{.target = fmt::format("K:{}", part.name),
                 .nominal = nominal,
                 .states_nominal = part.nominal.has_value(),
@@ -114,7 +114,7 @@ Numbering number_rows(const std::vector<Piece>& pieces) {
       }
       const std::string& name = matrix.names[static_cast<std::size_t>(row)];
       require_of(own.insert(name).second, subject,
-                 "row '{}' stands twice, so the matrices, whose rows differ, cannot be put together by names", name);
+                 "row '{}' is given twice, so the matrices, whose rows differ, cannot be put together by names", name);
       const auto [place, is_new] = by_name.try_emplace(name, static_cast<int>(result.names.size()));
       if (is_new) result.names.push_back(name);
       rows.push_back(place->second);
@@ -195,7 +195,8 @@ MatrixModel bind_parameters(const MatrixSystem& system, const std::vector<Parame
   Numbering numbering = number_rows(pieces);
   MatrixModel model;
   const int held = leave_out_held(pieces, numbering);
-  if (held > 0) model.notes.push_back(fmt::format("{} degrees of freedom that the solver held are left out", held));
+  if (held > 0)
+    model.notes.push_back(fmt::format("{} degrees of freedom that the solver constrained are left out", held));
   std::vector<ScaledMatrix> stiffness;
   std::vector<ScaledMatrix> mass;
   for (std::size_t k = 0; k < pieces.size(); ++k) {

@@ -44,7 +44,7 @@ std::vector<NoiseRule> read_noise_rules(TomlReader& reader, const std::string& k
       const bool is_read = sign != std::string::npos && (*text)[sign] == '%' &&
                            parse_number(std::string_view(*text).substr(0, sign), percent);
       if (!is_read || !std::isfinite(percent) || percent < 0.0)
-        entries.fail_value(name, "a number >= 0, or a part of the mean like \"1 %\"");
+        entries.fail_value(name, "a number >= 0, or a fraction of the mean like \"1 %\"");
       rule.value = 0.01 * percent;
     } else {
       rule.value = entries.number(name, {.lower = 0.0});
@@ -90,8 +90,8 @@ NoiseDeviations noise_deviations(const std::vector<NoiseRule>& rules, const std:
         held[r].begin(), held[r].begin() + static_cast<std::ptrdiff_t>(std::min(held[r].size(), k_listed)));
     result.notes.push_back(
         held[r].empty()
-            ? fmt::format("{} {}: holds for no output, others go before it.", what, rule_text(rules[r]))
-            : fmt::format("{} {}: holds for {}{}.", what, rule_text(rules[r]), join(first),
+            ? fmt::format("{} {}: applies to no output, other rules take precedence.", what, rule_text(rules[r]))
+            : fmt::format("{} {}: applies to {}{}.", what, rule_text(rules[r]), join(first),
                           held[r].size() > k_listed ? fmt::format(" and {} more", held[r].size() - k_listed) : ""));
   }
   return result;

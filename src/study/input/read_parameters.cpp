@@ -117,7 +117,7 @@ Eigen::MatrixXd read_pairs(TomlReader& reader, const std::vector<std::string>& n
       index[k] = std::distance(names.begin(), found);
     }
     if (!seen.insert({between.begin(), between.end()}).second) {
-      pair.fail("between", fmt::format("the pair of '{}' and '{}' stands twice", between[0], between[1]));
+      pair.fail("between", fmt::format("the pair of '{}' and '{}' is given twice", between[0], between[1]));
     }
     const double value = pair.number("value", {.lower = -1.0, .upper = 1.0});
     matrix(index[0], index[1]) = value;
@@ -137,7 +137,7 @@ StudyParameters read_parameters(TomlReader& owner, const ModelSource& model) {
     parameters.list.push_back(read_parameter(reader, model.has_targets()));
     names.push_back(parameters.list.back().name);
     if (!seen.insert(names.back()).second) {
-      reader.fail("name", fmt::format("parameter '{}' stands twice", names.back()));
+      reader.fail("name", fmt::format("parameter '{}' is given twice", names.back()));
     }
   }
   const auto size = static_cast<Eigen::Index>(names.size());

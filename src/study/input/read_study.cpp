@@ -98,7 +98,7 @@ void read_covariance(TomlReader& reader, StudyUpdate& update) {
     for (const toml::node& name : *names) {
       const auto text = name.value_exact<std::string>();
       if (!text) reader.fail_value("covariance", allowed);
-      if (!seen.insert(*text).second) reader.fail("covariance", fmt::format("parameter '{}' stands twice", *text));
+      if (!seen.insert(*text).second) reader.fail("covariance", fmt::format("parameter '{}' is given twice", *text));
       update.covariance_groups.back().push_back(*text);
     }
   }

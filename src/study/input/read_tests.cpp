@@ -253,10 +253,10 @@ StudyTests read_tests(const Study& study, const StructureModel& model) {
   tests.data.values = contents.table ? values_of_rows(study, model, *contents.table, names, tests.notes)
                                      : values_of_modes(study, model, contents.specimens, tests);
   tests.file = contents.table ? contents.table->file : study.test->files.front().string();
-  require(
-      contents.table || !study.test->is_named,
-      "{}: test.pairing: \"named\" is of a table with a row a specimen; these tests are modes: \"mac\" or \"order\"",
-      study.file.string());
+  require(contents.table || !study.test->is_named,
+          "{}: test.pairing: \"named\" is for a table with one row for each specimen; these tests are modes: \"mac\" "
+          "or \"order\"",
+          study.file.string());
   tests.is_by_rank = !study.test->pairs_by_mac.value_or(!contents.table) && !study.test->is_named;
   for (Eigen::Index k = 0; k < tests.data.values.cols(); ++k) {
     const bool is_frequency = k < static_cast<Eigen::Index>(model.selection().frequencies.size());

@@ -27,11 +27,11 @@ std::string harm_text(const HiddenError& error, const std::vector<std::string>& 
   const std::string& name = parameters[static_cast<std::size_t>(worst)];
   if (error.is_beyond_first_order()) {
     error.prior_deviations.cwiseAbs().maxCoeff(&worst);
-    return fmt::format("{} by more than its prior deviation, further than the model may be taken as linear",
+    return fmt::format("{} by more than its prior standard deviation, further than the model may be taken as linear",
                        parameters[static_cast<std::size_t>(worst)]);
   }
   if (!std::isfinite(error.would_move(worst))) {
-    return fmt::format("{} by {:.2g} prior deviations (it has no 95 % interval)", name, error.harm());
+    return fmt::format("{} by {:.2g} prior standard deviations (it has no 95 % interval)", name, error.harm());
   }
   return fmt::format("{} by {:.2g} half-widths of its 95 % interval", name, error.harm());
 }
@@ -75,7 +75,7 @@ std::string summary_text(const std::vector<NamedError>& worst, const std::vector
                                        : "would refuse each in 80 % of cases if the noise were known to be as "
                                          "estimated; it is not, and fewer are refused");
   }
-  if (!unseen.empty()) text += fmt::format(" Of {} no size is seen by the means.", join(unseen));
+  if (!unseen.empty()) text += fmt::format(" For {} an error of any size passes the test of the means.", join(unseen));
   return fmt::format("{} The first moves {}.", text, harm_text(worst.front().error, parameters));
 }
 

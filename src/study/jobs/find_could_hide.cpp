@@ -212,8 +212,8 @@ std::string deciding_sentence(const DecidingSet& set, const ErrorDerivatives& fo
   std::vector<std::string> texts;
   for (const std::size_t item : set.items) texts.push_back(found.further[item].text);
   return fmt::format(
-      "{} would {}, measured beside these outputs to 0.1 % of a frequency and 1 % of a shape's size: {} would then be "
-      "refused in 80 % of cases by a test of the means that knows the noise.",
+      "{} would {}, measured beside these outputs to 0.1 % of a frequency and 1 % of a shape's size: {} would then "
+      "be refused in 80 % of cases by a test of the means with known noise.",
       capitalised(join(texts, " and ")), set.is_enough() ? "decide" : "show most", sizes_text(set.errors));
 }
 
@@ -260,7 +260,7 @@ CouldHide work_out(const Study& study, const StudyModel& made, const UpdatingPro
   }
   hidden.summary = summary_text(worst, names, hidden.is_level_known);
   if (numbers.total > numbers.list.size()) {
-    hidden.notes.push_back(fmt::format("Errors were looked at in the first {} of the {} numbers of the model.",
+    hidden.notes.push_back(fmt::format("Errors were examined for the first {} of the {} numbers of the model.",
                                        numbers.list.size(), numbers.total));
   }
   return hidden;
@@ -274,8 +274,8 @@ CouldHide find_could_hide(const Study& study, const StudyModel& made, const Upda
   if (conclusion == Conclusion::inadequate) return hidden;
   if (!study.model->shows_numbers()) {
     hidden.notes.emplace_back(
-        "What errors in the model's fixed numbers could hide is not worked out: a model by another program does not "
-        "show its numbers.");
+        "What errors in the model's fixed numbers could hide is not computed: the numbers of a model in another "
+        "program are not known here.");
     return hidden;
   }
   std::string why;
@@ -287,7 +287,7 @@ CouldHide find_could_hide(const Study& study, const StudyModel& made, const Upda
     why = error.what();
   }
   hidden.notes.push_back(
-      fmt::format("What errors in the model's fixed numbers could hide could not be worked out: {}.", why));
+      fmt::format("What errors in the model's fixed numbers could hide could not be computed: {}.", why));
   return hidden;
 }
 

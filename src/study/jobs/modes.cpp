@@ -78,7 +78,7 @@ Shapes shapes_of_table(const SolvedDeck& solved, const std::filesystem::path& fi
     result.other.rightCols(1) = numbers_of_column(table, static_cast<int>(other));
   }
   require(!result.names.empty() && !slots.empty(),
-          "{}: holds no shape: a column 'dof' and one column a mode are needed", file.string());
+          "{}: holds no shape: a column 'dof' and one column for each mode are needed", file.string());
   return result;
 }
 

@@ -39,7 +39,7 @@ void require_effects(const StudyParameters& parameters, const ModalOutputs& outp
                          std::any_of(parameter.targets.begin(), parameter.targets.end(),
                                      [](const std::string& target) { return !target.starts_with("damper:"); });
     require_of(is_seen, subject_parameter(parameter.name),
-               "it acts on nothing: {} changes damping alone, which no output sees; name mode numbers in "
+               "it acts on nothing: {} changes damping alone, on which no output depends; name mode numbers in "
                "outputs.damping or leave the parameter out",
                join(parameter.targets));
   }

@@ -14,7 +14,7 @@ const std::vector<ModelKind>& model_kinds() {
 
 std::unique_ptr<ModelSource> ModelSource::with_number(const std::string& /*target*/, double /*value*/) const {
   throw KeyError("predict.model",
-                 "numbers of a model of matrices or of CalculiX cannot be other in the prediction; make them "
+                 "numbers of a model of matrices or of CalculiX cannot be changed in the prediction; make them "
                  "parameters");
 }
 

@@ -88,26 +88,26 @@ Json outcome_json(const DiagnoseOutcome& outcome) {
 
 std::vector<std::string> table_lines(const Diagnosis& diagnosis) {
   std::vector<std::string> lines;
-  lines.push_back(fmt::format("{:<16} {:>11} {:>9} {:>11} {:>11} {:>9} {:>9} {:>9}  how", "candidate", "nominal", "BIC",
-                              "mean", "std", "p (Holm)", "visible", "own part"));
+  lines.push_back(fmt::format("{:<16} {:>11} {:>9} {:>11} {:>11} {:>9} {:>11} {:>11}  effect", "candidate", "nominal",
+                              "BIC", "mean", "std", "p (Holm)", "sensitivity", "independent"));
   for (const CandidateFinding& finding : diagnosis.candidates) {
     const CandidateFit& fit = finding.better();
     const std::string start =
         fmt::format("{:<16} {:>11.5g}", finding.detectability.name, finding.detectability.nominal);
     const std::string seen =
-        fmt::format("{:>9.3g} {:>9.3f}", finding.detectability.visibility, finding.detectability.own_share);
+        fmt::format("{:>11.3g} {:>11.3f}", finding.detectability.visibility, finding.detectability.own_share);
     if (!fit.failure.empty()) {
       lines.push_back(fmt::format("{} {:>9} {:>11} {:>11} {:>9} {}  {}", start, "", "", "", "", seen, fit.failure));
       continue;
     }
     lines.push_back(fmt::format("{} {:>+9.1f} {:>11.5g} {:>11.4g} {:>9.2g} {}  {}", start, fit.bic, fit.mean,
-                                fit.standard_deviation, fit.adjusted_p, seen, fit.is_random ? "freed" : "shifted"));
+                                fit.standard_deviation, fit.adjusted_p, seen, fit.is_random ? "random" : "fixed"));
   }
-  lines.push_back(fmt::format("{:<16} {:>11} {:>9} {:>11} {:>11} {:>9} {:>9} {:>9}", "parameter", "prior", "", "", "",
-                              "", "visible", "own part"));
+  lines.push_back(fmt::format("{:<16} {:>11} {:>9} {:>11} {:>11} {:>9} {:>11} {:>11}", "parameter", "prior", "", "", "",
+                              "", "sensitivity", "independent"));
   for (const Detectability& each : diagnosis.given) {
-    lines.push_back(fmt::format("{:<16} {:>11.5g} {:>9} {:>11} {:>11} {:>9} {:>9.3g} {:>9.3f}", each.name, each.nominal,
-                                "", "", "", "", each.visibility, each.own_share));
+    lines.push_back(fmt::format("{:<16} {:>11.5g} {:>9} {:>11} {:>11} {:>9} {:>11.3g} {:>11.3f}", each.name,
+                                each.nominal, "", "", "", "", each.visibility, each.own_share));
   }
   for (const std::string& sentence : diagnosis.sentences) lines.push_back(sentence);
   return lines;

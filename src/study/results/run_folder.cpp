@@ -10,7 +10,8 @@ namespace {
 
 constexpr const char* k_mark = "README.txt";
 constexpr const char* k_mark_text =
-    "Results of an earlier run. A later run in the folder above has not come to its end; when one does, these go.\n";
+    "Results of an earlier run. A later run in the folder above has not finished; when one does, these files are "
+    "deleted.\n";
 
 /// Whether a file is the mark or what was to become it.
 bool is_mark(const std::filesystem::path& file) {

@@ -56,7 +56,7 @@ RunSummary summarise(const UpdateOutcome& outcome, const std::filesystem::path& 
   for (std::string& line : verdict_lines(outcome)) summary.lines.push_back(std::move(line));
   const std::optional<Identifiability> seen = identify(problem, result);
   if (seen && !seen->unseen_directions.empty()) {
-    summary.lines.emplace_back("what the tests do not tell:");
+    summary.lines.emplace_back("not determined by the tests:");
     for (const Eigen::VectorXd& direction : seen->unseen_directions) {
       summary.lines.push_back("  " + unseen_text(direction, problem.space.names()));
     }

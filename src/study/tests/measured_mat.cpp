@@ -102,8 +102,8 @@ CsvTable table_from_mat(const Variables& variables, const std::string& file) {
         std::count_if(variable.sizes.begin(), variable.sizes.end(), [](std::size_t size) { return size != 1; }) <= 1;
     if (!is_column || (rows != 0 && count != rows)) {
       throw FormatError(file, 0,
-                        fmt::format("variable '{}' is {}; a column has a number a specimen, all as many, or the file "
-                                    "holds 'frequencies', 'shapes' and 'dofs'",
+                        fmt::format("variable '{}' is {}; every column needs one number for each specimen, or the "
+                                    "file holds 'frequencies', 'shapes' and 'dofs'",
                                     name, sizes_text(variable.sizes)));
     }
     rows = count;

@@ -150,9 +150,12 @@ MeasuredModes modes_from_table(const CsvTable& table, const std::string& units) 
   for (const auto& row : table.rows) {
     modes.components.push_back(named_component(row[static_cast<std::size_t>(column)]));
   }
-  if (table.rows.empty()) throw FormatError(table.file, 0, "holds no row: a degree of freedom a row is needed");
+  if (table.rows.empty())
+    throw FormatError(table.file, 0,
+                      "holds no row: one row for each degree of freedom is "
+                      "needed");
   const auto count = static_cast<Eigen::Index>(table.header.size()) - 1;
-  if (count < 1) throw FormatError(table.file, 1, "holds no mode: a column a mode is needed beside 'dof'");
+  if (count < 1) throw FormatError(table.file, 1, "holds no mode: one column for each mode is needed beside 'dof'");
   modes.frequencies.resize(count);
   modes.shapes.resize(static_cast<Eigen::Index>(table.rows.size()), count);
   Eigen::Index mode = 0;

@@ -24,7 +24,7 @@ void settle_axes(const StructureModel& model, MeasuredModes& modes, std::vector<
   notes.push_back(fmt::format("{}: shapes taken in {} (sum of MAC {:.2f}, in {} {:.2f}){}.", modes.file,
                               is_global ? "global axes" : "the nodes' own axes", is_global ? global_total : own_total,
                               is_global ? "the nodes' own" : "global ones", is_global ? own_total : global_total,
-                              is_told ? "" : ", which the shapes do not tell"));
+                              is_told ? "" : ", which the shapes do not decide"));
   if (is_global) modes = std::move(global);
 }
 
@@ -93,11 +93,11 @@ PairedModes pair_modes(const StructureModel& model, const std::vector<MeasuredMo
   }
   paired.table = table.csv();
   add_note(paired.notes, "Modes that were not found", missing);
-  add_note(paired.notes, "Doubtful pairs, used all the same", doubtful);
+  add_note(paired.notes, "Doubtful pairs, used nevertheless", doubtful);
   add_note(paired.notes, "Measured components that the model does not have", unknown);
   if (is_fitted && !model.selection().shape_modes.empty()) {
     paired.notes.emplace_back(
-        "Shapes without modal mass were scaled to the model's by least squares; their size tells nothing.");
+        "Shapes without modal mass were scaled to the model's by least squares; their size carries no information.");
   }
   return paired;
 }

@@ -26,10 +26,8 @@ constexpr std::string_view k_numbering =
     "The tests number their modes by rank of frequency, the model by shape (outputs.tracking = \"mac\")";
 constexpr std::string_view k_remedy =
     "Measure shapes and set test.pairing = \"mac\" (outputs.tracking = \"order\" numbers both by rank, but such "
-    "outputs "
-    "bend where modes cross, which biases estimates too). If the columns of the tests are the model's modes already, "
-    "say "
-    "so: test.pairing = \"named\"";
+    "outputs have a kink where modes cross, which biases estimates too). If the columns of the tests are the "
+    "model's modes already, say so: test.pairing = \"named\"";
 
 struct Crossings {
   double part = 0.0;     ///< of the cloud
@@ -68,7 +66,7 @@ std::optional<std::string> rank_warning(const ModalOutputs& selection, const Eig
   if (std::max(first.part, last.part) < k_rare) return std::nullopt;
   return fmt::format(
       "{}, and modes cross in {:.0f} % of the prior's cloud and {:.0f} % of the updated one ({}): there a test's "
-      "frequency is compared with another mode's, which biases means and deviations. {}",
+      "frequency is compared with another mode's, which biases means and standard deviations. {}",
       k_numbering, 100.0 * first.part, 100.0 * last.part, last.part > 0.0 ? last.frequent : first.frequent, k_remedy);
 }
 
@@ -86,10 +84,9 @@ std::optional<std::string> bend_warning(const ModalOutputs& selection, const Ite
       if (!(gap.mean() < k_apart * standard_deviation)) continue;
       return fmt::format(
           "Modes {} and {} cross in the updated population: their frequencies are {:.3g} apart, which scatters by "
-          "{:.3g}. "
-          "Numbered by rank (outputs.tracking = \"order\") they bend where modes cross, and estimates of first order "
-          "are "
-          "biased. Measure shapes, set outputs.tracking = \"mac\" and test.pairing = \"mac\"",
+          "{:.3g}. Numbered by rank (outputs.tracking = \"order\") they have a kink where modes cross, and "
+          "estimates of first order are biased. Measure shapes, set outputs.tracking = \"mac\" and test.pairing = "
+          "\"mac\"",
           selection.frequencies[i], selection.frequencies[j], gap.mean(), standard_deviation);
     }
   }

@@ -111,7 +111,8 @@ TestContents read_test_files(const Study& study) {
     if (contents.table && files.size() > 1) {
       throw InvalidInput(
           located(study, study.test->key,
-                  fmt::format("{} is a table with a row a specimen, which stands alone; {} files are named",
+                  fmt::format("{} is a table with one row for each specimen, which must be the only file; {} files "
+                              "are named",
                               file.string(), files.size())));
     }
   }

@@ -21,8 +21,8 @@ NoiseModel common_noise(const UpdatingProblem& problem, const TestData& tests, E
   const Eigen::Index p = tests.values.cols();
   const bool is_known = (tests.repeatability_std.array() > 0.0).all();
   require(is_known || p != judged,
-          "diagnose: {} outputs leave no room to tell the noise from a candidate beside {} parameters; give [test] "
-          "repeatability",
+          "diagnose: with {} outputs the noise cannot be distinguished from a candidate beside {} parameters; give "
+          "[test] repeatability",
           p, given);
   const ParameterSpace space = part_of(problem.space, members);
   const UpdatingProblem part{.model = problem.model, .space = space, .tests = tests};
@@ -199,7 +199,7 @@ CandidateFit CandidateFits::compare(const ParameterSet& set, const SetFit& base,
 std::pair<CandidateFit, CandidateFit> CandidateFits::compare_both(const ParameterSet& set, const SetFit& base,
                                                                   Eigen::Index candidate) {
   CandidateFit fixed;
-  fixed.failure = "the model fails wherever the candidate was put";
+  fixed.failure = "the model fails for every value of the candidate that was tried";
   Eigen::VectorXd from;
   for (const Eigen::VectorXd& start : starts_beside(set, base, candidate)) {
     context_.throw_if_stopped();
@@ -217,7 +217,7 @@ std::pair<CandidateFit, CandidateFit> CandidateFits::compare_both(const Paramete
 
 SetFit CandidateFits::fit_beside(const ParameterSet& set, const SetFit& base, Eigen::Index candidate, bool is_random) {
   SetFit best;
-  best.failure = "the model fails wherever the candidate was put";
+  best.failure = "the model fails for every value of the candidate that was tried";
   for (const Eigen::VectorXd& start : starts_beside(set, base, candidate)) {
     SetFit next = fit(set.with(candidate, is_random), start);
     const bool is_better = !best.failure.empty() || next.fit.effects.log_likelihood > best.fit.effects.log_likelihood;

@@ -98,7 +98,8 @@ std::vector<CandidateFinding> try_all(CandidateFits& fits, const ParameterSet& s
     if (is_kept[c] && is_seen) {
       std::tie(finding.fixed, finding.random) = fits.compare_both(set, base, candidates[c]);
     } else {
-      const std::string why = is_seen ? "others gain more in the linear models" : "it moves no output";
+      const std::string why =
+          is_seen ? "others increase the log-likelihood more in the linear models" : "it moves no output";
       finding.fixed = not_tried(false, why);
       finding.random = not_tried(true, why);
     }

@@ -25,9 +25,11 @@ std::string chance_text(double p) {
 std::string fit_text(const CandidateFinding& finding) {
   const CandidateFit& fit = finding.better();
   const std::string how =
-      fit.is_random ? fmt::format("freed, with mean {:.4g} and deviation {:.2g}", fit.mean, fit.standard_deviation)
-                    : fmt::format("shifted from {:.4g} to {:.4g}", finding.detectability.nominal, fit.mean);
-  return fmt::format("{} (log-likelihood +{:.1f}, BIC {:+.1f}, {} after correction for all tries)", how,
+      fit.is_random
+          ? fmt::format("as a random effect, with mean {:.4g} and standard deviation {:.2g}", fit.mean,
+                        fit.standard_deviation)
+          : fmt::format("as a fixed effect, changed from {:.4g} to {:.4g}", finding.detectability.nominal, fit.mean);
+  return fmt::format("{} (log-likelihood +{:.1f}, BIC {:+.1f}, {} after correction for all candidates)", how,
                      fit.log_likelihood_increase, fit.bic, chance_text(fit.adjusted_p));
 }
 
@@ -40,12 +42,14 @@ void add_base(const Diagnosis& diagnosis, std::vector<std::string>& sentences) {
   }
   if (diagnosis.unreproduced > 0) {
     const bool is_one = diagnosis.unreproduced == 1;
-    sentences.push_back(fmt::format("{} {} reproduced by the given parameters: {} at a limit or did not come to rest.",
+    sentences.push_back(fmt::format("{} {} reproduced by the given parameters: {} at a limit or did not converge.",
                                     diagnosis.unreproduced, is_one ? "specimen was not" : "specimens were not",
                                     is_one ? "its solution ended" : "their solutions ended"));
   }
   if (!diagnosis.converged) {
-    sentences.emplace_back("The fit of the given parameters alone did not come to rest: gains over it are rough.");
+    sentences.emplace_back(
+        "The fit of the given parameters alone did not converge: increases of the "
+        "log-likelihood over it are approximate.");
   }
 }
 
@@ -62,14 +66,14 @@ void add_answer(const Diagnosis& diagnosis, Eigen::Index outputs, double level, 
   const CandidateFinding& best = diagnosis.candidates.front();
   if (!diagnosis.is_explained) {
     sentences.push_back(
-        fmt::format("No candidate explains the tests significantly better than the given parameters "
-                    "alone (level {:.3g}, all tries together).",
+        fmt::format("No candidate explains the tests significantly better than the given parameters alone (level "
+                    "{:.3g}, all candidates together).",
                     level));
     if (diagnosis.judging == 0) {
       sentences.push_back(fmt::format(
-          "Near their estimate, where the outputs are nearly linear, the given parameters can match every mean "
-          "and covariance of the {} outputs: these tests cannot say whether a candidate is wrong, and cannot "
-          "tell {} apart. Measure more outputs, for example mode shapes.",
+          "Near their estimate, where the outputs are nearly linear, the given parameters can match every mean and "
+          "covariance of the {} outputs: these tests cannot say whether a candidate is wrong, and cannot "
+          "distinguish {}. Measure more outputs, for example mode shapes.",
           outputs, listed(seen_names(diagnosis))));
     }
     return;
@@ -79,20 +83,19 @@ void add_answer(const Diagnosis& diagnosis, Eigen::Index outputs, double level, 
         fmt::format("{} best explains what the given parameters cannot: {}.", best.detectability.name, fit_text(best)));
     if (diagnosis.candidates.size() > 1 && std::isfinite(diagnosis.candidates[1].bic())) {
       const CandidateFinding& next = diagnosis.candidates[1];
-      sentences.push_back(fmt::format("The next best, {}, stays behind by {:.1f} in BIC.", next.detectability.name,
+      sentences.push_back(fmt::format("The BIC of the next best, {}, is higher by {:.1f}.", next.detectability.name,
                                       next.bic() - best.bic()));
     }
     return;
   }
   sentences.push_back(
-      fmt::format("{} explain the tests equally well (their BIC differ by no more than the evidence allows): these "
-                  "tests cannot tell "
-                  "them apart. The best by a little is {}: {}.",
+      fmt::format("{} explain the tests equally well (their BIC differ by too little): these tests cannot "
+                  "distinguish them. The best by a small margin is {}: {}.",
                   listed(diagnosis.alike), best.detectability.name, fit_text(best)));
   if (diagnosis.judging <= 1) {
     sentences.push_back(fmt::format(
-        "The given parameters that are free of bounds reach {} of the {} directions of the tests' mean: whatever "
-        "candidate moves the rest will do. Measure more outputs, for example mode shapes.",
+        "The given parameters that are not on a bound can match {} of the {} directions of the tests' mean: any "
+        "candidate that moves the others explains the tests. Measure more outputs, for example mode shapes.",
         outputs - diagnosis.judging, outputs));
   }
 }
@@ -102,8 +105,8 @@ void add_angles(const Diagnosis& diagnosis, std::vector<std::string>& sentences)
     for (Eigen::Index j = i + 1; j < diagnosis.cosines.cols(); ++j) {
       if (std::abs(diagnosis.cosines(i, j)) < k_parallel || sentences.size() > 12) continue;
       sentences.push_back(fmt::format(
-          "{} and {} move the outputs in the same direction, once what the given parameters can imitate is taken off "
-          "(cosine {:.2f}).",
+          "{} and {} move the outputs in the same direction, apart from the effects that the given parameters can "
+          "reproduce (cosine {:.2f}).",
           diagnosis.candidates[static_cast<std::size_t>(i)].detectability.name,
           diagnosis.candidates[static_cast<std::size_t>(j)].detectability.name, diagnosis.cosines(i, j)));
     }
@@ -124,13 +127,15 @@ void add_unseen(const Diagnosis& diagnosis, double level, std::vector<std::strin
   }
   if (!unseen.empty()) {
     sentences.push_back(
-        fmt::format("{}: a prior deviation moves the tests' mean by less than its standard error; these "
-                    "tests cannot see it.",
+        fmt::format("{}: one prior standard deviation moves the tests' mean by less than its standard error; it "
+                    "cannot be identified from these tests.",
                     listed(unseen)));
   }
   if (!imitated.empty()) {
-    sentences.push_back(fmt::format("{}: the given parameters imitate it within the standard error of the tests' mean.",
-                                    listed(imitated)));
+    sentences.push_back(
+        fmt::format("{}: the given parameters reproduce its effect within the standard error of "
+                    "the tests' mean.",
+                    listed(imitated)));
   }
 }
 
@@ -143,12 +148,12 @@ void add_proposal(const Diagnosis& diagnosis, std::vector<std::string>& sentence
     has_more = has_more || !parameter.is_given;
   }
   if (!has_more) {
-    sentences.emplace_back("Proposed set: the given parameters; nothing that is added to them gains.");
+    sentences.emplace_back("Proposed set: the given parameters; no candidate improves on them.");
     return;
   }
   sentences.push_back(fmt::format(
       "Proposed set: {}{}.", listed(names),
-      diagnosis.alike.size() > 1 ? fmt::format("; in place of {} any of {} may stand",
+      diagnosis.alike.size() > 1 ? fmt::format("; instead of {} it may be any of {}",
                                                diagnosis.candidates.front().detectability.name, listed(diagnosis.alike))
                                  : ""));
 }

@@ -151,8 +151,8 @@ Eigen::MatrixXd MomentEstimate::draw_specimens(const SpecimenDrawing& drawing) c
 }
 
 std::string MomentEstimate::prediction_note() const {
-  return "Prediction: this method estimates no scatter of specimens; the predicted intervals hold for its covariance "
-         "as it stands, taken as known.";
+  return "Prediction: this method does not estimate the scatter of specimens; the predicted intervals take its "
+         "covariance as known.";
 }
 
 }  // namespace mottle::updating

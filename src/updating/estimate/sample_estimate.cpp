@@ -148,9 +148,8 @@ std::vector<Eigen::MatrixXd> SampleEstimate::region(Eigen::Index first, Eigen::I
 }
 
 std::string SampleEstimate::prediction_note() const {
-  return "Prediction: draws from the posterior of one structure's parameters; the predicted intervals hold no scatter "
-         "of "
-         "specimens.";
+  return "Prediction: draws from the posterior of one structure's parameters; the predicted intervals contain no "
+         "scatter of specimens.";
 }
 
 }  // namespace mottle::updating

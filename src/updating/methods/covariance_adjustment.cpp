@@ -32,10 +32,9 @@ UpdatingResult CovarianceAdjustmentUpdater::update(const UpdatingProblem& proble
   MomentMethod method;
   method.name = "covariance-adjustment";
   method.weighting = options_.weighting;
-  method.note = is_linear
-                    ? "They are right to first order in that scatter: where the outputs curve within it, mean and "
-                      "deviations are biased."
-                    : "They hold up to the Monte-Carlo error of the cloud.";
+  method.note = is_linear ? "They are right to first order in that scatter: where the outputs are curved within it, "
+                            "means and standard deviations are biased."
+                          : "They contain the Monte-Carlo error of the cloud.";
   method.evaluate = [&](MomentState& state, std::int64_t& evaluations) {
     if (!evaluate_at_mean(problem, parameters, state, state.output_mean, context, evaluations)) return false;
     state.output_covariance = state.sensitivity * state.covariance * state.sensitivity.transpose();

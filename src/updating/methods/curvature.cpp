@@ -131,11 +131,10 @@ void describe_curvature(const UpdatingProblem& problem, const PopulationFit& fit
   }
   if (biases.empty()) return;
   result.notes.push_back(fmt::format(
-      "The outputs are curved over what the noise leaves open of a specimen's parameters, which a first-order "
-      "likelihood "
-      "does not see: means are off by about so many of their standard errors: {}. Their intervals hold the truth less "
-      "often than 95 %, and the deviations are somewhat small. Less noise (repeated tests) or another scale of the "
-      "parameter helps.",
+      "The outputs are curved over the uncertainty that the noise leaves in a specimen's parameters, which a "
+      "first-order likelihood does not account for. Approximate bias of the means, in their standard errors: {}. "
+      "Their intervals cover the true value in less than 95 % of cases, and the standard deviations are somewhat "
+      "too small. Less noise (repeated tests) or another scale of the parameter helps.",
       join(biases)));
 }
 

@@ -61,7 +61,7 @@ Eigen::MatrixXd difference_quotients(const UpdatingProblem& problem, const Eigen
       const Eigen::VectorXd side = y.col(has_ahead ? i : q + i);
       quotients.col(i) = (side - *centre) / (has_ahead ? steps(i) : -steps(i));
     } else {
-      throw ModelFailure("the model fails all around the present parameters, so there is no derivative");
+      throw ModelFailure("the model fails at all points around the current parameters, so there is no derivative");
     }
   }
   return quotients;
@@ -99,8 +99,8 @@ LeastSquares prepare(const UpdatingProblem& problem, const DeterministicOptions&
     setup.prior.diagonal() = (options.tikhonov_parameter * setup.prior_std.cwiseInverse()).cwiseAbs2();
   }
   require_of(!setup.prior.isZero(0.0) || setup.target.size() >= setup.start.size(), k_method,
-             "{} parameters are more unknowns than the {} measured outputs can determine; set "
-             "the option regularisation to \"tikhonov\" or \"bayesian\", or free fewer parameters",
+             "{} parameters are more unknowns than the {} measured outputs can determine; set the option "
+             "regularisation to \"tikhonov\" or \"bayesian\", or update fewer parameters",
              setup.start.size(), setup.target.size());
   return setup;
 }
@@ -115,8 +115,8 @@ void require_full_rank(const LeastSquares& setup, const Eigen::MatrixXd& g) {
   const Eigen::MatrixXd scaled = setup.weight.cwiseSqrt().asDiagonal() * g * setup.prior_std.asDiagonal();
   const Eigen::Index rank = PivotedQr(scaled).rank();
   require_of(!setup.prior.isZero(0.0) || rank == g.cols(), k_method,
-             "the outputs tell only {} combinations of the {} parameters apart; set "
-             "the option regularisation to \"tikhonov\" or \"bayesian\"",
+             "the outputs determine only {} combinations of the {} parameters; set the option regularisation to "
+             "\"tikhonov\" or \"bayesian\"",
              rank, g.cols());
 }
 
@@ -201,16 +201,17 @@ const OptionTable<DeterministicOptions>& deterministic_option_table() {
                                      {{"bayesian", D::Regularisation::bayesian},
                                       {"tikhonov", D::Regularisation::tikhonov},
                                       {"none", D::Regularisation::none}},
-                                     "What holds parameters that the test does not see: the prior's covariance, a "
-                                     "common factor on the prior's deviations, or nothing.")
+                                     "Regularisation of parameters that the test does not determine: the prior's "
+                                     "covariance, a common factor on the prior's standard deviations, or none.")
           .number("tikhonov_parameter", &D::tikhonov_parameter, {.lower = 0.0, .excludes_lower = true}, "-",
-                  "Weight lambda of a shift by one prior deviation against a residual of one measurement deviation.")
+                  "Weight lambda of a shift by one prior standard deviation relative to a residual of one "
+                  "measurement standard deviation.")
           .integer("specimen", &D::specimen, {.lower = 0.0}, "-",
                    "Number of the specimen to update to, counted from 1; 0 means the mean of all.")
           .number("measurement_error", &D::measurement_error, {.lower = 0.0, .excludes_lower = true},
-                  "part of the value",
-                  "Measurement deviation of an output as a part of its tested value, used where [test] repeatability "
-                  "does not give it.");
+                  "fraction of the value",
+                  "Measurement standard deviation of an output as a fraction of its tested value, used where "
+                  "[test] repeatability does not give it.");
   return table;
 }
 
@@ -236,8 +237,7 @@ UpdatingResult DeterministicUpdater::update(const UpdatingProblem& problem, cons
 
   Eigen::VectorXd x = problem.space.clamp(setup.start);
   const auto at_start = evaluate_one(problem, x, context, result.model_evaluations);
-  if (!at_start)
-    throw ModelFailure("the model fails at the parameters' prior means, so there is nothing to start from");
+  if (!at_start) throw ModelFailure("the model fails at the parameters' prior means, so there is no starting point");
   Eigen::VectorXd y = *at_start;
   Eigen::MatrixXd g = model_jacobian(problem, x, setup.prior_std, context, result.model_evaluations);
   for (int index = 1; index <= problem.iterations; ++index) {
@@ -271,9 +271,11 @@ UpdatingResult DeterministicUpdater::update(const UpdatingProblem& problem, cons
   if (updates > 0) result.history.pop_back();
   result.history.push_back(std::move(last));
   result.message = result.status == UpdatingStatus::converged
-                       ? fmt::format("after {} iterations no parameter moves by more than {} of its prior deviation",
-                                     updates, problem.tolerance)
-                       : fmt::format("{} iterations did not bring the parameters to rest", updates);
+                       ? fmt::format(
+                             "after {} iterations no parameter moves by more than {} of its prior standard "
+                             "deviation",
+                             updates, problem.tolerance)
+                       : fmt::format("the parameters did not converge in {} iterations", updates);
   const bool is_of_many = options_.specimen == 0 && problem.tests.values.rows() > 1;
   const Eigen::VectorXd means = is_of_many ? scattered_means(problem, x, g, context, result.model_evaluations) : y;
   test_structure(problem,
@@ -282,11 +284,13 @@ UpdatingResult DeterministicUpdater::update(const UpdatingProblem& problem, cons
                   .measurement_std = setup.weight.cwiseSqrt().cwiseInverse(),
                   .free_step = unbounded_step(setup, x, y, g)},
                  result);
-  note_model_error(problem, "deterministic", "is added to the measurement's: in weights, deviations and residuals.",
+  note_model_error(problem, "deterministic",
+                   "is added to the measurement error in weights, standard deviations "
+                   "and residuals.",
                    result);
   result.notes.push_back(
-      "The deviations of this method say how well the parameters of one structure are known; they do not describe "
-      "the scatter of specimens.");
+      "The standard deviations of this method say how well the parameters of one structure are known; they do not "
+      "describe the scatter of specimens.");
   return result;
 }
 

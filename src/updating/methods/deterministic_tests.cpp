@@ -32,8 +32,8 @@ void plan_residual_test(const UpdatingProblem& problem, const StructureEstimate&
   if (d == 0.0) {
     plan.leave_untested(
         Aspect::means,
-        fmt::format("The outputs were not tested: {} of them are no more than the combinations of parameters that they "
-                    "see, so the residuals cannot tell whether the model is right. {}",
+        fmt::format("The outputs were not tested: {} of them are no more than the identifiable combinations of "
+                    "parameters, so the residuals cannot tell whether the model is right. {}",
                     estimate.residual.size(), k_more_outputs));
     return;
   }

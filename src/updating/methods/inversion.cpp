@@ -124,7 +124,10 @@ Eigen::MatrixXd mean_gain(const Setup& setup, const InversionFit& fit) {
 void add_model_error(const Setup& setup, const InversionFit& fit, const Population& population,
                      UpdatingResult& result) {
   if (!setup.problem.tests.has_model_error()) return;
-  note_model_error(setup.problem, "inversion", "is in the intervals of means; the deviations hold none.", result);
+  note_model_error(setup.problem, "inversion",
+                   "is included in the intervals of means, not in the standard "
+                   "deviations.",
+                   result);
   result.model_error = given_model_error(setup.problem, mean_gain(setup, fit));
   if (!result.model_error) return;
   const ModelError& error = *result.model_error;
@@ -135,9 +138,9 @@ void add_model_error(const Setup& setup, const InversionFit& fit, const Populati
 
 void add_notes(const Setup& setup, const InversionFit& fit, const Population& population, UpdatingResult& result) {
   result.notes.emplace_back(
-      "The deviations of this method are those of the specimens' own parameters, each solved from its tests alone: "
-      "measurement noise inflates them, and where several sets of parameters give the same outputs a specimen may "
-      "have been solved to another set than its own.");
+      "The standard deviations of this method are those of the specimens' own parameters, each solved from its "
+      "tests alone: measurement noise inflates them, and where several sets of parameters give the same outputs a "
+      "specimen's solution may be a set other than its own.");
   if (!setup.problem.tests.repeatability_std.isZero(0.0)) {
     const Eigen::VectorXd share = noise_share(setup, fit, population.covariance.diagonal());
     std::vector<std::string> parts;
@@ -147,14 +150,15 @@ void add_notes(const Setup& setup, const InversionFit& fit, const Population& po
                                     setup.problem.space.parameters()[static_cast<std::size_t>(i)].name));
       }
     }
-    if (!parts.empty()) result.notes.push_back("Part of each variance that is measurement noise: " + join(parts) + ".");
+    if (!parts.empty())
+      result.notes.push_back("Fraction of each variance that is measurement noise: " + join(parts) + ".");
   }
   Eigen::Index short_of = 0;
   for (const int rank : fit.ranks) short_of += rank < setup.parameters.count() ? 1 : 0;
   if (short_of > 0) {
     result.notes.push_back(fmt::format(
-        "The measured outputs of {} of {} specimens do not determine all {} parameters: what they leave open was set "
-        "nearest to the prior mean (in prior deviations), so the scatter in it is not seen and comes out too small.",
+        "The measured outputs of {} of {} specimens do not determine all {} parameters: undetermined combinations "
+        "were set nearest to the prior mean (in prior standard deviations), so their scatter comes out too small.",
         short_of, fit.points.rows(), setup.parameters.count()));
   }
 }
@@ -167,15 +171,16 @@ void describe_ending(const InversionFit& fit, bool is_stopped, const UpdatingPro
     result.message = "stopped on request";
   } else if (moving > 0) {
     result.status = UpdatingStatus::max_iterations;
-    result.message = fmt::format("{} iterations did not bring the parameters of {} of {} specimens to rest",
+    result.message = fmt::format("after {} iterations the parameters of {} of {} specimens have not converged",
                                  problem.iterations, moving, fit.points.rows());
   } else if (stuck > 0) {
     result.status = UpdatingStatus::stalled;
-    result.message = fmt::format("of {} of {} specimens no step makes the residuals smaller", stuck, fit.points.rows());
+    result.message =
+        fmt::format("for {} of {} specimens no step makes the residuals smaller", stuck, fit.points.rows());
   } else {
     result.status = UpdatingStatus::converged;
     result.message =
-        fmt::format("all {} specimens are solved: no parameter moves by more than {} of its prior deviation",
+        fmt::format("all {} specimens are solved: no parameter moves by more than {} of its prior standard deviation",
                     fit.points.rows(), problem.tolerance);
   }
 }
@@ -250,8 +255,8 @@ UpdatingResult InversionUpdater::update(const UpdatingProblem& problem, const Ru
                                          });
   if (static_cast<double>(fit.count(Ending::stuck)) > problem.cloud.max_failed * static_cast<double>(fit.points.rows()))
     throw ModelFailure(
-        fmt::format("{} of {} specimens find no step that makes their residuals smaller: the model "
-                    "fails around them or is not smooth",
+        fmt::format("for {} of {} specimens no step makes the residuals smaller: the model fails around them or is "
+                    "not smooth",
                     fit.count(Ending::stuck), fit.points.rows()));
   describe_ending(fit, is_stopped, problem, result);
   finish(setup, fit, context, result);

@@ -101,7 +101,7 @@ class BatchFit {
       const auto s = static_cast<std::size_t>(moved[i]);
       if (!jacobians[i].allFinite()) {
         if (fit.jacobians[s].size() == 0)
-          throw ModelFailure("the model fails all around the present parameters, so there is no derivative");
+          throw ModelFailure("the model fails at all points around the current parameters, so there is no derivative");
         jacobians[i] = jacobians[i].array().isNaN().select(fit.jacobians[s], jacobians[i]).eval();
       }
       fit.jacobians[s] = std::move(jacobians[i]);

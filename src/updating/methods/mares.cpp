@@ -34,8 +34,8 @@ void require_solvable(const UpdatingProblem& problem) {
              "\"deterministic\"",
              problem.tests.values.rows());
   require_of(outputs >= problem.space.count(), method,
-             "{} parameters are more unknowns than the {} measured outputs can determine; free fewer "
-             "parameters or measure more outputs",
+             "{} parameters are more unknowns than the {} measured outputs can determine; update fewer parameters "
+             "or measure more outputs",
              problem.space.count(), outputs);
   require_of(problem.cloud.samples > problem.space.count() + 1, {Subject::Kind::samples},
              "{} is too few for a regression on {} parameters, at least {} are needed", problem.cloud.samples,
@@ -105,15 +105,15 @@ Eigen::MatrixXd updated_covariance(const MaresSetup& setup, const IterationRecor
 std::string ending_message(UpdatingStatus status, std::size_t updates, double tolerance) {
   switch (status) {
     case UpdatingStatus::converged:
-      return fmt::format("after {} iterations no parameter moves by more than {} of its prior deviation", updates,
-                         tolerance);
+      return fmt::format("after {} iterations no parameter moves by more than {} of its prior standard deviation",
+                         updates, tolerance);
     case UpdatingStatus::stalled:
-      return fmt::format("the parameters go round in circles: their movement has not become smaller for {} iterations",
+      return fmt::format("the parameters oscillate: their steps have not become smaller for {} iterations",
                          k_stall_window);
     case UpdatingStatus::stopped:
       return fmt::format("stopped on request after {} iterations", updates);
     default:
-      return fmt::format("{} iterations did not bring the parameters to rest", updates);
+      return fmt::format("the parameters did not converge in {} iterations", updates);
   }
 }
 
@@ -128,20 +128,20 @@ const OptionTable<MaresOptions>& mares_option_table() {
                                 "Weight W of the residuals in Eq. 11: the inverse of the tests' covariance, or the "
                                 "identity scaled by their mean variance.")
           .choice<M::Prior>("prior", &M::prior, {{"recentred", M::Prior::recentred}, {"fixed", M::Prior::fixed}},
-                            "Centre of the prior term in Eq. 11: the present mean, so that it only damps the step, or "
-                            "the start to the letter.")
+                            "Centre of the prior term in Eq. 11: the current mean, so that it only damps the step, "
+                            "or the prior mean, as the equation is written.")
           .choice<M::Covariance>(
               "covariance", &M::covariance,
               {{"fixed-prior", M::Covariance::fixed_prior}, {"recursive", M::Covariance::recursive}},
-              "Covariance that Eq. 12 starts from: the first prior at every iteration, or the present one to the "
-              "letter, which uses the same tests again and collapses.")
+              "Covariance that Eq. 12 starts from: the prior's at every iteration, or the current one, as the "
+              "equation is written, which uses the same tests again and collapses.")
           .choice<M::Regression>("regression", &M::regression,
                                  {{"linear", M::Regression::linear}, {"quadratic", M::Regression::quadratic}},
                                  "Regression that gives the sensitivity: linear, or with squares and interactions, "
                                  "taken at the cloud's mean.")
-          .number("model_error", &M::model_error, {.lower = 0.0}, "part of the mean",
-                  "Standard deviation of the model's own error, as a part of each output's tested mean, added to the "
-                  "test variability.");
+          .number("model_error", &M::model_error, {.lower = 0.0}, "fraction of the mean",
+                  "Standard deviation of the model's own error, as a fraction of each output's tested mean, added "
+                  "to the test variability.");
   return table;
 }
 
@@ -191,8 +191,8 @@ UpdatingResult MaresUpdater::update(const UpdatingProblem& problem, const RunCon
   note_model_error(problem, "mares",
                    "is added to the test variability S_M of Eqs. 11 and 12, beside the method's model_error.", result);
   result.notes.push_back(
-      "The deviations of this method (Eq. 12) say how well the mean is known given the spread of the tests and the "
-      "prior; they do not estimate the spread of the specimens.");
+      "The standard deviations of this method (Eq. 12) say how well the mean is known given the scatter of the "
+      "tests and the prior; they do not estimate the scatter of the specimens.");
   return result;
 }
 

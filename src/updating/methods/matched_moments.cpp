@@ -75,7 +75,7 @@ void plan_mean_test(const Comparison& c, TestPlan& plan) {
   const double n = c.specimens;
   if (d == 0.0) {
     plan.leave_untested(Aspect::means, fmt::format("The means were not tested: {} outputs are no more than the "
-                                                   "combinations of parameters that they see, which can match any "
+                                                   "identifiable combinations of parameters, which can match any "
                                                    "means. {}",
                                                    c.residual.size(), k_more_outputs));
     return;
@@ -117,9 +117,8 @@ void plan_mean_test(const Comparison& c, TestPlan& plan) {
   }
   test.aspect = Aspect::means;
   test.meaning = fmt::format(
-      "{} in the {:.0f} directions of the outputs that no parameter moves: have the tests and the updated model's "
-      "cloud "
-      "the same means?",
+      "{} in the {:.0f} directions of the outputs that no parameter moves: do the tests and the updated model's "
+      "cloud have the same means?",
       c.is_noise_known ? "Chi-squared" : "Hotelling's T^2, as F,", d);
   plan.add(std::move(test));
 }

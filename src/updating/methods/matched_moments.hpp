@@ -23,8 +23,8 @@ struct MatchedEstimate {
 };
 
 inline constexpr const char* k_curvature_unknown =
-    "The means were not tested: the model fails a standard deviation of the specimens' scatter from the mean, so it is "
-    "not known what that scatter adds to the means of curved outputs.";
+    "The means were not tested: the model fails one standard deviation of the specimens' scatter away from the "
+    "mean, so the effect of that scatter on the means of curved outputs is not known.";
 
 /// Why a method that takes means and covariances output by output leaves an aspect untested where entries are missing:
 /// the parameters' scatter does not cancel in differences of outputs that other specimens have.

@@ -39,12 +39,14 @@ IterationRecord linear_record(const UpdatingProblem& problem, const PopulationFi
 std::string ending_message(const UpdatingResult& result, int iterations, double tolerance) {
   switch (result.status) {
     case UpdatingStatus::converged:
-      return fmt::format("after {} iterations no mean and no deviation moves by more than {} of its prior deviation",
-                         iterations, tolerance);
+      return fmt::format(
+          "after {} iterations no mean and no standard deviation moves by more than {} of its prior "
+          "standard deviation",
+          iterations, tolerance);
     case UpdatingStatus::stopped:
       return fmt::format("stopped on request after {} iterations", iterations);
     default:
-      return fmt::format("{} iterations did not bring means and deviations to rest", iterations);
+      return fmt::format("means and standard deviations did not converge in {} iterations", iterations);
   }
 }
 
@@ -56,15 +58,17 @@ const OptionTable<Options>& maximum_likelihood_option_table() {
           .choice<Options::Likelihood>(
               "likelihood", &Options::likelihood,
               {{"restricted", Options::Likelihood::restricted}, {"plain", Options::Likelihood::plain}},
-              "Restricted likelihood, whose deviations are not too small where specimens are few, or the plain one.")
+              "Restricted likelihood, whose standard deviations are not too small where specimens are few, or the "
+              "plain one.")
           .choice<Options::Noise>(
               "noise", &Options::noise,
               {{"automatic", Options::Noise::automatic},
                {"given", Options::Noise::given},
                {"estimated", Options::Noise::estimated}},
-              "Measurement noise: as [test] repeatability gives it (none where it is silent), or estimated, one level "
-              "for all outputs of a unit (for frequencies a part of the value). Automatic: estimated for the outputs "
-              "without repeatability where there are more outputs than parameters, else given.")
+              "Measurement noise: as given by [test] repeatability (zero for outputs without it), or estimated, "
+              "with one level for all outputs of a unit (for frequencies a fraction of the value). Automatic: "
+              "estimated for the outputs without repeatability where there are more outputs than parameters, else "
+              "given.")
           .choice<Options::Intervals>("intervals", &Options::intervals,
                                       {{"analytic", Options::Intervals::analytic},
                                        {"bootstrap", Options::Intervals::bootstrap},
@@ -72,14 +76,14 @@ const OptionTable<Options>& maximum_likelihood_option_table() {
                                       "Confidence intervals from sampling theory, or from samples of specimens drawn "
                                       "from the estimate and updated again.")
           .integer("bootstrap_samples", &Options::bootstrap_samples, {.lower = 100.0, .upper = 100000.0}, "-",
-                   "Number of samples of all specimens for intervals by bootstrap.")
-          .integer(
-              "starts", &Options::starts, {.lower = 0.0, .upper = 10000.0}, "-",
-              "Number of starts, drawn from the prior, from which other parameters that explain the tests' mean as "
-              "well are looked for.")
+                   "Number of bootstrap samples, each of all specimens, for the intervals.")
+          .integer("starts", &Options::starts, {.lower = 0.0, .upper = 10000.0}, "-",
+                   "Number of starting points, drawn from the prior, of a search for other parameters that explain the "
+                   "tests' mean equally well.")
           .number("rank_tolerance", &Options::rank_tolerance, {.lower = 0.0, .upper = 1.0}, "-",
-                  "Combinations of parameters that move the outputs by less than this part of what the strongest "
-                  "moves them, each by a prior deviation, count as not seen: they stay as the prior has them.");
+                  "A combination of parameters counts as not identifiable, and keeps its prior mean, if one prior "
+                  "standard deviation of it moves the outputs by less than this fraction of the strongest "
+                  "combination's effect.");
   return table;
 }
 

@@ -153,34 +153,34 @@ std::optional<double> advance(const Setup& setup, const std::vector<double>& mis
 
 std::string ending_message(UpdatingStatus status, std::size_t updates, double tolerance) {
   if (status == UpdatingStatus::converged) {
-    return fmt::format("after {} iterations no parameter moves by more than {} of its prior deviation", updates,
-                       tolerance);
+    return fmt::format("after {} iterations no parameter moves by more than {} of its prior standard deviation",
+                       updates, tolerance);
   }
   if (status == UpdatingStatus::stalled)
-    return "the parameters find no way on: no step brings the outputs nearer to the tests without leaving what the "
-           "model "
-           "can compute";
+    return "no further step is possible: none brings the outputs nearer to the tests within the range in which the "
+           "model can be computed";
   if (status == UpdatingStatus::stopped) return fmt::format("stopped on request after {} iterations", updates);
-  return fmt::format("{} iterations did not bring the parameters to rest", updates);
+  return fmt::format("the parameters did not converge in {} iterations", updates);
 }
 
 void add_notes(const Setup& setup, const Progress& progress, UpdatingResult& result) {
-  result.notes.push_back("The deviations of this method estimate the scatter of the specimens. " + setup.method.note);
+  result.notes.push_back("The standard deviations of this method estimate the scatter of the specimens. " +
+                         setup.method.note);
   if (progress.rank < setup.parameters.count()) {
     result.notes.push_back(fmt::format(
-        "{} outputs see only {} combinations of the {} parameters: the others keep the prior's mean and scatter "
-        "(least change in prior deviations).",
+        "{} outputs determine only {} combinations of the {} parameters: the others keep the prior's mean and "
+        "scatter (least change in prior standard deviations).",
         setup.tests.mean.size(), progress.rank, setup.parameters.count()));
   }
   if (progress.is_projected) {
     result.notes.emplace_back(
-        "The tests' covariance, noise taken off, asks for a negative variance of some combination of parameters; it "
-        "was set to zero. Noise stated too large, too few specimens, or outputs that the parameters cannot explain "
-        "may be the reason.");
+        "The tests' covariance minus the noise gives a negative variance of some combination of parameters; it was "
+        "set to zero. The reason may be a stated noise that is too large, too few specimens, or outputs that the "
+        "parameters cannot explain.");
   }
   if (setup.noise.isZero(0.0)) {
     result.notes.emplace_back(
-        "No measurement noise is given (repeatability): whatever there is counts as scatter of the parameters.");
+        "No measurement noise is given (repeatability): any noise counts as scatter of the parameters.");
   }
 }
 
@@ -208,7 +208,7 @@ void finish(const Setup& setup, const Progress& progress, const RunContext& cont
       least_change_gain(whitened, setup.parameters.standard_deviation()).matrix * setup.mean_whitening;
   result.model_error = given_model_error(setup.problem, gain);
   note_model_error(setup.problem, setup.method.name,
-                   "is in the weights of the outputs' mean; the deviations hold none.", result);
+                   "is included in the weights of the outputs' mean, not in the standard deviations.", result);
   add_notes(setup, progress, result);
 }
 
@@ -225,9 +225,8 @@ UpdatingResult iterate_moments(const UpdatingProblem& problem, const ScaledParam
   keep_groups(progress.state.covariance, problem.covariance_groups);
   if (!method.evaluate(progress.state, progress.evaluations))
     throw ModelFailure(
-        "the model fails at the parameters' prior means, or too much of the prior is physically impossible, so there "
-        "is "
-        "nothing to start from");
+        "the model fails at the parameters' prior means, or too much of the prior is physically impossible, so "
+        "there is no starting point");
 
   result.status = UpdatingStatus::max_iterations;
   std::vector<double> misfits{misfit(setup, progress.state)};

@@ -57,7 +57,7 @@ UpdatingResult MomentMatchingUpdater::update(const UpdatingProblem& problem, con
   method.weighting = options_.weighting;
   method.note =
       kind == Rule::cloud
-          ? "Mean and covariance of the outputs are those of a cloud and hold up to its Monte-Carlo error."
+          ? "Mean and covariance of the outputs are those of a cloud and contain its Monte-Carlo error."
           : fmt::format("Mean and covariance of the outputs are integrals over {} points.", rule.weights.size());
   method.evaluate = [&](MomentState& state, std::int64_t& evaluations) {
     if (!evaluate_at_mean(problem, parameters, state, state.output_mean, context, evaluations)) return false;

@@ -20,8 +20,8 @@ UpdatingResult PerturbationUpdater::update(const UpdatingProblem& problem, const
   method.weighting = options_.weighting;
   method.replaces_covariance = true;
   method.note =
-      "They are right to first order in that scatter: where the outputs curve within it, mean and deviations are "
-      "biased.";
+      "They are right to first order in that scatter: where the outputs are curved within it, means and standard "
+      "deviations are biased.";
   method.evaluate = [&](MomentState& state, std::int64_t& evaluations) {
     if (!evaluate_at_mean(problem, parameters, state, state.output_mean, context, evaluations)) return false;
     state.output_covariance = state.sensitivity * state.covariance * state.sensitivity.transpose();

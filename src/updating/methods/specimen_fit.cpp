@@ -24,7 +24,7 @@ void differentiate(const UpdatingProblem& problem, const ScaledParameters& param
                    std::int64_t& evaluations, SpecimenFits& fits) {
   fits.jacobians = scaled_jacobians(problem, parameters, fits.points, fits.outputs, context, evaluations);
   for (const Eigen::MatrixXd& jacobian : fits.jacobians) {
-    if (!jacobian.allFinite()) throw ModelFailure("the model fails all around a specimen's parameters");
+    if (!jacobian.allFinite()) throw ModelFailure("the model fails at all points around a specimen's parameters");
   }
 }
 

@@ -164,8 +164,8 @@ UpdatingResult SurrogateUpdate::run(const Updater& method, const RunContext& con
     // The first round carries the error of the whole design, far from the estimate: too much noise, too little scatter.
     if ((!is_good_ || round == 0) && round < settings_.rounds) continue;
     result.notes.push_back(
-        fmt::format("A surrogate fitted to {} model runs stood in for the model; its error is part "
-                    "of the tests' noise.",
+        fmt::format("A surrogate fitted to {} model runs stood in for the model; its error is counted as noise of "
+                    "the tests.",
                     rounds_.back().runs));
     if (!is_good_) {
       const std::string text = fmt::format(

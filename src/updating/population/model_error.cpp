@@ -37,16 +37,16 @@ std::string model_error_note(const UpdatingProblem& problem, const ModelError& e
   }
   const bool is_cut = problem.model.outputs().size() > k_listed;
   std::string text = fmt::format(
-      "An error of the model is shared by all specimens and does not shrink with their number; the intervals of means "
-      "hold it. Its standard deviation, {}: {}{}.",
+      "An error of the model is shared by all specimens and does not decrease with their number; the intervals of "
+      "means include it. Its standard deviation, {}: {}{}.",
       error.degrees_of_freedom.empty() ? "as given" : "estimated", join(parts), is_cut ? ", ..." : "");
   if (error.degrees_of_freedom.empty()) return text;
   std::vector<std::string> counts;
   for (const double degrees_of_freedom : error.degrees_of_freedom)
     counts.push_back(fmt::format("{:.1f}", degrees_of_freedom));
   return text + fmt::format(
-                    " That rests on {} degrees of freedom only, whatever the number of specimens: outputs beyond those "
-                    "that the parameters need.",
+                    " This estimate has only {} degrees of freedom, whatever the number of specimens: the outputs "
+                    "in excess of those that the parameters need.",
                     join(counts));
 }
 

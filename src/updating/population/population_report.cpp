@@ -110,7 +110,8 @@ SpecimenEstimates estimate_specimens(const UpdatingProblem& problem, const Popul
 void add_notes(const UpdatingProblem& problem, const PopulationFit& fit, const PopulationFitSettings& settings,
                UpdatingResult& result) {
   result.notes.push_back(
-      "Mean, deviation and correlation are those of the population of specimens, the measurement's noise taken off.");
+      "Mean, standard deviation and correlation are those of the population of specimens, without the measurement "
+      "noise.");
   if (settings.noise.factors > 0) {
     std::vector<std::string> levels;
     for (std::size_t k = 0; k < settings.noise.factor.size(); ++k) {
@@ -121,7 +122,7 @@ void add_notes(const UpdatingProblem& problem, const PopulationFit& fit, const P
     }
     result.notes.push_back(fmt::format("Standard deviation of the measurement, estimated: {}.", join(levels)));
   } else if (fit.noise.isZero(0.0)) {
-    result.notes.push_back("The tests count as free of noise: all of their scatter is taken to be the specimens'.");
+    result.notes.push_back("The tests count as free of noise: all of their scatter is attributed to the specimens.");
   }
   if (fit.model_error) result.notes.push_back(model_error_note(problem, *fit.model_error));
   const Eigen::VectorXd unseen = unseen_parts(fit);
@@ -131,8 +132,8 @@ void add_notes(const UpdatingProblem& problem, const PopulationFit& fit, const P
   }
   if (fit.seen.cols() < unseen.size()) {
     result.notes.push_back(fmt::format(
-        "The outputs see {} combinations of the {} parameters. What they do not see stays at the prior's mean and is "
-        "given no scatter; no intervals are given for parameters that take part in it: {}.",
+        "The outputs determine {} combinations of the {} parameters. The other combinations keep the prior's mean, "
+        "without scatter; no intervals are given for parameters that take part in them: {}.",
         fit.seen.cols(), unseen.size(), names.empty() ? "none to more than a tenth" : join(names)));
   }
   if (!fit.effects.converged && problem.tests.values.array().isNaN().any()) {

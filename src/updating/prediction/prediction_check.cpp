@@ -148,13 +148,12 @@ std::vector<std::string> prediction_sentences(const Prediction& prediction, cons
     const bool is_odd = check->uniformity(k) * count <= level;
     if (is_odd) odd.push_back(outputs[static_cast<std::size_t>(k)].name());
   }
-  sentences.push_back(odd.empty()
-                          ? fmt::format("Their places in the predicted distributions are as even as chance makes "
-                                        "them (smallest p after correction {:.2g}).",
-                                        check->adjusted_p)
-                          : fmt::format("The predicted distributions of {} do not fit the held-out tests (p = "
-                                        "{:.2g} after correction).",
-                                        join(odd), check->adjusted_p));
+  sentences.push_back(odd.empty() ? fmt::format("Their probabilities in the predicted distributions are uniform within "
+                                                "chance (smallest p after correction {:.2g}).",
+                                                check->adjusted_p)
+                                  : fmt::format("The predicted distributions of {} do not fit the held-out tests (p = "
+                                                "{:.2g} after correction).",
+                                                join(odd), check->adjusted_p));
   return sentences;
 }
 

@@ -73,16 +73,16 @@ std::string unseen_text(const Eigen::Ref<const Eigen::VectorXd>& direction, cons
   const auto name = [&](Eigen::Index i) { return names[static_cast<std::size_t>(i)]; };
   Eigen::Index largest = 0;
   if (direction.cwiseAbs().maxCoeff(&largest) >= k_alone) {
-    return fmt::format("{} is not seen by the outputs", name(largest));
+    return fmt::format("{} cannot be identified from the outputs", name(largest));
   }
   if (parts.size() == 2) {
     const Eigen::Index first = parts[0];
     const Eigen::Index second = parts[1];
     const double ratio = -direction(first) / direction(second);
-    return fmt::format("{} and {} can only be seen together: {} {} {:.2g} {}, in prior deviations", name(first),
-                       name(second), name(first), ratio < 0.0 ? '-' : '+', std::abs(ratio), name(second));
+    return fmt::format("{} and {} can only be identified together: {} {} {:.2g} {}, in prior standard deviations",
+                       name(first), name(second), name(first), ratio < 0.0 ? '-' : '+', std::abs(ratio), name(second));
   }
-  return fmt::format("the outputs do not see {}, in prior deviations", direction_text(direction, names));
+  return fmt::format("the outputs do not determine {}, in prior standard deviations", direction_text(direction, names));
 }
 
 std::string direction_text(const Eigen::Ref<const Eigen::VectorXd>& direction, const std::vector<std::string>& names) {

@@ -101,10 +101,10 @@ std::string suggestion_for(const Parameter& parameter, const VariableNormality& 
     return fmt::format(
         "{} looks normal on the scale \"{}\": set scale = \"{}\"{}", parameter.name, scale_text(scale->kind),
         scale_text(scale->kind),
-        is_but_for_outliers ? ", or look at the specimens named as outliers, but for which it is normal" : "");
+        is_but_for_outliers ? ", or check the specimens named as outliers, without which it is normal" : "");
   }
   if (is_but_for_outliers) {
-    return fmt::format("{} is normal but for the specimens named as outliers", parameter.name);
+    return fmt::format("{} is normal except for the specimens named as outliers", parameter.name);
   }
   if (variable.probabilities.two_batches <= k_passes) {
     return fmt::format("{} looks like {}: update each by itself", parameter.name,
@@ -141,15 +141,14 @@ void report_normality(const UpdatingProblem& problem, const PopulationFit& fit, 
   }
   if (report.is_remarkable) {
     result.notes.push_back(fmt::format(
-        "Remark, not evidence against the model: the specimens do not look like a normal population, on which means, "
-        "deviations and intervals rest. {}.",
+        "Remark, not evidence against the model: the specimens do not look like a normal population, which means, "
+        "standard deviations and intervals assume. {}.",
         join(remarks, "; ")));
   }
   if (!hardly_tested.empty()) {
     result.notes.push_back(
-        fmt::format("Whether the population is normal could hardly be tested for {}: most of what is seen of the "
-                    "specimens is noise "
-                    "or missing.",
+        fmt::format("Whether the population is normal could hardly be tested for {}: noise or missing entries "
+                    "dominate the estimates of the specimens.",
                     join(hardly_tested)));
   }
   result.normality = std::move(report);

@@ -59,8 +59,8 @@ void plan_sphericity(const UpdatingProblem& problem, const PopulationFit& fit, c
   if (residuals.directions.cols() < 2 || whole.size() < k_fewest) {
     plan.leave_untested(
         Aspect::scatter,
-        "The scatter was not tested: the few residuals that are left give the level of the noise and no "
-        "more. Give [test] repeatability of every output, or measure further outputs.");
+        "The scatter was not tested: the few residuals that are left determine only the level of the noise. Give "
+        "[test] repeatability of every output, or measure further outputs.");
     return;
   }
   const Eigen::MatrixXd values = residuals.values(whole, Eigen::all) * residuals.directions;
@@ -92,8 +92,8 @@ void plan_residual_tests(const UpdatingProblem& problem, const PopulationFit& fi
   }
   if (!has_noise || residuals.mean_degrees_of_freedom == 0.0 || residuals.degrees_of_freedom <= 0.0) {
     plan.leave_untested(Aspect::means,
-                        fmt::format("The means were not tested: {} outputs are no more than the {} combinations of "
-                                    "parameters that they see, which can match any means. {}",
+                        fmt::format("The means were not tested: {} outputs are no more than the {} identifiable "
+                                    "combinations of parameters, which can match any means. {}",
                                     problem.tests.values.cols(), fit.seen.cols(), k_more_outputs));
     plan.leave_untested(Aspect::scatter,
                         fmt::format("The scatter was not tested: the covariance of the parameters is free to match any "
@@ -104,8 +104,8 @@ void plan_residual_tests(const UpdatingProblem& problem, const PopulationFit& fi
   if (fit.settings.levels > 0) {
     plan.leave_untested(
         Aspect::means,
-        "The means were not tested: what the model's means are off by is what the level of its error "
-        "was estimated from. Give the model's error (model_error) as numbers, the error that you would accept.");
+        "The means were not tested: the level of the model's error was estimated from the differences of the "
+        "means. Give the model's error (model_error) as numbers: the error that you would accept.");
   } else {
     plan_mean_residuals(residuals, is_noise_known, plan);
   }

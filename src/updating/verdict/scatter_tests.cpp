@@ -178,8 +178,8 @@ PlannedTest cloud_agreement_test(const Eigen::Ref<const Eigen::VectorXd>& tested
           .p_value = -std::expm1(outputs * std::log1p(-std::min(smallest_p, 1.0 - 1e-16))),
           .critical = [=](double level) { return as_normal(-std::expm1(std::log1p(-level) / outputs)); },
           .meaning = fmt::format(
-              "Variances of {} outputs: has the updated model's cloud the scatter of the tests? The standard deviation "
-              "of {} differs most, {:.3g} times that of the tests (in standard normal deviates).",
+              "Variances of {} outputs: does the updated model's cloud have the scatter of the tests? The standard "
+              "deviation of {} differs most, {:.3g} times that of the tests (in standard normal deviates).",
               tested.size(), names[static_cast<std::size_t>(worst)], std::sqrt(model(worst) / tested(worst))),
           .share = 0.25,
           .is_listed_where_it_passes = false};

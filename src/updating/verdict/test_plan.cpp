@@ -37,7 +37,7 @@ void TestPlan::make(double level, UpdatingResult& result) const {
       test.meaning += fmt::format(" With 80 % probability it would find {}.", power.finds);
       if (power.is_enough) tested.insert(planned.aspect);
       sentences[planned.aspect].push_back(
-          fmt::format("{} were hardly tested: with 80 % probability no less than {} would have been found. Test more "
+          fmt::format("{} were hardly tested: with 80 % probability only {} would have been found. Test more "
                       "specimens, or give [test] repeatability.",
                       capitalised(planned.aspect), power.finds));
     }

@@ -57,8 +57,8 @@ void say_bounds(const UpdatingProblem& problem, const UpdatingResult& result, Ve
 void say_specimens_and_solutions(const UpdatingProblem& problem, const UpdatingResult& result, Verdict& verdict) {
   for (const Outlier& outlier : result.outliers) {
     verdict.reasons.push_back(fmt::format(
-        "Specimen {} lies {:.1f} standard deviations from the others (p = {:.2g} among all of them): look at its test "
-        "before trusting means and deviations.",
+        "Specimen {} lies {:.1f} standard deviations from the others (p = {:.2g} among all of them): check its "
+        "test before trusting means and standard deviations.",
         outlier.sample + 1, outlier.distance, outlier.p_value));
   }
   for (const Eigen::VectorXd& other : result.other_solutions) {
@@ -68,8 +68,8 @@ void say_specimens_and_solutions(const UpdatingProblem& problem, const UpdatingR
           fmt::format("{} = {:.4g}", problem.space.parameters()[static_cast<std::size_t>(i)].name, other(i)));
     }
     verdict.reasons.push_back(
-        fmt::format("Other parameters explain the mean of the tests as well: {}. Measure what tells "
-                    "them apart, or narrow the bounds.",
+        fmt::format("Other parameters explain the mean of the tests equally well: {}. Measure outputs that "
+                    "distinguish them, or narrow the bounds.",
                     join(values)));
   }
 }
@@ -102,8 +102,8 @@ Verdict judge(const UpdatingProblem& problem, const UpdatingResult& result) {
     verdict.not_tested.push_back(
         fmt::format("The iteration did not converge: {}. {}", result.message,
                     counts ? "Its last step was small, so tests that failed count; tests that passed do not."
-                           : "Tests of an unfinished update say nothing of the model. Allow more iterations, or "
-                             "start nearer."));
+                           : "Tests of an unfinished update say nothing about the model. Allow more iterations, or "
+                             "start nearer to the solution."));
   }
   const bool is_tested = !result.tests.empty() && verdict.not_tested.empty();
   verdict.conclusion = has_failed && counts ? Conclusion::inadequate

@@ -181,7 +181,7 @@ INSTANTIATE_TEST_SUITE_P(
         Malformed{"MarketOutside", k_market + "2 2 1\n3 1 1\n", "k.x:3: entry (3, 1) is outside of the 2 x 2 matrix"},
         Malformed{"MarketZeroBased", k_market + "2 2 1\n0 0 1\n", "k.x:3: entry (0, 0) is outside"},
         Malformed{"MarketUpper", k_market + "2 2 1\n1 2 1\n", "k.x:3: a symmetric matrix is stored by its lower"},
-        Malformed{"MarketTwice", k_market + "2 2 2\n1 1 1\n1 1 1\n", "k.x:4: entry (1, 1) stands twice"},
+        Malformed{"MarketTwice", k_market + "2 2 2\n1 1 1\n1 1 1\n", "k.x:4: entry (1, 1) is given twice"},
         Malformed{"MarketNumber", k_market + "2 2 1\n1 1 x\n", "k.x:3: 'x' is not a finite number"},
         Malformed{"MarketInfinite", k_market + "2 2 1\n1 1 inf\n", "k.x:3: 'inf' is not a finite number"},
         Malformed{"NotSymmetric",

@@ -128,7 +128,7 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"RBE2,1,1,123\n", "10: RBE2 1: GM1 is blank, dependent grid points are needed"},
         Mistake{"RBE2,1,1,,2\n", "10: RBE2 1: CM is blank, digits from 1 to 6 are needed"},
         Mistake{"RBE2,1,1,123,2,1\n", "10: RBE2 1: GN stands among the dependent grid points"},
-        Mistake{"RBE2,1,1,123,2,3,2\n", "10: RBE2 1: grid point 2 stands twice among GM"},
+        Mistake{"RBE2,1,1,123,2,3,2\n", "10: RBE2 1: grid point 2 is given twice among GM"},
         Mistake{"RBAR,1,1,2,123,45\n", "10: RBAR 1: CNA and CNB name 5 components, together they must name 6"},
         Mistake{"RBE3,1,,8,123\n", "10: RBE3 1: WT1, C1 and G1,1 are needed"},
         Mistake{"RBE3,1,,8,123,1.,123\n", "10: RBE3 1: no grid point follows the weight 1"},

@@ -119,7 +119,7 @@ TEST(ParseCsv, RefusesAColumnWithoutAName) {
 }
 
 TEST(ParseCsv, RefusesARepeatedColumn) {
-  EXPECT_EQ(refusal("f1,f2,f1\n1,2,3\n"), "tests.csv:1: column 'f1' stands twice");
+  EXPECT_EQ(refusal("f1,f2,f1\n1,2,3\n"), "tests.csv:1: column 'f1' is given twice");
 }
 
 TEST(ParseCsv, RefusesARowThatIsTooShortOrTooLong) {

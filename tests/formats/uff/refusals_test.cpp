@@ -109,7 +109,7 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{mode_with(10, "  1.00000E+00          nan  0.00000E+00\n"),
                 "12: 'nan' stands where a number should be"},
         Mistake{mode_with(10, "1. 2. 3. 4.\n"), "12: 4 numbers stand where 3 are left"},
-        Mistake{mode_with(11, "         1\n"), "13: node 1 stands twice in one shape"},
+        Mistake{mode_with(11, "         1\n"), "13: node 1 is given twice in one shape"},
         Mistake{mode_with(12, ""), "14: the dataset ends where 3 values of node 2 should be"},
         Mistake{dataset("55", k_uff_mode.substr(0, k_uff_mode.find("         1\n"))), "10: a shape without nodes"}));
 

@@ -113,7 +113,7 @@ TEST(MaximumLikelihood, LeavesWhatNoOutputSeesAtThePrior) {
   const auto seen = identify(problem, result);
   ASSERT_EQ(seen->unseen_directions.size(), 1U);
   EXPECT_EQ(unseen_text(seen->unseen_directions[0], space.names()),
-            "a and b can only be seen together: a + 1 b, in prior deviations");
+            "a and b can only be identified together: a + 1 b, in prior standard deviations");
 }
 
 TEST(MaximumLikelihood, OnALogarithmicScaleIsThatOfTheLogarithms) {

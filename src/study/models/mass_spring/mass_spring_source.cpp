@@ -48,7 +48,7 @@ std::vector<Connector> read_connectors(TomlReader& model, const std::string& lis
   for (TomlReader& reader : model.tables(list)) {
     Connector connector;
     connector.name = reader.name("name");
-    if (!seen.insert(connector.name).second) reader.fail("name", fmt::format("'{}' stands twice", connector.name));
+    if (!seen.insert(connector.name).second) reader.fail("name", fmt::format("'{}' is given twice", connector.name));
     const std::vector<std::string> ends = reader.texts("between");
     if (ends.size() != 2) reader.fail_value("between", "two points, like [\"ground\", \"m1\"]");
     connector.first = point_index(reader, masses, ends[0]);
