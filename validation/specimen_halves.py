@@ -21,7 +21,7 @@ def print_scatter(outputs):
 
     Returns how many means lie within 0.02 % and how many deviations within 5 %.
     """
-    print(f"\n| output | tested | mean, difference % | deviation, model / tests |\n|---|---|---|---|")
+    print(f"\n| output | tested | mean, difference % | standard deviation, model / tests |\n|---|---|---|---|")
     means = ratios = 0
     for i, name in enumerate(outputs["names"]):
         difference = 100 * (outputs["final_mean"][i] / outputs["test_mean"][i] - 1)

@@ -68,9 +68,9 @@ def check_scatter(mottle, folder):
     means, ratios = print_scatter(outputs)
     differences = [abs(correlation(outputs["final_covariance"], i, j) - correlation(outputs["test_covariance"], i, j))
                    for i in range(10) for j in range(i)]
-    print(f"means within 0.02 %: {means} of 10, deviations within 5 %: {ratios} of 10, largest difference of a correlation "
+    print(f"means within 0.02 %: {means} of 10, standard deviations within 5 %: {ratios} of 10, largest difference of a correlation "
           f"{max(differences):.3f}; {result['verdict']['conclusion']}; {seconds:.1f} s on one core")
-    print("\n| parameter | true mean | found | 95 % | true deviation | found | 95 % |\n|---|---|---|---|---|---|---|")
+    print("\n| parameter | true mean | found | 95 % | true standard deviation | found | 95 % |\n|---|---|---|---|---|---|---|")
     inside = 0
     for i, (_, mean, std) in enumerate(truth()[1]):
         found = [parameters[key][i] for key in ("mean", "mean_ci95", "std", "std_ci95")]
@@ -104,7 +104,7 @@ def check_coverage(mottle, folder, replications):
     parts = {key: sum(values) / len(values) for key, values in hits.items()}
     limit = 0.95 - 3 * math.sqrt(0.95 * 0.05 / (2 * replications))  # the eight of a replication are not independent
     print(f"\n{replications} replications of twenty aeroplanes: {100 * parts['mean']:.1f} % of the true means and "
-          f"{100 * parts['std']:.1f} % of the true deviations inside their 95 % intervals (at least {100 * limit:.1f} % wanted); "
+          f"{100 * parts['std']:.1f} % of the true standard deviations inside their 95 % intervals (at least {100 * limit:.1f} % wanted); "
           f"adequate: {sum(verdicts)} of {replications}")
     return min(parts.values()) >= limit and sum(verdicts) >= replications - 4
 

@@ -75,7 +75,7 @@ def check_update(mottle, data, folder):
     for name, mean, std in zip(parameters["names"], parameters["mean"], parameters["std"]):
         print(f"{name:>6} {mean:>9.4f} +- {std:.4f}")
     print(f"{result['status']}: {result['message']}; {result['model_evaluations']} model runs, {seconds:.1f} s")
-    print("combinations that the tests cannot see (rank "
+    print("combinations that cannot be identified from the tests (rank "
           f"{result['identifiability']['rank']} of {len(parameters['names'])}), in standard deviations of the prior:")
     for direction in result["identifiability"]["unseen_directions"]:
         weights = sorted(direction["weights"].items(), key=lambda item: -abs(item[1]))
@@ -98,7 +98,7 @@ def check_population(mottle, folder):
     means, ratios = print_scatter(outputs)
     first, second = outputs["names"].index("f21"), outputs["names"].index("f22")
     correlations = [correlation(outputs[name], first, second) for name in ("final_covariance", "test_covariance")]
-    print(f"means within 0.02 %: {means} of 14, deviations within 5 %: {ratios} of 14, correlation of test modes 19 and "
+    print(f"means within 0.02 %: {means} of 14, standard deviations within 5 %: {ratios} of 14, correlation of test modes 19 and "
           f"20: {correlations[0]:.3f}, tests {correlations[1]:.3f}")
     print(f"{result['status']}: {result['message']}; {result['model_evaluations']} model runs, {seconds:.0f} s on one core")
     for direction in result["identifiability"]["unseen_directions"]:

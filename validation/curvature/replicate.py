@@ -64,8 +64,8 @@ def main():
     parser.add_argument("--replications", type=int, default=200)
     parser.add_argument("--jobs", type=int, default=2)
     arguments = parser.parse_args()
-    lines = ["| f is as | scatter | noise | specimens | bias of the mean, standard errors | stated (median) | "
-             "std over the truth (mean) | 95 % interval of the mean holds it | warned |", "|---|---|---|---|---|---|---|---|---|"]
+    lines = ["| f proportional to | scatter | noise | specimens | bias of the mean, standard errors | stated (median) | "
+             "std / true std (mean) | coverage of the 95 % interval of the mean | with a note |", "|---|---|---|---|---|---|---|---|---|"]
     failed = []
     for row in ROWS:
         target, scatter, noise, specimens, scale = row
@@ -92,8 +92,8 @@ def main():
     print("\n".join(lines[-1 - len(failed):]))
     (HERE / "RESULTS.md").write_text("\n".join([
         "# Curved outputs and the first-order likelihood", "",
-        f"{arguments.replications} replications a row, seeds from {FIRST_SEED} on, {datetime.date.today().isoformat()}; made by replicate.py.",
-        "", "One mass on one spring. Noise: its standard deviation as a part of what the scatter does to f. Stated: "
+        f"{arguments.replications} replications per row, seeds from {FIRST_SEED} on, {datetime.date.today().isoformat()}; made by replicate.py.",
+        "", "One mass on one spring. Noise: its standard deviation as a fraction of f's scatter. Stated: "
         "`parameters.mean_curvature_bias`.", "", *lines, ""]))
     return 1 if failed else 0
 

@@ -87,7 +87,7 @@ def main():
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--dry", action="store_true", help="print the table, write nothing")
     arguments = parser.parse_args()
-    lines = ["| case | measured | named alone | named as alike | no candidate gains | k6 shifted to (median) | "
+    lines = ["| case | measured | named alone | named as equally good | no candidate explains the tests | k6 as a fixed effect (median) | "
              "added by forward selection |", "|---|---|---|---|---|---|---|"]
     checks = {}
     for has_shapes in (True, False):
@@ -116,8 +116,8 @@ def main():
         "# Which spring is missing?", "",
         f"{arguments.replications} replications of ten specimens each ({arguments.alone} with frequencies alone), seeds "
         f"from {FIRST_SEED} on, {version}, {datetime.date.today().isoformat()}; made by replicate.py.",
-        "", "Candidates k3, k4, k6 beside k1, k2, k5. \"Alike\": BIC within 6 of the best. Level 5 % for all tries "
-        "together.", "", *lines, "", *verdicts, ""])
+        "", "Candidates k3, k4, k6 beside k1, k2, k5. \"Equally good\": BIC within 6 of the best. Level 5 % for all "
+        "candidates together.", "", *lines, "", *verdicts, ""])
     if not arguments.dry:
         (HERE / "RESULTS.md").write_text(text)
     print(text)

@@ -39,7 +39,7 @@ def main():
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--dry", action="store_true", help="print the table, write nothing")
     arguments = parser.parse_args()
-    lines = ["| case | specimens | replications | a candidate is named | k6 named, alone or among those alike |",
+    lines = ["| case | specimens | replications | a candidate is named | k6 named, alone or among equally good ones |",
              "|---|---|---|---|---|"]
     checks = {}
     for case, specimens in ROWS:
@@ -62,7 +62,7 @@ def main():
     version = replicate.run(arguments.mottle, "--version").strip()
     text = "\n".join(["# Which spring is missing, with few specimens and unknown noise?", "",
                       f"Frequencies and shapes measured, seeds from {FIRST_SEED} on, {version}, "
-                      f"{datetime.date.today().isoformat()}; made by replicate_small.py. Level 5 % for all tries together.",
+                      f"{datetime.date.today().isoformat()}; made by replicate_small.py. Level 5 % for all candidates together.",
                       "", *lines, "", *verdicts, ""])
     if not arguments.dry:
         (replicate.HERE / "SMALL-SAMPLES.md").write_text(text)

@@ -57,7 +57,7 @@ def examine(name, study, truth, settings, folder):
 
 
 def main():
-    print(f"{REPLICATIONS} replications\n\n| outputs | error of k6 | refused, said | refused | k1 moves, said | k1 moves |\n"
+    print(f"{REPLICATIONS} replications\n\n| outputs | error of k6 | refused, stated | refused, counted | shift of k1, stated | shift of k1, measured |\n"
           "|---|---|---|---|---|---|")
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)

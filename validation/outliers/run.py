@@ -86,7 +86,7 @@ def main():
     out += ["", "## Clean samples with missing entries or noise", "",
             "Before: 27 to 42 % named with 40 % missing (all estimates in one covariance).", ""]
     good.append(level_table(program, GAPS, out))
-    out += ["", "## Two outliers at 7.5 deviations", "",
+    out += ["", "## Two outliers at 7.5 standard deviations", "",
             "Before: both of twelve named in 2 of 40 (the search ended at the first step that was not significant). Goal: 90 % for "
             "`same` and `opposite` along one of three variables. With missing entries sound specimens are named beside outliers "
             "more often than without: look at each.", ""]

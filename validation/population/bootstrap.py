@@ -32,12 +32,12 @@ def main():
     parser.add_argument("--rows", nargs="*", type=int, default=list(range(len(ROWS))))
     arguments = parser.parse_args()
     lines = ["# Intervals by bootstrap", "",
-             f"Seed 20141, {datetime.date.today().isoformat()}; made by bootstrap.py. Noise: standard deviation as a part of "
-             "what a deviation of 0.2 makes the outputs scatter, known. Coverage in %, over the three parameters (pairs), with "
-             "the standard error that the replications give a share of 95 % if the three were one. \"Modal\": the masses' "
-             "own model.", "",
-             "| specimens | noise | true deviation | missing | model | replications x samples | means | deviations | correlations "
-             "| standard error | goal | reached | mean width of a deviation's interval |", "|---" * 13 + "|"]
+             f"Seed 20141, {datetime.date.today().isoformat()}; made by bootstrap.py. Noise: standard deviation as a "
+             "fraction of the outputs' scatter for a population of standard deviation 0.2, known. Coverage in %, over the three parameters (pairs), with "
+             "the standard error of a fraction of 95 % as if the three were one. \"Modal\": the eigenvalue "
+             "problem of the masses.", "",
+             "| specimens | noise | true standard deviation | missing | model | replications x samples | means | standard deviations | correlations "
+             "| standard error | goal | reached | mean width of a standard deviation's interval |", "|---" * 13 + "|"]
     good = True
     for row in arguments.rows:
         specimens, noise, deviation, missing, replications, samples, model = ROWS[row]

@@ -31,9 +31,9 @@ def within(values, low, high):
 
 def bias_table(program, replications, out):
     out.append("\n## Case 1, 10 specimens, frequencies, no noise: bias and error\n")
-    out.append("Truth: means 1, deviations 0.2. \"Own\" is what knowing every specimen's parameters would give. Goals for "
+    out.append("Truth: means 1, standard deviations 0.2. \"Own\": error of an estimate from the specimens' true parameters. Goals for "
                "`maximum-likelihood`: bias of a mean below 0.006, of a variance below 3 %, errors at most 1.05 of own.\n")
-    out.append("| method | bias of means | bias of variances, % | rms error of means | of deviations | own | own |")
+    out.append("| method | bias of means | bias of variances, % | rms error of means | of standard deviations | own, means | own, standard deviations |")
     out.append("|---|---|---|---|---|---|---|")
     good = True
     for method in ("maximum-likelihood", "mares", "inversion", "perturbation", "covariance-adjustment",
@@ -51,8 +51,8 @@ def bias_table(program, replications, out):
 
 def coverage_table(program, replications, out):
     out.append("\n## Case 1, frequencies: coverage of the 95 % intervals, %\n")
-    out.append("Noise as a part of the outputs' scatter, known; entries missing at random.\n")
-    out.append("| specimens | noise | missing | means | deviations | correlations | goal | reached | bias of deviations, % |")
+    out.append("Noise as a fraction of the outputs' scatter, known; entries missing at random.\n")
+    out.append("| specimens | noise | missing | means | standard deviations | correlations | goal | reached | bias of standard deviations, % |")
     out.append("|---|---|---|---|---|---|---|---|---|")
     good = True
     for specimens in (5, 10, 50):
@@ -70,7 +70,7 @@ def coverage_table(program, replications, out):
 
 def noise_table(program, replications, out):
     out.append("\n## Case 1, 50 specimens, noise as large as the scatter\n")
-    out.append("| method | bias of deviations, % |\n|---|---|")
+    out.append("| method | bias of standard deviations, % |\n|---|---|")
     fine = False
     for method in ("maximum-likelihood", "inversion"):
         r = call(program, 1, 50, 1, 0, "frequencies", replications, method)

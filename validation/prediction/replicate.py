@@ -194,10 +194,10 @@ def main():
     verdicts = [f"- {'passed' if passed else 'FAILED'}: {claim}" for claim, passed in checks.items()]
     version = run(arguments.mottle, "--version").strip()
     text = "\n".join([
-        "# Specimens that were not used", "",
+        "# Prediction of held-out specimens", "",
         f"{arguments.replications} replications, ten specimens to update to and fifty held out, seeds from {FIRST_SEED} on, "
         f"{version}, {datetime.date.today().isoformat()}; made by replicate.py.", "",
-        "Part of the held-out specimens inside the predicted 95 % intervals of each output and inside the joint region, with "
+        "Fraction of the held-out specimens inside the predicted 95 % intervals of each output and inside the joint region, with "
         "the standard error of the mean over the replications.", "", *lines, "", *verdicts, ""])
     if arguments.rows == list(ROWS):
         (HERE / "RESULTS.md").write_text(text)

@@ -83,7 +83,7 @@ def main():
     parser.add_argument("--mottle", default=ROOT / "build" / "release" / "mottle")
     parser.add_argument("--data", help="CSV with f1 to f3 of the ten specimens; default: made from their definition")
     arguments = parser.parse_args()
-    lines = ["| method | mean k1, k2, k5 | deviation k1, k2, k5 | largest error | allowed | updating, s |", "|---|---|---|---|---|---|"]
+    lines = ["| method | mean k1, k2, k5 | standard deviation k1, k2, k5 | largest error | allowed | updating, s |", "|---|---|---|---|---|---|"]
     failed = False
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)

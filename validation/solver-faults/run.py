@@ -108,7 +108,7 @@ def faults(mottle, folder, table):
         shift = faulty["parameters"]["std"][i] - std
         worst_std = max(worst_std, abs(shift) / (std / math.sqrt(2 * n)))
     table.add("the estimate agrees with the clean run's within Monte-Carlo error",
-              f"means within {worst_mean:.2f}, deviations within {worst_std:.2f} standard errors",
+              f"means within {worst_mean:.2f}, standard deviations within {worst_std:.2f} standard errors",
               worst_mean < 2 and worst_std < 2)
     done = call(mottle, folder, folder / "half", *environment("0.125 0.125 0.125 0.125"))
     table.add("50 % faults stop it", f"exit {done.returncode}: {done.stderr.strip()[:150]}",

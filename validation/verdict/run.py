@@ -93,9 +93,9 @@ def main():
            "Goal: inadequate in 5 % + 2 at most.", "", HEAD]
     good = [row(out, arguments.program, count, *case, 0, 0.07, 1) for case in RIGHT]
     out += ["", "## Wrong models", "",
-            "Goals: cases 2 and 3 inadequate in 99 % (80 % by mares: an update that goes round in circles is undecided), case 4 with "
+            "Goals: cases 2 and 3 inadequate in 99 % (80 % by mares: an update that oscillates is undecided), case 4 with "
             "shapes in 80 %; nothing that was not tested adequate, and "
-            "what no test can see undecided.", "", HEAD]
+            "errors that no test can detect undecided.", "", HEAD]
     for what, words, method, least, most_adequate in WRONG:
         good.append(row(out, arguments.program, max(count // 4, 1), what, words, method, least, 1 if least else 0.07,
                         most_adequate))
