@@ -86,10 +86,10 @@ def main():
         lines = [
             "# Clouds by the certified reduced model", "",
             f"One run, one core, {datetime.date.today()}, processor times in s; made by compare_clouds.py. Ten modes. "
-            "\"Exact\" is one cold exact solve of ours on the same matrices; a cloud's time is that of the nominal solution, "
-            "the training, the samples and the refinement of those that were not certain; its cost counts what refinement "
-            "did not make certain as exact solves.", "",
-            "| model, equations | patches | fields | variation | samples | error | exact | vectors | time | refined | not certain | "
+            "\"Exact\" is one exact solve by Mottle on the same matrices, from the start. A cloud's time is that of the nominal "
+            "solution, the training, the samples and the refinement of samples that were not certified; its cost counts "
+            "samples that were not certified after refinement as exact solves. \"Vectors\" is the size of the basis.", "",
+            "| model, equations | patches | fields | variation | samples | error | exact | vectors | time | refined | not certified | "
             "cost in exact solves | times faster than exact solves | largest true error of 20 |",
             "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|"]
         lines += cloud_rows(arguments, folder)
@@ -97,8 +97,8 @@ def main():
             "", "## Audit of the bounds", "",
             f"Models of 2,000 equations, error 1e-4, {2 * arguments.audit_samples} samples each, of which "
             f"{arguments.audit_samples} were solved exactly: half of them those with the largest bounds.", "",
-            "| model | patches | fields | variation | vectors | not certain | pairs | violations | median bound / error | "
-            "largest true error where certain |", "|---|---|---|---|---|---|---|---|---|---|"]
+            "| model | patches | fields | variation | vectors | not certified | pairs | violations | median bound / error | "
+            "largest true error where certified |", "|---|---|---|---|---|---|---|---|---|---|"]
         lines += audit_rows(arguments, folder)
     (HERE / "CLOUDS.md").write_text("\n".join(lines) + "\n")
 

@@ -72,18 +72,18 @@ def main():
             numpy_row = time_numpy(pathlib.Path(place), table, result["modes"], arguments.seconds)
             table["contenders"].append(numpy_row)
     lines = ["# The lowest modes of small dense pencils", "",
-             f"The {result['modes']} lowest modes with vectors, the same matrices for all, processor time a sample on "
-             f"one core, the least of repeats in turn, one run, {datetime.date.today().isoformat()}; "
+             f"The {result['modes']} lowest modes with vectors, the same matrices for all contenders. Processor time per sample on "
+             f"one core, the shortest of several repeats, one run, {datetime.date.today().isoformat()}; "
              f"{peers.processor()}, OpenBLAS kernels {result['blas_kernel']}, Eigen compiled with -march=native; made "
-             "by compare_dense.py. A rod of five parts in a turned basis, so that every matrix is full.", "",
-             "Mottle starts from the coefficients of a sample: sums of the five terms (and of the five of the mass) "
-             "and, for many samples, the one reduction of a constant mass are included. The peers get each sample's "
-             "matrices for nothing, with a constant mass already reduced to the standard problem. Errors are "
-             "the largest relative ones of the ten eigenvalues against Eigen in 80-bit arithmetic from the same "
-             "terms; what rounding does to the matrices themselves is of the order of 1e-16 times highest over lowest "
-             "eigenvalue, which no solver can undo.", ""]
+             "by compare_dense.py. The model is a rod of five sections in a rotated basis, so that every matrix is full.", "",
+             "Mottle starts from the coefficients of a sample: its time includes the sums of the five terms (and of the "
+             "five of the mass) and the reduction of a constant mass, once for all samples. The peers get each sample's "
+             "assembled matrices, with a constant mass already reduced to the standard problem. Errors are "
+             "the largest relative errors of the ten eigenvalues, compared with Eigen in 80-bit arithmetic from the same "
+             "terms. The rounding of the matrices themselves gives errors of the order of 1e-16 times highest over lowest "
+             "eigenvalue, which no solver can avoid.", ""]
     for kind, title in TITLES.items():
-        lines += [f"## {title}", "", "| order | contender | us a sample | time of Mottle's | error |",
+        lines += [f"## {title}", "", "| order | contender | us per sample | time / Mottle's time | error |",
                   "|---|---|---|---|---|"]
         for table in result["tables"]:
             if table["name"].startswith(kind):

@@ -48,14 +48,14 @@ def main():
         table = list(rows(pathlib.Path(place)))
     lines = ["# Peak memory", "",
              f"MB of resident memory; {MODES} modes; one run, {datetime.date.today().isoformat()}; made by "
-             "compare_memory.py. \"Held\" is what the process held when it began: program, assembled terms, K and M. "
+             "compare_memory.py. \"Held\" is the memory in use before the solve: program, assembled terms, K and M. "
              "The factor is CHOLMOD's L as it is stored (8 bytes an entry, zeros of its supernodes included). The "
-             "basis is, for an exact solve, the vectors that the factor solved for, and for a cloud that of the reduced "
-             f"model. The peak is counted from what was held; goal: at most {GOAL} times factor and basis.", "",
+             "basis of an exact solve is the set of vectors that were solved for, that of a cloud the basis of the reduced "
+             f"model. The peak is the memory beyond what was held before; goal: at most {GOAL} times factor and basis.", "",
              "| model, equations | run | held | factor | vectors | basis | peak | peak / (factor + basis) |",
              "|---|---|---|---|---|---|---|---|", *table, "",
-             "What else an exact solve takes: K - s M and CHOLMOD's permuted copy of it and its row indices while it "
-             "factorises, the pattern of which the ordering is kept, M without its zeros, room for the block that "
+             "An exact solve also needs K - s M and CHOLMOD's permuted copy of it and its row indices while it "
+             "factorises, the pattern for which the ordering is kept, M without its zeros, room for the block that "
              "Lanczos works on (the block, M times it, and both by rows) and the modes. A cloud also holds the family's terms twice "
              "while it begins (as given, and by the rows that they support), the shifted K, a sketch of 64 vectors, and "
              "several blocks of up to 48 vectors while it trains.", ""]

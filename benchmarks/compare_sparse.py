@@ -244,7 +244,7 @@ def main():
              f"matrices, tolerance {TOLERANCE:g}, and eigenvalues that agree to {AGREEMENT:g} for all. Processor time "
              f"on one core, best of one to five, one run, {datetime.date.today().isoformat()}; {peers.processor()}, OpenBLAS "
              f"kernels {decks[0][1]}; made by compare_sparse.py, models by make_models.py.", "",
-             "| model | contender | seconds | time of Mottle's |", "|---|---|---|---|", *table, "",
+             "| model | contender | seconds | time / Mottle's time |", "|---|---|---|---|", *table, "",
              "From the deck's file to K and M, against one factorisation of K (with its ordering, and again without):",
              "", "| model | read, s | assemble, s | factorise, s | again, s | (read + assemble) / factorise |",
              "|---|---|---|---|---|---|", *(row for row, _ in decks), ""]

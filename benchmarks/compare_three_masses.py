@@ -102,14 +102,14 @@ def main():
              f"One core, processor times, best of 2 to 3 seconds each, one run, {datetime.date.today().isoformat()}; "
              f"{peers.processor()}; Eigen compiled with -march=native; made by compare_three_masses.py.", "",
              "## Clouds", "", "1000 samples drawn and solved for three frequencies.", "",
-             "| contender | clouds a second | time of Mottle's |", "|---|---|---|"]
+             "| contender | clouds per second | time / Mottle's time |", "|---|---|---|"]
     lines += [f"| {name} | {1.0 / t:.1f} | {t / rows[0][1]:.0f} x |" for name, t in rows]
     lines += ["", f"Mottle alone on 2^20 samples: {1e6 * mottle['sample_s']:.3f} us a sample drawn and solved, "
               f"{1e6 * mottle['solve_s']:.3f} us solved.", "",
               "## The eigenproblem alone", "",
               "Samples of (k1, k2, k5) given. Contenders that find values alone are measured against Mottle's values "
               "alone, all others against values and vectors.", "",
-              "| contender | us a sample | time of Mottle's | goal |", "|---|---|---|---|"]
+              "| contender | us per sample | time / Mottle's time | goal |", "|---|---|---|---|"]
     rows = list(solve_rows())
     for name, time, goal in rows:
         base = rows[1][1] if "values alone" in name or "eigvalsh" in name else rows[0][1]
