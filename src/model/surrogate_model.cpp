@@ -6,12 +6,12 @@ namespace mottle::model {
 
 void SurrogateModel::train(SurrogateKind kind, const Eigen::Ref<const Eigen::MatrixXd>& samples,
                            const Eigen::Ref<const Eigen::MatrixXd>& outputs) {
-  surrogate_ = std::make_unique<const Surrogate>(kind, from_variables(scales_, samples), outputs);
+  surrogate_ = std::make_unique<const Surrogate>(kind, from_variables(transforms_, samples), outputs);
 }
 
 Evaluation SurrogateModel::evaluate(const Eigen::Ref<const Eigen::MatrixXd>& samples, const RunContext& context) const {
   context.throw_if_stopped();
-  const Eigen::MatrixXd points = from_variables(scales_, samples);
+  const Eigen::MatrixXd points = from_variables(transforms_, samples);
   constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
   Evaluation evaluation{
       Eigen::MatrixXd::Constant(points.rows(), static_cast<Eigen::Index>(model_.outputs().size()), k_nan), {}};

@@ -81,8 +81,8 @@ class RandomProblem {
       const double mean = truth_(i) * between(0.75, 1.4);
       Parameter parameter{fmt::format("k{}", i + 1), "N/m", 0.2, 5.0};
       const Eigen::Index kind = below(5);  // identity in three of five
-      if (kind == 1) parameter.scale = {NormalScale::Kind::log};
-      if (kind == 2) parameter.scale = {NormalScale::Kind::logit, 0.2, 5.0};
+      if (kind == 1) parameter.transform = {ParameterTransform::Kind::log};
+      if (kind == 2) parameter.transform = {ParameterTransform::Kind::logit, 0.2, 5.0};
       scaled_ += kind == 1 || kind == 2 ? 1 : 0;
       parameters.push_back(parameter);
       marginals.emplace_back(DistributionSpec{.kind = DistributionKind::normal, .mean = mean, .std = 0.2 * mean});

@@ -11,11 +11,11 @@
 
 namespace mottle::model {
 
-/// Outputs of a model as functions fitted on the parameters' own scales.
+/// Outputs of a model as surrogates fitted over the transformed parameters.
 class SurrogateModel final : public Model {
  public:
   /// @param model  whose outputs are imitated; it and `space` must outlive this one
-  SurrogateModel(const Model& model, const ParameterSpace& space) : model_(model), scales_(space.scales()) {}
+  SurrogateModel(const Model& model, const ParameterSpace& space) : model_(model), transforms_(space.transforms()) {}
 
   /// @param samples  possible parameters [run x parameter]
   /// @param outputs  [run x output], none nan
@@ -27,12 +27,13 @@ class SurrogateModel final : public Model {
 
   Eigen::Index parameter_count() const override { return model_.parameter_count(); }
   const std::vector<Quantity>& outputs() const override { return model_.outputs(); }
-  /// Needs train(). Samples beyond the ends of a parameter's scale (a logit's bounds, zero of a logarithm) fail.
+  /// Needs train(). Samples where a parameter's transform is not defined (at a logit's bounds, at zero of a logarithm)
+  /// fail.
   Evaluation evaluate(const Eigen::Ref<const Eigen::MatrixXd>& samples, const RunContext& context) const override;
 
  private:
   const Model& model_;
-  std::vector<NormalScale> scales_;
+  std::vector<ParameterTransform> transforms_;
   std::unique_ptr<const Surrogate> surrogate_;
 };
 

@@ -45,10 +45,10 @@ std::vector<std::string> ParameterSpace::names() const {
   return names;
 }
 
-std::vector<NormalScale> ParameterSpace::scales() const {
-  std::vector<NormalScale> scales;
-  for (const Parameter& parameter : parameters_) scales.push_back(parameter.scale);
-  return scales;
+std::vector<ParameterTransform> ParameterSpace::transforms() const {
+  std::vector<ParameterTransform> transforms;
+  for (const Parameter& parameter : parameters_) transforms.push_back(parameter.transform);
+  return transforms;
 }
 
 bool ParameterSpace::is_possible(const Eigen::Ref<const Eigen::RowVectorXd>& sample) const {

@@ -98,18 +98,19 @@ JointDistribution JointDistribution::multivariate_normal(const Eigen::VectorXd& 
   return normal;
 }
 
-JointDistribution JointDistribution::normal_on_scales(const std::vector<NormalScale>& scales,
-                                                      const Eigen::VectorXd& mean, const Eigen::MatrixXd& covariance) {
-  require(static_cast<Eigen::Index>(scales.size()) == mean.size(), "{} scales for {} variables", scales.size(),
+JointDistribution JointDistribution::transformed_normal(const std::vector<ParameterTransform>& transforms,
+                                                        const Eigen::VectorXd& mean,
+                                                        const Eigen::MatrixXd& covariance) {
+  require(static_cast<Eigen::Index>(transforms.size()) == mean.size(), "{} scales for {} variables", transforms.size(),
           mean.size());
   JointDistribution result = multivariate_normal(mean, covariance);
-  if (std::all_of(scales.begin(), scales.end(),
-                  [](const NormalScale& s) { return s.kind == NormalScale::Kind::identity; })) {
+  if (std::all_of(transforms.begin(), transforms.end(),
+                  [](const ParameterTransform& s) { return s.kind == ParameterTransform::Kind::identity; })) {
     return result;
   }
-  result.scales_ = scales;
-  result.scale_mean_ = mean;
-  VariableMoments moments = moments_of_variables(scales, mean, result.covariance_);
+  result.transforms_ = transforms;
+  result.transformed_mean_ = mean;
+  VariableMoments moments = moments_of_variables(transforms, mean, result.covariance_);
   result.mean_ = std::move(moments.mean);
   result.covariance_ = std::move(moments.covariance);
   repair_covariance(result.covariance_);  // its entries are integrals, each with an error of its own
@@ -128,9 +129,9 @@ Eigen::MatrixXd JointDistribution::from_uniform(const Eigen::Ref<const Eigen::Ma
     return samples;
   }
   samples = correlate(uniforms.unaryExpr([](double uniform) { return standard_normal_quantile(uniform); }), factor_);
-  if (!scales_.empty()) {
-    samples.rowwise() += scale_mean_.transpose();
-    return to_variables(scales_, samples);
+  if (!transforms_.empty()) {
+    samples.rowwise() += transformed_mean_.transpose();
+    return to_variables(transforms_, samples);
   }
   if (marginals_.empty()) return samples.rowwise() + mean_.transpose();
   for (Eigen::Index j = 0; j < dimension(); ++j) {

@@ -54,7 +54,7 @@ class Draws {
 Eigen::RowVector2d equal_tails(std::vector<double> values, double confidence) {
   constexpr std::size_t k_fewest = 40;
   if (values.size() < k_fewest) return {k_nan, k_nan};
-  // Beyond what numbers can hold: so little is known of a variable on a log or logit scale.
+  // Beyond what numbers can hold: so little is known of a variable with a log or logit transform.
   for (double& value : values) {
     if (std::isnan(value)) value = std::numeric_limits<double>::infinity();
   }
@@ -153,8 +153,8 @@ double mean_half_width(const PopulationEvidence& evidence, Eigen::Index i, doubl
 }
 
 /// Mean and deviation of a variable that is not normal itself.
-void add_scaled_intervals(const PopulationEvidence& evidence, Eigen::Index i, const NormalScale& scale,
-                          double confidence, Draws& draws, PopulationIntervals& intervals) {
+void add_transformed_intervals(const PopulationEvidence& evidence, Eigen::Index i, const ParameterTransform& transform,
+                               double confidence, Draws& draws, PopulationIntervals& intervals) {
   const double degrees_of_freedom = evidence.degrees_of_freedom(i, i);
   const Eigen::ArrayXd& chi_squared = draws.chi_squared(0, degrees_of_freedom);
   const Eigen::ArrayXd shared = shared_variances(evidence, i, chi_squared.size(), draws);
@@ -166,8 +166,8 @@ void add_scaled_intervals(const PopulationEvidence& evidence, Eigen::Index i, co
     const double blown = degrees_of_freedom / chi_squared(k);
     const double variance = std::max(evidence.total(i, i) * blown - evidence.noise(i, i), 0.0);
     const double mean = evidence.mean(i) - Draws::normal()(k) * std::sqrt(own_variance * blown + shared(k));
-    const VariableMoments moments =
-        moments_of_variables({scale}, Eigen::VectorXd::Constant(1, mean), Eigen::MatrixXd::Constant(1, 1, variance));
+    const VariableMoments moments = moments_of_variables({transform}, Eigen::VectorXd::Constant(1, mean),
+                                                         Eigen::MatrixXd::Constant(1, 1, variance));
     means.push_back(moments.mean(0));
     standard_deviations.push_back(std::sqrt(moments.covariance(0, 0)));
   }
@@ -177,8 +177,8 @@ void add_scaled_intervals(const PopulationEvidence& evidence, Eigen::Index i, co
 
 }  // namespace
 
-PopulationIntervals population_intervals(const PopulationEvidence& evidence, const std::vector<NormalScale>& scales,
-                                         double confidence) {
+PopulationIntervals population_intervals(const PopulationEvidence& evidence,
+                                         const std::vector<ParameterTransform>& transforms, double confidence) {
   require(confidence > 0.0 && confidence < 1.0, "confidence: {} is outside (0, 1)", confidence);
   const Eigen::Index q = evidence.mean.size();
   PopulationIntervals intervals{Eigen::MatrixXd::Constant(q, 2, k_nan), Eigen::MatrixXd::Constant(q, 2, k_nan),
@@ -188,8 +188,8 @@ PopulationIntervals population_intervals(const PopulationEvidence& evidence, con
   for (Eigen::Index i = 0; i < q; ++i) {
     const double degrees_of_freedom = evidence.degrees_of_freedom(i, i);
     if (!(degrees_of_freedom > 0.0)) continue;
-    if (scales[static_cast<std::size_t>(i)].kind != NormalScale::Kind::identity) {
-      add_scaled_intervals(evidence, i, scales[static_cast<std::size_t>(i)], confidence, draws, intervals);
+    if (transforms[static_cast<std::size_t>(i)].kind != ParameterTransform::Kind::identity) {
+      add_transformed_intervals(evidence, i, transforms[static_cast<std::size_t>(i)], confidence, draws, intervals);
     } else {
       const double half = mean_half_width(evidence, i, confidence, draws);
       intervals.mean.row(i) << evidence.mean(i) - half, evidence.mean(i) + half;

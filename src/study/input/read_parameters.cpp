@@ -34,26 +34,26 @@ DistributionSpec read_distribution(TomlReader reader) {
   return spec;
 }
 
-/// The scale of the population; bounds and distribution are already read.
-NormalScale read_scale(TomlReader& reader, const StudyParameter& parameter) {
-  using Kind = NormalScale::Kind;
+/// The transform under which the population is normal (key `scale`); bounds and distribution are already read.
+ParameterTransform read_transform(TomlReader& reader, const StudyParameter& parameter) {
+  using Kind = ParameterTransform::Kind;
   const std::vector<Kind> kinds{Kind::identity, Kind::log, Kind::logit};
-  const NormalScale scale{kinds[reader.choice("scale", {"identity", "log", "logit"}, 0)], parameter.lower_bound,
-                          parameter.upper_bound};
+  const ParameterTransform transform{kinds[reader.choice("scale", {"identity", "log", "logit"}, 0)],
+                                     parameter.lower_bound, parameter.upper_bound};
   const double mean = Distribution(parameter.distribution).mean();
-  if (scale.kind == Kind::log && !(mean > 0.0)) {
+  if (transform.kind == Kind::log && !(mean > 0.0)) {
     reader.fail("scale", fmt::format("\"log\" is for positive parameters, the distribution's mean is {}; give scale = "
                                      "\"identity\", or \"logit\" with bounds",
                                      mean));
   }
-  if (scale.kind == Kind::logit && !(std::isfinite(scale.lower) && std::isfinite(scale.upper))) {
+  if (transform.kind == Kind::logit && !(std::isfinite(transform.lower) && std::isfinite(transform.upper))) {
     reader.fail("scale", "\"logit\" is taken between the bounds, which are missing; give bounds = [lower, upper]");
   }
-  if (scale.kind == Kind::logit && !(scale.lower < mean && mean < scale.upper)) {
+  if (transform.kind == Kind::logit && !(transform.lower < mean && mean < transform.upper)) {
     reader.fail("scale", fmt::format("\"logit\" needs the distribution's mean, {}, inside the bounds [{}, {}]", mean,
-                                     scale.lower, scale.upper));
+                                     transform.lower, transform.upper));
   }
-  return scale;
+  return transform;
 }
 
 }  // namespace
@@ -78,7 +78,7 @@ StudyParameter read_parameter(TomlReader& reader, bool has_targets) {
     parameter.lower_bound = bounds[0];
     parameter.upper_bound = bounds[1];
   }
-  parameter.scale = read_scale(reader, parameter);
+  parameter.transform = read_transform(reader, parameter);
   reader.finish();
   return parameter;
 }

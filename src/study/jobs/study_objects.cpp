@@ -92,7 +92,7 @@ StudyModel make_model(const Study& study, const StudyParameters& parameters, con
       const StudyParameter& parameter = parameters.list[i];
       const std::string unit = parameter.is_factor ? "-" : study.model->target_unit(parameter.targets.front(), units);
       list.push_back(
-          {parameter.name, unit, parameter.lower_bound, parameter.upper_bound, parts.limits[i], parameter.scale});
+          {parameter.name, unit, parameter.lower_bound, parameter.upper_bound, parts.limits[i], parameter.transform});
       if (parameter.may_vanish) list.back().limit.excludes_lower = false;
     }
     ModalOutputs outputs = study.outputs;

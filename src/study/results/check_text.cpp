@@ -9,9 +9,9 @@
 namespace mottle::study {
 namespace {
 
-std::string scale_text(const NormalScale& scale) {
-  if (scale.kind == NormalScale::Kind::log) return ", normal on its logarithm";
-  return scale.kind == NormalScale::Kind::logit ? ", normal on its logit between the bounds" : "";
+std::string transform_text(const ParameterTransform& transform) {
+  if (transform.kind == ParameterTransform::Kind::log) return ", normal on its logarithm";
+  return transform.kind == ParameterTransform::Kind::logit ? ", normal on its logit between the bounds" : "";
 }
 
 /// What the population's covariance may hold.
@@ -46,7 +46,7 @@ void describe_parameters(const StudyParameters& parameters, const StudyModel& ma
                                 join(parameter.targets), distribution_kind_info(parameter.distribution.kind).name,
                                 mean(place), standard_deviation(place), parameter.lower_bound, parameter.upper_bound,
                                 parameter.is_factor ? "as a factor," : "in place of the value,",
-                                made.model->structure().parameter_role(place), scale_text(parameter.scale)));
+                                made.model->structure().parameter_role(place), transform_text(parameter.transform)));
   }
 }
 

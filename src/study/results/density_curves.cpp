@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "mottle/stats/distributions/scale_moments.hpp"
+#include "mottle/stats/distributions/transformed_moments.hpp"
 
 namespace mottle::study {
 namespace {
@@ -25,7 +25,7 @@ DensityCurve box(const DistributionSpec& spec) {
   return {Eigen::Vector4d(spec.lower, spec.lower, spec.upper, spec.upper), Eigen::Vector4d(0.0, height, height, 0.0)};
 }
 
-/// Where a family that is no normal on a scale is drawn. Densities may be infinite at the ends of a support.
+/// Where a family that is not a transformed normal is drawn. Densities may be infinite at the ends of a support.
 std::pair<double, double> drawn_range(const Distribution& prior) {
   constexpr double k_inset = 1e-3;  // of the support, or of the mean
   const DistributionSpec& spec = prior.spec();
@@ -41,9 +41,9 @@ std::pair<double, double> drawn_range(const Distribution& prior) {
   return {std::max(k_inset * mean, mean - 4.0 * std), mean + 6.0 * std};  // gamma
 }
 
-DensityCurve curve_on_scale(const NormalScale& scale, const ScaleMoments& moments) {
-  DensityCurve curve{points_on_scale(scale, moments, k_reach, k_points), {}};
-  curve.density = curve.x.unaryExpr([&](double x) { return density_on_scale(scale, moments, x); });
+DensityCurve curve_of_variable(const ParameterTransform& transform, const TransformedMoments& moments) {
+  DensityCurve curve{points_of_variable(transform, moments, k_reach, k_points), {}};
+  curve.density = curve.x.unaryExpr([&](double x) { return density_of_variable(transform, moments, x); });
   return curve;
 }
 
@@ -63,32 +63,33 @@ DensityBand normal_band(const Eigen::Vector2d& mean, const Eigen::Vector2d& std,
   return band;
 }
 
-/// The pairs of mean and deviation within their intervals that some normal on the scale has.
-std::vector<ScaleMoments> moments_within(const NormalScale& scale, const Eigen::Vector2d& mean,
-                                         const Eigen::Vector2d& std) {
-  std::vector<ScaleMoments> found;
+/// The pairs of mean and standard deviation within their intervals that some transformed normal has.
+std::vector<TransformedMoments> moments_within(const ParameterTransform& transform, const Eigen::Vector2d& mean,
+                                               const Eigen::Vector2d& std) {
+  std::vector<TransformedMoments> found;
   for (const double m : Eigen::VectorXd::LinSpaced(17, mean(0), mean(1))) {
     for (const double s : Eigen::VectorXd::LinSpaced(7, std(0), std(1))) {
-      if (const auto moments = moments_on_scale(scale, m, s)) found.push_back(*moments);
+      if (const auto moments = moments_of_transformed(transform, m, s)) found.push_back(*moments);
     }
   }
   return found;
 }
 
-DensityBand band_on_scale(const NormalScale& scale, const std::vector<ScaleMoments>& pairs, double reach) {
+DensityBand band_of_variable(const ParameterTransform& transform, const std::vector<TransformedMoments>& pairs,
+                             double reach) {
   double low = std::numeric_limits<double>::infinity();
   double high = -low;
-  for (const ScaleMoments& moments : pairs) {
-    low = std::min(low, scale.to_variable(moments.mean - reach * moments.std));
-    high = std::max(high, scale.to_variable(moments.mean + reach * moments.std));
+  for (const TransformedMoments& moments : pairs) {
+    low = std::min(low, transform.to_variable(moments.mean - reach * moments.std));
+    high = std::max(high, transform.to_variable(moments.mean + reach * moments.std));
   }
   DensityBand band{Eigen::VectorXd::LinSpaced(k_points, low, high), Eigen::VectorXd(k_points),
                    Eigen::VectorXd(k_points)};
   for (Eigen::Index k = 0; k < k_points; ++k) {
     double least = std::numeric_limits<double>::infinity();
     double greatest = 0.0;
-    for (const ScaleMoments& moments : pairs) {
-      const double density = density_on_scale(scale, moments, band.x(k));
+    for (const TransformedMoments& moments : pairs) {
+      const double density = density_of_variable(transform, moments, band.x(k));
       least = std::min(least, density);
       greatest = std::max(greatest, density);
     }
@@ -102,7 +103,7 @@ DensityBand band_on_scale(const NormalScale& scale, const std::vector<ScaleMomen
 
 DensityCurve normal_curve(double mean, double std) {
   if (!std::isfinite(mean) || !(std > 0.0) || !std::isfinite(std)) return {};
-  return curve_on_scale({}, {mean, std});
+  return curve_of_variable({}, {mean, std});
 }
 
 DensityCurve prior_curve(const Distribution& prior) {
@@ -110,9 +111,9 @@ DensityCurve prior_curve(const Distribution& prior) {
   if (spec.kind == DistributionKind::uniform) return box(spec);
   if (spec.kind == DistributionKind::normal) return normal_curve(spec.mean, spec.std);
   if (spec.kind == DistributionKind::lognormal) {
-    const NormalScale scale{NormalScale::Kind::log};
-    const auto moments = moments_on_scale(scale, spec.mean, spec.std);
-    return moments ? curve_on_scale(scale, *moments) : DensityCurve{};
+    const ParameterTransform transform{ParameterTransform::Kind::log};
+    const auto moments = moments_of_transformed(transform, spec.mean, spec.std);
+    return moments ? curve_of_variable(transform, *moments) : DensityCurve{};
   }
   const auto [low, high] = drawn_range(prior);
   DensityCurve curve{Eigen::VectorXd::LinSpaced(k_family_points, low, high), {}};
@@ -121,15 +122,15 @@ DensityCurve prior_curve(const Distribution& prior) {
   return curve;
 }
 
-DensityBand density_band(const NormalScale& scale, const Eigen::Vector2d& mean, const Eigen::Vector2d& std) {
+DensityBand density_band(const ParameterTransform& transform, const Eigen::Vector2d& mean, const Eigen::Vector2d& std) {
   constexpr double k_min_share = 0.02;
   constexpr double k_band_reach = 3.5;
   if (!mean.allFinite() || !std.allFinite() || !(std(1) > 0.0)) return {};
   const Eigen::Vector2d stds(std::max(std(0), k_min_share * std(1)), std(1));
-  if (scale.kind == NormalScale::Kind::identity) return normal_band(mean, stds, k_band_reach);
-  const std::vector<ScaleMoments> pairs = moments_within(scale, mean, stds);
+  if (transform.kind == ParameterTransform::Kind::identity) return normal_band(mean, stds, k_band_reach);
+  const std::vector<TransformedMoments> pairs = moments_within(transform, mean, stds);
   if (pairs.empty()) return {};
-  return band_on_scale(scale, pairs, k_band_reach);
+  return band_of_variable(transform, pairs, k_band_reach);
 }
 
 }  // namespace mottle::study

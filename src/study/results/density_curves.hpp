@@ -5,7 +5,7 @@
 
 #include "mottle/layers.hpp"
 #include "mottle/stats/distributions/distribution.hpp"
-#include "mottle/stats/distributions/normal_scale.hpp"
+#include "mottle/stats/distributions/parameter_transform.hpp"
 
 namespace mottle::study {
 
@@ -26,11 +26,12 @@ DensityCurve prior_curve(const Distribution& prior);
 /// Density of a normal distribution, four deviations to each side.
 DensityCurve normal_curve(double mean, double std);
 
-/// Between which densities intervals of mean and deviation leave room, for variables that are normal on a scale. A
-/// normal's bounds are exact; on another scale they are those of 17 by 7 pairs of mean and deviation. A deviation that
-/// may be zero has an infinite density: from a fiftieth of the interval's upper end on it counts.
+/// Envelope of the densities whose mean and standard deviation lie within their intervals, for variables whose
+/// transform is normal. A normal's envelope is exact; for another transform it is that of 17 by 7 pairs of mean and
+/// standard deviation. A standard deviation that may be zero has an infinite density: from a fiftieth of the interval's
+/// upper end on it counts.
 ///
 /// @param mean, std  lower and upper ends; nan: not known, and there is no band
-DensityBand density_band(const NormalScale& scale, const Eigen::Vector2d& mean, const Eigen::Vector2d& std);
+DensityBand density_band(const ParameterTransform& transform, const Eigen::Vector2d& mean, const Eigen::Vector2d& std);
 
 }  // namespace mottle::study

@@ -68,7 +68,7 @@ Json densities_json(const UpdatingProblem& problem, const UpdatingResult& result
   for (Eigen::Index i = 0; i < result.mean.size(); ++i) {
     DensityBand band;
     if (result.intervals) {
-      band = density_band(problem.space.parameters()[static_cast<std::size_t>(i)].scale,
+      band = density_band(problem.space.parameters()[static_cast<std::size_t>(i)].transform,
                           result.intervals->mean.row(i).transpose(), result.intervals->std.row(i).transpose());
     }
     list.push_back({{"prior", curve_json(prior_of(problem.space, i))},
@@ -116,9 +116,9 @@ Json ends_json(const UpdatingProblem& problem, const UpdatingResult& result, Eig
   const PopulationOnScales* population = result.estimate->population();
   if (population == nullptr || !has_interval(result, i, j)) return ends;
   const auto variable = [&](Eigen::Index k) {
-    return ScaledNormal{problem.space.parameters()[static_cast<std::size_t>(k)].scale, population->moments(k)};
+    return TransformedNormal{problem.space.parameters()[static_cast<std::size_t>(k)].transform, population->moments(k)};
   };
-  const ScaledPair pair{variable(i), variable(j)};
+  const TransformedPair pair{variable(i), variable(j)};
   if (!pair.first.has_width() || !pair.second.has_width()) return ends;
   for (const double rho : {result.intervals->correlation_lower(i, j), result.intervals->correlation_upper(i, j)}) {
     ends.push_back(outline_json(pair_outline(pair, rho, k_reach, k_outline_points)));

@@ -17,13 +17,13 @@ Json distribution_json(const Distribution& distribution) {
           {"upper", number_json(spec.upper)}};
 }
 
-const char* scale_name(NormalScale::Kind kind) {
+const char* transform_name(ParameterTransform::Kind kind) {
   switch (kind) {
-    case NormalScale::Kind::log:
+    case ParameterTransform::Kind::log:
       return "log";
-    case NormalScale::Kind::logit:
+    case ParameterTransform::Kind::logit:
       return "logit";
-    case NormalScale::Kind::identity:
+    case ParameterTransform::Kind::identity:
       break;
   }
   return "identity";
@@ -47,18 +47,18 @@ Json parameters_json(const ParameterSpace& space) {
   const Eigen::MatrixXd covariance = space.prior().covariance();
   Json units = Json::array();
   Json bounds = Json::array();
-  Json scales = Json::array();
+  Json transforms = Json::array();
   Json marginals = Json::array();
   for (const Parameter& parameter : space.parameters()) {
     units.push_back(parameter.unit);
     bounds.push_back(bounds_json(parameter));
-    scales.push_back(scale_name(parameter.scale.kind));
+    transforms.push_back(transform_name(parameter.transform.kind));
   }
   for (const Distribution& marginal : space.prior().marginals()) marginals.push_back(distribution_json(marginal));
   return {{"names", space.names()},
           {"units", units},
           {"bounds", bounds},
-          {"scale", scales},
+          {"scale", transforms},
           {"prior", marginals},
           {"prior_mean", to_json(space.prior().mean())},
           {"prior_std", to_json(covariance.diagonal().cwiseSqrt())}};

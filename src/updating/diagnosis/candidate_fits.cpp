@@ -106,7 +106,8 @@ SetFit CandidateFits::fit(const ParameterSet& set, const Eigen::VectorXd& start)
   SetFit result;
   try {
     result.fit = fit_from(part, set, start);
-    const auto population = JointDistribution::normal_on_scales(space.scales(), result.fit.mean, result.fit.covariance);
+    const auto population =
+        JointDistribution::transformed_normal(space.transforms(), result.fit.mean, result.fit.covariance);
     result.mean = population.mean();
     result.covariance = population.covariance();
     result.standard_deviation = result.covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
@@ -166,7 +167,7 @@ std::vector<Eigen::VectorXd> CandidateFits::starts_beside(const ParameterSet& se
     if (!std::isfinite(distance)) continue;
     best = std::min(best, distance);
     Eigen::VectorXd start(t.size() + 1);
-    start << t, parameter.scale.from_variable(nominal(candidate));
+    start << t, parameter.transform.from_variable(nominal(candidate));
     found.emplace_back(distance, std::move(start));
   }
   std::vector<Eigen::VectorXd> starts;

@@ -17,7 +17,7 @@ std::vector<Eigen::MatrixXd> CandidateFits::derivatives_at(const Eigen::MatrixXd
   std::vector<Eigen::Index> all(static_cast<std::size_t>(problem_.space.count()));
   std::iota(all.begin(), all.end(), Eigen::Index{0});
   std::vector<Parameter> parameters = problem_.space.parameters();
-  for (Parameter& parameter : parameters) parameter.scale = {};
+  for (Parameter& parameter : parameters) parameter.transform = {};
   const ParameterSpace space(std::move(parameters), problem_.space.prior());
   const FixedParameterModel model(problem_, problem_.space.prior().mean(), std::move(all), signs_);
   const UpdatingProblem whole{.model = model, .derivatives = model.derivatives(), .space = space};
@@ -35,7 +35,7 @@ std::vector<Eigen::MatrixXd> CandidateFits::derivatives_at(const Eigen::MatrixXd
 }
 
 std::vector<Eigen::MatrixXd> CandidateFits::derivatives_at(const SetFit& base, const ParameterSet& set) {
-  const std::vector<NormalScale> scales = problem_.space.scales();
+  const std::vector<ParameterTransform> scales = problem_.space.transforms();
   Eigen::MatrixXd samples = problem_.space.prior().mean().transpose().replicate(specimens(), 1);
   for (std::size_t i = 0; i < set.members.size(); ++i) {
     samples.col(set.members[i]) = to_variables({scales[static_cast<std::size_t>(set.members[i])]},

@@ -14,8 +14,9 @@ namespace {
 constexpr double k_reach = 4.0;  // of a drawn density, in deviations
 
 /// The population's variables, one a parameter.
-std::vector<ScaledNormal> marginals_of(const std::vector<NormalScale>& scales, const PopulationOnScales& population) {
-  std::vector<ScaledNormal> marginals;
+std::vector<TransformedNormal> marginals_of(const std::vector<ParameterTransform>& scales,
+                                            const PopulationOnScales& population) {
+  std::vector<TransformedNormal> marginals;
   for (std::size_t i = 0; i < scales.size(); ++i) {
     marginals.push_back({scales[i], population.moments(static_cast<Eigen::Index>(i))});
   }
@@ -23,19 +24,19 @@ std::vector<ScaledNormal> marginals_of(const std::vector<NormalScale>& scales, c
 }
 
 /// Variables of these moments that are normal on the scales; on their own axes where there is none such.
-std::vector<ScaledNormal> matched_marginals(const std::vector<NormalScale>& scales, const Eigen::VectorXd& mean,
-                                            const Eigen::MatrixXd& covariance) {
-  std::vector<ScaledNormal> marginals;
+std::vector<TransformedNormal> matched_marginals(const std::vector<ParameterTransform>& scales,
+                                                 const Eigen::VectorXd& mean, const Eigen::MatrixXd& covariance) {
+  std::vector<TransformedNormal> marginals;
   for (Eigen::Index i = 0; i < mean.size(); ++i) {
     const double std = std::sqrt(std::max(covariance(i, i), 0.0));
-    const NormalScale& scale = scales[static_cast<std::size_t>(i)];
-    const std::optional<ScaleMoments> matched = moments_on_scale(scale, mean(i), std);
-    marginals.push_back(matched ? ScaledNormal{scale, *matched} : ScaledNormal{{}, {mean(i), std}});
+    const ParameterTransform& scale = scales[static_cast<std::size_t>(i)];
+    const std::optional<TransformedMoments> matched = moments_of_transformed(scale, mean(i), std);
+    marginals.push_back(matched ? TransformedNormal{scale, *matched} : TransformedNormal{{}, {mean(i), std}});
   }
   return marginals;
 }
 
-std::vector<Eigen::MatrixXd> region_of_pair(const ScaledPair& pair, double correlation, double probability,
+std::vector<Eigen::MatrixXd> region_of_pair(const TransformedPair& pair, double correlation, double probability,
                                             Eigen::Index points) {
   if (!std::isfinite(correlation) || !pair.first.has_width() || !pair.second.has_width()) return {};
   return {pair_outline(pair, correlation, reach_of_pair(probability), points)};
@@ -47,15 +48,15 @@ double reach_of_pair(double probability) {
   return std::sqrt(-2.0 * std::log1p(-probability));
 }
 
-Eigen::MatrixXd pair_outline(const ScaledPair& pair, double correlation, double reach, Eigen::Index points) {
+Eigen::MatrixXd pair_outline(const TransformedPair& pair, double correlation, double reach, Eigen::Index points) {
   const double rest = std::sqrt(std::max(0.0, 1.0 - correlation * correlation));
   Eigen::MatrixXd outline(points, 2);
   for (Eigen::Index k = 0; k < points; ++k) {
     const double angle = 2.0 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(points - 1);
     const double u = reach * std::cos(angle);
     const double v = reach * std::sin(angle);
-    const auto at = [](const ScaledNormal& variable, double z) {
-      return variable.scale.to_variable(variable.moments.mean + variable.moments.std * z);
+    const auto at = [](const TransformedNormal& variable, double z) {
+      return variable.transform.to_variable(variable.moments.mean + variable.moments.std * z);
     };
     outline(k, 0) = at(pair.first, u);
     outline(k, 1) = at(pair.second, correlation * u + rest * v);
@@ -64,15 +65,15 @@ Eigen::MatrixXd pair_outline(const ScaledPair& pair, double correlation, double 
   return outline;
 }
 
-ScaleMoments PopulationOnScales::moments(Eigen::Index parameter) const {
+TransformedMoments PopulationOnScales::moments(Eigen::Index parameter) const {
   return {mean(parameter), std::sqrt(std::max(covariance(parameter, parameter), 0.0))};
 }
 
-bool ScaledNormal::has_width() const {
+bool TransformedNormal::has_width() const {
   return moments.std > 0.0 && std::isfinite(moments.std);
 }
 
-NormalEstimate::NormalEstimate(JointDistribution distribution, std::vector<ScaledNormal> marginals)
+NormalEstimate::NormalEstimate(JointDistribution distribution, std::vector<TransformedNormal> marginals)
     : distribution_(std::move(distribution)), marginals_(std::move(marginals)) {}
 
 Eigen::MatrixXd NormalEstimate::from_uniform(const Eigen::Ref<const Eigen::MatrixXd>& uniforms) const {
@@ -80,24 +81,25 @@ Eigen::MatrixXd NormalEstimate::from_uniform(const Eigen::Ref<const Eigen::Matri
 }
 
 Eigen::VectorXd NormalEstimate::density(Eigen::Index parameter, const Eigen::Ref<const Eigen::VectorXd>& points) const {
-  const ScaledNormal& variable = marginal(parameter);
-  return points.unaryExpr([&](double x) { return density_on_scale(variable.scale, variable.moments, x); });
+  const TransformedNormal& variable = marginal(parameter);
+  return points.unaryExpr([&](double x) { return density_of_variable(variable.transform, variable.moments, x); });
 }
 
 Eigen::VectorXd NormalEstimate::density_points(Eigen::Index parameter, Eigen::Index count) const {
-  const ScaledNormal& variable = marginal(parameter);
-  return variable.has_width() ? points_on_scale(variable.scale, variable.moments, k_reach, count) : Eigen::VectorXd();
+  const TransformedNormal& variable = marginal(parameter);
+  return variable.has_width() ? points_of_variable(variable.transform, variable.moments, k_reach, count)
+                              : Eigen::VectorXd();
 }
 
 double NormalEstimate::quantile(Eigen::Index parameter, double probability) const {
-  const ScaledNormal& variable = marginal(parameter);
-  return variable.scale.to_variable(variable.moments.mean +
-                                    variable.moments.std * standard_normal_quantile(probability));
+  const TransformedNormal& variable = marginal(parameter);
+  return variable.transform.to_variable(variable.moments.mean +
+                                        variable.moments.std * standard_normal_quantile(probability));
 }
 
-NormalPopulation::NormalPopulation(std::vector<NormalScale> scales, PopulationOnScales population,
+NormalPopulation::NormalPopulation(std::vector<ParameterTransform> scales, PopulationOnScales population,
                                    Eigen::Index specimens)
-    : NormalEstimate{JointDistribution::normal_on_scales(scales, population.mean, population.covariance),
+    : NormalEstimate{JointDistribution::transformed_normal(scales, population.mean, population.covariance),
                      marginals_of(scales, population)},
       scales_(std::move(scales)),
       population_(std::move(population)),
@@ -132,7 +134,7 @@ std::string NormalPopulation::prediction_note() const {
   return specimens_ == 0 ? "Prediction: the population is taken as known." : std::string();
 }
 
-MomentEstimate::MomentEstimate(const std::vector<NormalScale>& scales, const Eigen::VectorXd& mean,
+MomentEstimate::MomentEstimate(const std::vector<ParameterTransform>& scales, const Eigen::VectorXd& mean,
                                const Eigen::MatrixXd& covariance)
     : NormalEstimate{JointDistribution::multivariate_normal(mean, covariance),
                      matched_marginals(scales, mean, covariance)} {}
@@ -141,7 +143,7 @@ std::vector<Eigen::MatrixXd> MomentEstimate::region(Eigen::Index first, Eigen::I
                                                     Eigen::Index points) const {
   const Eigen::VectorXd centre = mean();
   const Eigen::MatrixXd spread = covariance();
-  const auto own = [&](Eigen::Index i) { return ScaledNormal{{}, {centre(i), std::sqrt(spread(i, i))}}; };
+  const auto own = [&](Eigen::Index i) { return TransformedNormal{{}, {centre(i), std::sqrt(spread(i, i))}}; };
   const double rho = std::clamp(correlation()(first, second), -1.0, 1.0);
   return region_of_pair({own(first), own(second)}, rho, probability, points);
 }

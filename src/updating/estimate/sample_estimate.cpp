@@ -59,8 +59,8 @@ double weighted_quantile(const Eigen::Ref<const Eigen::VectorXd>& values,
   return last_value;
 }
 
-SampleEstimate::SampleEstimate(std::vector<NormalScale> scales, Eigen::MatrixXd samples, const Eigen::VectorXd& weights,
-                               std::optional<double> log_evidence)
+SampleEstimate::SampleEstimate(std::vector<ParameterTransform> scales, Eigen::MatrixXd samples,
+                               const Eigen::VectorXd& weights, std::optional<double> log_evidence)
     : scales_(std::move(scales)), samples_(std::move(samples)), log_evidence_(log_evidence) {
   require(samples_.rows() > 0, "samples: there is none");
   require(static_cast<Eigen::Index>(scales_.size()) == samples_.cols(), "{} scales for {} parameters", scales_.size(),
@@ -102,7 +102,7 @@ double SampleEstimate::bandwidth(Eigen::Index parameter) const {
 }
 
 Eigen::VectorXd SampleEstimate::density(Eigen::Index parameter, const Eigen::Ref<const Eigen::VectorXd>& points) const {
-  const NormalScale& scale = scales_[static_cast<std::size_t>(parameter)];
+  const ParameterTransform& scale = scales_[static_cast<std::size_t>(parameter)];
   const double width = bandwidth(parameter);
   Eigen::VectorXd density = Eigen::VectorXd::Zero(points.size());
   if (!(width > 0.0)) return density;
@@ -142,8 +142,8 @@ std::vector<Eigen::MatrixXd> SampleEstimate::region(Eigen::Index first, Eigen::I
   const Eigen::ArrayXd v = (scaled_.col(second).array() - scaled_mean_(second)) / b;
   const Eigen::VectorXd distance =
       (u.square() + (v - rho * u).square() / std::max(1.0 - rho * rho, k_min)).sqrt().matrix();
-  const ScaledPair pair{{scales_[static_cast<std::size_t>(first)], {scaled_mean_(first), a}},
-                        {scales_[static_cast<std::size_t>(second)], {scaled_mean_(second), b}}};
+  const TransformedPair pair{{scales_[static_cast<std::size_t>(first)], {scaled_mean_(first), a}},
+                             {scales_[static_cast<std::size_t>(second)], {scaled_mean_(second), b}}};
   return {pair_outline(pair, rho, weighted_quantile(distance, weights_, probability), points)};
 }
 

@@ -186,7 +186,7 @@ Eigen::VectorXd unbounded_step(const LeastSquares& setup, const Eigen::VectorXd&
 /// Means of the outputs of specimens around a point that scatter as the tests do.
 Eigen::VectorXd scattered_means(const UpdatingProblem& problem, const Eigen::VectorXd& x, const Eigen::MatrixXd& g,
                                 const RunContext& context, std::int64_t& evaluations) {
-  const Eigen::VectorXd point = from_variables(problem.space.scales(), x.transpose()).row(0);
+  const Eigen::VectorXd point = from_variables(problem.space.transforms(), x.transpose()).row(0);
   const Eigen::VectorXd slopes = ScaledParameters(problem.space).slopes(point);
   return means_of_scattered(problem, point, g * slopes.asDiagonal(), context, evaluations);
 }
@@ -260,7 +260,7 @@ UpdatingResult DeterministicUpdater::update(const UpdatingProblem& problem, cons
       break;
     }
   }
-  result.set_estimate(std::make_shared<MomentEstimate>(problem.space.scales(), x,
+  result.set_estimate(std::make_shared<MomentEstimate>(problem.space.transforms(), x,
                                                        estimate_covariance(setup, g, options_.regularisation)));
   result.sensitivity = g;
   IterationRecord last = record_state(problem, tests, *result.estimate, 0, context);

@@ -176,10 +176,10 @@ UpdatingResult MaresUpdater::update(const UpdatingProblem& problem, const RunCon
       break;
     }
   }
-  result.set_estimate(std::make_shared<MomentEstimate>(problem.space.scales(), result.history.back().parameter_mean,
+  result.set_estimate(std::make_shared<MomentEstimate>(problem.space.transforms(), result.history.back().parameter_mean,
                                                        result.history.back().parameter_covariance));
   result.message = ending_message(result.status, result.history.size() - 1, problem.tolerance);
-  const Eigen::VectorXd point = from_variables(problem.space.scales(), result.mean.transpose()).row(0);
+  const Eigen::VectorXd point = from_variables(problem.space.transforms(), result.mean.transpose()).row(0);
   const Eigen::MatrixXd sensitivity = estimate_sensitivity(result.history.back().cloud, options_.regression) *
                                       ScaledParameters(problem.space).slopes(point).asDiagonal();
   test_matched_moments(problem,

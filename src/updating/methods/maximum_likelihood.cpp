@@ -21,7 +21,7 @@ using Options = MaximumLikelihoodOptions;
 /// One iteration without a cloud: outputs to first order from the specimens' own linear models.
 IterationRecord linear_record(const UpdatingProblem& problem, const PopulationFit& fit, const TestMoments& tests) {
   IterationRecord record;
-  const auto population = JointDistribution::normal_on_scales(problem.space.scales(), fit.mean, fit.covariance);
+  const auto population = JointDistribution::transformed_normal(problem.space.transforms(), fit.mean, fit.covariance);
   record.parameter_mean = population.mean();
   record.parameter_covariance = population.covariance();
   const Eigen::VectorXd point = fit.specimens.points.colwise().mean();
@@ -123,7 +123,7 @@ UpdatingResult MaximumLikelihoodUpdater::update(const UpdatingProblem& problem, 
   result.message = ending_message(result, fit.iterations, problem.tolerance);
   const bool is_stopped = result.status == UpdatingStatus::stopped;
   result.set_estimate(std::make_shared<NormalPopulation>(
-      problem.space.scales(),
+      problem.space.transforms(),
       PopulationOnScales{fit.mean, fit.covariance, is_stopped ? PopulationEvidence{} : evidence_of(fit)},
       is_stopped ? 0 : problem.tests.values.rows()));
   if (is_stopped) return result;

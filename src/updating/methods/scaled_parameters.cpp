@@ -13,9 +13,9 @@ constexpr double k_infinity = std::numeric_limits<double>::infinity();
 constexpr double k_not_known = std::numeric_limits<double>::quiet_NaN();
 constexpr double k_max_logit = 25.0;  // x is then 1e-11 of the range from its bound: on it for every purpose
 
-double scaled_end(const NormalScale& scale, double end) {
-  if (scale.kind == NormalScale::Kind::log) return end > 0.0 ? std::log(end) : -k_infinity;
-  if (scale.kind != NormalScale::Kind::logit) return end;
+double scaled_end(const ParameterTransform& scale, double end) {
+  if (scale.kind == ParameterTransform::Kind::log) return end > 0.0 ? std::log(end) : -k_infinity;
+  if (scale.kind != ParameterTransform::Kind::logit) return end;
   if (end <= scale.lower) return -k_max_logit;
   if (end >= scale.upper) return k_max_logit;
   return std::clamp(scale.from_variable(end), -k_max_logit, k_max_logit);
@@ -60,7 +60,7 @@ double quotient(double ahead, double centre, double behind, double step) {
 }  // namespace
 
 PriorOnScales prior_on_scales(const ParameterSpace& space) {
-  const std::vector<NormalScale> scales = space.scales();
+  const std::vector<ParameterTransform> scales = space.transforms();
   Eigen::VectorXd mean = from_variables(scales, space.prior().mean().transpose()).row(0);
   Eigen::VectorXd slope(mean.size());
   for (Eigen::Index i = 0; i < slope.size(); ++i) slope(i) = scales[static_cast<std::size_t>(i)].slope(mean(i));
@@ -68,7 +68,7 @@ PriorOnScales prior_on_scales(const ParameterSpace& space) {
           slope.cwiseInverse().asDiagonal() * space.prior().covariance() * slope.cwiseInverse().asDiagonal()};
 }
 
-ScaledParameters::ScaledParameters(const ParameterSpace& space) : scales_(space.scales()) {
+ScaledParameters::ScaledParameters(const ParameterSpace& space) : scales_(space.transforms()) {
   PriorOnScales prior = prior_on_scales(space);
   start_ = std::move(prior.mean);
   covariance_ = std::move(prior.covariance);
@@ -78,7 +78,7 @@ ScaledParameters::ScaledParameters(const ParameterSpace& space) : scales_(space.
   lower_ = lowest;
   upper_ = highest;
   for (Eigen::Index i = 0; i < space.count(); ++i) {
-    const NormalScale& scale = scales_[static_cast<std::size_t>(i)];
+    const ParameterTransform& scale = scales_[static_cast<std::size_t>(i)];
     lower_(i) = scaled_end(scale, lowest(i));
     upper_(i) = scaled_end(scale, highest(i));
   }
@@ -106,7 +106,7 @@ Eigen::VectorXi ScaledParameters::active_bounds(const Eigen::Ref<const Eigen::Ve
 
 Eigen::MatrixXd outputs_on_scales(const UpdatingProblem& problem, const Eigen::Ref<const Eigen::MatrixXd>& points,
                                   const RunContext& context, std::int64_t& evaluations) {
-  const Eigen::MatrixXd x = to_variables(problem.space.scales(), points);
+  const Eigen::MatrixXd x = to_variables(problem.space.transforms(), points);
   // What is physically impossible is not put to the model: it counts as a failed run.
   std::vector<Eigen::Index> possible;
   for (Eigen::Index s = 0; s < x.rows(); ++s) {

@@ -23,7 +23,7 @@ class ScaledParameters {
   explicit ScaledParameters(const ParameterSpace& space);
 
   Eigen::Index count() const { return start_.size(); }
-  const std::vector<NormalScale>& scales() const { return scales_; }
+  const std::vector<ParameterTransform>& scales() const { return scales_; }
   /// t of the prior mean.
   const Eigen::VectorXd& start() const { return start_; }
   /// Prior deviations of t to first order: s_x / (dx/dt).
@@ -41,7 +41,7 @@ class ScaledParameters {
   Eigen::VectorXi active_bounds(const Eigen::Ref<const Eigen::VectorXd>& point) const;
 
  private:
-  std::vector<NormalScale> scales_;
+  std::vector<ParameterTransform> scales_;
   Eigen::VectorXd start_;
   Eigen::VectorXd standard_deviation_;
   Eigen::MatrixXd covariance_;

@@ -16,9 +16,9 @@ constexpr Eigen::Index k_min_check = 10;
 /// x drawn in to where the parameter's scale is finite: a surrogate is fitted on the scales.
 double within_scale(const ParameterSpace& space, Eigen::Index parameter, double x) {
   constexpr double k_reach = 10.0;  // on the scale: beyond it a logit is at its bound but for 5e-5 of its width
-  const NormalScale scale = space.parameters()[static_cast<std::size_t>(parameter)].scale;
-  if (scale.kind == NormalScale::Kind::identity) return x;
-  const bool is_log = scale.kind == NormalScale::Kind::log;
+  const ParameterTransform scale = space.parameters()[static_cast<std::size_t>(parameter)].transform;
+  if (scale.kind == ParameterTransform::Kind::identity) return x;
+  const bool is_log = scale.kind == ParameterTransform::Kind::log;
   const double middle = is_log ? scale.from_variable(space.prior().mean()(parameter)) : 0.0;
   const double upper = is_log ? std::numeric_limits<double>::infinity() : scale.to_variable(k_reach);
   return std::clamp(x, scale.to_variable(middle - k_reach), upper);

@@ -10,7 +10,7 @@ namespace {
 
 /// Halves of the linear intervals on the parameters' scales.
 Eigen::VectorXd linear_halves(const PopulationEvidence& evidence) {
-  const std::vector<NormalScale> scales(static_cast<std::size_t>(evidence.mean.size()));
+  const std::vector<ParameterTransform> scales(static_cast<std::size_t>(evidence.mean.size()));
   const Eigen::MatrixXd ends = population_intervals(evidence, scales, k_confidence).mean;
   return 0.5 * (ends.col(1) - ends.col(0));
 }

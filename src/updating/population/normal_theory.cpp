@@ -37,7 +37,7 @@ Interval central(Eigen::VectorXd& values) {
 }
 
 /// Intervals of mean and deviation of x.
-std::pair<Interval, Interval> scaled_intervals(const NormalScale& scale, double mean, double std,
+std::pair<Interval, Interval> scaled_intervals(const ParameterTransform& scale, double mean, double std,
                                                const Eigen::MatrixXd& draws) {
   Eigen::VectorXd means(draws.rows());
   Eigen::VectorXd standard_deviations(draws.rows());
@@ -52,9 +52,9 @@ std::pair<Interval, Interval> scaled_intervals(const NormalScale& scale, double 
 }
 
 /// Correlation of x where that of t is given.
-double carried_over(const NormalScale& first, const NormalScale& second, const Eigen::Vector2d& mean,
+double carried_over(const ParameterTransform& first, const ParameterTransform& second, const Eigen::Vector2d& mean,
                     const Eigen::Vector2d& std, double correlation) {
-  using Kind = NormalScale::Kind;
+  using Kind = ParameterTransform::Kind;
   if (first.kind == Kind::identity && second.kind == Kind::identity) return correlation;
   Eigen::Matrix2d covariance = std.cwiseAbs2().asDiagonal();
   covariance(0, 1) = covariance(1, 0) = correlation * std(0) * std(1);
@@ -71,7 +71,7 @@ PopulationEvidence sample_evidence(const Eigen::Ref<const Eigen::VectorXd>& mean
   return {mean, covariance, Eigen::MatrixXd::Zero(q, q), covariance / n, Eigen::MatrixXd::Constant(q, q, n - 1.0)};
 }
 
-ParameterIntervals normal_theory_intervals(const std::vector<NormalScale>& scales,
+ParameterIntervals normal_theory_intervals(const std::vector<ParameterTransform>& scales,
                                            const Eigen::Ref<const Eigen::VectorXd>& mean,
                                            const Eigen::Ref<const Eigen::MatrixXd>& covariance, int count,
                                            const std::vector<int>& groups) {
@@ -82,12 +82,12 @@ ParameterIntervals normal_theory_intervals(const std::vector<NormalScale>& scale
                                .correlation_lower = Eigen::MatrixXd::Identity(q, q),
                                .correlation_upper = Eigen::MatrixXd::Identity(q, q),
                                .made_by = "analytic"};
-  const auto scale = [&](Eigen::Index i) -> const NormalScale& { return scales[static_cast<std::size_t>(i)]; };
+  const auto scale = [&](Eigen::Index i) -> const ParameterTransform& { return scales[static_cast<std::size_t>(i)]; };
   Eigen::MatrixXd draws;
   for (Eigen::Index i = 0; i < q; ++i) {
     Interval of_mean = mean_interval(mean(i), std(i), count, k_confidence);
     Interval of_std = deviation_interval(std(i), count, k_confidence);
-    if (scale(i).kind != NormalScale::Kind::identity) {
+    if (scale(i).kind != ParameterTransform::Kind::identity) {
       if (draws.size() == 0) draws = fiducial_draws(count);
       std::tie(of_mean, of_std) = scaled_intervals(scale(i), mean(i), std(i), draws);
     }
@@ -117,7 +117,7 @@ ParameterIntervals normal_theory_intervals(const std::vector<NormalScale>& scale
   return intervals;
 }
 
-Eigen::MatrixXd normal_theory_means(const std::vector<NormalScale>& scales,
+Eigen::MatrixXd normal_theory_means(const std::vector<ParameterTransform>& scales,
                                     const Eigen::Ref<const Eigen::VectorXd>& mean,
                                     const Eigen::Ref<const Eigen::MatrixXd>& covariance, int count,
                                     const Eigen::Ref<const Eigen::MatrixXd>& shared) {

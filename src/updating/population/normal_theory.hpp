@@ -20,7 +20,7 @@ namespace mottle::updating {
 /// @param count             >= 2
 /// @param groups            as UpdatingProblem::covariance_groups
 /// Source: [Krishnamoorthy2003] for the logarithm.
-ParameterIntervals normal_theory_intervals(const std::vector<NormalScale>& scales,
+ParameterIntervals normal_theory_intervals(const std::vector<ParameterTransform>& scales,
                                            const Eigen::Ref<const Eigen::VectorXd>& mean,
                                            const Eigen::Ref<const Eigen::MatrixXd>& covariance, int count,
                                            const std::vector<int>& groups);
@@ -36,7 +36,7 @@ PopulationEvidence sample_evidence(const Eigen::Ref<const Eigen::VectorXd>& mean
 /// 95 % intervals of the means alone where an error that all members share is in them: by population_intervals.
 ///
 /// @param shared  covariance of that part of t's mean [parameter x parameter]
-Eigen::MatrixXd normal_theory_means(const std::vector<NormalScale>& scales,
+Eigen::MatrixXd normal_theory_means(const std::vector<ParameterTransform>& scales,
                                     const Eigen::Ref<const Eigen::VectorXd>& mean,
                                     const Eigen::Ref<const Eigen::MatrixXd>& covariance, int count,
                                     const Eigen::Ref<const Eigen::MatrixXd>& shared);

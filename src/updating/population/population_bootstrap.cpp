@@ -45,7 +45,7 @@ Eigen::MatrixXd draw_tests(const UpdatingProblem& problem, const PopulationFit& 
 std::vector<PopulationEvidence> estimate_samples(const UpdatingProblem& problem, const PopulationFit& fit,
                                                  const PopulationFitSettings& settings, int samples,
                                                  const RunContext& context, std::int64_t& evaluations) {
-  const auto population = JointDistribution::normal_on_scales(problem.space.scales(), fit.mean, fit.covariance);
+  const auto population = JointDistribution::transformed_normal(problem.space.transforms(), fit.mean, fit.covariance);
   // Expectation-maximisation is slow at the border, and what a sample shows there does not wait for its last digits.
   constexpr int k_inner_iterations = 90;
   PopulationFitSettings quick = settings;
@@ -103,7 +103,7 @@ class Pivots {
       : seen_(seen), drawn_(drawn), truth_mean_(fit.mean), truth_total_(fit.covariance + seen.noise) {}
 
   /// Mean and deviation of a variable itself.
-  void add_moments(Eigen::Index i, const NormalScale& scale, ParameterIntervals& intervals) const {
+  void add_moments(Eigen::Index i, const ParameterTransform& scale, ParameterIntervals& intervals) const {
     std::vector<double> means;
     std::vector<double> standard_deviations;
     for (const PopulationEvidence& sample : drawn_) {
@@ -172,7 +172,7 @@ ParameterIntervals bootstrap_intervals(const UpdatingProblem& problem, const Pop
                                        const PopulationEvidence& evidence, const PopulationFitSettings& settings,
                                        int samples, const RunContext& context, std::int64_t& evaluations) {
   const Eigen::Index q = fit.mean.size();
-  const std::vector<NormalScale> scales = problem.space.scales();
+  const std::vector<ParameterTransform> scales = problem.space.transforms();
   const std::vector<PopulationEvidence> drawn = estimate_samples(problem, fit, settings, samples, context, evaluations);
   const Pivots pivots(fit, evidence, drawn);
   ParameterIntervals intervals{Eigen::MatrixXd(q, 2), Eigen::MatrixXd(q, 2), Eigen::MatrixXd::Identity(q, q),

@@ -56,7 +56,7 @@ void cut_at_bounds(const ParameterSpace& space, Eigen::MatrixXd& intervals) {
 
 ParameterIntervals analytic_intervals(const UpdatingProblem& problem, const PopulationFit& fit) {
   const PopulationEvidence evidence = evidence_without_bounds(problem, fit);
-  PopulationIntervals ends = population_intervals(evidence, problem.space.scales(), k_confidence);
+  PopulationIntervals ends = population_intervals(evidence, problem.space.transforms(), k_confidence);
   if (is_mean_held(fit)) cut_at_bounds(problem.space, ends.mean);
   return {std::move(ends.mean), std::move(ends.std), std::move(ends.correlation_lower),
           std::move(ends.correlation_upper), "analytic"};
@@ -82,7 +82,7 @@ void forget_unseen(const UpdatingProblem& problem, const PopulationFit& fit, Par
 
 SpecimenEstimates estimate_specimens(const UpdatingProblem& problem, const PopulationFit& fit) {
   const Eigen::MatrixXd& values = problem.tests.values;
-  SpecimenEstimates estimates{to_variables(problem.space.scales(), fit.specimens.points),
+  SpecimenEstimates estimates{to_variables(problem.space.transforms(), fit.specimens.points),
                               Eigen::MatrixXd::Constant(values.rows(), values.cols(), k_nan)};
   for (Eigen::Index s = 0; s < values.rows(); ++s) {
     const std::vector<Eigen::Index> rows = measured_outputs(values, s);
@@ -236,7 +236,7 @@ void describe_population(const UpdatingProblem& problem, const PopulationFit& fi
   result.specimens = estimate_specimens(problem, fit);
   result.sensitivity = fit.sensitivity;
   result.model_error = fit.model_error;
-  const std::vector<NormalScale> scales = problem.space.scales();
+  const std::vector<ParameterTransform> scales = problem.space.transforms();
   for (Eigen::Index i = 0; i < fit.mean.size(); ++i) {
     result.sensitivity.col(i) /= scales[static_cast<std::size_t>(i)].slope(fit.mean(i));
   }

@@ -37,27 +37,28 @@ Estimates estimates_of(const VariableNormality& variable, double mean, const std
   return estimates;
 }
 
-std::string scale_text(NormalScale::Kind kind) {
-  return kind == NormalScale::Kind::log ? "log" : kind == NormalScale::Kind::logit ? "logit" : "identity";
+std::string scale_text(ParameterTransform::Kind kind) {
+  return kind == ParameterTransform::Kind::log ? "log" : kind == ParameterTransform::Kind::logit ? "logit" : "identity";
 }
 
 /// The scale other than the parameter's own on which its estimates look normal best; nothing where none is good enough.
-std::optional<NormalScale> better_scale(const Parameter& parameter, const Estimates& on_scale, double p_value) {
+std::optional<ParameterTransform> better_scale(const Parameter& parameter, const Estimates& on_scale, double p_value) {
   constexpr double k_clearly = 10.0;  // times as probable as on the present scale
-  std::vector<NormalScale> others{{.kind = NormalScale::Kind::identity}, {.kind = NormalScale::Kind::log}};
+  std::vector<ParameterTransform> others{{.kind = ParameterTransform::Kind::identity},
+                                         {.kind = ParameterTransform::Kind::log}};
   if (std::isfinite(parameter.lower_bound) && std::isfinite(parameter.upper_bound)) {
-    others.push_back({NormalScale::Kind::logit, parameter.lower_bound, parameter.upper_bound});
+    others.push_back({ParameterTransform::Kind::logit, parameter.lower_bound, parameter.upper_bound});
   }
-  std::optional<NormalScale> best;
+  std::optional<ParameterTransform> best;
   double best_p = std::max(k_passes, k_clearly * p_value);
-  for (const NormalScale& other : others) {
-    if (other.kind == parameter.scale.kind) continue;
+  for (const ParameterTransform& other : others) {
+    if (other.kind == parameter.transform.kind) continue;
     Estimates turned = on_scale;
     bool is_possible = true;
     for (double& value : turned.values) {
-      value = parameter.scale.to_variable(value);
-      is_possible = is_possible && (other.kind != NormalScale::Kind::log || value > 0.0) &&
-                    (other.kind != NormalScale::Kind::logit || (value > other.lower && value < other.upper));
+      value = parameter.transform.to_variable(value);
+      is_possible = is_possible && (other.kind != ParameterTransform::Kind::log || value > 0.0) &&
+                    (other.kind != ParameterTransform::Kind::logit || (value > other.lower && value < other.upper));
       if (is_possible) value = other.from_variable(value);
     }
     if (!is_possible || !(turned.p_value() > best_p)) continue;
@@ -77,7 +78,7 @@ std::string batches_text(const Parameter& parameter, const Estimates& estimates,
   const auto centre = [&](auto begin, auto end) {
     double sum = 0.0;
     for (auto i = begin; i != end; ++i) sum += estimates.values[*i];
-    return parameter.scale.to_variable(sum / static_cast<double>(end - begin));
+    return parameter.transform.to_variable(sum / static_cast<double>(end - begin));
   };
   std::vector<Eigen::Index> members;
   for (auto i = split; i != order.end(); ++i) members.push_back(estimates.specimens[*i] + 1);

@@ -93,7 +93,7 @@ std::vector<Eigen::VectorXd> other_solutions(const UpdatingProblem& problem, con
   }
   std::sort(kept.begin() + 1, kept.end(),
             [&](const Eigen::VectorXd& a, const Eigen::VectorXd& b) { return seen(a).norm() < seen(b).norm(); });
-  const std::vector<NormalScale> scales = problem.space.scales();
+  const std::vector<ParameterTransform> scales = problem.space.transforms();
   std::vector<Eigen::VectorXd> solutions;
   for (std::size_t k = 1; k < kept.size(); ++k) {
     solutions.emplace_back(to_variables(scales, kept[k].transpose()).row(0));

@@ -173,14 +173,14 @@ TEST(PopulationEvidence, OfOutputsThatSeeNothingIsNone) {
   const PopulationEvidence evidence = population_evidence(units, fit, {}, Eigen::MatrixXd(2, 0));
   EXPECT_EQ(evidence.mean, Eigen::Vector2d::Zero());
   EXPECT_EQ(evidence.degrees_of_freedom, Eigen::Matrix2d::Zero());
-  EXPECT_TRUE(std::isnan(population_intervals(evidence, std::vector<NormalScale>(2), 0.95).mean(0, 0)));
+  EXPECT_TRUE(std::isnan(population_intervals(evidence, std::vector<ParameterTransform>(2), 0.95).mean(0, 0)));
 }
 
 TEST(PopulationIntervals, OfACompleteSampleAreTheTextbookOnes) {
   const Complete c;
   const RandomEffectsFit fit = fit_random_effects(c.units, Eigen::Matrix3d::Identity(), {});
   const PopulationEvidence evidence = population_evidence(c.units, fit, {}, Eigen::Matrix3d::Identity());
-  const PopulationIntervals intervals = population_intervals(evidence, std::vector<NormalScale>(3), 0.95);
+  const PopulationIntervals intervals = population_intervals(evidence, std::vector<ParameterTransform>(3), 0.95);
   const Eigen::MatrixXd s = sample_covariance(c.x);
   const double mean = c.x.col(0).mean();
   constexpr double k_t = 2.570581836;          // Student's t, 5 degrees of freedom, 0.975
@@ -199,7 +199,7 @@ TEST(PopulationIntervals, OfACorrelationAreThoseOfItsExactDistribution) {
   evidence.noise = Eigen::Matrix2d::Zero();
   evidence.mean_covariance = Eigen::Vector2d(0.4, 0.1).asDiagonal();
   evidence.degrees_of_freedom = Eigen::Matrix2d::Constant(9.0);
-  const PopulationIntervals intervals = population_intervals(evidence, std::vector<NormalScale>(2), 0.95);
+  const PopulationIntervals intervals = population_intervals(evidence, std::vector<ParameterTransform>(2), 0.95);
   EXPECT_NEAR(intervals.correlation_lower(1, 0), -0.18092, 0.01);
   EXPECT_NEAR(intervals.correlation_upper(1, 0), 0.83929, 0.01);
 }

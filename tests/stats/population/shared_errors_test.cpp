@@ -201,7 +201,7 @@ TEST(SharedErrors, OfAsManyRowsAsEffectsMoveNoEstimateAndWidenTheMeanAlone) {
   const Eigen::Matrix2d added = inverse * settings.shared_variance.asDiagonal() * inverse.transpose();
   EXPECT_TRUE(after.mean_covariance.isApprox(before.mean_covariance + added, 1e-6));
   EXPECT_TRUE(after.total.isApprox(before.total, 1e-9));
-  const PopulationIntervals intervals = population_intervals(after, std::vector<NormalScale>(2), 0.95);
+  const PopulationIntervals intervals = population_intervals(after, std::vector<ParameterTransform>(2), 0.95);
   for (Eigen::Index i = 0; i < 2; ++i) {
     // [Satterthwaite1946]: eight degrees of freedom of one part, the other known.
     const double own = before.mean_covariance(i, i);
@@ -209,7 +209,7 @@ TEST(SharedErrors, OfAsManyRowsAsEffectsMoveNoEstimateAndWidenTheMeanAlone) {
     const boost::math::students_t t(8.0 * whole * whole / (own * own));
     EXPECT_NEAR(intervals.mean(i, 1) - fit.mean(i), boost::math::quantile(t, 0.975) * std::sqrt(whole), 1e-6);
   }
-  const PopulationIntervals plain_intervals = population_intervals(before, std::vector<NormalScale>(2), 0.95);
+  const PopulationIntervals plain_intervals = population_intervals(before, std::vector<ParameterTransform>(2), 0.95);
   EXPECT_TRUE(intervals.std.isApprox(plain_intervals.std, 1e-7));
 }
 
@@ -294,7 +294,7 @@ double coverage(Eigen::Index rows, double standard_deviation, bool is_estimated,
     const RandomEffectsFit fit = fit_random_effects(units, 0.2 * Eigen::Matrix2d::Identity(), settings);
     const PopulationEvidence evidence =
         population_evidence(units, fit, settings, Eigen::Matrix2d(Eigen::Matrix2d::Identity()));
-    const PopulationIntervals ends = population_intervals(evidence, std::vector<NormalScale>(2), 0.95);
+    const PopulationIntervals ends = population_intervals(evidence, std::vector<ParameterTransform>(2), 0.95);
     held += ends.mean(0, 0) <= 1.0 && 1.0 <= ends.mean(0, 1) ? 1 : 0;
   }
   return static_cast<double>(held) / replications;

@@ -7,7 +7,7 @@
 #include <limits>
 #include <numbers>
 
-#include "mottle/stats/distributions/scale_moments.hpp"
+#include "mottle/stats/distributions/transformed_moments.hpp"
 
 namespace mottle::study {
 namespace {
@@ -56,17 +56,18 @@ TEST(DensityCurves, OfNoWidthAreNone) {
 }
 
 TEST(DensityBand, HoldsEveryDensityThatItsIntervalsAllowAndTouchesSome) {
-  for (const NormalScale::Kind kind : {NormalScale::Kind::identity, NormalScale::Kind::log}) {
-    const NormalScale scale{kind};
+  for (const ParameterTransform::Kind kind : {ParameterTransform::Kind::identity, ParameterTransform::Kind::log}) {
+    const ParameterTransform scale{kind};
     const DensityBand band = density_band(scale, {0.9, 1.1}, {0.1, 0.3});
-    const double slack = kind == NormalScale::Kind::identity ? 1e-12 : 0.12;  // beside pairs of a grid is a little more
+    const double slack =
+        kind == ParameterTransform::Kind::identity ? 1e-12 : 0.12;  // beside pairs of a grid is a little more
     for (Eigen::Index k = 0; k < band.x.size(); ++k) {
       double least = std::numeric_limits<double>::infinity();
       double greatest = 0.0;
       for (int i = 0; i <= 40; ++i) {
         for (int j = 0; j <= 40; ++j) {
-          const auto moments = moments_on_scale(scale, 0.9 + 0.005 * i, 0.1 + 0.005 * j);
-          const double density = density_on_scale(scale, *moments, band.x(k));
+          const auto moments = moments_of_transformed(scale, 0.9 + 0.005 * i, 0.1 + 0.005 * j);
+          const double density = density_of_variable(scale, *moments, band.x(k));
           least = std::min(least, density);
           greatest = std::max(greatest, density);
         }

@@ -34,7 +34,7 @@ TEST(EstimateJson, OfAPopulationHoldsItsQuantilesCurvesAndRegions) {
   Eigen::Matrix2d covariance;
   covariance << 0.04, 0.03, 0.03, 0.09;
   found.result.set_estimate(std::make_shared<NormalPopulation>(
-      std::vector<NormalScale>(2), PopulationOnScales{Eigen::Vector2d(1.0, 2.0), covariance, {}}, 0));
+      std::vector<ParameterTransform>(2), PopulationOnScales{Eigen::Vector2d(1.0, 2.0), covariance, {}}, 0));
   const Json json = found.json();
   EXPECT_EQ(json["estimate"]["kind"], "population");
   EXPECT_TRUE(json["estimate"]["log_evidence"].is_null());
@@ -53,7 +53,7 @@ TEST(EstimateJson, OfAPosteriorHoldsItsEvidence) {
   Eigen::MatrixXd samples(4, 2);
   samples << 1.0, 2.0, 1.1, 2.2, 0.9, 2.1, 1.0, 1.9;
   found.result.set_estimate(
-      std::make_shared<SampleEstimate>(std::vector<NormalScale>(2), samples, Eigen::VectorXd(), -12.5));
+      std::make_shared<SampleEstimate>(std::vector<ParameterTransform>(2), samples, Eigen::VectorXd(), -12.5));
   const Json json = found.json();
   EXPECT_EQ(json["estimate"]["kind"], "posterior");
   EXPECT_EQ(json["estimate"]["log_evidence"], -12.5);
@@ -65,7 +65,7 @@ TEST(EstimateJson, OfAPosteriorHoldsItsEvidence) {
 TEST(EstimateJson, LeavesOutACorrelationThatOthersHaveAnIntervalForAndItHasNot) {
   Found found;
   found.result.set_estimate(std::make_shared<NormalPopulation>(
-      std::vector<NormalScale>(2),
+      std::vector<ParameterTransform>(2),
       PopulationOnScales{Eigen::Vector2d(1.0, 2.0), Eigen::Vector2d(0.04, 0.0).asDiagonal(), {}}, 0));
   const Json json = found.json();
   EXPECT_TRUE(json["correlation"][0][1].is_null());

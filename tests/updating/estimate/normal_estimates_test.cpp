@@ -10,14 +10,14 @@
 namespace mottle::updating {
 namespace {
 
-const NormalScale k_log{NormalScale::Kind::log};
-const NormalScale k_logit{NormalScale::Kind::logit, 1.0, 4.0};
+const ParameterTransform k_log{ParameterTransform::Kind::log};
+const ParameterTransform k_logit{ParameterTransform::Kind::logit, 1.0, 4.0};
 
 /// A population of an identity, a log and a logit parameter.
 NormalPopulation mixed_population() {
   Eigen::Matrix3d covariance;
   covariance << 0.09, 0.03, 0.0, 0.03, 0.04, -0.03, 0.0, -0.03, 0.25;
-  return {{NormalScale{}, k_log, k_logit}, {Eigen::Vector3d(2.0, 0.3, -0.5), covariance, {}}, 0};
+  return {{ParameterTransform{}, k_log, k_logit}, {Eigen::Vector3d(2.0, 0.3, -0.5), covariance, {}}, 0};
 }
 
 /// By the trapezoidal rule over the points that the estimate itself would draw.
@@ -67,8 +67,9 @@ TEST(NormalPopulation, HasTheTabulatedQuantilesOnItsScales) {
 TEST(NormalPopulation, IsInARegionWithItsProbability) {
   const NormalPopulation population = mixed_population();
   const StreamKey key{.seed = 2, .purpose = StreamPurpose::truth};
-  const Eigen::MatrixXd t = from_variables(
-      {NormalScale{}, k_log, k_logit}, population.from_uniform(uniform_design(SamplingDesign::sobol, 1 << 14, 3, key)));
+  const Eigen::MatrixXd t =
+      from_variables({ParameterTransform{}, k_log, k_logit},
+                     population.from_uniform(uniform_design(SamplingDesign::sobol, 1 << 14, 3, key)));
   // A linear map takes the outline of a pair to a circle about the mean, of the radius that the probability asks.
   const Eigen::MatrixXd outline = population.region(0, 1, 0.9, 49).front();
   EXPECT_EQ(Eigen::MatrixXd(outline.row(0)), Eigen::MatrixXd(outline.row(48)));
@@ -90,7 +91,7 @@ TEST(NormalPopulation, HasItsCorrelationsOnItsScales) {
 }
 
 TEST(NormalPopulation, WithoutScatterHasNeitherDensityNorRegion) {
-  const NormalPopulation known({NormalScale{}, NormalScale{}},
+  const NormalPopulation known({ParameterTransform{}, ParameterTransform{}},
                                {Eigen::Vector2d(1.0, 2.0), Eigen::Vector2d(0.0, 1.0).asDiagonal(), {}}, 0);
   EXPECT_EQ(known.density_points(0, 11).size(), 0);
   EXPECT_TRUE(known.region(0, 1, 0.5, 9).empty());
@@ -101,7 +102,8 @@ TEST(NormalPopulation, WithoutScatterHasNeitherDensityNorRegion) {
 TEST(MomentEstimate, HasDensitiesWithItsMomentsOnEveryScale) {
   const Eigen::Vector3d mean(2.0, 1.4, 3.7);
   const Eigen::Vector3d standard_deviation(0.3, 0.4, 0.15);
-  const MomentEstimate estimate({NormalScale{}, k_log, k_logit}, mean, standard_deviation.cwiseAbs2().asDiagonal());
+  const MomentEstimate estimate({ParameterTransform{}, k_log, k_logit}, mean,
+                                standard_deviation.cwiseAbs2().asDiagonal());
   EXPECT_EQ(estimate.mean(), mean);
   for (Eigen::Index i = 0; i < 3; ++i) {
     const Eigen::VectorXd points = estimate.density_points(i, 8001);
@@ -130,7 +132,7 @@ TEST(MomentEstimate, HasTheRegionsOfItsDraws) {
   const Eigen::Vector2d mean(1.0, 2.0);
   const Eigen::Matrix2d covariance = (Eigen::Matrix2d() << 0.25, 0.2, 0.2, 0.36).finished();
   const Eigen::MatrixXd outline =
-      MomentEstimate({k_log, NormalScale{}}, mean, covariance).region(0, 1, 0.9, 33).front();
+      MomentEstimate({k_log, ParameterTransform{}}, mean, covariance).region(0, 1, 0.9, 33).front();
   for (Eigen::Index k = 0; k < 33; ++k) {
     const Eigen::Vector2d apart = outline.row(k).transpose() - mean;
     EXPECT_NEAR(apart.dot(covariance.inverse() * apart), -2.0 * std::log(0.1), 1e-11);

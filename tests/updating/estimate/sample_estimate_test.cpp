@@ -13,7 +13,7 @@
 namespace mottle::updating {
 namespace {
 
-const std::vector<NormalScale> k_two(2);
+const std::vector<ParameterTransform> k_two(2);
 
 /// A sample of a normal population of two parameters, correlation 0.6.
 Eigen::MatrixXd normal_sample(Eigen::Index count) {
@@ -35,7 +35,7 @@ TEST(SampleEstimate, OfEqualWeightsHasTheMomentsOfItsSamples) {
 TEST(SampleEstimate, TakesAWeightForAsManyCopies) {
   Eigen::MatrixXd few(3, 1);
   few << 1.0, 2.0, 4.0;
-  const SampleEstimate estimate({NormalScale{}}, few, Eigen::Vector3d(2.0, 1.0, 1.0));
+  const SampleEstimate estimate({ParameterTransform{}}, few, Eigen::Vector3d(2.0, 1.0, 1.0));
   EXPECT_NEAR(estimate.mean()(0), (1.0 + 1.0 + 2.0 + 4.0) / 4.0, 1e-15);
   EXPECT_NEAR(estimate.covariance()(0, 0), (1.0 + 1.0 + 0.0 + 4.0) / 4.0, 1e-14);
 }
@@ -43,7 +43,7 @@ TEST(SampleEstimate, TakesAWeightForAsManyCopies) {
 TEST(SampleEstimate, HasQuantilesLinearBetweenItsSamples) {
   Eigen::MatrixXd few(4, 1);
   few << 4.0, 1.0, 3.0, 2.0;
-  const SampleEstimate estimate({NormalScale{}}, few);
+  const SampleEstimate estimate({ParameterTransform{}}, few);
   EXPECT_NEAR(estimate.quantile(0, 0.5), 2.5, 1e-15);
   EXPECT_NEAR(estimate.quantile(0, 0.375), 2.0, 1e-15);
   EXPECT_EQ(estimate.quantile(0, 0.01), 1.0);
@@ -69,7 +69,7 @@ TEST(SampleEstimate, OfALargeNormalSampleHasItsDensityWidenedByTheKernels) {
 }
 
 TEST(SampleEstimate, HasNoDensityBeyondItsScale) {
-  const NormalScale scale{NormalScale::Kind::log};
+  const ParameterTransform scale{ParameterTransform::Kind::log};
   Eigen::MatrixXd samples(3, 1);
   samples << 0.01, 0.1, 0.2;
   const SampleEstimate estimate({scale}, samples);
@@ -122,7 +122,8 @@ TEST(SampleEstimate, RefusesWhatIsNoSample) {
   EXPECT_THROW(SampleEstimate(k_two, Eigen::MatrixXd(0, 2)), InvalidInput);
   EXPECT_THROW(SampleEstimate(k_two, Eigen::MatrixXd::Ones(2, 2), Eigen::Vector2d(0.0, 0.0)), InvalidInput);
   EXPECT_THROW(SampleEstimate(k_two, Eigen::MatrixXd::Ones(2, 2), Eigen::Vector2d(-1.0, 2.0)), InvalidInput);
-  EXPECT_THROW(SampleEstimate({NormalScale{NormalScale::Kind::log}}, -Eigen::MatrixXd::Ones(1, 1)), InvalidInput);
+  EXPECT_THROW(SampleEstimate({ParameterTransform{ParameterTransform::Kind::log}}, -Eigen::MatrixXd::Ones(1, 1)),
+               InvalidInput);
 }
 
 }  // namespace

@@ -220,7 +220,7 @@ TEST_P(EveryPopulationMethod, KeepsParametersOfDifferentGroupsUncorrelated) {
 TEST_P(EveryPopulationMethod, TakesAParameterAsNormalOnItsLogarithm) {
   const Reference reference;
   std::vector<Parameter> parameters = reference.space->parameters();
-  for (Parameter& parameter : parameters) parameter.scale.kind = NormalScale::Kind::log;
+  for (Parameter& parameter : parameters) parameter.transform.kind = ParameterTransform::Kind::log;
   const ParameterSpace space(parameters, reference.space->prior());
   const UpdatingProblem plain = reference.problem();
   const UpdatingProblem problem{

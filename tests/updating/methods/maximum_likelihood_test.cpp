@@ -120,7 +120,7 @@ TEST(MaximumLikelihood, OnALogarithmicScaleIsThatOfTheLogarithms) {
   const test::LinearModel model(Eigen::VectorXd::Zero(1), Eigen::MatrixXd::Ones(1, 1));
   const Distribution prior({.kind = DistributionKind::lognormal, .mean = 2.0, .std = 0.5});
   Parameter parameter{"a", "-"};
-  parameter.scale = {NormalScale::Kind::log};
+  parameter.transform = {ParameterTransform::Kind::log};
   const ParameterSpace space({parameter}, JointDistribution({prior}));
   Eigen::MatrixXd tests(5, 1);
   tests << 1.5, 2.5, 2.0, 3.1, 1.2;

@@ -83,7 +83,7 @@ TEST(MomentMatching, OnTheLogarithmOfASquareIsItsClosedForm) {
   // ln y = 2 t: y is log-normal, and the moments of t = ln x follow from its mean and variance.
   const Square model;
   const Distribution prior({.kind = DistributionKind::normal, .mean = 3.0, .std = 0.5});
-  const Parameter parameter{.name = "x", .unit = "-", .scale = {NormalScale::Kind::log}};
+  const Parameter parameter{.name = "x", .unit = "-", .transform = {ParameterTransform::Kind::log}};
   const ParameterSpace space({parameter}, JointDistribution({prior}));
   Eigen::MatrixXd tests(4, 1);
   tests << 7.0, 9.0, 12.0, 10.0;

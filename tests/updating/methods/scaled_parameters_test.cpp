@@ -11,7 +11,7 @@
 namespace mottle::updating {
 namespace {
 
-using Kind = NormalScale::Kind;
+using Kind = ParameterTransform::Kind;
 
 ParameterSpace three_scales() {
   const Distribution prior({.kind = DistributionKind::normal, .mean = 2.0, .std = 0.2});
@@ -43,8 +43,8 @@ TEST(ScaledParameters, ClampsToTheBoundsOfTheVariables) {
 TEST(ScaledJacobians, OwnDerivativesAndDifferencesAgreeOnEveryScale) {
   const test::ThreeMasses structure;
   std::vector<Parameter> list = structure.space->parameters();
-  list[1].scale = {Kind::log};
-  list[2].scale = {Kind::logit, 0.5, 3.0};
+  list[1].transform = {Kind::log};
+  list[2].transform = {Kind::logit, 0.5, 3.0};
   const ParameterSpace space(list, structure.space->prior());
   const ScaledParameters parameters(space);
   Eigen::MatrixXd points(2, 3);

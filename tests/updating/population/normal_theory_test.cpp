@@ -11,7 +11,7 @@
 namespace mottle::updating {
 namespace {
 
-using Kind = NormalScale::Kind;
+using Kind = ParameterTransform::Kind;
 
 /// Part of 300 samples of `count` logarithms N(0.2, 0.3^2) whose intervals hold the mean and the deviation of x.
 Eigen::Vector2d coverage_of_a_lognormal(int count) {
@@ -25,7 +25,7 @@ Eigen::Vector2d coverage_of_a_lognormal(int count) {
     for (double& value : t) value = 0.2 + 0.3 * standard_normal_quantile(stream.uniform());
     const double variance = (t.array() - t.mean()).square().sum() / (count - 1);
     const ParameterIntervals intervals =
-        normal_theory_intervals({NormalScale{Kind::log}}, Eigen::VectorXd::Constant(1, t.mean()),
+        normal_theory_intervals({ParameterTransform{Kind::log}}, Eigen::VectorXd::Constant(1, t.mean()),
                                 Eigen::MatrixXd::Constant(1, 1, variance), count, {});
     held(0) += intervals.mean(0, 0) <= true_mean && true_mean <= intervals.mean(0, 1) ? 1 : 0;
     held(1) += intervals.std(0, 0) <= true_std && true_std <= intervals.std(0, 1) ? 1 : 0;
@@ -61,7 +61,7 @@ TEST(NormalTheory, ParametersOfDifferentGroupsAreKnownToBeUncorrelated) {
 TEST(NormalTheory, TheCorrelationOfLognormalsIsCarriedOverInClosedForm) {
   Eigen::Matrix2d covariance;
   covariance << 0.09, 0.03, 0.03, 0.04;
-  const NormalScale log{Kind::log};
+  const ParameterTransform log{Kind::log};
   const ParameterIntervals scaled = normal_theory_intervals({{}, {}}, Eigen::Vector2d::Zero(), covariance, 8, {});
   const ParameterIntervals intervals = normal_theory_intervals({log, log}, Eigen::Vector2d::Zero(), covariance, 8, {});
   const double rho = scaled.correlation_upper(0, 1);

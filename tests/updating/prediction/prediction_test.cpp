@@ -23,7 +23,7 @@ struct KnownPopulation {
   Eigen::Index specimens = 0;  ///< 0: known exactly
 
   NormalPopulation made() const {
-    return {std::vector<NormalScale>(static_cast<std::size_t>(estimate.mean.size())), estimate, specimens};
+    return {std::vector<ParameterTransform>(static_cast<std::size_t>(estimate.mean.size())), estimate, specimens};
   }
 };
 
@@ -197,12 +197,12 @@ TEST(Prediction, EachVariableHasItsOwnDegreesOfFreedom) {
 TEST(Prediction, OfALogitIsMadeOnItsScale) {
   const LinearModel model(Eigen::VectorXd::Zero(1), Eigen::MatrixXd::Ones(1, 1));
   Parameter parameter{.name = "a", .unit = "-"};
-  parameter.scale = {NormalScale::Kind::logit, 0.0, 1.0};
+  parameter.transform = {ParameterTransform::Kind::logit, 0.0, 1.0};
   const ParameterSpace space(
       {parameter}, JointDistribution({Distribution({.kind = DistributionKind::uniform, .lower = 0.0, .upper = 1.0})}));
   const Eigen::VectorXd mean = Eigen::VectorXd::Constant(1, 1.0);
   const Eigen::MatrixXd covariance = Eigen::MatrixXd::Constant(1, 1, 4.0);
-  const NormalPopulation estimate(space.scales(), {mean, covariance, sample_evidence(mean, covariance, 1000000)},
+  const NormalPopulation estimate(space.transforms(), {mean, covariance, sample_evidence(mean, covariance, 1000000)},
                                   1000000);
   const Prediction found =
       predict(model, space, estimate, {.noise_std = Eigen::VectorXd::Zero(1), .draws = 100000}, {});
@@ -213,7 +213,7 @@ TEST(Prediction, OfALogitIsMadeOnItsScale) {
 /// A method that estimates no population is normal in the parameters, on whatever scales others would take them.
 TEST(Prediction, OfMomentsAloneTakesTheirCovarianceAsKnown) {
   const Bench bench;
-  const MomentEstimate moments(std::vector<NormalScale>(2, NormalScale{NormalScale::Kind::log}),
+  const MomentEstimate moments(std::vector<ParameterTransform>(2, ParameterTransform{ParameterTransform::Kind::log}),
                                Eigen::Vector2d(0.3, 0.7), bench.covariance);
   const Prediction found =
       predict(*bench.model, *bench.space, moments, {.noise_std = Eigen::Vector2d::Zero(), .draws = Bench::k_draws}, {});
@@ -227,7 +227,7 @@ TEST(Prediction, OfAPosteriorHoldsItsSamplesOutputs) {
   const Bench bench;
   Eigen::MatrixXd samples(3, 2);
   samples << 0.0, 0.0, 1.0, 0.0, 0.0, 1.0;
-  const SampleEstimate posterior(std::vector<NormalScale>(2), samples, Eigen::Vector3d(0.5, 0.3, 0.2));
+  const SampleEstimate posterior(std::vector<ParameterTransform>(2), samples, Eigen::Vector3d(0.5, 0.3, 0.2));
   const Prediction found = predict(*bench.model, *bench.space, posterior,
                                    {.noise_std = Eigen::Vector2d::Zero(), .draws = Bench::k_draws}, {});
   const Eigen::Vector2d mean = Eigen::Vector2d(1.0, -2.0) + bench.slope * Eigen::Vector2d(0.3, 0.2);

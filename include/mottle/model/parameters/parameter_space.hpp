@@ -23,7 +23,7 @@ struct Parameter {
   double lower_bound = -std::numeric_limits<double>::infinity();  ///< the updated mean stays within the bounds
   double upper_bound = std::numeric_limits<double>::infinity();
   PhysicalLimit limit = {};
-  NormalScale scale = {};  ///< on which methods that estimate a population take it as normal
+  ParameterTransform transform = {};  ///< under which methods that estimate a population take it as normal
 };
 
 /// A drawn cloud of parameters.
@@ -45,7 +45,7 @@ class ParameterSpace {
   const std::vector<Parameter>& parameters() const { return parameters_; }
   const JointDistribution& prior() const { return prior_; }
   std::vector<std::string> names() const;
-  std::vector<NormalScale> scales() const;
+  std::vector<ParameterTransform> transforms() const;
 
   /// Whether every stiffness and mass is positive (damping: not negative).
   bool is_possible(const Eigen::Ref<const Eigen::RowVectorXd>& sample) const;

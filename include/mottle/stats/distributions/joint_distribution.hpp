@@ -7,7 +7,7 @@
 
 #include "mottle/layers.hpp"
 #include "mottle/stats/distributions/distribution.hpp"
-#include "mottle/stats/distributions/normal_scale.hpp"
+#include "mottle/stats/distributions/parameter_transform.hpp"
 
 namespace mottle::stats {
 
@@ -31,15 +31,14 @@ class JointDistribution {
   /// @throws InvalidInput  wrong size, not finite, not symmetric, or a negative eigenvalue (says it)
   static JointDistribution multivariate_normal(const Eigen::VectorXd& mean, const Eigen::MatrixXd& covariance);
 
-  /// Variables that are normal each on its own scale, together multivariate normal there; directions of zero variance
-  /// are allowed.
+  /// Variables whose transforms are together multivariate normal; directions of zero variance are allowed.
   ///
-  /// @param scales      one a variable
-  /// @param mean        on the scales [variable]
-  /// @param covariance  on the scales [variable x variable], as of multivariate_normal
+  /// @param transforms  one a variable
+  /// @param mean        of the transformed variables [variable]
+  /// @param covariance  of the transformed variables [variable x variable], as of multivariate_normal
   /// @throws InvalidInput  as multivariate_normal
-  static JointDistribution normal_on_scales(const std::vector<NormalScale>& scales, const Eigen::VectorXd& mean,
-                                            const Eigen::MatrixXd& covariance);
+  static JointDistribution transformed_normal(const std::vector<ParameterTransform>& transforms,
+                                              const Eigen::VectorXd& mean, const Eigen::MatrixXd& covariance);
 
   Eigen::Index dimension() const { return mean_.size(); }
 
@@ -71,8 +70,8 @@ class JointDistribution {
   std::vector<Distribution> marginals_;
   Eigen::VectorXd mean_;
   Eigen::MatrixXd covariance_;
-  std::vector<NormalScale> scales_;  ///< of a normal on scales; empty for others
-  Eigen::VectorXd scale_mean_;       ///< and its mean there
+  std::vector<ParameterTransform> transforms_;  ///< of a transformed normal; empty for others
+  Eigen::VectorXd transformed_mean_;            ///< and the mean of the transformed variables
   Eigen::MatrixXd factor_;  ///< of the copula's correlation, or of the covariance; empty for independent variables
 };
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "mottle/layers.hpp"
-#include "mottle/stats/distributions/normal_scale.hpp"
+#include "mottle/stats/distributions/parameter_transform.hpp"
 #include "mottle/stats/population/random_effects.hpp"
 
 namespace mottle::stats {
@@ -53,13 +53,14 @@ struct PopulationIntervals {
 /// of its scatter and of each level, max(0, nu_level observed / chi2 - known). Deviation: sqrt(nu total / chi2 -
 /// noise), zero where that is negative. Correlation: quantiles of the fiducial distribution from the Bartlett
 /// decomposition of a 2 x 2 covariance, less the noise, over its draws with positive variances. All three are exact for
-/// a normal sample without noise. Means and deviations of variables on a log or logit scale: quantiles over the joint
-/// fiducial draws of mean and variance on the scale. Correlations are those on the scale.
+/// a normal sample without noise. Means and standard deviations of variables with a log or logit transform: quantiles
+/// over the joint fiducial draws of mean and variance of the transformed variable. Correlations are those of the
+/// transformed variables.
 ///
-/// @param scales      one a variable
+/// @param transforms  one a variable
 /// @param confidence  in (0, 1)
 /// Source: [Anderson2003], ch. 3 and 4; [Krishnamoorthy2003] for the lognormal mean.
-PopulationIntervals population_intervals(const PopulationEvidence& evidence, const std::vector<NormalScale>& scales,
-                                         double confidence);
+PopulationIntervals population_intervals(const PopulationEvidence& evidence,
+                                         const std::vector<ParameterTransform>& transforms, double confidence);
 
 }  // namespace mottle::stats

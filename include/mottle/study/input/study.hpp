@@ -15,7 +15,7 @@
 #include "mottle/layers.hpp"
 #include "mottle/model/responses/modal_outputs.hpp"
 #include "mottle/stats/distributions/distribution.hpp"
-#include "mottle/stats/distributions/normal_scale.hpp"
+#include "mottle/stats/distributions/parameter_transform.hpp"
 #include "mottle/stats/sampling/sampling.hpp"
 #include "mottle/updating/methods/surrogate_settings.hpp"
 
@@ -31,7 +31,7 @@ struct StudyParameter {
   DistributionSpec distribution;
   double lower_bound = -std::numeric_limits<double>::infinity();
   double upper_bound = std::numeric_limits<double>::infinity();
-  NormalScale scale = {};   ///< on which its population is normal
+  ParameterTransform transform = {};  ///< under which its population is normal
   bool may_vanish = false;  ///< its value may be zero where a stiffness must be positive else: a spring not there yet
 };
 

@@ -6,7 +6,7 @@
 
 #include "mottle/layers.hpp"
 #include "mottle/stats/distributions/joint_distribution.hpp"
-#include "mottle/stats/distributions/scale_moments.hpp"
+#include "mottle/stats/distributions/transformed_moments.hpp"
 #include "mottle/stats/population/population_intervals.hpp"
 #include "mottle/updating/estimate/estimate.hpp"
 
@@ -18,26 +18,26 @@ struct PopulationOnScales {
   Eigen::MatrixXd covariance;   ///< positive semi-definite [parameter x parameter]
   PopulationEvidence evidence;  ///< what the specimens show of it, on the same scales
 
-  ScaleMoments moments(Eigen::Index parameter) const;
+  TransformedMoments moments(Eigen::Index parameter) const;
 };
 
 /// A variable that is normal on its scale.
-struct ScaledNormal {
-  NormalScale scale;
-  ScaleMoments moments;
+struct TransformedNormal {
+  ParameterTransform transform;
+  TransformedMoments moments;
 
   /// Whether it has a density.
   bool has_width() const;
 };
 
 /// Two of them.
-struct ScaledPair {
-  ScaledNormal first;
-  ScaledNormal second;
+struct TransformedPair {
+  TransformedNormal first;
+  TransformedNormal second;
 };
 
 /// Outline of the region about their mean, `reach` deviations from it [point x 2].
-Eigen::MatrixXd pair_outline(const ScaledPair& pair, double correlation, double reach, Eigen::Index points);
+Eigen::MatrixXd pair_outline(const TransformedPair& pair, double correlation, double reach, Eigen::Index points);
 
 /// Deviations from the mean within which a bivariate normal lies with `probability`: sqrt(-2 ln(1 - probability)).
 double reach_of_pair(double probability);
@@ -55,13 +55,15 @@ class NormalEstimate : public Estimate {
  protected:
   /// @param distribution  moments and draws are its
   /// @param marginals     densities and quantiles are theirs [parameter]
-  NormalEstimate(JointDistribution distribution, std::vector<ScaledNormal> marginals);
+  NormalEstimate(JointDistribution distribution, std::vector<TransformedNormal> marginals);
 
-  const ScaledNormal& marginal(Eigen::Index parameter) const { return marginals_[static_cast<std::size_t>(parameter)]; }
+  const TransformedNormal& marginal(Eigen::Index parameter) const {
+    return marginals_[static_cast<std::size_t>(parameter)];
+  }
 
  private:
   JointDistribution distribution_;
-  std::vector<ScaledNormal> marginals_;
+  std::vector<TransformedNormal> marginals_;
 };
 
 /// A population of specimens that is normal on the parameters' scales.
@@ -70,8 +72,8 @@ class NormalPopulation final : public NormalEstimate {
   /// @param scales      one a parameter
   /// @param population  its evidence may be empty where `specimens` is 0
   /// @param specimens   that it was estimated from; 0: known exactly
-  /// @throws InvalidInput  as JointDistribution::normal_on_scales
-  NormalPopulation(std::vector<NormalScale> scales, PopulationOnScales population, Eigen::Index specimens);
+  /// @throws InvalidInput  as JointDistribution::transformed_normal
+  NormalPopulation(std::vector<ParameterTransform> scales, PopulationOnScales population, Eigen::Index specimens);
 
   EstimateKind kind() const override { return EstimateKind::population; }
   std::vector<Eigen::MatrixXd> region(Eigen::Index first, Eigen::Index second, double probability,
@@ -87,7 +89,7 @@ class NormalPopulation final : public NormalEstimate {
   const PopulationOnScales* population() const override { return &population_; }
 
  private:
-  std::vector<NormalScale> scales_;
+  std::vector<ParameterTransform> scales_;
   PopulationOnScales population_;
   Eigen::Index specimens_ = 0;
 };
@@ -99,7 +101,7 @@ class NormalPopulation final : public NormalEstimate {
 class MomentEstimate final : public NormalEstimate {
  public:
   /// @throws InvalidInput  as JointDistribution::multivariate_normal
-  MomentEstimate(const std::vector<NormalScale>& scales, const Eigen::VectorXd& mean,
+  MomentEstimate(const std::vector<ParameterTransform>& scales, const Eigen::VectorXd& mean,
                  const Eigen::MatrixXd& covariance);
 
   EstimateKind kind() const override { return EstimateKind::mean; }

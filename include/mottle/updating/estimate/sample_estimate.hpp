@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "mottle/layers.hpp"
-#include "mottle/stats/distributions/normal_scale.hpp"
+#include "mottle/stats/distributions/parameter_transform.hpp"
 #include "mottle/updating/estimate/estimate.hpp"
 
 namespace mottle::updating {
@@ -27,7 +27,7 @@ class SampleEstimate final : public Estimate {
   /// @param weights       >= 0, not all zero; their sum does not matter; empty: all alike [sample]
   /// @param log_evidence  of the tests, where the method finds it
   /// @throws InvalidInput  sizes that do not fit, no sample, an entry that is not finite or outside its scale
-  SampleEstimate(std::vector<NormalScale> scales, Eigen::MatrixXd samples, const Eigen::VectorXd& weights = {},
+  SampleEstimate(std::vector<ParameterTransform> scales, Eigen::MatrixXd samples, const Eigen::VectorXd& weights = {},
                  std::optional<double> log_evidence = std::nullopt);
 
   EstimateKind kind() const override { return EstimateKind::posterior; }
@@ -47,7 +47,7 @@ class SampleEstimate final : public Estimate {
  private:
   double bandwidth(Eigen::Index parameter) const;
 
-  std::vector<NormalScale> scales_;
+  std::vector<ParameterTransform> scales_;
   Eigen::MatrixXd samples_;
   Eigen::VectorXd weights_;     // their sum is 1
   Eigen::VectorXd cumulative_;  // sums of the weights up to and with each sample

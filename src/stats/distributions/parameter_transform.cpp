@@ -1,4 +1,4 @@
-#include "mottle/stats/distributions/normal_scale.hpp"
+#include "mottle/stats/distributions/parameter_transform.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -14,15 +14,17 @@ const GaussianRule& rule() {
 }
 
 /// Strictly within the bounds, as a mean is: the sum may round to an end or past it.
-double mean_by_quadrature(const NormalScale& scale, double mean, double std) {
+double mean_by_quadrature(const ParameterTransform& transform, double mean, double std) {
   const auto& [nodes, weights] = rule();
   double sum = 0.0;
-  for (Eigen::Index k = 0; k < nodes.rows(); ++k) sum += weights(k) * scale.to_variable(mean + std * nodes(k, 0));
-  return std::clamp(sum, std::nextafter(scale.lower, scale.upper), std::nextafter(scale.upper, scale.lower));
+  for (Eigen::Index k = 0; k < nodes.rows(); ++k) sum += weights(k) * transform.to_variable(mean + std * nodes(k, 0));
+  return std::clamp(sum, std::nextafter(transform.lower, transform.upper),
+                    std::nextafter(transform.upper, transform.lower));
 }
 
-double covariance_by_quadrature(const NormalScale& first, const NormalScale& second, const Eigen::Vector2d& mean,
-                                const Eigen::Matrix2d& covariance, const Eigen::Vector2d& means_of_variables) {
+double covariance_by_quadrature(const ParameterTransform& first, const ParameterTransform& second,
+                                const Eigen::Vector2d& mean, const Eigen::Matrix2d& covariance,
+                                const Eigen::Vector2d& means_of_variables) {
   const auto& [nodes, weights] = rule();
   const double a = std::sqrt(covariance(0, 0));
   const double b = a > 0.0 ? covariance(0, 1) / a : 0.0;
@@ -40,19 +42,19 @@ double covariance_by_quadrature(const NormalScale& first, const NormalScale& sec
 
 }  // namespace
 
-double NormalScale::from_variable(double x) const {
+double ParameterTransform::from_variable(double x) const {
   if (kind == Kind::log) return std::log(x);
   if (kind == Kind::logit) return std::log((x - lower) / (upper - x));
   return x;
 }
 
-double NormalScale::to_variable(double t) const {
+double ParameterTransform::to_variable(double t) const {
   if (kind == Kind::log) return std::exp(t);
   if (kind == Kind::logit) return lower + (upper - lower) / (1.0 + std::exp(-t));
   return t;
 }
 
-double NormalScale::slope(double t) const {
+double ParameterTransform::slope(double t) const {
   if (kind == Kind::log) return std::exp(t);
   if (kind == Kind::logit) {
     const double small = std::exp(-std::abs(t));
@@ -61,46 +63,49 @@ double NormalScale::slope(double t) const {
   return 1.0;
 }
 
-Eigen::MatrixXd to_variables(const std::vector<NormalScale>& scales, const Eigen::Ref<const Eigen::MatrixXd>& points) {
+Eigen::MatrixXd to_variables(const std::vector<ParameterTransform>& transforms,
+                             const Eigen::Ref<const Eigen::MatrixXd>& points) {
   Eigen::MatrixXd x = points;
   for (Eigen::Index i = 0; i < x.cols(); ++i) {
-    const NormalScale& scale = scales[static_cast<std::size_t>(i)];
-    for (double& value : x.col(i)) value = scale.to_variable(value);
+    const ParameterTransform& transform = transforms[static_cast<std::size_t>(i)];
+    for (double& value : x.col(i)) value = transform.to_variable(value);
   }
   return x;
 }
 
-Eigen::MatrixXd from_variables(const std::vector<NormalScale>& scales,
+Eigen::MatrixXd from_variables(const std::vector<ParameterTransform>& transforms,
                                const Eigen::Ref<const Eigen::MatrixXd>& samples) {
   Eigen::MatrixXd t = samples;
   for (Eigen::Index i = 0; i < t.cols(); ++i) {
-    const NormalScale& scale = scales[static_cast<std::size_t>(i)];
-    for (double& value : t.col(i)) value = scale.from_variable(value);
+    const ParameterTransform& transform = transforms[static_cast<std::size_t>(i)];
+    for (double& value : t.col(i)) value = transform.from_variable(value);
   }
   return t;
 }
 
-VariableMoments moments_of_variables(const std::vector<NormalScale>& scales,
+VariableMoments moments_of_variables(const std::vector<ParameterTransform>& transforms,
                                      const Eigen::Ref<const Eigen::VectorXd>& mean,
                                      const Eigen::Ref<const Eigen::MatrixXd>& covariance) {
-  using Kind = NormalScale::Kind;
+  using Kind = ParameterTransform::Kind;
   VariableMoments result{mean, covariance};
-  const auto scale = [&](Eigen::Index i) -> const NormalScale& { return scales[static_cast<std::size_t>(i)]; };
+  const auto transform = [&](Eigen::Index i) -> const ParameterTransform& {
+    return transforms[static_cast<std::size_t>(i)];
+  };
   for (Eigen::Index i = 0; i < mean.size(); ++i) {
-    if (scale(i).kind == Kind::log) result.mean(i) = std::exp(mean(i) + 0.5 * covariance(i, i));
-    if (scale(i).kind == Kind::logit)
-      result.mean(i) = mean_by_quadrature(scale(i), mean(i), std::sqrt(covariance(i, i)));
+    if (transform(i).kind == Kind::log) result.mean(i) = std::exp(mean(i) + 0.5 * covariance(i, i));
+    if (transform(i).kind == Kind::logit)
+      result.mean(i) = mean_by_quadrature(transform(i), mean(i), std::sqrt(covariance(i, i)));
   }
   for (Eigen::Index i = 0; i < mean.size(); ++i) {
     for (Eigen::Index j = 0; j <= i; ++j) {
-      const Kind first = scale(i).kind;
-      const Kind second = scale(j).kind;
+      const Kind first = transform(i).kind;
+      const Kind second = transform(j).kind;
       double& entry = result.covariance(i, j);
       if (first == Kind::logit || second == Kind::logit) {
         Eigen::Matrix2d block;
         block << covariance(i, i), covariance(i, j), covariance(i, j), covariance(j, j);
-        entry =
-            covariance_by_quadrature(scale(i), scale(j), {mean(i), mean(j)}, block, {result.mean(i), result.mean(j)});
+        entry = covariance_by_quadrature(transform(i), transform(j), {mean(i), mean(j)}, block,
+                                         {result.mean(i), result.mean(j)});
       } else if (first == Kind::log && second == Kind::log) {
         entry = result.mean(i) * result.mean(j) * std::expm1(covariance(i, j));
       } else if (first == Kind::log) {

@@ -1,5 +1,4 @@
-// The scale on which a population of a variable is normal: the variable itself, its logarithm, or its logit between
-// two bounds.
+// The transform under which a population of a variable is normal: identity, logarithm, or logit between two bounds.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,11 +11,11 @@ namespace mottle::stats {
 /// t = g(x), normal in the population.
 ///
 ///   identity: t = x;   log: t = ln x;   logit: t = ln((x - lower) / (upper - x))
-struct NormalScale {
+struct ParameterTransform {
   enum class Kind { identity, log, logit };
 
   Kind kind = Kind::identity;
-  double lower = 0.0;  ///< of a logit
+  double lower = 0.0;  ///< bounds of a logit
   double upper = 1.0;
 
   /// t of x; x must be possible: positive, or inside the bounds.
@@ -28,21 +27,22 @@ struct NormalScale {
 };
 
 /// x of t, and t of x, row by row [point x variable].
-Eigen::MatrixXd to_variables(const std::vector<NormalScale>& scales, const Eigen::Ref<const Eigen::MatrixXd>& points);
-Eigen::MatrixXd from_variables(const std::vector<NormalScale>& scales,
+Eigen::MatrixXd to_variables(const std::vector<ParameterTransform>& transforms,
+                             const Eigen::Ref<const Eigen::MatrixXd>& points);
+Eigen::MatrixXd from_variables(const std::vector<ParameterTransform>& transforms,
                                const Eigen::Ref<const Eigen::MatrixXd>& samples);
 
 /// Mean and covariance of variables x whose t are normal with `mean` and `covariance`.
 ///
 /// Closed forms for identity and log; Gauss-Hermite quadrature of 40 points a dimension where a logit takes part.
-/// @param scales      one a variable
+/// @param transforms  one a variable
 /// @param mean        of t [variable]
 /// @param covariance  of t [variable x variable], positive semi-definite
 struct VariableMoments {
   Eigen::VectorXd mean;
   Eigen::MatrixXd covariance;
 };
-VariableMoments moments_of_variables(const std::vector<NormalScale>& scales,
+VariableMoments moments_of_variables(const std::vector<ParameterTransform>& transforms,
                                      const Eigen::Ref<const Eigen::VectorXd>& mean,
                                      const Eigen::Ref<const Eigen::MatrixXd>& covariance);
 
