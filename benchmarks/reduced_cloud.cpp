@@ -114,16 +114,17 @@ Lines audit(const mottle::fem::AssembledModel& model, const MatrixXd& x, const F
 }
 
 /// Refines what is not certain; how many samples remain so.
-Index refine_unsure(const mottle::linalg::ReducedModel& reduced, const mottle::linalg::TermCoefficients& samples,
-                    const Arguments& arguments, Found& found, Index& refined, double& seconds) {
+Index refine_uncertified(const mottle::linalg::ReducedModel& reduced, const mottle::linalg::TermCoefficients& samples,
+                         const Arguments& arguments, Found& found, Index& refined, double& seconds) {
   std::vector<Index> rows;
   for (Index s = 0; s < found.bounds.cols(); ++s) {
     if (!(0.5 * found.bounds.col(s).maxCoeff() <= arguments.frequency_error)) rows.push_back(s);
   }
   if (rows.empty()) return 0;
-  const mottle::linalg::TermCoefficients unsure{samples.stiffness(Eigen::all, rows), samples.mass(Eigen::all, rows)};
+  const mottle::linalg::TermCoefficients uncertified{samples.stiffness(Eigen::all, rows),
+                                                     samples.mass(Eigen::all, rows)};
   seconds = time_of([&] {
-    reduced.refine(unsure, arguments.threads, [&](Index i, const mottle::linalg::RefinedModes& modes) {
+    reduced.refine(uncertified, arguments.threads, [&](Index i, const mottle::linalg::RefinedModes& modes) {
       const Index s = rows[static_cast<std::size_t>(i)];
       found.values.col(s) = modes.values;
       found.bounds.col(s) = modes.bounds;
@@ -161,13 +162,13 @@ Lines run(const Arguments& arguments) {
   const double solved = time_of([&] { found = solve_cloud(*reduced, coefficients(model, x), arguments.threads); });
   Index refined = 0;
   double refining = 0.0;
-  const Index unsure = refine_unsure(*reduced, coefficients(model, x), arguments, found, refined, refining);
+  const Index uncertified = refine_uncertified(*reduced, coefficients(model, x), arguments, found, refined, refining);
   Lines lines{
       fmt::format("\"equations\": {}", k.rows()),        fmt::format("\"exact_s\": {:.4g}", exact),
       fmt::format("\"begin_s\": {:.4g}", begun),         fmt::format("\"train_s\": {:.4g}", trained),
       fmt::format("\"cloud_s\": {:.4g}", solved),        fmt::format("\"vectors\": {}", reduced->basis().cols()),
       fmt::format("\"samples\": {}", arguments.samples), fmt::format("\"refined\": {}", refined),
-      fmt::format("\"refine_s\": {:.4g}", refining),     fmt::format("\"unsure\": {}", unsure)};
+      fmt::format("\"refine_s\": {:.4g}", refining),     fmt::format("\"unsure\": {}", uncertified)};
   if (arguments.audited > 0) {
     const Lines audited = audit(model, x, found, arguments);
     lines.insert(lines.end(), audited.begin(), audited.end());

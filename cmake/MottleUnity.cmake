@@ -25,7 +25,7 @@ function(mottle_unity target)
   endif()
   get_target_property(sources ${target} SOURCES)
   list(FILTER sources INCLUDE REGEX "\\.cpp$")
-  list(FILTER sources EXCLUDE REGEX "/lane_")  # which are made with other flags
+  list(FILTER sources EXCLUDE REGEX "/simd_")  # which are made with other flags
   list(SORT sources)
   set(groups 0)
   foreach(source IN LISTS sources)

@@ -24,7 +24,7 @@ def sources_of(path):
 def is_checked(source):
     """The library and the command without the lane kernels."""
     folder = os.path.relpath(source, ROOT).split(os.sep)[0]
-    return folder in ("src", "apps") and not os.path.basename(source).startswith("lane_")
+    return folder in ("src", "apps") and not os.path.basename(source).startswith("simd_")
 
 
 def clang_tidy(build, path):

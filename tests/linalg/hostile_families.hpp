@@ -343,7 +343,8 @@ inline HostileFamily free_body_with_tension(int length, int width) {
 }
 
 /// Oscillators whose roots are a little above the band's edge, linked so weakly that a basis which may not grow does
-/// not know most of them. Nothing is ever softer than at the nominal sample, so that the floor is as near as can be.
+/// not know most of them. Nothing is ever softer than at the nominal sample, so that the reference pencil is as near as
+/// can be.
 inline HostileFamily oscillators_above_the_edge(int count, double above, double link) {
   Entries constant, links, masses;
   constant.emplace_back(0, 0, 1.0);

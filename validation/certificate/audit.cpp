@@ -61,18 +61,19 @@ Audit audit(const HostileFamily& hostile, Index samples, unsigned seed) {
   const TermCoefficients cloud = hostile.draw(samples, seed + 1);
   const CertifiedModes found = model.solve(cloud, 1);
   std::vector<VectorXd> exact;
-  std::vector<Index> unsure;
+  std::vector<Index> uncertified;
   Audit result;
   result.samples = samples;
   for (Index s = 0; s < samples; ++s) {
     exact.push_back(exact_values(hostile.family, cloud, s, hostile.modes));
     result.compare(found.values.col(s), found.bounds.col(s), exact.back());
-    if (!(found.bounds.col(s).maxCoeff() <= k_tolerance)) unsure.push_back(s);
+    if (!(found.bounds.col(s).maxCoeff() <= k_tolerance)) uncertified.push_back(s);
   }
-  const TermCoefficients rest{cloud.stiffness(Eigen::all, unsure), cloud.mass(Eigen::all, unsure)};
+  const TermCoefficients rest{cloud.stiffness(Eigen::all, uncertified), cloud.mass(Eigen::all, uncertified)};
   model.refine(rest, 1, [&](Index i, const RefinedModes& modes) {
     if (modes.vectors.cols() > 0) {
-      result.compare(modes.values, modes.bounds, exact[static_cast<std::size_t>(unsure[static_cast<std::size_t>(i)])]);
+      result.compare(modes.values, modes.bounds,
+                     exact[static_cast<std::size_t>(uncertified[static_cast<std::size_t>(i)])]);
     }
     if (!(modes.bounds.maxCoeff() <= k_tolerance)) ++result.in_full;
   });

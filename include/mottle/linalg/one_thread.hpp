@@ -1,4 +1,4 @@
-// Foreign packages' own threads, switched off.
+// Switches off the threads that other packages (BLAS, OpenMP) would start.
 #pragma once
 
 namespace mottle::linalg {

@@ -1,4 +1,4 @@
-// Checks and packs a family, sends chunks of samples to the lane kernels and the remaining samples to solve_modes.
+// Checks and packs a family, sends chunks of samples to the SIMD kernels and the remaining samples to solve_modes.
 #include "mottle/linalg/batched/batch_eigen.hpp"
 
 #include <Eigen/Core>
@@ -8,7 +8,7 @@
 #include <memory>
 #include <new>
 
-#include "linalg/batched/lane_kernels.hpp"
+#include "linalg/batched/simd_kernels.hpp"
 #include "linalg/blas.hpp"
 #include "mottle/core/error.hpp"
 #include "mottle/core/parallel.hpp"
@@ -18,8 +18,8 @@
 namespace mottle::linalg {
 namespace {
 
-using lane_kernels::Kernels;
-using lane_kernels::MassKind;
+using simd_kernels::Kernels;
+using simd_kernels::MassKind;
 using Coefficients = Eigen::Ref<const Eigen::MatrixXd>;
 
 SimdLevel widest_level() {
@@ -91,7 +91,7 @@ Eigen::MatrixXd reduce_by_factor(const Eigen::MatrixXd& stiffness, const Cholesk
   return reduced;
 }
 
-/// A family as the kernels want it.
+/// A family in the kernels' layout.
 struct PackedFamily {
   MassKind mass_kind = MassKind::full;
   bool mass_is_definite = true;  ///< false: a constant mass that no sample can be solved with
@@ -125,7 +125,7 @@ void fold_constant_mass(const PencilFamily& family, PackedFamily& packed) {
 
 void pack_parametric_mass(const PencilFamily& family, PackedFamily& packed) {
   bool diagonal =
-      family.mass_constant.rows() > lane_kernels::k_jacobi_limit && is_lower_triangle_diagonal(family.mass_constant);
+      family.mass_constant.rows() > simd_kernels::k_jacobi_limit && is_lower_triangle_diagonal(family.mass_constant);
   for (const Eigen::MatrixXd& term : family.mass_terms) diagonal = diagonal && is_lower_triangle_diagonal(term);
   packed.mass_kind = diagonal ? MassKind::diagonal : MassKind::full;
   const auto append_mass = diagonal ? append_diagonal : append_packed;
@@ -152,7 +152,7 @@ Eigen::MatrixXd combine(const Eigen::MatrixXd& constant, const std::vector<Eigen
   return sum;
 }
 
-/// One sample by the dense solver: what the lanes do not take or do not vouch for.
+/// One sample by the dense solver: orders above the kernels' limit, and samples whose modes they cannot guarantee.
 void solve_alone(const PencilFamily& family, const Coefficients& stiffness_coefficients,
                  const Coefficients& mass_coefficients, Eigen::Index sample, BatchModes& result) {
   const DenseModes modes =
@@ -164,7 +164,7 @@ void solve_alone(const PencilFamily& family, const Coefficients& stiffness_coeff
   result.failed[static_cast<std::size_t>(sample)] = modes.failed ? 1 : 0;
 }
 
-lane_kernels::Problem describe(const PencilFamily& family, const PackedFamily& packed, const Coefficients& stiffness,
+simd_kernels::Problem describe(const PencilFamily& family, const PackedFamily& packed, const Coefficients& stiffness,
                                const Coefficients& mass, const BatchModes& result) {
   return {.order = static_cast<int>(family.stiffness_constant.rows()),
           .modes = static_cast<int>(result.values.rows()),
@@ -189,22 +189,22 @@ void mark_all_failed(BatchModes& result) {
 
 }  // namespace
 
-const Kernels& lane_kernels::kernels_for(SimdLevel level) {
+const Kernels& simd_kernels::kernels_for(SimdLevel level) {
   require(is_simd_level_available(level), "simd: this processor lacks the instructions of the level asked for; {}",
           "use SimdLevel::automatic");
   switch (level == SimdLevel::automatic ? widest_level() : level) {
 #if defined(__x86_64__)
     case SimdLevel::avx512:
-      return lane_kernels::k_avx512;
+      return simd_kernels::k_avx512;
     case SimdLevel::avx2:
-      return lane_kernels::k_avx2;
+      return simd_kernels::k_avx2;
 #endif
     default:
-      return lane_kernels::k_plain;
+      return simd_kernels::k_plain;
   }
 }
 
-double* lane_kernels::thread_workspace(long doubles) {
+double* simd_kernels::thread_workspace(long doubles) {
   struct FreeAligned {
     void operator()(double* memory) const { ::operator delete[](memory, std::align_val_t{64}); }
   };
@@ -244,7 +244,7 @@ BatchModes solve_batch(const PencilFamily& family, const Coefficients& stiffness
   const Eigen::Index order = family.stiffness_constant.rows(), samples = stiffness_coefficients.cols();
   require(0 <= options.modes && options.modes <= order, "modes: {}, need 0 (all) to {}", options.modes, order);
   require(options.threads >= 1, "threads: {}, need at least 1", options.threads);
-  const Kernels& kernels = lane_kernels::kernels_for(options.simd);
+  const Kernels& kernels = simd_kernels::kernels_for(options.simd);
   const Eigen::Index modes = options.modes == 0 ? order : options.modes;
 
   BatchModes result{Eigen::MatrixXd(modes, samples), {}, std::vector<std::uint8_t>(static_cast<std::size_t>(samples))};
@@ -255,10 +255,10 @@ BatchModes solve_batch(const PencilFamily& family, const Coefficients& stiffness
     return result;
   }
 
-  const bool is_small = order <= lane_kernels::k_jacobi_limit, in_lanes = order <= lane_kernels::k_order_limit;
+  const bool is_small = order <= simd_kernels::k_jacobi_limit, in_lanes = order <= simd_kernels::k_order_limit;
   const auto problem = describe(family, packed, stiffness_coefficients, mass_coefficients, result);
-  std::vector<unsigned char> trusted(static_cast<std::size_t>(samples), 0);
-  const lane_kernels::Output output{result.values.data(), result.vectors.data(), trusted.data()};
+  std::vector<unsigned char> valid(static_cast<std::size_t>(samples), 0);
+  const simd_kernels::Output output{result.values.data(), result.vectors.data(), valid.data()};
   // Multiples of the widest register; small enough that threads finish together.
   const std::int64_t grain = is_small ? 512 : in_lanes ? 32 : 1;
   parallel_for(samples, grain, options.threads, [&](std::int64_t begin, std::int64_t end) {
@@ -266,10 +266,10 @@ BatchModes solve_batch(const PencilFamily& family, const Coefficients& stiffness
       kernels.solve_small(problem, output, begin, end);
     } else if (in_lanes) {
       kernels.solve_large(problem, output, begin, end,
-                          lane_kernels::thread_workspace(kernels.workspace_doubles(problem)));
+                          simd_kernels::thread_workspace(kernels.workspace_doubles(problem)));
     }
     for (std::int64_t sample = begin; sample < end; ++sample) {
-      if (trusted[static_cast<std::size_t>(sample)] == 0) {
+      if (valid[static_cast<std::size_t>(sample)] == 0) {
         solve_alone(family, stiffness_coefficients, mass_coefficients, sample, result);
       }
     }

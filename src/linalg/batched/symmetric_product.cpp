@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "linalg/batched/lane_kernels.hpp"
+#include "linalg/batched/simd_kernels.hpp"
 #include "mottle/linalg/sparse/sparse_modes.hpp"
 
 namespace mottle::linalg {
@@ -10,7 +10,7 @@ namespace mottle::linalg {
 constexpr Eigen::Index k_rows = 64;  // at a time: the columns' parts stay in the cache
 
 Eigen::Index padded_width(Eigen::Index vectors) {
-  constexpr Eigen::Index k_padding = lane_kernels::k_vector_padding;
+  constexpr Eigen::Index k_padding = simd_kernels::k_vector_padding;
   return (vectors + k_padding - 1) / k_padding * k_padding;
 }
 
@@ -37,7 +37,7 @@ Eigen::MatrixXd to_columns(const VectorRows& rows, Eigen::Index count) {
 Eigen::MatrixXd product_of_rows(const VectorRows& left, const VectorRows& right) {
   if (left.cols() > right.cols()) return product_of_rows(right, left).transpose();  // many fill the registers better
   VectorRows result = VectorRows::Zero(left.cols(), right.cols());
-  lane_kernels::kernels_for().add_gathered_product(
+  simd_kernels::kernels_for().add_gathered_product(
       {static_cast<int>(left.cols()), left.data(), left.cols(), 1, static_cast<int>(left.rows()), nullptr},
       static_cast<int>(right.cols()), right.data(), result.data());
   return result;
@@ -45,7 +45,7 @@ Eigen::MatrixXd product_of_rows(const VectorRows& left, const VectorRows& right)
 
 VectorRows product_rows(const SparseMatrix& lower, const VectorRows& x) {
   VectorRows product = VectorRows::Zero(x.rows(), x.cols());
-  lane_kernels::kernels_for().add_symmetric_product(
+  simd_kernels::kernels_for().add_symmetric_product(
       {static_cast<int>(lower.cols()), lower.outerIndexPtr(), lower.innerIndexPtr(), lower.valuePtr()},
       static_cast<int>(x.cols()), x.data(), product.data());
   return product;

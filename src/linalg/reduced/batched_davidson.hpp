@@ -1,4 +1,5 @@
-// Lowest modes of reduced pencils that lie near a nominal one: cheaper than solving each from nothing.
+// Lowest modes of many reduced pencils near a nominal one by block Davidson iteration from the nominal modes, which is
+// cheaper than a dense solution of each.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,7 +11,7 @@
 namespace mottle::linalg {
 
 /// Dense terms, the constants' first, in coordinates in which the nominal K - shift M is the identity.
-struct NearbyPencils {
+struct DavidsonPencils {
   const std::vector<Eigen::MatrixXd>& stiffness;
   const std::vector<Eigen::MatrixXd>& mass;
   const Eigen::VectorXd& nominal_stiffness;  ///< coefficients, 1 for the constants
@@ -20,29 +21,30 @@ struct NearbyPencils {
   const std::vector<Eigen::MatrixXd>& mass_sketch;
 };
 
-/// Modes, and what they leave over in the full space as a sketch sees it.
+/// Modes, with sketches of their residuals in the full space.
 struct SketchedModes {
   BatchModes modes;           ///< in the family's coordinates
   Eigen::MatrixXd residuals;  ///< W'(K - lambda M) y [sketch row x mode * sample]
 };
 
-struct NearbyOptions {
-  Eigen::Index modes = 0;  ///< wanted
-  Eigen::Index sharp = 0;  ///< the first of them: their residuals keep to a limit
+struct DavidsonOptions {
+  Eigen::Index modes = 0;      ///< wanted
+  Eigen::Index converged = 0;  ///< number of lowest modes whose residuals must be below the limit
   SimdLevel simd = SimdLevel::automatic;
 };
 
-/// What is known of samples against the nominal pencil.
-struct NearbyBounds {
-  Eigen::VectorXd ratios;   ///< alpha: K(s) - shift M(s) >= alpha (K - shift M) [sample]
-  Eigen::VectorXd heavier;  ///< beta: M(s) <= beta M [sample]
+/// Bounds of the samples' forms by those of the nominal pencil.
+struct DavidsonBounds {
+  Eigen::VectorXd ratios;       ///< alpha: K(s) - shift M(s) >= alpha (K - shift M) [sample]
+  Eigen::VectorXd mass_ratios;  ///< beta: M(s) <= beta M [sample]
 };
 
 /// Block Davidson iteration, one sample in each SIMD lane.
 ///
-/// The block begins with the lowest nominal modes, more than are wanted, turned to the Ritz vectors of the sample. Its
+/// The block begins with the lowest nominal modes, more than are wanted, rotated to the Ritz vectors of the sample. Its
 /// residuals r = K y - theta M y are answered by the diagonals, y <- y - r_i / (k_ii - theta m_ii), until those of the
-/// sharp modes keep to the limit; Rayleigh and Ritz on the block give the modes. A sample's modes are given only where
+/// converged modes keep to the limit; Rayleigh and Ritz on the block give the modes. A sample's modes are given only
+/// where
 ///
 ///   #(negative eigenvalues of S'(K - x M) S - R' D^-1 R) = number of Ritz values below x,
 ///
@@ -52,28 +54,28 @@ struct NearbyBounds {
 /// Source: [Davidson1975]; the count is Sylvester's law of inertia after a congruence, [Parlett1998].
 class BatchedDavidson {
  public:
-  BatchedDavidson(const NearbyPencils& family, const NearbyOptions& options);
+  BatchedDavidson(const DavidsonPencils& family, const DavidsonOptions& options);
 
-  /// False where the pencils are too small, or their spectrum too dense, for the block to be cheaper.
+  /// False where the pencils are too small, or their spectrum too dense, for the iteration to be cheaper.
   bool is_useful() const { return block_ > 0; }
 
   /// Samples that are too far from the nominal one, or whose modes are not proven to be the lowest, are marked failed.
   ///
-  /// @param limit  of r'r over alpha (lambda - shift) y'My
-  SketchedModes solve(const TermCoefficients& samples, const NearbyBounds& bounds, double limit, int threads) const;
+  /// @param limit  upper limit of r'r over alpha (lambda - shift) y'My
+  SketchedModes solve(const TermCoefficients& samples, const DavidsonBounds& bounds, double limit, int threads) const;
 
  private:
   void pack(const std::vector<Eigen::MatrixXd>& terms, double filling, std::vector<double>& packed) const;
   void pack_sketch(const std::vector<Eigen::MatrixXd>& terms, std::vector<double>& packed) const;
   std::vector<Eigen::Index> near_samples(const TermCoefficients& samples) const;
-  SketchedModes solve_near(const TermCoefficients& samples, const NearbyBounds& bounds, double limit,
+  SketchedModes solve_near(const TermCoefficients& samples, const DavidsonBounds& bounds, double limit,
                            int threads) const;
 
-  NearbyOptions options_;
+  DavidsonOptions options_;
   double shift_;
   Eigen::VectorXd nominal_stiffness_, nominal_mass_;  ///< coefficients
-  Eigen::MatrixXd turn_;    ///< nominal modes in the family's coordinates; empty where they are the unit vectors
-  Eigen::VectorXd masses_;  ///< of the nominal modes, filled up
+  Eigen::MatrixXd rotation_;  ///< nominal modes in the family's coordinates; empty where they are the unit vectors
+  Eigen::VectorXd masses_;    ///< of the nominal modes, padded with zeros
   std::vector<double> stiffness_, mass_, stiffness_sketch_, mass_sketch_;  ///< in tiles
   Eigen::Index sketch_rows_;
   Eigen::Index rows_ = 0, order_ = 0, block_ = 0, kept_ = 0, corrected_ = 0;
@@ -84,6 +86,6 @@ Eigen::MatrixXd weighted_sum(const std::vector<Eigen::MatrixXd>& terms, const Ei
 
 /// Orthonormal eigenvectors of the nominal mass, its largest eigenvalue (the lowest mode) first; empty where the matrix
 /// is diagonal in that order already.
-Eigen::MatrixXd nominal_turn(const Eigen::MatrixXd& nominal_mass);
+Eigen::MatrixXd nominal_rotation(const Eigen::MatrixXd& nominal_mass);
 
 }  // namespace mottle::linalg

@@ -7,20 +7,20 @@
 namespace mottle::linalg {
 namespace {
 
-// A residual this large says that the space does not know the spectrum there, and a bound this large that it does not
-// know the mode: what seems to keep away may hide another mode.
+// Above these limits the space does not resolve the spectrum (residual) or the mode (bound): a Ritz value then proves
+// nothing about the next eigenvalue.
 constexpr double k_largest_residual = 0.1;  // squared
 constexpr double k_largest_bound = 0.01;
 constexpr double k_infinite = std::numeric_limits<double>::infinity();
 
-/// A lower bound of the eigenvalue after p from a Ritz value with its squared residual and from what is not seen: the
-/// smaller of the two, less what their coupling may take: the residual itself, or its square over their gap, in which
-/// modes a quarter above are thought of too.
-double next_eigenvalue(double value, double square, double unseen) {
+/// Lower bound of the eigenvalue p + 1, from its Ritz value with squared residual and from the complement's bound: the
+/// smaller of the two, less the effect of their coupling, which is at most the residual's norm, or its square over the
+/// gap between them. The gap is taken as at most a quarter, for further modes of the complement.
+double next_eigenvalue(double value, double square, double complement_bound) {
   constexpr double k_gap = 0.25;
   if (!(square <= k_largest_residual)) return 0.0;
-  const double lowest = std::min(value, unseen);
-  const double gap = std::min(k_gap, 1.0 - lowest / std::max(value, unseen));
+  const double lowest = std::min(value, complement_bound);
+  const double gap = std::min(k_gap, 1.0 - lowest / std::max(value, complement_bound));
   const double hidden = std::min(std::sqrt(square), gap > 0.0 ? square / gap : k_infinite);
   return lowest * (1.0 - hidden);
 }
@@ -41,13 +41,14 @@ double secular_root(const Eigen::Ref<const Eigen::ArrayXd>& weights,
 }  // namespace
 
 Eigen::VectorXd error_bounds(const Eigen::Ref<const Eigen::VectorXd>& values,
-                             const Eigen::Ref<const Eigen::VectorXd>& squares, double unseen, Eigen::Index wanted) {
+                             const Eigen::Ref<const Eigen::VectorXd>& squares, double complement_bound,
+                             Eigen::Index wanted) {
   const Eigen::Index known = values.size();
   Eigen::VectorXd bounds = Eigen::VectorXd::Constant(wanted, k_infinite);
   Eigen::ArrayXd weights(known);
   Eigen::ArrayXd distances(known);
   for (Eigen::Index p = 0; p + 1 < known; ++p) {
-    const double next = next_eigenvalue(values(p + 1), squares(p + 1), unseen);
+    const double next = next_eigenvalue(values(p + 1), squares(p + 1), complement_bound);
     if (!(next > values(p))) continue;
     for (Eigen::Index k = 0; k <= std::min(p, wanted - 1); ++k) {
       if (!(values(k) > 0.0)) continue;

@@ -1,4 +1,4 @@
-// How far Ritz values can be above the eigenvalues, from their residuals.
+// Error bounds of Ritz values from their residuals.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,17 +15,18 @@ namespace mottle::linalg {
 /// p Ritz vectors as one space, its matrix bounded by the traces of its trailing parts: close or equal eigenvalues
 /// among them need no gap between each other. For p = k it is Kato and Temple's s_k / (1 - mu_k / nu_k).
 ///
-///   nu_p = min(mu_{p+1}, unseen) less what the residual of the Ritz vector p + 1 may hide
+///   nu_p = min(mu_{p+1}, complement_bound), lowered by the coupling that the residual of Ritz vector p + 1 allows
 ///
-/// Infinite where the next mode is as low, its residual is large, or the bound would be above 1 %.
+/// Infinite where nu_p <= mu_k for all p, the residual of p + 1 is large, or the bound would be above 1 %.
 ///
 /// @param values   mu [mode], positive, ascending; the last ones serve as `nu` only
 /// @param squares  r_j' A^-1 r_j / mu_j, upper bounds; y' M y = 1 [mode]
-/// @param unseen   no vector that shares nothing with the Ritz vectors' space has a smaller quotient
-/// @param wanted   for how many of the lowest
+/// @param complement_bound  lower bound of the Rayleigh quotient over vectors orthogonal to the Ritz vectors' space
+/// @param wanted   number of lowest modes to bound
 /// @return         e [wanted]
 /// Source: [Kato1949]; [Lehmann1963]; docs/theory/reduced-model.md.
 Eigen::VectorXd error_bounds(const Eigen::Ref<const Eigen::VectorXd>& values,
-                             const Eigen::Ref<const Eigen::VectorXd>& squares, double unseen, Eigen::Index wanted);
+                             const Eigen::Ref<const Eigen::VectorXd>& squares, double complement_bound,
+                             Eigen::Index wanted);
 
 }  // namespace mottle::linalg

@@ -19,12 +19,12 @@ FormBounds extreme_ritz_values(const SparseMatrix& term, const SparseMatrix& for
                                const Eigen::VectorXd& start) {
   constexpr Eigen::Index k_steps = 40;
   constexpr double k_invariant = 1e-10;
-  const Eigen::Index size = start.size(), most = std::min(k_steps, size);
-  Eigen::MatrixXd basis(size, most), images(size, most);  // P-orthonormal; T times them
+  const Eigen::Index size = start.size(), max_steps = std::min(k_steps, size);
+  Eigen::MatrixXd basis(size, max_steps), images(size, max_steps);  // P-orthonormal; T times them
   Eigen::Index found = 0;
   Eigen::MatrixXd next = start;
   double scale = 0.0;
-  for (; found < most; ++found) {
+  for (; found < max_steps; ++found) {
     const double before = std::sqrt(next.col(0).dot(symmetric_product(form, next).col(0)));
     for (int pass = 0; pass < 2; ++pass) {  // P q_j is not kept: one product more instead
       const Eigen::VectorXd shares = basis.leftCols(found).transpose() * symmetric_product(form, next);
@@ -48,13 +48,13 @@ FormBounds extreme_ritz_values(const SparseMatrix& term, const SparseMatrix& for
   return {eigenvalues(0), eigenvalues(found - 1)};
 }
 
-/// The order of elimination of some rows out of that of all; what parts the structure parts its terms as well.
+/// The elimination order of some rows within that of all: separators of the structure separate its terms as well.
 std::vector<int> order_of(const std::vector<int>& rows, const std::vector<int>& order) {
-  std::vector<int> place(order.size(), -1), result;
+  std::vector<int> local_row(order.size(), -1), result;
   if (order.empty()) return result;
-  for (std::size_t i = 0; i < rows.size(); ++i) place[static_cast<std::size_t>(rows[i])] = static_cast<int>(i);
+  for (std::size_t i = 0; i < rows.size(); ++i) local_row[static_cast<std::size_t>(rows[i])] = static_cast<int>(i);
   for (const int row : order) {
-    if (place[static_cast<std::size_t>(row)] >= 0) result.push_back(place[static_cast<std::size_t>(row)]);
+    if (local_row[static_cast<std::size_t>(row)] >= 0) result.push_back(local_row[static_cast<std::size_t>(row)]);
   }
   return result;
 }

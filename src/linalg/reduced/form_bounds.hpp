@@ -1,4 +1,4 @@
-// Bounds of one quadratic form by another, each proven by a factorisation that meets no negative pivot.
+// Bounds of one quadratic form by another, each proven by a factorisation without negative pivots.
 #pragma once
 
 #include <Eigen/Core>
@@ -17,7 +17,7 @@ struct FormBounds {
 
 /// Whether T + k_inertia_tolerance diag(T) has no negative eigenvalue, by the pivots of its factor on T's own rows.
 ///
-/// @param order  of elimination of all rows, where one is known; empty: it is sought
+/// @param order  elimination order of all rows, if known; empty: one is computed
 bool is_semidefinite(const SupportedMatrix& term, const std::vector<int>& order = {});
 
 /// Bounds of T by P: extreme eigenvalues of T x = theta P x by Lanczos' method, moved outwards until
@@ -30,13 +30,13 @@ bool is_semidefinite(const SupportedMatrix& term, const std::vector<int>& order 
 FormBounds verified_bounds(const SparseMatrix& term, const SparseMatrix& form, DefiniteFactor& factor,
                            const Eigen::VectorXd& start);
 
-/// What is known of sum_t values_t T_t against sum_t reference_t T_t =: P when each term has bounds against P: the
+/// Lower bound of sum_t values_t T_t against P = sum_t reference_t T_t, given bounds of each term against P: the
 /// largest alpha found with
 ///
 ///   sum values_t T_t >= alpha P,   alpha = max over r of  r + sum_t min(c_t lower_t, c_t upper_t),
 ///                                  c_t = values_t - r reference_t.
 ///
-/// Concave and piecewise linear in r: the corners decide. -infinity where nothing is known.
+/// Concave and piecewise linear in r: the maximum is at a corner. -infinity where nothing is known.
 ///
 /// @param bounds  lower and upper [term x 2]
 double lower_ratio(const Eigen::Ref<const Eigen::VectorXd>& values, const Eigen::VectorXd& reference,

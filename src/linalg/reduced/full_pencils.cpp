@@ -14,8 +14,8 @@ namespace {
 
 constexpr double k_infinite = std::numeric_limits<double>::infinity();
 
-/// Quantiles of the normal distribution in the middle of 4096 equal parts, scaled to a variance of one: with them
-/// twelve random bits make a normal deviate.
+/// Quantiles of the normal distribution at the midpoints of 4096 equal probabilities, scaled to unit variance: twelve
+/// random bits choose one.
 const std::vector<double>& normal_quantiles() {
   static const std::vector<double> quantiles = [] {
     constexpr int k_parts = 1 << 12;
@@ -77,9 +77,10 @@ void check(const PencilTerms& terms, const TermCoefficients& nominal) {
           "reduced model: the nominal sample needs {} and {} coefficients", terms.stiffness.size(), terms.mass.size());
 }
 
-/// What k_inertia_tolerance leaves unproven of a term: T >= -part A, since diag(T) <= trace(A^-1 diag(T)) A.
+/// Bound p of a term's negative part that k_inertia_tolerance leaves: T >= -p A, since diag(T) <= trace(A^-1 diag(T))
+/// A.
 ///
-/// @param flexibility  diagonal of A^-1, an upper estimate
+/// @param flexibility  upper estimate of the diagonal of A^-1
 double negative_part(const SparseMatrix& term, const Eigen::VectorXd& flexibility) {
   return 2.0 * k_inertia_tolerance * flexibility.dot(Eigen::VectorXd(term.diagonal()).cwiseAbs());
 }
@@ -95,8 +96,8 @@ FullPencils::FullPencils(const PencilTerms& terms, const TermCoefficients& nomin
                          const SparseMatrix& nominal_m, const ReducedModelOptions& options)
     : nominal_stiffness((check(terms, nominal), with_constant(nominal.stiffness.col(0)))),
       nominal_mass(with_constant(nominal.mass.col(0))) {
-  constexpr int k_more_modes = 4;  // that keep unseen modes away, see Floor
-  // The modes need not be exact: they only begin the basis.
+  constexpr int k_more_modes = 4;  // raise the bound for modes orthogonal to the basis, see ReferencePencil
+  // The modes need not be exact: they are the first vectors of the basis only.
   const std::clock_t begin = std::clock();
   SparseModes found =
       solver_.solve(nominal_k, nominal_m,
@@ -106,10 +107,10 @@ FullPencils::FullPencils(const PencilTerms& terms, const TermCoefficients& nomin
   shift = found.shift;
   highest_mode = found.values(found.values.size() - 1);
   modes = std::move(found.vectors);
-  // The shifted mass' part of A, at most: Ritz values of this tolerance are exact to its square.
+  // Upper bound of the shifted mass' fraction of A: Ritz values of this tolerance are exact to its square.
   constexpr double k_above_exact = 1.01;
   mass_share = std::min(1.0, k_above_exact * std::abs(shift) / (found.values(0) - shift));
-  take(terms, nominal_k, nominal_m);
+  set_terms(terms, nominal_k, nominal_m);
   std::call_once(is_ready_, [this] { make_sketch(); });
   const Eigen::VectorXd flexibility = sketch_.rowwise().squaredNorm() * (k_sketch_reserve / k_sketch_rows);
   bound_stiffness(terms, flexibility);
@@ -123,10 +124,10 @@ FullPencils::FullPencils(const PencilTerms& terms, const TermCoefficients& nomin
       nominal_mass(with_constant(nominal.mass.col(0))),
       nominal_k_(nominal_k),
       nominal_m_(nominal_m) {
-  take(terms, nominal_k, nominal_m);
+  set_terms(terms, nominal_k, nominal_m);
 }
 
-void FullPencils::take(const PencilTerms& terms, const SparseMatrix& nominal_k, const SparseMatrix& nominal_m) {
+void FullPencils::set_terms(const PencilTerms& terms, const SparseMatrix& nominal_k, const SparseMatrix& nominal_m) {
   shifted = nominal_k - shift * nominal_m;
   shifted.makeCompressed();
   stiffness = terms_of(terms.stiffness_constant, terms.stiffness);
@@ -138,7 +139,7 @@ void FullPencils::make_sketch() {
   solver_.factor().solve_root(sketch_);
 }
 
-void FullPencils::catch_up() {
+void FullPencils::make_factor() {
   std::call_once(is_ready_, [this] {
     if (solver_.factorise(nominal_k_, nominal_m_) != shift) {
       throw SystemFailure("the nominal stiffness has another factor than when the reduced model was trained");
@@ -150,12 +151,12 @@ void FullPencils::catch_up() {
 }
 
 DefiniteFactor& FullPencils::factor() {
-  catch_up();
+  make_factor();
   return solver_.factor();
 }
 
 const VectorRows& FullPencils::sketch() {
-  catch_up();
+  make_factor();
   return sketch_;
 }
 

@@ -1,4 +1,4 @@
-// The basis of a reduced model: how it grows and turns, with its projections.
+// Growth, orthonormalisation and rotation of a reduced model's basis, with its projections.
 #include <Eigen/Core>
 
 #include "linalg/blas.hpp"
@@ -26,26 +26,26 @@ VectorRows ReducedModel::Parts::shapes(const Eigen::MatrixXd& coordinates) const
 }
 
 void ReducedModel::Parts::append(const VectorRows& block, Eigen::Index count, int threads) {
-  constexpr int k_max_turns = 3;
+  constexpr int k_max_passes = 3;
   constexpr double k_rounding = 1e-12;
   prepared = std::make_shared<PreparedModes>();
   Eigen::Index added = count;
   basis.conservativeResize(block.rows(), basis.cols() + added);
   basis.rightCols(added) = to_columns(block, added);
-  for (int turn = 0; turn < k_max_turns; ++turn) {
+  for (int pass = 0; pass < k_max_passes; ++pass) {
     pending.conservativeResizeLike(Eigen::MatrixXd::Identity(basis.cols(), basis.cols()));
-    project_last(turn == 0 ? block : to_rows(basis.rightCols(added)), added, threads);
+    project_last(pass == 0 ? block : to_rows(basis.rightCols(added)), added, threads);
     added = orthonormalise_last(added);
     if (added == 0) break;
     Eigen::MatrixXd gram = nominal_columns(added);
     gram.bottomRows(added).diagonal().array() -= 1.0;
-    // Little was new in some of the block, and what was taken out left its rounding errors: project what is left.
+    // Cancellation: where the block lay nearly in the basis, rounding errors remain after projection, so project again.
     if (gram.cwiseAbs().maxCoeff() <= k_rounding) break;
-    settle();
+    apply_pending();
   }
-  const Eigen::Index known = floor_modes.rows();
-  floor_modes.conservativeResize(basis.cols(), Eigen::NoChange);
-  floor_modes.bottomRows(basis.cols() - known).setZero();
+  const Eigen::Index known = reference_modes.rows();
+  reference_modes.conservativeResize(basis.cols(), Eigen::NoChange);
+  reference_modes.bottomRows(basis.cols() - known).setZero();
 }
 
 void ReducedModel::Parts::project_last(const VectorRows& block, Eigen::Index added, int threads) {
@@ -91,20 +91,20 @@ Eigen::Index ReducedModel::Parts::orthonormalise_last(Eigen::Index added) {
   const Eigen::MatrixXd rest = gram.bottomRows(added) - transposed_product(inside, inside);
   const Eigen::MatrixXd combinations = orthonormal_combinations(rest, gram.bottomRows(added).diagonal());
   const Eigen::Index kept = combinations.cols(), size = before + kept;
-  Eigen::MatrixXd turn(before + added, kept);
-  turn << -product(inside, combinations), combinations;
-  const Eigen::MatrixXd turned = product(pending, turn);
+  Eigen::MatrixXd rotation(before + added, kept);
+  rotation << -product(inside, combinations), combinations;
+  const Eigen::MatrixXd rotated = product(pending, rotation);
   pending.conservativeResize(Eigen::NoChange, size);
-  pending.rightCols(kept) = turned;
-  if (kept < added) settle();
+  pending.rightCols(kept) = rotated;
+  if (kept < added) apply_pending();
   const auto apply = [&](Eigen::MatrixXd& projected, Eigen::MatrixXd& sketched) {
-    const Eigen::MatrixXd columns = product(projected, turn);
-    const Eigen::MatrixXd corner = transposed_product(turn, columns);
+    const Eigen::MatrixXd columns = product(projected, rotation);
+    const Eigen::MatrixXd corner = transposed_product(rotation, columns);
     projected.conservativeResize(size, size);
     projected.topRightCorner(before, kept) = columns.topRows(before);
     projected.bottomLeftCorner(kept, before) = columns.topRows(before).transpose();
     projected.bottomRightCorner(kept, kept) = 0.5 * (corner + corner.transpose());
-    const Eigen::MatrixXd last = product(sketched, turn);
+    const Eigen::MatrixXd last = product(sketched, rotation);
     sketched.conservativeResize(Eigen::NoChange, size);
     sketched.rightCols(kept) = last;
   };
@@ -113,7 +113,7 @@ Eigen::Index ReducedModel::Parts::orthonormalise_last(Eigen::Index added) {
   return kept;
 }
 
-void ReducedModel::Parts::settle() {
+void ReducedModel::Parts::apply_pending() {
   if (pending.size() == 0) return;
   constexpr Eigen::Index k_rows = 4096;  // at a time: a large basis is not held twice
   for (Eigen::Index first = 0; first < basis.rows(); first += k_rows) {
@@ -127,12 +127,12 @@ void ReducedModel::Parts::settle() {
 void ReducedModel::Parts::rotate(const Eigen::MatrixXd& q) {
   prepared = std::make_shared<PreparedModes>();
   pending = pending.size() > 0 ? product(pending, q) : q;
-  settle();
-  floor_modes = transposed_product(q, floor_modes);
+  apply_pending();
+  reference_modes = transposed_product(q, reference_modes);
   for (auto* terms : {&stiffness, &mass}) {
     for (Eigen::MatrixXd& term : *terms) {
-      const Eigen::MatrixXd turned = transposed_product(q, product(term, q));
-      term = 0.5 * (turned + turned.transpose());
+      const Eigen::MatrixXd rotated = transposed_product(q, product(term, q));
+      term = 0.5 * (rotated + rotated.transpose());
     }
   }
   for (auto* terms : {&stiffness_sketch, &mass_sketch}) {

@@ -14,7 +14,7 @@
 namespace mottle::linalg {
 namespace {
 
-constexpr Eigen::Index k_batch = 1024;  // samples whose vectors are held at once: few, so that memory is used again
+constexpr Eigen::Index k_batch = 1024;  // samples whose vectors are held at once: few, so that memory is reused
 constexpr Eigen::Index k_grain = 32;
 
 /// The terms side by side, [entries x term].
@@ -44,8 +44,8 @@ Eigen::Index ReducedModel::Parts::solved_modes() const {
   return std::min<Eigen::Index>(options.modes + k_guard_modes, basis.cols());
 }
 
-Eigen::Index ReducedModel::Parts::sharp_modes() const {
-  return std::min<Eigen::Index>(options.modes + k_sharp_guards, solved_modes());
+Eigen::Index ReducedModel::Parts::converged_modes() const {
+  return std::min<Eigen::Index>(options.modes + k_converged_guards, solved_modes());
 }
 
 Eigen::VectorXd sketched_squares(const Eigen::Ref<const Eigen::MatrixXd>& sketched) {
@@ -53,11 +53,12 @@ Eigen::VectorXd sketched_squares(const Eigen::Ref<const Eigen::MatrixXd>& sketch
 }
 
 Eigen::VectorXd ReducedModel::Parts::bounds(const Eigen::Ref<const Eigen::VectorXd>& lambda,
-                                            const Eigen::VectorXd& squares, double unseen, Eigen::Index wanted) const {
+                                            const Eigen::VectorXd& squares, double complement_bound,
+                                            Eigen::Index wanted) const {
   const Eigen::VectorXd mu = lambda.array() - full->shift;
   const auto values = lambda.head(wanted).array();
-  const Eigen::ArrayXd errors = error_bounds(mu, squares.cwiseQuotient(mu), unseen - full->shift, wanted);
-  // Of lambda instead of mu; modes near the shift are those of a body that moves as one.
+  const Eigen::ArrayXd errors = error_bounds(mu, squares.cwiseQuotient(mu), complement_bound - full->shift, wanted);
+  // Errors relative to lambda instead of mu = lambda - shift; rigid-body modes (lambda near 0) relative to the shift.
   return errors * mu.head(wanted).array() / values.max(std::abs(full->shift));
 }
 
@@ -88,9 +89,9 @@ const BatchedDavidson& ReducedModel::Parts::batched_davidson() const {
   std::call_once(prepared->is_made, [&] {
     const Eigen::Index modes = solved_modes();
     prepared->modes =
-        std::make_unique<BatchedDavidson>(NearbyPencils{stiffness, mass, full->nominal_stiffness, full->nominal_mass,
-                                                        full->shift, stiffness_sketch, mass_sketch},
-                                          NearbyOptions{.modes = modes, .sharp = sharp_modes()});
+        std::make_unique<BatchedDavidson>(DavidsonPencils{stiffness, mass, full->nominal_stiffness, full->nominal_mass,
+                                                          full->shift, stiffness_sketch, mass_sketch},
+                                          DavidsonOptions{.modes = modes, .converged = converged_modes()});
   });
   return *prepared->modes;
 }
@@ -98,7 +99,7 @@ const BatchedDavidson& ReducedModel::Parts::batched_davidson() const {
 SketchedModes ReducedModel::Parts::reduced_modes(const TermCoefficients& samples, const Eigen::VectorXd& ratios,
                                                  double inside, int threads) const {
   const Eigen::Index modes = solved_modes();
-  SketchedModes result = batched_davidson().solve(samples, {ratios, full->largest_mass_ratios(samples)},
+  SketchedModes result = batched_davidson().solve(samples, {ratios, full->mass_upper_ratios(samples)},
                                                   inside * options.tolerance, threads);
   std::vector<Eigen::Index> rest;
   for (Eigen::Index s = 0; s < samples.samples(); ++s) {
@@ -125,13 +126,13 @@ ReducedModel::Parts::Solution ReducedModel::Parts::solve(const TermCoefficients&
   constexpr double k_inside = 0.05, k_inside_training = 0.02;  // of the tolerance
   const bool is_training = purpose == Purpose::training;
   const Eigen::Index modes = solved_modes();
-  const Eigen::Index wanted = sharp_modes();
-  const Eigen::VectorXd ratios = full->smallest_ratios(samples);
+  const Eigen::Index wanted = converged_modes();
+  const Eigen::VectorXd ratios = full->stiffness_lower_ratios(samples);
   SketchedModes found = reduced_modes(samples, ratios, is_training ? k_inside_training : k_inside, threads);
   Solution result{std::move(found.modes.values), std::move(found.modes.vectors),
                   Eigen::MatrixXd::Constant(wanted, samples.samples(), k_infinite), std::move(found.residuals)};
-  const Eigen::VectorXd unseen =
-      is_training ? Eigen::VectorXd::Constant(samples.samples(), k_infinite) : unseen_above(samples);
+  const Eigen::VectorXd complement_bound =
+      is_training ? Eigen::VectorXd::Constant(samples.samples(), k_infinite) : complement_bounds(samples);
   parallel_for(samples.samples(), k_grain, threads, [&](std::int64_t begin, std::int64_t end) {
     for (Eigen::Index s = begin; s < end; ++s) {
       auto residuals = result.residuals.middleCols(s * modes, modes);
@@ -141,7 +142,7 @@ ReducedModel::Parts::Solution ReducedModel::Parts::solve(const TermCoefficients&
         residuals.setZero();
         continue;
       }
-      result.bounds.col(s) = bounds(lambda, sketched_squares(residuals) / ratios(s), unseen(s), wanted);
+      result.bounds.col(s) = bounds(lambda, sketched_squares(residuals) / ratios(s), complement_bound(s), wanted);
       residuals *= (k_sketch_rows * ratios(s) * mu).cwiseSqrt().cwiseInverse().asDiagonal();
     }
   });
@@ -160,7 +161,7 @@ ReducedModel::ReducedModel(const PencilTerms& terms, const TermCoefficients& nom
   parts_->mass_sketch.resize(terms.mass.size() + 1);
   const FullPencils& full = *parts_->full;
   const Eigen::MatrixXd modes = std::move(parts_->full->modes);  // the basis holds them from here on
-  parts_->add_floor({full.nominal_stiffness, full.nominal_mass, full.highest_mode}, modes, 1);
+  parts_->add_reference_pencil({full.nominal_stiffness, full.nominal_mass, full.highest_mode}, modes, 1);
 }
 
 ReducedModel::ReducedModel(const ReducedModel& other) : parts_(std::make_unique<Parts>(*other.parts_)) {}

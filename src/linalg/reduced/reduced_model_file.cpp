@@ -46,11 +46,11 @@ class Writer {
     (*this)(static_cast<std::int64_t>(list.size()));
     for (const Item& item : list) (*this)(item);
   }
-  void operator()(const Floor& floor) {
-    const auto& [stiffness, mass, level] = floor;
+  void operator()(const ReferencePencil& reference) {
+    const auto& [stiffness, mass, complete_to] = reference;
     (*this)(stiffness);
     (*this)(mass);
-    (*this)(level);
+    (*this)(complete_to);
   }
 
   /// Everything behind a head that describes it.
@@ -91,8 +91,8 @@ class Reader {
   void operator()(Eigen::Matrix<double, Eigen::Dynamic, columns>& matrix) {
     const std::uint64_t rows = count(1);
     const std::uint64_t width = count(1);
-    const std::uint64_t most = left_ / sizeof(double);
-    require(width == 0 || rows <= most / width, "its parts do not fit together");
+    const std::uint64_t max_entries = left_ / sizeof(double);
+    require(width == 0 || rows <= max_entries / width, "its parts do not fit together");
     require(columns == Eigen::Dynamic || width == 1, "its parts do not fit together");
     matrix.resize(static_cast<Eigen::Index>(rows), static_cast<Eigen::Index>(width));
     copy(matrix.data(), rows * width * sizeof(double));
@@ -102,11 +102,11 @@ class Reader {
     list.resize(count(sizeof(double)));  // no item takes fewer bytes
     for (Item& item : list) (*this)(item);
   }
-  void operator()(Floor& floor) {
-    auto& [stiffness, mass, level] = floor;
+  void operator()(ReferencePencil& reference) {
+    auto& [stiffness, mass, complete_to] = reference;
     (*this)(stiffness);
     (*this)(mass);
-    (*this)(level);
+    (*this)(complete_to);
   }
 
   std::uint64_t left() const { return left_; }
@@ -142,8 +142,8 @@ void visit(Visitor& visitor, Facts& nominal, Parts& parts) {
   visitor(exact_seconds);
   visitor(shift);
   visitor(highest_mode);
-  auto& [full, options, basis, pending, stiffness, mass, floors, reaches_tolerance, floor_modes, stiffness_sketch,
-         mass_sketch, prepared] = parts;
+  auto& [full, options, basis, pending, stiffness, mass, reference_pencils, reaches_tolerance, reference_modes,
+         stiffness_sketch, mass_sketch, prepared] = parts;
   (void)full;      // made from the inputs
   (void)options;   // an input
   (void)pending;   // nothing once the basis is trained
@@ -151,9 +151,9 @@ void visit(Visitor& visitor, Facts& nominal, Parts& parts) {
   visitor(basis);
   visitor(stiffness);
   visitor(mass);
-  visitor(floors);
+  visitor(reference_pencils);
   visitor(reaches_tolerance);
-  visitor(floor_modes);
+  visitor(reference_modes);
   visitor(stiffness_sketch);
   visitor(mass_sketch);
 }
@@ -173,15 +173,15 @@ bool fit(const NominalFacts& facts, const Parts& parts, const ReducedModelInputs
   const auto is_table = [](const Eigen::MatrixXd& bounds, std::size_t terms) {
     return bounds.rows() == static_cast<Eigen::Index>(terms) && bounds.cols() == 2;
   };
-  const auto is_floor = [&](const Floor& floor) {
-    return floor.stiffness.size() == static_cast<Eigen::Index>(stiffness) &&
-           floor.mass.size() == static_cast<Eigen::Index>(mass);
+  const auto is_reference = [&](const ReferencePencil& reference) {
+    return reference.stiffness.size() == static_cast<Eigen::Index>(stiffness) &&
+           reference.mass.size() == static_cast<Eigen::Index>(mass);
   };
   return vectors > 0 && parts.basis.rows() == inputs.stiffness.rows() && is_table(facts.stiffness_bounds, stiffness) &&
          is_table(facts.mass_bounds, mass) && are(parts.stiffness, stiffness, vectors, vectors) &&
          are(parts.mass, mass, vectors, vectors) && are(parts.stiffness_sketch, stiffness, k_sketch_rows, vectors) &&
-         are(parts.mass_sketch, mass, k_sketch_rows, vectors) && !parts.floors.empty() &&
-         std::ranges::all_of(parts.floors, is_floor) && parts.floor_modes.rows() == vectors;
+         are(parts.mass_sketch, mass, k_sketch_rows, vectors) && !parts.reference_pencils.empty() &&
+         std::ranges::all_of(parts.reference_pencils, is_reference) && parts.reference_modes.rows() == vectors;
 }
 
 void check(const Head& head, const Digest& fingerprint, std::uint64_t file_size) {

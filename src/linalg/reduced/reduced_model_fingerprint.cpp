@@ -1,4 +1,4 @@
-// What decides every bit of a trained reduced model.
+// Digest of everything that the bits of a trained reduced model depend on.
 #include <dlfcn.h>
 #include <suitesparse/cholmod.h>
 
@@ -38,7 +38,8 @@ std::string numerics_identity() {
                                  library_of(reinterpret_cast<const void*>(&dgemm_)), blas_kernels(),
                                  library_of(reinterpret_cast<const void*>(&cholmod_factorize)));
   text += library_of(dlsym(RTLD_DEFAULT, "METIS_NodeND"));
-  for (const SimdLevel level : {SimdLevel::avx2, SimdLevel::avx512}) text += is_simd_level_available(level) ? '1' : '0';
+  for (const SimdLevel complete_to : {SimdLevel::avx2, SimdLevel::avx512})
+    text += is_simd_level_available(complete_to) ? '1' : '0';
   return text;
 }
 

@@ -1,4 +1,5 @@
-// Samples of which the reduced model is not sure enough: a few block steps with the nominal factor in the full space.
+// Refinement of samples that the reduced model does not certify: a few block steps with the nominal factor in all
+// equations.
 #include <Eigen/Core>
 #include <algorithm>
 #include <limits>
@@ -16,21 +17,21 @@ namespace {
 
 constexpr double k_infinite = std::numeric_limits<double>::infinity();
 
-/// One sample's matrices and what its certificate needs.
+/// One sample's matrices and the constants of its error bounds.
 struct SamplePencil {
   FullPencils& full;
   Eigen::VectorXd stiffness, mass;  ///< coefficients, the constants' first
   double ratio = 0.0;               ///< smallest eigenvalue of its stiffness against the nominal one
-  double unseen = 0.0;              ///< no mode that residuals cannot show is below
+  double complement_bound = 0.0;    ///< lower bound of lambda for modes orthogonal to the basis
 };
 
-/// A space S that grows by blocks of vectors, with all that Rayleigh and Ritz and the certificate need of it: what is
-/// left to do for each combination of its vectors is small.
+/// A space S that grows by blocks of vectors, with the projections and sketches that Rayleigh-Ritz and the error bounds
+/// need: the cost for each combination of its vectors does not depend on the number of equations.
 class GrowingSpace {
  public:
   explicit GrowingSpace(const SamplePencil& sample) : sample_(sample) {}
 
-  /// @param vectors  with their padding, of which the first `count` are meant
+  /// @param vectors  padded; the first `count` are used
   void append(VectorRows vectors, Eigen::Index count) {
     Block& block = blocks_.emplace_back(Block{std::move(vectors), {}, {}, count});
     block.elastic = image(sample_.full.stiffness, sample_.stiffness, block.vectors);
@@ -41,7 +42,7 @@ class GrowingSpace {
     extend(inertial, &Block::inertial);
   }
 
-  /// (K - lambda M) S weights of some combinations, with their padding.
+  /// (K - lambda M) S weights of some combinations, padded.
   VectorRows residuals(const Eigen::MatrixXd& weights, const Eigen::VectorXd& values) const {
     VectorRows result = VectorRows::Zero(sample_.full.size(), padded_width(weights.cols()));
     // Row by row is the transpose column by column.
@@ -68,7 +69,7 @@ class GrowingSpace {
 
  private:
   struct Block {
-    VectorRows vectors, elastic, inertial;  ///< and what the sample's matrices make of them
+    VectorRows vectors, elastic, inertial;  ///< S, K S and M S
     Eigen::Index count = 0;
   };
 
@@ -130,11 +131,11 @@ Eigen::MatrixXd ritz_weights(const GrowingSpace& space, double shift, Eigen::Ind
          flexibilities.cwiseSqrt().cwiseInverse().asDiagonal();
 }
 
-/// Those of the first `sharp` columns whose squared residual is above `small`, and the largest of all others until a
-/// sweep through the factor is full.
-std::vector<Eigen::Index> largest_residuals(const Eigen::VectorXd& squares, Eigen::Index sharp, double small) {
+/// Those of the first `converged` columns whose squared residual is above `small`, and the largest of all others until
+/// a sweep through the factor is full.
+std::vector<Eigen::Index> largest_residuals(const Eigen::VectorXd& squares, Eigen::Index converged, double small) {
   constexpr Eigen::Index k_sweep = 8;
-  const auto matters = [&](Eigen::Index k) { return k < sharp && squares(k) > small; };
+  const auto matters = [&](Eigen::Index k) { return k < converged && squares(k) > small; };
   std::vector<Eigen::Index> columns(static_cast<std::size_t>(squares.size()));
   std::iota(columns.begin(), columns.end(), Eigen::Index{0});
   std::stable_sort(columns.begin(), columns.end(), [&](Eigen::Index a, Eigen::Index b) {
@@ -169,14 +170,14 @@ RefinedModes refine_sample(const ReducedModel::Parts& parts, const SamplePencil&
     const Eigen::MatrixXd residuals =
         space.elastic_sketch * weights - space.inertial_sketch * weights * result.values.asDiagonal();
     const Eigen::VectorXd norms = sketched_squares(residuals) / sample.ratio;
-    result.bounds = parts.bounds(result.values, norms, sample.unseen, wanted);
+    result.bounds = parts.bounds(result.values, norms, sample.complement_bound, wanted);
     if (result.bounds.maxCoeff() <= tolerance || step == k_steps) break;
     const Eigen::VectorXd squares = norms.array() / (result.values.array() - shift);
     if (!squares.allFinite()) break;
-    const auto columns = largest_residuals(squares, wanted + k_sharp_guards, k_small * tolerance);
-    VectorRows answers = space.residuals(weights(Eigen::all, columns), result.values(columns));
-    sample.full.factor().solve_rows(answers);
-    space.append(std::move(answers), static_cast<Eigen::Index>(columns.size()));
+    const auto columns = largest_residuals(squares, wanted + k_converged_guards, k_small * tolerance);
+    VectorRows corrections = space.residuals(weights(Eigen::all, columns), result.values(columns));
+    sample.full.factor().solve_rows(corrections);
+    space.append(std::move(corrections), static_cast<Eigen::Index>(columns.size()));
     Eigen::MatrixXd next = ritz_weights(space, shift, start.cols());
     if (next.cols() < start.cols()) {
       weights.conservativeResizeLike(Eigen::MatrixXd::Zero(next.rows(), weights.cols()));
@@ -195,8 +196,8 @@ RefinedModes refine_sample(const ReducedModel::Parts& parts, const SamplePencil&
 void ReducedModel::refine(const TermCoefficients& samples, int threads, const RefinedVisitor& visit) const {
   const Parts& parts = *parts_;
   const Parts::Solution begin = parts.solve(samples, Purpose::results, threads);
-  const Eigen::VectorXd ratios = parts.full->smallest_ratios(samples);
-  const Eigen::VectorXd unseen = parts.unseen_above(samples);
+  const Eigen::VectorXd ratios = parts.full->stiffness_lower_ratios(samples);
+  const Eigen::VectorXd complement_bound = parts.complement_bounds(samples);
   const Eigen::Index vectors = parts.basis.cols();
   const Eigen::Index modes = begin.values.rows();
   const Eigen::Index wanted = std::min<Eigen::Index>(parts.options.modes, modes);
@@ -208,7 +209,7 @@ void ReducedModel::refine(const TermCoefficients& samples, int threads, const Re
         continue;
       }
       const SamplePencil pencil{*parts.full, with_constant(samples.stiffness.col(s)),
-                                with_constant(samples.mass.col(s)), ratios(s), unseen(s)};
+                                with_constant(samples.mass.col(s)), ratios(s), complement_bound(s)};
       const Eigen::Map<const Eigen::MatrixXd> coordinates(begin.vectors.col(s).data(), vectors, modes);
       visit(s, refine_sample(parts, pencil, coordinates));
     }

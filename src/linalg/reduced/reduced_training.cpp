@@ -1,4 +1,4 @@
-// Which residuals of the training samples enlarge the basis, and which of its directions are kept.
+// Training of a reduced model: greedy choice of the residuals that enlarge the basis, and its compression at the end.
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
@@ -14,9 +14,10 @@ namespace mottle::linalg {
 namespace {
 
 constexpr double k_guard_residual = 0.1;       // relative residual that is good enough for a guard mode
-constexpr double k_largest_shortfall = 100.0;  // worse ones are not told apart
+constexpr double k_largest_shortfall = 100.0;  // larger ones are cut to this
 
-/// How far each (mode, sample) is from what is wanted: above 1 it needs more. [mode and guards x sample]
+/// Error of each (mode, sample) over the one that is allowed: above 1 the basis is not yet good enough for it.
+/// [mode and guards x sample]
 Eigen::MatrixXd shortfalls(const Eigen::MatrixXd& bounds, const Eigen::MatrixXd& residuals, double target) {
   const Eigen::Index modes = residuals.cols() / bounds.cols();
   Eigen::MatrixXd result(modes, bounds.cols());
@@ -34,24 +35,26 @@ struct Pick {
   Eigen::Index mode = 0;
 };
 
-/// Columns by pivoting: each the one that is farthest from good enough when the picked ones are taken out of all.
-std::vector<Pick> pick_residuals(const Eigen::MatrixXd& residuals, const Eigen::MatrixXd& wants, Eigen::Index most) {
+/// Residuals by pivoted Gram-Schmidt: each has the largest component orthogonal to those picked before, weighted by its
+/// shortfall.
+std::vector<Pick> pick_residuals(const Eigen::MatrixXd& residuals, const Eigen::MatrixXd& shortfall,
+                                 Eigen::Index max_picks) {
   constexpr double k_enough = 0.5;
   std::vector<Pick> candidates;
-  for (Eigen::Index s = 0; s < wants.cols(); ++s) {
-    for (Eigen::Index k = 0; k < wants.rows(); ++k) {
-      if (wants(k, s) > 1.0) candidates.push_back({s, k});
+  for (Eigen::Index s = 0; s < shortfall.cols(); ++s) {
+    for (Eigen::Index k = 0; k < shortfall.rows(); ++k) {
+      if (shortfall(k, s) > 1.0) candidates.push_back({s, k});
     }
   }
   Eigen::MatrixXd columns(residuals.rows(), static_cast<Eigen::Index>(candidates.size()));
   for (Eigen::Index c = 0; c < columns.cols(); ++c) {
     const Pick& pick = candidates[static_cast<std::size_t>(c)];
-    const auto residual = residuals.col(pick.sample * wants.rows() + pick.mode);
-    columns.col(c) = residual * (wants(pick.mode, pick.sample) / std::max(residual.norm(), 1e-300));
+    const auto residual = residuals.col(pick.sample * shortfall.rows() + pick.mode);
+    columns.col(c) = residual * (shortfall(pick.mode, pick.sample) / std::max(residual.norm(), 1e-300));
   }
   std::vector<Pick> picks;
   Eigen::VectorXd squares = columns.colwise().squaredNorm().transpose();
-  while (static_cast<Eigen::Index>(picks.size()) < std::min(most, columns.cols())) {
+  while (static_cast<Eigen::Index>(picks.size()) < std::min(max_picks, columns.cols())) {
     Eigen::Index best = 0;
     if (squares.maxCoeff(&best) < k_enough * k_enough) break;
     picks.push_back(candidates[static_cast<std::size_t>(best)]);
@@ -63,7 +66,7 @@ std::vector<Pick> pick_residuals(const Eigen::MatrixXd& residuals, const Eigen::
   return picks;
 }
 
-/// K(s) u - lambda M(s) u of the picked modes; u as rows, with their padding.
+/// K(s) u - lambda M(s) u of the picked modes; u as rows, padded.
 VectorRows full_residuals(const FullPencils& full, const TermCoefficients& samples, const std::vector<Pick>& picks,
                           const VectorRows& u, const Eigen::VectorXd& values) {
   std::vector<Eigen::Index> picked;
@@ -80,27 +83,27 @@ VectorRows full_residuals(const FullPencils& full, const TermCoefficients& sampl
   return result;
 }
 
-/// What is known of the training samples. A sample that is good keeps its vectors while the basis grows: they are in
-/// the larger space too, and leave the same residuals.
+/// Ritz pairs and shortfalls of the training samples. A sample whose shortfalls are below 1 is not solved again while
+/// the basis grows: its vectors are in the larger space too, with the same residuals.
 class TrainingSamples {
  public:
   TrainingSamples(const ReducedModel::Parts& parts, const TermCoefficients& samples, double target)
       : parts_(parts), samples_(samples), target_(target) {}
 
-  /// Solves those of the first `used` samples that are new or were not good.
+  /// Solves those of the first `used` samples that are new or have a shortfall above 1.
   void solve(Eigen::Index used, int threads) {
     const Eigen::Index modes = parts_.solved_modes();
-    if (modes != wants.rows()) used_ = 0;  // a basis that held hardly more than the modes has grown
+    if (modes != shortfall.rows()) used_ = 0;  // a basis that held hardly more than the modes has grown
     std::vector<Eigen::Index> open;
     for (Eigen::Index s = 0; s < used; ++s) {
-      if (s >= used_ || wants.col(s).maxCoeff() > 1.0) open.push_back(s);
+      if (s >= used_ || shortfall.col(s).maxCoeff() > 1.0) open.push_back(s);
     }
     resize(modes, used);
     solve(open, threads);
   }
 
-  /// Samples solved in a space hardly smaller than the basis is now, at least `enough` of them: the vectors of others
-  /// would keep directions that the larger space can do without.
+  /// At least `enough` samples solved in a space hardly smaller than the present basis, some solved again for it:
+  /// vectors from smaller spaces would keep directions that the present one does not need.
   std::vector<Eigen::Index> fresh(Eigen::Index enough, int threads) {
     constexpr double k_hardly_smaller = 0.9;
     const double limit = k_hardly_smaller * static_cast<double>(parts_.basis.cols());
@@ -115,34 +118,33 @@ class TrainingSamples {
     return result;
   }
 
-  /// Whether a few more vectors would hardly matter: bounds are within the tolerance, guards known well enough for
-  /// them.
+  /// Whether all bounds are within the tolerance and the guards accurate enough for them.
   bool are_nearly_good() const {
     constexpr double k_bound = 1.4;  // its square times half the tolerance is within it
     constexpr double k_guard = 2.0;
-    return wants.topRows(parts_.sharp_modes()).maxCoeff() < k_bound && wants.maxCoeff() < k_guard;
+    return shortfall.topRows(parts_.converged_modes()).maxCoeff() < k_bound && shortfall.maxCoeff() < k_guard;
   }
-  Eigen::Index open_samples() const { return (wants.colwise().maxCoeff().array() > 1.0).count(); }
-  /// Mean over the samples of the logarithm of what the worst mode is short of; 0 where half of them are good or so.
-  double mean_shortfall() const { return wants.colwise().maxCoeff().array().max(1e-3).log().mean(); }
+  Eigen::Index open_samples() const { return (shortfall.colwise().maxCoeff().array() > 1.0).count(); }
+  /// Mean over the samples of the logarithm of the largest shortfall; 0 where about half of them are good.
+  double mean_shortfall() const { return shortfall.colwise().maxCoeff().array().max(1e-3).log().mean(); }
 
   Eigen::MatrixXd values;       ///< Ritz values [mode and guards x sample]
   Eigen::MatrixXd coordinates;  ///< of Ritz vectors [vector x (mode and guards) * sample]
   Eigen::MatrixXd residuals;    ///< sketched [sketch row x (mode and guards) * sample]
-  Eigen::MatrixXd wants;        ///< see shortfalls()
+  Eigen::MatrixXd shortfall;    ///< see shortfalls()
 
  private:
   void solve(const std::vector<Eigen::Index>& rows, int threads) {
     if (rows.empty()) return;
-    const Eigen::Index modes = wants.rows();
+    const Eigen::Index modes = shortfall.rows();
     const TermCoefficients now{samples_.stiffness(Eigen::all, rows), samples_.mass(Eigen::all, rows)};
     const ReducedModel::Parts::Solution found = parts_.solve(now, Purpose::training, threads);
-    const Eigen::MatrixXd shortfall = shortfalls(found.bounds, found.residuals, target_);
+    const Eigen::MatrixXd found_shortfall = shortfalls(found.bounds, found.residuals, target_);
     for (std::size_t i = 0; i < rows.size(); ++i) {
       const auto from = static_cast<Eigen::Index>(i);
       solved_in_[static_cast<std::size_t>(rows[i])] = coordinates.rows();
       values.col(rows[i]) = found.values.col(from);
-      wants.col(rows[i]) = shortfall.col(from);
+      shortfall.col(rows[i]) = found_shortfall.col(from);
       residuals.middleCols(rows[i] * modes, modes) = found.residuals.middleCols(from * modes, modes);
       coordinates.middleCols(rows[i] * modes, modes) = found.vectors.col(from).reshaped(coordinates.rows(), modes);
     }
@@ -155,7 +157,7 @@ class TrainingSamples {
     coordinates.bottomRows(vectors - before).setZero();
     residuals.conservativeResize(k_sketch_rows, modes * used);
     values.conservativeResize(modes, used);
-    wants.conservativeResize(modes, used);
+    shortfall.conservativeResize(modes, used);
     solved_in_.resize(static_cast<std::size_t>(used));
     used_ = used;
   }
@@ -167,22 +169,22 @@ class TrainingSamples {
   std::vector<Eigen::Index> solved_in_;  // vectors of the basis at the time [sample]
 };
 
-/// The directions that training samples need, orthonormal: the basis grew by what was missing at the time. Empty where
-/// nearly all are.
+/// Orthonormal directions of the basis that the training samples need, in its coordinates: the basis grew by what was
+/// missing at the time, and later vectors make earlier ones superfluous. Empty where nearly all are needed.
 Eigen::MatrixXd needed_directions(const ReducedModel::Parts& parts, const TrainingSamples& samples,
                                   const std::vector<Eigen::Index>& chosen) {
-  constexpr Eigen::Index k_worth = 20;  // a twentieth fewer pay for the turning
-  constexpr double k_neglect = 0.5;     // of the residual that would be just good enough
-  constexpr double k_lost = 0.03;       // of a floor's mode
+  constexpr Eigen::Index k_worth = 20;  // at least a twentieth fewer vectors, or the rotation does not pay
+  constexpr double k_neglect = 0.5;     // neglected part of a vector, relative to the largest residual allowed
+  constexpr double k_lost = 0.03;       // neglected part of a reference pencil's mode
   const Eigen::Index vectors = parts.basis.cols();
-  const Eigen::Index modes = samples.wants.rows();
+  const Eigen::Index modes = samples.shortfall.rows();
   const Eigen::Index columns = modes * static_cast<Eigen::Index>(chosen.size());
-  Eigen::MatrixXd weighted(vectors, columns + parts.floor_modes.cols());
-  weighted.rightCols(parts.floor_modes.cols()) = parts.floor_modes * (k_neglect / k_lost);
+  Eigen::MatrixXd weighted(vectors, columns + parts.reference_modes.cols());
+  weighted.rightCols(parts.reference_modes.cols()) = parts.reference_modes * (k_neglect / k_lost);
   for (Eigen::Index c = 0; c < columns; ++c) {
     const Eigen::Index s = chosen[static_cast<std::size_t>(c / modes)];
     const Eigen::Index k = c % modes;
-    const double allowed = samples.residuals.col(s * modes + k).norm() / std::max(samples.wants(k, s), 1e-3);
+    const double allowed = samples.residuals.col(s * modes + k).norm() / std::max(samples.shortfall(k, s), 1e-3);
     const double length = std::sqrt(std::max(samples.values(k, s) - parts.full->shift, 0.0));
     weighted.col(c) = samples.coordinates.col(s * modes + k) / std::max(length * allowed, 1e-300);
   }
@@ -199,25 +201,25 @@ Eigen::MatrixXd needed_directions(const ReducedModel::Parts& parts, const Traini
   return solver.eigenvectors().rightCols(vectors - dropped);
 }
 
-/// Turns the basis into the needed directions, if there are any, and these into the nominal modes.
-void turn_basis(ReducedModel::Parts& parts, const Eigen::MatrixXd& needed) {
+/// Rotates the basis to the needed directions, if there are any, and these to the nominal modes.
+void rotate_basis(ReducedModel::Parts& parts, const Eigen::MatrixXd& needed) {
   Eigen::MatrixXd nominal = weighted_sum(parts.mass, parts.full->nominal_mass);
   if (needed.size() > 0) nominal = transposed_product(needed, product(nominal, needed));
-  const Eigen::MatrixXd turn = nominal_turn(nominal);
+  const Eigen::MatrixXd rotation = nominal_rotation(nominal);
   if (needed.size() > 0) {
-    parts.rotate(turn.size() > 0 ? product(needed, turn) : needed);
-  } else if (turn.size() > 0) {
-    parts.rotate(turn);
+    parts.rotate(rotation.size() > 0 ? product(needed, rotation) : needed);
+  } else if (rotation.size() > 0) {
+    parts.rotate(rotation);
   }
 }
 
-/// How the training comes on, to give up before the most expensive rounds where they would be in vain.
-class Progress {
+/// Progress of the training, which ends it before the most expensive rounds if they cannot reach the tolerance.
+class TrainingProgress {
  public:
-  /// Whether most samples would be far from good at the largest basis allowed even if all further vectors helped as
-  /// much as the last ones; in fact each helps less than those before. A few times too much is not: refinement mends
-  /// it. While nearly all samples have no bound worth the name nothing is known of that, and late it is bad enough.
-  bool is_hopeless(const ReducedModel::Parts& parts, double shortfall) {
+  /// Whether the mean shortfall, extrapolated to the largest basis allowed by the rate of the last vectors (later ones
+  /// help less), stays above e: refinement corrects smaller ones. While nearly all samples are at k_largest_shortfall
+  /// there is no rate; if so at three quarters of the basis, the tolerance is out of reach too.
+  bool is_out_of_reach(const ReducedModel::Parts& parts, double shortfall) {
     constexpr double k_margin = 1.0;
     constexpr double k_blind = 0.97;
     const Eigen::Index vectors = parts.basis.cols();
@@ -232,8 +234,8 @@ class Progress {
     return (knows && predicted > k_margin) || (is_late && shortfall > blind);
   }
 
-  /// Whether the last of the rounds for a few samples hardly helped the worst: what it lacks is not vectors.
-  bool stands_still(double worst) {
+  /// Whether the last round hardly reduced the largest shortfall: more vectors will not help.
+  bool is_stagnant(double worst) {
     constexpr double k_hardly = 0.9;
     return worst > k_hardly * std::exchange(worst_, worst);
   }
@@ -244,7 +246,7 @@ class Progress {
   double shortfall_ = 0.0;
 };
 
-/// The answers of the nominal factor to the picked residuals enlarge the basis.
+/// Enlarges the basis by A^-1 r of the picked residuals r.
 void enlarge(ReducedModel::Parts& parts, const TermCoefficients& samples, const TrainingSamples& known,
              const std::vector<Pick>& picks, int threads) {
   Eigen::MatrixXd coordinates(parts.basis.cols(), static_cast<Eigen::Index>(picks.size()));
@@ -254,12 +256,12 @@ void enlarge(ReducedModel::Parts& parts, const TermCoefficients& samples, const 
     values(c) = known.values(pick.mode, pick.sample);
     coordinates.col(c) = known.coordinates.col(pick.sample * known.values.rows() + pick.mode);
   }
-  VectorRows answers = full_residuals(*parts.full, samples, picks, parts.shapes(coordinates), values);
+  VectorRows corrections = full_residuals(*parts.full, samples, picks, parts.shapes(coordinates), values);
   constexpr std::int64_t k_sides = 16;  // in one sweep through the factor; fewer cost more a side
   parallel_for(coordinates.cols(), k_sides, threads, [&](std::int64_t begin, std::int64_t end) {
-    parts.full->factor().solve_rows(answers.middleCols(begin, end - begin));
+    parts.full->factor().solve_rows(corrections.middleCols(begin, end - begin));
   });
-  parts.append(answers, coordinates.cols(), threads);
+  parts.append(corrections, coordinates.cols(), threads);
 }
 
 }  // namespace
@@ -269,38 +271,38 @@ void ReducedModel::train(const TermCoefficients& samples, int threads) {
   constexpr Eigen::Index k_choosing_samples = 128;
   constexpr Eigen::Index k_compressing_samples = 200;
   constexpr int k_rounds = 30;
-  constexpr int k_last_rounds = 3;          // for a few that are not good yet: refinement takes care of them
-  constexpr Eigen::Index k_few = 50;        // one in so many samples
-  constexpr Eigen::Index k_max_picks = 48;  // whole sweeps through the factor
+  constexpr int k_last_rounds = 3;          // once few samples are not good: refinement can solve those
+  constexpr Eigen::Index k_few = 50;        // few: one in this many
+  constexpr Eigen::Index k_max_picks = 48;  // a multiple of a sweep's right-hand sides
   Parts& parts = *parts_;
   const Eigen::Index max_picks = std::min<Eigen::Index>(k_max_picks, Eigen::Index{5} * parts.options.modes);
-  parts.raise_floor(samples, threads);
+  parts.add_reference_below(samples, threads);
   Eigen::Index used = std::min(samples.samples(), k_first_samples);
   TrainingSamples known(parts, samples, 0.5 * parts.options.tolerance);
-  Progress progress;
+  TrainingProgress progress;
   parts.reaches_tolerance = false;
   int last_rounds = 0;
   Eigen::MatrixXd needed;
   for (int round = 0; round < k_rounds; ++round) {
     known.solve(used, threads);
     const Eigen::Index room = parts.options.max_vectors - parts.basis.cols();
-    const std::vector<Pick> picks = pick_residuals(known.residuals, known.wants, std::min(max_picks, room));
+    const std::vector<Pick> picks = pick_residuals(known.residuals, known.shortfall, std::min(max_picks, room));
     const bool is_complete = used == samples.samples();
     if (is_complete && k_few * known.open_samples() <= used) {
-      last_rounds += progress.stands_still(known.wants.maxCoeff()) ? k_last_rounds : 1;
+      last_rounds += progress.is_stagnant(known.shortfall.maxCoeff()) ? k_last_rounds : 1;
     }
     const bool is_good = is_complete && (known.are_nearly_good() || last_rounds > k_last_rounds);
     parts.reaches_tolerance = is_good || (picks.empty() && room > 0);
     if (is_good) needed = needed_directions(parts, known, known.fresh(k_compressing_samples, threads));
     if (is_good || (picks.empty() && is_complete) || room <= 0) break;
-    if (progress.is_hopeless(parts, known.mean_shortfall())) break;
+    if (progress.is_out_of_reach(parts, known.mean_shortfall())) break;
     // As long as no sample is good, more of them would hardly choose better.
     const bool has_good = used < k_choosing_samples || known.open_samples() < used;
     if (has_good) used = std::min(2 * used, samples.samples());
     if (!picks.empty()) enlarge(parts, samples, known, picks, threads);
   }
-  turn_basis(parts, needed);
-  parts.settle();
+  rotate_basis(parts, needed);
+  parts.apply_pending();
 }
 
 bool ReducedModel::reaches_tolerance() const {

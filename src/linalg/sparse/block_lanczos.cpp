@@ -14,17 +14,18 @@ namespace mottle::linalg {
 namespace {
 
 constexpr int k_max_restarts = 60;
-constexpr double k_deflated = 1e-11;  // what is left of a vector after orthogonalisation that counts as nothing
+constexpr double k_deflated =
+    1e-11;  // relative length after orthogonalisation below which a vector counts as dependent
 
-/// Solutions for up to eight right-hand sides cost as much as for eight, and a wider block needs more of them in all;
-/// it should be wider than a free body has rigid-body modes.
+/// Block size: up to eight right-hand sides cost as much as eight, and wider blocks need more solutions in all; it
+/// should exceed the six rigid-body modes of a free structure.
 int first_block(int wanted) {
   constexpr int k_many = 48;
   return wanted < k_many ? std::clamp(wanted / 3, 7, 8) : 16;
 }
 
-/// Whether a root is found as often as a block is wide: it may be repeated more often, and a Krylov space holds no more
-/// copies than it began with. Values descend.
+/// Whether a root is found as many times as the block has vectors: its multiplicity may be higher, and a Krylov space
+/// holds no more copies than its first block has vectors. Values descend.
 bool may_hide_copies(const Eigen::VectorXd& values, Eigen::Index block, double tolerance) {
   const double equal = std::max(10.0 * tolerance * tolerance, 1e-8);
   for (Eigen::Index i = 0; i + block <= values.size(); ++i) {
@@ -140,11 +141,11 @@ class KrylovBasis {
     const double before = std::sqrt(block.cwiseProduct(weighed_).colwise().sum().maxCoeff());
     take_out();
     weighed_ = problem_.weigh(block);
-    take_out();  // rounding errors of the first time; too small to change M block
+    take_out();  // again, for the rounding errors of the first time; too small to change M block
     coupling_ = normalise(block, weighed_, k_deflated * before);
     if (block.cols() == 0) return 0;
     if (min_length_ < k_much_lost * before) {
-      // Scaling up what little was left has scaled up its rounding errors too.
+      // Normalising a short remainder has magnified its rounding errors: orthogonalise again.
       coefficients = nullptr;
       weighed_ = problem_.weigh(block);
       take_out();

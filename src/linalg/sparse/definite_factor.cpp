@@ -1,4 +1,4 @@
-// CHOLMOD's supernodal L L', with solutions by the lane kernels.
+// CHOLMOD's supernodal L L', with solutions by the SIMD kernels.
 #include <suitesparse/cholmod.h>
 
 #include <algorithm>
@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "linalg/batched/lane_kernels.hpp"
+#include "linalg/batched/simd_kernels.hpp"
 #include "linalg/blas.hpp"
 #include "mottle/core/error.hpp"
 #include "mottle/linalg/sparse/symmetric_factor.hpp"
@@ -114,7 +114,7 @@ class CholmodFactor final : public DefiniteFactor {
            factor_->itype == CHOLMOD_INT;
   }
 
-  lane_kernels::SupernodalLower supernodes() const {
+  simd_kernels::SupernodalLower supernodes() const {
     return {static_cast<int>(factor_->nsuper),    static_cast<const int*>(factor_->super),
             static_cast<const int*>(factor_->pi), static_cast<const int*>(factor_->s),
             static_cast<const int*>(factor_->px), static_cast<const double*>(factor_->x)};
@@ -123,11 +123,11 @@ class CholmodFactor final : public DefiniteFactor {
   /// P' L^-T L^-1 P B, or its second half P' L^-T B alone: the root.
   template <typename Sides>
   void sweep(Sides& right_hand_sides, bool is_root) {
-    const lane_kernels::Kernels& kernels = lane_kernels::kernels_for();
-    const lane_kernels::SupernodalLower lower = supernodes();
+    const simd_kernels::Kernels& kernels = simd_kernels::kernels_for();
+    const simd_kernels::SupernodalLower lower = supernodes();
     const int* order = static_cast<const int*>(factor_->Perm);
     const Eigen::Index rows = right_hand_sides.rows();
-    std::vector<CacheLine> sides_by_rows;  // as the kernels want them
+    std::vector<CacheLine> sides_by_rows;  // the layout of the kernels
     for (Eigen::Index first = 0; first < right_hand_sides.cols(); first += k_max_sides) {
       const Eigen::Index sides = std::min(k_max_sides, right_hand_sides.cols() - first);
       const Eigen::Index width = sides == 1 ? 1 : (sides + kernels.lanes - 1) / kernels.lanes * kernels.lanes;

@@ -16,10 +16,10 @@
 namespace mottle::linalg {
 namespace {
 
-/// A shift below all modes: a small part of the typical local K_ii / M_ii, which is near the highest eigenvalues. Small
+/// A shift below all modes: a small fraction of the median K_ii / M_ii, which is near the highest eigenvalues. Small
 /// against the lowest elastic modes, large enough that K - s M is definite beyond rounding for a free structure.
 double default_shift(const SparseMatrix& stiffness, const SparseMatrix& mass) {
-  constexpr double k_part_of_typical = 1e-9;
+  constexpr double k_fraction_of_typical = 1e-9;
   const Eigen::VectorXd k = stiffness.diagonal();
   const Eigen::VectorXd m = mass.diagonal();
   std::vector<double> ratios;
@@ -29,10 +29,10 @@ double default_shift(const SparseMatrix& stiffness, const SparseMatrix& mass) {
   if (ratios.empty()) return -1.0;
   const auto middle = ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2);
   std::nth_element(ratios.begin(), middle, ratios.end());
-  return -k_part_of_typical * *middle;
+  return -k_fraction_of_typical * *middle;
 }
 
-/// Where a matrix has entries, seen and not copied.
+/// View of a matrix's sparsity pattern.
 struct Pattern {
   std::span<const int> starts, rows;
 
@@ -70,11 +70,11 @@ Eigen::VectorXd relative_residuals(const SparseMatrix& stiffness, const SparseMa
   return residuals;
 }
 
-/// Where to count: how many of the values lie below a wide gap, at or after the first `wanted` of them, or before where
-/// a repeated root goes on beyond all that are known.
+/// Where to count: the number of values below a wide gap at or after the first `wanted` of them, or before it where a
+/// repeated root continues beyond the known values.
 Eigen::Index cut_position(const Eigen::VectorXd& values, Eigen::Index wanted, double shift) {
   constexpr double k_wide = 1e-3;
-  constexpr double k_one_root = 1e-6;  // closer ones are not told apart by the inertia
+  constexpr double k_one_root = 1e-6;  // relative distance that the inertia count resolves
   // Against the distance from the shift, by which values are exact: those of rigid-body modes are zero but for
   // rounding.
   const auto gap_before = [&](Eigen::Index i) { return (values(i) - values(i - 1)) / (values(i) - shift); };
@@ -84,7 +84,7 @@ Eigen::Index cut_position(const Eigen::VectorXd& values, Eigen::Index wanted, do
     if (gap_before(i) <= widest) continue;
     widest = gap_before(i);
     best = i;
-    if (widest > k_wide) break;  // wide enough; the nearer the better, since the farther values are less exact
+    if (widest > k_wide) break;  // wide enough; the first one, since higher values are less accurate
   }
   if (wanted == values.size() || widest > k_one_root) return best;
   for (best = wanted - 1; best > 0 && gap_before(best) <= k_one_root; --best) continue;
@@ -107,8 +107,8 @@ LongMatrix projected(const SparseMatrix& lower, const LongMatrix& vectors) {
   return 0.5L * (result + result.transpose());
 }
 
-/// Modes far below the shift, a soft suspension's, drown in the rounding errors of the factor, which are those of the
-/// stiffest parts, and mix. The space that they span is good: Rayleigh and Ritz find them there once more.
+/// Modes far below the shift (of a soft suspension) are mixed by the rounding errors of the factor, which scale with
+/// the stiffest elements. The space that they span is accurate: Rayleigh-Ritz in extended precision separates them.
 void refine_soft_modes(const SparseMatrix& stiffness, const SparseMatrix& mass, double shift, Eigen::VectorXd& values,
                        Eigen::MatrixXd& vectors) {
   constexpr double k_soft = 100.0;
@@ -129,7 +129,7 @@ struct SparseModeSolver::Factors {
 
   std::vector<int> starts, rows;  ///< pattern of which the symbolic factorisations are
 
-  /// Starts anew where the pattern is another one: a moved node may fill what was zero by geometry.
+  /// Repeats the symbolic factorisation if the pattern has changed: a moved node may fill an entry that was zero.
   void keep_pattern(const SparseMatrix& lower) {
     const Pattern pattern = pattern_of(lower);
     if (pattern == Pattern{starts, rows}) return;

@@ -3,16 +3,16 @@
 namespace mottle::linalg {
 
 SupportedMatrix::SupportedMatrix(const SparseMatrix& lower) {
-  std::vector<int> place(static_cast<std::size_t>(lower.rows()), -1);
+  std::vector<int> local_row(static_cast<std::size_t>(lower.rows()), -1);
   for (int j = 0; j < lower.outerSize(); ++j) {
     for (SparseMatrix::InnerIterator entry(lower, j); entry; ++entry) {
-      place[static_cast<std::size_t>(entry.row())] = 0;
-      place[static_cast<std::size_t>(j)] = 0;
+      local_row[static_cast<std::size_t>(entry.row())] = 0;
+      local_row[static_cast<std::size_t>(j)] = 0;
     }
   }
-  for (std::size_t i = 0; i < place.size(); ++i) {
-    if (place[i] < 0) continue;
-    place[i] = static_cast<int>(rows_.size());
+  for (std::size_t i = 0; i < local_row.size(); ++i) {
+    if (local_row[i] < 0) continue;
+    local_row[i] = static_cast<int>(rows_.size());
     rows_.push_back(static_cast<int>(i));
   }
   const auto order = static_cast<Eigen::Index>(rows_.size());
@@ -21,32 +21,32 @@ SupportedMatrix::SupportedMatrix(const SparseMatrix& lower) {
   for (Eigen::Index j = 0; j < order; ++j) {
     lower_.startVec(j);
     for (SparseMatrix::InnerIterator entry(lower, rows_[static_cast<std::size_t>(j)]); entry; ++entry) {
-      lower_.insertBack(place[static_cast<std::size_t>(entry.row())], j) = entry.value();
+      lower_.insertBack(local_row[static_cast<std::size_t>(entry.row())], j) = entry.value();
     }
   }
   lower_.finalize();
 }
 
-lane_kernels::SparseLower SupportedMatrix::view() const {
+simd_kernels::SparseLower SupportedMatrix::view() const {
   return {static_cast<int>(lower_.cols()), lower_.outerIndexPtr(), lower_.innerIndexPtr(), lower_.valuePtr(),
           rows_.data()};
 }
 
 void SupportedMatrix::add_scaled_product(const VectorRows& x, const Eigen::VectorXd& scales, VectorRows& result) const {
-  lane_kernels::kernels_for().add_scaled_product(view(), scales.data(), static_cast<int>(x.cols()), x.data(),
+  simd_kernels::kernels_for().add_scaled_product(view(), scales.data(), static_cast<int>(x.cols()), x.data(),
                                                  result.data());
 }
 
 VectorRows SupportedMatrix::local_product(const VectorRows& x) const {
   VectorRows result = VectorRows::Zero(lower_.cols(), x.cols());
-  lane_kernels::kernels_for().add_local_product(view(), static_cast<int>(x.cols()), x.data(), result.data());
+  simd_kernels::kernels_for().add_local_product(view(), static_cast<int>(x.cols()), x.data(), result.data());
   return result;
 }
 
 VectorRows SupportedMatrix::project(const double* left, Eigen::Index vectors, Eigen::Index row_step,
                                     Eigen::Index vector_step, const VectorRows& product) const {
   VectorRows result = VectorRows::Zero(vectors, product.cols());
-  lane_kernels::kernels_for().add_gathered_product(
+  simd_kernels::kernels_for().add_gathered_product(
       {static_cast<int>(vectors), left, row_step, vector_step, static_cast<int>(rows_.size()), rows_.data()},
       static_cast<int>(product.cols()), product.data(), result.data());
   return result;

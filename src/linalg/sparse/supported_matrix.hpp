@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "linalg/batched/lane_kernels.hpp"
+#include "linalg/batched/simd_kernels.hpp"
 #include "linalg/batched/symmetric_product.hpp"
 
 namespace mottle::linalg {
@@ -34,7 +34,7 @@ class SupportedMatrix {
   void add_to(SparseMatrix& sum, double factor) const;
 
  private:
-  lane_kernels::SparseLower view() const;
+  simd_kernels::SparseLower view() const;
   /// left' A x where a step leads from one row, or vector, of `left` to the next.
   VectorRows project(const double* left, Eigen::Index vectors, Eigen::Index row_step, Eigen::Index vector_step,
                      const VectorRows& product) const;

@@ -5,7 +5,7 @@
 #include <random>
 #include <vector>
 
-#include "linalg/batched/lane_kernels.hpp"
+#include "linalg/batched/simd_kernels.hpp"
 #include "linalg/pencils.hpp"
 #include "mottle/linalg/sparse/symmetric_factor.hpp"
 
@@ -39,17 +39,17 @@ INSTANTIATE_TEST_SUITE_P(Levels, RowProducts, every_level(), level_name);
 
 TEST_P(RowProducts, ASymmetricMatrixWorksOnItsOwnRowsOfLongerVectors) {
   constexpr int k_order = 40, k_total = 90;
-  const lane_kernels::Kernels& kernels = lane_kernels::kernels_for(GetParam());
+  const simd_kernels::Kernels& kernels = simd_kernels::kernels_for(GetParam());
   MatrixXd dense = random_matrix(k_order, k_order, random_);
   dense = (dense + dense.transpose()).eval();
   for (double& entry : dense.reshaped()) entry = std::abs(entry) < 0.7 ? 0.0 : entry;
   const SparseMatrix lower = lower_of(dense);
-  const std::vector<int> places = some_rows(k_order);
-  const lane_kernels::SparseLower view{k_order, lower.outerIndexPtr(), lower.innerIndexPtr(), lower.valuePtr(),
-                                       places.data()};
+  const std::vector<int> row_indices = some_rows(k_order);
+  const simd_kernels::SparseLower view{k_order, lower.outerIndexPtr(), lower.innerIndexPtr(), lower.valuePtr(),
+                                       row_indices.data()};
   for (const int width : {8, 16, 24, 40, 64, 72}) {
     const VectorRows whole = random_matrix(k_total, width, random_);
-    const MatrixXd own = whole(places, Eigen::all);
+    const MatrixXd own = whole(row_indices, Eigen::all);
     const VectorRows own_rows = own;
     const MatrixXd product = dense * own;
 
@@ -64,7 +64,7 @@ TEST_P(RowProducts, ASymmetricMatrixWorksOnItsOwnRowsOfLongerVectors) {
     const VectorXd scales = random_matrix(width, 1, random_);
     VectorRows spread = VectorRows::Ones(k_total, width);
     MatrixXd expected = spread;
-    expected(places, Eigen::all) += product * scales.asDiagonal();
+    expected(row_indices, Eigen::all) += product * scales.asDiagonal();
     kernels.add_scaled_product(view, scales.data(), width, whole.data(), spread.data());
     EXPECT_LT((spread - expected).cwiseAbs().maxCoeff(), 1e-13) << width;
   }
@@ -72,7 +72,7 @@ TEST_P(RowProducts, ASymmetricMatrixWorksOnItsOwnRowsOfLongerVectors) {
 
 TEST_P(RowProducts, GatheredVectorsLieByColumnsOrByRows) {
   constexpr int k_total = 700;
-  const lane_kernels::Kernels& kernels = lane_kernels::kernels_for(GetParam());
+  const simd_kernels::Kernels& kernels = simd_kernels::kernels_for(GetParam());
   for (const int row_count : {1, 127, 128, 129, 400}) {
     const std::vector<int> rows = some_rows(row_count);
     for (const int vectors : {1, 3, 4, 9, 64}) {

@@ -18,7 +18,7 @@ namespace {
 
 using namespace linalg_test;
 
-constexpr Index k_modes = 14, k_sharp = 11, k_sketch = 64;
+constexpr Index k_modes = 14, k_converged = 11, k_sketch = 64;
 constexpr double k_shift = -0.5;
 
 /// Positive semidefinite parts of the identity.
@@ -65,7 +65,7 @@ struct Family {
 
   BatchedDavidson solver(SimdLevel simd) const {
     return {{stiffness, mass, nominal_stiffness, nominal_mass, k_shift, stiffness_sketch, mass_sketch},
-            {.modes = k_modes, .sharp = k_sharp, .simd = simd}};
+            {.modes = k_modes, .converged = k_converged, .simd = simd}};
   }
   MatrixXd sum(const std::vector<MatrixXd>& terms, const MatrixXd& coefficients, Index sample) const {
     MatrixXd result = terms[0];
@@ -86,11 +86,11 @@ TermCoefficients coefficients(const Family& family, Index samples, double variat
   return result;
 }
 
-NearbyBounds bounds_of(const TermCoefficients& samples) {
+DavidsonBounds bounds_of(const TermCoefficients& samples) {
   constexpr double k_constant = 0.8;  // the constant term takes a little away, and the mass adds
-  VectorXd heavier = VectorXd::Ones(samples.samples());
-  if (samples.mass.rows() > 0) heavier = heavier.cwiseMax(samples.mass.colwise().maxCoeff().transpose());
-  return {k_constant * samples.stiffness.colwise().minCoeff().transpose(), heavier};
+  VectorXd mass_ratios = VectorXd::Ones(samples.samples());
+  if (samples.mass.rows() > 0) mass_ratios = mass_ratios.cwiseMax(samples.mass.colwise().maxCoeff().transpose());
+  return {k_constant * samples.stiffness.colwise().minCoeff().transpose(), mass_ratios};
 }
 
 class NearbyModesTest : public AtEveryLevel {};
@@ -109,7 +109,7 @@ TEST_P(NearbyModesTest, AgreesWithTheDenseSolver) {
       for (const bool is_turned : {false, true}) {
         const Family family(order, 5, is_mass_parametric, is_turned, random);
         const TermCoefficients samples = coefficients(family, 37, 0.1, random);
-        const NearbyBounds bounds = bounds_of(samples);
+        const DavidsonBounds bounds = bounds_of(samples);
         const BatchedDavidson solver = family.solver(GetParam());
         ASSERT_TRUE(solver.is_useful());
         const SketchedModes found = solver.solve(samples, bounds, k_limit, 1);
@@ -124,9 +124,9 @@ TEST_P(NearbyModesTest, AgreesWithTheDenseSolver) {
           const auto lambda = found.modes.values.col(s);
           const MatrixXd residuals = k * y - m * y * lambda.asDiagonal();
           // The squared residual over the gap, which is a thousandth of lambda or more in 37 random samples' modes.
-          EXPECT_LT(((lambda - exact).array() / exact.array()).head(k_sharp).abs().maxCoeff(), 1e3 * k_limit);
+          EXPECT_LT(((lambda - exact).array() / exact.array()).head(k_converged).abs().maxCoeff(), 1e3 * k_limit);
           EXPECT_LT(((lambda - exact).array() / exact.array()).abs().maxCoeff(), 1e-3);
-          for (Index mode = 0; mode < k_sharp; ++mode) {
+          for (Index mode = 0; mode < k_converged; ++mode) {
             EXPECT_LE(residuals.col(mode).squaredNorm(), 1.001 * k_limit * bounds.ratios(s) * (lambda(mode) - k_shift));
           }
           EXPECT_LT((y.transpose() * m * y - MatrixXd::Identity(k_modes, k_modes)).cwiseAbs().maxCoeff(), 1e-11);
@@ -157,7 +157,8 @@ TEST_P(NearbyModesTest, GivesOnlyTheLowestModesHoweverFarTheSamplesAre) {
         ++solved;
         const VectorXd exact =
             dense_values(family.sum(family.stiffness, samples.stiffness, s), family.sum(family.mass, samples.mass, s));
-        EXPECT_LT(((found.modes.values.col(s) - exact).array() / exact.array()).head(k_sharp).abs().maxCoeff(), 1e-3);
+        EXPECT_LT(((found.modes.values.col(s) - exact).array() / exact.array()).head(k_converged).abs().maxCoeff(),
+                  1e-3);
       }
     }
   }
@@ -193,12 +194,12 @@ TEST_P(NearbyModesTest, ASampleHasTheSameBitsWhateverItsNeighboursAndTheThreads)
   std::mt19937_64 random(4);
   const Family family(96, 13, true, true, random);
   const TermCoefficients samples = coefficients(family, 70, 0.12, random);
-  const NearbyBounds bounds = bounds_of(samples);
+  const DavidsonBounds bounds = bounds_of(samples);
   const BatchedDavidson solver = family.solver(GetParam());
   const SketchedModes together = solver.solve(samples, bounds, 1e-6, 2);
   for (const Index s : {0, 1, 9, 33, 69}) {
     const SketchedModes alone =
-        solver.solve(samples.range(s, 1), {bounds.ratios.segment(s, 1), bounds.heavier.segment(s, 1)}, 1e-6, 1);
+        solver.solve(samples.range(s, 1), {bounds.ratios.segment(s, 1), bounds.mass_ratios.segment(s, 1)}, 1e-6, 1);
     EXPECT_EQ(alone.modes.failed[0], together.modes.failed[static_cast<std::size_t>(s)]);
     if (alone.modes.failed[0] != 0) continue;
     EXPECT_EQ(alone.modes.values.col(0), together.modes.values.col(s));

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "linalg/batched/lane_kernels.hpp"
+#include "linalg/batched/simd_kernels.hpp"
 #include "linalg/pencils.hpp"
 #include "mottle/core/random.hpp"
 #include "mottle/linalg/batched/batch_eigen.hpp"
@@ -41,7 +41,7 @@ Eigen::MatrixXd grid_laplacian(int side) {
   return matrix;
 }
 
-/// About a third of the places filled; the diagonal dominates.
+/// About a third of the entries nonzero; the diagonal dominates.
 Eigen::MatrixXd sparse_definite(int order) {
   Eigen::MatrixXd matrix = random_matrix(order, order, static_cast<unsigned>(order));
   matrix = matrix.unaryExpr([](double x) { return std::abs(x) < 0.8 ? 0.0 : x; });
@@ -223,7 +223,7 @@ struct MadeLower {
     value_starts.push_back(static_cast<int>(values.size()));
   }
 
-  lane_kernels::SupernodalLower view() const {
+  simd_kernels::SupernodalLower view() const {
     return {static_cast<int>(columns.size()) - 1,
             columns.data(),
             row_starts.data(),
@@ -233,7 +233,7 @@ struct MadeLower {
   }
 };
 
-void expect_solutions(const lane_kernels::Kernels& kernels) {
+void expect_solutions(const simd_kernels::Kernels& kernels) {
   const MadeLower lower({5, 1, 8, 2, 16, 3, 19, 4, 7, 6, 9});
   const auto triangle = lower.dense.triangularView<Eigen::Lower>();
   for (const int width : {1, 8, 24}) {
@@ -252,10 +252,10 @@ void expect_solutions(const lane_kernels::Kernels& kernels) {
 }
 
 TEST(SupernodalKernels, SolveInRegistersOfEveryWidth) {
-  expect_solutions(lane_kernels::k_plain);
+  expect_solutions(simd_kernels::k_plain);
 #if defined(__x86_64__)
-  if (is_simd_level_available(SimdLevel::avx2)) expect_solutions(lane_kernels::k_avx2);
-  if (is_simd_level_available(SimdLevel::avx512)) expect_solutions(lane_kernels::k_avx512);
+  if (is_simd_level_available(SimdLevel::avx2)) expect_solutions(simd_kernels::k_avx2);
+  if (is_simd_level_available(SimdLevel::avx512)) expect_solutions(simd_kernels::k_avx512);
 #endif
 }
 

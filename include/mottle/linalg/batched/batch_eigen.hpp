@@ -1,5 +1,5 @@
-// Lowest modes of many pencils of one affine family, several samples per processor register. Knows nothing of
-// structures or frequencies; one single pencil is dense_modes.hpp's business.
+// Lowest modes of many dense pencils of one affine family, several samples per SIMD register. Knows nothing of
+// structures or frequencies; for a single pencil see dense_modes.hpp.
 #pragma once
 
 #include <Eigen/Core>
@@ -55,9 +55,10 @@ struct BatchModes {
 ///   K(s) phi = lambda M(s) phi,   phi' M(s) phi = 1
 ///
 /// Up to 8 degrees of freedom: cyclic Jacobi; up to 400: Householder tridiagonalisation, bisection and inverse
-/// iteration; both with one sample in each SIMD lane. Larger orders, and samples that the lanes cannot vouch for, go
-/// one by one through solve_modes. A sample's result has the same bits whatever its neighbours, its place in the
-/// batch and the number of threads, on one machine with one binary. A constant mass is reduced once for the family.
+/// iteration; both with one sample in each SIMD lane. Larger orders, and samples whose modes the
+/// SIMD kernels cannot guarantee, go one by one through solve_modes. A sample's result has the same bits whatever its
+/// neighbours, its position in the batch and the number of threads, on one machine with one binary. A constant mass is
+/// reduced once for the family.
 ///
 /// @param stiffness_coefficients  [stiffness term x sample], a_i(s)
 /// @param mass_coefficients       [mass term x sample], b_j(s); may be 0 x 0 if there are no mass terms

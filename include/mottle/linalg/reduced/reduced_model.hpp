@@ -1,5 +1,5 @@
-// Many large sparse pencils of one family by a reduced basis from one factorisation, each result with a bound on its
-// error.
+// Lowest modes of many large sparse pencils of one family by a reduced basis from one factorisation, each with an error
+// bound.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,9 +11,9 @@
 
 namespace mottle::linalg {
 
-/// Relative size, against diag(T), of what is added to a symmetric T before its pivots tell whether it is positive
-/// semidefinite. Terms are singular as a rule (rigid-body motions of the part), so that rounding decides on the sign of
-/// some pivots; this is a thousand times what rounding does in a factor.
+/// Fraction of diag(T) added to a symmetric T before the signs of its pivots decide whether it is positive
+/// semidefinite. Terms are singular as a rule (rigid-body motions of their elements), so that rounding decides the sign
+/// of some pivots; this is a thousand times the rounding error of a factor.
 constexpr double k_inertia_tolerance = 1e-13;
 
 /// K(s) = K_0 + sum_t a_t(s) K_t, M(s) = M_0 + sum_t b_t(s) M_t: lower triangles, compressed, all of one size; M
@@ -23,8 +23,8 @@ struct PencilTerms {
   std::vector<SparseMatrix> stiffness;
   SparseMatrix mass_constant;
   std::vector<SparseMatrix> mass;
-  /// Of the constant and each term: T + k_inertia_tolerance diag(T) is known to be positive semidefinite. Where it is
-  /// not known (empty, false), a factor of the term tells.
+  /// For the constant and each term: T + k_inertia_tolerance diag(T) is known to be positive semidefinite. Where it is
+  /// not known (empty, false), the term is factorised.
   std::vector<bool> is_stiffness_semidefinite = {};
   std::vector<bool> is_mass_semidefinite = {};
 };
@@ -42,8 +42,8 @@ struct TermCoefficients {
 
 struct ReducedModelOptions {
   int modes = 10;           ///< wanted of every sample
-  double tolerance = 2e-4;  ///< of an eigenvalue, relative: half of it is that of a frequency
-  int max_vectors = 400;    ///< of the basis
+  double tolerance = 2e-4;  ///< relative, of an eigenvalue: half of it is that of a frequency
+  int max_vectors = 400;    ///< largest size of the basis
 };
 
 /// Lowest modes of many samples from the reduced model.
@@ -53,7 +53,7 @@ struct CertifiedModes {
   Eigen::MatrixXd bounds;   ///< e, lambda (1 - e) <= exact <= lambda [mode x sample]; infinite where nothing is known
 };
 
-/// Lowest modes of one sample, as good as the tolerance asks for where `bounds` say so.
+/// Lowest modes of one sample, within the tolerance where `bounds` are.
 struct RefinedModes {
   Eigen::VectorXd values;   ///< lambda [mode]
   Eigen::MatrixXd vectors;  ///< phi' M phi = 1, the component of largest magnitude positive [equation x mode]
@@ -63,12 +63,12 @@ using RefinedVisitor = std::function<void(Eigen::Index sample, const RefinedMode
 
 /// Reduced model of a family of pencils around one nominal pencil.
 ///
-/// The basis holds the nominal modes and answers of the nominal factor to residuals of samples, those chosen that
-/// matter most (pivoting over sketches of all residuals of the training samples), until every training sample is within
-/// half the tolerance. Residuals are measured in the norm of the inverse of the nominal stiffness by a sketch of 64
-/// random directions, with a reserve, and bounded for a sample's own stiffness by the smallest ratio of its
-/// coefficients to the nominal ones. Modes that share nothing with the basis are kept away by comparison with a pencil
-/// of which enough modes are known. The whole of it: docs/theory/reduced-model.md.
+/// The basis holds the nominal modes and A^-1 r, A the nominal stiffness and r residuals of training samples, chosen by
+/// pivoting over sketches of all their residuals, until every training sample is within half the tolerance. Residuals
+/// are measured in the norm of A^-1 by a sketch of 80 random directions, with a safety factor, and bounded for a
+/// sample's own stiffness by the smallest ratio of its coefficients to the nominal ones. The eigenvalues of modes
+/// orthogonal to the basis are bounded from below by comparison with reference pencils of which enough modes are in the
+/// basis. Derivation: docs/theory/reduced-model.md.
 ///
 /// Not changed by solve(), which may be called by several threads. Training two copies at once is not allowed.
 /// Source: [Kato1949]; [Mathias1998]; reduced bases with residual certificates after [Hesthaven2016]; sketches after
@@ -94,15 +94,15 @@ class ReducedModel {
   /// would have been, in which case the training ended early.
   bool reaches_tolerance() const;
 
-  /// Lowest modes of every sample, and how sure they are.
+  /// Lowest modes of every sample with their error bounds.
   CertifiedModes solve(const TermCoefficients& samples, int threads) const;
 
-  /// Lowest modes of samples that solve() is not sure enough of, in the full space.
+  /// Lowest modes of samples whose bounds from solve() are above the tolerance, in all equations.
   ///
-  /// Begins with the reduced model's modes and answers their residuals r with the nominal factor A, Rayleigh and Ritz
-  /// on what has come together, up to five times, until the bound is within the tolerance. A step costs a sixth of an
-  /// exact solution of 20,000 equations, less of larger ones. Where solve() knows no bound at all (a mode may be
-  /// missing) no step is taken: the bounds stay infinite, and there are no vectors.
+  /// Begins with the reduced model's modes and adds A^-1 r of their residuals r, with Rayleigh-Ritz on all vectors so
+  /// far, up to five times, until the bound is within the tolerance. A step costs a sixth of an exact solution of
+  /// 20,000 equations, less of larger ones. Where solve() gives no bound (a mode may be missing) no step is taken: the
+  /// bounds stay infinite, and there are no vectors.
   ///
   /// @param visit  called once a sample, by any of the threads
   /// Source: preconditioned block steps after [Knyazev2001].
@@ -111,8 +111,8 @@ class ReducedModel {
   /// [equation x vector]
   const Eigen::MatrixXd& basis() const;
 
-  /// Whether a term of K or M is not proven to be positive semidefinite: its effect is bounded by extreme eigenvalues,
-  /// and where these say too little, bounds are infinite.
+  /// Whether a term of K or M is not proven to be positive semidefinite: its effect is then bounded by extreme
+  /// eigenvalues, and error bounds may be infinite.
   bool has_indefinite_terms() const;
 
   /// Processor time that the exact solution of the nominal pencil took.

@@ -1,4 +1,4 @@
-// A trained reduced model on disk, and how to know whether it is the one that training would make.
+// A trained reduced model in a file, with a fingerprint of everything that training depends on.
 #pragma once
 
 #include <filesystem>
@@ -9,7 +9,7 @@
 
 namespace mottle::linalg {
 
-/// All that a trained model is made from. Refers to what it is made of.
+/// Everything that a trained model is made from, by reference.
 struct ReducedModelInputs {
   const PencilTerms& terms;
   const TermCoefficients& nominal;
@@ -19,9 +19,9 @@ struct ReducedModelInputs {
   const TermCoefficients& training;  ///< samples
 };
 
-/// Of every input, bit by bit, and of what else decides the last bit of a result: Mottle's version, sources and
-/// compiler, the BLAS and CHOLMOD in use and their kernels, the width of the registers. Equal digests: training gives
-/// equal bits.
+/// Digest of every bit of the inputs and of everything else that the bits of a result depend on: Mottle's version,
+/// sources and compiler, the BLAS and CHOLMOD in use and their kernels, the width of the registers. If digests are
+/// equal, training gives equal bits.
 Digest fingerprint(const ReducedModelInputs& inputs);
 
 /// Keeps trained models in files: magic, byte order, fingerprint, checksum, then numbers as they lie in memory.
@@ -41,9 +41,9 @@ class ReducedModelFile {
   /// @throws InvalidInput  the file is not there, cannot be read, belongs to another fingerprint, or is not whole
   Contents read(const ReducedModelInputs& inputs) const;
 
-  /// Under a name of this process's own, flushed and renamed: whole or not at all, whoever else writes there.
+  /// Writes atomically: to a name of this process's own, flushed and renamed, so that concurrent writers do no harm.
   ///
-  /// @throws InvalidInput, SystemFailure  the place cannot be written; full disk
+  /// @throws InvalidInput, SystemFailure  the folder cannot be written; full disk
   void write(const ReducedModel& model, double training_seconds) const;
 
  private:

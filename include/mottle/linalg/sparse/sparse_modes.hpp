@@ -9,7 +9,7 @@
 
 namespace mottle::linalg {
 
-/// How the modes are sought.
+/// Options of the eigenvalue solution.
 struct SparseModesOptions {
   int modes = 10;             ///< how many of the lowest, >= 1
   double tolerance = 1e-10;   ///< relative residual of the shift-inverted problem
@@ -17,7 +17,7 @@ struct SparseModesOptions {
   bool measures = true;       ///< finds the residuals, at the cost of a few products
 };
 
-/// The lowest modes and how good they are.
+/// The lowest modes, their residuals and the count of eigenvalues that verifies them.
 struct SparseModes {
   Eigen::VectorXd values;     ///< lambda, ascending [mode]
   Eigen::MatrixXd vectors;    ///< phi' M phi = 1 [dof x mode]; the component of largest magnitude positive
@@ -34,7 +34,7 @@ struct SparseModes {
   bool is_complete() const { return counted_below < 0 || counted_below == values.size(); }
 };
 
-/// Solves pencils, best of one sparsity pattern: the symbolic factorisation is kept between calls.
+/// Solver for the lowest modes of pencils; for pencils of one sparsity pattern the symbolic factorisation is kept.
 ///
 ///   K phi = lambda M phi,   (K - s M)^-1 M phi = phi / (lambda - s),   s below all modes
 ///

@@ -29,7 +29,7 @@ class SymmetricFactor {
   /// Solves A X = B in place, all right-hand sides in one sweep.
   virtual void solve(Eigen::Ref<Eigen::MatrixXd> right_hand_sides) = 0;
 
-  /// How many eigenvalues of A are negative (Sylvester's law of inertia). Source: [Wilkinson1965], ch. 5.
+  /// Number of negative eigenvalues of A (Sylvester's law of inertia). Source: [Wilkinson1965], ch. 5.
   virtual int negative_eigenvalues() const = 0;
 
   /// Row of A at which the last factorisation broke down, or -1.
@@ -57,7 +57,7 @@ class DefiniteFactor : public SymmetricFactor {
 
 /// CHOLMOD's supernodal code with METIS ordering: the fast one.
 ///
-/// @param order  P, where one is known; empty: it is sought
+/// @param order  P, if known; empty: one is computed
 std::unique_ptr<DefiniteFactor> make_definite_factor(std::vector<int> order = {});
 
 /// L D L' with pivoting of an indefinite matrix by MUMPS: the one that counts negative eigenvalues.

@@ -1,43 +1,43 @@
-// Arrays of one batch of pencils near a nominal one, and the sums of their terms. See nearby.hpp.
+// Arrays of one batch of pencils near a nominal one, and the sums of their terms. See davidson.hpp.
 #pragma once
 
-#include "linalg/batched/lanes/tiles.hpp"
-#include "linalg/batched/lanes/workspace.hpp"
+#include "linalg/batched/simd/tiles.hpp"
+#include "linalg/batched/simd/workspace.hpp"
 
-namespace mottle::linalg::lane_kernels {
+namespace mottle::linalg::simd_kernels {
 namespace {
 
 /// What the block's vectors are like, by column.
 struct BlockState {
-  Lane* rayleigh;  ///< quotients
-  Lane* lengths;   ///< y'My
-  Lane* residual;  ///< squared
+  Simd* rayleigh;  ///< quotients
+  Simd* lengths;   ///< y'My
+  Simd* residual;  ///< squared
 };
 
 /// Arrays of one batch.
-struct NearbyWorkspace {
-  Lane* stiffness;     ///< tiles
-  Lane* mass;          ///< tiles; unused where it is constant, and diagonal
-  Lane* coefficients;  ///< of the terms, stiffness and mass in turn
-  Lane* tile;          ///< of a sketch
-  Lane* reciprocals;   ///< [order] of the stiffness' diagonal
-  Lane* masses;        ///< [order] the mass' diagonal
+struct DavidsonWorkspace {
+  Simd* stiffness;     ///< tiles
+  Simd* mass;          ///< tiles; unused where it is constant, and diagonal
+  Simd* coefficients;  ///< of the terms, stiffness and mass in turn
+  Simd* tile;          ///< of a sketch
+  Simd* reciprocals;   ///< [order] of the stiffness' diagonal
+  Simd* masses;        ///< [order] the mass' diagonal
   Block y, ky, my;     ///< the block, K and M times it
   Block spare;
   Block elastic, inertial;  ///< W'K y and W'M y
-  Lane *h, *g, *turn;       ///< [block][block]: y'Ky, y'My and vectors of that pencil
-  Lane* rest;               ///< [block][block]: see misses_none
-  Lane* column;             ///< [order or sketch row], one of a block on its way out
+  Simd *h, *g, *rotation;   ///< [block][block]: y'Ky, y'My and vectors of that pencil
+  Simd* rest;               ///< [block][block]: see misses_none
+  Simd* column;             ///< [order or sketch row], one of a block on its way out
   BlockState state;
-  Lane alpha, beta;
+  Simd alpha, beta;
   Workspace small;  ///< of the block's pencils
-  long total_lanes;
+  long total_values;
 
-  NearbyWorkspace(const NearbyProblem& problem, double* memory)
-      : small(ritz_problem(problem), memory), total_lanes(small.total_lanes) {
+  DavidsonWorkspace(const DavidsonProblem& problem, double* memory)
+      : small(ritz_problem(problem), memory), total_values(small.total_values) {
     const auto take = [&](long count) {
-      Lane* const first = reinterpret_cast<Lane*>(memory) + total_lanes;
-      total_lanes += count;
+      Simd* const first = reinterpret_cast<Simd*>(memory) + total_values;
+      total_values += count;
       return first;
     };
     const long order = problem.order, block = problem.block;
@@ -57,7 +57,7 @@ struct NearbyWorkspace {
     inertial.data = take(problem.sketch_rows * block);
     h = take(block * block);
     g = take(block * block);
-    turn = take(block * block);
+    rotation = take(block * block);
     rest = take(block * block);
     column = take(order > problem.sketch_rows ? order : problem.sketch_rows);
     state = {take(block), take(block), take(block)};
@@ -65,11 +65,11 @@ struct NearbyWorkspace {
 
   void set_columns(int columns) { y.columns = ky.columns = my.columns = columns; }
 
-  static long tile_entries(const NearbyProblem& problem) {
+  static long tile_entries(const DavidsonProblem& problem) {
     const long tiles = problem.order / k_tile;
     return tiles * (tiles + 1) / 2 * k_tile * k_tile;
   }
-  static Problem ritz_problem(const NearbyProblem& problem) {
+  static Problem ritz_problem(const DavidsonProblem& problem) {
     Problem ritz;
     ritz.order = ritz.modes = problem.block;
     ritz.vectors = true;
@@ -79,21 +79,21 @@ struct NearbyWorkspace {
 };
 
 /// First row of the tile that holds row `block`: above it corrections are zero.
-MOTTLE_INLINE int first_corrected_row(const NearbyProblem& problem) {
+MOTTLE_INLINE int first_corrected_row(const DavidsonProblem& problem) {
   return problem.block / k_tile * k_tile;
 }
 
-inline void assemble_nearby(const NearbyProblem& problem, const BatchSamples& batch, NearbyWorkspace& work) {
+inline void assemble_davidson(const DavidsonProblem& problem, const BatchSamples& batch, DavidsonWorkspace& work) {
   constexpr int k_entries = k_tile * k_tile;
   const int elastic = problem.stiffness_terms, inertial = problem.mass_terms;
-  Lane* const coefficients = work.coefficients;
+  Simd* const coefficients = work.coefficients;
   for (int t = 0; t < elastic; ++t) {
     coefficients[t] = gather(problem.stiffness_coefficients, problem.stiffness_stride, t, batch);
   }
   for (int t = 0; t < inertial; ++t) {
     coefficients[elastic + t] = gather(problem.mass_coefficients, problem.mass_stride, t, batch);
   }
-  for (long e = 0; e < NearbyWorkspace::tile_entries(problem); e += k_entries) {
+  for (long e = 0; e < DavidsonWorkspace::tile_entries(problem); e += k_entries) {
     combine_tile(problem.stiffness + e * (1 + elastic), elastic, coefficients, work.stiffness + e);
     if (inertial > 0) {
       combine_tile(problem.mass + e * (1 + inertial), inertial, coefficients + elastic, work.mass + e);
@@ -104,8 +104,8 @@ inline void assemble_nearby(const NearbyProblem& problem, const BatchSamples& ba
     work.masses[i] = inertial > 0 ? tile_entry(work.mass, problem.order, i, i) : broadcast(problem.nominal_mass[i]);
   }
   work.alpha = gather(problem.ratios, 1, 0, batch);
-  work.beta = gather(problem.heavier, 1, 0, batch);
+  work.beta = gather(problem.mass_ratios, 1, 0, batch);
 }
 
 }  // namespace
-}  // namespace mottle::linalg::lane_kernels
+}  // namespace mottle::linalg::simd_kernels

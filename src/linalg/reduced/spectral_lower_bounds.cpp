@@ -1,4 +1,4 @@
-// What keeps modes away that no residual can show.
+// Lower bounds of the spectrum for modes that are orthogonal to the basis, from reference pencils.
 #include <algorithm>
 #include <functional>
 #include <limits>
@@ -28,7 +28,7 @@ double extreme_ratio(const std::vector<SupportedMatrix>& terms, const Eigen::Vec
 
 }  // namespace
 
-Eigen::VectorXd FullPencils::largest_mass_ratios(const TermCoefficients& samples) const {
+Eigen::VectorXd FullPencils::mass_upper_ratios(const TermCoefficients& samples) const {
   Eigen::VectorXd result = Eigen::VectorXd::Ones(samples.samples());
   if (samples.mass.rows() == 0) return result;
   Eigen::VectorXd values = nominal_mass;
@@ -39,7 +39,7 @@ Eigen::VectorXd FullPencils::largest_mass_ratios(const TermCoefficients& samples
   return result;
 }
 
-Eigen::VectorXd FullPencils::smallest_ratios(const TermCoefficients& samples) const {
+Eigen::VectorXd FullPencils::stiffness_lower_ratios(const TermCoefficients& samples) const {
   // The shifted mass is one term more: between zero and its share of A, its value a bound of M(s) against M.
   const Eigen::Index terms = nominal_stiffness.size();
   Eigen::MatrixXd bounds(terms + 1, 2);
@@ -59,40 +59,41 @@ Eigen::VectorXd FullPencils::smallest_ratios(const TermCoefficients& samples) co
   return result;
 }
 
-Eigen::VectorXd ReducedModel::Parts::unseen_above(const TermCoefficients& samples) const {
-  constexpr double k_level = 0.99;  // modes of floors are exact to 1e-3 at worst, their values to its square
-  const Eigen::VectorXd softest = full->smallest_ratios(samples);
-  const Eigen::VectorXd heaviest = full->largest_mass_ratios(samples);
+Eigen::VectorXd ReducedModel::Parts::complement_bounds(const TermCoefficients& samples) const {
+  constexpr double k_level = 0.99;  // reference modes are exact to 1e-3 at worst, their eigenvalues to its square
+  const Eigen::VectorXd softest = full->stiffness_lower_ratios(samples);
+  const Eigen::VectorXd heaviest = full->mass_upper_ratios(samples);
   const auto factor = [](double soft, double heavy) { return heavy > 0.0 ? std::max(soft, 0.0) / heavy : 0.0; };
   Eigen::VectorXd result(samples.samples());
   for (Eigen::Index s = 0; s < result.size(); ++s) {
-    result(s) = factor(softest(s), heaviest(s)) * (k_level * floors[0].level - full->shift) + full->shift;
-    for (std::size_t f = 1; f < floors.size(); ++f) {
-      const Floor& floor = floors[f];
+    result(s) =
+        factor(softest(s), heaviest(s)) * (k_level * reference_pencils[0].complete_to - full->shift) + full->shift;
+    for (std::size_t f = 1; f < reference_pencils.size(); ++f) {
+      const ReferencePencil& reference = reference_pencils[f];
       const double soft =
-          extreme_ratio(full->stiffness, floor.stiffness, samples.stiffness.col(s), k_infinite, std::less<>());
-      const double heavy = extreme_ratio(full->mass, floor.mass, samples.mass.col(s), 0.0, std::greater<>());
-      result(s) = std::max(result(s), factor(soft, heavy) * k_level * floor.level);
+          extreme_ratio(full->stiffness, reference.stiffness, samples.stiffness.col(s), k_infinite, std::less<>());
+      const double heavy = extreme_ratio(full->mass, reference.mass, samples.mass.col(s), 0.0, std::greater<>());
+      result(s) = std::max(result(s), factor(soft, heavy) * k_level * reference.complete_to);
     }
   }
   return result;
 }
 
-void ReducedModel::Parts::add_floor(Floor floor, const Eigen::MatrixXd& modes, int threads) {
+void ReducedModel::Parts::add_reference_pencil(ReferencePencil reference, const Eigen::MatrixXd& modes, int threads) {
   const VectorRows block = to_rows(modes);
   const Eigen::MatrixXd weighed = to_columns(product_rows(full->shifted, block), modes.cols());
   append(block, modes.cols(), threads);
-  settle();
-  const Eigen::Index known = floor_modes.cols();
-  floor_modes.conservativeResize(basis.cols(), known + modes.cols());
-  floor_modes.rightCols(modes.cols()) = transposed_product(basis, weighed);
-  floor_modes.rightCols(modes.cols()).colwise().normalize();
-  floors.push_back(std::move(floor));
+  apply_pending();
+  const Eigen::Index known = reference_modes.cols();
+  reference_modes.conservativeResize(basis.cols(), known + modes.cols());
+  reference_modes.rightCols(modes.cols()) = transposed_product(basis, weighed);
+  reference_modes.rightCols(modes.cols()).colwise().normalize();
+  reference_pencils.push_back(std::move(reference));
 }
 
-void ReducedModel::Parts::raise_floor(const TermCoefficients& samples, int threads) {
-  constexpr double k_margin = 1.1;       // other samples go farther than these
-  constexpr double k_left_out = 0.0025;  // of the samples: they are solved exactly
+void ReducedModel::Parts::add_reference_below(const TermCoefficients& samples, int threads) {
+  constexpr double k_margin = 1.1;       // for samples that lie outside the range of the training samples
+  constexpr double k_left_out = 0.0025;  // fraction of the samples that may be left to the exact solution
   if (full->has_indefinite_terms()) return;
   const Eigen::VectorXd softest = with_constant(samples.stiffness.rowwise().minCoeff());
   const Eigen::VectorXd heaviest = with_constant(samples.mass.rowwise().maxCoeff());
@@ -101,14 +102,14 @@ void ReducedModel::Parts::raise_floor(const TermCoefficients& samples, int threa
   for (Eigen::Index modes = options.modes + 8; modes <= max_modes; modes *= 2) {
     const Solution solution = solve(samples, Purpose::training, threads);
     const Eigen::ArrayXd needed = k_margin * solution.values.row(solution.bounds.rows() - 1).transpose().array();
-    const auto unsafe = static_cast<double>((needed >= unseen_above(samples).array()).count());
+    const auto unsafe = static_cast<double>((needed >= complement_bounds(samples).array()).count());
     if (unsafe <= k_left_out * static_cast<double>(samples.samples())) return;
     if (basis.cols() + modes > options.max_vectors) return;
     SparseModeSolver solver;
     const SparseModes found = solver.solve(full->stiffness_at(softest), full->mass_at(heaviest),
                                            {.modes = static_cast<int>(modes), .tolerance = 1e-4, .measures = false});
     if (!found.failure.empty() || found.values.size() == 0) return;
-    add_floor({softest, heaviest, found.values(found.values.size() - 1)}, found.vectors, threads);
+    add_reference_pencil({softest, heaviest, found.values(found.values.size() - 1)}, found.vectors, threads);
   }
 }
 

@@ -2,9 +2,9 @@
 // register width, which sets MOTTLE_LANES.
 #pragma once
 
-#include "linalg/batched/lanes/small_pencil.hpp"
+#include "linalg/batched/simd/small_pencil.hpp"
 
-namespace mottle::linalg::lane_kernels {
+namespace mottle::linalg::simd_kernels {
 namespace {
 
 /// Order of the N(N-1)/2 rotations of a sweep: rounds of disjoint pairs (round-robin tournament), so that the
@@ -34,14 +34,14 @@ struct Tournament {
 /// Lanes in which an off-diagonal entry still matters. The first bound keeps small eigenvalues of graded matrices
 /// to relative accuracy; the second ends the iteration where an eigenvalue is zero.
 template <int N>
-MOTTLE_INLINE Mask unconverged_lanes(const SmallPencil<N>& pencil, Lane floor) {
+MOTTLE_INLINE Mask unconverged_lanes(const SmallPencil<N>& pencil, Simd floor) {
   using Pencil = SmallPencil<N>;
   Mask open{};
   unrolled<1, N>([&](auto row) MOTTLE_FLAT {
     unrolled<0, row.value>([&](auto column) MOTTLE_FLAT {
       constexpr int i = row.value, j = column.value;
-      const Lane entry = pencil.matrix[Pencil::index(i, j)];
-      const Lane scale = absolute(pencil.matrix[Pencil::index(i, i)] * pencil.matrix[Pencil::index(j, j)]);
+      const Simd entry = pencil.matrix[Pencil::index(i, j)];
+      const Simd scale = absolute(pencil.matrix[Pencil::index(i, i)] * pencil.matrix[Pencil::index(j, j)]);
       open |= entry * entry > larger(scale * 1e-34, floor);
     });
   });
@@ -54,17 +54,17 @@ MOTTLE_INLINE Mask unconverged_lanes(const SmallPencil<N>& pencil, Lane floor) {
 template <int N, bool Vectors, int P, int Q>
 MOTTLE_INLINE void rotate(SmallPencil<N>& pencil, Mask active) {
   using Pencil = SmallPencil<N>;
-  Lane* a = pencil.matrix;
-  const Lane pivot = a[Pencil::index(P, Q)];
-  const Lane h = a[Pencil::index(Q, Q)] - a[Pencil::index(P, P)];
-  const Lane b = flip_sign(pivot + pivot, sign_bits(h));
-  const Lane w = absolute(h) + positive_root(h * h + b * b);
-  const Lane length_squared = w * w + b * b;
+  Simd* a = pencil.matrix;
+  const Simd pivot = a[Pencil::index(P, Q)];
+  const Simd h = a[Pencil::index(Q, Q)] - a[Pencil::index(P, P)];
+  const Simd b = flip_sign(pivot + pivot, sign_bits(h));
+  const Simd w = absolute(h) + positive_root(h * h + b * b);
+  const Simd length_squared = w * w + b * b;
   const Mask rotates = active & (length_squared > broadcast(0.0));
-  const Lane scale = reciprocal_root(length_squared);
-  const Lane c = select(rotates, w * scale, broadcast(1.0));
-  const Lane s = select(rotates, b * scale, broadcast(0.0));
-  const Lane shift = select(rotates, quotient(b, w, reciprocal(w)) * pivot, broadcast(0.0));
+  const Simd scale = reciprocal_root(length_squared);
+  const Simd c = select(rotates, w * scale, broadcast(1.0));
+  const Simd s = select(rotates, b * scale, broadcast(0.0));
+  const Simd shift = select(rotates, quotient(b, w, reciprocal(w)) * pivot, broadcast(0.0));
 
   a[Pencil::index(P, P)] -= shift;
   a[Pencil::index(Q, Q)] += shift;
@@ -72,12 +72,12 @@ MOTTLE_INLINE void rotate(SmallPencil<N>& pencil, Mask active) {
   unrolled<0, N>([&](auto row) MOTTLE_FLAT {
     constexpr int r = row.value;
     if constexpr (r != P && r != Q) {
-      const Lane x = a[Pencil::index(r, P)], y = a[Pencil::index(r, Q)];
+      const Simd x = a[Pencil::index(r, P)], y = a[Pencil::index(r, Q)];
       a[Pencil::index(r, P)] = c * x - s * y;
       a[Pencil::index(r, Q)] = c * y + s * x;
     }
     if constexpr (Vectors) {
-      const Lane x = pencil.columns[P][r], y = pencil.columns[Q][r];
+      const Simd x = pencil.columns[P][r], y = pencil.columns[Q][r];
       pencil.columns[P][r] = c * x - s * y;
       pencil.columns[Q][r] = c * y + s * x;
     }
@@ -96,7 +96,7 @@ template <int N, bool Vectors, int Batches>
 MOTTLE_INLINE void diagonalise(SmallPencil<N> (&pencils)[Batches]) {
   constexpr int k_max_sweeps = 20;
   static constexpr Tournament<N> k_order;
-  Lane squares[Batches], floor[Batches];
+  Simd squares[Batches], floor[Batches];
   Mask active[Batches], open{};
   for (int b = 0; b < Batches; ++b) {
     squares[b] = broadcast(0.0);
@@ -118,23 +118,23 @@ MOTTLE_INLINE void diagonalise(SmallPencil<N> (&pencils)[Batches]) {
       open |= active[b];
     }
   }
-  for (int b = 0; b < Batches; ++b) pencils[b].trusted &= ~active[b] & is_finite(squares[b]);
+  for (int b = 0; b < Batches; ++b) pencils[b].valid &= ~active[b] & is_finite(squares[b]);
 }
 
 /// Puts the diagonal, and the columns with it, into ascending order.
 template <int N, bool Vectors>
-MOTTLE_INLINE void sort_ascending(SmallPencil<N>& pencil, Lane (&values)[N]) {
+MOTTLE_INLINE void sort_ascending(SmallPencil<N>& pencil, Simd (&values)[N]) {
   unrolled<0, N>([&](auto i) MOTTLE_FLAT { values[i.value] = pencil.matrix[SmallPencil<N>::index(i.value, i.value)]; });
   unrolled<0, N - 1>([&](auto pass) MOTTLE_FLAT {
     unrolled<0, N - 1 - pass.value>([&](auto place) MOTTLE_FLAT {
       constexpr int i = place.value, j = place.value + 1;
       const Mask swap = values[j] < values[i];
-      const Lane low = select(swap, values[j], values[i]);
+      const Simd low = select(swap, values[j], values[i]);
       values[j] = select(swap, values[i], values[j]);
       values[i] = low;
       if constexpr (Vectors) {
         unrolled<0, N>([&](auto row) MOTTLE_FLAT {
-          const Lane x = pencil.columns[i][row.value], y = pencil.columns[j][row.value];
+          const Simd x = pencil.columns[i][row.value], y = pencil.columns[j][row.value];
           pencil.columns[i][row.value] = select(swap, y, x);
           pencil.columns[j][row.value] = select(swap, x, y);
         });
@@ -144,8 +144,8 @@ MOTTLE_INLINE void sort_ascending(SmallPencil<N>& pencil, Lane (&values)[N]) {
 }
 
 template <int N>
-MOTTLE_INLINE void make_largest_component_positive(Lane (&column)[N]) {
-  Lane largest = column[0];
+MOTTLE_INLINE void make_largest_component_positive(Simd (&column)[N]) {
+  Simd largest = column[0];
   unrolled<1, N>([&](auto row) MOTTLE_FLAT {
     largest = select(absolute(column[row.value]) > absolute(largest), column[row.value], largest);
   });
@@ -157,11 +157,11 @@ MOTTLE_INLINE void make_largest_component_positive(Lane (&column)[N]) {
 template <int N>
 MOTTLE_INLINE void load(const Problem& problem, const BatchSamples& batch, SmallPencil<N>& pencil) {
   constexpr int k_packed = N * (N + 1) / 2;
-  pencil.trusted = ~Mask{};
+  pencil.valid = ~Mask{};
   combine<k_packed>(problem.stiffness, problem.stiffness_terms, problem.stiffness_coefficients,
                     problem.stiffness_stride, batch, pencil.matrix);
   if (problem.mass_kind == MassKind::full) {
-    Lane mass[k_packed];
+    Simd mass[k_packed];
     combine<k_packed>(problem.mass, problem.mass_terms, problem.mass_coefficients, problem.mass_stride, batch, mass);
     reduce_to_standard_form<N>(mass, pencil);
     return;
@@ -177,11 +177,11 @@ MOTTLE_INLINE void load(const Problem& problem, const BatchSamples& batch, Small
 
 template <int N, bool Vectors>
 MOTTLE_INLINE void store(const Problem& problem, const Output& output, const BatchSamples& batch,
-                         SmallPencil<N>& pencil, const Lane (&values)[N]) {
-  Lane columns[N * N];
-  Mask trusted = pencil.trusted;
+                         SmallPencil<N>& pencil, const Simd (&values)[N]) {
+  Simd columns[N * N];
+  Mask valid = pencil.valid;
   unrolled<0, N>([&](auto mode) MOTTLE_FLAT {
-    trusted &= is_finite(values[mode.value]);
+    valid &= is_finite(values[mode.value]);
     if constexpr (Vectors) {
       make_largest_component_positive<N>(pencil.columns[mode.value]);
       unrolled<0, N>([&](auto row)
@@ -191,7 +191,7 @@ MOTTLE_INLINE void store(const Problem& problem, const Output& output, const Bat
   const int length = N * problem.modes;
   for (int lane = 0; lane < batch.count; ++lane) {
     const long sample = batch.sample[lane];
-    output.trusted[sample] = trusted[lane] != 0;
+    output.valid[sample] = valid[lane] != 0;
     double* value = output.values + sample * problem.modes;
     for (int mode = 0; mode < problem.modes; ++mode) value[mode] = values[mode][lane];
     if constexpr (Vectors) {
@@ -212,7 +212,7 @@ MOTTLE_INLINE void solve_together(const Problem& problem, const Output& output, 
   }
   diagonalise<N, Vectors, Batches>(pencils);
   for (int b = 0; b < Batches; ++b) {
-    Lane values[N];
+    Simd values[N];
     sort_ascending<N, Vectors>(pencils[b], values);
     unrolled<0, N>([&](auto i) MOTTLE_FLAT { values[i.value] = without_negative_zero(values[i.value]); });
     store<N, Vectors>(problem, output, batches[b], pencils[b], values);
@@ -238,4 +238,4 @@ void dispatch(const Problem& problem, const Output& output, long begin, long end
 }
 
 }  // namespace
-}  // namespace mottle::linalg::lane_kernels
+}  // namespace mottle::linalg::simd_kernels

@@ -1,9 +1,9 @@
-// Where the arrays of one batch of larger pencils lie in the workspace; all entries are lanes.
+// Layout of one batch's arrays in the workspace, for pencils of more than 8 degrees of freedom; all entries are Simd.
 #pragma once
 
-#include "linalg/batched/lanes/lane.hpp"
+#include "linalg/batched/simd/simd.hpp"
 
-namespace mottle::linalg::lane_kernels {
+namespace mottle::linalg::simd_kernels {
 namespace {
 
 /// Modes whose vectors are found side by side, see tridiagonal_vectors.hpp.
@@ -11,29 +11,29 @@ constexpr int k_vector_group = MOTTLE_VECTOR_GROUP;
 
 /// Arrays of one batch. Lengths: packed triangles n(n+1)/2, the rest as said.
 struct Workspace {
-  Lane* matrix;     ///< packed; reflector k overwrites column k below the diagonal
-  Lane* mass;       ///< packed Cholesky factor, or the diagonal [n]; unused if the mass is folded
-  Lane* diagonal;   ///< [n] of the tridiagonal matrix
-  Lane* offdiag;    ///< [n], entry i couples i and i + 1; the last is 0
-  Lane* squares;    ///< [n], offdiag^2
-  Lane* tau;        ///< [n], scale of each reflector
-  Lane* update;     ///< [2][n]
-  Lane* product;    ///< [n]
-  Lane* low;        ///< [m] brackets of the eigenvalues
-  Lane* high;       ///< [m]
-  Lane* values;     ///< [m]
-  Lane* vectors;    ///< [m][n]
-  Lane* factor;     ///< [group][4 n] of shifted tridiagonal matrices
+  Simd* matrix;     ///< packed; reflector k overwrites column k below the diagonal
+  Simd* mass;       ///< packed Cholesky factor, or the diagonal [n]; unused if the mass is folded
+  Simd* diagonal;   ///< [n] of the tridiagonal matrix
+  Simd* offdiag;    ///< [n], entry i couples i and i + 1; the last is 0
+  Simd* squares;    ///< [n], offdiag^2
+  Simd* tau;        ///< [n], scale of each reflector
+  Simd* update;     ///< [2][n]
+  Simd* product;    ///< [n]
+  Simd* low;        ///< [m] brackets of the eigenvalues
+  Simd* high;       ///< [m]
+  Simd* values;     ///< [m]
+  Simd* vectors;    ///< [m][n]
+  Simd* factor;     ///< [group][4 n] of shifted tridiagonal matrices
   Mask* swapped;    ///< [group][n], rows exchanged there
   Mask* count_low;  ///< [m] eigenvalues below each end of a bracket
   Mask* count_high;
-  long total_lanes;
+  long total_values;
 
   Workspace(const Problem& problem, double* memory) {
-    Lane* next = reinterpret_cast<Lane*>(memory);
+    Simd* next = reinterpret_cast<Simd*>(memory);
     const long n = problem.order, m = problem.modes, packed = n * (n + 1) / 2;
     const auto take = [&next](long count) {
-      Lane* const first = next;
+      Simd* const first = next;
       next += count;
       return first;
     };
@@ -53,9 +53,9 @@ struct Workspace {
     swapped = reinterpret_cast<Mask*>(take(k_vector_group * n));
     count_low = reinterpret_cast<Mask*>(take(m));
     count_high = reinterpret_cast<Mask*>(take(m));
-    total_lanes = next - reinterpret_cast<Lane*>(memory);
+    total_values = next - reinterpret_cast<Simd*>(memory);
   }
 };
 
 }  // namespace
-}  // namespace mottle::linalg::lane_kernels
+}  // namespace mottle::linalg::simd_kernels

@@ -1,12 +1,12 @@
-#include "linalg/lane_roots.hpp"
+#include "linalg/simd_roots.hpp"
 
 #define MOTTLE_LANES 8
-#include "linalg/batched/lanes/loose_lane.hpp"
+#include "linalg/batched/simd/unaligned.hpp"
 
-void mottle::linalg_test::lane_roots_avx512(const double* x, const double* y, double* reciprocal, double* quotient,
+void mottle::linalg_test::simd_roots_avx512(const double* x, const double* y, double* reciprocal, double* quotient,
                                             double* root, double* reciprocal_root) {
-  namespace lanes = mottle::linalg::lane_kernels;
-  const lanes::Lane own = lanes::load(x), inverse = lanes::reciprocal(own);
+  namespace lanes = mottle::linalg::simd_kernels;
+  const lanes::Simd own = lanes::load(x), inverse = lanes::reciprocal(own);
   lanes::store(reciprocal, inverse);
   lanes::store(quotient, lanes::quotient(lanes::load(y), own, inverse));
   lanes::store(root, lanes::positive_root(own));

@@ -1,17 +1,17 @@
 // Eigenvectors of a symmetric tridiagonal matrix by inverse iteration; close eigenvalues are orthogonalised.
 #pragma once
 
-#include "linalg/batched/lanes/workspace.hpp"
+#include "linalg/batched/simd/workspace.hpp"
 
-namespace mottle::linalg::lane_kernels {
+namespace mottle::linalg::simd_kernels {
 namespace {
 
 /// T - shift = P L U by elimination with row exchanges: U has reciprocals r of its diagonal and two superdiagonals.
 struct ShiftedFactor {
-  Lane* reciprocal;
-  Lane* upper;
-  Lane* upper_second;
-  Lane* lower;
+  Simd* reciprocal;
+  Simd* upper;
+  Simd* upper_second;
+  Simd* lower;
   Mask* swapped;
 };
 
@@ -19,16 +19,16 @@ struct ShiftedFactor {
 template <int Count>
 struct ModeGroup {
   ShiftedFactor factor[Count];
-  Lane* x[Count];
-  Lane value[Count];
-  Lane largest[Count];  ///< magnitude of the largest entry of x
+  Simd* x[Count];
+  Simd value[Count];
+  Simd largest[Count];  ///< magnitude of the largest entry of x
 };
 
 template <int Count>
 inline ModeGroup<Count> mode_group(const Workspace& work, int n, int from) {
   ModeGroup<Count> group;
   for (int g = 0; g < Count; ++g) {
-    Lane* const first = work.factor + static_cast<long>(4 * g) * n;
+    Simd* const first = work.factor + static_cast<long>(4 * g) * n;
     group.factor[g] = {first, first + n, first + 2 * n, first + 3 * n, work.swapped + static_cast<long>(g) * n};
     group.x[g] = work.vectors + static_cast<long>(from + g) * n;
     group.value[g] = work.values[from + g];
@@ -37,23 +37,23 @@ inline ModeGroup<Count> mode_group(const Workspace& work, int n, int from) {
 }
 
 template <int Count>
-inline void factor_shifted(const Workspace& work, int n, Lane smallest_pivot, const ModeGroup<Count>& group) {
-  const auto guarded = [&](Lane pivot)
+inline void factor_shifted(const Workspace& work, int n, Simd smallest_pivot, const ModeGroup<Count>& group) {
+  const auto guarded = [&](Simd pivot)
                            MOTTLE_FLAT { return select(absolute(pivot) < smallest_pivot, smallest_pivot, pivot); };
-  Lane pivot[Count], beside[Count];
+  Simd pivot[Count], beside[Count];
   for (int g = 0; g < Count; ++g) {
     pivot[g] = work.diagonal[0] - group.value[g];
     beside[g] = work.offdiag[0];
   }
   for (int i = 0; i + 1 < n; ++i) {
-    const Lane below = work.offdiag[i], diagonal = work.diagonal[i + 1], after = work.offdiag[i + 1];
+    const Simd below = work.offdiag[i], diagonal = work.diagonal[i + 1], after = work.offdiag[i + 1];
     for (int g = 0; g < Count; ++g) {
       const ShiftedFactor& f = group.factor[g];
-      const Lane next = diagonal - group.value[g];
+      const Simd next = diagonal - group.value[g];
       const Mask swap = absolute(below) > absolute(pivot[g]);
-      const Lane inverse = reciprocal(guarded(select(swap, below, pivot[g])));
-      const Lane multiplier = select(swap, pivot[g], below) * inverse;
-      const Lane upper = select(swap, next, beside[g]);
+      const Simd inverse = reciprocal(guarded(select(swap, below, pivot[g])));
+      const Simd multiplier = select(swap, pivot[g], below) * inverse;
+      const Simd upper = select(swap, next, beside[g]);
       f.swapped[i] = swap;
       f.reciprocal[i] = inverse;
       f.lower[i] = multiplier;
@@ -72,13 +72,13 @@ inline void factor_shifted(const Workspace& work, int n, Lane smallest_pivot, co
 
 template <int Count>
 inline void eliminate(int n, const ModeGroup<Count>& group) {
-  Lane carried[Count];
+  Simd carried[Count];
   for (int g = 0; g < Count; ++g) carried[g] = group.x[g][0];
   for (int i = 0; i + 1 < n; ++i) {
     for (int g = 0; g < Count; ++g) {
       const ShiftedFactor& f = group.factor[g];
-      const Lane next = group.x[g][i + 1];
-      const Lane kept = select(f.swapped[i], next, carried[g]);
+      const Simd next = group.x[g][i + 1];
+      const Simd kept = select(f.swapped[i], next, carried[g]);
       carried[g] = select(f.swapped[i], carried[g], next) - f.lower[i] * kept;
       group.x[g][i] = kept;
     }
@@ -88,12 +88,12 @@ inline void eliminate(int n, const ModeGroup<Count>& group) {
 
 template <int Count>
 inline void substitute_back(int n, ModeGroup<Count>& group) {
-  Lane first[Count], second[Count], largest[Count];
+  Simd first[Count], second[Count], largest[Count];
   for (int g = 0; g < Count; ++g) first[g] = second[g] = largest[g] = broadcast(0.0);
   for (int i = n - 1; i >= 0; --i) {
     for (int g = 0; g < Count; ++g) {
       const ShiftedFactor& f = group.factor[g];
-      const Lane value = (group.x[g][i] - f.upper_second[i] * second[g] - f.upper[i] * first[g]) * f.reciprocal[i];
+      const Simd value = (group.x[g][i] - f.upper_second[i] * second[g] - f.upper[i] * first[g]) * f.reciprocal[i];
       group.x[g][i] = value;
       largest[g] = larger(absolute(value), largest[g]);
       second[g] = first[g];
@@ -103,8 +103,8 @@ inline void substitute_back(int n, ModeGroup<Count>& group) {
   for (int g = 0; g < Count; ++g) group.largest[g] = largest[g];
 }
 
-MOTTLE_INLINE Lane dot(const Lane* x, const Lane* y, int n) {
-  Lane even = broadcast(0.0), odd = broadcast(0.0);
+MOTTLE_INLINE Simd dot(const Simd* x, const Simd* y, int n) {
+  Simd even = broadcast(0.0), odd = broadcast(0.0);
   int i = 0;
   for (; i + 1 < n; i += 2) {
     even += x[i] * y[i];
@@ -117,14 +117,14 @@ MOTTLE_INLINE Lane dot(const Lane* x, const Lane* y, int n) {
 /// Scales to unit length; the squares are of entries over the largest, so that they cannot overflow.
 template <int Count>
 inline void normalise(int n, const ModeGroup<Count>& group) {
-  Lane scale[Count], sum[Count];
+  Simd scale[Count], sum[Count];
   for (int g = 0; g < Count; ++g) {
     scale[g] = reciprocal(group.largest[g]);
     sum[g] = broadcast(0.0);
   }
   for (int i = 0; i < n; ++i) {
     for (int g = 0; g < Count; ++g) {
-      const Lane entry = group.x[g][i] = group.x[g][i] * scale[g];
+      const Simd entry = group.x[g][i] = group.x[g][i] * scale[g];
       sum[g] += entry * entry;
     }
   }
@@ -136,29 +136,29 @@ inline void normalise(int n, const ModeGroup<Count>& group) {
 
 /// Removes from a mode's vector its parts along the earlier modes of its cluster and scales it to unit length again; an
 /// exact no-op in the lanes where it has no cluster.
-inline void orthogonalise(const Workspace& work, int n, int mode, Lane cluster_gap) {
-  Lane* const x = work.vectors + static_cast<long>(mode) * n;
+inline void orthogonalise(const Workspace& work, int n, int mode, Simd cluster_gap) {
+  Simd* const x = work.vectors + static_cast<long>(mode) * n;
   Mask linked = ~Mask{}, changed{};
   for (int other = mode - 1; other >= 0; --other) {
     linked &= work.values[other + 1] - work.values[other] < cluster_gap;
     if (!any(linked)) break;
     changed |= linked;
-    const Lane* const y = work.vectors + static_cast<long>(other) * n;
-    const Lane part = select(linked, dot(x, y, n), broadcast(0.0));
+    const Simd* const y = work.vectors + static_cast<long>(other) * n;
+    const Simd part = select(linked, dot(x, y, n), broadcast(0.0));
     for (int i = 0; i < n; ++i) x[i] -= part * y[i];
   }
   if (!any(changed)) return;
   // Nearly all of it may have been taken away: first by the largest entry, so that no square is lost.
-  Lane largest = broadcast(0.0);
+  Simd largest = broadcast(0.0);
   for (int i = 0; i < n; ++i) largest = larger(absolute(x[i]), largest);
-  const Lane scale = select(changed, reciprocal(largest), broadcast(1.0));
+  const Simd scale = select(changed, reciprocal(largest), broadcast(1.0));
   for (int i = 0; i < n; ++i) x[i] *= scale;
-  const Lane unit = select(changed, reciprocal_root(dot(x, x, n)), broadcast(1.0));
+  const Simd unit = select(changed, reciprocal_root(dot(x, x, n)), broadcast(1.0));
   for (int i = 0; i < n; ++i) x[i] *= unit;
 }
 
 /// Fixed start vectors with no zero and no symmetry: entries in +-[0.5, 1) from a multiplicative sequence.
-inline void start_vector(Lane* x, int n, int mode) {
+inline void start_vector(Simd* x, int n, int mode) {
   unsigned long long state = 0x9e3779b97f4a7c15ULL * static_cast<unsigned long long>(mode + 1);
   for (int i = 0; i < n; ++i) {
     state = state * 6364136223846793005ULL + 1442695040888963407ULL;
@@ -169,15 +169,15 @@ inline void start_vector(Lane* x, int n, int mode) {
 
 /// Largest entry of T z - lambda z for each mode of a group.
 template <int Count>
-inline void find_residuals(const Workspace& work, int n, const ModeGroup<Count>& group, Lane* residuals) {
-  Lane before[Count], largest[Count];
+inline void find_residuals(const Workspace& work, int n, const ModeGroup<Count>& group, Simd* residuals) {
+  Simd before[Count], largest[Count];
   for (int g = 0; g < Count; ++g) before[g] = largest[g] = broadcast(0.0);
   for (int i = 0; i < n; ++i) {
-    const Lane diagonal = work.diagonal[i], coupling = work.offdiag[i];
+    const Simd diagonal = work.diagonal[i], coupling = work.offdiag[i];
     const int beyond = i + 1 < n ? i + 1 : i;  // the last coupling is zero
     for (int g = 0; g < Count; ++g) {
-      const Lane* const z = group.x[g];
-      const Lane entry = absolute((diagonal - group.value[g]) * z[i] + before[g] + coupling * z[beyond]);
+      const Simd* const z = group.x[g];
+      const Simd entry = absolute((diagonal - group.value[g]) * z[i] + before[g] + coupling * z[beyond]);
       largest[g] = select(entry <= largest[g], largest[g], entry);  // keeps a nan
       before[g] = coupling * z[i];
     }
@@ -187,8 +187,8 @@ inline void find_residuals(const Workspace& work, int n, const ModeGroup<Count>&
 
 /// Vectors of modes [from, from + Count); returns the lanes in which every residual is small.
 template <int Count>
-inline Mask iterate_group(const Workspace& work, int n, int from, Lane bound, int iterations) {
-  const Lane cluster_gap = bound * 1e-3;  // vectors of more distant eigenvalues are orthogonal to about 1e-13
+inline Mask iterate_group(const Workspace& work, int n, int from, Simd bound, int iterations) {
+  const Simd cluster_gap = bound * 1e-3;  // vectors of more distant eigenvalues are orthogonal to about 1e-13
   ModeGroup<Count> group = mode_group<Count>(work, n, from);
   factor_shifted<Count>(work, n, bound * k_epsilon, group);
   for (int g = 0; g < Count; ++g) start_vector(group.x[g], n, from + g);
@@ -199,24 +199,24 @@ inline Mask iterate_group(const Workspace& work, int n, int from, Lane bound, in
     for (int g = 0; g < Count; ++g) orthogonalise(work, n, from + g, cluster_gap);
   }
   for (int g = 0; g < Count; ++g) orthogonalise(work, n, from + g, cluster_gap);
-  Lane residuals[Count];
+  Simd residuals[Count];
   find_residuals<Count>(work, n, group, residuals);
-  Mask trusted = ~Mask{};
-  for (int g = 0; g < Count; ++g) trusted &= residuals[g] <= bound * 1e-13;
-  return trusted;
+  Mask valid = ~Mask{};
+  for (int g = 0; g < Count; ++g) valid &= residuals[g] <= bound * 1e-13;
+  return valid;
 }
 
 /// Fills work.vectors with orthonormal eigenvectors of T; returns the lanes in which every residual is small. One
 /// iteration finds the vector unless the start was unlucky, two more polish.
-inline Mask iterate_vectors(const Workspace& work, int n, int modes, Lane bound, int iterations = 3) {
-  Mask trusted = ~Mask{};
+inline Mask iterate_vectors(const Workspace& work, int n, int modes, Simd bound, int iterations = 3) {
+  Mask valid = ~Mask{};
   int mode = 0;
   for (; mode + k_vector_group <= modes; mode += k_vector_group) {
-    trusted &= iterate_group<k_vector_group>(work, n, mode, bound, iterations);
+    valid &= iterate_group<k_vector_group>(work, n, mode, bound, iterations);
   }
-  for (; mode < modes; ++mode) trusted &= iterate_group<1>(work, n, mode, bound, iterations);
-  return trusted;
+  for (; mode < modes; ++mode) valid &= iterate_group<1>(work, n, mode, bound, iterations);
+  return valid;
 }
 
 }  // namespace
-}  // namespace mottle::linalg::lane_kernels
+}  // namespace mottle::linalg::simd_kernels

@@ -3,60 +3,60 @@
 // through the registers just as it lies.
 #pragma once
 
-#include "linalg/batched/lanes/loose_lane.hpp"
+#include "linalg/batched/simd/unaligned.hpp"
 
-namespace mottle::linalg::lane_kernels {
+namespace mottle::linalg::simd_kernels {
 namespace {
 
-/// Two lanes of right-hand sides, so that an entry of L is spread over a register but once.
-struct LanePair {
-  Lane first, second;
+/// Two registers of right-hand sides, so that an entry of L is broadcast once for both.
+struct SimdPair {
+  Simd first, second;
 };
 
 MOTTLE_INLINE void get(const double* from, double& value) {
   value = *from;
 }
-MOTTLE_INLINE void get(const double* from, Lane& value) {
+MOTTLE_INLINE void get(const double* from, Simd& value) {
   value = load(from);
 }
-MOTTLE_INLINE void get(const double* from, LanePair& value) {
+MOTTLE_INLINE void get(const double* from, SimdPair& value) {
   value = {load(from), load(from + MOTTLE_LANES)};
 }
 MOTTLE_INLINE void put(double* to, double value) {
   *to = value;
 }
-MOTTLE_INLINE void put(double* to, Lane value) {
+MOTTLE_INLINE void put(double* to, Simd value) {
   store(to, value);
 }
-MOTTLE_INLINE void put(double* to, const LanePair& value) {
+MOTTLE_INLINE void put(double* to, const SimdPair& value) {
   store(to, value.first);
   store(to + MOTTLE_LANES, value.second);
 }
 
 /// sum -= side * entry within one expression: only so it becomes one rounding for each kind of value in every build,
-/// and a right-hand side has the same bits alone, in a lane and in a pair.
+/// and a right-hand side has the same bits alone, in a register and in a pair.
 MOTTLE_INLINE void take_out(double& sum, double side, double entry) {
   sum -= side * entry;
 }
-MOTTLE_INLINE void take_out(Lane& sum, Lane side, double entry) {
+MOTTLE_INLINE void take_out(Simd& sum, Simd side, double entry) {
   sum -= side * entry;
 }
-MOTTLE_INLINE void take_out(LanePair& sum, const LanePair& side, double entry) {
+MOTTLE_INLINE void take_out(SimdPair& sum, const SimdPair& side, double entry) {
   sum.first -= side.first * entry;
   sum.second -= side.second * entry;
 }
 MOTTLE_INLINE void scale(double& side, double factor) {
   side *= factor;
 }
-MOTTLE_INLINE void scale(Lane& side, double factor) {
+MOTTLE_INLINE void scale(Simd& side, double factor) {
   side *= factor;
 }
-MOTTLE_INLINE void scale(LanePair& side, double factor) {
+MOTTLE_INLINE void scale(SimdPair& side, double factor) {
   side.first *= factor;
   side.second *= factor;
 }
 
-/// Columns that are worked on together: their right-hand sides, a pair of lanes each, stay in registers, of which
+/// Columns that are worked on together: their right-hand sides, a pair of values each, stay in registers, of which
 /// AVX-512 has 32 and what came before it 16.
 constexpr int k_block = MOTTLE_LANES == 8 ? 8 : 6;
 
@@ -88,7 +88,7 @@ MOTTLE_INLINE void fetch_neighbour(const ColumnBlock& block, int direction, int 
   __builtin_prefetch(block.values + Columns * (direction * block.stride + i), 0, k_into_second_cache);
 }
 
-/// Solves with the triangle on top of the block and takes its part out of the rows below. Divisions would wait for
+/// Solves with the triangle on top of the block and subtracts its product from the rows below. Divisions would wait for
 /// each other; the reciprocals do not.
 template <typename Value, int Columns>
 MOTTLE_INLINE void eliminate(const ColumnBlock& block, int width, double* x) {
@@ -137,7 +137,7 @@ MOTTLE_INLINE void solve_block(const ColumnBlock& block, int width, double* x) {
   }
 }
 
-/// One block for all right-hand sides: it comes from memory for the first lanes and from the cache for the others. A
+/// One block for all right-hand sides: it comes from memory for the first register and from the cache for the others. A
 /// function of its own, or the loops over the supernodes take its registers.
 template <bool IsBack, int Columns>
 __attribute__((noinline)) void solve_sides(const ColumnBlock& block, int width, double* x) {
@@ -146,9 +146,9 @@ __attribute__((noinline)) void solve_sides(const ColumnBlock& block, int width, 
   } else {
     int side = 0;
     for (; side + 2 * MOTTLE_LANES <= width; side += 2 * MOTTLE_LANES) {
-      solve_block<IsBack, LanePair, Columns>(block, width, x + side);
+      solve_block<IsBack, SimdPair, Columns>(block, width, x + side);
     }
-    if (side < width) solve_block<IsBack, Lane, Columns>(block, width, x + side);
+    if (side < width) solve_block<IsBack, Simd, Columns>(block, width, x + side);
   }
 }
 
@@ -180,4 +180,4 @@ void solve_lower_transposed(const SupernodalLower& lower, int width, double* x) 
 }
 
 }  // namespace
-}  // namespace mottle::linalg::lane_kernels
+}  // namespace mottle::linalg::simd_kernels

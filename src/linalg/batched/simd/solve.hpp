@@ -3,19 +3,19 @@
 // MOTTLE_PRODUCT_COLUMNS in tridiagonalise.hpp, MOTTLE_VECTOR_GROUP in workspace.hpp.
 #pragma once
 
-#include "linalg/batched/lanes/assemble.hpp"
-#include "linalg/batched/lanes/tridiagonal_values.hpp"
-#include "linalg/batched/lanes/tridiagonal_vectors.hpp"
-#include "linalg/batched/lanes/tridiagonalise.hpp"
+#include "linalg/batched/simd/assemble.hpp"
+#include "linalg/batched/simd/tridiagonal_values.hpp"
+#include "linalg/batched/simd/tridiagonal_vectors.hpp"
+#include "linalg/batched/simd/tridiagonalise.hpp"
 
-namespace mottle::linalg::lane_kernels {
+namespace mottle::linalg::simd_kernels {
 namespace {
 
 /// x_c <- L^-T x_c for a constant L^-T given by columns; row i needs rows i and below only, so it can go in place.
 template <int Columns>
-MOTTLE_INLINE void apply_back_transform(const double* transform, int n, Lane* x) {
+MOTTLE_INLINE void apply_back_transform(const double* transform, int n, Simd* x) {
   for (int i = 0; i < n; ++i) {
-    Lane sum[Columns];
+    Simd sum[Columns];
     for (int c = 0; c < Columns; ++c) sum[c] = x[c * n + i] * transform[i * n + i];
     for (int j = i + 1; j < n; ++j) {
       const double entry = transform[static_cast<long>(j) * n + i];
@@ -27,21 +27,21 @@ MOTTLE_INLINE void apply_back_transform(const double* transform, int n, Lane* x)
 
 /// x_c <- L^-T x_c with the lanes' own packed factor, for vectors that lie n apart.
 template <int Columns>
-inline void solve_upper(const Lane* factor, int n, Lane* x) {
+inline void solve_upper(const Simd* factor, int n, Simd* x) {
   for (int i = n - 1; i >= 0; --i) {
-    const Lane* const column = factor + packed_index(n, i, i) - i;
-    const Lane scale = reciprocal(column[i]);
-    Lane sum[Columns];
+    const Simd* const column = factor + packed_index(n, i, i) - i;
+    const Simd scale = reciprocal(column[i]);
+    Simd sum[Columns];
     for (int c = 0; c < Columns; ++c) sum[c] = x[c * n + i];
     for (int j = i + 1; j < n; ++j) {
-      const Lane entry = column[j];
+      const Simd entry = column[j];
       for (int c = 0; c < Columns; ++c) sum[c] -= entry * x[c * n + j];
     }
     for (int c = 0; c < Columns; ++c) x[c * n + i] = sum[c] * scale;
   }
 }
 
-inline void solve_upper(const Lane* factor, int n, int vectors, Lane* x) {
+inline void solve_upper(const Simd* factor, int n, int vectors, Simd* x) {
   int v = 0;
   for (; v + 5 <= vectors; v += 5) solve_upper<5>(factor, n, x + static_cast<long>(v) * n);
   for (; v < vectors; ++v) solve_upper<1>(factor, n, x + static_cast<long>(v) * n);
@@ -58,7 +58,7 @@ inline void undo_reduction(const Problem& problem, const Workspace& work) {
     }
   }
   for (; mode < modes; ++mode) {
-    Lane* const x = work.vectors + static_cast<long>(mode) * n;
+    Simd* const x = work.vectors + static_cast<long>(mode) * n;
     switch (problem.mass_kind) {
       case MassKind::folded:
         apply_back_transform<1>(problem.back_transform, n, x);
@@ -76,8 +76,8 @@ inline void undo_reduction(const Problem& problem, const Workspace& work) {
 }
 
 /// Makes the largest component of a mode positive; returns the lanes in which every component is finite.
-inline Mask fix_sign(Lane* x, int n) {
-  Lane largest = x[0];
+inline Mask fix_sign(Simd* x, int n) {
+  Simd largest = x[0];
   Mask finite = is_finite(x[0]);
   for (int i = 1; i < n; ++i) {
     finite &= is_finite(x[i]);
@@ -89,11 +89,11 @@ inline Mask fix_sign(Lane* x, int n) {
 }
 
 inline void store_batch(const Problem& problem, const Output& output, const BatchSamples& batch, const Workspace& work,
-                        Mask trusted) {
+                        Mask valid) {
   const long length = static_cast<long>(problem.order) * problem.modes;
   for (int lane = 0; lane < batch.count; ++lane) {
     const long sample = batch.sample[lane];
-    output.trusted[sample] = trusted[lane] != 0;
+    output.valid[sample] = valid[lane] != 0;
     double* const values = output.values + sample * problem.modes;
     for (int mode = 0; mode < problem.modes; ++mode) values[mode] = work.values[mode][lane];
     if (!problem.vectors) continue;
@@ -107,11 +107,11 @@ inline void store_batch(const Problem& problem, const Output& output, const Batc
 inline Mask solve_standard_form(const Workspace& work, int n, int values, int vectors, double rounding = k_epsilon,
                                 int iterations = 3) {
   tridiagonalise(work, n);
-  const Lane bound = eigenvalue_bound(work, n);
+  const Simd bound = eigenvalue_bound(work, n);
   find_eigenvalues(work, n, values, bound, rounding);
-  const Mask trusted = is_finite(bound * 4.0) & iterate_vectors(work, n, vectors, bound, iterations);
+  const Mask valid = is_finite(bound * 4.0) & iterate_vectors(work, n, vectors, bound, iterations);
   transform_back(work, n, vectors);
-  return trusted;
+  return valid;
 }
 
 void solve_large(const Problem& problem, const Output& output, long begin, long end, double* memory) {
@@ -119,20 +119,19 @@ void solve_large(const Problem& problem, const Output& output, long begin, long 
   const int n = problem.order;
   for (long first = begin; first < end; first += MOTTLE_LANES) {
     const BatchSamples batch = batch_samples(first, end);
-    Mask trusted = assemble_standard_form(problem, batch, work);
-    trusted &= solve_standard_form(work, n, problem.modes, problem.vectors ? problem.modes : 0);
+    Mask valid = assemble_standard_form(problem, batch, work);
+    valid &= solve_standard_form(work, n, problem.modes, problem.vectors ? problem.modes : 0);
     if (problem.vectors) {
       undo_reduction(problem, work);
-      for (int mode = 0; mode < problem.modes; ++mode)
-        trusted &= fix_sign(work.vectors + static_cast<long>(mode) * n, n);
+      for (int mode = 0; mode < problem.modes; ++mode) valid &= fix_sign(work.vectors + static_cast<long>(mode) * n, n);
     }
-    store_batch(problem, output, batch, work, trusted);
+    store_batch(problem, output, batch, work, valid);
   }
 }
 
 long workspace_doubles(const Problem& problem) {
-  return Workspace(problem, nullptr).total_lanes * MOTTLE_LANES;
+  return Workspace(problem, nullptr).total_values * MOTTLE_LANES;
 }
 
 }  // namespace
-}  // namespace mottle::linalg::lane_kernels
+}  // namespace mottle::linalg::simd_kernels

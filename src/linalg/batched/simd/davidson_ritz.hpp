@@ -1,33 +1,33 @@
-// The small pencils of a block of vectors: Rayleigh and Ritz, and the count of eigenvalues. See nearby.hpp.
+// Rayleigh-Ritz on a block of vectors, and the count of eigenvalues that proves completeness. See davidson.hpp.
 #pragma once
 
-#include "linalg/batched/lanes/nearby_workspace.hpp"
-#include "linalg/batched/lanes/solve.hpp"
+#include "linalg/batched/simd/davidson_workspace.hpp"
+#include "linalg/batched/simd/solve.hpp"
 
-namespace mottle::linalg::lane_kernels {
+namespace mottle::linalg::simd_kernels {
 namespace {
 
-/// The first `vectors` vectors of work.small's pencil, into work.turn [n][vectors].
-inline void take_vectors(const NearbyWorkspace& work, int n, int vectors) {
+/// The first `vectors` vectors of work.small's pencil, into work.rotation [n][vectors].
+inline void take_vectors(const DavidsonWorkspace& work, int n, int vectors) {
   for (int mode = 0; mode < vectors; ++mode) {
-    const Lane* const x = work.small.vectors + static_cast<long>(mode) * n;
-    for (int i = 0; i < n; ++i) work.turn[static_cast<long>(i) * work.y.stride + mode] = x[i];
+    const Simd* const x = work.small.vectors + static_cast<long>(mode) * n;
+    for (int i = 0; i < n; ++i) work.rotation[static_cast<long>(i) * work.y.stride + mode] = x[i];
   }
 }
 
 /// Ritz values of the pencil in work.small's packed triangles, in work.small.values, and the vectors of the first.
-inline Mask solve_ritz(const NearbyWorkspace& work, int n, int values, int vectors) {
+inline Mask solve_ritz(const DavidsonWorkspace& work, int n, int values, int vectors) {
   const Workspace& small = work.small;
-  Mask trusted = factor_mass(small.mass, n);
+  Mask valid = factor_mass(small.mass, n);
   reduce_by_full_mass(small.matrix, small.mass, n);
-  trusted &= solve_standard_form(small, n, values, vectors);
+  valid &= solve_standard_form(small, n, values, vectors);
   solve_upper(small.mass, n, vectors, small.vectors);
   take_vectors(work, n, vectors);
-  return trusted;
+  return valid;
 }
 
 /// Standard form of the leading corner of the pencil; lanes in which its mass is positive definite.
-inline Mask take_corner(const NearbyProblem& problem, const NearbyWorkspace& work) {
+inline Mask take_corner(const DavidsonProblem& problem, const DavidsonWorkspace& work) {
   const int n = problem.block;
   const Workspace& small = work.small;
   for (int j = 0; j < n; ++j) {
@@ -49,7 +49,7 @@ inline Mask take_corner(const NearbyProblem& problem, const NearbyWorkspace& wor
 constexpr int k_gaps = 3;  // between Ritz values, where eigenvalues may be counted
 
 /// Rayleigh and Ritz: h, g, and values and vectors of their pencil.
-inline Mask find_ritz(const NearbyProblem& problem, const NearbyWorkspace& work) {
+inline Mask find_ritz(const DavidsonProblem& problem, const DavidsonWorkspace& work) {
   const int n = work.y.columns;
   make_gram(work.y, work.ky, 0, work.h);
   make_gram(work.y, work.my, 0, work.g);
@@ -64,19 +64,19 @@ inline Mask find_ritz(const NearbyProblem& problem, const NearbyWorkspace& work)
   return solve_ritz(work, n, counted > problem.kept ? counted : problem.kept, problem.kept);
 }
 
-/// Negative pivots of a packed symmetric matrix, eliminated in place; lanes with a pivot that tells nothing lose trust.
-inline Mask count_negative(Lane* matrix, int n, Mask& trusted) {
+/// Negative pivots of a packed symmetric matrix, eliminated in place; lanes with a pivot near zero become invalid.
+inline Mask count_negative(Simd* matrix, int n, Mask& valid) {
   Mask count{};
-  Lane scale = broadcast(0.0);
+  Simd scale = broadcast(0.0);
   for (int k = 0; k < n; ++k) scale = larger(scale, absolute(matrix[packed_index(n, k, k)]));
   for (int k = 0; k < n; ++k) {
-    Lane* const column = matrix + packed_index(n, k, k) - k;
+    Simd* const column = matrix + packed_index(n, k, k) - k;
     count -= (column[k] < broadcast(0.0));
-    trusted &= absolute(column[k]) > scale * 1e-10;
-    const Lane inverse = reciprocal(column[k]);
+    valid &= absolute(column[k]) > scale * 1e-10;
+    const Simd inverse = reciprocal(column[k]);
     for (int j = k + 1; j < n; ++j) {
-      Lane* const target = matrix + packed_index(n, j, j) - j;
-      const Lane multiplier = column[j] * inverse;
+      Simd* const target = matrix + packed_index(n, j, j) - j;
+      const Simd multiplier = column[j] * inverse;
       for (int i = j; i < n; ++i) target[i] -= multiplier * column[i];
     }
   }
@@ -90,26 +90,26 @@ inline Mask count_negative(Lane* matrix, int n, Mask& trusted) {
 /// in the widest gap among the first Ritz values above the wanted ones.
 ///
 ///   D = alpha - (x - shift) beta m_i,   K(s) - shift M(s) >= alpha,   M(s) <= beta diag m
-inline Mask misses_none(const NearbyProblem& problem, const NearbyWorkspace& work) {
+inline Mask misses_none(const DavidsonProblem& problem, const DavidsonWorkspace& work) {
   const int n = problem.block, modes = problem.modes;
-  const Lane* const values = work.small.values;
-  Lane widest = broadcast(-1.0), x = broadcast(0.0);
+  const Simd* const values = work.small.values;
+  Simd widest = broadcast(-1.0), x = broadcast(0.0);
   Mask expected{};
   for (int p = modes; p < modes + k_gaps && p < n; ++p) {
-    const Lane gap = (values[p] - values[p - 1]) / (values[p] - problem.shift);
+    const Simd gap = (values[p] - values[p - 1]) / (values[p] - problem.shift);
     const Mask is_wider = gap > widest;
     widest = select(is_wider, gap, widest);
     x = select(is_wider, (values[p] + values[p - 1]) * 0.5, x);
     expected = is_wider ? Mask{} + p : expected;
   }
-  Mask trusted = widest > broadcast(0.0);
-  const Lane heavy = (x - problem.shift) * work.beta;
+  Mask valid = widest > broadcast(0.0);
+  const Simd heavy = (x - problem.shift) * work.beta;
   Block rows = work.spare;
   rows.columns = n;
   for (int i = n; i < problem.order; ++i) {
-    const Lane stiff = work.alpha - heavy * problem.nominal_mass[i];
-    trusted &= stiff > work.alpha * 0.02;
-    const Lane root = reciprocal_root(stiff);
+    const Simd stiff = work.alpha - heavy * problem.nominal_mass[i];
+    valid &= stiff > work.alpha * 0.02;
+    const Simd root = reciprocal_root(stiff);
     for (int c = 0; c < n; ++c) rows.row(i)[c] = (work.ky.row(i)[c] - x * work.my.row(i)[c]) * root;
   }
   make_gram(rows, rows, n, work.rest);
@@ -119,9 +119,9 @@ inline Mask misses_none(const NearbyProblem& problem, const NearbyWorkspace& wor
       work.small.matrix[packed_index(n, i, j)] = work.h[from] - x * work.g[from] - work.rest[from];
     }
   }
-  const Mask count = count_negative(work.small.matrix, n, trusted);
-  return trusted & (count <= expected);
+  const Mask count = count_negative(work.small.matrix, n, valid);
+  return valid & (count <= expected);
 }
 
 }  // namespace
-}  // namespace mottle::linalg::lane_kernels
+}  // namespace mottle::linalg::simd_kernels

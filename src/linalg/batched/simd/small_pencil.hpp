@@ -1,17 +1,17 @@
 // A pencil of up to 8 degrees of freedom in registers: sums of terms, and Cholesky reduction to standard form.
 #pragma once
 
-#include "linalg/batched/lanes/lane.hpp"
+#include "linalg/batched/simd/simd.hpp"
 
-namespace mottle::linalg::lane_kernels {
+namespace mottle::linalg::simd_kernels {
 namespace {
 
 /// A pencil in standard form: packed symmetric matrix, and the columns that Jacobi turns into eigenvectors.
 template <int N>
 struct SmallPencil {
-  Lane matrix[N * (N + 1) / 2];
-  Lane columns[N][N];  // [column][row]
-  Mask trusted;
+  Simd matrix[N * (N + 1) / 2];
+  Simd columns[N][N];  // [column][row]
+  Mask valid;
 
   static constexpr int index(int i, int j) {
     return static_cast<int>(i >= j ? packed_index(N, i, j) : packed_index(N, j, i));
@@ -21,30 +21,30 @@ struct SmallPencil {
 /// result = constant + sum of coefficient * term, entry by entry.
 template <int Size>
 MOTTLE_INLINE void combine(const double* terms, int count, const double* coefficients, long stride,
-                           const BatchSamples& batch, Lane* result) {
+                           const BatchSamples& batch, Simd* result) {
   unrolled<0, Size>([&](auto entry) MOTTLE_FLAT { result[entry.value] = broadcast(terms[entry.value]); });
   for (int term = 0; term < count; ++term) {
     const double* matrix = terms + (term + 1) * Size;
-    const Lane coefficient = gather(coefficients, stride, term, batch);
+    const Simd coefficient = gather(coefficients, stride, term, batch);
     unrolled<0, Size>([&](auto entry) MOTTLE_FLAT { result[entry.value] += coefficient * matrix[entry.value]; });
   }
 }
 
-/// W = L^-1 of M = L L'; lanes whose M is not numerically positive definite lose their trust.
+/// W = L^-1 of M = L L'; lanes whose M is not numerically positive definite become invalid.
 template <int N>
-MOTTLE_INLINE void invert_cholesky_factor(const Lane (&mass)[N * (N + 1) / 2], Lane (&inverse)[N][N], Mask& trusted) {
+MOTTLE_INLINE void invert_cholesky_factor(const Simd (&mass)[N * (N + 1) / 2], Simd (&inverse)[N][N], Mask& valid) {
   using Pencil = SmallPencil<N>;
-  Lane factor[N][N];
+  Simd factor[N][N];
   unrolled<0, N>([&](auto column) MOTTLE_FLAT {
     constexpr int j = column.value;
-    Lane pivot = mass[Pencil::index(j, j)];
+    Simd pivot = mass[Pencil::index(j, j)];
     unrolled<0, j>([&](auto k) MOTTLE_FLAT { pivot -= factor[j][k.value] * factor[j][k.value]; });
-    trusted &= pivot > mass[Pencil::index(j, j)] * (N * 4 * k_epsilon);
-    const Lane scale = reciprocal_root(pivot);
+    valid &= pivot > mass[Pencil::index(j, j)] * (N * 4 * k_epsilon);
+    const Simd scale = reciprocal_root(pivot);
     inverse[j][j] = scale;
     unrolled<j + 1, N>([&](auto row) MOTTLE_FLAT {
       constexpr int i = row.value;
-      Lane sum = mass[Pencil::index(i, j)];
+      Simd sum = mass[Pencil::index(i, j)];
       unrolled<0, j>([&](auto k) MOTTLE_FLAT { sum -= factor[i][k.value] * factor[j][k.value]; });
       factor[i][j] = sum * scale;
     });
@@ -53,7 +53,7 @@ MOTTLE_INLINE void invert_cholesky_factor(const Lane (&mass)[N * (N + 1) / 2], L
     constexpr int j = column.value;
     unrolled<j + 1, N>([&](auto row) MOTTLE_FLAT {
       constexpr int i = row.value;
-      Lane sum = factor[i][j] * inverse[j][j];
+      Simd sum = factor[i][j] * inverse[j][j];
       unrolled<j + 1, i>([&](auto k) MOTTLE_FLAT { sum += factor[i][k.value] * inverse[k.value][j]; });
       inverse[i][j] = -sum * inverse[i][i];
     });
@@ -62,15 +62,15 @@ MOTTLE_INLINE void invert_cholesky_factor(const Lane (&mass)[N * (N + 1) / 2], L
 
 /// matrix <- W K W', columns <- W'.
 template <int N>
-MOTTLE_INLINE void reduce_to_standard_form(const Lane (&mass)[N * (N + 1) / 2], SmallPencil<N>& pencil) {
+MOTTLE_INLINE void reduce_to_standard_form(const Simd (&mass)[N * (N + 1) / 2], SmallPencil<N>& pencil) {
   using Pencil = SmallPencil<N>;
-  Lane inverse[N][N];
-  invert_cholesky_factor<N>(mass, inverse, pencil.trusted);
-  Lane product[N][N];
+  Simd inverse[N][N];
+  invert_cholesky_factor<N>(mass, inverse, pencil.valid);
+  Simd product[N][N];
   unrolled<0, N>([&](auto row) MOTTLE_FLAT {
     unrolled<0, N>([&](auto column) MOTTLE_FLAT {
       constexpr int i = row.value, j = column.value;
-      Lane sum = inverse[i][0] * pencil.matrix[Pencil::index(0, j)];
+      Simd sum = inverse[i][0] * pencil.matrix[Pencil::index(0, j)];
       unrolled<1, i + 1>([&](auto k)
                              MOTTLE_FLAT { sum += inverse[i][k.value] * pencil.matrix[Pencil::index(k.value, j)]; });
       product[i][j] = sum;
@@ -80,7 +80,7 @@ MOTTLE_INLINE void reduce_to_standard_form(const Lane (&mass)[N * (N + 1) / 2], 
   unrolled<0, N>([&](auto column) MOTTLE_FLAT {
     unrolled<column.value, N>([&](auto row) MOTTLE_FLAT {
       constexpr int i = row.value, j = column.value;
-      Lane sum = product[i][0] * inverse[j][0];
+      Simd sum = product[i][0] * inverse[j][0];
       unrolled<1, j + 1>([&](auto k) MOTTLE_FLAT { sum += product[i][k.value] * inverse[j][k.value]; });
       pencil.matrix[Pencil::index(i, j)] = sum;
     });
@@ -88,4 +88,4 @@ MOTTLE_INLINE void reduce_to_standard_form(const Lane (&mass)[N * (N + 1) / 2], 
 }
 
 }  // namespace
-}  // namespace mottle::linalg::lane_kernels
+}  // namespace mottle::linalg::simd_kernels

@@ -1,4 +1,4 @@
-// The border between batch_eigen.cpp and the kernels that are compiled once per register width. Plain data only:
+// Interface between batch_eigen.cpp and the kernels that are compiled once per register width. Plain data only:
 // an inline function here would be compiled with AVX-512 flags too and the linker might keep that copy.
 #pragma once
 
@@ -6,9 +6,9 @@ namespace mottle::linalg {
 enum class SimdLevel;
 }
 
-namespace mottle::linalg::lane_kernels {
+namespace mottle::linalg::simd_kernels {
 
-/// Where the mass is when a kernel gets to work.
+/// How the mass is given to a kernel.
 enum class MassKind {
   folded,           ///< constant; the stiffness terms are in standard form already
   folded_diagonal,  ///< the same, and the back-transformation is diagonal
@@ -33,25 +33,25 @@ struct Problem {
   long mass_stride = 0;
 };
 
-/// Where results go; a sample that the kernel does not vouch for gets trusted = 0.
+/// Where results go; valid = 0 for a sample whose modes the kernel cannot guarantee.
 struct Output {
   double* values = nullptr;   ///< [sample][mode]
   double* vectors = nullptr;  ///< [sample][mode][dof] or null
-  unsigned char* trusted = nullptr;
+  unsigned char* valid = nullptr;
 };
 
 /// Pencils near a nominal one, in whose modes they are written: there K - shift M = 1 and M = diag nominal_mass,
 /// descending. Matrices are in tiles, each full, by rows: of K and M those of the lower triangle column by column, of
-/// W'K_t and W'M_t all, row by row; the tiles of all terms at one place follow one another, the constant's first. The
-/// order is filled up to a multiple of k_tile with ones in K and zeros in M.
-struct NearbyProblem {
-  int order = 0;      ///< with the filling
+/// W'K_t and W'M_t all, row by row; the tiles of all terms at one position follow one another, the constant's first.
+/// The order is padded to a multiple of k_tile with ones in K and zeros in M.
+struct DavidsonProblem {
+  int order = 0;      ///< with padding
   int rows = 0;       ///< without
   int block = 0;      ///< vectors; this and the next two are multiples of k_block_columns
   int kept = 0;       ///< Ritz vectors of the block, no fewer than the modes
-  int corrected = 0;  ///< vectors that are corrected more than once, no fewer than the sharp modes
+  int corrected = 0;  ///< vectors that are corrected more than once, no fewer than `converged`
   int modes = 0;      ///< wanted
-  int sharp = 0;      ///< the first of them, which must keep to the limit
+  int converged = 0;  ///< number of lowest modes whose residuals must be below the limit
   int stiffness_terms = 0;
   int mass_terms = 0;
   const double* stiffness = nullptr;               ///< [tile][1 + terms]
@@ -61,11 +61,11 @@ struct NearbyProblem {
   const double* mass_coefficients = nullptr;
   long stiffness_stride = 0;
   long mass_stride = 0;
-  const double* ratios = nullptr;   ///< [sample]: K - shift M >= ratio of the nominal one
-  const double* heavier = nullptr;  ///< [sample]: M <= heavier times the nominal one
+  const double* ratios = nullptr;       ///< [sample]: K - shift M >= ratio of the nominal one
+  const double* mass_ratios = nullptr;  ///< [sample]: M <= mass_ratios times the nominal one
   double shift = 0.0;
-  double limit = 0.0;   ///< of the squared residual of a sharp mode, r'r <= limit ratio (lambda - shift) y'My
-  int sketch_rows = 0;  ///< a multiple of k_tile
+  double limit = 0.0;                        ///< convergence criterion r'r <= limit ratio (lambda - shift) y'My
+  int sketch_rows = 0;                       ///< a multiple of k_tile
   const double* stiffness_sketch = nullptr;  ///< [tile][1 + terms]
   const double* mass_sketch = nullptr;       ///< the same
   double* sketched_residuals = nullptr;      ///< out: W'(K - lambda M) y [sample][mode][sketch row]
@@ -77,10 +77,10 @@ struct SparseLower {
   const int* starts = nullptr;
   const int* rows = nullptr;
   const double* values = nullptr;
-  const int* places = nullptr;  ///< [column]: which rows of longer vectors are its own, for those kernels that ask
+  const int* row_indices = nullptr;  ///< [column]: its row in longer vectors, for the kernels that use them
 };
 
-/// Some rows of vectors that lie anyhow: that of vector v in row i is data[i * row_step + v * vector_step].
+/// Some rows of vectors in any strided layout: entry i of vector v is data[i * row_step + v * vector_step].
 struct GatheredVectors {
   int vectors = 0;
   const double* data = nullptr;
@@ -112,14 +112,14 @@ struct Kernels {
   /// The workspace holds workspace_doubles(problem) and is aligned to 64 bytes.
   void (*solve_large)(const Problem&, const Output&, long begin, long end, double* workspace);
   long (*workspace_doubles)(const Problem&);
-  /// Leaves samples that it does not vouch for as they are, trusted and all.
-  void (*solve_nearby)(const NearbyProblem&, const Output&, long begin, long end, double* workspace);
-  long (*nearby_doubles)(const NearbyProblem&);
+  /// Writes nothing for samples whose modes it cannot guarantee, `valid` included.
+  void (*solve_davidson)(const DavidsonProblem&, const Output&, long begin, long end, double* workspace);
+  long (*davidson_doubles)(const DavidsonProblem&);
   /// out += A in for `width` vectors, a multiple of k_vector_padding: both [column][vector].
   void (*add_symmetric_product)(const SparseLower&, int width, const double* in, double* out);
-  /// The same from the matrix' own rows of longer vectors: in [place][vector].
+  /// The same from the matrix' own rows of longer vectors: in [row of those][vector].
   void (*add_local_product)(const SparseLower&, int width, const double* in, double* out);
-  /// And back to them, each vector with a factor: in and out [place][vector], scales [vector].
+  /// And back to them, each vector with a factor: in and out [row of those][vector], scales [vector].
   void (*add_scaled_product)(const SparseLower&, const double* scales, int width, const double* in, double* out);
   /// out += left' right for `width` vectors, a multiple of k_vector_padding: right [row of left][vector], out
   /// [left vector][vector].
@@ -150,4 +150,4 @@ extern const Kernels k_avx2;
 extern const Kernels k_avx512;
 #endif
 
-}  // namespace mottle::linalg::lane_kernels
+}  // namespace mottle::linalg::simd_kernels

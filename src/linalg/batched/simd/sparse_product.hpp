@@ -1,51 +1,51 @@
 // Products of a sparse symmetric matrix with many vectors at once: here the lanes hold vectors, not samples.
 #pragma once
 
-#include "linalg/batched/lanes/loose_lane.hpp"
+#include "linalg/batched/simd/unaligned.hpp"
 
-namespace mottle::linalg::lane_kernels {
+namespace mottle::linalg::simd_kernels {
 namespace {
 
-/// Where the rows of vectors are that the matrix works on.
+/// Offsets of the matrix' rows in arrays of vectors [row][vector].
 template <bool IsGathered>
-struct RowPlaces {
-  const int* places;
+struct RowIndices {
+  const int* indices;
   long width;
 
-  MOTTLE_INLINE long operator()(int row) const { return (IsGathered ? places[row] : row) * width; }
+  MOTTLE_INLINE long operator()(int row) const { return (IsGathered ? indices[row] : row) * width; }
 };
 
-/// One panel of Lanes * MOTTLE_LANES vectors: the column's own vectors stay in registers.
-template <int Lanes, bool IsScaled, typename In, typename Out>
+/// One panel of Registers * MOTTLE_LANES vectors: the column's own vectors stay in registers.
+template <int Registers, bool IsScaled, typename In, typename Out>
 MOTTLE_INLINE void add_panel(const SparseLower& a, const In& in_place, const Out& out_place, const double* scales,
                              const double* in, double* out) {
-  Lane factors[Lanes];
-  for (int l = 0; l < Lanes; ++l) factors[l] = IsScaled ? load(scales + l * MOTTLE_LANES) : broadcast(1.0);
+  Simd factors[Registers];
+  for (int l = 0; l < Registers; ++l) factors[l] = IsScaled ? load(scales + l * MOTTLE_LANES) : broadcast(1.0);
   for (int j = 0; j < a.columns; ++j) {
     const double* const source = in + in_place(j);
-    Lane x[Lanes], scaled[Lanes], sum[Lanes];
-    for (int l = 0; l < Lanes; ++l) {
+    Simd x[Registers], scaled[Registers], sum[Registers];
+    for (int l = 0; l < Registers; ++l) {
       x[l] = load(source + l * MOTTLE_LANES);
       scaled[l] = IsScaled ? x[l] * factors[l] : x[l];
       sum[l] = broadcast(0.0);
     }
     for (int k = a.starts[j]; k < a.starts[j + 1]; ++k) {
       const int i = a.rows[k];
-      const Lane value = broadcast(a.values[k]);
+      const Simd value = broadcast(a.values[k]);
       if (i == j) {
-        for (int l = 0; l < Lanes; ++l) sum[l] += value * x[l];
+        for (int l = 0; l < Registers; ++l) sum[l] += value * x[l];
         continue;
       }
       const double* const other = in + in_place(i);
       double* const target = out + out_place(i);
-      for (int l = 0; l < Lanes; ++l) {
+      for (int l = 0; l < Registers; ++l) {
         sum[l] += value * load(other + l * MOTTLE_LANES);
         store(target + l * MOTTLE_LANES, load(target + l * MOTTLE_LANES) + value * scaled[l]);
       }
     }
     double* const target = out + out_place(j);
-    for (int l = 0; l < Lanes; ++l) {
-      const Lane own = IsScaled ? sum[l] * factors[l] : sum[l];
+    for (int l = 0; l < Registers; ++l) {
+      const Simd own = IsScaled ? sum[l] * factors[l] : sum[l];
       store(target + l * MOTTLE_LANES, load(target + l * MOTTLE_LANES) + own);
     }
   }
@@ -55,11 +55,11 @@ template <bool IsScaled, typename In, typename Out>
 MOTTLE_INLINE void add_panels(const SparseLower& a, const In& in_place, const Out& out_place, const double* scales,
                               int width, const double* in, double* out) {
   int first = 0;
-  const auto add = [&](auto lanes) MOTTLE_FLAT {
-    constexpr int k_lanes = lanes.value;
-    for (; first + k_lanes * MOTTLE_LANES <= width; first += k_lanes * MOTTLE_LANES) {
-      add_panel<k_lanes, IsScaled>(a, in_place, out_place, IsScaled ? scales + first : nullptr, in + first,
-                                   out + first);
+  const auto add = [&](auto registers) MOTTLE_FLAT {
+    constexpr int k_registers = registers.value;
+    for (; first + k_registers * MOTTLE_LANES <= width; first += k_registers * MOTTLE_LANES) {
+      add_panel<k_registers, IsScaled>(a, in_place, out_place, IsScaled ? scales + first : nullptr, in + first,
+                                       out + first);
     }
   };
   add(Index<4>{});
@@ -68,18 +68,19 @@ MOTTLE_INLINE void add_panels(const SparseLower& a, const In& in_place, const Ou
 }
 
 void add_symmetric_product(const SparseLower& a, int width, const double* in, double* out) {
-  const RowPlaces<false> all{nullptr, width};
+  const RowIndices<false> all{nullptr, width};
   add_panels<false>(a, all, all, nullptr, width, in, out);
 }
 
 void add_local_product(const SparseLower& a, int width, const double* in, double* out) {
-  add_panels<false>(a, RowPlaces<true>{a.places, width}, RowPlaces<false>{nullptr, width}, nullptr, width, in, out);
+  add_panels<false>(a, RowIndices<true>{a.row_indices, width}, RowIndices<false>{nullptr, width}, nullptr, width, in,
+                    out);
 }
 
 void add_scaled_product(const SparseLower& a, const double* scales, int width, const double* in, double* out) {
-  const RowPlaces<true> own{a.places, width};
+  const RowIndices<true> own{a.row_indices, width};
   add_panels<true>(a, own, own, scales, width, in, out);
 }
 
 }  // namespace
-}  // namespace mottle::linalg::lane_kernels
+}  // namespace mottle::linalg::simd_kernels

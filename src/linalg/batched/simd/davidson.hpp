@@ -1,16 +1,16 @@
-// Lowest modes of pencils near a nominal one in whose modes they are written: a block that begins with the nominal
-// modes, corrections of its residuals by the diagonals (Davidson's), Rayleigh and Ritz at the end, and a count of the
-// eigenvalues that shows that none is missed. See batched_davidson.hpp.
+// Block Davidson iteration for pencils given in the modes of a nominal one: a block that begins with the nominal modes,
+// diagonally scaled residuals as corrections, Rayleigh-Ritz at the end, and a count of the eigenvalues that proves that
+// none is missed. See batched_davidson.hpp.
 #pragma once
 
-#include "linalg/batched/lanes/nearby_ritz.hpp"
+#include "linalg/batched/simd/davidson_ritz.hpp"
 
-namespace mottle::linalg::lane_kernels {
+namespace mottle::linalg::simd_kernels {
 namespace {
 
-/// The block's first vectors: modes of the leading corner of the pencil, roughly. Vectors that are no modes, or hardly
-/// independent, cost corrections or trust in the count, not its proof; what is not finite ends in find_ritz.
-inline Mask start_block(const NearbyProblem& problem, NearbyWorkspace& work) {
+/// The block's first vectors: approximate modes of the leading corner of the pencil. Their accuracy decides on the
+/// number of corrections and on whether the count succeeds, not on its validity; find_ritz rejects what is not finite.
+inline Mask start_block(const DavidsonProblem& problem, DavidsonWorkspace& work) {
   constexpr double k_rounding = 1e-8;
   const int n = problem.block;
   const Workspace& small = work.small;
@@ -27,12 +27,12 @@ inline Mask start_block(const NearbyProblem& problem, NearbyWorkspace& work) {
   for (long entry = 0; entry < size; ++entry) {
     work.y.data[entry] = work.ky.data[entry] = work.my.data[entry] = broadcast(0.0);
   }
-  for (long entry = 0; entry < static_cast<long>(n) * n; ++entry) work.y.data[entry] = work.turn[entry];
+  for (long entry = 0; entry < static_cast<long>(n) * n; ++entry) work.y.data[entry] = work.rotation[entry];
   return definite;
 }
 
 /// ky += K change, my += M change; rows of `change` outside [from, to) are zero.
-inline void add_products(const NearbyProblem& problem, const NearbyWorkspace& work, const Block& change, int from,
+inline void add_products(const DavidsonProblem& problem, const DavidsonWorkspace& work, const Block& change, int from,
                          int to) {
   add_product(work.stiffness, change, from, to, work.ky);
   if (problem.mass_terms > 0) {
@@ -45,23 +45,23 @@ inline void add_products(const NearbyProblem& problem, const NearbyWorkspace& wo
 }
 
 /// Squared residuals of all columns from row `first` on.
-inline void find_squares(const NearbyWorkspace& work, int first) {
+inline void find_squares(const DavidsonWorkspace& work, int first) {
   const BlockState& state = work.state;
   for (int c = 0; c < work.y.columns; ++c) state.residual[c] = broadcast(0.0);
   for (int i = first; i < work.y.rows; ++i) {
-    const Lane *const ky = work.ky.row(i), *const my = work.my.row(i);
+    const Simd *const ky = work.ky.row(i), *const my = work.my.row(i);
     for (int c = 0; c < work.y.columns; ++c) {
-      const Lane r = ky[c] - state.rayleigh[c] * my[c];
+      const Simd r = ky[c] - state.rayleigh[c] * my[c];
       state.residual[c] += r * r;
     }
   }
 }
 
-inline void find_quotients(const NearbyWorkspace& work) {
+inline void find_quotients(const DavidsonWorkspace& work) {
   const BlockState& state = work.state;
   for (int c = 0; c < work.y.columns; ++c) state.rayleigh[c] = state.lengths[c] = broadcast(0.0);
   for (int i = 0; i < work.y.rows; ++i) {
-    const Lane *const y = work.y.row(i), *const ky = work.ky.row(i), *const my = work.my.row(i);
+    const Simd *const y = work.y.row(i), *const ky = work.ky.row(i), *const my = work.my.row(i);
     for (int c = 0; c < work.y.columns; ++c) {
       state.rayleigh[c] += y[c] * ky[c];
       state.lengths[c] += y[c] * my[c];
@@ -70,33 +70,33 @@ inline void find_quotients(const NearbyWorkspace& work) {
   for (int c = 0; c < work.y.columns; ++c) state.rayleigh[c] *= reciprocal(state.lengths[c]);
 }
 
-/// Lanes in which the residuals of the sharp modes are below `share` of the limit.
-inline Mask are_sharp(const NearbyProblem& problem, const NearbyWorkspace& work, double share) {
-  Mask sharp = ~Mask{};
-  for (int c = 0; c < problem.sharp; ++c) {
-    const Lane mu = work.state.rayleigh[c] - problem.shift;
-    sharp &= work.state.residual[c] <= mu * work.state.lengths[c] * work.alpha * (problem.limit * share);
+/// Lanes in which the residuals of the first problem.converged modes are below `share` of the limit.
+inline Mask are_converged(const DavidsonProblem& problem, const DavidsonWorkspace& work, double share) {
+  Mask converged = ~Mask{};
+  for (int c = 0; c < problem.converged; ++c) {
+    const Simd mu = work.state.rayleigh[c] - problem.shift;
+    converged &= work.state.residual[c] <= mu * work.state.lengths[c] * work.alpha * (problem.limit * share);
   }
-  return sharp;
+  return converged;
 }
 
 /// y -= r / (k_ii - rayleigh m_ii) below the nominal modes' rows, in the lanes asked for, and the products with it.
 ///
 ///   1 / (1 - t) near (1 + t) (1 + t^2) (1 + t^4),   t = rayleigh m_ii / k_ii up to 1
-inline void correct_block(const NearbyProblem& problem, const NearbyWorkspace& work, Mask lanes) {
+inline void correct_block(const DavidsonProblem& problem, const DavidsonWorkspace& work, Mask lanes) {
   Block change = work.spare;
   change.columns = work.y.columns;
   const int from = first_corrected_row(problem);
-  const Lane one = broadcast(1.0);
+  const Simd one = broadcast(1.0);
   for (int i = from; i < problem.order; ++i) {
-    const Lane *const ky = work.ky.row(i), *const my = work.my.row(i);
-    const Lane negative = select(lanes, -work.reciprocals[i], broadcast(0.0));
-    const Lane relative = work.masses[i] * work.reciprocals[i];
+    const Simd *const ky = work.ky.row(i), *const my = work.my.row(i);
+    const Simd negative = select(lanes, -work.reciprocals[i], broadcast(0.0));
+    const Simd relative = work.masses[i] * work.reciprocals[i];
     for (int c = 0; c < change.columns; ++c) {
-      const Lane rayleigh = work.state.rayleigh[c];
-      const Lane t = smaller(rayleigh * relative, one), squared = t * t;
-      const Lane inverse = negative * (one + t) * (one + squared) * (one + squared * squared);
-      const Lane step = i < problem.block ? broadcast(0.0) : (ky[c] - rayleigh * my[c]) * inverse;
+      const Simd rayleigh = work.state.rayleigh[c];
+      const Simd t = smaller(rayleigh * relative, one), squared = t * t;
+      const Simd inverse = negative * (one + t) * (one + squared) * (one + squared * squared);
+      const Simd step = i < problem.block ? broadcast(0.0) : (ky[c] - rayleigh * my[c]) * inverse;
       change.row(i)[c] = step;
       work.y.row(i)[c] += step;
     }
@@ -104,15 +104,15 @@ inline void correct_block(const NearbyProblem& problem, const NearbyWorkspace& w
   add_products(problem, work, change, from, problem.order);
 }
 
-/// Corrections until the sharp modes' residuals are small, the first of as many vectors as are kept, the others of the
-/// sharp modes'.
-inline void correct_blocks(const NearbyProblem& problem, NearbyWorkspace& work) {
+/// Corrections until the residuals of the first problem.converged modes are small: one of all kept vectors, further
+/// ones of the first problem.corrected.
+inline void correct_blocks(const DavidsonProblem& problem, DavidsonWorkspace& work) {
   constexpr int k_max = 6;
   constexpr double k_share = 0.25;  // the vectors of the block still couple
   for (int step = 0;; ++step) {
     find_quotients(work);
     find_squares(work, problem.block);
-    const Mask open = ~are_sharp(problem, work, k_share);
+    const Mask open = ~are_converged(problem, work, k_share);
     if (!any(open) || step == k_max) break;
     if (step == 0) work.set_columns(problem.kept);
     correct_block(problem, work, open);
@@ -121,20 +121,20 @@ inline void correct_blocks(const NearbyProblem& problem, NearbyWorkspace& work) 
   work.set_columns(problem.block);
 }
 
-/// block <- block turn, and the spare one is where it was.
-inline void turn_into_spare(const NearbyProblem& problem, NearbyWorkspace& work, Block& block) {
+/// block <- block rotation, written to the spare block's memory; the two exchange memory.
+inline void rotate_into_spare(const DavidsonProblem& problem, DavidsonWorkspace& work, Block& block) {
   const Block before = block;
   block = work.spare;
   block.columns = problem.kept;
-  turn_block(before, work.turn, block);
+  rotate_block(before, work.rotation, block);
   work.spare = before;
 }
 
-/// y <- y turn and so on; the Rayleigh quotients are the Ritz values.
-inline void turn_blocks(const NearbyProblem& problem, NearbyWorkspace& work) {
-  turn_into_spare(problem, work, work.y);
-  turn_into_spare(problem, work, work.ky);
-  turn_into_spare(problem, work, work.my);
+/// y <- y rotation, also of K y and M y; the Rayleigh quotients are the Ritz values.
+inline void rotate_blocks(const DavidsonProblem& problem, DavidsonWorkspace& work) {
+  rotate_into_spare(problem, work, work.y);
+  rotate_into_spare(problem, work, work.ky);
+  rotate_into_spare(problem, work, work.my);
   for (int c = 0; c < problem.kept; ++c) {
     work.state.rayleigh[c] = work.small.values[c];
     work.state.lengths[c] = broadcast(1.0);
@@ -142,8 +142,8 @@ inline void turn_blocks(const NearbyProblem& problem, NearbyWorkspace& work) {
 }
 
 /// W'(K - lambda M) y of all kept modes, in work.elastic.
-inline void sketch_residuals(const NearbyProblem& problem, const NearbyWorkspace& work) {
-  const Lane* const masses = work.coefficients + problem.stiffness_terms;
+inline void sketch_residuals(const DavidsonProblem& problem, const DavidsonWorkspace& work) {
+  const Simd* const masses = work.coefficients + problem.stiffness_terms;
   multiply_terms(problem.stiffness_sketch, problem.stiffness_terms, work.coefficients, work.y, work.tile, work.elastic);
   multiply_terms(problem.mass_sketch, problem.mass_terms, masses, work.y, work.tile, work.inertial);
   for (int i = 0; i < problem.sketch_rows; ++i) {
@@ -151,12 +151,12 @@ inline void sketch_residuals(const NearbyProblem& problem, const NearbyWorkspace
   }
 }
 
-/// The first rows of a column of a block, with signs, to each lane's own place.
+/// Stores the first rows of a column of a block, with signs, for the sample of each lane.
 ///
-/// @param to      of the first lane; `stride` from one sample to the next
-/// @param column  memory for it: the rows are far apart, and lanes are stored one by one
+/// @param to      address of the first sample; `stride` from one sample to the next
+/// @param column  memory for the column: its rows are far apart in the block, and lanes are stored one by one
 inline void store_column(const Block& block, int mode, int rows, Mask signs, Mask lanes, const BatchSamples& batch,
-                         double* to, long stride, Lane* column) {
+                         double* to, long stride, Simd* column) {
   for (int i = 0; i < rows; ++i) column[i] = flip_sign(block.row(i)[mode], signs);
   for (int lane = 0; lane < batch.count; ++lane) {
     if (lanes[lane] == 0) continue;
@@ -166,14 +166,14 @@ inline void store_column(const Block& block, int mode, int rows, Mask signs, Mas
 }
 
 /// The component of largest magnitude becomes positive.
-inline void store_nearby(const NearbyProblem& problem, const Output& output, const BatchSamples& batch,
-                         const NearbyWorkspace& work, Mask lanes) {
+inline void store_davidson(const DavidsonProblem& problem, const Output& output, const BatchSamples& batch,
+                           const DavidsonWorkspace& work, Mask lanes) {
   if (!any(lanes)) return;
   sketch_residuals(problem, work);
   for (int mode = 0; mode < problem.modes; ++mode) {
-    Lane largest = broadcast(0.0);
+    Simd largest = broadcast(0.0);
     for (int i = 0; i < problem.rows; ++i) {
-      const Lane entry = work.y.row(i)[mode];
+      const Simd entry = work.y.row(i)[mode];
       largest = select(absolute(entry) > absolute(largest), entry, largest);
     }
     const Mask signs = sign_bits(largest);
@@ -187,14 +187,14 @@ inline void store_nearby(const NearbyProblem& problem, const Output& output, con
     if (lanes[lane] == 0) continue;
     double* const values = output.values + batch.sample[lane] * problem.modes;
     for (int mode = 0; mode < problem.modes; ++mode) values[mode] = work.small.values[mode][lane];
-    output.trusted[batch.sample[lane]] = 1;
+    output.valid[batch.sample[lane]] = 1;
   }
 }
 
-inline void solve_nearby_batch(const NearbyProblem& problem, const Output& output, const BatchSamples& batch,
-                               NearbyWorkspace& work) {
+inline void solve_davidson_batch(const DavidsonProblem& problem, const Output& output, const BatchSamples& batch,
+                                 DavidsonWorkspace& work) {
   constexpr int k_max = 3;  // Ritz steps after the first
-  assemble_nearby(problem, batch, work);
+  assemble_davidson(problem, batch, work);
   Mask open = start_block(problem, work);  // lanes that are sound and not finished
   const int corner = (problem.block + k_tile - 1) / k_tile * k_tile;
   add_products(problem, work, work.y, 0, corner);
@@ -202,26 +202,26 @@ inline void solve_nearby_batch(const NearbyProblem& problem, const Output& outpu
   for (int step = 0;; ++step) {
     open &= find_ritz(problem, work);
     if (step == 0) open &= misses_none(problem, work);
-    turn_blocks(problem, work);
+    rotate_blocks(problem, work);
     find_squares(work, 0);
-    const Mask sharp = are_sharp(problem, work, 1.0);
-    store_nearby(problem, output, batch, work, open & sharp);
-    open &= ~sharp;
+    const Mask converged = are_converged(problem, work, 1.0);
+    store_davidson(problem, output, batch, work, open & converged);
+    open &= ~converged;
     if (!any(open) || step == k_max) break;
     correct_block(problem, work, open);
   }
 }
 
-void solve_nearby(const NearbyProblem& problem, const Output& output, long begin, long end, double* memory) {
-  NearbyWorkspace work(problem, memory);
+void solve_davidson(const DavidsonProblem& problem, const Output& output, long begin, long end, double* memory) {
+  DavidsonWorkspace work(problem, memory);
   for (long first = begin; first < end; first += MOTTLE_LANES) {
-    solve_nearby_batch(problem, output, batch_samples(first, end), work);
+    solve_davidson_batch(problem, output, batch_samples(first, end), work);
   }
 }
 
-long nearby_doubles(const NearbyProblem& problem) {
-  return NearbyWorkspace(problem, nullptr).total_lanes * MOTTLE_LANES;
+long davidson_doubles(const DavidsonProblem& problem) {
+  return DavidsonWorkspace(problem, nullptr).total_values * MOTTLE_LANES;
 }
 
 }  // namespace
-}  // namespace mottle::linalg::lane_kernels
+}  // namespace mottle::linalg::simd_kernels

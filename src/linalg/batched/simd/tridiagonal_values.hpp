@@ -2,9 +2,9 @@
 // eigenvalues part, then Newton steps inside brackets that the counts certify.
 #pragma once
 
-#include "linalg/batched/lanes/workspace.hpp"
+#include "linalg/batched/simd/workspace.hpp"
 
-namespace mottle::linalg::lane_kernels {
+namespace mottle::linalg::simd_kernels {
 namespace {
 
 /// Most eigenvalues treated side by side, so that their divisions overlap.
@@ -13,9 +13,9 @@ constexpr int k_bisect_group = 6;
 /// What one pass down T - x says about x: the number of eigenvalues below, and Newton's step for det(T - x).
 template <int Points>
 struct Probe {
-  Lane point[Points];
+  Simd point[Points];
   Mask count[Points];
-  Lane step[Points];
+  Simd step[Points];
 };
 
 /// Pivots q_i of T - x = L D L' and their logarithmic derivatives t_i, by one division each:
@@ -26,21 +26,21 @@ struct Probe {
 /// A pivot that is zero or hardly more counts as `least`, which is less than a rounding of T: the count stays right;
 /// the step may become nan, which every comparison with a bracket refuses.
 template <int Points>
-inline void probe_spectrum(const Workspace& work, int n, Lane least, Probe<Points>& probe) {
-  const Lane one = broadcast(1.0);
-  const auto guarded = [&](Lane pivot) MOTTLE_FLAT { return select(absolute(pivot) < least, least, pivot); };
-  Lane inverse[Points], rate[Points], sum[Points];
+inline void probe_spectrum(const Workspace& work, int n, Simd least, Probe<Points>& probe) {
+  const Simd one = broadcast(1.0);
+  const auto guarded = [&](Simd pivot) MOTTLE_FLAT { return select(absolute(pivot) < least, least, pivot); };
+  Simd inverse[Points], rate[Points], sum[Points];
   for (int g = 0; g < Points; ++g) {
-    const Lane pivot = guarded(work.diagonal[0] - probe.point[g]);
+    const Simd pivot = guarded(work.diagonal[0] - probe.point[g]);
     probe.count[g] = -(pivot < broadcast(0.0));
     inverse[g] = reciprocal(pivot);
     sum[g] = rate[g] = -inverse[g];
   }
   for (int i = 1; i < n; ++i) {
-    const Lane diagonal = work.diagonal[i], square = work.squares[i - 1];
+    const Simd diagonal = work.diagonal[i], square = work.squares[i - 1];
     for (int g = 0; g < Points; ++g) {
-      const Lane coupling = square * inverse[g];
-      const Lane pivot = guarded(diagonal - probe.point[g] - coupling);
+      const Simd coupling = square * inverse[g];
+      const Simd pivot = guarded(diagonal - probe.point[g] - coupling);
       probe.count[g] -= (pivot < broadcast(0.0));
       inverse[g] = reciprocal(pivot);
       rate[g] = (coupling * rate[g] - one) * inverse[g];
@@ -52,11 +52,11 @@ inline void probe_spectrum(const Workspace& work, int n, Lane least, Probe<Point
 
 /// Narrows the brackets of all modes from `from` on: Points common points a round across the group's brackets.
 template <int Points>
-inline void section(const Workspace& work, int n, int from, int modes, Lane least) {
+inline void section(const Workspace& work, int n, int from, int modes, Simd least) {
   constexpr int k_rounds = 3;
   Probe<Points> probe;
   for (int round = 0; round < k_rounds; ++round) {
-    const Lane low = work.low[from], width = (work.high[from + Points - 1] - low) * (1.0 / (Points + 1));
+    const Simd low = work.low[from], width = (work.high[from + Points - 1] - low) * (1.0 / (Points + 1));
     for (int g = 0; g < Points; ++g) probe.point[g] = low + width * (g + 1.0);
     probe_spectrum<Points>(work, n, least, probe);
     for (int mode = from; mode < modes; ++mode) {
@@ -74,16 +74,16 @@ inline void section(const Workspace& work, int n, int from, int modes, Lane leas
 }
 
 /// Error allowed in an eigenvalue at x: what the counts can resolve, where `rounding` is that of the numbers.
-MOTTLE_INLINE Lane resolution(Lane x, Lane bound, double rounding) {
+MOTTLE_INLINE Simd resolution(Simd x, Simd bound, double rounding) {
   return absolute(x) * (2.0 * rounding) + bound * (0.25 * rounding);
 }
 
 /// One bound on all eigenvalues, |lambda| <= bound (Gershgorin, a little enlarged).
-inline Lane eigenvalue_bound(const Workspace& work, int n) {
-  Lane bound = broadcast(0.0), before = broadcast(0.0);
+inline Simd eigenvalue_bound(const Workspace& work, int n) {
+  Simd bound = broadcast(0.0), before = broadcast(0.0);
   for (int i = 0; i < n; ++i) {
-    const Lane after = absolute(work.offdiag[i]);
-    const Lane sum = absolute(work.diagonal[i]) + before + after;
+    const Simd after = absolute(work.offdiag[i]);
+    const Simd sum = absolute(work.diagonal[i]) + before + after;
     bound = select(sum > bound, sum, bound);
     before = after;
   }
@@ -92,8 +92,8 @@ inline Lane eigenvalue_bound(const Workspace& work, int n) {
 
 /// State of one mode's search beyond its bracket: where to probe next and how far past Newton's point to aim.
 struct Search {
-  Lane point;
-  Lane overshoot;
+  Simd point;
+  Simd overshoot;
 };
 
 /// Lanes in which the mode's eigenvalue has its bracket for itself.
@@ -108,13 +108,13 @@ MOTTLE_INLINE Mask holds_one(const Workspace& work, int mode) {
 /// move grows while rounding keeps that from happening. Where other eigenvalues share the bracket, or Newton's point
 /// lies outside, the bracket is halved. Where the bracket holds one eigenvalue and no other is nearer than `margin`,
 /// Newton's point errs by no more than n step^2 / margin: it is the eigenvalue once that is below the resolution.
-MOTTLE_INLINE Mask narrow(const Workspace& work, int n, int mode, Mask count, Lane step, Lane bound, double rounding,
+MOTTLE_INLINE Mask narrow(const Workspace& work, int n, int mode, Mask count, Simd step, Simd bound, double rounding,
                           bool may_use_newton, Search& search) {
-  const Lane point = search.point, fine = resolution(point, bound, rounding);
-  Lane low = work.low[mode], high = work.high[mode];
+  const Simd point = search.point, fine = resolution(point, bound, rounding);
+  Simd low = work.low[mode], high = work.high[mode];
   const Mask open = high - low > resolution(low, bound, rounding);
   const Mask was_isolated = holds_one(work, mode);
-  const Lane margin = smaller(point - low, high - point);
+  const Simd margin = smaller(point - low, high - point);
   const Mask above = count > Mask{} + mode;
   const Mask lowers = open & above, raises = open & ~above;
   high = select(lowers, point, high);
@@ -127,23 +127,23 @@ MOTTLE_INLINE Mask narrow(const Workspace& work, int n, int mode, Mask count, La
   low = work.low[mode] = select(settled, point + step, low);
   high = work.high[mode] = select(settled, point + step, high);
 
-  const Lane inward = select(above, broadcast(-1.0), broadcast(1.0));
+  const Simd inward = select(above, broadcast(-1.0), broadcast(1.0));
   const Mask close = absolute(step) < fine * 32.0;
-  const Lane advance = select(close, larger(step * inward, broadcast(0.0)), step * inward);
-  const Lane newton = point + inward * (advance + search.overshoot);
+  const Simd advance = select(close, larger(step * inward, broadcast(0.0)), step * inward);
+  const Simd newton = point + inward * (advance + search.overshoot);
   search.overshoot = select(close, search.overshoot * 4.0, search.overshoot);
   const Mask usable = holds_one(work, mode) & (newton > low) & (newton < high);
-  const Lane middle = (low + high) * 0.5;
+  const Simd middle = (low + high) * 0.5;
   search.point = may_use_newton ? select(usable, newton, middle) : middle;
   return high - low > resolution(low, bound, rounding);
 }
 
 /// Eigenvalues of modes [from, from + Count).
 template <int Count>
-inline void find_group(const Workspace& work, int n, int from, int modes, Lane bound, double rounding) {
+inline void find_group(const Workspace& work, int n, int from, int modes, Simd bound, double rounding) {
   constexpr int k_newton_rounds = 40;  // isolation by halving comes out of these too
   constexpr int k_max_rounds = 100;    // 55 halvings close any bracket
-  const Lane least = larger(bound * 1e-20, broadcast(k_tiny));
+  const Simd least = larger(bound * 1e-20, broadcast(k_tiny));
   section<Count>(work, n, from, modes, least);
   Probe<Count> probe;
   Search search[Count];
@@ -167,7 +167,7 @@ inline void find_group(const Workspace& work, int n, int from, int modes, Lane b
 }
 
 template <int Count>
-inline void find_group_of(int count, const Workspace& work, int n, int from, int modes, Lane bound, double rounding) {
+inline void find_group_of(int count, const Workspace& work, int n, int from, int modes, Simd bound, double rounding) {
   if constexpr (Count > 0) {
     if (count == Count) return find_group<Count>(work, n, from, modes, bound, rounding);
     find_group_of<Count - 1>(count, work, n, from, modes, bound, rounding);
@@ -176,7 +176,7 @@ inline void find_group_of(int count, const Workspace& work, int n, int from, int
 
 /// Fills work.squares and work.values, ascending; each eigenvalue to about the error that T has anyway if its entries
 /// are known to `rounding`.
-inline void find_eigenvalues(const Workspace& work, int n, int modes, Lane bound, double rounding = k_epsilon) {
+inline void find_eigenvalues(const Workspace& work, int n, int modes, Simd bound, double rounding = k_epsilon) {
   for (int i = 0; i < n; ++i) work.squares[i] = work.offdiag[i] * work.offdiag[i];
   for (int mode = 0; mode < modes; ++mode) {
     work.low[mode] = -bound;
@@ -196,4 +196,4 @@ inline void find_eigenvalues(const Workspace& work, int n, int modes, Lane bound
 }
 
 }  // namespace
-}  // namespace mottle::linalg::lane_kernels
+}  // namespace mottle::linalg::simd_kernels

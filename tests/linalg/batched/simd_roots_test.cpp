@@ -1,5 +1,5 @@
 // Reciprocals and roots by estimates against the processor's own division and root, which round correctly.
-#include "linalg/lane_roots.hpp"
+#include "linalg/simd_roots.hpp"
 
 #include <gtest/gtest.h>
 
@@ -12,7 +12,7 @@ namespace mottle::linalg {
 namespace {
 
 #if defined(__x86_64__)
-TEST(LaneRoots, AreThoseOfTheProcessorToTheLastBit) {
+TEST(SimdRoots, AreThoseOfTheProcessorToTheLastBit) {
   if (!is_simd_level_available(SimdLevel::avx512)) GTEST_SKIP() << "this processor has no AVX-512";
   constexpr int k_lanes = 8, k_batches = 250'000;
   std::mt19937_64 random(1);
@@ -25,7 +25,7 @@ TEST(LaneRoots, AreThoseOfTheProcessorToTheLastBit) {
       x[lane] = std::ldexp(mantissa(random), exponent(random));
       y[lane] = std::ldexp(mantissa(random), exponent(random));
     }
-    linalg_test::lane_roots_avx512(x, y, reciprocal, quotient, root, reciprocal_root);
+    linalg_test::simd_roots_avx512(x, y, reciprocal, quotient, root, reciprocal_root);
     for (int lane = 0; lane < k_lanes; ++lane) {
       const double own = std::sqrt(x[lane]);
       others += static_cast<int>(reciprocal[lane] != 1.0 / x[lane]) +
@@ -36,11 +36,11 @@ TEST(LaneRoots, AreThoseOfTheProcessorToTheLastBit) {
   EXPECT_EQ(others, 0);
 }
 
-TEST(LaneRoots, EndOneBitLowForAMantissaOfOnes) {
+TEST(SimdRoots, EndOneBitLowForAMantissaOfOnes) {
   if (!is_simd_level_available(SimdLevel::avx512)) GTEST_SKIP() << "this processor has no AVX-512";
   double x[8], reciprocal[8], quotient[8], root[8], reciprocal_root[8];
   for (double& value : x) value = 1.0 - 0x1p-53;
-  linalg_test::lane_roots_avx512(x, x, reciprocal, quotient, root, reciprocal_root);
+  linalg_test::simd_roots_avx512(x, x, reciprocal, quotient, root, reciprocal_root);
   EXPECT_EQ(reciprocal[0], 1.0);  // 1 + 2^-53 and a little, which a division rounds up
   EXPECT_EQ(quotient[0], 1.0);
   EXPECT_EQ(root[0], std::sqrt(x[0]));

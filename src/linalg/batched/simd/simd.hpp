@@ -1,38 +1,41 @@
-// One double of several samples side by side, and the few operations the kernels need. Everything in lanes/ has
-// internal linkage and uses nothing of std or Eigen: the file is compiled with instructions that other files must
-// not inherit. Every operation treats each lane alone, so a sample's bits do not depend on its neighbours.
+// The SIMD vector type Simd, one double of each of several samples, and the operations that the kernels need.
+// Everything in simd/ has internal linkage and uses nothing of std or Eigen: the file is compiled with instructions
+// that other files must not inherit. Every operation treats each lane alone, so a sample's bits do not depend on its
+// neighbours.
 #pragma once
 
 #if defined(__SSE2__)
 #include <immintrin.h>
 #endif
 
-#include "linalg/batched/lane_kernels.hpp"
+#include "linalg/batched/simd_kernels.hpp"
 
 #define MOTTLE_INLINE inline __attribute__((always_inline))
 #define MOTTLE_FLAT __attribute__((always_inline))  // for lambdas
 
-namespace mottle::linalg::lane_kernels {
+namespace mottle::linalg::simd_kernels {
 namespace {
 
-using Lane = double __attribute__((vector_size(8 * MOTTLE_LANES)));
+/// One register: lane l holds the value of sample l of a batch.
+using Simd = double __attribute__((vector_size(8 * MOTTLE_LANES)));
+/// All bits of a lane set where a claim holds.
 using Mask = long long __attribute__((vector_size(8 * MOTTLE_LANES)));
 
 constexpr double k_epsilon = 2.220446049250313e-16;
 constexpr double k_tiny = 1e-290;
 
-/// Written out: `Lane{} + x` would be an addition, since it turns -0 into +0.
-MOTTLE_INLINE Lane broadcast(double x) {
+/// Written out: `Simd{} + x` would be an addition, since it turns -0 into +0.
+MOTTLE_INLINE Simd broadcast(double x) {
 #if MOTTLE_LANES == 8
-  return Lane{x, x, x, x, x, x, x, x};
+  return Simd{x, x, x, x, x, x, x, x};
 #elif MOTTLE_LANES == 4
-  return Lane{x, x, x, x};
+  return Simd{x, x, x, x};
 #else
-  return Lane{x, x};
+  return Simd{x, x};
 #endif
 }
 
-MOTTLE_INLINE Lane square_root(Lane x) {
+MOTTLE_INLINE Simd square_root(Simd x) {
 #if defined(__AVX512F__)
   return _mm512_mask_sqrt_pd(x, 0xff, x);  // the plain form warns about its own undefined source in GCC 12
 #elif defined(__AVX__)
@@ -52,10 +55,10 @@ MOTTLE_INLINE Lane square_root(Lane x) {
 // every processor; below 1e-290 the remainder of a root is no longer exact.
 
 /// 1 / x; nan for 0 and infinity.
-MOTTLE_INLINE Lane reciprocal(Lane x) {
+MOTTLE_INLINE Simd reciprocal(Simd x) {
 #if defined(__AVX512F__)
-  const Lane one = broadcast(1.0);
-  Lane y = _mm512_maskz_rcp14_pd(0xff, x);
+  const Simd one = broadcast(1.0);
+  Simd y = _mm512_maskz_rcp14_pd(0xff, x);
   for (int step = 0; step < 3; ++step) y = _mm512_fmadd_pd(y, _mm512_fnmadd_pd(x, y, one), y);
   return y;
 #else
@@ -64,9 +67,9 @@ MOTTLE_INLINE Lane reciprocal(Lane x) {
 }
 
 /// y / x from 1 / x.
-MOTTLE_INLINE Lane quotient(Lane y, Lane x, Lane reciprocal_x) {
+MOTTLE_INLINE Simd quotient(Simd y, Simd x, Simd reciprocal_x) {
 #if defined(__AVX512F__)
-  const Lane q = y * reciprocal_x;
+  const Simd q = y * reciprocal_x;
   return _mm512_fmadd_pd(_mm512_fnmadd_pd(q, x, y), reciprocal_x, q);
 #else
   (void)reciprocal_x;
@@ -76,15 +79,15 @@ MOTTLE_INLINE Lane quotient(Lane y, Lane x, Lane reciprocal_x) {
 
 #if defined(__AVX512F__)
 struct RootPair {
-  Lane root, half_inverse;  ///< sqrt(x) and nearly 1 / (2 sqrt(x))
+  Simd root, half_inverse;  ///< sqrt(x) and nearly 1 / (2 sqrt(x))
 };
 
-MOTTLE_INLINE RootPair root_pair(Lane x) {
-  const Lane half = broadcast(0.5);
-  const Lane y = _mm512_maskz_rsqrt14_pd(0xff, x);
-  Lane root = x * y, half_inverse = y * half;
+MOTTLE_INLINE RootPair root_pair(Simd x) {
+  const Simd half = broadcast(0.5);
+  const Simd y = _mm512_maskz_rsqrt14_pd(0xff, x);
+  Simd root = x * y, half_inverse = y * half;
   for (int step = 0; step < 2; ++step) {
-    const Lane e = _mm512_fnmadd_pd(root, half_inverse, half);
+    const Simd e = _mm512_fnmadd_pd(root, half_inverse, half);
     root = _mm512_fmadd_pd(root, e, root);
     half_inverse = _mm512_fmadd_pd(half_inverse, e, half_inverse);
   }
@@ -93,7 +96,7 @@ MOTTLE_INLINE RootPair root_pair(Lane x) {
 #endif
 
 /// sqrt(x); nan for 0 and infinity.
-MOTTLE_INLINE Lane positive_root(Lane x) {
+MOTTLE_INLINE Simd positive_root(Simd x) {
 #if defined(__AVX512F__)
   return root_pair(x).root;
 #else
@@ -102,10 +105,10 @@ MOTTLE_INLINE Lane positive_root(Lane x) {
 }
 
 /// 1 / sqrt(x), of the rounded root; nan for 0 and infinity.
-MOTTLE_INLINE Lane reciprocal_root(Lane x) {
+MOTTLE_INLINE Simd reciprocal_root(Simd x) {
 #if defined(__AVX512F__)
   const RootPair pair = root_pair(x);
-  const Lane y = pair.half_inverse + pair.half_inverse;
+  const Simd y = pair.half_inverse + pair.half_inverse;
   return _mm512_fmadd_pd(y, _mm512_fnmadd_pd(pair.root, y, broadcast(1.0)), y);
 #else
   return broadcast(1.0) / square_root(x);
@@ -126,38 +129,38 @@ MOTTLE_INLINE bool any(Mask mask) {
 #endif
 }
 
-MOTTLE_INLINE Lane select(Mask mask, Lane yes, Lane no) {
+MOTTLE_INLINE Simd select(Mask mask, Simd yes, Simd no) {
   return mask ? yes : no;
 }
-MOTTLE_INLINE Lane smaller(Lane a, Lane b) {
+MOTTLE_INLINE Simd smaller(Simd a, Simd b) {
   return select(a < b, a, b);
 }
-MOTTLE_INLINE Lane larger(Lane a, Lane b) {
+MOTTLE_INLINE Simd larger(Simd a, Simd b) {
   return select(a > b, a, b);
 }
 
-MOTTLE_INLINE Mask sign_bits(Lane x) {
+MOTTLE_INLINE Mask sign_bits(Simd x) {
   const Mask sign = Mask{} + static_cast<long long>(1ULL << 63);
   return reinterpret_cast<Mask>(x) & sign;
 }
-MOTTLE_INLINE Lane absolute(Lane x) {
-  return reinterpret_cast<Lane>(reinterpret_cast<Mask>(x) ^ sign_bits(x));
+MOTTLE_INLINE Simd absolute(Simd x) {
+  return reinterpret_cast<Simd>(reinterpret_cast<Mask>(x) ^ sign_bits(x));
 }
-MOTTLE_INLINE Lane flip_sign(Lane x, Mask sign) {
-  return reinterpret_cast<Lane>(reinterpret_cast<Mask>(x) ^ sign);
+MOTTLE_INLINE Simd flip_sign(Simd x, Mask sign) {
+  return reinterpret_cast<Simd>(reinterpret_cast<Mask>(x) ^ sign);
 }
 
 /// -0 becomes +0, so that masked no-ops cannot show in the sign of a zero.
-MOTTLE_INLINE Lane without_negative_zero(Lane x) {
+MOTTLE_INLINE Simd without_negative_zero(Simd x) {
   return x + broadcast(0.0);
 }
 
 /// False for nan and infinity.
-MOTTLE_INLINE Mask is_finite(Lane x) {
+MOTTLE_INLINE Mask is_finite(Simd x) {
   return absolute(x) <= broadcast(1.7976931348623157e308);
 }
 
-/// Place of (row, column), row >= column, in a packed lower triangle.
+/// Index of (row, column), row >= column, in a packed lower triangle.
 constexpr MOTTLE_INLINE long packed_index(long order, long row, long column) {
   return column * order - column * (column - 1) / 2 + row - column;
 }
@@ -191,11 +194,11 @@ MOTTLE_INLINE BatchSamples batch_samples(long begin, long end) {
   return batch;
 }
 
-MOTTLE_INLINE Lane gather(const double* coefficients, long stride, int term, const BatchSamples& batch) {
-  Lane x;
+MOTTLE_INLINE Simd gather(const double* coefficients, long stride, int term, const BatchSamples& batch) {
+  Simd x;
   for (int lane = 0; lane < MOTTLE_LANES; ++lane) x[lane] = coefficients[batch.sample[lane] * stride + term];
   return x;
 }
 
 }  // namespace
-}  // namespace mottle::linalg::lane_kernels
+}  // namespace mottle::linalg::simd_kernels

@@ -2,19 +2,19 @@
 // [row][vector], its vectors a multiple of k_block_columns.
 #pragma once
 
-#include "linalg/batched/lanes/term_sum.hpp"
+#include "linalg/batched/simd/term_sum.hpp"
 
-namespace mottle::linalg::lane_kernels {
+namespace mottle::linalg::simd_kernels {
 namespace {
 
 /// A block of vectors: `stride` of them in memory, the first `columns` at work.
 struct Block {
-  Lane* data;
+  Simd* data;
   int rows;
   int stride;
   int columns;
 
-  MOTTLE_INLINE Lane* row(int i) const { return data + static_cast<long>(i) * stride; }
+  MOTTLE_INLINE Simd* row(int i) const { return data + static_cast<long>(i) * stride; }
 };
 
 /// out_rc += sum_k a_rk b_kc, or = where it is new, for Rows rows and k_block_columns columns, held in registers.
@@ -22,15 +22,15 @@ struct Block {
 /// @param a_row    from one row of a to the next; a_step from one k to the next
 /// @param b_step   from one row of b to the next
 template <int Rows, bool IsNew = false>
-MOTTLE_INLINE void accumulate(const Lane* a, long a_row, long a_step, const Lane* b, long b_step, int count, Lane* out,
+MOTTLE_INLINE void accumulate(const Simd* a, long a_row, long a_step, const Simd* b, long b_step, int count, Simd* out,
                               long out_row) {
-  Lane sum[Rows][k_block_columns];
+  Simd sum[Rows][k_block_columns];
   for (int r = 0; r < Rows; ++r) {
     for (int c = 0; c < k_block_columns; ++c) sum[r][c] = IsNew ? broadcast(0.0) : out[r * out_row + c];
   }
   for (int k = 0; k < count; ++k, a += a_step, b += b_step) {
     for (int r = 0; r < Rows; ++r) {
-      const Lane left = a[r * a_row];
+      const Simd left = a[r * a_row];
       for (int c = 0; c < k_block_columns; ++c) sum[r][c] += left * b[c];
     }
   }
@@ -40,24 +40,24 @@ MOTTLE_INLINE void accumulate(const Lane* a, long a_row, long a_step, const Lane
 }
 
 /// tile = constant + sum of coefficient * term; the terms' tiles lie one after another.
-inline void combine_tile(const double* terms, int count, const Lane* coefficients, Lane* tile) {
+inline void combine_tile(const double* terms, int count, const Simd* coefficients, Simd* tile) {
   constexpr long k_entries = k_tile * k_tile;
   sum_terms(
       terms, k_entries, count, [=](int term) MOTTLE_FLAT { return coefficients[term]; }, k_entries, tile);
 }
 
 /// The entry (i, j), i >= j, of a matrix in tiles.
-MOTTLE_INLINE Lane tile_entry(const Lane* matrix, int order, int i, int j) {
+MOTTLE_INLINE Simd tile_entry(const Simd* matrix, int order, int i, int j) {
   const long tile = packed_index(order / k_tile, i / k_tile, j / k_tile);
   return matrix[tile * k_tile * k_tile + static_cast<long>(i % k_tile) * k_tile + j % k_tile];
 }
 
 /// out_I += tile in_J, or its transpose; = where it is new.
 template <bool Transposed, bool IsNew = false>
-MOTTLE_INLINE void multiply_tile(const Lane* tile, const Block& in, int in_row, const Block& out, int out_row) {
+MOTTLE_INLINE void multiply_tile(const Simd* tile, const Block& in, int in_row, const Block& out, int out_row) {
   constexpr long k_row = Transposed ? 1 : k_tile, k_step = Transposed ? k_tile : 1;
   for (int c = 0; c < in.columns; c += k_block_columns) {
-    const Lane* const b = in.row(in_row) + c;
+    const Simd* const b = in.row(in_row) + c;
     for (int r = 0; r < k_tile; r += MOTTLE_TILE_ROWS) {
       accumulate<MOTTLE_TILE_ROWS, IsNew>(tile + r * k_row, k_row, k_step, b, in.stride, k_tile,
                                           out.row(out_row + r) + c, out.stride);
@@ -66,10 +66,10 @@ MOTTLE_INLINE void multiply_tile(const Lane* tile, const Block& in, int in_row, 
 }
 
 /// out += A in, where only the rows [from, to) of `in`, multiples of k_tile, are not zero.
-inline void add_product(const Lane* matrix, const Block& in, int from, int to, const Block& out) {
+inline void add_product(const Simd* matrix, const Block& in, int from, int to, const Block& out) {
   const int tiles = in.rows / k_tile;
   const auto holds = [=](int tile) MOTTLE_FLAT { return from <= tile * k_tile && tile * k_tile < to; };
-  const Lane* tile = matrix;
+  const Simd* tile = matrix;
   for (int j = 0; j < tiles; ++j) {
     for (int i = j; i < tiles; ++i, tile += k_tile * k_tile) {
       if (holds(j)) multiply_tile<false>(tile, in, j * k_tile, out, i * k_tile);
@@ -79,7 +79,7 @@ inline void add_product(const Lane* matrix, const Block& in, int from, int to, c
 }
 
 /// out = A in for a matrix that is needed once: each of its tiles is used as soon as it is summed.
-inline void multiply_terms(const double* terms, int count, const Lane* coefficients, const Block& in, Lane* tile,
+inline void multiply_terms(const double* terms, int count, const Simd* coefficients, const Block& in, Simd* tile,
                            const Block& out) {
   for (int i = 0; i < out.rows; i += k_tile) {
     for (int j = 0; j < in.rows; j += k_tile, terms += (1 + count) * k_tile * k_tile) {
@@ -94,7 +94,7 @@ inline void multiply_terms(const double* terms, int count, const Lane* coefficie
 }
 
 /// The lower triangle of a'b, [column][column] with the blocks' stride, over rows from `first` on.
-inline void make_gram(const Block& a, const Block& b, int first, Lane* gram) {
+inline void make_gram(const Block& a, const Block& b, int first, Simd* gram) {
   constexpr int k_rows = 2;
   for (int c = 0; c < a.columns; c += k_block_columns) {
     for (int r = c; r < a.columns; r += k_rows) {
@@ -104,15 +104,15 @@ inline void make_gram(const Block& a, const Block& b, int first, Lane* gram) {
   }
 }
 
-/// out = in turn, with turn [in column][out column] of the blocks' stride.
-inline void turn_block(const Block& in, const Lane* turn, const Block& out) {
+/// out = in rotation, with rotation [in column][out column] of the blocks' stride.
+inline void rotate_block(const Block& in, const Simd* rotation, const Block& out) {
   for (int i = 0; i < out.rows; i += MOTTLE_TILE_ROWS) {
     for (int c = 0; c < out.columns; c += k_block_columns) {
-      accumulate<MOTTLE_TILE_ROWS, true>(in.row(i), in.stride, 1, turn + c, in.stride, in.columns, out.row(i) + c,
+      accumulate<MOTTLE_TILE_ROWS, true>(in.row(i), in.stride, 1, rotation + c, in.stride, in.columns, out.row(i) + c,
                                          out.stride);
     }
   }
 }
 
 }  // namespace
-}  // namespace mottle::linalg::lane_kernels
+}  // namespace mottle::linalg::simd_kernels
