@@ -82,7 +82,7 @@ int open_partial(const std::filesystem::path& path, std::string& name) {
 
 /// Gives the open file the name `path`, in place of what has it. A file without a name takes it in one step where it is
 /// free; where it is not, the system can only replace by a second name, which a kill between the two steps leaves.
-bool put_in_place(int descriptor, std::string& name, const std::filesystem::path& path) {
+bool rename_into_place(int descriptor, std::string& name, const std::filesystem::path& path) {
   const std::string open = fmt::format("/proc/self/fd/{}", descriptor);
   const auto link = [&](const std::string& to) {
     return ::linkat(AT_FDCWD, open.c_str(), AT_FDCWD, to.c_str(), AT_SYMLINK_FOLLOW) == 0;
@@ -194,7 +194,7 @@ void write_file_atomically(const std::filesystem::path& path, std::span<const st
     if (::fsync(descriptor.get()) != 0) {
       throw SystemFailure(fmt::format("{}: cannot be flushed to the disk: {}", path.string(), error_text()));
     }
-    if (!put_in_place(descriptor.get(), partial, path)) {
+    if (!rename_into_place(descriptor.get(), partial, path)) {
       throw SystemFailure(fmt::format("{}: cannot be put in place: {}", path.string(), error_text()));
     }
   } catch (const Error&) {

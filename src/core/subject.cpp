@@ -30,7 +30,7 @@ std::string Subject::text() const {
       return "frequencies";
     case Kind::shape_modes:
       return "modes of shapes";
-    case Kind::shape_places:
+    case Kind::shape_locations:
       return "degrees of freedom of shapes";
     case Kind::damping:
       return "damping ratios";

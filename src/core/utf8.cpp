@@ -31,15 +31,15 @@ std::string printable(std::string_view foreign) {
   return text;
 }
 
-std::string shortened(const std::string& text, std::size_t most) {
+std::string shortened(const std::string& text, std::size_t max_bytes) {
   constexpr std::string_view k_left_out = " [...] ";
-  if (text.size() <= most) return text;
-  const auto whole_from = [&](std::size_t place) {  // not within a letter of several bytes
-    while (place < text.size() && (static_cast<unsigned char>(text[place]) & 0xC0U) == 0x80U) ++place;
-    return place;
+  if (text.size() <= max_bytes) return text;
+  const auto whole_from = [&](std::size_t position) {  // not within a letter of several bytes
+    while (position < text.size() && (static_cast<unsigned char>(text[position]) & 0xC0U) == 0x80U) ++position;
+    return position;
   };
-  const std::size_t end = most / 3;
-  const std::size_t begin = most - end;
+  const std::size_t end = max_bytes / 3;
+  const std::size_t begin = max_bytes - end;
   return fmt::format("{}{}{}", text.substr(0, whole_from(begin)), k_left_out,
                      text.substr(whole_from(text.size() - end)));
 }

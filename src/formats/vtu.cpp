@@ -26,7 +26,7 @@ struct Cells {
 };
 
 /// Whether an element lies between different grid points; ground and scalar points lie nowhere.
-bool has_places(const FiniteElementModel& model, std::span<const int> nodes) {
+bool has_positions(const FiniteElementModel& model, std::span<const int> nodes) {
   const auto is_placed = [&](int node) { return node >= 0 && !model.nodes[static_cast<std::size_t>(node)].is_scalar; };
   return std::all_of(nodes.begin(), nodes.end(), is_placed) && (nodes.size() != 2 || nodes[0] != nodes[1]);
 }
@@ -38,7 +38,7 @@ Cells cells_of(const FiniteElementModel& model) {
     for (const auto& element : list) {
       const Topology& topology = traits.topology(element);
       const std::span<const int> nodes = traits.nodes(element);
-      if (topology.cell != VtkCell::none && has_places(model, nodes)) cells.add(nodes, topology, element.id);
+      if (topology.cell != VtkCell::none && has_positions(model, nodes)) cells.add(nodes, topology, element.id);
     }
   });
   return cells;

@@ -19,21 +19,21 @@ std::string Quantity::name() const {
       return fmt::format("{}{}", k_frequency, mode);
     case QuantityKind::displacement:
     case QuantityKind::rotation:
-      return fmt::format("{}{}:{}", k_shape, mode, place);
+      return fmt::format("{}{}:{}", k_shape, mode, location);
     case QuantityKind::damping_ratio:
       return fmt::format("{}{}", k_damping, mode);
     case QuantityKind::other:
       break;
   }
-  return place;
+  return location;
 }
 
 Quantity natural_frequency(int mode, const std::string& unit) {
   return {.kind = QuantityKind::frequency, .mode = mode, .unit = unit};
 }
 
-Quantity shape_component(int mode, const std::string& place, QuantityKind kind, const std::string& unit) {
-  return {.kind = kind, .mode = mode, .place = place, .unit = unit};
+Quantity shape_component(int mode, const std::string& location, QuantityKind kind, const std::string& unit) {
+  return {.kind = kind, .mode = mode, .location = location, .unit = unit};
 }
 
 Quantity damping_ratio(int mode) {
@@ -41,7 +41,7 @@ Quantity damping_ratio(int mode) {
 }
 
 Quantity named_quantity(const std::string& name, const std::string& unit) {
-  return {.place = name, .unit = unit};
+  return {.location = name, .unit = unit};
 }
 
 bool may_name_quantity(const std::string& name) {

@@ -113,14 +113,14 @@ ModeMatch StructureModel::match_modes(Eigen::Index found, const Eigen::MatrixXd&
 std::string StructureModel::fill_outputs(const Solution& solution, const ModeMatch& match,
                                          Eigen::Ref<Eigen::RowVectorXd, 0, Eigen::InnerStride<>> row) const {
   Eigen::Index output = 0;
-  Eigen::Index place = 0;
+  Eigen::Index first_equation = 0;
   for (const Part& part : responses_) {
-    const NumberedSolution numbered(solution, match, place, part.degrees_of_freedom, largest_eigenvalue_);
+    const NumberedSolution numbered(solution, match, first_equation, part.degrees_of_freedom, largest_eigenvalue_);
     if (std::string reason = part.response->fill(numbered, row.segment(output, part.outputs)); !reason.empty()) {
       return reason;
     }
     output += part.outputs;
-    place += part.degrees_of_freedom;
+    first_equation += part.degrees_of_freedom;
   }
   return {};
 }

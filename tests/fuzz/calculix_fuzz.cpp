@@ -47,15 +47,15 @@ void check_target(const CalculixDeck& deck, const std::string& target) {
   const std::vector<CalculixNumber> numbers = find_calculix_numbers(deck, target);
   expect(!numbers.empty());
   std::vector<CalculixChange> changes;
-  std::vector<CalculixPlace> places;
+  std::vector<CalculixReplacement> replacements;
   for (const CalculixNumber& number : numbers) {
     expect(number.line < deck.lines.size() && number.begin + number.length <= deck.lines[number.line].text.size());
     expect(number.is_placeholder || std::isfinite(number.value));
     changes.push_back({number, 1.5});
-    places.push_back({number, "{{p}}"});
+    replacements.push_back({number, "{{p}}"});
   }
   attempt([&] { expect(!matrix_storage_deck(deck, changes).empty()); });
-  attempt([&] { expect(deck_with_places(deck, places).find("{{p}}") != std::string::npos); });
+  attempt([&] { expect(deck_with_replacements(deck, replacements).find("{{p}}") != std::string::npos); });
 }
 
 }  // namespace
@@ -68,7 +68,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     for (std::size_t line = 0; line < deck.lines.size(); ++line) expect(!deck.where(line).empty());
     writes_displacements(deck);
     attempt([&] { expect(!matrix_storage_deck(deck, {}).empty()); });
-    attempt([&] { expect(!deck_with_places(deck, {}).empty()); });
+    attempt([&] { expect(!deck_with_replacements(deck, {}).empty()); });
     for (const char* target : {"*ELASTIC:STEEL:E", "*ELASTIC:STEEL:NU", "*DENSITY:STEEL", "*SPRING:BOLTS", "*MASS:TIPS",
                                "*SHELL SECTION:PLATE:T", "{{a}}"}) {
       attempt([&] { check_target(deck, target); });

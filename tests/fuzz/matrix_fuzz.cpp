@@ -26,7 +26,7 @@ void check(const mottle::formats::SymmetricMatrix& matrix) {
       last = entry.row();
     }
   }
-  for (const int row : matrix.held) expect(row >= 0 && row < lower.rows());
+  for (const int row : matrix.fixed_rows) expect(row >= 0 && row < lower.rows());
 }
 
 }  // namespace

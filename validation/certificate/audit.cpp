@@ -19,9 +19,9 @@
 namespace {
 
 using namespace mottle::test;
-using mottle::CertifiedModes;
-using mottle::RefinedModes;
-using mottle::TermCoefficients;
+using mottle::linalg::CertifiedModes;
+using mottle::linalg::RefinedModes;
+using mottle::linalg::TermCoefficients;
 
 constexpr double k_tolerance = 2e-4;
 
@@ -57,7 +57,7 @@ struct Audit {
 };
 
 Audit audit(const HostileFamily& hostile, Index samples, unsigned seed) {
-  const mottle::ReducedModel model = hostile.trained(k_tolerance, seed);
+  const mottle::linalg::ReducedModel model = hostile.trained(k_tolerance, seed);
   const TermCoefficients cloud = hostile.draw(samples, seed + 1);
   const CertifiedModes found = model.solve(cloud, 1);
   std::vector<VectorXd> exact;

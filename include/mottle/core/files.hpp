@@ -16,7 +16,7 @@ inline constexpr std::uint64_t k_largest_file = std::uint64_t{8} << 30;
 /// end, are not waited for.
 class BlockReader {
  public:
-  /// @param most_bytes  limit, held against the file's size now and against what is read later
+  /// @param max_bytes  limit, held against the file's size now and against what is read later
   /// @throws InvalidInput   missing, unreadable, larger than the limit, or not a regular file (path and reason)
   /// @throws SystemFailure  the disk or the system failed
   explicit BlockReader(std::filesystem::path path, std::uint64_t max_bytes = k_largest_file);

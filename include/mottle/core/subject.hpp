@@ -23,7 +23,7 @@ struct Subject {
     outputs,
     frequencies,
     shape_modes,
-    shape_places,  ///< degrees of freedom of shapes
+    shape_locations,  ///< degrees of freedom of shapes
     damping,
     tests,
     repeatability,

@@ -25,8 +25,9 @@ inline constexpr bool has_relative_noise(QuantityKind kind) {
 /// One number that the model predicts and a test measures.
 struct Quantity {
   QuantityKind kind = QuantityKind::other;
-  int mode = 0;            ///< number of the mode that it belongs to; 0: none
-  std::string place = {};  ///< degree of freedom of a shape's component as the structure names it; of `other` its name
+  int mode = 0;  ///< number of the mode that it belongs to; 0: none
+  std::string location =
+      {};                  ///< degree of freedom of a shape's component as the structure names it; of `other` its name
   std::string unit = "-";  ///< for readers: nothing is computed from it
 
   /// As in the header of a test file: "f1", "phi1:m2", "zeta1".
@@ -42,9 +43,9 @@ Quantity natural_frequency(int mode, const std::string& unit);
 
 /// "phi1:m2".
 ///
-/// @param place  degree of freedom as the structure names it
+/// @param location  degree of freedom as the structure names it
 /// @param kind   displacement or rotation
-Quantity shape_component(int mode, const std::string& place, QuantityKind kind, const std::string& unit);
+Quantity shape_component(int mode, const std::string& location, QuantityKind kind, const std::string& unit);
 
 /// "zeta1", without unit.
 Quantity damping_ratio(int mode);

@@ -261,15 +261,15 @@ MatrixModel calculix_model(const CalculixDeck& deck, const std::vector<Parameter
 SolverCommand calculix_command(const CalculixDeck& deck, const std::vector<ParameterTargets>& parameters,
                                const CalculixSettings& settings) {
   const std::vector<Setting> moved = find_settings(deck, parameters);
-  std::vector<CalculixPlace> places;
+  std::vector<CalculixReplacement> replacements;
   for (std::size_t i = 0; i < moved.size(); ++i) {
     for (const CalculixNumber& number : moved[i].numbers) {
       const std::string factor = moved[i].is_factor ? fmt::format("*{}", number_text(number.value)) : "";
-      places.push_back({number, fmt::format("{{{{{}{}:%20.13e}}}}", parameters[i].parameter, factor)});
+      replacements.push_back({number, fmt::format("{{{{{}{}:%20.13e}}}}", parameters[i].parameter, factor)});
     }
   }
   SolverCommand command;
-  command.templates = {{deck.files.front(), "model.inp", deck_with_places(deck, places)}};
+  command.templates = {{deck.files.front(), "model.inp", deck_with_replacements(deck, replacements)}};
   command.command.arguments = {settings.program, "model"};
   command.environment = one_thread();
   command.timeout = settings.timeout;

@@ -145,9 +145,9 @@ class Fit {
     return vandermonde.partialPivLu().solve(Eigen::VectorXd::Unit(size, node + 1));
   }
 
-  using Terms = std::map<std::vector<ParameterPower>, Values>;
+  using PolynomialTerms = std::map<std::vector<ParameterPower>, Values>;
 
-  void add_product(Terms& terms, const Point& point, const Values& surplus_values) const {
+  void add_product(PolynomialTerms& terms, const Point& point, const Values& surplus_values) const {
     std::vector<std::pair<std::vector<ParameterPower>, double>> product = {{{}, 1.0}};
     for (const auto& [axis, node] : point) {
       const Eigen::VectorXd factors = lagrange(axis, node);
@@ -167,8 +167,8 @@ class Fit {
     }
   }
 
-  Terms terms() {
-    Terms sum;
+  PolynomialTerms terms() {
+    PolynomialTerms sum;
     sum[{}] = matrix({});
     for (int i = 0; i < static_cast<int>(count()); ++i) {
       for (int k = 0; k < static_cast<int>(powers(i).nodes.size()); ++k) add_product(sum, {{i, k}}, surplus({{i, k}}));
@@ -207,7 +207,7 @@ class Fit {
     return ((a - b).cwiseAbs().array() / sizes(b).array()).maxCoeff();
   }
 
-  Values evaluate(const Terms& sum, const Eigen::VectorXd& scaled) const {
+  Values evaluate(const PolynomialTerms& sum, const Eigen::VectorXd& scaled) const {
     Values result = Values::Zero(sum.begin()->second.size());
     for (const auto& [coefficient, values] : sum) {
       double factor = 1.0;
@@ -218,7 +218,7 @@ class Fit {
   }
 
   SeparableFit assemble(const Eigen::VectorXd& elsewhere, const Values& there) {
-    Terms sum = terms();
+    PolynomialTerms sum = terms();
     const Values size = sizes(matrix({}));
     for (auto& [coefficient, values] : sum) {
       values = (values.array().abs() <= k_rounding * size.array()).select(0.0, values);
@@ -253,7 +253,7 @@ class Fit {
     const Values there = ask(scaled);
     int& step = steps_[static_cast<std::size_t>(axis)];
     for (;; ++step) {
-      Terms sum;
+      PolynomialTerms sum;
       sum[{}] = matrix({});
       for (int k = 0; k < static_cast<int>(powers(axis).nodes.size()); ++k) {
         add_product(sum, {{axis, k}}, surplus({{axis, k}}));

@@ -45,13 +45,13 @@ class ExternalSolver::Pool {
   /// Throws what a run threw, and Stopped.
   void wait(const RunContext& context) {
     using Clock = std::chrono::steady_clock;
-    Clock::time_point told = Clock::now();
+    Clock::time_point last_report = Clock::now();
     std::unique_lock<std::mutex> lock(mutex_);
     while (idle_ < threads_.size()) {
       changed_.wait_for(lock, std::chrono::milliseconds(100));
       if (context.stop_requested()) halt_ = true;
-      if (Clock::now() - told < std::chrono::seconds(1)) continue;
-      told = Clock::now();
+      if (Clock::now() - last_report < std::chrono::seconds(1)) continue;
+      last_report = Clock::now();
       context.progress("solver runs", done_, count_);
     }
     if (error_) std::rethrow_exception(error_);
@@ -129,17 +129,17 @@ std::vector<std::string> ExternalStructure::description(const Eigen::Ref<const E
 
 ExternalSolver::ExternalSolver(SolverCommand command, const std::vector<std::string>& names,
                                const Eigen::VectorXd& nominal, const Eigen::VectorXd& standard_deviations,
-                               const SolverPlace& place, const std::atomic<bool>* stop)
-    : runs_(std::move(command), names, place),
+                               const RunStorage& storage, const std::atomic<bool>* stop)
+    : runs_(std::move(command), names, storage),
       nominal_(nominal),
       least_(runs_.command().frequencies.modes),
       structure_(run_at_means(stop)),
       stop_(stop) {
-  for (const std::string& spot : runs_.coarse_places(nominal, difference_step() * standard_deviations)) {
+  for (const std::string& placeholder : runs_.coarse_placeholders(nominal, difference_step() * standard_deviations)) {
     notes_.push_back(
         fmt::format("{} has too few digits for differences by {} of a prior standard deviation: derivatives will "
                     "be poor; give it more",
-                    spot, difference_step()));
+                    placeholder, difference_step()));
   }
 }
 

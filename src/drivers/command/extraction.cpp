@@ -261,12 +261,12 @@ NamedShapes read_shapes(const std::filesystem::path& folder, const ShapeRule& ru
 }  // namespace
 
 ExtractedModes extract_modes(const std::filesystem::path& folder, const FrequencyRule& frequencies,
-                             const std::optional<ShapeRule>& shapes, int least) {
+                             const std::optional<ShapeRule>& shapes, int min_modes) {
   ExtractedModes modes;
   modes.eigenvalues = to_eigenvalues(read_frequencies(folder, frequencies), frequencies);
   const auto found = static_cast<int>(modes.eigenvalues.size());
-  if (found < least)
-    throw FormatError(frequencies.file, 0, fmt::format("{} modes are there, {} are needed", found, least));
+  if (found < min_modes)
+    throw FormatError(frequencies.file, 0, fmt::format("{} modes are there, {} are needed", found, min_modes));
   if (!shapes) return modes;
   NamedShapes read = read_shapes(folder, *shapes);
   if (read.values.cols() < found) {

@@ -24,14 +24,14 @@ bool is_unwritten(const struct stat& a, const struct stat& b) {
 }
 
 /// Lets the file system share the blocks of a new file with an old one; false where it cannot.
-bool clone(const fs::path& source, const fs::path& place) {
+bool clone(const fs::path& source, const fs::path& destination) {
   const int from = ::open(source.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
   if (from < 0) return false;
-  const int to = ::open(place.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
+  const int to = ::open(destination.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
   const bool is_done = to >= 0 && ::ioctl(to, FICLONE, from) == 0;
   ::close(from);
   if (to >= 0) ::close(to);
-  if (to >= 0 && !is_done) ::unlink(place.c_str());
+  if (to >= 0 && !is_done) ::unlink(destination.c_str());
   return is_done;
 }
 
@@ -60,29 +60,29 @@ InputFiles::InputFiles(const std::vector<RunFile>& files, const fs::path& folder
   }
 }
 
-void InputFiles::put(const Original& original, const Digest& digest, const fs::path& place) const {
+void InputFiles::put(const Original& original, const Digest& digest, const fs::path& destination) const {
   std::error_code error;
   if (original.is_large) {
-    if (clone(original.copy, place)) {
-      fs::permissions(place, fs::status(original.file.source, error).permissions(), error);
+    if (clone(original.copy, destination)) {
+      fs::permissions(destination, fs::status(original.file.source, error).permissions(), error);
       return;
     }
-    fs::create_symlink(original.copy, place, error);
-    if (error) throw SystemFailure(fmt::format("{}: cannot be made: {}", place.string(), error.message()));
+    fs::create_symlink(original.copy, destination, error);
+    if (error) throw SystemFailure(fmt::format("{}: cannot be made: {}", destination.string(), error.message()));
     return;
   }
   const std::string bytes = read_file(original.copy);
   if (digest_of(bytes) != digest) refuse_changed(original.file);
-  write_run_file(place, bytes);
-  fs::permissions(place, fs::status(original.copy, error).permissions(), error);
+  write_run_file(destination, bytes);
+  fs::permissions(destination, fs::status(original.copy, error).permissions(), error);
 }
 
 void InputFiles::put_into(const fs::path& folder) const {
   for (std::size_t i = 0; i < originals_.size(); ++i) {
-    const fs::path place = folder / originals_[i].file.name;
+    const fs::path destination = folder / originals_[i].file.name;
     std::error_code ignored;
-    fs::create_directories(place.parent_path(), ignored);
-    put(originals_[i], digests_[i], place);
+    fs::create_directories(destination.parent_path(), ignored);
+    put(originals_[i], digests_[i], destination);
   }
 }
 
@@ -102,11 +102,11 @@ void InputFiles::require_unchanged() {
 
 void InputFiles::relink(const fs::path& folder) const {
   for (const Original& original : originals_) {
-    const fs::path place = folder / original.file.name;
+    const fs::path destination = folder / original.file.name;
     std::error_code error;
-    if (fs::read_symlink(place, error) != original.copy || error) continue;
-    fs::remove(place, error);
-    fs::create_symlink(fs::absolute(original.file.source), place, error);
+    if (fs::read_symlink(destination, error) != original.copy || error) continue;
+    fs::remove(destination, error);
+    fs::create_symlink(fs::absolute(original.file.source), destination, error);
   }
 }
 

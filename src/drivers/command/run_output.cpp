@@ -12,11 +12,11 @@
 namespace mottle::drivers {
 namespace {
 
-/// The last `most` bytes of what is open.
-std::string end_of(int descriptor, off_t most) {
+/// The last `max_bytes` bytes of what is open.
+std::string end_of(int descriptor, off_t max_bytes) {
   struct stat status {};
   if (::fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode)) return {};
-  std::string bytes(static_cast<std::size_t>(std::min(status.st_size, most)), '\0');
+  std::string bytes(static_cast<std::size_t>(std::min(status.st_size, max_bytes)), '\0');
   const ssize_t size =
       ::pread(descriptor, bytes.data(), bytes.size(), status.st_size - static_cast<off_t>(bytes.size()));
   bytes.resize(static_cast<std::size_t>(std::max<ssize_t>(size, 0)));

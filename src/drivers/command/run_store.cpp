@@ -134,7 +134,7 @@ RunStore::RunStore(std::filesystem::path file) : file_(std::move(file)) {
     require(::fcntl(descriptor_, F_SETLK, &lock) == 0 || (errno != EACCES && errno != EAGAIN),
             "{}: another Mottle is filling this folder; wait for its end, or name another place with --out",
             file_.string());
-    read_places();
+    read_spans();
   } catch (...) {
     ::close(descriptor_);
     throw;
@@ -145,7 +145,7 @@ RunStore::~RunStore() {
   ::close(descriptor_);
 }
 
-void RunStore::read_places() {
+void RunStore::read_spans() {
   const std::uint64_t size = size_of(descriptor_);
   std::string magic(std::min<std::uint64_t>(size, k_magic.size()), ' ');
   const bool is_read = read_at(descriptor_, 0, magic.data(), magic.size());
@@ -165,7 +165,7 @@ void RunStore::read_places() {
     body.resize(head.size);
     if (!read_at(descriptor_, end + sizeof(head), body.data(), body.size())) break;
     if (checksum_of(head.key, body) != head.checksum) break;
-    places_[head.key] = {end + sizeof(head), head.size};
+    spans_[head.key] = {end + sizeof(head), head.size};
     end += sizeof(head) + head.size;
   }
   if (end < size && ::ftruncate(descriptor_, static_cast<off_t>(end)) != 0) {
@@ -175,8 +175,8 @@ void RunStore::read_places() {
 
 std::optional<RunRecord> RunStore::find(const Digest& key) const {
   const std::lock_guard<std::mutex> lock(mutex_);
-  const auto found = places_.find(key);
-  if (found == places_.end()) return std::nullopt;
+  const auto found = spans_.find(key);
+  if (found == spans_.end()) return std::nullopt;
   std::string body(found->second.size, ' ');
   if (!read_at(descriptor_, found->second.offset, body.data(), body.size())) {
     throw SystemFailure(fmt::format("{}: cannot be read: {}", file_.string(), std::strerror(errno)));
@@ -197,7 +197,7 @@ void RunStore::keep(const Digest& key, const RunRecord& record) {
     throw SystemFailure(fmt::format("{}: cannot be written: {}; finished runs are kept, go on with --resume",
                                     file_.string(), std::strerror(error)));
   }
-  places_[key] = {end + sizeof(head), body.size()};
+  spans_[key] = {end + sizeof(head), body.size()};
 }
 
 }  // namespace mottle::drivers

@@ -44,14 +44,14 @@ std::vector<std::string> for_process(const std::vector<std::string>& arguments, 
 
 }  // namespace
 
-SolverRuns::SolverRuns(SolverCommand command, const std::vector<std::string>& names, const SolverPlace& place)
-    : command_(std::move(command)), is_resumed_(place.is_resumed) {
+SolverRuns::SolverRuns(SolverCommand command, const std::vector<std::string>& names, const RunStorage& storage)
+    : command_(std::move(command)), is_resumed_(storage.is_resumed) {
   read_templates(names);
   require_program(command_.command);
   if (command_.retry_command) require_program(*command_.retry_command);
-  folders_ = std::make_unique<RunFolders>(place.results, !place.is_resumed);
+  folders_ = std::make_unique<RunFolders>(storage.results, !storage.is_resumed);
   read_files();
-  if (!place.results.empty()) store_ = std::make_unique<RunStore>(place.results / "runs.store");
+  if (!storage.results.empty()) store_ = std::make_unique<RunStore>(storage.results / "runs.store");
 }
 
 void SolverRuns::read_templates(const std::vector<std::string>& names) {
@@ -116,8 +116,8 @@ SolverRuns::Input SolverRuns::fill(const Eigen::Ref<const Eigen::VectorXd>& valu
   return input;
 }
 
-Digest SolverRuns::key_of(const Input& input, int least) const {
-  std::string text = constants_ + fmt::format("{} {} ", least, command_.command.is_shell);
+Digest SolverRuns::key_of(const Input& input, int min_modes) const {
+  std::string text = constants_ + fmt::format("{} {} ", min_modes, command_.command.is_shell);
   for (const auto* list : {&input.texts, &input.arguments, &input.retry_arguments}) {
     text += fmt::format("[{}]", list->size());
     for (const std::string& piece : *list) add_piece(text, piece);
@@ -139,7 +139,7 @@ void SolverRuns::prepare(const std::filesystem::path& folder, const Input& input
   files_->put_into(folder);
 }
 
-bool SolverRuns::try_once(const Input& input, const std::filesystem::path& folder, int number, int least,
+bool SolverRuns::try_once(const Input& input, const std::filesystem::path& folder, int number, int min_modes,
                           const std::atomic<bool>* stop, Run& run) const {
   const bool is_other = number > 0 && command_.retry_command;
   prepare(folder, input);
@@ -160,7 +160,7 @@ bool SolverRuns::try_once(const Input& input, const std::filesystem::path& folde
   run.record = {.failure = end.reason};
   if (end.kind != ProcessEnd::Kind::done) return false;
   try {
-    run.record.modes = extract_modes(folder, command_.frequencies, command_.shapes, least);
+    run.record.modes = extract_modes(folder, command_.frequencies, command_.shapes, min_modes);
     return true;
   } catch (const InvalidInput& error) {
     run.record.failure = error.what();
@@ -186,10 +186,10 @@ void SolverRuns::put_away(const std::filesystem::path& folder, const std::string
   run.folder = folders_->keep(folder, has_failed, id);
 }
 
-SolverRuns::Run SolverRuns::run(const Eigen::Ref<const Eigen::VectorXd>& values, int least,
+SolverRuns::Run SolverRuns::run(const Eigen::Ref<const Eigen::VectorXd>& values, int min_modes,
                                 const std::atomic<bool>* stop) {
   const Input input = fill(values);
-  const Digest key = key_of(input, least);
+  const Digest key = key_of(input, min_modes);
   Run run;
   if (store_) {
     std::optional<RunRecord> known = store_->find(key);
@@ -206,7 +206,7 @@ SolverRuns::Run SolverRuns::run(const Eigen::Ref<const Eigen::VectorXd>& values,
   for (int number = 0; number <= command_.retries && !is_done; ++number) {
     if (!folder.empty()) folders_->remove(folder);
     folder = folders_->make();
-    is_done = try_once(input, folder, number, least, stop, run);
+    is_done = try_once(input, folder, number, min_modes, stop, run);
     run.tries = number + 1;
   }
   if (!is_done)
@@ -220,9 +220,9 @@ SolverRuns::Run SolverRuns::run(const Eigen::Ref<const Eigen::VectorXd>& values,
   return run;
 }
 
-void SolverRuns::keep_as(const Eigen::Ref<const Eigen::VectorXd>& values, int least, const RunRecord& record) {
+void SolverRuns::keep_as(const Eigen::Ref<const Eigen::VectorXd>& values, int min_modes, const RunRecord& record) {
   if (!store_) return;
-  const Digest key = key_of(fill(values), least);
+  const Digest key = key_of(fill(values), min_modes);
   if (!store_->find(key)) store_->keep(key, record);
 }
 
@@ -230,15 +230,16 @@ std::string SolverRuns::command_text() const {
   return joined(command_.command);
 }
 
-std::vector<std::string> SolverRuns::coarse_places(const Eigen::Ref<const Eigen::VectorXd>& values,
-                                                   const Eigen::Ref<const Eigen::VectorXd>& steps) const {
-  std::vector<std::string> places;
+std::vector<std::string> SolverRuns::coarse_placeholders(const Eigen::Ref<const Eigen::VectorXd>& values,
+                                                         const Eigen::Ref<const Eigen::VectorXd>& steps) const {
+  std::vector<std::string> placeholders;
   for (const std::vector<Template>* list : {&templates_, &arguments_}) {
     for (const Template& text : *list) {
-      for (std::string& place : text.coarse_places(values, steps)) places.push_back(std::move(place));
+      for (std::string& placeholder : text.coarse_placeholders(values, steps))
+        placeholders.push_back(std::move(placeholder));
     }
   }
-  return places;
+  return placeholders;
 }
 
 }  // namespace mottle::drivers

@@ -12,7 +12,7 @@
 namespace mottle::drivers {
 namespace {
 
-constexpr std::size_t k_longest_place = 200;
+constexpr std::size_t k_longest_placeholder = 200;
 
 std::string_view trimmed(std::string_view text) {
   while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
@@ -37,98 +37,101 @@ Template::Template(std::string_view text, std::string file, const std::vector<st
     if (begin == std::string_view::npos) return;
     text.remove_prefix(begin + 2);
     const std::size_t end = text.find("}}");
-    if (end > k_longest_place || lines_in(text.substr(0, end)) > 0) {
+    if (end > k_longest_placeholder || lines_in(text.substr(0, end)) > 0) {
       throw FormatError(file_, line, "{{ without }} on the same line");
     }
-    places_.push_back(read_place(text.substr(0, end), line, names));
-    target = &places_.back().text_after;
+    placeholders_.push_back(read_placeholder(text.substr(0, end), line, names));
+    target = &placeholders_.back().text_after;
     text.remove_prefix(end + 2);
   }
 }
 
-Template::Place Template::read_place(std::string_view inside, int line, const std::vector<std::string>& names) const {
+Template::Placeholder Template::read_placeholder(std::string_view inside, int line,
+                                                 const std::vector<std::string>& names) const {
   static const re2::RE2 k_format(R"(%[-+ 0]*([1-9][0-9]?)?(?:\.[0-9][0-9]?)?[eEfFgGd])");
   const std::size_t percent = inside.find('%');
   // A name may hold a colon: a format begins with the one before its percent sign.
   const std::size_t colon = percent == std::string_view::npos ? percent : inside.rfind(':', percent);
-  Place place{.line = line, .name = std::string(trimmed(inside.substr(0, colon)))};
-  auto found = std::find(names.begin(), names.end(), place.name);
-  const std::size_t star = place.name.rfind('*');
+  Placeholder placeholder{.line = line, .name = std::string(trimmed(inside.substr(0, colon)))};
+  auto found = std::find(names.begin(), names.end(), placeholder.name);
+  const std::size_t star = placeholder.name.rfind('*');
   if (found == names.end() && star != std::string::npos) {
-    const std::string number(trimmed(std::string_view(place.name).substr(star + 1)));
-    if (!parse_number(number, place.factor)) {
-      throw FormatError(file_, line, fmt::format("'{}' in '{}' is not a number", number, place.name));
+    const std::string number(trimmed(std::string_view(placeholder.name).substr(star + 1)));
+    if (!parse_number(number, placeholder.factor)) {
+      throw FormatError(file_, line, fmt::format("'{}' in '{}' is not a number", number, placeholder.name));
     }
-    place.name = trimmed(std::string_view(place.name).substr(0, star));
-    found = std::find(names.begin(), names.end(), place.name);
+    placeholder.name = trimmed(std::string_view(placeholder.name).substr(0, star));
+    found = std::find(names.begin(), names.end(), placeholder.name);
   }
-  if (found == names.end()) throw FormatError(file_, line, unknown_name_message("parameter", place.name, names));
-  place.parameter = static_cast<std::size_t>(found - names.begin());
-  if (colon == std::string_view::npos) return place;
-  place.format = trimmed(inside.substr(colon + 1));
+  if (found == names.end()) throw FormatError(file_, line, unknown_name_message("parameter", placeholder.name, names));
+  placeholder.parameter = static_cast<std::size_t>(found - names.begin());
+  if (colon == std::string_view::npos) return placeholder;
+  placeholder.format = trimmed(inside.substr(colon + 1));
   std::string width;
-  if (!re2::RE2::FullMatch(place.format, k_format, &width)) {
+  if (!re2::RE2::FullMatch(placeholder.format, k_format, &width)) {
     throw FormatError(
         file_, line,
         fmt::format("'{}' is no format for {}; allowed are %e, %f, %g and %d with a width and a precision "
                     "of at most two digits, like %8.3e",
-                    place.format, place.name));
+                    placeholder.format, placeholder.name));
   }
-  if (!width.empty()) place.width = static_cast<std::size_t>(std::stoi(width));
-  return place;
+  if (!width.empty()) placeholder.width = static_cast<std::size_t>(std::stoi(width));
+  return placeholder;
 }
 
-std::string Template::text_of(const Place& place, double value) const {
-  if (place.format.empty()) return number_text(value);
+std::string Template::text_of(const Placeholder& placeholder, double value) const {
+  if (placeholder.format.empty()) return number_text(value);
   char buffer[512];  // %99.99f of 1e308 fits
-  const bool is_whole = place.format.back() == 'd';
+  const bool is_whole = placeholder.format.back() == 'd';
   if (is_whole && (value != std::round(value) || std::abs(value) > 9e15)) {
-    throw FormatError(file_, place.line,
-                      fmt::format("{} = {} is not a whole number, as {} needs", place.name, value, place.format));
+    throw FormatError(
+        file_, placeholder.line,
+        fmt::format("{} = {} is not a whole number, as {} needs", placeholder.name, value, placeholder.format));
   }
   const std::string format =
-      is_whole ? fmt::format("{}lld", place.format.substr(0, place.format.size() - 1)) : place.format;
+      is_whole ? fmt::format("{}lld", placeholder.format.substr(0, placeholder.format.size() - 1)) : placeholder.format;
   const int length = is_whole ? std::snprintf(buffer, sizeof(buffer), format.c_str(), static_cast<long long>(value))
                               : std::snprintf(buffer, sizeof(buffer), format.c_str(), value);
   std::string text(buffer, static_cast<std::size_t>(length));
-  if (place.width > 0 && text.size() > place.width) {
-    throw FormatError(file_, place.line,
+  if (placeholder.width > 0 && text.size() > placeholder.width) {
+    throw FormatError(file_, placeholder.line,
                       fmt::format("{} = {} becomes '{}', {} characters, and its place has {}; take a shorter format "
                                   "than {}",
-                                  place.name, value, text, text.size(), place.width, place.format));
+                                  placeholder.name, value, text, text.size(), placeholder.width, placeholder.format));
   }
   return text;
 }
 
 std::string Template::fill(const Eigen::Ref<const Eigen::VectorXd>& values) const {
   std::string text = head_;
-  for (const Place& place : places_) {
-    text += text_of(place, place.factor * values(static_cast<Eigen::Index>(place.parameter)));
-    text += place.text_after;
+  for (const Placeholder& placeholder : placeholders_) {
+    text += text_of(placeholder, placeholder.factor * values(static_cast<Eigen::Index>(placeholder.parameter)));
+    text += placeholder.text_after;
   }
   return text;
 }
 
 std::vector<bool> Template::uses(std::size_t parameters) const {
   std::vector<bool> used(parameters);
-  for (const Place& place : places_) used[place.parameter] = true;
+  for (const Placeholder& placeholder : placeholders_) used[placeholder.parameter] = true;
   return used;
 }
 
-std::vector<std::string> Template::coarse_places(const Eigen::Ref<const Eigen::VectorXd>& values,
-                                                 const Eigen::Ref<const Eigen::VectorXd>& steps) const {
+std::vector<std::string> Template::coarse_placeholders(const Eigen::Ref<const Eigen::VectorXd>& values,
+                                                       const Eigen::Ref<const Eigen::VectorXd>& steps) const {
   constexpr double k_max_error = 0.01;  // of a step: a derivative's error from rounding the input
   std::vector<std::string> coarse;
-  for (const Place& place : places_) {
-    const auto p = static_cast<Eigen::Index>(place.parameter);
+  for (const Placeholder& placeholder : placeholders_) {
+    const auto p = static_cast<Eigen::Index>(placeholder.parameter);
     double near = 0.0;
     double far = 0.0;
-    const double value = place.factor * values(p);
-    const double step = place.factor * steps(p);
-    if (place.format.empty() || step == 0.0) continue;
-    if (!parse_number(text_of(place, value), near) || !parse_number(text_of(place, value + step), far)) continue;
+    const double value = placeholder.factor * values(p);
+    const double step = placeholder.factor * steps(p);
+    if (placeholder.format.empty() || step == 0.0) continue;
+    if (!parse_number(text_of(placeholder, value), near) || !parse_number(text_of(placeholder, value + step), far))
+      continue;
     if (std::abs(far - near - step) <= k_max_error * std::abs(step)) continue;
-    coarse.push_back(fmt::format("{}:{}: {} as {}", file_, place.line, place.name, place.format));
+    coarse.push_back(fmt::format("{}:{}: {} as {}", file_, placeholder.line, placeholder.name, placeholder.format));
   }
   return coarse;
 }

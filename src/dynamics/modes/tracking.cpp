@@ -35,8 +35,8 @@ double subspace_mac(const Eigen::Ref<const Eigen::MatrixXd>& cosines, const std:
   std::vector<int> columns;
   for (const int row : rows) columns.push_back(mode[static_cast<std::size_t>(row)]);
   const Eigen::MatrixXd block = cosines(rows, columns);
-  const double least = SingularValues(block).values().minCoeff();
-  return least * least;
+  const double smallest = SingularValues(block).values().minCoeff();
+  return smallest * smallest;
 }
 
 }  // namespace

@@ -82,7 +82,7 @@ std::array<bool, 3> soft_components(const Eigen::Matrix3d& stiffness, const std:
 std::vector<bool> find_soft_equations(const ElementStore& store, const EquationMap& map, std::size_t nodes,
                                       std::vector<AutomaticConstraint>& constraints) {
   const auto blocks = nodal_stiffness(store, map, nodes);
-  std::vector<bool> is_held(static_cast<std::size_t>(map.equation_count()), false);
+  std::vector<bool> is_constrained(static_cast<std::size_t>(map.equation_count()), false);
   for (std::size_t node = 0; node < nodes; ++node) {
     for (int triple = 0; triple < 2; ++triple) {
       std::array<bool, 3> is_free = {};
@@ -91,12 +91,12 @@ std::vector<bool> find_soft_equations(const ElementStore& store, const EquationM
       const auto is_soft = soft_components(blocks[node][static_cast<std::size_t>(triple)], is_free);
       for (int c = 0; c < 3; ++c) {
         if (!is_soft[static_cast<std::size_t>(c)]) continue;
-        is_held[static_cast<std::size_t>(map.state(first + c))] = true;
+        is_constrained[static_cast<std::size_t>(map.state(first + c))] = true;
         constraints.push_back({static_cast<int>(node), 3 * triple + c});
       }
     }
   }
-  return is_held;
+  return is_constrained;
 }
 
 /// Lower triangle of which equations meet in an element of the wanted kinds.
@@ -150,10 +150,10 @@ class PositionSums {
   explicit PositionSums(std::size_t size) : sums_(size, 0.0), is_reached_(size, 0) {}
 
   void add(int position, double value) {
-    const auto place = static_cast<std::size_t>(position);
-    sums_[place] += value;
-    if (is_reached_[place] == 0) reached_.push_back(position);
-    is_reached_[place] = 1;
+    const auto index = static_cast<std::size_t>(position);
+    sums_[index] += value;
+    if (is_reached_[index] == 0) reached_.push_back(position);
+    is_reached_[index] = 1;
   }
 
   /// Hands over the sums in ascending positions and begins again from zero.
@@ -172,8 +172,8 @@ class PositionSums {
     constexpr std::size_t k_few = 16;  // up to one in so many positions, sorting is faster than looking at all
     if (reached_.size() < is_reached_.size() / k_few) return std::sort(reached_.begin(), reached_.end());
     reached_.clear();
-    for (std::size_t place = 0; place < is_reached_.size(); ++place) {
-      if (is_reached_[place] != 0) reached_.push_back(static_cast<int>(place));
+    for (std::size_t index = 0; index < is_reached_.size(); ++index) {
+      if (is_reached_[index] != 0) reached_.push_back(static_cast<int>(index));
     }
   }
 
@@ -243,9 +243,10 @@ AssembledModel assemble(const FiniteElementModel& model, const std::vector<Field
   ElementStore store(model, map, field_roles(model, parameters), parameters.size());
   AssembledModel result;
   if (model.settings.automatic_constraints) {
-    const std::vector<bool> is_held = find_soft_equations(store, map, model.nodes.size(), result.automatic_constraints);
-    store.hold(is_held);
-    map.hold(is_held);
+    const std::vector<bool> is_constrained =
+        find_soft_equations(store, map, model.nodes.size(), result.automatic_constraints);
+    store.constrain(is_constrained);
+    map.constrain(is_constrained);
   }
   require(map.equation_count() > 0, "the model has no free degree of freedom that anything stiffens");
   const auto has_kind = [&store](ElementPiece::Kind kind) {

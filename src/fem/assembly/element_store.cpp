@@ -118,7 +118,7 @@ StoredPiece ElementStore::describe(const FiniteElementModel& model, const Elemen
     }
   }
   std::sort(name.coefficient.begin(), name.coefficient.end());
-  for (const FieldIndex field : piece.held) {
+  for (const FieldIndex field : piece.matrix_fields) {
     const int parameter = field < 0 ? -1 : roles_[static_cast<std::size_t>(field)].parameter;
     if (parameter >= 0) is_separable_[static_cast<std::size_t>(parameter)] = false;
   }
@@ -153,11 +153,11 @@ int ElementStore::term_index(TermName name) {
   return found->second;
 }
 
-void ElementStore::hold(const std::vector<bool>& is_held) {
-  std::vector<int> renumbered(is_held.size(), -1);
+void ElementStore::constrain(const std::vector<bool>& is_constrained) {
+  std::vector<int> renumbered(is_constrained.size(), -1);
   int next = 0;
-  for (std::size_t k = 0; k < is_held.size(); ++k) {
-    if (!is_held[k]) renumbered[k] = next++;
+  for (std::size_t k = 0; k < is_constrained.size(); ++k) {
+    if (!is_constrained[k]) renumbered[k] = next++;
   }
   for (int& equation : equations_) equation = renumbered[static_cast<std::size_t>(equation)];
 }

@@ -54,7 +54,7 @@ class ElementStore {
   }
 
   /// Applies EquationMap::hold to what is stored: held equations become -1.
-  void hold(const std::vector<bool>& is_held);
+  void constrain(const std::vector<bool>& is_constrained);
 
  private:
   void store(const FiniteElementModel& model, const EquationMap& map, ElementPieces& element);

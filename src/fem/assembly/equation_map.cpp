@@ -101,11 +101,11 @@ void EquationMap::number() {
   }
 }
 
-void EquationMap::hold(const std::vector<bool>& is_held) {
-  std::vector<int> renumbered(is_held.size(), k_fixed);
+void EquationMap::constrain(const std::vector<bool>& is_constrained) {
+  std::vector<int> renumbered(is_constrained.size(), k_fixed);
   int next = 0;
-  for (std::size_t k = 0; k < is_held.size(); ++k) {
-    if (!is_held[k]) renumbered[k] = next++;
+  for (std::size_t k = 0; k < is_constrained.size(); ++k) {
+    if (!is_constrained[k]) renumbered[k] = next++;
   }
   for (int& slot : state_) {
     if (slot >= 0) slot = renumbered[static_cast<std::size_t>(slot)];
@@ -114,7 +114,7 @@ void EquationMap::hold(const std::vector<bool>& is_held) {
     for (Term& term : sum) term.equation = renumbered[static_cast<std::size_t>(term.equation)];
     std::erase_if(sum, [](const Term& term) { return term.equation == k_fixed; });
   }
-  std::erase_if(equations_, [&, k = std::size_t{0}](const Equation&) mutable { return is_held[k++]; });
+  std::erase_if(equations_, [&, k = std::size_t{0}](const Equation&) mutable { return is_constrained[k++]; });
 }
 
 }  // namespace mottle::fem

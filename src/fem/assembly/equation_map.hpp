@@ -29,7 +29,7 @@ class EquationMap {
   const std::vector<Term>& sum(int state) const { return sums_[static_cast<std::size_t>(k_dependent - state)]; }
 
   /// Fixes equations and renumbers the others.
-  void hold(const std::vector<bool>& is_held);
+  void constrain(const std::vector<bool>& is_constrained);
 
   static constexpr int k_fixed = -1;
   static constexpr int k_dependent = -2;

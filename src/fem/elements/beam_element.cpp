@@ -46,21 +46,22 @@ SectionFields section_of(const FiniteElementModel& model, const BeamProperty& pr
 Coefficient section_coefficient(Coefficient modulus, const BeamProperty& property, FieldIndex field, double number) {
   if (field != k_section_number) return times(std::move(modulus), field);
   modulus.factor *= number;
-  modulus.held.insert(modulus.held.end(), property.dimensions.begin(), property.dimensions.end());
+  modulus.matrix_fields.insert(modulus.matrix_fields.end(), property.dimensions.begin(), property.dimensions.end());
   return modulus;
 }
 
-void hold(Coefficient& coefficient, std::initializer_list<FieldIndex> fields) {
+void add_matrix_fields(Coefficient& coefficient, std::initializer_list<FieldIndex> fields) {
   for (const FieldIndex field : fields) {
-    if (field >= 0) coefficient.held.push_back(field);
+    if (field >= 0) coefficient.matrix_fields.push_back(field);
   }
 }
 
 /// A bending piece is a rational function of these once the section is flexible in shear.
-void hold_shear_ratio(Coefficient& coefficient, const SectionFields& section, const Material& material) {
-  hold(coefficient, {section.area, section.inertia_1, section.inertia_2, section.inertia_12});
-  if (material.shear != k_no_field && material.young != k_no_field) hold(coefficient, {material.young, material.shear});
-  if (material.poisson != k_no_field) hold(coefficient, {material.poisson});
+void add_shear_ratio_fields(Coefficient& coefficient, const SectionFields& section, const Material& material) {
+  add_matrix_fields(coefficient, {section.area, section.inertia_1, section.inertia_2, section.inertia_12});
+  if (material.shear != k_no_field && material.young != k_no_field)
+    add_matrix_fields(coefficient, {material.young, material.shear});
+  if (material.poisson != k_no_field) add_matrix_fields(coefficient, {material.poisson});
 }
 
 Coefficient beam_coefficient(const FiniteElementModel& model, const BeamProperty& property,
@@ -77,7 +78,7 @@ Coefficient beam_coefficient(const FiniteElementModel& model, const BeamProperty
       return section_coefficient(shear_coefficient(model, material), property, section.torsion, numbers.torsion);
     case BeamCoefficient::EI1:
       result = section_coefficient(young, property, section.inertia_1, numbers.inertia_1);
-      if (numbers.inertia_12 == 0.0) hold(result, {section.inertia_12});  // there is no piece of it now
+      if (numbers.inertia_12 == 0.0) add_matrix_fields(result, {section.inertia_12});  // there is no piece of it now
       break;
     case BeamCoefficient::EI2:
       result = section_coefficient(young, property, section.inertia_2, numbers.inertia_2);
@@ -87,11 +88,11 @@ Coefficient beam_coefficient(const FiniteElementModel& model, const BeamProperty
       break;
     case BeamCoefficient::E:
       result = young;
-      hold(result, {section.area, section.inertia_1, section.inertia_2, section.inertia_12});
-      result.held.insert(result.held.end(), property.dimensions.begin(), property.dimensions.end());
+      add_matrix_fields(result, {section.area, section.inertia_1, section.inertia_2, section.inertia_12});
+      result.matrix_fields.insert(result.matrix_fields.end(), property.dimensions.begin(), property.dimensions.end());
       break;
   }
-  if (is_soft_in_shear) hold_shear_ratio(result, section, material);
+  if (is_soft_in_shear) add_shear_ratio_fields(result, section, material);
   return result;
 }
 

@@ -30,7 +30,7 @@ template <typename Matrix>
 void add_piece(ElementPieces& result, ElementPiece::Kind kind, double factor, const Coefficient& coefficient,
                const Matrix& matrix) {
   if (factor * coefficient.factor == 0.0) return;
-  result.pieces.push_back({kind, factor * coefficient.factor, coefficient.fields, coefficient.held, matrix});
+  result.pieces.push_back({kind, factor * coefficient.factor, coefficient.fields, coefficient.matrix_fields, matrix});
 }
 
 }  // namespace mottle::fem

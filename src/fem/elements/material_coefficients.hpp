@@ -10,7 +10,7 @@ namespace mottle::fem {
 struct Coefficient {
   double factor = 1.0;
   std::vector<FieldPower> fields = {};
-  std::vector<FieldIndex> held = {};
+  std::vector<FieldIndex> matrix_fields = {};
 };
 
 /// Young's modulus; 2 G (1 + nu) where the card leaves it out.

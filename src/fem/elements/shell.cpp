@@ -32,10 +32,10 @@ double min_skew_angle(const ShellInput& input) {
     const double between = angle(along, across);
     return std::min(between, 180.0 - between);
   }
-  double least = 180.0;
+  double smallest = 180.0;
   for (Eigen::Index i = 0; i < 3; ++i)
-    least = std::min(least, angle(r.col((i + 1) % 3) - r.col(i), r.col((i + 2) % 3) - r.col(i)));
-  return least;
+    smallest = std::min(smallest, angle(r.col((i + 1) % 3) - r.col(i), r.col((i + 2) % 3) - r.col(i)));
+  return smallest;
 }
 
 }  // namespace

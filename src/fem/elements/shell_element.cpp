@@ -46,12 +46,12 @@ void add_shell_stiffness(const FiniteElementModel& model, const ShellProperty& p
   if (membrane != nullptr) input.poisson_membrane = poisson_ratio(model, *membrane);
   if (bending != nullptr) input.poisson_bending = poisson_ratio(model, *bending);
   // How a triangle's bending shares with shear follows from t^2 E / G: its two pieces hold at the card's values only.
-  std::vector<FieldIndex> plate_held = bending == nullptr ? std::vector<FieldIndex>{} : poisson_fields(*bending);
+  std::vector<FieldIndex> plate_fields = bending == nullptr ? std::vector<FieldIndex>{} : poisson_fields(*bending);
   if (input.node_count == 3 && bending != nullptr && shear != nullptr) {
-    plate_held.push_back(thickness);
+    plate_fields.push_back(thickness);
     if (bending != shear || (shear->shear != k_no_field && shear->young != k_no_field)) {
       for (const Material* one : {bending, shear}) {
-        for (const FieldIndex field : {one->young, one->shear, one->poisson}) plate_held.push_back(field);
+        for (const FieldIndex field : {one->young, one->shear, one->poisson}) plate_fields.push_back(field);
       }
     }
   }
@@ -64,22 +64,22 @@ void add_shell_stiffness(const FiniteElementModel& model, const ShellProperty& p
                               (12.0 * (1.0 - nu * nu) * value_of(model, modulus) * property.shear_ratio);
   }
   const ShellPieces pieces = shell_stiffness(input);
-  const auto add = [&](Coefficient coefficient, double factor, const std::vector<FieldIndex>& held,
+  const auto add = [&](Coefficient coefficient, double factor, const std::vector<FieldIndex>& matrix_fields,
                        const ShellMatrix& matrix) {
-    for (const FieldIndex field : held) coefficient.held.push_back(field);
+    for (const FieldIndex field : matrix_fields) coefficient.matrix_fields.push_back(field);
     result.pieces.push_back({ElementPiece::Kind::stiffness, factor * coefficient.factor, coefficient.fields,
-                             coefficient.held, matrix.topLeftCorner(size, size)});
+                             coefficient.matrix_fields, matrix.topLeftCorner(size, size)});
   };
   if (membrane != nullptr) {
-    const std::vector<FieldIndex> held = poisson_fields(*membrane);
-    add(times(young_coefficient(model, *membrane), thickness), 1.0, held, pieces.membrane);
-    add(times(shear_coefficient(model, *membrane), thickness), model.settings.drilling, held, pieces.drilling);
+    const std::vector<FieldIndex> matrix_fields = poisson_fields(*membrane);
+    add(times(young_coefficient(model, *membrane), thickness), 1.0, matrix_fields, pieces.membrane);
+    add(times(shear_coefficient(model, *membrane), thickness), model.settings.drilling, matrix_fields, pieces.drilling);
   }
   if (bending != nullptr) {
-    add(times(young_coefficient(model, *bending), thickness, 3), property.bending_ratio, plate_held, pieces.bending);
+    add(times(young_coefficient(model, *bending), thickness, 3), property.bending_ratio, plate_fields, pieces.bending);
   }
   if (bending != nullptr && shear != nullptr) {
-    add(times(shear_coefficient(model, *shear), thickness), property.shear_ratio, plate_held, pieces.shear);
+    add(times(shear_coefficient(model, *shear), thickness), property.shear_ratio, plate_fields, pieces.shear);
   }
 }
 

@@ -90,7 +90,7 @@ Eigen::Matrix<double, 9, 9> moduli_by_direction(const Elasticity& elasticity) {
 
 /// Quadratic tetrahedra with curved edges need more points than straight ones, lest they fail the patch test.
 template <int count, int modes>
-const typename Table<count, modes>::Places& stiffness_points(const Table<count, modes>& table,
+const typename Table<count, modes>::Points& stiffness_points(const Table<count, modes>& table,
                                                              const Geometry<count>& geometry) {
   if constexpr (count == 10) {
     // The Jacobian of a straight element is the same everywhere. What four points miss is of second order in the
@@ -182,16 +182,16 @@ Eigen::Matrix<double, count, count> scalar_mass(const Table<count, modes>& table
 template <int count, int modes>
 double jacobian_ratio(const Table<count, modes>& table, const NodesRef& nodes) {
   const Geometry<count> geometry(nodes);
-  double least = std::numeric_limits<double>::infinity(), sum = 0.0, weights = 0.0;
+  double smallest = std::numeric_limits<double>::infinity(), sum = 0.0, weights = 0.0;
   for (const auto* points : {&table.corners, &table.mass}) {
     for (const Point<count, modes>& point : *points) {
       const double determinant = geometry.jacobian(point).determinant();
-      least = std::min(least, determinant);
+      smallest = std::min(smallest, determinant);
       sum += point.weight * determinant;
       weights += point.weight;
     }
   }
-  return least == 0.0 ? 0.0 : least / std::abs(sum / weights);
+  return smallest == 0.0 ? 0.0 : smallest / std::abs(sum / weights);
 }
 
 double double_area(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
@@ -206,30 +206,30 @@ constexpr std::array<std::array<int, 2>, 9> k_wedge_edges = {
 constexpr std::array<std::array<int, 2>, 6> k_tetrahedron_edges = {{{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}}};
 
 struct Extent {
-  double least = std::numeric_limits<double>::infinity();
-  double most = 0.0;
+  double smallest = std::numeric_limits<double>::infinity();
+  double largest = 0.0;
 };
 
 Extent edge_lengths(const NodesRef& nodes, Edges edges) {
   Extent extent;
   for (const auto& [from, to] : edges) {
     const double length = (nodes.col(to) - nodes.col(from)).norm();
-    extent.least = std::min(extent.least, length);
-    extent.most = std::max(extent.most, length);
+    extent.smallest = std::min(extent.smallest, length);
+    extent.largest = std::max(extent.largest, length);
   }
   return extent;
 }
 
 double wedge_aspect_ratio(const NodesRef& nodes) {
   const Edges edges(k_wedge_edges);
-  const double longest = edge_lengths(nodes, edges).most;
-  double least = edge_lengths(nodes, edges.first(3)).least;
+  const double longest = edge_lengths(nodes, edges).largest;
+  double smallest = edge_lengths(nodes, edges.first(3)).smallest;
   for (const int face : {0, 3}) {
-    const double base = edge_lengths(nodes, edges.subspan(face == 0 ? 3 : 6, 3)).most;
+    const double base = edge_lengths(nodes, edges.subspan(face == 0 ? 3 : 6, 3)).largest;
     const double height = double_area(nodes.col(face), nodes.col(face + 1), nodes.col(face + 2)) / base;
-    least = std::min(least, height / std::sqrt(0.75));
+    smallest = std::min(smallest, height / std::sqrt(0.75));
   }
-  return longest / least;
+  return longest / smallest;
 }
 
 double tetrahedron_aspect_ratio(const NodesRef& nodes) {
@@ -242,7 +242,7 @@ double tetrahedron_aspect_ratio(const NodesRef& nodes) {
   const double six_volumes = (nodes.col(1) - nodes.col(0)).cross(nodes.col(2) - nodes.col(0)).dot(apex);
   // 2/3: square of height over edge of the regular tetrahedron.
   const double height = std::abs(six_volumes) / largest_face / std::sqrt(2.0 / 3.0);
-  return edge_lengths(nodes, k_tetrahedron_edges).most / height;
+  return edge_lengths(nodes, k_tetrahedron_edges).largest / height;
 }
 
 }  // namespace
@@ -289,7 +289,7 @@ SolidQuality solid_quality(SolidShape shape, const NodesRef& nodes) {
   quality.jacobian_ratio = with_table(shape, [&](const auto& table) { return jacobian_ratio(table, nodes); });
   if (shape == SolidShape::hexahedron8) {
     const Extent extent = edge_lengths(nodes, k_hexahedron_edges);
-    quality.aspect_ratio = extent.most / extent.least;
+    quality.aspect_ratio = extent.largest / extent.smallest;
   } else if (shape == SolidShape::wedge6) {
     quality.aspect_ratio = wedge_aspect_ratio(nodes);
   } else {

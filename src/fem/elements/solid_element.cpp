@@ -67,9 +67,9 @@ void add_solid(const FiniteElementModel& model, const SolidElement& element, Pie
   }
   if (selection == PieceSelection::mass) return;
   Coefficient young = young_coefficient(model, material);
-  for (const FieldIndex field : poisson_fields(material)) young.held.push_back(field);
+  for (const FieldIndex field : poisson_fields(material)) young.matrix_fields.push_back(field);
   const double poisson = poisson_ratio(model, material);
-  result.pieces.push_back({ElementPiece::Kind::stiffness, young.factor, young.fields, young.held,
+  result.pieces.push_back({ElementPiece::Kind::stiffness, young.factor, young.fields, young.matrix_fields,
                            solid_stiffness(element.shape, nodes, isotropic_elasticity(1.0, poisson))});
 }
 

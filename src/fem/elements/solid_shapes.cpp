@@ -7,7 +7,7 @@ namespace {
 
 struct Abscissa {
   double weight;
-  Eigen::Vector3d place;
+  Eigen::Vector3d position;
 };
 using Rule = std::vector<Abscissa>;
 
@@ -23,7 +23,7 @@ Rule cube(int count) {
   for (const Abscissa& z : line) {
     for (const Abscissa& y : line) {
       for (const Abscissa& x : line) {
-        rule.push_back({x.weight * y.weight * z.weight, {x.place.x(), y.place.x(), z.place.x()}});
+        rule.push_back({x.weight * y.weight * z.weight, {x.position.x(), y.position.x(), z.position.x()}});
       }
     }
   }
@@ -40,7 +40,7 @@ Rule prism(const Rule& triangle, const Rule& line) {
   Rule rule;
   for (const Abscissa& z : line) {
     for (const Abscissa& xy : triangle) {
-      rule.push_back({xy.weight * z.weight, {xy.place.x(), xy.place.y(), z.place.x()}});
+      rule.push_back({xy.weight * z.weight, {xy.position.x(), xy.position.y(), z.position.x()}});
     }
   }
   return rule;
@@ -51,7 +51,7 @@ void add_tetrahedron_orbit(Rule& rule, double weight, double a) {
   rule.push_back({weight, {a, a, a}});
   for (int axis = 0; axis < 3; ++axis) {
     rule.push_back({weight, Eigen::Vector3d::Constant(a)});
-    rule.back().place(axis) = 1.0 - 3.0 * a;
+    rule.back().position(axis) = 1.0 - 3.0 * a;
   }
 }
 
@@ -70,7 +70,7 @@ Rule tetrahedron_of_degree_5() {
   for (int axis = 0; axis < 3; ++axis) {
     for (const auto& [one, others] : {std::pair{a, b}, {b, a}}) {
       rule.push_back({0.042546020777081466438 / 6.0, Eigen::Vector3d::Constant(others)});
-      rule.back().place(axis) = one;
+      rule.back().position(axis) = one;
     }
   }
   return rule;
@@ -79,36 +79,36 @@ Rule tetrahedron_of_degree_5() {
 using Gradient = Eigen::Vector3d;
 
 /// Barycentric coordinates of a triangle or tetrahedron whose first corner is the origin of the own coordinates.
-Eigen::Vector4d barycentric(const Eigen::Vector3d& place) {
-  return {1.0 - place.sum(), place.x(), place.y(), place.z()};
+Eigen::Vector4d barycentric(const Eigen::Vector3d& position) {
+  return {1.0 - position.sum(), position.x(), position.y(), position.z()};
 }
 
 Eigen::Matrix<double, 3, 4> barycentric_gradients() {
   return (Eigen::Matrix<double, 3, 4>() << -1, 1, 0, 0, -1, 0, 1, 0, -1, 0, 0, 1).finished();
 }
 
-void evaluate(const Eigen::Vector3d& place, Point<8, 3>& point) {
+void evaluate(const Eigen::Vector3d& position, Point<8, 3>& point) {
   constexpr int k_signs[8][3] = {{-1, -1, -1}, {1, -1, -1}, {1, 1, -1}, {-1, 1, -1},
                                  {-1, -1, 1},  {1, -1, 1},  {1, 1, 1},  {-1, 1, 1}};
   for (int node = 0; node < 8; ++node) {
     const Eigen::Vector3d sign(k_signs[node][0], k_signs[node][1], k_signs[node][2]);
-    const Eigen::Vector3d factor = Eigen::Vector3d::Ones() + sign.cwiseProduct(place);
+    const Eigen::Vector3d factor = Eigen::Vector3d::Ones() + sign.cwiseProduct(position);
     point.values(node) = factor.prod() / 8.0;
     point.gradients.col(node) = Gradient(sign.x() * factor.y() * factor.z(), factor.x() * sign.y() * factor.z(),
                                          factor.x() * factor.y() * sign.z()) /
                                 8.0;
   }
-  point.mode_gradients = (-2.0 * place).asDiagonal();
+  point.mode_gradients = (-2.0 * position).asDiagonal();
 }
 
-void evaluate(const Eigen::Vector3d& place, Point<6, 4>& point) {
-  const Eigen::Vector3d in_plane(place.x(), place.y(), 0.0);
+void evaluate(const Eigen::Vector3d& position, Point<6, 4>& point) {
+  const Eigen::Vector3d in_plane(position.x(), position.y(), 0.0);
   const Eigen::Vector4d corner = barycentric(in_plane);
   const Eigen::Matrix<double, 3, 4> gradients = barycentric_gradients();
   const auto slope = [&gradients](int i) { return Gradient(gradients(0, i), gradients(1, i), 0.0); };
   for (int node = 0; node < 6; ++node) {
     const int i = node % 3;
-    const double sign = node < 3 ? -1.0 : 1.0, height = 0.5 * (1.0 + sign * place.z());
+    const double sign = node < 3 ? -1.0 : 1.0, height = 0.5 * (1.0 + sign * position.z());
     point.values(node) = corner(i) * height;
     point.gradients.col(node) = slope(i) * height + Gradient(0.0, 0.0, 0.5 * sign * corner(i));
   }
@@ -117,17 +117,17 @@ void evaluate(const Eigen::Vector3d& place, Point<6, 4>& point) {
     const int j = (i + 1) % 3;
     point.mode_gradients.col(i) = (corner(i) - k_mean) * slope(j) + (corner(j) - k_mean) * slope(i);
   }
-  point.mode_gradients.col(3) = Gradient(0.0, 0.0, -2.0 * place.z());
+  point.mode_gradients.col(3) = Gradient(0.0, 0.0, -2.0 * position.z());
 }
 
-void evaluate(const Eigen::Vector3d& place, Point<4, 0>& point) {
-  point.values = barycentric(place);
+void evaluate(const Eigen::Vector3d& position, Point<4, 0>& point) {
+  point.values = barycentric(position);
   point.gradients = barycentric_gradients();
 }
 
-void evaluate(const Eigen::Vector3d& place, Point<10, 0>& point) {
+void evaluate(const Eigen::Vector3d& position, Point<10, 0>& point) {
   constexpr int k_ends[6][2] = {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}};
-  const Eigen::Vector4d corner = barycentric(place);
+  const Eigen::Vector4d corner = barycentric(position);
   const Eigen::Matrix<double, 3, 4> gradients = barycentric_gradients();
   for (int i = 0; i < 4; ++i) {
     point.values(i) = corner(i) * (2.0 * corner(i) - 1.0);
@@ -141,11 +141,11 @@ void evaluate(const Eigen::Vector3d& place, Point<10, 0>& point) {
 }
 
 template <int nodes, int modes>
-typename Table<nodes, modes>::Places tabulate(const Rule& rule) {
-  typename Table<nodes, modes>::Places points(rule.size());
+typename Table<nodes, modes>::Points tabulate(const Rule& rule) {
+  typename Table<nodes, modes>::Points points(rule.size());
   for (std::size_t i = 0; i < rule.size(); ++i) {
     points[i].weight = rule[i].weight;
-    evaluate(rule[i].place, points[i]);
+    evaluate(rule[i].position, points[i]);
   }
   return points;
 }

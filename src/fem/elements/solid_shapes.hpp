@@ -19,10 +19,10 @@ struct Point {
 
 template <int nodes, int modes>
 struct Table {
-  using Places = std::vector<Point<nodes, modes>>;
-  Places stiffness;  ///< integration points of the stiffness
-  Places mass;       ///< of mass and volume
-  Places corners;    ///< of weight 0
+  using Points = std::vector<Point<nodes, modes>>;
+  Points stiffness;  ///< integration points of the stiffness
+  Points mass;       ///< of mass and volume
+  Points corners;    ///< of weight 0
   Point<nodes, modes> centre;
 };
 

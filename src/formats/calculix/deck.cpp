@@ -219,13 +219,13 @@ Step find_step(const CalculixDeck& deck) {
 }
 
 /// The deck's lines with texts in place of numbers.
-std::vector<std::string> replaced_lines(const CalculixDeck& deck, std::vector<CalculixPlace> places) {
+std::vector<std::string> replaced_lines(const CalculixDeck& deck, std::vector<CalculixReplacement> replacements) {
   std::vector<std::string> lines;
   for (const CalculixDeck::Line& line : deck.lines) lines.push_back(line.text);
-  std::sort(places.begin(), places.end(), [](const CalculixPlace& a, const CalculixPlace& b) {
+  std::sort(replacements.begin(), replacements.end(), [](const CalculixReplacement& a, const CalculixReplacement& b) {
     return a.number.line != b.number.line ? a.number.line < b.number.line : a.number.begin > b.number.begin;
   });
-  for (const auto& [number, text] : places) lines[number.line].replace(number.begin, number.length, text);
+  for (const auto& [number, text] : replacements) lines[number.line].replace(number.begin, number.length, text);
   return lines;
 }
 
@@ -276,9 +276,10 @@ std::string calculix_field(const std::string& target) {
 }
 
 std::string matrix_storage_deck(const CalculixDeck& deck, const std::vector<CalculixChange>& changes) {
-  std::vector<CalculixPlace> places;
-  for (const CalculixChange& change : changes) places.push_back({change.number, fmt::format("{:.13e}", change.value)});
-  const std::vector<std::string> lines = replaced_lines(deck, std::move(places));
+  std::vector<CalculixReplacement> replacements;
+  for (const CalculixChange& change : changes)
+    replacements.push_back({change.number, fmt::format("{:.13e}", change.value)});
+  const std::vector<std::string> lines = replaced_lines(deck, std::move(replacements));
   const Step step = find_step(deck);
   std::string text;
   for (std::size_t i = 0; i < lines.size(); ++i) {
@@ -300,12 +301,12 @@ std::string matrix_storage_deck(const CalculixDeck& deck, const std::vector<Calc
   return text;
 }
 
-std::string deck_with_places(const CalculixDeck& deck, const std::vector<CalculixPlace>& places) {
+std::string deck_with_replacements(const CalculixDeck& deck, const std::vector<CalculixReplacement>& replacements) {
   if (!find_step(deck).is_there) {
     throw FormatError(deck.files.front(), 0, "has no step; modes come from a *FREQUENCY step");
   }
   std::string text;
-  for (const std::string& line : replaced_lines(deck, places)) {
+  for (const std::string& line : replaced_lines(deck, replacements)) {
     text += is_comment(line) ? std::string("**") : line;
     text += '\n';
   }

@@ -56,13 +56,13 @@ std::uint64_t max_bytes(hid_t set, hid_t creation, std::uint64_t file_size) {
   return H5Pget_layout(creation) == H5D_CHUNKED ? k_largest_ratio * stored : stored;
 }
 
-/// Product, or no more than a bit beyond `most`.
-std::uint64_t bounded_product(const std::vector<hsize_t>& extents, std::uint64_t most) {
+/// Product, or no more than a bit beyond `limit`.
+std::uint64_t bounded_product(const std::vector<hsize_t>& extents, std::uint64_t limit) {
   std::uint64_t product = 1;
   for (const hsize_t extent : extents) {
     if (extent == 0) return 0;
-    product = extent > most / product ? most + 1 : product * extent;
-    if (product > most) return product;
+    product = extent > limit / product ? limit + 1 : product * extent;
+    if (product > limit) return product;
   }
   return product;
 }
@@ -148,11 +148,11 @@ Hdf5Dataset Hdf5File::checked(hid_t id, const std::string& path) const {
   set.shape.assign(static_cast<std::size_t>(rank), 0);
   H5Sget_simple_extent_dims(set.space, set.shape.data(), nullptr);
   set.type = H5Tget_class(kind);
-  const std::uint64_t most = max_bytes(set.id, creation, size_) / std::max<std::size_t>(H5Tget_size(kind), 1);
-  set.count = H5Sget_simple_extent_type(set.space) == H5S_NULL ? 0 : bounded_product(set.shape, most);
+  const std::uint64_t limit = max_bytes(set.id, creation, size_) / std::max<std::size_t>(H5Tget_size(kind), 1);
+  set.count = H5Sget_simple_extent_type(set.space) == H5S_NULL ? 0 : bounded_product(set.shape, limit);
   std::vector<hsize_t> chunk(H5Pget_layout(creation) == H5D_CHUNKED ? set.shape.size() : 0);
   if (!chunk.empty()) H5Pget_chunk(creation, rank, chunk.data());
-  if (set.count > most || (set.count > 0 && bounded_product(chunk, most) > most)) {
+  if (set.count > limit || (set.count > 0 && bounded_product(chunk, limit) > limit)) {
     fail(fmt::format("'{}' claims more numbers than the {} bytes stored for it can hold", path,
                      H5Dget_storage_size(set.id)));
   }

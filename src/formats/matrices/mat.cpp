@@ -64,13 +64,13 @@ std::vector<double> mat_numbers(std::string_view bytes, MatNumber type, bool is_
   return numbers;
 }
 
-std::uint64_t element_count(const std::vector<std::size_t>& sizes, std::uint64_t most) {
+std::uint64_t element_count(const std::vector<std::size_t>& sizes, std::uint64_t limit) {
   std::uint64_t product = 1;
   for (const std::size_t size : sizes) {
     if (size == 0) return 0;
   }
   for (const std::size_t size : sizes) {
-    if (size > most / product) return most + 1;
+    if (size > limit / product) return limit + 1;
     product *= size;
   }
   return product;

@@ -53,9 +53,9 @@ MatVariables parse_mat_level4(std::string_view bytes, MatBudget& budget) {
     bytes.remove_prefix(head.name_length);
     MatVariable variable{.sizes = {head.rows, head.columns}};
     const MatNumber type = k_precisions[precision];
-    const std::uint64_t most = bytes.size() / size_of(type);
-    const std::uint64_t count = element_count(variable.sizes, most);
-    if (count * (head.is_complex + 1) > most) {
+    const std::uint64_t limit = bytes.size() / size_of(type);
+    const std::uint64_t count = element_count(variable.sizes, limit);
+    if (count * (head.is_complex + 1) > limit) {
       budget.fail(fmt::format("variable '{}' is {} x {}, and the file ends before that many numbers", name, head.rows,
                               head.columns));
     }

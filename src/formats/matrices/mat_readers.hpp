@@ -35,8 +35,8 @@ std::size_t size_of(MatNumber type);
 /// The numbers that fill `bytes`.
 std::vector<double> mat_numbers(std::string_view bytes, MatNumber type, bool is_swapped, MatBudget& budget);
 
-/// Product of the sizes, or more than `most` where it is larger.
-std::uint64_t element_count(const std::vector<std::size_t>& sizes, std::uint64_t most);
+/// Product of the sizes, or more than `limit` where it is larger.
+std::uint64_t element_count(const std::vector<std::size_t>& sizes, std::uint64_t limit);
 /// Rows of a character array of two dimensions, without the blanks behind; `codes` run down the columns.
 std::vector<std::string> character_rows(const std::vector<std::size_t>& sizes, const std::vector<double>& codes);
 /// Keeps the first variable of a name; those without name or content are left out.

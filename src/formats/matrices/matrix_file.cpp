@@ -67,8 +67,8 @@ std::size_t choose_matrix(const std::string& file, const std::string& name, cons
   throw InvalidInput(fmt::format("{}: {}", file, unknown_name_message("matrix", name, known)));
 }
 
-fs::path file_of_matrix(const std::string& place) {
-  return place.substr(0, place.find('#'));
+fs::path file_of_matrix(const std::string& location) {
+  return location.substr(0, location.find('#'));
 }
 
 std::vector<std::string> parse_row_names(std::string_view bytes, const std::string& file) {
@@ -121,9 +121,9 @@ SymmetricMatrix parse_symmetric_matrix(std::string_view bytes, const std::string
   return is_abaqus ? parse_abaqus_matrix(bytes, file) : parse_triples(bytes, file);
 }
 
-SymmetricMatrix read_symmetric_matrix(const std::string& place) {
-  const fs::path file = file_of_matrix(place);
-  const std::string name = place.size() > file.string().size() ? place.substr(file.string().size() + 1) : "";
+SymmetricMatrix read_symmetric_matrix(const std::string& location) {
+  const fs::path file = file_of_matrix(location);
+  const std::string name = location.size() > file.string().size() ? location.substr(file.string().size() + 1) : "";
   const std::string bytes = read_file(file);
   SymmetricMatrix matrix = parse_symmetric_matrix(bytes, file.string(), name);
   for (const char* extension : k_names_beside_matrices) {

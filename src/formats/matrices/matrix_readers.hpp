@@ -17,7 +17,7 @@ SymmetricMatrix parse_harwell_boeing(std::string_view bytes, const std::string& 
 SymmetricMatrix parse_hdf5_matrix(std::string_view bytes, const std::string& file, const std::string& name);
 
 /// Rows whose diagonal is Abaqus's penalty, in ascending order.
-std::vector<int> penalised_rows(const SparseMatrix& lower);
+std::vector<int> rows_with_penalty(const SparseMatrix& lower);
 
 /// Throws InvalidInput: the file has no matrix `name`, or several and none is named.
 std::size_t choose_matrix(const std::string& file, const std::string& name, const std::vector<std::string>& known);

@@ -13,7 +13,7 @@ namespace {
 
 }  // namespace
 
-std::vector<int> penalised_rows(const SparseMatrix& lower) {
+std::vector<int> rows_with_penalty(const SparseMatrix& lower) {
   constexpr double k_penalty = 0.99e36;
   std::vector<int> rows;
   for (int j = 0; j < lower.outerSize(); ++j) {
@@ -41,7 +41,7 @@ SymmetricMatrix parse_triples(std::string_view bytes, const std::string& file) {
     builder.add(text.number(), row, column, value);
   }
   SymmetricMatrix matrix{.lower = builder.finish()};
-  matrix.held = penalised_rows(matrix.lower);
+  matrix.fixed_rows = rows_with_penalty(matrix.lower);
   return matrix;
 }
 
@@ -52,14 +52,14 @@ SymmetricMatrix parse_abaqus_matrix(std::string_view bytes, const std::string& f
   std::map<std::pair<long long, long long>, long long> numbers;
   SymmetricMatrix matrix;
   const auto number_of = [&](long long node, long long component) {
-    const auto [place, is_new] = numbers.try_emplace({node, component}, static_cast<long long>(numbers.size()) + 1);
+    const auto [entry, is_new] = numbers.try_emplace({node, component}, static_cast<long long>(numbers.size()) + 1);
     constexpr long long k_last_rotation = 6;
     const int named = component <= k_last_rotation ? static_cast<int>(component) : 0;
     if (is_new) {
       // Internal nodes are negative, and other variables than displacements (11: temperature) have no direction.
       matrix.names.push_back(named > 0 ? row_name(node, named) : fmt::format("{}:{}", node, component));
     }
-    return place->second;
+    return entry->second;
   };
   Words words;
   while (text.next()) {
@@ -75,7 +75,7 @@ SymmetricMatrix parse_abaqus_matrix(std::string_view bytes, const std::string& f
     builder.add(text.number(), row, number_of(parts[2], parts[3]), value);
   }
   matrix.lower = builder.finish(SymmetricBuilder::Stored::pairs);
-  matrix.held = penalised_rows(matrix.lower);
+  matrix.fixed_rows = rows_with_penalty(matrix.lower);
   return matrix;
 }
 

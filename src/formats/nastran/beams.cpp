@@ -9,11 +9,11 @@
 namespace mottle::formats::nastran {
 namespace {
 
-void keep_defaults(ModelBuilder& builder, const Card& card, const BulkCard*& place) {
-  if (place != nullptr) {
-    card.fail(fmt::format("a second {}; the first one is at {}", card.name(), builder.deck.place_of(*place)));
+void keep_defaults(ModelBuilder& builder, const Card& card, const BulkCard*& first) {
+  if (first != nullptr) {
+    card.fail(fmt::format("a second {}; the first one is at {}", card.name(), builder.deck.location_of(*first)));
   }
-  place = &card.bulk();
+  first = &card.bulk();
 }
 
 void read_baror(ModelBuilder& builder, const Card& card) {

@@ -50,7 +50,7 @@ bool ModelBuilder::is_first(const Card& card, int id, IdSpace space, int first, 
   }
   if (!is_same) {
     card.fail(fmt::format("id {} is used already by {} at {}, with other content; ids must be unique", id,
-                          earlier.name(), earlier.place()));
+                          earlier.name(), earlier.location()));
   }
   count(fmt::format("{{}} {} cards stand twice with equal content; read once", card.name()));
   return false;
@@ -103,9 +103,9 @@ int ModelBuilder::material(const Card& card, int n, std::string_view what) const
   return found->second;
 }
 
-Eigen::Matrix3d ModelBuilder::axes_at(int system_index, const Eigen::Vector3d& place) const {
+Eigen::Matrix3d ModelBuilder::axes_at(int system_index, const Eigen::Vector3d& point) const {
   if (system_index < 0) return Eigen::Matrix3d::Identity();
-  return model.coordinate_systems[static_cast<std::size_t>(system_index)].directions_at(place);
+  return model.coordinate_systems[static_cast<std::size_t>(system_index)].directions_at(point);
 }
 
 Eigen::Matrix3d ModelBuilder::displacement_axes(int node_index) const {

@@ -83,7 +83,7 @@ const CaseCommand* NastranDeck::find_command(std::string_view name, int subcase)
   return own != nullptr ? own : above;
 }
 
-std::string NastranDeck::place_of(const BulkCard& card) const {
+std::string NastranDeck::location_of(const BulkCard& card) const {
   return files[static_cast<std::size_t>(card.file)] + ':' + std::to_string(card.line);
 }
 

@@ -63,12 +63,12 @@ class SetSelector {
     int id = 0;
     const std::string& value = command.value;
     const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), id);
-    const Place place{builder_.deck.files[static_cast<std::size_t>(command.file)], command.line};
+    const SourceLocation location{builder_.deck.files[static_cast<std::size_t>(command.file)], command.line};
     if (error != std::errc{} || end != value.data() + value.size() || id < 0) {
-      fail(place, fmt::format("{} = '{}': the id of a set is needed", command.name, shown(value)));
+      fail(location, fmt::format("{} = '{}': the id of a set is needed", command.name, shown(value)));
     }
     if (id == 0) return {};
-    if (!exists(id)) fail(place, fmt::format("{} = {}: no {} card has that id", command.name, id, known_cards()));
+    if (!exists(id)) fail(location, fmt::format("{} = {}: no {} card has that id", command.name, id, known_cards()));
     return with_parts(id);
   }
 

@@ -33,12 +33,14 @@ class RowJoiner {
 
  private:
   int count() const { return static_cast<int>(rows_.size()); }
-  Place place_of(const BulkRow& row) const { return {deck_.files[static_cast<std::size_t>(row.file)], row.line}; }
+  SourceLocation location_of(const BulkRow& row) const {
+    return {deck_.files[static_cast<std::size_t>(row.file)], row.line};
+  }
   BulkRow& at(int row) { return rows_[static_cast<std::size_t>(row)]; }
 
   void link(int row, int continuation) {
     if (at(row).next >= 0) {
-      fail(place_of(at(continuation)),
+      fail(location_of(at(continuation)),
            fmt::format("continues line {}, which line {} continues already", at(row).line, at(at(row).next).line));
     }
     at(row).next = continuation;
@@ -47,10 +49,11 @@ class RowJoiner {
   void link_by_position(int row) {
     const BulkRow& current = at(row);
     if (current.kind == BulkRow::Kind::card) return;
-    if (row == 0) fail(place_of(current), "a continuation line without a card above it");
+    if (row == 0) fail(location_of(current), "a continuation line without a card above it");
     const BulkRow& above = at(row - 1);
     if (current.kind == BulkRow::Kind::overflow && !above.ends_with_comma) {
-      fail(place_of(current), "a line that begins with a number continues one that ends with a comma; there is none");
+      fail(location_of(current),
+           "a line that begins with a number continues one that ends with a comma; there is none");
     }
     if (current.label_in.empty() || current.label_in == above.label_out) {
       link(row - 1, row);
@@ -69,7 +72,7 @@ class RowJoiner {
     for (const int row : by_label_) {
       const auto found = open.find(at(row).label_in);
       if (found != open.end() && found->second.empty()) {
-        fail(place_of(at(row)),
+        fail(location_of(at(row)),
              fmt::format("continuation '+{}': the line with that label is continued already", shown(at(row).label_in)));
       } else if (found != open.end()) {
         link_to_the_only(found->second, row);
@@ -77,7 +80,7 @@ class RowJoiner {
         link(row - 1, row);
         ++guessed_labels_;
       } else {
-        fail(place_of(at(row)),
+        fail(location_of(at(row)),
              fmt::format("continuation '+{}': no line ends with that label", shown(at(row).label_in)));
       }
     }
@@ -85,11 +88,11 @@ class RowJoiner {
 
   void link_to_the_only(const std::vector<int>& candidates, int row) {
     if (candidates.size() > 1) {
-      fail(place_of(at(row)), fmt::format("continuation '+{}': lines {} and {} both end with that label",
-                                          shown(at(row).label_in), at(candidates[0]).line, at(candidates[1]).line));
+      fail(location_of(at(row)), fmt::format("continuation '+{}': lines {} and {} both end with that label",
+                                             shown(at(row).label_in), at(candidates[0]).line, at(candidates[1]).line));
     }
     if (candidates.front() == row) {
-      fail(place_of(at(row)), fmt::format("continuation '+{}' continues itself", shown(at(row).label_in)));
+      fail(location_of(at(row)), fmt::format("continuation '+{}' continues itself", shown(at(row).label_in)));
     }
     link(candidates.front(), row);
   }
@@ -103,13 +106,13 @@ class RowJoiner {
       for (int row = first; row >= 0; row = at(row).next) {
         is_reached[static_cast<std::size_t>(row)] = true;
         if (++length > k_max_rows_of_a_card) {
-          fail(place_of(at(first)), fmt::format("more than {} continuation lines", k_max_rows_of_a_card));
+          fail(location_of(at(first)), fmt::format("more than {} continuation lines", k_max_rows_of_a_card));
         }
       }
     }
     for (int row = 0; row < count(); ++row) {
       if (!is_reached[static_cast<std::size_t>(row)]) {
-        fail(place_of(at(row)), "continuation lines that continue each other without a card");
+        fail(location_of(at(row)), "continuation lines that continue each other without a card");
       }
     }
   }

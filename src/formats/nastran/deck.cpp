@@ -44,7 +44,7 @@ class LineSource {
     ++number_;
     const std::size_t end = end_of_line(bytes_, at_);
     if (end - at_ > k_longest_line) {
-      fail(place(), fmt::format("the line has more than {} characters", k_longest_line));
+      fail(location(), fmt::format("the line has more than {} characters", k_longest_line));
     }
     line = without_comment(std::string_view(bytes_).substr(at_, end - at_));
     const bool is_pair = bytes_.compare(end, 2, "\r\n") == 0;
@@ -54,7 +54,7 @@ class LineSource {
 
   std::string& bytes() { return bytes_; }
   int number() const { return number_; }
-  Place place() const { return {file_, number_}; }
+  SourceLocation location() const { return {file_, number_}; }
 
  private:
   std::string& bytes_;
@@ -125,7 +125,7 @@ class DeckReader {
     if (word == "INCLUDE") {
       read_include(trimmed.substr(word.size()), source);
     } else if (word == "BEGIN") {
-      begin_bulk(trimmed, source.place());
+      begin_bulk(trimmed, source.location());
     } else if (section_ == Section::bulk) {
       read_bulk_line(word, line, source);
     } else if (word == "CEND") {
@@ -137,10 +137,10 @@ class DeckReader {
     }
   }
 
-  void begin_bulk(std::string_view line, const Place& place) {
+  void begin_bulk(std::string_view line, const SourceLocation& location) {
     const std::string text = capitals(line);
     if (text.find("SUPER") != std::string::npos || text.find("AUX") != std::string::npos) {
-      fail(place, fmt::format("'{}': superelements and auxiliary models are not supported", shown(line)));
+      fail(location, fmt::format("'{}': superelements and auxiliary models are not supported", shown(line)));
     }
     section_ = Section::bulk;
   }
@@ -150,9 +150,9 @@ class DeckReader {
       section_ = Section::done;
       return;
     }
-    if (rows_.size() >= k_max_rows) fail(source.place(), fmt::format("more than {} lines of bulk data", k_max_rows));
+    if (rows_.size() >= k_max_rows) fail(source.location(), fmt::format("more than {} lines of bulk data", k_max_rows));
     make_capitals(source.bytes(), line);
-    BulkRow& row = rows_.emplace_back(cut_row(line, source.place(), text_));
+    BulkRow& row = rows_.emplace_back(cut_row(line, source.location(), text_));
     row.file = open_.back();
     row.line = source.number();
   }
@@ -169,7 +169,7 @@ class DeckReader {
     const bool is_text = word.ends_with("TITLE") || word == "LABEL";
     int lines = 1;
     while (!is_text && trim(command).ends_with(',') && source.next(line)) {
-      if (++lines > k_max_lines_of_a_command) fail(source.place(), "the command above has too many lines");
+      if (++lines > k_max_lines_of_a_command) fail(source.location(), "the command above has too many lines");
       command += ' ';
       command += trim(line);
     }
@@ -178,21 +178,21 @@ class DeckReader {
 
   void read_include(std::string_view rest, LineSource& source) {
     const int number = source.number();
-    const Place place{deck_.files[static_cast<std::size_t>(open_.back())], number};
+    const SourceLocation location{deck_.files[static_cast<std::size_t>(open_.back())], number};
     const std::string written = file_name_of(rest, source);
-    if (written.empty()) fail(place, "INCLUDE without a file name");
+    if (written.empty()) fail(location, "INCLUDE without a file name");
     if (open_.size() >= k_deepest_include) {
-      fail(place, fmt::format("files include each other more than {} levels deep", k_deepest_include));
+      fail(location, fmt::format("files include each other more than {} levels deep", k_deepest_include));
     }
-    if (deck_.files.size() > k_max_includes) fail(place, fmt::format("more than {} included files", k_max_includes));
-    std::optional<IncludedFile> found = resolve_ ? resolve_(written, place.file) : std::nullopt;
+    if (deck_.files.size() > k_max_includes) fail(location, fmt::format("more than {} included files", k_max_includes));
+    std::optional<IncludedFile> found = resolve_ ? resolve_(written, location.file) : std::nullopt;
     if (!found) {
-      fail(place, fmt::format("INCLUDE '{}': no such file beside this file or the main one", printable(written)));
+      fail(location, fmt::format("INCLUDE '{}': no such file beside this file or the main one", printable(written)));
     }
     for (const int open : open_) {
       if (deck_.files[static_cast<std::size_t>(open)] == found->name) {
-        fail(place, fmt::format("INCLUDE '{}': that file is being read already, it would include itself without end",
-                                printable(written)));
+        fail(location, fmt::format("INCLUDE '{}': that file is being read already, it would include itself without end",
+                                   printable(written)));
       }
     }
     read_file_text(std::move(found->bytes), found->name);
@@ -214,7 +214,7 @@ class DeckReader {
     const char quote = rest.front();
     rest.remove_prefix(1);
     std::string name;
-    const Place start = source.place();
+    const SourceLocation start = source.location();
     for (int lines = 1;; ++lines) {
       const std::size_t end = rest.find(quote);
       name += trim(rest.substr(0, end));

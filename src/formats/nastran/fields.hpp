@@ -49,7 +49,7 @@ class Card {
 
   /// "deck.bdf:12: CBAR 3: message".
   [[noreturn]] void fail(const std::string& message) const;
-  std::string place() const { return deck_->place_of(*card_); }
+  std::string location() const { return deck_->location_of(*card_); }
 
  private:
   const NastranDeck* deck_;

@@ -205,14 +205,14 @@ class TextReader final : public Reader {
   }
 
   double value(bool, bool is_first) override {
-    if (is_first || place_ >= text_.line().size()) {
+    if (is_first || position_ >= text_.line().size()) {
       text_.need("more values");
-      place_ = 0;
+      position_ = 0;
     }
     double found = 0.0;
-    const std::string_view field = place_ < text_.line().size() ? text_.line().substr(place_, width_) : "";
+    const std::string_view field = position_ < text_.line().size() ? text_.line().substr(position_, width_) : "";
     if (!parse_fortran(field, found)) text_.fail(fmt::format("'{}' is not a finite number", field));
-    place_ += width_;
+    position_ += width_;
     return found;
   }
 
@@ -222,7 +222,7 @@ class TextReader final : public Reader {
 
   MatrixLines text_;
   std::size_t width_ = 0;
-  std::size_t place_ = 0;
+  std::size_t position_ = 0;
 };
 
 /// Fortran's records: their size in bytes before and after what they hold.

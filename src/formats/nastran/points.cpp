@@ -16,7 +16,7 @@ constexpr double k_farthest = 1e100;  // differences and squares of coordinates 
 
 void read_grdset(ModelBuilder& builder, const Card& card) {
   if (builder.grid_defaults != nullptr) {
-    card.fail(fmt::format("a second GRDSET; the first one is at {}", builder.deck.place_of(*builder.grid_defaults)));
+    card.fail(fmt::format("a second GRDSET; the first one is at {}", builder.deck.location_of(*builder.grid_defaults)));
   }
   builder.grid_defaults = &card.bulk();
 }
@@ -115,7 +115,7 @@ void sort_points(ModelBuilder& builder) {
       if (!is_same_point(points[kept - 1], points[i])) {
         builder.card_of(*points[i].card)
             .fail(fmt::format("point {} is given already at {}, with other content; ids must be unique", points[i].id,
-                              builder.deck.place_of(*points[kept - 1].card)));
+                              builder.deck.location_of(*points[kept - 1].card)));
       }
       builder.count("{} points stand twice with equal content; read once");
     } else {

@@ -40,9 +40,10 @@ std::string_view without_mark(std::string_view label) {
 }
 
 /// Reads what stands in front: a card's name or the mark of a continuation line.
-void read_first_field(std::string_view field, const Place& place, BulkRow& row) {
-  if (field.starts_with('/')) fail(place, "'/' deletes cards of an earlier run; this is not supported, leave them out");
-  if (field.starts_with('=')) fail(place, "'=' repeats the card above; this is not supported, write the cards out");
+void read_first_field(std::string_view field, const SourceLocation& location, BulkRow& row) {
+  if (field.starts_with('/'))
+    fail(location, "'/' deletes cards of an earlier run; this is not supported, leave them out");
+  if (field.starts_with('=')) fail(location, "'=' repeats the card above; this is not supported, write the cards out");
   if (field.empty() || field.front() == '+' || field.front() == '*') {
     row.kind = BulkRow::Kind::continuation;
     row.is_large = field.starts_with('*');
@@ -55,9 +56,10 @@ void read_first_field(std::string_view field, const Place& place, BulkRow& row) 
                        std::all_of(row.name.begin(), row.name.end(),
                                    [](char c) { return is_letter(c) || is_digit(c) || c == '_' || c == '-'; });
   if (!is_name) {
-    fail(place, fmt::format("'{}' stands where a card's name must; a name begins with a letter, fills columns 1 to 8 "
-                            "or ends at a comma",
-                            shown(field)));
+    fail(location,
+         fmt::format("'{}' stands where a card's name must; a name begins with a letter, fills columns 1 to 8 "
+                     "or ends at a comma",
+                     shown(field)));
   }
 }
 
@@ -73,7 +75,7 @@ std::string_view next_token(std::string_view& rest, bool& is_last) {
   return token;
 }
 
-BulkRow cut_free_row(std::string_view line, const Place& place, NastranDeck::Text& text) {
+BulkRow cut_free_row(std::string_view line, const SourceLocation& location, NastranDeck::Text& text) {
   BulkRow row;
   row.first_field = text.fields.size();
   bool is_last = false;
@@ -82,7 +84,7 @@ BulkRow cut_free_row(std::string_view line, const Place& place, NastranDeck::Tex
     row.kind = BulkRow::Kind::overflow;
     text.fields.push_back(first);
   } else {
-    read_first_field(first, place, row);
+    read_first_field(first, location, row);
   }
   while (!is_last) text.fields.push_back(next_token(line, is_last));
   const std::size_t width = row.is_large ? 4 : 8;
@@ -101,10 +103,10 @@ BulkRow cut_free_row(std::string_view line, const Place& place, NastranDeck::Tex
   return row;
 }
 
-BulkRow cut_fixed_row(std::string_view line, const Place& place, NastranDeck::Text& text) {
+BulkRow cut_fixed_row(std::string_view line, const SourceLocation& location, NastranDeck::Text& text) {
   BulkRow row;
   row.first_field = text.fields.size();
-  read_first_field(columns(line, 0, 8), place, row);
+  read_first_field(columns(line, 0, 8), location, row);
   const std::size_t width = row.is_large ? 16 : 8;
   const std::size_t end = std::min(line.size(), k_columns_of_data);
   for (std::size_t at = 8; at < end; at += width) text.fields.push_back(columns(line.substr(0, end), at, width));
@@ -116,8 +118,8 @@ BulkRow cut_fixed_row(std::string_view line, const Place& place, NastranDeck::Te
 
 }  // namespace
 
-void fail(const Place& place, const std::string& message) {
-  throw FormatError(place.file, place.line, message);
+void fail(const SourceLocation& location, const std::string& message) {
+  throw FormatError(location.file, location.line, message);
 }
 
 std::string shown(std::string_view text) {
@@ -160,13 +162,13 @@ void make_capitals(std::string& bytes, std::string_view part) {
   }
 }
 
-BulkRow cut_row(std::string_view line, const Place& place, NastranDeck::Text& text) {
+BulkRow cut_row(std::string_view line, const SourceLocation& location, NastranDeck::Text& text) {
   const std::size_t start = line.find_first_not_of(' ');
   const bool is_rest_of_a_list = start < 8 && is_digit(line[start]);
   const bool has_comma = line.substr(0, k_columns_of_data).find(',') != std::string_view::npos;
-  if (has_comma || is_rest_of_a_list) return cut_free_row(line, place, text);
+  if (has_comma || is_rest_of_a_list) return cut_free_row(line, location, text);
   if (line.find('\t') != std::string_view::npos) line = text.bytes.emplace_back(with_tabs_expanded(line));
-  return cut_fixed_row(line, place, text);
+  return cut_fixed_row(line, location, text);
 }
 
 }  // namespace mottle::formats::nastran

@@ -20,12 +20,12 @@ struct NastranDeck::Text {
 namespace nastran {
 
 /// Where a line stands, for messages.
-struct Place {
+struct SourceLocation {
   const std::string& file;
   int line = 0;
 };
 
-[[noreturn]] void fail(const Place& place, const std::string& message);
+[[noreturn]] void fail(const SourceLocation& location, const std::string& message);
 
 /// Text for messages: cut to 24 characters, what cannot be printed as '?'.
 std::string shown(std::string_view text);
@@ -58,7 +58,7 @@ struct BulkRow {
 };
 
 /// Cuts a line without its comment, in capitals and not blank, into fields that are put at the end of `text.fields`.
-BulkRow cut_row(std::string_view line, const Place& place, NastranDeck::Text& text);
+BulkRow cut_row(std::string_view line, const SourceLocation& location, NastranDeck::Text& text);
 
 /// Finds for every continuation the row that it continues and makes cards of the chains.
 void join_rows(std::vector<BulkRow>& rows, NastranDeck& deck, NastranDeck::Text& text);

@@ -14,13 +14,13 @@ namespace {
 /// A PARAM from the bulk data or the case control section.
 struct Parameter {
   std::string_view name, value;
-  Place place;
+  SourceLocation location;
 };
 
 double number_of(const Parameter& parameter) {
   double value = 0.0;
   if (!parse_real(parameter.value, value)) {
-    fail(parameter.place,
+    fail(parameter.location,
          fmt::format("PARAM {}: '{}' stands where a number is needed", parameter.name, shown(parameter.value)));
   }
   return value;
@@ -29,13 +29,13 @@ double number_of(const Parameter& parameter) {
 bool is_yes(const Parameter& parameter) {
   if (parameter.value == "YES" || parameter.value == "Y") return true;
   if (parameter.value == "NO" || parameter.value == "N") return false;
-  fail(parameter.place,
+  fail(parameter.location,
        fmt::format("PARAM {}: '{}' stands where YES or NO is needed", parameter.name, shown(parameter.value)));
 }
 
 void set_reference_node(ModelBuilder& builder, const Parameter& parameter) {
   const double id = number_of(parameter);
-  if (id != std::floor(id) || std::abs(id) > 2e9) fail(parameter.place, "PARAM GRDPNT: a grid point's id is needed");
+  if (id != std::floor(id) || std::abs(id) > 2e9) fail(parameter.location, "PARAM GRDPNT: a grid point's id is needed");
   builder.model.settings.reference_node = id > 0.0 ? builder.find_node(static_cast<int>(id)) : -1;
   if (id > 0.0 && builder.model.settings.reference_node < 0) {
     builder.note(
@@ -50,8 +50,8 @@ void apply(ModelBuilder& builder, const Parameter& parameter) {
   if (parameter.name == "WTMASS") settings.mass_factor = number_of(parameter);
   if (parameter.name == "K6ROT") settings.drilling = number_of(parameter);
   if (parameter.name == "GRDPNT") set_reference_node(builder, parameter);
-  if (settings.mass_factor <= 0.0) fail(parameter.place, "PARAM WTMASS: a positive number is needed");
-  if (settings.drilling < 0.0) fail(parameter.place, "PARAM K6ROT: a number from 0 is needed");
+  if (settings.mass_factor <= 0.0) fail(parameter.location, "PARAM WTMASS: a positive number is needed");
+  if (settings.drilling < 0.0) fail(parameter.location, "PARAM K6ROT: a number from 0 is needed");
 }
 
 void read_param(ModelBuilder& builder, const Card& card) {

@@ -88,7 +88,7 @@ void handle_unread_card(ModelBuilder& builder, const Card& first, int count) {
     return;
   }
   builder.note(fmt::format("{} {} cards are not known here and were ignored, the first one at {}", count, shown(name),
-                           first.place()));
+                           first.location()));
 }
 
 void refuse_matrix_commands(ModelBuilder& builder) {

@@ -160,7 +160,7 @@ std::vector<double> read_binary_numbers(UffCursor& cursor, const UffFunction& fu
   return numbers;
 }
 
-void place_numbers(const std::vector<double>& numbers, std::size_t points, UffFunction& function) {
+void store_numbers(const std::vector<double>& numbers, std::size_t points, UffFunction& function) {
   const std::size_t per_point = numbers.size() / points;
   const auto count = static_cast<Eigen::Index>(points);
   function.values.resize(count);
@@ -189,7 +189,7 @@ void read_uff_function(UffCursor& cursor, UffFile& out, const std::optional<std:
   function.denominator_axis = read_axis(cursor, "the ordinate's denominator");
   function.z_axis = read_axis(cursor, "the z axis");
   const std::size_t per_point = (function.is_complex ? 2 : 1) + (function.is_even ? 0 : 1);
-  place_numbers(binary ? read_binary_numbers(cursor, function, layout, points)
+  store_numbers(binary ? read_binary_numbers(cursor, function, layout, points)
                        : read_text_numbers(cursor, function, points * per_point),
                 points, function);
   out.functions.push_back(std::move(function));

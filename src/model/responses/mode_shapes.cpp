@@ -18,15 +18,15 @@ bool is_rotation(const std::string& degree_of_freedom) {
 ModeShapes::ModeShapes(std::vector<int> modes, std::vector<std::string> degrees_of_freedom, std::string unit,
                        const Structure& structure)
     : modes_(std::move(modes)), names_(std::move(degrees_of_freedom)), unit_(std::move(unit)) {
-  const Subject places{Subject::Kind::shape_places};
+  const Subject location_subject{Subject::Kind::shape_locations};
   for (const std::string& name : names_) {
     const int number = structure.find_degree_of_freedom(name);
-    if (number < 0) throw SubjectError(places, structure.unknown_degree_of_freedom(name));
+    if (number < 0) throw SubjectError(location_subject, structure.unknown_degree_of_freedom(name));
     require_of(std::find(degrees_of_freedom_.begin(), degrees_of_freedom_.end(), number) == degrees_of_freedom_.end(),
-               places, "'{}' is given twice", name);
+               location_subject, "'{}' is given twice", name);
     degrees_of_freedom_.push_back(number);
   }
-  require_of(!names_.empty(), places, "{}", structure.unknown_degree_of_freedom(""));
+  require_of(!names_.empty(), location_subject, "{}", structure.unknown_degree_of_freedom(""));
 }
 
 std::vector<Quantity> ModeShapes::quantities() const {

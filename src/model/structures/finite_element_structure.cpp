@@ -36,9 +36,9 @@ FiniteElementStructure::FiniteElementStructure(FiniteElementModel model,
   }
   reference_ = fallback;
   for (std::size_t p = 0; p < parameters.size(); ++p) {
-    const FieldParameter& parameter = targets_.parameters[p];
-    const double first = model_.value(parameter.fields.front());
-    const bool is_one = std::all_of(parameter.fields.begin(), parameter.fields.end(),
+    const FieldParameter& other = targets_.parameters[p];
+    const double first = model_.value(other.fields.front());
+    const bool is_one = std::all_of(other.fields.begin(), other.fields.end(),
                                     [&](FieldIndex field) { return model_.value(field) == first; });
     if (parameter.is_factor || is_one) reference_(static_cast<Eigen::Index>(p)) = parameter.is_factor ? 1.0 : first;
   }
@@ -50,10 +50,10 @@ bool FiniteElementStructure::terms_hold_at(const Eigen::Ref<const Eigen::VectorX
   if (!assembled_.is_separable[static_cast<std::size_t>(parameter)]) return false;
   for (std::size_t p = 0; p < targets_.parameters.size(); ++p) {
     if (assembled_.is_separable[p]) continue;
-    const FieldParameter& held = targets_.parameters[p];
+    const FieldParameter& other = targets_.parameters[p];
     const double value = parameters(static_cast<Eigen::Index>(p));
-    const bool is_as_assembled = std::all_of(held.fields.begin(), held.fields.end(), [&](FieldIndex field) {
-      return value == (held.is_factor ? 1.0 : model_.value(field));
+    const bool is_as_assembled = std::all_of(other.fields.begin(), other.fields.end(), [&](FieldIndex field) {
+      return value == (other.is_factor ? 1.0 : model_.value(field));
     });
     if (!is_as_assembled) return false;
   }
@@ -66,8 +66,8 @@ FiniteElementStructure::Matrices FiniteElementStructure::matrices_at(
   FiniteElementModel deck = model_at(model_, targets_, parameters);
   // What AUTOSPC holds is settled by the reference, so that shapes of all samples have the same rows.
   deck.settings.automatic_constraints = false;
-  for (const AutomaticConstraint& held : assembled_.automatic_constraints) {
-    deck.fixed.emplace_back(held.node, static_cast<Components>(1 << held.component));
+  for (const AutomaticConstraint& constraint : assembled_.automatic_constraints) {
+    deck.fixed.emplace_back(constraint.node, static_cast<Components>(1 << constraint.component));
   }
   const AssembledModel moved = assemble(deck, {});
   const Eigen::VectorXd none;

@@ -115,9 +115,9 @@ Numbering number_rows(const std::vector<Piece>& pieces) {
       const std::string& name = matrix.names[static_cast<std::size_t>(row)];
       require_of(own.insert(name).second, subject,
                  "row '{}' is given twice, so the matrices, whose rows differ, cannot be put together by names", name);
-      const auto [place, is_new] = by_name.try_emplace(name, static_cast<int>(result.names.size()));
+      const auto [entry, is_new] = by_name.try_emplace(name, static_cast<int>(result.names.size()));
       if (is_new) result.names.push_back(name);
-      rows.push_back(place->second);
+      rows.push_back(entry->second);
     }
   }
   if (!by_position) result.size = static_cast<Eigen::Index>(result.names.size());
@@ -125,15 +125,16 @@ Numbering number_rows(const std::vector<Piece>& pieces) {
 }
 
 /// Takes held rows out of all matrices.
-int leave_out_held(const std::vector<Piece>& pieces, Numbering& numbering) {
-  std::set<int> held;
+int leave_out_fixed_rows(const std::vector<Piece>& pieces, Numbering& numbering) {
+  std::set<int> fixed_rows;
   for (std::size_t k = 0; k < pieces.size(); ++k) {
-    for (const int row : pieces[k].matrix->held) held.insert(numbering.rows[k][static_cast<std::size_t>(row)]);
+    for (const int row : pieces[k].matrix->fixed_rows)
+      fixed_rows.insert(numbering.rows[k][static_cast<std::size_t>(row)]);
   }
   std::vector<int> moved;
   std::vector<std::string> names;
   for (int row = 0, next = 0; row < static_cast<int>(numbering.size); ++row) {
-    const bool stays = !held.contains(row);
+    const bool stays = !fixed_rows.contains(row);
     if (stays && !numbering.names.empty()) names.push_back(numbering.names[static_cast<std::size_t>(row)]);
     moved.push_back(stays ? next++ : -1);
   }
@@ -141,8 +142,8 @@ int leave_out_held(const std::vector<Piece>& pieces, Numbering& numbering) {
     for (int& row : rows) row = moved[static_cast<std::size_t>(row)];
   }
   numbering.names = std::move(names);
-  numbering.size -= static_cast<Eigen::Index>(held.size());
-  return static_cast<int>(held.size());
+  numbering.size -= static_cast<Eigen::Index>(fixed_rows.size());
+  return static_cast<int>(fixed_rows.size());
 }
 
 SparseMatrix renumbered(const SparseMatrix& lower, const std::vector<int>& rows, Eigen::Index size, double factor) {
@@ -194,9 +195,9 @@ MatrixModel bind_parameters(const MatrixSystem& system, const std::vector<Parame
   bind(pieces, parameters);
   Numbering numbering = number_rows(pieces);
   MatrixModel model;
-  const int held = leave_out_held(pieces, numbering);
-  if (held > 0)
-    model.notes.push_back(fmt::format("{} degrees of freedom that the solver constrained are left out", held));
+  const int fixed_rows = leave_out_fixed_rows(pieces, numbering);
+  if (fixed_rows > 0)
+    model.notes.push_back(fmt::format("{} degrees of freedom that the solver constrained are left out", fixed_rows));
   std::vector<ScaledMatrix> stiffness;
   std::vector<ScaledMatrix> mass;
   for (std::size_t k = 0; k < pieces.size(); ++k) {

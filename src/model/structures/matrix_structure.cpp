@@ -28,8 +28,8 @@ SeparableMatrix in_pattern(const SparseMatrix& pattern, const std::vector<Scaled
   SeparableMatrix result{pattern, {}};
   std::map<std::vector<ParameterPower>, SparseMatrix> terms;
   for (const ScaledMatrix& term : sum) {
-    const auto [place, is_new] = terms.try_emplace(term.coefficient, term.lower);
-    if (!is_new) place->second = SparseMatrix(place->second + term.lower);
+    const auto [entry, is_new] = terms.try_emplace(term.coefficient, term.lower);
+    if (!is_new) entry->second = SparseMatrix(entry->second + term.lower);
   }
   for (const auto& [coefficient, matrix] : terms) {
     SeparableMatrix::Term term{coefficient, {}, {}};
@@ -59,9 +59,9 @@ SeparablePencil make_pencil(const std::vector<ScaledMatrix>& stiffness, const st
 MatrixStructure::MatrixStructure(SeparablePencil pencil, Eigen::VectorXd reference)
     : pencil_(std::move(pencil)), reference_(std::move(reference)) {
   for (int row = 0; row < static_cast<int>(mode_count()); ++row) {
-    const auto [place, is_new] = numbers_.try_emplace(equation_name(row), static_cast<int>(layers_.size()));
+    const auto [entry, is_new] = numbers_.try_emplace(equation_name(row), static_cast<int>(layers_.size()));
     if (is_new) layers_.emplace_back();
-    layers_[static_cast<std::size_t>(place->second)].push_back(row);
+    layers_[static_cast<std::size_t>(entry->second)].push_back(row);
   }
 }
 

@@ -64,7 +64,7 @@ double pairwise_covariance(const Eigen::Ref<const Eigen::MatrixXd>& samples, Eig
 
 }  // namespace
 
-bool repair_covariance(Eigen::MatrixXd& covariance, double least) {
+bool repair_covariance(Eigen::MatrixXd& covariance, double min_eigenvalue) {
   for (Eigen::Index i = 0; i < covariance.rows(); ++i) {
     if (covariance(i, i) > 0.0) continue;
     covariance.row(i).setZero();
@@ -83,9 +83,9 @@ bool repair_covariance(Eigen::MatrixXd& covariance, double least) {
   const SymmetricEigen eigen(correlation);
   const double largest = eigen.eigenvalues().tail(1)[0];
   const double rounding = 100.0 * static_cast<double>(covariance.rows()) * std::numeric_limits<double>::epsilon();
-  if (eigen.eigenvalues()[0] >= (least - rounding) * largest) return false;
+  if (eigen.eigenvalues()[0] >= (min_eigenvalue - rounding) * largest) return false;
 
-  const Eigen::VectorXd kept = eigen.eigenvalues().cwiseMax(least * largest).cwiseSqrt();
+  const Eigen::VectorXd kept = eigen.eigenvalues().cwiseMax(min_eigenvalue * largest).cwiseSqrt();
   const Eigen::MatrixXd root = eigen.eigenvectors() * kept.asDiagonal();
   const Eigen::MatrixXd scaled = standard_deviation.cwiseQuotient(root.rowwise().norm()).asDiagonal() * root;
   const Eigen::VectorXd variances = covariance.diagonal();

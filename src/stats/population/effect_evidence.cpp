@@ -46,8 +46,8 @@ WhitenedEffects whiten_effects(const std::vector<RandomEffectsUnit>& units, cons
 CholeskyFactor positive_factor(Eigen::MatrixXd matrix) {
   constexpr double k_floor = 1e-12;
   if (matrix.size() == 0) return CholeskyFactor(matrix);
-  const double least = k_floor * std::max(matrix.diagonal().maxCoeff(), 1e-280);
-  matrix.diagonal() += k_floor * matrix.diagonal().cwiseMax(least);
+  const double lowest = k_floor * std::max(matrix.diagonal().maxCoeff(), 1e-280);
+  matrix.diagonal() += k_floor * matrix.diagonal().cwiseMax(lowest);
   CholeskyFactor factor(matrix);
   for (double lift = k_floor; !factor.is_positive_definite(); lift *= 10.0) {
     matrix.diagonal().array() += lift * std::max(matrix.diagonal().maxCoeff(), 1e-300);

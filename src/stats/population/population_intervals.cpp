@@ -60,11 +60,11 @@ Eigen::RowVector2d equal_tails(std::vector<double> values, double confidence) {
   }
   std::sort(values.begin(), values.end());
   const auto at = [&](double probability) {
-    const double place = probability * static_cast<double>(values.size() - 1);
-    const auto below = static_cast<std::size_t>(place);
+    const double position = probability * static_cast<double>(values.size() - 1);
+    const auto below = static_cast<std::size_t>(position);
     const std::size_t above = std::min(below + 1, values.size() - 1);
     if (!std::isfinite(values[above])) return values[above];
-    return values[below] + (place - static_cast<double>(below)) * (values[above] - values[below]);
+    return values[below] + (position - static_cast<double>(below)) * (values[above] - values[below]);
   };
   return {at(0.5 * (1.0 - confidence)), at(0.5 * (1.0 + confidence))};
 }
@@ -120,17 +120,17 @@ Eigen::ArrayXd shared_variances(const PopulationEvidence& evidence, Eigen::Index
 /// fiducial distribution, normal at given variances.
 double half_width(const Eigen::ArrayXd& variances, double confidence) {
   const Eigen::ArrayXd standard_deviation = variances.max(0.0).sqrt();
-  const auto held = [&](double half) {
+  const auto coverage = [&](double half) {
     return (half / standard_deviation.max(1e-300))
         .unaryExpr([](double z) { return std::erf(z / std::sqrt(2.0)); })
         .mean();
   };
   double lower = 0.0;
   double upper = standard_deviation.maxCoeff() + std::numeric_limits<double>::min();
-  while (held(upper) < confidence) upper *= 2.0;
+  while (coverage(upper) < confidence) upper *= 2.0;
   for (int halving = 0; halving < 60; ++halving) {
     const double middle = 0.5 * (lower + upper);
-    (held(middle) < confidence ? lower : upper) = middle;
+    (coverage(middle) < confidence ? lower : upper) = middle;
   }
   return upper;
 }

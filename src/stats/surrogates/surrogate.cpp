@@ -105,8 +105,8 @@ class KrigingFit final : public FunctionFit {
     const OT::Basis trend = has_slope ? OT::LinearBasisFactory(q).build() : OT::ConstantBasisFactory(q).build();
     const OT::Sample points = to_sample(x);
     for (Eigen::Index k = 0; k < y.cols(); ++k) {
-      const auto place = static_cast<std::size_t>(k);
-      OT::MaternModel covariance(like != nullptr ? like->lengths_[place] : OT::Point(q, 1.0), OT::Point(1, 1.0), 2.5);
+      const auto index = static_cast<std::size_t>(k);
+      OT::MaternModel covariance(like != nullptr ? like->lengths_[index] : OT::Point(q, 1.0), OT::Point(1, 1.0), 2.5);
       covariance.setNuggetFactor(k_nugget);
       OT::KrigingAlgorithm algorithm(points, to_sample(y.col(k)), covariance, trend);
       algorithm.setOptimizationBounds(OT::Interval(OT::Point(q, 0.05), OT::Point(q, 50.0)));  // half ranges
@@ -135,9 +135,9 @@ class ChaosFit final : public FunctionFit {
       cube.add(OT::Uniform(-1.0, 1.0));
     }
     const OT::OrthogonalProductPolynomialFactory basis(families, order);
-    const auto most = static_cast<OT::UnsignedInteger>(2 * x.rows());
+    const auto max_terms = static_cast<OT::UnsignedInteger>(2 * x.rows());
     OT::UnsignedInteger degree = 1;
-    while (degree < k_highest_degree && order.getStrataCumulatedCardinal(degree + 1) <= most) ++degree;
+    while (degree < k_highest_degree && order.getStrataCumulatedCardinal(degree + 1) <= max_terms) ++degree;
     const OT::LeastSquaresMetaModelSelectionFactory selection{OT::LARS(), OT::CorrectedLeaveOneOut()};
     const OT::Sample points = to_sample(x);
     for (Eigen::Index k = 0; k < y.cols(); ++k) {

@@ -13,9 +13,9 @@ CountRange binomial_range(int count, double p, double level) {
   const double tail = 0.5 * (1.0 - level);
   const boost::math::binomial successes(count, p);
   CountRange range{0, count};
-  while (range.fewest < count && !(cdf(successes, range.fewest) > tail)) ++range.fewest;
-  range.most = range.fewest;
-  while (range.most < count && !(cdf(successes, range.most) >= 1.0 - tail)) ++range.most;
+  while (range.min_successes < count && !(cdf(successes, range.min_successes) > tail)) ++range.min_successes;
+  range.max_successes = range.min_successes;
+  while (range.max_successes < count && !(cdf(successes, range.max_successes) >= 1.0 - tail)) ++range.max_successes;
   return range;
 }
 

@@ -41,15 +41,15 @@ void take_out(const Eigen::Ref<const Eigen::MatrixXd>& points, bool is_pair, std
   const Eigen::ArrayXd own = (1.0 - mean_part) - whitened.colwise().squaredNorm().transpose().array();
   Eigen::Index first = 0;
   Eigen::Index second = -1;
-  double least = own.minCoeff(&first);
+  double smallest = own.minCoeff(&first);
   if (is_pair) {
-    least = 2.0;
+    smallest = 2.0;
     const Eigen::MatrixXd shared = whitened.transpose() * whitened;
     for (Eigen::Index i = 0; i < n; ++i) {
       for (Eigen::Index j = i + 1; j < n; ++j) {
         const double left = own(i) * own(j) - std::pow(shared(j, i) + mean_part, 2);
-        if (left >= least) continue;
-        least = left;
+        if (left >= smallest) continue;
+        smallest = left;
         first = i;
         second = j;
       }
@@ -189,25 +189,25 @@ std::vector<Eigen::Index> core_without_pairs(const Eigen::Ref<const Eigen::Matri
   return kept;
 }
 
-std::vector<ForwardStep> line_search(const Eigen::Ref<const Eigen::VectorXd>& values, Eigen::Index most) {
+std::vector<ForwardStep> line_search(const Eigen::Ref<const Eigen::VectorXd>& values, Eigen::Index max_suspects) {
   const Eigen::Index size = values.size();
   std::vector<Eigen::Index> order(static_cast<std::size_t>(size));
   std::iota(order.begin(), order.end(), Eigen::Index{0});
   std::stable_sort(order.begin(), order.end(), [&](Eigen::Index a, Eigen::Index b) { return values(a) < values(b); });
   const Eigen::VectorXd sorted = (values.array() - values.mean()).matrix()(order);
-  std::vector<ForwardStep> steps(static_cast<std::size_t>(most));
-  for (Eigen::Index suspects = most; suspects > 0; --suspects) {
+  std::vector<ForwardStep> steps(static_cast<std::size_t>(max_suspects));
+  for (Eigen::Index suspects = max_suspects; suspects > 0; --suspects) {
     const Eigen::Index count = size - suspects;
     Eigen::Index best = 0;
-    double least = std::numeric_limits<double>::infinity();
+    double smallest = std::numeric_limits<double>::infinity();
     double centre = 0.0;
     for (Eigen::Index begin = 0; begin <= suspects; ++begin) {
       const auto window = sorted.segment(begin, count);
       const double mean = window.mean();
       const double squares = (window.array() - mean).square().sum();
-      if (squares >= least) continue;
+      if (squares >= smallest) continue;
       best = begin;
-      least = squares;
+      smallest = squares;
       centre = mean;
     }
     ForwardStep& step = steps[static_cast<std::size_t>(suspects - 1)];
@@ -218,7 +218,7 @@ std::vector<ForwardStep> line_search(const Eigen::Ref<const Eigen::VectorXd>& va
       return std::abs(sorted(a) - centre) < std::abs(sorted(b) - centre);
     });
     const auto degrees_of_freedom = static_cast<double>(count - 1);
-    const double variance = std::max(least / degrees_of_freedom, 1e-24 * sorted.squaredNorm());
+    const double variance = std::max(smallest / degrees_of_freedom, 1e-24 * sorted.squaredNorm());
     const double away = sorted(step.suspects.front()) - centre;
     step.evidence = deleted_distance(away * away / std::max(variance, 1e-300) * static_cast<double>(count) /
                                          static_cast<double>(count + 1),

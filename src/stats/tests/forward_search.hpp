@@ -97,27 +97,27 @@ std::vector<Eigen::Index> core_without_pairs(const Eigen::Ref<const Eigen::Matri
 std::vector<Eigen::Index> nearest_specimens(const Eigen::VectorXd& ranking, Eigen::Index count);
 
 /// The steps of numbers: each core is the window of the ordered values that scatters least.
-std::vector<ForwardStep> line_search(const Eigen::Ref<const Eigen::VectorXd>& values, Eigen::Index most);
+std::vector<ForwardStep> line_search(const Eigen::Ref<const Eigen::VectorXd>& values, Eigen::Index max_suspects);
 
-/// Forward search: from the core without `most` suspects, concentrated until it keeps its members, specimens join in
-/// the order of their distance.
+/// Forward search: from the core without `max_suspects` suspects, concentrated until it keeps its members, specimens
+/// join in the order of their distance.
 ///
 /// @return  the step with k suspects at place k - 1
 /// Source: [Wilks1963] for pairs, [Rousseeuw1999] for the concentration, [Riani2009] for the search.
 template <class Sample>
-std::vector<ForwardStep> forward_search(const Sample& sample, Eigen::Index most) {
+std::vector<ForwardStep> forward_search(const Sample& sample, Eigen::Index max_suspects) {
   constexpr int k_concentrations = 5;
   const Eigen::Index size = sample.size();
-  std::vector<Eigen::Index> core = core_without_pairs(sample.points(), most);
+  std::vector<Eigen::Index> core = core_without_pairs(sample.points(), max_suspects);
   typename Sample::Estimate estimate = sample.estimate(core, nullptr);
   for (int step = 0; step < k_concentrations; ++step) {
-    std::vector<Eigen::Index> next = nearest_specimens(sample.ranking(estimate), size - most);
+    std::vector<Eigen::Index> next = nearest_specimens(sample.ranking(estimate), size - max_suspects);
     if (next == core) break;
     core = std::move(next);
     estimate = sample.estimate(core, &estimate);
   }
-  std::vector<ForwardStep> steps(static_cast<std::size_t>(most));
-  for (Eigen::Index suspects = most; suspects > 0; --suspects) {
+  std::vector<ForwardStep> steps(static_cast<std::size_t>(max_suspects));
+  for (Eigen::Index suspects = max_suspects; suspects > 0; --suspects) {
     const Eigen::VectorXd ranking = sample.ranking(estimate);
     ForwardStep& step = steps[static_cast<std::size_t>(suspects - 1)];
     std::vector<bool> is_core(static_cast<std::size_t>(size), false);

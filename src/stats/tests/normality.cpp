@@ -157,11 +157,11 @@ NormalityStatistics normality_statistics(const Eigen::Ref<const Eigen::VectorXd>
   result.shapiro_wilk = std::pow(weights.dot(sorted), 2) / total;
   const auto n = static_cast<double>(size);
   result.skewness = sorted.array().cube().sum() / n / std::pow(total / n, 1.5);
-  const Eigen::Index least = std::max<Eigen::Index>(2, size / 5);
+  const Eigen::Index smallest = std::max<Eigen::Index>(2, size / 5);
   double sum = 0.0;
-  for (Eigen::Index below = 1; below <= size - least; ++below) {
+  for (Eigen::Index below = 1; below <= size - smallest; ++below) {
     sum += sorted(below - 1);
-    if (below < least) continue;
+    if (below < smallest) continue;
     const auto count = static_cast<double>(below);
     const double between = sum * sum * n / (count * (n - count));
     const double ratio = between / std::max(total - between, 1e-12 * total);
@@ -217,13 +217,13 @@ NormalityTest test_normality(const std::vector<RandomEffectsUnit>& units, const 
   const Eigen::MatrixXd values = shrunken.along(axes);
   const Eigen::MatrixXd standard_deviations = shrunken.standard_deviations(axes);
   NormalityTest test;
-  double least = 1.0;
+  double smallest = 1.0;
   for (Eigen::Index i = 0; i < axes.rows(); ++i) {
     test.variables.push_back(
         test_variable(values.col(i), standard_deviations.col(i), axes.row(i).norm(), k_min_reliability));
     if (!test.variables.back().is_tested) continue;
     ++test.tests;
-    least = std::min(least, test.variables.back().probabilities.p_value);
+    smallest = std::min(smallest, test.variables.back().probabilities.p_value);
   }
   if (directions > 1) {
     const Eigen::MatrixXd scores = joint_scores(shrunken, k_min_reliability);
@@ -232,10 +232,10 @@ NormalityTest test_normality(const std::vector<RandomEffectsUnit>& units, const 
       test.henze_zirkler = henze_zirkler(scores);
       test.henze_zirkler_p = henze_zirkler_probability(test.henze_zirkler, scores.rows(), directions);
       ++test.tests;
-      least = std::min(least, test.henze_zirkler_p);
+      smallest = std::min(smallest, test.henze_zirkler_p);
     }
   }
-  test.p_value = 1.0 - std::pow(1.0 - least, test.tests);
+  test.p_value = 1.0 - std::pow(1.0 - smallest, test.tests);
   return test;
 }
 

@@ -31,9 +31,9 @@ Eigen::Index max_suspects(Eigen::Index specimens, double complete, Eigen::Index 
 template <class Sample>
 std::vector<ForwardStep> all_steps(const Sample& sample, const Eigen::MatrixXd& along) {
   const Eigen::Index effects = sample.effects();
-  const Eigen::Index most = max_suspects(sample.size(), sample.complete_specimens(), effects);
+  const Eigen::Index max_suspect_count = max_suspects(sample.size(), sample.complete_specimens(), effects);
   std::vector<ForwardStep> steps;
-  if (most > 0) steps = forward_search(sample, most);
+  if (max_suspect_count > 0) steps = forward_search(sample, max_suspect_count);
   if (effects < 2) return steps;
   const Eigen::Index max_along = max_suspects(sample.size(), static_cast<double>(sample.size()), 1);
   for (const auto& column : along.colwise()) {
@@ -66,10 +66,10 @@ Group judge_steps(const std::vector<ForwardStep>& steps, const Eigen::MatrixXd& 
   const Eigen::RowVectorXd standard_deviation =
       (centred.colwise().squaredNorm() / static_cast<double>(rows.rows())).cwiseMax(1e-30).cwiseSqrt();
   const Eigen::VectorXd largest = (centred * standard_deviation.cwiseInverse().asDiagonal()).rowwise().maxCoeff();
-  Eigen::Index place = 0;
-  const double seen = (evidence_of(steps) - mean).cwiseQuotient(standard_deviation).maxCoeff(&place);
+  Eigen::Index step = 0;
+  const double seen = (evidence_of(steps) - mean).cwiseQuotient(standard_deviation).maxCoeff(&step);
   const auto above = static_cast<double>((largest.array() >= seen).count());
-  return {steps[static_cast<std::size_t>(place)].suspects, (above + 1.0) / static_cast<double>(rows.rows() + 1),
+  return {steps[static_cast<std::size_t>(step)].suspects, (above + 1.0) / static_cast<double>(rows.rows() + 1),
           above == 0.0};
 }
 

@@ -35,7 +35,7 @@ std::string key_of(const Study& study, const Subject& subject) {
       return study.outputs_key + ".frequencies";
     case Subject::Kind::shape_modes:
       return study.outputs_key + ".shapes.modes";
-    case Subject::Kind::shape_places:
+    case Subject::Kind::shape_locations:
       return study.outputs_key + ".shapes.dofs";
     case Subject::Kind::damping:
       return study.outputs_key + ".damping";

@@ -76,23 +76,24 @@ NoiseDeviations noise_deviations(const std::vector<NoiseRule>& rules, const std:
     throw InvalidInput(fmt::format("'{}' fits no output; outputs are {}", rule.pattern, join(outputs)));
   }
   NoiseDeviations result{Eigen::VectorXd::Zero(means.size()), {}};
-  std::vector<std::vector<std::string>> held(rules.size());
+  std::vector<std::vector<std::string>> matched(rules.size());
   for (std::size_t k = 0; k < outputs.size(); ++k) {
     const auto index = static_cast<Eigen::Index>(k);
     const NoiseRule* best = rule_for(rules, outputs[k]);
     if (best == nullptr) continue;
     result.std(index) = best->is_relative ? best->value * std::abs(means(index)) : best->value;
-    held[static_cast<std::size_t>(best - rules.data())].push_back(outputs[k]);
+    matched[static_cast<std::size_t>(best - rules.data())].push_back(outputs[k]);
   }
   constexpr std::size_t k_listed = 6;
   for (std::size_t r = 0; r < rules.size(); ++r) {
     const std::vector<std::string> first(
-        held[r].begin(), held[r].begin() + static_cast<std::ptrdiff_t>(std::min(held[r].size(), k_listed)));
+        matched[r].begin(), matched[r].begin() + static_cast<std::ptrdiff_t>(std::min(matched[r].size(), k_listed)));
     result.notes.push_back(
-        held[r].empty()
+        matched[r].empty()
             ? fmt::format("{} {}: applies to no output, other rules take precedence.", what, rule_text(rules[r]))
-            : fmt::format("{} {}: applies to {}{}.", what, rule_text(rules[r]), join(first),
-                          held[r].size() > k_listed ? fmt::format(" and {} more", held[r].size() - k_listed) : ""));
+            : fmt::format(
+                  "{} {}: applies to {}{}.", what, rule_text(rules[r]), join(first),
+                  matched[r].size() > k_listed ? fmt::format(" and {} more", matched[r].size() - k_listed) : ""));
   }
   return result;
 }

@@ -239,12 +239,12 @@ void rewrite_files(toml::table& model, const std::vector<NamedFile>& files, cons
     if (!named.key.ends_with(']')) {
       const std::size_t dot = named.key.rfind('.');
       toml::table* table = dot == std::string::npos ? &model : model.at_path(named.key.substr(0, dot)).as_table();
-      table->insert_or_assign(named.key.substr(dot + 1), relative(named.place));
+      table->insert_or_assign(named.key.substr(dot + 1), relative(named.location));
       continue;
     }
     const std::string list = named.key.substr(0, named.key.find('['));
     if (lists.insert(list).second) model.insert_or_assign(list, toml::array());
-    model[list].as_array()->push_back(relative(named.place));
+    model[list].as_array()->push_back(relative(named.location));
   }
 }
 

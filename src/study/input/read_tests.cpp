@@ -152,8 +152,8 @@ void read_repeats(const Study& study, const StructureModel& model, const std::ve
   std::vector<std::string> specimens(table.rows.size());
   for (std::size_t row = 0; row < specimens.size() && specimen >= 0; ++row)
     specimens[row] = table.rows[row][static_cast<std::size_t>(specimen)];
-  int least = std::numeric_limits<int>::max();
-  int most = 0;
+  int smallest = std::numeric_limits<int>::max();
+  int largest = 0;
   for (std::size_t k = 0; k < names.size(); ++k) {
     const auto index = static_cast<Eigen::Index>(k);
     const Pooled pooled = pool(values.col(index), specimens);
@@ -164,11 +164,12 @@ void read_repeats(const Study& study, const StructureModel& model, const std::ve
     }
     tests.data.repeatability_std(index) = std::sqrt(pooled.squares / pooled.degrees_of_freedom);
     tests.data.repeatability_degrees_of_freedom(index) = pooled.degrees_of_freedom;
-    least = std::min(least, pooled.degrees_of_freedom);
-    most = std::max(most, pooled.degrees_of_freedom);
+    smallest = std::min(smallest, pooled.degrees_of_freedom);
+    largest = std::max(largest, pooled.degrees_of_freedom);
   }
-  tests.notes.push_back(fmt::format("Measurement noise from the repeats of {}: {} degrees of freedom.", table.file,
-                                    least == most ? fmt::format("{}", least) : fmt::format("{} to {}", least, most)));
+  tests.notes.push_back(
+      fmt::format("Measurement noise from the repeats of {}: {} degrees of freedom.", table.file,
+                  smallest == largest ? fmt::format("{}", smallest) : fmt::format("{} to {}", smallest, largest)));
 }
 
 Eigen::VectorXd column_means(const Eigen::MatrixXd& values) {

@@ -76,13 +76,13 @@ class Resolver {
   }
 
   /// Every number, masses too; dampers only where an output sees them.
-  FixedNumbers all(std::size_t most) {
+  FixedNumbers all(std::size_t max_count) {
     FixedNumbers found;
     std::vector<double> sizes;
     for (const ModelNumber& number : numbers_) {
       const bool is_seen = number.kind != "damper" || !study_.outputs.damping.empty();
       if (!is_seen || !number.is_doubtful || owned_.contains(key_of(number.target))) continue;
-      if (++found.total > most) continue;
+      if (++found.total > max_count) continue;
       StudyParameter candidate;
       candidate.targets = {number.target};
       found.list.push_back(resolve(std::move(candidate)));
@@ -140,8 +140,8 @@ std::vector<StudyParameter> resolve_candidates(const Study& study) {
   }
 }
 
-FixedNumbers fixed_numbers(const Study& study, std::size_t most) {
-  return Resolver(study).all(most);
+FixedNumbers fixed_numbers(const Study& study, std::size_t max_count) {
+  return Resolver(study).all(max_count);
 }
 
 Study with_candidates(const Study& study, const std::vector<StudyParameter>& candidates) {

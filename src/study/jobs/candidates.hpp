@@ -27,9 +27,9 @@ struct FixedNumbers {
 /// The numbers of a model that an error could hide in: springs and masses (dampers where damping ratios are outputs),
 /// parts of matrices, those that are zero too; of a deck what `resolve_candidates` takes by default.
 ///
-/// @param most  how many are listed
+/// @param max_count  how many are listed
 /// @throws InvalidInput  a model by command, whose numbers are not known
-FixedNumbers fixed_numbers(const Study& study, std::size_t most);
+FixedNumbers fixed_numbers(const Study& study, std::size_t max_count);
 
 /// The study with `candidates` put after its parameters.
 Study with_candidates(const Study& study, const std::vector<StudyParameter>& candidates);

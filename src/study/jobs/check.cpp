@@ -18,15 +18,15 @@ namespace {
 constexpr Eigen::Index k_listed_modes = 10;
 
 /// Throws InvalidInput where an update could not put its results: a file, or a folder that may not be written.
-void require_place(const std::filesystem::path& folder) {
+void require_writable_folder(const std::filesystem::path& folder) {
   if (folder.empty()) return;
   std::error_code ignored;
-  std::filesystem::path place = std::filesystem::absolute(folder);
-  while (place.has_relative_path() && !std::filesystem::exists(place, ignored)) place = place.parent_path();
-  require(std::filesystem::is_directory(place, ignored), "{}: this folder cannot be made: Not a directory",
+  std::filesystem::path existing = std::filesystem::absolute(folder);
+  while (existing.has_relative_path() && !std::filesystem::exists(existing, ignored)) existing = existing.parent_path();
+  require(std::filesystem::is_directory(existing, ignored), "{}: this folder cannot be made: Not a directory",
           folder.string());
-  require(::access(place.c_str(), W_OK | X_OK) == 0, "{}: nothing can be written there; name another place with --out",
-          folder.string());
+  require(::access(existing.c_str(), W_OK | X_OK) == 0,
+          "{}: nothing can be written there; name another place with --out", folder.string());
 }
 
 /// The lowest modes at the parameters' means, in Hz.
@@ -40,7 +40,7 @@ Eigen::VectorXd frequencies_of(const StudyModel& made) {
 }  // namespace
 
 CheckOutcome check(const Study& study, const RunSettings& settings) {
-  require_place(settings.folder);
+  require_writable_folder(settings.folder);
   if (study.model->keeps_runs()) require_no_linked_runs(settings.folder);
   if (!settings.may_run_programs && settings.observer != nullptr) {  // before the study may be refused for it
     for (const std::string& line : reach_lines(reach_of(study))) settings.observer->warning(line);

@@ -11,7 +11,7 @@ namespace {
 constexpr double k_frequency_noise = 0.001;
 constexpr double k_shape_noise = 0.01;
 
-Eigen::Index place_of(const std::vector<Quantity>& outputs, const std::string& name) {
+Eigen::Index index_of_output(const std::vector<Quantity>& outputs, const std::string& name) {
   const auto found = std::find_if(outputs.begin(), outputs.end(), [&](const Quantity& o) { return o.name() == name; });
   return std::distance(outputs.begin(), found);
 }
@@ -39,12 +39,12 @@ Study widened(const Study& study, const FixedNumbers& numbers, bool has_further,
 std::vector<Eigen::Index> order_of_outputs(const StudyModel& made, const std::vector<Quantity>& wider,
                                            ErrorDerivatives& found) {
   std::vector<Eigen::Index> order;
-  for (const Quantity& output : made.model->outputs()) order.push_back(place_of(wider, output.name()));
+  for (const Quantity& output : made.model->outputs()) order.push_back(index_of_output(wider, output.name()));
   for (const FurtherOutputs& item : found.further) {
     found.rows.emplace_back();
     for (const std::string& name : item.names) {
       found.rows.back().push_back(static_cast<Eigen::Index>(order.size()));
-      order.push_back(place_of(wider, name));
+      order.push_back(index_of_output(wider, name));
     }
   }
   return order;

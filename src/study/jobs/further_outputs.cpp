@@ -45,9 +45,9 @@ std::vector<int> further_shapes(const ModalOutputs& outputs) {
   return modes;
 }
 
-std::vector<std::string> places_of_shapes(const Study& study) {
+std::vector<std::string> shape_locations(const Study& study) {
   if (!study.outputs.shape_degrees_of_freedom.empty()) return study.outputs.shape_degrees_of_freedom;
-  return study.model->places_of_shapes();
+  return study.model->shape_locations();
 }
 
 }  // namespace
@@ -58,12 +58,12 @@ std::vector<FurtherOutputs> further_outputs(const Study& study, Eigen::Index mod
     const std::string name = natural_frequency(mode, "").name();
     further.push_back({name, {name}, false});
   }
-  const std::vector<std::string> places = places_of_shapes(study);
-  if (places.empty()) return further;
+  const std::vector<std::string> locations = shape_locations(study);
+  if (locations.empty()) return further;
   for (const int mode : further_shapes(study.outputs)) {
-    FurtherOutputs shape{fmt::format("the shape of mode {} at {}", mode, join(places)), {}, true};
-    for (const std::string& place : places) {
-      shape.names.push_back(shape_component(mode, place, QuantityKind::displacement, "").name());
+    FurtherOutputs shape{fmt::format("the shape of mode {} at {}", mode, join(locations)), {}, true};
+    for (const std::string& location : locations) {
+      shape.names.push_back(shape_component(mode, location, QuantityKind::displacement, "").name());
     }
     further.push_back(std::move(shape));
   }
@@ -73,10 +73,10 @@ std::vector<FurtherOutputs> further_outputs(const Study& study, Eigen::Index mod
 ModalOutputs wider_outputs(const Study& study, Eigen::Index mode_count) {
   ModalOutputs outputs = study.outputs;
   for (const int mode : further_frequencies(study.outputs, mode_count)) outputs.frequencies.push_back(mode);
-  const std::vector<std::string> places = places_of_shapes(study);
-  if (places.empty()) return outputs;
+  const std::vector<std::string> locations = shape_locations(study);
+  if (locations.empty()) return outputs;
   for (const int mode : further_shapes(study.outputs)) outputs.shape_modes.push_back(mode);
-  if (!outputs.shape_modes.empty()) outputs.shape_degrees_of_freedom = places;
+  if (!outputs.shape_modes.empty()) outputs.shape_degrees_of_freedom = locations;
   return outputs;
 }
 

@@ -44,9 +44,9 @@ Eigen::VectorXd noise_of(const PredictionPlan& plan, const UpdatingProblem& prob
     noise(k) = 0.0;
     for (std::size_t j = 0; j < used.size(); ++j) {
       if (used[j].name() != outputs[static_cast<std::size_t>(k)].name()) continue;
-      const auto place = static_cast<Eigen::Index>(j);
-      noise(k) = result.noise_covariance.size() > 0 ? std::sqrt(result.noise_covariance(place, place))
-                                                    : problem.tests.repeatability_std(place);
+      const auto output = static_cast<Eigen::Index>(j);
+      noise(k) = result.noise_covariance.size() > 0 ? std::sqrt(result.noise_covariance(output, output))
+                                                    : problem.tests.repeatability_std(output);
     }
   }
   return noise;
@@ -70,16 +70,16 @@ std::optional<PredictedError> error_of(const Study& study, const PredictionPlan&
   const bool is_same = study.predict->overrides.empty() && result.model_error.has_value();
   const Eigen::VectorXd values = plan.made.model->evaluate(result.mean.transpose(), context).outputs.row(0);
   for (std::size_t k = 0; k < outputs.size(); ++k) {
-    const auto place = static_cast<Eigen::Index>(k);
+    const auto output = static_cast<Eigen::Index>(k);
     const auto found = std::find_if(used.begin(), used.end(),
                                     [&](const Quantity& output) { return output.name() == outputs[k].name(); });
     const NoiseRule* rule = rule_for(study.test->model_error, outputs[k].name());
     if (found != used.end()) {
       const auto index = std::distance(used.begin(), found);
       if (is_same) error.tested[k] = index;
-      if (!is_same) error.own_std(place) = known(index);
+      if (!is_same) error.own_std(output) = known(index);
     } else if (rule != nullptr) {
-      error.own_std(place) = rule->is_relative ? rule->value * std::abs(values(place)) : rule->value;
+      error.own_std(output) = rule->is_relative ? rule->value * std::abs(values(output)) : rule->value;
     }
   }
   return error;

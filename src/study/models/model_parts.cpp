@@ -33,7 +33,7 @@ ModelParts make_external(const SolverCommand& command, const std::vector<std::st
   }
   auto solver = std::make_unique<ExternalSolver>(
       command, names, parts.reference, prior.covariance().diagonal().cwiseSqrt(),
-      SolverPlace{.results = settings.folder, .is_resumed = settings.resume}, settings.stop);
+      RunStorage{.results = settings.folder, .is_resumed = settings.resume}, settings.stop);
   parts.notes = solver->notes();
   parts.solver = std::move(solver);
   return parts;

@@ -41,12 +41,12 @@ void describe_parameters(const StudyParameters& parameters, const StudyModel& ma
   const Eigen::VectorXd standard_deviation = made.space->prior().covariance().diagonal().cwiseSqrt();
   for (std::size_t i = 0; i < parameters.list.size(); ++i) {
     const StudyParameter& parameter = parameters.list[i];
-    const auto place = static_cast<Eigen::Index>(i);
+    const auto index = static_cast<Eigen::Index>(i);
     lines.push_back(fmt::format("{:<14} {:<24} {:<18} {:>12.6g} {:>12.6g}  [{}, {}], {} {}{}", parameter.name,
                                 join(parameter.targets), distribution_kind_info(parameter.distribution.kind).name,
-                                mean(place), standard_deviation(place), parameter.lower_bound, parameter.upper_bound,
+                                mean(index), standard_deviation(index), parameter.lower_bound, parameter.upper_bound,
                                 parameter.is_factor ? "as a factor," : "in place of the value,",
-                                made.model->structure().parameter_role(place), transform_text(parameter.transform)));
+                                made.model->structure().parameter_role(index), transform_text(parameter.transform)));
   }
 }
 

@@ -51,14 +51,14 @@ DensityCurve curve_of_variable(const ParameterTransform& transform, const Transf
 DensityBand normal_band(const Eigen::Vector2d& mean, const Eigen::Vector2d& std, double reach) {
   DensityBand band;
   band.x = Eigen::VectorXd::LinSpaced(k_points, mean(0) - reach * std(1), mean(1) + reach * std(1));
-  band.least.resize(k_points);
-  band.greatest.resize(k_points);
+  band.lower.resize(k_points);
+  band.upper.resize(k_points);
   for (Eigen::Index k = 0; k < k_points; ++k) {
     const double x = band.x(k);
     const double near = std::max({0.0, mean(0) - x, x - mean(1)});
     const double far = std::max(std::abs(x - mean(0)), std::abs(x - mean(1)));
-    band.least(k) = std::min(normal_density(far, std(0)), normal_density(far, std(1)));
-    band.greatest(k) = normal_density(near, std::min(std(1), std::max(std(0), near)));
+    band.lower(k) = std::min(normal_density(far, std(0)), normal_density(far, std(1)));
+    band.upper(k) = normal_density(near, std::min(std(1), std::max(std(0), near)));
   }
   return band;
 }
@@ -86,15 +86,15 @@ DensityBand band_of_variable(const ParameterTransform& transform, const std::vec
   DensityBand band{Eigen::VectorXd::LinSpaced(k_points, low, high), Eigen::VectorXd(k_points),
                    Eigen::VectorXd(k_points)};
   for (Eigen::Index k = 0; k < k_points; ++k) {
-    double least = std::numeric_limits<double>::infinity();
-    double greatest = 0.0;
+    double lower = std::numeric_limits<double>::infinity();
+    double upper = 0.0;
     for (const TransformedMoments& moments : pairs) {
       const double density = density_of_variable(transform, moments, band.x(k));
-      least = std::min(least, density);
-      greatest = std::max(greatest, density);
+      lower = std::min(lower, density);
+      upper = std::max(upper, density);
     }
-    band.least(k) = least;
-    band.greatest(k) = greatest;
+    band.lower(k) = lower;
+    band.upper(k) = upper;
   }
   return band;
 }

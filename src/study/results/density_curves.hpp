@@ -16,8 +16,8 @@ struct DensityCurve {
 
 struct DensityBand {
   Eigen::VectorXd x;  ///< ascending; empty: nothing to draw
-  Eigen::VectorXd least;
-  Eigen::VectorXd greatest;
+  Eigen::VectorXd lower;
+  Eigen::VectorXd upper;
 };
 
 /// Density of a prior, over nearly all of its probability; a uniform one as a box.

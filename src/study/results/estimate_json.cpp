@@ -39,7 +39,7 @@ Json curve_json(const DensityCurve& curve) {
 
 Json band_json(const DensityBand& band) {
   if (band.x.size() == 0) return nullptr;
-  return {{"x", abscissae_json(band.x)}, {"least", drawn_json(band.least)}, {"greatest", drawn_json(band.greatest)}};
+  return {{"x", abscissae_json(band.x)}, {"least", drawn_json(band.lower)}, {"greatest", drawn_json(band.upper)}};
 }
 
 Json outline_json(const Eigen::MatrixXd& outline) {

@@ -27,7 +27,7 @@ std::vector<std::filesystem::path> missing_folders(const std::filesystem::path& 
 }
 
 /// Whether the file of that name is still the one that is open: who held it before may have taken it away.
-bool is_in_place(int descriptor, const std::filesystem::path& file) {
+bool is_same_file(int descriptor, const std::filesystem::path& file) {
   struct stat open {};
   struct stat there {};
   return ::fstat(descriptor, &open) == 0 && ::lstat(file.c_str(), &there) == 0 && open.st_ino == there.st_ino &&
@@ -61,7 +61,7 @@ FolderLock::FolderLock(const std::filesystem::path& folder)
                       "place with --out",
                       folder.string(), who));
     }
-    if (is_in_place(descriptor_, file_)) break;
+    if (is_same_file(descriptor_, file_)) break;
     ::close(descriptor_);
     descriptor_ = -1;
   }

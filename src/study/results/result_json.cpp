@@ -65,10 +65,10 @@ Json identifiability_json(const Identifiability& seen, const std::vector<std::st
 }
 
 /// Fig. 2 of [Mares2006]: the critical value against the number of tests and samples together.
-Json t_curve_json(int p, double alpha, int most) {
+Json t_curve_json(int p, double alpha, int max_total) {
   Json totals = Json::array();
   Json values = Json::array();
-  for (int total = p + 2; total <= most; total = total < 50 ? total + 1 : static_cast<int>(total * 1.08)) {
+  for (int total = p + 2; total <= max_total; total = total < 50 ? total + 1 : static_cast<int>(total * 1.08)) {
     totals.push_back(total);
     values.push_back(hotelling_t_critical(1, total - 1, p, alpha));
   }
@@ -106,7 +106,7 @@ Json options_json(const Study& study, const UpdatingProblem& problem, const Upda
       {"iterations", problem.iterations}, {"tolerance", problem.tolerance},
       {"level", problem.level},           {"max_failed", problem.cloud.max_failed}};
   for (const auto& [name, value] : method.options()) {
-    std::visit([&options, &name = name](const auto& held) { options[name] = held; }, value);
+    std::visit([&options, &name = name](const auto& option) { options[name] = option; }, value);
   }
   return options;
 }

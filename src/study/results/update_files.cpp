@@ -41,9 +41,9 @@ void write_shapes(const RunFolder& folder, const StructureModel& model, const Ei
   std::vector<ShownMode> shown;
   for (int k = 0; k < model.highest_mode(); ++k) {
     if (!model.is_output(k)) continue;
-    const auto place = static_cast<std::size_t>(k);
-    const int rank = followed.rank[place] + 1;
-    std::string note = fmt::format("MAC {:.3f} with the model as read", followed.mac[place]);
+    const auto index = static_cast<std::size_t>(k);
+    const int rank = followed.rank[index] + 1;
+    std::string note = fmt::format("MAC {:.3f} with the model as read", followed.mac[index]);
     if (rank != k + 1) note += fmt::format(", number {} by frequency now", rank);
     shown.push_back({k + 1, natural_frequency_hz(followed.modes.eigenvalues(k), scale),
                      std::numeric_limits<double>::quiet_NaN(), std::move(note), followed.modes.shapes.col(k)});

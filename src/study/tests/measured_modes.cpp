@@ -19,28 +19,30 @@ constexpr double k_not_measured = std::numeric_limits<double>::quiet_NaN();
 constexpr double k_two_pi = 6.283185307179586;
 
 /// A node and one of its six components.
-using Place = std::pair<int, int>;
+using NodeComponent = std::pair<int, int>;
 
 /// Places at which some mode moves: a component that is zero throughout was not measured.
-std::map<Place, Eigen::Index> measured_places(const std::vector<UffShape>& shapes) {
-  std::set<Place> places;
+std::map<NodeComponent, Eigen::Index> measured_components(const std::vector<UffShape>& shapes) {
+  std::set<NodeComponent> moving;
   for (const UffShape& shape : shapes) {
     for (std::size_t k = 0; k < shape.nodes.size(); ++k) {
       for (Eigen::Index c = 0; c < shape.values.cols(); ++c) {
-        if (shape.values(static_cast<Eigen::Index>(k), c) != 0.0) places.emplace(shape.nodes[k], static_cast<int>(c));
+        if (shape.values(static_cast<Eigen::Index>(k), c) != 0.0) moving.emplace(shape.nodes[k], static_cast<int>(c));
       }
     }
   }
-  std::map<Place, Eigen::Index> rows;
-  for (const Place& place : places) rows.emplace(place, static_cast<Eigen::Index>(rows.size()));
+  std::map<NodeComponent, Eigen::Index> rows;
+  for (const NodeComponent& moving_component : moving)
+    rows.emplace(moving_component, static_cast<Eigen::Index>(rows.size()));
   return rows;
 }
 
-std::vector<MeasuredComponent> components_at(const std::map<Place, Eigen::Index>& rows, const UffFile& contents) {
+std::vector<MeasuredComponent> components_at(const std::map<NodeComponent, Eigen::Index>& rows,
+                                             const UffFile& contents) {
   const UffFrames frames(contents);
   std::vector<MeasuredComponent> components;
-  for (const auto& [place, row] : rows) {
-    const auto& [node, component] = place;
+  for (const auto& [moving_component, row] : rows) {
+    const auto& [node, component] = moving_component;
     components.push_back({.node = node,
                           .is_rotation = component > 2,
                           .direction = frames.directions_at(node).col(component % 3),
@@ -72,7 +74,7 @@ Scalars scalars_of(const UffShape& shape) {
   return scalars;
 }
 
-Eigen::VectorXcd column_of(const UffShape& shape, const std::map<Place, Eigen::Index>& rows) {
+Eigen::VectorXcd column_of(const UffShape& shape, const std::map<NodeComponent, Eigen::Index>& rows) {
   Eigen::VectorXcd column = Eigen::VectorXcd::Constant(static_cast<Eigen::Index>(rows.size()), k_not_measured);
   for (std::size_t k = 0; k < shape.nodes.size(); ++k) {
     for (Eigen::Index c = 0; c < shape.values.cols(); ++c) {
@@ -112,7 +114,7 @@ MeasuredModes modes_from_uff(std::string_view bytes, const std::string& file, co
   const std::string conversion = convert_to_si(contents);
   if (!conversion.empty()) notes.push_back(fmt::format("{}: {}.", file, conversion));
   const UnitSizes sizes = states_units ? unit_sizes(units) : UnitSizes{};  // else the numbers are in the study's units
-  const std::map<Place, Eigen::Index> rows = measured_places(contents.shapes);
+  const std::map<NodeComponent, Eigen::Index> rows = measured_components(contents.shapes);
   if (rows.empty()) throw FormatError(file, 0, "holds no mode shape (datasets 55 and 2414 of modes at nodes)");
   MeasuredModes modes;
   modes.file = file;

@@ -30,9 +30,9 @@ Eigen::Matrix3d model_directions(const StructureModel& model, int node) {
   return mesh->coordinate_systems[static_cast<std::size_t>(point.displacement_system)].directions_at(point.position);
 }
 
-Terms terms_of(const StructureModel& model, const MeasuredComponent& component) {
+LinearCombination terms_of(const StructureModel& model, const MeasuredComponent& component) {
   constexpr double k_rounding = 1e-5;  // of axes written with six digits
-  Terms terms;
+  LinearCombination terms;
   if (!component.name.empty()) {
     const int slot = model.structure().find_degree_of_freedom(component.name);
     if (slot >= 0) terms.emplace_back(slot, component.sign);

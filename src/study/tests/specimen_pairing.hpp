@@ -13,11 +13,11 @@
 namespace mottle::study {
 
 /// A measured component as a sum of the model's degrees of freedom; empty: the model does not have it.
-using Terms = std::vector<std::pair<int, double>>;
+using LinearCombination = std::vector<std::pair<int, double>>;
 
 /// What of one specimen the model sees.
 struct ShapeComparison {
-  std::vector<Terms> terms;   ///< [component]
+  std::vector<LinearCombination> terms;  ///< [component]
   Eigen::MatrixXd reference;  ///< the model's shapes there; zero where it has no such component [component x mode]
   Eigen::Index seen = 0;      ///< components that the model has
   Eigen::MatrixXd cosines;    ///< [reference mode x measured mode]

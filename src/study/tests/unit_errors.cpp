@@ -86,9 +86,9 @@ const UnitFactor* find_factor(const std::vector<double>& ratios) {
 
 /// Quantile of a parameter's prior within what is physically possible.
 double possible_quantile(const ParameterSpace& space, Eigen::Index i, double probability) {
-  const auto place = static_cast<std::size_t>(i);
-  const Distribution& prior = space.prior().marginals()[place];
-  const double impossible = prior.cdf(space.parameters()[place].limit.lower);
+  const auto index = static_cast<std::size_t>(i);
+  const Distribution& prior = space.prior().marginals()[index];
+  const double impossible = prior.cdf(space.parameters()[index].limit.lower);
   return prior.quantile(impossible + probability * (1.0 - impossible));
 }
 

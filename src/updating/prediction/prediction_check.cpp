@@ -60,8 +60,8 @@ HeldOutCheck::Histogram histogram_of(const std::vector<double>& transforms) {
   }
   const CountRange range =
       binomial_range(static_cast<int>(transforms.size()), 1.0 / static_cast<double>(parts), k_level);
-  histogram.fewest = range.fewest;
-  histogram.most = range.most;
+  histogram.fewest = range.min_successes;
+  histogram.most = range.max_successes;
   return histogram;
 }
 
@@ -69,7 +69,7 @@ HeldOutCheck::Histogram histogram_of(const std::vector<double>& transforms) {
 int min_inside(int tests) {
   constexpr double k_inside = 0.95;
   constexpr double k_level = 0.99;
-  return binomial_range(tests, k_inside, k_level).fewest;
+  return binomial_range(tests, k_inside, k_level).min_successes;
 }
 
 std::string percent(double part) {

@@ -57,7 +57,7 @@ class External : public testing::Test {
   std::unique_ptr<ExternalSolver> make(bool is_resumed = false, double mean = 4.0) {
     return std::make_unique<ExternalSolver>(command_, std::vector<std::string>{"k"}, Eigen::VectorXd::Constant(1, mean),
                                             Eigen::VectorXd::Constant(1, 0.4),
-                                            mottle::drivers::SolverPlace{folder_ / "results", is_resumed}, nullptr);
+                                            mottle::drivers::RunStorage{folder_ / "results", is_resumed}, nullptr);
   }
   Evaluation evaluate(const std::vector<double>& k, bool is_resumed = false,
                       ModalOutputs outputs = {.frequencies = {1, 2}}) {

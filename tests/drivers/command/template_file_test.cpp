@@ -63,9 +63,9 @@ TEST(Template, SaysWhichParametersItUses) {
 TEST(Template, PlacesTooCoarseForAStepAreNamed) {
   const Eigen::Vector3d values(2.1e11, 0.1, 3.0);
   const Eigen::Vector3d steps(1e9, 1e-3, 0.0);
-  EXPECT_THAT(Template("{{E:%8.1e}}\n{{t:%6.4f}}", "f", k_names).coarse_places(values, steps),
+  EXPECT_THAT(Template("{{E:%8.1e}}\n{{t:%6.4f}}", "f", k_names).coarse_placeholders(values, steps),
               ElementsAre("f:1: E as %8.1e"));
-  EXPECT_THAT(Template("{{E:%12.5e}} {{t}}", "f", k_names).coarse_places(values, steps), IsEmpty());
+  EXPECT_THAT(Template("{{E:%12.5e}} {{t}}", "f", k_names).coarse_placeholders(values, steps), IsEmpty());
 }
 
 }  // namespace

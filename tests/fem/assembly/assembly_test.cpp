@@ -19,7 +19,7 @@ using test::dense;
 using ::testing::HasSubstr;
 
 /// How many of the held components are translations and rotations.
-std::pair<int, int> held(const AssembledModel& assembled) {
+std::pair<int, int> constrained_counts(const AssembledModel& assembled) {
   std::pair<int, int> counts;
   for (const AutomaticConstraint& constraint : assembled.automatic_constraints) {
     ++(constraint.component < 3 ? counts.first : counts.second);
@@ -58,7 +58,7 @@ test::ModelMaker rods(const std::vector<Eigen::Vector3d>& points, const std::vec
 
 TEST(AutomaticConstraints, HoldTheRotationsOfSolidsAlone) {
   const AssembledModel assembled = assemble(one_brick().model, {});
-  EXPECT_EQ(held(assembled), std::pair(0, 24));
+  EXPECT_EQ(constrained_counts(assembled), std::pair(0, 24));
   const Eigen::VectorXd values = stiffnesses(assembled);
   EXPECT_LT(values.head(6).cwiseAbs().maxCoeff(), 1e-14);
   EXPECT_GT(values(6), 1e-3) << "six rigid motions and no more";
@@ -77,7 +77,7 @@ TEST(AutomaticConstraints, OffLeavesTheRotationsInPlace) {
 TEST(AutomaticConstraints, HoldTheSoftDirectionsOfAnObliqueChain) {
   const Eigen::Vector3d along(1.0, 2.0, 2.0);
   const AssembledModel assembled = assemble(rods({0.0 * along, along, 2.0 * along}, {{0, 1}, {1, 2}}).model, {});
-  EXPECT_EQ(held(assembled), std::pair(6, 9));
+  EXPECT_EQ(constrained_counts(assembled), std::pair(6, 9));
   // Three points on a line: one rigid motion, and lambda = 1 and 3 (chain of two springs).
   const Eigen::VectorXd values = stiffnesses(assembled);
   ASSERT_EQ(values.size(), 3);
@@ -91,7 +91,7 @@ TEST(AutomaticConstraints, HoldAPlaneTrussAcrossItsPlane) {
       rods({turn * Eigen::Vector3d(0, 0, 0), turn * Eigen::Vector3d(1, 0, 0), turn * Eigen::Vector3d(0.3, 0.8, 0)},
            {{0, 1}, {1, 2}, {2, 0}});
   const AssembledModel assembled = assemble(maker.model, {});
-  EXPECT_EQ(held(assembled), std::pair(3, 9));
+  EXPECT_EQ(constrained_counts(assembled), std::pair(3, 9));
 }
 
 TEST(AutomaticConstraints, HoldNothingWhereAllIsStiff) {
@@ -108,7 +108,7 @@ TEST(AutomaticConstraints, LeaveAloneWhatARigidBodyStiffens) {
   const int hub = maker.node(9, {0.5, 0.5, 2.0});
   maker.model.rigid_bodies.push_back({1, hub, Components{0x7}, {4, 5, 6, 7}});
   const AssembledModel assembled = assemble(maker.model, {});
-  EXPECT_EQ(held(assembled), std::pair(0, 24)) << "the hub's rotations move the face";
+  EXPECT_EQ(constrained_counts(assembled), std::pair(0, 24)) << "the hub's rotations move the face";
 }
 
 TEST(AutomaticConstraints, HoldAScalarPointWithoutSpring) {
@@ -117,7 +117,7 @@ TEST(AutomaticConstraints, HoldAScalarPointWithoutSpring) {
   maker.scalar_point(2);
   maker.spring(1, 0, 0, -1, 0, 5.0);
   const AssembledModel assembled = assemble(maker.model, {});
-  EXPECT_EQ(held(assembled), std::pair(1, 0));
+  EXPECT_EQ(constrained_counts(assembled), std::pair(1, 0));
   EXPECT_EQ(assembled.equations.size(), 1U);
 }
 

@@ -58,11 +58,11 @@ TEST_F(CalculixDecks, WritesOtherNumbersInTwentyCharactersAndTheStepThatStoresMa
 
 TEST_F(CalculixDecks, PutsTextsInPlaceOfNumbersAndLeavesTheStep) {
   const CalculixDeck read = deck(k_deck);
-  const std::string text = deck_with_places(read, {{find_calculix_numbers(read, "*ELASTIC:STEEL:NU")[0], "<nu>"},
-                                                   {find_calculix_numbers(read, "*ELASTIC:STEEL:E")[0], "<E>"}});
+  const std::string text = deck_with_replacements(read, {{find_calculix_numbers(read, "*ELASTIC:STEEL:NU")[0], "<nu>"},
+                                                         {find_calculix_numbers(read, "*ELASTIC:STEEL:E")[0], "<E>"}});
   EXPECT_THAT(text, HasSubstr("*ELASTIC\n<E>,<nu>\n**\n*DENSITY"));
   EXPECT_THAT(text, HasSubstr("*STEP\n*FREQUENCY\n10\n*END STEP\n"));
-  EXPECT_THAT(test::message_of<FormatError>([&] { deck_with_places(deck("*NODE\n1, 0, 0, 0\n"), {}); }),
+  EXPECT_THAT(test::message_of<FormatError>([&] { deck_with_replacements(deck("*NODE\n1, 0, 0, 0\n"), {}); }),
               HasSubstr("has no step"));
 }
 

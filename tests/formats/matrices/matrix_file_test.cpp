@@ -89,7 +89,7 @@ TEST(MatrixFile, CarriesNamesOfDegreesOfFreedom) {
 }
 
 TEST(MatrixFile, MarksTheRowsThatAbaqusHoldsByAPenalty) {
-  EXPECT_THAT(read_symmetric_matrix(place("coordinate_STIF1.mtx")).held, ElementsAre(6));
+  EXPECT_THAT(read_symmetric_matrix(place("coordinate_STIF1.mtx")).fixed_rows, ElementsAre(6));
 }
 
 TEST(MatrixFile, ReadsWhatCalculixStores) {

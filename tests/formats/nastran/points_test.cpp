@@ -21,7 +21,7 @@ using ::testing::IsEmpty;
 
 constexpr double k_rounding = 1e-14;  // a few operations on numbers around 1
 
-Eigen::Vector3d place_of(const std::string& deck, int id) {
+Eigen::Vector3d position_of(const std::string& deck, int id) {
   return node(model_of(deck).model, id).position;
 }
 
@@ -32,7 +32,7 @@ TEST(NastranNumber, IsReadInEveryForm) {
       {"1E5", 1e5},  {"1.e+5", 1e5},     {"1.E-05", 1e-5}, {"70.-1", 7.0},  {"2.84441-19", 2.84441e-19},
       {"0", 0.0},    {"0.", 0.0},        {"-0.", 0.0},     {"1.-400", 0.0}, {"+.5+1", 5.0}};
   for (const auto& [text, value] : forms) {
-    EXPECT_EQ(place_of("GRID,1,," + text, 1).x(), value) << text;
+    EXPECT_EQ(position_of("GRID,1,," + text, 1).x(), value) << text;
   }
 }
 
@@ -103,13 +103,13 @@ TEST(NastranCoordinates, OfARectangularSystem) {
 
 TEST(NastranCoordinates, OfACylindricalSystem) {
   // radius 2 at 90 degrees is local y = basic z
-  EXPECT_LT((place_of("GRID,1,5,2.,90.,30.\nCORD2C,5" + k_turned, 1) - Eigen::Vector3d(31, 2, 5)).norm(),
+  EXPECT_LT((position_of("GRID,1,5,2.,90.,30.\nCORD2C,5" + k_turned, 1) - Eigen::Vector3d(31, 2, 5)).norm(),
             10 * k_rounding);
 }
 
 TEST(NastranCoordinates, OfASphericalSystem) {
   // radius 2, 90 degrees off the z axis, 90 degrees around it: local y again
-  EXPECT_LT((place_of("GRID,1,5,2.,90.,90.\nCORD2S,5" + k_turned, 1) - Eigen::Vector3d(1, 2, 5)).norm(),
+  EXPECT_LT((position_of("GRID,1,5,2.,90.,90.\nCORD2S,5" + k_turned, 1) - Eigen::Vector3d(1, 2, 5)).norm(),
             10 * k_rounding);
 }
 
@@ -117,20 +117,20 @@ TEST(NastranCoordinates, MayBeNestedInAnyOrder) {
   // 9 is 8 moved by (0, 0, 1) in cylindrical 8; 8 is basic moved by (0, 0, 10).
   const std::string deck =
       "GRID,1,9,0.,0.,100.\nCORD2R,9,8,0.,0.,1.,0.,0.,2.\n,1.,0.,1.\nCORD2C,8,,0.,0.,10.,0.,0.,11.\n,1.,0.,10.\n";
-  EXPECT_LT((place_of(deck, 1) - Eigen::Vector3d(0, 0, 111)).norm(), 1000 * k_rounding);
+  EXPECT_LT((position_of(deck, 1) - Eigen::Vector3d(0, 0, 111)).norm(), 1000 * k_rounding);
 }
 
 TEST(NastranCoordinates, MayBeGivenByGridPoints) {
   const std::string deck =
       "CORD1R,5,1,2,3,6,2,1,3\nGRID,1\nGRID,2,,1.\nGRID,3,,0.,1.\nGRID,4,5,0.,0.,7.\nGRID,5,6,0.,0.,7.\n";
-  EXPECT_EQ(place_of(deck, 4), Eigen::Vector3d(7, 0, 0));
-  EXPECT_EQ(place_of(deck, 5), Eigen::Vector3d(-6, 0, 0));
+  EXPECT_EQ(position_of(deck, 4), Eigen::Vector3d(7, 0, 0));
+  EXPECT_EQ(position_of(deck, 5), Eigen::Vector3d(-6, 0, 0));
 }
 
 TEST(NastranCoordinates, ByGridPointsInAnotherSystem) {
   const std::string deck =
       "CORD1R,6,1,2,3\nGRID,1,5\nGRID,2,5,0.,0.,1.\nGRID,3,5,1.\nGRID,4,6,10.,20.,30.\nCORD2R,5" + k_turned;
-  EXPECT_EQ(place_of(deck, 4), Eigen::Vector3d(31, 12, 23));
+  EXPECT_EQ(position_of(deck, 4), Eigen::Vector3d(31, 12, 23));
 }
 
 TEST(NastranCoordinates, OfALongChainDoNotExhaustTheStack) {
@@ -138,7 +138,7 @@ TEST(NastranCoordinates, OfALongChainDoNotExhaustTheStack) {
   for (int id = 100000; id > 0; --id) {
     deck += "CORD2R," + std::to_string(id) + ',' + std::to_string(id - 1) + ",0.,0.,1.,0.,0.,2.\n,1.,0.,1.\n";
   }
-  EXPECT_EQ(place_of(deck, 1).z(), 100000.0);
+  EXPECT_EQ(position_of(deck, 1).z(), 100000.0);
 }
 
 using Fixed = std::vector<std::pair<int, Components>>;

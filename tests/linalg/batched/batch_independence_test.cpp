@@ -39,13 +39,13 @@ TEST_P(BatchIndependence, ASampleHasTheSameBitsWhateverTheBatchTheOrderAndTheThr
       if (mass == Mass::parametric_full) other.mass_coefficients = batch.mass_coefficients(Eigen::all, shuffled).eval();
       const BatchModes in_other_order = other.solve(options(0, true, 2));
 
-      for (Index place = 0; place < samples; ++place) {
-        const Index sample = shuffled[static_cast<std::size_t>(place)];
+      for (Index position = 0; position < samples; ++position) {
+        const Index sample = shuffled[static_cast<std::size_t>(position)];
         const Batch single{batch.family, batch.stiffness_coefficients.col(sample),
                            mass == Mass::parametric_full ? MatrixXd(batch.mass_coefficients.col(sample)) : MatrixXd()};
         const BatchModes alone = single.solve(options());
         for (const auto& [values, vectors] :
-             {std::pair{in_other_order.values.col(place).eval(), in_other_order.vectors.col(place).eval()},
+             {std::pair{in_other_order.values.col(position).eval(), in_other_order.vectors.col(position).eval()},
               std::pair{alone.values.col(0).eval(), alone.vectors.col(0).eval()}}) {
           ASSERT_TRUE(same_bits(values.data(), modes.values.col(sample).data(), order));
           ASSERT_TRUE(same_bits(vectors.data(), modes.vectors.col(sample).data(), order * order));

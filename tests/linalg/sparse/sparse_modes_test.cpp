@@ -127,9 +127,9 @@ TEST(SparseModes, EachModeOfManyEqualPartsIsFoundAsOftenAsThereAreParts) {
   constexpr int k_parts = 12, k_masses = 60;  // more parts than vectors in a block
   std::vector<Eigen::Triplet<double>> entries;
   for (int i = 0; i < k_parts * k_masses; ++i) {
-    const int place = i % k_masses;
-    entries.emplace_back(i, i, place + 1 < k_masses ? 2.0 : 1.0);
-    if (place > 0) entries.emplace_back(i, i - 1, -1.0);
+    const int position = i % k_masses;
+    entries.emplace_back(i, i, position + 1 < k_masses ? 2.0 : 1.0);
+    if (position > 0) entries.emplace_back(i, i - 1, -1.0);
   }
   SparseMatrix stiffness(k_parts * k_masses, k_parts * k_masses);
   stiffness.setFromTriplets(entries.begin(), entries.end());

@@ -65,7 +65,7 @@ TEST(MatrixStructure, PutsMatricesOfOtherRowsTogetherByNames) {
 
 TEST(MatrixStructure, LeavesOutRowsThatTheSolverHeld) {
   MatrixSystem system = two_masses();
-  system.parts[1].stiffness->held = {1};
+  system.parts[1].stiffness->fixed_rows = {1};
   const MatrixModel model = bind_parameters(system, k_both, Eigen::Vector2d(1.0, 1.0));
   EXPECT_THAT(model.pencil.names, ElementsAre("1:+X"));
   EXPECT_EQ(Eigen::MatrixXd(model.pencil.stiffness.at(model.reference)), Eigen::MatrixXd::Constant(1, 1, 11.0));

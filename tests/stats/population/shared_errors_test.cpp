@@ -130,8 +130,8 @@ TEST(SharedErrors, InformationIsThatOfTheStackedData) {
   const Stacked dense(data.units, fit.covariance, data.variance);
   const Stacked without(data.units, fit.covariance, Eigen::Vector4d::Zero());
   const SharedErrorInformation shared = shared_error_information(data.units, fit, settings);
-  const Eigen::MatrixXd part = shared.gain * shared.covariance * shared.gain.transpose();
-  EXPECT_TRUE((without.covariance + part).isApprox(dense.covariance, 1e-9));
+  const Eigen::MatrixXd share = shared.gain * shared.covariance * shared.gain.transpose();
+  EXPECT_TRUE((without.covariance + share).isApprox(dense.covariance, 1e-9));
   const Eigen::MatrixXd estimator = dense.covariance * dense.x.transpose() * dense.inverse;
   EXPECT_TRUE(shared.sensitivity.isApprox(estimator * dense.errors, 1e-9));
   const RandomEffectsInformation information = random_effects_information(data.units, fit, settings);
@@ -285,7 +285,7 @@ double coverage(Eigen::Index rows, double standard_deviation, bool is_estimated,
     settings.shared_level.assign(static_cast<std::size_t>(rows), 0);
     settings.levels = 1;
   }
-  int held = 0;
+  int covered = 0;
   for (int r = 0; r < replications; ++r) {
     RandomStream stream({.seed = 77}, static_cast<std::uint32_t>(r));
     Eigen::VectorXd error(rows);
@@ -295,9 +295,9 @@ double coverage(Eigen::Index rows, double standard_deviation, bool is_estimated,
     const PopulationEvidence evidence =
         population_evidence(units, fit, settings, Eigen::Matrix2d(Eigen::Matrix2d::Identity()));
     const PopulationIntervals ends = population_intervals(evidence, std::vector<ParameterTransform>(2), 0.95);
-    held += ends.mean(0, 0) <= 1.0 && 1.0 <= ends.mean(0, 1) ? 1 : 0;
+    covered += ends.mean(0, 0) <= 1.0 && 1.0 <= ends.mean(0, 1) ? 1 : 0;
   }
-  return static_cast<double>(held) / replications;
+  return static_cast<double>(covered) / replications;
 }
 
 TEST(SharedErrors, IntervalsHoldTheMeanAsOftenAsTheySay) {

@@ -62,20 +62,20 @@ TEST(DensityBand, HoldsEveryDensityThatItsIntervalsAllowAndTouchesSome) {
     const double slack =
         kind == ParameterTransform::Kind::identity ? 1e-12 : 0.12;  // beside pairs of a grid is a little more
     for (Eigen::Index k = 0; k < band.x.size(); ++k) {
-      double least = std::numeric_limits<double>::infinity();
-      double greatest = 0.0;
+      double lower = std::numeric_limits<double>::infinity();
+      double upper = 0.0;
       for (int i = 0; i <= 40; ++i) {
         for (int j = 0; j <= 40; ++j) {
           const auto moments = moments_of_transformed(scale, 0.9 + 0.005 * i, 0.1 + 0.005 * j);
           const double density = density_of_variable(scale, *moments, band.x(k));
-          least = std::min(least, density);
-          greatest = std::max(greatest, density);
+          lower = std::min(lower, density);
+          upper = std::max(upper, density);
         }
       }
-      EXPECT_LE(band.least(k), least + slack);
-      EXPECT_GE(band.greatest(k), greatest - slack);
-      EXPECT_NEAR(band.least(k), least, 0.05);
-      EXPECT_NEAR(band.greatest(k), greatest, 0.12);
+      EXPECT_LE(band.lower(k), lower + slack);
+      EXPECT_GE(band.upper(k), upper - slack);
+      EXPECT_NEAR(band.lower(k), lower, 0.05);
+      EXPECT_NEAR(band.upper(k), upper, 0.12);
     }
   }
 }

@@ -50,7 +50,7 @@ class ExternalSolver final : public Solver {
   /// @throws InvalidInput   as SolverRuns; FormatError: a value that does not fit into its place
   /// @throws SystemFailure  the run gave no modes; Stopped
   ExternalSolver(SolverCommand command, const std::vector<std::string>& names, const Eigen::VectorXd& nominal,
-                 const Eigen::VectorXd& standard_deviations, const SolverPlace& place, const std::atomic<bool>* stop);
+                 const Eigen::VectorXd& standard_deviations, const RunStorage& storage, const std::atomic<bool>* stop);
 
   const Structure& structure() const override { return structure_; }
   /// Throws SystemFailure where the run fails.

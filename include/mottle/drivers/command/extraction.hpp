@@ -52,9 +52,9 @@ struct ExtractedModes {
 };
 
 /// @param folder  where the run was
-/// @param least   how many modes there must be
+/// @param min_modes   how many modes there must be
 /// @throws InvalidInput  a file is missing; FormatError (file, line) it does not hold what the rule says
 ExtractedModes extract_modes(const std::filesystem::path& folder, const FrequencyRule& frequencies,
-                             const std::optional<ShapeRule>& shapes, int least);
+                             const std::optional<ShapeRule>& shapes, int min_modes);
 
 }  // namespace mottle::drivers

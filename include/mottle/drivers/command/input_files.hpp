@@ -47,7 +47,7 @@ class InputFiles {
     bool is_large = false;
     struct stat seen {};  ///< of the copy, when its contents were last known to be right
   };
-  void put(const Original& original, const Digest& digest, const std::filesystem::path& place) const;
+  void put(const Original& original, const Digest& digest, const std::filesystem::path& destination) const;
 
   std::vector<Original> originals_;
   std::vector<Digest> digests_;

@@ -35,21 +35,21 @@ class RunStore {
   /// Throws SystemFailure where the disk is full or the file cannot be written.
   void keep(const Digest& key, const RunRecord& record);
 
-  std::size_t size() const { return places_.size(); }
+  std::size_t size() const { return spans_.size(); }
 
  private:
-  struct Place {
+  struct Span {
     std::uint64_t offset = 0;
     std::uint64_t size = 0;
   };
   struct HashDigest {
     std::size_t operator()(const Digest& digest) const { return digest[0]; }
   };
-  void read_places();
+  void read_spans();
 
   std::filesystem::path file_;
   int descriptor_ = -1;
-  std::unordered_map<Digest, Place, HashDigest> places_;
+  std::unordered_map<Digest, Span, HashDigest> spans_;
   mutable std::mutex mutex_;
 };
 

@@ -22,7 +22,7 @@
 namespace mottle::drivers {
 
 /// Where runs happen and what may be used again.
-struct SolverPlace {
+struct RunStorage {
   std::filesystem::path results = {};  ///< folder of results; empty: temporary, nothing is used again
   bool is_resumed = false;             ///< runs that failed before count as they did; else they are tried again
 };
@@ -32,7 +32,7 @@ class SolverRuns {
   /// @param names  of the parameters
   /// @throws InvalidInput, FormatError  a file that is missing, a fault of a template, a parameter without place, a
   ///                                    program that is not there
-  SolverRuns(SolverCommand command, const std::vector<std::string>& names, const SolverPlace& place);
+  SolverRuns(SolverCommand command, const std::vector<std::string>& names, const RunStorage& storage);
 
   struct Run {
     RunRecord record = {};
@@ -44,20 +44,20 @@ class SolverRuns {
 
   /// One run; called by several threads at once.
   ///
-  /// @param least  how many modes it must give
+  /// @param min_modes  how many modes it must give
   /// @throws FormatError    a value does not fit into its place
   /// @throws SystemFailure  disk full; Stopped
-  Run run(const Eigen::Ref<const Eigen::VectorXd>& values, int least, const std::atomic<bool>* stop);
+  Run run(const Eigen::Ref<const Eigen::VectorXd>& values, int min_modes, const std::atomic<bool>* stop);
 
   /// Also keeps a run under another number of modes that it must give.
-  void keep_as(const Eigen::Ref<const Eigen::VectorXd>& values, int least, const RunRecord& record);
+  void keep_as(const Eigen::Ref<const Eigen::VectorXd>& values, int min_modes, const RunRecord& record);
 
   const SolverCommand& command() const { return command_; }
   /// "ccx plate".
   std::string command_text() const;
   /// Places in templates whose formats are too coarse for steps of the parameters.
-  std::vector<std::string> coarse_places(const Eigen::Ref<const Eigen::VectorXd>& values,
-                                         const Eigen::Ref<const Eigen::VectorXd>& steps) const;
+  std::vector<std::string> coarse_placeholders(const Eigen::Ref<const Eigen::VectorXd>& values,
+                                               const Eigen::Ref<const Eigen::VectorXd>& steps) const;
 
  private:
   /// Everything of one run that parameters move.
@@ -70,9 +70,9 @@ class SolverRuns {
   void read_templates(const std::vector<std::string>& names);
   void require_program(const CommandLine& line) const;
   Input fill(const Eigen::Ref<const Eigen::VectorXd>& values) const;
-  Digest key_of(const Input& input, int least) const;
+  Digest key_of(const Input& input, int min_modes) const;
   void prepare(const std::filesystem::path& folder, const Input& input) const;
-  bool try_once(const Input& input, const std::filesystem::path& folder, int number, int least,
+  bool try_once(const Input& input, const std::filesystem::path& folder, int number, int min_modes,
                 const std::atomic<bool>* stop, Run& run) const;
   void put_away(const std::filesystem::path& folder, const std::string& id, Run& run);
 

@@ -31,11 +31,11 @@ class Template {
   std::vector<bool> uses(std::size_t parameters) const;
 
   /// Places where `values` and `values + steps` would be told apart too coarsely: "plate.inp:7: E with %8.3e".
-  std::vector<std::string> coarse_places(const Eigen::Ref<const Eigen::VectorXd>& values,
-                                         const Eigen::Ref<const Eigen::VectorXd>& steps) const;
+  std::vector<std::string> coarse_placeholders(const Eigen::Ref<const Eigen::VectorXd>& values,
+                                               const Eigen::Ref<const Eigen::VectorXd>& steps) const;
 
  private:
-  struct Place {
+  struct Placeholder {
     std::size_t parameter = 0;
     int line = 0;
     std::string name = {};
@@ -44,12 +44,12 @@ class Template {
     std::size_t width = 0;    ///< most characters; 0: any number
     std::string text_after = {};
   };
-  std::string text_of(const Place& place, double value) const;
-  Place read_place(std::string_view inside, int line, const std::vector<std::string>& names) const;
+  std::string text_of(const Placeholder& placeholder, double value) const;
+  Placeholder read_placeholder(std::string_view inside, int line, const std::vector<std::string>& names) const;
 
   std::string file_;
   std::string head_;
-  std::vector<Place> places_;
+  std::vector<Placeholder> placeholders_;
 };
 
 }  // namespace mottle::drivers

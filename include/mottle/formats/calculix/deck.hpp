@@ -65,7 +65,7 @@ struct CalculixChange {
 std::string matrix_storage_deck(const CalculixDeck& deck, const std::vector<CalculixChange>& changes);
 
 /// A number and the text in its place.
-struct CalculixPlace {
+struct CalculixReplacement {
   CalculixNumber number;
   std::string text;
 };
@@ -74,7 +74,7 @@ struct CalculixPlace {
 /// included.
 ///
 /// Throws FormatError: several steps, no step *FREQUENCY.
-std::string deck_with_places(const CalculixDeck& deck, const std::vector<CalculixPlace>& places);
+std::string deck_with_replacements(const CalculixDeck& deck, const std::vector<CalculixReplacement>& replacements);
 
 /// Whether the deck asks for displacements in .frd: *NODE FILE (or *NODE OUTPUT) with U.
 bool writes_displacements(const CalculixDeck& deck);

@@ -16,7 +16,7 @@ struct SymmetricMatrix {
   SparseMatrix lower;                   ///< lower triangle, compressed
   std::vector<std::string> names = {};  ///< "101:+Z", "101:+RX", "7" of a scalar point; empty where the file has none.
                                         ///< CalculiX repeats those of expanded shells and beams, one a layer
-  std::vector<int> held = {};           ///< rows that the solver fixed by a penalty on the diagonal, ascending
+  std::vector<int> fixed_rows = {};     ///< rows that the solver fixed by a penalty on the diagonal, ascending
 };
 
 /// Extensions of files beside a matrix that hold the names of its rows.
@@ -35,14 +35,14 @@ inline constexpr const char* k_names_beside_matrices[] = {".dof", ".mapping"};
 /// One triangle may be stored, or both if they agree to 1e-9 of the diagonal. Rows and columns of Nastran's g-set
 /// matrices are sorted by grid point and component.
 ///
-/// @param place  path, and behind a '#' the matrix's name in a file of several ("model.op4#KAA")
+/// @param location  path, and behind a '#' the matrix's name in a file of several ("model.op4#KAA")
 /// @throws InvalidInput  a file that is missing, a name that the file does not have (with those it has)
 /// @throws FormatError   (file, line where there are lines) what cannot be read, is complex, not square or not
 /// symmetric
-SymmetricMatrix read_symmetric_matrix(const std::string& place);
+SymmetricMatrix read_symmetric_matrix(const std::string& location);
 
-/// The file of `place`: what stands before a '#'.
-std::filesystem::path file_of_matrix(const std::string& place);
+/// The file of `location`: what stands before a '#'.
+std::filesystem::path file_of_matrix(const std::string& location);
 
 /// Names of rows, one a line: CalculiX's .dof ("101.3") or "101:+Z", or a line of ANSYS's .mapping ("7 101 UZ").
 ///

@@ -52,7 +52,7 @@ struct NastranDeck {
   /// subcases, the last one where several stand. nullptr where there is none.
   const CaseCommand* find_command(std::string_view name, int subcase = -1) const;
   /// "file:line" of a card.
-  std::string place_of(const BulkCard& card) const;
+  std::string location_of(const BulkCard& card) const;
 };
 
 /// A file that an INCLUDE statement names.

@@ -34,10 +34,11 @@ Eigen::MatrixXd correlation_from_covariance(const Eigen::Ref<const Eigen::Matrix
 /// the variances. A variable whose variance is not positive has none. What is positive semi-definite to rounding stays.
 ///
 /// @param covariance  [variable x variable], symmetric, finite, of any units
-/// @param least       in place of zero: the smallest eigenvalue of the correlation, as a part of the largest one
+/// @param min_eigenvalue       in place of zero: the smallest eigenvalue of the correlation, as a part of the largest
+/// one
 /// @return            whether an eigenvalue was below zero by more than rounding
 /// Source: [Rousseeuw1993].
-bool repair_covariance(Eigen::MatrixXd& covariance, double least = 0.0);
+bool repair_covariance(Eigen::MatrixXd& covariance, double min_eigenvalue = 0.0);
 
 /// Moments of samples in which entries may be missing.
 struct SampleMoments {

@@ -6,8 +6,8 @@
 namespace mottle::stats {
 
 struct CountRange {
-  int fewest = 0;
-  int most = 0;
+  int min_successes = 0;
+  int max_successes = 0;
 };
 
 /// Fewest and most successes among `count` trials of probability p that lie within `level`: outside of the range lies

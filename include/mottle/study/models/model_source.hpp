@@ -42,7 +42,7 @@ struct ModelNumber {
 struct NamedFile {
   std::string label;           ///< for messages: "model.file"
   std::string key;             ///< its place in [model]: "file", "terms[0].mass"; empty: beside a file that is named
-  std::string place;           ///< resolved against the study's folder; may name a matrix behind a '#'
+  std::string location;        ///< resolved against the study's folder; may name a matrix behind a '#'
   std::filesystem::path file;  ///< the same without
 };
 
@@ -86,7 +86,7 @@ class ModelSource {
   /// Whether modes are tracked by MAC unless told otherwise.
   virtual bool tracks_by_mac() const { return true; }
   /// Where shapes could be measured; empty: not known.
-  virtual std::vector<std::string> places_of_shapes() const { return {}; }
+  virtual std::vector<std::string> shape_locations() const { return {}; }
 };
 
 }  // namespace mottle::study

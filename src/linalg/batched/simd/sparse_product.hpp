@@ -17,12 +17,12 @@ struct RowIndices {
 
 /// One panel of Registers * MOTTLE_LANES vectors: the column's own vectors stay in registers.
 template <int Registers, bool IsScaled, typename In, typename Out>
-MOTTLE_INLINE void add_panel(const SparseLower& a, const In& in_place, const Out& out_place, const double* scales,
+MOTTLE_INLINE void add_panel(const SparseLower& a, const In& in_row, const Out& out_row, const double* scales,
                              const double* in, double* out) {
   Simd factors[Registers];
   for (int l = 0; l < Registers; ++l) factors[l] = IsScaled ? load(scales + l * MOTTLE_LANES) : broadcast(1.0);
   for (int j = 0; j < a.columns; ++j) {
-    const double* const source = in + in_place(j);
+    const double* const source = in + in_row(j);
     Simd x[Registers], scaled[Registers], sum[Registers];
     for (int l = 0; l < Registers; ++l) {
       x[l] = load(source + l * MOTTLE_LANES);
@@ -36,14 +36,14 @@ MOTTLE_INLINE void add_panel(const SparseLower& a, const In& in_place, const Out
         for (int l = 0; l < Registers; ++l) sum[l] += value * x[l];
         continue;
       }
-      const double* const other = in + in_place(i);
-      double* const target = out + out_place(i);
+      const double* const other = in + in_row(i);
+      double* const target = out + out_row(i);
       for (int l = 0; l < Registers; ++l) {
         sum[l] += value * load(other + l * MOTTLE_LANES);
         store(target + l * MOTTLE_LANES, load(target + l * MOTTLE_LANES) + value * scaled[l]);
       }
     }
-    double* const target = out + out_place(j);
+    double* const target = out + out_row(j);
     for (int l = 0; l < Registers; ++l) {
       const Simd own = IsScaled ? sum[l] * factors[l] : sum[l];
       store(target + l * MOTTLE_LANES, load(target + l * MOTTLE_LANES) + own);
@@ -52,13 +52,13 @@ MOTTLE_INLINE void add_panel(const SparseLower& a, const In& in_place, const Out
 }
 
 template <bool IsScaled, typename In, typename Out>
-MOTTLE_INLINE void add_panels(const SparseLower& a, const In& in_place, const Out& out_place, const double* scales,
+MOTTLE_INLINE void add_panels(const SparseLower& a, const In& in_row, const Out& out_row, const double* scales,
                               int width, const double* in, double* out) {
   int first = 0;
   const auto add = [&](auto registers) MOTTLE_FLAT {
     constexpr int k_registers = registers.value;
     for (; first + k_registers * MOTTLE_LANES <= width; first += k_registers * MOTTLE_LANES) {
-      add_panel<k_registers, IsScaled>(a, in_place, out_place, IsScaled ? scales + first : nullptr, in + first,
+      add_panel<k_registers, IsScaled>(a, in_row, out_row, IsScaled ? scales + first : nullptr, in + first,
                                        out + first);
     }
   };

@@ -13,7 +13,7 @@
 namespace mottle::study {
 namespace {
 
-constexpr std::size_t k_max_places = 12;  // where shapes are thought to be measured
+constexpr std::size_t k_max_locations = 12;  // where shapes are thought to be measured
 const OptionRange k_positive{.lower = 0.0, .excludes_lower = true};
 const OptionRange k_not_negative{.lower = 0.0};
 
@@ -132,12 +132,12 @@ class MassSpringSource final : public ModelSource {
   }
 
   bool tracks_by_mac() const override { return false; }
-  std::vector<std::string> places_of_shapes() const override {
-    std::vector<std::string> places;
+  std::vector<std::string> shape_locations() const override {
+    std::vector<std::string> locations;
     for (const PointMass& mass : system_.masses) {
-      if (places.size() < k_max_places) places.push_back(mass.name);
+      if (locations.size() < k_max_locations) locations.push_back(mass.name);
     }
-    return places;
+    return locations;
   }
 
  private:

@@ -9,20 +9,20 @@ namespace {
 
 const OptionRange k_positive{.lower = 0.0, .excludes_lower = true};
 
-std::string matrix_place(TomlReader& reader, const std::string& key, const std::filesystem::path& folder) {
+std::string matrix_location(TomlReader& reader, const std::string& key, const std::filesystem::path& folder) {
   return reader.raw(key) == nullptr ? "" : (folder / reader.text(key)).string();
 }
 
 MatrixFiles read_matrix_files(TomlReader& reader, const std::filesystem::path& folder) {
   MatrixFiles files;
   constexpr OptionRange k_exponents{.lower = -9.0, .upper = 9.0};
-  files.constant_part.stiffness = matrix_place(reader, "stiffness", folder);
-  files.constant_part.mass = matrix_place(reader, "mass", folder);
-  files.row_names = matrix_place(reader, "degrees_of_freedom", folder);
+  files.constant_part.stiffness = matrix_location(reader, "stiffness", folder);
+  files.constant_part.mass = matrix_location(reader, "mass", folder);
+  files.row_names = matrix_location(reader, "degrees_of_freedom", folder);
   for (TomlReader& entry : reader.tables("terms")) {
     MatrixPartFiles part{.name = entry.name("name")};
-    part.stiffness = matrix_place(entry, "stiffness", folder);
-    part.mass = matrix_place(entry, "mass", folder);
+    part.stiffness = matrix_location(entry, "stiffness", folder);
+    part.mass = matrix_location(entry, "mass", folder);
     if (part.stiffness.empty() && part.mass.empty()) entry.fail("stiffness", "give stiffness, mass or both");
     if (entry.raw("nominal") != nullptr) part.nominal = entry.number("nominal", k_positive);
     part.exponent = static_cast<int>(entry.integer_or("exponent", 1, k_exponents));
@@ -35,10 +35,10 @@ MatrixFiles read_matrix_files(TomlReader& reader, const std::filesystem::path& f
 
 /// The part's files, and those of names that are looked for beside them.
 void add_files(const MatrixPartFiles& part, const std::string& prefix, std::vector<NamedFile>& files) {
-  for (const auto& [key, place] : {std::pair{"stiffness", part.stiffness}, std::pair{"mass", part.mass}}) {
-    if (place.empty()) continue;
-    const std::filesystem::path file = file_of_matrix(place);
-    files.push_back({"model", prefix + key, place, file});
+  for (const auto& [key, location] : {std::pair{"stiffness", part.stiffness}, std::pair{"mass", part.mass}}) {
+    if (location.empty()) continue;
+    const std::filesystem::path file = file_of_matrix(location);
+    files.push_back({"model", prefix + key, location, file});
     for (const char* extension : k_names_beside_matrices) {
       std::error_code ignored;
       const std::filesystem::path beside = std::filesystem::path(file).replace_extension(extension);

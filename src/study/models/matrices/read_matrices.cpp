@@ -37,14 +37,14 @@ MatrixModel read_matrices(const MatrixFiles& source, const std::vector<Parameter
     names = read_row_names(source.row_names);
     files.push_back(source.row_names.string());
   }
-  const auto read = [&](const std::string& place) -> std::optional<SymmetricMatrix> {
-    if (place.empty()) return std::nullopt;
-    SymmetricMatrix matrix = read_symmetric_matrix(place);
-    files.push_back(file_of_matrix(place).string());
+  const auto read = [&](const std::string& location) -> std::optional<SymmetricMatrix> {
+    if (location.empty()) return std::nullopt;
+    SymmetricMatrix matrix = read_symmetric_matrix(location);
+    files.push_back(file_of_matrix(location).string());
     if (std::string note = note_of_open_end(files.back()); !note.empty()) notes.push_back(std::move(note));
     if (!names.empty()) {
       require_key(names.size() == static_cast<std::size_t>(matrix.lower.rows()), "model.degrees_of_freedom",
-                  "{} names, but {} has {} rows", names.size(), place, matrix.lower.rows());
+                  "{} names, but {} has {} rows", names.size(), location, matrix.lower.rows());
       matrix.names = names;
     }
     return matrix;
