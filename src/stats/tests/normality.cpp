@@ -116,7 +116,10 @@ Eigen::MatrixXd joint_scores(const ShrunkenEffects& effects, double min_variance
   for (std::size_t s = 0; s < effects.spreads.size(); ++s) {
     const SymmetricEigen solver(effects.spreads[s] * effects.spreads[s].transpose());
     if (!(solver.eigenvalues().minCoeff() > min_variance)) continue;
-    scores.emplace_back(solver.operatorInverseSqrt() * effects.points.row(static_cast<Eigen::Index>(s)).transpose());
+    const Eigen::MatrixXd inverse_root = solver.eigenvectors() *
+                                         solver.eigenvalues().cwiseInverse().cwiseSqrt().asDiagonal() *
+                                         solver.eigenvectors().transpose();
+    scores.emplace_back(inverse_root * effects.points.row(static_cast<Eigen::Index>(s)).transpose());
   }
   Eigen::MatrixXd rows(static_cast<Eigen::Index>(scores.size()), directions);
   for (std::size_t s = 0; s < scores.size(); ++s) rows.row(static_cast<Eigen::Index>(s)) = scores[s].transpose();

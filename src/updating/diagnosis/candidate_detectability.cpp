@@ -4,10 +4,13 @@
 #include <cmath>
 
 #include "mottle/linalg/dense/decompositions.hpp"
+#include "mottle/stats/moments/covariance_axes.hpp"
 #include "updating/diagnosis/candidate_fits.hpp"
 
 namespace mottle::updating {
 namespace {
+
+constexpr double k_min_variance = 1e-10;  // of a direction of the outputs without variance to rounding
 
 /// dy/dx of every parameter and candidate at x [output x parameter]; 0 where the model fails on both sides.
 Eigen::MatrixXd sensitivity_at(CandidateFits& fits, const Eigen::VectorXd& x) {
@@ -16,17 +19,6 @@ Eigen::MatrixXd sensitivity_at(CandidateFits& fits, const Eigen::VectorXd& x) {
     if (!column.allFinite()) column.setZero();
   }
   return slope;
-}
-
-/// C^-1/2; directions without variance to rounding count with the smallest that there is.
-Eigen::MatrixXd whitener(const Eigen::MatrixXd& covariance) {
-  constexpr double k_min = 1e-10;
-  const Eigen::VectorXd standard_deviation = covariance.diagonal().cwiseMax(1e-300).cwiseSqrt();
-  const Eigen::MatrixXd correlation =
-      standard_deviation.cwiseInverse().asDiagonal() * covariance * standard_deviation.cwiseInverse().asDiagonal();
-  const SymmetricEigen solver(correlation);
-  const Eigen::VectorXd root = solver.eigenvalues().cwiseMax(k_min).cwiseSqrt().cwiseInverse();
-  return root.asDiagonal() * solver.eigenvectors().transpose() * standard_deviation.cwiseInverse().asDiagonal();
 }
 
 /// What a direction keeps when the span of `others` is taken from it.
@@ -51,7 +43,7 @@ DetectabilityAnalysis analyse_detectability(CandidateFits& fits, const SetFit& b
   total.diagonal() += base.fit.noise;
   const Eigen::VectorXd scale = space.prior().covariance().diagonal().cwiseSqrt();
   const double root_n = std::sqrt(static_cast<double>(fits.specimens()));
-  const Eigen::MatrixXd white = root_n * whitener(total) * slope * scale.asDiagonal();
+  const Eigen::MatrixXd white = root_n * CovarianceAxes(total).whitening(k_min_variance) * slope * scale.asDiagonal();
   const Eigen::VectorXi active = space.active_bounds(x);
   DetectabilityAnalysis analysis;
   Eigen::MatrixXd parts(white.rows(), all - given);

@@ -4,8 +4,8 @@
 #include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
 
-#include "mottle/linalg/dense/decompositions.hpp"
 #include "mottle/stats/distributions/standard_normal.hpp"
+#include "mottle/stats/moments/covariance_axes.hpp"
 
 namespace mottle::updating {
 namespace {
@@ -49,10 +49,7 @@ Eigen::VectorXd scale_of(const Eigen::MatrixXd& covariance) {
 }  // namespace
 
 Eigen::MatrixXd scaled_root(const Eigen::MatrixXd& matrix, const Eigen::VectorXd& scale) {
-  const Eigen::VectorXd inverse = scale.cwiseInverse();
-  const SymmetricEigen solver(inverse.asDiagonal() * matrix * inverse.asDiagonal());
-  return scale.asDiagonal() * solver.eigenvectors() * solver.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal() *
-         solver.eigenvectors().transpose();
+  return CovarianceAxes(matrix, scale).symmetric_root();
 }
 
 Eigen::VectorXd standard_normals(RandomStream& stream, Eigen::Index count) {

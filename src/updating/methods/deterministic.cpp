@@ -37,7 +37,6 @@ std::optional<Eigen::VectorXd> evaluate_one(const UpdatingProblem& problem, cons
   return evaluation.outputs.row(0).transpose();
 }
 
-/// Derivative along one parameter; where a run on one side fails, from the other side.
 /// Central differences by all parameters at once: a model whose runs are long may do them side by side. Where one side
 /// fails, differences from the middle.
 Eigen::MatrixXd difference_quotients(const UpdatingProblem& problem, const Eigen::VectorXd& parameters,
@@ -270,12 +269,7 @@ UpdatingResult DeterministicUpdater::update(const UpdatingProblem& problem, cons
   const std::size_t updates = result.history.size() - 1;
   if (updates > 0) result.history.pop_back();
   result.history.push_back(std::move(last));
-  result.message = result.status == UpdatingStatus::converged
-                       ? fmt::format(
-                             "after {} iterations no parameter moves by more than {} of its prior standard "
-                             "deviation",
-                             updates, problem.tolerance)
-                       : fmt::format("the parameters did not converge in {} iterations", updates);
+  result.message = ending_message(result.status, updates, problem.tolerance);
   const bool is_of_many = options_.specimen == 0 && problem.tests.values.rows() > 1;
   const Eigen::VectorXd means = is_of_many ? scattered_means(problem, x, g, context, result.model_evaluations) : y;
   test_structure(problem,

@@ -71,11 +71,7 @@ IterationRecord record_of(const Setup& setup, const InversionFit& fit) {
   record.parameter_covariance = moments.covariance;
   record.output_mean = sample_mean(fit.outputs);
   record.output_covariance = sample_covariance(fit.outputs);
-  record.distance_euclidean = euclidean_distance(record.output_mean, setup.tests.mean);
-  record.distance_mahalanobis =
-      setup.tests.covariance.isZero(0.0)
-          ? std::numeric_limits<double>::quiet_NaN()
-          : mahalanobis_distance(record.output_mean, setup.tests.mean, setup.tests.covariance);
+  set_distances(record, setup.tests);
   return record;
 }
 
@@ -85,8 +81,8 @@ Eigen::VectorXd common_start(const Setup& setup, InversionOptions::Start kind, c
   Eigen::VectorXd prior = setup.parameters.clamp(setup.parameters.start());
   if (kind == InversionOptions::Start::prior_mean) return prior;
   const InversionFit fit =
-      fit_specimens(setup.problem, setup.parameters, setup.tests.mean.transpose(), setup.sigma, prior.transpose(),
-                    context, [&](const InversionFit&) { return !context.stop_requested(); });
+      invert_specimens(setup.problem, setup.parameters, setup.tests.mean.transpose(), setup.sigma, prior.transpose(),
+                       context, [&](const InversionFit&) { return !context.stop_requested(); });
   evaluations += fit.evaluations;
   return fit.points.row(0).transpose();
 }
@@ -243,16 +239,16 @@ UpdatingResult InversionUpdater::update(const UpdatingProblem& problem, const Ru
   const Eigen::VectorXd start = common_start(setup, options_.start, context, result.model_evaluations);
   bool is_stopped = context.stop_requested();
   int iteration = 0;
-  const InversionFit fit = fit_specimens(problem, setup.parameters, problem.tests.values, setup.sigma,
-                                         start.transpose().replicate(problem.tests.values.rows(), 1), context,
-                                         [&](const InversionFit& present) {
-                                           const std::int64_t runs = result.model_evaluations;
-                                           append_state(result, record_of(setup, present));
-                                           result.model_evaluations = runs;
-                                           context.progress("update", ++iteration, problem.iterations);
-                                           is_stopped = is_stopped || context.stop_requested();
-                                           return !is_stopped;
-                                         });
+  const InversionFit fit = invert_specimens(problem, setup.parameters, problem.tests.values, setup.sigma,
+                                            start.transpose().replicate(problem.tests.values.rows(), 1), context,
+                                            [&](const InversionFit& present) {
+                                              const std::int64_t runs = result.model_evaluations;
+                                              append_state(result, record_of(setup, present));
+                                              result.model_evaluations = runs;
+                                              context.progress("update", ++iteration, problem.iterations);
+                                              is_stopped = is_stopped || context.stop_requested();
+                                              return !is_stopped;
+                                            });
   if (static_cast<double>(fit.count(Ending::stuck)) > problem.cloud.max_failed * static_cast<double>(fit.points.rows()))
     throw ModelFailure(
         fmt::format("for {} of {} specimens no step makes the residuals smaller: the model fails around them or is "

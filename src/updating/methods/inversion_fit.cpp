@@ -4,7 +4,9 @@
 #include <cmath>
 
 #include "mottle/core/error.hpp"
+#include "updating/methods/batched_search.hpp"
 #include "updating/methods/least_change.hpp"
+#include "updating/methods/measured_outputs.hpp"
 
 namespace mottle::updating {
 namespace {
@@ -46,17 +48,15 @@ class BatchFit {
   /// One step of every specimen that is not at rest.
   void step() {
     update_jacobians();
-    const std::vector<Eigen::Index> moving = moving_specimens();
-    Eigen::MatrixXd trials(static_cast<Eigen::Index>(moving.size()), fit.points.cols());
-    for (std::size_t i = 0; i < moving.size(); ++i) {
-      trials.row(static_cast<Eigen::Index>(i)) = proposed(moving[i]).transpose();
-    }
-    const Eigen::MatrixXd outputs = problem_.model.evaluate(parameters_.to_variables(trials), context_).outputs;
-    fit.evaluations += trials.rows();
-    for (std::size_t i = 0; i < moving.size(); ++i) {
-      const auto row = static_cast<Eigen::Index>(i);
-      judge(moving[i], trials.row(row).transpose(), outputs.row(row).transpose());
-    }
+    std::vector<Eigen::Index> moving = moving_specimens();
+    try_once(
+        {[&](Eigen::Index s) { return proposed(s); },
+         [&](const Eigen::MatrixXd& trials) { return outputs_on_scales(problem_, trials, context_, fit.evaluations); },
+         [&](Eigen::Index s, const Eigen::VectorXd& trial, const Eigen::VectorXd& outputs) {
+           judge(s, trial, outputs);
+           return fit.endings[static_cast<std::size_t>(s)] == InversionFit::Ending::moving;
+         }},
+        moving);
   }
 
   std::vector<Eigen::Index> moving_specimens() const {
@@ -76,10 +76,7 @@ class BatchFit {
   }
 
   Whitened whitened(Eigen::Index specimen) const {
-    std::vector<Eigen::Index> measured;
-    for (Eigen::Index k = 0; k < targets_.cols(); ++k) {
-      if (!std::isnan(targets_(specimen, k))) measured.push_back(k);
-    }
+    const std::vector<Eigen::Index> measured = measured_outputs(targets_, specimen);
     const Eigen::VectorXd weight = sigma_(measured).cwiseInverse();
     const Eigen::VectorXd residual = (targets_.row(specimen) - fit.outputs.row(specimen)).transpose()(measured);
     const Eigen::MatrixXd& jacobian = fit.jacobians[static_cast<std::size_t>(specimen)];
@@ -176,11 +173,11 @@ Eigen::Index InversionFit::count(Ending ending) const {
   return std::count(endings.begin(), endings.end(), ending);
 }
 
-InversionFit fit_specimens(const UpdatingProblem& problem, const ScaledParameters& parameters,
-                           const Eigen::Ref<const Eigen::MatrixXd>& targets,
-                           const Eigen::Ref<const Eigen::VectorXd>& sigma,
-                           const Eigen::Ref<const Eigen::MatrixXd>& start, const RunContext& context,
-                           const std::function<bool(const InversionFit&)>& after_each) {
+InversionFit invert_specimens(const UpdatingProblem& problem, const ScaledParameters& parameters,
+                              const Eigen::Ref<const Eigen::MatrixXd>& targets,
+                              const Eigen::Ref<const Eigen::VectorXd>& sigma,
+                              const Eigen::Ref<const Eigen::MatrixXd>& start, const RunContext& context,
+                              const std::function<bool(const InversionFit&)>& after_each) {
   BatchFit batch(problem, parameters, targets, sigma, start, context);
   for (int iteration = 0; iteration < problem.iterations && !batch.moving_specimens().empty(); ++iteration) {
     batch.step();

@@ -40,10 +40,10 @@ struct InversionFit {
 /// @param start      t to begin with [specimen x parameter]
 /// @param after_each called with the present state after each iteration; returns whether to go on
 /// Throws SystemFailure: the model fails at the start of a specimen.
-InversionFit fit_specimens(const UpdatingProblem& problem, const ScaledParameters& parameters,
-                           const Eigen::Ref<const Eigen::MatrixXd>& targets,
-                           const Eigen::Ref<const Eigen::VectorXd>& sigma,
-                           const Eigen::Ref<const Eigen::MatrixXd>& start, const RunContext& context,
-                           const std::function<bool(const InversionFit&)>& after_each);
+InversionFit invert_specimens(const UpdatingProblem& problem, const ScaledParameters& parameters,
+                              const Eigen::Ref<const Eigen::MatrixXd>& targets,
+                              const Eigen::Ref<const Eigen::VectorXd>& sigma,
+                              const Eigen::Ref<const Eigen::MatrixXd>& start, const RunContext& context,
+                              const std::function<bool(const InversionFit&)>& after_each);
 
 }  // namespace mottle::updating

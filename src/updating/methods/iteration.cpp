@@ -36,10 +36,7 @@ IterationRecord record_drawn(const UpdatingProblem& problem, const TestMoments& 
   record.failures = record.cloud.failures;
   record.notes = record.cloud.notes;
   record.rejected_draws = record.cloud.rejected;
-  record.distance_euclidean = euclidean_distance(record.output_mean, tests.mean);
-  record.distance_mahalanobis = tests.covariance.isZero(0.0)
-                                    ? std::numeric_limits<double>::quiet_NaN()
-                                    : mahalanobis_distance(record.output_mean, tests.mean, tests.covariance);
+  set_distances(record, tests);
   context.progress("update", index, problem.iterations);
   return record;
 }
@@ -69,6 +66,13 @@ IterationRecord record_state(const UpdatingProblem& problem, const TestMoments& 
   return state_of(problem, tests, estimate, index, context);
 }
 
+void set_distances(IterationRecord& record, const TestMoments& tests) {
+  record.distance_euclidean = euclidean_distance(record.output_mean, tests.mean);
+  record.distance_mahalanobis = tests.covariance.isZero(0.0)
+                                    ? std::numeric_limits<double>::quiet_NaN()
+                                    : mahalanobis_distance(record.output_mean, tests.mean, tests.covariance);
+}
+
 void append_state(UpdatingResult& result, IterationRecord state) {
   constexpr Eigen::Index k_shown = 500;
   result.model_evaluations += state.cloud.samples.rows();
@@ -91,6 +95,20 @@ double largest_movement(const Eigen::Ref<const Eigen::VectorXd>& prior_std, cons
       (covariance_after.diagonal().array().sqrt() - covariance_before.diagonal().array().sqrt()).abs() /
       prior_std.array();
   return std::max(mean_change.maxCoeff(), std_change.maxCoeff());
+}
+
+std::string ending_message(UpdatingStatus status, std::size_t updates, double tolerance, const EndingWords& words) {
+  switch (status) {
+    case UpdatingStatus::converged:
+      return fmt::format("after {} iterations {} by more than {} of its prior standard deviation", updates,
+                         words.at_rest, tolerance);
+    case UpdatingStatus::stalled:
+      return words.stalled;
+    case UpdatingStatus::stopped:
+      return fmt::format("stopped on request after {} iterations", updates);
+    default:
+      return fmt::format("{} did not converge in {} iterations", words.moving, updates);
+  }
 }
 
 bool is_stalled(const std::vector<double>& movements, std::size_t window) {

@@ -102,21 +102,6 @@ Eigen::MatrixXd updated_covariance(const MaresSetup& setup, const IterationRecor
   return covariance;
 }
 
-std::string ending_message(UpdatingStatus status, std::size_t updates, double tolerance) {
-  switch (status) {
-    case UpdatingStatus::converged:
-      return fmt::format("after {} iterations no parameter moves by more than {} of its prior standard deviation",
-                         updates, tolerance);
-    case UpdatingStatus::stalled:
-      return fmt::format("the parameters oscillate: their steps have not become smaller for {} iterations",
-                         k_stall_window);
-    case UpdatingStatus::stopped:
-      return fmt::format("stopped on request after {} iterations", updates);
-    default:
-      return fmt::format("the parameters did not converge in {} iterations", updates);
-  }
-}
-
 }  // namespace
 
 const OptionTable<MaresOptions>& mares_option_table() {
@@ -178,7 +163,10 @@ UpdatingResult MaresUpdater::update(const UpdatingProblem& problem, const RunCon
   }
   result.set_estimate(std::make_shared<MomentEstimate>(problem.space.transforms(), result.history.back().parameter_mean,
                                                        result.history.back().parameter_covariance));
-  result.message = ending_message(result.status, result.history.size() - 1, problem.tolerance);
+  result.message = ending_message(
+      result.status, result.history.size() - 1, problem.tolerance,
+      {.stalled = fmt::format("the parameters oscillate: their steps have not become smaller for {} iterations",
+                              k_stall_window)});
   const Eigen::VectorXd point = from_variables(problem.space.transforms(), result.mean.transpose()).row(0);
   const Eigen::MatrixXd sensitivity = estimate_sensitivity(result.history.back().cloud, options_.regression) *
                                       ScaledParameters(problem.space).slopes(point).asDiagonal();

@@ -28,26 +28,8 @@ IterationRecord linear_record(const UpdatingProblem& problem, const PopulationFi
   const Eigen::VectorXd outputs = fit.specimens.outputs.colwise().mean();
   record.output_mean = outputs + fit.sensitivity * (fit.mean - point);
   record.output_covariance = fit.sensitivity * fit.covariance * fit.sensitivity.transpose();
-  record.distance_euclidean = euclidean_distance(record.output_mean, tests.mean);
-  record.distance_mahalanobis = std::numeric_limits<double>::quiet_NaN();
-  if (!tests.covariance.isZero(0.0)) {
-    record.distance_mahalanobis = mahalanobis_distance(record.output_mean, tests.mean, tests.covariance);
-  }
+  set_distances(record, tests);
   return record;
-}
-
-std::string ending_message(const UpdatingResult& result, int iterations, double tolerance) {
-  switch (result.status) {
-    case UpdatingStatus::converged:
-      return fmt::format(
-          "after {} iterations no mean and no standard deviation moves by more than {} of its prior "
-          "standard deviation",
-          iterations, tolerance);
-    case UpdatingStatus::stopped:
-      return fmt::format("stopped on request after {} iterations", iterations);
-    default:
-      return fmt::format("means and standard deviations did not converge in {} iterations", iterations);
-  }
 }
 
 }  // namespace
@@ -120,7 +102,9 @@ UpdatingResult MaximumLikelihoodUpdater::update(const UpdatingProblem& problem, 
       });
   result.model_evaluations += fit.evaluations;
   if (fit.converged) result.status = UpdatingStatus::converged;
-  result.message = ending_message(result, fit.iterations, problem.tolerance);
+  result.message =
+      ending_message(result.status, static_cast<std::size_t>(fit.iterations), problem.tolerance,
+                     {.at_rest = "no mean and no standard deviation moves", .moving = "means and standard deviations"});
   const bool is_stopped = result.status == UpdatingStatus::stopped;
   result.set_estimate(std::make_shared<NormalPopulation>(
       problem.space.transforms(),

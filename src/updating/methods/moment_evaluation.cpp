@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "mottle/core/error.hpp"
-#include "mottle/linalg/dense/decompositions.hpp"
+#include "mottle/stats/moments/covariance_axes.hpp"
 #include "mottle/stats/sampling/gaussian_rules.hpp"
 #include "updating/methods/moment_iteration.hpp"
 
@@ -13,11 +13,7 @@ namespace {
 
 /// Symmetric root: it moves smoothly with the covariance.
 Eigen::MatrixXd symmetric_root(const Eigen::MatrixXd& covariance, const Eigen::VectorXd& standard_deviation) {
-  const Eigen::MatrixXd scaled =
-      standard_deviation.cwiseInverse().asDiagonal() * covariance * standard_deviation.cwiseInverse().asDiagonal();
-  const SymmetricEigen eigen(scaled);
-  return standard_deviation.asDiagonal() * eigen.eigenvectors() *
-         eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal() * eigen.eigenvectors().transpose();
+  return CovarianceAxes(covariance, standard_deviation).symmetric_root();
 }
 
 /// Terms of a surface over the points: 1 and w, and with `is_quadratic` all w_i w_j.

@@ -86,10 +86,7 @@ IterationRecord record_of(const Setup& setup, const MomentState& state) {
   record.parameter_covariance = moments.covariance;
   record.output_mean = state.output_mean;
   record.output_covariance = state.output_covariance;
-  record.distance_euclidean = euclidean_distance(state.output_mean, setup.tests.mean);
-  record.distance_mahalanobis = setup.tests.covariance.isZero(0.0)
-                                    ? std::numeric_limits<double>::quiet_NaN()
-                                    : mahalanobis_distance(state.output_mean, setup.tests.mean, setup.tests.covariance);
+  set_distances(record, setup.tests);
   record.cloud = state.cloud;
   record.failures = state.cloud.failures;
   record.notes = state.cloud.notes;
@@ -149,18 +146,6 @@ std::optional<double> advance(const Setup& setup, const std::vector<double>& mis
     progress.damping = next_damping(progress.damping, false);
   }
   return std::nullopt;
-}
-
-std::string ending_message(UpdatingStatus status, std::size_t updates, double tolerance) {
-  if (status == UpdatingStatus::converged) {
-    return fmt::format("after {} iterations no parameter moves by more than {} of its prior standard deviation",
-                       updates, tolerance);
-  }
-  if (status == UpdatingStatus::stalled)
-    return "no further step is possible: none brings the outputs nearer to the tests within the range in which the "
-           "model can be computed";
-  if (status == UpdatingStatus::stopped) return fmt::format("stopped on request after {} iterations", updates);
-  return fmt::format("the parameters did not converge in {} iterations", updates);
 }
 
 void add_notes(const Setup& setup, const Progress& progress, UpdatingResult& result) {
@@ -252,7 +237,10 @@ UpdatingResult iterate_moments(const UpdatingProblem& problem, const ScaledParam
     }
     progress.damping = next_damping(progress.damping, true);
   }
-  result.message = ending_message(result.status, updates, problem.tolerance);
+  result.message = ending_message(
+      result.status, updates, problem.tolerance,
+      {.stalled = "no further step is possible: none brings the outputs nearer to the tests within the range in which "
+                  "the model can be computed"});
   if (progress.rank == 0) progress.rank = static_cast<int>(parameters.count());  // stopped before the first step
   finish(setup, progress, context, result);
   return result;

@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "mottle/core/error.hpp"
 #include "mottle/linalg/dense/decompositions.hpp"
+#include "updating/methods/batched_search.hpp"
 #include "updating/methods/measured_outputs.hpp"
 #include "updating/methods/scaled_parameters.hpp"
 
@@ -28,10 +30,10 @@ void differentiate(const UpdatingProblem& problem, const ScaledParameters& param
   }
 }
 
-/// Gauss-Newton on one specimen, the evaluations done for it elsewhere.
-class Search {
+/// What is minimised for one specimen, and the Gauss-Newton step towards it.
+class HeldSpecimen {
  public:
-  Search(const Eigen::RowVectorXd& values, const HoldingPopulation& population, const Eigen::VectorXd& floor)
+  HeldSpecimen(const Eigen::RowVectorXd& values, const HoldingPopulation& population, const Eigen::VectorXd& floor)
       : rows_(measured_outputs(values, 0)), values_(values.transpose()(rows_)), population_(population) {
     noise_ = population.noise(rows_);
     weight_ = noise_.cwiseMax(floor(rows_)).cwiseInverse();
@@ -63,105 +65,123 @@ class Search {
 
 /// One specimen on its way.
 struct Iterate {
-  Eigen::VectorXd u;    // t = mu + Sigma u
-  Eigen::VectorXd aim;  // where its step leads
+  Eigen::VectorXd u;       // t = mu + Sigma u
+  Eigen::VectorXd target;  // where its step leads
   double cost = 0.0;
   double length = 1.0;                                        // of the step that is tried
-  double movement = std::numeric_limits<double>::infinity();  // by the last step, in prior deviations
+  double movement = std::numeric_limits<double>::infinity();  // by the last step, in prior standard deviations
   int small_steps = 0;
-  bool is_moving = true;
 };
 
-/// The Jacobian that also explains the last step: Broyden's change, in prior deviations.
-void learn(Eigen::MatrixXd& jacobian, const Eigen::VectorXd& step, const Eigen::VectorXd& change,
-           const Eigen::VectorXd& prior_std) {
+/// Broyden's change of the Jacobian, which then explains the last step, in prior standard deviations.
+void explain_step(Eigen::MatrixXd& jacobian, const Eigen::VectorXd& step, const Eigen::VectorXd& change,
+                  const Eigen::VectorXd& prior_std) {
   const Eigen::VectorXd scaled = step.cwiseQuotient(prior_std);
   const double square = scaled.squaredNorm();
   if (!(square > 0.0)) return;
   jacobian += (change - jacobian * step) * scaled.cwiseQuotient(prior_std).transpose() / square;
 }
 
+/// The least noise that a cost counts with [output]: a thousandth of what a prior standard deviation moves an output.
+/// Less would forbid steps along the curved set of points that give a test; its last digits come from steps that shrink
+/// by themselves.
+Eigen::VectorXd smallest_noise(const std::vector<Eigen::MatrixXd>& jacobians, const Eigen::VectorXd& prior_std) {
+  Eigen::MatrixXd moved = Eigen::MatrixXd::Zero(jacobians[0].rows(), prior_std.size());
+  for (const Eigen::MatrixXd& g : jacobians) moved = moved.cwiseMax((g * prior_std.asDiagonal()).cwiseAbs());
+  return 1e-6 * moved.rowwise().squaredNorm();
+}
+
+class HeldSearches {
+ public:
+  HeldSearches(const Eigen::Ref<const Eigen::MatrixXd>& values, const HoldingPopulation& population,
+               const Eigen::VectorXd& prior_std, SpecimenFits& fits)
+      : population_(population),
+        prior_std_(prior_std),
+        fits_(fits),
+        iterates_(static_cast<std::size_t>(values.rows())) {
+    const Eigen::VectorXd least_noise = smallest_noise(fits.jacobians, prior_std);
+    const LeastNormSolver coordinates(population.covariance);
+    for (Eigen::Index s = 0; s < values.rows(); ++s) {
+      specimens_.emplace_back(values.row(s), population, least_noise);
+      Iterate& iterate = iterates_[static_cast<std::size_t>(s)];
+      iterate.u = coordinates.solve(fits.points.row(s).transpose() - population.mean);
+      iterate.cost = specimens_.back().cost(iterate.u, fits.outputs.row(s));
+      set_target(s);
+    }
+  }
+
+  Eigen::VectorXd propose(Eigen::Index s) const {
+    const Iterate& iterate = iterates_[static_cast<std::size_t>(s)];
+    const Eigen::VectorXd target = population_.mean + population_.covariance * iterate.target;
+    const Eigen::VectorXd from = fits_.points.row(s);
+    return from + iterate.length * (target - from);
+  }
+
+  bool judge(Eigen::Index s, const Eigen::VectorXd& trial, const Eigen::VectorXd& outputs) {
+    const auto index = static_cast<std::size_t>(s);
+    Iterate& iterate = iterates_[index];
+    const Eigen::VectorXd u = iterate.u + iterate.length * (iterate.target - iterate.u);
+    const double cost =
+        outputs.allFinite() ? specimens_[index].cost(u, outputs) : std::numeric_limits<double>::infinity();
+    const Eigen::VectorXd step = trial - fits_.points.row(s).transpose();
+    const double movement = (step.cwiseAbs().array() / prior_std_.array()).maxCoeff();
+    const bool is_contracting = iterate.length == 1.0 && movement < 0.5 * iterate.movement;
+    const bool is_better = cost <= iterate.cost * (1.0 + 1e-9) + 1e-12;
+    if (!is_better && !(is_contracting && std::isfinite(cost)) && movement > k_at_rest) {
+      iterate.length *= 0.5;
+      return iterate.length > k_min_length;
+    }
+    if (!outputs.allFinite()) return false;
+    explain_step(fits_.jacobians[index], step, outputs - fits_.outputs.row(s).transpose(), prior_std_);
+    fits_.points.row(s) = trial.transpose();
+    fits_.outputs.row(s) = outputs.transpose();
+    iterate.u = u;
+    iterate.cost = cost;
+    iterate.movement = movement;
+    iterate.small_steps += movement <= k_nearly_at_rest ? 1 : 0;
+    const bool is_moving = movement > k_at_rest && iterate.small_steps < k_patience;
+    fits_.converged[index] = !is_moving;
+    if (is_moving) set_target(s);
+    return is_moving;
+  }
+
+ private:
+  void set_target(Eigen::Index s) {
+    const auto index = static_cast<std::size_t>(s);
+    iterates_[index].target =
+        specimens_[index].target(fits_.points.row(s), fits_.outputs.row(s), fits_.jacobians[index]);
+    iterates_[index].length = 1.0;
+  }
+
+  const HoldingPopulation& population_;
+  const Eigen::VectorXd& prior_std_;
+  SpecimenFits& fits_;
+  std::vector<HeldSpecimen> specimens_;
+  std::vector<Iterate> iterates_;
+};
+
 }  // namespace
 
 SpecimenFits fit_specimens(const UpdatingProblem& problem, const Eigen::Ref<const Eigen::MatrixXd>& values,
                            const HoldingPopulation& population, const SpecimenStart& start, const RunContext& context,
                            std::int64_t& evaluations) {
-  const Eigen::Index n = values.rows();
   const ScaledParameters parameters(problem.space);
-  const Eigen::VectorXd& prior_std = parameters.standard_deviation();
   SpecimenFits fits{start.points, outputs_on_scales(problem, start.points, context, evaluations), start.jacobians,
-                    std::vector<bool>(static_cast<std::size_t>(n), false)};
+                    std::vector<bool>(static_cast<std::size_t>(values.rows()), false)};
   if (!fits.outputs.allFinite()) throw ModelFailure("the model fails where the fit of a specimen starts");
-  std::vector<Eigen::Index> moving;
-  for (Eigen::Index s = 0; s < n; ++s) moving.push_back(s);
   if (fits.jacobians.empty()) differentiate(problem, parameters, context, evaluations, fits);
-
-  // The least noise that a cost counts with: a thousandth of what a prior deviation moves an output. Less would forbid
-  // steps along the curved set of points that give a test; its last digits come from steps that shrink by themselves.
-  Eigen::MatrixXd moved = Eigen::MatrixXd::Zero(values.cols(), prior_std.size());
-  for (const Eigen::MatrixXd& g : fits.jacobians) moved = moved.cwiseMax((g * prior_std.asDiagonal()).cwiseAbs());
-  const Eigen::VectorXd floor = 1e-6 * moved.rowwise().squaredNorm();
-  const LeastNormSolver coordinates(population.covariance);
-  std::vector<Search> searches;
-  std::vector<Iterate> iterates(static_cast<std::size_t>(n));
-  for (Eigen::Index s = 0; s < n; ++s) searches.emplace_back(values.row(s), population, floor);
-  const auto aim = [&](Eigen::Index s) {
-    const auto place = static_cast<std::size_t>(s);
-    Iterate& iterate = iterates[place];
-    iterate.aim = searches[place].target(fits.points.row(s), fits.outputs.row(s), fits.jacobians[place]);
-    if (iterate.u.size() == 0) {
-      iterate.u = coordinates.solve(fits.points.row(s).transpose() - population.mean);
-      iterate.cost = searches[place].cost(iterate.u, fits.outputs.row(s));
-    }
-    iterate.length = 1.0;
-  };
-  for (const Eigen::Index s : moving) aim(s);
+  HeldSearches held(values, population, parameters.standard_deviation(), fits);
+  const BatchedSearch searches{
+      [&](Eigen::Index s) { return held.propose(s); },
+      [&](const Eigen::MatrixXd& trials) { return outputs_on_scales(problem, trials, context, evaluations); },
+      [&](Eigen::Index s, const Eigen::VectorXd& trial, const Eigen::VectorXd& outputs) {
+        return held.judge(s, trial, outputs);
+      }};
+  std::vector<Eigen::Index> moving(static_cast<std::size_t>(values.rows()));
+  std::iota(moving.begin(), moving.end(), 0);
   for (int iteration = 0; iteration < k_max_steps && !moving.empty(); ++iteration) {
     context.throw_if_stopped();
-    Eigen::MatrixXd trial(static_cast<Eigen::Index>(moving.size()), prior_std.size());
-    for (std::size_t w = 0; w < moving.size(); ++w) {
-      const Iterate& iterate = iterates[static_cast<std::size_t>(moving[w])];
-      const Eigen::VectorXd goal = population.mean + population.covariance * iterate.aim;
-      const Eigen::VectorXd from = fits.points.row(moving[w]);
-      trial.row(static_cast<Eigen::Index>(w)) = (from + iterate.length * (goal - from)).transpose();
-    }
-    const Eigen::MatrixXd y = outputs_on_scales(problem, trial, context, evaluations);
-    std::vector<Eigen::Index> advanced;
-    for (std::size_t w = 0; w < moving.size(); ++w) {
-      const Eigen::Index s = moving[w];
-      const auto place = static_cast<std::size_t>(s);
-      Iterate& iterate = iterates[place];
-      const auto row = static_cast<Eigen::Index>(w);
-      const Eigen::VectorXd u = iterate.u + iterate.length * (iterate.aim - iterate.u);
-      const double cost =
-          y.row(row).allFinite() ? searches[place].cost(u, y.row(row)) : std::numeric_limits<double>::infinity();
-      const double movement =
-          ((trial.row(row) - fits.points.row(s)).cwiseAbs().transpose().array() / prior_std.array()).maxCoeff();
-      const bool is_contracting = iterate.length == 1.0 && movement < 0.5 * iterate.movement;
-      const bool is_better = cost <= iterate.cost * (1.0 + 1e-9) + 1e-12;
-      if (!is_better && !(is_contracting && std::isfinite(cost)) && movement > k_at_rest) {
-        iterate.length *= 0.5;
-        iterate.is_moving = iterate.length > k_min_length;
-        continue;
-      }
-      if (!y.row(row).allFinite()) {
-        iterate.is_moving = false;
-        continue;
-      }
-      learn(fits.jacobians[place], (trial.row(row) - fits.points.row(s)).transpose(),
-            (y.row(row) - fits.outputs.row(s)).transpose(), prior_std);
-      fits.points.row(s) = trial.row(row);
-      fits.outputs.row(s) = y.row(row);
-      iterate.u = u;
-      iterate.cost = cost;
-      iterate.movement = movement;
-      iterate.small_steps += movement <= k_nearly_at_rest ? 1 : 0;
-      iterate.is_moving = movement > k_at_rest && iterate.small_steps < k_patience;
-      fits.converged[place] = !iterate.is_moving;
-      if (iterate.is_moving) advanced.push_back(s);
-    }
-    std::erase_if(moving, [&](Eigen::Index s) { return !iterates[static_cast<std::size_t>(s)].is_moving; });
-    for (const Eigen::Index s : advanced) aim(s);
+    try_once(searches, moving);
   }
   differentiate(problem, parameters, context, evaluations, fits);
   return fits;

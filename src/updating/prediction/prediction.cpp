@@ -6,8 +6,8 @@
 #include <limits>
 
 #include "mottle/core/error.hpp"
-#include "mottle/linalg/dense/decompositions.hpp"
 #include "mottle/stats/distributions/standard_normal.hpp"
+#include "mottle/stats/moments/covariance_axes.hpp"
 #include "mottle/stats/moments/descriptive.hpp"
 #include "updating/prediction/prediction_draws.hpp"
 
@@ -30,17 +30,11 @@ double quantile_of(Eigen::VectorXd values, double probability) {
 Eigen::VectorXd squared_distances(const Prediction& prediction, const Eigen::Ref<const Eigen::MatrixXd>& values) {
   // Outputs without scatter of their own count with a millionth of their correlation: a region has no flat sides.
   constexpr double k_min = 1e-9;
-  const Eigen::VectorXd standard_deviation = prediction.covariance.diagonal().cwiseMax(1e-300).cwiseSqrt();
-  const Eigen::MatrixXd correlation = standard_deviation.cwiseInverse().asDiagonal() * prediction.covariance *
-                                      standard_deviation.cwiseInverse().asDiagonal();
-  const SymmetricEigen solver(correlation);
-  const Eigen::VectorXd root = solver.eigenvalues().unaryExpr(
-      [&](double value) { return value > k_min ? 1.0 / std::sqrt(value) : 1.0 / std::sqrt(k_min); });
+  const CovarianceAxes axes(prediction.covariance);
   Eigen::VectorXd distances(values.rows());
   for (Eigen::Index s = 0; s < values.rows(); ++s) {
-    const Eigen::VectorXd apart = (values.row(s).transpose() - prediction.mean).cwiseQuotient(standard_deviation);
-    distances(s) =
-        apart.allFinite() ? (root.asDiagonal() * (solver.eigenvectors().transpose() * apart)).squaredNorm() : k_nan;
+    const Eigen::VectorXd apart = values.row(s).transpose() - prediction.mean;
+    distances(s) = apart.allFinite() ? axes.whitened(apart, k_min).squaredNorm() : k_nan;
   }
   return distances;
 }

@@ -46,7 +46,7 @@ Eigen::MatrixXd information_of(const LinearTests& tests, const Eigen::MatrixXd& 
   Eigen::MatrixXd information = Eigen::MatrixXd::Zero(design.cols(), design.cols());
   for (const auto& [rows, count] : measured_patterns(tests.values)) {
     const CholeskyFactor factor(tests.covariance(rows, rows));
-    require(factor.info() == Eigen::Success, "the covariance of the tests is not positive definite");
+    require(factor.is_positive_definite(), "the covariance of the tests is not positive definite");
     const Eigen::MatrixXd whitened = factor.solve_lower(design(rows, Eigen::all));
     information += count * whitened.transpose() * whitened;
   }

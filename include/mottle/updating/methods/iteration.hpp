@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <string>
 
 #include "mottle/layers.hpp"
 #include "mottle/updating/methods/updater.hpp"
@@ -29,6 +30,10 @@ IterationRecord record_state(const UpdatingProblem& problem, const TestMoments& 
 IterationRecord record_state(const UpdatingProblem& problem, const TestMoments& tests, const Estimate& estimate,
                              int index, const RunContext& context);
 
+/// Fills the distances between the outputs' means of a state and of the tests; the Mahalanobis distance is nan where
+/// the tests do not scatter.
+void set_distances(IterationRecord& record, const TestMoments& tests);
+
 /// Puts a state at the end of the history and counts its runs. Clouds between the first and the last are thinned to
 /// what a plot can show.
 void append_state(UpdatingResult& result, IterationRecord state);
@@ -41,5 +46,16 @@ double largest_movement(const Eigen::Ref<const Eigen::VectorXd>& prior_std, cons
 
 /// Whether the movements go round in circles: none of the last `window` is smaller than one before them.
 bool is_stalled(const std::vector<double>& movements, std::size_t window);
+
+/// What an iteration brings to rest, for the message of how it ended.
+struct EndingWords {
+  std::string at_rest = "no parameter moves";  ///< "... by more than 0.001 of its prior standard deviation"
+  std::string moving = "the parameters";       ///< "... did not converge"
+  std::string stalled;                         ///< the whole sentence
+};
+
+/// How an iteration ended, in words.
+/// @param updates  iterations that were made
+std::string ending_message(UpdatingStatus status, std::size_t updates, double tolerance, const EndingWords& words = {});
 
 }  // namespace mottle::updating
