@@ -212,8 +212,8 @@ std::string deciding_sentence(const DecidingSet& set, const ErrorDerivatives& fo
   std::vector<std::string> texts;
   for (const std::size_t item : set.items) texts.push_back(found.further[item].text);
   return fmt::format(
-      "{} would {}, measured beside these outputs to 0.1 % of a frequency and 1 % of a shape's size: {} would then "
-      "be refused in 80 % of cases by a test of the means with known noise.",
+      "{} would {}, measured in addition to these outputs to 0.1 % of a frequency and 1 % of a shape's size: {} "
+      "would then be refused in 80 % of cases by a test of the means with known noise.",
       capitalised(join(texts, " and ")), set.is_enough() ? "decide" : "show most", sizes_text(set.errors));
 }
 

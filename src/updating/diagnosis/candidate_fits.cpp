@@ -21,8 +21,8 @@ NoiseModel common_noise(const UpdatingProblem& problem, const TestData& tests, E
   const Eigen::Index p = tests.values.cols();
   const bool is_known = (tests.repeatability_std.array() > 0.0).all();
   require(is_known || p != judged,
-          "diagnose: with {} outputs the noise cannot be distinguished from a candidate beside {} parameters; give "
-          "[test] repeatability",
+          "diagnose: with {} outputs the noise cannot be distinguished from a candidate in addition to {} "
+          "parameters; give [test] repeatability",
           p, given);
   const ParameterSpace space = part_of(problem.space, members);
   const UpdatingProblem part{.model = problem.model, .space = space, .tests = tests};

@@ -143,7 +143,7 @@ void propose(CandidateFits& fits, ParameterSet set, SetFit base, std::vector<Eig
 
 void require_problem(const UpdatingProblem& problem, const DiagnosisSettings& settings) {
   require(settings.given >= 1 && settings.given < problem.space.count(),
-          "diagnose: there is no candidate beside the {} parameters", settings.given);
+          "diagnose: there is no candidate in addition to the {} parameters", settings.given);
   require(problem.tests.values.rows() >= k_min_specimens,
           "diagnose: {} specimens are too few to compare likelihoods; at least {} are needed",
           problem.tests.values.rows(), k_min_specimens);

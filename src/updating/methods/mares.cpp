@@ -177,7 +177,8 @@ UpdatingResult MaresUpdater::update(const UpdatingProblem& problem, const RunCon
                         .means = means_of_scattered(problem, point, sensitivity, context, result.model_evaluations)},
                        result);
   note_model_error(problem, "mares",
-                   "is added to the test variability S_M of Eqs. 11 and 12, beside the method's model_error.", result);
+                   "is added to the test variability S_M of Eqs. 11 and 12, in addition to the method's model_error.",
+                   result);
   result.notes.push_back(
       "The standard deviations of this method (Eq. 12) say how well the mean is known given the scatter of the "
       "tests and the prior; they do not estimate the scatter of the specimens.");

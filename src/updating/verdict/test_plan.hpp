@@ -37,7 +37,7 @@ struct PlannedTest {
 
 /// What would let means and scatter be tested.
 inline constexpr const char* k_more_outputs =
-    "Measure more outputs than parameters: mode shapes beside the frequencies, or further frequencies.";
+    "Measure more outputs than parameters: mode shapes in addition to the frequencies, or further frequencies.";
 
 /// An error this many times the standard deviation that it is compared with is gross: a test that overlooks it is none.
 constexpr double k_gross_error = 5.0;
