@@ -1,4 +1,4 @@
-// The command: hands the arguments to a verb and turns what is thrown into a message and an exit code.
+// The command: calls the verb with its arguments and turns exceptions into a message and an exit code.
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
@@ -84,7 +84,7 @@ void open_standard_streams() {
 constexpr std::string_view k_no_memory =
     "the memory does not suffice for this study; lower update.samples or take a larger machine";
 
-/// Where an error has nobody to catch it: in another library's thread, or while another one is told.
+/// For errors that cannot be caught: in another library's thread, or while another one is reported.
 [[noreturn]] void end_by_nobody() {
   try {
     if (const std::exception_ptr error = std::current_exception()) std::rethrow_exception(error);
@@ -93,7 +93,7 @@ constexpr std::string_view k_no_memory =
       (void)!::write(STDERR_FILENO, part.data(), part.size());
     }
     ::_exit(k_failed);
-  } catch (...) {  // NOLINT(bugprone-empty-catch): told below as the system does
+  } catch (...) {  // NOLINT(bugprone-empty-catch): reported below as the system does
   }
   std::abort();
 }

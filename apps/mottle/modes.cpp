@@ -1,4 +1,4 @@
-// mottle modes: natural frequencies and shapes of a model, a page to look at them, MAC against others.
+// mottle modes: natural frequencies and shapes of a model, a page that shows them, MAC against others.
 #include "mottle/study/jobs/modes.hpp"
 
 #include <fmt/format.h>

@@ -129,7 +129,7 @@ std::uint64_t size_of_regular_file(int descriptor, const std::filesystem::path& 
 
 BlockReader::BlockReader(std::filesystem::path path, std::uint64_t max_bytes)
     : path_(std::move(path)), max_bytes_(max_bytes) {
-  // Without O_NONBLOCK a named pipe waits for its other end; what was opened is then looked at, not its name.
+  // Without O_NONBLOCK a named pipe waits for its other end; what was opened is then checked, not its name.
   Descriptor opened(::open(path_.c_str(), O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC));
   if (opened.get() < 0) fail_to_open(path_, errno);
   size_ = size_of_regular_file(opened.get(), path_);

@@ -148,7 +148,7 @@ class JournalledModel::File {
       reused_ += rows;
       return true;
     }
-    old_.resize(position_);  // nothing behind this point can be trusted
+    old_.resize(position_);  // records behind this point may be invalid
     cut();
     return false;
   }

@@ -1,4 +1,4 @@
-// Tells bytes from other bytes by 128 bits.
+// 128-bit checksums, to find out whether bytes have changed.
 #pragma once
 
 #include <array>

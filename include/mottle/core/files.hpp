@@ -16,7 +16,7 @@ inline constexpr std::uint64_t k_largest_file = std::uint64_t{8} << 30;
 /// end, are not waited for.
 class BlockReader {
  public:
-  /// @param max_bytes  limit, held against the file's size now and against what is read later
+  /// @param max_bytes  limit, checked against the size now and against the bytes read later
   /// @throws InvalidInput   missing, unreadable, larger than the limit, or not a regular file (path and reason)
   /// @throws SystemFailure  the disk or the system failed
   explicit BlockReader(std::filesystem::path path, std::uint64_t max_bytes = k_largest_file);
@@ -41,13 +41,13 @@ class BlockReader {
 };
 
 /// The whole file as bytes, as long as it was when its end was read. Limits and errors are those of BlockReader; the
-/// limit is held against the file's size before memory is asked for.
+/// limit is checked against the size before memory is allocated.
 std::string read_file(const std::filesystem::path& path, std::uint64_t max_bytes = k_largest_file);
 
 /// Writes `bytes` beside `path`, flushes them to the disk and renames: a reader sees the old file or the new one.
-/// Throws SystemFailure (full disk, no descriptors or inodes left), InvalidInput (place not writable).
+/// Throws SystemFailure (full disk, no descriptors or inodes left), InvalidInput (folder not writable).
 void write_file_atomically(const std::filesystem::path& path, std::string_view bytes);
-/// The same of bytes that lie in several places.
+/// The same for several pieces of bytes, written one after another.
 void write_file_atomically(const std::filesystem::path& path, std::span<const std::string_view> pieces);
 
 /// The system's folder for temporary files ($TMPDIR or /tmp). Throws SystemFailure where it is none.

@@ -1,4 +1,4 @@
-// What a computation is handed by whoever started it: seed, threads, where to tell progress, and whether to stop.
+// What the caller hands to a computation: seed, number of threads, observer of progress, and stop request.
 #pragma once
 
 #include <atomic>

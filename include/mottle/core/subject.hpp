@@ -1,4 +1,4 @@
-// What a fault of the input is about, in the library's own terms: who has read the input knows where that stands.
+// What a fault of the input is about, in the library's own terms; the reader of the input knows its key and line.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// Text from elsewhere: is it text, and how is it shown.
+// Validity of UTF-8 text from other programs, and its printable form.
 #pragma once
 
 #include <string>
@@ -14,7 +14,7 @@ std::size_t utf8_length(std::string_view bytes);
 /// control characters and the ends of lines.
 std::string printable(std::string_view foreign);
 
-/// The begin and the end of UTF-8 text that holds more of a foreign one than a person reads: about `max_bytes` bytes.
+/// The first and last characters of a long UTF-8 text, for messages: about `max_bytes` bytes.
 std::string shortened(const std::string& text, std::size_t max_bytes);
 
 }  // namespace mottle

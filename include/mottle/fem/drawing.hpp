@@ -1,4 +1,4 @@
-// What of a finite-element model is drawn: its surface, lines and point masses.
+// The drawn parts of a finite-element model: its surface, lines and point masses.
 #pragma once
 
 #include <array>

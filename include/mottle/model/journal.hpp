@@ -1,5 +1,5 @@
-// Keeps every finished model evaluation on disk, so that a killed run can be run again without repeating them.
-// A method is deterministic: run again from the start it asks for the same batches, and gets them from the journal.
+// Journal of all finished model evaluations, from which a killed run is resumed: a method is deterministic, so that on
+// restart it asks for the same batches and gets them from the journal.
 #pragma once
 
 #include <cstdint>

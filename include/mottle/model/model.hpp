@@ -19,7 +19,7 @@ struct FailedRun {
   std::string reason;
 };
 
-/// Something worth knowing about a run that did give a result: modes that crossed or mixed.
+/// A remark on a successful run: modes that crossed or veered.
 struct SampleNote {
   Eigen::Index sample = 0;
   std::string text;
@@ -59,10 +59,11 @@ struct Evaluation {
   SolverUse use = {};
 };
 
-/// Of a model that answers to rounding: balances truncation (h^2) and rounding (eps/h).
+/// Relative step of central differences for outputs accurate to rounding: balances truncation (h^2) and rounding
+/// (eps / h).
 inline constexpr double k_usual_difference_step = 1e-4;
 
-/// Of a model that answers within a tolerance (a reduced model) or in few digits (a solver's printed tables).
+/// The same for outputs within a tolerance (a reduced model) or of few digits (a solver's printed tables).
 inline constexpr double k_coarse_difference_step = 0.05;
 
 /// A structure with q uncertain parameters x and p outputs y = f(x).
@@ -77,10 +78,11 @@ class Model {
   /// that answer within a tolerance: there on the batch that it is in, and on nothing before.
   virtual Evaluation evaluate(const Eigen::Ref<const Eigen::MatrixXd>& samples, const RunContext& context) const = 0;
 
-  /// The parts of a batch that may be lost when a run is killed: about so many samples.
+  /// Number of samples after which results are saved: about so many may be lost when a run is killed.
   virtual Eigen::Index batch_size() const { return 8192; }
 
-  /// Steps of central differences, in prior deviations: small against curvature, large against the digits of outputs.
+  /// Step of central differences in prior standard deviations: small against curvature, large against the error of
+  /// outputs.
   virtual double difference_step() const { return k_usual_difference_step; }
 };
 

@@ -1,4 +1,4 @@
-// What a model predicts and a test measures: kind, mode and place, and the name that follows from them.
+// Quantities that a model predicts and a test measures: kind, mode and location, and the name that follows from them.
 #pragma once
 
 #include <string>
@@ -7,7 +7,7 @@
 
 namespace mottle::model {
 
-/// What a quantity is, whatever it is called and in whatever unit its numbers are.
+/// Physical kind of a quantity, apart from its name and unit.
 enum class QuantityKind {
   frequency,     ///< natural frequency
   displacement,  ///< component of a mode shape

@@ -1,4 +1,4 @@
-// The model of a structure: a solver, and what of its solutions are outputs.
+// The model of a structure: a solver, and the responses that make outputs of its solutions.
 #pragma once
 
 #include <memory>

@@ -1,4 +1,4 @@
-// A model in place of one that costs minutes: a surrogate of it, fitted to its runs.
+// A surrogate, fitted to the runs of an expensive model, as a model.
 #pragma once
 
 #include <memory>

@@ -132,7 +132,7 @@ class CalculixProgram {
   }
 
   /// CalculiX ends with status 0 where the disk was full. It stores every diagonal entry and the same entries of both
-  /// matrices: that is held against the list of rows before anything is kept.
+  /// matrices: that is compared with the list of rows before anything is kept.
   MatrixRun read_stored(const fs::path& folder) const {
     const std::string stiffness = stored(folder, "model.sti");
     const std::string mass = stored(folder, "model.mas");

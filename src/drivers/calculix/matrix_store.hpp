@@ -13,7 +13,7 @@ namespace mottle::drivers {
 /// Nothing where the run is not kept or its file is damaged.
 std::optional<MatrixRun> find_run(const std::filesystem::path& folder, const Digest& digest);
 
-/// Keeps a run, and of older ones as many as fit into 2 GB. A place that cannot be written costs the reuse alone.
+/// Keeps a run, and of older ones as many as fit into 2 GB. A folder that cannot be written only prevents the reuse.
 void keep_run(const std::filesystem::path& folder, const Digest& digest, const MatrixRun& run);
 
 }  // namespace mottle::drivers

@@ -143,7 +143,7 @@ ExternalSolver::ExternalSolver(SolverCommand command, const std::vector<std::str
   }
 }
 
-/// The structure as the run at the means shows it, which also settles how many modes a run must give.
+/// The structure from the run at the means, which also determines how many modes a run must give.
 ExternalStructure ExternalSolver::run_at_means(const std::atomic<bool>* stop) {
   SolverRuns::Run run = runs_.run(nominal_, std::max(1, least_), stop);
   if (!run.record.failure.empty()) refuse(run);
@@ -208,7 +208,7 @@ SolverUse ExternalSolver::solve(const Eigen::Ref<const Eigen::MatrixXd>& samples
     SolverRuns::Run run;
     try {
       run = runs_.run(samples.row(s).transpose(), least_, &halt);
-    } catch (const FormatError& error) {  // a value that does not fit into its place
+    } catch (const FormatError& error) {  // a value that does not fit into its placeholder
       run.record.failure = error.what();
     }
     std::string failure = run.record.failure;

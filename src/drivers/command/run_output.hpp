@@ -1,4 +1,4 @@
-// What a run of a program printed: its end, and no more of it than is worth keeping.
+// The last lines that a run of a program printed, for messages.
 #pragma once
 
 #include <filesystem>

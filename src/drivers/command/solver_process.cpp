@@ -16,8 +16,8 @@
 #include "mottle/core/error.hpp"
 
 // Between Mottle and the program stands a guard: a process that waits for the program and, once Mottle asks or dies,
-// ends the program's whole group. The kernel tells it of Mottle's death (PR_SET_PDEATHSIG). Guard and program start in
-// copies of a process with many threads and call nothing but what is safe there; hence _Fork, which runs no handlers
+// ends the program's whole group. The kernel signals Mottle's death to it (PR_SET_PDEATHSIG). Guard and program start
+// in copies of a process with many threads and call nothing but what is safe there; hence _Fork, which runs no handlers
 // of libraries, and strings that are made before.
 
 namespace mottle::drivers {

@@ -1,4 +1,4 @@
-// Runs somebody else's program once: no shell in between, a process group and files of its own, an end to its time.
+// Runs an external program once: without a shell, in a process group with files of its own, and with a time limit.
 #pragma once
 
 #include <atomic>

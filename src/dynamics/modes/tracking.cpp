@@ -13,7 +13,7 @@ namespace {
 constexpr double k_shares_shape = 0.1;  // MAC from which a mode counts as part of another's shape
 constexpr std::size_t k_largest_group = 6;
 
-/// Reference modes that share the sample shapes assigned to one another, starting from one of them.
+/// Group of reference modes that are mixed with one another in the sample's shapes, starting from one of them.
 std::set<int> mixed_group(const Eigen::Ref<const Eigen::MatrixXd>& cosines, const std::vector<int>& mode, int start) {
   std::set<int> group{start};
   std::vector<int> open{start};

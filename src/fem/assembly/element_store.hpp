@@ -53,7 +53,7 @@ class ElementStore {
     return pieces_[element.first_piece + static_cast<std::size_t>(k)];
   }
 
-  /// Applies EquationMap::hold to what is stored: held equations become -1.
+  /// Applies EquationMap::constrain to what is stored: constrained equations become -1.
   void constrain(const std::vector<bool>& is_constrained);
 
  private:

@@ -16,7 +16,7 @@ Eigen::Matrix<double, 1, 6> rigid_row(const FiniteElementModel& model, int slot,
   const int component = slot % 6;
   const Node& point = model.nodes[static_cast<std::size_t>(node)];
   Eigen::Matrix<double, 1, 6> row = Eigen::Matrix<double, 1, 6>::Zero();
-  if (point.is_scalar) return row;  // has no place and no direction
+  if (point.is_scalar) return row;  // has no position and no direction
   const Eigen::Matrix3d axes = is_basic ? Eigen::Matrix3d::Identity() : displacement_directions(model, node);
   const Eigen::RowVector3d direction = axes.col(component % 3).transpose();
   if (component >= 3) {

@@ -26,7 +26,7 @@ struct ElementPiece {
   Kind kind = Kind::stiffness;
   double factor = 1.0;
   std::vector<FieldPower> coefficient = {};
-  std::vector<FieldIndex> matrix_fields = {};  ///< fields that shape the matrix itself: it is wrong once these change
+  std::vector<FieldIndex> matrix_fields = {};  ///< fields on which `matrix` itself depends: made anew when they change
   Eigen::MatrixXd matrix = {};
 };
 

@@ -1,4 +1,4 @@
-// What beams, rods and other elements between two points have in common.
+// Functions shared by beams, rods and other elements between two points.
 #pragma once
 
 #include <array>

@@ -1,4 +1,4 @@
-// How the flat element behind a shell moves with its nodes: rigid links to an offset and to the corners of a warp.
+// Kinematics of a shell's flat element: rigid links from its nodes to an offset and to the corners of a warped element.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,6 +1,6 @@
 // Bending and transverse shear of plates. Rotations vary linearly between the nodes, plus a quadratic part along each
-// edge that makes the plate follow a share of the edge's shear by bending [Katili1993]; shear is the rest, tied at the
-// edges [Bathe1985]. Share 0 is MITC4 (of three nodes MITC3, which locks), share 1 the Kirchhoff plates DKQ and DKT.
+// edge by which a fraction of the edge's shear becomes bending [Katili1993]; the remaining shear is tied at the edges
+// [Bathe1985]. Fraction 0 is MITC4 (of three nodes MITC3, which locks), fraction 1 the Kirchhoff plates DKQ and DKT.
 #include "fem/elements/shell_flat.hpp"
 #include "mottle/core/error.hpp"
 

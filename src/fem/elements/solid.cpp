@@ -94,7 +94,7 @@ const typename Table<count, modes>::Points& stiffness_points(const Table<count, 
                                                              const Geometry<count>& geometry) {
   if constexpr (count == 10) {
     // The Jacobian of a straight element is the same everywhere. What four points miss is of second order in the
-    // deviation, so that 1e-3 leaves 1e-6 and lets mid-edge nodes be rounded to the digits of a card.
+    // difference, so that 1e-3 leaves 1e-6 and lets mid-edge nodes be rounded to the digits of a card.
     const Eigen::Matrix3d centre = geometry.jacobian(table.centre);
     for (const Point<count, modes>& corner : table.corners) {
       if ((geometry.jacobian(corner) - centre).norm() > 1e-3 * centre.norm()) return table.mass;

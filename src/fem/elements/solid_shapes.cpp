@@ -30,7 +30,7 @@ Rule cube(int count) {
   return rule;
 }
 
-/// Three places with barycentric coordinates (1 - 2 a, a, a).
+/// Three points with barycentric coordinates (1 - 2 a, a, a).
 void add_triangle_orbit(Rule& rule, double weight, double a) {
   for (const auto& [x, y] : {std::pair{a, a}, {1.0 - 2.0 * a, a}, {a, 1.0 - 2.0 * a}})
     rule.push_back({weight, {x, y, 0}});
@@ -46,7 +46,7 @@ Rule prism(const Rule& triangle, const Rule& line) {
   return rule;
 }
 
-/// Four places with barycentric coordinates (1 - 3 a, a, a, a).
+/// Four points with barycentric coordinates (1 - 3 a, a, a, a).
 void add_tetrahedron_orbit(Rule& rule, double weight, double a) {
   rule.push_back({weight, {a, a, a}});
   for (int axis = 0; axis < 3; ++axis) {
@@ -61,7 +61,7 @@ Rule tetrahedron_of_degree_2() {
   return rule;
 }
 
-/// 14 places, all weights positive [Walkington2000].
+/// 14 points, all weights positive [Walkington2000].
 Rule tetrahedron_of_degree_5() {
   Rule rule;
   add_tetrahedron_orbit(rule, 0.073493043116361949544 / 6.0, 0.092735250310891226402);

@@ -8,7 +8,7 @@
 
 namespace mottle::fem::solid_shapes {
 
-/// A place in an element's own coordinates with all that depends on the place alone.
+/// An integration point in an element's natural coordinates, with shape functions and gradients there.
 template <int nodes, int modes>
 struct Point {
   double weight = 0.0;

@@ -1,5 +1,5 @@
-// An HDF5 file in memory. What it claims is held against what it stores before memory is asked for, and nothing outside
-// of it is read: no external links, external storage or virtual datasets.
+// An HDF5 file in memory. Sizes that it states are checked against the bytes that it stores before memory is allocated,
+// and nothing outside of it is read: no external links, external storage or virtual datasets.
 #pragma once
 
 #include <hdf5.h>

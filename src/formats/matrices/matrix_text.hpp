@@ -1,4 +1,4 @@
-// What the readers of matrices share: lines, Fortran's numbers, and a symmetric matrix put together entry by entry.
+// Functions shared by the readers of matrices: lines, Fortran numbers, and assembly of a symmetric matrix by entries.
 #pragma once
 
 #include <array>

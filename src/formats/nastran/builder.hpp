@@ -1,5 +1,5 @@
-// What the card readers share while a model is built: the model, tables from ids to indices, and the rules that say
-// which function reads which card, and when.
+// State shared by the card readers while a model is built: the model, tables from ids to indices, and the rules that
+// say which function reads which card, and in which phase.
 #pragma once
 
 #include <any>
@@ -165,7 +165,7 @@ struct CardRule {
   std::string_view design_numbers = {};  ///< that models are usually wrong in: "A I1 I2 J", "DIM*"
 };
 
-/// After Phase::points: sorts the points, resolves the systems and places the nodes.
+/// After Phase::points: sorts the points, resolves the systems and computes the nodes' positions.
 void resolve_points(ModelBuilder& builder);
 /// Before Phase::constraints: which SPC and MPC sets hold.
 void select_constraint_sets(ModelBuilder& builder);

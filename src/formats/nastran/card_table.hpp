@@ -10,7 +10,7 @@ namespace mottle::formats::nastran {
 
 /// Cards that one source reads.
 struct CardFamily {
-  std::string_view names;  ///< of what a deck's author would look for, as messages give them; may be empty
+  std::string_view names;  ///< card names for messages, as users know them; may be empty
   std::span<const CardRule> rules;
 };
 

@@ -140,7 +140,7 @@ class RowJoiner {
     for (const BulkRow& row : rows_) {
       if (row.kind == BulkRow::Kind::card && row.next >= 0) total += joined_size(row);
     }
-    text_.joined.reserve(total);  // spans look into it: it may not move any more
+    text_.joined.reserve(total);  // string views refer to it: it must not be reallocated
     deck_.cards.reserve(static_cast<std::size_t>(
         std::count_if(rows_.begin(), rows_.end(), [](const BulkRow& r) { return r.kind == BulkRow::Kind::card; })));
     for (const BulkRow& row : rows_) {

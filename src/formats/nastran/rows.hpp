@@ -33,7 +33,7 @@ std::string shown(std::string_view text);
 std::string_view trim(std::string_view text);
 /// Everything in front of a '$' that stands outside quotes.
 std::string_view without_comment(std::string_view line);
-/// Puts part of `bytes` into capitals; `part` looks into `bytes`.
+/// Puts part of `bytes` into capitals; `part` is a view of `bytes`.
 void make_capitals(std::string& bytes, std::string_view part);
 
 /// One line of the bulk data section.

@@ -32,7 +32,7 @@ constexpr std::string_view k_reductions[] = {"ASET*", "OMIT*", "CSET*", "BSET*",
 
 constexpr int k_max_notes = 30;
 
-/// Everything else that changes stiffness, mass or constraints, besides what looks like an element.
+/// Everything else that changes stiffness, mass or constraints, besides names that resemble elements.
 constexpr std::string_view k_refused[] = {
     "MAT2",    "MAT3",    "MAT8",    "MAT9",    "MAT10",   "MAT11",  "MATG",    "MATHP",  "MATORT*", "MATF",
     "RBE1",    "RROD",    "RTRPLT*", "RSPLINE", "RJOINT",  "RSSCON", "RBE2GS",  "RBE2F",  "GENEL",   "PCOMP*",

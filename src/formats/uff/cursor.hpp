@@ -1,5 +1,5 @@
-// Goes through a universal file line by line: dataset marks, records of numbers, binary payloads; every fault is told
-// with file and line.
+// Reads a universal file line by line: dataset marks, records of numbers, binary payloads; every fault is reported with
+// file and line.
 #pragma once
 
 #include <initializer_list>

@@ -1,4 +1,4 @@
-// The frame of a universal file: marks, dataset numbers, and what is done with each dataset.
+// The structure of a universal file: marks and dataset numbers, and the reader of each dataset.
 #include <cctype>
 #include <charconv>
 #include <map>

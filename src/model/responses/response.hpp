@@ -1,4 +1,4 @@
-// What of a structure's solution are outputs: one class a kind of quantity.
+// Interface of the responses, which make outputs of a structure's solution: one class a kind of quantity.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,7 +13,7 @@
 
 namespace mottle::model {
 
-/// Which mode of a sample is which mode of the reference, and how its shape is turned.
+/// Assignment of a sample's modes to those of the reference, with the sign of each shape.
 struct ModeMatch {
   std::vector<int> column;   ///< by the reference's mode, counted from 0
   std::vector<double> sign;  ///< the same, of its shape against the reference's
@@ -21,7 +21,7 @@ struct ModeMatch {
   std::string note = {};     ///< modes that crossed or mixed
 };
 
-/// What a response needs of the solution of every sample.
+/// The results that a response needs of every sample's solution.
 struct ResponseNeeds {
   std::vector<int> modes = {};               ///< numbers from 1
   std::vector<int> degrees_of_freedom = {};  ///< where it needs displacements
@@ -80,7 +80,7 @@ class Response {
   ///
   /// @return  why the sample has failed; empty: it has not
   virtual std::string fill(const NumberedSolution& solution, Row row) const = 0;
-  /// [quantity x parameter]; nan where no analytic derivative is to be had.
+  /// [quantity x parameter]; nan where there is no analytic derivative.
   virtual Eigen::MatrixXd derivatives(const SolvedPoint& point) const = 0;
 };
 

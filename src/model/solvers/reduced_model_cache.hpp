@@ -18,7 +18,7 @@ struct ReducedModelCache {
 };
 
 /// The trained model of these inputs: from the cache where it lies there, else trained and kept there. The same bits
-/// either way. A place that cannot be read or written costs the reuse alone; notes of the context tell what happened.
+/// either way. A folder that cannot be read or written only prevents the reuse; notes to the context say so.
 ///
 /// @throws InvalidInput  as ReducedModel's constructor
 std::unique_ptr<ReducedModel> find_or_train(const ReducedModelCache& cache, const ReducedModelInputs& inputs,

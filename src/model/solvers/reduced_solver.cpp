@@ -84,7 +84,7 @@ const ReducedModel* TrainedReducedModel::at(int modes, const RunContext& context
                             .training = coefficients_at(structure_, settings_.training)},
                            context);
   } catch (const InvalidInput&) {
-    return nullptr;  // no modes at the prior's mean; each sample tells its own story
+    return nullptr;  // no modes at the prior's mean; each sample is solved and reported by itself
   }
   if (!model_->reaches_tolerance()) {
     context.note(fmt::format("The prior is too wide for a reduced model within {:.1e}: training ended at {} vectors.",

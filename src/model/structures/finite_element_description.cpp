@@ -1,4 +1,4 @@
-// What `check` says of a finite-element model.
+// Description of a finite-element model for `check`.
 #include <fmt/format.h>
 
 #include <map>

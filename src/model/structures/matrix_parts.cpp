@@ -1,4 +1,4 @@
-// Which part of a structure's matrices each parameter scales.
+// Binds parameters to the parts of a structure's matrices that they scale.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -124,7 +124,7 @@ Numbering number_rows(const std::vector<Piece>& pieces) {
   return result;
 }
 
-/// Takes held rows out of all matrices.
+/// Removes rows that the solver fixed from all matrices; returns their number.
 int leave_out_fixed_rows(const std::vector<Piece>& pieces, Numbering& numbering) {
   std::set<int> fixed_rows;
   for (std::size_t k = 0; k < pieces.size(); ++k) {

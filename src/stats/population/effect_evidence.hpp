@@ -1,5 +1,5 @@
-// What each specimen by itself says of its effects, in the population's own units: directions that scatter, each with
-// variance 1.
+// Each specimen's own information on its effects, in whitened coordinates of the population: the directions with
+// variance, each scaled to variance 1.
 #pragma once
 
 #include <Eigen/Core>
@@ -32,7 +32,7 @@ struct WhitenedEffects {
   std::vector<EffectEvidence> specimens;
 };
 
-/// The rows of every unit turned to those that say something of effects, no more than there are directions.
+/// The rows of every unit, rotated to those that depend on effects, no more than there are directions.
 WhitenedEffects whiten_effects(const std::vector<RandomEffectsUnit>& units, const RandomEffectsFit& fit);
 
 /// E[x | y] of every specimen of a population N(mean, covariance) and how it scatters.
@@ -42,13 +42,14 @@ struct ShrunkenEffects {
 
   /// a'x for each axis a, a row of `axes` [specimen x axis].
   Eigen::MatrixXd along(const Eigen::Ref<const Eigen::MatrixXd>& axes) const;
-  /// Their standard deviations where the population's is 1: 1 where x is known, 0 where nothing is [specimen x axis].
+  /// Standard deviation of each estimate relative to the population's: 1 where x is known exactly, 0 where not at all
+  /// [specimen x axis].
   Eigen::MatrixXd standard_deviations(const Eigen::Ref<const Eigen::MatrixXd>& axes) const;
 };
 ShrunkenEffects shrink_effects(const std::vector<EffectEvidence>& specimens, const Eigen::VectorXd& mean,
                                const Eigen::MatrixXd& covariance);
 
-/// Cholesky factor of a covariance; one that is singular to rounding is lifted.
+/// Cholesky factor of a covariance; one that is singular to rounding is regularised.
 CholeskyFactor positive_factor(Eigen::MatrixXd matrix);
 
 /// Own least-squares estimates [specimen x direction]; nothing where a specimen does not determine its effects.

@@ -1,4 +1,5 @@
-// What a fit of random effects tells about the population, put into the terms of a sample covariance.
+// The evidence of a random-effects fit on the population, expressed as an equivalent sample covariance with degrees of
+// freedom.
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
@@ -67,7 +68,7 @@ bool gather_balanced(const std::vector<RandomEffectsUnit>& units, const RandomEf
   return true;
 }
 
-/// Degrees of freedom of an entry from its sampling variance, `spread` being the variance that one degree would give.
+/// Degrees of freedom of an entry from its sampling variance; `spread` is the variance at one degree of freedom.
 double entry_degrees_of_freedom(double spread, double variance, double units) {
   const double complete = units - 1.0;
   const double expected = std::min(spread / std::max(variance, 1e-300), complete);

@@ -69,7 +69,7 @@ Eigen::RowVector2d equal_tails(std::vector<double> values, double confidence) {
   return {at(0.5 * (1.0 - confidence)), at(0.5 * (1.0 + confidence))};
 }
 
-/// Correlation of two variables: its fiducial draws, the noise taken off.
+/// Correlation of two variables from its fiducial draws, less the noise.
 Eigen::RowVector2d correlation_interval(const PopulationEvidence& evidence, Eigen::Index i, Eigen::Index j,
                                         double confidence, Draws& draws) {
   const double degrees_of_freedom = std::max(evidence.degrees_of_freedom(i, j), k_min_degrees_of_freedom);
@@ -98,7 +98,7 @@ Eigen::RowVector2d correlation_interval(const PopulationEvidence& evidence, Eige
   return ends.allFinite() ? ends : Eigen::RowVector2d(-1.0, 1.0);
 }
 
-/// Draws of the part of a mean's variance that shared errors make; the same value where their variance is known.
+/// Draws of the part of a mean's variance due to shared errors; a constant where their variance is known.
 Eigen::ArrayXd shared_variances(const PopulationEvidence& evidence, Eigen::Index i, Eigen::Index count, Draws& draws) {
   if (evidence.mean_shared.size() == 0) return Eigen::ArrayXd::Zero(count);
   Eigen::ArrayXd variances = Eigen::ArrayXd::Constant(count, evidence.mean_shared(i, i));
@@ -152,7 +152,7 @@ double mean_half_width(const PopulationEvidence& evidence, Eigen::Index i, doubl
   return boost::math::quantile(complement(t, 0.5 * (1.0 - confidence))) * std::sqrt(variance);
 }
 
-/// Mean and deviation of a variable that is not normal itself.
+/// Mean and standard deviation of a variable that is normal only after its transform.
 void add_transformed_intervals(const PopulationEvidence& evidence, Eigen::Index i, const ParameterTransform& transform,
                                double confidence, Draws& draws, PopulationIntervals& intervals) {
   const double degrees_of_freedom = evidence.degrees_of_freedom(i, i);

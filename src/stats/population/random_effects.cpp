@@ -13,7 +13,7 @@
 namespace mottle::stats {
 namespace {
 
-/// What is iterated.
+/// State of the iteration.
 struct State {
   Eigen::MatrixXd covariance;
   Eigen::VectorXd factors;
@@ -104,7 +104,7 @@ bool is_positive(const State& state) {
   return (state.factors.array() > 0.0).all() && is_positive(state.covariance);
 }
 
-/// Two steps and the squared extrapolation along them; the second step where that leaves what is possible.
+/// Two steps and the squared extrapolation along them; the second step alone where the extrapolation is not admissible.
 State accelerate(const State& start, const State& first, const State& second) {
   const auto norm = [](const State& a, const State& b) {
     const Eigen::VectorXd scale = a.covariance.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();

@@ -8,7 +8,7 @@
 namespace mottle::stats {
 namespace {
 
-/// C^-1 and log det C of a covariance that may be singular to rounding: a part in 1e13 of its diagonal is added.
+/// C^-1 and log det C of a covariance that may be singular to rounding: 1e-13 of its diagonal is added.
 std::pair<Eigen::MatrixXd, double> invert(Eigen::MatrixXd covariance) {
   constexpr double k_floor = 1e-13;
   covariance.diagonal() *= 1.0 + k_floor;

@@ -9,8 +9,8 @@
 
 namespace mottle::stats {
 
-/// Least eigenvalue of Sigma's correlation, as a part of the largest one: all that is computed from Sigma^-1 then keeps
-/// half of the digits, while no deviation changes by more than a ten-thousandth of another.
+/// Smallest eigenvalue of Sigma's correlation, as a fraction of the largest: all that is computed from Sigma^-1 then
+/// keeps half of the digits, while no standard deviation changes by more than a ten-thousandth of another.
 inline constexpr double k_min_eigenvalue = 1e-8;
 
 inline bool may_be_correlated(const RandomEffectsSettings& settings, Eigen::Index i, Eigen::Index j) {

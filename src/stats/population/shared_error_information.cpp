@@ -1,4 +1,4 @@
-// What a fit tells of the errors that all units share.
+// Estimates of the errors that all units share, at a fit.
 #include <algorithm>
 
 #include "stats/population/random_effects_levels.hpp"

@@ -12,7 +12,7 @@
 namespace mottle::stats {
 
 Eigen::MatrixXd tall_triangular_factor(Eigen::Index rows, Eigen::Index columns, const FillRows& fill) {
-  // Long enough to make the stacked factor a small share of the work, short enough to stay in the second-level cache.
+  // Long enough to make the stacked factor a small fraction of the work, short enough for the second-level cache.
   const Eigen::Index block_rows = std::max<Eigen::Index>(4 * columns, 1024);
   Eigen::MatrixXd factor = Eigen::MatrixXd::Zero(columns, columns);
   Eigen::MatrixXd stacked;

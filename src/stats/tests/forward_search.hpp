@@ -1,5 +1,5 @@
-// Orders the specimens of a sample from a core that agrees with itself outwards, so that outliers cannot hide one
-// another. Knows two kinds of samples; what is too far is outliers.cpp's business.
+// Forward search: orders the specimens of a sample outwards from a core of least scatter, so that outliers cannot mask
+// one another. For complete samples and for samples with noise; the test itself is in outliers.cpp.
 #pragma once
 
 #include <Eigen/Core>
@@ -57,7 +57,7 @@ class PartialSample {
     double count = 0.0;  ///< complete specimens that have as many rows as the core
   };
 
-  /// @param shrinkage  weight, in specimens, of the belief that effects are not correlated
+  /// @param shrinkage  weight, in specimens, of a prior towards uncorrelated effects
   PartialSample(std::vector<EffectEvidence> specimens, double shrinkage);
 
   Eigen::Index size() const { return static_cast<Eigen::Index>(specimens_.size()); }
@@ -102,7 +102,7 @@ std::vector<ForwardStep> line_search(const Eigen::Ref<const Eigen::VectorXd>& va
 /// Forward search: from the core without `max_suspects` suspects, concentrated until it keeps its members, specimens
 /// join in the order of their distance.
 ///
-/// @return  the step with k suspects at place k - 1
+/// @return  the step with k suspects at index k - 1
 /// Source: [Wilks1963] for pairs, [Rousseeuw1999] for the concentration, [Riani2009] for the search.
 template <class Sample>
 std::vector<ForwardStep> forward_search(const Sample& sample, Eigen::Index max_suspects) {

@@ -109,7 +109,7 @@ double henze_zirkler_probability(double statistic, Eigen::Index specimens, Eigen
   return part_from(reference, statistic);
 }
 
-/// The specimens that determine all directions, each estimate turned to unit covariance.
+/// The specimens that determine all directions, each estimate whitened to unit covariance.
 Eigen::MatrixXd joint_scores(const ShrunkenEffects& effects, double min_variance) {
   const Eigen::Index directions = effects.points.cols();
   std::vector<Eigen::VectorXd> scores;

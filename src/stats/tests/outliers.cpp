@@ -20,7 +20,7 @@ namespace {
 
 constexpr Eigen::Index k_largest_group = 10;  // more of them are a population of their own
 
-/// How many suspects there may be: the core must determine what is estimated of it.
+/// Largest number of suspects: the core must determine mean and covariance.
 Eigen::Index max_suspects(Eigen::Index specimens, double complete, Eigen::Index effects) {
   const double needed = static_cast<double>(effects + 2) / std::max(complete, 1e-9);
   const auto spared = static_cast<Eigen::Index>(std::floor(static_cast<double>(specimens) * (1.0 - needed) + 1e-9));
@@ -52,7 +52,7 @@ Eigen::RowVectorXd evidence_of(const std::vector<ForwardStep>& steps) {
   return evidence;
 }
 
-/// The suspects that show the most, and how often chance shows as much.
+/// The suspects with the largest evidence, and its p-value.
 struct Group {
   std::vector<Eigen::Index> suspects;
   double p_value = 1.0;
@@ -73,10 +73,10 @@ Group judge_steps(const std::vector<ForwardStep>& steps, const Eigen::MatrixXd& 
           above == 0.0};
 }
 
-/// Simulates until it is clear that there is nothing, or to the end. Source: [Besag1991].
+/// Simulates until the p-value is surely above the level, or `last` samples are drawn. Source: [Besag1991].
 ///
 /// @param rows  t of the samples so far; more are added
-/// @param level  at which the sample will be judged
+/// @param level  significance level of the test
 /// @param last  samples at most
 /// @param draw  t of one more sample, by its number
 Group judge_by_simulation(const std::vector<ForwardStep>& steps, Eigen::MatrixXd& rows, double level, Eigen::Index last,
@@ -167,7 +167,7 @@ std::vector<Outlier> describe(const Sample& sample, const std::vector<Group>& gr
   for (const Group& group : groups) {
     for (const Eigen::Index s : group.suspects) {
       const DeletedDistance deleted = sample.deleted(s, estimate);
-      // What no simulated sample reaches, the distance's own probability among all specimens tells.
+      // Where no simulated sample is as extreme: the p-value of the distance itself, for all specimens (Bonferroni).
       const double own = static_cast<double>(core.size() + 1) * std::exp(-deleted.evidence);
       outliers.push_back({s, deleted.distance, group.is_beyond ? std::min(group.p_value, own) : group.p_value});
     }

@@ -1,4 +1,4 @@
-// A fault of one key of a study.
+// Error in one key of a study.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// Where in a study a fault stands.
+// Finds key and line of a study to which an error belongs.
 #include "mottle/core/subject.hpp"
 #include "mottle/study/input/study.hpp"
 #include "study/input/key_error.hpp"

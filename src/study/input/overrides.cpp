@@ -33,7 +33,7 @@ toml::node* entry_of(toml::array& list, const std::string& step, std::vector<std
   return nullptr;
 }
 
-/// The value as TOML, or as bare text where it is a word that no TOML value looks like.
+/// The value as TOML, or as bare text where it is a word that cannot be a TOML value.
 toml::table parse_value(const std::string& value, const std::string& given) {
   const std::string assignment = printable(given);
   try {

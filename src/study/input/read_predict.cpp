@@ -1,4 +1,4 @@
-// [surrogate], [predict] and [diagnose]: what is asked beside the update.
+// Readers of [surrogate], [predict] and [diagnose].
 #include "mottle/study/models/model_source.hpp"
 #include "study/input/study_sections.hpp"
 

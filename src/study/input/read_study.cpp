@@ -230,7 +230,7 @@ Study read_study(const std::filesystem::path& file, const StudyOverrides& overri
 
 namespace {
 
-/// The places of the model's files, as `relative` gives them; lists of files are made anew.
+/// Rewrites the paths of the model's files by `relative`; lists of files are made anew.
 template <class Relative>
 void rewrite_files(toml::table& model, const std::vector<NamedFile>& files, const Relative& relative) {
   std::set<std::string> lists;

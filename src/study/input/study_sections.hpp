@@ -22,7 +22,7 @@ SurrogateSettings read_surrogate(TomlReader reader);
 const std::vector<std::string>& surrogate_kinds();
 StudyPredict read_predict(TomlReader reader, const ModelSource& model, const std::filesystem::path& folder);
 
-/// One [[parameter]]; without targets its name is its place.
+/// One [[parameter]]; without targets its name is that of a placeholder.
 StudyParameter read_parameter(TomlReader& reader, bool has_targets = true);
 
 }  // namespace mottle::study

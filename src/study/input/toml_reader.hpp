@@ -60,7 +60,7 @@ class TomlReader {
   std::string where() const;
   /// "study.toml:12: [update]": the key's line, the table's name.
   std::string where_of(const std::string& key) const;
-  /// `message` about `key`, with its place in front.
+  /// `message` about `key`, with file, line and key in front.
   [[noreturn]] void fail(const std::string& key, const std::string& message) const;
   /// "found 3.5, allowed is ..."
   [[noreturn]] void fail_value(const std::string& key, const std::string& allowed) const;

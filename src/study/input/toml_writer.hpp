@@ -11,7 +11,7 @@
 
 namespace mottle::study {
 
-/// The keys of a table as they stood in the file; keys without a place (from --set) come first.
+/// The keys of a table in the order of the file; keys without a position (from --set) come first.
 std::vector<std::string> keys_in_file_order(const toml::table& table);
 
 /// A value on one line; numbers in the fewest digits that give them back.

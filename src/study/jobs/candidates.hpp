@@ -1,4 +1,5 @@
-// The candidates of a diagnosis: what the study names, or everything in the model that may sensibly be wrong.
+// The candidate parameters of a diagnosis: those that the study names, or all numbers of the model that are uncertain
+// as a rule.
 #pragma once
 
 #include <Eigen/Core>

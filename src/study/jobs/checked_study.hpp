@@ -1,4 +1,4 @@
-// What a study is made into before anything is computed with it.
+// The objects of a checked study: model, tests and method, before anything is computed.
 #pragma once
 
 #include <optional>

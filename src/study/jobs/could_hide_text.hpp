@@ -1,4 +1,4 @@
-// Hidden errors in words.
+// Sentences on errors of fixed numbers that could hide behind a verdict.
 #pragma once
 
 #include <string>
@@ -12,8 +12,8 @@ namespace mottle::study {
 /// "1.2 %"; of a number that is 0 in the model the change itself.
 std::string change_text(const NamedError& error);
 
-/// "k1 by 1.4 half-widths of its 95 % interval", of the parameter that moves most; in prior deviations where it has no
-/// interval; without a number where a mean moves too far for first order.
+/// "k1 by 1.4 half-widths of its 95 % interval", of the parameter that moves most; in prior standard deviations where
+/// it has no interval; without a number where a mean moves too far for first order.
 std::string harm_text(const HiddenError& error, const std::vector<std::string>& parameters);
 
 /// "k6 off by 10 % would have passed the tests of means and scatter, and moves k1 by ...".

@@ -131,7 +131,7 @@ MeansTest means_test(const UpdatingProblem& problem, const UpdatingResult& resul
       level_of_means_test(problem, result, static_cast<double>(effects.means_degrees_of_freedom), test.denominator);
   const double quantile = n > 1.0 ? boost::math::quantile(boost::math::students_t(n - 1.0), 0.975) : 1.96;
   test.half_widths = quantile * effects.mean_covariance.diagonal().cwiseSqrt();
-  // Beyond bounds, or 10 prior deviations off, the verdict refuses by other tests.
+  // Beyond bounds, or 10 prior standard deviations off, the verdict refuses by other tests.
   constexpr double k_absurd = 10.0;
   const Eigen::VectorXd start = problem.space.prior().mean();
   const Eigen::VectorXd reach = k_absurd * test.prior_std;

@@ -7,7 +7,7 @@ void set_aside_in(const std::filesystem::path& folder, const std::vector<std::st
   if (!std::filesystem::is_directory(folder, ignored)) return;
   try {
     RunFolder(folder).set_aside(names);
-  } catch (const std::exception&) {  // what is told is why the job ends
+  } catch (const std::exception&) {  // the error reported is the one that ended the job
   }
 }
 

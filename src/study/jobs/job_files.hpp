@@ -1,4 +1,4 @@
-// What a job keeps in its folder while it computes: its log, and the journal that lets a killed job go on.
+// Files of a running job in its folder: the log, and the journal from which a killed job is resumed.
 #pragma once
 
 #include <filesystem>
@@ -45,8 +45,8 @@ class JobFiles {
   RunContext context(const Study& study, const RunSettings& settings) const;
 
   /// What `work` returns. Results of an earlier job, files `names`, are set aside before. Where `work` finds the input
-  /// wrong, the message gets its place in the study, log and journal go again, and earlier results stay where they
-  /// were.
+  /// wrong, the message gets its key and line in the study, log and journal are removed, and earlier results stay where
+  /// they were.
   template <typename Work>
   auto compute(const Study& study, const std::vector<std::string>& names, const Work& work) const {
     const std::vector<std::string> aside = folder_ ? folder_->set_aside(names) : std::vector<std::string>();

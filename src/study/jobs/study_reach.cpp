@@ -37,7 +37,7 @@ void add_tests(Reach& reach, const Study& study) {
   std::vector<fs::path> files = study.test->files;
   try {
     files = list_test_files(study);
-  } catch (const InvalidInput&) {  // told where they are read
+  } catch (const InvalidInput&) {  // reported where they are read
   }
   for (const fs::path& file : files) reach.add(study.test->key, file);
   if (study.test->repeats_file) reach.add("test.repeatability", *study.test->repeats_file);

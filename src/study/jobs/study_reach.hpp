@@ -1,4 +1,4 @@
-// What a study reaches beyond its own folder.
+// Programs and files that a study uses outside its own folder.
 #pragma once
 
 #include <string>

@@ -11,7 +11,7 @@ namespace {
 /// Thrown by the first model run.
 struct FirstRun {};
 
-/// A model in whose place nothing is run.
+/// A model that must not be run.
 class UnusedModel final : public Model {
  public:
   explicit UnusedModel(const Model& model) : model_(model) {}

@@ -1,4 +1,4 @@
-// Everything of an update that is made before its first model run: what `update` computes with and `check` looks at.
+// Everything of an update that is made before its first model run, for `update` and `check`.
 #pragma once
 
 #include <memory>

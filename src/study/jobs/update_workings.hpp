@@ -1,4 +1,4 @@
-// All that an update was computed with.
+// The objects that an update was computed with.
 #pragma once
 
 #include <memory>

@@ -1,4 +1,4 @@
-// What kinds of model have in common.
+// Functions shared by the kinds of model.
 #pragma once
 
 #include <string>
@@ -16,7 +16,7 @@ std::optional<double> read_reduction(TomlReader& reader);
 
 ModelParts parts_of(MatrixModel model, std::vector<std::string> files);
 
-/// By runs of a program, in whose input places have these names.
+/// By runs of a program whose input has placeholders of these names.
 ModelParts make_external(const SolverCommand& command, const std::vector<std::string>& names,
                          const JointDistribution& prior, const RunSettings& settings);
 

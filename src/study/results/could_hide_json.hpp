@@ -1,4 +1,4 @@
-// What could hide behind a verdict, in result.json.
+// Errors of fixed numbers that could hide behind a verdict, in result.json.
 #pragma once
 
 #include "mottle/layers.hpp"

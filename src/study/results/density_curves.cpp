@@ -14,7 +14,7 @@ namespace {
 
 constexpr Eigen::Index k_points = 161;
 constexpr Eigen::Index k_family_points = 241;  // of families that may rise steeply
-constexpr double k_reach = 4.0;                // in deviations
+constexpr double k_reach = 4.0;                // in standard deviations
 
 double normal_density(double x, double std) {
   return std::exp(-0.5 * (x / std) * (x / std)) / (std * std::sqrt(2.0 * std::numbers::pi));
@@ -47,7 +47,7 @@ DensityCurve curve_of_variable(const ParameterTransform& transform, const Transf
   return curve;
 }
 
-/// Bounds of normals with a mean in [a, b] and a deviation in [c, d].
+/// Envelope of normal densities with a mean in [a, b] and a standard deviation in [c, d].
 DensityBand normal_band(const Eigen::Vector2d& mean, const Eigen::Vector2d& std, double reach) {
   DensityBand band;
   band.x = Eigen::VectorXd::LinSpaced(k_points, mean(0) - reach * std(1), mean(1) + reach * std(1));

@@ -1,4 +1,4 @@
-// Densities of parameters as the page draws them: the prior's, and what intervals of mean and deviation leave open.
+// Densities of parameters for the page: the prior's, and envelopes from intervals of mean and standard deviation.
 #pragma once
 
 #include <Eigen/Core>
@@ -23,7 +23,7 @@ struct DensityBand {
 /// Density of a prior, over nearly all of its probability; a uniform one as a box.
 DensityCurve prior_curve(const Distribution& prior);
 
-/// Density of a normal distribution, four deviations to each side.
+/// Density of a normal distribution, four standard deviations to each side.
 DensityCurve normal_curve(double mean, double std);
 
 /// Envelope of the densities whose mean and standard deviation lie within their intervals, for variables whose

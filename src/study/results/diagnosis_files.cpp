@@ -1,4 +1,4 @@
-// The file and words of a diagnosis.
+// diagnosis.json and the summary of a diagnosis.
 #include "mottle/study/jobs/diagnose.hpp"
 #include "mottle/study/results/run_folder.hpp"
 #include "study/results/diagnosis_names.hpp"

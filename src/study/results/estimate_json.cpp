@@ -13,14 +13,14 @@ namespace {
 
 constexpr Eigen::Index k_density_points = 161;
 constexpr Eigen::Index k_outline_points = 65;  // a polygon 0.1 % inside of its ellipse
-constexpr double k_reach = 2.0;                // of the regions of a normal population, in deviations
+constexpr double k_reach = 2.0;                // of the regions of a normal population, in standard deviations
 
-/// That a pair of normal variables is within k_reach deviations: 86 %.
+/// Probability that a pair of normal variables is within k_reach standard deviations: 86 %.
 double region_probability() {
   return -std::expm1(-0.5 * k_reach * k_reach);
 }
 
-/// Ascending points of a curve: in all their digits where fewer would put two in one place, as beside a bound.
+/// Ascending points of a curve: in all their digits where fewer would make two equal, as beside a bound.
 Json abscissae_json(const Eigen::VectorXd& x) {
   Json list = drawn_json(x);
   for (Eigen::Index k = 1; k < x.size(); ++k) {

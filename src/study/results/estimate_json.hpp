@@ -1,4 +1,4 @@
-// What the page draws of an estimate: densities, quantiles, correlations and regions of pairs.
+// Data of an estimate for the page: densities, quantiles, correlations and regions of pairs.
 #pragma once
 
 #include "mottle/layers.hpp"

@@ -1,4 +1,4 @@
-// The files and words of propagate and simulate.
+// The files and the summaries of propagate and simulate.
 #include "mottle/formats/tables/csv.hpp"
 #include "mottle/stats/moments/descriptive.hpp"
 #include "mottle/study/jobs/forward.hpp"

@@ -30,7 +30,7 @@ void add_test_outputs(Json& outputs, const TestMoments& tests, const UpdatingRes
   outputs["final_covariance"] = to_json_rows(result.history.back().output_covariance);
 }
 
-/// The model's error: standard deviation, what the tests say of its shift, and the standard error of that.
+/// The model's error: standard deviation, estimate of its shift from the tests, and the standard error of that.
 void add_model_error(Json& outputs, const UpdatingResult& result) {
   outputs["model_error_std"] = nullptr;
   outputs["model_error"] = nullptr;

@@ -1,4 +1,4 @@
-// The parameters of result.json: what a study says of them before anything is computed.
+// The parameters of result.json as the study gives them: priors, bounds and transforms.
 #include "study/results/result_json.hpp"
 
 namespace mottle::study {

@@ -18,7 +18,7 @@ namespace mottle::study {
 namespace {
 
 constexpr double k_ellipse_sigmas = 2.0;
-constexpr double k_large_residual = 3.0;  // in deviations: of a thousand, three are larger by chance
+constexpr double k_large_residual = 3.0;  // in standard deviations: of a thousand, three are larger by chance
 
 Json iteration_json(const IterationRecord& state, std::size_t index) {
   return {{"index", index},

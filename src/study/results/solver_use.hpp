@@ -1,4 +1,4 @@
-// How the samples of a run were solved, told in result.json and in the log.
+// How the samples of a run were solved, for result.json and the log.
 #pragma once
 
 #include "mottle/core/run_context.hpp"

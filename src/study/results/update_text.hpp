@@ -1,4 +1,4 @@
-// An update in words.
+// The summary of an update.
 #pragma once
 
 #include <string>

@@ -21,7 +21,7 @@ constexpr double k_two_pi = 6.283185307179586;
 /// A node and one of its six components.
 using NodeComponent = std::pair<int, int>;
 
-/// Places at which some mode moves: a component that is zero throughout was not measured.
+/// Components of nodes that are not zero in all modes: a component that is zero throughout was not measured.
 std::map<NodeComponent, Eigen::Index> measured_components(const std::vector<UffShape>& shapes) {
   std::set<NodeComponent> moving;
   for (const UffShape& shape : shapes) {

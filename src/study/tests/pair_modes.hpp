@@ -1,4 +1,4 @@
-// Which measured mode of each specimen is which mode of the model, told in a table.
+// Table of the assignment of each specimen's measured modes to the model's modes.
 #pragma once
 
 #include <string>

@@ -13,13 +13,14 @@
 namespace mottle::study {
 
 /// What to say where no cloud shows whether modes cross. Nothing where the model numbers its modes by order, or where a
-/// specimen's frequencies do not ascend (its modes were told apart by other means).
+/// specimen's frequencies do not ascend (its modes were identified by other means).
 ///
 /// @param tests  [specimen x output], frequencies first, as StructureModel names them; nan: missing
 std::optional<std::string> rank_note(const ModalOutputs& selection, const Eigen::Ref<const Eigen::MatrixXd>& tests);
 
 /// What to say where modes cross in the prior's or the updated cloud, so that a test's f1 may be the model's f2: then
-/// means and deviations are biased. Nothing where rank_note() says nothing or crossings are rare (1 % of both clouds).
+/// means and standard deviations are biased. Nothing where rank_note() says nothing or crossings are rare (1 % of both
+/// clouds).
 ///
 /// @param history  states of the update, with their clouds' notes
 std::optional<std::string> rank_warning(const ModalOutputs& selection, const Eigen::Ref<const Eigen::MatrixXd>& tests,

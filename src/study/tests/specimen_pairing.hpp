@@ -1,4 +1,4 @@
-// One specimen's modes against the model's reference.
+// Assignment of one specimen's modes to those of the model's reference.
 #pragma once
 
 #include <map>

@@ -1,4 +1,4 @@
-// The files that [test] names: which they are, and what they hold.
+// The files that [test] names: their paths and contents.
 #pragma once
 
 #include <filesystem>

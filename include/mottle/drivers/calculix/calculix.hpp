@@ -33,8 +33,8 @@ struct CalculixSettings {
 MatrixModel calculix_model(const CalculixDeck& deck, const std::vector<ParameterTargets>& parameters,
                            const Eigen::VectorXd& fallback, const CalculixSettings& settings);
 
-/// The deck as a solver to run for each sample, its places called as the parameters: frequencies from .dat, and shapes
-/// from .frd where the deck asks for displacements.
+/// The deck as a solver to run for each sample, with a placeholder for each parameter: frequencies from .dat, and
+/// shapes from .frd where the deck asks for displacements.
 ///
 /// @throws InvalidInput  as calculix_model; a deck without the one step *FREQUENCY
 SolverCommand calculix_command(const CalculixDeck& deck, const std::vector<ParameterTargets>& parameters,

@@ -1,4 +1,4 @@
-// Finds how the matrices of another program depend on its parameters, from a few of its runs.
+// Identifies K(x) and M(x) of another program as polynomials in its parameters, from a few of its runs.
 #pragma once
 
 #include <functional>
@@ -11,7 +11,7 @@
 
 namespace mottle::drivers {
 
-/// What the parameters do to the matrices has no separable form; the message says which, and why.
+/// The matrices are no such polynomials of the parameters; the message says of which, and why.
 class NotSeparable : public InvalidInput {
  public:
   using InvalidInput::InvalidInput;
@@ -43,7 +43,7 @@ struct SeparableFit {
 /// A_ik the matrix with parameter i at its node k and the others nominal, l_ik the Lagrange basis of the powers that
 /// parameter i enters by. First every parameter is taken to enter linearly (thickness: by powers -1, 0, 1) and none
 /// with another: q + 1 runs. One more run, with all parameters moved, must agree to 1e-8 of the diagonal,
-/// |A_ab| <= 1e-8 sqrt(A_aa A_bb). Where it does not, each parameter is looked at alone and gets the powers
+/// |A_ab| <= 1e-8 sqrt(A_aa A_bb). Where it does not, each parameter is examined alone and gets the powers
 /// {0, 1}, {-1, 0, 1} or {-1, ..., 3} that it needs, pairs that enter together get their products, and the run is
 /// compared again.
 ///

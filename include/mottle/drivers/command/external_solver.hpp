@@ -1,4 +1,4 @@
-// A structure whose modes come from runs of somebody else's program.
+// A structure whose modes come from runs of an external program.
 #pragma once
 
 #include <map>
@@ -11,7 +11,7 @@
 
 namespace mottle::drivers {
 
-/// What a program's run at the parameters' means tells of the structure.
+/// The structure as described by a program's run at the parameters' means: modes and degrees of freedom.
 class ExternalStructure final : public Structure {
  public:
   /// @param nominal      modes of that run
@@ -45,7 +45,7 @@ class ExternalSolver final : public Solver {
   ///
   /// @param names       of the parameters
   /// @param nominal     their means
-  /// @param deviations  their prior standard deviations
+  /// @param standard_deviations  of their prior
   /// @param stop        ends a single run early; nullptr: nothing does. Lives as long as this object
   /// @throws InvalidInput   as SolverRuns; FormatError: a value that does not fit into its place
   /// @throws SystemFailure  the run gave no modes; Stopped
@@ -69,7 +69,7 @@ class ExternalSolver final : public Solver {
   double difference_step() const override { return runs_.command().difference_step; }
   Eigen::Index batch_size() const override { return 8192; }  // each run is kept by itself
 
-  /// What a user should know: places whose formats are too coarse.
+  /// Notes for the user: placeholders whose formats are too coarse.
   const std::vector<std::string>& notes() const { return notes_; }
 
  private:

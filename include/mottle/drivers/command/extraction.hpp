@@ -1,5 +1,5 @@
-// Where in the files of a solver's run the modes stand, and how they are read from there. Strict: what is not a number
-// where one must be, what does not ascend, and what is missing is an error with file and line.
+// Rules by which modes are read from the files of a solver's run. Strict: text instead of a number, frequencies that do
+// not ascend and missing values are errors with file and line.
 #pragma once
 
 #include <Eigen/Core>
@@ -52,7 +52,7 @@ struct ExtractedModes {
 };
 
 /// @param folder  where the run was
-/// @param min_modes   how many modes there must be
+/// @param min_modes  smallest number of modes
 /// @throws InvalidInput  a file is missing; FormatError (file, line) it does not hold what the rule says
 ExtractedModes extract_modes(const std::filesystem::path& folder, const FrequencyRule& frequencies,
                              const std::optional<ShapeRule>& shapes, int min_modes);

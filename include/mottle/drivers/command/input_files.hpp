@@ -1,4 +1,4 @@
-// The files that every run of a solver is given as they are: no run sees what another did to them.
+// Unchanged input files of a solver's runs, isolated so that no run sees another's changes to them.
 #pragma once
 
 #include <sys/stat.h>
@@ -14,7 +14,7 @@
 namespace mottle::drivers {
 
 /// Up to this size each run has a copy of its own. Above, it has one where the file system copies without moving bytes
-/// (FICLONE), else a link to one copy that is looked at after every run.
+/// (FICLONE), else a link to one copy that is checked after every run.
 inline constexpr std::uintmax_t k_largest_private_copy = std::uintmax_t{16} << 20;
 
 class InputFiles {

@@ -1,5 +1,5 @@
 // A regular expression that finds numbers in a solver's output, in the syntax of RE2: matching takes time in
-// proportion to the text whatever the expression, so there are neither back references nor look-around.
+// proportion to the text whatever the expression, so there are neither back references nor lookaround.
 #pragma once
 
 #include <memory>

@@ -1,4 +1,4 @@
-// The folders that a solver runs in: made private and fresh, taken away or kept, and never silently on a full disk.
+// Working folders of a solver's runs: private and empty at the start, removed or kept at the end.
 #pragma once
 
 #include <filesystem>

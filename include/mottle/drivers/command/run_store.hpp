@@ -1,4 +1,4 @@
-// Keeps what every finished run of a solver gave, at once, under a digest of all that went into it.
+// Store of the results of finished solver runs, each under a digest of all its inputs, written as soon as a run ends.
 #pragma once
 
 #include <filesystem>

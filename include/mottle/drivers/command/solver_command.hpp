@@ -1,4 +1,4 @@
-// A solver that is run by its command, as plain data: what goes in, how it is started, where its modes stand.
+// Description of a solver that is run by its command, as plain data: input files, command line, rules for its output.
 #pragma once
 
 #include <chrono>
@@ -21,7 +21,7 @@ struct RunFile {
   std::optional<std::string> text = std::nullopt;  ///< what it holds, in place of the source's bytes
 };
 
-/// The program and what it is handed, each with places for parameters; of a shell one text.
+/// The program and its arguments, each with placeholders for parameters; of a shell one text.
 struct CommandLine {
   std::vector<std::string> arguments = {};
   bool is_shell = false;
@@ -31,7 +31,7 @@ struct CommandLine {
 enum class KeptRuns { none, failed, all };
 
 struct SolverCommand {
-  std::vector<RunFile> templates = {};  ///< places for parameters are filled in
+  std::vector<RunFile> templates = {};  ///< with placeholders for parameters
   std::vector<RunFile> files = {};      ///< as they are
   CommandLine command = {};
   std::optional<CommandLine> retry_command = std::nullopt;  ///< in place of the command from the second try on
@@ -41,7 +41,7 @@ struct SolverCommand {
   std::map<std::string, std::string> environment = {};
   KeptRuns kept = KeptRuns::failed;
   double largest_failed_part = 0.25;                  ///< of 20 runs or more; then all stops
-  double difference_step = k_coarse_difference_step;  ///< of a prior deviation
+  double difference_step = k_coarse_difference_step;  ///< in prior standard deviations
   FrequencyRule frequencies = {};
   std::optional<ShapeRule> shapes = std::nullopt;
 };

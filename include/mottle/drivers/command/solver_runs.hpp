@@ -1,5 +1,5 @@
-// Runs a solver for one parameter vector after another: fills its input in, starts it, reads its modes, tries again,
-// and asks the store first.
+// Runs a solver at parameter vectors: looks for the run in the store, else writes the input, starts the solver, reads
+// its modes, and retries failed runs.
 #pragma once
 
 #include <Eigen/Core>
@@ -21,7 +21,7 @@
 
 namespace mottle::drivers {
 
-/// Where runs happen and what may be used again.
+/// Where results of runs are kept, and which of them are used again.
 struct RunStorage {
   std::filesystem::path results = {};  ///< folder of results; empty: temporary, nothing is used again
   bool is_resumed = false;             ///< runs that failed before count as they did; else they are tried again
@@ -30,7 +30,8 @@ struct RunStorage {
 class SolverRuns {
  public:
   /// @param names  of the parameters
-  /// @throws InvalidInput, FormatError  a file that is missing, a fault of a template, a parameter without place, a
+  /// @throws InvalidInput, FormatError  a file that is missing, a fault of a template, a parameter without placeholder,
+  /// a
   ///                                    program that is not there
   SolverRuns(SolverCommand command, const std::vector<std::string>& names, const RunStorage& storage);
 
@@ -44,8 +45,8 @@ class SolverRuns {
 
   /// One run; called by several threads at once.
   ///
-  /// @param min_modes  how many modes it must give
-  /// @throws FormatError    a value does not fit into its place
+  /// @param min_modes  smallest number of modes that it must give
+  /// @throws FormatError    a value does not fit into its placeholder
   /// @throws SystemFailure  disk full; Stopped
   Run run(const Eigen::Ref<const Eigen::VectorXd>& values, int min_modes, const std::atomic<bool>* stop);
 
@@ -55,7 +56,7 @@ class SolverRuns {
   const SolverCommand& command() const { return command_; }
   /// "ccx plate".
   std::string command_text() const;
-  /// Places in templates whose formats are too coarse for steps of the parameters.
+  /// Placeholders in templates whose formats are too coarse for steps of the parameters.
   std::vector<std::string> coarse_placeholders(const Eigen::Ref<const Eigen::VectorXd>& values,
                                                const Eigen::Ref<const Eigen::VectorXd>& steps) const;
 

@@ -1,5 +1,5 @@
-// Text with places for parameters, {{name}}, {{name:%8.3e}} or {{name*2.1e11}}: a solver's input, or one argument of
-// its command.
+// Text with placeholders for parameters, {{name}}, {{name:%8.3e}} or {{name*2.1e11}}: a solver's input, or one argument
+// of its command.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,7 +11,7 @@
 
 namespace mottle::drivers {
 
-/// A text with places that values are put into.
+/// A text with placeholders for parameters.
 class Template {
  public:
   /// @param text   with {{name}}: the shortest number that reads back as the same; {{name:%W.Pe}} (or f, g): printf's
@@ -22,15 +22,16 @@ class Template {
   /// @throws FormatError  (file, line): a name that is no parameter, a format that is none of these, {{ without }}
   Template(std::string_view text, std::string file, const std::vector<std::string>& names);
 
-  /// The text with `values` [parameter] in the places.
+  /// The text with `values` [parameter] in its placeholders.
   ///
-  /// @throws FormatError  (file, line): a value that needs more characters than its place has, or is not whole
+  /// @throws FormatError  (file, line): a value that needs more characters than its placeholder has, or is not whole
   std::string fill(const Eigen::Ref<const Eigen::VectorXd>& values) const;
 
-  /// By parameter, whether it has a place.
+  /// By parameter, whether it has a placeholder.
   std::vector<bool> uses(std::size_t parameters) const;
 
-  /// Places where `values` and `values + steps` would be told apart too coarsely: "plate.inp:7: E with %8.3e".
+  /// Placeholders whose formats resolve the steps from `values` to `values + steps` too coarsely: "plate.inp:7: E with
+  /// %8.3e".
   std::vector<std::string> coarse_placeholders(const Eigen::Ref<const Eigen::VectorXd>& values,
                                                const Eigen::Ref<const Eigen::VectorXd>& steps) const;
 

@@ -1,4 +1,4 @@
-// Which mode of a sample is which mode of the reference, and what happened on the way.
+// Mode tracking: assignment of a sample's modes to those of the reference, with veerings and crossings.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,7 +9,7 @@
 
 namespace mottle::dynamics {
 
-/// A pairing with the story behind it.
+/// An assignment with its MAC values, veerings and crossings.
 struct TrackedModes {
   std::vector<int> mode;                ///< for each reference mode: column of the sample
   std::vector<double> mac;              ///< its MAC with the reference mode
@@ -21,11 +21,12 @@ struct TrackedModes {
 /// Pairs reference modes with a sample's modes by MAC and optimal assignment, whatever their order in frequency.
 ///
 /// Where modes come close, a small change mixes their shapes (veering): each alone has a poor MAC although together
-/// they span what they spanned before. A mode whose MAC is below `minimum_mac` is therefore judged with those that
-/// share its shape: of the group's matrix of cosines the least singular value squared is the subspace MAC.
+/// they span what they spanned before. A mode whose MAC is below `minimum_mac` is therefore compared together with
+/// those that share its shape: the square of the smallest singular value of the group's matrix of cosines is the
+/// subspace MAC.
 ///
 /// @param cosines      [reference mode x mode], at least as many columns as rows
-/// @param minimum_mac  below, a mode is not the reference's by itself
+/// @param minimum_mac  MAC below which a mode is compared by the subspace of its group
 /// Source: [Allemang1982]; subspace angles [GolubVanLoan2013], section 6.4.3.
 TrackedModes track_modes(const Eigen::Ref<const Eigen::MatrixXd>& cosines, double minimum_mac);
 

@@ -12,7 +12,7 @@
 
 namespace mottle::fem {
 
-/// What one parameter moves: card fields, all set to its value, or all multiplied by it.
+/// The card fields that one parameter acts on: all set to its value, or all multiplied by it.
 struct FieldParameter {
   std::vector<FieldIndex> fields;
   bool is_factor = false;
@@ -24,7 +24,7 @@ struct Equation {
   int component = 0;  ///< 0..5
 };
 
-/// A degree of freedom that was held because nothing stiffens it.
+/// A degree of freedom that was constrained automatically because it has no stiffness (AUTOSPC).
 struct AutomaticConstraint {
   int node = 0;
   int component = 0;
@@ -47,7 +47,7 @@ struct AssembledModel {
 ///
 /// Rigid and interpolation elements and multipoint constraints are eliminated exactly (u = T u_free), fixed components
 /// removed. With AUTOSPC on, a direction of a node's translations or rotations in which the stiffness is below 1e-8 of
-/// the node's largest is held at the component nearest to it, and counted.
+/// the node's largest is constrained at the component nearest to it, and counted.
 ///
 /// @param parameters     by number; a field belongs to one parameter at most
 /// @throws InvalidInput  an element or constraint that cannot be (its name in front), a degree of freedom that is

@@ -1,4 +1,5 @@
-// What the whole structure weighs, and where: the grid point weight generator's table.
+// Mass properties of the whole structure: mass, centre of gravity and inertia, as of Nastran's grid point weight
+// generator.
 #pragma once
 
 #include <Eigen/Core>

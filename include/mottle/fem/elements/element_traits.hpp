@@ -1,5 +1,5 @@
-// What the program needs to know of a kind of element. Each kind has one set of traits, made in its own source;
-// assembly, `check`, drawings, files for ParaView and names of parameters read them and know no kind by name.
+// Traits of a kind of element (matrices, topology, quality, cards). Each kind has one set of traits, made in its own
+// source; assembly, `check`, drawings, files for ParaView and names of parameters use them and know no kind by name.
 #pragma once
 
 #include <array>
@@ -40,14 +40,14 @@ struct Topology {
   bool is_solid = false;                       ///< a face that it shares with another solid lies inside
 };
 
-/// How far an element's form is from its ideal.
+/// Quality measures of an element's form.
 struct ElementQuality {
   double jacobian_ratio = 1.0;
   double aspect_ratio = 1.0;
   std::optional<double> warp = std::nullopt;  ///< of kinds that can be warped
 };
 
-/// Numbers of an element's place or direction that a parameter may move: "CBAR:3:X1".
+/// Numbers of an element's position or orientation that a parameter may move: "CBAR:3:X1".
 template <typename Element>
 struct GeometryNumbers {
   std::vector<std::string> cards = {};  ///< cards of this kind of element that have them

@@ -66,7 +66,7 @@ ShellMatrix shell_mass(const ShellInput& input, MassKind kind);
 /// @throws InvalidInput  as shell_stiffness
 double shell_area(const ShellInput& input);
 
-/// How far an element is from its ideal, a square or an equilateral triangle.
+/// Quality of an element's form; the ideal is a square or an equilateral triangle.
 struct ShellQuality {
   double warp = 0.0;            ///< distance of the nodes from the mean plane / mean half diagonal; 0 is flat
   double aspect = 1.0;          ///< longest edge / shortest edge

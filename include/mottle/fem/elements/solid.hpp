@@ -1,5 +1,5 @@
 // Matrices of the solid elements, as pure functions of shape, node positions and elasticity. Knows nothing of cards,
-// materials or numbering: whoever assembles the model supplies those, and adds the element's id to errors.
+// materials or numbering: the assembly supplies those, and adds the element's id to errors.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,7 +14,7 @@ enum class SolidShape : std::uint8_t { hexahedron8, wedge6, tetrahedron4, tetrah
 /// Diagonal mass by scaling the consistent diagonal to the exact total (HRZ), or the mass of the shape functions.
 enum class MassKind : std::uint8_t { lumped, consistent };
 
-/// How far an element is from its ideal.
+/// Quality of an element's form.
 struct SolidQuality {
   double jacobian_ratio = 1.0;  ///< least Jacobian determinant (corners, integration points) / |mean|; <= 0: inverted
   double aspect_ratio = 1.0;    ///< longest edge / least edge or height, 1 for cube, even prism, regular tetrahedron

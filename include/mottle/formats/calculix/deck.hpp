@@ -29,14 +29,14 @@ struct CalculixDeck {
 /// Throws InvalidInput: a file that is missing; FormatError: includes in a circle or more than 100.
 CalculixDeck read_calculix_deck(const std::filesystem::path& file);
 
-/// A place in a deck where a number stands.
+/// A number's position in a deck, and its value.
 struct CalculixNumber {
   std::size_t line = 0, begin = 0, length = 0;
   double value = 0.0;           ///< nan of a placeholder
   bool is_placeholder = false;  ///< {{name}}
 };
 
-/// The places that a target names:
+/// The numbers that a target names:
 ///
 ///   *ELASTIC:MATERIAL:E          Young's modulus (isotropic, one temperature);  :NU Poisson's ratio
 ///   *DENSITY:MATERIAL            density
@@ -48,7 +48,7 @@ struct CalculixNumber {
 /// the deck has); FormatError: a card whose number cannot be moved (temperatures, nonlinear, not isotropic).
 std::vector<CalculixNumber> find_calculix_numbers(const CalculixDeck& deck, const std::string& target);
 
-/// What the name of a target stands for: "E", "NU", "T", or "" where the keyword says it all; empty too for {{name}}.
+/// The field of a target: "E", "NU", "T", or "" where the keyword has a single number; empty too for {{name}}.
 /// Throws nothing: a target of another form gives "".
 std::string calculix_field(const std::string& target);
 
@@ -64,7 +64,7 @@ struct CalculixChange {
 /// Throws FormatError: several steps, a step other than *FREQUENCY, a placeholder that nothing fills.
 std::string matrix_storage_deck(const CalculixDeck& deck, const std::vector<CalculixChange>& changes);
 
-/// A number and the text in its place.
+/// A number and the text that replaces it.
 struct CalculixReplacement {
   CalculixNumber number;
   std::string text;

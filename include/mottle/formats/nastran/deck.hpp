@@ -17,7 +17,7 @@
 
 namespace mottle::formats {
 
-/// One bulk data card with its continuation lines. The views look into the deck that holds it.
+/// One bulk data card with its continuation lines. The views refer to the deck's text.
 struct BulkCard {
   std::string_view name;                     ///< in capitals, without '*'
   std::span<const std::string_view> fields;  ///< data fields, trimmed, in capitals; eight a line: the n-th one (from 1)
@@ -44,7 +44,7 @@ struct NastranDeck {
   std::string solution;            ///< of SOL, in capitals: "103", "SEMODES"; empty where there is none
   std::vector<std::string> notes;  ///< what was read in a way that its author may not have meant
 
-  /// What the views of `cards` look into; shared, so that a deck may be copied.
+  /// The text that the views of `cards` refer to; shared, so that a deck may be copied.
   struct Text;
   std::shared_ptr<const Text> text;
 

@@ -1,4 +1,4 @@
-// What a universal file's numbers mean: SI units, and directions in the global frame.
+// Conversion of a universal file's numbers to SI units and to directions in the global frame.
 #pragma once
 
 #include <Eigen/Core>

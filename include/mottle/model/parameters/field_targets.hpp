@@ -1,4 +1,4 @@
-// Names of card fields, "MAT1:2:E", and what they stand for in a finite-element model.
+// Targets of parameters in a finite-element model: names of card fields, "MAT1:2:E", and the numbers that they mean.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// The uncertain parameters: names, prior distribution, bounds, and what is physically possible.
+// The uncertain parameters: names, prior distribution, bounds and physical limits.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,4 +1,4 @@
-// What a parameter acts on in a model, and which values of it are possible.
+// The numbers of a model that a parameter acts on, and the parameter's physical limits.
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@
 
 namespace mottle::model {
 
-/// What one parameter acts on.
+/// The numbers that one parameter acts on.
 struct ParameterTargets {
   std::string parameter;             ///< its name, for messages
   std::vector<std::string> targets;  ///< "spring:k1", "mass:m1", "damper:c1"

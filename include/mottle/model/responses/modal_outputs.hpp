@@ -1,4 +1,4 @@
-// Which quantities of a structure's modes are outputs.
+// Selection of the modal quantities that are a model's outputs.
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@
 
 namespace mottle::model {
 
-/// How the modes of a sample get the numbers of the reference's.
+/// How the modes of a sample are assigned to those of the reference.
 enum class ModeTracking {
   order,  ///< by rank in frequency
   mac,    ///< by MAC with the reference shapes and optimal assignment

@@ -13,7 +13,7 @@ class DenseSolver final : public Solver {
   explicit DenseSolver(DenseStructure structure);
 
   const Structure& structure() const override { return structure_; }
-  /// All modes, however many are asked for.
+  /// Returns all modes, regardless of the number requested.
   ModeSet modes_at(const Eigen::Ref<const Eigen::VectorXd>& parameters, int modes) const override;
   SolverUse solve(const Eigen::Ref<const Eigen::MatrixXd>& samples, const SolutionRequest& request,
                   const RunContext& context, const Visitor& visit) const override;

@@ -13,8 +13,8 @@
 
 namespace mottle::model {
 
-/// Derivatives of a structure's matrices at the point that was asked for last: some are two assemblies each, and are
-/// asked for once for every mode's shape. Safe to use from several threads.
+/// Cache of the derivatives of a structure's matrices at the latest point: some cost two assemblies each, and every
+/// mode's shape needs them. Thread-safe.
 class MatrixDerivatives {
  public:
   SparseStructure::Matrices at(const SparseStructure& structure, const Eigen::Ref<const Eigen::VectorXd>& parameters,
@@ -58,7 +58,7 @@ class ExactSolver final : public Solver {
   /// Solves and visits the given rows of `samples` [sample x parameter].
   void solve_rows(const Eigen::Ref<const Eigen::MatrixXd>& samples, const std::vector<Eigen::Index>& rows,
                   const SolutionRequest& request, const RunContext& context, const Visitor& visit) const;
-  /// Modes of one sample with everything that is known about them.
+  /// Modes of one sample with residuals and count.
   SparseModes solve_one(const Eigen::Ref<const Eigen::VectorXd>& parameters, const SparseModesOptions& options) const;
   /// Why a sample has no modes, in the model's terms; empty where it has.
   std::string failure_text(const SparseModes& modes) const;

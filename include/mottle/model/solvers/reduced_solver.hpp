@@ -1,4 +1,5 @@
-// Solves clouds of a structure with sparse matrices by a certified reduced model, and exactly where that is not sure.
+// Solves clouds of a structure with sparse matrices by a certified reduced model, and exactly where its error bounds
+// are too large.
 #pragma once
 
 #include <filesystem>
@@ -76,7 +77,7 @@ class ReducedSolver final : public Solver {
   mutable TrainedReducedModel reduced_;  // a function of structure and settings
 };
 
-/// By a reduced model where settings are given, the structure is separable and large enough to gain by it; else
+/// By a reduced model where settings are given, the structure is separable and large enough for it to be faster; else
 /// exactly.
 std::unique_ptr<Solver> make_sparse_solver(std::unique_ptr<const SparseStructure> structure,
                                            std::optional<ReductionSettings> settings);

@@ -1,4 +1,4 @@
-// Where the modes of a structure and their derivatives come from.
+// Interface of the solvers: modes of a structure and their derivatives.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,7 +14,7 @@
 
 namespace mottle::model {
 
-/// What is wanted of the solution of every sample.
+/// The results requested for every sample.
 struct SolutionRequest {
   int modes = 0;                             ///< the lowest so many
   ModeSet reference = {};                    ///< shapes to compare with; without shapes: no comparison
@@ -24,7 +24,7 @@ struct SolutionRequest {
   bool needs_shapes() const { return reference.shapes.cols() > 0 || !degrees_of_freedom.empty() || damping; }
 };
 
-/// The solution of one sample as far as it was asked for.
+/// The requested results of one sample.
 struct Solution {
   Eigen::VectorXd eigenvalues;     ///< ascending [mode]
   Eigen::MatrixXd cosines;         ///< with the reference's shapes [reference mode x mode]
@@ -66,7 +66,7 @@ class Solver {
   virtual Eigen::MatrixXd shape_derivatives(const Eigen::Ref<const Eigen::VectorXd>& parameters, const ModeSet& modes,
                                             int mode) const = 0;
 
-  /// How many modes the damping ratios of the lowest `modes` rest on.
+  /// Number of modes needed for the damping ratios of the lowest `modes`.
   virtual int modes_for_damping(int modes) const { return modes; }
 
   /// See DifferentiableModel::has_cheap_jacobian().

@@ -1,4 +1,4 @@
-// A structure that is known by its matrices alone, from any solver, and the parameters that scale their parts.
+// A structure given by its matrices alone, from any solver, and the parameters that scale their parts.
 #pragma once
 
 #include <map>
@@ -40,7 +40,7 @@ struct MatrixPart {
   int exponent = 1;
 };
 
-/// What the parameters do not move, and the parts.
+/// The constant part of the matrices, and the parts that parameters scale.
 struct MatrixSystem {
   std::optional<SymmetricMatrix> stiffness = {};
   std::optional<SymmetricMatrix> mass = {};
@@ -57,7 +57,7 @@ struct MatrixModel {
 
 /// Binds parameters to parts by the targets "K:part" and "M:part"; a part that no target names stays as it was written.
 ///
-/// Matrices with names are put together by them, those without by the number of their rows. Rows that a solver held by
+/// Matrices with names are put together by them, those without by the number of their rows. Rows that a solver fixed by
 /// a penalty are left out. The reference of a parameter is 1 for a factor, the nominal value where all its parts state
 /// the same one, its entry of `fallback` otherwise.
 ///

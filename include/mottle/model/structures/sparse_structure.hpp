@@ -1,4 +1,4 @@
-// A structure with sparse matrices: what they are at any parameters. What they mean is the derived class's.
+// A structure with sparse matrices as functions of the parameters. Derived classes know what the equations mean.
 #pragma once
 
 #include <string>

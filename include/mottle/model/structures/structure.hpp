@@ -1,5 +1,5 @@
-// A structure with parameters: its degrees of freedom, what it weighs and how the parameters enter. How its equations
-// are solved is a Solver's.
+// A structure with parameters: its degrees of freedom, its mass and how the parameters enter. Its equations are solved
+// by a Solver.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,7 +14,7 @@ struct FiniteElementModel;
 
 namespace mottle::model {
 
-/// Stiffness, mass and damping as functions of the parameters, or somebody else's program that knows them. Shapes have
+/// Stiffness, mass and damping as functions of the parameters, or an external program that knows them. Shapes have
 /// a row for each equation; the degrees of freedom that a user names are found by number and read off by
 /// `displacements`.
 class Structure {
@@ -36,7 +36,7 @@ class Structure {
 
   /// Total mass at one parameter vector; nan where it is not known.
   virtual double total_mass(const Eigen::Ref<const Eigen::VectorXd>& parameters) const = 0;
-  /// What the structure is made of and how it was understood, in lines for `check`.
+  /// Description of the structure as it was read, in lines for `check`.
   virtual std::vector<std::string> description(const Eigen::Ref<const Eigen::VectorXd>& parameters) const = 0;
   /// How a parameter enters: "linearly: no re-assembly".
   virtual std::string parameter_role(Eigen::Index parameter) const = 0;

@@ -1,5 +1,5 @@
 // One random variable as a study describes it: six families, given by mean and standard deviation and, where the
-// family has them, by bounds. Drawing samples is joint_distribution.hpp's business.
+// family has them, by bounds. Samples are drawn in joint_distribution.hpp.
 #pragma once
 
 #include <limits>

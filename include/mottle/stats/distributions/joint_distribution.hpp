@@ -1,5 +1,5 @@
 // Several random variables together: marginal distributions tied by a normal copula, or a multivariate normal.
-// Turns uniforms into samples; where the uniforms come from is sampling.hpp's business.
+// Transforms uniforms into samples; the uniforms are made in sampling.hpp.
 #pragma once
 
 #include <Eigen/Core>

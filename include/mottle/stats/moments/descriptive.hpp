@@ -22,7 +22,7 @@ Eigen::MatrixXd sample_covariance(const Eigen::Ref<const Eigen::MatrixXd>& sampl
 /// Square roots of the unbiased sample variances; arguments and errors as sample_covariance.
 Eigen::VectorXd sample_standard_deviation(const Eigen::Ref<const Eigen::MatrixXd>& samples);
 
-/// Correlation matrix of a covariance: S_ij / sqrt(S_ii S_jj), held within [-1, 1].
+/// Correlation matrix of a covariance: S_ij / sqrt(S_ii S_jj), clamped to [-1, 1].
 ///
 /// @param covariance  [variable x variable]
 /// @return            diagonal exactly 1; a variable without variance has correlation 0 with every other
@@ -34,8 +34,7 @@ Eigen::MatrixXd correlation_from_covariance(const Eigen::Ref<const Eigen::Matrix
 /// the variances. A variable whose variance is not positive has none. What is positive semi-definite to rounding stays.
 ///
 /// @param covariance  [variable x variable], symmetric, finite, of any units
-/// @param min_eigenvalue       in place of zero: the smallest eigenvalue of the correlation, as a part of the largest
-/// one
+/// @param min_eigenvalue  lower limit, instead of zero, of the correlation's eigenvalues, as a fraction of the largest
 /// @return            whether an eigenvalue was below zero by more than rounding
 /// Source: [Rousseeuw1993].
 bool repair_covariance(Eigen::MatrixXd& covariance, double min_eigenvalue = 0.0);

@@ -1,4 +1,4 @@
-// Confidence intervals of a normal population's mean, deviation and correlation from a complete sample.
+// Confidence intervals of a normal population's mean, standard deviation and correlation from a complete sample.
 #pragma once
 
 #include "mottle/layers.hpp"

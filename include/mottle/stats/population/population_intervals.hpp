@@ -1,4 +1,4 @@
-// Confidence intervals of a population's means, deviations and correlations.
+// Confidence intervals of a population's means, standard deviations and correlations.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,18 +10,18 @@
 
 namespace mottle::stats {
 
-/// What intervals rest on. `total` = Sigma + noise is what the units show of the population's covariance: a quantity
-/// whose sampling distribution is that of a sample covariance with `freedom` degrees of freedom.
+/// Estimates from which intervals follow. `total` = Sigma + noise has the sampling distribution of a sample covariance
+/// with `degrees_of_freedom`.
 struct PopulationEvidence {
   Eigen::VectorXd mean;                ///< [variable]
   Eigen::MatrixXd total;               ///< [variable x variable]
-  Eigen::MatrixXd noise;               ///< the part of `total` that measurement noise makes [variable x variable]
+  Eigen::MatrixXd noise;               ///< the part of `total` due to measurement noise [variable x variable]
   Eigen::MatrixXd mean_covariance;     ///< of `mean` [variable x variable]
   Eigen::MatrixXd degrees_of_freedom;  ///< of each entry of `total`; 0: not determined [variable x variable]
-  /// The part of `mean_covariance` that errors shared by all units make: it does not shrink with their number. Empty:
-  /// none [variable x variable].
+  /// The part of `mean_covariance` due to errors shared by all units: it does not shrink with their number. Empty: none
+  /// [variable x variable].
   Eigen::MatrixXd mean_shared = {};
-  /// The part of `mean_shared` by each estimated level, at level one, and what the level rests on.
+  /// The part of `mean_shared` due to each estimated variance level, at level one, and the level's own estimate.
   std::vector<std::pair<Eigen::MatrixXd, SharedErrorLevel>> levels = {};
 };
 
@@ -50,8 +50,8 @@ struct PopulationIntervals {
 ///
 /// Mean: Student's t; with shared errors of known variance the degrees of freedom of the sum of both variances, nu
 /// (v / (v - v_shared))^2 [Satterthwaite1946]; with estimated levels the fiducial distribution of the mean, over those
-/// of its scatter and of each level, max(0, nu_level observed / chi2 - known). Deviation: sqrt(nu total / chi2 -
-/// noise), zero where that is negative. Correlation: quantiles of the fiducial distribution from the Bartlett
+/// of its scatter and of each level, max(0, nu_level observed / chi2 - known). Standard deviation: sqrt(nu total / chi2
+/// - noise), zero where that is negative. Correlation: quantiles of the fiducial distribution from the Bartlett
 /// decomposition of a 2 x 2 covariance, less the noise, over its draws with positive variances. All three are exact for
 /// a normal sample without noise. Means and standard deviations of variables with a log or logit transform: quantiles
 /// over the joint fiducial draws of mean and variance of the transformed variable. Correlations are those of the

@@ -1,5 +1,5 @@
 // Linear random effects: every unit (specimen) has its own effects, drawn from one normal population, and is observed
-// with noise. Estimates the population; how sure it is of it is population_intervals.hpp's business.
+// with noise. Estimates the population; for confidence intervals see population_intervals.hpp.
 #pragma once
 
 #include <Eigen/Core>
@@ -30,7 +30,7 @@ struct RandomEffectsSettings {
   /// The mean is mean_origin + mean_directions m, m estimated [effect], [effect x m]; empty: every mean is estimated.
   Eigen::VectorXd mean_origin = {};
   Eigen::MatrixXd mean_directions = {};
-  /// Weight, in units, of the belief that effects are not correlated. Where entries are missing the likelihood may
+  /// Weight, in units, of a prior towards uncorrelated effects. Where entries are missing the likelihood may
   /// have no maximum without it (three complete units of three effects lie in a plane).
   double shrinkage = 0.0;
   /// Errors d that all units share: variance, to be multiplied by a level where `shared_level` is not -1 [shared].
@@ -38,7 +38,7 @@ struct RandomEffectsSettings {
   std::vector<int> shared_level = {};  ///< index of the level on each variance, -1: known; empty: all known [shared]
   int levels = 0;                      ///< number of levels to estimate
   int iterations = 2000;
-  double tolerance = 1e-8;  ///< of the largest change of Sigma in one step against its deviations
+  double tolerance = 1e-8;  ///< of the largest change of Sigma in one step, relative to its standard deviations
 };
 
 /// An estimate of the population.
@@ -54,10 +54,10 @@ struct RandomEffectsFit {
   bool converged = false;
 };
 
-/// What an estimate rests on.
+/// Sampling covariances of an estimate.
 struct RandomEffectsInformation {
-  Eigen::MatrixXd mean_from_effects;  ///< covariance of the estimated mean: the part that the effects' scatter makes
-  Eigen::MatrixXd mean_from_noise;    ///< and the part that the noise makes; without shared errors their sum is A^-1
+  Eigen::MatrixXd mean_from_effects;  ///< covariance of the estimated mean: the part due to the effects' scatter
+  Eigen::MatrixXd mean_from_noise;    ///< and the part due to the noise; without shared errors their sum is A^-1
   std::vector<std::pair<Eigen::Index, Eigen::Index>> entries;  ///< the free entries of Sigma, lower triangle
   Eigen::MatrixXd entry_covariance;                            ///< their sampling covariance [entry x entry]
 
@@ -65,18 +65,18 @@ struct RandomEffectsInformation {
   double variance_of(const Eigen::Ref<const Eigen::VectorXd>& a, const Eigen::Ref<const Eigen::VectorXd>& b) const;
 };
 
-/// What an estimated level of shared errors rests on: a sum of squares that is (known + level) chi-squared. Where the
-/// designs of all units are alike, exactly; else its first two moments are.
+/// The sum of squares from which a variance level of shared errors is estimated: (known + level) chi-squared, exactly
+/// where the designs of all units are equal, else in its first two moments.
 struct SharedErrorLevel {
   double observed = 0.0;            ///< estimate of known + level, its mean square
-  double known = 0.0;               ///< what noise makes of it
-  double degrees_of_freedom = 0.0;  ///< 0: the units say nothing of the level
+  double known = 0.0;               ///< contribution of the noise
+  double degrees_of_freedom = 0.0;  ///< 0: the units do not determine the level
 };
 
-/// Shared errors at a fit, and what they do to the estimated mean.
+/// Shared errors at a fit, and their effect on the estimated mean.
 struct SharedErrorInformation {
   Eigen::MatrixXd covariance;   ///< of d given the data, of the mixed-model equations [shared x shared]
-  Eigen::MatrixXd gain;         ///< change of the mean with d that is taken off the data [effect x shared]
+  Eigen::MatrixXd gain;         ///< change of the mean with d subtracted from the data [effect x shared]
   Eigen::MatrixXd sensitivity;  ///< change of the estimated mean with d in the data [effect x shared]
   std::vector<SharedErrorLevel> levels;
 };

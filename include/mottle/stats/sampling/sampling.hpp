@@ -1,4 +1,4 @@
-// Designs: where in the unit cube the samples lie. Every design is a pure function of its stream key.
+// Sampling designs in the unit cube. Every design is a pure function of its stream key.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,4 +1,5 @@
-// A function fitted to runs of a model that costs too much to be run as often as a method asks.
+// Surrogates: functions fitted to the runs of an expensive model (response surface, Gaussian process, polynomial
+// chaos).
 #pragma once
 
 #include <Eigen/Core>
@@ -22,19 +23,19 @@ class Surrogate {
   ///
   /// @param inputs   [run x input], any units
   /// @param outputs  [run x output], none nan
-  /// @throws InvalidInput   fewer runs than least_runs()
+  /// @throws InvalidInput   fewer runs than min_runs()
   /// @throws SystemFailure  the fit breaks down (runs that coincide with different outputs)
   /// Source: [Rasmussen2006] Gaussian processes; [Blatman2011] sparse expansions; computed by OpenTURNS.
   Surrogate(SurrogateKind kind, const Eigen::Ref<const Eigen::MatrixXd>& inputs,
             const Eigen::Ref<const Eigen::MatrixXd>& outputs);
 
-  /// The fewest runs that leave a tenth to be left out.
+  /// Smallest number of runs that allows the fits without a tenth of them.
   static Eigen::Index min_runs(SurrogateKind kind, Eigen::Index inputs);
 
   /// Outputs at `inputs` [point x input]: [point x output].
   Eigen::MatrixXd operator()(const Eigen::Ref<const Eigen::MatrixXd>& inputs) const;
 
-  /// Output of each run less what the fit without it says [run x output].
+  /// Output of each run minus the prediction of the fit without it [run x output].
   const Eigen::MatrixXd& left_out_residuals() const { return residuals_; }
 
   class Fit;

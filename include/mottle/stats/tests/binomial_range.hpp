@@ -1,4 +1,4 @@
-// The range of a count that chance explains.
+// Prediction interval of a binomial count.
 #pragma once
 
 #include "mottle/layers.hpp"
@@ -10,8 +10,8 @@ struct CountRange {
   int max_successes = 0;
 };
 
-/// Fewest and most successes among `count` trials of probability p that lie within `level`: outside of the range lies
-/// (1 - level) / 2 of the probability on each side at most.
+/// Range of the number of successes in `count` trials of probability p that contains at least `level` of the
+/// probability, with at most (1 - level) / 2 beyond each end.
 ///
 /// @param count  >= 0
 /// @param p      in (0, 1)

@@ -1,5 +1,4 @@
-// Hotelling's two-sample test: do the mean of the tests and the mean of the cloud differ, and how many samples does
-// that question need.
+// Hotelling's two-sample test for the difference of the means of tests and cloud, and the number of samples it needs.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,4 +1,4 @@
-// Whether specimens come from a normal population, as far as their own tests can tell.
+// Tests of normality of a population from the estimates of its specimens.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,7 +11,7 @@
 
 namespace mottle::stats {
 
-/// What numbers look like against a normal sample of their size.
+/// Statistics of normality of a sample.
 struct NormalityStatistics {
   double shapiro_wilk = 1.0;  ///< W, 1 where the ordered values are those of a normal sample
   /// Engelman and Hartigan's ratio: largest sum of squares between two batches, split at a value, to that within them;
@@ -25,7 +25,7 @@ struct NormalityStatistics {
 /// @param values  at least 5, not all equal
 NormalityStatistics normality_statistics(const Eigen::Ref<const Eigen::VectorXd>& values);
 
-/// Probabilities of statistics that speak more against a normal population.
+/// Probabilities that a normal sample has statistics at least as extreme.
 struct NormalityProbabilities {
   double p_value = 1.0;      ///< of W and of two batches together
   double two_batches = 1.0;  ///< of two batches alone
@@ -41,10 +41,10 @@ double henze_zirkler(const Eigen::Ref<const Eigen::MatrixXd>& samples);
 
 /// One variable's own estimates of the specimens.
 struct VariableNormality {
-  /// Each estimate in its own standard deviations, turned into the population's units, mean 0; nan: the specimen says
-  /// next to nothing of it [specimen].
+  /// Each estimate over its own standard deviation, scaled to the population's units, mean 0; nan: the specimen hardly
+  /// determines it [specimen].
   Eigen::VectorXd scores;
-  double reliability = 0.0;  ///< mean part of the scatter of estimates that is the population's, not noise
+  double reliability = 0.0;  ///< mean fraction of the estimates' variance that is the population's, not noise
   NormalityStatistics statistics;
   NormalityProbabilities probabilities;
   bool is_tested = false;  ///< five specimens or more
@@ -55,7 +55,7 @@ struct NormalityTest {
   double henze_zirkler = 0.0;
   double henze_zirkler_p = 1.0;
   bool is_joint_tested = false;  ///< enough specimens determine all variables
-  double p_value = 1.0;          ///< that a normal population shows as much in any of these
+  double p_value = 1.0;          ///< probability that a normal population is as extreme in any of these
   int tests = 0;
 
   /// Of one of the tests, where all together have this level.

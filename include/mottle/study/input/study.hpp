@@ -44,7 +44,7 @@ struct StudyParameters {
 /// Measurement noise of the outputs whose names fit a pattern.
 struct NoiseRule {
   std::string pattern;
-  double value = 0.0;  ///< standard deviation in the output's unit, or as a part of its mean
+  double value = 0.0;  ///< standard deviation in the output's unit, or as a fraction of its mean
   bool is_relative = false;
 };
 
@@ -84,10 +84,10 @@ struct StudyTruth {
   std::vector<NoiseRule> noise = {};  ///< of the measurement
 };
 
-/// [diagnose]: what may be missing among the parameters.
+/// [diagnose]: candidates for parameters that may be missing.
 struct StudyDiagnose {
   std::vector<StudyParameter> candidates;  ///< without name and distribution where only a target is given; empty: all
-  double spread = 0.2;                     ///< prior deviation of a candidate given by its target, relative
+  double spread = 0.2;                     ///< relative prior standard deviation of a candidate given by its target
   int screened = 12;
   double like_evidence = 6.0;
 };

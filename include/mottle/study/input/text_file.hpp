@@ -1,4 +1,4 @@
-// Text files that the user names: whatever a file holds, what comes in is UTF-8 text that can be shown and written on.
+// Text files that the user names, converted to valid UTF-8.
 #pragma once
 
 #include <filesystem>

@@ -1,4 +1,4 @@
-// The job of `mottle check`: what a study is, and whether an update would be refused.
+// The job of `mottle check`: a summary of a study, and whether an update would be refused.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,8 +12,7 @@
 
 namespace mottle::study {
 
-/// What a study reaches beyond its own folder, for whoever is handed a study by a stranger: the programs that it runs
-/// and the files that lie elsewhere.
+/// Programs that a study runs and files that it reads outside its own folder, to judge a study from an unknown source.
 struct StudyReach {
   std::vector<std::string> programs;  ///< "model.command: python3 solver.py"
   std::vector<std::string> outside;   ///< "test.file: /data/tests.csv", links followed

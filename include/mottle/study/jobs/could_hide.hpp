@@ -1,4 +1,5 @@
-// What errors in the numbers of a model that no parameter moves could hide behind a verdict.
+// Errors in a model's fixed numbers (moved by no parameter) that could bias the estimates without the verdict's tests
+// showing it.
 #pragma once
 
 #include <string>
@@ -24,7 +25,7 @@ struct CouldHide {
   std::vector<NamedError> errors;      ///< the most harmful first, a dozen at most
   bool is_level_known = false;         ///< the test of the means knows the noise; else its level is estimated
   std::vector<std::string> sentences;  ///< where undecided: the most harmful, and which further outputs would show them
-  std::vector<std::string> notes;      ///< what was not looked at
+  std::vector<std::string> notes;      ///< what was not examined
   std::string summary;                 ///< one line; empty where nothing is known
 };
 

@@ -1,4 +1,4 @@
-// The job of `mottle diagnose`: which candidate, beside the parameters, best explains what they cannot.
+// The job of `mottle diagnose`: which candidate parameter best explains the misfit that the parameters leave.
 #pragma once
 
 #include <filesystem>

@@ -1,4 +1,4 @@
-// The job of `mottle modes`: natural frequencies and shapes of one finite-element model, to look at and to compare.
+// The job of `mottle modes`: natural frequencies and shapes of one finite-element model, for display and comparison.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,4 +1,4 @@
-// What the [predict] block of a study, run at the end of an update, finds.
+// Results of a study's [predict] block, which runs at the end of an update.
 #pragma once
 
 #include <optional>

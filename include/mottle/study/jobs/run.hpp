@@ -1,5 +1,5 @@
-// What every job of a study is given and says: each is a function from a study to an outcome; write_results() leaves
-// the outcome in a folder, summarise() puts it into words.
+// Settings and summary that all jobs have in common: each job is a function from a study to an outcome; write_results()
+// writes the outcome into a folder, summarise() puts it into words.
 #pragma once
 
 #include <string>
@@ -11,7 +11,7 @@
 
 namespace mottle::study {
 
-/// What a job says at its end; everything else is in its folder.
+/// Summary of a job; everything else is in its folder.
 struct RunSummary {
   std::string status;
   std::string message = {};

@@ -38,8 +38,8 @@ struct StudyTests {
 /// With test.pairing = "mac" the modes of every specimen are renumbered by their shapes, see pair_tests().
 ///
 /// Repeatability from rules by name or pattern, or from a file of repeats: rows of one "specimen" are repeats of it
-/// (all rows where there is no such column), and the deviation of an output is the root of the squares about its
-/// specimens' means over their degrees of freedom.
+/// (all rows where there is no such column), and the standard deviation of an output is the root of the squares about
+/// its specimens' means over their degrees of freedom.
 ///
 /// Specimens may instead come as modes, one a file: universal files, or CSV tables with a column "dof". Their modes
 /// become the outputs' values, see src/study/tests/pair_modes.hpp.

@@ -1,5 +1,5 @@
-// [model] of a study: what one kind of model needs, and what it offers to the jobs. A folder a kind in
-// src/study/models, a line a kind in src/study/models/registry.cpp.
+// [model] of a study: the interface of the kinds of model. A folder a kind in src/study/models, a line a kind in
+// src/study/models/registry.cpp.
 #pragma once
 
 #include <filesystem>
@@ -41,12 +41,12 @@ struct ModelNumber {
 /// A file that [model] names.
 struct NamedFile {
   std::string label;           ///< for messages: "model.file"
-  std::string key;             ///< its place in [model]: "file", "terms[0].mass"; empty: beside a file that is named
+  std::string key;             ///< its key in [model]: "file", "terms[0].mass"; empty: beside a file that is named
   std::string location;        ///< resolved against the study's folder; may name a matrix behind a '#'
   std::filesystem::path file;  ///< the same without
 };
 
-/// What [model] says, as one kind of model understands it: plain data and what it can be asked.
+/// The contents of [model] for one kind of model: plain data and queries of it.
 class ModelSource {
  public:
   virtual ~ModelSource() = default;
@@ -67,17 +67,17 @@ class ModelSource {
   /// Whether runs are kept in folders among the results.
   virtual bool keeps_runs() const { return false; }
 
-  /// Whether parameters name what they act on; else they are places in the input of a program, by their names.
+  /// Whether parameters name what they act on; else their names are placeholders in the input of a program.
   virtual bool has_targets() const { return true; }
   /// A target as it is compared with others: in capitals where letters' case has no meaning.
   virtual std::string target_key(const std::string& target) const { return target; }
   /// Unit of what a parameter acts on: "spring:k1", "MAT1:2:E"; empty: not known.
   virtual std::string target_unit(const std::string& target, const UnitNames& units) const = 0;
 
-  /// Whether numbers() are all that the model rests on.
+  /// Whether numbers() are all numbers of the model.
   virtual bool shows_numbers() const { return false; }
   virtual std::vector<ModelNumber> numbers() const { return {}; }
-  /// The same with a number that is other than it says; `target` as target_key() gives it.
+  /// The same model with another value of one number; `target` as target_key() gives it.
   ///
   /// @throws InvalidInput  this kind has no such numbers; an unknown target may be refused by make() only
   virtual std::unique_ptr<ModelSource> with_number(const std::string& target, double value) const;
@@ -85,7 +85,7 @@ class ModelSource {
   virtual bool gives_shapes() const { return true; }
   /// Whether modes are tracked by MAC unless told otherwise.
   virtual bool tracks_by_mac() const { return true; }
-  /// Where shapes could be measured; empty: not known.
+  /// Degrees of freedom at which shapes could be measured; empty: not known.
   virtual std::vector<std::string> shape_locations() const { return {}; }
 };
 

@@ -53,7 +53,7 @@ class RunFolder {
   std::filesystem::path folder_;
 };
 
-/// Writes what it is told into a log file, with the time since the start, and passes it on.
+/// Writes reported progress into a log file, with the time since the start, and passes it on.
 class LogObserver final : public ProgressObserver {
  public:
   /// @param next    may be null

@@ -18,7 +18,7 @@ namespace {
 
 /// One register: lane l holds the value of sample l of a batch.
 using Simd = double __attribute__((vector_size(8 * MOTTLE_LANES)));
-/// All bits of a lane set where a claim holds.
+/// A truth value for each lane: all bits set, or none.
 using Mask = long long __attribute__((vector_size(8 * MOTTLE_LANES)));
 
 constexpr double k_epsilon = 2.220446049250313e-16;

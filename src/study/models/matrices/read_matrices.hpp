@@ -11,7 +11,7 @@
 
 namespace mottle::study {
 
-/// Matrices of a part of the structure, by their places ("K1.mtx", "model.op4#K1"; resolved), and how parameters scale
+/// Matrices of a part of the structure, by location ("K1.mtx", "model.op4#K1"; resolved), and how parameters scale
 /// it.
 struct MatrixPartFiles {
   std::string name = {};
@@ -21,7 +21,7 @@ struct MatrixPartFiles {
   int exponent = 1;
 };
 
-/// All matrices of a model, by their places.
+/// All matrices of a model, by location.
 struct MatrixFiles {
   MatrixPartFiles constant_part = {};  ///< what no parameter moves
   std::vector<MatrixPartFiles> parts = {};
