@@ -30,7 +30,7 @@ struct LinearProblem {
     return g;
   }
 
-  /// Tests of new specimens, with noise of these deviations.
+  /// Tests of new specimens, with noise of these standard deviations.
   Eigen::MatrixXd draw(Eigen::Index count, const Eigen::VectorXd& sigma) const {
     Eigen::MatrixXd x(count, 2);
     Eigen::MatrixXd e(count, 4);

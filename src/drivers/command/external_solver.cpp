@@ -182,23 +182,23 @@ std::string ExternalSolver::observe(const ExtractedModes& found, const SolutionR
 namespace {
 
 /// Throws where so many failed that chance cannot be why, or, at the end of a batch, too many at all.
-void require_few_failures(std::int64_t done, std::int64_t failed, double largest_part, bool is_end,
+void require_few_failures(std::int64_t done, std::int64_t failed, double max_fraction, bool is_end,
                           const std::string& last) {
   constexpr std::int64_t k_fewest = 20;
   const auto runs = static_cast<double>(done);
-  const double slack = is_end ? 0.0 : 3.0 * std::sqrt(largest_part * (1.0 - largest_part) * runs);
-  if (done < k_fewest || static_cast<double>(failed) <= largest_part * runs + slack) return;
+  const double slack = is_end ? 0.0 : 3.0 * std::sqrt(max_fraction * (1.0 - max_fraction) * runs);
+  if (done < k_fewest || static_cast<double>(failed) <= max_fraction * runs + slack) return;
   throw SystemFailure(
       fmt::format("{} of {} solver runs failed, at most {:.0f} % may (largest_failed_part); folders "
                   "of failed runs are in failed-runs; the last: {}",
-                  failed, done, 100.0 * largest_part, last));
+                  failed, done, 100.0 * max_fraction, last));
 }
 
 }  // namespace
 
 SolverUse ExternalSolver::solve(const Eigen::Ref<const Eigen::MatrixXd>& samples, const SolutionRequest& request,
                                 const RunContext& context, const Visitor& visit) const {
-  const double part = runs_.command().largest_failed_part;
+  const double max_fraction = runs_.command().max_failed_fraction;
   std::atomic<std::int64_t> reused{0};
   std::mutex mutex;
   std::string last_failure;
@@ -220,10 +220,10 @@ SolverUse ExternalSolver::solve(const Eigen::Ref<const Eigen::MatrixXd>& samples
     const std::int64_t failed = ++failed_;
     const std::lock_guard<std::mutex> lock(mutex);
     last_failure = failure;
-    require_few_failures(done, failed, part, false, failure);
+    require_few_failures(done, failed, max_fraction, false, failure);
   };
   Pool(samples.rows(), runs_.command().parallel, work).wait(context);
-  if (!last_failure.empty()) require_few_failures(done_, failed_, part, true, last_failure);
+  if (!last_failure.empty()) require_few_failures(done_, failed_, max_fraction, true, last_failure);
   return {.runs = samples.rows(), .repeated = reused};
 }
 

@@ -52,7 +52,7 @@ MembraneMatrix quadrilateral_membrane(const Flat& flat, double poisson) {
 }
 
 MembraneMatrix drilling(const Flat& flat) {
-  constexpr double share = 1e-6;  // of G t, at K6ROT = 1: as Nastran
+  constexpr double fraction = 1e-6;  // of G t, at K6ROT = 1: as Nastran
   MembraneMatrix stiffness = MembraneMatrix::Zero();
   for (Eigen::Index p = 0; p < flat.point_count; ++p) {
     const Point& point = flat.points[p];
@@ -60,7 +60,7 @@ MembraneMatrix drilling(const Flat& flat) {
     for (Eigen::Index i = 0; i < flat.node_count; ++i) {
       lag.segment<3>(3 * i) << 0.5 * point.gradient(1, i), -0.5 * point.gradient(0, i), point.shape(i);
     }
-    stiffness.noalias() += share * point.area * lag * lag.transpose();
+    stiffness.noalias() += fraction * point.area * lag * lag.transpose();
   }
   return stiffness;
 }

@@ -74,7 +74,7 @@ Eigen::Matrix<double, 2, 12> shear_at(const Flat& flat, const Point& point, cons
 
 /// How much of an edge's shear is followed by bending: the share that the least energy of a beam along the edge gives.
 /// A quadrilateral that is soft in shear needs none of it, and so is exact at any thickness.
-double share_of_bending(const Flat& flat, const Edge& edge, double shear_flexibility) {
+double fraction_of_bending(const Flat& flat, const Edge& edge, double shear_flexibility) {
   if (shear_flexibility == 0.0) return 1.0;
   if (flat.node_count == 4) return 0.0;
   return 1.0 / (1.0 + 12.0 * shear_flexibility / (edge.length * edge.length));
@@ -88,10 +88,10 @@ Plate plate(const Flat& flat, double poisson, double shear_flexibility) {
   EdgeGaps followed = EdgeGaps::Zero(), remaining = EdgeGaps::Zero();
   for (Eigen::Index e = 0; e < flat.node_count; ++e) {
     const Edge& edge = flat.edges[e];
-    const double share = share_of_bending(flat, edge, shear_flexibility);
+    const double fraction = fraction_of_bending(flat, edge, shear_flexibility);
     const Row12 gap = edge_gap(edge);
-    followed.row(e) = -1.5 * share / edge.length * gap;
-    remaining.row(e) = (1.0 - share) * gap;
+    followed.row(e) = -1.5 * fraction / edge.length * gap;
+    remaining.row(e) = (1.0 - fraction) * gap;
   }
   Plate plate;
   for (Eigen::Index p = 0; p < flat.point_count; ++p) {

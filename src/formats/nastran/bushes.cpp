@@ -111,9 +111,9 @@ class BushReader {
     const int system = card_.integer_or(10, "OCID", -1);
     if (system < -1) card_.fail(fmt::format("OCID is {}, an id or -1 is needed", system));
     if (system == -1) {
-      const double share = builder_.real(card_, 9, "S", 0.5);
-      if (share < 0.0 || share > 1.0) card_.fail(fmt::format("S is {}, it must lie in [0, 1]", share));
-      return a_ + share * (b_ - a_);
+      const double fraction = builder_.real(card_, 9, "S", 0.5);
+      if (fraction < 0.0 || fraction > 1.0) card_.fail(fmt::format("S is {}, it must lie in [0, 1]", fraction));
+      return a_ + fraction * (b_ - a_);
     }
     return a_ + builder_.axes_at(builder_.system(card_, 10, "OCID"), a_) *
                     Eigen::Vector3d(builder_.real(card_, 11, "S1", 0.0), builder_.real(card_, 12, "S2", 0.0),

@@ -109,7 +109,7 @@ FullPencils::FullPencils(const PencilTerms& terms, const TermCoefficients& nomin
   modes = std::move(found.vectors);
   // Upper bound of the shifted mass' fraction of A: Ritz values of this tolerance are exact to its square.
   constexpr double k_above_exact = 1.01;
-  mass_share = std::min(1.0, k_above_exact * std::abs(shift) / (found.values(0) - shift));
+  mass_fraction = std::min(1.0, k_above_exact * std::abs(shift) / (found.values(0) - shift));
   set_terms(terms, nominal_k, nominal_m);
   std::call_once(is_ready_, [this] { make_sketch(); });
   const Eigen::VectorXd flexibility = sketch_.rowwise().squaredNorm() * (k_sketch_reserve / k_sketch_rows);

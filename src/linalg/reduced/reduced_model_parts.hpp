@@ -37,7 +37,7 @@ struct ReferencePencil {
 struct NominalFacts {
   Eigen::MatrixXd stiffness_bounds;  ///< of K_t against A, see FormBounds [term x (lower, upper)]
   Eigen::MatrixXd mass_bounds;       ///< of M_t against the nominal M; zeros where the mass is constant
-  double mass_share = 0.0;           ///< largest fraction of A that is the shifted mass: 1 with rigid-body modes
+  double mass_fraction = 0.0;        ///< largest fraction of A that is the shifted mass: 1 with rigid-body modes
   double exact_seconds = 0.0;        ///< processor time of the nominal solution
   double shift = 0.0;                ///< A = K - shift M, at the nominal sample
   double highest_mode = 0.0;         ///< lambda of the highest nominal mode

@@ -43,7 +43,7 @@ Eigen::VectorXd FullPencils::stiffness_lower_ratios(const TermCoefficients& samp
   // The shifted mass is one term more: between zero and its share of A, its value a bound of M(s) against M.
   const Eigen::Index terms = nominal_stiffness.size();
   Eigen::MatrixXd bounds(terms + 1, 2);
-  bounds << stiffness_bounds, 0.0, mass_share;
+  bounds << stiffness_bounds, 0.0, mass_fraction;
   Eigen::VectorXd reference(terms + 1), values(terms + 1);
   reference << nominal_stiffness, 1.0;
   values = reference;

@@ -105,7 +105,8 @@ struct Moments {
 };
 
 /// Moments after truncation. The closed form subtracts nearly equal numbers when the bounds are close together
-/// compared with the parent's deviation; there the density is nearly flat and a Gauss rule is exact to rounding.
+/// compared with the parent's standard deviation; there the density is nearly flat and a Gauss rule is exact to
+/// rounding.
 Moments truncated_moments(const DistributionSpec& spec) {
   if (spec.upper - spec.lower > 2.0 * spec.std) {
     const OT::TruncatedNormal object(spec.mean, spec.std, spec.lower, spec.upper);

@@ -66,7 +66,7 @@ Interval mean_interval(double mean, double std, int count, double confidence) {
   return {mean - half, mean + half};
 }
 
-Interval deviation_interval(double std, int count, double confidence) {
+Interval standard_deviation_interval(double std, int count, double confidence) {
   require_sample(std, count, confidence);
   const boost::math::chi_squared distribution(count - 1);
   const double tail = 0.5 - 0.5 * confidence;

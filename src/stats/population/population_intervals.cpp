@@ -116,8 +116,8 @@ Eigen::ArrayXd shared_variances(const PopulationEvidence& evidence, Eigen::Index
   return variances.max(0.0);
 }
 
-/// Half the width of a mean's interval where levels of shared errors are estimated: it holds the given part of the
-/// fiducial distribution, normal at given variances.
+/// Half the width of a mean's interval where levels of shared errors are estimated: it holds the given probability of
+/// the fiducial distribution, normal at given variances.
 double half_width(const Eigen::ArrayXd& variances, double confidence) {
   const Eigen::ArrayXd standard_deviation = variances.max(0.0).sqrt();
   const auto coverage = [&](double half) {

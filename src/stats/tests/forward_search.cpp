@@ -37,8 +37,8 @@ void take_out(const Eigen::Ref<const Eigen::MatrixXd>& points, bool is_pair, std
   const Eigen::MatrixXd centred = chosen.rowwise() - chosen.colwise().mean();
   const CholeskyFactor factor = positive_factor(centred.transpose() * centred);
   const Eigen::MatrixXd whitened = factor.solve_lower(centred.transpose());
-  const double mean_part = 1.0 / static_cast<double>(n);
-  const Eigen::ArrayXd own = (1.0 - mean_part) - whitened.colwise().squaredNorm().transpose().array();
+  const double mean_leverage = 1.0 / static_cast<double>(n);
+  const Eigen::ArrayXd own = (1.0 - mean_leverage) - whitened.colwise().squaredNorm().transpose().array();
   Eigen::Index first = 0;
   Eigen::Index second = -1;
   double smallest = own.minCoeff(&first);
@@ -47,7 +47,7 @@ void take_out(const Eigen::Ref<const Eigen::MatrixXd>& points, bool is_pair, std
     const Eigen::MatrixXd shared = whitened.transpose() * whitened;
     for (Eigen::Index i = 0; i < n; ++i) {
       for (Eigen::Index j = i + 1; j < n; ++j) {
-        const double left = own(i) * own(j) - std::pow(shared(j, i) + mean_part, 2);
+        const double left = own(i) * own(j) - std::pow(shared(j, i) + mean_leverage, 2);
         if (left >= smallest) continue;
         smallest = left;
         first = i;

@@ -63,8 +63,10 @@ const NoiseRule* rule_for(const std::vector<NoiseRule>& rules, const std::string
   return best;
 }
 
-NoiseDeviations noise_deviations(const std::vector<NoiseRule>& rules, const std::vector<std::string>& outputs,
-                                 const Eigen::Ref<const Eigen::VectorXd>& means, const std::string& what) {
+NoiseStandardDeviations noise_standard_deviations(const std::vector<NoiseRule>& rules,
+                                                  const std::vector<std::string>& outputs,
+                                                  const Eigen::Ref<const Eigen::VectorXd>& means,
+                                                  const std::string& what) {
   for (const NoiseRule& rule : rules) {
     const bool fits = std::any_of(outputs.begin(), outputs.end(), [&](const std::string& name) {
       return is_pattern(rule.pattern) ? matches_pattern(name, rule.pattern) : name == rule.pattern;
@@ -75,7 +77,7 @@ NoiseDeviations noise_deviations(const std::vector<NoiseRule>& rules, const std:
     }
     throw InvalidInput(fmt::format("'{}' fits no output; outputs are {}", rule.pattern, join(outputs)));
   }
-  NoiseDeviations result{Eigen::VectorXd::Zero(means.size()), {}};
+  NoiseStandardDeviations result{Eigen::VectorXd::Zero(means.size()), {}};
   std::vector<std::vector<std::string>> matched(rules.size());
   for (std::size_t k = 0; k < outputs.size(); ++k) {
     const auto index = static_cast<Eigen::Index>(k);

@@ -16,11 +16,11 @@ namespace mottle::study {
 /// Throws InvalidInput: a value that is neither a number >= 0 nor such a number with "%".
 std::vector<NoiseRule> read_noise_rules(TomlReader& reader, const std::string& key);
 
-/// The rule that holds for an output; null where none fits. See noise_deviations.
+/// The rule that holds for an output; null where none fits. See noise_standard_deviations.
 const NoiseRule* rule_for(const std::vector<NoiseRule>& rules, const std::string& output);
 
 /// Standard deviation of each output and the rule that gave it.
-struct NoiseDeviations {
+struct NoiseStandardDeviations {
   Eigen::VectorXd std;             ///< 0 where no rule fits
   std::vector<std::string> notes;  ///< one a rule: which outputs it holds for
 };
@@ -31,8 +31,9 @@ struct NoiseDeviations {
 /// @param means  of the outputs, of which a relative rule takes its part
 /// @param what   "Measurement noise", for notes
 /// Throws InvalidInput: a rule that fits no output.
-NoiseDeviations noise_deviations(const std::vector<NoiseRule>& rules, const std::vector<std::string>& outputs,
-                                 const Eigen::Ref<const Eigen::VectorXd>& means,
-                                 const std::string& what = "Measurement noise");
+NoiseStandardDeviations noise_standard_deviations(const std::vector<NoiseRule>& rules,
+                                                  const std::vector<std::string>& outputs,
+                                                  const Eigen::Ref<const Eigen::VectorXd>& means,
+                                                  const std::string& what = "Measurement noise");
 
 }  // namespace mottle::study

@@ -182,10 +182,11 @@ Eigen::VectorXd column_means(const Eigen::MatrixXd& values) {
 }
 
 /// What the rules of [test] `key` give each output.
-Eigen::VectorXd deviations_by_rules(const Study& study, const std::vector<NoiseRule>& rules, const std::string& key,
-                                    const std::string& what, const std::vector<std::string>& names, StudyTests& tests) {
+Eigen::VectorXd standard_deviations_by_rules(const Study& study, const std::vector<NoiseRule>& rules,
+                                             const std::string& key, const std::string& what,
+                                             const std::vector<std::string>& names, StudyTests& tests) {
   try {
-    NoiseDeviations noise = noise_deviations(rules, names, column_means(tests.data.values), what);
+    NoiseStandardDeviations noise = noise_standard_deviations(rules, names, column_means(tests.data.values), what);
     for (std::string& note : noise.notes) tests.notes.push_back(std::move(note));
     return noise.std;
   } catch (const InvalidInput& error) {
@@ -197,7 +198,7 @@ void add_model_error(const Study& study, const std::vector<std::string>& names, 
   tests.data.is_model_error_estimated = study.test->is_model_error_estimated;
   if (study.test->model_error.empty()) return;
   tests.data.model_error_std =
-      deviations_by_rules(study, study.test->model_error, "model_error", "Model error", names, tests);
+      standard_deviations_by_rules(study, study.test->model_error, "model_error", "Model error", names, tests);
 }
 
 void add_repeatability(const Study& study, const StructureModel& model, const std::vector<std::string>& names,
@@ -209,8 +210,8 @@ void add_repeatability(const Study& study, const StructureModel& model, const st
     read_repeats(study, model, names, tests);
     return;
   }
-  tests.data.repeatability_std =
-      deviations_by_rules(study, study.test->repeatability, "repeatability", "Measurement noise", names, tests);
+  tests.data.repeatability_std = standard_deviations_by_rules(study, study.test->repeatability, "repeatability",
+                                                              "Measurement noise", names, tests);
 }
 
 /// Specimens from the rows of a table; those without any value are left out.

@@ -16,7 +16,7 @@ Eigen::Index index_of_output(const std::vector<Quantity>& outputs, const std::st
   return std::distance(outputs.begin(), found);
 }
 
-/// Of frequencies a part of each, of a shape a part of its largest component.
+/// Noise of frequencies as a fraction of each, of a shape as a fraction of its largest component.
 void add_noise(const Eigen::VectorXd& values, ErrorDerivatives& found) {
   found.size = values.cwiseAbs();
   found.noise = Eigen::VectorXd::Zero(values.size());

@@ -40,7 +40,7 @@ Eigen::MatrixXd read_points(const std::filesystem::path& file, const ParameterSp
   return points;
 }
 
-/// Measurement noise of the truth added to the outputs, one stream a specimen. A relative noise is a part of the
+/// Measurement noise of the truth added to the outputs, one stream a specimen. A relative noise is a fraction of the
 /// output at the parameters' means.
 void add_noise(Eigen::MatrixXd& outputs, const Study& study, const StudyModel& made, const RunContext& context) {
   if (study.truth->noise.empty()) return;
@@ -49,7 +49,7 @@ void add_noise(Eigen::MatrixXd& outputs, const Study& study, const StudyModel& m
   const Eigen::MatrixXd nominal = made.model->evaluate(made.space->prior().mean().transpose(), context).outputs;
   Eigen::VectorXd standard_deviation;
   try {
-    standard_deviation = noise_deviations(study.truth->noise, names, nominal.row(0).transpose()).std;
+    standard_deviation = noise_standard_deviations(study.truth->noise, names, nominal.row(0).transpose()).std;
   } catch (const InvalidInput& error) {
     throw InvalidInput(located(study, "truth.noise", error.what()));
   }

@@ -123,10 +123,10 @@ DensityCurve prior_curve(const Distribution& prior) {
 }
 
 DensityBand density_band(const ParameterTransform& transform, const Eigen::Vector2d& mean, const Eigen::Vector2d& std) {
-  constexpr double k_min_share = 0.02;
+  constexpr double k_min_fraction = 0.02;
   constexpr double k_band_reach = 3.5;
   if (!mean.allFinite() || !std.allFinite() || !(std(1) > 0.0)) return {};
-  const Eigen::Vector2d stds(std::max(std(0), k_min_share * std(1)), std(1));
+  const Eigen::Vector2d stds(std::max(std(0), k_min_fraction * std(1)), std(1));
   if (transform.kind == ParameterTransform::Kind::identity) return normal_band(mean, stds, k_band_reach);
   const std::vector<TransformedMoments> pairs = moments_within(transform, mean, stds);
   if (pairs.empty()) return {};

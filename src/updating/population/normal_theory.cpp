@@ -86,7 +86,7 @@ ParameterIntervals normal_theory_intervals(const std::vector<ParameterTransform>
   Eigen::MatrixXd draws;
   for (Eigen::Index i = 0; i < q; ++i) {
     Interval of_mean = mean_interval(mean(i), std(i), count, k_confidence);
-    Interval of_std = deviation_interval(std(i), count, k_confidence);
+    Interval of_std = standard_deviation_interval(std(i), count, k_confidence);
     if (scale(i).kind != ParameterTransform::Kind::identity) {
       if (draws.size() == 0) draws = fiducial_draws(count);
       std::tie(of_mean, of_std) = scaled_intervals(scale(i), mean(i), std(i), draws);

@@ -51,7 +51,7 @@ class External : public testing::Test {
     command_.environment = {{"LOG", (folder_ / "log").string()}};
     command_.frequencies = {
         .file = "out", .quantity = mottle::drivers::FrequencyRule::Quantity::eigenvalue, .column = "1"};
-    command_.largest_failed_part = 1.0;
+    command_.max_failed_fraction = 1.0;
   }
 
   std::unique_ptr<ExternalSolver> make(bool is_resumed = false, double mean = 4.0) {
@@ -130,7 +130,7 @@ TEST_F(External, AFailedRunIsTriedAgainWithTheOtherCommand) {
 }
 
 TEST_F(External, TooManyFailuresStopIt) {
-  command_.largest_failed_part = 0.25;
+  command_.max_failed_fraction = 0.25;
   std::vector<double> half;
   for (int i = 0; i < 30; ++i) half.push_back(i % 2 == 0 ? 54.0 + 0.001 * i : 1.0 + 0.1 * i);
   EXPECT_THAT([&] { evaluate(half); }, ThrowsMessage<SystemFailure>(HasSubstr("at most 25 % may")));

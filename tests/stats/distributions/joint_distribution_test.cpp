@@ -75,7 +75,7 @@ TEST(JointDistribution, ARowDoesNotDependOnItsNeighbours) {
   }
 }
 
-// cov = m^2 (exp(rho s^2) - 1), s the deviation of the logarithm: closed form of the bivariate lognormal.
+// cov = m^2 (exp(rho s^2) - 1), s the standard deviation of the logarithm: closed form of the bivariate lognormal.
 TEST(JointDistribution, CovarianceOfTwoLognormalsIsTheClosedForm) {
   const double log_variance = std::log1p(0.15 * 0.15);
   for (const double rho : {-0.9, 0.3, 0.8}) {

@@ -14,7 +14,7 @@ TEST(NormalIntervals, MeanAndDeviationAreThoseOfTheTables) {
   const Interval mean = mean_interval(2.0, 0.3, 10, 0.95);
   EXPECT_NEAR(mean.upper - 2.0, 2.262157163 * 0.3 / std::sqrt(10.0), 1e-9);
   EXPECT_NEAR(mean.lower + mean.upper, 4.0, 1e-14);
-  const Interval standard_deviation = deviation_interval(0.3, 10, 0.95);
+  const Interval standard_deviation = standard_deviation_interval(0.3, 10, 0.95);
   EXPECT_NEAR(standard_deviation.lower, 0.3 * std::sqrt(9.0 / 19.022767799), 1e-9);
   EXPECT_NEAR(standard_deviation.upper, 0.3 * std::sqrt(9.0 / 2.700389500), 1e-9);
 }
@@ -55,7 +55,7 @@ TEST(NormalIntervals, CorrelationIsOddAndAtItsEndsKnown) {
 
 TEST(NormalIntervals, RefuseImpossibleSamples) {
   EXPECT_THROW(mean_interval(0.0, 1.0, 1, 0.95), InvalidInput);
-  EXPECT_THROW(deviation_interval(-1.0, 5, 0.95), InvalidInput);
+  EXPECT_THROW(standard_deviation_interval(-1.0, 5, 0.95), InvalidInput);
   EXPECT_THROW(correlation_interval(1.1, 5, 0.95), InvalidInput);
   EXPECT_THROW(correlation_interval(0.1, 5, 1.0), InvalidInput);
 }

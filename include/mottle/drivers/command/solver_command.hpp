@@ -40,7 +40,7 @@ struct SolverCommand {
   int parallel = 1;  ///< runs at once; also what the licences allow
   std::map<std::string, std::string> environment = {};
   KeptRuns kept = KeptRuns::failed;
-  double largest_failed_part = 0.25;                  ///< of 20 runs or more; then all stops
+  double max_failed_fraction = 0.25;                  ///< of 20 runs or more; above it all runs stop
   double difference_step = k_coarse_difference_step;  ///< in prior standard deviations
   FrequencyRule frequencies = {};
   std::optional<ShapeRule> shapes = std::nullopt;

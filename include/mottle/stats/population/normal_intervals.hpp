@@ -21,7 +21,7 @@ Interval mean_interval(double mean, double std, int count, double confidence);
 
 /// Interval of a standard deviation: std sqrt((count - 1) / chi2), chi2 the quantiles of chi-squared with count - 1
 /// degrees of freedom. Arguments and errors as mean_interval.
-Interval deviation_interval(double std, int count, double confidence);
+Interval standard_deviation_interval(double std, int count, double confidence);
 
 /// Exact interval of the correlation of two normal variables.
 ///

@@ -70,12 +70,12 @@ inline void find_quotients(const DavidsonWorkspace& work) {
   for (int c = 0; c < work.y.columns; ++c) state.rayleigh[c] *= reciprocal(state.lengths[c]);
 }
 
-/// Lanes in which the residuals of the first problem.converged modes are below `share` of the limit.
-inline Mask are_converged(const DavidsonProblem& problem, const DavidsonWorkspace& work, double share) {
+/// Lanes in which the residuals of the first problem.converged modes are below `fraction` of the limit.
+inline Mask are_converged(const DavidsonProblem& problem, const DavidsonWorkspace& work, double fraction) {
   Mask converged = ~Mask{};
   for (int c = 0; c < problem.converged; ++c) {
     const Simd mu = work.state.rayleigh[c] - problem.shift;
-    converged &= work.state.residual[c] <= mu * work.state.lengths[c] * work.alpha * (problem.limit * share);
+    converged &= work.state.residual[c] <= mu * work.state.lengths[c] * work.alpha * (problem.limit * fraction);
   }
   return converged;
 }
@@ -108,11 +108,11 @@ inline void correct_block(const DavidsonProblem& problem, const DavidsonWorkspac
 /// ones of the first problem.corrected.
 inline void correct_blocks(const DavidsonProblem& problem, DavidsonWorkspace& work) {
   constexpr int k_max = 6;
-  constexpr double k_share = 0.25;  // the vectors of the block still couple
+  constexpr double k_fraction = 0.25;  // the vectors of the block still couple
   for (int step = 0;; ++step) {
     find_quotients(work);
     find_squares(work, problem.block);
-    const Mask open = ~are_converged(problem, work, k_share);
+    const Mask open = ~are_converged(problem, work, k_fraction);
     if (!any(open) || step == k_max) break;
     if (step == 0) work.set_columns(problem.kept);
     correct_block(problem, work, open);

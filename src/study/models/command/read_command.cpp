@@ -134,8 +134,8 @@ SolverCommand read_command(TomlReader& reader, const std::filesystem::path& fold
   if (reader.raw("environment") != nullptr) command.environment = read_environment(reader.table("environment"));
   command.kept =
       std::vector{KeptRuns::failed, KeptRuns::none, KeptRuns::all}[reader.choice("keep", {"failed", "none", "all"}, 0)];
-  command.largest_failed_part =
-      reader.number_or("largest_failed_part", command.largest_failed_part, {.lower = 0.0, .upper = 1.0});
+  command.max_failed_fraction =
+      reader.number_or("largest_failed_part", command.max_failed_fraction, {.lower = 0.0, .upper = 1.0});
   command.difference_step = reader.number_or("difference_step", command.difference_step, {.lower = 1e-6, .upper = 1.0});
   command.frequencies = read_frequency_rule(reader.table("frequencies"));
   if (reader.raw("shapes") != nullptr) command.shapes = read_shape_rule(reader.table("shapes"));
