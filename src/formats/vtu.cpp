@@ -25,7 +25,7 @@ struct Cells {
   }
 };
 
-/// Whether an element lies between different grid points; ground and scalar points lie nowhere.
+/// Whether an element lies between different grid points; ground and scalar points have no position.
 bool has_positions(const FiniteElementModel& model, std::span<const int> nodes) {
   const auto is_placed = [&](int node) { return node >= 0 && !model.nodes[static_cast<std::size_t>(node)].is_scalar; };
   return std::all_of(nodes.begin(), nodes.end(), is_placed) && (nodes.size() != 2 || nodes[0] != nodes[1]);

@@ -14,7 +14,7 @@ namespace {
 constexpr double k_agreement = 1e-8;
 constexpr double k_rounding = 1e-12;  // of what files of 14 digits leave in a difference of matrices
 
-/// Powers of x / nominal that a parameter enters by, and where it is evaluated besides 1.
+/// Powers of x / nominal by which a parameter enters, and its interpolation nodes besides 1.
 struct Powers {
   std::vector<int> exponents;
   std::vector<double> nodes;
@@ -26,7 +26,7 @@ const std::vector<Powers>& ladder() {
   return k_ladder;
 }
 
-/// Where the parameters are moved from, [axis] -> node, 0 the nominal one.
+/// A point of the interpolation grid: node of each parameter, 0 for the nominal one.
 using Point = std::map<int, int>;
 
 /// Values of K behind those of M, in the patterns of the nominal run.
@@ -245,7 +245,7 @@ class Fit {
     return fit;
   }
 
-  /// Goes up the ladder until the parameter alone is fitted at one more point.
+  /// Adds powers of the parameter, in the order of the sets above, until its fit holds at one more point.
   void find_powers(int axis) {
     constexpr double k_between = 1.1;
     Eigen::VectorXd scaled = Eigen::VectorXd::Ones(count());

@@ -25,8 +25,8 @@ constexpr double k_not_known = std::numeric_limits<double>::quiet_NaN();
 
 }  // namespace
 
-/// Hands samples to several threads, each of which runs one solver at a time; the thread that owns the pool tells
-/// progress and passes a stop request on.
+/// Distributes samples over threads, each of which runs one solver at a time; the thread that owns the pool reports
+/// progress and forwards a stop request.
 class ExternalSolver::Pool {
  public:
   Pool(Eigen::Index count, int parallel, std::function<void(Eigen::Index, const std::atomic<bool>&)> work)
@@ -42,7 +42,7 @@ class ExternalSolver::Pool {
   Pool(const Pool&) = delete;
   Pool& operator=(const Pool&) = delete;
 
-  /// Throws what a run threw, and Stopped.
+  /// Rethrows a run's exception; throws Stopped.
   void wait(const RunContext& context) {
     using Clock = std::chrono::steady_clock;
     Clock::time_point last_report = Clock::now();
@@ -181,7 +181,8 @@ std::string ExternalSolver::observe(const ExtractedModes& found, const SolutionR
 
 namespace {
 
-/// Throws where so many failed that chance cannot be why, or, at the end of a batch, too many at all.
+/// Throws where significantly more than the allowed fraction failed (three standard errors), or, at the end of a batch,
+/// more than the fraction.
 void require_few_failures(std::int64_t done, std::int64_t failed, double max_fraction, bool is_end,
                           const std::string& last) {
   constexpr std::int64_t k_fewest = 20;

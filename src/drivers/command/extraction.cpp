@@ -170,7 +170,7 @@ Eigen::VectorXd read_frequencies(const std::filesystem::path& folder, const Freq
   return read_column(lines_of(folder, rule.file), rule);
 }
 
-/// Eigenvalues of what the rule's numbers are; negative frequencies do not exist, negative eigenvalues do.
+/// Eigenvalues from the rule's quantity; a negative frequency is an error, a negative eigenvalue is not.
 Eigen::VectorXd to_eigenvalues(const Eigen::VectorXd& numbers, const FrequencyRule& rule) {
   using Quantity = FrequencyRule::Quantity;
   const bool is_eigenvalue = rule.has_eigenvalues();

@@ -58,7 +58,7 @@ std::vector<std::array<Eigen::Matrix3d, 2>> nodal_stiffness(const ElementStore& 
   return blocks;
 }
 
-/// Components of a 3 x 3 block along which nothing resists, each time the one nearest to the soft direction.
+/// Components of a 3 x 3 block without stiffness: for each soft direction the component nearest to it.
 std::array<bool, 3> soft_components(const Eigen::Matrix3d& stiffness, const std::array<bool, 3>& is_free) {
   constexpr double k_soft = 1e-8;  // Nastran's EPZERO
   std::array<bool, 3> is_soft = {false, false, false};
@@ -182,7 +182,7 @@ class PositionSums {
   std::vector<int> reached_;
 };
 
-/// Whether the pivots of a piece of an element prove it, see PencilTerms; a sum of such pieces is semidefinite as well.
+/// Whether a piece of an element is semidefinite by its pivots, see PencilTerms; a sum of such pieces is so as well.
 bool is_semidefinite(const StoredPiece& piece, int size) {
   Eigen::MatrixXd matrix(size, size);
   each_entry(size, [&](std::size_t entry, int i, int j) { matrix(i, j) = piece.scale * piece.values[entry]; });

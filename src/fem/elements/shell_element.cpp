@@ -45,7 +45,7 @@ void add_shell_stiffness(const FiniteElementModel& model, const ShellProperty& p
   const Material* shear = material(property.shear_material);
   if (membrane != nullptr) input.poisson_membrane = poisson_ratio(model, *membrane);
   if (bending != nullptr) input.poisson_bending = poisson_ratio(model, *bending);
-  // How a triangle's bending shares with shear follows from t^2 E / G: its two pieces hold at the card's values only.
+  // A triangle's fraction of bending depends on t^2 E / G: its two pieces hold at the card's values only.
   std::vector<FieldIndex> plate_fields = bending == nullptr ? std::vector<FieldIndex>{} : poisson_fields(*bending);
   if (input.node_count == 3 && bending != nullptr && shear != nullptr) {
     plate_fields.push_back(thickness);

@@ -39,7 +39,7 @@ Motion motion_of(const Flat& flat, double offset) {
     double lever = offset;
     motion.in_plane.row(3 * i + 2) = rotation.row(2);
     if (flat.is_warped) {
-      // The neighbours share the corner's normal, not the element's: a moment about it would find no resistance there.
+      // The neighbours share the corner's normal, not the element's: about it they have no stiffness against a moment.
       const Eigen::Vector3d normal = corner_normal(flat, i);
       const Rotation lag = mean - rotation;
       rotation += normal * (normal.transpose() * lag);

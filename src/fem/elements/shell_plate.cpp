@@ -72,8 +72,8 @@ Eigen::Matrix<double, 2, 12> shear_at(const Flat& flat, const Point& point, cons
   return point.inverse * parent;
 }
 
-/// How much of an edge's shear is followed by bending: the share that the least energy of a beam along the edge gives.
-/// A quadrilateral that is soft in shear needs none of it, and so is exact at any thickness.
+/// Fraction of an edge's shear that becomes bending: that of minimum energy of a beam along the edge. A quadrilateral
+/// that is soft in shear needs none of it, and so is exact at any thickness.
 double fraction_of_bending(const Flat& flat, const Edge& edge, double shear_flexibility) {
   if (shear_flexibility == 0.0) return 1.0;
   if (flat.node_count == 4) return 0.0;

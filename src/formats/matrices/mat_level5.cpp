@@ -113,8 +113,8 @@ class Inflation {
     }
   }
 
-  /// Throws FormatError where there is more than was read, or where the sum at the end, which zlib holds against what
-  /// it unpacked, is not reached or wrong: other numbers may stand there then.
+  /// Throws FormatError where there is more than was read, or where zlib's checksum at the end is missing or does not
+  /// agree with the unpacked bytes: the numbers may then be wrong.
   void finish() {
     char more = 0;
     stream_.next_out = reinterpret_cast<Bytef*>(&more);

@@ -1,4 +1,4 @@
-// GRID, GRDSET, SPOINT, and the placing of nodes once the coordinate systems are known.
+// GRID, GRDSET, SPOINT, and the positions of nodes once the coordinate systems are known.
 #include <algorithm>
 #include <array>
 

@@ -27,7 +27,7 @@ constexpr std::string_view k_harmless[] = {
     "PVAL",    "ECHOON",  "ECHOOFF", "USET*",   "CSET*",   "BSET*",   "ASET*",  "OMIT*",   "SUPORT",
 };
 
-/// Of the harmless ones those that a reader of the results should hear of.
+/// Those of the harmless ones of which the user is informed.
 constexpr std::string_view k_reductions[] = {"ASET*", "OMIT*", "CSET*", "BSET*", "QSET*", "SUPORT*"};
 
 constexpr int k_max_notes = 30;

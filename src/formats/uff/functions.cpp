@@ -85,7 +85,7 @@ std::vector<double> read_text_numbers(UffCursor& cursor, const UffFunction& func
   return cursor.values(k_what, {13, 20, 13, 20}, count);
 }
 
-/// What the line of a 58b says of the bytes that follow.
+/// Layout of the bytes that follow the line of a 58b.
 struct Layout {
   bool is_big_endian = false;
   std::size_t titles = 11, bytes = 0;

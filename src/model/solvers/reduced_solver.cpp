@@ -15,7 +15,7 @@ using Rows = std::vector<Eigen::Index>;
 
 constexpr Eigen::Index k_min_equations = 500;  // below, an exact solution is as cheap
 constexpr Eigen::Index k_min_samples = 4;  // a basis costs three to ten exact solutions; who asks for some asks again
-// Of exact solutions: what a refined sample costs, and what makes more vectors worth their training.
+// In exact solutions: the cost of a refined sample, and the saving at which more training pays.
 constexpr double k_refinement = 0.1;
 constexpr double k_training = 8.0;
 
@@ -37,7 +37,7 @@ struct Uncertified {
   }
 };
 
-/// What is asked for, of reduced shapes at the size of the basis.
+/// The requested results from reduced coordinates.
 class ReducedObservation {
  public:
   ReducedObservation(const ExactSolver& exact, const SolutionRequest& request, const Eigen::MatrixXd& basis)
@@ -157,8 +157,8 @@ Rows ReducedSolver::CloudSolution::solve_with(const ReducedModel& trained, const
   const ReducedModel* used = &trained;
   std::optional<ReducedModel> enlarged;
   if (uncertified.cost() > k_training && trained.reaches_tolerance()) {
-    // The cloud is where the basis was not trained: a copy learns from the uncertified rows, so that the next batch
-    // does not depend on this one.
+    // The cloud lies outside the training samples: a copy is trained further on the uncertified rows, so that the next
+    // batch does not depend on this one.
     constexpr std::size_t k_max_training = 400;
     const Rows& all = uncertified.rows;
     const Rows some(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(std::min(k_max_training, all.size())));

@@ -64,7 +64,8 @@ FiniteElementStructure::Matrices FiniteElementStructure::matrices_at(
     const Eigen::Ref<const Eigen::VectorXd>& parameters) const {
   if (is_separable_) return SparseStructure::matrices_at(parameters);
   FiniteElementModel deck = model_at(model_, targets_, parameters);
-  // What AUTOSPC holds is settled by the reference, so that shapes of all samples have the same rows.
+  // AUTOSPC constrains the same components at all samples, those of the reference, so that all shapes have the same
+  // rows.
   deck.settings.automatic_constraints = false;
   for (const AutomaticConstraint& constraint : assembled_.automatic_constraints) {
     deck.fixed.emplace_back(constraint.node, static_cast<Components>(1 << constraint.component));

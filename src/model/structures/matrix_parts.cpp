@@ -162,7 +162,7 @@ SparseMatrix renumbered(const SparseMatrix& lower, const std::vector<int>& rows,
   return result;
 }
 
-/// A parameter must be positive where what it scales is a stiffness or mass and not a difference of such.
+/// A parameter must be positive where it scales a stiffness or mass, unless that is a difference of matrices.
 PhysicalLimit limit_of(const std::vector<Piece>& pieces, int parameter) {
   constexpr double k_none = -std::numeric_limits<double>::infinity();
   for (const Piece& piece : pieces) {

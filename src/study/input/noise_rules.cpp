@@ -13,7 +13,7 @@ bool is_pattern(const std::string& text) {
   return text.find_first_of("*?") != std::string::npos;
 }
 
-/// Larger for the rule that goes before: exact names, then letters of the pattern.
+/// Precedence of a rule, larger first: exact names, then the number of letters of the pattern.
 std::size_t precedence(const NoiseRule& rule) {
   if (!is_pattern(rule.pattern)) return std::string::npos;
   return rule.pattern.size() - static_cast<std::size_t>(std::count(rule.pattern.begin(), rule.pattern.end(), '*') +

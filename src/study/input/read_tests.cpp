@@ -119,7 +119,7 @@ void pair_rows(const Study& study, const StructureModel& model, Eigen::MatrixXd&
   }
 }
 
-/// Squares about the specimens' means and their degrees of freedom.
+/// Sums of squares about the specimens' means, with their degrees of freedom.
 struct Pooled {
   double squares = 0.0;
   int degrees_of_freedom = 0;
@@ -181,7 +181,7 @@ Eigen::VectorXd column_means(const Eigen::MatrixXd& values) {
   return means;
 }
 
-/// What the rules of [test] `key` give each output.
+/// Standard deviation of each output by the rules of [test] `key`.
 Eigen::VectorXd standard_deviations_by_rules(const Study& study, const std::vector<NoiseRule>& rules,
                                              const std::string& key, const std::string& what,
                                              const std::vector<std::string>& names, StudyTests& tests) {

@@ -63,7 +63,7 @@ class Resolver {
     return candidate;
   }
 
-  /// What is taken for a candidate where the study names none.
+  /// The candidates where the study names none.
   std::vector<StudyParameter> usual() {
     std::vector<StudyParameter> candidates;
     for (const ModelNumber& number : numbers_) {

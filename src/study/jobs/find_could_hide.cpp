@@ -23,7 +23,7 @@ namespace {
 constexpr std::size_t k_max_numbers = 200;
 constexpr std::size_t k_max_listed = 12;
 
-/// Covariance of a specimen's test as the verdict has it: scatter of the parameters and what is added to it.
+/// Covariance of a specimen's test as in the verdict: from the scatter of the parameters, plus noise and model error.
 struct TestScatter {
   Eigen::MatrixXd parameters;                                    ///< [parameter x parameter]
   Eigen::MatrixXd rest;                                          ///< [output x output]
@@ -94,7 +94,7 @@ LinearTests linear_tests(const UpdatingProblem& problem, const TestScatter& scat
   tests.values.leftCols(p) = problem.tests.values;
   const Eigen::VectorXd& model_error = scatter.model_error_std;
   if (model_error.size() > 0) {
-    // The model errs as much, relatively, in further outputs as it does in those measured on the average.
+    // The relative model error of further outputs is taken as the mean of that of the measured ones.
     const double relative = (model_error.array() / found.size.head(p).array().max(1e-300)).mean();
     tests.model_error_std = relative * found.size(rows);
     tests.model_error_std.head(p) = model_error;
@@ -140,7 +140,7 @@ MeansTest means_test(const UpdatingProblem& problem, const UpdatingResult& resul
   return test;
 }
 
-/// What the tests of the study, with further outputs beside them, make of each error.
+/// Power of the study's tests, with further outputs, against each error.
 std::vector<HiddenError> errors_with(const UpdatingProblem& problem, const UpdatingResult& result,
                                      const TestScatter& scatter, const ErrorDerivatives& found,
                                      const std::vector<Eigen::Index>& further) {
@@ -164,7 +164,7 @@ std::vector<HiddenError> errors_with(const UpdatingProblem& problem, const Updat
   return hidden_errors(effects, test);
 }
 
-/// A set of further outputs and what it would make of the errors that matter.
+/// A set of further outputs, with the power that it would have against the harmful errors.
 struct DecidingSet {
   std::vector<std::size_t> items;
   std::vector<NamedError> errors;
@@ -252,7 +252,7 @@ CouldHide work_out(const Study& study, const StudyModel& made, const UpdatingPro
   if (is_undecided) {
     for (const NamedError& error : worst)
       hidden.sentences.push_back(hidden_error_sentence(error, names, hidden.is_level_known));
-    // No further output lets means be tested against a model error that is estimated from them.
+    // Means cannot be tested against a model error that is estimated from them, whatever further outputs there are.
     if (!problem.tests.is_model_error_estimated) {
       const std::string decides = deciding_sentence(find_deciding_set(problem, result, scatter, found, worst), found);
       if (!decides.empty()) hidden.sentences.push_back(decides);

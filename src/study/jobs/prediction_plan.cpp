@@ -52,8 +52,8 @@ Eigen::VectorXd noise_of(const PredictionPlan& plan, const UpdatingProblem& prob
   return noise;
 }
 
-/// The model's error of the predicted outputs: of a tested output of the structure as it is the very error that the
-/// tests have seen; else one of its own, of the size that an output of that name has.
+/// The model's error of the predicted outputs: for a tested output of the structure as tested, the error estimated
+/// there; else an independent one with the standard deviation of the output of that name.
 std::optional<PredictedError> error_of(const Study& study, const PredictionPlan& plan, const UpdatingProblem& problem,
                                        const UpdatingResult& result, const RunContext& context) {
   if (!problem.tests.has_model_error()) return std::nullopt;

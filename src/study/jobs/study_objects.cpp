@@ -64,7 +64,7 @@ void refuse_programs(const ModelSource& model) {
   }
 }
 
-/// A reduced model learns from the prior, by samples that no cloud uses: its numbers then depend on nothing else.
+/// A reduced model is trained on samples of the prior that no cloud uses, so that it depends on nothing else.
 ReductionSettings reduction_settings(double frequency_error, const ParameterSpace& space,
                                      const std::filesystem::path& cache) {
   constexpr int k_training_samples = 400;

@@ -50,7 +50,7 @@ std::optional<std::string> doubt_of_numbering(const UpdatePlan& plan, const Upda
   return doubt;
 }
 
-/// Verdict, what could hide behind it, and the prediction.
+/// Verdict, errors that could hide behind it, and the prediction.
 void assess(UpdateOutcome& outcome, const RunContext& context) {
   const UpdatePlan& plan = outcome.workings->plan;
   const UpdatingProblem& problem = outcome.problem();

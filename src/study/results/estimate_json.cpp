@@ -52,7 +52,8 @@ DensityCurve prior_of(const ParameterSpace& space, Eigen::Index i) {
   return normal_curve(space.prior().mean()(i), std::sqrt(space.prior().covariance()(i, i)));
 }
 
-/// Of no width counts what the tests do not see: it is given no scatter but for rounding.
+/// Density of a parameter's estimate; empty where its standard deviation is zero but for rounding, as of a parameter
+/// that the tests do not determine.
 DensityCurve updated_curve(const UpdatingResult& result, Eigen::Index i) {
   constexpr double k_min_width = 1e-6;
   constexpr double k_smallest = 1e-300;
@@ -110,7 +111,7 @@ Eigen::MatrixXd determined_correlation(const UpdatingResult& result) {
   return correlation;
 }
 
-/// What the region of a population's pair would be at either end of its correlation's interval.
+/// The region of a pair at either end of its correlation's interval.
 Json ends_json(const UpdatingProblem& problem, const UpdatingResult& result, Eigen::Index i, Eigen::Index j) {
   Json ends = Json::array();
   const PopulationOnScales* population = result.estimate->population();
@@ -158,7 +159,7 @@ Json drawn_json(const Eigen::Ref<const Eigen::VectorXd>& values) {
   if (values.size() == 0) return list;
   const double range = values.maxCoeff() - values.minCoeff();
   const double largest = values.cwiseAbs().maxCoeff();
-  // Of a narrow range far from zero the leading digits say nothing.
+  // In a narrow range far from zero the leading digits are all equal.
   const double leading = range > 0.0 && std::isfinite(range) ? std::ceil(std::log10(largest / range)) : k_max_digits;
   const int digits = static_cast<int>(std::clamp<double>(k_digits + leading, k_digits, k_max_digits));
   for (const double value : values) {

@@ -15,7 +15,7 @@ std::vector<std::string> table_lines(const UpdatingProblem& problem, const Updat
   std::vector<std::string> lines;
   lines.push_back(fmt::format("{}: {}", status_text(result.status), result.message));
   const std::string ends = result.intervals ? fmt::format("  {:>23} {:>23}", "mean, 95 %", "std, 95 %") : "";
-  // What a method that does not estimate the scatter prints here must not be taken for it.
+  // For a method that does not estimate the scatter, the column must not be mistaken for it.
   lines.push_back(fmt::format("{:<14} {:>13} {:>13} {:>13} {:>13}{}", "parameter", "prior mean", "prior std", "mean",
                               result.is_population ? "std" : "std (mean's)", ends));
   const Eigen::VectorXd prior_mean = problem.space.prior().mean();

@@ -11,7 +11,7 @@
 namespace mottle::study {
 namespace {
 
-/// By the format the numbers at a node are in its own axes, but some programs write them in the global ones.
+/// The format states components in the node's own axes, but some programs write global ones.
 void settle_axes(const StructureModel& model, MeasuredModes& modes, std::vector<std::string>& notes) {
   constexpr double k_telling = 0.01;  // a mode
   MeasuredModes global = modes;

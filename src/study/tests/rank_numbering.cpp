@@ -71,7 +71,8 @@ std::optional<std::string> rank_warning(const ModalOutputs& selection, const Eig
 }
 
 std::optional<std::string> bend_warning(const ModalOutputs& selection, const IterationRecord& state) {
-  // Of a normal gap: 1 % of the samples lie beyond the crossing. The gap of modes counted by rank, |gap|, has less.
+  // For a normally distributed gap: 1 % of the samples lie beyond the crossing; the gap of modes by rank, |gap|, has
+  // less.
   constexpr double k_apart = 2.33;  // means over standard deviations
   const Cloud::Valid valid = state.cloud.valid();
   if (selection.tracking != ModeTracking::order || valid.outputs.rows() < 2) return std::nullopt;

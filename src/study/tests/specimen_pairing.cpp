@@ -154,7 +154,7 @@ void SpecimenPairing::fill(Eigen::Ref<Eigen::RowVectorXd, 0, Eigen::InnerStride<
   for (const int mode : outputs.damping) row(column++) = value_of(mode, modes_.damping);
 }
 
-/// Why a pair is to be looked at; empty: it is sure.
+/// Why a pair should be checked by the user; empty: it is unambiguous.
 std::string SpecimenPairing::doubt(int reference, Eigen::Index test) const {
   std::vector<std::string> doubts;
   if (comparison_.seen > 0 && mac_(reference, test) < k_sure_mac) {
@@ -211,7 +211,7 @@ double SpecimenPairing::second(int reference, Eigen::Index test) const {
   return std::max(largest_other(mac_.row(reference), test), largest_other(mac_.col(test), reference));
 }
 
-/// By which the measured shape comes nearest to the reference's.
+/// Factor by which the measured shape is nearest to the reference's (least squares).
 double SpecimenPairing::fitted_scale(int reference, Eigen::Index test) const {
   const std::vector<Eigen::Index> rows = measured_rows(comparison_, modes_, test);
   const Eigen::VectorXd shape = modes_.shapes(rows, test);
