@@ -137,7 +137,7 @@ Study read_study(const std::filesystem::path& file, const StudyOverrides& overri
 
 /// "study.toml:12: outputs.frequencies: FAULT": the key's line, or that of the table that it would stand in.
 ///
-/// @param section  put before the key to look its line up: "truth." for a parameter of the truth
+/// @param section  prefix of the key in the table of lines: "truth." for a parameter of the truth
 std::string located(const Study& study, const std::string& key, const std::string& fault,
                     const std::string& section = "");
 /// The same of an error that says what it is about; of others the study's name alone is put in front.

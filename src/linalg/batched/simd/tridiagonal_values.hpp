@@ -122,10 +122,10 @@ MOTTLE_INLINE Mask narrow(const Workspace& work, int n, int mode, Mask count, Si
   work.count_high[mode] = lowers ? count : work.count_high[mode];
   work.count_low[mode] = raises ? count : work.count_low[mode];
 
-  const Mask settled =
+  const Mask converged =
       open & was_isolated & (step * step * static_cast<double>(n) <= fine * margin) & (absolute(step) < margin);
-  low = work.low[mode] = select(settled, point + step, low);
-  high = work.high[mode] = select(settled, point + step, high);
+  low = work.low[mode] = select(converged, point + step, low);
+  high = work.high[mode] = select(converged, point + step, high);
 
   const Simd inward = select(above, broadcast(-1.0), broadcast(1.0));
   const Mask close = absolute(step) < fine * 32.0;
