@@ -20,6 +20,12 @@ CONFINED = {
     "CLI/": ["apps"],
     "Random123/": ["src/core", "tests/core"],
     "xxhash": ["src/core"],
+    # Decompositions of matrices of any size are compiled once, in src/linalg/dense; fem takes those of fixed sizes.
+    "Eigen/Cholesky": ["src/linalg", "src/fem", "tests", "benchmarks", "validation"],
+    "Eigen/Dense": ["tests", "benchmarks", "validation", "examples"],
+    "Eigen/Eigenvalues": ["src/linalg", "src/dynamics/modes", "tests", "benchmarks", "validation"],
+    "Eigen/QR": ["src/linalg", "src/stats/surrogates", "tests", "benchmarks", "validation"],
+    "Eigen/SVD": ["src/linalg", "tests", "benchmarks", "validation"],
 }
 UMBRELLA = "include/mottle/mottle.hpp"  # what a program that uses the library includes, of every layer
 NAMESPACES = "include/mottle/layers.hpp"  # which names each layer sees

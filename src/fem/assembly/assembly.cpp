@@ -1,7 +1,6 @@
 #include "mottle/fem/assembly/assembly.hpp"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <limits>

@@ -139,8 +139,4 @@ SingularValues::SingularValues(const Eigen::MatrixXd& matrix, unsigned vectors) 
   rank_ = svd.rank();
 }
 
-Eigen::VectorXd singular_values_of(const Eigen::MatrixXd& matrix) {
-  return Eigen::BDCSVD<Eigen::MatrixXd>(matrix).singularValues();
-}
-
 }  // namespace mottle::linalg

@@ -1,7 +1,6 @@
 #include "stats/surrogates/tall_least_squares.hpp"
 
 #include <Eigen/QR>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -49,6 +48,11 @@ Eigen::MatrixXd independent_unit_columns(const Eigen::MatrixXd& factor, Eigen::I
   return scaled;
 }
 
+/// Largest singular value. Squared, the largest is as accurate as ever; the smallest, lost so, is had from the inverse.
+double spectral_norm(const Eigen::MatrixXd& matrix) {
+  return std::sqrt(symmetric_eigenvalues(matrix.transpose() * matrix).maxCoeff());
+}
+
 }  // namespace
 
 TallLeastSquares solve_tall_least_squares(Eigen::Index rows, Eigen::Index terms, Eigen::Index outputs,
@@ -72,10 +76,9 @@ TallLeastSquares solve_tall_least_squares(Eigen::Index rows, Eigen::Index terms,
   const auto triangle = scaled.triangularView<Eigen::Upper>();
   solution.coefficients =
       length.cwiseInverse().asDiagonal() * triangle.solve(factor.block(1, 1 + terms, terms, outputs));
-  solution.inverse_factor =
-      length.cwiseInverse().asDiagonal() * triangle.solve(Eigen::MatrixXd::Identity(terms, terms));
-  const Eigen::VectorXd singular_values = singular_values_of(scaled);
-  solution.condition = singular_values[0] / singular_values[terms - 1];
+  const Eigen::MatrixXd inverse = triangle.solve(Eigen::MatrixXd::Identity(terms, terms));
+  solution.inverse_factor = length.cwiseInverse().asDiagonal() * inverse;
+  solution.condition = spectral_norm(scaled.triangularView<Eigen::Upper>()) * spectral_norm(inverse);
   return solution;
 }
 

@@ -1,6 +1,5 @@
 #include "mottle/updating/methods/maximum_likelihood.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>

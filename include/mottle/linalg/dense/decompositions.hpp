@@ -140,7 +140,4 @@ class SingularValues {
   Eigen::Index rank_ = 0;
 };
 
-/// Singular values of a large matrix, falling, by divide and conquer.
-Eigen::VectorXd singular_values_of(const Eigen::MatrixXd& matrix);
-
 }  // namespace mottle::linalg
