@@ -43,7 +43,7 @@ class ModelErrorTest(support.CommandTest):
     def test_estimated(self):
         result = self.update(NOISE + 'model_error = "estimated"')
         self.assertEqual(len(result["outputs"]["model_error_std"]), 3)
-        self.assertTrue(any("degrees of freedom only" in note for note in result["notes"]))
+        self.assertTrue(any("This estimate has only" in note for note in result["notes"]))
 
     def test_a_prediction_of_what_was_tested_is_not_made_less_sure(self):
         # d moves the tested frequencies and the mean together: their sum is what the tests have measured.

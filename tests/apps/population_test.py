@@ -95,9 +95,9 @@ class PopulationTest(support.CommandTest):
 
     def test_repeatability_by_patterns(self):
         out = self.check(('"tests.csv"', '"tests.csv"\nrepeatability = { "f*" = 0.001, f2 = 0.002, "f?" = 0.003 }'))
-        self.assertIn("f2 = 0.002: holds for f2.", out)
-        self.assertIn("f? = 0.003: holds for f1, f3.", out)
-        self.assertIn("f* = 0.001: holds for no output", out)
+        self.assertIn("f2 = 0.002: applies to f2.", out)
+        self.assertIn("f? = 0.003: applies to f1, f3.", out)
+        self.assertIn("f* = 0.001: applies to no output", out)
 
     def test_repeatability_in_per_cent_is_that_of_the_mean(self):
         part = self.update("perturbation", ('"tests.csv"', '"tests.csv"\nrepeatability = { "f*" = "1 %" }'))

@@ -64,7 +64,7 @@ class Predict(support.CommandTest):
     def test_a_method_without_a_population_says_so(self):
         self.study = self.study.replace('method = "maximum-likelihood"', 'method = "mares"')
         notes = self.update(PREDICT)["prediction"]["notes"]
-        self.assertIn("estimates no scatter of specimens", notes[0])
+        self.assertIn("does not estimate the scatter of specimens", notes[0])
 
     def test_what_is_wrong_is_refused_with_its_line(self):
         for block, key, message in (

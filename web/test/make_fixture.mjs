@@ -161,7 +161,7 @@ function aeroplane_study() {
       tests: [],
       reasons: ["Too many entries are missing for a test of the covariances."],
       not_tested: [
-        "14 outputs are no more than the parameters that they see: any means can be matched.",
+        "14 outputs are no more than the identifiable parameters: any means can be matched.",
         "`MAT1:2:E` off by 10 % would have passed, and moves joint_stiffness_3 by 1.4 half-widths of its 95 % interval.",
         "<b>hostile</b> texts are texts.",
       ],

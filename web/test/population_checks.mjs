@@ -63,7 +63,7 @@ export const population_checks = [
       const { parameters } = result_of(data);
       const option = await option_of(page, "densities");
       for (const i of list(parameters.names).slice(0, 9).keys()) {
-        const band = curve_in(option, i, "Left open by the 95 % intervals");
+        const band = curve_in(option, i, "Range within the 95 % intervals");
         const curve = curve_in(option, i, "Updated");
         const is_inside = (interval, value) =>
           list(interval).length === 2 && interval[0] <= value && value <= interval[1];

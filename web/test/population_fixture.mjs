@@ -26,7 +26,7 @@ function unseen_of(names, count) {
     const weights = Object.fromEntries(names.map((name) => [name, 0]));
     const at = names.length - 1 - 2 * k;
     if (k === count - 1)
-      return { weights: { ...weights, [names[at]]: 1 }, meaning: `${names[at]} is not seen by the outputs` };
+      return { weights: { ...weights, [names[at]]: 1 }, meaning: `${names[at]} cannot be identified from the outputs` };
     if (k === 1) {
       const parts = [0.6, -0.5, 0.45, -0.3, 0.25, -0.1826];
       return { weights: { ...weights, ...Object.fromEntries(parts.map((part, i) => [names[i], part])) } };

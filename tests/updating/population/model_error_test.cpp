@@ -116,7 +116,7 @@ TEST(ModelError, EstimatedNeedsMoreOutputsThanParametersAndSaysOnHowFewItRests) 
   ASSERT_TRUE(result.model_error);
   ASSERT_EQ(result.model_error->degrees_of_freedom.size(), 1U);
   EXPECT_NEAR(result.model_error->degrees_of_freedom[0], 2.0, 0.1);
-  EXPECT_TRUE(test::says(result, "degrees of freedom only"));
+  EXPECT_TRUE(test::says(result, "This estimate has only"));
   // Four numbers about 0.36 of root mean square; two of their combinations are seen.
   EXPECT_GT(result.model_error->std(0), 0.05);
   EXPECT_LT(result.model_error->std(0), 2.0);

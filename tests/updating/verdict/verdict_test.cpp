@@ -29,7 +29,7 @@ TEST(Verdict, WithAsManyOutputsAsParametersNothingWasTested) {
   EXPECT_EQ(verdict.conclusion, Conclusion::undecided);
   EXPECT_TRUE(verdict.tests.empty());
   ASSERT_EQ(verdict.not_tested.size(), 2U);
-  EXPECT_NE(verdict.not_tested[0].find("3 outputs are no more than the combinations"), std::string::npos);
+  EXPECT_NE(verdict.not_tested[0].find("3 outputs are no more than the identifiable combinations"), std::string::npos);
   EXPECT_NE(verdict.not_tested[1].find("maximum-likelihood"), std::string::npos);
 }
 
