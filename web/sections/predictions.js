@@ -85,7 +85,7 @@ function table(prediction) {
     rows,
     caption: any("coverage")
       ? "Within: fraction of the held-out tests inside the 95 % interval. Set off: a fraction that a right prediction would give in fewer than " +
-        "one of a hundred cases, or a p below 0.05 after correction for the number of outputs."
+        "one of a hundred cases, or a p below 0.05 divided by the number of outputs."
       : null,
   });
 }
