@@ -71,8 +71,8 @@ std::optional<PredictedError> error_of(const Study& study, const PredictionPlan&
   const Eigen::VectorXd values = plan.made.model->evaluate(result.mean.transpose(), context).outputs.row(0);
   for (std::size_t k = 0; k < outputs.size(); ++k) {
     const auto output = static_cast<Eigen::Index>(k);
-    const auto found = std::find_if(used.begin(), used.end(),
-                                    [&](const Quantity& output) { return output.name() == outputs[k].name(); });
+    const auto found =
+        std::find_if(used.begin(), used.end(), [&](const Quantity& one) { return one.name() == outputs[k].name(); });
     const NoiseRule* rule = rule_for(study.test->model_error, outputs[k].name());
     if (found != used.end()) {
       const auto index = std::distance(used.begin(), found);
