@@ -56,4 +56,9 @@ else
 fi
 echo "installing: ${missing[*]}"
 "${as_root[@]}" apt-get update -qq
-"${as_root[@]}" DEBIAN_FRONTEND=noninteractive apt-get install -qq -y --no-install-recommends "${missing[@]}" >/dev/null
+# What there is to fetch, and a line for each 50 packages: a bare machine takes minutes, and silence looks like a hang.
+"${as_root[@]}" DEBIAN_FRONTEND=noninteractive apt-get install -q -y --no-install-recommends "${missing[@]}" |
+  awk '/newly installed|Need to get|After this operation|^E:/ { print "  " $0 }
+       /^Unpacking / && ++unpacked % 50 == 0 { print "  " unpacked " packages unpacked" }
+       /^Setting up / && ++ready % 50 == 0 { print "  " ready " packages ready" }
+       { fflush() }'
