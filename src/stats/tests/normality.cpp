@@ -191,7 +191,7 @@ double henze_zirkler(const Eigen::Ref<const Eigen::MatrixXd>& samples) {
   const auto n = static_cast<double>(samples.rows());
   const auto q = static_cast<double>(samples.cols());
   const Eigen::MatrixXd centred = (samples.rowwise() - samples.colwise().mean()).transpose();
-  const Eigen::MatrixXd whitened = positive_factor(centred * centred.transpose() / n).matrixL().solve(centred);
+  const Eigen::MatrixXd whitened = positive_factor(centred * centred.transpose() / n).solve_lower(centred);
   const double square = 0.5 * std::pow((2.0 * q + 1.0) * n / 4.0, 2.0 / (q + 4.0));
   const Eigen::MatrixXd products = whitened.transpose() * whitened;
   const Eigen::VectorXd own = products.diagonal();
