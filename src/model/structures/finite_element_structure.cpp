@@ -36,9 +36,9 @@ FiniteElementStructure::FiniteElementStructure(FiniteElementModel model,
   }
   reference_ = fallback;
   for (std::size_t p = 0; p < parameters.size(); ++p) {
-    const FieldParameter& other = targets_.parameters[p];
-    const double first = model_.value(other.fields.front());
-    const bool is_one = std::all_of(other.fields.begin(), other.fields.end(),
+    const FieldParameter& parameter = targets_.parameters[p];
+    const double first = model_.value(parameter.fields.front());
+    const bool is_one = std::all_of(parameter.fields.begin(), parameter.fields.end(),
                                     [&](FieldIndex field) { return model_.value(field) == first; });
     if (parameter.is_factor || is_one) reference_(static_cast<Eigen::Index>(p)) = parameter.is_factor ? 1.0 : first;
   }
