@@ -106,6 +106,10 @@ Eigen::MatrixXd PivotedQr::range() const {
   return factor_->qr.householderQ() * Eigen::MatrixXd::Identity(factor_->qr.rows(), rank());
 }
 
+Eigen::MatrixXd PivotedQr::solve(const Eigen::MatrixXd& right) const {
+  return factor_->qr.solve(right);
+}
+
 Eigen::MatrixXd PivotedQr::inverse() const {
   return factor_->qr.inverse();
 }

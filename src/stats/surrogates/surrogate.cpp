@@ -1,6 +1,5 @@
 #include "mottle/stats/surrogates/surrogate.hpp"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <openturns/ComposedDistribution.hxx>
 #include <openturns/ConstantBasisFactory.hxx>
@@ -22,6 +21,7 @@
 #include <vector>
 
 #include "mottle/core/error.hpp"
+#include "mottle/linalg/dense/decompositions.hpp"
 #include "mottle/linalg/one_thread.hpp"
 
 namespace mottle::stats {
@@ -60,7 +60,7 @@ Eigen::VectorXd first_column(const OT::Sample& sample) {
 class QuadraticFit final : public Surrogate::Fit {
  public:
   QuadraticFit(const Eigen::MatrixXd& x, const Eigen::MatrixXd& y)
-      : coefficients_(terms(x).colPivHouseholderQr().solve(y)) {}
+      : coefficients_(PivotedQr(terms(x)).solve(y)) {}
   Eigen::MatrixXd at(const Eigen::MatrixXd& x) const override { return terms(x) * coefficients_; }
 
  private:

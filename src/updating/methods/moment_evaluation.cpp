@@ -39,9 +39,8 @@ void fill_by_surface(const GaussianRule& rule, Eigen::MatrixXd& outputs) {
   const bool is_quadratic = static_cast<Eigen::Index>(known.size()) >= (q + 1) * (q + 2);
   const Eigen::MatrixXd terms = surface_terms(rule.points, is_quadratic);
   const Eigen::VectorXd root = rule.weights(known).cwiseAbs().cwiseSqrt();
-  const Eigen::MatrixXd surface = (root.asDiagonal() * terms(known, Eigen::all))
-                                      .colPivHouseholderQr()
-                                      .solve(root.asDiagonal() * outputs(known, Eigen::all));
+  const Eigen::MatrixXd surface =
+      PivotedQr(root.asDiagonal() * terms(known, Eigen::all)).solve(root.asDiagonal() * outputs(known, Eigen::all));
   outputs(missing, Eigen::all) = terms(missing, Eigen::all) * surface;
 }
 

@@ -92,6 +92,14 @@ TEST(PivotedQr, InvertsASquareMatrix) {
   EXPECT_LT((PivotedQr(matrix).inverse() * matrix - Eigen::MatrixXd::Identity(4, 4)).norm(), k_rounding);
 }
 
+TEST(PivotedQr, LeavesResidualsAtRightAnglesToTheColumns) {
+  const Eigen::MatrixXd matrix = some_matrix(6, 2);
+  const Eigen::MatrixXd right = some_matrix(6, 3).array() + 0.5;
+  const Eigen::MatrixXd residual = right - matrix * PivotedQr(matrix).solve(right);
+  EXPECT_GT(residual.norm(), 0.1);
+  EXPECT_LT((matrix.transpose() * residual).norm(), k_rounding * right.norm() * matrix.norm());
+}
+
 TEST(PivotedQr, TakesTheLongestColumnFirst) {
   Eigen::MatrixXd matrix = Eigen::MatrixXd::Identity(3, 3);
   matrix(1, 1) = 5.0;

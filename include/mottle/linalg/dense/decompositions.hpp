@@ -98,7 +98,8 @@ class PivotedQr {
   Eigen::VectorXd diagonal() const;           ///< of R, by falling magnitude
   Eigen::Index column(Eigen::Index k) const;  ///< which column of A the k-th of A P is
   Eigen::MatrixXd range() const;              ///< orthonormal basis of what the columns span [row x rank]
-  Eigen::MatrixXd inverse() const;            ///< of a square matrix of full rank
+  Eigen::MatrixXd solve(const Eigen::MatrixXd& right) const;  ///< in the sense of least squares
+  Eigen::MatrixXd inverse() const;                            ///< of a square matrix of full rank
 
  private:
   struct Factor;

@@ -51,7 +51,7 @@ bool is_stalled(const std::vector<double>& movements, std::size_t window);
 struct EndingWords {
   std::string at_rest = "no parameter moves";  ///< "... by more than 0.001 of its prior standard deviation"
   std::string moving = "the parameters";       ///< "... did not converge"
-  std::string stalled;                         ///< the whole sentence
+  std::string stalled = "no step brings the outputs nearer to the tests";  ///< the whole sentence
 };
 
 /// How an iteration ended, in words.
