@@ -9,6 +9,7 @@
 #include "mottle/core/text.hpp"
 #include "mottle/report/report.hpp"
 #include "mottle/study/results/folder_lock.hpp"
+#include "mottle/study/results/run_folder.hpp"
 
 namespace mottle::app {
 
@@ -32,9 +33,10 @@ void add_modes(CLI::App& app) {
     settings->ignore_cards = {cards->begin(), cards->end()};
     if (folder->empty()) *folder = std::filesystem::path(settings->model).replace_extension(".modes");
     const FolderLock lock(*folder);
-    const ModesOutcome outcome = find_modes(*settings);
+    const ModesOutcome outcome = find_modes(*settings, *folder);
     write_results(outcome, *folder);
     write_modes_page(*folder);
+    RunFolder(*folder).forget_previous(modes_names());
     const RunSummary summary = summarise(outcome, *folder);
     if (*is_json) {
       fmt::print("{}\n", summary.json);

@@ -4,8 +4,11 @@
 """
 
 import json
+import subprocess
+import time
 import unittest
 
+import nastran_test
 import support
 from support import STUDY, edited, numbers
 
@@ -16,6 +19,17 @@ import sys
 if [float(word) for word in open("input.txt").read().split()] != [2.0, 2.0]:
     sys.exit("no")
 open("f.txt", "w").write("0.2\\n0.3\\n0.5\\n")
+"""
+TRUTH = "\n[truth]\nspecimens = 3\n"
+# One that says that it has begun and does not end; in place of CalculiX too.
+ENDLESS = """\
+#!/usr/bin/env python3
+import pathlib, sys, time
+if sys.argv[1:] == ["-v"]:
+    print("This is Version 9")
+    sys.exit()
+pathlib.Path({}).touch()
+time.sleep(600)
 """
 
 
@@ -36,6 +50,23 @@ class EarlierResultsTest(support.CommandTest):
         ended = self.call("update", "failing.toml", "--out", "out", "--quiet", *arguments)
         self.assertEqual(ended.code, 3, ended.err)
 
+    def kill_when(self, has_begun, *arguments):
+        process = subprocess.Popen([support.MOTTLE, *arguments], cwd=self.folder, stdin=subprocess.DEVNULL,
+                                   stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        end = time.monotonic() + 60 * support.PATIENCE
+        while not has_begun():
+            self.assertIsNone(process.poll(), "it ended by itself")
+            self.assertLess(time.monotonic(), end)
+            time.sleep(0.001)
+        process.kill()
+        self.assertEqual(process.wait(), -9)
+
+    def kill_in_first_run(self, *arguments):
+        begun = self.folder / "begun"
+        begun.unlink(missing_ok=True)
+        self.write("solver.py", ENDLESS.format(repr(str(begun))))
+        self.kill_when(begun.exists, *arguments, "--out", "out", "--quiet")
+
     def names(self):
         return {file.name for file in self.out.iterdir()}
 
@@ -55,6 +86,89 @@ class EarlierResultsTest(support.CommandTest):
             self.assertEqual(ended.code, 3, ended.err)
             self.assertFalse({"result.json", "report.html"} & self.names(), verb)
             self.assertEqual(numbers(self.previous), self.first, verb)
+
+    def test_a_kill_in_the_very_first_run_does_the_same(self):
+        for verb in ("update", "propagate"):
+            with self.subTest(verb=verb):
+                self.succeed("update", "study.toml", "--out", "out", "--quiet")
+                self.kill_in_first_run(verb, "failing.toml")
+                self.assertFalse({"result.json", "report.html", "history.csv", "cloud-final.csv"} & self.names())
+                self.assertEqual(numbers(self.previous), self.first)
+                self.assertEqual(self.call("report", "out").code, 2)
+
+    def test_a_simulation_that_is_killed_in_its_first_run_leaves_no_specimens(self):
+        self.write("study.toml", STUDY + TRUTH)
+        self.succeed("simulate", "study.toml", "--out", "out", "--quiet")
+        files = {name: (self.out / name).read_bytes() for name in ("specimens.csv", "specimens-truth.csv")}
+        self.write("failing.toml", support.command_study(["python3", "solver.py"]) + TRUTH)
+        self.kill_in_first_run("simulate", "failing.toml")
+        self.assertFalse(set(files) & self.names())
+        self.assertEqual({name: (self.previous / name).read_bytes() for name in files}, files)
+        self.assertEqual(numbers(self.out), self.first, "an update's results are of another kind")
+        self.succeed("simulate", "study.toml", "--out", "out", "--quiet")
+        self.assertTrue(set(files) < self.names())
+        self.assertFalse(self.previous.exists())
+
+    def test_a_diagnosis_that_is_killed_in_its_first_run_leaves_none(self):
+        example = support.SOURCE / "examples" / "03-plate-calculix"
+        for name in ("plate.inp", "specimens.csv"):
+            self.write(name, (example / name).read_bytes())
+        self.write("plate.toml", (example / "study.toml").read_text(encoding="utf-8") + """
+[diagnose]
+candidates = [{ name = "rho", target = "*DENSITY:ALUMINIUM", distribution = { kind = "normal", mean = 2700.0, std = 30.0 } }]
+""")
+        self.write("solver.py", "").chmod(0o755)
+        (self.out / "diagnosis.json").write_text('"earlier"', encoding="utf-8")
+        self.kill_in_first_run("diagnose", "plate.toml", "--set", f'model.program="{self.folder / "solver.py"}"')
+        self.assertNotIn("diagnosis.json", self.names())
+        self.assertEqual((self.previous / "diagnosis.json").read_text(encoding="utf-8"), '"earlier"')
+        self.assertEqual(numbers(self.out), self.first, "an update's results are of another kind")
+
+    def test_modes_that_are_killed_while_they_are_sought_leave_none(self):
+        self.write("deck.bdf", nastran_test.deck())
+        self.succeed("modes", "deck.bdf", "--uff", "--out", "modes", "--quiet")
+        folder, previous = self.folder / "modes", self.folder / "modes" / "previous-results"
+        files = {file.name: file.read_bytes() for file in folder.iterdir()}
+        self.write("deck.bdf", nastran_test.deck(20000))
+        self.kill_when((previous / "modes.html").exists, "modes", "deck.bdf", "--out", "modes", "--quiet")
+        self.assertFalse(set(files) & {file.name for file in folder.iterdir()})
+        self.assertEqual({name: (previous / name).read_bytes() for name in files}, files)
+        self.write("deck.bdf", "no deck\n")
+        self.assertEqual(self.call("modes", "deck.bdf", "--out", "modes").code, 2)
+        self.assertTrue(previous.exists())
+        self.write("deck.bdf", nastran_test.deck())
+        self.succeed("modes", "deck.bdf", "--uff", "--out", "modes", "--quiet")
+        self.assertEqual(set(files), {file.name for file in folder.iterdir()})
+
+    def test_a_study_that_is_refused_after_its_first_run_puts_the_earlier_results_back(self):
+        self.write("solver.py", SOLVER)
+        self.write("tests.csv", support.TESTS.replace("f1,f2,f3", "f1,f2,f9"))
+        before = self.names()
+        ended = self.call("update", "failing.toml", "--out", "out", "--quiet")
+        self.assertEqual(ended.code, 2, ended.err)
+        self.assertEqual(numbers(self.out), self.first)
+        self.assertEqual(self.names() - {"runs.store"}, before)
+
+    def test_a_result_that_the_study_reads_stays(self):
+        self.succeed("propagate", "study.toml", "--out", "out", "--quiet")
+        cloud = (self.out / "cloud.csv").read_bytes()
+        changes = ("--set", 'test.file="out/cloud.csv"')
+        self.write("solver.py", 'import sys\nsys.exit("no")\n')
+        ended = self.call("update", "failing.toml", "--out", "out", "--quiet", *changes)
+        self.assertEqual(ended.code, 3, ended.err)
+        self.assertEqual((self.out / "cloud.csv").read_bytes(), cloud)
+        self.assertNotIn("result.json", self.names())
+        self.succeed("update", "study.toml", "--out", "out", "--quiet", *changes)
+        self.assertEqual((self.out / "cloud.csv").read_bytes(), cloud)
+
+    def test_what_a_killed_run_had_moved_already_stays_with_the_rest(self):
+        self.previous.mkdir()
+        (self.previous / "README.txt").touch()
+        report = (self.out / "report.html").read_bytes()
+        (self.out / "report.html").rename(self.previous / "report.html")
+        self.run_into_failure()
+        self.assertEqual((self.previous / "report.html").read_bytes(), report)
+        self.assertEqual(numbers(self.previous), self.first)
 
     def test_a_report_of_a_run_that_failed_is_refused(self):
         self.run_into_failure()

@@ -21,6 +21,8 @@ pathlib.Path("f.txt").write_text(f"{k1}\\n{k1 + k2}\\n{k1 + 2 * k2}\\n")
 SLOW = SOLVER + "time.sleep(0.3)\n"
 PROPAGATE = ("propagate", "solver.toml", "--out", "out", "--quiet", "--set", "update.samples=12", "--set",
              "update.max_failed=0.9")
+TRUTH = ("--set", "truth={specimens = 3}")
+NOISE = ("--set", 'test.repeatability={"f*" = "1 %"}')
 
 
 class FoldersTest(support.CommandTest):
@@ -73,6 +75,24 @@ class FoldersTest(support.CommandTest):
         self.user_file("elsewhere", ".mottle-run").write_text("Made by Mottle for runs of a solver, and removed by it.\n")
         self.succeed(*PROPAGATE)
         self.assertTrue(target.exists())
+
+    def test_no_file_that_the_study_reads_is_written_over(self):
+        self.write("truth.toml", STUDY + "[truth]\nspecimens = 3\n")
+        self.write("other.csv", support.TESTS)
+        (self.folder / "linked").mkdir()
+        (self.folder / "linked" / "tests.csv").symlink_to("../other.csv")
+        before = {name: (self.folder / name).read_bytes() for name in ("study.toml", "tests.csv", "other.csv", "truth.toml")}
+        for command in (("update", "study.toml", "--out", "."), ("propagate", "study.toml", "--out", "."),
+                        ("check", "study.toml", "--out", "."), ("simulate", "study.toml", "--out", ".", *TRUTH),
+                        ("update", "truth.toml", "--out", "."),
+                        ("update", "study.toml", "--set", 'test.file="other.csv"', "--out", "linked")):
+            ended = self.call(*command)
+            self.assertEqual(ended.code, 2, ended.err)
+            self.assertIn("the study reads this file", ended.err)
+        self.succeed("simulate", "truth.toml", "--set", 'test.file="drawn/specimens.csv"', "--out", "drawn", "--quiet")
+        self.succeed("update", "truth.toml", "--set", 'test.file="drawn/specimens.csv"', "--out", "drawn", "--quiet", "--set",
+                     'update.method="maximum-likelihood"', *NOISE)
+        self.assertEqual({name: (self.folder / name).read_bytes() for name in before}, before)
 
     def start(self, *arguments):
         return subprocess.Popen([support.MOTTLE, *arguments], cwd=self.folder, stdout=subprocess.DEVNULL,

@@ -35,7 +35,7 @@ def study(target, scatter, noise, specimens, scale):
     return (f'[model]\nkind = "mass-spring"\nmasses = {{ m = 1.0 }}\n'
             f'springs = [{{ name = "k", between = ["ground", "m"], stiffness = 1.0 }}]\n'
             f'[[parameter]]\n{parameter}scale = "{scale}"\n[outputs]\nfrequencies = [1]\n'
-            f'[test]\nfile = "specimens.csv"\nrepeatability = {{ f1 = {deviation!r} }}\n'
+            f'[test]\nfile = "drawn/specimens.csv"\nrepeatability = {{ f1 = {deviation!r} }}\n'
             f'[update]\nmethod = "maximum-likelihood"\nsamples = 100\niterations = 60\n'
             f'[truth]\nspecimens = {specimens}\nnoise = {{ f1 = {deviation!r} }}\n')
 
@@ -48,7 +48,7 @@ def replicate(mottle, row, seed):
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         (folder / "study.toml").write_text(study(*row))
-        run(mottle, "simulate", folder / "study.toml", "--seed", seed, "--out", folder, "--quiet")
+        run(mottle, "simulate", folder / "study.toml", "--seed", seed, "--out", folder / "drawn", "--quiet")
         run(mottle, "update", folder / "study.toml", "--quiet", "--threads", 1, "--out", folder / "out")
         result = json.loads((folder / "out" / "result.json").read_text())
     parameters = result["parameters"]

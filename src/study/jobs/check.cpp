@@ -41,6 +41,7 @@ Eigen::VectorXd frequencies_of(const StudyModel& made) {
 
 CheckOutcome check(const Study& study, const RunSettings& settings) {
   require_writable_folder(settings.folder);
+  require_place_of_update(study, settings.folder);
   if (study.model->keeps_runs()) require_no_linked_runs(settings.folder);
   if (!settings.may_run_programs && settings.observer != nullptr) {  // before the study may be refused for it
     for (const std::string& line : reach_lines(reach_of(study))) settings.observer->warning(line);

@@ -19,15 +19,12 @@ void note_what_is_given(const StudyModel& made, const StudyTests& tests, const R
   if (const auto numbering = rank_note(made.model->selection(), tests.data.values)) context.note(*numbering);
 }
 
-}  // namespace
-
-DiagnoseOutcome diagnose(const Study& study, const RunSettings& settings) {
+DiagnoseOutcome diagnose_here(const Study& study, const RunSettings& settings) {
   const double start = steady_seconds();
   require(!study.parameters.list.empty(), "{}: parameter: there is none; give at least one [[parameter]]",
           study.file.string());
   DiagnoseOutcome outcome{.study = study, .whole = with_candidates(study, resolve_candidates(study))};
-  const StudyModel made =
-      prepare(settings, {k_diagnosis}, [&] { return make_model(outcome.whole, outcome.whole.parameters, settings); });
+  const StudyModel made = make_model(outcome.whole, outcome.whole.parameters, settings);
   const StudyTests tests = read_tests(study, *made.model);
   refuse_unit_errors(study, made, tests);
   const JobFiles files(settings, k_diagnosis_log, k_diagnosis_journal);
@@ -47,9 +44,15 @@ DiagnoseOutcome diagnose(const Study& study, const RunSettings& settings) {
   const DiagnosisSettings rules{.given = static_cast<Eigen::Index>(study.parameters.list.size()),
                                 .screened = study.diagnose.screened,
                                 .like_evidence = study.diagnose.like_evidence};
-  outcome.diagnosis = files.compute(study, {k_diagnosis}, [&] { return diagnose(problem, rules, context); });
+  outcome.diagnosis = files.compute(study, [&] { return diagnose(problem, rules, context); });
   outcome.seconds = steady_seconds() - start;
   return outcome;
+}
+
+}  // namespace
+
+DiagnoseOutcome diagnose(const Study& study, const RunSettings& settings) {
+  return without_earlier(settings.folder, {k_diagnosis}, [&] { return diagnose_here(study, settings); });
 }
 
 }  // namespace mottle::study

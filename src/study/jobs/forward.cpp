@@ -7,8 +7,10 @@
 #include "mottle/formats/tables/csv.hpp"
 #include "mottle/model/journal.hpp"
 #include "mottle/study/input/text_file.hpp"
+#include "mottle/study/models/model_source.hpp"
 #include "study/input/noise_rules.hpp"
 #include "study/jobs/job_files.hpp"
+#include "study/jobs/study_reach.hpp"
 #include "study/results/solver_use.hpp"
 
 namespace mottle::study {
@@ -60,26 +62,10 @@ void add_noise(Eigen::MatrixXd& outputs, const Study& study, const StudyModel& m
                                                {.seed = study.seed, .purpose = StreamPurpose::test_noise}));
 }
 
-/// Those of an earlier job, but not the points themselves.
-std::vector<std::string> earlier_results(const RunSettings& settings,
-                                         const std::optional<std::filesystem::path>& points) {
-  std::vector<std::string> names = result_names();
-  std::error_code ignored;  // a file that is not there is not the points
-  std::erase_if(names, [&](const std::string& name) {
-    return points && std::filesystem::equivalent(settings.folder / name, *points, ignored);
-  });
-  return names;
-}
-
-}  // namespace
-
-PropagateOutcome propagate(const Study& study, const std::optional<std::filesystem::path>& points,
-                           const RunSettings& settings) {
+PropagateOutcome propagate_here(const Study& study, const std::optional<std::filesystem::path>& points,
+                                const RunSettings& settings) {
   const double start = steady_seconds();
-  const std::vector<std::string> earlier = earlier_results(settings, points);
-  PropagateOutcome outcome{.study = study, .made = prepare(settings, earlier, [&] {
-                                             return make_model(study, study.parameters, settings);
-                                           })};
+  PropagateOutcome outcome{.study = study, .made = make_model(study, study.parameters, settings)};
   const StudyModel& made = outcome.made;
   const Eigen::MatrixXd given = points ? read_points(*points, *made.space) : Eigen::MatrixXd();
   const Eigen::Index specimens = study.test ? read_tests(study, *made.model).data.values.rows() : 10;
@@ -88,7 +74,7 @@ PropagateOutcome propagate(const Study& study, const std::optional<std::filesyst
   const JournalledModel model(*made.model, files.journal(), study_fingerprint(study, made, points), settings.resume);
   const CloudSettings rules = cloud_settings(study, specimens, static_cast<Eigen::Index>(made.model->outputs().size()));
   const StreamKey key{.seed = study.seed, .purpose = StreamPurpose::parameter_cloud};
-  outcome.cloud = files.compute(study, earlier, [&] {
+  outcome.cloud = files.compute(study, [&] {
     return points ? evaluate_points(model, given, rules.max_failed, context)
                   : evaluate_cloud(model, *made.space, made.space->prior(), rules, key, context);
   });
@@ -104,7 +90,7 @@ PropagateOutcome propagate(const Study& study, const std::optional<std::filesyst
   return outcome;
 }
 
-SimulateOutcome simulate(const Study& study, const RunSettings& settings) {
+SimulateOutcome simulate_here(const Study& study, const RunSettings& settings) {
   require(study.truth.has_value(),
           "{}: truth: is missing; give [truth] specimens = 10 and, where they differ from "
           "[[parameter]], [[truth.parameter]]",
@@ -120,6 +106,25 @@ SimulateOutcome simulate(const Study& study, const RunSettings& settings) {
   outcome.exact = outcome.cloud.outputs;
   add_noise(outcome.cloud.outputs, study, outcome.made, context);
   return outcome;
+}
+
+}  // namespace
+
+PropagateOutcome propagate(const Study& study, const std::optional<std::filesystem::path>& points,
+                           const RunSettings& settings) {
+  std::vector<std::filesystem::path> read = paths_of(study);
+  if (points) read.push_back(*points);
+  require_none_is_read(settings.folder, {"study.toml", "cloud.csv", "clouds.csv", "result.json"}, read);
+  return without_earlier(settings.folder, results_not_read(settings.folder, result_names(), read),
+                         [&] { return propagate_here(study, points, settings); });
+}
+
+SimulateOutcome simulate(const Study& study, const RunSettings& settings) {
+  std::vector<std::filesystem::path> read{study.file};  // without its tests, which may be what it makes
+  for (const NamedFile& file : study.model->files()) read.push_back(file.file);
+  require_none_is_read(settings.folder, {"study.toml", "specimens.csv", "specimens-truth.csv"}, read);
+  return without_earlier(settings.folder, results_not_read(settings.folder, specimen_names(), read),
+                         [&] { return simulate_here(study, settings); });
 }
 
 }  // namespace mottle::study

@@ -1,13 +1,34 @@
 #include "study/jobs/job_files.hpp"
 
+#include <algorithm>
+
 namespace mottle::study {
 
-void set_aside_in(const std::filesystem::path& folder, const std::vector<std::string>& names) {
-  std::error_code ignored;
-  if (!std::filesystem::is_directory(folder, ignored)) return;
-  try {
-    RunFolder(folder).set_aside(names);
-  } catch (const std::exception&) {  // the error reported is the one that ended the job
+namespace {
+
+/// Whether a file is one of these, by whatever name.
+bool is_among(const std::filesystem::path& file, const std::vector<std::filesystem::path>& files) {
+  return std::any_of(files.begin(), files.end(), [&](const std::filesystem::path& other) {
+    std::error_code ignored;  // what is not there is not the same
+    return std::filesystem::equivalent(file, other, ignored);
+  });
+}
+
+}  // namespace
+
+std::vector<std::string> results_not_read(const std::filesystem::path& folder, std::vector<std::string> names,
+                                          const std::vector<std::filesystem::path>& read) {
+  std::erase_if(names, [&](const std::string& name) { return is_among(folder / name, read); });
+  return names;
+}
+
+void require_none_is_read(const std::filesystem::path& folder, const std::vector<std::string>& names,
+                          const std::vector<std::filesystem::path>& read) {
+  if (folder.empty()) return;
+  for (const std::string& name : names) {
+    require(!is_among(folder / name, read),
+            "{}: the study reads this file, and results would be written over it; choose another folder with --out",
+            (folder / name).string());
   }
 }
 
@@ -25,9 +46,8 @@ RunContext JobFiles::context(const Study& study, const RunSettings& settings) co
           .stop = settings.stop};
 }
 
-void JobFiles::discard(const std::vector<std::string>& aside) const {
+void JobFiles::discard() const {
   if (!folder_) return;
-  folder_->restore(aside);
   folder_->remove(journal_);
   folder_->remove(log_name_);
 }

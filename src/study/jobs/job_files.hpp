@@ -14,21 +14,21 @@
 
 namespace mottle::study {
 
-/// Sets earlier results aside, if the folder is there and can be written.
-void set_aside_in(const std::filesystem::path& folder, const std::vector<std::string>& names);
+/// Results of an earlier job in a folder, without those that are read by this one.
+std::vector<std::string> results_not_read(const std::filesystem::path& folder, std::vector<std::string> names,
+                                          const std::vector<std::filesystem::path>& read);
 
-/// What `work` returns, which makes the job's model and runs it for the first time. Where that fails or is stopped,
-/// results of an earlier job, files `names`, are set aside; where the input is wrong they stay.
+/// Throws InvalidInput where a job that writes `names` into the folder would write over a file that it reads.
+void require_none_is_read(const std::filesystem::path& folder, const std::vector<std::string>& names,
+                          const std::vector<std::filesystem::path>& read);
+
+/// What the whole of a job, `work`, returns. Results of an earlier one, files `names`, are set aside before anything is
+/// run, as RunFolder::without_earlier() does; a folder that is not there is not made.
 template <typename Work>
-auto prepare(const RunSettings& settings, const std::vector<std::string>& names, const Work& work) {
-  try {
-    return work();
-  } catch (const InvalidInput&) {
-    throw;
-  } catch (const Error&) {
-    if (!settings.folder.empty()) set_aside_in(settings.folder, names);
-    throw;
-  }
+auto without_earlier(const std::filesystem::path& folder, const std::vector<std::string>& names, const Work& work) {
+  std::error_code ignored;
+  if (folder.empty() || !std::filesystem::is_directory(folder, ignored)) return work();
+  return RunFolder(folder).without_earlier(names, work);
 }
 
 /// The files of a running job; none where the settings name no folder.
@@ -44,22 +44,20 @@ class JobFiles {
   /// Seed, threads and stop of the job, with the log as its observer.
   RunContext context(const Study& study, const RunSettings& settings) const;
 
-  /// What `work` returns. Results of an earlier job, files `names`, are set aside before. Where `work` finds the input
-  /// wrong, the message gets its key and line in the study, log and journal are removed, and earlier results stay where
-  /// they were.
+  /// What `work` returns. Where it finds the input wrong, the message gets its key and line in the study, and log and
+  /// journal are removed.
   template <typename Work>
-  auto compute(const Study& study, const std::vector<std::string>& names, const Work& work) const {
-    const std::vector<std::string> aside = folder_ ? folder_->set_aside(names) : std::vector<std::string>();
+  auto compute(const Study& study, const Work& work) const {
     try {
       return work();
     } catch (const InvalidInput& error) {
-      discard(aside);
+      discard();
       throw InvalidInput(located(study, error));
     }
   }
 
  private:
-  void discard(const std::vector<std::string>& aside) const;
+  void discard() const;
 
   std::optional<RunFolder> folder_;
   std::string log_name_, journal_;

@@ -10,6 +10,7 @@
 #include "mottle/formats/tables/csv.hpp"
 #include "mottle/study/input/text_file.hpp"
 #include "mottle/study/results/run_folder.hpp"
+#include "study/jobs/job_files.hpp"
 #include "study/jobs/solved_deck.hpp"
 
 namespace mottle::study {
@@ -125,9 +126,7 @@ ModeComparison compare(const Shapes& shapes) {
   return result;
 }
 
-}  // namespace
-
-ModesOutcome find_modes(const ModesSettings& settings) {
+ModesOutcome find_modes_here(const ModesSettings& settings) {
   const double start = steady_seconds();
   ModesOutcome outcome{.settings = settings};
   const auto deck =
@@ -141,6 +140,15 @@ ModesOutcome find_modes(const ModesSettings& settings) {
         compare(is_table ? shapes_of_table(*deck, *settings.compare) : shapes_of_deck(*deck, settings));
   }
   return outcome;
+}
+
+}  // namespace
+
+ModesOutcome find_modes(const ModesSettings& settings, const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> read{settings.model};
+  if (settings.compare) read.push_back(*settings.compare);
+  return without_earlier(folder, results_not_read(folder, modes_names(), read),
+                         [&] { return find_modes_here(settings); });
 }
 
 }  // namespace mottle::study

@@ -32,24 +32,36 @@ class Reach {
   std::vector<std::string> found_;
 };
 
-/// The files themselves, which may be links within a folder; what is named where they cannot be listed.
-void add_tests(Reach& reach, const Study& study) {
-  std::vector<fs::path> files = study.test->files;
+/// The files themselves, which may be links within a folder.
+void add_tests(const Study& study, std::vector<StudyFile>& files) {
+  std::vector<fs::path> listed = study.test->files;
   try {
-    files = list_test_files(study);
+    listed = list_test_files(study);
   } catch (const InvalidInput&) {  // reported where they are read
   }
-  for (const fs::path& file : files) reach.add(study.test->key, file);
-  if (study.test->repeats_file) reach.add("test.repeatability", *study.test->repeats_file);
+  for (const fs::path& file : listed) files.push_back({study.test->key, file});
+  if (study.test->repeats_file) files.push_back({"test.repeatability", *study.test->repeats_file});
 }
 
 }  // namespace
 
+std::vector<StudyFile> files_of(const Study& study) {
+  std::vector<StudyFile> files;
+  for (const NamedFile& named : study.model->files()) files.push_back({named.label, named.file});
+  if (study.test) add_tests(study, files);
+  if (study.predict && study.predict->held_out) files.push_back({"predict.held_out", *study.predict->held_out});
+  return files;
+}
+
+std::vector<fs::path> paths_of(const Study& study) {
+  std::vector<fs::path> paths{study.file};
+  for (StudyFile& named : files_of(study)) paths.push_back(std::move(named.file));
+  return paths;
+}
+
 StudyReach reach_of(const Study& study, const std::vector<std::string>& read) {
   Reach reach(study);
-  for (const NamedFile& named : study.model->files()) reach.add(named.label, named.file);
-  if (study.test) add_tests(reach, study);
-  if (study.predict && study.predict->held_out) reach.add("predict.held_out", *study.predict->held_out);
+  for (const StudyFile& named : files_of(study)) reach.add(named.key, named.file);
   for (const std::string& file : read) reach.add("included", file);  // those above are there already
   return {study.model->programs(), std::move(reach).found()};
 }

@@ -1,6 +1,7 @@
 // Programs and files that a study uses outside its own folder.
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -9,6 +10,17 @@
 #include "mottle/study/jobs/check.hpp"
 
 namespace mottle::study {
+
+/// A file that a study names, and under which key.
+struct StudyFile {
+  std::string key;
+  std::filesystem::path file;
+};
+
+/// Model, tests and held-out tests; what is named where they cannot be listed.
+std::vector<StudyFile> files_of(const Study& study);
+/// The same without their keys, and the study itself.
+std::vector<std::filesystem::path> paths_of(const Study& study);
 
 /// @param read  files that the model was read from beside those that the study names (includes of a deck)
 StudyReach reach_of(const Study& study, const std::vector<std::string>& read = {});

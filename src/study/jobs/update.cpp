@@ -5,6 +5,7 @@
 #include "mottle/study/results/run_folder.hpp"
 #include "study/jobs/find_could_hide.hpp"
 #include "study/jobs/job_files.hpp"
+#include "study/jobs/study_reach.hpp"
 #include "study/jobs/update_workings.hpp"
 #include "study/results/solver_use.hpp"
 #include "study/results/update_text.hpp"
@@ -68,16 +69,9 @@ void assess(UpdateOutcome& outcome, const RunContext& context) {
   }
 }
 
-}  // namespace
-
-const UpdatingProblem& UpdateOutcome::problem() const {
-  return workings->problem();
-}
-
-UpdateOutcome update(const Study& study, const RunSettings& settings) {
+UpdateOutcome update_here(const Study& study, const RunSettings& settings) {
   const double start = steady_seconds();
-  const auto workings = std::make_shared<UpdateWorkings>(
-      UpdateWorkings{.plan = prepare(settings, result_names(), [&] { return plan_update(study, settings); })});
+  const auto workings = std::make_shared<UpdateWorkings>(UpdateWorkings{.plan = plan_update(study, settings)});
   const UpdatePlan& plan = workings->plan;
   UpdateOutcome outcome{.study = study, .workings = workings};
   const JobFiles files(settings, k_log, k_journal);
@@ -90,7 +84,7 @@ UpdateOutcome update(const Study& study, const RunSettings& settings) {
   if (study.surrogate) workings->surrogate = std::make_unique<SurrogateUpdate>(*workings->given, *study.surrogate);
   note_what_is_given(study, plan, context);
   const double ready = steady_seconds();
-  outcome.result = files.compute(study, result_names(), [&] {
+  outcome.result = files.compute(study, [&] {
     return workings->surrogate ? workings->surrogate->run(*plan.method, context)
                                : plan.method->update(*workings->given, context);
   });
@@ -105,6 +99,18 @@ UpdateOutcome update(const Study& study, const RunSettings& settings) {
   outcome.updating_seconds = updated - ready;
   outcome.assessing_seconds = steady_seconds() - updated;
   return outcome;
+}
+
+}  // namespace
+
+const UpdatingProblem& UpdateOutcome::problem() const {
+  return workings->problem();
+}
+
+UpdateOutcome update(const Study& study, const RunSettings& settings) {
+  require_place_of_update(study, settings.folder);
+  return without_earlier(settings.folder, results_not_read(settings.folder, result_names(), paths_of(study)),
+                         [&] { return update_here(study, settings); });
 }
 
 }  // namespace mottle::study

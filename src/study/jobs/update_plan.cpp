@@ -2,6 +2,8 @@
 
 #include "mottle/core/error.hpp"
 #include "mottle/updating/methods/surrogate_update.hpp"
+#include "study/jobs/job_files.hpp"
+#include "study/jobs/study_reach.hpp"
 #include "study/results/run_files.hpp"
 #include "study/tests/unit_errors.hpp"
 
@@ -35,6 +37,13 @@ UpdatePlan plan_update(const Study& study, const RunSettings& settings) {
   UpdatePlan plan{std::move(made), std::move(tests), make_method(study), std::move(groups), std::nullopt};
   if (study.predict) plan.prediction = plan_prediction(study, settings);
   return plan;
+}
+
+void require_place_of_update(const Study& study, const std::filesystem::path& folder) {
+  require_none_is_read(folder,
+                       {"study.toml", "tests.csv", "pairing.csv", "history.csv", "cloud-initial.csv", "cloud-final.csv",
+                        "clouds.csv", "prediction.csv", "modes.json", "result.json"},
+                       paths_of(study));
 }
 
 UpdatingProblem problem_of(const Study& study, const UpdatePlan& plan, const Model& model) {

@@ -1,6 +1,7 @@
 // Everything of an update that is made before its first model run, for `update` and `check`.
 #pragma once
 
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -23,6 +24,9 @@ struct UpdatePlan {
 
 /// Throws InvalidInput, FormatError: whatever of the study, its tests or its prediction does not fit the model.
 UpdatePlan plan_update(const Study& study, const RunSettings& settings);
+
+/// Throws InvalidInput where results in that folder would be written over what the study reads.
+void require_place_of_update(const Study& study, const std::filesystem::path& folder);
 
 /// The plan's problem over `model`, which must outlive it as the plan must.
 UpdatingProblem problem_of(const Study& study, const UpdatePlan& plan, const Model& model);

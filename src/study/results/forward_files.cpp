@@ -100,6 +100,7 @@ void write_results(const SimulateOutcome& outcome, const std::filesystem::path& 
   folder.write("study.toml", study_text_for(outcome.study, folder.path()));
   folder.write("specimens-truth.csv", format_csv(column_names(*outcome.made.space, outputs), truth));
   folder.write("specimens.csv", format_csv(names, outcome.cloud.outputs));
+  folder.forget_previous(specimen_names());
 }
 
 RunSummary summarise(const SimulateOutcome& outcome, const std::filesystem::path& folder) {

@@ -29,12 +29,28 @@ bool may_hold_previous(const std::filesystem::path& folder) {
   return std::all_of(begin(files), end(files), [](const auto& file) { return is_mark(file.path()); });
 }
 
+/// Whether the results of that names are there to their end.
+bool are_complete(const std::filesystem::path& folder, const std::vector<std::string>& names) {
+  std::error_code ignored;
+  return !names.empty() && std::filesystem::is_regular_file(folder / names.back(), ignored);
+}
+
 }  // namespace
 
 const std::vector<std::string>& result_names() {
   static const std::vector<std::string> names = {"report.html", "history.csv", "cloud-initial.csv", "cloud-final.csv",
                                                  "clouds.csv",  "cloud.csv",   "pairing.csv",       "prediction.csv",
                                                  "modes.json",  "result.json"};
+  return names;
+}
+
+const std::vector<std::string>& specimen_names() {
+  static const std::vector<std::string> names = {"specimens.csv", "specimens-truth.csv"};
+  return names;
+}
+
+const std::vector<std::string>& modes_names() {
+  static const std::vector<std::string> names = {"modes.csv", "modes.vtu", "modes.uff", "modes.json", "modes.html"};
   return names;
 }
 
@@ -48,13 +64,10 @@ void RunFolder::write(const std::string& name, const std::string& bytes) const {
 
 std::vector<std::string> RunFolder::set_aside(const std::vector<std::string>& names) const {
   std::vector<std::string> there;
-  // Files without it are what a run that did not come to its end had written: they are written over.
-  if (!std::filesystem::is_regular_file(file("result.json")) && !std::filesystem::exists(file("diagnosis.json")))
-    return there;
+  if (!are_complete(folder_, names)) return there;
   for (const std::string& name : names) {
     if (std::filesystem::is_regular_file(file(name))) there.push_back(name);
   }
-  if (there.empty()) return there;
   const std::filesystem::path previous = file(k_previous);
   const std::filesystem::path mark = previous / k_mark;
   require(may_hold_previous(previous),
@@ -62,14 +75,20 @@ std::vector<std::string> RunFolder::set_aside(const std::vector<std::string>& na
           previous.string());
   std::filesystem::create_directories(previous);
   write_file_atomically(mark, k_mark_text);
-  for (const std::string& name : names) std::filesystem::remove(previous / name);
+  // Where the last is not among those of before, a run was killed while it moved these: the others are theirs.
+  if (are_complete(previous, names)) {
+    for (const std::string& name : names) std::filesystem::remove(previous / name);
+  }
   for (const std::string& name : there) std::filesystem::rename(file(name), previous / name);
   return there;
 }
 
 void RunFolder::restore(const std::vector<std::string>& names) const {
   std::error_code ignored;  // what cannot be moved back is still in the other folder
-  for (const std::string& name : names) std::filesystem::rename(file(k_previous) / name, file(name), ignored);
+  // The last first: a run that is killed here leaves what the next one knows as results.
+  for (auto name = names.rbegin(); name != names.rend(); ++name) {
+    std::filesystem::rename(file(k_previous) / *name, file(*name), ignored);
+  }
   forget_previous({});
 }
 
@@ -77,7 +96,9 @@ void RunFolder::forget_previous(const std::vector<std::string>& names) const {
   std::error_code ignored;  // what stays behind says what it is
   const std::filesystem::path previous = file(k_previous);
   if (std::filesystem::is_symlink(previous, ignored) || !std::filesystem::exists(previous / k_mark, ignored)) return;
-  for (const std::string& name : names) std::filesystem::remove(previous / name, ignored);
+  if (are_complete(previous, names)) {  // else they are those of another job
+    for (const std::string& name : names) std::filesystem::remove(previous / name, ignored);
+  }
   std::vector<std::filesystem::path> marks;
   for (const auto& file : std::filesystem::directory_iterator(previous, ignored)) {
     if (!is_mark(file.path())) return;

@@ -5,6 +5,8 @@
 #include "mottle/formats/tables/csv.hpp"
 #include "mottle/study/jobs/update.hpp"
 #include "mottle/study/results/run_folder.hpp"
+#include "study/jobs/job_files.hpp"
+#include "study/jobs/study_reach.hpp"
 #include "study/jobs/update_workings.hpp"
 #include "study/results/could_hide_json.hpp"
 #include "study/results/modes_json.hpp"
@@ -73,7 +75,8 @@ Json outcome_json(const UpdateOutcome& outcome) {
 void write_results(const UpdateOutcome& outcome, const std::filesystem::path& path) {
   const double start = steady_seconds();
   const RunFolder folder(path);
-  folder.set_aside(result_names());  // where the job ran without a folder
+  folder.set_aside(
+      results_not_read(path, result_names(), paths_of(outcome.study)));  // where the job ran without a folder
   const UpdatePlan& plan = outcome.workings->plan;
   const StudyModel& made = plan.made;
   const StudyTests& tests = plan.tests;

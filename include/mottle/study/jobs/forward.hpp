@@ -38,6 +38,8 @@ struct SimulateOutcome {
   Eigen::MatrixXd exact = {};  ///< and without the measurement's noise [specimen x output]
 };
 
+/// Specimens of an earlier run are set aside as update() does it.
+///
 /// Throws InvalidInput: no [truth], a noise rule that fits no output; SystemFailure where the model fails.
 SimulateOutcome simulate(const Study& study, const RunSettings& settings);
 

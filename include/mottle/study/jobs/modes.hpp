@@ -47,9 +47,11 @@ struct ModesOutcome {
 ///
 /// A CSV of shapes has a column "dof" (101:+Z) and one column a mode, named as the test calls it.
 ///
+/// @param folder  where results of an earlier run are set aside; empty: nowhere
+///
 /// Throws InvalidInput: a deck or CSV that cannot be understood, shapes without a degree of freedom in common;
 /// SystemFailure: the modes do not converge, or fewer were found than the inertia of K - s M counts.
-ModesOutcome find_modes(const ModesSettings& settings);
+ModesOutcome find_modes(const ModesSettings& settings, const std::filesystem::path& folder = {});
 
 /// modes.csv (frequencies, residuals), modes.json (what the page shows), modes.vtu, modes.uff where it is wanted.
 void write_results(const ModesOutcome& outcome, const std::filesystem::path& folder);

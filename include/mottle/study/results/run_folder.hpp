@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "mottle/core/error.hpp"
 #include "mottle/core/run_context.hpp"
 #include "mottle/layers.hpp"
 
@@ -17,8 +18,11 @@ inline constexpr const char* k_previous = "previous-results";
 inline constexpr const char* k_journal = "resume.journal";  ///< of an update or a cloud
 inline constexpr const char* k_log = "mottle.log";
 
-/// What stands for the results of an update or a cloud. Not study.toml and tests.csv, which may be a study's input.
-const std::vector<std::string>& result_names();
+// What stands for the results of a job; the last name says that they are complete. Not study.toml and tests.csv, which
+// may be a study's input.
+const std::vector<std::string>& result_names();    ///< of an update or a cloud
+const std::vector<std::string>& specimen_names();  ///< of `simulate`
+const std::vector<std::string>& modes_names();     ///< of `modes`
 
 /// Where a run leaves its files.
 class RunFolder {
@@ -33,13 +37,25 @@ class RunFolder {
   void write(const std::string& name, const std::string& bytes) const;
 
   /// Takes results of an earlier run away, so that they do not stand as those of a run that fails: `names`, as far as
-  /// they are there, go to the folder k_previous within this one, in place of what an earlier run left there.
+  /// they are there, go to the folder k_previous within this one, in place of what an earlier run left there. Without
+  /// the last of the names they are what a run that did not come to its end had written: they stay, to be written over.
   ///
   /// @return  those that were moved
   /// @throws  InvalidInput: there is a folder of that name that this program did not make
   std::vector<std::string> set_aside(const std::vector<std::string>& names) const;
   /// Takes them back.
   void restore(const std::vector<std::string>& names) const;
+  /// What `work` returns, with `names` set aside before. Where it finds the input wrong, they come back.
+  template <typename Work>
+  auto without_earlier(const std::vector<std::string>& names, const Work& work) const {
+    const std::vector<std::string> aside = set_aside(names);
+    try {
+      return work();
+    } catch (const InvalidInput&) {
+      restore(aside);
+      throw;
+    }
+  }
   /// New results are there: removes the earlier ones.
   void forget_previous(const std::vector<std::string>& names) const;
 
