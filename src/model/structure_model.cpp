@@ -73,15 +73,24 @@ void StructureModel::settle_request() {
   if (request_.damping) request_.modes = solver_->modes_for_damping(highest_mode());
 }
 
-void StructureModel::solve_reference() {
-  reference_ = solver_->modes_at(reference_parameters_, request_.modes);
-  require_of(reference_.eigenvalues.size() >= highest_mode() && reference_.eigenvalues.allFinite(),
-             {Subject::Kind::model},
+ModeSet StructureModel::sound_modes_at(const Eigen::Ref<const Eigen::VectorXd>& parameters) const {
+  ModeSet modes = solver_->modes_at(parameters, request_.modes);
+  const Eigen::VectorXd& values = modes.eigenvalues;
+  require_of(values.size() >= highest_mode() && values.allFinite(), {Subject::Kind::model},
              "it has no modes at the parameters' means: the mass matrix is not positive definite there");
-  largest_eigenvalue_ = reference_.eigenvalues.cwiseAbs().maxCoeff();
-  require_of(!std::isnan(natural_frequency_hz(reference_.eigenvalues(0), largest_eigenvalue_)), {Subject::Kind::model},
+  require_of(!std::isnan(natural_frequency_hz(values(0), values.cwiseAbs().maxCoeff())), {Subject::Kind::model},
              "it is unstable at the parameters' means, its lowest eigenvalue is {:.6g}; a stiffness must be negative",
-             reference_.eigenvalues(0));
+             values(0));
+  return modes;
+}
+
+void StructureModel::solve_reference() {
+  reference_ = sound_modes_at(reference_parameters_);
+  largest_eigenvalue_ = reference_.eigenvalues.cwiseAbs().maxCoeff();
+}
+
+void StructureModel::require_modes_at(const Eigen::Ref<const Eigen::VectorXd>& parameters) const {
+  if (parameters != reference_parameters_) sound_modes_at(parameters);
 }
 
 ModeMatch StructureModel::match_modes(Eigen::Index found, const Eigen::MatrixXd& cosines) const {

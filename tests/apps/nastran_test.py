@@ -106,6 +106,20 @@ class NastranTest(support.CommandTest):
         self.assertEqual(read_result(self.folder / "out")["tracking"],
                          [{"iteration": 0, "remark": "modes 1 and 2 crossed", "samples": 1}])
 
+    def test_a_prior_at_whose_mean_there_are_no_modes_is_refused_before_anything_is_computed(self):
+        # The deck's own modulus is sound; the parameter's was given in another unit by a factor of 7e12.
+        example = support.SOURCE / "examples" / "02-airframe"
+        for name in ("airframe.bdf", "specimens.csv"):
+            self.write(name, (example / name).read_bytes())
+        study = edited((example / "study-shapes.toml").read_text(encoding="utf-8"),
+                       ("mean = 70e9, std = 1e9 }\nbounds = [66e9, 74e9]", "mean = 0.01, std = 1e-4 }\nbounds = [0.0096, 0.0104]"))
+        self.write("study.toml", study + "[truth]\nspecimens = 3\n")
+        for verb in ("check", "update", "propagate", "simulate"):
+            ended = self.call(verb, "study.toml", "--out", "out", timeout=30)
+            self.assertEqual(ended.code, 2, f"{verb}: {ended.err}")
+            self.assertIn("it cannot be solved at the parameters' means", ended.err)
+        self.assertFalse((self.folder / "out").exists())
+
     def test_threads_change_no_number(self):
         for threads in (1, 2):
             self.succeed("propagate", "study.toml", "--threads", threads, "--out", f"out{threads}", "--quiet")

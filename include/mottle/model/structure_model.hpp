@@ -50,6 +50,9 @@ class StructureModel final : public Model, public DifferentiableModel {
   /// Throws InvalidInput where a mode is lost.
   FollowedModes follow(const Eigen::Ref<const Eigen::VectorXd>& parameters) const;
 
+  /// Solves there, unless it is the reference. Throws InvalidInput: it has no modes there or is unstable.
+  void require_modes_at(const Eigen::Ref<const Eigen::VectorXd>& parameters) const;
+
   /// Whether a mode of the reference, counted from 0, is among the outputs.
   bool is_output(int mode) const { return is_output_[static_cast<std::size_t>(mode)]; }
   int highest_mode() const { return static_cast<int>(is_output_.size()); }
@@ -72,6 +75,7 @@ class StructureModel final : public Model, public DifferentiableModel {
 
   void take(std::unique_ptr<Response> response);
   void settle_request();
+  ModeSet sound_modes_at(const Eigen::Ref<const Eigen::VectorXd>& parameters) const;
   void solve_reference();
   ModeMatch match_modes(Eigen::Index found, const Eigen::MatrixXd& cosines) const;
   ModeMatch match_all(const ModeSet& modes) const;

@@ -111,6 +111,7 @@ StudyModel make_model(const Study& study, const StudyParameters& parameters, con
     }
     made.model = std::make_unique<StructureModel>(std::move(parts.solver), std::move(outputs), parts.reference);
     require_own_names(parameters, made.model->outputs());
+    made.model->require_modes_at(made.space->prior().mean());
     return made;
   } catch (const InvalidInput& error) {
     throw InvalidInput(located(study, error, is_truth ? "truth." : ""));
