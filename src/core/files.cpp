@@ -13,10 +13,14 @@
 #include <utility>
 
 #include "mottle/core/error.hpp"
+#include "mottle/core/folders.hpp"
 
 namespace mottle {
 namespace {
 
+constexpr const char* k_not_made = "this folder cannot be made";
+constexpr const char* k_not_written = "nothing can be written there";
+constexpr const char* k_elsewhere = "; choose another folder with --out";
 constexpr const char* k_not_regular = "{}: is a {}, a regular file is needed";
 
 /// Closes a file descriptor at the end of its scope.
@@ -61,6 +65,13 @@ void write_all(int descriptor, std::string_view bytes, const std::filesystem::pa
 std::string partial_name(const std::filesystem::path& path) {
   static std::atomic<unsigned> next{0};
   return fmt::format("{}.{}-{}.partial", path.string(), ::getpid(), next++);
+}
+
+/// Whether a folder takes a file, which goes again; else errno says why not.
+bool take_file(const std::filesystem::path& folder) {
+  const std::string probe = partial_name(folder / ".mottle-probe");
+  const Descriptor descriptor(::open(probe.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644));
+  return descriptor.get() >= 0 && ::unlink(probe.c_str()) == 0;
 }
 
 std::filesystem::path folder_of(const std::filesystem::path& path) {
@@ -213,18 +224,56 @@ std::filesystem::path temporary_folder() {
                                   given != nullptr ? given : "/tmp", error.message()));
 }
 
+std::vector<std::filesystem::path> missing_folders(const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> missing;
+  std::error_code ignored;
+  for (std::filesystem::path path = std::filesystem::absolute(folder).lexically_normal();
+       !std::filesystem::exists(std::filesystem::symlink_status(path, ignored)) && path.has_relative_path();
+       path = path.parent_path()) {
+    missing.push_back(path);
+  }
+  return missing;
+}
+
 void make_writable_folder(const std::filesystem::path& folder) {
+  const std::vector<std::filesystem::path> made = missing_folders(folder);
   std::error_code error;
   std::filesystem::create_directories(folder, error);
-  std::error_code status_error;
-  require(std::filesystem::is_directory(folder, status_error), "{}: this folder cannot be made: {}", folder.string(),
-          error ? error.message() : "something else has that name");
-  const std::string probe = partial_name(folder / ".mottle-probe");
-  const Descriptor descriptor(::open(probe.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644));
-  if (descriptor.get() < 0) {
-    refuse_to_write(folder, "nothing can be written there", "; name another place with --out");
+  std::error_code ignored;
+  if (!std::filesystem::is_directory(folder, ignored)) {
+    require(static_cast<bool>(error), "{}: this folder cannot be made: something else has that name", folder.string());
+    errno = error.value();
+    refuse_to_write(folder, k_not_made, "");
   }
-  ::unlink(probe.c_str());
+  if (take_file(folder)) return;
+  const int reason = errno;
+  for (const std::filesystem::path& path : made) std::filesystem::remove(path, ignored);
+  errno = reason;
+  refuse_to_write(folder, k_not_written, k_elsewhere);
+}
+
+void require_writable_folder(const std::filesystem::path& folder) {
+  const std::vector<std::filesystem::path> missing = missing_folders(folder);
+  const std::filesystem::path place = missing.empty() ? folder : missing.back().parent_path();
+  std::error_code ignored;
+  const bool is_nameable = std::filesystem::status(folder, ignored).type() != std::filesystem::file_type::none;
+  if (!is_nameable || !std::filesystem::is_directory(place, ignored)) {
+    make_writable_folder(folder);  // says why not
+    return;
+  }
+  // A file without a name changes nothing, not even the folder's time; where the system has none such, one with a name.
+  if (Descriptor(::open(place.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0644)).get() >= 0) return;
+  if (missing.empty()) {
+    make_writable_folder(folder);
+    return;
+  }
+  std::string probe = (place / ".mottle-probe-XXXXXX").string();
+  if (::mkdtemp(probe.data()) == nullptr) refuse_to_write(folder, k_not_made, "");
+  const bool is_taken = take_file(probe);
+  const int reason = errno;
+  ::rmdir(probe.c_str());
+  errno = reason;
+  if (!is_taken) refuse_to_write(folder, k_not_written, k_elsewhere);
 }
 
 }  // namespace mottle

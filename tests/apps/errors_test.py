@@ -474,8 +474,14 @@ case("results below a regular file", ["tests.csv/out", "cannot be made"],
 case("results in place of a regular file", ["tests.csv", "cannot be made"],
      arguments=["update", "study.toml", "--out", "tests.csv"])
 case("results in /proc", ["/proc/mottle", "cannot be made"],
-     arguments=["update", "study.toml", "--out", "/proc/mottle"], is_checked=False)
-case("results in /sys", ["/sys", "--out"], arguments=["update", "study.toml", "--out", "/sys"], is_checked=False)
+     arguments=["update", "study.toml", "--out", "/proc/mottle"])
+case("results in /sys", ["/sys", "--out"], arguments=["update", "study.toml", "--out", "/sys"])
+case("results below /sys", ["/sys/mottle/out", "cannot be made"],
+     arguments=["update", "study.toml", "--out", "/sys/mottle/out"])
+case("results below a device", ["/dev/full/out", "cannot be made"],
+     arguments=["update", "study.toml", "--out", "/dev/full/out"])
+case("results below a name that is too long", ["xxx", "cannot be made"],
+     arguments=["update", "study.toml", "--out", 300 * "x"])
 case("propagate into /proc", ["/proc/mottle", "cannot be made"],
      arguments=["propagate", "study.toml", "--out", "/proc/mottle"])
 case("simulate into /proc", ["/proc/mottle", "cannot be made"], study=truth("specimens = 3"),

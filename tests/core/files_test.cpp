@@ -17,6 +17,7 @@
 #include "core/message_of.hpp"
 #include "core/temporary_folder.hpp"
 #include "mottle/core/error.hpp"
+#include "mottle/core/folders.hpp"
 
 namespace mottle {
 namespace {
@@ -210,6 +211,43 @@ TEST(MakeWritableFolder, LeavesAnExistingFolderAsItWas) {
   write_file_atomically(folder / "file", "text");
   make_writable_folder(folder.path());
   EXPECT_THAT(names_in(folder.path()), ::testing::ElementsAre("file"));
+}
+
+TEST(MakeWritableFolder, TakesAwayWhatItMadeInAPlaceThatTakesNoFile) {
+  // The kernel's control groups are folders that anyone may make who is let, but files are the kernel's own.
+  const std::filesystem::path groups =
+      std::filesystem::exists("/sys/fs/cgroup/unified/cgroup.procs") ? "/sys/fs/cgroup/unified" : "/sys/fs/cgroup";
+  const std::filesystem::path place = groups / "mottle-files-test";
+  std::error_code error;
+  const bool can_make =
+      std::filesystem::exists(groups / "cgroup.procs") && std::filesystem::create_directory(place, error);
+  std::filesystem::remove(place, error);
+  if (!can_make) GTEST_SKIP() << "needs the right to make a control group";
+  EXPECT_THROW(make_writable_folder(place / "out"), InvalidInput);
+  EXPECT_FALSE(std::filesystem::exists(place));
+  EXPECT_THROW(require_writable_folder(place / "out"), InvalidInput);
+}
+
+TEST(RequireWritableFolder, LeavesNothing) {
+  const TemporaryFolder folder;
+  const auto before = std::filesystem::last_write_time(folder.path());
+  require_writable_folder(folder.path());
+  require_writable_folder(folder / "a" / "b");
+  EXPECT_THAT(names_in(folder.path()), ::testing::IsEmpty());
+  EXPECT_EQ(std::filesystem::last_write_time(folder.path()), before);
+}
+
+TEST(RequireWritableFolder, RefusesWithTheWordsOfMakeWritableFolder) {
+  const TemporaryFolder folder;
+  write_file_atomically(folder / "file", "text");
+  std::filesystem::create_symlink("nowhere", folder / "link");
+  for (const std::filesystem::path& place :
+       {folder / "file", folder / "file" / "out", folder / "link", folder / std::string(300, 'x'),
+        std::filesystem::path("/proc/mottle"), std::filesystem::path("/sys"), std::filesystem::path("/dev/full/out")}) {
+    const std::string message = message_of<InvalidInput>([&] { make_writable_folder(place); });
+    EXPECT_THAT(message, ::testing::StartsWith(place.string() + ": "));
+    EXPECT_EQ(message_of<InvalidInput>([&] { require_writable_folder(place); }), message);
+  }
 }
 
 TEST(MakeWritableFolder, RefusesTheNameOfAFile) {

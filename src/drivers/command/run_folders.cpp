@@ -86,7 +86,7 @@ void require_no_linked_runs(const std::filesystem::path& results) {
     const std::filesystem::path folder = std::filesystem::absolute(results) / group;
     std::error_code ignored;
     require(!std::filesystem::is_symlink(folder, ignored),
-            "{}: is a link, and solver runs are made and removed there; take it away or name another place with --out",
+            "{}: is a link, and solver runs are made and removed there; take it away or choose another folder with --out",
             folder.string());
   }
 }

@@ -132,7 +132,7 @@ RunStore::RunStore(std::filesystem::path file) : file_(std::move(file)) {
     lock.l_type = F_WRLCK;
     lock.l_whence = SEEK_SET;
     require(::fcntl(descriptor_, F_SETLK, &lock) == 0 || (errno != EACCES && errno != EAGAIN),
-            "{}: another Mottle is filling this folder; wait for its end, or name another place with --out",
+            "{}: another Mottle is filling this folder; wait for its end, or choose another folder with --out",
             file_.string());
     read_spans();
   } catch (...) {

@@ -1,11 +1,10 @@
 // mottle check: reads everything, says what would run, and refuses whatever an update would refuse.
 #include "mottle/study/jobs/check.hpp"
 
-#include <unistd.h>
-
 #include <algorithm>
 
 #include "mottle/core/error.hpp"
+#include "mottle/core/folders.hpp"
 #include "mottle/drivers/command/run_folders.hpp"
 #include "mottle/dynamics/modes/mode_set.hpp"
 #include "mottle/study/models/model_source.hpp"
@@ -16,18 +15,6 @@ namespace mottle::study {
 namespace {
 
 constexpr Eigen::Index k_listed_modes = 10;
-
-/// Throws InvalidInput where an update could not put its results: a file, or a folder that may not be written.
-void require_writable_folder(const std::filesystem::path& folder) {
-  if (folder.empty()) return;
-  std::error_code ignored;
-  std::filesystem::path existing = std::filesystem::absolute(folder);
-  while (existing.has_relative_path() && !std::filesystem::exists(existing, ignored)) existing = existing.parent_path();
-  require(std::filesystem::is_directory(existing, ignored), "{}: this folder cannot be made: Not a directory",
-          folder.string());
-  require(::access(existing.c_str(), W_OK | X_OK) == 0,
-          "{}: nothing can be written there; name another place with --out", folder.string());
-}
 
 /// The lowest modes at the parameters' means, in Hz.
 Eigen::VectorXd frequencies_of(const StudyModel& made) {
@@ -40,7 +27,7 @@ Eigen::VectorXd frequencies_of(const StudyModel& made) {
 }  // namespace
 
 CheckOutcome check(const Study& study, const RunSettings& settings) {
-  require_writable_folder(settings.folder);
+  if (!settings.folder.empty()) require_writable_folder(settings.folder);
   require_place_of_update(study, settings.folder);
   if (study.model->keeps_runs()) require_no_linked_runs(settings.folder);
   if (!settings.may_run_programs && settings.observer != nullptr) {  // before the study may be refused for it

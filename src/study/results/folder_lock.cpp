@@ -12,19 +12,10 @@
 
 #include "mottle/core/error.hpp"
 #include "mottle/core/files.hpp"
+#include "mottle/core/folders.hpp"
 
 namespace mottle::study {
 namespace {
-
-std::vector<std::filesystem::path> missing_folders(const std::filesystem::path& folder) {
-  std::vector<std::filesystem::path> missing;
-  std::error_code ignored;
-  for (std::filesystem::path path = std::filesystem::absolute(folder).lexically_normal();
-       !std::filesystem::exists(path, ignored) && path.has_relative_path(); path = path.parent_path()) {
-    missing.push_back(path);
-  }
-  return missing;
-}
 
 /// Whether the file of that name is still the one that is open: who held it before may have taken it away.
 bool is_same_file(int descriptor, const std::filesystem::path& file) {
@@ -50,7 +41,7 @@ FolderLock::FolderLock(const std::filesystem::path& folder)
   make_writable_folder(folder);
   while (descriptor_ < 0) {
     descriptor_ = ::open(file_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0644);
-    require(descriptor_ >= 0, "{}: cannot be made: {}; name another place with --out", file_.string(),
+    require(descriptor_ >= 0, "{}: cannot be made: {}; choose another folder with --out", file_.string(),
             std::strerror(errno));
     // A file system without locks (ENOLCK, EOPNOTSUPP) goes without.
     if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
