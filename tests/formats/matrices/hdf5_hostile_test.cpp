@@ -5,6 +5,8 @@
 #include <hdf5.h>
 
 #include <fstream>
+#include <limits>
+#include <map>
 
 #include "core/message_of.hpp"
 #include "core/temporary_folder.hpp"
@@ -20,6 +22,7 @@ using test::message_of;
 using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 class HostileHdf5 : public ::testing::Test {
  protected:
@@ -49,6 +52,22 @@ class HostileHdf5 : public ::testing::Test {
     H5Sclose(memory);
     H5Sclose(space);
     H5Pclose(creation);
+    H5Fclose(file);
+  }
+  /// A group K with vectors of whole numbers, as SciPy lays out sparse matrices.
+  void write_vectors(const std::string& name, const std::map<std::string, std::vector<long long>>& vectors) {
+    const hid_t file = create(name);
+    const hid_t group = H5Gcreate2(file, "K", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+    for (const auto& [vector, numbers] : vectors) {
+      const hsize_t size = numbers.size();
+      const hid_t space = H5Screate_simple(1, &size, nullptr);
+      const hid_t set =
+          H5Dcreate2(group, vector.c_str(), H5T_NATIVE_LLONG, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+      H5Dwrite(set, H5T_NATIVE_LLONG, H5S_ALL, H5S_ALL, H5P_DEFAULT, numbers.data());
+      H5Dclose(set);
+      H5Sclose(space);
+    }
+    H5Gclose(group);
     H5Fclose(file);
   }
   static hid_t packed_chunks(hsize_t size) {
@@ -117,6 +136,20 @@ TEST_F(HostileHdf5, ExtentsAreHeldAgainstWhatIsStored) {
   EXPECT_EQ(read_symmetric_matrix((folder_ / "chunk.h5").string()).lower.nonZeros(), 1);
   write_square("early.h5", 3, H5Pcreate(H5P_DATASET_CREATE));
   EXPECT_EQ(read_symmetric_matrix((folder_ / "early.h5").string()).lower.rows(), 3);
+}
+
+TEST_F(HostileHdf5, TheLargestNumberIsNoIndex) {
+  // Counted from 1 it would be the most negative number, and undefined behaviour on the way there.
+  constexpr long long k_largest = std::numeric_limits<long long>::max();
+  write_vectors("row.h5", {{"data", {2, 3}}, {"row", {0, k_largest}}, {"col", {0, 1}}});
+  write_vectors("column.h5", {{"data", {2, 3}}, {"row", {0, 1}}, {"col", {0, k_largest}}});
+  write_vectors("indices.h5", {{"data", {2, 3}}, {"indptr", {0, 1, 2}}, {"indices", {0, k_largest}}});
+  for (const char* file : {"row.h5", "column.h5", "indices.h5"}) {
+    EXPECT_THAT(message_for(file), AllOf(HasSubstr("9223372036854775807"), Not(HasSubstr("-9223372036854775808"))))
+        << file;
+  }
+  write_vectors("pointer.h5", {{"data", {2, 3}}, {"indptr", {0, k_largest, 2}}, {"indices", {0, 1}}});
+  EXPECT_THAT(message_for("pointer.h5"), HasSubstr("'/K/indptr' is not ascending"));
 }
 
 TEST_F(HostileHdf5, AFileThatIsCutShortIsRefused) {
