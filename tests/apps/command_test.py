@@ -199,6 +199,25 @@ class AnySolverTest(support.CommandTest):
             self.assertIn(result["status"], ("converged", "max-iterations", "stalled"), method)
             self.assertEqual(result["failed_evaluations"], [], method)
 
+    def test_what_the_docs_advise_makes_output_that_is_cut_short_a_failed_run(self):
+        column = 'format = "column"\nafter = "F"\ncolumn = 1'
+        self.write("tests.csv", "f1,f2\n" + "".join(f"{1.25 + 0.01 * k},{2.25 + 0.02 * k * k}\n" for k in range(6)))
+        for check, rule, whole in (
+                ('&& test -z "$(tail -c 1 given)"', column, "F\n1.25\n2.25\n"),
+                ("&& tail -n 1 given | grep -qx END", column, "F\n1.25\n2.25\n\nEND\n"),
+                ("", "format = 'regex'\npattern = 'f = (\\S+) Hz'", "f = 1.25 Hz\nf = 2.25 Hz"),
+                ("", 'format = "csv"\ncolumn = "f"', "f,end\n1.25,.\n2.25,."),
+                ("", 'format = "json"\ncolumn = "f"', '{"f": [1.25, 2.25]}')):
+            study = edited(STUDY, ('["python3", "-S", "-E", "solver.py"]', f"': {{{{k1}}}} {{{{k2}}}}; cat given {check}'"),
+                           ('templates = ["in.txt.template"]\nfiles = ["solver.py"]', 'files = ["given"]'),
+                           ('format = "column"\nafter = "FREQUENCIES"\ncolumn = 1', rule + "\nmodes = 2"))
+            self.write("study.toml", study)
+            for content, code in ((whole, 0), (whole[:whole.index("2.25") + 3], 3)):
+                with self.subTest(check=check, rule=rule, content=content):
+                    self.write("given", content)
+                    ended = self.call("check", "study.toml")
+                    self.assertEqual(ended.code, code, ended.err)
+
     def test_the_copied_study_runs_from_its_folder(self):
         self.succeed("propagate", "study.toml", "--out", "out", "--quiet")
         self.succeed("propagate", "out/study.toml", "--out", "again", "--quiet")
