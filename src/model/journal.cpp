@@ -1,6 +1,5 @@
 #include "mottle/model/journal.hpp"
 
-#include <fcntl.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -11,6 +10,7 @@
 
 #include "mottle/core/error.hpp"
 #include "mottle/core/files.hpp"
+#include "mottle/core/own_file.hpp"
 
 namespace mottle::model {
 namespace {
@@ -120,10 +120,7 @@ class JournalledModel::File {
       if (old_.size() < head.size()) old_.clear();  // killed while the head was written
     }
     position_ = old_.empty() ? 0 : head.size();
-    descriptor_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
-    if (descriptor_ < 0) {
-      throw SystemFailure(fmt::format("{}: cannot be written: {}", path_.string(), std::strerror(errno)));
-    }
+    descriptor_ = open_own_file(path_, resume ? ExistingFile::keep : ExistingFile::replace);
     if (old_.empty()) {
       cut();
       append(head);

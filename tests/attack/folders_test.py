@@ -4,6 +4,7 @@
 """
 
 import os
+import shutil
 import subprocess
 import time
 import unittest
@@ -75,6 +76,41 @@ class FoldersTest(support.CommandTest):
         self.user_file("elsewhere", ".mottle-run").write_text("Made by Mottle for runs of a solver, and removed by it.\n")
         self.succeed(*PROPAGATE)
         self.assertTrue(target.exists())
+
+    def test_files_of_mottles_own_are_not_written_through_links_or_second_names(self):
+        for name in ("mottle.log", "resume.journal"):
+            for make in (os.symlink, os.link):
+                with self.subTest(name=name, make=make.__name__):
+                    target = self.user_file("elsewhere", "mine.txt")
+                    self.out.mkdir(exist_ok=True)
+                    (self.out / name).unlink(missing_ok=True)
+                    make(target, self.out / name)
+                    self.succeed("update", "study.toml", "--out", "out", "--quiet")
+                    self.assertEqual(target.read_text(encoding="utf-8"), "mine\n")
+
+    def test_files_that_are_gone_on_with_are_not_links(self):
+        for name, command in (("mottle.log", ("update", "study.toml", "--resume")),
+                              ("resume.journal", ("update", "study.toml", "--resume")),
+                              ("runs.store", ("update", "solver.toml")), ("runs.store", ("check", "solver.toml"))):
+            with self.subTest(name=name, command=command):
+                target = self.user_file("elsewhere", "mine.txt")
+                target.write_text("", encoding="utf-8")
+                self.out.mkdir()
+                (self.out / name).symlink_to(target)
+                ended = self.call(*command, "--out", "out", "--quiet")
+                self.assertEqual(ended.code, 2, ended.err)
+                self.assertIn(f"{name}: is a link", ended.err)
+                self.assertEqual(target.read_text(encoding="utf-8"), "")
+                (self.out / name).unlink()
+                shutil.rmtree(self.out)
+
+    def test_pipes_in_place_of_files_of_mottles_own_are_not_waited_for(self):
+        self.out.mkdir()
+        for name in ("mottle.log", "resume.journal", "result.json"):
+            os.mkfifo(self.out / name)
+        self.succeed("update", "study.toml", "--out", "out", "--quiet")
+        os.mkfifo(self.out / "runs.store")
+        self.assertEqual(self.call(*PROPAGATE).code, 2)
 
     def test_no_file_that_the_study_reads_is_written_over(self):
         self.write("truth.toml", STUDY + "[truth]\nspecimens = 3\n")

@@ -82,12 +82,14 @@ void remove_marked_within(const std::filesystem::path& group) {
 }  // namespace
 
 void require_no_linked_runs(const std::filesystem::path& results) {
-  for (const char* group : {k_work, k_failed, k_kept}) {
-    const std::filesystem::path folder = std::filesystem::absolute(results) / group;
+  for (const char* name : {k_work, k_failed, k_kept, k_run_store}) {
+    const std::filesystem::path path = std::filesystem::absolute(results) / name;
     std::error_code ignored;
-    require(!std::filesystem::is_symlink(folder, ignored),
-            "{}: is a link, and solver runs are made and removed there; take it away or choose another folder with --out",
-            folder.string());
+    require(
+        !std::filesystem::is_symlink(path, ignored),
+        "{}: is a link, and what solver runs leave is written and removed there; take it away or choose another folder "
+        "with --out",
+        path.string());
   }
 }
 

@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "mottle/core/error.hpp"
+#include "mottle/core/own_file.hpp"
 
 namespace mottle::drivers {
 namespace {
@@ -123,11 +124,11 @@ std::uint64_t size_of(int descriptor) {
 }  // namespace
 
 RunStore::RunStore(std::filesystem::path file) : file_(std::move(file)) {
-  descriptor_ = ::open(file_.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
-  if (descriptor_ < 0) {
-    throw SystemFailure(fmt::format("{}: cannot be opened: {}", file_.string(), std::strerror(errno)));
-  }
+  descriptor_ = open_own_file(file_, ExistingFile::keep);
   try {
+    if (::fcntl(descriptor_, F_SETFL, O_APPEND) != 0) {
+      throw SystemFailure(fmt::format("{}: cannot be opened: {}", file_.string(), std::strerror(errno)));
+    }
     struct flock lock {};
     lock.l_type = F_WRLCK;
     lock.l_whence = SEEK_SET;

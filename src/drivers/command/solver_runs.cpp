@@ -51,7 +51,7 @@ SolverRuns::SolverRuns(SolverCommand command, const std::vector<std::string>& na
   if (command_.retry_command) require_program(*command_.retry_command);
   folders_ = std::make_unique<RunFolders>(storage.results, !storage.is_resumed);
   read_files();
-  if (!storage.results.empty()) store_ = std::make_unique<RunStore>(storage.results / "runs.store");
+  if (!storage.results.empty()) store_ = std::make_unique<RunStore>(storage.results / k_run_store);
 }
 
 void SolverRuns::read_templates(const std::vector<std::string>& names) {

@@ -1,9 +1,12 @@
 #include "mottle/study/results/run_folder.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <chrono>
 
 #include "mottle/core/files.hpp"
+#include "mottle/core/own_file.hpp"
 
 namespace mottle::study {
 namespace {
@@ -123,8 +126,12 @@ double steady_seconds() {
 }
 
 LogObserver::LogObserver(const std::filesystem::path& file, ProgressObserver* next, bool append)
-    : stream_(std::fopen(file.c_str(), append ? "a" : "w")), next_(next), start_(steady_seconds()) {
-  require(stream_ != nullptr, "{}: cannot be written", file.string());
+    : next_(next), start_(steady_seconds()) {
+  const int descriptor = open_own_file(file, append ? ExistingFile::keep : ExistingFile::replace);
+  stream_ = ::fdopen(descriptor, "a");
+  if (stream_ != nullptr) return;
+  ::close(descriptor);
+  throw SystemFailure(fmt::format("{}: cannot be written", file.string()));
 }
 
 LogObserver::~LogObserver() {

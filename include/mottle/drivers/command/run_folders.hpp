@@ -9,7 +9,9 @@
 
 namespace mottle::drivers {
 
-/// Throws InvalidInput where a folder for runs within the folder of results is a link.
+inline constexpr const char* k_run_store = "runs.store";  ///< finished runs, within the folder of results
+
+/// Throws InvalidInput where the run store or a folder for runs within the folder of results is a link.
 void require_no_linked_runs(const std::filesystem::path& results);
 
 /// Folders of runs within a folder of results, or within the system's folder of temporary files.

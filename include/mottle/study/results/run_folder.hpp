@@ -85,7 +85,7 @@ class LogObserver final : public ProgressObserver {
 
  private:
   void line(const char* kind, const std::string& text);
-  std::FILE* stream_;
+  std::FILE* stream_ = nullptr;
   ProgressObserver* next_;
   double start_;
 };
