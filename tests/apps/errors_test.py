@@ -296,6 +296,8 @@ tests_case("a number too large for a computer", edited(TESTS, ("0.30800986626679
 tests_case("a ragged row", edited(TESTS, ("0.3080098662667982,", "")), ["2 cells", "3 columns"], tests_at=3)
 tests_case("a quote that is not closed", edited(TESTS, ("0.3080098662667982", '"0.308')), ["quoted", "not closed"],
            tests_at=3)
+tests_case("a frequency that is too large to be squared", edited(TESTS, ("0.3080098662667982", "1e308")),
+           ["column 'f2'", "1e+308", "other units"], tests_at=3)
 tests_case("binary junk", bytes(range(255, 0, -1)) * 8, ["0xFF", "UTF-8"], tests_at=1)
 tests_case("binary zeros", b"\0" * 4096, ["0x00", "plain text"], tests_at=1)
 tests_case("a test file in UTF-16", TESTS.encode("utf-16"), ["0xFF", "UTF-8"], tests_at=1)

@@ -88,18 +88,28 @@ std::vector<int> match_columns(const CsvTable& table, const Study& study, const 
   return columns;
 }
 
+/// Covariances hold products of two values.
+bool is_too_large(double value) {
+  constexpr double k_largest = 1e150;
+  return std::abs(value) > k_largest;
+}
+
 /// Rows are specimens, columns the outputs, of which the first are natural frequencies.
 Eigen::MatrixXd values_of_columns(const CsvTable& table, const std::vector<int>& columns, const StructureModel& model) {
   Eigen::MatrixXd values(static_cast<Eigen::Index>(table.rows.size()), static_cast<Eigen::Index>(columns.size()));
   for (std::size_t k = 0; k < columns.size(); ++k) {
     const Eigen::VectorXd column = numbers_of_column(table, columns[k]);
-    for (Eigen::Index row = 0; row < column.size() && k < model.selection().frequencies.size(); ++row) {
-      if (!(column(row) <= 0.0)) continue;
-      throw FormatError(
-          table.file, table.lines[static_cast<std::size_t>(row)],
-          fmt::format("column '{}' holds {:g}, but a natural frequency is greater than 0; a mode that was "
-                      "not measured has an empty cell",
-                      table.header[static_cast<std::size_t>(columns[k])], column(row)));
+    const bool is_frequency = k < model.selection().frequencies.size();
+    for (Eigen::Index row = 0; row < column.size(); ++row) {
+      const char* fault = nullptr;
+      if (is_too_large(column(row))) fault = "whose square is no number any more; give the tests other units";
+      if (is_frequency && column(row) <= 0.0) {
+        fault = "but a natural frequency is greater than 0; a mode that was not measured has an empty cell";
+      }
+      if (fault == nullptr) continue;
+      throw FormatError(table.file, table.lines[static_cast<std::size_t>(row)],
+                        fmt::format("column '{}' holds {:g}, {}", table.header[static_cast<std::size_t>(columns[k])],
+                                    column(row), fault));
     }
     values.col(static_cast<Eigen::Index>(k)) = column;
   }
@@ -265,6 +275,9 @@ StudyTests read_tests(const Study& study, const StructureModel& model) {
     require(!is_frequency || !(tests.data.values.col(k).array() <= 0.0).any(),
             "{}: output '{}' of a specimen is not greater than 0, as a natural frequency is; leave that mode out",
             tests.file, names[static_cast<std::size_t>(k)]);
+    require(!tests.data.values.col(k).unaryExpr(&is_too_large).any(),
+            "{}: output '{}' of a specimen is larger than 1e150 in size; give the tests other units", tests.file,
+            names[static_cast<std::size_t>(k)]);
     const auto measured = (!tests.data.values.col(k).array().isNaN()).count();
     require(measured > 0, "{}: output '{}' is never measured; leave it out of [outputs]", tests.file,
             names[static_cast<std::size_t>(k)]);
