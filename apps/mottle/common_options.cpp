@@ -5,6 +5,7 @@
 #include <cstdlib>
 
 #include "mottle/core/parallel.hpp"
+#include "mottle/core/utf8.hpp"
 
 namespace mottle::app {
 namespace {
@@ -70,7 +71,8 @@ void print_summary(const CommonOptions& options, const RunSummary& summary) {
   if (options.json) {
     fmt::print("{}\n", summary.json);
   } else if (!options.quiet) {
-    for (const std::string& line : summary.lines) fmt::print("{}\n", line);
+    // A stranger's texts (titles, programs, names of files) may not speak to the terminal.
+    for (const std::string& line : summary.lines) fmt::print("{}\n", printable(line));
   }
 }
 

@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "common_options.hpp"
-#include "mottle/core/text.hpp"
+#include "mottle/core/utf8.hpp"
 #include "mottle/report/report.hpp"
 #include "mottle/study/results/folder_lock.hpp"
 #include "mottle/study/results/run_folder.hpp"
@@ -41,7 +41,8 @@ void add_modes(CLI::App& app) {
     if (*is_json) {
       fmt::print("{}\n", summary.json);
     } else if (!*is_quiet) {
-      fmt::print("{}\npage: {}\n", join(summary.lines, "\n"), (*folder / "modes.html").string());
+      for (const std::string& line : summary.lines) fmt::print("{}\n", printable(line));
+      fmt::print("page: {}\n", (*folder / "modes.html").string());
     }
   });
 }

@@ -75,6 +75,17 @@ class ReachTest(support.CommandTest):
         place = (self.folder / "elsewhere" / "a.csv").resolve()
         self.assertEqual(json.loads(self.succeed("check", "inner/study.toml", "--json").out)["outside"], [f"test.file: {place}"])
 
+    def test_a_strangers_texts_do_not_speak_to_the_terminal(self):
+        (self.folder / "odd\x1b[2J").mkdir()
+        self.write("odd\x1b[2J/tests.csv", TESTS)
+        self.write("study.toml", edited(STUDY, ('"A study for tests"', '"\\u001b]0;mine\\u0007"'),
+                                        ('"tests.csv"', '"odd\\u001b[2J/tests.csv"')))
+        for verb in ("check", "update"):
+            ended = self.call(verb, "study.toml", "--out", "out")
+            self.assertEqual(ended.code, 0, ended.err)
+            self.assertNotIn("\x1b", ended.out + ended.err)
+        self.assertIn("\\x1b]0;mine\\x07", self.succeed("check", "study.toml").out)
+
     def test_includes_of_a_deck_are_listed(self):
         deck = self.folder / "study" / "deck.bdf"
         self.write("study/deck.bdf", "CEND\nBEGIN BULK\nINCLUDE '../cards.bdf'\nENDDATA\n")
