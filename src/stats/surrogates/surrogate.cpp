@@ -59,8 +59,7 @@ Eigen::VectorXd first_column(const OT::Sample& sample) {
 
 class QuadraticFit final : public Surrogate::Fit {
  public:
-  QuadraticFit(const Eigen::MatrixXd& x, const Eigen::MatrixXd& y)
-      : coefficients_(PivotedQr(terms(x)).solve(y)) {}
+  QuadraticFit(const Eigen::MatrixXd& x, const Eigen::MatrixXd& y) : coefficients_(PivotedQr(terms(x)).solve(y)) {}
   Eigen::MatrixXd at(const Eigen::MatrixXd& x) const override { return terms(x) * coefficients_; }
 
  private:

@@ -73,9 +73,10 @@ std::vector<std::string> RunFolder::set_aside(const std::vector<std::string>& na
   }
   const std::filesystem::path previous = file(k_previous);
   const std::filesystem::path mark = previous / k_mark;
-  require(may_hold_previous(previous),
-          "{}: earlier results go there, but something else has that name; rename it, or choose another folder with --out",
-          previous.string());
+  require(
+      may_hold_previous(previous),
+      "{}: earlier results go there, but something else has that name; rename it, or choose another folder with --out",
+      previous.string());
   std::filesystem::create_directories(previous);
   write_file_atomically(mark, k_mark_text);
   // Where the last is not among those of before, a run was killed while it moved these: the others are theirs.
