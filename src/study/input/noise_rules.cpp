@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "mottle/core/text.hpp"
+#include "study/input/first_few.hpp"
 #include "study/input/toml_writer.hpp"
 
 namespace mottle::study {
@@ -86,16 +87,11 @@ NoiseStandardDeviations noise_standard_deviations(const std::vector<NoiseRule>& 
     result.std(index) = best->is_relative ? best->value * std::abs(means(index)) : best->value;
     matched[static_cast<std::size_t>(best - rules.data())].push_back(outputs[k]);
   }
-  constexpr std::size_t k_listed = 6;
   for (std::size_t r = 0; r < rules.size(); ++r) {
-    const std::vector<std::string> first(
-        matched[r].begin(), matched[r].begin() + static_cast<std::ptrdiff_t>(std::min(matched[r].size(), k_listed)));
     result.notes.push_back(
         matched[r].empty()
             ? fmt::format("{} {}: applies to no output, other rules take precedence.", what, rule_text(rules[r]))
-            : fmt::format(
-                  "{} {}: applies to {}{}.", what, rule_text(rules[r]), join(first),
-                  matched[r].size() > k_listed ? fmt::format(" and {} more", matched[r].size() - k_listed) : ""));
+            : fmt::format("{} {}: applies to {}.", what, rule_text(rules[r]), first_few(matched[r])));
   }
   return result;
 }

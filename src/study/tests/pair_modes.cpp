@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "mottle/core/text.hpp"
+#include "study/input/first_few.hpp"
 #include "study/tests/specimen_pairing.hpp"
 
 namespace mottle::study {
@@ -56,13 +56,8 @@ struct Table {
   }
 };
 
-/// The first few of many remarks, and how many more there are.
 void add_note(std::vector<std::string>& notes, const char* what, const std::vector<std::string>& remarks) {
-  constexpr std::size_t k_listed = 8;
-  if (remarks.empty()) return;
-  const auto shown = static_cast<std::ptrdiff_t>(std::min(remarks.size(), k_listed));
-  const std::string more = remarks.size() > k_listed ? fmt::format(" and {} more", remarks.size() - k_listed) : "";
-  notes.push_back(fmt::format("{}: {}{}.", what, join({remarks.begin(), remarks.begin() + shown}), more));
+  if (!remarks.empty()) notes.push_back(fmt::format("{}: {}.", what, first_few(remarks)));
 }
 
 }  // namespace

@@ -3,22 +3,10 @@
 #include <limits>
 
 #include "mottle/core/subject.hpp"
-#include "mottle/core/text.hpp"
 #include "mottle/dynamics/modes/mac.hpp"
+#include "study/input/first_few.hpp"
 
 namespace mottle::study {
-namespace {
-
-constexpr std::size_t k_listed = 8;
-
-/// The first few of many remarks, and how many more there are.
-std::string shorten(const std::vector<std::string>& remarks) {
-  const std::vector<std::string> first(
-      remarks.begin(), remarks.begin() + static_cast<std::ptrdiff_t>(std::min(remarks.size(), k_listed)));
-  return join(first) + (remarks.size() > k_listed ? fmt::format(" and {} more", remarks.size() - k_listed) : "");
-}
-
-}  // namespace
 
 std::vector<std::string> pair_tests(Eigen::MatrixXd& values, const ModalOutputs& selection,
                                     const Eigen::Ref<const Eigen::MatrixXd>& reference) {
@@ -63,9 +51,9 @@ std::vector<std::string> pair_tests(Eigen::MatrixXd& values, const ModalOutputs&
   }
   std::vector<std::string> notes;
   if (!moved.empty())
-    notes.push_back(fmt::format("Paired by shape, {} modes renumbered: {}.", moved.size(), shorten(moved)));
+    notes.push_back(fmt::format("Paired by shape, {} modes renumbered: {}.", moved.size(), first_few(moved)));
   if (!doubtful.empty()) {
-    notes.push_back(fmt::format("Modes that fit none of the model's and are left out: {}.", shorten(doubtful)));
+    notes.push_back(fmt::format("Modes that fit none of the model's and are left out: {}.", first_few(doubtful)));
   }
   return notes;
 }

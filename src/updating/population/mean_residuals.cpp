@@ -89,7 +89,7 @@ MeanResiduals mean_residuals(const Eigen::Ref<const Eigen::MatrixXd>& values,
     // An error that all share scatters where no two specimens have the same unmoved directions.
     const WhitenedResiduals own = whiten(values, units, noise, error->shift);
     result.squares = own.squares - mean_of(own).squaredNorm();
-    result.largest_variance = covariance.selfadjointView<Eigen::Lower>().eigenvalues().maxCoeff();
+    result.largest_variance = symmetric_eigenvalues(covariance).maxCoeff();
   }
   result.squares = std::max(result.squares, 1e-300);
   result.degrees_of_freedom = whitened.degrees_of_freedom - result.mean_degrees_of_freedom;
