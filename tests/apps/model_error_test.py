@@ -38,7 +38,7 @@ class ModelErrorTest(support.CommandTest):
             self.assertLessEqual(error["standard_error"], deviation * (1 + 1e-9))
             self.assertLess(abs(error["shift"]), 5 * deviation)
         self.assertGreater(width(result), width(without))
-        self.assertTrue(any(note.startswith("Model error f* = 0.3 %: holds for f1, f2") for note in result["notes"]))
+        self.assertTrue(any(note.startswith("Model error f* = 0.3 %: applies to f1, f2") for note in result["notes"]))
 
     def test_estimated(self):
         result = self.update(NOISE + 'model_error = "estimated"')

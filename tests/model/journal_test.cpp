@@ -208,9 +208,9 @@ TEST_F(Journal, OfAnotherVersionIsRefused) {
   EXPECT_EQ(read_file(path), other);
 }
 
-TEST_F(Journal, WhereNothingCanBeWrittenIsAFailureOfTheSystem) {
+TEST_F(Journal, WhereNothingCanBeWrittenAsksForAnotherFolder) {
   const CountingModel model;
-  EXPECT_THROW(JournalledModel(model, folder / "none" / "journal", k_study, false), SystemFailure);
+  EXPECT_THROW(JournalledModel(model, folder / "none" / "journal", k_study, false), InvalidInput);
 }
 
 TEST_F(Journal, EvaluatesNoSampleToNothing) {

@@ -12,7 +12,10 @@ constexpr double k_rounding = 1e-13;  // some tens of units in the last place of
 Eigen::MatrixXd some_matrix(Eigen::Index rows, Eigen::Index columns) {
   Eigen::MatrixXd matrix(rows, columns);
   for (Eigen::Index j = 0; j < columns; ++j) {
-    for (Eigen::Index i = 0; i < rows; ++i) matrix(i, j) = std::sin(1.0 + 7.3 * static_cast<double>(i + 11 * j));
+    for (Eigen::Index i = 0; i < rows; ++i) {
+      const auto k = static_cast<double>(i + 11 * j);
+      matrix(i, j) = std::sin(1.0 + 7.3 * k + 0.61 * k * k);
+    }
   }
   return matrix;
 }

@@ -153,7 +153,7 @@ TEST(Diagnosis, WithAsManyParametersAsOutputsCandidatesCannotBeToldApart) {
   EXPECT_FALSE(found.is_explained);
   EXPECT_EQ(found.judging, 0);
   EXPECT_EQ(found.alike.size(), 2U);
-  EXPECT_THAT(found.sentences[1], testing::HasSubstr("cannot tell"));
+  EXPECT_THAT(found.sentences[1], testing::HasSubstr("cannot distinguish"));
   for (const CandidateFinding& candidate : found.candidates) EXPECT_EQ(candidate.detectability.own_share, 0.0);
 }
 

@@ -109,7 +109,7 @@ TEST(MaximumLikelihood, LeavesWhatNoOutputSeesAtThePrior) {
               sample_covariance(tests)(0, 0), 1e-9);
   EXPECT_TRUE(std::isnan(result.intervals->mean(0, 0)));
   EXPECT_FALSE(std::isnan(result.intervals->mean(2, 0)));
-  EXPECT_TRUE(test::says(result, "see 2 combinations of the 3 parameters"));
+  EXPECT_TRUE(test::says(result, "determine 2 combinations of the 3 parameters"));
   const auto seen = identify(problem, result);
   ASSERT_EQ(seen->unseen_directions.size(), 1U);
   EXPECT_EQ(unseen_text(seen->unseen_directions[0], space.names()),
