@@ -57,7 +57,7 @@ def main():
              "An exact solve also needs K - s M and CHOLMOD's permuted copy of it and its row indices while it "
              "factorises, the pattern for which the ordering is kept, M without its zeros, room for the block that "
              "Lanczos works on (the block, M times it, and both by rows) and the modes. A cloud also holds the family's terms twice "
-             "while it begins (as given, and by the rows that they support), the shifted K, a sketch of 64 vectors, and "
+             "while it begins (as given, and by the rows that they support), the shifted K, a sketch of 80 vectors, and "
              "several blocks of up to 48 vectors while it trains.", ""]
     print("\n".join(lines))
     (HERE / "MEMORY.md").write_text("\n".join(lines))

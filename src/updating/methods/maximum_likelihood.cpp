@@ -47,7 +47,7 @@ const OptionTable<Options>& maximum_likelihood_option_table() {
                {"given", Options::Noise::given},
                {"estimated", Options::Noise::estimated}},
               "Measurement noise: as given by [test] repeatability (zero for outputs without it), or estimated, "
-              "with one level for all outputs of a unit (for frequencies a fraction of the value). Automatic: "
+              "with one level for each kind of output (for frequencies a fraction of the value). Automatic: "
               "estimated for the outputs without repeatability where there are more outputs than parameters, else "
               "given.")
           .choice<Options::Intervals>("intervals", &Options::intervals,
