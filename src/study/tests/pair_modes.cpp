@@ -64,7 +64,8 @@ void add_note(std::vector<std::string>& notes, const char* what, const std::vect
 
 PairedModes pair_modes(const StructureModel& model, const std::vector<MeasuredModes>& specimens, bool by_mac) {
   PairedModes paired;
-  paired.values.resize(static_cast<Eigen::Index>(specimens.size()), static_cast<Eigen::Index>(model.outputs().size()));
+  paired.values = Eigen::MatrixXd::Constant(static_cast<Eigen::Index>(specimens.size()),
+                                            static_cast<Eigen::Index>(model.outputs().size()), std::nan(""));
   Table table;
   std::vector<std::string> missing;
   std::vector<std::string> doubtful;
