@@ -16,7 +16,7 @@
 namespace mottle::fem {
 namespace {
 
-using solid_shapes::Point;
+using solid_shapes::SolidPoint;
 using solid_shapes::Table;
 using Elasticity = Eigen::Matrix<double, 6, 6>;
 using NodesRef = Eigen::Ref<const Eigen::Matrix3Xd>;
@@ -49,7 +49,7 @@ struct Geometry {
 
   /// [own coordinate x basic coordinate]
   template <int modes>
-  Eigen::Matrix3d jacobian(const Point<count, modes>& point) const {
+  Eigen::Matrix3d jacobian(const SolidPoint<count, modes>& point) const {
     return point.gradients * nodes.transpose();
   }
 
@@ -96,7 +96,7 @@ const typename Table<count, modes>::Points& stiffness_points(const Table<count, 
     // The Jacobian of a straight element is the same everywhere. What four points miss is of second order in the
     // difference, so that 1e-3 leaves 1e-6 and lets mid-edge nodes be rounded to the digits of a card.
     const Eigen::Matrix3d centre = geometry.jacobian(table.centre);
-    for (const Point<count, modes>& corner : table.corners) {
+    for (const SolidPoint<count, modes>& corner : table.corners) {
       if ((geometry.jacobian(corner) - centre).norm() > 1e-3 * centre.norm()) return table.mass;
     }
   }
@@ -116,7 +116,7 @@ auto gradient_products(const Table<count, modes>& table, const Geometry<count>& 
   using Column = Eigen::Matrix<double, 3 * k_functions, 1>;
   Eigen::Matrix<double, 3 * k_functions, 3 * k_functions> products;
   products.setZero();
-  for (const Point<count, modes>& point : stiffness_points(table, geometry)) {
+  for (const SolidPoint<count, modes>& point : stiffness_points(table, geometry)) {
     const Eigen::Matrix3d jacobian = geometry.jacobian(point);
     const double determinant = require_positive(jacobian.determinant(), negligible);
     Eigen::Matrix<double, 3, k_functions> gradients;
@@ -170,7 +170,7 @@ Eigen::Matrix<double, count, count> scalar_mass(const Table<count, modes>& table
   const Geometry<count> geometry(nodes);
   const double negligible = geometry.negligible_determinant();
   Eigen::Matrix<double, count, count> mass = Eigen::Matrix<double, count, count>::Zero();
-  for (const Point<count, modes>& point : table.mass) {
+  for (const SolidPoint<count, modes>& point : table.mass) {
     const double determinant = require_positive(geometry.jacobian(point).determinant(), negligible);
     const Eigen::Matrix<double, count, 1> weighted = (point.weight * determinant) * point.values;
     for (int j = 0; j < count; ++j) mass.col(j) += weighted(j) * point.values;
@@ -184,7 +184,7 @@ double jacobian_ratio(const Table<count, modes>& table, const NodesRef& nodes) {
   const Geometry<count> geometry(nodes);
   double smallest = std::numeric_limits<double>::infinity(), sum = 0.0, weights = 0.0;
   for (const auto* points : {&table.corners, &table.mass}) {
-    for (const Point<count, modes>& point : *points) {
+    for (const SolidPoint<count, modes>& point : *points) {
       const double determinant = geometry.jacobian(point).determinant();
       smallest = std::min(smallest, determinant);
       sum += point.weight * determinant;

@@ -87,7 +87,7 @@ Eigen::Matrix<double, 3, 4> barycentric_gradients() {
   return (Eigen::Matrix<double, 3, 4>() << -1, 1, 0, 0, -1, 0, 1, 0, -1, 0, 0, 1).finished();
 }
 
-void evaluate(const Eigen::Vector3d& position, Point<8, 3>& point) {
+void evaluate(const Eigen::Vector3d& position, SolidPoint<8, 3>& point) {
   constexpr int k_signs[8][3] = {{-1, -1, -1}, {1, -1, -1}, {1, 1, -1}, {-1, 1, -1},
                                  {-1, -1, 1},  {1, -1, 1},  {1, 1, 1},  {-1, 1, 1}};
   for (int node = 0; node < 8; ++node) {
@@ -101,7 +101,7 @@ void evaluate(const Eigen::Vector3d& position, Point<8, 3>& point) {
   point.mode_gradients = (-2.0 * position).asDiagonal();
 }
 
-void evaluate(const Eigen::Vector3d& position, Point<6, 4>& point) {
+void evaluate(const Eigen::Vector3d& position, SolidPoint<6, 4>& point) {
   const Eigen::Vector3d in_plane(position.x(), position.y(), 0.0);
   const Eigen::Vector4d corner = barycentric(in_plane);
   const Eigen::Matrix<double, 3, 4> gradients = barycentric_gradients();
@@ -120,12 +120,12 @@ void evaluate(const Eigen::Vector3d& position, Point<6, 4>& point) {
   point.mode_gradients.col(3) = Gradient(0.0, 0.0, -2.0 * position.z());
 }
 
-void evaluate(const Eigen::Vector3d& position, Point<4, 0>& point) {
+void evaluate(const Eigen::Vector3d& position, SolidPoint<4, 0>& point) {
   point.values = barycentric(position);
   point.gradients = barycentric_gradients();
 }
 
-void evaluate(const Eigen::Vector3d& position, Point<10, 0>& point) {
+void evaluate(const Eigen::Vector3d& position, SolidPoint<10, 0>& point) {
   constexpr int k_ends[6][2] = {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}};
   const Eigen::Vector4d corner = barycentric(position);
   const Eigen::Matrix<double, 3, 4> gradients = barycentric_gradients();

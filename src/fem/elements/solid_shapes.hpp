@@ -10,7 +10,7 @@ namespace mottle::fem::solid_shapes {
 
 /// An integration point in an element's natural coordinates, with shape functions and gradients there.
 template <int nodes, int modes>
-struct Point {
+struct SolidPoint {
   double weight = 0.0;
   Eigen::Matrix<double, nodes, 1> values;
   Eigen::Matrix<double, 3, nodes> gradients;       ///< [own coordinate x node]
@@ -19,11 +19,11 @@ struct Point {
 
 template <int nodes, int modes>
 struct Table {
-  using Points = std::vector<Point<nodes, modes>>;
+  using Points = std::vector<SolidPoint<nodes, modes>>;
   Points stiffness;  ///< integration points of the stiffness
   Points mass;       ///< of mass and volume
   Points corners;    ///< of weight 0
-  Point<nodes, modes> centre;
+  SolidPoint<nodes, modes> centre;
 };
 
 using HexahedronTable = Table<8, 3>;

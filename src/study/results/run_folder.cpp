@@ -90,9 +90,9 @@ std::vector<std::string> RunFolder::set_aside(const std::vector<std::string>& na
 void RunFolder::restore(const std::vector<std::string>& names) const {
   std::error_code ignored;  // what cannot be moved back is still in the other folder
   // The last first: a run that is killed here leaves what the next one knows as results.
-  for (auto name = names.rbegin(); name != names.rend(); ++name) {
-    std::filesystem::rename(file(k_previous) / *name, file(*name), ignored);
-  }
+  std::for_each(names.rbegin(), names.rend(), [&](const std::string& name) {
+    std::filesystem::rename(file(k_previous) / name, file(name), ignored);
+  });
   forget_previous({});
 }
 
