@@ -26,6 +26,7 @@
 namespace {
 
 using namespace mottle;
+using namespace mottle::updating;
 
 struct Settings {
   Eigen::Index specimens = 50;
@@ -86,7 +87,7 @@ Outcome replicate(const Settings& settings, const Updater& method, const test::T
                           .derivatives = &model,
                           .space = *structure.space,
                           .tests = {.values = values, .repeatability_std = noise},
-                          .cloud = {.samples = 200, .most_failed = 1.0},
+                          .cloud = {.samples = 200, .max_failed = 1.0},
                           .iterations = 50};
   if (settings.mode == "given") problem.tests.model_error_std = deviation;
   problem.tests.is_model_error_estimated = settings.mode == "estimated";

@@ -28,6 +28,7 @@
 namespace {
 
 using namespace mottle;
+using namespace mottle::updating;
 
 constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
 
@@ -132,7 +133,7 @@ Outcome replicate_three_masses(const Settings& settings, std::uint32_t replicati
   for (double& value : problem.tests.values.reshaped()) value += settings.noise * normal();
   lose_entries(settings, normal, problem.tests.values);
   problem.tests.repeatability_std.setConstant(settings.noise);
-  problem.cloud = {.samples = 200, .most_failed = 1.0};
+  problem.cloud = {.samples = 200, .max_failed = 1.0};
   const UpdatingResult result = MaximumLikelihoodUpdater({}).update(problem, {.seed = replication + 1});
   if (!result.normality) return {result.outliers, true, {}};
   return {result.outliers, !result.normality->is_remarkable, result.normality->suggestions.front()};

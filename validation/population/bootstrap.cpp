@@ -23,6 +23,7 @@
 namespace {
 
 using namespace mottle;
+using namespace mottle::updating;
 
 struct Settings {
   Eigen::Index specimens = 10;
@@ -106,7 +107,7 @@ Counts replicate(const Settings& settings, const Bench& bench, const MaximumLike
   const UpdatingProblem problem{.model = model,
                                 .space = *bench.space,
                                 .tests = {measure(model, settings, bench.noise, replication), bench.noise},
-                                .cloud = {.samples = 10, .most_failed = 1.0}};
+                                .cloud = {.samples = 10, .max_failed = 1.0}};
   try {
     const UpdatingResult result = MaximumLikelihoodUpdater(options).update(problem, {.seed = replication + 1});
     const ParameterIntervals& ends = *result.intervals;

@@ -30,6 +30,7 @@
 namespace {
 
 using namespace mottle;
+using namespace mottle::updating;
 
 struct Settings {
   int which = 1;
@@ -141,7 +142,7 @@ Outcome replicate(const Settings& settings, const Updater& method, const test::T
                           .space = *structure.space,
                           .tests = {measure(laboratory, settings, noise, replication),
                                     settings.is_noise_given ? noise : Eigen::VectorXd::Zero(noise.size())},
-                          .cloud = {.samples = 200, .most_failed = 1.0},
+                          .cloud = {.samples = 200, .max_failed = 1.0},
                           .iterations = 50};
   if (settings.is_diagonal) problem.covariance_groups = {0, 1, 2};
   const Eigen::MatrixXd x = laboratory.structures(settings.specimens, replication)(Eigen::all, std::vector{0, 1, 4});

@@ -18,6 +18,7 @@
 namespace {
 
 using namespace mottle;
+using namespace mottle::updating;
 
 /// How one method ended on one problem: a status, "refused: ..." or "FAILED: ...".
 std::string outcome_of(const test::RandomProblem& drawn, const Updater& method) {

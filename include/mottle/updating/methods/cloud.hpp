@@ -40,7 +40,7 @@ struct Cloud {
 ///
 /// @param from_uniform  of the distribution that the parameters are drawn from
 /// @param key           names the random streams
-/// @throws SystemFailure  more than `most_failed` of the runs failed (names the first reasons)
+/// @throws SystemFailure  more than `max_failed` of the runs failed (names the first reasons)
 Cloud evaluate_cloud(const Model& model, const ParameterSpace& space, const SampleTransform& from_uniform,
                      const CloudSettings& settings, const StreamKey& key, const RunContext& context);
 Cloud evaluate_cloud(const Model& model, const ParameterSpace& space, const JointDistribution& distribution,
