@@ -20,7 +20,6 @@ namespace {
 
 constexpr const char* k_not_made = "this folder cannot be made";
 constexpr const char* k_not_written = "nothing can be written there";
-constexpr const char* k_elsewhere = "; choose another folder with --out";
 constexpr const char* k_not_regular = "{}: is a {}, a regular file is needed";
 
 /// Closes a file descriptor at the end of its scope.
@@ -41,15 +40,6 @@ class Descriptor {
 
 std::string error_text() {
   return std::strerror(errno);
-}
-
-/// Why `path` cannot be opened for writing: the machine's limits, or a place that is not the user's to write.
-[[noreturn]] void refuse_to_write(const std::filesystem::path& path, const char* what, const char* advice) {
-  const std::string message = fmt::format("{}: {}: {}", path.string(), what, error_text());
-  for (const int limit : {ENOSPC, EDQUOT, EMFILE, ENFILE, ENOMEM, EIO}) {
-    if (errno == limit) throw SystemFailure(message);
-  }
-  throw InvalidInput(message + advice);
 }
 
 void write_all(int descriptor, std::string_view bytes, const std::filesystem::path& path) {
@@ -224,6 +214,14 @@ std::filesystem::path temporary_folder() {
                                   given != nullptr ? given : "/tmp", error.message()));
 }
 
+void refuse_to_write(const std::filesystem::path& path, const char* what, const char* advice) {
+  const std::string message = fmt::format("{}: {}: {}", path.string(), what, error_text());
+  for (const int limit : {ENOSPC, EDQUOT, EMFILE, ENFILE, ENOMEM, EIO}) {
+    if (errno == limit) throw SystemFailure(message);
+  }
+  throw InvalidInput(message + advice);
+}
+
 std::vector<std::filesystem::path> missing_folders(const std::filesystem::path& folder) {
   std::vector<std::filesystem::path> missing;
   std::error_code ignored;
@@ -249,7 +247,7 @@ void make_writable_folder(const std::filesystem::path& folder) {
   const int reason = errno;
   for (const std::filesystem::path& path : made) std::filesystem::remove(path, ignored);
   errno = reason;
-  refuse_to_write(folder, k_not_written, k_elsewhere);
+  refuse_to_write(folder, k_not_written, k_choose_another_folder);
 }
 
 void require_writable_folder(const std::filesystem::path& folder) {
@@ -273,7 +271,7 @@ void require_writable_folder(const std::filesystem::path& folder) {
   const int reason = errno;
   ::rmdir(probe.c_str());
   errno = reason;
-  if (!is_taken) refuse_to_write(folder, k_not_written, k_elsewhere);
+  if (!is_taken) refuse_to_write(folder, k_not_written, k_choose_another_folder);
 }
 
 }  // namespace mottle

@@ -151,7 +151,7 @@ void RunStore::read_spans() {
   std::string magic(std::min<std::uint64_t>(size, k_magic.size()), ' ');
   const bool is_read = read_at(descriptor_, 0, magic.data(), magic.size());
   require(is_read && k_magic.starts_with(magic),
-          "{}: is not a store of solver runs; take it away or name another place "
+          "{}: is not a store of solver runs; take it away or choose another folder "
           "with --out",
           file_.string());
   if (magic.size() < k_magic.size() && !append(descriptor_, k_magic.substr(magic.size()))) {
