@@ -25,7 +25,7 @@ std::string Subject::text() const {
     case Kind::run_files:
       return "files of a run";
     case Kind::outputs:
-      return "outputs";
+      return name.empty() ? "outputs" : name;
     case Kind::frequencies:
       return "frequencies";
     case Kind::shape_modes:

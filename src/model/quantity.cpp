@@ -2,42 +2,33 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cctype>
+#include <string_view>
 
 namespace mottle::model {
-namespace {
-
-constexpr const char* k_frequency = "f";
-constexpr const char* k_shape = "phi";
-constexpr const char* k_damping = "zeta";
-
-}  // namespace
 
 std::string Quantity::name() const {
-  switch (kind) {
-    case QuantityKind::frequency:
-      return fmt::format("{}{}", k_frequency, mode);
-    case QuantityKind::displacement:
-    case QuantityKind::rotation:
-      return fmt::format("{}{}:{}", k_shape, mode, location);
-    case QuantityKind::damping_ratio:
-      return fmt::format("{}{}", k_damping, mode);
-    case QuantityKind::other:
-      break;
-  }
-  return location;
+  if (kind == QuantityKind::other) return location;
+  const QuantityTraits traits = traits_of(kind);
+  return fmt::format("{}{}{}{}", traits.stem, number, traits.has_location ? ":" : "", location);
+}
+
+bool is_rotation(const std::string& degree_of_freedom) {
+  const std::size_t colon = degree_of_freedom.rfind(':');
+  return colon != std::string::npos && degree_of_freedom.size() == colon + 4 && degree_of_freedom[colon + 2] == 'R';
 }
 
 Quantity natural_frequency(int mode, const std::string& unit) {
-  return {.kind = QuantityKind::frequency, .mode = mode, .unit = unit};
+  return {.kind = QuantityKind::frequency, .number = mode, .unit = unit};
 }
 
 Quantity shape_component(int mode, const std::string& location, QuantityKind kind, const std::string& unit) {
-  return {.kind = kind, .mode = mode, .location = location, .unit = unit};
+  return {.kind = kind, .number = mode, .location = location, .unit = unit};
 }
 
 Quantity damping_ratio(int mode) {
-  return {.kind = QuantityKind::damping_ratio, .mode = mode};
+  return {.kind = QuantityKind::damping_ratio, .number = mode};
 }
 
 Quantity named_quantity(const std::string& name, const std::string& unit) {
@@ -45,13 +36,13 @@ Quantity named_quantity(const std::string& name, const std::string& unit) {
 }
 
 bool may_name_quantity(const std::string& name) {
-  for (const std::string stem : {k_damping, k_shape, k_frequency}) {
-    if (!name.starts_with(stem)) continue;
-    std::size_t end = stem.size();
+  return std::ranges::any_of(k_quantity_traits, [&](const QuantityTraits& traits) {
+    const std::size_t digits = std::string_view(traits.stem).size();
+    if (!name.starts_with(traits.stem)) return false;
+    std::size_t end = digits;
     while (end < name.size() && std::isdigit(static_cast<unsigned char>(name[end])) != 0) ++end;
-    return end > stem.size() && (end == name.size() || (stem == k_shape && name[end] == ':'));
-  }
-  return false;
+    return end > digits && (end == name.size() || (traits.has_location && name[end] == ':'));
+  });
 }
 
 }  // namespace mottle::model

@@ -33,14 +33,23 @@ std::string tracking_note(const TrackedModes& tracked, const std::vector<bool>& 
 
 }  // namespace
 
-StructureModel::StructureModel(AffineStructure structure, ModalOutputs selection, const Eigen::VectorXd& reference)
+/// A response with its share of the outputs and of the request.
+struct StructureModel::Part {
+  std::unique_ptr<Response> response;
+  Eigen::Index outputs = 0;
+  ResponseShare share;
+};
+
+StructureModel::StructureModel(AffineStructure structure, OutputSelection selection, const Eigen::VectorXd& reference)
     : StructureModel(std::make_unique<DenseSolver>(DenseStructure(std::move(structure), reference.size())),
                      std::move(selection), reference) {}
 
-StructureModel::StructureModel(std::unique_ptr<Solver> solver, ModalOutputs selection, const Eigen::VectorXd& reference)
+StructureModel::StructureModel(std::unique_ptr<Solver> solver, OutputSelection selection,
+                               const Eigen::VectorXd& reference)
     : solver_(std::move(solver)), selection_(std::move(selection)), reference_parameters_(reference) {
-  for (auto& response : make_responses(selection_, solver_->structure())) take(std::move(response));
-  settle_request();
+  std::vector<int> degrees_of_freedom;
+  for (auto& response : make_responses(selection_, structure())) take(std::move(response), degrees_of_freedom);
+  complete_request(degrees_of_freedom);
   solve_reference();
   if (compares_) request_.reference = numbered_modes();
 }
@@ -49,23 +58,30 @@ StructureModel::StructureModel(StructureModel&&) noexcept = default;
 StructureModel::~StructureModel() = default;
 
 /// Its outputs and what it needs go behind those of the responses before it.
-void StructureModel::take(std::unique_ptr<Response> response) {
+void StructureModel::take(std::unique_ptr<Response> response, std::vector<int>& degrees_of_freedom) {
   std::vector<Quantity> quantities = response->quantities();
   const ResponseNeeds needs = response->needs();
   for (const int mode : needs.modes) {
     is_output_.resize(std::max(is_output_.size(), static_cast<std::size_t>(mode)));
     is_output_[static_cast<std::size_t>(mode - 1)] = true;
   }
-  std::vector<int>& places = request_.degrees_of_freedom;
-  places.insert(places.end(), needs.degrees_of_freedom.begin(), needs.degrees_of_freedom.end());
+  const ResponseShare share{.first_row = static_cast<Eigen::Index>(degrees_of_freedom.size()),
+                            .rows = static_cast<Eigen::Index>(needs.degrees_of_freedom.size()),
+                            .first_load = request_.loads.cols()};
+  degrees_of_freedom.insert(degrees_of_freedom.end(), needs.degrees_of_freedom.begin(), needs.degrees_of_freedom.end());
+  if (needs.loads.cols() > 0) {
+    request_.loads.conservativeResize(needs.loads.rows(), share.first_load + needs.loads.cols());
+    request_.loads.rightCols(needs.loads.cols()) = needs.loads;
+  }
   request_.damping = request_.damping || needs.damping;
   compares_ = compares_ || needs.shapes;
-  responses_.push_back({std::move(response), static_cast<Eigen::Index>(quantities.size()),
-                        static_cast<Eigen::Index>(needs.degrees_of_freedom.size())});
+  responses_.push_back({std::move(response), static_cast<Eigen::Index>(quantities.size()), share});
   std::move(quantities.begin(), quantities.end(), std::back_inserter(outputs_));
 }
 
-void StructureModel::settle_request() {
+void StructureModel::complete_request(const std::vector<int>& degrees_of_freedom) {
+  request_.observation = structure().observation(degrees_of_freedom);
+  if (highest_mode() == 0) return;
   const int all = static_cast<int>(structure().mode_count());
   const bool is_tracked = selection_.tracking == ModeTracking::mac;
   compares_ = compares_ || is_tracked;
@@ -84,13 +100,26 @@ ModeSet StructureModel::sound_modes_at(const Eigen::Ref<const Eigen::VectorXd>& 
   return modes;
 }
 
+void StructureModel::require_statics_at(const Eigen::Ref<const Eigen::VectorXd>& parameters) const {
+  if (request_.loads.cols() == 0) return;
+  const SolutionRequest statics{.observation = request_.observation, .loads = request_.loads};
+  solver_->solve(parameters.transpose(), statics, {}, [](Eigen::Index, const Solution&, const std::string& failure) {
+    require_of(failure.empty(), {Subject::Kind::model},
+               "it has no static solution under the outputs' loads at the parameters' means: {}", failure);
+  });
+}
+
 void StructureModel::solve_reference() {
+  require_statics_at(reference_parameters_);
+  if (highest_mode() == 0) return;
   reference_ = sound_modes_at(reference_parameters_);
   largest_eigenvalue_ = reference_.eigenvalues.cwiseAbs().maxCoeff();
 }
 
-void StructureModel::require_modes_at(const Eigen::Ref<const Eigen::VectorXd>& parameters) const {
-  if (parameters != reference_parameters_) sound_modes_at(parameters);
+void StructureModel::require_solution_at(const Eigen::Ref<const Eigen::VectorXd>& parameters) const {
+  if (parameters == reference_parameters_) return;
+  require_statics_at(parameters);
+  if (highest_mode() > 0) sound_modes_at(parameters);
 }
 
 ModeMatch StructureModel::match_modes(Eigen::Index found, const Eigen::MatrixXd& cosines) const {
@@ -122,14 +151,12 @@ ModeMatch StructureModel::match_modes(Eigen::Index found, const Eigen::MatrixXd&
 std::string StructureModel::fill_outputs(const Solution& solution, const ModeMatch& match,
                                          Eigen::Ref<Eigen::RowVectorXd, 0, Eigen::InnerStride<>> row) const {
   Eigen::Index output = 0;
-  Eigen::Index first_equation = 0;
   for (const Part& part : responses_) {
-    const NumberedSolution numbered(solution, match, first_equation, part.degrees_of_freedom, largest_eigenvalue_);
+    const NumberedSolution numbered(solution, match, part.share, largest_eigenvalue_);
     if (std::string reason = part.response->fill(numbered, row.segment(output, part.outputs)); !reason.empty()) {
       return reason;
     }
     output += part.outputs;
-    first_equation += part.degrees_of_freedom;
   }
   return {};
 }
@@ -182,15 +209,19 @@ StructureModel::FollowedModes StructureModel::follow(const Eigen::Ref<const Eige
 }
 
 Eigen::MatrixXd StructureModel::reference_displacements() const {
-  return structure().displacements(reference_.shapes.leftCols(highest_mode()), request_.degrees_of_freedom);
+  const std::vector<int> degrees_of_freedom =
+      find_degrees_of_freedom(structure(), selection_.shape_degrees_of_freedom, {Subject::Kind::shape_locations});
+  return structure().displacements(reference_.shapes.leftCols(highest_mode()), degrees_of_freedom);
 }
 
 Eigen::MatrixXd StructureModel::jacobian(const Eigen::Ref<const Eigen::VectorXd>& parameters) const {
   const Eigen::VectorXd point = parameters;
-  const ModeSet modes = solver_->modes_at(point, request_.modes);
+  ModeSet modes;
+  if (request_.modes > 0) modes = solver_->modes_at(point, request_.modes);
   const ModeMatch match = match_all(modes);
   if (!match.failure.empty()) throw InvalidInput(match.failure);
-  const Eigen::MatrixXd d_lambda = solver_->eigenvalue_derivatives(point, modes);
+  Eigen::MatrixXd d_lambda;
+  if (request_.modes > 0) d_lambda = solver_->eigenvalue_derivatives(point, modes);
   const SolvedPoint solved{*solver_, point, modes, match, d_lambda};
   Eigen::MatrixXd jacobian(static_cast<Eigen::Index>(outputs_.size()), point.size());
   Eigen::Index first = 0;

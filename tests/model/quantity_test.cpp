@@ -11,7 +11,7 @@ TEST(Quantity, ANameFollowsFromKindModeAndPlace) {
   EXPECT_EQ(damping_ratio(1).name(), "zeta1");
   EXPECT_EQ(damping_ratio(1).unit, "-");
   EXPECT_EQ(named_quantity("tip", "mm").name(), "tip");
-  EXPECT_EQ(shape_component(2, "m1", QuantityKind::rotation, "").mode, 2);
+  EXPECT_EQ(shape_component(2, "m1", QuantityKind::rotation, "").number, 2);
 }
 
 TEST(Quantity, EveryNameThatIsMadeMayNameAnOutputAndOthersMayNot) {

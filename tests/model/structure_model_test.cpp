@@ -21,7 +21,7 @@ constexpr double k_two_pi = 2.0 * std::numbers::pi;
 constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
 
 /// Three masses whose parameters are k1, k2, k5.
-StructureModel three_masses(ModalOutputs outputs) {
+StructureModel three_masses(OutputSelection outputs) {
   return {separate(test::three_mass_system(), one_each({"spring:k1", "spring:k2", "spring:k5"})), std::move(outputs),
           Eigen::Vector3d::Ones()};
 }
@@ -86,7 +86,7 @@ TEST(StructureModel, SaysWhatKindOfQuantityAnOutputIsAndOfWhichMode) {
                               .shape_modes = {1},
                               .shape_degrees_of_freedom = {"7:+RX", "7:+X"},
                               .damping = {2},
-                              .frequency_unit = "kHz"},
+                              .units = {.frequency = "kHz"}},
                              Eigen::Vector2d(1.0, 1.1));
   const std::vector<QuantityKind> kinds{QuantityKind::frequency, QuantityKind::rotation, QuantityKind::displacement,
                                         QuantityKind::damping_ratio};
@@ -161,7 +161,7 @@ TEST(StructureModel, EvaluatesNoSampleToNothing) {
   EXPECT_TRUE(evaluation.failures.empty());
 }
 
-std::string refusal(const ModalOutputs& outputs) {
+std::string refusal(const OutputSelection& outputs) {
   return test::message_of<InvalidInput>([&] { three_masses(outputs); });
 }
 

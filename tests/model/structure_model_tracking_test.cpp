@@ -15,7 +15,7 @@ namespace {
 constexpr double k_two_pi = 2.0 * std::numbers::pi;
 
 /// Two uncoupled oscillators, k1 the parameter, k2 = 2; reference k1 = 1. Their frequencies cross at k1 = 2.
-StructureModel crossing(ModalOutputs outputs) {
+StructureModel crossing(OutputSelection outputs) {
   return {separate(test::two_mass_system(1.0, 2.0, 0.0), test::one_each({"spring:k1"})), std::move(outputs),
           Eigen::VectorXd::Ones(1)};
 }

@@ -111,7 +111,7 @@ class RandomProblem {
     for (Eigen::Index i = 0; i < parameters_; ++i) {
       targets.push_back({fmt::format("k{}", i + 1), {"spring:" + springs[static_cast<std::size_t>(i)]}});
     }
-    ModalOutputs selection;
+    OutputSelection selection;
     for (Eigen::Index k = 1; k <= outputs_; ++k) selection.frequencies.push_back(static_cast<int>(k));
     model_ = std::make_unique<StructureModel>(separate(system, targets), selection, space_->prior().mean());
   }

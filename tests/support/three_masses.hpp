@@ -35,8 +35,9 @@ struct ThreeMasses {
     for (const ParameterTargets& target : targets) parameters.push_back({target.parameter, "N/m", 0.5, 3.0, {}});
     const Distribution prior({.kind = DistributionKind::normal, .mean = 2.0, .std = 0.3});
     space = std::make_unique<ParameterSpace>(parameters, JointDistribution({prior, prior, prior}));
-    model = std::make_unique<StructureModel>(separate(three_mass_system(k6), targets),
-                                             ModalOutputs{.frequencies = {1, 2, 3}}, Eigen::VectorXd::Constant(3, 2.0));
+    model =
+        std::make_unique<StructureModel>(separate(three_mass_system(k6), targets),
+                                         OutputSelection{.frequencies = {1, 2, 3}}, Eigen::VectorXd::Constant(3, 2.0));
   }
 
   UpdatingProblem problem(const Eigen::MatrixXd& tests) const {

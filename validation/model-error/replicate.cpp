@@ -185,7 +185,7 @@ int main(int argc, char** argv) {
   const std::unique_ptr<Updater> method =
       find_method(argc > 6 ? argv[6] : "maximum-likelihood").make(options, "options");
   const test::ThreeMasses structure;
-  ModalOutputs outputs{.frequencies = {1, 2, 3}};
+  OutputSelection outputs{.frequencies = {1, 2, 3}};
   if (settings.has_shapes) {
     outputs.shape_modes = {1, 2, 3};
     outputs.shape_degrees_of_freedom = {"m1", "m2", "m3"};

@@ -44,8 +44,8 @@ struct Settings {
   double bound = std::numeric_limits<double>::infinity();
 };
 
-ModalOutputs outputs_of(const Settings& settings) {
-  ModalOutputs outputs{.frequencies = {1, 2, 3}};
+OutputSelection outputs_of(const Settings& settings) {
+  OutputSelection outputs{.frequencies = {1, 2, 3}};
   if (settings.has_shapes) {
     outputs.shape_modes = {1, 2, 3};
     outputs.shape_degrees_of_freedom = {"m1", "m2", "m3"};

@@ -20,7 +20,7 @@ struct Subject {
     command,
     retry_command,
     run_files,  ///< files that every run gets
-    outputs,
+    outputs,    ///< all, or those of one kind by its name
     frequencies,
     shape_modes,
     shape_locations,  ///< degrees of freedom of shapes

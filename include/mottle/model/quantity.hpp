@@ -1,6 +1,7 @@
 // Quantities that a model predicts and a test measures: kind, mode and location, and the name that follows from them.
 #pragma once
 
+#include <array>
 #include <string>
 
 #include "mottle/layers.hpp"
@@ -16,19 +17,37 @@ enum class QuantityKind {
   other,
 };
 
-/// Whether the measurement's noise of such quantities is a fraction of their value (frequencies); else it is one level
-/// for all quantities of the kind.
-inline constexpr bool has_relative_noise(QuantityKind kind) {
-  return kind == QuantityKind::frequency;
+/// What all quantities of a kind have in common; `other` has names of the user's own.
+struct QuantityTraits {
+  QuantityKind kind;
+  const char* stem;         ///< names begin with it, their number follows
+  bool has_location;        ///< ":" and a degree of freedom follow the number
+  bool has_relative_noise;  ///< the measurement's noise is a fraction of the value; else one level for the whole kind
+};
+
+inline constexpr std::array k_quantity_traits = {
+    QuantityTraits{QuantityKind::frequency, "f", false, true},
+    QuantityTraits{QuantityKind::displacement, "phi", true, false},
+    QuantityTraits{QuantityKind::rotation, "phi", true, false},
+    QuantityTraits{QuantityKind::damping_ratio, "zeta", false, false},
+};
+
+inline constexpr QuantityTraits traits_of(QuantityKind kind) {
+  for (const QuantityTraits& traits : k_quantity_traits) {
+    if (traits.kind == kind) return traits;
+  }
+  return {kind, "", false, false};
 }
+
+/// Whether a degree of freedom, by the names that all formats have in common, is a rotation: "101:+RX".
+bool is_rotation(const std::string& degree_of_freedom);
 
 /// One number that the model predicts and a test measures.
 struct Quantity {
   QuantityKind kind = QuantityKind::other;
-  int mode = 0;  ///< number of the mode that it belongs to; 0: none
-  std::string location =
-      {};                  ///< degree of freedom of a shape's component as the structure names it; of `other` its name
-  std::string unit = "-";  ///< for readers: nothing is computed from it
+  int number = 0;             ///< of the mode that it belongs to; 0: none
+  std::string location = {};  ///< degree of freedom as the structure names it; of `other` the name
+  std::string unit = "-";     ///< for readers: nothing is computed from it
 
   /// As in the header of a test file: "f1", "phi1:m2", "zeta1".
   std::string name() const;

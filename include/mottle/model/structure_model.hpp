@@ -8,7 +8,7 @@
 #include "mottle/dynamics/modes/mode_set.hpp"
 #include "mottle/layers.hpp"
 #include "mottle/model/model.hpp"
-#include "mottle/model/responses/modal_outputs.hpp"
+#include "mottle/model/responses/output_selection.hpp"
 #include "mottle/model/solvers/solver.hpp"
 
 namespace mottle::model {
@@ -17,16 +17,16 @@ class Response;
 struct AffineStructure;
 struct ModeMatch;
 
-/// Outputs of K(x), M(x), C(x). Modes have the numbers, and shapes the signs, of the reference's.
+/// Outputs of K(x), M(x), C(x). Modes, if any are needed, have the numbers, and shapes the signs, of the reference's.
 class StructureModel final : public Model, public DifferentiableModel {
  public:
   /// @param reference  parameters at which mode numbers and signs are defined [parameter]
   /// Throws InvalidInput: a mode number or degree of freedom that the structure does not have (says which it has),
   /// a repeated one, no output at all, damping ratios of an undamped structure, a reference structure that is
-  /// unstable or has no modes.
-  StructureModel(std::unique_ptr<Solver> solver, ModalOutputs selection, const Eigen::VectorXd& reference);
+  /// unstable, has no modes, or is not supported against its loads.
+  StructureModel(std::unique_ptr<Solver> solver, OutputSelection selection, const Eigen::VectorXd& reference);
   /// The same of a small structure with full matrices.
-  StructureModel(AffineStructure structure, ModalOutputs selection, const Eigen::VectorXd& reference);
+  StructureModel(AffineStructure structure, OutputSelection selection, const Eigen::VectorXd& reference);
   StructureModel(StructureModel&&) noexcept;
   ~StructureModel() override;
 
@@ -50,14 +50,15 @@ class StructureModel final : public Model, public DifferentiableModel {
   /// Throws InvalidInput where a mode is lost.
   FollowedModes follow(const Eigen::Ref<const Eigen::VectorXd>& parameters) const;
 
-  /// Solves there, unless it is the reference. Throws InvalidInput: it has no modes there or is unstable.
-  void require_modes_at(const Eigen::Ref<const Eigen::VectorXd>& parameters) const;
+  /// Solves there, unless it is the reference. Throws InvalidInput: it has no modes there, is unstable, or not
+  /// supported against its loads.
+  void require_solution_at(const Eigen::Ref<const Eigen::VectorXd>& parameters) const;
 
   /// Whether a mode of the reference, counted from 0, is among the outputs.
   bool is_output(int mode) const { return is_output_[static_cast<std::size_t>(mode)]; }
   int highest_mode() const { return static_cast<int>(is_output_.size()); }
-  const ModalOutputs& selection() const { return selection_; }
-  /// Shapes of the reference at the degrees of freedom of the outputs [degree of freedom x mode 1..highest].
+  const OutputSelection& selection() const { return selection_; }
+  /// Shapes of the reference at the degrees of freedom of the outputs' shapes [degree of freedom x mode 1..highest].
   Eigen::MatrixXd reference_displacements() const;
 
   const Solver& solver() const { return *solver_; }
@@ -66,16 +67,12 @@ class StructureModel final : public Model, public DifferentiableModel {
   const ModeSet& reference_modes() const { return reference_; }
 
  private:
-  /// A response with its share of the outputs and of the request's degrees of freedom.
-  struct Part {
-    std::unique_ptr<Response> response;
-    Eigen::Index outputs = 0;
-    Eigen::Index degrees_of_freedom = 0;
-  };
+  struct Part;
 
-  void take(std::unique_ptr<Response> response);
-  void settle_request();
+  void take(std::unique_ptr<Response> response, std::vector<int>& degrees_of_freedom);
+  void complete_request(const std::vector<int>& degrees_of_freedom);
   ModeSet sound_modes_at(const Eigen::Ref<const Eigen::VectorXd>& parameters) const;
+  void require_statics_at(const Eigen::Ref<const Eigen::VectorXd>& parameters) const;
   void solve_reference();
   ModeMatch match_modes(Eigen::Index found, const Eigen::MatrixXd& cosines) const;
   ModeMatch match_all(const ModeSet& modes) const;
@@ -84,7 +81,7 @@ class StructureModel final : public Model, public DifferentiableModel {
                            Eigen::Ref<Eigen::RowVectorXd, 0, Eigen::InnerStride<>> row) const;
 
   std::unique_ptr<Solver> solver_;
-  ModalOutputs selection_;
+  OutputSelection selection_;
   std::vector<Part> responses_;
   std::vector<Quantity> outputs_;
   Eigen::VectorXd reference_parameters_;

@@ -112,11 +112,6 @@ std::string ExternalStructure::unknown_degree_of_freedom(const std::string& name
   return unknown_name_message("degree of freedom", name, known);
 }
 
-Eigen::MatrixXd ExternalStructure::displacements(const Eigen::Ref<const Eigen::MatrixXd>& shapes,
-                                                 const std::vector<int>& degrees_of_freedom) const {
-  return shapes(degrees_of_freedom, Eigen::all);
-}
-
 double ExternalStructure::total_mass(const Eigen::Ref<const Eigen::VectorXd>&) const {
   return k_not_known;
 }
@@ -175,7 +170,7 @@ std::string ExternalSolver::observe(const ExtractedModes& found, const SolutionR
   }
   const ModeSet modes{found.eigenvalues, found.shapes};
   if (request.reference.shapes.cols() > 0) solution.cosines = cosines(request.reference, modes);
-  solution.displacements = structure_.displacements(found.shapes, request.degrees_of_freedom);
+  solution.displacements = request.observation * found.shapes;
   return {};
 }
 
@@ -240,6 +235,11 @@ Eigen::MatrixXd ExternalSolver::eigenvalue_derivatives(const Eigen::Ref<const Ei
 Eigen::MatrixXd ExternalSolver::shape_derivatives(const Eigen::Ref<const Eigen::VectorXd>&, const ModeSet& modes,
                                                   int) const {
   return Eigen::MatrixXd::Constant(modes.shapes.rows(), nominal_.size(), k_not_known);
+}
+
+Eigen::MatrixXd ExternalSolver::static_derivatives(const Eigen::Ref<const Eigen::VectorXd>&,
+                                                   const Eigen::VectorXd& load) const {
+  return Eigen::MatrixXd::Constant(load.size(), nominal_.size(), k_not_known);
 }
 
 }  // namespace mottle::drivers

@@ -169,6 +169,11 @@ double SparseModeSolver::factorise(const SparseMatrix& stiffness, const SparseMa
   return factors_->factorise_below(stiffness, mass);
 }
 
+bool SparseModeSolver::factorise_stiffness(const SparseMatrix& stiffness) {
+  factors_->keep_pattern(stiffness);
+  return factors_->definite->factorise(stiffness);
+}
+
 DefiniteFactor& SparseModeSolver::factor() {
   return *factors_->definite;
 }

@@ -20,7 +20,7 @@ void require_modes(const std::vector<int>& modes, const Subject& subject, Eigen:
 
 }  // namespace
 
-std::vector<std::unique_ptr<Response>> make_responses(const ModalOutputs& selection, const Structure& structure) {
+std::vector<std::unique_ptr<Response>> make_responses(const OutputSelection& selection, const Structure& structure) {
   const Eigen::Index available = structure.mode_count();
   require_modes(selection.frequencies, {Subject::Kind::frequencies}, available);
   require_modes(selection.shape_modes, {Subject::Kind::shape_modes}, available);
@@ -29,11 +29,11 @@ std::vector<std::unique_ptr<Response>> make_responses(const ModalOutputs& select
              {Subject::Kind::outputs}, "none is named; give for example frequencies = [1, 2]");
   std::vector<std::unique_ptr<Response>> responses;
   if (!selection.frequencies.empty()) {
-    responses.push_back(std::make_unique<NaturalFrequencies>(selection.frequencies, selection.frequency_unit));
+    responses.push_back(std::make_unique<NaturalFrequencies>(selection.frequencies, selection.units.frequency));
   }
   if (!selection.shape_modes.empty() || !selection.shape_degrees_of_freedom.empty()) {
     responses.push_back(std::make_unique<ModeShapes>(selection.shape_modes, selection.shape_degrees_of_freedom,
-                                                     selection.shape_unit, structure));
+                                                     selection.units.shape, structure));
   }
   if (!selection.damping.empty()) responses.push_back(std::make_unique<DampingRatios>(selection.damping, structure));
   return responses;

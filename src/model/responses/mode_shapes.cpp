@@ -5,29 +5,13 @@
 #include "mottle/core/subject.hpp"
 
 namespace mottle::model {
-namespace {
-
-/// Whether a degree of freedom, by the names that all formats have in common, is a rotation: "101:+RX".
-bool is_rotation(const std::string& degree_of_freedom) {
-  const std::size_t colon = degree_of_freedom.rfind(':');
-  return colon != std::string::npos && degree_of_freedom.size() == colon + 4 && degree_of_freedom[colon + 2] == 'R';
-}
-
-}  // namespace
 
 ModeShapes::ModeShapes(std::vector<int> modes, std::vector<std::string> degrees_of_freedom, std::string unit,
                        const Structure& structure)
-    : modes_(std::move(modes)), names_(std::move(degrees_of_freedom)), unit_(std::move(unit)) {
-  const Subject location_subject{Subject::Kind::shape_locations};
-  for (const std::string& name : names_) {
-    const int number = structure.find_degree_of_freedom(name);
-    if (number < 0) throw SubjectError(location_subject, structure.unknown_degree_of_freedom(name));
-    require_of(std::find(degrees_of_freedom_.begin(), degrees_of_freedom_.end(), number) == degrees_of_freedom_.end(),
-               location_subject, "'{}' is given twice", name);
-    degrees_of_freedom_.push_back(number);
-  }
-  require_of(!names_.empty(), location_subject, "{}", structure.unknown_degree_of_freedom(""));
-}
+    : modes_(std::move(modes)),
+      names_(std::move(degrees_of_freedom)),
+      degrees_of_freedom_(find_degrees_of_freedom(structure, names_, {Subject::Kind::shape_locations})),
+      unit_(std::move(unit)) {}
 
 std::vector<Quantity> ModeShapes::quantities() const {
   std::vector<Quantity> quantities;

@@ -8,7 +8,7 @@
 
 #include "mottle/layers.hpp"
 #include "mottle/model/quantity.hpp"
-#include "mottle/model/responses/modal_outputs.hpp"
+#include "mottle/model/responses/output_selection.hpp"
 #include "mottle/model/solvers/solver.hpp"
 
 namespace mottle::model {
@@ -25,34 +25,44 @@ struct ModeMatch {
 struct ResponseNeeds {
   std::vector<int> modes = {};               ///< numbers from 1
   std::vector<int> degrees_of_freedom = {};  ///< where it needs displacements
+  Eigen::MatrixXd loads = {};                ///< whose static solutions it needs [equation x load]
   bool shapes = false;                       ///< whether modes must be compared with the reference's shapes
   bool damping = false;                      ///< whether it needs damping ratios
+};
+
+/// Share of one response in the request: rows of the displacements, and loads.
+struct ResponseShare {
+  Eigen::Index first_row = 0, rows = 0;
+  Eigen::Index first_load = 0;
 };
 
 /// The solution of one sample by the numbers and signs of the reference's modes.
 class NumberedSolution {
  public:
-  /// @param first, count   rows of the solution's displacements that are the response's
-  /// @param largest        of the reference's eigenvalues
-  NumberedSolution(const Solution& solution, const ModeMatch& match, Eigen::Index first, Eigen::Index count,
-                   double largest)
-      : solution_(solution), match_(match), first_(first), count_(count), largest_(largest) {}
+  /// @param largest  of the reference's eigenvalues
+  NumberedSolution(const Solution& solution, const ModeMatch& match, const ResponseShare& share, double largest)
+      : solution_(solution), match_(match), share_(share), largest_(largest) {}
 
   /// Natural frequency in 1 / (time unit of the matrices); nan where the eigenvalue is negative.
   double frequency(int mode) const { return natural_frequency_hz(solution_.eigenvalues(column(mode)), largest_); }
   double damping_ratio(int mode) const { return solution_.damping_ratios(column(mode)); }
   /// Of the mass-normalised shape, at one of the response's degrees of freedom.
   double displacement(int mode, Eigen::Index k) const {
-    return match_.sign[static_cast<std::size_t>(mode - 1)] * solution_.displacements(first_ + k, column(mode));
+    return match_.sign[static_cast<std::size_t>(mode - 1)] *
+           solution_.displacements(share_.first_row + k, column(mode));
   }
-  Eigen::Index degrees_of_freedom() const { return count_; }
+  /// Under one of the response's loads, counted from 0, at one of its degrees of freedom.
+  double static_displacement(Eigen::Index load, Eigen::Index k) const {
+    return solution_.static_displacements(share_.first_row + k, share_.first_load + load);
+  }
+  Eigen::Index degrees_of_freedom() const { return share_.rows; }
 
  private:
   int column(int mode) const { return match_.column[static_cast<std::size_t>(mode - 1)]; }
 
   const Solution& solution_;
   const ModeMatch& match_;
-  Eigen::Index first_, count_;
+  const ResponseShare& share_;
   double largest_;
 };
 
@@ -87,6 +97,6 @@ class Response {
 /// The responses that give the selected outputs, in the outputs' order.
 ///
 /// @throws InvalidInput  an output that the structure does not have (says which it has), a repeated one, none at all
-std::vector<std::unique_ptr<Response>> make_responses(const ModalOutputs& selection, const Structure& structure);
+std::vector<std::unique_ptr<Response>> make_responses(const OutputSelection& selection, const Structure& structure);
 
 }  // namespace mottle::model

@@ -1,10 +1,13 @@
 #include "mottle/model/solvers/dense_solver.hpp"
 
+#include "model/solvers/static_solution.hpp"
+#include "mottle/core/error.hpp"
 #include "mottle/core/parallel.hpp"
 #include "mottle/dynamics/modes/damping.hpp"
 #include "mottle/dynamics/modes/mac.hpp"
 #include "mottle/dynamics/modes/sensitivity.hpp"
 #include "mottle/linalg/batched/dense_modes.hpp"
+#include "mottle/linalg/dense/decompositions.hpp"
 
 namespace mottle::model {
 namespace {
@@ -27,6 +30,21 @@ Eigen::MatrixXd coefficients(const AffineMatrix& matrix, const Eigen::Ref<const 
   return result;
 }
 
+/// u of K u = f, and of K^-1 times other columns by the same factor.
+struct DenseStatics {
+  explicit DenseStatics(Eigen::MatrixXd matrix) : stiffness(std::move(matrix)), factor(stiffness) {}
+
+  StaticSolution solve(const Eigen::MatrixXd& loads) const {
+    if (!factor.is_positive_definite()) return {.failure = k_no_static_solution};
+    return refined_static_solution(
+        loads, [this](const Eigen::MatrixXd& columns) { return factor.solve(columns); },
+        [this](const Eigen::MatrixXd& columns) -> Eigen::MatrixXd { return stiffness * columns; });
+  }
+
+  Eigen::MatrixXd stiffness;
+  CholeskyFactor factor;
+};
+
 }  // namespace
 
 DenseSolver::DenseSolver(DenseStructure structure)
@@ -40,31 +58,46 @@ ModeSet DenseSolver::modes_at(const Eigen::Ref<const Eigen::VectorXd>& parameter
 
 SolverUse DenseSolver::solve(const Eigen::Ref<const Eigen::MatrixXd>& samples, const SolutionRequest& request,
                              const RunContext& context, const Visitor& visit) const {
-  const BatchModes batch =
-      solve_batch(pencils_, coefficients(structure_.matrices().stiffness, samples),
-                  coefficients(structure_.matrices().mass, samples),
-                  {.modes = request.modes, .vectors = request.needs_shapes(), .threads = context.threads});
+  BatchModes batch;
+  if (request.modes > 0) {
+    batch = solve_batch(pencils_, coefficients(structure_.matrices().stiffness, samples),
+                        coefficients(structure_.matrices().mass, samples),
+                        {.modes = request.modes, .vectors = request.needs_shapes(), .threads = context.threads});
+  }
   constexpr std::int64_t k_grain = 256;
   parallel_for(samples.rows(), k_grain, context.threads, [&](std::int64_t begin, std::int64_t end) {
     for (Eigen::Index s = begin; s < end; ++s) {
-      Solution solution{batch.values.col(s), {}, {}, {}};
-      if (!solution.eigenvalues.allFinite()) {
-        visit(s, solution,
-              "the eigenproblem has no solution: the mass matrix is not positive definite or a value is not finite");
-        continue;
+      Solution solution;
+      std::string failure;
+      const Eigen::VectorXd parameters = samples.row(s).transpose();
+      if (request.modes > 0) {
+        const ModeSet found{batch.values.col(s), request.needs_shapes() ? batch.sample_vectors(s) : Eigen::MatrixXd()};
+        failure = observe_modes(found, parameters, request, solution);
       }
-      if (request.needs_shapes()) {
-        const ModeSet found{batch.values.col(s), batch.sample_vectors(s)};
-        if (request.reference.shapes.cols() > 0) solution.cosines = cosines(request.reference, found);
-        solution.displacements = structure_.displacements(found.shapes, request.degrees_of_freedom);
-        if (request.damping) {
-          const Eigen::VectorXd parameters = samples.row(s).transpose();
-          solution.damping_ratios = modal_damping_ratios(found, structure_.matrices().damping.at(parameters));
-        }
+      if (failure.empty() && request.loads.cols() > 0) {
+        const StaticSolution found = DenseStatics(structure_.matrices().stiffness.at(parameters)).solve(request.loads);
+        failure = found.failure;
+        if (failure.empty()) solution.static_displacements = request.observation * found.displacements;
       }
-      visit(s, solution, {});
+      visit(s, solution, failure);
     }
   });
+  return {};
+}
+
+/// Why there are no modes; empty: there are.
+std::string DenseSolver::observe_modes(const ModeSet& found, const Eigen::Ref<const Eigen::VectorXd>& parameters,
+                                       const SolutionRequest& request, Solution& solution) const {
+  solution.eigenvalues = found.eigenvalues;
+  if (!found.eigenvalues.allFinite()) {
+    return "the eigenproblem has no solution: the mass matrix is not positive definite or a value is not finite";
+  }
+  if (!request.needs_shapes()) return {};
+  if (request.reference.shapes.cols() > 0) solution.cosines = cosines(request.reference, found);
+  solution.displacements = request.observation * found.shapes;
+  if (request.damping) {
+    solution.damping_ratios = modal_damping_ratios(found, structure_.matrices().damping.at(parameters));
+  }
   return {};
 }
 
@@ -91,6 +124,18 @@ Eigen::MatrixXd DenseSolver::shape_derivatives(const Eigen::Ref<const Eigen::Vec
                              .col(mode);
   }
   return derivatives;
+}
+
+Eigen::MatrixXd DenseSolver::static_derivatives(const Eigen::Ref<const Eigen::VectorXd>& parameters,
+                                                const Eigen::VectorXd& load) const {
+  const DenseStatics statics(structure_.matrices().stiffness.at(parameters));
+  const StaticSolution found = statics.solve(load);
+  require(found.failure.empty(), "{}", found.failure);
+  Eigen::MatrixXd forces(load.size(), structure_.parameter_count());
+  for (Eigen::Index i = 0; i < structure_.parameter_count(); ++i) {
+    forces.col(i) = -structure_.matrices().stiffness.derivative(i) * found.displacements;
+  }
+  return statics.factor.solve(forces);
 }
 
 int DenseSolver::modes_for_damping(int /*modes*/) const {

@@ -5,11 +5,49 @@
 #include <limits>
 #include <numeric>
 
+#include "model/solvers/static_solution.hpp"
 #include "mottle/core/parallel.hpp"
 #include "mottle/core/subject.hpp"
 #include "mottle/dynamics/modes/sensitivity.hpp"
 
 namespace mottle::model {
+namespace {
+
+/// K's factor, and what K^-1 makes of loads. The arguments must live as long.
+class SparseStatics {
+ public:
+  SparseStatics(SparseModeSolverPool& pool, const SparseStructure& structure, const SparseMatrix& stiffness)
+      : pool_(pool), structure_(structure), stiffness_(stiffness), solver_(pool.take()) {
+    is_definite_ = solver_->factorise_stiffness(stiffness);
+  }
+  SparseStatics(const SparseStatics&) = delete;
+  SparseStatics& operator=(const SparseStatics&) = delete;
+  ~SparseStatics() { pool_.give_back(std::move(solver_)); }
+
+  StaticSolution solve(const Eigen::MatrixXd& loads) const {
+    if (!is_definite_) {
+      const int row = solver_->factor().failed_column();
+      const std::string where = row < 0 ? "" : fmt::format(" (first seen at {})", structure_.equation_name(row));
+      return {.failure = k_no_static_solution + where};
+    }
+    return refined_static_solution(
+        loads,
+        [this](Eigen::MatrixXd columns) {
+          solver_->factor().solve(columns);
+          return columns;
+        },
+        [this](const Eigen::MatrixXd& columns) { return symmetric_product(stiffness_, columns); });
+  }
+
+ private:
+  SparseModeSolverPool& pool_;
+  const SparseStructure& structure_;
+  const SparseMatrix& stiffness_;
+  std::unique_ptr<SparseModeSolver> solver_;
+  bool is_definite_ = false;
+};
+
+}  // namespace
 
 SparseStructure::Matrices MatrixDerivatives::at(const SparseStructure& structure,
                                                 const Eigen::Ref<const Eigen::VectorXd>& parameters,
@@ -30,19 +68,23 @@ SparseStructure::Matrices MatrixDerivatives::at(const SparseStructure& structure
   return result;
 }
 
-SparseModes SparseModeSolverPool::solve(const SparseStructure::Matrices& matrices, const SparseModesOptions& options) {
-  std::unique_ptr<SparseModeSolver> solver;
-  {
-    const std::lock_guard lock(mutex_);
-    if (!idle_.empty()) {
-      solver = std::move(idle_.back());
-      idle_.pop_back();
-    }
-  }
-  if (!solver) solver = std::make_unique<SparseModeSolver>();
-  SparseModes modes = solver->solve(matrices.stiffness, matrices.mass, options);
+std::unique_ptr<SparseModeSolver> SparseModeSolverPool::take() {
+  const std::lock_guard lock(mutex_);
+  if (idle_.empty()) return std::make_unique<SparseModeSolver>();
+  std::unique_ptr<SparseModeSolver> solver = std::move(idle_.back());
+  idle_.pop_back();
+  return solver;
+}
+
+void SparseModeSolverPool::give_back(std::unique_ptr<SparseModeSolver> solver) {
   const std::lock_guard lock(mutex_);
   idle_.push_back(std::move(solver));
+}
+
+SparseModes SparseModeSolverPool::solve(const SparseStructure::Matrices& matrices, const SparseModesOptions& options) {
+  std::unique_ptr<SparseModeSolver> solver = take();
+  SparseModes modes = solver->solve(matrices.stiffness, matrices.mass, options);
+  give_back(std::move(solver));
   return modes;
 }
 
@@ -61,8 +103,8 @@ std::string ExactSolver::failure_text(const SparseModes& modes) const {
 
 Solution ExactSolver::observe(const Eigen::VectorXd& values, const Eigen::MatrixXd& vectors,
                               const SolutionRequest& request) const {
-  Solution solution{values, {}, {}, {}};
-  solution.displacements = structure_->displacements(vectors, request.degrees_of_freedom);
+  Solution solution{.eigenvalues = values};
+  solution.displacements = request.observation * vectors;
   if (request.reference.shapes.cols() > 0) solution.cosines = cosines(request.reference, {values, vectors});
   return solution;
 }
@@ -87,19 +129,47 @@ void ExactSolver::solve_rows(const Eigen::Ref<const Eigen::MatrixXd>& samples, c
       context.throw_if_stopped();
       const Eigen::Index s = rows[static_cast<std::size_t>(i)];
       const Eigen::VectorXd parameters = samples.row(s).transpose();
-      Solution solution{Eigen::VectorXd::Constant(request.modes, std::numeric_limits<double>::quiet_NaN()), {}, {}, {}};
+      Solution solution{.eigenvalues =
+                            Eigen::VectorXd::Constant(request.modes, std::numeric_limits<double>::quiet_NaN())};
       std::string failure;
       try {
-        SparseModes solved;
-        if (parameters.allFinite()) solved = solve_one(parameters, {.modes = request.modes, .measures = false});
-        failure = failure_text(solved);
-        if (failure.empty() && solved.values.size() > 0) solution = observe(solved.values, solved.vectors, request);
+        if (parameters.allFinite()) failure = solve_row(parameters, request, solution);
       } catch (const InvalidInput& error) {
         failure = error.what();  // a geometry that this sample's parameters make impossible
       }
       visit(s, solution, failure);
     }
   });
+}
+
+/// Why there is no solution; empty: there is.
+std::string ExactSolver::solve_row(const Eigen::VectorXd& parameters, const SolutionRequest& request,
+                                   Solution& solution) const {
+  const SparseStructure::Matrices matrices = structure_->matrices_at(parameters);
+  if (request.modes > 0) {
+    const SparseModes solved = pool_.solve(matrices, {.modes = request.modes, .measures = false});
+    if (std::string failure = failure_text(solved); !failure.empty()) return failure;
+    solution = observe(solved.values, solved.vectors, request);
+  }
+  if (request.loads.cols() == 0) return {};
+  const StaticSolution found = SparseStatics(pool_, *structure_, matrices.stiffness).solve(request.loads);
+  if (found.failure.empty()) solution.static_displacements = request.observation * found.displacements;
+  return found.failure;
+}
+
+Eigen::MatrixXd ExactSolver::static_derivatives(const Eigen::Ref<const Eigen::VectorXd>& parameters,
+                                                const Eigen::VectorXd& load) const {
+  const SparseMatrix stiffness = structure_->matrices_at(parameters).stiffness;
+  const SparseStatics statics(pool_, *structure_, stiffness);
+  const StaticSolution found = statics.solve(load);
+  require(found.failure.empty(), "{}", found.failure);
+  Eigen::MatrixXd forces(load.size(), structure_->parameter_count());
+  for (Eigen::Index i = 0; i < structure_->parameter_count(); ++i) {
+    forces.col(i) = -symmetric_product(derivatives_.at(*structure_, parameters, i).stiffness, found.displacements);
+  }
+  const StaticSolution moved = statics.solve(forces);
+  require(moved.failure.empty(), "{}", moved.failure);
+  return moved.displacements;
 }
 
 ModeSet ExactSolver::modes_at(const Eigen::Ref<const Eigen::VectorXd>& parameters, int modes) const {

@@ -41,8 +41,7 @@ struct Uncertified {
 class ReducedObservation {
  public:
   ReducedObservation(const ExactSolver& exact, const SolutionRequest& request, const Eigen::MatrixXd& basis)
-      : displacements_(exact.structure().displacements(basis, request.degrees_of_freedom)),
-        compares_(request.reference.shapes.cols() > 0) {
+      : displacements_(request.observation * basis), compares_(request.reference.shapes.cols() > 0) {
     if (!compares_) return;
     const Eigen::MatrixXd weighed = symmetric_product(exact.reference_mass(), basis);
     reference_ = request.reference.shapes.transpose() * weighed;
@@ -51,7 +50,7 @@ class ReducedObservation {
 
   Solution of(const Eigen::Ref<const Eigen::VectorXd>& values,
               const Eigen::Ref<const Eigen::MatrixXd>& coordinates) const {
-    Solution solution{values, {}, displacements_ * coordinates, {}};
+    Solution solution{.eigenvalues = values, .displacements = displacements_ * coordinates};
     if (compares_) {
       const Eigen::RowVectorXd squares = coordinates.cwiseProduct(mass_ * coordinates).colwise().sum();
       solution.cosines = cosines_from(reference_ * coordinates, squares);
@@ -235,9 +234,30 @@ ReducedSolver::ReducedSolver(std::unique_ptr<const ExactSolver> exact, Reduction
 SolverUse ReducedSolver::solve(const Eigen::Ref<const Eigen::MatrixXd>& samples, const SolutionRequest& request,
                                const RunContext& context, const Visitor& visit) const {
   const bool is_worth_it = samples.rows() >= k_min_samples && request.modes + k_min_samples < structure().mode_count();
-  if (!is_worth_it) return exact_->solve(samples, request, context, visit);
+  if (!is_worth_it || request.modes == 0) return exact_->solve(samples, request, context, visit);
+  if (request.loads.cols() > 0) return solve_with_loads(samples, request, context, visit);
   CloudSolution cloud(*exact_, reduced_.settings().frequency_error, samples, request, context, visit);
   return cloud.finish(cloud.reduce(reduced_));
+}
+
+/// Static solutions by the full matrices, modes by the reduced model.
+SolverUse ReducedSolver::solve_with_loads(const Eigen::Ref<const Eigen::MatrixXd>& samples,
+                                          const SolutionRequest& request, const RunContext& context,
+                                          const Visitor& visit) const {
+  std::vector<Eigen::MatrixXd> displacements(static_cast<std::size_t>(samples.rows()));
+  std::vector<std::string> failures(displacements.size());
+  SolutionRequest statics{.observation = request.observation, .loads = request.loads};
+  exact_->solve(samples, statics, context, [&](Eigen::Index s, const Solution& solution, const std::string& failure) {
+    displacements[static_cast<std::size_t>(s)] = solution.static_displacements;
+    failures[static_cast<std::size_t>(s)] = failure;
+  });
+  SolutionRequest modes = request;
+  modes.loads.resize(0, 0);
+  return solve(samples, modes, context, [&](Eigen::Index s, Solution solution, const std::string& failure) {
+    const auto k = static_cast<std::size_t>(s);
+    solution.static_displacements = std::move(displacements[k]);
+    visit(s, solution, failure.empty() ? failures[k] : failure);
+  });
 }
 
 std::unique_ptr<Solver> make_sparse_solver(std::unique_ptr<const SparseStructure> structure,

@@ -22,11 +22,6 @@ std::string DenseStructure::unknown_degree_of_freedom(const std::string& name) c
   return unknown_name_message("degree of freedom", name, matrices_.degree_of_freedom_names);
 }
 
-Eigen::MatrixXd DenseStructure::displacements(const Eigen::Ref<const Eigen::MatrixXd>& shapes,
-                                              const std::vector<int>& degrees_of_freedom) const {
-  return shapes(degrees_of_freedom, Eigen::all);
-}
-
 double DenseStructure::total_mass(const Eigen::Ref<const Eigen::VectorXd>& parameters) const {
   return matrices_.mass.at(parameters).trace();
 }

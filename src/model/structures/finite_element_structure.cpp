@@ -100,16 +100,16 @@ std::string FiniteElementStructure::unknown_degree_of_freedom(const std::string&
   return fmt::format("'{}' is not known here; {}", name, k_form);
 }
 
-Eigen::MatrixXd FiniteElementStructure::displacements(const Eigen::Ref<const Eigen::MatrixXd>& shapes,
-                                                      const std::vector<int>& degrees_of_freedom) const {
-  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(degrees_of_freedom.size()), shapes.cols());
-  for (Eigen::Index k = 0; k < result.rows(); ++k) {
-    const int slot = degrees_of_freedom[static_cast<std::size_t>(k)];
-    for (decltype(assembled_.expansion)::InnerIterator entry(assembled_.expansion, slot); entry; ++entry) {
-      result.row(k) += entry.value() * shapes.row(entry.col());
+ObservationMatrix FiniteElementStructure::observation(const std::vector<int>& degrees_of_freedom) const {
+  std::vector<Eigen::Triplet<double>> entries;
+  for (std::size_t k = 0; k < degrees_of_freedom.size(); ++k) {
+    for (ObservationMatrix::InnerIterator entry(assembled_.expansion, degrees_of_freedom[k]); entry; ++entry) {
+      entries.emplace_back(static_cast<int>(k), static_cast<int>(entry.col()), entry.value());
     }
   }
-  return result;
+  ObservationMatrix rows(static_cast<Eigen::Index>(degrees_of_freedom.size()), mode_count());
+  rows.setFromTriplets(entries.begin(), entries.end());
+  return rows;
 }
 
 double FiniteElementStructure::total_mass(const Eigen::Ref<const Eigen::VectorXd>& parameters) const {

@@ -93,14 +93,15 @@ std::string MatrixStructure::unknown_degree_of_freedom(const std::string& name) 
       name, nearest.empty() ? "." : fmt::format("; did you mean '{}'?", nearest), join(known), is_cut ? ", ..." : "");
 }
 
-Eigen::MatrixXd MatrixStructure::displacements(const Eigen::Ref<const Eigen::MatrixXd>& shapes,
-                                               const std::vector<int>& degrees_of_freedom) const {
-  Eigen::MatrixXd result(static_cast<Eigen::Index>(degrees_of_freedom.size()), shapes.cols());
+ObservationMatrix MatrixStructure::observation(const std::vector<int>& degrees_of_freedom) const {
+  std::vector<Eigen::Triplet<double>> entries;
   for (std::size_t k = 0; k < degrees_of_freedom.size(); ++k) {
     const std::vector<int>& rows = layers_[static_cast<std::size_t>(degrees_of_freedom[k])];
-    result.row(static_cast<Eigen::Index>(k)) = shapes(rows, Eigen::all).colwise().mean();
+    for (const int row : rows) entries.emplace_back(static_cast<int>(k), row, 1.0 / static_cast<double>(rows.size()));
   }
-  return result;
+  ObservationMatrix mean(static_cast<Eigen::Index>(degrees_of_freedom.size()), mode_count());
+  mean.setFromTriplets(entries.begin(), entries.end());
+  return mean;
 }
 
 double MatrixStructure::total_mass(const Eigen::Ref<const Eigen::VectorXd>& parameters) const {

@@ -30,7 +30,7 @@ std::string key_of(const Study& study, const Subject& subject) {
     case Subject::Kind::run_files:
       return "model.files";
     case Subject::Kind::outputs:
-      return study.outputs_key;
+      return subject.name.empty() ? study.outputs_key : study.outputs_key + "." + subject.name;
     case Subject::Kind::frequencies:
       return study.outputs_key + ".frequencies";
     case Subject::Kind::shape_modes:

@@ -12,8 +12,8 @@
 
 namespace mottle::study {
 
-ModalOutputs read_outputs(TomlReader reader, const ModelSource& model) {
-  ModalOutputs outputs;
+OutputSelection read_outputs(TomlReader reader, const ModelSource& model) {
+  OutputSelection outputs;
   outputs.frequencies = reader.mode_numbers("frequencies");
   outputs.damping = reader.mode_numbers("damping");
   if (reader.has("shapes")) {

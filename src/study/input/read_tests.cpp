@@ -6,9 +6,9 @@
 
 #include "mottle/core/text.hpp"
 #include "mottle/formats/tables/csv.hpp"
+#include "mottle/model/units.hpp"
 #include "mottle/study/jobs/study_objects.hpp"
 #include "study/input/noise_rules.hpp"
-#include "study/input/unit_names.hpp"
 #include "study/tests/pair_modes.hpp"
 #include "study/tests/pair_tests.hpp"
 #include "study/tests/test_files.hpp"
@@ -99,7 +99,7 @@ Eigen::MatrixXd values_of_columns(const CsvTable& table, const std::vector<int>&
   Eigen::MatrixXd values(static_cast<Eigen::Index>(table.rows.size()), static_cast<Eigen::Index>(columns.size()));
   for (std::size_t k = 0; k < columns.size(); ++k) {
     const Eigen::VectorXd column = numbers_of_column(table, columns[k]);
-    const bool is_frequency = k < model.selection().frequencies.size();
+    const bool is_frequency = model.outputs()[k].kind == QuantityKind::frequency;
     for (Eigen::Index row = 0; row < column.size(); ++row) {
       const char* fault = nullptr;
       if (is_too_large(column(row))) fault = "whose square is no number any more; give the tests other units";
@@ -271,7 +271,7 @@ StudyTests read_tests(const Study& study, const StructureModel& model) {
           study.file.string());
   tests.is_by_rank = !study.test->pairs_by_mac.value_or(!contents.table) && !study.test->is_named;
   for (Eigen::Index k = 0; k < tests.data.values.cols(); ++k) {
-    const bool is_frequency = k < static_cast<Eigen::Index>(model.selection().frequencies.size());
+    const bool is_frequency = model.outputs()[static_cast<std::size_t>(k)].kind == QuantityKind::frequency;
     require(!is_frequency || !(tests.data.values.col(k).array() <= 0.0).any(),
             "{}: output '{}' of a specimen is not greater than 0, as a natural frequency is; leave that mode out",
             tests.file, names[static_cast<std::size_t>(k)]);

@@ -12,7 +12,7 @@ StudyParameters read_parameters(TomlReader& owner, const ModelSource& model);
 
 /// Modes of a model with many degrees of freedom are tracked by MAC unless told otherwise, those of few masses, or
 /// without shapes, by order.
-ModalOutputs read_outputs(TomlReader reader, const ModelSource& model);
+OutputSelection read_outputs(TomlReader reader, const ModelSource& model);
 StudyTest read_test(TomlReader reader, const std::filesystem::path& folder);
 StudyUpdate read_update(TomlReader reader);
 StudyTruth read_truth(TomlReader reader, const ModelSource& model);

@@ -16,7 +16,7 @@ bool holds(const std::vector<int>& list, int value) {
   return std::find(list.begin(), list.end(), value) != list.end();
 }
 
-std::vector<int> used_modes(const ModalOutputs& outputs) {
+std::vector<int> used_modes(const OutputSelection& outputs) {
   std::vector<int> modes = outputs.frequencies;
   modes.insert(modes.end(), outputs.shape_modes.begin(), outputs.shape_modes.end());
   std::sort(modes.begin(), modes.end());
@@ -24,7 +24,7 @@ std::vector<int> used_modes(const ModalOutputs& outputs) {
   return modes;
 }
 
-std::vector<int> further_frequencies(const ModalOutputs& outputs, Eigen::Index mode_count) {
+std::vector<int> further_frequencies(const OutputSelection& outputs, Eigen::Index mode_count) {
   const std::vector<int> used = used_modes(outputs);
   const int highest = used.empty() ? 0 : used.back();
   std::vector<int> modes;
@@ -37,7 +37,7 @@ std::vector<int> further_frequencies(const ModalOutputs& outputs, Eigen::Index m
   return modes;
 }
 
-std::vector<int> further_shapes(const ModalOutputs& outputs) {
+std::vector<int> further_shapes(const OutputSelection& outputs) {
   std::vector<int> modes;
   for (const int mode : used_modes(outputs)) {
     if (!holds(outputs.shape_modes, mode) && modes.size() < k_max_shapes) modes.push_back(mode);
@@ -70,8 +70,8 @@ std::vector<FurtherOutputs> further_outputs(const Study& study, Eigen::Index mod
   return further;
 }
 
-ModalOutputs wider_outputs(const Study& study, Eigen::Index mode_count) {
-  ModalOutputs outputs = study.outputs;
+OutputSelection wider_outputs(const Study& study, Eigen::Index mode_count) {
+  OutputSelection outputs = study.outputs;
   for (const int mode : further_frequencies(study.outputs, mode_count)) outputs.frequencies.push_back(mode);
   const std::vector<std::string> locations = shape_locations(study);
   if (locations.empty()) return outputs;

@@ -23,6 +23,6 @@ struct FurtherOutputs {
 std::vector<FurtherOutputs> further_outputs(const Study& study, Eigen::Index mode_count);
 
 /// The study's outputs with everything that further_outputs() names.
-ModalOutputs wider_outputs(const Study& study, Eigen::Index mode_count);
+OutputSelection wider_outputs(const Study& study, Eigen::Index mode_count);
 
 }  // namespace mottle::study

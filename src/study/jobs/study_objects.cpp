@@ -8,10 +8,10 @@
 #include "mottle/core/subject.hpp"
 #include "mottle/core/text.hpp"
 #include "mottle/model/solvers/reduced_solver.hpp"
+#include "mottle/model/units.hpp"
 #include "mottle/study/models/model_source.hpp"
 #include "mottle/updating/verdict/verdict.hpp"
 #include "study/input/key_error.hpp"
-#include "study/input/unit_names.hpp"
 #include "study/tests/test_files.hpp"
 
 namespace mottle::study {
@@ -33,7 +33,7 @@ JointDistribution joint_prior(const StudyParameters& parameters) {
 }
 
 /// Dampers change nothing but damping ratios.
-void require_effects(const StudyParameters& parameters, const ModalOutputs& outputs) {
+void require_effects(const StudyParameters& parameters, const OutputSelection& outputs) {
   for (const StudyParameter& parameter : parameters.list) {
     const bool is_seen = !outputs.damping.empty() ||
                          std::any_of(parameter.targets.begin(), parameter.targets.end(),
@@ -95,9 +95,8 @@ StudyModel make_model(const Study& study, const StudyParameters& parameters, con
           {parameter.name, unit, parameter.lower_bound, parameter.upper_bound, parts.limits[i], parameter.transform});
       if (parameter.may_vanish) list.back().limit.excludes_lower = false;
     }
-    ModalOutputs outputs = study.outputs;
-    outputs.frequency_unit = units.frequency;
-    outputs.shape_unit = units.shape;
+    OutputSelection outputs = study.outputs;
+    outputs.units = units;
     StudyModel made;
     made.files = std::move(parts.files);
     made.notes = std::move(parts.notes);
@@ -111,7 +110,7 @@ StudyModel make_model(const Study& study, const StudyParameters& parameters, con
     }
     made.model = std::make_unique<StructureModel>(std::move(parts.solver), std::move(outputs), parts.reference);
     require_own_names(parameters, made.model->outputs());
-    made.model->require_modes_at(made.space->prior().mean());
+    made.model->require_solution_at(made.space->prior().mean());
     return made;
   } catch (const InvalidInput& error) {
     throw InvalidInput(located(study, error, is_truth ? "truth." : ""));

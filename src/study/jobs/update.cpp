@@ -44,7 +44,7 @@ void note_what_is_given(const Study& study, const UpdatePlan& plan, const RunCon
 }
 
 std::optional<std::string> doubt_of_numbering(const UpdatePlan& plan, const UpdatingResult& result) {
-  const ModalOutputs& outputs = plan.made.model->selection();
+  const OutputSelection& outputs = plan.made.model->selection();
   std::optional<std::string> doubt;
   if (plan.tests.is_by_rank) doubt = rank_warning(outputs, plan.tests.data.values, result.history);
   if (!doubt && !result.history.empty()) doubt = bend_warning(outputs, result.history.back());

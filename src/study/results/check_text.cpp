@@ -59,7 +59,7 @@ void describe_model(const CheckOutcome& outcome, std::vector<std::string>& lines
   describe_parameters(parameters_of(outcome.study), made, lines);
   for (Eigen::Index r = 0; r < outcome.frequencies.size(); ++r) {
     lines.push_back(fmt::format("mode {:<3} {:>12.6g} {} at the parameters' means", r + 1, outcome.frequencies(r),
-                                model.selection().frequency_unit));
+                                model.selection().units.frequency));
   }
   std::vector<std::string> names;
   for (const Quantity& output : model.outputs()) names.push_back(fmt::format("{} [{}]", output.name(), output.unit));

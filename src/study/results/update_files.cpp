@@ -37,7 +37,7 @@ std::string history_csv(const UpdatingProblem& problem, const UpdatingResult& re
 
 /// The modes of the updated model for the report's drawing, numbered and followed as the outputs are.
 void write_shapes(const RunFolder& folder, const StructureModel& model, const Eigen::VectorXd& mean) {
-  if (model.structure().mesh() == nullptr) return;
+  if (model.structure().mesh() == nullptr || model.highest_mode() == 0) return;
   const StructureModel::FollowedModes followed = model.follow(mean);
   const double scale = followed.modes.eigenvalues.cwiseAbs().maxCoeff();
   std::vector<ShownMode> shown;
@@ -50,7 +50,7 @@ void write_shapes(const RunFolder& folder, const StructureModel& model, const Ei
     shown.push_back({k + 1, natural_frequency_hz(followed.modes.eigenvalues(k), scale),
                      std::numeric_limits<double>::quiet_NaN(), std::move(note), followed.modes.shapes.col(k)});
   }
-  const Json json = {{"modes", drawing_json(model.structure(), shown, model.selection().frequency_unit)}};
+  const Json json = {{"modes", drawing_json(model.structure(), shown, model.selection().units.frequency)}};
   folder.write("modes.json", one_line(json));
 }
 

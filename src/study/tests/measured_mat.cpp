@@ -6,7 +6,7 @@
 
 #include "mottle/core/error.hpp"
 #include "mottle/core/text.hpp"
-#include "study/input/unit_names.hpp"
+#include "mottle/model/units.hpp"
 #include "study/tests/measured_modes.hpp"
 
 namespace mottle::study {

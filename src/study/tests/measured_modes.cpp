@@ -10,7 +10,7 @@
 #include "mottle/core/text.hpp"
 #include "mottle/dynamics/modes/complex_shape.hpp"
 #include "mottle/formats/uff/frames.hpp"
-#include "study/input/unit_names.hpp"
+#include "mottle/model/units.hpp"
 
 namespace mottle::study {
 namespace {

@@ -8,7 +8,7 @@
 
 namespace mottle::study {
 
-std::vector<std::string> pair_tests(Eigen::MatrixXd& values, const ModalOutputs& selection,
+std::vector<std::string> pair_tests(Eigen::MatrixXd& values, const OutputSelection& selection,
                                     const Eigen::Ref<const Eigen::MatrixXd>& reference) {
   const std::vector<int>& modes = selection.shape_modes;
   const Subject pairing{Subject::Kind::pairing};

@@ -22,7 +22,7 @@ namespace mottle::study {
 /// @param reference  shapes at the outputs' degrees of freedom [degree of freedom x shape mode]
 /// @return           what was changed or left out, a sentence each
 /// @throws InvalidInput  no shapes among the outputs, or other modes than the frequencies'
-std::vector<std::string> pair_tests(Eigen::MatrixXd& values, const ModalOutputs& selection,
+std::vector<std::string> pair_tests(Eigen::MatrixXd& values, const OutputSelection& selection,
                                     const Eigen::Ref<const Eigen::MatrixXd>& reference);
 
 }  // namespace mottle::study

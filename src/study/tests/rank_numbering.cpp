@@ -51,13 +51,14 @@ Crossings crossings_of(const IterationRecord& state) {
 
 }  // namespace
 
-std::optional<std::string> rank_note(const ModalOutputs& selection, const Eigen::Ref<const Eigen::MatrixXd>& tests) {
+std::optional<std::string> rank_note(const OutputSelection& selection, const Eigen::Ref<const Eigen::MatrixXd>& tests) {
   if (selection.tracking != ModeTracking::mac || selection.frequencies.size() < 2) return std::nullopt;
   if (!is_ranked(selection.frequencies, tests)) return std::nullopt;
   return fmt::format("{}: where modes cross a frequency is compared with another mode's. {}", k_numbering, k_remedy);
 }
 
-std::optional<std::string> rank_warning(const ModalOutputs& selection, const Eigen::Ref<const Eigen::MatrixXd>& tests,
+std::optional<std::string> rank_warning(const OutputSelection& selection,
+                                        const Eigen::Ref<const Eigen::MatrixXd>& tests,
                                         const std::vector<IterationRecord>& history) {
   constexpr double k_rare = 0.01;
   if (history.empty() || !rank_note(selection, tests)) return std::nullopt;
@@ -70,7 +71,7 @@ std::optional<std::string> rank_warning(const ModalOutputs& selection, const Eig
       k_numbering, 100.0 * first.part, 100.0 * last.part, last.part > 0.0 ? last.frequent : first.frequent, k_remedy);
 }
 
-std::optional<std::string> bend_warning(const ModalOutputs& selection, const IterationRecord& state) {
+std::optional<std::string> bend_warning(const OutputSelection& selection, const IterationRecord& state) {
   // For a normally distributed gap: 1 % of the samples lie beyond the crossing; the gap of modes by rank, |gap|, has
   // less.
   constexpr double k_apart = 2.33;  // means over standard deviations

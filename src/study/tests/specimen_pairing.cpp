@@ -141,17 +141,13 @@ SpecimenPairing::SpecimenPairing(const StructureModel& model, const MeasuredMode
 }
 
 void SpecimenPairing::fill(Eigen::Ref<Eigen::RowVectorXd, 0, Eigen::InnerStride<>> row) const {
-  const ModalOutputs& outputs = model_.selection();
-  Eigen::Index column = 0;
-  for (const int mode : outputs.frequencies) row(column++) = value_of(mode, modes_.frequencies);
-  for (const int mode : outputs.shape_modes) {
-    const auto pair = assigned_.find(mode - 1);
-    const double scale = pair == assigned_.end() ? k_not_measured : scale_of(pair->first, pair->second);
-    for (const std::string& name : outputs.shape_degrees_of_freedom) {
-      row(column++) = pair == assigned_.end() ? k_not_measured : scale * component(name, pair->second);
-    }
+  std::map<int, double> scales;  // of the paired shapes
+  for (const auto& [reference, test] : assigned_) scales[reference] = scale_of(reference, test);
+  for (Eigen::Index k = 0; k < row.size(); ++k) {
+    const Quantity& output = model_.outputs()[static_cast<std::size_t>(k)];
+    const auto pair = assigned_.find(output.number - 1);
+    row(k) = pair == assigned_.end() ? k_not_measured : value_of(output, pair->second, scales[pair->first]);
   }
-  for (const int mode : outputs.damping) row(column++) = value_of(mode, modes_.damping);
 }
 
 /// Why a pair should be checked by the user; empty: it is unambiguous.
@@ -201,9 +197,19 @@ std::vector<PairingRow> SpecimenPairing::rows() const {
   return rows;
 }
 
-double SpecimenPairing::value_of(int mode, const Eigen::VectorXd& values) const {
-  const auto pair = assigned_.find(mode - 1);
-  return pair == assigned_.end() ? k_not_measured : values(pair->second);
+/// A quantity of one measured mode; nan: modes do not give it.
+double SpecimenPairing::value_of(const Quantity& output, Eigen::Index test, double scale) const {
+  switch (output.kind) {
+    case QuantityKind::frequency:
+      return modes_.frequencies(test);
+    case QuantityKind::displacement:
+    case QuantityKind::rotation:
+      return scale * component(output.location, test);
+    case QuantityKind::damping_ratio:
+      return modes_.damping(test);
+    default:
+      return k_not_measured;
+  }
 }
 
 /// The best MAC that either of the two has with another mode.

@@ -48,7 +48,7 @@ class SpecimenPairing {
 
  private:
   std::string doubt(int reference, Eigen::Index test) const;
-  double value_of(int mode, const Eigen::VectorXd& values) const;
+  double value_of(const Quantity& output, Eigen::Index test, double scale) const;
   double second(int reference, Eigen::Index test) const;
   double fitted_scale(int reference, Eigen::Index test) const;
   double scale_of(int reference, Eigen::Index test) const;

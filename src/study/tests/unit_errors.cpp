@@ -117,7 +117,7 @@ std::string listed(const StructureModel& model, const Eigen::VectorXd& tested, c
   std::vector<std::string> parts;
   for (Eigen::Index k = 0; k < std::min(k_listed, computed.size()); ++k) {
     parts.push_back(fmt::format("{} {:.4g} against {:.4g} {}", model.outputs()[static_cast<std::size_t>(k)].name(),
-                                tested(k), computed(k), model.selection().frequency_unit));
+                                tested(k), computed(k), model.selection().units.frequency));
   }
   return join(parts) + (computed.size() > k_listed ? ", ..." : "");
 }

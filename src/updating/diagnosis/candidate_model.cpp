@@ -13,7 +13,7 @@ std::vector<ShapeSign> shape_signs(const std::vector<Quantity>& outputs,
   std::map<int, std::vector<Eigen::Index>> shapes;
   for (std::size_t k = 0; k < outputs.size(); ++k) {
     const bool is_shape = outputs[k].kind == QuantityKind::displacement || outputs[k].kind == QuantityKind::rotation;
-    if (is_shape) shapes[outputs[k].mode].push_back(static_cast<Eigen::Index>(k));
+    if (is_shape) shapes[outputs[k].number].push_back(static_cast<Eigen::Index>(k));
   }
   std::vector<ShapeSign> signs;
   for (auto& [mode, columns] : shapes) {

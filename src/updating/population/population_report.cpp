@@ -220,7 +220,7 @@ NoiseModel with_levels(const UpdatingProblem& problem, NoiseModel model, const s
       count += measured;
       model.base(k) = k_hundredth * k_hundredth * squares.sum() / measured;
     }
-    if (has_relative_noise(kind)) continue;
+    if (traits_of(kind).has_relative_noise) continue;
     for (Eigen::Index k = 0; k < p; ++k) {
       if (model.factor[static_cast<std::size_t>(k)] == factor) model.base(k) = k_hundredth * k_hundredth * sum / count;
     }

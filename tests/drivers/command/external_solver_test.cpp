@@ -19,7 +19,7 @@ using mottle::SystemFailure;
 using mottle::drivers::ExternalSolver;
 using mottle::drivers::SolverCommand;
 using mottle::model::Evaluation;
-using mottle::model::ModalOutputs;
+using mottle::model::OutputSelection;
 using mottle::model::StructureModel;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
@@ -60,7 +60,7 @@ class External : public testing::Test {
                                             mottle::drivers::RunStorage{folder_ / "results", is_resumed}, nullptr);
   }
   Evaluation evaluate(const std::vector<double>& k, bool is_resumed = false,
-                      ModalOutputs outputs = {.frequencies = {1, 2}}) {
+                      OutputSelection outputs = {.frequencies = {1, 2}}) {
     const StructureModel model(make(is_resumed), std::move(outputs), Eigen::VectorXd::Constant(1, 4.0));
     return model.evaluate(Eigen::Map<const Eigen::VectorXd>(k.data(), static_cast<Eigen::Index>(k.size())), {});
   }

@@ -47,7 +47,7 @@ double euler_bernoulli_hz(int mode, double inertia) {
 
 /// Outputs of a structure with these parameters, whose reference is the deck.
 StructureModel modal(const FiniteElementModel& model, const std::vector<ParameterTargets>& parameters,
-                     ModalOutputs outputs) {
+                     OutputSelection outputs) {
   auto structure = std::make_unique<FiniteElementStructure>(
       model, parameters, Eigen::VectorXd::Zero(static_cast<Eigen::Index>(parameters.size())));
   const Eigen::VectorXd reference = structure->reference();
@@ -165,7 +165,7 @@ TEST(FiniteElementStructure, KeepsItsEquationsWhereGeometryFillsZeros) {
   maker.rod(52, 3, free, 0, area);
   maker.rod(53, free, wall, 0, area);
   maker.model.fixed.emplace_back(wall, k_all_components);
-  const ModalOutputs outputs{.frequencies = {1, 2, 3}, .tracking = ModeTracking::mac, .minimum_mac = 0.1};
+  const OutputSelection outputs{.frequencies = {1, 2, 3}, .tracking = ModeTracking::mac, .minimum_mac = 0.1};
   const auto f_of = [&](const Eigen::MatrixXd& samples) {
     return Eigen::MatrixXd(
         modal(maker.model, one_each({"GRID:110:Y", "GRID:111:Z"}), outputs).evaluate(samples, {}).outputs);

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double k_missing = std::numeric_limits<double>::quiet_NaN();
 
-ModalOutputs three_modes() {
+OutputSelection three_modes() {
   return {.frequencies = {1, 2, 4}, .shape_modes = {1, 2, 4}, .shape_degrees_of_freedom = {"a", "b", "c"}};
 }
 
@@ -51,7 +51,7 @@ TEST(PairTests, AModeWithAMissingComponentCountsAsNotMeasured) {
 
 TEST(PairTests, NeedsShapesOfTheSameModesAsTheFrequencies) {
   Eigen::MatrixXd values(1, 4);
-  ModalOutputs outputs = three_modes();
+  OutputSelection outputs = three_modes();
   outputs.frequencies = {1};
   EXPECT_THROW(pair_tests(values, outputs, Eigen::Matrix3d::Identity()), InvalidInput);
   outputs.shape_modes.clear();

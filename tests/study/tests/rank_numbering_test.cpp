@@ -56,7 +56,7 @@ struct CrossingMasses {
   }
 
   std::unique_ptr<ParameterSpace> space;
-  ModalOutputs selection;
+  OutputSelection selection;
   std::unique_ptr<StructureModel> model;
 };
 

@@ -13,7 +13,7 @@ namespace {
 struct CurvedMasses {
   CurvedMasses() {
     const std::vector<ParameterTargets> targets{{"k1", {"spring:k1"}}, {"k2", {"spring:k2"}}, {"k5", {"spring:k5"}}};
-    const ModalOutputs outputs{
+    const OutputSelection outputs{
         .frequencies = {1, 2, 3}, .shape_modes = {1, 2}, .shape_degrees_of_freedom = {"m1", "m2", "m3"}};
     model = std::make_unique<StructureModel>(separate(test::three_mass_system(), targets), outputs,
                                              Eigen::VectorXd::Constant(3, 2.0));

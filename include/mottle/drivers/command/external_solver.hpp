@@ -19,12 +19,14 @@ class ExternalStructure final : public Structure {
   ExternalStructure(Eigen::Index parameters, ExtractedModes nominal, std::string description);
 
   Eigen::Index parameter_count() const override { return parameters_; }
+  bool has_stiffness() const override { return false; }
   /// As many as the run at the means gave.
   Eigen::Index mode_count() const override { return nominal_.eigenvalues.size(); }
   int find_degree_of_freedom(const std::string& name) const override;
   std::string unknown_degree_of_freedom(const std::string& name) const override;
-  Eigen::MatrixXd displacements(const Eigen::Ref<const Eigen::MatrixXd>& shapes,
-                                const std::vector<int>& degrees_of_freedom) const override;
+  ObservationMatrix observation(const std::vector<int>& degrees_of_freedom) const override {
+    return selected_equations(degrees_of_freedom, nominal_.shapes.rows());
+  }
   double total_mass(const Eigen::Ref<const Eigen::VectorXd>& parameters) const override;
   std::vector<std::string> description(const Eigen::Ref<const Eigen::VectorXd>& parameters) const override;
   std::string parameter_role(Eigen::Index) const override { return "through the solver's input: a run each"; }
@@ -66,6 +68,8 @@ class ExternalSolver final : public Solver {
                                          const ModeSet& modes) const override;
   Eigen::MatrixXd shape_derivatives(const Eigen::Ref<const Eigen::VectorXd>& parameters, const ModeSet& modes,
                                     int mode) const override;
+  Eigen::MatrixXd static_derivatives(const Eigen::Ref<const Eigen::VectorXd>& parameters,
+                                     const Eigen::VectorXd& load) const override;
   double difference_step() const override { return runs_.command().difference_step; }
   Eigen::Index batch_size() const override { return 8192; }  // each run is kept by itself
 

@@ -60,7 +60,10 @@ class SparseModeSolver {
   /// @return  the shift; 0 where none makes the matrix definite
   double factorise(const SparseMatrix& stiffness, const SparseMatrix& mass);
 
-  /// The factor of K - shift M that the last solve() or factorise() made.
+  /// Factorises K alone, for static solutions; false where it is not positive definite. factor() is its factor then.
+  bool factorise_stiffness(const SparseMatrix& stiffness);
+
+  /// The factor that the last solve() or factorise() made, of K - shift M.
   DefiniteFactor& factor();
 
  private:

@@ -31,6 +31,9 @@ class SparseModeSolverPool {
  public:
   SparseModes solve(const SparseStructure::Matrices& matrices, const SparseModesOptions& options);
 
+  std::unique_ptr<SparseModeSolver> take();
+  void give_back(std::unique_ptr<SparseModeSolver> solver);
+
  private:
   std::mutex mutex_;  // of the next
   std::vector<std::unique_ptr<SparseModeSolver>> idle_;
@@ -50,6 +53,8 @@ class ExactSolver final : public Solver {
                                          const ModeSet& modes) const override;
   Eigen::MatrixXd shape_derivatives(const Eigen::Ref<const Eigen::VectorXd>& parameters, const ModeSet& modes,
                                     int mode) const override;
+  Eigen::MatrixXd static_derivatives(const Eigen::Ref<const Eigen::VectorXd>& parameters,
+                                     const Eigen::VectorXd& load) const override;
   Eigen::Index batch_size() const override { return 64; }
 
   const SparseStructure& sparse_structure() const { return *structure_; }
@@ -66,6 +71,8 @@ class ExactSolver final : public Solver {
   Solution observe(const Eigen::VectorXd& values, const Eigen::MatrixXd& vectors, const SolutionRequest& request) const;
 
  private:
+  std::string solve_row(const Eigen::VectorXd& parameters, const SolutionRequest& request, Solution& solution) const;
+
   std::unique_ptr<const SparseStructure> structure_;
   SparseMatrix reference_mass_;
   mutable SparseModeSolverPool pool_;      // changes no number

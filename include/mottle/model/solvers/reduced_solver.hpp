@@ -44,7 +44,7 @@ class TrainedReducedModel {
 
 /// A cloud's samples by the reduced model where its error bounds are small enough, the others refined by steps with the
 /// nominal factor or solved exactly; a sample's numbers then depend on the batch that it is in. Single solutions and
-/// derivatives are exact.
+/// derivatives are exact, and static solutions.
 class ReducedSolver final : public Solver {
  public:
   ReducedSolver(std::unique_ptr<const ExactSolver> exact, ReductionSettings settings);
@@ -66,12 +66,19 @@ class ReducedSolver final : public Solver {
                                     int mode) const override {
     return exact_->shape_derivatives(parameters, modes, mode);
   }
+  Eigen::MatrixXd static_derivatives(const Eigen::Ref<const Eigen::VectorXd>& parameters,
+                                     const Eigen::VectorXd& load) const override {
+    return exact_->static_derivatives(parameters, load);
+  }
   bool has_cheap_derivatives() const override { return false; }
   double difference_step() const override { return k_coarse_difference_step; }
   Eigen::Index batch_size() const override { return 2048; }
 
  private:
   class CloudSolution;
+
+  SolverUse solve_with_loads(const Eigen::Ref<const Eigen::MatrixXd>& samples, const SolutionRequest& request,
+                             const RunContext& context, const Visitor& visit) const;
 
   std::unique_ptr<const ExactSolver> exact_;
   mutable TrainedReducedModel reduced_;  // a function of structure and settings

@@ -1,4 +1,4 @@
-// Interface of the solvers: modes of a structure and their derivatives.
+// Interface of the solvers: modes and static solutions of a structure, and their derivatives.
 #pragma once
 
 #include <Eigen/Core>
@@ -16,20 +16,22 @@ namespace mottle::model {
 
 /// The results requested for every sample.
 struct SolutionRequest {
-  int modes = 0;                             ///< the lowest so many
-  ModeSet reference = {};                    ///< shapes to compare with; without shapes: no comparison
-  std::vector<int> degrees_of_freedom = {};  ///< where displacements are wanted
-  bool damping = false;                      ///< whether damping ratios are wanted
+  int modes = 0;                       ///< the lowest so many; 0: none
+  ModeSet reference = {};              ///< shapes to compare with; without shapes: no comparison
+  ObservationMatrix observation = {};  ///< where displacements are wanted [degree of freedom x equation]
+  Eigen::MatrixXd loads = {};          ///< whose static solutions are wanted [equation x load]
+  bool damping = false;                ///< whether damping ratios are wanted
 
-  bool needs_shapes() const { return reference.shapes.cols() > 0 || !degrees_of_freedom.empty() || damping; }
+  bool needs_shapes() const { return modes > 0 && (reference.shapes.cols() > 0 || observation.rows() > 0 || damping); }
 };
 
 /// The requested results of one sample.
 struct Solution {
-  Eigen::VectorXd eigenvalues;     ///< ascending [mode]
-  Eigen::MatrixXd cosines;         ///< with the reference's shapes [reference mode x mode]
-  Eigen::MatrixXd displacements;   ///< [degree of freedom x mode]
-  Eigen::VectorXd damping_ratios;  ///< nan where a mode does not oscillate [mode]
+  Eigen::VectorXd eigenvalues = {};           ///< ascending [mode]
+  Eigen::MatrixXd cosines = {};               ///< with the reference's shapes [reference mode x mode]
+  Eigen::MatrixXd displacements = {};         ///< [degree of freedom x mode]
+  Eigen::VectorXd damping_ratios = {};        ///< nan where a mode does not oscillate [mode]
+  Eigen::MatrixXd static_displacements = {};  ///< u of K u = f [degree of freedom x load]
 };
 
 /// The way in which one structure's equations are solved.
@@ -65,6 +67,12 @@ class Solver {
   /// d phi / dx of one mode [equation x parameter]; nan for a repeated eigenvalue.
   virtual Eigen::MatrixXd shape_derivatives(const Eigen::Ref<const Eigen::VectorXd>& parameters, const ModeSet& modes,
                                             int mode) const = 0;
+  /// du / dx = -K^-1 (dK / dx) u of the static solution K u = f [equation x parameter].
+  ///
+  /// @param load  f [equation]
+  /// @throws InvalidInput  K is singular there
+  virtual Eigen::MatrixXd static_derivatives(const Eigen::Ref<const Eigen::VectorXd>& parameters,
+                                             const Eigen::VectorXd& load) const = 0;
 
   /// Number of modes needed for the damping ratios of the lowest `modes`.
   virtual int modes_for_damping(int modes) const { return modes; }

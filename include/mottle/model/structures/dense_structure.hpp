@@ -17,8 +17,9 @@ class DenseStructure final : public Structure {
   bool is_damped() const override;
   int find_degree_of_freedom(const std::string& name) const override;
   std::string unknown_degree_of_freedom(const std::string& name) const override;
-  Eigen::MatrixXd displacements(const Eigen::Ref<const Eigen::MatrixXd>& shapes,
-                                const std::vector<int>& degrees_of_freedom) const override;
+  ObservationMatrix observation(const std::vector<int>& degrees_of_freedom) const override {
+    return selected_equations(degrees_of_freedom, mode_count());
+  }
   double total_mass(const Eigen::Ref<const Eigen::VectorXd>& parameters) const override;
   std::vector<std::string> description(const Eigen::Ref<const Eigen::VectorXd>& parameters) const override;
   std::string parameter_role(Eigen::Index) const override { return "linearly: no re-assembly"; }

@@ -24,8 +24,7 @@ class FiniteElementStructure final : public SparseStructure {
   Eigen::Index mode_count() const override { return static_cast<Eigen::Index>(assembled_.equations.size()); }
   int find_degree_of_freedom(const std::string& name) const override;
   std::string unknown_degree_of_freedom(const std::string& name) const override;
-  Eigen::MatrixXd displacements(const Eigen::Ref<const Eigen::MatrixXd>& shapes,
-                                const std::vector<int>& degrees_of_freedom) const override;
+  ObservationMatrix observation(const std::vector<int>& degrees_of_freedom) const override;
   double total_mass(const Eigen::Ref<const Eigen::VectorXd>& parameters) const override;
   std::vector<std::string> description(const Eigen::Ref<const Eigen::VectorXd>& parameters) const override;
   std::string parameter_role(Eigen::Index parameter) const override;

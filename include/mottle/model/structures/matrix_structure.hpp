@@ -78,8 +78,7 @@ class MatrixStructure final : public SparseStructure {
   Eigen::Index mode_count() const override { return pencil_.stiffness.pattern.rows(); }
   int find_degree_of_freedom(const std::string& name) const override;
   std::string unknown_degree_of_freedom(const std::string& name) const override;
-  Eigen::MatrixXd displacements(const Eigen::Ref<const Eigen::MatrixXd>& shapes,
-                                const std::vector<int>& degrees_of_freedom) const override;
+  ObservationMatrix observation(const std::vector<int>& degrees_of_freedom) const override;
   /// Of a translation along x; along whichever axis there are names for, nan without names.
   double total_mass(const Eigen::Ref<const Eigen::VectorXd>& parameters) const override;
   std::vector<std::string> description(const Eigen::Ref<const Eigen::VectorXd>& parameters) const override;

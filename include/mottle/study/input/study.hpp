@@ -13,7 +13,7 @@
 #include "mottle/core/error.hpp"
 #include "mottle/core/options.hpp"
 #include "mottle/layers.hpp"
-#include "mottle/model/responses/modal_outputs.hpp"
+#include "mottle/model/responses/output_selection.hpp"
 #include "mottle/stats/distributions/distribution.hpp"
 #include "mottle/stats/distributions/parameter_transform.hpp"
 #include "mottle/stats/sampling/sampling.hpp"
@@ -94,7 +94,7 @@ struct StudyDiagnose {
 
 /// [predict]: outputs that were not used, of the structure as it is or as it will be.
 struct StudyPredict {
-  ModalOutputs outputs;
+  OutputSelection outputs;
   std::map<std::string, double> overrides;      ///< numbers of the model that are other there, by target
   std::map<std::string, double> repeatability;  ///< by output; else that of the update's output of the same name
   std::optional<std::filesystem::path> held_out = std::nullopt;
@@ -110,7 +110,7 @@ struct Study {
   std::shared_ptr<const ModelSource> model;  ///< [model]
   bool may_reduce = true;                    ///< clouds by a reduced model, where [model] allows it and it pays
   StudyParameters parameters;                ///< empty in a study that only holds a truth
-  ModalOutputs outputs;
+  OutputSelection outputs;
   std::string outputs_key = "outputs";  ///< that names the outputs, for messages
   std::optional<StudyTest> test;
   StudyUpdate update;

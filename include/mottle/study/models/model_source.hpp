@@ -12,12 +12,11 @@
 #include "mottle/model/parameters/parameter_targets.hpp"
 #include "mottle/model/solvers/solver.hpp"
 #include "mottle/model/structures/sparse_structure.hpp"
+#include "mottle/model/units.hpp"
 #include "mottle/stats/distributions/joint_distribution.hpp"
 #include "mottle/study/run_settings.hpp"
 
 namespace mottle::study {
-
-struct UnitNames;
 
 /// A structure, as sparse matrices or with its solver, and what belongs to it.
 struct ModelParts {

@@ -6,8 +6,8 @@
 
 #include "mottle/drivers/calculix/calculix.hpp"
 #include "mottle/drivers/calculix/separable_fit.hpp"
+#include "mottle/model/units.hpp"
 #include "study/input/durations.hpp"
-#include "study/input/unit_names.hpp"
 #include "study/models/model_parts.hpp"
 #include "study/models/registry.hpp"
 

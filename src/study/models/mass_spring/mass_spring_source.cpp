@@ -5,9 +5,9 @@
 #include "mottle/core/text.hpp"
 #include "mottle/fem/assembly/mass_spring.hpp"
 #include "mottle/model/solvers/dense_solver.hpp"
+#include "mottle/model/units.hpp"
 #include "study/input/key_error.hpp"
 #include "study/input/toml_writer.hpp"
-#include "study/input/unit_names.hpp"
 #include "study/models/registry.hpp"
 
 namespace mottle::study {

@@ -7,8 +7,8 @@
 #include "mottle/core/text.hpp"
 #include "mottle/formats/nastran/model.hpp"
 #include "mottle/model/structures/finite_element_structure.hpp"
+#include "mottle/model/units.hpp"
 #include "study/input/key_error.hpp"
-#include "study/input/unit_names.hpp"
 #include "study/models/model_parts.hpp"
 #include "study/models/registry.hpp"
 

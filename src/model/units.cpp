@@ -1,6 +1,6 @@
-#include "study/input/unit_names.hpp"
+#include "mottle/model/units.hpp"
 
-namespace mottle::study {
+namespace mottle::model {
 
 UnitNames unit_names(const std::string& units) {
   if (units == "mm-t-s") return {"N/mm", "t", "N s/mm", "Hz", "1/sqrt(t)", "mm", "MPa", "t/mm^3"};
@@ -8,7 +8,7 @@ UnitNames unit_names(const std::string& units) {
   if (units == "in-lbf-s") {
     return {"lbf/in", "lbf s^2/in", "lbf s/in", "Hz", "1/sqrt(lbf s^2/in)", "in", "psi", "lbf s^2/in^4"};
   }
-  return {"N/m", "kg", "N s/m", "Hz", "1/sqrt(kg)", "m", "Pa", "kg/m^3"};
+  return {};
 }
 
 UnitSizes unit_sizes(const std::string& units) {
@@ -20,4 +20,4 @@ UnitSizes unit_sizes(const std::string& units) {
   return {};
 }
 
-}  // namespace mottle::study
+}  // namespace mottle::model

@@ -1,10 +1,11 @@
-// Selection of the modal quantities that are a model's outputs.
+// Selection of the quantities that are a model's outputs.
 #pragma once
 
 #include <string>
 #include <vector>
 
 #include "mottle/layers.hpp"
+#include "mottle/model/units.hpp"
 
 namespace mottle::model {
 
@@ -14,15 +15,14 @@ enum class ModeTracking {
   mac,    ///< by MAC with the reference shapes and optimal assignment
 };
 
-/// Which modal quantities are outputs. Mode numbers count from 1, in the order of the reference structure.
-struct ModalOutputs {
+/// Which quantities are outputs. Mode numbers count from 1, in the order of the reference structure.
+struct OutputSelection {
   std::vector<int> frequencies = {};
   std::vector<int> shape_modes = {};
   std::vector<std::string> shape_degrees_of_freedom = {};
   std::vector<int> damping = {};
   ModeTracking tracking = ModeTracking::order;
-  std::string frequency_unit = "Hz";      ///< of 1 / (time unit of the matrices)
-  std::string shape_unit = "1/sqrt(kg)";  ///< of a mass-normalised shape
+  UnitNames units = {};
   /// A tracked mode with less, alone and with those it mixed with, is lost: its sample fails.
   double minimum_mac = 0.5;
 };
