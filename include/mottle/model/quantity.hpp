@@ -14,6 +14,8 @@ enum class QuantityKind {
   displacement,  ///< component of a mode shape
   rotation,      ///< the same of a rotational degree of freedom: another dimension
   damping_ratio,
+  static_displacement,  ///< under a load
+  static_rotation,      ///< the same of a rotational degree of freedom
   other,
 };
 
@@ -30,6 +32,8 @@ inline constexpr std::array k_quantity_traits = {
     QuantityTraits{QuantityKind::displacement, "phi", true, false},
     QuantityTraits{QuantityKind::rotation, "phi", true, false},
     QuantityTraits{QuantityKind::damping_ratio, "zeta", false, false},
+    QuantityTraits{QuantityKind::static_displacement, "u", true, false},
+    QuantityTraits{QuantityKind::static_rotation, "u", true, false},
 };
 
 inline constexpr QuantityTraits traits_of(QuantityKind kind) {
@@ -45,7 +49,7 @@ bool is_rotation(const std::string& degree_of_freedom);
 /// One number that the model predicts and a test measures.
 struct Quantity {
   QuantityKind kind = QuantityKind::other;
-  int number = 0;             ///< of the mode that it belongs to; 0: none
+  int number = 0;             ///< of the mode or load that it belongs to; 0: none
   std::string location = {};  ///< degree of freedom as the structure names it; of `other` the name
   std::string unit = "-";     ///< for readers: nothing is computed from it
 

@@ -4,6 +4,7 @@
 #include "model/responses/damping_ratios.hpp"
 #include "model/responses/mode_shapes.hpp"
 #include "model/responses/natural_frequencies.hpp"
+#include "model/responses/static_displacements.hpp"
 #include "mottle/core/subject.hpp"
 
 namespace mottle::model {
@@ -25,7 +26,8 @@ std::vector<std::unique_ptr<Response>> make_responses(const OutputSelection& sel
   require_modes(selection.frequencies, {Subject::Kind::frequencies}, available);
   require_modes(selection.shape_modes, {Subject::Kind::shape_modes}, available);
   require_modes(selection.damping, {Subject::Kind::damping}, available);
-  require_of(!selection.frequencies.empty() || !selection.shape_modes.empty() || !selection.damping.empty(),
+  require_of(!selection.frequencies.empty() || !selection.shape_modes.empty() || !selection.damping.empty() ||
+                 !selection.static_loads.empty(),
              {Subject::Kind::outputs}, "none is named; give for example frequencies = [1, 2]");
   std::vector<std::unique_ptr<Response>> responses;
   if (!selection.frequencies.empty()) {
@@ -36,6 +38,9 @@ std::vector<std::unique_ptr<Response>> make_responses(const OutputSelection& sel
                                                      selection.units.shape, structure));
   }
   if (!selection.damping.empty()) responses.push_back(std::make_unique<DampingRatios>(selection.damping, structure));
+  if (!selection.static_loads.empty()) {
+    responses.push_back(std::make_unique<StaticDisplacements>(selection.static_loads, selection.units, structure));
+  }
   return responses;
 }
 

@@ -25,6 +25,10 @@ OutputSelection read_outputs(TomlReader reader, const ModelSource& model) {
   } else {
     reader.raw("shapes");
   }
+  for (TomlReader& load : reader.tables("static")) {
+    outputs.static_loads.push_back({load.number_map("forces", {}), load.texts("dofs")});
+    load.finish();
+  }
   const std::size_t usual = model.tracks_by_mac() ? 1 : 0;
   outputs.tracking =
       std::vector{ModeTracking::order, ModeTracking::mac}[reader.choice("tracking", {"order", "mac"}, usual)];

@@ -1,6 +1,7 @@
 // Selection of the quantities that are a model's outputs.
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -15,12 +16,19 @@ enum class ModeTracking {
   mac,    ///< by MAC with the reference shapes and optimal assignment
 };
 
+/// Forces that act together, and where their static displacements are outputs: K(x) u = f.
+struct StaticLoad {
+  std::map<std::string, double> forces = {};         ///< by degree of freedom; on rotations moments
+  std::vector<std::string> degrees_of_freedom = {};  ///< of the outputs
+};
+
 /// Which quantities are outputs. Mode numbers count from 1, in the order of the reference structure.
 struct OutputSelection {
   std::vector<int> frequencies = {};
   std::vector<int> shape_modes = {};
   std::vector<std::string> shape_degrees_of_freedom = {};
   std::vector<int> damping = {};
+  std::vector<StaticLoad> static_loads = {};
   ModeTracking tracking = ModeTracking::order;
   UnitNames units = {};
   /// A tracked mode with less, alone and with those it mixed with, is lost: its sample fails.
