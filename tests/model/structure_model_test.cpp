@@ -93,7 +93,7 @@ TEST(StructureModel, SaysWhatKindOfQuantityAnOutputIsAndOfWhichMode) {
   const std::vector<int> modes{2, 1, 1, 2};
   for (std::size_t k = 0; k < kinds.size(); ++k) {
     EXPECT_EQ(model.outputs()[k].kind, kinds[k]) << k;
-    EXPECT_EQ(model.outputs()[k].mode, modes[k]) << k;
+    EXPECT_EQ(model.outputs()[k].number, modes[k]) << k;
   }
 }
 

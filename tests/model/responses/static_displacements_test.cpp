@@ -10,6 +10,7 @@
 #include "model/structures.hpp"
 #include "mottle/model/solvers/reduced_solver.hpp"
 #include "mottle/model/structure_model.hpp"
+#include "mottle/model/structures/affine_matrices.hpp"
 #include "mottle/model/structures/finite_element_structure.hpp"
 
 namespace mottle::model {
