@@ -44,7 +44,7 @@ asan:
 	$(INSTALL) --test
 	$(call configure,asan)
 	$(call build,asan)
-	MOTTLE_TEST_PATIENCE=5 $(call ctest,asan) --label-exclude "packaging|browser"
+	MOTTLE_TEST_PATIENCE=5 $(call ctest,asan) --label-exclude "packaging|browser|timed"
 
 tsan:
 	$(INSTALL) --test

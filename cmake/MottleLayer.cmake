@@ -40,5 +40,8 @@ endfunction()
 function(mottle_precompile target)
   if(MOTTLE_PRECOMPILE AND NOT target MATCHES "^mottle_core")  # core goes without Eigen
     target_precompile_headers(${target} PRIVATE ${ARGN})
+    if(CMAKE_CXX_COMPILER_LAUNCHER MATCHES "ccache" AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+      target_compile_options(${target} PRIVATE -fpch-preprocess)  # else ccache keeps nothing of it
+    endif()
   endif()
 endfunction()

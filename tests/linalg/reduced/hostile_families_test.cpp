@@ -7,6 +7,8 @@
 #include <cmath>
 #include <limits>
 
+#include "support/instrumented.hpp"
+
 namespace mottle::linalg {
 namespace {
 
@@ -43,11 +45,13 @@ int audited(const HostileFamily& hostile, Index samples, unsigned seed = 2) {
 }
 
 TEST(HostileFamilies, TensionOfBothSignsWithPositiveTrace) {
+  if (test::k_is_instrumented) GTEST_SKIP() << test::k_left_to_optimised_build;
   EXPECT_GT(audited(test::tension_of_both_signs(40, 0.0), 200), 1500);
   EXPECT_GT(audited(test::tension_of_both_signs(40, 1e-5), 200), 1500);
 }
 
 TEST(HostileFamilies, MassMovedFromOnePartToAnother) {
+  if (test::k_is_instrumented) GTEST_SKIP() << test::k_left_to_optimised_build;
   EXPECT_GT(audited(test::mass_moved(40, 0.0), 200), 1500);
   EXPECT_GT(audited(test::mass_moved(40, 1e-5), 200), 1500);
 }
@@ -61,10 +65,12 @@ TEST(HostileFamilies, PreloadThatIsZeroAtThePriorsMean) {
 }
 
 TEST(HostileFamilies, OscillatorsAboveTheBandsEdge) {
+  if (test::k_is_instrumented) GTEST_SKIP() << test::k_left_to_optimised_build;
   EXPECT_GT(audited(test::oscillators_above_the_edge(130, 1.005, 1e-5), 40), 400);
 }
 
 TEST(HostileFamilies, RandomTermsOfStiffnessAndMass) {
+  if (test::k_is_instrumented) GTEST_SKIP() << test::k_left_to_optimised_build;
   for (const unsigned seed : {1U, 2U, 3U}) {
     EXPECT_GT(audited(test::random_terms(60, seed, false), 40), 200);
     EXPECT_GT(audited(test::random_terms(60, seed, true), 40), 200);

@@ -8,6 +8,7 @@
 
 #include "linalg/sparse_families.hpp"
 #include "mottle/core/error.hpp"
+#include "support/instrumented.hpp"
 
 namespace mottle::linalg {
 namespace {
@@ -179,6 +180,7 @@ TEST(ReducedModel, KeepsToTheLargestBasisAllowed) {
 }
 
 TEST(ReducedModel, EndsTrainingThatCannotReachTheTolerance) {
+  if (test::k_is_instrumented) GTEST_SKIP() << test::k_left_to_optimised_build;
   const Family family = grid({.length = 24, .width = 15, .patches = 12, .moves_mass = true});
   const ReducedModelOptions options{.modes = 6, .tolerance = 1e-9, .max_vectors = 100};
   ReducedModel wide(family.terms, family.nominal(), family.stiffness, family.mass, options);
@@ -190,6 +192,7 @@ TEST(ReducedModel, EndsTrainingThatCannotReachTheTolerance) {
 }
 
 TEST(ReducedModel, DoesNotGrowForSamplesThatNoVectorMends) {
+  if (test::k_is_instrumented) GTEST_SKIP() << test::k_left_to_optimised_build;
   // So wide that of some samples nothing keeps away modes that residuals cannot show; they are for a full solution.
   constexpr int k_modes = 9;
   const Family family = grid({.length = 24, .width = 15, .patches = 4, .moves_mass = true});

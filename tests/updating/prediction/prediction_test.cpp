@@ -9,6 +9,7 @@
 
 #include "mottle/stats/distributions/standard_normal.hpp"
 #include "mottle/updating/estimate/sample_estimate.hpp"
+#include "support/instrumented.hpp"
 #include "support/linear_model.hpp"
 #include "updating/population/normal_theory.hpp"
 
@@ -76,6 +77,7 @@ TEST(Prediction, OfALinearModelHasStudentsIntervals) {
 }
 
 TEST(Prediction, OfALinearModelHasHotellingsJointRegion) {
+  if (test::k_is_instrumented) GTEST_SKIP() << test::k_left_to_optimised_build;
   const Bench bench;
   const Prediction found = bench.run(bench.population(10));
   const double f = boost::math::quantile(boost::math::fisher_f(2.0, 8.0), 0.95);
@@ -95,6 +97,7 @@ TEST(Prediction, OfAKnownPopulationHasNormalIntervalsAndNoiseAdds) {
 
 /// Noise equal to the scatter, known: the total scatter is what nine degrees of freedom were seen of.
 TEST(Prediction, TheNoisesShareIsTakenOffWhatIsUncertain) {
+  if (test::k_is_instrumented) GTEST_SKIP() << test::k_left_to_optimised_build;
   const Bench bench;
   KnownPopulation known = bench.population(10);
   bench.add_noise(known, 1.0);
@@ -179,6 +182,7 @@ TEST(Prediction, FewSpecimensHaveNoJointRegion) {
 
 /// Half of the entries of one variable missing: its intervals are those of its own degrees of freedom.
 TEST(Prediction, EachVariableHasItsOwnDegreesOfFreedom) {
+  if (test::k_is_instrumented) GTEST_SKIP() << test::k_left_to_optimised_build;
   Bench bench;
   bench.slope.setIdentity();
   bench.model = std::make_unique<LinearModel>(Eigen::Vector2d::Zero(), bench.slope);
@@ -195,6 +199,7 @@ TEST(Prediction, EachVariableHasItsOwnDegreesOfFreedom) {
 /// A wide population on a logit: first-order moments of x there lead to another population (its 95 % interval
 /// would not be that of the logit).
 TEST(Prediction, OfALogitIsMadeOnItsScale) {
+  if (test::k_is_instrumented) GTEST_SKIP() << test::k_left_to_optimised_build;
   const LinearModel model(Eigen::VectorXd::Zero(1), Eigen::MatrixXd::Ones(1, 1));
   Parameter parameter{.name = "a", .unit = "-"};
   parameter.transform = {ParameterTransform::Kind::logit, 0.0, 1.0};
