@@ -255,6 +255,24 @@ candidates = [{ name = "rho", target = "*DENSITY:ALUMINIUM", distribution = { ki
         self.assertEqual((self.out / "notes.txt").read_text(encoding="utf-8"), "mine")
         self.assertTrue({"study.toml", "tests.csv"} <= self.names())
 
+    def test_a_study_or_tests_of_the_users_in_the_folder_stay(self):
+        self.write("study-of-truth.toml", STUDY + TRUTH)
+        for verb, study, name in (("update", "study.toml", "study.toml"), ("update", "study.toml", "tests.csv"),
+                                  ("check", "study.toml", "study.toml"), ("propagate", "study.toml", "study.toml"),
+                                  ("simulate", "study-of-truth.toml", "study.toml")):
+            with self.subTest(verb=verb, name=name):
+                mine = self.write(f"{verb}-{name}/{name}", "mine")
+                ended = self.call(verb, study, "--out", mine.parent)
+                self.assertEqual(ended.code, 2, ended.err)
+                self.assertIn(f"{name}: nothing beside this file says that an earlier run wrote it", ended.err)
+                self.assertEqual(mine.read_text(encoding="utf-8"), "mine")
+                self.assertEqual(list(mine.parent.iterdir()), [mine])
+
+    def test_a_study_that_is_simulated_is_updated_in_the_same_folder(self):
+        self.write("study-of-truth.toml", STUDY + TRUTH)
+        for verb in ("simulate", "update", "simulate", "propagate"):
+            self.succeed(verb, "study-of-truth.toml", "--out", "all", "--quiet")
+
     def test_points_that_lie_in_the_folder_are_not_moved_from_under_the_run(self):
         arguments = ("propagate", "study.toml", "--points", "out/cloud-final.csv", "--out", "out", "--quiet")
         (self.out / "cloud-final.csv").write_text("k1,k2\n1.0,1.0\n1.1,1.2\n", encoding="utf-8")

@@ -1,6 +1,7 @@
 #include "study/jobs/job_files.hpp"
 
 #include <algorithm>
+#include <array>
 
 namespace mottle::study {
 
@@ -29,6 +30,22 @@ void require_none_is_read(const std::filesystem::path& folder, const std::vector
     require(!is_among(folder / name, read),
             "{}: the study reads this file, and results would be written over it; choose another folder with --out",
             (folder / name).string());
+  }
+}
+
+void require_own(const std::filesystem::path& folder, const std::vector<std::string>& names) {
+  constexpr std::array k_traces{k_log, k_journal, k_previous, "result.json", "specimens.csv", "diagnosis.log"};
+  const auto is_there = [&](const std::string& name) {
+    std::error_code ignored;
+    return std::filesystem::exists(folder / name, ignored);
+  };
+  if (folder.empty() || std::ranges::any_of(k_traces, is_there)) return;
+  for (const std::string& name : names) {
+    require(
+        !is_there(name),
+        "{}: nothing beside this file says that an earlier run wrote it, and results would be written over it; move "
+        "it, or choose another folder with --out",
+        (folder / name).string());
   }
 }
 

@@ -22,6 +22,10 @@ std::vector<std::string> results_not_read(const std::filesystem::path& folder, s
 void require_none_is_read(const std::filesystem::path& folder, const std::vector<std::string>& names,
                           const std::vector<std::filesystem::path>& read);
 
+/// Throws InvalidInput where one of `names` is in the folder and nothing else that an earlier job leaves: it may be the
+/// user's own.
+void require_own(const std::filesystem::path& folder, const std::vector<std::string>& names);
+
 /// What the whole of a job, `work`, returns. Results of an earlier one, files `names`, are set aside before anything is
 /// run, as RunFolder::without_earlier() does; a folder that is not there is not made.
 template <typename Work>

@@ -44,6 +44,7 @@ void require_place_of_update(const Study& study, const std::filesystem::path& fo
                        {"study.toml", "tests.csv", "pairing.csv", "history.csv", "cloud-initial.csv", "cloud-final.csv",
                         "clouds.csv", "prediction.csv", "modes.json", "result.json"},
                        paths_of(study));
+  require_own(folder, {"study.toml", "tests.csv"});
 }
 
 UpdatingProblem problem_of(const Study& study, const UpdatePlan& plan, const Model& model) {
