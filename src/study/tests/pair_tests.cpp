@@ -1,5 +1,6 @@
 #include "study/tests/pair_tests.hpp"
 
+#include <algorithm>
 #include <limits>
 
 #include "mottle/core/subject.hpp"
@@ -20,6 +21,11 @@ std::vector<std::string> pair_tests(Eigen::MatrixXd& values, const OutputSelecti
   const Eigen::Index points = reference.rows();
   const auto first_shape = static_cast<Eigen::Index>(selection.frequencies.size());
   const double not_measured = std::numeric_limits<double>::quiet_NaN();
+  const Eigen::Index first_damping = first_shape + count * points;
+  const auto damping_column = [&](int mode) -> Eigen::Index {  // -1: it is no output
+    const auto found = std::ranges::find(selection.damping, mode);
+    return found == selection.damping.end() ? -1 : first_damping + std::distance(selection.damping.begin(), found);
+  };
   std::vector<std::string> moved;
   std::vector<std::string> doubtful;
   for (Eigen::Index s = 0; s < values.rows(); ++s) {
@@ -41,6 +47,10 @@ std::vector<std::string> pair_tests(Eigen::MatrixXd& values, const OutputSelecti
         values(s, first_shape + m * points + d) = is_paired ? sign * shapes(d, t) : not_measured;
       }
       const int label = modes[static_cast<std::size_t>(t)];
+      if (const Eigen::Index zeta = damping_column(number); zeta >= 0) {
+        const Eigen::Index measured = damping_column(label);
+        values(s, zeta) = is_paired && measured >= 0 ? row(measured) : not_measured;
+      }
       if (is_paired && t != m) {
         moved.push_back(fmt::format("specimen {} mode {} is the model's {} (MAC {:.2f})", s + 1, label, number, mac));
       } else if (!is_paired && !shapes.col(t).isZero(0.0)) {

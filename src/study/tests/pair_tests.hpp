@@ -12,12 +12,12 @@ namespace mottle::study {
 
 /// Renumbers the modes of every specimen: a test counts its modes as it finds them, the model as the reference does.
 ///
-/// Each specimen's shapes are paired with the reference's by MAC and optimal assignment; frequency and shape of a
-/// measured mode move to the number of the mode that it is, turned to the sign of the reference. A pair whose MAC is
-/// below `minimum_mac` is left out (not measured), as is a mode with a missing component.
+/// Each specimen's shapes are paired with the reference's by MAC and optimal assignment; frequency, damping ratio and
+/// shape of a measured mode move to the number of the mode that it is, turned to the sign of the reference. A pair
+/// whose MAC is below `minimum_mac` is left out (not measured), as is a mode with a missing component.
 ///
-/// @param values     [specimen x output], frequencies first, then shapes mode by mode, as StructureModel names them;
-/// changed
+/// @param values     [specimen x output], frequencies, shapes mode by mode, damping ratios, as StructureModel names
+/// them; others behind them stay; changed
 /// @param selection  whose frequencies and shape_modes are the same modes
 /// @param reference  shapes at the outputs' degrees of freedom [degree of freedom x shape mode]
 /// @return           what was changed or left out, a sentence each

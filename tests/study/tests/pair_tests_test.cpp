@@ -28,6 +28,18 @@ TEST(PairTests, AMeasuredModeMovesToTheNumberOfItsShape) {
   EXPECT_NE(notes[0].find("specimen 1 mode 2 is the model's 1 (MAC 1.00)"), std::string::npos) << notes[0];
 }
 
+TEST(PairTests, DampingRatiosMoveWithTheirModesAndOthersStay) {
+  OutputSelection outputs = three_modes();
+  outputs.damping = {2, 1};
+  outputs.static_loads = {{{{"a", 1.0}}, {"a"}}};
+  Eigen::MatrixXd values(1, 15);  // the test's modes 1 and 2 are the model's 2 and 1
+  values << 20, 10, 40, 0, 1, 0, 1, 0, 0, 0, 0, 2, 0.1, 0.2, 7;
+  pair_tests(values, outputs, Eigen::Matrix3d::Identity());
+  EXPECT_EQ(values(0, 12), 0.2);  // zeta2 is the ratio of the test's mode 1
+  EXPECT_EQ(values(0, 13), 0.1);
+  EXPECT_EQ(values(0, 14), 7.0);
+}
+
 TEST(PairTests, AModeThatFitsNoneIsLeftOut) {
   Eigen::MatrixXd values(1, 12);
   const double third = std::sqrt(1.0 / 3.0);  // MAC 1/3 with each
