@@ -209,8 +209,10 @@ StructureModel::FollowedModes StructureModel::follow(const Eigen::Ref<const Eige
 }
 
 Eigen::MatrixXd StructureModel::reference_displacements() const {
-  const std::vector<int> degrees_of_freedom =
-      find_degrees_of_freedom(structure(), selection_.shape_degrees_of_freedom, {Subject::Kind::shape_locations});
+  std::vector<int> degrees_of_freedom;
+  for (const std::string& name : selection_.shape_degrees_of_freedom) {
+    degrees_of_freedom.push_back(structure().find_degree_of_freedom(name));
+  }
   return structure().displacements(reference_.shapes.leftCols(highest_mode()), degrees_of_freedom);
 }
 

@@ -1,5 +1,8 @@
 """Static displacements as outputs, as a user meets them: numbers by hand, unit systems, predictions, refusals."""
 
+import json
+import re
+
 import support
 from support import STUDY, command_study, edited, line_of, main, numbers, read_csv, read_result
 
@@ -102,10 +105,12 @@ class Static(support.CommandTest):
         study = edited(STUDY, ("frequencies = [1, 2, 3]", "frequencies = [1, 2, 3]\n" + STATIC))
         line = line_of(study, "static =")
         for change, fault in (
-                (("{ m3 = 1.0 }, dofs", "{ m9 = 1.0 }, dofs"), "outputs.static: "),
-                (("{ m3 = 1.0 }, dofs", "{ m3 = 0.0 }, dofs"), "outputs.static: a load has no force that is not 0"),
+                (("{ m3 = 1.0 }, dofs", "{ m9 = 1.0 }, dofs"), "outputs.static.1.forces: "),
+                (("{ m3 = 1.0 }, dofs", "{ m3 = 0.0 }, dofs"), "outputs.static.1.forces: the load has no force that is not 0"),
+                (("{ m3 = 1.0 }, dofs", "{ m3 = 1e200 }, dofs"), "outputs.static.1.forces.m3"),
+                (('dofs = ["m2"]', 'dofs = ["m9"]'), "outputs.static.2.dofs: "),
                 (("{ m3 = 1.0 }, dofs", '{ m3 = "1" }, dofs'), "forces.m3"),
-                (('dofs = ["m1", "m3"]', 'dofs = ["m1", "m1"]'), "outputs.static: 'm1' is given twice"),
+                (('dofs = ["m1", "m3"]', 'dofs = ["m1", "m1"]'), "outputs.static.1.dofs: 'm1' is given twice"),
                 ((', dofs = ["m2"]', ""), "dofs"),
                 ((', dofs = ["m2"]', ', dofs = ["m2"], node = 1'), "node")):
             self.write("study.toml", edited(study, change))
@@ -114,6 +119,46 @@ class Static(support.CommandTest):
             self.assertIn(fault, ended.err)
             self.assertIn(f"study.toml:{line}: ", ended.err)
 
+    def test_a_fault_of_the_second_load_has_its_line(self):
+        tables = STATIC.replace("static = [", "").replace("}, {", "}\n{").rstrip("]")
+        loads = "".join("[[outputs.static]]\n" + "forces = " + part.split("forces = ")[1].split(", dofs")[0] + "\ndofs = " +
+                        part.split("dofs = ")[1].rstrip("} ") + "\n" for part in tables.split("\n"))
+        study = edited(STUDY, ("frequencies = [1, 2, 3]\n", "frequencies = [1, 2, 3]\n" + loads))
+        self.write("study.toml", edited(study, ('dofs = ["m2"]', 'dofs = ["m7"]')))
+        ended = self.call("check", "study.toml")
+        self.assertEqual(ended.code, 2)
+        line = line_of(study, 'dofs = ["m2"]')
+        self.assertIn(f"study.toml:{line}: outputs.static.2.dofs: ", ended.err)
+
+    def test_modal_tests_hold_no_displacements(self):
+        example = support.SOURCE / "examples" / "05-uff-population"
+        study = (example / "study.toml").read_text(encoding="utf-8")
+        outputs = study[study.index("[outputs]"):]
+        outputs = outputs[:outputs.index("\n[", 1)]
+        static = '[outputs]\nstatic = [{ forces = { "105:+Z" = 1.0 }, dofs = ["105:+Z"] }]\n'
+        study = study.replace(outputs, static)
+        for name in re.findall(r'"([^"]*(?:specimens|\.bdf|\.csv)[^"]*)"', study):
+            study = study.replace(f'"{name}"', json.dumps(str(example / name)))
+        self.write("study.toml", study)
+        for verb in ("check", "update", "diagnose"):
+            ended = self.call(verb, "study.toml")
+            self.assertEqual(ended.code, 2, ended.err)
+            self.assertIn("test.file: these files hold modes, and no output is of a mode", ended.err)
+
+    def test_another_unit_than_the_studys_is_refused(self):
+        self.write("study.toml", self.static_study())
+        tests = self.made_tests([0.8, 0.9, 1.0, 1.1])
+        for title, code in (("u1:m1 [m]", 0), ("u1:m1_m", 0), ("u1:m1 [mm]", 2), ("u1:m1 (in)", 2)):
+            self.write("tests.csv", tests.replace("u1:m1", title, 1))
+            ended = self.call("check", "study.toml")
+            self.assertEqual(ended.code, code, ended.err)
+            self.assertIn("" if code == 0 else "u1:m1 is in m", ended.err)
+
+    def test_check_gives_the_displacements_of_a_study_without_modes(self):
+        self.write("study.toml", self.static_study())
+        self.write("tests.csv", self.made_tests([0.8, 0.9, 1.0, 1.1]))
+        self.assertRegex(self.succeed("check", "study.toml").out, r"u1:m1 +0.217391 m at the parameters' means")
+
     def test_a_program_has_no_stiffness_to_put_loads_on(self):
         self.write("input.txt", "{{k1}} {{k2}}\n")
         self.write("solver.py", "open('f.txt', 'w').write('1.0\\n2.0\\n')\n")
@@ -121,7 +166,7 @@ class Static(support.CommandTest):
         self.write("study.toml", study)
         ended = self.call("check", "study.toml")
         self.assertEqual(ended.code, 2)
-        self.assertIn(f"study.toml:{line_of(study, 'static =')}: outputs.static: the model is a program's modes",
+        self.assertIn(f"study.toml:{line_of(study, 'static =')}: outputs.static: the model's modes come from runs",
                       ended.err)
 
 

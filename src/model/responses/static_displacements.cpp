@@ -5,44 +5,52 @@
 namespace mottle::model {
 namespace {
 
-const Subject k_subject{Subject::Kind::outputs, "static"};
+/// "static.2.forces" of the second load.
+Subject subject_of(std::size_t load, const char* part) {
+  return {Subject::Kind::outputs, fmt::format("static.{}{}", load + 1, part)};
+}
 
-std::vector<int> find_movable(const Structure& structure, const std::vector<std::string>& names) {
-  const std::vector<int> numbers = find_degrees_of_freedom(structure, names, k_subject);
+std::vector<int> find_movable(const Structure& structure, const std::vector<std::string>& names,
+                              const Subject& subject) {
+  const std::vector<int> numbers = find_degrees_of_freedom(structure, names, subject);
   const ObservationMatrix observation = structure.observation(numbers);
   for (std::size_t k = 0; k < numbers.size(); ++k) {
     const ObservationMatrix::InnerIterator first(observation, static_cast<Eigen::Index>(k));
-    require_of(static_cast<bool>(first), k_subject, "'{}' is fixed: it does not move, and a force on it moves nothing",
+    require_of(static_cast<bool>(first), subject, "'{}' is fixed: it does not move, and a force on it moves nothing",
                names[k]);
   }
   return numbers;
 }
 
 /// f of one load [equation].
-Eigen::VectorXd force_vector(const Structure& structure, const StaticLoad& load) {
+Eigen::VectorXd force_vector(const Structure& structure, const StaticLoad& load, const Subject& subject) {
   std::vector<std::string> names;
   Eigen::VectorXd values(static_cast<Eigen::Index>(load.forces.size()));
   for (const auto& [name, value] : load.forces) {
     values(static_cast<Eigen::Index>(names.size())) = value;
     names.push_back(name);
   }
-  require_of((values.array() != 0.0).any(), k_subject,
-             "a load has no force that is not 0; give for example forces = {{ \"101:+Z\" = -100.0 }}");
-  return structure.observation(find_movable(structure, names)).transpose() * values;
+  require_of((values.array() != 0.0).any(), subject,
+             "the load has no force that is not 0; give for example forces = {{ \"101:+Z\" = -100.0 }}");
+  Eigen::VectorXd force = structure.observation(find_movable(structure, names, subject)).transpose() * values;
+  require_of(!force.isZero(0.0), subject, "the forces cancel one another: they move nothing");
+  return force;
 }
 
 }  // namespace
 
 StaticDisplacements::StaticDisplacements(const std::vector<StaticLoad>& loads, const UnitNames& units,
                                          const Structure& structure) {
-  require_of(structure.has_stiffness(), k_subject,
-             "the model is a program's modes, without a stiffness matrix to put loads on; a model of kind nastran, "
-             "calculix, matrices or mass-spring has one");
-  for (const StaticLoad& load : loads) {
-    const Eigen::VectorXd force = force_vector(structure, load);
+  require_of(
+      structure.has_stiffness(), {Subject::Kind::outputs, "static"},
+      "the model's modes come from runs of a program, which leave no stiffness matrix to put loads on (a CalculiX "
+      "deck has one where its parameters are such that the matrices can be fitted)");
+  for (std::size_t number = 0; number < loads.size(); ++number) {
+    const StaticLoad& load = loads[number];
+    const Eigen::VectorXd force = force_vector(structure, load, subject_of(number, ".forces"));
     loads_.conservativeResize(force.size(), loads_.cols() + 1);
     loads_.rightCols(1) = force;
-    const std::vector<int> numbers = find_movable(structure, load.degrees_of_freedom);
+    const std::vector<int> numbers = find_movable(structure, load.degrees_of_freedom, subject_of(number, ".dofs"));
     degrees_of_freedom_.insert(degrees_of_freedom_.end(), numbers.begin(), numbers.end());
     for (const std::string& name : load.degrees_of_freedom) {
       const bool is_turn = is_rotation(name);

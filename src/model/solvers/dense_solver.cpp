@@ -37,8 +37,13 @@ struct DenseStatics {
   StaticSolution solve(const Eigen::MatrixXd& loads) const {
     if (!factor.is_positive_definite()) return {.failure = k_no_static_solution};
     return refined_static_solution(
-        loads, [this](const Eigen::MatrixXd& columns) { return factor.solve(columns); },
-        [this](const Eigen::MatrixXd& columns) -> Eigen::MatrixXd { return stiffness * columns; });
+        {.solve = [this](const Eigen::MatrixXd& columns) { return factor.solve(columns); },
+         .multiply = [this](const Eigen::MatrixXd& columns) -> Eigen::MatrixXd { return stiffness * columns; },
+         .multiply_absolute = [this](const Eigen::MatrixXd& columns) -> Eigen::MatrixXd {
+           return stiffness.cwiseAbs() * columns;
+         },
+         .diagonal = stiffness.diagonal()},
+        loads);
   }
 
   Eigen::MatrixXd stiffness;

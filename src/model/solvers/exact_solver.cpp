@@ -31,12 +31,16 @@ class SparseStatics {
       return {.failure = k_no_static_solution + where};
     }
     return refined_static_solution(
-        loads,
-        [this](Eigen::MatrixXd columns) {
-          solver_->factor().solve(columns);
-          return columns;
-        },
-        [this](const Eigen::MatrixXd& columns) { return symmetric_product(stiffness_, columns); });
+        {.solve =
+             [this](Eigen::MatrixXd columns) {
+               solver_->factor().solve(columns);
+               return columns;
+             },
+         .multiply = [this](const Eigen::MatrixXd& columns) { return symmetric_product(stiffness_, columns); },
+         .multiply_absolute =
+             [this](const Eigen::MatrixXd& columns) { return symmetric_product(stiffness_.cwiseAbs(), columns); },
+         .diagonal = stiffness_.diagonal()},
+        loads);
   }
 
  private:

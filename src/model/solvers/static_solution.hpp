@@ -1,4 +1,4 @@
-// Static solutions K u = f, accepted only where they are accurate.
+// Static solutions K u = f, accepted only where rounding leaves them determined.
 #pragma once
 
 #include <Eigen/Core>
@@ -16,17 +16,25 @@ struct StaticSolution {
 };
 
 inline constexpr const char* k_no_static_solution =
-    "its stiffness matrix is singular or not positive definite: a part of it is not supported, or a stiffness is "
-    "negative";
+    "its stiffness matrix is not positive definite: a part of it is not supported, or a stiffness is negative";
 
-/// u = K^-1 f with one step of refinement, u += K^-1 (f - K u). The step's energy, du'K du against u'K u, is the error
-/// of the factor's solution whatever the units of translations and rotations; where it is not small, K is singular to
-/// working precision. Source: [Higham2002], section 12.1.
+/// K with its factor.
+struct StaticSystem {
+  std::function<Eigen::MatrixXd(const Eigen::MatrixXd&)> solve;              ///< K^-1 of columns
+  std::function<Eigen::MatrixXd(const Eigen::MatrixXd&)> multiply;           ///< K times columns
+  std::function<Eigen::MatrixXd(const Eigen::MatrixXd&)> multiply_absolute;  ///< |K| times columns
+  Eigen::VectorXd diagonal;                                                  ///< of K, positive
+};
+
+/// u = K^-1 f with one step of refinement, u += K^-1 (f - K u).
 ///
-/// @param solve     K^-1 of columns
-/// @param multiply  K times columns
-StaticSolution refined_static_solution(const Eigen::MatrixXd& loads,
-                                       const std::function<Eigen::MatrixXd(const Eigen::MatrixXd&)>& solve,
-                                       const std::function<Eigen::MatrixXd(const Eigen::MatrixXd&)>& multiply);
+/// How far rounding can move a solution is told by its energy, whatever the units of translations and rotations:
+///   rho = eps |u|' |K| |u| / (u' f),
+/// which K's entries may lose to rounding where they are summed and factorised. It must be small for every load, and
+/// for one more load that moves all there is, w_i = sqrt(K_ii) times fixed irregular numbers: of a structure that is
+/// not supported, and of a part of it that the loads do not move, K is singular, but its last pivot is a rounding error
+/// that may be positive. The energy of the step against that of u is the error of the factor's solution and must be
+/// small, too. Source: [Higham2002], sections 7.2 and 12.1.
+StaticSolution refined_static_solution(const StaticSystem& system, const Eigen::MatrixXd& loads);
 
 }  // namespace mottle::model

@@ -25,8 +25,9 @@ OutputSelection read_outputs(TomlReader reader, const ModelSource& model) {
   } else {
     reader.raw("shapes");
   }
+  constexpr double k_max_force = 1e100;  // beyond, squares of displacements are no numbers
   for (TomlReader& load : reader.tables("static")) {
-    outputs.static_loads.push_back({load.number_map("forces", {}), load.texts("dofs")});
+    outputs.static_loads.push_back({load.number_map("forces", {-k_max_force, k_max_force}), load.texts("dofs")});
     load.finish();
   }
   const std::size_t usual = model.tracks_by_mac() ? 1 : 0;
@@ -180,7 +181,7 @@ toml::table parse_file(const std::filesystem::path& file) {
   }
 }
 
-/// Lines of all keys, and of the entries of lists by their names.
+/// Lines of all keys, and of the entries of lists by their numbers and names.
 void note_lines(const toml::table& table, const std::string& path, std::map<std::string, int>& lines) {
   for (const auto& [name, node] : table) {
     const std::string key = path + std::string(name.str());
@@ -189,7 +190,11 @@ void note_lines(const toml::table& table, const std::string& path, std::map<std:
     const toml::array* list = node.as_array();
     for (std::size_t i = 0; list != nullptr && i < list->size(); ++i) {
       const toml::table* entry = list->get(i)->as_table();
-      if (entry == nullptr || entry->get("name") == nullptr) continue;
+      if (entry == nullptr) continue;
+      const std::string number = fmt::format("{}.{}", key, i + 1);
+      lines[number] = static_cast<int>(entry->source().begin.line);
+      note_lines(*entry, number + '.', lines);
+      if (entry->get("name") == nullptr) continue;
       lines[fmt::format("{} '{}'", key, entry->get("name")->value_or(std::string()))] =
           static_cast<int>(entry->source().begin.line);
     }

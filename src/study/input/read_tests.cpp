@@ -21,8 +21,8 @@ struct ColumnTitle {
   std::string unit;  // as stated, without brackets; empty: none is
 };
 
-/// "f1_Hz", "f1 [Hz]", "f1 (Hz)".
-ColumnTitle split_title(const std::string& title) {
+/// "f1_Hz", "f1 [Hz]", "f1 (Hz)", "u1:m2_m".
+ColumnTitle split_title(const std::string& title, const std::vector<Quantity>& outputs) {
   for (const std::string open : {" [", " (", "[", "("}) {
     const std::size_t position = title.find(open);
     if (position == std::string::npos || position == 0) continue;
@@ -33,18 +33,10 @@ ColumnTitle split_title(const std::string& title) {
     const std::string end = "_" + unit;
     if (title.size() > end.size() && title.ends_with(end)) return {title.substr(0, title.size() - end.size()), unit};
   }
+  for (const Quantity& output : outputs) {
+    if (title == output.name() + "_" + output.unit) return {output.name(), output.unit};
+  }
   return {title, ""};
-}
-
-/// A frequency that states another unit than that of the study would be read wrong by a factor.
-void require_unit(const CsvTable& table, const Study& study, const std::string& title, const std::string& stated) {
-  const std::string used = unit_names(study.units).frequency;
-  const bool is_other = stated != used && (stated == "Hz" || stated == "kHz" || stated == "rad/s");
-  if (!is_other) return;
-  throw FormatError(table.file, 1,
-                    fmt::format("column '{}' is in {}, but frequencies of units = \"{}\" are in {}; convert the "
-                                "column, or set the study's units",
-                                title, stated, study.units, used));
 }
 
 std::vector<std::string> names_of(const std::vector<Quantity>& outputs) {
@@ -53,19 +45,35 @@ std::vector<std::string> names_of(const std::vector<Quantity>& outputs) {
   return names;
 }
 
+/// A frequency or a displacement that states another unit than that of the study would be read wrong by a factor.
+void require_unit(const CsvTable& table, const Study& study, const std::string& title, const std::string& stated,
+                  const Quantity& output) {
+  if (stated.empty() || stated == output.unit) return;
+  const bool is_static =
+      output.kind == QuantityKind::static_displacement || output.kind == QuantityKind::static_rotation;
+  if (!is_static && stated != "Hz" && stated != "kHz" && stated != "rad/s") return;
+  throw FormatError(
+      table.file, 1,
+      fmt::format("column '{}' is in {}, but in units = \"{}\" {} is in {}; convert the column, or set the "
+                  "study's units",
+                  title, stated, study.units, output.name(), output.unit));
+}
+
 /// Column of each output; throws where one is missing or a column is nothing known.
-std::vector<int> match_columns(const CsvTable& table, const Study& study, const std::vector<std::string>& outputs,
+std::vector<int> match_columns(const CsvTable& table, const Study& study, const std::vector<Quantity>& quantities,
                                std::vector<std::string>& notes) {
+  const std::vector<std::string> outputs = names_of(quantities);
   std::vector<int> columns(outputs.size(), -1);
   std::vector<std::string> unused;
   for (std::size_t column = 0; column < table.header.size(); ++column) {
-    const auto title = split_title(table.header[column]);
+    const ColumnTitle title = split_title(table.header[column], quantities);
     const std::string& name = title.name;
     const std::string& unit = title.unit;
     const auto output = std::find(outputs.begin(), outputs.end(), name);
     if (output != outputs.end()) {
-      require_unit(table, study, table.header[column], unit);
-      int& found = columns[static_cast<std::size_t>(std::distance(outputs.begin(), output))];
+      const auto index = static_cast<std::size_t>(std::distance(outputs.begin(), output));
+      require_unit(table, study, table.header[column], unit, quantities[index]);
+      int& found = columns[index];
       if (found >= 0) throw FormatError(table.file, 1, fmt::format("output '{}' has two columns", name));
       found = static_cast<int>(column);
       continue;
@@ -155,7 +163,7 @@ void read_repeats(const Study& study, const StructureModel& model, const std::ve
   const std::filesystem::path& file = *study.test->repeats_file;
   const CsvTable table = read_named_table(study, "test.repeatability", file);
   std::vector<std::string> notes;
-  const std::vector<int> columns = match_columns(table, study, names, notes);
+  const std::vector<int> columns = match_columns(table, study, model.outputs(), notes);
   Eigen::MatrixXd values = values_of_columns(table, columns, model);
   if (study.test->pairs_by_mac.value_or(false)) pair_rows(study, model, values, notes);
   const int specimen = table.find("specimen");
@@ -226,8 +234,8 @@ void add_repeatability(const Study& study, const StructureModel& model, const st
 
 /// Specimens from the rows of a table; those without any value are left out.
 Eigen::MatrixXd values_of_rows(const Study& study, const StructureModel& model, const CsvTable& table,
-                               const std::vector<std::string>& names, std::vector<std::string>& notes) {
-  const std::vector<int> columns = match_columns(table, study, names, notes);
+                               std::vector<std::string>& notes) {
+  const std::vector<int> columns = match_columns(table, study, model.outputs(), notes);
   const Eigen::MatrixXd values = values_of_columns(table, columns, model);
   std::vector<Eigen::Index> kept;
   for (Eigen::Index row = 0; row < values.rows(); ++row) {
@@ -244,6 +252,11 @@ Eigen::MatrixXd values_of_rows(const Study& study, const StructureModel& model, 
 
 Eigen::MatrixXd values_of_modes(const Study& study, const StructureModel& model,
                                 const std::vector<MeasuredModes>& specimens, StudyTests& tests) {
+  require(
+      model.highest_mode() > 0, "{}",
+      located(study, study.test->key,
+              "these files hold modes, and no output is of a mode; static displacements are tested in a CSV, a row for "
+              "each specimen"));
   try {
     PairedModes paired = pair_modes(model, specimens, study.test->pairs_by_mac.value_or(true));
     for (std::string& note : paired.notes) tests.notes.push_back(std::move(note));
@@ -262,7 +275,7 @@ StudyTests read_tests(const Study& study, const StructureModel& model) {
   const std::vector<std::string> names = names_of(model.outputs());
   StudyTests tests;
   tests.notes = std::move(contents.notes);
-  tests.data.values = contents.table ? values_of_rows(study, model, *contents.table, names, tests.notes)
+  tests.data.values = contents.table ? values_of_rows(study, model, *contents.table, tests.notes)
                                      : values_of_modes(study, model, contents.specimens, tests);
   tests.file = contents.table ? contents.table->file : study.test->files.front().string();
   require(contents.table || !study.test->is_named,
@@ -279,8 +292,9 @@ StudyTests read_tests(const Study& study, const StructureModel& model) {
             "{}: output '{}' of a specimen is larger than 1e150 in size; give the tests other units", tests.file,
             names[static_cast<std::size_t>(k)]);
     const auto measured = (!tests.data.values.col(k).array().isNaN()).count();
-    require(measured > 0, "{}: output '{}' is never measured; leave it out of [outputs]", tests.file,
-            names[static_cast<std::size_t>(k)]);
+    require(measured > 0, "{}: output '{}' is never measured; leave it out of [outputs]{}", tests.file,
+            names[static_cast<std::size_t>(k)],
+            contents.table ? "" : ", or, if it is no quantity of a mode, give the tests as a CSV");
     require(measured > 1 || tests.data.values.rows() == 1,
             "{}: output '{}' is measured once in {} specimens, which gives no scatter; leave it out of [outputs]",
             tests.file, names[static_cast<std::size_t>(k)], tests.data.values.rows());

@@ -16,8 +16,10 @@ namespace {
 
 constexpr Eigen::Index k_listed_modes = 10;
 
-/// The lowest modes at the parameters' means, in Hz.
+/// The lowest modes at the parameters' means, in Hz; none of a study without outputs of modes, whose model may have no
+/// mass.
 Eigen::VectorXd frequencies_of(const StudyModel& made) {
+  if (made.model->highest_mode() == 0) return {};
   const Eigen::VectorXd mean = made.space->prior().mean();
   const Eigen::Index wanted = std::min(k_listed_modes, made.model->structure().mode_count());
   const ModeSet modes = made.model->solver().modes_at(mean, static_cast<int>(wanted));
@@ -44,6 +46,9 @@ CheckOutcome check(const Study& study, const RunSettings& settings) {
   const StudyModel& made = checked->made();
   CheckOutcome outcome{.study = study, .checked = checked};
   outcome.frequencies = frequencies_of(made);
+  if (made.model->highest_mode() == 0) {
+    outcome.outputs = made.model->evaluate(made.space->prior().mean().transpose(), {}).outputs.row(0).transpose();
+  }
   outcome.total_mass = made.model->structure().total_mass(made.space->prior().mean());
   if (checked->plan) {
     refuse_what_methods_refuse(study, *checked->plan,

@@ -61,6 +61,11 @@ void describe_model(const CheckOutcome& outcome, std::vector<std::string>& lines
     lines.push_back(fmt::format("mode {:<3} {:>12.6g} {} at the parameters' means", r + 1, outcome.frequencies(r),
                                 model.selection().units.frequency));
   }
+  for (Eigen::Index k = 0; k < outcome.outputs.size(); ++k) {
+    const Quantity& output = model.outputs()[static_cast<std::size_t>(k)];
+    lines.push_back(
+        fmt::format("{:<8} {:>12.6g} {} at the parameters' means", output.name(), outcome.outputs(k), output.unit));
+  }
   std::vector<std::string> names;
   for (const Quantity& output : model.outputs()) names.push_back(fmt::format("{} [{}]", output.name(), output.unit));
   lines.push_back("outputs: " + join(names));

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <memory>
+#include <utility>
 
 #include "core/message_of.hpp"
 #include "fem/models.hpp"
@@ -152,6 +153,24 @@ TEST(StaticDisplacements, OfAFreeStructureAreRefused) {
   const OutputSelection balanced{.static_loads = {{{{"100:+X", -1.0}, {"105:+X", 1.0}}, {"105:+X"}}}};
   EXPECT_THAT(test::message_of<InvalidInput>([&] { cantilever(5, balanced, false, false); }),
               HasSubstr("not supported"));
+  // Of these stiffnesses the last pivot of K, which is singular, rounds to a positive number in many samples.
+  MassSpringSystem ring{.masses = {{"m1", 1.0}, {"m2", 1.0}, {"m3", 1.0}, {"m4", 1.0}},
+                        .springs = {{"k", 0, 1, 2.3}, {"k2", 1, 2, 1.1}, {"k3", 2, 3, 0.7}, {"k4", 3, 0, 1.9}},
+                        .dampers = {}};
+  MassSpringSystem held = ring;
+  held.springs.push_back({"ground", k_ground, 0, 1.0});
+  const StructureModel model =
+      springs({"spring:k", "spring:ground"}, {.static_loads = {{{{"m1", 1.0}, {"m4", -1.0}}, {"m1", "m2"}}}}, held);
+  Eigen::MatrixXd samples(200, 2);
+  samples.col(0) = Eigen::VectorXd::LinSpaced(200, 1.0, 3.0);
+  samples.col(1).setZero();  // no ground
+  EXPECT_EQ(model.evaluate(samples, {}).failures.size(), 200);
+  samples.col(1).setConstant(1e-14);  // lost where K is summed
+  EXPECT_EQ(model.evaluate(samples, {}).failures.size(), 200);
+  samples.col(1).setConstant(1e-8);  // soft, but there: balanced forces leave m1 at rest
+  const Evaluation soft = model.evaluate(samples, {});
+  EXPECT_TRUE(soft.failures.empty());
+  EXPECT_LT(soft.outputs.col(0).cwiseAbs().maxCoeff(), 1e-6);
   MassSpringSystem free{.masses = {{"m1", 1.0}, {"m2", 1.0}}, .springs = {{"k", 0, 1, 0.3}}, .dampers = {}};
   EXPECT_THAT(test::message_of<InvalidInput>([&] {
                 springs({"spring:k"}, {.static_loads = {{{{"m1", 1.0}}, {"m2"}}}}, free);
@@ -159,14 +178,31 @@ TEST(StaticDisplacements, OfAFreeStructureAreRefused) {
               HasSubstr("not supported"));
 }
 
+// In series on a ground spring, force 1 at the end: u1 = 1 / 1.3 whatever comes behind it, as long as doubles can hold
+// both.
+TEST(StaticDisplacements, FailWhereAStiffnessIsLostBesideAnother) {
+  for (const auto& [stiff, is_lost] : {std::pair{1e10, false}, std::pair{1e16, true}}) {
+    MassSpringSystem chain{.masses = {{"m1", 1.0}, {"m2", 1.0}, {"m3", 1.0}},
+                           .springs = {{"k1", k_ground, 0, 1.3}, {"k2", 0, 1, stiff}, {"k3", 1, 2, 3.0}},
+                           .dampers = {}};
+    const StructureModel model = springs({"spring:k2"}, {.static_loads = {{{{"m3", 1.0}}, {"m1", "m3"}}}}, chain);
+    const Evaluation found = model.evaluate(Eigen::MatrixXd::Constant(1, 1, stiff), {});
+    EXPECT_EQ(!found.failures.empty(), is_lost);
+    if (is_lost) continue;
+    EXPECT_NEAR(found.outputs(0), 1.0 / 1.3, 1e-5);
+    EXPECT_NEAR(found.outputs(1), 1.0 / 1.3 + 1.0 / 3.0, 1e-5);
+  }
+}
+
 TEST(StaticDisplacements, RefuseWhatTheStructureDoesNotHave) {
   const auto message = [](StaticLoad load) {
     return test::message_of<InvalidInput>([&] { cantilever(2, {.static_loads = {std::move(load)}}); });
   };
-  EXPECT_THAT(message({{{"999:+Y", 1.0}}, {"102:+Y"}}), HasSubstr("static: '999:+Y': the deck has no grid point 999"));
-  EXPECT_THAT(message({{{"102:+Y", 1.0}}, {"102:+W"}}), HasSubstr("static: '102:+W' is not known here"));
-  EXPECT_THAT(message({{{"100:+Y", 1.0}}, {"102:+Y"}}), HasSubstr("static: '100:+Y' is fixed"));
-  EXPECT_THAT(message({{{"102:+Y", 1.0}}, {"100:+Y"}}), HasSubstr("static: '100:+Y' is fixed"));
+  EXPECT_THAT(message({{{"999:+Y", 1.0}}, {"102:+Y"}}),
+              HasSubstr("static.1.forces: '999:+Y': the deck has no grid point 999"));
+  EXPECT_THAT(message({{{"102:+Y", 1.0}}, {"102:+W"}}), HasSubstr("static.1.dofs: '102:+W' is not known here"));
+  EXPECT_THAT(message({{{"100:+Y", 1.0}}, {"102:+Y"}}), HasSubstr("static.1.forces: '100:+Y' is fixed"));
+  EXPECT_THAT(message({{{"102:+Y", 1.0}}, {"100:+Y"}}), HasSubstr("static.1.dofs: '100:+Y' is fixed"));
   EXPECT_THAT(message({{{"102:+Y", 0.0}}, {"102:+Y"}}), HasSubstr("no force that is not 0"));
   EXPECT_THAT(message({{}, {"102:+Y"}}), HasSubstr("no force that is not 0"));
   EXPECT_THAT(message({{{"102:+Y", 1.0}}, {"102:+Y", "102:+Y"}}), HasSubstr("given twice"));

@@ -24,7 +24,8 @@ struct CheckedStudy;
 struct CheckOutcome {
   Study study;
   std::shared_ptr<const CheckedStudy> checked = nullptr;
-  Eigen::VectorXd frequencies = {};  ///< the ten lowest at the parameters' means, in Hz
+  Eigen::VectorXd frequencies = {};  ///< the ten lowest at the parameters' means, in Hz; none without outputs of modes
+  Eigen::VectorXd outputs = {};      ///< there, of a study without outputs of modes
   double total_mass = 0.0;           ///< there
   StudyReach reach = {};
 };
