@@ -159,6 +159,18 @@ class Static(support.CommandTest):
         self.write("tests.csv", self.made_tests([0.8, 0.9, 1.0, 1.1]))
         self.assertRegex(self.succeed("check", "study.toml").out, r"u1:m1 +0.217391 m at the parameters' means")
 
+    def test_a_mass_that_moves_nothing_is_named_by_every_method(self):
+        mass = '[[parameter]]\nname = "m"\ntarget = "mass:m1"\ndistribution = { kind = "normal", mean = 1.0, std = 0.1 }\n\n'
+        study = self.static_study()
+        self.write("tests.csv", self.made_tests([0.8, 0.9, 1.0, 1.1, 1.2]))
+        for method in ("maximum-likelihood", "inversion", "mares", "perturbation", "moment-matching"):
+            with self.subTest(method=method):
+                self.write("study.toml", edited(study, ("[outputs]", mass + "[outputs]"),
+                                                ('"maximum-likelihood"', f'"{method}"'),
+                                                ("\n[update.mares]\nweighting = \"mahalanobis\"\n", "")))
+                ended = self.succeed("update", "study.toml", "--out", "out")
+                self.assertIn("m cannot be identified from the outputs", ended.out)
+
     def test_a_program_has_no_stiffness_to_put_loads_on(self):
         self.write("input.txt", "{{k1}} {{k2}}\n")
         self.write("solver.py", "open('f.txt', 'w').write('1.0\\n2.0\\n')\n")

@@ -51,8 +51,10 @@ export async function open_page(file, { width = 1280, height = 900, graphics = "
     const url = request.url();
     if (url !== address && !url.startsWith("data:") && !url.startsWith("blob:")) complaints.push(`request: ${url}`);
   });
-  await page.goto(address);
-  await page.waitForSelector("html[data-ready=true]", { state: "attached", timeout: 20000 });
+  // How long a page takes is no claim of these tests: the machine may do other things.
+  const patience = { timeout: 180000 };
+  await page.goto(address, patience);
+  await page.waitForSelector("html[data-ready=true]", { state: "attached", ...patience });
   const close = async () => {
     await context.close();
     rmSync(profile, { recursive: true, force: true });

@@ -264,7 +264,7 @@ export const checks = [
         }, id);
         await page.mouse.move(at.x, at.y);
         await page.mouse.move(at.x + 2, at.y + 2);
-        await page.waitForSelector(`[data-plot="${id}"] .tooltip`, { timeout: 3000 });
+        await page.waitForSelector(`[data-plot="${id}"] .tooltip`, { timeout: 30000 });
         assert.match(await page.locator(`[data-plot="${id}"] .tooltip`).innerText(), pattern);
       }
       await page.mouse.move(2, 2);

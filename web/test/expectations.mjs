@@ -121,7 +121,7 @@ export const overflow = (page) =>
 /** What a click saves. The browser lets a page start ten downloads in a second and drops the next without a word: hence the pause. */
 export async function saved(page, click) {
   await page.waitForTimeout(120);
-  const [download] = await Promise.all([page.waitForEvent("download", { timeout: 10000 }), click()]);
+  const [download] = await Promise.all([page.waitForEvent("download", { timeout: 60000 }), click()]);
   return download;
 }
 

@@ -146,7 +146,7 @@ export const scene_checks = [
     "the view saves as PNG",
     async ({ page }) => {
       const [download] = await Promise.all([
-        page.waitForEvent("download", { timeout: 10000 }),
+        page.waitForEvent("download", { timeout: 60000 }),
         page.click(`[data-scene="${id}"] [data-export="png"]`),
       ]);
       assert.equal(download.suggestedFilename(), `mottle-${id}.png`);

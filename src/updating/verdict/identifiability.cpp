@@ -44,11 +44,24 @@ std::optional<Eigen::MatrixXd> regressed_sensitivity(const Cloud& cloud) {
   }
 }
 
+/// The model's derivatives at the estimate; nothing where it has none there.
+std::optional<Eigen::MatrixXd> exact_sensitivity(const UpdatingProblem& problem, const Eigen::VectorXd& mean) {
+  if (problem.derivatives == nullptr) return std::nullopt;
+  try {
+    Eigen::MatrixXd jacobian = problem.derivatives->jacobian(mean);
+    if (jacobian.allFinite()) return jacobian;
+  } catch (const InvalidInput&) {  // a mode is lost there
+  } catch (const SystemFailure&) {
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 std::optional<Identifiability> identify(const UpdatingProblem& problem, const UpdatingResult& result) {
   Eigen::MatrixXd sensitivity = result.sensitivity;
-  if (sensitivity.size() == 0) {
+  const bool is_regressed = sensitivity.size() == 0;
+  if (is_regressed) {
     // A population without scatter in some direction has a cloud that lies in a plane: the first one does not.
     const auto last = regressed_sensitivity(result.history.back().cloud);
     const auto found = last ? last : regressed_sensitivity(result.history.front().cloud);
@@ -59,8 +72,15 @@ std::optional<Identifiability> identify(const UpdatingProblem& problem, const Up
   const TestMoments tests = test_moments(problem.tests);
   const Eigen::VectorXd standard_deviation = tests.covariance.diagonal().cwiseSqrt();
   const bool has_scatter = (standard_deviation.array() > 0.0).all();
-  return identify(sensitivity, has_scatter ? standard_deviation : Eigen::VectorXd(tests.mean.cwiseAbs()),
-                  problem.space.prior().covariance().diagonal().cwiseSqrt());
+  const Eigen::VectorXd output_scale = has_scatter ? standard_deviation : Eigen::VectorXd(tests.mean.cwiseAbs());
+  const Eigen::VectorXd parameter_scale = problem.space.prior().covariance().diagonal().cwiseSqrt();
+  const Identifiability found = identify(sensitivity, output_scale, parameter_scale);
+  if (!is_regressed) return found;
+  // Curved outputs correlate by chance with a parameter that they do not depend on: a regression does not show it.
+  const auto exact = exact_sensitivity(problem, result.mean);
+  if (!exact) return found;
+  const Identifiability at_mean = identify(*exact, output_scale, parameter_scale);
+  return at_mean.rank < found.rank ? at_mean : found;
 }
 
 std::string unseen_text(const Eigen::Ref<const Eigen::VectorXd>& direction, const std::vector<std::string>& names) {
