@@ -12,7 +12,7 @@ Subject subject_of(std::size_t load, const char* part) {
 
 std::vector<int> find_movable(const Structure& structure, const std::vector<std::string>& names,
                               const Subject& subject) {
-  const std::vector<int> numbers = find_degrees_of_freedom(structure, names, subject);
+  std::vector<int> numbers = find_degrees_of_freedom(structure, names, subject);
   const ObservationMatrix observation = structure.observation(numbers);
   for (std::size_t k = 0; k < numbers.size(); ++k) {
     const ObservationMatrix::InnerIterator first(observation, static_cast<Eigen::Index>(k));
