@@ -6,12 +6,15 @@ FUZZ_SECONDS ?= 60
 ATTACK_HOURS ?= 8
 ATTACK_OPTIONS ?=
 INSTALL = tools/install_packages.sh
+# The layers whose own tests run under AddressSanitizer, beside those of the command, which run all layers.
+ASAN_LAYERS ?= core linalg stats dynamics fem formats model drivers updating study report
 # Threads start in these layers; the rest runs below them or not in threads at all.
 TSAN_LAYERS = core linalg model updating study
 
 configure = cmake --preset $(1) -DMOTTLE_WERROR=$(MOTTLE_WERROR)
 build = cmake --build --preset $(1) -j $(JOBS)
 ctest = ctest --preset $(1) -j $(JOBS)
+alternatives = $(subst $() ,|,$(strip $(1)))
 tsan_options = TSAN_OPTIONS="suppressions=$(CURDIR)/tools/tsan.supp $$TSAN_OPTIONS"
 
 .PHONY: build demo test lint asan tsan coverage fuzz attack deb bench clean
@@ -43,14 +46,15 @@ lint:
 asan:
 	$(INSTALL) --test
 	$(call configure,asan)
-	$(call build,asan)
-	MOTTLE_TEST_PATIENCE=5 $(call ctest,asan) --label-exclude "packaging|browser|timed"
+	$(call build,asan) --target mottle_app $(foreach layer,$(ASAN_LAYERS),--target mottle_$(layer)_tests)
+	MOTTLE_TEST_PATIENCE=5 $(call ctest,asan) --label-regex "^($(call alternatives,$(ASAN_LAYERS))|apps|attack)$$" \
+	  --label-exclude "packaging|browser|timed"
 
 tsan:
 	$(INSTALL) --test
 	$(call configure,tsan)
 	$(call build,tsan) --target mottle_app $(foreach layer,$(TSAN_LAYERS),--target mottle_$(layer)_tests)
-	$(tsan_options) $(call ctest,tsan) --label-regex "^($(subst $() ,|,$(strip $(TSAN_LAYERS))))$$"
+	$(tsan_options) $(call ctest,tsan) --label-regex "^($(call alternatives,$(TSAN_LAYERS)))$$"
 	$(tsan_options) build/tsan/mottle update examples/01-three-masses/case1.toml --threads 4 --quiet --out build/tsan/case1.mottle
 
 # The tests under both sanitisers, and the lines of the library that they reach (tests, the command and outside headers
