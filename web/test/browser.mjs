@@ -51,10 +51,9 @@ export async function open_page(file, { width = 1280, height = 900, graphics = "
     const url = request.url();
     if (url !== address && !url.startsWith("data:") && !url.startsWith("blob:")) complaints.push(`request: ${url}`);
   });
-  // How long a page takes is no claim of these tests: the machine may do other things.
-  const patience = { timeout: 180000 };
-  await page.goto(address, patience);
-  await page.waitForSelector("html[data-ready=true]", { state: "attached", ...patience });
+  page.setDefaultTimeout(180000); // how long a page takes is no claim of these tests: the machine may do other things
+  await page.goto(address);
+  await page.waitForSelector("html[data-ready=true]", { state: "attached" });
   const close = async () => {
     await context.close();
     rmSync(profile, { recursive: true, force: true });
