@@ -5,12 +5,12 @@
 namespace mottle::model {
 
 ObservationMatrix selected_equations(const std::vector<int>& degrees_of_freedom, Eigen::Index equations) {
-  ObservationMatrix selected(static_cast<Eigen::Index>(degrees_of_freedom.size()), equations);
-  selected.reserve(Eigen::VectorXi::Constant(selected.rows(), 1));
+  std::vector<Eigen::Triplet<double>> entries;
   for (std::size_t k = 0; k < degrees_of_freedom.size(); ++k) {
-    selected.insert(static_cast<Eigen::Index>(k), degrees_of_freedom[k]) = 1.0;
+    entries.emplace_back(static_cast<int>(k), degrees_of_freedom[k], 1.0);
   }
-  selected.makeCompressed();
+  ObservationMatrix selected(static_cast<Eigen::Index>(degrees_of_freedom.size()), equations);
+  selected.setFromTriplets(entries.begin(), entries.end());
   return selected;
 }
 
