@@ -211,12 +211,8 @@ SparseModes SparseModeSolver::solve(const SparseMatrix& stiffness, const SparseM
         fmt::format("the {} lowest modes did not converge in {} solutions", options.modes, pairs.solved_vectors);
     return result;
   }
-  // Massless degrees of freedom are no modes: their 1 / (lambda - s) is zero but for rounding.
-  constexpr double k_rounding = 1e-13;
-  const Eigen::Index modes =
-      pairs.values.size() == 0 ? 0 : (pairs.values.array() > k_rounding * pairs.values.maxCoeff()).count();
-  Eigen::VectorXd values = pairs.values.head(modes).cwiseInverse().array() + result.shift;
-  Eigen::MatrixXd vectors = pairs.vectors.leftCols(modes);
+  Eigen::VectorXd values = pairs.values.cwiseInverse().array() + result.shift;
+  Eigen::MatrixXd vectors = std::move(pairs.vectors);
   refine_soft_modes(stiffness, mass, result.shift, values, vectors);
   const Eigen::Index found = std::min<Eigen::Index>(options.modes, values.size());
   result.values = values.head(found);

@@ -1,7 +1,5 @@
 #include "model/responses/mode_shapes.hpp"
 
-#include <algorithm>
-
 #include "mottle/core/subject.hpp"
 
 namespace mottle::model {

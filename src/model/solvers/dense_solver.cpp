@@ -74,13 +74,19 @@ SolverUse DenseSolver::solve(const Eigen::Ref<const Eigen::MatrixXd>& samples, c
     for (Eigen::Index s = begin; s < end; ++s) {
       Solution solution;
       std::string failure;
-      const Eigen::VectorXd parameters = samples.row(s).transpose();
       if (request.modes > 0) {
-        const ModeSet found{batch.values.col(s), request.needs_shapes() ? batch.sample_vectors(s) : Eigen::MatrixXd()};
-        failure = observe_modes(found, parameters, request, solution);
+        solution.eigenvalues = batch.values.col(s);
+        if (!solution.eigenvalues.allFinite()) {
+          visit(s, solution,
+                "the eigenproblem has no solution: the mass matrix is not positive definite or a value is not finite");
+          continue;
+        }
+        if (request.needs_shapes())
+          observe_shapes(batch.sample_vectors(s), samples.row(s).transpose(), request, solution);
       }
-      if (failure.empty() && request.loads.cols() > 0) {
-        const StaticSolution found = DenseStatics(structure_.matrices().stiffness.at(parameters)).solve(request.loads);
+      if (request.loads.cols() > 0) {
+        const DenseStatics statics(structure_.matrices().stiffness.at(samples.row(s).transpose()));
+        const StaticSolution found = statics.solve(request.loads);
         failure = found.failure;
         if (failure.empty()) solution.static_displacements = request.observation * found.displacements;
       }
@@ -90,20 +96,14 @@ SolverUse DenseSolver::solve(const Eigen::Ref<const Eigen::MatrixXd>& samples, c
   return {};
 }
 
-/// Why there are no modes; empty: there are.
-std::string DenseSolver::observe_modes(const ModeSet& found, const Eigen::Ref<const Eigen::VectorXd>& parameters,
-                                       const SolutionRequest& request, Solution& solution) const {
-  solution.eigenvalues = found.eigenvalues;
-  if (!found.eigenvalues.allFinite()) {
-    return "the eigenproblem has no solution: the mass matrix is not positive definite or a value is not finite";
-  }
-  if (!request.needs_shapes()) return {};
+void DenseSolver::observe_shapes(const Eigen::MatrixXd& shapes, const Eigen::Ref<const Eigen::VectorXd>& parameters,
+                                 const SolutionRequest& request, Solution& solution) const {
+  const ModeSet found{solution.eigenvalues, shapes};
   if (request.reference.shapes.cols() > 0) solution.cosines = cosines(request.reference, found);
-  solution.displacements = request.observation * found.shapes;
+  solution.displacements = request.observation * shapes;
   if (request.damping) {
     solution.damping_ratios = modal_damping_ratios(found, structure_.matrices().damping.at(parameters));
   }
-  return {};
 }
 
 Eigen::MatrixXd DenseSolver::cosines(const ModeSet& reference, const ModeSet& modes) const {

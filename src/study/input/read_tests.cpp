@@ -34,7 +34,8 @@ ColumnTitle split_title(const std::string& title, const std::vector<Quantity>& o
     if (title.size() > end.size() && title.ends_with(end)) return {title.substr(0, title.size() - end.size()), unit};
   }
   for (const Quantity& output : outputs) {
-    if (title == output.name() + "_" + output.unit) return {output.name(), output.unit};
+    if (title.ends_with("_" + output.unit) && title == output.name() + "_" + output.unit)
+      return {output.name(), output.unit};
   }
   return {title, ""};
 }

@@ -29,8 +29,8 @@ class DenseSolver final : public Solver {
   Eigen::Index batch_size() const override { return 8192; }
 
  private:
-  std::string observe_modes(const ModeSet& found, const Eigen::Ref<const Eigen::VectorXd>& parameters,
-                            const SolutionRequest& request, Solution& solution) const;
+  void observe_shapes(const Eigen::MatrixXd& shapes, const Eigen::Ref<const Eigen::VectorXd>& parameters,
+                      const SolutionRequest& request, Solution& solution) const;
 
   DenseStructure structure_;
   PencilFamily pencils_;
