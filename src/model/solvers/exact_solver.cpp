@@ -24,6 +24,12 @@ class SparseStatics {
   SparseStatics& operator=(const SparseStatics&) = delete;
   ~SparseStatics() { pool_.give_back(std::move(solver_)); }
 
+  /// K^-1 of columns, of a definite K.
+  Eigen::MatrixXd apply(Eigen::MatrixXd columns) const {
+    solver_->factor().solve(columns);
+    return columns;
+  }
+
   StaticSolution solve(const Eigen::MatrixXd& loads) const {
     if (!is_definite_) {
       const int row = solver_->factor().failed_column();
@@ -31,11 +37,7 @@ class SparseStatics {
       return {.failure = k_no_static_solution + where};
     }
     return refined_static_solution(
-        {.solve =
-             [this](Eigen::MatrixXd columns) {
-               solver_->factor().solve(columns);
-               return columns;
-             },
+        {.solve = [this](const Eigen::MatrixXd& columns) { return apply(columns); },
          .multiply = [this](const Eigen::MatrixXd& columns) { return symmetric_product(stiffness_, columns); },
          .multiply_absolute =
              [this](const Eigen::MatrixXd& columns) { return symmetric_product(stiffness_.cwiseAbs(), columns); },
@@ -171,9 +173,7 @@ Eigen::MatrixXd ExactSolver::static_derivatives(const Eigen::Ref<const Eigen::Ve
   for (Eigen::Index i = 0; i < structure_->parameter_count(); ++i) {
     forces.col(i) = -symmetric_product(derivatives_.at(*structure_, parameters, i).stiffness, found.displacements);
   }
-  const StaticSolution moved = statics.solve(forces);
-  require(moved.failure.empty(), "{}", moved.failure);
-  return moved.displacements;
+  return statics.apply(std::move(forces));
 }
 
 ModeSet ExactSolver::modes_at(const Eigen::Ref<const Eigen::VectorXd>& parameters, int modes) const {
