@@ -133,12 +133,14 @@ class UnitsTest(support.CommandTest):
         self.assertAlmostEqual(parts[1] / parts[0], 1.0, delta=0.02)  # mean square against squared mean: the scatter
         self.assertAlmostEqual(parts[2] / parts[0], 1.0, delta=0.02)
 
-    def test_a_frequency_in_another_unit_than_the_studys_is_refused(self):
-        for unit, system in (("f1_Hz", "mm-kg-ms"), ("f1 [kHz]", "SI"), ("f1_kHz", "SI"), ("f1 (rad/s)", "mm-t-s")):
+    def test_a_column_in_another_unit_than_the_studys_is_refused(self):
+        for unit, system in (("f1_Hz", "mm-kg-ms"), ("f1 [kHz]", "SI"), ("f1_kHz", "SI"), ("f1 (rad/s)", "mm-t-s"),
+                             ("f1 [rpm]", "SI"), ("zeta1 [%]", "SI")):
             with self.subTest(unit=unit, system=system):
                 file = self.folder / f"tests-{system}.csv"
                 whole = file.read_text(encoding="utf-8")
-                file.write_text(whole.replace("f1,", f"{unit},", 1), encoding="utf-8")
+                name = "zeta1" if "zeta" in unit else "f1"
+                file.write_text(whole.replace(f"{name},", f"{unit},", 1), encoding="utf-8")
                 self.write("study.toml", study(system, "mares"))
                 ended = self.call("check", "study.toml")
                 file.write_text(whole, encoding="utf-8")

@@ -46,13 +46,24 @@ std::vector<std::string> names_of(const std::vector<Quantity>& outputs) {
   return names;
 }
 
-/// A frequency or a displacement that states another unit than that of the study would be read wrong by a factor.
+/// Whether values in the unit that a column states are those of the output. Shapes have the unit of their mode's size,
+/// and a user's own output may have none that is known.
+bool is_unit_of(const std::string& stated, const Quantity& output) {
+  if (stated.empty() || stated == output.unit) return true;
+  if (output.kind == QuantityKind::damping_ratio) return stated == "1";
+  return output.unit == "-";
+}
+
+/// A column in another unit than the study's would be read wrong by a factor.
 void require_unit(const CsvTable& table, const Study& study, const std::string& title, const std::string& stated,
                   const Quantity& output) {
-  if (stated.empty() || stated == output.unit) return;
-  const bool is_static =
-      output.kind == QuantityKind::static_displacement || output.kind == QuantityKind::static_rotation;
-  if (!is_static && stated != "Hz" && stated != "kHz" && stated != "rad/s") return;
+  if (is_unit_of(stated, output)) return;
+  if (output.kind == QuantityKind::damping_ratio) {
+    throw FormatError(table.file, 1,
+                      fmt::format("column '{}' is in {}, but damping ratios are fractions of critical damping (0.01, "
+                                  "not 1 %); convert the column",
+                                  title, stated));
+  }
   throw FormatError(
       table.file, 1,
       fmt::format("column '{}' is in {}, but in units = \"{}\" {} is in {}; convert the column, or set the "
