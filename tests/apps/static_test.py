@@ -121,9 +121,15 @@ class Static(support.CommandTest):
             self.assertIn(f"study.toml:{line}: ", ended.err)
 
     def test_a_fault_of_the_second_load_has_its_line(self):
-        tables = STATIC.replace("static = [", "").replace("}, {", "}\n{").rstrip("]")
-        loads = "".join("[[outputs.static]]\n" + "forces = " + part.split("forces = ")[1].split(", dofs")[0] + "\ndofs = " +
-                        part.split("dofs = ")[1].rstrip("} ") + "\n" for part in tables.split("\n"))
+        loads = """
+[[outputs.static]]
+forces = { m3 = 1.0 }
+dofs = ["m1", "m3"]
+
+[[outputs.static]]
+forces = { m1 = 1.0 }
+dofs = ["m2"]
+"""
         study = edited(STUDY, ("frequencies = [1, 2, 3]\n", "frequencies = [1, 2, 3]\n" + loads))
         self.write("study.toml", edited(study, ('dofs = ["m2"]', 'dofs = ["m7"]')))
         ended = self.call("check", "study.toml")

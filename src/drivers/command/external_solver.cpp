@@ -237,9 +237,11 @@ Eigen::MatrixXd ExternalSolver::shape_derivatives(const Eigen::Ref<const Eigen::
   return Eigen::MatrixXd::Constant(modes.shapes.rows(), nominal_.size(), k_not_known);
 }
 
-Eigen::MatrixXd ExternalSolver::static_derivatives(const Eigen::Ref<const Eigen::VectorXd>&,
-                                                   const Eigen::VectorXd& load) const {
-  return Eigen::MatrixXd::Constant(load.size(), nominal_.size(), k_not_known);
+std::vector<Eigen::MatrixXd> ExternalSolver::static_derivatives(const Eigen::Ref<const Eigen::VectorXd>&,
+                                                                const Eigen::MatrixXd& loads,
+                                                                const ObservationMatrix& observation) const {
+  return {static_cast<std::size_t>(loads.cols()),
+          Eigen::MatrixXd::Constant(observation.rows(), nominal_.size(), k_not_known)};
 }
 
 }  // namespace mottle::drivers

@@ -71,13 +71,11 @@ std::string StaticDisplacements::fill(const NumberedSolution& solution, Row row)
 
 Eigen::MatrixXd StaticDisplacements::derivatives(const SolvedPoint& point) const {
   const ObservationMatrix observation = point.solver.structure().observation(degrees_of_freedom_);
+  const std::vector<Eigen::MatrixXd> moved = point.solver.static_derivatives(point.parameters, loads_, observation);
   Eigen::MatrixXd derivatives(observation.rows(), point.parameters.size());
-  Eigen::Index row = 0;
-  for (Eigen::Index load = 0; load < loads_.cols(); ++load) {
-    const Eigen::MatrixXd moved = observation * point.solver.static_derivatives(point.parameters, loads_.col(load));
-    for (; row < moved.rows() && quantities_[static_cast<std::size_t>(row)].number == load + 1; ++row) {
-      derivatives.row(row) = moved.row(row);
-    }
+  for (Eigen::Index row = 0; row < derivatives.rows(); ++row) {
+    const int load = quantities_[static_cast<std::size_t>(row)].number - 1;
+    derivatives.row(row) = moved[static_cast<std::size_t>(load)].row(row);
   }
   return derivatives;
 }

@@ -131,16 +131,17 @@ Eigen::MatrixXd DenseSolver::shape_derivatives(const Eigen::Ref<const Eigen::Vec
   return derivatives;
 }
 
-Eigen::MatrixXd DenseSolver::static_derivatives(const Eigen::Ref<const Eigen::VectorXd>& parameters,
-                                                const Eigen::VectorXd& load) const {
+std::vector<Eigen::MatrixXd> DenseSolver::static_derivatives(const Eigen::Ref<const Eigen::VectorXd>& parameters,
+                                                             const Eigen::MatrixXd& loads,
+                                                             const ObservationMatrix& observation) const {
   const DenseStatics statics(structure_.matrices().stiffness.at(parameters));
-  const StaticSolution found = statics.solve(load);
+  const StaticSolution found = statics.solve(loads);
   require(found.failure.empty(), "{}", found.failure);
-  Eigen::MatrixXd forces(load.size(), structure_.parameter_count());
-  for (Eigen::Index i = 0; i < structure_.parameter_count(); ++i) {
-    forces.col(i) = -structure_.matrices().stiffness.derivative(i) * found.displacements;
-  }
-  return statics.factor.solve(forces);
+  const Eigen::MatrixXd adjoint = statics.factor.solve(Eigen::MatrixXd(observation.transpose()));
+  return static_sensitivity(adjoint, loads.cols(), structure_.parameter_count(),
+                            [&](Eigen::Index i) -> Eigen::MatrixXd {
+                              return structure_.matrices().stiffness.derivative(i) * found.displacements;
+                            });
 }
 
 int DenseSolver::modes_for_damping(int /*modes*/) const {

@@ -163,17 +163,17 @@ std::string ExactSolver::solve_row(const Eigen::VectorXd& parameters, const Solu
   return found.failure;
 }
 
-Eigen::MatrixXd ExactSolver::static_derivatives(const Eigen::Ref<const Eigen::VectorXd>& parameters,
-                                                const Eigen::VectorXd& load) const {
+std::vector<Eigen::MatrixXd> ExactSolver::static_derivatives(const Eigen::Ref<const Eigen::VectorXd>& parameters,
+                                                             const Eigen::MatrixXd& loads,
+                                                             const ObservationMatrix& observation) const {
   const SparseMatrix stiffness = structure_->matrices_at(parameters).stiffness;
   const SparseStatics statics(pool_, *structure_, stiffness);
-  const StaticSolution found = statics.solve(load);
+  const StaticSolution found = statics.solve(loads);
   require(found.failure.empty(), "{}", found.failure);
-  Eigen::MatrixXd forces(load.size(), structure_->parameter_count());
-  for (Eigen::Index i = 0; i < structure_->parameter_count(); ++i) {
-    forces.col(i) = -symmetric_product(derivatives_.at(*structure_, parameters, i).stiffness, found.displacements);
-  }
-  return statics.apply(std::move(forces));
+  const Eigen::MatrixXd adjoint = statics.apply(Eigen::MatrixXd(observation.transpose()));
+  return static_sensitivity(adjoint, loads.cols(), structure_->parameter_count(), [&](Eigen::Index i) {
+    return symmetric_product(derivatives_.at(*structure_, parameters, i).stiffness, found.displacements);
+  });
 }
 
 ModeSet ExactSolver::modes_at(const Eigen::Ref<const Eigen::VectorXd>& parameters, int modes) const {

@@ -8,8 +8,7 @@ namespace {
 
 constexpr const char* k_undetermined =
     "its stiffness matrix is singular to the computer's precision: a part of it is not supported, or its stiffnesses "
-    "differ by "
-    "too many orders of magnitude";
+    "differ by too many orders of magnitude";
 
 /// Moves every degree of freedom, and no two alike.
 Eigen::VectorXd load_of_everything(const Eigen::VectorXd& diagonal) {
@@ -48,6 +47,20 @@ StaticSolution refined_static_solution(const StaticSystem& system, const Eigen::
   }
   displacements += steps;
   return {.displacements = displacements.leftCols(loads.cols()) * sizes.asDiagonal()};
+}
+
+std::vector<Eigen::MatrixXd> static_sensitivity(const Eigen::MatrixXd& adjoint, Eigen::Index loads,
+                                                Eigen::Index parameters,
+                                                const std::function<Eigen::MatrixXd(Eigen::Index)>& forces) {
+  std::vector<Eigen::MatrixXd> derivatives(static_cast<std::size_t>(loads),
+                                           Eigen::MatrixXd(adjoint.cols(), parameters));
+  for (Eigen::Index i = 0; i < parameters; ++i) {
+    const Eigen::MatrixXd moved = adjoint.transpose() * forces(i);
+    for (Eigen::Index load = 0; load < loads; ++load) {
+      derivatives[static_cast<std::size_t>(load)].col(i) = -moved.col(load);
+    }
+  }
+  return derivatives;
 }
 
 }  // namespace mottle::model

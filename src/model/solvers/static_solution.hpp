@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "mottle/layers.hpp"
 
@@ -36,5 +37,13 @@ struct StaticSystem {
 /// that may be positive. The energy of the step against that of u is the error of the factor's solution and must be
 /// small, too. Source: [Higham2002], sections 7.2 and 12.1.
 StaticSolution refined_static_solution(const StaticSystem& system, const Eigen::MatrixXd& loads);
+
+/// B du / dx = -(K^-1 B')' (dK / dx) u, of each load a matrix [observed row x parameter].
+///
+/// @param adjoint  K^-1 B' [equation x observed row]
+/// @param forces   gives (dK / dx_i) u of every load [equation x load]
+std::vector<Eigen::MatrixXd> static_sensitivity(const Eigen::MatrixXd& adjoint, Eigen::Index loads,
+                                                Eigen::Index parameters,
+                                                const std::function<Eigen::MatrixXd(Eigen::Index)>& forces);
 
 }  // namespace mottle::model

@@ -42,13 +42,13 @@ SolvedDeck solve_deck(const std::filesystem::path& deck, const std::set<std::str
   if (!solved.modes.failure.empty()) {
     throw InvalidInput(fmt::format("{}: {}", deck.string(), solved.solver->failure_text(solved.modes)));
   }
-  if (!solved.modes.is_complete() && solved.modes.values.size() < modes) {
-    throw InvalidInput(
-        fmt::format("{}: {} modes are asked for, of which the highest that {} equations have cannot be told "
-                    "from rounding; ask for fewer with --modes",
-                    deck.string(), modes, solved.structure->mode_count()));
-  }
   if (!solved.modes.is_complete()) {
+    if (solved.modes.values.size() < modes) {
+      throw InvalidInput(
+          fmt::format("{}: {} modes are asked for, of which the highest that {} equations have cannot be told "
+                      "from rounding; ask for fewer with --modes",
+                      deck.string(), modes, solved.structure->mode_count()));
+    }
     throw SystemFailure(fmt::format("{}: {} modes were found below {:.6g} (rad/s)^2, the inertia of K - s M counts {}",
                                     deck.string(), solved.modes.values.size(), solved.modes.counted_at,
                                     solved.modes.counted_below));

@@ -68,8 +68,9 @@ class ExternalSolver final : public Solver {
                                          const ModeSet& modes) const override;
   Eigen::MatrixXd shape_derivatives(const Eigen::Ref<const Eigen::VectorXd>& parameters, const ModeSet& modes,
                                     int mode) const override;
-  Eigen::MatrixXd static_derivatives(const Eigen::Ref<const Eigen::VectorXd>& parameters,
-                                     const Eigen::VectorXd& load) const override;
+  std::vector<Eigen::MatrixXd> static_derivatives(const Eigen::Ref<const Eigen::VectorXd>& parameters,
+                                                  const Eigen::MatrixXd& loads,
+                                                  const ObservationMatrix& observation) const override;
   double difference_step() const override { return runs_.command().difference_step; }
   Eigen::Index batch_size() const override { return 8192; }  // each run is kept by itself
 

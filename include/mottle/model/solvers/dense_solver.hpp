@@ -22,8 +22,9 @@ class DenseSolver final : public Solver {
                                          const ModeSet& modes) const override;
   Eigen::MatrixXd shape_derivatives(const Eigen::Ref<const Eigen::VectorXd>& parameters, const ModeSet& modes,
                                     int mode) const override;
-  Eigen::MatrixXd static_derivatives(const Eigen::Ref<const Eigen::VectorXd>& parameters,
-                                     const Eigen::VectorXd& load) const override;
+  std::vector<Eigen::MatrixXd> static_derivatives(const Eigen::Ref<const Eigen::VectorXd>& parameters,
+                                                  const Eigen::MatrixXd& loads,
+                                                  const ObservationMatrix& observation) const override;
   /// All: the damping ratios come from the whole damped eigenproblem.
   int modes_for_damping(int modes) const override;
   Eigen::Index batch_size() const override { return 8192; }

@@ -53,8 +53,9 @@ class ExactSolver final : public Solver {
                                          const ModeSet& modes) const override;
   Eigen::MatrixXd shape_derivatives(const Eigen::Ref<const Eigen::VectorXd>& parameters, const ModeSet& modes,
                                     int mode) const override;
-  Eigen::MatrixXd static_derivatives(const Eigen::Ref<const Eigen::VectorXd>& parameters,
-                                     const Eigen::VectorXd& load) const override;
+  std::vector<Eigen::MatrixXd> static_derivatives(const Eigen::Ref<const Eigen::VectorXd>& parameters,
+                                                  const Eigen::MatrixXd& loads,
+                                                  const ObservationMatrix& observation) const override;
   Eigen::Index batch_size() const override { return 64; }
 
   const SparseStructure& sparse_structure() const { return *structure_; }

@@ -66,9 +66,10 @@ class ReducedSolver final : public Solver {
                                     int mode) const override {
     return exact_->shape_derivatives(parameters, modes, mode);
   }
-  Eigen::MatrixXd static_derivatives(const Eigen::Ref<const Eigen::VectorXd>& parameters,
-                                     const Eigen::VectorXd& load) const override {
-    return exact_->static_derivatives(parameters, load);
+  std::vector<Eigen::MatrixXd> static_derivatives(const Eigen::Ref<const Eigen::VectorXd>& parameters,
+                                                  const Eigen::MatrixXd& loads,
+                                                  const ObservationMatrix& observation) const override {
+    return exact_->static_derivatives(parameters, loads, observation);
   }
   bool has_cheap_derivatives() const override { return false; }
   double difference_step() const override { return k_coarse_difference_step; }

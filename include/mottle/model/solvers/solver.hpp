@@ -67,12 +67,14 @@ class Solver {
   /// d phi / dx of one mode [equation x parameter]; nan for a repeated eigenvalue.
   virtual Eigen::MatrixXd shape_derivatives(const Eigen::Ref<const Eigen::VectorXd>& parameters, const ModeSet& modes,
                                             int mode) const = 0;
-  /// du / dx = -K^-1 (dK / dx) u of the static solution K u = f [equation x parameter].
+  /// B du / dx of the static solutions K u = f: of each load a matrix [observed row x parameter].
   ///
-  /// @param load  f [equation]
+  /// @param loads        f [equation x load]
+  /// @param observation  B [observed row x equation]
   /// @throws InvalidInput  K is singular there
-  virtual Eigen::MatrixXd static_derivatives(const Eigen::Ref<const Eigen::VectorXd>& parameters,
-                                             const Eigen::VectorXd& load) const = 0;
+  virtual std::vector<Eigen::MatrixXd> static_derivatives(const Eigen::Ref<const Eigen::VectorXd>& parameters,
+                                                          const Eigen::MatrixXd& loads,
+                                                          const ObservationMatrix& observation) const = 0;
 
   /// Number of modes needed for the damping ratios of the lowest `modes`.
   virtual int modes_for_damping(int modes) const { return modes; }
