@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <limits>
 
 #include "model/responses/response.hpp"
@@ -36,8 +35,8 @@ std::string tracking_note(const TrackedModes& tracked, const std::vector<bool>& 
 /// A response with its share of the outputs and of the request.
 struct StructureModel::Part {
   std::unique_ptr<Response> response;
-  Eigen::Index outputs = 0;
   ResponseShare share;
+  Eigen::Index outputs = 0, measured = 0;
 };
 
 StructureModel::StructureModel(AffineStructure structure, OutputSelection selection, const Eigen::VectorXd& reference)
@@ -51,15 +50,15 @@ StructureModel::StructureModel(std::unique_ptr<Solver> solver, OutputSelection s
   for (auto& response : make_responses(selection_, structure())) take(std::move(response), degrees_of_freedom);
   complete_request(degrees_of_freedom);
   solve_reference();
+  take_outputs();
   if (compares_) request_.reference = numbered_modes();
 }
 
 StructureModel::StructureModel(StructureModel&&) noexcept = default;
 StructureModel::~StructureModel() = default;
 
-/// Its outputs and what it needs go behind those of the responses before it.
+/// What it needs goes behind that of the responses before it.
 void StructureModel::take(std::unique_ptr<Response> response, std::vector<int>& degrees_of_freedom) {
-  std::vector<Quantity> quantities = response->quantities();
   const ResponseNeeds needs = response->needs();
   for (const int mode : needs.modes) {
     is_output_.resize(std::max(is_output_.size(), static_cast<std::size_t>(mode)));
@@ -75,8 +74,36 @@ void StructureModel::take(std::unique_ptr<Response> response, std::vector<int>& 
   }
   request_.damping = request_.damping || needs.damping;
   compares_ = compares_ || needs.shapes;
-  responses_.push_back({std::move(response), static_cast<Eigen::Index>(quantities.size()), share});
-  std::move(quantities.begin(), quantities.end(), std::back_inserter(outputs_));
+  responses_.push_back({.response = std::move(response), .share = share});
+}
+
+void StructureModel::take_outputs() {
+  Eigen::MatrixXd shapes(request_.observation.rows(), highest_mode());
+  if (highest_mode() > 0) shapes = request_.observation * reference_.shapes.leftCols(highest_mode());
+  for (Part& part : responses_) {
+    part.response->take_reference(shapes.middleRows(part.share.first_row, part.share.rows));
+    const std::vector<Quantity> outputs = part.response->quantities();
+    const std::vector<Quantity> measured = part.response->measured();
+    part.outputs = static_cast<Eigen::Index>(outputs.size());
+    part.measured = static_cast<Eigen::Index>(measured.size());
+    outputs_.insert(outputs_.end(), outputs.begin(), outputs.end());
+    measured_.insert(measured_.end(), measured.begin(), measured.end());
+  }
+}
+
+Eigen::MatrixXd StructureModel::outputs_of(const Eigen::Ref<const Eigen::MatrixXd>& measured) const {
+  Eigen::MatrixXd outputs(measured.rows(), static_cast<Eigen::Index>(outputs_.size()));
+  for (Eigen::Index s = 0; s < measured.rows(); ++s) {
+    Eigen::Index from = 0;
+    Eigen::Index to = 0;
+    for (const Part& part : responses_) {
+      outputs.row(s).segment(to, part.outputs) =
+          part.response->outputs_of(measured.row(s).segment(from, part.measured));
+      from += part.measured;
+      to += part.outputs;
+    }
+  }
+  return outputs;
 }
 
 void StructureModel::complete_request(const std::vector<int>& degrees_of_freedom) {

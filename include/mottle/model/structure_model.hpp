@@ -32,6 +32,10 @@ class StructureModel final : public Model, public DifferentiableModel {
 
   Eigen::Index parameter_count() const override { return reference_parameters_.size(); }
   const std::vector<Quantity>& outputs() const override { return outputs_; }
+  /// What a test must have measured for the outputs: they themselves, but of shapes of free size all components.
+  const std::vector<Quantity>& measured() const { return measured_; }
+  /// Outputs of tests [specimen x output] from what they measured [specimen x measured]; nan: not measured.
+  Eigen::MatrixXd outputs_of(const Eigen::Ref<const Eigen::MatrixXd>& measured) const;
   Evaluation evaluate(const Eigen::Ref<const Eigen::MatrixXd>& samples, const RunContext& context) const override;
   Eigen::MatrixXd jacobian(const Eigen::Ref<const Eigen::VectorXd>& parameters) const override;
 
@@ -70,6 +74,7 @@ class StructureModel final : public Model, public DifferentiableModel {
   struct Part;
 
   void take(std::unique_ptr<Response> response, std::vector<int>& degrees_of_freedom);
+  void take_outputs();
   void complete_request(const std::vector<int>& degrees_of_freedom);
   ModeSet sound_modes_at(const Eigen::Ref<const Eigen::VectorXd>& parameters) const;
   void require_statics_at(const Eigen::Ref<const Eigen::VectorXd>& parameters) const;
@@ -84,6 +89,7 @@ class StructureModel final : public Model, public DifferentiableModel {
   OutputSelection selection_;
   std::vector<Part> responses_;
   std::vector<Quantity> outputs_;
+  std::vector<Quantity> measured_;
   Eigen::VectorXd reference_parameters_;
   ModeSet reference_;
   double largest_eigenvalue_ = 0.0;  // of the reference

@@ -4,6 +4,7 @@
 #include "model/responses/damping_ratios.hpp"
 #include "model/responses/mode_shapes.hpp"
 #include "model/responses/natural_frequencies.hpp"
+#include "model/responses/shape_directions.hpp"
 #include "model/responses/static_displacements.hpp"
 #include "mottle/core/subject.hpp"
 
@@ -34,8 +35,12 @@ std::vector<std::unique_ptr<Response>> make_responses(const OutputSelection& sel
     responses.push_back(std::make_unique<NaturalFrequencies>(selection.frequencies, selection.units.frequency));
   }
   if (!selection.shape_modes.empty() || !selection.shape_degrees_of_freedom.empty()) {
-    responses.push_back(std::make_unique<ModeShapes>(selection.shape_modes, selection.shape_degrees_of_freedom,
-                                                     selection.units.shape, structure));
+    ModeShapes shapes(selection.shape_modes, selection.shape_degrees_of_freedom, selection.units.shape, structure);
+    if (selection.shape_size == ShapeSize::free) {
+      responses.push_back(std::make_unique<ShapeDirections>(std::move(shapes)));
+    } else {
+      responses.push_back(std::make_unique<ModeShapes>(std::move(shapes)));
+    }
   }
   if (!selection.damping.empty()) responses.push_back(std::make_unique<DampingRatios>(selection.damping, structure));
   if (!selection.static_loads.empty()) {

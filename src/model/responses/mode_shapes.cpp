@@ -30,6 +30,18 @@ std::string ModeShapes::fill(const NumberedSolution& solution, Row row) const {
   return {};
 }
 
+Eigen::VectorXd ModeShapes::values(const SolvedPoint& point) const {
+  const Eigen::MatrixXd shapes = point.solver.structure().displacements(point.modes.shapes, degrees_of_freedom_);
+  Eigen::VectorXd values(shapes.rows() * static_cast<Eigen::Index>(modes_.size()));
+  Eigen::Index first = 0;
+  for (const int mode : modes_) {
+    values.segment(first, shapes.rows()) =
+        point.match.sign[static_cast<std::size_t>(mode - 1)] * shapes.col(point.column(mode));
+    first += shapes.rows();
+  }
+  return values;
+}
+
 Eigen::MatrixXd ModeShapes::derivatives(const SolvedPoint& point) const {
   const auto rows = static_cast<Eigen::Index>(degrees_of_freedom_.size());
   Eigen::MatrixXd derivatives(rows * static_cast<Eigen::Index>(modes_.size()), point.parameters.size());

@@ -18,6 +18,8 @@ class ModeShapes final : public Response {
   }
   std::string fill(const NumberedSolution& solution, Row row) const override;
   Eigen::MatrixXd derivatives(const SolvedPoint& point) const override;
+  /// The quantities where derivatives are taken.
+  Eigen::VectorXd values(const SolvedPoint& point) const;
 
  private:
   std::vector<int> modes_;

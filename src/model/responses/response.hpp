@@ -84,8 +84,15 @@ class Response {
 
   virtual ~Response() = default;
 
-  virtual std::vector<Quantity> quantities() const = 0;
   virtual ResponseNeeds needs() const = 0;
+  /// Shapes of the reference at the response's degrees of freedom [degree of freedom x mode 1..highest]; comes before
+  /// all of the following.
+  virtual void take_reference(const Eigen::MatrixXd& /*shapes*/) {}
+  virtual std::vector<Quantity> quantities() const = 0;
+  /// What a test must have measured for them.
+  virtual std::vector<Quantity> measured() const { return quantities(); }
+  /// Row of the quantities from a row of what a test measured; nan: not measured.
+  virtual Eigen::RowVectorXd outputs_of(const Eigen::RowVectorXd& measured) const { return measured; }
   /// Fills `row` [quantity] from the solution of one sample.
   ///
   /// @return  why the sample has failed; empty: it has not

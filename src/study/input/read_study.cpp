@@ -9,6 +9,7 @@
 #include "study/input/study_sections.hpp"
 #include "study/input/toml_writer.hpp"
 #include "study/models/registry.hpp"
+#include "study/tests/shape_size.hpp"
 
 namespace mottle::study {
 
@@ -21,6 +22,9 @@ OutputSelection read_outputs(TomlReader reader, const ModelSource& model) {
     outputs.shape_modes = shapes.mode_numbers("modes");
     if (outputs.shape_modes.empty()) shapes.fail_value("modes", "a list of mode numbers >= 1, like [1, 2, 3]");
     outputs.shape_degrees_of_freedom = shapes.texts("dofs");
+    outputs.shape_size =
+        std::vector{ShapeSize::by_tests, ShapeSize::mass_normalised,
+                    ShapeSize::free}[shapes.choice("size", {"by-tests", "mass-normalised", "free"}, 0)];
     shapes.finish();
   } else {
     reader.raw("shapes");
@@ -226,6 +230,7 @@ Study read_study(const std::filesystem::path& file, const StudyOverrides& overri
   if (reader.raw("surrogate") != nullptr) study.surrogate = read_surrogate(reader.table("surrogate"));
   if (reader.raw("diagnose") != nullptr) study.diagnose = read_diagnose(reader.table("diagnose"));
   reader.finish();
+  study.outputs.shape_size = shape_size_of(study);
   const bool has_parameters = !study.parameters.list.empty() || (study.truth && !study.truth->parameters.list.empty());
   if (!has_parameters) reader.fail("parameter", "there is none; give at least one [[parameter]]");
   study.text = toml_document(root);

@@ -11,6 +11,7 @@
 #include "study/input/noise_rules.hpp"
 #include "study/tests/pair_modes.hpp"
 #include "study/tests/pair_tests.hpp"
+#include "study/tests/shape_size.hpp"
 #include "study/tests/test_files.hpp"
 
 namespace mottle::study {
@@ -119,7 +120,7 @@ Eigen::MatrixXd values_of_columns(const CsvTable& table, const std::vector<int>&
   Eigen::MatrixXd values(static_cast<Eigen::Index>(table.rows.size()), static_cast<Eigen::Index>(columns.size()));
   for (std::size_t k = 0; k < columns.size(); ++k) {
     const Eigen::VectorXd column = numbers_of_column(table, columns[k]);
-    const bool is_frequency = model.outputs()[k].kind == QuantityKind::frequency;
+    const bool is_frequency = model.measured()[k].kind == QuantityKind::frequency;
     for (Eigen::Index row = 0; row < column.size(); ++row) {
       const char* fault = nullptr;
       if (is_too_large(column(row))) fault = "whose square is no number any more; give the tests other units";
@@ -175,9 +176,10 @@ void read_repeats(const Study& study, const StructureModel& model, const std::ve
   const std::filesystem::path& file = *study.test->repeats_file;
   const CsvTable table = read_named_table(study, "test.repeatability", file);
   std::vector<std::string> notes;
-  const std::vector<int> columns = match_columns(table, study, model.outputs(), notes);
+  const std::vector<int> columns = match_columns(table, study, model.measured(), notes);
   Eigen::MatrixXd values = values_of_columns(table, columns, model);
   if (study.test->pairs_by_mac.value_or(false)) pair_rows(study, model, values, notes);
+  values = model.outputs_of(values);
   const int specimen = table.find("specimen");
   std::vector<std::string> specimens(table.rows.size());
   for (std::size_t row = 0; row < specimens.size() && specimen >= 0; ++row)
@@ -247,7 +249,7 @@ void add_repeatability(const Study& study, const StructureModel& model, const st
 /// Specimens from the rows of a table; those without any value are left out.
 Eigen::MatrixXd values_of_rows(const Study& study, const StructureModel& model, const CsvTable& table,
                                std::vector<std::string>& notes) {
-  const std::vector<int> columns = match_columns(table, study, model.outputs(), notes);
+  const std::vector<int> columns = match_columns(table, study, model.measured(), notes);
   const Eigen::MatrixXd values = values_of_columns(table, columns, model);
   std::vector<Eigen::Index> kept;
   for (Eigen::Index row = 0; row < values.rows(); ++row) {
@@ -287,8 +289,12 @@ StudyTests read_tests(const Study& study, const StructureModel& model) {
   const std::vector<std::string> names = names_of(model.outputs());
   StudyTests tests;
   tests.notes = std::move(contents.notes);
-  tests.data.values = contents.table ? values_of_rows(study, model, *contents.table, tests.notes)
-                                     : values_of_modes(study, model, contents.specimens, tests);
+  const Eigen::MatrixXd measured = contents.table ? values_of_rows(study, model, *contents.table, tests.notes)
+                                                  : values_of_modes(study, model, contents.specimens, tests);
+  tests.data.values = model.outputs_of(measured);
+  if (model.selection().shape_size == ShapeSize::free) {
+    tests.notes.push_back(free_size_note(model, measured, tests.data.values));
+  }
   tests.file = contents.table ? contents.table->file : study.test->files.front().string();
   require(contents.table || !study.test->is_named,
           "{}: test.pairing: \"named\" is for a table with one row for each specimen; these tests are modes: \"mac\" "
@@ -303,11 +309,11 @@ StudyTests read_tests(const Study& study, const StructureModel& model) {
     require(!tests.data.values.col(k).unaryExpr(&is_too_large).any(),
             "{}: output '{}' of a specimen is larger than 1e150 in size; give the tests other units", tests.file,
             names[static_cast<std::size_t>(k)]);
-    const auto measured = (!tests.data.values.col(k).array().isNaN()).count();
-    require(measured > 0, "{}: output '{}' is never measured; leave it out of [outputs]{}", tests.file,
+    const auto count = (!tests.data.values.col(k).array().isNaN()).count();
+    require(count > 0, "{}: output '{}' is never measured; leave it out of [outputs]{}", tests.file,
             names[static_cast<std::size_t>(k)],
             contents.table ? "" : ", or, if it is no quantity of a mode, give the tests as a CSV");
-    require(measured > 1 || tests.data.values.rows() == 1,
+    require(count > 1 || tests.data.values.rows() == 1,
             "{}: output '{}' is measured once in {} specimens, which gives no scatter; leave it out of [outputs]",
             tests.file, names[static_cast<std::size_t>(k)], tests.data.values.rows());
   }

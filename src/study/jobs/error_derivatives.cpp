@@ -43,8 +43,10 @@ std::vector<Eigen::Index> order_of_outputs(const StudyModel& made, const std::ve
   for (const FurtherOutputs& item : found.further) {
     found.rows.emplace_back();
     for (const std::string& name : item.names) {
+      const Eigen::Index index = index_of_output(wider, name);
+      if (index == static_cast<Eigen::Index>(wider.size())) continue;  // follows from the others where sizes are free
       found.rows.back().push_back(static_cast<Eigen::Index>(order.size()));
-      order.push_back(index_of_output(wider, name));
+      order.push_back(index);
     }
   }
   return order;

@@ -96,7 +96,9 @@ SimulateOutcome simulate_here(const Study& study, const RunSettings& settings) {
           "[[parameter]], [[truth.parameter]]",
           study.file.string());
   const StudyParameters& parameters = study.truth->parameters.list.empty() ? study.parameters : study.truth->parameters;
-  SimulateOutcome outcome{.study = study, .made = make_model(study, parameters, settings)};
+  Study measured = study;
+  measured.outputs.shape_size = ShapeSize::mass_normalised;  // as those of a table of tests are
+  SimulateOutcome outcome{.study = study, .made = make_model(measured, parameters, settings)};
   const RunContext context{
       .seed = study.seed, .threads = settings.threads, .observer = settings.observer, .stop = settings.stop};
   const CloudSettings rules{.samples = study.truth->specimens, .max_failed = 0.0};

@@ -8,6 +8,7 @@
 #include "mottle/study/models/model_source.hpp"
 #include "study/input/key_error.hpp"
 #include "study/input/noise_rules.hpp"
+#include "study/tests/shape_size.hpp"
 
 namespace mottle::study {
 
@@ -31,6 +32,7 @@ Study predicted_study(const Study& study) {
   if (study.predict->held_out) {
     other.test = StudyTest{.key = "predict.held_out", .files = {*study.predict->held_out}};
   }
+  other.outputs.shape_size = shape_size_of(other);
   return other;
 }
 

@@ -32,6 +32,8 @@ struct MeasuredModes {
   Eigen::VectorXd collinearity = {};  ///< of the shapes as measured [mode]
   std::vector<bool> is_scaled = {};   ///< mass-normalised, in the study's units [mode]
   bool has_own_axes = false;          ///< some node's axes are not the global ones
+
+  bool has_shape(Eigen::Index mode) const { return !shapes.col(mode).array().isNaN().all(); }
 };
 
 /// "101:-Z" is the opposite of "101:+Z".

@@ -65,21 +65,22 @@ void add_note(std::vector<std::string>& notes, const char* what, const std::vect
 PairedModes pair_modes(const StructureModel& model, const std::vector<MeasuredModes>& specimens, bool by_mac) {
   PairedModes paired;
   paired.values = Eigen::MatrixXd::Constant(static_cast<Eigen::Index>(specimens.size()),
-                                            static_cast<Eigen::Index>(model.outputs().size()), std::nan(""));
+                                            static_cast<Eigen::Index>(model.measured().size()), std::nan(""));
   Table table;
   std::vector<std::string> missing;
   std::vector<std::string> doubtful;
   std::vector<std::string> unknown;
-  bool is_fitted = false;
+  std::vector<std::string> unsized;
   for (std::size_t s = 0; s < specimens.size(); ++s) {
     MeasuredModes modes = specimens[s];
     if (by_mac && modes.has_own_axes) settle_axes(model, modes, paired.notes);
     const SpecimenPairing pairing(model, modes, by_mac);
     pairing.fill(paired.values.row(static_cast<Eigen::Index>(s)));
-    is_fitted = is_fitted || std::count(modes.is_scaled.begin(), modes.is_scaled.end(), false) > 0;
     if (pairing.unknown_components() > 0) {
       unknown.push_back(fmt::format("{} of specimen {}", pairing.unknown_components(), s + 1));
     }
+    for (const int mode : pairing.modes_without_size())
+      unsized.push_back(fmt::format("specimen {} mode {}", s + 1, mode));
     for (const PairingRow& row : pairing.rows()) {
       table.add(s + 1, modes, row);
       const std::string name = fmt::format("specimen {} mode {}", s + 1, row.mode);
@@ -91,10 +92,11 @@ PairedModes pair_modes(const StructureModel& model, const std::vector<MeasuredMo
   add_note(paired.notes, "Modes that were not found", missing);
   add_note(paired.notes, "Doubtful pairs, used nevertheless", doubtful);
   add_note(paired.notes, "Measured components that the model does not have", unknown);
-  if (is_fitted && !model.selection().shape_modes.empty()) {
-    paired.notes.emplace_back(
-        "Shapes without modal mass were scaled to the model's by least squares; their size carries no information.");
-  }
+  add_note(
+      paired.notes,
+      "Shapes without modal mass, of which only the frequencies are used (outputs.shapes.size = \"free\" compares the "
+      "directions of all shapes)",
+      unsized);
   return paired;
 }
 

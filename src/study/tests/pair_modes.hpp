@@ -12,7 +12,7 @@ namespace mottle::study {
 
 /// Specimens as values of the model's outputs, and how they came about.
 struct PairedModes {
-  Eigen::MatrixXd values = {};          ///< [specimen x output]; nan: not measured
+  Eigen::MatrixXd values = {};          ///< [specimen x StructureModel::measured()]; nan: not measured
   std::string table = {};               ///< CSV: a row for each mode of the outputs and each measured mode that is none
   std::vector<std::string> notes = {};  ///< what is missing, doubtful or left out
 };
@@ -22,8 +22,8 @@ struct PairedModes {
 ///
 /// A pair whose MAC is below `minimum_mac` of the outputs is none. A pair is doubtful where its MAC is below 0.8, where
 /// another mode comes within 0.1 of it, or where the modal phase collinearity is below 0.9. Shapes get the reference's
-/// sign; one that is not mass-normalised is scaled to the reference by least squares. An output's component is taken
-/// where the measured directions at its node span it.
+/// sign; where their size is free they are scaled to the reference by least squares, where it is data those without
+/// modal mass are not used. An output's component is taken where the measured directions at its node span it.
 ///
 /// Where a file has nodes with axes of their own, its numbers are in those axes by the format, but global in the files
 /// of some programs: the sum of MAC decides, and a note says so.

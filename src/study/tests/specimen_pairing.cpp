@@ -144,7 +144,7 @@ void SpecimenPairing::fill(Eigen::Ref<Eigen::RowVectorXd, 0, Eigen::InnerStride<
   std::map<int, double> scales;  // of the paired shapes
   for (const auto& [reference, test] : assigned_) scales[reference] = scale_of(reference, test);
   for (Eigen::Index k = 0; k < row.size(); ++k) {
-    const Quantity& output = model_.outputs()[static_cast<std::size_t>(k)];
+    const Quantity& output = model_.measured()[static_cast<std::size_t>(k)];
     const auto pair = assigned_.find(output.number - 1);
     row(k) = pair == assigned_.end() ? k_not_measured : value_of(output, pair->second, scales[pair->first]);
   }
@@ -162,12 +162,24 @@ std::string SpecimenPairing::doubt(int reference, Eigen::Index test) const {
   if (modes_.collinearity(test) < k_sure_collinearity) {
     doubts.push_back(fmt::format("phase collinearity {:.2f}", modes_.collinearity(test)));
   }
-  const bool is_used = !model_.selection().shape_modes.empty() && modes_.is_scaled[static_cast<std::size_t>(test)];
+  const bool is_used = !model_.selection().shape_modes.empty() && modes_.has_shape(test) && has_size(test);
   const double factor = is_used ? std::abs(fitted_scale(reference, test)) : 1.0;
   if (factor > k_alike_scale || factor < 1.0 / k_alike_scale) {
-    doubts.push_back(fmt::format("by its modal mass it is {:.2g} times as large as the model's", 1.0 / factor));
+    doubts.push_back(fmt::format("it is {:.2g} times as large as the model's", 1.0 / factor));
   }
   return join(doubts, "; ");
+}
+
+std::vector<int> SpecimenPairing::modes_without_size() const {
+  std::vector<int> modes;
+  const std::vector<int>& wanted = model_.selection().shape_modes;
+  for (const auto& [reference, test] : assigned_) {
+    if (std::isnan(scale_of(reference, test)) && modes_.has_shape(test) &&
+        std::ranges::count(wanted, reference + 1) > 0) {
+      modes.push_back(reference + 1);
+    }
+  }
+  return modes;
 }
 
 std::vector<PairingRow> SpecimenPairing::rows() const {
@@ -224,8 +236,16 @@ double SpecimenPairing::fitted_scale(int reference, Eigen::Index test) const {
   return shape.dot(comparison_.reference(rows, reference)) / shape.squaredNorm();
 }
 
+/// Whether the size of a measured shape is data.
+bool SpecimenPairing::has_size(Eigen::Index test) const {
+  const ShapeSize stated = model_.selection().shape_size;
+  return stated == ShapeSize::mass_normalised ||
+         (stated == ShapeSize::by_tests && modes_.is_scaled[static_cast<std::size_t>(test)]);
+}
+
 double SpecimenPairing::scale_of(int reference, Eigen::Index test) const {
-  if (!modes_.is_scaled[static_cast<std::size_t>(test)]) return fitted_scale(reference, test);
+  if (model_.selection().shape_size == ShapeSize::free) return fitted_scale(reference, test);
+  if (!has_size(test)) return k_not_measured;
   return comparison_.cosines(reference, test) < 0.0 ? -1.0 : 1.0;
 }
 

@@ -45,12 +45,15 @@ class SpecimenPairing {
   Eigen::Index unknown_components() const { return modes_.shapes.rows() - comparison_.seen; }
   void fill(Eigen::Ref<Eigen::RowVectorXd, 0, Eigen::InnerStride<>> row) const;
   std::vector<PairingRow> rows() const;
+  /// Modes, counted from 1, whose shapes are outputs but have no modal mass where their size is data.
+  std::vector<int> modes_without_size() const;
 
  private:
   std::string doubt(int reference, Eigen::Index test) const;
   double value_of(const Quantity& output, Eigen::Index test, double scale) const;
   double second(int reference, Eigen::Index test) const;
   double fitted_scale(int reference, Eigen::Index test) const;
+  bool has_size(Eigen::Index test) const;
   double scale_of(int reference, Eigen::Index test) const;
   double component(const std::string& name, Eigen::Index test) const;
 

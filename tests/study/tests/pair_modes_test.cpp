@@ -20,13 +20,16 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
 /// Frequencies sqrt(1, 2, 3) / (2 pi), mass-normalised shapes e_1, e_2, e_3.
-StructureModel model() {
+StructureModel model(ShapeSize size = ShapeSize::mass_normalised) {
   MassSpringSystem system;
   for (const char* name : {"1:+X", "1:+Y", "1:+Z"}) system.masses.push_back({name, 1.0});
   for (int k = 0; k < 3; ++k) system.springs.push_back({std::string("k") + "123"[k], k_ground, k, k + 1.0});
   const std::vector<ParameterTargets> targets = {{"k1", {"spring:k1"}, false}};
   return {separate(system, targets),
-          {.frequencies = {1, 2, 3}, .shape_modes = {1, 2}, .shape_degrees_of_freedom = {"1:+X", "1:+Y"}},
+          {.frequencies = {1, 2, 3},
+           .shape_modes = {1, 2},
+           .shape_degrees_of_freedom = {"1:+X", "1:+Y"},
+           .shape_size = size},
           Eigen::VectorXd::Ones(1)};
 }
 
@@ -84,13 +87,22 @@ TEST(PairModes, GivesNoComponentThatTheMeasuredDirectionsDoNotSpan) {
   EXPECT_EQ(paired.values(2), 30.0);
 }
 
-TEST(PairModes, ScalesShapesWithoutModalMassToTheModels) {
+TEST(PairModes, ScalesShapesOfFreeSizeToTheModels) {
   MeasuredModes modes = measured(Eigen::Matrix3d::Identity(), 50.0 * k_swapped);
   modes.is_scaled = {false, false, false};
-  const PairedModes paired = pair_modes(model(), {modes}, true);
+  const PairedModes paired = pair_modes(model(ShapeSize::free), {modes}, true);
   EXPECT_NEAR(paired.values(3), 1.0, 1e-12);
   EXPECT_NEAR(paired.values(6), 1.0, 1e-12);
-  EXPECT_THAT(paired.notes, ElementsAre(HasSubstr("scaled to the model's")));
+  EXPECT_THAT(paired.notes, IsEmpty());
+}
+
+TEST(PairModes, UsesNoShapeWithoutModalMassWhereTheSizeIsData) {
+  MeasuredModes modes = measured(Eigen::Matrix3d::Identity(), k_swapped);
+  modes.is_scaled = {true, false, true};  // the model's mode 1 is the second of the test
+  const PairedModes paired = pair_modes(model(ShapeSize::by_tests), {modes}, true);
+  EXPECT_TRUE(std::isnan(paired.values(3)) && std::isnan(paired.values(4))) << paired.values;
+  EXPECT_FALSE(paired.values.leftCols(3).hasNaN() || paired.values.rightCols(2).hasNaN()) << paired.values;
+  EXPECT_THAT(paired.notes, ElementsAre(HasSubstr("specimen 1 mode 1.")));
 }
 
 TEST(PairModes, SaysWhatIsDoubtfulMissingAndLeftOut) {
@@ -113,7 +125,7 @@ TEST(PairModes, SaysWhatIsDoubtfulMissingAndLeftOut) {
 TEST(PairModes, DoubtsAModalMassThatIsFarFromTheModels) {
   const PairedModes paired = pair_modes(model(), {measured(Eigen::Matrix3d::Identity(), 7.0 * k_swapped)}, true);
   ASSERT_EQ(paired.notes.size(), 1U);
-  EXPECT_THAT(paired.notes[0], HasSubstr("by its modal mass it is 7 times as large as the model's"));
+  EXPECT_THAT(paired.notes[0], HasSubstr("it is 7 times as large as the model's"));
 }
 
 TEST(PairModes, PairsByRankInFrequencyWhereAsked) {

@@ -16,6 +16,13 @@ enum class ModeTracking {
   mac,    ///< by MAC with the reference shapes and optimal assignment
 };
 
+/// What is known of the size of measured mode shapes.
+enum class ShapeSize {
+  by_tests,         ///< data where a test gives a modal mass; else the shape is not used
+  mass_normalised,  ///< data of every shape
+  free,             ///< unknown for each mode and specimen: only directions are compared
+};
+
 /// Forces that act together, and where their static displacements are outputs: K(x) u = f.
 struct StaticLoad {
   std::map<std::string, double> forces = {};         ///< by degree of freedom; on rotations moments
@@ -27,6 +34,7 @@ struct OutputSelection {
   std::vector<int> frequencies = {};
   std::vector<int> shape_modes = {};
   std::vector<std::string> shape_degrees_of_freedom = {};
+  ShapeSize shape_size = ShapeSize::mass_normalised;
   std::vector<int> damping = {};
   std::vector<StaticLoad> static_loads = {};
   ModeTracking tracking = ModeTracking::order;
