@@ -137,13 +137,19 @@ Eigen::MatrixXd values_of_columns(const CsvTable& table, const std::vector<int>&
   return values;
 }
 
-/// Renumbers the modes of every row by their shapes.
+/// Renumbers the modes of every row by their shapes, or at least turns the shapes to the sign of the model's.
 void pair_rows(const Study& study, const StructureModel& model, Eigen::MatrixXd& values,
                std::vector<std::string>& notes) {
+  const bool is_paired = study.test->pairs_by_mac.value_or(false);
+  if (!is_paired && model.selection().shape_modes.empty()) return;
   std::vector<Eigen::Index> columns_of_modes;
   for (const int mode : model.selection().shape_modes) columns_of_modes.push_back(mode - 1);
   try {
     const Eigen::MatrixXd reference = model.reference_displacements()(Eigen::all, columns_of_modes);
+    if (!is_paired) {
+      if (std::string note = turn_shapes(values, model.selection(), reference); !note.empty()) notes.push_back(note);
+      return;
+    }
     for (std::string& note : pair_tests(values, model.selection(), reference)) notes.push_back(note);
   } catch (const InvalidInput& error) {
     throw InvalidInput(located(study, error));
@@ -178,7 +184,7 @@ void read_repeats(const Study& study, const StructureModel& model, const std::ve
   std::vector<std::string> notes;
   const std::vector<int> columns = match_columns(table, study, model.measured(), notes);
   Eigen::MatrixXd values = values_of_columns(table, columns, model);
-  if (study.test->pairs_by_mac.value_or(false)) pair_rows(study, model, values, notes);
+  pair_rows(study, model, values, notes);
   values = model.outputs_of(values);
   const int specimen = table.find("specimen");
   std::vector<std::string> specimens(table.rows.size());
@@ -260,7 +266,7 @@ Eigen::MatrixXd values_of_rows(const Study& study, const StructureModel& model, 
     notes.push_back(fmt::format("{} specimens without any value are left out.", table.rows.size() - kept.size()));
   }
   Eigen::MatrixXd rows = values(kept, Eigen::all);
-  if (study.test->pairs_by_mac.value_or(false)) pair_rows(study, model, rows, notes);
+  pair_rows(study, model, rows, notes);
   return rows;
 }
 

@@ -1,6 +1,7 @@
 #include "study/tests/pair_tests.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "mottle/core/subject.hpp"
@@ -66,6 +67,27 @@ std::vector<std::string> pair_tests(Eigen::MatrixXd& values, const OutputSelecti
     notes.push_back(fmt::format("Modes that fit none of the model's and are left out: {}.", first_few(doubtful)));
   }
   return notes;
+}
+
+std::string turn_shapes(Eigen::MatrixXd& values, const OutputSelection& selection,
+                        const Eigen::Ref<const Eigen::MatrixXd>& reference) {
+  const Eigen::Index points = reference.rows();
+  const double limit = -std::sqrt(selection.minimum_mac);
+  std::vector<std::string> turned;
+  for (Eigen::Index s = 0; s < values.rows(); ++s) {
+    for (Eigen::Index m = 0; m < reference.cols(); ++m) {
+      auto shape = values.row(s).segment(static_cast<Eigen::Index>(selection.frequencies.size()) + m * points, points);
+      const Eigen::VectorXd measured = shape.array().isNaN().select(0.0, shape).transpose();
+      const Eigen::VectorXd model = shape.array().isNaN().select(0.0, reference.col(m).transpose()).transpose();
+      const double cosine = measured.dot(model) / (measured.norm() * model.norm());
+      if ((!shape.array().isNaN()).count() < 2 || !(cosine <= limit)) continue;
+      shape = -shape.eval();
+      turned.push_back(fmt::format("specimen {} mode {}", s + 1, selection.shape_modes[static_cast<std::size_t>(m)]));
+    }
+  }
+  if (turned.empty()) return {};
+  return fmt::format("Shapes that were upside down against the model's and are turned, {}: {}.", turned.size(),
+                     first_few(turned));
 }
 
 }  // namespace mottle::study

@@ -25,4 +25,13 @@ namespace mottle::study {
 std::vector<std::string> pair_tests(Eigen::MatrixXd& values, const OutputSelection& selection,
                                     const Eigen::Ref<const Eigen::MatrixXd>& reference);
 
+/// Turns shapes that stand upside down to the sign of the reference: those of at least two measured components whose
+/// cosine with the reference is at most -sqrt(minimum_mac). One component alone may have another sign by noise.
+///
+/// @param values     [specimen x output], as of pair_tests(); changed
+/// @param reference  as of pair_tests()
+/// @return           which were turned; empty: none
+std::string turn_shapes(Eigen::MatrixXd& values, const OutputSelection& selection,
+                        const Eigen::Ref<const Eigen::MatrixXd>& reference);
+
 }  // namespace mottle::study

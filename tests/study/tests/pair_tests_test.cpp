@@ -61,6 +61,22 @@ TEST(PairTests, AModeWithAMissingComponentCountsAsNotMeasured) {
   EXPECT_EQ(values(0, 2), 40.0);
 }
 
+TEST(PairTests, ShapesThatStandUpsideDownAreTurned) {
+  Eigen::Matrix3d reference;
+  reference << 1, 1, 0.1, 2, 0, 0.1, 3, -1, 0.1;
+  Eigen::MatrixXd values(1, 12);
+  // Mode 1 upside down with a component missing; mode 2 as it is; of mode 4 one component, whose sign noise may turn.
+  values << 10, 20, 40, k_missing, -2.1, -2.9, 1.1, 0.1, -1, k_missing, -0.1, k_missing;
+  const std::string note = turn_shapes(values, three_modes(), reference);
+  EXPECT_NE(note.find("turned, 1: specimen 1 mode 1."), std::string::npos) << note;
+  EXPECT_EQ(values(0, 4), 2.1);
+  EXPECT_EQ(values(0, 5), 2.9);
+  EXPECT_TRUE(std::isnan(values(0, 3)));
+  EXPECT_EQ(values(0, 6), 1.1);
+  EXPECT_EQ(values(0, 10), -0.1);
+  EXPECT_TRUE(turn_shapes(values, three_modes(), reference).empty());
+}
+
 TEST(PairTests, NeedsShapesOfTheSameModesAsTheFrequencies) {
   Eigen::MatrixXd values(1, 4);
   OutputSelection outputs = three_modes();
