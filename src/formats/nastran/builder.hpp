@@ -173,8 +173,15 @@ void select_constraint_sets(ModelBuilder& builder);
 void write_fixed(ModelBuilder& builder);
 /// After Phase::settings: what the case control section says about the solution.
 void read_case_settings(ModelBuilder& builder);
-/// What happens with cards that no rule reads; `count` of them, the first one given.
-void handle_unread_card(ModelBuilder& builder, const Card& first, int count);
+
+/// Cards of one name that no rule reads.
+struct UnreadCards {
+  const BulkCard* first = nullptr;
+  int count = 0;
+};
+
+/// Skips, with notes, cards that no rule reads; refuses in one message all those that change the model.
+void handle_unread_cards(ModelBuilder& builder, std::span<const UnreadCards> unread);
 /// Refuses case control commands that change the matrices in a way that is not supported.
 void refuse_matrix_commands(ModelBuilder& builder);
 

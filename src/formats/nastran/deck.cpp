@@ -140,7 +140,10 @@ class DeckReader {
   void begin_bulk(std::string_view line, const SourceLocation& location) {
     const std::string text = capitals(line);
     if (text.find("SUPER") != std::string::npos || text.find("AUX") != std::string::npos) {
-      fail(location, fmt::format("'{}': superelements and auxiliary models are not supported", shown(line)));
+      fail(location,
+           fmt::format("'{}': superelements and auxiliary models are not supported; write the whole structure "
+                       "as one model",
+                       shown(line)));
     }
     section_ = Section::bulk;
   }
@@ -187,7 +190,8 @@ class DeckReader {
     if (deck_.files.size() > k_max_includes) fail(location, fmt::format("more than {} included files", k_max_includes));
     std::optional<IncludedFile> found = resolve_ ? resolve_(written, location.file) : std::nullopt;
     if (!found) {
-      fail(location, fmt::format("INCLUDE '{}': no such file beside this file or the main one", printable(written)));
+      fail(location, fmt::format("INCLUDE '{}': there is no such file; looked for {}", printable(written),
+                                 printable(places_of_include(written, location.file, deck_.files.front()))));
     }
     for (const int open : open_) {
       if (deck_.files[static_cast<std::size_t>(open)] == found->name) {

@@ -32,9 +32,13 @@ std::optional<fs::path> find_in_any_case(const fs::path& path) {
   return found;
 }
 
+std::string with_slashes(std::string written) {
+  std::replace(written.begin(), written.end(), '\\', '/');
+  return written;
+}
+
 std::optional<fs::path> find_file(const std::string& written, const fs::path& folder) {
-  std::string slashed = written;
-  std::replace(slashed.begin(), slashed.end(), '\\', '/');
+  const std::string slashed = with_slashes(written);
   for (const std::string& name : {written, slashed}) {
     if (is_file(folder / name)) return folder / name;
   }
@@ -50,6 +54,15 @@ std::string read_limited_file(const std::filesystem::path& path, std::uintmax_t 
     throw FormatError(path.string(), 0, fmt::format("the deck is larger than {} bytes with this file", limit));
   }
   return read_file(path);
+}
+
+std::string places_of_include(const std::string& written, const std::string& from, const std::string& main_file) {
+  const auto place = [&](const std::string& file) {
+    return (fs::path(file).parent_path() / with_slashes(written)).lexically_normal().string();
+  };
+  const std::string beside = place(from);
+  const std::string beside_main = place(main_file);
+  return beside == beside_main ? beside : fmt::format("{} and {}", beside, beside_main);
 }
 
 IncludeResolver resolver_of_files(const std::filesystem::path& main_file) {

@@ -51,8 +51,9 @@ class CardSorter {
     for (const auto& [name, times] : ignored_) {
       builder_.note(fmt::format("{} {} cards were left out, as model.ignore_cards asks", times, name));
     }
-    for (const auto& [name, group] : unread_)
-      handle_unread_card(builder_, builder_.card_of(*group.first), group.second);
+    std::vector<UnreadCards> unread;
+    for (const auto& [name, cards] : unread_) unread.push_back(cards);
+    handle_unread_cards(builder_, unread);
   }
 
  private:
@@ -69,8 +70,7 @@ class CardSorter {
       const Phase phase = rules_[static_cast<std::size_t>(last_rule_)].phase;
       sorted_[static_cast<std::size_t>(phase)].emplace_back(&card, last_rule_);
     } else {
-      auto& group = unread_.try_emplace(card.name, &card, 0).first->second;
-      ++group.second;
+      ++unread_.try_emplace(card.name, UnreadCards{&card, 0}).first->second.count;
     }
   }
 
@@ -79,7 +79,7 @@ class CardSorter {
   std::unordered_map<std::string_view, int> rule_of_;
   std::array<std::vector<std::pair<const BulkCard*, int>>, k_phases> sorted_;
   std::map<std::string_view, int> ignored_;
-  std::map<std::string_view, std::pair<const BulkCard*, int>> unread_;
+  std::map<std::string_view, UnreadCards> unread_;
   std::string_view last_name_;
   int last_rule_ = -1;
   bool is_last_ignored_ = false;

@@ -43,6 +43,10 @@ void read_grid(ModelBuilder& builder, const Card& card) {
   if (card.is_blank(7) && builder.grid_defaults != nullptr) {
     point.fixed = builder.card_of(*builder.grid_defaults).components(7, "PS");
   }
+  if (with_default(builder, card, 8, "SEID") != 0) {
+    builder.count(
+        "{} grid points belong to superelements (SEID), which are not formed: the structure is solved as one");
+  }
   add_point(builder, card, point);
 }
 

@@ -33,11 +33,16 @@ constexpr std::string_view k_reductions[] = {"ASET*", "OMIT*", "CSET*", "BSET*",
 constexpr int k_max_notes = 30;
 
 /// Everything else that changes stiffness, mass or constraints, besides names that resemble elements.
-constexpr std::string_view k_refused[] = {
-    "MAT2",    "MAT3",    "MAT8",    "MAT9",    "MAT10",   "MAT11",  "MATG",    "MATHP",  "MATORT*", "MATF",
-    "RBE1",    "RROD",    "RTRPLT*", "RSPLINE", "RJOINT",  "RSSCON", "RBE2GS",  "RBE2F",  "GENEL",   "PCOMP*",
-    "PLPLANE", "PLSOLID", "PBCOMP",  "PBMSECT", "PBRSECT", "PBEAM3", "PBEND",   "PSHLN*", "PSLDN1",  "SPCAX",
-    "MPCAX",   "RINGAX",  "GRIDB",   "GRIDF",   "SECTAX",  "SEBULK", "SECONCT", "SEELT",  "RELEASE"};
+constexpr std::string_view k_refused[] = {"MAT2",    "MAT3",    "MAT8",    "MAT9",    "MAT10",  "MAT11",   "MATG",
+                                          "MATHP",   "MATORT*", "MATF",    "RBE1",    "RROD",   "RTRPLT*", "RSPLINE",
+                                          "RJOINT",  "RSSCON",  "RBE2GS",  "RBE2F",   "GENEL",  "PCOMP*",  "PLPLANE",
+                                          "PLSOLID", "PBCOMP",  "PBMSECT", "PBRSECT", "PBEAM3", "PBEND",   "PSHLN*",
+                                          "PSLDN1",  "SPCAX",   "MPCAX",   "RINGAX",  "GRIDB",  "GRIDF",   "SECTAX"};
+
+/// Cards that divide the structure into superelements or belong to one.
+constexpr std::string_view k_superelement_cards[] = {
+    "SESET",   "SEBULK",  "SECONCT", "SEELT",   "SEEXCLD", "SELABEL", "SELOC",  "SEMPLN",  "SETREE", "SEBNDRY",
+    "SEBSET*", "SECSET*", "SEQSET*", "SENQSET", "SESUP*",  "SEUSET*", "CSUPER", "CSUPEXT", "RELEASE"};
 
 /// What a deck may hold instead of a card that is refused.
 std::string names_of_read_cards() {
@@ -59,36 +64,83 @@ bool looks_like_an_element(std::string_view name) {
   return name.size() > 1 && name[0] == 'C' && name[1] >= 'A' && name[1] <= 'Z';
 }
 
+/// Materials and properties: elements name them, so that a deck without them is refused for those.
+bool is_referred_to(std::string_view name) {
+  return name.starts_with("MAT") || name.starts_with('P');
+}
+
 std::string reason_for(std::string_view name) {
   if (name.starts_with("MAT")) return "only isotropic materials (MAT1) are supported";
   if (name.starts_with("PCOMP")) return "composite shells are not supported, only PSHELL with MAT1";
-  if (name.starts_with("PB") || name.starts_with("PL") || name.starts_with("PS"))
-    return "this property is not supported";
+  if (is_referred_to(name)) return "this property is not supported";
   return fmt::format("this card changes the model and is not supported; read are {}", names_of_read_cards());
+}
+
+/// How the deck may be solved all the same; empty where leaving cards out does not help.
+std::string way_out(std::span<const UnreadCards> refused) {
+  std::vector<std::string> names;
+  for (const UnreadCards& cards : refused) {
+    if (is_referred_to(cards.first->name)) return {};
+    names.push_back(fmt::format("\"{}\"", cards.first->name));
+  }
+  return fmt::format("; model.ignore_cards = [{}] goes on without {}", join(names), names.size() > 1 ? "them" : "it");
+}
+
+[[noreturn]] void refuse(const ModelBuilder& builder, std::span<const UnreadCards> refused) {
+  const Card first = builder.card_of(*refused.front().first);
+  if (refused.size() == 1) {
+    const int count = refused.front().count;
+    const std::string others = count > 1 ? fmt::format(" ({} such cards in the deck)", count) : std::string();
+    first.fail(fmt::format("{}{}{}", reason_for(first.name()), others, way_out(refused)));
+  }
+  std::vector<std::string> kinds;
+  for (const UnreadCards& cards : refused) {
+    kinds.push_back(fmt::format("{} ({}, the first at {})", cards.first->name, cards.count,
+                                builder.deck.location_of(*cards.first)));
+  }
+  fail({builder.deck.files[static_cast<std::size_t>(first.bulk().file)], first.bulk().line},
+       fmt::format("{} kinds of cards change the model and are not supported: {}; read are {}{}", kinds.size(),
+                   join(kinds), names_of_read_cards(), way_out(refused)));
+}
+
+/// Notes of cards that are skipped although they may matter to somebody.
+void note_skipped(ModelBuilder& builder, const UnreadCards& cards) {
+  const std::string_view name = cards.first->name;
+  if (is_one_of(k_harmless, name)) {
+    if (is_one_of(k_reductions, name)) {
+      builder.note(fmt::format("{} {} cards: no reduction is made, all degrees of freedom stay", cards.count, name));
+    }
+    return;
+  }
+  if (++builder.unknown_kinds > k_max_notes) {
+    builder.count("{} further kinds of cards are not known here and were ignored");
+    return;
+  }
+  builder.note(fmt::format("{} {} cards are not known here and were ignored, the first one at {}", cards.count,
+                           shown(name), builder.deck.location_of(*cards.first)));
 }
 
 constexpr std::string_view k_matrix_commands[] = {"K2GG", "M2GG", "B2GG", "K2PP", "M2PP", "B2PP", "K42GG", "NSM"};
 
 }  // namespace
 
-void handle_unread_card(ModelBuilder& builder, const Card& first, int count) {
-  const std::string_view name = first.name();
-  if (is_one_of(k_harmless, name)) {
-    if (is_one_of(k_reductions, name)) {
-      builder.note(fmt::format("{} {} cards: no reduction is made, all degrees of freedom stay", count, name));
+void handle_unread_cards(ModelBuilder& builder, std::span<const UnreadCards> unread) {
+  std::vector<UnreadCards> refused;
+  for (const UnreadCards& cards : unread) {
+    const std::string_view name = cards.first->name;
+    if (is_one_of(k_superelement_cards, name)) {
+      builder.card_of(*cards.first).fail("superelements are not supported; write the whole structure as one model");
     }
-    return;
+    if (!is_one_of(k_harmless, name) && (is_one_of(k_refused, name) || looks_like_an_element(name))) {
+      refused.push_back(cards);
+    } else {
+      note_skipped(builder, cards);
+    }
   }
-  if (is_one_of(k_refused, name) || looks_like_an_element(name)) {
-    const std::string others = count > 1 ? fmt::format(" ({} such cards in the deck)", count) : std::string();
-    first.fail(fmt::format("{}{}; model.ignore_cards = [\"{}\"] goes on without it", reason_for(name), others, name));
-  }
-  if (++builder.unknown_kinds > k_max_notes) {
-    builder.count("{} further kinds of cards are not known here and were ignored");
-    return;
-  }
-  builder.note(fmt::format("{} {} cards are not known here and were ignored, the first one at {}", count, shown(name),
-                           first.location()));
+  if (refused.empty()) return;
+  std::sort(refused.begin(), refused.end(),
+            [](const UnreadCards& a, const UnreadCards& b) { return a.first < b.first; });  // as they stand in the deck
+  refuse(builder, refused);
 }
 
 void refuse_matrix_commands(ModelBuilder& builder) {

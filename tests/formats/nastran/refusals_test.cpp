@@ -13,6 +13,7 @@ namespace mottle::formats {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 using ::testing::StartsWith;
 
 struct Mistake {
@@ -64,8 +65,7 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"MAT1,2,-1.,,.3\n", "10: MAT1 2: E is negative"},
         Mistake{"MAT1,2,E,,.3\n", "10: MAT1 2: E is 'E', a number is needed"},
         Mistake{"MAT8,2,1.\nMAT8,3,1.\n",
-                "10: MAT8 2: only isotropic materials (MAT1) are supported (2 such cards in the "
-                "deck); model.ignore_cards = [\"MAT8\"] goes on without it"},
+                "10: MAT8 2: only isotropic materials (MAT1) are supported (2 such cards in the deck)"},
         Mistake{"MAT9,2,1.\n", "10: MAT9 2: only isotropic materials"},
         Mistake{"PCOMP,1\n", "10: PCOMP 1: composite shells are not supported, only PSHELL with MAT1"},
         Mistake{"PSOLID,1,7\n", "10: PSOLID 1: MID is 7, but no MAT1 card has that id"},
@@ -164,6 +164,33 @@ TEST(NastranRefusal, NamesTheCommandOfTheCaseControlSection) {
               ::testing::ElementsAre("K2GG = KX was left out, as model.ignore_cards asks"));
 }
 
+TEST(NastranRefusal, NamesEveryUnsupportedKindOfCardAtOnce) {
+  const std::string message = test::refusal_of(test::k_cube + "CSHEAR,1\nCQUAD8,2\nCQUAD8,3\nFORCE,1\n");
+  EXPECT_THAT(message,
+              StartsWith("deck.bdf:10: 2 kinds of cards change the model and are not supported: "
+                         "CSHEAR (1, the first at deck.bdf:10), CQUAD8 (2, the first at deck.bdf:11); read are"));
+  EXPECT_THAT(message, HasSubstr("; model.ignore_cards = [\"CSHEAR\", \"CQUAD8\"] goes on without them"));
+}
+
+// Elements refer to properties and materials: without PCOMP the deck would be refused for its CQUAD4.
+TEST(NastranRefusal, AdvisesToIgnoreCardsOnlyWhereThatHelps) {
+  for (const std::string cards : {"PCOMP,1\n", "MAT9,2,1.\n", "PCOMP,1\nCSHEAR,1\n"}) {
+    EXPECT_THAT(test::refusal_of(test::k_cube + cards), Not(HasSubstr("ignore_cards"))) << cards;
+  }
+  EXPECT_THAT(test::refusal_of(test::k_cube + "CSHEAR,1\n"), HasSubstr("model.ignore_cards = [\"CSHEAR\"]"));
+}
+
+TEST(NastranRefusal, OfSuperelements) {
+  for (const std::string card : {"SESET", "SECONCT", "SEQSET1", "CSUPER", "RELEASE"}) {
+    EXPECT_EQ(test::refusal_of(test::k_cube + "CSHEAR,1\n" + card + ",3,4\n"),
+              "deck.bdf:11: " + card + " 3: superelements are not supported; write the whole structure as one model");
+  }
+  EXPECT_THAT(
+      test::model_of("GRID,1,,,,,,,3\n").notes,
+      ::testing::ElementsAre("1 grid points belong to superelements (SEID), which are not formed: the structure "
+                             "is solved as one"));
+}
+
 TEST(NastranRefusal, OfADeckWithoutPoints) {
   EXPECT_EQ(test::refusal_of("MAT1,1,1.\n"), "deck.bdf: holds no GRID card; a model needs grid points");
 }
@@ -213,6 +240,12 @@ TEST_F(NastranFiles, ThatIncludeThemselvesAreRefused) {
 }
 
 TEST_F(NastranFiles, ThatDoNotExistAreRefused) {
+  write("main.bdf", "\nINCLUDE 'parts/a.dat'\n");
+  write("parts/a.dat", "\n\nINCLUDE 'deep\\b.dat'\n");
+  const std::string folder = folder_.path().string();
+  EXPECT_EQ(test::message_of<FormatError>([&] { read_nastran_model(folder_ / "main.bdf"); }),
+            folder + "/parts/a.dat:3: INCLUDE 'deep\\b.dat': there is no such file; looked for " + folder +
+                "/parts/deep/b.dat and " + folder + "/deep/b.dat");
   EXPECT_THAT(test::message_of<InvalidInput>([&] { read_nastran_model(folder_ / "none.bdf"); }),
               HasSubstr("no such file"));
 }

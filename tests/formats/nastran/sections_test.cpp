@@ -116,7 +116,7 @@ TEST(NastranInclude, RefusesCircles) {
 
 TEST(NastranInclude, RefusesAMissingFile) {
   EXPECT_EQ(refusal_of("GRID,1\nINCLUDE 'no such file.dat'\n"),
-            "deck.bdf:2: INCLUDE 'no such file.dat': no such file beside this file or the main one");
+            "deck.bdf:2: INCLUDE 'no such file.dat': there is no such file; looked for no such file.dat");
 }
 
 TEST(NastranInclude, RefusesTooManyFilesAndLevels) {
