@@ -52,10 +52,15 @@ class BeamReader {
   Eigen::Vector3d position(std::size_t end) const { return builder_.position(nodes_[end]); }
 
   /// "GGO": system of the orientation vector (G: displacement system of GA, B: basic), of the offsets at A and B
-  /// (G: displacement system of that end, O: along the beam).
+  /// (G: displacement system of that end, O: along the beam). Old decks have a CBAR's flag F there: 1 where a vector
+  /// stands in fields 5 to 7, 2 where field 5 names a grid point.
   void read_offset_type() {
     const std::string_view text = card_.is_blank(8) ? defaults_.at(8) : card_.at(8);
     if (text.empty()) return;
+    if (card_.name() == "CBAR" && (text == "1" || text == "2")) {
+      orientation_flag_ = text[0];
+      return;
+    }
     const bool is_known = text.size() == 3 && (text[0] == 'G' || text[0] == 'B') &&
                           (text[1] == 'G' || text[1] == 'O') && (text[2] == 'G' || text[2] == 'O');
     if (!is_known) {
@@ -66,7 +71,8 @@ class BeamReader {
 
   Eigen::Vector3d orientation() {
     const Card& source = card_.has_any(5, 7) ? card_ : defaults_;
-    if (source.is_integer(5) && !source.has_any(6, 7)) {
+    const bool is_grid_alone = source.is_integer(5) && !source.has_any(6, 7);
+    if (orientation_flag_ == '2' || (orientation_flag_ == ' ' && is_grid_alone)) {
       const int other = builder_.grid(source, 5, "G0");
       return builder_.position(other) - position(0);
     }
@@ -104,6 +110,7 @@ class BeamReader {
   const Card defaults_;  ///< the card itself where there are none
   std::array<int, 2> nodes_ = {-1, -1};
   std::string offset_type_ = "GGG";
+  char orientation_flag_ = ' ';
 };
 
 void read_cbar(ModelBuilder& builder, const Card& card) {

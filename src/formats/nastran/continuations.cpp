@@ -13,6 +13,11 @@ namespace {
 
 constexpr int k_max_rows_of_a_card = 1000000;
 
+/// What of the last field a continuation line repeats behind its own first character where that field has no '+'.
+std::string_view unmarked_label(const BulkRow& row) {
+  return row.is_continued_by_mark || row.label_out.empty() ? std::string_view{} : row.label_out.substr(1);
+}
+
 class RowJoiner {
  public:
   RowJoiner(std::vector<BulkRow>& rows, NastranDeck& deck, NastranDeck::Text& text)
@@ -55,7 +60,7 @@ class RowJoiner {
       fail(location_of(current),
            "a line that begins with a number continues one that ends with a comma; there is none");
     }
-    if (current.label_in.empty() || current.label_in == above.label_out) {
+    if (current.label_in.empty() || current.label_in == above.label_out || current.label_in == unmarked_label(above)) {
       link(row - 1, row);
     } else {
       by_label_.push_back(row);
@@ -63,15 +68,19 @@ class RowJoiner {
   }
 
   void link_by_label() {
-    std::unordered_map<std::string_view, std::vector<int>> open;
+    std::unordered_map<std::string_view, std::vector<int>> open, unmarked;
     for (int row = 0; row < count(); ++row) {
       if (at(row).label_out.empty()) continue;
       std::vector<int>& rows = open[at(row).label_out];
       if (at(row).next < 0) rows.push_back(row);
+      if (at(row).next < 0 && !unmarked_label(at(row)).empty()) unmarked[unmarked_label(at(row))].push_back(row);
     }
     for (const int row : by_label_) {
       const auto found = open.find(at(row).label_in);
-      if (found != open.end() && found->second.empty()) {
+      const auto found_unmarked = unmarked.find(at(row).label_in);
+      if (found == open.end() && found_unmarked != unmarked.end()) {
+        link_to_the_only(found_unmarked->second, row);
+      } else if (found != open.end() && found->second.empty()) {
         fail(location_of(at(row)),
              fmt::format("continuation '+{}': the line with that label is continued already", shown(at(row).label_in)));
       } else if (found != open.end()) {

@@ -85,7 +85,7 @@ bool has_line(std::string_view bytes, std::string_view word) {
 class DeckReader {
  public:
   DeckReader(const IncludeResolver& resolve, NastranDeck& deck, NastranDeck::Text& text)
-      : resolve_(resolve), deck_(deck), text_(text) {}
+      : resolve_(resolve), deck_(deck), text_(text), replication_(text) {}
 
   void read(std::string bytes, const std::string& name) {
     if (has_line(bytes, "CEND")) {
@@ -155,9 +155,15 @@ class DeckReader {
     }
     if (rows_.size() >= k_max_rows) fail(source.location(), fmt::format("more than {} lines of bulk data", k_max_rows));
     make_capitals(source.bytes(), line);
-    BulkRow& row = rows_.emplace_back(cut_row(line, source.location(), text_));
+    BulkRow row = cut_row(line, source.location(), text_);
     row.file = open_.back();
     row.line = source.number();
+    if (row.kind == BulkRow::Kind::replication) {
+      replication_.read(row, source.location(), rows_);
+    } else {
+      replication_.forget();
+      rows_.push_back(row);
+    }
   }
 
   void read_solution(std::string_view line) {
@@ -169,7 +175,8 @@ class DeckReader {
   void read_command(const std::string& word, std::string_view line, LineSource& source) {
     const int number = source.number();
     std::string command(line);
-    const bool is_text = word.ends_with("TITLE") || word == "LABEL";
+    const bool is_text =
+        word.ends_with("TITLE") || word.starts_with("TITL") || word.starts_with("SUBT") || word.starts_with("LABE");
     int lines = 1;
     while (!is_text && trim(command).ends_with(',') && source.next(line)) {
       if (++lines > k_max_lines_of_a_command) fail(source.location(), "the command above has too many lines");
@@ -231,6 +238,7 @@ class DeckReader {
   NastranDeck& deck_;
   NastranDeck::Text& text_;
   std::vector<BulkRow> rows_;
+  Replication replication_;
   std::vector<int> open_;  ///< files from the main one to the one that is being read
   std::uintmax_t total_bytes_ = 0;
   Section section_ = Section::bulk;

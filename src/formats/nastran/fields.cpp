@@ -68,6 +68,7 @@ bool parse_components(std::string_view text, Components& value) {
   value = 0;
   if (text.empty() || text == "0") return true;
   for (const char c : text) {
+    if (c == ' ' || c == '\t') continue;
     if (c < '1' || c > '6') return false;
     const auto bit = static_cast<Components>(1U << (c - '1'));
     if ((value & bit) != 0) return false;

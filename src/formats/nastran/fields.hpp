@@ -16,7 +16,8 @@ namespace mottle::formats::nastran {
 bool parse_real(std::string_view text, double& value);
 /// Reads an integer without a decimal point.
 bool parse_integer(std::string_view text, int& value);
-/// Reads "1246" as bits; false where a character is not 1..6 or stands twice. Blank and "0" are no component.
+/// Reads "1246", also written "12 4 6", as bits; false where a character is not 1..6 or stands twice. Blank and "0" are
+/// no component.
 bool parse_components(std::string_view text, Components& value);
 
 /// One card. Fields are counted from 1 over all its lines, eight a line, the name left out.

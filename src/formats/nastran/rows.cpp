@@ -35,15 +35,23 @@ std::string_view columns(std::string_view line, std::size_t first, std::size_t c
   return first < line.size() ? trim(line.substr(first, count)) : std::string_view{};
 }
 
+bool has_mark(std::string_view label) {
+  return label.starts_with('+') || label.starts_with('*');
+}
+
 std::string_view without_mark(std::string_view label) {
-  return label.starts_with('+') || label.starts_with('*') ? trim(label.substr(1)) : label;
+  return has_mark(label) ? trim(label.substr(1)) : label;
 }
 
 /// Reads what stands in front: a card's name or the mark of a continuation line.
 void read_first_field(std::string_view field, const SourceLocation& location, BulkRow& row) {
   if (field.starts_with('/'))
     fail(location, "'/' deletes cards of an earlier run; this is not supported, leave them out");
-  if (field.starts_with('=')) fail(location, "'=' repeats the card above; this is not supported, write the cards out");
+  if (field.starts_with('=')) {
+    row.kind = BulkRow::Kind::replication;
+    row.name = field;
+    return;
+  }
   if (field.empty() || field.front() == '+' || field.front() == '*') {
     row.kind = BulkRow::Kind::continuation;
     row.is_large = field.starts_with('*');
@@ -91,9 +99,10 @@ BulkRow cut_free_row(std::string_view line, const SourceLocation& location, Nast
   const std::size_t count = text.fields.size() - row.first_field;
   if (count > 0 && row.kind != BulkRow::Kind::overflow) {
     const std::string_view last = text.fields.back();
-    const bool is_label = count == width + 1 && (last.starts_with('+') || last.starts_with('*'));
+    const bool is_label = count == width + 1 && has_mark(last);
     if (is_label || is_mark(last)) {
       row.label_out = without_mark(last);
+      row.is_continued_by_mark = true;
       text.fields.pop_back();
     }
   }
@@ -110,7 +119,9 @@ BulkRow cut_fixed_row(std::string_view line, const SourceLocation& location, Nas
   const std::size_t width = row.is_large ? 16 : 8;
   const std::size_t end = std::min(line.size(), k_columns_of_data);
   for (std::size_t at = 8; at < end; at += width) text.fields.push_back(columns(line.substr(0, end), at, width));
-  row.label_out = without_mark(columns(line, k_columns_of_data, k_columns - k_columns_of_data));
+  const std::string_view label = columns(line, k_columns_of_data, k_columns - k_columns_of_data);
+  row.label_out = without_mark(label);
+  row.is_continued_by_mark = has_mark(label);
   while (text.fields.size() > row.first_field && text.fields.back().empty()) text.fields.pop_back();
   row.field_count = static_cast<int>(text.fields.size() - row.first_field);
   return row;

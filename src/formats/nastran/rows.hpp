@@ -2,6 +2,7 @@
 #pragma once
 
 #include <deque>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -41,15 +42,17 @@ struct BulkRow {
   enum class Kind : std::uint8_t {
     card,
     continuation,
-    overflow
-  };  ///< overflow: goes on behind a comma at a line's end
+    overflow,    ///< goes on behind a comma at a line's end
+    replication  ///< repeats the card above; `name` is its first field, "=" or "=4"
+  };
 
   Kind kind = Kind::card;
   bool is_large = false;
   bool ends_with_comma = false;
   std::string_view name;
-  std::string_view label_in;   ///< "+A1" in front, without the '+'
-  std::string_view label_out;  ///< the same in the last field
+  std::string_view label_in;          ///< "+A1" in front, without the '+'
+  std::string_view label_out;         ///< the same in the last field
+  bool is_continued_by_mark = false;  ///< the last field begins with '+' or '*'
   std::size_t first_field = 0;
   int field_count = 0;
   int file = 0;
@@ -59,6 +62,27 @@ struct BulkRow {
 
 /// Cuts a line without its comment, in capitals and not blank, into fields that are put at the end of `text.fields`.
 BulkRow cut_row(std::string_view line, const SourceLocation& location, NastranDeck::Text& text);
+
+/// Writes out the cards that lines with '=' in the first field ask for: the card above, in which "=" keeps a field,
+/// "==" keeps it and all that follow, "*x" adds x and anything else takes its place. "=n" does the same n times again.
+class Replication {
+ public:
+  explicit Replication(NastranDeck::Text& text) : text_(text) {}
+
+  /// Adds the cards of one such line to `rows`.
+  void read(const BulkRow& line, const SourceLocation& location, std::vector<BulkRow>& rows);
+  /// Another line followed: "=n" has nothing to do again.
+  void forget() { pattern_.reset(); }
+
+ private:
+  BulkRow next(const BulkRow& above, const SourceLocation& location);
+  std::string_view field_of(const BulkRow& row, int n) const;
+  std::string_view changed(std::string_view field, std::string_view change, const SourceLocation& location);
+
+  NastranDeck::Text& text_;
+  std::optional<BulkRow> pattern_;
+  int copies_ = 0;
+};
 
 /// Finds for every continuation the row that it continues and makes cards of the chains.
 void join_rows(std::vector<BulkRow>& rows, NastranDeck& deck, NastranDeck::Text& text);

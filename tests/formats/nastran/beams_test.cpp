@@ -40,6 +40,18 @@ TEST(NastranBeams, HaveAPropertyOfNumbers) {
   EXPECT_EQ(model.beam_properties[0].section, "");
 }
 
+// Field 9 of old decks: 1 says that a vector stands in fields 6 to 8, 2 that field 6 names a grid point.
+TEST(NastranBeams, TakeTheOldFlagOfTheirOrientation) {
+  const FiniteElementModel model =
+      cube_with(k_bar +
+                "CBAR,1,1,1,2,.0,.0,1.0,1\nCBAR,2,1,1,2,0,1,0,1\nCBAR,3,1,1,2,3,,,2\nBAROR,,,,,0.,1.,0.,1\n"
+                "CBAR,4,1,1,2\n");
+  EXPECT_EQ(model.elements<BeamElement>()[0].orientation, Eigen::Vector3d(0.0, 0.0, 1.0));
+  EXPECT_EQ(model.elements<BeamElement>()[1].orientation, Eigen::Vector3d(0.0, 1.0, 0.0));
+  EXPECT_EQ(model.elements<BeamElement>()[2].orientation, Eigen::Vector3d(2.0, 2.0, 0.0));
+  EXPECT_EQ(model.elements<BeamElement>()[3].orientation, Eigen::Vector3d(0.0, 1.0, 0.0));
+}
+
 TEST(NastranBeams, HaveAPropertyOfDimensions) {
   const FiniteElementModel model = cube_with("PBARL,1,1,,TUBE\n,.1,.08,5.\nPBEAML,1,1,,bar\n,.1,.2\n");
   EXPECT_EQ(model.beam_properties.at(0).section, "TUBE");

@@ -121,6 +121,42 @@ TEST(NastranDeck, NotesALabelThatNoLineAsksFor) {
   EXPECT_THAT(deck.notes, ElementsAre(HasSubstr("1 continuation lines with a label that no line asks for")));
 }
 
+TEST(NastranDeck, LeavesOutTheFirstCharacterOfALabelWithoutPlus) {
+  const std::string first = "CHEXA   7       3       11      12      13      14      15      16      KLABEL\n";
+  const std::string rest = "+LABEL  17      18\n";
+  EXPECT_EQ(card_of(first + rest), k_hexahedron);
+  const NastranDeck apart = deck_of(first + "GRID    2\n" + rest);
+  ASSERT_EQ(apart.cards.size(), 2U);
+  EXPECT_EQ(fields_of(apart.cards[0]), k_hexahedron);
+  // A label that agrees as a whole comes first.
+  const NastranDeck both =
+      deck_of(first + "CHEXA   9                                                               LABEL\n" + rest);
+  ASSERT_EQ(both.cards.size(), 2U);
+  EXPECT_EQ(both.cards[1].fields.size(), 10U);
+}
+
+TEST(NastranDeck, RepeatsTheCardAboveWithChanges) {
+  const std::vector<Fields> expected = {{"101", "17", "1.0", "10.5", "", "17", "3456"},
+                                        {"102", "17", "1.25", "10.5", "", "17", "3456"},
+                                        {"103", "17", "1.5", "10.5", "", "17", "3456"},
+                                        {"104", "17", "1.75", "10.5", "", "17", "3456"},
+                                        {"900", "17", "1.75"}};
+  for (const std::string lines : {"GRID,101,17,1.0,10.5,,17,3456\n=,*(1),=,*(0.25),==\n=(2)\n=,900,=,=\n",
+                                  "GRID    101     17      1.0     10.5            17      3456\n"
+                                  "=       *1      =       *.25    ==\n"
+                                  "=2\n"
+                                  "=       900     =       =\n"}) {
+    const NastranDeck deck = deck_of(lines);
+    ASSERT_EQ(deck.cards.size(), expected.size());
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+      EXPECT_EQ(deck.cards[i].name, "GRID");
+      EXPECT_EQ(fields_of(deck.cards[i]), expected[i]);
+    }
+    EXPECT_EQ(deck.cards[3].line, 3);
+  }
+  EXPECT_EQ(deck_of("A,9,12.0\n=,*-1,*-2\n").cards[1].fields[1], "10.0");
+}
+
 TEST(NastranDeck, IgnoresWhatStandsBehindColumn72) {
   EXPECT_EQ(card_of("GRID    2               1.0     -2.0    3.0             136             SEQ00010\n"), k_grid);
   EXPECT_EQ(
@@ -188,7 +224,17 @@ INSTANTIATE_TEST_SUITE_P(
     NastranDeck, MalformedDeck,
     ::testing::Values(
         Malformed{"/ 1 3\n", "deck.bdf:1: '/' deletes cards"},
-        Malformed{"GRID,1\n=,*1,=\n", "deck.bdf:2: '=' repeats the card above"},
+        Malformed{"=,*1,=\n", "deck.bdf:1: '=' repeats the card above; there is none"},
+        Malformed{"A,1\n,2\n=,*1\n",
+                  "deck.bdf:3: '=' repeats the card above; this is not supported for cards of several"},
+        Malformed{"A,1,,,,,,,,+X\n=,*1\n+X,2\n", "deck.bdf:2: '=' repeats the card above; this is not supported for"},
+        Malformed{"A,1\n=3\n", "deck.bdf:2: '=3' repeats a line above that begins with '='; there is none"},
+        Malformed{"A,1\n=,*1\nB,1\n=3\n", "deck.bdf:4: '=3' repeats a line above"},
+        Malformed{"A,1\n=,*1\n=0\n", "deck.bdf:3: '=0': the number of cards behind '=' must be an integer from 1"},
+        Malformed{"A,1\n=,*1\n=1000000\n", "deck.bdf:3: '=' lines make more than 1000000 cards"},
+        Malformed{"A,1\n=,*.5\n", "deck.bdf:2: '*.5' cannot be added to '1' of the card above"},
+        Malformed{"A,X\n=,*1\n", "deck.bdf:2: '*1' cannot be added to 'X' of the card above"},
+        Malformed{"A,2147483647\n=,*1\n", "deck.bdf:2: '*1' cannot be added to '2147483647' of the card above"},
         Malformed{"$\n,1,2\n", "deck.bdf:2: a continuation line without a card"},
         Malformed{"        1.0\n", "deck.bdf:1: a continuation line without a card"},
         Malformed{"GRID 1  2\n", "deck.bdf:1: 'GRID 1' stands where a card's name must"},

@@ -25,6 +25,15 @@ Eigen::Vector3d position_of(const std::string& deck, int id) {
   return node(model_of(deck).model, id).position;
 }
 
+TEST(NastranComponents, MayHaveBlanksBetweenThem) {
+  const std::string cards =
+      "GRID    9               1.0     2.0     3.0             12 4 6\nSPC1    1       3 5     9\n"
+      "RBE2    1       1       1 2 3   2\n";
+  const FiniteElementModel model = model_of(k_cube + cards).model;
+  EXPECT_THAT(model.fixed, ElementsAre(std::pair<int, Components>(8, 0x3f)));
+  EXPECT_EQ(model.rigid_bodies.at(0).components, 0x07);
+}
+
 TEST(NastranNumber, IsReadInEveryForm) {
   const std::vector<std::pair<std::string, double>> forms = {
       {"1.5", 1.5},  {".5", 0.5},        {"5.", 5.0},      {"-.5", -0.5},   {"+1.5", 1.5},

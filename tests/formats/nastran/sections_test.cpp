@@ -55,6 +55,7 @@ TEST(NastranCaseControl, JoinsLinesButNotTitles) {
   const NastranDeck deck = deck_of(k_control);
   EXPECT_EQ(deck.find_command("SET")->value, "1 = 1,2, 3");
   EXPECT_EQ(deck.find_command("TITLE")->value, "Bob's wing,");
+  EXPECT_EQ(deck_of("CEND\nSUBT = MACH 0.45,\nSPC = 1\nBEGIN BULK\n").find_command("SPC")->value, "1");
 }
 
 TEST(NastranCaseControl, ReadsParametersInEveryForm) {

@@ -1,0 +1,87 @@
+"""Decks as people have them: old syntax, and natural frequencies that MSC or NX Nastran printed for public decks.
+
+    python3 decks_test.py PATH_TO_MOTTLE
+"""
+
+import json
+import unittest
+
+import support
+
+DECKS = support.SOURCE.parent / "shared" / "data" / "decks"  # not part of the project; the tests of them are skipped without
+
+MODERN = """\
+SOL 103
+CEND
+SPC = 1
+METHOD = 10
+BEGIN BULK
+EIGRL,10,,,6
+GRID,1
+GRID,2,,0.5
+GRID,3,,1.0
+GRID,4,,1.5
+SPC1,1,123456,1
+CBAR,1,1,1,2,0.,0.,1.
+CBAR,2,1,2,3,0.,0.,1.
+CBAR,3,1,3,4,0.,0.,1.
+PBAR,1,1,6.-4,2.-8,4.5-8,1.-8
+MAT1,1,7.+10,,.3,2700.
+ENDDATA
+"""
+OLD = """\
+ID OLD,DECK
+SOL 145
+TIME 5
+CEND
+TITLE=A WING,
+SUBT = MACH IS 0.45,
+SEALL = ALL
+SPC   = 1
+METHOD  = 10
+FMETHOD = 30
+OUTPUT(PLOT)
+ SET 1 = AERO1
+VIEW 0.,90.,0.
+PLOT SET 1 LABEL GRID
+BEGIN BULK
+EIGRL,10,,,6
+GRID    1               0.0     0.      0.
+=       *1      =       *.5     ==
+=2
+SPC1    1       12 34 561
+CBAR    1       1       1       2       .0      .0      1.0     1
+=       *1      =       *1      *1      ==
+=(1)
+PBAR    1       1       6.-4    2.-8    4.5-8   1.-8
+MAT1    1       7.+10           .3      2700.
+FLFACT  3       .10000  .11111  .1250   .14286  .16667  .2      .25     KFREQ
++FREQ   .33333  .5
+ENDDATA
+"""
+
+
+class DecksTest(support.CommandTest):
+    def frequencies(self, deck, *options):
+        return json.loads(self.succeed("modes", deck, "--json", "--out", "modes", *options).out)["frequencies"]
+
+    def agree(self, deck):
+        """Within 0.5 %: elements of the programs differ in details that these decks do not resolve."""
+        if not DECKS.is_dir():
+            self.skipTest(f"{DECKS} is not there")
+        expected = json.loads((DECKS / "frequencies.json").read_text(encoding="utf-8"))[deck]
+        found = self.frequencies(DECKS / deck, "--modes", str(len(expected)))
+        for mode, (one, other) in enumerate(zip(found, expected, strict=True), 1):
+            self.assertLess(abs(one / other - 1), 0.005, f"mode {mode}: {one} Hz, reference {other} Hz")
+
+    def test_a_deck_in_old_syntax_has_the_modes_of_the_same_deck_in_modern_syntax(self):
+        self.write("old.bdf", OLD)
+        self.write("modern.bdf", MODERN)
+        self.assertEqual(self.frequencies("old.bdf"), self.frequencies("modern.bdf"))
+
+    def test_a_swept_wing_of_msc_nastran_has_its_modes(self):
+        self.agree("pt145.bdf")
+
+
+if __name__ == "__main__":
+    support.main()
