@@ -4,6 +4,7 @@
 """
 
 import json
+import math
 import unittest
 
 import support
@@ -81,6 +82,19 @@ class DecksTest(support.CommandTest):
 
     def test_a_swept_wing_of_msc_nastran_has_its_modes(self):
         self.agree("pt145.bdf")
+
+    def test_a_beam_of_cbar_and_one_cbeam_with_lumped_mass_has_the_modes_of_nx_nastran(self):
+        self.agree("beam_modes.dat")
+
+    def test_a_shaft_of_cbar_has_the_torsional_inertia_of_its_disc_alone(self):
+        # One element, J = 1e-8: w^2 = G J / (L I). A CBEAM adds rho (I1 + I2) L / 2 = 1e4 * 2e-7 * 1 / 2 where mass is lumped.
+        shaft = ("CEND\nSPC = 1\nBEGIN BULK\nEIGRL,1,,,1\nGRID,1\nGRID,2,,1.\nSPC1,1,123456,1\nSPC1,1,12356,2\n"
+                 "MAT1,1,,8.+10,.3,1.+4\n{}\n{},1,1,1,2,0.,1.,0.\nCONM2,2,2,,0.\n,.001\n")
+        for element, section, inertia in (("CBAR", "PBAR,1,1,1.-3,1.-7,1.-7,1.-8", 0.001),
+                                          ("CBEAM", "PBEAM,1,1,1.-3,1.-7,1.-7,,1.-8", 0.002)):
+            self.write("shaft.bdf", shaft.format(section, element))
+            exact = math.sqrt(8e10 * 1e-8 / inertia) / (2 * math.pi)
+            self.assertAlmostEqual(self.frequencies("shaft.bdf", "--modes", "1")[0] / exact, 1, 10)
 
 
 if __name__ == "__main__":

@@ -111,8 +111,10 @@ void add_beam(const FiniteElementModel& model, const BeamElement& element, Piece
       add_piece(result, ElementPiece::Kind::mass, weigh, section_coefficient(density, property, field, number), matrix);
     };
     add(section.area, section.numbers.area, unit.line);
-    add(section.inertia_1, section.numbers.inertia_1, unit.torsional);
-    add(section.inertia_2, section.numbers.inertia_2, unit.torsional);
+    if (element.has_torsional_inertia) {
+      add(section.inertia_1, section.numbers.inertia_1, unit.torsional);
+      add(section.inertia_2, section.numbers.inertia_2, unit.torsional);
+    }
   }
   add_piece(result, ElementPiece::Kind::mass, weigh, times({}, property.nonstructural_mass), unit.line);
   if (selection == PieceSelection::mass) return;

@@ -35,6 +35,7 @@ class BeamReader {
     BeamElement beam;
     beam.card = card_.name();
     beam.id = card_.id(1, "EID");
+    beam.has_torsional_inertia = card_.name() != "CBAR";
     const Card& property = card_.is_blank(2) ? defaults_ : card_;
     beam.property = builder_.property<int>(card_, property.is_blank(2) ? beam.id : property.id(2, "PID"), kinds);
     nodes_ = {builder_.grid(card_, 3, "GA"), builder_.grid(card_, 4, "GB")};

@@ -52,6 +52,12 @@ TEST(NastranBeams, TakeTheOldFlagOfTheirOrientation) {
   EXPECT_EQ(model.elements<BeamElement>()[3].orientation, Eigen::Vector3d(0.0, 1.0, 0.0));
 }
 
+TEST(NastranBeams, HaveTorsionalInertiaIfTheyAreCbeam) {
+  const FiniteElementModel model = cube_with(k_bar + "PBEAM,1,1,.1,.2,.3,,.4\nCBAR,1,1,1,2,3\nCBEAM,2,1,1,2,3\n");
+  EXPECT_FALSE(model.elements<BeamElement>().at(0).has_torsional_inertia);
+  EXPECT_TRUE(model.elements<BeamElement>().at(1).has_torsional_inertia);
+}
+
 TEST(NastranBeams, HaveAPropertyOfDimensions) {
   const FiniteElementModel model = cube_with("PBARL,1,1,,TUBE\n,.1,.08,5.\nPBEAML,1,1,,bar\n,.1,.2\n");
   EXPECT_EQ(model.beam_properties.at(0).section, "TUBE");

@@ -33,6 +33,7 @@ struct BeamElement {
   Eigen::Vector3d orientation = Eigen::Vector3d::UnitZ();  ///< v, basic: plane 1 is spanned by the axis and v
   std::array<Eigen::Vector3d, 2> offsets = {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};  ///< WA, WB, basic
   std::array<Components, 2> pins = {};  ///< released components at ends A and B, in element axes
+  bool has_torsional_inertia = true;    ///< about its axis; Nastran gives a CBAR none
 
   static const ElementTraits<BeamElement> k_traits;
 };
