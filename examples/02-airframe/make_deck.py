@@ -150,8 +150,8 @@ def materials(deck):
                                  (3, 2, FUSELAGE["thickness"]), (4, 2, FIN["thickness"]),
                                  (5, 2, TAILPLANE["thickness"])):
         deck.card("PSHELL", prop, mat, float(thickness), mat, None, mat)
-    deck.say("PBARL BAR: width along the element's y, height along its z.")
-    deck.card("PBARL", 6, 2, None, "BAR", None, None, None, None, DRUM["thickness"], DRUM["width"])
+    deck.say("PBEAML BAR: width along the element's y, height along its z.")
+    deck.card("PBEAML", 6, 2, None, "BAR", None, None, None, None, DRUM["thickness"], DRUM["width"])
 
 
 def wing(deck):
@@ -173,7 +173,7 @@ def wing(deck):
 
 
 def drums(deck, z, chord):
-    deck.section("Wing tip drums: CBAR at 2001... with offsets up from the wing's mid-plane to the drum's axis;",
+    deck.section("Wing tip drums: CBEAM at 2001... with offsets up from the wing's mid-plane to the drum's axis;",
                  "RBE2 ties the middle to the wing's tip.")
     up = (WING["thickness"] + DRUM["thickness"]) / 2
     middles = []
@@ -181,7 +181,7 @@ def drums(deck, z, chord):
         row = deck.mesh("drum", first, [[(x, side * DRUM["y"], z) for x in steps(-0.2, 0.2, 8)]])[0]
         for a, b in zip(row, row[1:]):
             deck.element += 1
-            deck.card("CBAR", deck.element, 6, a, b, 0.0, 0.0, 1.0, None, None, None, 0.0, 0.0, up, 0.0, 0.0, up)
+            deck.card("CBEAM", deck.element, 6, a, b, 0.0, 0.0, 1.0, None, None, None, 0.0, 0.0, up, 0.0, 0.0, up)
         deck.element += 1
         deck.card("RBE2", deck.element, row[4], 123456, *[deck.at("wing", x, side * DRUM["y"], z) for x in chord])
         middles.append(row)

@@ -8,6 +8,7 @@
 #include "mottle/formats/tables/csv.hpp"
 #include "mottle/model/units.hpp"
 #include "mottle/study/jobs/study_objects.hpp"
+#include "study/input/first_few.hpp"
 #include "study/input/noise_rules.hpp"
 #include "study/tests/pair_modes.hpp"
 #include "study/tests/pair_tests.hpp"
@@ -258,12 +259,19 @@ Eigen::MatrixXd values_of_rows(const Study& study, const StructureModel& model, 
   const std::vector<int> columns = match_columns(table, study, model.measured(), notes);
   const Eigen::MatrixXd values = values_of_columns(table, columns, model);
   std::vector<Eigen::Index> kept;
+  std::vector<std::string> empty;
   for (Eigen::Index row = 0; row < values.rows(); ++row) {
-    if (!values.row(row).array().isNaN().all()) kept.push_back(row);
+    if (!values.row(row).array().isNaN().all()) {
+      kept.push_back(row);
+    } else {
+      empty.push_back(fmt::format("line {}", table.lines[static_cast<std::size_t>(row)]));
+    }
   }
   if (kept.empty()) throw FormatError(table.file, 0, "holds no specimen: there is no row with a value");
-  if (kept.size() < table.rows.size()) {
-    notes.push_back(fmt::format("{} specimens without any value are left out.", table.rows.size() - kept.size()));
+  if (!empty.empty()) {
+    notes.push_back(
+        fmt::format("{} specimens without any value are left out ({}); the others are numbered without them.",
+                    empty.size(), first_few(empty)));
   }
   Eigen::MatrixXd rows = values(kept, Eigen::all);
   pair_rows(study, model, rows, notes);
