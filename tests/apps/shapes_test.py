@@ -137,7 +137,48 @@ class Shapes(support.CommandTest):
         lines[1] = "m1,nan," + lines[1].split(",", 2)[2]
         file.write_text("\n".join(lines) + "\n", encoding="utf-8")
         self.write("study.toml", STUDY)
-        self.assertIn("cannot be scaled alike: specimen 3 mode 1", self.succeed("check", "study.toml").out)
+        self.assertIn("nearly orthogonal to the reference's: specimen 3 mode 1", self.succeed("check", "study.toml").out)
+
+    def test_a_specimen_of_which_nothing_is_left_is_left_out(self):
+        self.write_modes(lambda s, mode: 0.0 if s == 0 else 2.0)
+        result = self.updated()
+        self.assertTrue(any("no output is left" in note and "specimen 1;" in note for note in result["notes"]), result["notes"])
+        for found, (mean, std) in zip(result["parameters"]["mean"], TRUTH.values()):
+            self.assertAlmostEqual(found, mean, delta=4 * std / 39**0.5)
+
+    def test_directions_far_from_the_reference_are_told_apart(self):
+        """Two masses whose shape turns by more than 22 degrees between the prior and the truth."""
+        two = STUDY[:STUDY.index("masses =")] + """\
+masses = { m1 = 1.0, m2 = 1.0 }
+springs = [
+  { name = "k1", between = ["ground", "m1"], stiffness = 1.0 },
+  { name = "k2", between = ["ground", "m2"], stiffness = 1.0 },
+  { name = "kc", between = ["m1", "m2"], stiffness = 0.1 },
+]
+""" + "".join(f'[[{table}]]\nname = "{name}"\ntarget = "spring:{name}"\ndistribution = {{ kind = "normal", mean = {mean}, std = {std} }}\n'
+             for table, values in (("parameter", (("k1", 1.0, 0.3), ("k2", 1.0, 0.3))),
+                                   ("truth.parameter", (("k1", 1.26, 0.02), ("k2", 1.0, 0.02))))
+             for name, mean, std in values) + """
+[outputs]
+frequencies = [1]
+shapes = { modes = [1], dofs = ["m1", "m2"], size = "free" }
+[test]
+file = "tests.csv"
+repeatability = { "f*" = "0.01 %", "phi*" = 0.002 }
+[update]
+method = "maximum-likelihood"
+samples = 400
+[truth]
+specimens = 40
+noise = { "f*" = "0.01 %", "phi*" = 0.002 }
+"""
+        self.write("study.toml", two)
+        self.succeed("simulate", "study.toml", "--out", "two", "--quiet")
+        (self.folder / "two" / "specimens.csv").rename(self.folder / "tests.csv")
+        for method in ("maximum-likelihood", "deterministic", "mares"):
+            result = self.updated(edited(two, ("maximum-likelihood", method)))
+            for found, mean in zip(result["parameters"]["mean"], (1.26, 1.0)):
+                self.assertAlmostEqual(found, mean, delta=4 * 0.03 / 40**0.5, msg=method)
 
     def test_faults_are_found_with_file_and_line(self):
         self.write_modes(lambda s, mode: 1.0)

@@ -1,5 +1,8 @@
 #include "model/responses/shape_directions.hpp"
 
+#include <cmath>
+#include <limits>
+
 #include "mottle/core/subject.hpp"
 
 namespace mottle::model {
@@ -57,27 +60,39 @@ Eigen::VectorXd ShapeDirections::without_dropped(const Eigen::VectorXd& shape, s
   return others;
 }
 
+double ShapeDirections::factor(const Eigen::VectorXd& shape, Eigen::Index k) const {
+  constexpr double k_min_mac = 0.1;
+  constexpr double k_none = std::numeric_limits<double>::quiet_NaN();
+  const auto r = reference_.col(k);
+  const Eigen::VectorXd scaling = (weights_.array() > 0.0).select(shape, 0.0);  // rotations may be missing
+  const double largest = scaling.cwiseAbs().maxCoeff<Eigen::PropagateNaN>();    // squares must not overflow
+  if (!(largest > 0.0) || !std::isfinite(largest)) return k_none;
+  const Eigen::VectorXd unit = scaling / largest;
+  const double product = r.dot(unit);
+  if (product * product < k_min_mac * r.squaredNorm() * unit.squaredNorm()) return k_none;
+  return r.squaredNorm() / product / largest;
+}
+
 Eigen::RowVectorXd ShapeDirections::outputs_of(const Eigen::RowVectorXd& measured) const {
   const Eigen::Index n = weights_.size();
   Eigen::RowVectorXd outputs(static_cast<Eigen::Index>(dropped_.size()) * (n - 1));
   for (std::size_t k = 0; k < dropped_.size(); ++k) {
     const auto mode = static_cast<Eigen::Index>(k);
     const Eigen::VectorXd shape = measured.segment(mode * n, n).transpose();
-    const Eigen::VectorXd scaling = (weights_.array() > 0.0).select(shape, 0.0);  // rotations may be missing
-    const double factor = reference_.col(mode).dot(scaling) / scaling.squaredNorm();
-    outputs.segment(mode * (n - 1), n - 1) = without_dropped(factor * shape, k).transpose();
+    outputs.segment(mode * (n - 1), n - 1) = without_dropped(factor(shape, mode) * shape, k).transpose();
   }
   return outputs;
 }
 
 std::string ShapeDirections::fill(const NumberedSolution& solution, Row row) const {
   Eigen::RowVectorXd shapes(reference_.size());
-  const std::string failure = shapes_.fill(solution, shapes);
+  if (std::string failure = shapes_.fill(solution, shapes); !failure.empty()) return failure;
   row = outputs_of(shapes);
-  return failure;
+  if (!row.hasNaN()) return {};
+  return "a shape is nearly orthogonal to that of the reference at outputs.shapes.dofs, so that it cannot be scaled";
 }
 
-/// dy = c dphi + phi dc,  dc = (r' W dphi - 2 c phi' W dphi) / (phi' W phi).
+/// dy = c dphi + phi dc,  dc = -c (r' W dphi) / (r' W phi).
 Eigen::MatrixXd ShapeDirections::derivatives(const SolvedPoint& point) const {
   const Eigen::MatrixXd all = shapes_.derivatives(point);
   const Eigen::VectorXd shapes = shapes_.values(point);
@@ -86,13 +101,12 @@ Eigen::MatrixXd ShapeDirections::derivatives(const SolvedPoint& point) const {
   for (std::size_t k = 0; k < dropped_.size(); ++k) {
     const auto mode = static_cast<Eigen::Index>(k);
     const Eigen::VectorXd shape = shapes.segment(mode * n, n);
-    const Eigen::VectorXd weighted = weights_.cwiseProduct(shape);
-    const double square = weighted.dot(shape);
-    const double factor = reference_.col(mode).dot(shape) / square;
+    const double c = factor(shape, mode);
+    const double product = reference_.col(mode).dot(shape);
     for (Eigen::Index i = 0; i < all.cols(); ++i) {
       const Eigen::VectorXd change = all.col(i).segment(mode * n, n);
-      const double factor_change = (reference_.col(mode).dot(change) - 2.0 * factor * weighted.dot(change)) / square;
-      derivatives.col(i).segment(mode * (n - 1), n - 1) = without_dropped(factor * change + factor_change * shape, k);
+      const double factor_change = -c * reference_.col(mode).dot(change) / product;
+      derivatives.col(i).segment(mode * (n - 1), n - 1) = without_dropped(c * change + factor_change * shape, k);
     }
   }
   return derivatives;

@@ -295,6 +295,24 @@ Eigen::MatrixXd values_of_modes(const Study& study, const StructureModel& model,
   }
 }
 
+/// A specimen of which pairing left nothing tells nothing, and methods expect a value of each.
+void leave_out_empty(StudyTests& tests) {
+  std::vector<Eigen::Index> kept;
+  std::vector<std::string> empty;
+  for (Eigen::Index s = 0; s < tests.data.values.rows(); ++s) {
+    if (tests.data.values.row(s).array().isNaN().all()) {
+      empty.push_back(fmt::format("specimen {}", s + 1));
+    } else {
+      kept.push_back(s);
+    }
+  }
+  if (empty.empty() || kept.empty()) return;
+  tests.data.values = Eigen::MatrixXd(tests.data.values(kept, Eigen::all));
+  tests.notes.push_back(fmt::format(
+      "Specimens of which no output is left after pairing are left out: {}; the others are numbered without them.",
+      first_few(empty)));
+}
+
 }  // namespace
 
 StudyTests read_tests(const Study& study, const StructureModel& model) {
@@ -309,6 +327,7 @@ StudyTests read_tests(const Study& study, const StructureModel& model) {
   if (model.selection().shape_size == ShapeSize::free) {
     tests.notes.push_back(free_size_note(model, measured, tests.data.values));
   }
+  leave_out_empty(tests);
   tests.file = contents.table ? contents.table->file : study.test->files.front().string();
   require(contents.table || !study.test->is_named,
           "{}: test.pairing: \"named\" is for a table with one row for each specimen; these tests are modes: \"mac\" "

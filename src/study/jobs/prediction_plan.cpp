@@ -32,7 +32,8 @@ Study predicted_study(const Study& study) {
   if (study.predict->held_out) {
     other.test = StudyTest{.key = "predict.held_out", .files = {*study.predict->held_out}};
   }
-  other.outputs.shape_size = shape_size_of(other);
+  const bool is_as_updated = other.outputs.shape_size == ShapeSize::by_tests && !study.outputs.shape_modes.empty();
+  other.outputs.shape_size = is_as_updated ? study.outputs.shape_size : shape_size_of(other);
   return other;
 }
 

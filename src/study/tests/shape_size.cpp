@@ -61,13 +61,13 @@ std::string free_size_note(const StructureModel& model, const Eigen::MatrixXd& m
   }
   std::string note = fmt::format(
       "The size of shapes is free for each mode and specimen: shapes of tests and of the model are compared after "
-      "scaling to those of the reference by least squares, and {} {} from the others and {} no output{}.",
+      "scaling to the same projection on those of the reference, and {} {} from the others and {} no output{}.",
       first_few(dropped), dropped.size() == 1 ? "follows" : "follow", dropped.size() == 1 ? "is" : "are",
       dropped.size() == 1 ? "" : "s");
   if (!lost.empty()) {
     note += fmt::format(
-        " Left out are shapes that miss a component of outputs.shapes.dofs, since they cannot be scaled alike: {}; "
-        "without those dofs they would be used.",
+        " Left out are shapes that cannot be scaled alike, since they miss a component of outputs.shapes.dofs (they "
+        "can be used without those dofs), are zero or nearly orthogonal to the reference's: {}.",
         first_few(lost));
   }
   return note;

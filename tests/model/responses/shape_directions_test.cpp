@@ -87,6 +87,33 @@ TEST(ShapeDirections, OfTestsOfEverySizeAndSignAreThoseOfTheModel) {
   EXPECT_TRUE(outputs.isApprox(model.evaluate(parameters, {}).outputs, 1e-13)) << outputs;
 }
 
+TEST(ShapeDirections, DifferForEveryDirection) {
+  const StructureModel model = springs(ShapeSize::free, {"m1", "m2"});
+  // Mode 1 at m1 and m2 from -39 to 39 degrees about the reference's (1 1): phi(m2) / phi(m1), the first is no output.
+  double last = -1.0;
+  for (double angle = 6.0; angle < 85.0; angle += 1.0) {
+    const double radians = angle * std::acos(-1.0) / 180.0;
+    Eigen::RowVectorXd test = Eigen::RowVectorXd::Ones(5);
+    test.segment(1, 2) << 7.0 * std::cos(radians), 7.0 * std::sin(radians);
+    const double output = model.outputs_of(test)(1);
+    EXPECT_GT(output, last) << angle;
+    last = output;
+  }
+}
+
+TEST(ShapeDirections, OfShapesThatAreZeroOrOrthogonalOrOfAnySizeAreNoWrongNumbers) {
+  const StructureModel model = springs(ShapeSize::free, {"m1", "m2"});
+  const auto output = [&](double one, double other) {
+    Eigen::RowVectorXd test = Eigen::RowVectorXd::Ones(5);
+    test.segment(1, 2) << one, other;
+    return model.outputs_of(test)(1);
+  };
+  EXPECT_TRUE(std::isnan(output(0.0, 0.0)));
+  EXPECT_TRUE(std::isnan(output(1.0, -0.9)));
+  EXPECT_NEAR(output(1e-200, 2e-200), output(1.0, 2.0), 1e-14);
+  EXPECT_NEAR(output(-1e180, -2e180), output(1.0, 2.0), 1e-14);
+}
+
 TEST(ShapeDirections, OfATestThatMissesAComponentThereAreNone) {
   const StructureModel model = springs(ShapeSize::free);
   Eigen::RowVectorXd test = springs(ShapeSize::mass_normalised).evaluate(Eigen::RowVector3d(1, 3, 1), {}).outputs;
