@@ -68,12 +68,13 @@ using IncludeResolver = std::function<std::optional<IncludedFile>(const std::str
 /// (backslashes count as slashes; letter case is forgiven where exactly one file fits).
 ///
 /// Small, large and free fields in any mixture, tabs, comments, continuation lines by position or by label, '=' lines
-/// that repeat the card above with changes; a deck
-/// without CEND and BEGIN BULK is bulk data alone. Reading ends at ENDDATA.
+/// that repeat the card above with changes; a deck without CEND and BEGIN BULK is bulk data alone. Reading ends at
+/// ENDDATA.
 ///
 /// @throws FormatError   with file and line: an unknown field layout, a continuation without a card, an include that is
-///                       missing or goes round in circles, '/' (delete), '=' behind a card of several lines, superelements, more than
-///                       2 GB, 1,000 includes, 32 levels, 65,536 characters a line or a million lines a card
+///                       missing or goes round in circles, '/' (delete), '=' behind a card of several lines,
+///                       superelements, more than 2 GB, 1,000 includes, 32 levels, 65,536 characters a line or a
+///                       million lines a card
 /// @throws InvalidInput  the main file is missing or unreadable
 NastranDeck read_nastran_deck(const std::filesystem::path& file);
 
