@@ -96,6 +96,24 @@ class DecksTest(support.CommandTest):
             exact = math.sqrt(8e10 * 1e-8 / inertia) / (2 * math.pi)
             self.assertAlmostEqual(self.frequencies("shaft.bdf", "--modes", "1")[0] / exact, 1, 10)
 
+    def test_a_deck_without_mass_says_so(self):
+        for deck in (MODERN, support.edited(MODERN, ("SPC = 1\n", "SPC = 2\n"), ("SPC1,1,123456,1", "SPC1,2,123,1"))):
+            self.write("deck.bdf", support.edited(deck, (",2700.", "")))
+            ended = self.call("modes", "deck.bdf")
+            self.assertEqual(ended.code, 2, ended.err)
+            self.assertIn("deck.bdf: the model has no mass, and so no natural modes", ended.err)
+
+    def test_a_rigid_body_mode_has_the_frequency_zero(self):
+        # Held but for the motion along x: one rigid-body mode, and the modes of a free rod above it.
+        self.write("deck.bdf", support.edited(MODERN, ("SPC1,1,123456,1", "SPC1,1,23456,1,2,3,4")))
+        ended = self.succeed("modes", "deck.bdf", "--json", "--modes", "1").out
+        self.assertEqual(json.loads(ended)["frequencies"], [0.0])
+        self.assertNotIn("null", ended)
+        found = self.succeed("modes", "deck.bdf", "--modes", "3").out
+        self.assertRegex(found, r"(?m)^1 +0 ")
+        self.assertNotIn("nan", found)
+        self.assertGreater(self.frequencies("deck.bdf", "--modes", "2")[1], 1000.0)
+
 
 if __name__ == "__main__":
     support.main()

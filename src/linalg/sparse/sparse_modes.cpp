@@ -185,6 +185,11 @@ SparseModes SparseModeSolver::solve(const SparseMatrix& stiffness, const SparseM
           stiffness.cols(), mass.rows(), mass.cols());
   require(options.modes >= 1, "modes: {} asked for, need at least 1", options.modes);
   SparseModes result;
+  if (mass.nonZeros() == 0 || mass.coeffs().isZero(0.0)) {
+    result.failure =
+        "the model has no mass, and so no natural modes; give its materials a density or its points masses";
+    return result;
+  }
   const auto begin = std::chrono::steady_clock::now();
   result.shift = factors_->factorise_below(stiffness, mass);
   result.factor_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();

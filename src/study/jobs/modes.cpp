@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "mottle/core/error.hpp"
 #include "mottle/dynamics/modes/mac.hpp"
@@ -17,6 +18,18 @@ namespace mottle::study {
 namespace {
 
 constexpr int k_usual_modes = 10;
+
+/// Hz; zero where the eigenvalue of a mass-normalised shape is within rounding of the stiffness, as a rigid motion's
+/// is:
+///   |lambda| <= 10 eps |phi|' |K| |phi|
+Eigen::VectorXd frequencies_beyond_rounding(const SparseModes& modes, const SparseMatrix& stiffness) {
+  constexpr double k_rounding = 10.0 * std::numeric_limits<double>::epsilon();
+  const Eigen::MatrixXd sizes = modes.vectors.cwiseAbs();
+  const Eigen::VectorXd terms =
+      sizes.cwiseProduct(symmetric_product(stiffness.cwiseAbs(), sizes)).colwise().sum().transpose();
+  const Eigen::VectorXd frequencies = natural_frequencies_hz(modes.values);
+  return (modes.values.array().abs() <= k_rounding * terms.array()).select(0.0, frequencies);
+}
 
 SolvedDeck solve_deck(const std::filesystem::path& deck, const std::set<std::string>& ignore_cards, int modes) {
   const double start = steady_seconds();
@@ -54,7 +67,7 @@ SolvedDeck solve_deck(const std::filesystem::path& deck, const std::set<std::str
                                     solved.modes.counted_below));
   }
   solved.solution_seconds = steady_seconds() - assembled;
-  solved.frequencies = natural_frequencies_hz(solved.modes.values);
+  solved.frequencies = frequencies_beyond_rounding(solved.modes, solved.structure->matrices_at(none).stiffness);
   return solved;
 }
 

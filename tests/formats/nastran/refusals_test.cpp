@@ -124,6 +124,10 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"CELAS1,1,5,1,1\n", "10: CELAS1 1: property 5 has no PELAS card"},
         Mistake{"CMASS1,1,5.,1,1\n", "10: CMASS1 1: PID is '5.', an integer is needed"},
         Mistake{"CONM2,1,70,,1.\n", "10: CONM2 1: G is 70, but no GRID or SPOINT card has that id"},
+        Mistake{"CONM2,7,1,,1.\n,-1.,,2.,,,3.\n", "10: CONM2 7: its inertia I11 I21 I22 I31 I32 I33 is not positive"},
+        Mistake{"CONM2,7,1,,1.\n,1.,3.,2.,,,3.\n", "10: CONM2 7: its inertia I11 I21 I22 I31 I32 I33 is not positive"},
+        // I = 1 - 0.9 (1 1' - 1): every two axes are sound, the direction (1, 1, 1) is not.
+        Mistake{"CONM2,7,1,,1.\n,1.,.9,1.,.9,.9,1.\n", "10: CONM2 7: its inertia I11 I21 I22 I31 I32 I33 is not"},
         Mistake{"CONM2,1,1,7,1.\n", "10: CONM2 1: CID is 7, but no CORD card has that id"},
         Mistake{"RBE2,1,1,123\n", "10: RBE2 1: GM1 is blank, dependent grid points are needed"},
         Mistake{"RBE2,1,1,,2\n", "10: RBE2 1: CM is blank, digits from 1 to 6 are needed"},
@@ -189,6 +193,12 @@ TEST(NastranRefusal, OfSuperelements) {
       test::model_of("GRID,1,,,,,,,3\n").notes,
       ::testing::ElementsAre("1 grid points belong to superelements (SEID), which are not formed: the structure "
                              "is solved as one"));
+}
+
+// A thin rod has no inertia about its axis, whatever its direction: here (1, 1, 1), written with seven digits.
+TEST(NastranRefusal, IsNotOfAnInertiaThatIsZeroAboutOneAxis) {
+  const std::string rod = "CONM2,7,1,,1.\n,.6666667,.3333333,.6666667,.3333333,.3333333,.6666667\n";
+  EXPECT_EQ(test::model_of(test::k_cube + rod).model.elements<PointMassElement>().size(), 1U);
 }
 
 TEST(NastranRefusal, OfADeckWithoutPoints) {
