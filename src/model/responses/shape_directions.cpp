@@ -34,8 +34,7 @@ void ShapeDirections::take_reference(const Eigen::MatrixXd& shapes) {
   for (std::size_t k = 0; k < modes.size(); ++k) {
     const auto column = static_cast<Eigen::Index>(k);
     reference_.col(column) = weights_.cwiseProduct(shapes.col(modes[k] - 1));
-    const double largest = shapes.col(modes[k] - 1).cwiseAbs().maxCoeff();
-    require_of(largest > 0.0 && reference_.col(column).cwiseAbs().maxCoeff() > 0.0, locations,
+    require_of(!reference_.col(column).isZero(0.0), locations,
                "mode {} does not move them, so that its shape cannot be scaled", modes[k]);
     dropped_.push_back(first_of_largest(reference_.col(column).cwiseAbs()));
   }

@@ -77,10 +77,14 @@ std::string turn_shapes(Eigen::MatrixXd& values, const OutputSelection& selectio
   for (Eigen::Index s = 0; s < values.rows(); ++s) {
     for (Eigen::Index m = 0; m < reference.cols(); ++m) {
       auto shape = values.row(s).segment(static_cast<Eigen::Index>(selection.frequencies.size()) + m * points, points);
-      const Eigen::VectorXd measured = shape.array().isNaN().select(0.0, shape).transpose();
-      const Eigen::VectorXd model = shape.array().isNaN().select(0.0, reference.col(m).transpose()).transpose();
-      const double cosine = measured.dot(model) / (measured.norm() * model.norm());
-      if ((!shape.array().isNaN()).count() < 2 || !(cosine <= limit)) continue;
+      std::vector<Eigen::Index> rows;  // measured
+      for (Eigen::Index d = 0; d < points; ++d) {
+        if (!std::isnan(shape(d))) rows.push_back(d);
+      }
+      const Eigen::VectorXd measured = shape(rows).transpose();
+      if (rows.size() < 2) continue;
+      const double cosine = shape_cosines(reference.col(m)(rows), measured)(0, 0);  // 0 of a zero shape
+      if (cosine > limit || cosine == 0.0) continue;
       shape = -shape.eval();
       turned.push_back(fmt::format("specimen {} mode {}", s + 1, selection.shape_modes[static_cast<std::size_t>(m)]));
     }
