@@ -10,6 +10,7 @@
 #include "mottle/core/error.hpp"
 #include "mottle/study/input/study.hpp"
 #include "mottle/updating/methods/updater.hpp"
+#include "study/tests/shape_size.hpp"
 
 /// Methods are not part of a study's reader: one that takes no options stands for them all.
 const std::vector<mottle::updating::MethodEntry>& mottle::updating::updating_methods() {
@@ -20,6 +21,9 @@ const std::vector<mottle::updating::MethodEntry>& mottle::updating::updating_met
   static const std::vector<MethodEntry> methods = {{"mares", "", {}, make}};
   return methods;
 }
+
+/// Nor are the files of tests, which decide whether the size of their shapes is data.
+mottle::app::ShapeSize mottle::study::shape_size_of(const Study& study) { return study.outputs.shape_size; }
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static const mottle::test::FuzzFolder folder;
