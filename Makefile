@@ -17,7 +17,7 @@ ctest = ctest --preset $(1) -j $(JOBS)
 alternatives = $(subst $() ,|,$(strip $(1)))
 tsan_options = TSAN_OPTIONS="suppressions=$(CURDIR)/tools/tsan.supp $$TSAN_OPTIONS"
 
-.PHONY: build demo test lint asan tsan coverage fuzz attack deb bench clean
+.PHONY: build demo test lint asan tsan coverage fuzz attack deb try-deb bench clean
 .DEFAULT_GOAL := build
 
 build:
@@ -86,6 +86,10 @@ deb:
 	$(call configure,release)
 	$(call build,release)
 	cd build/release && cpack -G DEB
+
+# The packages on a machine that has nothing but Debian's base system; needs root.
+try-deb: deb
+	tools/try_deb.sh build/release
 
 bench:
 	$(INSTALL) --bench

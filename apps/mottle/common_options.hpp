@@ -47,6 +47,7 @@ void add_propagate(CLI::App& app);
 void add_simulate(CLI::App& app);
 void add_check(CLI::App& app);
 void add_modes(CLI::App& app);
+void add_targets(CLI::App& app);
 void add_report(CLI::App& app);
 void add_methods(CLI::App& app);
 

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "common_options.hpp"
+#include "mottle/core/text.hpp"
 #include "mottle/core/utf8.hpp"
 #include "mottle/report/report.hpp"
 #include "mottle/study/results/folder_lock.hpp"
@@ -30,7 +31,7 @@ void add_modes(CLI::App& app) {
   verb->add_flag("--json", *is_json, "machine-readable summary on stdout");
   verb->add_flag("--quiet", *is_quiet, "print nothing");
   verb->callback([=] {
-    settings->ignore_cards = {cards->begin(), cards->end()};
+    for (const std::string& card : *cards) settings->ignore_cards.insert(capitals(card));
     if (folder->empty()) *folder = std::filesystem::path(settings->model).replace_extension(".modes");
     const FolderLock lock(*folder);
     const ModesOutcome outcome = find_modes(*settings, *folder);

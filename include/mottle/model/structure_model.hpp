@@ -69,6 +69,7 @@ class StructureModel final : public Model, public DifferentiableModel {
   const Structure& structure() const { return solver_->structure(); }
   /// Modes at the reference parameters, by which mode numbers are defined.
   const ModeSet& reference_modes() const { return reference_; }
+  const Eigen::VectorXd& reference_parameters() const { return reference_parameters_; }
 
  private:
   struct Part;

@@ -72,6 +72,17 @@ bool is_missing(std::string_view cell) {
   return cell.empty() || cell == "nan" || cell == "NaN" || cell == "NAN";
 }
 
+/// Whether the cells are numbers or missing, and not the numbers of the columns.
+bool is_row_of_numbers(const std::vector<std::string>& cells) {
+  bool counts = true;
+  for (std::size_t k = 0; k < cells.size(); ++k) {
+    double number = 0.0;
+    if (!is_missing(cells[k]) && !parse_number(cells[k], number)) return false;
+    counts = counts && !is_missing(cells[k]) && number == static_cast<double>(k + 1);
+  }
+  return !counts;
+}
+
 std::string quoted_if_needed(const std::string& cell) {
   const bool is_skipped_at_a_start = cell.starts_with('#') || cell.starts_with(k_byte_order_mark);
   if (!is_skipped_at_a_start && cell.find_first_of(",;\"\n\t") == std::string::npos) return cell;
@@ -90,7 +101,7 @@ int CsvTable::find(std::string_view name) const {
   return found == header.end() ? -1 : static_cast<int>(std::distance(header.begin(), found));
 }
 
-CsvTable parse_csv(std::string_view bytes, const std::string& file) {
+CsvTable parse_csv(std::string_view bytes, const std::string& file, HeaderRule rule) {
   if (bytes.starts_with(k_byte_order_mark)) bytes.remove_prefix(k_byte_order_mark.size());
   CsvTable table;
   table.file = file;
@@ -106,8 +117,12 @@ CsvTable parse_csv(std::string_view bytes, const std::string& file) {
     if (table.header.empty()) {
       separator = find_separator(line);
       table.header = split_line(separator == '\t' ? raw : line, separator, file, number);
-      require_good_header(table, number);
-      continue;
+      table.has_header = rule == HeaderRule::required || !is_row_of_numbers(table.header);
+      if (table.has_header) {
+        require_good_header(table, number);
+        continue;
+      }
+      for (std::size_t k = 0; k < table.header.size(); ++k) table.header[k] = fmt::format("{}", k + 1);
     }
     std::vector<std::string> cells = split_line(separator == '\t' ? raw : line, separator, file, number);
     if (cells.size() != table.header.size()) {

@@ -61,9 +61,8 @@ StudyTest read_test(TomlReader reader, const std::filesystem::path& folder) {
   StudyTest test;
   for (const std::string& file : reader.texts("file")) test.files.push_back(folder / file);
   if (reader.has("pairing")) {
-    const std::size_t pairing = reader.choice("pairing", {"order", "mac", "named"}, 0);
-    test.pairs_by_mac = pairing == 1;
-    test.is_named = pairing == 2;
+    test.pairing = std::vector{TestPairing::order, TestPairing::mac, TestPairing::named,
+                               TestPairing::frequency}[reader.choice("pairing", {"order", "mac", "named", "frequency"}, 0)];
   } else {
     reader.raw("pairing");
   }

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <optional>
 
 #include "mottle/core/text.hpp"
 #include "mottle/formats/tables/csv.hpp"
@@ -10,37 +11,15 @@
 #include "mottle/study/jobs/study_objects.hpp"
 #include "study/input/first_few.hpp"
 #include "study/input/noise_rules.hpp"
+#include "study/tests/pair_by_frequency.hpp"
 #include "study/tests/pair_modes.hpp"
 #include "study/tests/pair_tests.hpp"
 #include "study/tests/shape_size.hpp"
+#include "study/tests/table_values.hpp"
 #include "study/tests/test_files.hpp"
 
 namespace mottle::study {
 namespace {
-
-struct ColumnTitle {
-  std::string name;
-  std::string unit;  // as stated, without brackets; empty: none is
-};
-
-/// "f1_Hz", "f1 [Hz]", "f1 (Hz)", "u1:m2_m".
-ColumnTitle split_title(const std::string& title, const std::vector<Quantity>& outputs) {
-  for (const std::string open : {" [", " (", "[", "("}) {
-    const std::size_t position = title.find(open);
-    if (position == std::string::npos || position == 0) continue;
-    const std::size_t start = position + open.size();
-    return {title.substr(0, position), title.substr(start, title.find_first_of("])", start) - start)};
-  }
-  for (const std::string unit : {"kHz", "Hz"}) {
-    const std::string end = "_" + unit;
-    if (title.size() > end.size() && title.ends_with(end)) return {title.substr(0, title.size() - end.size()), unit};
-  }
-  for (const Quantity& output : outputs) {
-    if (title.ends_with("_" + output.unit) && title == output.name() + "_" + output.unit)
-      return {output.name(), output.unit};
-  }
-  return {title, ""};
-}
 
 std::vector<std::string> names_of(const std::vector<Quantity>& outputs) {
   std::vector<std::string> names;
@@ -48,100 +27,10 @@ std::vector<std::string> names_of(const std::vector<Quantity>& outputs) {
   return names;
 }
 
-/// Whether values in the unit that a column states are those of the output. Shapes have the unit of their mode's size,
-/// and a user's own output may have none that is known.
-bool is_unit_of(const std::string& stated, const Quantity& output) {
-  if (stated.empty() || stated == output.unit) return true;
-  if (output.kind == QuantityKind::damping_ratio) return stated == "1";
-  return output.unit == "-";
-}
-
-/// A column in another unit than the study's would be read wrong by a factor.
-void require_unit(const CsvTable& table, const Study& study, const std::string& title, const std::string& stated,
-                  const Quantity& output) {
-  if (is_unit_of(stated, output)) return;
-  if (output.kind == QuantityKind::damping_ratio) {
-    throw FormatError(table.file, 1,
-                      fmt::format("column '{}' is in {}, but damping ratios are fractions of critical damping (0.01, "
-                                  "not 1 %); convert the column",
-                                  title, stated));
-  }
-  throw FormatError(
-      table.file, 1,
-      fmt::format("column '{}' is in {}, but in units = \"{}\" {} is in {}; convert the column, or set the "
-                  "study's units",
-                  title, stated, study.units, output.name(), output.unit));
-}
-
-/// Column of each output; throws where one is missing or a column is nothing known.
-std::vector<int> match_columns(const CsvTable& table, const Study& study, const std::vector<Quantity>& quantities,
-                               std::vector<std::string>& notes) {
-  const std::vector<std::string> outputs = names_of(quantities);
-  std::vector<int> columns(outputs.size(), -1);
-  std::vector<std::string> unused;
-  for (std::size_t column = 0; column < table.header.size(); ++column) {
-    const ColumnTitle title = split_title(table.header[column], quantities);
-    const std::string& name = title.name;
-    const std::string& unit = title.unit;
-    const auto output = std::find(outputs.begin(), outputs.end(), name);
-    if (output != outputs.end()) {
-      const auto index = static_cast<std::size_t>(std::distance(outputs.begin(), output));
-      require_unit(table, study, table.header[column], unit, quantities[index]);
-      int& found = columns[index];
-      if (found >= 0) throw FormatError(table.file, 1, fmt::format("output '{}' has two columns", name));
-      found = static_cast<int>(column);
-      continue;
-    }
-    const bool is_parameter = std::any_of(study.parameters.list.begin(), study.parameters.list.end(),
-                                          [&](const StudyParameter& parameter) { return parameter.name == name; });
-    const bool is_label = name == "specimen" || name == "status";
-    if (!is_parameter && !is_label && !may_name_quantity(name)) {
-      throw FormatError(table.file, 1, unknown_name_message("column", table.header[column], outputs));
-    }
-    if (!is_label) unused.push_back(table.header[column]);
-  }
-  for (std::size_t i = 0; i < outputs.size(); ++i) {
-    if (columns[i] < 0) {
-      throw FormatError(table.file, 1,
-                        fmt::format("output '{}' has no column; the columns are {}", outputs[i], join(table.header)));
-    }
-  }
-  if (!unused.empty()) notes.push_back(fmt::format("Columns of the test file that are not used: {}.", join(unused)));
-  return columns;
-}
-
-/// Covariances hold products of two values.
-bool is_too_large(double value) {
-  constexpr double k_largest = 1e150;
-  return std::abs(value) > k_largest;
-}
-
-/// Rows are specimens, columns the outputs, of which the first are natural frequencies.
-Eigen::MatrixXd values_of_columns(const CsvTable& table, const std::vector<int>& columns, const StructureModel& model) {
-  Eigen::MatrixXd values(static_cast<Eigen::Index>(table.rows.size()), static_cast<Eigen::Index>(columns.size()));
-  for (std::size_t k = 0; k < columns.size(); ++k) {
-    const Eigen::VectorXd column = numbers_of_column(table, columns[k]);
-    const bool is_frequency = model.measured()[k].kind == QuantityKind::frequency;
-    for (Eigen::Index row = 0; row < column.size(); ++row) {
-      const char* fault = nullptr;
-      if (is_too_large(column(row))) fault = "whose square is no number any more; give the tests other units";
-      if (is_frequency && column(row) <= 0.0) {
-        fault = "but a natural frequency is greater than 0; a mode that was not measured has an empty cell";
-      }
-      if (fault == nullptr) continue;
-      throw FormatError(table.file, table.lines[static_cast<std::size_t>(row)],
-                        fmt::format("column '{}' holds {:g}, {}", table.header[static_cast<std::size_t>(columns[k])],
-                                    column(row), fault));
-    }
-    values.col(static_cast<Eigen::Index>(k)) = column;
-  }
-  return values;
-}
-
 /// Renumbers the modes of every row by their shapes, or at least turns the shapes to the sign of the model's.
 void pair_rows(const Study& study, const StructureModel& model, Eigen::MatrixXd& values,
                std::vector<std::string>& notes) {
-  const bool is_paired = study.test->pairs_by_mac.value_or(false);
+  const bool is_paired = study.test->pairing == TestPairing::mac;
   if (!is_paired && model.selection().shape_modes.empty()) return;
   std::vector<Eigen::Index> columns_of_modes;
   for (const int mode : model.selection().shape_modes) columns_of_modes.push_back(mode - 1);
@@ -155,6 +44,34 @@ void pair_rows(const Study& study, const StructureModel& model, Eigen::MatrixXd&
   } catch (const InvalidInput& error) {
     throw InvalidInput(located(study, error));
   }
+}
+
+/// Renumbers the columns of a table by frequency where the study says so; where it says nothing, notes that they may be
+/// other modes than their names say.
+std::optional<FrequencyPairing> pair_columns(const Study& study, const StructureModel& model, CsvTable& table,
+                                             std::vector<std::string>& notes) {
+  if (study.test->pairing == TestPairing::frequency) {
+    require(model.selection().shape_modes.empty(),
+            "{}: test.pairing: \"frequency\" renumbers frequencies and damping ratios, and shapes are outputs; say "
+            "\"mac\", which compares them",
+            study.file.string());
+    FrequencyPairing pairing(table, model, true);
+    pairing.renumber(table);
+    for (std::string& note : pairing.notes(model)) notes.push_back(std::move(note));
+    return pairing;
+  }
+  if (study.test->pairing || model.selection().frequencies.empty() || !model.selection().shape_modes.empty()) return {};
+  try {
+    const FrequencyPairing pairing(table, model, false);
+    if (pairing.differs_from_names(model)) {
+      notes.push_back(
+          "The columns of the tests may count other modes than the model does: by frequency, each is nearer to another "
+          "mode than the one of its number. test.pairing = \"frequency\" pairs them so; \"order\" says that the numbers "
+          "are right.");
+    }
+  } catch (const FormatError&) {  // said where the values are read
+  }
+  return {};
 }
 
 /// Sums of squares about the specimens' means, with their degrees of freedom.
@@ -178,10 +95,12 @@ Pooled pool(const Eigen::Ref<const Eigen::VectorXd>& values, const std::vector<s
 }
 
 /// Repeatability from repeated tests.
-void read_repeats(const Study& study, const StructureModel& model, const std::vector<std::string>& names,
+void read_repeats(const Study& study, const StructureModel& model, const std::optional<FrequencyPairing>& pairing,
                   StudyTests& tests) {
   const std::filesystem::path& file = *study.test->repeats_file;
-  const CsvTable table = read_named_table(study, "test.repeatability", file);
+  CsvTable table = read_named_table(study, "test.repeatability", file);
+  if (pairing) pairing->renumber(table);
+  const std::vector<std::string> names = names_of(model.outputs());
   std::vector<std::string> notes;
   const std::vector<int> columns = match_columns(table, study, model.measured(), notes);
   Eigen::MatrixXd values = values_of_columns(table, columns, model);
@@ -240,17 +159,17 @@ void add_model_error(const Study& study, const std::vector<std::string>& names, 
       standard_deviations_by_rules(study, study.test->model_error, "model_error", "Model error", names, tests);
 }
 
-void add_repeatability(const Study& study, const StructureModel& model, const std::vector<std::string>& names,
+void add_repeatability(const Study& study, const StructureModel& model, const std::optional<FrequencyPairing>& pairing,
                        StudyTests& tests) {
   const Eigen::Index outputs = tests.data.values.cols();
   tests.data.repeatability_std = Eigen::VectorXd::Zero(outputs);
   tests.data.repeatability_degrees_of_freedom = Eigen::VectorXi::Zero(outputs);
   if (study.test->repeats_file) {
-    read_repeats(study, model, names, tests);
+    read_repeats(study, model, pairing, tests);
     return;
   }
   tests.data.repeatability_std = standard_deviations_by_rules(study, study.test->repeatability, "repeatability",
-                                                              "Measurement noise", names, tests);
+                                                              "Measurement noise", names_of(model.outputs()), tests);
 }
 
 /// Specimens from the rows of a table; those without any value are left out.
@@ -286,7 +205,7 @@ Eigen::MatrixXd values_of_modes(const Study& study, const StructureModel& model,
               "these files hold modes, and no output is of a mode; static displacements are tested in a CSV, a row for "
               "each specimen"));
   try {
-    PairedModes paired = pair_modes(model, specimens, study.test->pairs_by_mac.value_or(true));
+    PairedModes paired = pair_modes(model, specimens, study.test->pairing.value_or(TestPairing::mac) == TestPairing::mac);
     for (std::string& note : paired.notes) tests.notes.push_back(std::move(note));
     tests.pairing = std::move(paired.table);
     return paired.values;
@@ -318,9 +237,16 @@ void leave_out_empty(StudyTests& tests) {
 StudyTests read_tests(const Study& study, const StructureModel& model) {
   require(study.test.has_value(), "{}: test: is missing; give [test] file = \"...\"", study.file.string());
   TestContents contents = read_test_files(study);
+  const TestPairing pairing = study.test->pairing.value_or(contents.table ? TestPairing::order : TestPairing::mac);
+  require(contents.table || pairing == TestPairing::mac || pairing == TestPairing::order,
+          "{}: test.pairing: \"named\" and \"frequency\" are for a table with one row for each specimen; these tests "
+          "are modes: \"mac\" or \"order\"",
+          study.file.string());
   const std::vector<std::string> names = names_of(model.outputs());
   StudyTests tests;
   tests.notes = std::move(contents.notes);
+  std::optional<FrequencyPairing> by_frequency;
+  if (contents.table) by_frequency = pair_columns(study, model, *contents.table, tests.notes);
   const Eigen::MatrixXd measured = contents.table ? values_of_rows(study, model, *contents.table, tests.notes)
                                                   : values_of_modes(study, model, contents.specimens, tests);
   tests.data.values = model.outputs_of(measured);
@@ -329,11 +255,7 @@ StudyTests read_tests(const Study& study, const StructureModel& model) {
   }
   leave_out_empty(tests);
   tests.file = contents.table ? contents.table->file : study.test->files.front().string();
-  require(contents.table || !study.test->is_named,
-          "{}: test.pairing: \"named\" is for a table with one row for each specimen; these tests are modes: \"mac\" "
-          "or \"order\"",
-          study.file.string());
-  tests.is_by_rank = !study.test->pairs_by_mac.value_or(!contents.table) && !study.test->is_named;
+  tests.is_by_rank = pairing == TestPairing::order || pairing == TestPairing::frequency;
   for (Eigen::Index k = 0; k < tests.data.values.cols(); ++k) {
     const bool is_frequency = model.outputs()[static_cast<std::size_t>(k)].kind == QuantityKind::frequency;
     require(!is_frequency || !(tests.data.values.col(k).array() <= 0.0).any(),
@@ -350,7 +272,7 @@ StudyTests read_tests(const Study& study, const StructureModel& model) {
             "{}: output '{}' is measured once in {} specimens, which gives no scatter; leave it out of [outputs]",
             tests.file, names[static_cast<std::size_t>(k)], tests.data.values.rows());
   }
-  add_repeatability(study, model, names, tests);
+  add_repeatability(study, model, by_frequency, tests);
   add_model_error(study, names, tests);
   return tests;
 }

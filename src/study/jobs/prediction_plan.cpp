@@ -31,6 +31,8 @@ Study predicted_study(const Study& study) {
   }
   if (study.predict->held_out) {
     other.test = StudyTest{.key = "predict.held_out", .files = {*study.predict->held_out}};
+    const bool is_by_frequency = study.test && study.test->pairing == TestPairing::frequency;
+    if (is_by_frequency) other.test->pairing = TestPairing::frequency;
   }
   const bool is_as_updated = other.outputs.shape_size == ShapeSize::by_tests && !study.outputs.shape_modes.empty();
   other.outputs.shape_size = is_as_updated ? study.outputs.shape_size : shape_size_of(other);

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <filesystem>
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -21,5 +23,13 @@ struct SolvedDeck {
   std::vector<std::string> notes;
   double read_seconds = 0.0, assembly_seconds = 0.0, solution_seconds = 0.0;
 };
+
+/// Reads a Nastran deck and finds its lowest modes.
+///
+/// @param ignore_cards  names in capitals
+/// @param modes         0: what the deck's EIGRL asks for, else 10
+/// @throws FormatError, InvalidInput  a deck that cannot be understood or has no modes
+/// @throws SystemFailure  fewer modes were found than the inertia of K - s M counts
+SolvedDeck solve_deck(const std::filesystem::path& deck, const std::set<std::string>& ignore_cards, int modes);
 
 }  // namespace mottle::study

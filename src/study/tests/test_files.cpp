@@ -45,6 +45,23 @@ auto with_key(const Study& study, const std::string& key, const Read& read) {
   }
 }
 
+/// Columns of a table without header are the tests' modes by number, where the study says how those are paired.
+CsvTable named_modes(const Study& study, const std::string& key, CsvTable table) {
+  if (table.has_header) return table;
+  const bool is_stated = study.test && (study.test->pairing == TestPairing::frequency ||
+                                        study.test->pairing == TestPairing::order);
+  if (!is_stated) {
+    throw FormatError(
+        table.file, table.lines.front(),
+        fmt::format("has no line with the names of the columns: give it one (f1,f2,...), or say under [test] (for {}) "
+                    "that its {} columns are the tests' modes in ascending frequency, pairing = \"frequency\", or the "
+                    "model's own modes 1, 2, ..., pairing = \"order\"",
+                    key, table.header.size()));
+  }
+  for (std::string& name : table.header) name.insert(0, 1, 'f');
+  return table;
+}
+
 void read_one(const Study& study, const std::filesystem::path& file, TestContents& contents) {
   if (is_universal(file)) {
     contents.specimens.push_back(with_key(study, study.test->key, [&] {
@@ -74,7 +91,8 @@ void read_one(const Study& study, const std::filesystem::path& file, TestContent
 CsvTable read_named_table(const Study& study, const std::string& key, const std::filesystem::path& file) {
   return with_key(study, key, [&] {
     return extension_of(file) == ".mat" ? table_from_mat(read_mat(file.string()), file.string())
-                                        : parse_csv(read_text_file(file), file.string());
+                                        : named_modes(study, key, parse_csv(read_text_file(file), file.string(),
+                                                                            HeaderRule::may_be_missing));
   });
 }
 

@@ -48,6 +48,14 @@ struct NoiseRule {
   bool is_relative = false;
 };
 
+/// The way in which the tests' modes get the model's numbers.
+enum class TestPairing {
+  order,      ///< as they are numbered
+  mac,        ///< by their shapes
+  named,      ///< columns of a table are the model's modes, told apart before
+  frequency,  ///< columns of a table, by frequency in ascending order
+};
+
 /// [test]
 struct StudyTest {
   std::string key = "test.file";              ///< that names the files, for messages
@@ -56,9 +64,7 @@ struct StudyTest {
   std::optional<std::filesystem::path> repeats_file = std::nullopt;  ///< repeated tests, in place of the rules
   std::vector<NoiseRule> model_error = {};  ///< of an error of the model, shared by all specimens
   bool is_model_error_estimated = false;    ///< its level is estimated, there are no rules then
-  /// Whether specimens' modes are numbered by their shapes; not given: of tests that come as modes, not of a table.
-  std::optional<bool> pairs_by_mac = std::nullopt;
-  bool is_named = false;  ///< columns of a table are the model's modes, told apart before; else they count by rank
+  std::optional<TestPairing> pairing = std::nullopt;  ///< not given: `mac` of tests that come as modes, else `order`
 };
 
 /// [update]

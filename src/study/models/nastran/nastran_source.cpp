@@ -10,29 +10,11 @@
 #include "mottle/model/units.hpp"
 #include "study/input/key_error.hpp"
 #include "study/models/model_parts.hpp"
+#include "study/models/nastran/field_units.hpp"
 #include "study/models/registry.hpp"
 
 namespace mottle::study {
 namespace {
-
-/// Unit of a card's number, from what its name means on that card.
-std::string field_unit(const std::string& card, const std::string& name, const UnitNames& units) {
-  static const std::set<std::string> k_inertias = {"I1", "I2", "I12", "J"};
-  static const std::set<std::string> k_springs = {"PELAS", "CELAS2", "CELAS4", "PBUSH"};
-  if (card == "MAT1") return name == "NU" ? "-" : name == "RHO" ? units.density : units.pressure;
-  if (k_springs.contains(card)) {
-    const bool is_rotation = name.size() == 2 && name[1] > '3';
-    const char* unit = name.front() == 'B' ? units.damping : units.stiffness;
-    return is_rotation ? fmt::format("{} {}^2/rad", unit, units.length) : unit;
-  }
-  if (card == "PDAMP" || card == "CDAMP2" || card == "CDAMP4") return units.damping;
-  if (name == "M" || card == "CONM1") return units.mass;
-  if (card == "CONM2" && name.front() == 'I') return fmt::format("{} {}^2", units.mass, units.length);
-  if (k_inertias.contains(name)) return fmt::format("{}^4", units.length);
-  if (name == "A") return fmt::format("{}^2", units.length);
-  if (name == "NSM") return fmt::format("{}/{}{}", units.mass, units.length, card == "PSHELL" ? "^2" : "");
-  return units.length;
-}
 
 /// Numbers of the deck that are other than it says.
 void override_fields(FiniteElementModel& model, const std::map<std::string, double>& overrides) {

@@ -1,0 +1,60 @@
+// The job of `mottle targets`: the numbers of a deck that can be parameters, and what each does to the modes.
+#pragma once
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "mottle/layers.hpp"
+#include "mottle/study/jobs/run.hpp"
+
+namespace mottle::study {
+
+/// What to compute.
+struct TargetsSettings {
+  std::filesystem::path model;  ///< a Nastran deck
+  int modes = 0;                ///< 0: what the deck's EIGRL asks for, else 10
+  std::set<std::string> ignore_cards = {};
+  std::string units = "SI";  ///< only named
+  bool lists_all = false;    ///< also numbers that are zero, change no mode or are seldom wrong
+};
+
+/// A number that a parameter may act on.
+struct Target {
+  std::string name;               ///< "MAT1:2:E"
+  std::string unit;
+  double value = 0.0;             ///< as in the deck
+  int elements = 0;               ///< that use it
+  /// Fraction of the strain energy, in elements whose stiffness depends on it; nan of rigid-body modes [mode].
+  Eigen::RowVectorXd strain = {};
+  Eigen::RowVectorXd kinetic = {};  ///< the same of the kinetic energy and mass [mode]
+  Eigen::RowVectorXd sensitivity = {};  ///< d ln f / d ln p, % per %; nan of rigid-body modes [mode]
+
+  /// The largest sensitivity by size; 0 where there is none.
+  double largest_sensitivity() const;
+};
+
+struct TargetsOutcome {
+  TargetsSettings settings;
+  Eigen::VectorXd frequencies;       ///< Hz [mode]
+  std::vector<Target> targets = {};  ///< by largest sensitivity, descending
+  int left_out = 0;                  ///< numbers that `lists_all` would add
+  std::vector<std::string> notes = {};
+};
+
+/// Solves the deck and finds what each number on its cards changes.
+///
+///   d ln f / d ln p = (phi' dK/dlnp phi / phi' K phi - phi' dM/dlnp phi / phi' M phi) / 2
+///
+/// Modes of one frequency have the mean of theirs, since each alone is not determined.
+///
+/// Throws InvalidInput, FormatError, SystemFailure as find_modes().
+TargetsOutcome find_targets(const TargetsSettings& settings);
+
+/// A table for a person: the most sensitive mode of each. JSON and CSV have every mode.
+RunSummary summarise(const TargetsOutcome& outcome);
+std::string targets_csv(const TargetsOutcome& outcome);
+
+}  // namespace mottle::study

@@ -1,0 +1,84 @@
+#include "mottle/study/jobs/targets.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "mottle/core/error.hpp"
+#include "mottle/fem/assembly/field_energies.hpp"
+#include "mottle/formats/nastran/model.hpp"
+#include "study/jobs/solved_deck.hpp"
+#include "study/models/nastran/field_units.hpp"
+
+namespace mottle::study {
+namespace {
+
+/// Replaces the columns of modes of one frequency by their mean.
+void average_repeated(const Eigen::VectorXd& frequencies, Eigen::RowVectorXd& values) {
+  constexpr double k_equal = 1e-6;  // relative; closer modes are mixed by the slightest change of the model
+  for (Eigen::Index first = 0, next = 1; first < values.size(); first = next++) {
+    while (next < values.size() && frequencies(next) - frequencies(next - 1) <= k_equal * frequencies(next)) ++next;
+    values.segment(first, next - first).setConstant(values.segment(first, next - first).mean());
+  }
+}
+
+/// The values of the modes that are no rigid-body motions, nan of those.
+Eigen::RowVectorXd of_elastic(const SolvedDeck& solved, const Eigen::RowVectorXd& values) {
+  const Eigen::RowVectorXd frequencies = solved.frequencies.transpose();
+  return (frequencies.array() == 0.0).select(std::numeric_limits<double>::quiet_NaN(), values.array());
+}
+
+Target target_of(const SolvedDeck& solved, const FieldEnergies& energies, Eigen::Index index, const UnitNames& units) {
+  const CardField& field = solved.structure->model().fields[static_cast<std::size_t>(index)];
+  Target target{.name = fmt::format("{}:{}:{}", field.card, field.id, field.name),
+                .unit = field_unit(field.card, field.name, units),
+                .value = field.value,
+                .elements = energies.elements(index),
+                .strain = of_elastic(solved, energies.strain.row(index).cwiseQuotient(energies.total_strain)),
+                .kinetic = energies.kinetic.row(index).cwiseQuotient(energies.total_kinetic),
+                .sensitivity = of_elastic(
+                    solved, 0.5 * (energies.strain_derivative.row(index).cwiseQuotient(energies.total_strain) -
+                                   energies.kinetic_derivative.row(index).cwiseQuotient(energies.total_kinetic)))};
+  average_repeated(solved.frequencies, target.sensitivity);
+  return target;
+}
+
+/// Whether a change of the number would be seen in the modes at all.
+bool changes_modes(const Target& target) {
+  constexpr double k_nothing = 1e-9;  // % per %: rounding of the sums over elements
+  return target.largest_sensitivity() > k_nothing || target.kinetic.maxCoeff() > k_nothing;
+}
+
+}  // namespace
+
+double Target::largest_sensitivity() const {
+  double largest = 0.0;
+  for (const double one : sensitivity) largest = std::max(largest, std::isnan(one) ? 0.0 : std::abs(one));
+  return largest;
+}
+
+TargetsOutcome find_targets(const TargetsSettings& settings) {
+  const SolvedDeck solved = solve_deck(settings.model, settings.ignore_cards, settings.modes);
+  const FiniteElementModel& model = solved.structure->model();
+  const Eigen::MatrixXd displacements = solved.structure->assembled().expansion * solved.modes.vectors;
+  const FieldEnergies energies = field_energies(model, displacements);
+  TargetsOutcome outcome{.settings = settings, .frequencies = solved.frequencies, .notes = solved.notes};
+  const UnitNames units = unit_names(settings.units);
+  for (Eigen::Index index = 0; index < energies.elements.size(); ++index) {
+    const CardField& field = model.fields[static_cast<std::size_t>(index)];
+    Target target = target_of(solved, energies, index, units);
+    const bool is_wanted =
+        settings.lists_all || (is_design_number(field) && field.value != 0.0 && changes_modes(target));
+    if (is_wanted) {
+      outcome.targets.push_back(std::move(target));
+    } else {
+      ++outcome.left_out;
+    }
+  }
+  std::ranges::stable_sort(outcome.targets, [](const Target& a, const Target& b) {
+    return a.largest_sensitivity() > b.largest_sensitivity();
+  });
+  return outcome;
+}
+
+}  // namespace mottle::study

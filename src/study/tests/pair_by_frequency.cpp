@@ -1,0 +1,203 @@
+#include "study/tests/pair_by_frequency.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <utility>
+
+#include "mottle/core/error.hpp"
+#include "mottle/core/text.hpp"
+#include "mottle/dynamics/modes/mode_set.hpp"
+
+namespace mottle::study {
+namespace {
+
+constexpr double k_no_partner = 1.5;    // ratio of frequencies
+constexpr double k_far = 0.15;          // relative
+constexpr double k_indifferent = 0.01;  // relative
+
+/// Sums of squares of the best assignments of the first i tested and j model modes.
+Eigen::MatrixXd best_sums(const Eigen::MatrixXd& squares) {
+  const double none = std::pow(std::log(k_no_partner), 2);
+  Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(squares.rows() + 1, squares.cols() + 1);
+  for (Eigen::Index i = 1; i < sums.rows(); ++i) {
+    sums(i, 0) = static_cast<double>(i) * none;
+    for (Eigen::Index j = 1; j < sums.cols(); ++j) {
+      sums(i, j) = std::min({sums(i - 1, j - 1) + squares(i - 1, j - 1), sums(i - 1, j) + none, sums(i, j - 1)});
+    }
+  }
+  return sums;
+}
+
+/// Partner of each tested mode in the best assignment, -1: none.
+std::vector<int> best_partners(const Eigen::MatrixXd& squares) {
+  const Eigen::MatrixXd sums = best_sums(squares);
+  std::vector<int> partners(static_cast<std::size_t>(squares.rows()), -1);
+  Eigen::Index i = squares.rows();
+  Eigen::Index j = squares.cols();
+  while (i > 0 && j > 0) {
+    if (sums(i, j) == sums(i, j - 1)) {
+      --j;
+    } else if (sums(i, j) == sums(i - 1, j - 1) + squares(i - 1, j - 1)) {
+      partners[static_cast<std::size_t>(--i)] = static_cast<int>(--j);
+    } else {
+      --i;
+    }
+  }
+  return partners;
+}
+
+/// "f12" of "f12", "f12_Hz", "f12 [Hz]": number and what follows; the same of "zeta12".
+struct NumberedTitle {
+  std::string stem;
+  int number = 0;
+  std::string rest;
+};
+
+std::optional<NumberedTitle> numbered_title(const std::string& title) {
+  for (const std::string stem : {"zeta", "f"}) {
+    if (!title.starts_with(stem)) continue;
+    NumberedTitle result{stem, 0, ""};
+    const char* const end = title.data() + title.size();
+    const auto [rest, error] = std::from_chars(title.data() + stem.size(), end, result.number);
+    result.rest.assign(rest, end);
+    const bool ends = result.rest.empty() || std::string_view(" _[(").find(result.rest.front()) != std::string_view::npos;
+    if (error == std::errc() && result.number > 0 && ends) return result;
+  }
+  return std::nullopt;
+}
+
+/// Mean of the values that a column has.
+double mean_of(const CsvTable& table, int column) {
+  const Eigen::VectorXd values = numbers_of_column(table, column);
+  double sum = 0.0;
+  int count = 0;
+  for (Eigen::Index row = 0; row < values.size(); ++row) {
+    if (std::isnan(values(row))) continue;
+    if (values(row) <= 0.0) {
+      throw FormatError(table.file, table.lines[static_cast<std::size_t>(row)],
+                        fmt::format("column '{}' holds {:g}, but a natural frequency is greater than 0; a mode that was "
+                                    "not measured has an empty cell",
+                                    table.header[static_cast<std::size_t>(column)], values(row)));
+    }
+    sum += values(row);
+    ++count;
+  }
+  return count == 0 ? std::numeric_limits<double>::quiet_NaN() : sum / count;
+}
+
+/// Frequencies of the reference in the study's unit, as many as the tests could have.
+Eigen::VectorXd reference_frequencies(const StructureModel& model, std::size_t tests, bool solves) {
+  const int wanted = model.highest_mode() + static_cast<int>(tests);
+  const int there = static_cast<int>(std::min<Eigen::Index>(wanted, model.structure().mode_count()));
+  if (!solves || there <= model.reference_modes().eigenvalues.size()) {
+    return natural_frequencies_hz(model.reference_modes().eigenvalues);
+  }
+  return natural_frequencies_hz(model.solver().modes_at(model.reference_parameters(), there).eigenvalues);
+}
+
+}  // namespace
+
+std::vector<FrequencyPair> pair_in_order(const Eigen::VectorXd& tests, const Eigen::VectorXd& model) {
+  Eigen::MatrixXd squares(tests.size(), model.size());
+  for (Eigen::Index i = 0; i < tests.size(); ++i) {
+    for (Eigen::Index j = 0; j < model.size(); ++j) {
+      squares(i, j) =
+          model(j) > 0.0 ? std::pow(std::log(model(j) / tests(i)), 2) : std::numeric_limits<double>::infinity();
+    }
+  }
+  const std::vector<int> partners = best_partners(squares);
+  const double best = best_sums(squares)(squares.rows(), squares.cols());
+  std::vector<FrequencyPair> pairs;
+  for (Eigen::Index i = 0; i < tests.size(); ++i) {
+    FrequencyPair pair{.test = static_cast<int>(i), .mode = partners[static_cast<std::size_t>(i)]};
+    if (pair.mode >= 0) {
+      pair.difference = model(pair.mode) / tests(i) - 1.0;
+      const double kept = std::exchange(squares(i, pair.mode), std::numeric_limits<double>::infinity());
+      const double second = best_sums(squares)(squares.rows(), squares.cols());
+      squares(i, pair.mode) = kept;
+      pair.is_doubtful = std::abs(pair.difference) > k_far || second - best < k_indifferent * k_indifferent;
+    }
+    pairs.push_back(pair);
+  }
+  return pairs;
+}
+
+FrequencyPairing::FrequencyPairing(const CsvTable& table, const StructureModel& model, bool solves) {
+  std::vector<std::pair<double, int>> tests;  // mean, number
+  for (std::size_t column = 0; column < table.header.size(); ++column) {
+    const std::optional<NumberedTitle> title = numbered_title(table.header[column]);
+    if (!title || title->stem != "f") continue;
+    const double mean = mean_of(table, static_cast<int>(column));
+    if (!std::isnan(mean)) tests.emplace_back(mean, title->number);
+  }
+  if (tests.empty()) {
+    throw FormatError(table.file, 1,
+                      fmt::format("has no column of frequencies (f1, f2, ...), which test.pairing = \"frequency\" "
+                                  "needs; the columns are {}",
+                                  join(table.header)));
+  }
+  std::ranges::sort(tests);
+  means_.resize(static_cast<Eigen::Index>(tests.size()));
+  for (std::size_t k = 0; k < tests.size(); ++k) {
+    means_(static_cast<Eigen::Index>(k)) = tests[k].first;
+    numbers_.push_back(tests[k].second);
+  }
+  frequencies_ = reference_frequencies(model, tests.size(), solves);
+  pairs_ = pair_in_order(means_, frequencies_);
+}
+
+void FrequencyPairing::renumber(CsvTable& table) const {
+  for (std::size_t column = table.header.size(); column-- > 0;) {
+    const std::optional<NumberedTitle> title = numbered_title(table.header[column]);
+    if (!title) continue;
+    const auto found = std::ranges::find(numbers_, title->number);
+    const int mode =
+        found == numbers_.end() ? -1 : pairs_[static_cast<std::size_t>(found - numbers_.begin())].mode;
+    if (mode >= 0) {
+      table.header[column] = fmt::format("{}{}{}", title->stem, mode + 1, title->rest);
+      continue;
+    }
+    table.header.erase(table.header.begin() + static_cast<std::ptrdiff_t>(column));
+    for (auto& row : table.rows) row.erase(row.begin() + static_cast<std::ptrdiff_t>(column));
+  }
+}
+
+std::vector<std::string> FrequencyPairing::notes(const StructureModel& model) const {
+  std::vector<std::string> pairs;
+  std::vector<std::string> doubtful;
+  for (const FrequencyPair& pair : pairs_) {
+    if (pair.mode < 0 || pair.mode >= model.highest_mode() || !model.is_output(pair.mode)) continue;
+    const std::string text =
+        fmt::format("f{} is the model's f{} ({:+.1f} %)", numbers_[static_cast<std::size_t>(pair.test)], pair.mode + 1,
+                    100.0 * pair.difference);
+    pairs.push_back(text);
+    if (pair.is_doubtful) doubtful.push_back(text);
+  }
+  std::vector<std::string> notes{fmt::format(
+      "The tests' modes are paired with the model's by their frequencies, in ascending order (the model's frequency "
+      "against the tests' mean in brackets): {}. Frequencies alone cannot show that modes have changed places.",
+      join(pairs))};
+  if (!doubtful.empty()) {
+    notes.push_back(fmt::format("Doubtful pairs, more than 15 % apart or with another mode as near, used nevertheless: "
+                                "{}.",
+                                join(doubtful)));
+  }
+  return notes;
+}
+
+bool FrequencyPairing::differs_from_names(const StructureModel& model) const {
+  bool differs = false;
+  for (const FrequencyPair& pair : pairs_) {
+    const int named = numbers_[static_cast<std::size_t>(pair.test)] - 1;
+    if (named >= model.highest_mode() || !model.is_output(named)) continue;
+    if (pair.mode < 0 || pair.is_doubtful) return false;
+    const double difference = frequencies_(named) / means_(pair.test) - 1.0;
+    differs = differs || (pair.mode != named && std::abs(difference) > k_far);
+  }
+  return differs;
+}
+
+}  // namespace mottle::study

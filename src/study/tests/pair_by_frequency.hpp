@@ -1,0 +1,59 @@
+// Gives the modes of a table of tests without shapes the model's mode numbers, by their frequencies in ascending order.
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "mottle/formats/tables/csv.hpp"
+#include "mottle/layers.hpp"
+#include "mottle/model/structure_model.hpp"
+
+namespace mottle::study {
+
+/// A tested mode and the model's mode that it is taken for; both counted from 0.
+struct FrequencyPair {
+  int test = 0;
+  int mode = -1;           ///< -1: none is near enough
+  double difference = 0.0; ///< model / test - 1
+  bool is_doubtful = false;
+};
+
+/// The assignment of the tests' modes to the model's that keeps their order and has the smallest sum of
+///   ln(model / test)^2,  where a tested mode without partner counts as one that is 50 % away;
+/// modes of the model may be passed over at no cost. A pair is doubtful where it is more than 15 % apart, or where the
+/// sum without this pair is larger by less than that of 1 % of difference.
+///
+/// @param tests  ascending, greater than 0
+/// @param model  ascending; those of 0 (rigid-body modes) are no partners
+/// @return       one pair for each tested mode
+std::vector<FrequencyPair> pair_in_order(const Eigen::VectorXd& tests, const Eigen::VectorXd& model);
+
+/// The pairing of a table's columns "f1", "f2", ... (the tests' own numbers) with a model's modes.
+class FrequencyPairing {
+ public:
+  /// Pairs the columns' means with the frequencies of the reference.
+  ///
+  /// @param solves       whether the reference is solved for as many modes as the tests could have; else those known are
+  ///                     taken, up to the outputs' highest
+  /// @throws FormatError  no column of a frequency, or a value that is not greater than 0
+  FrequencyPairing(const CsvTable& table, const StructureModel& model, bool solves);
+
+  /// Renames the columns of frequencies and damping ratios to the model's numbers; those without partner are taken out.
+  void renumber(CsvTable& table) const;
+
+  /// Which column is which mode, a line each, and which are doubtful; what is no output is left out.
+  std::vector<std::string> notes(const StructureModel& model) const;
+
+  /// Whether by frequency all columns of the outputs' numbers have partners beyond doubt, and some another than their
+  /// numbers say, which are more than 15 % away.
+  bool differs_from_names(const StructureModel& model) const;
+
+ private:
+  std::vector<int> numbers_;  // of the tests' modes as their columns name them, by ascending frequency
+  std::vector<FrequencyPair> pairs_;
+  Eigen::VectorXd means_;        // of the tests' modes, ascending
+  Eigen::VectorXd frequencies_;  // of the reference [mode]
+};
+
+}  // namespace mottle::study

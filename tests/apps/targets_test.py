@@ -1,0 +1,111 @@
+"""mottle targets: closed forms, another way to the same sensitivities, and what it says of wrong input.
+
+    python3 targets_test.py PATH_TO_MOTTLE
+"""
+
+import csv
+import io
+import json
+import unittest
+
+import support
+
+# A cantilever of one material: every frequency goes with sqrt(E / rho); bending with sqrt(I / A).
+BEAM = """\
+SOL 103
+CEND
+SPC = 1
+METHOD = 10
+BEGIN BULK
+EIGRL,10,,,4
+GRID,1
+GRID,2,,0.5
+GRID,3,,1.0
+GRID,4,,1.5
+SPC1,1,123456,1
+CBAR,1,1,1,2,0.,0.,1.
+CBAR,2,1,2,3,0.,0.,1.
+CBAR,3,1,3,4,0.,0.,1.
+PBARL,1,1,,BAR
+,{width},{height}
+MAT1,1,7.+10,,.3,2700.
+ENDDATA
+"""
+FREE = """\
+SOL 103
+CEND
+METHOD = 10
+BEGIN BULK
+EIGRL,10,,,4
+SPOINT,1,2
+CELAS2,1,1000.,1,1,2,1
+CMASS2,2,2.,1,1
+CMASS2,3,3.,2,1
+ENDDATA
+"""
+
+
+class TargetsTest(support.CommandTest):
+    def targets(self, deck, *options):
+        found = json.loads(self.succeed("targets", deck, "--json", *options).out)
+        return {target["target"]: target for target in found["targets"]}, found
+
+    def test_a_uniform_cantilever_has_the_closed_forms(self):
+        found, _ = self.targets(self.write("deck.bdf", BEAM.format(width=0.02, height=0.03)))
+        for sensitivity in found["MAT1:1:E"]["sensitivity"]:
+            self.assertAlmostEqual(sensitivity, 0.5, delta=1e-10)
+        for sensitivity in found["MAT1:1:RHO"]["sensitivity"]:
+            self.assertAlmostEqual(sensitivity, -0.5, delta=1e-10)
+        self.assertEqual(found["MAT1:1:E"]["elements"], 3)
+        self.assertEqual(found["MAT1:1:E"]["unit"], "Pa")
+        for energies in (found["MAT1:1:E"]["strain_energy"], found["MAT1:1:RHO"]["kinetic_energy"]):
+            for energy in energies:
+                self.assertAlmostEqual(energy, 1.0, delta=1e-10)
+
+    def test_a_section_has_the_sensitivities_of_decks_solved_anew(self):
+        step = 1e-3
+        found, _ = self.targets(self.write("deck.bdf", BEAM.format(width=0.02, height=0.03)))
+        for name, change in (("DIM1", "width"), ("DIM2", "height")):
+            sizes = {"width": 0.02, "height": 0.03}
+            ends = []
+            for sign in (1.0, -1.0):
+                moved = {**sizes, change: sizes[change] * (1.0 + sign * step)}
+                modes = self.succeed("modes", self.write("moved.bdf", BEAM.format(**moved)), "--json")
+                ends.append(json.loads(modes.out)["frequencies"])
+            for mode, sensitivity in enumerate(found[f"PBARL:1:{name}"]["sensitivity"]):
+                again = (ends[0][mode] - ends[1][mode]) / (ends[0][mode] + ends[1][mode]) / step
+                self.assertAlmostEqual(sensitivity, again, delta=1e-5)  # (h^2) times a third derivative of order one
+
+    def test_a_rigid_body_mode_has_no_sensitivity(self):
+        found, whole = self.targets(self.write("deck.bdf", FREE), "--modes", "2")
+        self.assertEqual(whole["frequencies"][0], 0.0)
+        self.assertEqual(found["CELAS2:1:K"]["sensitivity"][0], None)
+        # reduced mass 6/5: the mass m has the fraction 1 - m / (m1 + m2) of the kinetic energy
+        self.assertAlmostEqual(found["CELAS2:1:K"]["sensitivity"][1], 0.5, delta=1e-10)
+        self.assertAlmostEqual(found["CMASS2:2:M"]["sensitivity"][1], -0.3, delta=1e-10)
+        self.assertAlmostEqual(found["CMASS2:3:M"]["sensitivity"][1], -0.2, delta=1e-10)
+
+    def test_the_table_has_the_numbers_of_the_json(self):
+        deck = self.write("deck.bdf", BEAM.format(width=0.02, height=0.03))
+        found, _ = self.targets(deck)
+        rows = list(csv.DictReader(io.StringIO(self.succeed("targets", deck, "--csv").out)))
+        self.assertEqual([row["target"] for row in rows], list(found))
+        for row in rows:
+            for mode, sensitivity in enumerate(found[row["target"]]["sensitivity"], start=1):
+                self.assertEqual(float(row[f"sensitivity_{mode}"]), sensitivity)
+
+    def test_all_numbers_are_listed_where_they_are_asked_for(self):
+        deck = self.write("deck.bdf", BEAM.format(width=0.02, height=0.03))
+        usual, whole = self.targets(deck)
+        every, _ = self.targets(deck, "--all")
+        self.assertEqual(len(every), len(usual) + whole["left_out"])
+        self.assertIn("MAT1:1:NU", every)
+
+    def test_a_deck_that_is_not_there_is_named(self):
+        ended = self.call("targets", "none.bdf")
+        self.assertEqual(ended.code, 2, ended.err)
+        self.assertIn("none.bdf", ended.err)
+
+
+if __name__ == "__main__":
+    support.main()
