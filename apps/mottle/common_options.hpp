@@ -41,6 +41,7 @@ RunSettings run_settings(const CommonOptions& options, Console& console);
 void print_summary(const CommonOptions& options, const RunSummary& summary);
 
 /// Each verb adds itself; its callback throws what goes wrong.
+void add_init(CLI::App& app);
 void add_update(CLI::App& app);
 void add_diagnose(CLI::App& app);
 void add_propagate(CLI::App& app);

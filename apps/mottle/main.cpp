@@ -54,6 +54,7 @@ int run(int argc, char** argv) {
   app.set_version_flag("--version", "mottle " + mottle::study::version());
   app.require_subcommand(1);
   app.footer("Exit codes: 0 done, 2 wrong input, 3 a solver or file failed, 4 stopped (resumable), 70 a bug.");
+  mottle::app::add_init(app);
   mottle::app::add_update(app);
   mottle::app::add_diagnose(app);
   mottle::app::add_propagate(app);

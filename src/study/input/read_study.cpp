@@ -173,8 +173,7 @@ void require_short_keys(const std::string& bytes, const std::filesystem::path& f
   }
 }
 
-toml::table parse_file(const std::filesystem::path& file) {
-  const std::string bytes = read_text_file(file);
+toml::table parse_text(const std::string& bytes, const std::filesystem::path& file) {
   require_short_keys(bytes, file);
   try {
     return toml::parse(bytes, file.string());
@@ -204,13 +203,7 @@ void note_lines(const toml::table& table, const std::string& path, std::map<std:
   }
 }
 
-}  // namespace
-
-Study read_study(const std::filesystem::path& file, const StudyOverrides& overrides) {
-  toml::table root = parse_file(file);
-  for (const std::string& assignment : overrides.assignments) apply_override(root, assignment);
-  if (overrides.seed) root.insert_or_assign("seed", static_cast<std::int64_t>(*overrides.seed));
-
+Study study_of(const toml::table& root, const std::filesystem::path& file) {
   Study study;
   study.file = file;
   TomlReader reader(root, file.string(), "");
@@ -239,6 +232,19 @@ Study read_study(const std::filesystem::path& file, const StudyOverrides& overri
     if (study.lines.contains(key)) study.lines.emplace(method, study.lines.at(key));
   }
   return study;
+}
+
+}  // namespace
+
+Study read_study(const std::filesystem::path& file, const StudyOverrides& overrides) {
+  toml::table root = parse_text(read_text_file(file), file);
+  for (const std::string& assignment : overrides.assignments) apply_override(root, assignment);
+  if (overrides.seed) root.insert_or_assign("seed", static_cast<std::int64_t>(*overrides.seed));
+  return study_of(root, file);
+}
+
+Study read_study_text(const std::string& text, const std::filesystem::path& file) {
+  return study_of(parse_text(text, file), file);
 }
 
 namespace {

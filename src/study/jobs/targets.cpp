@@ -7,7 +7,7 @@
 #include "mottle/core/error.hpp"
 #include "mottle/fem/assembly/field_energies.hpp"
 #include "mottle/formats/nastran/model.hpp"
-#include "study/jobs/solved_deck.hpp"
+#include "study/jobs/deck_targets.hpp"
 #include "study/models/nastran/field_units.hpp"
 
 namespace mottle::study {
@@ -57,8 +57,7 @@ double Target::largest_sensitivity() const {
   return largest;
 }
 
-TargetsOutcome find_targets(const TargetsSettings& settings) {
-  const SolvedDeck solved = solve_deck(settings.model, settings.ignore_cards, settings.modes);
+TargetsOutcome targets_of(const SolvedDeck& solved, const TargetsSettings& settings) {
   const FiniteElementModel& model = solved.structure->model();
   const Eigen::MatrixXd displacements = solved.structure->assembled().expansion * solved.modes.vectors;
   const FieldEnergies energies = field_energies(model, displacements);
@@ -79,6 +78,10 @@ TargetsOutcome find_targets(const TargetsSettings& settings) {
     return a.largest_sensitivity() > b.largest_sensitivity();
   });
   return outcome;
+}
+
+TargetsOutcome find_targets(const TargetsSettings& settings) {
+  return targets_of(solve_deck(settings.model, settings.ignore_cards, settings.modes), settings);
 }
 
 }  // namespace mottle::study

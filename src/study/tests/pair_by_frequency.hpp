@@ -42,6 +42,8 @@ class FrequencyPairing {
   /// Renames the columns of frequencies and damping ratios to the model's numbers; those without partner are taken out.
   void renumber(CsvTable& table) const;
 
+  const std::vector<FrequencyPair>& pairs() const { return pairs_; }
+
   /// Which column is which mode, a line each, and which are doubtful; what is no output is left out.
   std::vector<std::string> notes(const StructureModel& model) const;
 

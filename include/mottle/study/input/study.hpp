@@ -141,6 +141,11 @@ struct StudyOverrides {
 ///                       the nearest known one, wrong types, values out of range, an override that fits nothing
 Study read_study(const std::filesystem::path& file, const StudyOverrides& overrides = {});
 
+/// The same of a study that is not in a file yet.
+///
+/// @param file  where it will be: paths are relative to its folder
+Study read_study_text(const std::string& text, const std::filesystem::path& file);
+
 /// "study.toml:12: outputs.frequencies: FAULT": the key's line, or that of the table that it would stand in.
 ///
 /// @param section  prefix of the key in the table of lines: "truth." for a parameter of the truth

@@ -1,0 +1,167 @@
+#include "study/jobs/proposed_parameters.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "mottle/core/error.hpp"
+#include "mottle/core/text.hpp"
+
+namespace mottle::study {
+namespace {
+
+struct Spread {
+  double value = 0.0;
+  const char* reason = "";
+};
+
+/// How far a number of that kind is commonly off, by what it stands for.
+Spread spread_of(const std::string& card, const std::string& name) {
+  static const std::set<std::string> k_springs = {"PELAS", "CELAS2", "CELAS4", "PBUSH"};
+  if (k_springs.contains(card)) return {0.3, "stiffnesses of joints and supports are seldom known better"};
+  if (name == "RHO") return {0.03, "densities are known, but paint, glue and fasteners are in them too"};
+  if (name == "E" || name == "G" || name.starts_with("E") || name.starts_with("G")) {
+    return {0.1, "moduli are known better, but simplified joints and holes are in them too"};
+  }
+  if (name == "M" || card == "CONM1" || name == "NSM") return {0.1, "masses of equipment and cables"};
+  if (name == "J" || name.starts_with("I")) return {0.1, "properties of simplified sections"};
+  return {0.05, "tolerances of dimensions"};
+}
+
+/// "E_MAT1_2" of "MAT1:2:E".
+std::string name_of(const std::string& target) {
+  const std::size_t first = target.find(':');
+  const std::size_t last = target.rfind(':');
+  return fmt::format("{}_{}_{}", target.substr(last + 1), target.substr(0, first),
+                     target.substr(first + 1, last - first - 1));
+}
+
+ProposedParameter describe(const Target& target, const std::vector<int>& modes) {
+  const std::string card = target.name.substr(0, target.name.find(':'));
+  const Spread spread = spread_of(card, target.name.substr(target.name.rfind(':') + 1));
+  ProposedParameter parameter{.target = target.name,
+                              .name = name_of(target.name),
+                              .unit = target.unit,
+                              .value = target.value,
+                              .elements = target.elements,
+                              .spread = spread.value,
+                              .spread_reason = spread.reason};
+  for (const int mode : modes) {
+    const double sensitivity = target.sensitivity(mode - 1);
+    if (std::isnan(sensitivity) || std::abs(sensitivity) <= std::abs(parameter.sensitivity)) continue;
+    parameter.sensitivity = sensitivity;
+    parameter.mode = mode;
+  }
+  return parameter;
+}
+
+/// Changes of the outputs by one spread of each number [output x number].
+Eigen::MatrixXd changes_of(const std::vector<Target>& targets, const std::vector<ProposedParameter>& parameters,
+                           const std::vector<int>& modes, const Eigen::VectorXd& scales) {
+  Eigen::MatrixXd changes(scales.size(), static_cast<Eigen::Index>(targets.size()));
+  for (std::size_t j = 0; j < targets.size(); ++j) {
+    for (std::size_t k = 0; k < modes.size(); ++k) {
+      const double sensitivity = targets[j].sensitivity(modes[k] - 1);
+      changes(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(j)) =
+          std::isnan(sensitivity) ? 0.0 : sensitivity * parameters[j].spread / scales(static_cast<Eigen::Index>(k));
+    }
+  }
+  return changes;
+}
+
+/// Columns by pivoted orthogonalisation, the longest rest first.
+class Selection {
+ public:
+  explicit Selection(Eigen::MatrixXd columns) : columns_(std::move(columns)), rest_(columns_) {}
+
+  double length(Eigen::Index j) const { return columns_.col(j).norm(); }
+  /// Part of a column that the chosen ones cannot give, as a fraction of it.
+  double independent(Eigen::Index j) const { return length(j) > 0.0 ? rest_.col(j).norm() / length(j) : 0.0; }
+
+  void choose(Eigen::Index j) {
+    chosen_.push_back(j);
+    const double norm = rest_.col(j).norm();
+    if (norm == 0.0) return;
+    const Eigen::VectorXd direction = rest_.col(j) / norm;
+    rest_ -= direction * (direction.transpose() * rest_).eval();
+  }
+
+  /// The candidate with the longest rest that satisfies both limits; -1: none.
+  Eigen::Index next(double min_length, double min_independent) const {
+    Eigen::Index best = -1;
+    for (Eigen::Index j = 0; j < rest_.cols(); ++j) {
+      if (length(j) < min_length || independent(j) < min_independent) continue;
+      if (best < 0 || rest_.col(j).norm() > rest_.col(best).norm()) best = j;
+    }
+    return best;
+  }
+
+  /// The chosen column that is most like this one.
+  Eigen::Index most_alike(Eigen::Index j) const {
+    Eigen::Index best = -1;
+    double largest = 0.0;
+    for (const Eigen::Index other : chosen_) {
+      const double cosine = std::abs(columns_.col(j).dot(columns_.col(other))) / (length(j) * length(other));
+      if (best >= 0 && !(cosine > largest)) continue;
+      largest = cosine;
+      best = other;
+    }
+    return best;
+  }
+
+  const std::vector<Eigen::Index>& chosen() const { return chosen_; }
+
+ private:
+  Eigen::MatrixXd columns_, rest_;
+  std::vector<Eigen::Index> chosen_;
+};
+
+void choose_wanted(const std::vector<Target>& targets, const std::vector<std::string>& wanted, Selection& selection) {
+  std::vector<std::string> known;
+  for (const Target& target : targets) known.push_back(target.name);
+  for (const std::string& name : wanted) {
+    const auto found = std::ranges::find(known, capitals(name));
+    require(found != known.end(), "{}", unknown_name_message("target", name, known));
+    selection.choose(std::distance(known.begin(), found));
+  }
+}
+
+}  // namespace
+
+std::vector<ProposedParameter> propose_parameters(const std::vector<Target>& targets, const std::vector<int>& modes,
+                                                  const Eigen::VectorXd& scales,
+                                                  const std::vector<std::string>& wanted) {
+  constexpr double k_seen = 1.0;
+  constexpr double k_independent = 0.15;
+  constexpr std::size_t k_most = 12;
+  std::vector<ProposedParameter> all;
+  for (const Target& target : targets) all.push_back(describe(target, modes));
+  Selection selection(changes_of(targets, all, modes, scales));
+  choose_wanted(targets, wanted, selection);
+  const std::size_t most = std::clamp<std::size_t>(modes.size() / 2, 1, k_most);
+  while (wanted.empty() && selection.chosen().size() < most) {
+    const Eigen::Index next = selection.next(k_seen, k_independent);
+    if (next < 0) break;
+    selection.choose(next);
+  }
+  std::vector<ProposedParameter> proposed;
+  for (const Eigen::Index j : selection.chosen()) proposed.push_back(all[static_cast<std::size_t>(j)]);
+  for (std::size_t j = 0; j < all.size(); ++j) {
+    const auto index = static_cast<Eigen::Index>(j);
+    if (std::ranges::count(selection.chosen(), index) > 0) continue;
+    ProposedParameter& other = all[j];
+    const Eigen::Index alike = selection.most_alike(index);
+    if (selection.length(index) < k_seen) {
+      other.left_out = "changes the outputs less than the tests scatter";
+    } else if (selection.independent(index) < k_independent) {
+      other.left_out = fmt::format("the outputs can hardly tell it from {}",
+                                   alike < 0 ? "the others" : all[static_cast<std::size_t>(alike)].name);
+    } else {
+      other.left_out = "changes less, and more parameters than half of the outputs are hard to tell apart";
+    }
+    proposed.push_back(std::move(other));
+  }
+  return proposed;
+}
+
+}  // namespace mottle::study

@@ -1,0 +1,218 @@
+#include "study/results/init_text.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "mottle/core/text.hpp"
+#include "mottle/model/units.hpp"
+#include "study/input/first_few.hpp"
+#include "study/results/result_json.hpp"
+
+namespace mottle::study {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A basic string of TOML.
+std::string quoted(const std::string& text) { return Json(text).dump(); }
+
+std::string relative_path(const fs::path& file, const fs::path& study) {
+  std::error_code error;
+  const fs::path folder = fs::weakly_canonical(fs::absolute(study).parent_path(), error);
+  const fs::path relative = fs::weakly_canonical(fs::absolute(file), error).lexically_relative(folder);
+  return (relative.empty() || error ? fs::absolute(file) : relative).generic_string();
+}
+
+template <typename List, typename Text>
+std::string listed(const List& list, const Text& text) {
+  std::vector<std::string> parts;
+  for (const auto& entry : list) parts.push_back(text(entry));
+  return join(parts);
+}
+
+std::string mode_comment(const ProposedMode& mode, const std::string& unit) {
+  std::string comment = fmt::format("#   f{:<3} {:>10.5g} {}", mode.mode, mode.model, unit);
+  if (!std::isnan(mode.test_mean) && mode.specimens > 0) {
+    comment += fmt::format(", tests {:.5g} ({:+.1f} %)", mode.test_mean, 100.0 * (mode.model / mode.test_mean - 1.0));
+    if (!std::isnan(mode.test_std)) comment += fmt::format(", scatter {:.2g} %", 100.0 * mode.test_std / mode.test_mean);
+    comment += fmt::format(", {} specimens", mode.specimens);
+    if (!std::isnan(mode.mac)) comment += fmt::format(", MAC {:.2f}", mode.mac);
+  }
+  if (!mode.doubt.empty()) comment += "; left out: " + mode.doubt;
+  return comment + '\n';
+}
+
+std::string outputs_text(const InitOutcome& outcome) {
+  const std::string unit = unit_names(*outcome.settings.units).frequency;
+  std::vector<ProposedMode> outputs;
+  std::string text = "\n[outputs]\n# The model's modes against the tests (difference of the model in brackets).\n";
+  for (const ProposedMode& mode : outcome.modes) {
+    const bool is_tested = mode.specimens > 0 || outcome.settings.tests.empty();
+    if (is_tested) text += mode_comment(mode, unit);
+    if (mode.doubt.empty()) outputs.push_back(mode);
+  }
+  text += fmt::format("frequencies = [{}]\n",
+                      listed(outputs, [](const ProposedMode& mode) { return fmt::format("{}", mode.mode); }));
+  if (outcome.pairing == "mac") {
+    text += "# Shapes can be outputs too: shapes = { modes = [...], dofs = [\"101:+Z\", ...] }\n";
+  }
+  return text;
+}
+
+std::string test_text(const InitOutcome& outcome) {
+  const InitSettings& settings = outcome.settings;
+  if (settings.tests.empty()) {
+    return "\n# [test]                 # UNKNOWN: no tests were given; without them `mottle propagate` shows the prior\n"
+           "# file = \"tests.csv\"\n";
+  }
+  const auto path = [&](const std::string& file) { return quoted(relative_path(file, settings.study)); };
+  std::string files = listed(settings.tests, path);
+  if (settings.tests.size() > 1) files.insert(files.begin(), '['), files += ']';
+  std::string text = fmt::format("\n[test]\nfile = {}\n", files);
+  if (outcome.pairing == "frequency") {
+    text += "pairing = \"frequency\"     # the tests' modes in ascending frequency are taken for the model's, see above\n";
+  } else {
+    text += fmt::format("pairing = {}\n", quoted(outcome.pairing));
+  }
+  text += "# repeatability = { \"f*\" = \"0.1 %\" }   # UNKNOWN: the scatter of repeated tests of one specimen; without it all\n"
+          "#                                        scatter is taken for that of the parameters\n";
+  return text;
+}
+
+std::string update_text(const InitOutcome& outcome) {
+  if (outcome.specimens >= 2) return "\n[update]\nmethod = \"maximum-likelihood\"\n";
+  return "\n[update]\nmethod = \"deterministic\"   # one specimen has no scatter to explain\n";
+}
+
+std::string parameter_text(const ProposedParameter& parameter) {
+  constexpr double k_bounds = 5.0;  // standard deviations of the logarithm
+  const double factor = std::exp(k_bounds * parameter.spread);
+  std::string text = "\n[[parameter]]\n";
+  text += fmt::format("name = {}\n", quoted(parameter.name));
+  text += fmt::format("target = {:<24} # {:.6g}{}{} in {} element{}", quoted(parameter.target), parameter.value,
+                      parameter.unit == "-" ? "" : " ", parameter.unit == "-" ? "" : parameter.unit,
+                      parameter.elements, parameter.elements == 1 ? "" : "s");
+  if (parameter.mode > 0) text += fmt::format("; f{} by {:+.2f} % per %", parameter.mode, parameter.sensitivity);
+  text += "\nrelative = true                    # a factor on the deck's value\n";
+  text += fmt::format("distribution = {{ kind = \"lognormal\", mean = 1.0, std = {:.2g} }}   # GUESSED: {}\n", parameter.spread,
+                      parameter.spread_reason);
+  return text + fmt::format("bounds = [{:.2g}, {:.2g}]\n", 1.0 / factor, factor);
+}
+
+std::string left_out_text(const InitOutcome& outcome) {
+  constexpr std::size_t k_listed = 12;
+  std::string text;
+  std::size_t count = 0;
+  for (const ProposedParameter& parameter : outcome.parameters) {
+    if (parameter.left_out.empty() || ++count > k_listed) continue;
+    text += fmt::format("#   {:<20} {}\n", parameter.target, parameter.left_out);
+  }
+  if (count == 0) return "";
+  if (count > k_listed) text += fmt::format("#   and {} more: `mottle targets`\n", count - k_listed);
+  return "\n# Numbers of the deck that are no parameters, and why:\n" + text;
+}
+
+std::string cell(double value, int digits) { return std::isnan(value) ? "" : fmt::format("{:.{}g}", value, digits); }
+
+void add_mode_lines(const InitOutcome& outcome, std::vector<std::string>& lines) {
+  lines.push_back(fmt::format("{:>5} {:>11} {:>11} {:>8} {:>8} {:>9} {:>5}  {}", "mode", "model", "tests", "diff. %",
+                              "std %", "specimens", "MAC", "output"));
+  int untested = 0;
+  for (const ProposedMode& mode : outcome.modes) {
+    const bool is_shown = mode.specimens > 0 || outcome.settings.tests.empty();
+    if (!is_shown) ++untested;
+    if (!is_shown) continue;
+    const double difference = 100.0 * (mode.model / mode.test_mean - 1.0);
+    lines.push_back(fmt::format("{:>5} {:>11.5g} {:>11} {:>8} {:>8} {:>9} {:>5}  {}", mode.mode, mode.model,
+                                cell(mode.test_mean, 5), std::isnan(difference) ? "" : fmt::format("{:+.1f}", difference),
+                                cell(100.0 * mode.test_std / mode.test_mean, 2), mode.specimens,
+                                std::isnan(mode.mac) ? "" : fmt::format("{:.2f}", mode.mac),
+                                mode.doubt.empty() ? "yes" : "no: " + mode.doubt));
+  }
+  if (untested > 0) lines.push_back(fmt::format("      {} more modes of the model were not tested", untested));
+}
+
+void add_parameter_lines(const InitOutcome& outcome, std::vector<std::string>& lines) {
+  constexpr int k_listed = 12;
+  lines.push_back(fmt::format("{:<24} {:>12} {:<10} {:>7}  {:>15}  {}", "target", "value", "unit", "std %", "% per %",
+                              "parameter"));
+  int left_out = 0;
+  for (const ProposedParameter& parameter : outcome.parameters) {
+    if (!parameter.left_out.empty() && ++left_out > k_listed) continue;
+    lines.push_back(fmt::format(
+        "{:<24} {:>12.6g} {:<10} {:>7.0f}  {:>15}  {}", parameter.target, parameter.value, parameter.unit,
+        100.0 * parameter.spread,
+        parameter.mode > 0 ? fmt::format("{:+.2f} of f{}", parameter.sensitivity, parameter.mode) : "",
+        parameter.left_out.empty() ? parameter.name : "no: " + parameter.left_out));
+  }
+  if (left_out > k_listed) lines.push_back(fmt::format("and {} more: `mottle targets`", left_out - k_listed));
+}
+
+Json mode_json(const ProposedMode& mode) {
+  return {{"mode", mode.mode},
+          {"model", number_json(mode.model)},
+          {"test_mean", number_json(mode.test_mean)},
+          {"test_std", number_json(mode.test_std)},
+          {"specimens", mode.specimens},
+          {"mac", number_json(mode.mac)},
+          {"is_output", mode.doubt.empty()},
+          {"doubt", mode.doubt}};
+}
+
+Json parameter_json(const ProposedParameter& parameter) {
+  return {{"target", parameter.target},
+          {"name", parameter.name},
+          {"value", parameter.value},
+          {"unit", parameter.unit},
+          {"std", parameter.spread},
+          {"is_parameter", parameter.left_out.empty()},
+          {"left_out", parameter.left_out}};
+}
+
+}  // namespace
+
+std::string study_text_of(const InitOutcome& outcome) {
+  const InitSettings& settings = outcome.settings;
+  std::string text =
+      "# Proposed by `mottle init`. What is GUESSED or UNKNOWN is for you to decide; `mottle check` says what becomes of it.\n";
+  text += fmt::format("title = {}\n", quoted(settings.model.stem().string()));
+  text += fmt::format("units = {}{}\n", quoted(*settings.units),
+                      outcome.units_reason.empty() ? "" : fmt::format("   # {}", outcome.units_reason));
+  text += fmt::format("\n[model]\nkind = \"nastran\"\nfile = {}\n", quoted(relative_path(settings.model, settings.study)));
+  if (!settings.ignore_cards.empty()) {
+    text += fmt::format("ignore_cards = [{}]\n", listed(settings.ignore_cards, quoted));
+  }
+  text += outputs_text(outcome) + test_text(outcome) + update_text(outcome);
+  for (const ProposedParameter& parameter : outcome.parameters) {
+    if (parameter.left_out.empty()) text += parameter_text(parameter);
+  }
+  return text + left_out_text(outcome);
+}
+
+RunSummary summarise(const InitOutcome& outcome) {
+  RunSummary summary{.status = "done"};
+  std::vector<std::string>& lines = summary.lines;
+  lines.push_back(fmt::format("units: {}{}", *outcome.settings.units,
+                              outcome.units_reason.empty() ? "" : fmt::format(" ({})", outcome.units_reason)));
+  if (outcome.specimens > 0) {
+    lines.push_back(fmt::format("tests: {} specimens, paired by {}", outcome.specimens, outcome.pairing));
+  }
+  add_mode_lines(outcome, lines);
+  add_parameter_lines(outcome, lines);
+  for (const std::string& note : outcome.notes) lines.push_back("note: " + note);
+  Json modes = Json::array();
+  for (const ProposedMode& mode : outcome.modes) modes.push_back(mode_json(mode));
+  Json parameters = Json::array();
+  for (const ProposedParameter& parameter : outcome.parameters) parameters.push_back(parameter_json(parameter));
+  summary.json = one_line(Json{{"command", "init"},
+                               {"study", outcome.settings.study.string()},
+                               {"units", *outcome.settings.units},
+                               {"pairing", outcome.pairing},
+                               {"specimens", outcome.specimens},
+                               {"modes", modes},
+                               {"parameters", parameters},
+                               {"notes", outcome.notes}});
+  return summary;
+}
+
+}  // namespace mottle::study
