@@ -120,6 +120,7 @@ StudyUpdate read_update(TomlReader reader) {
   for (const MethodEntry& method : updating_methods()) methods.push_back(method.name);
   update.method = methods[reader.choice("method", methods, 0)];
   const toml::node* samples = reader.raw("samples");
+  update.states_samples = samples != nullptr;
   update.has_automatic_samples = samples != nullptr && samples->value_exact<std::string>() == "auto";
   if (!update.has_automatic_samples) {
     if (samples != nullptr && !samples->is_integer()) reader.fail_value("samples", "a whole number >= 2, or \"auto\"");

@@ -2,12 +2,14 @@
 #include "mottle/study/jobs/check.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "mottle/core/error.hpp"
 #include "mottle/core/folders.hpp"
 #include "mottle/drivers/command/run_folders.hpp"
 #include "mottle/dynamics/modes/mode_set.hpp"
 #include "mottle/study/models/model_source.hpp"
+#include "mottle/study/results/run_folder.hpp"
 #include "study/jobs/checked_study.hpp"
 #include "study/jobs/study_reach.hpp"
 
@@ -24,6 +26,30 @@ Eigen::VectorXd frequencies_of(const StudyModel& made) {
   const Eigen::Index wanted = std::min(k_listed_modes, made.model->structure().mode_count());
   const ModeSet modes = made.model->solver().modes_at(mean, static_cast<int>(wanted));
   return natural_frequencies_hz(modes.eigenvalues).head(std::min(k_listed_modes, modes.eigenvalues.size()));
+}
+
+/// Outputs at the parameters' means, the time that they take and what the parameters change in them. A solver by
+/// command has run once already and is not run again: of it the listed frequencies are known.
+void try_model(const Study& study, const StudyModel& made, const RunContext& context, CheckOutcome& outcome) {
+  const StructureModel& model = *made.model;
+  const Eigen::VectorXd mean = made.space->prior().mean();
+  if (study.model->keeps_runs()) {
+    outcome.outputs = Eigen::VectorXd::Constant(static_cast<Eigen::Index>(model.outputs().size()), std::nan(""));
+    for (std::size_t k = 0; k < model.outputs().size(); ++k) {
+      const Quantity& output = model.outputs()[k];
+      const bool is_known = output.kind == QuantityKind::frequency && output.number <= outcome.frequencies.size();
+      if (is_known) outcome.outputs(static_cast<Eigen::Index>(k)) = outcome.frequencies(output.number - 1);
+    }
+    return;
+  }
+  const double begin = steady_seconds();
+  outcome.outputs = model.evaluate(mean.transpose(), context).outputs.row(0).transpose();
+  outcome.solution_seconds = steady_seconds() - begin;
+  constexpr double k_patience = 10.0;  // seconds; a derivative costs at most two assemblies and solutions
+  if (model.derivatives() == nullptr || outcome.solution_seconds * static_cast<double>(mean.size()) > k_patience) return;
+  const Eigen::VectorXd deviation = made.space->prior().covariance().diagonal().cwiseSqrt();
+  const Eigen::VectorXd sizes = outcome.outputs.cwiseAbs();
+  outcome.changes = sizes.cwiseInverse().asDiagonal() * model.jacobian(mean) * deviation.asDiagonal();
 }
 
 }  // namespace
@@ -46,9 +72,7 @@ CheckOutcome check(const Study& study, const RunSettings& settings) {
   const StudyModel& made = checked->made();
   CheckOutcome outcome{.study = study, .checked = checked};
   outcome.frequencies = frequencies_of(made);
-  if (made.model->highest_mode() == 0) {
-    outcome.outputs = made.model->evaluate(made.space->prior().mean().transpose(), {}).outputs.row(0).transpose();
-  }
+  try_model(study, made, {.seed = study.seed, .threads = settings.threads, .stop = settings.stop}, outcome);
   outcome.total_mass = made.model->structure().total_mass(made.space->prior().mean());
   if (checked->plan) {
     refuse_what_methods_refuse(study, *checked->plan,

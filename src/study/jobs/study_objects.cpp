@@ -117,9 +117,16 @@ StudyModel make_model(const Study& study, const StudyParameters& parameters, con
   }
 }
 
+bool shows_few_samples(const Study& study) {
+  return study.model->keeps_runs() && !study.update.states_samples && !study.surrogate &&
+         !find_method(study.update.method).samples_each_iteration;
+}
+
 CloudSettings cloud_settings(const Study& study, Eigen::Index specimens, Eigen::Index outputs) {
   CloudSettings settings;
   settings.samples = study.update.samples;
+  constexpr int k_runs_of_a_program = 40;  // enough to show a cloud; each may take minutes
+  if (shows_few_samples(study)) settings.samples = k_runs_of_a_program;
   if (study.update.has_automatic_samples) {
     settings.samples = automatic_samples(static_cast<int>(specimens), static_cast<int>(outputs), study.update.level);
   }

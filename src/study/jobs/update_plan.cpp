@@ -35,6 +35,12 @@ UpdatePlan plan_update(const Study& study, const RunSettings& settings) {
   refuse_unit_errors(study, made, tests);
   std::vector<int> groups = covariance_groups(study, made.space->names());
   UpdatePlan plan{std::move(made), std::move(tests), make_method(study), std::move(groups), std::nullopt};
+  if (shows_few_samples(study)) {
+    plan.tests.notes.push_back(fmt::format(
+        "The first and the last cloud have {} samples each, since every one is a run of the program; update.samples "
+        "states another number.",
+        cloud_settings(study, plan.tests.data.values.rows(), plan.tests.data.values.cols()).samples));
+  }
   if (study.predict) plan.prediction = plan_prediction(study, settings);
   return plan;
 }

@@ -1,4 +1,6 @@
 // The summary of `mottle check`.
+#include <cmath>
+
 #include "mottle/core/error.hpp"
 #include "mottle/core/text.hpp"
 #include "mottle/study/jobs/check.hpp"
@@ -61,28 +63,94 @@ void describe_model(const CheckOutcome& outcome, std::vector<std::string>& lines
     lines.push_back(fmt::format("mode {:<3} {:>12.6g} {} at the parameters' means", r + 1, outcome.frequencies(r),
                                 model.selection().units.frequency));
   }
-  for (Eigen::Index k = 0; k < outcome.outputs.size(); ++k) {
-    const Quantity& output = model.outputs()[static_cast<std::size_t>(k)];
-    lines.push_back(
-        fmt::format("{:<8} {:>12.6g} {} at the parameters' means", output.name(), outcome.outputs(k), output.unit));
-  }
   std::vector<std::string> names;
   for (const Quantity& output : model.outputs()) names.push_back(fmt::format("{} [{}]", output.name(), output.unit));
   lines.push_back("outputs: " + join(names));
 }
 
+std::string cell(const char* form, double value) {
+  return std::isfinite(value) ? fmt::format(fmt::runtime(form), value) : "";
+}
+
+/// "K4 +11 %": the parameter that changes an output most, by one prior standard deviation.
+std::string largest_change(const CheckOutcome& outcome, Eigen::Index output) {
+  if (outcome.changes.size() == 0 || !outcome.changes.row(output).allFinite()) return "";
+  Eigen::Index parameter = 0;
+  outcome.changes.row(output).cwiseAbs().maxCoeff(&parameter);
+  return fmt::format("{} {:+.2g} %", outcome.checked->made().space->names()[static_cast<std::size_t>(parameter)],
+                     100.0 * outcome.changes(output, parameter));
+}
+
+/// Outputs at the parameters' means beside the tests, but for components of shapes.
+void describe_outputs(const CheckOutcome& outcome, std::vector<std::string>& lines) {
+  const std::vector<Quantity>& outputs = outcome.checked->made().model->outputs();
+  const TestMoments tests = outcome.checked->plan ? test_moments(outcome.checked->plan->tests.data) : TestMoments{};
+  lines.push_back(fmt::format("{:<12} {:>12} {:<8} {:>12} {:>8} {:>8}  {}", "output", "model", "unit", "tests' mean",
+                              "diff. %", "std %", "changed most by (one prior std)"));
+  for (std::size_t k = 0; k < outputs.size(); ++k) {
+    const auto index = static_cast<Eigen::Index>(k);
+    const QuantityKind kind = outputs[k].kind;
+    if (kind == QuantityKind::displacement || kind == QuantityKind::rotation) continue;
+    const double model = outcome.outputs(index);
+    const double mean = tests.mean.size() > 0 ? tests.mean(index) : std::nan("");
+    const double deviation = tests.mean.size() > 0 ? std::sqrt(tests.covariance(index, index)) : std::nan("");
+    lines.push_back(fmt::format("{:<12} {:>12} {:<8} {:>12} {:>8} {:>8}  {}", outputs[k].name(), cell("{:.6g}", model),
+                                outputs[k].unit, cell("{:.6g}", mean), cell("{:+.1f}", 100.0 * (model / mean - 1.0)),
+                                cell("{:.2g}", 100.0 * deviation / std::abs(mean)), largest_change(outcome, index)));
+  }
+}
+
+/// What each parameter can change at most, and what asks for a second thought.
+void describe_reach_of_parameters(const CheckOutcome& outcome, std::vector<std::string>& lines) {
+  const StudyModel& made = outcome.checked->made();
+  const std::vector<Quantity>& outputs = made.model->outputs();
+  const std::vector<std::string> names = made.space->names();
+  for (Eigen::Index i = 0; i < outcome.changes.cols(); ++i) {
+    Eigen::Index output = 0;
+    const Eigen::VectorXd sizes = outcome.changes.col(i).array().isFinite().select(outcome.changes.col(i).cwiseAbs(), 0.0);
+    const double largest = sizes.maxCoeff(&output);
+    const std::string& name = names[static_cast<std::size_t>(i)];
+    if (largest == 0.0) {
+      lines.push_back(fmt::format("warning: {} changes no output", name));
+    } else {
+      lines.push_back(fmt::format("{} changes {} most: {:+.2g} % by one prior standard deviation", name,
+                                  outputs[static_cast<std::size_t>(output)].name(),
+                                  100.0 * outcome.changes(output, i)));
+    }
+  }
+  if (names.size() > outputs.size()) {
+    lines.push_back(fmt::format(
+        "warning: {} parameters for {} outputs: of the parameters' combinations, the tests' means determine at most {}; "
+        "the others stay as the prior has them",
+        names.size(), outputs.size(), outputs.size()));
+  }
+}
+
 /// Tests and method.
-void describe_update(const Study& study, const UpdatePlan& plan, std::vector<std::string>& lines, Json& json) {
+void describe_update(const CheckOutcome& outcome, std::vector<std::string>& lines, Json& json) {
+  const Study& study = outcome.study;
+  const UpdatePlan& plan = *outcome.checked->plan;
   const StudyTests& tests = plan.tests;
   const CloudSettings rules = cloud_settings(study, tests.data.values.rows(), tests.data.values.cols());
   lines.push_back(fmt::format("tests: {} specimens of {} outputs", tests.data.values.rows(), tests.data.values.cols()));
   for (const std::string& note : tests.notes) lines.push_back("  " + note);
-  lines.push_back(fmt::format("would run: method {}, {} samples an iteration, at most {} iterations: {} model runs",
-                              study.update.method, rules.samples, study.update.iterations,
-                              static_cast<std::int64_t>(rules.samples) * (study.update.iterations + 1)));
+  const bool samples_always = find_method(study.update.method).samples_each_iteration;
+  lines.push_back(
+      samples_always
+          ? fmt::format("would run: method {}, a cloud of {} samples in each of at most {} iterations and before: {} model runs",
+                        study.update.method, rules.samples, study.update.iterations,
+                        static_cast<std::int64_t>(rules.samples) * (study.update.iterations + 1))
+          : fmt::format("would run: method {}, at most {} iterations; besides, a first and a last cloud of {} samples: {} "
+                        "model runs",
+                        study.update.method, study.update.iterations, rules.samples, 2 * rules.samples));
   lines.push_back(covariance_line(study, plan.made.space->names()));
   for (const auto& [name, value] : plan.method->options()) {
     lines.push_back(fmt::format("  {} = {}", name, option_text(value)));
+  }
+  if (outcome.solution_seconds > 0.0) {
+    const bool is_reduced = study.model->reduction_error() && study.may_reduce;
+    lines.push_back(fmt::format("one model run took {:.2g} s{}", outcome.solution_seconds,
+                                is_reduced ? "; in clouds a reduced model takes far less where it can be certified" : ""));
   }
   json["specimens"] = tests.data.values.rows();
   json["samples"] = rules.samples;
@@ -97,15 +165,19 @@ RunSummary summarise(const CheckOutcome& outcome) {
   RunSummary summary{.status = "done"};
   summary.lines.push_back(fmt::format("{}: {} (units {})", study.file.string(), study.title, study.units));
   describe_model(outcome, summary.lines);
+  describe_outputs(outcome, summary.lines);
+  describe_reach_of_parameters(outcome, summary.lines);
   Json json = {{"command", "check"},
                {"title", study.title},
                {"units", study.units},
                {"total_mass", outcome.total_mass},
                {"frequencies", to_json(outcome.frequencies)},
                {"parameters", parameters_json(*made.space)},
-               {"outputs", outputs_json(made.model->outputs())}};
+               {"outputs", outputs_json(made.model->outputs())},
+               {"output_values", to_json(outcome.outputs)},
+               {"changes", to_json_rows(outcome.changes)}};
   if (outcome.checked->plan) {
-    describe_update(study, *outcome.checked->plan, summary.lines, json);
+    describe_update(outcome, summary.lines, json);
   } else {
     summary.lines.emplace_back("tests: none that parameters are updated to; propagate and simulate alone can run");
   }

@@ -30,10 +30,10 @@ const std::vector<MethodEntry>& updating_methods() {
       {"mares",
        "Regression on Monte-Carlo clouds, mean and covariance by Eqs. 11 and 12 of Mares, Mottershead and Friswell "
        "(2006).",
-       mares_option_table().describe(), make<MaresUpdater, mares_option_table>, false},
+       mares_option_table().describe(), make<MaresUpdater, mares_option_table>, true, false},
       {"deterministic",
        "One structure, or the mean of many: weighted least squares with Tikhonov or Bayesian regularisation.",
-       deterministic_option_table().describe(), make<DeterministicUpdater, deterministic_option_table>, false},
+       deterministic_option_table().describe(), make<DeterministicUpdater, deterministic_option_table>, false, false},
       {"inversion", "The population's mean and covariance from parameters that are solved for each specimen alone.",
        inversion_option_table().describe(), make<InversionUpdater, inversion_option_table>},
       {"perturbation", "The population to first order, after Khodaparast, Mottershead and Friswell (2008).",
@@ -41,7 +41,7 @@ const std::vector<MethodEntry>& updating_methods() {
       {"covariance-adjustment",
        "The population whose cloud has the tests' mean and covariance, after Govers and Link (2010).",
        covariance_adjustment_option_table().describe(),
-       make<CovarianceAdjustmentUpdater, covariance_adjustment_option_table>},
+       make<CovarianceAdjustmentUpdater, covariance_adjustment_option_table>, true},
       {"moment-matching", "The population whose outputs have the tests' mean and covariance, by quadrature.",
        moment_matching_option_table().describe(), make<MomentMatchingUpdater, moment_matching_option_table>},
   };

@@ -71,6 +71,7 @@ struct StudyTest {
 struct StudyUpdate {
   std::string method = "maximum-likelihood";
   int samples = 1000;
+  bool states_samples = false;
   bool has_automatic_samples = false;
   SamplingDesign design = SamplingDesign::monte_carlo;
   int iterations = 30;

@@ -25,7 +25,11 @@ struct CheckOutcome {
   Study study;
   std::shared_ptr<const CheckedStudy> checked = nullptr;
   Eigen::VectorXd frequencies = {};  ///< the ten lowest at the parameters' means, in Hz; none without outputs of modes
-  Eigen::VectorXd outputs = {};      ///< there, of a study without outputs of modes
+  Eigen::VectorXd outputs = {};      ///< there; nan where the model was not run for them
+  /// Changes of the outputs by one prior standard deviation of each parameter, as a fraction of the output; none where
+  /// the model has no cheap derivatives [output x parameter].
+  Eigen::MatrixXd changes = {};
+  double solution_seconds = 0.0;     ///< of one sample; 0: not measured
   double total_mass = 0.0;           ///< there
   StudyReach reach = {};
 };

@@ -53,6 +53,10 @@ StudyTests read_tests(const Study& study, const StructureModel& model);
 /// Throws InvalidInput: update.covariance names something that is not a parameter.
 std::vector<int> covariance_groups(const Study& study, const std::vector<std::string>& names);
 
+/// Whether the first and the last cloud have few samples, since the study states no number, each is a run of a program,
+/// and the method does not depend on them.
+bool shows_few_samples(const Study& study);
+
 /// Updating problem settings of a study with `specimens` tests ("auto" resolved).
 CloudSettings cloud_settings(const Study& study, Eigen::Index specimens, Eigen::Index outputs);
 

@@ -166,7 +166,8 @@ struct MethodEntry {
   std::vector<OptionDescription> options;
   /// Makes the method from a study's option values; `where` starts each message.
   std::unique_ptr<Updater> (*make)(const OptionValues& values, const std::string& where);
-  bool estimates_population = true;  ///< it uses the parameters' scales and UpdatingProblem::covariance_groups
+  bool samples_each_iteration = false;  ///< a cloud; the others show the first and the last only
+  bool estimates_population = true;     ///< it uses the parameters' scales and UpdatingProblem::covariance_groups
 };
 
 /// Every method, in the order of documentation.
