@@ -66,8 +66,8 @@ void print(const InitOutcome& outcome) {
 /// Lets the user change units, outputs and parameters until an empty answer accepts what is proposed.
 InitOutcome converse(InitSettings settings) {
   InitOutcome outcome = propose_study(settings);
-  const std::string units = ask(fmt::format("Units of the deck: SI, mm-t-s, mm-kg-ms or in-lbf-s [{}]: ",
-                                            *outcome.settings.units));
+  const std::string units =
+      ask(fmt::format("Units of the deck: SI, mm-t-s, mm-kg-ms or in-lbf-s [{}]: ", *outcome.settings.units));
   settings.units = units.empty() ? *outcome.settings.units : units;
   if (!units.empty()) outcome = propose_study(settings);
   print(outcome);
@@ -118,7 +118,8 @@ void add_init(CLI::App& app) {
   verb->add_option("--out", options->settings.study, "study to write (default: MODEL.toml beside the deck)");
   verb->add_option("--units", options->units, "units of the deck (default: guessed from its materials)")
       ->check(CLI::IsMember({"SI", "mm-t-s", "mm-kg-ms", "in-lbf-s"}));
-  verb->add_option("--outputs", options->modes, "modes that are outputs, in the model's numbers (3,4,7)")->delimiter(',');
+  verb->add_option("--outputs", options->modes, "modes that are outputs, in the model's numbers (3,4,7)")
+      ->delimiter(',');
   verb->add_option("--targets", options->targets, "targets of the parameters (MAT1:2:E,PELAS:4:K)")->delimiter(',');
   verb->add_option("--ignore-cards", options->cards, "leave out these cards (CARD,CARD)")->delimiter(',');
   verb->add_flag("--yes", options->accepts, "ask nothing, also on a terminal");

@@ -63,6 +63,7 @@ int run(int argc, char** argv) {
   mottle::app::add_modes(app);
   mottle::app::add_targets(app);
   mottle::app::add_report(app);
+  mottle::app::add_export(app);
   mottle::app::add_methods(app);
   if (argc > 1) require_known_verb(app, argv[1]);
   try {

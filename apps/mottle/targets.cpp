@@ -20,7 +20,8 @@ void add_targets(CLI::App& app) {
   verb->add_option("model", settings->model, "Nastran deck")->required();
   verb->add_option("--modes", settings->modes, "number of lowest modes (default: the deck's EIGRL, or 10)")
       ->check(CLI::Range(1, 100000));
-  verb->add_option("--units", settings->units, "units of the deck, which are only named (SI, mm-t-s, mm-kg-ms, in-lbf-s)")
+  verb->add_option("--units", settings->units,
+                   "units of the deck, which are only named (SI, mm-t-s, mm-kg-ms, in-lbf-s)")
       ->check(CLI::IsMember({"SI", "mm-t-s", "mm-kg-ms", "in-lbf-s"}));
   verb->add_option("--ignore-cards", *cards, "leave out these cards (CARD,CARD)")->delimiter(',');
   verb->add_flag("--all", settings->lists_all, "list every number, also those that change no mode or are seldom wrong");

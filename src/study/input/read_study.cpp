@@ -61,8 +61,9 @@ StudyTest read_test(TomlReader reader, const std::filesystem::path& folder) {
   StudyTest test;
   for (const std::string& file : reader.texts("file")) test.files.push_back(folder / file);
   if (reader.has("pairing")) {
-    test.pairing = std::vector{TestPairing::order, TestPairing::mac, TestPairing::named,
-                               TestPairing::frequency}[reader.choice("pairing", {"order", "mac", "named", "frequency"}, 0)];
+    test.pairing =
+        std::vector{TestPairing::order, TestPairing::mac, TestPairing::named,
+                    TestPairing::frequency}[reader.choice("pairing", {"order", "mac", "named", "frequency"}, 0)];
   } else {
     reader.raw("pairing");
   }

@@ -66,7 +66,8 @@ std::optional<FrequencyPairing> pair_columns(const Study& study, const Structure
     if (pairing.differs_from_names(model)) {
       notes.push_back(
           "The columns of the tests may count other modes than the model does: by frequency, each is nearer to another "
-          "mode than the one of its number. test.pairing = \"frequency\" pairs them so; \"order\" says that the numbers "
+          "mode than the one of its number. test.pairing = \"frequency\" pairs them so; \"order\" says that the "
+          "numbers "
           "are right.");
     }
   } catch (const FormatError&) {  // said where the values are read
@@ -205,7 +206,8 @@ Eigen::MatrixXd values_of_modes(const Study& study, const StructureModel& model,
               "these files hold modes, and no output is of a mode; static displacements are tested in a CSV, a row for "
               "each specimen"));
   try {
-    PairedModes paired = pair_modes(model, specimens, study.test->pairing.value_or(TestPairing::mac) == TestPairing::mac);
+    PairedModes paired =
+        pair_modes(model, specimens, study.test->pairing.value_or(TestPairing::mac) == TestPairing::mac);
     for (std::string& note : paired.notes) tests.notes.push_back(std::move(note));
     tests.pairing = std::move(paired.table);
     return paired.values;

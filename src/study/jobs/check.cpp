@@ -25,7 +25,9 @@ Eigen::VectorXd frequencies_of(const StudyModel& made) {
   const Eigen::VectorXd mean = made.space->prior().mean();
   const Eigen::Index wanted = std::min(k_listed_modes, made.model->structure().mode_count());
   const ModeSet modes = made.model->solver().modes_at(mean, static_cast<int>(wanted));
-  return natural_frequencies_hz(modes.eigenvalues).head(std::min(k_listed_modes, modes.eigenvalues.size()));
+  // An unstable model was refused: what is negative here is a rigid-body mode.
+  return natural_frequencies_hz(modes.eigenvalues.cwiseMax(0.0))
+      .head(std::min(k_listed_modes, modes.eigenvalues.size()));
 }
 
 /// Outputs at the parameters' means, the time that they take and what the parameters change in them. A solver by
@@ -46,7 +48,8 @@ void try_model(const Study& study, const StudyModel& made, const RunContext& con
   outcome.outputs = model.evaluate(mean.transpose(), context).outputs.row(0).transpose();
   outcome.solution_seconds = steady_seconds() - begin;
   constexpr double k_patience = 10.0;  // seconds; a derivative costs at most two assemblies and solutions
-  if (model.derivatives() == nullptr || outcome.solution_seconds * static_cast<double>(mean.size()) > k_patience) return;
+  if (model.derivatives() == nullptr || outcome.solution_seconds * static_cast<double>(mean.size()) > k_patience)
+    return;
   const Eigen::VectorXd deviation = made.space->prior().covariance().diagonal().cwiseSqrt();
   const Eigen::VectorXd sizes = outcome.outputs.cwiseAbs();
   outcome.changes = sizes.cwiseInverse().asDiagonal() * model.jacobian(mean) * deviation.asDiagonal();

@@ -32,7 +32,7 @@ int tested_modes(const TestContents& contents) {
 }
 
 /// Scale of each output's logarithm: the tests' scatter, or what a first study would call near without tests.
-Eigen::VectorXd scales_of(const std::vector<ProposedMode>& outputs) {
+Eigen::VectorXd scales_of(const std::vector<InitMode>& outputs) {
   constexpr double k_least = 0.001;
   constexpr double k_untested = 0.01;
   Eigen::VectorXd scales(static_cast<Eigen::Index>(outputs.size()));
@@ -45,15 +45,15 @@ Eigen::VectorXd scales_of(const std::vector<ProposedMode>& outputs) {
 
 /// The lowest modes that are beyond doubt: high ones cost more than they tell of a first study's parameters. With
 /// `wanted` those, whatever is in doubt.
-void choose_outputs(const std::optional<std::vector<int>>& wanted, std::vector<ProposedMode>& modes) {
+void choose_outputs(const std::optional<std::vector<int>>& wanted, std::vector<InitMode>& modes) {
   constexpr int k_most = 14;
   if (wanted) {
     for (const int number : *wanted) {
-      require(std::ranges::find(modes, number, &ProposedMode::mode) != modes.end(),
+      require(std::ranges::find(modes, number, &InitMode::mode) != modes.end(),
               "mode {} cannot be an output: it is a rigid-body mode or beyond the {} modes that were solved", number,
               modes.empty() ? 0 : modes.back().mode);
     }
-    for (ProposedMode& mode : modes) {
+    for (InitMode& mode : modes) {
       const bool is_wanted = std::ranges::count(*wanted, mode.mode) > 0;
       if (is_wanted && mode.doubt != "not tested") mode.doubt.clear();
       if (!is_wanted && mode.doubt.empty()) mode.doubt = "not wanted";
@@ -61,14 +61,15 @@ void choose_outputs(const std::optional<std::vector<int>>& wanted, std::vector<P
     return;
   }
   int count = 0;
-  for (ProposedMode& mode : modes) {
-    if (mode.doubt.empty() && ++count > k_most) mode.doubt = fmt::format("the lowest {} are enough to begin with", k_most);
+  for (InitMode& mode : modes) {
+    if (mode.doubt.empty() && ++count > k_most)
+      mode.doubt = fmt::format("the lowest {} are enough to begin with", k_most);
   }
 }
 
-std::vector<ProposedMode> outputs_of(const InitOutcome& outcome) {
-  std::vector<ProposedMode> outputs;
-  for (const ProposedMode& mode : outcome.modes) {
+std::vector<InitMode> outputs_of(const InitOutcome& outcome) {
+  std::vector<InitMode> outputs;
+  for (const InitMode& mode : outcome.modes) {
     if (mode.doubt.empty()) outputs.push_back(mode);
   }
   return outputs;
@@ -96,13 +97,14 @@ struct Deck {
 Deck solve(const InitSettings& settings, int modes) {
   SolvedDeck solved = solve_deck(settings.model, settings.ignore_cards, modes);
   TargetsOutcome targets = targets_of(solved, {.model = settings.model, .units = settings.units.value_or("SI")});
-  require(!targets.targets.empty(), "{}: no number of the deck changes its lowest {} modes", settings.model.string(), modes);
+  require(!targets.targets.empty(), "{}: no number of the deck changes its lowest {} modes", settings.model.string(),
+          modes);
   return {std::move(solved), std::move(targets)};
 }
 
-std::vector<int> numbers_of(const std::vector<ProposedMode>& outputs) {
+std::vector<int> numbers_of(const std::vector<InitMode>& outputs) {
   std::vector<int> numbers;
-  for (const ProposedMode& mode : outputs) numbers.push_back(mode.mode);
+  for (const InitMode& mode : outputs) numbers.push_back(mode.mode);
   return numbers;
 }
 
@@ -147,7 +149,7 @@ InitOutcome propose_study(const InitSettings& settings) {
     deck.targets = targets_of(deck.solved, {.model = settings.model, .units = units.units});
   }
   propose_outputs(outcome, deck);
-  const std::vector<ProposedMode> outputs = outputs_of(outcome);
+  const std::vector<InitMode> outputs = outputs_of(outcome);
   require(!outputs.empty(),
           "{0}: no mode of the model is found in the tests beyond doubt; see `mottle modes {0}` for the model's modes, "
           "and name the outputs with --outputs",

@@ -18,7 +18,7 @@ namespace {
 constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
 
 /// Mean, scatter and count of the values that there are.
-void add_values(const Eigen::VectorXd& values, ProposedMode& mode) {
+void add_values(const Eigen::VectorXd& values, InitMode& mode) {
   std::vector<double> found;
   for (const double value : values) {
     if (!std::isnan(value)) found.push_back(value);
@@ -49,7 +49,7 @@ std::map<int, double> mean_mac(const std::string& pairs) {
   return means;
 }
 
-void add_rare(int specimens, ProposedMode& mode) {
+void add_rare(int specimens, InitMode& mode) {
   if (mode.specimens == 0) mode.doubt = "not tested";
   if (mode.specimens == 0 || !mode.doubt.empty()) return;
   const bool is_rare = 2 * mode.specimens < specimens || (specimens > 1 && mode.specimens < 2);
@@ -65,7 +65,7 @@ void pair_by_mac(const StructureModel& model, const TestContents& contents, Pair
   const std::map<int, double> mac = mean_mac(paired.table);
   for (std::size_t k = 0; k < model.measured().size(); ++k) {
     const int number = model.measured()[k].number;
-    const auto mode = std::ranges::find(found.modes, number, &ProposedMode::mode);
+    const auto mode = std::ranges::find(found.modes, number, &InitMode::mode);
     add_values(paired.values.col(static_cast<Eigen::Index>(k)), *mode);
     if (mac.contains(number)) mode->mac = mac.at(number);
     if (mode->specimens > 0 && mode->mac < k_alike) {
@@ -88,19 +88,20 @@ void pair_by_frequency(const Study& draft, const StructureModel& model, TestCont
   const std::vector<int> columns = match_columns(table, draft, there, ignored);
   if (!ignored.empty()) found.notes.push_back(ignored.front());
   for (std::size_t k = 0; k < there.size(); ++k) {
-    const auto mode = std::ranges::find(found.modes, there[k].number, &ProposedMode::mode);
+    const auto mode = std::ranges::find(found.modes, there[k].number, &InitMode::mode);
     if (mode == found.modes.end()) continue;
     add_values(numbers_of_column(table, columns[k]), *mode);
     if (doubtful[mode->mode]) {
-      mode->doubt = fmt::format("{:+.0f} % apart, or another mode as near", 100.0 * (mode->model / mode->test_mean - 1.0));
+      mode->doubt =
+          fmt::format("{:+.0f} % apart, or another mode as near", 100.0 * (mode->model / mode->test_mean - 1.0));
     }
   }
 }
 
 }  // namespace
 
-std::vector<ProposedMode> elastic_modes(const Eigen::VectorXd& frequencies) {
-  std::vector<ProposedMode> modes;
+std::vector<InitMode> elastic_modes(const Eigen::VectorXd& frequencies) {
+  std::vector<InitMode> modes;
   for (Eigen::Index k = 0; k < frequencies.size(); ++k) {
     if (frequencies(k) <= 0.0) continue;
     modes.push_back({.mode = static_cast<int>(k) + 1,
@@ -122,13 +123,14 @@ PairedTests pair_for_proposal(const Study& draft, TestContents contents, const E
     const auto is_empty = [](const std::vector<std::string>& row) {
       return std::ranges::all_of(row, [](const std::string& cell) { return cell.empty() || capitals(cell) == "NAN"; });
     };
-    found.specimens = static_cast<int>(table.rows.size() - static_cast<std::size_t>(std::ranges::count_if(table.rows, is_empty)));
+    found.specimens =
+        static_cast<int>(table.rows.size() - static_cast<std::size_t>(std::ranges::count_if(table.rows, is_empty)));
     pair_by_frequency(draft, *made.model, contents, found);
   } else {
     found.specimens = static_cast<int>(contents.specimens.size());
     pair_by_mac(*made.model, contents, found);
   }
-  for (ProposedMode& mode : found.modes) add_rare(found.specimens, mode);
+  for (InitMode& mode : found.modes) add_rare(found.specimens, mode);
   return found;
 }
 

@@ -13,14 +13,14 @@ namespace mottle::study {
 struct PairedTests {
   std::string pairing = {};  ///< "mac" or "frequency"
   int specimens = 0;
-  std::vector<ProposedMode> modes = {};    ///< elastic modes, ascending; also those that were not tested
+  std::vector<InitMode> modes = {};  ///< elastic modes, ascending; also those that were not tested
   std::vector<std::string> notes = {};
 };
 
 /// Those whose frequency is not 0, without tests.
 ///
 /// @param frequencies  of all modes of the deck, those of rigid-body modes 0 [mode]
-std::vector<ProposedMode> elastic_modes(const Eigen::VectorXd& frequencies);
+std::vector<InitMode> elastic_modes(const Eigen::VectorXd& frequencies);
 
 /// Pairs the tests with all elastic modes of the model, by MAC where they come with shapes, else by frequency.
 ///

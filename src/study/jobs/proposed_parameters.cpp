@@ -36,16 +36,16 @@ std::string name_of(const std::string& target) {
                      target.substr(first + 1, last - first - 1));
 }
 
-ProposedParameter describe(const Target& target, const std::vector<int>& modes) {
+InitParameter describe(const Target& target, const std::vector<int>& modes) {
   const std::string card = target.name.substr(0, target.name.find(':'));
   const Spread spread = spread_of(card, target.name.substr(target.name.rfind(':') + 1));
-  ProposedParameter parameter{.target = target.name,
-                              .name = name_of(target.name),
-                              .unit = target.unit,
-                              .value = target.value,
-                              .elements = target.elements,
-                              .spread = spread.value,
-                              .spread_reason = spread.reason};
+  InitParameter parameter{.target = target.name,
+                          .name = name_of(target.name),
+                          .unit = target.unit,
+                          .value = target.value,
+                          .elements = target.elements,
+                          .spread = spread.value,
+                          .spread_reason = spread.reason};
   for (const int mode : modes) {
     const double sensitivity = target.sensitivity(mode - 1);
     if (std::isnan(sensitivity) || std::abs(sensitivity) <= std::abs(parameter.sensitivity)) continue;
@@ -56,7 +56,7 @@ ProposedParameter describe(const Target& target, const std::vector<int>& modes) 
 }
 
 /// Changes of the outputs by one spread of each number [output x number].
-Eigen::MatrixXd changes_of(const std::vector<Target>& targets, const std::vector<ProposedParameter>& parameters,
+Eigen::MatrixXd changes_of(const std::vector<Target>& targets, const std::vector<InitParameter>& parameters,
                            const std::vector<int>& modes, const Eigen::VectorXd& scales) {
   Eigen::MatrixXd changes(scales.size(), static_cast<Eigen::Index>(targets.size()));
   for (std::size_t j = 0; j < targets.size(); ++j) {
@@ -128,13 +128,12 @@ void choose_wanted(const std::vector<Target>& targets, const std::vector<std::st
 
 }  // namespace
 
-std::vector<ProposedParameter> propose_parameters(const std::vector<Target>& targets, const std::vector<int>& modes,
-                                                  const Eigen::VectorXd& scales,
-                                                  const std::vector<std::string>& wanted) {
+std::vector<InitParameter> propose_parameters(const std::vector<Target>& targets, const std::vector<int>& modes,
+                                              const Eigen::VectorXd& scales, const std::vector<std::string>& wanted) {
   constexpr double k_seen = 1.0;
   constexpr double k_independent = 0.15;
   constexpr std::size_t k_most = 12;
-  std::vector<ProposedParameter> all;
+  std::vector<InitParameter> all;
   for (const Target& target : targets) all.push_back(describe(target, modes));
   Selection selection(changes_of(targets, all, modes, scales));
   choose_wanted(targets, wanted, selection);
@@ -144,12 +143,12 @@ std::vector<ProposedParameter> propose_parameters(const std::vector<Target>& tar
     if (next < 0) break;
     selection.choose(next);
   }
-  std::vector<ProposedParameter> proposed;
+  std::vector<InitParameter> proposed;
   for (const Eigen::Index j : selection.chosen()) proposed.push_back(all[static_cast<std::size_t>(j)]);
   for (std::size_t j = 0; j < all.size(); ++j) {
     const auto index = static_cast<Eigen::Index>(j);
     if (std::ranges::count(selection.chosen(), index) > 0) continue;
-    ProposedParameter& other = all[j];
+    InitParameter& other = all[j];
     const Eigen::Index alike = selection.most_alike(index);
     if (selection.length(index) < k_seen) {
       other.left_out = "changes the outputs less than the tests scatter";

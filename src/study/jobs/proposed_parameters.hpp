@@ -19,8 +19,7 @@ namespace mottle::study {
 /// @param modes    outputs, by number from 1
 /// @param scales   of their logarithms, of the tests' scatter [output]
 /// @param wanted   targets that are parameters whatever they change; empty: they are proposed
-std::vector<ProposedParameter> propose_parameters(const std::vector<Target>& targets, const std::vector<int>& modes,
-                                                  const Eigen::VectorXd& scales,
-                                                  const std::vector<std::string>& wanted);
+std::vector<InitParameter> propose_parameters(const std::vector<Target>& targets, const std::vector<int>& modes,
+                                              const Eigen::VectorXd& scales, const std::vector<std::string>& wanted);
 
 }  // namespace mottle::study

@@ -26,7 +26,9 @@ double median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
-double distance(double value, double usual) { return std::isnan(value) ? 0.0 : std::abs(std::log(value / usual)); }
+double distance(double value, double usual) {
+  return std::isnan(value) ? 0.0 : std::abs(std::log(value / usual));
+}
 
 }  // namespace
 
@@ -47,7 +49,8 @@ ProposedUnits propose_units(const FiniteElementModel& model) {
   const UnitNames names = unit_names(nearest->units);
   std::string reason;
   if (!std::isnan(modulus)) reason += fmt::format("E = {:.3g} {}", modulus, names.pressure);
-  if (!std::isnan(density)) reason += fmt::format("{}RHO = {:.3g} {}", reason.empty() ? "" : ", ", density, names.density);
+  if (!std::isnan(density))
+    reason += fmt::format("{}RHO = {:.3g} {}", reason.empty() ? "" : ", ", density, names.density);
   return {nearest->units, fmt::format("GUESSED from {}; check it", reason)};
 }
 

@@ -13,8 +13,8 @@ struct ProposedUnits {
   std::string reason;
 };
 
-/// The system in which Young's moduli and densities are nearest to those of metals and plastics, on a logarithmic scale:
-/// 70 GPa and 2,700 kg/m^3. SI, with a reason that says so, where the deck has neither.
+/// The system in which Young's moduli and densities are nearest to those of metals and plastics, on a logarithmic
+/// scale: 70 GPa and 2,700 kg/m^3. SI, with a reason that says so, where the deck has neither.
 ProposedUnits propose_units(const FiniteElementModel& model);
 
 }  // namespace mottle::study

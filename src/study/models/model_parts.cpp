@@ -13,6 +13,18 @@ std::optional<double> read_reduction(TomlReader& reader) {
   return is_allowed ? std::optional(error) : std::nullopt;
 }
 
+std::filesystem::path name_beside(const std::filesystem::path& file, const std::filesystem::path& deck) {
+  const std::filesystem::path folder = std::filesystem::weakly_canonical(std::filesystem::absolute(deck).parent_path());
+  const std::filesystem::path name =
+      std::filesystem::weakly_canonical(std::filesystem::absolute(file)).lexically_relative(folder);
+  require(
+      !name.empty() && *name.begin() != "..",
+      "{}: is outside of the folder of {}; copy it there and include it from there, so that the deck can be exported "
+      "as a whole",
+      file.string(), deck.string());
+  return name;
+}
+
 ModelParts parts_of(MatrixModel model, std::vector<std::string> files) {
   ModelParts parts;
   parts.reference = model.reference;

@@ -14,6 +14,9 @@ namespace mottle::study {
 /// Keys of kinds with sparse matrices, whose clouds may be solved by a reduced model.
 std::optional<double> read_reduction(TomlReader& reader);
 
+/// Path of a file relative to the folder of `deck`. Throws InvalidInput where it lies outside.
+std::filesystem::path name_beside(const std::filesystem::path& file, const std::filesystem::path& deck);
+
 ModelParts parts_of(MatrixModel model, std::vector<std::string> files);
 
 /// By runs of a program whose input has placeholders of these names.

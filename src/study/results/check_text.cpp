@@ -107,7 +107,8 @@ void describe_reach_of_parameters(const CheckOutcome& outcome, std::vector<std::
   const std::vector<std::string> names = made.space->names();
   for (Eigen::Index i = 0; i < outcome.changes.cols(); ++i) {
     Eigen::Index output = 0;
-    const Eigen::VectorXd sizes = outcome.changes.col(i).array().isFinite().select(outcome.changes.col(i).cwiseAbs(), 0.0);
+    const Eigen::VectorXd sizes =
+        outcome.changes.col(i).array().isFinite().select(outcome.changes.col(i).cwiseAbs(), 0.0);
     const double largest = sizes.maxCoeff(&output);
     const std::string& name = names[static_cast<std::size_t>(i)];
     if (largest == 0.0) {
@@ -119,10 +120,11 @@ void describe_reach_of_parameters(const CheckOutcome& outcome, std::vector<std::
     }
   }
   if (names.size() > outputs.size()) {
-    lines.push_back(fmt::format(
-        "warning: {} parameters for {} outputs: of the parameters' combinations, the tests' means determine at most {}; "
-        "the others stay as the prior has them",
-        names.size(), outputs.size(), outputs.size()));
+    lines.push_back(
+        fmt::format("warning: {} parameters for {} outputs: of the parameters' combinations, the tests' means "
+                    "determine at most {}; "
+                    "the others stay as the prior has them",
+                    names.size(), outputs.size(), outputs.size()));
   }
 }
 
@@ -137,20 +139,23 @@ void describe_update(const CheckOutcome& outcome, std::vector<std::string>& line
   const bool samples_always = find_method(study.update.method).samples_each_iteration;
   lines.push_back(
       samples_always
-          ? fmt::format("would run: method {}, a cloud of {} samples in each of at most {} iterations and before: {} model runs",
+          ? fmt::format("would run: method {}, a cloud of {} samples in each of at most {} iterations and before: {} "
+                        "model runs",
                         study.update.method, rules.samples, study.update.iterations,
                         static_cast<std::int64_t>(rules.samples) * (study.update.iterations + 1))
-          : fmt::format("would run: method {}, at most {} iterations; besides, a first and a last cloud of {} samples: {} "
-                        "model runs",
-                        study.update.method, study.update.iterations, rules.samples, 2 * rules.samples));
+          : fmt::format(
+                "would run: method {}, at most {} iterations; besides, a first and a last cloud of {} samples: {} "
+                "model runs",
+                study.update.method, study.update.iterations, rules.samples, 2 * rules.samples));
   lines.push_back(covariance_line(study, plan.made.space->names()));
   for (const auto& [name, value] : plan.method->options()) {
     lines.push_back(fmt::format("  {} = {}", name, option_text(value)));
   }
   if (outcome.solution_seconds > 0.0) {
     const bool is_reduced = study.model->reduction_error() && study.may_reduce;
-    lines.push_back(fmt::format("one model run took {:.2g} s{}", outcome.solution_seconds,
-                                is_reduced ? "; in clouds a reduced model takes far less where it can be certified" : ""));
+    lines.push_back(
+        fmt::format("one model run took {:.2g} s{}", outcome.solution_seconds,
+                    is_reduced ? "; in clouds a reduced model takes far less where it can be certified" : ""));
   }
   json["specimens"] = tests.data.values.rows();
   json["samples"] = rules.samples;

@@ -14,7 +14,9 @@ namespace {
 namespace fs = std::filesystem;
 
 /// A basic string of TOML.
-std::string quoted(const std::string& text) { return Json(text).dump(); }
+std::string quoted(const std::string& text) {
+  return Json(text).dump();
+}
 
 std::string relative_path(const fs::path& file, const fs::path& study) {
   std::error_code error;
@@ -30,11 +32,12 @@ std::string listed(const List& list, const Text& text) {
   return join(parts);
 }
 
-std::string mode_comment(const ProposedMode& mode, const std::string& unit) {
+std::string mode_comment(const InitMode& mode, const std::string& unit) {
   std::string comment = fmt::format("#   f{:<3} {:>10.5g} {}", mode.mode, mode.model, unit);
   if (!std::isnan(mode.test_mean) && mode.specimens > 0) {
     comment += fmt::format(", tests {:.5g} ({:+.1f} %)", mode.test_mean, 100.0 * (mode.model / mode.test_mean - 1.0));
-    if (!std::isnan(mode.test_std)) comment += fmt::format(", scatter {:.2g} %", 100.0 * mode.test_std / mode.test_mean);
+    if (!std::isnan(mode.test_std))
+      comment += fmt::format(", scatter {:.2g} %", 100.0 * mode.test_std / mode.test_mean);
     comment += fmt::format(", {} specimens", mode.specimens);
     if (!std::isnan(mode.mac)) comment += fmt::format(", MAC {:.2f}", mode.mac);
   }
@@ -44,15 +47,15 @@ std::string mode_comment(const ProposedMode& mode, const std::string& unit) {
 
 std::string outputs_text(const InitOutcome& outcome) {
   const std::string unit = unit_names(*outcome.settings.units).frequency;
-  std::vector<ProposedMode> outputs;
+  std::vector<InitMode> outputs;
   std::string text = "\n[outputs]\n# The model's modes against the tests (difference of the model in brackets).\n";
-  for (const ProposedMode& mode : outcome.modes) {
+  for (const InitMode& mode : outcome.modes) {
     const bool is_tested = mode.specimens > 0 || outcome.settings.tests.empty();
     if (is_tested) text += mode_comment(mode, unit);
     if (mode.doubt.empty()) outputs.push_back(mode);
   }
   text += fmt::format("frequencies = [{}]\n",
-                      listed(outputs, [](const ProposedMode& mode) { return fmt::format("{}", mode.mode); }));
+                      listed(outputs, [](const InitMode& mode) { return fmt::format("{}", mode.mode); }));
   if (outcome.pairing == "mac") {
     text += "# Shapes can be outputs too: shapes = { modes = [...], dofs = [\"101:+Z\", ...] }\n";
   }
@@ -62,7 +65,8 @@ std::string outputs_text(const InitOutcome& outcome) {
 std::string test_text(const InitOutcome& outcome) {
   const InitSettings& settings = outcome.settings;
   if (settings.tests.empty()) {
-    return "\n# [test]                 # UNKNOWN: no tests were given; without them `mottle propagate` shows the prior\n"
+    return "\n# [test]                 # UNKNOWN: no tests were given; without them `mottle propagate` shows the "
+           "prior\n"
            "# file = \"tests.csv\"\n";
   }
   const auto path = [&](const std::string& file) { return quoted(relative_path(file, settings.study)); };
@@ -70,12 +74,15 @@ std::string test_text(const InitOutcome& outcome) {
   if (settings.tests.size() > 1) files.insert(files.begin(), '['), files += ']';
   std::string text = fmt::format("\n[test]\nfile = {}\n", files);
   if (outcome.pairing == "frequency") {
-    text += "pairing = \"frequency\"     # the tests' modes in ascending frequency are taken for the model's, see above\n";
+    text +=
+        "pairing = \"frequency\"     # the tests' modes in ascending frequency are taken for the model's, see above\n";
   } else {
     text += fmt::format("pairing = {}\n", quoted(outcome.pairing));
   }
-  text += "# repeatability = { \"f*\" = \"0.1 %\" }   # UNKNOWN: the scatter of repeated tests of one specimen; without it all\n"
-          "#                                        scatter is taken for that of the parameters\n";
+  text +=
+      "# repeatability = { \"f*\" = \"0.1 %\" }   # UNKNOWN: the scatter of repeated tests of one specimen; without it "
+      "all\n"
+      "#                                        scatter is taken for that of the parameters\n";
   return text;
 }
 
@@ -84,18 +91,18 @@ std::string update_text(const InitOutcome& outcome) {
   return "\n[update]\nmethod = \"deterministic\"   # one specimen has no scatter to explain\n";
 }
 
-std::string parameter_text(const ProposedParameter& parameter) {
+std::string parameter_text(const InitParameter& parameter) {
   constexpr double k_bounds = 5.0;  // standard deviations of the logarithm
   const double factor = std::exp(k_bounds * parameter.spread);
   std::string text = "\n[[parameter]]\n";
   text += fmt::format("name = {}\n", quoted(parameter.name));
   text += fmt::format("target = {:<24} # {:.6g}{}{} in {} element{}", quoted(parameter.target), parameter.value,
-                      parameter.unit == "-" ? "" : " ", parameter.unit == "-" ? "" : parameter.unit,
-                      parameter.elements, parameter.elements == 1 ? "" : "s");
+                      parameter.unit == "-" ? "" : " ", parameter.unit == "-" ? "" : parameter.unit, parameter.elements,
+                      parameter.elements == 1 ? "" : "s");
   if (parameter.mode > 0) text += fmt::format("; f{} by {:+.2f} % per %", parameter.mode, parameter.sensitivity);
   text += "\nrelative = true                    # a factor on the deck's value\n";
-  text += fmt::format("distribution = {{ kind = \"lognormal\", mean = 1.0, std = {:.2g} }}   # GUESSED: {}\n", parameter.spread,
-                      parameter.spread_reason);
+  text += fmt::format("distribution = {{ kind = \"lognormal\", mean = 1.0, std = {:.2g} }}   # GUESSED: {}\n",
+                      parameter.spread, parameter.spread_reason);
   return text + fmt::format("bounds = [{:.2g}, {:.2g}]\n", 1.0 / factor, factor);
 }
 
@@ -103,7 +110,7 @@ std::string left_out_text(const InitOutcome& outcome) {
   constexpr std::size_t k_listed = 12;
   std::string text;
   std::size_t count = 0;
-  for (const ProposedParameter& parameter : outcome.parameters) {
+  for (const InitParameter& parameter : outcome.parameters) {
     if (parameter.left_out.empty() || ++count > k_listed) continue;
     text += fmt::format("#   {:<20} {}\n", parameter.target, parameter.left_out);
   }
@@ -112,22 +119,24 @@ std::string left_out_text(const InitOutcome& outcome) {
   return "\n# Numbers of the deck that are no parameters, and why:\n" + text;
 }
 
-std::string cell(double value, int digits) { return std::isnan(value) ? "" : fmt::format("{:.{}g}", value, digits); }
+std::string cell(double value, int digits) {
+  return std::isnan(value) ? "" : fmt::format("{:.{}g}", value, digits);
+}
 
 void add_mode_lines(const InitOutcome& outcome, std::vector<std::string>& lines) {
   lines.push_back(fmt::format("{:>5} {:>11} {:>11} {:>8} {:>8} {:>9} {:>5}  {}", "mode", "model", "tests", "diff. %",
                               "std %", "specimens", "MAC", "output"));
   int untested = 0;
-  for (const ProposedMode& mode : outcome.modes) {
+  for (const InitMode& mode : outcome.modes) {
     const bool is_shown = mode.specimens > 0 || outcome.settings.tests.empty();
     if (!is_shown) ++untested;
     if (!is_shown) continue;
     const double difference = 100.0 * (mode.model / mode.test_mean - 1.0);
-    lines.push_back(fmt::format("{:>5} {:>11.5g} {:>11} {:>8} {:>8} {:>9} {:>5}  {}", mode.mode, mode.model,
-                                cell(mode.test_mean, 5), std::isnan(difference) ? "" : fmt::format("{:+.1f}", difference),
-                                cell(100.0 * mode.test_std / mode.test_mean, 2), mode.specimens,
-                                std::isnan(mode.mac) ? "" : fmt::format("{:.2f}", mode.mac),
-                                mode.doubt.empty() ? "yes" : "no: " + mode.doubt));
+    lines.push_back(fmt::format(
+        "{:>5} {:>11.5g} {:>11} {:>8} {:>8} {:>9} {:>5}  {}", mode.mode, mode.model, cell(mode.test_mean, 5),
+        std::isnan(difference) ? "" : fmt::format("{:+.1f}", difference),
+        cell(100.0 * mode.test_std / mode.test_mean, 2), mode.specimens,
+        std::isnan(mode.mac) ? "" : fmt::format("{:.2f}", mode.mac), mode.doubt.empty() ? "yes" : "no: " + mode.doubt));
   }
   if (untested > 0) lines.push_back(fmt::format("      {} more modes of the model were not tested", untested));
 }
@@ -137,18 +146,18 @@ void add_parameter_lines(const InitOutcome& outcome, std::vector<std::string>& l
   lines.push_back(fmt::format("{:<24} {:>12} {:<10} {:>7}  {:>15}  {}", "target", "value", "unit", "std %", "% per %",
                               "parameter"));
   int left_out = 0;
-  for (const ProposedParameter& parameter : outcome.parameters) {
+  for (const InitParameter& parameter : outcome.parameters) {
     if (!parameter.left_out.empty() && ++left_out > k_listed) continue;
-    lines.push_back(fmt::format(
-        "{:<24} {:>12.6g} {:<10} {:>7.0f}  {:>15}  {}", parameter.target, parameter.value, parameter.unit,
-        100.0 * parameter.spread,
-        parameter.mode > 0 ? fmt::format("{:+.2f} of f{}", parameter.sensitivity, parameter.mode) : "",
-        parameter.left_out.empty() ? parameter.name : "no: " + parameter.left_out));
+    lines.push_back(
+        fmt::format("{:<24} {:>12.6g} {:<10} {:>7.0f}  {:>15}  {}", parameter.target, parameter.value, parameter.unit,
+                    100.0 * parameter.spread,
+                    parameter.mode > 0 ? fmt::format("{:+.2f} of f{}", parameter.sensitivity, parameter.mode) : "",
+                    parameter.left_out.empty() ? parameter.name : "no: " + parameter.left_out));
   }
   if (left_out > k_listed) lines.push_back(fmt::format("and {} more: `mottle targets`", left_out - k_listed));
 }
 
-Json mode_json(const ProposedMode& mode) {
+Json mode_json(const InitMode& mode) {
   return {{"mode", mode.mode},
           {"model", number_json(mode.model)},
           {"test_mean", number_json(mode.test_mean)},
@@ -159,13 +168,9 @@ Json mode_json(const ProposedMode& mode) {
           {"doubt", mode.doubt}};
 }
 
-Json parameter_json(const ProposedParameter& parameter) {
-  return {{"target", parameter.target},
-          {"name", parameter.name},
-          {"value", parameter.value},
-          {"unit", parameter.unit},
-          {"std", parameter.spread},
-          {"is_parameter", parameter.left_out.empty()},
+Json parameter_json(const InitParameter& parameter) {
+  return {{"target", parameter.target},    {"name", parameter.name},  {"value", parameter.value},
+          {"unit", parameter.unit},        {"std", parameter.spread}, {"is_parameter", parameter.left_out.empty()},
           {"left_out", parameter.left_out}};
 }
 
@@ -174,16 +179,18 @@ Json parameter_json(const ProposedParameter& parameter) {
 std::string study_text_of(const InitOutcome& outcome) {
   const InitSettings& settings = outcome.settings;
   std::string text =
-      "# Proposed by `mottle init`. What is GUESSED or UNKNOWN is for you to decide; `mottle check` says what becomes of it.\n";
+      "# Proposed by `mottle init`. What is GUESSED or UNKNOWN is for you to decide; `mottle check` says what becomes "
+      "of it.\n";
   text += fmt::format("title = {}\n", quoted(settings.model.stem().string()));
   text += fmt::format("units = {}{}\n", quoted(*settings.units),
                       outcome.units_reason.empty() ? "" : fmt::format("   # {}", outcome.units_reason));
-  text += fmt::format("\n[model]\nkind = \"nastran\"\nfile = {}\n", quoted(relative_path(settings.model, settings.study)));
+  text +=
+      fmt::format("\n[model]\nkind = \"nastran\"\nfile = {}\n", quoted(relative_path(settings.model, settings.study)));
   if (!settings.ignore_cards.empty()) {
     text += fmt::format("ignore_cards = [{}]\n", listed(settings.ignore_cards, quoted));
   }
   text += outputs_text(outcome) + test_text(outcome) + update_text(outcome);
-  for (const ProposedParameter& parameter : outcome.parameters) {
+  for (const InitParameter& parameter : outcome.parameters) {
     if (parameter.left_out.empty()) text += parameter_text(parameter);
   }
   return text + left_out_text(outcome);
@@ -201,9 +208,9 @@ RunSummary summarise(const InitOutcome& outcome) {
   add_parameter_lines(outcome, lines);
   for (const std::string& note : outcome.notes) lines.push_back("note: " + note);
   Json modes = Json::array();
-  for (const ProposedMode& mode : outcome.modes) modes.push_back(mode_json(mode));
+  for (const InitMode& mode : outcome.modes) modes.push_back(mode_json(mode));
   Json parameters = Json::array();
-  for (const ProposedParameter& parameter : outcome.parameters) parameters.push_back(parameter_json(parameter));
+  for (const InitParameter& parameter : outcome.parameters) parameters.push_back(parameter_json(parameter));
   summary.json = one_line(Json{{"command", "init"},
                                {"study", outcome.settings.study.string()},
                                {"units", *outcome.settings.units},

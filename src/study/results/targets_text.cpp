@@ -61,9 +61,10 @@ RunSummary summarise(const TargetsOutcome& outcome) {
       "Energies: of the elements that use the number, in the mode where the fraction is largest; every mode is in "
       "--csv and --json.");
   if (outcome.left_out > 0) {
-    lines.push_back(fmt::format("{} other numbers are zero, change none of these modes or are seldom wrong: --all lists "
-                                "them. Coordinates and offsets can be targets too (GRID:12:X, CBAR:3:W1A).",
-                                outcome.left_out));
+    lines.push_back(
+        fmt::format("{} other numbers are zero, change none of these modes or are seldom wrong: --all lists "
+                    "them. Coordinates and offsets can be targets too (GRID:12:X, CBAR:3:W1A).",
+                    outcome.left_out));
   }
   Json targets = Json::array();
   for (const Target& target : outcome.targets) targets.push_back(target_json(target));

@@ -63,7 +63,8 @@ std::optional<NumberedTitle> numbered_title(const std::string& title) {
     const char* const end = title.data() + title.size();
     const auto [rest, error] = std::from_chars(title.data() + stem.size(), end, result.number);
     result.rest.assign(rest, end);
-    const bool ends = result.rest.empty() || std::string_view(" _[(").find(result.rest.front()) != std::string_view::npos;
+    const bool ends =
+        result.rest.empty() || std::string_view(" _[(").find(result.rest.front()) != std::string_view::npos;
     if (error == std::errc() && result.number > 0 && ends) return result;
   }
   return std::nullopt;
@@ -77,10 +78,11 @@ double mean_of(const CsvTable& table, int column) {
   for (Eigen::Index row = 0; row < values.size(); ++row) {
     if (std::isnan(values(row))) continue;
     if (values(row) <= 0.0) {
-      throw FormatError(table.file, table.lines[static_cast<std::size_t>(row)],
-                        fmt::format("column '{}' holds {:g}, but a natural frequency is greater than 0; a mode that was "
-                                    "not measured has an empty cell",
-                                    table.header[static_cast<std::size_t>(column)], values(row)));
+      throw FormatError(
+          table.file, table.lines[static_cast<std::size_t>(row)],
+          fmt::format("column '{}' holds {:g}, but a natural frequency is greater than 0; a mode that was "
+                      "not measured has an empty cell",
+                      table.header[static_cast<std::size_t>(column)], values(row)));
     }
     sum += values(row);
     ++count;
@@ -154,8 +156,7 @@ void FrequencyPairing::renumber(CsvTable& table) const {
     const std::optional<NumberedTitle> title = numbered_title(table.header[column]);
     if (!title) continue;
     const auto found = std::ranges::find(numbers_, title->number);
-    const int mode =
-        found == numbers_.end() ? -1 : pairs_[static_cast<std::size_t>(found - numbers_.begin())].mode;
+    const int mode = found == numbers_.end() ? -1 : pairs_[static_cast<std::size_t>(found - numbers_.begin())].mode;
     if (mode >= 0) {
       table.header[column] = fmt::format("{}{}{}", title->stem, mode + 1, title->rest);
       continue;
@@ -181,9 +182,10 @@ std::vector<std::string> FrequencyPairing::notes(const StructureModel& model) co
       "against the tests' mean in brackets): {}. Frequencies alone cannot show that modes have changed places.",
       join(pairs))};
   if (!doubtful.empty()) {
-    notes.push_back(fmt::format("Doubtful pairs, more than 15 % apart or with another mode as near, used nevertheless: "
-                                "{}.",
-                                join(doubtful)));
+    notes.push_back(
+        fmt::format("Doubtful pairs, more than 15 % apart or with another mode as near, used nevertheless: "
+                    "{}.",
+                    join(doubtful)));
   }
   return notes;
 }

@@ -14,8 +14,8 @@ namespace mottle::study {
 /// A tested mode and the model's mode that it is taken for; both counted from 0.
 struct FrequencyPair {
   int test = 0;
-  int mode = -1;           ///< -1: none is near enough
-  double difference = 0.0; ///< model / test - 1
+  int mode = -1;            ///< -1: none is near enough
+  double difference = 0.0;  ///< model / test - 1
   bool is_doubtful = false;
 };
 
@@ -34,7 +34,8 @@ class FrequencyPairing {
  public:
   /// Pairs the columns' means with the frequencies of the reference.
   ///
-  /// @param solves       whether the reference is solved for as many modes as the tests could have; else those known are
+  /// @param solves       whether the reference is solved for as many modes as the tests could have; else those known
+  /// are
   ///                     taken, up to the outputs' highest
   /// @throws FormatError  no column of a frequency, or a value that is not greater than 0
   FrequencyPairing(const CsvTable& table, const StructureModel& model, bool solves);

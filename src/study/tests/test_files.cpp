@@ -48,8 +48,8 @@ auto with_key(const Study& study, const std::string& key, const Read& read) {
 /// Columns of a table without header are the tests' modes by number, where the study says how those are paired.
 CsvTable named_modes(const Study& study, const std::string& key, CsvTable table) {
   if (table.has_header) return table;
-  const bool is_stated = study.test && (study.test->pairing == TestPairing::frequency ||
-                                        study.test->pairing == TestPairing::order);
+  const bool is_stated =
+      study.test && (study.test->pairing == TestPairing::frequency || study.test->pairing == TestPairing::order);
   if (!is_stated) {
     throw FormatError(
         table.file, table.lines.front(),
@@ -90,9 +90,9 @@ void read_one(const Study& study, const std::filesystem::path& file, TestContent
 
 CsvTable read_named_table(const Study& study, const std::string& key, const std::filesystem::path& file) {
   return with_key(study, key, [&] {
-    return extension_of(file) == ".mat" ? table_from_mat(read_mat(file.string()), file.string())
-                                        : named_modes(study, key, parse_csv(read_text_file(file), file.string(),
-                                                                            HeaderRule::may_be_missing));
+    return extension_of(file) == ".mat"
+               ? table_from_mat(read_mat(file.string()), file.string())
+               : named_modes(study, key, parse_csv(read_text_file(file), file.string(), HeaderRule::may_be_missing));
   });
 }
 

@@ -16,8 +16,8 @@ struct Modes {
   Eigen::MatrixXd displacements;  ///< [6 node + component x mode]
 };
 
-/// The lowest modes, ascending, by Eigen's dense solver: M phi = (1 / lambda) K phi, since M is singular where rotations
-/// have no mass.
+/// The lowest modes, ascending, by Eigen's dense solver: M phi = (1 / lambda) K phi, since M is singular where
+/// rotations have no mass.
 Modes solve(const FiniteElementModel& model, Eigen::Index count) {
   const AssembledModel assembled = assemble(model, {});
   const Eigen::VectorXd none;
@@ -27,8 +27,8 @@ Modes solve(const FiniteElementModel& model, Eigen::Index count) {
   return {solver.eigenvalues().tail(count).reverse().cwiseInverse(), assembled.expansion * vectors};
 }
 
-// Ground - k1 - m1 - k2 - m2 with k = 1, m = 1: lambda = (3 -+ sqrt 5) / 2, phi2 / phi1 = (1 +- sqrt 5) / 2, so that the
-// first spring has phi1^2 / (phi1^2 + (phi2 - phi1)^2) of the strain energy.
+// Ground - k1 - m1 - k2 - m2 with k = 1, m = 1: lambda = (3 -+ sqrt 5) / 2, phi2 / phi1 = (1 +- sqrt 5) / 2, so that
+// the first spring has phi1^2 / (phi1^2 + (phi2 - phi1)^2) of the strain energy.
 TEST(FieldEnergies, OfTwoSpringsAreThoseOfTheirElongations) {
   test::ModelMaker maker;
   maker.scalar_point(1);
@@ -66,7 +66,8 @@ test::ModelMaker stiffened_plate() {
   for (int j = 0; j < 2; ++j) {
     for (int i = 0; i < 3; ++i) {
       const int a = 4 * j + i;
-      maker.model.elements<ShellElement>().push_back({.id = a + 1, .nodes = {a, a + 1, a + 5, a + 4}, .property = skin});
+      maker.model.elements<ShellElement>().push_back(
+          {.id = a + 1, .nodes = {a, a + 1, a + 5, a + 4}, .property = skin});
     }
   }
   for (int i = 0; i < 3; ++i) maker.beam(20 + i, 4 + i, 5 + i, stringer, Eigen::Vector3d::UnitZ());

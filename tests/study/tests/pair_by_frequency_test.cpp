@@ -16,7 +16,9 @@ std::vector<int> partners(const Eigen::VectorXd& tests, const Eigen::VectorXd& m
   return found;
 }
 
-double square(double test, double model) { return std::pow(std::log(model / test), 2); }
+double square(double test, double model) {
+  return std::pow(std::log(model / test), 2);
+}
 
 /// Smallest sum by trying every assignment that keeps the order.
 double smallest_sum(const Eigen::VectorXd& tests, const Eigen::VectorXd& model, Eigen::Index test, Eigen::Index first) {
@@ -61,8 +63,8 @@ TEST(PairInOrder, LeavesAModeWithoutPartnerThatIsHalfAsFarAgain) {
 }
 
 TEST(PairInOrder, DoubtsWhatIsFarOrAsNearToAnotherMode) {
-  const auto pairs = pair_in_order(Eigen::Vector3d(10.0, 20.0, 30.0),
-                                   (Eigen::VectorXd(4) << 10.1, 19.9, 20.1, 36.0).finished());
+  const auto pairs =
+      pair_in_order(Eigen::Vector3d(10.0, 20.0, 30.0), (Eigen::VectorXd(4) << 10.1, 19.9, 20.1, 36.0).finished());
   EXPECT_FALSE(pairs[0].is_doubtful);
   EXPECT_TRUE(pairs[1].is_doubtful) << "two modes as near";
   EXPECT_TRUE(pairs[2].is_doubtful) << "20 % away";

@@ -15,7 +15,7 @@ namespace mottle::formats {
 struct CsvTable {
   std::string file;  ///< for messages
   std::vector<std::string> header;
-  bool has_header = true;  ///< false: the file has none, and the columns are called "1", "2", ...
+  bool has_header = true;                      ///< false: the file has none, and the columns are called "1", "2", ...
   std::vector<std::vector<std::string>> rows;  ///< as many cells as the header has
   std::vector<int> lines;                      ///< line of each row, counted from 1
 
@@ -31,7 +31,8 @@ enum class HeaderRule : std::uint8_t { required, may_be_missing };
 ///
 /// @param bytes  the file's content
 /// @param file   its name, for messages
-/// @param rule   `may_be_missing`: a first line of numbers and missing values alone is a row, unless it counts 1, 2, ...
+/// @param rule   `may_be_missing`: a first line of numbers and missing values alone is a row, unless it counts 1, 2,
+/// ...
 /// @throws FormatError  no header, an empty or repeated column name, a row that is longer or shorter than the
 ///                      header, a quote that is not closed
 CsvTable parse_csv(std::string_view bytes, const std::string& file, HeaderRule rule = HeaderRule::required);

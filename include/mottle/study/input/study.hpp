@@ -62,8 +62,8 @@ struct StudyTest {
   std::vector<std::filesystem::path> files;   ///< files, folders or patterns, resolved against the study's folder
   std::vector<NoiseRule> repeatability = {};  ///< in the order of the file
   std::optional<std::filesystem::path> repeats_file = std::nullopt;  ///< repeated tests, in place of the rules
-  std::vector<NoiseRule> model_error = {};  ///< of an error of the model, shared by all specimens
-  bool is_model_error_estimated = false;    ///< its level is estimated, there are no rules then
+  std::vector<NoiseRule> model_error = {};            ///< of an error of the model, shared by all specimens
+  bool is_model_error_estimated = false;              ///< its level is estimated, there are no rules then
   std::optional<TestPairing> pairing = std::nullopt;  ///< not given: `mac` of tests that come as modes, else `order`
 };
 

@@ -29,8 +29,8 @@ struct CheckOutcome {
   /// Changes of the outputs by one prior standard deviation of each parameter, as a fraction of the output; none where
   /// the model has no cheap derivatives [output x parameter].
   Eigen::MatrixXd changes = {};
-  double solution_seconds = 0.0;     ///< of one sample; 0: not measured
-  double total_mass = 0.0;           ///< there
+  double solution_seconds = 0.0;  ///< of one sample; 0: not measured
+  double total_mass = 0.0;        ///< there
   StudyReach reach = {};
 };
 

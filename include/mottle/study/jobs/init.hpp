@@ -15,36 +15,36 @@ namespace mottle::study {
 
 /// What is known; what is not is proposed.
 struct InitSettings {
-  std::filesystem::path model;               ///< a Nastran deck
-  std::vector<std::string> tests = {};       ///< files, folders or patterns as of test.file; none: a study without tests
-  std::filesystem::path study = {};          ///< where the study will be: its paths are relative to that
-  std::set<std::string> ignore_cards = {};   ///< in capitals
-  std::optional<std::string> units = {};     ///< "SI", ...
+  std::filesystem::path model;              ///< a Nastran deck
+  std::vector<std::string> tests = {};      ///< files, folders or patterns as of test.file; none: a study without tests
+  std::filesystem::path study = {};         ///< where the study will be: its paths are relative to that
+  std::set<std::string> ignore_cards = {};  ///< in capitals
+  std::optional<std::string> units = {};    ///< "SI", ...
   std::optional<std::vector<int>> modes = {};            ///< that are outputs, in the model's numbers
   std::optional<std::vector<std::string>> targets = {};  ///< of the parameters
 };
 
 /// A mode of the model with what the tests say of it.
-struct ProposedMode {
-  int mode = 0;                ///< the model's number
-  double model = 0.0;          ///< its frequency, unit of the study
-  double test_mean = 0.0;      ///< nan: not tested
-  double test_std = 0.0;       ///< nan: tested in fewer than two specimens
-  int specimens = 0;           ///< in which it was found
-  double mac = 0.0;            ///< mean over them; nan: paired by frequency
-  std::string doubt = {};      ///< why it is no output; empty: it is one
+struct InitMode {
+  int mode = 0;            ///< the model's number
+  double model = 0.0;      ///< its frequency, unit of the study
+  double test_mean = 0.0;  ///< nan: not tested
+  double test_std = 0.0;   ///< nan: tested in fewer than two specimens
+  int specimens = 0;       ///< in which it was found
+  double mac = 0.0;        ///< mean over them; nan: paired by frequency
+  std::string doubt = {};  ///< why it is no output; empty: it is one
 };
 
 /// A number of the deck with its place in the study.
-struct ProposedParameter {
+struct InitParameter {
   std::string target = {}, name = {}, unit = {};
   double value = 0.0;
   int elements = 0;
-  double spread = 0.0;          ///< proposed standard deviation, as a fraction of the value
+  double spread = 0.0;  ///< proposed standard deviation, as a fraction of the value
   std::string spread_reason = {};
-  int mode = 0;                 ///< output that it changes most
-  double sensitivity = 0.0;     ///< of that, % per %
-  std::string left_out = {};    ///< why it is no parameter; empty: it is one
+  int mode = 0;               ///< output that it changes most
+  double sensitivity = 0.0;   ///< of that, % per %
+  std::string left_out = {};  ///< why it is no parameter; empty: it is one
 };
 
 struct InitOutcome {
@@ -52,8 +52,8 @@ struct InitOutcome {
   std::string units_reason = {};
   std::string pairing = {};  ///< "mac", "frequency", "order"; empty: no tests
   int specimens = 0;
-  std::vector<ProposedMode> modes = {};
-  std::vector<ProposedParameter> parameters = {};  ///< those of the study first, then what was left out
+  std::vector<InitMode> modes = {};
+  std::vector<InitParameter> parameters = {};  ///< those of the study first, then what was left out
   std::vector<std::string> notes = {};
   std::string text = {};  ///< of the study
 };

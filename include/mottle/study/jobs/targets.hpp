@@ -23,13 +23,13 @@ struct TargetsSettings {
 
 /// A number that a parameter may act on.
 struct Target {
-  std::string name;               ///< "MAT1:2:E"
+  std::string name;  ///< "MAT1:2:E"
   std::string unit;
-  double value = 0.0;             ///< as in the deck
-  int elements = 0;               ///< that use it
+  double value = 0.0;  ///< as in the deck
+  int elements = 0;    ///< that use it
   /// Fraction of the strain energy, in elements whose stiffness depends on it; nan of rigid-body modes [mode].
   Eigen::RowVectorXd strain = {};
-  Eigen::RowVectorXd kinetic = {};  ///< the same of the kinetic energy and mass [mode]
+  Eigen::RowVectorXd kinetic = {};      ///< the same of the kinetic energy and mass [mode]
   Eigen::RowVectorXd sensitivity = {};  ///< d ln f / d ln p, % per %; nan of rigid-body modes [mode]
 
   /// The largest sensitivity by size; 0 where there is none.

@@ -45,6 +45,16 @@ struct NamedFile {
   std::filesystem::path file;  ///< the same without
 };
 
+/// A deck with other numbers, for the solver that it was written for.
+struct ExportedModel {
+  struct File {
+    std::filesystem::path name;  ///< relative to the deck's folder
+    std::string bytes;
+  };
+  std::vector<File> files = {};  ///< the deck first, then what it includes
+  double rounding = 0.0;         ///< largest relative difference of a number as written from the one wanted
+};
+
 /// The contents of [model] for one kind of model: plain data and queries of it.
 class ModelSource {
  public:
@@ -80,6 +90,15 @@ class ModelSource {
   ///
   /// @throws InvalidInput  this kind has no such numbers; an unknown target may be refused by make() only
   virtual std::unique_ptr<ModelSource> with_number(const std::string& target, double value) const;
+
+  /// The model's deck with the parameters' values in it; nothing: this kind has no deck of its own.
+  ///
+  /// @param values  [parameter]
+  /// @throws InvalidInput, FormatError  a number that cannot be written into the deck, a file outside of its folder
+  virtual std::optional<ExportedModel> export_at(const std::vector<ParameterTargets>& /*parameters*/,
+                                                 const Eigen::VectorXd& /*values*/) const {
+    return std::nullopt;
+  }
 
   virtual bool gives_shapes() const { return true; }
   /// Whether modes are tracked by MAC unless told otherwise.

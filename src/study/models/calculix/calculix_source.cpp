@@ -58,6 +58,25 @@ class CalculixSource final : public ModelSource {
   std::vector<NamedFile> files() const override { return {{"model.file", "file", deck_.string(), deck_}}; }
   std::vector<std::string> programs() const override { return {"model.program: " + program_}; }
 
+  std::optional<ExportedModel> export_at(const std::vector<ParameterTargets>& parameters,
+                                         const Eigen::VectorXd& values) const override {
+    const CalculixDeck deck = read_calculix_deck(deck_);
+    std::vector<CalculixReplacement> replacements;
+    ExportedModel exported;
+    for (std::size_t p = 0; p < parameters.size(); ++p) {
+      const double value = values(static_cast<Eigen::Index>(p));
+      for (const std::string& target : parameters[p].targets) {
+        for (const CalculixNumber& number : find_calculix_numbers(deck, target)) {
+          const double wanted = parameters[p].is_factor ? value * number.value : value;
+          replacements.push_back({number, fmt::format("{:.12g}", wanted)});  // 20 characters are read
+        }
+      }
+    }
+    exported.files.push_back({deck_.filename(), deck_with_replacements(deck, replacements)});
+    exported.rounding = 5e-12;
+    return exported;
+  }
+
   std::string target_unit(const std::string& target, const UnitNames& units) const override {
     static const std::map<std::string, const char* UnitNames::*> k_units = {{"*ELASTIC", &UnitNames::pressure},
                                                                             {"*DENSITY", &UnitNames::density},

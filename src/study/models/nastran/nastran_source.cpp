@@ -6,6 +6,8 @@
 #include "mottle/core/error.hpp"
 #include "mottle/core/text.hpp"
 #include "mottle/formats/nastran/model.hpp"
+#include "mottle/formats/nastran/rewrite.hpp"
+#include "mottle/model/parameters/field_targets.hpp"
 #include "mottle/model/structures/finite_element_structure.hpp"
 #include "mottle/model/units.hpp"
 #include "study/input/key_error.hpp"
@@ -67,6 +69,27 @@ class NastranSource final : public ModelSource {
                          fmt::format("{}:{}", field.card, field.name), field.value, is_usual, is_usual});
     }
     return numbers;
+  }
+  std::optional<ExportedModel> export_at(const std::vector<ParameterTargets>& parameters,
+                                         const Eigen::VectorXd& values) const override {
+    FiniteElementModel model = read().model;
+    const FieldTargets targets = find_field_targets(model, parameters);
+    require(
+        targets.geometry.empty(),
+        "coordinates, orientations and offsets cannot be written into the deck: a card holds them in its own system");
+    std::vector<FieldChange> changes;
+    for (std::size_t p = 0; p < targets.parameters.size(); ++p) {
+      for (const FieldIndex index : targets.parameters[p].fields) {
+        const CardField& field = model.fields[static_cast<std::size_t>(index)];
+        const double value = values(static_cast<Eigen::Index>(p));
+        changes.push_back(
+            {field.card, field.id, field.name, targets.parameters[p].is_factor ? value * field.value : value});
+      }
+    }
+    const RewrittenDeck deck = rewrite_nastran_deck(deck_, {.ignore_cards = ignore_cards_}, changes);
+    ExportedModel exported{.rounding = deck.rounding};
+    for (const RewrittenFile& file : deck.files) exported.files.push_back({name_beside(file.name, deck_), file.bytes});
+    return exported;
   }
   std::unique_ptr<ModelSource> with_number(const std::string& target, double value) const override {
     auto other = std::make_unique<NastranSource>(*this);

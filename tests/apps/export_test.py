@@ -1,0 +1,92 @@
+"""mottle export: the deck at the updated means gives the updated frequencies, and the study goes on from the result.
+
+    python3 export_test.py PATH_TO_MOTTLE
+"""
+
+import json
+import shutil
+import unittest
+
+import support
+
+EXAMPLES = support.SOURCE / "examples"
+
+
+class ExportTest(support.CommandTest):
+    def frequencies(self, deck, modes):
+        found = json.loads(self.succeed("modes", deck, "--json", "--modes", modes, "--out", "modes").out)["frequencies"]
+        return found
+
+    def update(self, example, *options):
+        shutil.copytree(EXAMPLES / example, self.folder / example, ignore=shutil.ignore_patterns("*.mottle"))
+        self.succeed("update", f"{example}/study.toml", "--out", "out", "--quiet", "--set", "update.samples=40", *options,
+                     timeout=300)
+        return support.read_result(self.folder / "out")
+
+    def test_the_deck_at_the_means_gives_the_updated_frequencies(self):
+        # deterministic: its outputs are those at the means, no mean over a cloud
+        result = self.update("02-airframe", "--set", 'update.method="deterministic"')
+        listed = json.loads(self.succeed("export", "out", "--decks", "2", "--json").out)
+        for name in ("mean/airframe.bdf", "sample-0001/airframe.bdf", "sample-0002/airframe.bdf", "parameters.csv",
+                     "samples.csv", "study.toml"):
+            self.assertIn(name, listed["files"])
+            self.assertTrue((self.folder / "out" / "export" / name).is_file())
+        found = self.frequencies("out/export/mean/airframe.bdf", "20")
+        for name, mean in zip(result["outputs"]["names"], result["outputs"]["final_mean"], strict=True):
+            # eight characters hold five digits of a number, which a frequency follows by at most 1.2 % per %
+            self.assertLess(min(abs(frequency / mean - 1) for frequency in found), 1e-4, name)
+
+    def test_only_numbers_of_parameters_change(self):
+        self.update("02-airframe", "--set", 'update.method="deterministic"')
+        self.succeed("export", "out", "--quiet")
+        before = (EXAMPLES / "02-airframe" / "airframe.bdf").read_text().splitlines()
+        after = (self.folder / "out" / "export" / "mean" / "airframe.bdf").read_text().splitlines()
+        changed = [one for one, other in zip(before, after, strict=True) if one != other]
+        self.assertLessEqual(len(changed), 9)  # eight parameters, one on two cards
+        for line in changed:
+            self.assertRegex(line, r"^(MAT1|PSHELL|PBUSH|CONM2|\+|\*| )")
+
+    def test_the_study_has_the_result_as_its_prior(self):
+        result = self.update("02-airframe", "--set", 'update.method="perturbation"')
+        self.succeed("export", "out", "--out", "next", "--quiet")
+        checked = json.loads(self.succeed("check", "next/study.toml", "--json").out)["parameters"]
+        for key in ("names", "prior_mean", "prior_std"):
+            for one, other in zip(checked[key], result["parameters"][key.removeprefix("prior_")], strict=True):
+                if isinstance(one, str):
+                    self.assertEqual(one, other)
+                elif other:
+                    self.assertLess(abs(one / other - 1), 1e-9)
+
+    def test_a_calculix_deck_has_the_updated_numbers(self):
+        if shutil.which("ccx") is None:
+            self.skipTest("CalculiX (ccx) is not here")
+        result = self.update("03-plate-calculix", "--set", 'update.method="deterministic"')
+        self.succeed("export", "out", "--quiet")
+        text = (self.folder / "out" / "export" / "mean" / "plate.inp").read_text()
+        mean = dict(zip(result["parameters"]["names"], result["parameters"]["mean"], strict=True))
+        self.assertIn(f"{mean['sheet_E']:.12g}", text)
+
+    def test_a_model_without_deck_exports_tables_and_study(self):
+        self.succeed("update", "study.toml", "--quiet")
+        self.assertIn("no deck of its own", self.succeed("export", "study.mottle").out)
+        header, rows = support.read_csv(self.folder / "study.mottle" / "export" / "samples.csv")
+        self.assertEqual((header, len(rows)), (["k1", "k2"], 200))
+        self.succeed("propagate", "study.mottle/export/study.toml", "--out", "again", "--quiet")
+
+    def test_nothing_is_written_over_and_other_folders_are_refused(self):
+        self.succeed("update", "study.toml", "--quiet")
+        self.write("study.mottle/export/mine.txt", "mine")
+        ended = self.call("export", "study.mottle")
+        self.assertEqual(ended.code, 2, ended.out)
+        self.assertIn("is there already", ended.err)
+        for folder in ("none", "."):
+            ended = self.call("export", folder, "--out", "new")
+            self.assertEqual(ended.code, 2, ended.out)
+            self.assertIn("result.json", ended.err)
+        self.write("bad/result.json", "{")
+        self.assertEqual(self.call("export", "bad").code, 2)
+        self.assertFalse((self.folder / "new").exists())
+
+
+if __name__ == "__main__":
+    support.main()
