@@ -40,6 +40,22 @@ if(MOTTLE_HELP2MAN)
   add_custom_target(mottle_man_pages ALL DEPENDS ${mottle_man}/mottle.1.gz)
   install(DIRECTORY ${mottle_man}/ DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT runtime)
 endif()
+set(mottle_completion ${CMAKE_CURRENT_BINARY_DIR}/completion)
+file(MAKE_DIRECTORY ${mottle_completion})
+foreach(shell_file bash:mottle zsh:_mottle fish:mottle.fish)
+  string(REPLACE ":" ";" pair ${shell_file})
+  list(GET pair 0 shell)
+  list(GET pair 1 name)
+  add_custom_command(OUTPUT ${mottle_completion}/${name}
+    COMMAND $<TARGET_FILE:mottle_app> completion ${shell} > ${mottle_completion}/${name} DEPENDS mottle_app VERBATIM)
+  list(APPEND mottle_completion_files ${mottle_completion}/${name})
+endforeach()
+add_custom_target(mottle_completions ALL DEPENDS ${mottle_completion_files})
+install(FILES ${mottle_completion}/mottle DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions
+  COMPONENT runtime)
+install(FILES ${mottle_completion}/_mottle DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/vendor-completions COMPONENT runtime)
+install(FILES ${mottle_completion}/mottle.fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d
+  COMPONENT runtime)
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/mottle RENAME copyright COMPONENT runtime)
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/libmottle-dev RENAME copyright COMPONENT development)
 install(DIRECTORY examples DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/mottle COMPONENT runtime

@@ -7,7 +7,7 @@ mkdir -p "$folder"
 rm -f "$folder"/mottle*.1.gz
 version=$("$command" --version)
 version=${version##* }
-verbs=$("$command" --help | sed -n '/^Subcommands:/,/^$/s/^  \([a-z][a-z-]*\) .*/\1/p')
+verbs=$("$command" --help | sed -n 's/^  \([a-z][a-z-]*\)  *[A-Za-z].*/\1/p')
 [[ -n $verbs ]] || { echo "$0: '$command --help' lists no subcommands" >&2; exit 1; }
 
 page() {  # NAME COMMAND: "name - summary" is the first line of the help

@@ -1,8 +1,10 @@
 #include "common_options.hpp"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <cstdlib>
+#include <string_view>
 
 #include "mottle/core/parallel.hpp"
 #include "mottle/core/utf8.hpp"
@@ -67,12 +69,28 @@ RunSettings run_settings(const CommonOptions& options, Console& console) {
           .stop = &stop_flag()};
 }
 
+namespace {
+
+/// The verdict's word in its colour, where standard output is a terminal that shows colours.
+std::string coloured(const std::string& line) {
+  static const bool is_wanted = ::isatty(STDOUT_FILENO) == 1 && std::getenv("NO_COLOR") == nullptr;
+  constexpr std::string_view k_verdict = "verdict: ";
+  if (!is_wanted) return line;
+  if (line.starts_with("warning: ")) return fmt::format("\033[33m{}\033[0m", line);
+  if (!line.starts_with(k_verdict)) return line;
+  const std::string word = line.substr(k_verdict.size());
+  const int colour = word.starts_with("adequate") ? 32 : word.starts_with("inadequate") ? 31 : 33;
+  return fmt::format("{}\033[1;{}m{}\033[0m", k_verdict, colour, word);
+}
+
+}  // namespace
+
 void print_summary(const CommonOptions& options, const RunSummary& summary) {
   if (options.json) {
     fmt::print("{}\n", summary.json);
   } else if (!options.quiet) {
     // A stranger's texts (titles, programs, names of files) may not speak to the terminal.
-    for (const std::string& line : summary.lines) fmt::print("{}\n", printable(line));
+    for (const std::string& line : summary.lines) fmt::print("{}\n", coloured(printable(line)));
   }
 }
 

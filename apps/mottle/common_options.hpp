@@ -52,5 +52,6 @@ void add_targets(CLI::App& app);
 void add_report(CLI::App& app);
 void add_export(CLI::App& app);
 void add_methods(CLI::App& app);
+void add_completion(CLI::App& app);
 
 }  // namespace mottle::app

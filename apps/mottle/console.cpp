@@ -14,6 +14,7 @@
 namespace mottle::app {
 namespace {
 
+constexpr double k_first_plain_s = 1.0;  // a silent start looks like a hang
 constexpr double k_plain_interval_s = 10.0;
 constexpr double k_terminal_interval_s = 0.1;
 
@@ -34,6 +35,15 @@ void request_stop(int signal_number) {
   }
   const itimerval patience{.it_interval = {0, 0}, .it_value = {0, 900'000}};
   ::setitimer(ITIMER_REAL, &patience, nullptr);
+}
+
+/// "40 s", "9 min", "2.5 h".
+std::string duration_text(double seconds) {
+  constexpr double k_minute = 60.0;
+  constexpr double k_hour = 3600.0;
+  if (seconds < 2.0 * k_minute) return fmt::format("{:.0f} s", seconds);
+  if (seconds < 2.0 * k_hour) return fmt::format("{:.0f} min", seconds / k_minute);
+  return fmt::format("{:.1f} h", seconds / k_hour);
 }
 
 }  // namespace
@@ -63,8 +73,18 @@ Console::~Console() {
 }
 
 void Console::end_line() {
-  if (has_open_line_) tell("\n");
+  if (has_open_line_) tell("\r\033[K");
   has_open_line_ = false;
+}
+
+void Console::begin(const std::string& phase) {
+  if (is_terminal_ && !is_quiet_) show(phase + " ...");
+}
+
+void Console::show(const std::string& text) {
+  tell(fmt::format("\r\033[K{}", text));
+  std::fflush(stderr);
+  has_open_line_ = true;
 }
 
 void Console::progress(const std::string& stage, std::int64_t done, std::int64_t total) {
@@ -74,18 +94,22 @@ void Console::progress(const std::string& stage, std::int64_t done, std::int64_t
     stage_ = stage;
     start_ = now;
     last_shown_ = now;  // a stage that is over at once needs no progress
+    interval_ = is_terminal_ ? k_terminal_interval_s : k_first_plain_s;
   }
-  const double interval = is_terminal_ ? k_terminal_interval_s : k_plain_interval_s;
-  if (now - last_shown_ < interval) return;
+  if (now - last_shown_ < interval_) return;
   last_shown_ = now;
-  const double rate = static_cast<double>(done) / (now - start_);
-  const double left = rate > 0.0 ? static_cast<double>(total - done) / rate : 0.0;
-  const std::string text =
-      fmt::format("{}: {} of {}, {:.3g} a second, at most {:.0f} s left", stage, done, total, rate, left);
+  if (!is_terminal_) interval_ = k_plain_interval_s;
+  std::string text = fmt::format("{}: {} of {}", stage, done, total);
+  const double elapsed = now - start_;
+  if (done > 0 && elapsed > 0.0) {
+    const double rate = static_cast<double>(done) / elapsed;
+    text += fmt::format(", {:.3g} a second", rate);
+    if (const double left = static_cast<double>(total - done) / rate; left >= 1.0) {
+      text += fmt::format(", at most {} left at this rate", duration_text(left));
+    }
+  }
   if (is_terminal_) {
-    tell(fmt::format("\r\033[K{}", text));
-    std::fflush(stderr);
-    has_open_line_ = true;
+    show(text);
   } else {
     tell(text + "\n");
   }

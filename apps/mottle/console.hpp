@@ -17,17 +17,23 @@ class Console final : public ProgressObserver {
   Console(const Console&) = delete;
   Console& operator=(const Console&) = delete;
 
+  /// Says at once, on a terminal, what is being done before anything can be counted.
+  void begin(const std::string& phase);
+  /// Takes the line of progress away, before something else is printed.
+  void end_line();
+
   void progress(const std::string& stage, std::int64_t done, std::int64_t total) override;
   void warning(const std::string& text) override;
   void note(const std::string& text) override;
 
  private:
-  void end_line();
+  void show(const std::string& text);
   bool is_quiet_;
   bool is_terminal_;
   bool has_open_line_ = false;
   double start_ = 0.0;
   double last_shown_ = -1.0;
+  double interval_ = 0.0;
   std::string stage_;
 };
 

@@ -17,10 +17,12 @@ void add_diagnose(CLI::App& app) {
   verb->callback([options] {
     const Study study = read_study(*options);
     Console console(options->quiet);
+    console.begin("reading the model and the tests");
     const RunSettings settings = run_settings(*options, console);
     const FolderLock lock(settings.folder);
     const DiagnoseOutcome outcome = diagnose(study, settings);
     write_results(outcome, settings.folder);
+    console.end_line();
     print_summary(*options, summarise(outcome, settings.folder));
   });
 }

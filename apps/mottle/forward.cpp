@@ -35,11 +35,13 @@ void add_propagate(CLI::App& app) {
   verb->callback([options, points] {
     const Study study = read_study(*options);
     Console console(options->quiet);
+    console.begin("reading the model and the tests");
     const RunSettings settings = run_settings(*options, console);
     const FolderLock lock(settings.folder);
     const RunSummary summary = propagate_into_folder(study, *points, settings);
     write_report(settings.folder);
     RunFolder(settings.folder).finish();
+    console.end_line();
     print_summary(*options, summary);
     if (!options->json && !options->quiet) fmt::print("cloud: {}\n", (settings.folder / "cloud.csv").string());
   });
@@ -52,10 +54,12 @@ void add_simulate(CLI::App& app) {
   verb->callback([options] {
     const Study study = read_study(*options);
     Console console(options->quiet);
+    console.begin("reading the model");
     const RunSettings settings = run_settings(*options, console);
     const FolderLock lock(settings.folder);
     const SimulateOutcome outcome = simulate(study, settings);
     write_results(outcome, settings.folder);
+    console.end_line();
     print_summary(*options, summarise(outcome, settings.folder));
   });
 }
@@ -66,7 +70,10 @@ void add_check(CLI::App& app) {
   add_common_options(*verb, *options);
   verb->callback([options] {
     Console console(options->quiet);
-    print_summary(*options, summarise(check(read_study(*options), run_settings(*options, console))));
+    console.begin("reading the model and the tests");
+    const RunSummary summary = summarise(check(read_study(*options), run_settings(*options, console)));
+    console.end_line();
+    print_summary(*options, summary);
   });
 }
 

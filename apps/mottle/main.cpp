@@ -54,17 +54,24 @@ int run(int argc, char** argv) {
   app.set_version_flag("--version", "mottle " + mottle::study::version());
   app.require_subcommand(1);
   app.footer("Exit codes: 0 done, 2 wrong input, 3 a solver or file failed, 4 stopped (resumable), 70 a bug.");
-  mottle::app::add_init(app);
-  mottle::app::add_update(app);
-  mottle::app::add_diagnose(app);
-  mottle::app::add_propagate(app);
-  mottle::app::add_simulate(app);
-  mottle::app::add_check(app);
-  mottle::app::add_modes(app);
-  mottle::app::add_targets(app);
-  mottle::app::add_report(app);
-  mottle::app::add_export(app);
-  mottle::app::add_methods(app);
+  struct Group {
+    const char* title;
+    std::vector<void (*)(CLI::App&)> verbs;
+  };
+  const Group groups[] = {
+      {"From a deck and tests to a study",
+       {mottle::app::add_modes, mottle::app::add_targets, mottle::app::add_init, mottle::app::add_check}},
+      {"Updating", {mottle::app::add_update, mottle::app::add_diagnose}},
+      {"The model alone", {mottle::app::add_propagate, mottle::app::add_simulate}},
+      {"Results", {mottle::app::add_report, mottle::app::add_export}},
+      {"Help", {mottle::app::add_methods, mottle::app::add_completion}},
+  };
+  for (const Group& group : groups) {
+    for (const auto add : group.verbs) {
+      add(app);
+      app.get_subcommands({}).back()->group(group.title);
+    }
+  }
   if (argc > 1) require_known_verb(app, argv[1]);
   try {
     app.parse(argc, argv);

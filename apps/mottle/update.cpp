@@ -29,11 +29,13 @@ void add_update(CLI::App& app) {
   verb->callback([options] {
     const Study study = read_study(*options);
     Console console(options->quiet);
+    console.begin("reading the model and the tests");
     const RunSettings settings = run_settings(*options, console);
     const FolderLock lock(settings.folder);
     const RunSummary summary = update_into_folder(study, settings);
     write_report(settings.folder);
     RunFolder(settings.folder).finish();
+    console.end_line();
     print_summary(*options, summary);
     if (!options->json && !options->quiet) fmt::print("report: {}\n", (settings.folder / "report.html").string());
   });
