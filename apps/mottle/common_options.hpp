@@ -50,6 +50,7 @@ void add_check(CLI::App& app);
 void add_modes(CLI::App& app);
 void add_targets(CLI::App& app);
 void add_report(CLI::App& app);
+void add_compare(CLI::App& app);
 void add_export(CLI::App& app);
 void add_methods(CLI::App& app);
 void add_completion(CLI::App& app);

@@ -63,7 +63,7 @@ int run(int argc, char** argv) {
        {mottle::app::add_modes, mottle::app::add_targets, mottle::app::add_init, mottle::app::add_check}},
       {"Updating", {mottle::app::add_update, mottle::app::add_diagnose}},
       {"The model alone", {mottle::app::add_propagate, mottle::app::add_simulate}},
-      {"Results", {mottle::app::add_report, mottle::app::add_export}},
+      {"Results", {mottle::app::add_report, mottle::app::add_compare, mottle::app::add_export}},
       {"Help", {mottle::app::add_methods, mottle::app::add_completion}},
   };
   for (const Group& group : groups) {

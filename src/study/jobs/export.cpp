@@ -14,33 +14,12 @@
 #include "mottle/study/input/text_file.hpp"
 #include "mottle/study/models/model_source.hpp"
 #include "study/input/toml_writer.hpp"
-#include "study/results/result_json.hpp"
+#include "study/results/update_results.hpp"
 
 namespace mottle::study {
 namespace {
 
 namespace fs = std::filesystem;
-
-Json read_result(const fs::path& folder) {
-  const fs::path file = folder / "result.json";
-  require(fs::is_regular_file(file), "{}: holds no result.json; name the folder of an update's results",
-          folder.string());
-  const std::string bytes = read_text_file(file);
-  require(!nests_deeper_than(bytes, k_deepest_json), "{}: is no result of an update", file.string());
-  const Json result = Json::parse(bytes, nullptr, false);
-  require(result.is_object() && result.value("command", "") == "update" && result.contains("parameters"),
-          "{}: is no result of an update", file.string());
-  return result;
-}
-
-/// Numbers of a list; null is nan.
-Eigen::VectorXd numbers(const Json& list) {
-  Eigen::VectorXd values(static_cast<Eigen::Index>(list.size()));
-  for (std::size_t i = 0; i < list.size(); ++i) {
-    values(static_cast<Eigen::Index>(i)) = list[i].is_number() ? list[i].get<double>() : std::nan("");
-  }
-  return values;
-}
 
 /// Means and standard deviations of the parameters, in the order of the study.
 struct Found {
@@ -53,12 +32,12 @@ Found read_found(const Json& parameters, const Study& study) {
   for (const StudyParameter& parameter : study.parameters.list) names.push_back(parameter.name);
   require(parameters.at("names").get<std::vector<std::string>>() == names,
           "{}: has other parameters than the result.json beside it", study.file.string());
-  Found found{numbers(parameters.at("mean")), numbers(parameters.at("std")), {}};
+  Found found{numbers_of(parameters.at("mean")), numbers_of(parameters.at("std")), {}};
   const Eigen::Index count = found.mean.size();
   require(found.mean.allFinite(), "{}: the update found no mean of every parameter", study.file.string());
   found.correlation = Eigen::MatrixXd::Identity(count, count);
   for (Eigen::Index i = 0; i < count; ++i) {
-    const Eigen::VectorXd row = numbers(parameters.at("correlation").at(static_cast<std::size_t>(i)));
+    const Eigen::VectorXd row = numbers_of(parameters.at("correlation").at(static_cast<std::size_t>(i)));
     for (Eigen::Index j = 0; j < count; ++j) {
       if (i != j && std::isfinite(row(j))) found.correlation(i, j) = row(j);
     }
@@ -183,7 +162,7 @@ std::string samples_csv(const Study& study, const Eigen::MatrixXd& samples) {
 }  // namespace
 
 ExportOutcome make_export(const ExportSettings& settings) {
-  const Json result = read_result(settings.results);
+  const Json result = read_update_result(settings.results);
   const Study study = read_study(settings.results / "study.toml");
   const Found found = read_found(result.at("parameters"), study);
   const Eigen::MatrixXd samples = read_samples(settings.results, study);
