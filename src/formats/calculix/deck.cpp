@@ -182,41 +182,92 @@ std::vector<CalculixNumber> find_placeholders(const CalculixDeck& deck, const st
   return numbers;
 }
 
-/// Lines of the one step, from *STEP to *END STEP, and that of *FREQUENCY; none where there is no step.
+/// A step, from *STEP to its end.
 struct Step {
-  std::size_t begin = 0, frequency = 0;
-  bool is_there = false;
+  std::size_t begin = 0, end = 0;  ///< lines, the last one excluded
+  std::size_t procedure = 0;       ///< its line
+  std::string name = {};           ///< of the procedure, "FREQUENCY"; empty: none that is known
+  bool is_perturbation = false;
+  bool has_boundary = false;
 };
 
-Step find_step(const CalculixDeck& deck) {
-  static const std::set<std::string> k_procedures = {"STATIC",
-                                                     "BUCKLE",
-                                                     "DYNAMIC",
-                                                     "MODAL DYNAMIC",
-                                                     "STEADY STATE DYNAMICS",
-                                                     "HEAT TRANSFER",
-                                                     "COUPLED TEMPERATURE-DISPLACEMENT",
+std::vector<Step> find_steps(const CalculixDeck& deck) {
+  static const std::set<std::string> k_procedures = {"FREQUENCY",        "STATIC",
+                                                     "BUCKLE",           "DYNAMIC",
+                                                     "MODAL DYNAMIC",    "STEADY STATE DYNAMICS",
+                                                     "HEAT TRANSFER",    "COUPLED TEMPERATURE-DISPLACEMENT",
                                                      "COMPLEX FREQUENCY"};
-  Step step;
+  std::vector<Step> steps;
   for (std::size_t i = 0; i < deck.lines.size(); ++i) {
     const std::optional<Keyword> keyword = keyword_of(deck.lines[i].text);
     if (!keyword) continue;
     if (keyword->name == "STEP") {
-      if (step.is_there) {
-        refuse(deck, i, "a second *STEP; a deck with the one step *FREQUENCY is read here (no preload)");
-      }
-      step.is_there = true;
-      step.begin = i;
+      if (!steps.empty() && steps.back().end == 0) steps.back().end = i;
+      steps.push_back({.begin = i, .is_perturbation = keyword->parameters.contains("PERTURBATION")});
     }
-    if (keyword->name == "FREQUENCY") step.frequency = i;
-    if (k_procedures.contains(keyword->name)) {
-      refuse(deck, i,
-             fmt::format("*{} instead of *FREQUENCY; matrices for modes come from a *FREQUENCY step", keyword->name));
-    }
+    if (steps.empty() || steps.back().end != 0) continue;
+    Step& step = steps.back();
+    if (keyword->name == "BOUNDARY") step.has_boundary = true;
+    if (keyword->name == "END STEP") step.end = i + 1;
+    if (!k_procedures.contains(keyword->name)) continue;
+    step.name = keyword->name;
+    step.procedure = i;
   }
-  if (step.is_there && step.frequency == 0) refuse(deck, step.begin, "the step has no *FREQUENCY");
-  return step;
+  if (!steps.empty() && steps.back().end == 0) steps.back().end = deck.lines.size();
+  return steps;
 }
+
+/// The first step *FREQUENCY, which alone stays; none where there is no step.
+std::optional<Step> find_step(const CalculixDeck& deck) {
+  const std::vector<Step> steps = find_steps(deck);
+  if (steps.empty()) return std::nullopt;
+  const auto found = std::ranges::find(steps, "FREQUENCY", &Step::name);
+  if (found == steps.end()) {
+    const Step& first = steps.front();
+    if (first.name.empty()) refuse(deck, first.begin, "the step has no *FREQUENCY");
+    refuse(deck, first.procedure,
+           fmt::format("*{} instead of *FREQUENCY; matrices for modes come from a *FREQUENCY step", first.name));
+  }
+  if (found == steps.begin()) return *found;
+  if (found->is_perturbation) {
+    refuse(
+        deck, found->begin,
+        fmt::format("the *FREQUENCY step is a PERTURBATION of the state after *{}: modes of a preloaded structure are "
+                    "not found here; leave the preload out, or run the deck as a study of kind \"command\"",
+                    steps.front().name.empty() ? "STEP" : steps.front().name));
+  }
+  for (auto before = steps.begin(); before != found; ++before) {
+    if (!before->has_boundary) continue;
+    refuse(deck, before->begin,
+           "this step before *FREQUENCY has a *BOUNDARY, which holds in later steps too; put it in front of the first "
+           "step, so that the steps before can be left out");
+  }
+  return *found;
+}
+
+/// Whether a line belongs to the model or to the step that stays.
+class KeptLines {
+ public:
+  explicit KeptLines(const CalculixDeck& deck) : chosen_(find_step(deck)), steps_(find_steps(deck)) {}
+
+  const std::optional<Step>& step() const { return chosen_; }
+  bool contains(std::size_t line) const {
+    return std::ranges::none_of(steps_, [&](const Step& step) {
+      return step.begin != chosen_->begin && line >= step.begin && line < step.end;
+    });
+  }
+  std::vector<std::string> left_out() const {
+    std::vector<std::string> names;
+    for (const Step& step : steps_) {
+      if (step.begin != chosen_->begin) names.push_back("*" + (step.name.empty() ? "STEP" : step.name));
+    }
+    return names;
+  }
+
+ private:
+  std::optional<Step> chosen_;
+  std::vector<Step> steps_;
+};
 
 /// The deck's lines with texts in place of numbers.
 std::vector<std::string> replaced_lines(const CalculixDeck& deck, std::vector<CalculixReplacement> replacements) {
@@ -280,16 +331,17 @@ std::string matrix_storage_deck(const CalculixDeck& deck, const std::vector<Calc
   for (const CalculixChange& change : changes)
     replacements.push_back({change.number, fmt::format("{:.13e}", change.value)});
   const std::vector<std::string> lines = replaced_lines(deck, std::move(replacements));
-  const Step step = find_step(deck);
+  const KeptLines kept(deck);
   std::string text;
   for (std::size_t i = 0; i < lines.size(); ++i) {
+    if (!kept.contains(i)) continue;
     const std::size_t open = is_comment(lines[i]) ? std::string::npos : lines[i].find("{{");
     if (open != std::string::npos) {
       refuse(deck, i,
              fmt::format("no parameter fills '{}'", lines[i].substr(open, lines[i].find("}}", open) + 2 - open)));
     }
     text += lines[i];
-    if (step.is_there && i == step.frequency) {
+    if (kept.step() && i == kept.step()->procedure) {
       text.resize(text.size() - lines[i].size());
       text += "*FREQUENCY, SOLVER=MATRIXSTORAGE";
       const std::vector<std::size_t> data = data_lines(deck, i);
@@ -297,24 +349,35 @@ std::string matrix_storage_deck(const CalculixDeck& deck, const std::vector<Calc
     }
     text += '\n';
   }
-  if (!step.is_there) text += "*STEP\n*FREQUENCY, SOLVER=MATRIXSTORAGE\n*END STEP\n";
+  if (!kept.step()) text += "*STEP\n*FREQUENCY, SOLVER=MATRIXSTORAGE\n*END STEP\n";
   return text;
 }
 
 std::string deck_with_replacements(const CalculixDeck& deck, const std::vector<CalculixReplacement>& replacements) {
-  if (!find_step(deck).is_there) {
+  const KeptLines kept(deck);
+  if (!kept.step()) {
     throw FormatError(deck.files.front(), 0, "has no step; modes come from a *FREQUENCY step");
   }
   std::string text;
-  for (const std::string& line : replaced_lines(deck, replacements)) {
-    text += is_comment(line) ? std::string("**") : line;
+  const std::vector<std::string> lines = replaced_lines(deck, replacements);
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    text += is_comment(lines[i]) || !kept.contains(i) ? std::string("**") : lines[i];
     text += '\n';
   }
   return text;
 }
 
+std::string left_out_steps(const CalculixDeck& deck) {
+  const KeptLines kept(deck);
+  const std::vector<std::string> names = kept.left_out();
+  if (names.empty()) return "";
+  return fmt::format("Of the deck's steps the first *FREQUENCY is used; left out: {}.", join(names));
+}
+
 bool writes_displacements(const CalculixDeck& deck) {
+  const KeptLines kept(deck);
   for (std::size_t i = 0; i < deck.lines.size(); ++i) {
+    if (!kept.contains(i)) continue;
     const std::optional<Keyword> keyword = keyword_of(deck.lines[i].text);
     if (!keyword || (keyword->name != "NODE FILE" && keyword->name != "NODE OUTPUT")) continue;
     for (const std::size_t line : data_lines(deck, i)) {

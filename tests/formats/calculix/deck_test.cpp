@@ -66,6 +66,22 @@ TEST_F(CalculixDecks, PutsTextsInPlaceOfNumbersAndLeavesTheStep) {
               HasSubstr("has no step"));
 }
 
+TEST_F(CalculixDecks, LeaveOutAllStepsButTheFirstOfModes) {
+  const CalculixDeck read = deck(
+      "*NODE\n1, 0, 0, 0\n*STEP\n*STATIC\n*CLOAD\n1, 1, 5.\n*END STEP\n*STEP\n*FREQUENCY\n10\n*NODE FILE\nRF\n*END "
+      "STEP\n"
+      "*STEP\n*STEADY STATE DYNAMICS\n1., 2.\n*NODE FILE\nU\n*END STEP\n*STEP\n*FREQUENCY\n20\n*END STEP\n");
+  EXPECT_EQ(matrix_storage_deck(read, {}),
+            "*NODE\n1, 0, 0, 0\n*STEP\n*FREQUENCY, SOLVER=MATRIXSTORAGE\n*NODE FILE\nRF\n*END STEP\n");
+  const std::string text = deck_with_replacements(read, {});
+  EXPECT_THAT(text, HasSubstr("*STEP\n*FREQUENCY\n10\n*NODE FILE\nRF\n*END STEP\n**\n"));
+  EXPECT_THAT(text, testing::Not(HasSubstr("STATIC")));
+  EXPECT_FALSE(writes_displacements(read)) << "the step that does is left out";
+  EXPECT_EQ(left_out_steps(read),
+            "Of the deck's steps the first *FREQUENCY is used; left out: *STATIC, *STEADY STATE DYNAMICS, *FREQUENCY.");
+  EXPECT_EQ(left_out_steps(deck(k_deck)), "");
+}
+
 TEST_F(CalculixDecks, KnowWhetherDisplacementsAreWritten) {
   EXPECT_FALSE(writes_displacements(deck(k_deck)));
   EXPECT_TRUE(writes_displacements(deck("*STEP\n*FREQUENCY\n3\n*NODE FILE\nRF, u\n*END STEP\n")));
@@ -117,7 +133,10 @@ TEST_F(CalculixDecks, RefusesCardsWhoseNumberCannotBeMoved) {
 TEST_F(CalculixDecks, RefusesStepsThatStoreNoMatrices) {
   for (const Refused& each : {Refused{"", "*STEP\n*STATIC\n*END STEP\n", "plate.inp:2: *STATIC instead of *FREQUENCY"},
                               Refused{"", "*STEP\n*END STEP\n", "plate.inp:1: the step has no *FREQUENCY"},
-                              Refused{"", "*STEP\n*FREQUENCY\n*END STEP\n*STEP\n", "plate.inp:4: a second *STEP"},
+                              Refused{"", "*STEP\n*STATIC\n*END STEP\n*STEP, PERTURBATION\n*FREQUENCY\n*END STEP\n",
+                                      "plate.inp:4: the *FREQUENCY step is a PERTURBATION of the state after *STATIC"},
+                              Refused{"", "*STEP\n*STATIC\n*BOUNDARY\n1, 1\n*END STEP\n*STEP\n*FREQUENCY\n*END STEP\n",
+                                      "plate.inp:1: this step before *FREQUENCY has a *BOUNDARY"},
                               Refused{"", "*NODE\n1, {{a}}, 0\n", "plate.inp:2: no parameter fills '{{a}}'"}}) {
     EXPECT_THAT(test::message_of<FormatError>([&] { matrix_storage_deck(deck(each.text), {}); }),
                 HasSubstr(each.message));

@@ -58,10 +58,11 @@ struct CalculixChange {
   double value = 0.0;
 };
 
-/// The deck with other numbers, its one step replaced by *FREQUENCY, SOLVER=MATRIXSTORAGE with that step's boundary
+/// The deck with other numbers and one step, the first *FREQUENCY with SOLVER=MATRIXSTORAGE and its boundary
 /// conditions. Numbers have at most 20 characters, which is what CalculiX reads.
 ///
-/// Throws FormatError: several steps, a step other than *FREQUENCY, a placeholder that nothing fills.
+/// Throws FormatError: steps without *FREQUENCY, a preload or a *BOUNDARY in a step before it, a placeholder that
+/// nothing fills.
 std::string matrix_storage_deck(const CalculixDeck& deck, const std::vector<CalculixChange>& changes);
 
 /// A number and the text that replaces it.
@@ -73,8 +74,11 @@ struct CalculixReplacement {
 /// The deck with texts in place of numbers and without its comments; its lines keep their numbers where nothing is
 /// included.
 ///
-/// Throws FormatError: several steps, no step *FREQUENCY.
+/// Throws FormatError: no step *FREQUENCY, a preload or a *BOUNDARY in a step before it.
 std::string deck_with_replacements(const CalculixDeck& deck, const std::vector<CalculixReplacement>& replacements);
+
+/// Sentence on the steps besides the first *FREQUENCY; empty where there are none.
+std::string left_out_steps(const CalculixDeck& deck);
 
 /// Whether the deck asks for displacements in .frd: *NODE FILE (or *NODE OUTPUT) with U.
 bool writes_displacements(const CalculixDeck& deck);

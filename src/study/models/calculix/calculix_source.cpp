@@ -45,13 +45,15 @@ class CalculixSource final : public ModelSource {
   ModelParts make(const std::vector<ParameterTargets>& parameters, const JointDistribution& prior,
                   const RunSettings& settings) const override {
     const CalculixDeck deck = read_calculix_deck(deck_);
-    return make_calculix(deck, parameters, prior,
-                         {.program = program_,
-                          .timeout = timeout_,
-                          .cache = settings.cache,
-                          .parallel = parallel_,
-                          .stop = settings.stop},
-                         settings);
+    ModelParts parts = make_calculix(deck, parameters, prior,
+                                     {.program = program_,
+                                      .timeout = timeout_,
+                                      .cache = settings.cache,
+                                      .parallel = parallel_,
+                                      .stop = settings.stop},
+                                     settings);
+    if (std::string note = left_out_steps(deck); !note.empty()) parts.notes.push_back(std::move(note));
+    return parts;
   }
 
   std::optional<double> reduction_error() const override { return reduction_error_; }
