@@ -5,41 +5,13 @@
 #include <optional>
 #include <set>
 
+#include "formats/calculix/steps.hpp"
 #include "formats/matrices/matrix_text.hpp"
 #include "mottle/core/files.hpp"
 #include "mottle/core/text.hpp"
 
 namespace mottle::formats {
 namespace {
-
-/// A keyword line: "*SHELL SECTION, ELSET=PLATE" -> SHELL SECTION, {ELSET: PLATE}; all in capitals.
-struct Keyword {
-  std::string name;
-  std::map<std::string, std::string> parameters;
-};
-
-bool is_comment(std::string_view line) {
-  return line.starts_with("**");
-}
-
-std::optional<Keyword> keyword_of(std::string_view line) {
-  if (!line.starts_with('*') || is_comment(line)) return std::nullopt;
-  const std::string text = capitals(line.substr(1));
-  Keyword keyword;
-  for (std::size_t begin = 0; begin <= text.size();) {
-    const std::size_t comma = std::min(text.find(',', begin), text.size());
-    const std::string_view part = std::string_view(text).substr(begin, comma - begin);
-    const std::size_t equals = part.find('=');
-    if (begin == 0) {
-      keyword.name = std::string(trim_blanks(part));
-    } else if (!trim_blanks(part).empty()) {
-      keyword.parameters[std::string(trim_blanks(part.substr(0, equals)))] =
-          equals == std::string_view::npos ? "" : std::string(trim_blanks(part.substr(equals + 1)));
-    }
-    begin = comma + 1;
-  }
-  return keyword;
-}
 
 /// INPUT=file of an *INCLUDE, in its own letters.
 std::string included_file(std::string_view line) {
@@ -117,11 +89,6 @@ Target parse_target(const std::string& target) {
   return result;
 }
 
-[[noreturn]] void refuse(const CalculixDeck& deck, std::size_t line, const std::string& message) {
-  const CalculixDeck::Line& at = deck.lines[line];
-  throw FormatError(deck.files[static_cast<std::size_t>(at.file)], at.number, message);
-}
-
 /// Data lines of the keyword on `line`.
 std::vector<std::size_t> data_lines(const CalculixDeck& deck, std::size_t line) {
   std::vector<std::size_t> lines;
@@ -172,102 +139,16 @@ CalculixNumber number_of_card(const CalculixDeck& deck, std::size_t line, const 
 
 std::vector<CalculixNumber> find_placeholders(const CalculixDeck& deck, const std::string& mark) {
   std::vector<CalculixNumber> numbers;
+  const KeptLines kept(deck);
   for (std::size_t i = 0; i < deck.lines.size(); ++i) {
     const std::string& text = deck.lines[i].text;
-    if (is_comment(text)) continue;
+    if (is_comment(text) || !kept.contains(i)) continue;
     for (std::size_t at = text.find(mark); at != std::string::npos; at = text.find(mark, at + mark.size())) {
       numbers.push_back({i, at, mark.size(), std::numeric_limits<double>::quiet_NaN(), true});
     }
   }
   return numbers;
 }
-
-/// A step, from *STEP to its end.
-struct Step {
-  std::size_t begin = 0, end = 0;  ///< lines, the last one excluded
-  std::size_t procedure = 0;       ///< its line
-  std::string name = {};           ///< of the procedure, "FREQUENCY"; empty: none that is known
-  bool is_perturbation = false;
-  bool has_boundary = false;
-};
-
-std::vector<Step> find_steps(const CalculixDeck& deck) {
-  static const std::set<std::string> k_procedures = {"FREQUENCY",        "STATIC",
-                                                     "BUCKLE",           "DYNAMIC",
-                                                     "MODAL DYNAMIC",    "STEADY STATE DYNAMICS",
-                                                     "HEAT TRANSFER",    "COUPLED TEMPERATURE-DISPLACEMENT",
-                                                     "COMPLEX FREQUENCY"};
-  std::vector<Step> steps;
-  for (std::size_t i = 0; i < deck.lines.size(); ++i) {
-    const std::optional<Keyword> keyword = keyword_of(deck.lines[i].text);
-    if (!keyword) continue;
-    if (keyword->name == "STEP") {
-      if (!steps.empty() && steps.back().end == 0) steps.back().end = i;
-      steps.push_back({.begin = i, .is_perturbation = keyword->parameters.contains("PERTURBATION")});
-    }
-    if (steps.empty() || steps.back().end != 0) continue;
-    Step& step = steps.back();
-    if (keyword->name == "BOUNDARY") step.has_boundary = true;
-    if (keyword->name == "END STEP") step.end = i + 1;
-    if (!k_procedures.contains(keyword->name)) continue;
-    step.name = keyword->name;
-    step.procedure = i;
-  }
-  if (!steps.empty() && steps.back().end == 0) steps.back().end = deck.lines.size();
-  return steps;
-}
-
-/// The first step *FREQUENCY, which alone stays; none where there is no step.
-std::optional<Step> find_step(const CalculixDeck& deck) {
-  const std::vector<Step> steps = find_steps(deck);
-  if (steps.empty()) return std::nullopt;
-  const auto found = std::ranges::find(steps, "FREQUENCY", &Step::name);
-  if (found == steps.end()) {
-    const Step& first = steps.front();
-    if (first.name.empty()) refuse(deck, first.begin, "the step has no *FREQUENCY");
-    refuse(deck, first.procedure,
-           fmt::format("*{} instead of *FREQUENCY; matrices for modes come from a *FREQUENCY step", first.name));
-  }
-  if (found == steps.begin()) return *found;
-  if (found->is_perturbation) {
-    refuse(
-        deck, found->begin,
-        fmt::format("the *FREQUENCY step is a PERTURBATION of the state after *{}: modes of a preloaded structure are "
-                    "not found here; leave the preload out, or run the deck as a study of kind \"command\"",
-                    steps.front().name.empty() ? "STEP" : steps.front().name));
-  }
-  for (auto before = steps.begin(); before != found; ++before) {
-    if (!before->has_boundary) continue;
-    refuse(deck, before->begin,
-           "this step before *FREQUENCY has a *BOUNDARY, which holds in later steps too; put it in front of the first "
-           "step, so that the steps before can be left out");
-  }
-  return *found;
-}
-
-/// Whether a line belongs to the model or to the step that stays.
-class KeptLines {
- public:
-  explicit KeptLines(const CalculixDeck& deck) : chosen_(find_step(deck)), steps_(find_steps(deck)) {}
-
-  const std::optional<Step>& step() const { return chosen_; }
-  bool contains(std::size_t line) const {
-    return std::ranges::none_of(steps_, [&](const Step& step) {
-      return step.begin != chosen_->begin && line >= step.begin && line < step.end;
-    });
-  }
-  std::vector<std::string> left_out() const {
-    std::vector<std::string> names;
-    for (const Step& step : steps_) {
-      if (step.begin != chosen_->begin) names.push_back("*" + (step.name.empty() ? "STEP" : step.name));
-    }
-    return names;
-  }
-
- private:
-  std::optional<Step> chosen_;
-  std::vector<Step> steps_;
-};
 
 /// The deck's lines with texts in place of numbers.
 std::vector<std::string> replaced_lines(const CalculixDeck& deck, std::vector<CalculixReplacement> replacements) {
@@ -304,8 +185,9 @@ std::vector<CalculixNumber> find_calculix_numbers(const CalculixDeck& deck, cons
   std::vector<CalculixNumber> numbers;
   std::vector<std::string> known;
   std::string material;
+  const KeptLines kept(deck);
   for (std::size_t i = 0; i < deck.lines.size(); ++i) {
-    const std::optional<Keyword> keyword = keyword_of(deck.lines[i].text);
+    const std::optional<Keyword> keyword = kept.contains(i) ? keyword_of(deck.lines[i].text) : std::nullopt;
     if (!keyword) continue;
     const auto parameter = [&](const std::string& name) {
       const auto found = keyword->parameters.find(name);
@@ -331,6 +213,7 @@ std::string matrix_storage_deck(const CalculixDeck& deck, const std::vector<Calc
   for (const CalculixChange& change : changes)
     replacements.push_back({change.number, fmt::format("{:.13e}", change.value)});
   const std::vector<std::string> lines = replaced_lines(deck, std::move(replacements));
+  const std::optional<Step> step = find_step(deck);
   const KeptLines kept(deck);
   std::string text;
   for (std::size_t i = 0; i < lines.size(); ++i) {
@@ -341,7 +224,7 @@ std::string matrix_storage_deck(const CalculixDeck& deck, const std::vector<Calc
              fmt::format("no parameter fills '{}'", lines[i].substr(open, lines[i].find("}}", open) + 2 - open)));
     }
     text += lines[i];
-    if (kept.step() && i == kept.step()->procedure) {
+    if (step && i == step->procedure) {
       text.resize(text.size() - lines[i].size());
       text += "*FREQUENCY, SOLVER=MATRIXSTORAGE";
       const std::vector<std::size_t> data = data_lines(deck, i);
@@ -349,13 +232,13 @@ std::string matrix_storage_deck(const CalculixDeck& deck, const std::vector<Calc
     }
     text += '\n';
   }
-  if (!kept.step()) text += "*STEP\n*FREQUENCY, SOLVER=MATRIXSTORAGE\n*END STEP\n";
+  if (!step) text += "*STEP\n*FREQUENCY, SOLVER=MATRIXSTORAGE\n*END STEP\n";
   return text;
 }
 
 std::string deck_with_replacements(const CalculixDeck& deck, const std::vector<CalculixReplacement>& replacements) {
   const KeptLines kept(deck);
-  if (!kept.step()) {
+  if (!find_step(deck)) {
     throw FormatError(deck.files.front(), 0, "has no step; modes come from a *FREQUENCY step");
   }
   std::string text;
@@ -365,13 +248,6 @@ std::string deck_with_replacements(const CalculixDeck& deck, const std::vector<C
     text += '\n';
   }
   return text;
-}
-
-std::string left_out_steps(const CalculixDeck& deck) {
-  const KeptLines kept(deck);
-  const std::vector<std::string> names = kept.left_out();
-  if (names.empty()) return "";
-  return fmt::format("Of the deck's steps the first *FREQUENCY is used; left out: {}.", join(names));
 }
 
 bool writes_displacements(const CalculixDeck& deck) {

@@ -80,6 +80,10 @@ TEST_F(CalculixDecks, LeaveOutAllStepsButTheFirstOfModes) {
   EXPECT_EQ(left_out_steps(read),
             "Of the deck's steps the first *FREQUENCY is used; left out: *STATIC, *STEADY STATE DYNAMICS, *FREQUENCY.");
   EXPECT_EQ(left_out_steps(deck(k_deck)), "");
+  const CalculixDeck twice = deck("*STEP\n*FREQUENCY\n10\n*END STEP\n*STEP\n*DYNAMIC\n{{a}}\n*END STEP\n");
+  EXPECT_THAT(test::message_of<InvalidInput>([&] { find_calculix_numbers(twice, "{{a}}"); }),
+              HasSubstr("'{{a}}' does not stand in"))
+      << "it would change nothing";
 }
 
 TEST_F(CalculixDecks, KnowWhetherDisplacementsAreWritten) {

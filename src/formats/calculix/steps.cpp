@@ -1,0 +1,99 @@
+#include "formats/calculix/steps.hpp"
+
+#include <algorithm>
+#include <set>
+
+#include "formats/matrices/matrix_text.hpp"
+#include "mottle/core/text.hpp"
+
+namespace mottle::formats {
+
+bool is_comment(std::string_view line) {
+  return line.starts_with("**");
+}
+
+std::optional<Keyword> keyword_of(std::string_view line) {
+  if (!line.starts_with('*') || is_comment(line)) return std::nullopt;
+  const std::string text = capitals(line.substr(1));
+  Keyword keyword;
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t comma = std::min(text.find(',', begin), text.size());
+    const std::string_view part = std::string_view(text).substr(begin, comma - begin);
+    const std::size_t equals = part.find('=');
+    if (begin == 0) {
+      keyword.name = std::string(trim_blanks(part));
+    } else if (!trim_blanks(part).empty()) {
+      keyword.parameters[std::string(trim_blanks(part.substr(0, equals)))] =
+          equals == std::string_view::npos ? "" : std::string(trim_blanks(part.substr(equals + 1)));
+    }
+    begin = comma + 1;
+  }
+  return keyword;
+}
+
+void refuse(const CalculixDeck& deck, std::size_t line, const std::string& message) {
+  const CalculixDeck::Line& at = deck.lines[line];
+  throw FormatError(deck.files[static_cast<std::size_t>(at.file)], at.number, message);
+}
+
+std::vector<Step> find_steps(const CalculixDeck& deck) {
+  static const std::set<std::string> k_procedures = {"FREQUENCY",        "STATIC",
+                                                     "BUCKLE",           "DYNAMIC",
+                                                     "MODAL DYNAMIC",    "STEADY STATE DYNAMICS",
+                                                     "HEAT TRANSFER",    "COUPLED TEMPERATURE-DISPLACEMENT",
+                                                     "COMPLEX FREQUENCY"};
+  std::vector<Step> steps;
+  for (std::size_t i = 0; i < deck.lines.size(); ++i) {
+    const std::optional<Keyword> keyword = keyword_of(deck.lines[i].text);
+    if (!keyword) continue;
+    if (keyword->name == "STEP") {
+      if (!steps.empty() && steps.back().end == 0) steps.back().end = i;
+      steps.push_back({.begin = i, .is_perturbation = keyword->parameters.contains("PERTURBATION")});
+    }
+    if (steps.empty() || steps.back().end != 0) continue;
+    Step& step = steps.back();
+    if (keyword->name == "BOUNDARY") step.has_boundary = true;
+    if (keyword->name == "END STEP") step.end = i + 1;
+    if (!k_procedures.contains(keyword->name)) continue;
+    step.name = keyword->name;
+    step.procedure = i;
+  }
+  if (!steps.empty() && steps.back().end == 0) steps.back().end = deck.lines.size();
+  return steps;
+}
+
+std::optional<Step> find_step(const CalculixDeck& deck) {
+  const std::vector<Step> steps = find_steps(deck);
+  if (steps.empty()) return std::nullopt;
+  const auto found = std::ranges::find(steps, "FREQUENCY", &Step::name);
+  if (found == steps.end()) {
+    const Step& first = steps.front();
+    if (first.name.empty()) refuse(deck, first.begin, "the step has no *FREQUENCY");
+    refuse(deck, first.procedure,
+           fmt::format("*{} instead of *FREQUENCY; matrices for modes come from a *FREQUENCY step", first.name));
+  }
+  if (found == steps.begin()) return *found;
+  if (found->is_perturbation) {
+    refuse(
+        deck, found->begin,
+        fmt::format("the *FREQUENCY step is a PERTURBATION of the state after *{}: modes of a preloaded structure are "
+                    "not found here; leave the preload out, or run the deck as a study of kind \"command\"",
+                    steps.front().name.empty() ? "STEP" : steps.front().name));
+  }
+  for (auto before = steps.begin(); before != found; ++before) {
+    if (!before->has_boundary) continue;
+    refuse(deck, before->begin,
+           "this step before *FREQUENCY has a *BOUNDARY, which holds in later steps too; put it in front of the first "
+           "step, so that the steps before can be left out");
+  }
+  return *found;
+}
+
+std::string left_out_steps(const CalculixDeck& deck) {
+  const KeptLines kept(deck);
+  const std::vector<std::string> names = kept.left_out();
+  if (names.empty()) return "";
+  return fmt::format("Of the deck's steps the first *FREQUENCY is used; left out: {}.", join(names));
+}
+
+}  // namespace mottle::formats
