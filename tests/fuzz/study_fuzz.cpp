@@ -23,7 +23,9 @@ const std::vector<mottle::updating::MethodEntry>& mottle::updating::updating_met
 }
 
 /// Nor are the files of tests, which decide whether the size of their shapes is data.
-mottle::app::ShapeSize mottle::study::shape_size_of(const Study& study) { return study.outputs.shape_size; }
+mottle::app::ShapeSize mottle::study::shape_size_of(const Study& study) {
+  return study.outputs.shape_size;
+}
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static const mottle::test::FuzzFolder folder;
