@@ -15,7 +15,7 @@ std::optional<double> read_reduction(TomlReader& reader) {
 
 std::filesystem::path name_beside(const std::filesystem::path& file, const std::filesystem::path& deck) {
   const std::filesystem::path folder = std::filesystem::weakly_canonical(std::filesystem::absolute(deck).parent_path());
-  const std::filesystem::path name =
+  std::filesystem::path name =
       std::filesystem::weakly_canonical(std::filesystem::absolute(file)).lexically_relative(folder);
   require(
       !name.empty() && *name.begin() != "..",

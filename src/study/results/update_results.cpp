@@ -13,7 +13,7 @@ Json read_update_result(const std::filesystem::path& folder) {
   require(std::filesystem::is_regular_file(file), "{}: holds no result.json; name the folder of an update's results",
           folder.string());
   const std::string bytes = read_text_file(file);
-  const Json result = nests_deeper_than(bytes, k_deepest_json) ? Json() : Json::parse(bytes, nullptr, false);
+  Json result = nests_deeper_than(bytes, k_deepest_json) ? Json() : Json::parse(bytes, nullptr, false);
   const bool is_update = result.is_object() && result.contains("command") && result["command"] == "update" &&
                          result.contains("parameters") && result.contains("outputs");
   require(is_update, "{}: is no result of an update", file.string());
