@@ -24,6 +24,9 @@ struct ShellInput {
   /// by it; where t, E or G move away from it this share is a little off, and the frequencies of a plate of 8 x 8 cells
   /// with t/a = 0.1 are wrong by 0.1 % for t + 10 %, 0.3 % for t + 20 %; less where it is thinner or finer.
   double shear_flexibility = 0.0;
+  /// Basic; the material's x is its projection on the element. Zero: from the first node to the second.
+  Eigen::Vector3d material_direction = Eigen::Vector3d::Zero();
+  double material_angle = 0.0;  ///< THETA, radians, from there about the normal to the material's x
 };
 
 /// Unit matrices; each is symmetric to the last bit.
@@ -53,6 +56,44 @@ struct ShellPieces {
 ///                       shear flexibility
 /// Source: [Taylor1976] (membrane), [Bathe1985] (MITC4), [Katili1993] (edges).
 ShellPieces shell_stiffness(const ShellInput& input);
+
+/// Stiffness of a section that depends on direction, in material axes; the section's x runs along
+/// ShellInput::material_direction, turned by material_angle.
+///
+///   (N, M) = (A B; B D) (strain, curvature),   Q = S (transverse shear)
+///
+/// Order xx, yy, engineering xy; xz, yz. Positive curvature stretches the side to which the normal points.
+struct ShellSection {
+  Eigen::Matrix3d membrane = Eigen::Matrix3d::Zero();  ///< A
+  Eigen::Matrix3d coupling = Eigen::Matrix3d::Zero();  ///< B
+  Eigen::Matrix3d bending = Eigen::Matrix3d::Zero();   ///< D
+  Eigen::Matrix2d shear = Eigen::Matrix2d::Zero();     ///< S; zero: rigid in shear
+  /// What the piece `bending` is to be multiplied by / what `shear` is: both are one where A, B, D, S are whole.
+  double bending_over_shear = 1.0;
+};
+
+/// Stiffness of a shell with such a section, as four pieces: those of A, D and S, and of the drilling rotation.
+///
+/// The formulation is that of the isotropic shell. `coupling` must be zero; incompatible modes make the membrane of a
+/// quadrilateral homogeneous in A, but not additive. A triangle holds D and S of each edge's direction against each
+/// other for the fraction of its shear that becomes bending.
+///
+/// @param input  its Poisson's ratios and shear flexibility are not used
+/// @throws InvalidInput  the geometry, as the isotropic shell; a material direction across the element
+ShellPieces shell_stiffness(const ShellInput& input, const ShellSection& section);
+
+struct LaminatePieces {
+  ShellMatrix section = ShellMatrix::Zero();   ///< membrane, bending, their coupling, shear
+  ShellMatrix drilling = ShellMatrix::Zero();  ///< times the drilling stiffness G t K6ROT
+};
+
+/// Stiffness of a shell whose B need not be zero.
+/// @throws InvalidInput  as above
+LaminatePieces laminate_stiffness(const ShellInput& input, const ShellSection& section);
+
+/// The piece `shear` of a quadrilateral alone: it is linear in S and depends on nothing else of the section.
+/// @throws InvalidInput  as above; a triangle
+ShellMatrix shell_shear_stiffness(const ShellInput& input, const Eigen::Matrix2d& shear);
 
 /// Mass at unit mass per area: translations only, no rotary inertia of the thickness (as Nastran).
 ///
