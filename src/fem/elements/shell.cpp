@@ -75,14 +75,6 @@ LaminatePieces laminate_stiffness(const ShellInput& input, const ShellSection& s
   return pieces;
 }
 
-ShellMatrix shell_shear_stiffness(const ShellInput& input, const Eigen::Matrix2d& shear) {
-  require(input.node_count == 4, "shell: {} nodes; the shear of 4 nodes alone stands by itself", input.node_count);
-  const Flat flat = shell::flatten(input);
-  const shell::Motion motion = shell::motion_of(flat, input.offset);
-  const auto section = shell::in_element_axes(flat, input, {.shear = shear});
-  return shell::to_basic(flat, motion, motion.out_of_plane, shell::section_stiffness(flat, section).shear);
-}
-
 ShellMatrix shell_mass(const ShellInput& input, MassKind kind) {
   const Flat flat = shell::flatten(input);
   Eigen::Matrix4d shares = Eigen::Matrix4d::Zero();

@@ -74,7 +74,7 @@ const Material* find_material(const FiniteElementModel& model, int index) {
   return index < 0 ? nullptr : &model.materials[static_cast<std::size_t>(index)];
 }
 
-/// The fields besides the coefficients' own on which a triangle's fraction of bending depends, with t^2 E / G: its two
+/// The fields besides the coefficients' own on which the edges' fraction of bending depends, with t^2 E / G: the two
 /// pieces of the plate hold at the card's values only.
 std::vector<FieldIndex> edge_fields(const Material& bending, const Material& shear, FieldIndex thickness) {
   std::vector<FieldIndex> fields = {thickness};
@@ -86,41 +86,6 @@ std::vector<FieldIndex> edge_fields(const Material& bending, const Material& she
   }
   return fields;
 }
-
-/// Transverse shear of a PSHELL: G T TS/T for an isotropic material, G1Z and G2Z by themselves on a quadrilateral.
-class PlateShear {
- public:
-  PlateShear(const FiniteElementModel& model, const Material& material, int node_count)
-      : terms_(transverse_shear_of(model, material)) {
-    if (terms_.size() < 2 || node_count == 4) return;
-    TransverseShear sum;
-    sum.unit.setZero();
-    for (const TransverseShear& term : terms_) sum.unit += value_of(model, term.modulus) * term.unit;
-    sum.modulus.matrix_fields = fields_of(material);
-    terms_ = {sum};
-  }
-
-  bool is_rigid() const { return terms_.empty(); }
-  const Coefficient& first_modulus() const { return terms_.front().modulus; }
-  /// S per first modulus at the card's values.
-  Eigen::Matrix2d unit(const FiniteElementModel& model) const {
-    Eigen::Matrix2d sum = terms_.front().unit;
-    for (std::size_t i = 1; i < terms_.size(); ++i) {
-      sum += value_of(model, terms_[i].modulus) / value_of(model, first_modulus()) * terms_[i].unit;
-    }
-    return sum;
-  }
-  void add(const ShellInput& input, const ShellMatrix& whole, FieldIndex thickness, double factor,
-           const std::vector<FieldIndex>& fields, ElementPieces& result) const {
-    for (const TransverseShear& term : terms_) {
-      const ShellMatrix matrix = terms_.size() == 1 ? whole : shell_shear_stiffness(input, term.unit);
-      add_stiffness(result, times(term.modulus, thickness), factor, fields, matrix);
-    }
-  }
-
- private:
-  std::vector<TransverseShear> terms_;
-};
 
 void add_plate_stiffness(const FiniteElementModel& model, const ShellProperty& property, FieldIndex thickness,
                          const ShellInput& input, ElementPieces& result) {
@@ -138,15 +103,15 @@ void add_plate_stiffness(const FiniteElementModel& model, const ShellProperty& p
     bending = plane_stress_of(model, *bending_material);
     section.bending = bending.unit / 12.0;
   }
-  std::optional<PlateShear> shear;
-  if (shear_material != nullptr) shear.emplace(model, *shear_material, input.node_count);
+  std::optional<TransverseShear> shear;
+  if (shear_material != nullptr) shear = transverse_shear_of(model, *shear_material);
   std::vector<FieldIndex> plate_fields;
-  if (shear && !shear->is_rigid()) {
+  if (shear) {
     const double t = model.value(thickness);
-    section.shear = shear->unit(model);
+    section.shear = shear->unit;
     section.bending_over_shear = value_of(model, bending.modulus) * property.bending_ratio * t * t /
-                                 (value_of(model, shear->first_modulus()) * property.shear_ratio);
-    if (input.node_count == 3) plate_fields = edge_fields(*bending_material, *shear_material, thickness);
+                                 (value_of(model, shear->modulus) * property.shear_ratio);
+    plate_fields = edge_fields(*bending_material, *shear_material, thickness);
   }
   const ShellPieces pieces = shell_stiffness(input, section);
   if (membrane_material != nullptr) {
@@ -156,7 +121,7 @@ void add_plate_stiffness(const FiniteElementModel& model, const ShellProperty& p
   }
   if (bending_material != nullptr)
     add_stiffness(result, times(bending.modulus, thickness, 3), property.bending_ratio, plate_fields, pieces.bending);
-  if (shear) shear->add(input, pieces.shear, thickness, property.shear_ratio, plate_fields, result);
+  if (shear) add_stiffness(result, times(shear->modulus, thickness), property.shear_ratio, plate_fields, pieces.shear);
 }
 
 /// The plies with what they are multiplied by: Young's modulus of the only, isotropic material, or one.

@@ -53,19 +53,17 @@ PlaneStress plane_stress_of(const FiniteElementModel& model, const Material& mat
   return result;
 }
 
-std::vector<TransverseShear> transverse_shear_of(const FiniteElementModel& model, const Material& material) {
-  if (material.kind == Material::Kind::isotropic) return {{shear_coefficient(model, material)}};
-  if (material.kind == Material::Kind::anisotropic_shell) {
-    return {{{1.0, {}, material.moduli}, anisotropic(model, material).topLeftCorner<2, 2>()}};
-  }
+std::optional<TransverseShear> transverse_shear_of(const FiniteElementModel& model, const Material& material) {
+  if (material.kind == Material::Kind::isotropic) return TransverseShear{shear_coefficient(model, material)};
+  if (material.kind == Material::Kind::anisotropic_shell)
+    return TransverseShear{{1.0, {}, material.moduli}, anisotropic(model, material).topLeftCorner<2, 2>()};
   const FieldIndex along = material.moduli[G1Z], across = material.moduli[G2Z];
-  const bool is_rigid_along = model.value(along) == 0.0, is_rigid_across = model.value(across) == 0.0;
-  if (is_rigid_along && is_rigid_across) return {};
-  require(!is_rigid_along && !is_rigid_across,
+  const Eigen::Vector2d moduli(model.value(along), model.value(across));
+  if (moduli.isZero(0.0)) return std::nullopt;
+  require(moduli.minCoeff() > 0.0,
           "material {} gives one of G1Z and G2Z; give both, or neither for a shell that is rigid in shear",
           material.id);
-  return {{times_field(along), Eigen::Vector2d(1.0, 0.0).asDiagonal()},
-          {times_field(across), Eigen::Vector2d(0.0, 1.0).asDiagonal()}};
+  return TransverseShear{{1.0, {}, {along, across}}, moduli.asDiagonal()};
 }
 
 Eigen::Matrix2d shear_flexibility_of(const FiniteElementModel& model, const Material& material) {

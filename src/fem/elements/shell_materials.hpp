@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <vector>
 
 #include "fem/elements/material_coefficients.hpp"
@@ -19,15 +20,15 @@ struct PlaneStress {
 /// @throws InvalidInput  numbers that no material has
 PlaneStress plane_stress_of(const FiniteElementModel& model, const Material& material);
 
-/// A term modulus * unit of the transverse shear moduli 1z, 2z.
+/// Transverse shear moduli 1z, 2z as modulus * unit, as PlaneStress.
 struct TransverseShear {
   Coefficient modulus = {};
   Eigen::Matrix2d unit = Eigen::Matrix2d::Identity();
 };
 
-/// The terms, whose sum is positive definite; none where the material is rigid in shear (G1Z, G2Z blank or zero).
+/// None where the material is rigid in shear (G1Z and G2Z blank or zero).
 /// @throws InvalidInput  a material that is rigid in one of two directions
-std::vector<TransverseShear> transverse_shear_of(const FiniteElementModel& model, const Material& material);
+std::optional<TransverseShear> transverse_shear_of(const FiniteElementModel& model, const Material& material);
 
 /// Inverse of the transverse shear moduli at the card's values; zero in a direction that is rigid.
 Eigen::Matrix2d shear_flexibility_of(const FiniteElementModel& model, const Material& material);

@@ -24,11 +24,9 @@ Eigen::Vector2d material_x(const Flat& flat, const ShellInput& input) {
   return Eigen::Rotation2Dd(input.material_angle) * along;
 }
 
-/// Fraction of an edge's shear that becomes bending: that of minimum energy of a beam along the edge. A quadrilateral
-/// that is soft in shear needs none of it, and so is exact at any thickness.
-double fraction_of_bending(const Flat& flat, const Edge& edge, const ShellSection& section) {
+/// Fraction of an edge's shear that becomes bending: that of minimum energy of a beam along the edge.
+double fraction_of_bending(const Edge& edge, const ShellSection& section) {
   if (section.shear.isZero(0.0)) return 1.0;
-  if (flat.node_count == 4) return 0.0;
   const Eigen::Vector2d& t = edge.tangent;
   const Eigen::Vector3d curved(t.x() * t.x(), t.y() * t.y(), 2.0 * t.x() * t.y());
   const double flexibility =
@@ -40,7 +38,7 @@ double fraction_of_bending(const Flat& flat, const Edge& edge, const ShellSectio
 std::array<double, 4> fractions_of_bending(const Flat& flat, const ShellSection& section) {
   std::array<double, 4> fractions = {};
   for (std::size_t e = 0; e < static_cast<std::size_t>(flat.node_count); ++e)
-    fractions[e] = fraction_of_bending(flat, flat.edges[e], section);
+    fractions[e] = fraction_of_bending(flat.edges[e], section);
   return fractions;
 }
 
