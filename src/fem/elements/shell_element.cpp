@@ -87,8 +87,22 @@ std::vector<FieldIndex> edge_fields(const Material& bending, const Material& she
   return fields;
 }
 
-void add_plate_stiffness(const FiniteElementModel& model, const ShellProperty& property, FieldIndex thickness,
-                         const ShellInput& input, ElementPieces& result) {
+FieldIndex thickness_of(const FiniteElementModel& model, const ShellElement& element) {
+  if (element.thickness != k_no_field) return element.thickness;
+  return model.shell_properties[static_cast<std::size_t>(element.property)].thickness;
+}
+
+double current_bending_over_shear(const FiniteElementModel& model, const ShellElement& element,
+                                  const Coefficient& bending, const Coefficient& shear) {
+  const ShellProperty& property = model.shell_properties[static_cast<std::size_t>(element.property)];
+  const double t = model.value(thickness_of(model, element));
+  return value_of(model, bending) * property.bending_ratio * t * t / (value_of(model, shear) * property.shear_ratio);
+}
+
+void add_plate_stiffness(const FiniteElementModel& model, const ShellElement& element, const ShellInput& input,
+                         ElementPieces& result) {
+  const ShellProperty& property = model.shell_properties[static_cast<std::size_t>(element.property)];
+  const FieldIndex thickness = thickness_of(model, element);
   const Material* membrane_material = find_material(model, property.membrane_material);
   const Material* bending_material = find_material(model, property.bending_material);
   const Material* shear_material =
@@ -107,16 +121,17 @@ void add_plate_stiffness(const FiniteElementModel& model, const ShellProperty& p
   if (shear_material != nullptr) shear = transverse_shear_of(model, *shear_material);
   std::vector<FieldIndex> plate_fields;
   if (shear) {
-    const double t = model.value(thickness);
     section.shear = shear->unit;
-    section.bending_over_shear = value_of(model, bending.modulus) * property.bending_ratio * t * t /
-                                 (value_of(model, shear->modulus) * property.shear_ratio);
-    plate_fields = edge_fields(*bending_material, *shear_material, thickness);
+    section.bending_over_shear = element.bending_over_shear;
+    if (element.bending_over_shear == 0.0) {
+      section.bending_over_shear = current_bending_over_shear(model, element, bending.modulus, shear->modulus);
+      plate_fields = edge_fields(*bending_material, *shear_material, thickness);
+    }
   }
   const ShellPieces pieces = shell_stiffness(input, section);
   if (membrane_material != nullptr) {
     add_stiffness(result, times(membrane.modulus, thickness), 1.0, {}, pieces.membrane);
-    add_stiffness(result, times(membrane.drilling, thickness), model.settings.drilling, membrane.drilling.matrix_fields,
+    add_stiffness(result, times(membrane.drilling, thickness), model.settings.drilling, membrane.modulus.matrix_fields,
                   pieces.drilling);
   }
   if (bending_material != nullptr)
@@ -190,20 +205,29 @@ void add_mass(const FiniteElementModel& model, const ShellProperty& property, Fi
 void add_shell(const FiniteElementModel& model, const ShellElement& element, PieceSelection selection,
                ElementPieces& result) {
   const ShellProperty& property = model.shell_properties[static_cast<std::size_t>(element.property)];
-  const FieldIndex thickness = element.thickness != k_no_field ? element.thickness : property.thickness;
   const ShellInput input = shell_input(model, element);
   for (const int node : shell_nodes(element)) add_six_degrees_of_freedom(node, result);
   const auto size = static_cast<Eigen::Index>(6 * element.node_count);
-  add_mass(model, property, thickness, shell_mass(input, mass_kind(model)).topLeftCorner(size, size), result);
+  add_mass(model, property, thickness_of(model, element), shell_mass(input, mass_kind(model)).topLeftCorner(size, size),
+           result);
   if (selection == PieceSelection::mass) return;
   if (property.laminate.plies.empty()) {
-    add_plate_stiffness(model, property, thickness, input, result);
+    add_plate_stiffness(model, element, input, result);
   } else {
     add_laminate_stiffness(model, property.laminate, input, result);
   }
 }
 
 }  // namespace
+
+double bending_over_shear(const FiniteElementModel& model, const ShellElement& element) {
+  const ShellProperty& property = model.shell_properties[static_cast<std::size_t>(element.property)];
+  if (property.bending_material < 0 || property.shear_material < 0) return 0.0;
+  const auto shear = transverse_shear_of(model, *find_material(model, property.shear_material));
+  if (!shear) return 0.0;
+  const PlaneStress bending = plane_stress_of(model, *find_material(model, property.bending_material));
+  return current_bending_over_shear(model, element, bending.modulus, shear->modulus);
+}
 
 const ElementTraits<ShellElement> ShellElement::k_traits = {
     .card = card_of,

@@ -5,6 +5,7 @@
 #include "formats/nastran/builder.hpp"
 #include "formats/nastran/card_table.hpp"
 #include "formats/nastran/rows.hpp"
+#include "mottle/core/error.hpp"
 
 namespace mottle::formats::nastran {
 namespace {
@@ -91,6 +92,11 @@ void add_shell(ModelBuilder& builder, const Card& card, int corners, int offset_
   read_material_axes(builder, card, offset_field - 1, element);
   element.offset = builder.real(card, offset_field, "ZOFFS", 0.0);
   element.thickness = read_thickness(builder, card, element);
+  try {
+    if (corners == 4) element.bending_over_shear = bending_over_shear(builder.model, element);
+  } catch (const InvalidInput& error) {
+    card.fail(error.what());
+  }
   builder.add_element(card, element);
 }
 

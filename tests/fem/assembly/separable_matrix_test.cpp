@@ -33,8 +33,8 @@ FiniteElementModel mixed_model() {
   const int metal = maker.material(2, 2e11, 0.28, 7800.0);
   model.elements<SolidElement>().push_back({.id = 1, .nodes = {0, 1, 2, 3, 4, 5, 6, 7}, .material = solid});
   const int skin = maker.shell_property(3, metal, 0.02);
-  model.shell_properties[0].shear_material = -1;  // rigid in shear, and so separable in T
-  model.elements<ShellElement>().push_back({.id = 2, .nodes = {4, 5, 6, 7}, .property = skin, .offset = 0.05});
+  model.elements<ShellElement>().push_back(
+      {.id = 2, .nodes = {4, 5, 6, 7}, .property = skin, .offset = 0.05, .bending_over_shear = 1e-3});
   const int stiff = maker.beam_property(4, metal, 1e-3, 2e-6, 1e-6, 1.5e-6);
   const int soft = maker.beam_property(5, metal, 2e-3, 3e-6, 2e-6, 2e-6);
   model.beam_properties[1].shear_1 = model.beam_properties[1].shear_2 = 0.8;

@@ -56,9 +56,17 @@ struct ShellElement {
   double material_angle = 0.0;  ///< THETA, degrees, from the side between the first two nodes
   /// MCID: index of the system whose x axis, projected, is the material's x; k_by_angle: THETA says it; -1: basic
   int material_system = k_by_angle;
+  /// E T^2 (12 I/T^3) / (G TS/T) of the deck as given, by which the edges share their deformation between bending and
+  /// shear while T, E and G move: the share is a choice of the element for this mesh, and T stays separable. 0: taken
+  /// at the current values, on which the matrices then depend.
+  double bending_over_shear = 0.0;
   FieldIndex thickness = k_no_field;  ///< own thickness (mean of T1..T4 where given), else the property's
 
   static const ElementTraits<ShellElement> k_traits;
 };
+
+/// ShellElement::bending_over_shear at the current values; 0 where a PSHELL is rigid in shear, and of laminates.
+/// @throws InvalidInput  a material that cannot be
+double bending_over_shear(const FiniteElementModel& model, const ShellElement& element);
 
 }  // namespace mottle::fem
