@@ -3,6 +3,7 @@
 
 #include <Eigen/Dense>
 #include <Eigen/SparseCholesky>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <vector>
@@ -48,6 +49,32 @@ inline ShellMesh grid(int columns, int rows, int node_count,
     }
   }
   mesh.fix([](const Eigen::Vector3d&) { return false; }, "");
+  return mesh;
+}
+
+/// MacNeal and Harder's patch: four inner nodes, five distorted cells.
+inline ShellMesh patch(int node_count) {
+  ShellMesh mesh;
+  for (const auto& [x, y] : std::vector<std::array<double, 2>>{{0.0, 0.0},
+                                                               {0.24, 0.0},
+                                                               {0.24, 0.12},
+                                                               {0.0, 0.12},
+                                                               {0.04, 0.02},
+                                                               {0.18, 0.03},
+                                                               {0.16, 0.08},
+                                                               {0.08, 0.08}}) {
+    mesh.nodes.emplace_back(x, y, 0.0);
+  }
+  for (const std::vector<int>& cell :
+       std::vector<std::vector<int>>{{0, 1, 5, 4}, {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}, {4, 5, 6, 7}}) {
+    if (node_count == 4) {
+      mesh.elements.push_back(cell);
+    } else {
+      mesh.elements.push_back({cell[0], cell[1], cell[2]});
+      mesh.elements.push_back({cell[0], cell[2], cell[3]});
+    }
+  }
+  mesh.fix([](const Eigen::Vector3d& r) { return r.x() == 0.0 || r.x() == 0.24; }, "123456");
   return mesh;
 }
 
@@ -136,9 +163,10 @@ inline Eigen::VectorXd solve_uniform(const ShellMesh& mesh, const ShellMaterial&
 }
 
 /// Lowest circular frequencies at unit mass per area, by subspace iteration (no rigid motions allowed).
-inline Eigen::VectorXd frequencies(const ShellMesh& mesh, const ShellMaterial& material, MassKind kind, int count) {
+/// @param stiffness  of all degrees of freedom
+inline Eigen::VectorXd frequencies(const ShellMesh& mesh, const Sparse& stiffness, MassKind kind, int count) {
   const Sparse select = degrees_of_freedom(mesh);
-  const Sparse K = select.transpose() * stiffness(mesh, material) * select;
+  const Sparse K = select.transpose() * stiffness * select;
   const Sparse M = select.transpose() * mass(mesh, kind) * select;
   const Eigen::SimplicialLDLT<Sparse> factor(K);
   const int width = 2 * count + 4;
@@ -155,6 +183,10 @@ inline Eigen::VectorXd frequencies(const ShellMesh& mesh, const ShellMaterial& m
     values = small.eigenvalues().reverse().head(count).array().inverse().sqrt();
   }
   return values;
+}
+
+inline Eigen::VectorXd frequencies(const ShellMesh& mesh, const ShellMaterial& material, MassKind kind, int count) {
+  return frequencies(mesh, stiffness(mesh, material), kind, count);
 }
 
 }  // namespace mottle::test

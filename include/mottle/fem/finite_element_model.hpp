@@ -37,10 +37,19 @@ struct Node {
   bool is_scalar = false;
 };
 
-/// MAT1. Two of young, shear, poisson are given (the third follows), or all three.
+/// MAT1, MAT2, MAT8, MAT9.
 struct Material {
+  enum class Kind : std::uint8_t {
+    isotropic,          ///< MAT1: two of young, shear, poisson are given (the third follows), or all three
+    anisotropic_shell,  ///< MAT2: moduli G11 G12 G13 G22 G23 G33, plane stress xx yy xy
+    orthotropic_shell,  ///< MAT8: moduli E1 E2 NU12 G12 G1Z G2Z
+    anisotropic_solid,  ///< MAT9: moduli G11 G12 ... G66, the upper triangle by rows; xx yy zz xy yz zx
+  };
+
   int id = 0;
   FieldIndex young = k_no_field, shear = k_no_field, poisson = k_no_field, density = k_no_field;
+  Kind kind = Kind::isotropic;
+  std::vector<FieldIndex> moduli = {};  ///< of the other kinds
 };
 
 /// RBE2: the components of the dependent nodes move as one rigid body with the independent node.

@@ -3,6 +3,7 @@
 #include "fem/elements/element_pieces.hpp"
 #include "fem/elements/line_element.hpp"
 #include "fem/elements/material_coefficients.hpp"
+#include "fem/elements/tapered_beam_element.hpp"
 #include "mottle/fem/elements/beam.hpp"
 #include "mottle/fem/elements/beam_section.hpp"
 #include "mottle/fem/finite_element_model.hpp"
@@ -86,6 +87,8 @@ Coefficient beam_coefficient(const FiniteElementModel& model, const BeamProperty
     case BeamCoefficient::EI12:
       result = section_coefficient(young, property, section.inertia_12, numbers.inertia_12);
       break;
+    case BeamCoefficient::G:  // of tapered beams alone
+      break;
     case BeamCoefficient::E:
       result = young;
       add_matrix_fields(result, {section.area, section.inertia_1, section.inertia_2, section.inertia_12});
@@ -100,6 +103,7 @@ void add_beam(const FiniteElementModel& model, const BeamElement& element, Piece
               ElementPieces& result) {
   for (const int node : element.nodes) add_six_degrees_of_freedom(node, result);
   const BeamProperty& property = model.beam_properties[static_cast<std::size_t>(element.property)];
+  if (!property.stations.empty()) return add_tapered_beam(model, element, selection, result);
   const Material& material = model.materials[static_cast<std::size_t>(property.material)];
   const SectionFields section = section_of(model, property);
   const BeamGeometry geometry{ends_of(model, element.nodes), element.offsets, element.orientation, element.pins};

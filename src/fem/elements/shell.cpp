@@ -8,6 +8,7 @@
 
 #include "fem/elements/shell_flat.hpp"
 #include "fem/elements/shell_motion.hpp"
+#include "mottle/core/error.hpp"
 
 namespace mottle::fem {
 namespace {
@@ -41,15 +42,37 @@ double min_skew_angle(const ShellInput& input) {
 }  // namespace
 
 ShellPieces shell_stiffness(const ShellInput& input) {
+  require(input.shear_flexibility >= 0.0, "shell: a shear flexibility of {:g}, a number >= 0 is needed",
+          input.shear_flexibility);
+  ShellSection section{.membrane = shell::plane_stress(input.poisson_membrane),
+                       .bending = shell::plane_stress(input.poisson_bending) / 12.0};
+  if (input.shear_flexibility > 0.0) {
+    section.shear.setIdentity();
+    section.bending_over_shear = input.shear_flexibility / section.bending(0, 0);
+  }
+  return shell_stiffness(input, section);
+}
+
+ShellPieces shell_stiffness(const ShellInput& input, const ShellSection& section) {
   const Flat flat = shell::flatten(input);
   const shell::Motion motion = shell::motion_of(flat, input.offset);
-  const shell::Plate plate = shell::plate(flat, input.poisson_bending, input.shear_flexibility);
-  const auto membrane = flat.node_count == 3 ? shell::triangle_membrane(flat, input.poisson_membrane)
-                                             : shell::quadrilateral_membrane(flat, input.poisson_membrane);
-  return {.membrane = shell::to_basic(flat, motion, motion.in_plane, membrane),
-          .bending = shell::to_basic(flat, motion, motion.out_of_plane, plate.bending),
-          .shear = shell::to_basic(flat, motion, motion.out_of_plane, plate.shear),
+  const auto local = shell::section_stiffness(flat, shell::in_element_axes(flat, input, section));
+  return {.membrane = shell::to_basic(flat, motion, motion.in_plane, local.membrane),
+          .bending = shell::to_basic(flat, motion, motion.out_of_plane, local.bending),
+          .shear = shell::to_basic(flat, motion, motion.out_of_plane, local.shear),
           .drilling = shell::to_basic(flat, motion, motion.in_plane, shell::drilling(flat))};
+}
+
+LaminatePieces laminate_stiffness(const ShellInput& input, const ShellSection& section) {
+  const Flat flat = shell::flatten(input);
+  const shell::Motion motion = shell::motion_of(flat, input.offset);
+  const auto local = shell::section_stiffness(flat, shell::in_element_axes(flat, input, section));
+  LaminatePieces pieces;
+  pieces.section = shell::to_basic(flat, motion, motion.in_plane, local.membrane) +
+                   shell::to_basic(flat, motion, motion.out_of_plane, local.bending + local.shear);
+  if (!section.coupling.isZero(0.0)) pieces.section += shell::coupling_to_basic(motion, local.coupling);
+  pieces.drilling = shell::to_basic(flat, motion, motion.in_plane, shell::drilling(flat));
+  return pieces;
 }
 
 ShellMatrix shell_mass(const ShellInput& input, MassKind kind) {

@@ -54,22 +54,42 @@ Flat flatten(const ShellInput& input);
 /// Plane stress of unit Young's modulus: xx, yy, engineering xy.
 Eigen::Matrix3d plane_stress(double poisson);
 
-using MembraneMatrix = Eigen::Matrix<double, 12, 12>;  ///< by node u, v, rotation about the normal
-using PlateMatrix = Eigen::Matrix<double, 12, 12>;     ///< by node w, rotations about x and y
+using PlaneMatrix = Eigen::Matrix<double, 12, 12>;  ///< in plane by node u, v, rotation about the normal; or
+                                                    ///< across it by node w, rotations about x and y
 
-/// Membrane per E t.
-MembraneMatrix quadrilateral_membrane(const Flat& flat, double poisson);
-MembraneMatrix triangle_membrane(const Flat& flat, double poisson);
-
-struct Plate {
-  PlateMatrix bending = PlateMatrix::Zero();  ///< per E t^3
-  PlateMatrix shear = PlateMatrix::Zero();    ///< per G t
+/// Strains xx, yy, engineering xy at the integration points.
+struct MembraneStrains {
+  std::array<Eigen::Matrix<double, 3, 8>, 4> nodes;  ///< by node u, v
+  std::array<Eigen::Matrix<double, 3, 4>, 4> modes;  ///< of the incompatible modes of a quadrilateral
 };
 
-/// @param shear_flexibility  as ShellInput
-Plate plate(const Flat& flat, double poisson, double shear_flexibility);
+MembraneStrains membrane_strains(const Flat& flat);
+
+/// Curvatures xx, yy, engineering xy and transverse shears xz, yz at the integration points, by node w, rotations about
+/// x and y.
+struct PlateStrains {
+  std::array<Eigen::Matrix<double, 3, 12>, 4> curvature;
+  std::array<Eigen::Matrix<double, 2, 12>, 4> shear;
+};
+
+/// @param fractions  of each edge's shear that becomes bending, in [0, 1]
+PlateStrains plate_strains(const Flat& flat, const std::array<double, 4>& fractions);
+
+/// The section in the axes of the flat element.
+/// @throws InvalidInput  a material direction across the element
+ShellSection in_element_axes(const Flat& flat, const ShellInput& input, const ShellSection& section);
+
+struct SectionStiffness {
+  PlaneMatrix membrane = PlaneMatrix::Zero();
+  PlaneMatrix coupling = PlaneMatrix::Zero();  ///< forces in plane by deformations across it
+  PlaneMatrix bending = PlaneMatrix::Zero();
+  PlaneMatrix shear = PlaneMatrix::Zero();
+};
+
+/// @param section  in element axes
+SectionStiffness section_stiffness(const Flat& flat, const ShellSection& section);
 
 /// Resistance of the rotation about the normal against the plane's own, per G t K6ROT.
-MembraneMatrix drilling(const Flat& flat);
+PlaneMatrix drilling(const Flat& flat);
 
 }  // namespace mottle::fem::shell

@@ -2,8 +2,6 @@
 // resistance of the rotation about the normal, which neither has. A triangle that uses this rotation [Felippa2003] is
 // far better in its plane but locks where thin shells are curved in two directions (8 % of the deflection of a coarse
 // hemisphere) and stiffens where decks hold that rotation (PS = 6), so it is not used.
-#include <Eigen/Cholesky>
-
 #include "fem/elements/shell_flat.hpp"
 
 namespace mottle::fem::shell {
@@ -18,42 +16,24 @@ Strain2 strain_of(const Eigen::Vector2d& gradient) {
 
 }  // namespace
 
-MembraneMatrix triangle_membrane(const Flat& flat, double poisson) {
-  Eigen::Matrix<double, 3, 12> strain = Eigen::Matrix<double, 3, 12>::Zero();
-  for (Eigen::Index i = 0; i < 3; ++i) strain.middleCols<2>(3 * i) = strain_of(flat.centre.gradient.col(i));
-  return flat.area * strain.transpose() * plane_stress(poisson) * strain;
-}
-
-MembraneMatrix quadrilateral_membrane(const Flat& flat, double poisson) {
-  const Eigen::Matrix3d elasticity = plane_stress(poisson);
-  Eigen::Matrix<double, 8, 8> compatible = Eigen::Matrix<double, 8, 8>::Zero();
-  Eigen::Matrix<double, 4, 8> mixed = Eigen::Matrix<double, 4, 8>::Zero();
-  Eigen::Matrix4d modes = Eigen::Matrix4d::Zero();
-  for (const Point& point : flat.points) {
-    Eigen::Matrix<double, 3, 8> strain;
-    for (Eigen::Index i = 0; i < 4; ++i) strain.middleCols<2>(2 * i) = strain_of(point.gradient.col(i));
+MembraneStrains membrane_strains(const Flat& flat) {
+  MembraneStrains strains;
+  for (Eigen::Index p = 0; p < flat.point_count; ++p) {
+    const Point& point = flat.points[p];
+    strains.nodes[p].setZero();
+    for (Eigen::Index i = 0; i < flat.node_count; ++i)
+      strains.nodes[p].middleCols<2>(2 * i) = strain_of(point.gradient.col(i));
     // Gradients of 1 - xi^2 and 1 - eta^2 with the Jacobian of the centre, so that they do no work on constant stress.
     const double ratio = -2.0 * flat.centre.area / (4.0 * point.area);
-    Eigen::Matrix<double, 3, 4> incompatible;
-    incompatible << strain_of(ratio * point.xi * flat.centre.inverse.col(0)),
+    strains.modes[p] << strain_of(ratio * point.xi * flat.centre.inverse.col(0)),
         strain_of(ratio * point.eta * flat.centre.inverse.col(1));
-    const Eigen::Matrix<double, 3, 8> stress = point.area * elasticity * strain;
-    compatible.noalias() += strain.transpose() * stress;
-    mixed.noalias() += incompatible.transpose() * stress;
-    modes.noalias() += incompatible.transpose() * (point.area * elasticity) * incompatible;
   }
-  const Eigen::Matrix<double, 4, 8> followed = modes.ldlt().solve(mixed);
-  compatible.noalias() -= mixed.transpose() * followed;
-  MembraneMatrix stiffness = MembraneMatrix::Zero();
-  for (Eigen::Index i = 0; i < 4; ++i) {
-    for (Eigen::Index j = 0; j < 4; ++j) stiffness.block<2, 2>(3 * i, 3 * j) = compatible.block<2, 2>(2 * i, 2 * j);
-  }
-  return stiffness;
+  return strains;
 }
 
-MembraneMatrix drilling(const Flat& flat) {
+PlaneMatrix drilling(const Flat& flat) {
   constexpr double fraction = 1e-6;  // of G t, at K6ROT = 1: as Nastran
-  MembraneMatrix stiffness = MembraneMatrix::Zero();
+  PlaneMatrix stiffness = PlaneMatrix::Zero();
   for (Eigen::Index p = 0; p < flat.point_count; ++p) {
     const Point& point = flat.points[p];
     Eigen::Matrix<double, 12, 1> lag = Eigen::Matrix<double, 12, 1>::Zero();

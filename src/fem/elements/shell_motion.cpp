@@ -72,6 +72,13 @@ ShellMatrix to_basic(const Flat& flat, const Motion& motion, const MotionMatrix&
   return symmetric(basic);
 }
 
+ShellMatrix coupling_to_basic(const Motion& motion, const Eigen::Matrix<double, 12, 12>& local) {
+  const MotionMatrix forces = local * motion.out_of_plane;
+  ShellMatrix basic;
+  basic.noalias() = motion.in_plane.transpose() * forces;
+  return symmetric(basic + basic.transpose());
+}
+
 ShellMatrix symmetric(ShellMatrix matrix) {
   matrix.triangularView<Eigen::StrictlyUpper>() = matrix.transpose();
   return matrix;

@@ -23,6 +23,9 @@ Motion motion_of(const Flat& flat, double offset);
 ShellMatrix to_basic(const Flat& flat, const Motion& motion, const MotionMatrix& corners,
                      const Eigen::Matrix<double, 12, 12>& local);
 
+/// Both off-diagonal blocks of a section that couples membrane and bending. @param local  in plane by out of plane
+ShellMatrix coupling_to_basic(const Motion& motion, const Eigen::Matrix<double, 12, 12>& local);
+
 /// Copies the lower triangle to the upper one.
 ShellMatrix symmetric(ShellMatrix matrix);
 

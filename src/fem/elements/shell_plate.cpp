@@ -2,7 +2,6 @@
 // edge by which a fraction of the edge's shear becomes bending [Katili1993]; the remaining shear is tied at the edges
 // [Bathe1985]. Fraction 0 is MITC4 (of three nodes MITC3, which locks), fraction 1 the Kirchhoff plates DKQ and DKT.
 #include "fem/elements/shell_flat.hpp"
-#include "mottle/core/error.hpp"
 
 namespace mottle::fem::shell {
 namespace {
@@ -72,37 +71,22 @@ Eigen::Matrix<double, 2, 12> shear_at(const Flat& flat, const Point& point, cons
   return point.inverse * parent;
 }
 
-/// Fraction of an edge's shear that becomes bending: that of minimum energy of a beam along the edge. A quadrilateral
-/// that is soft in shear needs none of it, and so is exact at any thickness.
-double fraction_of_bending(const Flat& flat, const Edge& edge, double shear_flexibility) {
-  if (shear_flexibility == 0.0) return 1.0;
-  if (flat.node_count == 4) return 0.0;
-  return 1.0 / (1.0 + 12.0 * shear_flexibility / (edge.length * edge.length));
-}
-
 }  // namespace
 
-Plate plate(const Flat& flat, double poisson, double shear_flexibility) {
-  require(shear_flexibility >= 0.0, "shell: a shear flexibility of {:g}, a number >= 0 is needed", shear_flexibility);
-  const Eigen::Matrix3d elasticity = plane_stress(poisson) / 12.0;
+PlateStrains plate_strains(const Flat& flat, const std::array<double, 4>& fractions) {
   EdgeGaps followed = EdgeGaps::Zero(), remaining = EdgeGaps::Zero();
   for (Eigen::Index e = 0; e < flat.node_count; ++e) {
-    const Edge& edge = flat.edges[e];
-    const double fraction = fraction_of_bending(flat, edge, shear_flexibility);
-    const Row12 gap = edge_gap(edge);
-    followed.row(e) = -1.5 * fraction / edge.length * gap;
+    const double fraction = fractions[static_cast<std::size_t>(e)];
+    const Row12 gap = edge_gap(flat.edges[e]);
+    followed.row(e) = -1.5 * fraction / flat.edges[e].length * gap;
     remaining.row(e) = (1.0 - fraction) * gap;
   }
-  Plate plate;
+  PlateStrains strains;
   for (Eigen::Index p = 0; p < flat.point_count; ++p) {
-    const Point& point = flat.points[p];
-    const Eigen::Matrix<double, 3, 12> curvature = curvature_at(flat, point, followed);
-    const Eigen::Matrix<double, 3, 12> moment = point.area * elasticity * curvature;
-    plate.bending.noalias() += curvature.transpose() * moment;
-    const Eigen::Matrix<double, 2, 12> shear = shear_at(flat, point, remaining);
-    plate.shear.noalias() += point.area * shear.transpose() * shear;
+    strains.curvature[p] = curvature_at(flat, flat.points[p], followed);
+    strains.shear[p] = shear_at(flat, flat.points[p], remaining);
   }
-  return plate;
+  return strains;
 }
 
 }  // namespace mottle::fem::shell

@@ -29,6 +29,8 @@ auto with_table(SolidShape shape, const Action& action) {
       return action(solid_shapes::hexahedron());
     case SolidShape::wedge6:
       return action(solid_shapes::wedge());
+    case SolidShape::pyramid5:
+      return action(solid_shapes::pyramid());
     case SolidShape::tetrahedron4:
       return action(solid_shapes::tetrahedron());
     case SolidShape::tetrahedron10:
@@ -203,6 +205,8 @@ constexpr std::array<std::array<int, 2>, 12> k_hexahedron_edges = {
     {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {4, 5}, {5, 6}, {6, 7}, {7, 4}, {0, 4}, {1, 5}, {2, 6}, {3, 7}}};
 constexpr std::array<std::array<int, 2>, 9> k_wedge_edges = {
     {{0, 3}, {1, 4}, {2, 5}, {0, 1}, {1, 2}, {2, 0}, {3, 4}, {4, 5}, {5, 3}}};
+constexpr std::array<std::array<int, 2>, 8> k_pyramid_edges = {
+    {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {0, 4}, {1, 4}, {2, 4}, {3, 4}}};
 constexpr std::array<std::array<int, 2>, 6> k_tetrahedron_edges = {{{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}}};
 
 struct Extent {
@@ -230,6 +234,14 @@ double wedge_aspect_ratio(const NodesRef& nodes) {
     smallest = std::min(smallest, height / std::sqrt(0.75));
   }
   return longest / smallest;
+}
+
+double pyramid_aspect_ratio(const NodesRef& nodes) {
+  const Eigen::Vector3d base = (nodes.col(2) - nodes.col(0)).cross(nodes.col(3) - nodes.col(1));
+  const Eigen::Vector3d middle = nodes.leftCols<4>().rowwise().mean();
+  const double height = std::abs(base.dot(nodes.col(4) - middle)) / base.norm();
+  const Extent extent = edge_lengths(nodes, k_pyramid_edges);
+  return extent.largest / std::min(extent.smallest, height * std::sqrt(2.0));
 }
 
 double tetrahedron_aspect_ratio(const NodesRef& nodes) {
@@ -263,6 +275,21 @@ Elasticity isotropic_elasticity(double young, double poisson) {
   return elasticity;
 }
 
+Elasticity turned_elasticity(const Elasticity& elasticity, const Eigen::Matrix3d& axes) {
+  // A strain in basic axes is seen from the material as axes' strain axes; engineering shears are twice the tensor's.
+  constexpr int k_pairs[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {1, 2}, {2, 0}};
+  Elasticity seen;
+  for (int basic = 0; basic < 6; ++basic) {
+    const auto [k, l] = k_pairs[basic];
+    for (int own = 0; own < 6; ++own) {
+      const auto [i, j] = k_pairs[own];
+      const double both = axes(k, i) * axes(l, j) + axes(l, i) * axes(k, j);
+      seen(own, basic) = (own < 3 ? 0.5 : 1.0) * both;
+    }
+  }
+  return seen.transpose() * elasticity * seen;
+}
+
 Eigen::MatrixXd solid_stiffness(SolidShape shape, const NodesRef& nodes, const Elasticity& elasticity) {
   return with_table(shape, [&](const auto& table) { return stiffness(table, nodes, elasticity); });
 }
@@ -270,7 +297,11 @@ Eigen::MatrixXd solid_stiffness(SolidShape shape, const NodesRef& nodes, const E
 Eigen::MatrixXd solid_mass(SolidShape shape, const NodesRef& nodes, MassKind kind) {
   return with_table(shape, [&](const auto& table) {
     auto mass = scalar_mass(table, nodes);
-    if (kind == MassKind::lumped) mass = Eigen::VectorXd(mass.diagonal() * (mass.sum() / mass.trace())).asDiagonal();
+    if (kind == MassKind::lumped && shape == SolidShape::pyramid5) {
+      mass = Eigen::VectorXd(mass.rowwise().sum()).asDiagonal();
+    } else if (kind == MassKind::lumped) {
+      mass = Eigen::VectorXd(mass.diagonal() * (mass.sum() / mass.trace())).asDiagonal();
+    }
     const Eigen::Index count = mass.cols();
     Eigen::MatrixXd M = Eigen::MatrixXd::Zero(3 * count, 3 * count);
     for (Eigen::Index j = 0; j < count; ++j) {
@@ -292,6 +323,8 @@ SolidQuality solid_quality(SolidShape shape, const NodesRef& nodes) {
     quality.aspect_ratio = extent.largest / extent.smallest;
   } else if (shape == SolidShape::wedge6) {
     quality.aspect_ratio = wedge_aspect_ratio(nodes);
+  } else if (shape == SolidShape::pyramid5) {
+    quality.aspect_ratio = pyramid_aspect_ratio(nodes);
   } else {
     quality.aspect_ratio = tetrahedron_aspect_ratio(nodes);
   }

@@ -14,6 +14,8 @@ std::string_view card_of(const SolidElement& element) {
       return "CHEXA";
     case SolidShape::wedge6:
       return "CPENTA";
+    case SolidShape::pyramid5:
+      return "CPYRAM";
     default:
       return "CTETRA";
   }
@@ -35,6 +37,10 @@ const Topology& topology_of(const SolidElement& element) {
                                    .cell_nodes = {0, 2, 1, 3, 5, 4},
                                    .faces = {{0, 2, 1}, {3, 4, 5}, {0, 1, 4, 3}, {1, 2, 5, 4}, {2, 0, 3, 5}},
                                    .is_solid = true};
+  static const Topology k_pyramid = {.cell = VtkCell::pyramid,
+                                     .cell_nodes = {0, 1, 2, 3, 4},
+                                     .faces = {{0, 3, 2, 1}, {0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}},
+                                     .is_solid = true};
   static const Topology k_tetrahedron = {
       .cell = VtkCell::tetrahedron, .cell_nodes = {0, 1, 2, 3}, .faces = k_tetrahedron_faces, .is_solid = true};
   static const Topology k_quadratic_tetrahedron = {.cell = VtkCell::quadratic_tetrahedron,
@@ -43,12 +49,26 @@ const Topology& topology_of(const SolidElement& element) {
                                                    .is_solid = true};
   if (element.shape == SolidShape::hexahedron8) return k_hexahedron;
   if (element.shape == SolidShape::wedge6) return k_wedge;
+  if (element.shape == SolidShape::pyramid5) return k_pyramid;
   return element.shape == SolidShape::tetrahedron4 ? k_tetrahedron : k_quadratic_tetrahedron;
 }
 
 ElementQuality quality_of(const FiniteElementModel& model, const SolidElement& element) {
   const SolidQuality quality = solid_quality(element.shape, positions(model, solid_nodes(element)));
   return {quality.jacobian_ratio, quality.aspect_ratio};
+}
+
+/// Elasticity of a MAT9 in basic axes.
+Eigen::Matrix<double, 6, 6> anisotropic_elasticity(const FiniteElementModel& model, const SolidElement& element,
+                                                   const Eigen::Matrix3Xd& nodes) {
+  Eigen::Matrix<double, 6, 6> moduli;
+  auto next = model.materials[static_cast<std::size_t>(element.material)].moduli.begin();
+  for (Eigen::Index i = 0; i < 6; ++i) {
+    for (Eigen::Index j = i; j < 6; ++j) moduli(i, j) = moduli(j, i) = model.value(*next++);
+  }
+  if (element.material_system < 0) return moduli;
+  const auto& system = model.coordinate_systems[static_cast<std::size_t>(element.material_system)];
+  return turned_elasticity(moduli, system.directions_at(nodes.rowwise().mean()));
 }
 
 void add_solid(const FiniteElementModel& model, const SolidElement& element, PieceSelection selection,
@@ -66,6 +86,14 @@ void add_solid(const FiniteElementModel& model, const SolidElement& element, Pie
                              solid_mass(element.shape, nodes, mass_kind(model))});
   }
   if (selection == PieceSelection::mass) return;
+  if (material.kind == Material::Kind::anisotropic_solid) {
+    result.pieces.push_back({ElementPiece::Kind::stiffness,
+                             1.0,
+                             {},
+                             material.moduli,
+                             solid_stiffness(element.shape, nodes, anisotropic_elasticity(model, element, nodes))});
+    return;
+  }
   Coefficient young = young_coefficient(model, material);
   for (const FieldIndex field : poisson_fields(material)) young.matrix_fields.push_back(field);
   const double poisson = poisson_ratio(model, material);

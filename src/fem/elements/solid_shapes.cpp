@@ -76,6 +76,22 @@ Rule tetrahedron_of_degree_5() {
   return rule;
 }
 
+/// Points of a pyramid as (a, b, zeta), a and b from -1 to 1 at every height: xi = a (1 - zeta), eta = b (1 - zeta).
+/// The weights contain the section's area that this leaves.
+Rule collapsed(const Rule& line, const Rule& height) {
+  Rule rule;
+  for (const Abscissa& z : height) {
+    const double zeta = 0.5 * (1.0 + z.position.x());
+    for (const Abscissa& y : line) {
+      for (const Abscissa& x : line) {
+        rule.push_back({0.5 * z.weight * (1.0 - zeta) * (1.0 - zeta) * x.weight * y.weight,
+                        {x.position.x(), y.position.x(), zeta}});
+      }
+    }
+  }
+  return rule;
+}
+
 using Gradient = Eigen::Vector3d;
 
 /// Barycentric coordinates of a triangle or tetrahedron whose first corner is the origin of the own coordinates.
@@ -118,6 +134,18 @@ void evaluate(const Eigen::Vector3d& position, SolidPoint<6, 4>& point) {
     point.mode_gradients.col(i) = (corner(i) - k_mean) * slope(j) + (corner(j) - k_mean) * slope(i);
   }
   point.mode_gradients.col(3) = Gradient(0.0, 0.0, -2.0 * position.z());
+}
+
+/// @param position  (a, b, zeta); the gradients with respect to xi, eta, zeta do not depend on the height
+void evaluate(const Eigen::Vector3d& position, SolidPoint<5, 0>& point) {
+  constexpr int k_signs[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
+  for (int node = 0; node < 4; ++node) {
+    const double s = k_signs[node][0], t = k_signs[node][1], a = s * position.x(), b = t * position.y();
+    point.values(node) = 0.25 * (1.0 - position.z()) * (1.0 + a) * (1.0 + b);
+    point.gradients.col(node) = 0.25 * Gradient(s * (1.0 + b), t * (1.0 + a), a * b - 1.0);
+  }
+  point.values(4) = position.z();
+  point.gradients.col(4) = Gradient::UnitZ();
 }
 
 void evaluate(const Eigen::Vector3d& position, SolidPoint<4, 0>& point) {
@@ -186,6 +214,17 @@ const WedgeTable& wedge() {
       corners.insert(corners.end(), {{0.0, {0, 0, z}}, {0.0, {1, 0, z}}, {0.0, {0, 1, z}}});
     return make_table<6, 4>(prism(of_degree_2, gauss(2)), prism(of_degree_4, gauss(3)), corners,
                             Eigen::Vector3d(1.0 / 3.0, 1.0 / 3.0, 0.0));
+  }();
+  return table;
+}
+
+const PyramidTable& pyramid() {
+  static const PyramidTable table = [] {
+    Rule corners = {{0.0, {0, 0, 1}}};
+    for (const double y : {-1.0, 1.0}) corners.insert(corners.end(), {{0.0, {-1, y, 0}}, {0.0, {1, y, 0}}});
+    // Forces of a constant stress are of degree 2 in a and b, mass and determinant together of degree 4.
+    return make_table<5, 0>(collapsed(gauss(2), gauss(2)), collapsed(gauss(3), gauss(3)), corners,
+                            Eigen::Vector3d(0.0, 0.0, 0.25));
   }();
   return table;
 }

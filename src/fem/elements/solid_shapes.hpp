@@ -28,11 +28,13 @@ struct Table {
 
 using HexahedronTable = Table<8, 3>;
 using WedgeTable = Table<6, 4>;
+using PyramidTable = Table<5, 0>;
 using TetrahedronTable = Table<4, 0>;
 using QuadraticTetrahedronTable = Table<10, 0>;
 
 const HexahedronTable& hexahedron();
 const WedgeTable& wedge();
+const PyramidTable& pyramid();
 const TetrahedronTable& tetrahedron();
 const QuadraticTetrahedronTable& quadratic_tetrahedron();
 

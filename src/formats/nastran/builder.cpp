@@ -10,6 +10,8 @@ namespace {
 constexpr std::array<std::string_view, 10> k_corner_names = {"G1", "G2", "G3", "G4", "G5",
                                                              "G6", "G7", "G8", "G9", "G10"};
 
+constexpr std::array<std::string_view, 4> k_material_cards = {"MAT1", "MAT2", "MAT8", "MAT9"};  // as Material::Kind
+
 bool is_same_field(std::string_view a, std::string_view b) {
   double value_a = 0.0;
   double value_b = 0.0;
@@ -17,6 +19,22 @@ bool is_same_field(std::string_view a, std::string_view b) {
 }
 
 }  // namespace
+
+MaterialChoice isotropic_materials() {
+  static constexpr std::array k_kinds = {Material::Kind::isotropic};
+  return {k_kinds, "MAT1"};
+}
+
+MaterialChoice shell_materials() {
+  static constexpr std::array k_kinds = {Material::Kind::isotropic, Material::Kind::anisotropic_shell,
+                                         Material::Kind::orthotropic_shell};
+  return {k_kinds, "MAT1, MAT2 or MAT8"};
+}
+
+MaterialChoice solid_materials() {
+  static constexpr std::array k_kinds = {Material::Kind::isotropic, Material::Kind::anisotropic_solid};
+  return {k_kinds, "MAT1 or MAT9"};
+}
 
 void ModelBuilder::write_counted_notes() {
   for (const auto& [message, times] : counts_) note(fmt::format(fmt::runtime(message), times));
@@ -96,10 +114,15 @@ int ModelBuilder::system(const Card& card, int n, std::string_view what) const {
   return found->second;
 }
 
-int ModelBuilder::material(const Card& card, int n, std::string_view what) const {
+int ModelBuilder::material(const Card& card, int n, std::string_view what, const MaterialChoice& choice) const {
   const int id = card.id(n, what);
   const auto found = materials.find(id);
-  if (found == materials.end()) card.fail(fmt::format("{} is {}, but no MAT1 card has that id", what, id));
+  if (found == materials.end()) card.fail(fmt::format("{} is {}, but no {} card has that id", what, id, choice.names));
+  const Material::Kind kind = model.materials[static_cast<std::size_t>(found->second)].kind;
+  if (std::ranges::find(choice.kinds, kind) == choice.kinds.end()) {
+    card.fail(fmt::format("{} is {}, a {}; {} is needed here", what, id,
+                          k_material_cards[static_cast<std::size_t>(kind)], choice.names));
+  }
   return found->second;
 }
 

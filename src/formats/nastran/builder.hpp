@@ -47,10 +47,24 @@ enum class IdSpace : int {
   bar_property = 100000,
   beam_property,
   rod_property,
+  shell_property,
+  material,
   point,
   coordinate_system,
   method
 };
+
+/// Kinds of material that a card may refer to.
+struct MaterialChoice {
+  std::span<const Material::Kind> kinds;
+  std::string_view names;  ///< "MAT1, MAT2 or MAT8"
+};
+MaterialChoice isotropic_materials();
+MaterialChoice shell_materials();
+MaterialChoice solid_materials();
+
+/// Cards that give a shell its property, for ModelBuilder::properties.
+inline constexpr std::string_view k_shell_properties = "PSHELL, PCOMP or PCOMPG";
 
 class ModelBuilder {
  public:
@@ -107,7 +121,9 @@ class ModelBuilder {
   int find_node(int id) const;
   /// Index of a coordinate system, -1 for basic (0 or blank).
   int system(const Card& card, int n, std::string_view what) const;
-  int material(const Card& card, int n, std::string_view what) const;
+  /// Index of the material that field n names. @throws FormatError where there is none, or one of another kind
+  int material(const Card& card, int n, std::string_view what,
+               const MaterialChoice& choice = isotropic_materials()) const;
   /// Axes (columns) of the displacement system of a node.
   Eigen::Matrix3d displacement_axes(int node) const;
   /// Axes of a coordinate system (index, -1: basic) at a point.

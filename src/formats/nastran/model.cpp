@@ -135,7 +135,10 @@ bool is_design_number(const CardField& field) {
     if (rule.name != field.card) continue;
     const std::vector<std::string_view> names = words_of(rule.design_numbers);
     return std::any_of(names.begin(), names.end(), [&field](std::string_view name) {
-      return name.ends_with('*') ? field.name.starts_with(name.substr(0, name.size() - 1)) : field.name == name;
+      if (!name.ends_with('*')) return field.name == name;
+      const std::string_view stem = name.substr(0, name.size() - 1),
+                             number = std::string_view(field.name).substr(std::min(stem.size(), field.name.size()));
+      return field.name.starts_with(stem) && number.find_first_not_of("0123456789") == std::string_view::npos;
     });
   }
   return false;

@@ -33,11 +33,10 @@ constexpr std::string_view k_reductions[] = {"ASET*", "OMIT*", "CSET*", "BSET*",
 constexpr int k_max_notes = 30;
 
 /// Everything else that changes stiffness, mass or constraints, besides names that resemble elements.
-constexpr std::string_view k_refused[] = {"MAT2",    "MAT3",    "MAT8",    "MAT9",    "MAT10",  "MAT11",   "MATG",
-                                          "MATHP",   "MATORT*", "MATF",    "RBE1",    "RROD",   "RTRPLT*", "RSPLINE",
-                                          "RJOINT",  "RSSCON",  "RBE2GS",  "RBE2F",   "GENEL",  "PCOMP*",  "PLPLANE",
-                                          "PLSOLID", "PBCOMP",  "PBMSECT", "PBRSECT", "PBEAM3", "PBEND",   "PSHLN*",
-                                          "PSLDN1",  "SPCAX",   "MPCAX",   "RINGAX",  "GRIDB",  "GRIDF",   "SECTAX"};
+constexpr std::string_view k_refused[] = {
+    "MAT3",   "MAT10",  "MAT11",  "MATG",   "MATHP", "MATORT*", "MATF",    "RBE1",    "RROD",   "RTRPLT*", "RSPLINE",
+    "RJOINT", "RSSCON", "RBE2GS", "RBE2F",  "GENEL", "PCOMP*",  "PLPLANE", "PLSOLID", "PBCOMP", "PBMSECT", "PBRSECT",
+    "PBEAM3", "PBEND",  "PSHLN*", "PSLDN1", "SPCAX", "MPCAX",   "RINGAX",  "GRIDB",   "GRIDF",  "SECTAX"};
 
 /// Cards that divide the structure into superelements or belong to one.
 constexpr std::string_view k_superelement_cards[] = {
@@ -70,8 +69,8 @@ bool is_referred_to(std::string_view name) {
 }
 
 std::string reason_for(std::string_view name) {
-  if (name.starts_with("MAT")) return "only isotropic materials (MAT1) are supported";
-  if (name.starts_with("PCOMP")) return "composite shells are not supported, only PSHELL with MAT1";
+  if (name.starts_with("MAT")) return "this material is not supported, only MAT1, MAT2, MAT8 and MAT9";
+  if (name.starts_with("PCOMP")) return "this laminate is not supported, only PCOMP and PCOMPG";
   if (is_referred_to(name)) return "this property is not supported";
   return fmt::format("this card changes the model and is not supported; read are {}", names_of_read_cards());
 }

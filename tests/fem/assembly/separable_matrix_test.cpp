@@ -33,7 +33,8 @@ FiniteElementModel mixed_model() {
   const int metal = maker.material(2, 2e11, 0.28, 7800.0);
   model.elements<SolidElement>().push_back({.id = 1, .nodes = {0, 1, 2, 3, 4, 5, 6, 7}, .material = solid});
   const int skin = maker.shell_property(3, metal, 0.02);
-  model.elements<ShellElement>().push_back({.id = 2, .nodes = {4, 5, 6, 7}, .property = skin, .offset = 0.05});
+  model.elements<ShellElement>().push_back(
+      {.id = 2, .nodes = {4, 5, 6, 7}, .property = skin, .offset = 0.05, .bending_over_shear = 1e-3});
   const int stiff = maker.beam_property(4, metal, 1e-3, 2e-6, 1e-6, 1.5e-6);
   const int soft = maker.beam_property(5, metal, 2e-3, 3e-6, 2e-6, 2e-6);
   model.beam_properties[1].shear_1 = model.beam_properties[1].shear_2 = 0.8;
@@ -209,6 +210,8 @@ TEST_P(InseparableField, IsSaidToBeSoAndIs) {
   test::ModelMaker maker{model};
   maker.model.elements<ShellElement>().push_back({.id = 20, .node_count = 3, .nodes = {1, 2, 5, 0}, .property = 1});
   maker.shell_property(21, 1, 0.3);
+  maker.model.elements<ShellElement>().push_back({.id = 24, .nodes = {4, 5, 6, 7}, .property = 2});
+  maker.shell_property(25, 1, 0.3);
   BeamProperty section = maker.model.beam_properties[0];
   section.id = 22;
   section.section = "BAR";
@@ -226,8 +229,9 @@ TEST_P(InseparableField, IsSaidToBeSoAndIs) {
 
 INSTANTIATE_TEST_SUITE_P(Fields, InseparableField,
                          testing::Values(Field{"MAT1", 1, "NU"}, Field{"MAT1", 2, "NU"}, Field{"PBAR", 5, "I1"},
-                                         Field{"PBAR", 5, "A"}, Field{"PSHELL", 21, "T"}, Field{"PBARL", 22, "DIM1"},
-                                         Field{"PBARL", 22, "DIM2"}, Field{"PBAR", 4, "I12"}));
+                                         Field{"PBAR", 5, "A"}, Field{"PSHELL", 21, "T"}, Field{"PSHELL", 25, "T"},
+                                         Field{"PBARL", 22, "DIM1"}, Field{"PBARL", 22, "DIM2"},
+                                         Field{"PBAR", 4, "I12"}));
 
 // E and G of one card determine Poisson's ratio; G and nu together scale everything alike.
 TEST(SeparableMatrix, ASharedModulusIsSeparableWherePoissonsRatioStands) {

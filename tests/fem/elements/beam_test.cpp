@@ -32,6 +32,8 @@ double value_of(BeamCoefficient coefficient, const BeamSection& section) {
       return k_young * section.inertia_12;
     case E:
       return k_young;
+    case G:
+      return k_shear;
   }
   return 0.0;
 }

@@ -126,10 +126,16 @@ TEST(Shell, DoesNotDependOnTheNodeCountedFirst) {
   }
 }
 
-TEST(Shell, OfFourNodesHasTheSamePiecesAtAnyShearFlexibility) {
-  ShellInput softer = element(4);
-  softer.shear_flexibility *= 3.0;
-  EXPECT_EQ(matrices(softer), matrices(element(4)));
+// A strip of one cell, clamped but for the rotation of one end: 4 E I / L, which linear rotations alone would exceed by
+// (L / t)^2. nu = 0; t / L = 0.01, so that shear takes away 3 (E I / L^2) / (5/6 G t) = 6e-4 of it.
+TEST(Shell, OfOneCellBendsAsAStrip) {
+  const ShellMaterial material = {.young = 12.0, .poisson = 0.0, .thickness = 0.01};
+  const ShellMesh mesh = test::grid(1, 1, 4, [](double u, double v) { return Eigen::Vector3d(u, 0.5 * v, 0.0); });
+  const Eigen::MatrixXd K = test::stiffness(mesh, material);
+  Eigen::VectorXd turned = Eigen::VectorXd::Zero(K.rows());
+  turned(4) = turned(2 * 6 + 4) = 1.0;  // rotation y of the nodes at u = 0
+  const double flexural = 12.0 * 0.5 * 1e-6 / 12.0;
+  EXPECT_NEAR(turned.dot(K * turned) / flexural, 4.0, 4e-3);
 }
 
 TEST(Shell, WithAnOffsetIsTheShellBehindRigidLinks) {
@@ -151,32 +157,6 @@ TEST(Shell, WithAnOffsetIsTheShellBehindRigidLinks) {
     const ShellMatrix mass = links.transpose() * shell_mass(moved, MassKind::consistent) * links;
     EXPECT_LT((shell_mass(input, MassKind::consistent) - mass).norm(), 1e-13 * mass.norm());
   }
-}
-
-/// MacNeal and Harder's patch: four inner nodes, five distorted cells.
-ShellMesh patch(int node_count) {
-  ShellMesh mesh;
-  for (const auto& [x, y] : std::vector<std::array<double, 2>>{{0.0, 0.0},
-                                                               {0.24, 0.0},
-                                                               {0.24, 0.12},
-                                                               {0.0, 0.12},
-                                                               {0.04, 0.02},
-                                                               {0.18, 0.03},
-                                                               {0.16, 0.08},
-                                                               {0.08, 0.08}}) {
-    mesh.nodes.emplace_back(x, y, 0.0);
-  }
-  for (const std::vector<int>& cell :
-       std::vector<std::vector<int>>{{0, 1, 5, 4}, {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}, {4, 5, 6, 7}}) {
-    if (node_count == 4) {
-      mesh.elements.push_back(cell);
-    } else {
-      mesh.elements.push_back({cell[0], cell[1], cell[2]});
-      mesh.elements.push_back({cell[0], cell[2], cell[3]});
-    }
-  }
-  mesh.fix([](const Eigen::Vector3d& r) { return r.x() == 0.0 || r.x() == 0.24; }, "123456");
-  return mesh;
 }
 
 using Field = std::function<Eigen::Matrix<double, 6, 1>(double, double)>;
@@ -201,8 +181,8 @@ TEST(Shell, PassesTheMembranePatchTest) {
     return (Eigen::Matrix<double, 6, 1>() << 0.2 * x - y, 0.4 * x, 0.0, 0.0, 0.0, 0.7).finished();
   };
   for (const int nodes : {3, 4}) {
-    EXPECT_LT(patch_error(patch(nodes), {.young = 1e6, .poisson = 0.25, .thickness = 0.001}, stretched), 1e-10);
-    EXPECT_LT(patch_error(patch(nodes), {.young = 1e6, .poisson = 0.25, .thickness = 0.001}, sheared), 1e-10);
+    EXPECT_LT(patch_error(test::patch(nodes), {.young = 1e6, .poisson = 0.25, .thickness = 0.001}, stretched), 1e-10);
+    EXPECT_LT(patch_error(test::patch(nodes), {.young = 1e6, .poisson = 0.25, .thickness = 0.001}, sheared), 1e-10);
   }
 }
 
@@ -215,7 +195,7 @@ TEST(Shell, PassesTheBendingPatchTest) {
     for (const bool is_rigid_in_shear : {false, true}) {
       const ShellMaterial material = {
           .young = 1e6, .poisson = 0.25, .thickness = 0.001, .is_rigid_in_shear = is_rigid_in_shear};
-      EXPECT_LT(patch_error(patch(nodes), material, bent), 1e-10) << nodes << is_rigid_in_shear;
+      EXPECT_LT(patch_error(test::patch(nodes), material, bent), 1e-10) << nodes << is_rigid_in_shear;
     }
   }
 }

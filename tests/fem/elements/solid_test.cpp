@@ -40,6 +40,9 @@ struct Mesh {
 std::vector<std::vector<int>> split(SolidShape shape) {
   if (shape == SolidShape::hexahedron8) return {{0, 1, 2, 3, 4, 5, 6, 7}};
   if (shape == SolidShape::wedge6) return {{0, 1, 2, 4, 5, 6}, {0, 2, 3, 4, 6, 7}};
+  if (shape == SolidShape::pyramid5) {  // 8: the middle of the cell
+    return {{0, 1, 2, 3, 8}, {4, 7, 6, 5, 8}, {0, 4, 5, 1, 8}, {1, 5, 6, 2, 8}, {2, 6, 7, 3, 8}, {3, 7, 4, 0, 8}};
+  }
   return {{0, 1, 2, 6}, {0, 2, 3, 6}, {0, 3, 7, 6}, {0, 7, 4, 6}, {0, 4, 5, 6}, {0, 5, 1, 6}};
 }
 
@@ -82,9 +85,22 @@ Mesh box(SolidShape shape, const Cells& cells, const Vector3d& size, const Shift
   for (int k = 0; k < nz; ++k) {
     for (int j = 0; j < ny; ++j) {
       for (int i = 0; i < nx; ++i) {
-        const std::array<int, 8> cell = {
-            index(i, j, k),     index(i + 1, j, k),     index(i + 1, j + 1, k),     index(i, j + 1, k),
-            index(i, j, k + 1), index(i + 1, j, k + 1), index(i + 1, j + 1, k + 1), index(i, j + 1, k + 1)};
+        std::array<int, 9> cell = {index(i, j, k),
+                                   index(i + 1, j, k),
+                                   index(i + 1, j + 1, k),
+                                   index(i, j + 1, k),
+                                   index(i, j, k + 1),
+                                   index(i + 1, j, k + 1),
+                                   index(i + 1, j + 1, k + 1),
+                                   index(i, j + 1, k + 1),
+                                   -1};
+        if (shape == SolidShape::pyramid5) {
+          cell[8] = mesh.count();
+          const Vector3d middle =
+              mesh.nodes(Eigen::all, std::vector<int>(cell.begin(), cell.end() - 1)).rowwise().mean();
+          mesh.nodes.conservativeResize(3, cell[8] + 1);
+          mesh.nodes.col(cell[8]) = middle;
+        }
         for (std::vector<int> corners : split(shape)) {
           for (int& corner : corners) corner = cell[std::size_t(corner)];
           mesh.elements.push_back(corners);
@@ -180,12 +196,12 @@ class Solid : public ::testing::TestWithParam<SolidShape> {
 const Matrix3d k_axes = (Matrix3d() << 2.0, 0.3, -0.4, 0.1, 1.5, 0.2, -0.3, 0.5, 1.1).finished();
 
 std::string name_of(const ::testing::TestParamInfo<SolidShape>& info) {
-  return std::array{"Hexahedron8", "Wedge6", "Tetrahedron4", "Tetrahedron10"}[std::size_t(info.param)];
+  return std::array{"Hexahedron8", "Wedge6", "Tetrahedron4", "Tetrahedron10", "Pyramid5"}[std::size_t(info.param)];
 }
 
 INSTANTIATE_TEST_SUITE_P(Shapes, Solid,
                          ::testing::Values(SolidShape::hexahedron8, SolidShape::wedge6, SolidShape::tetrahedron4,
-                                           SolidShape::tetrahedron10),
+                                           SolidShape::tetrahedron10, SolidShape::pyramid5),
                          name_of);
 
 /// Prescribes a linear displacement field on the faces and compares the inside and the energy with it.
@@ -261,6 +277,7 @@ TEST_P(Solid, TurnsItsStiffnessWithTheElement) {
 std::vector<int> other_numbering(SolidShape shape) {
   if (shape == SolidShape::hexahedron8) return {1, 5, 6, 2, 0, 4, 7, 3};
   if (shape == SolidShape::wedge6) return {5, 4, 3, 2, 1, 0};
+  if (shape == SolidShape::pyramid5) return {1, 2, 3, 0, 4};
   if (shape == SolidShape::tetrahedron4) return {1, 2, 0, 3};
   return {1, 2, 0, 3, 5, 6, 4, 8, 9, 7};
 }
@@ -292,7 +309,8 @@ TEST_P(Solid, HasItsVolumeAsMassInEachDirectionAndItsCentreOfGravity) {
   const Matrix3Xd nodes = parallel_element(k_axes);
   const double volume = solid_volume(shape(), nodes);
   const VectorXd ones = VectorXd::Ones(nodes.cols());
-  const Vector3d centre = nodes.leftCols(is_linear() ? nodes.cols() : 4).rowwise().mean();
+  Vector3d centre = nodes.leftCols(is_linear() ? nodes.cols() : 4).rowwise().mean();
+  if (shape() == SolidShape::pyramid5) centre = 0.75 * nodes.leftCols<4>().rowwise().mean() + 0.25 * nodes.col(4);
   for (const MassKind kind : {MassKind::lumped, MassKind::consistent}) {
     const MatrixXd M = solid_mass(shape(), nodes, kind);
     for (int component = 0; component < 3; ++component) {
@@ -340,6 +358,17 @@ MatrixXd exact_mass(SolidShape shape) {
     return mass;
   }
   // [Zienkiewicz2013]: 1/420 of 6 and 1 between corners, -4 and -6 corner to middle, 32, 16 and 8 between middles.
+  if (shape == SolidShape::pyramid5) {
+    // With xi = a (1 - zeta): N_i N_j (1 - zeta)^2 integrated over a, b and zeta, over the volume 4/3.
+    constexpr int k_signs[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
+    mass = MatrixXd::Constant(5, 5, 3.0 / 80.0);
+    for (int i = 0; i < 4; ++i) {
+      for (int j = 0; j < 4; ++j)
+        for (int axis = 0; axis < 2; ++axis) mass(i, j) *= 1.0 + k_signs[i][axis] * k_signs[j][axis] / 3.0;
+    }
+    mass(4, 4) = 0.1;
+    return mass;
+  }
   constexpr int k_ends[6] = {0b0011, 0b0110, 0b0101, 0b1001, 0b1010, 0b1100};
   mass.resize(10, 10);
   for (int i = 0; i < 4; ++i) {
@@ -444,6 +473,32 @@ TEST(SolidQuality, ShowsTheSliverWhoseEdgesAreAllLong) {
   Matrix3Xd wedge(3, 6);
   wedge << 0, 2, 1, 0, 2, 1, 0, 0, 0.01, 0, 0, 0.01, 0, 0, 0, 1, 1, 1;
   EXPECT_GT(solid_quality(SolidShape::wedge6, wedge).aspect_ratio, 50.0);
+}
+
+TEST(SolidQuality, IsOneForThePyramidOfEqualEdges) {
+  Matrix3Xd nodes(3, 5);
+  nodes << 1, -1, -1, 1, 0, 1, 1, -1, -1, 0, 0, 0, 0, 0, std::numbers::sqrt2;
+  EXPECT_NEAR(solid_quality(SolidShape::pyramid5, nodes).aspect_ratio, 1.0, 1e-14);
+  nodes(2, 4) = 0.01;
+  EXPECT_GT(solid_quality(SolidShape::pyramid5, nodes).aspect_ratio, 50.0);
+}
+
+// Energy of a strain does not depend on the axes in which both are seen; an isotropic material looks the same from all.
+TEST(TurnedElasticity, KeepsTheEnergyOfAStrain) {
+  const Matrix3d axes = Eigen::AngleAxisd(0.7, Vector3d(1.0, -2.0, 0.5).normalized()).toRotationMatrix();
+  const auto vector_of = [](const Matrix3d& e) {
+    return (VectorXd(6) << e(0, 0), e(1, 1), e(2, 2), 2.0 * e(0, 1), 2.0 * e(1, 2), 2.0 * e(2, 0)).finished();
+  };
+  Elasticity own = Elasticity::Zero();
+  for (int i = 0; i < 6; ++i) {
+    for (int j = 0; j < 6; ++j) own(i, j) = std::cos(i * j) + (i == j ? 8.0 + i : 0.0);
+  }
+  const Matrix3d strain = (Matrix3d() << 1.0, 0.2, -0.4, 0.2, -0.7, 0.3, -0.4, 0.3, 0.5).finished();
+  const VectorXd basic = vector_of(strain), seen = vector_of(axes.transpose() * strain * axes);
+  const double energy = seen.dot(own * seen);
+  EXPECT_NEAR(basic.dot(turned_elasticity(own, axes) * basic), energy, 1e-13 * energy);
+  const Elasticity isotropic = isotropic_elasticity(1.0, 0.3);
+  EXPECT_TRUE(turned_elasticity(isotropic, axes).isApprox(isotropic, 1e-14));
 }
 
 TEST(IsotropicElasticity, IsTheInverseOfHookesCompliance) {

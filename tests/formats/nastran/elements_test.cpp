@@ -77,6 +77,15 @@ TEST(NastranShells, AreReadWithTheirProperty) {
   EXPECT_EQ(model.elements<ShellElement>()[1].property, 1);
 }
 
+// E / G = 2.6, T = .002, 12I/T3 = 2, TS/T = .5: 2.6 * 4e-6 * 4. A triangle takes it anew.
+TEST(NastranShells, HoldTheShareOfTheirEdges) {
+  const FiniteElementModel model = cube_with(
+      "PSHELL,3,1,.002,1,2.,1,.5\nPSHELL,4,1,.1,1\nCQUAD4,1,3,1,2,3,4\nCQUAD4,2,4,1,2,3,4\nCTRIA3,3,3,1,2,3\n");
+  EXPECT_NEAR(model.elements<ShellElement>().at(0).bending_over_shear, 4.16e-5, 1e-18);
+  EXPECT_EQ(model.elements<ShellElement>()[1].bending_over_shear, 0.0);
+  EXPECT_EQ(model.elements<ShellElement>()[2].bending_over_shear, 0.0);
+}
+
 TEST(NastranShells, MayHaveAThicknessOfTheirOwn) {
   const FiniteElementModel model = cube_with(
       "PSHELL,3,1,.002\nCQUAD4,1,3,1,2,3,4\n,,,.001,.001,.001,.001\n"

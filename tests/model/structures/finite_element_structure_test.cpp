@@ -303,6 +303,7 @@ TEST(FiniteElementStructure, SaysHowAParameterEnters) {
       {.id = 9, .nodes = {0, 3, 4, 0}, .property = maker.shell_property(9, 0, 0.01)});
   maker.node(201, {0, 1, 0});
   maker.model.elements<ShellElement>()[0].nodes[3] = 5;
+  maker.model.elements<ShellElement>()[0].bending_over_shear = 2.6e-4;
   const FiniteElementStructure structure(maker.model, one_each({"MAT1:1:RHO", "PSHELL:9:T"}), Eigen::Vector2d::Ones());
   EXPECT_EQ(structure.parameter_role(0), "exactly separable, linearly: no re-assembly");
   EXPECT_EQ(structure.parameter_role(1), "exactly separable, powers up to 3: no re-assembly");

@@ -33,8 +33,8 @@ struct BeamSection {
   double shear_1 = 0.0, shear_2 = 0.0;  ///< K1, K2: shear area / area in planes 1 and 2; 0: rigid in shear
 };
 
-/// What a unit matrix is to be multiplied by. `E`: the matrix holds the whole bending at the given section.
-enum class BeamCoefficient : std::uint8_t { EA, GJ, EI1, EI2, EI12, E };
+/// What a unit matrix is to be multiplied by. `E`, `G`: the matrix holds the given section's numbers itself.
+enum class BeamCoefficient : std::uint8_t { EA, GJ, EI1, EI2, EI12, E, G };
 
 struct BeamPiece {
   BeamCoefficient coefficient = BeamCoefficient::EA;

@@ -12,16 +12,25 @@
 
 namespace mottle::fem {
 
-/// PBAR, PBEAM (constant section), PBARL and PBEAML (numbers follow from the dimensions).
+/// A section behind end A of a PBEAM or PBEAML. Numbers that are left out vary linearly from end A to end B.
+struct BeamStation {
+  double position = 1.0;  ///< X/XB, fraction of the length
+  FieldIndex area = k_no_field, inertia_1 = k_no_field, inertia_2 = k_no_field, inertia_12 = k_no_field,
+             torsion = k_no_field, nonstructural_mass = k_no_field;
+  std::vector<FieldIndex> dimensions = {};  ///< as many as at end A
+};
+
+/// PBAR, PBEAM, PBARL and PBEAML (numbers follow from the dimensions).
 struct BeamProperty {
   std::string card;  ///< "PBAR", "PBARL", ...
   int id = 0;
   int material = -1;
   FieldIndex area = k_no_field, inertia_1 = k_no_field, inertia_2 = k_no_field, inertia_12 = k_no_field,
              torsion = k_no_field, nonstructural_mass = k_no_field;
-  double shear_1 = 0.0, shear_2 = 0.0;  ///< K1, K2: shear area / area; 0: rigid in shear
-  std::string section;                  ///< "ROD", "BAR", "TUBE", ... of PBARL; empty: the numbers above are given
-  std::vector<FieldIndex> dimensions;   ///< DIM1...
+  double shear_1 = 0.0, shear_2 = 0.0;     ///< K1, K2: shear area / area; 0: rigid in shear
+  std::string section;                     ///< "ROD", "BAR", "TUBE", ... of PBARL; empty: the numbers above are given
+  std::vector<FieldIndex> dimensions;      ///< DIM1...
+  std::vector<BeamStation> stations = {};  ///< ascending, the last at end B; empty: the section is constant
 };
 
 /// CBAR, CBEAM.

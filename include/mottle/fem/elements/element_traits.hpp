@@ -27,6 +27,7 @@ enum class VtkCell : std::uint8_t {
   tetrahedron = 10,
   hexahedron = 12,
   wedge = 13,
+  pyramid = 14,
   quadratic_tetrahedron = 24,
 };
 

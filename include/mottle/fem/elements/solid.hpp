@@ -9,15 +9,17 @@
 
 namespace mottle::fem {
 
-enum class SolidShape : std::uint8_t { hexahedron8, wedge6, tetrahedron4, tetrahedron10 };
+enum class SolidShape : std::uint8_t { hexahedron8, wedge6, tetrahedron4, tetrahedron10, pyramid5 };
 
-/// Diagonal mass by scaling the consistent diagonal to the exact total (HRZ), or the mass of the shape functions.
+/// Diagonal mass by scaling the consistent diagonal to the exact total (HRZ; of a pyramid by the sums of the rows,
+/// which keep its centre of gravity), or the mass of the shape functions.
 enum class MassKind : std::uint8_t { lumped, consistent };
 
 /// Quality of an element's form.
 struct SolidQuality {
   double jacobian_ratio = 1.0;  ///< least Jacobian determinant (corners, integration points) / |mean|; <= 0: inverted
-  double aspect_ratio = 1.0;    ///< longest edge / least edge or height, 1 for cube, even prism, regular tetrahedron
+  double aspect_ratio =
+      1.0;  ///< longest edge / least edge or height, 1 for cube, even prism, regular tetrahedron and pyramid
 };
 
 /// Number of nodes of a shape; the columns of `nodes` below.
@@ -32,6 +34,13 @@ int node_count(SolidShape shape);
 /// @throws InvalidInput  a value outside its range
 Eigen::Matrix<double, 6, 6> isotropic_elasticity(double young, double poisson);
 
+/// Elasticity matrix in basic axes of a material that is described in axes of its own.
+///
+/// @param elasticity  order xx yy zz xy yz zx with engineering shear, in the material's axes
+/// @param axes        the material's x, y, z in basic coordinates, as columns; orthonormal
+Eigen::Matrix<double, 6, 6> turned_elasticity(const Eigen::Matrix<double, 6, 6>& elasticity,
+                                              const Eigen::Matrix3d& axes);
+
 /// Stiffness in basic coordinates, degrees of freedom by node (u1 v1 w1 u2 ...); symmetric to the last bit.
 ///
 ///   K = K_uu - K_ua K_aa^-1 K_au,   K = sum over integration points of w det(J) B' C B
@@ -42,21 +51,24 @@ Eigen::Matrix<double, 6, 6> isotropic_elasticity(double young, double poisson);
 ///   hexahedron8    modes 1 - xi^2, 1 - eta^2, 1 - zeta^2 in each direction; 2 x 2 x 2 points
 ///   wedge6         modes 1 - zeta^2 and L1 L2, L2 L3, L3 L1 less their mean gradient, in each direction; 3 x 2 points
 ///                  (thin layers of wedges, extruded through the thickness, stay too stiff in bending: use bricks)
+///   pyramid5       bilinear on the base, linear towards the apex (rational shape functions); 2 x 2 x 2 points
 ///   tetrahedron4   constant strain
 ///   tetrahedron10  quadratic; 4 points, exact where edges are straight and evenly divided, else 14
 /// K(s C) = s K(C). Shapes with modes are not additive in C: K(C1 + C2) is not K(C1) + K(C2).
 ///
-/// @param nodes       [3 x node], basic, in Nastran's order (corners, then mid-edges 12 23 13 14 24 34)
+/// @param nodes       [3 x node], basic, in Nastran's order (a pyramid's apex last; corners, then mid-edges 12 23 13 14
+/// 24 34)
 /// @param elasticity  symmetric positive definite, order as isotropic_elasticity
 /// @return            [3 node x 3 node], force / length
 /// @throws InvalidInput  Jacobian determinant not positive at an integration point (message without file and element)
-/// Source: [Wilson1973], [Taylor1976].
+/// Source: [Wilson1973], [Taylor1976]; [Bedrosian1992] for the pyramid.
 Eigen::MatrixXd solid_stiffness(SolidShape shape, const Eigen::Ref<const Eigen::Matrix3Xd>& nodes,
                                 const Eigen::Matrix<double, 6, 6>& elasticity);
 
 /// Mass matrix at unit density, degrees of freedom as solid_stiffness; its total in each direction is the volume.
 ///
-/// Consistent: exact for hexahedra and wedges of any shape and for straight tetrahedra. Lumped: diagonal, all positive.
+/// Consistent: exact for hexahedra, wedges and pyramids of any shape and for straight tetrahedra. Lumped: diagonal, all
+/// positive.
 ///
 /// @param nodes  [3 x node], basic
 /// @return       [3 node x 3 node], length^3

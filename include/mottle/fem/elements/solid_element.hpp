@@ -9,12 +9,13 @@
 
 namespace mottle::fem {
 
-/// CHEXA, CPENTA, CTETRA with PSOLID.
+/// CHEXA, CPENTA, CPYRAM, CTETRA with PSOLID.
 struct SolidElement {
   int id = 0, property_id = 0;
   SolidShape shape = SolidShape::hexahedron8;
   std::array<int, 10> nodes = {};  ///< indices into nodes
   int material = -1;               ///< index into materials
+  int material_system = -1;        ///< CORDM, index into coordinate_systems: axes of a MAT9; -1: basic
 
   static const ElementTraits<SolidElement> k_traits;
 };

@@ -9,7 +9,8 @@ namespace mottle::study {
 std::string field_unit(const std::string& card, const std::string& name, const UnitNames& units) {
   static const std::set<std::string> k_inertias = {"I1", "I2", "I12", "J"};
   static const std::set<std::string> k_springs = {"PELAS", "CELAS2", "CELAS4", "PBUSH"};
-  if (card == "MAT1") return name == "NU" ? "-" : name == "RHO" ? units.density : units.pressure;
+  if (card.starts_with("MAT")) return name.starts_with("NU") ? "-" : name == "RHO" ? units.density : units.pressure;
+  if (name.starts_with("THETA")) return "deg";
   if (k_springs.contains(card)) {
     const bool is_rotation = name.size() == 2 && name[1] > '3';
     const char* unit = name.front() == 'B' ? units.damping : units.stiffness;
@@ -20,7 +21,7 @@ std::string field_unit(const std::string& card, const std::string& name, const U
   if (card == "CONM2" && name.front() == 'I') return fmt::format("{} {}^2", units.mass, units.length);
   if (k_inertias.contains(name)) return fmt::format("{}^4", units.length);
   if (name == "A") return fmt::format("{}^2", units.length);
-  if (name == "NSM") return fmt::format("{}/{}{}", units.mass, units.length, card == "PSHELL" ? "^2" : "");
+  if (name == "NSM") return fmt::format("{}/{}{}", units.mass, units.length, card == "PSHELL" || card.starts_with("PCOMP") ? "^2" : "");
   return units.length;
 }
 
