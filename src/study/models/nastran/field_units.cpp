@@ -6,7 +6,8 @@
 
 namespace mottle::study {
 
-std::string field_unit(const std::string& card, const std::string& name, const UnitNames& units) {
+std::string field_unit(const std::string& card, const std::string& field, const UnitNames& units) {
+  const std::string name = field.substr(0, field.find('('));  // "A(B)" at a station of a beam
   static const std::set<std::string> k_inertias = {"I1", "I2", "I12", "J"};
   static const std::set<std::string> k_springs = {"PELAS", "CELAS2", "CELAS4", "PBUSH"};
   if (card.starts_with("MAT")) return name.starts_with("NU") ? "-" : name == "RHO" ? units.density : units.pressure;

@@ -9,6 +9,6 @@
 namespace mottle::study {
 
 /// Unit of a card's number, from what its name means on that card; names in capitals.
-std::string field_unit(const std::string& card, const std::string& name, const UnitNames& units);
+std::string field_unit(const std::string& card, const std::string& field, const UnitNames& units);
 
 }  // namespace mottle::study
