@@ -1,9 +1,11 @@
 // The report: reads the data, composes the sections that have something to show, draws their plots.
 import { charts } from "./src/charts.js";
 import { read_study } from "./src/data.js";
-import { element, paragraph } from "./src/dom.js";
+import { button, element, paragraph } from "./src/dom.js";
 import { draw_waiting_figures } from "./src/figure.js";
 import { scenes } from "./src/shape_viewer.js";
+import { in_readable_units } from "./src/units.js";
+import conclusion from "./sections/conclusion.js";
 import convergence from "./sections/convergence.js";
 import correlations from "./sections/correlations.js";
 import densities from "./sections/densities.js";
@@ -15,6 +17,7 @@ import outputs from "./sections/outputs.js";
 import parameter_history from "./sections/parameter_history.js";
 import parameters from "./sections/parameters.js";
 import predictions from "./sections/predictions.js";
+import propagated from "./sections/propagated.js";
 import residuals from "./sections/residuals.js";
 import run from "./sections/run.js";
 import sample_size from "./sections/sample_size.js";
@@ -29,6 +32,8 @@ import verdict from "./sections/verdict.js";
 
 // A new section is a file in sections/ and its place in this list.
 const sections = [
+  conclusion,
+  propagated,
   verdict,
   parameters,
   densities,
@@ -65,10 +70,10 @@ function read_data() {
 const title_of = ({ title }, study) => (typeof title === "function" ? title(study) : title);
 
 function section_element(section, study) {
-  const { id, content } = section;
+  const { id, content, is_in_print } = section;
   return element(
     "section",
-    { id, "aria-labelledby": `${id}-title` },
+    { id, "aria-labelledby": `${id}-title`, class: is_in_print ? "in-print" : null },
     element("h2", { id: `${id}-title` }, title_of(section, study)),
     content(study),
   );
@@ -102,7 +107,13 @@ function glossary(drawn) {
     element(
       "p",
       { class: "note screen-only" },
-      "In every plot: hover for values; Ctrl and the mouse wheel enlarge, dragging moves, Reset shows everything again; " +
+      "Printing gives a summary of two pages. ",
+      button("Print everything", "Print all sections of this page", () => {
+        document.documentElement.classList.add("print-all");
+        window.print();
+        document.documentElement.classList.remove("print-all");
+      }),
+      " In every plot: hover for values; Ctrl and the mouse wheel enlarge, dragging moves, Reset shows everything again; " +
         "PNG and SVG save the plot, CSV a table.",
     ),
     element(
@@ -122,7 +133,7 @@ function compose(main) {
     );
     return;
   }
-  const study = read_study(data);
+  const study = read_study(in_readable_units(data));
   document.title = `${study.title} – Mottle`;
   const drawn = sections.filter((section) => section.has_data(study));
   const body = element(

@@ -4,7 +4,7 @@ import { bullets, element, prose } from "../src/dom.js";
 import { count_text, number_text, words } from "../src/format.js";
 
 const tone_of_status = {
-  converged: "good",
+  converged: "neutral", // how the iteration ended says nothing of the model
   "max-iterations": "doubtful",
   stalled: "doubtful",
   stopped: "doubtful",

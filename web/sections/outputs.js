@@ -53,7 +53,8 @@ function columns_for(rows) {
 export default {
   id: "outputs",
   title: "Outputs",
-  has_data: (study) => list(study.outputs.names).length > 0,
+  is_in_print: true,
+  has_data: (study) => study.is_update && list(study.outputs.names).length > 0,
   explained: [
     ["Error", "Mean of the model's cloud minus mean of the tests, in percent of the latter."],
     ["Model error", "An error of the model that all specimens share; the shift is its estimate from the tests."],

@@ -8,13 +8,16 @@
 #include "study/jobs/job_files.hpp"
 #include "study/jobs/study_reach.hpp"
 #include "study/jobs/update_workings.hpp"
+#include "study/results/agreement.hpp"
 #include "study/results/could_hide_json.hpp"
 #include "study/results/modes_json.hpp"
+#include "study/results/parameter_findings.hpp"
 #include "study/results/prediction_files.hpp"
 #include "study/results/result_json.hpp"
 #include "study/results/run_files.hpp"
 #include "study/results/solver_use.hpp"
 #include "study/results/surrogate_section.hpp"
+#include "study/results/verdict_summary.hpp"
 
 namespace mottle::study {
 namespace {
@@ -54,12 +57,26 @@ void write_shapes(const RunFolder& folder, const StructureModel& model, const Ei
   folder.write("modes.json", one_line(json));
 }
 
+/// What a report shows first: how well the tests are reproduced, what was found of each parameter, and the conclusion.
+void add_first_screen(const UpdateOutcome& outcome, Json& json) {
+  const UpdatingProblem& problem = outcome.problem();
+  const UpdatingResult& result = outcome.result;
+  const Agreement agreement = compare_with_tests(problem, result);
+  const std::optional<Identifiability> seen = identify(problem, result);
+  json["agreement"] = agreement_json(agreement, problem.model.outputs());
+  json["parameters"]["findings"] =
+      findings_json(find_parameters(problem, result, outcome.verdict.conclusion, seen ? &*seen : nullptr));
+  add_summary(summarise_verdict({outcome.study, problem, result, outcome.verdict, agreement, outcome.could_hide}),
+              json["verdict"]);
+}
+
 Json outcome_json(const UpdateOutcome& outcome) {
   const UpdatePlan& plan = outcome.workings->plan;
   const SurrogateUpdate* const surrogate = outcome.workings->surrogate.get();
   Json json =
       update_result_json(outcome.study, plan.tests, outcome.problem(), *plan.method, outcome.result, outcome.verdict);
   json["verdict"]["could_hide"] = could_hide_json(outcome.could_hide, plan.made.space->names());
+  add_first_screen(outcome, json);
   if (outcome.numbering) json["notes"].push_back(*outcome.numbering + '.');
   json["surrogate"] = surrogate ? surrogate_json(*outcome.study.surrogate, *surrogate) : Json(nullptr);
   if (outcome.prediction) {
