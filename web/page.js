@@ -27,6 +27,7 @@ import sensitivity from "./sections/sensitivity.js";
 import shapes from "./sections/shapes.js";
 import spearman from "./sections/spearman.js";
 import surrogate from "./sections/surrogate.js";
+import test_correlation from "./sections/test_correlation.js";
 import troubles from "./sections/troubles.js";
 import verdict from "./sections/verdict.js";
 
@@ -40,6 +41,7 @@ const sections = [
   correlations,
   identifiability,
   outputs,
+  test_correlation,
   residuals,
   predictions,
   surrogate,

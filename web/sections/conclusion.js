@@ -10,7 +10,12 @@ const outputs_at_most = 8;
 const parameters_at_most = 8;
 
 const words_of = {
-  adequate: { sign: "✓", word: "Adequate", tone: "good", text: "The model, with these parameters, was tested, and no test refuses it." },
+  adequate: {
+    sign: "✓",
+    word: "Adequate",
+    tone: "good",
+    text: "The model, with these parameters, was tested, and no test refuses it.",
+  },
   inadequate: {
     sign: "✗",
     word: "Inadequate",
@@ -51,7 +56,12 @@ function statement(study) {
     element(
       "div",
       {},
-      element("p", { class: "verdict-word" }, word, verdict.headline ? element("span", { class: "headline" }, ` – ${verdict.headline}`) : null),
+      element(
+        "p",
+        { class: "verdict-word" },
+        word,
+        verdict.headline ? element("span", { class: "headline" }, ` – ${verdict.headline}`) : null,
+      ),
       verdict.headline ? null : paragraph(text),
       summary.length ? bullets(summary, { class: "summary-list" }) : null,
     ),
@@ -82,13 +92,30 @@ function output_table(study, rows) {
   const scatter_group = "Std. dev., % of the tests'";
   return data_table({
     id: "agreement",
+    is_stacked: false,
     title: "Model against tests, the worst output first",
     columns: [
       { key: "name", title: "Output", is_text: true },
       part("m0", "initial", "mean_error", "before", mean_group, (cloud, row) => mean_text(cloud, row.unit)),
-      part("m1", "final", "mean_error", "after", mean_group, (cloud, row) => refused(row.is_mean_reproduced, mean_text(cloud, row.unit)), flag_of("is_mean_reproduced")),
+      part(
+        "m1",
+        "final",
+        "mean_error",
+        "after",
+        mean_group,
+        (cloud, row) => refused(row.is_mean_reproduced, mean_text(cloud, row.unit)),
+        flag_of("is_mean_reproduced"),
+      ),
       part("s0", "initial", "std_ratio", "before", scatter_group, (cloud) => of_tests(cloud.std_ratio)),
-      part("s1", "final", "std_ratio", "after", scatter_group, (cloud, row) => refused(row.is_scatter_reproduced, of_tests(cloud.std_ratio)), flag_of("is_scatter_reproduced")),
+      part(
+        "s1",
+        "final",
+        "std_ratio",
+        "after",
+        scatter_group,
+        (cloud, row) => refused(row.is_scatter_reproduced, of_tests(cloud.std_ratio)),
+        flag_of("is_scatter_reproduced"),
+      ),
     ],
     rows: rows.slice(0, outputs_at_most),
     all_rows: rows,
@@ -101,8 +128,11 @@ function caption_of({ result }, rows) {
   const { tests, initial_inside, final_inside, probability, is_reproduced } = record(region);
   const inside = is_number(final_inside)
     ? [
-        element("span", { class: is_reproduced === false ? "flag-text" : null, "data-field": "inside" },
-          `${is_reproduced === false ? "✗ " : ""}${final_inside} of ${tests} tests`),
+        element(
+          "span",
+          { class: is_reproduced === false ? "flag-text" : null, "data-field": "inside" },
+          `${is_reproduced === false ? "✗ " : ""}${final_inside} of ${tests} tests`,
+        ),
         ` lie within the updated model's ${short_number(100 * probability)}\u00a0% region${is_number(initial_inside) ? `, ${initial_inside} before` : ""}. `,
       ]
     : [];
@@ -115,7 +145,9 @@ function caption_of({ result }, rows) {
 
 function parameter_part(study) {
   const findings = findings_of(study);
-  const drawn = findings.filter(({ estimate, prior, prior_mean }) => is_number(estimate) || prior || is_number(prior_mean));
+  const drawn = findings.filter(
+    ({ estimate, prior, prior_mean }) => is_number(estimate) || prior || is_number(prior_mean),
+  );
   if (!drawn.length) return null;
   const shown = drawn.length > parameters_at_most ? by_attention(drawn).slice(0, parameters_at_most) : drawn;
   const rest = by_attention(drawn).slice(parameters_at_most);
@@ -125,7 +157,12 @@ function parameter_part(study) {
     element("h3", {}, "Parameters"),
     parameter_bars(shown),
     rest.length
-      ? element("details", { class: "fold" }, element("summary", {}, `${rest.length} further parameters`), parameter_bars(rest))
+      ? element(
+          "details",
+          { class: "fold" },
+          element("summary", {}, `${rest.length} further parameters`),
+          parameter_bars(rest),
+        )
       : null,
   );
 }
@@ -144,7 +181,11 @@ function step(text, is_first) {
 
 export function next_steps(steps) {
   if (!steps.length) return null;
-  return element("div", { class: "next" }, steps.map((one, k) => step(one, k === 0)));
+  return element(
+    "div",
+    { class: "next" },
+    steps.map((one, k) => step(one, k === 0)),
+  );
 }
 
 export default {

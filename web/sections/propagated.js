@@ -32,7 +32,8 @@ function rows_of(study) {
   }));
 }
 
-const interval_text = (ends) => (ends.filter(is_number).length === 2 ? `${number_text(ends[0])} … ${number_text(ends[1])}` : "–");
+const interval_text = (ends) =>
+  ends.filter(is_number).length === 2 ? `${number_text(ends[0])} … ${number_text(ends[1])}` : "–";
 
 function output_table(study) {
   const rows = rows_of(study);
@@ -44,8 +45,17 @@ function output_table(study) {
       { key: "unit", title: "Unit", is_text: true },
       { key: "initial_mean", title: "Mean" },
       { key: "std", title: "Std. dev." },
-      { key: "variation", title: "Std. dev. / mean", text: (value) => (is_number(value) ? percent_text(100 * value, 2).replace("+", "") : "–") },
-      { key: "interval", title: "95\u00a0% of the samples", text: interval_text, csv: ({ interval }) => interval.join(" to ") },
+      {
+        key: "variation",
+        title: "Std. dev. / mean",
+        text: (value) => (is_number(value) ? percent_text(100 * value, 2).replace("+", "") : "–"),
+      },
+      {
+        key: "interval",
+        title: "95\u00a0% of the samples",
+        text: interval_text,
+        csv: ({ interval }) => interval.join(" to "),
+      },
       { key: "influences", title: "Rank correlation with", is_text: true, of_class: () => "prose" },
     ].filter(({ key }) => rows.some((row) => (key === "interval" ? row.interval.length : row[key] || row[key] === 0))),
     rows,
@@ -98,7 +108,12 @@ function parameter_table({ parameters: block, parameter_axes }) {
       { key: "prior_mean", title: "Mean" },
       { key: "prior_std", title: "Std. dev." },
       has_limits
-        ? { key: "limits", title: "Limits", text: (ends) => ends.map((end) => (is_given(end) ? short_number(end) : "–")).join(" … "), csv: ({ limits }) => limits.join(" to ") }
+        ? {
+            key: "limits",
+            title: "Limits",
+            text: (ends) => ends.map((end) => (is_given(end) ? short_number(end) : "–")).join(" … "),
+            csv: ({ limits }) => limits.join(" to "),
+          }
         : null,
     ].filter(Boolean),
     rows,

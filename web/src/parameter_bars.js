@@ -23,7 +23,9 @@ function span_of({ prior, prior_mean, estimate, interval, specimens, bounds }) {
   const range = extent([...(prior ?? []), ...(interval ?? []), ...(specimens ?? []), prior_mean, estimate]);
   if (!range) return null;
   const width = range[1] - range[0] || Math.abs(range[0]) || 1;
-  const near = bounds.filter((bound) => is_number(bound) && bound > range[0] - width / 3 && bound < range[1] + width / 3);
+  const near = bounds.filter(
+    (bound) => is_number(bound) && bound > range[0] - width / 3 && bound < range[1] + width / 3,
+  );
   const [low, high] = extent([...range, ...near]);
   return { low: low - 0.03 * width, high: high + 0.03 * width };
 }
@@ -33,7 +35,11 @@ function track(finding) {
   if (!span) return null;
   const share = (value) => (100 * (value - span.low)) / (span.high - span.low);
   const strip = (kind, ends) =>
-    ends && element("span", { class: `bar-${kind}`, style: `left:${share(ends[0])}%;width:${share(ends[1]) - share(ends[0])}%` });
+    ends &&
+    element("span", {
+      class: `bar-${kind}`,
+      style: `left:${share(ends[0])}%;width:${share(ends[1]) - share(ends[0])}%`,
+    });
   const tick = (kind, value) =>
     is_number(value) && share(value) >= 0 && share(value) <= 100
       ? element("span", { class: `bar-${kind}`, style: `left:${share(value)}%` })
@@ -71,11 +77,15 @@ function spoken(finding) {
 export function mark_badge(mark, reason) {
   const shown = marks[mark];
   if (!shown) return null;
-  return element("span", { class: `mark ${shown.tone}`, title: reason, "data-mark": mark }, `${shown.sign} ${shown.word}`);
+  return element(
+    "span",
+    { class: `mark ${shown.tone}`, title: reason, "data-mark": mark },
+    `${shown.sign} ${shown.word}`,
+  );
 }
 
 function bar(finding) {
-  const says = finding.mark && !["found", "mean-only"].includes(finding.mark) ? finding.reason : null;
+  const says = ["at-bound", "not-seen"].includes(finding.mark) ? finding.reason : null; // the conclusion says the others
   return element(
     "div",
     { class: "parameter-bar", role: "img", "aria-label": spoken(finding), "data-parameter": finding.name },
@@ -93,7 +103,8 @@ function bar(finding) {
 
 function key(findings) {
   const any = (field) => findings.some((finding) => finding[field]);
-  const entry = (kind, text) => element("span", { class: "key-entry" }, element("span", { class: `key key-${kind}` }), text);
+  const entry = (kind, text) =>
+    element("span", { class: "key-entry" }, element("span", { class: `key key-${kind}` }), text);
   return element(
     "div",
     { class: "bar-key", "aria-hidden": "true" },

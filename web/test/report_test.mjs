@@ -8,6 +8,7 @@ import { parseArgs } from "node:util";
 import { open_page } from "./browser.mjs";
 import { checks } from "./checks.mjs";
 import { population_checks } from "./population_checks.mjs";
+import { first_screen_checks } from "./first_screen_checks.mjs";
 import { has_scene, scene_checks } from "./scene_checks.mjs";
 
 const { values, positionals } = parseArgs({ allowPositionals: true, options: { screenshots: { type: "string" } } });
@@ -34,7 +35,7 @@ let passed = 0;
 let failed = 0;
 try {
   const study = { ...opened, file, data, shot };
-  for (const [claim, check] of [...(has_scene(data) ? scene_checks : []), ...population_checks, ...checks]) {
+  for (const [claim, check] of [...(has_scene(data) ? scene_checks : []), ...first_screen_checks, ...population_checks, ...checks]) {
     try {
       await check(study);
       passed += 1;

@@ -289,6 +289,7 @@ Eigen::MatrixXd values_of_modes(const Study& study, const StructureModel& model,
     PairedModes paired = pair_modes(model, specimens, study.test->pairs_by_mac.value_or(true));
     for (std::string& note : paired.notes) tests.notes.push_back(std::move(note));
     tests.pairing = std::move(paired.table);
+    tests.specimens = std::make_shared<const std::vector<PairedSpecimen>>(std::move(paired.specimens));
     return paired.values;
   } catch (const InvalidInput& error) {
     throw InvalidInput(located(study, study.test->key, error.what()));

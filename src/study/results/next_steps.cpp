@@ -8,9 +8,11 @@
 namespace mottle::study {
 namespace {
 
-bool is_untested(const Verdict& verdict, std::string_view start) {
-  return std::any_of(verdict.not_tested.begin(), verdict.not_tested.end(),
-                     [&](const std::string& sentence) { return sentence.starts_with(start); });
+/// Whether the means were not tested because parameters can match any.
+bool has_too_few_outputs(const Verdict& verdict) {
+  return std::any_of(verdict.not_tested.begin(), verdict.not_tested.end(), [](const std::string& sentence) {
+    return sentence.starts_with("The means were not tested") && sentence.find("no more than") != std::string::npos;
+  });
 }
 
 std::string command_of(const SummarySources& s, std::string_view verb, const std::string& more = {}) {
@@ -63,7 +65,7 @@ std::vector<NextStep> next_steps(const SummarySources& s) {
   if (s.verdict.conclusion == Conclusion::inadequate) steps.push_back(diagnosis(s));
   const bool has_population = s.problem.tests.values.rows() > 1;
   if (!s.result.is_population && has_population) steps.push_back(population_method(s));
-  if (s.verdict.conclusion != Conclusion::inadequate && is_untested(s.verdict, "The means were not tested")) {
+  if (s.verdict.conclusion != Conclusion::inadequate && has_too_few_outputs(s.verdict)) {
     steps.push_back(
         {command_of(s, "check"),
          "After adding outputs to the study and its tests, such as mode shapes or further frequencies: with more "

@@ -26,7 +26,7 @@ std::string headline_of(const SummarySources& s) {
   const bool has_scatter = s.agreement.is_scatter_reproduced();
   switch (s.verdict.conclusion) {
     case Conclusion::inadequate:
-      return "The model does not explain the tests: something that was not updated varies or is wrong.";
+      return "The model does not explain the tests.";
     case Conclusion::adequate:
       if (has_means && has_scatter) return "The model explains the tests: it was tested, and no test refuses it.";
       return fmt::format("No test refuses the model, but it does not reproduce the {} of every output.",
@@ -156,7 +156,8 @@ void say_scatter(const SummarySources& s, std::vector<std::string>& sentences) {
 
 void say_assumptions(const SummarySources& s, std::vector<std::string>& sentences) {
   if (s.verdict.conclusion == Conclusion::inadequate) {
-    sentences.emplace_back("Do not take the estimates as physical values: they make up for what is wrong elsewhere.");
+    sentences.emplace_back(
+        "Something that was not updated varies or is wrong: do not take the estimates as physical values.");
     return;
   }
   std::string text =

@@ -13,8 +13,9 @@ namespace {
 struct Compared {
   Compared(const Eigen::Vector2d& mean, const Eigen::Vector2d& standard_deviation) {
     const Distribution prior({.kind = DistributionKind::normal, .mean = 10.0, .std = 1.0});
-    space = std::make_unique<ParameterSpace>(std::vector<Parameter>{{.name = "a"}, {.name = "b"}},
-                                             JointDistribution({prior, prior}));
+    space =
+        std::make_unique<ParameterSpace>(std::vector<Parameter>{{.name = "a", .unit = "-"}, {.name = "b", .unit = "-"}},
+                                         JointDistribution({prior, prior}));
     // Orthogonal and of the same size: the scatter of both is 1, their covariance zero.
     const Eigen::VectorXd u = Eigen::VectorXd::LinSpaced(10, -4.5, 4.5);
     const Eigen::VectorXd v = u.array().square() - 8.25;
