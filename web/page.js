@@ -95,7 +95,7 @@ function contents(drawn, study) {
   );
 }
 
-function glossary(drawn) {
+function glossary(drawn, study) {
   const entries = drawn.flatMap(({ explained }) => explained ?? []);
   return element(
     "footer",
@@ -109,11 +109,11 @@ function glossary(drawn) {
     element(
       "p",
       { class: "note screen-only" },
-      "Printing gives a summary of two pages. ",
+      study.is_modes ? null : "Printing gives a summary of two pages. ",
       button("Print everything", "Print all sections of this page", () => {
         document.documentElement.classList.add("print-all");
         window.print();
-        document.documentElement.classList.remove("print-all");
+        document.documentElement.classList.toggle("print-all", study.is_modes);
       }),
       " In every plot: hover for values; Ctrl and the mouse wheel enlarge, dragging moves, Reset shows everything again; " +
         "PNG and SVG save the plot, CSV a table.",
@@ -137,13 +137,14 @@ function compose(main) {
   }
   const study = read_study(in_readable_units(data));
   document.title = `${study.title} – Mottle`;
+  if (study.is_modes) document.documentElement.classList.add("print-all"); // only a report has a summary to print
   const drawn = sections.filter((section) => section.has_data(study));
   const body = element(
     "div",
     { class: "body" },
     header.content(study),
     drawn.map((section) => section_element(section, study)),
-    glossary(drawn),
+    glossary(drawn, study),
   );
   main.append(contents(drawn, study), body);
   draw_waiting_figures();

@@ -313,18 +313,23 @@ export const checks = [
   ],
   [
     "in print the tools are gone and everything fits the paper",
-    async ({ page, shot }) => {
+    async ({ page, data, shot }) => {
       await page.setViewportSize({ width: 680, height: 962 });
       await page.emulateMedia({ media: "print" });
       await page.waitForTimeout(300);
-      assert.equal(await page.locator(".slider:visible, .tools:visible, .controls:visible, nav:visible").count(), 0);
-      assert.deepEqual(await overflow(page), { page: 0, plots: 0 });
-      const cut = await page.evaluate(
-        () =>
-          [...document.querySelectorAll(".table-scroll")].filter((node) => node.scrollWidth > node.clientWidth + 1)
-            .length,
-      );
-      assert.equal(cut, 0, "a table is wider than the paper");
+      const is_modes_page = is_modes(data);
+      for (const all of [is_modes_page, true]) {
+        await page.evaluate((on) => document.documentElement.classList.toggle("print-all", on), all);
+        assert.equal(await page.locator(".slider:visible, .tools:visible, .controls:visible, nav:visible").count(), 0);
+        assert.deepEqual(await overflow(page), { page: 0, plots: 0 });
+        const cut = await page.evaluate(
+          () =>
+            [...document.querySelectorAll(".table-scroll")].filter((node) => node.scrollWidth > node.clientWidth + 1)
+              .length,
+        );
+        assert.equal(cut, 0, "a table is wider than the paper");
+      }
+      await page.evaluate((on) => document.documentElement.classList.toggle("print-all", on), is_modes_page);
       await shot("print");
       await page.emulateMedia({ media: null });
       await page.setViewportSize({ width: 1280, height: 900 });

@@ -154,12 +154,14 @@ export const scene_checks = [
   ],
   [
     "on paper stands a picture of the structure",
-    async ({ page }) => {
+    async ({ page, data }) => {
+      await page.evaluate(() => document.documentElement.classList.add("print-all")); // a report prints a summary else
       await page.emulateMedia({ media: "print" });
       await page.waitForTimeout(300);
       assert.equal(await page.locator(`${area} .scene:visible, ${area} .over:visible`).count(), 0);
       assert.ok((await colours_on_screen(page, `${area} .still`)) > 60, "the picture is blank");
       await page.emulateMedia({ media: null });
+      await page.evaluate((all) => document.documentElement.classList.toggle("print-all", all), data.kind === "modes");
     },
   ],
   [
