@@ -39,8 +39,8 @@ TEST(CloudData, KeepsAllOfFewClouds) {
 TEST(CloudData, HasSixDigitsOfTheRange) {
   const test::TemporaryFolder folder;
   const std::filesystem::path file = folder / "clouds.csv";
-  std::ofstream(file) << "iteration,k1,f1\n0,0.12345678901,5\n0,1,6\n";
-  EXPECT_EQ(clouds_json(file, 1)[0]["parameters"][0][0], 0.123457);
+  std::ofstream(file) << "iteration,k1,f1\n0,1.23456789,5\n0,0,6\n";
+  EXPECT_EQ(clouds_json(file, 1)[0]["parameters"][0][0], 1.23457);
 }
 
 TEST(CloudData, RefusesAFileOfOtherColumns) {

@@ -192,7 +192,7 @@ export default {
   id: "conclusion",
   title: "Conclusion",
   is_in_print: true,
-  has_data: (study) => !study.is_modes && study.is_update,
+  has_data: (study) => !study.is_modes && !study.is_propagation,
   explained: [
     [
       "Marks of parameters",

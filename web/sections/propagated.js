@@ -124,7 +124,7 @@ export default {
   id: "propagated",
   title: "What the model predicts",
   is_in_print: true,
-  has_data: (study) => !study.is_modes && !study.is_update,
+  has_data: (study) => study.is_propagation,
   explained: [
     [
       "Rank correlation",

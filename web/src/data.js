@@ -78,6 +78,7 @@ export function read_study(data) {
   study.tests = tests_by_output(record(source.tests), study.output_axes);
   study.title = String(result.title ?? "").trim() || (is_modes ? "Mode shapes" : "Untitled study");
   study.is_update = result.command ? result.command === "update" : iterations.length > 0;
+  study.is_propagation = !is_modes && !study.is_update && (result.command === "propagate" || has_numbers(outputs.initial_mean));
   return study;
 }
 

@@ -320,6 +320,7 @@ export const checks = [
       const is_modes_page = is_modes(data);
       for (const all of [is_modes_page, true]) {
         await page.evaluate((on) => document.documentElement.classList.toggle("print-all", on), all);
+        await page.waitForTimeout(500);
         assert.equal(await page.locator(".slider:visible, .tools:visible, .controls:visible, nav:visible").count(), 0);
         assert.deepEqual(await overflow(page), { page: 0, plots: 0 });
         const cut = await page.evaluate(

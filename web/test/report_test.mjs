@@ -5,6 +5,7 @@
 import { mkdirSync, readFileSync } from "node:fs";
 import path from "node:path";
 import { parseArgs } from "node:util";
+import { in_readable_units } from "../src/units.js";
 import { open_page } from "./browser.mjs";
 import { checks } from "./checks.mjs";
 import { population_checks } from "./population_checks.mjs";
@@ -25,7 +26,7 @@ function data_of(html) {
   return JSON.parse(html.slice(start, html.indexOf("</script", start)));
 }
 
-const data = data_of(readFileSync(file, "utf8"));
+const data = in_readable_units(data_of(readFileSync(file, "utf8"))); // as the page shows them
 const opened = await open_page(file, { graphics: has_scene(data) ? "webgl" : "plain" });
 const shot = async (what) => {
   if (values.screenshots)

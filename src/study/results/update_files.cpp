@@ -55,7 +55,8 @@ std::optional<StructureModel::FollowedModes> modes_at_estimate(const UpdateOutco
 }
 
 /// Those modes for the report's drawing.
-void write_shapes(const RunFolder& folder, const StructureModel& model, const StructureModel::FollowedModes& followed) {
+void write_shapes(const RunFolder& folder, const StructureModel& model, const StructureModel::FollowedModes& followed,
+                  const std::vector<std::string>& parameters) {
   if (model.structure().mesh() == nullptr) return;
   const double scale = followed.modes.eigenvalues.cwiseAbs().maxCoeff();
   std::vector<ShownMode> shown;
@@ -68,7 +69,8 @@ void write_shapes(const RunFolder& folder, const StructureModel& model, const St
     shown.push_back({k + 1, natural_frequency_hz(followed.modes.eigenvalues(k), scale),
                      std::numeric_limits<double>::quiet_NaN(), std::move(note), followed.modes.shapes.col(k)});
   }
-  const Json json = {{"modes", drawing_json(model.structure(), shown, model.selection().units.frequency)}};
+  Json json = {{"modes", drawing_json(model.structure(), shown, model.selection().units.frequency)}};
+  json["modes"]["parameters"] = parameter_parts_json(model.structure(), parameters);
   folder.write("modes.json", one_line(json));
 }
 
@@ -129,7 +131,7 @@ void write_results(const UpdateOutcome& outcome, const std::filesystem::path& pa
     folder.write("prediction.csv", prediction_csv(*outcome.prediction, plan.prediction->made.model->outputs()));
   }
   const std::optional<StructureModel::FollowedModes> followed = modes_at_estimate(outcome);
-  if (followed) write_shapes(folder, *made.model, *followed);
+  if (followed) write_shapes(folder, *made.model, *followed, made.space->names());
   Json json = outcome_json(outcome, followed ? &*followed : nullptr);
   const double writing = outcome.assessing_seconds + steady_seconds() - start;
   json["timings_s"] = {{"reading", outcome.reading_seconds},

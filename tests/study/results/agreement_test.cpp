@@ -57,10 +57,10 @@ TEST(Agreement, OfAMeanIsLimitedByStudentsTForAllOutputsTogether) {
 }
 
 TEST(Agreement, OfAScatterIsLimitedByChiSquared) {
-  // chi2(9) has 0.25 % below 1.5218 and above 25.4625 (tables): ratios between sqrt(9 / 25.4625) and sqrt(9 / 1.5218).
+  // chi2(9) has 0.25 % below 1.45014 and above 25.46248, by bisection of its closed form for odd degrees of freedom.
   const OutputAgreement output = Compared({10.0, 10.0}, {1.0, 1.0}).agreement().outputs[0];
-  EXPECT_NEAR(output.min_std_ratio, std::sqrt(9.0 / 25.4625), 1e-3);
-  EXPECT_NEAR(output.max_std_ratio, std::sqrt(9.0 / 1.5218), 1e-2);
+  EXPECT_NEAR(output.min_std_ratio, std::sqrt(9.0 / 25.46248), 1e-5);
+  EXPECT_NEAR(output.max_std_ratio, std::sqrt(9.0 / 1.45014), 1e-4);
   EXPECT_FALSE(Compared({10.0, 10.0}, {1.0, 0.14}).agreement().is_scatter_reproduced());
   EXPECT_FALSE(Compared({10.0, 10.0}, {1.0, 3.0}).agreement().is_scatter_reproduced());
 }

@@ -102,7 +102,7 @@ TEST(ParameterFindings, OfABoundOnALogarithmicScaleNamesTheMedian) {
   const UpdatingProblem problem{.model = model, .space = space};
   const ParameterFinding finding = find_parameters(problem, result, Conclusion::undecided, nullptr)[0];
   EXPECT_EQ(finding.mark, Mark::at_bound);
-  EXPECT_EQ(finding.reason.rfind("Its median stopped on the upper bound, 3 (the mean of that population is 8.86)", 0),
+  EXPECT_EQ(finding.reason.rfind("Its median stopped on the upper bound, 3 (the mean of that population is 8.861)", 0),
             0U)
       << finding.reason;
   EXPECT_EQ(updated_parameters_json(problem, result)["at_bound"][0], "upper");
