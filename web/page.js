@@ -126,6 +126,24 @@ function glossary(drawn, study) {
   );
 }
 
+const study_units = "#study-units";
+const has_study_units = () => window.location.hash === study_units;
+
+/** A button that shows the page in the other units; nothing where both are the same. */
+function unit_choice(data) {
+  const units = ({ result }) => JSON.stringify(result?.parameters?.units ?? null);
+  if (units(data) === units(in_readable_units(data))) return null;
+  return button(
+    has_study_units() ? "Readable units" : "Units of the study",
+    "Show the parameters in other units",
+    () => {
+      window.location.hash = has_study_units() ? "" : study_units;
+      window.location.reload();
+    },
+    { "data-action": "units", class: "screen-only" },
+  );
+}
+
 function compose(main) {
   const data = read_data();
   if (!data || !(data.result || data.kind === "modes")) {
@@ -135,7 +153,9 @@ function compose(main) {
     );
     return;
   }
-  const study = read_study(in_readable_units(data));
+  const shown = has_study_units() ? data : in_readable_units(data);
+  const study = read_study(shown);
+  study.unit_choice = unit_choice(data);
   document.title = `${study.title} – Mottle`;
   if (study.is_modes) document.documentElement.classList.add("print-all"); // only a report has a summary to print
   const drawn = sections.filter((section) => section.has_data(study));

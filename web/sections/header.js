@@ -84,6 +84,7 @@ export default {
         "dl",
         { class: "facts" },
         facts(study).map(([term, value]) => element("div", {}, element("dt", {}, term), element("dd", {}, value))),
+        study.unit_choice ? element("div", {}, element("dd", {}, study.unit_choice)) : null,
       ),
       study.summary.length
         ? element(

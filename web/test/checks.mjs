@@ -320,7 +320,8 @@ export const checks = [
       const is_modes_page = is_modes(data);
       for (const all of [is_modes_page, true]) {
         await page.evaluate((on) => document.documentElement.classList.toggle("print-all", on), all);
-        await page.waitForTimeout(500);
+        // A plot that was hidden takes its width when it is seen; how long that takes is no claim.
+        for (let tries = 0; tries < 50 && (await overflow(page)).plots > 0; tries += 1) await page.waitForTimeout(200);
         assert.equal(await page.locator(".slider:visible, .tools:visible, .controls:visible, nav:visible").count(), 0);
         assert.deepEqual(await overflow(page), { page: 0, plots: 0 });
         const cut = await page.evaluate(

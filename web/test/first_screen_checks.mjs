@@ -138,6 +138,23 @@ export const first_screen_checks = [
     },
   ],
   [
+    "the units of the study can be chosen",
+    async ({ page, data }) => {
+      if (!(await page.locator('[data-action="units"]').count())) return;
+      const shown = () => page.locator('[data-table="parameters"] tbody td[data-key="unit"]').allInnerTexts();
+      const choose = async () => {
+        await Promise.all([page.waitForEvent("load"), page.click('[data-action="units"]')]);
+        await page.waitForSelector("html[data-ready=true]", { state: "attached" });
+      };
+      const readable = await shown();
+      assert.deepEqual(readable, data.result.parameters.units);
+      await choose();
+      assert.notDeepEqual(await shown(), readable);
+      await choose();
+      assert.deepEqual(await shown(), readable);
+    },
+  ],
+  [
     "units are converted with all that is said in them",
     async () => {
       assert.deepEqual(shown_unit("Pa", 7e10), { unit: "GPa", factor: 1e-9 });
