@@ -1,8 +1,8 @@
 #include "study/results/verdict_summary.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <limits>
 #include <string_view>
 
 #include "mottle/core/text.hpp"
@@ -98,7 +98,7 @@ void say_means(const SummarySources& s, std::vector<std::string>& sentences) {
 }
 
 std::string range_of_ratios(const SummarySources& s) {
-  double least = INFINITY;
+  double least = std::numeric_limits<double>::infinity();
   double greatest = 0.0;
   for (const OutputAgreement& output : s.agreement.outputs) {
     if (!std::isfinite(output.final.std_ratio)) continue;
