@@ -1,9 +1,11 @@
 // The report: reads the data, composes the sections that have something to show, draws their plots.
 import { charts } from "./src/charts.js";
 import { read_study } from "./src/data.js";
-import { element, paragraph } from "./src/dom.js";
+import { button, element, paragraph } from "./src/dom.js";
 import { draw_waiting_figures } from "./src/figure.js";
 import { scenes } from "./src/shape_viewer.js";
+import { in_readable_units } from "./src/units.js";
+import conclusion from "./sections/conclusion.js";
 import convergence from "./sections/convergence.js";
 import correlations from "./sections/correlations.js";
 import densities from "./sections/densities.js";
@@ -15,6 +17,7 @@ import outputs from "./sections/outputs.js";
 import parameter_history from "./sections/parameter_history.js";
 import parameters from "./sections/parameters.js";
 import predictions from "./sections/predictions.js";
+import propagated from "./sections/propagated.js";
 import residuals from "./sections/residuals.js";
 import run from "./sections/run.js";
 import sample_size from "./sections/sample_size.js";
@@ -24,17 +27,21 @@ import sensitivity from "./sections/sensitivity.js";
 import shapes from "./sections/shapes.js";
 import spearman from "./sections/spearman.js";
 import surrogate from "./sections/surrogate.js";
+import test_correlation from "./sections/test_correlation.js";
 import troubles from "./sections/troubles.js";
 import verdict from "./sections/verdict.js";
 
 // A new section is a file in sections/ and its place in this list.
 const sections = [
+  conclusion,
+  propagated,
   verdict,
   parameters,
   densities,
   correlations,
   identifiability,
   outputs,
+  test_correlation,
   residuals,
   predictions,
   surrogate,
@@ -65,10 +72,10 @@ function read_data() {
 const title_of = ({ title }, study) => (typeof title === "function" ? title(study) : title);
 
 function section_element(section, study) {
-  const { id, content } = section;
+  const { id, content, is_in_print } = section;
   return element(
     "section",
-    { id, "aria-labelledby": `${id}-title` },
+    { id, "aria-labelledby": `${id}-title`, class: is_in_print ? "in-print" : null },
     element("h2", { id: `${id}-title` }, title_of(section, study)),
     content(study),
   );
@@ -88,7 +95,7 @@ function contents(drawn, study) {
   );
 }
 
-function glossary(drawn) {
+function glossary(drawn, study) {
   const entries = drawn.flatMap(({ explained }) => explained ?? []);
   return element(
     "footer",
@@ -102,7 +109,13 @@ function glossary(drawn) {
     element(
       "p",
       { class: "note screen-only" },
-      "In every plot: hover for values; Ctrl and the mouse wheel enlarge, dragging moves, Reset shows everything again; " +
+      study.is_modes ? null : "Printing gives a summary of two pages. ",
+      button("Print everything", "Print all sections of this page", () => {
+        document.documentElement.classList.add("print-all");
+        window.print();
+        document.documentElement.classList.toggle("print-all", study.is_modes);
+      }),
+      " In every plot: hover for values; Ctrl and the mouse wheel enlarge, dragging moves, Reset shows everything again; " +
         "PNG and SVG save the plot, CSV a table.",
     ),
     element(
@@ -110,6 +123,24 @@ function glossary(drawn) {
       { class: "note" },
       `Plots by Apache ECharts${drawn.includes(shapes) ? ", mode shapes by three.js" : ""}; licences are in this file's source.`,
     ),
+  );
+}
+
+const study_units = "#study-units";
+const has_study_units = () => window.location.hash === study_units;
+
+/** A button that shows the page in the other units; nothing where both are the same. */
+function unit_choice(data) {
+  const units = ({ result }) => JSON.stringify(result?.parameters?.units ?? null);
+  if (units(data) === units(in_readable_units(data))) return null;
+  return button(
+    has_study_units() ? "Readable units" : "Units of the study",
+    "Show the parameters in other units",
+    () => {
+      window.location.hash = has_study_units() ? "" : study_units;
+      window.location.reload();
+    },
+    { "data-action": "units", class: "screen-only" },
   );
 }
 
@@ -122,15 +153,18 @@ function compose(main) {
     );
     return;
   }
-  const study = read_study(data);
+  const shown = has_study_units() ? data : in_readable_units(data);
+  const study = read_study(shown);
+  study.unit_choice = unit_choice(data);
   document.title = `${study.title} – Mottle`;
+  if (study.is_modes) document.documentElement.classList.add("print-all"); // only a report has a summary to print
   const drawn = sections.filter((section) => section.has_data(study));
   const body = element(
     "div",
     { class: "body" },
     header.content(study),
     drawn.map((section) => section_element(section, study)),
-    glossary(drawn),
+    glossary(drawn, study),
   );
   main.append(contents(drawn, study), body);
   draw_waiting_figures();

@@ -6,6 +6,8 @@
 #include <set>
 #include <span>
 
+#include "fem/elements/element_pieces.hpp"
+
 namespace mottle::fem {
 namespace {
 
@@ -36,13 +38,25 @@ void add_line(const FiniteElementModel& model, int a, int b, std::set<std::pair<
   if (first.position != second.position) lines.insert(std::minmax(a, b));
 }
 
-Shapes shapes_of(const FiniteElementModel& model) {
+/// Whether an element, counted through all lists, is wanted; empty: all are.
+using Wanted = std::vector<bool>;
+
+/// Nodes of an element that is drawn neither by faces nor by lines.
+void add_nodes(const FiniteElementModel& model, std::span<const int> nodes, std::set<int>& points) {
+  for (const int node : nodes) {
+    if (node >= 0 && !model.nodes[static_cast<std::size_t>(node)].is_scalar) points.insert(node);
+  }
+}
+
+Shapes shapes_of(const FiniteElementModel& model, const Wanted& wanted = {}) {
   Shapes shapes;
+  std::size_t next = 0;
   std::vector<Face> faces_of_shells;
   std::map<Face, std::pair<Face, int>> faces_of_solids;  // by their nodes in ascending order
   for_each_list(model.element_lists, [&](const auto& list) {
     const auto& traits = traits_of(list);
     for (const auto& element : list) {
+      if (!wanted.empty() && !wanted[next++]) continue;
       const Topology& topology = traits.topology(element);
       const std::span<const int> nodes = traits.nodes(element);
       const auto node = [&](int k) { return nodes[static_cast<std::size_t>(k)]; };
@@ -55,7 +69,10 @@ Shapes shapes_of(const FiniteElementModel& model) {
           faces_of_shells.push_back(std::move(face));
         }
       }
+      const std::size_t lines = shapes.lines.size();
       for (const std::array<int, 2>& line : topology.lines) add_line(model, node(line[0]), node(line[1]), shapes.lines);
+      const bool is_drawn = !topology.faces.empty() || shapes.lines.size() > lines;
+      if (!wanted.empty() && !is_drawn) add_nodes(model, nodes, shapes.points);
       for (const int point : topology.points) shapes.points.insert(node(point));
     }
   });
@@ -69,10 +86,8 @@ Shapes shapes_of(const FiniteElementModel& model) {
   return shapes;
 }
 
-}  // namespace
-
-Drawing drawing_of(const FiniteElementModel& model) {
-  const auto& [faces, lines, points] = shapes_of(model);
+Drawing drawing_of_shapes(const FiniteElementModel& model, const Shapes& shapes) {
+  const auto& [faces, lines, points] = shapes;
   std::set<int> used;
   for (const Face& face : faces) used.insert(face.begin(), face.end());
   for (const auto& [a, b] : lines) used.insert({a, b});
@@ -100,6 +115,39 @@ Drawing drawing_of(const FiniteElementModel& model) {
   for (const auto& [a, b] : lines) drawing.edges.push_back({number(a), number(b)});
   for (const int node : points) drawing.points.push_back(number(node));
   return drawing;
+}
+
+/// Fields on which an element's matrices depend.
+std::set<FieldIndex> fields_of(const ElementPieces& element) {
+  std::set<FieldIndex> fields;
+  for (const ElementPiece& piece : element.pieces) {
+    for (const FieldPower& factor : piece.coefficient) fields.insert(factor.field);
+    fields.insert(piece.matrix_fields.begin(), piece.matrix_fields.end());
+  }
+  return fields;
+}
+
+}  // namespace
+
+Drawing drawing_of(const FiniteElementModel& model) {
+  return drawing_of_shapes(model, shapes_of(model));
+}
+
+std::vector<Drawing> drawings_of_fields(const FiniteElementModel& model,
+                                        const std::vector<std::vector<FieldIndex>>& groups) {
+  std::vector<Wanted> wanted(groups.size());
+  visit_elements(model, PieceSelection::all, [&](const ElementPieces& element) {
+    const std::set<FieldIndex> fields = fields_of(element);
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+      wanted[g].push_back(std::any_of(groups[g].begin(), groups[g].end(),
+                                      [&](const FieldIndex field) { return fields.contains(field); }));
+    }
+  });
+  std::vector<Drawing> drawings;
+  for (const Wanted& each : wanted) {
+    drawings.push_back(each.empty() ? Drawing{} : drawing_of_shapes(model, shapes_of(model, each)));
+  }
+  return drawings;
 }
 
 }  // namespace mottle::fem

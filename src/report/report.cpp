@@ -1,8 +1,6 @@
 #include "mottle/report/report.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -12,12 +10,11 @@
 #include "mottle/formats/tables/csv.hpp"
 #include "mottle/study/input/text_file.hpp"
 #include "mottle/study/results/run_folder.hpp"
+#include "report/cloud_data.hpp"
 #include "report/page.hpp"
 
 namespace mottle::report {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 Json read_result(const std::filesystem::path& file) {
   const std::string bytes = read_file(file);
@@ -37,22 +34,6 @@ Json read_result(const std::filesystem::path& file) {
   }
 }
 
-Json row_json(const std::vector<Eigen::VectorXd>& columns, std::size_t first, std::size_t count, Eigen::Index row) {
-  Json cells = Json::array();
-  for (std::size_t column = first; column < first + count; ++column) {
-    const double value = columns[column](row);
-    cells.push_back(std::isnan(value) ? Json(nullptr) : Json(value));
-  }
-  return cells;
-}
-
-std::vector<Eigen::VectorXd> read_columns(const CsvTable& table) {
-  std::vector<Eigen::VectorXd> columns;
-  for (std::size_t i = 0; i < table.header.size(); ++i)
-    columns.push_back(numbers_of_column(table, static_cast<int>(i)));
-  return columns;
-}
-
 Json tests_json(const std::filesystem::path& file) {
   const CsvTable table = parse_csv(read_text_file(file), file.string());
   const std::vector<Eigen::VectorXd> columns = read_columns(table);
@@ -61,26 +42,6 @@ Json tests_json(const std::filesystem::path& file) {
     rows.push_back(row_json(columns, 0, columns.size(), static_cast<Eigen::Index>(row)));
   }
   return {{"columns", table.header}, {"rows", rows}};
-}
-
-/// Samples by iteration; the first column of the file is the iteration, then `parameters` columns, then outputs.
-Json clouds_json(const std::filesystem::path& file, std::size_t parameters) {
-  const CsvTable table = parse_csv(read_text_file(file), file.string());
-  if (table.header.size() < parameters + 2 || table.header.front() != "iteration") {
-    throw FormatError(file.string(), 1, "does not fit result.json; run the study again");
-  }
-  const std::vector<Eigen::VectorXd> columns = read_columns(table);
-  Json clouds = Json::array();
-  for (std::size_t row = 0; row < table.rows.size(); ++row) {
-    const auto r = static_cast<Eigen::Index>(row);
-    const double iteration = columns[0](r);
-    if (clouds.empty() || clouds.back()["iteration"] != iteration) {
-      clouds.push_back({{"iteration", iteration}, {"parameters", Json::array()}, {"outputs", Json::array()}});
-    }
-    clouds.back()["parameters"].push_back(row_json(columns, 1, parameters, r));
-    clouds.back()["outputs"].push_back(row_json(columns, 1 + parameters, columns.size() - 1 - parameters, r));
-  }
-  return clouds;
 }
 
 std::size_t parameter_count(const Json& result, const std::filesystem::path& file) {

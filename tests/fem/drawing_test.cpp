@@ -118,5 +118,27 @@ TEST(Drawing, ShowsAPointMassOnce) {
   EXPECT_THAT(drawing.points, ::testing::ElementsAre(0U));
 }
 
+TEST(Drawing, OfFieldsHoldsTheElementsThatDependOnThemAndNoOther) {
+  test::ModelMaker maker;
+  for (int k = 0; k < 3; ++k) maker.node(k + 1, {1.0 * k, 0, 0});
+  const int twin = maker.node(4, {2, 0, 0});
+  const int soft = maker.material(1, 1.0, 0.3, 1.0);
+  const int stiff = maker.material(2, 2.0, 0.3, 1.0);
+  const FieldIndex area = maker.field("PROD", 1, "A", 1.0);
+  maker.rod(1, 0, 1, soft, area);
+  maker.rod(2, 1, 2, stiff, area);
+  maker.spring(3, 2, 0, twin, 0, 1.0);  // no length
+  const FieldIndex spring = static_cast<FieldIndex>(maker.model.fields.size()) - 1;
+  const FieldIndex young = maker.model.materials[1].young;
+  const std::vector<Drawing> parts = drawings_of_fields(maker.model, {{young}, {area}, {spring}, {}});
+  ASSERT_EQ(parts.size(), 4U);
+  EXPECT_THAT(parts[0].nodes, ::testing::ElementsAre(1, 2));
+  EXPECT_EQ(parts[0].edges.size(), 1U);
+  EXPECT_THAT(parts[1].nodes, ::testing::ElementsAre(0, 1, 2));
+  EXPECT_THAT(parts[2].nodes, ::testing::ElementsAre(2, twin)) << "as points";
+  EXPECT_EQ(parts[2].points.size(), 2U);
+  EXPECT_TRUE(parts[3].nodes.empty());
+}
+
 }  // namespace
 }  // namespace mottle::fem

@@ -1,10 +1,10 @@
 // The head of the report: what was studied, how it ended, and the counts that matter.
 import { extent, is_number, list } from "../src/data.js";
-import { bullets, element, prose } from "../src/dom.js";
+import { bullets, element, paragraph, prose } from "../src/dom.js";
 import { count_text, number_text, words } from "../src/format.js";
 
 const tone_of_status = {
-  converged: "good",
+  converged: "neutral", // how the iteration ended says nothing of the model
   "max-iterations": "doubtful",
   stalled: "doubtful",
   stopped: "doubtful",
@@ -67,7 +67,8 @@ export default {
       {},
       element("p", { class: "kicker" }, kicker(study)),
       element("h1", {}, study.title),
-      result.status
+      result.status && !study.is_update ? paragraph(result.message ?? "") : null,
+      result.status && study.is_update
         ? element(
             "p",
             { class: "status" },
@@ -83,6 +84,7 @@ export default {
         "dl",
         { class: "facts" },
         facts(study).map(([term, value]) => element("div", {}, element("dt", {}, term), element("dd", {}, value))),
+        study.unit_choice ? element("div", {}, element("dd", {}, study.unit_choice)) : null,
       ),
       study.summary.length
         ? element(

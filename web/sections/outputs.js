@@ -1,13 +1,22 @@
 // The table of the outputs: tests against the first and the last cloud.
+import { agreement_rows } from "../src/agreement.js";
 import { is_number, list, number_or_null, percent_change, standard_deviations } from "../src/data.js";
 import { percent_text } from "../src/format.js";
 import { data_table } from "../src/table.js";
 
-function rows_of({ outputs: block, output_axes }) {
+/** Positions of the outputs by how well the model reproduces them, the worst first; of older results as they come. */
+function worst_first(study) {
+  const order = agreement_rows(study).map(({ name }) => name);
+  const place = ({ name }) => (order.includes(name) ? order.indexOf(name) : order.length);
+  return [...study.output_axes].sort((a, b) => place(a) - place(b) || a.index - b.index);
+}
+
+function rows_of(study) {
+  const { outputs: block } = study;
   const deviations = Object.fromEntries(
     ["test", "initial", "final"].map((which) => [which, standard_deviations(block[`${which}_covariance`])]),
   );
-  return output_axes.map(({ index, name, unit }) => {
+  return worst_first(study).map(({ index, name, unit }) => {
     const at = (field) => number_or_null(list(block[field])[index]);
     const std = (which) => number_or_null(deviations[which][index]);
     return {
@@ -53,7 +62,8 @@ function columns_for(rows) {
 export default {
   id: "outputs",
   title: "Outputs",
-  has_data: (study) => list(study.outputs.names).length > 0,
+  is_in_print: true,
+  has_data: (study) => study.is_update && list(study.outputs.names).length > 0,
   explained: [
     ["Error", "Mean of the model's cloud minus mean of the tests, in percent of the latter."],
     ["Model error", "An error of the model that all specimens share; the shift is its estimate from the tests."],
@@ -66,7 +76,7 @@ export default {
         id: "outputs",
         rows,
         columns: columns_for(rows),
-        title: is_compared ? "Outputs: tests against the model" : "Outputs of the model",
+        title: is_compared ? "Outputs: tests against the model, the worst first" : "Outputs of the model",
       }),
     ];
   },

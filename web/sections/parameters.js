@@ -122,7 +122,8 @@ function posterior(study) {
 export default {
   id: "parameters",
   title: "Parameters",
-  has_data: (study) => study.parameter_axes.length > 0 && list(study.parameters.names).length > 0,
+  is_in_print: true,
+  has_data: (study) => study.is_update && study.parameter_axes.length > 0 && list(study.parameters.names).length > 0,
   explained: [
     [
       "At bound",

@@ -1,11 +1,22 @@
 // The regression of the last cloud: dy/dx with standard errors, and how much of the scatter it explains.
 import { is_number, list, number_or_null, record } from "../src/data.js";
 import { element, paragraph } from "../src/dom.js";
+import { figure } from "../src/figure.js";
 import { number_text, short_number } from "../src/format.js";
+import { matrix_map } from "../src/matrix_map.js";
+import { diverging } from "../src/palette.js";
 import { data_table } from "../src/table.js";
 
 const in_one_table = 6;
 const in_each_of_several = 5;
+const cell = {
+  width_at_most: 74,
+  height_at_least: 16,
+  height_at_most: 30,
+  aspect: 0.5,
+  name_at_most: 150,
+  column_room: 90,
+};
 
 function rows_of(study, regression) {
   return study.output_axes.map(({ index, name, unit }) => {
@@ -20,6 +31,33 @@ function rows_of(study, regression) {
       row[`e${parameter.index}`] = number_or_null(list(list(regression.standard_error)[index])[parameter.index]);
     }
     return row;
+  });
+}
+
+/** Change of each output in percent for one percent of each parameter, as a map; nothing where the result does not say it. */
+function percent_map(study, regression) {
+  const values = list(regression.percent_per_percent).map(list);
+  if (!values.some((row) => row.some(is_number))) return null;
+  const largest = Math.max(...values.flat().filter(is_number).map(Math.abs)) || 1;
+  return figure({
+    id: "sensitivity-percent",
+    title: "Sensitivity in percent per percent",
+    caption:
+      "Change of the output in percent for a change of the parameter by one percent, at the mean of the cloud. A frequency " +
+      "changes by half of what its stiffness does, if that stiffness alone holds it.",
+    build: matrix_map({
+      name: "% per %",
+      rows: study.output_axes.map(({ name }) => name),
+      columns: study.parameter_axes.map(({ name }) => name),
+      values,
+      low: -largest,
+      high: largest,
+      ends: [short_number(largest, 2), short_number(-largest, 2)],
+      stops: () => diverging,
+      is_deep: (value) => Math.abs(value) > 0.78 * largest,
+      cell,
+      tooltip: (row, column, value) => [`${row} by ${column}`, `${short_number(value, 3)} % per %`],
+    }),
   });
 }
 
@@ -90,6 +128,6 @@ export default {
     const condition = is_number(regression.condition)
       ? paragraph(`Condition number of the samples' columns: ${short_number(regression.condition)}.`)
       : null;
-    return [...tables, condition];
+    return [percent_map(study, regression), ...tables, condition];
   },
 };

@@ -1,60 +1,8 @@
-// Is the model right? In plain words, then the tests behind it.
+// What the conclusion rests on: what was tested and what was not, the checks, the errors that could hide, and the notes.
 import { is_number, list, record } from "../src/data.js";
 import { bullets, element, paragraph, prose } from "../src/dom.js";
-import { p_value_text, short_number, words } from "../src/format.js";
+import { p_value_text, plural, short_number, words } from "../src/format.js";
 import { data_table } from "../src/table.js";
-
-/** "adequate", "inadequate", "undecided", or null where there is no verdict; older results say true or false alone. */
-function conclusion_of({ conclusion, adequate }) {
-  if (["adequate", "inadequate", "undecided"].includes(conclusion)) return conclusion;
-  return adequate === true ? "adequate" : adequate === false ? "inadequate" : null;
-}
-
-function statement(verdict, study) {
-  const level = is_number(verdict.level) ? `${short_number(100 * verdict.level)}\u00a0%` : null;
-  const at_level = level ? ` A right model would be refused like this in ${level} of cases at most.` : "";
-  switch (conclusion_of(verdict)) {
-    case "adequate":
-      return {
-        tone: "good",
-        sign: "✓",
-        word: "Adequate",
-        text:
-          "The model, with the parameters found below, explains the tests: it was tested, and none of the checks refuses it." +
-          (level ? ` Level of the whole verdict: ${level}.` : ""),
-      };
-    case "inadequate":
-      return {
-        tone: "bad",
-        sign: "✗",
-        word: "Inadequate",
-        text:
-          "With the parameters that were updated, the model does not explain the tests. Something that was not updated varies, " +
-          `or is wrong: do not take the estimates below as physical values.${at_level}`,
-      };
-    case "undecided":
-      return {
-        tone: "open",
-        sign: "?",
-        word: "Undecided",
-        text:
-          "No test refuses the model, but too little of it could be tested to call it right: a wrong model may explain these tests " +
-          "equally well, with other parameters.",
-      };
-    default:
-      return {
-        tone: "neutral",
-        sign: "–",
-        word: "No verdict",
-        text:
-          study.tests.length || has_test_means(study)
-            ? "The result says nothing about whether the model is right."
-            : "There are no test data to compare the model with: this page shows what the model predicts.",
-      };
-  }
-}
-
-const has_test_means = (study) => list(study.outputs.test_mean).some(is_number);
 
 /** "mean-residuals" is how a result names a check. */
 const check_name = (name) => (/^[a-z0-9-]+$/.test(name ?? "") ? words(name) : (name ?? "–"));
@@ -130,10 +78,43 @@ function could_hide_table(hidden) {
   });
 }
 
+const fold = (content, title) => element("details", { class: "fold" }, element("summary", {}, title), content);
+
+function sentences(title, kind, texts) {
+  if (!list(texts).length) return null;
+  return element(
+    "div",
+    { class: "sentences" },
+    element("h3", {}, title),
+    bullets(list(texts).map(prose), { class: kind }),
+  );
+}
+
+function level_text({ level }, tests) {
+  if (!is_number(level) || !tests.length) return null;
+  return paragraph(
+    `False-alarm rate of all checks together: ${short_number(100 * level)}\u00a0%. A right model would be refused in so many cases at most.`,
+  );
+}
+
+function notes(texts) {
+  if (!texts.length) return null;
+  return element(
+    "details",
+    { class: "fold notes" },
+    element("summary", {}, plural(texts.length, "note")),
+    texts.map((note) => paragraph(prose(note))),
+  );
+}
+
 export default {
   id: "verdict-section",
-  title: "Verdict",
-  has_data: (study) => !study.is_modes,
+  title: "What the conclusion rests on",
+  is_in_print: true,
+  has_data: (study) => {
+    const { tests, reasons, not_tested, could_hide } = record(study.result.verdict);
+    return [tests, reasons, not_tested, could_hide, study.result.notes].some((part) => list(part).length > 0);
+  },
   explained: [
     [
       "Verdict",
@@ -143,37 +124,15 @@ export default {
   ],
   content(study) {
     const verdict = record(study.result.verdict);
-    const { tone, sign, word, text } = statement(verdict, study);
     const tests = list(verdict.tests).map(record);
-    const reasons = list(verdict.reasons).map(prose);
-    const not_tested = list(verdict.not_tested).map(prose);
     const hidden = list(verdict.could_hide).map(record);
-    const notes = list(study.result.notes);
     return [
-      element(
-        "div",
-        { class: `verdict ${tone}`, "data-verdict": conclusion_of(verdict) ?? "none" },
-        element("span", { class: "sign", "aria-hidden": "true" }, sign),
-        element(
-          "div",
-          {},
-          element("p", { class: "verdict-word" }, word),
-          paragraph(text),
-          reasons.length ? bullets(reasons, { class: "reasons" }) : null,
-          not_tested.length
-            ? [element("p", { class: "list-head" }, "What was not tested"), bullets(not_tested, { class: "not-tested" })]
-            : null,
-        ),
-      ),
+      sentences("What was tested", "reasons", verdict.reasons),
+      sentences("What was not tested", "not-tested", verdict.not_tested),
+      level_text(verdict, tests),
       tests.length ? tests_table(tests) : null,
-      hidden.length ? could_hide_table(hidden) : null,
-      notes.length
-        ? element(
-            "div",
-            { class: "notes" },
-            notes.map((note) => paragraph(prose(note))),
-          )
-        : null,
+      hidden.length ? fold(could_hide_table(hidden), `Errors of the model that the verdict could miss: ${hidden.length}`) : null,
+      notes(list(study.result.notes)),
     ];
   },
 };

@@ -78,6 +78,7 @@ export function read_study(data) {
   study.tests = tests_by_output(record(source.tests), study.output_axes);
   study.title = String(result.title ?? "").trim() || (is_modes ? "Mode shapes" : "Untitled study");
   study.is_update = result.command ? result.command === "update" : iterations.length > 0;
+  study.is_propagation = !is_modes && !study.is_update && (result.command === "propagate" || has_numbers(outputs.initial_mean));
   return study;
 }
 
@@ -128,7 +129,7 @@ export function ellipse_of_pair(ellipses, x_axis, y_axis) {
 }
 
 /** `angle` in radians, from the first axis to the major one. */
-function ellipse_points({ centre, semi_major, semi_minor, angle }) {
+function ellipse_points({ centre, semi_major, semi_minor, angle, scale = [1, 1] }) {
   const [x, y] = list(centre);
   if (![x, y, semi_major, semi_minor, angle].every(is_number)) return null;
   const steps = 96;
@@ -137,8 +138,8 @@ function ellipse_points({ centre, semi_major, semi_minor, angle }) {
     const along = semi_major * Math.cos(t);
     const across = semi_minor * Math.sin(t);
     return [
-      x + along * Math.cos(angle) - across * Math.sin(angle),
-      y + along * Math.sin(angle) + across * Math.cos(angle),
+      scale[0] * (x + along * Math.cos(angle) - across * Math.sin(angle)),
+      scale[1] * (y + along * Math.sin(angle) + across * Math.cos(angle)),
     ];
   });
 }

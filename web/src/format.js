@@ -15,7 +15,9 @@ export function number_text(value, digits = 4) {
     const power = String(Number(exponent)).replace(/./g, (sign) => superscripts[sign]);
     return `${with_minus(mantissa)}·10${power}`;
   }
-  return with_minus(value.toPrecision(digits));
+  const text = value.toPrecision(digits);
+  // Beyond its digits a whole number: 69190, not 6.919e+4.
+  return with_minus(text.includes("e") ? String(Number(text)) : text);
 }
 
 /** Like number_text, without trailing zeros: for bounds, options and axis labels. */

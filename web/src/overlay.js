@@ -1,6 +1,6 @@
 // What stands over the drawing of a structure, on the page and in its pictures: the mode's name, the legend, the directions.
 import { Vector3 } from "three";
-import { bound, font_family, ink, muted, sequential } from "./palette.js";
+import { accent, bound, font_family, ink, muted, sequential } from "./palette.js";
 
 function legend(context, height, has_masses) {
   const width = 120;
@@ -60,4 +60,35 @@ export function draw_overlay(context, camera, { width, height, title, note, has_
   if (note) context.fillText(note, 12, 37, width - 24);
   legend(context, height, has_masses);
   directions(context, camera, width, height);
+}
+
+const part_opacity = 0.4;
+
+/** The elements that a parameter acts on, at `places` of the nodes on the screen [node x (x, y, depth)]. */
+export function draw_part(context, { triangles, edges, points }, places) {
+  const at = (node) => [places[3 * node], places[3 * node + 1]];
+  context.fillStyle = accent;
+  context.globalAlpha = part_opacity;
+  context.beginPath();
+  for (let i = 0; i < triangles.length; i += 3) {
+    context.moveTo(...at(triangles[i]));
+    context.lineTo(...at(triangles[i + 1]));
+    context.lineTo(...at(triangles[i + 2]));
+    context.closePath();
+  }
+  context.fill("nonzero");
+  context.globalAlpha = 1;
+  context.strokeStyle = accent;
+  context.lineWidth = triangles.length ? 1.2 : 5;
+  context.beginPath();
+  for (let i = 0; i < edges.length; i += 2) {
+    context.moveTo(...at(edges[i]));
+    context.lineTo(...at(edges[i + 1]));
+  }
+  context.stroke();
+  for (const point of points) {
+    context.beginPath();
+    context.arc(...at(point), 7, 0, 2 * Math.PI);
+    context.fill();
+  }
 }

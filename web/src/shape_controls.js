@@ -16,6 +16,19 @@ function range_input({ label, name, min, max, value, text, action }) {
   return element("label", { class: "choice range" }, `${label} `, input);
 }
 
+/** Choice of a parameter whose elements are coloured; nothing where the data name none. */
+function part_choice(viewer) {
+  const { parts } = viewer.structure;
+  if (!parts.length) return null;
+  const input = element(
+    "select",
+    { id: "shape-part", onchange: () => viewer.set({ part: parts[Number(input.value)] ?? null }) },
+    element("option", { value: "-1" }, "none"),
+    parts.map(({ name }, k) => element("option", { value: k }, name)),
+  );
+  return element("label", { class: "choice" }, "Elements of ", input);
+}
+
 export function controls_of(viewer) {
   const { state } = viewer;
   viewer.play_button = button(
@@ -46,7 +59,8 @@ export function controls_of(viewer) {
     }),
     checkbox("Edges", state.has_edges, (has_edges) => viewer.set({ has_edges }), { id: "shape-edges" }),
     checkbox("Undeformed", state.has_outline, (has_outline) => viewer.set({ has_outline }), { id: "shape-outline" }),
-  ];
+    part_choice(viewer),
+  ].filter(Boolean);
 }
 
 export function tools_of(viewer) {

@@ -2,7 +2,7 @@
 import { element } from "./dom.js";
 import { frame } from "./figure.js";
 import { number_text } from "./format.js";
-import { draw_overlay } from "./overlay.js";
+import { draw_overlay, draw_part } from "./overlay.js";
 import { canvas_scene } from "./scene_canvas.js";
 import { webgl_scene } from "./scene_webgl.js";
 import { controls_of, tools_of } from "./shape_controls.js";
@@ -12,8 +12,8 @@ import { Viewpoint, project, views } from "./viewpoint.js";
 const id = "mode-shapes";
 const title = "Mode shape";
 const caption =
-  "Coloured by displacement, the largest of each mode alike; grey lines: the structure at rest. Amplitude and speed are for the " +
-  "eye, not to scale.";
+  "Coloured by displacement, the largest of each mode alike; grey lines: the structure at rest; green, where it is chosen: the " +
+  "elements that a parameter acts on. Amplitude and speed are for the eye, not to scale.";
 const standstill = Math.PI / 2; // the phase of the largest deflection
 const finest_mesh = 2.5; // CSS pixels from node to node below which edges are not drawn, and from which on they are drawn in full
 const coarse_mesh = 10;
@@ -52,6 +52,7 @@ class ShapeViewer {
       speed: 0.6,
       has_edges: true,
       has_outline: true,
+      part: null,
     };
     this.mode = modes[0];
     this.shape = structure.shape(this.mode);
@@ -136,7 +137,8 @@ class ShapeViewer {
     this.frames += 1;
   }
 
-  draw_overlay(context, width, height) {
+  draw_overlay(context, width, height, phase = this.state.phase) {
+    if (this.state.part) this.draw_part(context, width, height, phase);
     draw_overlay(context, this.viewpoint.camera, {
       width,
       height,
@@ -144,6 +146,14 @@ class ShapeViewer {
       note: this.mode.note,
       has_masses: this.structure.points.length > 0,
     });
+  }
+
+  /** The elements of a parameter, seen through what lies before them. */
+  draw_part(context, width, height, phase) {
+    this.places ??= new Float32Array(this.structure.positions.length);
+    const { camera } = this.viewpoint;
+    project(camera, this.structure, this.shape, this.deflection(phase), width, height, this.places);
+    draw_part(context, this.state.part, this.places);
   }
 
   request_frame() {
@@ -207,7 +217,7 @@ class ShapeViewer {
       this.scene.draw(this.viewpoint.camera, this.what_to_draw(phase, height));
       context.drawImage(this.surface, 0, 0, canvas.width, canvas.height);
       context.setTransform(ratio, 0, 0, ratio, 0, 0);
-      this.draw_overlay(context, width, height);
+      this.draw_overlay(context, width, height, phase);
     });
     this.scene.resize(this.size.width, this.size.height, this.size.ratio);
     this.draw();

@@ -70,6 +70,18 @@ export function read_modes(modes) {
     }));
 }
 
+/** What a parameter acts on: {name, triangles, edges, points}, as of the structure. */
+function part_of({ name, triangles, edges, points }, count) {
+  return {
+    name: String(name ?? ""),
+    triangles: groups_within(array_of(Uint32Array, triangles), 3, count),
+    edges: groups_within(array_of(Uint32Array, edges), 2, count),
+    points: list(points).filter((index) => Number.isInteger(index) && index >= 0 && index < count),
+  };
+}
+
+const has_something = ({ triangles, edges, points }) => triangles.length + edges.length + points.length > 0;
+
 /** Null where there is no node to draw. */
 export function read_structure(modes) {
   const source = record(modes);
@@ -88,6 +100,7 @@ export function read_structure(modes) {
     edges: groups_within(array_of(Uint32Array, source.edges), 2, count),
     points: list(source.points).filter((index) => Number.isInteger(index) && index >= 0 && index < count),
     shape: (mode) => shape_of(mode.text, count),
+    parts: list(source.parameters).map(record).map((part) => part_of(part, count)).filter(has_something),
   };
   return { ...structure, pitch: pitch_of(structure), ...kinds_of_edges(structure) };
 }

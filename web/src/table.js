@@ -10,8 +10,9 @@ let numbered = 0;
  *                 the same group share a head
  * @param rows     objects by key; numbers may be null
  * @param all_rows  for the file, where the page shows only some
+ * @param is_stacked  on a phone each row of more than four columns is a block of its own
  */
-export function data_table({ id, title, caption, columns, rows, all_rows = rows }) {
+export function data_table({ id, title, caption, columns, rows, all_rows = rows, is_stacked = true }) {
   numbered += 1;
   const csv = button("CSV", "Save this table as CSV", () => save_csv(id, csv_rows(columns, all_rows)), {
     "data-export": "csv",
@@ -30,7 +31,7 @@ export function data_table({ id, title, caption, columns, rows, all_rows = rows 
       { class: "table-scroll", tabindex: "0", role: "region", "aria-label": title },
       element(
         "table",
-        { "data-table": id, class: columns.length <= 4 ? "compact" : null },
+        { "data-table": id, class: columns.length <= 4 ? "compact" : is_stacked ? "stack" : null },
         heads(columns),
         element(
           "tbody",
@@ -55,6 +56,7 @@ function cell(column, row, is_head) {
   const attributes = {
     class: [column.is_text ? null : "number", column.of_class?.(row)].filter(Boolean).join(" ") || null,
     "data-key": column.key,
+    "data-label": `${column.group ? `${column.group}: ` : ""}${column.title}${column.unit ? ` ${column.unit}` : ""}`, // on a phone a row is a block of its own
     "data-value": typeof value === "number" ? value : null,
   };
   return is_head ? element("th", { ...attributes, scope: "row" }, shown) : element("td", attributes, shown);

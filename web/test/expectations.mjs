@@ -33,6 +33,8 @@ function plots_of_estimate(result) {
     has_numbers(identifiability?.singular_values) ? "singular-values" : null,
     has_directions ? "unseen-parts" : null,
     has_directions ? "unseen-directions" : null,
+    has_numbers(result.shape_correlation?.initial?.mac) ? "mac-initial" : null,
+    has_numbers(result.shape_correlation?.final?.mac) ? "mac-final" : null,
     has_numbers(specimens?.residuals) ? "residuals" : null,
     has_prediction && predicted.some(has_bar) ? "prediction-intervals" : null,
     has_prediction && has_numbers(prediction.held_out?.transforms) ? "prediction-pit" : null,
@@ -63,6 +65,7 @@ export function expected_plots(data) {
     list(result.parameters?.names).length > 1 && has_numbers(list(data.clouds).map(({ parameters }) => parameters))
       ? "scatter-parameters"
       : null,
+    has_numbers(result.regression?.percent_per_percent) ? "sensitivity-percent" : null,
     has_numbers(data.mac?.values) ? "mac" : null,
   ].filter(Boolean);
 }
@@ -86,9 +89,12 @@ export const series_of = (page, id) =>
     id,
   );
 
+/** `rows`: names, in the order of `values`; the table may have another. */
 export async function close_to_data(page, table, key, rows, values) {
+  const all = page.locator(`[data-table="${table}"] tr[data-row]`);
+  const shown_rows = await all.evaluateAll((found) => found.map((row) => row.dataset.row));
   for (const [i, value] of values.entries()) {
-    const cell = page.locator(`[data-table="${table}"] tr[data-row]`).nth(i).locator(`[data-key="${key}"]`);
+    const cell = all.nth(shown_rows.indexOf(rows[i])).locator(`[data-key="${key}"]`);
     if (!is_number(value)) {
       if (await cell.count())
         assert.equal((await cell.innerText()).trim(), "–", `${table}.${key}[${i}] of a missing number`);

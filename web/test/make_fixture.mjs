@@ -9,6 +9,7 @@ import { mkdirSync, readFileSync, writeFileSync } from "node:fs";
 import path from "node:path";
 import { add_curves } from "./curves_fixture.mjs";
 import { eigen, random_normal } from "./matrix.mjs";
+import { with_first_screen } from "./first_screen_fixture.mjs";
 import { prediction_of, with_population } from "./population_fixture.mjs";
 import { update } from "./simulate.mjs";
 import { modes_page, plate_mac, plate_modes } from "./structure_fixture.mjs";
@@ -315,7 +316,10 @@ function sparse(data) {
       uniformity_p_values: null,
     },
   };
-  result.surrogate = { kind: null, rounds: [{ runs: null, carried_error: [0.1, null], error_at_estimate: null }, null] };
+  result.surrogate = {
+    kind: null,
+    rounds: [{ runs: null, carried_error: [0.1, null], error_at_estimate: null }, null],
+  };
   result.rejected_draws = null;
   result.options = null;
   data.clouds = [data.clouds[0], data.clouds[6]];
@@ -363,8 +367,11 @@ function case_1() {
   add_curves(data.result.parameters);
   return data;
 }
-write_page("case1", case_1());
-write_page("refused", update(refused_study()).data);
+write_page("case1", with_first_screen(case_1(), { is_reassuring: true }));
+write_page(
+  "refused",
+  with_first_screen(update(refused_study()).data, { flagged: [2], marks: ["doubtful", "at-bound", "not-seen"] }),
+);
 const population = with_population(case_1(), {
   scales: ["identity", "log", "logit"],
   outliers: [4],
@@ -382,16 +389,19 @@ population.result.surrogate = {
 write_page("population", population);
 write_page(
   "aeroplane",
-  with_population(with_gaps(update(aeroplane_study()).data), {
-    scales: ["identity", "identity", "log"],
-    unseen: 4,
-    outliers: [17, 60],
-    prediction: prediction_of(
-      Array.from({ length: 11 }, (_, k) => `f${k + 15}`),
-      43,
-      { narrow: 0.7 },
-    ),
-  }),
+  with_first_screen(
+    with_population(with_gaps(update(aeroplane_study()).data), {
+      scales: ["identity", "identity", "log"],
+      unseen: 4,
+      outliers: [17, 60],
+      prediction: prediction_of(
+        Array.from({ length: 11 }, (_, k) => `f${k + 15}`),
+        43,
+        { narrow: 0.7 },
+      ),
+    }),
+    { flagged: [3, 7], marks: ["found", "mean-only", "at-bound", "not-seen"] },
+  ),
 );
 write_page("propagate", propagate(case_1()));
 write_page("sparse", sparse(case_1()));

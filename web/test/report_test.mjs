@@ -5,9 +5,11 @@
 import { mkdirSync, readFileSync } from "node:fs";
 import path from "node:path";
 import { parseArgs } from "node:util";
+import { in_readable_units } from "../src/units.js";
 import { open_page } from "./browser.mjs";
 import { checks } from "./checks.mjs";
 import { population_checks } from "./population_checks.mjs";
+import { first_screen_checks } from "./first_screen_checks.mjs";
 import { has_scene, scene_checks } from "./scene_checks.mjs";
 
 const { values, positionals } = parseArgs({ allowPositionals: true, options: { screenshots: { type: "string" } } });
@@ -24,7 +26,7 @@ function data_of(html) {
   return JSON.parse(html.slice(start, html.indexOf("</script", start)));
 }
 
-const data = data_of(readFileSync(file, "utf8"));
+const data = in_readable_units(data_of(readFileSync(file, "utf8"))); // as the page shows them
 const opened = await open_page(file, { graphics: has_scene(data) ? "webgl" : "plain" });
 const shot = async (what) => {
   if (values.screenshots)
@@ -34,7 +36,7 @@ let passed = 0;
 let failed = 0;
 try {
   const study = { ...opened, file, data, shot };
-  for (const [claim, check] of [...(has_scene(data) ? scene_checks : []), ...population_checks, ...checks]) {
+  for (const [claim, check] of [...(has_scene(data) ? scene_checks : []), ...first_screen_checks, ...population_checks, ...checks]) {
     try {
       await check(study);
       passed += 1;

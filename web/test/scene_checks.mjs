@@ -71,6 +71,12 @@ async function is_drawn_and_answers({ page, data }) {
   if (data.modes.triangles) await page.click("#shape-edges");
   await changes(page, "taking the undeformed structure away", () => page.click("#shape-outline"));
   await page.click("#shape-outline");
+  if (!data.modes.parameters) return;
+  const options = await page.locator("#shape-part option").allTextContents();
+  assert.deepEqual(options.slice(0, 2), ["none", data.modes.parameters[0].name]);
+  assert.ok(!options.includes("nothing"), "a parameter without elements is offered");
+  await changes(page, "colouring a parameter's elements", () => page.selectOption("#shape-part", "0"));
+  await page.selectOption("#shape-part", "-1");
 }
 
 export const scene_checks = [
@@ -154,12 +160,14 @@ export const scene_checks = [
   ],
   [
     "on paper stands a picture of the structure",
-    async ({ page }) => {
+    async ({ page, data }) => {
+      await page.evaluate(() => document.documentElement.classList.add("print-all")); // a report prints a summary else
       await page.emulateMedia({ media: "print" });
       await page.waitForTimeout(300);
       assert.equal(await page.locator(`${area} .scene:visible, ${area} .over:visible`).count(), 0);
       assert.ok((await colours_on_screen(page, `${area} .still`)) > 60, "the picture is blank");
       await page.emulateMedia({ media: null });
+      await page.evaluate((all) => document.documentElement.classList.toggle("print-all", all), data.kind === "modes");
     },
   ],
   [

@@ -55,6 +55,10 @@ export function plate_modes(nx, ny, count) {
     triangles: base64(Uint32Array.from(parts.triangles)),
     edges: base64(Uint32Array.from(parts.edges)),
     points: [parts.tip],
+    parameters: [
+      { name: "<b>skin</b>", triangles: base64(Uint32Array.from(parts.triangles.slice(0, 60))), edges: "", points: [] },
+      { name: "nothing", triangles: "", edges: "", points: [9e9] },
+    ],
     list: orders.map(({ m, n, frequency }, k) => ({
       number: k + 1,
       frequency,

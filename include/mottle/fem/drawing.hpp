@@ -22,4 +22,11 @@ struct Drawing {
 /// apart; concentrated masses. Quadrilaterals are split along their shorter diagonal; mid-edge nodes are left out.
 Drawing drawing_of(const FiniteElementModel& model);
 
+/// The same of only those elements whose matrices depend on one of the fields of a group, for each group. Elements that
+/// have neither faces nor lines (springs between nodes at one place) are drawn as points.
+///
+/// @throws InvalidInput  an element whose form or section cannot be
+std::vector<Drawing> drawings_of_fields(const FiniteElementModel& model,
+                                        const std::vector<std::vector<FieldIndex>>& groups);
+
 }  // namespace mottle::fem

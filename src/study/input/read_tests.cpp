@@ -210,6 +210,7 @@ Eigen::MatrixXd values_of_modes(const Study& study, const StructureModel& model,
         pair_modes(model, specimens, study.test->pairing.value_or(TestPairing::mac) == TestPairing::mac);
     for (std::string& note : paired.notes) tests.notes.push_back(std::move(note));
     tests.pairing = std::move(paired.table);
+    tests.specimens = std::make_shared<const std::vector<PairedSpecimen>>(std::move(paired.specimens));
     return paired.values;
   } catch (const InvalidInput& error) {
     throw InvalidInput(located(study, study.test->key, error.what()));

@@ -5,6 +5,7 @@
 #include <cstdlib>
 
 #include "mottle/core/error.hpp"
+#include "mottle/core/rounding.hpp"
 #include "mottle/updating/estimate/normal_estimates.hpp"
 #include "study/results/density_curves.hpp"
 
@@ -153,19 +154,10 @@ Json optional_json(const std::optional<double>& value) {
 }  // namespace
 
 Json drawn_json(const Eigen::Ref<const Eigen::VectorXd>& values) {
-  constexpr int k_digits = 6;
-  constexpr int k_max_digits = 17;
   Json list = Json::array();
   if (values.size() == 0) return list;
-  const double range = values.maxCoeff() - values.minCoeff();
-  const double largest = values.cwiseAbs().maxCoeff();
-  // In a narrow range far from zero the leading digits are all equal.
-  const double leading = range > 0.0 && std::isfinite(range) ? std::ceil(std::log10(largest / range)) : k_max_digits;
-  const int digits = static_cast<int>(std::clamp<double>(k_digits + leading, k_digits, k_max_digits));
-  for (const double value : values) {
-    const std::string text = fmt::format("{:.{}g}", value, digits);
-    list.push_back(number_json(std::strtod(text.c_str(), nullptr)));
-  }
+  const int digits = digits_of_range(values.maxCoeff() - values.minCoeff(), values.cwiseAbs().maxCoeff());
+  for (const double value : values) list.push_back(number_json(rounded(value, digits)));
   return list;
 }
 

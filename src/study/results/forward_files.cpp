@@ -3,12 +3,38 @@
 #include "mottle/stats/moments/descriptive.hpp"
 #include "mottle/study/jobs/forward.hpp"
 #include "mottle/study/results/run_folder.hpp"
+#include "mottle/updating/estimate/sample_estimate.hpp"
+#include "study/results/next_steps.hpp"
 #include "study/results/result_json.hpp"
 #include "study/results/run_files.hpp"
 #include "study/results/solver_use.hpp"
 
 namespace mottle::study {
 namespace {
+
+/// What 95 % of the samples lie within [output x 2], linear between the samples.
+Eigen::MatrixXd sample_intervals(const Eigen::MatrixXd& samples) {
+  Eigen::MatrixXd intervals(samples.cols(), 2);
+  const Eigen::VectorXd equal = Eigen::VectorXd::Constant(samples.rows(), 1.0 / static_cast<double>(samples.rows()));
+  for (Eigen::Index k = 0; k < samples.cols(); ++k) {
+    intervals.row(k) << weighted_quantile(samples.col(k), equal, 0.025),
+        weighted_quantile(samples.col(k), equal, 0.975);
+  }
+  return intervals;
+}
+
+/// What to do with a cloud: `next` of result.json.
+Json next_of(const Study& study) {
+  const std::string file = shell_word(study.file.filename().string());
+  if (study.test) {
+    return Json::array({{{"command", "mottle update " + file},
+                         {"reason",
+                          "Finds the parameters that explain the study's tests, and says whether the model can "
+                          "be right."}}});
+  }
+  return Json::array({{{"command", "mottle check " + file},
+                       {"reason", "After adding [test] to the study: with tests the parameters can be updated."}}});
+}
 
 /// Names and units of the outputs, with their moments where there are two samples or more.
 Json propagated_outputs(const PropagateOutcome& outcome) {
@@ -17,6 +43,9 @@ Json propagated_outputs(const PropagateOutcome& outcome) {
   if (valid.outputs.rows() < 2) return json;
   json["initial_mean"] = to_json(sample_mean(valid.outputs));
   json["initial_covariance"] = to_json_rows(sample_covariance(valid.outputs));
+  json["coefficient_of_variation"] =
+      to_json(sample_standard_deviation(valid.outputs).cwiseQuotient(sample_mean(valid.outputs).cwiseAbs()));
+  json["interval95"] = to_json_rows(sample_intervals(valid.outputs));
   return json;
 }
 
@@ -42,6 +71,7 @@ Json outcome_json(const PropagateOutcome& outcome) {
   json["rejected_draws"] = rejected_draws_json(cloud.rejected);
   json["failed_evaluations"] = failures_json(cloud.failures, 0);
   json["tracking"] = tracking_json(cloud.notes, 0);
+  json["next"] = next_of(outcome.study);
   return json;
 }
 

@@ -1,11 +1,14 @@
 #include "study/results/modes_json.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 #include <span>
 
 #include "mottle/core/base64.hpp"
 #include "mottle/fem/drawing.hpp"
+#include "mottle/model/structures/finite_element_structure.hpp"
 
 namespace mottle::study {
 namespace {
@@ -16,6 +19,30 @@ std::string floats(const Eigen::MatrixX3d& rows, const std::vector<int>& nodes, 
     for (Eigen::Index c = 0; c < 3; ++c) values.push_back(static_cast<float>(scale * rows(node, c)));
   }
   return base64_of(std::span<const float>(values));
+}
+
+/// Groups of a part's nodes in the numbers of the whole drawing; those with a node that is not drawn are left out.
+template <std::size_t Size>
+std::vector<std::uint32_t> renumbered(const std::vector<std::array<std::uint32_t, Size>>& groups, const Drawing& part,
+                                      const std::vector<int>& drawn) {
+  std::vector<std::uint32_t> numbers;
+  for (const auto& group : groups) {
+    std::array<std::uint32_t, Size> own{};
+    bool is_drawn = true;
+    for (std::size_t k = 0; k < Size; ++k) {
+      const auto found = std::lower_bound(drawn.begin(), drawn.end(), part.nodes[group[k]]);
+      is_drawn = is_drawn && found != drawn.end() && *found == part.nodes[group[k]];
+      own[k] = static_cast<std::uint32_t>(found - drawn.begin());
+    }
+    if (is_drawn) numbers.insert(numbers.end(), own.begin(), own.end());
+  }
+  return numbers;
+}
+
+std::vector<std::array<std::uint32_t, 1>> points_of(const Drawing& part) {
+  std::vector<std::array<std::uint32_t, 1>> points;
+  for (const std::uint32_t point : part.points) points.push_back({point});
+  return points;
 }
 
 }  // namespace
@@ -70,6 +97,24 @@ Json drawing_json(const Structure& structure, const std::vector<ShownMode>& mode
           {"edges", base64_of(std::span<const std::uint32_t>(edges))},
           {"points", drawing.points},
           {"list", list}};
+}
+
+Json parameter_parts_json(const Structure& structure, const std::vector<std::string>& names) {
+  const auto* const deck = dynamic_cast<const FiniteElementStructure*>(&structure);
+  Json list = Json::array();
+  if (deck == nullptr || deck->field_parameters().size() != names.size()) return list;
+  std::vector<std::vector<FieldIndex>> groups;
+  for (const FieldParameter& parameter : deck->field_parameters()) groups.push_back(parameter.fields);
+  const std::vector<int> drawn = drawing_of(deck->model()).nodes;
+  const std::vector<Drawing> parts = drawings_of_fields(deck->model(), groups);
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const Drawing& part = parts[i];
+    list.push_back({{"name", names[i]},
+                    {"triangles", base64_of(std::span<const std::uint32_t>(renumbered(part.triangles, part, drawn)))},
+                    {"edges", base64_of(std::span<const std::uint32_t>(renumbered(part.edges, part, drawn)))},
+                    {"points", renumbered(points_of(part), part, drawn)}});
+  }
+  return list;
 }
 
 }  // namespace mottle::study

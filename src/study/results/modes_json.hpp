@@ -1,6 +1,7 @@
 // Mode shapes of a finite-element model as the page draws them.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "mottle/layers.hpp"
@@ -29,5 +30,9 @@ Eigen::MatrixX3d node_displacements(const Structure& structure, const Eigen::Ref
 /// @param frequency_unit  of the modes' frequencies
 Json drawing_json(const Structure& structure, const std::vector<ShownMode>& modes,
                   const std::string& frequency_unit = "Hz");
+
+/// What each parameter acts on, in the nodes of that drawing: `name`, `triangles`, `edges`, `points`; empty where the
+/// structure is none of finite elements with parameters on its cards.
+Json parameter_parts_json(const Structure& structure, const std::vector<std::string>& names);
 
 }  // namespace mottle::study

@@ -76,7 +76,8 @@ Json updated_parameters_json(const UpdatingProblem& problem, const UpdatingResul
   parameters["mean_curvature_bias"] = result.curvature_bias.size() > 0 ? to_json(result.curvature_bias) : Json(nullptr);
   parameters["intervals_by"] = result.intervals ? Json(result.intervals->made_by) : Json(nullptr);
   Json at_bound = Json::array();
-  for (const int side : problem.space.active_bounds(result.mean)) {
+  parameters["location"] = to_json(result.location());
+  for (const int side : problem.space.active_bounds(result.location())) {
     at_bound.push_back(side == 0 ? Json(nullptr) : Json(side < 0 ? "lower" : "upper"));
   }
   parameters["at_bound"] = at_bound;

@@ -134,6 +134,14 @@ Json result_head(const Study& study, const std::string& command) {
           {"command", command}, {"units", study.units}, {"seed", study.seed}};
 }
 
+/// Change of each output in percent for one percent of each parameter, at the means of the cloud; null where a mean
+/// output is zero.
+Json relative_sensitivity_json(const Eigen::MatrixXd& sensitivity, const Cloud::Valid& cloud) {
+  const Eigen::VectorXd x = sample_mean(cloud.samples);
+  const Eigen::VectorXd y = sample_mean(cloud.outputs);
+  return to_json_rows(y.cwiseAbs().cwiseInverse().asDiagonal() * sensitivity * x.cwiseAbs().asDiagonal());
+}
+
 void add_cloud_analysis(Json& result, const Cloud& regressed, const Cloud& ranked) {
   const Cloud::Valid last = regressed.valid();
   const Cloud::Valid first = ranked.valid();
@@ -144,6 +152,7 @@ void add_cloud_analysis(Json& result, const Cloud& regressed, const Cloud& ranke
     try {
       const LinearRegression fit = linear_regression(last.samples, last.outputs);
       result["regression"] = {{"sensitivity", to_json_rows(fit.sensitivity)},
+                              {"percent_per_percent", relative_sensitivity_json(fit.sensitivity, last)},
                               {"standard_error", to_json_rows(fit.standard_error)},
                               {"r_squared", to_json(fit.r_squared)},
                               {"condition", number_json(fit.condition)},

@@ -1,6 +1,8 @@
 // The files of an update.
 #include <limits>
+#include <optional>
 
+#include "mottle/core/error.hpp"
 #include "mottle/dynamics/modes/mode_set.hpp"
 #include "mottle/formats/tables/csv.hpp"
 #include "mottle/study/jobs/update.hpp"
@@ -8,13 +10,17 @@
 #include "study/jobs/job_files.hpp"
 #include "study/jobs/study_reach.hpp"
 #include "study/jobs/update_workings.hpp"
+#include "study/results/agreement.hpp"
 #include "study/results/could_hide_json.hpp"
 #include "study/results/modes_json.hpp"
+#include "study/results/parameter_findings.hpp"
 #include "study/results/prediction_files.hpp"
 #include "study/results/result_json.hpp"
 #include "study/results/run_files.hpp"
+#include "study/results/shape_correlation.hpp"
 #include "study/results/solver_use.hpp"
 #include "study/results/surrogate_section.hpp"
+#include "study/results/verdict_summary.hpp"
 
 namespace mottle::study {
 namespace {
@@ -35,10 +41,23 @@ std::string history_csv(const UpdatingProblem& problem, const UpdatingResult& re
   return format_csv(header, rows);
 }
 
-/// The modes of the updated model for the report's drawing, numbered and followed as the outputs are.
-void write_shapes(const RunFolder& folder, const StructureModel& model, const Eigen::VectorXd& mean) {
-  if (model.structure().mesh() == nullptr || model.highest_mode() == 0) return;
-  const StructureModel::FollowedModes followed = model.follow(mean);
+/// The modes of the updated model, numbered and followed as the outputs are; nothing where nobody looks at them, where
+/// it would take another run of a program, and where one is lost.
+std::optional<StructureModel::FollowedModes> modes_at_estimate(const UpdateOutcome& outcome) {
+  const StructureModel& model = *outcome.workings->plan.made.model;
+  const bool is_shown = model.structure().mesh() != nullptr || outcome.workings->plan.tests.specimens != nullptr;
+  if (!is_shown || model.highest_mode() == 0 || !model.structure().has_stiffness()) return std::nullopt;
+  try {
+    return model.follow(outcome.result.mean);
+  } catch (const InvalidInput&) {
+    return std::nullopt;
+  }
+}
+
+/// Those modes for the report's drawing.
+void write_shapes(const RunFolder& folder, const StructureModel& model, const StructureModel::FollowedModes& followed,
+                  const std::vector<std::string>& parameters) {
+  if (model.structure().mesh() == nullptr) return;
   const double scale = followed.modes.eigenvalues.cwiseAbs().maxCoeff();
   std::vector<ShownMode> shown;
   for (int k = 0; k < model.highest_mode(); ++k) {
@@ -50,16 +69,33 @@ void write_shapes(const RunFolder& folder, const StructureModel& model, const Ei
     shown.push_back({k + 1, natural_frequency_hz(followed.modes.eigenvalues(k), scale),
                      std::numeric_limits<double>::quiet_NaN(), std::move(note), followed.modes.shapes.col(k)});
   }
-  const Json json = {{"modes", drawing_json(model.structure(), shown, model.selection().units.frequency)}};
+  Json json = {{"modes", drawing_json(model.structure(), shown, model.selection().units.frequency)}};
+  json["modes"]["parameters"] = parameter_parts_json(model.structure(), parameters);
   folder.write("modes.json", one_line(json));
 }
 
-Json outcome_json(const UpdateOutcome& outcome) {
+/// What a report shows first: how well the tests are reproduced, what was found of each parameter, and the conclusion.
+void add_first_screen(const UpdateOutcome& outcome, const StructureModel::FollowedModes* followed, Json& json) {
+  const UpdatingProblem& problem = outcome.problem();
+  const UpdatingResult& result = outcome.result;
+  const Agreement agreement = compare_with_tests(problem, result);
+  const std::optional<Identifiability> seen = identify(problem, result);
+  json["agreement"] = agreement_json(agreement, problem.model.outputs());
+  json["parameters"]["findings"] =
+      findings_json(find_parameters(problem, result, outcome.verdict.conclusion, seen ? &*seen : nullptr));
+  json["shape_correlation"] = shape_correlation_json(
+      correlate_shapes(*outcome.workings->plan.made.model, outcome.workings->plan.tests, result, followed));
+  add_summary(summarise_verdict({outcome.study, problem, result, outcome.verdict, agreement, outcome.could_hide}),
+              json["verdict"]);
+}
+
+Json outcome_json(const UpdateOutcome& outcome, const StructureModel::FollowedModes* followed) {
   const UpdatePlan& plan = outcome.workings->plan;
   const SurrogateUpdate* const surrogate = outcome.workings->surrogate.get();
   Json json =
       update_result_json(outcome.study, plan.tests, outcome.problem(), *plan.method, outcome.result, outcome.verdict);
   json["verdict"]["could_hide"] = could_hide_json(outcome.could_hide, plan.made.space->names());
+  add_first_screen(outcome, followed, json);
   if (outcome.numbering) json["notes"].push_back(*outcome.numbering + '.');
   json["surrogate"] = surrogate ? surrogate_json(*outcome.study.surrogate, *surrogate) : Json(nullptr);
   if (outcome.prediction) {
@@ -94,8 +130,9 @@ void write_results(const UpdateOutcome& outcome, const std::filesystem::path& pa
   if (outcome.prediction) {
     folder.write("prediction.csv", prediction_csv(*outcome.prediction, plan.prediction->made.model->outputs()));
   }
-  write_shapes(folder, *made.model, outcome.result.mean);
-  Json json = outcome_json(outcome);
+  const std::optional<StructureModel::FollowedModes> followed = modes_at_estimate(outcome);
+  if (followed) write_shapes(folder, *made.model, *followed, made.space->names());
+  Json json = outcome_json(outcome, followed ? &*followed : nullptr);
   const double writing = outcome.assessing_seconds + steady_seconds() - start;
   json["timings_s"] = {{"reading", outcome.reading_seconds},
                        {"updating", outcome.updating_seconds},

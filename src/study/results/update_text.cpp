@@ -20,7 +20,7 @@ std::vector<std::string> table_lines(const UpdatingProblem& problem, const Updat
                               result.is_population ? "std" : "std (mean's)", ends));
   const Eigen::VectorXd prior_mean = problem.space.prior().mean();
   const Eigen::VectorXd prior_std = problem.space.prior().covariance().diagonal().cwiseSqrt();
-  const Eigen::VectorXi active = problem.space.active_bounds(result.mean);
+  const Eigen::VectorXi active = problem.space.active_bounds(result.location());
   for (Eigen::Index i = 0; i < result.mean.size(); ++i) {
     const std::string intervals = result.intervals
                                       ? fmt::format("  {:>23} {:>23}", interval_text(result.intervals->mean.row(i)),

@@ -87,6 +87,7 @@ PairedModes pair_modes(const StructureModel& model, const std::vector<MeasuredMo
       if (row.verdict == "missing") missing.push_back(name);
       if (row.verdict == "doubtful") doubtful.push_back(fmt::format("{} ({})", name, row.reason));
     }
+    paired.specimens.push_back({std::move(modes), pairing.assigned()});
   }
   paired.table = table.csv();
   add_note(paired.notes, "Modes that were not found", missing);

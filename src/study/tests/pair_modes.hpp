@@ -1,6 +1,7 @@
 // Table of the assignment of each specimen's measured modes to the model's modes.
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -10,11 +11,18 @@
 
 namespace mottle::study {
 
+/// One specimen's modes, its shapes in the axes that were settled on.
+struct PairedSpecimen {
+  MeasuredModes modes;
+  std::map<int, Eigen::Index> assigned;  ///< measured mode of each of the reference's, both counted from 0
+};
+
 /// Specimens as values of the model's outputs, and how they came about.
 struct PairedModes {
   Eigen::MatrixXd values = {};          ///< [specimen x StructureModel::measured()]; nan: not measured
   std::string table = {};               ///< CSV: a row for each mode of the outputs and each measured mode that is none
   std::vector<std::string> notes = {};  ///< what is missing, doubtful or left out
+  std::vector<PairedSpecimen> specimens = {};
 };
 
 /// Pairs every specimen's modes with the reference's by MAC at the measured components and optimal assignment, or by

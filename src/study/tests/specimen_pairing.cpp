@@ -105,8 +105,12 @@ double largest_other(const Eigen::VectorXd& values, Eigen::Index but) {
 }  // namespace
 
 ShapeComparison compare_shapes(const StructureModel& model, const MeasuredModes& modes) {
+  return compare_shapes(model, model.reference_modes().shapes, modes);
+}
+
+ShapeComparison compare_shapes(const StructureModel& model, const Eigen::Ref<const Eigen::MatrixXd>& shapes,
+                               const MeasuredModes& modes) {
   ShapeComparison comparison;
-  const Eigen::MatrixXd& shapes = model.reference_modes().shapes;
   comparison.reference = Eigen::MatrixXd::Zero(modes.shapes.rows(), shapes.cols());
   for (Eigen::Index k = 0; k < modes.shapes.rows(); ++k) {
     comparison.terms.push_back(terms_of(model, modes.components[static_cast<std::size_t>(k)]));

@@ -25,6 +25,10 @@ struct ShapeComparison {
 
 ShapeComparison compare_shapes(const StructureModel& model, const MeasuredModes& modes);
 
+/// The same with other shapes of the model than its reference's [equation x mode].
+ShapeComparison compare_shapes(const StructureModel& model, const Eigen::Ref<const Eigen::MatrixXd>& shapes,
+                               const MeasuredModes& modes);
+
 /// Sum of MAC over the pairs of an optimal assignment.
 double total_mac(const StructureModel& model, const MeasuredModes& modes);
 
@@ -47,6 +51,8 @@ class SpecimenPairing {
   std::vector<PairingRow> rows() const;
   /// Modes, counted from 1, whose shapes are outputs but have no modal mass where their size is data.
   std::vector<int> modes_without_size() const;
+  /// Measured mode of each reference mode, both counted from 0.
+  const std::map<int, Eigen::Index>& assigned() const { return assigned_; }
 
  private:
   std::string doubt(int reference, Eigen::Index test) const;

@@ -44,7 +44,9 @@ DetectabilityAnalysis analyse_detectability(CandidateFits& fits, const SetFit& b
   const Eigen::VectorXd scale = space.prior().covariance().diagonal().cwiseSqrt();
   const double root_n = std::sqrt(static_cast<double>(fits.specimens()));
   const Eigen::MatrixXd white = root_n * CovarianceAxes(total).whitening(k_min_variance) * slope * scale.asDiagonal();
-  const Eigen::VectorXi active = space.active_bounds(x);
+  Eigen::VectorXd location = x;
+  location.head(given) = base.location;
+  const Eigen::VectorXi active = space.active_bounds(location);
   DetectabilityAnalysis analysis;
   Eigen::MatrixXd parts(white.rows(), all - given);
   for (Eigen::Index i = 0; i < all; ++i) {

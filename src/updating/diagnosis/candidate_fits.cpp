@@ -111,7 +111,8 @@ SetFit CandidateFits::fit(const ParameterSet& set, const Eigen::VectorXd& start)
     result.mean = population.mean();
     result.covariance = population.covariance();
     result.standard_deviation = result.covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
-    const Eigen::VectorXi active = space.active_bounds(result.mean);
+    result.location = to_variables(space.transforms(), result.fit.mean.transpose()).row(0);
+    const Eigen::VectorXi active = space.active_bounds(result.location);
     for (std::size_t i = 0; i < set.members.size(); ++i) {
       if (set.members[i] < settings_.given && active(static_cast<Eigen::Index>(i)) != 0) result.is_within = false;
     }

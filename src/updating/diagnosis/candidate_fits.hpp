@@ -25,10 +25,11 @@ struct ParameterSet {
 /// One fit of a set.
 struct SetFit {
   PopulationFit fit;
-  Eigen::VectorXd mean;  ///< on the parameters' own axes [member]
+  Eigen::VectorXd mean;      ///< on the parameters' own axes [member]
+  Eigen::VectorXd location;  ///< what their bounds hold for, see Estimate::location() [member]
   Eigen::VectorXd standard_deviation;
   Eigen::MatrixXd covariance;
-  bool is_within = true;  ///< no mean of a given parameter on a bound
+  bool is_within = true;  ///< no given parameter on a bound
   std::string failure;    ///< empty: there is a fit
 };
 

@@ -162,7 +162,7 @@ void describe_base(const UpdatingProblem& problem, const SetFit& base, Diagnosis
   diagnosis.standard_deviation = base.standard_deviation;
   for (const bool converged : base.fit.specimens.converged) diagnosis.unreproduced += converged ? 0 : 1;
   Eigen::VectorXd x = problem.space.prior().mean();
-  x.head(base.mean.size()) = base.mean;
+  x.head(base.mean.size()) = base.location;
   const Eigen::VectorXi active = problem.space.active_bounds(x);
   for (Eigen::Index i = 0; i < base.mean.size(); ++i) {
     if (active(i) != 0) diagnosis.at_bound.push_back(problem.space.parameters()[static_cast<std::size_t>(i)].name);

@@ -105,6 +105,10 @@ NormalPopulation::NormalPopulation(std::vector<ParameterTransform> scales, Popul
       population_(std::move(population)),
       specimens_(specimens) {}
 
+Eigen::VectorXd NormalPopulation::location() const {
+  return to_variables(scales_, population_.mean.transpose()).row(0);
+}
+
 std::vector<Eigen::MatrixXd> NormalPopulation::region(Eigen::Index first, Eigen::Index second, double probability,
                                                       Eigen::Index points) const {
   return region_of_pair({marginal(first), marginal(second)}, correlation()(first, second), probability, points);

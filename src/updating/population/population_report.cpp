@@ -42,12 +42,15 @@ bool is_mean_held(const PopulationFit& fit) {
          settings.mean_directions.cols() < fit.seen.cols();
 }
 
-/// What of the intervals lies within the bounds; nan where nothing does.
+/// What of the intervals lies within the bounds; nan where nothing does. On another scale than the identity bounds hold
+/// for the median: they say nothing of the mean alone.
 void cut_at_bounds(const ParameterSpace& space, Eigen::MatrixXd& intervals) {
   const double infinity = std::numeric_limits<double>::infinity();
   const Eigen::VectorXd lower = space.clamp(Eigen::VectorXd::Constant(space.count(), -infinity));
   const Eigen::VectorXd upper = space.clamp(Eigen::VectorXd::Constant(space.count(), infinity));
   for (Eigen::Index i = 0; i < intervals.rows(); ++i) {
+    const Parameter& parameter = space.parameters()[static_cast<std::size_t>(i)];
+    if (parameter.transform.kind != ParameterTransform::Kind::identity) continue;
     intervals(i, 0) = std::max(intervals(i, 0), lower(i));
     intervals(i, 1) = std::min(intervals(i, 1), upper(i));
     if (!(intervals(i, 0) < intervals(i, 1))) intervals.row(i).setConstant(k_nan);

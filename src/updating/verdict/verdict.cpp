@@ -32,6 +32,15 @@ void say_tests(const UpdatingResult& result, Verdict& verdict) {
   }
 }
 
+/// "mean", or "median" of a population that is normal on another scale, with its mean, which no bound holds for.
+std::string bounded_quantity(const UpdatingProblem& problem, const UpdatingResult& result, Eigen::Index i) {
+  const Parameter& parameter = problem.space.parameters()[static_cast<std::size_t>(i)];
+  const bool is_median = result.is_population && parameter.transform.kind != ParameterTransform::Kind::identity;
+  if (!is_median) return fmt::format("The mean of {}", parameter.name);
+  return fmt::format("The median of {} (its mean is {:.4g}; bounds hold for the median)", parameter.name,
+                     result.mean(i));
+}
+
 /// Means on their bounds or physical limits. That they lie there is no reason by itself: the test of bounds decides.
 void say_bounds(const UpdatingProblem& problem, const UpdatingResult& result, Verdict& verdict) {
   constexpr double k_on_limit = 1e-9;
@@ -39,15 +48,15 @@ void say_bounds(const UpdatingProblem& problem, const UpdatingResult& result, Ve
                                  [](const VerdictTest& made) { return made.name == "bounds"; });
   const bool is_refused = test != result.tests.end() && !test->passed;
   const double infinity = std::numeric_limits<double>::infinity();
+  const Eigen::VectorXd location = result.location();
   const Eigen::VectorXd lowest = problem.space.clamp(Eigen::VectorXd::Constant(result.mean.size(), -infinity));
-  const Eigen::VectorXi active = problem.space.active_bounds(result.mean);
+  const Eigen::VectorXi active = problem.space.active_bounds(location);
   for (Eigen::Index i = 0; i < active.size(); ++i) {
-    const bool is_on_limit = result.mean(i) <= lowest(i) + k_on_limit * std::abs(lowest(i));
+    const bool is_on_limit = location(i) <= lowest(i) + k_on_limit * std::abs(lowest(i));
     if (active(i) == 0 && !is_on_limit) continue;
     const char* kind = active(i) > 0 ? "upper bound" : active(i) < 0 ? "lower bound" : "physical limit";
     verdict.reasons.push_back(fmt::format(
-        "The mean of {} ended on its {}, {:.6g}: {}", problem.space.parameters()[static_cast<std::size_t>(i)].name,
-        kind, result.mean(i),
+        "{} ended on its {}, {:.6g}: {}", bounded_quantity(problem, result, i), kind, location(i),
         is_refused ? "within the bounds the chosen parameters cannot explain the tests, so something else in the model "
                      "is wrong or missing."
                    : "the tests do not speak against it, and do not determine it either."));

@@ -20,7 +20,8 @@ namespace mottle::model {
 struct Parameter {
   std::string name;
   std::string unit;
-  double lower_bound = -std::numeric_limits<double>::infinity();  ///< the updated mean stays within the bounds
+  /// The updated mean stays within the bounds; of a population that is normal on another scale, its median.
+  double lower_bound = -std::numeric_limits<double>::infinity();
   double upper_bound = std::numeric_limits<double>::infinity();
   PhysicalLimit limit = {};
   ParameterTransform transform = {};  ///< under which methods that estimate a population take it as normal

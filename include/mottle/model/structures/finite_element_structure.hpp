@@ -33,6 +33,8 @@ class FiniteElementStructure final : public SparseStructure {
 
   const FiniteElementModel& model() const { return model_; }
   const AssembledModel& assembled() const { return assembled_; }
+  /// Fields that each parameter acts on.
+  const std::vector<FieldParameter>& field_parameters() const { return targets_.parameters; }
   const std::vector<PhysicalLimit>& limits() const { return targets_.limits; }
   /// The parameters of the deck as it stands: 1 for factors, the cards' value otherwise [parameter].
   const Eigen::VectorXd& reference() const override { return reference_; }

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -22,6 +23,8 @@ namespace mottle::study {
 /// SystemFailure: a solver by command fails at the parameters' means.
 StudyModel make_model(const Study& study, const StudyParameters& parameters, const RunSettings& settings = {});
 
+struct PairedSpecimen;
+
 /// The tests of a study, columns in the order of the model's outputs.
 struct StudyTests {
   TestData data;
@@ -29,6 +32,8 @@ struct StudyTests {
   std::vector<std::string> notes;  ///< columns and rows that were left out, and why
   std::string pairing = {};        ///< pairing.csv; empty where the tests came as a table of outputs
   bool is_by_rank = false;         ///< modes are numbered by rank of frequency, not by shape
+  /// Modes as measured, with the model's mode of each; null where the tests came as a table of outputs.
+  std::shared_ptr<const std::vector<PairedSpecimen>> specimens = nullptr;
 };
 
 /// Columns: output names, with or without a unit behind ("f1", "f1_Hz", "f1 [Hz]"). Columns of the study's parameters

@@ -47,6 +47,9 @@ class Estimate {
   /// Of the parameters on their own axes [parameter], [parameter x parameter].
   virtual Eigen::VectorXd mean() const = 0;
   virtual Eigen::MatrixXd covariance() const = 0;
+  /// What the parameters' bounds hold for [parameter]: the mean, but of a population that is normal on other scales the
+  /// variables at its mean there, which are their medians. The mean of such a variable may lie beyond its bound.
+  virtual Eigen::VectorXd location() const { return mean(); }
   Eigen::Index parameter_count() const { return mean().size(); }
 
   /// Samples from uniforms, row by row [sample x parameter]. What is physically impossible is left to

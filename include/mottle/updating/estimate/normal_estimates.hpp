@@ -76,6 +76,7 @@ class NormalPopulation final : public NormalEstimate {
   NormalPopulation(std::vector<ParameterTransform> scales, PopulationOnScales population, Eigen::Index specimens);
 
   EstimateKind kind() const override { return EstimateKind::population; }
+  Eigen::VectorXd location() const override;
   std::vector<Eigen::MatrixXd> region(Eigen::Index first, Eigen::Index second, double probability,
                                       Eigen::Index points) const override;
   Eigen::MatrixXd correlation() const override;

@@ -144,6 +144,8 @@ struct UpdatingResult {
 
   /// Makes `found` the estimate; `mean`, `covariance` and `is_population` follow it.
   void set_estimate(std::shared_ptr<const Estimate> found);
+  /// Estimate::location(), of which alone it makes sense to say that it is on a bound [parameter].
+  Eigen::VectorXd location() const { return estimate ? estimate->location() : mean; }
 };
 
 /// An updating method. One struct of options, one file, one line in src/updating/methods/registry.cpp.

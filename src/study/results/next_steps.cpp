@@ -1,0 +1,82 @@
+#include "study/results/next_steps.hpp"
+
+#include <algorithm>
+#include <string_view>
+
+#include "mottle/core/error.hpp"
+
+namespace mottle::study {
+namespace {
+
+/// Whether the means were not tested because parameters can match any.
+bool has_too_few_outputs(const Verdict& verdict) {
+  return std::any_of(verdict.not_tested.begin(), verdict.not_tested.end(), [](const std::string& sentence) {
+    return sentence.starts_with("The means were not tested") && sentence.find("no more than") != std::string::npos;
+  });
+}
+
+std::string command_of(const SummarySources& s, std::string_view verb, const std::string& more = {}) {
+  const std::string file = s.study.file.filename().string();
+  return fmt::format("mottle {} {}{}{}", verb, shell_word(file.empty() ? "STUDY.toml" : file), more.empty() ? "" : " ",
+                     more);
+}
+
+NextStep more_iterations(const SummarySources& s) {
+  return {command_of(s, "update", fmt::format("--set update.iterations={}", 2 * s.problem.iterations)),
+          "The update did not converge: allow more iterations, or start nearer to the solution."};
+}
+
+NextStep diagnosis(const SummarySources& s) {
+  return {command_of(s, "diagnose"),
+          "Tries the model's other numbers as further parameters, and says which of them explains the tests best."};
+}
+
+NextStep population_method(const SummarySources& s) {
+  return {command_of(s, "update", "--set " + shell_word("update.method=\"maximum-likelihood\"")),
+          "Estimates the scatter of the specimens too, so that it can be compared with that of the tests."};
+}
+
+NextStep prediction(const SummarySources& s) {
+  return {
+      command_of(s, "update"),
+      "After adding [predict] with held_out to the study: predicts outputs that were not used and checks them against "
+      "tests that were kept back. Only that shows whether the model predicts."};
+}
+
+}  // namespace
+
+std::string shell_word(const std::string& word) {
+  const std::string plain = "-_./=:,+@%";
+  const bool is_plain = !word.empty() && std::all_of(word.begin(), word.end(), [&](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+           plain.find(c) != std::string::npos;
+  });
+  if (is_plain) return word;
+  std::string quoted = "'";
+  for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return quoted + '\'';
+}
+
+std::vector<NextStep> next_steps(const SummarySources& s) {
+  std::vector<NextStep> steps;
+  if (s.result.status != UpdatingStatus::converged && s.result.status != UpdatingStatus::stalled) {
+    steps.push_back(more_iterations(s));
+  }
+  if (s.verdict.conclusion == Conclusion::inadequate) steps.push_back(diagnosis(s));
+  const bool has_population = s.problem.tests.values.rows() > 1;
+  if (!s.result.is_population && has_population) steps.push_back(population_method(s));
+  if (s.verdict.conclusion != Conclusion::inadequate && has_too_few_outputs(s.verdict)) {
+    steps.push_back(
+        {command_of(s, "check"),
+         "After adding outputs to the study and its tests, such as mode shapes or further frequencies: with more "
+         "outputs than parameters the means can be tested."});
+  }
+  if (steps.empty() && s.verdict.conclusion == Conclusion::undecided) steps.push_back(diagnosis(s));
+  if (steps.empty() && !s.study.predict) steps.push_back(prediction(s));
+  if (steps.empty()) {
+    steps.push_back({"", "Compare the predictions below with their tests before the model is used for anything else."});
+  }
+  return steps;
+}
+
+}  // namespace mottle::study

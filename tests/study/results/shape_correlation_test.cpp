@@ -1,0 +1,49 @@
+#include "study/results/shape_correlation.hpp"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "core/temporary_folder.hpp"
+#include "mottle/core/files.hpp"
+#include "mottle/study/jobs/update.hpp"
+
+namespace mottle::study {
+namespace {
+
+nlohmann::json correlation_of(const std::string& example) {
+  const test::TemporaryFolder folder;
+  const auto file = std::filesystem::path(MOTTLE_SOURCE_DIR) / "examples" / example;
+  write_results(update(read_study(file), {}), folder.path());
+  return nlohmann::json::parse(read_file(folder / "result.json"))["shape_correlation"];
+}
+
+TEST(ShapeCorrelation, OfShapesInATableIsThatOfTheMeansOfTheClouds) {
+  const nlohmann::json correlation = correlation_of("01-three-masses/shapes.toml");
+  EXPECT_EQ(correlation["modes"], (nlohmann::json{1, 2}));
+  EXPECT_EQ(correlation["specimens"], (nlohmann::json{10, 10}));
+  for (const std::size_t mode : {0U, 1U}) {
+    const double before = correlation["initial"]["mac"][mode][mode];
+    const double after = correlation["final"]["mac"][mode][mode];
+    EXPECT_GT(after, before);
+    EXPECT_LT(correlation["final"]["least"][mode].get<double>(), after);
+    EXPECT_LT(correlation["final"]["mac"][mode][1 - mode].get<double>(),
+              0.05);  // shapes of equal masses are orthogonal
+  }
+}
+
+TEST(ShapeCorrelation, OfMeasuredModesIsWhatPairingFound) {
+  const nlohmann::json correlation = correlation_of("05-uff-population/study.toml");
+  ASSERT_EQ(correlation["modes"].size(), 9U);
+  EXPECT_EQ(correlation["specimens"][2], 9);  // mode 9 of specimen 3 was not measured
+  // pairing.csv has 0.99736 for mode 7 of the first specimen, and the least cannot be more.
+  EXPECT_LE(correlation["initial"]["least"][0].get<double>(), 0.99736);
+  for (std::size_t k = 0; k < 9; ++k) EXPECT_GT(correlation["final"]["mac"][k][k].get<double>(), 0.98);
+}
+
+TEST(ShapeCorrelation, OfFrequenciesAloneThereIsNone) {
+  EXPECT_TRUE(correlation_of("01-three-masses/case1.toml").is_null());
+}
+
+}  // namespace
+}  // namespace mottle::study

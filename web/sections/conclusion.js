@@ -1,0 +1,220 @@
+// The first screen: the conclusion, the errors of means and scatter before and after, the parameters, what to run next.
+import { agreement_rows, conclusion_of, findings_of, is_not_reproduced } from "../src/agreement.js";
+import { is_number, list, record } from "../src/data.js";
+import { bullets, button, element, paragraph, prose } from "../src/dom.js";
+import { percent_text, short_number } from "../src/format.js";
+import { by_attention, parameter_bars } from "../src/parameter_bars.js";
+import { data_table } from "../src/table.js";
+
+const outputs_at_most = 8;
+const parameters_at_most = 8;
+
+const words_of = {
+  adequate: {
+    sign: "✓",
+    word: "Adequate",
+    tone: "good",
+    text: "The model, with these parameters, was tested, and no test refuses it.",
+  },
+  inadequate: {
+    sign: "✗",
+    word: "Inadequate",
+    tone: "bad",
+    text:
+      "With the parameters that were updated, the model does not explain the tests: something that was not updated varies, or is " +
+      "wrong. Do not take the estimates as physical values.",
+  },
+  undecided: {
+    sign: "?",
+    word: "Undecided",
+    tone: "open",
+    text: "No test refuses the model, but too little of it could be tested to call it right.",
+  },
+};
+const no_verdict = {
+  sign: "–",
+  word: "No verdict",
+  tone: "neutral",
+  text: "The result says nothing about whether the model is right.",
+};
+
+/** Green only where the result itself is reassuring; what is not reproduced is never shown as undecided alone. */
+function tone_of(study, conclusion, given) {
+  if (is_not_reproduced(study)) return conclusion === "adequate" ? "open" : "bad";
+  return conclusion === "adequate" && record(study.result.verdict).is_reassuring === false ? "open" : given;
+}
+
+function statement(study) {
+  const verdict = record(study.result.verdict);
+  const conclusion = conclusion_of(verdict);
+  const { sign, word, tone, text } = words_of[conclusion] ?? no_verdict;
+  const summary = list(verdict.summary).map(prose);
+  return element(
+    "div",
+    { class: `verdict ${tone_of(study, conclusion, tone)}`, "data-verdict": conclusion ?? "none" },
+    element("span", { class: "sign", "aria-hidden": "true" }, sign),
+    element(
+      "div",
+      {},
+      element(
+        "p",
+        { class: "verdict-word" },
+        word,
+        verdict.headline ? element("span", { class: "headline" }, ` – ${verdict.headline}`) : null,
+      ),
+      verdict.headline ? null : paragraph(text),
+      summary.length ? bullets(summary, { class: "summary-list" }) : null,
+    ),
+  );
+}
+
+const percent = (share) => (is_number(share) ? percent_text(100 * share, Math.abs(share) < 0.001 ? 3 : 2) : "–");
+const of_tests = (ratio) => (is_number(ratio) ? `${short_number(100 * ratio, 3)}\u00a0%` : "–");
+const refused = (claim, text) => (claim === false ? `✗ ${text}` : text);
+
+/** A mean near zero has no error in percent: its difference is shown then. */
+function mean_text(cloud, unit) {
+  if (is_number(cloud.mean_error)) return percent(cloud.mean_error);
+  return is_number(cloud.mean_difference) ? `${short_number(cloud.mean_difference, 3)} ${unit}` : "–";
+}
+
+function output_table(study, rows) {
+  const part = (key, which, field, title, group, text, of_class) => ({
+    key,
+    title,
+    group,
+    text: (_, row) => text(row[which], row),
+    csv: (row) => row[which][field],
+    of_class,
+  });
+  const flag_of = (claim) => (row) => (row[claim] === false ? "flag" : null);
+  const mean_group = "Error of the mean";
+  const scatter_group = "Std. dev., % of the tests'";
+  return data_table({
+    id: "agreement",
+    is_stacked: false,
+    title: "Model against tests, the worst output first",
+    columns: [
+      { key: "name", title: "Output", is_text: true },
+      part("m0", "initial", "mean_error", "before", mean_group, (cloud, row) => mean_text(cloud, row.unit)),
+      part(
+        "m1",
+        "final",
+        "mean_error",
+        "after",
+        mean_group,
+        (cloud, row) => refused(row.is_mean_reproduced, mean_text(cloud, row.unit)),
+        flag_of("is_mean_reproduced"),
+      ),
+      part("s0", "initial", "std_ratio", "before", scatter_group, (cloud) => of_tests(cloud.std_ratio)),
+      part(
+        "s1",
+        "final",
+        "std_ratio",
+        "after",
+        scatter_group,
+        (cloud, row) => refused(row.is_scatter_reproduced, of_tests(cloud.std_ratio)),
+        flag_of("is_scatter_reproduced"),
+      ),
+    ],
+    rows: rows.slice(0, outputs_at_most),
+    all_rows: rows,
+    caption: caption_of(study, rows),
+  });
+}
+
+function caption_of({ result }, rows) {
+  const { chance, region } = record(result.agreement);
+  const { tests, initial_inside, final_inside, probability, is_reproduced } = record(region);
+  const inside = is_number(final_inside)
+    ? [
+        element(
+          "span",
+          { class: is_reproduced === false ? "flag-text" : null, "data-field": "inside" },
+          `${is_reproduced === false ? "✗ " : ""}${final_inside} of ${tests} tests`,
+        ),
+        ` lie within the updated model's ${short_number(100 * probability)}\u00a0% region${is_number(initial_inside) ? `, ${initial_inside} before` : ""}. `,
+      ]
+    : [];
+  return [
+    ...inside,
+    `✗: beyond what chance allows in ${short_number(100 * (chance ?? 0.01))} of 100 cases, all outputs together.`,
+    rows.length > outputs_at_most ? ` All ${rows.length} outputs are in the table of outputs.` : "",
+  ];
+}
+
+function parameter_part(study) {
+  const findings = findings_of(study);
+  const drawn = findings.filter(
+    ({ estimate, prior, prior_mean }) => is_number(estimate) || prior || is_number(prior_mean),
+  );
+  if (!drawn.length) return null;
+  const shown = drawn.length > parameters_at_most ? by_attention(drawn).slice(0, parameters_at_most) : drawn;
+  const rest = by_attention(drawn).slice(parameters_at_most);
+  return element(
+    "div",
+    { class: "card" },
+    element("h3", {}, "Parameters"),
+    parameter_bars(shown),
+    rest.length
+      ? element(
+          "details",
+          { class: "fold" },
+          element("summary", {}, `${rest.length} further parameters`),
+          parameter_bars(rest),
+        )
+      : null,
+  );
+}
+
+function step(text, is_first) {
+  const { command, reason } = record(text);
+  const copy = command ? button("Copy", "Copy this command", () => navigator.clipboard?.writeText(command)) : null;
+  return element(
+    "div",
+    { class: "next-step" },
+    element("b", {}, is_first ? "Next: " : "Then: "),
+    command ? [element("code", {}, command), " ", element("span", { class: "tools" }, copy), " "] : null,
+    element("span", {}, prose(reason ?? "")),
+  );
+}
+
+export function next_steps(steps) {
+  if (!steps.length) return null;
+  return element(
+    "div",
+    { class: "next" },
+    steps.map((one, k) => step(one, k === 0)),
+  );
+}
+
+export default {
+  id: "conclusion",
+  title: "Conclusion",
+  is_in_print: true,
+  has_data: (study) => !study.is_modes && !study.is_propagation,
+  explained: [
+    [
+      "Marks of parameters",
+      "Found: the tests determine it, if the model is right. Mean only: the method does not estimate its scatter. At bound: the bound " +
+        "stopped it. Not seen: what is known of it comes from the prior. Doubtful: a test refused the model, or the update did not converge.",
+    ],
+    [
+      "Region of the model",
+      "What contains 95\u00a0% of the model's outputs, known noise included, taken as normal. If the model were right, about that share of the tests would lie in it.",
+    ],
+  ],
+  content(study) {
+    const rows = agreement_rows(study);
+    return [
+      statement(study),
+      element(
+        "div",
+        { class: "first-screen" },
+        rows.length ? element("div", { class: "card" }, output_table(study, rows)) : null,
+        parameter_part(study),
+      ),
+      next_steps(list(record(study.result.verdict).next)),
+    ];
+  },
+};
