@@ -92,3 +92,19 @@ export function draw_part(context, { triangles, edges, points }, places) {
     context.fill();
   }
 }
+
+/** Rings where the tests have the nodes, each joined to where the model has it. */
+export function draw_measured(context, nodes, places, tested) {
+  context.strokeStyle = ink;
+  context.lineWidth = 1.4;
+  for (const node of nodes) {
+    const [x, y] = [tested[3 * node], tested[3 * node + 1]];
+    context.beginPath();
+    context.moveTo(places[3 * node], places[3 * node + 1]);
+    context.lineTo(x, y);
+    context.stroke();
+    context.beginPath();
+    context.arc(x, y, 3.4, 0, 2 * Math.PI);
+    context.stroke();
+  }
+}

@@ -1,4 +1,5 @@
 // What can be set about the structure that swings: buttons, sliders and boxes, each with its label.
+import { list } from "./data.js";
 import { button, checkbox, element } from "./dom.js";
 import { save_canvas } from "./export.js";
 import { views } from "./viewpoint.js";
@@ -59,6 +60,9 @@ export function controls_of(viewer) {
     }),
     checkbox("Edges", state.has_edges, (has_edges) => viewer.set({ has_edges }), { id: "shape-edges" }),
     checkbox("Undeformed", state.has_outline, (has_outline) => viewer.set({ has_outline }), { id: "shape-outline" }),
+    viewer.modes.some((mode) => list(mode.test.nodes).length)
+      ? checkbox("Tests", state.has_test, (has_test) => viewer.set({ has_test }), { id: "shape-test" })
+      : null,
     part_choice(viewer),
   ].filter(Boolean);
 }

@@ -2,10 +2,11 @@
 import { element } from "./dom.js";
 import { frame } from "./figure.js";
 import { number_text } from "./format.js";
-import { draw_overlay, draw_part } from "./overlay.js";
+import { draw_measured, draw_overlay, draw_part } from "./overlay.js";
 import { canvas_scene } from "./scene_canvas.js";
 import { webgl_scene } from "./scene_webgl.js";
 import { controls_of, tools_of } from "./shape_controls.js";
+import { name_of_mode } from "./structure.js";
 import { on_theme_change, printed_width, with_light_theme } from "./theme.js";
 import { Viewpoint, project, views } from "./viewpoint.js";
 
@@ -13,7 +14,7 @@ const id = "mode-shapes";
 const title = "Mode shape";
 const caption =
   "Coloured by displacement, the largest of each mode alike; grey lines: the structure at rest; green, where it is chosen: the " +
-  "elements that a parameter acts on. Amplitude and speed are for the eye, not to scale.";
+  "elements that a parameter acts on; rings: the mean of the tests where it was measured. Amplitude and speed are for the eye, not to scale.";
 const standstill = Math.PI / 2; // the phase of the largest deflection
 const finest_mesh = 2.5; // CSS pixels from node to node below which edges are not drawn, and from which on they are drawn in full
 const coarse_mesh = 10;
@@ -21,12 +22,6 @@ const reach_of_pointer = 12; // CSS pixels
 
 /** For tests and for the console, like window.mottle.charts. */
 export const scenes = {};
-
-function name_of_mode(mode, unit) {
-  const name = mode.label || `mode ${mode.number}`;
-  const title = name.charAt(0).toUpperCase() + name.slice(1);
-  return mode.frequency === null ? title : `${title}, ${number_text(mode.frequency, 5)} ${unit}`;
-}
 
 /** The canvas that the structure is drawn on, with WebGL or, where there is none, without. */
 function open_scene(structure) {
@@ -53,6 +48,7 @@ class ShapeViewer {
       has_edges: true,
       has_outline: true,
       part: null,
+      has_test: true,
     };
     this.mode = modes[0];
     this.shape = structure.shape(this.mode);
@@ -67,6 +63,7 @@ class ShapeViewer {
     this.surface.tabIndex = 0;
     this.surface.setAttribute("role", "img");
     this.viewpoint = new Viewpoint(structure, this.surface, () => this.request_frame());
+    this.measured = structure.measured(this.mode, this.shape);
     this.scene.set_shape(this.shape);
   }
 
@@ -138,7 +135,7 @@ class ShapeViewer {
   }
 
   draw_overlay(context, width, height, phase = this.state.phase) {
-    if (this.state.part) this.draw_part(context, width, height, phase);
+    this.draw_over_structure(context, width, height, phase);
     draw_overlay(context, this.viewpoint.camera, {
       width,
       height,
@@ -148,12 +145,23 @@ class ShapeViewer {
     });
   }
 
-  /** The elements of a parameter, seen through what lies before them. */
-  draw_part(context, width, height, phase) {
-    this.places ??= new Float32Array(this.structure.positions.length);
-    const { camera } = this.viewpoint;
-    project(camera, this.structure, this.shape, this.deflection(phase), width, height, this.places);
-    draw_part(context, this.state.part, this.places);
+  /** Where the nodes are on the screen in a shape. */
+  places_of(shape, width, height, phase) {
+    const places = new Float32Array(this.structure.positions.length);
+    project(this.viewpoint.camera, this.structure, shape, this.deflection(phase), width, height, places);
+    return places;
+  }
+
+  /** The chosen parameter's elements, and the measured shape, seen through what lies before them. */
+  draw_over_structure(context, width, height, phase) {
+    const { part, has_test } = this.state;
+    const is_compared = has_test && this.measured;
+    if (!part && !is_compared) return;
+    const places = this.places_of(this.shape, width, height, phase);
+    if (part) draw_part(context, part, places);
+    if (is_compared) {
+      draw_measured(context, this.measured.nodes, places, this.places_of(this.measured.shape, width, height, phase));
+    }
   }
 
   request_frame() {
@@ -196,6 +204,7 @@ class ShapeViewer {
   choose(index) {
     this.mode = this.modes[index];
     this.shape = this.structure.shape(this.mode);
+    this.measured = this.structure.measured(this.mode, this.shape);
     this.scene.set_shape(this.shape);
     if (!this.state.is_playing) this.state.phase = standstill;
     this.surface.setAttribute("aria-label", `${title}: ${name_of_mode(this.mode, this.unit)}. ${caption}`);
@@ -235,25 +244,16 @@ class ShapeViewer {
   read_node({ clientX, clientY }) {
     const { width, height } = this.size;
     const box = this.surface.getBoundingClientRect();
-    this.places ??= new Float32Array(this.structure.positions.length);
-    project(
-      this.viewpoint.camera,
-      this.structure,
-      this.shape,
-      this.deflection(this.state.phase),
-      width,
-      height,
-      this.places,
-    );
+    const places = this.places_of(this.shape, width, height, this.state.phase);
     let best = -1;
     let nearest = reach_of_pointer;
     for (let node = 0; node < this.structure.count; node += 1) {
       const distance = Math.hypot(
-        this.places[3 * node] - (clientX - box.left),
-        this.places[3 * node + 1] - (clientY - box.top),
+        places[3 * node] - (clientX - box.left),
+        places[3 * node + 1] - (clientY - box.top),
       );
       const is_nearer = distance < nearest - 1.5;
-      const is_before = best >= 0 && distance < nearest + 1.5 && this.places[3 * node + 2] < this.places[3 * best + 2];
+      const is_before = best >= 0 && distance < nearest + 1.5 && places[3 * node + 2] < places[3 * best + 2];
       if (!is_nearer && !is_before) continue;
       best = node;
       nearest = Math.min(nearest, distance);

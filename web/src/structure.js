@@ -1,6 +1,7 @@
 // The structure whose mode shapes a page shows: nodes, faces, edges and shapes as typed arrays, checked against one another.
 // What does not fit (an index beyond the nodes, a shape of another length) is left out, so that the drawing never has to ask.
 import { is_number, list, number_or_null, record } from "./data.js";
+import { number_text } from "./format.js";
 
 const sharp = Math.cos(Math.PI / 6); // faces that meet at more than 30 degrees make an outline
 
@@ -67,7 +68,26 @@ export function read_modes(modes) {
       label: String(mode.label ?? "").trim(),
       note: String(mode.note ?? "").trim(),
       text: mode.shape,
+      test: record(mode.test),
     }));
+}
+
+/** "Mode 3, 5.65 Hz". */
+export function name_of_mode(mode, unit) {
+  const name = mode.label || `mode ${mode.number}`;
+  const title = name.charAt(0).toUpperCase() + name.slice(1);
+  return mode.frequency === null ? title : `${title}, ${number_text(mode.frequency, 5)} ${unit}`;
+}
+
+/** The shape as measured: {nodes, shape [node x 3], the model's where nothing was measured}; null where it was not. */
+function measured_of({ nodes, shape }, model, count) {
+  const values = array_of(Float32Array, shape);
+  const known = list(nodes);
+  const is_whole = known.length > 0 && values.length === 3 * known.length;
+  if (!is_whole || !known.every((node) => Number.isInteger(node) && node >= 0 && node < count)) return null;
+  const displaced = Float32Array.from(model);
+  known.forEach((node, k) => displaced.set(values.subarray(3 * k, 3 * k + 3), 3 * node));
+  return { nodes: known, shape: displaced };
 }
 
 /** What a parameter acts on: {name, triangles, edges, points}, as of the structure. */
@@ -100,6 +120,7 @@ export function read_structure(modes) {
     edges: groups_within(array_of(Uint32Array, source.edges), 2, count),
     points: list(source.points).filter((index) => Number.isInteger(index) && index >= 0 && index < count),
     shape: (mode) => shape_of(mode.text, count),
+    measured: (mode, shape) => measured_of(mode.test, shape, count),
     parts: list(source.parameters).map(record).map((part) => part_of(part, count)).filter(has_something),
   };
   return { ...structure, pitch: pitch_of(structure), ...kinds_of_edges(structure) };

@@ -71,6 +71,11 @@ async function is_drawn_and_answers({ page, data }) {
   if (data.modes.triangles) await page.click("#shape-edges");
   await changes(page, "taking the undeformed structure away", () => page.click("#shape-outline"));
   await page.click("#shape-outline");
+  if (data.modes.list.some(({ test }) => test?.shape)) {
+    await page.locator("[name=mode-shown]").first().click();
+    await changes(page, "taking the measured shape away", () => page.click("#shape-test"));
+    await page.click("#shape-test");
+  }
   if (!data.modes.parameters) return;
   const options = await page.locator("#shape-part option").allTextContents();
   assert.deepEqual(options.slice(0, 2), ["none", data.modes.parameters[0].name]);

@@ -65,6 +65,7 @@ export function plate_modes(nx, ny, count) {
       label: `mode ${k + 1}`,
       residual: 3.1e-13 * (k + 1) ** 2,
       note: k === 2 ? "<b>two half waves</b>" : "",
+      test: k === 0 ? { nodes: [3, 40], shape: base64(Float32Array.from([0, 0, 0.7, 0.1, 0, 0.4])) } : { nodes: [9e9] },
       shape: base64(shape_of(parts, m, n)),
     })),
   };

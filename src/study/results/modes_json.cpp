@@ -21,6 +21,21 @@ std::string floats(const Eigen::MatrixX3d& rows, const std::vector<int>& nodes, 
   return base64_of(std::span<const float>(values));
 }
 
+/// The measured shape at those of its nodes that are drawn.
+Json measured_json(const ShownMode& mode, const std::vector<int>& drawn, double scale) {
+  std::vector<std::uint32_t> nodes;
+  std::vector<float> values;
+  for (std::size_t k = 0; k < mode.measured_nodes.size(); ++k) {
+    const auto found = std::lower_bound(drawn.begin(), drawn.end(), mode.measured_nodes[k]);
+    if (found == drawn.end() || *found != mode.measured_nodes[k]) continue;
+    nodes.push_back(static_cast<std::uint32_t>(found - drawn.begin()));
+    for (Eigen::Index c = 0; c < 3; ++c) {
+      values.push_back(static_cast<float>(scale * mode.measured(static_cast<Eigen::Index>(k), c)));
+    }
+  }
+  return {{"nodes", nodes}, {"shape", base64_of(std::span<const float>(values))}};
+}
+
 /// Groups of a part's nodes in the numbers of the whole drawing; those with a node that is not drawn are left out.
 template <std::size_t Size>
 std::vector<std::uint32_t> renumbered(const std::vector<std::array<std::uint32_t, Size>>& groups, const Drawing& part,
@@ -89,6 +104,9 @@ Json drawing_json(const Structure& structure, const std::vector<ShownMode>& mode
                     {"residual", std::isnan(mode.residual) ? Json(nullptr) : Json(mode.residual)},
                     {"note", mode.note},
                     {"shape", floats(shape, drawing.nodes, largest > 0.0 ? 1.0 / largest : 0.0)}});
+    if (!mode.measured_nodes.empty() && largest > 0.0) {
+      list.back()["test"] = measured_json(mode, drawing.nodes, 1.0 / largest);
+    }
   }
   return {{"frequency_unit", frequency_unit},
           {"positions", floats(positions, drawing.nodes, 1.0)},

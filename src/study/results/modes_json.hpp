@@ -17,6 +17,9 @@ struct ShownMode {
   double residual = 0.0;   ///< nan: not known
   std::string note;
   Eigen::VectorXd shape;  ///< [equation]
+  /// Nodes where it was measured, and their displacements in the size of `shape` [node x xyz]; empty: not measured.
+  std::vector<int> measured_nodes = {};
+  Eigen::MatrixX3d measured = {};
 };
 
 /// Displacements of every node in basic axes [node x xyz].

@@ -8,10 +8,10 @@
 namespace mottle::study {
 namespace {
 
-/// Whether the means were not tested because parameters can match any.
+/// Whether means, or outputs, were not tested because parameters can match any.
 bool has_too_few_outputs(const Verdict& verdict) {
   return std::any_of(verdict.not_tested.begin(), verdict.not_tested.end(), [](const std::string& sentence) {
-    return sentence.starts_with("The means were not tested") && sentence.find("no more than") != std::string::npos;
+    return sentence.find("no more than the") != std::string::npos;
   });
 }
 

@@ -33,6 +33,19 @@ std::optional<ShapeCorrelation> correlate_shapes(const StructureModel& model, co
                                                  const UpdatingResult& result,
                                                  const StructureModel::FollowedModes* followed);
 
+/// Displacements of nodes as the tests have them [node x xyz], where nothing was measured as the model has them.
+struct MeasuredShape {
+  std::vector<int> nodes;  ///< index into the mesh's nodes, ascending
+  Eigen::MatrixX3d displacements;
+};
+
+/// The mean of the specimens' shapes of a mode, each scaled to the model's shape by least squares.
+///
+/// @param shapes  of the model, whose structure has a mesh [equation x mode]
+/// @param mode    of the outputs, counted from 0
+MeasuredShape measured_shape(const StructureModel& model, const Eigen::Ref<const Eigen::MatrixXd>& shapes,
+                             const std::vector<PairedSpecimen>& specimens, int mode);
+
 /// `shape_correlation` of result.json; null where there is none.
 Json shape_correlation_json(const std::optional<ShapeCorrelation>& correlation);
 

@@ -56,7 +56,7 @@ std::optional<StructureModel::FollowedModes> modes_at_estimate(const UpdateOutco
 
 /// Those modes for the report's drawing.
 void write_shapes(const RunFolder& folder, const StructureModel& model, const StructureModel::FollowedModes& followed,
-                  const std::vector<std::string>& parameters) {
+                  const std::vector<PairedSpecimen>* specimens, const std::vector<std::string>& parameters) {
   if (model.structure().mesh() == nullptr) return;
   const double scale = followed.modes.eigenvalues.cwiseAbs().maxCoeff();
   std::vector<ShownMode> shown;
@@ -68,6 +68,10 @@ void write_shapes(const RunFolder& folder, const StructureModel& model, const St
     if (rank != k + 1) note += fmt::format(", number {} by frequency now", rank);
     shown.push_back({k + 1, natural_frequency_hz(followed.modes.eigenvalues(k), scale),
                      std::numeric_limits<double>::quiet_NaN(), std::move(note), followed.modes.shapes.col(k)});
+    if (specimens == nullptr) continue;
+    MeasuredShape measured = measured_shape(model, followed.modes.shapes, *specimens, k);
+    shown.back().measured_nodes = std::move(measured.nodes);
+    shown.back().measured = std::move(measured.displacements);
   }
   Json json = {{"modes", drawing_json(model.structure(), shown, model.selection().units.frequency)}};
   json["modes"]["parameters"] = parameter_parts_json(model.structure(), parameters);
@@ -131,7 +135,7 @@ void write_results(const UpdateOutcome& outcome, const std::filesystem::path& pa
     folder.write("prediction.csv", prediction_csv(*outcome.prediction, plan.prediction->made.model->outputs()));
   }
   const std::optional<StructureModel::FollowedModes> followed = modes_at_estimate(outcome);
-  if (followed) write_shapes(folder, *made.model, *followed, made.space->names());
+  if (followed) write_shapes(folder, *made.model, *followed, tests.specimens.get(), made.space->names());
   Json json = outcome_json(outcome, followed ? &*followed : nullptr);
   const double writing = outcome.assessing_seconds + steady_seconds() - start;
   json["timings_s"] = {{"reading", outcome.reading_seconds},

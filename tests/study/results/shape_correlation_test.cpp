@@ -41,6 +41,24 @@ TEST(ShapeCorrelation, OfMeasuredModesIsWhatPairingFound) {
   for (std::size_t k = 0; k < 9; ++k) EXPECT_GT(correlation["final"]["mac"][k][k].get<double>(), 0.98);
 }
 
+TEST(MeasuredShape, HasEveryMeasuredNodeBesideTheModelsShapeOfAModelThatFits) {
+  const test::TemporaryFolder folder;
+  const auto file = std::filesystem::path(MOTTLE_SOURCE_DIR) / "examples/05-uff-population/study.toml";
+  write_results(update(read_study(file), {}), folder.path());
+  const nlohmann::json modes = nlohmann::json::parse(read_file(folder / "modes.json"))["modes"];
+  ASSERT_EQ(modes["list"].size(), 9U);
+  const auto numbers_in = [](const std::string& base64) { return base64.size() * 3 / 4 / sizeof(float); };
+  for (const nlohmann::json& mode : modes["list"]) {
+    // Each file has 16 grid points; three numbers each, and up to two bytes that fill base64 up.
+    ASSERT_EQ(mode["test"]["nodes"].size(), 16U);
+    EXPECT_EQ(numbers_in(mode["test"]["shape"]), 48U);
+  }
+  ASSERT_EQ(modes["parameters"].size(), 4U);
+  EXPECT_EQ(modes["parameters"][0]["name"], "wing_E");
+  EXPECT_FALSE(modes["parameters"][0]["triangles"].get<std::string>().empty());
+  EXPECT_FALSE(modes["parameters"][1]["points"].empty()) << "a bush between nodes at one place";
+}
+
 TEST(ShapeCorrelation, OfFrequenciesAloneThereIsNone) {
   EXPECT_TRUE(correlation_of("01-three-masses/case1.toml").is_null());
 }
