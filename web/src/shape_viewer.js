@@ -244,7 +244,7 @@ class ShapeViewer {
   read_node({ clientX, clientY }) {
     const { width, height } = this.size;
     const box = this.surface.getBoundingClientRect();
-    const places = this.places_of(this.shape, width, height, this.state.phase);
+    const places = (this.places = this.places_of(this.shape, width, height, this.state.phase));
     let best = -1;
     let nearest = reach_of_pointer;
     for (let node = 0; node < this.structure.count; node += 1) {

@@ -20,7 +20,7 @@ struct Differences {
 /// Where a component was measured: node and global direction; a node of -1: a rotation, or not in the model.
 std::pair<int, Eigen::Vector3d> place_of(const FiniteElementModel& mesh, const MeasuredComponent& component,
                                          const LinearCombination& terms) {
-  const std::pair<int, Eigen::Vector3d> nowhere{-1, Eigen::Vector3d::Zero()};
+  std::pair<int, Eigen::Vector3d> nowhere{-1, Eigen::Vector3d::Zero()};
   if (terms.empty() || component.is_rotation) return nowhere;
   if (component.name.empty()) return {mesh.find_node(component.node), component.direction};
   const int node = terms.front().first / 6;
