@@ -23,6 +23,20 @@ void turn_into_node_axes(const FiniteElementModel& model, ElementPieces& element
   for (ElementPiece& piece : element.pieces) piece.matrix = turn.transpose() * piece.matrix * turn;
 }
 
+/// T' M T, in which a row that is rounding alone, as of an element that moves with a rigid body, is zero: what is left
+/// of it would make a semidefinite matrix indefinite.
+Eigen::MatrixXd transformed(const Eigen::MatrixXd& matrix, const Eigen::MatrixXd& transform) {
+  constexpr double k_rounding = 1e-14;
+  Eigen::MatrixXd result = transform.transpose() * matrix * transform;
+  const Eigen::MatrixXd summed = matrix.cwiseAbs() * transform.cwiseAbs();
+  for (Eigen::Index i = 0; i < result.rows(); ++i) {
+    if (std::abs(result(i, i)) > k_rounding * transform.col(i).cwiseAbs().dot(summed.col(i))) continue;
+    result.row(i).setZero();
+    result.col(i).setZero();
+  }
+  return result;
+}
+
 /// Equations of an element and how its degrees of freedom follow from them.
 struct ElementEquations {
   std::vector<int> equations;  ///< ascending
@@ -86,7 +100,7 @@ void ElementStore::store(const FiniteElementModel& model, const EquationMap& map
   for (const ElementPiece& piece : element.pieces) {
     StoredPiece stored = describe(model, piece);
     if (found.rows.empty()) {
-      const Eigen::MatrixXd matrix = found.transform.transpose() * piece.matrix * found.transform;
+      const Eigen::MatrixXd matrix = transformed(piece.matrix, found.transform);
       stored.values = store_values(found.equations.size(), [&](std::size_t i, std::size_t j) {
         return matrix(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
       });
