@@ -43,6 +43,7 @@ export function findings_of(study) {
       mark: finding.mark ?? (list(block.at_bound)[index] ? "at-bound" : null),
       side: list(block.at_bound)[index] ?? null,
       reason: finding.reason ?? "",
+      is_confirmed: conclusion_of(record(study.result.verdict)) === "adequate",
       prior: interval_or_null(finding.prior95),
       prior_mean: number_or_null(list(block.prior_mean)[index]),
       estimate: number_or_null(list(block.mean)[index]),

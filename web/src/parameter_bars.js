@@ -4,7 +4,7 @@ import { element } from "./dom.js";
 import { number_text, short_number } from "./format.js";
 
 /** Sign, word and tone of a mark; the meaning is in words, so that none depends on a colour. */
-export const marks = {
+const marks = {
   found: { sign: "✓", word: "found", tone: "good" },
   "mean-only": { sign: "◐", word: "mean only", tone: "open" },
   "at-bound": { sign: "▮", word: "at bound", tone: "bad" },
@@ -74,14 +74,12 @@ function spoken(finding) {
   return `${name}: ${parts.join(", ")}${unit ? ` ${unit}` : ""}`;
 }
 
-export function mark_badge(mark, reason) {
+/** Green only in a model that stood its tests: what is found in any other is found on a condition. */
+function mark_badge({ mark, reason, is_confirmed }) {
   const shown = marks[mark];
   if (!shown) return null;
-  return element(
-    "span",
-    { class: `mark ${shown.tone}`, title: reason, "data-mark": mark },
-    `${shown.sign} ${shown.word}`,
-  );
+  const tone = shown.tone === "good" && !is_confirmed ? "open" : shown.tone;
+  return element("span", { class: `mark ${tone}`, title: reason, "data-mark": mark }, `${shown.sign} ${shown.word}`);
 }
 
 function bar(finding) {
@@ -94,7 +92,7 @@ function bar(finding) {
       { class: "bar-head" },
       element("b", {}, finding.name),
       element("span", { class: "bar-value" }, value_text(finding)),
-      mark_badge(finding.mark, finding.reason),
+      mark_badge(finding),
     ),
     track(finding),
     says ? element("div", { class: "bar-reason" }, says) : null,

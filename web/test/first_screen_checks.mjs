@@ -53,20 +53,21 @@ export const first_screen_checks = [
     async ({ page, data }) => {
       const findings = list(result_of(data).parameters?.findings);
       if (!is_update(data) || !findings.length) return;
-      const shown = await page
-        .locator("[data-parameter]")
-        .evaluateAll((all) =>
-          all.map((bar) => ({
-            name: bar.dataset.parameter,
-            mark: bar.querySelector("[data-mark]")?.dataset.mark ?? null,
-          })),
-        );
+      const shown = await page.locator("[data-parameter]").evaluateAll((all) =>
+        all.map((bar) => ({
+          name: bar.dataset.parameter,
+          mark: bar.querySelector("[data-mark]")?.dataset.mark ?? null,
+        })),
+      );
       const names = result_of(data).parameters.names;
       assert.deepEqual(
         new Map(shown.map(({ name, mark }) => [name, mark])),
         new Map(shown.map(({ name }) => [name, findings[names.indexOf(name)].mark])),
       );
       assert.equal(shown.length, names.length);
+      const is_adequate = result_of(data).verdict?.conclusion === "adequate";
+      if (!is_adequate)
+        assert.equal(await page.locator("[data-mark].good").count(), 0, "green in a model that is not adequate");
       const places = await page
         .locator(".bar-track > span")
         .evaluateAll((all) =>
