@@ -78,45 +78,45 @@ function mean_text(cloud, unit) {
   return is_number(cloud.mean_difference) ? `${short_number(cloud.mean_difference, 3)} ${unit}` : "–";
 }
 
-function output_table(study, rows) {
-  const part = (key, which, field, title, group, text, of_class) => ({
+/** Before and after of one quantity; what is not reproduced after is flagged. */
+function pair_of_columns({ keys, field, group, text, claim }) {
+  const column = (key, which, title, more) => ({
     key,
     title,
     group,
-    text: (_, row) => text(row[which], row),
     csv: (row) => row[which][field],
-    of_class,
+    text: (_, row) => text(row[which], row),
+    ...more,
   });
-  const flag_of = (claim) => (row) => (row[claim] === false ? "flag" : null);
-  const mean_group = "Error of the mean";
-  const scatter_group = "Std. dev., % of the tests'";
+  return [
+    column(keys[0], "initial", "before", {}),
+    column(keys[1], "final", "after", {
+      text: (_, row) => refused(row[claim], text(row.final, row)),
+      of_class: (row) => (row[claim] === false ? "flag" : null),
+    }),
+  ];
+}
+
+function output_table(study, rows) {
+  const means = {
+    keys: ["m0", "m1"],
+    field: "mean_error",
+    group: "Error of the mean",
+    text: (cloud, row) => mean_text(cloud, row.unit),
+    claim: "is_mean_reproduced",
+  };
+  const scatter = {
+    keys: ["s0", "s1"],
+    field: "std_ratio",
+    group: "Std. dev., % of the tests'",
+    text: (cloud) => of_tests(cloud.std_ratio),
+    claim: "is_scatter_reproduced",
+  };
   return data_table({
     id: "agreement",
     is_stacked: false,
     title: "Model against tests, the worst output first",
-    columns: [
-      { key: "name", title: "Output", is_text: true },
-      part("m0", "initial", "mean_error", "before", mean_group, (cloud, row) => mean_text(cloud, row.unit)),
-      part(
-        "m1",
-        "final",
-        "mean_error",
-        "after",
-        mean_group,
-        (cloud, row) => refused(row.is_mean_reproduced, mean_text(cloud, row.unit)),
-        flag_of("is_mean_reproduced"),
-      ),
-      part("s0", "initial", "std_ratio", "before", scatter_group, (cloud) => of_tests(cloud.std_ratio)),
-      part(
-        "s1",
-        "final",
-        "std_ratio",
-        "after",
-        scatter_group,
-        (cloud, row) => refused(row.is_scatter_reproduced, of_tests(cloud.std_ratio)),
-        flag_of("is_scatter_reproduced"),
-      ),
-    ],
+    columns: [{ key: "name", title: "Output", is_text: true }, ...pair_of_columns(means), ...pair_of_columns(scatter)],
     rows: rows.slice(0, outputs_at_most),
     all_rows: rows,
     caption: caption_of(study, rows),
