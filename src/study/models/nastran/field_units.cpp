@@ -22,7 +22,8 @@ std::string field_unit(const std::string& card, const std::string& field, const 
   if (card == "CONM2" && name.front() == 'I') return fmt::format("{} {}^2", units.mass, units.length);
   if (k_inertias.contains(name)) return fmt::format("{}^4", units.length);
   if (name == "A") return fmt::format("{}^2", units.length);
-  if (name == "NSM") return fmt::format("{}/{}{}", units.mass, units.length, card == "PSHELL" || card.starts_with("PCOMP") ? "^2" : "");
+  if (name == "NSM")
+    return fmt::format("{}/{}{}", units.mass, units.length, card == "PSHELL" || card.starts_with("PCOMP") ? "^2" : "");
   return units.length;
 }
 
