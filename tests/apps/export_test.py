@@ -33,8 +33,9 @@ class ExportTest(support.CommandTest):
             self.assertTrue((self.folder / "out" / "export" / name).is_file())
         found = self.frequencies("out/export/mean/airframe.bdf", "20")
         for name, mean in zip(result["outputs"]["names"], result["outputs"]["final_mean"], strict=True):
-            # eight characters hold five digits of a number, which a frequency follows by at most 1.2 % per %
-            self.assertLess(min(abs(frequency / mean - 1) for frequency in found), 1e-4, name)
+            # Eight characters hold five digits of a number, which a frequency follows by at most 1.2 % per %; and a CQUAD4
+            # of another thickness differs in second order from one that a parameter moved there (finite-elements.md).
+            self.assertLess(min(abs(frequency / mean - 1) for frequency in found), 3e-4, name)
 
     def test_only_numbers_of_parameters_change(self):
         self.update("02-airframe", "--set", 'update.method="deterministic"')

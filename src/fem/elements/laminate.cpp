@@ -74,7 +74,7 @@ Eigen::Matrix2d shear_flexibility(const std::vector<Layer>& layers) {
 
 Eigen::Matrix2d shear_stiffness(const std::vector<Layer>& layers) {
   const Eigen::Matrix2d flexibility = shear_flexibility(layers);
-  if (flexibility.isZero(0.0)) return flexibility;
+  if (flexibility.isZero(0.0)) return Eigen::Matrix2d::Zero();
   require(flexibility.determinant() > 1e-12 * std::pow(flexibility.norm(), 2),
           "the laminate is rigid in transverse shear in one direction only; give G1Z and G2Z of its plies, or neither");
   return flexibility.inverse();

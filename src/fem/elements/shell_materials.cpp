@@ -9,8 +9,8 @@
 namespace mottle::fem {
 namespace {
 
-enum Mat8 : std::size_t { E1, E2, NU12, G12, G1Z, G2Z };
-enum Mat2 : std::size_t { G11, G12_of_mat2, G13, G22, G23, G33 };
+enum Mat8 : std::size_t { e1, e2, nu12, g12, g1z, g2z };
+enum Mat2 : std::size_t { g11, g12_of_mat2, g13, g22, g23, g33 };
 
 /// Of a number on the card.
 Coefficient times_field(FieldIndex field) {
@@ -20,7 +20,7 @@ Coefficient times_field(FieldIndex field) {
 Eigen::Matrix3d anisotropic(const FiniteElementModel& model, const Material& material) {
   const auto at = [&](std::size_t i) { return model.value(material.moduli[i]); };
   Eigen::Matrix3d matrix;
-  matrix << at(G11), at(G12_of_mat2), at(G13), at(G12_of_mat2), at(G22), at(G23), at(G13), at(G23), at(G33);
+  matrix << at(g11), at(g12_of_mat2), at(g13), at(g12_of_mat2), at(g22), at(g23), at(g13), at(g23), at(g33);
   return matrix;
 }
 
@@ -37,15 +37,15 @@ PlaneStress plane_stress_of(const FiniteElementModel& model, const Material& mat
       break;
     case Material::Kind::orthotropic_shell: {
       const auto at = [&](std::size_t i) { return model.value(material.moduli[i]); };
-      result.unit = orthotropic_plane_stress(at(E1), at(E2), at(NU12), at(G12));
-      result.modulus.matrix_fields.assign(material.moduli.begin(), material.moduli.begin() + G1Z);
-      result.drilling = times_field(material.moduli[G12]);
+      result.unit = orthotropic_plane_stress(at(e1), at(e2), at(nu12), at(g12));
+      result.modulus.matrix_fields.assign(material.moduli.begin(), material.moduli.begin() + g1z);
+      result.drilling = times_field(material.moduli[g12]);
       break;
     }
     case Material::Kind::anisotropic_shell:
       result.unit = anisotropic(model, material);
       result.modulus.matrix_fields = material.moduli;
-      result.drilling = times_field(material.moduli[G33]);
+      result.drilling = times_field(material.moduli[g33]);
       break;
     case Material::Kind::anisotropic_solid:
       throw InvalidInput("a MAT9 is a material of solids; shells need MAT1, MAT2 or MAT8");
@@ -57,7 +57,7 @@ std::optional<TransverseShear> transverse_shear_of(const FiniteElementModel& mod
   if (material.kind == Material::Kind::isotropic) return TransverseShear{shear_coefficient(model, material)};
   if (material.kind == Material::Kind::anisotropic_shell)
     return TransverseShear{{1.0, {}, material.moduli}, anisotropic(model, material).topLeftCorner<2, 2>()};
-  const FieldIndex along = material.moduli[G1Z], across = material.moduli[G2Z];
+  const FieldIndex along = material.moduli[g1z], across = material.moduli[g2z];
   const Eigen::Vector2d moduli(model.value(along), model.value(across));
   if (moduli.isZero(0.0)) return std::nullopt;
   require(moduli.minCoeff() > 0.0,
@@ -71,7 +71,7 @@ Eigen::Matrix2d shear_flexibility_of(const FiniteElementModel& model, const Mate
   const auto inverse = [](double modulus) { return modulus > 0.0 ? 1.0 / modulus : 0.0; };
   if (material.kind == Material::Kind::isotropic)
     return inverse(value_of(model, shear_coefficient(model, material))) * Eigen::Matrix2d::Identity();
-  return Eigen::Vector2d(inverse(model.value(material.moduli[G1Z])), inverse(model.value(material.moduli[G2Z])))
+  return Eigen::Vector2d(inverse(model.value(material.moduli[g1z])), inverse(model.value(material.moduli[g2z])))
       .asDiagonal();
 }
 
