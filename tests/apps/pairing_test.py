@@ -62,6 +62,15 @@ class PairingTest(support.CommandTest):
         self.rearrange("f1,f2", [1, 2])
         self.assertIn('test.pairing = "frequency" pairs them so', self.succeed("check", "study.toml").out)
 
+    def test_tests_in_another_unit_are_not_paired_with_other_modes(self):
+        self.write("study.toml", support.edited(support.STUDY, FREQUENCY))
+        for factor, unit in ((6.283185307179586, "rad/s"), (60.0, "1/min"), (0.001, "kHz")):
+            rows = [[factor * float(cell) for cell in row.split(",")] for row in support.TESTS.splitlines()[1:]]
+            self.write("tests.csv", "f1,f2,f3\n" + "".join(",".join(map(repr, row)) + "\n" for row in rows))
+            ended = self.call("check", "study.toml")
+            self.assertEqual(ended.code, 2, ended.out)
+            self.assertIn(f"({unit})", ended.err)
+
     def test_shapes_are_paired_by_shape(self):
         self.write("study.toml", support.edited(
             support.STUDY, FREQUENCY, ("frequencies = [1, 2, 3]", 'frequencies = [1]\nshapes = { modes = [1], dofs = ["m1", "m2"] }')))

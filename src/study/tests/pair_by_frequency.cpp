@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <optional>
 #include <utility>
 
@@ -100,9 +101,8 @@ Eigen::VectorXd reference_frequencies(const StructureModel& model, std::size_t t
   return natural_frequencies_hz(model.solver().modes_at(model.reference_parameters(), there).eigenvalues);
 }
 
-}  // namespace
-
-std::vector<FrequencyPair> pair_in_order(const Eigen::VectorXd& tests, const Eigen::VectorXd& model) {
+/// ln(model / test)^2 [test x mode]; infinite of rigid-body modes.
+Eigen::MatrixXd squares_of(const Eigen::VectorXd& tests, const Eigen::VectorXd& model) {
   Eigen::MatrixXd squares(tests.size(), model.size());
   for (Eigen::Index i = 0; i < tests.size(); ++i) {
     for (Eigen::Index j = 0; j < model.size(); ++j) {
@@ -110,6 +110,50 @@ std::vector<FrequencyPair> pair_in_order(const Eigen::VectorXd& tests, const Eig
           model(j) > 0.0 ? std::pow(std::log(model(j) / tests(i)), 2) : std::numeric_limits<double>::infinity();
     }
   }
+  return squares;
+}
+
+/// Mean square of the best assignment.
+double misfit(const Eigen::VectorXd& tests, const Eigen::VectorXd& model) {
+  return best_sums(squares_of(tests, model))(tests.size(), model.size()) / static_cast<double>(tests.size());
+}
+
+/// Tests in another unit find partners among higher or lower modes, where a model has many: refused where they fit it
+/// badly as they are and far better by a factor of units.
+void require_unit_of_model(const CsvTable& table, const Eigen::VectorXd& tests, const Eigen::VectorXd& model) {
+  struct Unit {
+    double factor;
+    const char* text;
+  };
+  constexpr double k_minute = 60.0;
+  static const Unit k_units[] = {{0.5 / std::numbers::pi, "rad/s"},
+                                 {2.0 * std::numbers::pi, "radians against cycles"},
+                                 {1.0 / k_minute, "1/min"},
+                                 {k_minute, "minutes against seconds"},
+                                 {1000.0, "kHz"},
+                                 {0.001, "Hz where the model has kHz"}};
+  const bool is_few = tests.size() < 4;
+  const double bad = std::pow(std::log(is_few ? 1.35 : 1.08), 2);  // few modes fit many things
+  constexpr double k_better = 9.0;
+  const double as_given = misfit(tests, model);
+  if (as_given < bad || tests.size() < 2) return;
+  for (const Unit& unit : k_units) {
+    const double scaled = misfit(unit.factor * tests, model);
+    if (k_better * scaled > as_given) continue;
+    throw FormatError(
+        table.file, 1,
+        fmt::format(
+            "the frequencies differ from the model's by {:.0f} % as they are, and by {:.2g} % if they are "
+            "multiplied by {:.6g} ({}): convert the columns, or set the study's units. If they are right, name the "
+            "columns after the model's modes and say test.pairing = \"named\"",
+            100.0 * std::sqrt(as_given), 100.0 * std::sqrt(scaled), unit.factor, unit.text));
+  }
+}
+
+}  // namespace
+
+std::vector<FrequencyPair> pair_in_order(const Eigen::VectorXd& tests, const Eigen::VectorXd& model) {
+  Eigen::MatrixXd squares = squares_of(tests, model);
   const std::vector<int> partners = best_partners(squares);
   const double best = best_sums(squares)(squares.rows(), squares.cols());
   std::vector<FrequencyPair> pairs;
@@ -148,6 +192,7 @@ FrequencyPairing::FrequencyPairing(const CsvTable& table, const StructureModel& 
     numbers_.push_back(tests[k].second);
   }
   frequencies_ = reference_frequencies(model, tests.size(), solves);
+  require_unit_of_model(table, means_, frequencies_);
   pairs_ = pair_in_order(means_, frequencies_);
 }
 

@@ -37,7 +37,7 @@ class FrequencyPairing {
   /// @param solves       whether the reference is solved for as many modes as the tests could have; else those known
   /// are
   ///                     taken, up to the outputs' highest
-  /// @throws FormatError  no column of a frequency, or a value that is not greater than 0
+  /// @throws FormatError  no column of a frequency, a value that is not greater than 0, or frequencies in another unit
   FrequencyPairing(const CsvTable& table, const StructureModel& model, bool solves);
 
   /// Renames the columns of frequencies and damping ratios to the model's numbers; those without partner are taken out.
