@@ -67,6 +67,36 @@ class LaminateTest(support.CommandTest):
                 # nine digits in the deck; PSHELL's and PCOMP's shares of edges are held at the deck's numbers
                 self.assertLess(abs(float(row[header.index(f"f{mode + 1}")]) / again[mode] - 1), 1e-6, f"mode {mode + 1}")
 
+    def test_plies_of_one_metal_beside_a_shell_of_it(self):
+        # E and G are given: E stands in front of the laminate's matrices, and within the transverse shear of both.
+        def thick(E=7e10, G=2e10, T1=0.03):
+            text = deck().replace("CQUAD4,3,1,3,4,14,13,20.", "CTRIA3,3,2,3,4,14\nCTRIA3,93,2,3,14,13")
+            lines = [line for line in text.split("\n") if not line.startswith(("MAT8", "PCOMP", ",7,"))]
+            return "\n".join(lines[:-2] + [f"MAT1,7,{E:.9e},{G:.9e},.33,2700.", "PSHELL,2,7,.05,7,,7", "PCOMP,1",
+                                           f",7,{T1:.9e},0.,,7,.02,0.", "ENDDATA", ""])
+
+        def frequencies(**changes):
+            self.write("moved.bdf", thick(**changes))
+            return json.loads(self.succeed("modes", "moved.bdf", "--json", "--out", "modes").out)["frequencies"]
+
+        self.write("plate.bdf", thick())
+        listed = json.loads(self.succeed("targets", "plate.bdf", "--all", "--json").out)["targets"]
+        found = {one["target"]: one for one in listed}
+        self.write("points.csv", "p\n1.1\n")
+        for name, value, target in (("E", 7e10, "MAT1:7:E"), ("G", 2e10, "MAT1:7:G"), ("T1", 0.03, "PCOMP:1:T1")):
+            ends = [frequencies(**{name: factor * value}) for factor in (1.001, 0.999)]
+            for mode, sensitivity in enumerate(found[target]["sensitivity"]):
+                again = (ends[0][mode] - ends[1][mode]) / (ends[0][mode] + ends[1][mode]) / 1e-3
+                self.assertAlmostEqual(sensitivity, again, delta=2e-5, msg=f"{name}, mode {mode + 1}")
+            self.write("one.toml", f'[model]\nkind = "nastran"\nfile = "plate.bdf"\n[outputs]\nfrequencies = [1, 2, 3]\n'
+                       f'tracking = "order"\n[[parameter]]\nname = "p"\ntarget = "{target}"\nrelative = true\n'
+                       'distribution = { kind = "normal", mean = 1.0, std = 0.05 }\n')
+            self.succeed("propagate", "one.toml", "--points", "points.csv", "--quiet")
+            header, rows = support.read_csv(self.folder / "one.mottle" / "cloud.csv")
+            again = frequencies(**{name: 1.1 * value})
+            for mode in range(3):
+                self.assertLess(abs(float(rows[0][header.index(f"f{mode + 1}")]) / again[mode] - 1), 1e-6, f"{name}, mode {mode + 1}")
+
     def test_one_isotropic_ply_is_a_shell(self):
         isotropic = deck().replace("MAT8,7,", "$").replace("PCOMP,1", "PCOMP,1\n,7,.003,0.\n$").split("\n")
         isotropic = [line for line in isotropic if not line.startswith((",7,2.0", ",7,1.5"))]

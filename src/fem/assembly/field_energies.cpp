@@ -79,15 +79,18 @@ UsedFields fields_of(const ElementPieces& element) {
   return used;
 }
 
-/// Groups of matrix fields no two of which meet in an element: all of a group are moved at once.
+/// Groups of matrix fields no two of which an element uses, in whatever way: all of a group are moved at once.
 class FieldGroups {
  public:
   explicit FieldGroups(std::size_t fields) : meets_(fields), is_there_(fields, false) {}
 
-  void add(const std::set<FieldIndex>& together) {
-    for (const FieldIndex field : together) {
+  void add(const UsedFields& used) {
+    for (const FieldIndex field : used.matrix) {
       is_there_[static_cast<std::size_t>(field)] = true;
-      meets_[static_cast<std::size_t>(field)].insert(together.begin(), together.end());
+      for (const FieldIndex other : used.any) {
+        meets_[static_cast<std::size_t>(field)].insert(other);
+        meets_[static_cast<std::size_t>(other)].insert(field);
+      }
     }
   }
 
@@ -161,7 +164,7 @@ FieldEnergies field_energies(const FiniteElementModel& model, const Eigen::Matri
   const PieceEnergies pieces(model, displacements);
   FieldGroups groups(model.fields.size());
   visit_elements(model, PieceSelection::all, [&](ElementPieces& element) {
-    groups.add(fields_of(element).matrix);
+    groups.add(fields_of(element));
     add_element(model, element, pieces.of(model, element), found);
   });
   for (const std::vector<FieldIndex>& group : groups.groups()) {

@@ -155,6 +155,8 @@ Plies plies_of(const FiniteElementModel& model, const LaminateProperty& laminate
   for (const ShellPly& ply : laminate.plies) is_uniform = is_uniform && &material_of(ply) == &first;
   std::vector<FieldIndex>& fields = result.modulus.matrix_fields;
   if (is_uniform) result.modulus = plane_stress_of(model, first).modulus;
+  // Young's modulus stands in front of all, so that the shear flexibility is relative to it.
+  if (is_uniform && first.shear != k_no_field) fields.insert(fields.end(), {first.young, first.shear});
   for (const ShellPly& ply : laminate.plies) {
     const Material& material = material_of(ply);
     const PlaneStress plane = plane_stress_of(model, material);
