@@ -79,7 +79,7 @@ void StructureModel::take(std::unique_ptr<Response> response, std::vector<int>& 
 
 void StructureModel::take_outputs() {
   Eigen::MatrixXd shapes(request_.observation.rows(), highest_mode());
-  if (highest_mode() > 0) shapes = request_.observation * reference_.shapes.leftCols(highest_mode());
+  if (shapes.size() > 0) shapes = request_.observation * reference_.shapes.leftCols(highest_mode());
   for (Part& part : responses_) {
     part.response->take_reference(shapes.middleRows(part.share.first_row, part.share.rows));
     const std::vector<Quantity> outputs = part.response->quantities();
