@@ -30,6 +30,18 @@ std::filesystem::path cache_folder(const std::string& given) {
   return given == "off" ? std::filesystem::path() : std::filesystem::path(given);
 }
 
+/// The verdict's word in its colour, where standard output is a terminal that shows colours.
+std::string coloured(const std::string& line) {
+  static const bool is_wanted = ::isatty(STDOUT_FILENO) == 1 && std::getenv("NO_COLOR") == nullptr;
+  constexpr std::string_view k_verdict = "verdict: ";
+  if (!is_wanted) return line;
+  if (line.starts_with("warning: ")) return fmt::format("\033[33m{}\033[0m", line);
+  if (!line.starts_with(k_verdict)) return line;
+  const std::string word = line.substr(k_verdict.size());
+  const int colour = word.starts_with("adequate") ? 32 : word.starts_with("inadequate") ? 31 : 33;
+  return fmt::format("{}\033[1;{}m{}\033[0m", k_verdict, colour, word);
+}
+
 }  // namespace
 
 void add_common_options(CLI::App& verb, CommonOptions& options) {
@@ -68,22 +80,6 @@ RunSettings run_settings(const CommonOptions& options, Console& console) {
           .observer = &console,
           .stop = &stop_flag()};
 }
-
-namespace {
-
-/// The verdict's word in its colour, where standard output is a terminal that shows colours.
-std::string coloured(const std::string& line) {
-  static const bool is_wanted = ::isatty(STDOUT_FILENO) == 1 && std::getenv("NO_COLOR") == nullptr;
-  constexpr std::string_view k_verdict = "verdict: ";
-  if (!is_wanted) return line;
-  if (line.starts_with("warning: ")) return fmt::format("\033[33m{}\033[0m", line);
-  if (!line.starts_with(k_verdict)) return line;
-  const std::string word = line.substr(k_verdict.size());
-  const int colour = word.starts_with("adequate") ? 32 : word.starts_with("inadequate") ? 31 : 33;
-  return fmt::format("{}\033[1;{}m{}\033[0m", k_verdict, colour, word);
-}
-
-}  // namespace
 
 void print_summary(const CommonOptions& options, const RunSummary& summary) {
   if (options.json) {

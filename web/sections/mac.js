@@ -1,9 +1,8 @@
 // The modal assurance criterion of two sets of shapes as a map: which mode of the one is which of the other.
 import { is_number, list } from "../src/data.js";
-import { colour_at, is_deep } from "../src/colour_scale.js";
 import { figure } from "../src/figure.js";
-import { matrix_map, signed } from "../src/matrix_map.js";
-import { sequential } from "../src/palette.js";
+import { mac_map } from "../src/mac_map.js";
+import { signed } from "../src/matrix_map.js";
 
 const cell = {
   width_at_most: 74,
@@ -41,16 +40,10 @@ export default {
         id: "mac",
         title: `MAC of ${row_title} and ${column_title}`,
         caption: `Rows: shapes of ${row_title}; columns: shapes of ${column_title}.`,
-        build: matrix_map({
-          name: "MAC",
+        build: mac_map({
           rows: names_of(mac.rows, values.length),
           columns: names_of(mac.columns, Math.max(...values.map((row) => list(row).length))),
           values,
-          low: 0,
-          high: 1,
-          ends: ["1", "0"],
-          stops: () => sequential,
-          is_deep: (value) => is_deep(colour_at(sequential, value)),
           cell,
           row_title,
           column_title,

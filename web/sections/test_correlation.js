@@ -1,10 +1,9 @@
 // Correlation of the shapes of tests and model: MAC of every pair before and after the update.
 import { is_number, list, number_or_null, record } from "../src/data.js";
-import { colour_at, is_deep } from "../src/colour_scale.js";
 import { element, paragraph } from "../src/dom.js";
 import { figure } from "../src/figure.js";
-import { matrix_map, signed } from "../src/matrix_map.js";
-import { sequential } from "../src/palette.js";
+import { mac_map } from "../src/mac_map.js";
+import { signed } from "../src/matrix_map.js";
 import { data_table } from "../src/table.js";
 
 const doubtful = 0.8;
@@ -31,16 +30,10 @@ function map_figure(correlation, { key, when }) {
     id: `mac-${key}`,
     title: `MAC of model and tests ${when}`,
     caption: "Rows: modes of the model; columns: the test modes that are paired with them. Mean over the specimens.",
-    build: matrix_map({
-      name: "MAC",
+    build: mac_map({
       rows: names,
       columns: names,
       values: mac_of(correlation, key),
-      low: 0,
-      high: 1,
-      ends: ["1", "0"],
-      stops: () => sequential,
-      is_deep: (value) => is_deep(colour_at(sequential, value)),
       cell,
       row_title: "model",
       column_title: "tests",

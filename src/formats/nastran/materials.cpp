@@ -1,6 +1,8 @@
 // MAT1, MAT2, MAT8, MAT9; every other material is refused.
 #include <array>
-#include <vector>
+#include <optional>
+#include <span>
+#include <string_view>
 
 #include "formats/nastran/builder.hpp"
 #include "formats/nastran/card_table.hpp"
@@ -34,12 +36,16 @@ void read_mat1(ModelBuilder& builder, const Card& card) {
   keep(builder, card, std::move(material));
 }
 
-/// Reads numbers that stand one after the other; blank ones are left out.
-std::vector<FieldIndex> read_moduli(ModelBuilder& builder, const Card& card, int first,
-                                    std::span<const std::string_view> names, int id) {
-  std::vector<FieldIndex> moduli;
-  for (const std::string_view name : names) moduli.push_back(builder.read_field(card, first++, name, id));
-  return moduli;
+/// MID, the moduli one after the other (blank ones are left out), RHO; nothing where the card repeats another one.
+std::optional<Material> read_by_moduli(ModelBuilder& builder, const Card& card, Material::Kind kind,
+                                       std::span<const std::string_view> names) {
+  const int id = card.id(1, "MID");
+  if (!builder.is_first(card, id, IdSpace::material)) return std::nullopt;
+  Material material{.id = id, .kind = kind};
+  int field = 2;
+  for (const std::string_view name : names) material.moduli.push_back(builder.read_field(card, field++, name, id));
+  material.density = builder.read_field(card, field, "RHO", id);
+  return material;
 }
 
 /// Refuses moduli by which some strain would give energy away.
@@ -60,24 +66,18 @@ void require_semidefinite(const ModelBuilder& builder, const Card& card, const M
 /// MID G11 G12 G13 G22 G23 G33 RHO / A1 ... SS / MCSID.
 void read_mat2(ModelBuilder& builder, const Card& card) {
   static constexpr std::string_view k_names[] = {"G11", "G12", "G13", "G22", "G23", "G33"};
-  const int id = card.id(1, "MID");
-  if (!builder.is_first(card, id, IdSpace::material)) return;
-  Material material{.id = id, .kind = Material::Kind::anisotropic_shell};
-  material.moduli = read_moduli(builder, card, 2, k_names, id);
-  material.density = builder.read_field(card, 8, "RHO", id);
-  require_semidefinite(builder, card, material, 3);
-  keep(builder, card, std::move(material));
+  std::optional<Material> material = read_by_moduli(builder, card, Material::Kind::anisotropic_shell, k_names);
+  if (!material) return;
+  require_semidefinite(builder, card, *material, 3);
+  keep(builder, card, *std::move(material));
 }
 
 /// MID E1 E2 NU12 G12 G1Z G2Z RHO / A1 A2 TREF Xt Xc Yt Yc S / GE F12 STRN.
 void read_mat8(ModelBuilder& builder, const Card& card) {
   static constexpr std::string_view k_names[] = {"E1", "E2", "NU12", "G12", "G1Z", "G2Z"};
-  const int id = card.id(1, "MID");
-  if (!builder.is_first(card, id, IdSpace::material)) return;
-  Material material{.id = id, .kind = Material::Kind::orthotropic_shell};
-  material.moduli = read_moduli(builder, card, 2, k_names, id);
-  material.density = builder.read_field(card, 8, "RHO", id);
-  const auto at = [&](std::size_t i) { return builder.model.value(material.moduli[i]); };
+  std::optional<Material> material = read_by_moduli(builder, card, Material::Kind::orthotropic_shell, k_names);
+  if (!material) return;
+  const auto at = [&](std::size_t i) { return builder.model.value(material->moduli[i]); };
   try {
     orthotropic_plane_stress(at(0), at(1), at(2), at(3));
   } catch (const InvalidInput& error) {
@@ -86,7 +86,7 @@ void read_mat8(ModelBuilder& builder, const Card& card) {
   for (const std::size_t i : {4U, 5U}) {
     if (at(i) < 0.0) card.fail(fmt::format("{} is negative", k_names[i]));
   }
-  keep(builder, card, std::move(material));
+  keep(builder, card, *std::move(material));
 }
 
 /// MID G11 G12 ... G66 (the upper triangle by rows, 21 numbers) RHO / A1...
@@ -94,13 +94,10 @@ void read_mat9(ModelBuilder& builder, const Card& card) {
   static constexpr std::string_view k_names[] = {"G11", "G12", "G13", "G14", "G15", "G16", "G22",
                                                  "G23", "G24", "G25", "G26", "G33", "G34", "G35",
                                                  "G36", "G44", "G45", "G46", "G55", "G56", "G66"};
-  const int id = card.id(1, "MID");
-  if (!builder.is_first(card, id, IdSpace::material)) return;
-  Material material{.id = id, .kind = Material::Kind::anisotropic_solid};
-  material.moduli = read_moduli(builder, card, 2, k_names, id);
-  material.density = builder.read_field(card, 23, "RHO", id);
-  require_semidefinite(builder, card, material, 6);
-  keep(builder, card, std::move(material));
+  std::optional<Material> material = read_by_moduli(builder, card, Material::Kind::anisotropic_solid, k_names);
+  if (!material) return;
+  require_semidefinite(builder, card, *material, 6);
+  keep(builder, card, *std::move(material));
 }
 
 constexpr std::array<CardRule, 4> k_material_rules = {{

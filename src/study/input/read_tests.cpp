@@ -21,12 +21,6 @@
 namespace mottle::study {
 namespace {
 
-std::vector<std::string> names_of(const std::vector<Quantity>& outputs) {
-  std::vector<std::string> names;
-  for (const Quantity& output : outputs) names.push_back(output.name());
-  return names;
-}
-
 /// Renumbers the modes of every row by their shapes, or at least turns the shapes to the sign of the model's.
 void pair_rows(const Study& study, const StructureModel& model, Eigen::MatrixXd& values,
                std::vector<std::string>& notes) {
@@ -101,7 +95,7 @@ void read_repeats(const Study& study, const StructureModel& model, const std::op
   const std::filesystem::path& file = *study.test->repeats_file;
   CsvTable table = read_named_table(study, "test.repeatability", file);
   if (pairing) pairing->renumber(table);
-  const std::vector<std::string> names = names_of(model.outputs());
+  const std::vector<std::string> names = output_names(model.outputs());
   std::vector<std::string> notes;
   const std::vector<int> columns = match_columns(table, study, model.measured(), notes);
   Eigen::MatrixXd values = values_of_columns(table, columns, model);
@@ -169,8 +163,8 @@ void add_repeatability(const Study& study, const StructureModel& model, const st
     read_repeats(study, model, pairing, tests);
     return;
   }
-  tests.data.repeatability_std = standard_deviations_by_rules(study, study.test->repeatability, "repeatability",
-                                                              "Measurement noise", names_of(model.outputs()), tests);
+  tests.data.repeatability_std = standard_deviations_by_rules(
+      study, study.test->repeatability, "repeatability", "Measurement noise", output_names(model.outputs()), tests);
 }
 
 /// Specimens from the rows of a table; those without any value are left out.
@@ -245,7 +239,7 @@ StudyTests read_tests(const Study& study, const StructureModel& model) {
           "{}: test.pairing: \"named\" and \"frequency\" are for a table with one row for each specimen; these tests "
           "are modes: \"mac\" or \"order\"",
           study.file.string());
-  const std::vector<std::string> names = names_of(model.outputs());
+  const std::vector<std::string> names = output_names(model.outputs());
   StudyTests tests;
   tests.notes = std::move(contents.notes);
   std::optional<FrequencyPairing> by_frequency;

@@ -12,6 +12,7 @@
 #include "mottle/formats/tables/csv.hpp"
 #include "mottle/study/input/study.hpp"
 #include "mottle/study/input/text_file.hpp"
+#include "mottle/study/jobs/study_objects.hpp"
 #include "mottle/study/models/model_source.hpp"
 #include "study/input/toml_writer.hpp"
 #include "study/results/update_results.hpp"
@@ -45,17 +46,9 @@ Found read_found(const Json& parameters, const Study& study) {
   return found;
 }
 
-std::vector<ParameterTargets> targets_of(const Study& study) {
-  std::vector<ParameterTargets> targets;
-  for (const StudyParameter& parameter : study.parameters.list) {
-    targets.push_back({parameter.name, parameter.targets, parameter.is_factor});
-  }
-  return targets;
-}
-
 /// Adds the deck at the values below `folder`; false where the model has none.
 bool add_deck(const Study& study, const Eigen::VectorXd& values, const fs::path& folder, ExportOutcome& outcome) {
-  const std::optional<ExportedModel> model = study.model->export_at(targets_of(study), values);
+  const std::optional<ExportedModel> model = study.model->export_at(list_targets(study.parameters), values);
   if (!model) return false;
   for (const ExportedModel::File& file : model->files) outcome.files[folder / file.name] = file.bytes;
   if (folder == "mean") {

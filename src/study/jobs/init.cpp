@@ -94,9 +94,16 @@ struct Deck {
   TargetsOutcome targets;
 };
 
-Deck solve(const InitSettings& settings, int modes) {
+/// Units that are not known yet are proposed.
+Deck solve(InitOutcome& outcome, int modes) {
+  InitSettings& settings = outcome.settings;
   SolvedDeck solved = solve_deck(settings.model, settings.ignore_cards, modes);
-  TargetsOutcome targets = targets_of(solved, {.model = settings.model, .units = settings.units.value_or("SI")});
+  if (!settings.units) {
+    const ProposedUnits units = propose_units(solved.structure->model());
+    settings.units = units.units;
+    outcome.units_reason = units.reason;
+  }
+  TargetsOutcome targets = targets_of(solved, {.model = settings.model, .units = *settings.units});
   require(!targets.targets.empty(), "{}: no number of the deck changes its lowest {} modes", settings.model.string(),
           modes);
   return {std::move(solved), std::move(targets)};
@@ -125,7 +132,7 @@ void propose_outputs(InitOutcome& outcome, Deck& deck) {
     contents = read_test_files(draft_study(outcome, deck));
     const int there = std::max(static_cast<int>(deck.solved.structure->mode_count()) / 2, k_fewest_modes);
     const int wanted = std::min(tested_modes(contents) + k_more_modes, there);
-    if (wanted > deck.solved.frequencies.size()) deck = solve(settings, wanted);
+    if (wanted > deck.solved.frequencies.size()) deck = solve(outcome, wanted);
     PairedTests paired = pair_for_proposal(draft_study(outcome, deck), std::move(contents), deck.solved.frequencies);
     outcome.pairing = paired.pairing;
     outcome.specimens = paired.specimens;
@@ -141,13 +148,7 @@ void propose_outputs(InitOutcome& outcome, Deck& deck) {
 
 InitOutcome propose_study(const InitSettings& settings) {
   InitOutcome outcome{.settings = settings};
-  Deck deck = solve(settings, k_fewest_modes);
-  if (!settings.units) {
-    const ProposedUnits units = propose_units(deck.solved.structure->model());
-    outcome.settings.units = units.units;
-    outcome.units_reason = units.reason;
-    deck.targets = targets_of(deck.solved, {.model = settings.model, .units = units.units});
-  }
+  Deck deck = solve(outcome, k_fewest_modes);
   propose_outputs(outcome, deck);
   const std::vector<InitMode> outputs = outputs_of(outcome);
   require(!outputs.empty(),

@@ -9,6 +9,7 @@
 #include "study/input/key_error.hpp"
 #include "study/input/noise_rules.hpp"
 #include "study/tests/shape_size.hpp"
+#include "study/tests/table_values.hpp"
 
 namespace mottle::study {
 
@@ -99,9 +100,8 @@ PredictionPlan plan_prediction(const Study& study, const RunSettings& settings) 
     if (study.predict->held_out) plan.held_out = read_tests(other, *plan.made.model);
     const std::vector<Quantity>& outputs = plan.made.model->outputs();
     plan.repeatability = Eigen::VectorXd::Constant(static_cast<Eigen::Index>(outputs.size()), std::nan(""));
+    const std::vector<std::string> names = output_names(outputs);
     for (const auto& [name, value] : study.predict->repeatability) {
-      std::vector<std::string> names;
-      for (const Quantity& output : outputs) names.push_back(output.name());
       const auto found = std::find(names.begin(), names.end(), name);
       require_key(found != names.end(), "predict.repeatability", "{}", unknown_name_message("output", name, names));
       plan.repeatability(std::distance(names.begin(), found)) = value;

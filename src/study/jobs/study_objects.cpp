@@ -17,14 +17,6 @@
 namespace mottle::study {
 namespace {
 
-std::vector<ParameterTargets> list_targets(const StudyParameters& parameters) {
-  std::vector<ParameterTargets> targets;
-  for (const StudyParameter& parameter : parameters.list) {
-    targets.push_back({parameter.name, parameter.targets, parameter.is_factor});
-  }
-  return targets;
-}
-
 JointDistribution joint_prior(const StudyParameters& parameters) {
   std::vector<Distribution> marginals;
   for (const StudyParameter& parameter : parameters.list) marginals.emplace_back(parameter.distribution);
@@ -76,6 +68,14 @@ ReductionSettings reduction_settings(double frequency_error, const ParameterSpac
 }
 
 }  // namespace
+
+std::vector<ParameterTargets> list_targets(const StudyParameters& parameters) {
+  std::vector<ParameterTargets> targets;
+  for (const StudyParameter& parameter : parameters.list) {
+    targets.push_back({parameter.name, parameter.targets, parameter.is_factor});
+  }
+  return targets;
+}
 
 StudyModel make_model(const Study& study, const StudyParameters& parameters, const RunSettings& settings) {
   const bool is_truth = study.truth && &parameters == &study.truth->parameters;

@@ -11,6 +11,7 @@
 #include "mottle/core/error.hpp"
 #include "mottle/core/text.hpp"
 #include "mottle/dynamics/modes/mode_set.hpp"
+#include "study/tests/table_values.hpp"
 
 namespace mottle::study {
 namespace {
@@ -71,24 +72,11 @@ std::optional<NumberedTitle> numbered_title(const std::string& title) {
   return std::nullopt;
 }
 
-/// Mean of the values that a column has.
+/// Mean of the values that a column has; nan: none.
 double mean_of(const CsvTable& table, int column) {
-  const Eigen::VectorXd values = numbers_of_column(table, column);
-  double sum = 0.0;
-  int count = 0;
-  for (Eigen::Index row = 0; row < values.size(); ++row) {
-    if (std::isnan(values(row))) continue;
-    if (values(row) <= 0.0) {
-      throw FormatError(
-          table.file, table.lines[static_cast<std::size_t>(row)],
-          fmt::format("column '{}' holds {:g}, but a natural frequency is greater than 0; a mode that was "
-                      "not measured has an empty cell",
-                      table.header[static_cast<std::size_t>(column)], values(row)));
-    }
-    sum += values(row);
-    ++count;
-  }
-  return count == 0 ? std::numeric_limits<double>::quiet_NaN() : sum / count;
+  const Eigen::ArrayXd values = measured_numbers(table, column, true).array();
+  const auto count = static_cast<double>((!values.isNaN()).count());
+  return values.isNaN().select(0.0, values).sum() / count;
 }
 
 /// Frequencies of the reference in the study's unit, as many as the tests could have.

@@ -31,12 +31,6 @@ ColumnTitle split_title(const std::string& title, const std::vector<Quantity>& o
   return {title, ""};
 }
 
-std::vector<std::string> names_of(const std::vector<Quantity>& outputs) {
-  std::vector<std::string> names;
-  for (const Quantity& output : outputs) names.push_back(output.name());
-  return names;
-}
-
 /// Whether values in the unit that a column states are those of the output. Shapes have the unit of their mode's size,
 /// and a user's own output may have none that is known.
 bool is_unit_of(const std::string& stated, const Quantity& output) {
@@ -64,9 +58,15 @@ void require_unit(const CsvTable& table, const Study& study, const std::string& 
 
 }  // namespace
 
+std::vector<std::string> output_names(const std::vector<Quantity>& outputs) {
+  std::vector<std::string> names;
+  for (const Quantity& output : outputs) names.push_back(output.name());
+  return names;
+}
+
 std::vector<int> match_columns(const CsvTable& table, const Study& study, const std::vector<Quantity>& quantities,
                                std::vector<std::string>& notes) {
-  const std::vector<std::string> outputs = names_of(quantities);
+  const std::vector<std::string> outputs = output_names(quantities);
   std::vector<int> columns(outputs.size(), -1);
   std::vector<std::string> unused;
   for (std::size_t column = 0; column < table.header.size(); ++column) {
@@ -100,23 +100,27 @@ std::vector<int> match_columns(const CsvTable& table, const Study& study, const 
   return columns;
 }
 
+Eigen::VectorXd measured_numbers(const CsvTable& table, int column, bool is_frequency) {
+  Eigen::VectorXd numbers = numbers_of_column(table, column);
+  for (Eigen::Index row = 0; row < numbers.size(); ++row) {
+    const char* fault = nullptr;
+    if (is_too_large(numbers(row))) fault = "whose square is no number any more; give the tests other units";
+    if (is_frequency && numbers(row) <= 0.0) {
+      fault = "but a natural frequency is greater than 0; a mode that was not measured has an empty cell";
+    }
+    if (fault == nullptr) continue;
+    throw FormatError(
+        table.file, table.lines[static_cast<std::size_t>(row)],
+        fmt::format("column '{}' holds {:g}, {}", table.header[static_cast<std::size_t>(column)], numbers(row), fault));
+  }
+  return numbers;
+}
+
 Eigen::MatrixXd values_of_columns(const CsvTable& table, const std::vector<int>& columns, const StructureModel& model) {
   Eigen::MatrixXd values(static_cast<Eigen::Index>(table.rows.size()), static_cast<Eigen::Index>(columns.size()));
   for (std::size_t k = 0; k < columns.size(); ++k) {
-    const Eigen::VectorXd column = numbers_of_column(table, columns[k]);
     const bool is_frequency = model.measured()[k].kind == QuantityKind::frequency;
-    for (Eigen::Index row = 0; row < column.size(); ++row) {
-      const char* fault = nullptr;
-      if (is_too_large(column(row))) fault = "whose square is no number any more; give the tests other units";
-      if (is_frequency && column(row) <= 0.0) {
-        fault = "but a natural frequency is greater than 0; a mode that was not measured has an empty cell";
-      }
-      if (fault == nullptr) continue;
-      throw FormatError(table.file, table.lines[static_cast<std::size_t>(row)],
-                        fmt::format("column '{}' holds {:g}, {}", table.header[static_cast<std::size_t>(columns[k])],
-                                    column(row), fault));
-    }
-    values.col(static_cast<Eigen::Index>(k)) = column;
+    values.col(static_cast<Eigen::Index>(k)) = measured_numbers(table, columns[k], is_frequency);
   }
   return values;
 }

@@ -12,12 +12,19 @@
 
 namespace mottle::study {
 
+std::vector<std::string> output_names(const std::vector<Quantity>& outputs);
+
 /// Column of each quantity, by its name with or without a unit behind ("f1", "f1_Hz", "f1 [Hz]").
 ///
 /// @param notes  columns that are not used are added
 /// @throws FormatError  a quantity has no column or two, a column is nothing known, or in another unit than the study's
 std::vector<int> match_columns(const CsvTable& table, const Study& study, const std::vector<Quantity>& quantities,
                                std::vector<std::string>& notes);
+
+/// The numbers of a column; nan: not measured.
+///
+/// @throws FormatError  a frequency that is not greater than 0, a number whose square is none
+Eigen::VectorXd measured_numbers(const CsvTable& table, int column, bool is_frequency);
 
 /// Rows are specimens, columns StructureModel::measured(); nan: not measured.
 ///

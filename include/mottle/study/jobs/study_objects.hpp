@@ -17,6 +17,9 @@
 
 namespace mottle::study {
 
+/// What each parameter acts on.
+std::vector<ParameterTargets> list_targets(const StudyParameters& parameters);
+
 /// @param settings  folders of results and of what later runs may use again; without a folder of results, runs of a
 ///                  solver by command are kept nowhere
 /// Throws InvalidInput: what the parameters name is not in the model, an output is not, a mean is impossible;
