@@ -122,4 +122,9 @@ void Console::warning(const std::string& text) {
 
 void Console::note(const std::string&) {}  // notes are for the log; the summary says what matters
 
+void Console::finding(const std::string& text) {
+  end_line();
+  if (!is_quiet_) tell(printable(text) + "\n");
+}
+
 }  // namespace mottle::app

@@ -25,6 +25,7 @@ class Console final : public ProgressObserver {
   void progress(const std::string& stage, std::int64_t done, std::int64_t total) override;
   void warning(const std::string& text) override;
   void note(const std::string& text) override;
+  void finding(const std::string& text) override;
 
  private:
   void show(const std::string& text);

@@ -2,6 +2,7 @@
 
 import json
 import math
+import shutil
 
 import support
 from support import edited, line_of, main
@@ -72,6 +73,27 @@ class Diagnose(support.CommandTest):
         self.assertIn("Proposed set:", out)
         summary = json.loads(self.succeed("diagnose", "study.toml", "--out", "out", "--json").out)
         self.assertEqual(summary["command"], "diagnose")
+
+    def test_candidates_of_a_large_model_are_fitted_as_each_alone(self):
+        """Together they are solved by a model each."""
+        if support.PATIENCE > 1:
+            self.skipTest("takes minutes under sanitizers")
+        example = support.SOURCE / "examples" / "02-airframe"
+        for name in ("airframe.bdf", "specimens.csv"):
+            shutil.copy(example / name, self.folder)
+        study = (example / "study.toml").read_text(encoding="utf-8")
+        cut = study.index("[[parameter]]\nname = \"tail_yaw\"")
+        self.write("study.toml", study[:cut] + study[study.index("[[parameter]]", cut + 1):])
+        names = ["PBUSH:103:K6", "CONM2:8303:M"]
+
+        def found(candidates):
+            result = self.diagnosis("--set", f"diagnose.candidates={json.dumps(candidates)}")
+            return {entry["name"]: entry for entry in result["candidates"]}
+
+        together = found(names)
+        alone = found(names[:1])[names[0]]["bic"]
+        self.assertAlmostEqual(together[names[0]]["bic"], alone, delta=0.05 + 1e-3 * abs(alone))
+        self.assertLess(alone, -300.0)
 
     def test_a_wrong_candidate_is_refused_with_its_line(self):
         for target, message in (("spring:k9", "unknown target 'spring:k9'"),

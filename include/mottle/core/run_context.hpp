@@ -19,6 +19,8 @@ class ProgressObserver {
   virtual void warning(const std::string& text) = 0;
   /// One line on what has just been done.
   virtual void note(const std::string& text) = 0;
+  /// One line of a result that is known before the computation ends.
+  virtual void finding(const std::string& text) { note(text); }
 };
 
 /// Seed, threads, observer and stop request of one run.
@@ -40,6 +42,9 @@ struct RunContext {
   }
   void note(const std::string& text) const {
     if (observer != nullptr) observer->note(text);
+  }
+  void finding(const std::string& text) const {
+    if (observer != nullptr) observer->finding(text);
   }
 };
 

@@ -58,7 +58,7 @@ class SparseStatics {
 SparseStructure::Matrices MatrixDerivatives::at(const SparseStructure& structure,
                                                 const Eigen::Ref<const Eigen::VectorXd>& parameters,
                                                 Eigen::Index parameter) {
-  if (structure.terms_hold_at(parameters, parameter)) return structure.derivative_at(parameters, parameter);
+  if (structure.terms_give_derivative(parameters, parameter)) return structure.derivative_at(parameters, parameter);
   {
     const std::lock_guard lock(mutex_);
     if (point_.size() != parameters.size() || point_ != parameters) {

@@ -44,10 +44,8 @@ FiniteElementStructure::FiniteElementStructure(FiniteElementModel model,
   }
 }
 
-bool FiniteElementStructure::terms_hold_at(const Eigen::Ref<const Eigen::VectorXd>& parameters,
-                                           Eigen::Index parameter) const {
+bool FiniteElementStructure::terms_hold_at(const Eigen::Ref<const Eigen::VectorXd>& parameters) const {
   if (is_separable_) return true;
-  if (!assembled_.is_separable[static_cast<std::size_t>(parameter)]) return false;
   for (std::size_t p = 0; p < targets_.parameters.size(); ++p) {
     if (assembled_.is_separable[p]) continue;
     const FieldParameter& other = targets_.parameters[p];
@@ -62,7 +60,7 @@ bool FiniteElementStructure::terms_hold_at(const Eigen::Ref<const Eigen::VectorX
 
 FiniteElementStructure::Matrices FiniteElementStructure::matrices_at(
     const Eigen::Ref<const Eigen::VectorXd>& parameters) const {
-  if (is_separable_) return SparseStructure::matrices_at(parameters);
+  if (terms_hold_at(parameters)) return SparseStructure::matrices_at(parameters);
   FiniteElementModel deck = model_at(model_, targets_, parameters);
   // AUTOSPC constrains the same components at all samples, those of the reference, so that all shapes have the same
   // rows.

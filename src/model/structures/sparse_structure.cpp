@@ -13,7 +13,7 @@ SparseStructure::Matrices SparseStructure::matrices_at(const Eigen::Ref<const Ei
 
 SparseStructure::Matrices SparseStructure::derivative_at(const Eigen::Ref<const Eigen::VectorXd>& parameters,
                                                          Eigen::Index parameter) const {
-  if (terms_hold_at(parameters, parameter)) {
+  if (terms_give_derivative(parameters, parameter)) {
     const int p = static_cast<int>(parameter);
     return {stiffness_terms().derivative(parameters, p), mass_terms().derivative(parameters, p)};
   }

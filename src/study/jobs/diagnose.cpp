@@ -3,6 +3,7 @@
 #include "mottle/core/error.hpp"
 #include "mottle/model/journal.hpp"
 #include "mottle/study/jobs/study_objects.hpp"
+#include "study/jobs/candidate_models.hpp"
 #include "study/jobs/candidates.hpp"
 #include "study/jobs/job_files.hpp"
 #include "study/results/diagnosis_names.hpp"
@@ -19,21 +20,41 @@ void note_what_is_given(const StudyModel& made, const StudyTests& tests, const R
   if (const auto numbering = rank_note(made.model->selection(), tests.data.values)) context.note(*numbering);
 }
 
+/// By smaller models where one of all candidates is large and there are several; null: the whole one serves.
+std::unique_ptr<CandidateModels> smaller_models(const Study& study, const std::vector<StudyParameter>& candidates,
+                                                const StudyModel& made, RunSettings settings) {
+  constexpr Eigen::Index k_large = 500;  // equations, from which on clouds are solved by a reduced model
+  const Structure& structure = made.model->structure();
+  if (candidates.size() < 2 || structure.mode_count() < k_large || made.model->derivatives() == nullptr) return nullptr;
+  settings.cache.clear();  // one of each candidate would fill it
+  auto make = [&study, &candidates, settings](const std::vector<Eigen::Index>& moved) {
+    std::vector<StudyParameter> chosen;
+    for (const Eigen::Index candidate : moved) chosen.push_back(candidates[static_cast<std::size_t>(candidate)]);
+    const Study smaller = with_candidates(study, chosen);
+    return make_model(smaller, smaller.parameters, settings);
+  };
+  return std::make_unique<CandidateModels>(*made.model, static_cast<Eigen::Index>(study.parameters.list.size()),
+                                           made.space->prior().mean(), std::move(make));
+}
+
 DiagnoseOutcome diagnose_here(const Study& study, const RunSettings& settings) {
   const double start = steady_seconds();
   require(!study.parameters.list.empty(), "{}: parameter: there is none; give at least one [[parameter]]",
           study.file.string());
-  DiagnoseOutcome outcome{.study = study, .whole = with_candidates(study, resolve_candidates(study))};
+  const std::vector<StudyParameter> candidates = resolve_candidates(study);
+  DiagnoseOutcome outcome{.study = study, .whole = with_candidates(study, candidates)};
   const StudyModel made = make_model(outcome.whole, outcome.whole.parameters, settings);
   const StudyTests tests = read_tests(study, *made.model);
   refuse_unit_errors(study, made, tests);
   const JobFiles files(settings, k_diagnosis_log, k_diagnosis_journal);
   const RunContext context = files.context(study, settings);
-  const JournalledModel model(*made.model, files.journal(), study_fingerprint(outcome.whole, made), settings.resume);
+  const std::unique_ptr<CandidateModels> smaller = smaller_models(study, candidates, made, settings);
+  const JournalledModel model(smaller ? static_cast<const Model&>(*smaller) : *made.model, files.journal(),
+                              study_fingerprint(outcome.whole, made), settings.resume);
   std::vector<std::string> given;
   for (const StudyParameter& parameter : study.parameters.list) given.push_back(parameter.name);
   const UpdatingProblem problem{.model = model,
-                                .derivatives = made.model->derivatives(),
+                                .derivatives = smaller ? smaller.get() : made.model->derivatives(),
                                 .space = *made.space,
                                 .tests = tests.data,
                                 .iterations = study.update.iterations,

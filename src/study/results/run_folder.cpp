@@ -159,4 +159,9 @@ void LogObserver::note(const std::string& text) {
   if (next_ != nullptr) next_->note(text);
 }
 
+void LogObserver::finding(const std::string& text) {
+  line("", text);
+  if (next_ != nullptr) next_->finding(text);
+}
+
 }  // namespace mottle::study

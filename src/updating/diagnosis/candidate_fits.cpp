@@ -13,6 +13,9 @@
 namespace mottle::updating {
 namespace {
 
+// Of specimens' fits, in prior standard deviations: what it leaves changes a log-likelihood by the square.
+constexpr double k_specimen_tolerance = 1e-4;
+
 /// Plain maximum likelihood wants few rows of its own: the noise that the given parameters and one more leave over.
 NoiseModel common_noise(const UpdatingProblem& problem, const TestData& tests, Eigen::Index given) {
   std::vector<Eigen::Index> members;
@@ -82,6 +85,7 @@ PopulationFit CandidateFits::fit_from(const UpdatingProblem& part, const Paramet
                                     .rank_tolerance = settings_.rank_tolerance,
                                     .iterations = problem_.iterations,
                                     .tolerance = problem_.tolerance,
+                                    .specimen_tolerance = k_specimen_tolerance,
                                     .has_scatter = set.has_scatter,
                                     .start = start};
   PopulationFit fit = fit_population(part, tests_.values, rules, context_, [&](const PopulationFit&) {
@@ -131,8 +135,9 @@ double CandidateFits::distance_beside(const ParameterSet& set, const Eigen::Vect
   PriorOnScales prior = prior_on_scales(space);
   if (origin.size() > 0) prior.mean = origin;
   try {
-    const SpecimenFits centre = fit_specimens(part, tests.mean.transpose(), {prior.mean, prior.covariance, noise_.base},
-                                              {prior.mean.transpose()}, context_, evaluations_);
+    const SpecimenFits centre =
+        fit_specimens(part, tests.mean.transpose(), {prior.mean, prior.covariance, noise_.base},
+                      {prior.mean.transpose(), {}, k_specimen_tolerance}, context_, evaluations_);
     t = ScaledParameters(space).clamp(centre.points.row(0).transpose());
     const Eigen::VectorXd y = outputs_on_scales(part, t.transpose(), context_, evaluations_).row(0);
     const Eigen::ArrayXd variance = (tests.covariance.diagonal() + noise_.base).array().max(1e-300);
@@ -200,16 +205,24 @@ CandidateFit CandidateFits::compare(const ParameterSet& set, const SetFit& base,
 
 std::pair<CandidateFit, CandidateFit> CandidateFits::compare_both(const ParameterSet& set, const SetFit& base,
                                                                   Eigen::Index candidate) {
+  constexpr double k_worse = -0.05;  // a nested model's likelihood is no lower, but for the tolerance of the fits
   CandidateFit fixed;
   fixed.failure = "the model fails for every value of the candidate that was tried";
   Eigen::VectorXd from;
-  for (const Eigen::VectorXd& start : starts_beside(set, base, candidate)) {
+  const auto fit_from_start = [&](const Eigen::VectorXd& start) {
     context_.throw_if_stopped();
     const CandidateFit next = compare(set, base, candidate, false, start);
     const bool is_better = fixed.failure.empty() ? next.log_likelihood_increase > fixed.log_likelihood_increase : true;
-    if (!next.failure.empty() || !is_better) continue;
+    if (!next.failure.empty() || !is_better) return;
     fixed = next;
     from = start;
+  };
+  for (const Eigen::VectorXd& start : starts_beside(set, base, candidate)) fit_from_start(start);
+  if (!fixed.failure.empty() || fixed.log_likelihood_increase < k_worse) {
+    Eigen::VectorXd at_base(base.fit.mean.size() + 1);
+    const Parameter& parameter = problem_.space.parameters()[static_cast<std::size_t>(candidate)];
+    at_base << base.fit.mean, parameter.transform.from_variable(problem_.space.prior().mean()(candidate));
+    fit_from_start(at_base);
   }
   CandidateFit random = fixed;
   random.is_random = true;

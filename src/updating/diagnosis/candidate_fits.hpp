@@ -77,8 +77,8 @@ class CandidateFits {
   LinearProblem linear_problem(const SetFit& base, const ParameterSet& set, Eigen::Index candidate, bool is_random,
                                const std::vector<Eigen::MatrixXd>& derivatives) const;
 
-  /// Increase of the log-likelihood by the random candidate in the linear models at the specimens of `base`; -1 where
-  /// there is none.
+  /// Increase of the log-likelihood by the random candidate in the linear models at the specimens of `base`, its mean
+  /// within its bounds and five prior standard deviations; -1 where there is none.
   ///
   /// @param derivatives  at these specimens
   double linear_gain(const SetFit& base, const ParameterSet& set, Eigen::Index candidate,
@@ -94,6 +94,8 @@ class CandidateFits {
   std::int64_t evaluations() const { return evaluations_; }
 
  private:
+  /// The part of a shift of a candidate's mean that its bounds, physics and five prior standard deviations allow.
+  double reachable_shift(Eigen::Index candidate, double shift) const;
   double distance_beside(const ParameterSet& set, const Eigen::VectorXd& nominal, const TestMoments& tests,
                          const Eigen::VectorXd& origin, Eigen::VectorXd& t);
   std::vector<int> groups_of(const ParameterSet& set) const;

@@ -1,5 +1,6 @@
 // The linear models at the specimens of a fit: sensitivities of every candidate, and what a candidate gains in them.
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include "updating/diagnosis/candidate_fits.hpp"
@@ -10,6 +11,18 @@ namespace mottle::updating {
 namespace {
 
 constexpr Eigen::Index k_batch = 4096;  // model runs of differences by hundreds of candidates that are held at once
+constexpr double k_farthest = 5.0;      // prior standard deviations that a linear model is trusted to reach
+
+/// Holds the mean of the last effect.
+void hold_last_mean(RandomEffectsSettings& rules, Eigen::Index effects, double mean) {
+  if (rules.mean_origin.size() == 0) {
+    rules.mean_origin = Eigen::VectorXd::Zero(effects);
+    rules.mean_directions = Eigen::MatrixXd::Identity(effects, effects - 1);
+  } else {
+    rules.mean_directions.conservativeResize(Eigen::NoChange, rules.mean_directions.cols() - 1);
+  }
+  rules.mean_origin(effects - 1) = mean;
+}
 
 }  // namespace
 
@@ -82,14 +95,29 @@ LinearProblem CandidateFits::linear_problem(const SetFit& base, const ParameterS
   return problem;
 }
 
+double CandidateFits::reachable_shift(Eigen::Index candidate, double shift) const {
+  const double farthest = k_farthest * std::sqrt(problem_.space.prior().covariance()(candidate, candidate));
+  const Eigen::VectorXd nominal = problem_.space.prior().mean();
+  Eigen::VectorXd moved = nominal;
+  moved(candidate) += std::clamp(shift, -farthest, farthest);
+  return problem_.space.clamp(moved)(candidate) - nominal(candidate);
+}
+
 double CandidateFits::linear_gain(const SetFit& base, const ParameterSet& set, Eigen::Index candidate,
                                   const std::vector<Eigen::MatrixXd>& derivatives) const {
-  const LinearProblem problem = linear_problem(base, set, candidate, true, derivatives);
+  LinearProblem problem = linear_problem(base, set, candidate, true, derivatives);
   for (const RandomEffectsUnit& unit : problem.units) {
     if (!unit.design.allFinite()) return -1.0;
   }
-  return fit_random_effects(problem.units, problem.start, problem.settings).log_likelihood -
-         base.fit.effects.log_likelihood;
+  RandomEffectsFit fit = fit_random_effects(problem.units, problem.start, problem.settings);
+  const Eigen::Index effects = fit.mean.size();
+  const double shift = fit.mean(effects - 1);
+  // What the outputs hardly see would explain anything, at a negative mass or thousandfold stiffness.
+  if (const double reachable = reachable_shift(candidate, shift); std::abs(reachable) < std::abs(shift)) {
+    hold_last_mean(problem.settings, effects, reachable);
+    fit = fit_random_effects(problem.units, problem.start, problem.settings);
+  }
+  return fit.log_likelihood - base.fit.effects.log_likelihood;
 }
 
 }  // namespace mottle::updating

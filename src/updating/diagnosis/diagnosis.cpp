@@ -1,12 +1,16 @@
 #include "mottle/updating/diagnosis/diagnosis.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <span>
 #include <tuple>
 
 #include "mottle/core/error.hpp"
+#include "mottle/stats/distributions/chi_squared.hpp"
 #include "updating/diagnosis/candidate_reference.hpp"
 #include "updating/verdict/scatter_tests.hpp"
 
@@ -15,6 +19,8 @@ namespace {
 
 constexpr Eigen::Index k_min_specimens = 3;
 constexpr Eigen::Index k_many_specimens = 30;  // chi-squared serves from there on
+constexpr std::size_t k_min_fitted = 3;  // candidates that are fitted in the model itself, the best by linear models
+constexpr std::size_t k_shown = 6;       // of the linear models, while the fits go on
 
 ParameterSet given_set(Eigen::Index given) {
   ParameterSet set;
@@ -64,49 +70,85 @@ void refer_small_samples(CandidateFits& fits, const ParameterSet& set, const Set
   adjust(findings);
 }
 
-/// The candidates that are worth a fit in the model itself, by their gain in linear models.
-std::vector<bool> screen(CandidateFits& fits, const ParameterSet& set, const SetFit& base,
-                         const std::vector<Eigen::Index>& candidates) {
-  std::vector<bool> is_kept(candidates.size(), true);
-  const auto most = static_cast<std::size_t>(fits.settings().screened);
-  if (candidates.size() <= most) return is_kept;
+/// A candidate and by how much it increases the log-likelihood in the linear models.
+struct Screened {
+  std::size_t index = 0;
+  double increase = std::numeric_limits<double>::infinity();  ///< infinite: not screened, to be fitted anyway
+};
+
+/// The order in which candidates are fitted in the model itself: as given where they are few, else by linear models.
+std::vector<Screened> screen(CandidateFits& fits, const ParameterSet& set, const SetFit& base,
+                             const std::vector<Eigen::Index>& candidates) {
+  std::vector<Screened> order(candidates.size());
+  for (std::size_t c = 0; c < candidates.size(); ++c) order[c].index = c;
+  if (candidates.size() <= static_cast<std::size_t>(fits.settings().screened)) return order;
   const std::vector<Eigen::MatrixXd> derivatives = fits.derivatives_at(base, set);
-  std::vector<std::pair<double, std::size_t>> gains;
-  for (std::size_t c = 0; c < candidates.size(); ++c) {
+  for (Screened& each : order) {
     fits.context().throw_if_stopped();
-    fits.context().progress("screen", static_cast<std::int64_t>(c), static_cast<std::int64_t>(candidates.size()));
-    gains.emplace_back(fits.linear_gain(base, set, candidates[c], derivatives), c);
+    fits.context().progress("screen", static_cast<std::int64_t>(each.index),
+                            static_cast<std::int64_t>(candidates.size()));
+    each.increase = fits.linear_gain(base, set, candidates[each.index], derivatives);
   }
-  std::stable_sort(gains.begin(), gains.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
-  for (std::size_t k = most; k < gains.size(); ++k) is_kept[gains[k].second] = false;
-  return is_kept;
+  std::stable_sort(order.begin(), order.end(),
+                   [](const Screened& a, const Screened& b) { return a.increase > b.increase; });
+  const std::size_t shown = std::min(order.size(), k_shown);
+  for (const Screened& each : std::span(order).first(shown)) {
+    const Parameter& parameter = fits.problem().space.parameters()[static_cast<std::size_t>(candidates[each.index])];
+    fits.context().finding(
+        fmt::format("{}: increases the log-likelihood by {:.3g} in the linear models", parameter.name, each.increase));
+  }
+  return order;
 }
 
-/// Every candidate beside a set, best first.
+/// The increase in the linear models from which on a candidate is worth a fit in the model itself: twice as much could
+/// be significant after Holm's correction, and within `like_evidence` of the best fit so far.
+double worthwhile_increase(const CandidateFits& fits, std::size_t candidates, double best) {
+  const double tries = 2.0 * static_cast<double>(candidates);
+  const double significant = 0.5 * chi_squared_quantile(1.0 - fits.problem().level / tries, 1.0);
+  return 0.5 * std::max(significant, best - 0.5 * fits.settings().like_evidence);
+}
+
+/// The two fits of a candidate beside a set, told as soon as they are known.
+void fit_candidate(CandidateFits& fits, const ParameterSet& set, const SetFit& base, Eigen::Index candidate,
+                   CandidateFinding& finding) {
+  std::tie(finding.fixed, finding.random) = fits.compare_both(set, base, candidate);
+  for (CandidateFit* fit : {&finding.fixed, &finding.random}) {
+    if (!fit->failure.empty()) fit->bic = std::numeric_limits<double>::infinity();
+  }
+  const CandidateFit& better = finding.better();
+  if (!better.failure.empty()) return;
+  fits.context().finding(fmt::format("{}: {} effect, log-likelihood {:+.3g}, BIC {:+.3g}", finding.detectability.name,
+                                     better.is_random ? "random" : "fixed", better.log_likelihood_increase,
+                                     better.bic));
+}
+
+/// Every candidate beside a set, in the order of `candidates`.
 std::vector<CandidateFinding> try_all(CandidateFits& fits, const ParameterSet& set, const SetFit& base,
                                       const std::vector<Eigen::Index>& candidates,
                                       const std::vector<Detectability>& analysis) {
-  const std::vector<bool> is_kept = screen(fits, set, base, candidates);
-  std::vector<CandidateFinding> findings;
-  for (std::size_t c = 0; c < candidates.size(); ++c) {
+  const std::vector<Screened> order = screen(fits, set, base, candidates);
+  const auto most = std::min(candidates.size(), static_cast<std::size_t>(fits.settings().screened));
+  std::vector<CandidateFinding> findings(candidates.size());
+  std::size_t fitted = 0;
+  double best = 0.0;
+  for (const auto& [index, increase] : order) {
     fits.context().throw_if_stopped();
-    fits.context().progress("diagnose", static_cast<std::int64_t>(c), static_cast<std::int64_t>(candidates.size()));
-    CandidateFinding finding;
-    finding.detectability = analysis[static_cast<std::size_t>(candidates[c])];
-    finding.is_screened_out = !is_kept[c];
-    const bool is_seen = finding.detectability.visibility > 0.0;
-    if (is_kept[c] && is_seen) {
-      std::tie(finding.fixed, finding.random) = fits.compare_both(set, base, candidates[c]);
-    } else {
-      const std::string why =
-          is_seen ? "others increase the log-likelihood more in the linear models" : "it moves no output";
+    fits.context().progress("diagnose", static_cast<std::int64_t>(fitted), static_cast<std::int64_t>(most));
+    CandidateFinding& finding = findings[index];
+    finding.detectability = analysis[static_cast<std::size_t>(candidates[index])];
+    const bool is_worth_it = fitted < k_min_fitted || increase >= worthwhile_increase(fits, candidates.size(), best);
+    finding.is_screened_out = fitted >= most || !is_worth_it;
+    if (finding.is_screened_out || !(finding.detectability.visibility > 0.0)) {
+      const std::string why = finding.detectability.visibility > 0.0
+                                  ? "others increase the log-likelihood more in the linear models"
+                                  : "it moves no output";
       finding.fixed = not_tried(false, why);
       finding.random = not_tried(true, why);
+      continue;
     }
-    for (CandidateFit* fit : {&finding.fixed, &finding.random}) {
-      if (!fit->failure.empty()) fit->bic = std::numeric_limits<double>::infinity();
-    }
-    findings.push_back(std::move(finding));
+    fit_candidate(fits, set, base, candidates[index], finding);
+    best = std::max(best, finding.better().log_likelihood_increase);
+    ++fitted;
   }
   adjust(findings);
   refer_small_samples(fits, set, base, candidates, findings);

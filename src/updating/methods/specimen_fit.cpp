@@ -17,7 +17,6 @@ namespace {
 
 constexpr int k_max_steps = 40;
 constexpr double k_min_length = 1e-4;      // of a step, below which it is given up
-constexpr double k_at_rest = 1e-8;         // of a prior deviation
 constexpr double k_nearly_at_rest = 1e-3;  // where a model that answers within a tolerance may stay
 constexpr int k_patience = 6;              // steps that small
 
@@ -94,9 +93,10 @@ Eigen::VectorXd smallest_noise(const std::vector<Eigen::MatrixXd>& jacobians, co
 class HeldSearches {
  public:
   HeldSearches(const Eigen::Ref<const Eigen::MatrixXd>& values, const HoldingPopulation& population,
-               const Eigen::VectorXd& prior_std, SpecimenFits& fits)
+               const Eigen::VectorXd& prior_std, double tolerance, SpecimenFits& fits)
       : population_(population),
         prior_std_(prior_std),
+        tolerance_(tolerance),
         fits_(fits),
         iterates_(static_cast<std::size_t>(values.rows())) {
     const Eigen::VectorXd least_noise = smallest_noise(fits.jacobians, prior_std);
@@ -127,7 +127,7 @@ class HeldSearches {
     const double movement = (step.cwiseAbs().array() / prior_std_.array()).maxCoeff();
     const bool is_contracting = iterate.length == 1.0 && movement < 0.5 * iterate.movement;
     const bool is_better = cost <= iterate.cost * (1.0 + 1e-9) + 1e-12;
-    if (!is_better && !(is_contracting && std::isfinite(cost)) && movement > k_at_rest) {
+    if (!is_better && !(is_contracting && std::isfinite(cost)) && movement > tolerance_) {
       iterate.length *= 0.5;
       return iterate.length > k_min_length;
     }
@@ -139,7 +139,7 @@ class HeldSearches {
     iterate.cost = cost;
     iterate.movement = movement;
     iterate.small_steps += movement <= k_nearly_at_rest ? 1 : 0;
-    const bool is_moving = movement > k_at_rest && iterate.small_steps < k_patience;
+    const bool is_moving = movement > tolerance_ && iterate.small_steps < k_patience;
     fits_.converged[index] = !is_moving;
     if (is_moving) set_target(s);
     return is_moving;
@@ -155,6 +155,7 @@ class HeldSearches {
 
   const HoldingPopulation& population_;
   const Eigen::VectorXd& prior_std_;
+  double tolerance_;
   SpecimenFits& fits_;
   std::vector<HeldSpecimen> specimens_;
   std::vector<Iterate> iterates_;
@@ -170,7 +171,7 @@ SpecimenFits fit_specimens(const UpdatingProblem& problem, const Eigen::Ref<cons
                     std::vector<bool>(static_cast<std::size_t>(values.rows()), false)};
   if (!fits.outputs.allFinite()) throw ModelFailure("the model fails where the fit of a specimen starts");
   if (fits.jacobians.empty()) differentiate(problem, parameters, context, evaluations, fits);
-  HeldSearches held(values, population, parameters.standard_deviation(), fits);
+  HeldSearches held(values, population, parameters.standard_deviation(), start.tolerance, fits);
   const BatchedSearch searches{
       [&](Eigen::Index s) { return held.propose(s); },
       [&](const Eigen::MatrixXd& trials) { return outputs_on_scales(problem, trials, context, evaluations); },

@@ -30,6 +30,7 @@ struct SpecimenFits {
 struct SpecimenStart {
   Eigen::MatrixXd points;                       ///< t [specimen x parameter]
   std::vector<Eigen::MatrixXd> jacobians = {};  ///< about right; empty: from differences there
+  double tolerance = 1e-8;                      ///< a step below this, in prior standard deviations, is the last
 };
 
 /// Most probable parameters of every specimen,

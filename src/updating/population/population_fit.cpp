@@ -182,8 +182,9 @@ PopulationFit fit_population(const UpdatingProblem& problem, const Eigen::Ref<co
   Eigen::VectorXd error = has_error ? Eigen::VectorXd(Eigen::VectorXd::Zero(values.cols())) : Eigen::VectorXd();
   // The mean of the tests first: all specimens then start near their ends.
   const Eigen::VectorXd spread = has_error ? Eigen::VectorXd(fit.noise + settings.model_error.base) : fit.noise;
-  const SpecimenFits centre = fit_specimens(problem, means_of_tests(values), {prior.mean, prior.covariance, spread},
-                                            {prior.mean.transpose()}, context, fit.evaluations);
+  const SpecimenFits centre =
+      fit_specimens(problem, means_of_tests(values), {prior.mean, prior.covariance, spread},
+                    {prior.mean.transpose(), {}, settings.specimen_tolerance}, context, fit.evaluations);
   fit.mean = ScaledParameters(problem.space).clamp(centre.points.row(0).transpose());
   fit.covariance = prior.covariance;
   const Eigen::MatrixXd movement = scaled_movement(centre.jacobians[0], prior_std);
@@ -214,7 +215,8 @@ PopulationFit fit_population(const UpdatingProblem& problem, const Eigen::Ref<co
   fit.settings.iterations = settings.inner_iterations;
   Eigen::MatrixXd start = frame.start;
   SpecimenStart from{fit.mean.transpose().replicate(values.rows(), 1),
-                     std::vector<Eigen::MatrixXd>(static_cast<std::size_t>(values.rows()), centre.jacobians[0])};
+                     std::vector<Eigen::MatrixXd>(static_cast<std::size_t>(values.rows()), centre.jacobians[0]),
+                     settings.specimen_tolerance};
   while (fit.iterations < settings.iterations && !fit.converged) {
     for (std::size_t i = 0; i < settings.has_scatter.size(); ++i) {
       const auto column = static_cast<Eigen::Index>(i);
@@ -222,7 +224,7 @@ PopulationFit fit_population(const UpdatingProblem& problem, const Eigen::Ref<co
     }
     fit.specimens = fit_specimens(problem, without_shift(values, error), {fit.mean, fit.covariance, fit.noise}, from,
                                   context, fit.evaluations);
-    from = {fit.specimens.points, fit.specimens.jacobians};
+    from = {fit.specimens.points, fit.specimens.jacobians, settings.specimen_tolerance};
     fit.sensitivity = mean_jacobian(fit.specimens.jacobians);
     Eigen::MatrixXd absorbed;
     if (has_error) {

@@ -29,6 +29,7 @@ struct PopulationFitSettings {
   double rank_tolerance = 1e-3;
   int iterations = 30;
   double tolerance = 1e-3;
+  double specimen_tolerance = 1e-8;  ///< of the specimens' own fits, in prior standard deviations
   int inner_iterations = 300;  ///< of the linear problem, each time it is solved; it goes on from the last solution
   /// Parameters whose specimens all share one value; needs the problem's covariance_groups. Empty: all scatter.
   std::vector<bool> has_scatter = {};

@@ -142,6 +142,20 @@ TEST(Diagnosis, ScreeningInLinearModelsKeepsTheBestCandidate) {
   EXPECT_TRUE(found.candidates[1].is_screened_out);
 }
 
+/// x4 moves the outputs as x3 does, and one output of its own that nothing explains, a hundred times less: in a linear
+/// model it would explain more than x3, but only by fifty prior standard deviations.
+TEST(Diagnosis, ScreeningCountsNoShiftThatIsFarBeyondThePrior) {
+  Bench bench;
+  bench.slope.col(3) = 0.01 * bench.slope.col(2);
+  bench.slope(4, 3) = 0.002;
+  bench.model = std::make_unique<LinearModel>(Eigen::VectorXd::Zero(5), bench.slope);
+  Eigen::MatrixXd values = bench.tests(0.5, 0.0);
+  values.col(4).array() += 0.1;
+  const Diagnosis found = bench.run(values, {.given = 2, .screened = 1});
+  EXPECT_EQ(found.candidates[0].detectability.name, "x3");
+  EXPECT_TRUE(found.candidates[1].is_screened_out);
+}
+
 /// Two outputs and two parameters: whatever a third does to the mean, the two can do too.
 TEST(Diagnosis, WithAsManyParametersAsOutputsCandidatesCannotBeToldApart) {
   Eigen::MatrixXd slope(2, 4);

@@ -41,7 +41,10 @@ class FiniteElementStructure final : public SparseStructure {
   const SeparableMatrix& stiffness_terms() const override { return assembled_.stiffness; }
   const SeparableMatrix& mass_terms() const override { return assembled_.mass; }
   bool is_separable() const override { return is_separable_; }
-  bool terms_hold_at(const Eigen::Ref<const Eigen::VectorXd>& parameters, Eigen::Index parameter) const override;
+  bool terms_hold_at(const Eigen::Ref<const Eigen::VectorXd>& parameters) const override;
+  bool is_separable_in(Eigen::Index parameter) const override {
+    return assembled_.is_separable[static_cast<std::size_t>(parameter)];
+  }
   Matrices matrices_at(const Eigen::Ref<const Eigen::VectorXd>& parameters) const override;
   std::string equation_name(int row) const override;
 

@@ -23,10 +23,13 @@ class SparseStructure : public Structure {
   virtual const SeparableMatrix& stiffness_terms() const = 0;
   virtual const SeparableMatrix& mass_terms() const = 0;
   virtual bool is_separable() const { return true; }
-  /// Whether the terms give the matrices at these parameters, and their derivative by this one.
-  virtual bool terms_hold_at(const Eigen::Ref<const Eigen::VectorXd>& /*parameters*/,
-                             Eigen::Index /*parameter*/) const {
-    return is_separable();
+  /// Whether the terms give the matrices at these parameters.
+  virtual bool terms_hold_at(const Eigen::Ref<const Eigen::VectorXd>& /*parameters*/) const { return is_separable(); }
+  /// Whether the terms are known functions of this parameter.
+  virtual bool is_separable_in(Eigen::Index /*parameter*/) const { return is_separable(); }
+  /// Whether the terms give the matrices' derivative by this parameter.
+  bool terms_give_derivative(const Eigen::Ref<const Eigen::VectorXd>& parameters, Eigen::Index parameter) const {
+    return is_separable_in(parameter) && terms_hold_at(parameters);
   }
   virtual Matrices matrices_at(const Eigen::Ref<const Eigen::VectorXd>& parameters) const;
   /// dK/dx and dM/dx by one parameter: from the terms where they hold, by central differences elsewhere.

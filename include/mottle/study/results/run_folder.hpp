@@ -82,6 +82,7 @@ class LogObserver final : public ProgressObserver {
   void progress(const std::string& stage, std::int64_t done, std::int64_t total) override;
   void warning(const std::string& text) override;
   void note(const std::string& text) override;
+  void finding(const std::string& text) override;
 
  private:
   void line(const char* kind, const std::string& text);

@@ -12,8 +12,8 @@ namespace mottle::updating {
 
 /// How a diagnosis is made.
 struct DiagnosisSettings {
-  Eigen::Index given = 0;      ///< the first so many of the problem's parameters are updated, the others candidates
-  int screened = 12;           ///< most candidates that are tried in the model itself; the others in linear models only
+  Eigen::Index given = 0;  ///< the first so many of the problem's parameters are updated, the others candidates
+  int screened = 12;  ///< most candidates that are fitted in the model itself; of more, those best by linear models
   double like_evidence = 6.0;  ///< candidates whose BIC is no more than this above the best one's count as alike
   double rank_tolerance = 1e-3;
 };
