@@ -372,6 +372,20 @@ class ResultsTest(support.CommandTest):
 
     # --- propagate and simulate ---
 
+    def test_frequencies_that_noise_makes_impossible_are_not_simulated(self):
+        self.write("noisy.toml", support.STUDY + "\n[truth]\nspecimens = 50\nnoise = { f1 = 0.9 }\n")
+        ended = self.call("simulate", "noisy.toml", "--out", "noisy")
+        self.assertEqual(ended.code, 0, ended.err)
+        self.assertIn("of 150 frequencies 0 or less: left out", ended.err)
+        rows = [line.split(",") for line in (self.folder / "noisy" / "specimens.csv").read_text().splitlines()]
+        column = [name.startswith("f1") for name in rows[0]].index(True)
+        values = [row[column] for row in rows[1:]]
+        self.assertTrue(all(value in ("", "nan") or float(value) > 0.0 for value in values))
+        self.assertIn(True, [value in ("", "nan") for value in values])
+        study = support.edited(support.STUDY, ('"tests.csv"', '"noisy/specimens.csv"'))
+        self.write("read.toml", study)
+        self.succeed("check", "read.toml")
+
     def test_propagate_leaves_a_cloud(self):
         self.succeed("propagate", "study.toml", "--out", "out", "--quiet")
         header, rows = read_csv(self.folder / "out" / "cloud.csv")

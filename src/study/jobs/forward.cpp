@@ -1,6 +1,7 @@
 #include "mottle/study/jobs/forward.hpp"
 
 #include <algorithm>
+#include <limits>
 
 #include "mottle/core/error.hpp"
 #include "mottle/core/text.hpp"
@@ -42,6 +43,21 @@ Eigen::MatrixXd read_points(const std::filesystem::path& file, const ParameterSp
   return points;
 }
 
+/// Leaves out frequencies that noise made impossible, as an engineer would: no test file may have them.
+void leave_out_impossible(Eigen::MatrixXd& outputs, const std::vector<Quantity>& quantities,
+                          const RunContext& context) {
+  Eigen::Index left_out = 0;
+  for (std::size_t k = 0; k < quantities.size(); ++k) {
+    if (quantities[k].kind != QuantityKind::frequency) continue;
+    auto column = outputs.col(static_cast<Eigen::Index>(k)).array();
+    left_out += (column <= 0.0).count();
+    column = (column <= 0.0).select(std::numeric_limits<double>::quiet_NaN(), column);
+  }
+  if (left_out == 0) return;
+  context.warning(fmt::format("noise made {} of {} frequencies 0 or less: left out, as modes that were not measured",
+                              left_out, outputs.size()));
+}
+
 /// Measurement noise of the truth added to the outputs, one stream a specimen. A relative noise is a fraction of the
 /// output at the parameters' means.
 void add_noise(Eigen::MatrixXd& outputs, const Study& study, const StudyModel& made, const RunContext& context) {
@@ -60,6 +76,7 @@ void add_noise(Eigen::MatrixXd& outputs, const Study& study, const StudyModel& m
                                                                          standard_deviation.cwiseAbs2().asDiagonal());
   outputs += noise.from_uniform(uniform_design(SamplingDesign::monte_carlo, outputs.rows(), outputs.cols(),
                                                {.seed = study.seed, .purpose = StreamPurpose::test_noise}));
+  leave_out_impossible(outputs, made.model->outputs(), context);
 }
 
 PropagateOutcome propagate_here(const Study& study, const std::optional<std::filesystem::path>& points,

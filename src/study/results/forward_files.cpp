@@ -1,4 +1,8 @@
 // The files and the summaries of propagate and simulate.
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
 #include "mottle/formats/tables/csv.hpp"
 #include "mottle/stats/moments/descriptive.hpp"
 #include "mottle/study/jobs/forward.hpp"
@@ -81,13 +85,15 @@ std::vector<std::string> cloud_lines(const Cloud& cloud, const std::vector<Quant
   lines.push_back(fmt::format("{} samples, {} failed, {} impossible draws replaced", cloud.samples.rows(),
                               cloud.failures.size(), cloud.rejected));
   if (valid.outputs.rows() < 2) return lines;
-  const Eigen::VectorXd mean = sample_mean(valid.outputs);
-  const Eigen::VectorXd standard_deviation = sample_standard_deviation(valid.outputs);
   lines.push_back(fmt::format("{:<14} {:>13} {:>13}  unit", "output", "mean", "std"));
-  for (Eigen::Index k = 0; k < mean.size(); ++k) {
-    const Quantity& output = outputs[static_cast<std::size_t>(k)];
-    lines.push_back(
-        fmt::format("{:<14} {:>13.6g} {:>13.6g}  {}", output.name(), mean(k), standard_deviation(k), output.unit));
+  for (std::size_t k = 0; k < outputs.size(); ++k) {
+    std::vector<double> values;  // without those that a simulated test left out
+    std::ranges::copy_if(valid.outputs.col(static_cast<Eigen::Index>(k)), std::back_inserter(values),
+                         [](double value) { return !std::isnan(value); });
+    if (values.size() < 2) continue;
+    const Eigen::Map<const Eigen::MatrixXd> column(values.data(), static_cast<Eigen::Index>(values.size()), 1);
+    lines.push_back(fmt::format("{:<14} {:>13.6g} {:>13.6g}  {}", outputs[k].name(), sample_mean(column)(0),
+                                sample_standard_deviation(column)(0), outputs[k].unit));
   }
   return lines;
 }
