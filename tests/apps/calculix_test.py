@@ -4,6 +4,7 @@
 """
 
 import json
+import math
 import os
 import re
 import shutil
@@ -42,13 +43,17 @@ samples = 30
 """
 
 
-def frequencies_of(folder, deck):
-    """By the solver alone, from eigenvalues of 7 digits."""
+def eigenvalues_of(folder, deck):
+    """By the solver alone, 7 digits."""
     (folder / "own.inp").write_text(deck)
     subprocess.run(["ccx", "own"], cwd=folder, check=True, stdout=subprocess.DEVNULL,
                    env={**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"})
-    rows = re.findall(r"^ +\d+ +(\d\.\d+E[+-]\d+) +\S+ +\S+ +\S+$", (folder / "own.dat").read_text(), re.M)
-    return [float(value) ** 0.5 / (2 * 3.141592653589793) for value in rows[:3]]
+    rows = re.findall(r"^ +\d+ +(-?\d\.\d+E[+-]\d+) +\S+ +\S+ +\S+$", (folder / "own.dat").read_text(), re.M)
+    return [float(value) for value in rows]
+
+
+def frequencies_of(folder, deck):
+    return [value ** 0.5 / (2 * math.pi) for value in eigenvalues_of(folder, deck)[:3]]
 
 
 @unittest.skipUnless(shutil.which("ccx"), "needs CalculiX: apt-get install calculix-ccx")
@@ -72,6 +77,24 @@ class CalculixTest(support.CommandTest):
             own = frequencies_of(self.folder, edited(DECK, ("2.1e11", young), ("4.0e4", stiffness)))
             for mode, expected in enumerate(own, 1):
                 self.assertLess(abs(float(row[header.index(f"f{mode}")]) / expected - 1), 1e-6)
+
+    def test_a_free_structure_has_rigid_body_modes(self):
+        """Their eigenvalues are zero but for the digits of the matrices that CalculiX writes, of either sign."""
+        plate = (support.SOURCE / "examples" / "03-plate-calculix" / "plate.inp").read_text(encoding="utf-8").splitlines()
+        mounts = [i for i, line in enumerate(plate) if line.startswith(("*ELEMENT, TYPE=SPRING1", "*SPRING"))]
+        left_out = {k for i in mounts for k in range(i, next(j for j in range(i + 1, len(plate)) if plate[j][0] == "*"))}
+        self.write("free.inp", "\n".join(line for i, line in enumerate(plate) if i not in left_out) + "\n")
+        own = eigenvalues_of(self.folder, (self.folder / "free.inp").read_text(encoding="utf-8"))
+        self.assertLess(own[0], 0.0)
+        self.write("free.toml", '[model]\nkind = "calculix"\nfile = "free.inp"\n[[parameter]]\nname = "E"\n'
+                   'target = "*ELASTIC:ALUMINIUM:E"\ndistribution = { kind = "normal", mean = 70e9, std = 1e9 }\n'
+                   "[outputs]\nfrequencies = [7, 8, 9, 10]\n")
+        self.write("points.csv", "E\n70e9\n")
+        self.succeed("propagate", "free.toml", "--points", "points.csv", "--out", "out")
+        header, rows = support.read_csv(self.folder / "out" / "cloud.csv")
+        for mode in range(7, 11):
+            expected = own[mode - 1] ** 0.5 / (2 * math.pi)
+            self.assertLess(abs(float(rows[0][header.index(f"f{mode}")]) / expected - 1), 1e-6)
 
     def test_a_second_command_runs_no_solver(self):
         first = self.succeed("check", "study.toml", "--cache", "cache")

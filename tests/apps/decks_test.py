@@ -110,6 +110,19 @@ class DecksTest(support.CommandTest):
             exact = math.sqrt(8e10 * 1e-8 / inertia) / (2 * math.pi)
             self.assertAlmostEqual(self.frequencies("shaft.bdf", "--modes", "1")[0] / exact, 1, 10)
 
+    def test_bars_need_no_poissons_ratio_where_e_and_g_are_given(self):
+        """MAT1 of a public deck: NU = 2.5 beside E and G; blank, it would be E / 2G - 1, of the same size."""
+        found = []
+        for poisson in ("", "2.5"):
+            self.write("bars.bdf", MODERN.replace("7.+10,,.3", f"7.+10,1.+10,{poisson}"))
+            self.succeed("modes", "bars.bdf", "--out", "modes")
+            found.append(support.read_csv(self.folder / "modes" / "modes.csv"))
+        self.assertEqual(*found)
+        self.write("bars.bdf", MODERN.replace("7.+10,,.3", "7.+10,,2.5"))
+        ended = self.call("modes", "bars.bdf", "--out", "modes")
+        self.assertEqual(ended.code, 2)
+        self.assertIn("MAT1 1: NU is 2.5, it must lie in (-1, 0.5] unless E and G are both given", ended.err)
+
     def test_a_deck_without_mass_says_so(self):
         for deck in (MODERN, support.edited(MODERN, ("SPC = 1\n", "SPC = 2\n"), ("SPC1,1,123456,1", "SPC1,2,123,1"))):
             self.write("deck.bdf", support.edited(deck, (",2700.", "")))

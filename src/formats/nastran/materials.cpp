@@ -30,7 +30,10 @@ void read_mat1(ModelBuilder& builder, const Card& card) {
   material.density = builder.read_field(card, 5, "RHO", id);
   if (material.young == k_no_field && material.shear == k_no_field) card.fail("E and G are both blank, one is needed");
   const double poisson = builder.model.value(material.poisson, 0.0);
-  if (poisson <= -1.0 || poisson > 0.5) card.fail(fmt::format("NU is {}, it must lie in (-1, 0.5]", poisson));
+  // With E and G given bars need no NU, whatever stands there; shells and solids test it themselves.
+  const bool is_needed = material.young == k_no_field || material.shear == k_no_field;
+  if (is_needed && (poisson <= -1.0 || poisson > 0.5))
+    card.fail(fmt::format("NU is {}, it must lie in (-1, 0.5] unless E and G are both given", poisson));
   if (builder.model.value(material.young) < 0.0) card.fail("E is negative");
   if (builder.model.value(material.shear) < 0.0) card.fail("G is negative");
   keep(builder, card, std::move(material));

@@ -61,7 +61,7 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(
         Mistake{"MAT1,1,1.\n", "10: MAT1 1: id 1 is used already by MAT1 at deck.bdf:9, with other content"},
         Mistake{"MAT1,2\n", "10: MAT1 2: E and G are both blank"},
-        Mistake{"MAT1,2,1.,,.6\n", "10: MAT1 2: NU is 0.6, it must lie in (-1, 0.5]"},
+        Mistake{"MAT1,2,1.,,.6\n", "10: MAT1 2: NU is 0.6, it must lie in (-1, 0.5] unless E and G are both given"},
         Mistake{"MAT1,2,-1.,,.3\n", "10: MAT1 2: E is negative"},
         Mistake{"MAT1,2,E,,.3\n", "10: MAT1 2: E is 'E', a number is needed"},
         Mistake{

@@ -16,7 +16,7 @@ struct ModeSet {
 /// f = sqrt(lambda) / (2 pi) in Hz. An eigenvalue that is negative by rounding alone counts as zero.
 ///
 /// @param eigenvalue  lambda, (rad/s)^2
-/// @param scale       size of a typical eigenvalue; -1e-9 scale <= lambda < 0 counts as rounding
+/// @param scale       size of a typical eigenvalue; -1e-7 scale <= lambda < 0 counts as rounding
 /// @return            Hz, or nan where lambda is truly negative (the structure is unstable)
 double natural_frequency_hz(double eigenvalue, double scale);
 /// The same of all eigenvalues of a structure, whose largest is the scale [mode].
