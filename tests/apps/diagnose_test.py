@@ -31,8 +31,8 @@ class Diagnose(support.CommandTest):
         self.assertIn("give [test] repeatability", ended.err)
         self.assertFalse((self.folder / "refused").exists())
 
-    def diagnosis(self, *arguments):
-        self.succeed("diagnose", "study.toml", "--out", "out", "--quiet", *arguments)
+    def diagnosis(self, *arguments, **how):
+        self.succeed("diagnose", "study.toml", "--out", "out", "--quiet", *arguments, **how)
         return json.loads((self.folder / "out" / "diagnosis.json").read_text(encoding="utf-8"))
 
     def test_every_spring_that_no_parameter_acts_on_is_a_candidate(self):
@@ -87,7 +87,7 @@ class Diagnose(support.CommandTest):
         names = ["PBUSH:103:K6", "CONM2:8303:M"]
 
         def found(candidates):
-            result = self.diagnosis("--set", f"diagnose.candidates={json.dumps(candidates)}")
+            result = self.diagnosis("--set", f"diagnose.candidates={json.dumps(candidates)}", timeout=300)
             return {entry["name"]: entry for entry in result["candidates"]}
 
         together = found(names)
