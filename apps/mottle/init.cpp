@@ -91,6 +91,11 @@ void init(InitOptions options) {
   if (settings.study.empty()) settings.study = std::filesystem::path(settings.model).replace_extension(".toml");
   require(!std::filesystem::exists(settings.study),
           "{}: is there already, and is not written over; name another file with --out", settings.study.string());
+  const std::filesystem::path folder = std::filesystem::absolute(settings.study).parent_path();
+  require(std::filesystem::is_directory(folder),
+          "{}: there is no such folder for the study; make it, or name another file "
+          "with --out",
+          folder.string());
   for (const std::string& card : options.cards) settings.ignore_cards.insert(capitals(card));
   if (!options.units.empty()) settings.units = options.units;
   if (!options.modes.empty()) settings.modes = options.modes;

@@ -78,6 +78,13 @@ Eigen::VectorXd semidefinite_pivots(const Eigen::MatrixXd& matrix) {
   return Eigen::LDLT<Eigen::MatrixXd>(matrix).vectorD();
 }
 
+Eigen::MatrixXd semidefinite_pseudo_inverse(const Eigen::MatrixXd& matrix) {
+  const Eigen::ArrayXd diagonal = matrix.diagonal();
+  const Eigen::VectorXd scale = (diagonal > 0.0).select(diagonal.abs().rsqrt(), 1.0);
+  const LeastNormSolver correlations(scale.asDiagonal() * matrix * scale.asDiagonal());
+  return scale.asDiagonal() * correlations.pseudo_inverse() * scale.asDiagonal();
+}
+
 Eigen::MatrixXd inverse_by_lu(const Eigen::MatrixXd& matrix) {
   return matrix.inverse();
 }

@@ -167,6 +167,7 @@ FrequencyPairing::FrequencyPairing(const CsvTable& table, const StructureModel& 
     const double mean = mean_of(table, static_cast<int>(column));
     if (!std::isnan(mean)) tests.emplace_back(mean, title->number);
   }
+  if (table.rows.empty()) throw FormatError(table.file, 0, "holds no specimen: there is no row under the header");
   if (tests.empty()) {
     throw FormatError(table.file, 1,
                       fmt::format("has no column of frequencies (f1, f2, ...), which test.pairing = \"frequency\" "

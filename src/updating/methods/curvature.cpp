@@ -90,7 +90,8 @@ Eigen::VectorXd curvature_bias(const UpdatingProblem& problem, const PopulationF
   const std::vector<Eigen::MatrixXd> curved =
       second_derivatives(problem, fit.mean, fit.map * steps, context, evaluations);
   // Effects to coordinates of `steps`: H of the effects is inverse' curved inverse.
-  const Eigen::MatrixXd inverse = LeastNormSolver(steps).pseudo_inverse();
+  const Eigen::VectorXd size = steps.rowwise().norm().cwiseMax(1e-300).cwiseInverse();
+  const Eigen::MatrixXd inverse = LeastNormSolver(size.asDiagonal() * steps).pseudo_inverse() * size.asDiagonal();
   Eigen::MatrixXd information = Eigen::MatrixXd::Zero(effects, effects);
   Eigen::VectorXd score = Eigen::VectorXd::Zero(effects);
   for (std::size_t s = 0; s < posteriors.size(); ++s) {
@@ -113,9 +114,9 @@ Eigen::VectorXd curvature_bias(const UpdatingProblem& problem, const PopulationF
   const Eigen::MatrixXd& given = fit.settings.mean_directions;
   const Eigen::MatrixXd directions = given.size() > 0 ? given : Eigen::MatrixXd::Identity(effects, effects);
   const Eigen::MatrixXd reached = fit.map * directions;
-  const LeastNormSolver solver(directions.transpose() * information * directions);
-  const Eigen::VectorXd shift = reached * solver.solve(directions.transpose() * score);
-  const Eigen::VectorXd error = (reached * solver.pseudo_inverse() * reached.transpose()).diagonal().cwiseMax(0.0);
+  const Eigen::MatrixXd covariance = semidefinite_pseudo_inverse(directions.transpose() * information * directions);
+  const Eigen::VectorXd shift = reached * (covariance * (directions.transpose() * score));
+  const Eigen::VectorXd error = (reached * covariance * reached.transpose()).diagonal().cwiseMax(0.0);
   return (error.array() > 0.0).select(shift.array() / error.array().sqrt(), 0.0);
 }
 

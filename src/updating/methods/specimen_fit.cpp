@@ -100,11 +100,11 @@ class HeldSearches {
         fits_(fits),
         iterates_(static_cast<std::size_t>(values.rows())) {
     const Eigen::VectorXd least_noise = smallest_noise(fits.jacobians, prior_std);
-    const LeastNormSolver coordinates(population.covariance);
+    const Eigen::MatrixXd coordinates = semidefinite_pseudo_inverse(population.covariance);
     for (Eigen::Index s = 0; s < values.rows(); ++s) {
       specimens_.emplace_back(values.row(s), population, least_noise);
       Iterate& iterate = iterates_[static_cast<std::size_t>(s)];
-      iterate.u = coordinates.solve(fits.points.row(s).transpose() - population.mean);
+      iterate.u = coordinates * (fits.points.row(s).transpose() - population.mean);
       iterate.cost = specimens_.back().cost(iterate.u, fits.outputs.row(s));
       set_target(s);
     }

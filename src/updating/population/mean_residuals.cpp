@@ -10,6 +10,8 @@
 namespace mottle::updating {
 namespace {
 
+constexpr double k_collinear = 1e-8;  // of effects, each by its own size: moduli and lengths differ by 1e14
+
 /// Residuals of the specimens in units of the noise, what their own best parameters leave of them.
 struct WhitenedResiduals {
   Eigen::MatrixXd values;       // [specimen x output], 0 where missing
@@ -33,7 +35,8 @@ WhitenedResiduals whiten(const Eigen::Ref<const Eigen::MatrixXd>& tests, const s
     const Eigen::VectorXd weight = noise(rows).cwiseSqrt().cwiseInverse();
     const Eigen::MatrixXd design = weight.asDiagonal() * unit.design;
     const Eigen::VectorXd response = weight.asDiagonal() * (unit.response - shift(rows));
-    const Eigen::MatrixXd reached = PivotedQr(design).range();
+    const Eigen::VectorXd scale = design.colwise().norm().transpose().cwiseMax(1e-300).cwiseInverse();
+    const Eigen::MatrixXd reached = PivotedQr(design * scale.asDiagonal(), k_collinear).range();
     const Eigen::VectorXd residual = response - reached * (reached.transpose() * response);
     result.projection(rows, rows) += Eigen::MatrixXd::Identity(count, count) - reached * reached.transpose();
     result.mean_design(rows, Eigen::all) += design;

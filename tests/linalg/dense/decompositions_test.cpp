@@ -137,5 +137,29 @@ TEST(SingularValues, GiveTheMatrixBack) {
   EXPECT_EQ(SingularValues(matrix).left().size(), 0);
 }
 
+/// Variances of 1e18 and 1e-8, correlation 0.6: the inverse is that of the correlations, in units.
+TEST(SemidefinitePseudoInverse, DoesNotDependOnUnits) {
+  const Eigen::Vector2d size(1e9, 1e-4);
+  Eigen::Matrix2d correlation;
+  correlation << 1.0, 0.6, 0.6, 1.0;
+  const Eigen::MatrixXd inverse = semidefinite_pseudo_inverse(size.asDiagonal() * correlation * size.asDiagonal());
+  const Eigen::Matrix2d expected = correlation.inverse();
+  EXPECT_LT((size.asDiagonal() * inverse * size.asDiagonal() - expected).norm(), 1e-12);
+}
+
+/// Of two parameters that always move together, and one without scatter.
+TEST(SemidefinitePseudoInverse, LeavesOutDirectionsWithoutScatter) {
+  const Eigen::Vector3d size(1e9, 1e-4, 0.0);
+  Eigen::Matrix3d covariance = size * size.transpose();
+  Eigen::MatrixXd expected = Eigen::MatrixXd::Zero(3, 3);
+  for (int i = 0; i < 2; ++i) {
+    for (int j = 0; j < 2; ++j) expected(i, j) = 0.25 / (size(i) * size(j));
+  }
+  const Eigen::MatrixXd inverse = semidefinite_pseudo_inverse(covariance);
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) EXPECT_NEAR(inverse(i, j), expected(i, j), 1e-9 * std::abs(expected(i, j)));
+  }
+}
+
 }  // namespace
 }  // namespace mottle::linalg

@@ -94,5 +94,28 @@ TEST(MeanResiduals, HaveNoFreedomWhereParametersMoveEveryOutput) {
   EXPECT_EQ(found.degrees_of_freedom, 0.0);
 }
 
+/// A modulus in Pa beside a thickness in m: a hertz of 7e10 Pa is 1e-10, one of 0.01 m is 1e4.
+TEST(MeanResiduals, DoNotDependOnTheUnitsOfParameters) {
+  Eigen::MatrixXd design(4, 2);
+  design << 1.0, 2.0, -1.0, 0.5, 0.3, 0.7, 2.0, 1.0;
+  const Eigen::VectorXd noise = Eigen::Vector4d(1.0, 0.25, 0.04, 4.0);
+  Eigen::MatrixXd values(3, 4);
+  values << 1.0, 0.4, 0.2, 2.0, -0.5, 0.1, 0.3, 1.0, 0.2, -0.6, 0.5, -1.0;
+  const auto found_in = [&](const Eigen::Vector2d& units) {
+    std::vector<RandomEffectsUnit> specimens;
+    for (Eigen::Index s = 0; s < 3; ++s) {
+      specimens.push_back({design * units.asDiagonal(), values.row(s).transpose(), noise});
+    }
+    return mean_residuals(values, specimens, noise);
+  };
+  const MeanResiduals one = found_in({1.0, 1.0});
+  const MeanResiduals other = found_in({1e-11, 1e5});
+  EXPECT_EQ(one.mean_degrees_of_freedom, 2.0);
+  EXPECT_EQ(other.mean_degrees_of_freedom, 2.0);
+  EXPECT_EQ(other.degrees_of_freedom, one.degrees_of_freedom);
+  EXPECT_NEAR(other.squares, one.squares, 1e-9 * one.squares);
+  EXPECT_NEAR(other.mean_squares, one.mean_squares, 1e-9 * one.mean_squares);
+}
+
 }  // namespace
 }  // namespace mottle::updating

@@ -85,6 +85,10 @@ auto solve_semidefinite(const Eigen::MatrixXd& matrix, const Eigen::MatrixBase<D
 /// D of that factor, in the order of its pivots.
 Eigen::VectorXd semidefinite_pivots(const Eigen::MatrixXd& matrix);
 
+/// Pseudo-inverse of a covariance or information matrix whose rows have different units: D R^+ D with the correlations
+/// R = D A D, D = diag(A)^-1/2, so that no unit changes its rank.
+Eigen::MatrixXd semidefinite_pseudo_inverse(const Eigen::MatrixXd& matrix);
+
 /// A^-1 of a general square matrix by a factor with partial pivoting.
 Eigen::MatrixXd inverse_by_lu(const Eigen::MatrixXd& matrix);
 
