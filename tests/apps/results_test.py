@@ -372,6 +372,14 @@ class ResultsTest(support.CommandTest):
 
     # --- propagate and simulate ---
 
+    def test_identical_specimens_with_unknown_noise_are_undecided(self):
+        head, first = support.TESTS.splitlines()[:2]
+        self.write("tests.csv", "\n".join([head, first, first, first]) + "\n")
+        self.succeed("update", "study.toml", "--out", "same", "--quiet", "--set", 'update.method="maximum-likelihood"')
+        verdict = json.loads((self.folder / "same" / "result.json").read_text(encoding="utf-8"))["verdict"]
+        self.assertEqual(verdict["conclusion"], "undecided")
+        self.assertIn("the specimens are the same to the last digits", " ".join(verdict["not_tested"]))
+
     def test_frequencies_that_noise_makes_impossible_are_not_simulated(self):
         self.write("noisy.toml", support.STUDY + "\n[truth]\nspecimens = 50\nnoise = { f1 = 0.9 }\n")
         ended = self.call("simulate", "noisy.toml", "--out", "noisy")

@@ -190,7 +190,10 @@ void require_problem(const UpdatingProblem& problem, const DiagnosisSettings& se
           "diagnose: {} specimens are too few to compare likelihoods; at least {} are needed",
           problem.tests.values.rows(), k_min_specimens);
   const bool is_noise_known = (problem.tests.repeatability_std.array() > 0.0).all();
-  if (!is_noise_known) require_different_specimens(problem.tests, "diagnose: ");
+  require(is_noise_known || (counts_with_scatter(test_moments(problem.tests)).array() > 0).any(),
+          "diagnose: the {} specimens are the same to the last digits, so their likelihood has no maximum; give [test] "
+          "repeatability of every output, or different specimens",
+          problem.tests.values.rows());
 }
 
 /// What the fit of the given parameters alone says.

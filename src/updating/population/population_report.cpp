@@ -16,7 +16,6 @@
 #include "updating/population/model_error_intervals.hpp"
 #include "updating/verdict/normality_report.hpp"
 #include "updating/verdict/other_solutions.hpp"
-#include "updating/verdict/scatter_tests.hpp"
 
 namespace mottle::updating {
 namespace {
@@ -194,7 +193,6 @@ NoiseModel noise_model(const UpdatingProblem& problem, const MaximumLikelihoodOp
   require_of(has_more_outputs, noise_option,
              "cannot be estimated, {} outputs are no more than the {} parameters; give the tests' repeatability", p,
              problem.space.count());
-  require_different_specimens(problem.tests);
   std::vector<bool> is_open(static_cast<std::size_t>(p), true);
   for (Eigen::Index k = 0; k < p; ++k) {
     if (options.noise == Noise::automatic && given(k) > 0.0) is_open[static_cast<std::size_t>(k)] = false;

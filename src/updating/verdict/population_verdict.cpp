@@ -78,10 +78,15 @@ bool has_noise_everywhere(const UpdatingProblem& problem, const PopulationFit& f
 void plan_residual_tests(const UpdatingProblem& problem, const PopulationFit& fit, TestPlan& plan) {
   const bool is_noise_known = fit.settings.factors == 0;
   const bool has_noise = has_noise_everywhere(problem, fit);
-  if (!has_noise && !is_noise_known) {
-    plan.leave_untested(Aspect::means,
-                        "The means were not tested: the parameters reproduce every test to rounding, so that the level "
-                        "of the noise cannot be estimated. Give [test] repeatability.");
+  const TestMoments moments = test_moments(problem.tests);
+  const bool differ = (moments.count.array() < 2).all() || (counts_with_scatter(moments).array() > 0).any();
+  if (!is_noise_known && (!has_noise || !differ)) {
+    plan.leave_untested(
+        Aspect::means,
+        fmt::format("The means were not tested: {}, so that the level of the noise cannot be estimated. Give [test] "
+                    "repeatability.",
+                    has_noise ? "the specimens are the same to the last digits"
+                              : "the parameters reproduce every test to rounding"));
     plan.leave_untested(Aspect::scatter, "The scatter was not tested for the same reason.");
     return;
   }

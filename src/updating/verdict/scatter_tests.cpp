@@ -151,14 +151,6 @@ Eigen::VectorXi counts_with_scatter(const TestMoments& tests) {
   return (tests.covariance.diagonal().array() > digits).select(tests.count, 0);
 }
 
-void require_different_specimens(const TestData& tests, std::string_view where) {
-  const TestMoments moments = test_moments(tests);
-  require((moments.count.array() < 2).all() || (counts_with_scatter(moments).array() > 0).any(),
-          "{}the {} specimens are the same to the last digits, so their likelihood has no maximum; give [test] "
-          "repeatability of every output, or different specimens",
-          where, tests.values.rows());
-}
-
 PlannedTest cloud_agreement_test(const Eigen::Ref<const Eigen::VectorXd>& tested,
                                  const Eigen::Ref<const Eigen::VectorXd>& model,
                                  const Eigen::Ref<const Eigen::VectorXi>& count, const std::vector<bool>& is_whole,

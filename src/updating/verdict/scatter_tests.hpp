@@ -3,7 +3,6 @@
 
 #include <Eigen/Core>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "mottle/layers.hpp"
@@ -45,10 +44,6 @@ PlannedTest sphericity_test(const Eigen::Ref<const Eigen::MatrixXd>& scatter, do
 /// Specimens that have each output, 0 of an output that does not scatter among them beyond the last digits of its
 /// values: how much it does by itself is then not known.
 Eigen::VectorXi counts_with_scatter(const TestMoments& tests);
-
-/// @param where  begins the message
-/// @throws InvalidInput  no output that several specimens have scatters: noise cannot be estimated from them
-void require_different_specimens(const TestData& tests, std::string_view where = {});
 
 /// Whether the variance of each output in the updated model is that of the tests: the most unlikely of their ratios,
 /// each against chi-squared. The variance that was fitted is not taken off the sampling variance, so that it refuses a
