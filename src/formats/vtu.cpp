@@ -25,10 +25,13 @@ struct Cells {
   }
 };
 
-/// Whether an element lies between different grid points; ground and scalar points have no position.
-bool has_positions(const FiniteElementModel& model, std::span<const int> nodes) {
-  const auto is_placed = [&](int node) { return node >= 0 && !model.nodes[static_cast<std::size_t>(node)].is_scalar; };
-  return std::all_of(nodes.begin(), nodes.end(), is_placed) && (nodes.size() != 2 || nodes[0] != nodes[1]);
+/// Whether a cell lies between different grid points; ground and scalar points have no position.
+bool has_positions(const FiniteElementModel& model, const Topology& topology, std::span<const int> nodes) {
+  const auto is_placed = [&](int k) {
+    const int node = nodes[static_cast<std::size_t>(k)];
+    return node >= 0 && !model.nodes[static_cast<std::size_t>(node)].is_scalar;
+  };
+  return std::ranges::all_of(topology.cell_nodes, is_placed) && (nodes.size() != 2 || nodes[0] != nodes[1]);
 }
 
 Cells cells_of(const FiniteElementModel& model) {
@@ -38,7 +41,8 @@ Cells cells_of(const FiniteElementModel& model) {
     for (const auto& element : list) {
       const Topology& topology = traits.topology(element);
       const std::span<const int> nodes = traits.nodes(element);
-      if (topology.cell != VtkCell::none && has_positions(model, nodes)) cells.add(nodes, topology, element.id);
+      if (topology.cell != VtkCell::none && has_positions(model, topology, nodes))
+        cells.add(nodes, topology, element.id);
     }
   });
   return cells;

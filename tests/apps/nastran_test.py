@@ -167,7 +167,7 @@ class NastranTest(support.CommandTest):
             ("GRID,3,,0.10000,0.,0.", "GRID,3,,abc,0.,0.", "X1 is 'ABC'"),
             ("CBAR,5,1,5,6,0.,1.,0.", "CBAR,5,1,5,777,0.,1.,0.", "777"),
             ("PBAR,1,1,", "PBAR,1,4,", "MID is 4"),
-            ("CBAR,7,1,7,8,0.,1.,0.", "CQUAD8,7,1,7,8,9,10,11,12", "ignore_cards"),
+            ("CBAR,7,1,7,8,0.,1.,0.", "CBEND,7,1,7,8,9,10,11,12", "ignore_cards"),
         ):
             with self.subTest(new):
                 text = edited(FREE_DECK, (old, new))

@@ -76,22 +76,24 @@ def main():
         folder = pathlib.Path(temporary)
         print("| element | mode | exact Hz | coarse | middle | fine | order | converged Hz | difference % |")
         print("|---|---:|---:|---:|---:|---:|---:|---:|---:|")
-        for kind, meshes in (("C3D8I", (4, 8, 16)), ("C3D6", (4, 8, 16)), ("C3D4", (6, 12, 24)), ("C3D10", (2, 4, 8))):
+        for kind, meshes in (("C3D8I", (4, 8, 16)), ("C3D6", (4, 8, 16)), ("C3D4", (6, 12, 24)), ("C3D10", (2, 4, 8)),
+                             ("C3D20", (2, 4, 8)), ("C3D15", (2, 4, 8)), ("PYRAMID13", (2, 4, 8))):
             found = []
             for cells in meshes:
                 deck = folder / f"{kind}_{cells}.bdf"
                 write_box(deck, kind, cells)
                 found.append(run_mottle(command, deck))
-            name = f"{solids.CARD[kind]}{10 if kind == 'C3D10' else ''} {' / '.join(map(str, meshes))}"
+            nodes = {"C3D10": 10, "C3D20": 20, "C3D15": 15, "PYRAMID13": 13}.get(kind, "")
+            name = f"{solids.CARD[kind]}{nodes} {' / '.join(map(str, meshes))}"
             worst = max(worst, report(name, box_frequencies(BOX_MODES), meshes, found))
         case = shells.cases()[0]
-        for card in ("CQUAD4", "CTRIA3"):
+        for card, meshes in (("CQUAD4", (12, 24, 48)), ("CTRIA3", (12, 24, 48)), ("CQUAD8", (6, 12, 24)), ("CTRIA6", (6, 12, 24))):
             found = []
-            for cells in (12, 24, 48):
+            for cells in meshes:
                 deck = folder / f"{card}_{cells}.bdf"
                 shells.write_nastran(deck, case, card, cells, 8)
                 found.append(run_mottle(command, deck))
-            worst = max(worst, report(f"{card} 12 / 24 / 48", case[4][:MODES], (12, 24, 48), found))
+            worst = max(worst, report(f"{card} {' / '.join(map(str, meshes))}", case[4][:MODES], meshes, found))
     print(f"largest difference of a converged frequency: {worst:.4f} %")
     return 0 if worst <= ALLOWED else 1
 

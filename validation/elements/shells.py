@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Natural frequencies of plates and curved panels of CQUAD4 and CTRIA3 against closed forms, tables and CalculiX.
+"""Natural frequencies of plates and curved panels of CQUAD4, CTRIA3, CQUAD8 and CTRIA6 against closed forms, tables and CalculiX.
 
     python3 validation/elements/shells.py MOTTLE [--ccx CCX] [--cells N] [--modes N] [--keep FOLDER]
 
@@ -88,12 +88,21 @@ def real(value):
     return text[:8]
 
 
-def places(cells, step):
-    """Grid lines (i, j) with their u, v; step 2: nodes in the middle of edges, none in the middle of cells."""
+def places(cells, step, has_centres=False):
+    """Grid lines (i, j) with their u, v; step 2: nodes in the middle of edges, of cells where these have a diagonal."""
     for j in range(step * cells + 1):
         for i in range(step * cells + 1):
-            if step == 1 or i % 2 == 0 or j % 2 == 0:
+            if step == 1 or has_centres or i % 2 == 0 or j % 2 == 0:
                 yield i, j, i / (step * cells), j / (step * cells)
+
+
+# Nodes of the elements of a cell, on the grid lines from its corner.
+PARTS = {
+    "CQUAD4": (((0, 0), (1, 0), (1, 1), (0, 1)),),
+    "CTRIA3": (((0, 0), (1, 0), (1, 1)), ((0, 0), (1, 1), (0, 1))),
+    "CQUAD8": (((0, 0), (2, 0), (2, 2), (0, 2), (1, 0), (2, 1), (1, 2), (0, 1)),),
+    "CTRIA6": (((0, 0), (2, 0), (2, 2), (1, 0), (2, 1), (1, 1)), ((0, 0), (2, 2), (0, 2), (1, 1), (1, 2), (0, 1))),
+}
 
 
 def held(constraints, u, v):
@@ -102,22 +111,24 @@ def held(constraints, u, v):
 
 def write_nastran(path, case, card, cells, modes):
     _, thickness, shape, constraints, _ = case
-    number = {(i, j): count + 1 for count, (i, j, _, _) in enumerate(places(cells, 1))}
+    step = 2 if card in ("CQUAD8", "CTRIA6") else 1
+    nodes = list(places(cells, step, card == "CTRIA6"))
+    number = {(i, j): count + 1 for count, (i, j, _, _) in enumerate(nodes)}
     with open(path, "w", encoding="ascii") as out:
         out.write(f"SOL 103\nCEND\nMETHOD = 1\nSPC = 1\nBEGIN BULK\nEIGRL,1,,,{modes + 6}\nPARAM,COUPMASS,1\n")
         out.write(f"MAT1,1,{real(YOUNG)},,{POISSON},{real(DENSITY)}\nPSHELL,1,1,{real(thickness)},1,,1\n")
-        for i, j, u, v in places(cells, 1):
+        for i, j, u, v in nodes:
             out.write(f"GRID,{number[i, j]},," + ",".join(map(real, shape(u, v))) + "\n")
             if held(constraints, u, v):
                 out.write(f"SPC1,1,{held(constraints, u, v)},{number[i, j]}\n")
         element = 0
         for j in range(cells):
             for i in range(cells):
-                a, b, c, d = number[i, j], number[i + 1, j], number[i + 1, j + 1], number[i, j + 1]
-                parts = ((a, b, c, d),) if card == "CQUAD4" else ((a, b, c), (a, c, d))
-                for part in parts:
+                for part in PARTS[card]:
                     element += 1
-                    out.write(f"{card},{element},1," + ",".join(map(str, part)) + "\n")
+                    fields = [str(number[step * i + a, step * j + b]) for a, b in part]
+                    out.write(f"{card},{element},1," + ",".join(fields[:6]))
+                    out.write((",+\n+," + ",".join(fields[6:]) if len(fields) > 6 else "") + "\n")
         out.write("ENDDATA\n")
 
 
@@ -156,9 +167,10 @@ def compare(folder, arguments):
             calculix = run_calculix(arguments.ccx, folder, stem)
         reference = reference or calculix
         lowest = 1e-2 * reference[0]  # below: rigid motions
-        for card in ("CQUAD4", "CTRIA3"):
+        for card in PARTS:
             deck = folder / f"{stem}_{card}.bdf"
-            write_nastran(deck, case, card, arguments.cells, arguments.modes)
+            is_quadratic = card in ("CQUAD8", "CTRIA6")  # the same grid points, half the cells
+            write_nastran(deck, case, card, arguments.cells // 2 if is_quadratic else arguments.cells, arguments.modes)
             found = [math.nan] * arguments.modes
             if arguments.mottle != "-":
                 found = [value for value in run_mottle(arguments.mottle, deck) if value > lowest]

@@ -21,18 +21,30 @@ SPLIT = {
     "C3D4": ((0, 1, 2, 6), (0, 2, 3, 6), (0, 3, 7, 6), (0, 7, 4, 6), (0, 4, 5, 6), (0, 5, 1, 6)),
 }
 SPLIT["C3D10"] = SPLIT["C3D4"]
-MID_EDGES = {"C3D20R": BRICK_EDGES, "C3D10": TETRAHEDRON_EDGES}
-CARD = {"C3D8I": "CHEXA", "C3D6": "CPENTA", "C3D4": "CTETRA", "C3D10": "CTETRA"}
+SPLIT["C3D20"] = SPLIT["C3D20R"]
+SPLIT["C3D15"] = SPLIT["C3D6"]
+# Of no CalculiX element; corner 8 is the middle of the cell.
+SPLIT["PYRAMID13"] = ((0, 1, 2, 3, 8), (4, 7, 6, 5, 8), (0, 4, 5, 1, 8), (1, 5, 6, 2, 8), (2, 6, 7, 3, 8), (3, 7, 4, 0, 8))
+WEDGE_EDGES = ((0, 1), (1, 2), (2, 0), (3, 4), (4, 5), (5, 3), (0, 3), (1, 4), (2, 5))
+PYRAMID_EDGES = ((0, 1), (1, 2), (2, 3), (3, 0), (0, 4), (1, 4), (2, 4), (3, 4))
+MID_EDGES = {"C3D20R": BRICK_EDGES, "C3D20": BRICK_EDGES, "C3D15": WEDGE_EDGES, "C3D10": TETRAHEDRON_EDGES,
+             "PYRAMID13": PYRAMID_EDGES}
+CARD = {"C3D8I": "CHEXA", "C3D6": "CPENTA", "C3D4": "CTETRA", "C3D10": "CTETRA", "C3D20": "CHEXA", "C3D15": "CPENTA",
+        "PYRAMID13": "CPYRAM"}
+# Where Nastran's nodes stand among CalculiX's: the upright edges come before those of the top.
+NASTRAN_ORDER = {"C3D20": (*range(12), *range(16, 20), *range(12, 16)), "C3D15": (*range(9), 12, 13, 14, 9, 10, 11)}
 
 # name, size in m, distortion (share of a cell by which inner nodes move), meshes (type, cells), cells of the reference
 CASES = (
     ("plate", (0.3, 0.12, 0.006), 0.0,
-     (("C3D8I", (15, 6, 1)), ("C3D8I", (30, 12, 2)), ("C3D6", (30, 12, 2)), ("C3D10", (15, 6, 1))), (30, 12, 2)),
+     (("C3D8I", (15, 6, 1)), ("C3D8I", (30, 12, 2)), ("C3D6", (30, 12, 2)), ("C3D10", (15, 6, 1)), ("C3D20", (15, 6, 1)),
+      ("C3D15", (15, 6, 1))), (30, 12, 2)),
     ("block", (0.3, 0.06, 0.04), 0.0,
-     (("C3D8I", (15, 3, 2)), ("C3D8I", (30, 6, 4)), ("C3D6", (30, 6, 4)), ("C3D4", (30, 6, 4)), ("C3D10", (15, 3, 2))),
-     (30, 6, 4)),
+     (("C3D8I", (15, 3, 2)), ("C3D8I", (30, 6, 4)), ("C3D6", (30, 6, 4)), ("C3D4", (30, 6, 4)), ("C3D10", (15, 3, 2)),
+      ("C3D20", (15, 3, 2)), ("C3D15", (15, 3, 2))), (30, 6, 4)),
     ("distorted block", (0.3, 0.06, 0.04), 0.25,
-     (("C3D8I", (15, 3, 2)), ("C3D6", (15, 3, 2)), ("C3D4", (15, 3, 2)), ("C3D10", (15, 3, 2))), (30, 6, 4)),
+     (("C3D8I", (15, 3, 2)), ("C3D6", (15, 3, 2)), ("C3D4", (15, 3, 2)), ("C3D10", (15, 3, 2)),
+      ("C3D20", (15, 3, 2)), ("C3D15", (15, 3, 2))), (30, 6, 4)),
 )
 
 
@@ -60,6 +72,9 @@ def make_mesh(kind, cells, size, distortion):
         for j in range(cells[1]):
             for i in range(cells[0]):
                 cell = [index(i + a, j + b, k + c) for c in (0, 1) for a, b in ((0, 0), (1, 0), (1, 1), (0, 1))]
+                if kind == "PYRAMID13":
+                    cell.append(len(nodes))
+                    nodes.append(tuple(round(sum(nodes[n][axis] for n in cell[:8]) / 8, 6) for axis in range(3)))
                 for part in SPLIT[kind]:
                     element = [cell[corner] for corner in part]
                     for a, b in MID_EDGES.get(kind, ()):
@@ -105,9 +120,9 @@ def write_nastran(path, kind, nodes, elements, modes):
         for number, place in enumerate(nodes):
             out.write(f"GRID,{number + 1},,{real(place[0])},{real(place[1])},{real(place[2])}\n")
         for number, element in enumerate(elements):
-            fields = [str(node + 1) for node in element]
-            out.write(f"{CARD[kind]},{number + 1},1," + ",".join(fields[:6]))
-            out.write((",+\n+," + ",".join(fields[6:]) if len(fields) > 6 else "") + "\n")
+            fields = [str(element[k] + 1) for k in NASTRAN_ORDER.get(kind, range(len(element)))]
+            lines = [fields[:6]] + [fields[k:k + 8] for k in range(6, len(fields), 8)]
+            out.write(f"{CARD[kind]},{number + 1},1," + ",+\n+,".join(",".join(line) for line in lines) + "\n")
         for node in clamped(nodes):
             out.write(f"SPC1,1,123,{node}\n")
         out.write("ENDDATA\n")

@@ -36,7 +36,7 @@ void add_bush(const FiniteElementModel& model, const BushElement& element, Piece
 }  // namespace
 
 const ElementTraits<BushElement> BushElement::k_traits = {
-    .card = [](const BushElement&) -> std::string_view { return "CBUSH"; },
+    .card = [](const BushElement& element) -> std::string_view { return element.card; },
     .nodes = nodes_of<BushElement>,
     .topology = line_topology<BushElement>,
     .add_pieces = add_bush};

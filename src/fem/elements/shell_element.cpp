@@ -1,17 +1,22 @@
 #include "mottle/fem/elements/shell_element.hpp"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <map>
 #include <numbers>
 #include <optional>
+#include <tuple>
 #include <utility>
 
 #include "fem/elements/element_pieces.hpp"
 #include "fem/elements/line_element.hpp"
+#include "fem/elements/shell_form.hpp"
 #include "fem/elements/shell_materials.hpp"
+#include "mottle/core/error.hpp"
 #include "mottle/fem/elements/laminate.hpp"
 #include "mottle/fem/elements/shell.hpp"
 #include "mottle/fem/finite_element_model.hpp"
+#include "mottle/linalg/dense/decompositions.hpp"
 
 namespace mottle::fem {
 namespace {
@@ -19,72 +24,43 @@ namespace {
 constexpr double k_radian = std::numbers::pi / 180.0;
 
 std::string_view card_of(const ShellElement& element) {
-  return element.node_count == 3 ? "CTRIA3" : "CQUAD4";
+  if (element.card != nullptr) return element.card;
+  switch (element.node_count) {
+    case 3:
+      return "CTRIA3";
+    case 6:
+      return "CTRIA6";
+    case 8:
+      return "CQUAD8";
+    default:
+      return "CQUAD4";
+  }
 }
 
-std::span<const int> shell_nodes(const ShellElement& element) {
-  return std::span(element.nodes).first(static_cast<std::size_t>(element.node_count));
-}
-
+/// A face with the middles of its edges as a linear cell where one of them is left out.
 const Topology& topology_of(const ShellElement& element) {
   static const Topology k_triangle = {.cell = VtkCell::triangle, .cell_nodes = {0, 1, 2}, .faces = {{0, 1, 2}}};
   static const Topology k_quadrilateral = {
       .cell = VtkCell::quadrilateral, .cell_nodes = {0, 1, 2, 3}, .faces = {{0, 1, 2, 3}}};
-  return element.node_count == 3 ? k_triangle : k_quadrilateral;
-}
-
-bool depends_on_direction(const FiniteElementModel& model, const ShellProperty& property) {
-  const auto does = [&](int material) {
-    return material >= 0 && model.materials[static_cast<std::size_t>(material)].kind != Material::Kind::isotropic;
-  };
-  return does(property.membrane_material) || does(property.bending_material) || does(property.shear_material) ||
-         std::ranges::any_of(property.laminate.plies, does, &ShellPly::material);
-}
-
-ShellInput shell_input(const FiniteElementModel& model, const ShellElement& element) {
-  ShellInput input{.node_count = element.node_count, .offset = element.offset};
-  input.nodes.leftCols(element.node_count) = positions(model, shell_nodes(element));
-  // What is isotropic needs no direction, and must not fail for one that cannot be projected.
-  if (!depends_on_direction(model, model.shell_properties[static_cast<std::size_t>(element.property)])) return input;
-  input.material_angle = element.material_angle * k_radian;
-  if (element.material_system == ShellElement::k_by_angle) return input;
-  input.material_direction = Eigen::Vector3d::UnitX();
-  if (element.material_system >= 0) {
-    const Eigen::Vector3d centre = input.nodes.leftCols(element.node_count).rowwise().mean();
-    const auto system = static_cast<std::size_t>(element.material_system);
-    input.material_direction = model.coordinate_systems[system].directions_at(centre).col(0);
-  }
-  return input;
-}
-
-ElementQuality quality_of(const FiniteElementModel& model, const ShellElement& element) {
-  const ShellQuality quality = shell_quality(shell_input(model, element));
-  return {quality.jacobian_ratio, quality.aspect, quality.warp};
+  static const Topology k_quadratic_triangle = {
+      .cell = VtkCell::quadratic_triangle, .cell_nodes = {0, 1, 2, 3, 4, 5}, .faces = {{0, 1, 2}}};
+  static const Topology k_quadratic_quadrilateral = {
+      .cell = VtkCell::quadratic_quadrilateral, .cell_nodes = {0, 1, 2, 3, 4, 5, 6, 7}, .faces = {{0, 1, 2, 3}}};
+  const bool is_triangle = element.node_count == 3 || element.node_count == 6;
+  if (!is_curved(element) || std::ranges::find(shell_nodes(element), -1) != shell_nodes(element).end())
+    return is_triangle ? k_triangle : k_quadrilateral;
+  return is_triangle ? k_quadratic_triangle : k_quadratic_quadrilateral;
 }
 
 /// Adds matrix with its coefficient, which rests on more fields than its own.
 void add_stiffness(ElementPieces& result, Coefficient coefficient, double factor, const std::vector<FieldIndex>& fields,
-                   const ShellMatrix& matrix) {
+                   const Eigen::MatrixXd& matrix) {
   coefficient.matrix_fields.insert(coefficient.matrix_fields.end(), fields.begin(), fields.end());
-  const auto size = static_cast<Eigen::Index>(result.degrees_of_freedom.size());
-  add_piece(result, ElementPiece::Kind::stiffness, factor, coefficient, matrix.topLeftCorner(size, size));
+  add_piece(result, ElementPiece::Kind::stiffness, factor, coefficient, matrix);
 }
 
 const Material* find_material(const FiniteElementModel& model, int index) {
   return index < 0 ? nullptr : &model.materials[static_cast<std::size_t>(index)];
-}
-
-/// The fields besides the coefficients' own on which the edges' fraction of bending depends, with t^2 E / G: the two
-/// pieces of the plate hold at the card's values only.
-std::vector<FieldIndex> edge_fields(const Material& bending, const Material& shear, FieldIndex thickness) {
-  std::vector<FieldIndex> fields = {thickness};
-  const bool is_one_isotropic = &bending == &shear && shear.kind == Material::Kind::isotropic &&
-                                (shear.shear == k_no_field || shear.young == k_no_field);
-  if (is_one_isotropic) return fields;
-  for (const Material* one : {&bending, &shear}) {
-    for (const FieldIndex field : fields_of(*one)) fields.push_back(field);
-  }
-  return fields;
 }
 
 FieldIndex thickness_of(const FiniteElementModel& model, const ShellElement& element) {
@@ -92,51 +68,113 @@ FieldIndex thickness_of(const FiniteElementModel& model, const ShellElement& ele
   return model.shell_properties[static_cast<std::size_t>(element.property)].thickness;
 }
 
-double current_bending_over_shear(const FiniteElementModel& model, const ShellElement& element,
-                                  const Coefficient& bending, const Coefficient& shear) {
-  const ShellProperty& property = model.shell_properties[static_cast<std::size_t>(element.property)];
-  const double t = model.value(thickness_of(model, element));
-  return value_of(model, bending) * property.bending_ratio * t * t / (value_of(model, shear) * property.shear_ratio);
+/// The materials of a PSHELL with their moduli; those that it leaves blank are absent.
+struct PlateMaterials {
+  const Material *membrane = nullptr, *bending = nullptr, *transverse = nullptr;
+  std::optional<PlaneStress> stretching = {}, curving = {};
+  std::optional<TransverseShear> shear = {};
+};
+
+PlateMaterials plate_materials(const FiniteElementModel& model, const ShellProperty& property) {
+  PlateMaterials materials{.membrane = find_material(model, property.membrane_material),
+                           .bending = find_material(model, property.bending_material)};
+  if (materials.membrane != nullptr) materials.stretching = plane_stress_of(model, *materials.membrane);
+  if (materials.bending == nullptr) return materials;
+  materials.curving = plane_stress_of(model, *materials.bending);
+  materials.transverse = find_material(model, property.shear_material);
+  if (materials.transverse != nullptr) materials.shear = transverse_shear_of(model, *materials.transverse);
+  return materials;
 }
 
-void add_plate_stiffness(const FiniteElementModel& model, const ShellElement& element, const ShellInput& input,
-                         ElementPieces& result) {
+/// The fields besides the coefficients' own on which the edges' fraction of bending and the bubbles depend, with t^2 E
+/// / G: the pieces hold at the card's values only.
+std::vector<FieldIndex> ratio_fields(PlateMaterials materials, FieldIndex thickness, bool of_bubbles) {
+  if (!of_bubbles) materials.membrane = nullptr;
+  std::vector<FieldIndex> fields = {thickness};
+  const Material* first = materials.bending;
+  const bool is_one = (materials.membrane == nullptr || materials.membrane == first) &&
+                      (materials.transverse == nullptr || materials.transverse == first);
+  if (is_one && first->kind == Material::Kind::isotropic && (first->shear == k_no_field || first->young == k_no_field))
+    return fields;
+  for (const Material* one : {materials.membrane, materials.bending, materials.transverse}) {
+    if (one == nullptr) continue;
+    for (const FieldIndex field : fields_of(*one)) fields.push_back(field);
+  }
+  return fields;
+}
+
+/// Coefficients of bending over those of shear and of the membrane; 0 where there is no such.
+std::pair<double, double> current_ratios(const FiniteElementModel& model, const ShellElement& element,
+                                         const PlateMaterials& materials) {
+  if (!materials.curving) return {0.0, 0.0};
+  const ShellProperty& property = model.shell_properties[static_cast<std::size_t>(element.property)];
+  const double t = model.value(thickness_of(model, element));
+  const double bending = value_of(model, materials.curving->modulus) * property.bending_ratio * t * t;
+  const double shear = materials.shear ? value_of(model, materials.shear->modulus) * property.shear_ratio : 0.0;
+  const double membrane = materials.stretching ? value_of(model, materials.stretching->modulus) : 0.0;
+  return {shear > 0.0 ? bending / shear : 0.0, membrane > 0.0 ? bending / membrane : 0.0};
+}
+
+void add_plate_stiffness(const FiniteElementModel& model, const ShellElement& element, ElementPieces& result) {
   const ShellProperty& property = model.shell_properties[static_cast<std::size_t>(element.property)];
   const FieldIndex thickness = thickness_of(model, element);
-  const Material* membrane_material = find_material(model, property.membrane_material);
-  const Material* bending_material = find_material(model, property.bending_material);
-  const Material* shear_material =
-      bending_material == nullptr ? nullptr : find_material(model, property.shear_material);
+  const PlateMaterials materials = plate_materials(model, property);
+  const auto& [membrane, bending, transverse, stretching, curving, shear] = materials;
   ShellSection section;
-  PlaneStress membrane, bending;
-  if (membrane_material != nullptr) {
-    membrane = plane_stress_of(model, *membrane_material);
-    section.membrane = membrane.unit;
-  }
-  if (bending_material != nullptr) {
-    bending = plane_stress_of(model, *bending_material);
-    section.bending = bending.unit / 12.0;
-  }
-  std::optional<TransverseShear> shear;
-  if (shear_material != nullptr) shear = transverse_shear_of(model, *shear_material);
+  if (stretching) section.membrane = stretching->unit;
+  if (curving) section.bending = curving->unit / 12.0;
+  if (shear) section.shear = shear->unit;
+  auto [over_shear, over_membrane] = current_ratios(model, element, materials);
   std::vector<FieldIndex> plate_fields;
-  if (shear) {
-    section.shear = shear->unit;
-    section.bending_over_shear = element.bending_over_shear;
-    if (element.bending_over_shear == 0.0) {
-      section.bending_over_shear = current_bending_over_shear(model, element, bending.modulus, shear->modulus);
-      plate_fields = edge_fields(*bending_material, *shear_material, thickness);
-    }
+  if (element.bending_over_shear > 0.0) over_shear = element.bending_over_shear;
+  if (element.bending_over_membrane > 0.0) over_membrane = element.bending_over_membrane;
+  const bool is_held = is_curved(element) ? element.bending_over_membrane > 0.0 : element.bending_over_shear > 0.0;
+  if (!is_held && curving && (shear || is_curved(element)))
+    plate_fields = ratio_fields(materials, thickness, is_curved(element));
+  if (over_shear > 0.0) section.bending_over_shear = over_shear;
+  if (over_membrane > 0.0) section.bending_over_membrane = over_membrane;
+  const ShellStiffness pieces = plate_stiffness(model, element, section);
+  if (stretching) {
+    add_stiffness(result, times(stretching->modulus, thickness), 1.0,
+                  is_curved(element) ? plate_fields : std::vector<FieldIndex>(), pieces.membrane);
+    add_stiffness(result, times(stretching->drilling, thickness), model.settings.drilling,
+                  stretching->modulus.matrix_fields, pieces.drilling);
   }
-  const ShellPieces pieces = shell_stiffness(input, section);
-  if (membrane_material != nullptr) {
-    add_stiffness(result, times(membrane.modulus, thickness), 1.0, {}, pieces.membrane);
-    add_stiffness(result, times(membrane.drilling, thickness), model.settings.drilling, membrane.modulus.matrix_fields,
-                  pieces.drilling);
-  }
-  if (bending_material != nullptr)
-    add_stiffness(result, times(bending.modulus, thickness, 3), property.bending_ratio, plate_fields, pieces.bending);
+  if (curving)
+    add_stiffness(result, times(curving->modulus, thickness, 3), property.bending_ratio, plate_fields, pieces.bending);
   if (shear) add_stiffness(result, times(shear->modulus, thickness), property.shear_ratio, plate_fields, pieces.shear);
+}
+
+/// A PSHELL with MID4: membrane, bending and their coupling cannot be told apart any more.
+void add_coupled_stiffness(const FiniteElementModel& model, const ShellElement& element, ElementPieces& result) {
+  const ShellProperty& property = model.shell_properties[static_cast<std::size_t>(element.property)];
+  const FieldIndex thickness = thickness_of(model, element);
+  const double t = model.value(thickness);
+  const PlateMaterials materials = plate_materials(model, property);
+  const Material& coupling = *find_material(model, property.coupling_material);
+  const auto matrix_of = [&](const PlaneStress& plane) {
+    return Eigen::Matrix3d(value_of(model, plane.modulus) * plane.unit);
+  };
+  // Nastran's curvature is positive where the side of the normal is pressed, hence the sign.
+  ShellSection section{.membrane = t * matrix_of(*materials.stretching),
+                       .coupling = -t * t * matrix_of(plane_stress_of(model, coupling)),
+                       .bending = t * t * t * property.bending_ratio / 12.0 * matrix_of(*materials.curving)};
+  if (materials.shear)
+    section.shear = t * property.shear_ratio * value_of(model, materials.shear->modulus) * materials.shear->unit;
+  const Eigen::Matrix3d own = section.bending - section.coupling * section.membrane.ldlt().solve(section.coupling);
+  const Eigen::Matrix3d symmetric = 0.5 * (own + own.transpose());
+  require(SymmetricEigen(symmetric).eigenvalues()(0) >= -1e-9 * section.bending.norm(),
+          "MID4 couples membrane and bending so much that some deformation gives energy away; T^2 G4 G1^-1 G4 may not "
+          "exceed (12I/T3) T^2 G2 / 12");
+  const LaminateStiffness pieces = laminate_stiffness(model, element, section);
+  std::vector<FieldIndex> fields = {thickness};
+  for (const Material* one : {materials.membrane, materials.bending, materials.transverse, &coupling}) {
+    if (one == nullptr) continue;
+    for (const FieldIndex field : fields_of(*one)) fields.push_back(field);
+  }
+  add_stiffness(result, {}, 1.0, fields, pieces.section);
+  add_stiffness(result, times(materials.stretching->drilling, thickness), model.settings.drilling,
+                materials.stretching->modulus.matrix_fields, pieces.drilling);
 }
 
 /// The plies with what they are multiplied by: Young's modulus of the only, isotropic material, or one.
@@ -173,8 +211,8 @@ Plies plies_of(const FiniteElementModel& model, const LaminateProperty& laminate
   return result;
 }
 
-void add_laminate_stiffness(const FiniteElementModel& model, const LaminateProperty& laminate, const ShellInput& input,
-                            ElementPieces& result) {
+void add_laminate_stiffness(const FiniteElementModel& model, const ShellElement& element,
+                            const LaminateProperty& laminate, ElementPieces& result) {
   const Plies plies = plies_of(model, laminate);
   double thickness = 0.0;
   for (const LaminatePly& ply : plies.plies) thickness += ply.thickness;
@@ -185,7 +223,7 @@ void add_laminate_stiffness(const FiniteElementModel& model, const LaminatePrope
   if (laminate.option == smeared) section.bending = thickness * thickness / 12.0 * section.membrane;
   if (laminate.option == bending) section.membrane.setZero();
   if (laminate.option == membrane || laminate.option == smeared) section.shear.setZero();
-  const LaminatePieces pieces = laminate_stiffness(input, section);
+  const LaminateStiffness pieces = laminate_stiffness(model, element, section);
   add_stiffness(result, plies.modulus, 1.0, {}, pieces.section);
   add_stiffness(result, plies.modulus, model.settings.drilling * section.membrane(2, 2), {}, pieces.drilling);
 }
@@ -207,28 +245,25 @@ void add_mass(const FiniteElementModel& model, const ShellProperty& property, Fi
 void add_shell(const FiniteElementModel& model, const ShellElement& element, PieceSelection selection,
                ElementPieces& result) {
   const ShellProperty& property = model.shell_properties[static_cast<std::size_t>(element.property)];
-  const ShellInput input = shell_input(model, element);
-  for (const int node : shell_nodes(element)) add_six_degrees_of_freedom(node, result);
-  const auto size = static_cast<Eigen::Index>(6 * element.node_count);
-  add_mass(model, property, thickness_of(model, element), shell_mass(input, mass_kind(model)).topLeftCorner(size, size),
-           result);
+  add_degrees_of_freedom(element, result);
+  add_mass(model, property, thickness_of(model, element), unit_mass(model, element), result);
   if (selection == PieceSelection::mass) return;
-  if (property.laminate.plies.empty()) {
-    add_plate_stiffness(model, element, input, result);
+  if (property.coupling_material >= 0) {
+    add_coupled_stiffness(model, element, result);
+  } else if (property.laminate.plies.empty()) {
+    add_plate_stiffness(model, element, result);
   } else {
-    add_laminate_stiffness(model, property.laminate, input, result);
+    add_laminate_stiffness(model, element, property.laminate, result);
   }
 }
 
 }  // namespace
 
-double bending_over_shear(const FiniteElementModel& model, const ShellElement& element) {
+void hold_ratios(const FiniteElementModel& model, ShellElement& element) {
   const ShellProperty& property = model.shell_properties[static_cast<std::size_t>(element.property)];
-  if (property.bending_material < 0 || property.shear_material < 0) return 0.0;
-  const auto shear = transverse_shear_of(model, *find_material(model, property.shear_material));
-  if (!shear) return 0.0;
-  const PlaneStress bending = plane_stress_of(model, *find_material(model, property.bending_material));
-  return current_bending_over_shear(model, element, bending.modulus, shear->modulus);
+  if (!property.laminate.plies.empty()) return;
+  std::tie(element.bending_over_shear, element.bending_over_membrane) =
+      current_ratios(model, element, plate_materials(model, property));
 }
 
 const ElementTraits<ShellElement> ShellElement::k_traits = {
@@ -237,9 +272,9 @@ const ElementTraits<ShellElement> ShellElement::k_traits = {
     .topology = topology_of,
     .add_pieces = add_shell,
     .family = "shells",
-    .quality = quality_of,
-    .geometry = {.cards = {"CQUAD4", "CTRIA3"}, .names = {"ZOFFS"}, .at = [](ShellElement& element, int) -> double& {
-                   return element.offset;
-                 }}};
+    .quality = shell_quality_of,
+    .geometry = {.cards = {"CQUAD4", "CTRIA3", "CQUADR", "CTRIAR", "CQUAD8", "CTRIA6"},
+                 .names = {"ZOFFS"},
+                 .at = [](ShellElement& element, int) -> double& { return element.offset; }}};
 
 }  // namespace mottle::fem

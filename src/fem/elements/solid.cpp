@@ -4,12 +4,11 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
-#include <array>
 #include <cassert>
 #include <cmath>
 #include <limits>
-#include <span>
 
+#include "fem/elements/solid_quality.hpp"
 #include "fem/elements/solid_shapes.hpp"
 #include "mottle/core/error.hpp"
 
@@ -20,24 +19,6 @@ using solid_shapes::SolidPoint;
 using solid_shapes::Table;
 using Elasticity = Eigen::Matrix<double, 6, 6>;
 using NodesRef = Eigen::Ref<const Eigen::Matrix3Xd>;
-
-/// Calls `action` with the table of a shape.
-template <typename Action>
-auto with_table(SolidShape shape, const Action& action) {
-  switch (shape) {
-    case SolidShape::hexahedron8:
-      return action(solid_shapes::hexahedron());
-    case SolidShape::wedge6:
-      return action(solid_shapes::wedge());
-    case SolidShape::pyramid5:
-      return action(solid_shapes::pyramid());
-    case SolidShape::tetrahedron4:
-      return action(solid_shapes::tetrahedron());
-    case SolidShape::tetrahedron10:
-      break;
-  }
-  return action(solid_shapes::quadratic_tetrahedron());
-}
 
 /// Node positions of fixed size. From the first node, lest a far origin costs digits of the determinant.
 template <int count>
@@ -181,8 +162,21 @@ Eigen::Matrix<double, count, count> scalar_mass(const Table<count, modes>& table
   return mass;
 }
 
+/// Masses d_i (p + q zeta_i), d the diagonal, zeta the height in own coordinates, with the total and the first moment
+/// of `mass`: scaled by the total alone, a pyramid's centre of gravity would move along its height.
+Eigen::VectorXd balanced_pyramid(const Eigen::Ref<const Eigen::MatrixXd>& mass) {
+  Eigen::VectorXd zeta = Eigen::VectorXd::Zero(mass.cols());
+  zeta(4) = 1.0;
+  zeta.tail<4>().setConstant(0.5);
+  const Eigen::VectorXd d = mass.diagonal(), sums = mass.rowwise().sum();
+  const double first = d.dot(zeta), second = d.cwiseProduct(zeta).dot(zeta);
+  const Eigen::Matrix2d moments{{d.sum(), first}, {first, second}};
+  const Eigen::Vector2d factors = moments.inverse() * Eigen::Vector2d(sums.sum(), sums.dot(zeta));
+  return d.cwiseProduct((factors(0) + factors(1) * zeta.array()).matrix());
+}
+
 template <int count, int modes>
-double jacobian_ratio(const Table<count, modes>& table, const NodesRef& nodes) {
+double ratio_of(const Table<count, modes>& table, const NodesRef& nodes) {
   const Geometry<count> geometry(nodes);
   double smallest = std::numeric_limits<double>::infinity(), sum = 0.0, weights = 0.0;
   for (const auto* points : {&table.corners, &table.mass}) {
@@ -196,71 +190,15 @@ double jacobian_ratio(const Table<count, modes>& table, const NodesRef& nodes) {
   return smallest == 0.0 ? 0.0 : smallest / std::abs(sum / weights);
 }
 
-double double_area(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
-  return (b - a).cross(c - a).norm();
-}
-
-using Edges = std::span<const std::array<int, 2>>;
-constexpr std::array<std::array<int, 2>, 12> k_hexahedron_edges = {
-    {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {4, 5}, {5, 6}, {6, 7}, {7, 4}, {0, 4}, {1, 5}, {2, 6}, {3, 7}}};
-constexpr std::array<std::array<int, 2>, 9> k_wedge_edges = {
-    {{0, 3}, {1, 4}, {2, 5}, {0, 1}, {1, 2}, {2, 0}, {3, 4}, {4, 5}, {5, 3}}};
-constexpr std::array<std::array<int, 2>, 8> k_pyramid_edges = {
-    {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {0, 4}, {1, 4}, {2, 4}, {3, 4}}};
-constexpr std::array<std::array<int, 2>, 6> k_tetrahedron_edges = {{{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}}};
-
-struct Extent {
-  double smallest = std::numeric_limits<double>::infinity();
-  double largest = 0.0;
-};
-
-Extent edge_lengths(const NodesRef& nodes, Edges edges) {
-  Extent extent;
-  for (const auto& [from, to] : edges) {
-    const double length = (nodes.col(to) - nodes.col(from)).norm();
-    extent.smallest = std::min(extent.smallest, length);
-    extent.largest = std::max(extent.largest, length);
-  }
-  return extent;
-}
-
-double wedge_aspect_ratio(const NodesRef& nodes) {
-  const Edges edges(k_wedge_edges);
-  const double longest = edge_lengths(nodes, edges).largest;
-  double smallest = edge_lengths(nodes, edges.first(3)).smallest;
-  for (const int face : {0, 3}) {
-    const double base = edge_lengths(nodes, edges.subspan(face == 0 ? 3 : 6, 3)).largest;
-    const double height = double_area(nodes.col(face), nodes.col(face + 1), nodes.col(face + 2)) / base;
-    smallest = std::min(smallest, height / std::sqrt(0.75));
-  }
-  return longest / smallest;
-}
-
-double pyramid_aspect_ratio(const NodesRef& nodes) {
-  const Eigen::Vector3d base = (nodes.col(2) - nodes.col(0)).cross(nodes.col(3) - nodes.col(1));
-  const Eigen::Vector3d middle = nodes.leftCols<4>().rowwise().mean();
-  const double height = std::abs(base.dot(nodes.col(4) - middle)) / base.norm();
-  const Extent extent = edge_lengths(nodes, k_pyramid_edges);
-  return extent.largest / std::min(extent.smallest, height * std::sqrt(2.0));
-}
-
-double tetrahedron_aspect_ratio(const NodesRef& nodes) {
-  double largest_face = 0.0;
-  for (int left_out = 0; left_out < 4; ++left_out) {
-    const auto corner = [&](int i) { return Eigen::Vector3d(nodes.col((left_out + i) % 4)); };
-    largest_face = std::max(largest_face, double_area(corner(1), corner(2), corner(3)));
-  }
-  const Eigen::Vector3d apex = nodes.col(3) - nodes.col(0);
-  const double six_volumes = (nodes.col(1) - nodes.col(0)).cross(nodes.col(2) - nodes.col(0)).dot(apex);
-  // 2/3: square of height over edge of the regular tetrahedron.
-  const double height = std::abs(six_volumes) / largest_face / std::sqrt(2.0 / 3.0);
-  return edge_lengths(nodes, k_tetrahedron_edges).largest / height;
-}
-
 }  // namespace
 
+double jacobian_ratio(SolidShape shape, const NodesRef& nodes) {
+  return solid_shapes::with_table(shape, [&](const auto& table) { return ratio_of(table, nodes); });
+}
+
 int node_count(SolidShape shape) {
-  return with_table(shape, [](const auto& table) { return static_cast<int>(table.centre.values.size()); });
+  return solid_shapes::with_table(shape,
+                                  [](const auto& table) { return static_cast<int>(table.centre.values.size()); });
 }
 
 Elasticity isotropic_elasticity(double young, double poisson) {
@@ -291,14 +229,16 @@ Elasticity turned_elasticity(const Elasticity& elasticity, const Eigen::Matrix3d
 }
 
 Eigen::MatrixXd solid_stiffness(SolidShape shape, const NodesRef& nodes, const Elasticity& elasticity) {
-  return with_table(shape, [&](const auto& table) { return stiffness(table, nodes, elasticity); });
+  return solid_shapes::with_table(shape, [&](const auto& table) { return stiffness(table, nodes, elasticity); });
 }
 
 Eigen::MatrixXd solid_mass(SolidShape shape, const NodesRef& nodes, MassKind kind) {
-  return with_table(shape, [&](const auto& table) {
+  return solid_shapes::with_table(shape, [&](const auto& table) {
     auto mass = scalar_mass(table, nodes);
     if (kind == MassKind::lumped && shape == SolidShape::pyramid5) {
       mass = Eigen::VectorXd(mass.rowwise().sum()).asDiagonal();
+    } else if (kind == MassKind::lumped && shape == SolidShape::pyramid13) {
+      mass = Eigen::VectorXd(balanced_pyramid(mass)).asDiagonal();
     } else if (kind == MassKind::lumped) {
       mass = Eigen::VectorXd(mass.diagonal() * (mass.sum() / mass.trace())).asDiagonal();
     }
@@ -312,23 +252,7 @@ Eigen::MatrixXd solid_mass(SolidShape shape, const NodesRef& nodes, MassKind kin
 }
 
 double solid_volume(SolidShape shape, const NodesRef& nodes) {
-  return with_table(shape, [&](const auto& table) { return scalar_mass(table, nodes).sum(); });
-}
-
-SolidQuality solid_quality(SolidShape shape, const NodesRef& nodes) {
-  SolidQuality quality;
-  quality.jacobian_ratio = with_table(shape, [&](const auto& table) { return jacobian_ratio(table, nodes); });
-  if (shape == SolidShape::hexahedron8) {
-    const Extent extent = edge_lengths(nodes, k_hexahedron_edges);
-    quality.aspect_ratio = extent.largest / extent.smallest;
-  } else if (shape == SolidShape::wedge6) {
-    quality.aspect_ratio = wedge_aspect_ratio(nodes);
-  } else if (shape == SolidShape::pyramid5) {
-    quality.aspect_ratio = pyramid_aspect_ratio(nodes);
-  } else {
-    quality.aspect_ratio = tetrahedron_aspect_ratio(nodes);
-  }
-  return quality;
+  return solid_shapes::with_table(shape, [&](const auto& table) { return scalar_mass(table, nodes).sum(); });
 }
 
 }  // namespace mottle::fem

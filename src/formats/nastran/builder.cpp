@@ -7,8 +7,9 @@
 namespace mottle::formats::nastran {
 namespace {
 
-constexpr std::array<std::string_view, 10> k_corner_names = {"G1", "G2", "G3", "G4", "G5",
-                                                             "G6", "G7", "G8", "G9", "G10"};
+constexpr std::array<std::string_view, 20> k_node_names = {"G1",  "G2",  "G3",  "G4",  "G5",  "G6",  "G7",
+                                                           "G8",  "G9",  "G10", "G11", "G12", "G13", "G14",
+                                                           "G15", "G16", "G17", "G18", "G19", "G20"};
 
 constexpr std::array<std::string_view, 4> k_material_cards = {"MAT1", "MAT2", "MAT8", "MAT9"};  // as Material::Kind
 
@@ -95,13 +96,22 @@ int ModelBuilder::grid(const Card& card, int n, std::string_view what) const {
 }
 
 void ModelBuilder::read_corners(const Card& card, int first, int count_of_nodes, int* nodes) const {
-  for (int i = 0; i < count_of_nodes; ++i) {
-    nodes[i] = grid(card, first + i, k_corner_names[static_cast<std::size_t>(i)]);
-    for (int j = 0; j < i; ++j) {
-      if (nodes[j] == nodes[i]) {
-        card.fail(fmt::format("G{} and G{} are both grid point {}; every corner needs its own", j + 1, i + 1,
-                              shown(card.at(first + i))));
-      }
+  for (int i = 0; i < count_of_nodes; ++i) read_corner(card, first, i, nodes);
+}
+
+void ModelBuilder::read_middles(const Card& card, int first, int corners, int count_of_nodes, int* nodes) const {
+  for (int i = corners; i < count_of_nodes; ++i) {
+    nodes[i] = -1;
+    if (!card.is_blank(first + i) && card.at(first + i) != "0") read_corner(card, first, i, nodes);
+  }
+}
+
+void ModelBuilder::read_corner(const Card& card, int first, int i, int* nodes) const {
+  nodes[i] = grid(card, first + i, k_node_names[static_cast<std::size_t>(i)]);
+  for (int j = 0; j < i; ++j) {
+    if (nodes[j] == nodes[i]) {
+      card.fail(fmt::format("G{} and G{} are both grid point {}; every corner needs its own", j + 1, i + 1,
+                            shown(card.at(first + i))));
     }
   }
 }

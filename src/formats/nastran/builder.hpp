@@ -133,6 +133,8 @@ class ModelBuilder {
   int grid(const Card& card, int n, std::string_view what) const;
   /// Reads grid points from fields first.. into nodes; refuses one that stands twice.
   void read_corners(const Card& card, int first, int count, int* nodes) const;
+  /// Reads nodes[corners..count - 1] from the fields after the corners', -1 where they are left out.
+  void read_middles(const Card& card, int first, int corners, int count, int* nodes) const;
   template <typename Element>
   void add_element(const Card& card, Element element) {
     model.elements<Element>().push_back(std::move(element));
@@ -159,6 +161,8 @@ class ModelBuilder {
   }
 
  private:
+  void read_corner(const Card& card, int first, int i, int* nodes) const;
+
   struct Claim {
     const BulkCard* card = nullptr;
     int first = 1;

@@ -1,5 +1,7 @@
 // PSOLID, CHEXA, CPENTA, CPYRAM, CTETRA.
+#include <algorithm>
 #include <array>
+#include <span>
 
 #include "formats/nastran/builder.hpp"
 #include "formats/nastran/card_table.hpp"
@@ -30,46 +32,44 @@ void read_psolid(ModelBuilder& builder, const Card& card) {
   builder.properties<SolidProperty>("PSOLID")[id] = property;
 }
 
-void add_solid(ModelBuilder& builder, const Card& card, SolidShape shape, int corners) {
+/// The shape without mid-edge nodes and the one with some or all of them.
+struct SolidForm {
+  SolidShape linear, quadratic;
+};
+
+void add_solid(ModelBuilder& builder, const Card& card, const SolidForm& form) {
   const int id = card.id(1, "EID");
   if (!builder.is_first(card, id)) return;
   SolidElement element;
   element.id = id;
-  element.shape = shape;
   element.property_id = card.is_blank(2) ? id : card.id(2, "PID");
   const SolidProperty& property = builder.property<SolidProperty>(card, element.property_id, "PSOLID");
   element.material = property.material;
   element.material_system = property.material_system;
+  const int corners = node_count(form.linear), nodes = node_count(form.quadratic);
   builder.read_corners(card, 3, corners, element.nodes.data());
+  builder.read_middles(card, 3, corners, nodes, element.nodes.data());
+  const auto middles = std::span(element.nodes).subspan(static_cast<std::size_t>(corners));
+  const bool has_middles =
+      std::ranges::any_of(middles.first(static_cast<std::size_t>(nodes - corners)), [](int node) { return node >= 0; });
+  element.shape = has_middles ? form.quadratic : form.linear;
   builder.add_element(card, element);
 }
 
-void refuse_midside_nodes(const Card& card, int corners, int last) {
-  if (!card.has_any(3 + corners, last)) return;
-  for (int n = 3 + corners; n <= last; ++n) {
-    card.require_absent(n, fmt::format("G{}", n - 2),
-                        fmt::format("midside nodes of {} are not supported", card.name()));
-  }
-}
-
 void read_chexa(ModelBuilder& builder, const Card& card) {
-  refuse_midside_nodes(card, 8, 22);
-  add_solid(builder, card, SolidShape::hexahedron8, 8);
+  add_solid(builder, card, {SolidShape::hexahedron8, SolidShape::hexahedron20});
 }
 
 void read_cpenta(ModelBuilder& builder, const Card& card) {
-  refuse_midside_nodes(card, 6, 17);
-  add_solid(builder, card, SolidShape::wedge6, 6);
+  add_solid(builder, card, {SolidShape::wedge6, SolidShape::wedge15});
 }
 
 void read_cpyram(ModelBuilder& builder, const Card& card) {
-  refuse_midside_nodes(card, 5, 15);
-  add_solid(builder, card, SolidShape::pyramid5, 5);
+  add_solid(builder, card, {SolidShape::pyramid5, SolidShape::pyramid13});
 }
 
 void read_ctetra(ModelBuilder& builder, const Card& card) {
-  const bool has_midsides = card.has_any(7, 12);
-  add_solid(builder, card, has_midsides ? SolidShape::tetrahedron10 : SolidShape::tetrahedron4, has_midsides ? 10 : 4);
+  add_solid(builder, card, {SolidShape::tetrahedron4, SolidShape::tetrahedron10});
 }
 
 constexpr std::array<CardRule, 5> k_solid_rules = {{

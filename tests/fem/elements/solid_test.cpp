@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -36,6 +37,22 @@ struct Mesh {
   Matrix3Xd of(const std::vector<int>& element) const { return nodes(Eigen::all, element); }
 };
 
+bool is_quadratic(SolidShape shape) {
+  return shape == SolidShape::tetrahedron10 || shape == SolidShape::hexahedron20 || shape == SolidShape::wedge15 ||
+         shape == SolidShape::pyramid13;
+}
+
+SolidShape linear_of(SolidShape shape) {
+  if (shape == SolidShape::hexahedron20) return SolidShape::hexahedron8;
+  if (shape == SolidShape::wedge15) return SolidShape::wedge6;
+  if (shape == SolidShape::pyramid13) return SolidShape::pyramid5;
+  return shape == SolidShape::tetrahedron10 ? SolidShape::tetrahedron4 : shape;
+}
+
+int corner_count(SolidShape shape) {
+  return node_count(linear_of(shape));
+}
+
 /// Corners of the shapes that fill a hexahedron; the same pattern in every cell conforms.
 std::vector<std::vector<int>> split(SolidShape shape) {
   if (shape == SolidShape::hexahedron8) return {{0, 1, 2, 3, 4, 5, 6, 7}};
@@ -46,14 +63,41 @@ std::vector<std::vector<int>> split(SolidShape shape) {
   return {{0, 1, 2, 6}, {0, 2, 3, 6}, {0, 3, 7, 6}, {0, 7, 4, 6}, {0, 4, 5, 6}, {0, 5, 1, 6}};
 }
 
+using Edges = std::vector<std::array<int, 2>>;
+
+/// Edges in the order of the mid-edge nodes on CHEXA, CPENTA, CPYRAM and CTETRA, from Nastran's figures.
+Edges edges_of_card(SolidShape shape) {
+  const auto ring = [](Edges& edges, int first, int count) {
+    for (int i = 0; i < count; ++i) edges.push_back({first + i, first + (i + 1) % count});
+  };
+  Edges edges;
+  switch (corner_count(shape)) {
+    case 8:
+      ring(edges, 0, 4);
+      edges.insert(edges.end(), {{0, 4}, {1, 5}, {2, 6}, {3, 7}});
+      ring(edges, 4, 4);
+      return edges;
+    case 6:
+      ring(edges, 0, 3);
+      edges.insert(edges.end(), {{0, 3}, {1, 4}, {2, 5}});
+      ring(edges, 3, 3);
+      return edges;
+    case 5:
+      ring(edges, 0, 4);
+      edges.insert(edges.end(), {{0, 4}, {1, 4}, {2, 4}, {3, 4}});
+      return edges;
+    default:
+      return {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}};
+  }
+}
+
 /// Adds a node in the middle of every edge.
 void make_quadratic(Mesh& mesh) {
-  constexpr std::array<std::array<int, 2>, 6> k_edges = {{{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}}};
   std::map<std::pair<int, int>, int> middle;
   std::vector<Vector3d> added;
   for (std::vector<int>& element : mesh.elements) {
     const std::vector<int> corners = element;
-    for (const auto& [i, j] : k_edges) {
+    for (const auto& [i, j] : edges_of_card(mesh.shape)) {
       const auto edge = std::minmax(corners[i], corners[j]);
       const auto [place, is_new] = middle.try_emplace({edge.first, edge.second}, mesh.count() + int(added.size()));
       if (is_new) added.emplace_back(0.5 * (mesh.nodes.col(edge.first) + mesh.nodes.col(edge.second)));
@@ -94,21 +138,21 @@ Mesh box(SolidShape shape, const Cells& cells, const Vector3d& size, const Shift
                                    index(i + 1, j + 1, k + 1),
                                    index(i, j + 1, k + 1),
                                    -1};
-        if (shape == SolidShape::pyramid5) {
+        if (corner_count(shape) == 5) {
           cell[8] = mesh.count();
           const Vector3d middle =
               mesh.nodes(Eigen::all, std::vector<int>(cell.begin(), cell.end() - 1)).rowwise().mean();
           mesh.nodes.conservativeResize(3, cell[8] + 1);
           mesh.nodes.col(cell[8]) = middle;
         }
-        for (std::vector<int> corners : split(shape)) {
+        for (std::vector<int> corners : split(linear_of(shape))) {
           for (int& corner : corners) corner = cell[std::size_t(corner)];
           mesh.elements.push_back(corners);
         }
       }
     }
   }
-  if (shape == SolidShape::tetrahedron10) make_quadratic(mesh);
+  if (is_quadratic(shape)) make_quadratic(mesh);
   return mesh;
 }
 
@@ -180,8 +224,8 @@ std::vector<int> freedoms(const Mesh& mesh, const auto& claim) {
 class Solid : public ::testing::TestWithParam<SolidShape> {
  protected:
   SolidShape shape() const { return GetParam(); }
-  bool is_linear() const { return shape() != SolidShape::tetrahedron10; }
-  /// An element without symmetry, of size one; the quadratic one has curved edges.
+  bool is_linear() const { return !is_quadratic(shape()); }
+  /// An element without symmetry, of size one; the quadratic ones have curved edges.
   Matrix3Xd element() const {
     const Mesh mesh = distorted_box(shape());
     return mesh.of(mesh.elements.front());
@@ -196,12 +240,14 @@ class Solid : public ::testing::TestWithParam<SolidShape> {
 const Matrix3d k_axes = (Matrix3d() << 2.0, 0.3, -0.4, 0.1, 1.5, 0.2, -0.3, 0.5, 1.1).finished();
 
 std::string name_of(const ::testing::TestParamInfo<SolidShape>& info) {
-  return std::array{"Hexahedron8", "Wedge6", "Tetrahedron4", "Tetrahedron10", "Pyramid5"}[std::size_t(info.param)];
+  return std::array{"Hexahedron8", "Wedge6",       "Tetrahedron4", "Tetrahedron10",
+                    "Pyramid5",    "Hexahedron20", "Wedge15",      "Pyramid13"}[std::size_t(info.param)];
 }
 
 INSTANTIATE_TEST_SUITE_P(Shapes, Solid,
                          ::testing::Values(SolidShape::hexahedron8, SolidShape::wedge6, SolidShape::tetrahedron4,
-                                           SolidShape::tetrahedron10, SolidShape::pyramid5),
+                                           SolidShape::tetrahedron10, SolidShape::pyramid5, SolidShape::hexahedron20,
+                                           SolidShape::wedge15, SolidShape::pyramid13),
                          name_of);
 
 /// Prescribes a linear displacement field on the faces and compares the inside and the energy with it.
@@ -275,11 +321,18 @@ TEST_P(Solid, TurnsItsStiffnessWithTheElement) {
 
 /// A numbering of the same element that begins at another corner.
 std::vector<int> other_numbering(SolidShape shape) {
-  if (shape == SolidShape::hexahedron8) return {1, 5, 6, 2, 0, 4, 7, 3};
-  if (shape == SolidShape::wedge6) return {5, 4, 3, 2, 1, 0};
-  if (shape == SolidShape::pyramid5) return {1, 2, 3, 0, 4};
-  if (shape == SolidShape::tetrahedron4) return {1, 2, 0, 3};
-  return {1, 2, 0, 3, 5, 6, 4, 8, 9, 7};
+  std::vector<int> order = {1, 2, 0, 3};
+  if (corner_count(shape) == 8) order = {1, 5, 6, 2, 0, 4, 7, 3};
+  if (corner_count(shape) == 6) order = {5, 4, 3, 2, 1, 0};
+  if (corner_count(shape) == 5) order = {1, 2, 3, 0, 4};
+  if (!is_quadratic(shape)) return order;
+  const Edges edges = edges_of_card(shape);
+  for (const auto& [i, j] : edges) {
+    const int a = order[std::size_t(i)], b = order[std::size_t(j)];
+    const auto same = [&](const auto& edge) { return std::minmax(edge[0], edge[1]) == std::minmax(a, b); };
+    order.push_back(corner_count(shape) + int(std::ranges::find_if(edges, same) - edges.begin()));
+  }
+  return order;
 }
 
 TEST_P(Solid, DoesNotDependOnTheCornerWhereItsNumberingBegins) {
@@ -309,8 +362,8 @@ TEST_P(Solid, HasItsVolumeAsMassInEachDirectionAndItsCentreOfGravity) {
   const Matrix3Xd nodes = parallel_element(k_axes);
   const double volume = solid_volume(shape(), nodes);
   const VectorXd ones = VectorXd::Ones(nodes.cols());
-  Vector3d centre = nodes.leftCols(is_linear() ? nodes.cols() : 4).rowwise().mean();
-  if (shape() == SolidShape::pyramid5) centre = 0.75 * nodes.leftCols<4>().rowwise().mean() + 0.25 * nodes.col(4);
+  Vector3d centre = nodes.leftCols(corner_count(shape())).rowwise().mean();
+  if (corner_count(shape()) == 5) centre = 0.75 * nodes.leftCols<4>().rowwise().mean() + 0.25 * nodes.col(4);
   for (const MassKind kind : {MassKind::lumped, MassKind::consistent}) {
     const MatrixXd M = solid_mass(shape(), nodes, kind);
     for (int component = 0; component < 3; ++component) {
@@ -331,6 +384,71 @@ TEST_P(Solid, HasPositiveDiagonalLumpedMass) {
   EXPECT_NEAR(M.trace(), 3.0 * volume, 1e-13 * volume);  // thirty roundings
 }
 
+/// x^i y^j z^k.
+using Monomial = std::array<int, 3>;
+
+/// Monomials that a quadratic shape spans; of a pyramid with its height 1 - zeta instead of z.
+std::vector<Monomial> monomials_of(SolidShape shape) {
+  std::vector<Monomial> monomials;
+  if (shape == SolidShape::pyramid13) {
+    return {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1},  {2, 0, 0},  {0, 2, 0}, {0, 0, 2},
+            {1, 1, 0}, {1, 0, 1}, {0, 1, 1}, {1, 1, -1}, {2, 1, -1}, {1, 2, -1}};
+  }
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      for (int k = 0; k < 3; ++k) {
+        const bool is_of_hexahedron = (i == 2) + (j == 2) + (k == 2) <= 1;
+        const bool is_of_wedge = i + j <= (k == 2 ? 1 : 2);
+        if (shape == SolidShape::hexahedron20 ? is_of_hexahedron : is_of_wedge) monomials.push_back({i, j, k});
+      }
+    }
+  }
+  return monomials;
+}
+
+double integral(SolidShape shape, const Monomial& of) {
+  const auto [i, j, k] = of;
+  const auto over_line = [](int power) { return power % 2 == 0 ? 2.0 / (power + 1) : 0.0; };  // -1 to 1
+  if (shape == SolidShape::hexahedron20) return over_line(i) * over_line(j) * over_line(k);
+  if (shape == SolidShape::wedge15)
+    return std::tgamma(i + 1) * std::tgamma(j + 1) / std::tgamma(i + j + 3) * over_line(k);
+  return over_line(i) * over_line(j) / (i + j + k + 3);  // with x = a h, y = b h
+}
+
+/// Nodes in own coordinates.
+Matrix3Xd own_nodes(SolidShape shape) {
+  Mesh mesh{.shape = shape, .elements = {std::vector<int>(std::size_t(corner_count(shape)))}};
+  for (int i = 0; i < corner_count(shape); ++i) mesh.elements[0][std::size_t(i)] = i;
+  mesh.nodes.resize(3, corner_count(shape));
+  if (shape == SolidShape::hexahedron20)
+    mesh.nodes << -1, 1, 1, -1, -1, 1, 1, -1, -1, -1, 1, 1, -1, -1, 1, 1, -1, -1, -1, -1, 1, 1, 1, 1;
+  if (shape == SolidShape::wedge15) mesh.nodes << 0, 1, 0, 0, 1, 0, 0, 0, 1, 0, 0, 1, -1, -1, -1, 1, 1, 1;
+  if (shape == SolidShape::pyramid13) mesh.nodes << -1, 1, 1, -1, 0, -1, -1, 1, 1, 0, 0, 0, 0, 0, 1;
+  make_quadratic(mesh);
+  if (shape == SolidShape::pyramid13) mesh.nodes.row(2) = 1.0 - mesh.nodes.row(2).array();
+  return mesh.nodes;
+}
+
+/// Integrals of N_i N_j over volume one of the functions that span the monomials and are one at a node each.
+MatrixXd mass_by_monomials(SolidShape shape) {
+  const std::vector<Monomial> monomials = monomials_of(shape);
+  const Matrix3Xd nodes = own_nodes(shape);
+  const auto size = nodes.cols();
+  MatrixXd at_nodes(size, size), moments(size, size);
+  for (Eigen::Index m = 0; m < size; ++m) {
+    const Monomial& one = monomials[std::size_t(m)];
+    for (Eigen::Index n = 0; n < size; ++n) {
+      const bool is_apex = shape == SolidShape::pyramid13 && nodes(2, n) == 0.0 && one[2] < 0;  // x y / h is zero there
+      at_nodes(n, m) =
+          is_apex ? 0.0 : std::pow(nodes(0, n), one[0]) * std::pow(nodes(1, n), one[1]) * std::pow(nodes(2, n), one[2]);
+      const Monomial& other = monomials[std::size_t(n)];
+      moments(n, m) = integral(shape, {one[0] + other[0], one[1] + other[1], one[2] + other[2]});
+    }
+  }
+  const MatrixXd functions = at_nodes.fullPivLu().inverse();
+  return functions.transpose() * moments * functions / integral(shape, {0, 0, 0});
+}
+
 /// Integrals of N_i N_j over volume one, from the closed form for products of barycentric coordinates.
 MatrixXd exact_mass(SolidShape shape) {
   const auto simplex = [](int corners) {
@@ -338,6 +456,7 @@ MatrixXd exact_mass(SolidShape shape) {
         .eval();
   };
   if (shape == SolidShape::tetrahedron4) return simplex(4);
+  if (is_quadratic(shape) && shape != SolidShape::tetrahedron10) return mass_by_monomials(shape);
   const MatrixXd line = simplex(2);
   if (shape == SolidShape::wedge6) {
     const MatrixXd triangle = simplex(3);
@@ -390,7 +509,8 @@ TEST_P(Solid, HasTheExactConsistentMassWhereEdgesAreParallel) {
 }
 
 TEST_P(Solid, HasTheVolumeOfItsParallelepiped) {
-  const double parts = shape() == SolidShape::hexahedron8 ? 1.0 : shape() == SolidShape::wedge6 ? 2.0 : 6.0;
+  const int corners = corner_count(shape());
+  const double parts = corners == 8 ? 1.0 : corners == 6 ? 2.0 : 6.0;
   EXPECT_NEAR(solid_volume(shape(), parallel_element(k_axes)), k_axes.determinant() / parts, 1e-14);
 }
 
@@ -566,22 +686,28 @@ INSTANTIATE_TEST_SUITE_P(Bending, CantileverOfOneLayer,
                                            Layer{"Wedge6AlongY", SolidShape::wedge6, 1, 0.04},
                                            Layer{"Wedge6AlongZ", SolidShape::wedge6, 2, 0.04},
                                            Layer{"Tetrahedron10AlongY", SolidShape::tetrahedron10, 1, 0.025},
-                                           Layer{"Tetrahedron10AlongZ", SolidShape::tetrahedron10, 2, 0.025}),
+                                           Layer{"Tetrahedron10AlongZ", SolidShape::tetrahedron10, 2, 0.025},
+                                           Layer{"Hexahedron20AlongY", SolidShape::hexahedron20, 1, 0.025},
+                                           Layer{"Wedge15AlongY", SolidShape::wedge15, 1, 0.025},
+                                           Layer{"Wedge15AlongZ", SolidShape::wedge15, 2, 0.025},
+                                           Layer{"Pyramid13AlongY", SolidShape::pyramid13, 1, 0.025}),
                          [](const auto& layer) { return layer.param.name; });
 
-/// Published tip displacements over theory, in-plane and out-of-plane, of a trilinear brick with incompatible modes.
+/// Published tip displacements over theory, in-plane and out-of-plane: of a trilinear brick with incompatible modes,
+/// and of the serendipity brick with 3 x 3 x 3 points.
 struct SlenderBeam {
   std::string name;
+  SolidShape shape;
   double slant_even, slant_odd;  ///< how the planes between elements lean: offset in x at the upper edge
   double in_plane, out_of_plane;
 };
 
 class SlenderBeamOfMacNealAndHarder : public ::testing::TestWithParam<SlenderBeam> {};
 
-// [MacNeal1985], table 3: 6 x 0.2 x 0.1, six elements, E = 1e7, nu = 0.3; HEX8 as [OptiStruct] publishes it.
+// [MacNeal1985], table 3: 6 x 0.2 x 0.1, six elements, E = 1e7, nu = 0.3; HEX20; HEX8 as [OptiStruct] publishes it.
 TEST_P(SlenderBeamOfMacNealAndHarder, DeflectsAsThePublishedBrick) {
   const SlenderBeam& beam = GetParam();
-  const Mesh mesh = box(SolidShape::hexahedron8, {6, 1, 1}, Vector3d(6.0, 0.2, 0.1), [&](const Vector3d& place) {
+  const Mesh mesh = box(beam.shape, {6, 1, 1}, Vector3d(6.0, 0.2, 0.1), [&](const Vector3d& place) {
     const bool is_end = place.x() < 1e-9 || place.x() > 6.0 - 1e-9;
     const double slant = std::lround(place.x()) % 2 == 0 ? beam.slant_even : beam.slant_odd;
     return Vector3d(is_end ? 0.0 : slant * (place.y() > 0.1 ? 1.0 : -1.0), 0.0, 0.0);
@@ -592,11 +718,15 @@ TEST_P(SlenderBeamOfMacNealAndHarder, DeflectsAsThePublishedBrick) {
   EXPECT_NEAR(tip_deflection(mesh, elasticity, 2) / 0.4321, beam.out_of_plane, 0.001);
 }
 
-INSTANTIATE_TEST_SUITE_P(Bending, SlenderBeamOfMacNealAndHarder,
-                         ::testing::Values(SlenderBeam{"Regular", 0.0, 0.0, 0.978, 0.973},
-                                           SlenderBeam{"Parallelogram", 0.1, 0.1, 0.624, 0.529},
-                                           SlenderBeam{"Trapezoidal", 0.1, -0.1, 0.047, 0.030}),
-                         [](const auto& beam) { return beam.param.name; });
+INSTANTIATE_TEST_SUITE_P(
+    Bending, SlenderBeamOfMacNealAndHarder,
+    ::testing::Values(SlenderBeam{"Regular", SolidShape::hexahedron8, 0.0, 0.0, 0.978, 0.973},
+                      SlenderBeam{"Parallelogram", SolidShape::hexahedron8, 0.1, 0.1, 0.624, 0.529},
+                      SlenderBeam{"Trapezoidal", SolidShape::hexahedron8, 0.1, -0.1, 0.047, 0.030},
+                      SlenderBeam{"Regular20", SolidShape::hexahedron20, 0.0, 0.0, 0.970, 0.961},
+                      SlenderBeam{"Parallelogram20", SolidShape::hexahedron20, 0.1, 0.1, 0.967, 0.941},
+                      SlenderBeam{"Trapezoidal20", SolidShape::hexahedron20, 0.1, -0.1, 0.886, 0.920}),
+    [](const auto& beam) { return beam.param.name; });
 
 // ----------------------------------------------------------------------------------------------------- convergence
 

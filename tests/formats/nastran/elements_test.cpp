@@ -43,7 +43,8 @@ TEST(NastranSolids, AreReadWithTheirCorners) {
       "CTETRA,9,,1,2,3,8\n");
   ASSERT_EQ(model.elements<SolidElement>().size(), 4U);
   EXPECT_EQ(model.elements<SolidElement>()[0].shape, SolidShape::hexahedron8);
-  EXPECT_THAT(model.elements<SolidElement>()[0].nodes, ElementsAre(0, 1, 2, 3, 4, 5, 6, 7, 0, 0));
+  const auto& nodes = model.elements<SolidElement>()[0].nodes;
+  EXPECT_THAT(std::vector(nodes.begin(), nodes.begin() + 8), ElementsAre(0, 1, 2, 3, 4, 5, 6, 7));
   EXPECT_EQ(model.elements<SolidElement>()[1].shape, SolidShape::wedge6);
   EXPECT_EQ(model.elements<SolidElement>()[1].nodes[5], 6);
   EXPECT_EQ(model.elements<SolidElement>()[2].shape, SolidShape::tetrahedron4);
@@ -55,6 +56,36 @@ TEST(NastranSolids, AreReadWithMidsideNodesOfTetrahedra) {
   const FiniteElementModel model = cube_with("GRID,9\nGRID,10\nPSOLID,5,1\nCTETRA,3,5,1,2,3,4,5,6\n,7,8,9,10\n");
   EXPECT_EQ(model.elements<SolidElement>().at(0).shape, SolidShape::tetrahedron10);
   EXPECT_EQ(model.elements<SolidElement>()[0].nodes[9], 9);
+}
+
+TEST(NastranSolids, TakeTheirMiddleNodesInNastransOrder) {
+  std::string points;
+  for (int id = 9; id <= 20; ++id) points += "GRID," + std::to_string(id) + "\n";
+  const FiniteElementModel model = cube_with(
+      points +
+      "PSOLID,5,1\nCHEXA,1,5,1,2,3,4,5,6\n,7,8,9,10,11,12,13,14\n,15,16,17,18,19,20\n"
+      "CPENTA,2,5,1,2,3,5,6,7\n,9,10,11,12,13,14,15,16\n,17\nCPYRAM,3,5,1,2,3,4,8,9\n,10,11,12,13,14,15,16\n");
+  const auto& solids = model.elements<SolidElement>();
+  ASSERT_EQ(solids.size(), 3U);
+  EXPECT_EQ(solids[0].shape, SolidShape::hexahedron20);
+  for (int k = 0; k < 20; ++k) EXPECT_EQ(solids[0].nodes[static_cast<std::size_t>(k)], k);
+  EXPECT_EQ(solids[1].shape, SolidShape::wedge15);
+  EXPECT_THAT(solids[1].nodes, ElementsAre(0, 1, 2, 4, 5, 6, 8, 9, 10, 11, 12, 13, 14, 15, 16, 0, 0, 0, 0, 0));
+  EXPECT_EQ(solids[2].shape, SolidShape::pyramid13);
+  EXPECT_EQ(solids[2].nodes[12], 15);
+}
+
+TEST(NastranSolids, MayLeaveOutMiddleNodes) {
+  const FiniteElementModel model =
+      cube_with("GRID,9\nGRID,10\nPSOLID,5,1\nCHEXA,1,5,1,2,3,4,5,6\n,7,8,,9\nCTETRA,3,5,1,2,3,4,,0\n,,,,10\n");
+  const auto& solids = model.elements<SolidElement>();
+  EXPECT_EQ(solids.at(0).shape, SolidShape::hexahedron20);
+  EXPECT_EQ(solids[0].nodes[8], -1);
+  EXPECT_EQ(solids[0].nodes[9], 8);
+  EXPECT_EQ(solids[0].nodes[19], -1);
+  EXPECT_EQ(solids.at(1).shape, SolidShape::tetrahedron10);
+  EXPECT_THAT(std::vector(solids[1].nodes.begin(), solids[1].nodes.begin() + 10),
+              ElementsAre(0, 1, 2, 3, -1, -1, -1, -1, -1, 9));
 }
 
 TEST(NastranShells, AreReadWithTheirProperty) {
@@ -99,6 +130,77 @@ TEST(NastranShells, TakeBlankCornersFromTheProperty) {
   const NastranModel read = model_of(k_cube + "PSHELL,3,1,.002\nCQUAD4,1,3,1,2,3,4\n,,,.004,.004\n");
   EXPECT_NEAR(value_of(read.model, "CQUAD4:1:T"), 0.003, 1e-17);
   EXPECT_THAT(read.notes, ElementsAre(HasSubstr("1 shells have different thicknesses at their corners")));
+}
+
+TEST(NastranShells, MayHaveMiddleNodes) {
+  const FiniteElementModel model = cube_with(
+      "PSHELL,3,1,.002,1,,1\nGRID,9,,1.,0.,0.\nGRID,10,,2.,1.,0.\nGRID,11,,1.,2.,0.\n"
+      "CQUAD8,1,3,1,2,3,4,9,10\n,11,,.001,.001,.001,.003,30.,.5\n"
+      "CTRIA6,2,3,1,2,3,9,10\n,,.25,.5,.5,.5,1\nCQUAD8,3,3,1,2,3,4\n");
+  const auto& shells = model.elements<ShellElement>();
+  ASSERT_EQ(shells.size(), 3U);
+  EXPECT_THAT(shells[0].nodes, ElementsAre(0, 1, 2, 3, 8, 9, 10, -1));
+  EXPECT_EQ(shells[0].node_count, 8);
+  EXPECT_NEAR(value_of(model, "CQUAD8:1:T"), 0.0015, 1e-17);
+  EXPECT_EQ(shells[0].material_angle, 30.0);
+  EXPECT_EQ(shells[0].offset, 0.5);
+  EXPECT_NEAR(shells[0].bending_over_membrane, 0.0015 * 0.0015, 1e-20);
+  EXPECT_EQ(shells[1].node_count, 6);
+  EXPECT_EQ(shells[1].nodes[5], -1);
+  EXPECT_EQ(shells[1].offset, 0.25);
+  EXPECT_NEAR(value_of(model, "CTRIA6:2:T"), 0.001, 1e-17);
+  EXPECT_EQ(shells[2].node_count, 4) << "as a CQUAD4";
+}
+
+TEST(NastranShells, OfTheRKindAreReadAsTheOthersWithANote) {
+  const NastranModel read = model_of(k_cube + "PSHELL,3,1,.002\nCQUADR,1,3,1,2,3,4,,.01\nCTRIAR,2,3,1,2,3\n");
+  EXPECT_EQ(read.model.elements<ShellElement>().at(0).offset, 0.01);
+  EXPECT_STREQ(read.model.elements<ShellElement>()[1].card, "CTRIAR");
+  EXPECT_THAT(read.notes, ElementsAre(HasSubstr("2 CQUADR and CTRIAR were taken as CQUAD4 and CTRIA3")));
+}
+
+TEST(NastranShells, MayCoupleMembraneAndBending) {
+  const FiniteElementModel model = cube_with("MAT1,2,1.+9,,.3\nPSHELL,3,1,.002,1,,1\n,,,2\nCQUAD4,1,3,1,2,3,4\n");
+  EXPECT_EQ(model.shell_properties.at(0).coupling_material, 1);
+}
+
+TEST(NastranShearPanels, AreReadWithTheirProperty) {
+  const FiniteElementModel model = cube_with("PSHEAR,3,1,.002,5.,1.,20.\nCSHEAR,1,3,1,2,3,4\n");
+  const ShearPanelElement& panel = model.elements<ShearPanelElement>().at(0);
+  EXPECT_THAT(panel.nodes, ElementsAre(0, 1, 2, 3));
+  EXPECT_EQ(value_of(model, "PSHEAR:3:T"), 0.002);
+  EXPECT_EQ(value_of(model, "PSHEAR:3:NSM"), 5.0);
+  EXPECT_THAT(panel.effectiveness, ElementsAre(1.0, 20.0));
+}
+
+TEST(NastranGaps, AreSpringsInTheStateOfTheDeck) {
+  const NastranModel read = model_of(k_cube +
+                                     "GRID,9\nPGAP,1,,5.,100.,.1\nPGAP,2,.5,,100.,.25\nPGAP,3,.5,,100.\n"
+                                     "PGAP,4,,,100.,,,.2\nCORD2R,7,,,,,1.,,,\n,,,1.\n"
+                                     "CGAP,1,1,1,2\nCGAP,2,2,1,4\nCGAP,3,3,1,4\nCGAP,4,4,1,9,,,,7\n");
+  const auto& gaps = read.model.elements<BushElement>();
+  ASSERT_EQ(gaps.size(), 4U);
+  EXPECT_EQ(field_name(read.model, gaps[0].stiffness[0]), "PGAP:1:KA") << "closed by F0";
+  EXPECT_EQ(gaps[0].stiffness[1], k_no_field);
+  EXPECT_EQ(gaps[0].axes.col(0), Eigen::Vector3d::UnitX());
+  EXPECT_EQ(field_name(read.model, gaps[1].stiffness[0]), "PGAP:2:KB") << "open";
+  EXPECT_EQ(gaps[1].axes.col(0), Eigen::Vector3d::UnitY());
+  EXPECT_EQ(gaps[2].stiffness[0], k_no_field) << "open without KB";
+  EXPECT_EQ(value_of(read.model, "PGAP:4:KT"), 20.0) << "MU1 KA";
+  EXPECT_EQ(field_name(read.model, gaps[3].stiffness[2]), "PGAP:4:KT");
+  EXPECT_THAT(read.notes, ElementsAre(HasSubstr("2 CGAP are closed"), HasSubstr("2 CGAP are open")));
+}
+
+TEST(NastranDampers, MayActAlongAndAboutALine) {
+  const FiniteElementModel model = cube_with("PVISC,1,3.,4.,,2,5.\nCVISC,7,1,1,4\nCVISC,8,2,1,2\n");
+  const auto& dampers = model.elements<BushElement>();
+  ASSERT_EQ(dampers.size(), 2U);
+  EXPECT_EQ(value_of(model, "PVISC:1:CR"), 4.0);
+  EXPECT_EQ(field_name(model, dampers[0].damping[3]), "PVISC:1:CR");
+  EXPECT_EQ(dampers[0].axes.col(0), Eigen::Vector3d::UnitY());
+  EXPECT_EQ(field_name(model, dampers[1].damping[0]), "PVISC:2:CE");
+  EXPECT_EQ(dampers[1].damping[3], k_no_field);
+  EXPECT_EQ(dampers[0].stiffness[0], k_no_field);
 }
 
 TEST(NastranRods, AreReadFromEveryCard) {

@@ -74,7 +74,11 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"PSHELL,1,1,0.\n", "10: PSHELL 1: T must be positive"},
         Mistake{"PSHELL,1,1,.1,-1\n", "10: PSHELL 1: MID2 is -1 (plane strain)"},
         Mistake{"PSHELL,1,1,.1,,,1\n", "10: PSHELL 1: MID3 is given without MID2"},
-        Mistake{"PSHELL,1,1,.1\n,,,1\n", "10: PSHELL 1: MID4 (coupling of membrane and bending) is not supported"},
+        Mistake{"PSHELL,1,1,.1\n,,,1\n", "10: PSHELL 1: MID4 couples membrane and bending; it needs MID1 and MID2"},
+        Mistake{"PSHEAR,1,1\n", "10: PSHEAR 1: T must be positive"},
+        Mistake{"PSHEAR,1,1,.1,,-1.\n", "10: PSHEAR 1: F1 and F2 must be 0 or positive"},
+        Mistake{"PGAP,1\n", "10: PGAP 1: KA must be positive"},
+        Mistake{"PGAP,1,.1,5.,1.\n", "10: PGAP 1: U0 = 0.1 says that the gap is open, F0 = 5 that it is closed"},
         Mistake{"PBARL,1,1,,STAR\n,1.\n", "10: PBARL 1: TYPE 'STAR' is not known; allowed are BAR, BOX"},
         Mistake{"PBARL,1,1,,BOX\n,1.,1.,.1\n", "10: PBARL 1: DIM4 is blank; BOX has 4 dimensions"},
         Mistake{"PBARL,1,1,,TUBE\n,1.,2.\n", "10: PBARL 1: TUBE: the inner radius"},
@@ -96,14 +100,21 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"PSOLID,1,1\nCHEXA,1,1,1,2,3,4,5,6\n,7,70\n", "11: CHEXA 1: G8 is 70, but no GRID or SPOINT card"},
         Mistake{"PSOLID,1,1\nCHEXA,1,1,1,2,3,4,5,6\n,7,7\n", "11: CHEXA 1: G7 and G8 are both grid point 7"},
         Mistake{"PSOLID,1,1\nCHEXA,1,1,1,2,3,4,5,6\n,7,8,9\n",
-                "11: CHEXA 1: G9 is '9'; midside nodes of CHEXA are not"},
+                "11: CHEXA 1: G9 is 9, but no GRID or SPOINT card has that id"},
+        Mistake{"PSOLID,1,1\nCHEXA,1,1,1,2,3,4,5,6\n,7,8,1\n", "11: CHEXA 1: G1 and G9 are both grid point 1"},
         Mistake{"PSOLID,1,1\nSPOINT,9\nCTETRA,1,1,1,2,3,9\n", "12: CTETRA 1: G4 is 9, a scalar point; a grid point"},
         Mistake{"CPENTA,1,1,1,2,3,4,5,6\n", "10: CPENTA 1: property 1 has no PSOLID card"},
         Mistake{"PSHELL,1,1\nCQUAD4,1,1,1,2,3,4\n", "11: CQUAD4 1: neither T1... nor its PSHELL's T is given"},
         Mistake{"PSHELL,1,1,.1\nCTRIA3,1,1,1,2,3\n,,,0.\n", "11: CTRIA3 1: the thickness at corner 1 is 0, it must be"},
         Mistake{"PSHELL,1,1,.1\nCTRIA3,1,1,1,2,3\nCTRIA3,1,1,1,2,4\n", "12: CTRIA3 1: id 1 is used already by CTRIA3"},
-        Mistake{"CQUAD8,1,1,1\n", "10: CQUAD8 1: this card changes the model and is not supported; read are GRID"},
-        Mistake{"CSHEAR,1\n", "10: CSHEAR 1: this card changes the model and is not supported"},
+        Mistake{"CQUADX,1,1,1\n", "10: CQUADX 1: this card changes the model and is not supported; read are GRID"},
+        Mistake{"CBEND,1\n", "10: CBEND 1: this card changes the model and is not supported"},
+        Mistake{"PSHELL,1,1,.1\nCQUAD8,1,1,1,2,3,4,1\n", "11: CQUAD8 1: G1 and G5 are both grid point 1"},
+        Mistake{"PSHELL,1,1,.1\nCTRIA6,1,1,1,2,3,4,1\n", "11: CTRIA6 1: G1 and G5 are both grid point 1"},
+        Mistake{"CSHEAR,1,,1,2,3,4\n", "10: CSHEAR 1: property 1 has no PSHEAR card"},
+        Mistake{"GRID,9\nPGAP,1,,,1.\nCGAP,1,1,1,9\n", "12: CGAP 1: GA and GB lie at the same place"},
+        Mistake{"PGAP,1,,,1.,,5.\nCGAP,1,1,1,2\n", "11: CGAP 1: the gap is closed with KT (or MU1) across a distance"},
+        Mistake{"PVISC,1,1.\nCVISC,1,1,1,1\n", "11: CVISC 1: G1 and G2 are the same grid point"},
         Mistake{"PROD,1,1,.1\nCROD,1,1,1,1\n", "11: CROD 1: G1 and G2 are both grid point 1"},
         Mistake{"GRID,9\nPROD,1,1,.1\nCROD,1,1,1,9\n", "12: CROD 1: G1 and G2 lie at the same place"},
         Mistake{"PBAR,1,1,.1\nCBAR,1,1,1,2\n", "11: CBAR 1: X1, X2, X3 (or G0) are blank"},
@@ -168,24 +179,24 @@ TEST(NastranRefusal, NamesTheCommandOfTheCaseControlSection) {
 }
 
 TEST(NastranRefusal, NamesEveryUnsupportedKindOfCardAtOnce) {
-  const std::string message = test::refusal_of(test::k_cube + "CSHEAR,1\nCQUAD8,2\nCQUAD8,3\nFORCE,1\n");
+  const std::string message = test::refusal_of(test::k_cube + "CBEND,1\nCQUADX,2\nCQUADX,3\nFORCE,1\n");
   EXPECT_THAT(message,
               StartsWith("deck.bdf:10: 2 kinds of cards change the model and are not supported: "
-                         "CSHEAR (1, the first at deck.bdf:10), CQUAD8 (2, the first at deck.bdf:11); read are"));
-  EXPECT_THAT(message, HasSubstr("; model.ignore_cards = [\"CSHEAR\", \"CQUAD8\"] goes on without them"));
+                         "CBEND (1, the first at deck.bdf:10), CQUADX (2, the first at deck.bdf:11); read are"));
+  EXPECT_THAT(message, HasSubstr("; model.ignore_cards = [\"CBEND\", \"CQUADX\"] goes on without them"));
 }
 
 // Elements refer to properties and materials: without PCOMPS the deck would be refused for its CQUAD4.
 TEST(NastranRefusal, AdvisesToIgnoreCardsOnlyWhereThatHelps) {
-  for (const std::string cards : {"PCOMPS,1\n", "MAT3,2,1.\n", "PCOMPS,1\nCSHEAR,1\n"}) {
+  for (const std::string cards : {"PCOMPS,1\n", "MAT3,2,1.\n", "PCOMPS,1\nCBEND,1\n"}) {
     EXPECT_THAT(test::refusal_of(test::k_cube + cards), Not(HasSubstr("ignore_cards"))) << cards;
   }
-  EXPECT_THAT(test::refusal_of(test::k_cube + "CSHEAR,1\n"), HasSubstr("model.ignore_cards = [\"CSHEAR\"]"));
+  EXPECT_THAT(test::refusal_of(test::k_cube + "CBEND,1\n"), HasSubstr("model.ignore_cards = [\"CBEND\"]"));
 }
 
 TEST(NastranRefusal, OfSuperelements) {
   for (const std::string card : {"SESET", "SECONCT", "SEQSET1", "CSUPER", "RELEASE"}) {
-    EXPECT_EQ(test::refusal_of(test::k_cube + "CSHEAR,1\n" + card + ",3,4\n"),
+    EXPECT_EQ(test::refusal_of(test::k_cube + "CBEND,1\n" + card + ",3,4\n"),
               "deck.bdf:11: " + card + " 3: superelements are not supported; write the whole structure as one model");
   }
   EXPECT_THAT(

@@ -10,8 +10,9 @@
 
 namespace mottle::fem {
 
-/// CBUSH with PBUSH.
+/// CBUSH with PBUSH; CGAP with PGAP, CVISC with PVISC.
 struct BushElement {
+  const char* card = "CBUSH";
   int id = 0;
   std::array<int, 2> nodes = {-1, -1};                 ///< second -1: ground
   Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();  ///< element axes as columns, basic

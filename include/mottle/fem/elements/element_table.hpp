@@ -9,6 +9,7 @@
 #include "mottle/fem/elements/point_mass_element.hpp"
 #include "mottle/fem/elements/rod_element.hpp"
 #include "mottle/fem/elements/scalar_element.hpp"
+#include "mottle/fem/elements/shear_panel_element.hpp"
 #include "mottle/fem/elements/shell_element.hpp"
 #include "mottle/fem/elements/solid_element.hpp"
 #include "mottle/layers.hpp"
@@ -19,8 +20,8 @@ template <typename... Elements>
 using ListsOf = std::tuple<std::vector<Elements>...>;
 
 /// The elements of a model, in the order in which the assembly adds them up.
-using ElementLists =
-    ListsOf<SolidElement, ShellElement, BeamElement, RodElement, ScalarElement, BushElement, PointMassElement>;
+using ElementLists = ListsOf<SolidElement, ShellElement, ShearPanelElement, BeamElement, RodElement, ScalarElement,
+                             BushElement, PointMassElement>;
 
 /// Calls `action` with the list of each kind in turn.
 template <typename Lists, typename Action>

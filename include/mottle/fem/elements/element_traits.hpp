@@ -28,7 +28,12 @@ enum class VtkCell : std::uint8_t {
   hexahedron = 12,
   wedge = 13,
   pyramid = 14,
+  quadratic_triangle = 22,
+  quadratic_quadrilateral = 23,
   quadratic_tetrahedron = 24,
+  quadratic_hexahedron = 25,
+  quadratic_wedge = 26,
+  quadratic_pyramid = 27,
 };
 
 /// How an element is drawn. The numbers count the element's own nodes from 0.
@@ -60,7 +65,7 @@ template <typename Element>
 struct ElementTraits {
   std::string_view (*card)(const Element&) = nullptr;       ///< "CHEXA", for messages
   const char* counted_as = nullptr;                         ///< name of all in the counts; without it each by its card
-  std::span<const int> (*nodes)(const Element&) = nullptr;  ///< indices into the model's nodes; -1: ground
+  std::span<const int> (*nodes)(const Element&) = nullptr;  ///< indices into the model's nodes; -1: ground or left out
   const Topology& (*topology)(const Element&) = nullptr;
   /// Adds degrees of freedom and matrices. @throws InvalidInput  a form or section that cannot be
   void (*add_pieces)(const FiniteElementModel&, const Element&, PieceSelection, ElementPieces&) = nullptr;

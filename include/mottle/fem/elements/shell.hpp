@@ -69,6 +69,7 @@ struct ShellSection {
   Eigen::Matrix2d shear = Eigen::Matrix2d::Zero();     ///< S; zero: rigid in shear
   /// What the piece `bending` is to be multiplied by / what `shear` is: both are one where A, B, D, S are whole.
   double bending_over_shear = 1.0;
+  double bending_over_membrane = 1.0;  ///< the same of `membrane`; of curved shells only
 };
 
 /// Stiffness of a shell with such a section, as four pieces: those of A, D and S, and of the drilling rotation.

@@ -37,6 +37,7 @@ struct LaminateProperty {
 struct ShellProperty {
   int id = 0;
   int membrane_material = -1, bending_material = -1, shear_material = -1;
+  int coupling_material = -1;  ///< MID4: the coupling of membrane and bending is -T^2 G4
   FieldIndex thickness = k_no_field;
   double bending_ratio = 1.0;      ///< 12 I / T^3
   double shear_ratio = 5.0 / 6.0;  ///< TS / T
@@ -44,13 +45,13 @@ struct ShellProperty {
   LaminateProperty laminate = {};  ///< without plies: a PSHELL
 };
 
-/// CQUAD4 (4 nodes) and CTRIA3 (3).
+/// CQUAD4, CQUADR (4 nodes), CTRIA3, CTRIAR (3), CQUAD8 (8), CTRIA6 (6).
 struct ShellElement {
   static constexpr int k_by_angle = -2;
 
   int id = 0;
   int node_count = 4;
-  std::array<int, 4> nodes = {};
+  std::array<int, 8> nodes = {};  ///< corners, then the middles of the edges; -1: a middle that is left out
   int property = -1;
   double offset = 0.0;          ///< ZOFFS, along the element's normal
   double material_angle = 0.0;  ///< THETA, degrees, from the side between the first two nodes
@@ -60,13 +61,18 @@ struct ShellElement {
   /// shear while T, E and G move: the share is a choice of the element for this mesh, and T stays separable. 0: taken
   /// at the current values, on which the matrices then depend.
   double bending_over_shear = 0.0;
+  /// E T^2 (12 I/T^3) of bending / E of the membrane, of the deck as given: with it the bubbles of curved shells follow
+  /// their nodes while T, E and G move. 0: taken at the current values.
+  double bending_over_membrane = 0.0;
+  const char* card = nullptr;         ///< where it is not CQUAD4, CTRIA3, CQUAD8 or CTRIA6 by the number of nodes
   FieldIndex thickness = k_no_field;  ///< own thickness (mean of T1..T4 where given), else the property's
 
   static const ElementTraits<ShellElement> k_traits;
 };
 
-/// ShellElement::bending_over_shear at the current values; 0 where a PSHELL is rigid in shear, and of laminates.
+/// Sets bending_over_shear and bending_over_membrane from the current values; 0 where the PSHELL is rigid in shear or
+/// has no such material, and of laminates.
 /// @throws InvalidInput  a material that cannot be
-double bending_over_shear(const FiniteElementModel& model, const ShellElement& element);
+void hold_ratios(const FiniteElementModel& model, ShellElement& element);
 
 }  // namespace mottle::fem

@@ -3,16 +3,28 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstdint>
+#include <span>
 
 #include "mottle/layers.hpp"
 
 namespace mottle::fem {
 
-enum class SolidShape : std::uint8_t { hexahedron8, wedge6, tetrahedron4, tetrahedron10, pyramid5 };
+enum class SolidShape : std::uint8_t {
+  hexahedron8,
+  wedge6,
+  tetrahedron4,
+  tetrahedron10,
+  pyramid5,
+  hexahedron20,
+  wedge15,
+  pyramid13,
+};
 
-/// Diagonal mass by scaling the consistent diagonal to the exact total (HRZ; of a pyramid by the sums of the rows,
-/// which keep its centre of gravity), or the mass of the shape functions.
+/// Diagonal mass by scaling the consistent diagonal to the exact total (HRZ), or the mass of the shape functions. A
+/// pyramid with five nodes has the sums of the rows, one with thirteen a scale that varies along its height: both keep
+/// its centre of gravity.
 enum class MassKind : std::uint8_t { lumped, consistent };
 
 /// Quality of an element's form.
@@ -24,6 +36,9 @@ struct SolidQuality {
 
 /// Number of nodes of a shape; the columns of `nodes` below.
 int node_count(SolidShape shape);
+
+/// Ends of the edges, in the order in which their mid-edge nodes follow the corners; of linear shapes as well.
+std::span<const std::array<int, 2>> solid_edges(SolidShape shape);
 
 /// Elasticity matrix of an isotropic material, order xx yy zz xy yz zx with engineering shear.
 ///
@@ -54,20 +69,23 @@ Eigen::Matrix<double, 6, 6> turned_elasticity(const Eigen::Matrix<double, 6, 6>&
 ///   pyramid5       bilinear on the base, linear towards the apex (rational shape functions); 2 x 2 x 2 points
 ///   tetrahedron4   constant strain
 ///   tetrahedron10  quadratic; 4 points, exact where edges are straight and evenly divided, else 14
+///   hexahedron20   serendipity; 3 x 3 x 3 points
+///   wedge15        serendipity; 6 x 3 points
+///   pyramid13      rational shape functions; 4 x 4 x 4 points
 /// K(s C) = s K(C). Shapes with modes are not additive in C: K(C1 + C2) is not K(C1) + K(C2).
 ///
-/// @param nodes       [3 x node], basic, in Nastran's order (a pyramid's apex last; corners, then mid-edges 12 23 13 14
-/// 24 34)
+/// @param nodes       [3 x node], basic, in Nastran's order (a pyramid's apex after its base; then mid-edge nodes as
+///                    solid_edges)
 /// @param elasticity  symmetric positive definite, order as isotropic_elasticity
 /// @return            [3 node x 3 node], force / length
 /// @throws InvalidInput  Jacobian determinant not positive at an integration point (message without file and element)
-/// Source: [Wilson1973], [Taylor1976]; [Bedrosian1992] for the pyramid.
+/// Source: [Wilson1973], [Taylor1976]; [Zienkiewicz2013] for the quadratic ones, [Bedrosian1992] for the pyramids.
 Eigen::MatrixXd solid_stiffness(SolidShape shape, const Eigen::Ref<const Eigen::Matrix3Xd>& nodes,
                                 const Eigen::Matrix<double, 6, 6>& elasticity);
 
 /// Mass matrix at unit density, degrees of freedom as solid_stiffness; its total in each direction is the volume.
 ///
-/// Consistent: exact for hexahedra, wedges and pyramids of any shape and for straight tetrahedra. Lumped: diagonal, all
+/// Consistent: exact where edges are straight. Lumped: diagonal, all
 /// positive.
 ///
 /// @param nodes  [3 x node], basic

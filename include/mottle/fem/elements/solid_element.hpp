@@ -13,7 +13,7 @@ namespace mottle::fem {
 struct SolidElement {
   int id = 0, property_id = 0;
   SolidShape shape = SolidShape::hexahedron8;
-  std::array<int, 10> nodes = {};  ///< indices into nodes
+  std::array<int, 20> nodes = {};  ///< indices into nodes; -1: a mid-edge node that the card leaves out
   int material = -1;               ///< index into materials
   int material_system = -1;        ///< CORDM, index into coordinate_systems: axes of a MAT9; -1: basic
 
