@@ -26,6 +26,7 @@ void add_modes(CLI::App& app) {
   verb->add_option("--modes", settings->modes, "number of lowest modes (default: the deck's EIGRL, or 10)")
       ->check(CLI::Range(1, 100000));
   verb->add_option("--compare", settings->compare, "CSV of shapes (dof, one column for each mode) or another deck");
+  verb->add_option("--subcase", settings->subcase, "subcase of the deck (default: the first with a METHOD)");
   verb->add_option("--ignore-cards", *cards, "leave out these cards (CARD,CARD)")->delimiter(',');
   verb->add_flag("--uff", settings->writes_universal_file, "also write modes.uff: grid points and shapes, global axes");
   verb->add_flag("--json", *is_json, "machine-readable summary on stdout");

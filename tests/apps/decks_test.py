@@ -123,6 +123,27 @@ class DecksTest(support.CommandTest):
         self.assertEqual(ended.code, 2)
         self.assertIn("MAT1 1: NU is 2.5, it must lie in (-1, 0.5] unless E and G are both given", ended.err)
 
+    def test_the_range_of_eigrl_says_how_many_modes_are_solved(self):
+        self.write("deck.bdf", MODERN)
+        all_of = self.frequencies("deck.bdf", "--modes", "9")
+        below = [f for f in all_of if f < 0.5 * (all_of[6] + all_of[7])]
+        for v1, v2, nd, expected in (("", f"{0.5 * (all_of[6] + all_of[7]):.1f}", "", below),
+                                     ("", f"{0.5 * (all_of[6] + all_of[7]):.1f}", "3", all_of[:3]),
+                                     (f"{0.5 * (all_of[1] + all_of[2]):.1f}", "", "4", all_of[:6])):
+            self.write("deck.bdf", support.edited(MODERN, ("EIGRL,10,,,6", f"EIGRL,10,{v1},{v2},{nd}")))
+            found = self.frequencies("deck.bdf")
+            self.assertEqual(len(found), len(expected), (v1, v2, nd))
+            for one, other in zip(found, expected, strict=True):
+                self.assertAlmostEqual(one / other, 1, 8)
+
+    def test_a_static_subcase_in_front_is_not_that_of_the_modes(self):
+        self.write("one.bdf", MODERN)
+        self.write("two.bdf", support.edited(MODERN, ("SPC = 1\nMETHOD = 10\n",
+                                                      "SUBCASE 1\nSPC = 2\nSUBCASE 2\nSPC = 1\nMETHOD = 10\n"),
+                                             ("SPC1,1,123456,1\n", "SPC1,1,123456,1\nSPC1,2,123456,1,4\n")))
+        self.assertEqual(self.frequencies("two.bdf"), self.frequencies("one.bdf"))
+        self.assertGreater(self.frequencies("two.bdf", "--subcase", "1")[0], 2 * self.frequencies("one.bdf")[0])
+
     def test_a_deck_without_mass_says_so(self):
         for deck in (MODERN, support.edited(MODERN, ("SPC = 1\n", "SPC = 2\n"), ("SPC1,1,123456,1", "SPC1,2,123,1"))):
             self.write("deck.bdf", support.edited(deck, (",2700.", "")))

@@ -53,7 +53,10 @@ void read_case_command(std::string_view line, int file, int line_number, Nastran
   command.name = capitals(word);
   command.file = file;
   command.line = line_number;
-  const std::string_view value = value_behind(line.substr(word.size()));
+  const std::string_view rest = trim(line.substr(word.size()));
+  const std::string_view value = value_behind(rest);
+  // Modes of a fluid, beside those of the structure.
+  if (is_meant_by(command.name, "METHOD") && capitals(rest.substr(0, 4)) == "(FLU") return;
   if (std::find(k_subcase_names.begin(), k_subcase_names.end(), command.name) != k_subcase_names.end()) {
     int id = 0;
     const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), id);

@@ -13,9 +13,12 @@ namespace {
 
 constexpr int k_max_rows_of_a_card = 1000000;
 
-/// What of the last field a continuation line repeats behind its own first character where that field has no '+'.
+/// What of the last field a continuation line repeats behind its own first character where that field has no '+', or
+/// has it behind a blank.
 std::string_view unmarked_label(const BulkRow& row) {
-  return row.is_continued_by_mark || row.label_out.empty() ? std::string_view{} : row.label_out.substr(1);
+  if (row.label_out.empty()) return {};
+  const bool is_marked_within = row.label_out.front() == '+' || row.label_out.front() == '*';
+  return row.is_continued_by_mark && !is_marked_within ? std::string_view{} : row.label_out.substr(1);
 }
 
 class RowJoiner {

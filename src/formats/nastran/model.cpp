@@ -85,13 +85,48 @@ class CardSorter {
   bool is_last_ignored_ = false;
 };
 
+/// The first subcase that asks for modes itself; the first one where none does.
+int subcase_of_modes(const NastranDeck& deck) {
+  for (int subcase = 0; subcase < static_cast<int>(deck.subcases.size()); ++subcase) {
+    const CaseCommand* method = deck.find_command("METHOD", subcase);
+    const CaseCommand* analysis = deck.find_command("ANALYSIS", subcase);
+    if (analysis != nullptr && capitals(analysis->value).starts_with("MODE")) return subcase;
+    if (method != nullptr && method->subcase == subcase && analysis == nullptr) return subcase;
+  }
+  return 0;
+}
+
+void note_subcase(ModelBuilder& builder) {
+  const std::vector<int>& subcases = builder.deck.subcases;
+  std::vector<std::string> holds;
+  for (const char* name : {"SPC", "MPC", "METHOD"}) {
+    const CaseCommand* command = builder.deck.find_command(name, builder.subcase);
+    if (command != nullptr) holds.push_back(fmt::format("{} {}", name, shown(command->value)));
+  }
+  builder.note(fmt::format("the deck has {} subcases; {} was taken{}", subcases.size(),
+                           subcases[static_cast<std::size_t>(builder.subcase)],
+                           holds.empty() ? "" : fmt::format(" ({})", join(holds))));
+}
+
+/// Modes about a loaded state need its differential stiffness.
+void refuse_preload(const ModelBuilder& builder) {
+  constexpr const char* k_reason =
+      "modes of a preloaded structure need its differential stiffness, which is not read here";
+  const CaseCommand* preload = builder.deck.find_command("STATSUB", builder.subcase);
+  if (preload != nullptr && !builder.options.ignore_cards.contains("STATSUB")) {
+    fail({builder.deck.files[static_cast<std::size_t>(preload->file)], preload->line},
+         fmt::format("STATSUB = {}: {}; model.ignore_cards = [\"STATSUB\"] goes on with the unloaded structure",
+                     shown(preload->value), k_reason));
+  }
+  require(builder.deck.solution != "13", "{}: SOL 13: {}; SOL 103 stands for the unloaded structure",
+          builder.deck.files.front(), k_reason);
+}
+
 void choose_subcase(ModelBuilder& builder) {
   const std::vector<int>& subcases = builder.deck.subcases;
   if (!builder.options.subcase) {
-    builder.subcase = subcases.empty() ? -1 : 0;
-    if (subcases.size() > 1) {
-      builder.note(fmt::format("the deck has {} subcases; the first one, {}, was taken", subcases.size(), subcases[0]));
-    }
+    builder.subcase = subcases.empty() ? -1 : subcase_of_modes(builder.deck);
+    if (subcases.size() > 1) note_subcase(builder);
     return;
   }
   const auto found = std::find(subcases.begin(), subcases.end(), *builder.options.subcase);
@@ -102,6 +137,7 @@ void choose_subcase(ModelBuilder& builder) {
 
 void build(ModelBuilder& builder) {
   choose_subcase(builder);
+  refuse_preload(builder);
   refuse_matrix_commands(builder);
   CardSorter sorter(builder);
   sorter.handle_the_others();

@@ -120,7 +120,8 @@ BulkRow cut_fixed_row(std::string_view line, const SourceLocation& location, Nas
   const std::size_t end = std::min(line.size(), k_columns_of_data);
   for (std::size_t at = 8; at < end; at += width) text.fields.push_back(columns(line.substr(0, end), at, width));
   const std::string_view label = columns(line, k_columns_of_data, k_columns - k_columns_of_data);
-  row.label_out = without_mark(label);
+  // A '+' behind a blank is part of the label, as punched decks have it: " +000001" goes on at "++000001".
+  row.label_out = has_mark(label) && line[k_columns_of_data] == label.front() ? without_mark(label) : label;
   row.is_continued_by_mark = has_mark(label);
   while (text.fields.size() > row.first_field && text.fields.back().empty()) text.fields.pop_back();
   row.field_count = static_cast<int>(text.fields.size() - row.first_field);

@@ -22,7 +22,7 @@ constexpr std::string_view k_harmless[] = {
     "FLUTTER", "FLFACT",  "TRIM*",   "GUST",    "CSSCHD",  "MAT4",    "MAT5",   "MATT*",   "MATS*",   "MATHE",
     "CHBDY*",  "CONV*",   "PCONV*",  "PHBDY",   "QBDY*",   "QHBDY",   "QVECT",  "QVOL",    "RADBC",   "RADM*",
     "RADSET",  "VIEW*",   "CBARAO",  "NLPARM",  "NLPCI",   "NSM",     "NSM1",   "NSML*",   "NSMADD",  "SEQGP",
-    "SPCOFF*", "CLOAD*",  "CREEP",   "CAMPBLL", "CNGRET",  "DMIG*",   "MDLPRM", "FBADLAY", "BOUTPUT", "SUPORT1",
+    "SPCOFF*", "CLOAD*",  "CREEP",   "CAMPBLL", "CNGRNT",  "DMIG*",   "MDLPRM", "FBADLAY", "BOUTPUT", "SUPORT1",
     "QSET*",   "OUTPUT",  "PANEL",   "SWLDPRM", "MONPNT*", "POINT",   "GMCURV", "FEEDGE",  "FEFACE",  "PSET",
     "PVAL",    "ECHOON",  "ECHOOFF", "USET*",   "CSET*",   "BSET*",   "ASET*",  "OMIT*",   "SUPORT",
 };

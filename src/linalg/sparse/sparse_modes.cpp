@@ -160,6 +160,11 @@ struct SparseModeSolver::Factors {
   }
 };
 
+int count_eigenvalues_below(const SparseMatrix& stiffness, const SparseMatrix& mass, double value) {
+  const std::unique_ptr<SymmetricFactor> factor = make_indefinite_factor();
+  return factor->factorise(shifted(stiffness, mass, value)) ? factor->negative_eigenvalues() : -1;
+}
+
 SparseModeSolver::SparseModeSolver() : factors_(std::make_unique<Factors>()) {}
 SparseModeSolver::SparseModeSolver(SparseModeSolver&&) noexcept = default;
 SparseModeSolver& SparseModeSolver::operator=(SparseModeSolver&&) noexcept = default;

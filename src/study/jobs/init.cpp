@@ -97,7 +97,7 @@ struct Deck {
 /// Units that are not known yet are proposed.
 Deck solve(InitOutcome& outcome, int modes) {
   InitSettings& settings = outcome.settings;
-  SolvedDeck solved = solve_deck(settings.model, settings.ignore_cards, modes);
+  SolvedDeck solved = solve_deck(settings.model, {.ignore_cards = settings.ignore_cards}, modes);
   if (!settings.units) {
     const ProposedUnits units = propose_units(solved.structure->model());
     settings.units = units.units;

@@ -46,8 +46,8 @@ Shapes shapes_of_table(const SolvedDeck& solved, const std::filesystem::path& fi
 }
 
 Shapes shapes_of_deck(const SolvedDeck& solved, const ModesSettings& settings) {
-  const SolvedDeck other =
-      solve_deck(*settings.compare, settings.ignore_cards, static_cast<int>(solved.modes.values.size()));
+  const SolvedDeck other = solve_deck(*settings.compare, {.ignore_cards = settings.ignore_cards},
+                                      static_cast<int>(solved.modes.values.size()));
   std::vector<int> here;
   std::vector<int> there;
   for (const Equation& equation : solved.structure->assembled().equations) {
@@ -91,8 +91,8 @@ ModeComparison compare(const Shapes& shapes) {
 ModesOutcome find_modes_here(const ModesSettings& settings) {
   const double start = steady_seconds();
   ModesOutcome outcome{.settings = settings};
-  const auto deck =
-      std::make_shared<const SolvedDeck>(solve_deck(settings.model, settings.ignore_cards, settings.modes));
+  const auto deck = std::make_shared<const SolvedDeck>(
+      solve_deck(settings.model, {settings.ignore_cards, settings.subcase}, settings.modes));
   outcome.deck = deck;
   outcome.seconds = steady_seconds() - start;
   if (settings.compare) {

@@ -1,16 +1,19 @@
 #include "study/jobs/solved_deck.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "mottle/core/error.hpp"
 #include "mottle/dynamics/modes/mode_set.hpp"
-#include "mottle/formats/nastran/model.hpp"
 #include "study/jobs/job_files.hpp"
 
 namespace mottle::study {
 namespace {
 
 constexpr int k_usual_modes = 10;
+constexpr int k_max_modes = 500;  // of a range whose number of modes the deck does not say
 
 /// Hz; zero where the eigenvalue of a mass-normalised shape is within rounding of the stiffness, as a rigid motion's
 /// is:
@@ -24,15 +27,43 @@ Eigen::VectorXd frequencies_beyond_rounding(const SparseModes& modes, const Spar
   return (modes.values.array().abs() <= k_rounding * terms.array()).select(0.0, frequencies);
 }
 
+/// How many of the lowest modes EIGRL (V1, V2, ND) asks for: all up to V2, or ND from V1 on, whichever are fewer. Modes
+/// below V1 are solved too, so that mode numbers count from the lowest.
+int modes_of_method(const FiniteElementStructure& structure, const AnalysisSettings& asked,
+                    std::vector<std::string>& notes) {
+  const auto count_below = [&](double hertz) {
+    const SparseStructure::Matrices matrices = structure.matrices_at(Eigen::VectorXd());
+    return count_eigenvalues_below(matrices.stiffness, matrices.mass, std::pow(2.0 * std::numbers::pi * hertz, 2));
+  };
+  const int below = asked.lowest_frequency > 0.0 ? count_below(asked.lowest_frequency) : 0;
+  if (below > 0) {
+    notes.push_back(
+        fmt::format("{} modes lie below {:g} Hz, where the deck's method begins; they are listed too, mode "
+                    "numbers count from the lowest",
+                    below, asked.lowest_frequency));
+  }
+  const int counted = std::max(0, below) + (asked.modes > 0 ? asked.modes : k_usual_modes);
+  if (asked.highest_frequency <= 0.0) return counted;
+  const int in_range = std::max(1, count_below(asked.highest_frequency));
+  if (asked.modes > 0) return std::min(counted, in_range);
+  if (in_range > k_max_modes) {
+    notes.push_back(
+        fmt::format("{} modes lie below {:g} Hz, where the deck's method ends; the lowest {} are solved, "
+                    "--modes asks for more",
+                    in_range, asked.highest_frequency, k_max_modes));
+  }
+  return std::min(in_range, k_max_modes);
+}
+
 }  // namespace
 
-SolvedDeck solve_deck(const std::filesystem::path& deck, const std::set<std::string>& ignore_cards, int modes) {
+SolvedDeck solve_deck(const std::filesystem::path& deck, const NastranOptions& options, int modes) {
   const double start = steady_seconds();
-  NastranModel read = read_nastran_model(deck, {.ignore_cards = ignore_cards});
+  NastranModel read = read_nastran_model(deck, options);
   SolvedDeck solved;
   solved.read_seconds = steady_seconds() - start;
   solved.notes = std::move(read.notes);
-  if (modes == 0) modes = read.model.settings.modes > 0 ? read.model.settings.modes : k_usual_modes;
+  const AnalysisSettings asked = read.model.settings;
   const Eigen::VectorXd none;
   try {
     auto structure =
@@ -45,6 +76,7 @@ SolvedDeck solve_deck(const std::filesystem::path& deck, const std::set<std::str
     throw InvalidInput(fmt::format("{}: {}", deck.string(), error.what()));
   }
   const double assembled = steady_seconds();
+  if (modes == 0) modes = modes_of_method(*solved.structure, asked, solved.notes);
   solved.assembly_seconds = assembled - start - solved.read_seconds;
   solved.modes = solved.solver->solve_one(none, {.modes = modes, .counts_below = true});
   if (!solved.modes.failure.empty()) {

@@ -4,10 +4,10 @@
 #include <Eigen/Core>
 #include <filesystem>
 #include <memory>
-#include <set>
 #include <string>
 #include <vector>
 
+#include "mottle/formats/nastran/model.hpp"
 #include "mottle/layers.hpp"
 #include "mottle/model/solvers/exact_solver.hpp"
 #include "mottle/model/structures/finite_element_structure.hpp"
@@ -26,10 +26,10 @@ struct SolvedDeck {
 
 /// Reads a Nastran deck and finds its lowest modes.
 ///
-/// @param ignore_cards  names in capitals
-/// @param modes         0: what the deck's EIGRL asks for, else 10
+/// @param options       cards to leave out, subcase
+/// @param modes         0: what the deck's EIGRL asks for (V1, V2, ND), else 10
 /// @throws FormatError, InvalidInput  a deck that cannot be understood or has no modes
 /// @throws SystemFailure  fewer modes were found than the inertia of K - s M counts
-SolvedDeck solve_deck(const std::filesystem::path& deck, const std::set<std::string>& ignore_cards, int modes);
+SolvedDeck solve_deck(const std::filesystem::path& deck, const NastranOptions& options, int modes);
 
 }  // namespace mottle::study

@@ -81,7 +81,7 @@ TargetsOutcome targets_of(const SolvedDeck& solved, const TargetsSettings& setti
 }
 
 TargetsOutcome find_targets(const TargetsSettings& settings) {
-  return targets_of(solve_deck(settings.model, settings.ignore_cards, settings.modes), settings);
+  return targets_of(solve_deck(settings.model, {settings.ignore_cards, settings.subcase}, settings.modes), settings);
 }
 
 }  // namespace mottle::study

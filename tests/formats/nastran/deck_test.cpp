@@ -109,6 +109,17 @@ TEST(NastranDeck, FindsContinuationsByTheirLabelAnywhere) {
   EXPECT_THAT(deck.notes, IsEmpty());
 }
 
+// MSC's echo punches labels from column 74 on, each with a '+' of its own.
+TEST(NastranDeck, FindsContinuationsByPunchedLabels) {
+  const std::string first = "CHEXA   7       3       11      12      13      14      15      16       +000001\n";
+  for (const std::string rest : {"++000001      17      18\n", "+000001       17      18\n"}) {
+    EXPECT_EQ(card_of(first + rest), k_hexahedron) << rest;
+    const NastranDeck apart = deck_of(first + "GRID    2\n" + rest);
+    ASSERT_EQ(apart.cards.size(), 2U);
+    EXPECT_EQ(fields_of(apart.cards[0]), k_hexahedron) << rest;
+  }
+}
+
 TEST(NastranDeck, FindsContinuationsInFrontOfTheirCard) {
   const NastranDeck deck = deck_of("GRID,1\n+A,17,18\nCHEXA,7,3,11,12,13,14,15,16,+A\n");
   ASSERT_EQ(deck.cards.size(), 2U);

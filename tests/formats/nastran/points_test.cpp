@@ -192,8 +192,16 @@ TEST(NastranConstraints, ThatNobodySelectsHoldNothing) {
 TEST(NastranConstraints, FollowTheSubcase) {
   const std::string deck = "CEND\nSUBCASE 1\nSPC=1\nSUBCASE 7\nSPC=2\nBEGIN BULK\nGRID,1\nSPC1,1,1,1\nSPC1,2,2,1\n";
   EXPECT_EQ(model_of(deck).model.fixed, (Fixed{{0, 0x01}}));
-  EXPECT_THAT(model_of(deck).notes, ElementsAre("the deck has 2 subcases; the first one, 1, was taken"));
+  EXPECT_THAT(model_of(deck).notes, ElementsAre("the deck has 2 subcases; 1 was taken (SPC 1)"));
   EXPECT_EQ(model_of(deck, {.subcase = 7}).model.fixed, (Fixed{{0, 0x02}}));
+  // A preload in front: the subcase with a METHOD of its own is that of the modes.
+  const std::string bulk = "BEGIN BULK\nGRID,1\nSPC1,1,1,1\nSPC1,2,2,1\nEIGRL,5,,,3\nEIGRL,6,,,9\n";
+  for (const std::string asks : {"METHOD=6\n", "ANALYSIS=MODES\nMETHOD(FLUID)=5\nMETHOD(STRUCTURE)=6\n"}) {
+    const NastranModel read = model_of("CEND\nSUBCASE 1\nSPC=1\nLOAD=1\nSUBCASE 7\nSPC=2\n" + asks + bulk);
+    EXPECT_EQ(read.model.fixed, (Fixed{{0, 0x02}}));
+    EXPECT_EQ(read.model.settings.modes, 9);
+    EXPECT_THAT(read.notes, ElementsAre("the deck has 2 subcases; 7 was taken (SPC 2, METHOD 6)"));
+  }
   EXPECT_EQ(test::message_of<InvalidInput>([&] { model_of(deck, {.subcase = 3}); }),
             "deck.bdf: there is no subcase 3; the deck has 1, 7");
 }

@@ -178,6 +178,15 @@ TEST(NastranRefusal, NamesTheCommandOfTheCaseControlSection) {
               ::testing::ElementsAre("K2GG = KX was left out, as model.ignore_cards asks"));
 }
 
+TEST(NastranRefusal, OfModesAboutAPreload) {
+  const std::string bulk = "BEGIN BULK\nGRID,1\n";
+  const std::string deck = "CEND\nSUBCASE 1\nLOAD=3\nSUBCASE 2\nMETHOD=1\nSTATSUB = 1\n" + bulk + "EIGRL,1,,,1\n";
+  EXPECT_THAT(test::refusal_of(deck), StartsWith("deck.bdf:6: STATSUB = 1: modes of a preloaded structure"));
+  EXPECT_NO_THROW(test::model_of(deck, {.ignore_cards = {"STATSUB"}}));
+  EXPECT_THAT(test::message_of<InvalidInput>([&] { test::model_of("SOL 13\nCEND\n" + bulk); }),
+              StartsWith("deck.bdf: SOL 13: modes of a preloaded structure"));
+}
+
 TEST(NastranRefusal, NamesEveryUnsupportedKindOfCardAtOnce) {
   const std::string message = test::refusal_of(test::k_cube + "CBEND,1\nCQUADX,2\nCQUADX,3\nFORCE,1\n");
   EXPECT_THAT(message,

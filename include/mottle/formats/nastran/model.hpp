@@ -18,7 +18,8 @@ namespace mottle::formats {
 struct NastranOptions {
   std::set<std::string> ignore_cards = {};    ///< names in capitals; such cards (and K2GG, NSM... of the case control
                                               ///< section) are skipped, with a note
-  std::optional<int> subcase = std::nullopt;  ///< id; without it the first subcase holds
+  std::optional<int> subcase = std::nullopt;  ///< id; without it the first one that has a METHOD or ANALYSIS =
+                                              ///< MODES of its own, else the first
 };
 
 struct NastranModel {

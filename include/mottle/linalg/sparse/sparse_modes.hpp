@@ -34,6 +34,12 @@ struct SparseModes {
   bool is_complete() const { return counted_below < 0 || counted_below == values.size(); }
 };
 
+/// Number of eigenvalues of K phi = lambda M phi below `value`, by the inertia of K - value M; -1: the factorisation
+/// failed.
+///
+/// @param stiffness, mass  lower triangles, compressed
+int count_eigenvalues_below(const SparseMatrix& stiffness, const SparseMatrix& mass, double value);
+
 /// Solver for the lowest modes of pencils; for pencils of one sparsity pattern the symbolic factorisation is kept.
 ///
 ///   K phi = lambda M phi,   (K - s M)^-1 M phi = phi / (lambda - s),   s below all modes

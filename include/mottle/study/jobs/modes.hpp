@@ -21,7 +21,8 @@ struct ModesSettings {
   std::optional<std::filesystem::path>
       compare;  ///< shapes to compare with: a CSV, or another deck with the same grid points
   std::set<std::string> ignore_cards = {};
-  bool writes_universal_file = false;  ///< also modes.uff, for programs of the test laboratory
+  std::optional<int> subcase = std::nullopt;  ///< id; without it the first one that asks for modes
+  bool writes_universal_file = false;         ///< also modes.uff, for programs of the test laboratory
 };
 
 /// A deck with its modes, opaque: src/study/jobs/solved_deck.hpp.

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <filesystem>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -17,8 +18,9 @@ struct TargetsSettings {
   std::filesystem::path model;  ///< a Nastran deck
   int modes = 0;                ///< 0: what the deck's EIGRL asks for, else 10
   std::set<std::string> ignore_cards = {};
-  std::string units = "SI";  ///< only named
-  bool lists_all = false;    ///< also numbers that are zero, change no mode or are seldom wrong
+  std::optional<int> subcase = std::nullopt;  ///< id; without it the first one that asks for modes
+  std::string units = "SI";                   ///< only named
+  bool lists_all = false;                     ///< also numbers that are zero, change no mode or are seldom wrong
 };
 
 /// A number that a parameter may act on.

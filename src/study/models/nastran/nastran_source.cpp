@@ -33,8 +33,8 @@ void override_fields(FiniteElementModel& model, const std::map<std::string, doub
 
 class NastranSource final : public ModelSource {
  public:
-  NastranSource(std::filesystem::path deck, std::set<std::string> ignore_cards, std::optional<double> reduction_error)
-      : deck_(std::move(deck)), ignore_cards_(std::move(ignore_cards)), reduction_error_(reduction_error) {}
+  NastranSource(std::filesystem::path deck, NastranOptions options, std::optional<double> reduction_error)
+      : deck_(std::move(deck)), options_(std::move(options)), reduction_error_(reduction_error) {}
 
   ModelParts make(const std::vector<ParameterTargets>& parameters, const JointDistribution& prior,
                   const RunSettings& /*settings*/) const override {
@@ -86,7 +86,7 @@ class NastranSource final : public ModelSource {
             {field.card, field.id, field.name, targets.parameters[p].is_factor ? value * field.value : value});
       }
     }
-    const RewrittenDeck deck = rewrite_nastran_deck(deck_, {.ignore_cards = ignore_cards_}, changes);
+    const RewrittenDeck deck = rewrite_nastran_deck(deck_, options_, changes);
     ExportedModel exported{.rounding = deck.rounding};
     for (const RewrittenFile& file : deck.files) exported.files.push_back({name_beside(file.name, deck_), file.bytes});
     return exported;
@@ -98,10 +98,10 @@ class NastranSource final : public ModelSource {
   }
 
  private:
-  NastranModel read() const { return read_nastran_model(deck_, {.ignore_cards = ignore_cards_}); }
+  NastranModel read() const { return read_nastran_model(deck_, options_); }
 
   std::filesystem::path deck_;
-  std::set<std::string> ignore_cards_;       // in capitals
+  NastranOptions options_;
   std::map<std::string, double> overrides_;  // numbers of the deck that are other, by target in capitals
   std::optional<double> reduction_error_;
 };
@@ -110,13 +110,15 @@ class NastranSource final : public ModelSource {
 
 std::shared_ptr<const ModelSource> read_nastran_source(TomlReader& reader, const std::filesystem::path& folder) {
   const std::filesystem::path deck = folder / reader.text("file");
-  std::set<std::string> ignore_cards;
+  NastranOptions options;
   if (reader.raw("ignore_cards") != nullptr) {
-    for (const std::string& card : reader.texts("ignore_cards")) ignore_cards.insert(capitals(card));
+    for (const std::string& card : reader.texts("ignore_cards")) options.ignore_cards.insert(capitals(card));
   }
+  constexpr OptionRange k_any_id{.lower = 1.0, .upper = 99999999.0};
+  if (reader.raw("subcase") != nullptr) options.subcase = static_cast<int>(reader.integer_or("subcase", 1, k_any_id));
   const std::optional<double> reduction_error = read_reduction(reader);
   reader.finish();
-  return std::make_shared<NastranSource>(deck, std::move(ignore_cards), reduction_error);
+  return std::make_shared<NastranSource>(deck, std::move(options), reduction_error);
 }
 
 }  // namespace mottle::study
