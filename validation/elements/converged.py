@@ -87,8 +87,8 @@ def main():
             name = f"{solids.CARD[kind]}{nodes} {' / '.join(map(str, meshes))}"
             worst = max(worst, report(name, box_frequencies(BOX_MODES), meshes, found))
         case = shells.cases()[0]
-        for card, meshes in (("CQUAD4", (12, 24, 48)), ("CTRIA3", (12, 24, 48)), ("CQUAD8", (6, 12, 24)), ("CTRIA6", (6, 12, 24))):
-            found = []
+        for card in shells.PARTS:
+            found, meshes = [], (8, 16, 32) if card in ("CQUAD8", "CTRIA6") else (12, 24, 48)
             for cells in meshes:
                 deck = folder / f"{card}_{cells}.bdf"
                 shells.write_nastran(deck, case, card, cells, 8)

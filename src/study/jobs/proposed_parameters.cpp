@@ -17,7 +17,7 @@ struct Spread {
 
 /// How far a number of that kind is commonly off, by what it stands for.
 Spread spread_of(const std::string& card, const std::string& name) {
-  static const std::set<std::string> k_springs = {"PELAS", "CELAS2", "CELAS4", "PBUSH"};
+  static const std::set<std::string> k_springs = {"PELAS", "CELAS2", "CELAS4", "PBUSH", "PGAP"};
   if (k_springs.contains(card)) return {0.3, "stiffnesses of joints and supports are seldom known better"};
   if (name == "RHO") return {0.03, "densities are known, but paint, glue and fasteners are in them too"};
   if (name == "E" || name == "G" || name.starts_with("E") || name.starts_with("G")) {

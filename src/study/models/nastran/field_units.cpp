@@ -17,13 +17,16 @@ std::string field_unit(const std::string& card, const std::string& field, const 
     const char* unit = name.front() == 'B' ? units.damping : units.stiffness;
     return is_rotation ? fmt::format("{} {}^2/rad", unit, units.length) : unit;
   }
+  if (card == "PGAP") return units.stiffness;
+  if (card == "PVISC")
+    return name == "CR" ? fmt::format("{} {}^2/rad", units.damping, units.length) : std::string(units.damping);
   if (card == "PDAMP" || card == "CDAMP2" || card == "CDAMP4") return units.damping;
   if (name == "M" || card == "CONM1") return units.mass;
   if (card == "CONM2" && name.front() == 'I') return fmt::format("{} {}^2", units.mass, units.length);
   if (k_inertias.contains(name)) return fmt::format("{}^4", units.length);
   if (name == "A") return fmt::format("{}^2", units.length);
   if (name == "NSM")
-    return fmt::format("{}/{}{}", units.mass, units.length, card == "PSHELL" || card.starts_with("PCOMP") ? "^2" : "");
+    return fmt::format("{}/{}{}", units.mass, units.length, card == "PSHELL" || card == "PSHEAR" || card.starts_with("PCOMP") ? "^2" : "");
   return units.length;
 }
 
