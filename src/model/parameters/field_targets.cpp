@@ -157,8 +157,8 @@ PhysicalLimit limit_of(const CardField& field, bool is_factor) {
       is_one_of({"I12", "I21", "I31", "I32"}) || (field.card == "CONM1" && name.size() == 3 && name[1] != name[2]);
   if (is_geometry || is_product) return {.lower = k_none, .excludes_lower = true};
   if (name == "NU" && !is_factor) return {.lower = -1.0, .excludes_lower = true};
-  const bool may_vanish = name == "NSM" || field.card == "PDAMP" || field.card == "CDAMP2" || field.card == "PVISC" ||
-                          name.front() == 'B';
+  const bool may_vanish =
+      name == "NSM" || field.card == "PDAMP" || field.card == "CDAMP2" || field.card == "PVISC" || name.front() == 'B';
   return {.lower = 0.0, .excludes_lower = !may_vanish};
 }
 

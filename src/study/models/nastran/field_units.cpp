@@ -26,7 +26,8 @@ std::string field_unit(const std::string& card, const std::string& field, const 
   if (k_inertias.contains(name)) return fmt::format("{}^4", units.length);
   if (name == "A") return fmt::format("{}^2", units.length);
   if (name == "NSM")
-    return fmt::format("{}/{}{}", units.mass, units.length, card == "PSHELL" || card == "PSHEAR" || card.starts_with("PCOMP") ? "^2" : "");
+    return fmt::format("{}/{}{}", units.mass, units.length,
+                       card == "PSHELL" || card == "PSHEAR" || card.starts_with("PCOMP") ? "^2" : "");
   return units.length;
 }
 
