@@ -25,11 +25,6 @@ std::filesystem::path default_cache() {
   return {};
 }
 
-std::filesystem::path cache_folder(const std::string& given) {
-  if (given.empty()) return default_cache();
-  return given == "off" ? std::filesystem::path() : std::filesystem::path(given);
-}
-
 /// The verdict's word in its colour, where standard output is a terminal that shows colours.
 std::string coloured(const std::string& line) {
   static const bool is_wanted = ::isatty(STDOUT_FILENO) == 1 && std::getenv("NO_COLOR") == nullptr;
@@ -43,6 +38,11 @@ std::string coloured(const std::string& line) {
 }
 
 }  // namespace
+
+std::filesystem::path cache_folder(const std::string& given) {
+  if (given.empty()) return default_cache();
+  return given == "off" ? std::filesystem::path() : std::filesystem::path(given);
+}
 
 void add_common_options(CLI::App& verb, CommonOptions& options) {
   verb.add_option("STUDY", options.study, "the study file (TOML)")->required();

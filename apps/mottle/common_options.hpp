@@ -32,6 +32,9 @@ struct CommonOptions {
 /// Adds the study argument and the common options to a verb.
 void add_common_options(CLI::App& verb, CommonOptions& options);
 
+/// The folder of --cache; empty: none.
+std::filesystem::path cache_folder(const std::string& given);
+
 Study read_study(const CommonOptions& options);
 
 /// `console` must outlive the settings.

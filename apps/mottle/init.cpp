@@ -21,6 +21,7 @@ struct InitOptions {
   std::string units;
   std::vector<int> modes;
   std::vector<std::string> targets, cards;
+  std::string cache;
   bool accepts = false;
   bool is_json = false;
 };
@@ -66,6 +67,10 @@ void print(const InitOutcome& outcome) {
 /// Lets the user change units, outputs and parameters until an empty answer accepts what is proposed.
 InitOutcome converse(InitSettings settings) {
   InitOutcome outcome = propose_study(settings);
+  if (outcome.kind == "command") {  // what is unknown is more than a few answers
+    print(outcome);
+    return outcome;
+  }
   const std::string units =
       ask(fmt::format("Units of the deck: SI, mm-t-s, mm-kg-ms or in-lbf-s [{}]: ", *outcome.settings.units));
   settings.units = units.empty() ? *outcome.settings.units : units;
@@ -97,6 +102,7 @@ void init(InitOptions options) {
           "with --out",
           folder.string());
   for (const std::string& card : options.cards) settings.ignore_cards.insert(capitals(card));
+  settings.cache = cache_folder(options.cache);
   if (!options.units.empty()) settings.units = options.units;
   if (!options.modes.empty()) settings.modes = options.modes;
   if (!options.targets.empty()) settings.targets = options.targets;
@@ -109,16 +115,19 @@ void init(InitOptions options) {
   }
   if (!asks) print(outcome);
   const std::string study = settings.study.string();
-  fmt::print("study: {}\nnext: mottle check {}; mottle {} {}\n", study, study,
+  fmt::print("study: {}\nnext: {}mottle check {}; mottle {} {}\n", study,
+             outcome.kind == "command" ? "fill in what is UNKNOWN; " : "", study,
              settings.tests.empty() ? "propagate" : "update", study);
 }
 
 }  // namespace
 
 void add_init(CLI::App& app) {
-  CLI::App* verb = app.add_subcommand("init", "propose a first study of a Nastran deck and its tests, with reasons");
+  CLI::App* verb = app.add_subcommand("init", "propose a first study of a model and its tests, with reasons");
   const auto options = std::make_shared<InitOptions>();
-  verb->add_option("model", options->settings.model, "Nastran deck")->required();
+  verb->add_option("model", options->settings.model,
+                   "deck of Nastran, or of CalculiX (*.inp), or a solver's input with placeholders {{name}}")
+      ->required();
   verb->add_option("tests", options->settings.tests, "test files (.uff, .unv, .csv, .mat), folders or patterns");
   verb->add_option("--out", options->settings.study, "study to write (default: MODEL.toml beside the deck)");
   verb->add_option("--units", options->units, "units of the deck (default: guessed from its materials)")
@@ -127,6 +136,9 @@ void add_init(CLI::App& app) {
       ->delimiter(',');
   verb->add_option("--targets", options->targets, "targets of the parameters (MAT1:2:E,PELAS:4:K)")->delimiter(',');
   verb->add_option("--ignore-cards", options->cards, "leave out these cards (CARD,CARD)")->delimiter(',');
+  verb->add_option("--cache", options->cache,
+                   "folder of CalculiX's matrices that later runs read (default: $XDG_CACHE_HOME/mottle or "
+                   "~/.cache/mottle), or off");
   verb->add_flag("--yes", options->accepts, "ask nothing, also on a terminal");
   verb->add_flag("--json", options->is_json, "machine-readable summary on stdout; asks nothing");
   verb->callback([options] { init(*options); });

@@ -11,7 +11,8 @@ namespace mottle::model {
 std::string Quantity::name() const {
   if (kind == QuantityKind::other) return location;
   const QuantityTraits traits = traits_of(kind);
-  return fmt::format("{}{}{}{}", traits.stem, number, traits.has_location ? ":" : "", location);
+  return fmt::format("{}{}{}{}{}{}", traits.stem, number, traits.has_location ? ":" : "", location,
+                     denominator.empty() ? "" : "/", denominator);
 }
 
 bool is_rotation(const std::string& degree_of_freedom) {
@@ -29,6 +30,22 @@ Quantity shape_component(int mode, const std::string& location, QuantityKind kin
 
 Quantity damping_ratio(int mode) {
   return {.kind = QuantityKind::damping_ratio, .number = mode};
+}
+
+Quantity natural_eigenvalue(int mode, const std::string& unit) {
+  return {.kind = QuantityKind::eigenvalue, .number = mode, .unit = unit};
+}
+
+Quantity shape_ratio(int mode, const std::string& numerator, const std::string& denominator,
+                     const std::string& length) {
+  std::string unit = "-";
+  if (is_rotation(numerator) && !is_rotation(denominator)) unit = "1/" + length;
+  if (!is_rotation(numerator) && is_rotation(denominator)) unit = length;
+  return {.kind = QuantityKind::shape_ratio,
+          .number = mode,
+          .location = numerator,
+          .unit = unit,
+          .denominator = denominator};
 }
 
 Quantity named_quantity(const std::string& name, const std::string& unit) {

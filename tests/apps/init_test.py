@@ -43,7 +43,7 @@ class InitTest(support.CommandTest):
         shutil.copy(DECK, self.folder)
 
     def propose(self, *arguments):
-        return json.loads(self.succeed("init", *arguments, "--json").out)
+        return json.loads(self.succeed("init", *arguments, "--json", timeout=300).out)
 
     def outputs(self, found):
         return [mode["mode"] for mode in found["modes"] if mode["is_output"]]
@@ -121,6 +121,122 @@ class InitTest(support.CommandTest):
         ended = self.call("init", "beam.bdf", "far.csv")
         self.assertEqual(ended.code, 2, ended.out)
         self.assertIn("no mode of the model is found in the tests beyond doubt", ended.err)
+
+    # --- shapes in a table ---
+
+    def test_a_table_with_shapes_that_counts_as_the_model_becomes_one_with_shapes_as_outputs(self):
+        found = self.propose("airframe.bdf", EXAMPLES / "02-airframe" / "specimens.csv", "--out", "s.toml")
+        self.assertEqual(found["pairing"], "named")
+        text = (self.folder / "s.toml").read_text()
+        self.assertIn('pairing = "named"', text)
+        self.assertIn('shapes = { modes = [8, 9, 11, 13], dofs = ["105:+Z", "111:+Z", "112:+Z", "303:+Z"] }', text)
+        self.assertIn("Taken as mass-normalised", text)
+        self.succeed("check", "s.toml")
+
+    def test_shapes_of_another_size_are_outputs_by_their_directions(self):
+        lines = (EXAMPLES / "02-airframe" / "specimens.csv").read_text().splitlines()
+        names = lines[0].split(",")
+        rows = [[repr(50 * float(cell)) if name.startswith("phi") and cell else cell for name, cell in zip(names, line.split(","))]
+                for line in lines[1:]]
+        self.write("t.csv", "\n".join([lines[0], *map(",".join, rows)]) + "\n")
+        self.propose("airframe.bdf", "t.csv", "--out", "s.toml")
+        self.assertIn('size = "free"', (self.folder / "s.toml").read_text())
+        self.assertIn("compared after scaling", " ".join(self.succeed("check", "s.toml").out.split()))
+
+    def test_shapes_of_a_table_that_counts_otherwise_are_said_to_be_left_out(self):
+        lines = (EXAMPLES / "02-airframe" / "specimens.csv").read_text().splitlines()
+        header = re.sub(r"\b(f|phi)(\d+)", lambda name: f"{name[1]}{int(name[2]) - 6}", lines[0])
+        self.write("t.csv", "\n".join([header, *lines[1:]]) + "\n")
+        found = self.propose("airframe.bdf", "t.csv", "--out", "s.toml")
+        self.assertEqual(found["pairing"], "frequency")
+        self.assertIn("f2 is the model's f8", " ".join(found["notes"]))
+        self.assertNotIn("shapes = {", (self.folder / "s.toml").read_text())
+        self.succeed("check", "s.toml")
+
+    # --- ambiguous pairs ---
+
+    def test_modes_at_equal_distance_are_said_in_the_study(self):
+        # A cantilever of nearly equal sides has each bending mode twice, 20 % apart; the tests' lowest is midway.
+        self.write("square.bdf", BEAM.replace("20.,30.", "20.,24."))
+        f = [mode["model"] for mode in self.propose("square.bdf", "--out", "modes.toml")["modes"]]
+        self.write("t.csv", "f1,f2,f3\n" + "".join(f"{(f[0] * f[1]) ** 0.5 * x!r},{f[2] * x!r},{f[3] * x!r}\n" for x in (1.0, 1.001)))
+        found = self.propose("square.bdf", "t.csv", "--out", "s.toml")
+        self.assertEqual(self.outputs(found), [2, 3, 4])
+        self.assertRegex((self.folder / "s.toml").read_text(), r"f2 .*DOUBTFUL: f1 at \S+ is as near")
+        # Where nothing at all tells the two apart, the pair is no output.
+        self.write("one.csv", "f1\n" + "".join(f"{(f[0] * f[1]) ** 0.5 * x!r}\n" for x in (0.999, 1.001)))
+        ended = self.call("init", "square.bdf", "one.csv", "--out", "t.toml")
+        self.assertEqual(ended.code, 2, ended.out)
+        self.assertIn("is as near", ended.err)
+
+    def test_tests_in_another_unit_are_said(self):
+        lines = (EXAMPLES / "02-airframe" / "specimens.csv").read_text().splitlines()
+        rows = [",".join(cell and repr(6.283185307179586 * float(cell)) for cell in line.split(",")[:10]) for line in lines[1:]]
+        self.write("t.csv", "\n".join([",".join(lines[0].split(",")[:10]), *rows]) + "\n")
+        ended = self.call("init", "airframe.bdf", "t.csv", "--out", "s.toml")
+        self.assertEqual(ended.code, 2, ended.out)
+        self.assertIn("(rad/s)", ended.err)
+
+    # --- other kinds of model ---
+
+    @unittest.skipUnless(shutil.which("ccx"), "CalculiX (ccx) is not installed")
+    def test_a_calculix_deck_becomes_a_study_that_runs(self):
+        example = EXAMPLES / "03-plate-calculix"
+        shutil.copy(example / "plate.inp", self.folder)
+        found = self.propose("plate.inp", example / "specimens.csv", "--out", "s.toml", "--cache", "kept")
+        self.assertEqual(found["kind"], "calculix")
+        self.assertEqual((found["units"], found["specimens"]), ("SI", 15))
+        self.assertEqual(self.outputs(found), list(range(1, 11)))
+        # Of the deck's nine numbers; a density, a modulus and a thickness of one sheet scale all modes alike.
+        self.assertIn("*SPRING:MOUNTS3", self.parameters(found))
+        self.assertFalse([target for target in self.parameters(found) if target.endswith(":T")])
+        self.assertIn("each sample is a run of CalculiX", " ".join(found["notes"]))
+        self.assertTrue(2 <= len(self.parameters(found)) <= 5, self.parameters(found))
+        self.assertFalse([note for note in found["notes"] if "does not run" in note])
+        self.assertIn('kind = "calculix"', (self.folder / "s.toml").read_text())
+        self.succeed("update", "s.toml", "--set", "update.samples=50", "--quiet", "--cache", "kept", timeout=300)
+        self.assertEqual(support.read_result(self.folder / "s.mottle")["status"], "converged")
+
+    @unittest.skipUnless(shutil.which("ccx"), "CalculiX (ccx) is not installed")
+    def test_sensitivities_of_a_calculix_deck_are_those_of_its_own_runs(self):
+        shutil.copy(EXAMPLES / "03-plate-calculix" / "plate.inp", self.folder)
+        found = self.propose("plate.inp", "--out", "s.toml")
+        sensitivity = {parameter["target"]: parameter for parameter in found["parameters"]}
+        before = [mode["model"] for mode in found["modes"]]
+        deck = (self.folder / "plate.inp").read_text()
+        self.write("stiffer.inp", deck.replace("800000.0", "816000.0"))  # MOUNTS3 by 2 %
+        after = [mode["model"] for mode in self.propose("stiffer.inp", "--out", "t.toml")["modes"]]
+        changes = [100 * (b / a - 1) / 2 for a, b in zip(before, after)]
+        largest = max(range(len(changes)), key=lambda k: abs(changes[k]))
+        self.assertIn("*SPRING:MOUNTS3", sensitivity)
+        text = (self.folder / "s.toml").read_text()
+        said = re.search(r'target = "\*SPRING:MOUNTS3".*f(\d+) by ([+-][\d.]+) % per %', text)
+        self.assertEqual(int(said[1]), largest + 1)
+        self.assertAlmostEqual(float(said[2]), changes[largest], delta=0.02)  # two digits, and half of 2 % by curvature
+
+    def test_a_solvers_input_becomes_a_study_with_marked_unknowns(self):
+        example = EXAMPLES / "04-any-solver"
+        for name in ("tower.inp.in", "tower.py", "specimens.csv"):
+            shutil.copy(example / name, self.folder)
+        found = self.propose("tower.inp.in", "specimens.csv", "--out", "s.toml")
+        self.assertEqual(found["kind"], "command")
+        self.assertEqual([parameter["name"] for parameter in found["parameters"]], ["m_roof", "k_base", "k_upper"])
+        self.assertEqual(self.outputs(found), [1, 2, 3, 4])
+        text = (self.folder / "s.toml").read_text()
+        # Whatever is unknown is refused until it is filled in, one thing after the other; then it runs.
+        for old, new, said in (('["UNKNOWN", "tower.inp"]', '["python3", "tower.py", "tower.inp"]', "model.command: still says UNKNOWN"),
+                               ('file = "UNKNOWN" ', 'file = "tower.out" ', "model.frequencies.file: still says UNKNOWN"),
+                               ('mean = "UNKNOWN", std = "UNKNOWN"', "mean = 2e4, std = 2e3", "UNKNOWN"),
+                               ('mean = "UNKNOWN", std = "UNKNOWN"', "mean = 4e7, std = 8e6", "UNKNOWN"),
+                               ('mean = "UNKNOWN", std = "UNKNOWN"', "mean = 4e7, std = 8e6", "UNKNOWN")):
+            ended = self.call("check", "s.toml")
+            self.assertEqual(ended.code, 2, ended.out)
+            self.assertIn(said, ended.err)
+            self.assertIn(old, text)
+            text = text.replace(old, new, 1)
+            self.write("s.toml", text)
+        self.write("s.toml", support.edited(text, ('# files = ["mesh.inc"] ', 'files = ["tower.py"] '), ("line = 1 ", 'after = "NATURAL FREQUENCIES"\nline = 3 '), ("column = 1\n", "column = 3\n")))
+        self.succeed("check", "s.toml")
 
     def test_on_a_terminal_it_asks(self):
         master, slave = pty.openpty()

@@ -88,7 +88,7 @@ function tooltip_lines(parameter, x, limits) {
     is_number(parameter.std)
       ? `Updated standard deviation: ${number_text(parameter.std)}${interval_text(parameter.std_ci95)}`
       : null,
-    ...near.map(({ k, value }) => `Specimen ${k + 1}: ${number_text(value)}`),
+    ...near.map(({ k, value }) => `Specimen ${parameter.specimen_numbers[k]}: ${number_text(value)}`),
   ].filter(Boolean);
 }
 

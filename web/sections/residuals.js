@@ -5,6 +5,7 @@ import { paged_figure } from "../src/figure.js";
 import { p_value_text, plural, short_number } from "../src/format.js";
 import { matrix_map, signed } from "../src/matrix_map.js";
 import { diverging } from "../src/palette.js";
+import { specimen_number } from "../src/population.js";
 import { data_table } from "../src/table.js";
 
 const id = "residuals";
@@ -30,11 +31,11 @@ function beyond(study) {
   );
 }
 
-/** Outliers as the result names them: `specimen` counts from one, as the tests' rows. */
+/** Outliers as the result names them: `specimen` is the number of the row in the tests' file. */
 const outliers_of = (study) => list(study.result.outliers).map(record);
 
 function largest_of(study, specimen) {
-  const row = rows_of(study)[specimen - 1] ?? [];
+  const row = rows_of(study).find((_, k) => specimen_number(study, k) === specimen) ?? [];
   return row
     .map((value, output) => ({ value, name: study.output_axes[output]?.name ?? `y${output + 1}` }))
     .filter(({ value }) => Math.abs(value) > 2)
@@ -63,7 +64,7 @@ function outlier_table(study, outliers) {
     rows,
     caption:
       "Look at these specimens before anything else: a wrong bolt, a shifted sensor or a mistyped number in one of them moves " +
-      "the estimates of all. Counted in the order of the tests' rows, from 1.",
+      "the estimates of all. Numbers are those of the rows in the tests' file, from 1.",
   });
 }
 
@@ -76,7 +77,7 @@ function statement(study, found) {
     .slice(0, 8)
     .map(
       ({ specimen, output, value }) =>
-        `specimen ${specimen + 1} in ${study.output_axes[output]?.name} (${signed(value)})`,
+        `specimen ${specimen_number(study, specimen)} in ${study.output_axes[output]?.name} (${signed(value)})`,
     )
     .join(", ");
   return paragraph(
@@ -93,7 +94,7 @@ function map_of(study, shown, marked) {
   return matrix_map({
     name: "Whitened residual",
     rows: outputs.map(({ name }) => name),
-    columns: shown.map((specimen) => (marked.has(specimen + 1) ? `${specimen + 1}*` : String(specimen + 1))),
+    columns: shown.map((k) => `${specimen_number(study, k)}${marked.has(specimen_number(study, k)) ? "*" : ""}`),
     values: outputs.map((_, output) => shown.map((specimen) => rows[specimen][output])),
     low: -4,
     high: 4,

@@ -29,7 +29,7 @@ function drawing_of(study, { x, y }) {
     region,
     ends,
     points: first.specimens
-      .map((value, k) => [value, second.specimens[k], k])
+      .map((value, k) => [value, second.specimens[k], first.specimen_numbers[k]])
       .filter(([a, b]) => is_number(a) && is_number(b)),
   };
 }
@@ -97,7 +97,7 @@ export function ellipse_panels(study, axes, width) {
       trigger: "item",
       formatter: ({ value, seriesIndex }) => {
         const { x, y } = drawings[series[seriesIndex].xAxisIndex].pair;
-        return tooltip_box(`Specimen ${value[2] + 1}`, [
+        return tooltip_box(`Specimen ${value[2]}`, [
           `${name_with_unit(x)}: ${number_text(value[0])}`,
           `${name_with_unit(y)}: ${number_text(value[1])}`,
         ]);

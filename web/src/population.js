@@ -25,6 +25,9 @@ export const region_text = ({ parameters }) => `${short_number(100 * record(para
 /** Parameters of the specimens, one row each; a method that does not look at each has none. */
 export const specimen_rows = ({ result }) => list(record(result.specimens).parameters).map(list);
 
+/** Number of the specimen at index k: its row in the tests' file. Results of earlier versions count from 1. */
+export const specimen_number = ({ result }, k) => number_or_null(list(record(result.specimens).numbers)[k]) ?? k + 1;
+
 /** Rows [x, ...] of columns that a result keeps apart. */
 function points_of(block, ...names) {
   const columns = names.map((name) => list(record(block)[name]));
@@ -57,6 +60,7 @@ export function parameter_of(study, { index, name, unit }) {
     std_ci95: numbers_or_null(list(block.std_ci95)[index]),
     bounds: list(list(block.bounds)[index]).filter(is_number),
     specimens: specimen_rows(study).map((row) => number_or_null(row[index])),
+    specimen_numbers: specimen_rows(study).map((_, k) => specimen_number(study, k)),
   };
 }
 

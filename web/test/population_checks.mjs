@@ -160,6 +160,14 @@ export const population_checks = [
       const shown = rows.slice(0, 50);
       assert.equal(cells.length, shown.flat().filter(is_number).length);
       assert.equal(cells.filter(({ itemStyle }) => itemStyle?.borderWidth).length, beyond(shown));
+      const number = (k) => list(specimens.numbers)[k] ?? k + 1;
+      const marked = new Set(list(outliers).map(({ specimen }) => specimen));
+      const { xAxis } = await option_of(page, "residuals");
+      const names = [xAxis].flat()[0].data.map(String);
+      assert.deepEqual(
+        names,
+        shown.map((_, k) => `${number(k)}${marked.has(number(k)) ? "*" : ""}`),
+      );
       const text = await page.locator("#specimens > p").first().innerText();
       assert.ok(text.startsWith(beyond(rows) ? `${beyond(rows)} residual` : "None"), text);
     },

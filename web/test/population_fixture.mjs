@@ -117,7 +117,10 @@ export function with_population(data, { scales = [], unseen = 0, outliers = [], 
     return far || normal();
   };
   result.method = "maximum-likelihood";
+  // The tests' file began with an empty row: specimens have the numbers of its rows.
+  const numbers = tests.rows.map((_, s) => s + 2);
   result.specimens = {
+    numbers,
     parameters: Array.from({ length: n }, () => {
       const step = apply(
         factor,
@@ -129,7 +132,11 @@ export function with_population(data, { scales = [], unseen = 0, outliers = [], 
     large_residual: 3,
     expected_large: 0.0027 * n * tests.columns.length,
   };
-  result.outliers = outliers.map((specimen, k) => ({ specimen, distance: 5.3 + k, p_value: 2e-5 / (k + 1) }));
+  result.outliers = outliers.map((place, k) => ({
+    specimen: numbers[place - 1],
+    distance: 5.3 + k,
+    p_value: 2e-5 / (k + 1),
+  }));
   if (prediction) result.prediction = prediction;
   return data;
 }

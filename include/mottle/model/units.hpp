@@ -17,6 +17,7 @@ struct UnitNames {
   const char* length = "m";
   const char* pressure = "Pa";
   const char* density = "kg/m^3";
+  const char* eigenvalue = "(rad/s)^2";  ///< of K phi = lambda M phi
 };
 
 /// @param units  "SI", "mm-t-s", "mm-kg-ms", "in-lbf-s"

@@ -26,6 +26,26 @@ int lines_in(std::string_view text) {
 
 }  // namespace
 
+std::vector<std::string> placeholder_names(std::string_view text, const std::string& file) {
+  std::vector<std::string> names;
+  int line = 1;
+  for (std::size_t begin = text.find("{{"); begin != std::string_view::npos; begin = text.find("{{")) {
+    line += lines_in(text.substr(0, begin));
+    text.remove_prefix(begin + 2);
+    const std::size_t end = text.find("}}");
+    if (end > k_longest_placeholder || lines_in(text.substr(0, end)) > 0) {
+      throw FormatError(file, line, "{{ without }} on the same line");
+    }
+    const std::string_view inside = text.substr(0, end);
+    const std::size_t colon = inside.rfind(':', inside.find('%'));
+    const std::string_view before = inside.find('%') == std::string_view::npos ? inside : inside.substr(0, colon);
+    const std::string name(trimmed(before.substr(0, before.find('*'))));
+    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+    text.remove_prefix(end + 2);
+  }
+  return names;
+}
+
 Template::Template(std::string_view text, std::string file, const std::vector<std::string>& names)
     : file_(std::move(file)) {
   int line = 1;

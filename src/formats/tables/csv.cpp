@@ -106,6 +106,7 @@ CsvTable parse_csv(std::string_view bytes, const std::string& file, HeaderRule r
   CsvTable table;
   table.file = file;
   char separator = ',';
+  int count = 0;
   for (int number = 1; !bytes.empty(); ++number) {
     const std::size_t end = bytes.find('\n');
     const std::string_view line = trim(bytes.substr(0, end));
@@ -113,7 +114,11 @@ CsvTable parse_csv(std::string_view bytes, const std::string& file, HeaderRule r
     const std::string_view raw = bytes.substr(0, end);
     bytes.remove_prefix(end == std::string_view::npos ? bytes.size() : end + 1);
     const bool is_row_of_tabs = separator == '\t' && raw.find('\t') != std::string_view::npos;
-    if ((line.empty() && !is_row_of_tabs) || line.starts_with('#')) continue;
+    if (line.starts_with('#')) continue;
+    if (line.empty() && !is_row_of_tabs) {
+      if (!table.header.empty()) ++count;
+      continue;
+    }
     if (table.header.empty()) {
       separator = find_separator(line);
       table.header = split_line(separator == '\t' ? raw : line, separator, file, number);
@@ -131,6 +136,7 @@ CsvTable parse_csv(std::string_view bytes, const std::string& file, HeaderRule r
     }
     table.rows.push_back(std::move(cells));
     table.lines.push_back(number);
+    table.numbers.push_back(++count);
   }
   if (table.header.empty()) throw FormatError(file, 0, "is empty; a header line with column names is needed");
   return table;

@@ -2,9 +2,11 @@
 #include <set>
 
 #include "model/responses/damping_ratios.hpp"
+#include "model/responses/eigenvalues.hpp"
 #include "model/responses/mode_shapes.hpp"
 #include "model/responses/natural_frequencies.hpp"
 #include "model/responses/shape_directions.hpp"
+#include "model/responses/shape_ratios.hpp"
 #include "model/responses/static_displacements.hpp"
 #include "mottle/core/subject.hpp"
 
@@ -27,8 +29,9 @@ std::vector<std::unique_ptr<Response>> make_responses(const OutputSelection& sel
   require_modes(selection.frequencies, {Subject::Kind::frequencies}, available);
   require_modes(selection.shape_modes, {Subject::Kind::shape_modes}, available);
   require_modes(selection.damping, {Subject::Kind::damping}, available);
+  require_modes(selection.eigenvalues, {Subject::Kind::outputs, "eigenvalues"}, available);
   require_of(!selection.frequencies.empty() || !selection.shape_modes.empty() || !selection.damping.empty() ||
-                 !selection.static_loads.empty(),
+                 !selection.static_loads.empty() || !selection.eigenvalues.empty() || !selection.shape_ratios.empty(),
              {Subject::Kind::outputs}, "none is named; give for example frequencies = [1, 2]");
   std::vector<std::unique_ptr<Response>> responses;
   if (!selection.frequencies.empty()) {
@@ -45,6 +48,12 @@ std::vector<std::unique_ptr<Response>> make_responses(const OutputSelection& sel
   if (!selection.damping.empty()) responses.push_back(std::make_unique<DampingRatios>(selection.damping, structure));
   if (!selection.static_loads.empty()) {
     responses.push_back(std::make_unique<StaticDisplacements>(selection.static_loads, selection.units, structure));
+  }
+  if (!selection.eigenvalues.empty()) {
+    responses.push_back(std::make_unique<Eigenvalues>(selection.eigenvalues, selection.units.eigenvalue));
+  }
+  if (!selection.shape_ratios.empty()) {
+    responses.push_back(std::make_unique<ShapeRatios>(selection.shape_ratios, selection.units.length, structure));
   }
   return responses;
 }

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <memory>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -45,6 +46,11 @@ class NumberedSolution {
 
   /// Natural frequency in 1 / (time unit of the matrices); nan where the eigenvalue is negative.
   double frequency(int mode) const { return natural_frequency_hz(solution_.eigenvalues(column(mode)), largest_); }
+  /// (2 pi f)^2; nan where it is negative.
+  double eigenvalue(int mode) const {
+    const double speed = 2.0 * std::numbers::pi * frequency(mode);
+    return speed * speed;
+  }
   double damping_ratio(int mode) const { return solution_.damping_ratios(column(mode)); }
   /// Of the mass-normalised shape, at one of the response's degrees of freedom.
   double displacement(int mode, Eigen::Index k) const {

@@ -11,6 +11,7 @@
 #include "mottle/study/jobs/study_objects.hpp"
 #include "study/input/first_few.hpp"
 #include "study/input/noise_rules.hpp"
+#include "study/tests/doubtful_frequencies.hpp"
 #include "study/tests/pair_by_frequency.hpp"
 #include "study/tests/pair_modes.hpp"
 #include "study/tests/pair_tests.hpp"
@@ -22,8 +23,8 @@ namespace mottle::study {
 namespace {
 
 /// Renumbers the modes of every row by their shapes, or at least turns the shapes to the sign of the model's.
-void pair_rows(const Study& study, const StructureModel& model, Eigen::MatrixXd& values,
-               std::vector<std::string>& notes) {
+void pair_rows(const Study& study, const StructureModel& model, const std::vector<int>& numbers,
+               Eigen::MatrixXd& values, StudyTests& tests) {
   const bool is_paired = study.test->pairing == TestPairing::mac;
   if (!is_paired && model.selection().shape_modes.empty()) return;
   std::vector<Eigen::Index> columns_of_modes;
@@ -31,10 +32,13 @@ void pair_rows(const Study& study, const StructureModel& model, Eigen::MatrixXd&
   try {
     const Eigen::MatrixXd reference = model.reference_displacements()(Eigen::all, columns_of_modes);
     if (!is_paired) {
-      if (std::string note = turn_shapes(values, model.selection(), reference); !note.empty()) notes.push_back(note);
+      std::string turned = turn_shapes(values, model.selection(), reference, numbers);
+      if (!turned.empty()) tests.notes.push_back(std::move(turned));
+      std::string unlike = unlike_shapes(values, model.selection(), reference, numbers);
+      if (!unlike.empty()) tests.warnings.push_back(std::move(unlike));
       return;
     }
-    for (std::string& note : pair_tests(values, model.selection(), reference)) notes.push_back(note);
+    for (std::string& note : pair_tests(values, model.selection(), reference, numbers)) tests.notes.push_back(note);
   } catch (const InvalidInput& error) {
     throw InvalidInput(located(study, error));
   }
@@ -96,10 +100,10 @@ void read_repeats(const Study& study, const StructureModel& model, const std::op
   CsvTable table = read_named_table(study, "test.repeatability", file);
   if (pairing) pairing->renumber(table);
   const std::vector<std::string> names = output_names(model.outputs());
-  std::vector<std::string> notes;
-  const std::vector<int> columns = match_columns(table, study, model.measured(), notes);
+  StudyTests repeats;
+  const std::vector<int> columns = match_columns(table, study, model.measured(), repeats.notes);
   Eigen::MatrixXd values = values_of_columns(table, columns, model);
-  pair_rows(study, model, values, notes);
+  pair_rows(study, model, table.numbers, values, repeats);
   values = model.outputs_of(values);
   const int specimen = table.find("specimen");
   std::vector<std::string> specimens(table.rows.size());
@@ -169,26 +173,28 @@ void add_repeatability(const Study& study, const StructureModel& model, const st
 
 /// Specimens from the rows of a table; those without any value are left out.
 Eigen::MatrixXd values_of_rows(const Study& study, const StructureModel& model, const CsvTable& table,
-                               std::vector<std::string>& notes) {
-  const std::vector<int> columns = match_columns(table, study, model.measured(), notes);
+                               StudyTests& tests) {
+  const std::vector<int> columns = match_columns(table, study, model.measured(), tests.notes);
   const Eigen::MatrixXd values = values_of_columns(table, columns, model);
+  const std::vector<int> numbers = specimen_numbers(table);
   std::vector<Eigen::Index> kept;
   std::vector<std::string> empty;
   for (Eigen::Index row = 0; row < values.rows(); ++row) {
     if (!values.row(row).array().isNaN().all()) {
       kept.push_back(row);
+      tests.data.numbers.push_back(numbers[static_cast<std::size_t>(row)]);
     } else {
-      empty.push_back(fmt::format("line {}", table.lines[static_cast<std::size_t>(row)]));
+      empty.push_back(fmt::format("{}", numbers[static_cast<std::size_t>(row)]));
     }
   }
   if (kept.empty()) throw FormatError(table.file, 0, "holds no specimen: there is no row with a value");
   if (!empty.empty()) {
-    notes.push_back(
-        fmt::format("{} specimens without any value are left out ({}); the others are numbered without them.",
-                    empty.size(), first_few(empty)));
+    tests.notes.push_back(fmt::format(
+        "Specimens without any value are left out, {}: specimen {}; the others keep the numbers of their rows.",
+        empty.size(), first_few(empty)));
   }
   Eigen::MatrixXd rows = values(kept, Eigen::all);
-  pair_rows(study, model, rows, notes);
+  pair_rows(study, model, tests.data.numbers, rows, tests);
   return rows;
 }
 
@@ -217,23 +223,27 @@ void leave_out_empty(StudyTests& tests) {
   std::vector<std::string> empty;
   for (Eigen::Index s = 0; s < tests.data.values.rows(); ++s) {
     if (tests.data.values.row(s).array().isNaN().all()) {
-      empty.push_back(fmt::format("specimen {}", s + 1));
+      empty.push_back(fmt::format("specimen {}", tests.data.number_of(s)));
     } else {
       kept.push_back(s);
     }
   }
-  if (empty.empty() || kept.empty()) return;
+  if (kept.empty()) return;
+  std::vector<int> numbers;
+  for (const Eigen::Index s : kept) numbers.push_back(tests.data.number_of(s));
+  tests.data.numbers = std::move(numbers);
+  if (empty.empty()) return;
   tests.data.values = Eigen::MatrixXd(tests.data.values(kept, Eigen::all));
-  tests.notes.push_back(fmt::format(
-      "Specimens of which no output is left after pairing are left out: {}; the others are numbered without them.",
-      first_few(empty)));
+  tests.notes.push_back(
+      fmt::format("Specimens of which no output is left after pairing are left out: {}; the others keep their numbers.",
+                  first_few(empty)));
 }
 
 }  // namespace
 
 StudyTests read_tests(const Study& study, const StructureModel& model) {
   require(study.test.has_value(), "{}: test: is missing; give [test] file = \"...\"", study.file.string());
-  TestContents contents = read_test_files(study);
+  TestContents contents = study.test->contents ? *study.test->contents : read_test_files(study);
   const TestPairing pairing = study.test->pairing.value_or(contents.table ? TestPairing::order : TestPairing::mac);
   require(contents.table || pairing == TestPairing::mac || pairing == TestPairing::order,
           "{}: test.pairing: \"named\" and \"frequency\" are for a table with one row for each specimen; these tests "
@@ -244,18 +254,18 @@ StudyTests read_tests(const Study& study, const StructureModel& model) {
   tests.notes = std::move(contents.notes);
   std::optional<FrequencyPairing> by_frequency;
   if (contents.table) by_frequency = pair_columns(study, model, *contents.table, tests.notes);
-  const Eigen::MatrixXd measured = contents.table ? values_of_rows(study, model, *contents.table, tests.notes)
+  const Eigen::MatrixXd measured = contents.table ? values_of_rows(study, model, *contents.table, tests)
                                                   : values_of_modes(study, model, contents.specimens, tests);
   tests.data.values = model.outputs_of(measured);
   if (model.selection().shape_size == ShapeSize::free) {
-    tests.notes.push_back(free_size_note(model, measured, tests.data.values));
+    tests.notes.push_back(free_size_note(model, measured, tests.data));
   }
   leave_out_empty(tests);
   tests.file = contents.table ? contents.table->file : study.test->files.front().string();
   tests.is_by_rank = pairing == TestPairing::order || pairing == TestPairing::frequency;
   for (Eigen::Index k = 0; k < tests.data.values.cols(); ++k) {
-    const bool is_frequency = model.outputs()[static_cast<std::size_t>(k)].kind == QuantityKind::frequency;
-    require(!is_frequency || !(tests.data.values.col(k).array() <= 0.0).any(),
+    const bool is_positive = traits_of(model.outputs()[static_cast<std::size_t>(k)].kind).is_positive;
+    require(!is_positive || !(tests.data.values.col(k).array() <= 0.0).any(),
             "{}: output '{}' of a specimen is not greater than 0, as a natural frequency is; leave that mode out",
             tests.file, names[static_cast<std::size_t>(k)]);
     require(!tests.data.values.col(k).unaryExpr(&is_too_large).any(),
@@ -269,6 +279,7 @@ StudyTests read_tests(const Study& study, const StructureModel& model) {
             "{}: output '{}' is measured once in {} specimens, which gives no scatter; leave it out of [outputs]",
             tests.file, names[static_cast<std::size_t>(k)], tests.data.values.rows());
   }
+  for (std::string& doubt : doubtful_frequencies(model, tests.data)) tests.warnings.push_back(std::move(doubt));
   add_repeatability(study, model, by_frequency, tests);
   add_model_error(study, names, tests);
   return tests;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "mottle/core/error.hpp"
 #include "mottle/core/folders.hpp"
@@ -39,8 +40,13 @@ void try_model(const Study& study, const StudyModel& made, const RunContext& con
     outcome.outputs = Eigen::VectorXd::Constant(static_cast<Eigen::Index>(model.outputs().size()), std::nan(""));
     for (std::size_t k = 0; k < model.outputs().size(); ++k) {
       const Quantity& output = model.outputs()[k];
-      const bool is_known = output.kind == QuantityKind::frequency && output.number <= outcome.frequencies.size();
-      if (is_known) outcome.outputs(static_cast<Eigen::Index>(k)) = outcome.frequencies(output.number - 1);
+      const bool is_frequency = output.kind == QuantityKind::frequency;
+      const bool is_known =
+          (is_frequency || output.kind == QuantityKind::eigenvalue) && output.number <= outcome.frequencies.size();
+      if (!is_known) continue;
+      const double frequency = outcome.frequencies(output.number - 1);
+      outcome.outputs(static_cast<Eigen::Index>(k)) =
+          is_frequency ? frequency : std::pow(2.0 * std::numbers::pi * frequency, 2);
     }
     return;
   }

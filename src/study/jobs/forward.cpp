@@ -48,7 +48,7 @@ void leave_out_impossible(Eigen::MatrixXd& outputs, const std::vector<Quantity>&
                           const RunContext& context) {
   Eigen::Index left_out = 0;
   for (std::size_t k = 0; k < quantities.size(); ++k) {
-    if (quantities[k].kind != QuantityKind::frequency) continue;
+    if (!traits_of(quantities[k].kind).is_positive) continue;
     auto column = outputs.col(static_cast<Eigen::Index>(k)).array();
     left_out += (column <= 0.0).count();
     column = (column <= 0.0).select(std::numeric_limits<double>::quiet_NaN(), column);

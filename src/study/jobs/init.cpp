@@ -2,14 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "mottle/core/error.hpp"
+#include "mottle/core/files.hpp"
 #include "mottle/core/text.hpp"
+#include "mottle/drivers/command/template_file.hpp"
 #include "mottle/study/jobs/study_objects.hpp"
-#include "study/jobs/deck_targets.hpp"
+#include "study/input/first_few.hpp"
+#include "study/jobs/init_model.hpp"
 #include "study/jobs/proposed_modes.hpp"
 #include "study/jobs/proposed_parameters.hpp"
-#include "study/jobs/proposed_units.hpp"
 #include "study/results/init_text.hpp"
 #include "study/tests/unit_errors.hpp"
 
@@ -17,7 +20,8 @@ namespace mottle::study {
 namespace {
 
 constexpr int k_fewest_modes = 20;
-constexpr int k_more_modes = 8;  // than the tests have, which may have missed some
+constexpr int k_fewest_of_runs = 30;  // where more would be runs of a program again
+constexpr int k_more_modes = 8;       // than the tests have, which may have missed some
 
 /// Modes of the tests, at most.
 int tested_modes(const TestContents& contents) {
@@ -75,38 +79,27 @@ std::vector<InitMode> outputs_of(const InitOutcome& outcome) {
   return outputs;
 }
 
+/// " (f1: +9.5 % apart, ...)": why the tested modes are no outputs; empty: none was tested.
+std::string doubts_text(const std::vector<InitMode>& modes) {
+  std::vector<std::string> doubts;
+  for (const InitMode& mode : modes) {
+    if (mode.specimens > 0 && !mode.doubt.empty()) doubts.push_back(fmt::format("f{}: {}", mode.mode, mode.doubt));
+  }
+  return doubts.empty() ? "" : fmt::format(" ({})", first_few(doubts));
+}
+
 /// What `check` would refuse is said now.
 void try_study(InitOutcome& outcome) {
   try {
     const Study study = read_study_text(outcome.text, outcome.settings.study);
-    const StudyModel made = make_model(study, study.parameters);
+    const StudyModel made = make_model(study, study.parameters, {.cache = outcome.settings.cache});
     if (!study.test) return;
     const StudyTests tests = read_tests(study, *made.model);
     refuse_unit_errors(study, made, tests);
+    outcome.notes.insert(outcome.notes.end(), tests.warnings.begin(), tests.warnings.end());
   } catch (const InvalidInput& error) {
     outcome.notes.push_back(fmt::format("The study does not run yet: {}", error.what()));
   }
-}
-
-/// Deck, modes and targets, with as many modes as the tests could show.
-struct Deck {
-  SolvedDeck solved;
-  TargetsOutcome targets;
-};
-
-/// Units that are not known yet are proposed.
-Deck solve(InitOutcome& outcome, int modes) {
-  InitSettings& settings = outcome.settings;
-  SolvedDeck solved = solve_deck(settings.model, {.ignore_cards = settings.ignore_cards}, modes);
-  if (!settings.units) {
-    const ProposedUnits units = propose_units(solved.structure->model());
-    settings.units = units.units;
-    outcome.units_reason = units.reason;
-  }
-  TargetsOutcome targets = targets_of(solved, {.model = settings.model, .units = *settings.units});
-  require(!targets.targets.empty(), "{}: no number of the deck changes its lowest {} modes", settings.model.string(),
-          modes);
-  return {std::move(solved), std::move(targets)};
 }
 
 std::vector<int> numbers_of(const std::vector<InitMode>& outputs) {
@@ -116,46 +109,89 @@ std::vector<int> numbers_of(const std::vector<InitMode>& outputs) {
 }
 
 /// A study whose outputs are all elastic modes, for reading and pairing tests.
-Study draft_study(const InitOutcome& outcome, const Deck& deck) {
+Study draft_study(const InitOutcome& outcome, const InitModel& model) {
   InitOutcome draft = outcome;
   draft.pairing = "frequency";
-  draft.modes = elastic_modes(deck.solved.frequencies);
-  draft.parameters = {{.target = deck.targets.targets.front().name, .name = "any number", .spread = 0.1}};
+  draft.modes = elastic_modes(model.frequencies);
+  draft.parameters = {{.target = model.targets.front().name, .name = "any number", .spread = 0.1}};
   return read_study_text(study_text_of(draft), outcome.settings.study);
 }
 
-void propose_outputs(InitOutcome& outcome, Deck& deck) {
+void propose_outputs(InitOutcome& outcome, InitModel& model) {
   const InitSettings& settings = outcome.settings;
   const bool has_tests = !settings.tests.empty();
   TestContents contents;
   if (has_tests) {
-    contents = read_test_files(draft_study(outcome, deck));
-    const int there = std::max(static_cast<int>(deck.solved.structure->mode_count()) / 2, k_fewest_modes);
+    contents = read_test_files(draft_study(outcome, model));
+    const int there = std::max(static_cast<int>(model.mode_count) / 2, k_fewest_modes);
     const int wanted = std::min(tested_modes(contents) + k_more_modes, there);
-    if (wanted > deck.solved.frequencies.size()) deck = solve(outcome, wanted);
-    PairedTests paired = pair_for_proposal(draft_study(outcome, deck), std::move(contents), deck.solved.frequencies);
+    const bool has_more = model.frequencies.size() < model.mode_count;
+    if (wanted > model.frequencies.size() && has_more) model = solve_for_proposal(outcome, wanted);
+    PairedTests paired = pair_for_proposal(draft_study(outcome, model), std::move(contents), model.frequencies,
+                                           {.cache = settings.cache});
     outcome.pairing = paired.pairing;
     outcome.specimens = paired.specimens;
     outcome.modes = std::move(paired.modes);
+    outcome.shapes = std::move(paired.shapes);
     outcome.notes = std::move(paired.notes);
   } else {
-    outcome.modes = elastic_modes(deck.solved.frequencies);
+    outcome.modes = elastic_modes(model.frequencies);
   }
+  outcome.notes.insert(outcome.notes.end(), model.notes.begin(), model.notes.end());
   choose_outputs(settings.modes, outcome.modes);
+  std::erase_if(outcome.shapes.modes, [&](int number) {
+    const auto mode = std::ranges::find(outcome.modes, number, &InitMode::mode);
+    return mode == outcome.modes.end() || !mode->doubt.empty();
+  });
+}
+
+/// The study of a solver by command, which is not run: its outputs are the tests' modes.
+InitOutcome propose_template(InitOutcome outcome) {
+  InitSettings& settings = outcome.settings;
+  require(!settings.targets && settings.ignore_cards.empty(),
+          "{}: its placeholders are the parameters; --targets and --ignore-cards are for decks",
+          settings.model.string());
+  if (!settings.units) {
+    settings.units = "SI";
+    outcome.units_reason = "UNKNOWN: SI, mm-t-s, mm-kg-ms or in-lbf-s";
+  }
+  for (const std::string& name : placeholder_names(read_file(settings.model), settings.model.string())) {
+    outcome.parameters.push_back({.name = name});
+  }
+  int count = static_cast<int>(outcome.parameters.size());  // outputs of an unknown number, enough for them
+  if (!settings.tests.empty()) {
+    Study reader;
+    reader.file = settings.study;
+    reader.units = *settings.units;
+    reader.test.emplace();
+    reader.test->pairing = TestPairing::frequency;
+    for (const std::string& file : settings.tests) reader.test->files.emplace_back(file);
+    const TestContents contents = read_test_files(reader);
+    count = tested_modes(contents);
+    outcome.specimens = static_cast<int>(contents.table ? contents.table->rows.size() : contents.specimens.size());
+  }
+  std::vector<int> numbers(static_cast<std::size_t>(count));
+  std::iota(numbers.begin(), numbers.end(), 1);
+  for (const int number : settings.modes.value_or(numbers)) outcome.modes.push_back({.mode = number});
+  outcome.text = study_text_of(outcome);
+  outcome.notes.push_back("The solver was not run. Fill in what is marked UNKNOWN; `mottle check` does the first run.");
+  return outcome;
 }
 
 }  // namespace
 
 InitOutcome propose_study(const InitSettings& settings) {
-  InitOutcome outcome{.settings = settings};
-  Deck deck = solve(outcome, k_fewest_modes);
-  propose_outputs(outcome, deck);
+  InitOutcome outcome{.settings = settings, .kind = model_kind_of(settings.model)};
+  if (outcome.kind == "command") return propose_template(std::move(outcome));
+  InitModel model = solve_for_proposal(outcome, outcome.kind == "nastran" ? k_fewest_modes : k_fewest_of_runs);
+  propose_outputs(outcome, model);
   const std::vector<InitMode> outputs = outputs_of(outcome);
-  require(!outputs.empty(),
-          "{0}: no mode of the model is found in the tests beyond doubt; see `mottle modes {0}` for the model's modes, "
-          "and name the outputs with --outputs",
-          settings.model.string());
-  outcome.parameters = propose_parameters(deck.targets.targets, numbers_of(outputs), scales_of(outputs),
+  require(
+      !outputs.empty(),
+      "{0}: no mode of the model is found in the tests beyond doubt{1}; see `mottle modes {0}` for the model's modes, "
+      "and name the outputs with --outputs",
+      settings.model.string(), doubts_text(outcome.modes));
+  outcome.parameters = propose_parameters(model.targets, numbers_of(outputs), scales_of(outputs),
                                           settings.targets.value_or(std::vector<std::string>{}));
   require(outcome.parameters.front().left_out.empty(),
           "{0}: no number of the deck moves the outputs by more than the tests scatter; see `mottle targets {0}`, and "

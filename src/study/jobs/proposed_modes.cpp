@@ -4,10 +4,12 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <optional>
 
 #include "mottle/core/error.hpp"
 #include "mottle/core/text.hpp"
 #include "mottle/study/jobs/study_objects.hpp"
+#include "study/jobs/table_shapes.hpp"
 #include "study/tests/pair_by_frequency.hpp"
 #include "study/tests/pair_modes.hpp"
 #include "study/tests/table_values.hpp"
@@ -16,6 +18,9 @@ namespace mottle::study {
 namespace {
 
 constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
+
+constexpr double k_alike = 0.7;  // MAC
+constexpr double k_far = 0.15;   // relative difference of frequencies
 
 /// Mean, scatter and count of the values that there are.
 void add_values(const Eigen::VectorXd& values, InitMode& mode) {
@@ -30,11 +35,11 @@ void add_values(const Eigen::VectorXd& values, InitMode& mode) {
   if (mode.specimens > 1) mode.test_std = std::sqrt((list - list.mean()).square().sum() / (mode.specimens - 1));
 }
 
-/// Mean MAC of the paired modes, by mode, from the table of pairs.
-std::map<int, double> mean_mac(const std::string& pairs) {
+/// Mean MAC of the paired modes, by mode, from a column of the table of pairs.
+std::map<int, double> mean_mac(const std::string& pairs, const char* column) {
   const CsvTable table = parse_csv(pairs, "pairing.csv");
   const Eigen::VectorXd modes = numbers_of_column(table, table.find("mode"));
-  const Eigen::VectorXd mac = numbers_of_column(table, table.find("mac"));
+  const Eigen::VectorXd mac = numbers_of_column(table, table.find(column));
   const auto verdict = static_cast<std::size_t>(table.find("verdict"));
   std::map<int, std::pair<double, int>> sums;
   for (std::size_t row = 0; row < table.rows.size(); ++row) {
@@ -57,12 +62,13 @@ void add_rare(int specimens, InitMode& mode) {
 }
 
 void pair_by_mac(const StructureModel& model, const TestContents& contents, PairedTests& found) {
-  constexpr double k_alike = 0.7;
+  constexpr double k_lead = 0.1;
   const PairedModes paired = pair_modes(model, contents.specimens, true);
   for (const std::string& note : paired.notes) {
     if (!note.starts_with("Modes that were not found")) found.notes.push_back(note);  // all of the model are asked for
   }
-  const std::map<int, double> mac = mean_mac(paired.table);
+  const std::map<int, double> mac = mean_mac(paired.table, "mac");
+  const std::map<int, double> second = mean_mac(paired.table, "second_mac");
   for (std::size_t k = 0; k < model.measured().size(); ++k) {
     const int number = model.measured()[k].number;
     const auto mode = std::ranges::find(found.modes, number, &InitMode::mode);
@@ -71,15 +77,45 @@ void pair_by_mac(const StructureModel& model, const TestContents& contents, Pair
     if (mode->specimens > 0 && mode->mac < k_alike) {
       mode->doubt = fmt::format("MAC {:.2f}: the shapes are not alike", mode->mac);
     }
+    if (second.contains(number) && second.at(number) > mode->mac - k_lead) {
+      mode->remark = fmt::format("another mode has MAC {:.2f}; more sensors would tell them apart", second.at(number));
+    }
   }
+}
+
+/// Why a pair by frequency is none to build on; empty: it is.
+std::string doubt_of(const FrequencyPair& pair, const InitMode& mode, const std::vector<InitMode>& modes) {
+  if (!pair.is_doubtful) return {};
+  const std::string apart = fmt::format("{:+.1f} %", 100.0 * (mode.model / mode.test_mean - 1.0));
+  const auto rival = std::ranges::find(modes, pair.rival + 1, &InitMode::mode);
+  if (pair.rival < 0 || rival == modes.end()) return apart + " apart";
+  return fmt::format(
+      "{} apart, and the model's f{} at {:.5g} is as near ({:+.1f} %): frequencies alone do not tell which of the two "
+      "was "
+      "measured, shapes would",
+      apart, rival->mode, rival->model, 100.0 * (rival->model / mode.test_mean - 1.0));
+}
+
+/// The other mode of the model nearest to the test, where it is as near as the one that the order gives; empty: none.
+std::string tie_of(const InitMode& mode, const std::vector<InitMode>& modes) {
+  constexpr double k_equal = 0.002;
+  const auto distance = [&](const InitMode& one) { return std::abs(std::log(one.model / mode.test_mean)); };
+  const InitMode* nearest = nullptr;
+  for (const InitMode& other : modes) {
+    if (other.mode == mode.mode || distance(other) > distance(mode) + k_equal) continue;
+    if (nearest == nullptr || distance(other) < distance(*nearest)) nearest = &other;
+  }
+  if (nearest == nullptr) return {};
+  return fmt::format("f{} at {:.5g} is as near, and only the order of the frequencies tells them apart", nearest->mode,
+                     nearest->model);
 }
 
 void pair_by_frequency(const Study& draft, const StructureModel& model, TestContents& contents, PairedTests& found) {
   CsvTable& table = *contents.table;
   const FrequencyPairing pairing(table, model, true);
   pairing.renumber(table);
-  std::map<int, bool> doubtful;
-  for (const FrequencyPair& pair : pairing.pairs()) doubtful[pair.mode + 1] = pair.is_doubtful;
+  std::map<int, FrequencyPair> doubtful;  // by the model's number
+  for (const FrequencyPair& pair : pairing.pairs()) doubtful[pair.mode + 1] = pair;
   std::vector<Quantity> there;
   for (const Quantity& output : model.measured()) {
     if (doubtful.contains(output.number)) there.push_back(output);
@@ -91,11 +127,60 @@ void pair_by_frequency(const Study& draft, const StructureModel& model, TestCont
     const auto mode = std::ranges::find(found.modes, there[k].number, &InitMode::mode);
     if (mode == found.modes.end()) continue;
     add_values(numbers_of_column(table, columns[k]), *mode);
-    if (doubtful[mode->mode]) {
-      mode->doubt =
-          fmt::format("{:+.0f} % apart, or another mode as near", 100.0 * (mode->model / mode->test_mean - 1.0));
-    }
+    mode->doubt = doubt_of(doubtful[mode->mode], *mode, found.modes);
+    if (mode->doubt.empty()) mode->remark = tie_of(*mode, found.modes);
   }
+}
+
+/// Whether most columns of frequencies are near the model's modes of their numbers.
+bool are_frequencies_named(const CsvTable& table, const std::vector<InitMode>& modes) {
+  int near = 0;
+  int far = 0;
+  for (std::size_t column = 0; column < table.header.size(); ++column) {
+    const auto title = numbered_title(table.header[column]);
+    if (!title || title->stem != traits_of(QuantityKind::frequency).stem) continue;
+    const auto mode = std::ranges::find(modes, title->number, &InitMode::mode);
+    InitMode tested{.test_mean = k_nan};
+    add_values(numbers_of_column(table, static_cast<int>(column)), tested);
+    const bool is_near = mode != modes.end() && std::abs(mode->model / tested.test_mean - 1.0) <= k_far;
+    ++(is_near ? near : far);
+  }
+  return near > far;
+}
+
+/// A table whose columns have the numbers of the model's modes.
+void take_by_number(const TableShapes& table_shapes, const TestContents& contents, PairedTests& found) {
+  const CsvTable& table = *contents.table;
+  found.pairing = "named";
+  found.shapes = table_shapes.shapes;
+  for (std::size_t column = 0; column < table.header.size(); ++column) {
+    const auto title = numbered_title(table.header[column]);
+    if (!title || title->stem != traits_of(QuantityKind::frequency).stem) continue;
+    const auto mode = std::ranges::find(found.modes, title->number, &InitMode::mode);
+    if (mode == found.modes.end()) continue;
+    add_values(numbers_of_column(table, static_cast<int>(column)), *mode);
+    const auto match = table_shapes.matches.find(mode->mode);
+    const bool has_shape = std::ranges::count(table_shapes.shapes.modes, mode->mode) > 0;
+    if (match != table_shapes.matches.end()) mode->mac = match->second.mac;
+    const double difference = mode->model / mode->test_mean - 1.0;
+    if (has_shape && !(mode->mac >= k_alike)) mode->doubt = "the shapes are not alike";
+    if (!has_shape && std::abs(difference) > k_far) mode->doubt = fmt::format("{:+.1f} % apart", 100.0 * difference);
+  }
+}
+
+/// What the shapes of a table say of its modes, where its columns count otherwise than the model.
+std::string shapes_note(const TableShapes& table_shapes) {
+  std::vector<std::string> pairs;
+  for (const auto& [number, match] : table_shapes.matches) {
+    pairs.push_back(fmt::format("f{} is the model's f{} (MAC {:.2f})", number, match.mode, match.mac));
+  }
+  return fmt::format(
+      "The table's columns count modes otherwise than the model, so its modes are paired by frequency and its shapes "
+      "are "
+      "no outputs. By the shapes with these numbers {}. Name the columns after the model's modes (f7, phi7:101:+Z), "
+      "and "
+      "the shapes can be outputs.",
+      pairs.empty() ? "they are none of the model's" : join(pairs));
 }
 
 }  // namespace
@@ -114,8 +199,9 @@ std::vector<InitMode> elastic_modes(const Eigen::VectorXd& frequencies) {
   return modes;
 }
 
-PairedTests pair_for_proposal(const Study& draft, TestContents contents, const Eigen::VectorXd& frequencies) {
-  const StudyModel made = make_model(draft, draft.parameters);
+PairedTests pair_for_proposal(const Study& draft, TestContents contents, const Eigen::VectorXd& frequencies,
+                              const RunSettings& settings) {
+  const StudyModel made = make_model(draft, draft.parameters, settings);
   PairedTests found{.pairing = contents.table ? "frequency" : "mac", .modes = elastic_modes(frequencies)};
   found.notes = contents.notes;
   if (contents.table) {
@@ -125,7 +211,13 @@ PairedTests pair_for_proposal(const Study& draft, TestContents contents, const E
     };
     found.specimens =
         static_cast<int>(table.rows.size() - static_cast<std::size_t>(std::ranges::count_if(table.rows, is_empty)));
-    pair_by_frequency(draft, *made.model, contents, found);
+    const std::optional<TableShapes> shapes = shapes_of_table(table, *made.model);
+    if (shapes && shapes->counts_as_model() && are_frequencies_named(table, found.modes)) {
+      take_by_number(*shapes, contents, found);
+    } else {
+      if (shapes) found.notes.push_back(shapes_note(*shapes));
+      pair_by_frequency(draft, *made.model, contents, found);
+    }
   } else {
     found.specimens = static_cast<int>(contents.specimens.size());
     pair_by_mac(*made.model, contents, found);

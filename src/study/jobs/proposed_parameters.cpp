@@ -17,28 +17,37 @@ struct Spread {
 
 /// How far a number of that kind is commonly off, by what it stands for.
 Spread spread_of(const std::string& card, const std::string& name) {
-  static const std::set<std::string> k_springs = {"PELAS", "CELAS2", "CELAS4", "PBUSH", "PGAP"};
+  static const std::set<std::string> k_springs = {"PELAS", "CELAS2", "CELAS4", "PBUSH", "PGAP", "*SPRING"};
   if (k_springs.contains(card)) return {0.3, "stiffnesses of joints and supports are seldom known better"};
-  if (name == "RHO") return {0.03, "densities are known, but paint, glue and fasteners are in them too"};
+  if (name == "RHO" || card == "*DENSITY")
+    return {0.03, "densities are known, but paint, glue and fasteners are in them too"};
   if (name == "E" || name == "G" || name.starts_with("E") || name.starts_with("G")) {
     return {0.1, "moduli are known better, but simplified joints and holes are in them too"};
   }
-  if (name == "M" || card == "CONM1" || name == "NSM") return {0.1, "masses of equipment and cables"};
+  if (name == "M" || card == "CONM1" || card == "*MASS" || name == "NSM")
+    return {0.1, "masses of equipment and cables"};
   if (name == "J" || name.starts_with("I")) return {0.1, "properties of simplified sections"};
   return {0.05, "tolerances of dimensions"};
 }
 
-/// "E_MAT1_2" of "MAT1:2:E".
+/// "E_MAT1_2" of "MAT1:2:E"; "E_STEEL" of "*ELASTIC:STEEL:E", "SPRING_BOLTS" of "*SPRING:BOLTS".
 std::string name_of(const std::string& target) {
   const std::size_t first = target.find(':');
   const std::size_t last = target.rfind(':');
+  const bool is_calculix = target.starts_with('*');
+  if (is_calculix) {
+    const std::string owner = target.substr(first + 1, first == last ? last : last - first - 1);
+    return fmt::format("{}_{}", first == last ? target.substr(1, first - 1) : target.substr(last + 1), owner);
+  }
   return fmt::format("{}_{}_{}", target.substr(last + 1), target.substr(0, first),
                      target.substr(first + 1, last - first - 1));
 }
 
 InitParameter describe(const Target& target, const std::vector<int>& modes) {
-  const std::string card = target.name.substr(0, target.name.find(':'));
-  const Spread spread = spread_of(card, target.name.substr(target.name.rfind(':') + 1));
+  const std::size_t first = target.name.find(':');
+  const std::size_t last = target.name.rfind(':');
+  const Spread spread = spread_of(target.name.substr(0, first),
+                                  first == last && target.name.starts_with('*') ? "" : target.name.substr(last + 1));
   InitParameter parameter{.target = target.name,
                           .name = name_of(target.name),
                           .unit = target.unit,

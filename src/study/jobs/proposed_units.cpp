@@ -40,6 +40,10 @@ ProposedUnits propose_units(const FiniteElementModel& model) {
     if (field.name == "E" || field.name == "E1") moduli.push_back(field.value);
     if (field.name == "RHO") densities.push_back(field.value);
   }
+  return propose_units(std::move(moduli), std::move(densities));
+}
+
+ProposedUnits propose_units(std::vector<double> moduli, std::vector<double> densities) {
   const double modulus = median(std::move(moduli));
   const double density = median(std::move(densities));
   if (std::isnan(modulus) && std::isnan(density)) return {"SI", "the deck has no material to guess from"};

@@ -37,6 +37,10 @@ void note_what_happened(const UpdatingResult& result, std::int64_t reused, const
 void note_what_is_given(const Study& study, const UpdatePlan& plan, const RunContext& context) {
   for (const std::string& note : plan.made.notes) context.note(note);
   for (const std::string& note : plan.tests.notes) context.note(note);
+  if (!plan.tests.warnings.empty()) {  // a study that is refused is told that alone
+    refuse_what_methods_refuse(study, plan, {.seed = context.seed, .threads = context.threads, .stop = context.stop});
+  }
+  for (const std::string& warning : plan.tests.warnings) context.warning(warning);
   if (!plan.covariance_groups.empty() && !find_method(study.update.method).estimates_population) {
     context.warning(fmt::format("update.covariance is not used: method '{}' does not estimate the scatter of specimens",
                                 study.update.method));

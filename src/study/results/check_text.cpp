@@ -1,5 +1,6 @@
 // The summary of `mottle check`.
 #include <cmath>
+#include <string_view>
 
 #include "mottle/core/error.hpp"
 #include "mottle/core/text.hpp"
@@ -66,6 +67,22 @@ void describe_model(const CheckOutcome& outcome, std::vector<std::string>& lines
   std::vector<std::string> names;
   for (const Quantity& output : model.outputs()) names.push_back(fmt::format("{} [{}]", output.name(), output.unit));
   lines.push_back("outputs: " + join(names));
+}
+
+/// A note in lines of at most 110 letters where it has commas or ends of sentences to break at: what belongs together
+/// stays on one line.
+void add_wrapped(std::string note, std::vector<std::string>& lines) {
+  constexpr std::size_t k_width = 110;
+  while (note.size() > k_width) {
+    std::size_t end = 0;
+    for (std::size_t k = 4; k + 1 < note.size() && (k < k_width || end == 0); ++k) {
+      if (note[k] == ' ' && std::string_view(",;:.").find(note[k - 1]) != std::string_view::npos) end = k;
+    }
+    if (end == 0) break;
+    lines.push_back(note.substr(0, end));
+    note = "    " + note.substr(end + 1);
+  }
+  lines.push_back(std::move(note));
 }
 
 std::string cell(const char* form, double value) {
@@ -135,7 +152,8 @@ void describe_update(const CheckOutcome& outcome, std::vector<std::string>& line
   const StudyTests& tests = plan.tests;
   const CloudSettings rules = cloud_settings(study, tests.data.values.rows(), tests.data.values.cols());
   lines.push_back(fmt::format("tests: {} specimens of {} outputs", tests.data.values.rows(), tests.data.values.cols()));
-  for (const std::string& note : tests.notes) lines.push_back("  " + note);
+  for (const std::string& warning : tests.warnings) add_wrapped("  warning: " + warning, lines);
+  for (const std::string& note : tests.notes) add_wrapped("  " + note, lines);
   const bool samples_always = find_method(study.update.method).samples_each_iteration;
   lines.push_back(
       samples_always

@@ -11,27 +11,6 @@
 namespace mottle::study {
 namespace {
 
-namespace fs = std::filesystem;
-
-/// A basic string of TOML.
-std::string quoted(const std::string& text) {
-  return Json(text).dump();
-}
-
-std::string relative_path(const fs::path& file, const fs::path& study) {
-  std::error_code error;
-  const fs::path folder = fs::weakly_canonical(fs::absolute(study).parent_path(), error);
-  const fs::path relative = fs::weakly_canonical(fs::absolute(file), error).lexically_relative(folder);
-  return (relative.empty() || error ? fs::absolute(file) : relative).generic_string();
-}
-
-template <typename List, typename Text>
-std::string listed(const List& list, const Text& text) {
-  std::vector<std::string> parts;
-  for (const auto& entry : list) parts.push_back(text(entry));
-  return join(parts);
-}
-
 std::string mode_comment(const InitMode& mode, const std::string& unit) {
   std::string comment = fmt::format("#   f{:<3} {:>10.5g} {}", mode.mode, mode.model, unit);
   if (!std::isnan(mode.test_mean) && mode.specimens > 0) {
@@ -42,7 +21,25 @@ std::string mode_comment(const InitMode& mode, const std::string& unit) {
     if (!std::isnan(mode.mac)) comment += fmt::format(", MAC {:.2f}", mode.mac);
   }
   if (!mode.doubt.empty()) comment += "; left out: " + mode.doubt;
+  if (mode.doubt.empty() && !mode.remark.empty()) comment += "; DOUBTFUL: " + mode.remark;
   return comment + '\n';
+}
+
+std::string shapes_text(const InitShapes& shapes) {
+  const std::string modes = listed(shapes.modes, [](int mode) { return fmt::format("{}", mode); });
+  const std::string dofs = listed(shapes.degrees_of_freedom, toml_string);
+  if (shapes.has_size()) {
+    return fmt::format(
+        "# Taken as mass-normalised, as the model's are: their sizes agree. Otherwise say size = \"free\".\n"
+        "shapes = {{ modes = [{}], dofs = [{}] }}\n",
+        modes, dofs);
+  }
+  return fmt::format(
+      "# The model's shapes are {:.2g} times as large as the tests', so the tests' are not mass-normalised: GUESSED "
+      "that "
+      "their\n# size is unknown; directions alone are compared.\n"
+      "shapes = {{ modes = [{}], dofs = [{}], size = \"free\" }}\n",
+      shapes.size, modes, dofs);
 }
 
 std::string outputs_text(const InitOutcome& outcome) {
@@ -56,6 +53,7 @@ std::string outputs_text(const InitOutcome& outcome) {
   }
   text += fmt::format("frequencies = [{}]\n",
                       listed(outputs, [](const InitMode& mode) { return fmt::format("{}", mode.mode); }));
+  if (!outcome.shapes.modes.empty()) return text + shapes_text(outcome.shapes);
   if (outcome.pairing == "mac") {
     text += "# Shapes can be outputs too: shapes = { modes = [...], dofs = [\"101:+Z\", ...] }\n";
   }
@@ -69,15 +67,15 @@ std::string test_text(const InitOutcome& outcome) {
            "prior\n"
            "# file = \"tests.csv\"\n";
   }
-  const auto path = [&](const std::string& file) { return quoted(relative_path(file, settings.study)); };
-  std::string files = listed(settings.tests, path);
-  if (settings.tests.size() > 1) files.insert(files.begin(), '['), files += ']';
-  std::string text = fmt::format("\n[test]\nfile = {}\n", files);
+  std::string text = fmt::format("\n[test]\nfile = {}\n", test_files_text(settings));
   if (outcome.pairing == "frequency") {
     text +=
         "pairing = \"frequency\"     # the tests' modes in ascending frequency are taken for the model's, see above\n";
+  } else if (outcome.pairing == "named") {
+    text +=
+        "pairing = \"named\"         # its columns already have the numbers of the model's modes, as the shapes show\n";
   } else {
-    text += fmt::format("pairing = {}\n", quoted(outcome.pairing));
+    text += fmt::format("pairing = {}\n", toml_string(outcome.pairing));
   }
   text +=
       "# repeatability = { \"f*\" = \"0.1 %\" }   # UNKNOWN: the scatter of repeated tests of one specimen; without it "
@@ -95,15 +93,21 @@ std::string parameter_text(const InitParameter& parameter) {
   constexpr double k_bounds = 5.0;  // standard deviations of the logarithm
   const double factor = std::exp(k_bounds * parameter.spread);
   std::string text = "\n[[parameter]]\n";
-  text += fmt::format("name = {}\n", quoted(parameter.name));
-  text += fmt::format("target = {:<24} # {:.6g}{}{} in {} element{}", quoted(parameter.target), parameter.value,
-                      parameter.unit == "-" ? "" : " ", parameter.unit == "-" ? "" : parameter.unit, parameter.elements,
-                      parameter.elements == 1 ? "" : "s");
+  text += fmt::format("name = {}\n", toml_string(parameter.name));
+  text += fmt::format("target = {:<24} # {:.6g}{}{}", toml_string(parameter.target), parameter.value,
+                      parameter.unit == "-" ? "" : " ", parameter.unit == "-" ? "" : parameter.unit);
+  if (parameter.elements > 0) {
+    text += fmt::format(" in {} element{}", parameter.elements, parameter.elements == 1 ? "" : "s");
+  }
   if (parameter.mode > 0) text += fmt::format("; f{} by {:+.2f} % per %", parameter.mode, parameter.sensitivity);
   text += "\nrelative = true                    # a factor on the deck's value\n";
   text += fmt::format("distribution = {{ kind = \"lognormal\", mean = 1.0, std = {:.2g} }}   # GUESSED: {}\n",
                       parameter.spread, parameter.spread_reason);
   return text + fmt::format("bounds = [{:.2g}, {:.2g}]\n", 1.0 / factor, factor);
+}
+
+std::string where_others_are(const InitOutcome& outcome) {
+  return outcome.kind == "nastran" ? ": `mottle targets`" : "";
 }
 
 std::string left_out_text(const InitOutcome& outcome) {
@@ -115,7 +119,7 @@ std::string left_out_text(const InitOutcome& outcome) {
     text += fmt::format("#   {:<20} {}\n", parameter.target, parameter.left_out);
   }
   if (count == 0) return "";
-  if (count > k_listed) text += fmt::format("#   and {} more: `mottle targets`\n", count - k_listed);
+  if (count > k_listed) text += fmt::format("#   and {} more{}\n", count - k_listed, where_others_are(outcome));
   return "\n# Numbers of the deck that are no parameters, and why:\n" + text;
 }
 
@@ -132,11 +136,14 @@ void add_mode_lines(const InitOutcome& outcome, std::vector<std::string>& lines)
     if (!is_shown) ++untested;
     if (!is_shown) continue;
     const double difference = 100.0 * (mode.model / mode.test_mean - 1.0);
-    lines.push_back(fmt::format(
-        "{:>5} {:>11.5g} {:>11} {:>8} {:>8} {:>9} {:>5}  {}", mode.mode, mode.model, cell(mode.test_mean, 5),
-        std::isnan(difference) ? "" : fmt::format("{:+.1f}", difference),
-        cell(100.0 * mode.test_std / mode.test_mean, 2), mode.specimens,
-        std::isnan(mode.mac) ? "" : fmt::format("{:.2f}", mode.mac), mode.doubt.empty() ? "yes" : "no: " + mode.doubt));
+    lines.push_back(fmt::format("{:>5} {:>11.5g} {:>11} {:>8} {:>8} {:>9} {:>5}  {}", mode.mode, mode.model,
+                                cell(mode.test_mean, 5),
+                                std::isnan(difference) ? "" : fmt::format("{:+.1f}", difference),
+                                cell(100.0 * mode.test_std / mode.test_mean, 2), mode.specimens,
+                                std::isnan(mode.mac) ? "" : fmt::format("{:.2f}", mode.mac),
+                                !mode.doubt.empty()   ? "no: " + mode.doubt
+                                : mode.remark.empty() ? "yes"
+                                                      : "yes, but doubtful: " + mode.remark));
   }
   if (untested > 0) lines.push_back(fmt::format("      {} more modes of the model were not tested", untested));
 }
@@ -154,7 +161,9 @@ void add_parameter_lines(const InitOutcome& outcome, std::vector<std::string>& l
                     parameter.mode > 0 ? fmt::format("{:+.2f} of f{}", parameter.sensitivity, parameter.mode) : "",
                     parameter.left_out.empty() ? parameter.name : "no: " + parameter.left_out));
   }
-  if (left_out > k_listed) lines.push_back(fmt::format("and {} more: `mottle targets`", left_out - k_listed));
+  if (left_out > k_listed) {
+    lines.push_back(fmt::format("and {} more{}", left_out - k_listed, where_others_are(outcome)));
+  }
 }
 
 Json mode_json(const InitMode& mode) {
@@ -165,7 +174,8 @@ Json mode_json(const InitMode& mode) {
           {"specimens", mode.specimens},
           {"mac", number_json(mode.mac)},
           {"is_output", mode.doubt.empty()},
-          {"doubt", mode.doubt}};
+          {"doubt", mode.doubt},
+          {"remark", mode.remark}};
 }
 
 Json parameter_json(const InitParameter& parameter) {
@@ -176,18 +186,38 @@ Json parameter_json(const InitParameter& parameter) {
 
 }  // namespace
 
+/// A basic string of TOML.
+std::string toml_string(const std::string& text) {
+  return Json(text).dump();
+}
+
+std::string relative_path(const std::filesystem::path& file, const std::filesystem::path& study) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  const fs::path folder = fs::weakly_canonical(fs::absolute(study).parent_path(), error);
+  const fs::path relative = fs::weakly_canonical(fs::absolute(file), error).lexically_relative(folder);
+  return (relative.empty() || error ? fs::absolute(file) : relative).generic_string();
+}
+
+std::string test_files_text(const InitSettings& settings) {
+  const auto path = [&](const std::string& file) { return toml_string(relative_path(file, settings.study)); };
+  const std::string files = listed(settings.tests, path);
+  return settings.tests.size() > 1 ? fmt::format("[{}]", files) : files;
+}
+
 std::string study_text_of(const InitOutcome& outcome) {
+  if (outcome.kind == "command") return template_study_text(outcome);
   const InitSettings& settings = outcome.settings;
   std::string text =
       "# Proposed by `mottle init`. What is GUESSED or UNKNOWN is for you to decide; `mottle check` says what becomes "
       "of it.\n";
-  text += fmt::format("title = {}\n", quoted(settings.model.stem().string()));
-  text += fmt::format("units = {}{}\n", quoted(*settings.units),
+  text += fmt::format("title = {}\n", toml_string(settings.model.stem().string()));
+  text += fmt::format("units = {}{}\n", toml_string(*settings.units),
                       outcome.units_reason.empty() ? "" : fmt::format("   # {}", outcome.units_reason));
-  text +=
-      fmt::format("\n[model]\nkind = \"nastran\"\nfile = {}\n", quoted(relative_path(settings.model, settings.study)));
+  text += fmt::format("\n[model]\nkind = {}\nfile = {}\n", toml_string(outcome.kind),
+                      toml_string(relative_path(settings.model, settings.study)));
   if (!settings.ignore_cards.empty()) {
-    text += fmt::format("ignore_cards = [{}]\n", listed(settings.ignore_cards, quoted));
+    text += fmt::format("ignore_cards = [{}]\n", listed(settings.ignore_cards, toml_string));
   }
   text += outputs_text(outcome) + test_text(outcome) + update_text(outcome);
   for (const InitParameter& parameter : outcome.parameters) {
@@ -196,16 +226,29 @@ std::string study_text_of(const InitOutcome& outcome) {
   return text + left_out_text(outcome);
 }
 
+namespace {
+
+std::string pairing_text(const std::string& pairing) {
+  if (pairing.empty()) return "";
+  return pairing == "named" ? ", its columns named as the model's modes" : ", paired by " + pairing;
+}
+
+}  // namespace
+
 RunSummary summarise(const InitOutcome& outcome) {
   RunSummary summary{.status = "done"};
   std::vector<std::string>& lines = summary.lines;
   lines.push_back(fmt::format("units: {}{}", *outcome.settings.units,
                               outcome.units_reason.empty() ? "" : fmt::format(" ({})", outcome.units_reason)));
   if (outcome.specimens > 0) {
-    lines.push_back(fmt::format("tests: {} specimens, paired by {}", outcome.specimens, outcome.pairing));
+    lines.push_back(fmt::format("tests: {} specimens{}", outcome.specimens, pairing_text(outcome.pairing)));
   }
-  add_mode_lines(outcome, lines);
-  add_parameter_lines(outcome, lines);
+  if (outcome.kind == "command") {
+    for (const InitParameter& parameter : outcome.parameters) lines.push_back("placeholder: " + parameter.name);
+  } else {
+    add_mode_lines(outcome, lines);
+    add_parameter_lines(outcome, lines);
+  }
   for (const std::string& note : outcome.notes) lines.push_back("note: " + note);
   Json modes = Json::array();
   for (const InitMode& mode : outcome.modes) modes.push_back(mode_json(mode));
@@ -213,6 +256,7 @@ RunSummary summarise(const InitOutcome& outcome) {
   for (const InitParameter& parameter : outcome.parameters) parameters.push_back(parameter_json(parameter));
   summary.json = one_line(Json{{"command", "init"},
                                {"study", outcome.settings.study.string()},
+                               {"kind", outcome.kind},
                                {"units", *outcome.settings.units},
                                {"pairing", outcome.pairing},
                                {"specimens", outcome.specimens},

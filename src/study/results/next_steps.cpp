@@ -8,13 +8,6 @@
 namespace mottle::study {
 namespace {
 
-/// Whether means, or outputs, were not tested because parameters can match any.
-bool has_too_few_outputs(const Verdict& verdict) {
-  return std::any_of(verdict.not_tested.begin(), verdict.not_tested.end(), [](const std::string& sentence) {
-    return sentence.find("no more than the") != std::string::npos;
-  });
-}
-
 std::string command_of(const SummarySources& s, std::string_view verb, const std::string& more = {}) {
   const std::string file = s.study.file.filename().string();
   return fmt::format("mottle {} {}{}{}", verb, shell_word(file.empty() ? "STUDY.toml" : file), more.empty() ? "" : " ",
@@ -65,7 +58,7 @@ std::vector<NextStep> next_steps(const SummarySources& s) {
   if (s.verdict.conclusion == Conclusion::inadequate) steps.push_back(diagnosis(s));
   const bool has_population = s.problem.tests.values.rows() > 1;
   if (!s.result.is_population && has_population) steps.push_back(population_method(s));
-  if (s.verdict.conclusion != Conclusion::inadequate && has_too_few_outputs(s.verdict)) {
+  if (s.verdict.conclusion != Conclusion::inadequate && s.verdict.lacks_outputs) {
     steps.push_back(
         {command_of(s, "check"),
          "After adding outputs to the study and its tests, such as mode shapes or further frequencies: with more "

@@ -90,11 +90,12 @@ Json sample_size_json(const UpdatingProblem& problem, const IterationRecord& las
           {"curve", t_curve_json(p, problem.level, std::max(2000, 2 * (n_test + n_model)))}};
 }
 
-Json specimens_json(const UpdatingResult& result) {
+Json specimens_json(const UpdatingResult& result, const TestData& tests) {
   if (!result.specimens) return nullptr;
   const Eigen::MatrixXd& residuals = result.specimens->residuals;
   const auto known = static_cast<double>(residuals.size() - residuals.array().isNaN().count());
-  return {{"parameters", to_json_rows(result.specimens->parameters)},
+  return {{"numbers", tests.numbers},
+          {"parameters", to_json_rows(result.specimens->parameters)},
           {"residuals", to_json_rows(residuals)},
           {"large_residual", k_large_residual},
           {"expected_large", known * std::erfc(k_large_residual / std::numbers::sqrt2)}};
@@ -258,14 +259,15 @@ Json update_result_json(const Study& study, const StudyTests& tests, const Updat
     rejected += result.history[i].rejected_draws;
   }
   json["outliers"] = Json::array();
-  for (const Outlier& outlier : result.outliers) {
+  for (const Outlier& one : result.outliers) {
     json["outliers"].push_back(
-        {{"specimen", outlier.sample + 1}, {"distance", outlier.distance}, {"p_value", outlier.p_value}});
+        {{"specimen", problem.tests.number_of(one.sample)}, {"distance", one.distance}, {"p_value", one.p_value}});
   }
   json["normality"] = result.normality ? normality_json(*result.normality, problem.space.names()) : Json(nullptr);
   json["other_solutions"] = Json::array();
   for (const Eigen::VectorXd& other : result.other_solutions) json["other_solutions"].push_back(to_json(other));
-  json["specimens"] = specimens_json(result);
+  json["better_solution"] = result.better_solution.size() > 0 ? to_json(result.better_solution) : Json(nullptr);
+  json["specimens"] = specimens_json(result, problem.tests);
   json["test_ellipses"] = ellipses_json(moments.mean, moments.covariance);
   add_cloud_analysis(json, last.cloud, first.cloud);
   json["sample_size"] = sample_size_json(problem, last);
@@ -279,6 +281,7 @@ Json update_result_json(const Study& study, const StudyTests& tests, const Updat
   json["options"] = options_json(study, problem, method);
   json["notes"] = result.notes;
   for (const std::string& note : tests.notes) json["notes"].push_back(note);
+  for (const std::string& warning : tests.warnings) json["notes"].push_back(warning);
   return json;
 }
 

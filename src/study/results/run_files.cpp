@@ -52,7 +52,11 @@ std::string clouds_csv(const std::vector<Cloud>& clouds, const ParameterSpace& s
 std::string tests_csv(const StudyTests& tests, const std::vector<Quantity>& outputs) {
   std::vector<std::string> header;
   for (const Quantity& output : outputs) header.push_back(output.name());
-  return format_csv(header, tests.data.values);
+  header.emplace_back("specimen");
+  Eigen::MatrixXd values(tests.data.values.rows(), tests.data.values.cols() + 1);
+  for (Eigen::Index s = 0; s < values.rows(); ++s) values(s, values.cols() - 1) = tests.data.number_of(s);
+  values.leftCols(tests.data.values.cols()) = tests.data.values;
+  return format_csv(header, values);
 }
 
 std::unique_ptr<Updater> make_method(const Study& study) {

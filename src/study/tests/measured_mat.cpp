@@ -115,6 +115,8 @@ CsvTable table_from_mat(const Variables& variables, const std::string& file) {
     }
   }
   table.lines.resize(rows);
+  table.numbers.resize(rows);
+  std::iota(table.numbers.begin(), table.numbers.end(), 1);
   return table;
 }
 

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <optional>
 #include <utility>
 
 #include "mottle/core/error.hpp"
@@ -51,30 +50,10 @@ std::vector<int> best_partners(const Eigen::MatrixXd& squares) {
   return partners;
 }
 
-/// "f12" of "f12", "f12_Hz", "f12 [Hz]": number and what follows; the same of "zeta12".
-struct NumberedTitle {
-  std::string stem;
-  int number = 0;
-  std::string rest;
-};
-
-std::optional<NumberedTitle> numbered_title(const std::string& title) {
-  for (const std::string stem : {"zeta", "f"}) {
-    if (!title.starts_with(stem)) continue;
-    NumberedTitle result{stem, 0, ""};
-    const char* const end = title.data() + title.size();
-    const auto [rest, error] = std::from_chars(title.data() + stem.size(), end, result.number);
-    result.rest.assign(rest, end);
-    const bool ends =
-        result.rest.empty() || std::string_view(" _[(").find(result.rest.front()) != std::string_view::npos;
-    if (error == std::errc() && result.number > 0 && ends) return result;
-  }
-  return std::nullopt;
-}
-
-/// Mean of the values that a column has; nan: none.
-double mean_of(const CsvTable& table, int column) {
-  const Eigen::ArrayXd values = measured_numbers(table, column, true).array();
+/// Mean of the frequencies that a column has, of eigenvalues sqrt(lambda) / (2 pi); nan: none.
+double mean_of(const CsvTable& table, int column, bool are_eigenvalues) {
+  Eigen::ArrayXd values = measured_numbers(table, column, true).array();
+  if (are_eigenvalues) values = values.sqrt() / (2.0 * std::numbers::pi);
   const auto count = static_cast<double>((!values.isNaN()).count());
   return values.isNaN().select(0.0, values).sum() / count;
 }
@@ -140,6 +119,22 @@ void require_unit_of_model(const CsvTable& table, const Eigen::VectorXd& tests, 
 
 }  // namespace
 
+std::optional<NumberedTitle> numbered_title(const std::string& title) {
+  for (const QuantityKind kind :
+       {QuantityKind::frequency, QuantityKind::damping_ratio, QuantityKind::eigenvalue, QuantityKind::shape_ratio}) {
+    const std::string stem = traits_of(kind).stem;
+    if (!title.starts_with(stem)) continue;
+    NumberedTitle result{stem, 0, ""};
+    const char* const end = title.data() + title.size();
+    const auto [rest, error] = std::from_chars(title.data() + stem.size(), end, result.number);
+    result.rest.assign(rest, end);
+    const std::string_view ends_of_number = traits_of(kind).has_location ? ":" : " _[(";
+    const bool ends = result.rest.empty() || ends_of_number.find(result.rest.front()) != std::string_view::npos;
+    if (error == std::errc() && result.number > 0 && ends) return result;
+  }
+  return std::nullopt;
+}
+
 std::vector<FrequencyPair> pair_in_order(const Eigen::VectorXd& tests, const Eigen::VectorXd& model) {
   Eigen::MatrixXd squares = squares_of(tests, model);
   const std::vector<int> partners = best_partners(squares);
@@ -151,8 +146,12 @@ std::vector<FrequencyPair> pair_in_order(const Eigen::VectorXd& tests, const Eig
       pair.difference = model(pair.mode) / tests(i) - 1.0;
       const double kept = std::exchange(squares(i, pair.mode), std::numeric_limits<double>::infinity());
       const double second = best_sums(squares)(squares.rows(), squares.cols());
+      if (second - best < k_indifferent * k_indifferent) {
+        pair.rival = best_partners(squares)[static_cast<std::size_t>(i)];
+        pair.is_doubtful = true;
+      }
       squares(i, pair.mode) = kept;
-      pair.is_doubtful = std::abs(pair.difference) > k_far || second - best < k_indifferent * k_indifferent;
+      pair.is_doubtful = pair.is_doubtful || std::abs(pair.difference) > k_far;
     }
     pairs.push_back(pair);
   }
@@ -161,11 +160,14 @@ std::vector<FrequencyPair> pair_in_order(const Eigen::VectorXd& tests, const Eig
 
 FrequencyPairing::FrequencyPairing(const CsvTable& table, const StructureModel& model, bool solves) {
   std::vector<std::pair<double, int>> tests;  // mean, number
-  for (std::size_t column = 0; column < table.header.size(); ++column) {
-    const std::optional<NumberedTitle> title = numbered_title(table.header[column]);
-    if (!title || title->stem != "f") continue;
-    const double mean = mean_of(table, static_cast<int>(column));
-    if (!std::isnan(mean)) tests.emplace_back(mean, title->number);
+  for (const QuantityKind kind : {QuantityKind::frequency, QuantityKind::eigenvalue}) {
+    for (std::size_t column = 0; column < table.header.size(); ++column) {
+      const std::optional<NumberedTitle> title = numbered_title(table.header[column]);
+      if (!title || title->stem != traits_of(kind).stem) continue;
+      if (std::ranges::find(tests, title->number, &std::pair<double, int>::second) != tests.end()) continue;
+      const double mean = mean_of(table, static_cast<int>(column), kind == QuantityKind::eigenvalue);
+      if (!std::isnan(mean)) tests.emplace_back(mean, title->number);
+    }
   }
   if (table.rows.empty()) throw FormatError(table.file, 0, "holds no specimen: there is no row under the header");
   if (tests.empty()) {
@@ -209,7 +211,8 @@ std::vector<std::string> FrequencyPairing::notes(const StructureModel& model) co
         fmt::format("f{} is the model's f{} ({:+.1f} %)", numbers_[static_cast<std::size_t>(pair.test)], pair.mode + 1,
                     100.0 * pair.difference);
     pairs.push_back(text);
-    if (pair.is_doubtful) doubtful.push_back(text);
+    const std::string rival = pair.rival < 0 ? "" : fmt::format(", or f{}", pair.rival + 1);
+    if (pair.is_doubtful) doubtful.push_back(text + rival);
   }
   std::vector<std::string> notes{fmt::format(
       "The tests' modes are paired with the model's by their frequencies, in ascending order (the model's frequency "

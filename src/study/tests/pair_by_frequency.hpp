@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,7 @@ struct FrequencyPair {
   int mode = -1;            ///< -1: none is near enough
   double difference = 0.0;  ///< model / test - 1
   bool is_doubtful = false;
+  int rival = -1;  ///< another mode that the test could be as well; -1: none
 };
 
 /// The assignment of the tests' modes to the model's that keeps their order and has the smallest sum of
@@ -29,6 +31,16 @@ struct FrequencyPair {
 /// @return       one pair for each tested mode
 std::vector<FrequencyPair> pair_in_order(const Eigen::VectorXd& tests, const Eigen::VectorXd& model);
 
+/// "f12" of "f12", "f12_Hz", "f12 [Hz]": number and what follows; the same of other quantities of a mode.
+struct NumberedTitle {
+  std::string stem;
+  int number = 0;
+  std::string rest;
+};
+
+/// Nothing: the title is none of a mode, or of a component of its shape.
+std::optional<NumberedTitle> numbered_title(const std::string& title);
+
 /// The pairing of a table's columns "f1", "f2", ... (the tests' own numbers) with a model's modes.
 class FrequencyPairing {
  public:
@@ -40,7 +52,7 @@ class FrequencyPairing {
   /// @throws FormatError  no column of a frequency, a value that is not greater than 0, or frequencies in another unit
   FrequencyPairing(const CsvTable& table, const StructureModel& model, bool solves);
 
-  /// Renames the columns of frequencies and damping ratios to the model's numbers; those without partner are taken out.
+  /// Renames the columns of all quantities of modes to the model's numbers; those without partner are taken out.
   void renumber(CsvTable& table) const;
 
   const std::vector<FrequencyPair>& pairs() const { return pairs_; }

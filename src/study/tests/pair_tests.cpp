@@ -3,15 +3,83 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <utility>
 
 #include "mottle/core/subject.hpp"
 #include "mottle/dynamics/modes/mac.hpp"
 #include "study/input/first_few.hpp"
 
 namespace mottle::study {
+namespace {
+
+std::string specimen_text(const std::vector<int>& numbers, Eigen::Index specimen) {
+  return fmt::format("specimen {}",
+                     numbers.empty() ? static_cast<int>(specimen) + 1 : numbers[static_cast<std::size_t>(specimen)]);
+}
+
+/// Column of the first component of a mode of `selection`, counted from 0.
+Eigen::Index first_of_shape(const OutputSelection& selection, Eigen::Index mode, Eigen::Index points) {
+  return static_cast<Eigen::Index>(selection.frequencies.size()) + mode * points;
+}
+
+/// Cosine of the measured components of a shape with those of the reference; 0 of a zero shape, nan of less than two.
+double measured_cosine(const Eigen::VectorXd& shape, const Eigen::VectorXd& reference) {
+  std::vector<Eigen::Index> rows;  // measured
+  for (Eigen::Index d = 0; d < shape.size(); ++d) {
+    if (!std::isnan(shape(d))) rows.push_back(d);
+  }
+  if (rows.size() < 2) return std::numeric_limits<double>::quiet_NaN();
+  return shape_cosines(reference(rows), shape(rows))(0, 0);
+}
+
+/// Columns of one quantity, by the number of the mode.
+using ColumnsByMode = std::map<int, Eigen::Index>;
+
+/// Those that have another place than frequencies and shapes: damping ratios, eigenvalues, and the ratios of each pair
+/// of degrees of freedom.
+///
+/// @param first  column behind the shapes
+std::vector<ColumnsByMode> other_columns(const OutputSelection& selection, Eigen::Index first) {
+  std::vector<ColumnsByMode> columns(2);
+  for (const int mode : selection.damping) columns[0][mode] = first++;
+  for (const StaticLoad& load : selection.static_loads)
+    first += static_cast<Eigen::Index>(load.degrees_of_freedom.size());
+  for (const int mode : selection.eigenvalues) columns[1][mode] = first++;
+  std::map<std::pair<std::string, std::string>, ColumnsByMode> ratios;
+  for (const ShapeRatio& ratio : selection.shape_ratios) {
+    ratios[{ratio.numerator, ratio.denominator}][ratio.mode] = first++;
+  }
+  for (auto& [pair, own] : ratios) columns.push_back(std::move(own));
+  return columns;
+}
+
+/// A shape that is unlike the model's.
+struct UnlikeShape {
+  Eigen::VectorXd shape, reference;
+};
+
+/// Where the other sign of one degree of freedom would make the shapes alike: its index; else -1.
+Eigen::Index reversed_component(const std::vector<UnlikeShape>& unlike) {
+  constexpr double k_alike = 0.8;
+  const Eigen::Index points = unlike.front().shape.size();
+  Eigen::VectorXd mac = Eigen::VectorXd::Zero(points);
+  for (const UnlikeShape& one : unlike) {
+    for (Eigen::Index d = 0; d < points; ++d) {
+      Eigen::VectorXd turned = one.shape;
+      turned(d) = -turned(d);
+      mac(d) += std::pow(measured_cosine(turned, one.reference), 2) / static_cast<double>(unlike.size());
+    }
+  }
+  Eigen::Index best = 0;
+  return mac.maxCoeff(&best) >= k_alike ? best : -1;
+}
+
+}  // namespace
 
 std::vector<std::string> pair_tests(Eigen::MatrixXd& values, const OutputSelection& selection,
-                                    const Eigen::Ref<const Eigen::MatrixXd>& reference) {
+                                    const Eigen::Ref<const Eigen::MatrixXd>& reference,
+                                    const std::vector<int>& numbers) {
   const std::vector<int>& modes = selection.shape_modes;
   const Subject pairing{Subject::Kind::pairing};
   require_of(!modes.empty(), pairing,
@@ -22,11 +90,7 @@ std::vector<std::string> pair_tests(Eigen::MatrixXd& values, const OutputSelecti
   const Eigen::Index points = reference.rows();
   const auto first_shape = static_cast<Eigen::Index>(selection.frequencies.size());
   const double not_measured = std::numeric_limits<double>::quiet_NaN();
-  const Eigen::Index first_damping = first_shape + count * points;
-  const auto damping_column = [&](int mode) -> Eigen::Index {  // -1: it is no output
-    const auto found = std::ranges::find(selection.damping, mode);
-    return found == selection.damping.end() ? -1 : first_damping + std::distance(selection.damping.begin(), found);
-  };
+  const std::vector<ColumnsByMode> others = other_columns(selection, first_shape + count * points);
   std::vector<std::string> moved;
   std::vector<std::string> doubtful;
   for (Eigen::Index s = 0; s < values.rows(); ++s) {
@@ -48,15 +112,16 @@ std::vector<std::string> pair_tests(Eigen::MatrixXd& values, const OutputSelecti
         values(s, first_shape + m * points + d) = is_paired ? sign * shapes(d, t) : not_measured;
       }
       const int label = modes[static_cast<std::size_t>(t)];
-      if (const Eigen::Index zeta = damping_column(number); zeta >= 0) {
-        const Eigen::Index measured = damping_column(label);
-        values(s, zeta) = is_paired && measured >= 0 ? row(measured) : not_measured;
+      for (const ColumnsByMode& columns : others) {
+        if (!columns.contains(number)) continue;
+        values(s, columns.at(number)) = is_paired && columns.contains(label) ? row(columns.at(label)) : not_measured;
       }
       if (is_paired && t != m) {
-        moved.push_back(fmt::format("specimen {} mode {} is the model's {} (MAC {:.2f})", s + 1, label, number, mac));
+        moved.push_back(
+            fmt::format("{} mode {} is the model's {} (MAC {:.2f})", specimen_text(numbers, s), label, number, mac));
       } else if (!is_paired && !shapes.col(t).isZero(0.0)) {
         doubtful.push_back(
-            fmt::format("specimen {} mode {} (best MAC with mode {}: {:.2f})", s + 1, label, number, mac));
+            fmt::format("{} mode {} (best MAC with mode {}: {:.2f})", specimen_text(numbers, s), label, number, mac));
       }
     }
   }
@@ -70,28 +135,50 @@ std::vector<std::string> pair_tests(Eigen::MatrixXd& values, const OutputSelecti
 }
 
 std::string turn_shapes(Eigen::MatrixXd& values, const OutputSelection& selection,
-                        const Eigen::Ref<const Eigen::MatrixXd>& reference) {
+                        const Eigen::Ref<const Eigen::MatrixXd>& reference, const std::vector<int>& numbers) {
   const Eigen::Index points = reference.rows();
   const double limit = -std::sqrt(selection.minimum_mac);
   std::vector<std::string> turned;
   for (Eigen::Index s = 0; s < values.rows(); ++s) {
     for (Eigen::Index m = 0; m < reference.cols(); ++m) {
-      auto shape = values.row(s).segment(static_cast<Eigen::Index>(selection.frequencies.size()) + m * points, points);
-      std::vector<Eigen::Index> rows;  // measured
-      for (Eigen::Index d = 0; d < points; ++d) {
-        if (!std::isnan(shape(d))) rows.push_back(d);
-      }
-      const Eigen::VectorXd measured = shape(rows).transpose();
-      if (rows.size() < 2) continue;
-      const double cosine = shape_cosines(reference.col(m)(rows), measured)(0, 0);  // 0 of a zero shape
-      if (cosine > limit || cosine == 0.0) continue;
+      auto shape = values.row(s).segment(first_of_shape(selection, m, points), points);
+      const double cosine = measured_cosine(shape.transpose(), reference.col(m));
+      if (!(cosine <= limit) || cosine == 0.0) continue;
       shape = -shape.eval();
-      turned.push_back(fmt::format("specimen {} mode {}", s + 1, selection.shape_modes[static_cast<std::size_t>(m)]));
+      turned.push_back(
+          fmt::format("{} mode {}", specimen_text(numbers, s), selection.shape_modes[static_cast<std::size_t>(m)]));
     }
   }
   if (turned.empty()) return {};
   return fmt::format("Shapes that were upside down against the model's and are turned, {}: {}.", turned.size(),
                      first_few(turned));
+}
+
+std::string unlike_shapes(const Eigen::MatrixXd& values, const OutputSelection& selection,
+                          const Eigen::Ref<const Eigen::MatrixXd>& reference, const std::vector<int>& numbers) {
+  const Eigen::Index points = reference.rows();
+  std::vector<UnlikeShape> unlike;
+  std::vector<std::string> named;
+  for (Eigen::Index s = 0; s < values.rows(); ++s) {
+    for (Eigen::Index m = 0; m < reference.cols(); ++m) {
+      const Eigen::VectorXd shape = values.row(s).segment(first_of_shape(selection, m, points), points).transpose();
+      const double mac = std::pow(measured_cosine(shape, reference.col(m)), 2);
+      if (!(mac < selection.minimum_mac)) continue;
+      unlike.push_back({shape, reference.col(m)});
+      named.push_back(fmt::format("{} mode {} (MAC {:.2f})", specimen_text(numbers, s),
+                                  selection.shape_modes[static_cast<std::size_t>(m)], mac));
+    }
+  }
+  if (unlike.empty()) return {};
+  std::string sentence =
+      fmt::format("Shapes that are unlike the model's and are used as they stand: {}.", first_few(named));
+  if (const Eigen::Index d = reversed_component(unlike); d >= 0) {
+    return sentence + fmt::format(
+                          " With the other sign of {} they are alike: is that sensor upside down, or its sign "
+                          "mistyped?",
+                          selection.shape_degrees_of_freedom[static_cast<std::size_t>(d)]);
+  }
+  return sentence + " If the tests number modes otherwise than the model, test.pairing = \"mac\" pairs them by shape.";
 }
 
 }  // namespace mottle::study

@@ -35,18 +35,18 @@ bool have_mostly_no_mass(const std::vector<MeasuredModes>& specimens) {
 
 }  // namespace
 
-ShapeSize shape_size_of(const Study& study) {
+ShapeSize shape_size_of(Study& study) {
   const ShapeSize stated = study.outputs.shape_size;
   if (stated != ShapeSize::by_tests || study.outputs.shape_modes.empty() || !study.test) return stated;
   try {
-    return have_mostly_no_mass(read_test_files(study).specimens) ? ShapeSize::free : stated;
+    study.test->contents = std::make_shared<const TestContents>(read_test_files(study));
+    return have_mostly_no_mass(study.test->contents->specimens) ? ShapeSize::free : stated;
   } catch (const InvalidInput&) {
     return stated;
   }
 }
 
-std::string free_size_note(const StructureModel& model, const Eigen::MatrixXd& measured,
-                           const Eigen::MatrixXd& outputs) {
+std::string free_size_note(const StructureModel& model, const Eigen::MatrixXd& measured, const TestData& tests) {
   std::vector<std::string> dropped;
   for (const Quantity& quantity : model.measured()) {
     if (std::ranges::find(model.outputs(), quantity) == model.outputs().end()) dropped.push_back(quantity.name());
@@ -54,8 +54,8 @@ std::string free_size_note(const StructureModel& model, const Eigen::MatrixXd& m
   std::vector<std::string> lost;
   for (Eigen::Index s = 0; s < measured.rows(); ++s) {
     for (const int mode : model.selection().shape_modes) {
-      if (has_mode(model.measured(), measured, s, mode) && !has_mode(model.outputs(), outputs, s, mode)) {
-        lost.push_back(fmt::format("specimen {} mode {}", s + 1, mode));
+      if (has_mode(model.measured(), measured, s, mode) && !has_mode(model.outputs(), tests.values, s, mode)) {
+        lost.push_back(fmt::format("specimen {} mode {}", tests.number_of(s), mode));
       }
     }
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <numeric>
 #include <set>
 
@@ -223,6 +224,12 @@ double SpecimenPairing::value_of(const Quantity& output, Eigen::Index test, doub
       return scale * component(output.location, test);
     case QuantityKind::damping_ratio:
       return modes_.damping(test);
+    case QuantityKind::eigenvalue:
+      return std::pow(2.0 * std::numbers::pi * modes_.frequencies(test), 2);
+    case QuantityKind::shape_ratio: {
+      const double ratio = component(output.location, test) / component(output.denominator, test);
+      return std::isfinite(ratio) ? ratio : k_not_measured;
+    }
     default:
       return k_not_measured;
   }

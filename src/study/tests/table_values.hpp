@@ -21,10 +21,15 @@ std::vector<std::string> output_names(const std::vector<Quantity>& outputs);
 std::vector<int> match_columns(const CsvTable& table, const Study& study, const std::vector<Quantity>& quantities,
                                std::vector<std::string>& notes);
 
+/// Numbers of the specimens in the rows of a table: those of its column "specimen" where it holds whole numbers, each
+/// once, else those of the rows.
+std::vector<int> specimen_numbers(const CsvTable& table);
+
 /// The numbers of a column; nan: not measured.
 ///
+/// @param is_positive  they are frequencies or eigenvalues
 /// @throws FormatError  a frequency that is not greater than 0, a number whose square is none
-Eigen::VectorXd measured_numbers(const CsvTable& table, int column, bool is_frequency);
+Eigen::VectorXd measured_numbers(const CsvTable& table, int column, bool is_positive);
 
 /// Rows are specimens, columns StructureModel::measured(); nan: not measured.
 ///

@@ -50,6 +50,16 @@ CsvTable named_modes(const Study& study, const std::string& key, CsvTable table)
   if (table.has_header) return table;
   const bool is_stated =
       study.test && (study.test->pairing == TestPairing::frequency || study.test->pairing == TestPairing::order);
+  const std::string first = table.lines.empty() ? "" : table.rows.front().front();
+  if (!study.outputs.shape_modes.empty() || !study.outputs.static_loads.empty()) {
+    throw FormatError(
+        table.file, table.lines.front(),
+        fmt::format(
+            "has no line with the names of the columns, the first cell is '{}'; give it one that "
+            "names its {} columns: f1, f2, phi1:{}, ...",
+            first, table.header.size(),
+            study.outputs.shape_degrees_of_freedom.empty() ? "m1" : study.outputs.shape_degrees_of_freedom.front()));
+  }
   if (!is_stated) {
     throw FormatError(
         table.file, table.lines.front(),

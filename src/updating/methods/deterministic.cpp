@@ -2,14 +2,15 @@
 
 #include <Eigen/Core>
 #include <cmath>
-#include <limits>
-#include <optional>
 
 #include "mottle/core/subject.hpp"
+#include "mottle/core/text.hpp"
 #include "mottle/linalg/dense/decompositions.hpp"
 #include "mottle/stats/moments/distance.hpp"
 #include "mottle/updating/methods/iteration.hpp"
 #include "updating/methods/deterministic_tests.hpp"
+#include "updating/methods/least_squares.hpp"
+#include "updating/methods/other_minima.hpp"
 #include "updating/methods/scaled_parameters.hpp"
 #include "updating/methods/scatter_curvature.hpp"
 #include "updating/population/model_error.hpp"
@@ -17,65 +18,28 @@
 namespace mottle::updating {
 namespace {
 
-constexpr int k_max_halvings = 12;
-
-/// The least-squares problem in fixed numbers.
-struct LeastSquares {
-  Eigen::VectorXd target;     // z
-  Eigen::VectorXd weight;     // diagonal of W
-  Eigen::VectorXd start;      // x0
-  Eigen::VectorXd prior_std;  // s0
-  Eigen::MatrixXd prior;      // Q
-};
-
-/// Outputs at one point, or nothing where the model run failed.
-std::optional<Eigen::VectorXd> evaluate_one(const UpdatingProblem& problem, const Eigen::VectorXd& parameters,
-                                            const RunContext& context, std::int64_t& evaluations) {
-  const Evaluation evaluation = problem.model.evaluate(parameters.transpose(), context);
-  ++evaluations;
-  if (!evaluation.failures.empty()) return std::nullopt;
-  return evaluation.outputs.row(0).transpose();
-}
-
-/// Central differences by all parameters at once: a model whose runs are long may do them side by side. Where one side
-/// fails, differences from the middle.
-Eigen::MatrixXd difference_quotients(const UpdatingProblem& problem, const Eigen::VectorXd& parameters,
-                                     const Eigen::VectorXd& steps, const RunContext& context,
-                                     std::int64_t& evaluations) {
-  const Eigen::Index q = parameters.size();
-  Eigen::MatrixXd points = parameters.transpose().replicate(2 * q, 1);
-  points.topRows(q).diagonal() += steps;
-  points.bottomRows(q).diagonal() -= steps;
-  const Eigen::MatrixXd y = problem.model.evaluate(points, context).outputs.transpose();
-  evaluations += points.rows();
-  std::optional<Eigen::VectorXd> centre;
-  if (!y.allFinite()) centre = evaluate_one(problem, parameters, context, evaluations);
-  Eigen::MatrixXd quotients(y.rows(), q);
-  for (Eigen::Index i = 0; i < q; ++i) {
-    const bool has_ahead = y.col(i).allFinite();
-    const bool has_behind = y.col(q + i).allFinite();
-    if (has_ahead && has_behind) {
-      quotients.col(i) = (y.col(i) - y.col(q + i)) / (2.0 * steps(i));
-    } else if (centre && (has_ahead || has_behind)) {
-      const Eigen::VectorXd side = y.col(has_ahead ? i : q + i);
-      quotients.col(i) = (side - *centre) / (has_ahead ? steps(i) : -steps(i));
-    } else {
-      throw ModelFailure("the model fails at all points around the current parameters, so there is no derivative");
-    }
-  }
-  return quotients;
-}
-
 const Subject k_method{Subject::Kind::method, "deterministic"};
 
+/// "1 to 4, 6".
+std::string numbers_text(const TestData& tests) {
+  std::vector<std::string> ranges;
+  for (Eigen::Index s = 0, end = 0; s < tests.values.rows(); s = end) {
+    end = s + 1;
+    while (end < tests.values.rows() && tests.number_of(end) == tests.number_of(end - 1) + 1) ++end;
+    ranges.push_back(end == s + 1 ? fmt::format("{}", tests.number_of(s))
+                                  : fmt::format("{} to {}", tests.number_of(s), tests.number_of(end - 1)));
+  }
+  return join(ranges);
+}
+
 LeastSquares prepare(const UpdatingProblem& problem, const DeterministicOptions& options) {
-  const Eigen::Index specimens = problem.tests.values.rows();
   const Subject specimen{Subject::Kind::option, "deterministic.specimen"};
-  require_of(options.specimen <= specimens, specimen, "{} is not there, the tests have 1 to {} (0 means their mean)",
-             options.specimen, specimens);
+  const Eigen::Index row = options.specimen == 0 ? 0 : problem.tests.find(options.specimen);
+  require_of(row >= 0, specimen, "{} is not there; the tests have {} (0 means their mean)", options.specimen,
+             numbers_text(problem.tests));
   LeastSquares setup;
   setup.target = options.specimen == 0 ? test_moments(problem.tests).mean
-                                       : Eigen::VectorXd(problem.tests.values.row(options.specimen - 1).transpose());
+                                       : Eigen::VectorXd(problem.tests.values.row(row).transpose());
   require_of(setup.target.allFinite(), specimen,
              "specimen {} has missing values; choose another or "
              "leave the outputs out",
@@ -102,55 +66,6 @@ LeastSquares prepare(const UpdatingProblem& problem, const DeterministicOptions&
              "regularisation to \"tikhonov\" or \"bayesian\", or update fewer parameters",
              setup.start.size(), setup.target.size());
   return setup;
-}
-
-double cost(const LeastSquares& setup, const Eigen::VectorXd& parameters, const Eigen::VectorXd& outputs) {
-  const Eigen::VectorXd residual = setup.target - outputs;
-  const Eigen::VectorXd shift = parameters - setup.start;
-  return residual.cwiseAbs2().dot(setup.weight) + shift.dot(setup.prior * shift);
-}
-
-void require_full_rank(const LeastSquares& setup, const Eigen::MatrixXd& g) {
-  const Eigen::MatrixXd scaled = setup.weight.cwiseSqrt().asDiagonal() * g * setup.prior_std.asDiagonal();
-  const Eigen::Index rank = PivotedQr(scaled).rank();
-  require_of(!setup.prior.isZero(0.0) || rank == g.cols(), k_method,
-             "the outputs determine only {} combinations of the {} parameters; set the option regularisation to "
-             "\"tikhonov\" or \"bayesian\"",
-             rank, g.cols());
-}
-
-/// Gauss-Newton step over the parameters that no bound holds.
-Eigen::VectorXd free_step(const Eigen::MatrixXd& hessian, const Eigen::VectorXd& descent,
-                          const Eigen::VectorXi& active) {
-  std::vector<Eigen::Index> free;
-  for (Eigen::Index i = 0; i < descent.size(); ++i) {
-    const bool is_held = (active(i) < 0 && descent(i) < 0.0) || (active(i) > 0 && descent(i) > 0.0);
-    if (!is_held) free.push_back(i);
-  }
-  Eigen::VectorXd step = Eigen::VectorXd::Zero(descent.size());
-  if (free.empty()) return step;
-  const Eigen::MatrixXd free_hessian = hessian(free, free);
-  const Eigen::VectorXd free_descent = descent(free);
-  const Eigen::VectorXd solved = solve_semidefinite(free_hessian, free_descent);
-  step(free) = solved;
-  return step;
-}
-
-/// The step, halved until the cost does not rise (a failed run counts as a rise); `outputs` become those of the new
-/// point. Where no part of the step helps the point stays where it is.
-Eigen::VectorXd accepted_step(const UpdatingProblem& problem, const LeastSquares& setup, const Eigen::VectorXd& x,
-                              const Eigen::VectorXd& step, Eigen::VectorXd& outputs, const RunContext& context,
-                              std::int64_t& evaluations) {
-  const double old_cost = cost(setup, x, outputs);
-  double length = 1.0;
-  for (int halving = 0; halving <= k_max_halvings; ++halving, length *= 0.5) {
-    Eigen::VectorXd next = problem.space.clamp(x + length * step);
-    const auto trial = evaluate_one(problem, next, context, evaluations);
-    if (!trial || cost(setup, next, *trial) > old_cost) continue;
-    outputs = *trial;
-    return next;
-  }
-  return x;
 }
 
 IterationRecord record_point(const Eigen::VectorXd& parameters, const Eigen::MatrixXd& covariance,
@@ -210,21 +125,10 @@ const OptionTable<DeterministicOptions>& deterministic_option_table() {
           .number("measurement_error", &D::measurement_error, {.lower = 0.0, .excludes_lower = true},
                   "fraction of the value",
                   "Measurement standard deviation of an output as a fraction of its tested value, used where "
-                  "[test] repeatability does not give it.");
+                  "[test] repeatability does not give it.")
+          .integer("starts", &D::starts, {.lower = 0.0, .upper = 10000.0}, "-",
+                   "Number of starting points, drawn from the prior, of a search for other minima; 0 means none.");
   return table;
-}
-
-Eigen::MatrixXd model_jacobian(const UpdatingProblem& problem, const Eigen::VectorXd& parameters,
-                               const Eigen::VectorXd& scale, const RunContext& context, std::int64_t& evaluations) {
-  const auto outputs = static_cast<Eigen::Index>(problem.model.outputs().size());
-  Eigen::MatrixXd jacobian =
-      problem.derivatives != nullptr
-          ? problem.derivatives->jacobian(parameters)
-          : Eigen::MatrixXd::Constant(outputs, parameters.size(), std::numeric_limits<double>::quiet_NaN());
-  if (jacobian.allFinite()) return jacobian;
-  const Eigen::MatrixXd differences =
-      difference_quotients(problem, parameters, problem.model.difference_step() * scale, context, evaluations);
-  return jacobian.array().isFinite().select(jacobian, differences);
 }
 
 UpdatingResult DeterministicUpdater::update(const UpdatingProblem& problem, const RunContext& context) const {
@@ -234,24 +138,23 @@ UpdatingResult DeterministicUpdater::update(const UpdatingProblem& problem, cons
   result.status = UpdatingStatus::max_iterations;
   append_state(result, record_state(problem, tests, problem.space.prior(), 0, context));
 
-  Eigen::VectorXd x = problem.space.clamp(setup.start);
+  LeastSquaresPoint point;
+  auto& [x, y, g] = point;
+  x = problem.space.clamp(setup.start);
   const auto at_start = evaluate_one(problem, x, context, result.model_evaluations);
   if (!at_start) throw ModelFailure("the model fails at the parameters' prior means, so there is no starting point");
-  Eigen::VectorXd y = *at_start;
-  Eigen::MatrixXd g = model_jacobian(problem, x, setup.prior_std, context, result.model_evaluations);
+  y = *at_start;
+  g = model_jacobian(problem, x, setup.prior_std, context, result.model_evaluations);
   for (int index = 1; index <= problem.iterations; ++index) {
     if (context.stop_requested()) {
       result.status = UpdatingStatus::stopped;
       break;
     }
-    require_full_rank(setup, g);
-    const Eigen::MatrixXd gw = g.transpose() * setup.weight.asDiagonal();
-    const Eigen::VectorXd descent = gw * (setup.target - y) - setup.prior * (x - setup.start);
-    const Eigen::VectorXd step = free_step(gw * g + setup.prior, descent, problem.space.active_bounds(x));
-    const Eigen::VectorXd next = accepted_step(problem, setup, x, step, y, context, result.model_evaluations);
-    const double movement = ((next - x).cwiseAbs().array() / setup.prior_std.array()).maxCoeff();
-    x = next;
-    g = model_jacobian(problem, x, setup.prior_std, context, result.model_evaluations);
+    require_of(has_full_rank(setup, g), k_method,
+               "the outputs determine only {} combinations of the {} parameters; set the option regularisation to "
+               "\"tikhonov\" or \"bayesian\"",
+               determined_combinations(setup, g), g.cols());
+    const double movement = step_down(problem, setup, point, context, result.model_evaluations);
     append_state(result, record_point(x, estimate_covariance(setup, g, options_.regularisation), y, g, setup));
     context.progress("update", index, problem.iterations);
     if (movement <= problem.tolerance) {
@@ -270,6 +173,9 @@ UpdatingResult DeterministicUpdater::update(const UpdatingProblem& problem, cons
   if (updates > 0) result.history.pop_back();
   result.history.push_back(std::move(last));
   result.message = ending_message(result.status, updates, problem.tolerance);
+  if (result.status == UpdatingStatus::converged) {
+    find_other_minima(problem, setup, point, options_.starts, context, result);
+  }
   const bool is_of_many = options_.specimen == 0 && problem.tests.values.rows() > 1;
   const Eigen::VectorXd means = is_of_many ? scattered_means(problem, x, g, context, result.model_evaluations) : y;
   test_structure(problem,

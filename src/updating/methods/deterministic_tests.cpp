@@ -30,7 +30,7 @@ void plan_residual_test(const UpdatingProblem& problem, const StructureEstimate&
                                                problem.space.prior().covariance().diagonal().cwiseSqrt());
   const auto d = static_cast<double>(b.cols());
   if (d == 0.0) {
-    plan.leave_untested(
+    plan.leave_untested_for_lack_of_outputs(
         Aspect::means,
         fmt::format("The outputs were not tested: {} of them are no more than the identifiable combinations of "
                     "parameters, so the residuals cannot tell whether the model is right. {}",

@@ -74,10 +74,11 @@ void plan_mean_test(const Comparison& c, TestPlan& plan) {
   const auto d = static_cast<double>(c.directions.cols());
   const double n = c.specimens;
   if (d == 0.0) {
-    plan.leave_untested(Aspect::means, fmt::format("The means were not tested: {} outputs are no more than the "
-                                                   "identifiable combinations of parameters, which can match any "
-                                                   "means. {}",
-                                                   c.residual.size(), k_more_outputs));
+    plan.leave_untested_for_lack_of_outputs(
+        Aspect::means,
+        fmt::format("The means were not tested: {} outputs are no more than the identifiable combinations of "
+                    "parameters, which can match any means. {}",
+                    c.residual.size(), k_more_outputs));
     return;
   }
   if (c.has_gaps) {

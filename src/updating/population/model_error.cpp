@@ -9,6 +9,13 @@
 
 namespace mottle::updating {
 
+Eigen::Index TestData::find(int number) const {
+  for (Eigen::Index s = 0; s < values.rows(); ++s) {
+    if (number_of(s) == number) return s;
+  }
+  return -1;
+}
+
 Eigen::VectorXd TestData::model_error_variance() const {
   if (is_model_error_estimated || model_error_std.size() == 0) return Eigen::VectorXd::Zero(values.cols());
   return model_error_std.cwiseAbs2();

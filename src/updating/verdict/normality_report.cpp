@@ -69,7 +69,8 @@ std::optional<ParameterTransform> better_scale(const Parameter& parameter, const
 }
 
 /// Centres, sizes and members of the two batches.
-std::string batches_text(const Parameter& parameter, const Estimates& estimates, Eigen::Index below) {
+std::string batches_text(const Parameter& parameter, const Estimates& estimates, Eigen::Index below,
+                         const TestData& tests) {
   std::vector<std::size_t> order(estimates.values.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
   std::sort(order.begin(), order.end(),
@@ -80,12 +81,12 @@ std::string batches_text(const Parameter& parameter, const Estimates& estimates,
     for (auto i = begin; i != end; ++i) sum += estimates.values[*i];
     return parameter.transform.to_variable(sum / static_cast<double>(end - begin));
   };
-  std::vector<Eigen::Index> members;
-  for (auto i = split; i != order.end(); ++i) members.push_back(estimates.specimens[*i] + 1);
+  std::vector<int> members;
+  for (auto i = split; i != order.end(); ++i) members.push_back(tests.number_of(estimates.specimens[*i]));
   std::sort(members.begin(), members.end());
   constexpr std::size_t k_listed = 12;
   std::vector<std::string> names;
-  for (const Eigen::Index member : members) names.push_back(fmt::format("{}", member));
+  for (const int member : members) names.push_back(fmt::format("{}", member));
   const bool is_long = names.size() > k_listed;
   if (is_long) names.resize(k_listed);
   return fmt::format("two batches, {} specimens around {:.4g} and {} around {:.4g} (specimens {}{})", below,
@@ -95,7 +96,7 @@ std::string batches_text(const Parameter& parameter, const Estimates& estimates,
 
 /// What the estimates of one parameter look like.
 std::string suggestion_for(const Parameter& parameter, const VariableNormality& variable, double mean,
-                           const std::vector<Outlier>& outliers) {
+                           const std::vector<Outlier>& outliers, const TestData& tests) {
   const Estimates estimates = estimates_of(variable, mean, {});
   const bool is_but_for_outliers = !outliers.empty() && estimates_of(variable, mean, outliers).p_value() > k_passes;
   if (const auto scale = better_scale(parameter, estimates, variable.probabilities.p_value)) {
@@ -109,7 +110,7 @@ std::string suggestion_for(const Parameter& parameter, const VariableNormality& 
   }
   if (variable.probabilities.two_batches <= k_passes) {
     return fmt::format("{} looks like {}: update each by itself", parameter.name,
-                       batches_text(parameter, estimates, variable.statistics.lower_batch));
+                       batches_text(parameter, estimates, variable.statistics.lower_batch, tests));
   }
   return fmt::format("{} is not normal", parameter.name);
 }
@@ -133,7 +134,7 @@ void report_normality(const UpdatingProblem& problem, const PopulationFit& fit, 
     if (variable.reliability < k_mostly_noise) hardly_tested.push_back(parameter.name);
     if (variable.probabilities.p_value > test.level_of_each(problem.level)) continue;
     report.suggestions[i] =
-        suggestion_for(parameter, variable, fit.mean(static_cast<Eigen::Index>(i)), result.outliers);
+        suggestion_for(parameter, variable, fit.mean(static_cast<Eigen::Index>(i)), result.outliers, problem.tests);
     remarks.push_back(fmt::format("{} (p = {:.2g})", report.suggestions[i], variable.probabilities.p_value));
   }
   if (report.is_remarkable && remarks.empty()) {

@@ -96,10 +96,10 @@ void plan_residual_tests(const UpdatingProblem& problem, const PopulationFit& fi
     residuals.own_noncentrality.array() *= test_moments(problem.tests).covariance.diagonal().array();
   }
   if (!has_noise || residuals.mean_degrees_of_freedom == 0.0 || residuals.degrees_of_freedom <= 0.0) {
-    plan.leave_untested(Aspect::means,
-                        fmt::format("The means were not tested: {} outputs are no more than the {} identifiable "
-                                    "combinations of parameters, which can match any means. {}",
-                                    problem.tests.values.cols(), fit.seen.cols(), k_more_outputs));
+    plan.leave_untested_for_lack_of_outputs(
+        Aspect::means, fmt::format("The means were not tested: {} outputs are no more than the {} identifiable "
+                                   "combinations of parameters, which can match any means. {}",
+                                   problem.tests.values.cols(), fit.seen.cols(), k_more_outputs));
     plan.leave_untested(Aspect::scatter,
                         fmt::format("The scatter was not tested: the covariance of the parameters is free to match any "
                                     "covariance of the tests. {}",
@@ -184,7 +184,9 @@ void plan_reproduction(const UpdatingProblem& problem, const PopulationFit& fit,
   for (Eigen::Index s = 0; s < fit.specimens.outputs.rows(); ++s) {
     const Eigen::ArrayXd off = (problem.tests.values.row(s) - fit.specimens.outputs.row(s)).transpose().array().abs();
     const bool is_off = (off > k_small * scatter.array()).any();
-    if (is_off && !fit.specimens.converged[static_cast<std::size_t>(s)]) lost.push_back(fmt::format("{}", s + 1));
+    if (is_off && !fit.specimens.converged[static_cast<std::size_t>(s)]) {
+      lost.push_back(fmt::format("{}", problem.tests.number_of(s)));
+    }
   }
   plan.add({.name = "reproduction",
             .statistic = static_cast<double>(lost.size()),

@@ -45,6 +45,7 @@ void TestPlan::make(double level, UpdatingResult& result) const {
   }
   for (const auto& [aspect, reasons] : sentences) {
     if (tested.contains(aspect)) continue;
+    result.lacks_outputs = result.lacks_outputs || lacking_.contains(aspect);
     result.not_tested.insert(result.not_tested.end(), reasons.begin(), reasons.end());
   }
 }

@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -54,12 +55,19 @@ class TestPlan {
   /// A sentence that says why an aspect is not tested and what would test it; used where no test of it has power.
   void leave_untested(Aspect aspect, const std::string& sentence) { untested_[aspect].push_back(sentence); }
 
+  /// The same where parameters can match any outputs: UpdatingResult::lacks_outputs.
+  void leave_untested_for_lack_of_outputs(Aspect aspect, const std::string& sentence) {
+    leave_untested(aspect, sentence);
+    lacking_.insert(aspect);
+  }
+
   /// Puts the tests, and sentences on aspects that none of them tests, into the result.
   void make(double level, UpdatingResult& result) const;
 
  private:
   std::vector<PlannedTest> tests_;
   std::map<Aspect, std::vector<std::string>> untested_;
+  std::set<Aspect> lacking_;  // of outputs
 };
 
 /// A planned test whose statistic is chi-squared where the model is right.

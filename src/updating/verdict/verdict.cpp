@@ -63,23 +63,35 @@ void say_bounds(const UpdatingProblem& problem, const UpdatingResult& result, Ve
   }
 }
 
+/// "k1 = 1.2, k2 = 0.9".
+std::string values_text(const UpdatingProblem& problem, const Eigen::VectorXd& parameters) {
+  std::vector<std::string> values;
+  for (Eigen::Index i = 0; i < parameters.size(); ++i) {
+    values.push_back(
+        fmt::format("{} = {:.4g}", problem.space.parameters()[static_cast<std::size_t>(i)].name, parameters(i)));
+  }
+  return join(values);
+}
+
 void say_specimens_and_solutions(const UpdatingProblem& problem, const UpdatingResult& result, Verdict& verdict) {
   for (const Outlier& outlier : result.outliers) {
     verdict.reasons.push_back(fmt::format(
         "Specimen {} lies {:.1f} standard deviations from the others (p = {:.2g} among all of them): check its "
         "test before trusting means and standard deviations.",
-        outlier.sample + 1, outlier.distance, outlier.p_value));
+        problem.tests.number_of(outlier.sample), outlier.distance, outlier.p_value));
   }
   for (const Eigen::VectorXd& other : result.other_solutions) {
-    std::vector<std::string> values;
-    for (Eigen::Index i = 0; i < other.size(); ++i) {
-      values.push_back(
-          fmt::format("{} = {:.4g}", problem.space.parameters()[static_cast<std::size_t>(i)].name, other(i)));
-    }
     verdict.reasons.push_back(
         fmt::format("Other parameters explain the mean of the tests equally well: {}. Measure outputs that "
                     "distinguish them, or narrow the bounds.",
-                    join(values)));
+                    values_text(problem, other)));
+  }
+  if (result.better_solution.size() > 0) {
+    verdict.not_tested.push_back(
+        fmt::format("The update stopped in a local minimum: {} explains the tests better, and tests of the model at "
+                    "a local minimum say nothing about it. Make that the mean of the prior, or set bounds around the "
+                    "parameters that are possible.",
+                    values_text(problem, result.better_solution)));
   }
 }
 
@@ -101,12 +113,13 @@ Verdict judge(const UpdatingProblem& problem, const UpdatingResult& result) {
   verdict.level = problem.level;
   verdict.tests = result.tests;
   verdict.not_tested = result.not_tested;
+  verdict.lacks_outputs = result.lacks_outputs;
   say_tests(result, verdict);
   say_bounds(problem, result, verdict);
   say_specimens_and_solutions(problem, result, verdict);
   const bool has_failed =
       std::any_of(result.tests.begin(), result.tests.end(), [](const VerdictTest& test) { return !test.passed; });
-  const bool counts = is_at_rest(problem, result);
+  const bool counts = is_at_rest(problem, result) && result.better_solution.size() == 0;
   if (result.status != UpdatingStatus::converged) {
     verdict.not_tested.push_back(
         fmt::format("The iteration did not converge: {}. {}", result.message,

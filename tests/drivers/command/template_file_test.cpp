@@ -20,6 +20,14 @@ std::string filled(const std::string& text, double e = 2.1e11, double t = 0.1, d
   return Template(text, "plate.inp.in", k_names).fill(Eigen::Vector3d(e, t, n));
 }
 
+TEST(Placeholders, AreNamedOnceInTheirOrder) {
+  EXPECT_THAT(
+      mottle::drivers::placeholder_names("a {{t:%8.3f}} {{E*7850:%12.5e}}\n{{ n : %4d}}{{t}} {{plate:T}}", "p.in"),
+      ElementsAre("t", "E", "n", "plate:T"));
+  EXPECT_THAT([] { mottle::drivers::placeholder_names("\n{{t\n}}", "p.in"); },
+              ThrowsMessage<FormatError>(HasSubstr("p.in:2")));
+}
+
 TEST(Template, FormatsArePrintfs) {
   EXPECT_EQ(filled("*ELASTIC\n{{E:%12.5e}}, 0.3\n"), "*ELASTIC\n 2.10000e+11, 0.3\n");
   EXPECT_EQ(filled("{{t:%-8.3f}}|{{ n : %4d}}"), "0.100   |   3");

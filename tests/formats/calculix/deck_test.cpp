@@ -47,6 +47,12 @@ TEST_F(CalculixDecks, FindsTheNumbersOfCards) {
   EXPECT_TRUE(find_calculix_numbers(read, "{{soft}}").at(0).is_placeholder);
 }
 
+TEST_F(CalculixDecks, ListTheNumbersThatAParameterCanSet) {
+  const CalculixDeck read = deck(std::string(k_deck) + "*ELASTIC, TYPE=ORTHO\n1,2,3\n*MASS, ELSET=NONE\n0.\n");
+  EXPECT_THAT(list_calculix_targets(read), testing::ElementsAre("*ELASTIC:STEEL:E", "*DENSITY:STEEL", "*SPRING:BOLTS",
+                                                                "*SPRING:CABLES", "*SHELL SECTION:PLATE:T"));
+}
+
 TEST_F(CalculixDecks, WritesOtherNumbersInTwentyCharactersAndTheStepThatStoresMatrices) {
   const CalculixDeck read = deck(k_deck);
   const std::string text = matrix_storage_deck(read, {{find_calculix_numbers(read, "*ELASTIC:STEEL:E")[0], 1.0 / 3e-11},

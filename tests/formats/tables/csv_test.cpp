@@ -78,6 +78,11 @@ TEST(ParseCsv, CountsSkippedLines) {
   EXPECT_THAT(parse_csv("# head\n\nf1\n1\n# more\n2\n", "t").lines, ElementsAre(4, 6));
 }
 
+TEST(ParseCsv, NumbersRowsWithTheEmptyLinesBetweenThemAndWithoutRemarks) {
+  EXPECT_EQ(parse_csv("\na\n1\n\n# remark\n2\n\n", "a.csv").numbers, (std::vector<int>{1, 3}));
+  EXPECT_EQ(parse_csv("5,6\n\n7,8\n", "a.csv", HeaderRule::may_be_missing).numbers, (std::vector<int>{1, 3}));
+}
+
 TEST(ParseCsv, TrimsBlanksAroundCells) {
   EXPECT_THAT(parse_csv(" f1 , f2\t\n 1 ,2 \n", "t").rows, ElementsAre(ElementsAre("1", "2")));
 }

@@ -41,6 +41,13 @@ TEST(VerdictSummary, NamesAMethodThatEstimatesTheScatterAsTheNextCommand) {
             "mottle update case4.toml --set 'update.method=\"maximum-likelihood\"'");
 }
 
+TEST(VerdictSummary, AsksForMoreOutputsWhereParametersCanMatchAnyMeans) {
+  const nlohmann::json result = result_of("case1.toml", {R"(update.method="maximum-likelihood")"});
+  EXPECT_EQ(result["verdict"]["next"][0]["command"], "mottle check case1.toml");
+  const nlohmann::json tested = result_of("shapes.toml");
+  EXPECT_NE(tested["verdict"]["next"][0]["command"], "mottle check shapes.toml");
+}
+
 TEST(VerdictSummary, OfARefusedModelDoubtsEveryParameterThatNoBoundStopped) {
   const nlohmann::json result = result_of("case2.toml");
   EXPECT_EQ(result["verdict"]["conclusion"], "inadequate");

@@ -67,6 +67,9 @@ TEST(PairInOrder, DoubtsWhatIsFarOrAsNearToAnotherMode) {
       pair_in_order(Eigen::Vector3d(10.0, 20.0, 30.0), (Eigen::VectorXd(4) << 10.1, 19.9, 20.1, 36.0).finished());
   EXPECT_FALSE(pairs[0].is_doubtful);
   EXPECT_TRUE(pairs[1].is_doubtful) << "two modes as near";
+  EXPECT_EQ(pairs[1].mode + pairs[1].rival, 3) << "modes 1 and 2";
+  EXPECT_EQ(pairs[0].rival, -1);
+  EXPECT_EQ(pairs[2].rival, -1);
   EXPECT_TRUE(pairs[2].is_doubtful) << "20 % away";
   EXPECT_NEAR(pairs[2].difference, 0.2, 1e-14);
 }

@@ -28,6 +28,32 @@ TEST(PairTests, AMeasuredModeMovesToTheNumberOfItsShape) {
   EXPECT_NE(notes[0].find("specimen 1 mode 2 is the model's 1 (MAC 1.00)"), std::string::npos) << notes[0];
 }
 
+TEST(PairTests, EigenvaluesAndRatiosMoveWithTheirModes) {
+  OutputSelection outputs = three_modes();
+  outputs.static_loads = {{{{"a", 1.0}}, {"a", "b"}}};
+  outputs.eigenvalues = {1, 2};
+  outputs.shape_ratios = {{1, "a", "b"}, {2, "a", "b"}, {1, "b", "c"}};
+  Eigen::MatrixXd values(1, 19);  // the test's modes 1 and 2 are the model's 2 and 1
+  values << 20, 10, 40, 0, 1, 0, 1, 0, 0, 0, 0, 2, 7, 8, 0.1, 0.2, 3, 4, 5;
+  pair_tests(values, outputs, Eigen::Matrix3d::Identity());
+  Eigen::RowVectorXd expected(6);
+  expected << 7, 8, 0.2, 0.1, 4, 3;
+  EXPECT_EQ(values.row(0).segment(12, 6), expected) << values;
+  EXPECT_TRUE(std::isnan(values(0, 18)));  // of the test's mode 2 this ratio was not measured
+}
+
+TEST(PairTests, AShapeThatNoSignMakesLikeTheModelsIsNamedWithItsSpecimen) {
+  OutputSelection outputs{.frequencies = {1}, .shape_modes = {1}, .shape_degrees_of_freedom = {"a", "b", "c"}};
+  const Eigen::Vector3d reference(1.0, 1.0, 1.0);
+  Eigen::MatrixXd values(3, 4);
+  values << 10, 1, 1, 1, 10, 1, -1, 1, 10, 0.9, 1, k_missing;
+  const std::string sentence = unlike_shapes(values, outputs, reference, {4, 6, 9});
+  EXPECT_NE(sentence.find("specimen 6 mode 1 (MAC 0.11)"), std::string::npos) << sentence;
+  EXPECT_NE(sentence.find("With the other sign of b they are alike"), std::string::npos) << sentence;
+  EXPECT_EQ(sentence.find("specimen 4"), std::string::npos) << sentence;
+  EXPECT_EQ(sentence.find("specimen 9"), std::string::npos) << sentence;
+}
+
 TEST(PairTests, DampingRatiosMoveWithTheirModesAndOthersStay) {
   OutputSelection outputs = three_modes();
   outputs.damping = {2, 1};

@@ -3,8 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
 
 #include "mottle/core/error.hpp"
+#include "mottle/model/function_model.hpp"
 #include "support/linear_model.hpp"
 #include "support/three_masses.hpp"
 
@@ -120,6 +124,73 @@ TEST(Deterministic, OneChosenSpecimenIsReproduced) {
     const Eigen::MatrixXd frequencies = frequencies_of(structure, result.mean.transpose());
     EXPECT_LT((frequencies.row(0) - problem.tests.values.row(specimen - 1)).cwiseAbs().maxCoeff(), 1e-9);
   }
+}
+
+/// y = (cos x, sin x, x / 20): on x = x* + 2 pi the first two are the same, and the third tells them apart.
+struct Spiral {
+  Spiral() : model(1, {named_quantity("c", "-"), named_quantity("s", "-"), named_quantity("t", "-")}, spiral) {}
+
+  static Eigen::VectorXd spiral(const Eigen::VectorXd& x) {
+    return Eigen::Vector3d(std::cos(x(0)), std::sin(x(0)), x(0) / 20.0);
+  }
+  UpdatingResult update_to(double x, double noise, int starts) const {
+    const Distribution prior({.kind = DistributionKind::normal, .mean = 0.7, .std = 3.0});
+    const ParameterSpace space({{"x", "-", -20.0, 20.0, {.lower = -1e9, .excludes_lower = false}}},
+                               JointDistribution({prior}));
+    const Eigen::MatrixXd tests = spiral(Eigen::VectorXd::Constant(1, x)).transpose();
+    const UpdatingProblem problem{.model = model,
+                                  .space = space,
+                                  .tests = {tests, Eigen::Vector3d::Constant(noise)},
+                                  .cloud = {.samples = 50},
+                                  .iterations = 50,
+                                  .tolerance = 1e-8};
+    return update(problem, {.regularisation = Regularisation::none, .starts = starts});
+  }
+  FunctionModel model;
+};
+
+TEST(Deterministic, AMinimumThatIsOnlyLocalIsSaidToBeOne) {
+  // From 0.7 the nearest minimum is near 0.72, where t is off by 2 pi / 20 = 0.31, 31 standard deviations.
+  const UpdatingResult result = Spiral().update_to(7.0, 0.01, 20);
+  EXPECT_NEAR(result.mean(0), 7.0 - 2.0 * std::numbers::pi, 0.02);
+  ASSERT_EQ(result.better_solution.size(), 1);
+  EXPECT_NEAR(result.better_solution(0), 7.0, 1e-6);
+  EXPECT_NE(result.message.find("local minimum"), std::string::npos) << result.message;
+  EXPECT_TRUE(result.other_solutions.empty());
+}
+
+TEST(Deterministic, AMinimumThatFitsAsWellIsAnotherSolution) {
+  // With a standard deviation of 1 the third output does not tell 0.72 from 7.
+  const UpdatingResult result = Spiral().update_to(7.0, 1.0, 20);
+  EXPECT_EQ(result.better_solution.size(), 0);
+  ASSERT_FALSE(result.other_solutions.empty());
+  const bool has_seven = std::any_of(result.other_solutions.begin(), result.other_solutions.end(),
+                                     [](const Eigen::VectorXd& x) { return std::abs(x(0) - 7.0) < 0.1; });
+  EXPECT_TRUE(has_seven);
+}
+
+TEST(Deterministic, TheLowestMinimumIsSaidToBeNothingElse) {
+  const UpdatingResult result = Spiral().update_to(0.5, 0.01, 20);
+  EXPECT_NEAR(result.mean(0), 0.5, 1e-6);
+  EXPECT_EQ(result.better_solution.size(), 0);
+  EXPECT_TRUE(result.other_solutions.empty());
+  EXPECT_EQ(result.message.find("local"), std::string::npos);
+}
+
+TEST(Deterministic, WithoutStartsNoOtherMinimumIsLookedFor) {
+  const UpdatingResult result = Spiral().update_to(7.0, 0.01, 0);
+  EXPECT_EQ(result.better_solution.size(), 0);
+}
+
+TEST(Deterministic, ASpecimenIsChosenByTheNumberThatItsReaderKnows) {
+  const ThreeMasses structure;
+  UpdatingProblem problem = structure.problem(frequencies_of(structure, oracle_parameters()).topRows(3));
+  problem.tests.numbers = {1, 4, 5};
+  problem.tolerance = 1e-10;
+  const UpdatingResult result = update(problem, {.regularisation = Regularisation::none, .specimen = 4});
+  const Eigen::MatrixXd frequencies = frequencies_of(structure, result.mean.transpose());
+  EXPECT_LT((frequencies.row(0) - problem.tests.values.row(1)).cwiseAbs().maxCoeff(), 1e-9);
+  EXPECT_THROW(update(problem, {.specimen = 2}), InvalidInput);
 }
 
 TEST(Deterministic, DifferencesAgreeWithAnalyticSensitivities) {

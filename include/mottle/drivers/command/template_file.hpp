@@ -53,4 +53,10 @@ class Template {
   std::vector<Placeholder> placeholders_;
 };
 
+/// Names in the placeholders of a text, each once, in its order.
+///
+/// @param file  for messages
+/// @throws FormatError  {{ without }} on the same line
+std::vector<std::string> placeholder_names(std::string_view text, const std::string& file);
+
 }  // namespace mottle::drivers

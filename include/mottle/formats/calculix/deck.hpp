@@ -48,6 +48,10 @@ struct CalculixNumber {
 /// the deck has); FormatError: a card whose number cannot be moved (temperatures, nonlinear, not isotropic).
 std::vector<CalculixNumber> find_calculix_numbers(const CalculixDeck& deck, const std::string& target);
 
+/// Targets of all numbers of the deck that a parameter can set, in the deck's order: moduli, densities, linear springs,
+/// masses and thicknesses that are not 0. Poisson's ratios are left out.
+std::vector<std::string> list_calculix_targets(const CalculixDeck& deck);
+
 /// The field of a target: "E", "NU", "T", or "" where the keyword has a single number; empty too for {{name}}.
 /// Throws nothing: a target of another form gives "".
 std::string calculix_field(const std::string& target);

@@ -18,6 +18,7 @@ struct CsvTable {
   bool has_header = true;                      ///< false: the file has none, and the columns are called "1", "2", ...
   std::vector<std::vector<std::string>> rows;  ///< as many cells as the header has
   std::vector<int> lines;                      ///< line of each row, counted from 1
+  std::vector<int> numbers;                    ///< of each row, counted from 1, empty lines between rows counted too
 
   /// Index of a column, or -1.
   int find(std::string_view name) const;

@@ -29,6 +29,12 @@ struct StaticLoad {
   std::vector<std::string> degrees_of_freedom = {};  ///< of the outputs
 };
 
+/// Ratio of two components of one mode shape.
+struct ShapeRatio {
+  int mode = 1;
+  std::string numerator = {}, denominator = {};  ///< degrees of freedom
+};
+
 /// Which quantities are outputs. Mode numbers count from 1, in the order of the reference structure.
 struct OutputSelection {
   std::vector<int> frequencies = {};
@@ -37,6 +43,8 @@ struct OutputSelection {
   ShapeSize shape_size = ShapeSize::mass_normalised;
   std::vector<int> damping = {};
   std::vector<StaticLoad> static_loads = {};
+  std::vector<int> eigenvalues = {};
+  std::vector<ShapeRatio> shape_ratios = {};
   ModeTracking tracking = ModeTracking::order;
   UnitNames units = {};
   /// A tracked mode with less, alone and with those it mixed with, is lost: its sample fails.

@@ -1,4 +1,5 @@
-// The job of `mottle init`: a first study of a deck and its tests, with reasons, that runs as it is.
+// The job of `mottle init`: a first study of a model and its tests, with reasons, that runs as it is; of a solver by
+// command one whose unknowns are marked.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,24 +16,26 @@ namespace mottle::study {
 
 /// What is known; what is not is proposed.
 struct InitSettings {
-  std::filesystem::path model;              ///< a Nastran deck
-  std::vector<std::string> tests = {};      ///< files, folders or patterns as of test.file; none: a study without tests
-  std::filesystem::path study = {};         ///< where the study will be: its paths are relative to that
-  std::set<std::string> ignore_cards = {};  ///< in capitals
-  std::optional<std::string> units = {};    ///< "SI", ...
+  std::filesystem::path model;          ///< a deck of Nastran or CalculiX (.inp), or a file with placeholders {{name}}
+  std::vector<std::string> tests = {};  ///< files, folders or patterns as of test.file; none: a study without tests
+  std::filesystem::path study = {};     ///< where the study will be: its paths are relative to that
+  std::set<std::string> ignore_cards = {};               ///< in capitals
+  std::optional<std::string> units = {};                 ///< "SI", ...
   std::optional<std::vector<int>> modes = {};            ///< that are outputs, in the model's numbers
   std::optional<std::vector<std::string>> targets = {};  ///< of the parameters
+  std::filesystem::path cache = {};  ///< folder of CalculiX's matrices that later runs use again; empty: none
 };
 
 /// A mode of the model with what the tests say of it.
 struct InitMode {
-  int mode = 0;            ///< the model's number
-  double model = 0.0;      ///< its frequency, unit of the study
-  double test_mean = 0.0;  ///< nan: not tested
-  double test_std = 0.0;   ///< nan: tested in fewer than two specimens
-  int specimens = 0;       ///< in which it was found
-  double mac = 0.0;        ///< mean over them; nan: paired by frequency
-  std::string doubt = {};  ///< why it is no output; empty: it is one
+  int mode = 0;             ///< the model's number
+  double model = 0.0;       ///< its frequency, unit of the study
+  double test_mean = 0.0;   ///< nan: not tested
+  double test_std = 0.0;    ///< nan: tested in fewer than two specimens
+  int specimens = 0;        ///< in which it was found
+  double mac = 0.0;         ///< mean over them; nan: paired by frequency
+  std::string doubt = {};   ///< why it is no output; empty: it is one
+  std::string remark = {};  ///< what to think of in a pair that is used
 };
 
 /// A number of the deck with its place in the study.
@@ -47,23 +50,38 @@ struct InitParameter {
   std::string left_out = {};  ///< why it is no parameter; empty: it is one
 };
 
+/// Shapes of tables that are outputs.
+struct InitShapes {
+  std::vector<int> modes = {};  ///< by the model's number; empty: none
+  std::vector<std::string> degrees_of_freedom = {};
+  double size = 1.0;                                           ///< of the model's over the tests', median
+  bool has_size() const { return size > 0.8 && size < 1.25; }  ///< they seem to be mass-normalised
+};
+
 struct InitOutcome {
-  InitSettings settings;  ///< with what was proposed for what was not known
+  InitSettings settings;         ///< with what was proposed for what was not known
+  std::string kind = "nastran";  ///< of the model: "nastran", "calculix", "command"
   std::string units_reason = {};
-  std::string pairing = {};  ///< "mac", "frequency", "order"; empty: no tests
+  std::string pairing = {};  ///< "mac", "frequency", "named"; empty: no tests
   int specimens = 0;
   std::vector<InitMode> modes = {};
+  InitShapes shapes = {};
   std::vector<InitParameter> parameters = {};  ///< those of the study first, then what was left out
   std::vector<std::string> notes = {};
   std::string text = {};  ///< of the study
 };
 
-/// Solves the deck, reads and pairs the tests, and proposes outputs and parameters:
+/// Solves the deck (CalculiX by its matrices, from a few runs for each number of the deck), reads and pairs the tests,
+/// and proposes outputs and parameters:
 ///
 /// - outputs are the elastic modes that are paired beyond doubt in at least half of the specimens, the lowest 14;
 /// - parameters are numbers of the deck chosen one after the other, each the one that changes the outputs most (in
 ///   units of the tests' scatter, by its prior standard deviation) in a way that those chosen before cannot; at most
 ///   half as many as outputs. What the others lack is said.
+///
+/// - shapes of a table are outputs where its columns count modes as the model does.
+///
+/// Of a file with placeholders the study has a parameter each; command, output files and values are marked as unknown.
 ///
 /// Nothing is written.
 ///

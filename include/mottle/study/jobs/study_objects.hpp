@@ -31,17 +31,19 @@ struct PairedSpecimen;
 /// The tests of a study, columns in the order of the model's outputs.
 struct StudyTests {
   TestData data;
-  std::string file = {};           ///< that they were read from, the first of several
-  std::vector<std::string> notes;  ///< columns and rows that were left out, and why
-  std::string pairing = {};        ///< pairing.csv; empty where the tests came as a table of outputs
-  bool is_by_rank = false;         ///< modes are numbered by rank of frequency, not by shape
+  std::string file = {};                   ///< that they were read from, the first of several
+  std::vector<std::string> notes;          ///< columns and rows that were left out, and why
+  std::vector<std::string> warnings = {};  ///< values that are probably mistaken, and are used as they are
+  std::string pairing = {};                ///< pairing.csv; empty where the tests came as a table of outputs
+  bool is_by_rank = false;                 ///< modes are numbered by rank of frequency, not by shape
   /// Modes as measured, with the model's mode of each; null where the tests came as a table of outputs.
   std::shared_ptr<const std::vector<PairedSpecimen>> specimens = nullptr;
 };
 
 /// Columns: output names, with or without a unit behind ("f1", "f1_Hz", "f1 [Hz]"). Columns of the study's parameters
 /// (known truth), of outputs that the study does not use, and "specimen" or "status" are left out. A row without any
-/// value is a specimen without data and is left out.
+/// value is a specimen without data and is left out. Specimens are numbered by the rows of the file, empty ones
+/// included, or by a column "specimen" of different whole numbers.
 ///
 /// With test.pairing = "mac" the modes of every specimen are renumbered by their shapes, see pair_tests().
 ///

@@ -32,7 +32,14 @@ struct TestData {
   /// empty: none [output].
   Eigen::VectorXd model_error_std = {};
   bool is_model_error_estimated = false;  ///< `model_error_std` is empty, levels of all outputs are estimated
+  /// Number by which a reader knows each specimen, from 1, such as the row of its file; empty: 1, 2, ... [specimen].
+  std::vector<int> numbers = {};
 
+  int number_of(Eigen::Index specimen) const {
+    return numbers.empty() ? static_cast<int>(specimen) + 1 : numbers[static_cast<std::size_t>(specimen)];
+  }
+  /// Row of the specimen with that number; -1: there is none.
+  Eigen::Index find(int number) const;
   /// Variance of the model's error where it is given, else 0 [output].
   Eigen::VectorXd model_error_variance() const;
   bool has_model_error() const { return is_model_error_estimated || !model_error_std.isZero(0.0); }
@@ -134,12 +141,15 @@ struct UpdatingResult {
   std::vector<Outlier> outliers = {};                          ///< specimens that do not belong to the others
   std::optional<NormalityReport> normality = std::nullopt;     ///< of methods that look at each specimen
   std::vector<Eigen::VectorXd> other_solutions = {};  ///< means that explain the tests' mean as well [parameter]
+  /// Parameters that explain what the method fits better than `mean` does, which is a local minimum; empty: not known.
+  Eigen::VectorXd better_solution = {};
   /// Bias of `mean` by the curvature of the outputs, in its standard errors, to second order; empty: not known.
   Eigen::VectorXd curvature_bias = {};
   Eigen::MatrixXd noise_covariance;          ///< R as used or estimated [output x output]; else 0 x 0
   bool is_population = false;                ///< `covariance` estimates the scatter of the specimens
   std::vector<VerdictTest> tests;            ///< of the final state, at the problem's level together
   std::vector<std::string> not_tested = {};  ///< sentences: what of the model no test could see, and why
+  bool lacks_outputs = false;                ///< parameters can match any outputs, so that these cannot be tested
   std::vector<std::string> notes;            ///< what a reader of the numbers must know
 
   /// Makes `found` the estimate; `mean`, `covariance` and `is_population` follow it.

@@ -25,6 +25,7 @@ struct Verdict {
   std::vector<VerdictTest> tests;
   std::vector<std::string> reasons;     ///< sentences; also where adequate
   std::vector<std::string> not_tested;  ///< sentences: what no test could see, and what would show it
+  bool lacks_outputs = false;           ///< UpdatingResult::lacks_outputs
 };
 
 /// Inadequate where a test failed; adequate where the update converged, every aspect (the means and, of several
