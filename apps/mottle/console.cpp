@@ -1,12 +1,15 @@
 #include "console.hpp"
 
 #include <fmt/format.h>
+#include <sys/ioctl.h>
 #include <sys/time.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <string_view>
+#include <system_error>
 
 #include "mottle/core/utf8.hpp"
 #include "mottle/study/results/run_folder.hpp"
@@ -14,9 +17,10 @@
 namespace mottle::app {
 namespace {
 
-constexpr double k_first_plain_s = 1.0;  // a silent start looks like a hang
+constexpr double k_first_plain_s = 0.8;  // a silent start looks like a hang
 constexpr double k_plain_interval_s = 10.0;
 constexpr double k_terminal_interval_s = 0.1;
+constexpr std::chrono::milliseconds k_tick{100};
 
 static_assert(std::atomic<bool>::is_always_lock_free, "the signal handler needs it");
 
@@ -37,13 +41,12 @@ void request_stop(int signal_number) {
   ::setitimer(ITIMER_REAL, &patience, nullptr);
 }
 
-/// "40 s", "9 min", "2.5 h".
-std::string duration_text(double seconds) {
-  constexpr double k_minute = 60.0;
-  constexpr double k_hour = 3600.0;
-  if (seconds < 2.0 * k_minute) return fmt::format("{:.0f} s", seconds);
-  if (seconds < 2.0 * k_hour) return fmt::format("{:.0f} min", seconds / k_minute);
-  return fmt::format("{:.1f} h", seconds / k_hour);
+/// A longer line would be wrapped, and only its last part could be taken away again.
+std::size_t terminal_width() {
+  constexpr std::size_t k_usual = 80;
+  winsize size{};
+  const bool is_known = ::ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 1;
+  return is_known ? size.ws_col : k_usual;
 }
 
 }  // namespace
@@ -66,65 +69,89 @@ void catch_signals() {
   std::signal(SIGXFSZ, [](int) {});
 }
 
-Console::Console(bool is_quiet) : is_quiet_(is_quiet), is_terminal_(::isatty(STDERR_FILENO) == 1) {}
-
-Console::~Console() {
-  end_line();
+Console::Console(bool is_quiet)
+    : is_quiet_(is_quiet),
+      is_terminal_(::isatty(STDERR_FILENO) == 1),
+      next_shown_(is_terminal_ ? 0.0 : steady_seconds() + k_first_plain_s) {
+  if (is_quiet_) return;
+  sigset_t all{};
+  sigset_t before{};
+  sigfillset(&all);
+  ::pthread_sigmask(SIG_SETMASK, &all, &before);  // a signal is to interrupt what the main thread waits in
+  try {
+    ticker_ = std::jthread([this](const std::stop_token& stop) { keep_alive(stop); });
+  } catch (const std::system_error&) {  // no more threads: what reports is shown all the same
+  }
+  ::pthread_sigmask(SIG_SETMASK, &before, nullptr);
 }
 
-void Console::end_line() {
+Console::~Console() {
+  finish();
+}
+
+void Console::finish() {
+  if (ticker_.joinable()) {
+    ticker_.request_stop();
+    ticker_.join();
+  }
+  const std::lock_guard lock(mutex_);
+  erase_line();
+}
+
+void Console::keep_alive(const std::stop_token& stop) {
+  std::unique_lock lock(mutex_);
+  while (!stop.stop_requested()) {
+    changed_.wait_for(lock, stop, k_tick, [] { return false; });
+    if (!stop.stop_requested()) show_if_due();
+  }
+}
+
+void Console::erase_line() {
   if (has_open_line_) tell("\r\033[K");
   has_open_line_ = false;
 }
 
-void Console::begin(const std::string& phase) {
-  if (is_terminal_ && !is_quiet_) show(phase + " ...");
-}
-
-void Console::show(const std::string& text) {
-  tell(fmt::format("\r\033[K{}", text));
-  std::fflush(stderr);
-  has_open_line_ = true;
-}
-
-void Console::progress(const std::string& stage, std::int64_t done, std::int64_t total) {
-  if (is_quiet_) return;
+void Console::show_if_due() {
   const double now = steady_seconds();
-  if (stage != stage_) {
-    stage_ = stage;
-    start_ = now;
-    last_shown_ = now;  // a stage that is over at once needs no progress
-    interval_ = is_terminal_ ? k_terminal_interval_s : k_first_plain_s;
-  }
-  if (now - last_shown_ < interval_) return;
-  last_shown_ = now;
-  if (!is_terminal_) interval_ = k_plain_interval_s;
-  std::string text = fmt::format("{}: {} of {}", stage, done, total);
-  const double elapsed = now - start_;
-  if (done > 0 && elapsed > 0.0) {
-    const double rate = static_cast<double>(done) / elapsed;
-    text += fmt::format(", {:.3g} a second", rate);
-    if (const double left = static_cast<double>(total - done) / rate; left >= 1.0) {
-      text += fmt::format(", at most {} left at this rate", duration_text(left));
-    }
-  }
+  if (is_quiet_ || now < next_shown_) return;
+  const std::string text = printable(line_.text(now));
+  if (text.empty()) return;
+  next_shown_ = now + (is_terminal_ ? k_terminal_interval_s : k_plain_interval_s);
   if (is_terminal_) {
-    show(text);
+    tell(fmt::format("\r\033[K{}", text.substr(0, terminal_width() - 1)));
+    has_open_line_ = true;
   } else {
     tell(text + "\n");
   }
 }
 
+void Console::phase(const Phase& next) {
+  const std::lock_guard lock(mutex_);
+  line_.begin(next, steady_seconds());
+  show_if_due();
+}
+
+void Console::progress(const std::string& work, std::int64_t done, std::int64_t total) {
+  const std::lock_guard lock(mutex_);
+  line_.count(work, done, total, steady_seconds());
+  show_if_due();
+}
+
+void Console::say(const std::string& line) {
+  if (is_quiet_) return;
+  const std::lock_guard lock(mutex_);
+  erase_line();
+  tell(line + "\n");
+}
+
 void Console::warning(const std::string& text) {
-  end_line();
-  if (!is_quiet_) tell(fmt::format("mottle: warning: {}\n", printable(text)));
+  say("mottle: warning: " + printable(text));
 }
 
 void Console::note(const std::string&) {}  // notes are for the log; the summary says what matters
 
 void Console::finding(const std::string& text) {
-  end_line();
-  if (!is_quiet_) tell(printable(text) + "\n");
+  say(printable(text));
 }
 
 }  // namespace mottle::app

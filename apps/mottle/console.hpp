@@ -2,14 +2,20 @@
 #pragma once
 
 #include <atomic>
+#include <condition_variable>
+#include <mutex>
+#include <stop_token>
 #include <string>
+#include <thread>
 
 #include "mottle/core/run_context.hpp"
 #include "mottle/layers.hpp"
+#include "progress_line.hpp"
 
 namespace mottle::app {
 
-/// Progress on stderr: one line that is rewritten, with rate and time left, on a terminal; plain lines elsewhere.
+/// Progress on stderr: one line that is rewritten on a terminal; plain lines elsewhere, the first within a second. A
+/// thread of its own keeps it alive where a long step reports nothing.
 class Console final : public ProgressObserver {
  public:
   explicit Console(bool is_quiet);
@@ -17,25 +23,31 @@ class Console final : public ProgressObserver {
   Console(const Console&) = delete;
   Console& operator=(const Console&) = delete;
 
-  /// Says at once, on a terminal, what is being done before anything can be counted.
-  void begin(const std::string& phase);
-  /// Takes the line of progress away, before something else is printed.
-  void end_line();
+  /// What the command itself does beside its job.
+  void begin(const std::string& name) { phase({.name = name}); }
+  /// Nothing more is shown, and the line of progress is taken away.
+  void finish();
 
-  void progress(const std::string& stage, std::int64_t done, std::int64_t total) override;
+  void phase(const Phase& next) override;
+  void progress(const std::string& work, std::int64_t done, std::int64_t total) override;
   void warning(const std::string& text) override;
   void note(const std::string& text) override;
   void finding(const std::string& text) override;
 
  private:
-  void show(const std::string& text);
+  void keep_alive(const std::stop_token& stop);
+  void show_if_due();
+  void erase_line();
+  void say(const std::string& line);
+
   bool is_quiet_;
   bool is_terminal_;
+  std::mutex mutex_;  // of all below
+  ProgressLine line_;
   bool has_open_line_ = false;
-  double start_ = 0.0;
-  double last_shown_ = -1.0;
-  double interval_ = 0.0;
-  std::string stage_;
+  double next_shown_ = 0.0;
+  std::condition_variable_any changed_;
+  std::jthread ticker_;  // last: it ends before what it uses
 };
 
 /// Writes to standard error; one that takes nothing changes nothing else.

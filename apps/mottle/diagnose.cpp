@@ -22,7 +22,7 @@ void add_diagnose(CLI::App& app) {
     const FolderLock lock(settings.folder);
     const DiagnoseOutcome outcome = diagnose(study, settings);
     write_results(outcome, settings.folder);
-    console.end_line();
+    console.finish();
     print_summary(*options, summarise(outcome, settings.folder));
   });
 }

@@ -16,8 +16,9 @@ namespace {
 
 /// The outcome holds the cloud and the model: it goes before the report is made.
 RunSummary propagate_into_folder(const Study& study, const std::optional<std::filesystem::path>& points,
-                                 const RunSettings& settings) {
+                                 const RunSettings& settings, Console& console) {
   const PropagateOutcome outcome = propagate(study, points, settings);
+  console.begin("writing the results and the report");
   write_results(outcome, settings.folder);
   return summarise(outcome, settings.folder);
 }
@@ -38,10 +39,10 @@ void add_propagate(CLI::App& app) {
     console.begin("reading the model and the tests");
     const RunSettings settings = run_settings(*options, console);
     const FolderLock lock(settings.folder);
-    const RunSummary summary = propagate_into_folder(study, *points, settings);
+    const RunSummary summary = propagate_into_folder(study, *points, settings, console);
     write_report(settings.folder);
     RunFolder(settings.folder).finish();
-    console.end_line();
+    console.finish();
     print_summary(*options, summary);
     if (!options->json && !options->quiet) fmt::print("cloud: {}\n", (settings.folder / "cloud.csv").string());
   });
@@ -59,7 +60,7 @@ void add_simulate(CLI::App& app) {
     const FolderLock lock(settings.folder);
     const SimulateOutcome outcome = simulate(study, settings);
     write_results(outcome, settings.folder);
-    console.end_line();
+    console.finish();
     print_summary(*options, summarise(outcome, settings.folder));
   });
 }
@@ -72,7 +73,7 @@ void add_check(CLI::App& app) {
     Console console(options->quiet);
     console.begin("reading the model and the tests");
     const RunSummary summary = summarise(check(read_study(*options), run_settings(*options, console)));
-    console.end_line();
+    console.finish();
     print_summary(*options, summary);
   });
 }

@@ -64,9 +64,16 @@ void print(const InitOutcome& outcome) {
   for (const std::string& line : summarise(outcome).lines) fmt::print("{}\n", printable(line));
 }
 
+/// With a sign of life, which is gone before anything is asked or printed.
+InitOutcome propose(const InitSettings& settings) {
+  Console console(false);
+  console.begin("reading and solving the deck");
+  return propose_study(settings);
+}
+
 /// Lets the user change units, outputs and parameters until an empty answer accepts what is proposed.
 InitOutcome converse(InitSettings settings) {
-  InitOutcome outcome = propose_study(settings);
+  InitOutcome outcome = propose(settings);
   if (outcome.kind == "command") {  // what is unknown is more than a few answers
     print(outcome);
     return outcome;
@@ -74,7 +81,7 @@ InitOutcome converse(InitSettings settings) {
   const std::string units =
       ask(fmt::format("Units of the deck: SI, mm-t-s, mm-kg-ms or in-lbf-s [{}]: ", *outcome.settings.units));
   settings.units = units.empty() ? *outcome.settings.units : units;
-  if (!units.empty()) outcome = propose_study(settings);
+  if (!units.empty()) outcome = propose(settings);
   print(outcome);
   while (true) {
     const std::string modes = ask("Modes that are outputs, as 3 4 7 [those marked yes]: ");
@@ -83,7 +90,7 @@ InitOutcome converse(InitSettings settings) {
     if (!targets.empty()) settings.targets = words(targets);
     if (modes.empty() && targets.empty()) return outcome;
     try {
-      outcome = propose_study(settings);
+      outcome = propose(settings);
       print(outcome);
     } catch (const InvalidInput& error) {
       tell(fmt::format("mottle: {}\n", printable(error.what())));
@@ -107,7 +114,7 @@ void init(InitOptions options) {
   if (!options.modes.empty()) settings.modes = options.modes;
   if (!options.targets.empty()) settings.targets = options.targets;
   const bool asks = !options.accepts && !options.is_json && ::isatty(STDIN_FILENO) != 0 && ::isatty(STDOUT_FILENO) != 0;
-  const InitOutcome outcome = asks ? converse(settings) : propose_study(settings);
+  const InitOutcome outcome = asks ? converse(settings) : propose(settings);
   write_file_atomically(settings.study, outcome.text);
   if (options.is_json) {
     fmt::print("{}\n", summarise(outcome).json);

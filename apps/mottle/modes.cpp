@@ -35,11 +35,14 @@ void add_modes(CLI::App& app) {
     for (const std::string& card : *cards) settings->ignore_cards.insert(capitals(card));
     if (folder->empty()) *folder = std::filesystem::path(settings->model).replace_extension(".modes");
     const FolderLock lock(*folder);
+    Console console(*is_quiet);
+    console.begin("reading and solving the deck");
     const ModesOutcome outcome = find_modes(*settings, *folder);
     write_results(outcome, *folder);
     write_modes_page(*folder);
     RunFolder(*folder).forget_previous(modes_names());
     const RunSummary summary = summarise(outcome, *folder);
+    console.finish();
     if (*is_json) {
       fmt::print("{}\n", summary.json);
     } else if (!*is_quiet) {

@@ -30,7 +30,10 @@ void add_targets(CLI::App& app) {
   verb->add_flag("--csv", *is_csv, "every mode, as a table on stdout")->excludes(json);
   verb->callback([=] {
     for (const std::string& card : *cards) settings->ignore_cards.insert(capitals(card));
+    Console console(false);
+    console.begin("reading and solving the deck");
     const TargetsOutcome outcome = find_targets(*settings);
+    console.finish();
     const RunSummary summary = summarise(outcome);
     if (*is_json) {
       fmt::print("{}\n", summary.json);

@@ -14,8 +14,9 @@ namespace mottle::app {
 namespace {
 
 /// The outcome holds clouds and the model: it goes before the report is made.
-RunSummary update_into_folder(const Study& study, const RunSettings& settings) {
+RunSummary update_into_folder(const Study& study, const RunSettings& settings, Console& console) {
   const UpdateOutcome outcome = update(study, settings);
+  console.begin("writing the results");
   write_results(outcome, settings.folder);
   return summarise(outcome, settings.folder);
 }
@@ -32,10 +33,11 @@ void add_update(CLI::App& app) {
     console.begin("reading the model and the tests");
     const RunSettings settings = run_settings(*options, console);
     const FolderLock lock(settings.folder);
-    const RunSummary summary = update_into_folder(study, settings);
+    const RunSummary summary = update_into_folder(study, settings, console);
+    console.begin("writing the report");
     write_report(settings.folder);
     RunFolder(settings.folder).finish();
-    console.end_line();
+    console.finish();
     print_summary(*options, summary);
     if (!options->json && !options->quiet) fmt::print("report: {}\n", (settings.folder / "report.html").string());
   });

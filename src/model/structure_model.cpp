@@ -7,6 +7,7 @@
 #include "model/responses/response.hpp"
 #include "mottle/core/subject.hpp"
 #include "mottle/core/text.hpp"
+#include "mottle/core/work_counter.hpp"
 #include "mottle/dynamics/modes/tracking.hpp"
 #include "mottle/model/solvers/dense_solver.hpp"
 
@@ -194,7 +195,9 @@ Evaluation StructureModel::evaluate(const Eigen::Ref<const Eigen::MatrixXd>& sam
                              std::numeric_limits<double>::quiet_NaN());
   std::vector<std::string> reasons(static_cast<std::size_t>(samples.rows()));
   std::vector<std::string> notes(reasons.size());
+  WorkCounter runs(context, "model runs", samples.rows());
   const auto visit = [&](Eigen::Index s, const Solution& solution, const std::string& failure) {
+    runs.add();
     std::string& reason = reasons[static_cast<std::size_t>(s)];
     reason = samples.row(s).allFinite() ? failure : "a parameter is not finite";
     if (!reason.empty()) return;

@@ -10,6 +10,7 @@ namespace {
 
 class Recorder final : public ProgressObserver {
  public:
+  void phase(const Phase& next) override { lines.push_back("phase " + next.text()); }
   void progress(const std::string& stage, std::int64_t done, std::int64_t total) override {
     lines.push_back(fmt::format("progress {} {}/{}", stage, done, total));
   }
@@ -22,10 +23,11 @@ class Recorder final : public ProgressObserver {
 TEST(RunContext, PassesEveryCallToItsObserver) {
   Recorder recorder;
   const RunContext context{.observer = &recorder};
+  context.phase({.name = "update"});
   context.progress("cloud", 3, 10);
   context.warning("few tests");
   context.note("done");
-  EXPECT_THAT(recorder.lines, ::testing::ElementsAre("progress cloud 3/10", "warning few tests", "note done"));
+  EXPECT_THAT(recorder.lines, ::testing::ElementsAre("phase update", "progress cloud 3/10", "warning few tests", "note done"));
 }
 
 TEST(RunContext, IsSilentWithoutAnObserver) {
@@ -35,6 +37,12 @@ TEST(RunContext, IsSilentWithoutAnObserver) {
     context.warning("few tests");
     context.note("done");
   });
+}
+
+TEST(Phase, SaysWhetherItsStepsAreAllThereWillBe) {
+  EXPECT_EQ((Phase{.name = "bootstrap sample", .step = 7, .steps = 200}.text()), "bootstrap sample 7 of 200");
+  EXPECT_EQ((Phase{.name = "iteration", .step = 2, .steps = 30, .may_end_early = true}.text()),
+            "iteration 2 of at most 30");
 }
 
 TEST(RunContext, IsNeverStoppedWithoutAFlag) {

@@ -9,12 +9,26 @@
 
 namespace mottle {
 
-/// Receives progress and remarks; the library itself never prints. All calls come from one thread.
+/// A named part of a job, which lasts until the next one begins.
+struct Phase {
+  std::string name;        ///< "cloud before the update", "iteration"
+  std::int64_t step = 0;   ///< of several phases of this name the how-many-eth, from 1 on; 0: there is one
+  std::int64_t steps = 0;  ///< their number
+  bool may_end_early = false;  ///< `steps` are the most there can be
+
+  /// "iteration 3 of at most 30"
+  std::string text() const;
+};
+
+/// Receives progress and remarks; the library itself never prints. Calls come one at a time, but not all from the same
+/// thread: work is counted where it is done.
 class ProgressObserver {
  public:
   virtual ~ProgressObserver() = default;
-  /// `done` of `total` units of `stage` are finished.
-  virtual void progress(const std::string& stage, std::int64_t done, std::int64_t total) = 0;
+  /// A phase begins, and the one before it is over.
+  virtual void phase(const Phase& /*next*/) {}
+  /// `done` of `total` units of `work` in the present phase are finished; `total` 0: their number is not known.
+  virtual void progress(const std::string& work, std::int64_t done, std::int64_t total) = 0;
   /// Something the user should know but that stops nothing.
   virtual void warning(const std::string& text) = 0;
   /// One line on what has just been done.
@@ -34,8 +48,11 @@ struct RunContext {
   void throw_if_stopped() const {
     if (stop_requested()) throw Stopped("stopped on request");
   }
-  void progress(const std::string& stage, std::int64_t done, std::int64_t total) const {
-    if (observer != nullptr) observer->progress(stage, done, total);
+  void phase(const Phase& next) const {
+    if (observer != nullptr) observer->phase(next);
+  }
+  void progress(const std::string& work, std::int64_t done, std::int64_t total) const {
+    if (observer != nullptr) observer->progress(work, done, total);
   }
   void warning(const std::string& text) const {
     if (observer != nullptr) observer->warning(text);

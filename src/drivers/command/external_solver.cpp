@@ -44,15 +44,10 @@ class ExternalSolver::Pool {
 
   /// Rethrows a run's exception; throws Stopped.
   void wait(const RunContext& context) {
-    using Clock = std::chrono::steady_clock;
-    Clock::time_point last_report = Clock::now();
     std::unique_lock<std::mutex> lock(mutex_);
     while (idle_ < threads_.size()) {
       changed_.wait_for(lock, std::chrono::milliseconds(100));
       if (context.stop_requested()) halt_ = true;
-      if (Clock::now() - last_report < std::chrono::seconds(1)) continue;
-      last_report = Clock::now();
-      context.progress("solver runs", done_, count_);
     }
     if (error_) std::rethrow_exception(error_);
     context.throw_if_stopped();
@@ -63,8 +58,6 @@ class ExternalSolver::Pool {
     for (Eigen::Index sample = next_++; sample < count_ && !halt_; sample = next_++) {
       try {
         work_(sample, halt_);
-        const std::lock_guard<std::mutex> lock(mutex_);
-        ++done_;
       } catch (...) {
         const std::lock_guard<std::mutex> lock(mutex_);
         if (!error_ && !halt_) error_ = std::current_exception();
@@ -83,7 +76,6 @@ class ExternalSolver::Pool {
   std::mutex mutex_;
   std::condition_variable changed_;
   std::exception_ptr error_;
-  std::int64_t done_ = 0;
   std::size_t idle_ = 0;
   std::vector<std::jthread> threads_;  // last: they end before what they use
 };

@@ -266,7 +266,8 @@ void enlarge(ReducedModel::Parts& parts, const TermCoefficients& samples, const 
 
 }  // namespace
 
-void ReducedModel::train(const TermCoefficients& samples, int threads) {
+void ReducedModel::train(const TermCoefficients& samples, int threads,
+                         const std::function<void(Eigen::Index)>& each) {
   constexpr Eigen::Index k_first_samples = 64;
   constexpr Eigen::Index k_choosing_samples = 128;
   constexpr Eigen::Index k_compressing_samples = 200;
@@ -284,6 +285,7 @@ void ReducedModel::train(const TermCoefficients& samples, int threads) {
   int last_rounds = 0;
   Eigen::MatrixXd needed;
   for (int round = 0; round < k_rounds; ++round) {
+    if (each) each(parts.basis.cols());
     known.solve(used, threads);
     const Eigen::Index room = parts.options.max_vectors - parts.basis.cols();
     const std::vector<Pick> picks = pick_residuals(known.residuals, known.shortfall, std::min(max_picks, room));

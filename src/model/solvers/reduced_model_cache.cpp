@@ -14,7 +14,10 @@ namespace fs = std::filesystem;
 std::unique_ptr<ReducedModel> train(const ReducedModelInputs& inputs, const RunContext& context) {
   auto model =
       std::make_unique<ReducedModel>(inputs.terms, inputs.nominal, inputs.stiffness, inputs.mass, inputs.options);
-  model->train(inputs.training, context.threads);
+  model->train(inputs.training, context.threads, [&](Eigen::Index vectors) {
+    context.throw_if_stopped();
+    context.progress("training the reduced model, vectors", vectors, 0);
+  });
   return model;
 }
 

@@ -70,7 +70,7 @@ class ReducedObservation {
 const ReducedModel* TrainedReducedModel::at(int modes, const RunContext& context) {
   const std::lock_guard lock(mutex_);
   if (modes_ == modes) return model_.get();
-  modes_ = modes;
+  modes_ = 0;  // a training that is stopped leaves nothing
   model_.reset();
   const SparseStructure::Matrices nominal = structure_.matrices_at(settings_.nominal);
   try {
@@ -82,7 +82,9 @@ const ReducedModel* TrainedReducedModel::at(int modes, const RunContext& context
                             .options = {.modes = modes, .tolerance = 2.0 * settings_.frequency_error},
                             .training = coefficients_at(structure_, settings_.training)},
                            context);
+    modes_ = modes;
   } catch (const InvalidInput&) {
+    modes_ = modes;
     return nullptr;  // no modes at the prior's mean; each sample is solved and reported by itself
   }
   if (!model_->reaches_tolerance()) {

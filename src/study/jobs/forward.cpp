@@ -91,6 +91,7 @@ PropagateOutcome propagate_here(const Study& study, const std::optional<std::fil
   const JournalledModel model(*made.model, files.journal(), study_fingerprint(study, made, points), settings.resume);
   const CloudSettings rules = cloud_settings(study, specimens, static_cast<Eigen::Index>(made.model->outputs().size()));
   const StreamKey key{.seed = study.seed, .purpose = StreamPurpose::parameter_cloud};
+  context.phase({.name = points ? "given points" : "cloud"});
   outcome.cloud = files.compute(study, [&] {
     return points ? evaluate_points(model, given, rules.max_failed, context)
                   : evaluate_cloud(model, *made.space, made.space->prior(), rules, key, context);
@@ -121,6 +122,7 @@ SimulateOutcome simulate_here(const Study& study, const RunSettings& settings) {
   const CloudSettings rules{.samples = study.truth->specimens, .max_failed = 0.0};
   const StreamKey key{.seed = study.seed, .purpose = StreamPurpose::truth};
   const ParameterSpace& space = *outcome.made.space;
+  context.phase({.name = "specimens"});
   outcome.cloud = evaluate_cloud(*outcome.made.model, space, space.prior(), rules, key, context);
   outcome.exact = outcome.cloud.outputs;
   add_noise(outcome.cloud.outputs, study, outcome.made, context);

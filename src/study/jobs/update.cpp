@@ -60,6 +60,7 @@ void assess(UpdateOutcome& outcome, const RunContext& context) {
   const UpdatePlan& plan = outcome.workings->plan;
   const UpdatingProblem& problem = outcome.problem();
   UpdatingResult& result = outcome.result;
+  context.phase({.name = "errors that could stay hidden"});
   outcome.could_hide =
       find_could_hide(outcome.study, plan.made, problem, result, judge(problem, result).conclusion, context);
   const CouldHide& hidden = outcome.could_hide;
@@ -69,6 +70,7 @@ void assess(UpdateOutcome& outcome, const RunContext& context) {
   outcome.numbering = doubt_of_numbering(plan, result);
   if (outcome.numbering) context.warning(*outcome.numbering);
   if (plan.prediction) {
+    context.phase({.name = "prediction"});
     outcome.prediction = run_prediction(outcome.study, *plan.prediction, problem, result, context);
   }
 }

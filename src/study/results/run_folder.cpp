@@ -7,6 +7,7 @@
 
 #include "mottle/core/files.hpp"
 #include "mottle/core/own_file.hpp"
+#include "mottle/core/text.hpp"
 
 namespace mottle::study {
 namespace {
@@ -136,7 +137,42 @@ LogObserver::LogObserver(const std::filesystem::path& file, ProgressObserver* ne
 }
 
 LogObserver::~LogObserver() {
+  end_phase();
+  double whole = 0.0;
+  for (const Share& share : shares_) whole += share.seconds;
+  std::vector<std::string> parts;
+  for (const Share& share : shares_) {
+    const std::string count = share.phases > 1 ? fmt::format(", {} of them", share.phases) : "";
+    parts.push_back(
+        fmt::format("{} {:.2f} s ({:.0f} %{})", share.name, share.seconds, 100.0 * share.seconds / whole, count));
+  }
+  if (whole > 0.0) line("", "time: " + join(parts));
   std::fclose(stream_);
+}
+
+void LogObserver::end_phase() {
+  if (phase_.name.empty()) return;
+  auto share = std::find_if(shares_.begin(), shares_.end(), [&](const Share& s) { return s.name == phase_.name; });
+  if (share == shares_.end()) share = shares_.insert(shares_.end(), {.name = phase_.name});
+  share->seconds += steady_seconds() - phase_start_;
+  ++share->phases;
+}
+
+bool LogObserver::is_due() const {
+  constexpr double k_interval_s = 10.0;
+  return steady_seconds() - std::max(last_count_, start_) >= k_interval_s;
+}
+
+void LogObserver::phase(const Phase& next) {
+  end_phase();
+  const bool is_of_many = next.name == phase_.name && !next.may_end_early;
+  phase_ = next;
+  phase_start_ = steady_seconds();
+  if (!is_of_many || is_due()) {
+    line("", phase_.text());
+    last_count_ = phase_start_;
+  }
+  if (next_ != nullptr) next_->phase(next);
 }
 
 void LogObserver::line(const char* kind, const std::string& text) {
@@ -144,9 +180,12 @@ void LogObserver::line(const char* kind, const std::string& text) {
   std::fflush(stream_);
 }
 
-void LogObserver::progress(const std::string& stage, std::int64_t done, std::int64_t total) {
-  line("", fmt::format("{}: {} of {}", stage, done, total));
-  if (next_ != nullptr) next_->progress(stage, done, total);
+void LogObserver::progress(const std::string& work, std::int64_t done, std::int64_t total) {
+  if (is_due()) {
+    line("", total > 0 ? fmt::format("{}: {} of {}", work, done, total) : fmt::format("{}: {}", work, done));
+    last_count_ = steady_seconds();
+  }
+  if (next_ != nullptr) next_->progress(work, done, total);
 }
 
 void LogObserver::warning(const std::string& text) {

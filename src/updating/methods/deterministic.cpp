@@ -150,13 +150,13 @@ UpdatingResult DeterministicUpdater::update(const UpdatingProblem& problem, cons
       result.status = UpdatingStatus::stopped;
       break;
     }
+    begin_iteration(problem, index, context);
     require_of(has_full_rank(setup, g), k_method,
                "the outputs determine only {} combinations of the {} parameters; set the option regularisation to "
                "\"tikhonov\" or \"bayesian\"",
                determined_combinations(setup, g), g.cols());
     const double movement = step_down(problem, setup, point, context, result.model_evaluations);
     append_state(result, record_point(x, estimate_covariance(setup, g, options_.regularisation), y, g, setup));
-    context.progress("update", index, problem.iterations);
     if (movement <= problem.tolerance) {
       result.status = UpdatingStatus::converged;
       break;
@@ -165,7 +165,7 @@ UpdatingResult DeterministicUpdater::update(const UpdatingProblem& problem, cons
   result.set_estimate(std::make_shared<MomentEstimate>(problem.space.transforms(), x,
                                                        estimate_covariance(setup, g, options_.regularisation)));
   result.sensitivity = g;
-  IterationRecord last = record_state(problem, tests, *result.estimate, 0, context);
+  IterationRecord last = record_state(problem, tests, *result.estimate, context);
   last.output_mean = y;  // the method's own point; the cloud shows the uncertainty around it
   last.distance_euclidean = euclidean_distance(y, setup.target);
   result.model_evaluations += last.cloud.samples.rows();

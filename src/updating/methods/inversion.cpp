@@ -197,7 +197,7 @@ void finish(const Setup& setup, const InversionFit& fit, const RunContext& conte
   result.set_estimate(std::make_shared<NormalPopulation>(
       setup.parameters.scales(), PopulationOnScales{population.mean, population.covariance, evidence},
       setup.problem.tests.values.rows()));
-  IterationRecord last = record_state(setup.problem, setup.tests, *result.estimate, 0, context);
+  IterationRecord last = record_state(setup.problem, setup.tests, *result.estimate, context);
   result.model_evaluations += fit.evaluations + result.history.front().cloud.samples.rows() + last.cloud.samples.rows();
   if (result.history.size() > 1) result.history.pop_back();
   result.history.push_back(std::move(last));
@@ -238,15 +238,18 @@ UpdatingResult InversionUpdater::update(const UpdatingProblem& problem, const Ru
   result.model_evaluations = 0;  // counted whole at the end
   const Eigen::VectorXd start = common_start(setup, options_.start, context, result.model_evaluations);
   bool is_stopped = context.stop_requested();
-  int iteration = 0;
+  int iteration = 1;
+  begin_iteration(problem, iteration, context);
   const InversionFit fit = invert_specimens(problem, setup.parameters, problem.tests.values, setup.sigma,
                                             start.transpose().replicate(problem.tests.values.rows(), 1), context,
                                             [&](const InversionFit& present) {
                                               const std::int64_t runs = result.model_evaluations;
                                               append_state(result, record_of(setup, present));
                                               result.model_evaluations = runs;
-                                              context.progress("update", ++iteration, problem.iterations);
                                               is_stopped = is_stopped || context.stop_requested();
+                                              const bool goes_on = !is_stopped && present.count(Ending::moving) > 0;
+                                              if (goes_on && iteration < problem.iterations)
+                                                begin_iteration(problem, ++iteration, context);
                                               return !is_stopped;
                                             });
   if (static_cast<double>(fit.count(Ending::stuck)) > problem.cloud.max_failed * static_cast<double>(fit.points.rows()))

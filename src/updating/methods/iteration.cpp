@@ -24,7 +24,7 @@ TestMoments test_moments(const TestData& tests) {
 namespace {
 
 IterationRecord record_drawn(const UpdatingProblem& problem, const TestMoments& tests,
-                             const SampleTransform& from_uniform, int index, const RunContext& context) {
+                             const SampleTransform& from_uniform, const RunContext& context) {
   // The same streams at every iteration (common random numbers): the update is then a smooth fixed-point map, and
   // its convergence is not hidden by the Monte-Carlo error of one cloud against the next.
   const StreamKey key{.seed = context.seed, .purpose = StreamPurpose::parameter_cloud, .iteration = 0};
@@ -37,18 +37,17 @@ IterationRecord record_drawn(const UpdatingProblem& problem, const TestMoments& 
   record.notes = record.cloud.notes;
   record.rejected_draws = record.cloud.rejected;
   set_distances(record, tests);
-  context.progress("update", index, problem.iterations);
   return record;
 }
 
 /// Of a distribution or an estimate.
 template <typename Drawable>
-IterationRecord state_of(const UpdatingProblem& problem, const TestMoments& tests, const Drawable& drawable, int index,
+IterationRecord state_of(const UpdatingProblem& problem, const TestMoments& tests, const Drawable& drawable,
                          const RunContext& context) {
   const auto from_uniform = [&](const Eigen::Ref<const Eigen::MatrixXd>& uniforms) {
     return drawable.from_uniform(uniforms);
   };
-  IterationRecord record = record_drawn(problem, tests, from_uniform, index, context);
+  IterationRecord record = record_drawn(problem, tests, from_uniform, context);
   record.parameter_mean = drawable.mean();
   record.parameter_covariance = drawable.covariance();
   return record;
@@ -58,12 +57,22 @@ IterationRecord state_of(const UpdatingProblem& problem, const TestMoments& test
 
 IterationRecord record_state(const UpdatingProblem& problem, const TestMoments& tests,
                              const JointDistribution& distribution, int index, const RunContext& context) {
-  return state_of(problem, tests, distribution, index, context);
+  if (index == 0) {
+    context.phase({.name = "cloud before the update"});
+  } else {
+    begin_iteration(problem, index, context);
+  }
+  return state_of(problem, tests, distribution, context);
 }
 
 IterationRecord record_state(const UpdatingProblem& problem, const TestMoments& tests, const Estimate& estimate,
-                             int index, const RunContext& context) {
-  return state_of(problem, tests, estimate, index, context);
+                             const RunContext& context) {
+  context.phase({.name = "cloud after the update"});
+  return state_of(problem, tests, estimate, context);
+}
+
+void begin_iteration(const UpdatingProblem& problem, std::int64_t index, const RunContext& context) {
+  context.phase({.name = "iteration", .step = index, .steps = problem.iterations, .may_end_early = true});
 }
 
 void set_distances(IterationRecord& record, const TestMoments& tests) {

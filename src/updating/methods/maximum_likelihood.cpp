@@ -92,11 +92,13 @@ UpdatingResult MaximumLikelihoodUpdater::update(const UpdatingProblem& problem, 
     result.status = UpdatingStatus::stopped;
     return result;
   }
+  begin_iteration(problem, 1, context);
   const PopulationFit fit =
       fit_population(problem, problem.tests.values, settings, context, [&](const PopulationFit& now) {
         append_state(result, linear_record(problem, now, tests));
-        context.progress("update", now.iterations, problem.iterations);
         if (context.stop_requested()) result.status = UpdatingStatus::stopped;
+        const bool goes_on = !context.stop_requested() && !now.converged && now.iterations < problem.iterations;
+        if (goes_on) begin_iteration(problem, now.iterations + 1, context);
         return !context.stop_requested();
       });
   result.model_evaluations += fit.evaluations;
@@ -110,9 +112,10 @@ UpdatingResult MaximumLikelihoodUpdater::update(const UpdatingProblem& problem, 
       PopulationOnScales{fit.mean, fit.covariance, is_stopped ? PopulationEvidence{} : evidence_of(fit)},
       is_stopped ? 0 : problem.tests.values.rows()));
   if (is_stopped) return result;
-  IterationRecord last = record_state(problem, tests, *result.estimate, 0, context);
+  IterationRecord last = record_state(problem, tests, *result.estimate, context);
   result.model_evaluations += last.cloud.samples.rows();
   result.history.back() = std::move(last);
+  context.phase({.name = "intervals and tests of the estimate"});
   describe_population(problem, fit, settings, options_, context, result);
   return result;
 }

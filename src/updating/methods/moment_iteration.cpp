@@ -175,11 +175,12 @@ void finish(const Setup& setup, const Progress& progress, const RunContext& cont
                                       moment_evidence(setup.problem, setup.parameters, state)};
   result.set_estimate(
       std::make_shared<NormalPopulation>(setup.parameters.scales(), population, setup.problem.tests.values.rows()));
-  IterationRecord last = record_state(setup.problem, setup.tests, *result.estimate, 0, context);
+  IterationRecord last = record_state(setup.problem, setup.tests, *result.estimate, context);
   result.model_evaluations =
       progress.evaluations + result.history.front().cloud.samples.rows() + last.cloud.samples.rows();
   if (result.history.size() > 1) result.history.pop_back();
   result.history.push_back(std::move(last));
+  context.phase({.name = "tests of the estimate"});
   result.sensitivity = state.sensitivity * setup.parameters.slopes(state.mean).cwiseInverse().asDiagonal();
   result.noise_covariance = setup.noise;
   test_matched_moments(setup.problem,
@@ -222,6 +223,7 @@ UpdatingResult iterate_moments(const UpdatingProblem& problem, const ScaledParam
       result.status = UpdatingStatus::stopped;
       break;
     }
+    begin_iteration(problem, static_cast<std::int64_t>(updates) + 1, context);
     const std::optional<double> movement = advance(setup, misfits, progress);
     if (movement) movements.push_back(*movement);
     if (!movement || is_stalled(movements, k_stall_window)) {
@@ -230,7 +232,7 @@ UpdatingResult iterate_moments(const UpdatingProblem& problem, const ScaledParam
     }
     misfits.push_back(misfit(setup, progress.state));
     append_state(result, record_of(setup, progress.state));
-    context.progress("update", static_cast<std::int64_t>(++updates), problem.iterations);
+    ++updates;
     if (*movement <= problem.tolerance && progress.damping == 0.0) {
       result.status = UpdatingStatus::converged;
       break;

@@ -57,9 +57,8 @@ SurrogateUpdate::SurrogateUpdate(const UpdatingProblem& problem, const Surrogate
                .covariance_groups = problem.covariance_groups} {}
 
 void SurrogateUpdate::add_runs(const Eigen::MatrixXd& samples, const RunContext& context) {
-  context.progress("surrogate runs", 0, samples.rows());
+  context.phase({.name = "runs for the surrogate"});
   const Cloud cloud = evaluate_points(given_.model, samples, given_.cloud.max_failed, context);
-  context.progress("surrogate runs", samples.rows(), samples.rows());
   evaluations_ += samples.rows();
   if (!cloud.failures.empty()) {
     context.warning(fmt::format("{} of {} runs for the surrogate failed and are left out; the first: {}",

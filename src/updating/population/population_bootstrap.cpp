@@ -53,7 +53,7 @@ std::vector<PopulationEvidence> estimate_samples(const UpdatingProblem& problem,
   std::vector<PopulationEvidence> drawn;
   for (int b = 0; b < samples; ++b) {
     context.throw_if_stopped();
-    context.progress("bootstrap", b, samples);
+    context.phase({.name = "bootstrap sample", .step = b + 1, .steps = samples});
     const Eigen::MatrixXd tests = draw_tests(problem, fit, population, b, context, evaluations);
     if (!tests.array().isNaN().cwiseEqual(problem.tests.values.array().isNaN()).all()) continue;  // a failed run
     try {

@@ -88,7 +88,9 @@ class ReducedModel {
   ~ReducedModel();
 
   /// Adds to the basis until all samples are within half the tolerance or the basis is as large as it may be.
-  void train(const TermCoefficients& samples, int threads);
+  ///
+  /// @param each  called with the number of vectors whenever the basis has grown; what it throws ends the training
+  void train(const TermCoefficients& samples, int threads, const std::function<void(Eigen::Index vectors)>& each = {});
 
   /// Whether the training samples came within the tolerance: false where the largest basis allowed was too small, or
   /// would have been, in which case the training ended early.

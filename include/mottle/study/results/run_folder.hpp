@@ -69,7 +69,8 @@ class RunFolder {
   std::filesystem::path folder_;
 };
 
-/// Writes reported progress into a log file, with the time since the start, and passes it on.
+/// Writes what is reported into a log file, with the time since the start, and passes it on. Counts of work are written
+/// every ten seconds at most; the last line says how the time was shared by the phases.
 class LogObserver final : public ProgressObserver {
  public:
   /// @param next    may be null
@@ -79,16 +80,31 @@ class LogObserver final : public ProgressObserver {
   LogObserver(const LogObserver&) = delete;
   LogObserver& operator=(const LogObserver&) = delete;
 
-  void progress(const std::string& stage, std::int64_t done, std::int64_t total) override;
+  void phase(const Phase& next) override;
+  void progress(const std::string& work, std::int64_t done, std::int64_t total) override;
   void warning(const std::string& text) override;
   void note(const std::string& text) override;
   void finding(const std::string& text) override;
 
  private:
+  /// Seconds of all phases of one name.
+  struct Share {
+    std::string name;
+    double seconds = 0.0;
+    int phases = 0;
+  };
+
   void line(const char* kind, const std::string& text);
+  void end_phase();
+  bool is_due() const;
+
   std::FILE* stream_ = nullptr;
   ProgressObserver* next_;
   double start_;
+  Phase phase_;
+  double phase_start_ = 0.0;
+  double last_count_ = 0.0;  // when progress was written last
+  std::vector<Share> shares_;
 };
 
 /// Seconds on a steady clock.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <string>
 
 #include "mottle/layers.hpp"
@@ -19,16 +20,19 @@ struct TestMoments {
 /// Throws InvalidInput: an output without any measured value.
 TestMoments test_moments(const TestData& tests);
 
-/// Evaluates the cloud of a state and compares it with the tests.
+/// Evaluates the cloud of a state and compares it with the tests; announces it as a phase.
 ///
 /// @param distribution  the state's distribution; the prior for the first
-/// @param index         of the state, for the progress
+/// @param index         of the state: 0 is that before the update, others are iterations
 IterationRecord record_state(const UpdatingProblem& problem, const TestMoments& tests,
                              const JointDistribution& distribution, int index, const RunContext& context);
 
 /// The same of an estimate: the last state.
 IterationRecord record_state(const UpdatingProblem& problem, const TestMoments& tests, const Estimate& estimate,
-                             int index, const RunContext& context);
+                             const RunContext& context);
+
+/// Announces an iteration, numbered from 1 on, of at most `problem.iterations`.
+void begin_iteration(const UpdatingProblem& problem, std::int64_t index, const RunContext& context);
 
 /// Fills the distances between the outputs' means of a state and of the tests; the Mahalanobis distance is nan where
 /// the tests do not scatter.
