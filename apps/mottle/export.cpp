@@ -20,6 +20,8 @@ void add_export(CLI::App& app) {
   verb->add_option("--out", settings->out, "folder to make (default: DIR/export)");
   verb->add_option("--decks", settings->decks, "decks of so many samples besides that of the means")
       ->check(CLI::Range(0, 9999));
+  verb->add_flag("--changed-model", settings->accepts_changes,
+                 "export although files of the model have changed since the update");
   verb->add_flag("--json", *is_json, "machine-readable summary on stdout");
   verb->add_flag("--quiet", *is_quiet, "print nothing");
   verb->callback([=] {

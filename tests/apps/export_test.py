@@ -17,8 +17,11 @@ class ExportTest(support.CommandTest):
         found = json.loads(self.succeed("modes", deck, "--json", "--modes", modes, "--out", "modes").out)["frequencies"]
         return found
 
-    def update(self, example, *options):
+    def update(self, example, *options, deck=None):
         shutil.copytree(EXAMPLES / example, self.folder / example, ignore=shutil.ignore_patterns("*.mottle"))
+        if deck is not None:
+            self.write(f"{example}/airframe.bdf", deck[0])
+            self.write(f"{example}/materials.inc", deck[1])
         self.succeed("update", f"{example}/study.toml", "--out", "out", "--quiet", "--set", "update.samples=40", *options,
                      timeout=300)
         return support.read_result(self.folder / "out")
@@ -73,6 +76,45 @@ class ExportTest(support.CommandTest):
         header, rows = support.read_csv(self.folder / "study.mottle" / "export" / "samples.csv")
         self.assertEqual((header, len(rows)), (["k1", "k2"], 200))
         self.succeed("propagate", "study.mottle/export/study.toml", "--out", "again", "--quiet")
+
+    def updated_with_include(self):
+        """An update of the airframe whose materials are in a file that the deck includes."""
+        text = (EXAMPLES / "02-airframe" / "airframe.bdf").read_text().splitlines(keepends=True)
+        first = next(k for k, line in enumerate(text) if line.startswith("MAT1"))
+        self.update("02-airframe", "--set", 'update.method="perturbation"', deck=(
+            "".join(text[:first]) + "INCLUDE 'materials.inc'\n" + "".join(text[first + 1:]), text[first]))
+
+    def test_a_deck_that_has_changed_since_the_update_is_refused(self):
+        self.updated_with_include()
+        names = [file["name"] for file in support.read_result(self.folder / "out")["model_files"]]
+        self.assertEqual(names, ["airframe.bdf", "materials.inc"])
+        include = self.folder / "02-airframe" / "materials.inc"
+        before = include.read_text()
+        include.write_text(before + "$ another comment\n")
+        ended = self.call("export", "out")
+        self.assertEqual(ended.code, 2, ended.out)
+        self.assertIn("since this update materials.inc has changed", ended.err)
+        self.assertIn("--changed-model", ended.err)
+        self.assertFalse((self.folder / "out" / "export").exists())
+        accepted = self.succeed("export", "out", "--changed-model", "--out", "anyway").out
+        self.assertIn("materials.inc has changed", accepted)
+        include.write_text(before)
+        self.assertNotIn("changed", self.succeed("export", "out").out)
+
+    def test_a_file_that_is_gone_is_named(self):
+        self.updated_with_include()
+        (self.folder / "02-airframe" / "materials.inc").unlink()
+        ended = self.call("export", "out")
+        self.assertEqual(ended.code, 2, ended.out)
+        self.assertIn("materials.inc is missing", ended.err)
+
+    def test_results_that_do_not_name_the_files_say_so(self):
+        self.succeed("update", "study.toml", "--quiet")
+        file = self.folder / "study.mottle" / "result.json"
+        result = json.loads(file.read_text())
+        del result["model_files"]
+        file.write_text(json.dumps(result))
+        self.assertIn("earlier version", self.succeed("export", "study.mottle").out)
 
     def test_nothing_is_written_over_and_other_folders_are_refused(self):
         self.succeed("update", "study.toml", "--quiet")

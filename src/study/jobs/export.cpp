@@ -15,6 +15,7 @@
 #include "mottle/study/jobs/study_objects.hpp"
 #include "mottle/study/models/model_source.hpp"
 #include "study/input/toml_writer.hpp"
+#include "study/results/model_files.hpp"
 #include "study/results/update_results.hpp"
 
 namespace mottle::study {
@@ -152,6 +153,26 @@ std::string samples_csv(const Study& study, const Eigen::MatrixXd& samples) {
   return format_csv(names, samples);
 }
 
+/// What was found holds for the model as it was: numbers for one deck in another are a quiet mistake.
+void refuse_changed_model(const Study& study, const Json& result, const ExportSettings& settings,
+                          ExportOutcome& outcome) {
+  if (!result.contains("model_files")) {
+    outcome.notes.emplace_back(
+        "The results are of an earlier version, which did not record the model's files: whether they have changed since "
+        "the update is not known.");
+    return;
+  }
+  const std::vector<std::string> changes = changes_of_model_files(study, result);
+  if (changes.empty()) return;
+  const std::string what = join(changes);
+  require(settings.accepts_changes,
+          "{}: since this update {}; what it found holds for the model as it was. Update again, or put the files back; "
+          "--changed-model exports the result into the model as it is now",
+          settings.results.string(), what);
+  outcome.notes.push_back(
+      fmt::format("Since the update {}: its result holds for the model as it was, not for this one.", what));
+}
+
 }  // namespace
 
 ExportOutcome make_export(const ExportSettings& settings) {
@@ -164,6 +185,7 @@ ExportOutcome make_export(const ExportSettings& settings) {
           outcome.folder.string());
   require(settings.decks <= samples.rows(), "--decks {}: the last cloud has {} samples", settings.decks,
           samples.rows());
+  refuse_changed_model(study, result, settings, outcome);
   const bool has_deck = add_deck(study, found.mean, "mean", outcome);
   if (!has_deck) {
     require(settings.decks == 0, "--decks: a model of this kind has no deck that could be exported");

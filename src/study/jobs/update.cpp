@@ -79,6 +79,7 @@ UpdateOutcome update_here(const Study& study, const RunSettings& settings) {
   const double start = steady_seconds();
   const auto workings = std::make_shared<UpdateWorkings>(UpdateWorkings{.plan = plan_update(study, settings)});
   const UpdatePlan& plan = workings->plan;
+  workings->model_files = digest_model_files(study, plan.made.files);
   UpdateOutcome outcome{.study = study, .workings = workings};
   const JobFiles files(settings, k_log, k_journal);
   const RunContext context = files.context(study, settings);

@@ -101,6 +101,7 @@ Json outcome_json(const UpdateOutcome& outcome, const StructureModel::FollowedMo
   json["verdict"]["could_hide"] = could_hide_json(outcome.could_hide, plan.made.space->names());
   add_first_screen(outcome, followed, json);
   if (outcome.numbering) json["notes"].push_back(*outcome.numbering + '.');
+  json["model_files"] = model_files_json(outcome.workings->model_files);
   json["surrogate"] = surrogate ? surrogate_json(*outcome.study.surrogate, *surrogate) : Json(nullptr);
   if (outcome.prediction) {
     json["prediction"] =

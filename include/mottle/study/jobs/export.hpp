@@ -15,6 +15,7 @@ struct ExportSettings {
   std::filesystem::path results;   ///< folder of an update
   std::filesystem::path out = {};  ///< folder to make, which must not be there; empty: "export" within `results`
   int decks = 0;                   ///< decks of so many samples besides that of the means
+  bool accepts_changes = false;    ///< go on where files of the model have changed since the update
 };
 
 struct ExportOutcome {
@@ -31,7 +32,8 @@ struct ExportOutcome {
 /// - `samples.csv`: the parameters of the last cloud's samples;
 /// - `study.toml`: the study with the result as its prior, for a next update or `mottle propagate`.
 ///
-/// @throws InvalidInput  no results of an update, a folder that is there, numbers that cannot be written into the deck
+/// @throws InvalidInput  no results of an update, a folder that is there, files of the model that have changed since,
+///                       numbers that cannot be written into the deck
 ExportOutcome make_export(const ExportSettings& settings);
 
 /// Writes the folder whole or not at all.
