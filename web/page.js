@@ -1,4 +1,5 @@
 // The report: reads the data, composes the sections that have something to show, draws their plots.
+import { compose_comparison } from "./compare.js";
 import { charts } from "./src/charts.js";
 import { read_study } from "./src/data.js";
 import { button, element, paragraph } from "./src/dom.js";
@@ -146,6 +147,7 @@ function unit_choice(data) {
 
 function compose(main) {
   const data = read_data();
+  if (data?.kind === "compare") return compose_comparison(main, data);
   if (!data || !(data.result || data.kind === "modes")) {
     main.append(
       element("h1", {}, "Mottle report"),

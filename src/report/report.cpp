@@ -1,6 +1,7 @@
 #include "mottle/report/report.hpp"
 
 #include <algorithm>
+#include <initializer_list>
 #include <string>
 #include <vector>
 
@@ -60,7 +61,50 @@ Json read_modes(const std::filesystem::path& file) {
   return std::move(modes["modes"]);
 }
 
+/// Those of an object's entries that are there.
+Json some_of(const Json& object, std::initializer_list<const char*> keys) {
+  Json some = Json::object();
+  for (const char* key : keys) {
+    if (object.is_object() && object.contains(key)) some[key] = object[key];
+  }
+  return some;
+}
+
+/// What the page of a comparison shows of a result: curves, clouds and histories are in its own report.
+Json compared(const Json& result) {
+  Json some = some_of(result, {"title", "method", "status", "command", "timings_s", "agreement"});
+  const auto part = [&](const char* key) { return result.contains(key) ? result[key] : Json(); };
+  some["parameters"] =
+      some_of(part("parameters"), {"names", "units", "bounds", "prior_mean", "mean", "std", "mean_ci95", "std_ci95",
+                                   "is_population", "at_bound", "findings", "quantiles"});
+  some["outputs"] = some_of(part("outputs"), {"names", "units", "test_count"});
+  some["verdict"] = some_of(part("verdict"), {"conclusion", "adequate", "headline", "is_reassuring"});
+  return some;
+}
+
+/// The run's own report, as a link from the page; null where there is none.
+Json link_to_report(const std::filesystem::path& folder, const std::filesystem::path& page) {
+  const std::filesystem::path report = std::filesystem::absolute(folder).lexically_normal() / "report.html";
+  if (!std::filesystem::exists(report)) return nullptr;
+  const std::filesystem::path from = std::filesystem::absolute(page).lexically_normal().parent_path();
+  return report.lexically_proximate(from).generic_string();
+}
+
 }  // namespace
+
+void write_comparison_page(const Comparison& comparison, const std::filesystem::path& page) {
+  require(page.extension() == ".html", "--out {}: the page is one HTML file; give it a name that ends in .html",
+          page.string());
+  if (page.has_parent_path()) make_writable_folder(page.parent_path());
+  Json runs = Json::array();
+  for (const ComparedRun& run : comparison.runs) {
+    runs.push_back({{"label", run.label},
+                    {"report", link_to_report(run.folder, page)},
+                    {"result", compared(read_result(run.folder / "result.json"))}});
+  }
+  const Json data = {{"kind", "compare"}, {"runs", std::move(runs)}};
+  write_file_atomically(page, render_page(data.dump(-1, ' ', false, Json::error_handler_t::replace)));
+}
 
 void write_report(const std::filesystem::path& folder) {
   require(std::filesystem::exists(folder / "result.json") || !std::filesystem::exists(folder / k_previous),

@@ -37,6 +37,27 @@ class CompareTest(support.CommandTest):
         self.assertIn("mares", next(line for line in lines if line.startswith("method")))
         self.assertTrue(any(line.strip().startswith("k1 ") for line in lines))
 
+    def test_the_page_holds_what_the_results_hold(self):
+        out = self.succeed("compare", "a", "b", "--out", "pages/both.html").out
+        self.assertIn("page: pages/both.html", out)
+        html = (self.folder / "pages" / "both.html").read_text(encoding="utf-8")
+        start = html.index('id="mottle-data">') + len('id="mottle-data">')
+        data = json.loads(html[start:html.index("</script", start)])
+        self.assertEqual(data["kind"], "compare")
+        for run, label in zip(data["runs"], ("a", "b"), strict=True):
+            result = support.read_result(self.folder / label)
+            self.assertEqual(run["report"], f"../{label}/report.html")
+            for part in ("parameters", "outputs", "verdict"):
+                for key, value in run["result"][part].items():
+                    self.assertEqual(value, result[part][key], key)
+            self.assertEqual(run["result"]["agreement"], result["agreement"])
+
+    def test_a_page_of_another_name_is_refused(self):
+        ended = self.call("compare", "a", "b", "--out", "a/result.json")
+        self.assertEqual(ended.code, 2, ended.out)
+        self.assertIn(".html", ended.err)
+        support.read_result(self.folder / "a")
+
     def test_folders_of_one_name_are_told_apart(self):
         self.succeed("update", "study.toml", "--out", "one/out", "--quiet")
         self.succeed("update", "study.toml", "--out", "two/out", "--quiet")

@@ -1,8 +1,9 @@
 // The first screen: the conclusion, the errors of means and scatter before and after, the parameters, what to run next.
 import { agreement_rows, conclusion_of, findings_of, is_not_reproduced } from "../src/agreement.js";
+import { mean_text, of_tests, refused } from "../src/agreement_text.js";
 import { is_number, list, record } from "../src/data.js";
 import { bullets, button, element, paragraph, prose } from "../src/dom.js";
-import { percent_text, short_number } from "../src/format.js";
+import { short_number } from "../src/format.js";
 import { by_attention, parameter_bars } from "../src/parameter_bars.js";
 import { data_table } from "../src/table.js";
 
@@ -66,16 +67,6 @@ function statement(study) {
       summary.length ? bullets(summary, { class: "summary-list" }) : null,
     ),
   );
-}
-
-const percent = (share) => (is_number(share) ? percent_text(100 * share, Math.abs(share) < 0.001 ? 3 : 2) : "–");
-const of_tests = (ratio) => (is_number(ratio) ? `${short_number(100 * ratio, 3)}\u00a0%` : "–");
-const refused = (claim, text) => (claim === false ? `✗ ${text}` : text);
-
-/** A mean near zero has no error in percent: its difference is shown then. */
-function mean_text(cloud, unit) {
-  if (is_number(cloud.mean_error)) return percent(cloud.mean_error);
-  return is_number(cloud.mean_difference) ? `${short_number(cloud.mean_difference, 3)} ${unit}` : "–";
 }
 
 /** Before and after of one quantity; what is not reproduced after is flagged. */

@@ -18,20 +18,21 @@ const worst_first = ["at-bound", "not-seen", "doubtful", "mean-only", "found", n
 export const by_attention = (findings) =>
   [...findings].sort((a, b) => worst_first.indexOf(a.mark) - worst_first.indexOf(b.mark));
 
-/** What the axis of a bar spans: all that is drawn, and a bound where it is near. */
-function span_of({ prior, prior_mean, estimate, interval, specimens, bounds }) {
-  const range = extent([...(prior ?? []), ...(interval ?? []), ...(specimens ?? []), prior_mean, estimate]);
+/** What the axis of bars spans: all that is drawn on it, and a bound where it is near. */
+export function span_of(findings) {
+  const drawn = ({ prior, prior_mean, estimate, interval, specimens }) =>
+    [...(prior ?? []), ...(interval ?? []), ...(specimens ?? []), prior_mean, estimate];
+  const range = extent(findings.flatMap(drawn));
   if (!range) return null;
   const width = range[1] - range[0] || Math.abs(range[0]) || 1;
-  const near = bounds.filter(
+  const near = findings.flatMap(({ bounds }) => bounds).filter(
     (bound) => is_number(bound) && bound > range[0] - width / 3 && bound < range[1] + width / 3,
   );
   const [low, high] = extent([...range, ...near]);
   return { low: low - 0.03 * width, high: high + 0.03 * width };
 }
 
-function track(finding) {
-  const span = span_of(finding);
+export function track(finding, span = span_of([finding])) {
   if (!span) return null;
   const share = (value) => (100 * (value - span.low)) / (span.high - span.low);
   const strip = (kind, ends) =>
@@ -58,13 +59,13 @@ function track(finding) {
 
 const range_text = (ends) => `${short_number(ends[0], 3)} … ${short_number(ends[1], 3)}`;
 
-function value_text({ estimate, interval, unit }) {
+export function value_text({ estimate, interval, unit }) {
   if (!is_number(estimate)) return "–";
   const known = interval ? ` (${range_text(interval)})` : "";
   return `${number_text(estimate)}${known}${unit ? ` ${unit}` : ""}`;
 }
 
-function spoken(finding) {
+export function spoken(finding) {
   const { name, prior, estimate, interval, unit } = finding;
   const parts = [
     prior ? `prior ${range_text(prior)}` : null,
@@ -75,7 +76,7 @@ function spoken(finding) {
 }
 
 /** Green only in a model that stood its tests: what is found in any other is found on a condition. */
-function mark_badge({ mark, reason, is_confirmed }) {
+export function mark_badge({ mark, reason, is_confirmed }) {
   const shown = marks[mark];
   if (!shown) return null;
   const tone = shown.tone === "good" && !is_confirmed ? "open" : shown.tone;
@@ -99,7 +100,7 @@ function bar(finding) {
   );
 }
 
-function key(findings) {
+export function key(findings) {
   const any = (field) => findings.some((finding) => finding[field]);
   const entry = (kind, text) =>
     element("span", { class: "key-entry" }, element("span", { class: `key key-${kind}` }), text);

@@ -1,9 +1,10 @@
-// Makes report.html of a run's folder from the files in it.
+// Makes pages of results: report.html of a run's folder, modes.html, and several runs side by side.
 #pragma once
 
 #include <filesystem>
 
 #include "mottle/layers.hpp"
+#include "mottle/study/jobs/compare.hpp"
 
 namespace mottle::report {
 
@@ -14,5 +15,11 @@ void write_report(const std::filesystem::path& folder);
 
 /// Reads modes.json of `folder` and writes modes.html beside it.
 void write_modes_page(const std::filesystem::path& folder);
+
+/// Reads result.json of every compared run and writes one page that shows them side by side.
+///
+/// @param page  file to write; the runs' own reports are linked relative to it
+/// Throws InvalidInput: a result that cannot be understood; SystemFailure: cannot write.
+void write_comparison_page(const Comparison& comparison, const std::filesystem::path& page);
 
 }  // namespace mottle::report
