@@ -72,7 +72,8 @@ TEST(ProgressLine, TakesTheTimeOfIterationsFromFinishedOnes) {
   line.begin(iteration(1), 500.0);  // what was before is not counted
   line.begin(iteration(2), 504.0);
   line.begin(iteration(3), 508.0);
-  EXPECT_EQ(line.text(509.0), "iteration 3 of at most 30, about 4 s each, at most 111 s left");  // 3 of this one, 27 more
+  EXPECT_EQ(line.text(509.0),
+            "iteration 3 of at most 30, about 4 s each, at most 111 s left");  // 3 of this one, 27 more
 }
 
 TEST(ProgressLine, StatesTheTimeLeftOfAKnownNumberOfSteps) {

@@ -27,7 +27,8 @@ TEST(RunContext, PassesEveryCallToItsObserver) {
   context.progress("cloud", 3, 10);
   context.warning("few tests");
   context.note("done");
-  EXPECT_THAT(recorder.lines, ::testing::ElementsAre("phase update", "progress cloud 3/10", "warning few tests", "note done"));
+  EXPECT_THAT(recorder.lines,
+              ::testing::ElementsAre("phase update", "progress cloud 3/10", "warning few tests", "note done"));
 }
 
 TEST(RunContext, IsSilentWithoutAnObserver) {

@@ -11,9 +11,9 @@ namespace mottle {
 
 /// A named part of a job, which lasts until the next one begins.
 struct Phase {
-  std::string name;        ///< "cloud before the update", "iteration"
-  std::int64_t step = 0;   ///< of several phases of this name the how-many-eth, from 1 on; 0: there is one
-  std::int64_t steps = 0;  ///< their number
+  std::string name;            ///< "cloud before the update", "iteration"
+  std::int64_t step = 0;       ///< of several phases of this name the how-many-eth, from 1 on; 0: there is one
+  std::int64_t steps = 0;      ///< their number
   bool may_end_early = false;  ///< `steps` are the most there can be
 
   /// "iteration 3 of at most 30"

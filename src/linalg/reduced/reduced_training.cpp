@@ -266,8 +266,7 @@ void enlarge(ReducedModel::Parts& parts, const TermCoefficients& samples, const 
 
 }  // namespace
 
-void ReducedModel::train(const TermCoefficients& samples, int threads,
-                         const std::function<void(Eigen::Index)>& each) {
+void ReducedModel::train(const TermCoefficients& samples, int threads, const std::function<void(Eigen::Index)>& each) {
   constexpr Eigen::Index k_first_samples = 64;
   constexpr Eigen::Index k_choosing_samples = 128;
   constexpr Eigen::Index k_compressing_samples = 200;

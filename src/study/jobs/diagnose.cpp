@@ -6,6 +6,7 @@
 #include "study/jobs/candidate_models.hpp"
 #include "study/jobs/candidates.hpp"
 #include "study/jobs/job_files.hpp"
+#include "study/jobs/model_around.hpp"
 #include "study/results/diagnosis_names.hpp"
 #include "study/tests/rank_numbering.hpp"
 #include "study/tests/unit_errors.hpp"
@@ -27,14 +28,14 @@ std::unique_ptr<CandidateModels> smaller_models(const Study& study, const std::v
   const Structure& structure = made.model->structure();
   if (candidates.size() < 2 || structure.mode_count() < k_large || made.model->derivatives() == nullptr) return nullptr;
   settings.cache.clear();  // one of each candidate would fill it
-  auto make = [&study, &candidates, settings](const std::vector<Eigen::Index>& moved) {
+  auto make = [&study, &candidates, settings](const std::vector<Eigen::Index>& moved, const Eigen::VectorXd& centre) {
     std::vector<StudyParameter> chosen;
     for (const Eigen::Index candidate : moved) chosen.push_back(candidates[static_cast<std::size_t>(candidate)]);
     const Study smaller = with_candidates(study, chosen);
-    return make_model(smaller, smaller.parameters, settings);
+    return make_model_around(centre, smaller, smaller.parameters, settings);
   };
   return std::make_unique<CandidateModels>(*made.model, static_cast<Eigen::Index>(study.parameters.list.size()),
-                                           made.space->prior().mean(), std::move(make));
+                                           *made.space, std::move(make));
 }
 
 DiagnoseOutcome diagnose_here(const Study& study, const RunSettings& settings) {

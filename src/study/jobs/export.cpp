@@ -158,7 +158,8 @@ void refuse_changed_model(const Study& study, const Json& result, const ExportSe
                           ExportOutcome& outcome) {
   if (!result.contains("model_files")) {
     outcome.notes.emplace_back(
-        "The results are of an earlier version, which did not record the model's files: whether they have changed since "
+        "The results are of an earlier version, which did not record the model's files: whether they have changed "
+        "since "
         "the update is not known.");
     return;
   }

@@ -12,6 +12,7 @@
 #include "mottle/study/models/model_source.hpp"
 #include "mottle/updating/verdict/verdict.hpp"
 #include "study/input/key_error.hpp"
+#include "study/jobs/model_around.hpp"
 #include "study/tests/test_files.hpp"
 
 namespace mottle::study {
@@ -57,14 +58,25 @@ void refuse_programs(const ModelSource& model) {
 }
 
 /// A reduced model is trained on samples of the prior that no cloud uses, so that it depends on nothing else.
-ReductionSettings reduction_settings(double frequency_error, const ParameterSpace& space,
+/// Samples of the prior moved to `centre`, as far as they are possible there.
+Eigen::MatrixXd moved_to(const Eigen::VectorXd& centre, const ParameterSpace& space, const Eigen::MatrixXd& samples) {
+  const Eigen::MatrixXd moved = samples.rowwise() + (centre - space.prior().mean()).transpose();
+  std::vector<Eigen::Index> possible;
+  for (Eigen::Index s = 0; s < moved.rows(); ++s) {
+    if (space.is_possible(moved.row(s).transpose())) possible.push_back(s);
+  }
+  return moved(possible, Eigen::all);
+}
+
+/// @param centre  of the clouds to come
+ReductionSettings reduction_settings(double frequency_error, const ParameterSpace& space, const Eigen::VectorXd& centre,
                                      const std::filesystem::path& cache) {
   constexpr int k_training_samples = 400;
   const StreamKey key{.seed = 1, .purpose = StreamPurpose::basis_training};
-  return {.frequency_error = frequency_error,
-          .nominal = space.prior().mean(),
-          .training = space.draw(space.prior(), SamplingDesign::latin_hypercube, k_training_samples, key).samples,
-          .cache = cache};
+  Eigen::MatrixXd training =
+      space.draw(space.prior(), SamplingDesign::latin_hypercube, k_training_samples, key).samples;
+  if (centre != space.prior().mean()) training = moved_to(centre, space, training);
+  return {.frequency_error = frequency_error, .nominal = centre, .training = std::move(training), .cache = cache};
 }
 
 }  // namespace
@@ -78,6 +90,11 @@ std::vector<ParameterTargets> list_targets(const StudyParameters& parameters) {
 }
 
 StudyModel make_model(const Study& study, const StudyParameters& parameters, const RunSettings& settings) {
+  return make_model_around({}, study, parameters, settings);
+}
+
+StudyModel make_model_around(const Eigen::VectorXd& centre, const Study& study, const StudyParameters& parameters,
+                             const RunSettings& settings) {
   const bool is_truth = study.truth && &parameters == &study.truth->parameters;
   require(!parameters.list.empty(), "{}: parameter: there is none; give at least one [[parameter]]",
           study.file.string());
@@ -105,7 +122,10 @@ StudyModel make_model(const Study& study, const StudyParameters& parameters, con
     if (parts.sparse) {
       std::optional<ReductionSettings> reduction;
       const std::optional<double> error = study.model->reduction_error();
-      if (error && study.may_reduce) reduction = reduction_settings(*error, *made.space, settings.cache);
+      if (error && study.may_reduce) {
+        const Eigen::VectorXd around = centre.size() > 0 ? centre : Eigen::VectorXd(made.space->prior().mean());
+        reduction = reduction_settings(*error, *made.space, around, settings.cache);
+      }
       parts.solver = make_sparse_solver(std::move(parts.sparse), std::move(reduction));
     }
     made.model = std::make_unique<StructureModel>(std::move(parts.solver), std::move(outputs), parts.reference);

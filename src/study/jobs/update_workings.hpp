@@ -15,7 +15,7 @@ namespace mottle::study {
 
 struct UpdateWorkings {
   UpdatePlan plan;
-  std::vector<ModelFile> model_files = {};  ///< as they were when the model was read
+  std::vector<ModelFile> model_files = {};                 ///< as they were when the model was read
   std::unique_ptr<const Model> model = nullptr;            ///< that was run; see plan.made for what it is
   std::unique_ptr<const UpdatingProblem> given = nullptr;  ///< over `model`
   std::unique_ptr<SurrogateUpdate> surrogate = nullptr;    ///< null: the method ran the model itself

@@ -50,7 +50,11 @@ Eigen::MatrixXd FixedParameterModel::all_parameters(const Eigen::Ref<const Eigen
 const DifferentiableModel* FixedParameterModel::derivatives() const {
   // Which way a shape is turned is read off the model itself: not off one that journals, several threads ask here.
   const bool has_signs = signs_.empty() || dynamic_cast<const Model*>(full_derivatives_) != nullptr;
-  return full_derivatives_ != nullptr && full_derivatives_->has_cheap_jacobian() && has_signs ? this : nullptr;
+  if (full_derivatives_ == nullptr || !has_signs) return nullptr;
+  // The Jacobian of the full matrices costs nearly the same for any number of parameters, a reduced model of many of
+  // them more than it saves.
+  constexpr std::size_t k_many = 12;
+  return full_derivatives_->has_cheap_jacobian() || members_.size() > k_many ? this : nullptr;
 }
 
 Eigen::MatrixXd FixedParameterModel::jacobian(const Eigen::Ref<const Eigen::VectorXd>& parameters) const {

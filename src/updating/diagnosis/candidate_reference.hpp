@@ -16,16 +16,17 @@ struct CandidateTry {
 /// chi-squared is too narrow for a likelihood ratio of plain maximum likelihood.
 ///
 /// Specimens are drawn from the linear random-effects model of the set alone (its restricted estimates, the specimens'
-/// own sensitivities and noise), and the set with and without the candidate is fitted to each draw. Up to a tail of
-/// 10 % the p-value is the fraction of draws beyond the observed ratio; further out the tail is continued by
+/// own sensitivities and noise), and the set with and without the candidate is fitted to each draw; the p-value is
+/// RatioDraws::upper_tail(). The ratio of a linear normal model is N log(1 + F k / nu), whose tail is exponential.
 ///
-///   p = 0.1 exp( -(x - x90) / m ),     m the mean excess of the draws over x90:
-///
-/// the ratio of a linear normal model is N log(1 + F k / nu), whose tail is exponential.
+/// There are 400 draws, in blocks of 100. A try is left out of further ones as soon as RatioDraws::decide() says that
+/// they could not change its significance at any of Holm's levels, from level / (2 candidates) to level.
 ///
 /// @param derivatives  of fits.derivatives_at(base, set)
-/// Source: [Davison1997], ch. 4.
+/// @param candidates   number of all candidates, each of which is tried in two kinds
+/// Source: [Davison1997], ch. 4; sequential stop after [Besag1991].
 void refer_to_replications(const CandidateFits& fits, const ParameterSet& set, const SetFit& base,
-                           const std::vector<Eigen::MatrixXd>& derivatives, const std::vector<CandidateTry>& tries);
+                           const std::vector<Eigen::MatrixXd>& derivatives, std::size_t candidates,
+                           const std::vector<CandidateTry>& tries);
 
 }  // namespace mottle::updating

@@ -19,8 +19,11 @@ namespace {
 
 constexpr Eigen::Index k_min_specimens = 3;
 constexpr Eigen::Index k_many_specimens = 30;  // chi-squared serves from there on
-constexpr std::size_t k_min_fitted = 3;  // candidates that are fitted in the model itself, the best by linear models
-constexpr std::size_t k_shown = 6;       // of the linear models, while the fits go on
+// Candidates that are fitted in the model itself whatever the linear models say. Once the set explains the tests
+// better, its linear models are at the right place: the best of them is evidence enough.
+constexpr std::size_t k_min_fitted = 3;
+constexpr std::size_t k_min_fitted_later = 1;
+constexpr std::size_t k_shown = 6;  // of the linear models, while the fits go on
 
 ParameterSet given_set(Eigen::Index given) {
   ParameterSet set;
@@ -53,10 +56,29 @@ CandidateFit not_tried(bool is_random, const std::string& why) {
   return fit;
 }
 
+/// Derivatives at the specimens of a fit, computed when somebody first asks.
+class SpecimenDerivatives {
+ public:
+  SpecimenDerivatives(CandidateFits& fits, const ParameterSet& set, const SetFit& base)
+      : fits_(fits), set_(set), base_(base) {}
+
+  const std::vector<Eigen::MatrixXd>& get() {
+    if (found_.empty()) found_ = fits_.derivatives_at(base_, set_);
+    return found_;
+  }
+
+ private:
+  CandidateFits& fits_;
+  const ParameterSet& set_;
+  const SetFit& base_;
+  std::vector<Eigen::MatrixXd> found_;
+};
+
 /// Significance of tries by replications where specimens are few: only of those that chi-squared calls significant, it
 /// errs to that side.
-void refer_small_samples(CandidateFits& fits, const ParameterSet& set, const SetFit& base,
-                         const std::vector<Eigen::Index>& candidates, std::vector<CandidateFinding>& findings) {
+void refer_small_samples(const CandidateFits& fits, const ParameterSet& set, const SetFit& base,
+                         SpecimenDerivatives& derivatives, const std::vector<Eigen::Index>& candidates,
+                         std::vector<CandidateFinding>& findings) {
   if (fits.specimens() >= k_many_specimens) return;
   std::vector<CandidateTry> tries;
   for (std::size_t c = 0; c < findings.size(); ++c) {
@@ -66,7 +88,7 @@ void refer_small_samples(CandidateFits& fits, const ParameterSet& set, const Set
     }
   }
   if (tries.empty()) return;
-  refer_to_replications(fits, set, base, fits.derivatives_at(base, set), tries);
+  refer_to_replications(fits, set, base, derivatives.get(), candidates.size(), tries);
   adjust(findings);
 }
 
@@ -78,16 +100,16 @@ struct Screened {
 
 /// The order in which candidates are fitted in the model itself: as given where they are few, else by linear models.
 std::vector<Screened> screen(CandidateFits& fits, const ParameterSet& set, const SetFit& base,
-                             const std::vector<Eigen::Index>& candidates) {
+                             SpecimenDerivatives& derivatives, const std::vector<Eigen::Index>& candidates) {
   std::vector<Screened> order(candidates.size());
   for (std::size_t c = 0; c < candidates.size(); ++c) order[c].index = c;
   if (candidates.size() <= static_cast<std::size_t>(fits.settings().screened)) return order;
-  const std::vector<Eigen::MatrixXd> derivatives = fits.derivatives_at(base, set);
+  fits.context().phase({.name = "candidates in linear models"});
   for (Screened& each : order) {
     fits.context().throw_if_stopped();
-    fits.context().progress("screen", static_cast<std::int64_t>(each.index),
+    fits.context().progress("candidates", static_cast<std::int64_t>(each.index),
                             static_cast<std::int64_t>(candidates.size()));
-    each.increase = fits.linear_gain(base, set, candidates[each.index], derivatives);
+    each.increase = fits.linear_gain(base, set, candidates[each.index], derivatives.get());
   }
   std::stable_sort(order.begin(), order.end(),
                    [](const Screened& a, const Screened& b) { return a.increase > b.increase; });
@@ -122,21 +144,21 @@ void fit_candidate(CandidateFits& fits, const ParameterSet& set, const SetFit& b
                                      better.bic));
 }
 
-/// Every candidate beside a set, in the order of `candidates`.
+/// Every candidate beside a set, in the order of `candidates`; at least `min_fitted` in the model itself.
 std::vector<CandidateFinding> try_all(CandidateFits& fits, const ParameterSet& set, const SetFit& base,
                                       const std::vector<Eigen::Index>& candidates,
-                                      const std::vector<Detectability>& analysis) {
-  const std::vector<Screened> order = screen(fits, set, base, candidates);
+                                      const std::vector<Detectability>& analysis, std::size_t min_fitted) {
+  SpecimenDerivatives derivatives(fits, set, base);
+  const std::vector<Screened> order = screen(fits, set, base, derivatives, candidates);
   const auto most = std::min(candidates.size(), static_cast<std::size_t>(fits.settings().screened));
   std::vector<CandidateFinding> findings(candidates.size());
   std::size_t fitted = 0;
   double best = 0.0;
   for (const auto& [index, increase] : order) {
     fits.context().throw_if_stopped();
-    fits.context().progress("diagnose", static_cast<std::int64_t>(fitted), static_cast<std::int64_t>(most));
     CandidateFinding& finding = findings[index];
     finding.detectability = analysis[static_cast<std::size_t>(candidates[index])];
-    const bool is_worth_it = fitted < k_min_fitted || increase >= worthwhile_increase(fits, candidates.size(), best);
+    const bool is_worth_it = fitted < min_fitted || increase >= worthwhile_increase(fits, candidates.size(), best);
     finding.is_screened_out = fitted >= most || !is_worth_it;
     if (finding.is_screened_out || !(finding.detectability.visibility > 0.0)) {
       const std::string why = finding.detectability.visibility > 0.0
@@ -146,12 +168,16 @@ std::vector<CandidateFinding> try_all(CandidateFits& fits, const ParameterSet& s
       finding.random = not_tried(true, why);
       continue;
     }
+    fits.context().phase({.name = "candidate in the model",
+                          .step = static_cast<std::int64_t>(fitted) + 1,
+                          .steps = static_cast<std::int64_t>(most),
+                          .may_end_early = order.front().increase < std::numeric_limits<double>::infinity()});
     fit_candidate(fits, set, base, candidates[index], finding);
     best = std::max(best, finding.better().log_likelihood_increase);
     ++fitted;
   }
   adjust(findings);
-  refer_small_samples(fits, set, base, candidates, findings);
+  refer_small_samples(fits, set, base, derivatives, candidates, findings);
   return findings;
 }
 
@@ -175,11 +201,12 @@ void propose(CandidateFits& fits, ParameterSet set, SetFit base, std::vector<Eig
     const auto next = static_cast<Eigen::Index>(set.members.size()) + 2;
     const bool is_more_than_seen = next > fits.problem().tests.values.cols();
     if (candidates.size() == 1 || is_more_than_seen || !fits.has_room_for(next)) return;
+    fits.context().phase({.name = "the proposed set"});
     base = fits.fit_beside(set, base, candidates[best], better.is_random);
     if (!base.failure.empty()) return;
     set = set.with(candidates[best], better.is_random);
     candidates.erase(candidates.begin() + static_cast<std::ptrdiff_t>(best));
-    findings = try_all(fits, set, base, candidates, analysis);
+    findings = try_all(fits, set, base, candidates, analysis, k_min_fitted_later);
   }
 }
 
@@ -217,15 +244,17 @@ Diagnosis diagnose(const UpdatingProblem& problem, const DiagnosisSettings& sett
   require_problem(problem, settings);
   CandidateFits fits(problem, settings, context);
   const ParameterSet set = given_set(settings.given);
+  context.phase({.name = "the given parameters alone"});
   const SetFit base = fits.fit(set);
   if (!base.failure.empty()) throw ModelFailure(base.failure);
   Diagnosis diagnosis;
   describe_base(problem, base, diagnosis);
+  context.phase({.name = "sensitivities to all candidates"});
   const DetectabilityAnalysis analysis = analyse_detectability(fits, base);
   diagnosis.judging = analysis.judging;
   std::vector<Eigen::Index> candidates;
   for (Eigen::Index i = settings.given; i < problem.space.count(); ++i) candidates.push_back(i);
-  const std::vector<CandidateFinding> findings = try_all(fits, set, base, candidates, analysis.all);
+  const std::vector<CandidateFinding> findings = try_all(fits, set, base, candidates, analysis.all, k_min_fitted);
 
   const std::vector<std::size_t> order = best_first(findings);
   std::vector<Eigen::Index> rows;
