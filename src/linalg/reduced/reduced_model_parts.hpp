@@ -157,7 +157,13 @@ struct ReducedModel::Parts {
   /// Lower bound of lambda for modes orthogonal to the basis, which residuals cannot show: the largest over the
   /// reference pencils (a, b) of
   ///   lambda(s) >= min (a_t(s) / a_t) / max (b_t(s) / b_t) complete_to   [sample]
+  /// less what terms that are not semidefinite may take away.
   Eigen::VectorXd complement_bounds(const TermCoefficients& samples) const;
+  /// The bound by one of the further reference pencils of one sample whose stiffness ratio (alpha) is known. With r and
+  /// h the extreme ratios, d = sum (a_t(s) - r a_t) max(-l_t, 0) / alpha and e the like of the masses,
+  ///   lambda(s) >= (r / h (1 - e) complete_to - d |shift|) / (1 + d)
+  double reference_bound(const ReferencePencil& reference, const TermCoefficients& sample,
+                         double stiffness_ratio) const;
   /// Adds a reference pencil softer and heavier than all samples, with its modes, if the present ones do not bound the
   /// complement's spectrum above the wanted modes.
   void add_reference_below(const TermCoefficients& samples, int threads);

@@ -11,6 +11,7 @@ namespace mottle::linalg {
 namespace {
 
 constexpr double k_infinite = std::numeric_limits<double>::infinity();
+constexpr double k_level = 0.99;  // reference modes are exact to 1e-3 at worst, their eigenvalues to its square
 
 /// Smallest or largest of value / reference over the terms that are there; the constant's is 1.
 template <typename Compare>
@@ -24,6 +25,16 @@ double extreme_ratio(const std::vector<SupportedMatrix>& terms, const Eigen::Vec
     if (is_worse(own, ratio) || own != own) ratio = own;
   }
   return ratio;
+}
+
+/// What the negative parts of terms may take away, in multiples of the form that their bounds refer to: the sum of
+/// change_t max(-l_t, 0), changes not negative.
+double negative_part(const Eigen::VectorXd& changes, const Eigen::MatrixXd& bounds) {
+  double sum = 0.0;
+  for (Eigen::Index t = 0; t < changes.size(); ++t) {
+    if (bounds(t, 0) < 0.0 && changes(t) > 0.0) sum -= changes(t) * bounds(t, 0);
+  }
+  return sum;
 }
 
 }  // namespace
@@ -59,21 +70,32 @@ Eigen::VectorXd FullPencils::stiffness_lower_ratios(const TermCoefficients& samp
   return result;
 }
 
+double ReducedModel::Parts::reference_bound(const ReferencePencil& reference, const TermCoefficients& sample,
+                                            double stiffness_ratio) const {
+  const double soft =
+      extreme_ratio(full->stiffness, reference.stiffness, sample.stiffness.col(0), k_infinite, std::less<>());
+  const double heavy = extreme_ratio(full->mass, reference.mass, sample.mass.col(0), 0.0, std::greater<>());
+  if (!(soft > 0.0) || !(heavy > 0.0) || !(stiffness_ratio > 0.0)) return 0.0;
+  const Eigen::VectorXd masses = with_constant(sample.mass.col(0));
+  const double elastic = negative_part(with_constant(sample.stiffness.col(0)) - soft * reference.stiffness,
+                                       full->stiffness_bounds) /
+                         stiffness_ratio;
+  const double inertial = negative_part(heavy * reference.mass - masses, full->mass_bounds);
+  const double mass_ratio = inertial > 0.0 ? lower_ratio(masses, full->nominal_mass, full->mass_bounds) : 1.0;
+  if (!(elastic < k_infinite) || !(inertial < mass_ratio)) return 0.0;
+  const double bound = soft / heavy * (1.0 - inertial / mass_ratio) * k_level * reference.complete_to;
+  return (bound + elastic * full->shift) / (1.0 + elastic);
+}
+
 Eigen::VectorXd ReducedModel::Parts::complement_bounds(const TermCoefficients& samples) const {
-  constexpr double k_level = 0.99;  // reference modes are exact to 1e-3 at worst, their eigenvalues to its square
   const Eigen::VectorXd softest = full->stiffness_lower_ratios(samples);
   const Eigen::VectorXd heaviest = full->mass_upper_ratios(samples);
-  const auto factor = [](double soft, double heavy) { return heavy > 0.0 ? std::max(soft, 0.0) / heavy : 0.0; };
   Eigen::VectorXd result(samples.samples());
   for (Eigen::Index s = 0; s < result.size(); ++s) {
-    result(s) =
-        factor(softest(s), heaviest(s)) * (k_level * reference_pencils[0].complete_to - full->shift) + full->shift;
+    const double ratio = heaviest(s) > 0.0 ? std::max(softest(s), 0.0) / heaviest(s) : 0.0;
+    result(s) = ratio * (k_level * reference_pencils[0].complete_to - full->shift) + full->shift;
     for (std::size_t f = 1; f < reference_pencils.size(); ++f) {
-      const ReferencePencil& reference = reference_pencils[f];
-      const double soft =
-          extreme_ratio(full->stiffness, reference.stiffness, samples.stiffness.col(s), k_infinite, std::less<>());
-      const double heavy = extreme_ratio(full->mass, reference.mass, samples.mass.col(s), 0.0, std::greater<>());
-      result(s) = std::max(result(s), factor(soft, heavy) * k_level * reference.complete_to);
+      result(s) = std::max(result(s), reference_bound(reference_pencils[f], samples.range(s, 1), softest(s)));
     }
   }
   return result;
@@ -94,7 +116,6 @@ void ReducedModel::Parts::add_reference_pencil(ReferencePencil reference, const 
 void ReducedModel::Parts::add_reference_below(const TermCoefficients& samples, int threads) {
   constexpr double k_margin = 1.1;       // for samples that lie outside the range of the training samples
   constexpr double k_left_out = 0.0025;  // fraction of the samples that may be left to the exact solution
-  if (full->has_indefinite_terms()) return;
   const Eigen::VectorXd softest = with_constant(samples.stiffness.rowwise().minCoeff());
   const Eigen::VectorXd heaviest = with_constant(samples.mass.rowwise().maxCoeff());
   if (softest.minCoeff() < 0.0) return;
