@@ -11,6 +11,7 @@
 #include "mottle/core/error.hpp"
 #include "mottle/core/files.hpp"
 #include "mottle/core/own_file.hpp"
+#include "mottle/model/sample_region.hpp"
 
 namespace mottle::model {
 namespace {
@@ -46,8 +47,9 @@ class Reader {
   std::string_view bytes_;
 };
 
-Digest digest_of_samples(const Eigen::MatrixXd& samples) {
+Digest digest_of_samples(const SampleRegion* region, const Eigen::MatrixXd& samples) {
   Checksum checksum;
+  if (region != nullptr) checksum.add(hexadecimal(region->digest()));
   checksum.add(std::to_string(samples.rows()));
   checksum.add(samples.data(), static_cast<std::size_t>(samples.size()) * sizeof(double));
   return checksum.digest();
@@ -188,24 +190,40 @@ std::int64_t JournalledModel::reused() const {
   return file_ ? file_->reused() : 0;
 }
 
-Evaluation JournalledModel::answer_to(const Eigen::MatrixXd& samples, const RunContext& context) const {
-  if (!file_) return model_.evaluate(samples, context);
-  const Digest question = digest_of_samples(samples);
+Evaluation JournalledModel::compute(const SampleRegion* region, const Eigen::MatrixXd& samples,
+                                    const RunContext& context) const {
+  return region == nullptr ? model_.evaluate(samples, context) : model_.evaluate_in(*region, samples, context);
+}
+
+Evaluation JournalledModel::answer_to(const SampleRegion* region, const Eigen::MatrixXd& samples,
+                                      const RunContext& context) const {
+  if (!file_) return compute(region, samples, context);
+  const Digest question = digest_of_samples(region, samples);
   Evaluation answer;
   if (file_->find(question, samples.rows(), static_cast<Eigen::Index>(outputs().size()), answer)) return answer;
-  answer = model_.evaluate(samples, context);
+  answer = compute(region, samples, context);
   file_->append(encode(question, answer));
   return answer;
 }
 
 Evaluation JournalledModel::evaluate(const Eigen::Ref<const Eigen::MatrixXd>& samples,
                                      const RunContext& context) const {
+  return evaluate_parts(nullptr, samples, context);
+}
+
+Evaluation JournalledModel::evaluate_in(const SampleRegion& region, const Eigen::Ref<const Eigen::MatrixXd>& samples,
+                                        const RunContext& context) const {
+  return evaluate_parts(&region, samples, context);
+}
+
+Evaluation JournalledModel::evaluate_parts(const SampleRegion* region, const Eigen::Ref<const Eigen::MatrixXd>& samples,
+                                           const RunContext& context) const {
   Evaluation whole;
   whole.outputs.resize(samples.rows(), static_cast<Eigen::Index>(outputs().size()));
   for (Eigen::Index begin = 0; begin < samples.rows(); begin += model_.batch_size()) {
     context.throw_if_stopped();
     const Eigen::MatrixXd part = samples.middleRows(begin, std::min(model_.batch_size(), samples.rows() - begin));
-    Evaluation answer = answer_to(part, context);
+    Evaluation answer = answer_to(region, part, context);
     whole.outputs.middleRows(begin, part.rows()) = answer.outputs;
     for (FailedRun& failure : answer.failures) {
       whole.failures.push_back({begin + failure.sample, std::move(failure.reason)});

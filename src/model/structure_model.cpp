@@ -189,7 +189,8 @@ std::string StructureModel::fill_outputs(const Solution& solution, const ModeMat
   return {};
 }
 
-Evaluation StructureModel::evaluate(const Eigen::Ref<const Eigen::MatrixXd>& samples, const RunContext& context) const {
+Evaluation StructureModel::evaluate(const SampleRegion* region, const Eigen::Ref<const Eigen::MatrixXd>& samples,
+                                    const RunContext& context) const {
   Evaluation result;
   result.outputs.setConstant(samples.rows(), static_cast<Eigen::Index>(outputs_.size()),
                              std::numeric_limits<double>::quiet_NaN());
@@ -207,7 +208,9 @@ Evaluation StructureModel::evaluate(const Eigen::Ref<const Eigen::MatrixXd>& sam
     if (!reason.empty()) result.outputs.row(s).setConstant(std::numeric_limits<double>::quiet_NaN());
     notes[static_cast<std::size_t>(s)] = std::move(match.note);
   };
-  result.use = solver_->solve(samples, request_, context, visit);
+  SolutionRequest request = request_;
+  request.region = region;
+  result.use = solver_->solve(samples, request, context, visit);
   for (Eigen::Index s = 0; s < samples.rows(); ++s) {
     const auto k = static_cast<std::size_t>(s);
     if (!reasons[k].empty()) {

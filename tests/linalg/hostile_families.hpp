@@ -273,6 +273,23 @@ inline HostileFamily near_mechanism(int count) {
   return hostile("near-mechanism", 2 * count, soft, terms, masses, {}, lognormal_scatter(0.5));
 }
 
+/// Stiff chains on suspensions so soft that rounding leaves the chains' own definiteness open, by more than a bound may
+/// neglect; beside them chains that are a term each.
+inline HostileFamily soft_suspensions(int count, int chains) {
+  Entries constant, masses;
+  std::vector<Entries> terms(2);
+  for (int c = 0; c < chains; ++c) {
+    add_chain(constant, c * count, count, 1.0 + 0.03 * c);
+    terms[static_cast<std::size_t>(c % 2)].emplace_back(c * count, c * count, 1e-11);
+  }
+  for (const Entries& part : chain_in_parts(chains * count, count, 2, 0.5)) terms.push_back(part);
+  add_diagonal(masses, 0, (chains + 1) * count, 1.0);
+  HostileFamily result =
+      hostile("soft suspensions", (chains + 1) * count, constant, terms, masses, {}, lognormal_scatter(0.7));
+  result.modes = 16;
+  return result;
+}
+
 /// Masses of one in 10^8 and none at all among others.
 inline HostileFamily light_masses(int count) {
   Entries left, right, heavy, light;

@@ -12,6 +12,7 @@
 #include "core/temporary_folder.hpp"
 #include "model/structures.hpp"
 #include "mottle/core/files.hpp"
+#include "mottle/model/region_model.hpp"
 
 namespace mottle::model {
 namespace {
@@ -223,6 +224,53 @@ TEST_F(Journal, StopsBetweenBatchesOnRequest) {
   const JournalledModel journalled(model, path, k_study, false);
   EXPECT_THROW(journalled.evaluate(samples(), {.stop = &stop}), Stopped);
   EXPECT_EQ(model.evaluated, 0);
+}
+
+/// Adds the first coordinate of the region's centre to the outputs.
+class RegionalModel final : public Model {
+ public:
+  Eigen::Index parameter_count() const override { return 2; }
+  const std::vector<Quantity>& outputs() const override { return model_.outputs(); }
+  bool adapts_to_regions() const override { return true; }
+  Evaluation evaluate(const Eigen::Ref<const Eigen::MatrixXd>& samples, const RunContext& context) const override {
+    return model_.evaluate(samples, context);
+  }
+  Evaluation evaluate_in(const SampleRegion& region, const Eigen::Ref<const Eigen::MatrixXd>& samples,
+                         const RunContext& context) const override {
+    Evaluation result = model_.evaluate(samples, context);
+    result.outputs.array() += region.centre()(0);
+    return result;
+  }
+  int evaluated() const { return model_.evaluated; }
+
+ private:
+  CountingModel model_;
+};
+
+TEST_F(Journal, AnAnswerBelongsToItsRegion) {
+  const auto region = [](double centre) {
+    return std::make_shared<const SampleRegion>(Eigen::Vector2d(centre, 0.0), Eigen::MatrixXd::Zero(1, 2));
+  };
+  const Eigen::MatrixXd x = samples().topRows(3);
+  const auto ask = [&](const JournalledModel& journalled, double centre) {
+    return RegionModel(journalled, region(centre)).evaluate(x, {}).outputs;
+  };
+  const RegionalModel first;
+  Eigen::MatrixXd anywhere, near, far;
+  {
+    const JournalledModel journalled(first, path, k_study, false);
+    anywhere = journalled.evaluate(x, {}).outputs;
+    near = ask(journalled, 1.0);
+    far = ask(journalled, 100.0);
+  }
+  EXPECT_TRUE(near.isApprox((anywhere.array() + 1.0).matrix()));
+  const RegionalModel second;
+  const JournalledModel resumed(second, path, k_study, true);
+  EXPECT_EQ(resumed.evaluate(x, {}).outputs, anywhere);
+  EXPECT_EQ(ask(resumed, 1.0), near);
+  EXPECT_EQ(second.evaluated(), 0);
+  EXPECT_EQ(ask(resumed, 99.0), (far.array() - 1.0).matrix());  // of a region that was not asked about
+  EXPECT_EQ(second.evaluated(), 3);
 }
 
 }  // namespace

@@ -34,7 +34,10 @@ class JournalledModel final : public Model {
   Eigen::Index parameter_count() const override { return model_.parameter_count(); }
   const std::vector<Quantity>& outputs() const override { return model_.outputs(); }
   double difference_step() const override { return model_.difference_step(); }
+  bool adapts_to_regions() const override { return model_.adapts_to_regions(); }
   Evaluation evaluate(const Eigen::Ref<const Eigen::MatrixXd>& samples, const RunContext& context) const override;
+  Evaluation evaluate_in(const SampleRegion& region, const Eigen::Ref<const Eigen::MatrixXd>& samples,
+                         const RunContext& context) const override;
 
   /// Samples answered from the journal of an earlier run.
   std::int64_t reused() const;
@@ -43,8 +46,11 @@ class JournalledModel final : public Model {
 
  private:
   class File;
-  /// Of one part of a batch.
-  Evaluation answer_to(const Eigen::MatrixXd& samples, const RunContext& context) const;
+  /// Of a batch, part by part; `region` may be null.
+  Evaluation evaluate_parts(const SampleRegion* region, const Eigen::Ref<const Eigen::MatrixXd>& samples,
+                            const RunContext& context) const;
+  Evaluation answer_to(const SampleRegion* region, const Eigen::MatrixXd& samples, const RunContext& context) const;
+  Evaluation compute(const SampleRegion* region, const Eigen::MatrixXd& samples, const RunContext& context) const;
   const Model& model_;
   std::unique_ptr<File> file_;
   mutable SolverUse use_;

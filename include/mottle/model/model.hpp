@@ -13,6 +13,8 @@
 
 namespace mottle::model {
 
+class SampleRegion;
+
 /// One model run that gave no result.
 struct FailedRun {
   Eigen::Index sample = 0;
@@ -77,6 +79,16 @@ class Model {
   /// Evaluates every row of `samples` [sample x parameter]. A row's result depends on that row alone, but for models
   /// that answer within a tolerance: there on the batch that it is in, and on nothing before.
   virtual Evaluation evaluate(const Eigen::Ref<const Eigen::MatrixXd>& samples, const RunContext& context) const = 0;
+
+  /// The same where the caller knows in which region these and further samples lie: a model that answers within a
+  /// tolerance adapts itself to it. A batch's results depend on the batch and the region, and on nothing before.
+  virtual Evaluation evaluate_in(const SampleRegion& /*region*/, const Eigen::Ref<const Eigen::MatrixXd>& samples,
+                                 const RunContext& context) const {
+    return evaluate(samples, context);
+  }
+
+  /// Whether evaluate_in() differs from evaluate().
+  virtual bool adapts_to_regions() const { return false; }
 
   /// Number of samples after which results are saved: about so many may be lost when a run is killed.
   virtual Eigen::Index batch_size() const { return 8192; }

@@ -36,12 +36,19 @@ class StructureModel final : public Model, public DifferentiableModel {
   const std::vector<Quantity>& measured() const { return measured_; }
   /// Outputs of tests [specimen x output] from what they measured [specimen x measured]; nan: not measured.
   Eigen::MatrixXd outputs_of(const Eigen::Ref<const Eigen::MatrixXd>& measured) const;
-  Evaluation evaluate(const Eigen::Ref<const Eigen::MatrixXd>& samples, const RunContext& context) const override;
+  Evaluation evaluate(const Eigen::Ref<const Eigen::MatrixXd>& samples, const RunContext& context) const override {
+    return evaluate(nullptr, samples, context);
+  }
+  Evaluation evaluate_in(const SampleRegion& region, const Eigen::Ref<const Eigen::MatrixXd>& samples,
+                         const RunContext& context) const override {
+    return evaluate(&region, samples, context);
+  }
   Eigen::MatrixXd jacobian(const Eigen::Ref<const Eigen::VectorXd>& parameters) const override;
 
   bool has_cheap_jacobian() const override { return solver_->has_cheap_derivatives(); }
   Eigen::Index batch_size() const override { return solver_->batch_size(); }
   double difference_step() const override { return solver_->difference_step(); }
+  bool adapts_to_regions() const override { return solver_->adapts_to_regions(); }
   /// Itself, where its solver has derivatives; else null.
   const DifferentiableModel* derivatives() const { return solver_->has_derivatives() ? this : nullptr; }
 
@@ -74,6 +81,8 @@ class StructureModel final : public Model, public DifferentiableModel {
  private:
   struct Part;
 
+  Evaluation evaluate(const SampleRegion* region, const Eigen::Ref<const Eigen::MatrixXd>& samples,
+                      const RunContext& context) const;
   void take(std::unique_ptr<Response> response, std::vector<int>& degrees_of_freedom);
   void take_outputs();
   void complete_request(const std::vector<int>& degrees_of_freedom);

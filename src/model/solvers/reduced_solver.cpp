@@ -4,7 +4,7 @@
 #include <cmath>
 #include <ctime>
 
-#include "model/solvers/reduced_model_cache.hpp"
+#include "model/solvers/trained_reduced_models.hpp"
 #include "mottle/core/error.hpp"
 #include "mottle/core/parallel.hpp"
 
@@ -15,84 +15,37 @@ using Rows = std::vector<Eigen::Index>;
 
 constexpr Eigen::Index k_min_equations = 500;  // below, an exact solution is as cheap
 constexpr Eigen::Index k_min_samples = 4;  // a basis costs three to ten exact solutions; who asks for some asks again
-// In exact solutions: the cost of a refined sample, and the saving at which more training pays.
-constexpr double k_refinement = 0.1;
-constexpr double k_training = 8.0;
+constexpr double k_training = 8.0;  // saving in exact solutions at which more training pays
 
 double processor_seconds() {
   return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
 }
 
-TermCoefficients coefficients_at(const SparseStructure& structure, const Eigen::Ref<const Eigen::MatrixXd>& samples) {
-  return term_coefficients(structure.stiffness_terms(), structure.mass_terms(), samples);
-}
-
-/// Rows whose reduced solution has an error bound above the tolerance.
-struct Uncertified {
-  Rows rows;
-  std::size_t unbounded = 0;  ///< of them those without any bound, which cannot be refined
-
-  double cost() const {
-    return k_refinement * static_cast<double>(rows.size() - unbounded) + static_cast<double>(unbounded);
-  }
-};
-
 /// The requested results from reduced coordinates.
 class ReducedObservation {
  public:
-  ReducedObservation(const ExactSolver& exact, const SolutionRequest& request, const Eigen::MatrixXd& basis)
-      : displacements_(request.observation * basis), compares_(request.reference.shapes.cols() > 0) {
-    if (!compares_) return;
-    const Eigen::MatrixXd weighed = symmetric_product(exact.reference_mass(), basis);
-    reference_ = request.reference.shapes.transpose() * weighed;
-    mass_ = basis.transpose() * weighed;
-  }
+  /// @param comparison  null where shapes are not compared
+  ReducedObservation(const SolutionRequest& request, const Eigen::MatrixXd& basis,
+                     std::shared_ptr<const ReducedComparison> comparison)
+      : displacements_(request.observation * basis), comparison_(std::move(comparison)) {}
 
   Solution of(const Eigen::Ref<const Eigen::VectorXd>& values,
               const Eigen::Ref<const Eigen::MatrixXd>& coordinates) const {
     Solution solution{.eigenvalues = values, .displacements = displacements_ * coordinates};
-    if (compares_) {
-      const Eigen::RowVectorXd squares = coordinates.cwiseProduct(mass_ * coordinates).colwise().sum();
-      solution.cosines = cosines_from(reference_ * coordinates, squares);
+    if (comparison_ != nullptr) {
+      const Eigen::RowVectorXd squares =
+          coordinates.cwiseProduct(comparison_->mass * coordinates).colwise().sum();
+      solution.cosines = cosines_from(comparison_->reference * coordinates, squares);
     }
     return solution;
   }
 
  private:
   Eigen::MatrixXd displacements_;  // rows of the basis V at the observed degrees of freedom
-  bool compares_;
-  Eigen::MatrixXd reference_;  // Phi_ref' M V
-  Eigen::MatrixXd mass_;       // V' M V
+  std::shared_ptr<const ReducedComparison> comparison_;
 };
 
 }  // namespace
-
-const ReducedModel* TrainedReducedModel::at(int modes, const RunContext& context) {
-  const std::lock_guard lock(mutex_);
-  if (modes_ == modes) return model_.get();
-  modes_ = 0;  // a training that is stopped leaves nothing
-  model_.reset();
-  const SparseStructure::Matrices nominal = structure_.matrices_at(settings_.nominal);
-  try {
-    model_ = find_or_train({.folder = settings_.cache},
-                           {.terms = pencil_terms(structure_.stiffness_terms(), structure_.mass_terms()),
-                            .nominal = coefficients_at(structure_, settings_.nominal.transpose()),
-                            .stiffness = nominal.stiffness,
-                            .mass = nominal.mass,
-                            .options = {.modes = modes, .tolerance = 2.0 * settings_.frequency_error},
-                            .training = coefficients_at(structure_, settings_.training)},
-                           context);
-    modes_ = modes;
-  } catch (const InvalidInput&) {
-    modes_ = modes;
-    return nullptr;  // no modes at the prior's mean; each sample is solved and reported by itself
-  }
-  if (!model_->reaches_tolerance()) {
-    context.note(fmt::format("The prior is too wide for a reduced model within {:.1e}: training ended at {} vectors.",
-                             settings_.frequency_error, model_->basis().cols()));
-  }
-  return model_.get();
-}
 
 /// The solution of one cloud: which of its samples are certified, and the visits of those that are.
 class ReducedSolver::CloudSolution {
@@ -107,17 +60,17 @@ class ReducedSolver::CloudSolution {
         visit_(visit) {}
 
   /// Visits what the reduced model certifies and returns the rows that are left, ascending.
-  Rows reduce(TrainedReducedModel& reduced) {
+  Rows reduce(TrainedReducedModels& reduced) {
     const double begin = processor_seconds();
     Rows finite;
     Rows others;
     for (Eigen::Index s = 0; s < samples_.rows(); ++s) (samples_.row(s).allFinite() ? finite : others).push_back(s);
-    const ReducedModel* trained = reduced.at(request_.modes, context_);
+    const std::shared_ptr<const TrainedReducedModel> trained = reduced.at(request_.region, request_.modes, context_);
     Rows left = trained == nullptr ? finite : solve_with(*trained, finite);
     if (trained != nullptr) {
       use_.reduced = static_cast<std::int64_t>(finite.size() - left.size());
       use_.reduced_seconds = processor_seconds() - begin;
-      use_.exact_seconds = trained->exact_seconds();
+      use_.exact_seconds = trained->model().exact_seconds();
     }
     left.insert(left.end(), others.begin(), others.end());
     std::sort(left.begin(), left.end());
@@ -140,8 +93,8 @@ class ReducedSolver::CloudSolution {
   bool is_certified(double bound) const { return bound <= tolerance_; }
   void count_bound(double bound) { use_.frequency_error = std::max(use_.frequency_error, 0.5 * bound); }
 
-  Rows solve_with(const ReducedModel& trained, const Rows& rows);
-  Uncertified solve_reduced(const ReducedModel& reduced, const Rows& rows);
+  Rows solve_with(const TrainedReducedModel& trained, const Rows& rows);
+  Uncertified solve_reduced(const TrainedReducedModel& reduced, const Rows& rows);
   Rows refine(const ReducedModel& reduced, const Rows& rows);
 
   const ExactSolver& exact_;
@@ -153,24 +106,25 @@ class ReducedSolver::CloudSolution {
   SolverUse use_;
 };
 
-Rows ReducedSolver::CloudSolution::solve_with(const ReducedModel& trained, const Rows& rows) {
+Rows ReducedSolver::CloudSolution::solve_with(const TrainedReducedModel& trained, const Rows& rows) {
   Uncertified uncertified = solve_reduced(trained, rows);
-  const ReducedModel* used = &trained;
-  std::optional<ReducedModel> enlarged;
-  if (uncertified.cost() > k_training && trained.reaches_tolerance()) {
+  const TrainedReducedModel* used = &trained;
+  std::optional<TrainedReducedModel> enlarged;
+  if (uncertified.cost() > k_training && trained.model().reaches_tolerance()) {
     // The cloud lies outside the training samples: a copy is trained further on the uncertified rows, so that the next
     // batch does not depend on this one.
     constexpr std::size_t k_max_training = 400;
     const Rows& all = uncertified.rows;
     const Rows some(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(std::min(k_max_training, all.size())));
-    enlarged.emplace(trained);
-    enlarged->train(coefficients(some), context_.threads);
+    auto copy = std::make_shared<ReducedModel>(trained.model());
+    copy->train(coefficients(some), context_.threads);
+    enlarged.emplace(exact_, std::move(copy));
     uncertified = solve_reduced(*enlarged, Rows(all));
     used = &*enlarged;
   }
-  Rows left = refine(*used, uncertified.rows);
+  Rows left = refine(used->model(), uncertified.rows);
   constexpr std::size_t k_many = 4;  // one in so many
-  if (trained.has_indefinite_terms() && k_many * left.size() > rows.size()) {
+  if (trained.model().has_indefinite_terms() && k_many * left.size() > rows.size()) {
     context_.note(fmt::format(
         "Terms of K or M are not positive semidefinite, so that {} of {} samples have no certified bound: these "
         "are solved in full.",
@@ -179,8 +133,11 @@ Rows ReducedSolver::CloudSolution::solve_with(const ReducedModel& trained, const
   return left;
 }
 
-Uncertified ReducedSolver::CloudSolution::solve_reduced(const ReducedModel& reduced, const Rows& rows) {
-  const ReducedObservation observation(exact_, request_, reduced.basis());
+Uncertified ReducedSolver::CloudSolution::solve_reduced(const TrainedReducedModel& trained, const Rows& rows) {
+  const ReducedModel& reduced = trained.model();
+  const Eigen::MatrixXd& shapes = request_.reference.shapes;
+  const ReducedObservation observation(request_, reduced.basis(),
+                                       shapes.cols() > 0 ? trained.comparison_with(shapes) : nullptr);
   const CertifiedModes found = reduced.solve(coefficients(rows), context_.threads);
   const Eigen::Index vectors = reduced.basis().cols();
   const Eigen::Index modes = found.values.rows();
@@ -231,15 +188,20 @@ Rows ReducedSolver::CloudSolution::refine(const ReducedModel& reduced, const Row
 }
 
 ReducedSolver::ReducedSolver(std::unique_ptr<const ExactSolver> exact, ReductionSettings settings)
-    : exact_(std::move(exact)), reduced_(exact_->sparse_structure(), std::move(settings)) {}
+    : exact_(std::move(exact)),
+      frequency_error_(settings.frequency_error),
+      reduced_(std::make_unique<TrainedReducedModels>(*exact_, std::move(settings))) {}
+
+ReducedSolver::~ReducedSolver() = default;
 
 SolverUse ReducedSolver::solve(const Eigen::Ref<const Eigen::MatrixXd>& samples, const SolutionRequest& request,
                                const RunContext& context, const Visitor& visit) const {
-  const bool is_worth_it = samples.rows() >= k_min_samples && request.modes + k_min_samples < structure().mode_count();
+  const bool is_cloud = request.region != nullptr || samples.rows() >= k_min_samples;
+  const bool is_worth_it = is_cloud && request.modes + k_min_samples < structure().mode_count();
   if (!is_worth_it || request.modes == 0) return exact_->solve(samples, request, context, visit);
   if (request.loads.cols() > 0) return solve_with_loads(samples, request, context, visit);
-  CloudSolution cloud(*exact_, reduced_.settings().frequency_error, samples, request, context, visit);
-  return cloud.finish(cloud.reduce(reduced_));
+  CloudSolution cloud(*exact_, frequency_error_, samples, request, context, visit);
+  return cloud.finish(cloud.reduce(*reduced_));
 }
 
 /// Static solutions by the full matrices, modes by the reduced model.

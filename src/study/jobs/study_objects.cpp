@@ -57,7 +57,6 @@ void refuse_programs(const ModelSource& model) {
   }
 }
 
-/// A reduced model is trained on samples of the prior that no cloud uses, so that it depends on nothing else.
 /// Samples of the prior moved to `centre`, as far as they are possible there.
 Eigen::MatrixXd moved_to(const Eigen::VectorXd& centre, const ParameterSpace& space, const Eigen::MatrixXd& samples) {
   const Eigen::MatrixXd moved = samples.rowwise() + (centre - space.prior().mean()).transpose();
@@ -68,15 +67,14 @@ Eigen::MatrixXd moved_to(const Eigen::VectorXd& centre, const ParameterSpace& sp
   return moved(possible, Eigen::all);
 }
 
+/// A reduced model is trained on samples that no cloud uses, so that it depends on nothing else.
+///
 /// @param centre  of the clouds to come
 ReductionSettings reduction_settings(double frequency_error, const ParameterSpace& space, const Eigen::VectorXd& centre,
                                      const std::filesystem::path& cache) {
-  constexpr int k_training_samples = 400;
-  const StreamKey key{.seed = 1, .purpose = StreamPurpose::basis_training};
-  Eigen::MatrixXd training =
-      space.draw(space.prior(), SamplingDesign::latin_hypercube, k_training_samples, key).samples;
-  if (centre != space.prior().mean()) training = moved_to(centre, space, training);
-  return {.frequency_error = frequency_error, .nominal = centre, .training = std::move(training), .cache = cache};
+  SampleRegion region = region_of(space, centre, space.prior());
+  if (centre != space.prior().mean()) region = {centre, moved_to(centre, space, region.samples())};
+  return {.frequency_error = frequency_error, .prior = std::move(region), .cache = cache};
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "updating/population/model_error.hpp"
 #include "updating/population/population_fit.hpp"
 #include "updating/population/population_report.hpp"
+#include "updating/population/regional_problem.hpp"
 
 namespace mottle::updating {
 namespace {
@@ -112,7 +113,8 @@ UpdatingResult MaximumLikelihoodUpdater::update(const UpdatingProblem& problem, 
       PopulationOnScales{fit.mean, fit.covariance, is_stopped ? PopulationEvidence{} : evidence_of(fit)},
       is_stopped ? 0 : problem.tests.values.rows()));
   if (is_stopped) return result;
-  IterationRecord last = record_state(problem, tests, *result.estimate, context);
+  const RegionalProblem near(problem, fit.region);
+  IterationRecord last = record_state(near.problem(), tests, *result.estimate, context);
   result.model_evaluations += last.cloud.samples.rows();
   result.history.back() = std::move(last);
   context.phase({.name = "intervals and tests of the estimate"});

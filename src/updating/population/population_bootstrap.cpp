@@ -50,6 +50,7 @@ std::vector<PopulationEvidence> estimate_samples(const UpdatingProblem& problem,
   constexpr int k_inner_iterations = 90;
   PopulationFitSettings quick = settings;
   quick.inner_iterations = k_inner_iterations;
+  quick.region = fit.region;  // specimens drawn from the estimate lie where its own do
   std::vector<PopulationEvidence> drawn;
   for (int b = 0; b < samples; ++b) {
     context.throw_if_stopped();

@@ -10,6 +10,7 @@
 #include "mottle/updating/methods/iteration.hpp"
 #include "updating/methods/linear_units.hpp"
 #include "updating/methods/scaled_parameters.hpp"
+#include "updating/population/regional_problem.hpp"
 
 namespace mottle::updating {
 namespace {
@@ -153,6 +154,41 @@ ModelError model_error_of(const PopulationFit& fit, const NoiseModel& given) {
   return error;
 }
 
+/// The problem about the iterate. A model that adapts to regions does so at the mean of the tests, with the prior's
+/// covariance, and again wherever the mean comes to lie a prior deviation beside the last region's.
+class FollowingProblem {
+ public:
+  FollowingProblem(const UpdatingProblem& problem, const PriorOnScales& prior, PopulationFit& fit)
+      : problem_(problem), prior_(prior), fit_(fit) {}
+
+  /// @param given  where the specimens lie; null: it follows the iterate
+  void begin(std::shared_ptr<const SampleRegion> given) {
+    follows_ = given == nullptr;
+    adapt(follows_ ? region_around(problem_, fit_.mean, prior_.covariance) : std::move(given));
+  }
+  void follow() {
+    constexpr double k_beside = 1.0;
+    if (fit_.region == nullptr || !follows_) return;
+    const Eigen::VectorXd moved = (fit_.mean - centre_).cwiseQuotient(prior_.covariance.diagonal().cwiseSqrt());
+    if (moved.cwiseAbs().maxCoeff() > k_beside) adapt(region_around(problem_, fit_.mean, prior_.covariance));
+  }
+  const UpdatingProblem& now() const { return current_->problem(); }
+
+ private:
+  void adapt(std::shared_ptr<const SampleRegion> region) {
+    centre_ = fit_.mean;
+    fit_.region = region;
+    current_ = std::make_unique<RegionalProblem>(problem_, std::move(region));
+  }
+
+  const UpdatingProblem& problem_;
+  const PriorOnScales& prior_;
+  PopulationFit& fit_;
+  bool follows_ = true;
+  Eigen::VectorXd centre_;  // of the region, on the scales
+  std::unique_ptr<RegionalProblem> current_;
+};
+
 }  // namespace
 
 Eigen::RowVectorXd means_of_tests(const Eigen::Ref<const Eigen::MatrixXd>& values) {
@@ -182,9 +218,12 @@ PopulationFit fit_population(const UpdatingProblem& problem, const Eigen::Ref<co
   Eigen::VectorXd error = has_error ? Eigen::VectorXd(Eigen::VectorXd::Zero(values.cols())) : Eigen::VectorXd();
   // The mean of the tests first: all specimens then start near their ends.
   const Eigen::VectorXd spread = has_error ? Eigen::VectorXd(fit.noise + settings.model_error.base) : fit.noise;
+  // A model that adapts to regions needs no more of it than where its region lies; until then each run is a full one.
+  constexpr double k_near_enough = 1e-2;
+  const double centre_tolerance = problem.model.adapts_to_regions() ? k_near_enough : settings.specimen_tolerance;
   const SpecimenFits centre =
       fit_specimens(problem, means_of_tests(values), {prior.mean, prior.covariance, spread},
-                    {prior.mean.transpose(), {}, settings.specimen_tolerance}, context, fit.evaluations);
+                    {prior.mean.transpose(), {}, centre_tolerance}, context, fit.evaluations);
   fit.mean = ScaledParameters(problem.space).clamp(centre.points.row(0).transpose());
   fit.covariance = prior.covariance;
   const Eigen::MatrixXd movement = scaled_movement(centre.jacobians[0], prior_std);
@@ -214,6 +253,8 @@ PopulationFit fit_population(const UpdatingProblem& problem, const Eigen::Ref<co
   constexpr double k_fresh = 0.01;
   fit.settings.iterations = settings.inner_iterations;
   Eigen::MatrixXd start = frame.start;
+  FollowingProblem following(problem, prior, fit);
+  following.begin(settings.region);
   SpecimenStart from{fit.mean.transpose().replicate(values.rows(), 1),
                      std::vector<Eigen::MatrixXd>(static_cast<std::size_t>(values.rows()), centre.jacobians[0]),
                      settings.specimen_tolerance};
@@ -222,7 +263,7 @@ PopulationFit fit_population(const UpdatingProblem& problem, const Eigen::Ref<co
       const auto column = static_cast<Eigen::Index>(i);
       if (!settings.has_scatter[i]) from.points.col(column).setConstant(fit.mean(column));
     }
-    fit.specimens = fit_specimens(problem, without_shift(values, error), {fit.mean, fit.covariance, fit.noise}, from,
+    fit.specimens = fit_specimens(following.now(), without_shift(values, error), {fit.mean, fit.covariance, fit.noise}, from,
                                   context, fit.evaluations);
     from = {fit.specimens.points, fit.specimens.jacobians, settings.specimen_tolerance};
     fit.sensitivity = mean_jacobian(fit.specimens.jacobians);
@@ -249,6 +290,7 @@ PopulationFit fit_population(const UpdatingProblem& problem, const Eigen::Ref<co
       if (f >= 0) fit.noise(k) = settings.noise.base(k) * fit.effects.noise_factors(f);
     }
     ++fit.iterations;
+    if (!fit.converged) following.follow();
     if (!each(fit)) break;
   }
   if (has_error) fit.model_error = model_error_of(fit, settings.model_error);

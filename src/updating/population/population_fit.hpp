@@ -4,11 +4,13 @@
 
 #include <Eigen/Core>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "mottle/layers.hpp"
+#include "mottle/model/sample_region.hpp"
 #include "mottle/stats/population/random_effects.hpp"
 #include "mottle/updating/methods/updater.hpp"
 #include "updating/methods/specimen_fit.hpp"
@@ -35,6 +37,8 @@ struct PopulationFitSettings {
   std::vector<bool> has_scatter = {};
   /// The mean, on the scales, that stands for the prior's: where the fit starts and where unseen directions stay.
   Eigen::VectorXd start = {};
+  /// Where the specimens are known to lie; null: the model follows the iterate.
+  std::shared_ptr<const SampleRegion> region = nullptr;
 };
 
 /// An estimated population on the parameters' scales.
@@ -53,6 +57,7 @@ struct PopulationFit {
   int iterations = 0;
   bool converged = false;
   std::int64_t evaluations = 0;
+  std::shared_ptr<const SampleRegion> region;  ///< to which the model was adapted at last; null: to none
 };
 
 /// Means of the measured values of each output.

@@ -14,6 +14,7 @@
 #include "updating/methods/scaled_parameters.hpp"
 #include "updating/population/model_error.hpp"
 #include "updating/population/model_error_intervals.hpp"
+#include "updating/population/regional_problem.hpp"
 #include "updating/verdict/normality_report.hpp"
 #include "updating/verdict/other_solutions.hpp"
 
@@ -246,15 +247,16 @@ void describe_population(const UpdatingProblem& problem, const PopulationFit& fi
   result.outliers = find_outliers(fit.units, fit.effects, fit.settings, fit.map, problem.level);
   result.other_solutions = other_solutions(problem, fit, options.starts, context, result.model_evaluations);
   const PopulationEvidence& evidence = result.estimate->population()->evidence;
+  const RegionalProblem near(problem, fit.region);
   if (options.intervals == Intervals::analytic) {
     result.intervals = analytic_intervals(problem, fit);
     if (!is_mean_held(fit)) {
-      curve_by_model_error(problem, fit, evidence, result.mean, context, result.model_evaluations,
+      curve_by_model_error(near.problem(), fit, evidence, result.mean, context, result.model_evaluations,
                            result.intervals->mean);
     }
   }
   if (options.intervals == Intervals::bootstrap) {
-    result.intervals = bootstrap_intervals(problem, fit, evidence, settings, options.bootstrap_samples, context,
+    result.intervals = bootstrap_intervals(near.problem(), fit, evidence, settings, options.bootstrap_samples, context,
                                            result.model_evaluations);
     // A mean that a bound holds is held in every sample, which says nothing of where it may be.
     if (is_mean_held(fit)) result.intervals->mean = analytic_intervals(problem, fit).mean;
@@ -262,7 +264,7 @@ void describe_population(const UpdatingProblem& problem, const PopulationFit& fi
   if (result.intervals) forget_unseen(problem, fit, *result.intervals);
   add_notes(problem, fit, settings, result);
   report_normality(problem, fit, result);
-  describe_curvature(problem, fit, context, result);
+  describe_curvature(near.problem(), fit, context, result);
   test_population(problem, fit, result);
 }
 

@@ -69,6 +69,12 @@ TEST(HostileFamilies, OscillatorsAboveTheBandsEdge) {
   EXPECT_GT(audited(test::oscillators_above_the_edge(130, 1.005, 1e-5), 40), 400);
 }
 
+TEST(HostileFamilies, SoftSuspensionsOfStiffChains) {
+  const HostileFamily hostile = test::soft_suspensions(40, 8);
+  EXPECT_TRUE(hostile.trained(k_tolerance).has_indefinite_terms());  // as far as is proven
+  EXPECT_GT(audited(hostile, 60), 900);                              // of 960 and those of refinement
+}
+
 TEST(HostileFamilies, RandomTermsOfStiffnessAndMass) {
   if (test::k_is_instrumented) GTEST_SKIP() << test::k_left_to_optimised_build;
   for (const unsigned seed : {1U, 2U, 3U}) {

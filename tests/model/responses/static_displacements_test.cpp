@@ -44,7 +44,7 @@ StructureModel cantilever(int parts, OutputSelection outputs, bool reduces = fal
     Eigen::MatrixXd training(20, 2);
     training.col(0) = Eigen::VectorXd::LinSpaced(20, 0.8, 1.2);
     training.col(1) = Eigen::VectorXd::LinSpaced(20, 1.1, 0.9);
-    reduction = {.nominal = Eigen::Vector2d::Ones(), .training = training};
+    reduction = {.prior = {Eigen::Vector2d::Ones(), training}};
   }
   return {make_sparse_solver(std::move(structure), std::move(reduction)), std::move(outputs), Eigen::Vector2d::Ones()};
 }

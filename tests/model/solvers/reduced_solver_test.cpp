@@ -52,7 +52,7 @@ StructureModel make_model(bool reduces, double half_width = 0.15,
   auto structure = std::make_unique<FiniteElementStructure>(cantilever(), parameters, Eigen::VectorXd::Ones(count));
   std::optional<ReductionSettings> reduction;
   if (reduces) {
-    reduction = {.nominal = Eigen::VectorXd::Ones(count), .training = uniform(200, half_width, 1).leftCols(count)};
+    reduction = {.prior = {Eigen::VectorXd::Ones(count), uniform(200, half_width, 1).leftCols(count)}};
   }
   const Eigen::VectorXd reference = structure->reference();
   return {make_sparse_solver(std::move(structure), std::move(reduction)),
@@ -104,6 +104,38 @@ TEST(ReducedSolver, LearnsWhereTheCloudHasMoved) {
   EXPECT_TRUE(have_same_bits(model.evaluate(near, {}).outputs, make_model(true, 0.02).evaluate(near, {}).outputs));
 }
 
+TEST(ReducedSolver, InARegionSingleSamplesAreReducedAndHaveTheSameBitsAsInABatch) {
+  const SampleRegion region(Eigen::VectorXd::Constant(4, 1.6), (uniform(200, 0.15, 9).array() + 0.6).matrix());
+  const MatrixXd x = (uniform(40, 0.12, 3).array() + 0.6).matrix();
+  const StructureModel model = make_model(true, 0.02);
+  const Evaluation batch = model.evaluate_in(region, x, {});
+  expect_close(batch, make_model(false).evaluate(x, {}));
+  EXPECT_EQ(batch.use.exact, 0);
+  for (const Index s : {0, 17}) {
+    const Evaluation alone = model.evaluate_in(region, x.row(s), {});
+    EXPECT_EQ(alone.use.exact, 0);
+    EXPECT_TRUE(have_same_bits(alone.outputs, batch.outputs.row(s)));
+  }
+}
+
+TEST(ReducedSolver, ARegionLeavesNothingBehind) {
+  const SampleRegion region(Eigen::VectorXd::Constant(4, 1.6), (uniform(200, 0.15, 9).array() + 0.6).matrix());
+  const SampleRegion other(Eigen::VectorXd::Constant(4, 2.0), (uniform(200, 0.15, 10).array() + 1.0).matrix());
+  const MatrixXd x = (uniform(20, 0.12, 3).array() + 0.6).matrix(), near = uniform(40, 0.02, 4);
+  const StructureModel model = make_model(true, 0.02);
+  const Evaluation first = model.evaluate_in(region, x, {});
+  model.evaluate_in(other, (x.array() + 0.4).matrix(), {});
+  EXPECT_TRUE(have_same_bits(model.evaluate_in(region, x, {.threads = 3}).outputs, first.outputs));
+  EXPECT_TRUE(have_same_bits(model.evaluate(near, {}).outputs, make_model(true, 0.02).evaluate(near, {}).outputs));
+}
+
+TEST(ReducedSolver, ARegionWhoseCentreHasNoModesIsServedByThePrior) {
+  const SampleRegion region(-Eigen::VectorXd::Ones(4), uniform(50, 0.02, 9));
+  const MatrixXd x = uniform(10, 0.02, 3);
+  const StructureModel model = make_model(true, 0.02);
+  EXPECT_TRUE(have_same_bits(model.evaluate_in(region, x, {}).outputs, model.evaluate(x, {}).outputs));
+}
+
 TEST(ReducedSolver, OneBadSampleCostsThatSample) {
   MatrixXd x = uniform(40, 0.1, 5);
   x(3, 0) = std::numeric_limits<double>::quiet_NaN();
@@ -143,7 +175,7 @@ TEST(ReducedSolver, WhatIsNotSeparableIsLeftAlone) {
 
 TEST(ReducedSolver, ANominalModelWithoutModesLeavesAllToTheFullOne) {
   auto structure = std::make_unique<FiniteElementStructure>(cantilever(), k_parameters, Eigen::VectorXd::Ones(4));
-  const ReductionSettings reduction{.nominal = -Eigen::VectorXd::Ones(4), .training = uniform(50, 0.1, 1)};
+  const ReductionSettings reduction{.prior = {-Eigen::VectorXd::Ones(4), uniform(50, 0.1, 1)}};
   const StructureModel model(make_sparse_solver(std::move(structure), reduction), {.frequencies = {1, 2}},
                              Eigen::VectorXd::Ones(4));
   const Evaluation evaluation = model.evaluate(uniform(31, 0.1, 2), {});

@@ -4,42 +4,22 @@
 
 #include <filesystem>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <vector>
 
 #include "mottle/layers.hpp"
-#include "mottle/linalg/reduced/reduced_model.hpp"
+#include "mottle/model/sample_region.hpp"
 #include "mottle/model/solvers/exact_solver.hpp"
 
 namespace mottle::model {
 
+class TrainedReducedModels;
+
 /// How clouds may be solved.
 struct ReductionSettings {
-  double frequency_error = 1e-4;  ///< that a sample may have, relative
-  Eigen::VectorXd nominal = {};   ///< where the reduced model begins [parameter]
-  Eigen::MatrixXd training = {};  ///< samples that the reduced model learns from [sample x parameter]
-  std::filesystem::path cache{};  ///< folder where trained models are kept; empty: nowhere. Changes no number
-};
-
-/// A reduced model that is trained when a cloud first needs it, for one number of modes at a time. It depends on the
-/// structure and the settings alone, never on a cloud. What at() gives lives until it is asked for another number of
-/// modes.
-class TrainedReducedModel {
- public:
-  TrainedReducedModel(const SparseStructure& structure, ReductionSettings settings)
-      : structure_(structure), settings_(std::move(settings)) {}
-
-  const ReductionSettings& settings() const { return settings_; }
-  /// Null where the nominal model cannot be solved.
-  const ReducedModel* at(int modes, const RunContext& context);
-
- private:
-  const SparseStructure& structure_;
-  ReductionSettings settings_;
-  std::mutex mutex_;  // of the next two
-  std::unique_ptr<ReducedModel> model_;
-  int modes_ = 0;
+  double frequency_error = 1e-4;   ///< that a sample may have, relative
+  SampleRegion prior;              ///< what the reduced model of samples in no stated region learns from
+  std::filesystem::path cache{};   ///< folder where trained models are kept; empty: nowhere. Changes no number
 };
 
 /// A cloud's samples by the reduced model where its error bounds are small enough, the others refined by steps with the
@@ -48,6 +28,7 @@ class TrainedReducedModel {
 class ReducedSolver final : public Solver {
  public:
   ReducedSolver(std::unique_ptr<const ExactSolver> exact, ReductionSettings settings);
+  ~ReducedSolver() override;
 
   const Structure& structure() const override { return exact_->structure(); }
   ModeSet modes_at(const Eigen::Ref<const Eigen::VectorXd>& parameters, int modes) const override {
@@ -73,6 +54,7 @@ class ReducedSolver final : public Solver {
   }
   bool has_cheap_derivatives() const override { return false; }
   double difference_step() const override { return k_coarse_difference_step; }
+  bool adapts_to_regions() const override { return true; }
   Eigen::Index batch_size() const override { return 2048; }
 
  private:
@@ -82,7 +64,8 @@ class ReducedSolver final : public Solver {
                              const RunContext& context, const Visitor& visit) const;
 
   std::unique_ptr<const ExactSolver> exact_;
-  mutable TrainedReducedModel reduced_;  // a function of structure and settings
+  double frequency_error_;
+  std::unique_ptr<TrainedReducedModels> reduced_;  // functions of structure, settings and regions
 };
 
 /// By a reduced model where settings are given, the structure is separable and large enough for it to be faster; else

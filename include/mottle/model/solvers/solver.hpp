@@ -21,6 +21,8 @@ struct SolutionRequest {
   ObservationMatrix observation = {};  ///< where displacements are wanted [degree of freedom x equation]
   Eigen::MatrixXd loads = {};          ///< whose static solutions are wanted [equation x load]
   bool damping = false;                ///< whether damping ratios are wanted
+  /// Where the samples lie, for solvers that approximate; null: somewhere in the prior.
+  const SampleRegion* region = nullptr;
 
   bool needs_shapes() const { return modes > 0 && (reference.shapes.cols() > 0 || observation.rows() > 0 || damping); }
 };
@@ -83,6 +85,8 @@ class Solver {
   virtual bool has_cheap_derivatives() const { return true; }
   /// See Model::difference_step().
   virtual double difference_step() const { return k_usual_difference_step; }
+  /// See Model::adapts_to_regions().
+  virtual bool adapts_to_regions() const { return false; }
   /// Samples that are evaluated before they are written down.
   virtual Eigen::Index batch_size() const = 0;
 };

@@ -1,0 +1,91 @@
+#include "model/solvers/trained_reduced_models.hpp"
+
+#include <cmath>
+
+#include "model/solvers/reduced_model_cache.hpp"
+#include "mottle/core/error.hpp"
+
+namespace mottle::model {
+
+TermCoefficients coefficients_at(const SparseStructure& structure, const Eigen::Ref<const Eigen::MatrixXd>& samples) {
+  return term_coefficients(structure.stiffness_terms(), structure.mass_terms(), samples);
+}
+
+ReducedComparison::ReducedComparison(const ExactSolver& exact, Eigen::MatrixXd reference_shapes,
+                                     const Eigen::MatrixXd& basis)
+    : shapes(std::move(reference_shapes)) {
+  const Eigen::MatrixXd weighed = symmetric_product(exact.reference_mass(), basis);
+  reference = shapes.transpose() * weighed;
+  mass = basis.transpose() * weighed;
+}
+
+std::shared_ptr<const ReducedComparison> TrainedReducedModel::comparison_with(
+    const Eigen::MatrixXd& reference_shapes) const {
+  const std::lock_guard lock(mutex_);
+  const bool is_known = comparison_ != nullptr && comparison_->shapes.cols() == reference_shapes.cols() &&
+                        comparison_->shapes == reference_shapes;
+  if (!is_known) comparison_ = std::make_shared<ReducedComparison>(exact_, reference_shapes, model_->basis());
+  return comparison_;
+}
+
+std::shared_ptr<const TrainedReducedModel> TrainedReducedModels::at(const SampleRegion* region, int modes,
+                                                                    const RunContext& context) {
+  const std::lock_guard lock(mutex_);
+  if (modes_ != modes) {
+    modes_ = 0;  // a training that is stopped leaves nothing
+    latest_.reset();
+    latest_region_.reset();
+    prior_ = train(settings_.prior, modes, context);
+    modes_ = modes;
+    if (prior_ != nullptr && !prior_->model().reaches_tolerance()) {
+      context.note(fmt::format("The prior is too wide for a reduced model within {:.1e}: training ended at {} vectors.",
+                               settings_.frequency_error, prior_->model().basis().cols()));
+    }
+  }
+  if (region == nullptr) return prior_;
+  if (latest_region_ == region->digest()) return latest_;
+  latest_region_.reset();
+  latest_.reset();  // one large basis less while the next is trained
+  if (prior_ == nullptr || !serves(*prior_, *region, context)) latest_ = train(*region, modes, context);
+  if (latest_ == nullptr) latest_ = prior_;
+  latest_region_ = region->digest();
+  return latest_;
+}
+
+bool TrainedReducedModels::serves(const TrainedReducedModel& model, const SampleRegion& region,
+                                  const RunContext& context) const {
+  constexpr Eigen::Index k_samples = 64;
+  constexpr double k_negligible = 0.5;  // exact solutions for all of them
+  const Eigen::Index count = std::min(k_samples, region.samples().rows());
+  const CertifiedModes found = model.model().solve(
+      coefficients_at(exact_.sparse_structure(), region.samples().topRows(count)), context.threads);
+  Uncertified uncertified;
+  for (Eigen::Index s = 0; s < count; ++s) {
+    const double bound = found.bounds.col(s).maxCoeff();
+    if (bound <= 2.0 * settings_.frequency_error) continue;
+    uncertified.rows.push_back(s);
+    if (!std::isfinite(bound)) ++uncertified.unbounded;
+  }
+  return uncertified.cost() <= k_negligible;
+}
+
+std::shared_ptr<const TrainedReducedModel> TrainedReducedModels::train(const SampleRegion& region, int modes,
+                                                                       const RunContext& context) const {
+  const SparseStructure& structure = exact_.sparse_structure();
+  const SparseStructure::Matrices nominal = structure.matrices_at(region.centre());
+  try {
+    return std::make_shared<TrainedReducedModel>(
+        exact_, find_or_train({.folder = settings_.cache},
+                              {.terms = pencil_terms(structure.stiffness_terms(), structure.mass_terms()),
+                               .nominal = coefficients_at(structure, region.centre().transpose()),
+                               .stiffness = nominal.stiffness,
+                               .mass = nominal.mass,
+                               .options = {.modes = modes, .tolerance = 2.0 * settings_.frequency_error},
+                               .training = coefficients_at(structure, region.samples())},
+                              context));
+  } catch (const InvalidInput&) {
+    return nullptr;  // no modes at the centre; each sample is solved and reported by itself
+  }
+}
+
+}  // namespace mottle::model
