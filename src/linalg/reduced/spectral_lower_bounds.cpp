@@ -77,9 +77,9 @@ double ReducedModel::Parts::reference_bound(const ReferencePencil& reference, co
   const double heavy = extreme_ratio(full->mass, reference.mass, sample.mass.col(0), 0.0, std::greater<>());
   if (!(soft > 0.0) || !(heavy > 0.0) || !(stiffness_ratio > 0.0)) return 0.0;
   const Eigen::VectorXd masses = with_constant(sample.mass.col(0));
-  const double elastic = negative_part(with_constant(sample.stiffness.col(0)) - soft * reference.stiffness,
-                                       full->stiffness_bounds) /
-                         stiffness_ratio;
+  const double elastic =
+      negative_part(with_constant(sample.stiffness.col(0)) - soft * reference.stiffness, full->stiffness_bounds) /
+      stiffness_ratio;
   const double inertial = negative_part(heavy * reference.mass - masses, full->mass_bounds);
   const double mass_ratio = inertial > 0.0 ? lower_ratio(masses, full->nominal_mass, full->mass_bounds) : 1.0;
   if (!(elastic < k_infinite) || !(inertial < mass_ratio)) return 0.0;

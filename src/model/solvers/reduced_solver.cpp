@@ -15,7 +15,7 @@ using Rows = std::vector<Eigen::Index>;
 
 constexpr Eigen::Index k_min_equations = 500;  // below, an exact solution is as cheap
 constexpr Eigen::Index k_min_samples = 4;  // a basis costs three to ten exact solutions; who asks for some asks again
-constexpr double k_training = 8.0;  // saving in exact solutions at which more training pays
+constexpr double k_training = 8.0;         // saving in exact solutions at which more training pays
 
 double processor_seconds() {
   return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
@@ -33,8 +33,7 @@ class ReducedObservation {
               const Eigen::Ref<const Eigen::MatrixXd>& coordinates) const {
     Solution solution{.eigenvalues = values, .displacements = displacements_ * coordinates};
     if (comparison_ != nullptr) {
-      const Eigen::RowVectorXd squares =
-          coordinates.cwiseProduct(comparison_->mass * coordinates).colwise().sum();
+      const Eigen::RowVectorXd squares = coordinates.cwiseProduct(comparison_->mass * coordinates).colwise().sum();
       solution.cosines = cosines_from(comparison_->reference * coordinates, squares);
     }
     return solution;

@@ -57,8 +57,8 @@ bool TrainedReducedModels::serves(const TrainedReducedModel& model, const Sample
   constexpr Eigen::Index k_samples = 64;
   constexpr double k_negligible = 0.5;  // exact solutions for all of them
   const Eigen::Index count = std::min(k_samples, region.samples().rows());
-  const CertifiedModes found = model.model().solve(
-      coefficients_at(exact_.sparse_structure(), region.samples().topRows(count)), context.threads);
+  const CertifiedModes found =
+      model.model().solve(coefficients_at(exact_.sparse_structure(), region.samples().topRows(count)), context.threads);
   Uncertified uncertified;
   for (Eigen::Index s = 0; s < count; ++s) {
     const double bound = found.bounds.col(s).maxCoeff();

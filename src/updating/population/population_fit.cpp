@@ -221,9 +221,8 @@ PopulationFit fit_population(const UpdatingProblem& problem, const Eigen::Ref<co
   // A model that adapts to regions needs no more of it than where its region lies; until then each run is a full one.
   constexpr double k_near_enough = 1e-2;
   const double centre_tolerance = problem.model.adapts_to_regions() ? k_near_enough : settings.specimen_tolerance;
-  const SpecimenFits centre =
-      fit_specimens(problem, means_of_tests(values), {prior.mean, prior.covariance, spread},
-                    {prior.mean.transpose(), {}, centre_tolerance}, context, fit.evaluations);
+  const SpecimenFits centre = fit_specimens(problem, means_of_tests(values), {prior.mean, prior.covariance, spread},
+                                            {prior.mean.transpose(), {}, centre_tolerance}, context, fit.evaluations);
   fit.mean = ScaledParameters(problem.space).clamp(centre.points.row(0).transpose());
   fit.covariance = prior.covariance;
   const Eigen::MatrixXd movement = scaled_movement(centre.jacobians[0], prior_std);
@@ -263,8 +262,8 @@ PopulationFit fit_population(const UpdatingProblem& problem, const Eigen::Ref<co
       const auto column = static_cast<Eigen::Index>(i);
       if (!settings.has_scatter[i]) from.points.col(column).setConstant(fit.mean(column));
     }
-    fit.specimens = fit_specimens(following.now(), without_shift(values, error), {fit.mean, fit.covariance, fit.noise}, from,
-                                  context, fit.evaluations);
+    fit.specimens = fit_specimens(following.now(), without_shift(values, error), {fit.mean, fit.covariance, fit.noise},
+                                  from, context, fit.evaluations);
     from = {fit.specimens.points, fit.specimens.jacobians, settings.specimen_tolerance};
     fit.sensitivity = mean_jacobian(fit.specimens.jacobians);
     Eigen::MatrixXd absorbed;

@@ -17,9 +17,9 @@ class TrainedReducedModels;
 
 /// How clouds may be solved.
 struct ReductionSettings {
-  double frequency_error = 1e-4;   ///< that a sample may have, relative
-  SampleRegion prior;              ///< what the reduced model of samples in no stated region learns from
-  std::filesystem::path cache{};   ///< folder where trained models are kept; empty: nowhere. Changes no number
+  double frequency_error = 1e-4;  ///< that a sample may have, relative
+  SampleRegion prior;             ///< what the reduced model of samples in no stated region learns from
+  std::filesystem::path cache{};  ///< folder where trained models are kept; empty: nowhere. Changes no number
 };
 
 /// A cloud's samples by the reduced model where its error bounds are small enough, the others refined by steps with the
