@@ -6,6 +6,7 @@
 import csv
 import io
 import json
+import math
 import unittest
 
 import support
@@ -45,6 +46,29 @@ ENDDATA
 """
 
 
+# Ground - k1 - m1 - k2 - m2 - k3 - ground, m2 omitted: u2 = k2 / (k2 + k3) u1.
+OMITTED = """\
+SOL 103
+CEND
+METHOD = 10
+BEGIN BULK
+EIGRL,10,,,1
+SPOINT,1,2
+CELAS2,1,300.,1,0
+CELAS2,2,500.,1,0,2,0
+CELAS2,3,200.,2,0
+CMASS2,4,2.,1,0
+CMASS2,5,.7,2,0
+OMIT,2,0
+ENDDATA
+"""
+
+
+def omitted_hz(k1, k2, k3):
+    ratio = k2 / (k2 + k3)
+    return math.sqrt((k1 + k3 * ratio) / (2.0 + 0.7 * ratio**2)) / (2 * math.pi)
+
+
 class TargetsTest(support.CommandTest):
     def targets(self, deck, *options):
         found = json.loads(self.succeed("targets", deck, "--json", *options).out)
@@ -75,6 +99,21 @@ class TargetsTest(support.CommandTest):
             for mode, sensitivity in enumerate(found[f"PBARL:1:{name}"]["sensitivity"]):
                 again = (ends[0][mode] - ends[1][mode]) / (ends[0][mode] + ends[1][mode]) / step
                 self.assertAlmostEqual(sensitivity, again, delta=1e-5)  # (h^2) times a third derivative of order one
+
+    def test_a_static_reduction_moves_with_the_stiffnesses(self):
+        deck = self.write("deck.bdf", OMITTED)
+        frequencies = json.loads(self.succeed("modes", deck, "--json").out)["frequencies"]
+        self.assertEqual(len(frequencies), 1)
+        self.assertAlmostEqual(frequencies[0], omitted_hz(300, 500, 200), delta=1e-10)
+        found, _ = self.targets(deck)
+        step = 1e-4
+        for number in range(3):
+            ends = []
+            for sign in (1.0, -1.0):
+                springs = [300.0, 500.0, 200.0]
+                springs[number] *= 1.0 + sign * step
+                ends.append(math.log(omitted_hz(*springs)))
+            self.assertAlmostEqual(found[f"CELAS2:{number + 1}:K"]["sensitivity"][0], (ends[0] - ends[1]) / (2 * step), delta=1e-7)
 
     def test_a_rigid_body_mode_has_no_sensitivity(self):
         found, whole = self.targets(self.write("deck.bdf", FREE), "--modes", "2")

@@ -119,6 +119,9 @@ struct FiniteElementModel {
   std::vector<Interpolation> interpolations;
   std::vector<MultipointEquation> multipoint_equations;
   std::vector<std::pair<int, Components>> fixed;  ///< SPC and permanent constraints: node index, components
+  /// ASET and OMIT, node index and components: the mass of the omitted degrees of freedom follows the others
+  /// statically. Where an analysis set is given, all that is neither in it nor constrained is omitted.
+  std::vector<std::pair<int, Components>> analysis_set, omitted_set;
   AnalysisSettings settings;
 
   /// The elements of one kind.

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "fem/assembly/element_store.hpp"
+#include "fem/assembly/omitted_equations.hpp"
 #include "mottle/core/error.hpp"
 #include "mottle/linalg/dense/decompositions.hpp"
 
@@ -264,12 +265,14 @@ AssembledModel assemble(const FiniteElementModel& model, const std::vector<Field
   EquationMap map(model);
   ElementStore store(model, map, field_roles(model, parameters), parameters.size());
   AssembledModel result;
+  result.is_omitted = omitted_equations(model, map);
   const std::vector<bool> is_constrained =
       model.settings.automatic_constraints
           ? find_soft_equations(store, map, model.nodes.size(), result.automatic_constraints)
           : find_null_equations(store, map, result.automatic_constraints);
   store.constrain(is_constrained);
   map.constrain(is_constrained);
+  std::erase_if(result.is_omitted, [&, k = std::size_t{0}](bool) mutable { return is_constrained[k++]; });
   require(map.equation_count() > 0, "the model has no free degree of freedom that anything stiffens");
   const auto has_kind = [&store](ElementPiece::Kind kind) {
     return [&store, kind](const StoredElement& element) {

@@ -12,6 +12,7 @@
 #include <string_view>
 #include <unordered_map>
 #include <unordered_set>
+#include <utility>
 #include <vector>
 
 #include "formats/nastran/fields.hpp"
@@ -93,13 +94,15 @@ class ModelBuilder {
   const BulkCard* grid_defaults = nullptr;
   const BulkCard* bar_defaults = nullptr;
   const BulkCard* beam_defaults = nullptr;
-  std::unordered_set<int> spc_sets, mpc_sets;  ///< the selected ones
-  std::vector<Components> fixed;               ///< of every node
-  int subcase = -1;                            ///< index into deck.subcases
-  int rule = 0;                                ///< number of the rule that is at work
-  int points_of_ranges = 0;                    ///< that SPOINT cards made by THRU
-  int unknown_kinds = 0;                       ///< of cards so far
-  std::int64_t listed_points = 0;              ///< by THRU ranges so far
+  std::unordered_set<int> spc_sets, mpc_sets;            ///< the selected ones
+  std::vector<Components> fixed;                         ///< of every node
+  std::vector<std::pair<int, Components>> boundary_set;  ///< BSET, CSET, SUPORT: part of any analysis set
+  bool has_component_modes = false;                      ///< QSET
+  int subcase = -1;                                      ///< index into deck.subcases
+  int rule = 0;                                          ///< number of the rule that is at work
+  int points_of_ranges = 0;                              ///< that SPOINT cards made by THRU
+  int unknown_kinds = 0;                                 ///< of cards so far
+  std::int64_t listed_points = 0;                        ///< by THRU ranges so far
 
   Card card_of(const BulkCard& card) const { return {deck, card}; }
   void note(std::string text) { result.notes.push_back(std::move(text)); }
@@ -191,6 +194,8 @@ void resolve_points(ModelBuilder& builder);
 void select_constraint_sets(ModelBuilder& builder);
 /// After Phase::constraints: model.fixed from builder.fixed.
 void write_fixed(ModelBuilder& builder);
+/// After Phase::constraints: which degrees of freedom a static reduction keeps.
+void write_reduction(ModelBuilder& builder);
 /// After Phase::settings: what the case control section says about the solution.
 void read_case_settings(ModelBuilder& builder);
 

@@ -155,6 +155,11 @@ class DeckReader {
     }
     if (rows_.size() >= k_max_rows) fail(source.location(), fmt::format("more than {} lines of bulk data", k_max_rows));
     make_capitals(source.bytes(), line);
+    // The text of an equation has commas of its own; it goes on in lines that begin with a mark or a blank.
+    const bool goes_on = is_equation_ && (line.front() == ' ' || line.front() == '+' || line.front() == '*');
+    is_equation_ = goes_on || line.starts_with("DEQATN");
+    if (goes_on) return;
+    if (is_equation_) line = line.substr(0, 6);
     BulkRow row = cut_row(line, source.location(), text_);
     row.file = open_.back();
     row.line = source.number();
@@ -242,6 +247,7 @@ class DeckReader {
   std::vector<int> open_;  ///< files from the main one to the one that is being read
   std::uintmax_t total_bytes_ = 0;
   Section section_ = Section::bulk;
+  bool is_equation_ = false;  ///< the last card is a DEQATN
 };
 
 }  // namespace

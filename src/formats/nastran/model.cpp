@@ -150,6 +150,7 @@ void build(ModelBuilder& builder) {
   select_constraint_sets(builder);
   sorter.read(Phase::constraints);
   write_fixed(builder);
+  write_reduction(builder);
   sorter.read(Phase::settings);
   read_case_settings(builder);
   builder.write_counted_notes();

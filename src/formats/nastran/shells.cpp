@@ -50,7 +50,8 @@ struct ShellLayout {
   int relative = 10;     ///< TFLAG
 };
 
-/// The element's own thickness, the mean of those at its corners.
+/// The element's own thickness, the mean of those at its corners. A blank one is the PSHELL's, a zero is a zero: the
+/// guides of MSC and NX allow it as long as not all are.
 FieldIndex read_thickness(ModelBuilder& builder, const Card& card, const ShellLayout& layout,
                           const ShellElement& element) {
   const ShellProperty& property = builder.model.shell_properties[static_cast<std::size_t>(element.property)];
@@ -76,12 +77,13 @@ FieldIndex read_thickness(ModelBuilder& builder, const Card& card, const ShellLa
       card.fail(fmt::format("T{} and its PSHELL's T are blank", i + 1));
     const double given = builder.real(card, n, fmt::format("T{}", i + 1), is_relative ? 1.0 : base);
     const double thickness = is_relative ? given * base : given;
-    if (!(thickness > 0.0) || !std::isfinite(thickness))
-      card.fail(fmt::format("the thickness at corner {} is {}, it must be positive", i + 1, thickness));
+    if (!(thickness >= 0.0) || !std::isfinite(thickness))
+      card.fail(fmt::format("the thickness at corner {} is {}, it must not be negative", i + 1, thickness));
     if (i == 0) first = thickness;
     is_uniform = is_uniform && thickness == first;
     mean += thickness / layout.corners;
   }
+  if (!(mean > 0.0)) card.fail("the thickness is 0 at all corners; leave T1... blank for that of the PSHELL");
   if (!is_uniform) builder.count("{} shells have different thicknesses at their corners; the mean was taken");
   if (is_relative)
     builder.count("{} shells give their thickness relative to PSHELL (TFLAG 1); it does not follow PSHELL:T");

@@ -14,21 +14,21 @@ namespace {
 /// Loads, tables, output, thermal, aeroelastic, optimisation data: no part of stiffness and mass. Skipped in silence.
 /// A name that ends with '*' stands for every name that begins so.
 constexpr std::string_view k_harmless[] = {
-    "FORCE*",  "MOMENT*", "PLOAD*",  "LOAD*",   "GRAV",    "RFORCE*", "TEMP*",  "DEFORM",  "ACCEL*",  "SPCD",
-    "DAREA",   "DPHASE",  "DELAY",   "DLOAD",   "RLOAD*",  "TLOAD*",  "LSEQ",   "TABLE*",  "TABD*",   "TABR*",
-    "FREQ*",   "TSTEP*",  "TF",      "TIC",     "EIGC*",   "EIGB",    "EIGP",   "NOLIN*",  "RANDPS",  "RANDT1",
-    "SET*",    "PLOTEL*", "DES*",    "DV*",     "DRESP*",  "DCON*",   "DEQATN", "DOPTPRM", "DLINK",   "DSCREEN",
-    "DTABLE*", "DDVAL",   "DMI",     "DTI",     "AERO*",   "AE*",     "CAERO*", "PAERO*",  "SPLINE*", "MKAERO*",
-    "FLUTTER", "FLFACT",  "TRIM*",   "GUST",    "CSSCHD",  "MAT4",    "MAT5",   "MATT*",   "MATS*",   "MATHE",
-    "CHBDY*",  "CONV*",   "PCONV*",  "PHBDY",   "QBDY*",   "QHBDY",   "QVECT",  "QVOL",    "RADBC",   "RADM*",
-    "RADSET",  "VIEW*",   "CBARAO",  "NLPARM",  "NLPCI",   "NSM",     "NSM1",   "NSML*",   "NSMADD",  "SEQGP",
-    "SPCOFF*", "CLOAD*",  "CREEP",   "CAMPBLL", "CNGRNT",  "DMIG*",   "MDLPRM", "FBADLAY", "BOUTPUT", "SUPORT1",
-    "QSET*",   "OUTPUT",  "PANEL",   "SWLDPRM", "MONPNT*", "POINT",   "GMCURV", "FEEDGE",  "FEFACE",  "PSET",
-    "PVAL",    "ECHOON",  "ECHOOFF", "USET*",   "CSET*",   "BSET*",   "ASET*",  "OMIT*",   "SUPORT",
+    "FORCE*",  "MOMENT*", "PLOAD*",  "LOAD*",   "GRAV",   "RFORCE*", "TEMP*",  "DEFORM",  "ACCEL*",  "SPCD",
+    "DAREA",   "DPHASE",  "DELAY",   "DLOAD",   "RLOAD*", "TLOAD*",  "LSEQ",   "TABLE*",  "TABD*",   "TABR*",
+    "FREQ*",   "TSTEP*",  "TF",      "TIC",     "EIGC*",  "EIGB",    "EIGP",   "NOLIN*",  "RANDPS",  "RANDT1",
+    "SET*",    "PLOTEL*", "DES*",    "DV*",     "DRESP*", "DCON*",   "DEQATN", "DOPTPRM", "DLINK",   "DSCREEN",
+    "DTABLE*", "DDVAL",   "DMI",     "DTI",     "AERO*",  "AE*",     "CAERO*", "PAERO*",  "SPLINE*", "MKAERO*",
+    "FLUTTER", "FLFACT",  "TRIM*",   "GUST",    "CSSCHD", "MAT4",    "MAT5",   "MATT*",   "MATS*",   "MATHE",
+    "CHBDY*",  "CONV*",   "PCONV*",  "PHBDY",   "QBDY*",  "QHBDY",   "QVECT",  "QVOL",    "RADBC",   "RADM*",
+    "RADSET",  "VIEW*",   "CBARAO",  "NLPARM",  "NLPCI",  "NSM",     "NSM1",   "NSML*",   "NSMADD",  "SEQGP",
+    "SPCOFF*", "CLOAD*",  "CREEP",   "CAMPBLL", "CNGRNT", "DMIG*",   "MDLPRM", "FBADLAY", "BOUTPUT", "SUPORT1",
+    "OUTPUT",  "PANEL",   "SWLDPRM", "MONPNT*", "POINT",  "GMCURV",  "FEEDGE", "FEFACE",  "PSET",    "PVAL",
+    "ECHOON",  "ECHOOFF", "USET*",
 };
 
-/// Those of the harmless ones of which the user is informed.
-constexpr std::string_view k_reductions[] = {"ASET*", "OMIT*", "CSET*", "BSET*", "QSET*", "SUPORT*"};
+/// Those of the harmless ones that an optimisation would change cards by.
+constexpr std::string_view k_design_relations[] = {"DVPREL*", "DVMREL*", "DVCREL*", "DVGRID*", "DVBSHAP", "DVSHAP"};
 
 constexpr int k_max_notes = 30;
 
@@ -105,12 +105,13 @@ std::string way_out(std::span<const UnreadCards> refused) {
 /// Notes of cards that are skipped although they may matter to somebody.
 void note_skipped(ModelBuilder& builder, const UnreadCards& cards) {
   const std::string_view name = cards.first->name;
-  if (is_one_of(k_harmless, name)) {
-    if (is_one_of(k_reductions, name)) {
-      builder.note(fmt::format("{} {} cards: no reduction is made, all degrees of freedom stay", cards.count, name));
-    }
-    return;
+  if (is_one_of(k_design_relations, name)) {
+    builder.note(
+        fmt::format("{} {} cards: design variables and equations (DESVAR, DEQATN) are not evaluated, the numbers "
+                    "are those that stand on the cards",
+                    cards.count, name));
   }
+  if (is_one_of(k_harmless, name)) return;
   if (++builder.unknown_kinds > k_max_notes) {
     builder.count("{} further kinds of cards are not known here and were ignored");
     return;

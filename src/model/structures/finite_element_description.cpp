@@ -1,6 +1,8 @@
 // Description of a finite-element model for `check`.
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <iterator>
 #include <map>
 #include <optional>
 
@@ -72,6 +74,11 @@ std::vector<std::string> FiniteElementStructure::description(
   lines.push_back(fmt::format("elements: {}", join(counts)));
   lines.push_back(fmt::format("AUTOSPC: {} degrees of freedom without stiffness are constrained",
                               assembled_.automatic_constraints.size()));
+  if (const auto omitted = std::ranges::count(assembled_.is_omitted, true); omitted > 0) {
+    lines.push_back(fmt::format("static reduction (ASET, OMIT): {} degrees of freedom are kept, {} omitted{}",
+                                std::ssize(assembled_.is_omitted) - omitted, omitted,
+                                is_reduced_ ? "" : ", none of which has mass: exact"));
+  }
   const MassProperties weight = mass_properties(model_at(model_, targets_, parameters));
   lines.push_back(fmt::format("mass: {:.6g} along x, {:.6g} along y, {:.6g} along z", weight.mass.x(), weight.mass.y(),
                               weight.mass.z()));

@@ -6,6 +6,7 @@
 #include "mottle/core/subject.hpp"
 #include "mottle/core/text.hpp"
 #include "mottle/fem/assembly/mass_properties.hpp"
+#include "mottle/fem/assembly/static_reduction.hpp"
 
 namespace mottle::model {
 namespace {
@@ -28,8 +29,9 @@ FiniteElementStructure::FiniteElementStructure(FiniteElementModel model,
       if (std::count(fields.begin(), fields.end(), target.field) > 0) assembled_.is_separable[p] = false;
     }
   }
-  is_separable_ =
-      std::all_of(assembled_.is_separable.begin(), assembled_.is_separable.end(), [](bool is) { return is; });
+  is_reduced_ = has_omitted_mass(assembled_.mass, assembled_.is_omitted);
+  is_separable_ = !is_reduced_ && std::all_of(assembled_.is_separable.begin(), assembled_.is_separable.end(),
+                                              [](bool is) { return is; });
   for (std::size_t p = 0; p < parameters.size(); ++p) {
     require_of(parameter_role(static_cast<Eigen::Index>(p)) != k_no_role, subject_parameter(parameters[p].parameter),
                "it acts on nothing: no element uses {}", join(parameters[p].targets));
@@ -45,7 +47,11 @@ FiniteElementStructure::FiniteElementStructure(FiniteElementModel model,
 }
 
 bool FiniteElementStructure::terms_hold_at(const Eigen::Ref<const Eigen::VectorXd>& parameters) const {
-  if (is_separable_) return true;
+  return !is_reduced_ && is_as_assembled(parameters);
+}
+
+/// Whether the terms give K and M before a reduction.
+bool FiniteElementStructure::is_as_assembled(const Eigen::Ref<const Eigen::VectorXd>& parameters) const {
   for (std::size_t p = 0; p < targets_.parameters.size(); ++p) {
     if (assembled_.is_separable[p]) continue;
     const FieldParameter& other = targets_.parameters[p];
@@ -60,11 +66,22 @@ bool FiniteElementStructure::terms_hold_at(const Eigen::Ref<const Eigen::VectorX
 
 FiniteElementStructure::Matrices FiniteElementStructure::matrices_at(
     const Eigen::Ref<const Eigen::VectorXd>& parameters) const {
-  if (terms_hold_at(parameters)) return SparseStructure::matrices_at(parameters);
+  Matrices matrices = is_as_assembled(parameters) ? SparseStructure::matrices_at(parameters) : assembled_at(parameters);
+  if (is_reduced_) {
+    reduce_statically(matrices.stiffness, matrices.mass, assembled_.is_omitted,
+                      [this](int row) { return equation_name(row); });
+  }
+  return matrices;
+}
+
+FiniteElementStructure::Matrices FiniteElementStructure::assembled_at(
+    const Eigen::Ref<const Eigen::VectorXd>& parameters) const {
   FiniteElementModel deck = model_at(model_, targets_, parameters);
   // AUTOSPC constrains the same components at all samples, those of the reference, so that all shapes have the same
   // rows.
   deck.settings.automatic_constraints = false;
+  deck.analysis_set.clear();
+  deck.omitted_set.clear();
   for (const AutomaticConstraint& constraint : assembled_.automatic_constraints) {
     deck.fixed.emplace_back(constraint.node, static_cast<Components>(1 << constraint.component));
   }
@@ -122,7 +139,8 @@ std::string FiniteElementStructure::equation_name(int row) const {
 std::string FiniteElementStructure::parameter_role(Eigen::Index parameter) const {
   if (!assembled_.is_separable[static_cast<std::size_t>(parameter)]) return "re-assembled for each sample";
   std::string role = separable_role(parameter);
-  return role.empty() ? k_no_role : role;
+  if (role.empty()) return k_no_role;
+  return is_reduced_ ? "reduced anew for each sample (ASET, OMIT)" : role;
 }
 
 }  // namespace mottle::model

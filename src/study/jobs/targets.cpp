@@ -6,6 +6,7 @@
 
 #include "mottle/core/error.hpp"
 #include "mottle/fem/assembly/field_energies.hpp"
+#include "mottle/fem/assembly/static_reduction.hpp"
 #include "mottle/formats/nastran/model.hpp"
 #include "study/jobs/deck_targets.hpp"
 #include "study/models/nastran/field_units.hpp"
@@ -43,6 +44,24 @@ Target target_of(const SolvedDeck& solved, const FieldEnergies& energies, Eigen:
   return target;
 }
 
+/// Energies of the modes; their strain derivatives hold what a static reduction (ASET, OMIT) adds as it follows K:
+///   U' = D(phi) + (D(phi + lambda w) - D(phi - lambda w)) / 2,   D(u) = u' dK u / 2
+FieldEnergies energies_of(const SolvedDeck& solved) {
+  const FiniteElementModel& model = solved.structure->model();
+  const AssembledModel& assembled = solved.structure->assembled();
+  const Eigen::MatrixXd& shapes = solved.modes.vectors;
+  FieldEnergies energies = field_energies(model, assembled.expansion * shapes);
+  if (!has_omitted_mass(assembled.mass, assembled.is_omitted)) return energies;
+  const Eigen::VectorXd none;
+  const Eigen::MatrixXd followers =
+      static_followers(assembled.stiffness.at(none), assembled.mass.at(none), assembled.is_omitted, shapes) *
+      solved.modes.values.asDiagonal();
+  energies.strain_derivative +=
+      0.5 * (field_energies(model, assembled.expansion * (shapes + followers)).strain_derivative -
+             field_energies(model, assembled.expansion * (shapes - followers)).strain_derivative);
+  return energies;
+}
+
 /// Whether a change of the number would be seen in the modes at all.
 bool changes_modes(const Target& target) {
   constexpr double k_nothing = 1e-9;  // % per %: rounding of the sums over elements
@@ -59,8 +78,7 @@ double Target::largest_sensitivity() const {
 
 TargetsOutcome targets_of(const SolvedDeck& solved, const TargetsSettings& settings) {
   const FiniteElementModel& model = solved.structure->model();
-  const Eigen::MatrixXd displacements = solved.structure->assembled().expansion * solved.modes.vectors;
-  const FieldEnergies energies = field_energies(model, displacements);
+  const FieldEnergies energies = energies_of(solved);
   TargetsOutcome outcome{.settings = settings, .frequencies = solved.frequencies, .notes = solved.notes};
   const UnitNames units = unit_names(settings.units);
   for (Eigen::Index index = 0; index < energies.elements.size(); ++index) {

@@ -12,7 +12,9 @@ namespace {
 
 using test::k_cube;
 using test::model_of;
+using test::refusal_of;
 using ::testing::ElementsAre;
+using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
 TEST(NastranModel, CountsElements) {
@@ -28,11 +30,38 @@ TEST(NastranModel, SkipsWhatDoesNotChangeTheMatrices) {
   EXPECT_THAT(read.notes, IsEmpty());
 }
 
-TEST(NastranModel, NotesReductionsAndUnknownCards) {
-  EXPECT_THAT(model_of(k_cube + "ASET1,123,1,2\nASET1,123,3\nSUPORT,1,1\nXYZZY,1\nXYZZY,2\n").notes,
-              ElementsAre("2 ASET1 cards: no reduction is made, all degrees of freedom stay",
-                          "1 SUPORT cards: no reduction is made, all degrees of freedom stay",
-                          "2 XYZZY cards are not known here and were ignored, the first one at deck.bdf:13"));
+TEST(NastranModel, NotesUnknownCards) {
+  EXPECT_THAT(model_of(k_cube + "SUPORT,1,1\nXYZZY,1\nXYZZY,2\n").notes,
+              ElementsAre("2 XYZZY cards are not known here and were ignored, the first one at deck.bdf:11"));
+}
+
+TEST(NastranModel, NotesThatDesignVariablesAreNotEvaluated) {
+  const std::string deck =
+      k_cube + "DESVAR,1,X,1.\nDVPREL1,1,PSHELL,1,T\n,1,1.\n" +
+      "DEQATN  1       F(A,B) = A + B**2 ;\n+       C = SIN(A), + D\n        E = F,\nCONM2,1,1,,1.\n";
+  const NastranModel read = model_of(deck);
+  EXPECT_THAT(read.notes, ElementsAre(HasSubstr("1 DVPREL1 cards: design variables and equations")));
+  EXPECT_EQ(read.model.elements<PointMassElement>().size(), 1U) << "the card behind the equation";
+}
+
+TEST(NastranModel, ReadsTheAnalysisSet) {
+  const NastranModel read = model_of(k_cube + "ASET,1,12 3,3,1\nASET1,456,2,THRU,4\nSUPORT,5,6\nOMIT1,3,8\n");
+  using Pair = std::pair<int, Components>;
+  EXPECT_THAT(read.model.analysis_set,
+              ElementsAre(Pair{0, 7}, Pair{2, 1}, Pair{1, 56}, Pair{2, 56}, Pair{3, 56}, Pair{4, 32}));
+  EXPECT_THAT(read.model.omitted_set, ElementsAre(Pair{7, 4}));
+  EXPECT_THAT(read.notes, ElementsAre(HasSubstr("static (Guyan) reduction, as in Nastran")));
+}
+
+TEST(NastranModel, ReducesToNoComponentModes) {
+  const NastranModel read = model_of(k_cube + "ASET1,123,1\nQSET1,0,9\nSPOINT,9\n");
+  EXPECT_THAT(read.model.analysis_set, IsEmpty());
+  EXPECT_THAT(read.notes, ElementsAre(HasSubstr("no reduction is made")));
+}
+
+TEST(NastranModel, RefusesAnAnalysisSetOfPointsThatAreNone) {
+  EXPECT_THAT(refusal_of(k_cube + "ASET1,123,99\n"), HasSubstr("ASET1 123: G is 99, but no GRID"));
+  EXPECT_THAT(refusal_of(k_cube + "OMIT,1\n"), HasSubstr("C is blank, but 1 is a grid point"));
 }
 
 TEST(NastranModel, LeavesOutWhatItIsTold) {

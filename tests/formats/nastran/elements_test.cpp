@@ -203,6 +203,11 @@ TEST(NastranDampers, MayActAlongAndAboutALine) {
   EXPECT_EQ(dampers[0].stiffness[0], k_no_field);
 }
 
+TEST(NastranShells, MayTaperToNothingAtACorner) {
+  const FiniteElementModel model = cube_with("PSHELL,3,1,.002\nCTRIA3,1,3,1,2,3\n,,,0.,.003,.003\n");
+  EXPECT_NEAR(value_of(model, "CTRIA3:1:T"), 0.002, 1e-17);
+}
+
 TEST(NastranRods, AreReadFromEveryCard) {
   const FiniteElementModel model =
       cube_with("PROD,1,1,.1,.2,,.3\nCROD,1,1,1,2\nCONROD,2,3,4,1,.5,.6,,.7\nPTUBE,3,1,.2,.05,.4\nCTUBE,3,3,5,6\n");

@@ -39,6 +39,7 @@ struct AssembledModel {
   std::vector<AutomaticConstraint> automatic_constraints;
   std::vector<bool> is_separable;  ///< by parameter; false: the terms hold only at the card's values of its fields
   int dependent_degrees_of_freedom = 0;
+  std::vector<bool> is_omitted;  ///< by equation, by a static reduction of which K, M and C know nothing; empty: none
   /// Displacement components [6 node + component] from the equations, dependent ones included.
   Eigen::SparseMatrix<double, Eigen::RowMajor> expansion;
 };
@@ -52,8 +53,8 @@ struct AssembledModel {
 ///
 /// @param parameters     by number; a field belongs to one parameter at most
 /// @throws InvalidInput  an element or constraint that cannot be (its name in front), a degree of freedom that is
-///                       dependent twice or dependent and fixed, equations that depend on each other in a circle, a
-///                       model without a free degree of freedom
+///                       dependent twice or dependent and fixed, one in the analysis or omitted set that is not free,
+///                       equations that depend on each other in a circle, a model without a free degree of freedom
 AssembledModel assemble(const FiniteElementModel& model, const std::vector<FieldParameter>& parameters);
 
 /// "101:+Z", "101:+RX"; "7" for a scalar point: how an equation is named.

@@ -32,7 +32,7 @@ struct NastranModel {
 /// The finite-element model that a deck describes.
 ///
 /// Read are the cards that docs/howto/nastran.md lists. Cards that do not change the stiffness and mass matrix (loads,
-/// tables, output) are skipped. ASET, OMIT and SUPORT are noted: all degrees of freedom stay.
+/// tables, output) are skipped.
 ///
 /// SPC, MPC and METHOD are taken from the case control section; where there is none and the deck holds one set, that
 /// one is taken, with a note.

@@ -11,8 +11,8 @@
 namespace mottle::model {
 
 /// K(x) = sum of powers of x times constant matrices where the parameters allow it, re-assembled for each sample where
-/// not. Shapes have a row for each equation; degrees of freedom are named "101:+Z", "101:+RX", in the displacement
-/// system of the grid point.
+/// not. Where the deck asks for a static reduction, M(x) is that of fem::reduce_statically(). Shapes have a row for
+/// each equation; degrees of freedom are named "101:+Z", "101:+RX", in the displacement system of the grid point.
 class FiniteElementStructure final : public SparseStructure {
  public:
   /// @param fallback  parts of the reference where a parameter's cards differ in value [parameter]
@@ -43,17 +43,21 @@ class FiniteElementStructure final : public SparseStructure {
   bool is_separable() const override { return is_separable_; }
   bool terms_hold_at(const Eigen::Ref<const Eigen::VectorXd>& parameters) const override;
   bool is_separable_in(Eigen::Index parameter) const override {
-    return assembled_.is_separable[static_cast<std::size_t>(parameter)];
+    return !is_reduced_ && assembled_.is_separable[static_cast<std::size_t>(parameter)];
   }
   Matrices matrices_at(const Eigen::Ref<const Eigen::VectorXd>& parameters) const override;
   std::string equation_name(int row) const override;
 
  private:
+  bool is_as_assembled(const Eigen::Ref<const Eigen::VectorXd>& parameters) const;
+  Matrices assembled_at(const Eigen::Ref<const Eigen::VectorXd>& parameters) const;
+
   FiniteElementModel model_;
   FieldTargets targets_;
   AssembledModel assembled_;
   Eigen::VectorXd reference_;
   bool is_separable_ = true;
+  bool is_reduced_ = false;  // statically (ASET, OMIT), so that masses depend on stiffnesses
 };
 
 }  // namespace mottle::model
