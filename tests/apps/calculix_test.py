@@ -155,6 +155,55 @@ class CalculixTest(support.CommandTest):
                 self.assertLess(abs(float(row[header.index(f"f{mode}")]) / expected - 1), 1e-6)
         self.assertTrue((self.folder / "out" / "runs.store").exists())
 
+    def assert_own(self, deck, changes, row, header):
+        for mode, expected in enumerate(frequencies_of(self.folder, edited(deck, *changes)), 1):
+            self.assertLess(abs(float(row[header.index(f"f{mode}")]) / expected - 1), 1e-6)
+
+    def test_modes_of_a_preloaded_structure_are_those_of_runs(self):
+        deck = edited(DECK, ("*STEP\n*FREQUENCY", "*STEP\n*STATIC\n*CLOAD\n13, 1, -6e6\n14, 1, -6e6\n15, 1, -6e6\n16, 1, -6e6\n"
+                             "*NODE FILE\nU\n*END STEP\n*STEP, PERTURBATION\n*FREQUENCY"))
+        self.write("beam.inp", deck)
+        self.write("study.toml", edited(STUDY, ('tracking = "order"', 'tracking = "mac"\nshapes = { modes = [1], dofs = ["13:+Z"] }')))
+        out = self.succeed("check", "study.toml").out
+        self.assertIn("each sample is a run, since its *FREQUENCY step is a PERTURBATION of the state after *STATIC", out)
+        self.write("points.csv", "E,k\n1.7e11,9e4\n2.1e11,4e4\n")
+        self.succeed("propagate", "study.toml", "--points", "points.csv", "--out", "out")
+        header, rows = support.read_csv(self.folder / "out" / "cloud.csv")
+        self.assert_own(deck, [("2.1e11", "1.7e11"), ("4.0e4", "9.0e4")], rows[0], header)
+        unloaded = frequencies_of(self.folder, DECK)
+        self.assertGreater(abs(float(rows[1][header.index("f1")]) / unloaded[0] - 1), 0.01, "the preload is seen")
+
+    def test_moduli_of_other_materials_are_targets(self):
+        card = "*ELASTIC, TYPE=ORTHO\n2.8e11, 1.2e11, 2.8e11, 1.2e11, 1.2e11, 2.8e11, 8.1e10, 8.1e10\n8.1e10"
+        deck = edited(DECK, ("*ELASTIC\n2.1e11, 0.3", card))
+        self.write("beam.inp", deck)
+        self.write("study.toml", edited(STUDY, (":STEEL:E", ":STEEL:D1111"), ("mean = 2.0e11", "mean = 2.8e11")))
+        self.write("points.csv", "E,k\n3.1e11,4e4\n")
+        self.assertNotIn("each sample is a run", self.succeed("propagate", "study.toml", "--points", "points.csv", "--out", "out").out)
+        header, rows = support.read_csv(self.folder / "out" / "cloud.csv")
+        self.assert_own(deck, [("*ELASTIC, TYPE=ORTHO\n2.8e11", "*ELASTIC, TYPE=ORTHO\n3.1e11")], rows[0], header)
+        deck = edited(DECK, ("*ELASTIC\n2.1e11, 0.3", "*ELASTIC, TYPE=ENGINEERING CONSTANTS\n2.1e11, 1e11, 1e11, .3, .3, .3, 4e10, 4e10\n3e10"))
+        self.write("beam.inp", deck)
+        self.write("study.toml", edited(STUDY, (":STEEL:E", ":STEEL:E1")))
+        self.write("points.csv", "E,k\n1.9e11,4e4\n")
+        self.succeed("propagate", "study.toml", "--points", "points.csv", "--out", "out2")
+        header, rows = support.read_csv(self.folder / "out2" / "cloud.csv")
+        self.assert_own(deck, [("2.1e11", "1.9e11")], rows[0], header)
+
+    def test_a_factor_moves_the_modulus_at_all_temperatures(self):
+        deck = edited(DECK, ("2.1e11, 0.3", "2.1e11, 0.3, 20.\n1.5e11, 0.3, 320."),
+                      ("*STEP", "*INITIAL CONDITIONS, TYPE=TEMPERATURE\n" + "\n".join(f"{k}, 170." for k in range(1, 17)) + "\n*STEP"))
+        self.write("beam.inp", deck)
+        ended = self.call("check", "study.toml")
+        self.assertEqual(ended.code, 2)
+        self.assertIn("has a value at each of 2 temperatures; relative = true multiplies all of them", ended.err)
+        self.write("study.toml", edited(STUDY, ('"*ELASTIC:STEEL:E"', '"*ELASTIC:STEEL:E"\nrelative = true'),
+                                        ("mean = 2.0e11, std = 1.0e10", "mean = 1.0, std = 0.1")))
+        self.write("points.csv", "E,k\n1.2,4e4\n")
+        self.succeed("propagate", "study.toml", "--points", "points.csv", "--out", "out")
+        header, rows = support.read_csv(self.folder / "out" / "cloud.csv")
+        self.assert_own(deck, [("2.1e11", "2.52e11"), ("1.5e11", "1.8e11")], rows[0], header)
+
     def test_runs_that_fail_are_told_with_what_the_solver_printed(self):
         for text, code, phrase in (("echo '*ERROR in calinput: no mesh'; exit 201", 3, "*ERROR in calinput: no mesh"),
                                    ("exit 0", 3, "it stored no matrices"),

@@ -190,6 +190,10 @@ std::vector<Setting> find_settings(const CalculixDeck& deck, const std::vector<P
         throw SubjectError(subject, fmt::format("it acts on nothing: {}", error.what()));
       }
       for (const CalculixNumber& number : numbers) {
+        require_of(parameter.is_factor || number.temperatures == 1, subject,
+                   "'{}' ({}) has a value at each of {} temperatures; relative = true multiplies all of them, "
+                   "{{{{name}}}} in the deck in place of one of them sets it alone",
+                   target, deck.where(number.line), number.temperatures);
         const auto [owner, is_new] = owners.emplace(std::pair{number.line, number.begin}, parameter.parameter);
         require_of(is_new, subject, "target '{}' ({}) is already tied to parameter '{}'", target,
                    deck.where(number.line), owner->second);
@@ -218,9 +222,10 @@ double nominal_of(const Setting& setting, double fallback) {
 MatrixModel calculix_model(const CalculixDeck& deck, const std::vector<ParameterTargets>& parameters,
                            const Eigen::VectorXd& fallback, const CalculixSettings& settings) {
   const std::vector<Setting> moved = find_settings(deck, parameters);
+  if (const std::string reason = needs_earlier_steps(deck); !reason.empty()) throw NotSeparable(reason);
   for (const ParameterTargets& parameter : parameters) {
     for (const std::string& target : parameter.targets) {
-      if (calculix_field(target) != "NU") continue;
+      if (!calculix_field(target).starts_with("NU")) continue;
       throw NotSeparable(
           fmt::format("parameter '{}': '{}' enters the matrices by no powers", parameter.parameter, target));
     }

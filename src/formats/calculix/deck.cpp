@@ -5,10 +5,12 @@
 #include <optional>
 #include <set>
 
+#include "formats/calculix/number_cards.hpp"
 #include "formats/calculix/steps.hpp"
 #include "formats/matrices/matrix_text.hpp"
 #include "mottle/core/files.hpp"
 #include "mottle/core/text.hpp"
+#include "mottle/formats/text_lines.hpp"
 
 namespace mottle::formats {
 namespace {
@@ -44,44 +46,24 @@ void read_into(CalculixDeck& deck, const std::filesystem::path& file, std::vecto
   open.pop_back();
 }
 
-/// The cards that hold a number to move.
-struct Card {
-  const char* keyword;
-  const char* owner;                ///< the parameter that names the card; empty: the material that it belongs to
-  const char* example;              ///< for messages
-  std::vector<std::string> fields;  ///< names of the numbers on the first data line; one "": no name needed
-  bool stands_last = false;         ///< the number stands on the last data line
-};
-
-const std::vector<Card>& cards() {
-  static const std::vector<Card> k_cards = {{"ELASTIC", "", "*ELASTIC:STEEL:E", {"E", "NU"}},
-                                            {"DENSITY", "", "*DENSITY:STEEL", {""}},
-                                            {"SPRING", "ELSET", "*SPRING:BOLTS", {""}, true},
-                                            {"MASS", "ELSET", "*MASS:TIPS", {""}},
-                                            {"SHELL SECTION", "ELSET", "*SHELL SECTION:PLATE:T", {"T"}}};
-  return k_cards;
-}
-
 struct Target {
-  const Card* card = nullptr;
-  std::string name;
-  std::size_t field = 0;
+  const Card* card = nullptr;  ///< one that has such a number; others of the same keyword may have it too
+  std::string name = {};
+  std::string field = {};  ///< "-": the number without a name
 };
 
 Target parse_target(const std::string& target) {
   const std::string text = capitals(target);
   const std::size_t first = text.find(':');
   const std::size_t second = first == std::string::npos ? first : text.find(':', first + 1);
-  const std::string field = second == std::string::npos ? "" : text.substr(second + 1);
-  Target result;
+  Target result{.field = second == std::string::npos ? "-" : text.substr(second + 1)};
   std::vector<std::string> examples;
   for (const Card& card : cards()) {
-    examples.emplace_back(card.example);
+    if (examples.empty() || examples.back() != card.example) examples.emplace_back(card.example);
     if (first == std::string::npos || text.substr(0, first) != fmt::format("*{}", card.keyword)) continue;
-    const auto found = std::find(card.fields.begin(), card.fields.end(), field);
-    if (found == card.fields.end()) continue;
+    const std::vector<std::string_view> names = words_of(card.fields);
+    if (std::ranges::find(names, result.field) == names.end()) continue;
     result.card = &card;
-    result.field = static_cast<std::size_t>(found - card.fields.begin());
     result.name = text.substr(first + 1, second == std::string::npos ? second : second - first - 1);
   }
   require(result.card != nullptr, "target '{}' is none that is known; there are {} and {{{{name}}}}", target,
@@ -116,25 +98,42 @@ CalculixNumber number_on(const CalculixDeck& deck, std::size_t line, std::size_t
   return number;
 }
 
-CalculixNumber number_of_card(const CalculixDeck& deck, std::size_t line, const Keyword& keyword,
-                              const Target& target) {
-  const Card& card = *target.card;
+/// The numbers that a target names on one card: one for each temperature.
+std::vector<CalculixNumber> numbers_of_card(const CalculixDeck& deck, std::size_t line, const Keyword& keyword,
+                                            const Target& target) {
   const std::vector<std::size_t> data = data_lines(deck, line);
-  if (data.empty()) refuse(deck, line, fmt::format("*{} has no data line", card.keyword));
+  if (data.empty()) refuse(deck, line, fmt::format("*{} has no data line", keyword.name));
   if (keyword.parameters.contains("NONLINEAR")) refuse(deck, line, "a nonlinear spring has no single stiffness");
-  const auto type = keyword.parameters.find("TYPE");
-  if (card.fields.front() == "E" && type != keyword.parameters.end() && !type->second.starts_with("ISO")) {
+  const Card* card = card_of(keyword);
+  if (card == nullptr) {
+    refuse(
+        deck, line,
+        fmt::format("the numbers of *{} of type {} are not known here; write {{{{name}}}} in place of those that the "
+                    "parameter sets",
+                    keyword.name, keyword.parameters.at("TYPE")));
+  }
+  const std::vector<std::string_view> names = words_of(card->fields);
+  const auto found = std::ranges::find(names, target.field);
+  if (found == names.end()) {
     refuse(deck, line,
-           fmt::format("*ELASTIC of type {} has no single modulus; write {{{{name}}}} in its place", type->second));
+           fmt::format("this *{} is of type {}, whose numbers are {}, not {}", keyword.name, card->type,
+                       fmt::join(names, " "), target.field));
   }
-  const bool is_material = std::string_view(card.owner).empty();
-  if (is_material && data.size() > 1) {
-    refuse(deck, data[1],
-           fmt::format("*{} depends on temperature; write {{{{name}}}} in place of the numbers that the "
-                       "parameter sets",
-                       card.keyword));
+  const auto field = static_cast<std::size_t>(found - names.begin());
+  if (!std::string_view(card->owner).empty()) {
+    return {number_on(deck, card->stands_last ? data.back() : data.front(), field)};
   }
-  return number_on(deck, card.stands_last ? data.back() : data.front(), target.field);
+  const std::size_t lines = (names.size() + k_numbers_a_line - 1) / k_numbers_a_line;
+  if (data.size() % lines != 0) {
+    refuse(deck, line,
+           fmt::format("*{} has {} data lines, {} for each temperature are needed", keyword.name, data.size(), lines));
+  }
+  std::vector<CalculixNumber> numbers;
+  for (std::size_t first = 0; first < data.size(); first += lines) {
+    numbers.push_back(number_on(deck, data[first + field / k_numbers_a_line], field % k_numbers_a_line));
+    numbers.back().temperatures = static_cast<int>(data.size() / lines);
+  }
+  return numbers;
 }
 
 std::vector<CalculixNumber> find_placeholders(const CalculixDeck& deck, const std::string& mark) {
@@ -196,7 +195,8 @@ std::vector<CalculixNumber> find_calculix_numbers(const CalculixDeck& deck, cons
     if (keyword->name == "MATERIAL") material = parameter("NAME");
     if (keyword->name != wanted.card->keyword) continue;
     known.push_back(owner.empty() ? material : parameter(owner));
-    if (known.back() == wanted.name) numbers.push_back(number_of_card(deck, i, *keyword, wanted));
+    if (known.back() != wanted.name) continue;
+    for (const CalculixNumber& number : numbers_of_card(deck, i, *keyword, wanted)) numbers.push_back(number);
   }
   require(!numbers.empty(), "target '{}': {}", target,
           unknown_name_message(fmt::format("*{}", wanted.card->keyword), wanted.name, known));

@@ -63,9 +63,13 @@ std::vector<CalculixShape> parse_calculix_shapes(std::string_view bytes, const s
   MatrixLines text(bytes, file);
   std::vector<CalculixShape> shapes;
   double frequency = 0.0;
+  bool is_static = false;  // a preload before the modes
   while (text.next()) {
-    if (text.line().starts_with("  100C")) frequency = real(text, columns(text, 12, 12));
-    if (!text.line().starts_with(" -4  DISP")) continue;
+    if (text.line().starts_with("  100C")) {
+      frequency = real(text, columns(text, 12, 12));
+      is_static = text.line().size() >= 58 && text.line().substr(56, 2) == " 0";
+    }
+    if (is_static || !text.line().starts_with(" -4  DISP")) continue;
     shapes.push_back({frequency, {}});
     read_displacements(text, shapes.back());
   }

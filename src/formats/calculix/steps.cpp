@@ -72,28 +72,28 @@ std::optional<Step> find_step(const CalculixDeck& deck) {
     refuse(deck, first.procedure,
            fmt::format("*{} instead of *FREQUENCY; matrices for modes come from a *FREQUENCY step", first.name));
   }
-  if (found == steps.begin()) return *found;
-  if (found->is_perturbation) {
-    refuse(
-        deck, found->begin,
-        fmt::format("the *FREQUENCY step is a PERTURBATION of the state after *{}: modes of a preloaded structure are "
-                    "not found here; leave the preload out, or run the deck as a study of kind \"command\"",
-                    steps.front().name.empty() ? "STEP" : steps.front().name));
-  }
-  for (auto before = steps.begin(); before != found; ++before) {
-    if (!before->has_boundary) continue;
-    refuse(deck, before->begin,
-           "this step before *FREQUENCY has a *BOUNDARY, which holds in later steps too; put it in front of the first "
-           "step, so that the steps before can be left out");
-  }
   return *found;
+}
+
+std::string needs_earlier_steps(const CalculixDeck& deck) {
+  const std::vector<Step> steps = find_steps(deck);
+  const auto found = std::ranges::find(steps, "FREQUENCY", &Step::name);
+  if (found == steps.end() || found == steps.begin()) return "";
+  if (found->is_perturbation) {
+    return fmt::format(
+        "its *FREQUENCY step is a PERTURBATION of the state after *{}: the preload changes the stiffness",
+        steps.front().name.empty() ? "STEP" : steps.front().name);
+  }
+  const bool has_boundary = std::any_of(steps.begin(), found, [](const Step& step) { return step.has_boundary; });
+  return has_boundary ? "a step before *FREQUENCY has a *BOUNDARY, which holds in later steps too" : "";
 }
 
 std::string left_out_steps(const CalculixDeck& deck) {
   const KeptLines kept(deck);
   const std::vector<std::string> names = kept.left_out();
   if (names.empty()) return "";
-  return fmt::format("Of the deck's steps the first *FREQUENCY is used; left out: {}.", join(names));
+  return fmt::format("Of the deck's steps the first *FREQUENCY is used{}; left out: {}.",
+                     needs_earlier_steps(deck).empty() ? "" : " with those before it", join(names));
 }
 
 }  // namespace mottle::formats

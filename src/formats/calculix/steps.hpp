@@ -1,4 +1,4 @@
-// The keywords of a CalculixDeck and its steps, of which the first *FREQUENCY alone is used.
+// The keywords of a CalculixDeck and its steps, of which the first *FREQUENCY is used.
 #pragma once
 
 #include <algorithm>
@@ -36,21 +36,22 @@ struct Step {
 
 std::vector<Step> find_steps(const CalculixDeck& deck);
 
-/// The first step *FREQUENCY, which alone stays; none where there is no step.
+/// The first step *FREQUENCY; none where there is no step.
 ///
-/// @throws FormatError  there are only others, it is preloaded, or a step before it has a *BOUNDARY
+/// @throws FormatError  there are only others
 std::optional<Step> find_step(const CalculixDeck& deck);
 
-/// Which lines stay: those of the model and of the first step *FREQUENCY, all where there is none.
+/// Which lines stay: those of the model and of the first step *FREQUENCY, with the steps before it where it needs them;
+/// all where there is none.
 class KeptLines {
  public:
   explicit KeptLines(const CalculixDeck& deck) : others_(find_steps(deck)) {
     const auto chosen = std::ranges::find(others_, "FREQUENCY", &Step::name);
     if (chosen == others_.end()) {
       others_.clear();
-    } else {
-      others_.erase(chosen);
+      return;
     }
+    others_.erase(needs_earlier_steps(deck).empty() ? chosen : others_.begin(), chosen + 1);
   }
 
   bool contains(std::size_t line) const {

@@ -92,6 +92,46 @@ TEST_F(CalculixDecks, LeaveOutAllStepsButTheFirstOfModes) {
       << "it would change nothing";
 }
 
+TEST_F(CalculixDecks, KeepTheStepsThatTheModesStartFrom) {
+  const std::string preloaded =
+      "*NODE\n1, 0, 0, 0\n*STEP, NLGEOM\n*STATIC\n*CLOAD\n1, 1, {{pull}}\n*END STEP\n"
+      "*STEP, PERTURBATION\n*FREQUENCY\n10\n*END STEP\n";
+  const CalculixDeck read = deck(preloaded + "*STEP\n*BUCKLE\n3\n*END STEP\n");
+  EXPECT_THAT(needs_earlier_steps(read), HasSubstr("PERTURBATION of the state after *STATIC"));
+  EXPECT_EQ(deck_with_replacements(read, {}), preloaded + "**\n**\n**\n**\n");
+  EXPECT_EQ(find_calculix_numbers(read, "{{pull}}").size(), 1U);
+  EXPECT_EQ(left_out_steps(read),
+            "Of the deck's steps the first *FREQUENCY is used with those before it; left out: *BUCKLE.");
+  EXPECT_THAT(needs_earlier_steps(deck("*STEP\n*STATIC\n*BOUNDARY\n1, 1\n*END STEP\n*STEP\n*FREQUENCY\n*END STEP\n")),
+              HasSubstr("has a *BOUNDARY"));
+  EXPECT_EQ(needs_earlier_steps(deck(k_deck)), "");
+}
+
+TEST_F(CalculixDecks, FindsTheNumbersOfMaterialsThatAreNotIsotropic) {
+  const CalculixDeck read = deck(
+      "*MATERIAL, NAME=PLY\n*ELASTIC, TYPE=ENGINEERING CONSTANTS\n1.,2.,3.,.4,.5,.6,7.,8.\n9., 20.\n"
+      "*MATERIAL, NAME=WOOD\n*ELASTIC, TYPE=ORTHO\n11.,12.,13.,14.,15.,16.,17.,18.\n19.\n"
+      "*MATERIAL, NAME=SALT\n*ELASTIC, TYPE=ANISO\n31.,32.,33.,34.,35.,36.,37.,38.\n"
+      "39.,40.,41.,42.,43.,44.,45.,46.\n47.,48.,49.,50.,51.\n");
+  EXPECT_EQ(value(read, "*ELASTIC:PLY:E1"), 1.0);
+  EXPECT_EQ(value(read, "*ELASTIC:PLY:NU23"), 0.6);
+  EXPECT_EQ(value(read, "*elastic:ply:g23"), 9.0);
+  EXPECT_EQ(value(read, "*ELASTIC:WOOD:D3333"), 16.0);
+  EXPECT_EQ(value(read, "*ELASTIC:WOOD:D2323"), 19.0);
+  EXPECT_EQ(value(read, "*ELASTIC:SALT:D1212"), 40.0);
+  EXPECT_EQ(value(read, "*ELASTIC:SALT:D2323"), 51.0);
+}
+
+TEST_F(CalculixDecks, FindsANumberAtEachTemperature) {
+  const CalculixDeck read =
+      deck("*MATERIAL, NAME=M\n*ELASTIC\n1.,0.3,0.\n2.,0.35,100.\n*DENSITY\n7.,0.\n8.,100.\n9.,200.\n");
+  const std::vector<CalculixNumber> young = find_calculix_numbers(read, "*ELASTIC:M:E");
+  ASSERT_EQ(young.size(), 2U);
+  EXPECT_EQ(young[1].value, 2.0);
+  EXPECT_EQ(young[0].temperatures, 2);
+  EXPECT_EQ(find_calculix_numbers(read, "*DENSITY:M").back().temperatures, 3);
+}
+
 TEST_F(CalculixDecks, KnowWhetherDisplacementsAreWritten) {
   EXPECT_FALSE(writes_displacements(deck(k_deck)));
   EXPECT_TRUE(writes_displacements(deck("*STEP\n*FREQUENCY\n3\n*NODE FILE\nRF, u\n*END STEP\n")));
@@ -128,10 +168,12 @@ TEST_F(CalculixDecks, RefusesTargetsThatAreNotThere) {
 
 TEST_F(CalculixDecks, RefusesCardsWhoseNumberCannotBeMoved) {
   for (const Refused& each :
-       {Refused{"*ELASTIC:M:E", "*MATERIAL,NAME=M\n*ELASTIC\n1.,0.3,0.\n2.,0.3,100.\n",
-                "plate.inp:4: *ELASTIC depends"},
-        Refused{"*ELASTIC:M:E", "*MATERIAL,NAME=M\n*ELASTIC,TYPE=ORTHO\n1.,2.,3.\n",
-                "plate.inp:2: *ELASTIC of type ORTHO"},
+       {Refused{"*ELASTIC:M:E", "*MATERIAL,NAME=M\n*ELASTIC,TYPE=ORTHO\n1.,2.,3.,4.,5.,6.,7.,8.\n9.\n",
+                "plate.inp:2: this *ELASTIC is of type ORTHO, whose numbers are D1111 D1122"},
+        Refused{"*ELASTIC:M:E", "*MATERIAL,NAME=M\n*ELASTIC,TYPE=CUBIC\n1.,2.\n",
+                "plate.inp:2: the numbers of *ELASTIC of type CUBIC are not known here"},
+        Refused{"*ELASTIC:M:G23", "*MATERIAL,NAME=M\n*ELASTIC,TYPE=ENGINEERING CONSTANTS\n1.,2.,3.,.1,.2,.3,4.,5.\n",
+                "plate.inp:2: *ELASTIC has 1 data lines, 2 for each temperature are needed"},
         Refused{"*SPRING:S", "*SPRING,ELSET=S,NONLINEAR\n1.,2.\n", "plate.inp:1: a nonlinear spring"},
         Refused{"*DENSITY:M", "*MATERIAL,NAME=M\n*DENSITY\n*STEP\n", "plate.inp:2: *DENSITY has no data line"}}) {
     const CalculixDeck read = deck(each.text);
@@ -143,10 +185,6 @@ TEST_F(CalculixDecks, RefusesCardsWhoseNumberCannotBeMoved) {
 TEST_F(CalculixDecks, RefusesStepsThatStoreNoMatrices) {
   for (const Refused& each : {Refused{"", "*STEP\n*STATIC\n*END STEP\n", "plate.inp:2: *STATIC instead of *FREQUENCY"},
                               Refused{"", "*STEP\n*END STEP\n", "plate.inp:1: the step has no *FREQUENCY"},
-                              Refused{"", "*STEP\n*STATIC\n*END STEP\n*STEP, PERTURBATION\n*FREQUENCY\n*END STEP\n",
-                                      "plate.inp:4: the *FREQUENCY step is a PERTURBATION of the state after *STATIC"},
-                              Refused{"", "*STEP\n*STATIC\n*BOUNDARY\n1, 1\n*END STEP\n*STEP\n*FREQUENCY\n*END STEP\n",
-                                      "plate.inp:1: this step before *FREQUENCY has a *BOUNDARY"},
                               Refused{"", "*NODE\n1, {{a}}, 0\n", "plate.inp:2: no parameter fills '{{a}}'"}}) {
     EXPECT_THAT(test::message_of<FormatError>([&] { matrix_storage_deck(deck(each.text), {}); }),
                 HasSubstr(each.message));

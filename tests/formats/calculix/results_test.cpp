@@ -56,6 +56,17 @@ TEST(CalculixResults, ShapesAreThoseOfTheStoredMatrices) {
   }
 }
 
+// As CalculiX 2.20 writes a *STATIC step and a mode of the *FREQUENCY step behind it.
+TEST(CalculixResults, DisplacementsOfAPreloadAreNoShape) {
+  const std::string block = " -4  DISP        4    1\n -1         3 1.00000E+00 2.00000E+00 3.00000E+00\n -3\n";
+  const std::vector<CalculixShape> shapes =
+      parse_calculix_shapes("  100CL  101 1.000000000         128                     0    1           1\n" + block +
+                                "  100CL  102 18.92311740         128                     2    2MODAL      1\n" + block,
+                            "beam.frd");
+  ASSERT_EQ(shapes.size(), 1U);
+  EXPECT_EQ(shapes[0].frequency, 18.9231174);
+}
+
 TEST(CalculixResults, FaultsAreToldWithFileAndLine) {
   const auto shapes = [](const std::string& text) {
     return test::message_of<FormatError>([&] { parse_calculix_shapes(text, "a.frd"); });

@@ -34,18 +34,21 @@ struct CalculixNumber {
   std::size_t line = 0, begin = 0, length = 0;
   double value = 0.0;           ///< nan of a placeholder
   bool is_placeholder = false;  ///< {{name}}
+  int temperatures = 1;         ///< at which the card gives this number
 };
 
 /// The numbers that a target names:
 ///
-///   *ELASTIC:MATERIAL:E          Young's modulus (isotropic, one temperature);  :NU Poisson's ratio
+///   *ELASTIC:MATERIAL:E          Young's modulus;  :NU Poisson's ratio; of other types :E1 :G12 ... (ENGINEERING
+///                                CONSTANTS), :D1111 :D1122 ... (ORTHO, ANISO)
 ///   *DENSITY:MATERIAL            density
 ///   *SPRING:ELSET                stiffness of linear springs;  *MASS:ELSET  mass
 ///   *SHELL SECTION:ELSET:T       thickness
 ///   {{name}}                     wherever that stands in the deck
 ///
 /// Keywords and names in any case. Throws InvalidInput: a target that is none of these or not in the deck (with what
-/// the deck has); FormatError: a card whose number cannot be moved (temperatures, nonlinear, not isotropic).
+/// the deck has); FormatError: a card whose number cannot be moved (nonlinear, of another type). Numbers that depend on
+/// temperature are found at each.
 std::vector<CalculixNumber> find_calculix_numbers(const CalculixDeck& deck, const std::string& target);
 
 /// Targets of all numbers of the deck that a parameter can set, in the deck's order: moduli, densities, linear springs,
@@ -63,10 +66,10 @@ struct CalculixChange {
 };
 
 /// The deck with other numbers and one step, the first *FREQUENCY with SOLVER=MATRIXSTORAGE and its boundary
-/// conditions. Numbers have at most 20 characters, which is what CalculiX reads.
+/// conditions. Numbers have at most 20 characters, which is what CalculiX reads. Not for decks with
+/// needs_earlier_steps().
 ///
-/// Throws FormatError: steps without *FREQUENCY, a preload or a *BOUNDARY in a step before it, a placeholder that
-/// nothing fills.
+/// Throws FormatError: steps without *FREQUENCY, a placeholder that nothing fills.
 std::string matrix_storage_deck(const CalculixDeck& deck, const std::vector<CalculixChange>& changes);
 
 /// A number and the text that replaces it.
@@ -78,10 +81,14 @@ struct CalculixReplacement {
 /// The deck with texts in place of numbers and without its comments; its lines keep their numbers where nothing is
 /// included.
 ///
-/// Throws FormatError: no step *FREQUENCY, a preload or a *BOUNDARY in a step before it.
+/// Throws FormatError: no step *FREQUENCY.
 std::string deck_with_replacements(const CalculixDeck& deck, const std::vector<CalculixReplacement>& replacements);
 
-/// Sentence on the steps besides the first *FREQUENCY; empty where there are none.
+/// Why the first step *FREQUENCY cannot stand alone: it is a PERTURBATION of a preloaded state, or has a *BOUNDARY of a
+/// step before it; empty where it can.
+std::string needs_earlier_steps(const CalculixDeck& deck);
+
+/// Sentence on the steps that are not used; empty where all are.
 std::string left_out_steps(const CalculixDeck& deck);
 
 /// Whether the deck asks for displacements in .frd: *NODE FILE (or *NODE OUTPUT) with U.

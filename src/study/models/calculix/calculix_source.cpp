@@ -88,6 +88,7 @@ class CalculixSource final : public ModelSource {
     std::string keyword = target.substr(0, target.find(':'));
     std::transform(keyword.begin(), keyword.end(), keyword.begin(),
                    [](unsigned char letter) { return static_cast<char>(std::toupper(letter)); });
+    if (calculix_field(target).starts_with("NU")) return "-";
     const auto found = k_units.find(keyword);
     return found == k_units.end() ? "" : units.*(found->second);
   }
