@@ -34,6 +34,7 @@ start solver_output -dict=tests/fuzz/solver_output.dict tests/fuzz/solver_output
 start mat tests/formats/mat tests/fuzz/hdf5
 start hdf5 -detect_leaks=0 tests/fuzz/hdf5 tests/formats/matrices  # the HDF5 library leaks on files that it refuses
 start calculix tests/fuzz/calculix examples/03-plate-calculix
+start gmsh tests/formats/gmsh
 start report tests/fuzz/report
 start study -dict="$build/study.dict" "$build/studies"
 

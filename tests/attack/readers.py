@@ -122,6 +122,24 @@ def calculix_decks():
                ("check", "study.toml", "--set", 'model.program="/bin/true"', "--cache", "off"), beside, 3)
 
 
+def meshes():
+    study = """[model]
+kind = "mesh"
+file = "given.msh"
+materials = [ { name = "steel", young = 2.1e11, poisson = 0.3, density = 7850 } ]
+sections = [ { group = "plate", material = "steel", thickness = 0.002 } ]
+supports = [ { group = "edges" } ]
+[[parameter]]
+name = "E"
+target = "material:steel:young"
+distribution = { kind = "normal", mean = 2.1e11, std = 1e10 }
+[outputs]
+frequencies = [1, 2]
+"""
+    for name in ("plate41.msh", "plate22.msh"):
+        yield Seed("mesh", "given.msh", (FORMATS / "gmsh" / name).read_bytes(), study, ("check", "study.toml"))
+
+
 def matrices():
     for file in sorted(MATRICES.iterdir()):
         if file.suffix in (".py", ".dat", ".frd"):
@@ -168,7 +186,7 @@ def results(bench):
 def seeds(bench):
     """By reader."""
     made = {}
-    for group in (studies(), tables(), universal_files(), bulk_data(), calculix_decks(), matrices(), matlab_files(),
+    for group in (studies(), tables(), universal_files(), bulk_data(), calculix_decks(), meshes(), matrices(), matlab_files(),
                   solver_outputs(), results(bench)):
         for seed in group:
             made.setdefault(seed.reader, []).append(seed)

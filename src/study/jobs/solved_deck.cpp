@@ -59,6 +59,10 @@ int modes_of_method(const FiniteElementStructure& structure, const AnalysisSetti
 
 SolvedDeck solve_deck(const std::filesystem::path& deck, const NastranOptions& options, int modes) {
   const double start = steady_seconds();
+  require(deck.extension() != ".msh",
+          "{}: a mesh alone has no materials and supports; write a study of kind \"mesh\" (docs/howto/mesh.md), whose "
+          "modes mottle check gives",
+          deck.string());
   NastranModel read = read_nastran_model(deck, options);
   SolvedDeck solved;
   solved.read_seconds = steady_seconds() - start;

@@ -26,5 +26,6 @@ std::shared_ptr<const ModelSource> read_nastran_source(TomlReader& reader, const
 std::shared_ptr<const ModelSource> read_matrix_source(TomlReader& reader, const std::filesystem::path& folder);
 std::shared_ptr<const ModelSource> read_calculix_source(TomlReader& reader, const std::filesystem::path& folder);
 std::shared_ptr<const ModelSource> read_command_source(TomlReader& reader, const std::filesystem::path& folder);
+std::shared_ptr<const ModelSource> read_mesh_source(TomlReader& reader, const std::filesystem::path& folder);
 
 }  // namespace mottle::study

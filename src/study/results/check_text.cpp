@@ -5,6 +5,7 @@
 #include "mottle/core/error.hpp"
 #include "mottle/core/text.hpp"
 #include "mottle/study/jobs/check.hpp"
+#include "mottle/study/models/model_source.hpp"
 #include "study/jobs/checked_study.hpp"
 #include "study/jobs/study_reach.hpp"
 #include "study/results/result_json.hpp"
