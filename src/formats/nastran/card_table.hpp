@@ -37,7 +37,7 @@ inline std::vector<CardFamily> card_families() {
   return {point_cards(),       coordinate_cards(), solid_cards(),         shell_cards(), laminate_cards(),
           shear_panel_cards(), beam_cards(),       beam_property_cards(), rod_cards(),   bush_cards(),
           gap_cards(),         scalar_cards(),     point_mass_cards(),    rigid_cards(), constraint_cards(),
-          reduction_cards(),   material_cards(),    settings_cards()};
+          reduction_cards(),   material_cards(),   settings_cards()};
 }
 
 }  // namespace mottle::formats::nastran
