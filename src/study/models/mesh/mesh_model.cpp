@@ -189,7 +189,7 @@ class Builder {
     each_element(k, [&](const GmshMesh::Element& each, const ElementRule& rule) {
       ShellElement shell{.id = each.tag, .node_count = each.kind->nodes, .property = index};
       copy_nodes(each, rule, shell.nodes);
-      if (shell.node_count == 4) shell.bending_over_shear = bending_over_shear(model(), shell);
+      if (shell.node_count != 3) hold_ratios(model(), shell);
       model().elements<ShellElement>().push_back(shell);
     });
   }
