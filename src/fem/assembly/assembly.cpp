@@ -99,29 +99,6 @@ std::vector<bool> find_soft_equations(const ElementStore& store, const EquationM
   return is_constrained;
 }
 
-/// Equations that no element gives stiffness or mass: no solution depends on them, so that they are left out even where
-/// AUTOSPC is off.
-std::vector<bool> find_null_equations(const ElementStore& store, const EquationMap& map,
-                                      std::vector<AutomaticConstraint>& constraints) {
-  std::vector<bool> is_null(static_cast<std::size_t>(map.equation_count()), true);
-  for (const StoredElement& element : store.elements()) {
-    const int* numbers = store.equations(element);
-    for (int k = 0; k < element.piece_count; ++k) {
-      const StoredPiece& piece = store.piece(element, k);
-      if (store.terms()[static_cast<std::size_t>(piece.term)].kind == ElementPiece::Kind::damping) continue;
-      each_entry(element.equation_count, [&](std::size_t position, int i, int j) {
-        if (i == j && numbers[i] >= 0 && piece.values[position] != 0.0)
-          is_null[static_cast<std::size_t>(numbers[i])] = false;
-      });
-    }
-  }
-  for (std::size_t equation = 0; equation < is_null.size(); ++equation) {
-    const Equation& at = map.equations()[equation];
-    if (is_null[equation]) constraints.push_back({at.node, at.component});
-  }
-  return is_null;
-}
-
 /// Lower triangle of which equations meet in an element of the wanted kinds.
 template <typename Wanted>
 SparseMatrix find_pattern(const ElementStore& store, int size, const Wanted& is_wanted) {
@@ -266,13 +243,17 @@ AssembledModel assemble(const FiniteElementModel& model, const std::vector<Field
   ElementStore store(model, map, field_roles(model, parameters), parameters.size());
   AssembledModel result;
   result.is_omitted = omitted_equations(model, map);
-  const std::vector<bool> is_constrained =
-      model.settings.automatic_constraints
-          ? find_soft_equations(store, map, model.nodes.size(), result.automatic_constraints)
-          : find_null_equations(store, map, result.automatic_constraints);
-  store.constrain(is_constrained);
-  map.constrain(is_constrained);
-  std::erase_if(result.is_omitted, [&, k = std::size_t{0}](bool) mutable { return is_constrained[k++]; });
+  if (model.settings.automatic_constraints) {
+    const std::vector<bool> is_constrained =
+        find_soft_equations(store, map, model.nodes.size(), result.automatic_constraints);
+    store.constrain(is_constrained);
+    map.constrain(is_constrained);
+    std::vector<bool> is_omitted;
+    for (std::size_t k = 0; k < result.is_omitted.size(); ++k) {
+      if (!is_constrained[k]) is_omitted.push_back(result.is_omitted[k]);
+    }
+    result.is_omitted = std::move(is_omitted);
+  }
   require(map.equation_count() > 0, "the model has no free degree of freedom that anything stiffens");
   const auto has_kind = [&store](ElementPiece::Kind kind) {
     return [&store, kind](const StoredElement& element) {

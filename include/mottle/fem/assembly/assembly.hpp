@@ -48,8 +48,7 @@ struct AssembledModel {
 ///
 /// Rigid and interpolation elements and multipoint constraints are eliminated exactly (u = T u_free), fixed components
 /// removed. With AUTOSPC on, a direction of a node's translations or rotations in which the stiffness is below 1e-8 of
-/// the node's largest is constrained at the component nearest to it, and counted; with AUTOSPC off, a degree of freedom
-/// that has neither stiffness nor mass.
+/// the node's largest is constrained at the component nearest to it, and counted.
 ///
 /// @param parameters     by number; a field belongs to one parameter at most
 /// @throws InvalidInput  an element or constraint that cannot be (its name in front), a degree of freedom that is
