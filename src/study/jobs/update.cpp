@@ -37,9 +37,6 @@ void note_what_happened(const UpdatingResult& result, std::int64_t reused, const
 void note_what_is_given(const Study& study, const UpdatePlan& plan, const RunContext& context) {
   for (const std::string& note : plan.made.notes) context.note(note);
   for (const std::string& note : plan.tests.notes) context.note(note);
-  if (!plan.tests.warnings.empty()) {  // a study that is refused is told that alone
-    refuse_what_methods_refuse(study, plan, {.seed = context.seed, .threads = context.threads, .stop = context.stop});
-  }
   for (const std::string& warning : plan.tests.warnings) context.warning(warning);
   if (!plan.covariance_groups.empty() && !find_method(study.update.method).estimates_population) {
     context.warning(fmt::format("update.covariance is not used: method '{}' does not estimate the scatter of specimens",
@@ -81,6 +78,9 @@ UpdateOutcome update_here(const Study& study, const RunSettings& settings) {
   const UpdatePlan& plan = workings->plan;
   workings->model_files = digest_model_files(study, plan.made.files);
   UpdateOutcome outcome{.study = study, .workings = workings};
+  if (!plan.tests.warnings.empty()) {  // a study that is refused is told that alone, and leaves no files
+    refuse_what_methods_refuse(study, plan, {.seed = study.seed, .threads = settings.threads, .stop = settings.stop});
+  }
   const JobFiles files(settings, k_log, k_journal);
   const RunContext context = files.context(study, settings);
   auto model = std::make_unique<JournalledModel>(*plan.made.model, files.journal(), study_fingerprint(study, plan.made),
