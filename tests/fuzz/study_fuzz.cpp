@@ -23,7 +23,7 @@ const std::vector<mottle::updating::MethodEntry>& mottle::updating::updating_met
 }
 
 /// Nor are the files of tests, which decide whether the size of their shapes is data.
-mottle::app::ShapeSize mottle::study::shape_size_of(const Study& study) {
+mottle::app::ShapeSize mottle::study::shape_size_of(Study& study) {
   return study.outputs.shape_size;
 }
 

@@ -77,7 +77,7 @@ Strain Surface::membrane(const ParentPoint& point) const {
   const Place at = place_unchecked(point);
   Strain strain = Strain::Zero(3, size() + inside());
   for (Eigen::Index row = 0; row < 3; ++row) {
-    const auto [a, b] = k_pairs[row];
+    const int a = k_pairs[row][0], b = k_pairs[row][1];
     const double factor = a == b ? 0.5 : 1.0;
     const auto of = [&](const Eigen::Vector2d& slopes) {
       return (factor * (at.tangents.col(a) * slopes(b) + at.tangents.col(b) * slopes(a))).transpose().eval();
@@ -94,7 +94,7 @@ Strain Surface::curvature(const ParentPoint& point) const {
   const Place at = place_unchecked(point);
   Strain strain = Strain::Zero(3, size() + inside());
   for (Eigen::Index row = 0; row < 3; ++row) {
-    const auto [a, b] = k_pairs[row];
+    const int a = k_pairs[row][0], b = k_pairs[row][1];
     const double factor = a == b ? 0.5 : 1.0;
     const auto by_displacement = [&](const Eigen::Vector2d& slopes) {
       return (factor * (at.director_slopes.col(a) * slopes(b) + at.director_slopes.col(b) * slopes(a)))

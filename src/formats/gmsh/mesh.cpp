@@ -243,8 +243,7 @@ class MeshReader {
     for (auto& [key, group] : groups_) {
       for (std::size_t& element : group.elements) element = place[element];
       std::ranges::sort(group.elements);
-      const auto repeated = std::ranges::unique(group.elements);
-      group.elements.erase(repeated.begin(), repeated.end());
+      group.elements.erase(std::unique(group.elements.begin(), group.elements.end()), group.elements.end());
       if (!group.elements.empty()) mesh_.groups.push_back(std::move(group));
     }
     if (mesh_.groups.empty()) {
