@@ -46,15 +46,7 @@ SurrogateUpdate::SurrogateUpdate(const UpdatingProblem& problem, const Surrogate
     : given_(problem),
       settings_(settings),
       model_(problem.model, problem.space),
-      problem_{.model = model_,
-               .derivatives = nullptr,
-               .space = problem.space,
-               .tests = problem.tests,
-               .cloud = problem.cloud,
-               .iterations = problem.iterations,
-               .level = problem.level,
-               .tolerance = problem.tolerance,
-               .covariance_groups = problem.covariance_groups} {}
+      problem_(problem.with_model(model_, nullptr)) {}
 
 void SurrogateUpdate::add_runs(const Eigen::MatrixXd& samples, const RunContext& context) {
   context.phase({.name = "runs for the surrogate"});

@@ -19,14 +19,6 @@ std::shared_ptr<const SampleRegion> region_around(const UpdatingProblem& problem
 
 RegionalProblem::RegionalProblem(const UpdatingProblem& problem, std::shared_ptr<const SampleRegion> region)
     : model_(region == nullptr ? nullptr : std::make_unique<const RegionModel>(problem.model, std::move(region))),
-      problem_{.model = model_ == nullptr ? problem.model : *model_,
-               .derivatives = problem.derivatives,
-               .space = problem.space,
-               .tests = problem.tests,
-               .cloud = problem.cloud,
-               .iterations = problem.iterations,
-               .level = problem.level,
-               .tolerance = problem.tolerance,
-               .covariance_groups = problem.covariance_groups} {}
+      problem_(model_ == nullptr ? problem : problem.with_model(*model_, problem.derivatives)) {}
 
 }  // namespace mottle::updating

@@ -58,6 +58,11 @@ struct UpdatingProblem {
   /// Group of each parameter: those of one group may be correlated in the population, those of different groups are
   /// not. Empty: all may be.
   std::vector<int> covariance_groups = {};
+
+  /// The same problem with another model of the same parameters and outputs, which must outlive it.
+  UpdatingProblem with_model(const Model& other, const DifferentiableModel* other_derivatives) const {
+    return {other, other_derivatives, space, tests, cloud, iterations, level, tolerance, covariance_groups};
+  }
 };
 
 /// How a method ended.
