@@ -13,16 +13,16 @@ void evaluate_quadrilateral(ParentPoint& point) {
   constexpr int k_signs[8][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}, {0, -1}, {1, 0}, {0, 1}, {-1, 0}};
   const double xi = point.xi, eta = point.eta;
   for (Eigen::Index n = 0; n < 8; ++n) {
-    const double a = k_signs[n][0], b = k_signs[n][1], A = 1.0 + a * xi, B = 1.0 + b * eta, sum = a * xi + b * eta;
+    const double a = k_signs[n][0], b = k_signs[n][1], u = 1.0 + a * xi, v = 1.0 + b * eta, sum = a * xi + b * eta;
     if (n < 4) {
-      point.values(n) = 0.25 * A * B * (sum - 1.0);
-      point.slopes.col(n) << 0.25 * a * B * (sum + a * xi), 0.25 * b * A * (sum + b * eta);
+      point.values(n) = 0.25 * u * v * (sum - 1.0);
+      point.slopes.col(n) << 0.25 * a * v * (sum + a * xi), 0.25 * b * u * (sum + b * eta);
     } else if (a == 0.0) {
-      point.values(n) = 0.5 * (1.0 - xi * xi) * B;
-      point.slopes.col(n) << -xi * B, 0.5 * b * (1.0 - xi * xi);
+      point.values(n) = 0.5 * (1.0 - xi * xi) * v;
+      point.slopes.col(n) << -xi * v, 0.5 * b * (1.0 - xi * xi);
     } else {
-      point.values(n) = 0.5 * (1.0 - eta * eta) * A;
-      point.slopes.col(n) << 0.5 * a * (1.0 - eta * eta), -eta * A;
+      point.values(n) = 0.5 * (1.0 - eta * eta) * u;
+      point.slopes.col(n) << 0.5 * a * (1.0 - eta * eta), -eta * u;
     }
   }
   point.bubble = (1.0 - xi * xi) * (1.0 - eta * eta);
@@ -30,17 +30,18 @@ void evaluate_quadrilateral(ParentPoint& point) {
 }
 
 void evaluate_triangle(ParentPoint& point) {
-  const Eigen::Vector3d L(1.0 - point.xi - point.eta, point.xi, point.eta);
-  const Eigen::Matrix<double, 2, 3> G{{-1.0, 1.0, 0.0}, {-1.0, 0.0, 1.0}};
+  const Eigen::Vector3d corner(1.0 - point.xi - point.eta, point.xi, point.eta);
+  const Eigen::Matrix<double, 2, 3> gradients{{-1.0, 1.0, 0.0}, {-1.0, 0.0, 1.0}};
   for (Eigen::Index i = 0; i < 3; ++i) {
     const Eigen::Index j = (i + 1) % 3;
-    point.values(i) = L(i) * (2.0 * L(i) - 1.0);
-    point.slopes.col(i) = (4.0 * L(i) - 1.0) * G.col(i);
-    point.values(3 + i) = 4.0 * L(i) * L(j);
-    point.slopes.col(3 + i) = 4.0 * (L(i) * G.col(j) + L(j) * G.col(i));
+    point.values(i) = corner(i) * (2.0 * corner(i) - 1.0);
+    point.slopes.col(i) = (4.0 * corner(i) - 1.0) * gradients.col(i);
+    point.values(3 + i) = 4.0 * corner(i) * corner(j);
+    point.slopes.col(3 + i) = 4.0 * (corner(i) * gradients.col(j) + corner(j) * gradients.col(i));
   }
-  point.bubble = 27.0 * L.prod();
-  point.bubble_slopes = 27.0 * (L(1) * L(2) * G.col(0) + L(2) * L(0) * G.col(1) + L(0) * L(1) * G.col(2));
+  point.bubble = 27.0 * corner.prod();
+  point.bubble_slopes = 27.0 * (corner(1) * corner(2) * gradients.col(0) + corner(2) * corner(0) * gradients.col(1) +
+                                corner(0) * corner(1) * gradients.col(2));
 }
 
 ParentPoint point_at(int node_count, double xi, double eta, double weight = 0.0) {

@@ -36,10 +36,11 @@ void evaluate(const Eigen::Vector3d& position, SolidPoint<20, 0>& point) {
   }
 }
 
-/// With H = (1 +- zeta) / 2: corners L H (2 L - 1 - 2 (1 - H)), mid-edges 4 Li Lj H, upright ones L (1 - zeta^2).
+/// With h = (1 +- zeta) / 2 and L = barycentric coordinates: corners L h (2 L - 1 - 2 (1 - h)), mid-edges 4 Li Lj h,
+/// upright ones L (1 - zeta^2).
 void evaluate(const Eigen::Vector3d& position, SolidPoint<15, 0>& point) {
   const double zeta = position.z();
-  const Eigen::Vector4d L = barycentric({position.x(), position.y(), 0.0});
+  const Eigen::Vector4d corner = barycentric({position.x(), position.y(), 0.0});
   const Eigen::Matrix<double, 3, 4> gradients = barycentric_gradients();
   const auto set = [&](int node, double value, const Eigen::Vector2d& in_plane, double upwards) {
     point.values(node) = value;
@@ -47,19 +48,21 @@ void evaluate(const Eigen::Vector3d& position, SolidPoint<15, 0>& point) {
   };
   for (int i = 0; i < 3; ++i) {
     const int j = (i + 1) % 3;
-    const Eigen::Vector2d Gi = gradients.block<2, 1>(0, i), Gj = gradients.block<2, 1>(0, j);
+    const Eigen::Vector2d slope_i = gradients.block<2, 1>(0, i), slope_j = gradients.block<2, 1>(0, j);
     for (const int top : {0, 1}) {
-      const double side = top == 0 ? -1.0 : 1.0, H = 0.5 * (1.0 + side * zeta), slope = 0.5 * side;
-      set(i + 3 * top, L(i) * H * (2.0 * L(i) + 2.0 * H - 3.0), H * (4.0 * L(i) + 2.0 * H - 3.0) * Gi,
-          L(i) * slope * (2.0 * L(i) + 4.0 * H - 3.0));
-      set(6 + i + 6 * top, 4.0 * L(i) * L(j) * H, 4.0 * H * (L(i) * Gj + L(j) * Gi), 4.0 * L(i) * L(j) * slope);
+      const double side = top == 0 ? -1.0 : 1.0, height = 0.5 * (1.0 + side * zeta), slope = 0.5 * side;
+      set(i + 3 * top, corner(i) * height * (2.0 * corner(i) + 2.0 * height - 3.0),
+          height * (4.0 * corner(i) + 2.0 * height - 3.0) * slope_i,
+          corner(i) * slope * (2.0 * corner(i) + 4.0 * height - 3.0));
+      set(6 + i + 6 * top, 4.0 * corner(i) * corner(j) * height,
+          4.0 * height * (corner(i) * slope_j + corner(j) * slope_i), 4.0 * corner(i) * corner(j) * slope);
     }
-    set(9 + i, L(i) * (1.0 - zeta * zeta), (1.0 - zeta * zeta) * Gi, -2.0 * zeta * L(i));
+    set(9 + i, corner(i) * (1.0 - zeta * zeta), (1.0 - zeta * zeta) * slope_i, -2.0 * zeta * corner(i));
   }
 }
 
-/// @param position  (a, b, zeta). With h = 1 - zeta, A = 1 +- a, B = 1 +- b: corners h A B (h (+-a +- b) - 1) / 4,
-///                  apex zeta (2 zeta - 1), mid-edges of the base h^2 (1 - a^2) B / 2, upright ones zeta h A B
+/// @param position  (a, b, zeta). With h = 1 - zeta, u = 1 +- a, v = 1 +- b: corners h u v (h (+-a +- b) - 1) / 4,
+///                  apex zeta (2 zeta - 1), mid-edges of the base h^2 (1 - a^2) v / 2, upright ones zeta h u v
 void evaluate(const Eigen::Vector3d& position, SolidPoint<13, 0>& point) {
   constexpr int k_signs[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
   const double a = position.x(), b = position.y(), zeta = position.z(), h = 1.0 - zeta;
@@ -69,15 +72,15 @@ void evaluate(const Eigen::Vector3d& position, SolidPoint<13, 0>& point) {
     point.gradients.col(node) = Gradient(by_xi, by_eta, upwards + a * by_xi + b * by_eta);
   };
   for (int i = 0; i < 4; ++i) {
-    const double s = k_signs[i][0], t = k_signs[i][1], A = 1.0 + s * a, B = 1.0 + t * b, sum = s * a + t * b;
-    set(i, 0.25 * h * A * B * (h * sum - 1.0), 0.25 * s * B * (h * (sum + A) - 1.0),
-        0.25 * t * A * (h * (sum + B) - 1.0), -0.25 * A * B * (2.0 * h * sum - 1.0));
-    set(9 + i, zeta * h * A * B, zeta * s * B, zeta * t * A, (1.0 - 2.0 * zeta) * A * B);
+    const double s = k_signs[i][0], t = k_signs[i][1], u = 1.0 + s * a, v = 1.0 + t * b, sum = s * a + t * b;
+    set(i, 0.25 * h * u * v * (h * sum - 1.0), 0.25 * s * v * (h * (sum + u) - 1.0),
+        0.25 * t * u * (h * (sum + v) - 1.0), -0.25 * u * v * (2.0 * h * sum - 1.0));
+    set(9 + i, zeta * h * u * v, zeta * s * v, zeta * t * u, (1.0 - 2.0 * zeta) * u * v);
   }
   for (const int side : {-1, 1}) {
-    const double A = 1.0 + side * a, B = 1.0 + side * b, across_a = 1.0 - a * a, across_b = 1.0 - b * b;
-    set(side < 0 ? 5 : 7, 0.5 * h * h * across_a * B, -h * a * B, 0.5 * h * across_a * side, -h * across_a * B);
-    set(side < 0 ? 8 : 6, 0.5 * h * h * across_b * A, 0.5 * h * across_b * side, -h * b * A, -h * across_b * A);
+    const double u = 1.0 + side * a, v = 1.0 + side * b, across_a = 1.0 - a * a, across_b = 1.0 - b * b;
+    set(side < 0 ? 5 : 7, 0.5 * h * h * across_a * v, -h * a * v, 0.5 * h * across_a * side, -h * across_a * v);
+    set(side < 0 ? 8 : 6, 0.5 * h * h * across_b * u, 0.5 * h * across_b * side, -h * b * u, -h * across_b * u);
   }
   set(4, zeta * (2.0 * zeta - 1.0), 0.0, 0.0, 4.0 * zeta - 1.0);
 }

@@ -95,8 +95,8 @@ double flexibility(const Plane& plane, const Forces& forces, double poisson) {
       Eigen::Matrix<double, 4, 2> slopes;
       slopes << b - 1, a - 1, 1 - b, -1 - a, 1 + b, 1 + a, -1 - b, 1 - a;
       const double area = (0.25 * plane.corners * slopes).determinant() * weight_a * weight_b;
-      const Eigen::Matrix2d N = forces.at(plane.corners * shape);
-      sum += area * ((1.0 + poisson) * N.squaredNorm() - poisson * N.trace() * N.trace());
+      const Eigen::Matrix2d tensions = forces.at(plane.corners * shape);
+      sum += area * ((1.0 + poisson) * tensions.squaredNorm() - poisson * tensions.trace() * tensions.trace());
     }
   }
   return sum / (2.0 * (1.0 + poisson));

@@ -51,7 +51,7 @@ ProposedUnits units_of(const CalculixDeck& deck, const std::vector<std::string>&
 /// no derivative [mode x parameter].
 Eigen::MatrixXd relative_sensitivities(const StructureModel& model, const Eigen::VectorXd& frequencies) {
   constexpr double k_step = 1e-3;
-  const Eigen::VectorXd ones = model.reference_parameters();
+  const Eigen::VectorXd& ones = model.reference_parameters();
   const Eigen::Index q = ones.size();
   Eigen::MatrixXd slopes = Eigen::MatrixXd::Constant(frequencies.size(), q, std::nan(""));
   if (model.derivatives() != nullptr) slopes = model.jacobian(ones);
@@ -94,7 +94,8 @@ struct CalculixParts {
 };
 
 CalculixParts make_parts(const InitOutcome& outcome, std::vector<std::string> targets) {
-  CalculixParts made{.study = study_of_all(outcome, targets), .targets = std::move(targets), .parts = {}};
+  Study study = study_of_all(outcome, targets);
+  CalculixParts made{.study = std::move(study), .targets = std::move(targets), .parts = {}};
   std::vector<Distribution> priors;
   for (const StudyParameter& parameter : made.study.parameters.list) priors.emplace_back(parameter.distribution);
   made.parts = made.study.model->make(list_targets(made.study.parameters), JointDistribution(std::move(priors)),
