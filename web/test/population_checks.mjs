@@ -5,9 +5,10 @@ import { close_to_data, expected_plots, has_numbers, is_number, list, result_of,
 const has_plot = (data, id) => expected_plots(data).includes(id);
 const option_of = (page, id) =>
   page.evaluate((plot) => {
-    const { series, title } = window.mottle.charts[plot].getOption();
+    const { series, title, xAxis } = window.mottle.charts[plot].getOption();
     return {
-      titles: title.map(({ text }) => text),
+      titles: (title ?? []).map(({ text }) => text),
+      columns: xAxis[0].data,
       series: series.map(({ name, xAxisIndex, data }) => ({ name, xAxisIndex, data })),
     };
   }, id);
@@ -162,10 +163,9 @@ export const population_checks = [
       assert.equal(cells.filter(({ itemStyle }) => itemStyle?.borderWidth).length, beyond(shown));
       const number = (k) => list(specimens.numbers)[k] ?? k + 1;
       const marked = new Set(list(outliers).map(({ specimen }) => specimen));
-      const { xAxis } = await option_of(page, "residuals");
-      const names = [xAxis].flat()[0].data.map(String);
+      const { columns } = await option_of(page, "residuals");
       assert.deepEqual(
-        names,
+        columns,
         shown.map((_, k) => `${number(k)}${marked.has(number(k)) ? "*" : ""}`),
       );
       const text = await page.locator("#specimens > p").first().innerText();
