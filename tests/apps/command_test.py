@@ -105,6 +105,21 @@ class AnySolverTest(support.CommandTest):
         self.succeed("update", "study.toml", "--out", "a", "--quiet")
         self.assertGreaterEqual(len(self.runs()), 2 * count - 1)
 
+    def test_no_runs_are_spent_on_other_minima_unasked(self):
+        for method in ("deterministic", "maximum-likelihood"):
+            out = self.succeed("check", "study.toml", "--set", f'update.method="{method}"').out
+            self.assertIn("starts = 0", out)
+            self.assertIn("Other minima are not searched for", " ".join(out.split()))
+        chosen = ["--quiet", "--set", 'update.method="deterministic"', "--set", "update.iterations=20"]
+        self.log.unlink()
+        self.succeed("update", "study.toml", "--out", "a", *chosen)
+        unasked = len(self.runs())
+        self.assertLess(unasked, 2 * 30 + 50, "two clouds, and few derivatives")
+        self.assertTrue(any("Other minima" in note for note in read_result(self.folder / "a")["notes"]))
+        self.succeed("update", "study.toml", "--out", "b", *chosen, "--set", "update.deterministic.starts=8")
+        self.assertGreater(len(self.runs()), unasked + 8)
+        self.assertFalse(any("Other minima" in note for note in read_result(self.folder / "b")["notes"]))
+
     def test_threads_and_parallel_change_no_number(self):
         self.succeed("propagate", "study.toml", "--out", "a", "--quiet", "--threads", "1")
         self.succeed("propagate", "study.toml", "--out", "b", "--quiet", "--set", "model.parallel=5")

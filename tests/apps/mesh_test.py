@@ -131,6 +131,20 @@ class MeshTest(support.CommandTest):
         for one, other in zip(own[:4], rows):
             self.assertLess(abs(one / float(other) - 1), 5e-5, "CalculiX rounds the mass off, see validation/elements")
 
+    def test_bars_of_all_second_order_solids_agree(self):
+        tetrahedra = self.frequencies(BAR)[:3]
+        for mesh, tolerance in (("hexahedra20", 5e-3), ("prisms15", 1e-2), ("pyramids13", 1e-2)):
+            for one, other in zip(self.frequencies(edited(BAR, ("beam.msh", f"{mesh}.msh"))), tetrahedra):
+                self.assertLess(abs(one / other - 1), tolerance, mesh)
+
+    def test_plates_of_second_order_shells_have_naviers_frequencies(self):
+        stiffness = 70e9 * 0.002**3 / 12 / (1 - 0.3**2)
+        waves = sorted(m * m / 0.36 + n * n / 0.16 for m in range(1, 5) for n in range(1, 5))[:3]
+        for mesh in ("quadrangles8", "triangles6"):
+            for one, wave in zip(self.frequencies(edited(PLATE, ("plate41", mesh))), waves):
+                exact = math.pi / 2 * wave * math.sqrt(stiffness / (2700 * 0.002))
+                self.assertLess(abs(one / exact - 1), 0.02, mesh)
+
     def test_a_tube_with_a_mass_has_the_frequencies_of_beams(self):
         outer, inner = 0.01, 0.008
         inertia, area = math.pi / 4 * (outer**4 - inner**4), math.pi * (outer**2 - inner**2)
@@ -193,13 +207,10 @@ class MeshTest(support.CommandTest):
         self.assertIn("a mesh alone has no materials", ended.err)
 
     def test_elements_that_are_not_made_are_named(self):
-        mesh = (MESHES / "beam.msh").read_text()
-        self.write("beam.msh", mesh)
-        self.write("study.toml", edited(BAR, ('sections = [ { group = "bar", material = "steel" } ]',
-                                              'sections = [ { group = "end", material = "steel", thickness = 0.1 } ]')))
+        self.write("study.toml", edited(PLATE, ("plate41", "quadrangles8"), ('group = "plate"', 'group = "edges"')))
         ended = self.call("check", "study.toml")
         self.assertEqual(ended.code, 2, ended.err)
-        self.assertIn("is a 6-node triangle; elements are made of", ended.err)
+        self.assertIn("is a 3-node line; elements are made of", ended.err)
 
 
 if __name__ == "__main__":

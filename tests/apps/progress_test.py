@@ -1,4 +1,5 @@
-"""What the command shows while it runs, on a terminal and elsewhere, with a solver that takes its time.
+"""What the command shows while it runs, on a terminal and elsewhere, with a solver that takes its time. Nothing here
+depends on how busy the machine is; what is said of the time left is tested with given times, in progress_line_test.cpp.
 
     python3 progress_test.py PATH_TO_MOTTLE
 """
@@ -15,7 +16,7 @@ import support
 SOLVER = """\
 import math, time
 k1, k2 = (float(word) for word in open("in.txt").read().split())
-time.sleep(0.25)
+time.sleep(0.1)
 mean, half = (k1 + 2 * k2) / 2, math.sqrt(k1 * k1 / 4 + k2 * k2)
 for value in (mean - half, mean + half):
     print(math.sqrt(value) / (2 * math.pi))
@@ -79,6 +80,7 @@ class Shown:
                 self.pieces.append((time.monotonic() - start, piece))
             process.communicate()
             self.code = process.returncode
+        self.seconds = time.monotonic() - start
         os.close(reader)
         self.text = "".join(piece for _, piece in self.pieces)
 
@@ -109,9 +111,7 @@ class ProgressTest(support.CommandTest):
 
     def test_a_terminal_shows_phases_with_their_share_and_time(self):
         shown = self.show("update", "study.toml", columns=120)
-        first_time, first = shown.lines()[0]
-        self.assertLess(first_time, 1.0)
-        self.assertEqual(first, "reading the model and the tests")
+        self.assertEqual(shown.lines()[0][1], "reading the model and the tests")
         phases = []
         for _, line in shown.lines():
             name = re.split("[:,]", line)[0]
@@ -120,29 +120,20 @@ class ProgressTest(support.CommandTest):
         for name in ("cloud before the update", "iteration 1 of at most 2", "iteration 2 of at most 2"):
             self.assertIn(name, phases)
         self.assertRegex(shown.text, r"iteration 1 of at most 2: model runs \d+ of \d+ \(\d+ %\)")
-        self.assertNotRegex(shown.text, r"\b0 s")
+        self.assertNotRegex(shown.text, r"(?<![\d.])0 s")
         self.assertTrue(shown.text.endswith(ERASE), "the line is taken away at the end")
-
-    def test_the_time_left_is_about_the_time_that_it_takes(self):
-        shown = self.show("propagate", "study.toml", columns=120)
-        cloud = [(at, line) for at, line in shown.lines() if line.startswith("cloud")]
-        end = next(at for at, line in shown.lines() if line.startswith("writing"))
-        at, line = next((at, line) for at, line in cloud if " left" in line)
-        left = float(re.search(r"about (\d+) s left", line).group(1))
-        self.assertGreater(left, 0.5 * (end - at), "the machine may have been busier later")
-        self.assertLess(left, 2.0 * (end - at) + 1.0)
 
     def test_a_narrow_terminal_has_one_line_that_is_not_wrapped(self):
         shown = self.show("propagate", "study.toml", columns=30)
         self.assertTrue(shown.lines())
         self.assertLess(max(len(line) for _, line in shown.lines()), 30)
 
-    def test_elsewhere_plain_lines_come_within_a_second_and_then_seldom(self):
+    def test_elsewhere_plain_lines_come_early_and_then_seldom(self):
         shown = self.show("update", "study.toml")
-        self.assertLess(shown.pieces[0][0], 1.0)
+        self.assertLess(shown.pieces[0][0], 0.5 * shown.seconds, "the first line does not wait for the work")
         self.assertNotIn("\033", shown.text)
         self.assertNotIn("\r", shown.text)
-        self.assertLess(len(shown.text.splitlines()), 2 + shown.pieces[-1][0] / 10.0)
+        self.assertLess(len(shown.text.splitlines()), 2 + shown.seconds / 10.0)
 
     def test_what_is_quiet_shows_nothing(self):
         self.assertEqual(self.show("update", "study.toml", "--quiet", columns=80).text, "")

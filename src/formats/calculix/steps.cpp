@@ -62,7 +62,24 @@ std::vector<Step> find_steps(const CalculixDeck& deck) {
   return steps;
 }
 
+namespace {
+
+/// A sector has waves around the axis, a pair of equal modes for each of their numbers: its matrices are twice as
+/// large, and modes have no numbers of their own.
+void refuse_cyclic_symmetry(const CalculixDeck& deck) {
+  for (std::size_t i = 0; i < deck.lines.size(); ++i) {
+    const std::optional<Keyword> keyword = keyword_of(deck.lines[i].text);
+    if (!keyword || keyword->name != "CYCLIC SYMMETRY MODEL") continue;
+    refuse(deck, i,
+           "*CYCLIC SYMMETRY MODEL: the modes of a sector are not read; give the whole structure, or run the deck by "
+           "[model] kind = \"command\" with a script that picks the modes of each nodal diameter");
+  }
+}
+
+}  // namespace
+
 std::optional<Step> find_step(const CalculixDeck& deck) {
+  refuse_cyclic_symmetry(deck);
   const std::vector<Step> steps = find_steps(deck);
   if (steps.empty()) return std::nullopt;
   const auto found = std::ranges::find(steps, "FREQUENCY", &Step::name);

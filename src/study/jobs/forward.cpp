@@ -89,7 +89,8 @@ PropagateOutcome propagate_here(const Study& study, const std::optional<std::fil
   const JobFiles files(settings, k_log, k_journal);
   const RunContext context = files.context(study, settings);
   const JournalledModel model(*made.model, files.journal(), study_fingerprint(study, made, points), settings.resume);
-  const CloudSettings rules = cloud_settings(study, specimens, static_cast<Eigen::Index>(made.model->outputs().size()));
+  const CloudSettings rules =
+      cloud_settings(study, made, specimens, static_cast<Eigen::Index>(made.model->outputs().size()));
   const StreamKey key{.seed = study.seed, .purpose = StreamPurpose::parameter_cloud};
   context.phase({.name = points ? "given points" : "cloud"});
   outcome.cloud = files.compute(study, [&] {

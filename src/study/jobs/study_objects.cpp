@@ -115,6 +115,7 @@ StudyModel make_model_around(const Eigen::VectorXd& centre, const Study& study, 
     StudyModel made;
     made.files = std::move(parts.files);
     made.notes = std::move(parts.notes);
+    made.runs_program = parts.runs_program;
     made.space = std::make_unique<ParameterSpace>(std::move(list), std::move(prior));
     require_effects(parameters, outputs);
     if (parts.sparse) {
@@ -135,16 +136,16 @@ StudyModel make_model_around(const Eigen::VectorXd& centre, const Study& study, 
   }
 }
 
-bool shows_few_samples(const Study& study) {
-  return study.model->keeps_runs() && !study.update.states_samples && !study.surrogate &&
+bool shows_few_samples(const Study& study, const StudyModel& made) {
+  return made.runs_program && !study.update.states_samples && !study.surrogate &&
          !find_method(study.update.method).samples_each_iteration;
 }
 
-CloudSettings cloud_settings(const Study& study, Eigen::Index specimens, Eigen::Index outputs) {
+CloudSettings cloud_settings(const Study& study, const StudyModel& made, Eigen::Index specimens, Eigen::Index outputs) {
   CloudSettings settings;
   settings.samples = study.update.samples;
   constexpr int k_runs_of_a_program = 40;  // enough to show a cloud; each may take minutes
-  if (shows_few_samples(study)) settings.samples = k_runs_of_a_program;
+  if (shows_few_samples(study, made)) settings.samples = k_runs_of_a_program;
   if (study.update.has_automatic_samples) {
     settings.samples = automatic_samples(static_cast<int>(specimens), static_cast<int>(outputs), study.update.level);
   }

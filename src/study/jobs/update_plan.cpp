@@ -1,5 +1,7 @@
 #include "study/jobs/update_plan.hpp"
 
+#include <algorithm>
+
 #include "mottle/core/error.hpp"
 #include "mottle/updating/methods/surrogate_update.hpp"
 #include "study/jobs/job_files.hpp"
@@ -27,6 +29,21 @@ class UnusedModel final : public Model {
   const Model& model_;
 };
 
+/// What the method does not do unasked where each of its evaluations is a run of a program: to search for other minima
+/// costs more runs than the update.
+OptionValues presets_of_runs(const Study& study, const StudyModel& made, std::vector<std::string>& notes) {
+  const auto& options = find_method(study.update.method).options;
+  const bool has_starts = std::ranges::find(options, "starts", &OptionDescription::name) != options.end();
+  const auto given = study.update.method_options.find(study.update.method);
+  const bool states_starts = given != study.update.method_options.end() && given->second.contains("starts");
+  if (!made.runs_program || study.surrogate || !has_starts || states_starts) return {};
+  notes.push_back(fmt::format(
+      "Other minima are not searched for, since each evaluation is a run of the program: whether other parameters "
+      "explain the tests as well is not known. update.{}.starts states from how many points to search.",
+      study.update.method));
+  return {{"starts", std::int64_t{0}}};
+}
+
 }  // namespace
 
 UpdatePlan plan_update(const Study& study, const RunSettings& settings) {
@@ -34,12 +51,13 @@ UpdatePlan plan_update(const Study& study, const RunSettings& settings) {
   StudyTests tests = read_tests(study, *made.model);
   refuse_unit_errors(study, made, tests);
   std::vector<int> groups = covariance_groups(study, made.space->names());
-  UpdatePlan plan{std::move(made), std::move(tests), make_method(study), std::move(groups), std::nullopt};
-  if (shows_few_samples(study)) {
+  std::unique_ptr<Updater> method = make_method(study, presets_of_runs(study, made, tests.notes));
+  UpdatePlan plan{std::move(made), std::move(tests), std::move(method), std::move(groups), std::nullopt};
+  if (shows_few_samples(study, plan.made)) {
     plan.tests.notes.push_back(fmt::format(
         "The first and the last cloud have {} samples each, since every one is a run of the program; update.samples "
         "states another number.",
-        cloud_settings(study, plan.tests.data.values.rows(), plan.tests.data.values.cols()).samples));
+        cloud_settings(study, plan.made, plan.tests.data.values.rows(), plan.tests.data.values.cols()).samples));
   }
   if (study.predict) plan.prediction = plan_prediction(study, settings);
   return plan;
@@ -59,7 +77,7 @@ UpdatingProblem problem_of(const Study& study, const UpdatePlan& plan, const Mod
           .derivatives = plan.made.model->derivatives(),
           .space = *plan.made.space,
           .tests = tests,
-          .cloud = cloud_settings(study, tests.values.rows(), tests.values.cols()),
+          .cloud = cloud_settings(study, plan.made, tests.values.rows(), tests.values.cols()),
           .iterations = study.update.iterations,
           .level = study.update.level,
           .tolerance = study.update.tolerance,

@@ -48,6 +48,7 @@ ModelParts make_external(const SolverCommand& command, const std::vector<std::st
       RunStorage{.results = settings.folder, .is_resumed = settings.resume}, settings.stop);
   parts.notes = solver->notes();
   parts.solver = std::move(solver);
+  parts.runs_program = true;
   return parts;
 }
 

@@ -151,7 +151,7 @@ void describe_update(const CheckOutcome& outcome, std::vector<std::string>& line
   const Study& study = outcome.study;
   const UpdatePlan& plan = *outcome.checked->plan;
   const StudyTests& tests = plan.tests;
-  const CloudSettings rules = cloud_settings(study, tests.data.values.rows(), tests.data.values.cols());
+  const CloudSettings rules = cloud_settings(study, plan.made, tests.data.values.rows(), tests.data.values.cols());
   lines.push_back(fmt::format("tests: {} specimens of {} outputs", tests.data.values.rows(), tests.data.values.cols()));
   for (const std::string& warning : tests.warnings) add_wrapped("  warning: " + warning, lines);
   for (const std::string& note : tests.notes) add_wrapped("  " + note, lines);

@@ -59,11 +59,12 @@ std::string tests_csv(const StudyTests& tests, const std::vector<Quantity>& outp
   return format_csv(header, values);
 }
 
-std::unique_ptr<Updater> make_method(const Study& study) {
+std::unique_ptr<Updater> make_method(const Study& study, const OptionValues& presets) {
   const auto given = study.update.method_options.find(study.update.method);
+  OptionValues values = given == study.update.method_options.end() ? OptionValues{} : given->second;
+  values.insert(presets.begin(), presets.end());
   return find_method(study.update.method)
-      .make(given == study.update.method_options.end() ? OptionValues{} : given->second,
-            fmt::format("{}: [update.{}]", study.file.string(), study.update.method));
+      .make(values, fmt::format("{}: [update.{}]", study.file.string(), study.update.method));
 }
 
 }  // namespace mottle::study

@@ -127,7 +127,8 @@ const OptionTable<DeterministicOptions>& deterministic_option_table() {
                   "Measurement standard deviation of an output as a fraction of its tested value, used where "
                   "[test] repeatability does not give it.")
           .integer("starts", &D::starts, {.lower = 0.0, .upper = 10000.0}, "-",
-                   "Number of starting points, drawn from the prior, of a search for other minima; 0 means none.");
+                   "Number of starting points, drawn from the prior, of a search for other minima; 0 means none, and "
+                   "is the default where each evaluation is a run of a program.");
   return table;
 }
 

@@ -61,7 +61,8 @@ const OptionTable<Options>& maximum_likelihood_option_table() {
                    "Number of bootstrap samples, each of all specimens, for the intervals.")
           .integer("starts", &Options::starts, {.lower = 0.0, .upper = 10000.0}, "-",
                    "Number of starting points, drawn from the prior, of a search for other parameters that explain the "
-                   "tests' mean equally well.")
+                   "tests' mean equally well; 0 means none, and is the default where each evaluation is a run of a "
+                   "program.")
           .number("rank_tolerance", &Options::rank_tolerance, {.lower = 0.0, .upper = 1.0}, "-",
                   "A combination of parameters counts as not identifiable, and keeps its prior mean, if one prior "
                   "standard deviation of it moves the outputs by less than this fraction of the strongest "

@@ -184,6 +184,8 @@ TEST_F(CalculixDecks, RefusesCardsWhoseNumberCannotBeMoved) {
 
 TEST_F(CalculixDecks, RefusesStepsThatStoreNoMatrices) {
   for (const Refused& each : {Refused{"", "*STEP\n*STATIC\n*END STEP\n", "plate.inp:2: *STATIC instead of *FREQUENCY"},
+                              Refused{"", "*CYCLIC SYMMETRY MODEL, N=8, TIE=T\n*STEP\n*FREQUENCY\n5\n*END STEP\n",
+                                      "plate.inp:1: *CYCLIC SYMMETRY MODEL: the modes of a sector are not read"},
                               Refused{"", "*STEP\n*END STEP\n", "plate.inp:1: the step has no *FREQUENCY"},
                               Refused{"", "*NODE\n1, {{a}}, 0\n", "plate.inp:2: no parameter fills '{{a}}'"}}) {
     EXPECT_THAT(test::message_of<FormatError>([&] { matrix_storage_deck(deck(each.text), {}); }),

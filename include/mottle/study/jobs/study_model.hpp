@@ -17,6 +17,7 @@ struct StudyModel {
   std::unique_ptr<StructureModel> model;
   std::vector<std::string> files = {};  ///< that the model was read from
   std::vector<std::string> notes = {};  ///< what a reader of the model should know
+  bool runs_program = false;            ///< each solution is a run of a program
 };
 
 }  // namespace mottle::study

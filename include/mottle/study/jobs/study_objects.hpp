@@ -65,10 +65,10 @@ std::vector<int> covariance_groups(const Study& study, const std::vector<std::st
 
 /// Whether the first and the last cloud have few samples, since the study states no number, each is a run of a program,
 /// and the method does not depend on them.
-bool shows_few_samples(const Study& study);
+bool shows_few_samples(const Study& study, const StudyModel& made);
 
 /// Updating problem settings of a study with `specimens` tests ("auto" resolved).
-CloudSettings cloud_settings(const Study& study, Eigen::Index specimens, Eigen::Index outputs);
+CloudSettings cloud_settings(const Study& study, const StudyModel& made, Eigen::Index specimens, Eigen::Index outputs);
 
 /// Of everything that the results depend on: study, overrides, tests, the model's files, points where given, version.
 Digest study_fingerprint(const Study& study, const StudyModel& made,

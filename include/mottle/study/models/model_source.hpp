@@ -26,6 +26,7 @@ struct ModelParts {
   std::vector<PhysicalLimit> limits = {};  ///< [parameter]
   std::vector<std::string> files = {};     ///< that it was read from
   std::vector<std::string> notes = {};     ///< what a reader of the model should know
+  bool runs_program = false;               ///< each solution is a run of a program
 };
 
 /// A number of the model that a parameter may stand for.
