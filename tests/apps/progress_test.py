@@ -16,7 +16,7 @@ import support
 SOLVER = """\
 import math, time
 k1, k2 = (float(word) for word in open("in.txt").read().split())
-time.sleep(0.1)
+time.sleep(0.05)
 mean, half = (k1 + 2 * k2) / 2, math.sqrt(k1 * k1 / 4 + k2 * k2)
 for value in (mean - half, mean + half):
     print(math.sqrt(value) / (2 * math.pi))
@@ -55,7 +55,7 @@ file = "tests.csv"
 
 [update]
 method = "covariance-adjustment"
-samples = 24
+samples = 12
 iterations = 2
 """
 
