@@ -93,32 +93,36 @@ Eigen::Index cut_position(const Eigen::VectorXd& values, Eigen::Index wanted, do
 
 using LongMatrix = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
 
-/// Phi' A Phi in extended precision.
-LongMatrix projected(const SparseMatrix& lower, const LongMatrix& vectors) {
+/// Phi' K Phi in extended precision.
+LongMatrix projected_stiffness(const SparseMatrix& lower, const Eigen::MatrixXd& vectors) {
   LongMatrix product = LongMatrix::Zero(vectors.cols(), vectors.rows());  // by equation, for one pass over the matrix
-  const LongMatrix by_row = vectors.transpose();
+  const Eigen::MatrixXd by_row = vectors.transpose();
   for (int j = 0; j < lower.outerSize(); ++j) {
     for (SparseMatrix::InnerIterator entry(lower, j); entry; ++entry) {
-      product.col(entry.row()) += entry.value() * by_row.col(j);
-      if (entry.row() != j) product.col(j) += entry.value() * by_row.col(entry.row());
+      const long double value = entry.value();
+      product.col(entry.row()) += value * by_row.col(j).cast<long double>();
+      if (entry.row() != j) product.col(j) += value * by_row.col(entry.row()).cast<long double>();
     }
   }
-  const LongMatrix result = product * vectors;
+  const LongMatrix result = product * vectors.cast<long double>();
   return 0.5L * (result + result.transpose());
 }
 
 /// Modes far below the shift (of a soft suspension) are mixed by the rounding errors of the factor, which scale with
-/// the stiffest elements. The space that they span is accurate: Rayleigh-Ritz in extended precision separates them.
+/// the stiffest elements. The space that they span is accurate: Rayleigh-Ritz separates them, in extended precision
+/// where terms cancel, which those of the mass do not.
 void refine_soft_modes(const SparseMatrix& stiffness, const SparseMatrix& mass, double shift, Eigen::VectorXd& values,
                        Eigen::MatrixXd& vectors) {
   constexpr double k_soft = 100.0;
   const Eigen::Index soft = (values.array() <= k_soft * std::abs(shift)).count();
   if (soft == 0) return;
-  const LongMatrix basis = vectors.leftCols(soft).cast<long double>();
-  const Eigen::GeneralizedSelfAdjointEigenSolver<LongMatrix> solver(projected(stiffness, basis),
-                                                                    projected(mass, basis));
+  const Eigen::MatrixXd basis = vectors.leftCols(soft);
+  const Eigen::MatrixXd moved = mass.selfadjointView<Eigen::Lower>() * basis;
+  const Eigen::MatrixXd masses = basis.transpose() * moved;
+  const Eigen::GeneralizedSelfAdjointEigenSolver<LongMatrix> solver(projected_stiffness(stiffness, basis),
+                                                                    masses.cast<long double>());
   values.head(soft) = solver.eigenvalues().cast<double>();
-  vectors.leftCols(soft) = (basis * solver.eigenvectors()).cast<double>();
+  vectors.leftCols(soft) = (basis.cast<long double>() * solver.eigenvectors()).cast<double>();
 }
 
 }  // namespace
