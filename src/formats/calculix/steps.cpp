@@ -14,7 +14,7 @@ bool is_comment(std::string_view line) {
 
 std::optional<Keyword> keyword_of(std::string_view line) {
   if (!line.starts_with('*') || is_comment(line)) return std::nullopt;
-  const std::string text = capitals(line.substr(1));
+  const std::string text = capitals(line.substr(1, line.find('\n') - 1));
   Keyword keyword;
   for (std::size_t begin = 0; begin <= text.size();) {
     const std::size_t comma = std::min(text.find(',', begin), text.size());
@@ -34,6 +34,17 @@ std::optional<Keyword> keyword_of(std::string_view line) {
 void refuse(const CalculixDeck& deck, std::size_t line, const std::string& message) {
   const CalculixDeck::Line& at = deck.lines[line];
   throw FormatError(deck.files[static_cast<std::size_t>(at.file)], at.number, message);
+}
+
+std::vector<std::size_t> data_lines(const CalculixDeck& deck, std::size_t line) {
+  std::vector<std::size_t> lines;
+  for (std::size_t i = line + 1; i < deck.lines.size(); ++i) {
+    const std::string_view text = deck.lines[i].text;
+    if (is_comment(text)) continue;
+    if (text.starts_with('*')) break;
+    if (!trim_blanks(text).empty()) lines.push_back(i);
+  }
+  return lines;
 }
 
 std::vector<Step> find_steps(const CalculixDeck& deck) {

@@ -25,6 +25,9 @@ std::optional<Keyword> keyword_of(std::string_view line);
 /// Throws FormatError with the line's file and number.
 [[noreturn]] void refuse(const CalculixDeck& deck, std::size_t line, const std::string& message);
 
+/// Data lines of the keyword on `line`.
+std::vector<std::size_t> data_lines(const CalculixDeck& deck, std::size_t line);
+
 /// A step, from *STEP to its end.
 struct Step {
   std::size_t begin = 0, end = 0;  ///< lines, the last one excluded
