@@ -28,9 +28,11 @@ OwnModesComparison compare_with_own_modes(const SeparablePencil& pencil, const E
     const double error = std::abs(std::sqrt(std::max(modes.values(k) / own(k), 0.0)) - 1.0);
     result.error = std::max(result.error, error);
     if (error <= k_agreement || !result.failure.empty()) continue;
-    result.failure = fmt::format(
-        "CalculiX prints its matrices with 14 digits, and of those mode {} has {:.6g} Hz instead of its own {:.6g} Hz",
-        k + 1, natural_frequencies_hz(modes.values)(k), natural_frequencies_hz(own)(k));
+    const double frequency = natural_frequencies_hz(modes.values)(k);
+    result.failure =
+        fmt::format("CalculiX prints its matrices with 14 digits, and of those mode {} {} instead of its own {:.6g} Hz",
+                    k + 1, std::isnan(frequency) ? "is unstable" : fmt::format("has {:.6g} Hz", frequency),
+                    natural_frequencies_hz(own)(k));
   }
   return result;
 }

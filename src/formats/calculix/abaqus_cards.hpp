@@ -58,6 +58,19 @@ inline const std::set<std::string_view>& naming_parameters() {
   return k_names;
 }
 
+/// Elements of Abaqus that CalculiX does not have, or has by the same name as something that is not like it.
+struct ElementName {
+  std::string_view abaqus, calculix;
+  std::string_view note;  ///< what a reader should know; empty: they are the same
+};
+
+inline constexpr std::array k_element_names = {
+    ElementName{"S4R", "S4",
+                "S4R is solved as CalculiX's S4, since its S4R has no stiffness in bending but for hourglass control"},
+    ElementName{"S3R", "S3", "S3R is solved as CalculiX's S3, which is much too stiff in bending on coarse meshes"},
+    ElementName{"S3", "S3", "S3 is much too stiff in bending on coarse meshes in CalculiX"},
+    ElementName{"C3D10M", "C3D10", "C3D10M is solved as C3D10"}};
+
 /// Requests of output, restarts and monitoring: no part of the structure.
 inline const std::set<std::string_view>& output_cards() {
   static const std::set<std::string_view> k_cards = {"PREPRINT",

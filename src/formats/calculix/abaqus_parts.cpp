@@ -138,7 +138,7 @@ std::string AbaqusModel::reference_node(const CalculixDeck& deck, std::size_t li
 std::vector<std::string> AbaqusModel::notes() const {
   std::vector<std::string> notes;
   std::vector<std::string> left_out;
-  std::set<std::string> renamed;
+  std::set<std::string> types;
   std::vector<const AbaqusBlock*> all;
   for (const AbaqusBlock& block : model) all.push_back(&block);
   for (const Instance& each : instances) {
@@ -149,10 +149,12 @@ std::vector<std::string> AbaqusModel::notes() const {
     if (output_cards().contains(block->keyword.name) && std::ranges::find(left_out, name) == left_out.end()) {
       left_out.push_back(name);
     }
-    if (block->keyword.name == "ELEMENT") renamed.insert(parameter(*block, "TYPE"));
+    if (block->keyword.name == "ELEMENT") types.insert(parameter(*block, "TYPE"));
   }
   if (!left_out.empty()) notes.push_back(fmt::format("Abaqus deck: left out {}.", join(left_out)));
-  if (renamed.contains("C3D10M")) notes.push_back("Abaqus deck: C3D10M is solved as C3D10.");
+  for (const ElementName& element : k_element_names) {
+    if (types.contains(std::string(element.abaqus))) notes.push_back(fmt::format("Abaqus deck: {}.", element.note));
+  }
   for (const Instance& each : instances) {
     if (each.offset == 0) continue;
     notes.push_back(fmt::format("Abaqus deck: nodes and elements of instance {} have {} added to their numbers.",

@@ -70,7 +70,8 @@ class Writer {
   /// @param scope  the instance that the card is of; null: the assembly or the model
   void put(const AbaqusBlock& block, const Instance* scope) {
     const std::string& name = block.keyword.name;
-    if (name == "STEP") is_in_step_ = true;
+    if (name == "STEP") begin_step(block.keyword);
+    if (is_in_step_ && name == "FREQUENCY") begin_modes();
     if (output_cards().contains(name)) return;
     const AbaqusCard* card = card_named(name);
     if (card == nullptr && scope != nullptr) {
@@ -86,7 +87,6 @@ class Writer {
                                       : place == CardPlace::mesh  ? mesh_
                                       : place == CardPlace::model ? model_cards_
                                                                   : sections_;
-    if (name == "FREQUENCY") has_modes_ = true;
     if (name == "END STEP" && has_modes_) lines.insert(lines.end(), {"*NODE FILE", "U"});
     if (card == nullptr) {
       lines.push_back(block.text);
@@ -96,6 +96,21 @@ class Writer {
     }
     if (name != "END STEP") return;
     is_in_step_ = has_modes_ = false;
+  }
+
+  void begin_step(const Keyword& step) {
+    is_preloaded_ = is_preloaded_ || step_is_nonlinear_;
+    is_in_step_ = true;
+    step_is_nonlinear_ = is_nonlinear(step);
+    step_line_ = steps_.size();
+  }
+
+  /// Modes are those of the preloaded state where a step before is geometrically nonlinear, and only there, whatever
+  /// this one says; in CalculiX where this one is a PERTURBATION.
+  void begin_modes() {
+    has_modes_ = true;
+    step_is_nonlinear_ = false;
+    steps_[step_line_] = is_preloaded_ ? "*STEP, PERTURBATION" : "*STEP";
   }
 
   void put_card(const AbaqusBlock& block, const AbaqusCard& card, const Instance* scope,
@@ -119,6 +134,8 @@ class Writer {
       const std::string& line = block.data[k];
       if (name == "NODE") {
         lines.push_back(node(line, block, k, scope));
+      } else if (name == "KINEMATIC") {
+        put_coupled(line, lines);
       } else if (name == "SPRING") {
         lines.push_back(k + 1 == block.data.size() ? stiffness(line) : line);
       } else if (name == "BOUNDARY") {
@@ -128,7 +145,17 @@ class Writer {
       }
       continues = trim_blanks(line).ends_with(',');
     }
-    if (name == "KINEMATIC" && block.data.empty()) lines.push_back("1, 6");
+    if (name == "KINEMATIC" && block.data.empty()) lines.push_back("1, 3");
+  }
+
+  /// Nodes of solids, to which CalculiX expands shells too, have no rotations, and CalculiX takes none here.
+  static void put_coupled(const std::string& line, std::vector<std::string>& lines) {
+    const std::vector<std::string> fields = fields_of(line);
+    long long first = 0;
+    long long last = 0;
+    if (!parse_whole(fields[0], first)) return lines.push_back(line);
+    if (fields.size() < 2 || !parse_whole(fields[1], last)) last = first;
+    if (first <= 3) lines.push_back(fmt::format("{}, {}", first, std::min(last, 3LL)));
   }
 
   /// With a material it is a shell section that is integrated before the analysis.
@@ -143,8 +170,8 @@ class Writer {
   static void rename_element(Keyword& keyword) {
     const auto type = keyword.parameters.find("TYPE");
     if (keyword.name != "ELEMENT" || type == keyword.parameters.end()) return;
-    if (type->second == "S3R") type->second = "S3";
-    if (type->second == "C3D10M") type->second = "C3D10";
+    const auto known = std::ranges::find(k_element_names, type->second, &ElementName::abaqus);
+    if (known != k_element_names.end()) type->second = known->calculix;
   }
 
   static std::string_view pattern_of(const AbaqusBlock& block, const AbaqusCard& card, const std::string& line,
@@ -210,7 +237,10 @@ class Writer {
   const CalculixDeck& deck_;
   const AbaqusModel& model_;
   std::vector<std::string> mesh_, model_cards_, sections_, steps_;
+  std::size_t step_line_ = 0;  ///< of the open step, in steps_
   bool is_in_step_ = false;
+  bool step_is_nonlinear_ = false;
+  bool is_preloaded_ = false;
   bool has_modes_ = false;
 };
 
@@ -221,11 +251,26 @@ FlatDeck flatten(const CalculixDeck& deck, const std::vector<std::string>& lines
   return {Writer(deck, model).write(), model.notes()};
 }
 
-std::vector<std::string> abaqus_notes(const CalculixDeck& deck) {
-  if (!is_abaqus_deck(deck)) return {};
-  std::vector<std::string> lines;
-  for (const CalculixDeck::Line& line : deck.lines) lines.push_back(line.text);
-  return read_abaqus_model(deck, lines).notes();
+std::vector<std::string> element_notes(const CalculixDeck& deck) {
+  if (is_abaqus_deck(deck)) {
+    std::vector<std::string> lines;
+    for (const CalculixDeck::Line& line : deck.lines) lines.push_back(line.text);
+    return read_abaqus_model(deck, lines).notes();
+  }
+  std::vector<std::string> notes;
+  for (const char* type : {"S4R", "B31R"}) {
+    const bool has_some = std::ranges::any_of(deck.lines, [&](const CalculixDeck::Line& line) {
+      const std::optional<Keyword> keyword = keyword_of(line.text);
+      return keyword && keyword->name == "ELEMENT" && keyword->parameters.contains("TYPE") &&
+             keyword->parameters.at("TYPE") == type;
+    });
+    if (!has_some) continue;
+    notes.push_back(fmt::format(
+        "{} has no stiffness in bending but for hourglass control in CalculiX: frequencies depend on the mesh alone; "
+        "use {}.",
+        type, std::string_view(type) == "S4R" ? "S4 or S8R" : "B31 or B32R"));
+  }
+  return notes;
 }
 
 }  // namespace mottle::formats

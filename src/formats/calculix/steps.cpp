@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <set>
 
+#include "formats/calculix/abaqus.hpp"
 #include "formats/matrices/matrix_text.hpp"
 #include "mottle/core/text.hpp"
 
@@ -47,6 +48,11 @@ std::vector<std::size_t> data_lines(const CalculixDeck& deck, std::size_t line) 
   return lines;
 }
 
+bool is_nonlinear(const Keyword& step) {
+  const auto found = step.parameters.find("NLGEOM");
+  return found != step.parameters.end() && found->second != "NO";
+}
+
 std::vector<Step> find_steps(const CalculixDeck& deck) {
   static const std::set<std::string> k_procedures = {"FREQUENCY",        "STATIC",
                                                      "BUCKLE",           "DYNAMIC",
@@ -59,7 +65,9 @@ std::vector<Step> find_steps(const CalculixDeck& deck) {
     if (!keyword) continue;
     if (keyword->name == "STEP") {
       if (!steps.empty() && steps.back().end == 0) steps.back().end = i;
-      steps.push_back({.begin = i, .is_perturbation = keyword->parameters.contains("PERTURBATION")});
+      steps.push_back({.begin = i,
+                       .is_perturbation = keyword->parameters.contains("PERTURBATION"),
+                       .is_nonlinear = is_nonlinear(*keyword)});
     }
     if (steps.empty() || steps.back().end != 0) continue;
     Step& step = steps.back();
@@ -107,7 +115,9 @@ std::string needs_earlier_steps(const CalculixDeck& deck) {
   const std::vector<Step> steps = find_steps(deck);
   const auto found = std::ranges::find(steps, "FREQUENCY", &Step::name);
   if (found == steps.end() || found == steps.begin()) return "";
-  if (found->is_perturbation) {
+  const bool is_abaqus = is_abaqus_deck(deck);
+  if (is_abaqus ? std::any_of(steps.begin(), found, [](const Step& step) { return step.is_nonlinear; })
+                : found->is_perturbation) {
     return fmt::format(
         "its *FREQUENCY step is a PERTURBATION of the state after *{}: the preload changes the stiffness",
         steps.front().name.empty() ? "STEP" : steps.front().name);

@@ -107,8 +107,9 @@ std::string needs_earlier_steps(const CalculixDeck& deck);
 /// Sentence on the steps that are not used; empty where all are.
 std::string left_out_steps(const CalculixDeck& deck);
 
-/// Sentences on what was left out of a deck with Abaqus' cards, and on the numbers of its instances; none of others.
-std::vector<std::string> abaqus_notes(const CalculixDeck& deck);
+/// Sentences on elements that are not what their name promises; of a deck with Abaqus' cards also on what was left out
+/// and on the numbers of its instances.
+std::vector<std::string> element_notes(const CalculixDeck& deck);
 
 /// Whether the deck asks for displacements in .frd: *NODE FILE (or *NODE OUTPUT) with U.
 bool writes_displacements(const CalculixDeck& deck);

@@ -53,7 +53,7 @@ class CalculixSource final : public ModelSource {
                                       .stop = settings.stop},
                                      settings);
     if (std::string note = left_out_steps(deck); !note.empty()) parts.notes.push_back(std::move(note));
-    for (std::string& note : abaqus_notes(deck)) parts.notes.push_back(std::move(note));
+    for (std::string& note : element_notes(deck)) parts.notes.push_back(std::move(note));
     return parts;
   }
 
