@@ -13,6 +13,8 @@
 namespace mottle::formats {
 namespace {
 
+constexpr long long k_largest_number = 2147483647;  // of a node or element
+
 std::vector<AbaqusBlock> blocks_of(const std::vector<std::string>& lines) {
   std::vector<AbaqusBlock> blocks;
   for (std::size_t i = 0; i < lines.size(); ++i) {
@@ -115,7 +117,9 @@ std::string AbaqusModel::reference(const CalculixDeck& deck, std::size_t line, c
   if (name.empty()) return name;
   if (is_number(name)) {
     long long number = 0;
-    if (!parse_whole(name, number)) refuse(deck, line, fmt::format("'{}' is no number of a node or element", name));
+    if (!parse_whole(name, number) || number > k_largest_number) {
+      refuse(deck, line, fmt::format("'{}' is no number of a node or element", name));
+    }
     return fmt::format("{}", number + (scope == nullptr ? offset : scope->offset));
   }
   const std::size_t dot = name.rfind('.');
@@ -228,21 +232,18 @@ class ModelReader {
   }
 
   void number() {
+    if (model_.instances.empty()) return;
     long long largest = std::max<long long>(largest_number(model_.model), 999);
     for (const Instance& instance : model_.instances) largest = std::max(largest, largest_number(instance.blocks));
+    const auto count = static_cast<long long>(model_.instances.size());
     long long step = 1000;
-    while (step <= largest) step *= 10;
-    constexpr long long k_largest = 2147483647;
-    long long next = 0;
-    for (Instance& instance : model_.instances) {
-      instance.offset = next;
-      next += step;
+    while (step <= largest && step < k_largest_number) step *= 10;
+    if (largest > k_largest_number || count * step + largest > k_largest_number) {
+      refuse(deck_, 0, fmt::format("{} instances with numbers up to {} cannot be numbered through", count, largest));
     }
-    model_.offset = next;
-    if (next + largest > k_largest) {
-      refuse(deck_, 0,
-             fmt::format("{} instances with numbers up to {} cannot be numbered through", model_.instances.size(),
-                         largest));
+    for (Instance& instance : model_.instances) {
+      instance.offset = model_.offset;
+      model_.offset += step;
     }
   }
 

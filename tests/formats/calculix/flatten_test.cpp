@@ -75,6 +75,14 @@ TEST_F(FlatDecks, PutSupportsAndSpringsInCalculixTerms) {
   EXPECT_THAT(text, HasSubstr("*SPRING, ELSET=LINK\n1, 1\n1000.\n"));
 }
 
+TEST_F(FlatDecks, CoupleDisplacementsAlone) {
+  const std::string coupling = "*Coupling, constraint name=C, ref node=R1.7, surface=R2.Face\n*Kinematic\n";
+  EXPECT_THAT(flat(edited("*End Assembly", coupling + "*End Assembly")),
+              HasSubstr("REF NODE=7, SURFACE=R2.FACE\n*KINEMATIC\n1, 3\n"));
+  EXPECT_THAT(flat(edited("*End Assembly", coupling + "2, 2\n3, 6\n4, 4\n*End Assembly")),
+              HasSubstr("*KINEMATIC\n2, 2\n3, 3\n*STEP"));
+}
+
 TEST_F(FlatDecks, LeaveOutRequestsOfOutputAndAskForDisplacements) {
   const std::string text = flat(k_parts);
   EXPECT_THAT(text, HasSubstr("*STEP\n*Frequency\n 3,\n*NODE FILE\nU\n*End Step\n"));
@@ -122,13 +130,15 @@ TEST_F(FlatDecks, LeaveDecksOfCalculixAsTheyAre) {
 }
 
 TEST_F(FlatDecks, RefuseWhatHasNoPlaceThere) {
-  EXPECT_THAT(refusal(edited("part=Rod", "part=Rot")), HasSubstr("rods.inp:15: *PART 'ROT' is not known here; did you mean 'ROD'?"));
+  EXPECT_THAT(refusal(edited("part=Rod", "part=Rot")),
+              HasSubstr("rods.inp:15: *PART 'ROT' is not known here; did you mean 'ROD'?"));
   EXPECT_THAT(refusal(edited("*End Part", "*Orientation, name=O\n1,0,0,0,1,0\n*End Part")),
               HasSubstr("*ORIENTATION has a direction, and instance R2 is rotated"));
   EXPECT_THAT(refusal(edited("*End Part", "*Connector Section\n*End Part")),
               HasSubstr("rods.inp:13: *CONNECTOR SECTION inside a part is not read"));
   EXPECT_THAT(refusal(edited("*End Part\n", "")), HasSubstr("*ASSEMBLY inside of a PART"));
   EXPECT_THAT(refusal(edited(" 7, 1., 2.", " 7, one, 2.")), HasSubstr("rods.inp:4: 'one' is not a number"));
+  EXPECT_THAT(refusal(edited("*Node\n 1, 0.", "*Node\n 2147483000, 0.")), HasSubstr("cannot be numbered through"));
   EXPECT_THAT(refusal(edited("ref node=Tip", "ref node=Held")), HasSubstr("REF NODE=HELD is no set of one node"));
   EXPECT_THAT(refusal(edited("10., 0., 0., 10., 0., 5., 90.", "1., 0., 0., 10.")), HasSubstr("needs seven numbers"));
 }
