@@ -99,7 +99,7 @@ def difference(own, ours):
 
 
 def judge(program, deck, text):
-    """(result, what was said)"""
+    """(result, what was said); no result where the solver has none."""
     own = solver_frequencies(deck)
     if own is None:
         return None, ""
@@ -114,11 +114,11 @@ def judge(program, deck, text):
 def short(said, deck):
     """A refusal without folders."""
     message = said.replace(str(deck.parent) + "/", "").partition("mottle: ")[2].partition("(run ")[0].strip()
-    return message.splitlines()[0] if message else ""
+    return re.split(r"; (?:give|they are|a stiff)|\n", message)[0]
 
 
 def reason_of_runs(notes):
-    return re.sub(r"( Of the deck's| parameter acts on| \(run| [A-Z]\w+:).*", "", notes.partition("each sample is a run, since ")[2])
+    return re.sub(r"( note:| Of the deck's| parameter acts on| \(run| [A-Z]\w+:).*", "", notes.partition("each sample is a run, since ")[2])
 
 
 def main():

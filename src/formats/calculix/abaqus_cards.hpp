@@ -17,44 +17,67 @@ enum class CardPlace { mesh, model, sections };
 struct AbaqusCard {
   std::string_view keyword;
   CardPlace place = CardPlace::model;
+  std::string_view parameters = {};  ///< that CalculiX has or that change no modes, by commas; empty: any
   std::string_view fields = ".";
   std::size_t cycle = 1;
   bool turns = true;  ///< an instance that is rotated may have it: it has no direction
 };
 
-inline constexpr std::array k_abaqus_cards = {AbaqusCard{"NODE", CardPlace::mesh, "n."},
-                                              AbaqusCard{"ELEMENT", CardPlace::mesh, "en"},
-                                              AbaqusCard{"NSET", CardPlace::mesh, "n"},
-                                              AbaqusCard{"ELSET", CardPlace::mesh, "e"},
-                                              AbaqusCard{"SURFACE", CardPlace::mesh, "e."},
-                                              AbaqusCard{"ORIENTATION", CardPlace::mesh, ".", 1, false},
-                                              AbaqusCard{"TRANSFORM", CardPlace::mesh, ".", 1, false},
-                                              AbaqusCard{"SOLID SECTION", CardPlace::sections},
-                                              AbaqusCard{"SHELL SECTION", CardPlace::sections},
-                                              AbaqusCard{"SHELL GENERAL SECTION", CardPlace::sections},
-                                              AbaqusCard{"MEMBRANE SECTION", CardPlace::sections},
-                                              AbaqusCard{"BEAM SECTION", CardPlace::sections, ".", 1, false},
-                                              AbaqusCard{"MASS", CardPlace::sections},
-                                              AbaqusCard{"SPRING", CardPlace::sections, ".", 1, false},
-                                              AbaqusCard{"DASHPOT", CardPlace::sections, ".", 1, false},
-                                              AbaqusCard{"TIE", CardPlace::sections, "ss."},
-                                              AbaqusCard{"COUPLING", CardPlace::sections},
-                                              AbaqusCard{"KINEMATIC", CardPlace::sections, ".", 1, false},
-                                              AbaqusCard{"DISTRIBUTING", CardPlace::sections, ".", 1, false},
-                                              AbaqusCard{"RIGID BODY", CardPlace::sections},
-                                              AbaqusCard{"EQUATION", CardPlace::sections, "n..", 3, false},
-                                              AbaqusCard{"MPC", CardPlace::sections, ".n"},
-                                              AbaqusCard{"BOUNDARY", CardPlace::model, "n."},
-                                              AbaqusCard{"CLOAD", CardPlace::model, "n."},
-                                              AbaqusCard{"DLOAD", CardPlace::model, "e."},
-                                              AbaqusCard{"DSLOAD", CardPlace::model, "s."},
-                                              AbaqusCard{"TEMPERATURE", CardPlace::model, "n."},
-                                              AbaqusCard{"INITIAL CONDITIONS", CardPlace::model, "n."}};
+inline constexpr std::array k_abaqus_cards = {
+    AbaqusCard{.keyword = "NODE", .place = CardPlace::mesh, .parameters = "NSET", .fields = "n."},
+    AbaqusCard{.keyword = "ELEMENT", .place = CardPlace::mesh, .parameters = "TYPE,ELSET", .fields = "en"},
+    AbaqusCard{.keyword = "NSET",
+               .place = CardPlace::mesh,
+               .parameters = "NSET,GENERATE,INSTANCE,INTERNAL,UNSORTED",
+               .fields = "n"},
+    AbaqusCard{.keyword = "ELSET",
+               .place = CardPlace::mesh,
+               .parameters = "ELSET,GENERATE,INSTANCE,INTERNAL,UNSORTED",
+               .fields = "e"},
+    AbaqusCard{.keyword = "SURFACE", .place = CardPlace::mesh, .parameters = "NAME,TYPE,INTERNAL", .fields = "e."},
+    AbaqusCard{.keyword = "ORIENTATION", .place = CardPlace::mesh, .parameters = "NAME,SYSTEM", .turns = false},
+    AbaqusCard{.keyword = "TRANSFORM", .place = CardPlace::mesh, .parameters = "NSET,TYPE", .turns = false},
+    AbaqusCard{.keyword = "SOLID SECTION",
+               .place = CardPlace::sections,
+               .parameters = "ELSET,MATERIAL,ORIENTATION,CONTROLS,COMPOSITE"},
+    AbaqusCard{.keyword = "SHELL SECTION",
+               .place = CardPlace::sections,
+               .parameters =
+                   "ELSET,MATERIAL,ORIENTATION,OFFSET,COMPOSITE,NODAL THICKNESS,CONTROLS,POISSON,SECTION INTEGRATION"},
+    AbaqusCard{.keyword = "SHELL GENERAL SECTION",
+               .place = CardPlace::sections,
+               .parameters = "ELSET,MATERIAL,ORIENTATION,OFFSET,CONTROLS,POISSON"},
+    AbaqusCard{.keyword = "MEMBRANE SECTION",
+               .place = CardPlace::sections,
+               .parameters = "ELSET,MATERIAL,ORIENTATION,OFFSET,CONTROLS"},
+    AbaqusCard{.keyword = "BEAM SECTION",
+               .place = CardPlace::sections,
+               .parameters = "ELSET,MATERIAL,SECTION,ORIENTATION,OFFSET1,OFFSET2,TEMPERATURE,POISSON",
+               .turns = false},
+    AbaqusCard{.keyword = "MASS", .place = CardPlace::sections, .parameters = "ELSET,ALPHA"},
+    AbaqusCard{.keyword = "SPRING", .place = CardPlace::sections, .parameters = "ELSET,NONLINEAR", .turns = false},
+    AbaqusCard{.keyword = "DASHPOT", .place = CardPlace::sections, .parameters = "ELSET", .turns = false},
+    AbaqusCard{.keyword = "TIE",
+               .place = CardPlace::sections,
+               .parameters = "NAME,ADJUST,POSITION TOLERANCE,TYPE",
+               .fields = "ss."},
+    AbaqusCard{.keyword = "COUPLING", .place = CardPlace::sections, .parameters = "CONSTRAINT NAME,REF NODE,SURFACE"},
+    AbaqusCard{.keyword = "KINEMATIC", .place = CardPlace::sections, .turns = false},
+    AbaqusCard{.keyword = "DISTRIBUTING", .place = CardPlace::sections, .turns = false},
+    AbaqusCard{.keyword = "RIGID BODY", .place = CardPlace::sections, .parameters = "REF NODE,ROT NODE,NSET,ELSET"},
+    AbaqusCard{.keyword = "EQUATION", .place = CardPlace::sections, .fields = "n..", .cycle = 3, .turns = false},
+    AbaqusCard{.keyword = "MPC", .place = CardPlace::sections, .fields = ".n"},
+    AbaqusCard{.keyword = "BOUNDARY", .place = CardPlace::model, .fields = "n."},
+    AbaqusCard{.keyword = "CLOAD", .place = CardPlace::model, .fields = "n."},
+    AbaqusCard{.keyword = "DLOAD", .place = CardPlace::model, .fields = "e."},
+    AbaqusCard{.keyword = "DSLOAD", .place = CardPlace::model, .fields = "s."},
+    AbaqusCard{.keyword = "TEMPERATURE", .place = CardPlace::model, .fields = "n."},
+    AbaqusCard{.keyword = "INITIAL CONDITIONS", .place = CardPlace::model, .fields = "n."}};
 
 /// Parameters that name a set, surface or orientation of the scope that they stand in.
 inline const std::set<std::string_view>& naming_parameters() {
-  static const std::set<std::string_view> k_names = {"NSET",     "ELSET", "SURFACE",  "ORIENTATION",
-                                                     "TIE NSET", "NAME",  "PIN NSET", "CONSTRAINT NAME"};
+  static const std::set<std::string_view> k_names = {"NSET",        "ELSET", "SURFACE",
+                                                     "ORIENTATION", "NAME",  "CONSTRAINT NAME"};
   return k_names;
 }
 

@@ -113,7 +113,7 @@ std::string AbaqusModel::set_name(const std::string& name, const Instance* scope
 
 std::string AbaqusModel::reference(const CalculixDeck& deck, std::size_t line, const std::string& field, char kind,
                                    const Instance* scope) const {
-  const std::string name = capitals(field);
+  std::string name = capitals(field);
   if (name.empty()) return name;
   if (is_number(name)) {
     long long number = 0;

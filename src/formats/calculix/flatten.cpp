@@ -119,6 +119,11 @@ class Writer {
     const Instance* within = scope;  // of the data
     Keyword keyword = block.keyword;
     keyword.name = name;
+    if (auto nodes = keyword.parameters.extract("TIE NSET"); nodes) {
+      nodes.key() = "NSET";
+      keyword.parameters.insert(std::move(nodes));
+    }
+    require_known_parameters(block, card, keyword);
     if (const auto instance = keyword.parameters.find("INSTANCE"); instance != keyword.parameters.end()) {
       within = &model_.instance(deck_, block.line, instance->second);
     }
@@ -158,6 +163,19 @@ class Writer {
     if (first <= 3) lines.push_back(fmt::format("{}, {}", first, std::min(last, 3LL)));
   }
 
+  /// CalculiX goes past others with a warning, whatever they mean.
+  void require_known_parameters(const AbaqusBlock& block, const AbaqusCard& card, const Keyword& keyword) const {
+    if (card.parameters.empty()) return;
+    const std::vector<std::string> known = fields_of(card.parameters);
+    for (const auto& each : keyword.parameters) {
+      if (std::ranges::find(known, each.first) != known.end()) continue;
+      refuse(
+          deck_, block.line,
+          fmt::format("CalculiX does not take {} of *{}, only {}; say the same by cards that it has, or leave it out",
+                      each.first, block.keyword.name, join(known)));
+    }
+  }
+
   /// With a material it is a shell section that is integrated before the analysis.
   const std::string& general_section(const AbaqusBlock& block) const {
     static const std::string k_name = "SHELL SECTION";
@@ -180,9 +198,8 @@ class Writer {
     if (card.keyword == "ELEMENT" && continues) return "n";
     if (card.keyword == "SURFACE" && parameters.contains("TYPE") && parameters.at("TYPE") == "NODE") return "n.";
     if (card.keyword == "NSET" && parameters.contains("GENERATE")) return "nn.";
-    if (card.keyword == "NSET" && parameters.contains("ELSET")) return ".";
     if (card.keyword == "ELSET" && parameters.contains("GENERATE")) return "ee.";
-    if (card.keyword == "EQUATION" && fields_of(line).size() <= 2 && line.find_first_of(".") == std::string::npos &&
+    if (card.keyword == "EQUATION" && fields_of(line).size() <= 2 && line.find('.') == std::string::npos &&
         (fields_of(line).size() == 1 || fields_of(line)[1].empty())) {
       return ".";  // the number of terms
     }

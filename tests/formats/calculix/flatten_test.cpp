@@ -66,7 +66,7 @@ TEST_F(FlatDecks, CallSetsAsAbaqusDoesFromOutside) {
   EXPECT_THAT(text, HasSubstr("*NSET, NSET=R1.END, GENERATE\n7, 8, 1\n")) << "its name in front";
   EXPECT_THAT(text, HasSubstr("*SURFACE, NAME=R2.FACE, TYPE=NODE\nR2.END, 1.\n1007, \n"));
   EXPECT_THAT(text, HasSubstr("*NSET, NSET=HELD\n1007, R2.END\n"));
-  EXPECT_THAT(text, HasSubstr("*RIGID BODY, REF NODE=8, TIE NSET=R2.ALL\n")) << "the one node of the set";
+  EXPECT_THAT(text, HasSubstr("*RIGID BODY, NSET=R2.ALL, REF NODE=8\n")) << "the one node of the set";
 }
 
 TEST_F(FlatDecks, PutSupportsAndSpringsInCalculixTerms) {
@@ -139,6 +139,10 @@ TEST_F(FlatDecks, RefuseWhatHasNoPlaceThere) {
   EXPECT_THAT(refusal(edited("*End Part\n", "")), HasSubstr("*ASSEMBLY inside of a PART"));
   EXPECT_THAT(refusal(edited(" 7, 1., 2.", " 7, one, 2.")), HasSubstr("rods.inp:4: 'one' is not a number"));
   EXPECT_THAT(refusal(edited("*Node\n 1, 0.", "*Node\n 2147483000, 0.")), HasSubstr("cannot be numbered through"));
+  EXPECT_THAT(refusal(edited("*Node, nset=All", "*Node, system=C")),
+              HasSubstr("does not take SYSTEM of *NODE, only NSET"));
+  EXPECT_THAT(refusal(edited("nset=Tip, instance=R1", "nset=Tip, elset=Link")),
+              HasSubstr("does not take ELSET of *NSET"));
   EXPECT_THAT(refusal(edited("ref node=Tip", "ref node=Held")), HasSubstr("REF NODE=HELD is no set of one node"));
   EXPECT_THAT(refusal(edited("10., 0., 0., 10., 0., 5., 90.", "1., 0., 0., 10.")), HasSubstr("needs seven numbers"));
 }
