@@ -122,9 +122,11 @@ ModeSet StructureModel::sound_modes_at(const Eigen::Ref<const Eigen::VectorXd>& 
   const Eigen::VectorXd& values = modes.eigenvalues;
   require_of(values.size() >= highest_mode() && values.allFinite(), {Subject::Kind::model},
              "it has no modes at the parameters' means: the mass matrix is not positive definite there");
-  require_of(!std::isnan(natural_frequency_hz(values(0), values.cwiseAbs().maxCoeff())), {Subject::Kind::model},
-             "it is unstable at the parameters' means, its lowest eigenvalue is {:.6g}; a stiffness must be negative",
-             values(0));
+  require_of(
+      !std::isnan(natural_frequency_hz(values(0), values.cwiseAbs().maxCoeff())), {Subject::Kind::model},
+      "it is unstable at the parameters' means, its lowest eigenvalue is {:.6g}; a stiffness is negative, or a preload "
+      "makes it buckle",
+      values(0));
   return modes;
 }
 

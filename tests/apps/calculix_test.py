@@ -204,6 +204,70 @@ class CalculixTest(support.CommandTest):
         header, rows = support.read_csv(self.folder / "out" / "cloud.csv")
         self.assert_own(deck, [("2.1e11", "2.52e11"), ("1.5e11", "1.8e11")], rows[0], header)
 
+    def test_a_thin_shell_whose_printed_matrices_have_too_few_digits_is_solved_by_runs(self):
+        """1 mm on 1 m: of the matrices in 14 digits the first frequency is 2.7 % off that of the solver's own."""
+        nodes = "\n".join(f"{5 * j + i + 1}, {i / 4}, {j / 4}, 0." for j in range(5) for i in range(5))
+        shells = "\n".join(f"{4 * j + i + 1}, " + ", ".join(str(5 * j + i + k) for k in (1, 2, 7, 6)) for j in range(4) for i in range(4))
+        deck = (f"*NODE\n{nodes}\n*ELEMENT, TYPE=S4, ELSET=PANEL\n{shells}\n*MATERIAL, NAME=STEEL\n*ELASTIC\n2.1e11, 0.3\n*DENSITY\n7800.\n"
+                "*SHELL SECTION, ELSET=PANEL, MATERIAL=STEEL\n1e-3\n*BOUNDARY\n" + "".join(f"{k}, 1, 6\n" for k in range(1, 6))
+                + "*STEP\n*FREQUENCY\n6\n*END STEP\n")
+        self.write("beam.inp", deck)
+        self.write("study.toml", STUDY[:STUDY.index('[[parameter]]\nname = "k"')] + STUDY[STUDY.index("[outputs]"):])
+        self.assertIn("each sample is a run, since CalculiX prints its matrices with 14 digits, and of those mode 1 has 0.8",
+                      " ".join(self.succeed("check", "study.toml").out.split()))
+        self.write("points.csv", "E\n1.9e11\n")
+        self.succeed("propagate", "study.toml", "--points", "points.csv", "--out", "out")
+        header, rows = support.read_csv(self.folder / "out" / "cloud.csv")
+        self.assert_own(deck, [("2.1e11", "1.9e11")], rows[0], header)
+
+    def test_matrices_are_compared_with_the_solvers_own_modes_once(self):
+        first = " ".join(self.succeed("check", "study.toml", "--cache", "cache").out.split())
+        self.assertIn("their 7 lowest frequencies are CalculiX's own to", first)
+        counted = self.solver(f'echo run >> {self.folder}/runs; exec ccx "$@"')
+        for _ in range(2):
+            self.succeed("check", "study.toml", "--cache", "cache", *counted)
+            self.assertEqual((self.folder / "runs").read_text(), 5 * "run\n", "four for the matrices, one for the modes")
+
+    def test_a_card_that_the_solver_ignores_is_refused(self):
+        """CalculiX warns, and gives the modes of the structure without it."""
+        self.write("beam.inp", edited(DECK, ("*BOUNDARY", "*Rotary Inertia, elset=BEAM\n1., 1., 1.\n*BOUNDARY")))
+        for change in ((), (('"*ELASTIC:STEEL:E"', '"*ELASTIC:STEEL:NU"'), ("mean = 2.0e11, std = 1.0e10", "mean = 0.3, std = 0.02"))):
+            self.write("study.toml", edited(STUDY, *change))
+            ended = self.call("check", "study.toml", "--cache", "cache")
+            self.assertEqual(ended.code, 2, ended.err)
+            self.assertIn("CalculiX does not know", ended.err)
+            self.assertIn("beam.inp:", ended.err)
+            self.assertIn("*ROTARYINERTIA,ELSET=BEAM", ended.err)
+
+    def test_a_factor_moves_a_modulus_that_is_zero_at_one_temperature(self):
+        card = ("*ELASTIC, TYPE=ORTHO\n0., 0., 0., 0., 0., 0., 0., 0.\n0., 0.\n"
+                "2.8e11, 1.2e11, 2.8e11, 1.2e11, 1.2e11, 2.8e11, 8.1e10, 8.1e10\n8.1e10, 300.")
+        deck = edited(DECK, ("*ELASTIC\n2.1e11, 0.3", card),
+                      ("*STEP", "*INITIAL CONDITIONS, TYPE=TEMPERATURE\n" + "\n".join(f"{k}, 300." for k in range(1, 17)) + "\n*STEP"))
+        self.write("beam.inp", deck)
+        self.write("study.toml", edited(STUDY, ('"*ELASTIC:STEEL:E"', '"*ELASTIC:STEEL:D1111"\nrelative = true'),
+                                        ("mean = 2.0e11, std = 1.0e10", "mean = 1.0, std = 0.1")))
+        self.write("points.csv", "E,k\n1.1,4e4\n")
+        self.succeed("propagate", "study.toml", "--points", "points.csv", "--out", "out")
+        header, rows = support.read_csv(self.folder / "out" / "cloud.csv")
+        self.assert_own(deck, [("\n2.8e11", "\n3.08e11")], rows[0], header)
+
+    def test_modes_of_a_contact_with_friction_are_refused(self):
+        blocks = "\n".join(f"{k}, {x}, {y}, {z}" for k, (x, y, z) in enumerate(
+            [(x, y, z) for z in (0, 1, 1, 2) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))], 1))
+        deck = (f"*NODE, NSET=ALL\n{blocks}\n*ELEMENT, TYPE=C3D8, ELSET=BLOCKS\n1, 1,2,3,4,5,6,7,8\n2, 9,10,11,12,13,14,15,16\n"
+                "*SURFACE, NAME=LOW\n1, S2\n*SURFACE, NAME=HIGH\n2, S1\n*MATERIAL, NAME=STEEL\n*ELASTIC\n2.1e11, 0.3\n*DENSITY\n7800.\n"
+                "*SOLID SECTION, ELSET=BLOCKS, MATERIAL=STEEL\n*CONTACT PAIR, INTERACTION=C, TYPE=SURFACE TO SURFACE\nHIGH, LOW\n"
+                "*SURFACE INTERACTION, NAME=C\n*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR\n1e13, 3.\n*FRICTION\n0.2, 1e11\n"
+                "*BOUNDARY\n" + "".join(f"{k}, 1, 3\n" for k in (1, 2, 3, 4, 13, 14, 15, 16)) +
+                "*STEP, NLGEOM\n*STATIC\n*BOUNDARY\n" + "".join(f"{k}, 3, 3, -1e-3\n" for k in (13, 14, 15, 16)) +
+                "*END STEP\n*STEP, PERTURBATION\n*FREQUENCY\n4\n*END STEP\n")
+        self.write("beam.inp", deck)
+        self.write("study.toml", STUDY[:STUDY.index('[[parameter]]\nname = "k"')] + STUDY[STUDY.index("[outputs]"):])
+        ended = self.call("check", "study.toml")
+        self.assertEqual(ended.code, 3, ended.err)
+        self.assertIn("a stiffness that is not symmetric", ended.err)
+
     def test_runs_that_fail_are_told_with_what_the_solver_printed(self):
         for text, code, phrase in (("echo '*ERROR in calinput: no mesh'; exit 201", 3, "*ERROR in calinput: no mesh"),
                                    ("exit 0", 3, "it stored no matrices"),

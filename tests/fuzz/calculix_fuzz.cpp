@@ -1,6 +1,8 @@
 // libFuzzer target for formats/calculix_deck: whatever the bytes, a deck is refused with InvalidInput or its numbers
 // stand where they are said to and can be replaced. A line "$FILE" begins the next file: *INCLUDE, INPUT=1 names the
-// first one behind it. Seeds: tests/fuzz/calculix, examples/03-plate-calculix.
+// first one behind it. Parts of Abaqus decks are put into flat ones. Seeds: tests/fuzz/calculix,
+// examples/03-plate-calculix.
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -10,6 +12,7 @@
 
 #include "fuzz_folder.hpp"
 #include "mottle/core/error.hpp"
+#include "mottle/core/text.hpp"
 #include "mottle/formats/calculix/deck.hpp"
 
 namespace {
@@ -43,6 +46,13 @@ void attempt(const Action& action) {
   }
 }
 
+bool has_parts(const CalculixDeck& deck) {
+  return std::any_of(deck.lines.begin(), deck.lines.end(), [](const CalculixDeck::Line& line) {
+    return capitals(line.text).find("PART") != std::string::npos ||
+           capitals(line.text).find("INSTANCE") != std::string::npos;
+  });
+}
+
 void check_target(const CalculixDeck& deck, const std::string& target) {
   const std::vector<CalculixNumber> numbers = find_calculix_numbers(deck, target);
   expect(!numbers.empty());
@@ -55,7 +65,11 @@ void check_target(const CalculixDeck& deck, const std::string& target) {
     replacements.push_back({number, "{{p}}"});
   }
   attempt([&] { expect(!matrix_storage_deck(deck, changes).empty()); });
-  attempt([&] { expect(deck_with_replacements(deck, replacements).find("{{p}}") != std::string::npos); });
+  attempt([&] { expect(whole_deck_with_replacements(deck, replacements).find("{{p}}") != std::string::npos); });
+  attempt([&] {  // a part that nothing is an instance of does not come into the flat deck
+    const bool is_written = deck_with_replacements(deck, replacements).find("{{p}}") != std::string::npos;
+    expect(is_written || has_parts(deck));
+  });
 }
 
 }  // namespace
@@ -67,6 +81,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const CalculixDeck deck = read_calculix_deck(main);
     for (std::size_t line = 0; line < deck.lines.size(); ++line) expect(!deck.where(line).empty());
     writes_displacements(deck);
+    attempt([&] { element_notes(deck); });
+    attempt([&] { list_calculix_targets(deck); });
+    attempt([&] { expect(!deck_without_steps(deck).empty()); });
     attempt([&] { expect(!matrix_storage_deck(deck, {}).empty()); });
     attempt([&] { expect(!deck_with_replacements(deck, {}).empty()); });
     for (const char* target : {"*ELASTIC:STEEL:E", "*ELASTIC:STEEL:NU", "*DENSITY:STEEL", "*SPRING:BOLTS", "*MASS:TIPS",

@@ -1,171 +1,16 @@
 #include "mottle/drivers/calculix/calculix.hpp"
 
-#include <stdlib.h>  // NOLINT(modernize-deprecated-headers): mkdtemp is POSIX's
-
 #include <algorithm>
-#include <cerrno>
-#include <cmath>
-#include <cstring>
 #include <map>
 
-#include "drivers/calculix/matrix_store.hpp"
-#include "drivers/command/run_output.hpp"
-#include "drivers/command/solver_process.hpp"
-#include "mottle/core/files.hpp"
+#include "drivers/calculix/calculix_program.hpp"
+#include "drivers/calculix/own_modes.hpp"
 #include "mottle/core/subject.hpp"
 #include "mottle/core/text.hpp"
 #include "mottle/drivers/calculix/separable_fit.hpp"
 
 namespace mottle::drivers {
 namespace {
-
-namespace fs = std::filesystem;
-
-/// More threads are slower on small models, and much slower beside other work.
-std::map<std::string, std::string> one_thread() {
-  return {{"OMP_NUM_THREADS", "1"}, {"OPENBLAS_NUM_THREADS", "1"}};
-}
-
-/// A folder of its own, gone at the end.
-class PrivateFolder {
- public:
-  PrivateFolder() {
-    std::string name = (temporary_folder() / "mottle-ccx-XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) {
-      throw SystemFailure(fmt::format("{}: cannot make a folder: {}", name, std::strerror(errno)));
-    }
-    path_ = name;
-  }
-  PrivateFolder(const PrivateFolder&) = delete;
-  PrivateFolder& operator=(const PrivateFolder&) = delete;
-  ~PrivateFolder() {
-    std::error_code error;
-    fs::remove_all(path_, error);
-  }
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
-
-/// The last lines of what the solver printed, errors first.
-std::string tail_of(const fs::path& folder) {
-  constexpr std::size_t k_bytes = 1500;
-  const std::string text = last_part(folder / k_standard_output) + last_part(folder / k_standard_error);
-  const std::size_t error = text.rfind("*ERROR");
-  if (error != std::string::npos) return text.substr(error, k_bytes);
-  return text.size() > k_bytes ? text.substr(text.size() - k_bytes) : text;
-}
-
-Eigen::Index diagonal_entries(const SparseMatrix& lower) {
-  Eigen::Index count = 0;
-  for (int j = 0; j < lower.outerSize(); ++j) {
-    const SparseMatrix::InnerIterator first(lower, j);
-    if (first && first.row() == j) ++count;
-  }
-  return count;
-}
-
-class CalculixProgram {
- public:
-  explicit CalculixProgram(const CalculixSettings& settings)
-      : settings_(settings), program_(find_program(settings.program)) {
-    require_of(!program_.empty(), {Subject::Kind::program},
-               "there is no program '{}' on the PATH; install CalculiX (Debian: calculix-ccx) or name its "
-               "file",
-               settings.program);
-    const PrivateFolder folder;
-    run({program_.string(), "-v"}, folder.path());
-    version_ = last_part(folder.path() / k_standard_output);  // whatever its exit status: 201 of version 2.20
-    if (version_.empty()) fail("it does not say its version (-v)", folder.path());
-  }
-
-  MatrixRun matrices(const std::string& deck) {
-    Checksum checksum;
-    checksum.add(version_);
-    checksum.add(deck);
-    const Digest digest = checksum.digest();
-    if (auto found = find_run(settings_.cache, digest)) {
-      ++reused_;
-      return std::move(*found);
-    }
-    const PrivateFolder folder;
-    write_file_atomically(folder.path() / "model.inp", deck);
-    const ProcessEnd end = run({program_.string(), "model"}, folder.path());
-    if (end.kind == ProcessEnd::Kind::stopped) throw Stopped("stopped on request");
-    if (end.kind != ProcessEnd::Kind::done) {
-      fail(end.kind == ProcessEnd::Kind::timed_out
-               ? fmt::format("not done in {} s", 1e-3 * static_cast<double>(settings_.timeout.count()))
-               : end.reason,
-           folder.path());
-    }
-    ++runs_;
-    MatrixRun result;
-    try {
-      result = read_stored(folder.path());
-    } catch (const InvalidInput& error) {
-      fail(fmt::format("what it stored cannot be read: {}", error.what()), folder.path());
-    }
-    keep_run(settings_.cache, digest, result);
-    return result;
-  }
-
-  int runs() const { return runs_; }
-  int reused() const { return reused_; }
-
- private:
-  [[noreturn]] void fail(const std::string& reason, const fs::path& folder) const {
-    throw SystemFailure(
-        fmt::format("{}: {}; the end of what it printed:\n{}", settings_.program, reason, tail_of(folder)));
-  }
-
-  [[noreturn]] void fail_short(const std::string& reason, const fs::path& folder) const {
-    fail(fmt::format("{}; is the disk of {} full?", reason, folder.string()), folder);
-  }
-
-  /// The bytes of a file that it stored, to the last line end.
-  std::string stored(const fs::path& folder, const char* name) const {
-    if (!fs::exists(folder / name)) fail("it stored no matrices", folder);
-    std::string bytes = read_file(folder / name);
-    if (!bytes.ends_with('\n')) fail_short(fmt::format("{} is cut short", name), folder);
-    return bytes;
-  }
-
-  /// CalculiX ends with status 0 where the disk was full. It stores every diagonal entry and the same entries of both
-  /// matrices: that is compared with the list of rows before anything is kept.
-  MatrixRun read_stored(const fs::path& folder) const {
-    const std::string stiffness = stored(folder, "model.sti");
-    const std::string mass = stored(folder, "model.mas");
-    const std::vector<std::string> names = parse_row_names(stored(folder, "model.dof"), "model.dof");
-    const auto lines = std::ranges::count(stiffness, '\n');
-    const auto mass_lines = std::ranges::count(mass, '\n');
-    if (lines != mass_lines) {
-      fail_short(fmt::format("model.sti has {} entries, model.mas {}", lines, mass_lines), folder);
-    }
-    MatrixRun run{parse_symmetric_matrix(stiffness, "model.sti", ""), parse_symmetric_matrix(mass, "model.mas", "")};
-    const Eigen::Index rows = diagonal_entries(run.stiffness.lower);
-    if (rows != static_cast<Eigen::Index>(names.size()) || run.stiffness.lower.rows() != rows) {
-      fail_short(fmt::format("model.sti has {} diagonal entries, model.dof {} rows", rows, names.size()), folder);
-    }
-    run.stiffness.names = names;
-    run.mass.names = names;
-    return run;
-  }
-
-  ProcessEnd run(const std::vector<std::string>& arguments, const fs::path& folder) const {
-    return run_process({.arguments = arguments,
-                        .directory = folder,
-                        .environment = one_thread(),
-                        .timeout = settings_.timeout,
-                        .stop = settings_.stop});
-  }
-
-  CalculixSettings settings_;
-  fs::path program_;
-  std::string version_;
-  int runs_ = 0;
-  int reused_ = 0;
-};
 
 /// What a parameter sets.
 struct Setting {
@@ -189,6 +34,10 @@ std::vector<Setting> find_settings(const CalculixDeck& deck, const std::vector<P
       } catch (const InvalidInput& error) {
         throw SubjectError(subject, fmt::format("it acts on nothing: {}", error.what()));
       }
+      const bool is_zero =
+          std::ranges::all_of(numbers, [](const CalculixNumber& number) { return number.value == 0.0; });
+      require_of(!parameter.is_factor || !is_zero, subject,
+                 "a factor on '{}', whose nominal value is 0, acts on nothing", target);
       for (const CalculixNumber& number : numbers) {
         require_of(parameter.is_factor || number.temperatures == 1, subject,
                    "'{}' ({}) has a value at each of {} temperatures; relative = true multiplies all of them, "
@@ -199,8 +48,6 @@ std::vector<Setting> find_settings(const CalculixDeck& deck, const std::vector<P
                    deck.where(number.line), owner->second);
         require_of(!parameter.is_factor || !number.is_placeholder, subject,
                    "'{}' has no value in the deck that a factor could multiply", target);
-        require_of(!parameter.is_factor || number.value != 0.0, subject,
-                   "a factor on '{}', whose nominal value is 0, acts on nothing", target);
         setting.numbers.push_back(number);
       }
     }
@@ -215,6 +62,33 @@ double nominal_of(const Setting& setting, double fallback) {
   const bool is_one = std::all_of(setting.numbers.begin(), setting.numbers.end(),
                                   [&](const CalculixNumber& number) { return number.value == first; });
   return is_one ? first : fallback;
+}
+
+std::vector<CalculixChange> changes_at(const std::vector<Setting>& settings, const Eigen::VectorXd& values) {
+  std::vector<CalculixChange> changes;
+  for (std::size_t i = 0; i < settings.size(); ++i) {
+    const double x = values(static_cast<Eigen::Index>(i));
+    for (const CalculixNumber& number : settings[i].numbers) {
+      changes.push_back({number, settings[i].is_factor ? x * number.value : x});
+    }
+  }
+  return changes;
+}
+
+/// How many modes are compared: CalculiX's solver works with four times as many vectors, of which it must have fewer
+/// than equations.
+int modes_of(const MatrixModel& model) {
+  return static_cast<int>(std::clamp<Eigen::Index>(model.pencil.stiffness.pattern.rows() / 5, 1, 10));
+}
+
+/// Throws NotSeparable where the matrices do not give the modes that the solver has itself; the end of the note if they
+/// do.
+std::string compare_modes(const MatrixModel& model, CalculixProgram& solver, const std::string& text) {
+  const Eigen::VectorXd own = solver.eigenvalues(text);
+  const OwnModesComparison comparison = compare_with_own_modes(model.pencil, model.reference, own);
+  if (!comparison.failure.empty()) throw NotSeparable(comparison.failure);
+  if (own.size() == 0) return "; CalculiX found no modes itself to compare with";
+  return fmt::format("; their {} lowest frequencies are CalculiX's own to {:.1e}", own.size(), comparison.error);
 }
 
 }  // namespace
@@ -244,22 +118,17 @@ MatrixModel calculix_model(const CalculixDeck& deck, const std::vector<Parameter
                     std::any_of(targets.begin(), targets.end(),
                                 [](const std::string& target) { return calculix_field(target) == "T"; })});
   }
-  CalculixProgram solver(settings);
+  CalculixProgram solver(settings, deck);
   SeparableFit fit = fit_separable(axes, [&](const Eigen::VectorXd& values) {
-    std::vector<CalculixChange> changes;
-    for (std::size_t i = 0; i < moved.size(); ++i) {
-      const double x = values(static_cast<Eigen::Index>(i));
-      for (const CalculixNumber& number : moved[i].numbers) {
-        changes.push_back({number, moved[i].is_factor ? x * number.value : x});
-      }
-    }
-    return solver.matrices(matrix_storage_deck(deck, changes));
+    return solver.matrices(matrix_storage_deck(deck, changes_at(moved, values)));
   });
   model.pencil = std::move(fit.pencil);
   model.notes.push_back(fmt::format(
       "CalculiX: matrices from {} decks ({} runs, {} from the cache); for a deck that was not used for the fit "
       "they agree to {:.1e} of their diagonal",
       fit.runs, solver.runs(), solver.reused(), fit.error));
+  model.notes.back() +=
+      compare_modes(model, solver, modes_deck(deck, changes_at(moved, model.reference), modes_of(model)));
   return model;
 }
 
@@ -273,6 +142,7 @@ SolverCommand calculix_command(const CalculixDeck& deck, const std::vector<Param
       replacements.push_back({number, fmt::format("{{{{{}{}:%20.13e}}}}", parameters[i].parameter, factor)});
     }
   }
+  CalculixProgram(settings, deck).require_known_cards(deck_without_steps(deck));
   SolverCommand command;
   command.templates = {{deck.files.front(), "model.inp", deck_with_replacements(deck, replacements)}};
   command.command.arguments = {settings.program, "model"};

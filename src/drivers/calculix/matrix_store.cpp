@@ -13,8 +13,12 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view k_mark = "mottle matrices 2\n";
 
-CacheFolder cache_of(const fs::path& folder) {
+CacheFolder matrices_in(const fs::path& folder) {
   return {folder, ".matrices", std::uintmax_t{2} << 30};
+}
+
+CacheFolder eigenvalues_in(const fs::path& folder) {
+  return {folder, ".eigenvalues", std::uintmax_t{1} << 24};
 }
 
 template <typename Number>
@@ -51,26 +55,51 @@ SparseMatrix take_matrix(std::string_view& bytes) {
   return lower;
 }
 
+/// What was kept under the digest, without its head and its checksum. Throws Error: it is damaged.
+std::string read_entry(const fs::path& path, const Digest& digest) {
+  const std::string contents = read_file(path);
+  std::string_view bytes = contents;
+  require(bytes.starts_with(k_mark) && bytes.size() > k_mark.size() + sizeof(Digest), "too short");
+  Digest written;
+  std::memcpy(written.data(), bytes.data() + bytes.size() - sizeof written, sizeof written);
+  bytes.remove_suffix(sizeof written);
+  Checksum checksum;
+  checksum.add(bytes);
+  require(checksum.digest() == written, "damaged");
+  bytes.remove_prefix(k_mark.size());
+  Digest key;
+  take(bytes, key.data(), key.size());
+  require(key == digest, "made of something else");
+  CacheFolder::touch(path);
+  return std::string(bytes);
+}
+
+void keep_entry(const CacheFolder& cache, const Digest& digest, const std::string& entry) {
+  std::string bytes(k_mark);
+  put(bytes, digest.data(), digest.size());
+  bytes += entry;
+  Checksum checksum;
+  checksum.add(bytes);
+  const Digest written = checksum.digest();
+  put(bytes, written.data(), written.size());
+  try {
+    cache.prepare(2 * bytes.size());
+    write_file_atomically(cache.file(digest), bytes);
+    cache.trim(cache.file(digest));
+  } catch (const Error&) {
+    return;
+  }
+}
+
 }  // namespace
 
 std::optional<MatrixRun> find_run(const fs::path& folder, const Digest& digest) {
-  const fs::path path = cache_of(folder).file(digest);
+  const fs::path path = matrices_in(folder).file(digest);
   std::error_code error;
   if (folder.empty() || !fs::exists(path, error)) return std::nullopt;
   try {
-    const std::string contents = read_file(path);
-    std::string_view bytes = contents;
-    require(bytes.starts_with(k_mark) && bytes.size() > k_mark.size() + sizeof(Digest), "too short");
-    Digest written;
-    std::memcpy(written.data(), bytes.data() + bytes.size() - sizeof written, sizeof written);
-    bytes.remove_suffix(sizeof written);
-    Checksum checksum;
-    checksum.add(bytes);
-    require(checksum.digest() == written, "damaged");
-    bytes.remove_prefix(k_mark.size());
-    Digest key;
-    take(bytes, key.data(), key.size());
-    require(key == digest, "made of something else");
+    const std::string entry = read_entry(path, digest);
+    std::string_view bytes = entry;
     MatrixRun run;
     run.stiffness.lower = take_matrix(bytes);
     run.mass.lower = take_matrix(bytes);
@@ -79,7 +108,6 @@ std::optional<MatrixRun> find_run(const fs::path& folder, const Digest& digest) 
       bytes.remove_prefix(end + 1);
     }
     run.mass.names = run.stiffness.names;
-    CacheFolder::touch(path);
     return run;
   } catch (const Error&) {
     return std::nullopt;
@@ -88,23 +116,33 @@ std::optional<MatrixRun> find_run(const fs::path& folder, const Digest& digest) 
 
 void keep_run(const fs::path& folder, const Digest& digest, const MatrixRun& run) {
   if (folder.empty()) return;
-  std::string bytes(k_mark);
-  put(bytes, digest.data(), digest.size());
+  std::string bytes;
   put_matrix(bytes, run.stiffness.lower);
   put_matrix(bytes, run.mass.lower);
   for (const std::string& name : run.stiffness.names) bytes += name + '\n';
-  Checksum checksum;
-  checksum.add(bytes);
-  const Digest written = checksum.digest();
-  put(bytes, written.data(), written.size());
+  keep_entry(matrices_in(folder), digest, bytes);
+}
+
+std::optional<Eigen::VectorXd> find_eigenvalues(const fs::path& folder, const Digest& digest) {
+  const fs::path path = eigenvalues_in(folder).file(digest);
+  std::error_code error;
+  if (folder.empty() || !fs::exists(path, error)) return std::nullopt;
   try {
-    const CacheFolder cache = cache_of(folder);
-    cache.prepare(2 * bytes.size());
-    write_file_atomically(cache.file(digest), bytes);
-    cache.trim(cache.file(digest));
+    const std::string entry = read_entry(path, digest);
+    std::string_view bytes = entry;
+    Eigen::VectorXd values(static_cast<Eigen::Index>(bytes.size() / sizeof(double)));
+    take(bytes, values.data(), static_cast<std::size_t>(values.size()));
+    return values;
   } catch (const Error&) {
-    return;
+    return std::nullopt;
   }
+}
+
+void keep_eigenvalues(const fs::path& folder, const Digest& digest, const Eigen::VectorXd& values) {
+  if (folder.empty()) return;
+  std::string bytes;
+  put(bytes, values.data(), static_cast<std::size_t>(values.size()));
+  keep_entry(eigenvalues_in(folder), digest, bytes);
 }
 
 }  // namespace mottle::drivers

@@ -1,6 +1,7 @@
-// Matrices of solver runs in a folder, each under the digest of what it was made from.
+// Matrices and eigenvalues of solver runs in a folder, each under the digest of what it was made from.
 #pragma once
 
+#include <Eigen/Core>
 #include <filesystem>
 #include <optional>
 
@@ -15,5 +16,9 @@ std::optional<MatrixRun> find_run(const std::filesystem::path& folder, const Dig
 
 /// Keeps a run, and of older ones as many as fit into 2 GB. A folder that cannot be written only prevents the reuse.
 void keep_run(const std::filesystem::path& folder, const Digest& digest, const MatrixRun& run);
+
+/// The same of the eigenvalues that the solver itself found.
+std::optional<Eigen::VectorXd> find_eigenvalues(const std::filesystem::path& folder, const Digest& digest);
+void keep_eigenvalues(const std::filesystem::path& folder, const Digest& digest, const Eigen::VectorXd& values);
 
 }  // namespace mottle::drivers

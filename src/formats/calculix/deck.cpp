@@ -71,18 +71,6 @@ Target parse_target(const std::string& target) {
   return result;
 }
 
-/// Data lines of the keyword on `line`.
-std::vector<std::size_t> data_lines(const CalculixDeck& deck, std::size_t line) {
-  std::vector<std::size_t> lines;
-  for (std::size_t i = line + 1; i < deck.lines.size(); ++i) {
-    const std::string_view text = deck.lines[i].text;
-    if (is_comment(text)) continue;
-    if (text.starts_with('*')) break;
-    if (!trim_blanks(text).empty()) lines.push_back(i);
-  }
-  return lines;
-}
-
 CalculixNumber number_on(const CalculixDeck& deck, std::size_t line, std::size_t field) {
   const std::string_view text = deck.lines[line].text;
   CalculixNumber number{.line = line};
@@ -149,17 +137,6 @@ std::vector<CalculixNumber> find_placeholders(const CalculixDeck& deck, const st
   return numbers;
 }
 
-/// The deck's lines with texts in place of numbers.
-std::vector<std::string> replaced_lines(const CalculixDeck& deck, std::vector<CalculixReplacement> replacements) {
-  std::vector<std::string> lines;
-  for (const CalculixDeck::Line& line : deck.lines) lines.push_back(line.text);
-  std::sort(replacements.begin(), replacements.end(), [](const CalculixReplacement& a, const CalculixReplacement& b) {
-    return a.number.line != b.number.line ? a.number.line < b.number.line : a.number.begin > b.number.begin;
-  });
-  for (const auto& [number, text] : replacements) lines[number.line].replace(number.begin, number.length, text);
-  return lines;
-}
-
 }  // namespace
 
 std::string CalculixDeck::where(std::size_t line) const {
@@ -183,89 +160,28 @@ std::vector<CalculixNumber> find_calculix_numbers(const CalculixDeck& deck, cons
   const std::string owner = wanted.card->owner;
   std::vector<CalculixNumber> numbers;
   std::vector<std::string> known;
-  std::string material;
+  std::set<std::string> found;
+  CardNames names;
   const KeptLines kept(deck);
   for (std::size_t i = 0; i < deck.lines.size(); ++i) {
     const std::optional<Keyword> keyword = kept.contains(i) ? keyword_of(deck.lines[i].text) : std::nullopt;
     if (!keyword) continue;
-    const auto parameter = [&](const std::string& name) {
-      const auto found = keyword->parameters.find(name);
-      return found == keyword->parameters.end() ? std::string() : found->second;
-    };
-    if (keyword->name == "MATERIAL") material = parameter("NAME");
+    names.pass(*keyword);
     if (keyword->name != wanted.card->keyword) continue;
-    known.push_back(owner.empty() ? material : parameter(owner));
-    if (known.back() != wanted.name) continue;
+    known.push_back(names.name(*keyword, owner));
+    if (!names.is_called(wanted.name, *keyword, owner)) continue;
+    found.insert(known.back());
     for (const CalculixNumber& number : numbers_of_card(deck, i, *keyword, wanted)) numbers.push_back(number);
   }
   require(!numbers.empty(), "target '{}': {}", target,
           unknown_name_message(fmt::format("*{}", wanted.card->keyword), wanted.name, known));
+  require(found.size() == 1, "target '{}': there are {}; name one", target, join({found.begin(), found.end()}));
   return numbers;
 }
 
 std::string calculix_field(const std::string& target) {
   const std::size_t last = target.rfind(':');
   return !target.starts_with('*') || last == target.find(':') ? "" : capitals(target.substr(last + 1));
-}
-
-std::string matrix_storage_deck(const CalculixDeck& deck, const std::vector<CalculixChange>& changes) {
-  std::vector<CalculixReplacement> replacements;
-  for (const CalculixChange& change : changes)
-    replacements.push_back({change.number, fmt::format("{:.13e}", change.value)});
-  const std::vector<std::string> lines = replaced_lines(deck, std::move(replacements));
-  const std::optional<Step> step = find_step(deck);
-  const KeptLines kept(deck);
-  std::string text;
-  for (std::size_t i = 0; i < lines.size(); ++i) {
-    if (!kept.contains(i)) continue;
-    const std::size_t open = is_comment(lines[i]) ? std::string::npos : lines[i].find("{{");
-    if (open != std::string::npos) {
-      refuse(deck, i,
-             fmt::format("no parameter fills '{}'", lines[i].substr(open, lines[i].find("}}", open) + 2 - open)));
-    }
-    text += lines[i];
-    if (step && i == step->procedure) {
-      text.resize(text.size() - lines[i].size());
-      text += "*FREQUENCY, SOLVER=MATRIXSTORAGE";
-      const std::vector<std::size_t> data = data_lines(deck, i);
-      if (!data.empty()) i = data.back();
-    }
-    text += '\n';
-  }
-  if (!step) text += "*STEP\n*FREQUENCY, SOLVER=MATRIXSTORAGE\n*END STEP\n";
-  return text;
-}
-
-std::string deck_with_replacements(const CalculixDeck& deck, const std::vector<CalculixReplacement>& replacements) {
-  const KeptLines kept(deck);
-  if (!find_step(deck)) {
-    throw FormatError(deck.files.front(), 0, "has no step; modes come from a *FREQUENCY step");
-  }
-  std::string text;
-  const std::vector<std::string> lines = replaced_lines(deck, replacements);
-  for (std::size_t i = 0; i < lines.size(); ++i) {
-    text += is_comment(lines[i]) || !kept.contains(i) ? std::string("**") : lines[i];
-    text += '\n';
-  }
-  return text;
-}
-
-bool writes_displacements(const CalculixDeck& deck) {
-  const KeptLines kept(deck);
-  for (std::size_t i = 0; i < deck.lines.size(); ++i) {
-    if (!kept.contains(i)) continue;
-    const std::optional<Keyword> keyword = keyword_of(deck.lines[i].text);
-    if (!keyword || (keyword->name != "NODE FILE" && keyword->name != "NODE OUTPUT")) continue;
-    for (const std::size_t line : data_lines(deck, i)) {
-      const std::string text = capitals(deck.lines[line].text);
-      for (std::size_t begin = 0; begin <= text.size();) {
-        const std::size_t comma = std::min(text.find(',', begin), text.size());
-        if (trim_blanks(std::string_view(text).substr(begin, comma - begin)) == "U") return true;
-        begin = comma + 1;
-      }
-    }
-  }
-  return false;
 }
 
 }  // namespace mottle::formats

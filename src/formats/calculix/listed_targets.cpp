@@ -3,6 +3,7 @@
 #include <array>
 #include <optional>
 
+#include "formats/calculix/number_cards.hpp"
 #include "formats/calculix/steps.hpp"
 #include "mottle/core/error.hpp"
 #include "mottle/formats/calculix/deck.hpp"
@@ -35,19 +36,15 @@ bool can_be_set(const CalculixDeck& deck, const std::string& target) {
 
 std::vector<std::string> list_calculix_targets(const CalculixDeck& deck) {
   std::vector<std::string> targets;
-  std::string material;
+  CardNames names;
   const KeptLines kept(deck);
   for (std::size_t i = 0; i < deck.lines.size(); ++i) {
     const std::optional<Keyword> keyword = kept.contains(i) ? keyword_of(deck.lines[i].text) : std::nullopt;
     if (!keyword) continue;
-    const auto parameter = [&](const char* name) {
-      const auto found = keyword->parameters.find(name);
-      return found == keyword->parameters.end() ? std::string() : found->second;
-    };
-    if (keyword->name == "MATERIAL") material = parameter("NAME");
+    names.pass(*keyword);
     const auto card = std::ranges::find(k_listed, keyword->name, &ListedCard::keyword);
     if (card == k_listed.end()) continue;
-    const std::string name = std::string_view(card->owner).empty() ? material : parameter(card->owner);
+    const std::string name = names.name(*keyword, card->owner);
     const std::string target = fmt::format("*{}:{}{}", card->keyword, name, card->field);
     if (std::ranges::count(targets, target) == 0 && can_be_set(deck, target)) targets.push_back(target);
   }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "formats/calculix/steps.hpp"
+#include "mottle/core/error.hpp"
 #include "mottle/layers.hpp"
 
 namespace mottle::formats {
@@ -39,6 +40,36 @@ inline const std::vector<Card>& cards() {
       {"SHELL SECTION", "ELSET", "*SHELL SECTION:PLATE:T", "T"}};
   return k_cards;
 }
+
+/// What the cards of a deck are called, keyword after keyword.
+class CardNames {
+ public:
+  void pass(const Keyword& keyword) {
+    const auto named = keyword.parameters.find("NAME");
+    const std::string name = named == keyword.parameters.end() ? "" : named->second;
+    if (keyword.name == "MATERIAL") material_ = name;
+    if (keyword.name == "PART" || keyword.name == "INSTANCE") part_ = name;
+    if (keyword.name == "END PART" || keyword.name == "END INSTANCE") part_.clear();
+  }
+
+  /// The material; or the card's set, "PART.SET" inside of a part of an Abaqus deck.
+  std::string name(const Keyword& keyword, std::string_view owner) const {
+    if (owner.empty()) return material_;
+    const auto found = keyword.parameters.find(std::string(owner));
+    const std::string set = found == keyword.parameters.end() ? "" : found->second;
+    return part_.empty() ? set : fmt::format("{}.{}", part_, set);
+  }
+
+  /// Whether the card's name is this one, which may leave out the part.
+  bool is_called(const std::string& wanted, const Keyword& keyword, std::string_view owner) const {
+    const std::string full = name(keyword, owner);
+    return full == wanted || (!owner.empty() && !part_.empty() && full == fmt::format("{}.{}", part_, wanted));
+  }
+
+ private:
+  std::string material_;
+  std::string part_;
+};
 
 /// The card whose numbers stand on this keyword's data lines; null: none that is known.
 inline const Card* card_of(const Keyword& keyword) {

@@ -41,6 +41,12 @@ Eigen::VectorXd parse_calculix_eigenvalues(std::string_view bytes, const std::st
   while (text.next()) {
     const std::size_t count = split_words(text.line(), words);
     if (text.line().find("E I G E N V A L U E   O U T P U T") != std::string_view::npos) is_table = values.empty();
+    if (is_table && values.empty() && count > 1 && words[0] == "MODE" &&
+        text.line().find("EIGENVALUE") == std::string_view::npos) {
+      text.fail(
+          "its modes are those of a stiffness that is not symmetric, of which CalculiX writes complex frequencies and "
+          "no eigenvalues; they are not read: take the friction (*FRICTION) out of the contact");
+    }
     long long mode = 0;
     if (!is_table || count < 2) {
       if (count > 0 && !values.empty()) break;
@@ -51,7 +57,10 @@ Eigen::VectorXd parse_calculix_eigenvalues(std::string_view bytes, const std::st
       continue;  // headings
     }
     if (mode != static_cast<long long>(values.size()) + 1) {
-      text.fail(fmt::format("mode {} follows mode {}", mode, values.size()));
+      text.fail(values.empty() ? fmt::format("the first mode is {}, not 1: take the limits of frequency, or of nodal "
+                                             "diameters, out of the step",
+                                             mode)
+                               : fmt::format("mode {} follows mode {}", mode, values.size()));
     }
     values.push_back(real(text, words[1]));
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <set>
 
+#include "formats/calculix/abaqus.hpp"
 #include "formats/matrices/matrix_text.hpp"
 #include "mottle/core/text.hpp"
 
@@ -14,7 +15,7 @@ bool is_comment(std::string_view line) {
 
 std::optional<Keyword> keyword_of(std::string_view line) {
   if (!line.starts_with('*') || is_comment(line)) return std::nullopt;
-  const std::string text = capitals(line.substr(1));
+  const std::string text = capitals(line.substr(1, line.find('\n') - 1));
   Keyword keyword;
   for (std::size_t begin = 0; begin <= text.size();) {
     const std::size_t comma = std::min(text.find(',', begin), text.size());
@@ -36,6 +37,22 @@ void refuse(const CalculixDeck& deck, std::size_t line, const std::string& messa
   throw FormatError(deck.files[static_cast<std::size_t>(at.file)], at.number, message);
 }
 
+std::vector<std::size_t> data_lines(const CalculixDeck& deck, std::size_t line) {
+  std::vector<std::size_t> lines;
+  for (std::size_t i = line + 1; i < deck.lines.size(); ++i) {
+    const std::string_view text = deck.lines[i].text;
+    if (is_comment(text)) continue;
+    if (text.starts_with('*')) break;
+    if (!trim_blanks(text).empty()) lines.push_back(i);
+  }
+  return lines;
+}
+
+bool is_nonlinear(const Keyword& step) {
+  const auto found = step.parameters.find("NLGEOM");
+  return found != step.parameters.end() && found->second != "NO";
+}
+
 std::vector<Step> find_steps(const CalculixDeck& deck) {
   static const std::set<std::string> k_procedures = {"FREQUENCY",        "STATIC",
                                                      "BUCKLE",           "DYNAMIC",
@@ -48,7 +65,9 @@ std::vector<Step> find_steps(const CalculixDeck& deck) {
     if (!keyword) continue;
     if (keyword->name == "STEP") {
       if (!steps.empty() && steps.back().end == 0) steps.back().end = i;
-      steps.push_back({.begin = i, .is_perturbation = keyword->parameters.contains("PERTURBATION")});
+      steps.push_back({.begin = i,
+                       .is_perturbation = keyword->parameters.contains("PERTURBATION"),
+                       .is_nonlinear = is_nonlinear(*keyword)});
     }
     if (steps.empty() || steps.back().end != 0) continue;
     Step& step = steps.back();
@@ -96,7 +115,9 @@ std::string needs_earlier_steps(const CalculixDeck& deck) {
   const std::vector<Step> steps = find_steps(deck);
   const auto found = std::ranges::find(steps, "FREQUENCY", &Step::name);
   if (found == steps.end() || found == steps.begin()) return "";
-  if (found->is_perturbation) {
+  const bool is_abaqus = is_abaqus_deck(deck);
+  if (is_abaqus ? std::any_of(steps.begin(), found, [](const Step& step) { return step.is_nonlinear; })
+                : found->is_perturbation) {
     return fmt::format(
         "its *FREQUENCY step is a PERTURBATION of the state after *{}: the preload changes the stiffness",
         steps.front().name.empty() ? "STEP" : steps.front().name);

@@ -25,12 +25,19 @@ std::optional<Keyword> keyword_of(std::string_view line);
 /// Throws FormatError with the line's file and number.
 [[noreturn]] void refuse(const CalculixDeck& deck, std::size_t line, const std::string& message);
 
+/// Whether a *STEP takes geometric nonlinearity into account.
+bool is_nonlinear(const Keyword& step);
+
+/// Data lines of the keyword on `line`.
+std::vector<std::size_t> data_lines(const CalculixDeck& deck, std::size_t line);
+
 /// A step, from *STEP to its end.
 struct Step {
   std::size_t begin = 0, end = 0;  ///< lines, the last one excluded
   std::size_t procedure = 0;       ///< its line
   std::string name = {};           ///< of the procedure, "FREQUENCY"; empty: none that is known
   bool is_perturbation = false;
+  bool is_nonlinear = false;  ///< geometrically
   bool has_boundary = false;
 };
 

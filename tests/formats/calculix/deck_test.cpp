@@ -59,7 +59,7 @@ TEST_F(CalculixDecks, WritesOtherNumbersInTwentyCharactersAndTheStepThatStoresMa
                                                       {find_calculix_numbers(read, "{{soft}}")[0], 7e5}});
   EXPECT_THAT(text, HasSubstr("*ELASTIC\n3.3333333333333e+10, 0.3\n"));
   EXPECT_THAT(text, HasSubstr("*ELASTIC\n7.0000000000000e+05, 0.4\n"));
-  EXPECT_THAT(text, HasSubstr("*STEP\n*FREQUENCY, SOLVER=MATRIXSTORAGE\n*END STEP\n"));
+  EXPECT_THAT(text, HasSubstr("*STEP\n*FREQUENCY, SOLVER=MATRIXSTORAGE\n**\n*END STEP\n"));
 }
 
 TEST_F(CalculixDecks, PutsTextsInPlaceOfNumbersAndLeavesTheStep) {
@@ -78,7 +78,8 @@ TEST_F(CalculixDecks, LeaveOutAllStepsButTheFirstOfModes) {
       "STEP\n"
       "*STEP\n*STEADY STATE DYNAMICS\n1., 2.\n*NODE FILE\nU\n*END STEP\n*STEP\n*FREQUENCY\n20\n*END STEP\n");
   EXPECT_EQ(matrix_storage_deck(read, {}),
-            "*NODE\n1, 0, 0, 0\n*STEP\n*FREQUENCY, SOLVER=MATRIXSTORAGE\n*NODE FILE\nRF\n*END STEP\n");
+            "*NODE\n1, 0, 0, 0\n**\n**\n**\n**\n**\n*STEP\n*FREQUENCY, SOLVER=MATRIXSTORAGE\n**\n*NODE FILE\nRF\n*END "
+            "STEP\n**\n**\n**\n**\n**\n**\n**\n**\n**\n**\n");
   const std::string text = deck_with_replacements(read, {});
   EXPECT_THAT(text, HasSubstr("*STEP\n*FREQUENCY\n10\n*NODE FILE\nRF\n*END STEP\n**\n"));
   EXPECT_THAT(text, testing::Not(HasSubstr("STATIC")));

@@ -84,6 +84,12 @@ TEST(CalculixResults, FaultsAreToldWithFileAndLine) {
   EXPECT_THAT(values("\n"), HasSubstr("a.dat: holds no table"));
   EXPECT_THAT(values(" E I G E N V A L U E   O U T P U T\n 1 0.1E+02\n 3 0.2E+02\n"),
               HasSubstr("a.dat:3: mode 3 follows mode 1"));
+  EXPECT_THAT(values(" E I G E N V A L U E   O U T P U T\n 2 0.1E+02\n"), HasSubstr("a.dat:2: the first mode is 2"));
+  // Of a contact with friction, as CalculiX 2.20 writes it.
+  EXPECT_THAT(values("     E I G E N V A L U E   O U T P U T\n\n MODE NO                     FREQUENCY\n"
+                     "                      REAL PART         IMAGINARY PART\n\n"
+                     "      1   0.4504251E+06   0.7168738E+05   0.0000000E+00\n"),
+              HasSubstr("a.dat:3: its modes are those of a stiffness that is not symmetric"));
   EXPECT_THAT(values(" E I G E N V A L U E   O U T P U T\n 1 ****\n"), HasSubstr("a.dat:2: '****' is not"));
 }
 

@@ -33,7 +33,7 @@ Fields card_of(const std::string& bytes) {
   return deck.cards.empty() ? Fields() : fields_of(deck.cards[0]);
 }
 
-std::string refusal_of(const std::string& bytes) {
+std::string refusal_of_deck(const std::string& bytes) {
   return test::message_of<FormatError>([&] { deck_of(bytes); });
 }
 
@@ -228,7 +228,7 @@ struct Malformed {
 class MalformedDeck : public ::testing::TestWithParam<Malformed> {};
 
 TEST_P(MalformedDeck, IsRefusedWithItsLine) {
-  EXPECT_THAT(refusal_of(GetParam().deck), HasSubstr(GetParam().message));
+  EXPECT_THAT(refusal_of_deck(GetParam().deck), HasSubstr(GetParam().message));
 }
 
 INSTANTIATE_TEST_SUITE_P(

@@ -24,11 +24,13 @@ struct CalculixSettings {
 };
 
 /// K(x) and M(x) of a deck whose numbers follow the parameters, from runs that store its matrices; verified at a point
-/// that they were not made from. Matrices of a deck that was run before come from the cache.
+/// that they were not made from, and by the modes that CalculiX finds itself at the nominal one. What was run before
+/// comes from the cache.
 ///
 /// @param fallback  nominal value of placeholders, and of numbers that differ where one parameter sets several
 /// @throws InvalidInput   a target that is not in the deck, a number tied to two parameters, a nominal value of 0, a
-///                        program that is not there; NotSeparable: there are no such K(x) and M(x)
+///                        program that is not there; NotSeparable: there are no such K(x) and M(x),
+///                        or CalculiX prints them with too few digits; InvalidInput: cards that CalculiX ignores
 /// @throws SystemFailure  a run that fails or takes too long, with the end of what CalculiX printed
 MatrixModel calculix_model(const CalculixDeck& deck, const std::vector<ParameterTargets>& parameters,
                            const Eigen::VectorXd& fallback, const CalculixSettings& settings);

@@ -46,6 +46,8 @@ struct CalculixNumber {
 ///   *SHELL SECTION:ELSET:T       thickness
 ///   {{name}}                     wherever that stands in the deck
 ///
+/// Inside of a part of an Abaqus deck ELSET is PART.ELSET, or ELSET where only one part has it.
+///
 /// Keywords and names in any case. Throws InvalidInput: a target that is none of these or not in the deck (with what
 /// the deck has); FormatError: a card whose number cannot be moved (nonlinear, of another type). Numbers that depend on
 /// temperature are found at each.
@@ -66,11 +68,17 @@ struct CalculixChange {
 };
 
 /// The deck with other numbers and one step, the first *FREQUENCY with SOLVER=MATRIXSTORAGE and its boundary
-/// conditions. Numbers have at most 20 characters, which is what CalculiX reads. Not for decks with
-/// needs_earlier_steps().
+/// conditions. Parts and other cards of Abaqus are put into those of CalculiX, here and below. Numbers have at most 20
+/// characters, which is what CalculiX reads. Not for decks with needs_earlier_steps().
 ///
 /// Throws FormatError: steps without *FREQUENCY, a placeholder that nothing fills.
 std::string matrix_storage_deck(const CalculixDeck& deck, const std::vector<CalculixChange>& changes);
+
+/// The same deck with a *FREQUENCY for so many modes and no limits of their frequencies.
+std::string modes_deck(const CalculixDeck& deck, const std::vector<CalculixChange>& changes, int modes);
+
+/// The model alone, with a step that solves nothing: what CalculiX says of it is about its cards. Placeholders stay.
+std::string deck_without_steps(const CalculixDeck& deck);
 
 /// A number and the text that replaces it.
 struct CalculixReplacement {
@@ -84,12 +92,24 @@ struct CalculixReplacement {
 /// Throws FormatError: no step *FREQUENCY.
 std::string deck_with_replacements(const CalculixDeck& deck, const std::vector<CalculixReplacement>& replacements);
 
+/// "1e6" -> "1.e6": CalculiX takes a spring's stiffness without a point for degrees of freedom.
+std::string with_decimal_point(std::string number);
+
+/// Every line of the deck as its author wrote it, with texts in place of numbers; included files stand where they were
+/// included.
+std::string whole_deck_with_replacements(const CalculixDeck& deck,
+                                         const std::vector<CalculixReplacement>& replacements);
+
 /// Why the first step *FREQUENCY cannot stand alone: it is a PERTURBATION of a preloaded state, or has a *BOUNDARY of a
 /// step before it; empty where it can.
 std::string needs_earlier_steps(const CalculixDeck& deck);
 
 /// Sentence on the steps that are not used; empty where all are.
 std::string left_out_steps(const CalculixDeck& deck);
+
+/// Sentences on elements that are not what their name promises; of a deck with Abaqus' cards also on what was left out
+/// and on the numbers of its instances.
+std::vector<std::string> element_notes(const CalculixDeck& deck);
 
 /// Whether the deck asks for displacements in .frd: *NODE FILE (or *NODE OUTPUT) with U.
 bool writes_displacements(const CalculixDeck& deck);

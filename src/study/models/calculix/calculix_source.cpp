@@ -53,6 +53,7 @@ class CalculixSource final : public ModelSource {
                                       .stop = settings.stop},
                                      settings);
     if (std::string note = left_out_steps(deck); !note.empty()) parts.notes.push_back(std::move(note));
+    for (std::string& note : element_notes(deck)) parts.notes.push_back(std::move(note));
     return parts;
   }
 
@@ -70,11 +71,12 @@ class CalculixSource final : public ModelSource {
       for (const std::string& target : parameters[p].targets) {
         for (const CalculixNumber& number : find_calculix_numbers(deck, target)) {
           const double wanted = parameters[p].is_factor ? value * number.value : value;
-          replacements.push_back({number, fmt::format("{:.12g}", wanted)});  // 20 characters are read
+          replacements.push_back(
+              {number, with_decimal_point(fmt::format("{:.12g}", wanted))});  // 20 characters are read
         }
       }
     }
-    exported.files.push_back({deck_.filename(), deck_with_replacements(deck, replacements)});
+    exported.files.push_back({deck_.filename(), whole_deck_with_replacements(deck, replacements)});
     exported.rounding = 5e-12;
     return exported;
   }
