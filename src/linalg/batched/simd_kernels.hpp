@@ -64,7 +64,8 @@ struct DavidsonProblem {
   const double* ratios = nullptr;       ///< [sample]: K - shift M >= ratio of the nominal one
   const double* mass_ratios = nullptr;  ///< [sample]: M <= mass_ratios times the nominal one
   double shift = 0.0;
-  double limit = 0.0;                        ///< convergence criterion r'r <= limit ratio (lambda - shift) y'My
+  double smallest = 0.0;                     ///< errors of smaller eigenvalues are relative to this
+  double limit = 0.0;                        ///< convergence criterion r'r <= limit ratio max(lambda, smallest) y'My
   int sketch_rows = 0;                       ///< a multiple of k_tile
   const double* stiffness_sketch = nullptr;  ///< [tile][1 + terms]
   const double* mass_sketch = nullptr;       ///< the same
@@ -117,8 +118,9 @@ struct Kernels {
   long (*davidson_doubles)(const DavidsonProblem&);
   /// out += A in for `width` vectors, a multiple of k_vector_padding: both [column][vector].
   void (*add_symmetric_product)(const SparseLower&, int width, const double* in, double* out);
-  /// The same from the matrix' own rows of longer vectors: in [row of those][vector].
-  void (*add_local_product)(const SparseLower&, int width, const double* in, double* out);
+  /// The same from the matrix' own rows of longer vectors: in [row of those][vector]. out + rest is the sum as if it
+  /// were found in twice the precision; both are added to.
+  void (*add_local_product)(const SparseLower&, int width, const double* in, double* out, double* rest);
   /// And back to them, each vector with a factor: in and out [row of those][vector], scales [vector].
   void (*add_scaled_product)(const SparseLower&, const double* scales, int width, const double* in, double* out);
   /// out += left' right for `width` vectors, a multiple of k_vector_padding: right [row of left][vector], out

@@ -5,10 +5,10 @@
 #define MOTTLE_PRODUCT_COLUMNS 4
 #define MOTTLE_VECTOR_GROUP 3
 #define MOTTLE_TILE_ROWS 2
+#include "linalg/batched/simd/accurate_product.hpp"
 #include "linalg/batched/simd/davidson.hpp"
 #include "linalg/batched/simd/gathered_product.hpp"
 #include "linalg/batched/simd/solve.hpp"
-#include "linalg/batched/simd/sparse_product.hpp"
 #include "linalg/batched/simd/supernodal_solve.hpp"
 
 namespace mottle::linalg::simd_kernels {

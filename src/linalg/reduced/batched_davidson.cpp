@@ -56,6 +56,7 @@ Eigen::MatrixXd nominal_rotation(const Eigen::MatrixXd& nominal) {
 BatchedDavidson::BatchedDavidson(const DavidsonPencils& family, const DavidsonOptions& options)
     : options_(options),
       shift_(family.shift),
+      smallest_(family.smallest),
       nominal_stiffness_(family.nominal_stiffness),
       nominal_mass_(family.nominal_mass),
       sketch_rows_(family.mass_sketch[0].rows()),
@@ -149,6 +150,7 @@ SketchedModes BatchedDavidson::solve_near(const TermCoefficients& samples, const
                                               .ratios = bounds.ratios.data(),
                                               .mass_ratios = bounds.mass_ratios.data(),
                                               .shift = shift_,
+                                              .smallest = smallest_,
                                               .limit = limit,
                                               .sketch_rows = static_cast<int>(sketch_rows_),
                                               .stiffness_sketch = stiffness_sketch_.data(),

@@ -17,6 +17,7 @@ struct DavidsonPencils {
   const Eigen::VectorXd& nominal_stiffness;  ///< coefficients, 1 for the constants
   const Eigen::VectorXd& nominal_mass;
   double shift = 0.0;
+  double smallest = 0.0;                                 ///< errors of smaller eigenvalues are relative to this
   const std::vector<Eigen::MatrixXd>& stiffness_sketch;  ///< W'K_t, rows a multiple of 16
   const std::vector<Eigen::MatrixXd>& mass_sketch;
 };
@@ -61,7 +62,7 @@ class BatchedDavidson {
 
   /// Samples that are too far from the nominal one, or whose modes are not proven to be the lowest, are marked failed.
   ///
-  /// @param limit  upper limit of r'r over alpha (lambda - shift) y'My
+  /// @param limit  upper limit of r'r over alpha max(lambda, smallest) y'My
   SketchedModes solve(const TermCoefficients& samples, const DavidsonBounds& bounds, double limit, int threads) const;
 
  private:
@@ -72,7 +73,7 @@ class BatchedDavidson {
                            int threads) const;
 
   DavidsonOptions options_;
-  double shift_;
+  double shift_, smallest_;
   Eigen::VectorXd nominal_stiffness_, nominal_mass_;  ///< coefficients
   Eigen::MatrixXd rotation_;  ///< nominal modes in the family's coordinates; empty where they are the unit vectors
   Eigen::VectorXd masses_;    ///< of the nominal modes, padded with zeros

@@ -56,7 +56,7 @@ Eigen::VectorXd error_bounds(const Eigen::Ref<const Eigen::VectorXd>& values,
       if (!(squares(k) / (1.0 - values(k) / next) < std::min(bounds(k), k_largest_bound))) continue;
       const Eigen::Index count = p - k + 1;
       for (Eigen::Index j = 0; j < count; ++j) {
-        const double near = values(k) / values(k + j);
+        const double near = std::min(values(k) / values(k + j), 1.0);  // equal values may be out of order by rounding
         weights(j) = near * squares(k + j) / (1.0 - values(k + j) / next);
         distances(j) = 1.0 - near;
       }

@@ -1,5 +1,6 @@
 #include "mottle/linalg/reduced/reduced_model.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -10,6 +11,7 @@
 #include "mottle/core/error.hpp"
 #include "mottle/core/parallel.hpp"
 #include "mottle/linalg/batched/batch_eigen.hpp"
+#include "mottle/linalg/dense/decompositions.hpp"
 
 namespace mottle::linalg {
 namespace {
@@ -56,10 +58,17 @@ Eigen::VectorXd ReducedModel::Parts::bounds(const Eigen::Ref<const Eigen::Vector
                                             const Eigen::VectorXd& squares, double complement_bound,
                                             Eigen::Index wanted) const {
   const Eigen::VectorXd mu = lambda.array() - full->shift;
-  const auto values = lambda.head(wanted).array();
   const Eigen::ArrayXd errors = error_bounds(mu, squares.cwiseQuotient(mu), complement_bound - full->shift, wanted);
-  // Errors relative to lambda instead of mu = lambda - shift; rigid-body modes (lambda near 0) relative to the shift.
-  return errors * mu.head(wanted).array() / values.max(std::abs(full->shift));
+  return errors * mu.head(wanted).array() / sizes(lambda.head(wanted));
+}
+
+double ReducedModel::Parts::smallest_size() const {
+  constexpr double k_resolved = 1e-8;  // a frequency 10^-4 of the highest: rounding errors are larger than tolerances
+  return k_resolved * std::max(full->highest_mode, std::abs(full->shift));
+}
+
+Eigen::ArrayXd ReducedModel::Parts::sizes(const Eigen::Ref<const Eigen::VectorXd>& lambda) const {
+  return lambda.array().max(smallest_size());
 }
 
 Eigen::MatrixXd ReducedModel::Parts::sketched_residuals(const TermCoefficients& samples, const BatchModes& found,
@@ -85,12 +94,36 @@ Eigen::MatrixXd ReducedModel::Parts::sketched_residuals(const TermCoefficients& 
   return result;
 }
 
+void ReducedModel::Parts::solve_soft_modes(const TermCoefficients& samples, int threads, BatchModes& found) const {
+  constexpr double k_soft = 100.0;
+  const Eigen::MatrixXd stiffness_terms = flattened(stiffness), mass_terms = flattened(mass);
+  const Eigen::Index vectors = basis.cols();
+  parallel_for(samples.samples(), k_grain, threads, [&](std::int64_t begin, std::int64_t end) {
+    for (Eigen::Index s = begin; s < end; ++s) {
+      const Eigen::Index soft = (found.values.col(s).array() <= k_soft * std::abs(full->shift)).count();
+      if (found.failed[static_cast<std::size_t>(s)] != 0 || soft == 0) continue;
+      const Eigen::MatrixXd y = found.sample_vectors(s).leftCols(soft);
+      const auto form = [&](const Eigen::MatrixXd& terms, const Eigen::MatrixXd& coefficients) {
+        const Eigen::MatrixXd at = combined(terms, coefficients, s, 1).reshaped(vectors, vectors);
+        return transposed_product(y, product(at, y));
+      };
+      const CholeskyFactor inertial(form(mass_terms, samples.mass));
+      const Eigen::MatrixXd half = inertial.solve_lower(form(stiffness_terms, samples.stiffness));
+      const SymmetricEigen solver(inertial.solve_lower(half.transpose()));
+      Eigen::MatrixXd weights = solver.eigenvectors();
+      inertial.solve_upper_in_place(weights);
+      found.values.col(s).head(soft) = solver.eigenvalues();
+      found.vectors.col(s).head(vectors * soft) = product(y, weights).reshaped();
+    }
+  });
+}
+
 const BatchedDavidson& ReducedModel::Parts::batched_davidson() const {
   std::call_once(prepared->is_made, [&] {
     const Eigen::Index modes = solved_modes();
     prepared->modes =
         std::make_unique<BatchedDavidson>(DavidsonPencils{stiffness, mass, full->nominal_stiffness, full->nominal_mass,
-                                                          full->shift, stiffness_sketch, mass_sketch},
+                                                          full->shift, smallest_size(), stiffness_sketch, mass_sketch},
                                           DavidsonOptions{.modes = modes, .converged = converged_modes()});
   });
   return *prepared->modes;
@@ -107,8 +140,9 @@ SketchedModes ReducedModel::Parts::reduced_modes(const TermCoefficients& samples
   }
   if (rest.empty()) return result;
   const TermCoefficients others{samples.stiffness(Eigen::all, rest), samples.mass(Eigen::all, rest)};
-  const BatchModes found = solve_batch(family_of(stiffness, mass), others.stiffness, others.mass,
-                                       {.modes = static_cast<int>(modes), .vectors = true, .threads = threads});
+  BatchModes found = solve_batch(family_of(stiffness, mass), others.stiffness, others.mass,
+                                 {.modes = static_cast<int>(modes), .vectors = true, .threads = threads});
+  solve_soft_modes(others, threads, found);
   const Eigen::MatrixXd residuals = sketched_residuals(others, found, threads);
   for (std::size_t i = 0; i < rest.size(); ++i) {
     const auto from = static_cast<Eigen::Index>(i);

@@ -144,6 +144,12 @@ struct ReducedModel::Parts {
   /// @param inside  squared residual at which the iteration within the basis stops, relative to the tolerance
   SketchedModes reduced_modes(const TermCoefficients& samples, const Eigen::VectorXd& ratios, double inside,
                               int threads) const;
+  /// Rayleigh-Ritz on the modes far below what the basis holds, in its coordinates: in the standard form that the dense
+  /// solution takes, rounding errors scale with the highest eigenvalue.
+  void solve_soft_modes(const TermCoefficients& samples, int threads, BatchModes& found) const;
+  /// What errors of eigenvalues are relative to: lambda, of rigid-body modes smallest_size().
+  Eigen::ArrayXd sizes(const Eigen::Ref<const Eigen::VectorXd>& lambda) const;
+  double smallest_size() const;
   /// See SketchedModes.
   Eigen::MatrixXd sketched_residuals(const TermCoefficients& samples, const BatchModes& found, int threads) const;
   /// Relative error bounds of lambda for the lowest `wanted` of one sample's Ritz pairs; infinite from

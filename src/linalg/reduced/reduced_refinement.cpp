@@ -81,7 +81,10 @@ class GrowingSpace {
   static VectorRows image(const std::vector<SupportedMatrix>& terms, const Eigen::VectorXd& coefficients,
                           const VectorRows& vectors) {
     VectorRows result = VectorRows::Zero(vectors.rows(), vectors.cols());
-    add_weighted_products(terms, coefficients.replicate(1, vectors.cols()), vectors, result);
+    for (std::size_t t = 0; t < terms.size(); ++t) {
+      if (terms[t].is_empty()) continue;
+      terms[t].add_rows(coefficients(static_cast<Eigen::Index>(t)), terms[t].local_product(vectors), result);
+    }
     return result;
   }
 
@@ -172,7 +175,7 @@ RefinedModes refine_sample(const ReducedModel::Parts& parts, const SamplePencil&
     const Eigen::VectorXd norms = sketched_squares(residuals) / sample.ratio;
     result.bounds = parts.bounds(result.values, norms, sample.complement_bound, wanted);
     if (result.bounds.maxCoeff() <= tolerance || step == k_steps) break;
-    const Eigen::VectorXd squares = norms.array() / (result.values.array() - shift);
+    const Eigen::VectorXd squares = norms.array() / parts.sizes(result.values);
     if (!squares.allFinite()) break;
     const auto columns = largest_residuals(squares, wanted + k_converged_guards, k_small * tolerance);
     VectorRows corrections = space.residuals(weights(Eigen::all, columns), result.values(columns));

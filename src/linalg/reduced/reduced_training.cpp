@@ -176,6 +176,7 @@ Eigen::MatrixXd needed_directions(const ReducedModel::Parts& parts, const Traini
   constexpr Eigen::Index k_worth = 20;  // at least a twentieth fewer vectors, or the rotation does not pay
   constexpr double k_neglect = 0.5;     // neglected part of a vector, relative to the largest residual allowed
   constexpr double k_lost = 0.03;       // neglected part of a reference pencil's mode
+  constexpr double k_exact = 1e-6;      // residuals of which nothing but rounding errors are left
   const Eigen::Index vectors = parts.basis.cols();
   const Eigen::Index modes = samples.shortfall.rows();
   const Eigen::Index columns = modes * static_cast<Eigen::Index>(chosen.size());
@@ -184,9 +185,12 @@ Eigen::MatrixXd needed_directions(const ReducedModel::Parts& parts, const Traini
   for (Eigen::Index c = 0; c < columns; ++c) {
     const Eigen::Index s = chosen[static_cast<std::size_t>(c / modes)];
     const Eigen::Index k = c % modes;
-    const double allowed = samples.residuals.col(s * modes + k).norm() / std::max(samples.shortfall(k, s), 1e-3);
-    const double length = std::sqrt(std::max(samples.values(k, s) - parts.full->shift, 0.0));
-    weighted.col(c) = samples.coordinates.col(s * modes + k) / std::max(length * allowed, 1e-300);
+    const double lambda = samples.values(k, s), square = std::max(lambda - parts.full->shift, 1e-300);
+    const double least =
+        k_exact * std::sqrt(parts.options.tolerance * std::max(lambda, parts.smallest_size()) / square);
+    const double residual = samples.residuals.col(s * modes + k).norm();
+    const double allowed = std::max(residual / std::max(samples.shortfall(k, s), 1e-3), least);
+    weighted.col(c) = samples.coordinates.col(s * modes + k) / (std::sqrt(square) * allowed);
   }
   const Eigen::MatrixXd transposed = weighted.transpose();
   const SymmetricEigen solver(transposed_product(transposed, transposed));

@@ -39,8 +39,10 @@ void SupportedMatrix::add_scaled_product(const VectorRows& x, const Eigen::Vecto
 
 VectorRows SupportedMatrix::local_product(const VectorRows& x) const {
   VectorRows result = VectorRows::Zero(lower_.cols(), x.cols());
-  simd_kernels::kernels_for().add_local_product(view(), static_cast<int>(x.cols()), x.data(), result.data());
-  return result;
+  VectorRows rest = result;
+  simd_kernels::kernels_for().add_local_product(view(), static_cast<int>(x.cols()), x.data(), result.data(),
+                                                rest.data());
+  return result + rest;
 }
 
 VectorRows SupportedMatrix::project(const double* left, Eigen::Index vectors, Eigen::Index row_step,
@@ -58,6 +60,12 @@ VectorRows SupportedMatrix::project(const Eigen::MatrixXd& left, const VectorRow
 
 VectorRows SupportedMatrix::project(const VectorRows& left, const VectorRows& product) const {
   return project(left.data(), left.cols(), left.cols(), 1, product);
+}
+
+void SupportedMatrix::add_rows(double factor, const VectorRows& product, VectorRows& result) const {
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
+    result.row(rows_[i]) += factor * product.row(static_cast<Eigen::Index>(i));
+  }
 }
 
 void SupportedMatrix::add_to(SparseMatrix& sum, double factor) const {

@@ -23,12 +23,16 @@ class SupportedMatrix {
   /// result += A x diag(scales); both [equation x vector], a scale for each of the padding too.
   void add_scaled_product(const VectorRows& x, const Eigen::VectorXd& scales, VectorRows& result) const;
 
-  /// The rows of A x that can hold anything.
+  /// The rows of A x that can hold anything; as if found in twice the precision and rounded once, since the terms of a
+  /// stiff structure's nearly rigid motions cancel.
   VectorRows local_product(const VectorRows& x) const;
   /// left' A x from local_product(x): [left vector x vector].
   VectorRows project(const Eigen::MatrixXd& left, const VectorRows& product) const;
   /// The same with left vectors that lie row by row.
   VectorRows project(const VectorRows& left, const VectorRows& product) const;
+
+  /// result += factor A x from local_product(x); result is [equation x vector].
+  void add_rows(double factor, const VectorRows& product, VectorRows& result) const;
 
   /// sum += factor A; the pattern of `sum` holds A's.
   void add_to(SparseMatrix& sum, double factor) const;

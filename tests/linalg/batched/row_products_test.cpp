@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Core>
+#include <cmath>
+#include <numeric>
 #include <random>
 #include <vector>
 
@@ -58,7 +60,8 @@ TEST_P(RowProducts, ASymmetricMatrixWorksOnItsOwnRowsOfLongerVectors) {
     EXPECT_LT((result - VectorRows::Ones(k_order, width) - product).cwiseAbs().maxCoeff(), 1e-13) << width;
 
     result.setOnes();
-    kernels.add_local_product(view, width, whole.data(), result.data());
+    VectorRows rest = VectorRows::Zero(k_order, width);
+    kernels.add_local_product(view, width, whole.data(), result.data(), rest.data());
     EXPECT_LT((result - VectorRows::Ones(k_order, width) - product).cwiseAbs().maxCoeff(), 1e-13) << width;
 
     const VectorXd scales = random_matrix(width, 1, random_);
@@ -68,6 +71,30 @@ TEST_P(RowProducts, ASymmetricMatrixWorksOnItsOwnRowsOfLongerVectors) {
     kernels.add_scaled_product(view, scales.data(), width, whole.data(), spread.data());
     EXPECT_LT((spread - expected).cwiseAbs().maxCoeff(), 1e-13) << width;
   }
+}
+
+TEST_P(RowProducts, TermsThatCancelLeaveTheirDigits) {
+  // A chain of stiff springs moved almost as a rigid body: forces are 10^-10 of the terms that make them.
+  constexpr int k_order = 50, k_width = 8;
+  MatrixXd dense = MatrixXd::Zero(k_order, k_order);
+  for (int i = 0; i + 1 < k_order; ++i) {
+    const double stiffness = std::ldexp(1.0 + 0.01 * i, 40);
+    dense(i, i) += stiffness;
+    dense(i + 1, i + 1) += stiffness;
+    dense(i + 1, i) = dense(i, i + 1) = -stiffness;
+  }
+  const SparseMatrix lower = lower_of(dense);
+  std::vector<int> row_indices(k_order);
+  std::iota(row_indices.begin(), row_indices.end(), 0);
+  const VectorRows motion = VectorRows::Ones(k_order, k_width) / 3.0 + 1e-10 * random_matrix(k_order, k_width, random_);
+  using Long = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
+  const Long exact = dense.cast<long double>() * motion.cast<long double>();
+  VectorRows result = VectorRows::Zero(k_order, k_width), rest = result;
+  simd_kernels::kernels_for(GetParam())
+      .add_local_product({k_order, lower.outerIndexPtr(), lower.innerIndexPtr(), lower.valuePtr(), row_indices.data()},
+                         k_width, motion.data(), result.data(), rest.data());
+  const Long error = (result + rest).cast<long double>() - exact;
+  EXPECT_LT(static_cast<double>(error.cwiseAbs().maxCoeff()), 1e-8 * exact.cwiseAbs().maxCoeff());  // of the reference
 }
 
 TEST_P(RowProducts, GatheredVectorsLieByColumnsOrByRows) {

@@ -74,8 +74,8 @@ inline void find_quotients(const DavidsonWorkspace& work) {
 inline Mask are_converged(const DavidsonProblem& problem, const DavidsonWorkspace& work, double fraction) {
   Mask converged = ~Mask{};
   for (int c = 0; c < problem.converged; ++c) {
-    const Simd mu = work.state.rayleigh[c] - problem.shift;
-    converged &= work.state.residual[c] <= mu * work.state.lengths[c] * work.alpha * (problem.limit * fraction);
+    const Simd size = larger(work.state.rayleigh[c], broadcast(problem.smallest));
+    converged &= work.state.residual[c] <= size * work.state.lengths[c] * work.alpha * (problem.limit * fraction);
   }
   return converged;
 }

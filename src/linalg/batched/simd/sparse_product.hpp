@@ -72,11 +72,6 @@ void add_symmetric_product(const SparseLower& a, int width, const double* in, do
   add_panels<false>(a, all, all, nullptr, width, in, out);
 }
 
-void add_local_product(const SparseLower& a, int width, const double* in, double* out) {
-  add_panels<false>(a, RowIndices<true>{a.row_indices, width}, RowIndices<false>{nullptr, width}, nullptr, width, in,
-                    out);
-}
-
 void add_scaled_product(const SparseLower& a, const double* scales, int width, const double* in, double* out) {
   const RowIndices<true> own{a.row_indices, width};
   add_panels<true>(a, own, own, scales, width, in, out);
