@@ -3,6 +3,7 @@
 #include <ctime>
 #include <limits>
 #include <numbers>
+#include <optional>
 
 #include "linalg/reduced/form_bounds.hpp"
 #include "linalg/reduced/reduced_model_parts.hpp"
@@ -187,28 +188,58 @@ void FullPencils::bound_stiffness(const PencilTerms& terms, const Eigen::VectorX
   }
 }
 
+namespace {
+
+/// The nominal mass with a unit mass for each massless equation, where terms have nothing either.
+SparseMatrix mass_without_gaps(const FullPencils& full) {
+  SparseMatrix form = full.mass_at(full.nominal_mass);
+  for (Eigen::Index i = 0; i < form.rows(); ++i) {
+    if (form.coeff(i, i) == 0.0) form.coeffRef(i, i) = 1.0;
+  }
+  return form;
+}
+
+/// Whether what k_inertia_tolerance leaves of the terms' negative parts is at most `negligible` of the mass, for all
+/// motions: M - (2 k_inertia_tolerance / negligible) sum |b_t| |diag(M_t)| is definite.
+bool is_above_rounding(const PencilTerms& terms, const Eigen::VectorXd& nominal, SparseMatrix form, double negligible) {
+  Eigen::VectorXd diagonal = terms.mass_constant.diagonal().cwiseAbs();
+  for (std::size_t t = 0; t < terms.mass.size(); ++t) {
+    diagonal += std::abs(nominal(static_cast<Eigen::Index>(t) + 1)) * terms.mass[t].diagonal().cwiseAbs();
+  }
+  const double multiple = 2.0 * k_inertia_tolerance / negligible;
+  for (Eigen::Index i = 0; i < form.rows(); ++i) form.coeffRef(i, i) -= multiple * diagonal(i);
+  return make_definite_factor()->factorise(form);
+}
+
+}  // namespace
+
 void FullPencils::bound_mass(const PencilTerms& terms, const Eigen::VectorXd& flexibility) {
-  constexpr double k_negligible = 1e-6;  // of the mass, for the modes that are followed
+  constexpr double k_negligible = 1e-6;  // of the mass
   mass_bounds = Eigen::MatrixXd::Zero(nominal_mass.size(), 2);
   if (terms.mass.empty()) return;  // M is the same everywhere
   const std::vector<int> order = solver_.factor().order();
+  std::optional<bool> holds_for_all_motions;
+  const auto is_negligible = [&](const SparseMatrix& term) {
+    if (negative_part(term, flexibility) * (highest_mode - shift) <= k_negligible) return true;  // of modes followed
+    if (!holds_for_all_motions) {
+      holds_for_all_motions = is_above_rounding(terms, nominal_mass, mass_without_gaps(*this), k_negligible);
+    }
+    return *holds_for_all_motions;
+  };
   std::unique_ptr<DefiniteFactor> factor;
   SparseMatrix form;
   for (Eigen::Index t = 0; t < nominal_mass.size(); ++t) {
     const SparseMatrix& term = t == 0 ? terms.mass_constant : terms.mass[static_cast<std::size_t>(t - 1)];
     const SupportedMatrix& local = mass[static_cast<std::size_t>(t)];
     if (local.is_empty()) continue;
-    if (nominal_mass(t) > 0.0 && negative_part(term, flexibility) * (highest_mode - shift) <= k_negligible &&
+    if (nominal_mass(t) > 0.0 && is_negligible(term) &&
         (is_known(terms.is_mass_semidefinite, t) || is_semidefinite(local, order))) {
       mass_bounds(t, 1) = k_infinite;
       continue;
     }
     if (factor == nullptr) {
       factor = make_definite_factor();
-      form = mass_at(nominal_mass);
-      for (Eigen::Index i = 0; i < form.rows(); ++i) {  // massless equations, where terms have nothing either
-        if (form.coeff(i, i) == 0.0) form.coeffRef(i, i) = 1.0;
-      }
+      form = mass_without_gaps(*this);
     }
     if (!factor->factorise(form)) {
       mass_bounds.row(t) << -k_infinite, k_infinite;

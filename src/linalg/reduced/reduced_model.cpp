@@ -96,19 +96,29 @@ Eigen::MatrixXd ReducedModel::Parts::sketched_residuals(const TermCoefficients& 
 
 void ReducedModel::Parts::solve_soft_modes(const TermCoefficients& samples, int threads, BatchModes& found) const {
   constexpr double k_soft = 100.0;
+  constexpr Eigen::Index k_together = 8;  // samples whose matrices are summed at once
+  const auto count_soft = [&](Eigen::Index s) {
+    const bool is_solved = found.failed[static_cast<std::size_t>(s)] == 0;
+    return is_solved ? (found.values.col(s).array() <= k_soft * std::abs(full->shift)).count() : 0;
+  };
   const Eigen::MatrixXd stiffness_terms = flattened(stiffness), mass_terms = flattened(mass);
   const Eigen::Index vectors = basis.cols();
-  parallel_for(samples.samples(), k_grain, threads, [&](std::int64_t begin, std::int64_t end) {
+  parallel_for(samples.samples(), k_together, threads, [&](std::int64_t begin, std::int64_t end) {
+    Eigen::Index most = 0;
+    for (Eigen::Index s = begin; s < end; ++s) most = std::max(most, count_soft(s));
+    if (most == 0) return;
+    const Eigen::MatrixXd stiffnesses = combined(stiffness_terms, samples.stiffness, begin, end - begin);
+    const Eigen::MatrixXd masses = combined(mass_terms, samples.mass, begin, end - begin);
     for (Eigen::Index s = begin; s < end; ++s) {
-      const Eigen::Index soft = (found.values.col(s).array() <= k_soft * std::abs(full->shift)).count();
-      if (found.failed[static_cast<std::size_t>(s)] != 0 || soft == 0) continue;
+      const Eigen::Index soft = count_soft(s);
+      if (soft == 0) continue;
       const Eigen::MatrixXd y = found.sample_vectors(s).leftCols(soft);
-      const auto form = [&](const Eigen::MatrixXd& terms, const Eigen::MatrixXd& coefficients) {
-        const Eigen::MatrixXd at = combined(terms, coefficients, s, 1).reshaped(vectors, vectors);
-        return transposed_product(y, product(at, y));
+      const auto form = [&](const Eigen::MatrixXd& matrices) {
+        const Eigen::Index column = std::min<Eigen::Index>(s - begin, matrices.cols() - 1);
+        return transposed_product(y, product(matrices.col(column).reshaped(vectors, vectors), y));
       };
-      const CholeskyFactor inertial(form(mass_terms, samples.mass));
-      const Eigen::MatrixXd half = inertial.solve_lower(form(stiffness_terms, samples.stiffness));
+      const CholeskyFactor inertial(form(masses));
+      const Eigen::MatrixXd half = inertial.solve_lower(form(stiffnesses));
       const SymmetricEigen solver(inertial.solve_lower(half.transpose()));
       Eigen::MatrixXd weights = solver.eigenvectors();
       inertial.solve_upper_in_place(weights);
