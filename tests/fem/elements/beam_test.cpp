@@ -186,65 +186,6 @@ TEST(Beam, WithOffsetsIsTheBeamBetweenTheEndsBehindRigidLinks) {
 }
 
 // A beam with a hinge at A: 3 EI / L^3 at B; hinged at both ends it is a bar.
-constexpr double k_n1 = 0.3, k_n2 = -0.2;
-
-BeamSection eccentric_section() {
-  BeamSection section = k_section;
-  section.neutral_axis = {k_n1, k_n2};
-  return section;
-}
-
-// A force through the shear centre bends about the neutral axis with the moment F n: slope F n L / EI, and the shear
-// centre moves by F L / EA + n times that.
-TEST(Beam, BesideItsNeutralAxisBendsUnderAnAxialForce) {
-  const double length = 3.0;
-  const auto u = tip(stiffness(straight(length), eccentric_section()), unit(0));
-  const double slope_1 = k_n1 * length / (k_young * k_section.inertia_1),
-               slope_2 = k_n2 * length / (k_young * k_section.inertia_2);
-  EXPECT_NEAR(u(0), length / (k_young * k_section.area) + k_n1 * slope_1 + k_n2 * slope_2, 1e-13);
-  EXPECT_NEAR(u(5), slope_1, 1e-13);
-  EXPECT_NEAR(u(4), -slope_2, 1e-13);
-  EXPECT_NEAR(u(3), 0.0, 1e-15);
-}
-
-// As the same beam with WA = WB where nothing twists; twisting about the shear centre it has G J / L and no more.
-TEST(Beam, BesideItsNeutralAxisIsTheBeamWithOffsetsUnlessItTwists) {
-  const double length = 3.0;
-  BeamGeometry shifted = straight(length);
-  shifted.offsets = {Eigen::Vector3d(0.0, k_n1, k_n2), Eigen::Vector3d(0.0, k_n1, k_n2)};
-  BeamSection soft = eccentric_section();
-  soft.shear_1 = soft.shear_2 = 0.8;
-  BeamSection soft_shifted = soft;
-  soft_shifted.neutral_axis.setZero();
-  BeamMatrix K = stiffness(straight(length), soft), expected = stiffness(shifted, soft_shifted);
-  const Eigen::Matrix<double, 12, 1> twist = K.col(9);
-  EXPECT_NEAR(twist(9), k_shear * soft.torsion / length, 1e-13);
-  EXPECT_NEAR(twist.norm(), std::sqrt(2.0) * twist(9), 1e-13);
-  for (BeamMatrix* matrix : {&K, &expected}) {
-    for (const Eigen::Index rotation : {3, 9}) matrix->row(rotation).setZero(), matrix->col(rotation).setZero();
-  }
-  EXPECT_LT((K - expected).cwiseAbs().maxCoeff(), 1e-13 * expected.maxCoeff());
-}
-
-// A pin along the axis leaves no force at the neutral axis: bending alone is left. A hinge at the free end changes
-// nothing of how that end moves under a force.
-TEST(Beam, BesideItsNeutralAxisMayHavePins) {
-  BeamGeometry pinned = straight(3.0);
-  pinned.pins = {Components{0}, Components{0x01}};
-  BeamSection no_area = k_section;
-  no_area.area = 0.0;
-  EXPECT_LT((stiffness(pinned, eccentric_section()) - stiffness(straight(3.0), no_area)).cwiseAbs().maxCoeff(), 1e-12);
-  pinned.pins = {Components{0}, Components{0x20}};
-  const BeamMatrix K = stiffness(pinned, eccentric_section());
-  EXPECT_EQ(K.col(11).cwiseAbs().maxCoeff(), 0.0);
-  Eigen::Matrix<double, 6, 6> block = K.bottomRightCorner<6, 6>();
-  block(5, 5) = 1.0;
-  const double length = 3.0, slope_1 = k_n1 * length / (k_young * k_section.inertia_1),
-               slope_2 = k_n2 * length / (k_young * k_section.inertia_2);
-  EXPECT_NEAR(block.ldlt().solve(unit(0))(0), length / (k_young * k_section.area) + k_n1 * slope_1 + k_n2 * slope_2,
-              1e-12);
-}
-
 TEST(Beam, WithHingesHasTheClosedForms) {
   BeamGeometry geometry = straight(2.0);
   geometry.pins[0] = 0x20;  // rotation z
@@ -317,15 +258,6 @@ TEST(BeamMassMatrix, HasTheInertiaOfALineWhetherPinnedOrNot) {
     EXPECT_NEAR(total(1, 5), l * l / 2.0, 1e-12) << int(pin);
     EXPECT_NEAR(total(5, 5), l * l * l / 3.0, 1e-12) << int(pin);
     EXPECT_NEAR(total(4, 4), l * l * l / 3.0, 1e-12) << int(pin);
-  }
-}
-
-TEST(BeamMassMatrix, BesideTheAxisIsThatOfTheBeamWithOffsets) {
-  for (const MassKind kind : {MassKind::lumped, MassKind::consistent}) {
-    BeamGeometry shifted = straight(3.0);
-    shifted.offsets = {Eigen::Vector3d(0.0, k_n1, k_n2), Eigen::Vector3d(0.0, k_n1, k_n2)};
-    const BeamMatrix difference = beam_mass(straight(3.0), kind, {k_n1, k_n2}).line - beam_mass(shifted, kind).line;
-    EXPECT_LT(difference.cwiseAbs().maxCoeff(), 1e-15);
   }
 }
 
