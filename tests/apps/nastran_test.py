@@ -167,7 +167,7 @@ class NastranTest(support.CommandTest):
             ("GRID,3,,0.10000,0.,0.", "GRID,3,,abc,0.,0.", "X1 is 'ABC'"),
             ("CBAR,5,1,5,6,0.,1.,0.", "CBAR,5,1,5,777,0.,1.,0.", "777"),
             ("PBAR,1,1,", "PBAR,1,4,", "MID is 4"),
-            ("CBAR,7,1,7,8,0.,1.,0.", "CBEND,7,1,7,8,9,10,11,12", "ignore_cards"),
+            ("CBAR,7,1,7,8,0.,1.,0.", "CWELD,7,1,7,8,9,10,11,12", "ignore_cards"),
         ):
             with self.subTest(new):
                 text = edited(FREE_DECK, (old, new))
@@ -189,10 +189,17 @@ class NastranTest(support.CommandTest):
         self.refuse("outputs.shapes.dofs", "no grid point 77")
 
     def test_a_mechanism_is_reported_with_its_degree_of_freedom(self):
-        self.write("deck.bdf", edited(FREE_DECK, ("PARAM,COUPMASS,1\n", "PARAM,AUTOSPC,NO\nGRID,500,,5.,0.,0.\n")))
+        loose = "PARAM,AUTOSPC,NO\nGRID,500,,5.,0.,0.\nGRID,501,,6.,0.,0.\nCELAS2,500,1.,500,1,501,1\n"
+        self.write("deck.bdf", edited(FREE_DECK, ("PARAM,COUPMASS,1\n", loose)))
         ended = self.call("modes", "deck.bdf")
         self.assertEqual(ended.code, 2)
-        self.assertIn("500:+X", ended.err)
+        self.assertRegex(ended.err, "50[01]:[+]X")
+
+    def test_points_that_nothing_acts_on_have_no_mode_without_autospc(self):
+        self.write("other.bdf", edited(FREE_DECK, ("PARAM,COUPMASS,1\n", "PARAM,COUPMASS,1\nPARAM,AUTOSPC,NO\nGRID,500,,5.,0.,0.\n")))
+        both = [json.loads(self.succeed("modes", deck, "--json").out) for deck in ("deck.bdf", "other.bdf")]
+        self.assertEqual(both[0]["frequencies"], both[1]["frequencies"])
+        self.assertEqual(both[1]["automatic_constraints"], both[0]["automatic_constraints"] + 6)
 
     def test_measured_modes_are_renumbered_by_their_shapes(self):
         self.write("study.toml", edited(STUDY, ("frequencies = [1, 2]", 'frequencies = [1, 2]\nshapes = { modes = [1, 2], '

@@ -94,9 +94,16 @@ struct MultipointEquation {
   std::vector<Term> terms = {};
 };
 
+/// Which degrees of freedom are constrained although the model does not say so.
+enum class AutomaticConstraints : std::uint8_t {
+  none,
+  null,  ///< that neither stiffness nor mass acts on: they have no mode (PARAM,AUTOSPC,NO)
+  soft,  ///< that have no stiffness compared with their node's other ones (PARAM,AUTOSPC,YES)
+};
+
 /// The parts of a deck that say how it is to be solved.
 struct AnalysisSettings {
-  bool automatic_constraints = true;                         ///< PARAM,AUTOSPC
+  AutomaticConstraints automatic_constraints = AutomaticConstraints::soft;
   bool coupled_mass = false;                                 ///< PARAM,COUPMASS > 0: consistent instead of lumped mass
   double mass_factor = 1.0;                                  ///< PARAM,WTMASS
   double drilling = 100.0;                                   ///< PARAM,K6ROT

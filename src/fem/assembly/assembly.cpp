@@ -2,14 +2,13 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
-#include <array>
 #include <limits>
 #include <utility>
 
+#include "fem/assembly/automatic_constraints.hpp"
 #include "fem/assembly/element_store.hpp"
 #include "fem/assembly/omitted_equations.hpp"
 #include "mottle/core/error.hpp"
-#include "mottle/linalg/dense/decompositions.hpp"
 
 namespace mottle::fem {
 namespace {
@@ -22,81 +21,6 @@ std::vector<FieldRole> field_roles(const FiniteElementModel& model, const std::v
     }
   }
   return roles;
-}
-
-/// Calls add(packed position, i, j) for the lower triangle of an element, i and j its local rows.
-template <typename Add>
-void each_entry(int size, const Add& add) {
-  std::size_t position = 0;
-  for (int j = 0; j < size; ++j) {
-    for (int i = j; i < size; ++i) add(position++, i, j);
-  }
-}
-
-/// Stiffness of each node's translations and rotations among themselves, at the card's values.
-std::vector<std::array<Eigen::Matrix3d, 2>> nodal_stiffness(const ElementStore& store, const EquationMap& map,
-                                                            std::size_t nodes) {
-  std::vector<std::array<Eigen::Matrix3d, 2>> blocks(nodes, {Eigen::Matrix3d::Zero(), Eigen::Matrix3d::Zero()});
-  const std::vector<Equation>& equations = map.equations();
-  for (const StoredElement& element : store.elements()) {
-    const int* numbers = store.equations(element);
-    for (int k = 0; k < element.piece_count; ++k) {
-      const StoredPiece& piece = store.piece(element, k);
-      if (store.terms()[static_cast<std::size_t>(piece.term)].kind != ElementPiece::Kind::stiffness) continue;
-      each_entry(element.equation_count, [&](std::size_t position, int i, int j) {
-        const Equation& row = equations[static_cast<std::size_t>(numbers[i])];
-        const Equation& column = equations[static_cast<std::size_t>(numbers[j])];
-        if (row.node != column.node || row.component / 3 != column.component / 3) return;
-        Eigen::Matrix3d& block =
-            blocks[static_cast<std::size_t>(row.node)][static_cast<std::size_t>(row.component / 3)];
-        const double value = piece.at_card_values * piece.values[position];
-        block(row.component % 3, column.component % 3) += value;
-        if (i != j) block(column.component % 3, row.component % 3) += value;
-      });
-    }
-  }
-  return blocks;
-}
-
-/// Components of a 3 x 3 block without stiffness: for each soft direction the component nearest to it.
-std::array<bool, 3> soft_components(const Eigen::Matrix3d& stiffness, const std::array<bool, 3>& is_free) {
-  constexpr double k_soft = 1e-8;  // Nastran's EPZERO
-  std::array<bool, 3> is_soft = {false, false, false};
-  std::vector<int> rows;
-  for (int c = 0; c < 3; ++c) {
-    if (is_free[static_cast<std::size_t>(c)]) rows.push_back(c);
-  }
-  while (!rows.empty()) {
-    const Eigen::MatrixXd block = stiffness(rows, rows);
-    const SymmetricEigen solver(block);
-    const double largest = std::max(solver.eigenvalues().cwiseAbs().maxCoeff(), stiffness.cwiseAbs().maxCoeff());
-    if (solver.eigenvalues()(0) > k_soft * largest) break;
-    Eigen::Index nearest = 0;
-    solver.eigenvectors().col(0).cwiseAbs().maxCoeff(&nearest);
-    is_soft[static_cast<std::size_t>(rows[static_cast<std::size_t>(nearest)])] = true;
-    rows.erase(rows.begin() + nearest);
-  }
-  return is_soft;
-}
-
-std::vector<bool> find_soft_equations(const ElementStore& store, const EquationMap& map, std::size_t nodes,
-                                      std::vector<AutomaticConstraint>& constraints) {
-  const auto blocks = nodal_stiffness(store, map, nodes);
-  std::vector<bool> is_constrained(static_cast<std::size_t>(map.equation_count()), false);
-  for (std::size_t node = 0; node < nodes; ++node) {
-    for (int triple = 0; triple < 2; ++triple) {
-      std::array<bool, 3> is_free = {};
-      const int first = degree_of_freedom(static_cast<int>(node), 3 * triple);
-      for (int c = 0; c < 3; ++c) is_free[static_cast<std::size_t>(c)] = map.state(first + c) >= 0;
-      const auto is_soft = soft_components(blocks[node][static_cast<std::size_t>(triple)], is_free);
-      for (int c = 0; c < 3; ++c) {
-        if (!is_soft[static_cast<std::size_t>(c)]) continue;
-        is_constrained[static_cast<std::size_t>(map.state(first + c))] = true;
-        constraints.push_back({static_cast<int>(node), 3 * triple + c});
-      }
-    }
-  }
-  return is_constrained;
 }
 
 /// Lower triangle of which equations meet in an element of the wanted kinds.
@@ -236,6 +160,24 @@ Eigen::SparseMatrix<double, Eigen::RowMajor> expansion_matrix(const EquationMap&
   return expansion;
 }
 
+void constrain_automatically(const FiniteElementModel& model, ElementStore& store, EquationMap& map,
+                             AssembledModel& result) {
+  const std::vector<bool> is_constrained =
+      find_automatic_constraints(model.settings.automatic_constraints, store, map, model.nodes.size());
+  for (std::size_t k = 0; k < is_constrained.size(); ++k) {
+    const Equation& equation = map.equations()[k];
+    if (is_constrained[k]) result.automatic_constraints.push_back({equation.node, equation.component});
+  }
+  if (result.automatic_constraints.empty()) return;
+  store.constrain(is_constrained);
+  map.constrain(is_constrained);
+  std::vector<bool> is_omitted;
+  for (std::size_t k = 0; k < result.is_omitted.size(); ++k) {
+    if (!is_constrained[k]) is_omitted.push_back(result.is_omitted[k]);
+  }
+  result.is_omitted = std::move(is_omitted);
+}
+
 }  // namespace
 
 AssembledModel assemble(const FiniteElementModel& model, const std::vector<FieldParameter>& parameters) {
@@ -243,17 +185,7 @@ AssembledModel assemble(const FiniteElementModel& model, const std::vector<Field
   ElementStore store(model, map, field_roles(model, parameters), parameters.size());
   AssembledModel result;
   result.is_omitted = omitted_equations(model, map);
-  if (model.settings.automatic_constraints) {
-    const std::vector<bool> is_constrained =
-        find_soft_equations(store, map, model.nodes.size(), result.automatic_constraints);
-    store.constrain(is_constrained);
-    map.constrain(is_constrained);
-    std::vector<bool> is_omitted;
-    for (std::size_t k = 0; k < result.is_omitted.size(); ++k) {
-      if (!is_constrained[k]) is_omitted.push_back(result.is_omitted[k]);
-    }
-    result.is_omitted = std::move(is_omitted);
-  }
+  constrain_automatically(model, store, map, result);
   require(map.equation_count() > 0, "the model has no free degree of freedom that anything stiffens");
   const auto has_kind = [&store](ElementPiece::Kind kind) {
     return [&store, kind](const StoredElement& element) {

@@ -32,6 +32,15 @@ struct StoredPiece {
   const double* values = nullptr;  ///< owned by the ElementStore
 };
 
+/// Calls add(packed position, i, j) for the lower triangle of an element's values, i and j its local rows.
+template <typename Add>
+void each_entry(int size, const Add& add) {
+  std::size_t position = 0;
+  for (int j = 0; j < size; ++j) {
+    for (int i = j; i < size; ++i) add(position++, i, j);
+  }
+}
+
 /// A term of one of the three matrices.
 struct TermName {
   ElementPiece::Kind kind = ElementPiece::Kind::stiffness;

@@ -31,21 +31,23 @@ std::vector<BeamPiece> beam_stiffness(const BeamGeometry& geometry, const BeamSe
   const double length = frame.length;
   const std::array<Components, 2>& pins = geometry.pins;
   using enum BeamCoefficient;
-  std::vector<BeamPiece> pieces = {
-      piece(EA, frame, pins, k_axial, two_ends(0, 1.0 / length, -1.0 / length)),
-      piece(GJ, frame, pins, k_twist, two_ends(3, 1.0 / length, -1.0 / length)),
-  };
   const Components both_planes = k_plane_1 | k_plane_2;
-  const bool is_pinned = ((pins[0] | pins[1]) & both_planes) != 0;
+  const int pinned = pins[0] | pins[1];
+  const bool is_eccentric = !section.neutral_axis.isZero(0.0);
+  const BeamMatrix axial = beam::from_place(section.neutral_axis, two_ends(0, 1.0 / length, -1.0 / length));
+  const bool is_axial_coupled = is_eccentric && (pinned & (both_planes | k_axial)) != 0;
+  std::vector<BeamPiece> pieces = {piece(GJ, frame, pins, k_twist, two_ends(3, 1.0 / length, -1.0 / length))};
+  if (!is_axial_coupled) pieces.insert(pieces.begin(), piece(EA, frame, pins, k_axial, axial));
   const bool is_flexible_in_shear = section.shear_1 > 0.0 || section.shear_2 > 0.0;
-  if (is_flexible_in_shear || (is_pinned && section.inertia_12 != 0.0)) {
+  const bool is_pinned = (pinned & both_planes) != 0;
+  if (is_axial_coupled || is_flexible_in_shear || (is_pinned && section.inertia_12 != 0.0)) {
     const auto flexibility = [&](double factor) {
       return factor > 0.0 ? young_over_shear / (factor * section.area) : 0.0;
     };
     const Eigen::Matrix2d inertia{{section.inertia_1, section.inertia_12}, {section.inertia_12, section.inertia_2}};
-    pieces.push_back(
-        piece(E, frame, pins, both_planes,
-              beam::bending(length, inertia, {flexibility(section.shear_1), flexibility(section.shear_2)})));
+    BeamMatrix bent = beam::bending(length, inertia, {flexibility(section.shear_1), flexibility(section.shear_2)});
+    if (is_axial_coupled) bent += section.area * axial;
+    pieces.push_back(piece(E, frame, pins, is_axial_coupled ? both_planes | k_axial : both_planes, bent));
     return pieces;
   }
   const Eigen::Vector2d rigid = Eigen::Vector2d::Zero();
@@ -82,15 +84,16 @@ BeamMatrix cubic_mass(double length) {
 
 }  // namespace
 
-BeamMass beam_mass(const BeamGeometry& geometry, MassKind kind) {
+BeamMass beam_mass(const BeamGeometry& geometry, MassKind kind, const Eigen::Vector2d& center) {
   const beam::Frame frame = beam::frame_of(geometry);
   const double length = frame.length;
   BeamMatrix line = BeamMatrix::Zero(), torsional = BeamMatrix::Zero();
   if (kind == MassKind::lumped) {
     for (Eigen::Index component = 0; component < 3; ++component) line += two_ends(component, 0.5 * length, 0.0);
     torsional = two_ends(3, 0.5 * length, 0.0);
+    line = beam::from_place(center, line);
   } else {
-    line = two_ends(0, 5.0 / 12.0 * length, length / 12.0) + cubic_mass(length);
+    line = beam::from_place(center, two_ends(0, 5.0 / 12.0 * length, length / 12.0) + cubic_mass(length));
     torsional = two_ends(3, 5.0 / 12.0 * length, length / 12.0);
     beam::release_mass(geometry, length, line, torsional);
   }

@@ -40,6 +40,7 @@ SectionFields section_of(const FiniteElementModel& model, const BeamProperty& pr
   result.numbers.torsion = model.value(property.torsion);
   result.numbers.shear_1 = property.shear_1;
   result.numbers.shear_2 = property.shear_2;
+  result.numbers.neutral_axis = property.neutral_axis;
   return result;
 }
 
@@ -107,7 +108,8 @@ void add_beam(const FiniteElementModel& model, const BeamElement& element, Piece
   const Material& material = model.materials[static_cast<std::size_t>(property.material)];
   const SectionFields section = section_of(model, property);
   const BeamGeometry geometry{ends_of(model, element.nodes), element.offsets, element.orientation, element.pins};
-  const BeamMass unit = beam_mass(geometry, mass_kind(model));
+  const MassKind kind = mass_kind(model);
+  const BeamMass unit = beam_mass(geometry, kind, property.neutral_axis);
   const double weigh = model.settings.mass_factor;
   if (material.density != k_no_field) {
     const Coefficient density{1.0, {{material.density, 1}}, {}};
@@ -120,7 +122,10 @@ void add_beam(const FiniteElementModel& model, const BeamElement& element, Piece
       add(section.inertia_2, section.numbers.inertia_2, unit.torsional);
     }
   }
-  add_piece(result, ElementPiece::Kind::mass, weigh, times({}, property.nonstructural_mass), unit.line);
+  add_piece(result, ElementPiece::Kind::mass, weigh, times({}, property.nonstructural_mass),
+            property.nonstructural_center == property.neutral_axis
+                ? unit.line
+                : beam_mass(geometry, kind, property.nonstructural_center).line);
   if (selection == PieceSelection::mass) return;
   const double shear = value_of(model, shear_coefficient(model, material));
   const double young = value_of(model, young_coefficient(model, material));

@@ -47,6 +47,14 @@ Frame frame_of(const BeamGeometry& geometry) {
   return frame;
 }
 
+BeamMatrix from_place(const Eigen::Vector2d& place, const BeamMatrix& local) {
+  if (place.isZero(0.0)) return local;
+  BeamMatrix motion = BeamMatrix::Identity();
+  for (Eigen::Index end = 0; end < 2; ++end)
+    motion.block<3, 3>(6 * end, 6 * end + 3) = -cross_matrix({0.0, place.x(), place.y()});
+  return symmetric(motion.transpose() * local * motion);
+}
+
 BeamMatrix two_ends(Eigen::Index component, double ends, double far) {
   BeamMatrix matrix = BeamMatrix::Zero();
   matrix(component, component) = matrix(6 + component, 6 + component) = ends;
@@ -117,6 +125,7 @@ void require_sound(const BeamSection& section, double young_over_shear) {
     require(std::isfinite(number) && number >= 0.0, "beam section: {:g} is not allowed, a number >= 0 is needed",
             number);
   }
+  require(section.neutral_axis.allFinite(), "beam section: the neutral axis lies nowhere");
   const double product = section.inertia_1 * section.inertia_2;
   require(section.inertia_12 * section.inertia_12 <= product * (1.0 + 1e-12),
           "beam section: I12 = {:g} is larger than the root of I1 I2 = {:g}, no section has that", section.inertia_12,

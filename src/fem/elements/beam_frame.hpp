@@ -30,6 +30,9 @@ BeamMatrix symmetric(BeamMatrix matrix);
 
 BeamMatrix to_basic(const Frame& frame, const BeamMatrix& local);
 
+/// A matrix between the points (y, z) = `place` of both end sections, as one between the axes' ends; local.
+BeamMatrix from_place(const Eigen::Vector2d& place, const BeamMatrix& local);
+
 /// [[ends, far], [far, ends]] in one component.
 BeamMatrix two_ends(Eigen::Index component, double ends, double far);
 

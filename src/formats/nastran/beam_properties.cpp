@@ -209,6 +209,27 @@ int read_stations(ModelBuilder& builder, const Card& card, BeamProperty& propert
   return end;
 }
 
+/// M1(A) M2(A) M1(B) M2(B) or N1(A)...: where the nonstructural mass and the neutral axis lie; blank at B as at A.
+Eigen::Vector2d read_center(ModelBuilder& builder, const Card& card, int n, char letter, const BeamProperty& property) {
+  Eigen::Vector2d center;
+  for (int i = 0; i < 2; ++i) {
+    const std::string name = fmt::format("{}{}", letter, i + 1);
+    const double at_a = center(i) = builder.real(card, n + i, name + "(A)", 0.0);
+    const double at_b = builder.real(card, n + 2 + i, name + "(B)", at_a);
+    if (at_a != at_b) {
+      card.fail(
+          fmt::format("{0}(A) is {1}, {0}(B) is {2}; they must be equal, for an axis that is inclined to the "
+                      "shear centres' line is not supported",
+                      name, at_a, at_b));
+    }
+  }
+  if (!center.isZero(0.0) && !property.stations.empty()) {
+    card.fail(
+        fmt::format("{0}1, {0}2 are given for a tapered beam; they are supported for constant beams only", letter));
+  }
+  return center;
+}
+
 /// PID MID A I1 I2 I12 J NSM / C1 ... F2 / stations / K1 K2 S1 S2 NSI NSI CW CW / M1 M2 M1 M2 N1 N2 N1 N2.
 void read_pbeam(ModelBuilder& builder, const Card& card) {
   const int id = card.id(1, "PID");
@@ -229,9 +250,8 @@ void read_pbeam(ModelBuilder& builder, const Card& card) {
     card.require_absent(inertia, "NSI", "the inertia of nonstructural mass is not supported");
   }
   if (card.has_any(n + 6, n + 7)) builder.count("{} PBEAM cards hold warping coefficients (CW), which were ignored");
-  for (int i = n + 8; i < n + 16; ++i) {
-    card.require_absent(i, i < n + 12 ? "M" : "N", "offsets of the neutral axis or the mass are not supported");
-  }
+  property.nonstructural_center = read_center(builder, card, n + 8, 'M', property);
+  property.neutral_axis = read_center(builder, card, n + 12, 'N', property);
   finish(builder, "PBEAM or PBEAML", std::move(property));
 }
 

@@ -127,6 +127,9 @@ int ModelBuilder::system(const Card& card, int n, std::string_view what) const {
 int ModelBuilder::material(const Card& card, int n, std::string_view what, const MaterialChoice& choice) const {
   const int id = card.id(n, what);
   const auto found = materials.find(id);
+  if (const auto unread = unread_materials.find(id); found == materials.end() && unread != unread_materials.end()) {
+    throw UnreadReference(unread->second);
+  }
   if (found == materials.end()) card.fail(fmt::format("{} is {}, but no {} card has that id", what, id, choice.names));
   const Material::Kind kind = model.materials[static_cast<std::size_t>(found->second)].kind;
   if (std::ranges::find(choice.kinds, kind) == choice.kinds.end()) {
@@ -134,6 +137,13 @@ int ModelBuilder::material(const Card& card, int n, std::string_view what, const
                           k_material_cards[static_cast<std::size_t>(kind)], choice.names));
   }
   return found->second;
+}
+
+void ModelBuilder::refuse_property(const Card& card, int id, std::string_view kinds) const {
+  if (const auto unread = unread_properties.find(id); unread != unread_properties.end()) {
+    throw UnreadReference(unread->second);
+  }
+  card.fail(fmt::format("property {} has no {} card", id, kinds));
 }
 
 Eigen::Matrix3d ModelBuilder::axes_at(int system_index, const Eigen::Vector3d& point) const {

@@ -5,6 +5,7 @@
 #include <any>
 #include <array>
 #include <cstdint>
+#include <exception>
 #include <functional>
 #include <map>
 #include <span>
@@ -67,6 +68,14 @@ MaterialChoice solid_materials();
 /// Cards that give a shell its property, for ModelBuilder::properties.
 inline constexpr std::string_view k_shell_properties = "PSHELL, PCOMP or PCOMPG";
 
+/// A card cannot be used, because what it refers to is a property or a material that no rule reads.
+struct UnreadReference : std::exception {
+  const BulkCard* unread = nullptr;    ///< what no rule reads
+  const BulkCard* property = nullptr;  ///< that names the material; none: the card itself does
+
+  const char* what() const noexcept override { return "refers to a card that is not read"; }
+};
+
 class ModelBuilder {
  public:
   ModelBuilder(const NastranDeck& the_deck, const NastranOptions& the_options)
@@ -91,6 +100,7 @@ class ModelBuilder {
   std::vector<RawPoint> raw_points;
   std::vector<RawSystem> raw_systems;
   std::unordered_map<int, int> systems, materials;
+  std::unordered_map<int, UnreadReference> unread_properties, unread_materials;  ///< by id
   const BulkCard* grid_defaults = nullptr;
   const BulkCard* bar_defaults = nullptr;
   const BulkCard* beam_defaults = nullptr;
@@ -125,6 +135,7 @@ class ModelBuilder {
   /// Index of a coordinate system, -1 for basic (0 or blank).
   int system(const Card& card, int n, std::string_view what) const;
   /// Index of the material that field n names. @throws FormatError where there is none, or one of another kind
+  /// @throws UnreadReference  no rule reads it
   int material(const Card& card, int n, std::string_view what,
                const MaterialChoice& choice = isotropic_materials()) const;
   /// Axes (columns) of the displacement system of a node.
@@ -154,17 +165,18 @@ class ModelBuilder {
     if (found != properties_.end()) return *std::any_cast<Table>(&found->second);
     return *std::any_cast<Table>(&properties_.emplace(kinds, Table()).first->second);
   }
-  /// The property with that id; refuses one that does not exist.
+  /// The property with that id; refuses one that does not exist. @throws UnreadReference  no rule reads it
   template <typename Property>
   const Property& property(const Card& card, int id, std::string_view kinds) {
     const auto& table = properties<Property>(kinds);
     const auto found = table.find(id);
-    if (found == table.end()) card.fail(fmt::format("property {} has no {} card", id, kinds));
+    if (found == table.end()) refuse_property(card, id, kinds);
     return found->second;
   }
 
  private:
   void read_corner(const Card& card, int first, int i, int* nodes) const;
+  [[noreturn]] void refuse_property(const Card& card, int id, std::string_view kinds) const;
 
   struct Claim {
     const BulkCard* card = nullptr;
@@ -203,10 +215,15 @@ void read_case_settings(ModelBuilder& builder);
 struct UnreadCards {
   const BulkCard* first = nullptr;
   int count = 0;
+  std::string user = {};  ///< the first element that needs them; empty: they change the model by themselves
 };
 
-/// Skips, with notes, cards that no rule reads; refuses in one message all those that change the model.
-void handle_unread_cards(ModelBuilder& builder, std::span<const UnreadCards> unread);
+/// Keeps a card that no rule reads for UnreadReference, if it is a property or a material.
+void remember_unread(ModelBuilder& builder, const BulkCard& card);
+/// Those of the cards that no rule reads which change the model by themselves; the others are skipped, with notes.
+std::vector<UnreadCards> find_refused_cards(ModelBuilder& builder, std::span<const UnreadCards> unread);
+/// Refuses all of them in one message; does nothing where there is none.
+void refuse(const ModelBuilder& builder, std::vector<UnreadCards> refused);
 /// Refuses case control commands that change the matrices in a way that is not supported.
 void refuse_matrix_commands(ModelBuilder& builder);
 

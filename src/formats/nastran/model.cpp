@@ -43,8 +43,19 @@ class CardSorter {
                               shown(view.at(view.size())), reader.max_fields));
       }
       builder_.rule = rule;
-      reader.read(builder_, view);
+      try {
+        reader.read(builder_, view);
+      } catch (const UnreadReference& reference) {
+        set_aside(phase, view, reference);
+      }
     }
+  }
+
+  /// All kinds of cards that must be refused, as far as they are known by now.
+  std::vector<UnreadCards> refused() const {
+    std::vector<UnreadCards> all = refused_;
+    for (const auto& [name, cards] : needed_) all.push_back(cards);
+    return all;
   }
 
   void handle_the_others() {
@@ -53,7 +64,7 @@ class CardSorter {
     }
     std::vector<UnreadCards> unread;
     for (const auto& [name, cards] : unread_) unread.push_back(cards);
-    handle_unread_cards(builder_, unread);
+    refused_ = find_refused_cards(builder_, unread);
   }
 
  private:
@@ -70,7 +81,25 @@ class CardSorter {
       const Phase phase = rules_[static_cast<std::size_t>(last_rule_)].phase;
       sorted_[static_cast<std::size_t>(phase)].emplace_back(&card, last_rule_);
     } else {
+      remember_unread(builder_, card);
       ++unread_.try_emplace(card.name, UnreadCards{&card, 0}).first->second.count;
+    }
+  }
+
+  /// A property of a material that is not read matters only where an element names it.
+  void set_aside(Phase phase, const Card& card, UnreadReference reference) {
+    if (phase == Phase::properties) {
+      reference.property = &card.bulk();
+      builder_.unread_properties[card.id(1, "PID")] = reference;
+      return;
+    }
+    UnreadCards& needed = needed_[reference.unread->name];
+    if (needed.count++ > 0) return;
+    needed.first = reference.unread;
+    needed.user = fmt::format("{} {} at {}", card.name(), shown(card.at(1)), card.location());
+    if (reference.property != nullptr) {
+      const Card property = builder_.card_of(*reference.property);
+      needed.user += fmt::format(" (with {} {})", property.name(), shown(property.at(1)));
     }
   }
 
@@ -80,6 +109,8 @@ class CardSorter {
   std::array<std::vector<std::pair<const BulkCard*, int>>, k_phases> sorted_;
   std::map<std::string_view, int> ignored_;
   std::map<std::string_view, UnreadCards> unread_;
+  std::map<std::string_view, UnreadCards> needed_;  ///< properties and materials of elements
+  std::vector<UnreadCards> refused_;
   std::string_view last_name_;
   int last_rule_ = -1;
   bool is_last_ignored_ = false;
@@ -135,18 +166,27 @@ void choose_subcase(ModelBuilder& builder) {
   builder.subcase = static_cast<int>(found - subcases.begin());
 }
 
-void build(ModelBuilder& builder) {
-  choose_subcase(builder);
-  refuse_preload(builder);
-  refuse_matrix_commands(builder);
-  CardSorter sorter(builder);
-  sorter.handle_the_others();
+void read_structure(ModelBuilder& builder, CardSorter& sorter) {
   sorter.read(Phase::defaults);
   sorter.read(Phase::points);
   resolve_points(builder);
   sorter.read(Phase::materials);
   sorter.read(Phase::properties);
   sorter.read(Phase::elements);
+}
+
+void build(ModelBuilder& builder) {
+  choose_subcase(builder);
+  refuse_preload(builder);
+  refuse_matrix_commands(builder);
+  CardSorter sorter(builder);
+  sorter.handle_the_others();
+  try {
+    read_structure(builder, sorter);
+  } catch (const InvalidInput&) {
+    if (sorter.refused().empty()) throw;  // else it may follow from what is not read, of which all is told first
+  }
+  refuse(builder, sorter.refused());
   select_constraint_sets(builder);
   sorter.read(Phase::constraints);
   write_fixed(builder);

@@ -45,7 +45,9 @@ void set_reference_node(ModelBuilder& builder, const Parameter& parameter) {
 
 void apply(ModelBuilder& builder, const Parameter& parameter) {
   AnalysisSettings& settings = builder.model.settings;
-  if (parameter.name == "AUTOSPC") settings.automatic_constraints = is_yes(parameter);
+  if (parameter.name == "AUTOSPC") {
+    settings.automatic_constraints = is_yes(parameter) ? AutomaticConstraints::soft : AutomaticConstraints::null;
+  }
   if (parameter.name == "COUPMASS") settings.coupled_mass = number_of(parameter) > 0.0;
   if (parameter.name == "WTMASS") settings.mass_factor = number_of(parameter);
   if (parameter.name == "K6ROT") settings.drilling = number_of(parameter);

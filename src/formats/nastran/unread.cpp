@@ -34,9 +34,9 @@ constexpr int k_max_notes = 30;
 
 /// Everything else that changes stiffness, mass or constraints, besides names that resemble elements.
 constexpr std::string_view k_refused[] = {
-    "MAT3",   "MAT10",  "MAT11",  "MATG",   "MATHP", "MATORT*", "MATF",    "RBE1",    "RROD",   "RTRPLT*", "RSPLINE",
-    "RJOINT", "RSSCON", "RBE2GS", "RBE2F",  "GENEL", "PCOMP*",  "PLPLANE", "PLSOLID", "PBCOMP", "PBMSECT", "PBRSECT",
-    "PBEAM3", "PBEND",  "PSHLN*", "PSLDN1", "SPCAX", "MPCAX",   "RINGAX",  "GRIDB",   "GRIDF",  "SECTAX"};
+    "MAT3",    "MAT10",  "MAT11",  "MATG",   "MATHP", "MATORT*", "MATF",    "RBE1",    "RROD",   "RTRPLT*",
+    "RSPLINE", "RJOINT", "RSSCON", "RBE2GS", "RBE2F", "PCOMP*",  "PLPLANE", "PLSOLID", "PBCOMP", "PBMSECT",
+    "PBRSECT", "PBEAM3", "PSHLN*", "PSLDN1", "SPCAX", "MPCAX",   "RINGAX",  "GRIDB",   "GRIDF",  "SECTAX"};
 
 /// Cards that divide the structure into superelements or belong to one.
 constexpr std::string_view k_superelement_cards[] = {
@@ -63,7 +63,7 @@ bool looks_like_an_element(std::string_view name) {
   return name.size() > 1 && name[0] == 'C' && name[1] >= 'A' && name[1] <= 'Z';
 }
 
-/// Materials and properties: elements name them, so that a deck without them is refused for those.
+/// Materials and properties: they matter only where an element names them.
 bool is_referred_to(std::string_view name) {
   return name.starts_with("MAT") || name.starts_with('P');
 }
@@ -85,22 +85,39 @@ std::string way_out(std::span<const UnreadCards> refused) {
   return fmt::format("; model.ignore_cards = [{}] goes on without {}", join(names), names.size() > 1 ? "them" : "it");
 }
 
-[[noreturn]] void refuse(const ModelBuilder& builder, std::span<const UnreadCards> refused) {
+/// Who needs the cards, or how many there are.
+std::string use_of(const UnreadCards& cards) {
+  if (!cards.user.empty()) {
+    const std::string others = cards.count > 1 ? fmt::format(", as do {} more elements", cards.count - 1) : "";
+    return fmt::format("; {} needs it{}", cards.user, others);
+  }
+  return cards.count > 1 ? fmt::format(" ({} such cards in the deck)", cards.count) : "";
+}
+
+}  // namespace
+
+void refuse(const ModelBuilder& builder, std::vector<UnreadCards> refused) {
+  if (refused.empty()) return;
+  std::sort(refused.begin(), refused.end(),
+            [](const UnreadCards& a, const UnreadCards& b) { return a.first < b.first; });  // as they stand in the deck
   const Card first = builder.card_of(*refused.front().first);
   if (refused.size() == 1) {
-    const int count = refused.front().count;
-    const std::string others = count > 1 ? fmt::format(" ({} such cards in the deck)", count) : std::string();
-    first.fail(fmt::format("{}{}{}", reason_for(first.name()), others, way_out(refused)));
+    const UnreadCards& only = refused.front();
+    first.fail(fmt::format("{}{}{}", reason_for(first.name()), use_of(only), way_out(refused)));
   }
   std::vector<std::string> kinds;
   for (const UnreadCards& cards : refused) {
-    kinds.push_back(fmt::format("{} ({}, the first at {})", cards.first->name, cards.count,
-                                builder.deck.location_of(*cards.first)));
+    const std::string where = builder.deck.location_of(*cards.first);
+    kinds.push_back(cards.user.empty() ? fmt::format("{} ({}, the first at {})", cards.first->name, cards.count, where)
+                                       : fmt::format("{} {} ({}{})", cards.first->name,
+                                                     shown(builder.card_of(*cards.first).at(1)), where, use_of(cards)));
   }
   fail({builder.deck.files[static_cast<std::size_t>(first.bulk().file)], first.bulk().line},
        fmt::format("{} kinds of cards change the model and are not supported: {}; read are {}{}", kinds.size(),
                    join(kinds), names_of_read_cards(), way_out(refused)));
 }
+
+namespace {
 
 /// Notes of cards that are skipped although they may matter to somebody.
 void note_skipped(ModelBuilder& builder, const UnreadCards& cards) {
@@ -112,6 +129,10 @@ void note_skipped(ModelBuilder& builder, const UnreadCards& cards) {
                     cards.count, name));
   }
   if (is_one_of(k_harmless, name)) return;
+  if (is_one_of(k_refused, name)) {
+    builder.note(fmt::format("{} {} cards are not supported; no element that is read needs them", cards.count, name));
+    return;
+  }
   if (++builder.unknown_kinds > k_max_notes) {
     builder.count("{} further kinds of cards are not known here and were ignored");
     return;
@@ -124,23 +145,29 @@ constexpr std::string_view k_matrix_commands[] = {"K2GG", "M2GG", "B2GG", "K2PP"
 
 }  // namespace
 
-void handle_unread_cards(ModelBuilder& builder, std::span<const UnreadCards> unread) {
+void remember_unread(ModelBuilder& builder, const BulkCard& card) {
+  int id = 0;
+  if (!is_referred_to(card.name) || is_one_of(k_harmless, card.name)) return;
+  if (!parse_integer(builder.card_of(card).at(1), id)) return;
+  const bool is_material = card.name.starts_with("MAT");
+  (is_material ? builder.unread_materials : builder.unread_properties).try_emplace(id).first->second.unread = &card;
+}
+
+std::vector<UnreadCards> find_refused_cards(ModelBuilder& builder, std::span<const UnreadCards> unread) {
   std::vector<UnreadCards> refused;
   for (const UnreadCards& cards : unread) {
     const std::string_view name = cards.first->name;
     if (is_one_of(k_superelement_cards, name)) {
       builder.card_of(*cards.first).fail("superelements are not supported; write the whole structure as one model");
     }
-    if (!is_one_of(k_harmless, name) && (is_one_of(k_refused, name) || looks_like_an_element(name))) {
+    const bool changes_the_model = is_one_of(k_refused, name) || looks_like_an_element(name);
+    if (!is_one_of(k_harmless, name) && changes_the_model && !is_referred_to(name)) {
       refused.push_back(cards);
     } else {
       note_skipped(builder, cards);
     }
   }
-  if (refused.empty()) return;
-  std::sort(refused.begin(), refused.end(),
-            [](const UnreadCards& a, const UnreadCards& b) { return a.first < b.first; });  // as they stand in the deck
-  refuse(builder, refused);
+  return refused;
 }
 
 void refuse_matrix_commands(ModelBuilder& builder) {

@@ -61,6 +61,13 @@ std::vector<std::string> worst_shapes(const FiniteElementModel& model) {
   return lines;
 }
 
+std::string constraint_line(AutomaticConstraints wanted, std::size_t constrained) {
+  if (wanted == AutomaticConstraints::soft)
+    return fmt::format("AUTOSPC: {} degrees of freedom without stiffness are constrained", constrained);
+  return fmt::format("AUTOSPC is off: only the {} degrees of freedom with neither stiffness nor mass are constrained",
+                     constrained);
+}
+
 }  // namespace
 
 std::vector<std::string> FiniteElementStructure::description(
@@ -72,8 +79,7 @@ std::vector<std::string> FiniteElementStructure::description(
                               model_.nodes.size(), assembled_.equations.size(),
                               assembled_.dependent_degrees_of_freedom));
   lines.push_back(fmt::format("elements: {}", join(counts)));
-  lines.push_back(fmt::format("AUTOSPC: {} degrees of freedom without stiffness are constrained",
-                              assembled_.automatic_constraints.size()));
+  lines.push_back(constraint_line(model_.settings.automatic_constraints, assembled_.automatic_constraints.size()));
   if (const auto omitted = std::ranges::count(assembled_.is_omitted, true); omitted > 0) {
     lines.push_back(fmt::format("static reduction (ASET, OMIT): {} degrees of freedom are kept, {} omitted{}",
                                 std::ssize(assembled_.is_omitted) - omitted, omitted,

@@ -77,9 +77,8 @@ FiniteElementStructure::Matrices FiniteElementStructure::matrices_at(
 FiniteElementStructure::Matrices FiniteElementStructure::assembled_at(
     const Eigen::Ref<const Eigen::VectorXd>& parameters) const {
   FiniteElementModel deck = model_at(model_, targets_, parameters);
-  // AUTOSPC constrains the same components at all samples, those of the reference, so that all shapes have the same
-  // rows.
-  deck.settings.automatic_constraints = false;
+  // The same components are constrained at all samples, those of the reference, so that all shapes have the same rows.
+  deck.settings.automatic_constraints = AutomaticConstraints::none;
   deck.analysis_set.clear();
   deck.omitted_set.clear();
   for (const AutomaticConstraint& constraint : assembled_.automatic_constraints) {

@@ -66,10 +66,33 @@ TEST(AutomaticConstraints, HoldTheRotationsOfSolidsAlone) {
 
 TEST(AutomaticConstraints, OffLeavesTheRotationsInPlace) {
   FiniteElementModel model = one_brick().model;
-  model.settings.automatic_constraints = false;
+  model.settings.automatic_constraints = AutomaticConstraints::none;
   const AssembledModel assembled = assemble(model, {});
   EXPECT_TRUE(assembled.automatic_constraints.empty());
   EXPECT_EQ(assembled.equations.size(), 48U);
+}
+
+// A rod's points have mass across it, which is a mode of 0 Hz and stays; their rotations have none.
+TEST(AutomaticConstraints, OfNullEquationsLeaveThoseWithMassOrStiffness) {
+  test::ModelMaker maker = rods({{0, 0, 0}, {1, 0, 0}}, {{0, 1}});
+  maker.node(3, {9, 9, 9});
+  maker.model.settings.automatic_constraints = AutomaticConstraints::null;
+  const AssembledModel assembled = assemble(maker.model, {});
+  EXPECT_EQ(constrained_counts(assembled), std::pair(3, 9));
+  EXPECT_EQ(assembled.equations.size(), 6U);
+}
+
+// A spring of K = 0 that a parameter sets: its equation is null on the card alone.
+TEST(AutomaticConstraints, OfNullEquationsLeaveWhatAParameterMayStiffen) {
+  test::ModelMaker maker;
+  maker.scalar_point(1);
+  maker.scalar_point(2);
+  maker.spring(1, 0, 0, -1, 0, 0.0);
+  maker.spring(2, 1, 0, -1, 0, 5.0);
+  maker.model.settings.automatic_constraints = AutomaticConstraints::null;
+  EXPECT_EQ(assemble(maker.model, {}).equations.size(), 1U);
+  const FieldIndex stiffness = maker.model.elements<ScalarElement>().front().value;
+  EXPECT_EQ(assemble(maker.model, {{{stiffness}, false}}).equations.size(), 2U);
 }
 
 // Each point of a straight chain resists along one direction only, which is oblique: two translations are held, though

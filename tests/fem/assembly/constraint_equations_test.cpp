@@ -21,7 +21,7 @@ constexpr double k_rounding = 1e-13;  // arms of up to 5 and a 6 x 6 inversion
 /// Five points in general position, two of them in a cylindrical displacement system; no element, nothing held.
 test::ModelMaker points() {
   test::ModelMaker maker;
-  maker.model.settings.automatic_constraints = false;
+  maker.model.settings.automatic_constraints = AutomaticConstraints::none;
   const Eigen::Matrix3d axes = Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
   maker.model.coordinate_systems.push_back(
       {.id = 1, .kind = CoordinateSystem::Kind::cylindrical, .origin = {1, 1, 1}, .axes = axes});
@@ -177,7 +177,7 @@ TEST(Interpolations, HandOnAForceAndAMomentUnchanged) {
 // squares is the sum of y w / the sum of y^2 = (+-2 w) / 16.
 TEST(Interpolations, OfARectangleAreMeanAndSlope) {
   test::ModelMaker maker;
-  maker.model.settings.automatic_constraints = false;
+  maker.model.settings.automatic_constraints = AutomaticConstraints::none;
   Interpolation element{.id = 1, .reference = 4, .reference_components = 0x0c};
   int id = 1;
   for (const double x : {-1.0, 1.0}) {
@@ -220,7 +220,7 @@ TEST(Interpolations, RefuseSourcesOnALine) {
 // 2 u1 - 3 u2 + u3 = 0.
 TEST(MultipointEquations, SolveForTheirFirstTerm) {
   test::ModelMaker maker;
-  maker.model.settings.automatic_constraints = false;
+  maker.model.settings.automatic_constraints = AutomaticConstraints::none;
   for (int k = 1; k <= 3; ++k) maker.scalar_point(k);
   maker.model.multipoint_equations.push_back({{{0, 0, 2.0}, {1, 0, -3.0}, {2, 0, 1.0}}});
   const AssembledModel assembled = assemble(maker.model, {});

@@ -22,7 +22,7 @@ using Field = std::tuple<const char*, int, const char*>;
 FiniteElementModel mixed_model() {
   test::ModelMaker maker;
   FiniteElementModel& model = maker.model;
-  model.settings = {.automatic_constraints = false, .coupled_mass = true, .mass_factor = 0.5};
+  model.settings = {.automatic_constraints = AutomaticConstraints::none, .coupled_mass = true, .mass_factor = 0.5};
   model.coordinate_systems.push_back({.id = 1, .kind = CoordinateSystem::Kind::cylindrical, .origin = {-1, -1, 0}});
   const double corners[8][3] = {{0, 0, 0}, {1, 0, 0},   {1.1, 1, 0}, {0, 1, 0},
                                 {0, 0, 1}, {1, 0, 1.2}, {1, 1, 1},   {0, 1, 1}};

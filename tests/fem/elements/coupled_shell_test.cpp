@@ -24,7 +24,7 @@ test::ModelMaker plate(int node_count) {
   for (int k = 0; k < node_count; ++k)
     element.nodes[static_cast<std::size_t>(k)] = maker.node(k + 1, {k_places[k][0], k_places[k][1], 0.0});
   maker.model.elements<ShellElement>().push_back(element);
-  maker.model.settings.automatic_constraints = false;
+  maker.model.settings.automatic_constraints = AutomaticConstraints::none;
   return maker;
 }
 

@@ -104,7 +104,7 @@ FiniteElementModel panel(double f1, double f2) {
                                                        .thickness = thickness,
                                                        .nonstructural_mass = extra,
                                                        .effectiveness = {f1, f2}});
-  maker.model.settings.automatic_constraints = false;
+  maker.model.settings.automatic_constraints = AutomaticConstraints::none;
   return maker.model;
 }
 

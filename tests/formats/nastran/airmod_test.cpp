@@ -51,7 +51,7 @@ TEST_F(Airmod, HasTheSelectedConstraintsAndSettings) {
   EXPECT_EQ(read.model.fixed[0].second, 0x07);
   EXPECT_EQ(read.model.settings.modes, 35);
   EXPECT_TRUE(read.model.settings.coupled_mass);
-  EXPECT_TRUE(read.model.settings.automatic_constraints);
+  EXPECT_EQ(read.model.settings.automatic_constraints, AutomaticConstraints::soft);
   EXPECT_EQ(read.model.settings.drilling, 100.0);
 }
 

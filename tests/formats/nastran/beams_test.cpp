@@ -79,6 +79,17 @@ TEST(NastranBeams, HaveAPropertyThatRepeatsEndA) {
   EXPECT_EQ(model.beam_properties[1].shear_1, 1.0);  // Nastran's default, unlike PBAR's
 }
 
+// K1.., then M1(A) M2(A) M1(B) M2(B) N1(A) N2(A) N1(B) N2(B); blank at end B as at end A.
+TEST(NastranBeams, MayHaveTheirNeutralAxisBesideTheShearCentre) {
+  const BeamProperty property =
+      test::model_of(test::k_cube + "PBEAM,1,1,.1,.2,.3,,.4\n,\n,1.,1.\n,.5,.6,,,.7,.8,.7,.8\n")
+          .model.beam_properties.front();
+  EXPECT_EQ(property.nonstructural_center, Eigen::Vector2d(0.5, 0.6));
+  EXPECT_EQ(property.neutral_axis, Eigen::Vector2d(0.7, 0.8));
+  EXPECT_THAT(test::refusal_of(test::k_cube + "PBEAM,1,1,.1,.2,.3,,.4\n,\n,YES,1.,.2,.2,.3,,.4\n,\n,\n,,,,,.7\n"),
+              ::testing::HasSubstr("N1, N2 are given for a tapered beam; they are supported for constant beams only"));
+}
+
 TEST(NastranBeams, AreReadWithEndsAndOrientation) {
   const FiniteElementModel model =
       cube_with(k_bar + "CBAR,1,,1,2,0.,1.,0.\n,6,45,0.,.1,0.,0.,.2,0.\nPBEAM,1,1,.1,.2,.3\nCBEAM,2,1,1,2,8\n");

@@ -235,7 +235,7 @@ TEST(NastranEquations, AreAddedUp) {
 
 TEST(NastranSettings, HaveNastransDefaults) {
   const AnalysisSettings settings = model_of("GRID,1\n").model.settings;
-  EXPECT_TRUE(settings.automatic_constraints);
+  EXPECT_EQ(settings.automatic_constraints, AutomaticConstraints::soft);
   EXPECT_FALSE(settings.coupled_mass);
   EXPECT_EQ(settings.reference_node, -1);
   EXPECT_EQ(settings.modes, 0);
@@ -247,7 +247,7 @@ TEST(NastranSettings, AreReadFromParameters) {
           "GRID,1\nGRID,8\nPARAM,AUTOSPC,NO\nPARAM,COUPMASS,1\nPARAM,WTMASS,.00259\nPARAM,K6ROT,10.\nPARAM,GRDPNT,8\n"
           "PARAM,POST,-1\n")
           .model.settings;
-  EXPECT_FALSE(settings.automatic_constraints);
+  EXPECT_EQ(settings.automatic_constraints, AutomaticConstraints::null);
   EXPECT_TRUE(settings.coupled_mass);
   EXPECT_EQ(settings.mass_factor, 0.00259);
   EXPECT_EQ(settings.drilling, 10.0);

@@ -123,7 +123,7 @@ TEST(FiniteElementStructure, IsAssembledAnewWhereGeometryMoves) {
 // Torsion alone: f ~ sqrt(G) ~ (1 + nu)^(-1/2).
 TEST(FiniteElementStructure, IsAssembledAnewWherePoissonsRatioMoves) {
   FiniteElementModel deck = cantilever(4);
-  deck.settings.automatic_constraints = false;
+  deck.settings.automatic_constraints = AutomaticConstraints::none;
   for (int k = 1; k <= 4; ++k) deck.fixed.emplace_back(k, Components{0x37});  // all but the rotation about x
   const StructureModel model = modal(deck, one_each({"MAT1:1:NU"}), {.frequencies = {1}});
   EXPECT_EQ(model.structure().parameter_role(0), "re-assembled for each sample");
@@ -242,7 +242,7 @@ TEST(FiniteElementStructure, AnImpossibleGeometryIsAFailureThatNamesTheElement) 
 TEST(FiniteElementStructure, WithoutAutomaticConstraintsNamesTheLooseDegreeOfFreedom) {
   FiniteElementModel model = cantilever(3);
   model.nodes.push_back({.id = 200, .position = {5, 0, 0}});
-  model.settings.automatic_constraints = false;
+  model.settings.automatic_constraints = AutomaticConstraints::none;
   EXPECT_THAT(test::message_of<InvalidInput>([&] { modal(model, one_each({"MAT1:1:E"}), {.frequencies = {1}}); }),
               HasSubstr("(first seen at 200:+"));
 }

@@ -24,7 +24,7 @@ struct Equation {
   int component = 0;  ///< 0..5
 };
 
-/// A degree of freedom that was constrained automatically because it has no stiffness (AUTOSPC).
+/// A degree of freedom that was constrained automatically because it has no stiffness, see AutomaticConstraints.
 struct AutomaticConstraint {
   int node = 0;
   int component = 0;
@@ -47,8 +47,9 @@ struct AssembledModel {
 /// Assembles the model, each element's matrices times the powers of what the parameters move.
 ///
 /// Rigid and interpolation elements and multipoint constraints are eliminated exactly (u = T u_free), fixed components
-/// removed. With AUTOSPC on, a direction of a node's translations or rotations in which the stiffness is below 1e-8 of
-/// the node's largest is constrained at the component nearest to it, and counted.
+/// removed. With AutomaticConstraints::soft, a direction of a node's translations or rotations in which the stiffness
+/// is below 1e-8 of the node's largest is constrained at the component nearest to it, and counted; with `null`,
+/// equations whose rows of K(x) and M(x) are zero at every x.
 ///
 /// @param parameters     by number; a field belongs to one parameter at most
 /// @throws InvalidInput  an element or constraint that cannot be (its name in front), a degree of freedom that is

@@ -31,6 +31,7 @@ struct BeamSection {
   double inertia_12 = 0.0;                  ///< integral of y z
   double torsion = 0.0;
   double shear_1 = 0.0, shear_2 = 0.0;  ///< K1, K2: shear area / area in planes 1 and 2; 0: rigid in shear
+  Eigen::Vector2d neutral_axis = Eigen::Vector2d::Zero();  ///< N1, N2: its y and z from the shear centre, the axis x
 };
 
 /// What a unit matrix is to be multiplied by. `E`, `G`: the matrix holds the given section's numbers itself.
@@ -47,7 +48,9 @@ struct BeamPiece {
 ///
 /// Bending is EI1, EI2 and, where the section has an inertia_12, EI12. Shear flexibility makes bending a rational
 /// function of I1, A and E/G, and pins do the same where inertia_12 couples the planes; bending is then one piece E,
-/// which holds for this section and this E/G only. Pins release the ends of the bar (beyond the offsets).
+/// which holds for this section and this E/G only. Pins release the ends of the bar (beyond the offsets). Where the
+/// neutral axis lies beside the shear centre, EA acts along the neutral axis; with pins in bending or along the axis it
+/// is part of the piece E.
 ///
 /// @param young_over_shear  E / G, > 0; used only where the section is flexible in shear
 /// @return                  EA, GJ, then bending
@@ -63,7 +66,7 @@ struct BeamMass {
   BeamMatrix torsional = BeamMatrix::Zero();  ///< times rho (I1 + I2): the rotation about the axis
 };
 
-/// Mass of a beam per unit of its coefficients.
+/// Mass of a beam per unit of its coefficients; its line lies at `center` (y, z in element axes).
 ///
 /// Lumped: half of it at each end, beyond the offsets; pins do not touch it. Consistent: cubic deflections without
 /// shear flexibility; along and about the axis the mean of linear and lumped (5/12 and 1/12), as in Nastran, whose
@@ -72,7 +75,8 @@ struct BeamMass {
 ///
 /// @throws InvalidInput  the geometry, as beam_stiffness
 /// Source: [Przemieniecki1968], ch. 11.
-BeamMass beam_mass(const BeamGeometry& geometry, MassKind kind);
+BeamMass beam_mass(const BeamGeometry& geometry, MassKind kind,
+                   const Eigen::Vector2d& center = Eigen::Vector2d::Zero());
 
 /// Stiffness of a rod: axial and torsional, as pieces EA and GJ.
 ///

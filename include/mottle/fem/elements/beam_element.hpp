@@ -27,9 +27,11 @@ struct BeamProperty {
   int material = -1;
   FieldIndex area = k_no_field, inertia_1 = k_no_field, inertia_2 = k_no_field, inertia_12 = k_no_field,
              torsion = k_no_field, nonstructural_mass = k_no_field;
-  double shear_1 = 0.0, shear_2 = 0.0;     ///< K1, K2: shear area / area; 0: rigid in shear
-  std::string section;                     ///< "ROD", "BAR", "TUBE", ... of PBARL; empty: the numbers above are given
-  std::vector<FieldIndex> dimensions;      ///< DIM1...
+  double shear_1 = 0.0, shear_2 = 0.0;  ///< K1, K2: shear area / area; 0: rigid in shear
+  std::string section;                  ///< "ROD", "BAR", "TUBE", ... of PBARL; empty: the numbers above are given
+  std::vector<FieldIndex> dimensions;   ///< DIM1...
+  /// N1, N2 and M1, M2: y and z of the neutral axis and of the nonstructural mass, from the shear centre.
+  Eigen::Vector2d neutral_axis = Eigen::Vector2d::Zero(), nonstructural_center = Eigen::Vector2d::Zero();
   std::vector<BeamStation> stations = {};  ///< ascending, the last at end B; empty: the section is constant
 };
 

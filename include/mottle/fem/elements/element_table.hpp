@@ -6,6 +6,8 @@
 
 #include "mottle/fem/elements/beam_element.hpp"
 #include "mottle/fem/elements/bush_element.hpp"
+#include "mottle/fem/elements/curved_beam_element.hpp"
+#include "mottle/fem/elements/general_element.hpp"
 #include "mottle/fem/elements/point_mass_element.hpp"
 #include "mottle/fem/elements/rod_element.hpp"
 #include "mottle/fem/elements/scalar_element.hpp"
@@ -20,8 +22,8 @@ template <typename... Elements>
 using ListsOf = std::tuple<std::vector<Elements>...>;
 
 /// The elements of a model, in the order in which the assembly adds them up.
-using ElementLists = ListsOf<SolidElement, ShellElement, ShearPanelElement, BeamElement, RodElement, ScalarElement,
-                             BushElement, PointMassElement>;
+using ElementLists = ListsOf<SolidElement, ShellElement, ShearPanelElement, BeamElement, CurvedBeamElement, RodElement,
+                             ScalarElement, BushElement, GeneralElement, PointMassElement>;
 
 /// Calls `action` with the list of each kind in turn.
 template <typename Lists, typename Action>
