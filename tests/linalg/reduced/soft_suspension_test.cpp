@@ -15,14 +15,19 @@ using test::Family;
 
 constexpr int k_masses = 160, k_modes = 4;
 
-/// A chain whose two halves are parameters, on springs at its ends, which are another one.
-Family suspended_chain() {
-  Entries soft{{0, 0, 1e4}, {k_masses - 1, k_masses - 1, 1e4}}, halves[2], masses;
+/// A chain whose two halves are parameters, on springs at its ends, which are another one; the halves' masses too if
+/// they move.
+Family suspended_chain(bool moves_mass = false) {
+  Entries soft{{0, 0, 1e4}, {k_masses - 1, k_masses - 1, 1e4}}, halves[2], masses, heavy[2];
   for (int i = 0; i + 1 < k_masses; ++i) test::add_spring(halves[2 * i / k_masses], i, i + 1, 1e12);
-  for (int i = 0; i < k_masses; ++i) masses.emplace_back(i, i, 1.0);
+  for (int i = 0; i < k_masses; ++i) (moves_mass ? heavy[2 * i / k_masses] : masses).emplace_back(i, i, 1.0);
   Family family;
   family.terms.stiffness_constant = test::matrix_of(k_masses, {});
   family.terms.mass_constant = family.mass = test::matrix_of(k_masses, masses);
+  for (const Entries& entries : heavy) {
+    if (moves_mass) family.terms.mass.push_back(test::matrix_of(k_masses, entries));
+  }
+  for (const SparseMatrix& term : family.terms.mass) family.mass += term;
   for (const Entries& entries : {soft, halves[0], halves[1]}) {
     family.terms.stiffness.push_back(test::matrix_of(k_masses, entries));
   }
@@ -79,6 +84,13 @@ TEST(SoftSuspension, RefinedModesAreWithinTheirBoundsToo) {
       EXPECT_LT(error, found.bounds(k) + k_rounding) << "sample " << s << ", mode " << k;
     }
   });
+}
+
+TEST(SoftSuspension, MassesAreDefiniteHoweverManyModesAreFollowed) {
+  const Family family = suspended_chain(true);
+  const ReducedModel model = test::trained(family, {.modes = 30, .tolerance = 1e-4}, 0.2);
+  EXPECT_FALSE(model.has_indefinite_terms());
+  EXPECT_LT(model.solve(family.lognormal(20, 0.2, 2), 1).bounds.maxCoeff(), 1e-3);
 }
 
 }  // namespace
