@@ -190,41 +190,34 @@ void FullPencils::bound_stiffness(const PencilTerms& terms, const Eigen::VectorX
 
 namespace {
 
-/// The nominal mass with a unit mass for each massless equation, where terms have nothing either.
-SparseMatrix mass_without_gaps(const FullPencils& full) {
-  SparseMatrix form = full.mass_at(full.nominal_mass);
-  for (Eigen::Index i = 0; i < form.rows(); ++i) {
-    if (form.coeff(i, i) == 0.0) form.coeffRef(i, i) = 1.0;
-  }
-  return form;
-}
-
-/// Whether what k_inertia_tolerance leaves of the terms' negative parts is at most `negligible` of the mass, for all
-/// motions: M - (2 k_inertia_tolerance / negligible) sum |b_t| |diag(M_t)| is definite.
-bool is_above_rounding(const PencilTerms& terms, const Eigen::VectorXd& nominal, SparseMatrix form, double negligible) {
+/// Whether what k_inertia_tolerance leaves of the terms' negative parts is at most `negligible` of the mass for all
+/// motions with y'A y <= highest y'M y: M + A / highest - (4 k_inertia_tolerance / negligible) D is definite, with D
+/// the sum of |b_t| |diag(M_t)|.
+bool is_above_rounding(const FullPencils& full, const PencilTerms& terms, double highest, double negligible) {
   Eigen::VectorXd diagonal = terms.mass_constant.diagonal().cwiseAbs();
   for (std::size_t t = 0; t < terms.mass.size(); ++t) {
-    diagonal += std::abs(nominal(static_cast<Eigen::Index>(t) + 1)) * terms.mass[t].diagonal().cwiseAbs();
+    diagonal += std::abs(full.nominal_mass(static_cast<Eigen::Index>(t) + 1)) * terms.mass[t].diagonal().cwiseAbs();
   }
-  const double multiple = 2.0 * k_inertia_tolerance / negligible;
+  SparseMatrix form = full.mass_at(full.nominal_mass) + full.shifted / highest;
+  const double multiple = 4.0 * k_inertia_tolerance / negligible;
   for (Eigen::Index i = 0; i < form.rows(); ++i) form.coeffRef(i, i) -= multiple * diagonal(i);
+  form.makeCompressed();
   return make_definite_factor()->factorise(form);
 }
 
 }  // namespace
 
 void FullPencils::bound_mass(const PencilTerms& terms, const Eigen::VectorXd& flexibility) {
-  constexpr double k_negligible = 1e-6;  // of the mass
+  constexpr double k_negligible = 1e-6;  // of the mass, for the modes that are followed
   mass_bounds = Eigen::MatrixXd::Zero(nominal_mass.size(), 2);
   if (terms.mass.empty()) return;  // M is the same everywhere
   const std::vector<int> order = solver_.factor().order();
-  std::optional<bool> holds_for_all_motions;
-  const auto is_negligible = [&](const SparseMatrix& term) {
-    if (negative_part(term, flexibility) * (highest_mode - shift) <= k_negligible) return true;  // of modes followed
-    if (!holds_for_all_motions) {
-      holds_for_all_motions = is_above_rounding(terms, nominal_mass, mass_without_gaps(*this), k_negligible);
-    }
-    return *holds_for_all_motions;
+  std::optional<bool> are_all_negligible;
+  const auto is_negligible = [&](const SparseMatrix& term) {  // for the modes that are followed
+    const double highest = highest_mode - shift;
+    if (negative_part(term, flexibility) * highest <= k_negligible) return true;
+    if (!are_all_negligible) are_all_negligible = is_above_rounding(*this, terms, highest, k_negligible);
+    return *are_all_negligible;
   };
   std::unique_ptr<DefiniteFactor> factor;
   SparseMatrix form;
@@ -239,7 +232,10 @@ void FullPencils::bound_mass(const PencilTerms& terms, const Eigen::VectorXd& fl
     }
     if (factor == nullptr) {
       factor = make_definite_factor();
-      form = mass_without_gaps(*this);
+      form = mass_at(nominal_mass);
+      for (Eigen::Index i = 0; i < form.rows(); ++i) {  // massless equations, where terms have nothing either
+        if (form.coeff(i, i) == 0.0) form.coeffRef(i, i) = 1.0;
+      }
     }
     if (!factor->factorise(form)) {
       mass_bounds.row(t) << -k_infinite, k_infinite;
