@@ -60,6 +60,8 @@ install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/mottle RENAME cop
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/libmottle-dev RENAME copyright COMPONENT development)
 install(DIRECTORY examples DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/mottle COMPONENT runtime
   PATTERN "*.mottle" EXCLUDE PATTERN "__pycache__" EXCLUDE PATTERN "06-cpp-library" EXCLUDE)
+install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/mottle COMPONENT runtime)
+install(FILES README.md CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/mottle COMPONENT runtime)
 install(DIRECTORY examples/06-cpp-library DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/libmottle-dev/examples
   COMPONENT development)
 

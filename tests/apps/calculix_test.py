@@ -268,6 +268,13 @@ class CalculixTest(support.CommandTest):
         self.assertEqual(ended.code, 3, ended.err)
         self.assertIn("a stiffness that is not symmetric", ended.err)
 
+    def test_a_diagnosis_tries_the_decks_other_numbers(self):
+        base = frequencies_of(self.folder, DECK)
+        rows = [",".join(f"{f * (1 + 0.002 * ((7 * s + 3 * k) % 5 - 2)):.8g}" for k, f in enumerate(base)) for s in range(8)]
+        self.write("tests.csv", "f1,f2,f3\n" + "\n".join(rows) + "\n")
+        self.write("study.toml", STUDY + '[test]\nfile = "tests.csv"\nrepeatability = { "f*" = "0.1 %" }\n')
+        self.assertIn("*DENSITY:STEEL", self.succeed("diagnose", "study.toml", "--out", "out", timeout=300).out)
+
     def test_runs_that_fail_are_told_with_what_the_solver_printed(self):
         for text, code, phrase in (("echo '*ERROR in calinput: no mesh'; exit 201", 3, "*ERROR in calinput: no mesh"),
                                    ("exit 0", 3, "it stored no matrices"),

@@ -186,6 +186,7 @@ class InitTest(support.CommandTest):
         found = self.propose("plate.inp", example / "specimens.csv", "--out", "s.toml", "--cache", "kept")
         self.assertEqual(found["kind"], "calculix")
         self.assertEqual((found["units"], found["specimens"]), ("SI", 15))
+        self.assertEqual(found["pairing"], "named", "f3 of the first row is above f4: the columns are numbered as the model")
         self.assertEqual(self.outputs(found), list(range(1, 11)))
         # Of the deck's nine numbers; a density, a modulus and a thickness of one sheet scale all modes alike.
         self.assertIn("*SPRING:MOUNTS3", self.parameters(found))

@@ -41,11 +41,12 @@ class PrivateFolder {
   fs::path path_;
 };
 
-/// The last lines of what the solver printed, errors first.
+/// What the solver printed from its first error on, since the last one only says that there were others; the last lines
+/// where there is none.
 std::string tail_of(const fs::path& folder) {
   constexpr std::size_t k_bytes = 1500;
   const std::string text = last_part(folder / k_standard_output) + last_part(folder / k_standard_error);
-  const std::size_t error = text.rfind("*ERROR");
+  const std::size_t error = text.find("*ERROR");
   if (error != std::string::npos) return text.substr(error, k_bytes);
   return text.size() > k_bytes ? text.substr(text.size() - k_bytes) : text;
 }

@@ -67,18 +67,24 @@ void place(Instance& instance, const CalculixDeck& deck, const AbaqusBlock& bloc
   instance.is_turned = turn[6] != 0.0;
 }
 
-/// Nodes and elements that a card makes have their numbers in front.
-long long largest_number(const std::vector<AbaqusBlock>& blocks) {
-  long long largest = 0;
+/// Nodes or elements that the cards `keyword` make have their numbers in front.
+std::set<long long> numbers_of(const std::vector<AbaqusBlock>& blocks, std::string_view keyword) {
+  std::set<long long> numbers;
   for (const AbaqusBlock& block : blocks) {
-    if (block.keyword.name != "NODE" && block.keyword.name != "ELEMENT") continue;
+    if (block.keyword.name != keyword) continue;
     for (const std::string& line : block.data) {
       long long number = 0;
       const std::string_view text(line);
-      if (parse_whole(trim_blanks(text.substr(0, text.find(','))), number)) largest = std::max(largest, number);
+      if (parse_whole(trim_blanks(text.substr(0, text.find(','))), number)) numbers.insert(number);
     }
   }
-  return largest;
+  return numbers;
+}
+
+long long largest_number(const std::vector<AbaqusBlock>& blocks) {
+  std::set<long long> numbers = numbers_of(blocks, "NODE");
+  numbers.merge(numbers_of(blocks, "ELEMENT"));
+  return numbers.empty() ? 0 : *numbers.rbegin();
 }
 
 bool is_number(std::string_view text) {
@@ -119,6 +125,10 @@ std::string AbaqusModel::reference(const CalculixDeck& deck, std::size_t line, c
     long long number = 0;
     if (!parse_whole(name, number) || number > k_largest_number) {
       refuse(deck, line, fmt::format("'{}' is no number of a node or element", name));
+    }
+    if (kind == 'n' && !(scope == nullptr ? nodes : scope->nodes).contains(number)) {
+      refuse(deck, line,
+             fmt::format("{} has no node {}", scope == nullptr ? "the assembly" : "instance " + scope->name, number));
     }
     return fmt::format("{}", number + (scope == nullptr ? offset : scope->offset));
   }
@@ -184,6 +194,7 @@ class ModelReader {
     for (const AbaqusBlock& block : blocks_) take(block);
     if (!open_.empty()) refuse(deck_, opened_at_, fmt::format("*{} has no *END {}", open_, open_));
     number();
+    find_nodes();
     find_single_nodes();
     return std::move(model_);
   }
@@ -245,6 +256,11 @@ class ModelReader {
       instance.offset = model_.offset;
       model_.offset += step;
     }
+  }
+
+  void find_nodes() {
+    model_.nodes = numbers_of(model_.model, "NODE");
+    for (Instance& instance : model_.instances) instance.nodes = numbers_of(instance.blocks, "NODE");
   }
 
   void find_single_nodes() {

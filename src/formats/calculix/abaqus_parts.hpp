@@ -28,6 +28,7 @@ struct Instance {
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();  ///< after the translation
   bool is_turned = false;
   long long offset = 0;  ///< added to its nodes and elements
+  std::set<long long> nodes = {};
 
   bool is_moved() const { return is_turned || !translation.isZero(0.0); }
 };
@@ -36,12 +37,13 @@ struct AbaqusModel {
   std::vector<Instance> instances;
   std::vector<AbaqusBlock> model;                   ///< of the assembly and outside of it, in the deck's order
   long long offset = 0;                             ///< of the assembly's own nodes and elements
+  std::set<long long> nodes = {};                   ///< the assembly's own
   std::map<std::string, std::string> single_nodes;  ///< sets of one node, by their names in the flat deck
 
   const Instance& instance(const CalculixDeck& deck, std::size_t line, const std::string& name) const;
   /// "SET" inside of an instance -> "INSTANCE.SET"; outside as it is.
   std::string set_name(const std::string& name, const Instance* scope) const;
-  /// A node (kind n), element (e) or surface (s), by number or name, "INSTANCE.17" too.
+  /// A node (kind n; m: it need not be there), element (e) or surface (s), by number or name, "INSTANCE.17" too.
   std::string reference(const CalculixDeck& deck, std::size_t line, const std::string& field, char kind,
                         const Instance* scope) const;
   /// The node of REF NODE, which Abaqus lets one give by a set.

@@ -197,7 +197,7 @@ class Writer {
     const auto& parameters = block.keyword.parameters;
     if (card.keyword == "ELEMENT" && continues) return "n";
     if (card.keyword == "SURFACE" && parameters.contains("TYPE") && parameters.at("TYPE") == "NODE") return "n.";
-    if (card.keyword == "NSET" && parameters.contains("GENERATE")) return "nn.";
+    if (card.keyword == "NSET" && parameters.contains("GENERATE")) return "mm.";
     if (card.keyword == "ELSET" && parameters.contains("GENERATE")) return "ee.";
     if (card.keyword == "EQUATION" && fields_of(line).size() <= 2 && line.find('.') == std::string::npos &&
         (fields_of(line).size() == 1 || fields_of(line)[1].empty())) {

@@ -86,6 +86,17 @@ double negative_part(const SparseMatrix& term, const Eigen::VectorXd& flexibilit
   return 2.0 * k_inertia_tolerance * flexibility.dot(Eigen::VectorXd(term.diagonal()).cwiseAbs());
 }
 
+/// See ReducedModel::resolution().
+Eigen::MatrixXd resolution_of(const SparseMatrix& stiffness, const Eigen::VectorXd& values,
+                              const Eigen::MatrixXd& modes) {
+  Eigen::MatrixXd result(values.size(), 2);
+  const Eigen::MatrixXd sizes = modes.leftCols(values.size()).cwiseAbs();
+  result.col(0) = values;
+  result.col(1) = std::numeric_limits<double>::epsilon() *
+                  sizes.cwiseProduct(symmetric_product(stiffness.cwiseAbs(), sizes)).colwise().sum().transpose();
+  return result;
+}
+
 bool is_known(const std::vector<bool>& is_semidefinite, Eigen::Index term) {
   const auto t = static_cast<std::size_t>(term);
   return t < is_semidefinite.size() && is_semidefinite[t];
@@ -108,6 +119,7 @@ FullPencils::FullPencils(const PencilTerms& terms, const TermCoefficients& nomin
   shift = found.shift;
   highest_mode = found.values(found.values.size() - 1);
   modes = std::move(found.vectors);
+  resolution = resolution_of(nominal_k, found.values.head(std::min<Eigen::Index>(options.modes, modes.cols())), modes);
   // Upper bound of the shifted mass' fraction of A: Ritz values of this tolerance are exact to its square.
   constexpr double k_above_exact = 1.01;
   mass_fraction = std::min(1.0, k_above_exact * std::abs(shift) / (found.values(0) - shift));

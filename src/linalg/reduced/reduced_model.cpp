@@ -236,6 +236,10 @@ bool ReducedModel::has_indefinite_terms() const {
   return parts_->full->has_indefinite_terms();
 }
 
+const Eigen::MatrixXd& ReducedModel::resolution() const {
+  return parts_->full->resolution;
+}
+
 double ReducedModel::exact_seconds() const {
   return parts_->full->exact_seconds;
 }

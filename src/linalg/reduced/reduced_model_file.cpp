@@ -135,13 +135,14 @@ class Reader {
 /// All that a file keeps, in its order. A new member of these structures does not compile here until it is placed.
 template <typename Visitor, typename Facts, typename Parts>
 void visit(Visitor& visitor, Facts& nominal, Parts& parts) {
-  auto& [stiffness_bounds, mass_bounds, mass_fraction, exact_seconds, shift, highest_mode] = nominal;
+  auto& [stiffness_bounds, mass_bounds, mass_fraction, exact_seconds, shift, highest_mode, resolution] = nominal;
   visitor(stiffness_bounds);
   visitor(mass_bounds);
   visitor(mass_fraction);
   visitor(exact_seconds);
   visitor(shift);
   visitor(highest_mode);
+  visitor(resolution);
   auto& [full, options, basis, pending, stiffness, mass, reference_pencils, reaches_tolerance, reference_modes,
          stiffness_sketch, mass_sketch, prepared] = parts;
   (void)full;      // made from the inputs

@@ -41,6 +41,7 @@ struct NominalFacts {
   double exact_seconds = 0.0;        ///< processor time of the nominal solution
   double shift = 0.0;                ///< A = K - shift M, at the nominal sample
   double highest_mode = 0.0;         ///< lambda of the highest nominal mode
+  Eigen::MatrixXd resolution;        ///< see ReducedModel::resolution()
 };
 
 /// The pencils in all equations, with the nominal pencil's factor and modes. The constant terms come first. Copies of a

@@ -1,9 +1,13 @@
 #include "model/solvers/trained_reduced_models.hpp"
 
 #include <cmath>
+#include <numbers>
+#include <string>
+#include <vector>
 
 #include "model/solvers/reduced_model_cache.hpp"
 #include "mottle/core/error.hpp"
+#include "mottle/core/text.hpp"
 
 namespace mottle::model {
 
@@ -28,6 +32,28 @@ std::shared_ptr<const ReducedComparison> TrainedReducedModel::comparison_with(
   return comparison_;
 }
 
+namespace {
+
+/// Modes so soft that the rounded numbers of the model decide on digits within the tolerance. What they decide
+/// altogether is a rigid-body mode.
+void note_unresolved_modes(const Eigen::MatrixXd& resolution, double tolerance, const RunContext& context) {
+  constexpr double k_matters = 0.1, k_rigid = 0.5;
+  std::vector<std::string> modes;
+  for (Eigen::Index k = 0; k < resolution.rows(); ++k) {
+    const double error = 0.5 * resolution(k, 1) / std::abs(resolution(k, 0));
+    if (!(error > k_matters * tolerance && error < k_rigid)) continue;
+    modes.push_back(fmt::format("{} ({:.4g} Hz) by {:.1e}", k + 1,
+                                std::sqrt(std::abs(resolution(k, 0))) / (2.0 * std::numbers::pi), error));
+  }
+  if (modes.empty()) return;
+  context.note(
+      fmt::format("Rounding of the model's own numbers may change the frequency of mode {} of itself, however it is "
+                  "solved; the error bounds of reduced models do not include that.",
+                  join(modes)));
+}
+
+}  // namespace
+
 std::shared_ptr<const TrainedReducedModel> TrainedReducedModels::at(const SampleRegion* region, int modes,
                                                                     const RunContext& context) {
   const std::lock_guard lock(mutex_);
@@ -41,6 +67,7 @@ std::shared_ptr<const TrainedReducedModel> TrainedReducedModels::at(const Sample
       context.note(fmt::format("The prior is too wide for a reduced model within {:.1e}: training ended at {} vectors.",
                                settings_.frequency_error, prior_->model().basis().cols()));
     }
+    if (prior_ != nullptr) note_unresolved_modes(prior_->model().resolution(), settings_.frequency_error, context);
   }
   if (region == nullptr) return prior_;
   if (latest_region_ == region->digest()) return latest_;

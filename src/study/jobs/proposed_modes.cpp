@@ -148,6 +148,21 @@ bool are_frequencies_named(const CsvTable& table, const std::vector<InitMode>& m
   return near > far;
 }
 
+/// Whether the means of the columns of frequencies do not ascend with their numbers: who numbers modes by rank has none
+/// such, so these are numbers of a model's modes.
+bool are_out_of_order(const CsvTable& table) {
+  std::map<int, double> means;
+  for (std::size_t column = 0; column < table.header.size(); ++column) {
+    const auto title = numbered_title(table.header[column]);
+    if (!title || title->stem != traits_of(QuantityKind::frequency).stem) continue;
+    InitMode tested{.test_mean = k_nan};
+    add_values(numbers_of_column(table, static_cast<int>(column)), tested);
+    if (tested.specimens > 0) means[title->number] = tested.test_mean;
+  }
+  const auto falls = [](const auto& one, const auto& next) { return one.second > next.second; };
+  return std::adjacent_find(means.begin(), means.end(), falls) != means.end();
+}
+
 /// A table whose columns have the numbers of the model's modes.
 void take_by_number(const TableShapes& table_shapes, const TestContents& contents, PairedTests& found) {
   const CsvTable& table = *contents.table;
@@ -212,8 +227,14 @@ PairedTests pair_for_proposal(const Study& draft, TestContents contents, const E
     found.specimens =
         static_cast<int>(table.rows.size() - static_cast<std::size_t>(std::ranges::count_if(table.rows, is_empty)));
     const std::optional<TableShapes> shapes = shapes_of_table(table, *made.model);
-    if (shapes && shapes->counts_as_model() && are_frequencies_named(table, found.modes)) {
-      take_by_number(*shapes, contents, found);
+    const bool shapes_agree = shapes && shapes->counts_as_model();
+    if ((shapes_agree || (!shapes && are_out_of_order(table))) && are_frequencies_named(table, found.modes)) {
+      if (!shapes) {
+        found.notes.emplace_back(
+            "The columns' frequencies do not ascend with their numbers, so these are taken for the numbers of the "
+            "model's modes: column f3 is the model's mode 3. If they are not, say test.pairing = \"frequency\".");
+      }
+      take_by_number(shapes.value_or(TableShapes{}), contents, found);
     } else {
       if (shapes) found.notes.push_back(shapes_note(*shapes));
       pair_by_frequency(draft, *made.model, contents, found);

@@ -19,9 +19,22 @@ NextStep more_iterations(const SummarySources& s) {
           "The update did not converge: allow more iterations, or start nearer to the solution."};
 }
 
+/// A model by command has no list of numbers that could be tried.
 NextStep diagnosis(const SummarySources& s) {
+  if (!s.study.model->has_targets()) {
+    return {command_of(s, "update"),
+            "After making further numbers of the solver's input placeholders with parameters of their own: `mottle "
+            "diagnose` cannot try them, since it does not know the input of a program."};
+  }
   return {command_of(s, "diagnose"),
           "Tries the model's other numbers as further parameters, and says which of them explains the tests best."};
+}
+
+NextStep stated_noise(const SummarySources& s) {
+  return {
+      command_of(s, "update"),
+      "After giving [test] repeatability of every output: with known measurement noise what the model leaves of the "
+      "tests can be tested."};
 }
 
 NextStep population_method(const SummarySources& s) {
@@ -64,7 +77,10 @@ std::vector<NextStep> next_steps(const SummarySources& s) {
          "After adding outputs to the study and its tests, such as mode shapes or further frequencies: with more "
          "outputs than parameters the means can be tested."});
   }
-  if (steps.empty() && s.verdict.conclusion == Conclusion::undecided) steps.push_back(diagnosis(s));
+  if (steps.empty() && s.verdict.conclusion == Conclusion::undecided) {
+    const bool has_noise = (s.problem.tests.repeatability_std.array() > 0.0).all();
+    steps.push_back(has_noise ? diagnosis(s) : stated_noise(s));
+  }
   if (steps.empty() && !s.study.predict) steps.push_back(prediction(s));
   if (steps.empty()) {
     steps.push_back({"", "Compare the predictions below with their tests before the model is used for anything else."});

@@ -147,6 +147,16 @@ void add_notes(const UpdatingProblem& problem, const PopulationFit& fit, const P
   }
 }
 
+/// Few samples may all end on the border where the estimate does not: the interval of a standard deviation holds its
+/// estimate at least.
+void take_in_estimates(const Eigen::MatrixXd& covariance, ParameterIntervals& intervals) {
+  for (Eigen::Index i = 0; i < covariance.rows(); ++i) {
+    const double std = std::sqrt(covariance(i, i));
+    if (std < intervals.std(i, 0)) intervals.std(i, 0) = std;
+    if (std > intervals.std(i, 1)) intervals.std(i, 1) = std;
+  }
+}
+
 }  // namespace
 
 Eigen::MatrixXd start_beside(const UpdatingProblem& problem, const PopulationFit& fit) {
@@ -261,7 +271,10 @@ void describe_population(const UpdatingProblem& problem, const PopulationFit& fi
     // A mean that a bound holds is held in every sample, which says nothing of where it may be.
     if (is_mean_held(fit)) result.intervals->mean = analytic_intervals(problem, fit).mean;
   }
-  if (result.intervals) forget_unseen(problem, fit, *result.intervals);
+  if (result.intervals) {
+    take_in_estimates(result.covariance, *result.intervals);
+    forget_unseen(problem, fit, *result.intervals);
+  }
   add_notes(problem, fit, settings, result);
   report_normality(problem, fit, result);
   describe_curvature(near.problem(), fit, context, result);

@@ -147,6 +147,12 @@ TEST_F(FlatDecks, RefuseWhatHasNoPlaceThere) {
   EXPECT_THAT(refusal(edited("10., 0., 0., 10., 0., 5., 90.", "1., 0., 0., 10.")), HasSubstr("needs seven numbers"));
 }
 
+TEST_F(FlatDecks, RefuseNodesThatAreNotThere) {
+  EXPECT_THAT(refusal(edited("R1.8, 1", "R1.9, 1")), HasSubstr("instance R1 has no node 9"));
+  EXPECT_THAT(refusal(edited("instance=R2\n 7,", "instance=R2\n 17,")), HasSubstr("instance R2 has no node 17"));
+  EXPECT_THAT(refusal(edited("\n1, 2, 3\n", "\n4, 2, 3\n")), HasSubstr("the assembly has no node 4"));
+}
+
 TEST_F(FlatDecks, TellCardsOfPartsApart) {
   const std::string section = "*Shell Section, elset=Line, material=M\n0.1, 5\n*End Part\n";
   const CalculixDeck one = deck(edited("*End Part\n", section));

@@ -86,6 +86,16 @@ TEST(SoftSuspension, RefinedModesAreWithinTheirBoundsToo) {
   });
 }
 
+TEST(SoftSuspension, TheResolutionOfItsModesIsStated) {
+  const Family family = suspended_chain();
+  const ReducedModel model(family.terms, family.nominal(), family.stiffness, family.mass, {.modes = k_modes});
+  const Eigen::MatrixXd& resolution = model.resolution();
+  ASSERT_EQ(resolution.rows(), k_modes);
+  // The chain moves as a whole: phi = 1 / sqrt(n) everywhere, |K| sums to 4 k a mass.
+  EXPECT_NEAR(resolution(0, 0), 2e4 / k_masses, 1e-2 * resolution(0, 0));
+  EXPECT_NEAR(resolution(0, 1), 2.2204e-16 * 4e12, 0.02 * resolution(0, 1));
+}
+
 TEST(SoftSuspension, MassesAreDefiniteHoweverManyModesAreFollowed) {
   const Family family = suspended_chain(true);
   const ReducedModel model = test::trained(family, {.modes = 30, .tolerance = 1e-4}, 0.2);

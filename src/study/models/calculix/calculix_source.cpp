@@ -61,6 +61,22 @@ class CalculixSource final : public ModelSource {
   std::vector<NamedFile> files() const override { return {{"model.file", "file", deck_.string(), deck_}}; }
   std::vector<std::string> programs() const override { return {"model.program: " + program_}; }
 
+  std::vector<ModelNumber> numbers() const override {
+    const CalculixDeck deck = read_calculix_deck(deck_);
+    std::vector<ModelNumber> found;
+    for (const std::string& target : list_calculix_targets(deck)) {
+      const std::string field = calculix_field(target);
+      // With a thickness each sample may be a run. Errors of numbers are not looked for behind a verdict: each costs
+      // runs.
+      found.push_back({.target = target,
+                       .kind = fmt::format("{}:{}", target.substr(0, target.find(':')), field),
+                       .value = find_calculix_numbers(deck, target).front().value,
+                       .is_usual = field != "T",
+                       .is_doubtful = false});
+    }
+    return found;
+  }
+
   std::optional<ExportedModel> export_at(const std::vector<ParameterTargets>& parameters,
                                          const Eigen::VectorXd& values) const override {
     const CalculixDeck deck = read_calculix_deck(deck_);
