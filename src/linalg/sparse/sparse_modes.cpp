@@ -99,7 +99,7 @@ LongMatrix projected_stiffness(const SparseMatrix& lower, const Eigen::MatrixXd&
   const Eigen::MatrixXd by_row = vectors.transpose();
   for (int j = 0; j < lower.outerSize(); ++j) {
     for (SparseMatrix::InnerIterator entry(lower, j); entry; ++entry) {
-      const long double value = entry.value();
+      const auto value = static_cast<long double>(entry.value());
       product.col(entry.row()) += value * by_row.col(j).cast<long double>();
       if (entry.row() != j) product.col(j) += value * by_row.col(entry.row()).cast<long double>();
     }

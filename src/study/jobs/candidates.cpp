@@ -26,10 +26,10 @@ double size_of(const ModelNumber& number, const std::vector<ModelNumber>& number
   return sizes[sizes.size() / 2];
 }
 
-/// "k3" of "spring:k3", the whole of "MAT1:2:E"; the whole target where the short name is taken.
+/// "k3" of "spring:k3", the whole of "MAT1:2:E" and "*DENSITY:STEEL"; the whole target where the short name is taken.
 std::string name_of(const std::string& target, const std::set<std::string>& taken) {
   const std::size_t colon = target.find(':');
-  const bool is_short = target.rfind(':') == colon;
+  const bool is_short = target.rfind(':') == colon && !target.starts_with('*');
   const std::string name = is_short ? target.substr(colon + 1) : target;
   return taken.contains(name) ? target : name;
 }
