@@ -73,7 +73,8 @@ std::string test_text(const InitOutcome& outcome) {
         "pairing = \"frequency\"     # the tests' modes in ascending frequency are taken for the model's, see above\n";
   } else if (outcome.pairing == "named") {
     text +=
-        "pairing = \"named\"         # its columns already have the numbers of the model's modes, as shapes or their order show\n";
+        "pairing = \"named\"         # its columns already have the numbers of the model's modes, as shapes or their "
+        "order show\n";
   } else {
     text += fmt::format("pairing = {}\n", toml_string(outcome.pairing));
   }

@@ -118,8 +118,8 @@ class ReducedModel {
   bool has_indefinite_terms() const;
 
   /// Of the wanted nominal modes, lambda and how far it may be off since every number of K is rounded, to one in eps:
-  /// eps |phi|' |K| |phi| with phi' M phi = 1 [mode x 2]. No solution of the pencil is better, and bounds do not include
-  /// it.
+  /// eps |phi|' |K| |phi| with phi' M phi = 1 [mode x 2]. No solution of the pencil is better, and bounds do not
+  /// include it.
   const Eigen::MatrixXd& resolution() const;
 
   /// Processor time that the exact solution of the nominal pencil took.
