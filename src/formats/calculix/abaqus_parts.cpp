@@ -274,7 +274,7 @@ class ModelReader {
       const std::string within = parameter(block, "INSTANCE");
       const Instance* owner = within.empty() ? scope : &model_.instance(deck_, block.line, within);
       model_.single_nodes[model_.set_name(parameter(block, "NSET"), scope)] =
-          model_.reference(deck_, block.line, node, 'n', owner);
+          model_.reference(deck_, block.line, node, 'm', owner);  // its card is looked at later
     };
     for (const AbaqusBlock& block : model_.model) keep(block, nullptr);
     for (const Instance& instance : model_.instances) {
