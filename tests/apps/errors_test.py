@@ -5,6 +5,7 @@ update refuses, check refuses with the same words.
 """
 
 import os
+import re
 import time
 import unittest
 
@@ -550,6 +551,11 @@ report_case("a report with tests that are not UTF-8", NAMES, ["tests.csv"], test
 class ErrorsTest(support.CommandTest):
     """One test a case, made below."""
 
+    @staticmethod
+    def messages(err):
+        """Without the progress that a slow machine has come to show."""
+        return [line for line in err.splitlines() if not re.match(r"(reading|cloud|iteration|training|writing)\b", line)]
+
     def check(self, wrong):
         self.write("study.toml", wrong.study)
         self.write("tests.csv", wrong.tests)
@@ -564,10 +570,10 @@ class ErrorsTest(support.CommandTest):
         self.assertEqual(ended.code, wrong.code, ended.err)
         self.assertLess(took, 5.0 * support.PATIENCE)
         self.assertEqual(ended.out, "", "nothing belongs on stdout")
-        lines = ended.err.splitlines()
+        lines = self.messages(ended.err)
         if not wrong.is_usage:
             self.assertEqual(len(lines), 1, "one message: " + ended.err)
-            self.assertTrue(ended.err.startswith("mottle: "), ended.err)
+            self.assertTrue(lines[0].startswith("mottle: "), ended.err)
             self.assertLess(len(ended.err), 600, "a message is read by a person")
             self.assertTrue(all(c.isprintable() for c in lines[0]), ascii(ended.err))
         for fragment in wrong.expect:
@@ -576,7 +582,7 @@ class ErrorsTest(support.CommandTest):
             self.assertNotIn(trace, ended.err)
         if wrong.arguments[0] == "update" and wrong.code == 2 and wrong.is_checked and not wrong.is_usage:
             checked = self.call("check", *wrong.arguments[1:], timeout=20)
-            self.assertEqual((checked.code, checked.err), (2, ended.err), "check refuses what update refuses")
+            self.assertEqual((checked.code, self.messages(checked.err)), (2, lines), "check refuses what update refuses")
         self.assertEqual(before, sorted(str(path) for path in self.folder.rglob("*")), "a wrong input leaves no files")
 
 
