@@ -117,8 +117,7 @@ void refine_soft_modes(const SparseMatrix& stiffness, const SparseMatrix& mass, 
   const Eigen::Index soft = (values.array() <= k_soft * std::abs(shift)).count();
   if (soft == 0) return;
   const Eigen::MatrixXd basis = vectors.leftCols(soft);
-  const Eigen::MatrixXd moved = mass.selfadjointView<Eigen::Lower>() * basis;
-  const Eigen::MatrixXd masses = basis.transpose() * moved;
+  const Eigen::MatrixXd masses = basis.transpose() * symmetric_product(mass, basis);
   const Eigen::GeneralizedSelfAdjointEigenSolver<LongMatrix> solver(projected_stiffness(stiffness, basis),
                                                                     masses.cast<long double>());
   values.head(soft) = solver.eigenvalues().cast<double>();
