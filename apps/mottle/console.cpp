@@ -11,6 +11,7 @@
 #include <string_view>
 #include <system_error>
 
+#include "mottle/core/clock.hpp"
 #include "mottle/core/utf8.hpp"
 #include "mottle/study/results/run_folder.hpp"
 

@@ -5,17 +5,10 @@
 #include <algorithm>
 #include <numeric>
 
+#include "mottle/core/clock.hpp"
+
 namespace mottle::app {
 namespace {
-
-/// "40 s", "9 min", "2.5 h".
-std::string duration_text(double seconds) {
-  constexpr double k_minute = 60.0;
-  constexpr double k_hour = 3600.0;
-  if (seconds < 2.0 * k_minute) return fmt::format("{:.0f} s", seconds);
-  if (seconds < 2.0 * k_hour) return fmt::format("{:.0f} min", seconds / k_minute);
-  return fmt::format("{:.1f} h", seconds / k_hour);
-}
 
 constexpr double k_shown_s = 1.0;  // shorter times are not worth words
 

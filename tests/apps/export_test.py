@@ -70,6 +70,28 @@ class ExportTest(support.CommandTest):
         mean = dict(zip(result["parameters"]["names"], result["parameters"]["mean"], strict=True))
         self.assertIn(f"{mean['sheet_E']:.12g}", text)
 
+    def test_a_calculix_deck_keeps_its_files_and_line_ends(self):
+        if shutil.which("ccx") is None:
+            self.skipTest("CalculiX (ccx) is not here")
+        deck = (EXAMPLES / "03-plate-calculix" / "plate.inp").read_text()
+        start = deck.index("*MATERIAL")
+        end = deck.index("*", deck.index("*DENSITY", start) + 1)
+        parts = (deck[:start] + "*INCLUDE, INPUT=material.inc\n" + deck[end:], deck[start:end])
+        whole, material = (part.replace("\n", "\r\n").encode() for part in parts)
+        shutil.copytree(EXAMPLES / "03-plate-calculix", self.folder / "plate")
+        (self.folder / "plate" / "plate.inp").write_bytes(whole)
+        (self.folder / "plate" / "material.inc").write_bytes(material)
+        self.succeed("update", "plate/study.toml", "--out", "out", "--quiet", "--set", 'update.method="deterministic"')
+        self.succeed("export", "out", "--quiet")
+        mean = self.folder / "out" / "export" / "mean"
+        lines, before = ((folder / "material.inc").read_bytes().split(b"\n") for folder in (mean, self.folder / "plate"))
+        changed = [one for one, other in zip(lines, before, strict=True) if one != other]
+        self.assertTrue(changed)
+        self.assertTrue(all(line.endswith(b"\r") for line in changed))
+        written, given = (mean / "plate.inp").read_bytes().split(b"\n"), whole.split(b"\n")
+        self.assertEqual(len(written), len(given))
+        self.assertIn(b"*INCLUDE, INPUT=material.inc\r", written)
+
     def test_a_model_without_deck_exports_tables_and_study(self):
         self.succeed("update", "study.toml", "--quiet")
         self.assertIn("no deck of its own", self.succeed("export", "study.mottle").out)

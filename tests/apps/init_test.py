@@ -224,20 +224,31 @@ class InitTest(support.CommandTest):
         self.assertEqual([parameter["name"] for parameter in found["parameters"]], ["m_roof", "k_base", "k_upper"])
         self.assertEqual(self.outputs(found), [1, 2, 3, 4])
         text = (self.folder / "s.toml").read_text()
-        # Whatever is unknown is refused until it is filled in, one thing after the other; then it runs.
-        for old, new, said in (('["UNKNOWN", "tower.inp"]', '["python3", "tower.py", "tower.inp"]', "model.command: still says UNKNOWN"),
-                               ('file = "UNKNOWN" ', 'file = "tower.out" ', "model.frequencies.file: still says UNKNOWN"),
-                               ('mean = "UNKNOWN", std = "UNKNOWN"', "mean = 2e4, std = 2e3", "UNKNOWN"),
-                               ('mean = "UNKNOWN", std = "UNKNOWN"', "mean = 4e7, std = 8e6", "UNKNOWN"),
-                               ('mean = "UNKNOWN", std = "UNKNOWN"', "mean = 4e7, std = 8e6", "UNKNOWN")):
-            ended = self.call("check", "s.toml")
-            self.assertEqual(ended.code, 2, ended.out)
-            self.assertIn(said, ended.err)
+        # Whatever is unknown is refused, all of it in one message; filled in, it runs.
+        ended = self.call("check", "s.toml")
+        self.assertEqual(ended.code, 2, ended.out)
+        self.assertIn(f"s.toml:{support.line_of(text, 'command = ')}: model.command[0] still says UNKNOWN", ended.err)
+        for key, start in (("model.frequencies.file", 'file = "UNKNOWN"'), ("model.frequencies.column", 'column = "UNKNOWN"')):
+            self.assertIn(f"{key} (line {support.line_of(text, start)})", ended.err)
+        for number in range(3):
+            self.assertIn(f"parameter[{number}].distribution.mean (line ", ended.err)
+        for old, new in (('["UNKNOWN", "tower.inp"]', '["python3", "tower.py", "tower.inp"]'),
+                         ('file = "UNKNOWN" ', 'file = "tower.out" '),
+                         ('mean = "UNKNOWN", std = "UNKNOWN"', "mean = 2e4, std = 2e3"),
+                         ('mean = "UNKNOWN", std = "UNKNOWN"', "mean = 4e7, std = 8e6"),
+                         ('mean = "UNKNOWN", std = "UNKNOWN"', "mean = 4e7, std = 8e6"),
+                         ('# files = ["mesh.inc"] ', 'files = ["tower.py"] '),
+                         ("line = 1 ", 'after = "NATURAL FREQUENCIES"\nline = 3 ')):
             self.assertIn(old, text)
             text = text.replace(old, new, 1)
-            self.write("s.toml", text)
-        self.write("s.toml", support.edited(text, ('# files = ["mesh.inc"] ', 'files = ["tower.py"] '), ("line = 1 ", 'after = "NATURAL FREQUENCIES"\nline = 3 '), ("column = 1\n", "column = 3\n")))
-        self.succeed("check", "s.toml")
+        self.write("s.toml", support.edited(text, ('column = "UNKNOWN" ', "column = 1 ")))
+        checked = self.succeed("check", "s.toml").out
+        self.assertIn("as if the column of the modes' numbers had been read", checked)
+        self.write("s.toml", support.edited(text, ('column = "UNKNOWN" ', "column = 3 ")))
+        checked = self.succeed("check", "s.toml").out
+        self.assertNotIn("numbers had been read", checked)
+        self.assertRegex(checked, r"linear in the parameters that would be \d+ runs in all, \d+ iterations")
+        self.assertRegex(checked, r"one model run took [\d.e-]+ s; that many, \d+ at once, some \d+ s")
 
     def test_on_a_terminal_it_asks(self):
         master, slave = pty.openpty()

@@ -4,6 +4,7 @@ import { paragraph } from "../src/dom.js";
 import { count_text, number_text, percent_text, short_number } from "../src/format.js";
 import { estimate_of, is_posterior } from "../src/population.js";
 import { data_table } from "../src/table.js";
+import { number_of_factor } from "../src/units.js";
 
 const interval_text = (interval) =>
   list(interval).some(is_number) ? `${number_text(interval[0], 3)} … ${number_text(interval[1], 3)}` : "–";
@@ -23,6 +24,7 @@ function rows_of({ parameters: block, parameter_axes }) {
       prior_std: at("prior_std"),
       mean: at("mean"),
       std: at("std"),
+      number: number_of_factor(block, index, at("mean")),
       change: percent_change(at("prior_mean"), at("mean")),
       mean_ci95: list(list(block.mean_ci95)[index]),
       std_ci95: list(list(block.std_ci95)[index]),
@@ -49,6 +51,9 @@ function columns_for(rows, updated_std) {
     any("prior_std") ? { key: "prior_std", title: "Std. dev.", group: "Prior" } : null,
     any("mean") ? { key: "mean", title: "Mean", group: "Updated" } : null,
     any("std") ? { key: "std", title: updated_std, group: "Updated" } : null,
+    rows.some((row) => row.number)
+      ? { key: "number", title: "Model's number", group: "Updated", is_text: true, text: (value) => value ?? "" }
+      : null,
     any("change") ? { key: "change", title: "Change", group: "Updated", text: (value) => percent_text(value) } : null,
     any_interval("bounds")
       ? { key: "bounds", title: "Bounds", text: bounds_text, csv: (row) => row.bounds.map((b) => b ?? "").join(" to ") }

@@ -1,5 +1,6 @@
 // How well the updated model reproduces the tests, as the result says it, and what it found of each parameter.
 import { is_number, list, number_or_null, record } from "./data.js";
+import { number_of_factor } from "./units.js";
 
 /** "adequate", "inadequate", "undecided", or null where there is no verdict; older results say true or false alone. */
 export function conclusion_of({ conclusion, adequate }) {
@@ -29,7 +30,7 @@ export function is_not_reproduced({ result }) {
 
 const interval_or_null = (values) => (list(values).filter(is_number).length === 2 ? values : null);
 
-/** One parameter's bar: {name, unit, mark, reason, prior, estimate, interval, specimens, bounds}; missing parts are null. */
+/** One parameter's bar, {name, unit, mark, reason, prior, estimate, interval, specimens, number, bounds}; missing parts are null. */
 export function findings_of(study) {
   const { parameters: block } = study;
   return study.parameter_axes.map(({ index, name, unit }) => {
@@ -47,6 +48,7 @@ export function findings_of(study) {
       prior: interval_or_null(finding.prior95),
       prior_mean: number_or_null(list(block.prior_mean)[index]),
       estimate: number_or_null(list(block.mean)[index]),
+      number: number_of_factor(block, index, list(block.mean)[index]),
       interval: interval_or_null(finding.interval95) ?? interval_or_null(list(block.mean_ci95)[index]),
       specimens: block.is_population === true ? interval_or_null([at(0.025), at(0.975)]) : null,
       bounds: list(list(block.bounds)[index]),

@@ -59,10 +59,10 @@ export function track(finding, span = span_of([finding])) {
 
 const range_text = (ends) => `${short_number(ends[0], 3)} … ${short_number(ends[1], 3)}`;
 
-export function value_text({ estimate, interval, unit }) {
+export function value_text({ estimate, interval, unit, number }) {
   if (!is_number(estimate)) return "–";
   const known = interval ? ` (${range_text(interval)})` : "";
-  return `${number_text(estimate)}${known}${unit ? ` ${unit}` : ""}`;
+  return `${number_text(estimate)}${known}${unit ? ` ${unit}` : ""}${number ? ` = ${number}` : ""}`;
 }
 
 export function spoken(finding) {

@@ -1,6 +1,7 @@
 // Units that engineers read: GPa in place of 7e10 Pa. Everything that the result says of a parameter is converted at once, when
 // the data are read, so that tables, plots and files of one page agree.
 import { is_number, list, record } from "./data.js";
+import { number_text } from "./format.js";
 
 // Units by what they replace, from the largest: used where the prior mean is at least `from` of the unit in the study.
 const readable = {
@@ -23,7 +24,7 @@ const readable = {
   "m^2": [{ unit: "mm²", from: 0, to: 0.1, factor: 1e6 }],
   "N m": [{ unit: "kN m", from: 1e4, factor: 1e-3 }],
 };
-const same = { "N/m m^2/rad": "N m/rad", "N*m/rad": "N m/rad", "N/m*m^2/rad": "N m/rad" };
+const same = { "N*m/rad": "N m/rad", "N/m*m^2/rad": "N m/rad" };
 
 const powers = { 2: "²", 3: "³", 4: "⁴" };
 const pretty = (unit) =>
@@ -39,6 +40,14 @@ export function shown_unit(unit, size) {
     ({ from, to }) => is_number(size) && size !== 0 && Math.abs(size) >= from && Math.abs(size) < (to ?? Infinity),
   );
   return found ? { unit: found.unit, factor: found.factor } : { unit: pretty(known), factor: 1 };
+}
+
+/** "71.2 GPa": the number of the model that a factor of this size gives; null where it is no factor of one number. */
+export function number_of_factor(block, index, factor) {
+  const value = list(block.factor_of)[index];
+  if (!is_number(value) || !is_number(factor)) return null;
+  const { unit, factor: scale } = shown_unit(list(block.factor_units)[index], value * factor);
+  return `${number_text(value * factor * scale)}${unit && unit !== "-" ? ` ${unit}` : ""}`;
 }
 
 const times = (value, factor) => (is_number(value) ? value * factor : value);

@@ -18,6 +18,8 @@ struct UnitNames {
   const char* pressure = "Pa";
   const char* density = "kg/m^3";
   const char* eigenvalue = "(rad/s)^2";  ///< of K phi = lambda M phi
+  const char* rotational_stiffness = "N m/rad";
+  const char* rotational_damping = "N m s/rad";
 };
 
 /// @param units  "SI", "mm-t-s", "mm-kg-ms", "in-lbf-s"

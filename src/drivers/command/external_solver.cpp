@@ -5,9 +5,11 @@
 #include <condition_variable>
 #include <exception>
 #include <limits>
+#include <numbers>
 #include <system_error>
 #include <thread>
 
+#include "mottle/core/clock.hpp"
 #include "mottle/core/error.hpp"
 #include "mottle/core/text.hpp"
 #include "mottle/dynamics/modes/mac.hpp"
@@ -21,6 +23,17 @@ constexpr double k_not_known = std::numeric_limits<double>::quiet_NaN();
   const std::string said = run.last_words.empty() ? "" : fmt::format("; it said: {}", run.last_words);
   const std::string kept = run.folder.empty() ? "" : fmt::format("; its files are in {}", run.folder.string());
   throw ModelFailure(fmt::format("the solver's run failed: {}{}{}", run.record.failure, said, kept));
+}
+
+/// Whether three or more frequencies, or eigenvalues, are 1, 2, 3 and so on.
+bool are_mode_numbers(const Eigen::VectorXd& eigenvalues) {
+  constexpr double k_rounding = 1e-9;
+  constexpr Eigen::Index k_few = 3;
+  if (eigenvalues.size() < k_few || !(eigenvalues.minCoeff() > 0.0)) return false;
+  const Eigen::VectorXd numbers = Eigen::VectorXd::LinSpaced(eigenvalues.size(), 1.0, static_cast<double>(eigenvalues.size()));
+  const Eigen::VectorXd rad_s = eigenvalues.cwiseSqrt();
+  const auto is_counting = [&](const Eigen::VectorXd& values) { return values.isApprox(numbers, k_rounding); };
+  return is_counting(eigenvalues) || is_counting(rad_s) || is_counting(rad_s / (2.0 * std::numbers::pi));
 }
 
 }  // namespace
@@ -128,11 +141,18 @@ ExternalSolver::ExternalSolver(SolverCommand command, const std::vector<std::str
                     "be poor; give it more",
                     placeholder, difference_step()));
   }
+  if (are_mode_numbers(structure_.nominal().eigenvalues)) {
+    notes_.emplace_back(
+        "the frequencies of the run at the parameters' means are 1, 2, 3, ... as if the column of the modes' numbers "
+        "had been read: look at [model.frequencies]");
+  }
 }
 
 /// The structure from the run at the means, which also determines how many modes a run must give.
 ExternalStructure ExternalSolver::run_at_means(const std::atomic<bool>* stop) {
+  const double begin = steady_seconds();
   SolverRuns::Run run = runs_.run(nominal_, std::max(1, least_), stop);
+  if (!run.is_reused) seconds_at_means_ = steady_seconds() - begin;
   if (!run.record.failure.empty()) refuse(run);
   ExtractedModes modes = std::move(run.record.modes);
   if (least_ == 0) {

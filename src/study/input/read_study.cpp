@@ -8,6 +8,7 @@
 #include "study/input/overrides.hpp"
 #include "study/input/study_sections.hpp"
 #include "study/input/toml_writer.hpp"
+#include "study/input/unknown_values.hpp"
 #include "study/models/registry.hpp"
 #include "study/tests/shape_size.hpp"
 
@@ -208,6 +209,7 @@ Study read_study(const std::filesystem::path& file, const StudyOverrides& overri
   toml::table root = parse_text(read_text_file(file), file);
   for (const std::string& assignment : overrides.assignments) apply_override(root, assignment);
   if (overrides.seed) root.insert_or_assign("seed", static_cast<std::int64_t>(*overrides.seed));
+  refuse_unknown_values(root, file);
   return study_of(root, file);
 }
 

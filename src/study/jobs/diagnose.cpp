@@ -1,5 +1,6 @@
 #include "mottle/study/jobs/diagnose.hpp"
 
+#include "mottle/core/clock.hpp"
 #include "mottle/core/error.hpp"
 #include "mottle/model/journal.hpp"
 #include "mottle/study/jobs/study_objects.hpp"

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "mottle/core/clock.hpp"
 #include "mottle/core/error.hpp"
 #include "mottle/core/text.hpp"
 #include "mottle/formats/tables/csv.hpp"

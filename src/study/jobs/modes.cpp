@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mottle/core/clock.hpp"
 #include "mottle/core/error.hpp"
 #include "mottle/dynamics/modes/mac.hpp"
 #include "mottle/formats/tables/csv.hpp"

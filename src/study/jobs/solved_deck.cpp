@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "mottle/core/clock.hpp"
 #include "mottle/core/error.hpp"
 #include "mottle/dynamics/modes/mode_set.hpp"
 #include "study/jobs/job_files.hpp"

@@ -115,7 +115,7 @@ StudyModel make_model_around(const Eigen::VectorXd& centre, const Study& study, 
     StudyModel made;
     made.files = std::move(parts.files);
     made.notes = std::move(parts.notes);
-    made.runs_program = parts.runs_program;
+    made.program = parts.program;
     made.space = std::make_unique<ParameterSpace>(std::move(list), std::move(prior));
     require_effects(parameters, outputs);
     if (parts.sparse) {
@@ -137,7 +137,7 @@ StudyModel make_model_around(const Eigen::VectorXd& centre, const Study& study, 
 }
 
 bool shows_few_samples(const Study& study, const StudyModel& made) {
-  return made.runs_program && !study.update.states_samples && !study.surrogate &&
+  return made.program && !study.update.states_samples && !study.surrogate &&
          !find_method(study.update.method).samples_each_iteration;
 }
 

@@ -1,5 +1,6 @@
 #include "mottle/study/jobs/update.hpp"
 
+#include "mottle/core/clock.hpp"
 #include "mottle/core/error.hpp"
 #include "mottle/model/journal.hpp"
 #include "mottle/study/results/run_folder.hpp"
@@ -30,6 +31,7 @@ void note_what_happened(const UpdatingResult& result, std::int64_t reused, const
                     "the clouds are biased",
                     failed, result.model_evaluations));
   }
+  for (const std::string& warning : result.warnings) context.warning(warning);
   if (reused > 0) context.note(fmt::format("{} model runs of the interrupted run were used again", reused));
   context.note(fmt::format("{}: {}", status_text(result.status), result.message));
 }

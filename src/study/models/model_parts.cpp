@@ -47,8 +47,8 @@ ModelParts make_external(const SolverCommand& command, const std::vector<std::st
       command, names, parts.reference, prior.covariance().diagonal().cwiseSqrt(),
       RunStorage{.results = settings.folder, .is_resumed = settings.resume}, settings.stop);
   parts.notes = solver->notes();
+  parts.program = {.seconds = solver->seconds_at_means(), .at_once = command.parallel};
   parts.solver = std::move(solver);
-  parts.runs_program = true;
   return parts;
 }
 

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <string_view>
 
+#include "mottle/core/clock.hpp"
 #include "mottle/core/error.hpp"
 #include "mottle/core/text.hpp"
 #include "mottle/study/jobs/check.hpp"
@@ -38,6 +39,14 @@ std::string covariance_line(const Study& study, const std::vector<std::string>& 
   return together.empty() ? "  covariance: diagonal" : fmt::format("  covariance: only within {}", join(together));
 }
 
+std::string bounds_text(const StudyParameter& parameter) {
+  const bool has_lower = std::isfinite(parameter.lower_bound);
+  const bool has_upper = std::isfinite(parameter.upper_bound);
+  if (has_lower && has_upper) return fmt::format("[{}, {}]", parameter.lower_bound, parameter.upper_bound);
+  if (has_lower) return fmt::format(">= {}", parameter.lower_bound);
+  return has_upper ? fmt::format("<= {}", parameter.upper_bound) : "none";
+}
+
 void describe_parameters(const StudyParameters& parameters, const StudyModel& made, std::vector<std::string>& lines) {
   lines.push_back(fmt::format("{:<14} {:<24} {:<18} {:>12} {:>12}  bounds, how it enters", "parameter", "acts on",
                               "distribution", "mean", "std"));
@@ -46,9 +55,9 @@ void describe_parameters(const StudyParameters& parameters, const StudyModel& ma
   for (std::size_t i = 0; i < parameters.list.size(); ++i) {
     const StudyParameter& parameter = parameters.list[i];
     const auto index = static_cast<Eigen::Index>(i);
-    lines.push_back(fmt::format("{:<14} {:<24} {:<18} {:>12.6g} {:>12.6g}  [{}, {}], {} {}{}", parameter.name,
+    lines.push_back(fmt::format("{:<14} {:<24} {:<18} {:>12.6g} {:>12.6g}  {}, {} {}{}", parameter.name,
                                 join(parameter.targets), distribution_kind_info(parameter.distribution.kind).name,
-                                mean(index), standard_deviation(index), parameter.lower_bound, parameter.upper_bound,
+                                mean(index), standard_deviation(index), bounds_text(parameter),
                                 parameter.is_factor ? "as a factor," : "in place of the value,",
                                 made.model->structure().parameter_role(index), transform_text(parameter.transform)));
   }
@@ -146,6 +155,25 @@ void describe_reach_of_parameters(const CheckOutcome& outcome, std::vector<std::
   }
 }
 
+/// How many runs of its program an update takes, and for how long.
+void describe_runs(const CheckOutcome& outcome, const ProgramRuns& program, std::vector<std::string>& lines) {
+  const double seconds = outcome.solution_seconds;
+  if (outcome.runs) {
+    const auto& [total, iterations] = *outcome.runs;
+    lines.push_back(
+        fmt::format("  with outputs linear in the parameters that would be {} runs in all, {} iterations; curved "
+                    "outputs take more",
+                    total, iterations));
+    if (seconds > 0.0) {
+      const double all = seconds * static_cast<double>(total) / program.at_once;
+      lines.push_back(fmt::format("one model run took {:.2g} s; that many, {} at once, some {}", seconds,
+                                  program.at_once, duration_text(all)));
+    }
+  } else if (seconds > 0.0) {
+    lines.push_back(fmt::format("one model run took {:.2g} s", seconds));
+  }
+}
+
 /// Tests and method.
 void describe_update(const CheckOutcome& outcome, std::vector<std::string>& lines, Json& json) {
   const Study& study = outcome.study;
@@ -170,7 +198,9 @@ void describe_update(const CheckOutcome& outcome, std::vector<std::string>& line
   for (const auto& [name, value] : plan.method->options()) {
     lines.push_back(fmt::format("  {} = {}", name, option_text(value)));
   }
-  if (outcome.solution_seconds > 0.0) {
+  if (plan.made.program) {
+    describe_runs(outcome, *plan.made.program, lines);
+  } else if (outcome.solution_seconds > 0.0) {
     const bool is_reduced = study.model->reduction_error() && study.may_reduce;
     lines.push_back(
         fmt::format("one model run took {:.2g} s{}", outcome.solution_seconds,

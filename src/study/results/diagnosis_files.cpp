@@ -1,7 +1,17 @@
 // diagnosis.json and the summary of a diagnosis.
 #include "mottle/study/jobs/diagnose.hpp"
+
+#include <toml++/toml.h>
+
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "mottle/core/text.hpp"
 #include "mottle/study/results/run_folder.hpp"
+#include "study/input/toml_writer.hpp"
 #include "study/results/diagnosis_names.hpp"
+#include "study/results/init_text.hpp"
 #include "study/results/result_json.hpp"
 
 namespace mottle::study {
@@ -50,6 +60,56 @@ Json proposed_json(const Diagnosis& diagnosis) {
   return proposed;
 }
 
+/// A candidate as a parameter of a study, with the prior that it was tried with.
+std::string parameter_toml(const StudyParameter& parameter) {
+  const auto number = [](double value) { return toml_on_one_line(toml::value<double>(value)); };
+  const DistributionSpec& spec = parameter.distribution;
+  std::string distribution = fmt::format("kind = \"{}\"", distribution_kind_info(spec.kind).name);
+  const std::pair<const char*, double> values[] = {
+      {"mean", spec.mean}, {"std", spec.std}, {"lower", spec.lower}, {"upper", spec.upper}};
+  for (const auto& [name, value] : values) {
+    if (std::isfinite(value)) distribution += fmt::format(", {} = {}", name, number(value));
+  }
+  toml::array targets;
+  for (const std::string& target : parameter.targets) targets.push_back(target);
+  std::string text =
+      fmt::format("\n[[parameter]]\nname = {}\ntarget = {}\n{}distribution = {{ {} }}\n", toml_string(parameter.name),
+                  targets.size() == 1 ? toml_string(parameter.targets.front()) : toml_on_one_line(targets),
+                  parameter.is_factor ? "relative = true\n" : "", distribution);
+  if (std::isfinite(parameter.lower_bound) && std::isfinite(parameter.upper_bound)) {
+    text += fmt::format("bounds = [{}, {}]\n", number(parameter.lower_bound), number(parameter.upper_bound));
+  }
+  return text;
+}
+
+/// The proposed parameters that the study does not have yet, as lines of a study; empty: there are none.
+std::string proposed_toml(const DiagnoseOutcome& outcome) {
+  std::string text;
+  for (const ProposedParameter& proposed : outcome.diagnosis.proposed) {
+    for (const StudyParameter& parameter : outcome.whole.parameters.list) {
+      if (!proposed.is_given && parameter.name == proposed.name) text += parameter_toml(parameter);
+    }
+  }
+  return text;
+}
+
+Json rounds_json(const Diagnosis& diagnosis) {
+  Json rounds = Json::array();
+  for (const DiagnosisRound& round : diagnosis.later_rounds) {
+    Json candidates = Json::array();
+    for (const CandidateFinding& finding : round.candidates) {
+      candidates.push_back({{"name", finding.detectability.name},
+                            {"bic", number_json(finding.bic())},
+                            {"best", finding.better().is_random ? "freed" : "shifted"},
+                            {"shifted", fit_json(finding.fixed)},
+                            {"freed", fit_json(finding.random)},
+                            {"screened_out", finding.is_screened_out}});
+    }
+    rounds.push_back({{"beside", round.beside}, {"candidates", candidates}});
+  }
+  return rounds;
+}
+
 Json outcome_json(const DiagnoseOutcome& outcome) {
   const Study& study = outcome.study;
   const Diagnosis& diagnosis = outcome.diagnosis;
@@ -81,28 +141,62 @@ Json outcome_json(const DiagnoseOutcome& outcome) {
     order.push_back(finding.detectability.name);
   }
   json["cosines"] = {{"names", order}, {"matrix", to_json_rows(diagnosis.cosines)}};
+  json["later_rounds"] = rounds_json(diagnosis);
   json["proposed"] = proposed_json(diagnosis);
+  json["proposed_toml"] = proposed_toml(outcome);
   json["model_evaluations"] = diagnosis.model_evaluations;
   return json;
 }
 
-std::vector<std::string> table_lines(const Diagnosis& diagnosis) {
+/// "not fitted: a, b, c": of many candidates with one reason a line.
+void add_not_fitted(const std::vector<CandidateFinding>& candidates, std::vector<std::string>& lines) {
+  std::map<std::string, std::vector<std::string>> names;
+  for (const CandidateFinding& finding : candidates) {
+    const std::string& failure = finding.better().failure;
+    if (!failure.empty()) names[failure].push_back(finding.detectability.name);
+  }
+  for (const auto& [reason, list] : names) {
+    lines.push_back(fmt::format("not fitted in the model, since {}: {}", reason, join(list)));
+  }
+}
+
+std::string fit_cells(const CandidateFit& fit) {
+  return fmt::format("{:>+9.1f} {:>11.5g} {:>11.4g} {:>9.2g}", fit.bic, fit.mean, fit.standard_deviation,
+                     fit.adjusted_p);
+}
+
+const char* effect_text(const CandidateFit& fit) {
+  return fit.is_random ? "random" : "fixed";
+}
+
+/// The rounds after the first: what they fitted in the model.
+void add_later_rounds(const Diagnosis& diagnosis, std::vector<std::string>& lines) {
+  for (std::size_t r = 0; r < diagnosis.later_rounds.size(); ++r) {
+    const DiagnosisRound& round = diagnosis.later_rounds[r];
+    lines.push_back(fmt::format("round {}, beside {} too:", r + 2, join(round.beside)));
+    for (const CandidateFinding& finding : round.candidates) {
+      const CandidateFit& fit = finding.better();
+      if (!fit.failure.empty()) continue;
+      lines.push_back(fmt::format("{:<16} {:>11.5g} {} {:>23}  {}", finding.detectability.name,
+                                  finding.detectability.nominal, fit_cells(fit), "", effect_text(fit)));
+    }
+  }
+}
+
+std::vector<std::string> table_lines(const DiagnoseOutcome& outcome) {
+  const Diagnosis& diagnosis = outcome.diagnosis;
   std::vector<std::string> lines;
   lines.push_back(fmt::format("{:<16} {:>11} {:>9} {:>11} {:>11} {:>9} {:>11} {:>11}  effect", "candidate", "nominal",
                               "BIC", "mean", "std", "p (Holm)", "sensitivity", "independent"));
   for (const CandidateFinding& finding : diagnosis.candidates) {
     const CandidateFit& fit = finding.better();
-    const std::string start =
-        fmt::format("{:<16} {:>11.5g}", finding.detectability.name, finding.detectability.nominal);
-    const std::string seen =
-        fmt::format("{:>11.3g} {:>11.3f}", finding.detectability.visibility, finding.detectability.own_share);
-    if (!fit.failure.empty()) {
-      lines.push_back(fmt::format("{} {:>9} {:>11} {:>11} {:>9} {}  {}", start, "", "", "", "", seen, fit.failure));
-      continue;
-    }
-    lines.push_back(fmt::format("{} {:>+9.1f} {:>11.5g} {:>11.4g} {:>9.2g} {}  {}", start, fit.bic, fit.mean,
-                                fit.standard_deviation, fit.adjusted_p, seen, fit.is_random ? "random" : "fixed"));
+    if (!fit.failure.empty()) continue;
+    lines.push_back(fmt::format("{:<16} {:>11.5g} {} {:>11.3g} {:>11.3f}  {}", finding.detectability.name,
+                                finding.detectability.nominal, fit_cells(fit), finding.detectability.visibility,
+                                finding.detectability.own_share, effect_text(fit)));
   }
+  add_not_fitted(diagnosis.candidates, lines);
+  add_later_rounds(diagnosis, lines);
   lines.push_back(fmt::format("{:<16} {:>11} {:>9} {:>11} {:>11} {:>9} {:>11} {:>11}", "parameter", "prior", "", "", "",
                               "", "sensitivity", "independent"));
   for (const Detectability& each : diagnosis.given) {
@@ -110,6 +204,10 @@ std::vector<std::string> table_lines(const Diagnosis& diagnosis) {
                                 each.nominal, "", "", "", "", each.visibility, each.own_share));
   }
   for (const std::string& sentence : diagnosis.sentences) lines.push_back(sentence);
+  if (const std::string proposed = proposed_toml(outcome); !proposed.empty()) {
+    lines.push_back(fmt::format("To update what is proposed too, add to {}:\n{}", outcome.study.file.filename().string(),
+                                proposed));
+  }
   return lines;
 }
 
@@ -133,9 +231,10 @@ RunSummary summarise(const DiagnoseOutcome& outcome, const std::filesystem::path
                      {"alike", diagnosis.alike},
                      {"sentences", diagnosis.sentences},
                      {"proposed", proposed_json(diagnosis)},
+                     {"proposed_toml", proposed_toml(outcome)},
                      {"folder", folder.string()},
                      {"result", file}};
-  RunSummary summary{.status = "done", .lines = table_lines(diagnosis), .json = one_line(json)};
+  RunSummary summary{.status = "done", .lines = table_lines(outcome), .json = one_line(json)};
   summary.lines.push_back("diagnosis: " + file);
   return summary;
 }

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <iterator>
 
+#include "mottle/core/clock.hpp"
 #include "mottle/formats/tables/csv.hpp"
 #include "mottle/stats/moments/descriptive.hpp"
 #include "mottle/study/jobs/forward.hpp"

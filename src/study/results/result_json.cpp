@@ -279,7 +279,8 @@ Json update_result_json(const Study& study, const StudyTests& tests, const Updat
   json["failed_evaluations"] = failures;
   json["tracking"] = tracking;
   json["options"] = options_json(study, problem, method);
-  json["notes"] = result.notes;
+  json["notes"] = result.warnings;
+  for (const std::string& note : result.notes) json["notes"].push_back(note);
   for (const std::string& note : tests.notes) json["notes"].push_back(note);
   for (const std::string& warning : tests.warnings) json["notes"].push_back(warning);
   return json;

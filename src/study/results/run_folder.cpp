@@ -3,8 +3,8 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <chrono>
 
+#include "mottle/core/clock.hpp"
 #include "mottle/core/files.hpp"
 #include "mottle/core/own_file.hpp"
 #include "mottle/core/text.hpp"
@@ -121,10 +121,6 @@ void RunFolder::finish() const {
 void RunFolder::remove(const std::string& name) const {
   std::error_code ignored;
   std::filesystem::remove(file(name), ignored);
-}
-
-double steady_seconds() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
 LogObserver::LogObserver(const std::filesystem::path& file, ProgressObserver* next, bool append)

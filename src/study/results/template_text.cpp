@@ -25,7 +25,7 @@ std::string template_model_text(const InitSettings& settings) {
       "format = \"column\"               # or \"csv\", \"json\", \"regex\", \"f06\", \"punch\", \"calculix\"\n"
       "# after = \"E I G E N V A L U E\"   # a text in an earlier line; without it the table begins with the file\n"
       "line = 1                        # rows below that text\n"
-      "column = 1\n"
+      "column = \"UNKNOWN\"             # UNKNOWN: the table's column of frequencies, counted from 1\n"
       "quantity = \"Hz\"                 # or \"rad/s\", \"eigenvalue\"\n"
       "\n# [model.shapes]                # UNKNOWN: with shapes, modes are followed where they cross\n"
       "# file = \"shapes.csv\"\n"

@@ -2,6 +2,7 @@
 #include <limits>
 #include <optional>
 
+#include "mottle/core/clock.hpp"
 #include "mottle/core/error.hpp"
 #include "mottle/dynamics/modes/mode_set.hpp"
 #include "mottle/formats/tables/csv.hpp"
@@ -93,11 +94,21 @@ void add_first_screen(const UpdateOutcome& outcome, const StructureModel::Follow
               json["verdict"]);
 }
 
+void add_factors(const std::vector<std::optional<FactorBase>>& factors, Json& parameters) {
+  parameters["factor_of"] = Json::array();
+  parameters["factor_units"] = Json::array();
+  for (const std::optional<FactorBase>& factor : factors) {
+    parameters["factor_of"].push_back(factor ? number_json(factor->value) : Json(nullptr));
+    parameters["factor_units"].push_back(factor ? Json(factor->unit) : Json(nullptr));
+  }
+}
+
 Json outcome_json(const UpdateOutcome& outcome, const StructureModel::FollowedModes* followed) {
   const UpdatePlan& plan = outcome.workings->plan;
   const SurrogateUpdate* const surrogate = outcome.workings->surrogate.get();
   Json json =
       update_result_json(outcome.study, plan.tests, outcome.problem(), *plan.method, outcome.result, outcome.verdict);
+  add_factors(plan.factors, json["parameters"]);
   json["verdict"]["could_hide"] = could_hide_json(outcome.could_hide, plan.made.space->names());
   add_first_screen(outcome, followed, json);
   if (outcome.numbering) json["notes"].push_back(*outcome.numbering + '.');

@@ -2,6 +2,9 @@
 
 #include <cmath>
 
+#include "study/jobs/update_workings.hpp"
+#include "study/results/agreement.hpp"
+#include "study/results/next_steps.hpp"
 #include "study/results/result_json.hpp"
 
 namespace mottle::study {
@@ -11,7 +14,9 @@ std::string interval_text(const Eigen::Ref<const Eigen::RowVectorXd>& ends) {
   return ends.allFinite() ? fmt::format("[{:.5g}, {:.5g}]", ends(0), ends(1)) : "not determined";
 }
 
-std::vector<std::string> table_lines(const UpdatingProblem& problem, const UpdatingResult& result) {
+std::vector<std::string> table_lines(const UpdateOutcome& outcome) {
+  const UpdatingProblem& problem = outcome.problem();
+  const UpdatingResult& result = outcome.result;
   std::vector<std::string> lines;
   lines.push_back(fmt::format("{}: {}", status_text(result.status), result.message));
   const std::string ends = result.intervals ? fmt::format("  {:>23} {:>23}", "mean, 95 %", "std, 95 %") : "";
@@ -26,13 +31,27 @@ std::vector<std::string> table_lines(const UpdatingProblem& problem, const Updat
                                       ? fmt::format("  {:>23} {:>23}", interval_text(result.intervals->mean.row(i)),
                                                     interval_text(result.intervals->std.row(i)))
                                       : "";
+    const Parameter& parameter = problem.space.parameters()[static_cast<std::size_t>(i)];
+    const std::optional<FactorBase>& factor = outcome.workings->plan.factors[static_cast<std::size_t>(i)];
     lines.push_back(
-        fmt::format("{:<14} {:>13.6g} {:>13.6g} {:>13.6g} {:>13.6g}{}{}",
-                    problem.space.parameters()[static_cast<std::size_t>(i)].name, prior_mean(i), prior_std(i),
+        fmt::format("{:<14} {:>13.6g} {:>13.6g} {:>13.6g} {:>13.6g}{}{}{}", parameter.name, prior_mean(i), prior_std(i),
                     result.mean(i), std::sqrt(result.covariance(i, i)), intervals,
+                    factor ? fmt::format("  {:.5g} {}", factor->value * result.mean(i), factor->unit) : "",
                     active(i) == 0 ? "" : (active(i) < 0 ? "  at its lower bound" : "  at its upper bound")));
   }
   return lines;
+}
+
+/// "next: mottle diagnose study.toml", and why.
+void add_next_step(const UpdateOutcome& outcome, std::vector<std::string>& lines) {
+  const Agreement agreement = compare_with_tests(outcome.problem(), outcome.result);
+  const NextStep step = next_steps({outcome.study, outcome.problem(), outcome.result, outcome.verdict, agreement,
+                                    outcome.could_hide})
+                            .front();
+  const std::filesystem::path folder = outcome.study.file.parent_path();
+  const std::string where = folder.empty() || step.command.empty() ? "" : fmt::format(" (in {})", folder.string());
+  lines.push_back(fmt::format("next{}: {}", where, step.command.empty() ? step.reason : step.command));
+  if (!step.command.empty()) lines.push_back("  " + step.reason);
 }
 
 }  // namespace
@@ -52,7 +71,7 @@ RunSummary summarise(const UpdateOutcome& outcome, const std::filesystem::path& 
   const UpdatingProblem& problem = outcome.problem();
   const UpdatingResult& result = outcome.result;
   RunSummary summary{.status = status_text(result.status), .message = result.message};
-  summary.lines = table_lines(problem, result);
+  summary.lines = table_lines(outcome);
   for (std::string& line : verdict_lines(outcome)) summary.lines.push_back(std::move(line));
   const std::optional<Identifiability> seen = identify(problem, result);
   if (seen && !seen->unseen_directions.empty()) {
@@ -64,6 +83,7 @@ RunSummary summarise(const UpdateOutcome& outcome, const std::filesystem::path& 
   if (outcome.prediction) {
     for (const std::string& note : outcome.prediction->notes) summary.lines.push_back(note);
   }
+  add_next_step(outcome, summary.lines);
   const Json json = {{"command", "update"},
                      {"status", summary.status},
                      {"message", summary.message},

@@ -130,13 +130,18 @@ void say_scatter(const SummarySources& s, std::vector<std::string>& sentences) {
     text = "Scatter: the updated model has none where the tests scatter.";
   } else if (worst == nullptr) {
     text = "Scatter: the tests show none, so it was not compared.";
-  } else if (worst->is_scatter_reproduced.value_or(true)) {
-    text = fmt::format("Scatter: standard deviations are {} of the tests', within what chance allows.",
+  } else if (!worst->is_scatter_reproduced) {
+    text = fmt::format("Scatter: standard deviations are {} of the tests'; what chance allows is not known.",
                        range_of_ratios(s));
+  } else if (*worst->is_scatter_reproduced) {
+    text = fmt::format(
+        "Scatter: standard deviations are {} of the tests', within what chance allows {} specimens ({:.0f} % to "
+        "{:.0f} % for {}).",
+        range_of_ratios(s), s.problem.tests.values.rows(), 100.0 * worst->min_std_ratio,
+        100.0 * worst->max_std_ratio, name_of(s, *worst));
   } else {
     text = fmt::format(
-        "Scatter is not reproduced: {}'s standard deviation in the updated model is {:.0f} % of the tests' ({:.0f} % "
-        "to "
+        "Scatter is not reproduced: {}'s standard deviation in the updated model is {:.0f} % of the tests' ({:.0f} % to "
         "{:.0f} % would be chance).",
         name_of(s, *worst), 100.0 * worst->final.std_ratio, 100.0 * worst->min_std_ratio, 100.0 * worst->max_std_ratio);
   }
@@ -177,7 +182,8 @@ void say_assumptions(const SummarySources& s, std::vector<std::string>& sentence
 VerdictSummary summarise_verdict(const SummarySources& sources) {
   VerdictSummary summary;
   summary.headline = headline_of(sources);
-  summary.is_reassuring = sources.verdict.conclusion == Conclusion::adequate &&
+  summary.sentences = sources.result.warnings;
+  summary.is_reassuring = summary.sentences.empty() && sources.verdict.conclusion == Conclusion::adequate &&
                           sources.agreement.are_means_reproduced() && sources.agreement.is_scatter_reproduced();
   say_means(sources, summary.sentences);
   say_scatter(sources, summary.sentences);

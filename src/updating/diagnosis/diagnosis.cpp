@@ -144,10 +144,14 @@ void fit_candidate(CandidateFits& fits, const ParameterSet& set, const SetFit& b
                                      better.bic));
 }
 
-/// Every candidate beside a set, in the order of `candidates`; at least `min_fitted` in the model itself.
+/// Every candidate beside a set, in the order of `candidates`; in the first round at least `k_min_fitted` in the model
+/// itself.
 std::vector<CandidateFinding> try_all(CandidateFits& fits, const ParameterSet& set, const SetFit& base,
                                       const std::vector<Eigen::Index>& candidates,
-                                      const std::vector<Detectability>& analysis, std::size_t min_fitted) {
+                                      const std::vector<Detectability>& analysis, std::size_t round) {
+  const std::size_t min_fitted = round == 1 ? k_min_fitted : k_min_fitted_later;
+  const std::string phase =
+      round == 1 ? "candidate in the model" : fmt::format("round {}, candidate in the model", round);
   SpecimenDerivatives derivatives(fits, set, base);
   const std::vector<Screened> order = screen(fits, set, base, derivatives, candidates);
   const auto most = std::min(candidates.size(), static_cast<std::size_t>(fits.settings().screened));
@@ -168,7 +172,7 @@ std::vector<CandidateFinding> try_all(CandidateFits& fits, const ParameterSet& s
       finding.random = not_tried(true, why);
       continue;
     }
-    fits.context().phase({.name = "candidate in the model",
+    fits.context().phase({.name = phase,
                           .step = static_cast<std::int64_t>(fitted) + 1,
                           .steps = static_cast<std::int64_t>(most),
                           .may_end_early = order.front().increase < std::numeric_limits<double>::infinity()});
@@ -189,6 +193,16 @@ std::vector<std::size_t> best_first(const std::vector<CandidateFinding>& finding
   return order;
 }
 
+/// Findings of a round on the candidates beside a set, for the reader.
+DiagnosisRound round_of(const std::vector<CandidateFinding>& findings, const Diagnosis& diagnosis) {
+  DiagnosisRound round;
+  for (const ProposedParameter& parameter : diagnosis.proposed) {
+    if (!parameter.is_given) round.beside.push_back(parameter.name);
+  }
+  for (const std::size_t c : best_first(findings)) round.candidates.push_back(findings[c]);
+  return round;
+}
+
 /// Adds candidates as long as the best one lowers BIC and its gain is significant.
 void propose(CandidateFits& fits, ParameterSet set, SetFit base, std::vector<Eigen::Index> candidates,
              std::vector<CandidateFinding> findings, const std::vector<Detectability>& analysis, Diagnosis& diagnosis) {
@@ -201,12 +215,16 @@ void propose(CandidateFits& fits, ParameterSet set, SetFit base, std::vector<Eig
     const auto next = static_cast<Eigen::Index>(set.members.size()) + 2;
     const bool is_more_than_seen = next > fits.problem().tests.values.cols();
     if (candidates.size() == 1 || is_more_than_seen || !fits.has_room_for(next)) return;
+    const std::size_t round = diagnosis.later_rounds.size() + 2;
+    fits.context().finding(fmt::format("{} is proposed (BIC {:+.3g}). Round {}: what is missing beside it?",
+                                       findings[best].detectability.name, better.bic, round));
     fits.context().phase({.name = "the proposed set"});
     base = fits.fit_beside(set, base, candidates[best], better.is_random);
     if (!base.failure.empty()) return;
     set = set.with(candidates[best], better.is_random);
     candidates.erase(candidates.begin() + static_cast<std::ptrdiff_t>(best));
-    findings = try_all(fits, set, base, candidates, analysis, k_min_fitted_later);
+    findings = try_all(fits, set, base, candidates, analysis, round);
+    diagnosis.later_rounds.push_back(round_of(findings, diagnosis));
   }
 }
 
@@ -254,7 +272,7 @@ Diagnosis diagnose(const UpdatingProblem& problem, const DiagnosisSettings& sett
   diagnosis.judging = analysis.judging;
   std::vector<Eigen::Index> candidates;
   for (Eigen::Index i = settings.given; i < problem.space.count(); ++i) candidates.push_back(i);
-  const std::vector<CandidateFinding> findings = try_all(fits, set, base, candidates, analysis.all, k_min_fitted);
+  const std::vector<CandidateFinding> findings = try_all(fits, set, base, candidates, analysis.all, 1);
 
   const std::vector<std::size_t> order = best_first(findings);
   std::vector<Eigen::Index> rows;

@@ -95,7 +95,7 @@ void add_answer(const Diagnosis& diagnosis, Eigen::Index outputs, double level, 
   if (diagnosis.judging <= 1) {
     sentences.push_back(fmt::format(
         "The given parameters that are not on a bound can match {} of the {} directions of the tests' mean: any "
-        "candidate that moves the others explains the tests. Measure more outputs, for example mode shapes.",
+        "candidate that moves the rest explains the tests. Measure more outputs, for example mode shapes.",
         outputs - diagnosis.judging, outputs));
   }
 }

@@ -107,10 +107,10 @@ void plan_mean_test(const Comparison& c, TestPlan& plan) {
     if (squares < 0.0) {
       plan.leave_untested(
           Aspect::means,
-          fmt::format("The means were not tested: {:.0f} specimens are too few for the {:.0f} directions "
-                      "of the outputs that no parameter moves, as their noise is not known. Give [test] "
+          fmt::format("The means were not tested: {:.0f} specimens are too few for {} of the "
+                      "outputs that no parameter moves, as their noise is not known. Give [test] "
                       "repeatability of every output, or test more specimens.",
-                      n, d));
+                      n, directions_text(d)));
       return;
     }
     test = f_test("mean-agreement", squares * (n - d) / ((n - 1.0) * d), d, n - d);
@@ -118,9 +118,9 @@ void plan_mean_test(const Comparison& c, TestPlan& plan) {
   }
   test.aspect = Aspect::means;
   test.meaning = fmt::format(
-      "{} in the {:.0f} directions of the outputs that no parameter moves: do the tests and the updated model's "
+      "{} in {} of the outputs that no parameter moves: do the tests and the updated model's "
       "cloud have the same means?",
-      c.is_noise_known ? "Chi-squared" : "Hotelling's T^2, as F,", d);
+      c.is_noise_known ? "Chi-squared" : "Hotelling's T^2, as F,", directions_text(d));
   plan.add(std::move(test));
 }
 

@@ -141,7 +141,7 @@ void add_notes(const UpdatingProblem& problem, const PopulationFit& fit, const P
         fit.seen.cols(), unseen.size(), names.empty() ? "none to more than a tenth" : join(names)));
   }
   if (!fit.effects.converged && problem.tests.values.array().isNaN().any()) {
-    result.notes.push_back(
+    result.warnings.emplace_back(
         "The likelihood has no clear maximum: the specimens are too few, or too many of their entries are missing, for "
         "a covariance of all parameters; set covariance = \"diagonal\" or leave parameters out.");
   }

@@ -24,9 +24,9 @@ void plan_mean_residuals(const MeanResiduals& residuals, bool is_noise_known, Te
   test.aspect = Aspect::means;
   const bool has_error = residuals.largest_variance > 1.0;
   test.meaning = fmt::format(
-      "Mean residuals of {:.0f} specimens in the {:.0f} directions that no parameter moves: are they no more than the "
-      "measurement's noise{}?",
-      n, d, has_error ? " and the model's stated error" : "");
+      "Mean residuals of {:.0f} specimens in {} that no parameter moves: are they no more than the measurement's "
+      "noise{}?",
+      n, directions_text(d), has_error ? " and the model's stated error" : "");
   // In units of the noise and the model's error of one test together, in the direction where the mean shows least.
   const double per_mean = residuals.largest_variance / (n + residuals.largest_variance - 1.0);
   test.power = [=, own = residuals.own_noncentrality](double level) {

@@ -93,4 +93,8 @@ double f_detectable(double numerator, double denominator, double level) {
   return high;
 }
 
+std::string directions_text(double count) {
+  return count == 1.0 ? "the one direction" : fmt::format("the {:.0f} directions", count);
+}
+
 }  // namespace mottle::updating

@@ -43,6 +43,9 @@ inline constexpr const char* k_more_outputs =
 /// An error this many times the standard deviation that it is compared with is gross: a test that overlooks it is none.
 constexpr double k_gross_error = 5.0;
 
+/// "the 3 directions", "the one direction": of the outputs, for sentences.
+std::string directions_text(double count);
+
 /// The tests of one verdict. Each is made at the level
 ///
 ///   1 - (1 - level)^(share / sum of shares),

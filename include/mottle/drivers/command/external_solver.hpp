@@ -74,8 +74,10 @@ class ExternalSolver final : public Solver {
   double difference_step() const override { return runs_.command().difference_step; }
   Eigen::Index batch_size() const override { return 8192; }  // each run is kept by itself
 
-  /// Notes for the user: placeholders whose formats are too coarse.
+  /// Notes for the user: placeholders whose formats are too coarse, frequencies that look like numbers of modes.
   const std::vector<std::string>& notes() const { return notes_; }
+  /// Time of the run at the parameters' means; 0: its result was there from a run before.
+  double seconds_at_means() const { return seconds_at_means_; }
 
  private:
   class Pool;
@@ -85,6 +87,7 @@ class ExternalSolver final : public Solver {
   mutable SolverRuns runs_;
   Eigen::VectorXd nominal_;
   int least_ = 0;  // modes that a run must give
+  double seconds_at_means_ = 0.0;
   ExternalStructure structure_;
   const std::atomic<bool>* stop_ = nullptr;
   std::vector<std::string> notes_;

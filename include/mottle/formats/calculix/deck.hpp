@@ -95,10 +95,18 @@ std::string deck_with_replacements(const CalculixDeck& deck, const std::vector<C
 /// "1e6" -> "1.e6": CalculiX takes a spring's stiffness without a point for degrees of freedom.
 std::string with_decimal_point(std::string number);
 
-/// Every line of the deck as its author wrote it, with texts in place of numbers; included files stand where they were
-/// included.
-std::string whole_deck_with_replacements(const CalculixDeck& deck,
-                                         const std::vector<CalculixReplacement>& replacements);
+/// A file of a deck and its bytes.
+struct CalculixFile {
+  std::string name;  ///< as in CalculixDeck::files
+  std::string bytes;
+};
+
+/// The deck and each file that it includes, byte by byte as their author wrote them but for texts in place of numbers.
+///
+/// Throws FormatError: a file that is included twice would need two texts for one number, or was changed since the deck
+/// was read; InvalidInput: it is gone.
+std::vector<CalculixFile> deck_files_with_replacements(const CalculixDeck& deck,
+                                                       const std::vector<CalculixReplacement>& replacements);
 
 /// Why the first step *FREQUENCY cannot stand alone: it is a PERTURBATION of a preloaded state, or has a *BOUNDARY of a
 /// step before it; empty where it can.

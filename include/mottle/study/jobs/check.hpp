@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,12 @@ struct StudyReach {
 /// The model, tests and method, opaque: src/study/jobs/checked_study.hpp.
 struct CheckedStudy;
 
+/// Runs of its program that an update would take if the outputs were linear in the parameters.
+struct ExpectedRuns {
+  std::int64_t total = 0;  ///< the clouds' included
+  int iterations = 0;
+};
+
 struct CheckOutcome {
   Study study;
   std::shared_ptr<const CheckedStudy> checked = nullptr;
@@ -31,6 +38,7 @@ struct CheckOutcome {
   Eigen::MatrixXd changes = {};
   double solution_seconds = 0.0;  ///< of one sample; 0: not measured
   double total_mass = 0.0;        ///< there
+  std::optional<ExpectedRuns> runs = {};  ///< of a model by runs of a program
   StudyReach reach = {};
 };
 

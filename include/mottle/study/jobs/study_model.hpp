@@ -8,6 +8,7 @@
 #include "mottle/layers.hpp"
 #include "mottle/model/parameters/parameter_space.hpp"
 #include "mottle/model/structure_model.hpp"
+#include "mottle/study/models/model_source.hpp"
 
 namespace mottle::study {
 
@@ -17,7 +18,7 @@ struct StudyModel {
   std::unique_ptr<StructureModel> model;
   std::vector<std::string> files = {};  ///< that the model was read from
   std::vector<std::string> notes = {};  ///< what a reader of the model should know
-  bool runs_program = false;            ///< each solution is a run of a program
+  std::optional<ProgramRuns> program = {};  ///< nothing: solutions are found here
 };
 
 }  // namespace mottle::study

@@ -18,6 +18,12 @@
 
 namespace mottle::study {
 
+/// A model each of whose solutions is a run of a program.
+struct ProgramRuns {
+  double seconds = 0.0;  ///< that the run at the parameters' means took; 0: its result was there from a run before
+  int at_once = 1;       ///< most runs at a time
+};
+
 /// A structure, as sparse matrices or with its solver, and what belongs to it.
 struct ModelParts {
   std::unique_ptr<SparseStructure> sparse = nullptr;
@@ -26,7 +32,7 @@ struct ModelParts {
   std::vector<PhysicalLimit> limits = {};  ///< [parameter]
   std::vector<std::string> files = {};     ///< that it was read from
   std::vector<std::string> notes = {};     ///< what a reader of the model should know
-  bool runs_program = false;               ///< each solution is a run of a program
+  std::optional<ProgramRuns> program = {};  ///< nothing: solutions are found here
 };
 
 /// A number of the model that a parameter may stand for.

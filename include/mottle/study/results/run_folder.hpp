@@ -107,7 +107,4 @@ class LogObserver final : public ProgressObserver {
   std::vector<Share> shares_;
 };
 
-/// Seconds on a steady clock.
-double steady_seconds();
-
 }  // namespace mottle::study

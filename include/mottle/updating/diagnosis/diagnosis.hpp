@@ -61,6 +61,12 @@ struct ProposedParameter {
   double bic = 0.0;       ///< by which it lowered BIC when it was added
 };
 
+/// The candidates once more, beside the parameters and those that earlier rounds proposed.
+struct DiagnosisRound {
+  std::vector<std::string> beside;            ///< what earlier rounds proposed
+  std::vector<CandidateFinding> candidates;   ///< best explanation first
+};
+
 /// Answer of diagnose().
 struct Diagnosis {
   double log_likelihood = 0.0;  ///< of the parameters alone
@@ -75,6 +81,7 @@ struct Diagnosis {
   std::vector<std::string> alike;            ///< candidates that explain as well as the best, itself included
   Eigen::MatrixXd cosines;                   ///< between the candidates' own parts, in the order of `candidates`
   bool is_explained = false;                 ///< the best candidate's gain is significant
+  std::vector<DiagnosisRound> later_rounds;  ///< from the second on
   std::vector<ProposedParameter> proposed;
   std::vector<std::string> sentences;
   std::int64_t model_evaluations = 0;

@@ -156,6 +156,7 @@ struct UpdatingResult {
   std::vector<std::string> not_tested = {};  ///< sentences: what of the model no test could see, and why
   bool lacks_outputs = false;                ///< parameters can match any outputs, so that these cannot be tested
   std::vector<std::string> notes;            ///< what a reader of the numbers must know
+  std::vector<std::string> warnings = {};    ///< notes that cast doubt on the estimate, to be seen at once
 
   /// Makes `found` the estimate; `mean`, `covariance` and `is_population` follow it.
   void set_estimate(std::shared_ptr<const Estimate> found);

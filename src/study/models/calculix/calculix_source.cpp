@@ -92,7 +92,9 @@ class CalculixSource final : public ModelSource {
         }
       }
     }
-    exported.files.push_back({deck_.filename(), whole_deck_with_replacements(deck, replacements)});
+    for (CalculixFile& file : deck_files_with_replacements(deck, replacements)) {
+      exported.files.push_back({name_beside(file.name, deck_), std::move(file.bytes)});
+    }
     exported.rounding = 5e-12;
     return exported;
   }

@@ -11,18 +11,12 @@
 namespace mottle::study {
 namespace {
 
-/// What `mottle init` writes where only the user knows.
-constexpr std::string_view k_unknown = "UNKNOWN";
-
 constexpr OptionRange k_any_count{.lower = 1.0, .upper = 1e6};
 
 /// A list of texts as they are; of a shell one text.
 CommandLine read_line(TomlReader& reader, const std::string& key) {
   CommandLine line{.arguments = reader.texts(key)};
   line.is_shell = reader.raw(key)->is_string();
-  if (line.arguments.front() == k_unknown) {
-    reader.fail(key, "still says UNKNOWN; write the program and its arguments, like [\"ccx\", \"plate\"]");
-  }
   if (line.arguments.front().empty()) reader.fail_value(key, "a program and its arguments, like [\"ccx\", \"plate\"]");
   return line;
 }
@@ -53,7 +47,6 @@ std::vector<RunFile> read_run_files(TomlReader& reader, const std::string& key, 
 /// A file that a run leaves in its folder: elsewhere it could be that of another run.
 std::string read_output_name(TomlReader& reader) {
   std::string name = reader.text("file");
-  if (name == k_unknown) reader.fail("file", "still says UNKNOWN; write the name of a file that each run leaves");
   const std::filesystem::path path = std::filesystem::path(name).lexically_normal();
   if (path.is_absolute() || path.empty() || *path.begin() == "..") {
     reader.fail_value("file", "the name of a file that each run leaves in its own folder");

@@ -14,12 +14,11 @@ std::string field_unit(const std::string& card, const std::string& field, const 
   if (name.starts_with("THETA")) return "deg";
   if (k_springs.contains(card)) {
     const bool is_rotation = name.size() == 2 && name[1] > '3';
-    const char* unit = name.front() == 'B' ? units.damping : units.stiffness;
-    return is_rotation ? fmt::format("{} {}^2/rad", unit, units.length) : unit;
+    if (name.front() == 'B') return is_rotation ? units.rotational_damping : units.damping;
+    return is_rotation ? units.rotational_stiffness : units.stiffness;
   }
   if (card == "PGAP") return units.stiffness;
-  if (card == "PVISC")
-    return name == "CR" ? fmt::format("{} {}^2/rad", units.damping, units.length) : std::string(units.damping);
+  if (card == "PVISC") return name == "CR" ? units.rotational_damping : units.damping;
   if (card == "PDAMP" || card == "CDAMP2" || card == "CDAMP4") return units.damping;
   if (name == "M" || card == "CONM1") return units.mass;
   if (card == "CONM2" && name.front() == 'I') return fmt::format("{} {}^2", units.mass, units.length);

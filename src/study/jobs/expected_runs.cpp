@@ -1,0 +1,68 @@
+#include "study/jobs/expected_runs.hpp"
+
+#include <cmath>
+#include <set>
+#include <vector>
+
+#include "mottle/core/error.hpp"
+
+namespace mottle::study {
+namespace {
+
+/// y = mean + S (x - x_0): prior standard deviations move outputs about as much as the tests scatter, each in its way.
+class LinearModel final : public Model {
+ public:
+  LinearModel(const Model& model, const ParameterSpace& space, const TestData& tests)
+      : model_(model), prior_mean_(space.prior().mean()) {
+    const TestMoments moments = test_moments(tests);
+    mean_ = moments.mean;
+    const Eigen::VectorXd prior_std = space.prior().covariance().diagonal().cwiseSqrt();
+    sensitivity_.resize(mean_.size(), prior_mean_.size());
+    for (Eigen::Index k = 0; k < mean_.size(); ++k) {
+      const double scatter = std::sqrt(moments.covariance(k, k));
+      const double size = scatter > 0.0 ? scatter : std::abs(mean_(k)) + 1.0;
+      for (Eigen::Index i = 0; i < prior_mean_.size(); ++i) {
+        sensitivity_(k, i) = size * std::cos(static_cast<double>((k + 1) * (2 * i + 1))) / prior_std(i);
+      }
+    }
+  }
+
+  Eigen::Index parameter_count() const override { return model_.parameter_count(); }
+  const std::vector<Quantity>& outputs() const override { return model_.outputs(); }
+  double difference_step() const override { return model_.difference_step(); }
+  Evaluation evaluate(const Eigen::Ref<const Eigen::MatrixXd>& samples, const RunContext&) const override {
+    for (Eigen::Index s = 0; s < samples.rows(); ++s) {
+      const Eigen::VectorXd row = samples.row(s).transpose();
+      asked_.emplace(row.data(), row.data() + row.size());
+    }
+    Evaluation found;
+    found.outputs = ((samples.rowwise() - prior_mean_.transpose()) * sensitivity_.transpose()).rowwise() +
+                    mean_.transpose();
+    return found;
+  }
+
+  std::int64_t runs() const { return static_cast<std::int64_t>(asked_.size()); }
+
+ private:
+  const Model& model_;
+  Eigen::VectorXd prior_mean_;
+  Eigen::VectorXd mean_;
+  Eigen::MatrixXd sensitivity_;  // [output x parameter]
+  mutable std::set<std::vector<double>> asked_;
+};
+
+}  // namespace
+
+std::optional<ExpectedRuns> count_expected_runs(const Study& study, const UpdatePlan& plan, const RunContext& context) {
+  const LinearModel model(*plan.made.model, *plan.made.space, plan.tests.data);
+  try {
+    const UpdatingResult result = plan.method->update(problem_of(study, plan, model).with_model(model, nullptr), context);
+    return ExpectedRuns{.total = model.runs(), .iterations = static_cast<int>(result.history.size()) - 1};
+  } catch (const Stopped&) {
+    throw;
+  } catch (const Error&) {
+    return std::nullopt;
+  }
+}
+
+}  // namespace mottle::study
