@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "mottle/core/error.hpp"
 #include "mottle/stats/distributions/chi_squared.hpp"
@@ -15,6 +16,9 @@ namespace {
 
 // Of specimens' fits, in prior standard deviations: what it leaves changes a log-likelihood by the square.
 constexpr double k_specimen_tolerance = 1e-4;
+
+constexpr int k_settling_iterations = 6;  // after which the log-likelihood changes by no more than this an iteration
+constexpr double k_settled = 1.0;
 
 /// Plain maximum likelihood wants few rows of its own: the noise that the given parameters and one more leave over.
 NoiseModel common_noise(const UpdatingProblem& problem, const TestData& tests, Eigen::Index given) {
@@ -88,9 +92,13 @@ PopulationFit CandidateFits::fit_from(const UpdatingProblem& part, const Paramet
                                     .specimen_tolerance = k_specimen_tolerance,
                                     .has_scatter = set.has_scatter,
                                     .start = start};
-  PopulationFit fit = fit_population(part, tests_.values, rules, context_, [&](const PopulationFit&) {
+  // A candidate whose linear models change from iteration to iteration, a spring that is nearly rigid say, never settles.
+  const bool has_candidate = static_cast<Eigen::Index>(set.members.size()) > settings_.given;
+  double last = -std::numeric_limits<double>::infinity();
+  PopulationFit fit = fit_population(part, tests_.values, rules, context_, [&](const PopulationFit& now) {
     context_.throw_if_stopped();
-    return true;
+    const double change = std::abs(now.effects.log_likelihood - std::exchange(last, now.effects.log_likelihood));
+    return !has_candidate || now.iterations < k_settling_iterations || change <= k_settled;
   });
   evaluations_ += fit.evaluations;
   return fit;
@@ -227,6 +235,9 @@ std::pair<CandidateFit, CandidateFit> CandidateFits::compare_both(const Paramete
   CandidateFit random = fixed;
   random.is_random = true;
   if (from.size() > 0) random = compare(set, base, candidate, true, from);
+  if (random.failure.empty() && !random.converged && fixed.converged) {
+    random.failure = "its fit with a scatter of its own does not converge";
+  }
   return {fixed, random};
 }
 

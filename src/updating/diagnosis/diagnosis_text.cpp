@@ -103,12 +103,14 @@ void add_answer(const Diagnosis& diagnosis, Eigen::Index outputs, double level, 
 void add_angles(const Diagnosis& diagnosis, std::vector<std::string>& sentences) {
   for (Eigen::Index i = 0; i < diagnosis.cosines.rows(); ++i) {
     for (Eigen::Index j = i + 1; j < diagnosis.cosines.cols(); ++j) {
-      if (std::abs(diagnosis.cosines(i, j)) < k_parallel || sentences.size() > 12) continue;
+      const CandidateFinding& one = diagnosis.candidates[static_cast<std::size_t>(i)];
+      const CandidateFinding& other = diagnosis.candidates[static_cast<std::size_t>(j)];
+      const bool are_fitted = !one.is_screened_out && !other.is_screened_out;
+      if (!are_fitted || std::abs(diagnosis.cosines(i, j)) < k_parallel || sentences.size() > 12) continue;
       sentences.push_back(fmt::format(
           "{} and {} move the outputs in the same direction, apart from the effects that the given parameters can "
           "reproduce (cosine {:.2f}).",
-          diagnosis.candidates[static_cast<std::size_t>(i)].detectability.name,
-          diagnosis.candidates[static_cast<std::size_t>(j)].detectability.name, diagnosis.cosines(i, j)));
+          one.detectability.name, other.detectability.name, diagnosis.cosines(i, j)));
     }
   }
 }
