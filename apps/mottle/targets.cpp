@@ -12,12 +12,12 @@
 namespace mottle::app {
 
 void add_targets(CLI::App& app) {
-  CLI::App* verb = app.add_subcommand("targets", "numbers of a Nastran deck that can be parameters; what each changes");
+  CLI::App* verb = app.add_subcommand("targets", "numbers of a deck that can be parameters; what each changes");
   const auto settings = std::make_shared<TargetsSettings>();
   const auto cards = std::make_shared<std::vector<std::string>>();
   const auto is_json = std::make_shared<bool>(false);
   const auto is_csv = std::make_shared<bool>(false);
-  verb->add_option("model", settings->model, "Nastran deck")->required();
+  verb->add_option("model", settings->model, "deck of Nastran, or of CalculiX (.inp)")->required();
   verb->add_option("--modes", settings->modes, "number of lowest modes (default: the deck's EIGRL, or 10)")
       ->check(CLI::Range(1, 100000));
   verb->add_option("--units", settings->units,
@@ -29,6 +29,7 @@ void add_targets(CLI::App& app) {
   CLI::Option* json = verb->add_flag("--json", *is_json, "every mode, as one line of JSON on stdout");
   verb->add_flag("--csv", *is_csv, "every mode, as a table on stdout")->excludes(json);
   verb->callback([=] {
+    settings->cache = cache_folder("");
     for (const std::string& card : *cards) settings->ignore_cards.insert(capitals(card));
     Console console(false);
     console.begin("reading and solving the deck");

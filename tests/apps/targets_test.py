@@ -7,6 +7,7 @@ import csv
 import io
 import json
 import math
+import shutil
 import unittest
 
 import support
@@ -145,6 +146,24 @@ class TargetsTest(support.CommandTest):
         self.assertEqual(ended.code, 2, ended.err)
         self.assertIn("none.bdf", ended.err)
 
+    def test_a_calculix_decks_sensitivities_sum_to_a_half(self):
+        """f goes with sqrt(K / M): all stiffnesses together by +0.5 % per %, all densities by -0.5."""
+        if shutil.which("ccx") is None:
+            self.skipTest("CalculiX (ccx) is not here")
+        shutil.copy(support.SOURCE / "examples" / "03-plate-calculix" / "plate.inp", self.folder)
+        found = json.loads(self.succeed("targets", "plate.inp", "--modes", "6", "--json").out)
+        self.assertEqual(len(found["frequencies"]), 6)
+        for mode in range(6):
+            sums = {True: 0.0, False: 0.0}
+            for target in found["targets"]:
+                sums[target["target"].startswith("*DENSITY")] += target["sensitivity"][mode]
+            self.assertAlmostEqual(sums[True], -0.5, delta=1e-4)
+            self.assertAlmostEqual(sums[False], 0.5, delta=1e-4)
+        header, *rows = csv.reader(io.StringIO(self.succeed("targets", "plate.inp", "--modes", "6", "--csv").out))
+        self.assertTrue(all(len(row) == len(header) for row in rows))
+        ended = self.call("modes", "plate.inp")
+        self.assertEqual(ended.code, 2)
+        self.assertIn("is a CalculiX deck", ended.err)
 
 if __name__ == "__main__":
     support.main()

@@ -8,6 +8,7 @@
 #include "mottle/core/clock.hpp"
 #include "mottle/core/error.hpp"
 #include "mottle/dynamics/modes/mode_set.hpp"
+#include "study/jobs/init_model.hpp"
 #include "study/jobs/job_files.hpp"
 
 namespace mottle::study {
@@ -63,6 +64,10 @@ SolvedDeck solve_deck(const std::filesystem::path& deck, const NastranOptions& o
   require(deck.extension() != ".msh",
           "{}: a mesh alone has no materials and supports; write a study of kind \"mesh\" (docs/howto/mesh.md), whose "
           "modes mottle check gives",
+          deck.string());
+  require(model_kind_of(deck) != "calculix",
+          "{}: is a CalculiX deck, and this command reads those of Nastran; `mottle targets` lists its modes and "
+          "numbers, `mottle init` makes a study of it",
           deck.string());
   NastranModel read = read_nastran_model(deck, options);
   SolvedDeck solved;

@@ -9,6 +9,7 @@
 #include "mottle/fem/assembly/static_reduction.hpp"
 #include "mottle/formats/nastran/model.hpp"
 #include "study/jobs/deck_targets.hpp"
+#include "study/jobs/init_model.hpp"
 #include "study/models/nastran/field_units.hpp"
 
 namespace mottle::study {
@@ -98,7 +99,31 @@ TargetsOutcome targets_of(const SolvedDeck& solved, const TargetsSettings& setti
   return outcome;
 }
 
+namespace {
+
+constexpr int k_modes_of_calculix = 10;  // where none are asked for
+
+/// Of a CalculiX deck, whose elements are not known here: no energies.
+TargetsOutcome targets_of_calculix(const TargetsSettings& settings) {
+  require(!settings.subcase && settings.ignore_cards.empty(),
+          "{}: subcases and cards to leave out are those of Nastran decks; this is one of CalculiX",
+          settings.model.string());
+  InitOutcome draft{.settings = {.model = settings.model,
+                                 .study = settings.model.parent_path() / "study.toml",
+                                 .units = settings.units,
+                                 .cache = settings.cache},
+                    .kind = "calculix"};
+  InitModel solved = solve_for_proposal(draft, settings.modes > 0 ? settings.modes : k_modes_of_calculix);
+  return {.settings = settings,
+          .frequencies = std::move(solved.frequencies),
+          .targets = std::move(solved.targets),
+          .notes = std::move(solved.notes)};
+}
+
+}  // namespace
+
 TargetsOutcome find_targets(const TargetsSettings& settings) {
+  if (model_kind_of(settings.model) == "calculix") return targets_of_calculix(settings);
   return targets_of(solve_deck(settings.model, {settings.ignore_cards, settings.subcase}, settings.modes), settings);
 }
 

@@ -16,9 +16,10 @@ std::string most_changed(const Target& target) {
   return fmt::format("{:+.3f} (mode {})", target.sensitivity(mode), mode + 1);
 }
 
-/// The largest value, in %; 0 where there is none.
-double largest_percent(const Eigen::RowVectorXd& values) {
-  return 100.0 * std::max(0.0, values.array().isNaN().select(0.0, values.array()).maxCoeff());
+/// "12.5 %", the largest value; 0 where modes have none, empty where nothing is known.
+std::string largest_percent(const Eigen::RowVectorXd& values) {
+  if (values.size() == 0) return "";
+  return fmt::format("{:.1f} %", 100.0 * std::max(0.0, values.array().isNaN().select(0.0, values.array()).maxCoeff()));
 }
 
 Json target_json(const Target& target) {
@@ -40,9 +41,9 @@ std::vector<std::string> table_lines(const TargetsOutcome& outcome) {
   lines.push_back(fmt::format("{:<{}} {:>13} {:<9} {:>8} {:>8} {:>8}  {}", "", width, "", "", "", "energy", "energy",
                               "in % per %"));
   for (const Target& target : outcome.targets) {
-    lines.push_back(fmt::format("{:<{}} {:>13.6g} {:<9} {:>8} {:>6.1f} % {:>6.1f} %  {}", target.name, width,
-                                target.value, target.unit, target.elements, largest_percent(target.strain),
-                                largest_percent(target.kinetic), most_changed(target)));
+    lines.push_back(fmt::format("{:<{}} {:>13.6g} {:<9} {:>8} {:>8} {:>8}  {}", target.name, width, target.value,
+                                target.unit, target.elements > 0 ? fmt::format("{}", target.elements) : "",
+                                largest_percent(target.strain), largest_percent(target.kinetic), most_changed(target)));
   }
   return lines;
 }
@@ -57,9 +58,11 @@ RunSummary summarise(const TargetsOutcome& outcome) {
   for (const double frequency : outcome.frequencies) frequencies += fmt::format(" {:.5g}", frequency);
   lines.push_back(frequencies);
   for (std::string& line : table_lines(outcome)) lines.push_back(std::move(line));
-  lines.push_back(
-      "Energies: of the elements that use the number, in the mode where the fraction is largest; every mode is in "
-      "--csv and --json.");
+  const bool has_energies = std::ranges::any_of(outcome.targets, [](const Target& t) { return t.strain.size() > 0; });
+  lines.push_back(has_energies ? "Energies: of the elements that use the number, in the mode where the fraction is "
+                                 "largest; every mode is in "
+                                 "--csv and --json."
+                               : "Every mode is in --csv and --json.");
   if (outcome.left_out > 0) {
     lines.push_back(
         fmt::format("{} other numbers are zero, change none of these modes or are seldom wrong: --all lists "
@@ -86,6 +89,7 @@ std::string targets_csv(const TargetsOutcome& outcome) {
   for (const Target& target : outcome.targets) {
     text += fmt::format("{},{},{},{}", target.name, target.value, target.unit, target.elements);
     for (const Eigen::RowVectorXd* values : {&target.strain, &target.kinetic, &target.sensitivity}) {
+      if (values->size() == 0) text += std::string(static_cast<std::size_t>(outcome.frequencies.size()), ',');
       for (const double value : *values) text += std::isnan(value) ? "," : fmt::format(",{}", value);
     }
     text += '\n';

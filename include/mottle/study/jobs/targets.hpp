@@ -15,11 +15,12 @@ namespace mottle::study {
 
 /// What to compute.
 struct TargetsSettings {
-  std::filesystem::path model;  ///< a Nastran deck
+  std::filesystem::path model;  ///< a deck of Nastran, or of CalculiX (.inp)
   int modes = 0;                ///< 0: what the deck's EIGRL asks for, else 10
   std::set<std::string> ignore_cards = {};
   std::optional<int> subcase = std::nullopt;  ///< id; without it the first one that asks for modes
   std::string units = "SI";                   ///< only named
+  std::filesystem::path cache = {};           ///< of CalculiX's matrices, as InitSettings::cache
   bool lists_all = false;                     ///< also numbers that are zero, change no mode or are seldom wrong
 };
 
@@ -28,7 +29,7 @@ struct Target {
   std::string name;  ///< "MAT1:2:E"
   std::string unit;
   double value = 0.0;  ///< as in the deck
-  int elements = 0;    ///< that use it
+  int elements = 0;    ///< that use it; 0 where they are not known
   /// Fraction of the strain energy, in elements whose stiffness depends on it; nan of rigid-body modes [mode].
   Eigen::RowVectorXd strain = {};
   Eigen::RowVectorXd kinetic = {};      ///< the same of the kinetic energy and mass [mode]
@@ -51,6 +52,9 @@ struct TargetsOutcome {
 ///   d ln f / d ln p = (phi' dK/dlnp phi / phi' K phi - phi' dM/dlnp phi / phi' M phi) / 2
 ///
 /// Modes of one frequency have the mean of theirs, since each alone is not determined.
+///
+/// A CalculiX deck's moduli, densities, springs, masses and thicknesses, without energies: derivatives of its matrices,
+/// or central differences of runs.
 ///
 /// Throws InvalidInput, FormatError, SystemFailure as find_modes().
 TargetsOutcome find_targets(const TargetsSettings& settings);
