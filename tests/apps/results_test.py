@@ -55,6 +55,18 @@ class ResultsTest(support.CommandTest):
         self.assertIn(result["status"], STATUSES)
         self.assertIsInstance(result["message"], str)
 
+    def test_a_factor_is_shown_with_the_number_that_it_gives(self):
+        factor = ('target = "spring:k1"\ndistribution = { kind = "normal", mean = 2.0, std = 0.3 }\nbounds = [0.5, 3.0]',
+                  'target = ["spring:k4", "spring:k5"]\nrelative = true\ndistribution = { kind = "normal", mean = 1.0, std = 0.3 }')
+        several = ('target = "spring:k2"\n', 'target = ["spring:k2", "spring:k6"]\nrelative = true\n')
+        self.write("study.toml", edited(STUDY, factor, several, ('"mares"\nsamples', '"perturbation"\nsamples')))
+        out = self.succeed("update", "study.toml", "--out", "out").out
+        parameters = read_result(self.folder / "out")["parameters"]
+        self.assertEqual(parameters["factor_of"], [1.0, None])  # k2 and k6 are different numbers
+        self.assertEqual(parameters["factor_units"], ["N/m", None])
+        self.assertIn(f"  {parameters['mean'][0]:.5g} N/m\n", out)
+        self.assertRegex(out, r"\nnext: mottle \w+ study\.toml")
+
     def test_parameters_of_the_result(self):
         parameters = self.update()["parameters"]
         self.assertEqual(parameters["names"], ["k1", "k2"])
