@@ -57,12 +57,13 @@ export function track(finding, span = span_of([finding])) {
   );
 }
 
+const unit_text = (unit) => (unit && unit !== "-" ? ` ${unit}` : "");
 const range_text = (ends) => `${short_number(ends[0], 3)} … ${short_number(ends[1], 3)}`;
 
 export function value_text({ estimate, interval, unit, number }) {
   if (!is_number(estimate)) return "–";
   const known = interval ? ` (${range_text(interval)})` : "";
-  return `${number_text(estimate)}${known}${unit ? ` ${unit}` : ""}${number ? ` = ${number}` : ""}`;
+  return `${number_text(estimate)}${known}${unit_text(unit)}${number ? ` = ${number}` : ""}`;
 }
 
 export function spoken(finding) {
@@ -72,7 +73,7 @@ export function spoken(finding) {
     is_number(estimate) ? `estimate ${number_text(estimate)}` : null,
     interval ? `95 % interval ${range_text(interval)}` : null,
   ].filter(Boolean);
-  return `${name}: ${parts.join(", ")}${unit ? ` ${unit}` : ""}`;
+  return `${name}: ${parts.join(", ")}${unit_text(unit)}`;
 }
 
 /** Green only in a model that stood its tests: what is found in any other is found on a condition. */
