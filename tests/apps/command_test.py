@@ -3,6 +3,7 @@
     python3 command_test.py PATH_TO_MOTTLE
 """
 
+import json
 import signal
 import subprocess
 import time
@@ -91,6 +92,21 @@ class AnySolverTest(support.CommandTest):
         # lambda = (3 -+ sqrt 5) / 2 k for two equal springs and masses of 1 kg
         self.assertIn(f"{(3 - 5 ** 0.5) ** 0.5 / 6.283185307179586:.7f}"[:7], out)
         self.assertEqual({path.name for path in self.folder.iterdir()} - before, {"runs.log"})
+
+    def test_check_says_how_many_runs_the_update_of_a_linear_model_takes(self):
+        self.write("solver.py", (
+            'k1, k2 = (float(word) - 2.0 for word in open("in.txt").read().split())\n'
+            f'open({str(self.log)!r}, "a").write("run\\n")\n'
+            'print("FREQUENCIES")\nprint(1.0 + 0.1 * k1 + 0.02 * k2)\nprint(3.0 + 0.05 * k1 + 0.2 * k2)\n'))
+        moved = [(0.1, -0.2), (-0.15, 0.1), (0.3, 0.25), (-0.2, -0.1), (0.05, 0.3), (-0.3, 0.0)]
+        self.write("tests.csv", "f1,f2\n" + "".join(
+            f"{1.0 + 0.1 * a + 0.02 * b!r},{3.0 + 0.05 * a + 0.2 * b!r}\n" for a, b in moved))
+        for method in ("deterministic", "inversion", "perturbation", "maximum-likelihood", "mares"):
+            chosen = ("--set", f'update.method="{method}"', "--set", "update.samples=30", "--set", "update.iterations=8")
+            expected = json.loads(self.succeed("check", "study.toml", "--json", *chosen).out)["expected_runs"]
+            self.log.unlink()
+            self.succeed("update", "study.toml", "--out", method, "--quiet", *chosen)
+            self.assertAlmostEqual(expected / len(self.runs()), 1.0, delta=0.2, msg=f"{method}: {expected}, {len(self.runs())}")
 
     def test_an_update_ends_and_its_repetition_repeats_nothing(self):
         self.succeed("update", "study.toml", "--out", "a", "--quiet")

@@ -3,6 +3,7 @@
 import json
 import math
 import shutil
+import tomllib
 
 import support
 from support import edited, line_of, main
@@ -60,6 +61,33 @@ class Diagnose(support.CommandTest):
         with open(self.folder / "study.toml", "a", encoding="utf-8") as study:
             study.write(result["proposed_toml"])
         self.succeed("update", "study.toml", "--out", "updated", "--set", "update.samples=50")
+
+    def test_what_is_proposed_keeps_its_prior(self):
+        example = support.SOURCE / "examples" / "01-three-masses"
+        shutil.copy(example / "specimens-shapes.csv", self.folder)
+        wrong = edited((example / "shapes.toml").read_text(encoding="utf-8"), ("stiffness = 3.0", "stiffness = 2.0"))
+        self.write("study.toml", wrong + (
+            '[diagnose]\ncandidates = [{ name = "outer \\"spring\\"", target = "spring:k6", scale = "log", '
+            'distribution = { kind = "lognormal", mean = 2.0, std = 0.5 }, bounds = [0.1, inf] }]\n'))
+        proposed = tomllib.loads(self.diagnosis()["proposed_toml"])["parameter"]
+        self.assertEqual(proposed, [{"name": 'outer "spring"', "target": "spring:k6", "scale": "log", "bounds": [0.1, math.inf],
+                                     "distribution": {"kind": "lognormal", "mean": 2.0, "std": 0.5}}])
+
+    def test_a_candidate_that_never_settles_is_not_proposed(self):
+        """The wing's vertical spring is nearly rigid: its linear models change from iteration to iteration."""
+        if support.PATIENCE > 1:
+            self.skipTest("takes minutes under sanitizers")
+        examples = support.SOURCE / "examples"
+        tests = examples / "05-uff-population" / "specimens"
+        self.succeed("init", examples / "02-airframe" / "airframe.bdf", tests, "--yes", "--out", "study.toml")
+        with open(self.folder / "study.toml", "a", encoding="utf-8") as study:
+            study.write('\n[[parameter]]\nname = "K4_101"\ntarget = "PBUSH:101:K4"\n'
+                        'distribution = { kind = "normal", mean = 1e5, std = 2e4 }\n'
+                        '[diagnose]\ncandidates = ["PBUSH:101:K2"]\n')
+        result = self.diagnosis(timeout=300)
+        self.assertEqual(result["candidates"][0]["freed"], {"failure": "its fit does not converge"})
+        self.assertFalse(result["explained"])
+        self.assertEqual(result["proposed_toml"], "")
 
     def test_candidates_are_targets_or_tables(self):
         text = STUDY + ('[diagnose]\ncandidates = ["spring:k6", { name = "mid", target = "spring:k4", distribution = '

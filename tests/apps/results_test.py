@@ -64,7 +64,7 @@ class ResultsTest(support.CommandTest):
         parameters = read_result(self.folder / "out")["parameters"]
         self.assertEqual(parameters["factor_of"], [1.0, None])  # k2 and k6 are different numbers
         self.assertEqual(parameters["factor_units"], ["N/m", None])
-        self.assertIn(f"  {parameters['mean'][0]:.5g} N/m\n", out)
+        self.assertIn(f" {parameters['mean'][0]:.5g} N/m\n", out)
         self.assertRegex(out, r"\nnext: mottle \w+ study\.toml")
 
     def test_parameters_of_the_result(self):

@@ -24,7 +24,7 @@ const readable = {
   "m^2": [{ unit: "mm²", from: 0, to: 0.1, factor: 1e6 }],
   "N m": [{ unit: "kN m", from: 1e4, factor: 1e-3 }],
 };
-const same = { "N*m/rad": "N m/rad", "N/m*m^2/rad": "N m/rad" };
+const same = { "N/m m^2/rad": "N m/rad", "N*m/rad": "N m/rad", "N/m*m^2/rad": "N m/rad" };
 
 const powers = { 2: "²", 3: "³", 4: "⁴" };
 const pretty = (unit) =>

@@ -8,7 +8,7 @@ namespace mottle {
 /// Seconds on a steady clock.
 double steady_seconds();
 
-/// "40 s", "9 min", "2.5 h".
+/// "0.18 s", "40 s", "9 min", "2.5 h".
 std::string duration_text(double seconds);
 
 }  // namespace mottle

@@ -15,13 +15,13 @@
 namespace mottle::formats {
 namespace {
 
-/// INPUT=file of an *INCLUDE, in its own letters.
-std::string included_file(std::string_view line) {
+/// INPUT=file of an *INCLUDE, in its own letters: a part of the line.
+std::string_view included_file(std::string_view line) {
   const std::size_t equals = line.find('=');
   if (equals == std::string_view::npos) return {};
   std::string_view name = trim_blanks(line.substr(equals + 1));
   if (name.size() >= 2 && name.front() == '"' && name.back() == '"') name = name.substr(1, name.size() - 2);
-  return std::string(name);
+  return name;
 }
 
 void read_into(CalculixDeck& deck, const std::filesystem::path& file, std::vector<std::string>& open) {
@@ -37,10 +37,15 @@ void read_into(CalculixDeck& deck, const std::filesystem::path& file, std::vecto
       deck.lines.push_back({std::string(text.line()), index, text.number()});
       continue;
     }
-    const std::filesystem::path included = file.parent_path() / included_file(text.line());
+    const std::string_view name = included_file(text.line());
+    const std::filesystem::path included = file.parent_path() / name;
     if (std::count(open.begin(), open.end(), included.string()) > 0 || deck.files.size() >= k_max_files) {
       text.fail(fmt::format("includes {} in a circle, or more than {} files", included.string(), k_max_files));
     }
+    deck.includes.push_back({{std::string(text.line()), index, text.number()},
+                             name.empty() ? 0 : static_cast<std::size_t>(name.data() - text.line().data()),
+                             name.size(),
+                             static_cast<int>(deck.files.size())});
     read_into(deck, included, open);
   }
   open.pop_back();

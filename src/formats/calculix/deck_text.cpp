@@ -1,13 +1,10 @@
 // A CalculixDeck written with other numbers.
 #include <algorithm>
-#include <map>
 #include <optional>
-#include <utility>
 
 #include "formats/calculix/abaqus.hpp"
 #include "formats/calculix/steps.hpp"
 #include "formats/matrices/matrix_text.hpp"
-#include "mottle/core/files.hpp"
 #include "mottle/core/text.hpp"
 #include "mottle/formats/calculix/deck.hpp"
 
@@ -64,36 +61,6 @@ std::string one_step_deck(const CalculixDeck& deck, const std::vector<CalculixCh
   return text_of(deck, lines);
 }
 
-/// A line of a file as it was read, and the texts that go into it: by the place of the first letter that each replaces,
-/// with the number of these letters.
-struct ChangedLine {
-  std::string before;
-  std::map<std::size_t, std::pair<std::size_t, std::string>> texts;
-};
-using ChangedLines = std::map<int, ChangedLine>;  // by number
-
-std::string changed_file(const std::string& name, const ChangedLines& lines) {
-  const std::string bytes = read_file(name);
-  std::string written;
-  std::size_t copied = 0;
-  std::size_t start = 0;
-  int number = 1;
-  for (const auto& [line, change] : lines) {
-    for (; number < line && start <= bytes.size(); ++number) {
-      const std::size_t end = bytes.find('\n', start);
-      start = end == std::string::npos ? bytes.size() + 1 : end + 1;
-    }
-    if (start > bytes.size() || bytes.compare(start, change.before.size(), change.before) != 0) {
-      throw FormatError(name, line, "was changed since the deck was read");
-    }
-    for (const auto& [begin, replaced] : change.texts) {
-      written.append(bytes, copied, start + begin - copied).append(replaced.second);
-      copied = start + begin + replaced.first;
-    }
-  }
-  return written.append(bytes, copied, std::string::npos);
-}
-
 }  // namespace
 
 std::string matrix_storage_deck(const CalculixDeck& deck, const std::vector<CalculixChange>& changes) {
@@ -123,27 +90,6 @@ std::string deck_with_replacements(const CalculixDeck& deck, const std::vector<C
 std::string with_decimal_point(std::string number) {
   if (number.empty() || number.find('.') != std::string::npos) return number;
   return number.insert(std::min(number.find_first_of("eEdD"), number.size()), ".");
-}
-
-std::vector<CalculixFile> deck_files_with_replacements(const CalculixDeck& deck,
-                                                       const std::vector<CalculixReplacement>& replacements) {
-  std::map<std::string, ChangedLines> changes;
-  for (const auto& [number, text] : replacements) {
-    const CalculixDeck::Line& line = deck.lines[number.line];
-    ChangedLine& change = changes[deck.files[static_cast<std::size_t>(line.file)]][line.number];
-    change.before = line.text;
-    const auto [found, is_new] = change.texts.emplace(number.begin, std::pair(number.length, text));
-    if (!is_new && found->second.second != text) {
-      refuse(deck, number.line,
-             fmt::format("is included twice and would have to say {} and {}", found->second.second, text));
-    }
-  }
-  std::vector<CalculixFile> files;
-  for (const std::string& name : deck.files) {
-    if (std::ranges::find(files, name, &CalculixFile::name) != files.end()) continue;
-    files.push_back({name, changed_file(name, changes[name])});
-  }
-  return files;
 }
 
 bool writes_displacements(const CalculixDeck& deck) {

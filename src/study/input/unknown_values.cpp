@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -37,9 +38,9 @@ void refuse_unknown_values(const toml::table& root, const std::filesystem::path&
   for (std::size_t i = 1; i < found.size(); ++i) {
     others.push_back(fmt::format("{} (line {})", found[i].second, found[i].first));
   }
-  const std::string also = others.empty() ? "" : fmt::format(", and so do {}", join(others));
+  const std::string also = others.empty() ? "" : fmt::format("; others: {}", join(others));
   throw FormatError(file.string(), found.front().first,
-                    fmt::format("{} still says UNKNOWN{}; write what its comment asks for", found.front().second, also));
+                    fmt::format("{} still says UNKNOWN; write the value{}", found.front().second, also));
 }
 
 }  // namespace mottle::study

@@ -35,11 +35,11 @@ Eigen::VectorXd frequencies_of(const StudyModel& made) {
 
 /// Outputs at the parameters' means, the time that they take and what the parameters change in them. A solver by
 /// command has run once already and is not run again: of it the listed frequencies are known.
-void try_model(const StudyModel& made, const RunContext& context, CheckOutcome& outcome) {
+void try_model(const Study& study, const StudyModel& made, const RunContext& context, CheckOutcome& outcome) {
   const StructureModel& model = *made.model;
   const Eigen::VectorXd mean = made.space->prior().mean();
-  if (made.program) {
-    outcome.solution_seconds = made.program->seconds;
+  if (study.model->keeps_runs()) {
+    outcome.solution_seconds = made.program ? made.program->seconds_at_means : 0.0;
     outcome.outputs = Eigen::VectorXd::Constant(static_cast<Eigen::Index>(model.outputs().size()), std::nan(""));
     for (std::size_t k = 0; k < model.outputs().size(); ++k) {
       const Quantity& output = model.outputs()[k];
@@ -84,12 +84,12 @@ CheckOutcome check(const Study& study, const RunSettings& settings) {
   const StudyModel& made = checked->made();
   CheckOutcome outcome{.study = study, .checked = checked};
   outcome.frequencies = frequencies_of(made);
-  try_model(made, {.seed = study.seed, .threads = settings.threads, .stop = settings.stop}, outcome);
+  try_model(study, made, {.seed = study.seed, .threads = settings.threads, .stop = settings.stop}, outcome);
   outcome.total_mass = made.model->structure().total_mass(made.space->prior().mean());
   if (checked->plan) {
     const RunContext context{.seed = study.seed, .threads = settings.threads, .stop = settings.stop};
     refuse_what_methods_refuse(study, *checked->plan, context);
-    if (made.program && !study.surrogate) outcome.runs = count_expected_runs(study, *checked->plan, context);
+    if (made.program && !study.surrogate) outcome.expected_runs = count_expected_runs(study, *checked->plan, context);
   }
   outcome.reach = reach_of(study, made.files);
   return outcome;

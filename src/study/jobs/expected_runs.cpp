@@ -9,18 +9,20 @@
 namespace mottle::study {
 namespace {
 
-/// y = mean + S (x - x_0): prior standard deviations move outputs about as much as the tests scatter, each in its way.
+/// y = mean + S (x - x_0): prior standard deviations move outputs about as much as the tests scatter, or by a few
+/// percent where one specimen shows no scatter, each in its way.
 class LinearModel final : public Model {
  public:
   LinearModel(const Model& model, const ParameterSpace& space, const TestData& tests)
       : model_(model), prior_mean_(space.prior().mean()) {
+    constexpr double k_few_percent = 0.03;
     const TestMoments moments = test_moments(tests);
     mean_ = moments.mean;
     const Eigen::VectorXd prior_std = space.prior().covariance().diagonal().cwiseSqrt();
     sensitivity_.resize(mean_.size(), prior_mean_.size());
     for (Eigen::Index k = 0; k < mean_.size(); ++k) {
       const double scatter = std::sqrt(moments.covariance(k, k));
-      const double size = scatter > 0.0 ? scatter : std::abs(mean_(k)) + 1.0;
+      const double size = scatter > 0.0 ? scatter : k_few_percent * (mean_(k) == 0.0 ? 1.0 : std::abs(mean_(k)));
       for (Eigen::Index i = 0; i < prior_mean_.size(); ++i) {
         sensitivity_(k, i) = size * std::cos(static_cast<double>((k + 1) * (2 * i + 1))) / prior_std(i);
       }
@@ -36,8 +38,8 @@ class LinearModel final : public Model {
       asked_.emplace(row.data(), row.data() + row.size());
     }
     Evaluation found;
-    found.outputs = ((samples.rowwise() - prior_mean_.transpose()) * sensitivity_.transpose()).rowwise() +
-                    mean_.transpose();
+    found.outputs =
+        ((samples.rowwise() - prior_mean_.transpose()) * sensitivity_.transpose()).rowwise() + mean_.transpose();
     return found;
   }
 
@@ -53,15 +55,16 @@ class LinearModel final : public Model {
 
 }  // namespace
 
-std::optional<ExpectedRuns> count_expected_runs(const Study& study, const UpdatePlan& plan, const RunContext& context) {
+std::int64_t count_expected_runs(const Study& study, const UpdatePlan& plan, const RunContext& context) {
   const LinearModel model(*plan.made.model, *plan.made.space, plan.tests.data);
   try {
-    const UpdatingResult result = plan.method->update(problem_of(study, plan, model).with_model(model, nullptr), context);
-    return ExpectedRuns{.total = model.runs(), .iterations = static_cast<int>(result.history.size()) - 1};
+    const UpdatingProblem problem = problem_of(study, plan, model).with_model(model, nullptr);
+    const UpdatingStatus status = plan.method->update(problem, context).status;
+    return status == UpdatingStatus::failed ? 0 : model.runs();
   } catch (const Stopped&) {
     throw;
   } catch (const Error&) {
-    return std::nullopt;
+    return 0;
   }
 }
 

@@ -119,8 +119,8 @@ CalculixParts make_separable_parts(const InitOutcome& outcome, const std::vector
   std::vector<std::string> left_out = targets;
   std::erase_if(left_out, [&](const std::string& target) { return !is_thickness(target); });
   without.parts.notes.push_back(
-      fmt::format("Thicknesses are not proposed: with them each sample is a run of CalculiX, without them its matrices "
-                  "are made once. They can be named with --targets: {}.",
+      fmt::format("Thicknesses are left out: with them each sample is a run of CalculiX, without them its matrices are "
+                  "made once. `mottle init --targets` and `mottle targets --all` take them: {}.",
                   join(left_out)));
   return without;
 }

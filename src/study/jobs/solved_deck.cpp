@@ -57,18 +57,26 @@ int modes_of_method(const FiniteElementStructure& structure, const AnalysisSetti
   return std::min(in_range, k_max_modes);
 }
 
-}  // namespace
-
-SolvedDeck solve_deck(const std::filesystem::path& deck, const NastranOptions& options, int modes) {
-  const double start = steady_seconds();
+void refuse_other_models(const std::filesystem::path& deck) {
   require(deck.extension() != ".msh",
           "{}: a mesh alone has no materials and supports; write a study of kind \"mesh\" (docs/howto/mesh.md), whose "
           "modes mottle check gives",
           deck.string());
-  require(model_kind_of(deck) != "calculix",
+  const std::string kind = model_kind_of(deck);
+  require(kind != "calculix",
           "{}: is a CalculiX deck, and this command reads those of Nastran; `mottle targets` lists its modes and "
           "numbers, `mottle init` makes a study of it",
           deck.string());
+  require(kind != "command",
+          "{}: has placeholders {{{{name}}}} and is no Nastran deck by its name; `mottle init` makes a study of it",
+          deck.string());
+}
+
+}  // namespace
+
+SolvedDeck solve_deck(const std::filesystem::path& deck, const NastranOptions& options, int modes) {
+  const double start = steady_seconds();
+  refuse_other_models(deck);
   NastranModel read = read_nastran_model(deck, options);
   SolvedDeck solved;
   solved.read_seconds = steady_seconds() - start;

@@ -7,6 +7,7 @@
 #include "mottle/core/error.hpp"
 #include "mottle/fem/assembly/field_energies.hpp"
 #include "mottle/fem/assembly/static_reduction.hpp"
+#include "mottle/formats/calculix/deck.hpp"
 #include "mottle/formats/nastran/model.hpp"
 #include "study/jobs/deck_targets.hpp"
 #include "study/jobs/init_model.hpp"
@@ -103,7 +104,8 @@ namespace {
 
 constexpr int k_modes_of_calculix = 10;  // where none are asked for
 
-/// Of a CalculiX deck, whose elements are not known here: no energies.
+/// Of a CalculiX deck, whose elements are not known here: no energies. Thicknesses may make each solution a run of
+/// CalculiX and are listed then only where all numbers are asked for.
 TargetsOutcome targets_of_calculix(const TargetsSettings& settings) {
   require(!settings.subcase && settings.ignore_cards.empty(),
           "{}: subcases and cards to leave out are those of Nastran decks; this is one of CalculiX",
@@ -113,10 +115,14 @@ TargetsOutcome targets_of_calculix(const TargetsSettings& settings) {
                                  .units = settings.units,
                                  .cache = settings.cache},
                     .kind = "calculix"};
+  const std::vector<std::string> listed = list_calculix_targets(read_calculix_deck(settings.model));
+  if (settings.lists_all) draft.settings.targets = listed;
   InitModel solved = solve_for_proposal(draft, settings.modes > 0 ? settings.modes : k_modes_of_calculix);
+  const auto left_out = static_cast<int>(listed.size() - solved.targets.size());
   return {.settings = settings,
           .frequencies = std::move(solved.frequencies),
           .targets = std::move(solved.targets),
+          .left_out = left_out,
           .notes = std::move(solved.notes)};
 }
 

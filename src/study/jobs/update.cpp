@@ -78,6 +78,7 @@ UpdateOutcome update_here(const Study& study, const RunSettings& settings) {
   const double start = steady_seconds();
   const auto workings = std::make_shared<UpdateWorkings>(UpdateWorkings{.plan = plan_update(study, settings)});
   const UpdatePlan& plan = workings->plan;
+  workings->factors = factor_nominals(study);
   workings->model_files = digest_model_files(study, plan.made.files);
   UpdateOutcome outcome{.study = study, .workings = workings};
   if (!plan.tests.warnings.empty()) {  // a study that is refused is told that alone, and leaves no files

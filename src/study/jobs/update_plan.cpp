@@ -1,7 +1,6 @@
 #include "study/jobs/update_plan.hpp"
 
 #include <algorithm>
-#include <set>
 
 #include "mottle/core/error.hpp"
 #include "mottle/updating/methods/surrogate_update.hpp"
@@ -45,29 +44,6 @@ OptionValues presets_of_runs(const Study& study, const StudyModel& made, std::ve
   return {{"starts", std::int64_t{0}}};
 }
 
-std::optional<FactorBase> factor_of(const ModelSource& model, const std::vector<ModelNumber>& numbers,
-                                    const StudyParameter& parameter, const UnitNames& units) {
-  std::set<double> values;
-  for (const std::string& target : parameter.targets) {
-    const auto found = std::ranges::find(numbers, model.target_key(target), &ModelNumber::target);
-    if (found == numbers.end()) return std::nullopt;
-    values.insert(found->value);
-  }
-  if (values.size() != 1) return std::nullopt;
-  return FactorBase{*values.begin(), model.target_unit(parameter.targets.front(), units)};
-}
-
-std::vector<std::optional<FactorBase>> factors_of(const Study& study) {
-  const std::vector<StudyParameter>& parameters = study.parameters.list;
-  std::vector<std::optional<FactorBase>> factors(parameters.size());
-  if (std::ranges::none_of(parameters, &StudyParameter::is_factor)) return factors;
-  const std::vector<ModelNumber> numbers = study.model->numbers();
-  for (std::size_t i = 0; i < parameters.size(); ++i) {
-    if (parameters[i].is_factor) factors[i] = factor_of(*study.model, numbers, parameters[i], unit_names(study.units));
-  }
-  return factors;
-}
-
 }  // namespace
 
 UpdatePlan plan_update(const Study& study, const RunSettings& settings) {
@@ -76,8 +52,7 @@ UpdatePlan plan_update(const Study& study, const RunSettings& settings) {
   refuse_unit_errors(study, made, tests);
   std::vector<int> groups = covariance_groups(study, made.space->names());
   std::unique_ptr<Updater> method = make_method(study, presets_of_runs(study, made, tests.notes));
-  UpdatePlan plan{std::move(made),      std::move(tests), std::move(method), std::move(groups),
-                  factors_of(study), std::nullopt};
+  UpdatePlan plan{std::move(made), std::move(tests), std::move(method), std::move(groups), std::nullopt};
   if (shows_few_samples(study, plan.made)) {
     plan.tests.notes.push_back(fmt::format(
         "The first and the last cloud have {} samples each, since every one is a run of the program; update.samples "

@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "mottle/layers.hpp"
@@ -15,18 +14,11 @@
 
 namespace mottle::study {
 
-/// The number of the model that a factor multiplies.
-struct FactorBase {
-  double value = 0.0;
-  std::string unit;
-};
-
 struct UpdatePlan {
   StudyModel made;
   StudyTests tests;
   std::unique_ptr<Updater> method;
   std::vector<int> covariance_groups;
-  std::vector<std::optional<FactorBase>> factors;  ///< nothing: no factor, or of different numbers [parameter]
   std::optional<PredictionPlan> prediction;
 };
 

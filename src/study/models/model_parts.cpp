@@ -47,7 +47,7 @@ ModelParts make_external(const SolverCommand& command, const std::vector<std::st
       command, names, parts.reference, prior.covariance().diagonal().cwiseSqrt(),
       RunStorage{.results = settings.folder, .is_resumed = settings.resume}, settings.stop);
   parts.notes = solver->notes();
-  parts.program = {.seconds = solver->seconds_at_means(), .at_once = command.parallel};
+  parts.program = {.seconds_at_means = solver->seconds_at_means(), .max_parallel = command.parallel};
   parts.solver = std::move(solver);
   return parts;
 }

@@ -140,12 +140,16 @@ std::optional<RegionAgreement> compare_region(const Comparison& c, const TestDat
 
 }  // namespace
 
+double OutputAgreement::scatter_misfit() const {
+  const double limit = final.std_ratio < 1.0 ? min_std_ratio : max_std_ratio;
+  if (final.std_ratio == 0.0) return std::numeric_limits<double>::infinity();
+  return std::log(final.std_ratio) / std::log(limit);
+}
+
 double OutputAgreement::misfit() const {
   const double of_mean = std::abs(final.standard_errors) / critical_standard_errors;
-  const double limit = final.std_ratio < 1.0 ? min_std_ratio : max_std_ratio;
-  const double of_scatter =
-      final.std_ratio > 0.0 ? std::log(final.std_ratio) / std::log(limit) : std::numeric_limits<double>::infinity();
-  return std::max(std::isnan(of_mean) ? 0.0 : of_mean, std::isnan(limit) || std::isnan(of_scatter) ? 0.0 : of_scatter);
+  const double of_scatter = scatter_misfit();
+  return std::max(std::isnan(of_mean) ? 0.0 : of_mean, std::isnan(of_scatter) ? 0.0 : of_scatter);
 }
 
 bool Agreement::are_means_reproduced() const {

@@ -31,6 +31,8 @@ struct OutputAgreement {
   std::optional<bool> is_mean_reproduced = std::nullopt;     ///< by the last cloud; nothing: not known
   std::optional<bool> is_scatter_reproduced = std::nullopt;  ///< the same
 
+  /// How far the scatter is off, 1 at the limit of chance; nan where it cannot be said.
+  double scatter_misfit() const;
   /// How far the worse of mean and scatter is off, 1 at the limit of chance.
   double misfit() const;
 };

@@ -156,22 +156,19 @@ void describe_reach_of_parameters(const CheckOutcome& outcome, std::vector<std::
 }
 
 /// How many runs of its program an update takes, and for how long.
-void describe_runs(const CheckOutcome& outcome, const ProgramRuns& program, std::vector<std::string>& lines) {
+void describe_runs(const CheckOutcome& outcome, const ProgramRuns& program, std::vector<std::string>& lines,
+                   Json& json) {
   const double seconds = outcome.solution_seconds;
-  if (outcome.runs) {
-    const auto& [total, iterations] = *outcome.runs;
-    lines.push_back(
-        fmt::format("  with outputs linear in the parameters that would be {} runs in all, {} iterations; curved "
-                    "outputs take more",
-                    total, iterations));
-    if (seconds > 0.0) {
-      const double all = seconds * static_cast<double>(total) / program.at_once;
-      lines.push_back(fmt::format("one model run took {:.2g} s; that many, {} at once, some {}", seconds,
-                                  program.at_once, duration_text(all)));
-    }
-  } else if (seconds > 0.0) {
-    lines.push_back(fmt::format("one model run took {:.2g} s", seconds));
-  }
+  json["run_seconds"] = seconds > 0.0 ? Json(seconds) : Json(nullptr);
+  json["expected_runs"] = outcome.expected_runs > 0 ? Json(outcome.expected_runs) : Json(nullptr);
+  if (seconds > 0.0) lines.push_back(fmt::format("one model run took {}", duration_text(seconds)));
+  if (outcome.expected_runs == 0) return;
+  const double all = seconds * static_cast<double>(outcome.expected_runs) / program.max_parallel;
+  const std::string time =
+      seconds > 0.0 ? fmt::format(", some {} with {} at a time", duration_text(all), program.max_parallel) : "";
+  lines.push_back(fmt::format(
+      "if the outputs were linear in the parameters, the update would take about {} runs{}; curved outputs take more",
+      outcome.expected_runs, time));
 }
 
 /// Tests and method.
@@ -199,7 +196,7 @@ void describe_update(const CheckOutcome& outcome, std::vector<std::string>& line
     lines.push_back(fmt::format("  {} = {}", name, option_text(value)));
   }
   if (plan.made.program) {
-    describe_runs(outcome, *plan.made.program, lines);
+    describe_runs(outcome, *plan.made.program, lines, json);
   } else if (outcome.solution_seconds > 0.0) {
     const bool is_reduced = study.model->reduction_error() && study.may_reduce;
     lines.push_back(

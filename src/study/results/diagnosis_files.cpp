@@ -1,17 +1,12 @@
 // diagnosis.json and the summary of a diagnosis.
-#include "mottle/study/jobs/diagnose.hpp"
-
-#include <toml++/toml.h>
-
-#include <cmath>
 #include <map>
 #include <utility>
 
 #include "mottle/core/text.hpp"
+#include "mottle/study/jobs/diagnose.hpp"
 #include "mottle/study/results/run_folder.hpp"
-#include "study/input/toml_writer.hpp"
 #include "study/results/diagnosis_names.hpp"
-#include "study/results/init_text.hpp"
+#include "study/results/proposed_toml.hpp"
 #include "study/results/result_json.hpp"
 
 namespace mottle::study {
@@ -38,14 +33,18 @@ Json fit_json(const CandidateFit& fit) {
           {"converged", fit.converged}};
 }
 
-Json candidate_json(const CandidateFinding& finding, const std::vector<std::string>& targets) {
-  Json json = detectability_json(finding.detectability);
-  json["targets"] = targets;
+void add_fits(const CandidateFinding& finding, Json& json) {
   json["bic"] = number_json(finding.bic());
   json["best"] = finding.better().is_random ? "freed" : "shifted";
   json["shifted"] = fit_json(finding.fixed);
   json["freed"] = fit_json(finding.random);
   json["screened_out"] = finding.is_screened_out;
+}
+
+Json candidate_json(const CandidateFinding& finding, const std::vector<std::string>& targets) {
+  Json json = detectability_json(finding.detectability);
+  json["targets"] = targets;
+  add_fits(finding, json);
   return json;
 }
 
@@ -60,50 +59,14 @@ Json proposed_json(const Diagnosis& diagnosis) {
   return proposed;
 }
 
-/// A candidate as a parameter of a study, with the prior that it was tried with.
-std::string parameter_toml(const StudyParameter& parameter) {
-  const auto number = [](double value) { return toml_on_one_line(toml::value<double>(value)); };
-  const DistributionSpec& spec = parameter.distribution;
-  std::string distribution = fmt::format("kind = \"{}\"", distribution_kind_info(spec.kind).name);
-  const std::pair<const char*, double> values[] = {
-      {"mean", spec.mean}, {"std", spec.std}, {"lower", spec.lower}, {"upper", spec.upper}};
-  for (const auto& [name, value] : values) {
-    if (std::isfinite(value)) distribution += fmt::format(", {} = {}", name, number(value));
-  }
-  toml::array targets;
-  for (const std::string& target : parameter.targets) targets.push_back(target);
-  std::string text =
-      fmt::format("\n[[parameter]]\nname = {}\ntarget = {}\n{}distribution = {{ {} }}\n", toml_string(parameter.name),
-                  targets.size() == 1 ? toml_string(parameter.targets.front()) : toml_on_one_line(targets),
-                  parameter.is_factor ? "relative = true\n" : "", distribution);
-  if (std::isfinite(parameter.lower_bound) && std::isfinite(parameter.upper_bound)) {
-    text += fmt::format("bounds = [{}, {}]\n", number(parameter.lower_bound), number(parameter.upper_bound));
-  }
-  return text;
-}
-
-/// The proposed parameters that the study does not have yet, as lines of a study; empty: there are none.
-std::string proposed_toml(const DiagnoseOutcome& outcome) {
-  std::string text;
-  for (const ProposedParameter& proposed : outcome.diagnosis.proposed) {
-    for (const StudyParameter& parameter : outcome.whole.parameters.list) {
-      if (!proposed.is_given && parameter.name == proposed.name) text += parameter_toml(parameter);
-    }
-  }
-  return text;
-}
-
 Json rounds_json(const Diagnosis& diagnosis) {
   Json rounds = Json::array();
   for (const DiagnosisRound& round : diagnosis.later_rounds) {
     Json candidates = Json::array();
     for (const CandidateFinding& finding : round.candidates) {
-      candidates.push_back({{"name", finding.detectability.name},
-                            {"bic", number_json(finding.bic())},
-                            {"best", finding.better().is_random ? "freed" : "shifted"},
-                            {"shifted", fit_json(finding.fixed)},
-                            {"freed", fit_json(finding.random)},
-                            {"screened_out", finding.is_screened_out}});
+      Json candidate = {{"name", finding.detectability.name}};
+      add_fits(finding, candidate);
+      candidates.push_back(std::move(candidate));
     }
     rounds.push_back({{"beside", round.beside}, {"candidates", candidates}});
   }
@@ -148,15 +111,19 @@ Json outcome_json(const DiagnoseOutcome& outcome) {
   return json;
 }
 
-/// "not fitted: a, b, c": of many candidates with one reason a line.
+/// "not fitted in the model (reason): a, b and 12 more": a line for each reason.
 void add_not_fitted(const std::vector<CandidateFinding>& candidates, std::vector<std::string>& lines) {
   std::map<std::string, std::vector<std::string>> names;
   for (const CandidateFinding& finding : candidates) {
     const std::string& failure = finding.better().failure;
     if (!failure.empty()) names[failure].push_back(finding.detectability.name);
   }
-  for (const auto& [reason, list] : names) {
-    lines.push_back(fmt::format("not fitted in the model, since {}: {}", reason, join(list)));
+  constexpr std::size_t k_named = 20;
+  for (auto& [reason, list] : names) {
+    const std::size_t more = list.size() > k_named ? list.size() - k_named : 0;
+    list.resize(list.size() - more);
+    lines.push_back(fmt::format("without a fit in the model ({}): {}{}", reason, join(list),
+                                more > 0 ? fmt::format(" and {} more", more) : ""));
   }
 }
 
@@ -173,13 +140,14 @@ const char* effect_text(const CandidateFit& fit) {
 void add_later_rounds(const Diagnosis& diagnosis, std::vector<std::string>& lines) {
   for (std::size_t r = 0; r < diagnosis.later_rounds.size(); ++r) {
     const DiagnosisRound& round = diagnosis.later_rounds[r];
-    lines.push_back(fmt::format("round {}, beside {} too:", r + 2, join(round.beside)));
+    lines.push_back(fmt::format("round {}, in addition to {}:", r + 2, join(round.beside)));
     for (const CandidateFinding& finding : round.candidates) {
       const CandidateFit& fit = finding.better();
       if (!fit.failure.empty()) continue;
       lines.push_back(fmt::format("{:<16} {:>11.5g} {} {:>23}  {}", finding.detectability.name,
                                   finding.detectability.nominal, fit_cells(fit), "", effect_text(fit)));
     }
+    add_not_fitted(round.candidates, lines);
   }
 }
 

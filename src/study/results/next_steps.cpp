@@ -83,7 +83,7 @@ std::vector<NextStep> next_steps(const SummarySources& s) {
   }
   if (steps.empty() && !s.study.predict) steps.push_back(prediction(s));
   if (steps.empty()) {
-    steps.push_back({"", "Compare the predictions below with their tests before the model is used for anything else."});
+    steps.push_back({"", "Compare the predictions with their tests before the model is used for anything else."});
   }
   return steps;
 }

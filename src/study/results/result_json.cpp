@@ -279,10 +279,10 @@ Json update_result_json(const Study& study, const StudyTests& tests, const Updat
   json["failed_evaluations"] = failures;
   json["tracking"] = tracking;
   json["options"] = options_json(study, problem, method);
-  json["notes"] = result.warnings;
-  for (const std::string& note : result.notes) json["notes"].push_back(note);
-  for (const std::string& note : tests.notes) json["notes"].push_back(note);
-  for (const std::string& warning : tests.warnings) json["notes"].push_back(warning);
+  json["notes"] = Json::array();
+  for (const auto* list : {&result.warnings, &result.notes, &tests.notes, &tests.warnings}) {
+    json["notes"].insert(json["notes"].end(), list->begin(), list->end());
+  }
   return json;
 }
 

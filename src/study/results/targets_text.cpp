@@ -26,9 +26,9 @@ Json target_json(const Target& target) {
   return {{"target", target.name},
           {"value", target.value},
           {"unit", target.unit},
-          {"elements", target.elements},
-          {"strain_energy", to_json(target.strain.transpose())},
-          {"kinetic_energy", to_json(target.kinetic.transpose())},
+          {"elements", target.has_energies() ? Json(target.elements) : Json(nullptr)},
+          {"strain_energy", target.has_energies() ? to_json(target.strain.transpose()) : Json(nullptr)},
+          {"kinetic_energy", target.has_energies() ? to_json(target.kinetic.transpose()) : Json(nullptr)},
           {"sensitivity", to_json(target.sensitivity.transpose())}};
 }
 
@@ -42,7 +42,7 @@ std::vector<std::string> table_lines(const TargetsOutcome& outcome) {
                               "in % per %"));
   for (const Target& target : outcome.targets) {
     lines.push_back(fmt::format("{:<{}} {:>13.6g} {:<9} {:>8} {:>8} {:>8}  {}", target.name, width, target.value,
-                                target.unit, target.elements > 0 ? fmt::format("{}", target.elements) : "",
+                                target.unit, target.has_energies() ? fmt::format("{}", target.elements) : "",
                                 largest_percent(target.strain), largest_percent(target.kinetic), most_changed(target)));
   }
   return lines;
@@ -58,12 +58,14 @@ RunSummary summarise(const TargetsOutcome& outcome) {
   for (const double frequency : outcome.frequencies) frequencies += fmt::format(" {:.5g}", frequency);
   lines.push_back(frequencies);
   for (std::string& line : table_lines(outcome)) lines.push_back(std::move(line));
-  const bool has_energies = std::ranges::any_of(outcome.targets, [](const Target& t) { return t.strain.size() > 0; });
-  lines.push_back(has_energies ? "Energies: of the elements that use the number, in the mode where the fraction is "
-                                 "largest; every mode is in "
-                                 "--csv and --json."
-                               : "Every mode is in --csv and --json.");
-  if (outcome.left_out > 0) {
+  const bool has_energies = std::ranges::any_of(outcome.targets, &Target::has_energies);
+  lines.emplace_back(has_energies ? "Energies: of the elements that use the number, in the mode where the fraction is "
+                                    "largest; every mode is in --csv and --json."
+                                  : "Every mode is in --csv and --json.");
+  if (outcome.left_out > 0 && !has_energies) {
+    lines.push_back(fmt::format(
+        "{} other numbers change none of these modes, or are thicknesses: --all takes those too.", outcome.left_out));
+  } else if (outcome.left_out > 0) {
     lines.push_back(
         fmt::format("{} other numbers are zero, change none of these modes or are seldom wrong: --all lists "
                     "them. Coordinates and offsets can be targets too (GRID:12:X, CBAR:3:W1A).",
@@ -87,7 +89,8 @@ std::string targets_csv(const TargetsOutcome& outcome) {
   }
   text += '\n';
   for (const Target& target : outcome.targets) {
-    text += fmt::format("{},{},{},{}", target.name, target.value, target.unit, target.elements);
+    text += fmt::format("{},{},{},{}", target.name, target.value, target.unit,
+                        target.has_energies() ? fmt::format("{}", target.elements) : "");
     for (const Eigen::RowVectorXd* values : {&target.strain, &target.kinetic, &target.sensitivity}) {
       if (values->size() == 0) text += std::string(static_cast<std::size_t>(outcome.frequencies.size()), ',');
       for (const double value : *values) text += std::isnan(value) ? "," : fmt::format(",{}", value);

@@ -94,10 +94,10 @@ void add_first_screen(const UpdateOutcome& outcome, const StructureModel::Follow
               json["verdict"]);
 }
 
-void add_factors(const std::vector<std::optional<FactorBase>>& factors, Json& parameters) {
+void add_factors(const std::vector<std::optional<FactorNominal>>& factors, Json& parameters) {
   parameters["factor_of"] = Json::array();
   parameters["factor_units"] = Json::array();
-  for (const std::optional<FactorBase>& factor : factors) {
+  for (const std::optional<FactorNominal>& factor : factors) {
     parameters["factor_of"].push_back(factor ? number_json(factor->value) : Json(nullptr));
     parameters["factor_units"].push_back(factor ? Json(factor->unit) : Json(nullptr));
   }
@@ -108,7 +108,7 @@ Json outcome_json(const UpdateOutcome& outcome, const StructureModel::FollowedMo
   const SurrogateUpdate* const surrogate = outcome.workings->surrogate.get();
   Json json =
       update_result_json(outcome.study, plan.tests, outcome.problem(), *plan.method, outcome.result, outcome.verdict);
-  add_factors(plan.factors, json["parameters"]);
+  add_factors(outcome.workings->factors, json["parameters"]);
   json["verdict"]["could_hide"] = could_hide_json(outcome.could_hide, plan.made.space->names());
   add_first_screen(outcome, followed, json);
   if (outcome.numbering) json["notes"].push_back(*outcome.numbering + '.');

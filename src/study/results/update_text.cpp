@@ -1,6 +1,9 @@
 #include "study/results/update_text.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <optional>
 
 #include "study/jobs/update_workings.hpp"
 #include "study/results/agreement.hpp"
@@ -17,12 +20,15 @@ std::string interval_text(const Eigen::Ref<const Eigen::RowVectorXd>& ends) {
 std::vector<std::string> table_lines(const UpdateOutcome& outcome) {
   const UpdatingProblem& problem = outcome.problem();
   const UpdatingResult& result = outcome.result;
+  const std::vector<std::optional<FactorNominal>>& factors = outcome.workings->factors;
+  const bool has_factors = std::ranges::any_of(factors, [](const auto& factor) { return factor.has_value(); });
   std::vector<std::string> lines;
   lines.push_back(fmt::format("{}: {}", status_text(result.status), result.message));
   const std::string ends = result.intervals ? fmt::format("  {:>23} {:>23}", "mean, 95 %", "std, 95 %") : "";
   // For a method that does not estimate the scatter, the column must not be mistaken for it.
-  lines.push_back(fmt::format("{:<14} {:>13} {:>13} {:>13} {:>13}{}", "parameter", "prior mean", "prior std", "mean",
-                              result.is_population ? "std" : "std (mean's)", ends));
+  lines.push_back(fmt::format("{:<14} {:>13} {:>13} {:>13} {:>13}{}{}", "parameter", "prior mean", "prior std", "mean",
+                              result.is_population ? "std" : "std (mean's)", ends,
+                              has_factors ? fmt::format("  {:>16}", "model's number") : ""));
   const Eigen::VectorXd prior_mean = problem.space.prior().mean();
   const Eigen::VectorXd prior_std = problem.space.prior().covariance().diagonal().cwiseSqrt();
   const Eigen::VectorXi active = problem.space.active_bounds(result.location());
@@ -32,12 +38,14 @@ std::vector<std::string> table_lines(const UpdateOutcome& outcome) {
                                                     interval_text(result.intervals->std.row(i)))
                                       : "";
     const Parameter& parameter = problem.space.parameters()[static_cast<std::size_t>(i)];
-    const std::optional<FactorBase>& factor = outcome.workings->plan.factors[static_cast<std::size_t>(i)];
-    lines.push_back(
-        fmt::format("{:<14} {:>13.6g} {:>13.6g} {:>13.6g} {:>13.6g}{}{}{}", parameter.name, prior_mean(i), prior_std(i),
-                    result.mean(i), std::sqrt(result.covariance(i, i)), intervals,
-                    factor ? fmt::format("  {:.5g} {}", factor->value * result.mean(i), factor->unit) : "",
-                    active(i) == 0 ? "" : (active(i) < 0 ? "  at its lower bound" : "  at its upper bound")));
+    const std::optional<FactorNominal>& factor = factors[static_cast<std::size_t>(i)];
+    lines.push_back(fmt::format(
+        "{:<14} {:>13.6g} {:>13.6g} {:>13.6g} {:>13.6g}{}{}{}", parameter.name, prior_mean(i), prior_std(i),
+        result.mean(i), std::sqrt(result.covariance(i, i)), intervals,
+        factor        ? fmt::format("  {:>16}", fmt::format("{:.5g} {}", factor->value * result.mean(i), factor->unit))
+        : has_factors ? fmt::format("  {:>16}", "")
+                      : "",
+        active(i) == 0 ? "" : (active(i) < 0 ? "  at its lower bound" : "  at its upper bound")));
   }
   return lines;
 }
@@ -45,9 +53,9 @@ std::vector<std::string> table_lines(const UpdateOutcome& outcome) {
 /// "next: mottle diagnose study.toml", and why.
 void add_next_step(const UpdateOutcome& outcome, std::vector<std::string>& lines) {
   const Agreement agreement = compare_with_tests(outcome.problem(), outcome.result);
-  const NextStep step = next_steps({outcome.study, outcome.problem(), outcome.result, outcome.verdict, agreement,
-                                    outcome.could_hide})
-                            .front();
+  const NextStep step =
+      next_steps({outcome.study, outcome.problem(), outcome.result, outcome.verdict, agreement, outcome.could_hide})
+          .front();
   const std::filesystem::path folder = outcome.study.file.parent_path();
   const std::string where = folder.empty() || step.command.empty() ? "" : fmt::format(" (in {})", folder.string());
   lines.push_back(fmt::format("next{}: {}", where, step.command.empty() ? step.reason : step.command));

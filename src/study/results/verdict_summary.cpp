@@ -121,8 +121,8 @@ void say_region(const SummarySources& s, std::string& text) {
 }
 
 void say_scatter(const SummarySources& s, std::vector<std::string>& sentences) {
-  const auto deviation = [](const OutputAgreement& output) { return std::abs(std::log(output.final.std_ratio)); };
-  const OutputAgreement* worst = largest(s.agreement, deviation);
+  const OutputAgreement* worst =
+      largest(s.agreement, [](const OutputAgreement& output) { return output.scatter_misfit(); });
   const bool has_zero = std::any_of(s.agreement.outputs.begin(), s.agreement.outputs.end(),
                                     [](const auto& output) { return output.final.std_ratio == 0.0; });
   std::string text;
@@ -130,18 +130,14 @@ void say_scatter(const SummarySources& s, std::vector<std::string>& sentences) {
     text = "Scatter: the updated model has none where the tests scatter.";
   } else if (worst == nullptr) {
     text = "Scatter: the tests show none, so it was not compared.";
-  } else if (!worst->is_scatter_reproduced) {
-    text = fmt::format("Scatter: standard deviations are {} of the tests'; what chance allows is not known.",
-                       range_of_ratios(s));
-  } else if (*worst->is_scatter_reproduced) {
+  } else if (worst->is_scatter_reproduced.value_or(true)) {
     text = fmt::format(
-        "Scatter: standard deviations are {} of the tests', within what chance allows {} specimens ({:.0f} % to "
-        "{:.0f} % for {}).",
-        range_of_ratios(s), s.problem.tests.values.rows(), 100.0 * worst->min_std_ratio,
-        100.0 * worst->max_std_ratio, name_of(s, *worst));
+        "Scatter: standard deviations are {} of the tests', within what chance allows (for {} {:.0f} % to {:.0f} %).",
+        range_of_ratios(s), name_of(s, *worst), 100.0 * worst->min_std_ratio, 100.0 * worst->max_std_ratio);
   } else {
     text = fmt::format(
-        "Scatter is not reproduced: {}'s standard deviation in the updated model is {:.0f} % of the tests' ({:.0f} % to "
+        "Scatter is not reproduced: {}'s standard deviation in the updated model is {:.0f} % of the tests' ({:.0f} % "
+        "to "
         "{:.0f} % would be chance).",
         name_of(s, *worst), 100.0 * worst->final.std_ratio, 100.0 * worst->min_std_ratio, 100.0 * worst->max_std_ratio);
   }

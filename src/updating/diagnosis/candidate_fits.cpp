@@ -17,7 +17,8 @@ namespace {
 // Of specimens' fits, in prior standard deviations: what it leaves changes a log-likelihood by the square.
 constexpr double k_specimen_tolerance = 1e-4;
 
-constexpr int k_settling_iterations = 6;  // after which the log-likelihood changes by no more than this an iteration
+// A fit whose log-likelihood still changes by more than k_settled an iteration after so many does not converge.
+constexpr int k_settling_iterations = 6;
 constexpr double k_settled = 1.0;
 
 /// Plain maximum likelihood wants few rows of its own: the noise that the given parameters and one more leave over.
@@ -92,15 +93,19 @@ PopulationFit CandidateFits::fit_from(const UpdatingProblem& part, const Paramet
                                     .specimen_tolerance = k_specimen_tolerance,
                                     .has_scatter = set.has_scatter,
                                     .start = start};
-  // A candidate whose linear models change from iteration to iteration, a spring that is nearly rigid say, never settles.
+  // A candidate whose linear models change from iteration to iteration, a spring that is nearly rigid say, never
+  // settles.
   const bool has_candidate = static_cast<Eigen::Index>(set.members.size()) > settings_.given;
   double last = -std::numeric_limits<double>::infinity();
+  bool settles = true;
   PopulationFit fit = fit_population(part, tests_.values, rules, context_, [&](const PopulationFit& now) {
     context_.throw_if_stopped();
     const double change = std::abs(now.effects.log_likelihood - std::exchange(last, now.effects.log_likelihood));
-    return !has_candidate || now.iterations < k_settling_iterations || change <= k_settled;
+    settles = !has_candidate || now.iterations < k_settling_iterations || change <= k_settled;
+    return settles;
   });
   evaluations_ += fit.evaluations;
+  if (!settles) throw ModelFailure("its fit does not converge");
   return fit;
 }
 
@@ -221,7 +226,10 @@ std::pair<CandidateFit, CandidateFit> CandidateFits::compare_both(const Paramete
     context_.throw_if_stopped();
     const CandidateFit next = compare(set, base, candidate, false, start);
     const bool is_better = fixed.failure.empty() ? next.log_likelihood_increase > fixed.log_likelihood_increase : true;
-    if (!next.failure.empty() || !is_better) return;
+    if (!next.failure.empty() || !is_better) {
+      if (!fixed.failure.empty()) fixed.failure = next.failure;
+      return;
+    }
     fixed = next;
     from = start;
   };
@@ -235,9 +243,6 @@ std::pair<CandidateFit, CandidateFit> CandidateFits::compare_both(const Paramete
   CandidateFit random = fixed;
   random.is_random = true;
   if (from.size() > 0) random = compare(set, base, candidate, true, from);
-  if (random.failure.empty() && !random.converged && fixed.converged) {
-    random.failure = "its fit with a scatter of its own does not converge";
-  }
   return {fixed, random};
 }
 

@@ -166,8 +166,8 @@ std::vector<CandidateFinding> try_all(CandidateFits& fits, const ParameterSet& s
     finding.is_screened_out = fitted >= most || !is_worth_it;
     if (finding.is_screened_out || !(finding.detectability.visibility > 0.0)) {
       const std::string why = finding.detectability.visibility > 0.0
-                                  ? "others increase the log-likelihood more in the linear models"
-                                  : "it moves no output";
+                                  ? "less increase of the log-likelihood in the linear models"
+                                  : "no effect on any output";
       finding.fixed = not_tried(false, why);
       finding.random = not_tried(true, why);
       continue;
@@ -216,11 +216,12 @@ void propose(CandidateFits& fits, ParameterSet set, SetFit base, std::vector<Eig
     const bool is_more_than_seen = next > fits.problem().tests.values.cols();
     if (candidates.size() == 1 || is_more_than_seen || !fits.has_room_for(next)) return;
     const std::size_t round = diagnosis.later_rounds.size() + 2;
-    fits.context().finding(fmt::format("{} is proposed (BIC {:+.3g}). Round {}: what is missing beside it?",
-                                       findings[best].detectability.name, better.bic, round));
     fits.context().phase({.name = "the proposed set"});
     base = fits.fit_beside(set, base, candidates[best], better.is_random);
     if (!base.failure.empty()) return;
+    fits.context().finding(fmt::format(
+        "{} is proposed (BIC {:+.3g}). Round {}: the other candidates are tried in addition to the proposed set.",
+        findings[best].detectability.name, better.bic, round));
     set = set.with(candidates[best], better.is_random);
     candidates.erase(candidates.begin() + static_cast<std::ptrdiff_t>(best));
     findings = try_all(fits, set, base, candidates, analysis, round);

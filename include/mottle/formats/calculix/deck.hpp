@@ -19,8 +19,16 @@ struct CalculixDeck {
     int number = 0;  ///< from 1
   };
 
+  /// An *INCLUDE; its line is not among `lines`.
+  struct Include {
+    Line line;
+    std::size_t begin = 0, length = 0;  ///< of the file's name in the line
+    int included = 0;                   ///< into `files`
+  };
+
   std::vector<Line> lines;
-  std::vector<std::string> files;  ///< the deck itself first
+  std::vector<std::string> files;  ///< the deck itself first; one that is included twice stands here twice
+  std::vector<Include> includes = {};
 
   /// "plate.inp:12" of a line.
   std::string where(std::size_t line) const;
@@ -95,13 +103,15 @@ std::string deck_with_replacements(const CalculixDeck& deck, const std::vector<C
 /// "1e6" -> "1.e6": CalculiX takes a spring's stiffness without a point for degrees of freedom.
 std::string with_decimal_point(std::string number);
 
-/// A file of a deck and its bytes.
+/// A file of a deck that is written elsewhere.
 struct CalculixFile {
-  std::string name;  ///< as in CalculixDeck::files
+  std::filesystem::path name;  ///< relative to the new folder
   std::string bytes;
 };
 
-/// The deck and each file that it includes, byte by byte as their author wrote them but for texts in place of numbers.
+/// The deck and each file that it includes, byte by byte as their author wrote them but for texts in place of numbers
+/// and names of included files that lie outside of the deck's folder, or are absolute: these come into the new folder
+/// too.
 ///
 /// Throws FormatError: a file that is included twice would need two texts for one number, or was changed since the deck
 /// was read; InvalidInput: it is gone.

@@ -2,8 +2,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,12 +22,6 @@ struct StudyReach {
 /// The model, tests and method, opaque: src/study/jobs/checked_study.hpp.
 struct CheckedStudy;
 
-/// Runs of its program that an update would take if the outputs were linear in the parameters.
-struct ExpectedRuns {
-  std::int64_t total = 0;  ///< the clouds' included
-  int iterations = 0;
-};
-
 struct CheckOutcome {
   Study study;
   std::shared_ptr<const CheckedStudy> checked = nullptr;
@@ -38,7 +32,9 @@ struct CheckOutcome {
   Eigen::MatrixXd changes = {};
   double solution_seconds = 0.0;  ///< of one sample; 0: not measured
   double total_mass = 0.0;        ///< there
-  std::optional<ExpectedRuns> runs = {};  ///< of a model by runs of a program
+  /// Runs of the program that an update takes if outputs are linear in the parameters, clouds included; 0: not known,
+  /// or the model is not solved by runs of a program.
+  std::int64_t expected_runs = 0;
   StudyReach reach = {};
 };
 

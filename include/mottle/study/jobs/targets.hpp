@@ -29,12 +29,14 @@ struct Target {
   std::string name;  ///< "MAT1:2:E"
   std::string unit;
   double value = 0.0;  ///< as in the deck
-  int elements = 0;    ///< that use it; 0 where they are not known
+  int elements = 0;    ///< that use it, where has_energies()
   /// Fraction of the strain energy, in elements whose stiffness depends on it; nan of rigid-body modes [mode].
   Eigen::RowVectorXd strain = {};
   Eigen::RowVectorXd kinetic = {};      ///< the same of the kinetic energy and mass [mode]
   Eigen::RowVectorXd sensitivity = {};  ///< d ln f / d ln p, % per %; nan of rigid-body modes [mode]
 
+  /// Whether elements and energies are known: those of a CalculiX deck are not.
+  bool has_energies() const { return strain.size() > 0; }
   /// The largest sensitivity by size; 0 where there is none.
   double largest_sensitivity() const;
 };
@@ -53,8 +55,8 @@ struct TargetsOutcome {
 ///
 /// Modes of one frequency have the mean of theirs, since each alone is not determined.
 ///
-/// A CalculiX deck's moduli, densities, springs, masses and thicknesses, without energies: derivatives of its matrices,
-/// or central differences of runs.
+/// Of a CalculiX deck moduli, densities, springs and masses, and thicknesses where they cost no runs or `lists_all` is
+/// set; without energies, by derivatives of its matrices or central differences of runs.
 ///
 /// Throws InvalidInput, FormatError, SystemFailure as find_modes().
 TargetsOutcome find_targets(const TargetsSettings& settings);

@@ -14,25 +14,20 @@
 #include "mottle/model/structures/sparse_structure.hpp"
 #include "mottle/model/units.hpp"
 #include "mottle/stats/distributions/joint_distribution.hpp"
+#include "mottle/study/models/program_runs.hpp"
 #include "mottle/study/run_settings.hpp"
 
 namespace mottle::study {
-
-/// A model each of whose solutions is a run of a program.
-struct ProgramRuns {
-  double seconds = 0.0;  ///< that the run at the parameters' means took; 0: its result was there from a run before
-  int at_once = 1;       ///< most runs at a time
-};
 
 /// A structure, as sparse matrices or with its solver, and what belongs to it.
 struct ModelParts {
   std::unique_ptr<SparseStructure> sparse = nullptr;
   std::unique_ptr<Solver> solver = nullptr;
-  Eigen::VectorXd reference = {};          ///< parameters at which modes are numbered
-  std::vector<PhysicalLimit> limits = {};  ///< [parameter]
-  std::vector<std::string> files = {};     ///< that it was read from
-  std::vector<std::string> notes = {};     ///< what a reader of the model should know
-  std::optional<ProgramRuns> program = {};  ///< nothing: solutions are found here
+  Eigen::VectorXd reference = {};           ///< parameters at which modes are numbered
+  std::vector<PhysicalLimit> limits = {};   ///< [parameter]
+  std::vector<std::string> files = {};      ///< that it was read from
+  std::vector<std::string> notes = {};      ///< what a reader of the model should know
+  std::optional<ProgramRuns> program = {};  ///< of a model each of whose solutions is a run of a program
 };
 
 /// A number of the model that a parameter may stand for.
@@ -42,6 +37,7 @@ struct ModelNumber {
   double value = 0.0;
   bool is_usual = false;    ///< a candidate of a diagnosis by default
   bool is_doubtful = true;  ///< errors in it are looked for behind a verdict
+  bool is_single = true;    ///< else it stands for several different values of the model, of which `value` is the first
 };
 
 /// A file that [model] names.

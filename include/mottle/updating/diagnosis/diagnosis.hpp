@@ -61,10 +61,11 @@ struct ProposedParameter {
   double bic = 0.0;       ///< by which it lowered BIC when it was added
 };
 
-/// The candidates once more, beside the parameters and those that earlier rounds proposed.
+/// A later round of forward selection: the remaining candidates, each tried in addition to the parameters and to what
+/// earlier rounds proposed.
 struct DiagnosisRound {
-  std::vector<std::string> beside;            ///< what earlier rounds proposed
-  std::vector<CandidateFinding> candidates;   ///< best explanation first
+  std::vector<std::string> beside;           ///< what earlier rounds proposed
+  std::vector<CandidateFinding> candidates;  ///< best explanation first
 };
 
 /// Answer of diagnose().

@@ -66,13 +66,17 @@ class CalculixSource final : public ModelSource {
     std::vector<ModelNumber> found;
     for (const std::string& target : list_calculix_targets(deck)) {
       const std::string field = calculix_field(target);
+      const std::vector<CalculixNumber> values = find_calculix_numbers(deck, target);
+      const bool is_single =
+          std::ranges::all_of(values, [&](const CalculixNumber& one) { return one.value == values.front().value; });
       // With a thickness each sample may be a run. Errors of numbers are not looked for behind a verdict: each costs
       // runs.
       found.push_back({.target = target,
                        .kind = fmt::format("{}:{}", target.substr(0, target.find(':')), field),
-                       .value = find_calculix_numbers(deck, target).front().value,
+                       .value = values.front().value,
                        .is_usual = field != "T",
-                       .is_doubtful = false});
+                       .is_doubtful = false,
+                       .is_single = is_single});
     }
     return found;
   }
@@ -93,12 +97,15 @@ class CalculixSource final : public ModelSource {
       }
     }
     for (CalculixFile& file : deck_files_with_replacements(deck, replacements)) {
-      exported.files.push_back({name_beside(file.name, deck_), std::move(file.bytes)});
+      exported.files.push_back({std::move(file.name), std::move(file.bytes)});
     }
     exported.rounding = 5e-12;
     return exported;
   }
 
+  std::string target_key(const std::string& target) const override {
+    return target.starts_with('*') ? capitals(target) : target;  // {{name}} is written as it is
+  }
   std::string target_unit(const std::string& target, const UnitNames& units) const override {
     static const std::map<std::string, const char* UnitNames::*> k_units = {{"*ELASTIC", &UnitNames::pressure},
                                                                             {"*DENSITY", &UnitNames::density},
