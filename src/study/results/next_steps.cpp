@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "mottle/core/error.hpp"
+#include "mottle/study/models/model_source.hpp"
 
 namespace mottle::study {
 namespace {

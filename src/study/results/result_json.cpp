@@ -281,7 +281,7 @@ Json update_result_json(const Study& study, const StudyTests& tests, const Updat
   json["options"] = options_json(study, problem, method);
   json["notes"] = Json::array();
   for (const auto* list : {&result.warnings, &result.notes, &tests.notes, &tests.warnings}) {
-    json["notes"].insert(json["notes"].end(), list->begin(), list->end());
+    for (const std::string& note : *list) json["notes"].push_back(note);
   }
   return json;
 }
