@@ -88,7 +88,7 @@ export default {
       figure({
         id,
         title: "Distance between the means of cloud and tests",
-        caption: "Distance of the mean outputs at each iteration; iteration 0 is the model as it was given.",
+        caption: "Distance of the mean outputs at each iteration; iteration 0 is the first cloud, drawn from the prior.",
         controls: [toggle],
         build: (width) => build(study, shown, is_logarithmic, width),
       }),

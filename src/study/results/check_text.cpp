@@ -166,9 +166,11 @@ void describe_runs(const CheckOutcome& outcome, const ProgramRuns& program, std:
   const double all = seconds * static_cast<double>(outcome.expected_runs) / program.max_parallel;
   const std::string time =
       seconds > 0.0 ? fmt::format(", some {} with {} at a time", duration_text(all), program.max_parallel) : "";
-  lines.push_back(fmt::format(
-      "if the outputs were linear in the parameters, the update would take about {} runs{}; curved outputs take more",
-      outcome.expected_runs, time));
+  lines.push_back(
+      fmt::format("if the outputs were linear in the parameters, the update would take about {} runs{}; curved outputs "
+                  "take several "
+                  "times as many",
+                  outcome.expected_runs, time));
 }
 
 /// Tests and method.

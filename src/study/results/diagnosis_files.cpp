@@ -173,7 +173,9 @@ std::vector<std::string> table_lines(const DiagnoseOutcome& outcome) {
   }
   for (const std::string& sentence : diagnosis.sentences) lines.push_back(sentence);
   if (const std::string proposed = proposed_toml(outcome); !proposed.empty()) {
-    lines.push_back(fmt::format("To update what is proposed too, add to {}:", outcome.study.file.filename().string()));
+    lines.push_back(fmt::format(
+        "To update what is proposed too, add to {} (and update with another --out to keep the present results):",
+        outcome.study.file.filename().string()));
     for (std::size_t begin = 0; begin < proposed.size();) {
       const std::size_t end = proposed.find('\n', begin);
       lines.push_back(proposed.substr(begin, end - begin));

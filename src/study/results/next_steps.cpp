@@ -43,11 +43,11 @@ NextStep population_method(const SummarySources& s) {
           "Estimates the scatter of the specimens too, so that it can be compared with that of the tests."};
 }
 
-NextStep prediction(const SummarySources& s) {
+NextStep prediction() {
   return {
-      command_of(s, "update"),
-      "After adding [predict] with held_out to the study: predicts outputs that were not used and checks them against "
-      "tests that were kept back. Only that shows whether the model predicts."};
+      "",
+      "Keep tests back and add [predict] to the study (held_out = a file of these tests, frequencies = the modes to "
+      "predict), then update again: only predictions of tests that were not used show whether the model predicts."};
 }
 
 }  // namespace
@@ -82,7 +82,15 @@ std::vector<NextStep> next_steps(const SummarySources& s) {
     const bool has_noise = (s.problem.tests.repeatability_std.array() > 0.0).all();
     steps.push_back(has_noise ? diagnosis(s) : stated_noise(s));
   }
-  if (steps.empty() && !s.study.predict) steps.push_back(prediction(s));
+  const bool is_noise_known = (s.problem.tests.repeatability_std.array() > 0.0).all();
+  if (steps.empty() && has_population && !is_noise_known) {
+    steps.push_back({command_of(s, "update"),
+                     "After giving [test] repeatability of every output: without it scatter of the parameters and "
+                     "noise of the tests "
+                     "are told apart by the outputs' number alone, and a parameter that does not vary may seem to."});
+  }
+  if (!s.study.predict && (steps.empty() || s.verdict.conclusion == Conclusion::adequate))
+    steps.push_back(prediction());
   if (steps.empty()) {
     steps.push_back({"", "Compare the predictions with their tests before the model is used for anything else."});
   }

@@ -111,8 +111,9 @@ std::string range_of_ratios(const SummarySources& s) {
 void say_region(const SummarySources& s, std::string& text) {
   if (!s.agreement.region) return;
   const RegionAgreement& region = *s.agreement.region;
-  text += fmt::format(" {} of {} tests lie within the region that contains {:.0f} % of the updated model's outputs",
-                      region.final, region.tests, 100.0 * region.probability);
+  const bool has_gaps = region.tests < s.problem.tests.values.rows();
+  text += fmt::format(" {} of {} {} lie within the region that contains {:.0f} % of the updated model's outputs",
+                      region.final, region.tests, has_gaps ? "tests without gaps" : "tests", 100.0 * region.probability);
   if (!region.is_judged) {
     text += ", which lacks the noise of the tests, as the study does not state it.";
   } else {
@@ -164,12 +165,7 @@ void say_assumptions(const SummarySources& s, std::vector<std::string>& sentence
   std::string text =
       "Assumed: specimens are independent, populations normal on the parameters' scales, and all that was not "
       "updated is right.";
-  if (!s.could_hide.errors.empty()) {
-    const NamedError& error = s.could_hide.errors.front();
-    text += fmt::format(
-        " An error of {} by {:.2g} %{}.", error.name, 100.0 * std::abs(error.error.relative_change),
-        error.error.is_detected ? " is found in 80 % of cases, a smaller one in fewer" : " would not be noticed");
-  }
+  if (!s.could_hide.summary.empty()) text += ' ' + s.could_hide.summary;
   sentences.push_back(std::move(text));
 }
 

@@ -98,12 +98,14 @@ struct Screened {
   double increase = std::numeric_limits<double>::infinity();  ///< infinite: not screened, to be fitted anyway
 };
 
-/// The order in which candidates are fitted in the model itself: as given where they are few, else by linear models.
+/// The order in which candidates are fitted in the model itself: as given where there are no more than `most`, else by
+/// linear models.
 std::vector<Screened> screen(CandidateFits& fits, const ParameterSet& set, const SetFit& base,
-                             SpecimenDerivatives& derivatives, const std::vector<Eigen::Index>& candidates) {
+                             SpecimenDerivatives& derivatives, const std::vector<Eigen::Index>& candidates,
+                             std::size_t most) {
   std::vector<Screened> order(candidates.size());
   for (std::size_t c = 0; c < candidates.size(); ++c) order[c].index = c;
-  if (candidates.size() <= static_cast<std::size_t>(fits.settings().screened)) return order;
+  if (candidates.size() <= most) return order;
   fits.context().phase({.name = "candidates in linear models"});
   for (Screened& each : order) {
     fits.context().throw_if_stopped();
@@ -150,11 +152,12 @@ std::vector<CandidateFinding> try_all(CandidateFits& fits, const ParameterSet& s
                                       const std::vector<Eigen::Index>& candidates,
                                       const std::vector<Detectability>& analysis, std::size_t round) {
   const std::size_t min_fitted = round == 1 ? k_min_fitted : k_min_fitted_later;
-  const std::string phase =
-      round == 1 ? "candidate in the model" : fmt::format("round {}, candidate in the model", round);
+  const std::string phase = fmt::format("round {}, candidate in the model", round);
   SpecimenDerivatives derivatives(fits, set, base);
-  const std::vector<Screened> order = screen(fits, set, base, derivatives, candidates);
-  const auto most = std::min(candidates.size(), static_cast<std::size_t>(fits.settings().screened));
+  // Later rounds only look for the best one, which linear models at the right place rank well.
+  const auto screened = static_cast<std::size_t>(fits.settings().screened);
+  const std::size_t most = std::min(candidates.size(), round == 1 ? screened : (screened + 1) / 2);
+  const std::vector<Screened> order = screen(fits, set, base, derivatives, candidates, most);
   std::vector<CandidateFinding> findings(candidates.size());
   std::size_t fitted = 0;
   double best = 0.0;

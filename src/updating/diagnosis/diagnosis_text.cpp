@@ -158,6 +158,9 @@ void add_proposal(const Diagnosis& diagnosis, std::vector<std::string>& sentence
       diagnosis.alike.size() > 1 ? fmt::format("; instead of {} it may be any of {}",
                                                diagnosis.candidates.front().detectability.name, listed(diagnosis.alike))
                                  : ""));
+  sentences.emplace_back(
+      "The new parameters were chosen by these tests: an update to the same tests is then refused less often than its "
+      "level says. Check it with tests that were kept back.");
 }
 
 }  // namespace

@@ -141,9 +141,10 @@ void add_notes(const UpdatingProblem& problem, const PopulationFit& fit, const P
         fit.seen.cols(), unseen.size(), names.empty() ? "none to more than a tenth" : join(names)));
   }
   if (!fit.effects.converged && problem.tests.values.array().isNaN().any()) {
-    result.warnings.emplace_back(
+    result.warnings.push_back(fmt::format(
         "The likelihood has no clear maximum: the specimens are too few, or too many of their entries are missing, for "
-        "a covariance of all parameters; set covariance = \"diagonal\" or leave parameters out.");
+        "the covariance of the parameters; {}leave parameters out.",
+        problem.covariance_groups.empty() ? "set update.covariance = \"diagonal\", or " : ""));
   }
 }
 

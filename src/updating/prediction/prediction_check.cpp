@@ -45,7 +45,7 @@ double smallest_after_holm(const Eigen::VectorXd& p) {
     smallest = std::min(smallest, value);
     count += 1.0;
   }
-  return std::min(smallest * count, 1.0);
+  return count > 0.0 ? std::min(smallest * count, 1.0) : k_nan;
 }
 
 /// About ten transforms a part, four to ten parts.
@@ -147,6 +147,12 @@ std::vector<std::string> prediction_sentences(const Prediction& prediction, cons
   for (Eigen::Index k = 0; k < check->uniformity.size(); ++k) {
     const bool is_odd = check->uniformity(k) * count <= level;
     if (is_odd) odd.push_back(outputs[static_cast<std::size_t>(k)].name());
+  }
+  if (std::isnan(check->adjusted_p)) {
+    sentences.emplace_back(
+        "Whether their probabilities in the predicted distributions are uniform was not tested: at least two held-out "
+        "tests of an output are needed.");
+    return sentences;
   }
   sentences.push_back(odd.empty() ? fmt::format("Their probabilities in the predicted distributions are uniform within "
                                                 "chance (smallest p after correction {:.2g}).",

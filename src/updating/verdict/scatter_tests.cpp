@@ -103,6 +103,11 @@ PlannedTest residual_scatter_test(double squares, double specimens, double direc
       "Chi-squared with {:.0f} degrees of freedom: do the residuals scatter from specimen to specimen no more than the "
       "measurement's noise?",
       degrees_of_freedom);
+  test.too_small = fmt::format(
+      "The residuals scatter less than the stated noise allows (chi-squared {:.2g} with {:.0f} degrees of freedom): "
+      "the "
+      "noise of the tests seems to be stated too large, so that the tests of the model find less than they say.",
+      squares, degrees_of_freedom);
   // ratio chi2(specimens) + chi2(the rest), by the chi-squared variable with the same mean and variance.
   test.power = [=](double level) {
     const double critical = chi_squared_quantile(1.0 - level, degrees_of_freedom);

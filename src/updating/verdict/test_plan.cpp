@@ -20,6 +20,7 @@ std::string capitalised(Aspect aspect) {
 }  // namespace
 
 void TestPlan::make(double level, UpdatingResult& result) const {
+  constexpr double k_too_good = 0.999;
   double shares = 0.0;
   for (const PlannedTest& test : tests_) shares += test.share;
   std::set<Aspect> tested{Aspect::none};
@@ -41,6 +42,7 @@ void TestPlan::make(double level, UpdatingResult& result) const {
                       "specimens, or give [test] repeatability.",
                       capitalised(planned.aspect), power.finds));
     }
+    if (!planned.too_small.empty() && test.p_value > k_too_good) result.warnings.push_back(planned.too_small);
     if (!test.passed || planned.is_listed_where_it_passes) result.tests.push_back(std::move(test));
   }
   for (const auto& [aspect, reasons] : sentences) {

@@ -34,6 +34,8 @@ struct PlannedTest {
   std::function<Power(double level)> power = {};  ///< of a test of an aspect
   double share = 1.0;                             ///< of the level, against the 1 of an ordinary test
   bool is_listed_where_it_passes = true;          ///< false: it can hardly fail, so that its passing says little
+  /// Warning where the statistic is smaller than in one of a thousand cases of a right model; empty: there is none.
+  std::string too_small = {};
 };
 
 /// What would let means and scatter be tested.
