@@ -10,6 +10,7 @@
 #include "common_options.hpp"
 #include "mottle/core/error.hpp"
 #include "mottle/core/files.hpp"
+#include "mottle/core/shell_word.hpp"
 #include "mottle/core/text.hpp"
 #include "mottle/core/utf8.hpp"
 
@@ -121,8 +122,8 @@ void init(InitOptions options) {
     return;
   }
   if (!asks) print(outcome);
-  const std::string study = settings.study.string();
-  fmt::print("study: {}\nnext: {}mottle check {}; mottle {} {}\n", study,
+  const std::string study = shell_word(settings.study.string());
+  fmt::print("study: {}\nnext: {}mottle check {}; mottle {} {}\n", settings.study.string(),
              outcome.kind == "command" ? "fill in what is UNKNOWN; " : "", study,
              settings.tests.empty() ? "propagate" : "update", study);
 }

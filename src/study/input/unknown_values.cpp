@@ -16,7 +16,9 @@ namespace {
 using LineAndKey = std::pair<int, std::string>;
 
 void find_unknown(const toml::node& node, const std::string& key, std::vector<LineAndKey>& found) {
-  if (node.value_exact<std::string>() == "UNKNOWN") found.emplace_back(static_cast<int>(node.source().begin.line), key);
+  const bool is_name = key == "title" || key.ends_with(".name");
+  if (!is_name && node.value_exact<std::string>() == "UNKNOWN")
+    found.emplace_back(static_cast<int>(node.source().begin.line), key);
   if (const toml::array* list = node.as_array()) {
     for (std::size_t i = 0; i < list->size(); ++i) find_unknown(list->at(i), fmt::format("{}[{}]", key, i), found);
   }
@@ -29,9 +31,7 @@ void find_unknown(const toml::node& node, const std::string& key, std::vector<Li
 
 void refuse_unknown_values(const toml::table& root, const std::filesystem::path& file) {
   std::vector<LineAndKey> found;
-  for (const auto& [name, node] : root) {
-    if (name.str() != "title") find_unknown(node, std::string(name.str()), found);
-  }
+  for (const auto& [name, node] : root) find_unknown(node, std::string(name.str()), found);
   if (found.empty()) return;
   std::sort(found.begin(), found.end());
   std::vector<std::string> others;

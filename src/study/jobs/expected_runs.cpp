@@ -4,10 +4,14 @@
 #include <set>
 #include <vector>
 
+#include "mottle/core/clock.hpp"
 #include "mottle/core/error.hpp"
 
 namespace mottle::study {
 namespace {
+
+/// Thrown where counting would take too long.
+struct TooMany {};
 
 /// y = mean + S (x - x_0): prior standard deviations move outputs about as much as the tests scatter, or by a few
 /// percent where one specimen shows no scatter, each in its way.
@@ -33,6 +37,11 @@ class LinearModel final : public Model {
   const std::vector<Quantity>& outputs() const override { return model_.outputs(); }
   double difference_step() const override { return model_.difference_step(); }
   Evaluation evaluate(const Eigen::Ref<const Eigen::MatrixXd>& samples, const RunContext&) const override {
+    constexpr std::size_t k_most = 20'000;
+    constexpr double k_patience = 2.0;  // seconds
+    if (asked_.size() + static_cast<std::size_t>(samples.rows()) > k_most || steady_seconds() - begin_ > k_patience) {
+      throw TooMany();
+    }
     for (Eigen::Index s = 0; s < samples.rows(); ++s) {
       const Eigen::VectorXd row = samples.row(s).transpose();
       asked_.emplace(row.data(), row.data() + row.size());
@@ -50,21 +59,24 @@ class LinearModel final : public Model {
   Eigen::VectorXd prior_mean_;
   Eigen::VectorXd mean_;
   Eigen::MatrixXd sensitivity_;  // [output x parameter]
+  double begin_ = steady_seconds();
   mutable std::set<std::vector<double>> asked_;
 };
 
 }  // namespace
 
-std::int64_t count_expected_runs(const Study& study, const UpdatePlan& plan, const RunContext& context) {
+ExpectedRuns count_expected_runs(const Study& study, const UpdatePlan& plan, const RunContext& context) {
   const LinearModel model(*plan.made.model, *plan.made.space, plan.tests.data);
   try {
     const UpdatingProblem problem = problem_of(study, plan, model).with_model(model, nullptr);
     const UpdatingStatus status = plan.method->update(problem, context).status;
-    return status == UpdatingStatus::failed ? 0 : model.runs();
+    return {status == UpdatingStatus::failed ? 0 : model.runs()};
+  } catch (const TooMany&) {
+    return {model.runs(), true};
   } catch (const Stopped&) {
     throw;
   } catch (const Error&) {
-    return 0;
+    return {};
   }
 }
 

@@ -1,17 +1,16 @@
 // How many runs of its program an update will take.
 #pragma once
 
-#include <cstdint>
-
 #include "mottle/layers.hpp"
+#include "mottle/study/jobs/check.hpp"
 #include "study/jobs/update_plan.hpp"
 
 namespace mottle::study {
 
 /// Number of program runs that the study's update needs if outputs are linear in the parameters: counted by updating
-/// such a model in place of the study's; a run that was made is not made again. 0: the method does not get through.
+/// such a model in place of the study's; a run that was made is not made again.
 ///
 /// @param plan  of a model that is solved by runs of a program
-std::int64_t count_expected_runs(const Study& study, const UpdatePlan& plan, const RunContext& context);
+ExpectedRuns count_expected_runs(const Study& study, const UpdatePlan& plan, const RunContext& context);
 
 }  // namespace mottle::study

@@ -160,17 +160,17 @@ void describe_runs(const CheckOutcome& outcome, const ProgramRuns& program, std:
                    Json& json) {
   const double seconds = outcome.solution_seconds;
   json["run_seconds"] = seconds > 0.0 ? Json(seconds) : Json(nullptr);
-  json["expected_runs"] = outcome.expected_runs > 0 ? Json(outcome.expected_runs) : Json(nullptr);
+  const auto [runs, is_cut] = outcome.expected_runs;
+  json["expected_runs"] = runs > 0 ? Json(runs) : Json(nullptr);
   if (seconds > 0.0) lines.push_back(fmt::format("one model run took {}", duration_text(seconds)));
-  if (outcome.expected_runs == 0) return;
-  const double all = seconds * static_cast<double>(outcome.expected_runs) / program.max_parallel;
+  if (runs == 0) return;
+  const double all = seconds * static_cast<double>(runs) / program.max_parallel;
   const std::string time =
       seconds > 0.0 ? fmt::format(", some {} with {} at a time", duration_text(all), program.max_parallel) : "";
-  lines.push_back(
-      fmt::format("if the outputs were linear in the parameters, the update would take about {} runs{}; curved outputs "
-                  "take several "
-                  "times as many",
-                  outcome.expected_runs, time));
+  lines.push_back(fmt::format(
+      "of a model that is linear in the parameters the update would take {} {} runs{}; this one may take fewer, or "
+      "several times as many",
+      is_cut ? "more than" : "about", runs, time));
 }
 
 /// Tests and method.

@@ -4,6 +4,7 @@
 #include <iterator>
 
 #include "mottle/core/clock.hpp"
+#include "mottle/core/shell_word.hpp"
 #include "mottle/formats/tables/csv.hpp"
 #include "mottle/stats/moments/descriptive.hpp"
 #include "mottle/study/jobs/forward.hpp"

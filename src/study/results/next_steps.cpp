@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "mottle/core/error.hpp"
+#include "mottle/core/shell_word.hpp"
 #include "mottle/study/models/model_source.hpp"
 
 namespace mottle::study {
@@ -11,8 +12,11 @@ namespace {
 
 std::string command_of(const SummarySources& s, std::string_view verb, const std::string& more = {}) {
   const std::string file = s.study.file.filename().string();
-  return fmt::format("mottle {} {}{}{}", verb, shell_word(file.empty() ? "STUDY.toml" : file), more.empty() ? "" : " ",
-                     more);
+  return fmt::format("mottle {} {}{}{}", verb,
+                     shell_word(file.empty()            ? "STUDY.toml"
+                                : file.starts_with('-') ? "./" + file
+                                                        : file),
+                     more.empty() ? "" : " ", more);
 }
 
 NextStep more_iterations(const SummarySources& s) {
@@ -51,18 +55,6 @@ NextStep prediction() {
 }
 
 }  // namespace
-
-std::string shell_word(const std::string& word) {
-  const std::string plain = "-_./=:,+@%";
-  const bool is_plain = !word.empty() && std::all_of(word.begin(), word.end(), [&](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
-           plain.find(c) != std::string::npos;
-  });
-  if (is_plain) return word;
-  std::string quoted = "'";
-  for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return quoted + '\'';
-}
 
 std::vector<NextStep> next_steps(const SummarySources& s) {
   std::vector<NextStep> steps;

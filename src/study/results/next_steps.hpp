@@ -11,7 +11,4 @@ namespace mottle::study {
 /// At least one step; the first is the most useful.
 std::vector<NextStep> next_steps(const SummarySources& sources);
 
-/// A word of a shell's command line, in quotes where it needs them.
-std::string shell_word(const std::string& word);
-
 }  // namespace mottle::study

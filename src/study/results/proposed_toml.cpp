@@ -60,6 +60,13 @@ std::string proposed_toml(const DiagnoseOutcome& outcome) {
       if (is_new) text += parameter_text(parameter, proposed.is_random);
     }
   }
+  const auto more = static_cast<Eigen::Index>(outcome.diagnosis.proposed.size());
+  if (!text.empty() && more > outcome.outputs) {
+    text = "# With these there are more parameters than outputs: the tests cannot determine all of them.\n" + text;
+  }
+  if (!text.empty() && !outcome.study.diagnose.candidates.empty()) {
+    text = "# Take these off [diagnose] candidates.\n" + text;
+  }
   if (!text.empty() && !outcome.study.parameters.correlation.isIdentity(0.0)) {
     text = "# A matrix of [correlation] needs rows and columns for these parameters.\n" + text;
   }

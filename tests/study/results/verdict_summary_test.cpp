@@ -7,6 +7,7 @@
 
 #include "core/temporary_folder.hpp"
 #include "mottle/core/files.hpp"
+#include "mottle/core/shell_word.hpp"
 #include "mottle/study/jobs/forward.hpp"
 #include "mottle/study/jobs/update.hpp"
 #include "study/results/next_steps.hpp"

@@ -22,6 +22,12 @@ struct StudyReach {
 /// The model, tests and method, opaque: src/study/jobs/checked_study.hpp.
 struct CheckedStudy;
 
+/// Runs of the program that an update takes if outputs are linear in the parameters, clouds included.
+struct ExpectedRuns {
+  std::int64_t count = 0;  ///< 0: not known, or the model is not solved by runs of a program
+  bool is_cut = false;     ///< counting ended there: there are more
+};
+
 struct CheckOutcome {
   Study study;
   std::shared_ptr<const CheckedStudy> checked = nullptr;
@@ -32,9 +38,7 @@ struct CheckOutcome {
   Eigen::MatrixXd changes = {};
   double solution_seconds = 0.0;  ///< of one sample; 0: not measured
   double total_mass = 0.0;        ///< there
-  /// Runs of the program that an update takes if outputs are linear in the parameters, clouds included; 0: not known,
-  /// or the model is not solved by runs of a program.
-  std::int64_t expected_runs = 0;
+  ExpectedRuns expected_runs = {};
   StudyReach reach = {};
 };
 

@@ -13,6 +13,7 @@ struct DiagnoseOutcome {
   Study study;
   Study whole;  ///< with the candidates as parameters
   Diagnosis diagnosis = {};
+  Eigen::Index outputs = 0;  ///< number of them
   double seconds = 0.0;
 };
 
