@@ -86,7 +86,8 @@ class UnitsTest(support.CommandTest):
             is_matrix = isinstance(value[0], list)
             outputs[key] = ([[entry / size[i] / size[j] for j, entry in enumerate(row)] for i, row in enumerate(value)]
                             if is_matrix else [entry / size[i] for i, entry in enumerate(value)])
-        parameters = {key: value for key, value in result["parameters"].items() if key not in ("units", "prior")}
+        of_study_units = ("units", "prior", "factor_of", "factor_units")
+        parameters = {key: value for key, value in result["parameters"].items() if key not in of_study_units}
         slopes = [[entry / size[i] for entry in row] for i, row in enumerate(result["regression"]["sensitivity"])]
         kept = {key: result[key] for key in ("status", "verdict", "outliers", "other_solutions", "specimens",
                                              "identifiability", "spearman", "sample_size")}
