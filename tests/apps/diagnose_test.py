@@ -51,7 +51,7 @@ class Diagnose(support.CommandTest):
         shutil.copy(example / "specimens-shapes.csv", self.folder)
         self.write("study.toml", edited((example / "shapes.toml").read_text(encoding="utf-8"), ("stiffness = 3.0", "stiffness = 2.0")))
         ended = self.succeed("diagnose", "study.toml", "--out", "out")
-        lines = ended.out[ended.out.index("add to study.toml:"):].splitlines()[1:-1]
+        lines = ended.out[ended.out.index("add to study.toml "):].splitlines()[1:-1]
         self.assertIn("is proposed (BIC", ended.err)
         self.assertIn("Round 2", ended.err)
         result = json.loads((self.folder / "out" / "diagnosis.json").read_text(encoding="utf-8"))
@@ -79,6 +79,7 @@ class Diagnose(support.CommandTest):
             self.skipTest("takes minutes under sanitizers")
         examples = support.SOURCE / "examples"
         tests = examples / "05-uff-population" / "specimens"
+        (self.folder / "study.toml").unlink()
         self.succeed("init", examples / "02-airframe" / "airframe.bdf", tests, "--yes", "--out", "study.toml")
         with open(self.folder / "study.toml", "a", encoding="utf-8") as study:
             study.write('\n[[parameter]]\nname = "K4_101"\ntarget = "PBUSH:101:K4"\n'
