@@ -3,11 +3,13 @@
 
 #include <fmt/format.h>
 
+#include <cstdio>
 #include <memory>
 
 #include "common_options.hpp"
 #include "mottle/report/report.hpp"
 #include "mottle/study/jobs/check.hpp"
+#include "mottle/study/jobs/serve.hpp"
 #include "mottle/study/results/folder_lock.hpp"
 #include "mottle/study/results/run_folder.hpp"
 
@@ -23,6 +25,18 @@ RunSummary propagate_into_folder(const Study& study, const std::optional<std::fi
   return summarise(outcome, settings.folder);
 }
 
+/// A program that starts this one reads the address as soon as it is there.
+void offer_model(const CommonOptions& options, int port) {
+  const Study study = read_study(options);
+  Console console(options.quiet);
+  console.begin("reading the model");
+  serve(study, port, run_settings(options, console), [&](const OfferedModel& offered) {
+    console.finish();
+    print_summary(options, summarise(offered));
+    (void)std::fflush(stdout);
+  });
+}
+
 }  // namespace
 
 void add_propagate(CLI::App& app) {
@@ -31,9 +45,19 @@ void add_propagate(CLI::App& app) {
                                       "evaluate given points");
   const auto options = std::make_shared<CommonOptions>();
   const auto points = std::make_shared<std::optional<std::filesystem::path>>();
+  const auto port = std::make_shared<std::optional<int>>();
   add_common_options(*verb, *options);
-  verb->add_option("--points", *points, "CSV of parameter vectors to evaluate (header = parameter names)");
-  verb->callback([options, points] {
+  CLI::Option* given =
+      verb->add_option("--points", *points, "CSV of parameter vectors to evaluate (header = parameter names)");
+  verb->add_option("--umbridge", *port,
+                   "instead offer the model to UM-Bridge clients of this machine at http://127.0.0.1:PORT until "
+                   "stopped (0: a free port)")
+      ->check(CLI::Range(0, 65535))
+      ->excludes(given)
+      ->excludes(verb->get_option("--out"))
+      ->excludes(verb->get_option("--resume"));
+  verb->callback([options, points, port] {
+    if (*port) return offer_model(*options, **port);
     const Study study = read_study(*options);
     Console console(options->quiet);
     console.begin("reading the model and the tests");

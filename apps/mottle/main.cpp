@@ -121,6 +121,8 @@ int main(int argc, char** argv) {
     return fail(k_wrong_input, error.what());
   } catch (const mottle::SystemFailure& error) {
     return fail(k_failed, error.what());
+  } catch (const mottle::StoppedForGood& error) {
+    return fail(mottle::app::k_stopped, error.what());
   } catch (const mottle::Stopped& error) {
     return fail(mottle::app::k_stopped, fmt::format("{}; go on with --resume", error.what()));
   } catch (const std::bad_alloc&) {

@@ -1,13 +1,7 @@
 #include "mottle/drivers/command/external_solver.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <condition_variable>
-#include <exception>
 #include <limits>
 #include <numbers>
-#include <system_error>
-#include <thread>
 
 #include "mottle/core/clock.hpp"
 #include "mottle/core/error.hpp"
@@ -37,61 +31,6 @@ bool are_mode_numbers(const Eigen::VectorXd& eigenvalues) {
 }
 
 }  // namespace
-
-/// Distributes samples over threads, each of which runs one solver at a time; the thread that owns the pool reports
-/// progress and forwards a stop request.
-class ExternalSolver::Pool {
- public:
-  Pool(Eigen::Index count, int parallel, std::function<void(Eigen::Index, const std::atomic<bool>&)> work)
-      : count_(count), work_(std::move(work)) {
-    const auto threads = std::min<Eigen::Index>(count, parallel);
-    try {
-      for (Eigen::Index t = 0; t < threads; ++t) threads_.emplace_back([this] { take_samples(); });
-    } catch (const std::system_error& error) {  // fewer at once, then
-      if (threads_.empty()) throw SystemFailure(fmt::format("no thread can be started: {}", error.code().message()));
-    }
-  }
-  ~Pool() { halt_ = true; }
-  Pool(const Pool&) = delete;
-  Pool& operator=(const Pool&) = delete;
-
-  /// Rethrows a run's exception; throws Stopped.
-  void wait(const RunContext& context) {
-    std::unique_lock<std::mutex> lock(mutex_);
-    while (idle_ < threads_.size()) {
-      changed_.wait_for(lock, std::chrono::milliseconds(100));
-      if (context.stop_requested()) halt_ = true;
-    }
-    if (error_) std::rethrow_exception(error_);
-    context.throw_if_stopped();
-  }
-
- private:
-  void take_samples() {
-    for (Eigen::Index sample = next_++; sample < count_ && !halt_; sample = next_++) {
-      try {
-        work_(sample, halt_);
-      } catch (...) {
-        const std::lock_guard<std::mutex> lock(mutex_);
-        if (!error_ && !halt_) error_ = std::current_exception();
-        halt_ = true;
-      }
-    }
-    const std::lock_guard<std::mutex> lock(mutex_);
-    ++idle_;
-    changed_.notify_all();
-  }
-
-  Eigen::Index count_;
-  std::function<void(Eigen::Index, const std::atomic<bool>&)> work_;
-  std::atomic<Eigen::Index> next_{0};
-  std::atomic<bool> halt_{false};
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  std::exception_ptr error_;
-  std::size_t idle_ = 0;
-  std::vector<std::jthread> threads_;  // last: they end before what they use
-};
 
 ExternalStructure::ExternalStructure(Eigen::Index parameters, ExtractedModes nominal, std::string description)
     : parameters_(parameters), nominal_(std::move(nominal)), description_(std::move(description)) {
@@ -134,7 +73,9 @@ ExternalSolver::ExternalSolver(SolverCommand command, const std::vector<std::str
       nominal_(nominal),
       least_(runs_.command().frequencies.modes),
       structure_(run_at_means(stop)),
-      stop_(stop) {
+      stop_(stop),
+      failures_(runs_.command().max_failed_fraction, "solver runs",
+                "; folders of failed runs are in failed-runs") {
   for (const std::string& placeholder : runs_.coarse_placeholders(nominal, difference_step() * standard_deviations)) {
     notes_.push_back(
         fmt::format("{} has too few digits for differences by {} of a prior standard deviation: derivatives will "
@@ -186,30 +127,9 @@ std::string ExternalSolver::observe(const ExtractedModes& found, const SolutionR
   return {};
 }
 
-namespace {
-
-/// Throws where significantly more than the allowed fraction failed (three standard errors), or, at the end of a batch,
-/// more than the fraction.
-void require_few_failures(std::int64_t done, std::int64_t failed, double max_fraction, bool is_end,
-                          const std::string& last) {
-  constexpr std::int64_t k_fewest = 20;
-  const auto runs = static_cast<double>(done);
-  const double slack = is_end ? 0.0 : 3.0 * std::sqrt(max_fraction * (1.0 - max_fraction) * runs);
-  if (done < k_fewest || static_cast<double>(failed) <= max_fraction * runs + slack) return;
-  throw SystemFailure(
-      fmt::format("{} of {} solver runs failed, at most {:.0f} % may (largest_failed_part); folders "
-                  "of failed runs are in failed-runs; the last: {}",
-                  failed, done, 100.0 * max_fraction, last));
-}
-
-}  // namespace
-
 SolverUse ExternalSolver::solve(const Eigen::Ref<const Eigen::MatrixXd>& samples, const SolutionRequest& request,
                                 const RunContext& context, const Visitor& visit) const {
-  const double max_fraction = runs_.command().max_failed_fraction;
   std::atomic<std::int64_t> reused{0};
-  std::mutex mutex;
-  std::string last_failure;
   const auto work = [&](Eigen::Index s, const std::atomic<bool>& halt) {
     Solution solution;
     if (!samples.row(s).allFinite()) return visit(s, solution, "a parameter is not finite");
@@ -223,15 +143,10 @@ SolverUse ExternalSolver::solve(const Eigen::Ref<const Eigen::MatrixXd>& samples
     if (failure.empty()) failure = observe(run.record.modes, request, solution);
     visit(s, solution, failure);
     if (run.is_reused) ++reused;
-    const std::int64_t done = ++done_;
-    if (failure.empty()) return;
-    const std::int64_t failed = ++failed_;
-    const std::lock_guard<std::mutex> lock(mutex);
-    last_failure = failure;
-    require_few_failures(done, failed, max_fraction, false, failure);
+    failures_.add(failure);
   };
-  Pool(samples.rows(), runs_.command().parallel, work).wait(context);
-  if (!last_failure.empty()) require_few_failures(done_, failed_, max_fraction, true, last_failure);
+  SamplePool(samples.rows(), runs_.command().parallel, work).wait(context);
+  failures_.end_batch();
   return {.runs = samples.rows(), .repeated = reused};
 }
 

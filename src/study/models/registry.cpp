@@ -8,6 +8,7 @@ const std::vector<ModelKind>& model_kinds() {
   static const std::vector<ModelKind> k_kinds = {
       {"mass-spring", read_mass_spring_source}, {"nastran", read_nastran_source}, {"matrices", read_matrix_source},
       {"calculix", read_calculix_source},       {"command", read_command_source}, {"mesh", read_mesh_source},
+      {"umbridge", read_umbridge_source},
   };
   return k_kinds;
 }

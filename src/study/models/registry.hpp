@@ -27,5 +27,6 @@ std::shared_ptr<const ModelSource> read_matrix_source(TomlReader& reader, const 
 std::shared_ptr<const ModelSource> read_calculix_source(TomlReader& reader, const std::filesystem::path& folder);
 std::shared_ptr<const ModelSource> read_command_source(TomlReader& reader, const std::filesystem::path& folder);
 std::shared_ptr<const ModelSource> read_mesh_source(TomlReader& reader, const std::filesystem::path& folder);
+std::shared_ptr<const ModelSource> read_umbridge_source(TomlReader& reader, const std::filesystem::path& folder);
 
 }  // namespace mottle::study

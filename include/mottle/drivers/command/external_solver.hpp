@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "mottle/drivers/command/sample_pool.hpp"
 #include "mottle/drivers/command/solver_runs.hpp"
 #include "mottle/layers.hpp"
 #include "mottle/model/solvers/solver.hpp"
@@ -80,7 +81,6 @@ class ExternalSolver final : public Solver {
   double seconds_at_means() const { return seconds_at_means_; }
 
  private:
-  class Pool;
   ExternalStructure run_at_means(const std::atomic<bool>* stop);
   std::string observe(const ExtractedModes& found, const SolutionRequest& request, Solution& solution) const;
 
@@ -91,8 +91,7 @@ class ExternalSolver final : public Solver {
   ExternalStructure structure_;
   const std::atomic<bool>* stop_ = nullptr;
   std::vector<std::string> notes_;
-  mutable std::atomic<std::int64_t> done_{0};
-  mutable std::atomic<std::int64_t> failed_{0};
+  mutable FailureCount failures_;
 };
 
 }  // namespace mottle::drivers

@@ -1,0 +1,70 @@
+#include "mottle/drivers/command/sample_pool.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <system_error>
+
+#include "mottle/core/error.hpp"
+
+namespace mottle::drivers {
+
+SamplePool::SamplePool(Eigen::Index count, int parallel, Work work) : count_(count), work_(std::move(work)) {
+  const auto threads = std::min<Eigen::Index>(count, parallel);
+  try {
+    for (Eigen::Index t = 0; t < threads; ++t) threads_.emplace_back([this] { take_samples(); });
+  } catch (const std::system_error& error) {  // fewer at once, then
+    if (threads_.empty()) throw SystemFailure(fmt::format("no thread can be started: {}", error.code().message()));
+  }
+}
+
+void SamplePool::wait(const RunContext& context) {
+  std::unique_lock<std::mutex> lock(mutex_);
+  while (idle_ < threads_.size()) {
+    changed_.wait_for(lock, std::chrono::milliseconds(100));
+    if (context.stop_requested()) halt_ = true;
+  }
+  if (error_) std::rethrow_exception(error_);
+  context.throw_if_stopped();
+}
+
+void SamplePool::take_samples() {
+  for (Eigen::Index sample = next_++; sample < count_ && !halt_; sample = next_++) {
+    try {
+      work_(sample, halt_);
+    } catch (...) {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      if (!error_ && !halt_) error_ = std::current_exception();
+      halt_ = true;
+    }
+  }
+  const std::lock_guard<std::mutex> lock(mutex_);
+  ++idle_;
+  changed_.notify_all();
+}
+
+void FailureCount::add(const std::string& failure) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  ++done_;
+  if (failure.empty()) return;
+  ++failed_;
+  last_ = failure;
+  require_few(false);
+}
+
+void FailureCount::end_batch() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (!last_.empty()) require_few(true);
+  last_.clear();
+}
+
+void FailureCount::require_few(bool is_end) const {
+  constexpr std::int64_t k_fewest = 20;
+  const auto runs = static_cast<double>(done_);
+  const double slack = is_end ? 0.0 : 3.0 * std::sqrt(max_fraction_ * (1.0 - max_fraction_) * runs);
+  if (done_ < k_fewest || static_cast<double>(failed_) <= max_fraction_ * runs + slack) return;
+  throw SystemFailure(fmt::format("{} of {} {} failed, at most {:.0f} % may (largest_failed_part){}; the last: {}",
+                                  failed_, done_, what_, 100.0 * max_fraction_, where_, last_));
+}
+
+}  // namespace mottle::drivers

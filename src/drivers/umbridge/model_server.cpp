@@ -1,0 +1,314 @@
+#include "mottle/drivers/umbridge/model_server.hpp"
+
+#include <utility>  // which Asio forgets
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/core/tcp_stream.hpp>
+#include <boost/beast/http.hpp>
+#include <condition_variable>
+#include <deque>
+#include <mutex>
+#include <thread>
+
+#include "drivers/umbridge/model_requests.hpp"
+#include "mottle/core/error.hpp"
+
+namespace mottle::drivers {
+namespace {
+
+namespace asio = boost::asio;
+namespace http = boost::beast::http;
+using asio::ip::tcp;
+using boost::system::error_code;
+
+constexpr std::size_t k_largest_request = std::size_t{4} << 20;
+constexpr std::size_t k_most_connections = 512;       // each may hold a request of that size
+constexpr std::chrono::seconds k_patience{30};        // with a client that sends or reads slowly
+constexpr std::chrono::seconds k_idle{300};           // between two requests of one client
+constexpr std::chrono::milliseconds k_tick{100};      // between looks at the stop request
+
+}  // namespace
+
+/// A request that waits for its computation.
+struct WaitingRequest {
+  Computation computation;
+  std::function<void(ServerAnswer)> reply;
+};
+
+/// One thread speaks with all clients, one computes: models need not bear several threads, and a long computation keeps
+/// nobody from asking what is offered.
+class ModelServer::Implementation {
+ public:
+  Implementation(ServedModel model, int port);
+  std::uint16_t port() const { return acceptor_.local_endpoint().port(); }
+  void serve(const RunContext& context);
+
+  const ServedModel& model() const { return model_; }
+  void enter() { ++connections_; }
+  void leave();
+  void compute(WaitingRequest waiting);
+
+ private:
+  void accept();
+  void look_for_stop(const RunContext& context);
+  std::vector<WaitingRequest> take_batch();
+  void compute_all();
+  std::vector<ServerAnswer> computed(const std::vector<WaitingRequest>& batch);
+  void compute_next(std::vector<WaitingRequest> batch);
+
+  ServedModel model_;
+  std::size_t connections_ = 0;  // which sessions count down that end with the context
+  asio::io_context context_{1};
+  tcp::acceptor acceptor_{context_};
+  asio::steady_timer timer_{context_};
+  bool is_accepting_ = false;
+
+  std::mutex mutex_;  // of the three below
+  std::condition_variable changed_;
+  std::deque<WaitingRequest> queue_;
+  bool is_over_ = false;
+  std::exception_ptr error_;
+};
+
+/// A client: reads requests and writes answers, one at a time, for as long as both sides like.
+class ClientSession : public std::enable_shared_from_this<ClientSession> {
+ public:
+  ClientSession(tcp::socket socket, ModelServer::Implementation& server) : stream_(std::move(socket)), server_(server) {
+    server_.enter();
+  }
+  ~ClientSession() { server_.leave(); }
+  ClientSession(const ClientSession&) = delete;
+  ClientSession& operator=(const ClientSession&) = delete;
+
+  void read_next(std::chrono::seconds patience) {
+    parser_.emplace();
+    parser_->body_limit(k_largest_request);
+    stream_.expires_after(patience);
+    http::async_read_header(stream_, buffer_, *parser_, [self = shared_from_this()](error_code error, std::size_t) {
+      if (error) return self->refuse(error);
+      self->read_body();
+    });
+  }
+
+ private:
+  void read_body() {
+    stream_.expires_after(k_patience);
+    http::async_read(stream_, buffer_, *parser_, [self = shared_from_this()](error_code error, std::size_t) {
+      if (error) return self->refuse(error);
+      self->handle();
+    });
+  }
+
+  void handle() {
+    const http::request<http::string_body>& request = parser_->get();
+    is_kept_ = request.keep_alive();
+    // A page in a browser may post anywhere; it names its origin.
+    if (request.count(http::field::origin) > 0) {
+      return write(error_answer(403, "InvalidInput", "requests of web pages are not answered"));
+    }
+    const bool is_post = request.method() == http::verb::post;
+    const bool is_get = request.method() == http::verb::get || request.method() == http::verb::head;
+    if (!is_post && !is_get) return write(error_answer(405, "InvalidInput", "only GET and POST are answered"));
+    const std::string target(request.target());
+    ReadRequest read = read_request(server_.model(), is_post, target.substr(0, target.find('?')), request.body());
+    if (read.answer) return write(*std::move(read.answer));
+    stream_.expires_never();
+    server_.compute({std::move(read.computation), [self = shared_from_this()](ServerAnswer answer) {
+                       self->write(std::move(answer));
+                     }});
+  }
+
+  /// What is too large or no HTTP is told where that is possible.
+  void refuse(error_code error) {
+    is_kept_ = false;
+    if (error == http::error::body_limit || error == http::error::header_limit) {
+      write(error_answer(413, "InvalidInput", fmt::format("a request has at most {} MiB", k_largest_request >> 20)));
+    } else if (error.category() == http::make_error_code(http::error::bad_method).category() &&
+               error != http::error::end_of_stream && error != http::error::partial_message) {
+      write(error_answer(400, "InvalidInput", "the request is not HTTP"));
+    }
+  }
+
+  void write(ServerAnswer answer) {
+    const bool is_head = parser_->get().method() == http::verb::head;
+    response_ = {static_cast<http::status>(answer.status), 11};
+    response_.set(http::field::server, "mottle");
+    response_.set(http::field::content_type, "application/json");
+    response_.keep_alive(is_kept_);
+    const std::size_t size = answer.body.size();
+    if (!is_head) response_.body() = std::move(answer.body);
+    response_.content_length(size);
+    serializer_.emplace(response_);
+    serializer_->split(is_head);
+    stream_.expires_after(k_patience);
+    const auto done = [self = shared_from_this()](error_code error, std::size_t) {
+      if (error) return;
+      if (self->is_kept_) return self->read_next(k_idle);
+      error_code ignored;
+      self->stream_.socket().shutdown(tcp::socket::shutdown_send, ignored);
+    };
+    if (is_head) {
+      http::async_write_header(stream_, *serializer_, done);
+    } else {
+      http::async_write(stream_, *serializer_, done);
+    }
+  }
+
+  boost::beast::tcp_stream stream_;
+  ModelServer::Implementation& server_;
+  boost::beast::flat_buffer buffer_;
+  std::optional<http::request_parser<http::string_body>> parser_;
+  http::response<http::string_body> response_;
+  std::optional<http::response_serializer<http::string_body>> serializer_;
+  bool is_kept_ = false;
+};
+
+ModelServer::Implementation::Implementation(ServedModel model, int port) : model_(std::move(model)) {
+  const tcp::endpoint here(asio::ip::address_v4::loopback(), static_cast<std::uint16_t>(port));
+  error_code error;
+  acceptor_.open(tcp::v4(), error);
+  if (error) throw SystemFailure(fmt::format("no socket can be had: {}", error.message()));
+  acceptor_.set_option(asio::socket_base::reuse_address(true), error);
+  acceptor_.bind(here, error);
+  if (!error) acceptor_.listen(asio::socket_base::max_listen_connections, error);
+  require(!error, "port {} of 127.0.0.1 cannot be had: {}; choose another, or 0 for one that is free", port,
+          error.message());
+}
+
+void ModelServer::Implementation::accept() {
+  if (is_accepting_ || connections_ >= k_most_connections) return;
+  is_accepting_ = true;
+  acceptor_.async_accept([this](error_code error, tcp::socket socket) {
+    is_accepting_ = false;
+    if (error == asio::error::operation_aborted) return;
+    if (!error) {
+      error_code ignored;
+      socket.set_option(tcp::no_delay(true), ignored);
+      std::make_shared<ClientSession>(std::move(socket), *this)->read_next(k_patience);
+    }
+    if (!error) accept();  // else at the next tick: there may be no descriptor left
+  });
+}
+
+void ModelServer::Implementation::leave() {
+  --connections_;
+}
+
+void ModelServer::Implementation::look_for_stop(const RunContext& context) {
+  timer_.expires_after(k_tick);
+  timer_.async_wait([this, &context](error_code) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (context.stop_requested() || error_) return context_.stop();
+    accept();
+    look_for_stop(context);
+  });
+}
+
+void ModelServer::Implementation::compute(WaitingRequest waiting) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  queue_.push_back(std::move(waiting));
+  changed_.notify_one();
+}
+
+std::vector<ServerAnswer> ModelServer::Implementation::computed(const std::vector<WaitingRequest>& batch) {
+  const Computation& first = batch.front().computation;
+  if (first.kind != Computation::Kind::evaluate) return {derivative_answer(first, model_.jacobian(first.x))};
+  Eigen::MatrixXd samples(static_cast<Eigen::Index>(batch.size()), model_.inputs);
+  for (std::size_t i = 0; i < batch.size(); ++i) samples.row(static_cast<Eigen::Index>(i)) = batch[i].computation.x;
+  const Evaluation found = model_.evaluate(samples);
+  std::vector<std::string> failures(batch.size());
+  for (const FailedRun& run : found.failures) failures[static_cast<std::size_t>(run.sample)] = run.reason;
+  std::vector<ServerAnswer> answers;
+  for (std::size_t i = 0; i < batch.size(); ++i) {
+    answers.push_back(outputs_answer(found.outputs.row(static_cast<Eigen::Index>(i)), failures[i]));
+  }
+  return answers;
+}
+
+/// A model that fails is told to the clients whose requests these are; others may have more luck.
+void ModelServer::Implementation::compute_next(std::vector<WaitingRequest> batch) {
+  std::vector<ServerAnswer> answers;
+  try {
+    answers = computed(batch);
+  } catch (const Stopped&) {
+    throw;
+  } catch (const Error& error) {
+    answers.assign(batch.size(), error_answer(500, "InvalidOutput", error.what()));
+  }
+  for (std::size_t i = 0; i < batch.size(); ++i) {
+    asio::post(context_, [reply = std::move(batch[i].reply), answer = std::move(answers[i])]() mutable {
+      reply(std::move(answer));
+    });
+  }
+}
+
+/// Waits for requests; none: it is over.
+std::vector<WaitingRequest> ModelServer::Implementation::take_batch() {
+  const auto is_evaluation = [](const WaitingRequest& waiting) {
+    return waiting.computation.kind == Computation::Kind::evaluate;
+  };
+  std::vector<WaitingRequest> batch;
+  std::unique_lock<std::mutex> lock(mutex_);
+  changed_.wait(lock, [this] { return is_over_ || !queue_.empty(); });
+  if (is_over_) return batch;
+  do {
+    batch.push_back(std::move(queue_.front()));
+    queue_.pop_front();
+  } while (!queue_.empty() && is_evaluation(batch.back()) && is_evaluation(queue_.front()) &&
+           static_cast<Eigen::Index>(batch.size()) < model_.batch);
+  return batch;
+}
+
+void ModelServer::Implementation::compute_all() {
+  try {
+    for (;;) {
+      std::vector<WaitingRequest> batch = take_batch();
+      if (batch.empty()) return;
+      compute_next(std::move(batch));
+    }
+  } catch (...) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    error_ = std::current_exception();
+  }
+}
+
+void ModelServer::Implementation::serve(const RunContext& context) {
+  std::thread worker([this] { compute_all(); });
+  accept();
+  look_for_stop(context);
+  std::exception_ptr failure;
+  try {
+    context_.run();
+  } catch (...) {
+    failure = std::current_exception();
+  }
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    is_over_ = true;
+    changed_.notify_one();
+  }
+  worker.join();
+  queue_.clear();  // with the sessions that wait in it
+  if (error_) failure = error_;
+  const bool is_stop = context.stop_requested();
+  if (failure && !is_stop) std::rethrow_exception(failure);
+}
+
+ModelServer::ModelServer(ServedModel model, int port)
+    : implementation_(std::make_unique<Implementation>(std::move(model), port)) {}
+
+ModelServer::~ModelServer() = default;
+
+std::string ModelServer::address() const {
+  return fmt::format("http://127.0.0.1:{}", implementation_->port());
+}
+
+void ModelServer::serve(const RunContext& context) {
+  implementation_->serve(context);
+}
+
+}  // namespace mottle::drivers
