@@ -73,7 +73,7 @@ fuzz:
 	$(INSTALL) --test --fuzz
 	$(call configure,fuzz)
 	$(call build,fuzz) --target nastran_fuzz csv_fuzz uff_fuzz matrix_fuzz solver_output_fuzz mat_fuzz hdf5_fuzz \
-	  calculix_fuzz gmsh_fuzz report_fuzz study_fuzz
+	  calculix_fuzz gmsh_fuzz umbridge_fuzz report_fuzz study_fuzz
 	tools/fuzz.sh build/fuzz $(FUZZ_SECONDS)
 
 # The long forms of tests/attack: mutated inputs, kills, faulty solvers; its table is validation/attack/RESULTS.md. Stopped, it goes

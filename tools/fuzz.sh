@@ -35,6 +35,7 @@ start mat tests/formats/mat tests/fuzz/hdf5
 start hdf5 -detect_leaks=0 tests/fuzz/hdf5 tests/formats/matrices  # the HDF5 library leaks on files that it refuses
 start calculix tests/fuzz/calculix examples/03-plate-calculix
 start gmsh tests/formats/gmsh
+start umbridge tests/fuzz/umbridge
 start report tests/fuzz/report
 start study -dict="$build/study.dict" "$build/studies"
 

@@ -35,6 +35,8 @@ void offer_model(const CommonOptions& options, int port) {
     print_summary(options, summarise(offered));
     (void)std::fflush(stdout);
   });
+  tell("mottle: stopped on request; the model is no longer offered\n");  // and nothing is there to go on with
+  throw CLI::RuntimeError(k_stopped);
 }
 
 }  // namespace

@@ -75,6 +75,8 @@ int run(int argc, char** argv) {
   if (argc > 1) require_known_verb(app, argv[1]);
   try {
     app.parse(argc, argv);
+  } catch (const CLI::RuntimeError& error) {  // a verb's own exit code
+    return error.get_exit_code();
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : k_wrong_input;
   }
@@ -121,8 +123,6 @@ int main(int argc, char** argv) {
     return fail(k_wrong_input, error.what());
   } catch (const mottle::SystemFailure& error) {
     return fail(k_failed, error.what());
-  } catch (const mottle::StoppedForGood& error) {
-    return fail(mottle::app::k_stopped, error.what());
   } catch (const mottle::Stopped& error) {
     return fail(mottle::app::k_stopped, fmt::format("{}; go on with --resume", error.what()));
   } catch (const std::bad_alloc&) {

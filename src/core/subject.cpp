@@ -24,14 +24,6 @@ std::string Subject::text() const {
       return "command to try again";
     case Kind::run_files:
       return "files of a run";
-    case Kind::servers:
-      return "servers of the model";
-    case Kind::served_model:
-      return "name of the servers' model";
-    case Kind::served_inputs:
-      return "input vectors of the servers' model";
-    case Kind::served_output:
-      return "output vector of the servers' model";
     case Kind::outputs:
       return name.empty() ? "outputs" : name;
     case Kind::frequencies:

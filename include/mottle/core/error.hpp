@@ -49,12 +49,6 @@ class Stopped : public Error {
   using Error::Error;
 };
 
-/// The same of what has no end of its own, so that there is nothing to resume. Exit code 4.
-class StoppedForGood final : public Stopped {
- public:
-  using Stopped::Stopped;
-};
-
 /// Throws InvalidInput with the formatted message unless `claim` holds.
 template <typename... Arguments>
 void require(bool claim, fmt::format_string<Arguments...> message, Arguments&&... arguments) {

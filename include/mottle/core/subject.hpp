@@ -20,10 +20,6 @@ struct Subject {
     command,
     retry_command,
     run_files,  ///< files that every run gets
-    servers,    ///< of a model
-    served_model,
-    served_inputs,
-    served_output,
     outputs,    ///< all, or those of one kind by its name
     frequencies,
     shape_modes,

@@ -74,8 +74,7 @@ ExternalSolver::ExternalSolver(SolverCommand command, const std::vector<std::str
       least_(runs_.command().frequencies.modes),
       structure_(run_at_means(stop)),
       stop_(stop),
-      failures_(runs_.command().max_failed_fraction, "solver runs",
-                "; folders of failed runs are in failed-runs") {
+      failures_(runs_.command().max_failed_fraction, "solver runs", "; folders of failed runs are in failed-runs") {
   for (const std::string& placeholder : runs_.coarse_placeholders(nominal, difference_step() * standard_deviations)) {
     notes_.push_back(
         fmt::format("{} has too few digits for differences by {} of a prior standard deviation: derivatives will "

@@ -40,7 +40,8 @@ HttpAddress parse_http_address(const std::string& text) {
   const auto refuse = [&](std::string_view why) {
     throw InvalidInput(fmt::format("'{}' {}; give it like \"http://localhost:4242\"", text, why));
   };
-  if (!text.starts_with(k_scheme)) refuse(text.starts_with("https://") ? "is https, which is not spoken here" : "does not begin with http://");
+  if (!text.starts_with(k_scheme))
+    refuse(text.starts_with("https://") ? "is https, which is not spoken here" : "does not begin with http://");
   const std::string_view rest = std::string_view(text).substr(k_scheme.size());
   const std::string_view authority = rest.substr(0, rest.find('/'));
   HttpAddress address;

@@ -1,13 +1,12 @@
 #include "drivers/umbridge/http_client.hpp"
 
-#include <utility>  // which Asio forgets
-
 #include <boost/asio/connect.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/core/tcp_stream.hpp>
 #include <boost/beast/http.hpp>
+#include <utility>  // which Asio forgets
 
 #include "mottle/core/error.hpp"
 #include "mottle/core/text.hpp"
@@ -20,8 +19,8 @@ namespace http = boost::beast::http;
 using boost::system::error_code;
 using Clock = std::chrono::steady_clock;
 
-constexpr std::chrono::milliseconds k_tick{100};            // between looks at the stop request
-constexpr std::chrono::milliseconds k_connecting{10'000};   // a host that is not there answers nothing at all
+constexpr std::chrono::milliseconds k_tick{100};           // between looks at the stop request
+constexpr std::chrono::milliseconds k_connecting{10'000};  // a host that is not there answers nothing at all
 
 std::string seconds_text(std::chrono::milliseconds time) {
   return fmt::format("{} s", number_text(1e-3 * static_cast<double>(time.count())));
@@ -105,8 +104,7 @@ HttpReply HttpConnection::Stream::exchange(const http::request<http::string_body
   http::response_parser<http::string_body> parser;
   parser.body_limit(k_largest_answer);
   is_unanswered_ = true;
-  error_code error =
-      wait_for([&](auto handler) { http::async_write(stream_, request, handler); }, end, stop);
+  error_code error = wait_for([&](auto handler) { http::async_write(stream_, request, handler); }, end, stop);
   if (!error) {
     error = wait_for([&](auto handler) { http::async_read(stream_, buffer_, parser, handler); }, end, stop);
     is_unanswered_ = error && error != asio::error::timed_out && !parser.got_some();

@@ -16,7 +16,7 @@ namespace mottle::drivers {
 inline constexpr std::size_t k_largest_answer = std::size_t{16} << 20;
 
 struct HttpRequest {
-  std::string path;                               ///< "/Evaluate", behind the address's own path
+  std::string path;                                ///< "/Evaluate", behind the address's own path
   std::optional<std::string> body = std::nullopt;  ///< JSON to post; nothing: the path is got
 };
 

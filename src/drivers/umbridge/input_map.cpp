@@ -9,10 +9,6 @@
 namespace mottle::drivers {
 namespace {
 
-Subject inputs() {
-  return {Subject::Kind::served_inputs};
-}
-
 std::string sizes_text(const std::vector<std::size_t>& sizes) {
   return fmt::format("[{}]", fmt::join(sizes, ", "));
 }
@@ -21,10 +17,10 @@ std::string sizes_text(const std::vector<std::size_t>& sizes) {
 std::vector<std::vector<InputEntry>> in_order(const std::vector<std::size_t>& sizes,
                                               const std::vector<std::string>& names) {
   const std::size_t sum = std::accumulate(sizes.begin(), sizes.end(), std::size_t{0});
-  require_of(sum == names.size(), inputs(),
-             "is missing; the model's inputs have the sizes {}, {} numbers in all, and there are {} parameters; say "
-             "which number is what, like inputs = [[\"{}\", 1.0]]",
-             sizes_text(sizes), sum, names.size(), names.front());
+  require_fit(sum == names.size(), "inputs",
+              "is missing; the model's inputs have the sizes {}, {} numbers in all, and there are {} parameters; say "
+              "which number is what, like inputs = [[\"{}\", 1.0]]",
+              sizes_text(sizes), sum, names.size(), names.front());
   std::vector<std::vector<InputEntry>> entries;
   auto next = names.begin();
   for (const std::size_t size : sizes) {
@@ -41,8 +37,8 @@ InputMap::InputMap(std::vector<std::vector<InputEntry>> entries, const std::vect
   if (entries.empty()) entries = in_order(sizes, names);
   std::vector<std::size_t> given;
   for (const std::vector<InputEntry>& vector : entries) given.push_back(vector.size());
-  require_of(given == sizes, inputs(), "has the sizes {}, the model's inputs have {}", sizes_text(given),
-             sizes_text(sizes));
+  require_fit(given == sizes, "inputs", "has the sizes {}, the model's inputs have {}", sizes_text(given),
+              sizes_text(sizes));
   std::vector<bool> is_used(names.size());
   for (const std::vector<InputEntry>& vector : entries) {
     parameter_at_.emplace_back();
@@ -50,7 +46,7 @@ InputMap::InputMap(std::vector<std::vector<InputEntry>> entries, const std::vect
     for (const InputEntry& entry : vector) {
       const auto found = std::find(names.begin(), names.end(), entry.parameter);
       if (!entry.parameter.empty() && found == names.end()) {
-        throw SubjectError(inputs(), unknown_name_message("parameter", entry.parameter, names));
+        throw UmbridgeFault("inputs", unknown_name_message("parameter", entry.parameter, names));
       }
       const Eigen::Index index = entry.parameter.empty() ? -1 : std::distance(names.begin(), found);
       if (index >= 0) is_used[static_cast<std::size_t>(index)] = true;

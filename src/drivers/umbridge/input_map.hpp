@@ -29,7 +29,8 @@ class InputMap {
   /// d input[vector] / d parameter.
   std::vector<double> direction(Eigen::Index parameter, std::size_t vector) const;
   /// Adds what a derivative with respect to input[vector] is with respect to the parameters.
-  void add_gradient(const std::vector<double>& gradient, std::size_t vector, Eigen::Ref<Eigen::RowVectorXd, 0, Eigen::InnerStride<>> row) const;
+  void add_gradient(const std::vector<double>& gradient, std::size_t vector,
+                    Eigen::Ref<Eigen::RowVectorXd, 0, Eigen::InnerStride<>> row) const;
 
  private:
   std::vector<std::vector<Eigen::Index>> parameter_at_;  ///< -1: a constant

@@ -9,8 +9,8 @@
 
 namespace mottle::drivers {
 
-/// The value, or nothing where the text is not JSON or is nested too deeply (64 levels: each costs memory many times its
-/// bracket).
+/// The value, or nothing where the text is not JSON or is nested too deeply (64 levels: each costs memory many times
+/// its bracket).
 std::optional<nlohmann::json> parse_body(std::string_view body);
 
 }  // namespace mottle::drivers

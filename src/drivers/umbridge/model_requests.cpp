@@ -80,10 +80,8 @@ void require_name(const ServedModel& model, const Json& request) {
 
 Json support_of(const ServedModel& model) {
   const bool has_derivatives = model.jacobian != nullptr;
-  return {{"Evaluate", true},
-          {"Gradient", has_derivatives},
-          {"ApplyJacobian", has_derivatives},
-          {"ApplyHessian", false}};
+  return {
+      {"Evaluate", true}, {"Gradient", has_derivatives}, {"ApplyJacobian", has_derivatives}, {"ApplyHessian", false}};
 }
 
 Computation read_computation(const ServedModel& model, std::string_view path, const Json& request) {
@@ -126,7 +124,8 @@ ReadRequest read_request(const ServedModel& model, bool is_post, std::string_vie
                         path == "/Evaluate" || path == "/Gradient" || path == "/ApplyJacobian" ||
                         path == "/ApplyHessian";
   if (!is_known) {
-    return {.answer = error_answer(404, "InvalidInput", fmt::format("there is nothing at {}", foreign(std::string(path))))};
+    return {.answer =
+                error_answer(404, "InvalidInput", fmt::format("there is nothing at {}", foreign(std::string(path))))};
   }
   if (!is_post) return {.answer = error_answer(405, "InvalidInput", fmt::format("{} is to be posted", path))};
   try {
@@ -149,9 +148,10 @@ ServerAnswer outputs_answer(const Eigen::Ref<const Eigen::RowVectorXd>& outputs,
 
 ServerAnswer derivative_answer(const Computation& computation, const Eigen::MatrixXd& jacobian) {
   const bool is_gradient = computation.kind == Computation::Kind::gradient;
-  const Eigen::VectorXd product =
-      is_gradient ? Eigen::VectorXd(jacobian.transpose() * computation.vector) : Eigen::VectorXd(jacobian * computation.vector);
-  if (!product.allFinite()) return error_answer(500, "InvalidOutput", "a derivative does not exist or is not finite there");
+  const Eigen::VectorXd product = is_gradient ? Eigen::VectorXd(jacobian.transpose() * computation.vector)
+                                              : Eigen::VectorXd(jacobian * computation.vector);
+  if (!product.allFinite())
+    return error_answer(500, "InvalidOutput", "a derivative does not exist or is not finite there");
   return {.body = output_body(list_of(product))};
 }
 

@@ -1,7 +1,5 @@
 #include "mottle/drivers/umbridge/model_server.hpp"
 
-#include <utility>  // which Asio forgets
-
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/post.hpp>
@@ -13,6 +11,7 @@
 #include <deque>
 #include <mutex>
 #include <thread>
+#include <utility>  // which Asio forgets
 
 #include "drivers/umbridge/model_requests.hpp"
 #include "mottle/core/error.hpp"
@@ -26,10 +25,10 @@ using asio::ip::tcp;
 using boost::system::error_code;
 
 constexpr std::size_t k_largest_request = std::size_t{4} << 20;
-constexpr std::size_t k_most_connections = 512;       // each may hold a request of that size
-constexpr std::chrono::seconds k_patience{30};        // with a client that sends or reads slowly
-constexpr std::chrono::seconds k_idle{300};           // between two requests of one client
-constexpr std::chrono::milliseconds k_tick{100};      // between looks at the stop request
+constexpr std::size_t k_most_connections = 512;   // each may hold a request of that size
+constexpr std::chrono::seconds k_patience{30};    // with a client that sends or reads slowly
+constexpr std::chrono::seconds k_idle{300};       // between two requests of one client
+constexpr std::chrono::milliseconds k_tick{100};  // between looks at the stop request
 
 }  // namespace
 
@@ -117,9 +116,8 @@ class ClientSession : public std::enable_shared_from_this<ClientSession> {
     ReadRequest read = read_request(server_.model(), is_post, target.substr(0, target.find('?')), request.body());
     if (read.answer) return write(*std::move(read.answer));
     stream_.expires_never();
-    server_.compute({std::move(read.computation), [self = shared_from_this()](ServerAnswer answer) {
-                       self->write(std::move(answer));
-                     }});
+    server_.compute({std::move(read.computation),
+                     [self = shared_from_this()](ServerAnswer answer) { self->write(std::move(answer)); }});
   }
 
   /// What is too large or no HTTP is told where that is possible.

@@ -4,7 +4,6 @@
 #include <thread>
 #include <tuple>
 
-#include "mottle/core/subject.hpp"
 #include "mottle/core/text.hpp"
 #include "mottle/core/utf8.hpp"
 
@@ -20,7 +19,8 @@ constexpr milliseconds k_rest{5'000};      // one that is down answers at once, 
 /// Waits, longer after each try that got no answer: a container may be starting again.
 void pause_before(int try_number, const std::atomic<bool>* stop) {
   const milliseconds longest{5'000};
-  const Clock::time_point end = Clock::now() + std::min(longest, milliseconds(100) * (1 << std::min(2 * try_number, 10)));
+  const Clock::time_point end =
+      Clock::now() + std::min(longest, milliseconds(100) * (1 << std::min(2 * try_number, 10)));
   while (Clock::now() < end) {
     if (stop != nullptr && stop->load(std::memory_order_relaxed)) throw Stopped("stopped on request");
     std::this_thread::sleep_for(milliseconds(20));
@@ -33,9 +33,9 @@ UmbridgeClient::UmbridgeClient(const UmbridgeServer& server, const std::atomic<b
   for (const HttpAddress& address : server_.urls) {
     ServedShape found = ask(address, stop);
     const bool is_first = sites_.empty();
-    require_of(is_first || found == shape_, {Subject::Kind::servers},
-               "{} and {} do not offer the same: model, sizes of inputs and outputs or derivatives differ",
-               server_.urls.front().text(), address.text());
+    require_fit(is_first || found == shape_, "urls",
+                "{} and {} do not offer the same: model, sizes of inputs and outputs or derivatives differ",
+                server_.urls.front().text(), address.text());
     if (is_first) shape_ = std::move(found);
     sites_.push_back({.address = address});
   }
@@ -52,20 +52,18 @@ HttpReply UmbridgeClient::contact(const HttpAddress& address, const HttpRequest&
 }
 
 std::string UmbridgeClient::choose_name(const HttpAddress& address, const ServerInfo& info) const {
-  require_of(info.protocol_version == 1.0, {Subject::Kind::servers},
-             "{} speaks version {} of UM-Bridge's protocol; 1.0 is needed", address.text(),
-             number_text(info.protocol_version));
-  require_of(!info.models.empty(), {Subject::Kind::servers}, "{} offers no model", address.text());
+  require_fit(info.protocol_version == 1.0, "urls", "{} speaks version {} of UM-Bridge's protocol; 1.0 is needed",
+              address.text(), number_text(info.protocol_version));
+  require_fit(!info.models.empty(), "urls", "{} offers no model", address.text());
   std::vector<std::string> known;
   for (const std::string& model : info.models) known.push_back(printable(model));
   if (server_.name.empty()) {
-    require_of(info.models.size() == 1, {Subject::Kind::served_model},
-               "is missing; {} offers {} models, choose one of: {}", address.text(), known.size(), join(known));
+    require_fit(info.models.size() == 1, "name", "is missing; {} offers {} models, choose one of: {}", address.text(),
+                known.size(), join(known));
     return info.models.front();
   }
   const bool is_there = std::find(info.models.begin(), info.models.end(), server_.name) != info.models.end();
-  require_of(is_there, {Subject::Kind::served_model}, "{} (at {})", unknown_name_message("model", server_.name, known),
-             address.text());
+  require_fit(is_there, "name", "{} (at {})", unknown_name_message("model", server_.name, known), address.text());
   return server_.name;
 }
 
@@ -80,16 +78,16 @@ ServedShape UmbridgeClient::ask(const HttpAddress& address, const std::atomic<bo
     };
     const HttpReply features = post("/ModelInfo");
     shape.features = read_features(features.status, features.body);
-    require_of(shape.features.evaluate, {Subject::Kind::served_model}, "'{}' at {} cannot be evaluated",
-               printable(shape.name), address.text());
+    require_fit(shape.features.evaluate, "name", "'{}' at {} cannot be evaluated", printable(shape.name),
+                address.text());
     const HttpReply inputs = post("/InputSizes");
     shape.inputs = read_sizes(inputs.status, inputs.body, "inputSizes");
     const HttpReply outputs = post("/OutputSizes");
     shape.outputs = read_sizes(outputs.status, outputs.body, "outputSizes");
     return shape;
   } catch (const AnswerFault& fault) {
-    throw SystemFailure(fmt::format("{}{} does not answer as UM-Bridge's protocol 1.0 says: {}", address.text(), path,
-                                    fault.what()));
+    throw SystemFailure(
+        fmt::format("{}{} does not answer as UM-Bridge's protocol 1.0 says: {}", address.text(), path, fault.what()));
   }
 }
 

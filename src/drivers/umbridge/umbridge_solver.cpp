@@ -9,7 +9,6 @@
 #include "drivers/umbridge/input_map.hpp"
 #include "drivers/umbridge/umbridge_client.hpp"
 #include "mottle/core/files.hpp"
-#include "mottle/core/subject.hpp"
 #include "mottle/core/text.hpp"
 #include "mottle/core/utf8.hpp"
 #include "mottle/drivers/command/run_folders.hpp"
@@ -62,22 +61,24 @@ UmbridgeSolver::~UmbridgeSolver() = default;
 
 void UmbridgeSolver::map_outputs() {
   const std::vector<std::size_t>& sizes = client_->shape().outputs;
-  const Subject subject{Subject::Kind::served_output};
   const bool is_there = !server_.output || static_cast<std::size_t>(*server_.output) < sizes.size();
-  require_of(is_there, subject, "is {}, and the model has {} output vectors, counted from 0", server_.output.value_or(0),
-             sizes.size());
+  require_fit(is_there, "output", "is {}, and the model has {} output vectors, counted from 0",
+              server_.output.value_or(0), sizes.size());
   for (std::size_t v = 0; v < sizes.size(); ++v) {
     if (server_.output && static_cast<std::size_t>(*server_.output) != v) continue;
     for (std::size_t i = 0; i < sizes[v]; ++i) places_.push_back({.vector = v, .number = i});
   }
-  require_of(!places_.empty(), subject, "holds no number: the model's outputs have the sizes {}", fmt::format("[{}]", fmt::join(sizes, ", ")));
+  require_fit(!places_.empty(), "output", "holds no number: the model's outputs have the sizes {}",
+              fmt::format("[{}]", fmt::join(sizes, ", ")));
 }
 
 void UmbridgeSolver::describe() {
   std::vector<std::string> urls;
   for (const HttpAddress& address : server_.urls) urls.push_back(address.text());
   const auto modes = static_cast<Eigen::Index>(places_.size());
-  const char* derivatives = !has_derivatives() ? "by differences" : prefers_jacobian(modes) ? "of the model, by ApplyJacobian" : "of the model, by Gradient";
+  const char* derivatives = !has_derivatives()        ? "by differences"
+                            : prefers_jacobian(modes) ? "of the model, by ApplyJacobian"
+                                                      : "of the model, by Gradient";
   std::vector<std::string> lines{
       fmt::format("model: '{}' by UM-Bridge at {}, {} frequencies, {} requests at once, total mass not known",
                   printable(client_->shape().name), join(urls), modes, server_.parallel),
@@ -99,10 +100,10 @@ void UmbridgeSolver::open_store(const RunStorage& storage) {
   if (before) {
     constexpr double k_same = 1e-8;  // of the same model on another machine
     const Eigen::VectorXd& old = before->modes.eigenvalues;
-    require_of(old.size() == nominal_eigenvalues_.size() && old.isApprox(nominal_eigenvalues_, k_same),
-               {Subject::Kind::servers},
-               "the servers answer otherwise than before at the parameters' means: their model has changed; start anew "
-               "without --resume");
+    require_fit(
+        old.size() == nominal_eigenvalues_.size() && old.isApprox(nominal_eigenvalues_, k_same), "urls",
+        "the servers answer otherwise than before at the parameters' means: their model has changed; start anew "
+        "without --resume");
     return;
   }
   store_->keep(head, {.failure = epoch_});

@@ -29,14 +29,6 @@ std::string key_of(const Study& study, const Subject& subject) {
       return "model.retry_command";
     case Subject::Kind::run_files:
       return "model.files";
-    case Subject::Kind::servers:
-      return "model.urls";
-    case Subject::Kind::served_model:
-      return "model.name";
-    case Subject::Kind::served_inputs:
-      return "model.inputs";
-    case Subject::Kind::served_output:
-      return "model.output";
     case Subject::Kind::outputs:
       return subject.name.empty() ? study.outputs_key : study.outputs_key + "." + subject.name;
     case Subject::Kind::frequencies:

@@ -16,8 +16,7 @@ namespace {
 Eigen::MatrixXd jacobian_at(const StudyModel& made, const Eigen::VectorXd& x, const RunContext& context) {
   Eigen::MatrixXd jacobian = made.model->derivatives()->jacobian(x);
   if (jacobian.allFinite()) return jacobian;
-  const Eigen::VectorXd steps =
-      made.model->difference_step() * made.space->prior().covariance().diagonal().cwiseSqrt();
+  const Eigen::VectorXd steps = made.model->difference_step() * made.space->prior().covariance().diagonal().cwiseSqrt();
   Eigen::MatrixXd around(2 * x.size(), x.size());
   for (Eigen::Index p = 0; p < x.size(); ++p) {
     around.row(2 * p) = x.transpose();
@@ -65,7 +64,8 @@ void serve(const Study& study, int port, const RunSettings& settings,
   if (!made.runs_program) {  // whatever is made at the first evaluation is made before a client waits for it
     const Evaluation first = model.evaluate(made.space->prior().mean().transpose());
     if (!first.failures.empty()) {
-      throw SystemFailure(fmt::format("the model gives nothing at the parameters' means: {}", first.failures[0].reason));
+      throw SystemFailure(
+          fmt::format("the model gives nothing at the parameters' means: {}", first.failures[0].reason));
     }
   }
   OfferedModel offer{.address = server.address(), .name = model.name, .inputs = made.space->names()};
@@ -73,13 +73,13 @@ void serve(const Study& study, int port, const RunSettings& settings,
   offer.has_derivatives = model.jacobian != nullptr;
   offered(offer);
   server.serve(context);
-  throw StoppedForGood("stopped on request; the model is no longer offered");
 }
 
 RunSummary summarise(const OfferedModel& offered) {
   RunSummary summary{.status = "offered", .message = offered.address};
   summary.lines = {
-      fmt::format("{} offers the model '{}' by UM-Bridge's protocol 1.0; Ctrl-C ends it", offered.address, offered.name),
+      fmt::format("{} offers the model '{}' by UM-Bridge's protocol 1.0; Ctrl-C ends it", offered.address,
+                  offered.name),
       fmt::format("input: {}", join(offered.inputs)), fmt::format("output: {}", join(offered.outputs)),
       fmt::format("derivatives: {}", offered.has_derivatives ? "Gradient and ApplyJacobian" : "not offered")};
   summary.json = nlohmann::json{{"command", "propagate"},

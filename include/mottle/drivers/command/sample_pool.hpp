@@ -52,8 +52,8 @@ class FailureCount {
   FailureCount(double max_fraction, std::string what, std::string where)
       : max_fraction_(max_fraction), what_(std::move(what)), where_(std::move(where)) {}
 
-  /// One more run; `failure` is empty where it succeeded. Throws SystemFailure where significantly more than the allowed
-  /// fraction failed (three standard errors).
+  /// One more run; `failure` is empty where it succeeded. Throws SystemFailure where significantly more than the
+  /// allowed fraction failed (three standard errors).
   void add(const std::string& failure);
   /// Throws SystemFailure where more than the fraction failed: at the end of a batch that had failures.
   void end_batch();

@@ -18,7 +18,8 @@ struct HttpAddress {
   std::string text() const { return "http://" + authority() + path; }
 };
 
-/// @throws InvalidInput  what is wrong with it: another scheme than http, a user's name, a query, a port out of range, a
+/// @throws InvalidInput  what is wrong with it: another scheme than http, a user's name, a query, a port out of range,
+/// a
 ///                       character that no address has
 HttpAddress parse_http_address(const std::string& text);
 

@@ -45,8 +45,8 @@ class ModelServer {
   /// "http://127.0.0.1:4242".
   std::string address() const;
 
-  /// Answers requests until the context's stop request, and returns then. Faults of a request, and errors that a function
-  /// of the model throws, are told to the client; other exceptions end it and are thrown.
+  /// Answers requests until the context's stop request, and returns then. Faults of a request, and errors that a
+  /// function of the model throws, are told to the client; other exceptions end it and are thrown.
   void serve(const RunContext& context);
 
   class Implementation;  // of which the sessions of clients know

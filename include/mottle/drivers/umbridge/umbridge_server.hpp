@@ -4,14 +4,37 @@
 #include <chrono>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "mottle/core/error.hpp"
 #include "mottle/drivers/command/extraction.hpp"
 #include "mottle/drivers/umbridge/http_address.hpp"
 #include "mottle/layers.hpp"
 #include "mottle/model/model.hpp"
 
 namespace mottle::drivers {
+
+/// A part of a description that does not fit the servers' model; what() is "KEY: FAULT".
+class UmbridgeFault final : public InvalidInput {
+ public:
+  /// @param key  of UmbridgeServer, as a study names it: "urls", "name", "inputs", "output"
+  UmbridgeFault(const std::string& key, const std::string& fault)
+      : InvalidInput(key + ": " + fault), key_(key), fault_(fault) {}
+
+  const std::string& key() const { return key_; }
+  const std::string& fault() const { return fault_; }
+
+ private:
+  std::string key_;
+  std::string fault_;
+};
+
+/// Throws UmbridgeFault with the formatted fault unless `claim` holds.
+template <typename... Arguments>
+void require_fit(bool claim, const std::string& key, fmt::format_string<Arguments...> fault, Arguments&&... arguments) {
+  if (!claim) throw UmbridgeFault(key, fmt::format(fault, std::forward<Arguments>(arguments)...));
+}
 
 /// One number of an input vector: a parameter by its name, or a constant.
 struct InputEntry {

@@ -54,7 +54,8 @@ class UmbridgeSolver final : public Solver {
   /// @param nominal  their means
   /// @param storage  evaluations that took long are kept there, each at once; a resumed job uses them
   /// @param stop     ends a single request early; nullptr: nothing does. Lives as long as this object
-  /// @throws InvalidInput   inputs that do not fit the model's; an output vector that it does not have; as UmbridgeClient;
+  /// @throws InvalidInput   inputs that do not fit the model's; an output vector that it does not have; as
+  /// UmbridgeClient;
   ///                        a resumed job whose servers answer otherwise than before
   /// @throws SystemFailure  no answer at the means; Stopped
   UmbridgeSolver(UmbridgeServer server, const std::vector<std::string>& names, const Eigen::VectorXd& nominal,
@@ -111,7 +112,7 @@ class UmbridgeSolver final : public Solver {
   Eigen::VectorXd nominal_;
   std::unique_ptr<UmbridgeClient> client_;
   std::unique_ptr<InputMap> inputs_;
-  std::vector<Place> places_;                            ///< [mode]
+  std::vector<Place> places_;  ///< [mode]
   std::unique_ptr<UmbridgeStructure> structure_;
   std::unique_ptr<RunStore> store_;
   std::string epoch_;  ///< of the store: a job that is not resumed begins a new one

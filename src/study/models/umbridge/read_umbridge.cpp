@@ -28,8 +28,8 @@ Json json_of(const toml::node& node, const TomlReader& reader) {
   if (const auto whole = node.value_exact<std::int64_t>()) return *whole;
   const auto number = node.value_exact<double>();
   if (!number || !std::isfinite(*number)) {
-    reader.fail("config", fmt::format("{} cannot be said in JSON, which has no dates, nan or infinities",
-                                      toml_text(node)));
+    reader.fail("config",
+                fmt::format("{} cannot be said in JSON, which has no dates, nan or infinities", toml_text(node)));
   }
   return *number;
 }

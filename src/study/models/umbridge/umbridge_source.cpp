@@ -2,6 +2,7 @@
 #include <limits>
 
 #include "mottle/drivers/umbridge/umbridge_solver.hpp"
+#include "study/input/key_error.hpp"
 #include "study/models/registry.hpp"
 #include "study/models/umbridge/read_umbridge.hpp"
 
@@ -19,9 +20,13 @@ class UmbridgeSource final : public ModelSource {
     ModelParts parts;
     parts.reference = prior.mean();
     parts.limits.assign(names.size(), {.lower = -std::numeric_limits<double>::infinity()});
-    parts.solver = std::make_unique<UmbridgeSolver>(
-        server_, names, parts.reference, RunStorage{.results = settings.folder, .is_resumed = settings.resume},
-        settings.stop);
+    try {
+      parts.solver = std::make_unique<UmbridgeSolver>(
+          server_, names, parts.reference, RunStorage{.results = settings.folder, .is_resumed = settings.resume},
+          settings.stop);
+    } catch (const UmbridgeFault& fault) {
+      throw KeyError("model." + fault.key(), fault.fault());
+    }
     parts.runs_program = true;
     return parts;
   }
