@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <system_error>
+#include <utility>
 
 #include "mottle/core/error.hpp"
 
@@ -58,13 +59,14 @@ void FailureCount::end_batch() {
   last_.clear();
 }
 
-void FailureCount::require_few(bool is_end) const {
+void FailureCount::require_few(bool is_end) {
   constexpr std::int64_t k_fewest = 20;
   const auto runs = static_cast<double>(done_);
   const double slack = is_end ? 0.0 : 3.0 * std::sqrt(max_fraction_ * (1.0 - max_fraction_) * runs);
   if (done_ < k_fewest || static_cast<double>(failed_) <= max_fraction_ * runs + slack) return;
+  const std::string last = std::exchange(last_, {});  // what throws is over: the next batch has failures of its own
   throw SystemFailure(fmt::format("{} of {} {} failed, at most {:.0f} % may (largest_failed_part){}; the last: {}",
-                                  failed_, done_, what_, 100.0 * max_fraction_, where_, last_));
+                                  failed_, done_, what_, 100.0 * max_fraction_, where_, last));
 }
 
 }  // namespace mottle::drivers

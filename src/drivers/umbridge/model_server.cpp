@@ -148,12 +148,28 @@ class ClientSession : public std::enable_shared_from_this<ClientSession> {
       if (self->is_kept_) return self->read_next(k_idle);
       error_code ignored;
       self->stream_.socket().shutdown(tcp::socket::shutdown_send, ignored);
+      self->drain(0);
     };
     if (is_head) {
       http::async_write_header(stream_, *serializer_, done);
     } else {
       http::async_write(stream_, *serializer_, done);
     }
+  }
+
+  /// Takes what the client still sends, within limits: a connection that is closed on unread bytes is reset, and the
+  /// client may lose the answer with it.
+  void drain(std::size_t taken) {
+    constexpr std::size_t k_most = std::size_t{64} << 20;
+    constexpr std::size_t k_piece = 65536;
+    constexpr std::chrono::seconds k_longest_wait{5};
+    if (taken >= k_most) return;
+    buffer_.clear();
+    stream_.expires_after(k_longest_wait);
+    stream_.async_read_some(buffer_.prepare(k_piece),
+                            [self = shared_from_this(), taken](error_code error, std::size_t size) {
+                              if (!error) self->drain(taken + size);
+                            });
   }
 
   boost::beast::tcp_stream stream_;

@@ -59,7 +59,7 @@ class FailureCount {
   void end_batch();
 
  private:
-  void require_few(bool is_end) const;
+  void require_few(bool is_end);
 
   double max_fraction_;
   std::string what_;
