@@ -106,6 +106,9 @@ class Model(http.server.ThreadingHTTPServer):
     def url(self):
         return f"http://127.0.0.1:{self.server_address[1]}"
 
+    def handle_error(self, request, client_address):
+        """A client that has gone is what some tests are about."""
+
     def evaluations(self):
         return [request for path, request in self.seen if path == "/Evaluate"]
 
