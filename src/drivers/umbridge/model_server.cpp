@@ -7,13 +7,11 @@
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/core/tcp_stream.hpp>
 #include <boost/beast/http.hpp>
-#include <condition_variable>
-#include <deque>
-#include <mutex>
 #include <thread>
 #include <utility>  // which Asio forgets
 
 #include "drivers/umbridge/model_requests.hpp"
+#include "drivers/umbridge/request_queue.hpp"
 #include "mottle/core/error.hpp"
 
 namespace mottle::drivers {
@@ -32,12 +30,6 @@ constexpr std::chrono::milliseconds k_tick{100};  // between looks at the stop r
 
 }  // namespace
 
-/// A request that waits for its computation.
-struct WaitingRequest {
-  Computation computation;
-  std::function<void(ServerAnswer)> reply;
-};
-
 /// One thread speaks with all clients, one computes: models need not bear several threads, and a long computation keeps
 /// nobody from asking what is offered.
 class ModelServer::Implementation {
@@ -54,10 +46,6 @@ class ModelServer::Implementation {
  private:
   void accept();
   void look_for_stop(const RunContext& context);
-  std::vector<WaitingRequest> take_batch();
-  void compute_all();
-  std::vector<ServerAnswer> computed(const std::vector<WaitingRequest>& batch);
-  void compute_next(std::vector<WaitingRequest> batch);
 
   ServedModel model_;
   std::size_t connections_ = 0;  // which sessions count down that end with the context
@@ -65,12 +53,7 @@ class ModelServer::Implementation {
   tcp::acceptor acceptor_{context_};
   asio::steady_timer timer_{context_};
   bool is_accepting_ = false;
-
-  std::mutex mutex_;  // of the three below
-  std::condition_variable changed_;
-  std::deque<WaitingRequest> queue_;
-  bool is_over_ = false;
-  std::exception_ptr error_;
+  RequestQueue queue_;
 };
 
 /// A client: reads requests and writes answers, one at a time, for as long as both sides like.
@@ -181,7 +164,7 @@ class ClientSession : public std::enable_shared_from_this<ClientSession> {
   bool is_kept_ = false;
 };
 
-ModelServer::Implementation::Implementation(ServedModel model, int port) : model_(std::move(model)) {
+ModelServer::Implementation::Implementation(ServedModel model, int port) : model_(std::move(model)), queue_(model_) {
   const tcp::endpoint here(asio::ip::address_v4::loopback(), static_cast<std::uint16_t>(port));
   error_code error;
   acceptor_.open(tcp::v4(), error);
@@ -215,101 +198,33 @@ void ModelServer::Implementation::leave() {
 void ModelServer::Implementation::look_for_stop(const RunContext& context) {
   timer_.expires_after(k_tick);
   timer_.async_wait([this, &context](error_code) {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    if (context.stop_requested() || error_) return context_.stop();
+    if (context.stop_requested() || queue_.has_failed()) return context_.stop();
     accept();
     look_for_stop(context);
   });
 }
 
+/// The answer is written by the thread that speaks with the clients.
 void ModelServer::Implementation::compute(WaitingRequest waiting) {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  queue_.push_back(std::move(waiting));
-  changed_.notify_one();
-}
-
-std::vector<ServerAnswer> ModelServer::Implementation::computed(const std::vector<WaitingRequest>& batch) {
-  const Computation& first = batch.front().computation;
-  if (first.kind != Computation::Kind::evaluate) return {derivative_answer(first, model_.jacobian(first.x))};
-  Eigen::MatrixXd samples(static_cast<Eigen::Index>(batch.size()), model_.inputs);
-  for (std::size_t i = 0; i < batch.size(); ++i) samples.row(static_cast<Eigen::Index>(i)) = batch[i].computation.x;
-  const Evaluation found = model_.evaluate(samples);
-  std::vector<std::string> failures(batch.size());
-  for (const FailedRun& run : found.failures) failures[static_cast<std::size_t>(run.sample)] = run.reason;
-  std::vector<ServerAnswer> answers;
-  for (std::size_t i = 0; i < batch.size(); ++i) {
-    answers.push_back(outputs_answer(found.outputs.row(static_cast<Eigen::Index>(i)), failures[i]));
-  }
-  return answers;
-}
-
-/// A model that fails is told to the clients whose requests these are; others may have more luck.
-void ModelServer::Implementation::compute_next(std::vector<WaitingRequest> batch) {
-  std::vector<ServerAnswer> answers;
-  try {
-    answers = computed(batch);
-  } catch (const Stopped&) {
-    throw;
-  } catch (const Error& error) {
-    answers.assign(batch.size(), error_answer(500, "InvalidOutput", error.what()));
-  }
-  for (std::size_t i = 0; i < batch.size(); ++i) {
-    asio::post(context_, [reply = std::move(batch[i].reply), answer = std::move(answers[i])]() mutable {
-      reply(std::move(answer));
-    });
-  }
-}
-
-/// Waits for requests; none: it is over.
-std::vector<WaitingRequest> ModelServer::Implementation::take_batch() {
-  const auto is_evaluation = [](const WaitingRequest& waiting) {
-    return waiting.computation.kind == Computation::Kind::evaluate;
-  };
-  std::vector<WaitingRequest> batch;
-  std::unique_lock<std::mutex> lock(mutex_);
-  changed_.wait(lock, [this] { return is_over_ || !queue_.empty(); });
-  if (is_over_) return batch;
-  do {
-    batch.push_back(std::move(queue_.front()));
-    queue_.pop_front();
-  } while (!queue_.empty() && is_evaluation(batch.back()) && is_evaluation(queue_.front()) &&
-           static_cast<Eigen::Index>(batch.size()) < model_.batch);
-  return batch;
-}
-
-void ModelServer::Implementation::compute_all() {
-  try {
-    for (;;) {
-      std::vector<WaitingRequest> batch = take_batch();
-      if (batch.empty()) return;
-      compute_next(std::move(batch));
-    }
-  } catch (...) {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    error_ = std::current_exception();
-  }
+  queue_.add({std::move(waiting.computation), [this, reply = std::move(waiting.reply)](ServerAnswer answer) {
+                asio::post(context_, [reply, answer = std::move(answer)] { reply(answer); });
+              }});
 }
 
 void ModelServer::Implementation::serve(const RunContext& context) {
-  std::thread worker([this] { compute_all(); });
-  accept();
-  look_for_stop(context);
+  std::thread worker([this] { queue_.compute_all(); });
   std::exception_ptr failure;
   try {
+    accept();
+    look_for_stop(context);
     context_.run();
   } catch (...) {
     failure = std::current_exception();
   }
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    is_over_ = true;
-    changed_.notify_one();
-  }
+  queue_.end();
   worker.join();
-  queue_.clear();  // with the sessions that wait in it
-  if (error_) failure = error_;
-  const bool is_stop = context.stop_requested();
-  if (failure && !is_stop) std::rethrow_exception(failure);
+  if (failure) std::rethrow_exception(failure);
+  if (!context.stop_requested()) queue_.rethrow();
 }
 
 ModelServer::ModelServer(ServedModel model, int port)
