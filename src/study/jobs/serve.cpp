@@ -47,7 +47,7 @@ ServedModel served(const StudyModel& made, const RunContext& context) {
   if (made.model->derivatives() != nullptr) {
     model.jacobian = [&](const Eigen::VectorXd& x) { return jacobian_at(made, x, context); };
   }
-  if (made.runs_program) model.batch = k_runs_together;  // as many at once as the study allows
+  if (made.program) model.batch = k_runs_together;  // as many at once as the study allows
   return model;
 }
 
@@ -61,7 +61,7 @@ void serve(const Study& study, int port, const RunSettings& settings,
   const RunContext context{.seed = study.seed, .threads = settings.threads, .stop = settings.stop};
   const ServedModel model = served(made, context);
   ModelServer server(model, port);
-  if (!made.runs_program) {  // whatever is made at the first evaluation is made before a client waits for it
+  if (!made.program) {  // whatever is made at the first evaluation is made before a client waits for it
     const Evaluation first = model.evaluate(made.space->prior().mean().transpose());
     if (!first.failures.empty()) {
       throw SystemFailure(

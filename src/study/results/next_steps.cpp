@@ -4,10 +4,7 @@
 #include <string_view>
 
 #include "mottle/core/error.hpp"
-<<<<<<< HEAD
 #include "mottle/core/shell_word.hpp"
-=======
->>>>>>> 9d31f8a (Divide the model's server from the queue of its requests)
 #include "mottle/study/models/model_source.hpp"
 
 namespace mottle::study {

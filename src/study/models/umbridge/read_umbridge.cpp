@@ -9,17 +9,15 @@
 namespace mottle::study {
 namespace {
 
-using Json = nlohmann::json;
-
 /// TOML has dates and times, nan and infinities; JSON has not.
-Json json_of(const toml::node& node, const TomlReader& reader) {
+nlohmann::json json_of(const toml::node& node, const TomlReader& reader) {
   if (const toml::table* table = node.as_table()) {
-    Json object = Json::object();
+    nlohmann::json object = nlohmann::json::object();
     for (const auto& [key, value] : *table) object[std::string(key.str())] = json_of(value, reader);
     return object;
   }
   if (const toml::array* array = node.as_array()) {
-    Json list = Json::array();
+    nlohmann::json list = nlohmann::json::array();
     for (const toml::node& value : *array) list.push_back(json_of(value, reader));
     return list;
   }

@@ -27,7 +27,7 @@ class UmbridgeSource final : public ModelSource {
     } catch (const UmbridgeFault& fault) {
       throw KeyError("model." + fault.key(), fault.fault());
     }
-    parts.runs_program = true;
+    parts.program = {.max_parallel = server_.parallel};
     return parts;
   }
 
