@@ -66,19 +66,22 @@ Study read_study(const CommonOptions& options) {
   return study::read_study(options.study, {.assignments = options.assignments, .seed = options.seed});
 }
 
-RunSettings run_settings(const CommonOptions& options, Console& console) {
+RunSettings run_settings(const CommonOptions& options, Console& console, Ranks* ranks) {
   std::filesystem::path folder = options.out;
   if (options.out.empty()) {
     folder = options.study;
     folder.replace_extension(".mottle");
   }
-  return {.folder = folder,
+  const int available = ranks == nullptr ? available_threads() : threads_of_rank(*ranks);
+  return {.folder = is_helper(ranks) ? std::filesystem::path() : folder,
           .cache = cache_folder(options.cache),
-          .threads = options.threads > 0 ? options.threads : available_threads(),
+          .threads = options.threads > 0 ? options.threads : available,
           .resume = options.resume,
           .may_run_programs = !options.runs_nothing,
           .observer = &console,
-          .stop = &stop_flag()};
+          .stop = &stop_flag(),
+          .ranks = ranks,
+          .run_folder = folder};
 }
 
 void print_summary(const CommonOptions& options, const RunSummary& summary) {

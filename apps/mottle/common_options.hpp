@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "console.hpp"
+#include "job_ranks.hpp"
 #include "mottle/layers.hpp"
 #include "mottle/study/input/study.hpp"
 #include "mottle/study/jobs/run.hpp"
@@ -37,8 +38,18 @@ std::filesystem::path cache_folder(const std::string& given);
 
 Study read_study(const CommonOptions& options);
 
-/// `console` must outlive the settings.
-RunSettings run_settings(const CommonOptions& options, Console& console);
+/// @param ranks  that do the job together; null: this process is alone
+/// `console` and `ranks` must outlive the settings.
+RunSettings run_settings(const CommonOptions& options, Console& console, Ranks* ranks = nullptr);
+
+/// Whether this process does the job with others and is not the first: results and words are the first one's business.
+inline bool is_helper(const Ranks* ranks) {
+  return ranks != nullptr && !ranks->is_first();
+}
+/// The job is computed, and the first rank writes it down alone.
+inline void go_alone(Ranks* ranks) {
+  if (ranks != nullptr) ranks->go_alone();
+}
 
 /// Prints the summary, as lines or as JSON.
 void print_summary(const CommonOptions& options, const RunSummary& summary);

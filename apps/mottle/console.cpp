@@ -11,6 +11,7 @@
 #include <string_view>
 #include <system_error>
 
+#include "job_ranks.hpp"
 #include "mottle/core/clock.hpp"
 #include "mottle/core/utf8.hpp"
 #include "mottle/study/results/run_folder.hpp"
@@ -29,7 +30,7 @@ static_assert(std::atomic<bool>::is_always_lock_free, "the signal handler needs 
 /// whole, the journal goes as far as it goes, and guards end their solvers.
 void end_now(int) {
   constexpr std::string_view k_text = "mottle: stopped on request; go on with --resume\n";
-  (void)!::write(STDERR_FILENO, k_text.data(), k_text.size());
+  if (!is_silent_rank()) (void)!::write(STDERR_FILENO, k_text.data(), k_text.size());
   ::_exit(k_stopped);
 }
 
@@ -53,6 +54,7 @@ std::size_t terminal_width() {
 }  // namespace
 
 void tell(const std::string& text) {
+  if (is_silent_rank()) return;
   (void)std::fputs(text.c_str(), stderr);
 }
 
@@ -61,8 +63,14 @@ std::atomic<bool>& stop_flag() {
   return flag;
 }
 
+void no_longer_stop() {
+  const itimerval none{};
+  ::setitimer(ITIMER_REAL, &none, nullptr);
+}
+
 void catch_signals() {
   stop_flag();
+  (void)is_silent_rank();  // known before a handler asks
   std::signal(SIGALRM, end_now);
   for (const int signal_number : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal_number, request_stop);
   // A file beyond the allowed size is an error of that write, not the end. (An ignored signal would be so in solvers

@@ -50,7 +50,7 @@ class Console final : public ProgressObserver {
   std::jthread ticker_;  // last: it ends before what it uses
 };
 
-/// Writes to standard error; one that takes nothing changes nothing else.
+/// Writes to standard error; one that takes nothing changes nothing else. Ranks but the first write nothing.
 void tell(const std::string& text);
 
 /// The exit code of a job that was stopped on request.
@@ -62,5 +62,7 @@ std::atomic<bool>& stop_flag();
 /// From now on those signals ask for a stop; where none comes within 0.9 s, or at a second signal, the program ends at
 /// once, and what it has finished stays for --resume.
 void catch_signals();
+/// The job is at its end: a stop that was asked for and not answered in time ends nothing any more.
+void no_longer_stop();
 
 }  // namespace mottle::app

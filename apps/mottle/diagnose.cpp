@@ -15,12 +15,15 @@ void add_diagnose(CLI::App& app) {
   const auto options = std::make_shared<CommonOptions>();
   add_common_options(*verb, *options);
   verb->callback([options] {
+    Ranks* const ranks = join_job();
     const Study study = read_study(*options);
-    Console console(options->quiet);
+    Console console(options->quiet || is_helper(ranks));
     console.begin("reading the model and the tests");
-    const RunSettings settings = run_settings(*options, console);
+    const RunSettings settings = run_settings(*options, console, ranks);
+    if (is_helper(ranks)) return (void)diagnose(study, settings);
     const FolderLock lock(settings.folder);
     const DiagnoseOutcome outcome = diagnose(study, settings);
+    go_alone(ranks);
     write_results(outcome, settings.folder);
     console.finish();
     print_summary(*options, summarise(outcome, settings.folder));

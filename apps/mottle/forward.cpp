@@ -20,6 +20,7 @@ namespace {
 RunSummary propagate_into_folder(const Study& study, const std::optional<std::filesystem::path>& points,
                                  const RunSettings& settings, Console& console) {
   const PropagateOutcome outcome = propagate(study, points, settings);
+  go_alone(settings.ranks);
   console.begin("writing the results and the report");
   write_results(outcome, settings.folder);
   return summarise(outcome, settings.folder);
@@ -60,10 +61,12 @@ void add_propagate(CLI::App& app) {
       ->excludes(verb->get_option("--resume"));
   verb->callback([options, points, port] {
     if (*port) return offer_model(*options, **port);
+    Ranks* const ranks = join_job();
     const Study study = read_study(*options);
-    Console console(options->quiet);
+    Console console(options->quiet || is_helper(ranks));
     console.begin("reading the model and the tests");
-    const RunSettings settings = run_settings(*options, console);
+    const RunSettings settings = run_settings(*options, console, ranks);
+    if (is_helper(ranks)) return (void)propagate(study, *points, settings);
     const FolderLock lock(settings.folder);
     const RunSummary summary = propagate_into_folder(study, *points, settings, console);
     write_report(settings.folder);

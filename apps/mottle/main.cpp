@@ -17,6 +17,7 @@
 
 #include "blas_kernels.hpp"
 #include "common_options.hpp"
+#include "job_ranks.hpp"
 #include "mottle/core/error.hpp"
 #include "mottle/core/text.hpp"
 #include "mottle/core/utf8.hpp"
@@ -29,6 +30,13 @@ constexpr int k_failed = 3;
 constexpr int k_our_bug = 70;
 constexpr std::size_t k_longest_message = 2500;  // of bytes; CalculiX may have said 1500 of them
 
+/// The exit code, once all ranks have come to the end.
+int end(const mottle::RankEnd& own) {
+  const mottle::RankEnd end = mottle::app::end_job(own);
+  if (!end.message.empty()) mottle::app::tell(fmt::format("mottle: {}\n", end.message));
+  return end.code;
+}
+
 /// Lines stay lines: what a solver said at the end is shown as it said it.
 int fail(int code, const std::string& message) {
   std::string text;
@@ -37,8 +45,7 @@ int fail(int code, const std::string& message) {
     text += (begin > 0 ? "\n" : "") + mottle::printable(std::string_view(message).substr(begin, end - begin));
     begin = end + 1;
   }
-  mottle::app::tell(fmt::format("mottle: {}\n", mottle::shortened(text, k_longest_message)));
-  return code;
+  return end({.code = code, .message = mottle::shortened(text, k_longest_message)});
 }
 
 /// CLI11 only says that a verb is required.
@@ -47,6 +54,12 @@ void require_known_verb(CLI::App& app, const std::string& word) {
   for (const CLI::App* verb : app.get_subcommands({})) verbs.push_back(verb->get_name());
   const bool is_known = word.starts_with('-') || std::find(verbs.begin(), verbs.end(), word) != verbs.end();
   if (!is_known) throw mottle::InvalidInput(mottle::unknown_name_message("verb", word, verbs));
+}
+
+/// Verbs that ranks do together; the others are the first one's.
+bool is_shared_verb(int argc, char** argv) {
+  const std::string_view verb = argc > 1 ? argv[1] : "";
+  return verb == "update" || verb == "propagate" || verb == "diagnose";
 }
 
 int run(int argc, char** argv) {
@@ -73,12 +86,15 @@ int run(int argc, char** argv) {
     }
   }
   if (argc > 1) require_known_verb(app, argv[1]);
+  if (mottle::app::is_silent_rank() && !is_shared_verb(argc, argv)) return 0;
   try {
     app.parse(argc, argv);
   } catch (const CLI::RuntimeError& error) {  // a verb's own exit code
     return error.get_exit_code();
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : k_wrong_input;
+    const bool is_help = error.get_exit_code() == 0;
+    if (!mottle::app::is_silent_rank()) app.exit(error);
+    return is_help ? 0 : k_wrong_input;
   }
   if (std::fflush(stdout) != 0) {
     throw mottle::SystemFailure(fmt::format("what is printed cannot be written: {}", std::strerror(errno)));
@@ -118,7 +134,7 @@ int main(int argc, char** argv) {
   mottle::app::choose_blas_kernels(argv);
   mottle::app::catch_signals();
   try {
-    return run(argc, argv);
+    return end({.code = run(argc, argv), .message = {}});
   } catch (const mottle::InvalidInput& error) {
     return fail(k_wrong_input, error.what());
   } catch (const mottle::SystemFailure& error) {

@@ -16,6 +16,7 @@ namespace {
 /// The outcome holds clouds and the model: it goes before the report is made.
 RunSummary update_into_folder(const Study& study, const RunSettings& settings, Console& console) {
   const UpdateOutcome outcome = update(study, settings);
+  go_alone(settings.ranks);
   console.begin("writing the results");
   write_results(outcome, settings.folder);
   return summarise(outcome, settings.folder);
@@ -28,10 +29,12 @@ void add_update(CLI::App& app) {
   const auto options = std::make_shared<CommonOptions>();
   add_common_options(*verb, *options);
   verb->callback([options] {
+    Ranks* const ranks = join_job();
     const Study study = read_study(*options);
-    Console console(options->quiet);
+    Console console(options->quiet || is_helper(ranks));
     console.begin("reading the model and the tests");
-    const RunSettings settings = run_settings(*options, console);
+    const RunSettings settings = run_settings(*options, console, ranks);
+    if (is_helper(ranks)) return (void)update(study, settings);
     const FolderLock lock(settings.folder);
     const RunSummary summary = update_into_folder(study, settings, console);
     console.begin("writing the report");

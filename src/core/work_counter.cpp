@@ -12,10 +12,11 @@ WorkCounter::WorkCounter(const RunContext& context, std::string work, std::int64
       stride_(std::max<std::int64_t>(total / 1000, 1)),
       last_report_(Clock::now()) {}
 
-void WorkCounter::add() {
+void WorkCounter::add(std::int64_t units) {
   if (context_.observer == nullptr) return;
-  const std::int64_t done = ++done_;
-  if (done % stride_ != 0) return;
+  const std::int64_t before = done_.fetch_add(units);
+  const std::int64_t done = std::min(before + units, total_);
+  if (before / stride_ == (before + units) / stride_) return;
   const std::unique_lock lock(mutex_, std::try_to_lock);
   if (!lock.owns_lock() || done <= reported_) return;  // another thread reports as much or more
   const Clock::time_point now = Clock::now();

@@ -6,11 +6,15 @@
 #include <cerrno>
 #include <cstring>
 #include <limits>
+#include <optional>
 #include <string_view>
 
+#include "mottle/core/bytes.hpp"
 #include "mottle/core/error.hpp"
 #include "mottle/core/files.hpp"
 #include "mottle/core/own_file.hpp"
+#include "mottle/core/rank_share.hpp"
+#include "mottle/model/ranked_model.hpp"
 #include "mottle/model/sample_region.hpp"
 
 namespace mottle::model {
@@ -18,47 +22,9 @@ namespace {
 
 constexpr std::string_view k_magic = "mottle journal 6\n";
 
-void append_bytes(std::string& bytes, const void* data, std::size_t size) {
-  bytes.append(static_cast<const char*>(data), size);
-}
-
-template <typename Value>
-void append_value(std::string& bytes, Value value) {
-  append_bytes(bytes, &value, sizeof(value));
-}
-
-/// Reads values from bytes; says whether they were all there.
-class Reader {
- public:
-  explicit Reader(std::string_view bytes) : bytes_(bytes) {}
-  template <typename Value>
-  bool read(Value& value) {
-    return copy(&value, sizeof(value));
-  }
-  bool copy(void* destination, std::size_t size) {
-    if (bytes_.size() < size) return false;
-    std::memcpy(destination, bytes_.data(), size);
-    bytes_.remove_prefix(size);
-    return true;
-  }
-  std::size_t left() const { return bytes_.size(); }
-
- private:
-  std::string_view bytes_;
-};
-
-Digest digest_of_samples(const SampleRegion* region, const Eigen::MatrixXd& samples) {
-  Checksum checksum;
-  if (region != nullptr) checksum.add(hexadecimal(region->digest()));
-  checksum.add(std::to_string(samples.rows()));
-  checksum.add(samples.data(), static_cast<std::size_t>(samples.size()) * sizeof(double));
-  return checksum.digest();
-}
-
 void append_remark(std::string& body, Eigen::Index sample, const std::string& text) {
   append_value(body, std::int64_t{sample});
-  append_value(body, static_cast<std::int64_t>(text.size()));
-  body += text;
+  append_text(body, text);
 }
 
 std::string encode(const Digest& question, const Evaluation& evaluation) {
@@ -71,6 +37,10 @@ std::string encode(const Digest& question, const Evaluation& evaluation) {
   append_value(body, static_cast<std::int64_t>(evaluation.notes.size()));
   for (const SampleNote& note : evaluation.notes) append_remark(body, note.sample, note.text);
   append_value(body, evaluation.use);
+  return body;
+}
+
+std::string record_of(const std::string& body) {
   std::string record;
   append_value(record, static_cast<std::uint64_t>(body.size()));
   append_value(record, digest_of(body));
@@ -79,16 +49,13 @@ std::string encode(const Digest& question, const Evaluation& evaluation) {
 
 /// A list of (sample, text); false where the record ends too early.
 template <typename Remark>
-bool read_remarks(Reader& reader, std::vector<Remark>& remarks) {
+bool read_remarks(ByteReader& reader, std::vector<Remark>& remarks) {
   std::int64_t count = 0;
   if (!reader.read(count)) return false;
   for (std::int64_t i = 0; i < count; ++i) {
     std::int64_t sample = 0;
-    std::int64_t length = 0;
-    if (!reader.read(sample) || !reader.read(length) || length < 0) return false;
-    if (static_cast<std::size_t>(length) > reader.left()) return false;
-    std::string text(static_cast<std::size_t>(length), ' ');
-    if (!reader.copy(text.data(), text.size())) return false;
+    std::string text;
+    if (!reader.read(sample) || !reader.read_text(text)) return false;
     remarks.push_back({sample, std::move(text)});
   }
   return true;
@@ -96,7 +63,7 @@ bool read_remarks(Reader& reader, std::vector<Remark>& remarks) {
 
 bool decode(std::string_view body, const Digest& question, Eigen::Index rows, Eigen::Index outputs,
             Evaluation& result) {
-  Reader reader(body);
+  ByteReader reader(body);
   Digest asked = {};
   std::int64_t stored_rows = 0;
   if (!reader.read(asked) || asked != question || !reader.read(stored_rows) || stored_rows != rows) return false;
@@ -135,7 +102,7 @@ class JournalledModel::File {
   /// The answer that an earlier run left for this question, if it is the next one.
   bool find(const Digest& question, Eigen::Index rows, Eigen::Index outputs, Evaluation& result) {
     if (position_ >= old_.size()) return false;
-    Reader reader(std::string_view(old_).substr(position_));
+    ByteReader reader(std::string_view(old_).substr(position_));
     std::uint64_t size = 0;
     Digest digest = {};
     constexpr std::size_t k_head = sizeof(size) + sizeof(digest);
@@ -181,8 +148,12 @@ class JournalledModel::File {
   std::int64_t reused_ = 0;
 };
 
-JournalledModel::JournalledModel(const Model& model, std::filesystem::path file, const Digest& fingerprint, bool resume)
-    : model_(model), file_(file.empty() ? nullptr : std::make_unique<File>(std::move(file), fingerprint, resume)) {}
+JournalledModel::JournalledModel(const Model& model, std::filesystem::path file, const Digest& fingerprint, bool resume,
+                                 Ranks* ranks)
+    : model_(model),
+      fingerprint_(fingerprint),
+      file_(file.empty() ? nullptr : std::make_unique<File>(std::move(file), fingerprint, resume)),
+      ranks_(ranks) {}
 
 JournalledModel::~JournalledModel() = default;
 
@@ -197,13 +168,44 @@ Evaluation JournalledModel::compute(const SampleRegion* region, const Eigen::Mat
 
 Evaluation JournalledModel::answer_to(const SampleRegion* region, const Eigen::MatrixXd& samples,
                                       const RunContext& context) const {
-  if (!file_) return compute(region, samples, context);
+  const bool is_shared = ranks_ != nullptr && ranks_->is_together();
+  if (!file_ && !is_shared) return compute(region, samples, context);
   const Digest question = digest_of_samples(region, samples);
   Evaluation answer;
-  if (file_->find(question, samples.rows(), static_cast<Eigen::Index>(outputs().size()), answer)) return answer;
-  answer = compute(region, samples, context);
-  file_->append(encode(question, answer));
+  bool is_known = file_ && file_->find(question, samples.rows(), static_cast<Eigen::Index>(outputs().size()), answer);
+  if (is_shared) is_known = ask_first_rank(question, samples.rows(), is_known, answer);
+  if (is_known) return answer;
+  RunContext shared = context;
+  std::optional<RankShare> share;
+  if (is_shared) shared.share = &share.emplace(*ranks_);
+  answer = compute(region, samples, shared);
+  if (file_) file_->append(record_of(encode(question, answer)));
   return answer;
+}
+
+/// The ranks make sure that they ask the same, and get the answer that the first one has in its journal, if there is
+/// one.
+bool JournalledModel::ask_first_rank(const Digest& question, Eigen::Index rows, bool is_known,
+                                     Evaluation& answer) const {
+  std::string own;
+  append_value(own, fingerprint_);
+  append_value(own, question);
+  if (is_known && ranks_->is_first()) own += encode(question, answer);
+  const std::vector<std::string> all = ranks_->gather(own);
+  std::vector<Digest> studies(all.size());
+  std::vector<Digest> questions(all.size());
+  for (std::size_t rank = 0; rank < all.size(); ++rank) {
+    ByteReader reader(all[rank]);
+    if (!reader.read(studies[rank]) || !reader.read(questions[rank])) throw SystemFailure("a rank's message is torn");
+  }
+  require_same_digests(studies, "the study's files");
+  require_same_digests(questions, "the samples of a batch");
+  const std::string_view record = std::string_view(all.front()).substr(2 * sizeof(Digest));
+  if (record.empty()) return false;
+  if (!decode(record, question, rows, static_cast<Eigen::Index>(outputs().size()), answer)) {
+    throw SystemFailure("the first rank's answer from its journal cannot be read");
+  }
+  return true;
 }
 
 Evaluation JournalledModel::evaluate(const Eigen::Ref<const Eigen::MatrixXd>& samples,

@@ -4,7 +4,9 @@
 #include <cmath>
 #include <limits>
 
+#include "model/batch_record.hpp"
 #include "model/responses/response.hpp"
+#include "model/row_exchange.hpp"
 #include "mottle/core/subject.hpp"
 #include "mottle/core/text.hpp"
 #include "mottle/core/work_counter.hpp"
@@ -193,34 +195,30 @@ std::string StructureModel::fill_outputs(const Solution& solution, const ModeMat
 
 Evaluation StructureModel::evaluate(const SampleRegion* region, const Eigen::Ref<const Eigen::MatrixXd>& samples,
                                     const RunContext& context) const {
-  Evaluation result;
-  result.outputs.setConstant(samples.rows(), static_cast<Eigen::Index>(outputs_.size()),
-                             std::numeric_limits<double>::quiet_NaN());
-  std::vector<std::string> reasons(static_cast<std::size_t>(samples.rows()));
-  std::vector<std::string> notes(reasons.size());
+  BatchRecord batch(samples.rows(), static_cast<Eigen::Index>(outputs_.size()));
   WorkCounter runs(context, "model runs", samples.rows());
   const auto visit = [&](Eigen::Index s, const Solution& solution, const std::string& failure) {
     runs.add();
-    std::string& reason = reasons[static_cast<std::size_t>(s)];
+    const auto k = static_cast<std::size_t>(s);
+    batch.is_own[k] = 1;
+    std::string& reason = batch.reasons[k];
     reason = samples.row(s).allFinite() ? failure : "a parameter is not finite";
     if (!reason.empty()) return;
     ModeMatch match = match_modes(solution.eigenvalues.size(), solution.cosines);
     reason = match.failure;
-    if (reason.empty()) reason = fill_outputs(solution, match, result.outputs.row(s));
-    if (!reason.empty()) result.outputs.row(s).setConstant(std::numeric_limits<double>::quiet_NaN());
-    notes[static_cast<std::size_t>(s)] = std::move(match.note);
+    if (reason.empty()) reason = fill_outputs(solution, match, batch.values.row(s));
+    if (!reason.empty()) batch.values.row(s).setConstant(std::numeric_limits<double>::quiet_NaN());
+    batch.notes[k] = std::move(match.note);
   };
   SolutionRequest request = request_;
   request.region = region;
-  result.use = solver_->solve(samples, request, context, visit);
-  for (Eigen::Index s = 0; s < samples.rows(); ++s) {
-    const auto k = static_cast<std::size_t>(s);
-    if (!reasons[k].empty()) {
-      result.failures.push_back({s, std::move(reasons[k])});
-    } else if (!notes[k].empty()) {
-      result.notes.push_back({s, std::move(notes[k])});
-    }
+  if (context.share != nullptr) context.share->count_with(&runs);
+  const SolverUse use = solver_->solve(samples, request, context, visit);
+  if (context.share != nullptr && context.share->is_shared()) {
+    batch.put_together(context.share->ranks(), digest_of_matrices({reference_.eigenvalues, reference_.shapes}));
   }
+  Evaluation result = std::move(batch).evaluation();
+  result.use = use;
   return result;
 }
 

@@ -37,12 +37,17 @@ class ProgressObserver {
   virtual void finding(const std::string& text) { note(text); }
 };
 
+class RankShare;
+
 /// Seed, threads, observer and stop request of one run.
 struct RunContext {
   std::uint64_t seed = 1;
   int threads = 1;
   ProgressObserver* observer = nullptr;
   const std::atomic<bool>* stop = nullptr;
+  /// Shares the evaluation of one batch out over ranks; null: this process does it alone. Whoever is given it must do
+  /// the same on every rank, in the same order.
+  RankShare* share = nullptr;
 
   bool stop_requested() const { return stop != nullptr && stop->load(std::memory_order_relaxed); }
   void throw_if_stopped() const {

@@ -19,8 +19,8 @@ class WorkCounter {
   /// @param total    number of units, >= 0
   WorkCounter(const RunContext& context, std::string work, std::int64_t total);
 
-  /// One more unit is finished. May be called by several threads at once.
-  void add();
+  /// So many more units are finished. May be called by several threads at once.
+  void add(std::int64_t units = 1);
 
  private:
   using Clock = std::chrono::steady_clock;

@@ -12,6 +12,10 @@
 #include "mottle/layers.hpp"
 #include "mottle/model/model.hpp"
 
+namespace mottle {
+class Ranks;
+}
+
 namespace mottle::model {
 
 /// A model that answers from its journal where it can and writes there what it had to compute.
@@ -24,9 +28,12 @@ class JournalledModel final : public Model {
   /// @param file         the journal; empty: none is kept
   /// @param fingerprint  of everything the results depend on; kept in the journal's head
   /// @param resume       use what an earlier run left; else start an empty journal
+  /// @param ranks        share the evaluation of each batch; all of them ask for the same batches, and only the first
+  ///                     one needs a journal. Null: this process is alone. Must outlive this object
   /// Throws InvalidInput: `resume` with a journal of another fingerprint (something has changed since);
-  /// SystemFailure: the journal cannot be written.
-  JournalledModel(const Model& model, std::filesystem::path file, const Digest& fingerprint, bool resume);
+  /// SystemFailure: the journal cannot be written; in an evaluation also: the ranks ask for different batches.
+  JournalledModel(const Model& model, std::filesystem::path file, const Digest& fingerprint, bool resume,
+                  Ranks* ranks = nullptr);
   ~JournalledModel() override;
   JournalledModel(const JournalledModel&) = delete;
   JournalledModel& operator=(const JournalledModel&) = delete;
@@ -51,8 +58,11 @@ class JournalledModel final : public Model {
                             const RunContext& context) const;
   Evaluation answer_to(const SampleRegion* region, const Eigen::MatrixXd& samples, const RunContext& context) const;
   Evaluation compute(const SampleRegion* region, const Eigen::MatrixXd& samples, const RunContext& context) const;
+  bool ask_first_rank(const Digest& question, Eigen::Index rows, bool is_known, Evaluation& answer) const;
   const Model& model_;
+  Digest fingerprint_;
   std::unique_ptr<File> file_;
+  Ranks* ranks_;
   mutable SolverUse use_;
 };
 

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <filesystem>
 
+#include "mottle/core/ranks.hpp"
 #include "mottle/core/run_context.hpp"
 #include "mottle/layers.hpp"
 
@@ -17,6 +18,10 @@ struct RunSettings {
   bool may_run_programs = true;  ///< else a study whose model is run by a program is refused
   ProgressObserver* observer = nullptr;
   const std::atomic<bool>* stop = nullptr;  ///< a model made for the job may ask it for as long as it lives
+  Ranks* ranks = nullptr;  ///< that do the same job and share the model's evaluations; null: this process is alone
+  /// Where runs of a solver by command are kept; empty: in `folder`. Other ranks than the first have no folder of their
+  /// own and keep their runs beside the first one's.
+  std::filesystem::path run_folder{};
 };
 
 }  // namespace mottle::study

@@ -3,8 +3,10 @@
 #include <limits>
 #include <numbers>
 
+#include "mottle/core/bytes.hpp"
 #include "mottle/core/clock.hpp"
 #include "mottle/core/error.hpp"
+#include "mottle/core/rank_share.hpp"
 #include "mottle/core/text.hpp"
 #include "mottle/dynamics/modes/mac.hpp"
 
@@ -17,6 +19,10 @@ constexpr double k_not_known = std::numeric_limits<double>::quiet_NaN();
   const std::string said = run.last_words.empty() ? "" : fmt::format("; it said: {}", run.last_words);
   const std::string kept = run.folder.empty() ? "" : fmt::format("; its files are in {}", run.folder.string());
   throw ModelFailure(fmt::format("the solver's run failed: {}{}{}", run.record.failure, said, kept));
+}
+
+FailureLimit limit_of(const SolverCommand& command) {
+  return {command.max_failed_fraction, "solver runs", "; folders of failed runs are in failed-runs"};
 }
 
 /// Whether three or more frequencies, or eigenvalues, are 1, 2, 3 and so on.
@@ -72,9 +78,11 @@ ExternalSolver::ExternalSolver(SolverCommand command, const std::vector<std::str
     : runs_(std::move(command), names, storage),
       nominal_(nominal),
       least_(runs_.command().frequencies.modes),
+      ranks_(storage.ranks),
       structure_(run_at_means(stop)),
       stop_(stop),
-      failures_(runs_.command().max_failed_fraction, "solver runs", "; folders of failed runs are in failed-runs") {
+      done_(storage.ranks),
+      failed_(storage.ranks) {
   for (const std::string& placeholder : runs_.coarse_placeholders(nominal, difference_step() * standard_deviations)) {
     notes_.push_back(
         fmt::format("{} has too few digits for differences by {} of a prior standard deviation: derivatives will "
@@ -90,14 +98,18 @@ ExternalSolver::ExternalSolver(SolverCommand command, const std::vector<std::str
 
 /// The structure from the run at the means, which also determines how many modes a run must give.
 ExternalStructure ExternalSolver::run_at_means(const std::atomic<bool>* stop) {
+  const bool is_first = ranks_ == nullptr || ranks_->is_first();
   const double begin = steady_seconds();
-  SolverRuns::Run run = runs_.run(nominal_, std::max(1, least_), stop);
-  if (!run.is_reused) seconds_at_means_ = steady_seconds() - begin;
+  SolverRuns::Run run;
+  if (is_first) run = runs_.run(nominal_, std::max(1, least_), stop);
+  if (is_first && !run.is_reused) seconds_at_means_ = steady_seconds() - begin;
+  // One run serves all ranks; one that fails, too.
+  if (ranks_ != nullptr) run.record = decode_run(ranks_->gather(is_first ? encode(run.record) : "").front());
   if (!run.record.failure.empty()) refuse(run);
   ExtractedModes modes = std::move(run.record.modes);
   if (least_ == 0) {
     least_ = static_cast<int>(modes.eigenvalues.size());
-    runs_.keep_as(nominal_, least_, {.failure = {}, .modes = modes});
+    if (is_first) runs_.keep_as(nominal_, least_, {.failure = {}, .modes = modes});
   }
   std::string description = fmt::format("model: by command '{}', {} modes a run, {} at once, total mass not known",
                                         runs_.command_text(), least_, runs_.command().parallel);
@@ -126,27 +138,75 @@ std::string ExternalSolver::observe(const ExtractedModes& found, const SolutionR
   return {};
 }
 
+
+std::int64_t SharedCount::add(std::int64_t more) {
+  return more + (ranks_ == nullptr ? own_.fetch_add(more) : ranks_->add(counter_, more));
+}
+
+/// What the runs of one batch come to.
+struct ExternalSolver::Tally {
+  std::atomic<std::int64_t> reused{0};
+  std::mutex mutex;
+  std::string last_failure;
+
+  /// Of all ranks, once all are done.
+  void add_those_of(Ranks& ranks) {
+    std::string own;
+    append_value(own, reused.load());
+    append_text(own, last_failure);
+    reused = 0;
+    for (const std::string& bytes : ranks.gather(own)) {
+      ByteReader reader(bytes);
+      std::int64_t count = 0;
+      std::string failure;
+      if (!reader.read(count) || !reader.read_text(failure)) throw SystemFailure("a rank's message is torn");
+      reused += count;
+      if (!failure.empty()) last_failure = failure;
+    }
+  }
+};
+
+void ExternalSolver::solve_sample(Eigen::Index s, const Eigen::Ref<const Eigen::MatrixXd>& samples,
+                                  const SolutionRequest& request, const Visitor& visit,
+                                  const std::atomic<bool>& halt, Tally& tally) const {
+  Solution solution;
+  if (!samples.row(s).allFinite()) return visit(s, solution, "a parameter is not finite");
+  SolverRuns::Run run;
+  try {
+    run = runs_.run(samples.row(s).transpose(), least_, &halt);
+  } catch (const FormatError& error) {  // a value that does not fit into its placeholder
+    run.record.failure = error.what();
+  }
+  std::string failure = run.record.failure;
+  if (failure.empty()) failure = observe(run.record.modes, request, solution);
+  visit(s, solution, failure);
+  if (run.is_reused) ++tally.reused;
+  const std::int64_t done = done_.add(1);
+  if (failure.empty()) return;
+  const std::int64_t failed = failed_.add(1);
+  const std::lock_guard<std::mutex> lock(tally.mutex);
+  tally.last_failure = failure;
+  limit_of(runs_.command()).require_few(done, failed, false, failure);
+}
+
 SolverUse ExternalSolver::solve(const Eigen::Ref<const Eigen::MatrixXd>& samples, const SolutionRequest& request,
                                 const RunContext& context, const Visitor& visit) const {
-  std::atomic<std::int64_t> reused{0};
+  Tally tally;
   const auto work = [&](Eigen::Index s, const std::atomic<bool>& halt) {
-    Solution solution;
-    if (!samples.row(s).allFinite()) return visit(s, solution, "a parameter is not finite");
-    SolverRuns::Run run;
-    try {
-      run = runs_.run(samples.row(s).transpose(), least_, &halt);
-    } catch (const FormatError& error) {  // a value that does not fit into its placeholder
-      run.record.failure = error.what();
-    }
-    std::string failure = run.record.failure;
-    if (failure.empty()) failure = observe(run.record.modes, request, solution);
-    visit(s, solution, failure);
-    if (run.is_reused) ++reused;
-    failures_.add(failure);
+    solve_sample(s, samples, request, visit, halt, tally);
   };
-  SamplePool(samples.rows(), runs_.command().parallel, work).wait(context);
-  failures_.end_batch();
-  return {.runs = samples.rows(), .repeated = reused};
+  if (context.share != nullptr) {
+    RankShare::Numbers numbers(*context.share, samples.rows(), 1);
+    const auto next = [&] { return static_cast<Eigen::Index>(numbers.take()); };
+    SamplePool(samples.rows(), runs_.command().parallel, work, next).wait(context);
+    tally.add_those_of(context.share->ranks());
+  } else {
+    SamplePool(samples.rows(), runs_.command().parallel, work).wait(context);
+  }
+  if (!tally.last_failure.empty()) {
+    limit_of(runs_.command()).require_few(done_.add(0), failed_.add(0), true, tally.last_failure);
+  }
+  return {.runs = samples.rows(), .repeated = tally.reused};
 }
 
 Eigen::MatrixXd ExternalSolver::cosines(const ModeSet& reference, const ModeSet& modes) const {

@@ -9,6 +9,7 @@
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
+#include <set>
 
 #include "mottle/core/error.hpp"
 #include "mottle/core/files.hpp"
@@ -91,6 +92,23 @@ void require_no_linked_runs(const std::filesystem::path& results) {
         "with --out",
         path.string());
   }
+}
+
+RunStoreFiles run_store_files(const std::filesystem::path& results, int rank, int ranks) {
+  const auto file_of = [&](int number) {
+    return results / (number == 0 ? std::string(k_run_store) : fmt::format("runs-{}.store", number));
+  };
+  std::set<std::filesystem::path> others;
+  for (int other = 0; other < ranks; ++other) others.insert(file_of(other));
+  others.insert(file_of(0));
+  std::error_code ignored;
+  std::filesystem::directory_iterator entry(results, ignored);
+  for (; entry != std::filesystem::directory_iterator(); entry.increment(ignored)) {
+    const std::string name = entry->path().filename().string();
+    if (name.starts_with("runs-") && name.ends_with(".store")) others.insert(results / name);
+  }
+  others.erase(file_of(rank));
+  return {.own = file_of(rank), .others = {others.begin(), others.end()}};
 }
 
 RunFolders::RunFolders(const std::filesystem::path& results, bool forgets)

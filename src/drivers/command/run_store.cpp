@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 
@@ -39,6 +40,8 @@ void add_matrix(std::string& body, const Eigen::MatrixXd& matrix) {
   body.append(reinterpret_cast<const char*>(matrix.data()), static_cast<std::size_t>(matrix.size()) * sizeof(double));
 }
 
+}  // namespace
+
 std::string encode(const RunRecord& record) {
   std::string body;
   add_text(body, record.failure);
@@ -49,6 +52,8 @@ std::string encode(const RunRecord& record) {
   add_text(body, names);
   return body;
 }
+
+namespace {
 
 /// Takes values off the front of a body whose checksum was right.
 class BodyReader {
@@ -79,7 +84,9 @@ class BodyReader {
   std::string_view bytes_;
 };
 
-RunRecord decode(std::string_view body) {
+}  // namespace
+
+RunRecord decode_run(std::string_view body) {
   BodyReader reader(body);
   RunRecord record;
   record.failure = reader.text();
@@ -93,6 +100,8 @@ RunRecord decode(std::string_view body) {
   }
   return record;
 }
+
+namespace {
 
 bool read_at(int descriptor, std::uint64_t offset, void* destination, std::size_t size) {
   auto* bytes = static_cast<char*>(destination);
@@ -123,66 +132,115 @@ std::uint64_t size_of(int descriptor) {
 
 }  // namespace
 
-RunStore::RunStore(std::filesystem::path file) : file_(std::move(file)) {
-  descriptor_ = open_own_file(file_, ExistingFile::keep);
+RunStore::RunStore(std::filesystem::path file, const std::vector<std::filesystem::path>& others) {
+  own_.path = std::move(file);
+  own_.descriptor = open_own_file(own_.path, ExistingFile::keep);
   try {
-    if (::fcntl(descriptor_, F_SETFL, O_APPEND) != 0) {
-      throw SystemFailure(fmt::format("{}: cannot be opened: {}", file_.string(), std::strerror(errno)));
+    if (::fcntl(own_.descriptor, F_SETFL, O_APPEND) != 0) {
+      throw SystemFailure(fmt::format("{}: cannot be opened: {}", own_.path.string(), std::strerror(errno)));
     }
     struct flock lock {};
     lock.l_type = F_WRLCK;
     lock.l_whence = SEEK_SET;
-    require(::fcntl(descriptor_, F_SETLK, &lock) == 0 || (errno != EACCES && errno != EAGAIN),
+    require(::fcntl(own_.descriptor, F_SETLK, &lock) == 0 || (errno != EACCES && errno != EAGAIN),
             "{}: another Mottle is filling this folder; wait for its end, or choose another folder with --out",
-            file_.string());
-    read_spans();
+            own_.path.string());
+    open_own();
   } catch (...) {
-    ::close(descriptor_);
+    ::close(own_.descriptor);
     throw;
   }
+  for (const std::filesystem::path& other : others) others_.push_back({.path = other});
+  read_others(false);
 }
 
 RunStore::~RunStore() {
-  ::close(descriptor_);
+  ::close(own_.descriptor);
+  for (const File& other : others_) {
+    if (other.descriptor >= 0) ::close(other.descriptor);
+  }
 }
 
-void RunStore::read_spans() {
-  const std::uint64_t size = size_of(descriptor_);
+/// Reads the file, or makes it one, and cuts off what a kill has torn.
+void RunStore::open_own() {
+  const std::uint64_t size = size_of(own_.descriptor);
   std::string magic(std::min<std::uint64_t>(size, k_magic.size()), ' ');
-  const bool is_read = read_at(descriptor_, 0, magic.data(), magic.size());
+  const bool is_read = read_at(own_.descriptor, 0, magic.data(), magic.size());
   require(is_read && k_magic.starts_with(magic),
           "{}: is not a store of solver runs; take it away or choose another folder "
           "with --out",
-          file_.string());
-  if (magic.size() < k_magic.size() && !append(descriptor_, k_magic.substr(magic.size()))) {
-    throw SystemFailure(fmt::format("{}: cannot be written: {}", file_.string(), std::strerror(errno)));
+          own_.path.string());
+  if (magic.size() < k_magic.size() && !append(own_.descriptor, k_magic.substr(magic.size()))) {
+    throw SystemFailure(fmt::format("{}: cannot be written: {}", own_.path.string(), std::strerror(errno)));
   }
-  std::string body;
-  std::uint64_t end = k_magic.size();
-  for (;;) {
-    RecordHead head;
-    if (end + sizeof(head) > size || !read_at(descriptor_, end, &head, sizeof(head))) break;
-    if (head.size > size - end - sizeof(head)) break;
-    body.resize(head.size);
-    if (!read_at(descriptor_, end + sizeof(head), body.data(), body.size())) break;
-    if (checksum_of(head.key, body) != head.checksum) break;
-    spans_[head.key] = {end + sizeof(head), head.size};
-    end += sizeof(head) + head.size;
-  }
-  if (end < size && ::ftruncate(descriptor_, static_cast<off_t>(end)) != 0) {
-    throw SystemFailure(fmt::format("{}: cannot be cut to size: {}", file_.string(), std::strerror(errno)));
+  own_.end = k_magic.size();
+  read_spans(own_, false);
+  if (own_.end < size && ::ftruncate(own_.descriptor, static_cast<off_t>(own_.end)) != 0) {
+    throw SystemFailure(fmt::format("{}: cannot be cut to size: {}", own_.path.string(), std::strerror(errno)));
   }
 }
 
-std::optional<RunRecord> RunStore::find(const Digest& key) const {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  const auto found = spans_.find(key);
-  if (found == spans_.end()) return std::nullopt;
-  std::string body(found->second.size, ' ');
-  if (!read_at(descriptor_, found->second.offset, body.data(), body.size())) {
-    throw SystemFailure(fmt::format("{}: cannot be read: {}", file_.string(), std::strerror(errno)));
+/// Goes on behind what is known.
+void RunStore::read_spans(File& file, bool is_new) {
+  const std::uint64_t size = size_of(file.descriptor);
+  std::string body;
+  for (;;) {
+    RecordHead head;
+    if (file.end + sizeof(head) > size || !read_at(file.descriptor, file.end, &head, sizeof(head))) break;
+    if (head.size > size - file.end - sizeof(head)) break;
+    body.resize(head.size);
+    if (!read_at(file.descriptor, file.end + sizeof(head), body.data(), body.size())) break;
+    if (checksum_of(head.key, body) != head.checksum) break;
+    file.spans[head.key] = {file.end + sizeof(head), head.size, is_new};
+    file.end += sizeof(head) + head.size;
   }
-  return decode(body);
+}
+
+void RunStore::read_others(bool is_new) {
+  for (File& other : others_) {
+    if (other.descriptor < 0) {
+      other.descriptor = ::open(other.path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
+      if (other.descriptor < 0) continue;
+    }
+    if (other.end == 0) {
+      std::string magic(k_magic.size(), ' ');
+      if (!read_at(other.descriptor, 0, magic.data(), magic.size()) || magic != k_magic) continue;
+      other.end = magic.size();
+    }
+    read_spans(other, is_new);
+  }
+}
+
+std::optional<RunRecord> RunStore::find_in(const File& file, const Digest& key) {
+  const auto found = file.spans.find(key);
+  if (found == file.spans.end()) return std::nullopt;
+  std::string body(found->second.size, ' ');
+  if (!read_at(file.descriptor, found->second.offset, body.data(), body.size())) {
+    throw SystemFailure(fmt::format("{}: cannot be read: {}", file.path.string(), std::strerror(errno)));
+  }
+  return decode_run(body);
+}
+
+std::optional<RunRecord> RunStore::find(const Digest& key) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  std::optional<RunRecord> record = find_in(own_, key);
+  if (record && record->failure.empty()) return record;
+  const auto is_known = [&](const File& other) { return other.spans.contains(key); };
+  if (std::ranges::none_of(others_, is_known)) read_others(true);
+  for (const File& other : others_) {
+    std::optional<RunRecord> another = find_in(other, key);
+    if (another && (!record || another->failure.empty())) record = std::move(another);
+  }
+  return record;
+}
+
+bool RunStore::is_new(const Digest& key) const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const auto knows = [&](const File& file) {
+    const auto found = file.spans.find(key);
+    return found != file.spans.end() && found->second.is_new;
+  };
+  return knows(own_) || std::ranges::any_of(others_, knows);
 }
 
 void RunStore::keep(const Digest& key, const RunRecord& record) {
@@ -191,14 +249,14 @@ void RunStore::keep(const Digest& key, const RunRecord& record) {
   std::string bytes(reinterpret_cast<const char*>(&head), sizeof(head));
   bytes += body;
   const std::lock_guard<std::mutex> lock(mutex_);
-  const std::uint64_t end = size_of(descriptor_);  // a second store of this process may have written
-  if (!append(descriptor_, bytes) || ::fdatasync(descriptor_) != 0) {
+  const std::uint64_t end = size_of(own_.descriptor);  // a second store of this process may have written
+  if (!append(own_.descriptor, bytes) || ::fdatasync(own_.descriptor) != 0) {
     const int error = errno;
-    [[maybe_unused]] const int ignored = ::ftruncate(descriptor_, static_cast<off_t>(end));  // else cut when opened
+    [[maybe_unused]] const int ignored = ::ftruncate(own_.descriptor, static_cast<off_t>(end));  // else cut when opened
     throw SystemFailure(fmt::format("{}: cannot be written: {}; finished runs are kept, go on with --resume",
-                                    file_.string(), std::strerror(error)));
+                                    own_.path.string(), std::strerror(error)));
   }
-  spans_[key] = {end + sizeof(head), body.size()};
+  own_.spans[key] = {end + sizeof(head), body.size(), true};
 }
 
 }  // namespace mottle::drivers

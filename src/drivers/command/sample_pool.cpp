@@ -10,7 +10,9 @@
 
 namespace mottle::drivers {
 
-SamplePool::SamplePool(Eigen::Index count, int parallel, Work work) : count_(count), work_(std::move(work)) {
+SamplePool::SamplePool(Eigen::Index count, int parallel, Work work, std::function<Eigen::Index()> next)
+    : count_(count), work_(std::move(work)), next_(std::move(next)) {
+  if (!next_) next_ = [this] { return number_++; };
   const auto threads = std::min<Eigen::Index>(count, parallel);
   try {
     for (Eigen::Index t = 0; t < threads; ++t) threads_.emplace_back([this] { take_samples(); });
@@ -30,7 +32,7 @@ void SamplePool::wait(const RunContext& context) {
 }
 
 void SamplePool::take_samples() {
-  for (Eigen::Index sample = next_++; sample < count_ && !halt_; sample = next_++) {
+  for (Eigen::Index sample = next_(); sample < count_ && !halt_; sample = next_()) {
     try {
       work_(sample, halt_);
     } catch (...) {
@@ -50,23 +52,22 @@ void FailureCount::add(const std::string& failure) {
   if (failure.empty()) return;
   ++failed_;
   last_ = failure;
-  require_few(false);
+  limit_.require_few(done_, failed_, false, last_);
 }
 
 void FailureCount::end_batch() {
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (!last_.empty()) require_few(true);
+  if (!last_.empty()) limit_.require_few(done_, failed_, true, last_);
   last_.clear();
 }
 
-void FailureCount::require_few(bool is_end) {
+void FailureLimit::require_few(std::int64_t done, std::int64_t failed, bool is_end, const std::string& last) const {
   constexpr std::int64_t k_fewest = 20;
-  const auto runs = static_cast<double>(done_);
-  const double slack = is_end ? 0.0 : 3.0 * std::sqrt(max_fraction_ * (1.0 - max_fraction_) * runs);
-  if (done_ < k_fewest || static_cast<double>(failed_) <= max_fraction_ * runs + slack) return;
-  const std::string last = std::exchange(last_, {});  // what throws is over: the next batch has failures of its own
-  throw SystemFailure(fmt::format("{} of {} {} failed, at most {:.0f} % may (largest_failed_part){}; the last: {}",
-                                  failed_, done_, what_, 100.0 * max_fraction_, where_, last));
+  const auto runs = static_cast<double>(done);
+  const double slack = is_end ? 0.0 : 3.0 * std::sqrt(max_fraction * (1.0 - max_fraction) * runs);
+  if (done < k_fewest || static_cast<double>(failed) <= max_fraction * runs + slack) return;
+  throw SystemFailure(fmt::format("{} of {} {} failed, at most {:.0f} % may (largest_failed_part){}; the last: {}", failed,
+                                  done, what, 100.0 * max_fraction, where, last));
 }
 
 }  // namespace mottle::drivers

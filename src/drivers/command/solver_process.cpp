@@ -14,6 +14,7 @@
 #include <cstring>
 
 #include "mottle/core/error.hpp"
+#include "mottle/core/launcher.hpp"
 
 // Between Mottle and the program stands a guard: a process that waits for the program and, once Mottle asks or dies,
 // ends the program's whole group. The kernel signals Mottle's death to it (PR_SET_PDEATHSIG). Guard and program start
@@ -73,10 +74,12 @@ std::vector<char*> pointers(std::vector<std::string>& texts) {
 }
 
 std::vector<std::string> environment_texts(const std::map<std::string, std::string>& added) {
+  const bool is_rank = find_launch().is_shared();
   std::vector<std::string> texts;
   for (char** entry = environ; *entry != nullptr; ++entry) {
     const std::string text(*entry);
-    if (!added.contains(text.substr(0, text.find('=')))) texts.push_back(text);
+    const std::string name = text.substr(0, text.find('='));
+    if (!added.contains(name) && !(is_rank && is_launch_variable(name))) texts.push_back(text);
   }
   for (const auto& [name, value] : added) texts.push_back(fmt::format("{}={}", name, value));
   return texts;

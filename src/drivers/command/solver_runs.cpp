@@ -49,9 +49,13 @@ SolverRuns::SolverRuns(SolverCommand command, const std::vector<std::string>& na
   read_templates(names);
   require_program(command_.command);
   if (command_.retry_command) require_program(*command_.retry_command);
-  folders_ = std::make_unique<RunFolders>(storage.results, !storage.is_resumed);
+  const int rank = storage.ranks == nullptr ? 0 : storage.ranks->rank();
+  const int ranks = storage.ranks == nullptr ? 1 : storage.ranks->count();
+  folders_ = std::make_unique<RunFolders>(storage.results, !storage.is_resumed && rank == 0);
   read_files();
-  if (!storage.results.empty()) store_ = std::make_unique<RunStore>(storage.results / k_run_store);
+  if (storage.results.empty()) return;
+  const RunStoreFiles files = run_store_files(storage.results, rank, ranks);
+  store_ = std::make_unique<RunStore>(files.own, files.others);
 }
 
 void SolverRuns::read_templates(const std::vector<std::string>& names) {
@@ -193,8 +197,8 @@ SolverRuns::Run SolverRuns::run(const Eigen::Ref<const Eigen::VectorXd>& values,
   Run run;
   if (store_) {
     std::optional<RunRecord> known = store_->find(key);
-    const std::lock_guard<std::mutex> lock(mutex_);
-    if (known && (known->failure.empty() || is_resumed_ || own_failures_.contains(key))) {
+    // A failure of this job counts whether it is resumed or not.
+    if (known && (known->failure.empty() || is_resumed_ || store_->is_new(key))) {
       run.record = std::move(*known);
       run.is_reused = true;
       return run;
@@ -212,11 +216,7 @@ SolverRuns::Run SolverRuns::run(const Eigen::Ref<const Eigen::VectorXd>& values,
   if (!is_done)
     run.record.failure += fmt::format(" ({}run {})", run.tries > 1 ? fmt::format("{} tries, ", run.tries) : "", id);
   put_away(folder, id, run);
-  if (store_) {
-    store_->keep(key, run.record);
-    const std::lock_guard<std::mutex> lock(mutex_);
-    if (!is_done) own_failures_.insert(key);
-  }
+  if (store_) store_->keep(key, run.record);
   return run;
 }
 

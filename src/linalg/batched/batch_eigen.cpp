@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -21,6 +22,11 @@ namespace {
 using simd_kernels::Kernels;
 using simd_kernels::MassKind;
 using Coefficients = Eigen::Ref<const Eigen::MatrixXd>;
+
+std::atomic<SimdLevel>& widest_allowed() {
+  static std::atomic<SimdLevel> level{SimdLevel::avx512};
+  return level;
+}
 
 SimdLevel widest_level() {
   if (is_simd_level_available(SimdLevel::avx512)) return SimdLevel::avx512;
@@ -220,7 +226,12 @@ double* simd_kernels::thread_workspace(long doubles) {
   return memory.get();
 }
 
+void limit_simd_level(SimdLevel widest) {
+  widest_allowed() = widest;
+}
+
 bool is_simd_level_available(SimdLevel level) {
+  if (level > widest_allowed()) return false;
   switch (level) {
     case SimdLevel::automatic:
     case SimdLevel::plain:

@@ -1,12 +1,13 @@
 #include "mottle/model/solvers/exact_solver.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <ctime>
 #include <limits>
 #include <numeric>
 
 #include "model/solvers/static_solution.hpp"
-#include "mottle/core/parallel.hpp"
+#include "mottle/core/rank_share.hpp"
 #include "mottle/core/subject.hpp"
 #include "mottle/dynamics/modes/sensitivity.hpp"
 
@@ -119,18 +120,15 @@ SolverUse ExactSolver::solve(const Eigen::Ref<const Eigen::MatrixXd>& samples, c
                              const RunContext& context, const Visitor& visit) const {
   std::vector<Eigen::Index> rows(static_cast<std::size_t>(samples.rows()));
   std::iota(rows.begin(), rows.end(), Eigen::Index{0});
-  const std::clock_t begin = std::clock();
-  solve_rows(samples, rows, request, context, visit);
-  SolverUse use;
-  use.exact = samples.rows();
-  const double seconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
-  if (!rows.empty()) use.exact_seconds = seconds / static_cast<double>(rows.size());
-  return use;
+  const double seconds = solve_rows(samples, rows, request, context, visit);
+  return {.exact = samples.rows(), .exact_seconds = seconds};
 }
 
-void ExactSolver::solve_rows(const Eigen::Ref<const Eigen::MatrixXd>& samples, const std::vector<Eigen::Index>& rows,
+double ExactSolver::solve_rows(const Eigen::Ref<const Eigen::MatrixXd>& samples, const std::vector<Eigen::Index>& rows,
                              const SolutionRequest& request, const RunContext& context, const Visitor& visit) const {
-  parallel_for(static_cast<std::int64_t>(rows.size()), 1, context.threads, [&](std::int64_t begin, std::int64_t end) {
+  const std::clock_t start = std::clock();
+  std::atomic<std::int64_t> own{0};
+  shared_for(context, static_cast<std::int64_t>(rows.size()), 1, [&](std::int64_t begin, std::int64_t end) {
     for (Eigen::Index i = begin; i < end; ++i) {
       context.throw_if_stopped();
       const Eigen::Index s = rows[static_cast<std::size_t>(i)];
@@ -145,7 +143,10 @@ void ExactSolver::solve_rows(const Eigen::Ref<const Eigen::MatrixXd>& samples, c
       }
       visit(s, solution, failure);
     }
+    own += end - begin;
   });
+  const double seconds = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
+  return own > 0 ? seconds / static_cast<double>(own) : 0.0;
 }
 
 /// Why there is no solution; empty: there is.

@@ -4,9 +4,10 @@
 #include <cmath>
 #include <ctime>
 
+#include "model/row_exchange.hpp"
 #include "model/solvers/trained_reduced_models.hpp"
 #include "mottle/core/error.hpp"
-#include "mottle/core/parallel.hpp"
+#include "mottle/core/rank_share.hpp"
 
 namespace mottle::model {
 namespace {
@@ -77,10 +78,9 @@ class ReducedSolver::CloudSolution {
   }
 
   SolverUse finish(const Rows& left) {
-    const double begin = processor_seconds();
-    exact_.solve_rows(samples_, left, request_, context_, visit_);
+    const double seconds = exact_.solve_rows(samples_, left, request_, context_, visit_);
     use_.exact = static_cast<std::int64_t>(left.size());
-    if (!left.empty()) use_.exact_seconds = (processor_seconds() - begin) / static_cast<double>(left.size());
+    if (seconds > 0.0) use_.exact_seconds = seconds;
     return use_;
   }
 
@@ -94,7 +94,9 @@ class ReducedSolver::CloudSolution {
 
   Rows solve_with(const TrainedReducedModel& trained, const Rows& rows);
   Uncertified solve_reduced(const TrainedReducedModel& reduced, const Rows& rows);
-  Rows refine(const ReducedModel& reduced, const Rows& rows);
+  Rows refine(const TrainedReducedModel& reduced, const Rows& rows);
+  void put_together(const TrainedReducedModel& reduced, Eigen::VectorXd& bounds,
+                    const std::vector<std::uint8_t>& is_own) const;
 
   const ExactSolver& exact_;
   double tolerance_;  // of eigenvalues, relative
@@ -121,7 +123,7 @@ Rows ReducedSolver::CloudSolution::solve_with(const TrainedReducedModel& trained
     uncertified = solve_reduced(*enlarged, Rows(all));
     used = &*enlarged;
   }
-  Rows left = refine(used->model(), uncertified.rows);
+  Rows left = refine(*used, uncertified.rows);
   constexpr std::size_t k_many = 4;  // one in so many
   if (trained.model().has_indefinite_terms() && k_many * left.size() > rows.size()) {
     context_.note(fmt::format(
@@ -132,25 +134,43 @@ Rows ReducedSolver::CloudSolution::solve_with(const TrainedReducedModel& trained
   return left;
 }
 
+/// Bounds by row, of which each rank has found some.
+void ReducedSolver::CloudSolution::put_together(const TrainedReducedModel& reduced, Eigen::VectorXd& bounds,
+                                                const std::vector<std::uint8_t>& is_own) const {
+  if (context_.share == nullptr || !context_.share->is_shared()) return;
+  RowRecords records;
+  for (Eigen::Index i = 0; i < bounds.size(); ++i) {
+    if (is_own[static_cast<std::size_t>(i)] != 0) append_value(records.begin(i), bounds(i));
+  }
+  records.exchange(context_.share->ranks(), reduced.digest(), "the reduced models", bounds.size(),
+                   [&](Eigen::Index i, ByteReader& reader) { return reader.read(bounds(i)); });
+}
+
 Uncertified ReducedSolver::CloudSolution::solve_reduced(const TrainedReducedModel& trained, const Rows& rows) {
   const ReducedModel& reduced = trained.model();
   const Eigen::MatrixXd& shapes = request_.reference.shapes;
   const ReducedObservation observation(request_, reduced.basis(),
                                        shapes.cols() > 0 ? trained.comparison_with(shapes) : nullptr);
-  const CertifiedModes found = reduced.solve(coefficients(rows), context_.threads);
+  const TermCoefficients all = coefficients(rows);
   const Eigen::Index vectors = reduced.basis().cols();
-  const Eigen::Index modes = found.values.rows();
-  const Eigen::VectorXd largest = found.bounds.colwise().maxCoeff().transpose();
-  constexpr std::int64_t k_grain = 64;
-  parallel_for(static_cast<std::int64_t>(rows.size()), k_grain, context_.threads,
-               [&](std::int64_t begin, std::int64_t end) {
-                 for (Eigen::Index i = begin; i < end; ++i) {
-                   if (!is_certified(largest(i))) continue;
-                   const Eigen::Map<const Eigen::MatrixXd> coordinates(found.vectors.col(i).data(), vectors, modes);
-                   visit_(rows[static_cast<std::size_t>(i)], observation.of(found.values.col(i), coordinates), {});
-                 }
-               });
+  Eigen::VectorXd largest(static_cast<Eigen::Index>(rows.size()));
+  std::vector<std::uint8_t> is_own(rows.size(), 0);
+  // About 10 ms of work, so that a batch keeps tens of threads or ranks busy; whole registers and groups of samples.
+  constexpr std::int64_t k_piece = 64;
+  shared_for(context_, static_cast<std::int64_t>(rows.size()), k_piece, [&](std::int64_t begin, std::int64_t end) {
+    context_.throw_if_stopped();
+    const CertifiedModes found = reduced.solve(all.range(begin, end - begin), 1);
+    for (Eigen::Index i = begin; i < end; ++i) {
+      const Eigen::Index k = i - begin;
+      is_own[static_cast<std::size_t>(i)] = 1;
+      largest(i) = found.bounds.col(k).maxCoeff();
+      if (!is_certified(largest(i))) continue;
+      const Eigen::Map<const Eigen::MatrixXd> coordinates(found.vectors.col(k).data(), vectors, found.values.rows());
+      visit_(rows[static_cast<std::size_t>(i)], observation.of(found.values.col(k), coordinates), {});
+    }
+  });
   context_.throw_if_stopped();
+  put_together(trained, largest, is_own);
   Uncertified uncertified;
   for (Eigen::Index i = 0; i < largest.size(); ++i) {
     if (is_certified(largest(i))) {
@@ -165,15 +185,23 @@ Uncertified ReducedSolver::CloudSolution::solve_reduced(const TrainedReducedMode
 }
 
 /// Refines the rows, visits those that it certifies and returns the others.
-Rows ReducedSolver::CloudSolution::refine(const ReducedModel& reduced, const Rows& rows) {
+Rows ReducedSolver::CloudSolution::refine(const TrainedReducedModel& trained, const Rows& rows) {
   if (rows.empty()) return {};
+  const TermCoefficients all = coefficients(rows);
   Eigen::VectorXd largest(static_cast<Eigen::Index>(rows.size()));
-  reduced.refine(coefficients(rows), context_.threads, [&](Eigen::Index i, const RefinedModes& modes) {
-    context_.throw_if_stopped();
-    largest(i) = modes.bounds.maxCoeff();
-    if (!is_certified(largest(i))) return;
-    visit_(rows[static_cast<std::size_t>(i)], exact_.observe(modes.values, modes.vectors, request_), {});
+  std::vector<std::uint8_t> is_own(rows.size(), 0);
+  constexpr std::int64_t k_piece = 4;
+  shared_for(context_, static_cast<std::int64_t>(rows.size()), k_piece, [&](std::int64_t begin, std::int64_t end) {
+    trained.model().refine(all.range(begin, end - begin), 1, [&](Eigen::Index k, const RefinedModes& modes) {
+      context_.throw_if_stopped();
+      const Eigen::Index i = begin + k;
+      is_own[static_cast<std::size_t>(i)] = 1;
+      largest(i) = modes.bounds.maxCoeff();
+      if (!is_certified(largest(i))) return;
+      visit_(rows[static_cast<std::size_t>(i)], exact_.observe(modes.values, modes.vectors, request_), {});
+    });
   });
+  put_together(trained, largest, is_own);
   Rows left;
   for (Eigen::Index i = 0; i < largest.size(); ++i) {
     if (is_certified(largest(i))) {
@@ -210,10 +238,26 @@ SolverUse ReducedSolver::solve_with_loads(const Eigen::Ref<const Eigen::MatrixXd
   std::vector<Eigen::MatrixXd> displacements(static_cast<std::size_t>(samples.rows()));
   std::vector<std::string> failures(displacements.size());
   SolutionRequest statics{.observation = request.observation, .loads = request.loads};
+  std::vector<std::uint8_t> is_own(displacements.size(), 0);
   exact_->solve(samples, statics, context, [&](Eigen::Index s, const Solution& solution, const std::string& failure) {
+    is_own[static_cast<std::size_t>(s)] = 1;
     displacements[static_cast<std::size_t>(s)] = solution.static_displacements;
     failures[static_cast<std::size_t>(s)] = failure;
   });
+  if (context.share != nullptr && context.share->is_shared()) {  // a sample's modes may be another rank's business
+    RowRecords records;
+    for (std::size_t k = 0; k < is_own.size(); ++k) {
+      if (is_own[k] == 0) continue;
+      std::string& bytes = records.begin(static_cast<Eigen::Index>(k));
+      append_matrix(bytes, displacements[k]);
+      append_text(bytes, failures[k]);
+    }
+    records.exchange(context.share->ranks(), {}, "static solutions", samples.rows(),
+                     [&](Eigen::Index s, ByteReader& reader) {
+                       const auto k = static_cast<std::size_t>(s);
+                       return read_matrix(reader, displacements[k]) && reader.read_text(failures[k]);
+                     });
+  }
   SolutionRequest modes = request;
   modes.loads.resize(0, 0);
   return solve(samples, modes, context, [&](Eigen::Index s, Solution solution, const std::string& failure) {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "model/row_exchange.hpp"
 #include "model/solvers/reduced_model_cache.hpp"
 #include "mottle/core/error.hpp"
 #include "mottle/core/text.hpp"
@@ -30,6 +31,12 @@ std::shared_ptr<const ReducedComparison> TrainedReducedModel::comparison_with(
                         comparison_->shapes == reference_shapes;
   if (!is_known) comparison_ = std::make_shared<ReducedComparison>(exact_, reference_shapes, model_->basis());
   return comparison_;
+}
+
+Digest TrainedReducedModel::digest() const {
+  const std::lock_guard lock(mutex_);
+  if (!digest_) digest_ = digest_of_matrices({model_->basis()});
+  return *digest_;
 }
 
 namespace {

@@ -29,11 +29,14 @@ class TrainedReducedModel {
 
   const ReducedModel& model() const { return *model_; }
   std::shared_ptr<const ReducedComparison> comparison_with(const Eigen::MatrixXd& reference_shapes) const;
+  /// Of its basis.
+  Digest digest() const;
 
  private:
   const ExactSolver& exact_;
   std::shared_ptr<const ReducedModel> model_;
-  mutable std::mutex mutex_;  // of the next
+  mutable std::mutex mutex_;  // of the next two
+  mutable std::optional<Digest> digest_;
   mutable std::shared_ptr<const ReducedComparison> comparison_;
 };
 

@@ -52,7 +52,7 @@ DiagnoseOutcome diagnose_here(const Study& study, const RunSettings& settings) {
   const RunContext context = files.context(study, settings);
   const std::unique_ptr<CandidateModels> smaller = smaller_models(study, candidates, made, settings);
   const JournalledModel model(smaller ? static_cast<const Model&>(*smaller) : *made.model, files.journal(),
-                              study_fingerprint(outcome.whole, made), settings.resume);
+                              study_fingerprint(outcome.whole, made), settings.resume, settings.ranks);
   std::vector<std::string> given;
   for (const StudyParameter& parameter : study.parameters.list) given.push_back(parameter.name);
   const UpdatingProblem problem{.model = model,
@@ -63,6 +63,8 @@ DiagnoseOutcome diagnose_here(const Study& study, const RunSettings& settings) {
                                 .level = study.update.level,
                                 .tolerance = study.update.tolerance,
                                 .covariance_groups = covariance_groups(study, given)};
+  outcome.ranks = rank_count(settings);
+  note_ranks(settings, context);
   note_what_is_given(made, tests, context);
   const DiagnosisSettings rules{.given = static_cast<Eigen::Index>(study.parameters.list.size()),
                                 .screened = study.diagnose.screened,

@@ -83,16 +83,19 @@ void add_noise(Eigen::MatrixXd& outputs, const Study& study, const StudyModel& m
 PropagateOutcome propagate_here(const Study& study, const std::optional<std::filesystem::path>& points,
                                 const RunSettings& settings) {
   const double start = steady_seconds();
-  PropagateOutcome outcome{.study = study, .made = make_model(study, study.parameters, settings)};
+  PropagateOutcome outcome{
+      .study = study, .made = make_model(study, study.parameters, settings), .ranks = rank_count(settings)};
   const StudyModel& made = outcome.made;
   const Eigen::MatrixXd given = points ? read_points(*points, *made.space) : Eigen::MatrixXd();
   const Eigen::Index specimens = study.test ? read_tests(study, *made.model).data.values.rows() : 10;
   const JobFiles files(settings, k_log, k_journal);
   const RunContext context = files.context(study, settings);
-  const JournalledModel model(*made.model, files.journal(), study_fingerprint(study, made, points), settings.resume);
+  const JournalledModel model(*made.model, files.journal(), study_fingerprint(study, made, points), settings.resume,
+                              settings.ranks);
   const CloudSettings rules =
       cloud_settings(study, made, specimens, static_cast<Eigen::Index>(made.model->outputs().size()));
   const StreamKey key{.seed = study.seed, .purpose = StreamPurpose::parameter_cloud};
+  note_ranks(settings, context);
   context.phase({.name = points ? "given points" : "cloud"});
   outcome.cloud = files.compute(study, [&] {
     return points ? evaluate_points(model, given, rules.max_failed, context)

@@ -49,6 +49,18 @@ void require_own(const std::filesystem::path& folder, const std::vector<std::str
   }
 }
 
+int rank_count(const RunSettings& settings) {
+  return settings.ranks == nullptr ? 1 : settings.ranks->count();
+}
+
+void note_ranks(const RunSettings& settings, const RunContext& context) {
+  if (settings.ranks == nullptr) return;
+  const int nodes = count_nodes(*settings.ranks);
+  context.note(fmt::format("{} ranks on {} node{} share the model runs, this one with {} thread{}",
+                           rank_count(settings), nodes, nodes == 1 ? "" : "s", settings.threads,
+                           settings.threads == 1 ? "" : "s"));
+}
+
 JobFiles::JobFiles(const RunSettings& settings, const char* log, const char* journal)
     : log_name_(log), journal_(journal) {
   if (settings.folder.empty()) return;

@@ -26,6 +26,11 @@ void require_none_is_read(const std::filesystem::path& folder, const std::vector
 /// user's own.
 void require_own(const std::filesystem::path& folder, const std::vector<std::string>& names);
 
+/// Processes that do a job together.
+int rank_count(const RunSettings& settings);
+/// Says how many they are, where it is more than one. All ranks call it.
+void note_ranks(const RunSettings& settings, const RunContext& context);
+
 /// What the whole of a job, `work`, returns. Results of an earlier one, files `names`, are set aside before anything is
 /// run, as RunFolder::without_earlier() does; a folder that is not there is not made.
 template <typename Work>

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mottle/model/ranked_model.hpp"
 #include "mottle/core/error.hpp"
 #include "mottle/core/text.hpp"
 #include "mottle/study/models/model_source.hpp"
@@ -74,7 +75,7 @@ std::optional<PredictedError> error_of(const Study& study, const PredictionPlan&
                        Eigen::VectorXd::Zero(static_cast<Eigen::Index>(outputs.size()))};
   if (result.model_error) error.estimate = *result.model_error;
   const bool is_same = study.predict->overrides.empty() && result.model_error.has_value();
-  const Eigen::VectorXd values = plan.made.model->evaluate(result.mean.transpose(), context).outputs.row(0);
+  const Eigen::VectorXd values = plan.model->evaluate(result.mean.transpose(), context).outputs.row(0);
   for (std::size_t k = 0; k < outputs.size(); ++k) {
     const auto output = static_cast<Eigen::Index>(k);
     const auto found =
@@ -96,7 +97,8 @@ std::optional<PredictedError> error_of(const Study& study, const PredictionPlan&
 PredictionPlan plan_prediction(const Study& study, const RunSettings& settings) {
   try {
     const Study other = predicted_study(study);
-    PredictionPlan plan{make_model(other, other.parameters, settings), std::nullopt, {}};
+    PredictionPlan plan{.made = make_model(other, other.parameters, settings)};
+    plan.model = std::make_unique<RankedModel>(*plan.made.model, settings.ranks);
     if (study.predict->held_out) plan.held_out = read_tests(other, *plan.made.model);
     const std::vector<Quantity>& outputs = plan.made.model->outputs();
     plan.repeatability = Eigen::VectorXd::Constant(static_cast<Eigen::Index>(outputs.size()), std::nan(""));
@@ -118,7 +120,7 @@ PredictionOutcome run_prediction(const Study& study, const PredictionPlan& plan,
   PredictionOutcome outcome{.settings = {.noise_std = noise_of(plan, problem, result),
                                          .model_error = error_of(study, plan, problem, result, context),
                                          .draws = study.predict->draws}};
-  outcome.prediction = predict(*plan.made.model, problem.space, estimate, outcome.settings, context);
+  outcome.prediction = predict(*plan.model, problem.space, estimate, outcome.settings, context);
   if (plan.held_out) outcome.check = check_held_out(outcome.prediction, estimate, plan.held_out->data.values);
   outcome.notes = prediction_sentences(outcome.prediction, outcome.check ? &*outcome.check : nullptr, estimate,
                                        plan.made.model->outputs(), outcome.settings.level);

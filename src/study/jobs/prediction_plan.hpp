@@ -1,6 +1,7 @@
 // The [predict] block of a study: planned before an update, run at its end.
 #pragma once
 
+#include <memory>
 #include <optional>
 
 #include "mottle/layers.hpp"
@@ -12,8 +13,9 @@ namespace mottle::study {
 /// What [predict] needs, made before anything long is computed.
 struct PredictionPlan {
   StudyModel made;
-  std::optional<StudyTests> held_out;
-  Eigen::VectorXd repeatability;  ///< standard deviation of each output; nan: as in the update
+  std::unique_ptr<const Model> model = nullptr;  ///< made.model, shared out over ranks where there are any
+  std::optional<StudyTests> held_out = std::nullopt;
+  Eigen::VectorXd repeatability = {};  ///< standard deviation of each output; nan: as in the update
 };
 
 /// Throws InvalidInput: an override that the model does not have or that a parameter acts on, outputs or held-out tests

@@ -80,18 +80,19 @@ UpdateOutcome update_here(const Study& study, const RunSettings& settings) {
   const UpdatePlan& plan = workings->plan;
   workings->factors = factor_nominals(study);
   workings->model_files = digest_model_files(study, plan.made.files);
-  UpdateOutcome outcome{.study = study, .workings = workings};
+  UpdateOutcome outcome{.study = study, .workings = workings, .ranks = rank_count(settings)};
   if (!plan.tests.warnings.empty()) {  // a study that is refused is told that alone, and leaves no files
     refuse_what_methods_refuse(study, plan, {.seed = study.seed, .threads = settings.threads, .stop = settings.stop});
   }
   const JobFiles files(settings, k_log, k_journal);
   const RunContext context = files.context(study, settings);
   auto model = std::make_unique<JournalledModel>(*plan.made.model, files.journal(), study_fingerprint(study, plan.made),
-                                                 settings.resume);
+                                                 settings.resume, settings.ranks);
   const JournalledModel& journalled = *model;
   workings->model = std::move(model);
   workings->given = std::make_unique<UpdatingProblem>(problem_of(study, plan, *workings->model));
   if (study.surrogate) workings->surrogate = std::make_unique<SurrogateUpdate>(*workings->given, *study.surrogate);
+  note_ranks(settings, context);
   note_what_is_given(study, plan, context);
   const double ready = steady_seconds();
   outcome.result = files.compute(study, [&] {

@@ -45,7 +45,10 @@ ModelParts make_external(const SolverCommand& command, const std::vector<std::st
   }
   auto solver = std::make_unique<ExternalSolver>(
       command, names, parts.reference, prior.covariance().diagonal().cwiseSqrt(),
-      RunStorage{.results = settings.folder, .is_resumed = settings.resume}, settings.stop);
+      RunStorage{.results = settings.run_folder.empty() ? settings.folder : settings.run_folder,
+                 .is_resumed = settings.resume,
+                 .ranks = settings.ranks},
+      settings.stop);
   parts.notes = solver->notes();
   parts.program = {.seconds_at_means = solver->seconds_at_means(), .max_parallel = command.parallel};
   parts.solver = std::move(solver);

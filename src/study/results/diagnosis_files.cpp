@@ -191,6 +191,7 @@ void write_results(const DiagnoseOutcome& outcome, const std::filesystem::path& 
   const RunFolder folder(path);
   Json json = outcome_json(outcome);
   json["timings_s"] = {{"total", outcome.seconds}};
+  json["ranks"] = outcome.ranks;
   folder.write(k_diagnosis, pretty(json));
   folder.remove(k_diagnosis_journal);
   folder.forget_previous({k_diagnosis});

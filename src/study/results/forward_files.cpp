@@ -111,6 +111,7 @@ void write_results(const PropagateOutcome& outcome, const std::filesystem::path&
   folder.write("clouds.csv", clouds_csv({outcome.cloud}, *outcome.made.space, outputs));
   Json json = outcome_json(outcome);
   json["timings_s"] = {{"total", outcome.seconds + steady_seconds() - start}};
+  json["ranks"] = outcome.ranks;
   add_solver_use(outcome.solver_use, json);
   folder.write("result.json", pretty(json));
 }

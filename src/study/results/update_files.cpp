@@ -154,6 +154,7 @@ void write_results(const UpdateOutcome& outcome, const std::filesystem::path& pa
                        {"updating", outcome.updating_seconds},
                        {"writing", writing},
                        {"total", outcome.reading_seconds + outcome.updating_seconds + writing}};
+  json["ranks"] = outcome.ranks;
   add_solver_use(outcome.solver_use, json);
   folder.write("result.json", pretty(json));
 }

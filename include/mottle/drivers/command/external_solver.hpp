@@ -41,6 +41,20 @@ class ExternalStructure final : public Structure {
   std::map<std::string, int> rows_;
 };
 
+/// A count of this process, or of all ranks.
+class SharedCount {
+ public:
+  explicit SharedCount(Ranks* ranks) : ranks_(ranks), counter_(ranks == nullptr ? 0 : ranks->new_counter()) {}
+
+  /// The count with these. Any thread.
+  std::int64_t add(std::int64_t more);
+
+ private:
+  Ranks* ranks_;
+  std::uint64_t counter_;
+  std::atomic<std::int64_t> own_{0};
+};
+
 class ExternalSolver final : public Solver {
  public:
   /// Runs the program once, at the parameters' means: what it gives there says which modes and degrees of freedom there
@@ -81,17 +95,22 @@ class ExternalSolver final : public Solver {
   double seconds_at_means() const { return seconds_at_means_; }
 
  private:
+  struct Tally;
+  void solve_sample(Eigen::Index s, const Eigen::Ref<const Eigen::MatrixXd>& samples, const SolutionRequest& request,
+                    const Visitor& visit, const std::atomic<bool>& halt, Tally& tally) const;
   ExternalStructure run_at_means(const std::atomic<bool>* stop);
   std::string observe(const ExtractedModes& found, const SolutionRequest& request, Solution& solution) const;
 
   mutable SolverRuns runs_;
   Eigen::VectorXd nominal_;
   int least_ = 0;  // modes that a run must give
+  Ranks* ranks_;
   double seconds_at_means_ = 0.0;
   ExternalStructure structure_;
   const std::atomic<bool>* stop_ = nullptr;
   std::vector<std::string> notes_;
-  mutable FailureCount failures_;
+  mutable SharedCount done_;
+  mutable SharedCount failed_;
 };
 
 }  // namespace mottle::drivers

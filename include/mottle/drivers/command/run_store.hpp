@@ -5,7 +5,9 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <unordered_map>
+#include <vector>
 
 #include "mottle/core/checksum.hpp"
 #include "mottle/drivers/command/extraction.hpp"
@@ -19,38 +21,57 @@ struct RunRecord {
   ExtractedModes modes = {};
 };
 
+std::string encode(const RunRecord& record);
+/// @throws SystemFailure  the bytes are not those of a record
+RunRecord decode_run(std::string_view bytes);
+
 /// An append-only file of runs. Each record has a checksum: what a kill has torn is cut off when the file is opened,
-/// and a full disk leaves the file as it was before the record. One process at a time.
+/// and a full disk leaves the file as it was before the record. One process at a time writes it; of files that other
+/// ranks write it reads what is whole, again where it finds nothing.
 class RunStore {
  public:
+  /// @param others  files of other ranks, of this job or an earlier one; those that are not there yet may come
   /// @throws InvalidInput   the file is something else, or another Mottle has it open
   /// @throws SystemFailure  it cannot be read or written
-  explicit RunStore(std::filesystem::path file);
+  explicit RunStore(std::filesystem::path file, const std::vector<std::filesystem::path>& others = {});
   ~RunStore();
   RunStore(const RunStore&) = delete;
   RunStore& operator=(const RunStore&) = delete;
 
-  /// The run with this digest; the last one where it was kept again.
-  std::optional<RunRecord> find(const Digest& key) const;
+  /// The run with this digest; the last one where it was kept again, and one that another rank kept where that one
+  /// failed.
+  std::optional<RunRecord> find(const Digest& key);
+  /// Whether a run was kept, here or by another rank, since this object was made.
+  bool is_new(const Digest& key) const;
   /// Throws SystemFailure where the disk is full or the file cannot be written.
   void keep(const Digest& key, const RunRecord& record);
 
-  std::size_t size() const { return spans_.size(); }
+  std::size_t size() const { return own_.spans.size(); }
 
  private:
   struct Span {
     std::uint64_t offset = 0;
     std::uint64_t size = 0;
+    bool is_new = false;
   };
   struct HashDigest {
     std::size_t operator()(const Digest& digest) const { return digest[0]; }
   };
-  void read_spans();
+  /// A file and what of it is known.
+  struct File {
+    std::filesystem::path path = {};
+    int descriptor = -1;
+    std::uint64_t end = 0;  ///< of the records that are known
+    std::unordered_map<Digest, Span, HashDigest> spans = {};
+  };
+  void open_own();
+  static void read_spans(File& file, bool is_new);
+  static std::optional<RunRecord> find_in(const File& file, const Digest& key);
+  void read_others(bool is_new);
 
-  std::filesystem::path file_;
-  int descriptor_ = -1;
-  std::unordered_map<Digest, Span, HashDigest> spans_;
-  mutable std::mutex mutex_;
+  File own_;
+  std::vector<File> others_;
+  mutable std::mutex mutex_;  // of both
 };
 
 }  // namespace mottle::drivers

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <atomic>
 #include <condition_variable>
+#include <cstdint>
 #include <exception>
 #include <functional>
 #include <mutex>
@@ -22,8 +23,10 @@ class SamplePool {
  public:
   using Work = std::function<void(Eigen::Index sample, const std::atomic<bool>& halt)>;
 
+  /// @param next  a sample that nobody has, `count` or more where there is none; called by several threads at once.
+  ///              Empty: one after the other
   /// Throws SystemFailure where no thread can be started.
-  SamplePool(Eigen::Index count, int parallel, Work work);
+  SamplePool(Eigen::Index count, int parallel, Work work, std::function<Eigen::Index()> next = {});
   ~SamplePool() { halt_ = true; }
   SamplePool(const SamplePool&) = delete;
   SamplePool& operator=(const SamplePool&) = delete;
@@ -36,7 +39,8 @@ class SamplePool {
 
   Eigen::Index count_;
   Work work_;
-  std::atomic<Eigen::Index> next_{0};
+  std::function<Eigen::Index()> next_;
+  std::atomic<Eigen::Index> number_{0};
   std::atomic<bool> halt_{false};
   std::mutex mutex_;
   std::condition_variable changed_;
@@ -45,12 +49,21 @@ class SamplePool {
   std::vector<std::jthread> threads_;  // last: they end before what they use
 };
 
+/// How many runs may fail, and what messages say of them.
+struct FailureLimit {
+  double max_fraction = 0.0;
+  std::string what;   ///< "solver runs"
+  std::string where;  ///< where failed ones are to be seen: "; folders of ..."; may be empty
+
+  /// Throws SystemFailure where significantly more than the allowed fraction failed (three standard errors), or, at the
+  /// end of a batch, more than the fraction.
+  void require_few(std::int64_t done, std::int64_t failed, bool is_end, const std::string& last) const;
+};
+
 /// Counts runs and those that failed, of all batches together.
 class FailureCount {
  public:
-  /// @param where  what messages say of where failed runs are to be seen: "; folders of ..."; may be empty
-  FailureCount(double max_fraction, std::string what, std::string where)
-      : max_fraction_(max_fraction), what_(std::move(what)), where_(std::move(where)) {}
+  explicit FailureCount(FailureLimit limit) : limit_(std::move(limit)) {}
 
   /// One more run; `failure` is empty where it succeeded. Throws SystemFailure where significantly more than the
   /// allowed fraction failed (three standard errors).
@@ -59,11 +72,7 @@ class FailureCount {
   void end_batch();
 
  private:
-  void require_few(bool is_end);
-
-  double max_fraction_;
-  std::string what_;
-  std::string where_;
+  FailureLimit limit_;
   std::mutex mutex_;
   std::int64_t done_ = 0;
   std::int64_t failed_ = 0;

@@ -6,11 +6,10 @@
 #include <atomic>
 #include <filesystem>
 #include <memory>
-#include <mutex>
-#include <set>
 #include <string>
 #include <vector>
 
+#include "mottle/core/ranks.hpp"
 #include "mottle/core/run_context.hpp"
 #include "mottle/drivers/command/input_files.hpp"
 #include "mottle/drivers/command/run_folders.hpp"
@@ -25,6 +24,7 @@ namespace mottle::drivers {
 struct RunStorage {
   std::filesystem::path results = {};  ///< folder of results; empty: temporary, nothing is used again
   bool is_resumed = false;             ///< runs that failed before count as they did; else they are tried again
+  Ranks* ranks = nullptr;              ///< that share the runs; null: this process is alone
 };
 
 class SolverRuns {
@@ -86,8 +86,6 @@ class SolverRuns {
   std::unique_ptr<InputFiles> files_;
   std::unique_ptr<RunStore> store_;
   bool is_resumed_ = false;
-  std::set<Digest> own_failures_;  ///< of this process: they count whether resumed or not
-  std::mutex mutex_;
 };
 
 }  // namespace mottle::drivers

@@ -69,7 +69,11 @@ BatchModes solve_batch(const PencilFamily& family, const Eigen::Ref<const Eigen:
                        const Eigen::Ref<const Eigen::MatrixXd>& mass_coefficients,
                        const BatchEigenOptions& options = {});
 
-/// Whether this processor (and this build) can run kernels of a level.
+/// Whether this processor (and this build) can run kernels of a level, and the limit allows it.
 bool is_simd_level_available(SimdLevel level);
+
+/// From now on no kernel uses wider registers than those of this level: processes on different processors compute the
+/// same numbers so. Before anything is computed.
+void limit_simd_level(SimdLevel widest);
 
 }  // namespace mottle::linalg

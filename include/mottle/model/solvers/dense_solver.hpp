@@ -30,6 +30,9 @@ class DenseSolver final : public Solver {
   Eigen::Index batch_size() const override { return 8192; }
 
  private:
+  std::int64_t samples_of_piece(const SolutionRequest& request) const;
+  void solve_part(const Eigen::Ref<const Eigen::MatrixXd>& samples, const SolutionRequest& request,
+                  const RunContext& context, const Visitor& visit) const;
   void observe_shapes(const Eigen::MatrixXd& shapes, const Eigen::Ref<const Eigen::VectorXd>& parameters,
                       const SolutionRequest& request, Solution& solution) const;
 

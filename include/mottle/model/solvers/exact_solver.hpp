@@ -61,8 +61,9 @@ class ExactSolver final : public Solver {
   const SparseStructure& sparse_structure() const { return *structure_; }
   const SparseMatrix& reference_mass() const { return reference_mass_; }
 
-  /// Solves and visits the given rows of `samples` [sample x parameter].
-  void solve_rows(const Eigen::Ref<const Eigen::MatrixXd>& samples, const std::vector<Eigen::Index>& rows,
+  /// Solves and visits the given rows of `samples` [sample x parameter]. Returns the processor seconds of one; 0: this
+  /// rank was left none.
+  double solve_rows(const Eigen::Ref<const Eigen::MatrixXd>& samples, const std::vector<Eigen::Index>& rows,
                   const SolutionRequest& request, const RunContext& context, const Visitor& visit) const;
   /// Modes of one sample with residuals and count.
   SparseModes solve_one(const Eigen::Ref<const Eigen::VectorXd>& parameters, const SparseModesOptions& options) const;

@@ -17,6 +17,7 @@ struct PropagateOutcome {
   StudyModel made;
   Cloud cloud = {};
   SolverUse solver_use = {};
+  int ranks = 1;  ///< processes that shared the model's evaluations
   double seconds = 0.0;
 };
 

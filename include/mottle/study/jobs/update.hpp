@@ -27,6 +27,7 @@ struct UpdateOutcome {
   std::optional<PredictionOutcome> prediction = std::nullopt;  ///< where the study has [predict]
   std::optional<std::string> numbering = std::nullopt;  ///< a doubt whether modes numbered by rank are the same modes
   SolverUse solver_use = {};
+  int ranks = 1;  ///< processes that shared the model's evaluations
   double reading_seconds = 0.0, updating_seconds = 0.0, assessing_seconds = 0.0;
 
   /// Model, parameters and tests as the method saw them last: with a surrogate for the model where the study has one.

@@ -1,0 +1,102 @@
+#include "job_ranks.hpp"
+
+#include <dlfcn.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <thread>
+#include <vector>
+
+#include "console.hpp"
+#include "mottle/core/bytes.hpp"
+#include "mottle/core/error.hpp"
+#include "mottle/core/launcher.hpp"
+#include "mottle/linalg/batched/batch_eigen.hpp"
+
+namespace mottle::app {
+namespace {
+
+const Launch& own_launch() {
+  static const Launch launch = find_launch();
+  return launch;
+}
+
+std::unique_ptr<Ranks>& joined() {
+  static std::unique_ptr<Ranks> ranks;
+  return ranks;
+}
+
+/// Beside the command where it was built; where it is installed, in the libraries' folder of the same tree.
+std::vector<std::filesystem::path> module_places() {
+  constexpr const char* k_module = "libmottle_mpi.so";
+  std::error_code ignored;
+  const std::filesystem::path folder = std::filesystem::read_symlink("/proc/self/exe", ignored).parent_path();
+  return {folder / k_module, folder.parent_path() / MOTTLE_MODULE_FOLDER / k_module};
+}
+
+std::string blas_kernels() {
+  using CoreName = char* (*)();
+  const auto core_name = reinterpret_cast<CoreName>(dlsym(RTLD_DEFAULT, "openblas_get_corename"));
+  return core_name == nullptr ? "of the reference" : core_name();
+}
+
+/// All ranks use the instructions that each of them has, and need the same kernels of BLAS.
+void use_common_instructions(Ranks& ranks) {
+  const SimdLevel own =
+      is_simd_level_available(SimdLevel::avx512) ? SimdLevel::avx512
+      : is_simd_level_available(SimdLevel::avx2) ? SimdLevel::avx2
+                                                 : SimdLevel::plain;
+  std::string bytes;
+  append_value(bytes, own);
+  append_text(bytes, blas_kernels());
+  SimdLevel common = own;
+  std::string first;
+  int rank = 0;
+  for (const std::string& other : ranks.gather(bytes)) {
+    ByteReader reader(other);
+    SimdLevel level = own;
+    std::string kernels;
+    if (!reader.read(level) || !reader.read_text(kernels)) throw SystemFailure("a rank's message is torn");
+    common = std::min(common, level);
+    if (rank == 0) first = kernels;
+    if (kernels != first) {
+      throw SystemFailure(
+          fmt::format("rank {} runs on another kind of processor than rank 0: its BLAS uses the kernels '{}', there it "
+                      "uses '{}', and the numbers would differ; name one that all have, as in OPENBLAS_CORETYPE=HASWELL "
+                      "(mpirun -x OPENBLAS_CORETYPE=HASWELL), or ask for nodes of one kind",
+                      rank, kernels, first));
+    }
+    ++rank;
+  }
+  limit_simd_level(common);
+}
+
+}  // namespace
+
+bool is_silent_rank() {
+  return own_launch().is_shared() && own_launch().rank > 0;
+}
+
+Ranks* join_job() {
+  if (!own_launch().is_shared()) return nullptr;
+  joined() = join_ranks(own_launch(), module_places());
+  Ranks& ranks = *joined();
+  ranks.speak_by([](const RankEnd& why) { tell(fmt::format("mottle: {}\n", why.message)); });
+  use_common_instructions(ranks);
+  return &ranks;
+}
+
+RankEnd end_job(const RankEnd& own) {
+  if (joined() == nullptr) {
+    // A launcher ends the others where one fails: the first rank, which meets the same error, is to say it before.
+    if (is_silent_rank() && own.code != 0) std::this_thread::sleep_for(std::chrono::milliseconds(500));
+    return own;
+  }
+  no_longer_stop();
+  return joined()->leave(own);
+}
+
+}  // namespace mottle::app
