@@ -48,7 +48,7 @@ asan:
 	$(call configure,asan)
 	$(call build,asan) --target mottle_app $(foreach layer,$(ASAN_LAYERS),--target mottle_$(layer)_tests)
 	MOTTLE_TEST_PATIENCE=5 $(call ctest,asan) --label-regex "^($(call alternatives,$(ASAN_LAYERS))|apps|attack)$$" \
-	  --label-exclude "packaging|browser|timed"
+	  --label-exclude "packaging|browser|timed|mpi"
 
 tsan:
 	$(INSTALL) --test
@@ -64,7 +64,7 @@ coverage:
 	$(call configure,coverage)
 	$(call build,coverage)
 	find build/coverage -name '*.gcda' -delete
-	MOTTLE_TEST_PATIENCE=5 $(call ctest,coverage) --label-exclude "packaging|browser|timed"
+	MOTTLE_TEST_PATIENCE=5 $(call ctest,coverage) --label-exclude "packaging|browser|timed|mpi"
 	gcovr -j $(JOBS) --root . --filter src/ --filter include/ --exclude-throw-branches --print-summary \
 	  --fail-under-line 90 build/coverage
 

@@ -1,5 +1,6 @@
 # Installs the command and, as a CMake package, the library: find_package(mottle), target mottle::mottle (everything)
-# or mottle::<layer>. cpack makes two Debian packages of it: mottle (the command) and libmottle-dev.
+# or mottle::<layer>. cpack makes Debian packages of it: mottle (the command), libmottle-dev and, where MPI
+# was found, mottle-mpi.
 option(MOTTLE_INSTALL "Make install and package rules" ${PROJECT_IS_TOP_LEVEL})
 if(NOT MOTTLE_INSTALL)
   return()
@@ -31,6 +32,10 @@ install(FILES ${CMAKE_CURRENT_BINARY_DIR}/mottleConfig.cmake ${CMAKE_CURRENT_BIN
   DESTINATION ${mottle_cmake_dir} COMPONENT development)
 
 install(TARGETS mottle_app RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT runtime)
+if(MOTTLE_MPI)
+  install(TARGETS mottle_mpi LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/mottle COMPONENT mpi)
+  install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/mottle-mpi RENAME copyright COMPONENT mpi)
+endif()
 find_program(MOTTLE_HELP2MAN help2man)  # without it there are no man pages
 if(MOTTLE_HELP2MAN)
   set(mottle_man ${CMAKE_CURRENT_BINARY_DIR}/man)
@@ -73,6 +78,9 @@ set(CPACK_STRIP_FILES ON)
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_COMPONENTS_ALL runtime development)
+if(MOTTLE_MPI)
+  list(APPEND CPACK_COMPONENTS_ALL mpi)
+endif()
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_NAME mottle)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_SECTION science)
@@ -82,6 +90,14 @@ set(CPACK_COMPONENT_RUNTIME_DESCRIPTION
 "From modal tests of many nominally identical structures and a finite-element
 model with uncertain parameters, Mottle finds the distribution of the
 parameters that explains the measured scatter, and says how sure that is.")
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_SUGGESTS "mottle-mpi")
+set(CPACK_DEBIAN_MPI_PACKAGE_NAME mottle-mpi)
+set(CPACK_DEBIAN_MPI_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_MPI_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_MPI_PACKAGE_DEPENDS "mottle (= ${PROJECT_VERSION}), openmpi-bin")
+set(CPACK_COMPONENT_MPI_DESCRIPTION
+"The module by which mpirun and srun run Mottle as many processes that share
+the model's evaluations.")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libmottle-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS

@@ -196,7 +196,7 @@ void RunStore::read_spans(File& file, bool is_new) {
   }
 }
 
-void RunStore::read_others(bool is_new) {
+void RunStore::read_others(bool is_new) const {
   for (File& other : others_) {
     if (other.descriptor < 0) {
       other.descriptor = ::open(other.path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
@@ -221,7 +221,7 @@ std::optional<RunRecord> RunStore::find_in(const File& file, const Digest& key) 
   return decode_run(body);
 }
 
-std::optional<RunRecord> RunStore::find(const Digest& key) {
+std::optional<RunRecord> RunStore::find(const Digest& key) const {
   const std::lock_guard<std::mutex> lock(mutex_);
   std::optional<RunRecord> record = find_in(own_, key);
   if (record && record->failure.empty()) return record;

@@ -44,7 +44,7 @@ UmbridgeSolver::UmbridgeSolver(UmbridgeServer server, const std::vector<std::str
       client_(std::make_unique<UmbridgeClient>(server_, stop)),
       is_resumed_(storage.is_resumed),
       stop_(stop),
-      failures_(server_.max_failed_fraction, "evaluations by the servers", "") {
+      failures_({server_.max_failed_fraction, "evaluations by the servers", ""}) {
   if (server_.parallel == 0) server_.parallel = static_cast<int>(server_.urls.size());
   inputs_ = std::make_unique<InputMap>(server_.inputs, client_->shape().inputs, names);
   map_outputs();

@@ -9,6 +9,7 @@
 #include "core/temporary_folder.hpp"
 #include "mottle/core/error.hpp"
 #include "mottle/core/files.hpp"
+#include "mottle/drivers/command/run_folders.hpp"
 
 namespace {
 
@@ -50,6 +51,49 @@ TEST_F(RunStoreTest, WhatIsKeptIsThereAgain) {
   EXPECT_EQ(found.modes.eigenvalues, record_of(3.0).modes.eigenvalues);
   EXPECT_EQ(found.modes.shapes, record_of(3.0).modes.shapes);
   EXPECT_EQ(found.modes.degree_of_freedom_names, record_of(3.0).modes.degree_of_freedom_names);
+}
+
+TEST_F(RunStoreTest, WhatAnotherRankKeepsIsFoundHere) {
+  const std::filesystem::path other = folder_ / "runs-1.store";
+  RunStore store(file_, {other});  // which is not there yet
+  RunStore of_rank_1(other, {file_});
+  EXPECT_FALSE(store.find({1, 7}));
+  of_rank_1.keep({1, 7}, record_of(4.0));
+  ASSERT_TRUE(store.find({1, 7}));
+  EXPECT_EQ(store.find({1, 7})->modes.eigenvalues, record_of(4.0).modes.eigenvalues);
+  EXPECT_TRUE(store.is_new({1, 7}));
+  const RunStore later(folder_ / "runs-2.store", {file_, other});
+  EXPECT_TRUE(later.find({1, 7}));
+  EXPECT_FALSE(later.is_new({1, 7}));
+}
+
+TEST_F(RunStoreTest, ARunThatSucceededOnAnotherRankCountsBeforeOneThatFailedHere) {
+  const std::filesystem::path other = folder_ / "runs-1.store";
+  RunStore store(file_, {other});
+  store.keep({1, 7}, {.failure = "exit status 3", .modes = {}});
+  RunStore(other).keep({1, 7}, record_of(4.0));
+  RunStore again(folder_ / "runs-2.store", {file_, other});
+  EXPECT_TRUE(again.find({1, 7})->failure.empty());
+}
+
+TEST_F(RunStoreTest, OfAnotherRanksStoreTheWholeRecordsAreRead) {
+  fill(3);
+  const std::string three = mottle::read_file(file_);
+  mottle::write_file_atomically(file_, three.substr(0, three.size() - 1));
+  const RunStore store(folder_ / "runs-1.store", {file_});
+  EXPECT_TRUE(store.find({1, 7}));
+  EXPECT_FALSE(store.find({2, 7}));
+  EXPECT_EQ(mottle::read_file(file_).size(), three.size() - 1);  // which is its owner's to cut
+}
+
+TEST_F(RunStoreTest, StoresOfEarlierRanksAreAmongTheOthers) {
+  fill(1);
+  RunStore(folder_ / "runs-5.store").keep({1, 1}, record_of(1.0));
+  const auto files = mottle::drivers::run_store_files(folder_ / "", 1, 3);
+  EXPECT_EQ(files.own.filename(), "runs-1.store");
+  std::vector<std::string> names;
+  for (const auto& file : files.others) names.push_back(file.filename().string());
+  EXPECT_THAT(names, testing::UnorderedElementsAre("runs.store", "runs-2.store", "runs-5.store"));
 }
 
 TEST_F(RunStoreTest, ALastRecordTornAtAnyByteIsDroppedAndTheStoreGoesOn) {

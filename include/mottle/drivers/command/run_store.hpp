@@ -40,7 +40,7 @@ class RunStore {
 
   /// The run with this digest; the last one where it was kept again, and one that another rank kept where that one
   /// failed.
-  std::optional<RunRecord> find(const Digest& key);
+  std::optional<RunRecord> find(const Digest& key) const;
   /// Whether a run was kept, here or by another rank, since this object was made.
   bool is_new(const Digest& key) const;
   /// Throws SystemFailure where the disk is full or the file cannot be written.
@@ -67,10 +67,10 @@ class RunStore {
   void open_own();
   static void read_spans(File& file, bool is_new);
   static std::optional<RunRecord> find_in(const File& file, const Digest& key);
-  void read_others(bool is_new);
+  void read_others(bool is_new) const;
 
   File own_;
-  std::vector<File> others_;
+  mutable std::vector<File> others_;  // which grow
   mutable std::mutex mutex_;  // of both
 };
 

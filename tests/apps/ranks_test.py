@@ -1,0 +1,223 @@
+"""The command under mpirun: the same numbers by any number of ranks, one voice, and an end of all where one ends."""
+
+import json
+import os
+import pathlib
+import shutil
+import signal
+import subprocess
+import time
+import unittest
+
+import support
+from support import CommandTest, SOURCE, THREE_MASSES
+
+AIRFRAME = SOURCE / "examples" / "02-airframe"
+TOWER = SOURCE / "examples" / "04-any-solver"
+MPIRUN = ["mpirun", "--oversubscribe", "--allow-run-as-root", "-n"]
+# Each run of the tower's solver leaves a line, and takes long enough to be killed.
+SLOW_SOLVER = ('import os, pathlib, time\n'
+               'with open({log!r}, "a") as log:\n'
+               '    log.write(pathlib.Path("tower.inp").read_text().replace("\\n", " ")\n'
+               '              + ("as a rank" if "OMPI_COMM_WORLD_RANK" in os.environ else "") + "\\n")\n'
+               'time.sleep({seconds})\n'
+               'import math')
+
+
+def why_not():
+    """Why nothing can be tested here; empty: it can."""
+    if shutil.which("mpirun") is None:
+        return "no mpirun here (Debian: openmpi-bin)"
+    if not (pathlib.Path(support.MOTTLE).parent / "libmottle_mpi.so").exists():
+        return "built without MPI (Debian: libopenmpi-dev)"
+    return ""
+
+
+def numbers(folder):
+    """result.json without what tells of the machine."""
+    result = support.read_result(folder)
+    result.pop("timings_s")
+    return result.pop("ranks"), json.dumps(result)
+
+
+class RanksTest(CommandTest):
+    def setUp(self):
+        super().setUp()
+        if reason := why_not():
+            self.skipTest(reason)
+        self.environment = {name: value for name, value in os.environ.items() if name != "XDG_CACHE_HOME"}
+        self.environment["HOME"] = str(self.folder)  # no cache of another run
+
+    def start(self, ranks, *arguments, mottle=None):
+        return subprocess.Popen([*MPIRUN, str(ranks), str(mottle or support.MOTTLE), *map(str, arguments)],
+                                cwd=self.folder, env=self.environment, text=True, stdin=subprocess.DEVNULL,
+                                stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+
+    def ranked(self, ranks, *arguments, timeout=120, **how):
+        job = self.start(ranks, *arguments, **how)
+        out, err = job.communicate(timeout=support.PATIENCE * timeout)
+        return support.Run(job.returncode, out, err)
+
+    def succeed_ranked(self, ranks, *arguments):
+        ended = self.ranked(ranks, *arguments)
+        self.assertEqual(ended.code, 0, ended.err)
+        return ended
+
+    def expect_same(self, verb, study, ranks=(1, 2, 4), options=()):
+        self.succeed(verb, study, "--quiet", "--out", "alone", *options)
+        for count in ranks:
+            self.succeed_ranked(count, verb, study, "--quiet", "--out", f"by{count}", *options)
+            self.assertEqual(numbers(self.folder / f"by{count}"), (count, numbers(self.folder / "alone")[1]))
+
+    def tower(self, seconds):
+        shutil.copytree(TOWER, self.folder / "tower")
+        solver = self.folder / "tower" / "tower.py"
+        slow = SLOW_SOLVER.format(log=str(self.folder / "runs"), seconds=seconds)
+        solver.write_text(support.edited(solver.read_text(), ("import math", slow)))
+        return "tower/study.toml"
+
+    def runs(self):
+        """Inputs of the solver's runs so far."""
+        file = self.folder / "runs"
+        return file.read_text().splitlines() if file.exists() else []
+
+
+class Numbers(RanksTest):
+    def test_three_masses(self):
+        self.expect_same("update", THREE_MASSES / "case1.toml")
+
+    def test_an_airframe(self):
+        self.expect_same("update", AIRFRAME / "study.toml", ranks=(2, 4),
+                         options=("--set", "update.samples=200"))
+
+    def test_an_airframe_whose_samples_are_solved_in_full(self):
+        self.expect_same("propagate", AIRFRAME / "study.toml", ranks=(3,),
+                         options=("--set", "update.samples=30", "--set", "model.reduction=\"off\""))
+        log = (self.folder / "by3" / "mottle.log").read_text()
+        self.assertIn("3 ranks on 1 node", log)
+
+    def test_a_diagnosis(self):
+        self.write("more.toml", support.edited(
+            support.STUDY, ('file = "tests.csv"\n', 'file = "tests.csv"\nrepeatability = { "f*" = "0.5 %" }\n')))
+        self.succeed("diagnose", "more.toml", "--quiet", "--out", "alone")
+        self.succeed_ranked(2, "diagnose", "more.toml", "--quiet", "--out", "by2")
+        one, two = (json.loads((self.folder / name / "diagnosis.json").read_text()) for name in ("alone", "by2"))
+        self.assertEqual((one.pop("ranks"), two.pop("ranks")), (1, 2))
+        one.pop("timings_s"), two.pop("timings_s")
+        self.assertEqual(one, two)
+
+    def test_a_solver_by_command_runs_each_sample_once(self):
+        study = self.tower(0.0)
+        self.expect_same("update", study, ranks=(3,))
+        runs = self.runs()
+        self.assertEqual(len(runs), 2 * len(set(runs)))  # once alone, once by ranks
+        self.assertFalse([run for run in runs if run.endswith("as a rank")])
+
+    def test_runs_of_ranks_serve_a_later_job_of_any_number(self):
+        study = self.tower(0.0)
+        self.succeed_ranked(3, "update", study, "--quiet", "--out", "by3")
+        done = len(self.runs())
+        first = numbers(self.folder / "by3")[1]
+        self.succeed("update", study, "--quiet", "--out", "by3")
+        self.assertEqual(numbers(self.folder / "by3")[1], first)
+        self.succeed_ranked(2, "update", study, "--quiet", "--out", "by3")
+        self.assertEqual(numbers(self.folder / "by3")[1], first)
+        self.assertEqual(len(self.runs()), done)
+
+    def test_runs_that_fail_are_the_same_failures(self):
+        study = self.tower(0.0)
+        solver = self.folder / "tower" / "tower.py"
+        fails = 'import math\nif sum(pathlib.Path("tower.inp").read_bytes()) % 7 == 3:\n    raise SystemExit(3)'
+        solver.write_text(support.edited(solver.read_text(), ("\nimport math", "\n" + fails)))
+        options = ("--set", "model.largest_failed_part=0.9", "--set", "model.retries=0")
+        alone = self.call("propagate", study, "--quiet", "--out", "alone", *options)
+        ranked = self.ranked(3, "propagate", study, "--quiet", "--out", "by3", *options)
+        self.assertEqual((alone.code, ranked.code), (0, 0), alone.err + ranked.err)
+        one, three = (numbers(self.folder / name)[1] for name in ("alone", "by3"))
+        self.assertIn("exit status 3", one)
+        self.assertEqual(one, three)
+
+
+class Voices(RanksTest):
+    def voices(self, ended):
+        return [line for line in (ended.out + ended.err).splitlines() if line.startswith("mottle: ")]
+
+    def test_a_wrong_study_is_told_once(self):
+        self.write("wrong.toml", support.edited(support.STUDY, ("samples = 200", "samples = -3")))
+        ended = self.ranked(4, "update", "wrong.toml", "--out", "out")
+        self.assertEqual(ended.code, 2, ended.err)
+        self.assertEqual(len(self.voices(ended)), 1, ended.err)
+        self.assertIn("wrong.toml:", ended.err)
+        self.assertFalse((self.folder / "out" / "result.json").exists())
+
+    def test_a_folder_that_is_in_use_is_told_once(self):
+        study = self.tower(0.2)
+        with subprocess.Popen([support.MOTTLE, "update", study, "--quiet", "--out", "out"], cwd=self.folder,
+                              env=self.environment, stderr=subprocess.DEVNULL) as other:
+            time.sleep(1.0)
+            ended = self.ranked(3, "update", study, "--out", "out")
+            other.terminate()
+        self.assertEqual(ended.code, 2, ended.err)
+        self.assertEqual(len(self.voices(ended)), 1, ended.err)
+
+    def test_other_verbs_are_done_by_one(self):
+        ended = self.succeed_ranked(3, "--version")
+        self.assertEqual(ended.out.count("mottle"), 1)
+        ended = self.succeed_ranked(3, "check", "study.toml")
+        self.assertEqual(ended.out.count("(units SI)"), 1)
+
+    def test_without_the_module_the_job_is_refused(self):
+        shutil.copy(support.MOTTLE, self.folder / "mottle")
+        ended = self.ranked(3, "update", "study.toml", "--out", "out", mottle=self.folder / "mottle")
+        self.assertEqual(ended.code, 3, ended.err)
+        self.assertEqual(len(self.voices(ended)), 1, ended.err)
+        self.assertIn("mottle-mpi", ended.err)
+        self.assertFalse((self.folder / "out").exists())
+
+    def test_the_environment_of_another_launcher_is_seen(self):
+        ended = self.call("update", "study.toml", "--out", "out",
+                          environment={"SLURM_STEP_NUM_TASKS": "4", "SLURM_PROCID": "0"})
+        self.assertEqual(ended.code, 3, ended.err)
+        self.assertIn("MPI connects 1 of these processes", ended.err)
+
+
+class Ends(RanksTest):
+    def signalled(self, number, rank):
+        """How a job of three ends when one of its ranks gets a signal, and within how many seconds."""
+        study = self.tower(0.1)
+        self.succeed("update", study, "--quiet", "--out", "alone")
+        before = len(self.runs())
+        job = self.start(3, "update", study, "--quiet", "--out", "out")
+        while len(self.runs()) < before + 12 and job.poll() is None:
+            time.sleep(0.05)
+        children = subprocess.run(["pgrep", "-P", str(job.pid)], capture_output=True, text=True, check=True).stdout
+        for process in map(int, children.split()):
+            environment = pathlib.Path(f"/proc/{process}/environ").read_bytes().split(b"\0")
+            if f"OMPI_COMM_WORLD_RANK={rank}".encode() in environment:
+                os.kill(process, number)
+        begin = time.monotonic()
+        out, err = job.communicate(timeout=support.PATIENCE * 60)
+        return support.Run(job.returncode, out, err), time.monotonic() - begin, study, before
+
+    def expect_resumed(self, study, before):
+        self.succeed_ranked(2, "update", study, "--quiet", "--out", "out", "--resume")
+        self.assertEqual(numbers(self.folder / "out")[1], numbers(self.folder / "alone")[1])
+        in_flight = 3 * 2
+        self.assertLessEqual(len(self.runs()), 2 * before + in_flight)
+
+    def test_a_killed_rank_ends_the_job(self):
+        ended, seconds, study, before = self.signalled(signal.SIGKILL, 2)
+        self.assertNotEqual(ended.code, 0)
+        self.assertLess(seconds, support.PATIENCE * 10)
+        self.expect_resumed(study, before)
+
+    def test_a_stop_of_one_rank_stops_all(self):
+        ended, seconds, study, before = self.signalled(signal.SIGTERM, 1)
+        self.assertEqual(ended.code, 4, ended.err)
+        self.assertEqual(ended.err.count("mottle: stopped on request"), 1, ended.err)
+        self.assertLess(seconds, support.PATIENCE * 10)
+        self.expect_resumed(study, before)
+
+
+if __name__ == "__main__":
+    support.main()
