@@ -127,7 +127,7 @@ class Numbers(RanksTest):
     def test_runs_that_fail_are_the_same_failures(self):
         study = self.tower(0.0)
         solver = self.folder / "tower" / "tower.py"
-        fails = 'import math\nif sum(pathlib.Path("tower.inp").read_bytes()) % 7 == 3:\n    raise SystemExit(3)'
+        fails = 'import math\nif sum(pathlib.Path("tower.inp").read_bytes()) % 7 == 4:\n    raise SystemExit(3)'
         solver.write_text(support.edited(solver.read_text(), ("\nimport math", "\n" + fails)))
         options = ("--set", "model.largest_failed_part=0.9", "--set", "model.retries=0")
         alone = self.call("propagate", study, "--quiet", "--out", "alone", *options)
