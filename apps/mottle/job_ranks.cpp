@@ -45,10 +45,9 @@ std::string blas_kernels() {
 
 /// All ranks use the instructions that each of them has, and need the same kernels of BLAS.
 void use_common_instructions(Ranks& ranks) {
-  const SimdLevel own =
-      is_simd_level_available(SimdLevel::avx512) ? SimdLevel::avx512
-      : is_simd_level_available(SimdLevel::avx2) ? SimdLevel::avx2
-                                                 : SimdLevel::plain;
+  const SimdLevel own = is_simd_level_available(SimdLevel::avx512) ? SimdLevel::avx512
+                        : is_simd_level_available(SimdLevel::avx2) ? SimdLevel::avx2
+                                                                   : SimdLevel::plain;
   std::string bytes;
   append_value(bytes, own);
   append_text(bytes, blas_kernels());
@@ -63,11 +62,11 @@ void use_common_instructions(Ranks& ranks) {
     common = std::min(common, level);
     if (rank == 0) first = kernels;
     if (kernels != first) {
-      throw SystemFailure(
-          fmt::format("rank {} runs on another kind of processor than rank 0: its BLAS uses the kernels '{}', there it "
-                      "uses '{}', and the numbers would differ; name one that all have, as in OPENBLAS_CORETYPE=HASWELL "
-                      "(mpirun -x OPENBLAS_CORETYPE=HASWELL), or ask for nodes of one kind",
-                      rank, kernels, first));
+      throw SystemFailure(fmt::format(
+          "rank {} runs on another kind of processor than rank 0: its BLAS uses the kernels '{}', there it "
+          "uses '{}', and the numbers would differ; name one that all have, as in OPENBLAS_CORETYPE=HASWELL "
+          "(mpirun -x OPENBLAS_CORETYPE=HASWELL), or ask for nodes of one kind",
+          rank, kernels, first));
     }
     ++rank;
   }

@@ -1,5 +1,5 @@
-// The calls to MPI that the module needs, each under one lock and none of them blocking: threads that wait sleep, so that
-// ranks that share processors do not take them from those that compute, and any level of thread support serves.
+// The calls to MPI that the module needs, each under one lock and none of them blocking: threads that wait sleep, so
+// that ranks that share processors do not take them from those that compute, and any level of thread support serves.
 #pragma once
 
 #include <mpi.h>

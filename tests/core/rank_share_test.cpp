@@ -91,8 +91,9 @@ TEST(RankShare, TheFirstRankCountsTheWorkOfAll) {
 }
 
 TEST(Ranks, OtherNumbersOnARankAreAnErrorThatNamesIt) {
-  const std::string message = test::message_of<SystemFailure>(
-      [] { require_same_digests({{1, 2}, {1, 2}, {1, 3}}, "the samples of a batch"); });
+  const std::string message = test::message_of<SystemFailure>([] {
+    require_same_digests({{1, 2}, {1, 2}, {1, 3}}, "the samples of a batch");
+  });
   EXPECT_THAT(message, testing::HasSubstr("rank 2"));
   EXPECT_THAT(message, testing::HasSubstr("the samples of a batch"));
 }

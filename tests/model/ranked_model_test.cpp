@@ -57,8 +57,7 @@ MatrixXd factors(Index samples, double half_width, unsigned seed) {
 
 StructureModel beam_model(bool reduces, bool has_statics = false) {
   const std::vector<ParameterTargets> parameters{{"E1", {"MAT1:1:E"}, true}, {"E2", {"MAT1:2:E"}, true}};
-  auto structure =
-      std::make_unique<FiniteElementStructure>(beam_of_two_metals(), parameters, Eigen::VectorXd::Ones(2));
+  auto structure = std::make_unique<FiniteElementStructure>(beam_of_two_metals(), parameters, Eigen::VectorXd::Ones(2));
   std::optional<ReductionSettings> reduction;
   if (reduces) reduction = {.prior = {Eigen::VectorXd::Ones(2), factors(200, 0.1, 1)}};
   OutputSelection outputs{.frequencies = {1, 2, 3, 4}, .shape_modes = {1}, .shape_degrees_of_freedom = {"150:+Y"}};
@@ -132,8 +131,8 @@ TEST(RankedModel, DenseSolutionsAreTheSame) {
     system.springs.push_back({fmt::format("k{}", i), i == 0 ? k_ground : i - 1, i, 100.0});
   }
   const auto make = [&] {
-    return StructureModel(separate(system, test::one_each({"spring:k0", "spring:k1"})),
-                          {.frequencies = {1, 2, 3}}, Eigen::Vector2d(100.0, 100.0));
+    return StructureModel(separate(system, test::one_each({"spring:k0", "spring:k1"})), {.frequencies = {1, 2, 3}},
+                          Eigen::Vector2d(100.0, 100.0));
   };
   expect_same_by_ranks(make, 100.0 * factors(2000, 0.2, 5));
 }

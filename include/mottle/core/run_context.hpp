@@ -37,6 +37,7 @@ class ProgressObserver {
   virtual void finding(const std::string& text) { note(text); }
 };
 
+class Ranks;
 class RankShare;
 
 /// Seed, threads, observer and stop request of one run.

@@ -12,10 +12,6 @@
 #include "mottle/layers.hpp"
 #include "mottle/model/model.hpp"
 
-namespace mottle {
-class Ranks;
-}
-
 namespace mottle::model {
 
 /// A model that answers from its journal where it can and writes there what it had to compute.

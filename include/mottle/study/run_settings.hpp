@@ -4,7 +4,6 @@
 #include <atomic>
 #include <filesystem>
 
-#include "mottle/core/ranks.hpp"
 #include "mottle/core/run_context.hpp"
 #include "mottle/layers.hpp"
 

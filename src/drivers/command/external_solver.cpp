@@ -167,8 +167,8 @@ struct ExternalSolver::Tally {
 };
 
 void ExternalSolver::solve_sample(Eigen::Index s, const Eigen::Ref<const Eigen::MatrixXd>& samples,
-                                  const SolutionRequest& request, const Visitor& visit,
-                                  const std::atomic<bool>& halt, Tally& tally) const {
+                                  const SolutionRequest& request, const Visitor& visit, const std::atomic<bool>& halt,
+                                  Tally& tally) const {
   Solution solution;
   if (!samples.row(s).allFinite()) return visit(s, solution, "a parameter is not finite");
   SolverRuns::Run run;

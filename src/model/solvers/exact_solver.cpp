@@ -125,7 +125,7 @@ SolverUse ExactSolver::solve(const Eigen::Ref<const Eigen::MatrixXd>& samples, c
 }
 
 double ExactSolver::solve_rows(const Eigen::Ref<const Eigen::MatrixXd>& samples, const std::vector<Eigen::Index>& rows,
-                             const SolutionRequest& request, const RunContext& context, const Visitor& visit) const {
+                               const SolutionRequest& request, const RunContext& context, const Visitor& visit) const {
   const std::clock_t start = std::clock();
   std::atomic<std::int64_t> own{0};
   shared_for(context, static_cast<std::int64_t>(rows.size()), 1, [&](std::int64_t begin, std::int64_t end) {

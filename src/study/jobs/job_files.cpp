@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "mottle/core/ranks.hpp"
+
 namespace mottle::study {
 
 namespace {

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mottle/model/ranked_model.hpp"
 #include "mottle/core/error.hpp"
 #include "mottle/core/text.hpp"
+#include "mottle/model/ranked_model.hpp"
 #include "mottle/study/models/model_source.hpp"
 #include "study/input/key_error.hpp"
 #include "study/input/noise_rules.hpp"

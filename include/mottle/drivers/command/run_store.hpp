@@ -71,7 +71,7 @@ class RunStore {
 
   File own_;
   mutable std::vector<File> others_;  // which grow
-  mutable std::mutex mutex_;  // of both
+  mutable std::mutex mutex_;          // of both
 };
 
 }  // namespace mottle::drivers

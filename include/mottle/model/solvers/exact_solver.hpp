@@ -64,7 +64,7 @@ class ExactSolver final : public Solver {
   /// Solves and visits the given rows of `samples` [sample x parameter]. Returns the processor seconds of one; 0: this
   /// rank was left none.
   double solve_rows(const Eigen::Ref<const Eigen::MatrixXd>& samples, const std::vector<Eigen::Index>& rows,
-                  const SolutionRequest& request, const RunContext& context, const Visitor& visit) const;
+                    const SolutionRequest& request, const RunContext& context, const Visitor& visit) const;
   /// Modes of one sample with residuals and count.
   SparseModes solve_one(const Eigen::Ref<const Eigen::VectorXd>& parameters, const SparseModesOptions& options) const;
   /// Why a sample has no modes, in the model's terms; empty where it has.
