@@ -12,7 +12,7 @@ build=(g++ make cmake ninja-build ca-certificates nodejs:node npm:npm
        librandom123-dev libre2-dev libsuitesparse-dev libtomlplusplus-dev
        libxxhash-dev nlohmann-json3-dev zlib1g-dev libcli11-dev)
 test=(libgtest-dev libgmock-dev python3:python3 chromium:chromium calculix-ccx:ccx
-      libopenmpi-dev openmpi-bin openssh-client:ssh)
+      libopenmpi-dev openmpi-bin)
 ci=(clang-format:clang-format clang-tidy:clang-tidy gcovr:gcovr dpkg-dev file
     help2man:help2man ccache:ccache)
 fuzz=(clang:clang++)
