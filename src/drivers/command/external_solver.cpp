@@ -30,7 +30,8 @@ bool are_mode_numbers(const Eigen::VectorXd& eigenvalues) {
   constexpr double k_rounding = 1e-9;
   constexpr Eigen::Index k_few = 3;
   if (eigenvalues.size() < k_few || !(eigenvalues.minCoeff() > 0.0)) return false;
-  const Eigen::VectorXd numbers = Eigen::VectorXd::LinSpaced(eigenvalues.size(), 1.0, static_cast<double>(eigenvalues.size()));
+  const Eigen::VectorXd numbers =
+      Eigen::VectorXd::LinSpaced(eigenvalues.size(), 1.0, static_cast<double>(eigenvalues.size()));
   const Eigen::VectorXd rad_s = eigenvalues.cwiseSqrt();
   const auto is_counting = [&](const Eigen::VectorXd& values) { return values.isApprox(numbers, k_rounding); };
   return is_counting(eigenvalues) || is_counting(rad_s) || is_counting(rad_s / (2.0 * std::numbers::pi));
@@ -137,7 +138,6 @@ std::string ExternalSolver::observe(const ExtractedModes& found, const SolutionR
   solution.displacements = request.observation * found.shapes;
   return {};
 }
-
 
 std::int64_t SharedCount::add(std::int64_t more) {
   return more + (ranks_ == nullptr ? own_.fetch_add(more) : ranks_->add(counter_, more));

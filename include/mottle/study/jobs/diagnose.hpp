@@ -14,7 +14,7 @@ struct DiagnoseOutcome {
   Study whole;  ///< with the candidates as parameters
   Diagnosis diagnosis = {};
   Eigen::Index outputs = 0;  ///< number of them
-  int ranks = 1;  ///< processes that shared the model's evaluations
+  int ranks = 1;             ///< processes that shared the model's evaluations
   double seconds = 0.0;
 };
 
