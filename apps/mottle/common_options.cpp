@@ -81,7 +81,7 @@ RunSettings run_settings(const CommonOptions& options, Console& console, Ranks* 
           .observer = &console,
           .stop = &stop_flag(),
           .ranks = ranks,
-          .run_folder = folder};
+          .run_folder = is_helper(ranks) ? folder : std::filesystem::path()};
 }
 
 void print_summary(const CommonOptions& options, const RunSummary& summary) {

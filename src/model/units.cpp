@@ -3,11 +3,11 @@
 namespace mottle::model {
 
 UnitNames unit_names(const std::string& units) {
-  if (units == "mm-t-s") return {"N/mm", "t", "N s/mm", "Hz", "1/sqrt(t)", "mm", "MPa", "t/mm^3", "(rad/s)^2", "N mm/rad",
-            "N mm s/rad"};
+  if (units == "mm-t-s")
+    return {"N/mm", "t", "N s/mm", "Hz", "1/sqrt(t)", "mm", "MPa", "t/mm^3", "(rad/s)^2", "N mm/rad", "N mm s/rad"};
   if (units == "mm-kg-ms")
-    return {"kN/mm", "kg", "kN ms/mm", "kHz", "1/sqrt(kg)", "mm", "GPa", "kg/mm^3", "(rad/ms)^2", "kN mm/rad",
-            "kN mm ms/rad"};
+    return {"kN/mm", "kg",      "kN ms/mm",   "kHz",       "1/sqrt(kg)",  "mm",
+            "GPa",   "kg/mm^3", "(rad/ms)^2", "kN mm/rad", "kN mm ms/rad"};
   if (units == "in-lbf-s") {
     return {"lbf/in", "lbf s^2/in",   "lbf s/in",  "Hz",         "1/sqrt(lbf s^2/in)", "in",
             "psi",    "lbf s^2/in^4", "(rad/s)^2", "lbf in/rad", "lbf in s/rad"};

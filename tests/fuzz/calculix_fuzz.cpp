@@ -67,7 +67,8 @@ void check_target(const CalculixDeck& deck, const std::string& target) {
   attempt([&] { expect(!matrix_storage_deck(deck, changes).empty()); });
   attempt([&] {
     const std::vector<CalculixFile> files = deck_files_with_replacements(deck, replacements);
-    expect(std::ranges::any_of(files, [](const CalculixFile& file) { return file.bytes.find("{{p}}") != std::string::npos; }));
+    expect(std::ranges::any_of(files,
+                               [](const CalculixFile& file) { return file.bytes.find("{{p}}") != std::string::npos; }));
   });
   attempt([&] {  // a part that nothing is an instance of does not come into the flat deck
     const bool is_written = deck_with_replacements(deck, replacements).find("{{p}}") != std::string::npos;

@@ -9,8 +9,8 @@
 
 namespace mottle::study {
 
-/// Throws FormatError where values of a study still are "UNKNOWN", as `mottle init` writes what only the user knows: with
-/// the lines and keys of all of them.
+/// Throws FormatError where values of a study still are "UNKNOWN", as `mottle init` writes what only the user knows:
+/// with the lines and keys of all of them.
 void refuse_unknown_values(const toml::table& root, const std::filesystem::path& file);
 
 }  // namespace mottle::study

@@ -112,8 +112,9 @@ void say_region(const SummarySources& s, std::string& text) {
   if (!s.agreement.region) return;
   const RegionAgreement& region = *s.agreement.region;
   const bool has_gaps = region.tests < s.problem.tests.values.rows();
-  text += fmt::format(" {} of {} {} lie within the region that contains {:.0f} % of the updated model's outputs",
-                      region.final, region.tests, has_gaps ? "tests without gaps" : "tests", 100.0 * region.probability);
+  text +=
+      fmt::format(" {} of {} {} lie within the region that contains {:.0f} % of the updated model's outputs",
+                  region.final, region.tests, has_gaps ? "tests without gaps" : "tests", 100.0 * region.probability);
   if (!region.is_judged) {
     text += ", which lacks the noise of the tests, as the study does not state it.";
   } else {

@@ -105,12 +105,11 @@ void plan_mean_test(const Comparison& c, TestPlan& plan) {
     const double squares =
         n > d ? squared_distance(c, covariance_of_tests_mean(c.problem.tests, c.tests.covariance) + c.of_cloud) : -1.0;
     if (squares < 0.0) {
-      plan.leave_untested(
-          Aspect::means,
-          fmt::format("The means were not tested: {:.0f} specimens are too few for {} of the "
-                      "outputs that no parameter moves, as their noise is not known. Give [test] "
-                      "repeatability of every output, or test more specimens.",
-                      n, directions_text(d)));
+      plan.leave_untested(Aspect::means,
+                          fmt::format("The means were not tested: {:.0f} specimens are too few for {} of the "
+                                      "outputs that no parameter moves, as their noise is not known. Give [test] "
+                                      "repeatability of every output, or test more specimens.",
+                                      n, directions_text(d)));
       return;
     }
     test = f_test("mean-agreement", squares * (n - d) / ((n - 1.0) * d), d, n - d);
