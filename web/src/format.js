@@ -54,6 +54,15 @@ export function seconds_text(value) {
 export const plural = (count, one, many = `${one}s`) => `${count_text(count)} ${count === 1 ? one : many}`;
 export const name_with_unit = (axis) => (axis.unit ? `${axis.name} (${axis.unit})` : axis.name);
 
+/** Labels cut in the middle to the width that they have: names that differ at their ends stay different. */
+export const fit_in = (width, font_size = 12) => (name) => {
+  const letters = Math.max(4, Math.floor(width / (0.6 * font_size)));
+  const text = String(name);
+  if (text.length <= letters) return text;
+  const end = Math.floor((letters - 1) / 2);
+  return `${text.slice(0, letters - 1 - end)}…${text.slice(text.length - end)}`;
+};
+
 /** "0.71 k1 − 0.70 k2": the largest weights of a combination, largest first, with an ellipsis where smaller ones were left out. */
 export function combination_text(weights, { least = 0.1, terms = 6 } = {}) {
   const all = Object.entries(weights)

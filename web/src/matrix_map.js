@@ -1,6 +1,7 @@
 // A matrix of numbers as a map of coloured cells with their values: the map of the rank correlations and that of the MAC.
 import { is_number, list } from "./data.js";
 import { axis, tooltip_box } from "./charts.js";
+import { fit_in } from "./format.js";
 import { ink, on_deep, on_pale, paper } from "./palette.js";
 
 export const signed = (value) => `${value <= -0.005 ? "\u2212" : ""}${Math.abs(value).toFixed(2)}`;
@@ -68,8 +69,8 @@ export function matrix_map(map) {
     const label_width = name_width - 12 - (row_title ? 18 : 0);
     const turned =
       cell_width < 44
-        ? { rotate: 60, width: map.cell.column_room, overflow: "truncate" }
-        : { width: cell_width - 6, overflow: "truncate" };
+        ? { rotate: 60, formatter: fit_in(map.cell.column_room) }
+        : { formatter: fit_in(cell_width - 6) };
     const under = turned.rotate ? map.cell.column_room : 34;
     const category = (names, more) =>
       axis({
@@ -97,8 +98,7 @@ export function matrix_map(map) {
           color: ink,
           fontSize: Math.min(12, Math.max(8, cell_height - 3)),
           interval: 0,
-          width: label_width,
-          overflow: "truncate",
+          formatter: fit_in(label_width, Math.min(12, Math.max(8, cell_height - 3))),
         },
       }),
       visualMap: {

@@ -1,7 +1,7 @@
 // Drawings of a prediction: intervals of the outputs with the held-out tests on them, and histograms of their transforms.
 import { extent, is_number, list, record } from "./data.js";
 import { axis, tooltip_box, zooming } from "./charts.js";
-import { name_with_unit, number_text, p_value_text, plural, short_number } from "./format.js";
+import { fit_in, name_with_unit, number_text, p_value_text, plural, short_number } from "./format.js";
 import { band_series, layout, panel_frame } from "./panels.js";
 import { bound, ink, model, muted, paper, test, test_band } from "./palette.js";
 
@@ -64,7 +64,7 @@ export function interval_bars(outputs, width) {
       splitLine: { show: false },
       axisTick: { show: false },
       axisLine: { show: true, onZero: true, lineStyle: { color: muted } },
-      axisLabel: { color: ink, fontSize: 12, interval: 0, width: left - 12, overflow: "truncate" },
+      axisLabel: { color: ink, fontSize: 12, interval: 0, formatter: fit_in(left - 12) },
     }),
     ...zooming(1),
     tooltip: {

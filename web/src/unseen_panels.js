@@ -1,7 +1,7 @@
 // Bars of what the tests do not see: the unseen part of each parameter, and the weights of each unseen direction.
 import { is_number, list, record } from "./data.js";
 import { tooltip_box, zooming } from "./charts.js";
-import { number_text, short_number } from "./format.js";
+import { fit_in, number_text, short_number } from "./format.js";
 import { layout, panel_frame } from "./panels.js";
 import { bound, ink, model, muted } from "./palette.js";
 
@@ -66,7 +66,7 @@ function bar_panels(panels, width, { name, columns_at_most, interval, format, ti
           splitLine: { show: false },
           axisTick: { show: false },
           axisLine: { show: true, onZero: true, lineStyle: { color: muted } },
-          axisLabel: { color: ink, fontSize: 12, interval: 0, width: left - 12, overflow: "truncate" },
+          axisLabel: { color: ink, fontSize: 12, interval: 0, formatter: fit_in(left - 12) },
         },
       })),
       cells,
