@@ -51,14 +51,15 @@ void FailureCount::add(const std::string& failure) {
   ++done_;
   if (failure.empty()) return;
   ++failed_;
+  last_.clear();  // what throws is over: the next batch has failures of its own
+  limit_.require_few(done_, failed_, false, failure);
   last_ = failure;
-  limit_.require_few(done_, failed_, false, last_);
 }
 
 void FailureCount::end_batch() {
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (!last_.empty()) limit_.require_few(done_, failed_, true, last_);
-  last_.clear();
+  const std::string last = std::exchange(last_, {});
+  if (!last.empty()) limit_.require_few(done_, failed_, true, last);
 }
 
 void FailureLimit::require_few(std::int64_t done, std::int64_t failed, bool is_end, const std::string& last) const {
