@@ -214,6 +214,19 @@ std::filesystem::path temporary_folder() {
                                   given != nullptr ? given : "/tmp", error.message()));
 }
 
+TemporaryFolder::TemporaryFolder() {
+  std::string pattern = (temporary_folder() / "mottle-XXXXXX").string();
+  if (::mkdtemp(pattern.data()) == nullptr) {
+    throw SystemFailure(fmt::format("{}: no folder can be made there: {}", temporary_folder().string(), error_text()));
+  }
+  path_ = pattern;
+}
+
+TemporaryFolder::~TemporaryFolder() {
+  std::error_code ignored;
+  std::filesystem::remove_all(path_, ignored);
+}
+
 void refuse_to_write(const std::filesystem::path& path, const char* what, const char* advice) {
   const std::string message = fmt::format("{}: {}: {}", path.string(), what, error_text());
   for (const int limit : {ENOSPC, EDQUOT, EMFILE, ENFILE, ENOMEM, EIO}) {

@@ -53,6 +53,20 @@ void write_file_atomically(const std::filesystem::path& path, std::span<const st
 /// The system's folder for temporary files ($TMPDIR or /tmp). Throws SystemFailure where it is none.
 std::filesystem::path temporary_folder();
 
+/// A new folder within it that nobody else can read, and that goes with this object.
+class TemporaryFolder {
+ public:
+  /// Throws SystemFailure where none can be made.
+  TemporaryFolder();
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  ~TemporaryFolder();
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
 /// Makes the folder and its parents, and proves by a probe file that it can be written.
 /// Throws InvalidInput where it cannot, SystemFailure where the machine refuses (full disk, no descriptors left).
 void make_writable_folder(const std::filesystem::path& folder);

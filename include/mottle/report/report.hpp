@@ -13,6 +13,14 @@ namespace mottle::report {
 /// Throws InvalidInput: no result.json there, or one of these files cannot be understood; SystemFailure: cannot write.
 void write_report(const std::filesystem::path& folder);
 
+/// Prints report.html of `folder` to report.pdf beside it, by a Chromium of this machine: the page's summary for paper,
+/// which has two pages.
+///
+/// @returns the file
+/// @throws InvalidInput   there is no browser
+/// @throws SystemFailure  it fails, or writes nothing
+std::filesystem::path print_report(const std::filesystem::path& folder);
+
 /// Reads modes.json of `folder` and writes modes.html beside it.
 void write_modes_page(const std::filesystem::path& folder);
 

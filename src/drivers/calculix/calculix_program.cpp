@@ -1,45 +1,19 @@
 #include "drivers/calculix/calculix_program.hpp"
 
-#include <stdlib.h>  // NOLINT(modernize-deprecated-headers): mkdtemp is POSIX's
-
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 
 #include "drivers/calculix/matrix_store.hpp"
 #include "drivers/command/run_output.hpp"
-#include "drivers/command/solver_process.hpp"
 #include "mottle/core/files.hpp"
 #include "mottle/core/subject.hpp"
 #include "mottle/core/text.hpp"
+#include "mottle/drivers/command/solver_process.hpp"
 #include "mottle/formats/calculix/results.hpp"
 
 namespace mottle::drivers {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// A folder of its own, gone at the end.
-class PrivateFolder {
- public:
-  PrivateFolder() {
-    std::string name = (temporary_folder() / "mottle-ccx-XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) {
-      throw SystemFailure(fmt::format("{}: cannot make a folder: {}", name, std::strerror(errno)));
-    }
-    path_ = name;
-  }
-  PrivateFolder(const PrivateFolder&) = delete;
-  PrivateFolder& operator=(const PrivateFolder&) = delete;
-  ~PrivateFolder() {
-    std::error_code error;
-    fs::remove_all(path_, error);
-  }
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
 
 /// What the solver printed from its first error on, since the last one only says that there were others; the last lines
 /// where there is none.
@@ -107,7 +81,7 @@ CalculixProgram::CalculixProgram(const CalculixSettings& settings, const Calculi
              "there is no program '{}' on the PATH; install CalculiX (Debian: calculix-ccx) or name its "
              "file",
              settings.program);
-  const PrivateFolder folder;
+  const TemporaryFolder folder;
   run({program_.string(), "-v"}, folder.path());
   version_ = last_part(folder.path() / k_standard_output);  // whatever its exit status: 201 of version 2.20
   if (version_.empty()) fail("it does not say its version (-v)", folder.path());
@@ -119,7 +93,7 @@ MatrixRun CalculixProgram::matrices(const std::string& text) {
     ++reused_;
     return std::move(*found);
   }
-  const PrivateFolder folder;
+  const TemporaryFolder folder;
   const ProcessEnd end = run_deck(text, folder.path());
   if (end.kind != ProcessEnd::Kind::done) {
     fail(end.kind == ProcessEnd::Kind::timed_out
@@ -142,7 +116,7 @@ MatrixRun CalculixProgram::matrices(const std::string& text) {
 Eigen::VectorXd CalculixProgram::eigenvalues(const std::string& text) {
   const Digest digest = digest_of(text);
   if (const auto found = find_eigenvalues(settings_.cache, digest)) return *found;
-  const PrivateFolder folder;
+  const TemporaryFolder folder;
   if (run_deck(text, folder.path()).kind != ProcessEnd::Kind::done) return {};
   Eigen::VectorXd eigenvalues;
   try {
@@ -156,7 +130,7 @@ Eigen::VectorXd CalculixProgram::eigenvalues(const std::string& text) {
 }
 
 void CalculixProgram::require_known_cards(const std::string& text) {
-  const PrivateFolder folder;
+  const TemporaryFolder folder;
   run_deck(text, folder.path());
   require_none(unknown_cards(read_file(folder.path() / k_standard_output)), deck_);
 }

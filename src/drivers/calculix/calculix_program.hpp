@@ -6,7 +6,7 @@
 #include <map>
 #include <string>
 
-#include "drivers/command/solver_process.hpp"
+#include "mottle/drivers/command/solver_process.hpp"
 #include "mottle/core/checksum.hpp"
 #include "mottle/drivers/calculix/calculix.hpp"
 #include "mottle/drivers/calculix/separable_fit.hpp"

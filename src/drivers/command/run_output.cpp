@@ -6,7 +6,7 @@
 
 #include <algorithm>
 
-#include "drivers/command/solver_process.hpp"
+#include "mottle/drivers/command/solver_process.hpp"
 #include "mottle/formats/text_lines.hpp"
 
 namespace mottle::drivers {

@@ -1,4 +1,4 @@
-#include "drivers/command/solver_process.hpp"
+#include "mottle/drivers/command/solver_process.hpp"
 
 #include <fcntl.h>
 #include <poll.h>

@@ -1,5 +1,5 @@
 // Running other programs: what they get, how they end, and that nothing of them outlives its time.
-#include "drivers/command/solver_process.hpp"
+#include "mottle/drivers/command/solver_process.hpp"
 
 #include <gmock/gmock.h>
 #include <sys/wait.h>
