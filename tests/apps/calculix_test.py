@@ -96,6 +96,21 @@ class CalculixTest(support.CommandTest):
             expected = own[mode - 1] ** 0.5 / (2 * math.pi)
             self.assertLess(abs(float(rows[0][header.index(f"f{mode}")]) / expected - 1), 1e-6)
 
+    def test_of_one_free_element_only_rigid_body_modes_are_compared(self):
+        """All four that CalculiX finds of 24 equations are: there is no elastic one to measure them by."""
+        corners = [(x, y, z) for z in (0, 1) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))]
+        cube = ["*NODE", *(f"{k}, {x}, {y}, {z}" for k, (x, y, z) in enumerate(corners, 1)),
+                "*ELEMENT, TYPE=C3D8I, ELSET=CUBE", "1, 1, 2, 3, 4, 5, 6, 7, 8", "*MATERIAL, NAME=S", "*ELASTIC", "7e10, 0.3",
+                "*DENSITY", "2700.", "*SOLID SECTION, ELSET=CUBE, MATERIAL=S", "*STEP", "*FREQUENCY", "10", "*END STEP", ""]
+        self.write("cube.inp", "\n".join(cube))
+        listed = self.succeed("targets", "cube.inp", "--json")
+        self.assertIn("matrices from", self.succeed("targets", "cube.inp").out)
+        self.assertNotIn("nan", listed.out)
+        targets = {target["name"]: target["sensitivity"] for target in json.loads(listed.out)["targets"]}
+        self.assertEqual(targets["*DENSITY:S"][:6], [None] * 6)
+        for value in targets["*ELASTIC:S:E"][6:]:
+            self.assertAlmostEqual(value, 0.5, 6)
+
     def test_a_second_command_runs_no_solver(self):
         first = self.succeed("check", "study.toml", "--cache", "cache")
         self.assertIn("matrices from 4 decks (4 runs, 0 from the cache)", first.out)

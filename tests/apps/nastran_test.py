@@ -132,6 +132,14 @@ class NastranTest(support.CommandTest):
         self.assertRegex(out, r"E +MAT1:1:E .*exactly separable, linearly")
         self.assertRegex(out, r"NU|I1 +MAT1:1:NU .*re-assembled")
 
+    def test_check_says_what_moves_two_modes_of_one_frequency(self):
+        """They have no derivative; half the relative change of a modulus is what it changes in both."""
+        self.write("deck.bdf", edited(FREE_DECK, (f"{INERTIA_2:.1e}", f"{INERTIA_1:.1e}")))
+        self.write("study.toml", STUDY[:STUDY.index('[[parameter]]\nname = "I1"')] + STUDY[STUDY.index("[outputs]"):])
+        out = self.succeed("check", "study.toml").out
+        self.assertRegex(out, r"f1 .* E \+2\.5 %")
+        self.assertRegex(out, r"E changes f[12] most: \+2\.5 % by one prior")
+
     def test_a_changed_deck_cannot_be_resumed(self):
         self.succeed("propagate", "study.toml", "--out", "out", "--quiet")
         (self.folder / "out" / "resume.journal").write_bytes(b"mottle journal 3\n1234567812345678")

@@ -9,30 +9,48 @@
 
 namespace mottle::drivers {
 
+namespace {
+
+/// Up to this size an eigenvalue may be what rounding leaves of a rigid-body motion: a small part of the highest one,
+/// or of the terms that its shape adds up, of which 14 digits are printed.
+Eigen::ArrayXd rigid_limits(const SparseMatrix& stiffness, const SparseModes& modes, const Eigen::VectorXd& own) {
+  constexpr double k_of_highest = 1e-6;
+  constexpr double k_of_terms = 1e-12;
+  const Eigen::MatrixXd sizes = modes.vectors.cwiseAbs();
+  const Eigen::ArrayXd terms =
+      sizes.cwiseProduct(symmetric_product(stiffness.cwiseAbs(), sizes)).colwise().sum().transpose();
+  return (k_of_terms * terms).max(k_of_highest * own.cwiseAbs().maxCoeff());
+}
+
+std::string frequency_text(double eigenvalue) {
+  if (eigenvalue < 0.0) return fmt::format("the eigenvalue {:.3g}", eigenvalue);
+  return fmt::format("{:.6g} Hz", natural_frequencies_hz(Eigen::VectorXd::Constant(1, eigenvalue))(0));
+}
+
+}  // namespace
+
 OwnModesComparison compare_with_own_modes(const SeparablePencil& pencil, const Eigen::VectorXd& parameters,
                                           const Eigen::VectorXd& own) {
   constexpr double k_agreement = 1e-4;  // of frequencies: what a reduced model may be off too
-  constexpr double k_rigid = 1e-6;      // of the highest eigenvalue: what both programs leave of a rigid-body mode
   OwnModesComparison result;
   if (own.size() == 0) return result;
   SparseModeSolver solver;
-  const SparseModes modes = solver.solve(pencil.stiffness.at(parameters), pencil.mass.at(parameters),
-                                         {.modes = static_cast<int>(own.size()), .measures = false});
+  const SparseMatrix stiffness = pencil.stiffness.at(parameters);
+  const SparseModes modes =
+      solver.solve(stiffness, pencil.mass.at(parameters), {.modes = static_cast<int>(own.size()), .measures = false});
   if (!modes.failure.empty()) {
     result.failure = fmt::format("CalculiX prints its matrices with 14 digits, and of those {}", modes.failure);
     return result;
   }
-  const double rigid = k_rigid * own.cwiseAbs().maxCoeff();
+  const Eigen::ArrayXd rigid = rigid_limits(stiffness, modes, own);
   for (Eigen::Index k = 0; k < std::min(own.size(), modes.values.size()); ++k) {
-    if (std::abs(own(k)) <= rigid && std::abs(modes.values(k)) <= rigid) continue;
+    if (std::abs(own(k)) <= rigid(k) && std::abs(modes.values(k)) <= rigid(k)) continue;
     const double error = std::abs(std::sqrt(std::max(modes.values(k) / own(k), 0.0)) - 1.0);
     result.error = std::max(result.error, error);
     if (error <= k_agreement || !result.failure.empty()) continue;
-    const double frequency = natural_frequencies_hz(modes.values)(k);
     result.failure =
-        fmt::format("CalculiX prints its matrices with 14 digits, and of those mode {} {} instead of its own {:.6g} Hz",
-                    k + 1, std::isnan(frequency) ? "is unstable" : fmt::format("has {:.6g} Hz", frequency),
-                    natural_frequencies_hz(own)(k));
+        fmt::format("CalculiX prints its matrices with 14 digits, and of those mode {} has {} instead of its own {}",
+                    k + 1, frequency_text(modes.values(k)), frequency_text(own(k)));
   }
   return result;
 }

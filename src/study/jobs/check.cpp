@@ -33,6 +33,27 @@ Eigen::VectorXd frequencies_of(const StudyModel& made) {
       .head(std::min(k_listed_modes, modes.eigenvalues.size()));
 }
 
+/// Changes of the outputs by one prior standard deviation of each parameter, relative [output x parameter]; by central
+/// differences where outputs have no derivative, as modes of one frequency have none.
+Eigen::MatrixXd relative_changes(const StudyModel& made, const Eigen::VectorXd& outputs, const RunContext& context) {
+  const StructureModel& model = *made.model;
+  const Eigen::VectorXd mean = made.space->prior().mean();
+  const Eigen::VectorXd deviation = made.space->prior().covariance().diagonal().cwiseSqrt();
+  Eigen::MatrixXd changes = model.jacobian(mean) * deviation.asDiagonal();
+  if (!changes.allFinite()) {
+    const double step = model.difference_step();
+    const Eigen::MatrixXd steps = (step * deviation).asDiagonal();
+    Eigen::MatrixXd points(2 * mean.size(), mean.size());
+    points << steps, -steps;
+    points.rowwise() += mean.transpose();
+    const Eigen::MatrixXd moved = model.evaluate(points, context).outputs;
+    const Eigen::MatrixXd differences =
+        (moved.topRows(mean.size()) - moved.bottomRows(mean.size())).transpose() / (2.0 * step);
+    changes = changes.array().isFinite().select(changes, differences);
+  }
+  return outputs.cwiseAbs().cwiseInverse().asDiagonal() * changes;
+}
+
 /// Outputs at the parameters' means, the time that they take and what the parameters change in them. A solver by
 /// command has run once already and is not run again: of it the listed frequencies are known.
 void try_model(const Study& study, const StudyModel& made, const RunContext& context, CheckOutcome& outcome) {
@@ -59,9 +80,7 @@ void try_model(const Study& study, const StudyModel& made, const RunContext& con
   constexpr double k_patience = 10.0;  // seconds; a derivative costs at most two assemblies and solutions
   if (model.derivatives() == nullptr || outcome.solution_seconds * static_cast<double>(mean.size()) > k_patience)
     return;
-  const Eigen::VectorXd deviation = made.space->prior().covariance().diagonal().cwiseSqrt();
-  const Eigen::VectorXd sizes = outcome.outputs.cwiseAbs();
-  outcome.changes = sizes.cwiseInverse().asDiagonal() * model.jacobian(mean) * deviation.asDiagonal();
+  outcome.changes = relative_changes(made, outcome.outputs, context);
 }
 
 }  // namespace

@@ -138,7 +138,10 @@ void describe_reach_of_parameters(const CheckOutcome& outcome, std::vector<std::
         outcome.changes.col(i).array().isFinite().select(outcome.changes.col(i).cwiseAbs(), 0.0);
     const double largest = sizes.maxCoeff(&output);
     const std::string& name = names[static_cast<std::size_t>(i)];
-    if (largest == 0.0) {
+    if (largest == 0.0 && !outcome.changes.col(i).allFinite()) {
+      lines.push_back(
+          fmt::format("what {} changes is not known: the outputs cannot be computed near the parameters' means", name));
+    } else if (largest == 0.0) {
       lines.push_back(fmt::format("warning: {} changes no output", name));
     } else {
       lines.push_back(fmt::format("{} changes {} most: {:+.2g} % by one prior standard deviation", name,
