@@ -106,7 +106,7 @@ class CalculixTest(support.CommandTest):
         listed = self.succeed("targets", "cube.inp", "--json")
         self.assertIn("matrices from", self.succeed("targets", "cube.inp").out)
         self.assertNotIn("nan", listed.out)
-        targets = {target["name"]: target["sensitivity"] for target in json.loads(listed.out)["targets"]}
+        targets = {target["target"]: target["sensitivity"] for target in json.loads(listed.out)["targets"]}
         self.assertEqual(targets["*DENSITY:S"][:6], [None] * 6)
         for value in targets["*ELASTIC:S:E"][6:]:
             self.assertAlmostEqual(value, 0.5, 6)
