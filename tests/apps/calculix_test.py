@@ -104,7 +104,7 @@ class CalculixTest(support.CommandTest):
                 "*DENSITY", "2700.", "*SOLID SECTION, ELSET=CUBE, MATERIAL=S", "*STEP", "*FREQUENCY", "10", "*END STEP", ""]
         self.write("cube.inp", "\n".join(cube))
         listed = self.succeed("targets", "cube.inp", "--json")
-        self.assertIn("matrices from", self.succeed("targets", "cube.inp").out)
+        self.assertRegex(self.succeed("targets", "cube.inp").out, "matrices from .*are rigid-body motions, there is nothing to compare")
         self.assertNotIn("nan", listed.out)
         targets = {target["target"]: target["sensitivity"] for target in json.loads(listed.out)["targets"]}
         self.assertEqual(targets["*DENSITY:S"][:6], [None] * 6)

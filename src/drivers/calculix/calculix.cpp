@@ -88,6 +88,11 @@ std::string compare_modes(const MatrixModel& model, CalculixProgram& solver, con
   const OwnModesComparison comparison = compare_with_own_modes(model.pencil, model.reference, own);
   if (!comparison.failure.empty()) throw NotSeparable(comparison.failure);
   if (own.size() == 0) return "; CalculiX found no modes itself to compare with";
+  if (comparison.compared == 0) {
+    return fmt::format(
+        "; the {} modes that CalculiX finds itself are rigid-body motions, there is nothing to compare with",
+        own.size());
+  }
   return fmt::format("; their {} lowest frequencies are CalculiX's own to {:.1e}", own.size(), comparison.error);
 }
 

@@ -45,6 +45,7 @@ OwnModesComparison compare_with_own_modes(const SeparablePencil& pencil, const E
   const Eigen::ArrayXd rigid = rigid_limits(stiffness, modes, own);
   for (Eigen::Index k = 0; k < std::min(own.size(), modes.values.size()); ++k) {
     if (std::abs(own(k)) <= rigid(k) && std::abs(modes.values(k)) <= rigid(k)) continue;
+    ++result.compared;
     const double error = std::abs(std::sqrt(std::max(modes.values(k) / own(k), 0.0)) - 1.0);
     result.error = std::max(result.error, error);
     if (error <= k_agreement || !result.failure.empty()) continue;
