@@ -21,6 +21,7 @@ namespace mottle::model {
 namespace {
 
 constexpr std::string_view k_magic = "mottle journal 6\n";
+static_assert(k_magic.starts_with(k_journal_magic));
 
 void append_remark(std::string& body, Eigen::Index sample, const std::string& text) {
   append_value(body, std::int64_t{sample});

@@ -264,9 +264,36 @@ candidates = [{ name = "rho", target = "*DENSITY:ALUMINIUM", distribution = { ki
                 mine = self.write(f"{verb}-{name}/{name}", "mine")
                 ended = self.call(verb, study, "--out", mine.parent)
                 self.assertEqual(ended.code, 2, ended.err)
-                self.assertIn(f"{name}: nothing beside this file says that an earlier run wrote it", ended.err)
+                self.assertIn(f"{name}: nothing in this file or beside it says that an earlier run wrote it", ended.err)
                 self.assertEqual(mine.read_text(encoding="utf-8"), "mine")
                 self.assertEqual(list(mine.parent.iterdir()), [mine])
+
+    def test_names_alone_do_not_make_a_file_the_programs_own(self):
+        """What stands beside is no proof unless it holds what a job leaves."""
+        self.write("study-of-truth.toml", STUDY + TRUTH)
+        for verb, study, names in (("update", "study.toml", ("specimens.csv", "history.csv")),
+                                   ("update", "study.toml", ("result.json", "cloud-final.csv")),
+                                   ("update", "study.toml", ("mottle.log",)), ("update", "study.toml", ("resume.journal",)),
+                                   ("update", "study.toml", ("modes.json",)), ("propagate", "study.toml", ("result.json",)),
+                                   ("propagate", "study.toml", ("specimens.csv", "cloud.csv")),
+                                   ("simulate", "study-of-truth.toml", ("specimens.csv",)),
+                                   ("simulate", "study-of-truth.toml", ("specimens.csv", "specimens-truth.csv")),
+                                   ("diagnose", "study.toml", ("diagnosis.json",)),
+                                   ("diagnose", "study.toml", ("diagnosis.log",))):
+            with self.subTest(verb=verb, names=names):
+                folder = self.folder / "-".join((verb, *names))
+                for name in names:
+                    self.write(folder / name, "f1,f2\n1,2\n")
+                ended = self.call(verb, study, "--out", folder)
+                self.assertEqual(ended.code, 2, ended.err)
+                self.assertIn("says that an earlier run wrote it", ended.err)
+                self.assertEqual({file.name: file.read_text(encoding="utf-8") for file in folder.iterdir()},
+                                 dict.fromkeys(names, "f1,f2\n1,2\n"))
+
+    def test_what_a_kill_left_empty_is_used(self):
+        folder = self.write("killed/mottle.log", "").parent
+        self.write("killed/resume.journal", "mottle jour")
+        self.succeed("update", "study.toml", "--out", folder, "--quiet")
 
     def test_a_study_that_is_simulated_is_updated_in_the_same_folder(self):
         self.write("study-of-truth.toml", STUDY + TRUTH)

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "mottle/core/checksum.hpp"
@@ -13,6 +14,8 @@
 #include "mottle/model/model.hpp"
 
 namespace mottle::model {
+
+inline constexpr std::string_view k_journal_magic = "mottle journal";  ///< of any version
 
 /// A model that answers from its journal where it can and writes there what it had to compute.
 ///

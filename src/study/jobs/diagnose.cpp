@@ -8,6 +8,7 @@
 #include "study/jobs/candidates.hpp"
 #include "study/jobs/job_files.hpp"
 #include "study/jobs/model_around.hpp"
+#include "study/jobs/study_reach.hpp"
 #include "study/results/diagnosis_names.hpp"
 #include "study/tests/rank_numbering.hpp"
 #include "study/tests/unit_errors.hpp"
@@ -78,6 +79,7 @@ DiagnoseOutcome diagnose_here(const Study& study, const RunSettings& settings) {
 }  // namespace
 
 DiagnoseOutcome diagnose(const Study& study, const RunSettings& settings) {
+  require_own(settings.folder, {k_diagnosis, k_diagnosis_log, k_diagnosis_journal}, paths_of(study));
   return without_earlier(settings.folder, {k_diagnosis}, [&] { return diagnose_here(study, settings); });
 }
 

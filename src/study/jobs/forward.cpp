@@ -141,7 +141,7 @@ PropagateOutcome propagate(const Study& study, const std::optional<std::filesyst
   std::vector<std::filesystem::path> read = paths_of(study);
   if (points) read.push_back(*points);
   require_none_is_read(settings.folder, {"study.toml", "cloud.csv", "clouds.csv", "result.json"}, read);
-  require_own(settings.folder, {"study.toml"});
+  require_own(settings.folder, files_of_jobs(), read);
   return without_earlier(settings.folder, results_not_read(settings.folder, result_names(), read),
                          [&] { return propagate_here(study, points, settings); });
 }
@@ -150,7 +150,7 @@ SimulateOutcome simulate(const Study& study, const RunSettings& settings) {
   std::vector<std::filesystem::path> read{study.file};  // without its tests, which may be what it makes
   for (const NamedFile& file : study.model->files()) read.push_back(file.file);
   require_none_is_read(settings.folder, {"study.toml", "specimens.csv", "specimens-truth.csv"}, read);
-  require_own(settings.folder, {"study.toml"});
+  require_own(settings.folder, {"study.toml", "specimens.csv", "specimens-truth.csv"}, read);
   return without_earlier(settings.folder, results_not_read(settings.folder, specimen_names(), read),
                          [&] { return simulate_here(study, settings); });
 }

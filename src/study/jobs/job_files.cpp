@@ -1,9 +1,9 @@
 #include "study/jobs/job_files.hpp"
 
 #include <algorithm>
-#include <array>
 
 #include "mottle/core/ranks.hpp"
+#include "study/results/own_results.hpp"
 
 namespace mottle::study {
 
@@ -25,6 +25,12 @@ std::vector<std::string> results_not_read(const std::filesystem::path& folder, s
   return names;
 }
 
+std::vector<std::string> files_of_jobs() {
+  std::vector<std::string> names = result_names();
+  names.insert(names.end(), {"study.toml", k_log, k_journal});
+  return names;
+}
+
 void require_none_is_read(const std::filesystem::path& folder, const std::vector<std::string>& names,
                           const std::vector<std::filesystem::path>& read) {
   if (folder.empty()) return;
@@ -35,18 +41,14 @@ void require_none_is_read(const std::filesystem::path& folder, const std::vector
   }
 }
 
-void require_own(const std::filesystem::path& folder, const std::vector<std::string>& names) {
-  constexpr std::array k_traces{k_log, k_journal, k_previous, "result.json", "specimens.csv", "diagnosis.log"};
-  const auto is_there = [&](const std::string& name) {
-    std::error_code ignored;
-    return std::filesystem::exists(folder / name, ignored);
-  };
-  if (folder.empty() || std::ranges::any_of(k_traces, is_there)) return;
-  for (const std::string& name : names) {
+void require_own(const std::filesystem::path& folder, std::vector<std::string> names,
+                 const std::vector<std::filesystem::path>& read) {
+  if (folder.empty()) return;
+  for (const std::string& name : results_not_read(folder, std::move(names), read)) {
     require(
-        !is_there(name),
-        "{}: nothing beside this file says that an earlier run wrote it, and results would be written over it; move "
-        "it, or choose another folder with --out",
+        may_be_own_result(folder / name),
+        "{}: nothing in this file or beside it says that an earlier run wrote it, and results would be written over "
+        "it; move it, or choose another folder with --out",
         (folder / name).string());
   }
 }

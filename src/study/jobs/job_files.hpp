@@ -18,13 +18,17 @@ namespace mottle::study {
 std::vector<std::string> results_not_read(const std::filesystem::path& folder, std::vector<std::string> names,
                                           const std::vector<std::filesystem::path>& read);
 
+/// What an update or a cloud writes into its folder.
+std::vector<std::string> files_of_jobs();
+
 /// Throws InvalidInput where a job that writes `names` into the folder would write over a file that it reads.
 void require_none_is_read(const std::filesystem::path& folder, const std::vector<std::string>& names,
                           const std::vector<std::filesystem::path>& read);
 
-/// Throws InvalidInput where one of `names` is in the folder and nothing else that an earlier job leaves: it may be the
-/// user's own.
-void require_own(const std::filesystem::path& folder, const std::vector<std::string>& names);
+/// Throws InvalidInput where one of `names`, but for those that are read, is in the folder and nothing says that an
+/// earlier job left it: it may be the user's own.
+void require_own(const std::filesystem::path& folder, std::vector<std::string> names,
+                 const std::vector<std::filesystem::path>& read);
 
 /// Processes that do a job together.
 int rank_count(const RunSettings& settings);

@@ -110,6 +110,7 @@ ModesOutcome find_modes_here(const ModesSettings& settings) {
 ModesOutcome find_modes(const ModesSettings& settings, const std::filesystem::path& folder) {
   std::vector<std::filesystem::path> read{settings.model};
   if (settings.compare) read.push_back(*settings.compare);
+  require_own(folder, modes_names(), read);
   return without_earlier(folder, results_not_read(folder, modes_names(), read),
                          [&] { return find_modes_here(settings); });
 }

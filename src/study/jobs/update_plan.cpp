@@ -68,7 +68,9 @@ void require_place_of_update(const Study& study, const std::filesystem::path& fo
                        {"study.toml", "tests.csv", "pairing.csv", "history.csv", "cloud-initial.csv", "cloud-final.csv",
                         "clouds.csv", "prediction.csv", "modes.json", "result.json"},
                        paths_of(study));
-  require_own(folder, {"study.toml", "tests.csv"});
+  std::vector<std::string> names = files_of_jobs();
+  names.emplace_back("tests.csv");
+  require_own(folder, std::move(names), paths_of(study));
 }
 
 UpdatingProblem problem_of(const Study& study, const UpdatePlan& plan, const Model& model) {

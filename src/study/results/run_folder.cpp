@@ -58,6 +58,12 @@ const std::vector<std::string>& modes_names() {
   return names;
 }
 
+bool holds_previous(const std::filesystem::path& folder) {
+  const std::filesystem::path mark = folder / k_previous / k_mark;
+  std::error_code ignored;
+  return std::filesystem::is_regular_file(mark, ignored) && read_file(mark) == k_mark_text;
+}
+
 RunFolder::RunFolder(std::filesystem::path folder) : folder_(std::move(folder)) {
   make_writable_folder(folder_);
 }

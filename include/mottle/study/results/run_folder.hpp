@@ -24,6 +24,9 @@ const std::vector<std::string>& result_names();    ///< of an update or a cloud
 const std::vector<std::string>& specimen_names();  ///< of `simulate`
 const std::vector<std::string>& modes_names();     ///< of `modes`
 
+/// Whether a folder k_previous that this program made is in the folder.
+bool holds_previous(const std::filesystem::path& folder);
+
 /// Where a run leaves its files.
 class RunFolder {
  public:
