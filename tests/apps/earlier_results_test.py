@@ -118,10 +118,10 @@ class EarlierResultsTest(support.CommandTest):
 candidates = [{ name = "rho", target = "*DENSITY:ALUMINIUM", distribution = { kind = "normal", mean = 2700.0, std = 30.0 } }]
 """)
         self.write("solver.py", "").chmod(0o755)
-        (self.out / "diagnosis.json").write_text('"earlier"', encoding="utf-8")
+        (self.out / "diagnosis.json").write_text('{"mottle": "earlier"}', encoding="utf-8")
         self.kill_in_first_run("diagnose", "plate.toml", "--set", f'model.program="{self.folder / "solver.py"}"')
         self.assertNotIn("diagnosis.json", self.names())
-        self.assertEqual((self.previous / "diagnosis.json").read_text(encoding="utf-8"), '"earlier"')
+        self.assertEqual((self.previous / "diagnosis.json").read_text(encoding="utf-8"), '{"mottle": "earlier"}')
         self.assertEqual(numbers(self.out), self.first, "an update's results are of another kind")
 
     def test_modes_that_are_killed_while_they_are_sought_leave_none(self):

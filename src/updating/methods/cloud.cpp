@@ -9,9 +9,9 @@ void require_enough_runs(const Cloud& cloud, double max_failed) {
   const auto failed = static_cast<double>(cloud.failures.size());
   const auto total = static_cast<double>(cloud.samples.rows());
   if (cloud.failures.empty() || (failed <= max_failed * total && failed < total)) return;
-  throw ModelFailure(fmt::format("{} of {} model runs failed, at most {:.0f} % may; the first, sample {}: {}", failed,
-                                 total, 100.0 * max_failed, cloud.failures.front().sample,
-                                 cloud.failures.front().reason));
+  throw ModelFailure(
+      fmt::format("{} of {} model runs failed, at most {:.0f} % may (max_failed); the first, sample {}: {}", failed,
+                  total, 100.0 * max_failed, cloud.failures.front().sample, cloud.failures.front().reason));
 }
 
 }  // namespace

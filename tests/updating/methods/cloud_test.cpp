@@ -91,7 +91,7 @@ TEST(EvaluatePoints, AllowsExactlyTheGivenFractionOfFailures) {
 
 TEST(EvaluatePoints, StopsWhereMoreFailAndNamesTheFirstReason) {
   EXPECT_EQ(test::message_of<SystemFailure>([] { evaluate_points(DoublingModel(6.5), one_to_ten(), 0.3, {}); }),
-            "4 of 10 model runs failed, at most 30 % may; the first, sample 6: too stiff");
+            "4 of 10 model runs failed, at most 30 % may (max_failed); the first, sample 6: too stiff");
 }
 
 TEST(EvaluatePoints, StopsWhereEveryRunFailedWhateverIsAllowed) {
