@@ -42,6 +42,18 @@ double covariance_by_quadrature(const ParameterTransform& first, const Parameter
 
 }  // namespace
 
+const char* scale_name(ParameterTransform::Kind kind) {
+  switch (kind) {
+    case ParameterTransform::Kind::log:
+      return "log";
+    case ParameterTransform::Kind::logit:
+      return "logit";
+    case ParameterTransform::Kind::identity:
+      break;
+  }
+  return "identity";
+}
+
 double ParameterTransform::from_variable(double x) const {
   if (kind == Kind::log) return std::log(x);
   if (kind == Kind::logit) return std::log((x - lower) / (upper - x));

@@ -38,8 +38,10 @@ DistributionSpec read_distribution(TomlReader reader) {
 ParameterTransform read_transform(TomlReader& reader, const StudyParameter& parameter) {
   using Kind = ParameterTransform::Kind;
   const std::vector<Kind> kinds{Kind::identity, Kind::log, Kind::logit};
-  const ParameterTransform transform{kinds[reader.choice("scale", {"identity", "log", "logit"}, 0)],
-                                     parameter.lower_bound, parameter.upper_bound};
+  std::vector<std::string> names(kinds.size());
+  std::ranges::transform(kinds, names.begin(), scale_name);
+  const ParameterTransform transform{kinds[reader.choice("scale", names, 0)], parameter.lower_bound,
+                                     parameter.upper_bound};
   const double mean = Distribution(parameter.distribution).mean();
   if (transform.kind == Kind::log && !(mean > 0.0)) {
     reader.fail("scale", fmt::format("\"log\" is for positive parameters, the distribution's mean is {}; give scale = "

@@ -17,18 +17,6 @@ Json distribution_json(const Distribution& distribution) {
           {"upper", number_json(spec.upper)}};
 }
 
-const char* transform_name(ParameterTransform::Kind kind) {
-  switch (kind) {
-    case ParameterTransform::Kind::log:
-      return "log";
-    case ParameterTransform::Kind::logit:
-      return "logit";
-    case ParameterTransform::Kind::identity:
-      break;
-  }
-  return "identity";
-}
-
 Json correlation_intervals_json(const ParameterIntervals& intervals) {
   Json rows = Json::array();
   for (Eigen::Index i = 0; i < intervals.correlation_lower.rows(); ++i) {
@@ -52,7 +40,7 @@ Json parameters_json(const ParameterSpace& space) {
   for (const Parameter& parameter : space.parameters()) {
     units.push_back(parameter.unit);
     bounds.push_back(bounds_json(parameter));
-    transforms.push_back(transform_name(parameter.transform.kind));
+    transforms.push_back(scale_name(parameter.transform.kind));
   }
   for (const Distribution& marginal : space.prior().marginals()) marginals.push_back(distribution_json(marginal));
   return {{"names", space.names()},

@@ -26,11 +26,6 @@ std::string distribution_text(const DistributionSpec& spec) {
   return text;
 }
 
-std::string scale_text(ParameterTransform::Kind kind) {
-  if (kind == ParameterTransform::Kind::log) return "scale = \"log\"\n";
-  return kind == ParameterTransform::Kind::logit ? "scale = \"logit\"\n" : "";
-}
-
 std::string parameter_text(StudyParameter parameter, bool is_random) {
   std::string text = "\n[[parameter]]\n";
   if (!is_random)
@@ -47,7 +42,9 @@ std::string parameter_text(StudyParameter parameter, bool is_random) {
   if (std::isfinite(parameter.lower_bound) || std::isfinite(parameter.upper_bound)) {
     text += fmt::format("bounds = [{}, {}]\n", number_text(parameter.lower_bound), number_text(parameter.upper_bound));
   }
-  return text + scale_text(parameter.transform.kind);
+  const ParameterTransform::Kind scale = parameter.transform.kind;
+  if (scale != ParameterTransform::Kind::identity) text += fmt::format("scale = \"{}\"\n", scale_name(scale));
+  return text;
 }
 
 }  // namespace

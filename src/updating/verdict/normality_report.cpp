@@ -37,10 +37,6 @@ Estimates estimates_of(const VariableNormality& variable, double mean, const std
   return estimates;
 }
 
-std::string scale_text(ParameterTransform::Kind kind) {
-  return kind == ParameterTransform::Kind::log ? "log" : kind == ParameterTransform::Kind::logit ? "logit" : "identity";
-}
-
 /// The scale other than the parameter's own on which its estimates look normal best; nothing where none is good enough.
 std::optional<ParameterTransform> better_scale(const Parameter& parameter, const Estimates& on_scale, double p_value) {
   constexpr double k_clearly = 10.0;  // times as probable as on the present scale
@@ -101,8 +97,8 @@ std::string suggestion_for(const Parameter& parameter, const VariableNormality& 
   const bool is_but_for_outliers = !outliers.empty() && estimates_of(variable, mean, outliers).p_value() > k_passes;
   if (const auto scale = better_scale(parameter, estimates, variable.probabilities.p_value)) {
     return fmt::format(
-        "{} looks normal on the scale \"{}\": set scale = \"{}\"{}", parameter.name, scale_text(scale->kind),
-        scale_text(scale->kind),
+        "{} looks normal on the scale \"{}\": set scale = \"{}\"{}", parameter.name, scale_name(scale->kind),
+        scale_name(scale->kind),
         is_but_for_outliers ? ", or check the specimens named as outliers, without which it is normal" : "");
   }
   if (is_but_for_outliers) {

@@ -26,6 +26,9 @@ struct ParameterTransform {
   double slope(double t) const;
 };
 
+/// "identity", "log" or "logit", as studies and results name the scale.
+const char* scale_name(ParameterTransform::Kind kind);
+
 /// x of t, and t of x, row by row [point x variable].
 Eigen::MatrixXd to_variables(const std::vector<ParameterTransform>& transforms,
                              const Eigen::Ref<const Eigen::MatrixXd>& points);
