@@ -14,7 +14,7 @@ build=(g++ make cmake ninja-build ca-certificates nodejs:node npm:npm
 test=(libgtest-dev libgmock-dev python3:python3 chromium:chromium calculix-ccx:ccx
       libopenmpi-dev openmpi-bin)
 ci=(clang-format:clang-format clang-tidy:clang-tidy gcovr:gcovr dpkg-dev file
-    help2man:help2man ccache:ccache)
+    help2man:help2man ccache:ccache slurm-wlm munge)
 fuzz=(clang:clang++)
 bench=(libbenchmark-dev libspectra-dev octave python3:python3 python3-numpy python3-scipy python3-openturns
        python3-petsc4py-real python3-slepc4py-real)
