@@ -146,6 +146,12 @@ void Console::progress(const std::string& work, std::int64_t done, std::int64_t 
   show_if_due();
 }
 
+void Console::detail(const std::string& text) {
+  const std::lock_guard lock(mutex_);
+  line_.set_detail(text);
+  show_if_due();
+}
+
 void Console::say(const std::string& line) {
   if (is_quiet_) return;
   const std::lock_guard lock(mutex_);

@@ -30,6 +30,7 @@ class Console final : public ProgressObserver {
 
   void phase(const Phase& next) override;
   void progress(const std::string& work, std::int64_t done, std::int64_t total) override;
+  void detail(const std::string& text) override;
   void warning(const std::string& text) override;
   void note(const std::string& text) override;
   void finding(const std::string& text) override;

@@ -76,6 +76,7 @@ int run(int argc, char** argv) {
        {mottle::app::add_modes, mottle::app::add_targets, mottle::app::add_init, mottle::app::add_check}},
       {"Updating", {mottle::app::add_update, mottle::app::add_diagnose}},
       {"The model alone", {mottle::app::add_propagate, mottle::app::add_simulate}},
+      {"On a cluster", {mottle::app::add_status, mottle::app::add_cancel}},
       {"Results", {mottle::app::add_report, mottle::app::add_compare, mottle::app::add_export}},
       {"Help", {mottle::app::add_methods, mottle::app::add_completion}},
   };
@@ -85,6 +86,7 @@ int run(int argc, char** argv) {
       app.get_subcommands({}).back()->group(group.title);
     }
   }
+  mottle::app::add_run_task(app);
   if (argc > 1) require_known_verb(app, argv[1]);
   if (mottle::app::is_silent_rank() && !is_shared_verb(argc, argv)) return 0;
   try {

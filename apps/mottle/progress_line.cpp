@@ -25,6 +25,7 @@ void ProgressLine::begin(const Phase& phase, double now) {
   phase_ = phase;
   phase_start_ = now;
   work_.clear();
+  detail_.clear();
   done_ = total_ = 0;
   counts_.clear();
 }
@@ -71,7 +72,8 @@ std::string ProgressLine::time_text(double now) const {
 }
 
 std::string ProgressLine::text(double now) const {
-  return phase_.text() + work_text() + time_text(now);
+  const std::string detail = detail_.empty() ? "" : fmt::format(", {}", detail_);
+  return phase_.text() + work_text() + detail + time_text(now);
 }
 
 }  // namespace mottle::app

@@ -18,6 +18,9 @@ class ProgressLine {
   /// `done` of `total` units of `work` are finished; `total` 0: their number is not known.
   void count(const std::string& work, std::int64_t done, std::int64_t total, double now);
 
+  /// Stands behind the counts until the next phase: "12 tasks running, 30 waiting".
+  void set_detail(const std::string& text) { detail_ = text; }
+
   /// "iteration 3 of at most 30: model runs 400 of 1000 (40 %), 4 s each, at most 2 min left".
   std::string text(double now) const;
 
@@ -35,6 +38,7 @@ class ProgressLine {
   double phase_start_ = 0.0;
   std::deque<double> steps_;  // seconds of the last finished phases of this name
   std::string work_;
+  std::string detail_;
   std::int64_t done_ = 0, total_ = 0;
   std::deque<Count> counts_;  // of late: the rate is theirs
 };

@@ -29,6 +29,8 @@ class ProgressObserver {
   virtual void phase(const Phase& /*next*/) {}
   /// `done` of `total` units of `work` in the present phase are finished; `total` 0: their number is not known.
   virtual void progress(const std::string& work, std::int64_t done, std::int64_t total) = 0;
+  /// What else is to be said of the work while it goes on; the last word counts, and an empty one takes it away.
+  virtual void detail(const std::string& /*text*/) {}
   /// Something the user should know but that stops nothing.
   virtual void warning(const std::string& text) = 0;
   /// One line on what has just been done.
@@ -59,6 +61,9 @@ struct RunContext {
   }
   void progress(const std::string& work, std::int64_t done, std::int64_t total) const {
     if (observer != nullptr) observer->progress(work, done, total);
+  }
+  void detail(const std::string& text) const {
+    if (observer != nullptr) observer->detail(text);
   }
   void warning(const std::string& text) const {
     if (observer != nullptr) observer->warning(text);

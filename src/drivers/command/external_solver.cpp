@@ -1,5 +1,9 @@
 #include "mottle/drivers/command/external_solver.hpp"
 
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
 #include <limits>
 #include <numbers>
 
@@ -73,10 +77,48 @@ std::vector<std::string> ExternalStructure::description(const Eigen::Ref<const E
   return lines;
 }
 
+SharedRunPlace::SharedRunPlace(const SolverCommand& command, const RunStorage& storage)
+    : storage_(storage), is_temporary_(command.scheduler && storage.results.empty()) {
+  if (command.scheduler) {
+    require(storage.ranks == nullptr,
+            "model.launch: the runs are done by tasks of {}, which {} ranks would not share; start Mottle once, without "
+            "mpirun or srun",
+            scheduler_name(command.scheduler->kind), storage.ranks == nullptr ? 1 : storage.ranks->count());
+  }
+  if (!is_temporary_) return;
+  std::string pattern = (std::filesystem::current_path() / "mottle-tasks-XXXXXX").string();
+  require(::mkdtemp(pattern.data()) != nullptr,
+          "{}: cannot be made: {}; tasks of a scheduler need a folder that all nodes see: start Mottle in one",
+          pattern, std::strerror(errno));
+  storage_.results = pattern;
+}
+
+SharedRunPlace::~SharedRunPlace() {
+  std::error_code ignored;
+  if (is_temporary_) std::filesystem::remove_all(storage_.results, ignored);
+}
+
+namespace {
+
+std::unique_ptr<ScheduledRuns> scheduled_runs(SolverRuns& runs, const SharedRunPlace& place,
+                                              const std::atomic<bool>* stop) {
+  const std::optional<SchedulerOptions>& options = runs.command().scheduler;
+  if (!options) return nullptr;
+  return std::make_unique<ScheduledRuns>(runs,
+                                         TaskPlace{.results = place.storage().results,
+                                                   .is_temporary = place.is_temporary(),
+                                                   .is_resumed = place.storage().is_resumed},
+                                         make_scheduler(*options, stop));
+}
+
+}  // namespace
+
 ExternalSolver::ExternalSolver(SolverCommand command, const std::vector<std::string>& names,
                                const Eigen::VectorXd& nominal, const Eigen::VectorXd& standard_deviations,
                                const RunStorage& storage, const std::atomic<bool>* stop)
-    : runs_(std::move(command), names, storage),
+    : place_(command, storage),
+      runs_(std::move(command), names, place_.storage()),
+      scheduled_(scheduled_runs(runs_, place_, stop)),
       nominal_(nominal),
       least_(runs_.command().frequencies.modes),
       ranks_(storage.ranks),
@@ -102,8 +144,10 @@ ExternalStructure ExternalSolver::run_at_means(const std::atomic<bool>* stop) {
   const bool is_first = ranks_ == nullptr || ranks_->is_first();
   const double begin = steady_seconds();
   SolverRuns::Run run;
-  if (is_first) run = runs_.run(nominal_, std::max(1, least_), stop);
-  if (is_first && !run.is_reused) seconds_at_means_ = steady_seconds() - begin;
+  if (is_first) run = run_one(nominal_, std::max(1, least_), stop);
+  if (is_first && !run.is_reused) {
+    seconds_at_means_ = scheduled_ ? scheduled_->seconds_a_run() : steady_seconds() - begin;
+  }
   // One run serves all ranks; one that fails, too.
   if (ranks_ != nullptr) run.record = decode_run(ranks_->gather(is_first ? encode(run.record) : "").front());
   if (!run.record.failure.empty()) refuse(run);
@@ -112,16 +156,37 @@ ExternalStructure ExternalSolver::run_at_means(const std::atomic<bool>* stop) {
     least_ = static_cast<int>(modes.eigenvalues.size());
     if (is_first) runs_.keep_as(nominal_, least_, {.failure = {}, .modes = modes});
   }
-  std::string description = fmt::format("model: by command '{}', {} modes a run, {} at once, total mass not known",
-                                        runs_.command_text(), least_, runs_.command().parallel);
+  std::string description = fmt::format("model: by command '{}', {} modes a run, {}, total mass not known",
+                                        runs_.command_text(), least_, place_of_runs());
   return {nominal_.size(), std::move(modes), std::move(description)};
+}
+
+std::string ExternalSolver::place_of_runs() const {
+  const std::optional<SchedulerOptions>& scheduler = runs_.command().scheduler;
+  if (!scheduler) return fmt::format("{} at once", runs_.command().parallel);
+  constexpr std::size_t k_runs = 1000;
+  const int each = runs_of_task(k_runs, scheduled_->seconds_a_run(), *scheduler);
+  const std::string limit =
+      scheduler->runs_at_once > 0 ? fmt::format(", at most {} at once", scheduler->runs_at_once) : "";
+  return fmt::format("by tasks of {} (1000 runs: {} tasks of {}{})", scheduler_name(scheduler->kind),
+                     (k_runs + static_cast<std::size_t>(each) - 1) / static_cast<std::size_t>(each),
+                     each == 1 ? "1 run" : fmt::format("{} runs", each), limit);
+}
+
+SolverRuns::Run ExternalSolver::run_one(const Eigen::VectorXd& values, int min_modes,
+                                        const std::atomic<bool>* stop) const {
+  if (!scheduled_) return runs_.run(values, min_modes, stop);
+  SolverRuns::Run found;
+  scheduled_->run_all(values.transpose(), min_modes, {.observer = place_.storage().observer, .stop = stop},
+                      [&](Eigen::Index, const SolverRuns::Run& run) { found = run; });
+  return found;
 }
 
 ModeSet ExternalSolver::modes_at(const Eigen::Ref<const Eigen::VectorXd>& parameters, int /*modes*/) const {
   if (parameters == nominal_) {
     return {structure_.nominal().eigenvalues, structure_.nominal().shapes};
   }
-  SolverRuns::Run run = runs_.run(parameters, least_, stop_);
+  SolverRuns::Run run = run_one(parameters, least_, stop_);
   if (!run.record.failure.empty()) refuse(run);
   return {std::move(run.record.modes.eigenvalues), std::move(run.record.modes.shapes)};
 }
@@ -169,14 +234,22 @@ struct ExternalSolver::Tally {
 void ExternalSolver::solve_sample(Eigen::Index s, const Eigen::Ref<const Eigen::MatrixXd>& samples,
                                   const SolutionRequest& request, const Visitor& visit, const std::atomic<bool>& halt,
                                   Tally& tally) const {
-  Solution solution;
-  if (!samples.row(s).allFinite()) return visit(s, solution, "a parameter is not finite");
+  if (!samples.row(s).allFinite()) {
+    Solution none;
+    return visit(s, none, "a parameter is not finite");
+  }
   SolverRuns::Run run;
   try {
     run = runs_.run(samples.row(s).transpose(), least_, &halt);
   } catch (const FormatError& error) {  // a value that does not fit into its placeholder
     run.record.failure = error.what();
   }
+  finish_sample(s, run, request, visit, tally);
+}
+
+void ExternalSolver::finish_sample(Eigen::Index s, const SolverRuns::Run& run, const SolutionRequest& request,
+                                   const Visitor& visit, Tally& tally) const {
+  Solution solution;
   std::string failure = run.record.failure;
   if (failure.empty()) failure = observe(run.record.modes, request, solution);
   visit(s, solution, failure);
@@ -195,7 +268,11 @@ SolverUse ExternalSolver::solve(const Eigen::Ref<const Eigen::MatrixXd>& samples
   const auto work = [&](Eigen::Index s, const std::atomic<bool>& halt) {
     solve_sample(s, samples, request, visit, halt, tally);
   };
-  if (context.share != nullptr) {
+  if (scheduled_) {
+    scheduled_->run_all(samples, least_, context, [&](Eigen::Index s, const SolverRuns::Run& run) {
+      finish_sample(s, run, request, visit, tally);
+    });
+  } else if (context.share != nullptr) {
     RankShare::Numbers numbers(*context.share, samples.rows(), 1);
     const auto next = [&] { return static_cast<Eigen::Index>(numbers.take()); };
     SamplePool(samples.rows(), runs_.command().parallel, work, next).wait(context);

@@ -20,6 +20,7 @@ namespace {
 constexpr const char* k_work = "runs";
 constexpr const char* k_failed = "failed-runs";
 constexpr const char* k_kept = "kept-runs";
+constexpr const char* k_tasks = "tasks";  // of a scheduler
 constexpr int k_max_failed_kept = 20;
 // In every folder that is made here: only what holds it is ever removed.
 constexpr const char* k_mark = ".mottle-run";
@@ -83,7 +84,7 @@ void remove_marked_within(const std::filesystem::path& group) {
 }  // namespace
 
 void require_no_linked_runs(const std::filesystem::path& results) {
-  for (const char* name : {k_work, k_failed, k_kept, k_run_store}) {
+  for (const char* name : {k_work, k_failed, k_kept, k_run_store, k_tasks}) {
     const std::filesystem::path path = std::filesystem::absolute(results) / name;
     std::error_code ignored;
     require(

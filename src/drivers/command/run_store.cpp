@@ -130,7 +130,46 @@ std::uint64_t size_of(int descriptor) {
   return static_cast<std::uint64_t>(::lseek(descriptor, 0, SEEK_END));
 }
 
+/// Visits the whole records from `end` on, each with the place of its body; the end of the last of them.
+template <typename Visit>
+std::uint64_t walk_records(int descriptor, std::uint64_t end, const Visit& visit) {
+  const std::uint64_t size = size_of(descriptor);
+  std::string body;
+  for (;;) {
+    RecordHead head;
+    if (end + sizeof(head) > size || !read_at(descriptor, end, &head, sizeof(head))) return end;
+    if (head.size > size - end - sizeof(head)) return end;
+    body.resize(head.size);
+    if (!read_at(descriptor, end + sizeof(head), body.data(), body.size())) return end;
+    if (checksum_of(head.key, body) != head.checksum) return end;
+    visit(head, end + sizeof(head), body);
+    end += sizeof(head) + head.size;
+  }
+}
+
 }  // namespace
+
+std::uint64_t read_run_records(const std::filesystem::path& file, std::uint64_t from,
+                               const std::function<void(const Digest& key, std::string_view body)>& visit) {
+  const int descriptor = ::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
+  if (descriptor < 0) return from;
+  std::string magic(k_magic.size(), ' ');
+  const bool has_head = read_at(descriptor, 0, magic.data(), magic.size());
+  if (!has_head || magic != k_magic) {
+    ::close(descriptor);
+    if (!has_head) return from;
+    throw SystemFailure(fmt::format("{}: is not a store of solver runs", file.string()));
+  }
+  try {
+    from = walk_records(descriptor, std::max<std::uint64_t>(from, k_magic.size()),
+                        [&](const RecordHead& head, std::uint64_t, std::string_view body) { visit(head.key, body); });
+  } catch (...) {
+    ::close(descriptor);
+    throw;
+  }
+  ::close(descriptor);
+  return from;
+}
 
 RunStore::RunStore(std::filesystem::path file, const std::vector<std::filesystem::path>& others) {
   own_.path = std::move(file);
@@ -182,18 +221,9 @@ void RunStore::open_own() {
 
 /// Goes on behind what is known.
 void RunStore::read_spans(File& file, bool is_new) {
-  const std::uint64_t size = size_of(file.descriptor);
-  std::string body;
-  for (;;) {
-    RecordHead head;
-    if (file.end + sizeof(head) > size || !read_at(file.descriptor, file.end, &head, sizeof(head))) break;
-    if (head.size > size - file.end - sizeof(head)) break;
-    body.resize(head.size);
-    if (!read_at(file.descriptor, file.end + sizeof(head), body.data(), body.size())) break;
-    if (checksum_of(head.key, body) != head.checksum) break;
-    file.spans[head.key] = {file.end + sizeof(head), head.size, is_new};
-    file.end += sizeof(head) + head.size;
-  }
+  file.end = walk_records(file.descriptor, file.end, [&](const RecordHead& head, std::uint64_t at, std::string_view) {
+    file.spans[head.key] = {at, head.size, is_new};
+  });
 }
 
 void RunStore::read_others(bool is_new) const {

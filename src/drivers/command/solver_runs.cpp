@@ -45,10 +45,12 @@ std::vector<std::string> for_process(const std::vector<std::string>& arguments, 
 }  // namespace
 
 SolverRuns::SolverRuns(SolverCommand command, const std::vector<std::string>& names, const RunStorage& storage)
-    : command_(std::move(command)), is_resumed_(storage.is_resumed) {
-  read_templates(names);
-  require_program(command_.command);
-  if (command_.retry_command) require_program(*command_.retry_command);
+    : command_(std::move(command)), names_(names), is_resumed_(storage.is_resumed) {
+  read_templates();
+  if (!command_.scheduler) {  // what nodes of a cluster have, they know themselves
+    require_program(command_.command);
+    if (command_.retry_command) require_program(*command_.retry_command);
+  }
   const int rank = storage.ranks == nullptr ? 0 : storage.ranks->rank();
   const int ranks = storage.ranks == nullptr ? 1 : storage.ranks->count();
   folders_ = std::make_unique<RunFolders>(storage.results, !storage.is_resumed && rank == 0);
@@ -58,29 +60,30 @@ SolverRuns::SolverRuns(SolverCommand command, const std::vector<std::string>& na
   store_ = std::make_unique<RunStore>(files.own, files.others);
 }
 
-void SolverRuns::read_templates(const std::vector<std::string>& names) {
-  for (const RunFile& file : command_.templates) {
-    templates_.emplace_back(file.text ? *file.text : read_file(file.source), file.source.string(), names);
+void SolverRuns::read_templates() {
+  for (RunFile& file : command_.templates) {
+    if (!file.text) file.text = read_file(file.source);
+    templates_.emplace_back(*file.text, file.source.string(), names_);
     add_piece(constants_, file.name);
   }
   for (const std::string& argument : command_.command.arguments) {
-    arguments_.emplace_back(argument, "model.command", names);
+    arguments_.emplace_back(argument, "model.command", names_);
   }
   if (command_.retry_command) {
     for (const std::string& argument : command_.retry_command->arguments) {
-      retry_arguments_.emplace_back(argument, "model.retry_command", names);
+      retry_arguments_.emplace_back(argument, "model.retry_command", names_);
     }
   }
-  std::vector<bool> used(names.size());
+  std::vector<bool> used(names_.size());
   for (const std::vector<Template>* list : {&templates_, &arguments_}) {
     for (const Template& text : *list) {
-      const std::vector<bool> here = text.uses(names.size());
+      const std::vector<bool> here = text.uses(names_.size());
       std::transform(used.begin(), used.end(), here.begin(), used.begin(), std::logical_or<>());
     }
   }
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    require_of(used[i], subject_parameter(names[i]),
-               "acts on nothing: {{{{{}}}}} stands in no template and not in the command", names[i]);
+  for (std::size_t i = 0; i < names_.size(); ++i) {
+    require_of(used[i], subject_parameter(names_[i]),
+               "acts on nothing: {{{{{}}}}} stands in no template and not in the command", names_[i]);
   }
   add_piece(constants_, rules_text(command_));
   for (const auto& [name, value] : command_.environment) add_piece(constants_, fmt::format("{}={}", name, value));
@@ -195,16 +198,12 @@ SolverRuns::Run SolverRuns::run(const Eigen::Ref<const Eigen::VectorXd>& values,
   const Input input = fill(values);
   const Digest key = key_of(input, min_modes);
   Run run;
-  if (store_) {
-    std::optional<RunRecord> known = store_->find(key);
-    // A failure of this job counts whether it is resumed or not.
-    if (known && (known->failure.empty() || is_resumed_ || store_->is_new(key))) {
-      run.record = std::move(*known);
-      run.is_reused = true;
-      return run;
-    }
+  if (std::optional<RunRecord> known = find(key)) {
+    run.record = std::move(*known);
+    run.is_reused = true;
+    return run;
   }
-  const std::string id = hexadecimal(key).substr(0, 12);
+  const std::string id = id_of(key);
   std::filesystem::path folder;
   bool is_done = false;
   for (int number = 0; number <= command_.retries && !is_done; ++number) {
@@ -216,8 +215,33 @@ SolverRuns::Run SolverRuns::run(const Eigen::Ref<const Eigen::VectorXd>& values,
   if (!is_done)
     run.record.failure += fmt::format(" ({}run {})", run.tries > 1 ? fmt::format("{} tries, ", run.tries) : "", id);
   put_away(folder, id, run);
-  if (store_) store_->keep(key, run.record);
+  keep(key, run.record);
   return run;
+}
+
+Digest SolverRuns::key_at(const Eigen::Ref<const Eigen::VectorXd>& values, int min_modes) const {
+  return key_of(fill(values), min_modes);
+}
+
+std::optional<RunRecord> SolverRuns::find(const Digest& key) const {
+  if (!store_) return std::nullopt;
+  std::optional<RunRecord> known = store_->find(key);
+  // A failure of this job counts whether it is resumed or not.
+  if (known && (known->failure.empty() || is_resumed_ || store_->is_new(key))) return known;
+  return std::nullopt;
+}
+
+void SolverRuns::keep(const Digest& key, const RunRecord& record) {
+  if (store_) store_->keep(key, record);
+}
+
+std::filesystem::path SolverRuns::keep_folder(const std::filesystem::path& folder, bool has_failed,
+                                              const std::string& name) {
+  return folders_->keep(folder, has_failed, name);
+}
+
+std::string SolverRuns::id_of(const Digest& key) {
+  return hexadecimal(key).substr(0, 12);
 }
 
 void SolverRuns::keep_as(const Eigen::Ref<const Eigen::VectorXd>& values, int min_modes, const RunRecord& record) {
@@ -228,6 +252,14 @@ void SolverRuns::keep_as(const Eigen::Ref<const Eigen::VectorXd>& values, int mi
 
 std::string SolverRuns::command_text() const {
   return joined(command_.command);
+}
+
+SolverCommand SolverRuns::frozen_command() const {
+  SolverCommand frozen = command_;
+  for (std::vector<RunFile>* list : {&frozen.templates, &frozen.files}) {
+    for (RunFile& file : *list) file.source = std::filesystem::absolute(file.source);
+  }
+  return frozen;
 }
 
 std::vector<std::string> SolverRuns::coarse_placeholders(const Eigen::Ref<const Eigen::VectorXd>& values,

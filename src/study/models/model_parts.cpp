@@ -1,5 +1,6 @@
 #include "study/models/model_parts.hpp"
 
+#include <algorithm>
 #include <limits>
 
 #include "mottle/drivers/command/external_solver.hpp"
@@ -47,10 +48,12 @@ ModelParts make_external(const SolverCommand& command, const std::vector<std::st
       command, names, parts.reference, prior.covariance().diagonal().cwiseSqrt(),
       RunStorage{.results = settings.run_folder.empty() ? settings.folder : settings.run_folder,
                  .is_resumed = settings.resume,
-                 .ranks = settings.ranks},
+                 .ranks = settings.ranks,
+                 .observer = settings.observer},
       settings.stop);
   parts.notes = solver->notes();
-  parts.program = {.seconds_at_means = solver->seconds_at_means(), .max_parallel = command.parallel};
+  const int at_once = command.scheduler ? std::max(1, command.scheduler->runs_at_once) : command.parallel;
+  parts.program = {.seconds_at_means = solver->seconds_at_means(), .max_parallel = at_once};
   parts.solver = std::move(solver);
   return parts;
 }

@@ -190,6 +190,10 @@ void LogObserver::progress(const std::string& work, std::int64_t done, std::int6
   if (next_ != nullptr) next_->progress(work, done, total);
 }
 
+void LogObserver::detail(const std::string& text) {
+  if (next_ != nullptr) next_->detail(text);
+}
+
 void LogObserver::warning(const std::string& text) {
   line("warning: ", text);
   if (next_ != nullptr) next_->warning(text);

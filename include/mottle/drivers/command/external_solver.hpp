@@ -2,11 +2,13 @@
 #pragma once
 
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "mottle/drivers/command/sample_pool.hpp"
 #include "mottle/drivers/command/solver_runs.hpp"
+#include "mottle/drivers/scheduler/scheduled_runs.hpp"
 #include "mottle/layers.hpp"
 #include "mottle/model/solvers/solver.hpp"
 
@@ -55,6 +57,23 @@ class SharedCount {
   std::atomic<std::int64_t> own_{0};
 };
 
+/// Where tasks of a scheduler find their runs: the folder of results, or where there is none a folder within the present
+/// one, which goes again: nodes of a cluster do not see each other's temporary files.
+class SharedRunPlace {
+ public:
+  SharedRunPlace(const SolverCommand& command, const RunStorage& storage);
+  ~SharedRunPlace();
+  SharedRunPlace(const SharedRunPlace&) = delete;
+  SharedRunPlace& operator=(const SharedRunPlace&) = delete;
+
+  const RunStorage& storage() const { return storage_; }
+  bool is_temporary() const { return is_temporary_; }
+
+ private:
+  RunStorage storage_;
+  bool is_temporary_ = false;
+};
+
 class ExternalSolver final : public Solver {
  public:
   /// Runs the program once, at the parameters' means: what it gives there says which modes and degrees of freedom there
@@ -91,17 +110,23 @@ class ExternalSolver final : public Solver {
 
   /// Notes for the user: placeholders whose formats are too coarse, frequencies that look like numbers of modes.
   const std::vector<std::string>& notes() const { return notes_; }
-  /// Time of the run at the parameters' means; 0: its result was there from a run before.
+  /// Time of the run at the parameters' means, without that in a queue; 0: its result was there from a run before.
   double seconds_at_means() const { return seconds_at_means_; }
 
  private:
   struct Tally;
   void solve_sample(Eigen::Index s, const Eigen::Ref<const Eigen::MatrixXd>& samples, const SolutionRequest& request,
                     const Visitor& visit, const std::atomic<bool>& halt, Tally& tally) const;
+  void finish_sample(Eigen::Index s, const SolverRuns::Run& run, const SolutionRequest& request, const Visitor& visit,
+                     Tally& tally) const;
   ExternalStructure run_at_means(const std::atomic<bool>* stop);
+  SolverRuns::Run run_one(const Eigen::VectorXd& values, int min_modes, const std::atomic<bool>* stop) const;
+  std::string place_of_runs() const;
   std::string observe(const ExtractedModes& found, const SolutionRequest& request, Solution& solution) const;
 
+  SharedRunPlace place_;
   mutable SolverRuns runs_;
+  std::unique_ptr<ScheduledRuns> scheduled_;  ///< null: runs are this machine's
   Eigen::VectorXd nominal_;
   int least_ = 0;  // modes that a run must give
   Ranks* ranks_;

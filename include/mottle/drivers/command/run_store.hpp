@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -24,6 +25,15 @@ struct RunRecord {
 std::string encode(const RunRecord& record);
 /// @throws SystemFailure  the bytes are not those of a record
 RunRecord decode_run(std::string_view bytes);
+
+/// Goes through the whole records of a file of runs that another process may still be writing.
+///
+/// @param from   where to go on: 0, or what an earlier call returned
+/// @param visit  key and body of each record, for decode_run()
+/// @return       the end of the last whole record; 0: the file is not there, or has no head yet
+/// @throws SystemFailure  it is something else
+std::uint64_t read_run_records(const std::filesystem::path& file, std::uint64_t from,
+                               const std::function<void(const Digest& key, std::string_view body)>& visit);
 
 /// An append-only file of runs. Each record has a checksum: what a kill has torn is cut off when the file is opened,
 /// and a full disk leaves the file as it was before the record. One process at a time writes it; of files that other

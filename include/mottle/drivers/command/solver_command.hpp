@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "mottle/drivers/command/extraction.hpp"
+#include "mottle/drivers/scheduler/scheduler_options.hpp"
 #include "mottle/layers.hpp"
 #include "mottle/model/model.hpp"
 
@@ -44,6 +45,8 @@ struct SolverCommand {
   double difference_step = k_coarse_difference_step;  ///< in prior standard deviations
   FrequencyRule frequencies = {};
   std::optional<ShapeRule> shapes = std::nullopt;
+  std::optional<SchedulerOptions> scheduler = std::nullopt;  ///< that does the runs; none: this machine
+  bool needs_ranks = false;                                  ///< by the study's word, several ranks share the runs
 };
 
 }  // namespace mottle::drivers

@@ -6,6 +6,7 @@
 #include <atomic>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,7 @@ struct RunStorage {
   std::filesystem::path results = {};  ///< folder of results; empty: temporary, nothing is used again
   bool is_resumed = false;             ///< runs that failed before count as they did; else they are tried again
   Ranks* ranks = nullptr;              ///< that share the runs; null: this process is alone
+  ProgressObserver* observer = nullptr;  ///< hears of tasks of a scheduler that do the run at the means
 };
 
 class SolverRuns {
@@ -50,12 +52,27 @@ class SolverRuns {
   /// @throws SystemFailure  disk full; Stopped
   Run run(const Eigen::Ref<const Eigen::VectorXd>& values, int min_modes, const std::atomic<bool>* stop);
 
+  /// What a run is kept under. Throws FormatError: a value does not fit into its placeholder.
+  Digest key_at(const Eigen::Ref<const Eigen::VectorXd>& values, int min_modes) const;
+  /// The run of that key, if it counts: a failure of an earlier job does where that is resumed.
+  std::optional<RunRecord> find(const Digest& key) const;
+  /// Keeps a run that was done elsewhere, and its folder where it has one: see RunFolders::keep. Throws SystemFailure.
+  void keep(const Digest& key, const RunRecord& record);
+  std::filesystem::path keep_folder(const std::filesystem::path& folder, bool has_failed, const std::string& name);
+  /// "1a2b3c4d5e6f", as messages and folders of failed runs name it.
+  static std::string id_of(const Digest& key);
+
   /// Also keeps a run under another number of modes that it must give.
   void keep_as(const Eigen::Ref<const Eigen::VectorXd>& values, int min_modes, const RunRecord& record);
 
   const SolverCommand& command() const { return command_; }
   /// "ccx plate".
   std::string command_text() const;
+  /// Of everything that is the same for all runs.
+  Digest constants() const { return digest_of(constants_); }
+  /// The command with its templates' texts and absolute paths, for other processes to do the same runs.
+  SolverCommand frozen_command() const;
+  const std::vector<std::string>& parameter_names() const { return names_; }
   /// Placeholders in templates whose formats are too coarse for steps of the parameters.
   std::vector<std::string> coarse_placeholders(const Eigen::Ref<const Eigen::VectorXd>& values,
                                                const Eigen::Ref<const Eigen::VectorXd>& steps) const;
@@ -68,7 +85,7 @@ class SolverRuns {
     std::vector<std::string> retry_arguments = {};
   };
   void read_files();
-  void read_templates(const std::vector<std::string>& names);
+  void read_templates();
   void require_program(const CommandLine& line) const;
   Input fill(const Eigen::Ref<const Eigen::VectorXd>& values) const;
   Digest key_of(const Input& input, int min_modes) const;
@@ -78,6 +95,7 @@ class SolverRuns {
   void put_away(const std::filesystem::path& folder, const std::string& id, Run& run);
 
   SolverCommand command_;
+  std::vector<std::string> names_;
   std::vector<Template> templates_;
   std::vector<Template> arguments_;
   std::vector<Template> retry_arguments_;

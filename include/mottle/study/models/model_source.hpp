@@ -78,6 +78,8 @@ class ModelSource {
   virtual std::vector<std::string> programs() const { return {}; }
   /// Whether runs are kept in folders among the results.
   virtual bool keeps_runs() const { return false; }
+  /// Whether jobs are to be done by several ranks only.
+  virtual bool needs_ranks() const { return false; }
 
   /// Whether parameters name what they act on; else their names are placeholders in the input of a program.
   virtual bool has_targets() const { return true; }

@@ -39,9 +39,13 @@ class CommandSource final : public ModelSource {
     for (const auto& [name, value] : command_.environment) {
       programs.push_back(fmt::format("model.environment: {}={}", name, value));
     }
+    if (command_.scheduler) {
+      programs.push_back(fmt::format("model.launch: by tasks of {}", drivers::scheduler_name(command_.scheduler->kind)));
+    }
     return programs;
   }
   bool keeps_runs() const override { return true; }
+  bool needs_ranks() const override { return command_.needs_ranks; }
 
   bool has_targets() const override { return false; }
   std::string target_unit(const std::string& /*target*/, const UnitNames& /*units*/) const override { return ""; }

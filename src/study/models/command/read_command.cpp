@@ -117,6 +117,56 @@ std::map<std::string, std::string> read_environment(TomlReader reader) {
   return environment;
 }
 
+/// "ansys" or "ansys:2".
+std::string read_licences(TomlReader& reader) {
+  std::string licences = reader.text_or("licences", "");
+  const std::size_t colon = licences.find(':');
+  const std::string count = colon == std::string::npos ? "1" : licences.substr(colon + 1);
+  const bool is_count = !count.empty() && count.find_first_not_of("0123456789") == std::string::npos;
+  if (reader.has("licences") && (licences.empty() || colon == 0 || !is_count)) {
+    reader.fail_value("licences", "a name of the scheduler's with a number, like \"ansys:1\"");
+  }
+  return licences;
+}
+
+SchedulerOptions read_scheduler(TomlReader reader, SchedulerKind kind) {
+  constexpr OptionRange k_count{.lower = 1.0, .upper = 1e6};
+  SchedulerOptions options{.kind = kind};
+  options.partition = reader.text_or("partition", "");
+  options.account = reader.text_or("account", "");
+  if (reader.has("time")) options.time = read_duration(reader, "time", options.time);
+  reader.raw("time");
+  options.cores = static_cast<int>(reader.integer_or("cores", options.cores, k_count));
+  options.runs_at_once = static_cast<int>(reader.integer_or("runs_at_once", 0, {.lower = 0.0, .upper = 1e6}));
+  options.licences = read_licences(reader);
+  options.runs_per_task = static_cast<int>(reader.integer_or("runs_per_task", 0, {.lower = 0.0, .upper = 1e6}));
+  options.tries = static_cast<int>(reader.integer_or("tries", options.tries, {.lower = 1.0, .upper = 100.0}));
+  if (reader.has("extra")) options.extra = reader.texts("extra");
+  reader.raw("extra");
+  reader.finish();
+  return options;
+}
+
+/// model.launch, and what its scheduler is told.
+void read_launch(TomlReader& reader, SolverCommand& command) {
+  const std::vector<std::string> names{"local", "slurm", "pbs", "lsf", "mpi"};
+  const std::string launch = names[reader.choice("launch", names, 0)];
+  command.needs_ranks = launch == "mpi";
+  const bool is_scheduled = launch == "slurm" || launch == "pbs" || launch == "lsf";
+  if (reader.has("scheduler") && !is_scheduled) {
+    reader.fail("scheduler", fmt::format("is for model.launch = \"slurm\", \"pbs\" or \"lsf\"; found launch = \"{}\"", launch));
+  }
+  if (!is_scheduled) return;
+  if (reader.has("parallel")) {
+    reader.fail("parallel", "is for runs on this machine; say scheduler.runs_at_once in its place");
+  }
+  const SchedulerKind kind = launch == "slurm" ? SchedulerKind::slurm
+                             : launch == "pbs" ? SchedulerKind::pbs
+                                               : SchedulerKind::lsf;
+  command.scheduler = SchedulerOptions{.kind = kind};
+  if (reader.raw("scheduler") != nullptr) command.scheduler = read_scheduler(reader.table("scheduler"), kind);
+}
+
 }  // namespace
 
 SolverCommand read_command(TomlReader& reader, const std::filesystem::path& folder) {
@@ -131,6 +181,7 @@ SolverCommand read_command(TomlReader& reader, const std::filesystem::path& fold
   if (command.retry_command && command.retries == 0) reader.fail("retry_command", "is never used with retries = 0");
   command.timeout = read_duration(reader, "timeout", command.timeout);
   command.parallel = static_cast<int>(reader.integer_or("parallel", 1, {.lower = 1.0, .upper = 1000.0}));
+  read_launch(reader, command);
   if (reader.raw("environment") != nullptr) command.environment = read_environment(reader.table("environment"));
   command.kept =
       std::vector{KeptRuns::failed, KeptRuns::none, KeptRuns::all}[reader.choice("keep", {"failed", "none", "all"}, 0)];

@@ -1,0 +1,107 @@
+// LSF: bsub, bjobs, bkill.
+#include "drivers/scheduler/scheduler_call.hpp"
+#include "mottle/core/text.hpp"
+
+namespace mottle::drivers {
+namespace {
+
+bool is_unknown(const CommandAnswer& answer) {
+  for (const char* words : {"is not found", "No matching job", "No unfinished job", "already finished"}) {
+    if (answer.error.find(words) != std::string::npos) return true;
+  }
+  return false;
+}
+
+class LsfScheduler final : public Scheduler {
+ public:
+  LsfScheduler(SchedulerOptions options, const std::atomic<bool>* stop) : options_(std::move(options)), stop_(stop) {}
+
+  std::string submit(const ArrayRequest& request) override {
+    std::string array = fmt::format("{}[1-{}]", request.name, request.tasks);
+    if (request.limit > 0) array += fmt::format("%{}", request.limit);
+    std::vector<std::string> call{"bsub", "-J",        array, "-cwd",      request.folder.string(),
+                                  "-r",   "-o",        "/dev/null",        "-n",
+                                  fmt::format("{}", options_.cores),       "-R",
+                                  "span[hosts=1]"};
+    const auto add = [&](const std::string& option, const std::string& value) {
+      call.insert(call.end(), {option, value});
+    };
+    if (!options_.partition.empty()) add("-q", options_.partition);
+    if (!options_.account.empty()) add("-P", options_.account);
+    if (options_.time.count() > 0) {
+      add("-W", fmt::format("{}", std::chrono::ceil<std::chrono::minutes>(options_.time).count()));
+    }
+    if (!options_.licences.empty()) add("-R", fmt::format("rusage[{}]", licence_text()));
+    call.insert(call.end(), options_.extra.begin(), options_.extra.end());
+    call.push_back(request.script.string());
+    const CommandAnswer answer = ask_scheduler(call, stop_);
+    if (!answer.is_done) refuse_answer("bsub", answer);
+    const std::size_t begin = answer.output.find('<');  // Job <123> is submitted to queue <normal>.
+    if (begin == std::string::npos) return "";
+    return answer.output.substr(begin + 1, answer.output.find('>') - begin - 1);
+  }
+
+  std::vector<TaskReport> list(const std::vector<std::string>& names) override {
+    std::vector<TaskReport> reports;
+    for (const std::string& name : names) {
+      const CommandAnswer answer =
+          ask_scheduler({"bjobs", "-a", "-noheader", "-J", name, "-o",
+                         "name jobindex stat exec_host exit_reason delimiter='|'"},
+                        stop_);
+      if (!answer.is_done && !is_unknown(answer)) throw SchedulerSilent(fmt::format("bjobs says: {}", answer.error));
+      const std::vector<TaskReport> more = read_bjobs(answer.output);
+      reports.insert(reports.end(), more.begin(), more.end());
+    }
+    return reports;
+  }
+
+  void cancel(const std::string& name) override {
+    const CommandAnswer answer = ask_scheduler({"bkill", "-J", name, "0"}, stop_);
+    if (!answer.is_done && !is_unknown(answer)) refuse_answer("bkill", answer);
+  }
+
+  std::string number_variable() const override { return "LSB_JOBINDEX"; }
+
+ private:
+  /// "ansys:2" is "ansys=2".
+  std::string licence_text() const {
+    const std::size_t colon = options_.licences.find(':');
+    if (colon == std::string::npos) return options_.licences + "=1";
+    return options_.licences.substr(0, colon) + "=" + options_.licences.substr(colon + 1);
+  }
+
+  SchedulerOptions options_;
+  const std::atomic<bool>* stop_;
+};
+
+}  // namespace
+
+std::vector<TaskReport> read_bjobs(std::string_view output) {
+  constexpr std::size_t k_fields = 5;
+  std::vector<TaskReport> reports;
+  for (const std::string& line : split_text(output, '\n')) {
+    const std::vector<std::string> fields = split_text(line, '|');
+    double number = 0.0;
+    if (fields.size() < k_fields || !parse_number(fields[1], number)) continue;
+    const std::string& state = fields[2];
+    TaskReport report{.array = fields[0].substr(0, fields[0].find('[')),
+                      .task = static_cast<int>(number),
+                      .node = fields[3] == "-" ? "" : fields[3],
+                      .words = state};
+    if (state == "DONE" || state == "EXIT" || state == "ZOMBI") {
+      report.state = TaskReport::State::ended;
+      report.is_success = state == "DONE";
+      if (fields[4] != "-" && !fields[4].empty()) report.words = fields[4];  // "TERM_RUNLIMIT: ..."
+    } else if (state == "RUN" || state == "SSUSP" || state == "USUSP" || state == "UNKWN") {
+      report.state = TaskReport::State::running;
+    }
+    reports.push_back(std::move(report));
+  }
+  return reports;
+}
+
+std::unique_ptr<Scheduler> make_lsf(const SchedulerOptions& options, const std::atomic<bool>* stop) {
+  return std::make_unique<LsfScheduler>(options, stop);
+}
+
+}  // namespace mottle::drivers

@@ -1,0 +1,46 @@
+#include "mottle/drivers/scheduler/task_worker.hpp"
+
+#include "mottle/core/clock.hpp"
+#include "mottle/core/error.hpp"
+#include "mottle/core/files.hpp"
+#include "mottle/drivers/command/solver_runs.hpp"
+#include "mottle/drivers/scheduler/array_folder.hpp"
+
+namespace mottle::drivers {
+namespace {
+
+[[noreturn]] void refuse_changed_files(const std::filesystem::path& array) {
+  const std::string text = "the study's files have changed since these runs were submitted";
+  write_file_atomically(array / k_changed_files, text + "\n");
+  throw InvalidInput(text);
+}
+
+void do_runs(const ArrayPlan& plan, const std::filesystem::path& array, int task, const std::atomic<bool>* stop) {
+  SolverCommand command = plan.command;
+  command.scheduler.reset();  // here they are done
+  SolverRuns runs(std::move(command), plan.parameters, {.results = task_folder(array, task), .is_resumed = true});
+  if (runs.constants() != plan.constants) refuse_changed_files(array);
+  for (std::size_t run = plan.begin_of(task); run < plan.end_of(task); ++run) {
+    const Eigen::VectorXd values = plan.values.row(static_cast<Eigen::Index>(run)).transpose();
+    if (runs.key_at(values, plan.min_modes) != plan.keys[run]) refuse_changed_files(array);
+    if (stop != nullptr && stop->load()) throw Stopped("stopped on request");
+    runs.run(values, plan.min_modes, stop);
+  }
+}
+
+}  // namespace
+
+void run_task(const std::filesystem::path& array, int task, const std::atomic<bool>* stop) {
+  const std::optional<ArrayPlan> plan = read_array(array);
+  if (!plan) return;  // nobody waits for it any more
+  require(task >= 1 && task <= plan->tasks(), "{}: has tasks 1 to {}, there is no task {}", array.string(),
+          plan->tasks(), task);
+  const double begin = steady_seconds();
+  do_runs(*plan, array, task, stop);
+  write_task_end(array, task,
+                 {.runs = plan->end_of(task) - plan->begin_of(task),
+                  .bytes = std::filesystem::file_size(task_folder(array, task) / k_run_store),
+                  .seconds = steady_seconds() - begin});
+}
+
+}  // namespace mottle::drivers
