@@ -80,6 +80,7 @@ DiagnoseOutcome diagnose_here(const Study& study, const RunSettings& settings) {
 
 DiagnoseOutcome diagnose(const Study& study, const RunSettings& settings) {
   require_own(settings.folder, {k_diagnosis, k_diagnosis_log, k_diagnosis_journal}, paths_of(study));
+  require_ranks(study, settings);
   return without_earlier(settings.folder, {k_diagnosis}, [&] { return diagnose_here(study, settings); });
 }
 

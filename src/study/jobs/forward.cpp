@@ -138,6 +138,7 @@ SimulateOutcome simulate_here(const Study& study, const RunSettings& settings) {
 
 PropagateOutcome propagate(const Study& study, const std::optional<std::filesystem::path>& points,
                            const RunSettings& settings) {
+  require_ranks(study, settings);
   std::vector<std::filesystem::path> read = paths_of(study);
   if (points) read.push_back(*points);
   require_none_is_read(settings.folder, {"study.toml", "cloud.csv", "clouds.csv", "result.json"}, read);

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "mottle/core/ranks.hpp"
+#include "mottle/study/models/model_source.hpp"
 #include "study/results/own_results.hpp"
 
 namespace mottle::study {
@@ -55,6 +56,13 @@ void require_own(const std::filesystem::path& folder, std::vector<std::string> n
 
 int rank_count(const RunSettings& settings) {
   return settings.ranks == nullptr ? 1 : settings.ranks->count();
+}
+
+void require_ranks(const Study& study, const RunSettings& settings) {
+  if (!study.model->needs_ranks() || settings.ranks != nullptr) return;
+  throw InvalidInput(located(study, "model.launch",
+                             "\"mpi\" lets several ranks share the runs, and Mottle was started alone; start it by "
+                             "mpirun or srun, or choose launch = \"local\""));
 }
 
 void note_ranks(const RunSettings& settings, const RunContext& context) {

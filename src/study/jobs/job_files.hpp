@@ -32,6 +32,8 @@ void require_own(const std::filesystem::path& folder, std::vector<std::string> n
 
 /// Processes that do a job together.
 int rank_count(const RunSettings& settings);
+/// Throws InvalidInput where the study is to be done by several ranks, and this process is alone.
+void require_ranks(const Study& study, const RunSettings& settings);
 /// Says how many they are, where it is more than one. All ranks call it.
 void note_ranks(const RunSettings& settings, const RunContext& context);
 

@@ -119,6 +119,7 @@ const UpdatingProblem& UpdateOutcome::problem() const {
 }
 
 UpdateOutcome update(const Study& study, const RunSettings& settings) {
+  require_ranks(study, settings);
   require_place_of_update(study, settings.folder);
   return without_earlier(settings.folder, results_not_read(settings.folder, result_names(), paths_of(study)),
                          [&] { return update_here(study, settings); });
