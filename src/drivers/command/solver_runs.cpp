@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <thread>
 
 #include "drivers/command/run_output.hpp"
 #include "mottle/core/files.hpp"
@@ -45,7 +46,7 @@ std::vector<std::string> for_process(const std::vector<std::string>& arguments, 
 }  // namespace
 
 SolverRuns::SolverRuns(SolverCommand command, const std::vector<std::string>& names, const RunStorage& storage)
-    : command_(std::move(command)), names_(names), is_resumed_(storage.is_resumed) {
+    : command_(std::move(command)), names_(names), is_resumed_(storage.is_resumed), is_task_(storage.is_task) {
   read_templates();
   if (!command_.scheduler) {  // what nodes of a cluster have, they know themselves
     require_program(command_.command);
@@ -165,6 +166,7 @@ bool SolverRuns::try_once(const Input& input, const std::filesystem::path& folde
   }
   folders_->require_room(folder);
   run.record = {.failure = end.reason};
+  if (end.kind == ProcessEnd::Kind::failed) require_own_failure(stop);
   if (end.kind != ProcessEnd::Kind::done) return false;
   try {
     run.record.modes = extract_modes(folder, command_.frequencies, command_.shapes, min_modes);
@@ -172,6 +174,16 @@ bool SolverRuns::try_once(const Input& input, const std::filesystem::path& folde
   } catch (const InvalidInput& error) {
     run.record.failure = error.what();
     return false;
+  }
+}
+
+/// A scheduler signals all processes of a task, the solver perhaps before Mottle: such an end says nothing of the run.
+void SolverRuns::require_own_failure(const std::atomic<bool>* stop) const {
+  constexpr int k_looks = 100;
+  constexpr std::chrono::milliseconds k_between{10};
+  for (int look = 0; is_task_ && stop != nullptr && look < k_looks; ++look) {
+    if (stop->load()) throw Stopped("stopped on request");
+    std::this_thread::sleep_for(k_between);
   }
 }
 

@@ -18,7 +18,8 @@ namespace {
 void do_runs(const ArrayPlan& plan, const std::filesystem::path& array, int task, const std::atomic<bool>* stop) {
   SolverCommand command = plan.command;
   command.scheduler.reset();  // here they are done
-  SolverRuns runs(std::move(command), plan.parameters, {.results = task_folder(array, task), .is_resumed = true});
+  SolverRuns runs(std::move(command), plan.parameters,
+                  {.results = task_folder(array, task), .is_resumed = true, .is_task = true});
   if (runs.constants() != plan.constants) refuse_changed_files(array);
   for (std::size_t run = plan.begin_of(task); run < plan.end_of(task); ++run) {
     const Eigen::VectorXd values = plan.values.row(static_cast<Eigen::Index>(run)).transpose();

@@ -26,6 +26,7 @@ struct RunStorage {
   std::filesystem::path results = {};  ///< folder of results; empty: temporary, nothing is used again
   bool is_resumed = false;             ///< runs that failed before count as they did; else they are tried again
   Ranks* ranks = nullptr;              ///< that share the runs; null: this process is alone
+  bool is_task = false;                ///< whoever ends this process may end its solver at the same time
   ProgressObserver* observer = nullptr;  ///< hears of tasks of a scheduler that do the run at the means
 };
 
@@ -92,6 +93,7 @@ class SolverRuns {
   void prepare(const std::filesystem::path& folder, const Input& input) const;
   bool try_once(const Input& input, const std::filesystem::path& folder, int number, int min_modes,
                 const std::atomic<bool>* stop, Run& run) const;
+  void require_own_failure(const std::atomic<bool>* stop) const;
   void put_away(const std::filesystem::path& folder, const std::string& id, Run& run);
 
   SolverCommand command_;
@@ -104,6 +106,7 @@ class SolverRuns {
   std::unique_ptr<InputFiles> files_;
   std::unique_ptr<RunStore> store_;
   bool is_resumed_ = false;
+  bool is_task_ = false;
 };
 
 }  // namespace mottle::drivers

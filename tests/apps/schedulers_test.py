@@ -1,0 +1,183 @@
+"""Runs of a solver by commands of PBS and LSF; programs of the test stand in for them.
+
+    python3 schedulers_test.py PATH_TO_MOTTLE
+"""
+
+import json
+import os
+import pathlib
+import shutil
+import signal
+import subprocess
+import sys
+import time
+import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "tools"))
+import stand_in_scheduler
+import support
+
+TOWER = support.SOURCE / "examples" / "04-any-solver"
+SLOW = """import pathlib, time
+with open({log!r}, "a") as log:
+    log.write(pathlib.Path("tower.inp").read_text().replace("\\n", " ") + "\\n")
+time.sleep({seconds})
+import math"""
+
+
+class SchedulersTest(support.CommandTest):
+    def setUp(self):
+        super().setUp()
+        stand_in_scheduler.install(self.folder / "bin")
+        self.state = self.folder / "bin" / "state"
+        self.environment = {**os.environ, "PATH": f"{self.folder / 'bin'}:{os.environ['PATH']}"}
+        self.addCleanup(self.end_tasks)
+
+    def end_tasks(self):
+        for job in self.state.iterdir():
+            if job.is_dir():
+                (job / "cancel").touch()
+        time.sleep(0.3)
+
+    def tower(self, launch, seconds, options, samples=12):
+        shutil.copytree(TOWER, self.folder / "tower")
+        solver = self.folder / "tower" / "tower.py"
+        log = str(self.folder / "runs.log")
+        solver.write_text(support.edited(solver.read_text(), ("import math", SLOW.format(log=log, seconds=seconds))))
+        study = self.folder / "tower" / "study.toml"
+        text = support.edited(study.read_text(), ("samples = 40", f"samples = {samples}"))
+        study.write_text(support.edited(text, ("parallel = 2", "parallel = 16")))
+        self.succeed("propagate", "tower/study.toml", "--quiet", "--out", "alone")
+        (self.folder / "runs.log").unlink()
+        study.write_text(support.edited(text, ("parallel = 2", f'launch = "{launch}"'), (
+            "[model.frequencies]", f"[model.scheduler]\n{options}\n[model.frequencies]")))
+
+    def start(self, *options):
+        return subprocess.Popen([support.MOTTLE, "propagate", "tower/study.toml", "--out", "out", *options], text=True,
+                                cwd=self.folder, env=self.environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+
+    def end(self, process, code=0):
+        out, err = process.communicate(timeout=support.PATIENCE * 120)
+        self.assertEqual(process.returncode, code, err + out)
+        return err
+
+    def runs(self):
+        file = self.folder / "runs.log"
+        return file.read_text().splitlines() if file.exists() else []
+
+    def wait_for(self, runs):
+        end = time.monotonic() + support.PATIENCE * 60
+        while len(self.runs()) < runs and time.monotonic() < end:
+            time.sleep(0.02)
+
+    def expect_same(self, again=0):
+        self.assertEqual(support.numbers(self.folder / "out"), support.numbers(self.folder / "alone"))
+        self.assertLessEqual(len(self.runs()) - len(set(self.runs())), again)
+        self.assertFalse((self.folder / "out" / "tasks").exists())
+
+    def asked(self):
+        """Arguments of the last job, the largest array."""
+        return max((json.loads(file.read_text()) for file in self.state.glob("*/asked")), key=len)
+
+    def through(self, launch):
+        """Killed, found again, a task cancelled by hand, and done."""
+        options = 'runs_per_task = 4\ntime = "90 min"\ncores = 2\nlicences = "ansys:1"\naccount = "me"\nruns_at_once = 2\n'
+        self.tower(launch, 0.3, options)
+        process = self.start()
+        self.wait_for(5)
+        process.send_signal(signal.SIGKILL)
+        process.communicate()
+        status = json.loads(subprocess.run([support.MOTTLE, "status", "out", "--json"], cwd=self.folder, text=True,
+                                           env=self.environment, capture_output=True, check=True).stdout)
+        self.assertEqual([array["runs"] for array in status["arrays"]], [12])
+        self.assertEqual(status["arrays"][0]["tasks"], 3)
+        job = max(int(folder.name) for folder in self.state.iterdir() if folder.is_dir())
+        (self.state / str(job) / "cancel-3").touch()
+        self.end(self.start("--resume"))
+        self.expect_same(again=1)
+        return self.asked()
+
+    def test_pbs(self):
+        asked = self.through("pbs")
+        for option in (["-J", "1-3%2"], ["-l", "walltime=01:30:00"], ["-l", "select=1:ncpus=2"], ["-l", "ansys=1"], ["-A", "me"]):
+            self.assertIn(option, [asked[i:i + 2] for i in range(len(asked))])
+
+    def test_lsf(self):
+        asked = self.through("lsf")
+        for option in (["-W", "90"], ["-n", "2"], ["-R", "rusage[ansys=1]"], ["-P", "me"]):
+            self.assertIn(option, [asked[i:i + 2] for i in range(len(asked))])
+        self.assertTrue(any(part.endswith("[1-3]%2") for part in asked), asked)
+
+    def test_a_cancelled_job_ends_the_driver(self):
+        for launch in ("pbs", "lsf"):
+            with self.subTest(launch):
+                self.tower(launch, 0.3, "runs_per_task = 4")
+                process = self.start()
+                self.wait_for(3)
+                subprocess.run([support.MOTTLE, "cancel", "out"], cwd=self.folder, env=self.environment, check=True,
+                               stdout=subprocess.DEVNULL)
+                self.assertIn("mottle cancel", self.end(process, code=4))
+                self.end(self.start("--resume", "--quiet"))
+                self.expect_same(again=3)
+                for name in ("tower", "out", "alone"):
+                    shutil.rmtree(self.folder / name)
+                (self.folder / "runs.log").unlink()
+
+    def test_a_scheduler_that_does_not_answer_for_a_while_stops_nothing(self):
+        self.tower("lsf", 0.0, "")
+        (self.state / "silent").touch()
+        process = self.start()
+        time.sleep(2.0)
+        self.assertIsNone(process.poll())
+        (self.state / "silent").unlink()
+        self.assertIn("it is asked again until it answers", self.end(process))
+        self.expect_same()
+
+    def test_a_queue_that_is_not_there_is_told_in_the_schedulers_words(self):
+        for launch, words in (("pbs", "Unknown queue"), ("lsf", "No such queue")):
+            self.tower(launch, 0.0, 'partition = "no-such"')
+            self.assertIn(words, self.end(self.start(), code=3))
+            shutil.rmtree(self.folder / "tower")
+
+    def test_changed_files_are_not_mixed_with_runs_of_before(self):
+        self.tower("pbs", 0.5, "runs_per_task = 12\nruns_at_once = 1", samples=12)
+        process = self.start()
+        self.wait_for(3)
+        process.send_signal(signal.SIGKILL)
+        process.communicate()
+        solver = self.folder / "tower" / "tower.py"
+        solver.write_text(solver.read_text().replace("time.sleep(0.5)", "time.sleep(0.0)") + "# changed\n")
+        self.end(self.start("--quiet"))
+        self.assertIn("of other files, are ended", (self.folder / "out" / "mottle.log").read_text())
+        self.assertEqual(len(set(self.runs())), 12)
+
+    def test_faults_of_a_study_are_refused_with_their_line(self):
+        self.tower("pbs", 0.0, "")
+        for change, words in ((("launch = \"pbs\"", "launch = \"local\""), "is for model.launch"),
+                              (("launch = \"pbs\"", "launch = \"pbx\""), "did you mean \"pbs\"?"),
+                              (("[model.scheduler]", "[model.scheduler]\ncore = 3"), "did you mean 'cores'?"),
+                              (("[model.scheduler]", "[model.scheduler]\nlicences = \"a:b\""), "ansys:1"),
+                              (("launch = \"pbs\"", "launch = \"pbs\"\nparallel = 3"), "runs_at_once")):
+            text = (self.folder / "tower" / "study.toml").read_text()
+            self.write("tower/wrong.toml", support.edited(text, change))
+            ended = self.call("check", "tower/wrong.toml")
+            self.assertEqual(ended.code, 2, change)
+            self.assertIn("wrong.toml:", ended.err)
+            self.assertIn(words, ended.err)
+        self.write("tower/ranks.toml", support.edited(text, ('launch = "pbs"', 'launch = "mpi"'), ("[model.scheduler]", "")))
+        ended = self.call("propagate", "tower/ranks.toml", "--out", "out")
+        self.assertEqual(ended.code, 2)
+        self.assertIn("mpirun", ended.err)
+        self.succeed("check", "tower/ranks.toml")
+
+    def test_check_says_the_plan_and_leaves_nothing(self):
+        self.tower("lsf", 0.0, "runs_at_once = 4")
+        before = {path.name for path in self.folder.iterdir()}
+        ended = support.run("check", "tower/study.toml", cwd=self.folder, environment=self.environment)
+        self.assertEqual(ended.code, 0, ended.err)
+        self.assertIn("by tasks of LSF (1000 runs: 4 tasks of 250 runs, at most 4 at once)", ended.out)
+        self.assertEqual({path.name for path in self.folder.iterdir()} - before, {"runs.log"})
+
+
+if __name__ == "__main__":
+    support.main()
