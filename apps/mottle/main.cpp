@@ -51,8 +51,11 @@ int fail(int code, const std::string& message) {
 /// CLI11 only says that a verb is required.
 void require_known_verb(CLI::App& app, const std::string& word) {
   std::vector<std::string> verbs;
-  for (const CLI::App* verb : app.get_subcommands({})) verbs.push_back(verb->get_name());
-  const bool is_known = word.starts_with('-') || std::find(verbs.begin(), verbs.end(), word) != verbs.end();
+  for (const CLI::App* verb : app.get_subcommands({})) {
+    if (verb->get_name() == word) return;
+    if (!verb->get_group().empty()) verbs.push_back(verb->get_name());
+  }
+  const bool is_known = word.starts_with('-');
   if (!is_known) throw mottle::InvalidInput(mottle::unknown_name_message("verb", word, verbs));
 }
 

@@ -51,21 +51,25 @@ nlohmann::json json_of(const ArrayStatus& array) {
                      {"node", printable(report.node)},
                      {"scheduler_says", printable(report.words)}});
   }
-  return {{"name", array.name},       {"job", printable(array.job)},
+  return {{"name", array.name},
+          {"job", printable(array.job)},
           {"scheduler", drivers::scheduler_name(array.kind)},
-          {"tasks", array.tasks},     {"waiting", array.waiting},
-          {"running", array.running}, {"ended", array.ended},
-          {"runs", array.runs},       {"done", array.done},
-          {"failed", array.failed},   {"no_answer", printable(array.silence)},
+          {"tasks", array.tasks},
+          {"waiting", array.waiting},
+          {"running", array.running},
+          {"ended", array.ended},
+          {"runs", array.runs},
+          {"done", array.done},
+          {"failed", array.failed},
+          {"no_answer", printable(array.silence)},
           {"task_list", std::move(tasks)}};
 }
 
 void print_array(const ArrayStatus& array) {
   const std::string job = array.job.empty() ? "" : fmt::format(", job {}", array.job);
-  const std::string tasks = array.silence.empty()
-                                ? fmt::format("{} tasks: {} waiting, {} running, {} ended", array.tasks, array.waiting,
-                                              array.running, array.ended)
-                                : fmt::format("{} tasks; {}", array.tasks, array.silence);
+  const std::string tasks = array.silence.empty() ? fmt::format("{} tasks: {} waiting, {} running, {} ended",
+                                                                array.tasks, array.waiting, array.running, array.ended)
+                                                  : fmt::format("{} tasks; {}", array.tasks, array.silence);
   const std::string line = fmt::format("{} ({}{}): {}; {} runs: {} done, {} of them failed, {} to do", array.name,
                                        drivers::scheduler_name(array.kind), job, tasks, array.runs, array.done,
                                        array.failed, array.runs - std::min(array.runs, array.done));

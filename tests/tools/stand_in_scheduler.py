@@ -2,7 +2,8 @@
 """Stand-ins for the commands of PBS and LSF, for tests: they take the options that Mottle gives, refuse all others, and do
 the tasks on this machine.
 
-    install(folder)      puts qsub, qselect, qstat, qdel, bsub, bjobs and bkill there; their state is in folder/state
+    server = start(folder)    puts qsub, qselect, qstat, qdel, bsub, bjobs and bkill there, with their state in folder/state,
+                              and starts a process that does the tasks: Mottle ends all that a command of its own leaves behind
 
 A task is a process group of its own; a file for each says what has become of it. `folder/state/silent` makes all commands
 fail as if the scheduler could not be reached.
@@ -22,12 +23,13 @@ PROGRAMS = ("qsub", "qselect", "qstat", "qdel", "bsub", "bjobs", "bkill")
 STATE = pathlib.Path(__file__).resolve().parent / "state"
 
 
-def install(folder):
+def start(folder):
     (folder / "state").mkdir(parents=True)
     source = pathlib.Path(__file__).read_text(encoding="utf-8")
     for program in PROGRAMS:
         (folder / program).write_text(source, encoding="utf-8")
         (folder / program).chmod(0o755)
+    return subprocess.Popen([sys.executable, folder / "qsub", "serve"])
 
 
 def options_of(arguments, with_value, flags=()):
@@ -72,43 +74,67 @@ def jobs_named(name):
     return [job for job, what in jobs().items() if what["name"] == name]
 
 
-def submit(name, first, last, limit, script, variable):
-    """The job's number. Its tasks are done by a process of their own, `limit` at a time."""
+def submit(name, last, limit, script, variable):
+    """The job's number."""
     with open(STATE / "lock", "w", encoding="utf-8") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
         job = str(1 + max((int(folder.name) for folder in STATE.iterdir() if folder.is_dir()), default=0))
         (STATE / job).mkdir()
-    for number in range(first, last + 1):
+    for number in range(1, last + 1):
         Task(job, number).write(state="waiting")
-    (STATE / job / "job").write_text(json.dumps({"name": name, "is_array": last > first or "[" in variable}))
-    if os.fork() == 0:
-        os.setsid()
-        null = os.open(os.devnull, os.O_RDWR)
-        for stream in range(3):
-            os.dup2(null, stream)
-        work(job, range(first, last + 1), limit or 3, script, variable.strip("[]"))
-        os._exit(0)
+    (STATE / job / "job").write_text(json.dumps({"name": name, "is_array": "[" in variable}))
+    part = STATE / job / "part"
+    part.write_text(json.dumps({"last": last, "limit": limit or 3, "script": script, "variable": variable.strip("[]"),
+                                "folder": os.getcwd(), "environment": dict(os.environ)}))
+    part.rename(STATE / job / "request")
     return job
 
 
-def work(job, numbers, limit, script, variable):
-    waiting, running = list(numbers), {}
-    while waiting or running:
-        for number, process in list(running.items()):
+class Work:
+    """An array whose tasks the server does, `limit` at a time."""
+
+    def __init__(self, job):
+        self.job = job
+        self.request = json.loads((STATE / job / "request").read_text())
+        self.waiting = list(range(1, self.request["last"] + 1))
+        self.running = {}
+
+    def go_on(self):
+        for number, process in list(self.running.items()):
             if process.poll() is not None:
-                running.pop(number)
-                Task(job, number).write(state="ended", status=process.returncode, reason=ended_by(job, number))
-        for number in [number for number in waiting if ended_by(job, number)]:
-            waiting.remove(number)
-            Task(job, number).write(state="ended", status=271, reason=ended_by(job, number))
-        while waiting and len(running) < limit:
-            number = waiting.pop(0)
-            running[number] = subprocess.Popen([script], env={**os.environ, variable: str(number)}, start_new_session=True)
-            Task(job, number).write(state="running", process=running[number].pid)
-        for number, process in running.items():
-            if ended_by(job, number):
+                self.running.pop(number)
+                Task(self.job, number).write(state="ended", status=process.returncode, reason=ended_by(self.job, number))
+        for number in [number for number in self.waiting if ended_by(self.job, number)]:
+            self.waiting.remove(number)
+            Task(self.job, number).write(state="ended", status=271, reason=ended_by(self.job, number))
+        while self.waiting and len(self.running) < self.request["limit"]:
+            self.begin(self.waiting.pop(0))
+        for number, process in self.running.items():
+            if ended_by(self.job, number):
                 os.killpg(process.pid, signal.SIGTERM)
-        time.sleep(0.05)
+
+    def begin(self, number):
+        environment = {**self.request["environment"], self.request["variable"]: str(number)}
+        self.running[number] = subprocess.Popen([self.request["script"]], env=environment, cwd=self.request["folder"],
+                                                start_new_session=True)
+        Task(self.job, number).write(state="running")
+
+
+def serve():
+    """Until the test ends it; then its tasks end, too."""
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))
+    work = {}
+    try:
+        while True:
+            for request in STATE.glob("*/request"):
+                work.setdefault(request.parent.name, Work(request.parent.name))
+            for one in work.values():
+                one.go_on()
+            time.sleep(0.05)
+    finally:
+        for process in [process for one in work.values() for process in one.running.values()]:
+            os.killpg(process.pid, signal.SIGKILL)
+            process.wait()
 
 
 def ended_by(job, number):
@@ -122,10 +148,11 @@ def qsub(arguments):
         sys.exit("qsub: Unknown queue")
     if len(values["-N"]) > 15:
         sys.exit("qsub: illegal -N value")
-    array = re.fullmatch(r"(\d+)-(\d+)(?:%(\d+))?", values.get("-J", "1-1"))
+    array = re.fullmatch(r"(1)-(\d+)(?:%(\d+))?", values.get("-J", "1-1"))
     if "-J" in values and array[1] == array[2]:
         sys.exit("qsub: illegal -J value")
-    job = submit(values["-N"], int(array[1]), int(array[2]), int(array[3] or 0), rest[0],
+    os.chdir(STATE)  # as PBS starts a job in the user's home
+    job = submit(values["-N"], int(array[2]), int(array[3] or 0), rest[0],
                  "[PBS_ARRAY_INDEX]" if "-J" in values else "PBS_NOTHING")
     (STATE / job / "asked").write_text(json.dumps(arguments))
     print(f"{job}[].server" if "-J" in values else f"{job}.server")
@@ -166,9 +193,9 @@ def bsub(arguments):
     values = dict(options)
     if values.get("-q") == "no-such":
         sys.exit("no-such: No such queue. Job not submitted.")
-    name, first, last, limit = re.fullmatch(r"([\w-]+)\[(\d+)-(\d+)\](?:%(\d+))?", values["-J"]).groups()
+    name, last, limit = re.fullmatch(r"([\w-]+)\[1-(\d+)\](?:%(\d+))?", values["-J"]).groups()
     os.chdir(values["-cwd"])
-    job = submit(name, int(first), int(last), int(limit or 0), rest[0], "LSB_JOBINDEX")
+    job = submit(name, int(last), int(limit or 0), rest[0], "[LSB_JOBINDEX]")
     (STATE / job / "asked").write_text(json.dumps(arguments))
     print(f"Job <{job}> is submitted to default queue <normal>.")
 
@@ -198,9 +225,11 @@ def bkill(arguments):
 
 
 def main():
+    if sys.argv[1:] == ["serve"]:
+        return serve()
     if (STATE / "silent").exists():
         sys.exit("Connection refused: cannot connect to server")
-    globals()[pathlib.Path(sys.argv[0]).name](sys.argv[1:])
+    return globals()[pathlib.Path(sys.argv[0]).name](sys.argv[1:])
 
 
 if __name__ == "__main__":

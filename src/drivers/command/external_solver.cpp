@@ -1,9 +1,5 @@
 #include "mottle/drivers/command/external_solver.hpp"
 
-#include <unistd.h>
-
-#include <cerrno>
-#include <cstring>
 #include <limits>
 #include <numbers>
 
@@ -76,42 +72,6 @@ std::vector<std::string> ExternalStructure::description(const Eigen::Ref<const E
   if (!rows_.empty()) lines.push_back(fmt::format("shapes: {} degrees of freedom", rows_.size()));
   return lines;
 }
-
-SharedRunPlace::SharedRunPlace(const SolverCommand& command, const RunStorage& storage)
-    : storage_(storage), is_temporary_(command.scheduler && storage.results.empty()) {
-  if (command.scheduler) {
-    require(storage.ranks == nullptr,
-            "model.launch: the runs are done by tasks of {}, which {} ranks would not share; start Mottle once, without "
-            "mpirun or srun",
-            scheduler_name(command.scheduler->kind), storage.ranks == nullptr ? 1 : storage.ranks->count());
-  }
-  if (!is_temporary_) return;
-  std::string pattern = (std::filesystem::current_path() / "mottle-tasks-XXXXXX").string();
-  require(::mkdtemp(pattern.data()) != nullptr,
-          "{}: cannot be made: {}; tasks of a scheduler need a folder that all nodes see: start Mottle in one",
-          pattern, std::strerror(errno));
-  storage_.results = pattern;
-}
-
-SharedRunPlace::~SharedRunPlace() {
-  std::error_code ignored;
-  if (is_temporary_) std::filesystem::remove_all(storage_.results, ignored);
-}
-
-namespace {
-
-std::unique_ptr<ScheduledRuns> scheduled_runs(SolverRuns& runs, const SharedRunPlace& place,
-                                              const std::atomic<bool>* stop) {
-  const std::optional<SchedulerOptions>& options = runs.command().scheduler;
-  if (!options) return nullptr;
-  return std::make_unique<ScheduledRuns>(runs,
-                                         TaskPlace{.results = place.storage().results,
-                                                   .is_temporary = place.is_temporary(),
-                                                   .is_resumed = place.storage().is_resumed},
-                                         make_scheduler(*options, stop));
-}
-
-}  // namespace
 
 ExternalSolver::ExternalSolver(SolverCommand command, const std::vector<std::string>& names,
                                const Eigen::VectorXd& nominal, const Eigen::VectorXd& standard_deviations,
@@ -269,6 +229,7 @@ SolverUse ExternalSolver::solve(const Eigen::Ref<const Eigen::MatrixXd>& samples
     solve_sample(s, samples, request, visit, halt, tally);
   };
   if (scheduled_) {
+    scheduled_->begin_log();
     scheduled_->run_all(samples, least_, context, [&](Eigen::Index s, const SolverRuns::Run& run) {
       finish_sample(s, run, request, visit, tally);
     });

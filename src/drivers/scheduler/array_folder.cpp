@@ -121,16 +121,18 @@ std::optional<ArrayPlan> read_array(const fs::path& folder) {
   const std::optional<std::string> bytes = read_small(folder / k_array);
   if (!bytes) return std::nullopt;
   const auto refuse = [&] {
-    throw SystemFailure(fmt::format("{}: is damaged, or of another version of Mottle; end its tasks by hand and take "
-                                    "the folder away",
-                                    (folder / k_array).string()));
+    throw SystemFailure(
+        fmt::format("{}: is damaged, or of another version of Mottle; end its tasks by hand and take "
+                    "the folder away",
+                    (folder / k_array).string()));
   };
   if (!bytes->starts_with(k_magic)) refuse();
   ByteReader reader(std::string_view(*bytes).substr(k_magic.size()));
   Digest sum{};
   const std::size_t head = k_magic.size() + sizeof(sum);
   ArrayPlan plan;
-  if (!reader.read(sum) || digest_of(std::string_view(*bytes).substr(head)) != sum || !read_plan(reader, plan)) refuse();
+  if (!reader.read(sum) || digest_of(std::string_view(*bytes).substr(head)) != sum || !read_plan(reader, plan))
+    refuse();
   return plan;
 }
 

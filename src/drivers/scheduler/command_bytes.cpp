@@ -16,8 +16,7 @@ class FieldWriter {
 
  private:
   template <typename Value>
-    requires(std::is_arithmetic_v<Value> || std::is_enum_v<Value>)
-  void one(const Value& value) {
+  requires(std::is_arithmetic_v<Value> || std::is_enum_v<Value>) void one(const Value& value) {
     append_value(bytes_, value);
   }
   void one(const std::string& text) { append_text(bytes_, text); }
@@ -54,10 +53,7 @@ class FieldReader {
 
  private:
   template <typename Value>
-    requires(std::is_arithmetic_v<Value> || std::is_enum_v<Value>)
-  bool one(Value& value) {
-    return reader_.read(value);
-  }
+  requires(std::is_arithmetic_v<Value> || std::is_enum_v<Value>) bool one(Value& value) { return reader_.read(value); }
   bool one(std::string& text) { return reader_.read_text(text); }
   bool one(std::filesystem::path& path) {
     std::string text;
@@ -127,8 +123,8 @@ bool exchange(Fields& fields, Record& record) {
     static_assert(std::is_same_v<Plain, SolverCommand>);
     auto& [templates, files, command, retry_command, retries, timeout, parallel, environment, kept, fraction, step,
            frequencies, shapes, scheduler, needs_ranks] = record;
-    return fields.all(templates, files, command, retry_command, retries, timeout, parallel, environment, kept,
-                      fraction, step, frequencies, shapes, scheduler, needs_ranks);
+    return fields.all(templates, files, command, retry_command, retries, timeout, parallel, environment, kept, fraction,
+                      step, frequencies, shapes, scheduler, needs_ranks);
   }
 }
 

@@ -19,10 +19,9 @@ class LsfScheduler final : public Scheduler {
   std::string submit(const ArrayRequest& request) override {
     std::string array = fmt::format("{}[1-{}]", request.name, request.tasks);
     if (request.limit > 0) array += fmt::format("%{}", request.limit);
-    std::vector<std::string> call{"bsub", "-J",        array, "-cwd",      request.folder.string(),
-                                  "-r",   "-o",        "/dev/null",        "-n",
-                                  fmt::format("{}", options_.cores),       "-R",
-                                  "span[hosts=1]"};
+    std::vector<std::string> call{"bsub", "-J",           array,       "-cwd", request.folder.string(),
+                                  "-r",   "-o",           "/dev/null", "-n",   fmt::format("{}", options_.cores),
+                                  "-R",   "span[hosts=1]"};
     const auto add = [&](const std::string& option, const std::string& value) {
       call.insert(call.end(), {option, value});
     };
@@ -44,10 +43,9 @@ class LsfScheduler final : public Scheduler {
   std::vector<TaskReport> list(const std::vector<std::string>& names) override {
     std::vector<TaskReport> reports;
     for (const std::string& name : names) {
-      const CommandAnswer answer =
-          ask_scheduler({"bjobs", "-a", "-noheader", "-J", name, "-o",
-                         "name jobindex stat exec_host exit_reason delimiter='|'"},
-                        stop_);
+      const CommandAnswer answer = ask_scheduler(
+          {"bjobs", "-a", "-noheader", "-J", name, "-o", "name jobindex stat exec_host exit_reason delimiter='|'"},
+          stop_);
       if (!answer.is_done && !is_unknown(answer)) throw SchedulerSilent(fmt::format("bjobs says: {}", answer.error));
       const std::vector<TaskReport> more = read_bjobs(answer.output);
       reports.insert(reports.end(), more.begin(), more.end());

@@ -16,7 +16,8 @@ std::vector<std::string> lines_of_text(std::string_view text) {
 
 /// Whether qstat or qdel only misses a job that has ended meanwhile.
 bool is_of_ended_job(const CommandAnswer& answer) {
-  return answer.error.find("Unknown Job") != std::string::npos || answer.error.find("has finished") != std::string::npos;
+  return answer.error.find("Unknown Job") != std::string::npos ||
+         answer.error.find("has finished") != std::string::npos;
 }
 
 class PbsScheduler final : public Scheduler {
@@ -24,8 +25,9 @@ class PbsScheduler final : public Scheduler {
   PbsScheduler(SchedulerOptions options, const std::atomic<bool>* stop) : options_(std::move(options)), stop_(stop) {}
 
   std::string submit(const ArrayRequest& request) override {
-    std::vector<std::string> call{"qsub", "-N", request.name, "-V", "-r", "y", "-j", "oe", "-o", "/dev/null",
-                                  "-l",   fmt::format("select=1:ncpus={}", options_.cores)};
+    std::vector<std::string> call{"qsub", "-N",        request.name, "-V",
+                                  "-r",   "y",         "-j",         "oe",
+                                  "-o",   "/dev/null", "-l",         fmt::format("select=1:ncpus={}", options_.cores)};
     const auto add = [&](const std::string& option, const std::string& value) {
       call.insert(call.end(), {option, value});
     };
@@ -90,7 +92,7 @@ class PbsScheduler final : public Scheduler {
 TaskReport::State state_of(const std::string& letter) {
   if (letter == "F" || letter == "X") return TaskReport::State::ended;
   return letter == "R" || letter == "E" || letter == "S" || letter == "U" ? TaskReport::State::running
-                                                                         : TaskReport::State::waiting;
+                                                                          : TaskReport::State::waiting;
 }
 
 }  // namespace
@@ -109,7 +111,8 @@ std::vector<TaskReport> read_qstat(const std::string& output, const std::vector<
       continue;  // "12[].server" is the array itself
     }
     const std::string letter = job.value("job_state", "");
-    const int status = job.contains("Exit_status") && job["Exit_status"].is_number() ? job["Exit_status"].get<int>() : 0;
+    const int status =
+        job.contains("Exit_status") && job["Exit_status"].is_number() ? job["Exit_status"].get<int>() : 0;
     TaskReport report{.array = name,
                       .task = static_cast<int>(number),
                       .state = state_of(letter),

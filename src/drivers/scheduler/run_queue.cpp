@@ -10,8 +10,8 @@ namespace mottle::drivers {
 
 int runs_of_task(std::size_t runs, double seconds_a_run, const SchedulerOptions& options) {
   constexpr double k_task_s = 600.0;
-  constexpr double k_usual_run_s = 60.0;      // where the time of a run is not known
-  constexpr double k_used_part = 0.7;         // of the time that a task may take
+  constexpr double k_usual_run_s = 60.0;  // where the time of a run is not known
+  constexpr double k_used_part = 0.7;     // of the time that a task may take
   constexpr std::size_t k_usual_at_once = 100;
   if (options.runs_per_task > 0) return options.runs_per_task;
   const double seconds = seconds_a_run > 0.0 ? seconds_a_run : k_usual_run_s;

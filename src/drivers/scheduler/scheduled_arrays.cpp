@@ -123,8 +123,8 @@ void ScheduledRuns::submit(TaskArray& array, const RunContext& context) {
                                                   .tasks = array.tasks(),
                                                   .limit = array.limit});
       write_array_job(array.folder(), job);
-      context.note(fmt::format("{}: job {} of {}, {} tasks", array.name(), job, scheduler_name(options_.kind),
-                               array.tasks()));
+      note(context,
+           fmt::format("{}: job {} of {}, {} tasks", array.name(), job, scheduler_name(options_.kind), array.tasks()));
     }
     array.is_submitted = true;
     is_silent_ = false;
@@ -153,7 +153,7 @@ void ScheduledRuns::ask(const RunContext& context) {
       if (std::ranges::find(names, array->name()) == names.end()) continue;
       has_changed |= array->take(reports, steady_seconds());
     }
-    if (is_silent_) context.note(fmt::format("{} answers again", scheduler_name(options_.kind)));
+    if (is_silent_) note(context, fmt::format("{} answers again", scheduler_name(options_.kind)));
     is_silent_ = false;
   } catch (const SchedulerSilent& silence) {
     say_silence(context, silence.what());

@@ -44,8 +44,10 @@ fs::path kept_run(const fs::path& task, const RunRecord& record, const std::stri
 void ScheduledRuns::run_all(const Eigen::Ref<const Eigen::MatrixXd>& samples, int min_modes, const RunContext& context,
                             const Deliver& deliver) {
   Batch batch{samples, min_modes, context, deliver, RunQueue(options_)};
-  for (const std::string& note : notes_) context.note(note);
-  notes_.clear();
+  if (has_log_) {
+    for (const std::string& text : notes_) context.note(text);
+    notes_.clear();
+  }
   try {
     begin_batch(batch);
     while (!batch.queue.empty()) go_on(batch);
@@ -128,21 +130,26 @@ void ScheduledRuns::bury(Batch& batch, const TaskArray& array, const TaskDeath& 
         "the files of its model have changed since runs of it were submitted; start the job again for the files as "
         "they are now");
   }
-  batch.context.note(fmt::format("task {} of {} ended with {} runs to do: {}", death.task, array.name(),
-                                 death.missing.size(), death.reason));
+  note(batch.context, fmt::format("task {} of {} ended with {} runs to do: {}", death.task, array.name(),
+                                  death.missing.size(), death.reason));
   const std::optional<RunQueue::Failure> failure = batch.queue.put_back(death);
   if (!failure) return;
   if (!failure->is_begun) {
-    throw SystemFailure(fmt::format("tasks end again and again before they begin with a run, the last: {}; what it "
-                                    "printed is in {}",
-                                    death.reason, (task / "output.txt").string()));
+    throw SystemFailure(
+        fmt::format("tasks end again and again before they begin with a run, the last: {}; what it "
+                    "printed is in {}",
+                    death.reason, (task / "output.txt").string()));
   }
   const fs::path left = abandoned_run(task);
-  const fs::path kept =
-      left.empty() ? fs::path() : runs_.keep_folder(left, true, SolverRuns::id_of(failure->key));
+  const fs::path kept = left.empty() ? fs::path() : runs_.keep_folder(left, true, SolverRuns::id_of(failure->key));
   const SolverRuns::Run run{.record = {.failure = failure->text}, .tries = options_.tries, .folder = kept};
   runs_.keep(failure->key, run.record);
   for (const Eigen::Index sample : batch.queue.take(failure->key)) batch.deliver(sample, run);
+}
+
+void ScheduledRuns::note(const RunContext& context, const std::string& text) {
+  if (has_log_) return context.note(text);
+  notes_.push_back(text);
 }
 
 void ScheduledRuns::wait_a_moment(const RunContext& context, double seconds) {
@@ -158,9 +165,9 @@ void ScheduledRuns::stop(const std::string& why) {
   leaves_tasks_ = !is_temporary_;
   if (is_temporary_ || tasks == 0) throw Stopped(why);
   const std::string folder = results_.string();
-  throw Stopped(
-      fmt::format("{}; {} {} in {}: 'mottle status {}' shows them, 'mottle cancel {}' ends them", why, tasks,
-                  tasks == 1 ? "task goes on" : "tasks go on", scheduler_name(options_.kind), folder, folder));
+  throw Stopped(fmt::format("{}; {} {} in {}: 'mottle status {}' shows them, 'mottle cancel {}' ends them", why, tasks,
+                            tasks == 1 ? "task goes on" : "tasks go on", scheduler_name(options_.kind), folder,
+                            folder));
 }
 
 int ScheduledRuns::unfinished() const {

@@ -38,7 +38,7 @@ class CallFolder {
 bool is_job_variable(std::string_view name) {
   constexpr std::array<std::string_view, 5> k_kept{"SLURM_CONF", "SLURM_CLUSTERS", "SLURM_TIME_FORMAT", "PBS_CONF_FILE",
                                                    "PBS_SERVER"};
-  constexpr std::array<std::string_view, 10> k_job{"SLURM_",      "SLURMD_",        "SBATCH_MEM", "PBS_",       "PMI_",
+  constexpr std::array<std::string_view, 10> k_job{"SLURM_",       "SLURMD_",   "SBATCH_MEM",       "PBS_",  "PMI_",
                                                    "LSB_JOBINDEX", "LSB_JOBID", "OMPI_COMM_WORLD_", "PMIX_", "PRTE_"};
   if (std::ranges::find(k_kept, name) != k_kept.end()) return false;
   return std::ranges::any_of(k_job, [&](std::string_view prefix) { return name.starts_with(prefix); });

@@ -10,7 +10,7 @@ namespace {
 
 /// States after which a task does nothing more; of others it may.
 bool is_end(std::string_view state) {
-  constexpr std::array<std::string_view, 11> k_ends{"BOOT_FAIL",     "CANCELLED", "COMPLETED", "DEADLINE",
+  constexpr std::array<std::string_view, 11> k_ends{"BOOT_FAIL",     "CANCELLED", "COMPLETED",     "DEADLINE",
                                                     "FAILED",        "NODE_FAIL", "OUT_OF_MEMORY", "PREEMPTED",
                                                     "LAUNCH_FAILED", "REVOKED",   "TIMEOUT"};
   return std::ranges::find(k_ends, state) != k_ends.end();
@@ -46,9 +46,9 @@ class SlurmScheduler final : public Scheduler {
   }
 
   std::vector<TaskReport> list(const std::vector<std::string>& names) override {
-    const CommandAnswer answer = ask_scheduler({"squeue", "--noheader", "--array", "--states=all",
-                                                "--name=" + join(names, ","), "--format=%j|%K|%T|%N|%r"},
-                                               stop_);
+    const CommandAnswer answer = ask_scheduler(
+        {"squeue", "--noheader", "--array", "--states=all", "--name=" + join(names, ","), "--format=%j|%K|%T|%N|%r"},
+        stop_);
     if (!answer.is_done) throw SchedulerSilent(fmt::format("squeue says: {}", answer.error));
     return read_squeue(answer.output);
   }

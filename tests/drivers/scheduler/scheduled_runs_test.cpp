@@ -21,7 +21,8 @@ enum class Fate { done, dead, dead_in_second_run, silent_but_done, forgotten_the
 
 class PlayedScheduler final : public Scheduler {
  public:
-  explicit PlayedScheduler(std::vector<Fate>& fates, std::vector<ArrayRequest>& requests, std::vector<std::string>& ended)
+  explicit PlayedScheduler(std::vector<Fate>& fates, std::vector<ArrayRequest>& requests,
+                           std::vector<std::string>& ended)
       : fates_(fates), requests_(requests), ended_(ended) {}
 
   std::string submit(const ArrayRequest& request) override {
@@ -88,15 +89,17 @@ class Scheduled : public testing::Test {
   /// First frequencies in Hz, by sample; nan: the run failed.
   std::vector<double> run(const std::vector<double>& k) {
     SolverRuns runs(command_, {"k"}, {.results = folder_ / "results", .is_resumed = true});
-    ScheduledRuns scheduled(runs, {.results = folder_ / "results", .is_resumed = true},
-                            std::make_unique<PlayedScheduler>(fates_, requests_, ended_),
-                            {.first_question = 0.02, .last_question = 0.02, .after_death = 0.02, .after_end = 0.1, .poll = 0.01});
+    ScheduledRuns scheduled(
+        runs, {.results = folder_ / "results", .is_resumed = true},
+        std::make_unique<PlayedScheduler>(fates_, requests_, ended_),
+        {.first_question = 0.02, .last_question = 0.02, .after_death = 0.02, .after_end = 0.1, .poll = 0.01});
     std::vector<double> found(k.size(), -1.0);
     const Eigen::MatrixXd samples = Eigen::Map<const Eigen::VectorXd>(k.data(), static_cast<Eigen::Index>(k.size()));
     scheduled.run_all(samples, 1, {.stop = &stop_}, [&](Eigen::Index s, const SolverRuns::Run& one) {
       failures_ += one.record.failure;
       found[static_cast<std::size_t>(s)] =
-          one.record.failure.empty() ? std::sqrt(one.record.modes.eigenvalues(0)) / (2.0 * 3.14159265358979323846) : -2.0;
+          one.record.failure.empty() ? std::sqrt(one.record.modes.eigenvalues(0)) / (2.0 * 3.14159265358979323846)
+                                     : -2.0;
     });
     return found;
   }
@@ -144,9 +147,12 @@ TEST_F(Scheduled, WhatADeadTaskHasDoneIsNotDoneAgain) {
 
 TEST_F(Scheduled, TasksThatNeverBeginEndTheJob) {
   fates_ = {Fate::dead, Fate::dead};
-  EXPECT_THAT([&] { run({1, 2}); },
-              testing::ThrowsMessage<mottle::SystemFailure>(testing::HasSubstr("before they begin with a run, the last: "
-                                                                               "NODE_FAIL on n1")));
+  EXPECT_THAT(
+      [&] {
+        run({1, 2});
+      },
+      testing::ThrowsMessage<mottle::SystemFailure>(testing::HasSubstr("before they begin with a run, the last: "
+                                                                       "NODE_FAIL on n1")));
 }
 
 TEST_F(Scheduled, AnArrayThatWasSubmittedWithoutAnAnswerIsNotSubmittedTwice) {
@@ -164,7 +170,8 @@ TEST_F(Scheduled, ALateResultOfATaskThatWasCalledDeadIsTaken) {
 TEST_F(Scheduled, ArraysThatAnotherMottleLeftAreMergedBeforeAnythingIsSubmitted) {
   SolverRuns runs(command_, {"k"}, {.results = folder_ / "results"});
   const Eigen::MatrixXd values = (Eigen::MatrixXd(2, 1) << 1.0, 2.0).finished();
-  ArrayPlan plan{.name = "mottle-00000001", .command = runs.frozen_command(), .parameters = {"k"}, .constants = runs.constants()};
+  ArrayPlan plan{
+      .name = "mottle-00000001", .command = runs.frozen_command(), .parameters = {"k"}, .constants = runs.constants()};
   for (int run = 0; run < 2; ++run) plan.keys.push_back(runs.key_at(values.row(run).transpose(), 1));
   plan.values = values;
   plan.ends = {2};

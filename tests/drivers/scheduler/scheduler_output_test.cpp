@@ -5,6 +5,7 @@
 
 namespace {
 
+using mottle::SystemFailure;
 using mottle::drivers::clock_text;
 using mottle::drivers::CommandAnswer;
 using mottle::drivers::read_bjobs;
@@ -13,7 +14,6 @@ using mottle::drivers::read_squeue;
 using mottle::drivers::refuse_answer;
 using mottle::drivers::SchedulerSilent;
 using mottle::drivers::TaskReport;
-using mottle::SystemFailure;
 using State = mottle::drivers::TaskReport::State;
 
 TEST(SchedulerOutput, SqueueTellsWaitingRunningAndEndedTasks) {

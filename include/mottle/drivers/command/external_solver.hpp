@@ -8,6 +8,7 @@
 
 #include "mottle/drivers/command/sample_pool.hpp"
 #include "mottle/drivers/command/solver_runs.hpp"
+#include "mottle/drivers/scheduler/run_place.hpp"
 #include "mottle/drivers/scheduler/scheduled_runs.hpp"
 #include "mottle/layers.hpp"
 #include "mottle/model/solvers/solver.hpp"
@@ -55,23 +56,6 @@ class SharedCount {
   Ranks* ranks_;
   std::uint64_t counter_;
   std::atomic<std::int64_t> own_{0};
-};
-
-/// Where tasks of a scheduler find their runs: the folder of results, or where there is none a folder within the present
-/// one, which goes again: nodes of a cluster do not see each other's temporary files.
-class SharedRunPlace {
- public:
-  SharedRunPlace(const SolverCommand& command, const RunStorage& storage);
-  ~SharedRunPlace();
-  SharedRunPlace(const SharedRunPlace&) = delete;
-  SharedRunPlace& operator=(const SharedRunPlace&) = delete;
-
-  const RunStorage& storage() const { return storage_; }
-  bool is_temporary() const { return is_temporary_; }
-
- private:
-  RunStorage storage_;
-  bool is_temporary_ = false;
 };
 
 class ExternalSolver final : public Solver {

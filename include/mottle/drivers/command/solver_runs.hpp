@@ -23,10 +23,10 @@ namespace mottle::drivers {
 
 /// Where results of runs are kept, and which of them are used again.
 struct RunStorage {
-  std::filesystem::path results = {};  ///< folder of results; empty: temporary, nothing is used again
-  bool is_resumed = false;             ///< runs that failed before count as they did; else they are tried again
-  Ranks* ranks = nullptr;              ///< that share the runs; null: this process is alone
-  bool is_task = false;                ///< whoever ends this process may end its solver at the same time
+  std::filesystem::path results = {};    ///< folder of results; empty: temporary, nothing is used again
+  bool is_resumed = false;               ///< runs that failed before count as they did; else they are tried again
+  Ranks* ranks = nullptr;                ///< that share the runs; null: this process is alone
+  bool is_task = false;                  ///< whoever ends this process may end its solver at the same time
   ProgressObserver* observer = nullptr;  ///< hears of tasks of a scheduler that do the run at the means
 };
 

@@ -26,10 +26,10 @@ struct ArrayPlan {
   std::string name = {};  ///< under which the scheduler knows it
   SolverCommand command = {};
   std::vector<std::string> parameters = {};
-  int min_modes = 1;        ///< that a run must give
-  Digest constants = {};    ///< of everything that all runs have in common
-  std::vector<Digest> keys = {};     ///< [run]
-  Eigen::MatrixXd values = {};       ///< [run x parameter]
+  int min_modes = 1;                   ///< that a run must give
+  Digest constants = {};               ///< of everything that all runs have in common
+  std::vector<Digest> keys = {};       ///< [run]
+  Eigen::MatrixXd values = {};         ///< [run x parameter]
   std::vector<std::size_t> ends = {};  ///< [task]: number of the first run that is the next task's
 
   int tasks() const { return static_cast<int>(ends.size()); }
@@ -40,9 +40,9 @@ struct ArrayPlan {
 
 /// What a task says at its end.
 struct TaskEnd {
-  std::size_t runs = 0;      ///< that it did, or had done before
-  std::uint64_t bytes = 0;   ///< of its store
-  double seconds = 0.0;      ///< that the runs of this start took
+  std::size_t runs = 0;     ///< that it did, or had done before
+  std::uint64_t bytes = 0;  ///< of its store
+  double seconds = 0.0;     ///< that the runs of this start took
 };
 
 /// A name that no other array has: "mottle-1a2b3c4d".

@@ -18,8 +18,8 @@ namespace mottle::drivers {
 
 inline constexpr int k_most_tasks = 1000;  ///< of one study at a time; Slurm's arrays have no more by default
 
-/// Runs that each task does, so that it takes about ten minutes and well less than it may, but so few that as many tasks
-/// are made as can be at work together.
+/// Runs that each task does, so that it takes about ten minutes and well less than it may, but so few that as many
+/// tasks are made as can be at work together.
 ///
 /// @param runs           to be done, >= 1
 /// @param seconds_a_run  0: not known
@@ -47,7 +47,8 @@ class RunQueue {
   /// The run is there: the samples that waited for it.
   std::vector<Eigen::Index> take(const Digest& key);
   /// What a task left is to be submitted again. The run that it was at is charged with the death, and from now on alone
-  /// in a task; one that has been charged as often as is allowed is a failure, and nobody waits for it any more in tasks.
+  /// in a task; one that has been charged as often as is allowed is a failure, and nobody waits for it any more in
+  /// tasks.
   std::optional<Failure> put_back(const TaskDeath& death);
 
   /// Runs of the next array, taken off the queue: keys and the ends of tasks; `samples` has a row for each.
@@ -61,8 +62,8 @@ class RunQueue {
  private:
   struct Wanted {
     Eigen::Index sample = 0;
-    int deaths = 0;        ///< of tasks that were at it
-    int early_deaths = 0;  ///< of tasks that would have begun with it
+    int deaths = 0;          ///< of tasks that were at it
+    int early_deaths = 0;    ///< of tasks that would have begun with it
     bool is_placed = false;  ///< in a task, or failed; else it is in a queue
   };
   struct HashDigest {

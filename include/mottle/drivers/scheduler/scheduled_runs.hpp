@@ -52,6 +52,9 @@ class ScheduledRuns {
   void run_all(const Eigen::Ref<const Eigen::MatrixXd>& samples, int min_modes, const RunContext& context,
                const Deliver& deliver);
 
+  /// From now on a batch's observer writes a log: until then notes are kept for it.
+  void begin_log() { has_log_ = true; }
+
   /// Time of a run, as tasks have measured it; 0: not known yet.
   double seconds_a_run() const { return seconds_a_run_; }
 
@@ -71,6 +74,7 @@ class ScheduledRuns {
   void discard(TaskArray& array);
   void keep_unasked(const Digest& key, std::string_view record);
   void wait_a_moment(const RunContext& context, double seconds);
+  void note(const RunContext& context, const std::string& text);
   void say_silence(const RunContext& context, const std::string& words);
   void show_tasks(const RunContext& context) const;
   [[noreturn]] void stop(const std::string& why);
@@ -86,6 +90,7 @@ class ScheduledRuns {
   double seconds_a_run_ = 0.0;
   double next_question_ = 0.0;
   double question_interval_ = 0.0;
+  bool has_log_ = false;
   bool is_silent_ = false;
   bool is_temporary_;
   bool leaves_tasks_ = false;

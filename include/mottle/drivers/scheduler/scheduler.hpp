@@ -1,5 +1,6 @@
 // A scheduler of a cluster: submits arrays of tasks, says what has become of them, and cancels them, by its own
-// commands. Arrays are known by names that nobody else uses, so that one can be found again whose number was never read.
+// commands. Arrays are known by names that nobody else uses, so that one can be found again whose number was never
+// read.
 #pragma once
 
 #include <atomic>
@@ -22,9 +23,9 @@ class SchedulerSilent : public SystemFailure {
 
 /// An array of tasks 1 to `tasks`.
 struct ArrayRequest {
-  std::string name = {};               ///< at most 15 characters, which every PBS takes
-  std::filesystem::path script = {};   ///< is handed the task's number in the scheduler's variable
-  std::filesystem::path folder = {};   ///< where tasks start; task-N in it takes the output of task N
+  std::string name = {};              ///< at most 15 characters, which every PBS takes
+  std::filesystem::path script = {};  ///< is handed the task's number in the scheduler's variable
+  std::filesystem::path folder = {};  ///< where tasks start; task-N in it takes the output of task N
   int tasks = 1;
   int limit = 0;  ///< of them at work at the same time; 0: any number
 };
@@ -36,8 +37,8 @@ struct TaskReport {
   std::string array = {};  ///< the array's name
   int task = 0;
   State state = State::waiting;
-  std::string node = {};  ///< where it runs or ran; empty: not said
-  std::string words = {};  ///< the scheduler's own word: "TIMEOUT"
+  std::string node = {};    ///< where it runs or ran; empty: not said
+  std::string words = {};   ///< the scheduler's own word: "TIMEOUT"
   bool is_success = false;  ///< of one that ended: as far as the scheduler knows, by itself and well
 
   bool operator==(const TaskReport&) const = default;

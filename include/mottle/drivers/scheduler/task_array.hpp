@@ -17,9 +17,9 @@ namespace mottle::drivers {
 struct TaskPatience {
   double first_question = 5.0;  ///< from one question to the scheduler to the next
   double last_question = 30.0;  ///< where nothing happens
-  double after_death = 10.0;  ///< for runs of a task that the scheduler calls dead: file systems show files late
-  double after_end = 60.0;    ///< for those of a task that ended well, or of which the scheduler knows nothing
-  double poll = 0.2;          ///< from one look at the tasks' stores to the next
+  double after_death = 10.0;    ///< for runs of a task that the scheduler calls dead: file systems show files late
+  double after_end = 60.0;      ///< for those of a task that ended well, or of which the scheduler knows nothing
+  double poll = 0.2;            ///< from one look at the tasks' stores to the next
 };
 
 /// A task that has ended without all of its runs.

@@ -17,14 +17,14 @@ struct ArrayStatus {
   int tasks = 0;
   int waiting = 0, running = 0, ended = 0;  ///< of the tasks, as the scheduler says
   std::size_t runs = 0;
-  std::size_t done = 0;    ///< of the runs
-  std::size_t failed = 0;  ///< of those done
+  std::size_t done = 0;                  ///< of the runs
+  std::size_t failed = 0;                ///< of those done
   std::vector<TaskReport> reports = {};  ///< of the scheduler
-  std::string silence = {};  ///< why the scheduler said nothing; empty: it has answered
+  std::string silence = {};              ///< why the scheduler said nothing; empty: it has answered
 };
 
-/// All arrays within a folder of results. A scheduler that does not answer is no error. Throws SystemFailure where a file
-/// is damaged.
+/// All arrays within a folder of results. A scheduler that does not answer is no error. Throws SystemFailure where a
+/// file is damaged.
 std::vector<ArrayStatus> read_task_status(const std::filesystem::path& results);
 
 /// Runs that a folder's store holds; 0 where there is none.

@@ -40,7 +40,8 @@ class CommandSource final : public ModelSource {
       programs.push_back(fmt::format("model.environment: {}={}", name, value));
     }
     if (command_.scheduler) {
-      programs.push_back(fmt::format("model.launch: by tasks of {}", drivers::scheduler_name(command_.scheduler->kind)));
+      programs.push_back(
+          fmt::format("model.launch: by tasks of {}", drivers::scheduler_name(command_.scheduler->kind)));
     }
     return programs;
   }

@@ -154,7 +154,8 @@ void read_launch(TomlReader& reader, SolverCommand& command) {
   command.needs_ranks = launch == "mpi";
   const bool is_scheduled = launch == "slurm" || launch == "pbs" || launch == "lsf";
   if (reader.has("scheduler") && !is_scheduled) {
-    reader.fail("scheduler", fmt::format("is for model.launch = \"slurm\", \"pbs\" or \"lsf\"; found launch = \"{}\"", launch));
+    reader.fail("scheduler",
+                fmt::format("is for model.launch = \"slurm\", \"pbs\" or \"lsf\"; found launch = \"{}\"", launch));
   }
   if (!is_scheduled) return;
   if (reader.has("parallel")) {
