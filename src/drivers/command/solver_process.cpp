@@ -2,7 +2,6 @@
 
 #include <fcntl.h>
 #include <poll.h>
-#include <sys/prctl.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -12,14 +11,11 @@
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
+#include <thread>
 
+#include "drivers/command/solver_guard.hpp"
 #include "mottle/core/error.hpp"
 #include "mottle/core/launcher.hpp"
-
-// Between Mottle and the program stands a guard: a process that waits for the program and, once Mottle asks or dies,
-// ends the program's whole group. The kernel signals Mottle's death to it (PR_SET_PDEATHSIG). Guard and program start
-// in copies of a process with many threads and call nothing but what is safe there; hence _Fork, which runs no handlers
-// of libraries, and strings that are made before.
 
 namespace mottle::drivers {
 namespace {
@@ -49,23 +45,6 @@ class Pipe {
   int ends_[2] = {-1, -1};
 };
 
-/// What the guard says at the end.
-struct Message {
-  int wait_status = 0;
-  int start_error = 0;  ///< errno where the program could not be started
-};
-
-/// A program's start in plain pointers: nothing is allocated after the fork.
-struct Start {
-  std::vector<std::string> texts = {};
-  std::vector<char*> arguments = {};
-  std::vector<char*> environment = {};
-  std::string program = {};
-  std::string directory = {};
-  std::string output = {};
-  std::string error = {};
-};
-
 std::vector<char*> pointers(std::vector<std::string>& texts) {
   std::vector<char*> result;
   for (std::string& text : texts) result.push_back(text.data());
@@ -85,112 +64,7 @@ std::vector<std::string> environment_texts(const std::map<std::string, std::stri
   return texts;
 }
 
-int open_new(const char* file) {
-  return ::open(file, O_WRONLY | O_CREAT | O_TRUNC, 0644);
-}
-
-/// In the program's process: becomes the program, or returns why not.
-int become(const Start& start, pid_t guard) {
-  ::setpgid(0, 0);
-  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-  if (::getppid() != guard) ::_exit(1);
-  if (::chdir(start.directory.c_str()) != 0) return errno;
-  const int input = ::open("/dev/null", O_RDONLY);
-  const int output = open_new(start.output.c_str());
-  const int error = open_new(start.error.c_str());
-  if (input < 0 || output < 0 || error < 0) return errno;
-  if (::dup2(input, 0) < 0 || ::dup2(output, 1) < 0 || ::dup2(error, 2) < 0) return errno;
-  for (const int descriptor : {input, output, error}) {
-    if (descriptor > 2) ::close(descriptor);
-  }
-  for (const int number : {SIGPIPE, SIGINT, SIGQUIT, SIGTERM, SIGHUP}) ::signal(number, SIG_DFL);
-  sigset_t none;
-  sigemptyset(&none);
-  ::sigprocmask(SIG_SETMASK, &none, nullptr);
-  // Another thread's guard may for a moment hold a file open that was just written and is to be run.
-  constexpr int k_max_attempts = 200;
-  const timespec moment{0, 5'000'000};
-  for (int attempt = 0; attempt < k_max_attempts; ++attempt) {
-    ::execve(start.program.c_str(), start.arguments.data(), start.environment.data());
-    if (errno != ETXTBSY) break;
-    ::nanosleep(&moment, nullptr);
-  }
-  return errno;
-}
-
-[[noreturn]] void tell(int pipe, const Message& message) {
-  [[maybe_unused]] const ssize_t written = ::write(pipe, &message, sizeof(message));  // Mottle may be gone
-  ::_exit(0);
-}
-
-/// Ends what the program has left behind, in whatever session: its orphans are the guard's children.
-void kill_orphans() {
-  constexpr int k_max_rounds = 5000;  // each ends one generation
-  const timespec moment{0, 2'000'000};
-  for (int round = 0; round < k_max_rounds; ++round) {
-    const int list = ::open("/proc/thread-self/children", O_RDONLY | O_CLOEXEC);
-    char text[4096];
-    const ssize_t size = list < 0 ? 0 : ::read(list, text, sizeof(text));
-    if (list >= 0) ::close(list);
-    if (size <= 0) return;
-    pid_t child = 0;
-    for (ssize_t i = 0; i < size; ++i) {
-      if (text[i] >= '0' && text[i] <= '9') {
-        child = 10 * child + (text[i] - '0');
-      } else {
-        if (child > 0) ::kill(child, SIGKILL);
-        child = 0;
-      }
-    }
-    while (::waitpid(-1, nullptr, WNOHANG) > 0) {
-    }
-    ::nanosleep(&moment, nullptr);
-  }
-}
-
-/// In the guard's process: starts the program and waits for its end. SIGTERM, of Mottle or of its death, ends the
-/// group: first asked, after the grace or a second SIGTERM killed.
-[[noreturn]] void guard(const Start& start, int pipe, pid_t mottle, std::chrono::milliseconds grace) {
-  sigset_t all;
-  sigfillset(&all);
-  ::sigprocmask(SIG_SETMASK, &all, nullptr);
-  ::signal(SIGCHLD, SIG_DFL);
-  ::setpgid(0, 0);
-  ::prctl(PR_SET_PDEATHSIG, SIGTERM);
-  ::prctl(PR_SET_CHILD_SUBREAPER, 1);
-  if (::getppid() != mottle) ::_exit(1);
-  // A file that another thread is writing, held open here, could not be run.
-  ::close_range(3, static_cast<unsigned>(pipe) - 1, 0);
-  ::close_range(static_cast<unsigned>(pipe) + 1, ~0U, 0);
-  const pid_t self = ::getpid();
-  const pid_t program = ::_Fork();
-  if (program < 0) tell(pipe, {.start_error = errno});
-  if (program == 0) tell(pipe, {.start_error = become(start, self)});
-  ::setpgid(program, program);
-
-  sigset_t awaited;
-  sigemptyset(&awaited);
-  sigaddset(&awaited, SIGCHLD);
-  sigaddset(&awaited, SIGTERM);
-  const timespec patience{grace.count() / 1000, grace.count() % 1000 * 1000000};
-  bool is_asked = false;
-  Message message;
-  while (::waitpid(program, &message.wait_status, WNOHANG) == 0) {
-    const int number = ::sigtimedwait(&awaited, nullptr, is_asked ? &patience : nullptr);
-    if (number == SIGTERM && !is_asked) {
-      ::kill(-program, SIGTERM);
-      ::kill(-program, SIGCONT);
-      is_asked = true;
-    } else if (number == SIGTERM || (number < 0 && errno == EAGAIN)) {
-      ::kill(-program, SIGKILL);
-    }
-  }
-  ::kill(-program, SIGKILL);
-  kill_orphans();
-  tell(pipe, message);
-}
-
-ProcessEnd describe(const Message& message, const ProcessRequest& request) {
+ProcessEnd describe(const GuardMessage& message, const ProcessRequest& request) {
   if (message.start_error != 0) {
     return {.reason = fmt::format("'{}' cannot be started: {}", request.arguments.front(),
                                   std::strerror(message.start_error))};
@@ -201,6 +75,33 @@ ProcessEnd describe(const Message& message, const ProcessRequest& request) {
   }
   if (WEXITSTATUS(status) != 0) return {.reason = fmt::format("exit status {}", WEXITSTATUS(status))};
   return {.kind = ProcessEnd::Kind::done};
+}
+
+/// Whether a program that Mottle did not ask to end may have been ended from outside. Shells give the number of a signal
+/// as 128 + n.
+bool may_be_ended_from_outside(const GuardMessage& message) {
+  const int status = message.wait_status;
+  int number = 0;
+  if (WIFSIGNALED(status)) number = WTERMSIG(status);
+  if (WIFEXITED(status)) number = WEXITSTATUS(status) - 128;
+  return message.is_asked || number == SIGTERM || number == SIGKILL || number == SIGINT || number == SIGHUP;
+}
+
+/// Waits a second for a stop request. A batch system that ends a job (at its time limit, say) signals all processes of
+/// it, one by one, and the program before Mottle: such an end says nothing of the sample.
+bool is_soon_stopped(const ProcessRequest& request) {
+  constexpr std::chrono::milliseconds k_between_looks{5};
+  const Clock::time_point end = Clock::now() + std::chrono::seconds(1);
+  const auto is_stopped = [&] { return request.stop != nullptr && request.stop->load(std::memory_order_relaxed); };
+  while (request.stop != nullptr && !is_stopped() && Clock::now() < end) std::this_thread::sleep_for(k_between_looks);
+  return is_stopped();
+}
+
+/// The end of a program that Mottle did not ask for. `size`: of the guard's message; 0: it died before that.
+ProcessEnd unasked_end(const GuardMessage& message, ssize_t size, const ProcessRequest& request) {
+  const bool is_told = size == sizeof(message);
+  if ((!is_told || may_be_ended_from_outside(message)) && is_soon_stopped(request)) return {ProcessEnd::Kind::stopped};
+  return is_told ? describe(message, request) : ProcessEnd{.reason = "its guard was killed from outside"};
 }
 
 /// The file that holds more than a program may print; nullptr: none does.
@@ -220,7 +121,7 @@ ProcessEnd await_end(const Pipe& pipe, pid_t guard_id, const ProcessRequest& req
   const Clock::time_point deadline = Clock::now() + request.timeout;
   Clock::time_point asked;
   ProcessEnd early{.kind = ProcessEnd::Kind::done};
-  Message message;
+  GuardMessage message;
   for (;;) {
     const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - Clock::now());
     const bool is_early = early.kind != ProcessEnd::Kind::done;
@@ -229,9 +130,7 @@ ProcessEnd await_end(const Pipe& pipe, pid_t guard_id, const ProcessRequest& req
     if (::poll(&ready, 1, static_cast<int>(wait.count())) > 0) {
       const ssize_t size = ::read(pipe.reading(), &message, sizeof(message));
       if (size < 0 && errno == EINTR) continue;
-      if (is_early) return early;
-      return size == sizeof(message) ? describe(message, request)
-                                     : ProcessEnd{.reason = "its guard was killed from outside"};
+      return is_early ? early : unasked_end(message, size, request);
     }
     if (is_early) {
       // A stop request is answered within a second, whatever the program does.
@@ -258,7 +157,7 @@ ProcessEnd await_end(const Pipe& pipe, pid_t guard_id, const ProcessRequest& req
 }  // namespace
 
 ProcessEnd run_process(const ProcessRequest& request) {
-  Start start{.texts = request.arguments};
+  ProgramStart start{.texts = request.arguments};
   start.arguments = pointers(start.texts);
   std::vector<std::string> environment = environment_texts(request.environment);
   start.environment = pointers(environment);

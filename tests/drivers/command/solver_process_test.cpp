@@ -125,6 +125,25 @@ TEST_F(SolverProcess, AStopRequestEndsIt) {
   EXPECT_EQ(run({"sleep", "1000"}, 100s, &stop).kind, ProcessEnd::Kind::stopped);
 }
 
+// A batch system that ends a job signals all of its processes one by one: program, guard, Mottle, in any order.
+TEST_F(SolverProcess, AnEndFromOutsideJustBeforeAStopRequestIsAStop) {
+  for (const char* end : {"kill -TERM $$", "kill -KILL $$", "exit 143", "trap 'exit 1' TERM; kill -TERM $PPID; sleep 9",
+                          "kill -KILL $PPID; sleep 9"}) {
+    std::atomic<bool> stop{false};
+    std::jthread later([&] {
+      std::this_thread::sleep_for(300ms);
+      stop = true;
+    });
+    EXPECT_EQ(run({"sh", "-c", end}, 100s, &stop).kind, ProcessEnd::Kind::stopped) << end;
+  }
+}
+
+TEST_F(SolverProcess, AnEndFromOutsideWithoutAStopRequestIsAFailure) {
+  const std::atomic<bool> stop{false};
+  EXPECT_EQ(run({"sh", "-c", "kill -TERM $$"}, 100s, &stop).reason, "killed by signal 15 (Terminated)");
+  EXPECT_EQ(run({"sh", "-c", "exit 143"}, 100s, &stop).reason, "exit status 143");
+}
+
 TEST_F(SolverProcess, ItDoesNotOutliveAMottleThatIsKilled) {
   const pid_t mottle = ::fork();
   if (mottle == 0) {

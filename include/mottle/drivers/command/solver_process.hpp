@@ -38,7 +38,8 @@ struct ProcessEnd {
 
 /// Runs a program to its end, in a process group of its own. Whatever it leaves running when it ends, in that group or
 /// out of it, is killed, and so is all of it at the timeout, at a stop request (within a second), and when Mottle
-/// itself dies.
+/// itself dies. So is a program counted that was ended from outside
+/// within a second before a stop request.
 ///
 /// @throws SystemFailure  no process can be started (memory, limits)
 ProcessEnd run_process(const ProcessRequest& request);
