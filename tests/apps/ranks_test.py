@@ -15,12 +15,12 @@ from support import CommandTest, SOURCE, THREE_MASSES
 AIRFRAME = SOURCE / "examples" / "02-airframe"
 TOWER = SOURCE / "examples" / "04-any-solver"
 MPIRUN = ["mpirun", "--oversubscribe", "--allow-run-as-root", "-n"]
-# Each run of the tower's solver leaves a line, and takes long enough to be killed.
+# Each run of the tower's solver leaves a line, and takes as long as a file says: long enough to be killed.
 SLOW_SOLVER = ('import os, pathlib, time\n'
                'with open({log!r}, "a") as log:\n'
                '    log.write(pathlib.Path("tower.inp").read_text().replace("\\n", " ")\n'
                '              + ("as a rank" if "OMPI_COMM_WORLD_RANK" in os.environ else "") + "\\n")\n'
-               'time.sleep({seconds})\n'
+               'time.sleep(float(pathlib.Path({log!r} + ".seconds").read_text()))\n'
                'import math')
 
 
@@ -72,9 +72,14 @@ class RanksTest(CommandTest):
     def tower(self, seconds):
         shutil.copytree(TOWER, self.folder / "tower")
         solver = self.folder / "tower" / "tower.py"
-        slow = SLOW_SOLVER.format(log=str(self.folder / "runs"), seconds=seconds)
+        slow = SLOW_SOLVER.format(log=str(self.folder / "runs"))
+        self.pace(seconds)
         solver.write_text(support.edited(solver.read_text(), ("import math", slow)))
         return "tower/study.toml"
+
+    def pace(self, seconds):
+        """From now on, a run of the tower's solver takes so long."""
+        self.write("runs.seconds", str(seconds))
 
     def runs(self):
         """Inputs of the solver's runs so far."""
@@ -184,9 +189,10 @@ class Voices(RanksTest):
 class Ends(RanksTest):
     def signalled(self, number, rank):
         """How a job of three ends when one of its ranks gets a signal, and within how many seconds."""
-        study = self.tower(0.1)
+        study = self.tower(0.0)
         self.succeed("update", study, "--quiet", "--out", "alone")
         before = len(self.runs())
+        self.pace(0.1)
         job = self.start(3, "update", study, "--quiet", "--out", "out")
         while len(self.runs()) < before + 12 and job.poll() is None:
             time.sleep(0.05)
@@ -200,6 +206,7 @@ class Ends(RanksTest):
         return support.Run(job.returncode, out, err), time.monotonic() - begin, study, before
 
     def expect_resumed(self, study, before):
+        self.pace(0.0)
         self.succeed_ranked(2, "update", study, "--quiet", "--out", "out", "--resume")
         self.assertEqual(numbers(self.folder / "out")[1], numbers(self.folder / "alone")[1])
         in_flight = 3 * 2

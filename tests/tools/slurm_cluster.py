@@ -70,6 +70,9 @@ JobAcctGatherType=jobacct_gather/none
 {nodes}
 PartitionName=main Nodes=ALL Default=YES MaxTime=INFINITE State=UP
 """
+# Nodes of one host name would take each other's ranks for their own, and Open MPI's shared memory for that of one node (it
+# crashes where nodes have several ranks each): messages go by TCP, as between real nodes.
+MPI = {"OMPI_MCA_btl": "self,tcp", "OMPI_MCA_btl_tcp_if_include": "lo"}
 PROGRAMS = ("munged", "slurmctld", "slurmd", "srun", "sinfo", "scontrol")
 PATH = os.pathsep.join([os.environ.get("PATH", os.defpath), "/usr/sbin", "/sbin"])
 
@@ -230,7 +233,7 @@ class SlurmCluster:
     def environment(self, **more):
         """Environment of a client of this cluster."""
         kept = {name: value for name, value in os.environ.items() if not name.startswith(("SLURM", "PMI"))}
-        return {**kept, "PATH": PATH, "SLURM_CONF": str(self.configuration), **more}
+        return {**kept, **MPI, "PATH": PATH, "SLURM_CONF": str(self.configuration), **more}
 
     def call(self, *command):
         """Standard output of a client; one that fails is a CalledProcessError."""

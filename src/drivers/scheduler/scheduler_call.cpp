@@ -6,7 +6,7 @@
 #include <array>
 
 #include "drivers/command/run_output.hpp"
-#include "drivers/command/solver_process.hpp"
+#include "mottle/drivers/command/solver_process.hpp"
 #include "mottle/core/files.hpp"
 #include "mottle/core/text.hpp"
 #include "mottle/core/utf8.hpp"
