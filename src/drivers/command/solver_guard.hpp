@@ -12,7 +12,7 @@ namespace mottle::drivers {
 /// What the guard says at the end.
 struct GuardMessage {
   int wait_status = 0;
-  int start_error = 0;  ///< errno where the program could not be started
+  int start_error = 0;    ///< errno where the program could not be started
   bool is_asked = false;  ///< the guard got SIGTERM
 };
 
@@ -27,8 +27,8 @@ struct ProgramStart {
   std::string error = {};
 };
 
-/// Starts the program and waits for its end, in a process of its own that has just been forked. SIGTERM, of Mottle or of
-/// its death, ends the program's group: first asked, after the grace or a second SIGTERM killed.
+/// Starts the program and waits for its end, in a process of its own that has just been forked. SIGTERM, of Mottle or
+/// of its death, ends the program's group: first asked, after the grace or a second SIGTERM killed.
 ///
 /// @param pipe    end for writing; gets a GuardMessage and stays open until then
 /// @param mottle  id of the process that forked

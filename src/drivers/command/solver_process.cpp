@@ -77,8 +77,8 @@ ProcessEnd describe(const GuardMessage& message, const ProcessRequest& request) 
   return {.kind = ProcessEnd::Kind::done};
 }
 
-/// Whether a program that Mottle did not ask to end may have been ended from outside. Shells give the number of a signal
-/// as 128 + n.
+/// Whether a program that Mottle did not ask to end may have been ended from outside. Shells give the number of a
+/// signal as 128 + n.
 bool may_be_ended_from_outside(const GuardMessage& message) {
   const int status = message.wait_status;
   int number = 0;
