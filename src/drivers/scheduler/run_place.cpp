@@ -21,9 +21,9 @@ SharedRunPlace::SharedRunPlace(const SolverCommand& command, const RunStorage& s
   }
   if (!is_temporary_) return;
   std::string pattern = (std::filesystem::current_path() / "mottle-tasks-XXXXXX").string();
-  require(::mkdtemp(pattern.data()) != nullptr,
-          "{}: cannot be made: {}; tasks of a scheduler need a folder that all nodes see: start Mottle in one", pattern,
-          std::strerror(errno));
+  const bool is_made = ::mkdtemp(pattern.data()) != nullptr;
+  require(is_made, "{}: cannot be made: {}; tasks of a scheduler need a folder that all nodes see: start Mottle in one",
+          pattern, std::strerror(errno));
   storage_.results = pattern;
 }
 

@@ -12,15 +12,14 @@ int runs_of_task(std::size_t runs, double seconds_a_run, const SchedulerOptions&
   constexpr double k_task_s = 600.0;
   constexpr double k_usual_run_s = 60.0;  // where the time of a run is not known
   constexpr double k_used_part = 0.7;     // of the time that a task may take
-  constexpr std::size_t k_usual_at_once = 100;
   if (options.runs_per_task > 0) return options.runs_per_task;
   const double seconds = seconds_a_run > 0.0 ? seconds_a_run : k_usual_run_s;
   double most = k_task_s / seconds;
   if (options.time.count() > 0) {
     most = std::min(most, k_used_part * static_cast<double>(options.time.count()) / 1000.0 / seconds);
   }
-  const std::size_t at_once =
-      options.runs_at_once > 0 ? static_cast<std::size_t>(options.runs_at_once) : k_usual_at_once;
+  const auto at_once =
+      static_cast<std::size_t>(options.runs_at_once > 0 ? options.runs_at_once : k_usual_tasks_at_once);
   const auto share = static_cast<double>((runs + at_once - 1) / at_once);
   return std::max(1, static_cast<int>(std::floor(std::min(most, share))));
 }

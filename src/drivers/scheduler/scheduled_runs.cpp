@@ -5,9 +5,11 @@
 #include <numeric>
 #include <thread>
 
+#include "drivers/command/run_output.hpp"
 #include "drivers/scheduler/scheduled_batch.hpp"
 #include "mottle/core/clock.hpp"
 #include "mottle/core/error.hpp"
+#include "mottle/core/utf8.hpp"
 #include "mottle/drivers/scheduler/task_worker.hpp"
 
 namespace mottle::drivers {
@@ -119,6 +121,7 @@ void ScheduledRuns::finish_run(Batch& batch, const Digest& key, RunRecord record
   const std::string id = SolverRuns::id_of(key);
   fs::path folder = kept_run(task, run.record, id);
   if (!folder.empty()) run.folder = runs_.keep_folder(folder, !run.record.failure.empty(), id);
+  if (!run.record.failure.empty() && !run.folder.empty()) run.last_words = printable(last_words(run.folder));
   runs_.keep(key, run.record);
   for (const Eigen::Index sample : batch.queue.take(key)) batch.deliver(sample, run);
 }

@@ -1,6 +1,5 @@
 #include "study/models/model_parts.hpp"
 
-#include <algorithm>
 #include <limits>
 
 #include "mottle/drivers/command/external_solver.hpp"
@@ -52,7 +51,8 @@ ModelParts make_external(const SolverCommand& command, const std::vector<std::st
                  .observer = settings.observer},
       settings.stop);
   parts.notes = solver->notes();
-  const int at_once = command.scheduler ? std::max(1, command.scheduler->runs_at_once) : command.parallel;
+  const int limit = command.scheduler ? command.scheduler->runs_at_once : command.parallel;
+  const int at_once = limit > 0 ? limit : drivers::k_usual_tasks_at_once;
   parts.program = {.seconds_at_means = solver->seconds_at_means(), .max_parallel = at_once};
   parts.solver = std::move(solver);
   return parts;

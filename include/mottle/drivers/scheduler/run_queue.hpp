@@ -18,6 +18,9 @@ namespace mottle::drivers {
 
 inline constexpr int k_most_tasks = 1000;  ///< of one study at a time; Slurm's arrays have no more by default
 
+/// Tasks at work together where the study does not say it.
+inline constexpr int k_usual_tasks_at_once = 100;
+
 /// Runs that each task does, so that it takes about ten minutes and well less than it may, but so few that as many
 /// tasks are made as can be at work together.
 ///
