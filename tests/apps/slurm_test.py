@@ -128,7 +128,7 @@ class Slurm(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         # What takes long is begun at once: the time that Slurm gives ends after a minute at the least.
-        cls.out_of_time = Job(5.0, 14, 'time = "1 min"\nruns_per_task = 14\nextra = "--nodelist=n4"').start()
+        cls.out_of_time = Job(5.0, 24, 'time = "1 min"\nruns_per_task = 24\nextra = "--nodelist=n4"').start()
         cls.kills_its_task = Job(0.05, 12, "runs_per_task = 4\ntries = 2", kills=True).start()
 
     @classmethod
@@ -227,6 +227,10 @@ class Slurm(unittest.TestCase):
 
     def test_z_a_task_that_is_out_of_time_costs_the_run_in_flight(self):
         job = self.out_of_time
+        end = time.monotonic() + support.PATIENCE * 150  # Slurm looks twice a minute
+        while "TIMEOUT" not in job.log() and job.process.poll() is None and time.monotonic() < end:
+            time.sleep(0.1)
+        job.control("runs.log", 0.1)
         job.end()
         self.expect_same(job)
         self.assertIn("TIMEOUT", job.log())

@@ -90,7 +90,8 @@ class ExternalSolver final : public Solver {
                                                   const Eigen::MatrixXd& loads,
                                                   const ObservationMatrix& observation) const override;
   double difference_step() const override { return runs_.command().difference_step; }
-  Eigen::Index batch_size() const override { return 8192; }  // each run is kept by itself
+  /// Each run is kept by itself; tasks of a scheduler are not to wait for the last of a part of the samples.
+  Eigen::Index batch_size() const override { return scheduled_ ? 1'000'000 : 8192; }
 
   /// Notes for the user: placeholders whose formats are too coarse, frequencies that look like numbers of modes.
   const std::vector<std::string>& notes() const { return notes_; }
