@@ -20,8 +20,8 @@ int runs_of_task(std::size_t runs, double seconds_a_run, const SchedulerOptions&
   }
   const auto at_once =
       static_cast<std::size_t>(options.runs_at_once > 0 ? options.runs_at_once : k_usual_tasks_at_once);
-  const auto share = static_cast<double>((runs + at_once - 1) / at_once);
-  return std::max(1, static_cast<int>(std::floor(std::min(most, share))));
+  const std::size_t share = (runs + at_once - 1) / at_once;
+  return std::max(1, static_cast<int>(std::floor(std::min(most, static_cast<double>(share)))));
 }
 
 void RunQueue::add(const Digest& key, Eigen::Index sample) {
