@@ -24,13 +24,20 @@ constexpr double k_plain_interval_s = 10.0;
 constexpr double k_terminal_interval_s = 0.1;
 constexpr std::chrono::milliseconds k_tick{100};
 
-static_assert(std::atomic<bool>::is_always_lock_free, "the signal handler needs it");
+static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<const char*>::is_always_lock_free,
+              "the signal handler needs them");
+
+/// What the handler says.
+std::atomic<const char*>& stop_text() {
+  static std::atomic<const char*> text{"mottle: stopped on request; go on with --resume\n"};
+  return text;
+}
 
 /// Ends Mottle where a stop request was not answered in time, in a long factorisation say: what is on the disk is
 /// whole, the journal goes as far as it goes, and guards end their solvers.
 void end_now(int) {
-  constexpr std::string_view k_text = "mottle: stopped on request; go on with --resume\n";
-  if (!is_silent_rank()) (void)!::write(STDERR_FILENO, k_text.data(), k_text.size());
+  const std::string_view text = stop_text().load();
+  if (!is_silent_rank()) (void)!::write(STDERR_FILENO, text.data(), text.size());
   ::_exit(k_stopped);
 }
 
@@ -63,6 +70,10 @@ std::atomic<bool>& stop_flag() {
   return flag;
 }
 
+void say_when_stopped(const char* text) {
+  stop_text() = text;
+}
+
 void no_longer_stop() {
   const itimerval none{};
   ::setitimer(ITIMER_REAL, &none, nullptr);
@@ -70,6 +81,7 @@ void no_longer_stop() {
 
 void catch_signals() {
   stop_flag();
+  stop_text();
   (void)is_silent_rank();  // known before a handler asks
   std::signal(SIGALRM, end_now);
   for (const int signal_number : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal_number, request_stop);

@@ -63,6 +63,8 @@ std::atomic<bool>& stop_flag();
 /// From now on those signals ask for a stop; where none comes within 0.9 s, or at a second signal, the program ends at
 /// once, and what it has finished stays for --resume.
 void catch_signals();
+/// What is said where a stop was asked for and not answered in time; a line that stays as long as the program.
+void say_when_stopped(const char* text);
 /// The job is at its end: a stop that was asked for and not answered in time ends nothing any more.
 void no_longer_stop();
 

@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "common_options.hpp"
+#include "job_ranks.hpp"
 #include "mottle/report/report.hpp"
 #include "mottle/study/jobs/check.hpp"
 #include "mottle/study/jobs/serve.hpp"
@@ -15,6 +16,8 @@
 
 namespace mottle::app {
 namespace {
+
+constexpr const char* k_offer_ends = "mottle: stopped on request; the model is no longer offered\n";
 
 /// The outcome holds the cloud and the model: it goes before the report is made.
 RunSummary propagate_into_folder(const Study& study, const std::optional<std::filesystem::path>& points,
@@ -26,8 +29,11 @@ RunSummary propagate_into_folder(const Study& study, const std::optional<std::fi
   return summarise(outcome, settings.folder);
 }
 
-/// A program that starts this one reads the address as soon as it is there.
+/// A program that starts this one reads the address as soon as it is there. Of several ranks the first one alone offers
+/// the model.
 void offer_model(const CommonOptions& options, int port) {
+  if (is_silent_rank()) return;
+  say_when_stopped(k_offer_ends);
   const Study study = read_study(options);
   Console console(options.quiet);
   console.begin("reading the model");
@@ -36,7 +42,7 @@ void offer_model(const CommonOptions& options, int port) {
     print_summary(options, summarise(offered));
     (void)std::fflush(stdout);
   });
-  tell("mottle: stopped on request; the model is no longer offered\n");  // and nothing is there to go on with
+  tell(k_offer_ends);
   throw CLI::RuntimeError(k_stopped);
 }
 

@@ -647,6 +647,26 @@ class AsServer(UmbridgeTest):
             self.assertEqual(job.wait(10), 4)
             self.assertEqual(job.stderr.read(), "mottle: stopped on request; the model is no longer offered\n")
 
+    def test_a_signal_during_a_long_computation_ends_it_in_the_same_words(self):
+        """A chain whose eigenvalues take seconds, in which nobody looks for a stop."""
+        count = 700
+        masses = ", ".join(f"m{i} = 1.0" for i in range(count))
+        springs = "\n".join(f'  {{ name = "k{i}", between = ["{f"m{i - 1}" if i else "ground"}", "m{i}"], stiffness = 1.0 }},'
+                            for i in range(count))
+        rest = REST.replace('name = "k1"\n', 'name = "k1"\ntarget = "spring:k1"\n')
+        rest = rest.replace('name = "k2"\n', 'name = "k2"\ntarget = "spring:k2"\n')
+        self.write("chain.toml", f'{HEAD}[model]\nkind = "mass-spring"\nmasses = {{ {masses} }}\nsprings = [\n{springs}\n]\n\n{rest}')
+        job = self.offer(study="chain.toml")
+        host, port = self.address.removeprefix("http://").split(":")
+        with socket.create_connection((host, int(port))) as stream:
+            body = json.dumps({"name": "forward", "input": [[2.0, 2.0]]})
+            stream.sendall(f"POST /Evaluate HTTP/1.1\r\nHost: a\r\nContent-Length: {len(body)}\r\n\r\n{body}".encode())
+            time.sleep(0.3)
+            job.send_signal(signal.SIGTERM)
+            self.assertEqual(job.wait(20 * support.PATIENCE), 4)
+        self.assertEqual([line for line in job.stderr.read().splitlines() if "stopped" in line],
+                         ["mottle: stopped on request; the model is no longer offered"])
+
     def test_faults_of_the_options(self):
         self.offer()
         port = self.address.rsplit(":", 1)[1]
