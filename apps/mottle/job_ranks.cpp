@@ -83,7 +83,8 @@ Ranks* join_job() {
   if (!own_launch().is_shared()) return nullptr;
   joined() = join_ranks(own_launch(), module_places());
   Ranks& ranks = *joined();
-  ranks.speak_by([](const RankEnd& why) { tell(fmt::format("mottle: {}\n", why.message)); });
+  ranks.on_abort([](const RankEnd& why) { tell(fmt::format("mottle: {}\n", why.message)); });
+  ranks.stop_by(&stop_flag());
   use_common_instructions(ranks);
   return &ranks;
 }
@@ -95,7 +96,11 @@ RankEnd end_job(const RankEnd& own) {
     return own;
   }
   no_longer_stop();
-  return joined()->leave(own);
+  RankEnd end = own;
+  if (!joined()->is_first() && own.code != 0 && own.code != k_stopped) {
+    end.message = fmt::format("rank {} on {}: {}", joined()->rank(), node_name(), own.message);
+  }
+  return joined()->leave(end);
 }
 
 }  // namespace mottle::app

@@ -6,15 +6,18 @@
 #include <chrono>
 #include <cstdint>
 #include <cstdlib>
+#include <cstring>
 #include <limits>
 #include <numeric>
 #include <thread>
+
+#include "mottle/core/error.hpp"
 
 namespace mottle::mpi {
 namespace {
 
 /// Gives way at first, then sleeps longer and longer.
-class Patience {
+class Backoff {
  public:
   void wait() {
     constexpr int k_yields = 200;
@@ -37,50 +40,64 @@ class Patience {
 MessageCalls::MessageCalls() {
   int provided = MPI_THREAD_SINGLE;
   PMPI_Init_thread(nullptr, nullptr, MPI_THREAD_SERIALIZED, &provided);
+  if (provided < MPI_THREAD_SERIALIZED) {
+    throw SystemFailure(
+        "this MPI library bears no calls by several threads (it gives less than MPI_THREAD_SERIALIZED); use one that "
+        "does, or start Mottle once, or with MOTTLE_RANKS=off");
+  }
   PMPI_Comm_dup(MPI_COMM_WORLD, &world_);
   PMPI_Comm_rank(world_, &rank_);
   PMPI_Comm_size(world_, &count_);
 }
 
-void MessageCalls::wait(MPI_Request& request) {
-  Patience patience;
+bool MessageCalls::wait(MPI_Request& request, const std::atomic<bool>* stop) {
+  Backoff backoff;
   for (;;) {
     int is_done = 0;
     {
       const std::lock_guard lock(mutex_);
       PMPI_Test(&request, &is_done, MPI_STATUS_IGNORE);
     }
-    if (is_done != 0) return;
-    patience.wait();
+    if (is_done != 0) return true;
+    if (stop != nullptr && stop->load(std::memory_order_relaxed)) return false;
+    backoff.wait();
   }
 }
 
-void MessageCalls::gather_piece(std::string_view piece, const std::vector<int>& sizes, std::vector<std::string>& all) {
-  std::vector<int> begins(sizes.size());
-  std::exclusive_scan(sizes.begin(), sizes.end(), begins.begin(), 0);
-  std::string together(static_cast<std::size_t>(begins.back() + sizes.back()), '\0');
+std::vector<std::string> MessageCalls::gather_piece(std::string_view piece, const std::vector<int>& sizes,
+                                                    const std::atomic<bool>* stop) {
+  auto call = std::make_unique<Gathering>();
+  call->given = piece;
+  call->sizes = sizes;
+  call->begins.resize(sizes.size());
+  std::exclusive_scan(sizes.begin(), sizes.end(), call->begins.begin(), 0);
+  call->taken.resize(static_cast<std::size_t>(call->begins.back() + sizes.back()));
   MPI_Request request = MPI_REQUEST_NULL;
   {
     const std::lock_guard lock(mutex_);
-    PMPI_Iallgatherv(piece.data(), static_cast<int>(piece.size()), MPI_BYTE, together.data(), sizes.data(),
-                     begins.data(), MPI_BYTE, world_, &request);
+    PMPI_Iallgatherv(call->given.data(), static_cast<int>(piece.size()), MPI_BYTE, call->taken.data(),
+                     call->sizes.data(), call->begins.data(), MPI_BYTE, world_, &request);
   }
-  wait(request);
+  if (!wait(request, stop)) {
+    held_.push_back(std::move(call));  // what other ranks still send is written there
+    throw Stopped("stopped on request");
+  }
+  std::vector<std::string> all;
   for (std::size_t rank = 0; rank < sizes.size(); ++rank) {
-    all[rank].append(together, static_cast<std::size_t>(begins[rank]), static_cast<std::size_t>(sizes[rank]));
+    all.push_back(
+        call->taken.substr(static_cast<std::size_t>(call->begins[rank]), static_cast<std::size_t>(sizes[rank])));
   }
+  return all;
 }
 
-std::vector<std::string> MessageCalls::gather(std::string_view bytes) {
+std::vector<std::string> MessageCalls::gather(std::string_view bytes, const std::atomic<bool>* stop) {
   const auto ranks = static_cast<std::size_t>(count_);
   const auto own = static_cast<std::int64_t>(bytes.size());
-  std::vector<std::int64_t> sizes(ranks);
-  MPI_Request request = MPI_REQUEST_NULL;
-  {
-    const std::lock_guard lock(mutex_);
-    PMPI_Iallgather(&own, 1, MPI_INT64_T, sizes.data(), 1, MPI_INT64_T, world_, &request);
+  std::vector<std::int64_t> sizes;
+  const std::string_view own_size(reinterpret_cast<const char*>(&own), sizeof(own));
+  for (const std::string& size : gather_piece(own_size, std::vector<int>(ranks, sizeof(own)), stop)) {
+    std::memcpy(&sizes.emplace_back(), size.data(), sizeof(own));
   }
-  wait(request);
   // MPI counts bytes in int: what is longer goes in pieces.
   const std::int64_t longest = std::numeric_limits<int>::max() / 2 / count_;
   std::vector<std::string> all(ranks);
@@ -90,7 +107,9 @@ std::vector<std::string> MessageCalls::gather(std::string_view bytes) {
       here.push_back(static_cast<int>(std::clamp(size - begin, std::int64_t{0}, longest)));
     }
     const auto first = static_cast<std::size_t>(std::min(begin, own));
-    gather_piece(bytes.substr(first, static_cast<std::size_t>(here[static_cast<std::size_t>(rank_)])), here, all);
+    const std::string_view piece = bytes.substr(first, static_cast<std::size_t>(here[static_cast<std::size_t>(rank_)]));
+    const std::vector<std::string> pieces = gather_piece(piece, here, stop);
+    for (std::size_t rank = 0; rank < ranks; ++rank) all[rank] += pieces[rank];
   }
   return all;
 }
@@ -101,11 +120,11 @@ void MessageCalls::send(int rank, int tag, std::string_view bytes) {
     const std::lock_guard lock(mutex_);
     PMPI_Isend(bytes.data(), static_cast<int>(bytes.size()), MPI_BYTE, rank, tag, world_, &request);
   }
-  wait(request);
+  wait(request, nullptr);
 }
 
 std::string MessageCalls::receive(int rank, int tag) {
-  Patience patience;
+  Backoff backoff;
   for (;;) {
     {
       const std::lock_guard lock(mutex_);
@@ -120,7 +139,7 @@ std::string MessageCalls::receive(int rank, int tag) {
         return bytes;
       }
     }
-    patience.wait();
+    backoff.wait();
   }
 }
 

@@ -16,7 +16,7 @@
 namespace mottle::mpi {
 namespace {
 
-enum Tag : int { counter_asked = 1, end_told = 2, job_ends = 3, first_answer = 16 };
+enum Tag : int { counter_asked = 1, end_told = 2, job_ends = 3, claim_asked = 4, made_told = 5, first_answer = 16 };
 
 constexpr std::chrono::milliseconds k_grace{700};  // for ranks that meet the same error a little later
 
@@ -24,6 +24,13 @@ constexpr std::chrono::milliseconds k_grace{700};  // for ranks that meet the sa
 struct CounterRequest {
   std::uint64_t counter = 0;
   std::int64_t amount = 0;
+  int answer_tag = 0;
+};
+
+/// A question for what is made once for all; the answer is a Claim and what was made.
+struct ClaimRequest {
+  Digest key = {};
+  int may_make = 0;
   int answer_tag = 0;
 };
 
@@ -39,12 +46,18 @@ Value value_of(const std::string& bytes) {
   return value;
 }
 
-std::string encode(const RankEnd& end) {
-  return std::string(bytes_of(end.code)) + end.message;
+/// How a rank ends, and whether it has left a collective call, so that MPI cannot be finalized.
+struct ToldEnd {
+  int code = 0;
+  int is_torn = 0;
+};
+
+std::string encode(const RankEnd& end, bool is_torn) {
+  return std::string(bytes_of(ToldEnd{end.code, is_torn ? 1 : 0})) + end.message;
 }
 
 RankEnd decode(const std::string& bytes) {
-  return {.code = value_of<int>(bytes), .message = bytes.substr(std::min(bytes.size(), sizeof(int)))};
+  return {.code = value_of<ToldEnd>(bytes).code, .message = bytes.substr(std::min(bytes.size(), sizeof(ToldEnd)))};
 }
 
 class MpiRanks final : public Ranks {
@@ -60,18 +73,25 @@ class MpiRanks final : public Ranks {
 
   int rank() const override { return calls_.rank(); }
   int count() const override { return calls_.count(); }
-  std::vector<std::string> gather(std::string_view bytes) override { return calls_.gather(bytes); }
+  std::vector<std::string> gather(std::string_view bytes) override { return calls_.gather(bytes, stop()); }
   std::int64_t add(std::uint64_t counter, std::int64_t amount) override;
   RankEnd leave(const RankEnd& own) override;
-  void speak_by(Speaker speaker) override {
+  void on_abort(OnAbort tell) override {
     const std::lock_guard lock(mutex_);
-    speaker_ = std::move(speaker);
+    on_abort_ = std::move(tell);
   }
+
+ protected:
+  Claim claim(const Digest& key, bool may_make, std::string& made) override;
+  void publish(const Digest& key, std::string_view made) override;
 
  private:
   using Clock = std::chrono::steady_clock;
 
   std::int64_t add_here(std::uint64_t counter, std::int64_t amount);
+  Claim claim_here(const Digest& key, bool may_make, std::string& made);
+  int new_answer_tag();
+  bool serve_claims();
   void serve(const std::stop_token& stop);
   bool serve_once();
   void abort_if_overdue();
@@ -84,7 +104,9 @@ class MpiRanks final : public Ranks {
   int next_tag_ = 0;
   std::map<int, RankEnd> ends_;  // of other ranks
   std::optional<Clock::time_point> first_failure_;
-  Speaker speaker_;
+  bool is_torn_ = false;  ///< a rank has left a collective call
+  OnceBook book_;
+  OnAbort on_abort_;
   bool is_leaving_ = false;
   std::jthread server_;
 };
@@ -99,15 +121,51 @@ std::int64_t MpiRanks::add_here(std::uint64_t counter, std::int64_t amount) {
 
 std::int64_t MpiRanks::add(std::uint64_t counter, std::int64_t amount) {
   if (is_first()) return add_here(counter, amount);
-  constexpr int k_tags = 4096;  // threads of one rank that ask at once
-  CounterRequest request{.counter = counter, .amount = amount};
-  {
-    const std::lock_guard lock(mutex_);
-    request.answer_tag = first_answer + next_tag_;
-    next_tag_ = (next_tag_ + 1) % k_tags;
-  }
+  const CounterRequest request{.counter = counter, .amount = amount, .answer_tag = new_answer_tag()};
   calls_.send(0, counter_asked, bytes_of(request));
   return value_of<std::int64_t>(calls_.receive(0, request.answer_tag));
+}
+
+int MpiRanks::new_answer_tag() {
+  constexpr int k_tags = 4096;  // threads of one rank that ask at once
+  const std::lock_guard lock(mutex_);
+  next_tag_ = (next_tag_ + 1) % k_tags;
+  return first_answer + next_tag_;
+}
+
+Claim MpiRanks::claim_here(const Digest& key, bool may_make, std::string& made) {
+  const std::lock_guard lock(mutex_);
+  return book_.claim(key, may_make, made);
+}
+
+Claim MpiRanks::claim(const Digest& key, bool may_make, std::string& made) {
+  if (is_first()) return claim_here(key, may_make, made);
+  const ClaimRequest request{.key = key, .may_make = may_make ? 1 : 0, .answer_tag = new_answer_tag()};
+  calls_.send(0, claim_asked, bytes_of(request));
+  const std::string answer = calls_.receive(0, request.answer_tag);
+  made = answer.substr(std::min(answer.size(), sizeof(Claim)));
+  return value_of<Claim>(answer);
+}
+
+void MpiRanks::publish(const Digest& key, std::string_view made) {
+  if (!is_first()) return calls_.send(0, made_told, std::string(bytes_of(key)) + std::string(made));
+  const std::lock_guard lock(mutex_);
+  book_.publish(key, made);
+}
+
+bool MpiRanks::serve_claims() {
+  Message message;
+  if (calls_.poll(claim_asked, message)) {
+    const auto request = value_of<ClaimRequest>(message.bytes);
+    std::string made;
+    const Claim claimed = claim_here(request.key, request.may_make != 0, made);
+    calls_.send(message.source, request.answer_tag, std::string(bytes_of(claimed)) + made);
+    return true;
+  }
+  if (!calls_.poll(made_told, message)) return false;
+  const std::lock_guard lock(mutex_);
+  book_.publish(value_of<Digest>(message.bytes), std::string_view(message.bytes).substr(sizeof(Digest)));
+  return true;
 }
 
 bool MpiRanks::serve_once() {
@@ -120,16 +178,17 @@ bool MpiRanks::serve_once() {
   if (calls_.poll(end_told, message)) {
     const std::lock_guard lock(mutex_);
     const RankEnd& end = ends_[message.source] = decode(message.bytes);
+    if (value_of<ToldEnd>(message.bytes).is_torn != 0) is_torn_ = true;
     if (end.code != 0 && !first_failure_) first_failure_ = Clock::now();
     return true;
   }
-  return false;
+  return serve_claims();
 }
 
 /// A rank has failed, and rank 0, which did not, is in the midst of its work.
 void MpiRanks::abort_if_overdue() {
   RankEnd failed;
-  Speaker speaker;
+  OnAbort tell;
   {
     const std::lock_guard lock(mutex_);
     if (is_leaving_ || !first_failure_ || Clock::now() < *first_failure_ + k_grace) return;
@@ -138,9 +197,9 @@ void MpiRanks::abort_if_overdue() {
       failed = end;
       break;
     }
-    speaker = speaker_;
+    tell = on_abort_;
   }
-  if (speaker) speaker(failed);
+  if (tell) tell(failed);
   calls_.abort(failed.code);
 }
 
@@ -180,20 +239,21 @@ RankEnd MpiRanks::leave_first(const RankEnd& own) {
     return has_failed && Clock::now() > std::max(begin, first_failure_.value_or(begin)) + k_grace;
   };
   while (count() > 1 && !have_all_left() && !is_overdue()) std::this_thread::sleep_for(std::chrono::milliseconds(2));
-  const bool is_complete = count() == 1 || have_all_left();
   RankEnd result = own;
+  bool can_finalize = (count() == 1 || have_all_left()) && !calls_.is_torn();
   {
     const std::lock_guard lock(mutex_);
+    can_finalize = can_finalize && !is_torn_;
     for (const auto& [rank, end] : ends_) {
       if (result.code == 0) result = end;
     }
   }
-  if (!is_complete) {
-    if (speaker_) speaker_(result);
+  if (!can_finalize) {
+    if (on_abort_) on_abort_(result);
     calls_.abort(result.code);
   }
   server_ = {};
-  for (int other = 1; other < count(); ++other) calls_.send(other, job_ends, encode({.code = result.code}));
+  for (int other = 1; other < count(); ++other) calls_.send(other, job_ends, encode({.code = result.code}, false));
   return result;
 }
 
@@ -202,7 +262,7 @@ RankEnd MpiRanks::leave(const RankEnd& own) {
   if (is_first()) {
     result = leave_first(own);
   } else {
-    calls_.send(0, end_told, encode(own));
+    calls_.send(0, end_told, encode(own, calls_.is_torn()));
     result = decode(calls_.receive(0, job_ends));
   }
   calls_.finalize();

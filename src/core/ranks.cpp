@@ -5,18 +5,15 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <set>
+#include <thread>
 
 #include "mottle/core/error.hpp"
 #include "mottle/core/parallel.hpp"
 
 namespace mottle {
 namespace {
-
-std::string node_name() {
-  std::array<char, 256> name{};
-  return ::gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "";
-}
 
 /// The processors that this process may run on, as bytes.
 std::string processors() {
@@ -27,6 +24,29 @@ std::string processors() {
 }
 
 }  // namespace
+
+std::string node_name() {
+  std::array<char, 256> name{};
+  return ::gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "";
+}
+
+std::string Ranks::once(const Digest& key, bool may_make, const std::function<std::string()>& make) {
+  constexpr std::chrono::milliseconds k_longest_pause{20};
+  std::chrono::milliseconds pause{1};
+  std::string made;
+  for (;;) {
+    const Claim claimed = claim(key, may_make, made);
+    if (claimed == Claim::made) return made;
+    if (claimed == Claim::own) {
+      made = make();
+      publish(key, made);
+      return made;
+    }
+    if (stop_ != nullptr && stop_->load(std::memory_order_relaxed)) throw Stopped("stopped on request");
+    std::this_thread::sleep_for(pause);
+    pause = std::min(k_longest_pause, 2 * pause);
+  }
+}
 
 void require_same_digests(const std::vector<Digest>& digests, const char* what) {
   for (std::size_t rank = 1; rank < digests.size(); ++rank) {

@@ -8,6 +8,7 @@ import signal
 import subprocess
 import time
 import unittest
+import urllib.request
 
 import support
 from support import CommandTest, SOURCE, THREE_MASSES
@@ -171,6 +172,19 @@ class Voices(RanksTest):
         ended = self.succeed_ranked(3, "check", "study.toml")
         self.assertEqual(ended.out.count("(units SI)"), 1)
 
+    def test_a_model_is_offered_by_one(self):
+        job = self.start(3, "propagate", "study.toml", "--umbridge", "0", "--json")
+        self.addCleanup(job.communicate)
+        self.addCleanup(job.kill)
+        address = json.loads(job.stdout.readline())["address"]
+        time.sleep(1.0)  # for others to offer theirs, or to end this one
+        with urllib.request.urlopen(address + "/Info", timeout=support.PATIENCE * 10) as answer:
+            self.assertEqual(json.load(answer)["models"], ["forward"])
+        job.send_signal(signal.SIGTERM)
+        out, err = job.communicate(timeout=support.PATIENCE * 20)
+        self.assertEqual(out, "", "a second address")
+        self.assertLessEqual(err.count("mottle: "), 1, err)
+
     def test_without_the_module_the_job_is_refused(self):
         shutil.copy(support.MOTTLE, self.folder / "mottle")
         ended = self.ranked(3, "update", "study.toml", "--out", "out", mottle=self.folder / "mottle")
@@ -196,11 +210,7 @@ class Ends(RanksTest):
         job = self.start(3, "update", study, "--quiet", "--out", "out")
         while len(self.runs()) < before + 12 and job.poll() is None:
             time.sleep(0.05)
-        children = subprocess.run(["pgrep", "-P", str(job.pid)], capture_output=True, text=True, check=True).stdout
-        for process in map(int, children.split()):
-            environment = pathlib.Path(f"/proc/{process}/environ").read_bytes().split(b"\0")
-            if f"OMPI_COMM_WORLD_RANK={rank}".encode() in environment:
-                os.kill(process, number)
+        self.signal_rank(job, number, rank)
         begin = time.monotonic()
         out, err = job.communicate(timeout=support.PATIENCE * 60)
         return support.Run(job.returncode, out, err), time.monotonic() - begin, study, before
@@ -217,6 +227,34 @@ class Ends(RanksTest):
         self.assertNotEqual(ended.code, 0)
         self.assertLess(seconds, support.PATIENCE * 10)
         self.expect_resumed(study, before)
+
+    def signal_rank(self, job, number, rank):
+        children = subprocess.run(["pgrep", "-P", str(job.pid)], capture_output=True, text=True, check=True).stdout
+        for process in map(int, children.split()):
+            environment = pathlib.Path(f"/proc/{process}/environ").read_bytes().split(b"\0")
+            if f"OMPI_COMM_WORLD_RANK={rank}".encode() in environment:
+                os.kill(process, number)
+
+    def test_a_stop_of_a_rank_that_waits_for_others_stops_all(self):
+        study = self.tower(60)
+        job = self.start(2, "update", study, "--quiet", "--out", "out")
+        while not self.runs() and job.poll() is None:  # the run at the means: rank 1 waits for it
+            time.sleep(0.05)
+        time.sleep(0.5)
+        self.signal_rank(job, signal.SIGTERM, 1)
+        out, err = job.communicate(timeout=support.PATIENCE * 20)
+        self.assertEqual(job.returncode, 4, err)
+        self.assertEqual(err.count("mottle: stopped on request"), 1, err)
+
+    def test_an_error_that_one_rank_alone_meets_is_told_once_and_names_it(self):
+        study = self.tower(0.05)
+        (self.folder / "out" / "runs-1.store").mkdir(parents=True)
+        ended = self.ranked(3, "update", study, "--quiet", "--out", "out")
+        self.assertIn(ended.code, (2, 3), ended.err)
+        told = [line for line in ended.err.splitlines() if line.startswith("mottle: ")]
+        self.assertEqual(len(told), 1, ended.err)
+        self.assertIn(f"mottle: rank 1 on {os.uname().nodename}: ", told[0])
+        self.assertIn("runs-1.store", told[0])
 
     def test_a_stop_of_one_rank_stops_all(self):
         ended, seconds, study, before = self.signalled(signal.SIGTERM, 1)

@@ -90,6 +90,39 @@ TEST(RankShare, TheFirstRankCountsTheWorkOfAll) {
   EXPECT_LE(observed.last, 40);
 }
 
+TEST(Ranks, OneMakesItForAllOfThemInAnyThread) {
+  std::atomic<int> made{0};
+  std::atomic<int> same{0};
+  ThreadJob(3).run([&](Ranks& ranks) {
+    const auto ask = [&](std::int64_t begin, std::int64_t end) {
+      for (std::int64_t key = begin; key < end; ++key) {
+        const std::string found = ranks.once({static_cast<std::uint64_t>(key), 0}, ranks.rank() != 2, [&] {
+          ++made;
+          EXPECT_NE(ranks.rank(), 2);
+          return std::to_string(key);
+        });
+        same += found == std::to_string(key) ? 1 : 0;
+      }
+    };
+    parallel_for(20, 1, 4, ask);
+    ask(0, 20);
+  });
+  EXPECT_EQ(made, 20);
+  EXPECT_EQ(same, 3 * 2 * 20);
+}
+
+TEST(Ranks, AStopRequestEndsTheWaitForAnother) {
+  std::atomic<bool> stop{false};
+  const auto wait_for_nobody = [&] {
+    ThreadJob(1).run([&](Ranks& ranks) {
+      ranks.stop_by(&stop);
+      std::jthread stopper([&] { stop = true; });
+      (void)ranks.once({1, 2}, false, [] { return std::string(); });
+    });
+  };
+  EXPECT_THROW(wait_for_nobody(), Stopped);
+}
+
 TEST(Ranks, OtherNumbersOnARankAreAnErrorThatNamesIt) {
   const std::string message = test::message_of<SystemFailure>([] {
     require_same_digests({{1, 2}, {1, 2}, {1, 3}}, "the samples of a batch");

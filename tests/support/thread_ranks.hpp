@@ -1,6 +1,7 @@
 // Ranks that are threads of this process, for tests of what ranks share.
 #pragma once
 
+#include <atomic>
 #include <barrier>
 #include <exception>
 #include <map>
@@ -19,7 +20,7 @@ class ThreadJob {
   explicit ThreadJob(int count) : count_(count), meeting_(count), given_(static_cast<std::size_t>(count)) {}
 
   /// Calls body(ranks) by as many threads as there are ranks; the first exception of rank 0, else of another, is
-  /// rethrown.
+  /// rethrown. Where one has failed, the others fail as soon as they wait for it.
   template <typename Body>
   void run(const Body& body) {
     std::vector<std::exception_ptr> errors(static_cast<std::size_t>(count_));
@@ -30,8 +31,11 @@ class ThreadJob {
           Member ranks(*this, rank);
           try {
             body(ranks);
+          } catch (const AnotherFailed&) {  // which has said why
+            meeting_.arrive_and_drop();
           } catch (...) {
             errors[static_cast<std::size_t>(rank)] = std::current_exception();
+            has_failed_ = true;
             meeting_.arrive_and_drop();
           }
         });
@@ -43,6 +47,13 @@ class ThreadJob {
   }
 
  private:
+  struct AnotherFailed {};  // no std::exception: nobody is to take it for an error of the model
+
+  void meet() {
+    meeting_.arrive_and_wait();
+    if (has_failed_) throw AnotherFailed();
+  }
+
   class Member final : public Ranks {
    public:
     Member(ThreadJob& job, int rank) : job_(job), rank_(rank) {}
@@ -50,9 +61,9 @@ class ThreadJob {
     int count() const override { return job_.count_; }
     std::vector<std::string> gather(std::string_view bytes) override {
       job_.given_[static_cast<std::size_t>(rank_)] = bytes;
-      job_.meeting_.arrive_and_wait();
+      job_.meet();
       std::vector<std::string> all = job_.given_;
-      job_.meeting_.arrive_and_wait();  // before anyone gives again
+      job_.meet();  // before anyone gives again
       return all;
     }
     std::int64_t add(std::uint64_t counter, std::int64_t amount) override {
@@ -63,7 +74,18 @@ class ThreadJob {
       return before;
     }
     RankEnd leave(const RankEnd& own) override { return own; }
-    void speak_by(Speaker /*speaker*/) override {}
+    void on_abort(OnAbort /*tell*/) override {}
+
+   protected:
+    Claim claim(const Digest& key, bool may_make, std::string& made) override {
+      if (job_.has_failed_) throw AnotherFailed();
+      const std::lock_guard lock(job_.mutex_);
+      return job_.book_.claim(key, may_make, made);
+    }
+    void publish(const Digest& key, std::string_view made) override {
+      const std::lock_guard lock(job_.mutex_);
+      job_.book_.publish(key, made);
+    }
 
    private:
     ThreadJob& job_;
@@ -73,7 +95,9 @@ class ThreadJob {
   int count_;
   std::barrier<> meeting_;
   std::vector<std::string> given_;
-  std::mutex mutex_;  // of the next
+  std::atomic<bool> has_failed_{false};
+  std::mutex mutex_;  // of the next two
+  OnceBook book_;
   std::map<std::uint64_t, std::int64_t> counters_;
 };
 

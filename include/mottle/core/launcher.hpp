@@ -30,7 +30,7 @@ bool is_launch_variable(std::string_view name);
 /// A module's function that joins the job; it is `mottle_join_ranks` there, with C linkage.
 using JoinRanks = Ranks*();
 /// Version of the interface of Ranks; a module says the one that it was built with as `mottle_ranks_version`.
-inline constexpr int k_ranks_version = 1;
+inline constexpr int k_ranks_version = 2;
 
 /// The ranks of the job that a launcher started.
 ///

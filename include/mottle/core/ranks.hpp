@@ -2,8 +2,11 @@
 // library knows this interface only.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <functional>
+#include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -18,6 +21,34 @@ struct RankEnd {
   std::string message = {};
 };
 
+/// Whose business it is to make something once for all ranks.
+enum class Claim : std::uint8_t {
+  own,      ///< the asker's
+  awaited,  ///< another rank's, which has not made it yet
+  made      ///< it is there
+};
+
+/// What ranks have made once for all, as the one of them keeps it that the others ask. (Inline: the module for MPI links
+/// nothing of the library.)
+class OnceBook {
+ public:
+  Claim claim(const Digest& key, bool may_make, std::string& made) {
+    const auto found = entries_.find(key);
+    if (found == entries_.end()) {
+      if (!may_make) return Claim::awaited;
+      entries_.emplace(key, std::nullopt);
+      return Claim::own;
+    }
+    if (!found->second) return Claim::awaited;
+    made = *found->second;
+    return Claim::made;
+  }
+  void publish(const Digest& key, std::string_view made) { entries_[key] = made; }
+
+ private:
+  std::map<Digest, std::optional<std::string>> entries_;  // nothing: somebody is making it
+};
+
 /// Processes that all run the same job on the same input: every decision is taken by each of them and is the same, only
 /// the evaluation of batches is shared out.
 class Ranks {
@@ -28,7 +59,8 @@ class Ranks {
   virtual int count() const = 0;  ///< of all processes, >= 1
   bool is_first() const { return rank() == 0; }
 
-  /// What each rank gives, by rank. All ranks call it, in the same order, from one thread.
+  /// What each rank gives, by rank. All ranks call it, in the same order, from one thread. Throws Stopped: then this
+  /// rank can only leave.
   virtual std::vector<std::string> gather(std::string_view bytes) = 0;
 
   /// Adds to a counter that all ranks share and returns what it held before, 0 at first. Any thread, at any time.
@@ -36,18 +68,37 @@ class Ranks {
   /// A counter that nobody has used. All ranks call it, in the same order, from one thread.
   std::uint64_t new_counter() { return ++counters_; }
 
+  /// What one rank makes for all, by its key: the first that asks makes it, the others wait. Any thread, in any order.
+  /// It is kept to the end of the job.
+  ///
+  /// @param may_make  false: this rank only waits; rank 0 makes at least
+  /// @param make      an exception of it is to end the job, since the others wait
+  /// @throws Stopped
+  std::string once(const Digest& key, bool may_make, const std::function<std::string()>& make);
+
+  /// What ends the waiting for other ranks; lives as long as this object.
+  void stop_by(const std::atomic<bool>* stop) { stop_ = stop; }
+
   /// The end of this rank's part. Rank 0 gets how the job ends once all ranks have come; another rank what rank 0 told
   /// it. Where some rank fails while others do not come to an end, the job is aborted: then it does not return.
   virtual RankEnd leave(const RankEnd& own) = 0;
   /// Tells the user, on rank 0, why a job is aborted; called at most once, by any thread.
-  using Speaker = std::function<void(const RankEnd& why)>;
-  virtual void speak_by(Speaker speaker) = 0;
+  using OnAbort = std::function<void(const RankEnd& why)>;
+  virtual void on_abort(OnAbort tell) = 0;
 
   /// Whether the others still take part: rank 0 writes the results alone.
   bool is_together() const { return is_together_; }
   void go_alone() { is_together_ = false; }
 
+ protected:
+  const std::atomic<bool>* stop() const { return stop_; }
+
+  /// Of once(), see OnceBook.
+  virtual Claim claim(const Digest& key, bool may_make, std::string& made) = 0;
+  virtual void publish(const Digest& key, std::string_view made) = 0;
+
  private:
+  const std::atomic<bool>* stop_ = nullptr;
   std::uint64_t counters_ = 0;
   bool is_together_ = true;
 };
@@ -60,6 +111,9 @@ void require_same_digests(const std::vector<Digest>& digests, const char* what);
 
 /// Threads for each rank, where those of one node share its processors evenly. All ranks call it.
 int threads_of_rank(Ranks& ranks);
+
+/// The host that this process runs on; empty where that is not known.
+std::string node_name();
 
 /// Number of nodes that the ranks run on. All ranks call it.
 int count_nodes(Ranks& ranks);
