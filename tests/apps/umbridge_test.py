@@ -649,7 +649,7 @@ class AsServer(UmbridgeTest):
 
     def test_a_signal_during_a_long_computation_ends_it_in_the_same_words(self):
         """A chain whose eigenvalues take seconds, in which nobody looks for a stop."""
-        count = 700
+        count = 1000
         masses = ", ".join(f"m{i} = 1.0" for i in range(count))
         springs = "\n".join(f'  {{ name = "k{i}", between = ["{f"m{i - 1}" if i else "ground"}", "m{i}"], stiffness = 1.0 }},'
                             for i in range(count))
