@@ -1,6 +1,7 @@
 #include "mottle/core/rank_share.hpp"
 
 #include <algorithm>
+#include <atomic>
 
 #include "mottle/core/parallel.hpp"
 
@@ -27,9 +28,17 @@ void RankShare::loop(std::int64_t count, std::int64_t grain, int threads,
   const std::int64_t chunks = (count + grain - 1) / grain;
   if (chunks <= 1) return parallel_for(count, grain, threads, body);
   Numbers numbers(*this, chunks, grain);
+  std::atomic<bool> has_failed{false};
   parallel_for(threads, 1, threads, [&](std::int64_t, std::int64_t) {
-    for (std::int64_t chunk = numbers.take(); chunk < chunks; chunk = numbers.take()) {
-      body(chunk * grain, std::min(count, (chunk + 1) * grain));
+    while (!has_failed) {
+      const std::int64_t chunk = numbers.take();
+      if (chunk >= chunks) return;
+      try {
+        body(chunk * grain, std::min(count, (chunk + 1) * grain));
+      } catch (...) {
+        has_failed = true;
+        throw;
+      }
     }
   });
 }

@@ -65,6 +65,21 @@ TEST(RankShare, LoopsDoNotTakeEachOthersNumbers) {
   EXPECT_EQ(calls, 140);
 }
 
+TEST(RankShare, AnErrorOfOneThreadEndsTheLoopOfAllItsThreads) {
+  std::atomic<int> calls{0};
+  const auto run = [&] {
+    ThreadJob(1).run([&](Ranks& ranks) {
+      RankShare(ranks).loop(1000, 1, 2, [&](std::int64_t begin, std::int64_t) {
+        ++calls;
+        if (begin == 3) throw SystemFailure("the disk is full");
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      });
+    });
+  };
+  EXPECT_EQ(test::message_of<SystemFailure>(run), "the disk is full");
+  EXPECT_LT(calls, 500);
+}
+
 class LastCount final : public ProgressObserver {
  public:
   void progress(const std::string& /*work*/, std::int64_t done, std::int64_t /*total*/) override { last = done; }
