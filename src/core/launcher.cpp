@@ -62,7 +62,9 @@ Launch find_launch() {
   for (const Variables& variables : k_launchers) {
     const int count = number_in(variables.count);
     const int rank = number_in(variables.rank);
-    if (count > 1 && rank >= 0) return {.variable = variables.count, .count = count, .rank = rank};
+    if (count < 1 || rank < 0) continue;
+    // The first is the innermost: mpirun -n 1 in a step of srun starts a process that is alone.
+    return count > 1 ? Launch{.variable = variables.count, .count = count, .rank = rank} : Launch{};
   }
   return {};
 }
@@ -71,6 +73,8 @@ bool is_launch_variable(std::string_view name) {
   constexpr std::array<std::string_view, 6> k_prefixes{"OMPI_", "PMIX_", "PMI_", "PRTE_", "MV2_COMM_WORLD_", "JSM_"};
   constexpr std::string_view k_permission = "OMPI_ALLOW_";  // the user's word, not the launcher's
   if (name.starts_with(k_permission)) return false;
+  const auto is_it = [&](const Variables& variables) { return name == variables.count || name == variables.rank; };
+  if (std::ranges::any_of(k_launchers, is_it)) return true;
   return std::ranges::any_of(k_prefixes, [&](std::string_view prefix) { return name.starts_with(prefix); });
 }
 
@@ -79,7 +83,7 @@ std::unique_ptr<Ranks> join_ranks(const Launch& launch, const std::vector<std::f
   if (module == nullptr) {
     throw SystemFailure(fmt::format(
         "started {} times at once ({}={}), but the module for MPI is not installed; install the package mottle-mpi, or "
-        "start Mottle once",
+        "start Mottle once; MOTTLE_RANKS=off in the environment makes it work alone",
         launch.count, launch.variable, launch.count));
   }
   auto* const join = reinterpret_cast<JoinRanks*>(::dlsym(module, "mottle_join_ranks"));
@@ -88,7 +92,8 @@ std::unique_ptr<Ranks> join_ranks(const Launch& launch, const std::vector<std::f
   if (ranks->count() != launch.count) {
     throw SystemFailure(fmt::format(
         "started {} times at once ({}={}), but MPI connects {} of these processes; start Mottle by the mpirun of the "
-        "MPI library that it uses (Debian: Open MPI), or by srun with --mpi=pmix or --mpi=pmi2",
+        "MPI library that it uses (Debian: Open MPI), or by srun with --mpi=pmix or --mpi=pmi2; MOTTLE_RANKS=off "
+        "in the environment makes each work alone",
         launch.count, launch.variable, launch.count, ranks->count()));
   }
   return ranks;

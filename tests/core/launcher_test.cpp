@@ -54,6 +54,14 @@ TEST_F(LauncherTest, OneProcessIsAloneWhoeverStartsIt) {
   EXPECT_FALSE(find_launch().is_shared());
 }
 
+TEST_F(LauncherTest, TheInnermostLauncherCounts) {
+  set("SLURM_STEP_NUM_TASKS", "4");  // mpirun -n 1 within srun -n 4
+  set("SLURM_PROCID", "2");
+  set("OMPI_COMM_WORLD_SIZE", "1");
+  set("OMPI_COMM_WORLD_RANK", "0");
+  EXPECT_FALSE(find_launch().is_shared());
+}
+
 TEST_F(LauncherTest, TheUserMayRefuse) {
   set("PMI_SIZE", "2");
   set("PMI_RANK", "1");
@@ -70,6 +78,8 @@ TEST_F(LauncherTest, WhatIsNoNumberIsNoLaunch) {
 TEST(LaunchVariables, AreThoseOfTheLauncherAndNotTheUsersOwn) {
   EXPECT_TRUE(is_launch_variable("OMPI_COMM_WORLD_RANK"));
   EXPECT_TRUE(is_launch_variable("PMIX_NAMESPACE"));
+  EXPECT_TRUE(is_launch_variable("SLURM_STEP_NUM_TASKS"));
+  EXPECT_FALSE(is_launch_variable("SLURM_JOB_ID"));
   EXPECT_FALSE(is_launch_variable("OMP_NUM_THREADS"));
   EXPECT_FALSE(is_launch_variable("OMPI_ALLOW_RUN_AS_ROOT"));
   EXPECT_FALSE(is_launch_variable("PATH"));
