@@ -89,9 +89,11 @@ Eigen::MatrixXd model_jacobian(const UpdatingProblem& problem, const Eigen::Vect
                                const Eigen::VectorXd& scale, const RunContext& context, std::int64_t& evaluations) {
   const auto outputs = static_cast<Eigen::Index>(problem.model.outputs().size());
   Eigen::MatrixXd jacobian =
-      problem.derivatives != nullptr
-          ? problem.derivatives->jacobian(parameters)
-          : Eigen::MatrixXd::Constant(outputs, parameters.size(), std::numeric_limits<double>::quiet_NaN());
+      Eigen::MatrixXd::Constant(outputs, parameters.size(), std::numeric_limits<double>::quiet_NaN());
+  try {
+    if (problem.derivatives != nullptr) jacobian = problem.derivatives->jacobian(parameters);
+  } catch (const ModelFailure&) {  // NOLINT(bugprone-empty-catch): differences may do
+  }
   if (jacobian.allFinite()) return jacobian;
   const Eigen::MatrixXd differences =
       difference_quotients(problem, parameters, problem.model.difference_step() * scale, context, evaluations);

@@ -31,9 +31,10 @@ Eigen::MatrixXd own_derivatives(const UpdatingProblem& problem, const Eigen::Vec
   try {
     return problem.derivatives->jacobian(variables);
   } catch (const InvalidInput&) {  // modes that cannot be matched there
-    return Eigen::MatrixXd::Constant(static_cast<Eigen::Index>(problem.model.outputs().size()), variables.size(),
-                                     k_not_known);
+  } catch (const ModelFailure&) {
   }
+  return Eigen::MatrixXd::Constant(static_cast<Eigen::Index>(problem.model.outputs().size()), variables.size(),
+                                   k_not_known);
 }
 
 /// Runs at points(point) +- step along the parameter: two rows a column.

@@ -7,6 +7,7 @@
 
 #include "support/linear_model.hpp"
 #include "support/three_masses.hpp"
+#include "updating/methods/least_squares.hpp"
 
 namespace mottle::updating {
 namespace {
@@ -59,6 +60,29 @@ TEST(ScaledJacobians, OwnDerivativesAndDifferencesAgreeOnEveryScale) {
   EXPECT_EQ(runs, 12);
   // Central differences with steps of 3e-5: truncation about 1e-10, rounding about 1e-11.
   for (std::size_t s = 0; s < 2; ++s) EXPECT_LT((analytic[s] - differences[s]).cwiseAbs().maxCoeff(), 1e-9);
+}
+
+/// A linear model whose derivatives fail: a request that got no answer.
+class FailingDerivatives final : public DifferentiableModel {
+ public:
+  Eigen::MatrixXd jacobian(const Eigen::Ref<const Eigen::VectorXd>& /*parameters*/) const override {
+    throw ModelFailure("the evaluation failed: no answer within 2 s");
+  }
+};
+
+TEST(ScaledJacobians, WhereTheModelsOwnFailDifferencesAreTaken) {
+  const Eigen::Matrix2d slopes = (Eigen::Matrix2d() << 1.0, 2.0, -3.0, 0.5).finished();
+  const test::LinearModel model(Eigen::Vector2d::Zero(), slopes);
+  const Distribution prior({.kind = DistributionKind::normal, .mean = 2.0, .std = 0.2});
+  const ParameterSpace space({{"a", "-"}, {"b", "-"}}, JointDistribution({prior, prior}));
+  const FailingDerivatives failing;
+  const UpdatingProblem problem{.model = model, .derivatives = &failing, .space = space};
+  const Eigen::Vector2d x(2.0, 2.0);
+  const Eigen::RowVector2d outputs = (slopes * x).transpose();
+  std::int64_t runs = 0;
+  const auto jacobians = scaled_jacobians(problem, ScaledParameters(space), x.transpose(), outputs, {}, runs);
+  EXPECT_TRUE(jacobians[0].isApprox(slopes, 1e-9));
+  EXPECT_TRUE(model_jacobian(problem, x, Eigen::Vector2d::Constant(0.2), {}, runs).isApprox(slopes, 1e-9));
 }
 
 TEST(ScaledJacobians, AFailureOnOneSideLeavesTheOtherAndOnBothLeavesNan) {
