@@ -9,7 +9,7 @@ INSTALL = tools/install_packages.sh
 # The layers whose own tests run under AddressSanitizer, beside those of the command, which run all layers.
 ASAN_LAYERS ?= core linalg stats dynamics fem formats model drivers updating study report
 # Threads start in these layers; the rest runs below them or not in threads at all.
-TSAN_LAYERS = core linalg model updating study
+TSAN_LAYERS = core linalg model drivers updating study
 
 configure = cmake --preset $(1) -DMOTTLE_WERROR=$(MOTTLE_WERROR)
 build = cmake --build --preset $(1) -j $(JOBS)

@@ -9,7 +9,9 @@
 #include <set>
 #include <thread>
 
+#include "mottle/core/bytes.hpp"
 #include "mottle/core/error.hpp"
+#include "mottle/core/gather_alike.hpp"
 #include "mottle/core/parallel.hpp"
 
 namespace mottle {
@@ -56,6 +58,24 @@ void require_same_digests(const std::vector<Digest>& digests, const char* what) 
                     "Mottle, the same libraries, the same files and processors of one kind",
                     rank, what));
   }
+}
+
+std::vector<std::string> gather_alike(Ranks& ranks, const std::vector<AlikeDigest>& digests, std::string_view bytes) {
+  std::string own;
+  for (const AlikeDigest& each : digests) append_value(own, each.digest);
+  const std::size_t head = own.size();
+  own += bytes;
+  std::vector<std::string> all = ranks.gather(own);
+  for (std::size_t i = 0; i < digests.size(); ++i) {
+    std::vector<Digest> theirs(all.size());
+    for (std::size_t rank = 0; rank < all.size(); ++rank) {
+      assert(all[rank].size() >= head);
+      std::memcpy(&theirs[rank], all[rank].data() + i * sizeof(Digest), sizeof(Digest));
+    }
+    require_same_digests(theirs, digests[i].what);
+  }
+  for (std::string& theirs : all) theirs.erase(0, head);
+  return all;
 }
 
 int threads_of_rank(Ranks& ranks) {

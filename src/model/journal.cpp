@@ -13,6 +13,7 @@
 #include "mottle/core/error.hpp"
 #include "mottle/core/files.hpp"
 #include "mottle/core/own_file.hpp"
+#include "mottle/core/gather_alike.hpp"
 #include "mottle/core/rank_share.hpp"
 #include "mottle/model/ranked_model.hpp"
 #include "mottle/model/sample_region.hpp"
@@ -188,20 +189,10 @@ Evaluation JournalledModel::answer_to(const SampleRegion* region, const Eigen::M
 /// one.
 bool JournalledModel::ask_first_rank(const Digest& question, Eigen::Index rows, bool is_known,
                                      Evaluation& answer) const {
-  std::string own;
-  append_value(own, fingerprint_);
-  append_value(own, question);
-  if (is_known && ranks_->is_first()) own += encode(question, answer);
-  const std::vector<std::string> all = ranks_->gather(own);
-  std::vector<Digest> studies(all.size());
-  std::vector<Digest> questions(all.size());
-  for (std::size_t rank = 0; rank < all.size(); ++rank) {
-    ByteReader reader(all[rank]);
-    if (!reader.read(studies[rank]) || !reader.read(questions[rank])) throw SystemFailure("a rank's message is torn");
-  }
-  require_same_digests(studies, "the study's files");
-  require_same_digests(questions, "the samples of a batch");
-  const std::string_view record = std::string_view(all.front()).substr(2 * sizeof(Digest));
+  const std::string own = is_known && ranks_->is_first() ? encode(question, answer) : "";
+  const std::vector<std::string> all = gather_alike(
+      *ranks_, {{fingerprint_, "the study's files"}, {question, "the samples of a batch"}}, own);
+  const std::string& record = all.front();
   if (record.empty()) return false;
   if (!decode(record, question, rows, static_cast<Eigen::Index>(outputs().size()), answer)) {
     throw SystemFailure("the first rank's answer from its journal cannot be read");

@@ -2,8 +2,7 @@
 
 #include <optional>
 
-#include "mottle/core/bytes.hpp"
-#include "mottle/core/error.hpp"
+#include "mottle/core/gather_alike.hpp"
 #include "mottle/core/rank_share.hpp"
 #include "mottle/model/sample_region.hpp"
 
@@ -23,13 +22,7 @@ Evaluation RankedModel::evaluate(const SampleRegion* region, const Eigen::Ref<co
   RunContext shared = context;
   std::optional<RankShare> share;
   if (ranks_ != nullptr && ranks_->is_together()) {
-    std::string own;
-    append_value(own, digest_of_samples(region, samples));
-    std::vector<Digest> digests;
-    for (const std::string& bytes : ranks_->gather(own)) {
-      if (!ByteReader(bytes).read(digests.emplace_back())) throw SystemFailure("a rank's message is torn");
-    }
-    require_same_digests(digests, "the samples of a batch");
+    (void)gather_alike(*ranks_, {{digest_of_samples(region, samples), "the samples of a batch"}});
     shared.share = &share.emplace(*ranks_);
   }
   return region == nullptr ? model_.evaluate(samples, shared) : model_.evaluate_in(*region, samples, shared);

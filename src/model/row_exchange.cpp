@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "mottle/core/error.hpp"
+#include "mottle/core/gather_alike.hpp"
 
 namespace mottle::model {
 
@@ -14,18 +15,10 @@ std::string& RowRecords::begin(Eigen::Index row) {
 
 void RowRecords::exchange(Ranks& ranks, const Digest& state, const char* what, Eigen::Index rows,
                           const std::function<bool(Eigen::Index, ByteReader&)>& read) const {
-  std::string own;
-  append_value(own, state);
-  own += bytes_;
-  const std::vector<std::string> all = ranks.gather(own);
-  std::vector<Digest> states(all.size());
-  std::vector<ByteReader> readers(all.begin(), all.end());
-  for (std::size_t rank = 0; rank < all.size(); ++rank) {
-    if (!readers[rank].read(states[rank])) throw SystemFailure("a rank's message is torn");
-  }
-  require_same_digests(states, what);
+  const std::vector<std::string> all = gather_alike(ranks, {{state, what}}, bytes_);
   std::vector<bool> is_there(static_cast<std::size_t>(rows));
-  for (ByteReader& reader : readers) {
+  for (const std::string& theirs : all) {
+    ByteReader reader(theirs);
     while (reader.left() > 0) {
       std::int64_t row = 0;
       const bool is_whole = reader.read(row) && 0 <= row && row < rows && read(row, reader);

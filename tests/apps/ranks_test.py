@@ -1,5 +1,6 @@
 """The command under mpirun: the same numbers by any number of ranks, one voice, and an end of all where one ends."""
 
+import collections
 import json
 import os
 import pathlib
@@ -11,6 +12,7 @@ import unittest
 import urllib.request
 
 import support
+import umbridge_test
 from support import CommandTest, SOURCE, THREE_MASSES
 
 AIRFRAME = SOURCE / "examples" / "02-airframe"
@@ -142,6 +144,65 @@ class Numbers(RanksTest):
         one, three = (numbers(self.folder / name)[1] for name in ("alone", "by3"))
         self.assertIn("exit status 3", one)
         self.assertEqual(one, three)
+
+
+class Servers(RanksTest):
+    """A model behind UM-Bridge servers: one that counts what it is asked."""
+
+    def model(self, **what):
+        server = umbridge_test.Model(**what)
+        self.addCleanup(server.server_close)
+        self.addCleanup(server.shutdown)
+        self.write("tests.csv", umbridge_test.TESTS)
+        self.write("served.toml", umbridge_test.HEAD + umbridge_test.MODEL.replace("URL", server.url) +
+                   "parallel = 4\nlargest_failed_part = 0.9\n" + umbridge_test.REST)
+        return server
+
+    def inputs(self, server, begin=0):
+        return [json.dumps(request["input"]) for request in server.evaluations()[begin:]]
+
+    def test_each_request_is_made_once(self):
+        for method in ("covariance-adjustment", "maximum-likelihood"):
+            server = self.model(features=("Evaluate", "ApplyJacobian"),
+                                spoil=lambda path, *_: time.sleep(0.01) if path == "/Evaluate" else None)
+            options = ["--quiet", "--set", f'update.method="{method}"', "--set", "update.samples=60"]
+            self.succeed("update", "served.toml", "--out", f"alone-{method}", *options)
+            asked = [path for path, _ in server.seen]
+            alone = self.inputs(server)
+            server.most_at_once = 0
+            self.succeed_ranked(3, "update", "served.toml", "--out", f"by3-{method}", *options)
+            shared = collections.Counter(self.inputs(server, len(alone)))
+            again = shared - collections.Counter(alone)
+            self.assertEqual(collections.Counter(alone) - shared, {}, method)
+            # A rank that asks for a derivative may not have evaluated there itself: then it does, once for all.
+            points = {json.dumps(request["input"]) for path, request in server.seen if path == "/ApplyJacobian"}
+            self.assertLessEqual(set(again), points, method)
+            self.assertTrue(all(count == 1 for count in again.values()), again)
+            self.assertEqual([path for path, _ in server.seen].count("/ApplyJacobian"), 2 * asked.count("/ApplyJacobian"))
+            self.assertLessEqual(server.most_at_once, 4, "parallel is the limit of all ranks together")
+            one, three = (numbers(self.folder / f"{name}-{method}")[1] for name in ("alone", "by3"))
+            self.assertEqual(one, three)
+
+    def test_a_request_that_fails_once_costs_its_sample_on_all_ranks(self):
+        self.model(spoil=lambda path, _, number: (500, b"once") if path == "/Evaluate" and number in (5, 30, 55) else None)
+        ended = self.ranked(3, "propagate", "served.toml", "--quiet", "--out", "by3", "--set", "update.samples=60")
+        self.assertEqual(ended.code, 0, ended.err)
+        failed = support.read_result(self.folder / "by3")["failed_evaluations"]
+        self.assertEqual(len(failed), 3)
+
+    def test_ranks_find_what_earlier_ranks_were_answered(self):
+        slow = self.model(spoil=lambda path, *_: time.sleep(0.08) if path == "/Evaluate" else None)
+        options = ["--quiet", "--out", "out", "--set", "update.samples=60"]
+        job = self.start(3, "propagate", "served.toml", *options)
+        while slow.count < 40 and job.poll() is None:
+            time.sleep(0.01)
+        job.kill()
+        job.communicate()
+        time.sleep(0.5)
+        before = self.inputs(slow)
+        self.succeed_ranked(2, "propagate", "served.toml", *options, "--resume")
+        again = [x for x in self.inputs(slow, len(before)) if x in before]
+        self.assertLessEqual(len(again), 1 + 4, "the means, and those under way")
 
 
 class Voices(RanksTest):

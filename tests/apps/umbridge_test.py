@@ -159,9 +159,9 @@ class Handler(http.server.BaseHTTPRequestHandler):
         status, body = spoilt or (200, json.dumps(server.answer(self.path, request)).encode())
         with server.lock:
             server.at_once -= 1
-        if status is None:  # not even HTTP
+        if status is None or status == 0:  # not even HTTP; 0: and the connection stays
             self.wfile.write(body)
-            self.close_connection = True
+            self.close_connection = status is None
             return
         self.send_response(status)
         self.send_header("Content-Length", str(len(body)))
@@ -277,6 +277,26 @@ class AsClient(UmbridgeTest):
         self.succeed("update", "study.toml", "--out", "c", *chosen)
         self.assertNotIn("/Gradient", {path for path, _ in without.seen})
 
+    def test_no_more_requests_are_under_way_than_parallel_says(self):
+        """Jacobians at several points are asked for by several threads, of which each asks for several columns."""
+        model = self.model(features=("Evaluate", "ApplyJacobian"),
+                           spoil=lambda path, *_: time.sleep(0.02) if path in ("/Evaluate", "/ApplyJacobian") else None)
+        self.study(model, more="parallel = 3\n")
+        self.succeed("update", "study.toml", "--out", "a", "--quiet", "--threads", "4", "--set",
+                     'update.method="maximum-likelihood"', "--set", "update.iterations=2")
+        self.assertIn("/ApplyJacobian", {path for path, _ in model.seen})
+        self.assertEqual(model.most_at_once, 3)
+
+    def test_a_server_that_fails_at_once_does_not_draw_the_requests(self):
+        """A proxy whose model is down: each of its answers costs a try, and there are two."""
+        down = self.model(spoil=lambda path, _, number: (503, b"no backend") if path == "/Evaluate" and number > 0 else None)
+        up = self.model(spoil=lambda path, *_: time.sleep(0.02) if path == "/Evaluate" else None)
+        self.study(up, down, more="parallel = 4\n")
+        self.succeed("propagate", "study.toml", "--out", "a", "--quiet", "--set", "model.retries=1", "--set",
+                     "update.samples=100")
+        self.assertEqual(read_result(self.folder / "a")["failed_evaluations"], [])
+        self.assertLess(down.count, 20)
+
     # What a server may do wrong once it has answered at the means: it costs that sample alone.
     def failure_of(self, spoil, **what):
         """Reason of the one point that failed: the third, k1 = 3."""
@@ -325,6 +345,45 @@ class AsClient(UmbridgeTest):
                 self.assertIn(reason, found)
                 self.assertNotIn("\x1b", found)
 
+    def test_answers_belong_to_their_requests(self):
+        """Interim answers before one and bytes behind one shift nothing, on connections that are kept."""
+        def whole(output):
+            body = json.dumps({"output": [output]}).encode()
+            return b"HTTP/1.1 200 OK\r\nContent-Length: %d\r\n\r\n%s" % (len(body), body)
+
+        def spoil(path, request, number):
+            if path != "/Evaluate" or number == 1:
+                return None
+            good = whole([hertz(value) for value in eigenvalues(*request["input"][0])])
+            return 0, (b"HTTP/1.1 100 Continue\r\n\r\n" + good,
+                       b"HTTP/1.1 102 Processing\r\n\r\nHTTP/1.1 103 Early Hints\r\nLink: a\r\n\r\n" + good,
+                       good + whole([0.1, 0.2]),
+                       good)[number % 4]
+
+        self.study(self.model(spoil=spoil))
+        self.write("points.csv", "k1,k2\n" + "".join(f"{1 + 0.1 * i},2\n" for i in range(40)))
+        rows = self.cloud()
+        self.assertEqual(len(rows), 40)
+        for i, row in enumerate(rows):
+            self.assert_close(row[2:4], [hertz(value) for value in eigenvalues(1 + 0.1 * i, 2)])
+
+    def test_a_job_that_a_dead_server_ended_goes_on_when_it_is_back(self):
+        down = []
+
+        def spoil(path, _, number):
+            if path != "/Evaluate":
+                return None
+            time.sleep(0.06)
+            return (None, b"") if number > 10 and not down else None
+
+        model = self.model(spoil=spoil)
+        self.study(model)
+        ended = self.call("update", "study.toml", "--out", "a", "--quiet")
+        self.assertEqual(ended.code, 3, ended.err)
+        down.append("no longer")
+        self.succeed("update", "study.toml", "--out", "a", "--quiet", "--resume")
+        self.assertEqual(read_result(self.folder / "a")["failed_evaluations"], [])
+
     def test_a_slow_server_costs_its_sample(self):
         def sleep():
             time.sleep(4)
@@ -352,7 +411,14 @@ class AsClient(UmbridgeTest):
     def test_one_of_two_servers_that_dies_costs_nothing(self):
         dying = self.model()
         self.study(dying, self.model(spoil=lambda *_: time.sleep(0.01)))
-        dying.spoil = lambda path, _, number: dying.socket.close() if number == 3 else None
+
+        def die(path, _, number):
+            if number < 3:
+                return None
+            dying.socket.close()
+            return None, b""  # and no answer by what is still connected
+
+        dying.spoil = die
         self.succeed("propagate", "study.toml", "--out", "a", "--quiet", "--set", "model.retries=2")
         self.assertEqual(read_result(self.folder / "a")["failed_evaluations"], [])
 
@@ -688,6 +754,31 @@ class AsServer(UmbridgeTest):
         self.assertEqual(self.ask("/Evaluate", {"name": "forward", "input": [[2.0, 2.0]]})[0], 200)
         self.refused("/Gradient", {"name": "forward", "input": [[2.0, 2.0]]}, kind="UnsupportedFeature")
 
+    def test_failures_of_some_clients_are_not_told_to_others(self):
+        """Most requests fail, and those that do not are computed together with them."""
+        def spoil(path, request, _):
+            time.sleep(0.01)
+            return (500, b"boom") if path == "/Evaluate" and request["input"][0][0] == 3 else None
+
+        self.study(self.model(spoil=spoil), more="parallel = 4\n")
+        self.offer(study="study.toml")
+        found = {}
+
+        def client(i):
+            k1 = 2.0 if i % 4 == 0 else 3.0
+            for j in range(8):
+                found[i, j] = k1, self.ask("/Evaluate", {"name": "forward", "input": [[k1, 2.0]]})
+
+        clients = [threading.Thread(target=client, args=(i,)) for i in range(16)]
+        for thread in clients:
+            thread.start()
+        for thread in clients:
+            thread.join()
+        self.assertEqual(len(found), 128)
+        for k1, (status, answer) in found.values():
+            self.assertEqual(status, 200 if k1 == 2.0 else 500, answer)
+            if status == 500:
+                self.assertIn("HTTP 500: 'boom'", answer["error"]["message"])
 
     def test_as_the_client_of_itself_the_update_is_the_same(self):
         self.offer()

@@ -3,12 +3,15 @@
 #pragma once
 
 #include <atomic>
+#include <cassert>
 #include <cstdint>
+#include <cstring>
 #include <functional>
 #include <map>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 #include "mottle/core/checksum.hpp"
@@ -102,6 +105,18 @@ class Ranks {
   std::uint64_t counters_ = 0;
   bool is_together_ = true;
 };
+
+/// One value of each rank, by rank. All ranks call it.
+template <typename Value>
+std::vector<Value> gather_values(Ranks& ranks, const Value& own) {
+  static_assert(std::is_trivially_copyable_v<Value>);
+  std::vector<Value> values;
+  for (const std::string& bytes : ranks.gather({reinterpret_cast<const char*>(&own), sizeof(own)})) {
+    assert(bytes.size() == sizeof(own));  // ranks of one version, which give the same in the same order
+    std::memcpy(&values.emplace_back(), bytes.data(), sizeof(own));
+  }
+  return values;
+}
 
 /// Throws SystemFailure where the ranks do not all give the same digest.
 ///

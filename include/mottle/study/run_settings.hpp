@@ -15,6 +15,7 @@ struct RunSettings {
   int threads = 1;
   bool resume = false;
   bool may_run_programs = true;  ///< else a study whose model is run by a program is refused
+  bool ends_by_failures = true;  ///< too many failed runs of a program end the job; else each costs its sample alone
   ProgressObserver* observer = nullptr;
   const std::atomic<bool>* stop = nullptr;  ///< a model made for the job may ask it for as long as it lives
   Ranks* ranks = nullptr;  ///< that do the same job and share the model's evaluations; null: this process is alone

@@ -164,10 +164,6 @@ std::string ExternalSolver::observe(const ExtractedModes& found, const SolutionR
   return {};
 }
 
-std::int64_t SharedCount::add(std::int64_t more) {
-  return more + (ranks_ == nullptr ? own_.fetch_add(more) : ranks_->add(counter_, more));
-}
-
 /// What the runs of one batch come to.
 struct ExternalSolver::Tally {
   std::atomic<std::int64_t> reused{0};

@@ -13,6 +13,7 @@
 
 #include "mottle/core/error.hpp"
 #include "mottle/core/files.hpp"
+#include "mottle/core/ranks.hpp"
 
 namespace mottle::drivers {
 namespace {
@@ -28,7 +29,7 @@ constexpr std::string_view k_mark_text = "Made by Mottle for runs of a solver, a
 
 /// A new folder with a name nobody else has, for nobody else's eyes.
 std::filesystem::path make_private(const std::filesystem::path& parent) {
-  std::string pattern = (parent / fmt::format("mottle-{}-XXXXXX", ::getpid())).string();
+  std::string pattern = (parent / fmt::format("mottle-{}-{}-XXXXXX", node_name(), ::getpid())).string();
   if (::mkdtemp(pattern.data()) == nullptr) {
     throw SystemFailure(fmt::format("{}: no folder can be made there: {}", parent.string(), std::strerror(errno)));
   }
@@ -75,16 +76,28 @@ void remove_marked(const std::filesystem::path& folder) {
   ::close(descriptor);
 }
 
+/// Whether make_private() made it on another host: whether a process there holds it cannot be told, since locks on a
+/// shared file system need not be seen by other hosts.
+bool is_of_another_host(const std::string& name) {
+  const std::size_t random = name.rfind('-');
+  const std::size_t process = random == std::string::npos || random == 0 ? std::string::npos : name.rfind('-', random - 1);
+  if (process == std::string::npos || !name.starts_with("mottle-")) return false;
+  const std::string maker = name.substr(0, process);
+  return maker != "mottle" && maker != "mottle-" + node_name();  // earlier versions named no host
+}
+
 void remove_marked_within(const std::filesystem::path& group) {
   std::error_code ignored;
   std::filesystem::directory_iterator entry(group, ignored);
-  for (; entry != std::filesystem::directory_iterator(); entry.increment(ignored)) remove_marked(entry->path());
+  for (; entry != std::filesystem::directory_iterator(); entry.increment(ignored)) {
+    if (!is_of_another_host(entry->path().filename().string())) remove_marked(entry->path());
+  }
 }
 
 }  // namespace
 
 void require_no_linked_runs(const std::filesystem::path& results) {
-  for (const char* name : {k_work, k_failed, k_kept, k_run_store, k_tasks}) {
+  for (const char* name : {k_work, k_failed, k_kept, k_run_store, k_answer_store, k_tasks}) {
     const std::filesystem::path path = std::filesystem::absolute(results) / name;
     std::error_code ignored;
     require(
@@ -95,9 +108,10 @@ void require_no_linked_runs(const std::filesystem::path& results) {
   }
 }
 
-RunStoreFiles run_store_files(const std::filesystem::path& results, int rank, int ranks) {
+RunStoreFiles run_store_files(const std::filesystem::path& results, int rank, int ranks, const std::string& name) {
+  const std::string stem = std::filesystem::path(name).stem().string();
   const auto file_of = [&](int number) {
-    return results / (number == 0 ? std::string(k_run_store) : fmt::format("runs-{}.store", number));
+    return results / (number == 0 ? name : fmt::format("{}-{}.store", stem, number));
   };
   std::set<std::filesystem::path> others;
   for (int other = 0; other < ranks; ++other) others.insert(file_of(other));
@@ -105,8 +119,8 @@ RunStoreFiles run_store_files(const std::filesystem::path& results, int rank, in
   std::error_code ignored;
   std::filesystem::directory_iterator entry(results, ignored);
   for (; entry != std::filesystem::directory_iterator(); entry.increment(ignored)) {
-    const std::string name = entry->path().filename().string();
-    if (name.starts_with("runs-") && name.ends_with(".store")) others.insert(results / name);
+    const std::string other = entry->path().filename().string();
+    if (other.starts_with(stem + "-") && other.ends_with(".store")) others.insert(results / other);
   }
   others.erase(file_of(rank));
   return {.own = file_of(rank), .others = {others.begin(), others.end()}};

@@ -47,19 +47,23 @@ void SamplePool::take_samples() {
 }
 
 void FailureCount::add(const std::string& failure) {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  ++done_;
+  const std::int64_t done = done_.add(1);
   if (failure.empty()) return;
-  ++failed_;
+  const std::int64_t failed = failed_.add(1);
+  const std::lock_guard<std::mutex> lock(mutex_);
   last_.clear();  // what throws is over: the next batch has failures of its own
-  limit_.require_few(done_, failed_, false, failure);
+  limit_.require_few(done, failed, false, failure);
   last_ = failure;
 }
 
-void FailureCount::end_batch() {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  const std::string last = std::exchange(last_, {});
-  if (!last.empty()) limit_.require_few(done_, failed_, true, last);
+void FailureCount::end_batch(Ranks* together) {
+  std::string last = std::exchange(last_, {});
+  if (together != nullptr) {
+    for (const std::string& theirs : together->gather(last)) {
+      if (!theirs.empty()) last = theirs;
+    }
+  }
+  if (!last.empty()) limit_.require_few(done_.add(0), failed_.add(0), true, last);
 }
 
 void FailureLimit::require_few(std::int64_t done, std::int64_t failed, bool is_end, const std::string& last) const {

@@ -26,9 +26,16 @@ struct HttpReply {
   std::string body = {};
 };
 
+/// The addresses that a host's name stands for, once they are known: to look a name up may take long, and cannot be cut
+/// short. Several connections share it.
+class KnownHost;
+std::shared_ptr<KnownHost> make_known_host();
+
 class HttpConnection {
  public:
-  explicit HttpConnection(HttpAddress address);
+  /// @param host  of all connections to this address; where none of its addresses takes a connection any more, the name
+  ///              is looked up again
+  HttpConnection(HttpAddress address, std::shared_ptr<KnownHost> host);
   ~HttpConnection();
   HttpConnection(const HttpConnection&) = delete;
   HttpConnection& operator=(const HttpConnection&) = delete;
@@ -39,13 +46,14 @@ class HttpConnection {
   /// while it was idle is made anew.
   ///
   /// @param timeout  of it all; connecting takes 10 s at most
-  /// @param stop     ends it within 0.1 s; nullptr: nothing does
+  /// @param stop     ends it within 0.1 s, or as soon as the host's name is looked up; nullptr: nothing does
   /// @throws Stopped
   HttpReply send(const HttpRequest& request, std::chrono::milliseconds timeout, const std::atomic<bool>* stop);
 
  private:
   class Stream;
   HttpAddress address_;
+  std::shared_ptr<KnownHost> host_;
   std::unique_ptr<Stream> stream_;
 };
 

@@ -23,7 +23,7 @@ using asio::ip::tcp;
 using boost::system::error_code;
 
 constexpr std::size_t k_largest_request = std::size_t{4} << 20;
-constexpr std::size_t k_most_connections = 512;   // each may hold a request of that size
+constexpr std::size_t k_max_connections = 512;   // each may hold a request of that size
 constexpr std::chrono::seconds k_patience{30};    // with a client that sends or reads slowly
 constexpr std::chrono::seconds k_idle{300};       // between two requests of one client
 constexpr std::chrono::milliseconds k_tick{100};  // between looks at the stop request
@@ -86,6 +86,7 @@ class ClientSession : public std::enable_shared_from_this<ClientSession> {
   }
 
   void handle() {
+    is_head_ = parser_->get().method() == http::verb::head;
     const http::request<http::string_body>& request = parser_->get();
     is_kept_ = request.keep_alive();
     // A page in a browser may post anywhere; it names its origin.
@@ -106,7 +107,9 @@ class ClientSession : public std::enable_shared_from_this<ClientSession> {
   /// What is too large or no HTTP is told where that is possible.
   void refuse(error_code error) {
     is_kept_ = false;
-    if (error == http::error::body_limit || error == http::error::header_limit) {
+    if (error == http::error::header_limit) {
+      write(error_answer(413, "InvalidInput", "the head of a request has at most 8 KiB"));
+    } else if (error == http::error::body_limit) {
       write(error_answer(413, "InvalidInput", fmt::format("a request has at most {} MiB", k_largest_request >> 20)));
     } else if (error.category() == http::make_error_code(http::error::bad_method).category() &&
                error != http::error::end_of_stream && error != http::error::partial_message) {
@@ -115,7 +118,8 @@ class ClientSession : public std::enable_shared_from_this<ClientSession> {
   }
 
   void write(ServerAnswer answer) {
-    const bool is_head = parser_->get().method() == http::verb::head;
+    parser_.reset();  // an idle client is to hold no request
+    const bool is_head = is_head_;
     response_ = {static_cast<http::status>(answer.status), 11};
     response_.set(http::field::server, "mottle");
     response_.set(http::field::content_type, "application/json");
@@ -143,10 +147,10 @@ class ClientSession : public std::enable_shared_from_this<ClientSession> {
   /// Takes what the client still sends, within limits: a connection that is closed on unread bytes is reset, and the
   /// client may lose the answer with it.
   void drain(std::size_t taken) {
-    constexpr std::size_t k_most = std::size_t{64} << 20;
+    constexpr std::size_t k_max_drained = std::size_t{64} << 20;
     constexpr std::size_t k_piece = 65536;
     constexpr std::chrono::seconds k_longest_wait{5};
-    if (taken >= k_most) return;
+    if (taken >= k_max_drained) return;
     buffer_.clear();
     stream_.expires_after(k_longest_wait);
     stream_.async_read_some(buffer_.prepare(k_piece),
@@ -162,6 +166,7 @@ class ClientSession : public std::enable_shared_from_this<ClientSession> {
   http::response<http::string_body> response_;
   std::optional<http::response_serializer<http::string_body>> serializer_;
   bool is_kept_ = false;
+  bool is_head_ = false;
 };
 
 ModelServer::Implementation::Implementation(ServedModel model, int port) : model_(std::move(model)), queue_(model_) {
@@ -177,7 +182,7 @@ ModelServer::Implementation::Implementation(ServedModel model, int port) : model
 }
 
 void ModelServer::Implementation::accept() {
-  if (is_accepting_ || connections_ >= k_most_connections) return;
+  if (is_accepting_ || connections_ >= k_max_connections) return;
   is_accepting_ = true;
   acceptor_.async_accept([this](error_code error, tcp::socket socket) {
     is_accepting_ = false;
@@ -204,10 +209,12 @@ void ModelServer::Implementation::look_for_stop(const RunContext& context) {
   });
 }
 
-/// The answer is written by the thread that speaks with the clients.
+/// The answer is written by the thread that speaks with the clients, and there alone their sessions end.
 void ModelServer::Implementation::compute(WaitingRequest waiting) {
-  queue_.add({std::move(waiting.computation), [this, reply = std::move(waiting.reply)](ServerAnswer answer) {
-                asio::post(context_, [reply, answer = std::move(answer)] { reply(answer); });
+  queue_.add({std::move(waiting.computation), [this, reply = std::move(waiting.reply)](ServerAnswer answer) mutable {
+                asio::post(context_, [reply = std::move(reply), answer = std::move(answer)]() mutable {
+                  reply(std::move(answer));
+                });
               }});
 }
 

@@ -106,6 +106,13 @@ std::string jacobian_request(const ModelName& model, const Vectors& input, std::
   return request.dump();
 }
 
+bool tells_error(std::string_view body) {
+  const std::optional<Json> answer = parse_body(body);
+  if (!answer || !answer->is_object()) return false;
+  const auto error = answer->find("error");
+  return error != answer->end() && error->is_object();
+}
+
 ServerInfo read_info(int status, std::string_view body) {
   const Json answer = object_of(status, body);
   ServerInfo info;

@@ -49,6 +49,9 @@ std::string gradient_request(const ModelName& model, const Vectors& input, std::
 std::string jacobian_request(const ModelName& model, const Vectors& input, std::size_t out, std::size_t in,
                              const std::vector<double>& vec);
 
+/// Whether an answer says by the protocol's error object what failed: then the server is sound.
+bool tells_error(std::string_view body);
+
 /// Answers by their HTTP status and body. Each throws AnswerFault.
 ServerInfo read_info(int status, std::string_view body);
 SupportedFeatures read_features(int status, std::string_view body);

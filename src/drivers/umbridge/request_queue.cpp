@@ -74,15 +74,17 @@ void RequestQueue::compute_next(const std::vector<WaitingRequest>& batch) const 
 }
 
 void RequestQueue::compute_all() {
+  std::vector<WaitingRequest> batch;
   try {
     for (;;) {
-      const std::vector<WaitingRequest> batch = take_batch();
+      batch = take_batch();
       if (batch.empty()) return;
       compute_next(batch);
     }
   } catch (...) {
     const std::lock_guard<std::mutex> lock(mutex_);
     error_ = std::current_exception();
+    unanswered_ = std::move(batch);
   }
 }
 

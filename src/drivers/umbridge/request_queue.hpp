@@ -16,7 +16,7 @@ namespace mottle::drivers {
 /// A request that waits for its computation.
 struct WaitingRequest {
   Computation computation;
-  std::function<void(ServerAnswer)> reply;
+  std::function<void(ServerAnswer)> reply;  ///< called once; keeps its client's session until then
 };
 
 class RequestQueue {
@@ -45,6 +45,7 @@ class RequestQueue {
   std::deque<WaitingRequest> queue_;
   bool is_over_ = false;
   std::exception_ptr error_;
+  std::vector<WaitingRequest> unanswered_;  // because of it; their sessions end with this object, in its owner's thread
 };
 
 }  // namespace mottle::drivers

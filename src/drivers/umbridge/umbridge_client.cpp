@@ -37,14 +37,14 @@ UmbridgeClient::UmbridgeClient(const UmbridgeServer& server, const std::atomic<b
                 "{} and {} do not offer the same: model, sizes of inputs and outputs or derivatives differ",
                 server_.urls.front().text(), address.text());
     if (is_first) shape_ = std::move(found);
-    sites_.push_back({.address = address});
+    sites_.push_back({.address = address, .host = make_known_host()});
   }
   model_ = {.name = shape_.name, .config = server_.config};
 }
 
 HttpReply UmbridgeClient::contact(const HttpAddress& address, const HttpRequest& request,
                                   const std::atomic<bool>* stop) const {
-  HttpReply reply = HttpConnection(address).send(request, std::min(server_.timeout, k_contact), stop);
+  HttpReply reply = HttpConnection(address, make_known_host()).send(request, std::min(server_.timeout, k_contact), stop);
   if (!reply.failure.empty()) {
     throw SystemFailure(fmt::format("{}: {}; is the model's server running?", address.text(), reply.failure));
   }
@@ -91,9 +91,15 @@ ServedShape UmbridgeClient::ask(const HttpAddress& address, const std::atomic<bo
   }
 }
 
-/// The one with the fewest requests that is not resting and not the one that has just failed; else any.
-std::size_t UmbridgeClient::take_site(std::size_t avoided) {
-  const std::lock_guard<std::mutex> lock(mutex_);
+/// The one with the fewest requests that is not resting and not the one that has just failed; else any. Waits while as
+/// many requests are under way as there may be.
+std::size_t UmbridgeClient::take_site(std::size_t avoided, const std::atomic<bool>* stop) {
+  std::unique_lock<std::mutex> lock(mutex_);
+  while (busy_ >= std::max(server_.parallel, 1)) {
+    if (stop != nullptr && stop->load(std::memory_order_relaxed)) throw Stopped("stopped on request");
+    given_back_.wait_for(lock, milliseconds(100));
+  }
+  ++busy_;
   const Clock::time_point now = Clock::now();
   const auto rank = [&](std::size_t i) {
     return std::tuple(i == avoided, sites_[i].rests_until > now, sites_[i].busy);
@@ -106,12 +112,14 @@ std::size_t UmbridgeClient::take_site(std::size_t avoided) {
   return best;
 }
 
-void UmbridgeClient::give_back(std::size_t site, std::unique_ptr<HttpConnection> connection, bool is_alive) {
+void UmbridgeClient::give_back(std::size_t site, std::unique_ptr<HttpConnection> connection, bool is_sound) {
   const std::lock_guard<std::mutex> lock(mutex_);
   Site& used = sites_[site];
   --used.busy;
-  used.rests_until = is_alive ? Clock::time_point() : Clock::now() + k_rest;
-  if (is_alive) used.idle.push_back(std::move(connection));
+  --busy_;
+  given_back_.notify_one();
+  used.rests_until = is_sound ? Clock::time_point() : Clock::now() + k_rest;
+  if (connection) used.idle.push_back(std::move(connection));
 }
 
 HttpReply UmbridgeClient::send_to(std::size_t site, const HttpRequest& request, const std::atomic<bool>* stop) {
@@ -124,7 +132,7 @@ HttpReply UmbridgeClient::send_to(std::size_t site, const HttpRequest& request, 
       idle.pop_back();
     }
   }
-  if (!connection) connection = std::make_unique<HttpConnection>(sites_[site].address);
+  if (!connection) connection = std::make_unique<HttpConnection>(sites_[site].address, sites_[site].host);
   HttpReply reply{.failure = "stopped"};
   try {
     reply = connection->send(request, server_.timeout, stop);
@@ -132,7 +140,10 @@ HttpReply UmbridgeClient::send_to(std::size_t site, const HttpRequest& request, 
     give_back(site, nullptr, false);
     throw;
   }
-  give_back(site, std::move(connection), reply.failure.empty());
+  if (!reply.failure.empty()) connection.reset();
+  constexpr int k_server_error = 500;
+  const bool is_sound = reply.failure.empty() && (reply.status < k_server_error || tells_error(reply.body));
+  give_back(site, std::move(connection), is_sound);
   return reply;
 }
 
@@ -142,8 +153,9 @@ UmbridgeClient::Answer<Values> UmbridgeClient::ask_until_answered(const HttpRequ
   std::string failure;
   std::size_t last = sites_.size();
   for (int number = 0; number <= server_.retries; ++number) {
-    if (number > 0 && sites_.size() == 1) pause_before(number - 1, stop);
-    const std::size_t site = take_site(last);
+    const int rounds = number / static_cast<int>(sites_.size());  // in which every server was asked
+    if (number > 0 && number % static_cast<int>(sites_.size()) == 0) pause_before(rounds - 1, stop);
+    const std::size_t site = take_site(last, stop);
     last = site;
     HttpReply reply = send_to(site, request, stop);
     try {

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <atomic>
+#include <condition_variable>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -29,6 +30,7 @@ class UmbridgeClient {
  public:
   /// Asks every server what it offers.
   ///
+  /// @param server  no more than its `parallel` requests are under way at any time, whoever asks
   /// @param stop  nullptr: nothing stops it
   /// @throws InvalidInput   servers that disagree, a name that no model has or that is missing, a model that cannot be
   ///                        evaluated, another version of the protocol
@@ -56,15 +58,16 @@ class UmbridgeClient {
  private:
   struct Site {
     HttpAddress address;
+    std::shared_ptr<KnownHost> host;
     std::vector<std::unique_ptr<HttpConnection>> idle = {};
     int busy = 0;
-    std::chrono::steady_clock::time_point rests_until = {};  ///< after it gave no answer
+    std::chrono::steady_clock::time_point rests_until = {};  ///< after it gave no answer, or an error that is not the model's
   };
   HttpReply contact(const HttpAddress& address, const HttpRequest& request, const std::atomic<bool>* stop) const;
   ServedShape ask(const HttpAddress& address, const std::atomic<bool>* stop) const;
   std::string choose_name(const HttpAddress& address, const ServerInfo& info) const;
-  std::size_t take_site(std::size_t avoided);
-  void give_back(std::size_t site, std::unique_ptr<HttpConnection> connection, bool is_alive);
+  std::size_t take_site(std::size_t avoided, const std::atomic<bool>* stop);
+  void give_back(std::size_t site, std::unique_ptr<HttpConnection> connection, bool is_sound);
   HttpReply send_to(std::size_t site, const HttpRequest& request, const std::atomic<bool>* stop);
   template <typename Values, typename Read>
   Answer<Values> ask_until_answered(const HttpRequest& request, const Read& read, const std::atomic<bool>* stop);
@@ -73,7 +76,9 @@ class UmbridgeClient {
   ModelName model_;
   ServedShape shape_;
   std::vector<Site> sites_;
-  std::mutex mutex_;  // of the sites
+  int busy_ = 0;      ///< requests under way
+  std::mutex mutex_;  // of the sites and their number of requests
+  std::condition_variable given_back_;
 };
 
 }  // namespace mottle::drivers

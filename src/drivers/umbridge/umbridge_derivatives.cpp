@@ -80,6 +80,16 @@ Eigen::MatrixXd UmbridgeSolver::eigenvalue_derivatives(const Eigen::Ref<const Ei
                                                        const ModeSet& modes) const {
   const Eigen::Index count = modes.eigenvalues.size();
   if (!has_derivatives()) return Eigen::MatrixXd::Constant(count, nominal_.size(), k_not_known);
+  const RunRecord asked =
+      once(fmt::format("derivatives of {} ", count), parameters, [&] { return RunRecord{.modes = {.shapes = asked_derivatives(parameters, count)}}; });
+  Eigen::MatrixXd derivatives = asked.modes.shapes;
+  for (Eigen::Index mode = 0; mode < count; ++mode) derivatives.row(mode) *= slope_of(modes.eigenvalues(mode));
+  return derivatives;
+}
+
+/// Of the outputs of the first modes [mode x parameter], nan where a request fails.
+Eigen::MatrixXd UmbridgeSolver::asked_derivatives(const Eigen::Ref<const Eigen::VectorXd>& parameters,
+                                                  Eigen::Index count) const {
   Eigen::MatrixXd derivatives = Eigen::MatrixXd::Zero(count, nominal_.size());
   const Vectors input = inputs_->input_at(parameters);
   const bool by_columns = prefers_jacobian(count);
@@ -91,7 +101,6 @@ Eigen::MatrixXd UmbridgeSolver::eigenvalue_derivatives(const Eigen::Ref<const Ei
     }
   };
   SamplePool(by_columns ? nominal_.size() : count, server_.parallel, work).wait({.stop = stop_});
-  for (Eigen::Index mode = 0; mode < count; ++mode) derivatives.row(mode) *= slope_of(modes.eigenvalues(mode));
   return derivatives;
 }
 

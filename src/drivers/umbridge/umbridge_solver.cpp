@@ -9,6 +9,7 @@
 #include "drivers/umbridge/input_map.hpp"
 #include "drivers/umbridge/umbridge_client.hpp"
 #include "mottle/core/files.hpp"
+#include "mottle/core/rank_share.hpp"
 #include "mottle/core/text.hpp"
 #include "mottle/core/utf8.hpp"
 #include "mottle/drivers/command/run_folders.hpp"
@@ -21,10 +22,16 @@ constexpr double k_two_pi = 2.0 * std::numbers::pi;
 // To keep an evaluation takes a write to the disk that is waited for; a quick one is rather made again.
 constexpr std::chrono::milliseconds k_worth_keeping{50};
 
-Digest digest_of(const std::string& text) {
-  Checksum sum;
-  sum.add(text);
-  return sum.digest();
+constexpr std::size_t k_max_recalled = 4096;
+
+/// The requests at once are those of all ranks together: as evenly as they can be divided, the first rank has one at
+/// least.
+UmbridgeServer with_own_part(UmbridgeServer server, const Ranks* ranks) {
+  if (server.parallel == 0) server.parallel = static_cast<int>(server.urls.size());
+  if (ranks == nullptr) return server;
+  const bool has_one_more = ranks->rank() < server.parallel % ranks->count();
+  server.parallel = server.parallel / ranks->count() + (has_one_more ? 1 : 0);
+  return server;
 }
 
 }  // namespace
@@ -39,25 +46,43 @@ double UmbridgeStructure::total_mass(const Eigen::Ref<const Eigen::VectorXd>&) c
 
 UmbridgeSolver::UmbridgeSolver(UmbridgeServer server, const std::vector<std::string>& names,
                                const Eigen::VectorXd& nominal, const RunStorage& storage, const std::atomic<bool>* stop)
-    : server_(std::move(server)),
+    : server_(with_own_part(std::move(server), storage.ranks)),
       nominal_(nominal),
       client_(std::make_unique<UmbridgeClient>(server_, stop)),
       is_resumed_(storage.is_resumed),
+      ranks_(storage.ranks),
       stop_(stop),
-      failures_({server_.max_failed_fraction, "evaluations by the servers", ""}) {
-  if (server_.parallel == 0) server_.parallel = static_cast<int>(server_.urls.size());
+      failures_({server_.max_failed_fraction, "evaluations by the servers", ""}, storage.ranks) {
   inputs_ = std::make_unique<InputMap>(server_.inputs, client_->shape().inputs, names);
   map_outputs();
   describe();
-  const RunRecord found = ask(nominal_, stop);
-  if (!found.failure.empty()) {
-    throw ModelFailure(fmt::format("the model gives nothing at the parameters' means: {}", found.failure));
-  }
-  nominal_eigenvalues_ = found.modes.eigenvalues;
+  forget_answers(storage);
+  evaluate_means();
   if (!storage.results.empty()) open_store(storage);
 }
 
 UmbridgeSolver::~UmbridgeSolver() = default;
+
+/// A job that is not resumed uses nothing old: the servers' model may be another one now.
+void UmbridgeSolver::forget_answers(const RunStorage& storage) const {
+  if (storage.results.empty() || storage.is_resumed || (ranks_ != nullptr && !ranks_->is_first())) return;
+  require_no_linked_runs(storage.results);
+  const RunStoreFiles files = run_store_files(storage.results, 0, 1, k_answer_store);
+  std::error_code ignored;
+  std::filesystem::remove(files.own, ignored);
+  for (const std::filesystem::path& other : files.others) std::filesystem::remove(other, ignored);
+}
+
+/// By the first rank for all of them. None goes on before what is old is forgotten.
+void UmbridgeSolver::evaluate_means() {
+  RunRecord found;
+  if (ranks_ == nullptr || ranks_->is_first()) found = ask(nominal_, stop_);
+  if (ranks_ != nullptr) found = decode_run(ranks_->gather(ranks_->is_first() ? encode(found) : "").front());
+  if (!found.failure.empty()) {
+    throw ModelFailure(fmt::format("the model gives nothing at the parameters' means: {}", found.failure));
+  }
+  nominal_eigenvalues_ = found.modes.eigenvalues;
+}
 
 void UmbridgeSolver::map_outputs() {
   const std::vector<std::size_t>& sizes = client_->shape().outputs;
@@ -86,16 +111,14 @@ void UmbridgeSolver::describe() {
   structure_ = std::make_unique<UmbridgeStructure>(nominal_.size(), modes, std::move(lines));
 }
 
-/// A job that is not resumed forgets what was kept: the servers' model may be another one now. One that is resumed
-/// must find the model that it left.
+/// A job that is resumed must find the model that it left.
 void UmbridgeSolver::open_store(const RunStorage& storage) {
   make_writable_folder(storage.results);
   require_no_linked_runs(storage.results);
-  store_ = std::make_unique<RunStore>(storage.results / k_run_store);
-  const Digest head = digest_of("umbridge epoch");
-  const std::optional<RunRecord> last = store_->find(head);
-  const int number = last ? std::atoi(last->failure.c_str()) : 0;
-  epoch_ = fmt::format("{}", is_resumed_ && number > 0 ? number : number + 1);
+  const int rank = ranks_ == nullptr ? 0 : ranks_->rank();
+  const int ranks = ranks_ == nullptr ? 1 : ranks_->count();
+  const RunStoreFiles files = run_store_files(storage.results, rank, ranks, k_answer_store);
+  store_ = std::make_unique<RunStore>(files.own, files.others);
   const std::optional<RunRecord> before = is_resumed_ ? store_->find(key_of(nominal_)) : std::nullopt;
   if (before) {
     constexpr double k_same = 1e-8;  // of the same model on another machine
@@ -106,8 +129,7 @@ void UmbridgeSolver::open_store(const RunStorage& storage) {
         "without --resume");
     return;
   }
-  store_->keep(head, {.failure = epoch_});
-  store_->keep(key_of(nominal_), {.modes = {.eigenvalues = nominal_eigenvalues_}});
+  if (rank == 0) store_->keep(key_of(nominal_), {.modes = {.eigenvalues = nominal_eigenvalues_}});
 }
 
 double UmbridgeSolver::eigenvalue_of(double output) const {
@@ -145,7 +167,7 @@ RunRecord UmbridgeSolver::ask(const Eigen::Ref<const Eigen::VectorXd>& parameter
 
 Digest UmbridgeSolver::key_of(const Eigen::Ref<const Eigen::VectorXd>& parameters) const {
   const Vectors input = inputs_->input_at(parameters);
-  std::string text = fmt::format("umbridge {} {} {} {}:{} {}:{}", epoch_, static_cast<int>(server_.quantity),
+  std::string text = fmt::format("umbridge {} {} {}:{} {}:{}", static_cast<int>(server_.quantity),
                                  server_.output.value_or(-1), client_->shape().name.size(), client_->shape().name,
                                  server_.config.size(), server_.config);
   for (const std::vector<double>& vector : input) {
@@ -166,15 +188,38 @@ RunRecord UmbridgeSolver::evaluate(const Eigen::Ref<const Eigen::VectorXd>& para
   }
   const auto begin = std::chrono::steady_clock::now();
   RunRecord record = ask(parameters, stop);
-  if (store_ && std::chrono::steady_clock::now() - begin >= k_worth_keeping) store_->keep(key_of(parameters), record);
+  if (record.failure.empty()) {  // failures are asked for again: the server may have been away
+    const Digest key = key_of(parameters);
+    if (store_ && std::chrono::steady_clock::now() - begin >= k_worth_keeping) store_->keep(key, record);
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (recent_.size() >= k_max_recalled) recent_.clear();
+    recent_[key] = record.modes.eigenvalues;
+  }
   return record;
+}
+
+RunRecord UmbridgeSolver::recalled_or_asked(const Eigen::Ref<const Eigen::VectorXd>& parameters) const {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    const auto found = recent_.find(key_of(parameters));
+    if (found != recent_.end()) return {.modes = {.eigenvalues = found->second}};
+  }
+  bool is_reused = false;
+  return evaluate(parameters, stop_, is_reused);
+}
+
+/// What ranks need outside of a batch is asked by one of them: a request that fails is to fail for all.
+RunRecord UmbridgeSolver::once(const std::string& what, const Eigen::Ref<const Eigen::VectorXd>& parameters,
+                               const std::function<RunRecord()>& make) const {
+  if (ranks_ == nullptr || !ranks_->is_together()) return make();
+  const Digest key = digest_of(what + hexadecimal(key_of(parameters)));
+  return decode_run(ranks_->once(key, server_.parallel > 0, [&] { return encode(make()); }));
 }
 
 ModeSet UmbridgeSolver::modes_at(const Eigen::Ref<const Eigen::VectorXd>& parameters, int modes) const {
   const Eigen::Index count = std::min<Eigen::Index>(modes, nominal_eigenvalues_.size());
   if (parameters == nominal_) return {nominal_eigenvalues_.head(count), {}};
-  bool is_reused = false;
-  const RunRecord found = evaluate(parameters, stop_, is_reused);
+  const RunRecord found = once("modes ", parameters, [&] { return recalled_or_asked(parameters); });
   if (!found.failure.empty()) throw ModelFailure(fmt::format("the evaluation failed: {}", found.failure));
   return {found.modes.eigenvalues.head(count), {}};
 }
@@ -192,9 +237,19 @@ SolverUse UmbridgeSolver::solve(const Eigen::Ref<const Eigen::MatrixXd>& samples
     if (is_reused) ++reused;
     failures_.add(found.failure);
   };
-  SamplePool(samples.rows(), server_.parallel, work).wait(context);
-  failures_.end_batch();
-  return {.runs = samples.rows(), .repeated = reused};
+  if (context.share == nullptr) {
+    SamplePool(samples.rows(), server_.parallel, work).wait(context);
+    failures_.end_batch();
+    return {.runs = samples.rows(), .repeated = reused};
+  }
+  RankShare::Numbers numbers(*context.share, samples.rows(), 1);
+  const auto next = [&] { return static_cast<Eigen::Index>(numbers.take()); };
+  SamplePool(samples.rows(), server_.parallel, work, next).wait(context);
+  Ranks& ranks = context.share->ranks();
+  failures_.end_batch(&ranks);
+  std::int64_t repeated = 0;
+  for (const std::int64_t count : gather_values(ranks, reused.load())) repeated += count;
+  return {.runs = samples.rows(), .repeated = repeated};
 }
 
 Eigen::MatrixXd UmbridgeSolver::cosines(const ModeSet&, const ModeSet&) const {

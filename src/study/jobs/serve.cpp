@@ -25,6 +25,9 @@ Eigen::MatrixXd jacobian_at(const StudyModel& made, const Eigen::VectorXd& x, co
     around(2 * p + 1, p) -= steps(p);
   }
   const Evaluation found = made.model->evaluate(around, context);
+  if (!found.failures.empty()) {
+    throw ModelFailure(fmt::format("there is no derivative: a run beside the point failed: {}", found.failures[0].reason));
+  }
   for (Eigen::Index p = 0; p < x.size(); ++p) {
     const double step = around(2 * p, p) - around(2 * p + 1, p);
     const Eigen::VectorXd difference = (found.outputs.row(2 * p) - found.outputs.row(2 * p + 1)).transpose() / step;
@@ -57,6 +60,7 @@ void serve(const Study& study, int port, const RunSettings& settings,
            const std::function<void(const OfferedModel&)>& offered) {
   RunSettings without_results = settings;
   without_results.folder.clear();
+  without_results.ends_by_failures = false;  // one client's failures are no other client's
   const StudyModel made = make_model(study, study.parameters, without_results);
   const RunContext context{.seed = study.seed, .threads = settings.threads, .stop = settings.stop};
   const ServedModel model = served(made, context);

@@ -43,8 +43,10 @@ ModelParts make_external(const SolverCommand& command, const std::vector<std::st
   for (const std::vector<RunFile>* list : {&command.templates, &command.files}) {
     for (const RunFile& file : *list) parts.files.push_back(file.source.string());
   }
+  SolverCommand own = command;
+  if (!settings.ends_by_failures) own.max_failed_fraction = 1.0;
   auto solver = std::make_unique<ExternalSolver>(
-      command, names, parts.reference, prior.covariance().diagonal().cwiseSqrt(),
+      own, names, parts.reference, prior.covariance().diagonal().cwiseSqrt(),
       RunStorage{.results = settings.run_folder.empty() ? settings.folder : settings.run_folder,
                  .is_resumed = settings.resume,
                  .ranks = settings.ranks,

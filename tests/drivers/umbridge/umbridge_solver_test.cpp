@@ -133,6 +133,22 @@ TEST_F(Umbridge, OtherQuantities) {
   EXPECT_NEAR(solver->eigenvalue_derivatives(Eigen::Vector2d(1.0, 4.0), modes)(0, 0), 2.0 * 4.0 * 4.0, 1e-13);
 }
 
+TEST_F(Umbridge, DerivativesBeginWithTheValuesThatABatchHas) {
+  ServedModel counting = polynomial();
+  std::atomic<int> count{0};
+  counting.evaluate = [&count, quick = counting.evaluate](const Eigen::MatrixXd& x) {
+    count += static_cast<int>(x.rows());
+    return quick(x);
+  };
+  serve(counting);
+  const StructureModel made = model();
+  const Eigen::Vector2d x(1.5, 2.5);
+  ASSERT_TRUE(made.evaluate(x.transpose(), {}).failures.empty());
+  EXPECT_EQ(count, 2) << "the means and x";
+  EXPECT_TRUE(made.jacobian(x).allFinite());
+  EXPECT_EQ(count, 2);
+}
+
 TEST_F(Umbridge, AFailedRunCostsItsSampleAlone) {
   serve();
   const Evaluation found = model().evaluate((Eigen::MatrixXd(3, 2) << 1, 1, 95, 1, 2, 2).finished(), {});
@@ -200,10 +216,12 @@ TEST_F(Umbridge, SlowEvaluationsAreKeptForAResumedJobAlone) {
 TEST_F(Umbridge, AStopRequestEndsARequest) {
   ServedModel slow = polynomial();
   std::atomic<bool> is_asked{false};
+  std::atomic<bool> is_answered{false};
   slow.evaluate = [&, quick = slow.evaluate](const Eigen::MatrixXd& x) {
     if (x(0, 0) == 1.0) {
       is_asked = true;
-      std::this_thread::sleep_for(std::chrono::seconds(1));
+      std::this_thread::sleep_for(std::chrono::seconds(3));
+      is_answered = true;
     }
     return quick(x);
   };
@@ -215,6 +233,7 @@ TEST_F(Umbridge, AStopRequestEndsARequest) {
     stop = true;
   });
   EXPECT_THROW(made.evaluate(Eigen::MatrixXd::Ones(1, 2), {.stop = &stop}), mottle::Stopped);
+  EXPECT_FALSE(is_answered) << "the request was waited for";
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "mottle/core/shared_count.hpp"
 #include "mottle/drivers/command/sample_pool.hpp"
 #include "mottle/drivers/command/solver_runs.hpp"
 #include "mottle/drivers/scheduler/run_place.hpp"
@@ -42,20 +43,6 @@ class ExternalStructure final : public Structure {
   ExtractedModes nominal_;
   std::string description_;
   std::map<std::string, int> rows_;
-};
-
-/// A count of this process, or of all ranks.
-class SharedCount {
- public:
-  explicit SharedCount(Ranks* ranks) : ranks_(ranks), counter_(ranks == nullptr ? 0 : ranks->new_counter()) {}
-
-  /// The count with these. Any thread.
-  std::int64_t add(std::int64_t more);
-
- private:
-  Ranks* ranks_;
-  std::uint64_t counter_;
-  std::atomic<std::int64_t> own_{0};
 };
 
 class ExternalSolver final : public Solver {

@@ -11,13 +11,15 @@
 namespace mottle::drivers {
 
 inline constexpr const char* k_run_store = "runs.store";  ///< finished runs, within the folder of results
+inline constexpr const char* k_answer_store = "answers.store";  ///< evaluations by servers
 
-/// The stores of runs in a folder of results: rank 0, and a Mottle alone, write runs.store, other ranks runs-N.store.
+/// Stores in a folder of results: rank 0, and a Mottle alone, write runs.store, other ranks runs-N.store.
 struct RunStoreFiles {
   std::filesystem::path own = {};
   std::vector<std::filesystem::path> others = {};  ///< of this job's ranks, and of those of earlier jobs
 };
-RunStoreFiles run_store_files(const std::filesystem::path& results, int rank, int ranks);
+RunStoreFiles run_store_files(const std::filesystem::path& results, int rank, int ranks,
+                              const std::string& name = k_run_store);
 
 /// Throws InvalidInput where the run store or a folder for runs within the folder of results is a link.
 void require_no_linked_runs(const std::filesystem::path& results);

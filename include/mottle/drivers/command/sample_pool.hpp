@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "mottle/core/run_context.hpp"
+#include "mottle/core/shared_count.hpp"
 #include "mottle/layers.hpp"
 
 namespace mottle::drivers {
@@ -60,22 +61,26 @@ struct FailureLimit {
   void require_few(std::int64_t done, std::int64_t failed, bool is_end, const std::string& last) const;
 };
 
-/// Counts runs and those that failed, of all batches together.
+/// Counts runs and those that failed, of all batches and of all ranks together.
 class FailureCount {
  public:
-  explicit FailureCount(FailureLimit limit) : limit_(std::move(limit)) {}
+  /// @param ranks  that share the runs; null: this process is alone. All of them make it, in the same order
+  explicit FailureCount(FailureLimit limit, Ranks* ranks = nullptr)
+      : limit_(std::move(limit)), done_(ranks), failed_(ranks) {}
 
   /// One more run; `failure` is empty where it succeeded. Throws SystemFailure where significantly more than the
   /// allowed fraction failed (three standard errors).
   void add(const std::string& failure);
   /// Throws SystemFailure where more than the fraction failed: at the end of a batch that had failures.
-  void end_batch();
+  ///
+  /// @param together  ranks that shared the batch, all of which call it; null: none
+  void end_batch(Ranks* together = nullptr);
 
  private:
   FailureLimit limit_;
-  std::mutex mutex_;
-  std::int64_t done_ = 0;
-  std::int64_t failed_ = 0;
+  SharedCount done_;
+  SharedCount failed_;
+  std::mutex mutex_;  // of the next
   std::string last_ = {};  ///< of this batch
 };
 

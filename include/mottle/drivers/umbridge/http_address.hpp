@@ -19,8 +19,7 @@ struct HttpAddress {
 };
 
 /// @throws InvalidInput  what is wrong with it: another scheme than http, a user's name, a query, a port out of range,
-/// a
-///                       character that no address has
+///                       a character that no address has
 HttpAddress parse_http_address(const std::string& text);
 
 }  // namespace mottle::drivers

@@ -1,8 +1,12 @@
 // Modes of a structure whose natural frequencies come from a model behind UM-Bridge servers.
 #pragma once
 
+#include <atomic>
 #include <filesystem>
+#include <functional>
+#include <map>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -55,8 +59,7 @@ class UmbridgeSolver final : public Solver {
   /// @param storage  evaluations that took long are kept there, each at once; a resumed job uses them
   /// @param stop     ends a single request early; nullptr: nothing does. Lives as long as this object
   /// @throws InvalidInput   inputs that do not fit the model's; an output vector that it does not have; as
-  /// UmbridgeClient;
-  ///                        a resumed job whose servers answer otherwise than before
+  ///                        UmbridgeClient; a resumed job whose servers answer otherwise than before
   /// @throws SystemFailure  no answer at the means; Stopped
   UmbridgeSolver(UmbridgeServer server, const std::vector<std::string>& names, const Eigen::VectorXd& nominal,
                  const RunStorage& storage, const std::atomic<bool>* stop);
@@ -93,12 +96,17 @@ class UmbridgeSolver final : public Solver {
 
   void map_outputs();
   void describe();
+  void forget_answers(const RunStorage& storage) const;
+  void evaluate_means();
   void open_store(const RunStorage& storage);
   double eigenvalue_of(double output) const;
   double slope_of(double eigenvalue) const;
   RunRecord ask(const Eigen::Ref<const Eigen::VectorXd>& parameters, const std::atomic<bool>* stop) const;
   RunRecord evaluate(const Eigen::Ref<const Eigen::VectorXd>& parameters, const std::atomic<bool>* stop,
                      bool& is_reused) const;
+  RunRecord recalled_or_asked(const Eigen::Ref<const Eigen::VectorXd>& parameters) const;
+  RunRecord once(const std::string& what, const Eigen::Ref<const Eigen::VectorXd>& parameters,
+                 const std::function<RunRecord()>& make) const;
   Digest key_of(const Eigen::Ref<const Eigen::VectorXd>& parameters) const;
   bool prefers_jacobian(Eigen::Index modes) const;
   Eigen::Index jacobian_requests() const;
@@ -107,19 +115,22 @@ class UmbridgeSolver final : public Solver {
                            const std::atomic<bool>& halt) const;
   void add_gradient_row(const Vectors& input, Eigen::Index mode, Eigen::MatrixXd& derivatives,
                         const std::atomic<bool>& halt) const;
+  Eigen::MatrixXd asked_derivatives(const Eigen::Ref<const Eigen::VectorXd>& parameters, Eigen::Index modes) const;
 
-  UmbridgeServer server_;
+  UmbridgeServer server_;  ///< `parallel` is this rank's part of the requests at once, which may be none
   Eigen::VectorXd nominal_;
   std::unique_ptr<UmbridgeClient> client_;
   std::unique_ptr<InputMap> inputs_;
   std::vector<Place> places_;  ///< [mode]
   std::unique_ptr<UmbridgeStructure> structure_;
   std::unique_ptr<RunStore> store_;
-  std::string epoch_;  ///< of the store: a job that is not resumed begins a new one
   bool is_resumed_ = false;
+  Ranks* ranks_ = nullptr;
   Eigen::VectorXd nominal_eigenvalues_;
   const std::atomic<bool>* stop_ = nullptr;
   mutable FailureCount failures_;
+  mutable std::mutex mutex_;  // of the next
+  mutable std::map<Digest, Eigen::VectorXd> recent_;  ///< eigenvalues that the servers gave: derivatives begin there
 };
 
 }  // namespace mottle::drivers

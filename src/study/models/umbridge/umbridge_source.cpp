@@ -20,9 +20,14 @@ class UmbridgeSource final : public ModelSource {
     ModelParts parts;
     parts.reference = prior.mean();
     parts.limits.assign(names.size(), {.lower = -std::numeric_limits<double>::infinity()});
+    UmbridgeServer server = server_;
+    if (!settings.ends_by_failures) server.max_failed_fraction = 1.0;
     try {
       parts.solver = std::make_unique<UmbridgeSolver>(
-          server_, names, parts.reference, RunStorage{.results = settings.folder, .is_resumed = settings.resume},
+          server, names, parts.reference,
+          RunStorage{.results = settings.run_folder.empty() ? settings.folder : settings.run_folder,
+                     .is_resumed = settings.resume,
+                     .ranks = settings.ranks},
           settings.stop);
     } catch (const UmbridgeFault& fault) {
       throw KeyError("model." + fault.key(), fault.fault());
