@@ -12,8 +12,8 @@
 #include "mottle/core/bytes.hpp"
 #include "mottle/core/error.hpp"
 #include "mottle/core/files.hpp"
-#include "mottle/core/own_file.hpp"
 #include "mottle/core/gather_alike.hpp"
+#include "mottle/core/own_file.hpp"
 #include "mottle/core/rank_share.hpp"
 #include "mottle/model/ranked_model.hpp"
 #include "mottle/model/sample_region.hpp"
@@ -190,8 +190,8 @@ Evaluation JournalledModel::answer_to(const SampleRegion* region, const Eigen::M
 bool JournalledModel::ask_first_rank(const Digest& question, Eigen::Index rows, bool is_known,
                                      Evaluation& answer) const {
   const std::string own = is_known && ranks_->is_first() ? encode(question, answer) : "";
-  const std::vector<std::string> all = gather_alike(
-      *ranks_, {{fingerprint_, "the study's files"}, {question, "the samples of a batch"}}, own);
+  const std::vector<std::string> all =
+      gather_alike(*ranks_, {{fingerprint_, "the study's files"}, {question, "the samples of a batch"}}, own);
   const std::string& record = all.front();
   if (record.empty()) return false;
   if (!decode(record, question, rows, static_cast<Eigen::Index>(outputs().size()), answer)) {

@@ -31,8 +31,8 @@ enum class Claim : std::uint8_t {
   made      ///< it is there
 };
 
-/// What ranks have made once for all, as the one of them keeps it that the others ask. (Inline: the module for MPI links
-/// nothing of the library.)
+/// What ranks have made once for all, as the one of them keeps it that the others ask. (Inline: the module for MPI
+/// links nothing of the library.)
 class OnceBook {
  public:
   Claim claim(const Digest& key, bool may_make, std::string& made) {

@@ -80,7 +80,8 @@ void remove_marked(const std::filesystem::path& folder) {
 /// shared file system need not be seen by other hosts.
 bool is_of_another_host(const std::string& name) {
   const std::size_t random = name.rfind('-');
-  const std::size_t process = random == std::string::npos || random == 0 ? std::string::npos : name.rfind('-', random - 1);
+  const std::size_t process =
+      random == std::string::npos || random == 0 ? std::string::npos : name.rfind('-', random - 1);
   if (process == std::string::npos || !name.starts_with("mottle-")) return false;
   const std::string maker = name.substr(0, process);
   return maker != "mottle" && maker != "mottle-" + node_name();  // earlier versions named no host

@@ -23,7 +23,7 @@ using asio::ip::tcp;
 using boost::system::error_code;
 
 constexpr std::size_t k_largest_request = std::size_t{4} << 20;
-constexpr std::size_t k_max_connections = 512;   // each may hold a request of that size
+constexpr std::size_t k_max_connections = 512;    // each may hold a request of that size
 constexpr std::chrono::seconds k_patience{30};    // with a client that sends or reads slowly
 constexpr std::chrono::seconds k_idle{300};       // between two requests of one client
 constexpr std::chrono::milliseconds k_tick{100};  // between looks at the stop request

@@ -44,7 +44,8 @@ UmbridgeClient::UmbridgeClient(const UmbridgeServer& server, const std::atomic<b
 
 HttpReply UmbridgeClient::contact(const HttpAddress& address, const HttpRequest& request,
                                   const std::atomic<bool>* stop) const {
-  HttpReply reply = HttpConnection(address, make_known_host()).send(request, std::min(server_.timeout, k_contact), stop);
+  HttpReply reply =
+      HttpConnection(address, make_known_host()).send(request, std::min(server_.timeout, k_contact), stop);
   if (!reply.failure.empty()) {
     throw SystemFailure(fmt::format("{}: {}; is the model's server running?", address.text(), reply.failure));
   }

@@ -61,7 +61,8 @@ class UmbridgeClient {
     std::shared_ptr<KnownHost> host;
     std::vector<std::unique_ptr<HttpConnection>> idle = {};
     int busy = 0;
-    std::chrono::steady_clock::time_point rests_until = {};  ///< after it gave no answer, or an error that is not the model's
+    std::chrono::steady_clock::time_point rests_until =
+        {};  ///< after it gave no answer, or an error that is not the model's
   };
   HttpReply contact(const HttpAddress& address, const HttpRequest& request, const std::atomic<bool>* stop) const;
   ServedShape ask(const HttpAddress& address, const std::atomic<bool>* stop) const;

@@ -80,8 +80,8 @@ Eigen::MatrixXd UmbridgeSolver::eigenvalue_derivatives(const Eigen::Ref<const Ei
                                                        const ModeSet& modes) const {
   const Eigen::Index count = modes.eigenvalues.size();
   if (!has_derivatives()) return Eigen::MatrixXd::Constant(count, nominal_.size(), k_not_known);
-  const RunRecord asked =
-      once(fmt::format("derivatives of {} ", count), parameters, [&] { return RunRecord{.modes = {.shapes = asked_derivatives(parameters, count)}}; });
+  const RunRecord asked = once(fmt::format("derivatives of {} ", count), parameters,
+                               [&] { return RunRecord{.modes = {.shapes = asked_derivatives(parameters, count)}}; });
   Eigen::MatrixXd derivatives = asked.modes.shapes;
   for (Eigen::Index mode = 0; mode < count; ++mode) derivatives.row(mode) *= slope_of(modes.eigenvalues(mode));
   return derivatives;

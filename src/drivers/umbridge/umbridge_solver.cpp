@@ -167,9 +167,9 @@ RunRecord UmbridgeSolver::ask(const Eigen::Ref<const Eigen::VectorXd>& parameter
 
 Digest UmbridgeSolver::key_of(const Eigen::Ref<const Eigen::VectorXd>& parameters) const {
   const Vectors input = inputs_->input_at(parameters);
-  std::string text = fmt::format("umbridge {} {} {}:{} {}:{}", static_cast<int>(server_.quantity),
-                                 server_.output.value_or(-1), client_->shape().name.size(), client_->shape().name,
-                                 server_.config.size(), server_.config);
+  std::string text =
+      fmt::format("umbridge {} {} {}:{} {}:{}", static_cast<int>(server_.quantity), server_.output.value_or(-1),
+                  client_->shape().name.size(), client_->shape().name, server_.config.size(), server_.config);
   for (const std::vector<double>& vector : input) {
     text += fmt::format(" [{}]", vector.size());
     for (const double value : vector) text += ' ' + number_text(value);

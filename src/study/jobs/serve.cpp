@@ -26,7 +26,8 @@ Eigen::MatrixXd jacobian_at(const StudyModel& made, const Eigen::VectorXd& x, co
   }
   const Evaluation found = made.model->evaluate(around, context);
   if (!found.failures.empty()) {
-    throw ModelFailure(fmt::format("there is no derivative: a run beside the point failed: {}", found.failures[0].reason));
+    throw ModelFailure(
+        fmt::format("there is no derivative: a run beside the point failed: {}", found.failures[0].reason));
   }
   for (Eigen::Index p = 0; p < x.size(); ++p) {
     const double step = around(2 * p, p) - around(2 * p + 1, p);

@@ -10,7 +10,7 @@
 
 namespace mottle::drivers {
 
-inline constexpr const char* k_run_store = "runs.store";  ///< finished runs, within the folder of results
+inline constexpr const char* k_run_store = "runs.store";        ///< finished runs, within the folder of results
 inline constexpr const char* k_answer_store = "answers.store";  ///< evaluations by servers
 
 /// Stores in a folder of results: rank 0, and a Mottle alone, write runs.store, other ranks runs-N.store.

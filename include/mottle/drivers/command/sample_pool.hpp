@@ -80,7 +80,7 @@ class FailureCount {
   FailureLimit limit_;
   SharedCount done_;
   SharedCount failed_;
-  std::mutex mutex_;  // of the next
+  std::mutex mutex_;       // of the next
   std::string last_ = {};  ///< of this batch
 };
 

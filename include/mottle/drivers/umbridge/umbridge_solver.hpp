@@ -129,7 +129,7 @@ class UmbridgeSolver final : public Solver {
   Eigen::VectorXd nominal_eigenvalues_;
   const std::atomic<bool>* stop_ = nullptr;
   mutable FailureCount failures_;
-  mutable std::mutex mutex_;  // of the next
+  mutable std::mutex mutex_;                          // of the next
   mutable std::map<Digest, Eigen::VectorXd> recent_;  ///< eigenvalues that the servers gave: derivatives begin there
 };
 
