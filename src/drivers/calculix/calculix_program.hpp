@@ -6,10 +6,10 @@
 #include <map>
 #include <string>
 
-#include "mottle/drivers/command/solver_process.hpp"
 #include "mottle/core/checksum.hpp"
 #include "mottle/drivers/calculix/calculix.hpp"
 #include "mottle/drivers/calculix/separable_fit.hpp"
+#include "mottle/drivers/command/solver_process.hpp"
 #include "mottle/layers.hpp"
 
 namespace mottle::drivers {

@@ -10,7 +10,7 @@
 namespace mottle::drivers {
 
 struct OwnModesComparison {
-  int compared = 0;  ///< modes that are no rigid-body motions
+  int compared = 0;     ///< modes that are no rigid-body motions
   double error = 0.0;   ///< largest relative difference of frequencies
   std::string failure;  ///< why the matrices are not to be used; empty where they are
 };

@@ -6,10 +6,10 @@
 #include <array>
 
 #include "drivers/command/run_output.hpp"
-#include "mottle/drivers/command/solver_process.hpp"
 #include "mottle/core/files.hpp"
 #include "mottle/core/text.hpp"
 #include "mottle/core/utf8.hpp"
+#include "mottle/drivers/command/solver_process.hpp"
 
 namespace mottle::drivers {
 namespace {
