@@ -38,6 +38,11 @@ bool is_json_result(std::string_view bytes) {
   return bytes.starts_with('{') && bytes.find("\"mottle\":") != std::string_view::npos;
 }
 
+/// Of `modes`, or beside an update.
+bool is_modes_result(std::string_view bytes) {
+  return bytes.starts_with("{\"modes\":") || is_json_result(bytes);
+}
+
 bool is_journal(std::string_view bytes) {
   return bytes.starts_with(k_journal_magic) || k_journal_magic.starts_with(bytes);
 }
@@ -47,7 +52,7 @@ struct Trace {
   bool (*is_known)(std::string_view bytes);
 };
 
-constexpr std::array k_traces{Trace{"result.json", is_json_result},  Trace{"modes.json", is_json_result},
+constexpr std::array k_traces{Trace{"result.json", is_json_result},  Trace{"modes.json", is_modes_result},
                               Trace{k_diagnosis, is_json_result},    Trace{k_log, is_log},
                               Trace{k_diagnosis_log, is_log},        Trace{k_journal, is_journal},
                               Trace{k_diagnosis_journal, is_journal}};
