@@ -21,6 +21,10 @@ enum class StreamPurpose : std::uint32_t {
   surrogate_runs = 10,
   prediction = 20,
   prediction_noise = 21,
+  posterior_start = 30,
+  posterior_resampling = 31,
+  posterior_proposal = 32,
+  posterior_move = 33,
 };
 
 /// The part of a stream's name that all samples of one draw share.

@@ -128,7 +128,12 @@ Eigen::MatrixXd JointDistribution::from_uniform(const Eigen::Ref<const Eigen::Ma
     }
     return samples;
   }
-  samples = correlate(uniforms.unaryExpr([](double uniform) { return standard_normal_quantile(uniform); }), factor_);
+  return from_standard_normal(uniforms.unaryExpr([](double uniform) { return standard_normal_quantile(uniform); }));
+}
+
+Eigen::MatrixXd JointDistribution::from_standard_normal(const Eigen::Ref<const Eigen::MatrixXd>& normals) const {
+  require(normals.cols() == dimension(), "normals: {} columns for {} variables", normals.cols(), dimension());
+  Eigen::MatrixXd samples = factor_.size() == 0 ? Eigen::MatrixXd(normals) : correlate(normals, factor_);
   if (!transforms_.empty()) {
     samples.rowwise() += transformed_mean_.transpose();
     return to_variables(transforms_, samples);

@@ -15,6 +15,7 @@
 #include "study/results/could_hide_json.hpp"
 #include "study/results/modes_json.hpp"
 #include "study/results/parameter_findings.hpp"
+#include "study/results/posterior_files.hpp"
 #include "study/results/prediction_files.hpp"
 #include "study/results/result_json.hpp"
 #include "study/results/run_files.hpp"
@@ -108,6 +109,7 @@ Json outcome_json(const UpdateOutcome& outcome, const StructureModel::FollowedMo
   const SurrogateUpdate* const surrogate = outcome.workings->surrogate.get();
   Json json =
       update_result_json(outcome.study, plan.tests, outcome.problem(), *plan.method, outcome.result, outcome.verdict);
+  add_posterior(outcome.result.posterior.get(), json);
   add_factors(outcome.workings->factors, json["parameters"]);
   json["verdict"]["could_hide"] = could_hide_json(outcome.could_hide, plan.made.space->names());
   add_first_screen(outcome, followed, json);
@@ -145,6 +147,10 @@ void write_results(const UpdateOutcome& outcome, const std::filesystem::path& pa
   if (!tests.pairing.empty()) folder.write("pairing.csv", tests.pairing);
   if (outcome.prediction) {
     folder.write("prediction.csv", prediction_csv(*outcome.prediction, plan.prediction->made.model->outputs()));
+  }
+  if (outcome.result.posterior) {
+    folder.write("posterior.csv", posterior_csv(*outcome.result.posterior));
+    folder.write("posterior.json", posterior_arviz(*outcome.result.posterior, outcome.problem()));
   }
   const std::optional<StructureModel::FollowedModes> followed = modes_at_estimate(outcome);
   if (followed) write_shapes(folder, *made.model, *followed, tests.specimens.get(), made.space->names());

@@ -60,13 +60,15 @@ double weighted_quantile(const Eigen::Ref<const Eigen::VectorXd>& values,
 }
 
 SampleEstimate::SampleEstimate(std::vector<ParameterTransform> scales, Eigen::MatrixXd samples,
-                               const Eigen::VectorXd& weights, std::optional<double> log_evidence)
+                               const Eigen::VectorXd& weights, std::optional<double> log_evidence,
+                               std::optional<double> effective)
     : scales_(std::move(scales)), samples_(std::move(samples)), log_evidence_(log_evidence) {
   require(samples_.rows() > 0, "samples: there is none");
   require(static_cast<Eigen::Index>(scales_.size()) == samples_.cols(), "{} scales for {} parameters", scales_.size(),
           samples_.cols());
   require(samples_.allFinite(), "samples: an entry is not finite");
   weights_ = normalised(weights, samples_.rows());
+  effective_ = std::min(effective.value_or(1.0 / weights_.squaredNorm()), 1.0 / weights_.squaredNorm());
   scaled_ = from_variables(scales_, samples_);
   require(scaled_.allFinite(), "samples: an entry is outside its parameter's scale");
   cumulative_.resize(weights_.size());

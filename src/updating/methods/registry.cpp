@@ -2,6 +2,7 @@
 
 #include "mottle/core/error.hpp"
 #include "mottle/core/text.hpp"
+#include "mottle/updating/methods/bayes.hpp"
 #include "mottle/updating/methods/deterministic.hpp"
 #include "mottle/updating/methods/maximum_likelihood.hpp"
 #include "mottle/updating/methods/updater.hpp"
@@ -34,6 +35,10 @@ const std::vector<MethodEntry>& updating_methods() {
       {"deterministic",
        "One structure, or the mean of many: weighted least squares with Tikhonov or Bayesian regularisation.",
        deterministic_option_table().describe(), make<DeterministicUpdater, deterministic_option_table>, false, false},
+      {"bayes",
+       "The posterior of one structure's parameters, or of parameters that all specimens have in common, with its "
+       "evidence: sequential Monte Carlo.",
+       bayes_option_table().describe(), make<BayesUpdater, bayes_option_table>, false, false},
       {"inversion", "The population's mean and covariance from parameters that are solved for each specimen alone.",
        inversion_option_table().describe(), make<InversionUpdater, inversion_option_table>},
       {"perturbation", "The population to first order, after Khodaparast, Mottershead and Friswell (2008).",

@@ -64,6 +64,12 @@ class JointDistribution {
   /// @throws InvalidInput  wrong number of columns, or a value outside (0, 1)
   Eigen::MatrixXd from_uniform(const Eigen::Ref<const Eigen::MatrixXd>& uniforms) const;
 
+  /// The same from independent standard normals w, as from_uniform(Phi(w)) but accurate in both tails.
+  ///
+  /// @param normals  [sample x variable], finite
+  /// @throws InvalidInput  wrong number of columns
+  Eigen::MatrixXd from_standard_normal(const Eigen::Ref<const Eigen::MatrixXd>& normals) const;
+
  private:
   JointDistribution() = default;
 

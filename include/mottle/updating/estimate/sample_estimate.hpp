@@ -26,9 +26,10 @@ class SampleEstimate final : public Estimate {
   /// @param samples       [sample x parameter], inside the scales
   /// @param weights       >= 0, not all zero; their sum does not matter; empty: all alike [sample]
   /// @param log_evidence  of the tests, where the method finds it
+  /// @param effective     independent samples that correlated ones are worth; nothing: n above
   /// @throws InvalidInput  sizes that do not fit, no sample, an entry that is not finite or outside its scale
   SampleEstimate(std::vector<ParameterTransform> scales, Eigen::MatrixXd samples, const Eigen::VectorXd& weights = {},
-                 std::optional<double> log_evidence = std::nullopt);
+                 std::optional<double> log_evidence = std::nullopt, std::optional<double> effective = std::nullopt);
 
   EstimateKind kind() const override { return EstimateKind::posterior; }
   Eigen::VectorXd mean() const override { return mean_; }
@@ -42,7 +43,7 @@ class SampleEstimate final : public Estimate {
                                       Eigen::Index points) const override;
   std::string prediction_note() const override;
   std::optional<double> log_evidence() const override { return log_evidence_; }
-  std::optional<double> effective_samples() const override { return 1.0 / weights_.squaredNorm(); }
+  std::optional<double> effective_samples() const override { return effective_; }
 
  private:
   double bandwidth(Eigen::Index parameter) const;
@@ -57,6 +58,7 @@ class SampleEstimate final : public Estimate {
   Eigen::VectorXd scaled_mean_;
   Eigen::MatrixXd scaled_covariance_;
   std::optional<double> log_evidence_;
+  double effective_ = 0.0;
 };
 
 /// Quantile of weighted values: linear between them, each at the middle of its weight.

@@ -17,6 +17,7 @@
 #include "mottle/stats/tests/normality.hpp"
 #include "mottle/stats/tests/outliers.hpp"
 #include "mottle/updating/estimate/normal_estimates.hpp"
+#include "mottle/updating/estimate/posterior.hpp"
 #include "mottle/updating/methods/cloud.hpp"
 
 namespace mottle::updating {
@@ -138,9 +139,10 @@ struct UpdatingResult {
   Eigen::VectorXd mean;                      ///< of `estimate` [parameter]
   Eigen::MatrixXd covariance;                ///< of `estimate` [parameter x parameter]
   std::vector<IterationRecord> history;      ///< first: the prior's cloud; last: the cloud of `estimate`
-  Eigen::MatrixXd sensitivity;  ///< dy/dx at `mean` where the method has it [output x parameter]; else 0 x 0
+  Eigen::MatrixXd sensitivity;  ///< dy/dx at `mean`, of a posterior at its peak [output x parameter]; else 0 x 0
   std::int64_t model_evaluations = 0;
   std::optional<ParameterIntervals> intervals = std::nullopt;  ///< of methods that estimate a population
+  std::shared_ptr<const SampledPosterior> posterior = nullptr;        ///< of methods that sample one
   std::optional<SpecimenEstimates> specimens = std::nullopt;   ///< of methods that look at each specimen
   std::optional<ModelError> model_error = std::nullopt;        ///< of methods that estimate it; see TestData
   std::vector<Outlier> outliers = {};                          ///< specimens that do not belong to the others

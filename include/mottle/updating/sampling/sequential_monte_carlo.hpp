@@ -1,0 +1,91 @@
+// Sequential Monte Carlo from a standard normal prior to a posterior, by independent islands of particles. It knows a
+// batch log-likelihood and nothing else: no model, no tests.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "mottle/core/run_context.hpp"
+#include "mottle/layers.hpp"
+
+namespace mottle::updating {
+
+/// How a posterior is sampled.
+struct SamplingSettings {
+  int islands = 8;                  ///< >= 2, <= 256; from their spread comes the standard error of the evidence
+  int particles = 1000;             ///< of each island, >= 20
+  double effective_fraction = 0.5;  ///< of the particles, that the weights of a stage leave effective; in (0, 1)
+  double decorrelation = 0.1;       ///< moves of a stage go on until no correlation with its start is larger
+  int max_moves = 200;              ///< of a stage, at most
+  int max_stages = 500;
+};
+
+/// What is sampled: p(u) = N(u; 0, 1) L(u) / Z where u is possible, Z relative to the prior cut at what is possible.
+struct SamplingTarget {
+  Eigen::Index dimension = 0;
+  /// ln L of each point, all possible [point x dimension] -> [point]; -infinity or nan: L = 0, as where the model fails.
+  std::function<Eigen::VectorXd(const Eigen::MatrixXd& points)> log_likelihood;
+  /// Whether each point is possible; empty: all are [point x dimension] -> [point].
+  std::function<std::vector<bool>(const Eigen::MatrixXd& points)> is_possible = {};
+  /// Called before each batch with the particles of all islands [particle x dimension]; empty: nobody listens. Returns
+  /// whether to go on; if not, sample_posterior() throws Stopped.
+  std::function<bool(const Eigen::MatrixXd& particles)> before_batch = {};
+};
+
+/// One step of an island from a power of the likelihood to the next.
+struct SamplingStage {
+  double exponent = 0.0;           ///< of the likelihood, at the stage's end
+  double effective_samples = 0.0;  ///< that its weights left
+  int moves = 0;                   ///< of every particle
+  double acceptance = 0.0;         ///< fraction of the moves
+  double correlation = 0.0;        ///< largest that was left with the stage's start
+};
+
+/// What one island found.
+struct SampledIsland {
+  Eigen::MatrixXd points;          ///< [particle x dimension], all of equal weight
+  Eigen::VectorXd log_likelihood;  ///< [particle]
+  double log_evidence = 0.0;
+  std::vector<SamplingStage> stages;
+  bool is_finished = true;  ///< false: stages ran out
+};
+
+/// Logarithm of the evidence, from islands.
+struct Evidence {
+  double log_evidence = 0.0;    ///< ln of the mean of the islands' evidences
+  double standard_error = 0.0;  ///< of it, from their spread
+  double lower = 0.0;           ///< ends of the 95 % interval, by Student's t
+  double upper = 0.0;
+  double spread = 0.0;  ///< standard deviation of the islands' ln evidences
+};
+
+/// Samples a posterior.
+///
+/// Each island starts from the prior and goes through the targets N(u; 0, 1) L^b, b from 0 to 1:
+///
+/// 1. b grows until the weights L^(b' - b) leave `effective_fraction` of the particles effective; the island's evidence
+///    is multiplied by the mean weight;
+/// 2. systematic resampling;
+/// 3. Metropolis steps of three kinds, each of which leaves the target as it is: draws of a normal mixture g that is
+///    fitted to the particles, moves within the component that a particle belongs to (both accepted by p / g), and
+///    steps along differences of two particles (accepted by p). They go on until no coordinate and not the
+///    log-likelihood is correlated with the stage's start.
+///
+/// Islands share batches of evaluations and nothing else. Every random number is named by (seed, purpose, island, stage,
+/// step, particle): the result is the same at any number of threads.
+///
+/// @throws InvalidInput  no particle of an island has a likelihood above zero; what is possible has no prior
+///                       probability
+/// @throws Stopped       on request
+/// Source: [Ching2007], [DelMoral2006], [Zhou2016] for the effective samples, [TerBraak2006] for the differences.
+std::vector<SampledIsland> sample_posterior(const SamplingTarget& target, const SamplingSettings& settings,
+                                            const RunContext& context);
+
+/// The evidence of all islands together.
+///
+/// @param islands  >= 2
+Evidence combine_evidence(const std::vector<SampledIsland>& islands);
+
+}  // namespace mottle::updating

@@ -1,0 +1,66 @@
+#include "mottle/updating/estimate/posterior.hpp"
+
+#include <cmath>
+
+#include "mottle/stats/chains/chain_diagnostics.hpp"
+#include "updating/sampling/posterior_modes.hpp"
+
+namespace mottle::updating {
+namespace {
+
+/// Probability and mean of each mode; the spread of the chains' own shares gives the error.
+std::vector<PosteriorMode> describe_modes(const Eigen::VectorXi& modes, const SampledPosterior& posterior) {
+  std::vector<PosteriorMode> described;
+  const auto chains = static_cast<double>(posterior.chains);
+  for (int number = 0; number <= modes.maxCoeff(); ++number) {
+    const Eigen::VectorXd is_there = (modes.array() == number).cast<double>();
+    const Eigen::RowVectorXd shares = posterior.chains_of(is_there).colwise().mean();
+    PosteriorMode mode{.probability = is_there.mean()};
+    mode.standard_error = std::sqrt((shares.array() - shares.mean()).square().sum() / (chains * (chains - 1.0)));
+    mode.mean = posterior.values.transpose() * is_there / is_there.sum();
+    described.push_back(std::move(mode));
+  }
+  return described;
+}
+
+}  // namespace
+
+Eigen::MatrixXd SampledPosterior::chains_of(const Eigen::Ref<const Eigen::VectorXd>& column) const {
+  Eigen::MatrixXd split(draws, chains);
+  for (Eigen::Index c = 0; c < chains; ++c) split.col(c) = column.segment(c * draws, draws);
+  return split;
+}
+
+SampledPosterior make_posterior(const std::vector<SampledIsland>& islands, std::vector<std::string> names,
+                         Eigen::MatrixXd values) {
+  SampledPosterior posterior;
+  posterior.chains = static_cast<Eigen::Index>(islands.size());
+  posterior.draws = islands.front().points.rows();
+  posterior.names = std::move(names);
+  posterior.values = std::move(values);
+  Eigen::MatrixXd points(posterior.values.rows(), islands.front().points.cols());
+  posterior.log_likelihood.resize(points.rows());
+  for (Eigen::Index c = 0; c < posterior.chains; ++c) {
+    const SampledIsland& island = islands[static_cast<std::size_t>(c)];
+    points.middleRows(c * posterior.draws, posterior.draws) = island.points;
+    posterior.log_likelihood.segment(c * posterior.draws, posterior.draws) = island.log_likelihood;
+    posterior.stages.push_back(island.stages);
+  }
+  const Eigen::Index columns = posterior.values.cols() + 1;
+  posterior.r_hat.resize(columns);
+  posterior.ess_bulk.resize(columns);
+  posterior.ess_tail.resize(columns);
+  for (Eigen::Index k = 0; k < columns; ++k) {
+    const Eigen::MatrixXd chains = posterior.chains_of(
+        k + 1 < columns ? Eigen::VectorXd(posterior.values.col(k)) : posterior.log_likelihood);
+    posterior.r_hat(k) = rank_normalised_r_hat(chains);
+    posterior.ess_bulk(k) = bulk_effective_sample_size(chains);
+    posterior.ess_tail(k) = tail_effective_sample_size(chains);
+  }
+  posterior.evidence = combine_evidence(islands);
+  const Eigen::VectorXd log_density = posterior.log_likelihood - 0.5 * points.rowwise().squaredNorm();
+  posterior.modes = describe_modes(find_modes(points, log_density), posterior);
+  return posterior;
+}
+
+}  // namespace mottle::updating

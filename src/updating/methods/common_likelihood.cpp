@@ -1,0 +1,108 @@
+#include "updating/methods/common_likelihood.hpp"
+
+#include <boost/math/distributions/chi_squared.hpp>
+#include <boost/math/distributions/students_t.hpp>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "mottle/core/subject.hpp"
+#include "mottle/core/text.hpp"
+#include "mottle/stats/distributions/standard_normal.hpp"
+#include "updating/population/population_report.hpp"
+
+namespace mottle::updating {
+namespace {
+
+constexpr double k_hundredth = 0.01;  // of the root mean square: the level on which NoiseModel::base stands
+
+}  // namespace
+
+NoiseLevels::NoiseLevels(const UpdatingProblem& problem, const BayesOptions& options) : options_(options) {
+  const Eigen::VectorXd& given = problem.tests.repeatability_std;
+  const auto p = static_cast<std::size_t>(given.size());
+  model_ = {given.cwiseAbs2(), std::vector<int>(p, -1), 0};
+  std::vector<bool> is_open(p, options.noise == BayesOptions::Noise::estimated);
+  std::vector<std::string> unknown;
+  for (std::size_t k = 0; k < p; ++k) {
+    if (given(static_cast<Eigen::Index>(k)) > 0.0) continue;
+    is_open[k] = true;
+    unknown.push_back(problem.model.outputs()[k].name());
+  }
+  if (options.noise == BayesOptions::Noise::given) {
+    require_of(unknown.empty(), {Subject::Kind::repeatability},
+               "the noise of {} is not known, and a likelihood needs it; give it, or set bayes.noise = \"estimated\"",
+               join(unknown));
+    return;
+  }
+  model_ = with_levels(problem, std::move(model_), is_open);
+  names_.resize(static_cast<std::size_t>(model_.factors));
+  for (std::size_t k = 0; k < p; ++k) {
+    if (model_.factor[k] < 0) continue;
+    const Quantity& output = problem.model.outputs()[k];
+    const std::string stem = traits_of(output.kind).stem;
+    const bool is_rotational = output.kind == QuantityKind::rotation || output.kind == QuantityKind::static_rotation;
+    names_[static_cast<std::size_t>(model_.factor[k])] =
+        fmt::format("noise:{}{}", stem.empty() ? "outputs" : stem, is_rotational ? "-rotation" : "");
+    require_of(model_.base(static_cast<Eigen::Index>(k)) > 0.0, {Subject::Kind::repeatability},
+               "needed for output {}, whose tested values are all 0", output.name());
+  }
+}
+
+double NoiseLevels::level(double score) const {
+  const double nu = options_.noise_degrees_of_freedom;
+  if (options_.noise_prior == BayesOptions::NoisePrior::half_t) {
+    const boost::math::students_t t(nu);
+    const double upper = 0.5 * standard_normal_cdf(-score);  // of |t|, both tails
+    return options_.noise_scale * quantile(complement(t, upper));
+  }
+  const boost::math::chi_squared chi_squared(nu);  // level^2 = scale^2 nu / chi^2: large where chi^2 is small
+  const double below = standard_normal_cdf(-score);
+  const double value = score > 0.0 ? quantile(chi_squared, below)
+                                   : quantile(complement(chi_squared, standard_normal_cdf(score)));
+  return options_.noise_scale * std::sqrt(nu / value);
+}
+
+Eigen::VectorXd NoiseLevels::variances(const Eigen::Ref<const Eigen::VectorXd>& levels) const {
+  Eigen::VectorXd variances = model_.base;
+  for (Eigen::Index k = 0; k < variances.size(); ++k) {
+    const int factor = model_.factor[static_cast<std::size_t>(k)];
+    if (factor >= 0) variances(k) *= std::pow(levels(factor) / k_hundredth, 2);
+  }
+  return variances;
+}
+
+CommonLikelihood::CommonLikelihood(const TestData& tests) : model_error_(tests.model_error_variance()) {
+  const Eigen::Index p = tests.values.cols();
+  count_.resize(p);
+  mean_.resize(p);
+  scatter_.resize(p);
+  for (Eigen::Index k = 0; k < p; ++k) {
+    const Eigen::ArrayXd values = tests.values.col(k).array();
+    const auto is_missing = values.isNaN();
+    count_(k) = static_cast<double>(values.size() - is_missing.count());
+    mean_(k) = is_missing.select(0.0, values).sum() / count_(k);
+    scatter_(k) = is_missing.select(0.0, (values - mean_(k)).square()).sum();
+  }
+}
+
+Eigen::VectorXd CommonLikelihood::variance_of_mean(const Eigen::Ref<const Eigen::VectorXd>& variances) const {
+  return variances.cwiseQuotient(count_) + model_error_;
+}
+
+double CommonLikelihood::log_value(const Eigen::Ref<const Eigen::VectorXd>& outputs,
+                                   const Eigen::Ref<const Eigen::VectorXd>& variances) const {
+  double sum = 0.0;
+  for (Eigen::Index k = 0; k < outputs.size(); ++k) {
+    if (!std::isfinite(outputs(k))) return -std::numeric_limits<double>::infinity();
+    const double n = count_(k);
+    const double r = variances(k);
+    const double all = r + n * model_error_(k);
+    const double apart = mean_(k) - outputs(k);
+    sum += n * std::log(2.0 * std::numbers::pi) + (n - 1.0) * std::log(r) + std::log(all) + scatter_(k) / r +
+           n * apart * apart / all;
+  }
+  return -0.5 * sum;
+}
+
+}  // namespace mottle::updating

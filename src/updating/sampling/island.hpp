@@ -1,0 +1,75 @@
+// One island of a sequential Monte Carlo sampler: particles that are weighted, resampled and moved on their own.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "mottle/core/random.hpp"
+#include "mottle/layers.hpp"
+#include "mottle/updating/sampling/sequential_monte_carlo.hpp"
+#include "updating/sampling/normal_mixture.hpp"
+
+namespace mottle::updating {
+
+/// Asks for its likelihoods by propose() and receive(), in turns, until it is_done().
+class Island {
+ public:
+  Island(const SamplingTarget& target, const SamplingSettings& settings, std::uint64_t seed, std::uint32_t number);
+
+  bool is_done() const { return is_done_; }
+  /// Points whose log-likelihood it wants next, all possible [point x dimension]; maybe none.
+  const Eigen::MatrixXd& propose();
+  /// The log-likelihoods of those points.
+  void receive(const Eigen::Ref<const Eigen::VectorXd>& log_likelihood);
+
+  const Eigen::MatrixXd& points() const { return found_.points; }
+  /// What it found; once.
+  SampledIsland take() { return std::move(found_); }
+
+ private:
+  enum class Move { global, local, difference };
+
+  RandomStream stream(StreamPurpose purpose, std::uint32_t step, std::uint32_t particle) const;
+  void draw_start();
+  void begin_stage();
+  double next_increment() const;
+  void resample(const Eigen::VectorXd& weights);
+  void propose_moves();
+  Eigen::VectorXd propose_move(Eigen::Index particle, RandomStream& random);
+  void keep_possible();
+  void judge_moves(const Eigen::Ref<const Eigen::VectorXd>& log_likelihood);
+  void adapt(const std::vector<double>& tried, const std::vector<double>& accepted);
+  void end_move();
+  double correlation_with_start() const;
+
+  const SamplingTarget& target_;
+  const SamplingSettings& settings_;
+  std::uint64_t seed_;
+  std::uint32_t number_;
+  std::uint32_t stage_ = 0;
+  std::uint32_t step_ = 0;
+  bool is_started_ = false;
+  bool is_done_ = false;
+  double exponent_ = 0.0;
+  SampledIsland found_;
+
+  Eigen::MatrixXd start_points_;  // of the stage, after resampling
+  Eigen::VectorXd start_log_likelihood_;
+  std::unique_ptr<const NormalMixture> mixture_;
+  Eigen::VectorXd log_mixture_;  // at the particles
+  double global_share_ = 0.4;    // of the moves
+  double local_step_ = 0.7;
+  double difference_step_ = 0.0;
+  double accepted_ = 0.0;  // fractions of the stage's moves, added up
+
+  Eigen::MatrixXd proposals_;             // of every particle
+  Eigen::VectorXd proposed_log_mixture_;  // at them
+  Eigen::VectorXd thresholds_;            // ln of the uniforms that decide
+  std::vector<Move> kinds_;
+  std::vector<Eigen::Index> asked_;  // particles whose proposals are possible
+  Eigen::MatrixXd asked_points_;
+};
+
+}  // namespace mottle::updating

@@ -1,0 +1,177 @@
+#include "updating/sampling/normal_mixture.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace mottle::updating {
+namespace {
+
+constexpr Eigen::Index k_max_fitted = 500;  // particles: more make the fit dearer, not the moves better
+constexpr Eigen::Index k_max_components = 4;
+constexpr double k_per_number = 10.0;  // particles for each number of a component
+constexpr int k_sweeps = 12;
+constexpr double k_inflation = 1.3;       // of variances: a proposal that is too narrow is worse than one too wide
+constexpr double k_wide_weight = 0.1;     // of the last component
+constexpr double k_wide_inflation = 3.0;  // and of its variances
+constexpr double k_smallest = 1e-12;      // of a variance's own, added to it
+
+Eigen::Index component_count(Eigen::Index particles, Eigen::Index dimension) {
+  const auto d = static_cast<double>(dimension);
+  const double numbers = 1.0 + d + 0.5 * d * (d + 1.0);
+  const auto affordable = static_cast<Eigen::Index>(static_cast<double>(particles) / (k_per_number * numbers));
+  return std::clamp<Eigen::Index>(affordable, 1, k_max_components);
+}
+
+Eigen::MatrixXd covariance_of(const Eigen::MatrixXd& points, const Eigen::VectorXd& mean,
+                              const Eigen::VectorXd& weights) {
+  const Eigen::MatrixXd apart = points.rowwise() - mean.transpose();
+  return apart.transpose() * weights.asDiagonal() * apart;
+}
+
+/// Every so many of the particles that no more than k_max_fitted are left: neighbours have common ancestors.
+Eigen::MatrixXd thinned(const Eigen::Ref<const Eigen::MatrixXd>& points) {
+  const Eigen::Index stride = (points.rows() + k_max_fitted - 1) / k_max_fitted;
+  Eigen::MatrixXd kept((points.rows() + stride - 1) / stride, points.cols());
+  for (Eigen::Index row = 0; row < kept.rows(); ++row) kept.row(row) = points.row(row * stride);
+  return kept;
+}
+
+}  // namespace
+
+NormalMixture::NormalMixture(const Eigen::Ref<const Eigen::MatrixXd>& points, RandomStream stream) {
+  const Eigen::MatrixXd fitted = thinned(points);
+  const Eigen::VectorXd equal = Eigen::VectorXd::Constant(points.rows(), 1.0 / static_cast<double>(points.rows()));
+  mean_ = points.colwise().mean();
+  covariance_ = covariance_of(points, mean_, equal);
+  start(fitted, stream);
+  if (parts_.size() > 1) {
+    for (int sweep = 0; sweep < k_sweeps; ++sweep) improve(fitted);
+  }
+  widen();
+}
+
+void NormalMixture::factorise(Part& part) const {
+  // Particles on a line or plane, as duplicates of few are, have no factor: a little of the whole spread is added.
+  double ridge = k_smallest;
+  for (;;) {
+    Eigen::MatrixXd covariance = part.covariance;
+    covariance.diagonal() += ridge * (part.covariance.diagonal() + k_smallest * Eigen::VectorXd::Ones(part.mean.size()));
+    const CholeskyFactor cholesky(covariance);
+    ridge *= 100.0;
+    if (!cholesky.is_positive_definite()) continue;
+    part.factor = cholesky.lower();
+    part.inverse = cholesky.solve_lower(Eigen::MatrixXd::Identity(part.mean.size(), part.mean.size()));
+    part.log_scale = std::log(part.weight) - 0.5 * cholesky.log_determinant() -
+                     0.5 * static_cast<double>(part.mean.size()) * std::log(2.0 * std::numbers::pi);
+    return;
+  }
+}
+
+/// Means at particles, each drawn in proportion to its squared distance from those before it.
+void NormalMixture::start(const Eigen::MatrixXd& points, RandomStream& stream) {
+  const Eigen::Index count = component_count(points.rows(), points.cols());
+  Part part{.weight = 1.0 / static_cast<double>(count), .mean = mean_, .covariance = covariance_};
+  if (count == 1) {
+    factorise(part);
+    parts_.push_back(std::move(part));
+    return;
+  }
+  const Eigen::VectorXd scale = covariance_.diagonal().cwiseSqrt().cwiseMax(1e-300).cwiseInverse();
+  Eigen::VectorXd distance = Eigen::VectorXd::Ones(points.rows());
+  part.covariance /= static_cast<double>(count);
+  for (Eigen::Index k = 0; k < count; ++k) {
+    double rest = stream.uniform() * distance.sum();
+    Eigen::Index chosen = 0;
+    while (chosen + 1 < points.rows() && rest > distance(chosen)) rest -= distance(chosen++);
+    part.mean = points.row(chosen);
+    factorise(part);
+    parts_.push_back(part);
+    const Eigen::VectorXd apart =
+        ((points.rowwise() - points.row(chosen)) * scale.asDiagonal()).rowwise().squaredNorm();
+    distance = k == 0 ? apart : Eigen::VectorXd(distance.cwiseMin(apart));
+  }
+}
+
+double NormalMixture::log_parts(const Eigen::Ref<const Eigen::VectorXd>& x, std::vector<double>& values) const {
+  double largest = -std::numeric_limits<double>::infinity();
+  values.resize(parts_.size());
+  for (std::size_t k = 0; k < parts_.size(); ++k) {
+    const Part& part = parts_[k];
+    double square = 0.0;
+    for (Eigen::Index i = 0; i < x.size(); ++i) {
+      double whitened = 0.0;
+      for (Eigen::Index j = 0; j <= i; ++j) whitened += part.inverse(i, j) * (x(j) - part.mean(j));
+      square += whitened * whitened;
+    }
+    values[k] = part.log_scale - 0.5 * square;
+    largest = std::max(largest, values[k]);
+  }
+  return largest;
+}
+
+void NormalMixture::improve(const Eigen::MatrixXd& points) {
+  Eigen::MatrixXd shares(points.rows(), components());
+  std::vector<double> logs;
+  for (Eigen::Index s = 0; s < points.rows(); ++s) {
+    const double largest = log_parts(points.row(s).transpose(), logs);
+    for (Eigen::Index k = 0; k < components(); ++k) shares(s, k) = std::exp(logs[static_cast<std::size_t>(k)] - largest);
+    shares.row(s) /= shares.row(s).sum();
+  }
+  const double borrowed = static_cast<double>(points.cols()) + 2.0;  // particles' worth of the common shape
+  const double narrower = std::pow(static_cast<double>(components()), -2.0 / static_cast<double>(points.cols()));
+  for (Eigen::Index k = 0; k < components(); ++k) {
+    Part& part = parts_[static_cast<std::size_t>(k)];
+    const double count = shares.col(k).sum();
+    part.weight = (count + 1.0) / static_cast<double>(points.rows() + components());
+    if (count > 1e-6) part.mean = points.transpose() * shares.col(k) / count;
+    part.covariance =
+        (covariance_of(points, part.mean, shares.col(k)) + borrowed * narrower * covariance_) / (count + borrowed);
+    factorise(part);
+  }
+}
+
+void NormalMixture::widen() {
+  for (Part& part : parts_) {
+    part.weight *= 1.0 - k_wide_weight;
+    part.covariance *= k_inflation;
+    factorise(part);
+  }
+  parts_.push_back({.weight = k_wide_weight, .mean = mean_, .covariance = k_wide_inflation * covariance_});
+  factorise(parts_.back());
+}
+
+double NormalMixture::log_density(const Eigen::Ref<const Eigen::VectorXd>& x) const {
+  std::vector<double> logs;
+  const double largest = log_parts(x, logs);
+  double sum = 0.0;
+  for (const double value : logs) sum += std::exp(value - largest);
+  return largest + std::log(sum);
+}
+
+Eigen::Index NormalMixture::component_of(const Eigen::Ref<const Eigen::VectorXd>& x, double uniform) const {
+  std::vector<double> logs;
+  const double largest = log_parts(x, logs);
+  double sum = 0.0;
+  for (double& value : logs) sum += value = std::exp(value - largest);
+  double rest = uniform * sum;
+  std::size_t chosen = 0;
+  while (chosen + 1 < logs.size() && rest > logs[chosen]) rest -= logs[chosen++];
+  return static_cast<Eigen::Index>(chosen);
+}
+
+Eigen::Index NormalMixture::draw_component(double uniform) const {
+  std::size_t chosen = 0;
+  while (chosen + 1 < parts_.size() && uniform > parts_[chosen].weight) uniform -= parts_[chosen++].weight;
+  return static_cast<Eigen::Index>(chosen);
+}
+
+Eigen::VectorXd NormalMixture::move(Eigen::Index component, const Eigen::Ref<const Eigen::VectorXd>& x,
+                                    const Eigen::Ref<const Eigen::VectorXd>& normals, double step) const {
+  const Part& part = parts_[static_cast<std::size_t>(component)];
+  Eigen::VectorXd moved = part.factor * normals;
+  return part.mean + std::sqrt(std::max(0.0, 1.0 - step * step)) * (x - part.mean) + step * moved;
+}
+
+}  // namespace mottle::updating

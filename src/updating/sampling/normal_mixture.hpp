@@ -1,0 +1,60 @@
+// A mixture of normal densities that is fitted to particles: where a sampler proposes to go.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "mottle/core/random.hpp"
+#include "mottle/layers.hpp"
+#include "mottle/linalg/dense/decompositions.hpp"
+
+namespace mottle::updating {
+
+/// g(x) = sum_k w_k N(x; m_k, C_k).
+class NormalMixture {
+ public:
+  /// Fits by expectation-maximisation, begun at particles drawn far from each other. Few particles take their shape from
+  /// all (their covariance is shrunk towards that of all); a last component as wide as all keeps tails from being lost.
+  ///
+  /// @param points  [particle x dimension], at least 2 of them different in every dimension
+  /// @param stream  draws the start
+  NormalMixture(const Eigen::Ref<const Eigen::MatrixXd>& points, RandomStream stream);
+
+  Eigen::Index components() const { return static_cast<Eigen::Index>(parts_.size()); }
+  double weight(Eigen::Index component) const { return parts_[static_cast<std::size_t>(component)].weight; }
+
+  /// ln g(x).
+  double log_density(const Eigen::Ref<const Eigen::VectorXd>& x) const;
+  /// Component that x may come from: k with probability w_k N_k(x) / g(x).
+  /// @param uniform  in (0, 1)
+  Eigen::Index component_of(const Eigen::Ref<const Eigen::VectorXd>& x, double uniform) const;
+  /// Component by its weight.
+  Eigen::Index draw_component(double uniform) const;
+  /// m + sqrt(1 - step^2) (x - m) + step L normals of a component: it leaves that component's density as it is.
+  /// @param step  in (0, 1]; 1: whatever x is
+  Eigen::VectorXd move(Eigen::Index component, const Eigen::Ref<const Eigen::VectorXd>& x,
+                       const Eigen::Ref<const Eigen::VectorXd>& normals, double step) const;
+
+ private:
+  struct Part {
+    double weight = 0.0;
+    Eigen::VectorXd mean;
+    Eigen::MatrixXd covariance;
+    Eigen::MatrixXd factor = {};   // L, covariance = L L'
+    Eigen::MatrixXd inverse = {};  // of L
+    double log_scale = 0.0;   // ln w - ln det L - d / 2 ln 2 pi
+  };
+
+  void factorise(Part& part) const;
+  void start(const Eigen::MatrixXd& points, RandomStream& stream);
+  void improve(const Eigen::MatrixXd& points);
+  void widen();
+  /// ln (w_k N_k(x)) of every component, and the largest.
+  double log_parts(const Eigen::Ref<const Eigen::VectorXd>& x, std::vector<double>& values) const;
+
+  std::vector<Part> parts_;
+  Eigen::VectorXd mean_;
+  Eigen::MatrixXd covariance_;  // of all particles
+};
+
+}  // namespace mottle::updating

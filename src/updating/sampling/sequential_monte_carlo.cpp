@@ -1,0 +1,97 @@
+#include "mottle/updating/sampling/sequential_monte_carlo.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "mottle/core/error.hpp"
+#include "mottle/core/parallel.hpp"
+#include "updating/sampling/island.hpp"
+
+namespace mottle::updating {
+namespace {
+
+void require_settings(const SamplingTarget& target, const SamplingSettings& settings) {
+  constexpr int k_max_islands = 256;             // 8 bits of a stream's name
+  constexpr int k_max_particles = (1 << 24) - 1;  // and the 24 beside them
+  constexpr int k_max_steps = (1 << 16) - 1;
+  require(target.dimension >= 1, "dimension: {}, need at least 1", target.dimension);
+  require(settings.islands >= 2 && settings.islands <= k_max_islands, "islands: {} is outside 2 to {}",
+          settings.islands, k_max_islands);
+  require(settings.particles >= 20 && settings.particles <= k_max_particles, "particles: {} is outside 20 to {}",
+          settings.particles, k_max_particles);
+  require(settings.effective_fraction > 0.0 && settings.effective_fraction < 1.0,
+          "effective_fraction: {} is outside (0, 1)", settings.effective_fraction);
+  require(settings.max_moves >= 1 && settings.max_moves <= k_max_steps, "max_moves: {} is outside 1 to {}",
+          settings.max_moves, k_max_steps);
+  require(settings.max_stages >= 1 && settings.max_stages <= k_max_steps, "max_stages: {} is outside 1 to {}",
+          settings.max_stages, k_max_steps);
+}
+
+/// Rows of all matrices, one below the other.
+Eigen::MatrixXd stacked(const std::vector<const Eigen::MatrixXd*>& parts, Eigen::Index columns) {
+  Eigen::Index rows = 0;
+  for (const Eigen::MatrixXd* part : parts) rows += part->rows();
+  Eigen::MatrixXd all(rows, columns);
+  Eigen::Index first = 0;
+  for (const Eigen::MatrixXd* part : parts) {
+    all.middleRows(first, part->rows()) = *part;
+    first += part->rows();
+  }
+  return all;
+}
+
+using Islands = std::vector<std::unique_ptr<Island>>;
+
+bool goes_on(const SamplingTarget& target, const Islands& islands) {
+  if (!target.before_batch) return true;
+  std::vector<const Eigen::MatrixXd*> points;
+  for (const auto& island : islands) points.push_back(&island->points());
+  return target.before_batch(stacked(points, target.dimension));
+}
+
+/// What every island that still works asks for, evaluated as one batch.
+void advance(const SamplingTarget& target, const std::vector<Island*>& working, int threads) {
+  const auto count = static_cast<std::int64_t>(working.size());
+  std::vector<const Eigen::MatrixXd*> asked(working.size());
+  parallel_for(count, 1, threads, [&](std::int64_t begin, std::int64_t end) {
+    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
+      asked[i] = &working[i]->propose();
+    }
+  });
+  const Eigen::MatrixXd batch = stacked(asked, target.dimension);
+  const Eigen::VectorXd values = batch.rows() > 0 ? target.log_likelihood(batch) : Eigen::VectorXd();
+  std::vector<Eigen::Index> first(working.size(), 0);
+  for (std::size_t i = 1; i < working.size(); ++i) first[i] = first[i - 1] + asked[i - 1]->rows();
+  parallel_for(count, 1, threads, [&](std::int64_t begin, std::int64_t end) {
+    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
+      working[i]->receive(values.segment(first[i], asked[i]->rows()));
+    }
+  });
+}
+
+}  // namespace
+
+std::vector<SampledIsland> sample_posterior(const SamplingTarget& target, const SamplingSettings& settings,
+                                            const RunContext& context) {
+  require_settings(target, settings);
+  Islands islands;
+  for (int i = 0; i < settings.islands; ++i) {
+    islands.push_back(std::make_unique<Island>(target, settings, context.seed, static_cast<std::uint32_t>(i)));
+  }
+  for (bool is_first = true;; is_first = false) {
+    std::vector<Island*> working;
+    for (const auto& island : islands) {
+      if (!island->is_done()) working.push_back(island.get());
+    }
+    if (working.empty()) break;
+    context.throw_if_stopped();
+    if (!is_first && !goes_on(target, islands)) throw Stopped("stopped on request");
+    advance(target, working, context.threads);
+  }
+  std::vector<SampledIsland> found;
+  for (const auto& island : islands) found.push_back(island->take());
+  return found;
+}
+
+}  // namespace mottle::updating

@@ -1,0 +1,132 @@
+"""Posteriors as a user meets them: files, keys of result.json, threads, kill and resume, faults of the study.
+
+    python3 bayes_test.py PATH_TO_MOTTLE
+"""
+
+import csv
+import json
+import math
+import shutil
+import subprocess
+import time
+import unittest
+
+import support
+from support import STUDY, edited, numbers, read_result
+
+BAYES = edited(STUDY, ('method = "mares"', 'method = "bayes"'), ("[update.mares]\nweighting = \"mahalanobis\"\n",
+                                                              "[update.bayes]\nparticles = 200\n"),
+               ('file = "tests.csv"', 'file = "tests.csv"\nrepeatability = { "f*" = 0.02 }'))
+FILES = ("posterior.csv", "posterior.json", "cloud-final.csv")
+
+
+class BayesTest(support.CommandTest):
+    """One claim a test."""
+
+    def setUp(self):
+        super().setUp()
+        self.write("study.toml", BAYES)
+
+    def update(self, *options):
+        self.succeed("update", "study.toml", "--out", "out", "--quiet", *options)
+        return read_result(self.folder / "out")
+
+    def test_the_files_hold_what_the_result_says(self):
+        result = self.update()
+        posterior = result["posterior"]
+        self.assertEqual((posterior["chains"], posterior["draws"]), (8, 200))
+        with open(self.folder / "out" / posterior["file"], encoding="utf-8") as file:
+            rows = list(csv.DictReader(file))
+        self.assertEqual(list(rows[0]), ["chain", "draw", *posterior["names"]])
+        self.assertEqual([(row["chain"], row["draw"]) for row in rows],
+                         [(str(c + 1), str(d + 1)) for c in range(8) for d in range(200)])
+        for name, mean, std in zip(*(result["parameters"][key] for key in ("names", "mean", "std"))):
+            values = [float(row[name]) for row in rows]
+            own = sum(values) / len(values)
+            self.assertAlmostEqual(own, mean, delta=1e-12)
+            self.assertAlmostEqual(math.sqrt(sum((v - own) ** 2 for v in values) / len(values)), std, delta=1e-12)
+        for key in ("r_hat", "ess_bulk", "ess_tail"):
+            self.assertEqual(len(posterior[key]), len(posterior["names"]))
+        evidence = result["evidence"]
+        self.assertTrue(evidence["ci95"][0] < evidence["ln_evidence"] < evidence["ci95"][1])
+        self.assertEqual(result["parameters"]["estimate"]["log_evidence"], evidence["ln_evidence"])
+        self.assertAlmostEqual(sum(mode["probability"] for mode in result["modes"]), 1.0, delta=1e-12)
+
+    def test_the_layout_is_that_of_arviz(self):
+        result = self.update()
+        groups = json.loads((self.folder / "out" / "posterior.json").read_text(encoding="utf-8"))
+        self.assertEqual(set(groups), {"posterior", "log_likelihood", "observed_data"})
+        self.assertEqual(list(groups["posterior"]), result["posterior"]["names"][:-1])
+        for variable in (*groups["posterior"].values(), *groups["log_likelihood"].values()):
+            self.assertEqual([len(chain) for chain in variable], [200] * 8)
+        self.assertEqual({len(values) for values in groups["observed_data"].values()}, {6})
+        try:
+            import arviz  # pylint: disable=import-outside-toplevel
+        except ImportError:
+            return
+        data = arviz.from_json(str(self.folder / "out" / "posterior.json"))
+        self.assertEqual(data.posterior.sizes["chain"], 8)
+
+    def test_other_methods_have_none(self):
+        self.write("study.toml", STUDY)
+        result = self.update()
+        self.assertEqual((result["evidence"], result["posterior"], result["modes"]), (None, None, []))
+        self.assertFalse((self.folder / "out" / "posterior.csv").exists())
+
+    def test_an_earlier_posterior_does_not_stay(self):
+        self.update()
+        self.write("study.toml", STUDY)
+        self.update()
+        self.assertFalse((self.folder / "out" / "posterior.csv").exists())
+        self.assertFalse((self.folder / "out" / "posterior.json").exists())
+
+    def test_threads_do_not_change_the_bits(self):
+        expected = {}
+        for threads in (1, 2, 8):
+            self.succeed("update", "study.toml", "--out", f"t{threads}", "--threads", threads, "--quiet")
+            found = {name: (self.folder / f"t{threads}" / name).read_bytes() for name in FILES}
+            found["numbers"] = numbers(self.folder / f"t{threads}")
+            expected = expected or found
+            self.assertEqual(found, expected, f"{threads} threads")
+
+    def test_a_killed_run_is_resumed_to_the_same_bits(self):
+        self.update()
+        expected = {name: (self.folder / "out" / name).read_bytes() for name in FILES}
+        expected_numbers = numbers(self.folder / "out")
+        for delay in (0.1, 0.2, 0.4):
+            shutil.rmtree(self.folder / "out")
+            process = subprocess.Popen([support.MOTTLE, "update", "study.toml", "--out", "out", "--quiet"],
+                                       cwd=self.folder)
+            time.sleep(delay)
+            process.kill()
+            process.wait()
+            self.update("--resume")
+            self.assertEqual({name: (self.folder / "out" / name).read_bytes() for name in FILES}, expected)
+            self.assertEqual(numbers(self.folder / "out"), expected_numbers)
+
+    def test_noise_without_a_number_is_sampled(self):
+        self.write("study.toml", edited(BAYES, ('repeatability = { "f*" = 0.02 }\n', "")))
+        result = self.update()
+        self.assertEqual(result["posterior"]["names"], ["k1", "k2", "noise:f", "log_likelihood"])
+        self.assertEqual(result["verdict"]["conclusion"], "undecided")
+
+    def test_noise_that_is_neither_known_nor_sampled_is_refused(self):
+        self.write("study.toml", edited(BAYES, ('repeatability = { "f*" = 0.02 }\n', ""),
+                                        ("particles = 200", 'noise = "given"')))
+        ended = self.call("update", "study.toml", "--out", "out", "--quiet")
+        self.assertEqual(ended.code, 2, ended.err)
+        self.assertIn("the noise of f1, f2, f3 is not known", ended.err)
+
+    def test_a_prior_without_probability_at_the_tests_is_refused(self):
+        self.write("study.toml", edited(BAYES, ("0.02 }", "1e-170 }")))
+        ended = self.call("update", "study.toml", "--out", "out", "--quiet")
+        self.assertEqual(ended.code, 2, ended.err)
+        self.assertIn("likelihood above zero", ended.err)
+
+    def test_the_report_opens(self):
+        self.update()
+        self.assertIn("posterior", (self.folder / "out" / "report.html").read_text(encoding="utf-8"))
+
+
+if __name__ == "__main__":
+    support.main()
