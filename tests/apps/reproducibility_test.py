@@ -23,6 +23,7 @@ STUDIES = {
     "correlated": edited(STUDY, ("[outputs]", '[correlation]\npairs = [{ between = ["k1", "k2"], value = 0.6 }]\n\n'
                                  "[outputs]")),
     "deterministic": edited(STUDY, ('method = "mares"', 'method = "deterministic"')),
+    "bayes": edited(STUDY, ('method = "mares"', 'method = "bayes"')),
 }
 
 

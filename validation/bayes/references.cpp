@@ -2,9 +2,9 @@
 //
 //   mottle_bayes_references CASE SEEDS [PARTICLES [EFFECTIVE_FRACTION]]
 //
-// CASE: k6-3, k6-3.5, no-k6 (the method `bayes` on one test of the three masses), beck-au, eigenvalues (the sampler alone).
-// Prints one JSON object: errors of ln evidence, how often its interval holds the reference, moments over all seeds, and
-// for the eigenvalues the probability of the first mode.
+// CASE: k6-3, k6-3.5, no-k6 (the method `bayes` on one test of the three masses), beck-au, eigenvalues (the sampler
+// alone). Prints one JSON object: errors of ln evidence, how often its interval holds the reference, moments over all
+// seeds, and for the eigenvalues the probability of the first mode.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -67,8 +67,8 @@ Found sample(const SamplingSettings& settings, std::uint64_t seed) {
   found.mean = x.colwise().mean();
   const Eigen::MatrixXd apart = x.rowwise() - found.mean.transpose();
   found.standard_deviation = (apart.colwise().squaredNorm() / static_cast<double>(x.rows())).cwiseSqrt();
-  found.correlation = apart.col(0).dot(apart.col(1)) /
-                      (static_cast<double>(x.rows()) * found.standard_deviation.prod());
+  found.correlation =
+      apart.col(0).dot(apart.col(1)) / (static_cast<double>(x.rows()) * found.standard_deviation.prod());
   for (const PosteriorMode& mode : posterior.modes) {
     if (mode.mean(0) > 2.0 * mode.mean(1) || posterior.modes.size() == 1) found.first_mode = mode.probability;
   }

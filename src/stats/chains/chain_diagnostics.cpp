@@ -35,8 +35,9 @@ Eigen::MatrixXd normal_scores(const Eigen::MatrixXd& draws) {
   std::vector<Eigen::Index> order(static_cast<std::size_t>(count));
   std::iota(order.begin(), order.end(), Eigen::Index{0});
   const double* values = draws.data();
-  std::sort(order.begin(), order.end(),
-            [values](Eigen::Index a, Eigen::Index b) { return values[a] < values[b] || (values[a] == values[b] && a < b); });
+  std::sort(order.begin(), order.end(), [values](Eigen::Index a, Eigen::Index b) {
+    return values[a] < values[b] || (values[a] == values[b] && a < b);
+  });
   Eigen::MatrixXd scores(draws.rows(), draws.cols());
   for (std::size_t first = 0, end = 0; first < order.size(); first = end) {
     end = first + 1;

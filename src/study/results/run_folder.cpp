@@ -42,9 +42,9 @@ bool are_complete(const std::filesystem::path& folder, const std::vector<std::st
 }  // namespace
 
 const std::vector<std::string>& result_names() {
-  static const std::vector<std::string> names = {"report.html", "history.csv", "cloud-initial.csv", "cloud-final.csv",
-                                                 "clouds.csv",  "cloud.csv",   "pairing.csv",       "prediction.csv",
-                                                 "modes.json",  "posterior.csv", "posterior.json", "result.json"};
+  static const std::vector<std::string> names = {"report.html", "history.csv",   "cloud-initial.csv", "cloud-final.csv",
+                                                 "clouds.csv",  "cloud.csv",     "pairing.csv",       "prediction.csv",
+                                                 "modes.json",  "posterior.csv", "posterior.json",    "result.json"};
   return names;
 }
 

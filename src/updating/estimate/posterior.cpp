@@ -32,7 +32,7 @@ Eigen::MatrixXd SampledPosterior::chains_of(const Eigen::Ref<const Eigen::Vector
 }
 
 SampledPosterior make_posterior(const std::vector<SampledIsland>& islands, std::vector<std::string> names,
-                         Eigen::MatrixXd values) {
+                                Eigen::MatrixXd values) {
   SampledPosterior posterior;
   posterior.chains = static_cast<Eigen::Index>(islands.size());
   posterior.draws = islands.front().points.rows();
@@ -51,8 +51,8 @@ SampledPosterior make_posterior(const std::vector<SampledIsland>& islands, std::
   posterior.ess_bulk.resize(columns);
   posterior.ess_tail.resize(columns);
   for (Eigen::Index k = 0; k < columns; ++k) {
-    const Eigen::MatrixXd chains = posterior.chains_of(
-        k + 1 < columns ? Eigen::VectorXd(posterior.values.col(k)) : posterior.log_likelihood);
+    const Eigen::MatrixXd chains =
+        posterior.chains_of(k + 1 < columns ? Eigen::VectorXd(posterior.values.col(k)) : posterior.log_likelihood);
     posterior.r_hat(k) = rank_normalised_r_hat(chains);
     posterior.ess_bulk(k) = bulk_effective_sample_size(chains);
     posterior.ess_tail(k) = tail_effective_sample_size(chains);

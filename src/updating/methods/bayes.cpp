@@ -14,106 +14,15 @@
 #include "updating/methods/bayes_tests.hpp"
 #include "updating/methods/common_likelihood.hpp"
 #include "updating/methods/least_squares.hpp"
+#include "updating/methods/posterior_target.hpp"
 #include "updating/population/model_error.hpp"
 #include "updating/population/regional_problem.hpp"
 
 namespace mottle::updating {
 namespace {
 
-
-constexpr double k_max_r_hat = 1.01;   // [Vehtari2021]
+constexpr double k_max_r_hat = 1.01;  // [Vehtari2021]
 constexpr double k_max_spread = 1.0;  // of the islands' ln evidences: beyond, the mean of the evidences is that of one
-
-/// The posterior as the sampler sees it: scores of parameters and levels, standard normal before the tests.
-class PosteriorTarget {
- public:
-  PosteriorTarget(const UpdatingProblem& problem, const NoiseLevels& noise, const CommonLikelihood& likelihood,
-                  const RunContext& context)
-      : problem_(problem), noise_(noise), likelihood_(likelihood), context_(context) {}
-
-  SamplingTarget target() {
-    return {.dimension = problem_.space.count() + noise_.count(),
-            .log_likelihood = [this](const Eigen::MatrixXd& points) { return log_likelihood(points); },
-            .is_possible = [this](const Eigen::MatrixXd& points) { return is_possible(points); },
-            .before_batch = [this](const Eigen::MatrixXd& particles) {
-              follow(particles);
-              return !context_.stop_requested();
-            }};
-  }
-
-  Eigen::MatrixXd parameters(const Eigen::MatrixXd& points) const {
-    return problem_.space.prior().from_standard_normal(points.leftCols(problem_.space.count()));
-  }
-  /// Parameters and levels [point x name].
-  Eigen::MatrixXd values(const Eigen::MatrixXd& points) const {
-    Eigen::MatrixXd values(points.rows(), points.cols());
-    values.leftCols(problem_.space.count()) = parameters(points);
-    for (Eigen::Index k = problem_.space.count(); k < points.cols(); ++k) {
-      values.col(k) = points.col(k).unaryExpr([this](double score) { return noise_.level(score); });
-    }
-    return values;
-  }
-  std::int64_t evaluations() const { return evaluations_; }
-  std::int64_t failed() const { return failed_; }
-  const std::shared_ptr<const SampleRegion>& region() const { return region_; }
-
- private:
-  Eigen::VectorXd log_likelihood(const Eigen::MatrixXd& points) {
-    const Eigen::MatrixXd all = values(points);
-    const Eigen::Index q = problem_.space.count();
-    const Evaluation evaluation = region_ ? problem_.model.evaluate_in(*region_, all.leftCols(q), context_)
-                                          : problem_.model.evaluate(all.leftCols(q), context_);
-    evaluations_ += points.rows();
-    failed_ += static_cast<std::int64_t>(evaluation.failures.size());
-    Eigen::VectorXd logs(points.rows());
-    for (Eigen::Index s = 0; s < points.rows(); ++s) {
-      logs(s) = likelihood_.log_value(evaluation.outputs.row(s).transpose(),
-                                      noise_.variances(all.row(s).tail(points.cols() - q).transpose()));
-    }
-    return logs;
-  }
-
-  /// Within bounds, physical limits and scales. Called from several threads.
-  std::vector<bool> is_possible(const Eigen::MatrixXd& points) const {
-    const Eigen::MatrixXd samples = parameters(points);
-    std::vector<bool> possible(static_cast<std::size_t>(samples.rows()));
-    for (Eigen::Index s = 0; s < samples.rows(); ++s) {
-      bool is_inside = problem_.space.is_possible(samples.row(s));
-      for (Eigen::Index i = 0; i < samples.cols() && is_inside; ++i) {
-        const Parameter& parameter = problem_.space.parameters()[static_cast<std::size_t>(i)];
-        const double value = samples(s, i);
-        is_inside = value >= parameter.lower_bound && value <= parameter.upper_bound &&
-                    std::isfinite(parameter.transform.from_variable(value));
-      }
-      possible[static_cast<std::size_t>(s)] = is_inside;
-    }
-    return possible;
-  }
-
-  /// Adapts the model to where the particles are, each time that they have halved their spread.
-  void follow(const Eigen::MatrixXd& particles) {
-    if (!problem_.model.adapts_to_regions()) return;
-    const Eigen::MatrixXd scaled = from_variables(problem_.space.transforms(), parameters(particles));
-    const Eigen::VectorXd mean = scaled.colwise().mean().transpose();
-    const Eigen::MatrixXd apart = scaled.rowwise() - mean.transpose();
-    const Eigen::MatrixXd covariance = apart.transpose() * apart / static_cast<double>(scaled.rows());
-    const double width = 0.5 * covariance.diagonal().array().max(1e-300).log().mean();
-    if (has_width_ && width > width_ - std::log(2.0)) return;
-    if (has_width_) region_ = region_around(problem_, mean, covariance);
-    has_width_ = true;
-    width_ = width;
-  }
-
-  const UpdatingProblem& problem_;
-  const NoiseLevels& noise_;
-  const CommonLikelihood& likelihood_;
-  const RunContext& context_;
-  std::int64_t evaluations_ = 0;
-  std::int64_t failed_ = 0;
-  std::shared_ptr<const SampleRegion> region_;
-  bool has_width_ = false;
-  double width_ = 0.0;  // of the region, mean of ln standard deviations
-};
 
 /// What keeps the islands from being one sample, in words.
 std::vector<std::string> doubts_of(const SampledPosterior& posterior, const BayesOptions& options) {
@@ -121,10 +30,10 @@ std::vector<std::string> doubts_of(const SampledPosterior& posterior, const Baye
   for (std::size_t k = 0; k <= posterior.names.size(); ++k) {
     const double r_hat = posterior.r_hat(static_cast<Eigen::Index>(k));
     if (!(r_hat > k_max_r_hat)) continue;
-    doubts.push_back(fmt::format("The islands disagree: R-hat of {} is {:.3f}, at most {} is allowed; give more "
-                                 "particles (bayes.particles).",
-                                 k < posterior.names.size() ? posterior.names[k] : "the log-likelihood", r_hat,
-                                 k_max_r_hat));
+    doubts.push_back(
+        fmt::format("The islands disagree: R-hat of {} is {:.3f}, at most {} is allowed; give more "
+                    "particles (bayes.particles).",
+                    k < posterior.names.size() ? posterior.names[k] : "the log-likelihood", r_hat, k_max_r_hat));
   }
   if (posterior.evidence.spread > k_max_spread) {
     doubts.push_back(fmt::format(
@@ -149,7 +58,8 @@ std::vector<std::string> doubts_of(const SampledPosterior& posterior, const Baye
   return doubts;
 }
 
-void conclude(const SampledPosterior& posterior, const BayesOptions& options, bool is_finished, UpdatingResult& result) {
+void conclude(const SampledPosterior& posterior, const BayesOptions& options, bool is_finished,
+              UpdatingResult& result) {
   const std::vector<std::string> doubts = doubts_of(posterior, options);
   const Evidence& evidence = posterior.evidence;
   if (!is_finished) {
@@ -159,17 +69,18 @@ void conclude(const SampledPosterior& posterior, const BayesOptions& options, bo
   }
   result.warnings.insert(result.warnings.end(), doubts.begin(), doubts.end());
   result.status = doubts.empty() ? UpdatingStatus::converged : UpdatingStatus::stalled;
-  result.message = doubts.empty()
-                       ? fmt::format("{} islands of {} particles agree: R-hat at most {:.4f}; ln evidence {:.4f}, "
-                                     "standard error {:.2g}",
-                                     posterior.chains, posterior.draws, posterior.r_hat.maxCoeff(),
-                                     evidence.log_evidence, evidence.standard_error)
-                       : doubts.front();
+  result.message = doubts.empty() ? fmt::format(
+                                        "{} islands of {} particles agree: R-hat at most {:.4f}; ln evidence {:.4f}, "
+                                        "standard error {:.2g}",
+                                        posterior.chains, posterior.draws, posterior.r_hat.maxCoeff(),
+                                        evidence.log_evidence, evidence.standard_error)
+                                  : doubts.front();
 }
 
 void add_notes(const UpdatingProblem& problem, const SampledPosterior& posterior, UpdatingResult& result) {
   result.notes.push_back(
-      "The standard deviations of this method say how well parameters are known that all specimens have in common; they "
+      "The standard deviations of this method say how well parameters are known that all specimens have in common; "
+      "they "
       "do not describe the scatter of specimens, and fall with the number of tests.");
   if (posterior.modes.size() > 1) {
     std::vector<std::string> shares;
@@ -179,9 +90,10 @@ void add_notes(const UpdatingProblem& problem, const SampledPosterior& posterior
         posterior.modes.size(), join(shares)));
   }
   if (posterior.failed_runs > 0) {
-    result.notes.push_back(fmt::format("{} of {} model runs of the sampler failed; their parameters have likelihood "
-                                       "zero.",
-                                       posterior.failed_runs, posterior.evaluations));
+    result.notes.push_back(
+        fmt::format("{} of {} model runs of the sampler failed; their parameters have likelihood "
+                    "zero.",
+                    posterior.failed_runs, posterior.evaluations));
   }
   note_model_error(problem, "bayes",
                    "is integrated out of the likelihood: it is shared by all specimens, and what is known of the "
@@ -226,6 +138,30 @@ PosteriorPeak peak_of(const UpdatingProblem& problem, const std::vector<SampledI
   return peak;
 }
 
+SamplingSettings settings_of(const BayesOptions& options) {
+  return {.islands = options.islands,
+          .particles = options.particles,
+          .effective_fraction = options.effective_fraction,
+          .decorrelation = options.decorrelation,
+          .max_moves = options.max_moves};
+}
+
+std::shared_ptr<const SampledPosterior> put_together(const UpdatingProblem& problem, const NoiseLevels& noise,
+                                                     const PosteriorTarget& target,
+                                                     const std::vector<SampledIsland>& islands) {
+  std::vector<std::string> names = problem.space.names();
+  names.insert(names.end(), noise.names().begin(), noise.names().end());
+  const Eigen::Index particles = islands.front().points.rows();
+  Eigen::MatrixXd points(static_cast<Eigen::Index>(islands.size()) * particles, islands.front().points.cols());
+  for (std::size_t i = 0; i < islands.size(); ++i) {
+    points.middleRows(static_cast<Eigen::Index>(i) * particles, particles) = islands[i].points;
+  }
+  SampledPosterior posterior = make_posterior(islands, std::move(names), target.values(points));
+  posterior.failed_runs = target.failed();
+  posterior.evaluations = target.evaluations();
+  return std::make_shared<const SampledPosterior>(std::move(posterior));
+}
+
 UpdatingResult stopped(UpdatingResult result, const UpdatingProblem& problem, const std::string& when) {
   result.status = UpdatingStatus::stopped;
   result.message = "stopped on request " + when;
@@ -239,22 +175,25 @@ UpdatingResult stopped(UpdatingResult result, const UpdatingProblem& problem, co
 const OptionTable<BayesOptions>& bayes_option_table() {
   static const OptionTable<BayesOptions> table =
       OptionTable<BayesOptions>()
-          .choice<BayesOptions::Noise>("noise", &BayesOptions::noise,
-                                  {{"automatic", BayesOptions::Noise::automatic},
-                                   {"given", BayesOptions::Noise::given},
-                                   {"estimated", BayesOptions::Noise::estimated}},
-                                  "Measurement noise: as given by [test] repeatability, or of unknown level, one for "
-                                  "each kind of output, which is sampled with the parameters. Automatic: of unknown "
-                                  "level for the outputs without repeatability.")
-          .choice<BayesOptions::NoisePrior>("noise_prior", &BayesOptions::noise_prior,
-                                       {{"half-t", BayesOptions::NoisePrior::half_t},
-                                        {"inverse-gamma", BayesOptions::NoisePrior::inverse_gamma}},
-                                       "Prior of a level: its standard deviation half-t, or its variance inverse gamma "
-                                       "(scaled inverse chi-squared).")
-          .number("noise_scale", &BayesOptions::noise_scale, {.lower = 0.0, .excludes_lower = true}, "fraction of the value",
+          .choice<BayesOptions::Noise>(
+              "noise", &BayesOptions::noise,
+              {{"automatic", BayesOptions::Noise::automatic},
+               {"given", BayesOptions::Noise::given},
+               {"estimated", BayesOptions::Noise::estimated}},
+              "Measurement noise: as given by [test] repeatability, or of unknown level, one for "
+              "each kind of output, which is sampled with the parameters. Automatic: of unknown "
+              "level for the outputs without repeatability.")
+          .choice<BayesOptions::NoisePrior>(
+              "noise_prior", &BayesOptions::noise_prior,
+              {{"half-t", BayesOptions::NoisePrior::half_t},
+               {"inverse-gamma", BayesOptions::NoisePrior::inverse_gamma}},
+              "Prior of a level: its standard deviation half-t, or its variance inverse gamma "
+              "(scaled inverse chi-squared).")
+          .number("noise_scale", &BayesOptions::noise_scale, {.lower = 0.0, .excludes_lower = true},
+                  "fraction of the value",
                   "Scale of that prior, as a fraction of the root mean square of the tested values.")
-          .number("noise_degrees_of_freedom", &BayesOptions::noise_degrees_of_freedom, {.lower = 1.0, .upper = 1e6}, "-",
-                  "Degrees of freedom of that prior: few leave a level of many times its scale possible.")
+          .number("noise_degrees_of_freedom", &BayesOptions::noise_degrees_of_freedom, {.lower = 1.0, .upper = 1e6},
+                  "-", "Degrees of freedom of that prior: few leave a level of many times its scale possible.")
           .integer("islands", &BayesOptions::islands, {.lower = 8.0, .upper = 256.0}, "-",
                    "Number of independent islands of particles; their spread gives the standard error of the evidence.")
           .integer("particles", &BayesOptions::particles, {.lower = 100.0, .upper = 1000000.0}, "-",
@@ -281,43 +220,27 @@ UpdatingResult BayesUpdater::update(const UpdatingProblem& problem, const RunCon
   PosteriorTarget target(problem, noise, likelihood, context);
   std::vector<SampledIsland> islands;
   try {
-    islands = sample_posterior(target.target(),
-                               {.islands = options_.islands,
-                                .particles = options_.particles,
-                                .effective_fraction = options_.effective_fraction,
-                                .decorrelation = options_.decorrelation,
-                                .max_moves = options_.max_moves},
-                               context);
+    islands = sample_posterior(target.target(), settings_of(options_), context);
   } catch (const Stopped&) {
     return stopped(std::move(result), problem, "while the posterior was sampled");
   }
   result.model_evaluations += target.evaluations();
-  std::vector<std::string> names = problem.space.names();
-  names.insert(names.end(), noise.names().begin(), noise.names().end());
-  Eigen::MatrixXd points(options_.islands * options_.particles, islands.front().points.cols());
-  for (std::size_t i = 0; i < islands.size(); ++i) {
-    points.middleRows(static_cast<Eigen::Index>(i) * options_.particles, options_.particles) = islands[i].points;
-  }
-  auto posterior = std::make_shared<SampledPosterior>(make_posterior(islands, std::move(names), target.values(points)));
-  posterior->failed_runs = target.failed();
-  posterior->evaluations = target.evaluations();
+  const std::shared_ptr<const SampledPosterior> posterior = put_together(problem, noise, target, islands);
   const bool is_finished =
       std::all_of(islands.begin(), islands.end(), [](const SampledIsland& island) { return island.is_finished; });
   conclude(*posterior, options_, is_finished, result);
-  result.set_estimate(std::make_shared<SampleEstimate>(problem.space.transforms(),
-                                                       posterior->values.leftCols(problem.space.count()),
-                                                       Eigen::VectorXd(), posterior->evidence.log_evidence,
-                                                       least_effective(*posterior)));
+  result.set_estimate(std::make_shared<SampleEstimate>(
+      problem.space.transforms(), posterior->values.leftCols(problem.space.count()), Eigen::VectorXd(),
+      posterior->evidence.log_evidence, least_effective(*posterior)));
   const RegionalProblem near(problem, target.region());
-  IterationRecord last = record_state(near.problem(), tests, *result.estimate, context);
-  append_state(result, std::move(last));
+  append_state(result, record_state(near.problem(), tests, *result.estimate, context));
   context.phase({.name = "tests of the posterior"});
   const PosteriorPeak peak = peak_of(near.problem(), islands, target, context, result.model_evaluations);
   result.sensitivity = peak.sensitivity;
   result.noise_covariance = noise_variances(noise, *posterior).asDiagonal();
+  result.posterior = posterior;
   add_notes(problem, *posterior, result);
   test_posterior(problem, likelihood, noise, peak, result);
-  result.posterior = std::move(posterior);
   return result;
 }
 

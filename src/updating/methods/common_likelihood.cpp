@@ -58,8 +58,8 @@ double NoiseLevels::level(double score) const {
   }
   const boost::math::chi_squared chi_squared(nu);  // level^2 = scale^2 nu / chi^2: large where chi^2 is small
   const double below = standard_normal_cdf(-score);
-  const double value = score > 0.0 ? quantile(chi_squared, below)
-                                   : quantile(complement(chi_squared, standard_normal_cdf(score)));
+  const double value =
+      score > 0.0 ? quantile(chi_squared, below) : quantile(complement(chi_squared, standard_normal_cdf(score)));
   return options_.noise_scale * std::sqrt(nu / value);
 }
 

@@ -20,8 +20,7 @@ Evidence combine_evidence(const std::vector<SampledIsland>& islands) {
   evidence.log_evidence = largest + std::log(mean);
   evidence.standard_error = std::sqrt(variance / count) / mean;  // to first order of the logarithm
   constexpr double k_tail = 0.025;
-  const double reach =
-      boost::math::quantile(boost::math::complement(boost::math::students_t(count - 1.0), k_tail));
+  const double reach = boost::math::quantile(boost::math::complement(boost::math::students_t(count - 1.0), k_tail));
   evidence.lower = evidence.log_evidence - reach * evidence.standard_error;
   evidence.upper = evidence.log_evidence + reach * evidence.standard_error;
   evidence.spread = std::sqrt((logs - logs.mean()).square().sum() / (count - 1.0));

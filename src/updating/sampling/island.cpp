@@ -43,8 +43,7 @@ double correlation(const Eigen::ArrayXd& first, const Eigen::ArrayXd& second) {
 
 }  // namespace
 
-Island::Island(const SamplingTarget& target, const SamplingSettings& settings, std::uint64_t seed,
-               std::uint32_t number)
+Island::Island(const SamplingTarget& target, const SamplingSettings& settings, std::uint64_t seed, std::uint32_t number)
     : target_(target), settings_(settings), seed_(seed), number_(number) {
   difference_step_ = 2.38 / std::sqrt(2.0 * static_cast<double>(target.dimension));
 }
@@ -69,10 +68,11 @@ void Island::receive(const Eigen::Ref<const Eigen::VectorXd>& log_likelihood) {
   require(known.size() == 0 || known.maxCoeff() < std::numeric_limits<double>::infinity(),
           "the likelihood is infinite at some parameters: a standard deviation of the noise is zero there");
   if (is_started_) return judge_moves(known);
-  require(known.maxCoeff() > k_minus_infinity,
-          "none of {} draws of the prior has a likelihood above zero: the prior has no probability where the tests are, "
-          "or the model fails everywhere; move or widen the prior, or give a larger measurement error",
-          known.size());
+  require(
+      known.maxCoeff() > k_minus_infinity,
+      "none of {} draws of the prior has a likelihood above zero: the prior has no probability where the tests are, "
+      "or the model fails everywhere; move or widen the prior, or give a larger measurement error",
+      known.size());
   found_.log_likelihood = known;
   is_started_ = true;
 }
@@ -90,10 +90,11 @@ void Island::draw_start() {
     wanted.push_back(i);
   }
   for (int attempt = 0; !wanted.empty(); ++attempt) {
-    require(attempt < k_max_attempts,
-            "the prior is almost wholly impossible: {} draws in a row were outside the bounds or physically impossible; "
-            "move its mean, or widen the bounds",
-            k_max_attempts);
+    require(
+        attempt < k_max_attempts,
+        "the prior is almost wholly impossible: {} draws in a row were outside the bounds or physically impossible; "
+        "move its mean, or widen the bounds",
+        k_max_attempts);
     Eigen::MatrixXd candidates(static_cast<Eigen::Index>(wanted.size()), target_.dimension);
     for (std::size_t k = 0; k < wanted.size(); ++k) {
       candidates.row(static_cast<Eigen::Index>(k)) =
@@ -103,8 +104,10 @@ void Island::draw_start() {
         target_.is_possible ? target_.is_possible(candidates) : std::vector<bool>(wanted.size(), true);
     std::vector<Eigen::Index> rest;
     for (std::size_t k = 0; k < wanted.size(); ++k) {
-      if (possible[k]) found_.points.row(wanted[k]) = candidates.row(static_cast<Eigen::Index>(k));
-      else rest.push_back(wanted[k]);
+      if (possible[k])
+        found_.points.row(wanted[k]) = candidates.row(static_cast<Eigen::Index>(k));
+      else
+        rest.push_back(wanted[k]);
     }
     wanted = std::move(rest);
   }
@@ -252,7 +255,8 @@ void Island::adapt(const std::vector<double>& tried, const std::vector<double>& 
   };
   global_share_ = std::clamp(2.0 * rate(Move::global), k_least_share, k_most_share);
   local_step_ = std::clamp(local_step_ * std::exp(rate(Move::local) - k_wanted_acceptance), k_smallest_step, 1.0);
-  difference_step_ = std::max(difference_step_ * std::exp(rate(Move::difference) - k_wanted_acceptance), k_smallest_step);
+  difference_step_ =
+      std::max(difference_step_ * std::exp(rate(Move::difference) - k_wanted_acceptance), k_smallest_step);
   double sum = 0.0;
   for (const double count : accepted) sum += count;
   accepted_ += sum / static_cast<double>(kinds_.size());

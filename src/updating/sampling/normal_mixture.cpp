@@ -57,7 +57,8 @@ void NormalMixture::factorise(Part& part) const {
   double ridge = k_smallest;
   for (;;) {
     Eigen::MatrixXd covariance = part.covariance;
-    covariance.diagonal() += ridge * (part.covariance.diagonal() + k_smallest * Eigen::VectorXd::Ones(part.mean.size()));
+    covariance.diagonal() +=
+        ridge * (part.covariance.diagonal() + k_smallest * Eigen::VectorXd::Ones(part.mean.size()));
     const CholeskyFactor cholesky(covariance);
     ridge *= 100.0;
     if (!cholesky.is_positive_definite()) continue;
@@ -116,7 +117,8 @@ void NormalMixture::improve(const Eigen::MatrixXd& points) {
   std::vector<double> logs;
   for (Eigen::Index s = 0; s < points.rows(); ++s) {
     const double largest = log_parts(points.row(s).transpose(), logs);
-    for (Eigen::Index k = 0; k < components(); ++k) shares(s, k) = std::exp(logs[static_cast<std::size_t>(k)] - largest);
+    for (Eigen::Index k = 0; k < components(); ++k)
+      shares(s, k) = std::exp(logs[static_cast<std::size_t>(k)] - largest);
     shares.row(s) /= shares.row(s).sum();
   }
   const double borrowed = static_cast<double>(points.cols()) + 2.0;  // particles' worth of the common shape

@@ -13,8 +13,9 @@ namespace mottle::updating {
 /// g(x) = sum_k w_k N(x; m_k, C_k).
 class NormalMixture {
  public:
-  /// Fits by expectation-maximisation, begun at particles drawn far from each other. Few particles take their shape from
-  /// all (their covariance is shrunk towards that of all); a last component as wide as all keeps tails from being lost.
+  /// Fits by expectation-maximisation, begun at particles drawn far from each other. Few particles take their shape
+  /// from all (their covariance is shrunk towards that of all); a last component as wide as all keeps tails from being
+  /// lost.
   ///
   /// @param points  [particle x dimension], at least 2 of them different in every dimension
   /// @param stream  draws the start
@@ -42,7 +43,7 @@ class NormalMixture {
     Eigen::MatrixXd covariance;
     Eigen::MatrixXd factor = {};   // L, covariance = L L'
     Eigen::MatrixXd inverse = {};  // of L
-    double log_scale = 0.0;   // ln w - ln det L - d / 2 ln 2 pi
+    double log_scale = 0.0;        // ln w - ln det L - d / 2 ln 2 pi
   };
 
   void factorise(Part& part) const;

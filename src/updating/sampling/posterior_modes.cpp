@@ -45,7 +45,8 @@ std::vector<std::vector<Eigen::Index>> linked(const Eigen::MatrixXd& points) {
 /// Peaks that grow together as the level of density sinks.
 class Peaks {
  public:
-  explicit Peaks(const Eigen::VectorXd& density) : density_(density), parent_(static_cast<std::size_t>(density.size())) {
+  explicit Peaks(const Eigen::VectorXd& density)
+      : density_(density), parent_(static_cast<std::size_t>(density.size())) {
     std::iota(parent_.begin(), parent_.end(), Eigen::Index{0});
   }
   /// The highest point of what `point` has grown together with.
@@ -75,8 +76,7 @@ std::vector<Eigen::Index> climb(const Eigen::MatrixXd& points, const Eigen::Vect
   const std::vector<std::vector<Eigen::Index>> links = linked(points);
   std::vector<Eigen::Index> order(links.size());
   std::iota(order.begin(), order.end(), Eigen::Index{0});
-  std::stable_sort(order.begin(), order.end(),
-                   [&](Eigen::Index a, Eigen::Index b) { return density(a) > density(b); });
+  std::stable_sort(order.begin(), order.end(), [&](Eigen::Index a, Eigen::Index b) { return density(a) > density(b); });
   std::vector<bool> is_above(links.size(), false);
   Peaks peaks(density);
   for (const Eigen::Index i : order) {

@@ -12,7 +12,7 @@ namespace mottle::updating {
 namespace {
 
 void require_settings(const SamplingTarget& target, const SamplingSettings& settings) {
-  constexpr int k_max_islands = 256;             // 8 bits of a stream's name
+  constexpr int k_max_islands = 256;              // 8 bits of a stream's name
   constexpr int k_max_particles = (1 << 24) - 1;  // and the 24 beside them
   constexpr int k_max_steps = (1 << 16) - 1;
   require(target.dimension >= 1, "dimension: {}, need at least 1", target.dimension);

@@ -8,8 +8,8 @@
 namespace mottle::stats {
 namespace {
 
-/// Four chains x_t = memory x_(t-1) + u_t - 1/2 with u_t of the generator s <- 16807 s mod (2^31 - 1), whose numbers are
-/// the same in every program.
+/// Four chains x_t = memory x_(t-1) + u_t - 1/2 with u_t of the generator s <- 16807 s mod (2^31 - 1), whose numbers
+/// are the same in every program.
 Eigen::MatrixXd chains(Eigen::Index draws, double memory) {
   constexpr double k_modulus = 2147483647.0;
   Eigen::MatrixXd values(draws, 4);

@@ -22,18 +22,18 @@ struct PosteriorMode {
 /// island of particles: neighbours have common ancestors, as consecutive draws of a Markov chain do.
 struct SampledPosterior {
   Eigen::Index chains = 0;
-  Eigen::Index draws = 0;            ///< of each chain
-  std::vector<std::string> names;    ///< of the parameters, then of levels of the noise
-  Eigen::MatrixXd values;            ///< [chain x draw, name]
-  Eigen::VectorXd log_likelihood;    ///< [chain x draw]
-  Eigen::VectorXd r_hat;             ///< of each name, at last of the log-likelihood
-  Eigen::VectorXd ess_bulk;          ///< effective sample sizes
+  Eigen::Index draws = 0;          ///< of each chain
+  std::vector<std::string> names;  ///< of the parameters, then of levels of the noise
+  Eigen::MatrixXd values;          ///< [chain x draw, name]
+  Eigen::VectorXd log_likelihood;  ///< [chain x draw]
+  Eigen::VectorXd r_hat;           ///< of each name, at last of the log-likelihood
+  Eigen::VectorXd ess_bulk;        ///< effective sample sizes
   Eigen::VectorXd ess_tail;
   Evidence evidence;
-  std::vector<PosteriorMode> modes;               ///< the most probable first
+  std::vector<PosteriorMode> modes;                ///< the most probable first
   std::vector<std::vector<SamplingStage>> stages;  ///< of each chain
-  std::int64_t failed_runs = 0;      ///< of the model, whose likelihood is zero
-  std::int64_t evaluations = 0;      ///< by the sampler
+  std::int64_t failed_runs = 0;                    ///< of the model, whose likelihood is zero
+  std::int64_t evaluations = 0;                    ///< by the sampler
 
   /// The draws of one column, or of the log-likelihood [draw x chain].
   Eigen::MatrixXd chains_of(const Eigen::Ref<const Eigen::VectorXd>& column) const;
@@ -44,6 +44,6 @@ struct SampledPosterior {
 /// @param names   of the columns of `values`
 /// @param values  of every particle, island by island [particle x name]
 SampledPosterior make_posterior(const std::vector<SampledIsland>& islands, std::vector<std::string> names,
-                         Eigen::MatrixXd values);
+                                Eigen::MatrixXd values);
 
 }  // namespace mottle::updating

@@ -1,4 +1,5 @@
-// SampledPosterior of the parameters of one structure, or of parameters that all specimens have in common, with its evidence.
+// SampledPosterior of the parameters of one structure, or of parameters that all specimens have in common, with its
+// evidence.
 #pragma once
 
 #include "mottle/layers.hpp"
@@ -18,7 +19,8 @@ struct BayesOptions {
   double noise_degrees_of_freedom = 4.0;  // finite variance, but a level ten times the scale is not excluded
   int islands = 8;                        // fewer give no standard error to rely on
   int particles = 1000;
-  double effective_fraction = 0.5;  // half of the particles lost a stage: fewer stages cost more accuracy than they save
+  double effective_fraction =
+      0.5;  // half of the particles lost a stage: fewer stages cost more accuracy than they save
   double decorrelation = 0.1;
   int max_moves = 200;
 };

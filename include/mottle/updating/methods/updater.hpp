@@ -141,12 +141,12 @@ struct UpdatingResult {
   std::vector<IterationRecord> history;      ///< first: the prior's cloud; last: the cloud of `estimate`
   Eigen::MatrixXd sensitivity;  ///< dy/dx at `mean`, of a posterior at its peak [output x parameter]; else 0 x 0
   std::int64_t model_evaluations = 0;
-  std::optional<ParameterIntervals> intervals = std::nullopt;  ///< of methods that estimate a population
-  std::shared_ptr<const SampledPosterior> posterior = nullptr;        ///< of methods that sample one
-  std::optional<SpecimenEstimates> specimens = std::nullopt;   ///< of methods that look at each specimen
-  std::optional<ModelError> model_error = std::nullopt;        ///< of methods that estimate it; see TestData
-  std::vector<Outlier> outliers = {};                          ///< specimens that do not belong to the others
-  std::optional<NormalityReport> normality = std::nullopt;     ///< of methods that look at each specimen
+  std::optional<ParameterIntervals> intervals = std::nullopt;   ///< of methods that estimate a population
+  std::shared_ptr<const SampledPosterior> posterior = nullptr;  ///< of methods that sample one
+  std::optional<SpecimenEstimates> specimens = std::nullopt;    ///< of methods that look at each specimen
+  std::optional<ModelError> model_error = std::nullopt;         ///< of methods that estimate it; see TestData
+  std::vector<Outlier> outliers = {};                           ///< specimens that do not belong to the others
+  std::optional<NormalityReport> normality = std::nullopt;      ///< of methods that look at each specimen
   std::vector<Eigen::VectorXd> other_solutions = {};  ///< means that explain the tests' mean as well [parameter]
   /// Parameters that explain what the method fits better than `mean` does, which is a local minimum; empty: not known.
   Eigen::VectorXd better_solution = {};

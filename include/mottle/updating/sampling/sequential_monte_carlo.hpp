@@ -25,7 +25,8 @@ struct SamplingSettings {
 /// What is sampled: p(u) = N(u; 0, 1) L(u) / Z where u is possible, Z relative to the prior cut at what is possible.
 struct SamplingTarget {
   Eigen::Index dimension = 0;
-  /// ln L of each point, all possible [point x dimension] -> [point]; -infinity or nan: L = 0, as where the model fails.
+  /// ln L of each point, all possible [point x dimension] -> [point]; -infinity or nan: L = 0, as where the model
+  /// fails.
   std::function<Eigen::VectorXd(const Eigen::MatrixXd& points)> log_likelihood;
   /// Whether each point is possible; empty: all are [point x dimension] -> [point].
   std::function<std::vector<bool>(const Eigen::MatrixXd& points)> is_possible = {};
@@ -73,8 +74,8 @@ struct Evidence {
 ///    steps along differences of two particles (accepted by p). They go on until no coordinate and not the
 ///    log-likelihood is correlated with the stage's start.
 ///
-/// Islands share batches of evaluations and nothing else. Every random number is named by (seed, purpose, island, stage,
-/// step, particle): the result is the same at any number of threads.
+/// Islands share batches of evaluations and nothing else. Every random number is named by (seed, purpose, island,
+/// stage, step, particle): the result is the same at any number of threads.
 ///
 /// @throws InvalidInput  no particle of an island has a likelihood above zero; what is possible has no prior
 ///                       probability
