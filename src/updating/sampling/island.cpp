@@ -129,10 +129,15 @@ void Island::begin_stage() {
   start_points_ = found_.points;
   start_log_likelihood_ = found_.log_likelihood;
   accepted_ = 0.0;
-  mixture_ = std::make_unique<const NormalMixture>(found_.points, stream(StreamPurpose::posterior_proposal, 0, 0));
+  for (std::uint32_t k = 0; k < 2; ++k) {
+    const Eigen::Index first = k == 0 ? 0 : half();
+    const Eigen::Index count = k == 0 ? half() : found_.points.rows() - half();
+    mixtures_[k] = std::make_unique<const NormalMixture>(found_.points.middleRows(first, count),
+                                                         stream(StreamPurpose::posterior_proposal, 0, k));
+  }
   log_mixture_.resize(found_.points.rows());
   for (Eigen::Index i = 0; i < log_mixture_.size(); ++i) {
-    log_mixture_(i) = mixture_->log_density(found_.points.row(i).transpose());
+    log_mixture_(i) = mixture_for(i).log_density(found_.points.row(i).transpose());
   }
 }
 
@@ -186,7 +191,7 @@ void Island::propose_moves() {
                                           : kind < global_share_ + local_share ? Move::local
                                                                                : Move::difference;
     proposals_.row(i) = propose_move(i, random).transpose();
-    proposed_log_mixture_(i) = mixture_->log_density(proposals_.row(i).transpose());
+    proposed_log_mixture_(i) = mixture_for(i).log_density(proposals_.row(i).transpose());
   }
   keep_possible();
 }
@@ -194,17 +199,19 @@ void Island::propose_moves() {
 Eigen::VectorXd Island::propose_move(Eigen::Index particle, RandomStream& random) {
   const Eigen::VectorXd x = found_.points.row(particle).transpose();
   const double uniform = random.uniform();
+  const NormalMixture& mixture = mixture_for(particle);
   switch (kinds_[static_cast<std::size_t>(particle)]) {
     case Move::global:
-      return mixture_->move(mixture_->draw_component(uniform), x, draw_normals(random, x.size()), 1.0);
+      return mixture.move(mixture.draw_component(uniform), x, draw_normals(random, x.size()), 1.0);
     case Move::local:
-      return mixture_->move(mixture_->component_of(x, uniform), x, draw_normals(random, x.size()), local_step_);
+      return mixture.move(mixture.component_of(x, uniform), x, draw_normals(random, x.size()), local_step_);
     case Move::difference:
       break;
   }
-  const auto count = static_cast<double>(start_points_.rows());
-  const auto first = static_cast<Eigen::Index>(random.uniform() * count);
-  const auto second = static_cast<Eigen::Index>(random.uniform() * count);
+  const Eigen::Index begin = particle < half() ? half() : 0;
+  const auto count = static_cast<double>(begin == 0 ? half() : start_points_.rows() - half());
+  const auto first = begin + static_cast<Eigen::Index>(random.uniform() * count);
+  const auto second = begin + static_cast<Eigen::Index>(random.uniform() * count);
   const double step = uniform < k_jump ? 1.0 : difference_step_;
   return x + step * (start_points_.row(first) - start_points_.row(second)).transpose();
 }

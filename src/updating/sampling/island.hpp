@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -37,6 +38,8 @@ class Island {
   double next_increment() const;
   void resample(const Eigen::VectorXd& weights);
   void propose_moves();
+  Eigen::Index half() const { return found_.points.rows() / 2; }
+  const NormalMixture& mixture_for(Eigen::Index particle) const { return *mixtures_[particle < half() ? 1 : 0]; }
   Eigen::VectorXd propose_move(Eigen::Index particle, RandomStream& random);
   void keep_possible();
   void judge_moves(const Eigen::Ref<const Eigen::VectorXd>& log_likelihood);
@@ -57,7 +60,9 @@ class Island {
 
   Eigen::MatrixXd start_points_;  // of the stage, after resampling
   Eigen::VectorXd start_log_likelihood_;
-  std::unique_ptr<const NormalMixture> mixture_;
+  /// Of the first and of the second half of the particles, each for the moves of the other half: a proposal that is
+  /// fitted to what it moves pulls it together.
+  std::array<std::unique_ptr<const NormalMixture>, 2> mixtures_;
   Eigen::VectorXd log_mixture_;  // at the particles
   double global_share_ = 0.4;    // of the moves
   double local_step_ = 0.7;

@@ -70,9 +70,9 @@ struct Evidence {
 ///    is multiplied by the mean weight;
 /// 2. systematic resampling;
 /// 3. Metropolis steps of three kinds, each of which leaves the target as it is: draws of a normal mixture g that is
-///    fitted to the particles, moves within the component that a particle belongs to (both accepted by p / g), and
-///    steps along differences of two particles (accepted by p). They go on until no coordinate and not the
-///    log-likelihood is correlated with the stage's start.
+///    fitted to particles, moves within the component that a particle belongs to (both accepted by p / g), and
+///    steps along differences of two particles (accepted by p), for each half of the particles by those of the other.
+///    They go on until no coordinate and not the log-likelihood is correlated with the stage's start.
 ///
 /// Islands share batches of evaluations and nothing else. Every random number is named by (seed, purpose, island,
 /// stage, step, particle): the result is the same at any number of threads.
