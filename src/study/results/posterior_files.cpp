@@ -31,9 +31,12 @@ std::string posterior_csv(const SampledPosterior& posterior) {
   header.emplace_back("log_likelihood");
   const Eigen::Index columns = posterior.values.cols();
   Eigen::MatrixXd rows(posterior.values.rows(), columns + 3);
-  for (Eigen::Index s = 0; s < rows.rows(); ++s) {
-    rows(s, 0) = static_cast<double>(s / posterior.draws + 1);
-    rows(s, 1) = static_cast<double>(s % posterior.draws + 1);
+  for (Eigen::Index c = 0; c < posterior.chains; ++c) {
+    const Eigen::Index first = c * posterior.draws;
+    const auto draws = static_cast<double>(posterior.draws);
+    rows.col(0).segment(first, posterior.draws).setConstant(static_cast<double>(c + 1));
+    rows.col(1).segment(first, posterior.draws) =
+        Eigen::VectorXd::LinSpaced(posterior.draws, 1.0, draws).array().round();
   }
   rows.middleCols(2, columns) = posterior.values;
   rows.col(columns + 2) = posterior.log_likelihood;
