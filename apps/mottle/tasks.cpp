@@ -121,7 +121,8 @@ void add_cancel(CLI::App& app) {
   verb->callback([folder] {
     require_folder(*folder);
     const std::vector<std::string> names = drivers::cancel_tasks(*folder);
-    if (names.empty()) fmt::print("no tasks of a scheduler\n");
+    if (names.empty())
+      fmt::print("no tasks of a scheduler now; a Mottle that is at work there ends before it submits more\n");
     for (const std::string& name : names) fmt::print("cancelled: {}\n", name);
   });
 }

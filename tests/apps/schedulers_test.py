@@ -151,11 +151,38 @@ class SchedulersTest(support.CommandTest):
         self.assertIn("of other files, are ended", (self.folder / "out" / "mottle.log").read_text())
         self.assertEqual(len(set(self.runs())), 12 + 1, "and the one at the means")
 
+    def test_a_changed_template_ends_the_tasks_of_before(self):
+        self.tower("lsf", 0.5, "runs_per_task = 12\nruns_at_once = 1", samples=12)
+        process = self.start()
+        self.wait_for(3)
+        process.send_signal(signal.SIGKILL)
+        process.communicate()
+        template = self.folder / "tower" / "tower.inp.in"
+        template.write_text(template.read_text() + "\n")
+        self.end(self.start("--quiet"))
+        self.assertIn("of other files, are ended", (self.folder / "out" / "mottle.log").read_text())
+
+    def test_a_copied_folder_leaves_the_tasks_to_the_original(self):
+        self.tower("pbs", 0.4, "runs_per_task = 4")
+        process = self.start()
+        self.wait_for(4)
+        process.send_signal(signal.SIGKILL)
+        process.communicate()
+        shutil.copytree(self.folder / "out", self.folder / "copy")
+        ended = support.run("cancel", "copy", cwd=self.folder, environment=self.environment)
+        self.assertEqual(ended.code, 2, ended.out)
+        self.assertIn("is a copy", ended.err)
+        ended = support.run("status", "copy", cwd=self.folder, environment=self.environment)
+        self.assertIn("a copy: its tasks belong to", ended.out)
+        self.end(self.start("--resume"))
+        self.expect_same()
+
     def test_faults_of_a_study_are_refused_with_their_line(self):
         self.tower("pbs", 0.0, "")
         for change, words in ((("launch = \"pbs\"", "launch = \"local\""), "is for model.launch"),
                               (("launch = \"pbs\"", "launch = \"pbx\""), "did you mean \"pbs\"?"),
                               (("[model.scheduler]", "[model.scheduler]\ncore = 3"), "did you mean 'cores'?"),
+                              (("[model.scheduler]", "[model.scheduler]\nextra = [\"-N\", \"mine\"]"), "finds its tasks by them"),
                               (("[model.scheduler]", "[model.scheduler]\nlicences = \"a:b\""), "ansys:1"),
                               (("launch = \"pbs\"", "launch = \"pbs\"\nparallel = 3"), "runs_at_once")):
             text = (self.folder / "tower" / "study.toml").read_text()

@@ -252,6 +252,16 @@ std::filesystem::path SolverRuns::keep_folder(const std::filesystem::path& folde
   return folders_->keep(folder, has_failed, name);
 }
 
+Digest SolverRuns::constants() const {
+  std::string text = constants_ + fmt::format("{} ", command_.command.is_shell);
+  for (const RunFile& file : command_.templates) add_piece(text, *file.text);
+  for (const std::string& argument : command_.command.arguments) add_piece(text, argument);
+  if (command_.retry_command) {
+    for (const std::string& argument : command_.retry_command->arguments) add_piece(text, argument);
+  }
+  return digest_of(text);
+}
+
 std::string SolverRuns::id_of(const Digest& key) {
   return hexadecimal(key).substr(0, 12);
 }

@@ -1,5 +1,7 @@
 #include "mottle/drivers/scheduler/array_folder.hpp"
 
+#include <sys/stat.h>
+
 #include <algorithm>
 #include <random>
 #include <sstream>
@@ -14,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view k_magic = "mottle array 1\n";
+constexpr std::string_view k_magic = "mottle array 2\n";
 constexpr const char* k_array = "array";
 constexpr const char* k_array_mark = ".mottle-array";  // only what holds it is ever removed
 constexpr const char* k_job = "job";
@@ -40,9 +42,15 @@ std::string script_text(const fs::path& folder, const std::string& number_variab
       number_variable, quoted(folder.string()), quoted(program.string()), quoted(folder.string()));
 }
 
+std::uint64_t inode_of(const fs::path& folder) {
+  struct stat status {};
+  return ::stat(folder.c_str(), &status) == 0 ? static_cast<std::uint64_t>(status.st_ino) : 0;
+}
+
 std::string bytes_of(const ArrayPlan& plan) {
   std::string body;
   append_text(body, plan.name);
+  append_value(body, plan.inode);
   append_command(body, plan.command);
   append_value(body, static_cast<std::uint64_t>(plan.parameters.size()));
   for (const std::string& name : plan.parameters) append_text(body, name);
@@ -74,8 +82,8 @@ bool read_runs(ByteReader& reader, ArrayPlan& plan) {
 
 bool read_plan(ByteReader reader, ArrayPlan& plan) {
   std::uint64_t parameters = 0;
-  if (!reader.read_text(plan.name) || !read_command(reader, plan.command) || !reader.read(parameters) ||
-      parameters > reader.left()) {
+  if (!reader.read_text(plan.name) || !reader.read(plan.inode) || !read_command(reader, plan.command) ||
+      !reader.read(parameters) || parameters > reader.left()) {
     return false;
   }
   plan.parameters.resize(parameters);
@@ -99,7 +107,7 @@ std::string new_array_name() {
   return fmt::format("mottle-{:08x}", static_cast<std::uint32_t>(entropy()));
 }
 
-void write_array(const fs::path& folder, const ArrayPlan& plan, const std::string& number_variable) {
+void write_array(const fs::path& folder, ArrayPlan plan, const std::string& number_variable) {
   std::error_code error;
   fs::create_directories(folder, error);
   write_run_file(folder / k_array_mark, "Made by Mottle for runs of a solver, and removed by it.\n");
@@ -110,6 +118,7 @@ void write_array(const fs::path& folder, const ArrayPlan& plan, const std::strin
   }
   write_file_atomically(folder / "job.sh", script_text(folder, number_variable));
   fs::permissions(folder / "job.sh", fs::perms::owner_exec, fs::perm_options::add, error);
+  plan.inode = inode_of(folder);
   const std::string body = bytes_of(plan);
   const Digest sum = digest_of(body);
   const std::string_view sum_bytes(reinterpret_cast<const char*>(sum.data()), sizeof(sum));
@@ -134,6 +143,10 @@ std::optional<ArrayPlan> read_array(const fs::path& folder) {
   if (!reader.read(sum) || digest_of(std::string_view(*bytes).substr(head)) != sum || !read_plan(reader, plan))
     refuse();
   return plan;
+}
+
+bool is_copied_array(const fs::path& folder, const ArrayPlan& plan) {
+  return inode_of(folder) != plan.inode;
 }
 
 std::vector<fs::path> array_folders(const fs::path& results) {

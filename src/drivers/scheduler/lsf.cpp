@@ -32,7 +32,7 @@ class LsfScheduler final : public Scheduler {
     }
     if (!options_.licences.empty()) add("-R", fmt::format("rusage[{}]", licence_text()));
     call.insert(call.end(), options_.extra.begin(), options_.extra.end());
-    call.push_back(request.script.string());
+    call.push_back("./" + request.script.filename().string());  // LSF makes a line for a shell of it
     const CommandAnswer answer = ask_scheduler(call, stop_);
     if (!answer.is_done) refuse_answer("bsub", answer);
     const std::size_t begin = answer.output.find('<');  // Job <123> is submitted to queue <normal>.

@@ -46,14 +46,13 @@ class PbsScheduler final : public Scheduler {
   }
 
   std::vector<TaskReport> list(const std::vector<std::string>& names) override {
-    std::vector<std::string> call{"qstat", "-x", "-t", "-f", "-F", "json"};
-    const std::size_t options = call.size();
+    std::vector<std::string> ids;
     for (const std::string& name : names) {
-      const std::vector<std::string> ids = ids_of(name);
-      call.insert(call.end(), ids.begin(), ids.end());
+      const std::vector<std::string> more = ids_of(name);
+      ids.insert(ids.end(), more.begin(), more.end());
     }
-    if (call.size() == options) return {};
-    const CommandAnswer answer = ask_scheduler(call, stop_);
+    if (ids.empty()) return {};
+    const CommandAnswer answer = ask_with_history({"qstat", "-t", "-f", "-F", "json"}, ids);
     if (!answer.is_done && !is_of_ended_job(answer)) {
       throw SchedulerSilent(fmt::format("qstat says: {}", answer.error));
     }
@@ -72,8 +71,24 @@ class PbsScheduler final : public Scheduler {
   std::string number_variable() const override { return "PBS_ARRAY_INDEX"; }
 
  private:
+  /// Of jobs that have ended too (-x), where the server keeps a history; where it does not, they are not shown any
+  /// more.
+  CommandAnswer ask_with_history(std::vector<std::string> call, const std::vector<std::string>& ids) {
+    const auto asked = [&](bool is_history) {
+      std::vector<std::string> all = call;
+      if (is_history) all.insert(all.begin() + 1, "-x");
+      all.insert(all.end(), ids.begin(), ids.end());
+      return ask_scheduler(all, stop_);
+    };
+    if (has_history_) {
+      CommandAnswer answer = asked(true);
+      has_history_ = answer.is_done || answer.error.find("history") == std::string::npos;
+      if (has_history_) return answer;
+    }
+    return asked(false);
+  }
   std::vector<std::string> ids_of(const std::string& name) {
-    const CommandAnswer answer = ask_scheduler({"qselect", "-x", "-N", name}, stop_);
+    const CommandAnswer answer = ask_with_history({"qselect", "-N", name}, {});
     if (!answer.is_done) throw SchedulerSilent(fmt::format("qselect says: {}", answer.error));
     return lines_of_text(answer.output);
   }
@@ -87,7 +102,13 @@ class PbsScheduler final : public Scheduler {
 
   SchedulerOptions options_;
   const std::atomic<bool>* stop_;
+  bool has_history_ = true;
 };
+
+/// A text of a job; empty: there is none.
+std::string text_of(const nlohmann::json& job, const char* key) {
+  return job.contains(key) && job[key].is_string() ? job[key].get<std::string>() : "";
+}
 
 TaskReport::State state_of(const std::string& letter) {
   if (letter == "F" || letter == "X") return TaskReport::State::ended;
@@ -100,24 +121,27 @@ TaskReport::State state_of(const std::string& letter) {
 std::vector<TaskReport> read_qstat(const std::string& output, const std::vector<std::string>& names) {
   std::vector<TaskReport> reports;
   const nlohmann::json root = nlohmann::json::parse(output, nullptr, false);
-  if (root.is_discarded()) throw SchedulerSilent("qstat printed something else than JSON");
-  const nlohmann::json jobs = root.value("Jobs", nlohmann::json::object());
+  if (!root.is_object()) throw SchedulerSilent("qstat printed something else than JSON of jobs");
+  const nlohmann::json jobs = root.contains("Jobs") ? root["Jobs"] : nlohmann::json::object();
+  if (!jobs.is_object()) throw SchedulerSilent("qstat printed no table of jobs");
   for (const auto& [id, job] : jobs.items()) {
-    const std::string name = job.value("Job_Name", "");
+    if (!job.is_object()) continue;
+    const std::string name = text_of(job, "Job_Name");
     if (std::ranges::find(names, name) == names.end()) continue;
     const std::size_t bracket = id.find('[');
     double number = 1.0;  // a job that is no array
     if (bracket != std::string::npos && !parse_number(id.substr(bracket + 1, id.find(']') - bracket - 1), number)) {
       continue;  // "12[].server" is the array itself
     }
-    const std::string letter = job.value("job_state", "");
+    const std::string letter = text_of(job, "job_state");
     const int status =
         job.contains("Exit_status") && job["Exit_status"].is_number() ? job["Exit_status"].get<int>() : 0;
     TaskReport report{.array = name,
                       .task = static_cast<int>(number),
                       .state = state_of(letter),
-                      .node = job.value("exec_host", ""),
-                      .words = job.value("comment", letter)};
+                      .node = text_of(job, "exec_host"),
+                      .words = text_of(job, "comment")};
+    if (report.words.empty()) report.words = letter;
     report.node = report.node.substr(0, report.node.find('/'));
     if (report.state == TaskReport::State::ended) {
       report.is_success = status == 0;

@@ -58,6 +58,11 @@ void ScheduledRuns::adopt(bool is_resumed) {
       const RunRecord record = decode_run(bytes);
       if ((record.failure.empty() || is_resumed) && !runs_.find(key)) runs_.keep(key, record);
     });
+    if (is_copied_array(folder, *plan)) {
+      notes_.push_back(fmt::format("{}: a copy of another folder's tasks, which are left to it", array->name()));
+      remove_array(folder);
+      continue;
+    }
     const bool is_same = plan->command.scheduler && plan->command.scheduler->kind == options_.kind &&
                          plan->constants == runs_.constants();
     if (!is_same) {

@@ -135,6 +135,7 @@ void ScheduledRuns::bury(Batch& batch, const TaskArray& array, const TaskDeath& 
   }
   note(batch.context, fmt::format("task {} of {} ended with {} runs to do: {}", death.task, array.name(),
                                   death.missing.size(), death.reason));
+  runs_.require_room(task);  // else a full disk would fail one run after the other
   const std::optional<RunQueue::Failure> failure = batch.queue.put_back(death);
   if (!failure) return;
   if (!failure->is_begun) {
@@ -166,6 +167,10 @@ void ScheduledRuns::wait_a_moment(const RunContext& context, double seconds) {
 void ScheduledRuns::stop(const std::string& why) {
   const int tasks = unfinished();
   leaves_tasks_ = !is_temporary_;
+  if (fs::exists(cancel_mark(results_))) {  // also what was submitted meanwhile
+    for (const std::unique_ptr<TaskArray>& array : arrays_) scheduler_->cancel(array->name());
+    throw Stopped(why + "; --resume goes on");
+  }
   if (is_temporary_ || tasks == 0) throw Stopped(why);
   const std::string folder = results_.string();
   throw Stopped(fmt::format("{}; {} {} in {}: 'mottle status {}' shows them, 'mottle cancel {}' ends them", why, tasks,

@@ -34,12 +34,14 @@ class CallFolder {
   std::string path_;
 };
 
-/// Whether a variable tells of the job that this Mottle runs in; a new job inherits it else, as its own.
+/// Whether a variable tells of the job that this Mottle runs in, which a new job would inherit as its own, or narrows
+/// what squeue shows and scancel ends.
 bool is_job_variable(std::string_view name) {
   constexpr std::array<std::string_view, 5> k_kept{"SLURM_CONF", "SLURM_CLUSTERS", "SLURM_TIME_FORMAT", "PBS_CONF_FILE",
                                                    "PBS_SERVER"};
-  constexpr std::array<std::string_view, 10> k_job{"SLURM_",       "SLURMD_",   "SBATCH_MEM",       "PBS_",  "PMI_",
-                                                   "LSB_JOBINDEX", "LSB_JOBID", "OMPI_COMM_WORLD_", "PMIX_", "PRTE_"};
+  constexpr std::array<std::string_view, 12> k_job{"SLURM_",    "SLURMD_",          "SBATCH_MEM", "PBS_",
+                                                   "PMI_",      "SQUEUE_",          "SCANCEL_",   "LSB_JOBINDEX",
+                                                   "LSB_JOBID", "OMPI_COMM_WORLD_", "PMIX_",      "PRTE_"};
   if (std::ranges::find(k_kept, name) != k_kept.end()) return false;
   return std::ranges::any_of(k_job, [&](std::string_view prefix) { return name.starts_with(prefix); });
 }
@@ -58,7 +60,7 @@ std::vector<std::string> without_job_variables(const std::vector<std::string>& a
 
 /// Words of schedulers that are busy, restarted, out of reach, or full for now.
 bool is_passing(const std::string& words) {
-  constexpr std::array<std::string_view, 24> k_passing{"unable to contact",
+  constexpr std::array<std::string_view, 23> k_passing{"unable to contact",
                                                        "socket timed out",
                                                        "connection refused",
                                                        "connection timed out",
@@ -69,7 +71,6 @@ bool is_passing(const std::string& words) {
                                                        "communication failure",
                                                        "communication connection failure",
                                                        "temporarily",
-                                                       "timeout",
                                                        "try again",
                                                        "please wait",
                                                        "retrying",

@@ -23,12 +23,14 @@ class SlurmScheduler final : public Scheduler {
   std::string submit(const ArrayRequest& request) override {
     std::string array = fmt::format("--array=1-{}", request.tasks);
     if (request.limit > 0) array += fmt::format("%{}", request.limit);
+    // Slurm expands % and \ in the name, of the folder too; job.sh writes the same file, without Slurm's own words.
+    const bool is_plain = request.folder.string().find_first_of("%\\") == std::string::npos;
     std::vector<std::string> call{"sbatch",
                                   "--parsable",
                                   "--job-name=" + request.name,
                                   array,
                                   "--chdir=" + request.folder.string(),
-                                  "--output=task-%a/output.txt",
+                                  is_plain ? "--output=task-%a/output.txt" : "--output=/dev/null",
                                   "--open-mode=append",
                                   "--input=none",
                                   "--nodes=1",

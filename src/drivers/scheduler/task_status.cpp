@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 
+#include "mottle/core/error.hpp"
 #include "mottle/core/files.hpp"
 #include "mottle/drivers/command/run_folders.hpp"
 #include "mottle/drivers/command/run_store.hpp"
@@ -52,7 +53,11 @@ std::vector<ArrayStatus> read_task_status(const std::filesystem::path& results) 
       status.done += runs.done;
       status.failed += runs.failed;
     }
-    ask_for_tasks(*plan->command.scheduler, status);
+    if (is_copied_array(folder, *plan)) {
+      status.silence = "a copy: its tasks belong to the folder that it was copied from";
+    } else {
+      ask_for_tasks(*plan->command.scheduler, status);
+    }
     all.push_back(std::move(status));
   }
   return all;
@@ -61,10 +66,17 @@ std::vector<ArrayStatus> read_task_status(const std::filesystem::path& results) 
 std::vector<std::string> cancel_tasks(const std::filesystem::path& results) {
   std::vector<std::string> names;
   const std::vector<std::filesystem::path> folders = array_folders(results);
-  if (!folders.empty()) write_file_atomically(cancel_mark(results), "");
+  std::error_code ignored;
+  if (!folders.empty() || std::filesystem::exists(results / k_run_store, ignored)) {
+    std::filesystem::create_directory(results / k_task_folder, ignored);
+    write_file_atomically(cancel_mark(results), "");  // for a Mottle that is between two batches too
+  }
   for (const std::filesystem::path& folder : folders) {
     const std::optional<ArrayPlan> plan = read_array(folder);
     if (!plan || !plan->command.scheduler) continue;
+    require(!is_copied_array(folder, *plan),
+            "{}: is a copy of a folder of tasks, which belong to the folder that it was copied from; cancel them there",
+            folder.string());
     make_scheduler(*plan->command.scheduler, nullptr)->cancel(plan->name);
     names.push_back(plan->name);
   }

@@ -45,6 +45,17 @@ TEST(SchedulerOutput, QstatTellsTasksAndLeavesOutTheArrayItself) {
   EXPECT_THROW(read_qstat("qstat: Connection refused", {}), SchedulerSilent);
 }
 
+TEST(SchedulerOutput, QstatsJsonOfAnotherShapeIsNoAnswerOrNoTask) {
+  for (const char* text : {"[]", "null", "\"x\"", R"({"Jobs": [1]})"})
+    EXPECT_THROW(read_qstat(text, {}), SchedulerSilent);
+  EXPECT_TRUE(read_qstat("{}", {"m"}).empty());
+  EXPECT_TRUE(read_qstat(R"({"Jobs": {"1.s": 3, "2.s": {"Job_Name": 5}}})", {"m"}).empty());
+  const std::vector<TaskReport> reports =
+      read_qstat(R"({"Jobs": {"1.s": {"Job_Name": "m", "job_state": "R", "comment": 7, "exec_host": null}}})", {"m"});
+  ASSERT_EQ(reports.size(), 1U);
+  EXPECT_EQ(reports[0].words, "R");
+}
+
 TEST(SchedulerOutput, BjobsTellsWhyATaskEnded) {
   const std::vector<TaskReport> reports = read_bjobs(
       "mottle-1[1]|1|PEND|-|-\nmottle-1[2]|2|EXIT|n1|TERM_RUNLIMIT: job killed after reaching LSF run time limit\n"

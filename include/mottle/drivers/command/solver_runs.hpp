@@ -60,6 +60,8 @@ class SolverRuns {
   /// Keeps a run that was done elsewhere, and its folder where it has one: see RunFolders::keep. Throws SystemFailure.
   void keep(const Digest& key, const RunRecord& record);
   std::filesystem::path keep_folder(const std::filesystem::path& folder, bool has_failed, const std::string& name);
+  /// Throws SystemFailure where nothing more can be written there.
+  void require_room(const std::filesystem::path& folder) const { folders_->require_room(folder); }
   /// "1a2b3c4d5e6f", as messages and folders of failed runs name it.
   static std::string id_of(const Digest& key);
 
@@ -70,7 +72,7 @@ class SolverRuns {
   /// "ccx plate".
   std::string command_text() const;
   /// Of everything that is the same for all runs.
-  Digest constants() const { return digest_of(constants_); }
+  Digest constants() const;
   /// The command with its templates' texts and absolute paths, for other processes to do the same runs.
   SolverCommand frozen_command() const;
   const std::vector<std::string>& parameter_names() const { return names_; }

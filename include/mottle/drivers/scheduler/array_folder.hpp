@@ -23,7 +23,8 @@ inline constexpr const char* k_task_folder = "tasks";  ///< within the folder of
 
 /// An array's runs, and all that another process needs to do them.
 struct ArrayPlan {
-  std::string name = {};  ///< under which the scheduler knows it
+  std::string name = {};    ///< under which the scheduler knows it
+  std::uint64_t inode = 0;  ///< of its folder: that of a copy is another
   SolverCommand command = {};
   std::vector<std::string> parameters = {};
   int min_modes = 1;                   ///< that a run must give
@@ -51,9 +52,11 @@ std::string new_array_name();
 /// Makes the folder with all that tasks need. Throws SystemFailure, InvalidInput: it cannot be written.
 ///
 /// @param number_variable  that tells a task its number
-void write_array(const std::filesystem::path& folder, const ArrayPlan& plan, const std::string& number_variable);
+void write_array(const std::filesystem::path& folder, ArrayPlan plan, const std::string& number_variable);
 /// Throws SystemFailure where the file is damaged; nothing where there is none.
 std::optional<ArrayPlan> read_array(const std::filesystem::path& folder);
+/// Whether the folder is a copy of the one that was submitted, whose tasks are not this one's to end.
+bool is_copied_array(const std::filesystem::path& folder, const ArrayPlan& plan);
 /// Folders with arrays in a folder of results, by name.
 std::vector<std::filesystem::path> array_folders(const std::filesystem::path& results);
 

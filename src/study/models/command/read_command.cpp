@@ -142,6 +142,16 @@ SchedulerOptions read_scheduler(TomlReader reader, SchedulerKind kind) {
   options.runs_per_task = static_cast<int>(reader.integer_or("runs_per_task", 0, {.lower = 0.0, .upper = 1e6}));
   options.tries = static_cast<int>(reader.integer_or("tries", options.tries, {.lower = 1.0, .upper = 100.0}));
   if (reader.has("extra")) options.extra = reader.texts("extra");
+  for (const std::string& option : options.extra) {
+    const bool is_array = option.starts_with("-J") || option.starts_with("--array") ||
+                          (kind == SchedulerKind::slurm && option.starts_with("-a"));
+    const bool is_name = option.starts_with("--job-name") || (kind == SchedulerKind::pbs && option.starts_with("-N"));
+    if (is_name || is_array) {
+      reader.fail(
+          "extra",
+          fmt::format("names and arrays of jobs are Mottle's, which finds its tasks by them; found '{}'", option));
+    }
+  }
   reader.raw("extra");
   reader.finish();
   return options;
