@@ -53,7 +53,7 @@ std::filesystem::path print_report(const std::filesystem::path& folder) {
     throw SystemFailure(fmt::format("{}: the browser did not print the report: {}", browser.string(),
                                     end.reason.empty() ? "it wrote no file" : end.reason));
   }
-  const std::filesystem::path file = folder / "report.pdf";
+  std::filesystem::path file = folder / "report.pdf";
   write_file_atomically(file, read_file(printed));
   return file;
 }
