@@ -16,24 +16,6 @@ namespace {
 
 constexpr std::chrono::seconds k_patience{60};
 
-/// A folder that goes again.
-class CallFolder {
- public:
-  CallFolder() : path_((temporary_folder() / "mottle-call-XXXXXX").string()) {
-    if (::mkdtemp(path_.data()) == nullptr) throw SystemFailure(fmt::format("{}: cannot be made", path_));
-  }
-  ~CallFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  CallFolder(const CallFolder&) = delete;
-  CallFolder& operator=(const CallFolder&) = delete;
-  std::filesystem::path path() const { return path_; }
-
- private:
-  std::string path_;
-};
-
 /// Whether a variable tells of the job that this Mottle runs in, which a new job would inherit as its own, or narrows
 /// what squeue shows and scancel ends.
 bool is_job_variable(std::string_view name) {
@@ -96,7 +78,7 @@ CommandAnswer ask_scheduler(const std::vector<std::string>& arguments, const std
         "there is no program '{}' on PATH, which model.launch needs; start Mottle where jobs can be submitted",
         arguments.front()));
   }
-  const CallFolder folder;
+  const TemporaryFolder folder;
   const ProcessEnd end = run_process({.arguments = without_job_variables(arguments),
                                       .directory = folder.path(),
                                       .environment = {{"LC_ALL", "C"}},
