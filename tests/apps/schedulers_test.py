@@ -68,6 +68,12 @@ class SchedulersTest(support.CommandTest):
         while len(self.runs()) < runs and time.monotonic() < end:
             time.sleep(0.02)
 
+    def kill_after(self, runs):
+        process = self.start()
+        self.wait_for(runs)
+        process.send_signal(signal.SIGKILL)
+        process.communicate()
+
     def expect_same(self, again=0):
         self.assertEqual(support.numbers(self.folder / "out"), support.numbers(self.folder / "alone"))
         self.assertLessEqual(len(self.runs()) - len(set(self.runs())), again)
@@ -82,10 +88,7 @@ class SchedulersTest(support.CommandTest):
         """Killed, found again, a task cancelled by hand, and done."""
         options = 'runs_per_task = 4\ntime = "90 min"\ncores = 2\nlicences = "ansys:1"\naccount = "me"\nruns_at_once = 2\n'
         self.tower(launch, 0.3, options)
-        process = self.start()
-        self.wait_for(5)
-        process.send_signal(signal.SIGKILL)
-        process.communicate()
+        self.kill_after(5)
         status = json.loads(subprocess.run([support.MOTTLE, "status", "out", "--json"], cwd=self.folder, text=True,
                                            env=self.environment, capture_output=True, check=True).stdout)
         self.assertEqual([array["runs"] for array in status["arrays"]], [12])
@@ -141,10 +144,7 @@ class SchedulersTest(support.CommandTest):
 
     def test_changed_files_are_not_mixed_with_runs_of_before(self):
         self.tower("pbs", 0.5, "runs_per_task = 12\nruns_at_once = 1", samples=12)
-        process = self.start()
-        self.wait_for(3)
-        process.send_signal(signal.SIGKILL)
-        process.communicate()
+        self.kill_after(3)
         solver = self.folder / "tower" / "tower.py"
         solver.write_text(solver.read_text().replace("time.sleep(0.5)", "time.sleep(0.0)") + "# changed\n")
         self.end(self.start("--quiet"))
@@ -153,10 +153,7 @@ class SchedulersTest(support.CommandTest):
 
     def test_a_changed_template_ends_the_tasks_of_before(self):
         self.tower("lsf", 0.5, "runs_per_task = 12\nruns_at_once = 1", samples=12)
-        process = self.start()
-        self.wait_for(3)
-        process.send_signal(signal.SIGKILL)
-        process.communicate()
+        self.kill_after(3)
         template = self.folder / "tower" / "tower.inp.in"
         template.write_text(template.read_text() + "\n")
         self.end(self.start("--quiet"))
@@ -164,10 +161,7 @@ class SchedulersTest(support.CommandTest):
 
     def test_a_copied_folder_leaves_the_tasks_to_the_original(self):
         self.tower("pbs", 0.4, "runs_per_task = 4")
-        process = self.start()
-        self.wait_for(4)
-        process.send_signal(signal.SIGKILL)
-        process.communicate()
+        self.kill_after(4)
         shutil.copytree(self.folder / "out", self.folder / "copy")
         ended = support.run("cancel", "copy", cwd=self.folder, environment=self.environment)
         self.assertEqual(ended.code, 2, ended.out)

@@ -2,8 +2,8 @@
 
 #include <limits>
 #include <numbers>
+#include <numeric>
 
-#include "mottle/core/bytes.hpp"
 #include "mottle/core/clock.hpp"
 #include "mottle/core/error.hpp"
 #include "mottle/core/rank_share.hpp"
@@ -84,8 +84,7 @@ ExternalSolver::ExternalSolver(SolverCommand command, const std::vector<std::str
       ranks_(storage.ranks),
       structure_(run_at_means(stop)),
       stop_(stop),
-      done_(storage.ranks),
-      failed_(storage.ranks) {
+      failures_(limit_of(runs_.command()), storage.ranks) {
   for (const std::string& placeholder : runs_.coarse_placeholders(nominal, difference_step() * standard_deviations)) {
     notes_.push_back(
         fmt::format("{} has too few digits for differences by {} of a prior standard deviation: derivatives will "
@@ -164,32 +163,9 @@ std::string ExternalSolver::observe(const ExtractedModes& found, const SolutionR
   return {};
 }
 
-/// What the runs of one batch come to.
-struct ExternalSolver::Tally {
-  std::atomic<std::int64_t> reused{0};
-  std::mutex mutex;
-  std::string last_failure;
-
-  /// Of all ranks, once all are done.
-  void add_those_of(Ranks& ranks) {
-    std::string own;
-    append_value(own, reused.load());
-    append_text(own, last_failure);
-    reused = 0;
-    for (const std::string& bytes : ranks.gather(own)) {
-      ByteReader reader(bytes);
-      std::int64_t count = 0;
-      std::string failure;
-      if (!reader.read(count) || !reader.read_text(failure)) throw SystemFailure("a rank's message is torn");
-      reused += count;
-      if (!failure.empty()) last_failure = failure;
-    }
-  }
-};
-
 void ExternalSolver::solve_sample(Eigen::Index s, const Eigen::Ref<const Eigen::MatrixXd>& samples,
                                   const SolutionRequest& request, const Visitor& visit, const std::atomic<bool>& halt,
-                                  Tally& tally) const {
+                                  std::atomic<std::int64_t>& reused) const {
   if (!samples.row(s).allFinite()) {
     Solution none;
     return visit(s, none, "a parameter is not finite");
@@ -200,47 +176,46 @@ void ExternalSolver::solve_sample(Eigen::Index s, const Eigen::Ref<const Eigen::
   } catch (const FormatError& error) {  // a value that does not fit into its placeholder
     run.record.failure = error.what();
   }
-  finish_sample(s, run, request, visit, tally);
+  finish_sample(s, run, request, visit, reused);
 }
 
 void ExternalSolver::finish_sample(Eigen::Index s, const SolverRuns::Run& run, const SolutionRequest& request,
-                                   const Visitor& visit, Tally& tally) const {
+                                   const Visitor& visit, std::atomic<std::int64_t>& reused) const {
   Solution solution;
   std::string failure = run.record.failure;
   if (failure.empty()) failure = observe(run.record.modes, request, solution);
   visit(s, solution, failure);
-  if (run.is_reused) ++tally.reused;
-  const std::int64_t done = done_.add(1);
-  if (failure.empty()) return;
-  const std::int64_t failed = failed_.add(1);
-  const std::lock_guard<std::mutex> lock(tally.mutex);
-  tally.last_failure = failure;
-  limit_of(runs_.command()).require_few(done, failed, false, failure);
+  if (run.is_reused) ++reused;
+  failures_.add(failure);
 }
 
 SolverUse ExternalSolver::solve(const Eigen::Ref<const Eigen::MatrixXd>& samples, const SolutionRequest& request,
                                 const RunContext& context, const Visitor& visit) const {
-  Tally tally;
+  std::atomic<std::int64_t> reused{0};
+  Ranks* together = nullptr;  // that share the batch
   const auto work = [&](Eigen::Index s, const std::atomic<bool>& halt) {
-    solve_sample(s, samples, request, visit, halt, tally);
+    solve_sample(s, samples, request, visit, halt, reused);
   };
   if (scheduled_) {
     scheduled_->begin_log();
     scheduled_->run_all(samples, least_, context, [&](Eigen::Index s, const SolverRuns::Run& run) {
-      finish_sample(s, run, request, visit, tally);
+      finish_sample(s, run, request, visit, reused);
     });
   } else if (context.share != nullptr) {
     RankShare::Numbers numbers(*context.share, samples.rows(), 1);
     const auto next = [&] { return static_cast<Eigen::Index>(numbers.take()); };
     SamplePool(samples.rows(), runs_.command().parallel, work, next).wait(context);
-    tally.add_those_of(context.share->ranks());
+    together = &context.share->ranks();
   } else {
     SamplePool(samples.rows(), runs_.command().parallel, work).wait(context);
   }
-  if (!tally.last_failure.empty()) {
-    limit_of(runs_.command()).require_few(done_.add(0), failed_.add(0), true, tally.last_failure);
+  failures_.end_batch(together);
+  std::int64_t repeated = reused;
+  if (together != nullptr) {
+    const std::vector<std::int64_t> counts = gather_values(*together, repeated);
+    repeated = std::accumulate(counts.begin(), counts.end(), std::int64_t{0});
   }
-  return {.runs = samples.rows(), .repeated = tally.reused};
+  return {.runs = samples.rows(), .repeated = repeated};
 }
 
 Eigen::MatrixXd ExternalSolver::cosines(const ModeSet& reference, const ModeSet& modes) const {

@@ -1,6 +1,5 @@
 // LSF: bsub, bjobs, bkill.
 #include "drivers/scheduler/scheduler_call.hpp"
-#include "mottle/core/text.hpp"
 
 namespace mottle::drivers {
 namespace {
@@ -30,7 +29,7 @@ class LsfScheduler final : public Scheduler {
     if (options_.time.count() > 0) {
       add("-W", fmt::format("{}", std::chrono::ceil<std::chrono::minutes>(options_.time).count()));
     }
-    if (!options_.licences.empty()) add("-R", fmt::format("rusage[{}]", licence_text()));
+    if (!options_.licences.empty()) add("-R", fmt::format("rusage[{}]", licence_assignment(options_.licences)));
     call.insert(call.end(), options_.extra.begin(), options_.extra.end());
     call.push_back("./" + request.script.filename().string());  // LSF makes a line for a shell of it
     const CommandAnswer answer = ask_scheduler(call, stop_);
@@ -61,13 +60,6 @@ class LsfScheduler final : public Scheduler {
   std::string number_variable() const override { return "LSB_JOBINDEX"; }
 
  private:
-  /// "ansys:2" is "ansys=2".
-  std::string licence_text() const {
-    const std::size_t colon = options_.licences.find(':');
-    if (colon == std::string::npos) return options_.licences + "=1";
-    return options_.licences.substr(0, colon) + "=" + options_.licences.substr(colon + 1);
-  }
-
   SchedulerOptions options_;
   const std::atomic<bool>* stop_;
 };
@@ -75,15 +67,11 @@ class LsfScheduler final : public Scheduler {
 }  // namespace
 
 std::vector<TaskReport> read_bjobs(std::string_view output) {
-  constexpr std::size_t k_fields = 5;
   std::vector<TaskReport> reports;
-  for (const std::string& line : split_text(output, '\n')) {
-    const std::vector<std::string> fields = split_text(line, '|');
-    double number = 0.0;
-    if (fields.size() < k_fields || !parse_number(fields[1], number)) continue;
+  for (const auto& [task, fields] : task_rows(output)) {
     const std::string& state = fields[2];
     TaskReport report{.array = fields[0].substr(0, fields[0].find('[')),
-                      .task = static_cast<int>(number),
+                      .task = task,
                       .node = fields[3] == "-" ? "" : fields[3],
                       .words = state};
     if (state == "DONE" || state == "EXIT" || state == "ZOMBI") {

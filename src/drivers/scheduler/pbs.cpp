@@ -37,7 +37,7 @@ class PbsScheduler final : public Scheduler {
     if (!options_.partition.empty()) add("-q", options_.partition);
     if (!options_.account.empty()) add("-A", options_.account);
     if (options_.time.count() > 0) add("-l", "walltime=" + clock_text(options_.time));
-    if (!options_.licences.empty()) add("-l", licence_text());
+    if (!options_.licences.empty()) add("-l", licence_assignment(options_.licences));
     call.insert(call.end(), options_.extra.begin(), options_.extra.end());
     call.push_back(request.script.string());
     const CommandAnswer answer = ask_scheduler(call, stop_);
@@ -92,14 +92,6 @@ class PbsScheduler final : public Scheduler {
     if (!answer.is_done) throw SchedulerSilent(fmt::format("qselect says: {}", answer.error));
     return lines_of_text(answer.output);
   }
-  /// "ansys:2" is "ansys=2", a resource of the server's.
-  std::string licence_text() const {
-    std::string text = options_.licences;
-    if (text.find(':') == std::string::npos) text += ":1";
-    std::ranges::replace(text, ':', '=');
-    return text;
-  }
-
   SchedulerOptions options_;
   const std::atomic<bool>* stop_;
   bool has_history_ = true;

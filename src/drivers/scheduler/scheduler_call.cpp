@@ -115,6 +115,24 @@ std::vector<std::string> split_text(std::string_view text, char separator) {
   }
 }
 
+std::vector<TaskRow> task_rows(std::string_view output) {
+  constexpr std::size_t k_fields = 5;
+  std::vector<TaskRow> rows;
+  for (const std::string& line : split_text(output, '\n')) {
+    std::vector<std::string> fields = split_text(line, '|');
+    double number = 0.0;
+    if (fields.size() < k_fields || !parse_number(fields[1], number)) continue;
+    rows.push_back({static_cast<int>(number), std::move(fields)});
+  }
+  return rows;
+}
+
+std::string licence_assignment(const std::string& licences) {
+  const std::size_t colon = licences.find(':');
+  if (colon == std::string::npos) return licences + "=1";
+  return licences.substr(0, colon) + "=" + licences.substr(colon + 1);
+}
+
 std::string clock_text(std::chrono::milliseconds time) {
   const auto seconds = std::chrono::ceil<std::chrono::seconds>(time).count();
   return fmt::format("{:02}:{:02}:{:02}", seconds / 3600, seconds / 60 % 60, seconds % 60);

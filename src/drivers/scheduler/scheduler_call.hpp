@@ -32,6 +32,17 @@ CommandAnswer ask_scheduler(const std::vector<std::string>& arguments, const std
 /// The parts of a text between separators, empty ones among them.
 std::vector<std::string> split_text(std::string_view text, char separator);
 
+/// A line about a task: its array, its number and three more fields.
+struct TaskRow {
+  int task = 0;
+  std::vector<std::string> fields = {};
+};
+/// The lines of five fields between '|' whose second is a number; others are about no task.
+std::vector<TaskRow> task_rows(std::string_view output);
+
+/// "ansys=2" of "ansys:2", and "ansys=1" of "ansys".
+std::string licence_assignment(const std::string& licences);
+
 /// "02:30:00" of a time, rounded up to seconds.
 std::string clock_text(std::chrono::milliseconds time);
 

@@ -70,13 +70,9 @@ class SlurmScheduler final : public Scheduler {
 }  // namespace
 
 std::vector<TaskReport> read_squeue(std::string_view output) {
-  constexpr std::size_t k_fields = 5;
   std::vector<TaskReport> reports;
-  for (const std::string& line : split_text(output, '\n')) {
-    const std::vector<std::string> fields = split_text(line, '|');
-    double number = 0.0;
-    if (fields.size() < k_fields || !parse_number(fields[1], number)) continue;
-    TaskReport report{.array = fields[0], .task = static_cast<int>(number), .node = fields[3], .words = fields[2]};
+  for (const auto& [task, fields] : task_rows(output)) {
+    TaskReport report{.array = fields[0], .task = task, .node = fields[3], .words = fields[2]};
     if (is_end(fields[2])) {
       report.state = TaskReport::State::ended;
       report.is_success = fields[2] == "COMPLETED";

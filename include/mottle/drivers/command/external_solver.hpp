@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "mottle/core/shared_count.hpp"
 #include "mottle/drivers/command/sample_pool.hpp"
 #include "mottle/drivers/command/solver_runs.hpp"
 #include "mottle/drivers/scheduler/run_place.hpp"
@@ -86,11 +85,10 @@ class ExternalSolver final : public Solver {
   double seconds_at_means() const { return seconds_at_means_; }
 
  private:
-  struct Tally;
   void solve_sample(Eigen::Index s, const Eigen::Ref<const Eigen::MatrixXd>& samples, const SolutionRequest& request,
-                    const Visitor& visit, const std::atomic<bool>& halt, Tally& tally) const;
+                    const Visitor& visit, const std::atomic<bool>& halt, std::atomic<std::int64_t>& reused) const;
   void finish_sample(Eigen::Index s, const SolverRuns::Run& run, const SolutionRequest& request, const Visitor& visit,
-                     Tally& tally) const;
+                     std::atomic<std::int64_t>& reused) const;
   ExternalStructure run_at_means(const std::atomic<bool>* stop);
   SolverRuns::Run run_one(const Eigen::VectorXd& values, int min_modes, const std::atomic<bool>* stop) const;
   std::string place_of_runs() const;
@@ -106,8 +104,7 @@ class ExternalSolver final : public Solver {
   ExternalStructure structure_;
   const std::atomic<bool>* stop_ = nullptr;
   std::vector<std::string> notes_;
-  mutable SharedCount done_;
-  mutable SharedCount failed_;
+  mutable FailureCount failures_;
 };
 
 }  // namespace mottle::drivers
