@@ -78,15 +78,21 @@ class FoldersTest(support.CommandTest):
         self.assertTrue(target.exists())
 
     def test_files_of_mottles_own_are_not_written_through_links_or_second_names(self):
-        for name in ("mottle.log", "resume.journal"):
+        self.succeed("update", "study.toml", "--out", "earlier", "--quiet")
+        own = {"mottle.log": (self.folder / "earlier" / "mottle.log").read_bytes(), "resume.journal": b""}
+        for name, left in own.items():
             for make in (os.symlink, os.link):
-                with self.subTest(name=name, make=make.__name__):
-                    target = self.user_file("elsewhere", "mine.txt")
-                    self.out.mkdir(exist_ok=True)
-                    (self.out / name).unlink(missing_ok=True)
-                    make(target, self.out / name)
-                    self.succeed("update", "study.toml", "--out", "out", "--quiet")
-                    self.assertEqual(target.read_text(encoding="utf-8"), "mine\n")
+                for written, code in ((b"mine\n", 2), (left, 0)):
+                    with self.subTest(name=name, make=make.__name__, code=code):
+                        target = self.user_file("elsewhere", "mine.txt")
+                        target.write_bytes(written)
+                        self.out.mkdir()
+                        make(target, self.out / name)
+                        ended = self.call("update", "study.toml", "--out", "out", "--quiet")
+                        self.assertEqual(ended.code, code, ended.err)
+                        self.assertTrue(code == 0 or f"{name}: nothing in this file" in ended.err, ended.err)
+                        self.assertEqual(target.read_bytes(), written)
+                        shutil.rmtree(self.out)
 
     def test_files_that_are_gone_on_with_are_not_links(self):
         for name, command in (("mottle.log", ("update", "study.toml", "--resume")),
@@ -105,12 +111,17 @@ class FoldersTest(support.CommandTest):
                 shutil.rmtree(self.out)
 
     def test_pipes_in_place_of_files_of_mottles_own_are_not_waited_for(self):
-        self.out.mkdir()
-        for name in ("mottle.log", "resume.journal", "result.json"):
-            os.mkfifo(self.out / name)
-        self.succeed("update", "study.toml", "--out", "out", "--quiet")
-        os.mkfifo(self.out / "runs.store")
-        self.assertEqual(self.call(*PROPAGATE).code, 2)
+        for name, command in (("mottle.log", ("update", "study.toml", "--out", "out", "--quiet")),
+                              ("resume.journal", ("update", "study.toml", "--out", "out", "--quiet")),
+                              ("result.json", ("update", "study.toml", "--out", "out", "--quiet")), ("runs.store", PROPAGATE)):
+            with self.subTest(name=name):
+                self.out.mkdir()
+                os.mkfifo(self.out / name)
+                ended = self.call(*command)
+                self.assertEqual(ended.code, 2, ended.err)
+                self.assertIn(f"{name}: ", ended.err)
+                self.assertTrue((self.out / name).is_fifo())
+                shutil.rmtree(self.out)
 
     def test_no_file_that_the_study_reads_is_written_over(self):
         self.write("truth.toml", STUDY + "[truth]\nspecimens = 3\n")
