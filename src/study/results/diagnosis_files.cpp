@@ -187,12 +187,16 @@ std::vector<std::string> table_lines(const DiagnoseOutcome& outcome) {
 
 }  // namespace
 
-void write_results(const DiagnoseOutcome& outcome, const std::filesystem::path& path) {
-  const RunFolder folder(path);
+std::string result_text(const DiagnoseOutcome& outcome) {
   Json json = outcome_json(outcome);
   json["timings_s"] = {{"total", outcome.seconds}};
   json["ranks"] = outcome.ranks;
-  folder.write(k_diagnosis, pretty(json));
+  return pretty(json);
+}
+
+void write_results(const DiagnoseOutcome& outcome, const std::filesystem::path& path) {
+  const RunFolder folder(path);
+  folder.write(k_diagnosis, result_text(outcome));
   folder.remove(k_diagnosis_journal);
   folder.forget_previous({k_diagnosis});
 }

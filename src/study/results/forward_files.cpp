@@ -81,6 +81,16 @@ Json outcome_json(const PropagateOutcome& outcome) {
   return json;
 }
 
+/// @param writing  seconds that the files have taken so far
+std::string result_text(const PropagateOutcome& outcome, double writing) {
+  const double start = steady_seconds();
+  Json json = outcome_json(outcome);
+  json["timings_s"] = {{"total", outcome.seconds + writing + steady_seconds() - start}};
+  json["ranks"] = outcome.ranks;
+  add_solver_use(outcome.solver_use, json);
+  return pretty(json);
+}
+
 std::vector<std::string> cloud_lines(const Cloud& cloud, const std::vector<Quantity>& outputs) {
   const Cloud::Valid valid = cloud.valid();
   std::vector<std::string> lines;
@@ -109,11 +119,11 @@ void write_results(const PropagateOutcome& outcome, const std::filesystem::path&
   folder.write("study.toml", study_text_for(outcome.study, folder.path()));
   folder.write("cloud.csv", cloud_csv(outcome.cloud, *outcome.made.space, outputs));
   folder.write("clouds.csv", clouds_csv({outcome.cloud}, *outcome.made.space, outputs));
-  Json json = outcome_json(outcome);
-  json["timings_s"] = {{"total", outcome.seconds + steady_seconds() - start}};
-  json["ranks"] = outcome.ranks;
-  add_solver_use(outcome.solver_use, json);
-  folder.write("result.json", pretty(json));
+  folder.write("result.json", result_text(outcome, steady_seconds() - start));
+}
+
+std::string result_text(const PropagateOutcome& outcome) {
+  return result_text(outcome, 0.0);
 }
 
 RunSummary summarise(const PropagateOutcome& outcome, const std::filesystem::path& folder) {

@@ -37,23 +37,20 @@ void write_tables(const RunFolder& folder, const SolvedDeck& solved) {
 }
 
 /// Grid points and mass-normalised shapes, both in the basic system.
-UffFile universal_file(const SolvedDeck& solved) {
+UffFile universal_file(const ModesOutcome& outcome) {
   UffFile file;
-  const std::vector<Node>& nodes = solved.structure->model().nodes;
-  std::vector<int> ids;
-  std::vector<Eigen::Index> rows;
-  for (std::size_t k = 0; k < nodes.size(); ++k) {
-    if (nodes[k].is_scalar) continue;
-    file.nodes.push_back({.id = nodes[k].id, .color = 11, .position = nodes[k].position});
-    ids.push_back(nodes[k].id);
-    rows.push_back(static_cast<Eigen::Index>(k));
+  const GridShapes shapes = grid_shapes(outcome);
+  for (std::size_t k = 0; k < shapes.nodes.size(); ++k) {
+    const Eigen::Vector3d position = shapes.positions.row(static_cast<Eigen::Index>(k)).transpose();
+    file.nodes.push_back({.id = shapes.nodes[k], .color = 11, .position = position});
   }
-  for (Eigen::Index r = 0; r < solved.frequencies.size(); ++r) {
-    UffShape shape{
-        .mode = static_cast<int>(r) + 1, .frequency = solved.frequencies(r), .modal_mass = 1.0, .nodes = ids};
+  for (Eigen::Index r = 0; r < outcome.frequencies().size(); ++r) {
+    UffShape shape{.mode = static_cast<int>(r) + 1,
+                   .frequency = outcome.frequencies()(r),
+                   .modal_mass = 1.0,
+                   .nodes = shapes.nodes};
     shape.titles[0] = fmt::format("Mode {}", r + 1);
-    const Eigen::MatrixXd moved = node_displacements(*solved.structure, solved.modes.vectors.col(r))(rows, Eigen::all);
-    shape.values = moved.cast<std::complex<double>>();
+    shape.values = shapes.displacements[static_cast<std::size_t>(r)].cast<std::complex<double>>();
     file.shapes.push_back(std::move(shape));
   }
   return file;
@@ -118,10 +115,39 @@ Json page_json(const ModesOutcome& outcome) {
 
 }  // namespace
 
+const Eigen::VectorXd& ModesOutcome::frequencies() const {
+  return deck->frequencies;
+}
+
+const Eigen::VectorXd& ModesOutcome::residuals() const {
+  return deck->modes.residuals;
+}
+
+GridShapes grid_shapes(const ModesOutcome& outcome) {
+  const SolvedDeck& solved = *outcome.deck;
+  const std::vector<Node>& nodes = solved.structure->model().nodes;
+  GridShapes shapes;
+  std::vector<Eigen::Index> rows;
+  for (std::size_t k = 0; k < nodes.size(); ++k) {
+    if (nodes[k].is_scalar) continue;
+    shapes.nodes.push_back(nodes[k].id);
+    rows.push_back(static_cast<Eigen::Index>(k));
+  }
+  shapes.positions.resize(static_cast<Eigen::Index>(rows.size()), 3);
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    shapes.positions.row(static_cast<Eigen::Index>(k)) = nodes[static_cast<std::size_t>(rows[k])].position.transpose();
+  }
+  for (Eigen::Index r = 0; r < solved.frequencies.size(); ++r) {
+    const Eigen::MatrixX3d moved = node_displacements(*solved.structure, solved.modes.vectors.col(r));
+    shapes.displacements.emplace_back(moved(rows, Eigen::all));
+  }
+  return shapes;
+}
+
 void write_results(const ModesOutcome& outcome, const std::filesystem::path& path) {
   const RunFolder folder(path);
   write_tables(folder, *outcome.deck);
-  if (outcome.settings.writes_universal_file) folder.write("modes.uff", format_uff(universal_file(*outcome.deck)));
+  if (outcome.settings.writes_universal_file) folder.write("modes.uff", format_uff(universal_file(outcome)));
   folder.write("modes.json", one_line(page_json(outcome)));
 }
 

@@ -124,6 +124,21 @@ Json outcome_json(const UpdateOutcome& outcome, const StructureModel::FollowedMo
   return json;
 }
 
+/// @param written  seconds that the files have taken so far
+std::string result_text(const UpdateOutcome& outcome, const std::optional<StructureModel::FollowedModes>& followed,
+                        double written) {
+  const double start = steady_seconds();
+  Json json = outcome_json(outcome, followed ? &*followed : nullptr);
+  const double writing = outcome.assessing_seconds + written + steady_seconds() - start;
+  json["timings_s"] = {{"reading", outcome.reading_seconds},
+                       {"updating", outcome.updating_seconds},
+                       {"writing", writing},
+                       {"total", outcome.reading_seconds + outcome.updating_seconds + writing}};
+  json["ranks"] = outcome.ranks;
+  add_solver_use(outcome.solver_use, json);
+  return pretty(json);
+}
+
 }  // namespace
 
 void write_results(const UpdateOutcome& outcome, const std::filesystem::path& path) {
@@ -154,15 +169,11 @@ void write_results(const UpdateOutcome& outcome, const std::filesystem::path& pa
   }
   const std::optional<StructureModel::FollowedModes> followed = modes_at_estimate(outcome);
   if (followed) write_shapes(folder, *made.model, *followed, tests.specimens.get(), made.space->names());
-  Json json = outcome_json(outcome, followed ? &*followed : nullptr);
-  const double writing = outcome.assessing_seconds + steady_seconds() - start;
-  json["timings_s"] = {{"reading", outcome.reading_seconds},
-                       {"updating", outcome.updating_seconds},
-                       {"writing", writing},
-                       {"total", outcome.reading_seconds + outcome.updating_seconds + writing}};
-  json["ranks"] = outcome.ranks;
-  add_solver_use(outcome.solver_use, json);
-  folder.write("result.json", pretty(json));
+  folder.write("result.json", result_text(outcome, followed, steady_seconds() - start));
+}
+
+std::string result_text(const UpdateOutcome& outcome) {
+  return result_text(outcome, modes_at_estimate(outcome), 0.0);
 }
 
 }  // namespace mottle::study

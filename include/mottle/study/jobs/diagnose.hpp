@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "mottle/layers.hpp"
 #include "mottle/study/jobs/run.hpp"
@@ -23,6 +24,8 @@ DiagnoseOutcome diagnose(const Study& study, const RunSettings& settings);
 
 /// diagnosis.json; the journal and the diagnosis of an earlier run are no longer needed then.
 void write_results(const DiagnoseOutcome& outcome, const std::filesystem::path& folder);
+/// The text of diagnosis.json.
+std::string result_text(const DiagnoseOutcome& outcome);
 RunSummary summarise(const DiagnoseOutcome& outcome, const std::filesystem::path& folder);
 
 }  // namespace mottle::study

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <string>
 
 #include "mottle/layers.hpp"
 #include "mottle/study/jobs/run.hpp"
@@ -29,6 +30,8 @@ PropagateOutcome propagate(const Study& study, const std::optional<std::filesyst
 
 /// cloud.csv, clouds.csv, result.json, study.toml.
 void write_results(const PropagateOutcome& outcome, const std::filesystem::path& folder);
+/// The text of result.json; its `timings_s` end here.
+std::string result_text(const PropagateOutcome& outcome);
 RunSummary summarise(const PropagateOutcome& outcome, const std::filesystem::path& folder);
 
 /// Specimens drawn from [truth].

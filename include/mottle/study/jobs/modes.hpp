@@ -42,7 +42,18 @@ struct ModesOutcome {
   std::shared_ptr<const SolvedDeck> deck = nullptr;
   std::optional<ModeComparison> comparison = std::nullopt;
   double seconds = 0.0;
+
+  const Eigen::VectorXd& frequencies() const;  ///< Hz where the deck's time unit is the second [mode]
+  const Eigen::VectorXd& residuals() const;    ///< relative, of the eigenvalue problem [mode]
 };
+
+/// Mode shapes at grid points, of modal mass 1, in the basic coordinate system.
+struct GridShapes {
+  std::vector<int> nodes = {};                       ///< ids
+  Eigen::MatrixX3d positions = {};                   ///< [node x 3]
+  std::vector<Eigen::MatrixX3d> displacements = {};  ///< of each mode [node x 3]
+};
+GridShapes grid_shapes(const ModesOutcome& outcome);
 
 /// Solves the model.
 ///

@@ -46,6 +46,9 @@ UpdateOutcome update(const Study& study, const RunSettings& settings);
 /// until RunFolder::finish().
 void write_results(const UpdateOutcome& outcome, const std::filesystem::path& folder);
 
+/// The text of result.json; its `timings_s` end here.
+std::string result_text(const UpdateOutcome& outcome);
+
 /// @param folder  where the results and their report are
 RunSummary summarise(const UpdateOutcome& outcome, const std::filesystem::path& folder);
 

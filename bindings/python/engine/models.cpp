@@ -1,0 +1,257 @@
+// Updating of a model that is a function in Python.
+#include <pybind11/eigen.h>
+#include <pybind11/stl.h>
+
+#include <memory>
+
+#include "bindings.hpp"
+#include "mottle/mottle.hpp"
+#include "python_model.hpp"
+
+namespace mottle::python {
+namespace {
+
+namespace py = pybind11;
+
+/// One parameter as Python gives it.
+struct ParameterSpec {
+  std::string name, kind, scale, unit;
+  double mean, std, lower, upper;              // of the distribution
+  double lower_bound, upper_bound, lower_limit;  // lower_limit: below lies what is physically impossible
+};
+
+/// One output as Python gives it.
+struct OutputSpec {
+  std::string name, unit;
+};
+
+const DistributionKindInfo& kind_of(const ParameterSpec& spec) {
+  std::vector<std::string> names;
+  for (const DistributionKindInfo& kind : distribution_kinds()) {
+    if (kind.name == spec.kind) return kind;
+    names.push_back(kind.name);
+  }
+  throw InvalidInput(fmt::format("parameter '{}': {}", spec.name, unknown_name_message("distribution", spec.kind, names)));
+}
+
+Distribution distribution_of(const ParameterSpec& spec) {
+  DistributionSpec distribution{.kind = kind_of(spec).kind};
+  for (const std::string& value : kind_of(spec).required) {
+    if (value == "mean") distribution.mean = spec.mean;
+    if (value == "std") distribution.std = spec.std;
+    if (value == "lower") distribution.lower = spec.lower;
+    if (value == "upper") distribution.upper = spec.upper;
+  }
+  try {
+    return Distribution(distribution);
+  } catch (const InvalidInput& error) {
+    throw InvalidInput(fmt::format("parameter '{}': {}", spec.name, error.what()));
+  }
+}
+
+ParameterTransform transform_of(const ParameterSpec& spec) {
+  using Kind = ParameterTransform::Kind;
+  for (const Kind kind : {Kind::identity, Kind::log, Kind::logit}) {
+    if (spec.scale == scale_name(kind)) return {kind, spec.lower_bound, spec.upper_bound};
+  }
+  throw InvalidInput(fmt::format("parameter '{}': {}", spec.name,
+                                 unknown_name_message("scale", spec.scale, {"identity", "log", "logit"})));
+}
+
+ParameterSpace space_of(const std::vector<ParameterSpec>& specs, const Eigen::MatrixXd& correlation) {
+  std::vector<Parameter> parameters;
+  std::vector<Distribution> marginals;
+  for (const ParameterSpec& spec : specs) {
+    parameters.push_back({.name = spec.name,
+                          .unit = spec.unit,
+                          .lower_bound = spec.lower_bound,
+                          .upper_bound = spec.upper_bound,
+                          .limit = {.lower = spec.lower_limit},
+                          .transform = transform_of(spec)});
+    marginals.push_back(distribution_of(spec));
+  }
+  if (correlation.size() == 0) return {std::move(parameters), JointDistribution(std::move(marginals))};
+  return {std::move(parameters), JointDistribution(std::move(marginals), correlation)};
+}
+
+/// "f1" and "lambda2" are what studies call so; every other name is the user's own.
+Quantity quantity_of(const OutputSpec& spec) {
+  const auto numbered = [&](std::size_t stem) {
+    int number = 0;
+    for (const char c : spec.name.substr(stem)) {
+      if (c < '0' || c > '9' || number > 99999) return 0;
+      number = 10 * number + (c - '0');
+    }
+    return number;
+  };
+  if (spec.name.starts_with("f") && numbered(1) > 0) return natural_frequency(numbered(1), spec.unit);
+  if (spec.name.starts_with("lambda") && numbered(6) > 0) return natural_eigenvalue(numbered(6), spec.unit);
+  return named_quantity(spec.name, spec.unit);
+}
+
+/// What is asked for beside model, parameters and tests.
+struct FunctionSettings {
+  std::string method = "maximum-likelihood";
+  OptionValues options;
+  CloudSettings cloud;
+  int iterations = 30;
+  double level = 0.05;
+  double tolerance = 1e-3;
+  std::uint64_t seed = 1;
+  int threads = 0;
+};
+
+/// An update of a function, with all that its result refers to.
+struct FunctionOutcome {
+  ParameterSpace space;
+  std::unique_ptr<PythonModel> model;
+  TestData tests;
+  FunctionSettings settings;
+  UpdatingResult result = {};
+  Verdict verdict = {};
+
+  UpdatingProblem problem() const {
+    UpdatingProblem problem{.model = *model,
+                            .derivatives = dynamic_cast<const DifferentiableModel*>(model.get()),
+                            .space = space,
+                            .tests = tests,
+                            .cloud = settings.cloud};
+    problem.iterations = settings.iterations;
+    problem.level = settings.level;
+    problem.tolerance = settings.tolerance;
+    return problem;
+  }
+};
+
+std::unique_ptr<PythonModel> make_python_model(const py::object& function, Eigen::Index parameters,
+                                               const std::vector<OutputSpec>& outputs) {
+  std::vector<Quantity> quantities;
+  for (const OutputSpec& output : outputs) quantities.push_back(quantity_of(output));
+  if (py::hasattr(function, "jacobian")) {
+    return std::make_unique<DifferentiablePythonModel>(function, parameters, std::move(quantities));
+  }
+  return std::make_unique<PythonModel>(function, parameters, std::move(quantities));
+}
+
+void require_tests(const FunctionOutcome& outcome) {
+  const auto outputs = static_cast<Eigen::Index>(outcome.model->outputs().size());
+  require(outcome.tests.values.rows() > 0 && outcome.tests.values.cols() == outputs,
+          "tests: shape ({}, {}), a row for each specimen and {} columns are needed, one for each output",
+          outcome.tests.values.rows(), outcome.tests.values.cols(), outputs);
+  for (const Eigen::VectorXd* each : {&outcome.tests.repeatability_std, &outcome.tests.model_error_std}) {
+    require(each->size() == 0 || each->size() == outputs, "noise: {} values, {} are needed, one for each output",
+            each->size(), outputs);
+    require(each->size() == 0 || (each->allFinite() && each->minCoeff() >= 0.0),
+            "noise: a standard deviation is negative or not finite");
+  }
+}
+
+std::shared_ptr<FunctionOutcome> update_function(const py::object& function, const std::vector<ParameterSpec>& parameters,
+                                                 const Eigen::MatrixXd& correlation,
+                                                 const std::vector<OutputSpec>& outputs, TestData tests,
+                                                 FunctionSettings settings, const py::object& progress) {
+  const auto outcome = std::make_shared<FunctionOutcome>(
+      FunctionOutcome{.space = space_of(parameters, correlation),
+                      .model = make_python_model(function, static_cast<Eigen::Index>(parameters.size()), outputs),
+                      .tests = std::move(tests),
+                      .settings = std::move(settings)});
+  if (outcome->tests.repeatability_std.size() == 0) {
+    outcome->tests.repeatability_std.setZero(static_cast<Eigen::Index>(outputs.size()));
+  }
+  require_tests(*outcome);
+  const FunctionSettings& wanted = outcome->settings;
+  const std::unique_ptr<Updater> method = find_method(wanted.method).make(wanted.options, wanted.method + ":");
+  CallingThread caller(progress);
+  outcome->model->serve_by(&caller);
+  const UpdatingProblem problem = outcome->problem();
+  const RunContext context{.seed = wanted.seed,
+                           .threads = wanted.threads > 0 ? wanted.threads : available_threads(),
+                           .observer = &caller,
+                           .stop = caller.stop()};
+  outcome->verdict = caller.run([&] {
+    outcome->result = method->update(problem, context);
+    if (outcome->result.status == UpdatingStatus::stopped) throw Stopped(outcome->result.message);
+    return judge(problem, outcome->result);
+  });
+  outcome->model->serve_by(nullptr);
+  return outcome;
+}
+
+void add_specs(py::module_& module) {
+  py::class_<ParameterSpec>(module, "ParameterSpec")
+      .def(py::init([](const std::string& name, const std::string& kind, double mean, double std, double lower,
+                       double upper, double lower_bound, double upper_bound, double lower_limit,
+                       const std::string& scale, const std::string& unit) {
+             return ParameterSpec{name, kind, scale, unit, mean, std, lower, upper, lower_bound, upper_bound, lower_limit};
+           }),
+           py::arg("name"), py::arg("kind"), py::arg("mean"), py::arg("std"), py::arg("lower"), py::arg("upper"),
+           py::arg("lower_bound"), py::arg("upper_bound"), py::arg("lower_limit"), py::arg("scale"), py::arg("unit"));
+  py::class_<OutputSpec>(module, "OutputSpec")
+      .def(py::init([](const std::string& name, const std::string& unit) { return OutputSpec{name, unit}; }),
+           py::arg("name"), py::arg("unit"));
+}
+
+void add_function_outcome(py::module_& module) {
+  py::class_<FunctionOutcome, std::shared_ptr<FunctionOutcome>> outcome(module, "FunctionOutcome");
+  const auto view = [&outcome](const char* name, auto get) {
+    outcome.def_property_readonly(name, get, py::return_value_policy::reference_internal);
+  };
+  view("mean", [](const FunctionOutcome& self) -> const Eigen::VectorXd& { return self.result.mean; });
+  view("covariance", [](const FunctionOutcome& self) -> const Eigen::MatrixXd& { return self.result.covariance; });
+  view("sensitivity", [](const FunctionOutcome& self) -> const Eigen::MatrixXd& { return self.result.sensitivity; });
+  view("tests", [](const FunctionOutcome& self) -> const Eigen::MatrixXd& { return self.tests.values; });
+  view("cloud_initial", [](const FunctionOutcome& self) -> const Cloud& { return self.result.history.front().cloud; });
+  view("cloud_final", [](const FunctionOutcome& self) -> const Cloud& { return self.result.history.back().cloud; });
+  view("posterior", [](const FunctionOutcome& self) -> const SampledPosterior* { return self.result.posterior.get(); });
+  outcome.def_property_readonly("parameters", [](const FunctionOutcome& self) { return self.space.names(); });
+  outcome.def_property_readonly("outputs", [](const FunctionOutcome& self) {
+    std::vector<std::string> names;
+    for (const Quantity& output : self.model->outputs()) names.push_back(output.name());
+    return names;
+  });
+  outcome.def_property_readonly("status", [](const FunctionOutcome& self) { return status_text(self.result.status); });
+  outcome.def_property_readonly("message", [](const FunctionOutcome& self) { return self.result.message; });
+  outcome.def_property_readonly("verdict",
+                                [](const FunctionOutcome& self) { return conclusion_text(self.verdict.conclusion); });
+  outcome.def_property_readonly("reasons", [](const FunctionOutcome& self) { return self.verdict.reasons; });
+  outcome.def_property_readonly("notes", [](const FunctionOutcome& self) { return self.result.notes; });
+  outcome.def_property_readonly("warnings", [](const FunctionOutcome& self) { return self.result.warnings; });
+  outcome.def_property_readonly("model_evaluations",
+                                [](const FunctionOutcome& self) { return self.result.model_evaluations; });
+  outcome.def_property_readonly("intervals", [](const FunctionOutcome& self) -> py::object {
+    if (!self.result.intervals) return py::none();
+    return py::make_tuple(self.result.intervals->mean, self.result.intervals->std);
+  });
+}
+
+}  // namespace
+
+void add_models(py::module_& module) {
+  add_specs(module);
+  add_function_outcome(module);
+  module.def(
+      "update_function",
+      [](const py::object& function, const std::vector<ParameterSpec>& parameters, const Eigen::MatrixXd& correlation,
+         const std::vector<OutputSpec>& outputs, const Eigen::MatrixXd& tests, const Eigen::VectorXd& repeatability,
+         const Eigen::VectorXd& model_error, const std::string& method, const OptionValues& options, int samples,
+         double max_failed, int iterations, double level, double tolerance, std::uint64_t seed, int threads,
+         const py::object& progress) {
+        return update_function(function, parameters, correlation, outputs,
+                               {.values = tests, .repeatability_std = repeatability, .model_error_std = model_error},
+                               {.method = method,
+                                .options = options,
+                                .cloud = {.samples = samples, .max_failed = max_failed},
+                                .iterations = iterations,
+                                .level = level,
+                                .tolerance = tolerance,
+                                .seed = seed,
+                                .threads = threads},
+                               progress);
+      },
+      py::arg("function"), py::kw_only(), py::arg("parameters"), py::arg("correlation"), py::arg("outputs"),
+      py::arg("tests"), py::arg("repeatability"), py::arg("model_error"), py::arg("method"), py::arg("options"),
+      py::arg("samples"), py::arg("max_failed"), py::arg("iterations"), py::arg("level"), py::arg("tolerance"),
+      py::arg("seed"), py::arg("threads"), py::arg("progress"));
+}
+
+}  // namespace mottle::python

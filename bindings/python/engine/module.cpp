@@ -1,0 +1,16 @@
+// The module mottle._engine: conversion between Python and the library, and nothing else.
+#include "bindings.hpp"
+#include "mottle/core/parallel.hpp"
+#include "mottle/study/jobs/study_objects.hpp"
+
+PYBIND11_MODULE(_engine, module) {
+  module.doc() = "Mottle's engine; use the package `mottle`.";
+  mottle::python::add_errors(module);
+  mottle::python::add_studies(module);
+  mottle::python::add_outcomes(module);
+  mottle::python::add_decks(module);
+  mottle::python::add_models(module);
+  mottle::python::add_statistics(module);
+  module.def("version", &mottle::study::version, "Version of the library, as of the command.");
+  module.def("available_threads", &mottle::available_threads, "Number of processors that this process may use.");
+}

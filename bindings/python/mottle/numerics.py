@@ -1,0 +1,107 @@
+"""Numerical routines that stand alone."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from mottle import _engine
+from mottle.errors import InvalidInput
+from mottle.results import Array
+
+
+def eigsh(
+    stiffness: Any, mass: Any, k: int = 10, *, tolerance: float = 1e-10, verify: bool = False
+) -> tuple[Array, Array]:
+    """The lowest eigenvalues of K x = lambda M x, K positive semi-definite, M positive semi-definite, both symmetric.
+
+    Block Lanczos, shift-inverted below the spectrum; rigid-body modes and repeated eigenvalues are found.
+
+    Args:
+        stiffness, mass: scipy.sparse matrices; only their lower triangles are read.
+        k: how many.
+        tolerance: relative residual of the shift-inverted problem.
+        verify: counts the eigenvalues below by the inertia of K - s M, and raises SystemFailure if one was missed.
+
+    Returns:
+        Eigenvalues, ascending [mode], and vectors with x' M x = 1 [row x mode].
+    """
+    from scipy import sparse
+
+    for name, matrix in (("stiffness", stiffness), ("mass", mass)):
+        if not sparse.issparse(matrix):
+            raise InvalidInput(f"{name}: {type(matrix).__name__} is no sparse matrix; give one of scipy.sparse")
+        if matrix.shape[0] != matrix.shape[1] or matrix.shape != stiffness.shape:
+            raise InvalidInput(f"{name}: shape {matrix.shape}; both matrices are square and of one size")
+        if np.iscomplexobj(matrix):
+            raise InvalidInput(f"{name}: complex numbers; real ones are needed")
+    if not 1 <= k <= stiffness.shape[0]:
+        raise InvalidInput(f"k: {k} is outside 1 to {stiffness.shape[0]}, the number of rows")
+    lower = [sparse.csc_matrix(sparse.tril(matrix), dtype=float) for matrix in (stiffness, mass)]
+    for name, matrix in zip(("stiffness", "mass"), lower):
+        if not np.isfinite(matrix.data).all():
+            raise InvalidInput(f"{name}: an entry is not finite")
+    return _engine.modes_of(lower[0], lower[1], count=k, tolerance=tolerance, counts=verify)
+
+
+def mac(a: npt.ArrayLike, b: npt.ArrayLike) -> Array:
+    """Modal assurance criterion of every pair of real shapes [degree of freedom x mode]: [mode of a x mode of b]."""
+    first, second = np.atleast_2d(np.asarray(a, dtype=float)), np.atleast_2d(np.asarray(b, dtype=float))
+    if first.shape[0] != second.shape[0]:
+        raise InvalidInput(f"mac: {first.shape[0]} and {second.shape[0]} degrees of freedom; they are the same for both")
+    return _engine.mac(first, second)
+
+
+def assign(score: npt.ArrayLike) -> npt.NDArray[np.int_]:
+    """The distinct column of each row that makes the sum of the chosen entries largest, as for pairing modes by MAC."""
+    matrix = np.asarray(score, dtype=float)
+    if matrix.ndim != 2 or matrix.shape[0] > matrix.shape[1]:
+        raise InvalidInput(f"assign: shape {matrix.shape}; a matrix with no more rows than columns is needed")
+    return np.array(_engine.optimal_assignment(matrix), dtype=int)
+
+
+@dataclass(frozen=True)
+class TwoSampleTest:
+    """Hotelling's test that two normal populations of one covariance have one mean."""
+
+    t_squared: float
+    f: float
+    p_value: float
+    critical_t_squared: float
+    df1: int
+    df2: int
+    rejects: bool
+
+
+def hotelling(a: npt.ArrayLike, b: npt.ArrayLike, *, level: float = 0.05) -> TwoSampleTest:
+    """Hotelling's two-sample test.
+
+    Args:
+        a, b: samples [specimen x output].
+        level: false-alarm rate.
+    """
+    samples = [np.asarray(each, dtype=float) for each in (a, b)]
+    for each in samples:
+        if each.ndim != 2 or each.shape[1] != samples[0].shape[1] or each.shape[0] < 1:
+            raise InvalidInput(f"hotelling: shapes {samples[0].shape} and {samples[1].shape}; a row for each specimen and "
+                               "the same outputs are needed")
+        if not np.isfinite(each).all():
+            raise InvalidInput("hotelling: a value is not finite")
+
+    def moments(x: Array) -> tuple[Array, Array, int]:
+        p = x.shape[1]
+        covariance = np.cov(x, rowvar=False).reshape(p, p) if len(x) > 1 else np.zeros((p, p))
+        return x.mean(axis=0), covariance, len(x)
+
+    return TwoSampleTest(**_engine.two_sample_test(*moments(samples[0]), *moments(samples[1]), level=level))
+
+
+def methods() -> dict[str, dict[str, Any]]:
+    """Every updating method by name: its summary, and its options with unit, allowed values, default and meaning."""
+    return {
+        method["name"]: {"summary": method["summary"], "options": {o["name"]: o for o in method["options"]}}
+        for method in _engine.methods()
+    }

@@ -1,0 +1,353 @@
+"""What jobs found: arrays that are views of the engine's own, and the contents of result.json."""
+
+from __future__ import annotations
+
+import html
+import json
+import tempfile
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from mottle import _engine
+
+if TYPE_CHECKING:
+    import pandas
+    import xarray
+
+    from mottle.plots import Plots
+
+Array = npt.NDArray[np.float64]
+
+
+class Cloud:
+    """Samples of the parameters and the model's outputs for each; nan where its run failed."""
+
+    def __init__(self, engine: _engine.Cloud, parameters: list[str], outputs: list[str]) -> None:
+        self._engine = engine
+        self.parameters = parameters
+        self.output_names = outputs
+
+    @property
+    def samples(self) -> Array:
+        """[sample x parameter]"""
+        return self._engine.samples
+
+    @property
+    def outputs(self) -> Array:
+        """[sample x output]"""
+        return self._engine.outputs
+
+    @property
+    def failures(self) -> dict[int, str]:
+        """Why runs failed, by sample."""
+        return dict(self._engine.failures)
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """A column for each parameter, then one for each output."""
+        import pandas
+
+        return pandas.DataFrame(np.hstack([self.samples, self.outputs]), columns=self.parameters + self.output_names)
+
+    def __repr__(self) -> str:
+        return f"<mottle.Cloud of {len(self.samples)} samples, {len(self._engine.failures)} failed>"
+
+
+class Posterior:
+    """Draws of a posterior, of equal weight."""
+
+    def __init__(self, engine: _engine.Posterior) -> None:
+        self._engine = engine
+
+    @property
+    def names(self) -> list[str]:
+        """Of the parameters, then of what was sampled beside them."""
+        return self._engine.names
+
+    @property
+    def draws(self) -> Array:
+        """[chain x draw x name]"""
+        return self._engine.values.reshape(self._engine.chains, self._engine.draws, len(self.names))
+
+    @property
+    def log_likelihood(self) -> Array:
+        """[chain x draw]"""
+        return self._engine.log_likelihood.reshape(self._engine.chains, self._engine.draws)
+
+    def to_dict(self) -> dict[str, Array]:
+        """Name -> [chain x draw]: what arviz.from_dict takes as `posterior`."""
+        return {name: self.draws[:, :, k] for k, name in enumerate(self.names)}
+
+    def to_xarray(self) -> xarray.Dataset:
+        """A variable for each name, with dimensions chain and draw."""
+        import xarray
+
+        return xarray.Dataset({name: (("chain", "draw"), draws) for name, draws in self.to_dict().items()})
+
+    def __repr__(self) -> str:
+        return f"<mottle.Posterior of {', '.join(self.names)}: {self._engine.chains} x {self._engine.draws} draws>"
+
+
+class _Result:
+    """What the results of all jobs have in common."""
+
+    _engine: Any
+
+    def summary(self) -> str:
+        """What the command prints."""
+        return "\n".join(self._engine.summary())
+
+    def __str__(self) -> str:
+        return self.summary()
+
+
+class _Updated(_Result):
+    """What an update of a study and of a function have in common."""
+
+    @property
+    def status(self) -> str:
+        """"converged", "max-iterations", "stalled" or "failed"."""
+        return self._engine.status
+
+    @property
+    def message(self) -> str:
+        """How the method ended, in words."""
+        return self._engine.message
+
+    @property
+    def verdict(self) -> str:
+        """Whether the model can be right: "adequate", "inadequate", "undecided"."""
+        return self._engine.verdict
+
+    @property
+    def parameters(self) -> list[str]:
+        """Names of the parameters."""
+        return self._engine.parameters
+
+    @property
+    def outputs(self) -> list[str]:
+        """Names of the outputs."""
+        return self._engine.outputs
+
+    @property
+    def mean(self) -> Array:
+        """Of the parameters."""
+        return self._engine.mean
+
+    @property
+    def covariance(self) -> Array:
+        """Of the parameters [parameter x parameter]."""
+        return self._engine.covariance
+
+    @property
+    def std(self) -> Array:
+        """Standard deviations of the parameters."""
+        return np.sqrt(np.diag(self.covariance))
+
+    @property
+    def sensitivity(self) -> Array:
+        """dy/dx at the mean [output x parameter]; empty where the method has none."""
+        return self._engine.sensitivity
+
+    @property
+    def tests(self) -> Array:
+        """The tests as they were used [specimen x output]."""
+        return self._engine.tests
+
+    @property
+    def cloud_initial(self) -> Cloud:
+        """The model's cloud before the update."""
+        return Cloud(self._engine.cloud_initial, self.parameters, self.outputs)
+
+    @property
+    def cloud_final(self) -> Cloud:
+        """The model's cloud after it."""
+        return Cloud(self._engine.cloud_final, self.parameters, self.outputs)
+
+    @property
+    def posterior(self) -> Posterior | None:
+        """The draws of methods that sample a posterior."""
+        found = self._engine.posterior
+        return None if found is None else Posterior(found)
+
+    @property
+    def plot(self) -> Plots:
+        """Figures by matplotlib."""
+        from mottle.plots import Plots
+
+        return Plots(self)
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """Mean and standard deviation, a row for each parameter."""
+        import pandas
+
+        return pandas.DataFrame({"mean": self.mean, "std": self.std}, index=pandas.Index(self.parameters, name="parameter"))
+
+    def __repr__(self) -> str:
+        found = ", ".join(f"{n} = {m:.6g} +- {s:.3g}" for n, m, s in zip(self.parameters, self.mean, self.std))
+        return f"<mottle.{type(self).__name__}: {self.verdict}, {self.status}; {found}>"
+
+    def _repr_html_(self) -> str:
+        rows = "".join(
+            f"<tr><th>{html.escape(n)}</th><td>{m:.6g}</td><td>{s:.4g}</td></tr>"
+            for n, m, s in zip(self.parameters, self.mean, self.std)
+        )
+        return (
+            f"<p><b>{html.escape(self.verdict)}</b>, {html.escape(self.status)}: {html.escape(self.message)}</p>"
+            f"<table><thead><tr><th>parameter</th><th>mean</th><th>standard deviation</th></tr></thead>"
+            f"<tbody>{rows}</tbody></table>"
+        )
+
+
+class _WithFiles(_Result):
+    """Of jobs whose results are a folder with a report."""
+
+    @cached_property
+    def _contents(self) -> dict[str, Any]:
+        return json.loads(self._engine.result_text())
+
+    def to_dict(self) -> dict[str, Any]:
+        """The contents of result.json."""
+        return self._contents
+
+    def save(self, folder: str | Path) -> Path:
+        """Writes results and report as the command does; the path of the report."""
+        self._engine.save(Path(folder))
+        return Path(folder) / "report.html"
+
+    def report(self, folder: str | Path | None = None) -> Any:
+        """Opens the report: in a notebook as a frame, else in the browser.
+
+        Args:
+            folder: where it is written; None: a temporary folder, which goes with the interpreter.
+        """
+        if folder is None:
+            self._temporary = tempfile.TemporaryDirectory(prefix="mottle-report-")
+            folder = self._temporary.name
+        page = self.save(folder)
+        try:
+            from IPython import get_ipython
+            from IPython.display import HTML
+        except ImportError:
+            get_ipython = None
+        if get_ipython is not None and get_ipython() is not None and "IPKernelApp" in get_ipython().config:
+            content = html.escape(page.read_text(encoding="utf-8"), quote=True)
+            return HTML(f'<iframe srcdoc="{content}" width="100%" height="900" style="border:0"></iframe>')
+        import webbrowser
+
+        webbrowser.open(page.resolve().as_uri())
+        return page
+
+
+class UpdateResult(_Updated, _WithFiles):
+    """What an update of a study found."""
+
+    def __init__(self, engine: _engine.UpdateOutcome) -> None:
+        self._engine = engine
+
+
+class PropagateResult(_WithFiles):
+    """The model's cloud."""
+
+    def __init__(self, engine: _engine.PropagateOutcome) -> None:
+        self._engine = engine
+
+    @property
+    def cloud(self) -> Cloud:
+        """Samples and outputs."""
+        return Cloud(self._engine.cloud, self._engine.parameters, self._engine.outputs)
+
+    def __repr__(self) -> str:
+        return f"<mottle.PropagateResult: {self.cloud!r}>"
+
+
+class SimulateResult:
+    """Specimens that were drawn."""
+
+    def __init__(self, engine: _engine.SimulateOutcome) -> None:
+        self._engine = engine
+
+    @property
+    def parameters(self) -> list[str]:
+        """Names of the parameters."""
+        return self._engine.parameters
+
+    @property
+    def outputs(self) -> list[str]:
+        """Names of the outputs."""
+        return self._engine.outputs
+
+    @property
+    def truth(self) -> Array:
+        """Parameters of the specimens [specimen x parameter]."""
+        return self._engine.truth
+
+    @property
+    def specimens(self) -> Array:
+        """Outputs as a test would give them [specimen x output]."""
+        return self._engine.specimens
+
+    @property
+    def exact(self) -> Array:
+        """The same without noise of measurement."""
+        return self._engine.exact
+
+    def __repr__(self) -> str:
+        return f"<mottle.SimulateResult: {len(self.specimens)} specimens of {', '.join(self.outputs)}>"
+
+
+class DiagnoseResult:
+    """Which further parameters explain a misfit."""
+
+    def __init__(self, engine: _engine.DiagnoseOutcome) -> None:
+        self._engine = engine
+
+    @cached_property
+    def _contents(self) -> dict[str, Any]:
+        return json.loads(self._engine.result_text())
+
+    def to_dict(self) -> dict[str, Any]:
+        """The contents of diagnosis.json."""
+        return self._contents
+
+    def summary(self) -> str:
+        """What the command prints."""
+        return "\n".join(self._engine.summary())
+
+    __str__ = summary
+
+    def __repr__(self) -> str:
+        return f"<mottle.DiagnoseResult: best {self._contents['best']}, {'explained' if self._contents['explained'] else 'not explained'}>"
+
+
+class CheckResult(_Result):
+    """What a check of a study says."""
+
+    def __init__(self, engine: _engine.CheckOutcome) -> None:
+        self._engine = engine
+
+    @property
+    def frequencies(self) -> Array:
+        """The ten lowest at the parameters' means, in Hz; empty without outputs of modes."""
+        return self._engine.frequencies
+
+    @property
+    def outputs(self) -> Array:
+        """The outputs there."""
+        return self._engine.outputs
+
+    @property
+    def changes(self) -> Array:
+        """Changes of the outputs by one prior standard deviation of each parameter [output x parameter]."""
+        return self._engine.changes
+
+    @property
+    def total_mass(self) -> float:
+        """Mass of the model; 0 where it is not known."""
+        return self._engine.total_mass
+
+    def __repr__(self) -> str:
+        return f"<mottle.CheckResult: {len(self.outputs)} outputs>"
