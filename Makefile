@@ -5,6 +5,7 @@ MOTTLE_WERROR ?= OFF
 FUZZ_SECONDS ?= 60
 ATTACK_HOURS ?= 8
 ATTACK_OPTIONS ?=
+PYTHON ?= /usr/bin/python3
 INSTALL = tools/install_packages.sh
 # The layers whose own tests run under AddressSanitizer, beside those of the command, which run all layers.
 ASAN_LAYERS ?= core linalg stats dynamics fem formats model drivers updating study report
@@ -17,7 +18,7 @@ ctest = ctest --preset $(1) -j $(JOBS)
 alternatives = $(subst $() ,|,$(strip $(1)))
 tsan_options = TSAN_OPTIONS="suppressions=$(CURDIR)/tools/tsan.supp $$TSAN_OPTIONS"
 
-.PHONY: build demo test lint asan tsan coverage fuzz attack deb try-deb bench clean
+.PHONY: build demo test lint asan tsan coverage fuzz attack python deb try-deb bench clean
 .DEFAULT_GOAL := build
 
 build:
@@ -56,6 +57,13 @@ tsan:
 	$(call build,tsan) --target mottle_app $(foreach layer,$(TSAN_LAYERS),--target mottle_$(layer)_tests)
 	$(tsan_options) $(call ctest,tsan) --label-regex "^($(call alternatives,$(TSAN_LAYERS)))$$"
 	$(tsan_options) build/tsan/mottle update examples/01-three-masses/case1.toml --threads 4 --quiet --out build/tsan/case1.mottle
+
+# The Python package with its tests, in build/release/python.
+python:
+	$(INSTALL) --test --python
+	$(call configure,release) -DMOTTLE_BUILD_TESTS=ON -DMOTTLE_BUILD_PYTHON=ON -DPython3_EXECUTABLE=$(PYTHON)
+	$(call build,release) --target mottle_app --target mottle_python
+	$(call ctest,release) --label-regex "^python$$"
 
 # The tests under both sanitisers, and the lines of the library that they reach (tests, the command and outside headers
 # do not count): one build for both, since that build is most of the cost.

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Installs the Debian packages that are missing: all that is needed to build, test, or check this repository.
-#   tools/install_packages.sh [--run] [--build] [--test] [--ci] [--fuzz] [--bench]     default: --build
+#   tools/install_packages.sh [--run] [--build] [--test] [--ci] [--fuzz] [--bench] [--python]     default: --build
 # Each set includes what it stands on (--test and --ci include --build). Asks for root only if something is missing.
 set -euo pipefail
 
@@ -16,6 +16,8 @@ test=(libgtest-dev libgmock-dev python3:python3 chromium:chromium calculix-ccx:c
 ci=(clang-format:clang-format clang-tidy:clang-tidy gcovr:gcovr dpkg-dev file
     help2man:help2man ccache:ccache slurm-wlm munge)
 fuzz=(clang:clang++)
+python=(pybind11-dev python3-dev python3-numpy python3-scipy python3-pandas python3-xarray python3-matplotlib
+        python3-pytest mypy:mypy)
 bench=(libbenchmark-dev libspectra-dev octave python3:python3 python3-numpy python3-scipy python3-openturns
        python3-petsc4py-real python3-slepc4py-real)
 
@@ -27,8 +29,9 @@ for set in "${@:---build}"; do
     --test) wanted+=("${build[@]}" "${test[@]}") ;;
     --ci) wanted+=("${build[@]}" "${test[@]}" "${ci[@]}") ;;
     --fuzz) wanted+=("${build[@]}" "${fuzz[@]}") ;;
+    --python) wanted+=("${build[@]}" "${python[@]}") ;;
     --bench) wanted+=("${build[@]}" "${bench[@]}") ;;
-    *) echo "usage: $0 [--run] [--build] [--test] [--ci] [--fuzz] [--bench]; found '$set'" >&2; exit 2 ;;
+    *) echo "usage: $0 [--run] [--build] [--test] [--ci] [--fuzz] [--bench] [--python]; found '$set'" >&2; exit 2 ;;
   esac
 done
 

@@ -10,7 +10,7 @@ build=$1 jobs=$2
 shift 2
 
 echo "clang-format"
-find include src apps tests benchmarks web -name node_modules -prune -o \( -name '*.cpp' -o -name '*.hpp' \) -print0 |
+find include src apps bindings tests benchmarks web -name node_modules -prune -o \( -name '*.cpp' -o -name '*.hpp' \) -print0 |
   xargs -0 -r -P "$jobs" -n 16 clang-format --dry-run -Werror
 python3 tools/check_layers.py
 python3 tools/check_type_names.py

@@ -1,5 +1,5 @@
-// A job beside the interpreter: the engine works in a thread of its own without the interpreter's lock, while the thread
-// that called serves what the engine asks of Python (a model's values, progress) and listens for Ctrl-C.
+// A job beside the interpreter: the engine works in a thread of its own without the interpreter's lock, while the
+// thread that called serves what the engine asks of Python (a model's values, progress) and listens for Ctrl-C.
 #pragma once
 
 #include <pybind11/pybind11.h>

@@ -16,7 +16,7 @@ namespace py = pybind11;
 /// One parameter as Python gives it.
 struct ParameterSpec {
   std::string name, kind, scale, unit;
-  double mean, std, lower, upper;              // of the distribution
+  double mean, std, lower, upper;                // of the distribution
   double lower_bound, upper_bound, lower_limit;  // lower_limit: below lies what is physically impossible
 };
 
@@ -31,7 +31,8 @@ const DistributionKindInfo& kind_of(const ParameterSpec& spec) {
     if (kind.name == spec.kind) return kind;
     names.push_back(kind.name);
   }
-  throw InvalidInput(fmt::format("parameter '{}': {}", spec.name, unknown_name_message("distribution", spec.kind, names)));
+  throw InvalidInput(
+      fmt::format("parameter '{}': {}", spec.name, unknown_name_message("distribution", spec.kind, names)));
 }
 
 Distribution distribution_of(const ParameterSpec& spec) {
@@ -146,7 +147,8 @@ void require_tests(const FunctionOutcome& outcome) {
   }
 }
 
-std::shared_ptr<FunctionOutcome> update_function(const py::object& function, const std::vector<ParameterSpec>& parameters,
+std::shared_ptr<FunctionOutcome> update_function(const py::object& function,
+                                                 const std::vector<ParameterSpec>& parameters,
                                                  const Eigen::MatrixXd& correlation,
                                                  const std::vector<OutputSpec>& outputs, TestData tests,
                                                  FunctionSettings settings, const py::object& progress) {
@@ -182,12 +184,15 @@ void add_specs(py::module_& module) {
       .def(py::init([](const std::string& name, const std::string& kind, double mean, double std, double lower,
                        double upper, double lower_bound, double upper_bound, double lower_limit,
                        const std::string& scale, const std::string& unit) {
-             return ParameterSpec{name, kind, scale, unit, mean, std, lower, upper, lower_bound, upper_bound, lower_limit};
+             return ParameterSpec{name,  kind,  scale,       unit,        mean,       std,
+                                  lower, upper, lower_bound, upper_bound, lower_limit};
            }),
            py::arg("name"), py::arg("kind"), py::arg("mean"), py::arg("std"), py::arg("lower"), py::arg("upper"),
            py::arg("lower_bound"), py::arg("upper_bound"), py::arg("lower_limit"), py::arg("scale"), py::arg("unit"));
   py::class_<OutputSpec>(module, "OutputSpec")
-      .def(py::init([](const std::string& name, const std::string& unit) { return OutputSpec{name, unit}; }),
+      .def(py::init([](const std::string& name, const std::string& unit) {
+             return OutputSpec{name, unit};
+           }),
            py::arg("name"), py::arg("unit"));
 }
 

@@ -81,8 +81,8 @@ void add_update(py::module_& module) {
   update.def_property_readonly("verdict",
                                [](const UpdateOutcome& self) { return conclusion_text(self.verdict.conclusion); });
   update.def_property_readonly("parameters", [](const UpdateOutcome& self) { return self.problem().space.names(); });
-  update.def_property_readonly(
-      "outputs", [](const UpdateOutcome& self) { return output_names(self.problem().model.outputs()); });
+  update.def_property_readonly("outputs",
+                               [](const UpdateOutcome& self) { return output_names(self.problem().model.outputs()); });
   view(update, "mean", [](const UpdateOutcome& self) -> const Eigen::VectorXd& { return self.result.mean; });
   view(update, "covariance",
        [](const UpdateOutcome& self) -> const Eigen::MatrixXd& { return self.result.covariance; });
@@ -109,8 +109,8 @@ void add_forward(py::module_& module) {
 
   py::class_<SimulateOutcome, std::shared_ptr<SimulateOutcome>> simulate(module, "SimulateOutcome");
   simulate.def_property_readonly("parameters", [](const SimulateOutcome& self) { return self.made.space->names(); });
-  simulate.def_property_readonly(
-      "outputs", [](const SimulateOutcome& self) { return output_names(self.made.model->outputs()); });
+  simulate.def_property_readonly("outputs",
+                                 [](const SimulateOutcome& self) { return output_names(self.made.model->outputs()); });
   view(simulate, "truth", [](const SimulateOutcome& self) -> const Eigen::MatrixXd& { return self.cloud.samples; });
   view(simulate, "specimens", [](const SimulateOutcome& self) -> const Eigen::MatrixXd& { return self.cloud.outputs; });
   view(simulate, "exact", [](const SimulateOutcome& self) -> const Eigen::MatrixXd& { return self.exact; });

@@ -18,8 +18,8 @@ py::tuple modes_of(const Eigen::SparseMatrix<double>& stiffness, const Eigen::Sp
   SparseModes modes;
   {
     const py::gil_scoped_release free;
-    modes = SparseModeSolver().solve(stiffness, mass,
-                                     {.modes = count, .tolerance = tolerance, .counts_below = counts, .measures = false});
+    modes = SparseModeSolver().solve(
+        stiffness, mass, {.modes = count, .tolerance = tolerance, .counts_below = counts, .measures = false});
   }
   if (!modes.failure.empty()) throw SystemFailure("the modes were not found: " + modes.failure);
   if (!modes.is_complete()) {
@@ -38,8 +38,8 @@ py::list methods() {
                               py::arg("allowed") = option.allowed, py::arg("default") = option.default_value,
                               py::arg("meaning") = option.meaning));
     }
-    all.append(py::dict(py::arg("name") = method.name, py::arg("summary") = method.summary,
-                        py::arg("options") = options));
+    all.append(
+        py::dict(py::arg("name") = method.name, py::arg("summary") = method.summary, py::arg("options") = options));
   }
   return all;
 }

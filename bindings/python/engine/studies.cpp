@@ -96,7 +96,8 @@ void add_studies(py::module_& module) {
       [](const Path& file, const std::vector<std::string>& assignments, std::optional<std::uint64_t> seed) {
         return std::make_shared<Study>(study::read_study(file, {.assignments = assignments, .seed = seed}));
       },
-      py::arg("file"), py::kw_only(), py::arg("assignments") = std::vector<std::string>(), py::arg("seed") = py::none());
+      py::arg("file"), py::kw_only(), py::arg("assignments") = std::vector<std::string>(),
+      py::arg("seed") = py::none());
   study.def_static(
       "from_text",
       [](const std::string& text, const Path& file) {
@@ -122,15 +123,13 @@ void add_studies(py::module_& module) {
       py::kw_only(), py::arg("threads") = 0, py::arg("may_run_programs") = true, py::arg("cache") = py::none(),
       py::arg("progress") = py::none());
   add_job<UpdateOutcome>(
-      study, "update",
-      [](const Study& self, const RunSettings& settings) { return study::update(self, settings); }, finish_with_report);
+      study, "update", [](const Study& self, const RunSettings& settings) { return study::update(self, settings); },
+      finish_with_report);
   add_job<DiagnoseOutcome>(
-      study, "diagnose",
-      [](const Study& self, const RunSettings& settings) { return study::diagnose(self, settings); },
+      study, "diagnose", [](const Study& self, const RunSettings& settings) { return study::diagnose(self, settings); },
       [](const Path&) {});
   add_job<SimulateOutcome>(
-      study, "simulate",
-      [](const Study& self, const RunSettings& settings) { return study::simulate(self, settings); },
+      study, "simulate", [](const Study& self, const RunSettings& settings) { return study::simulate(self, settings); },
       [](const Path&) {});
   study.def(
       "propagate",
