@@ -64,7 +64,8 @@ _mottle() {{
     COMPREPLY=($(compgen -W "$words" -- "$word"))
   else
     compopt -o filenames 2>/dev/null
-    COMPREPLY=($(compgen -f -- "$word"))
+    word=${{word#[\"\']}}
+    mapfile -t COMPREPLY < <(compgen -f -- "${{word//\\/}}")
   fi
 }}
 complete -F _mottle mottle

@@ -25,7 +25,7 @@ void add_report(CLI::App& app) {
     write_report(*folder);
     if (!*is_quiet) fmt::print("report: {}\n", (std::filesystem::path(*folder) / "report.html").string());
     if (!*is_printed) return;
-    const std::filesystem::path file = print_report(*folder);
+    const std::filesystem::path file = print_report(*folder, &stop_flag());
     if (!*is_quiet) fmt::print("summary on paper: {}\n", file.string());
   });
 }

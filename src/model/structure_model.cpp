@@ -125,11 +125,20 @@ ModeSet StructureModel::sound_modes_at(const Eigen::Ref<const Eigen::VectorXd>& 
   require_of(values.size() >= highest_mode() && values.allFinite(), {Subject::Kind::model},
              "it has no modes at the parameters' means: the mass matrix is not positive definite there");
   require_of(
-      !std::isnan(natural_frequency_hz(values(0), values.cwiseAbs().maxCoeff())), {Subject::Kind::model},
+      !std::isnan(natural_frequency_hz(values(0), scale_of(modes, parameters))), {Subject::Kind::model},
       "it is unstable at the parameters' means, its lowest eigenvalue is {:.6g}; a stiffness is negative, or a preload "
       "makes it buckle",
       values(0));
   return modes;
+}
+
+/// Scale for natural_frequency_hz(): the largest eigenvalue, or more where the lowest may be what rounding leaves of a
+/// rigid-body motion, of a size that has nothing to do with the modes that are asked for.
+double StructureModel::scale_of(const ModeSet& modes, const Eigen::Ref<const Eigen::VectorXd>& parameters) const {
+  constexpr double k_rigid = 1e-6;
+  const double largest = modes.eigenvalues.cwiseAbs().maxCoeff();
+  if (modes.eigenvalues(0) > k_rigid * largest) return largest;
+  return std::max(largest, solver_->eigenvalue_rounding(parameters, modes) / k_eigenvalue_rounding);
 }
 
 void StructureModel::require_statics_at(const Eigen::Ref<const Eigen::VectorXd>& parameters) const {
@@ -145,7 +154,7 @@ void StructureModel::solve_reference() {
   require_statics_at(reference_parameters_);
   if (highest_mode() == 0) return;
   reference_ = sound_modes_at(reference_parameters_);
-  largest_eigenvalue_ = reference_.eigenvalues.cwiseAbs().maxCoeff();
+  largest_eigenvalue_ = scale_of(reference_, reference_parameters_);
 }
 
 void StructureModel::require_solution_at(const Eigen::Ref<const Eigen::VectorXd>& parameters) const {

@@ -2,13 +2,21 @@
 
 #include <algorithm>
 #include <cassert>
+#include <span>
 
+#include "mottle/core/files.hpp"
 #include "mottle_page.hpp"
 
 namespace mottle::report {
 
+namespace {
+
+/// Where the data goes.
+constexpr std::string_view k_placeholder = "/*MOTTLE_DATA*/";
+
+}  // namespace
+
 std::string render_page(std::string_view data_json) {
-  constexpr std::string_view k_placeholder = "/*MOTTLE_DATA*/";
   constexpr std::string_view k_escaped_less_than = "\\u003c";
   const std::string_view page = detail::mottle_page_template();
   const std::size_t position = page.find(k_placeholder);
@@ -27,6 +35,22 @@ std::string render_page(std::string_view data_json) {
   }
   html += page.substr(position + k_placeholder.size());
   return html;
+}
+
+bool is_page_of(const std::filesystem::path& file, const std::string& kind) {
+  const std::string_view page = detail::mottle_page_template();
+  const std::string start = std::string(page.substr(0, page.find(k_placeholder))) + "{\"kind\":\"" + kind + '"';
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(file, ignored)) return false;
+  std::string bytes(start.size(), '\0');
+  BlockReader reader(file);
+  std::size_t size = 0;
+  while (size < bytes.size()) {
+    const std::size_t read = reader.read(std::span(bytes).subspan(size));
+    if (read == 0) return false;
+    size += read;
+  }
+  return bytes == start;
 }
 
 }  // namespace mottle::report

@@ -1,6 +1,7 @@
 // Result as JSON -> one HTML file that opens without network. Draws nothing itself: the page does (web/).
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <string_view>
 
@@ -16,5 +17,8 @@ namespace mottle::report {
 /// @param data_json  one valid JSON document in UTF-8: {"result": ..., "tests": ..., "clouds": ...}
 /// @return           the complete HTML file
 std::string render_page(std::string_view data_json);
+
+/// Whether the file is a page of this program whose data is of that kind ("compare").
+bool is_page_of(const std::filesystem::path& file, const std::string& kind);
 
 }  // namespace mottle::report

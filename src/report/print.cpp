@@ -6,12 +6,16 @@
 #include "mottle/core/text.hpp"
 #include "mottle/drivers/command/solver_process.hpp"
 #include "mottle/report/report.hpp"
+#include "mottle/study/results/own_results.hpp"
+#include "mottle/study/results/run_folder.hpp"
 
 namespace mottle::report {
 namespace {
 
 constexpr std::array k_browsers = {"chromium", "chromium-browser", "google-chrome", "google-chrome-stable",
                                    "microsoft-edge"};
+
+constexpr const char* k_printed = "report.pdf";
 
 std::filesystem::path find_browser() {
   for (const char* name : k_browsers) {
@@ -37,9 +41,10 @@ std::string file_address(const std::filesystem::path& file) {
 
 }  // namespace
 
-std::filesystem::path print_report(const std::filesystem::path& folder) {
+std::filesystem::path print_report(const std::filesystem::path& folder, const std::atomic<bool>* stop) {
   constexpr std::chrono::minutes k_patience{3};
   const std::filesystem::path browser = find_browser();
+  require_own_result(folder / k_printed);
   const TemporaryFolder work;
   const std::filesystem::path printed = work.path() / "printed.pdf";
   // Chromium refuses to run as root with its sandbox; the page holds nothing but what Mottle wrote.
@@ -48,14 +53,21 @@ std::filesystem::path print_report(const std::filesystem::path& folder) {
                                  "--no-pdf-header-footer", "--user-data-dir=" + (work.path() / "profile").string(),
                                  "--print-to-pdf=" + printed.string(), file_address(folder / "report.html")},
                    .directory = work.path(),
-                   .timeout = k_patience});
+                   .timeout = k_patience,
+                   .stop = stop});
+  if (end.kind == ProcessEnd::Kind::stopped) throw Stopped("the report was not printed: stopped on request");
   if (end.kind != ProcessEnd::Kind::done || !std::filesystem::exists(printed)) {
     throw SystemFailure(fmt::format("{}: the browser did not print the report: {}", browser.string(),
                                     end.reason.empty() ? "it wrote no file" : end.reason));
   }
-  std::filesystem::path file = folder / "report.pdf";
-  write_file_atomically(file, read_file(printed));
-  return file;
+  const std::string bytes = read_file(printed);
+  if (!bytes.starts_with("%PDF-")) {
+    throw SystemFailure(fmt::format("{}: the browser did not print the report: what it wrote is no PDF",
+                                    browser.string()));
+  }
+  const RunFolder results(folder);
+  results.write(k_printed, bytes);
+  return results.file(k_printed);
 }
 
 }  // namespace mottle::report

@@ -103,6 +103,8 @@ void write_comparison_page(const Comparison& comparison, const std::filesystem::
                     {"result", compared(read_result(run.folder / "result.json"))}});
   }
   const Json data = {{"kind", "compare"}, {"runs", std::move(runs)}};
+  require(!std::filesystem::exists(page) || is_page_of(page, "compare"),
+          "--out {}: is there and is not a page of a comparison; move it, or give another name", page.string());
   write_file_atomically(page, render_page(data.dump(-1, ' ', false, Json::error_handler_t::replace)));
 }
 
@@ -118,11 +120,11 @@ void write_report(const std::filesystem::path& folder) {
   if (std::filesystem::exists(folder / "clouds.csv")) page["clouds"] = clouds_json(folder / "clouds.csv", parameters);
   if (std::filesystem::exists(folder / "modes.json")) page["modes"] = read_modes(folder / "modes.json");
   const std::string data = page.dump(-1, ' ', false, Json::error_handler_t::replace);
-  write_file_atomically(folder / "report.html", render_page(data));
+  RunFolder(folder).write("report.html", render_page(data));
 }
 
 void write_modes_page(const std::filesystem::path& folder) {
-  write_file_atomically(folder / "modes.html", render_page(read_file(folder / "modes.json")));
+  RunFolder(folder).write("modes.html", render_page(read_file(folder / "modes.json")));
 }
 
 }  // namespace mottle::report

@@ -96,6 +96,24 @@ class CalculixTest(support.CommandTest):
             expected = own[mode - 1] ** 0.5 / (2 * math.pi)
             self.assertLess(abs(float(rows[0][header.index(f"f{mode}")]) / expected - 1), 1e-6)
 
+    def test_a_thin_free_plate_is_not_called_unstable(self):
+        """What rounding leaves of its rigid-body motions has the size of membrane stiffness, however few modes are asked for."""
+        nodes = [f"{j * 100 + i + 1}, {i * 100.0}, {j * 50.0}, 0.0" for j in range(3) for i in range(7)]
+        corners = [j * 100 + i + 1 for j in range(2) for i in range(6)]
+        elements = [f"{e}, {a}, {a + 1}, {a + 101}, {a + 100}" for e, a in enumerate(corners, 1)]
+        for thickness in (5.0, 2.0, 0.3):
+            with self.subTest(thickness=thickness):
+                self.write("thin.inp", "\n".join([
+                    "*NODE", *nodes, "*ELEMENT, TYPE=S4, ELSET=P", *elements, "*MATERIAL, NAME=AL", "*ELASTIC", "7e4, 0.3",
+                    "*DENSITY", "2.7e-9", "*SHELL SECTION, ELSET=P, MATERIAL=AL", f"{thickness}", "*STEP", "*FREQUENCY", "12",
+                    "*END STEP", ""]))
+                own = [max(value, 0.0) ** 0.5 / (2 * math.pi)
+                       for value in eigenvalues_of(self.folder, (self.folder / "thin.inp").read_text(encoding="utf-8"))]
+                for modes in (7, 20):
+                    found = json.loads(self.succeed("targets", "thin.inp", "--modes", modes, "--json").out)["frequencies"]
+                    self.assertLess(max(found[:6]), 0.02 * own[6])
+                    self.assertAlmostEqual(found[6] / own[6], 1.0, 4)
+
     def test_of_one_free_element_only_rigid_body_modes_are_compared(self):
         """All four that CalculiX finds of 24 equations are: there is no elastic one to measure them by."""
         corners = [(x, y, z) for z in (0, 1) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))]

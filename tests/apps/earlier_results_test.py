@@ -118,17 +118,18 @@ class EarlierResultsTest(support.CommandTest):
 candidates = [{ name = "rho", target = "*DENSITY:ALUMINIUM", distribution = { kind = "normal", mean = 2700.0, std = 30.0 } }]
 """)
         self.write("solver.py", "").chmod(0o755)
-        (self.out / "diagnosis.json").write_text('{"mottle": "earlier"}', encoding="utf-8")
+        self.succeed("diagnose", "study.toml", "--out", "out", "--quiet", "--set", 'test.repeatability={"f*" = "1 %"}')
+        earlier = (self.out / "diagnosis.json").read_bytes()
         self.kill_in_first_run("diagnose", "plate.toml", "--set", f'model.program="{self.folder / "solver.py"}"')
         self.assertNotIn("diagnosis.json", self.names())
-        self.assertEqual((self.previous / "diagnosis.json").read_text(encoding="utf-8"), '{"mottle": "earlier"}')
+        self.assertEqual((self.previous / "diagnosis.json").read_bytes(), earlier)
         self.assertEqual(numbers(self.out), self.first, "an update's results are of another kind")
 
     def test_modes_that_are_killed_while_they_are_sought_leave_none(self):
         self.write("deck.bdf", nastran_test.deck())
         self.succeed("modes", "deck.bdf", "--uff", "--out", "modes", "--quiet")
         folder, previous = self.folder / "modes", self.folder / "modes" / "previous-results"
-        files = {file.name: file.read_bytes() for file in folder.iterdir()}
+        files = {file.name: file.read_bytes() for file in folder.iterdir() if file.name != ".mottle-files"}
         self.write("deck.bdf", nastran_test.deck(20000))
         self.kill_when((previous / "modes.html").exists, "modes", "deck.bdf", "--out", "modes", "--quiet")
         self.assertFalse(set(files) & {file.name for file in folder.iterdir()})
@@ -138,7 +139,7 @@ candidates = [{ name = "rho", target = "*DENSITY:ALUMINIUM", distribution = { ki
         self.assertTrue(previous.exists())
         self.write("deck.bdf", nastran_test.deck())
         self.succeed("modes", "deck.bdf", "--uff", "--out", "modes", "--quiet")
-        self.assertEqual(set(files), {file.name for file in folder.iterdir()})
+        self.assertEqual({*files, ".mottle-files"}, {file.name for file in folder.iterdir()})
 
     def test_a_study_that_is_refused_after_its_first_run_puts_the_earlier_results_back(self):
         self.write("solver.py", SOLVER)
@@ -162,8 +163,11 @@ candidates = [{ name = "rho", target = "*DENSITY:ALUMINIUM", distribution = { ki
         self.assertEqual((self.out / "cloud.csv").read_bytes(), cloud)
 
     def test_what_a_killed_run_had_moved_already_stays_with_the_rest(self):
+        self.run_into_failure()
+        mark = (self.previous / "README.txt").read_bytes()
+        self.succeed("update", "study.toml", "--out", "out", "--quiet")
         self.previous.mkdir()
-        (self.previous / "README.txt").touch()
+        (self.previous / "README.txt").write_bytes(mark)
         report = (self.out / "report.html").read_bytes()
         (self.out / "report.html").rename(self.previous / "report.html")
         self.run_into_failure()
@@ -231,6 +235,16 @@ candidates = [{ name = "rho", target = "*DENSITY:ALUMINIUM", distribution = { ki
         self.assertEqual((self.previous / "result.json").read_text(encoding="utf-8"), "mine")
         self.assertEqual(numbers(self.out), self.first)
 
+    def test_a_folder_of_that_name_with_a_readme_of_the_users_is_left_alone(self):
+        self.previous.mkdir()
+        for name in ("README.txt", "result.json", "clouds.csv"):
+            (self.previous / name).write_text("results of March; keep\n", encoding="utf-8")
+        for verb in ("update", "propagate"):
+            ended = self.call(verb, "study.toml", "--out", "out", "--quiet")
+            self.assertEqual(ended.code, 2, ended.err)
+            self.assertIn("something else has that name", ended.err)
+            self.assertEqual(len(list(self.previous.iterdir())), 3)
+
     def test_a_folder_that_a_killed_run_left_without_its_mark_is_used(self):
         for leftover in ([], ["README.txt.4711-1.partial"]):
             with self.subTest(leftover=leftover):
@@ -264,7 +278,7 @@ candidates = [{ name = "rho", target = "*DENSITY:ALUMINIUM", distribution = { ki
                 mine = self.write(f"{verb}-{name}/{name}", "mine")
                 ended = self.call(verb, study, "--out", mine.parent)
                 self.assertEqual(ended.code, 2, ended.err)
-                self.assertIn(f"{name}: nothing in this file or beside it says that an earlier run wrote it", ended.err)
+                self.assertIn(f"{name}: is not as an earlier run wrote it", ended.err)
                 self.assertEqual(mine.read_text(encoding="utf-8"), "mine")
                 self.assertEqual(list(mine.parent.iterdir()), [mine])
 
@@ -286,9 +300,43 @@ candidates = [{ name = "rho", target = "*DENSITY:ALUMINIUM", distribution = { ki
                     self.write(folder / name, "f1,f2\n1,2\n")
                 ended = self.call(verb, study, "--out", folder)
                 self.assertEqual(ended.code, 2, ended.err)
-                self.assertIn("says that an earlier run wrote it", ended.err)
+                self.assertIn("is not as an earlier run wrote it", ended.err)
                 self.assertEqual({file.name: file.read_text(encoding="utf-8") for file in folder.iterdir()},
                                  dict.fromkeys(names, "f1,f2\n1,2\n"))
+
+    def test_what_lies_beside_a_file_of_the_programs_own_is_not_its_own_too(self):
+        """Not by the words of a log, of JSON, or since an earlier job left results there."""
+        self.write("study-of-truth.toml", STUDY + TRUTH)
+        traces = {"mottle.log": "   12.000 s  mottle\n", "diagnosis.json": "", "resume.journal": "mottle journal",
+                  "modes.json": '{"modes": [1.0]}', "result.json": '{"schema": 1, "mottle": "0.1.0"}'}
+        for trace, text in traces.items():
+            for verb, study, name in (("update", "study.toml", "clouds.csv"), ("update", "study.toml", "posterior.csv"),
+                                      ("simulate", "study-of-truth.toml", "study.toml"), ("modes", "deck.bdf", "modes.csv")):
+                with self.subTest(trace=trace, verb=verb, name=name):
+                    folder = self.folder / f"{trace}-{verb}-{name}"
+                    self.write(folder / trace, text)
+                    self.write(folder / name, "mine\n")
+                    self.write("deck.bdf", nastran_test.deck())
+                    ended = self.call(verb, study, "--out", folder)
+                    self.assertEqual(ended.code, 2, ended.err)
+                    self.assertIn("is not as an earlier run wrote it", ended.err)
+                    self.assertEqual((folder / name).read_text(encoding="utf-8"), "mine\n")
+        for name in ("specimens.csv", "posterior.csv", "modes.uff"):
+            for verb, study in (("simulate", "study-of-truth.toml"), ("update", "study.toml"), ("modes", "deck.bdf")):
+                with self.subTest(verb=verb, name=name):
+                    mine = self.write(self.out / name, "mine\n")
+                    self.call(verb, study, "--out", "out", "--quiet")
+                    self.assertEqual(mine.read_text(encoding="utf-8"), "mine\n")
+                    mine.unlink()
+
+    def test_a_result_that_was_edited_is_its_owners(self):
+        tests = self.out / "tests.csv"
+        edited_text = tests.read_text(encoding="utf-8") + "0.1,0.2,0.3\n"
+        tests.write_text(edited_text, encoding="utf-8")
+        ended = self.call("update", "study.toml", "--out", "out", "--quiet")
+        self.assertEqual(ended.code, 2, ended.err)
+        self.assertIn("tests.csv: is not as an earlier run wrote it", ended.err)
+        self.assertEqual(tests.read_text(encoding="utf-8"), edited_text)
 
     def test_what_a_kill_left_empty_is_used(self):
         folder = self.write("killed/mottle.log", "").parent

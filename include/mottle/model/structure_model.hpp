@@ -87,6 +87,7 @@ class StructureModel final : public Model, public DifferentiableModel {
   void take_outputs();
   void complete_request(const std::vector<int>& degrees_of_freedom);
   ModeSet sound_modes_at(const Eigen::Ref<const Eigen::VectorXd>& parameters) const;
+  double scale_of(const ModeSet& modes, const Eigen::Ref<const Eigen::VectorXd>& parameters) const;
   void require_statics_at(const Eigen::Ref<const Eigen::VectorXd>& parameters) const;
   void solve_reference();
   ModeMatch match_modes(Eigen::Index found, const Eigen::MatrixXd& cosines) const;
@@ -102,7 +103,7 @@ class StructureModel final : public Model, public DifferentiableModel {
   std::vector<Quantity> measured_;
   Eigen::VectorXd reference_parameters_;
   ModeSet reference_;
-  double largest_eigenvalue_ = 0.0;  // of the reference
+  double largest_eigenvalue_ = 0.0;  // of the reference, or more: see scale_of()
   SolutionRequest request_;          // of all responses together
   bool compares_ = false;            // whether modes are compared with the reference's
   std::vector<bool> is_output_;      // by mode up to the highest; the others only keep the outputs' modes apart

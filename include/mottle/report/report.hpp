@@ -1,6 +1,7 @@
 // Makes pages of results: report.html of a run's folder, modes.html, and several runs side by side.
 #pragma once
 
+#include <atomic>
 #include <filesystem>
 
 #include "mottle/layers.hpp"
@@ -16,10 +17,11 @@ void write_report(const std::filesystem::path& folder);
 /// Prints report.html of `folder` to report.pdf beside it, by a Chromium of this machine: the page's summary for paper,
 /// which has two pages.
 ///
+/// @param stop  ends the printing early; null: nothing does
 /// @returns the file
 /// @throws InvalidInput   there is no browser
-/// @throws SystemFailure  it fails, or writes nothing
-std::filesystem::path print_report(const std::filesystem::path& folder);
+/// @throws SystemFailure  it fails, or writes no PDF; Stopped
+std::filesystem::path print_report(const std::filesystem::path& folder, const std::atomic<bool>* stop = nullptr);
 
 /// Reads modes.json of `folder` and writes modes.html beside it.
 void write_modes_page(const std::filesystem::path& folder);

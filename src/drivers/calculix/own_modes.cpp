@@ -15,11 +15,7 @@ namespace {
 /// or of the terms that its shape adds up, of which 14 digits are printed.
 Eigen::ArrayXd rigid_limits(const SparseMatrix& stiffness, const SparseModes& modes, const Eigen::VectorXd& own) {
   constexpr double k_of_highest = 1e-6;
-  constexpr double k_of_terms = 1e-14;
-  const Eigen::MatrixXd sizes = modes.vectors.cwiseAbs();
-  const Eigen::ArrayXd terms =
-      sizes.cwiseProduct(symmetric_product(stiffness.cwiseAbs(), sizes)).colwise().sum().transpose();
-  return (k_of_terms * terms).max(k_of_highest * own.cwiseAbs().maxCoeff());
+  return (k_printed_rounding * sums_of_terms(stiffness, modes.vectors).array()).max(k_of_highest * own.cwiseAbs().maxCoeff());
 }
 
 std::string frequency_text(double eigenvalue) {

@@ -71,7 +71,7 @@ void FailureLimit::require_few(std::int64_t done, std::int64_t failed, bool is_e
   const auto runs = static_cast<double>(done);
   const double slack = is_end ? 0.0 : 3.0 * std::sqrt(max_fraction * (1.0 - max_fraction) * runs);
   if (done < k_fewest || static_cast<double>(failed) <= max_fraction * runs + slack) return;
-  throw SystemFailure(fmt::format("{} of {} {} failed, at most {:.0f} % may (largest_failed_part){}; the last: {}",
+  throw SystemFailure(fmt::format("{} of {} {} failed, at most {:.3g} % may (largest_failed_part){}; the last: {}",
                                   failed, done, what, 100.0 * max_fraction, where, last));
 }
 

@@ -7,9 +7,8 @@
 namespace mottle::dynamics {
 
 double natural_frequency_hz(double eigenvalue, double scale) {
-  constexpr double k_rounding = 1e-7;  // 5e-9 is seen in matrices that a program wrote as text
   if (eigenvalue >= 0.0) return std::sqrt(eigenvalue) / (2.0 * std::numbers::pi);
-  return eigenvalue >= -k_rounding * scale ? 0.0 : std::numeric_limits<double>::quiet_NaN();
+  return eigenvalue >= -k_eigenvalue_rounding * scale ? 0.0 : std::numeric_limits<double>::quiet_NaN();
 }
 
 Eigen::VectorXd natural_frequencies_hz(const Eigen::Ref<const Eigen::VectorXd>& eigenvalues) {

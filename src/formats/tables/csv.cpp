@@ -150,10 +150,15 @@ Eigen::VectorXd numbers_of_column(const CsvTable& table, int column) {
     if (is_missing(cell)) {
       number = std::numeric_limits<double>::quiet_NaN();
     } else if (!parse_number(cell, number) || !std::isfinite(number)) {
-      throw FormatError(table.file, table.lines[row],
-                        fmt::format("column '{}' holds '{}', which is not a finite number; leave the cell empty where "
-                                    "nothing was measured",
-                                    table.header[static_cast<std::size_t>(column)], cell));
+      std::string with_point = cell;
+      std::ranges::replace(with_point, ',', '.');
+      const bool has_comma = with_point != cell && parse_number(with_point, number);
+      throw FormatError(
+          table.file, table.lines[row],
+          fmt::format("column '{}' holds '{}', which is not a finite number; {}",
+                      table.header[static_cast<std::size_t>(column)], cell,
+                      has_comma ? "decimal commas are not read: write a point"
+                                : "leave the cell empty where nothing was measured"));
     }
   }
   return numbers;

@@ -51,6 +51,11 @@ VectorRows product_rows(const SparseMatrix& lower, const VectorRows& x) {
   return product;
 }
 
+Eigen::VectorXd sums_of_terms(const SparseMatrix& lower, const Eigen::Ref<const Eigen::MatrixXd>& shapes) {
+  const Eigen::MatrixXd sizes = shapes.cwiseAbs();
+  return sizes.cwiseProduct(symmetric_product(lower.cwiseAbs(), sizes)).colwise().sum().transpose();
+}
+
 Eigen::MatrixXd symmetric_product(const SparseMatrix& lower, const Eigen::Ref<const Eigen::MatrixXd>& x) {
   return to_columns(product_rows(lower, to_rows(x)), x.cols());
 }

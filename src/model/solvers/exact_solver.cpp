@@ -189,6 +189,12 @@ ModeSet ExactSolver::modes_at(const Eigen::Ref<const Eigen::VectorXd>& parameter
   return {found.values, found.vectors};
 }
 
+double ExactSolver::eigenvalue_rounding(const Eigen::Ref<const Eigen::VectorXd>& parameters,
+                                        const ModeSet& modes) const {
+  if (modes.shapes.cols() == 0) return 0.0;
+  return k_printed_rounding * sums_of_terms(structure_->matrices_at(parameters).stiffness, modes.shapes).maxCoeff();
+}
+
 Eigen::MatrixXd ExactSolver::cosines(const ModeSet& reference, const ModeSet& modes) const {
   const Eigen::MatrixXd weighed = symmetric_product(reference_mass_, modes.shapes);
   const Eigen::RowVectorXd squares = modes.shapes.cwiseProduct(weighed).colwise().sum();

@@ -182,8 +182,9 @@ ExportOutcome make_export(const ExportSettings& settings) {
   const Found found = read_found(result.at("parameters"), study);
   const Eigen::MatrixXd samples = read_samples(settings.results, study);
   ExportOutcome outcome{.folder = settings.out.empty() ? settings.results / "export" : settings.out};
-  require(!fs::exists(outcome.folder), "{}: is there already, and is not written over; name another folder with --out",
-          outcome.folder.string());
+  if (!outcome.folder.has_filename()) outcome.folder = outcome.folder.parent_path();  // "out/"
+  require(!fs::exists(fs::symlink_status(outcome.folder)),
+          "{}: is there already, and is not written over; name another folder with --out", outcome.folder.string());
   require(settings.decks <= samples.rows(), "--decks {}: the last cloud has {} samples", settings.decks,
           samples.rows());
   refuse_changed_model(study, result, settings, outcome);

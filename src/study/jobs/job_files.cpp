@@ -4,7 +4,7 @@
 
 #include "mottle/core/ranks.hpp"
 #include "mottle/study/models/model_source.hpp"
-#include "study/results/own_results.hpp"
+#include "mottle/study/results/own_results.hpp"
 
 namespace mottle::study {
 
@@ -46,11 +46,7 @@ void require_own(const std::filesystem::path& folder, std::vector<std::string> n
                  const std::vector<std::filesystem::path>& read) {
   if (folder.empty()) return;
   for (const std::string& name : results_not_read(folder, std::move(names), read)) {
-    require(
-        may_be_own_result(folder / name),
-        "{}: nothing in this file or beside it says that an earlier run wrote it, and results would be written over "
-        "it; move it, or choose another folder with --out",
-        (folder / name).string());
+    require_own_result(folder / name);
   }
 }
 

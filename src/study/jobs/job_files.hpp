@@ -25,8 +25,8 @@ std::vector<std::string> files_of_jobs();
 void require_none_is_read(const std::filesystem::path& folder, const std::vector<std::string>& names,
                           const std::vector<std::filesystem::path>& read);
 
-/// Throws InvalidInput where one of `names`, but for those that are read, is in the folder and nothing says that an
-/// earlier job left it: it may be the user's own.
+/// Throws InvalidInput where one of `names`, but for those that are read, is in the folder and is not as an
+/// earlier job left it: it is the user's own.
 void require_own(const std::filesystem::path& folder, std::vector<std::string> names,
                  const std::vector<std::filesystem::path>& read);
 

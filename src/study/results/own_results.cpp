@@ -1,19 +1,26 @@
-#include "study/results/own_results.hpp"
+#include "mottle/study/results/own_results.hpp"
+
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
-#include <cctype>
+#include <map>
 #include <string>
-#include <string_view>
+#include <vector>
 
+#include "mottle/core/checksum.hpp"
 #include "mottle/core/error.hpp"
 #include "mottle/core/files.hpp"
+#include "mottle/core/own_file.hpp"
 #include "mottle/model/journal.hpp"
 #include "mottle/study/results/run_folder.hpp"
 #include "study/results/diagnosis_names.hpp"
 
 namespace mottle::study {
 namespace {
+
+constexpr std::string_view k_head = "Checksums of the files that Mottle wrote here, so that it may write over them.\n";
+constexpr std::uint64_t k_largest_register = 1 << 16;  // then it is put in order
 
 /// The file's first bytes; none of what cannot be read or is no file.
 std::string first_bytes(const std::filesystem::path& file) {
@@ -31,55 +38,67 @@ std::string first_bytes(const std::filesystem::path& file) {
 bool is_log(std::string_view bytes) {
   const std::size_t number = bytes.find_first_not_of(' ');
   const std::size_t end = number == std::string_view::npos ? number : bytes.find_first_not_of("0123456789.", number);
-  return end != std::string_view::npos && end > number && bytes.substr(end).starts_with(" s  ");
-}
-
-bool is_json_result(std::string_view bytes) {
-  return bytes.starts_with('{') && bytes.find("\"mottle\":") != std::string_view::npos;
-}
-
-/// Of `modes`, or beside an update.
-bool is_modes_result(std::string_view bytes) {
-  return bytes.starts_with("{\"modes\":") || is_json_result(bytes);
+  if (end == std::string_view::npos || end < 9 || bytes[end - 4] != '.') return false;
+  return std::ranges::count(bytes.substr(0, end), '.') == 1 && bytes.substr(end).starts_with(" s  ");
 }
 
 bool is_journal(std::string_view bytes) {
-  return bytes.starts_with(k_journal_magic) || k_journal_magic.starts_with(bytes);
+  constexpr std::size_t k_telling = 8;
+  return bytes.starts_with(k_journal_magic) || (bytes.size() >= k_telling && k_journal_magic.starts_with(bytes));
 }
 
-struct Trace {
+struct GrowingFile {
   const char* name;
   bool (*is_known)(std::string_view bytes);
 };
 
-constexpr std::array k_traces{Trace{"result.json", is_json_result},  Trace{"modes.json", is_modes_result},
-                              Trace{k_diagnosis, is_json_result},    Trace{k_log, is_log},
-                              Trace{k_diagnosis_log, is_log},        Trace{k_journal, is_journal},
-                              Trace{k_diagnosis_journal, is_journal}};
+constexpr std::array k_growing{GrowingFile{k_log, is_log}, GrowingFile{k_diagnosis_log, is_log},
+                               GrowingFile{k_journal, is_journal}, GrowingFile{k_diagnosis_journal, is_journal}};
 
-/// Whether `simulate` has left specimens: of those without noise the last columns are those with it.
-bool holds_specimens(const std::filesystem::path& folder) {
-  const auto head = [&](const std::string& name) {
-    const std::string bytes = first_bytes(folder / name);
-    return bytes.substr(0, bytes.find('\n'));
-  };
-  const std::string drawn = head(specimen_names().front());
-  return !drawn.empty() && head(specimen_names().back()).ends_with("," + drawn);
+/// Lines of the register by name, in the order in which they were written; none where it is something else.
+std::map<std::string, std::vector<std::string>> read_register(const std::filesystem::path& file) {
+  std::map<std::string, std::vector<std::string>> digests;
+  std::string text;
+  try {
+    text = read_file(file);
+  } catch (const Error&) {
+    return digests;
+  }
+  if (!text.starts_with(k_head)) return digests;
+  constexpr std::size_t k_digits = 32;
+  for (std::size_t begin = k_head.size(); begin < text.size();) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    if (end > begin + k_digits && text[begin + k_digits] == ' ') {
+      digests[text.substr(begin + k_digits + 1, end - begin - k_digits - 1)].push_back(text.substr(begin, k_digits));
+    }
+    begin = end + 1;
+  }
+  return digests;
 }
 
-/// Whether the file is empty or known by what it holds.
-bool is_left(const std::filesystem::path& file, const Trace& trace) {
-  std::error_code ignored;
-  const std::string bytes = first_bytes(file);
-  return bytes.empty() ? std::filesystem::is_empty(file, ignored) : trace.is_known(bytes);
+/// Leaves the last two of each name: what is there, and what was to take its place when a job was killed.
+void put_in_order(const std::filesystem::path& file) {
+  std::string text(k_head);
+  for (const auto& [name, digests] : read_register(file)) {
+    const std::size_t first = digests.size() > 2 ? digests.size() - 2 : 0;
+    for (std::size_t i = first; i < digests.size(); ++i) text += digests[i] + ' ' + name + '\n';
+  }
+  write_file_atomically(file, text);
 }
 
-bool holds_results(const std::filesystem::path& folder) {
-  const auto is_there = [&](const Trace& trace) {
-    std::error_code ignored;
-    return std::filesystem::exists(folder / trace.name, ignored) && is_left(folder / trace.name, trace);
-  };
-  return std::ranges::any_of(k_traces, is_there) || holds_previous(folder) || holds_specimens(folder);
+bool is_registered(const std::filesystem::path& file) {
+  const auto known = read_register(file.parent_path() / k_register);
+  const auto digests = known.find(file.filename().string());
+  if (digests == known.end()) return false;
+  Checksum checksum;
+  try {
+    BlockReader reader(file);
+    std::string block(1 << 20, '\0');
+    for (std::size_t size = reader.read(block); size > 0; size = reader.read(block)) checksum.add(block.data(), size);
+  } catch (const Error&) {
+    return false;
+  }
+  return std::ranges::find(digests->second, hexadecimal(checksum.digest())) != digests->second.end();
 }
 
 }  // namespace
@@ -87,8 +106,35 @@ bool holds_results(const std::filesystem::path& folder) {
 bool may_be_own_result(const std::filesystem::path& file) {
   std::error_code ignored;
   if (!std::filesystem::exists(std::filesystem::symlink_status(file, ignored))) return true;
-  const auto trace = std::ranges::find(k_traces, file.filename(), &Trace::name);
-  return trace == k_traces.end() ? holds_results(file.parent_path()) : is_left(file, *trace);
+  if (!std::filesystem::is_regular_file(file, ignored)) return false;
+  if (std::filesystem::is_empty(file, ignored)) return true;
+  const auto growing = std::ranges::find(k_growing, file.filename(), &GrowingFile::name);
+  if (growing != k_growing.end()) return growing->is_known(first_bytes(file));
+  return is_registered(file);
+}
+
+void require_own_result(const std::filesystem::path& file) {
+  require(may_be_own_result(file),
+          "{}: is not as an earlier run wrote it, and results would be written over it; move it, or choose another "
+          "folder with --out",
+          file.string());
+}
+
+void note_own_result(const std::filesystem::path& file, std::string_view bytes) {
+  const std::filesystem::path place = file.parent_path() / k_register;
+  std::error_code ignored;
+  const bool is_new = !std::filesystem::exists(place, ignored) || std::filesystem::is_empty(place, ignored);
+  require(is_new || first_bytes(place).starts_with(k_head),
+          "{}: is not the list of files that Mottle keeps under this name; move it, or choose another folder with --out",
+          place.string());
+  if (!is_new && std::filesystem::file_size(place, ignored) > k_largest_register) put_in_order(place);
+  const std::string line =
+      std::string(is_new ? k_head : "") + hexadecimal(digest_of(bytes)) + ' ' + file.filename().string() + '\n';
+  const int descriptor = open_own_file(place, ExistingFile::keep);
+  ::lseek(descriptor, 0, SEEK_END);
+  const bool is_whole = ::write(descriptor, line.data(), line.size()) == static_cast<ssize_t>(line.size());
+  ::close(descriptor);
+  if (!is_whole) throw SystemFailure(place.string() + ": cannot be written: the disk may be full");
 }
 
 }  // namespace mottle::study

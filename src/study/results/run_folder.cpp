@@ -8,6 +8,7 @@
 #include "mottle/core/files.hpp"
 #include "mottle/core/own_file.hpp"
 #include "mottle/core/text.hpp"
+#include "mottle/study/results/own_results.hpp"
 
 namespace mottle::study {
 namespace {
@@ -23,12 +24,17 @@ bool is_mark(const std::filesystem::path& file) {
   return name == k_mark || (name.starts_with(k_mark) && name.ends_with(".partial"));
 }
 
+bool has_mark(const std::filesystem::path& folder) {
+  std::error_code ignored;
+  return std::filesystem::is_regular_file(folder / k_mark, ignored) && read_file(folder / k_mark) == k_mark_text;
+}
+
 /// Whether nothing is there, or a folder that this program made: one with its mark, or one in which it was killed
 /// before the mark was whole.
 bool may_hold_previous(const std::filesystem::path& folder) {
   if (!std::filesystem::exists(std::filesystem::symlink_status(folder))) return true;
   if (std::filesystem::is_symlink(folder) || !std::filesystem::is_directory(folder)) return false;
-  if (std::filesystem::exists(folder / k_mark)) return true;
+  if (std::filesystem::exists(folder / k_mark)) return has_mark(folder);
   const std::filesystem::directory_iterator files(folder);
   return std::all_of(begin(files), end(files), [](const auto& file) { return is_mark(file.path()); });
 }
@@ -58,17 +64,13 @@ const std::vector<std::string>& modes_names() {
   return names;
 }
 
-bool holds_previous(const std::filesystem::path& folder) {
-  const std::filesystem::path mark = folder / k_previous / k_mark;
-  std::error_code ignored;
-  return std::filesystem::is_regular_file(mark, ignored) && read_file(mark) == k_mark_text;
-}
-
 RunFolder::RunFolder(std::filesystem::path folder) : folder_(std::move(folder)) {
   make_writable_folder(folder_);
 }
 
 void RunFolder::write(const std::string& name, const std::string& bytes) const {
+  require_own_result(file(name));
+  note_own_result(file(name), bytes);
   write_file_atomically(file(name), bytes);
 }
 
@@ -106,7 +108,7 @@ void RunFolder::restore(const std::vector<std::string>& names) const {
 void RunFolder::forget_previous(const std::vector<std::string>& names) const {
   std::error_code ignored;  // what stays behind says what it is
   const std::filesystem::path previous = file(k_previous);
-  if (std::filesystem::is_symlink(previous, ignored) || !std::filesystem::exists(previous / k_mark, ignored)) return;
+  if (std::filesystem::is_symlink(previous, ignored) || !has_mark(previous)) return;
   if (are_complete(previous, names)) {  // else they are those of another job
     for (const std::string& name : names) std::filesystem::remove(previous / name, ignored);
   }

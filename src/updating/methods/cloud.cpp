@@ -10,7 +10,7 @@ void require_enough_runs(const Cloud& cloud, double max_failed) {
   const auto total = static_cast<double>(cloud.samples.rows());
   if (cloud.failures.empty() || (failed <= max_failed * total && failed < total)) return;
   throw ModelFailure(
-      fmt::format("{} of {} model runs failed, at most {:.0f} % may (max_failed); the first, sample {}: {}", failed,
+      fmt::format("{} of {} model runs failed, at most {:.3g} % may (max_failed); the first, sample {}: {}", failed,
                   total, 100.0 * max_failed, cloud.failures.front().sample, cloud.failures.front().reason));
 }
 

@@ -49,8 +49,8 @@ void require_enough_runs(const Cloud& cloud, const Eigen::VectorXd& weights, dou
   for (const FailedRun& failure : cloud.failures) failed += weights(failure.sample);
   if (failed <= max_failed) return;
   throw ModelFailure(
-      fmt::format("{} model runs, {:.0f} % of the population, failed, at most {:.0f} % may (max_failed); the first: {}",
-                  cloud.failures.size(), 100.0 * failed, 100.0 * max_failed, cloud.failures.front().reason));
+      fmt::format("{} model run{}, {:.3g} % of the population, failed, at most {:.3g} % may (max_failed); the first: {}",
+                  cloud.failures.size(), cloud.failures.size() == 1 ? "" : "s", 100.0 * failed, 100.0 * max_failed, cloud.failures.front().reason));
 }
 
 }  // namespace

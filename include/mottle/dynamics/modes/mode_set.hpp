@@ -13,6 +13,9 @@ struct ModeSet {
   Eigen::MatrixXd shapes;       ///< mass-normalised [degree of freedom x mode]
 };
 
+/// Part of the scale that an eigenvalue may be off by rounding: 5e-9 is seen in matrices that a program wrote as text.
+inline constexpr double k_eigenvalue_rounding = 1e-7;
+
 /// f = sqrt(lambda) / (2 pi) in Hz. An eigenvalue that is negative by rounding alone counts as zero.
 ///
 /// @param eigenvalue  lambda, (rad/s)^2

@@ -77,6 +77,15 @@ class SparseModeSolver {
   std::unique_ptr<Factors> factors_;
 };
 
+/// Relative rounding of numbers that a program printed with 14 digits.
+inline constexpr double k_printed_rounding = 5e-14;
+
+/// Sum of |phi_i| |A_ij| |phi_j| over all entries, what rounding of phi' A phi is a part of [mode].
+///
+/// @param lower   of a symmetric matrix
+/// @param shapes  [dof x mode]
+Eigen::VectorXd sums_of_terms(const SparseMatrix& lower, const Eigen::Ref<const Eigen::MatrixXd>& shapes);
+
 /// y = A x for a symmetric matrix given by its lower triangle, x of any number of columns.
 Eigen::MatrixXd symmetric_product(const SparseMatrix& lower, const Eigen::Ref<const Eigen::MatrixXd>& x);
 

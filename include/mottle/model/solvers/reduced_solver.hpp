@@ -39,6 +39,9 @@ class ReducedSolver final : public Solver {
   Eigen::MatrixXd cosines(const ModeSet& reference, const ModeSet& modes) const override {
     return exact_->cosines(reference, modes);
   }
+  double eigenvalue_rounding(const Eigen::Ref<const Eigen::VectorXd>& parameters, const ModeSet& modes) const override {
+    return exact_->eigenvalue_rounding(parameters, modes);
+  }
   Eigen::MatrixXd eigenvalue_derivatives(const Eigen::Ref<const Eigen::VectorXd>& parameters,
                                          const ModeSet& modes) const override {
     return exact_->eigenvalue_derivatives(parameters, modes);

@@ -61,6 +61,14 @@ class Solver {
   /// modal assurance criterion.
   virtual Eigen::MatrixXd cosines(const ModeSet& reference, const ModeSet& modes) const = 0;
 
+  /// How large an eigenvalue rounding may leave of a rigid-body motion; 0: not known.
+  ///
+  /// @param modes  at the parameters, with their shapes
+  virtual double eigenvalue_rounding(const Eigen::Ref<const Eigen::VectorXd>& /*parameters*/,
+                                     const ModeSet& /*modes*/) const {
+    return 0.0;
+  }
+
   /// Whether derivatives are ever other than nan.
   virtual bool has_derivatives() const { return true; }
   /// d lambda / dx [mode x parameter]; nan for repeated eigenvalues. See eigenvalue_sensitivity().

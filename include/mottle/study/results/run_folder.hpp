@@ -24,9 +24,6 @@ const std::vector<std::string>& result_names();    ///< of an update or a cloud
 const std::vector<std::string>& specimen_names();  ///< of `simulate`
 const std::vector<std::string>& modes_names();     ///< of `modes`
 
-/// Whether a folder k_previous that this program made is in the folder.
-bool holds_previous(const std::filesystem::path& folder);
-
 /// Where a run leaves its files.
 class RunFolder {
  public:
@@ -36,7 +33,9 @@ class RunFolder {
   const std::filesystem::path& path() const { return folder_; }
   std::filesystem::path file(const std::string& name) const { return folder_ / name; }
 
-  /// Writes one file whole or not at all.
+  /// Writes one file whole or not at all, and notes that it is Mottle's own.
+  ///
+  /// @throws InvalidInput  something else has that name, see may_be_own_result()
   void write(const std::string& name, const std::string& bytes) const;
 
   /// Takes results of an earlier run away, so that they do not stand as those of a run that fails: `names`, as far as
