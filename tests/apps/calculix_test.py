@@ -101,7 +101,7 @@ class CalculixTest(support.CommandTest):
         nodes = [f"{j * 100 + i + 1}, {i * 100.0}, {j * 50.0}, 0.0" for j in range(3) for i in range(7)]
         corners = [j * 100 + i + 1 for j in range(2) for i in range(6)]
         elements = [f"{e}, {a}, {a + 1}, {a + 101}, {a + 100}" for e, a in enumerate(corners, 1)]
-        for thickness in (5.0, 2.0, 0.3):
+        for thickness in (5.0, 2.0):
             with self.subTest(thickness=thickness):
                 self.write("thin.inp", "\n".join([
                     "*NODE", *nodes, "*ELEMENT, TYPE=S4, ELSET=P", *elements, "*MATERIAL, NAME=AL", "*ELASTIC", "7e4, 0.3",

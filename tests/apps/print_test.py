@@ -16,7 +16,7 @@ FAILURE
 for argument in "$@"; do
   case "$argument" in --print-to-pdf=*) file="${argument#--print-to-pdf=}";; esac
 done
-printf '%s\\n' "$@" > "$file"
+printf '%s\\n' %PDF-1.4 "$@" > "$file"
 """
 
 
@@ -38,6 +38,21 @@ class PrintTest(support.CommandTest):
         handed = (self.folder / "a b#1" / "report.pdf").read_text().splitlines()
         self.assertIn("--headless", handed)
         self.assertEqual(handed[-1], f"file://{self.folder.resolve()}/a%20b%231/report.html")
+
+    def test_what_is_no_pdf_replaces_none(self):
+        self.assertEqual(self.print_by(BROWSER.replace("FAILURE", "")).code, 0)
+        printed = self.folder / "a b#1" / "report.pdf"
+        before = printed.read_bytes()
+        for script in (BROWSER.replace("%PDF-1.4", "'<html>'"), '#!/bin/sh\n: > "${6#--print-to-pdf=}"\n'):
+            ended = self.print_by(script)
+            self.assertEqual(ended.code, 3, ended.err)
+            self.assertEqual(printed.read_bytes(), before)
+
+    def test_a_pdf_of_the_users_stays(self):
+        mine = self.write("a b#1/report.pdf", "mine")
+        ended = self.print_by(BROWSER.replace("FAILURE", ""))
+        self.assertEqual(ended.code, 2, ended.err)
+        self.assertEqual(mine.read_text(encoding="utf-8"), "mine")
 
     def test_without_a_browser_it_says_what_can_be_done(self):
         ended = self.print_by(None)

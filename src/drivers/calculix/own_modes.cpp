@@ -11,11 +11,18 @@ namespace mottle::drivers {
 
 namespace {
 
-/// Up to this size an eigenvalue may be what rounding leaves of a rigid-body motion: a small part of the highest one,
-/// or of the terms that its shape adds up, of which 14 digits are printed.
-Eigen::ArrayXd rigid_limits(const SparseMatrix& stiffness, const SparseModes& modes, const Eigen::VectorXd& own) {
+/// Up to these sizes eigenvalues may be what rounding leaves of a rigid-body motion: a small part of the highest one,
+/// or of the terms that its shape adds up.
+struct RigidLimits {
+  Eigen::ArrayXd own;       ///< of CalculiX's own eigenvalues [mode]
+  Eigen::ArrayXd matrices;  ///< of those of the matrices: 14 digits are printed, and a fit to several decks keeps fewer
+};
+
+RigidLimits rigid_limits(const SparseMatrix& stiffness, const SparseModes& modes, const Eigen::VectorXd& own) {
   constexpr double k_of_highest = 1e-6;
-  return (k_printed_rounding * sums_of_terms(stiffness, modes.vectors).array()).max(k_of_highest * own.cwiseAbs().maxCoeff());
+  const double of_highest = k_of_highest * own.cwiseAbs().maxCoeff();
+  const Eigen::ArrayXd terms = sums_of_terms(stiffness, modes.vectors).array();
+  return {(1e-14 * terms).max(of_highest), (1e-12 * terms).max(of_highest)};
 }
 
 std::string frequency_text(double eigenvalue) {
@@ -38,9 +45,9 @@ OwnModesComparison compare_with_own_modes(const SeparablePencil& pencil, const E
     result.failure = fmt::format("CalculiX prints its matrices with 14 digits, and of those {}", modes.failure);
     return result;
   }
-  const Eigen::ArrayXd rigid = rigid_limits(stiffness, modes, own);
+  const RigidLimits rigid = rigid_limits(stiffness, modes, own);
   for (Eigen::Index k = 0; k < std::min(own.size(), modes.values.size()); ++k) {
-    if (std::abs(own(k)) <= rigid(k) && std::abs(modes.values(k)) <= rigid(k)) continue;
+    if (std::abs(own(k)) <= rigid.own(k) && std::abs(modes.values(k)) <= rigid.matrices(k)) continue;
     ++result.compared;
     const double error = std::abs(std::sqrt(std::max(modes.values(k) / own(k), 0.0)) - 1.0);
     result.error = std::max(result.error, error);

@@ -77,9 +77,6 @@ class SparseModeSolver {
   std::unique_ptr<Factors> factors_;
 };
 
-/// Relative rounding of numbers that a program printed with 14 digits.
-inline constexpr double k_printed_rounding = 5e-14;
-
 /// Sum of |phi_i| |A_ij| |phi_j| over all entries, what rounding of phi' A phi is a part of [mode].
 ///
 /// @param lower   of a symmetric matrix

@@ -49,7 +49,7 @@ class ExactSolver final : public Solver {
                   const RunContext& context, const Visitor& visit) const override;
   /// Weighted by the mass matrix of the reference, so that rotations and dense meshes count as they should.
   Eigen::MatrixXd cosines(const ModeSet& reference, const ModeSet& modes) const override;
-  /// 5e-14 of the largest sum of |phi_i| |K_ij| |phi_j|: entries that a program printed with 14 digits.
+  /// entry_rounding() of the largest sum of |phi_i| |K_ij| |phi_j|.
   double eigenvalue_rounding(const Eigen::Ref<const Eigen::VectorXd>& parameters, const ModeSet& modes) const override;
   Eigen::MatrixXd eigenvalue_derivatives(const Eigen::Ref<const Eigen::VectorXd>& parameters,
                                          const ModeSet& modes) const override;

@@ -87,6 +87,8 @@ class MatrixStructure final : public SparseStructure {
   const Eigen::VectorXd& reference() const override { return reference_; }
   const SeparableMatrix& stiffness_terms() const override { return pencil_.stiffness; }
   const SeparableMatrix& mass_terms() const override { return pencil_.mass; }
+  /// Numbers of 14 digits, or what is left of them in a fit to several matrices.
+  double entry_rounding() const override { return 1e-12; }
   std::string equation_name(int row) const override;
 
  private:

@@ -34,6 +34,8 @@ class SparseStructure : public Structure {
   virtual Matrices matrices_at(const Eigen::Ref<const Eigen::VectorXd>& parameters) const;
   /// dK/dx and dM/dx by one parameter: from the terms where they hold, by central differences elsewhere.
   Matrices derivative_at(const Eigen::Ref<const Eigen::VectorXd>& parameters, Eigen::Index parameter) const;
+  /// Relative rounding of the matrices' entries, sums over elements included.
+  virtual double entry_rounding() const { return 1e-14; }
   /// What the user calls a row of the matrices.
   virtual std::string equation_name(int row) const = 0;
 
