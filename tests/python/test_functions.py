@@ -143,6 +143,22 @@ def test_wrong_arguments_are_refused():
         mottle.update(frequencies, [Parameter("k", 1.0, -0.1)], (["f1"], TESTS[:, :1]))
 
 
+def test_a_surrogate_takes_few_samples():
+    seen = []
+
+    def model(samples):
+        seen.append(len(samples))
+        return frequencies(samples)
+
+    exact = update(frequencies)
+    found = update(model, surrogate=mottle.Surrogate(runs=30))
+    assert sum(seen) == found.model_evaluations < 200
+    assert found.verdict == exact.verdict
+    assert np.allclose(found.mean, exact.mean, atol=0.1 * exact.std.min())
+    with pytest.raises(mottle.InvalidInput, match="krigin"):
+        update(model, surrogate=mottle.Surrogate(kind="krigin"))
+
+
 def test_too_many_failures_end_the_update():
     with pytest.raises(mottle.SystemFailure):
         update(lambda samples: np.full((len(samples), 3), np.nan))

@@ -2,10 +2,13 @@
 #include <pybind11/eigen.h>
 #include <pybind11/stl.h>
 
+#include <algorithm>
 #include <memory>
+#include <optional>
 
 #include "bindings.hpp"
 #include "mottle/mottle.hpp"
+#include "mottle/updating/methods/surrogate_update.hpp"
 #include "python_model.hpp"
 
 namespace mottle::python {
@@ -100,7 +103,30 @@ struct FunctionSettings {
   double tolerance = 1e-3;
   std::uint64_t seed = 1;
   int threads = 0;
+  std::optional<SurrogateSettings> surrogate = std::nullopt;
 };
+
+SurrogateSettings surrogate_of(const std::string& kind, int runs, double spread, int rounds, double tolerance) {
+  const std::vector<std::string> names = surrogate_kinds();
+  const auto found = std::find(names.begin(), names.end(), kind);
+  require(found != names.end(), "surrogate: {}", unknown_name_message("kind", kind, names));
+  return {.kind = static_cast<SurrogateKind>(found - names.begin()),
+          .runs = runs,
+          .spread = spread,
+          .rounds = rounds,
+          .tolerance = tolerance};
+}
+
+/// The result, judged by the problem as the method saw it.
+Verdict update_and_judge(const Updater& method, const UpdatingProblem& problem,
+                         const std::optional<SurrogateSettings>& surrogate, const RunContext& context,
+                         UpdatingResult& result) {
+  std::optional<SurrogateUpdate> update;
+  if (surrogate) update.emplace(problem, *surrogate);
+  result = update ? update->run(method, context) : method.update(problem, context);
+  if (result.status == UpdatingStatus::stopped) throw Stopped(result.message);
+  return judge(update ? update->problem() : problem, result);
+}
 
 /// An update of a function, with all that its result refers to.
 struct FunctionOutcome {
@@ -170,16 +196,16 @@ std::shared_ptr<FunctionOutcome> update_function(const py::object& function,
                            .threads = wanted.threads > 0 ? wanted.threads : available_threads(),
                            .observer = &caller,
                            .stop = caller.stop()};
-  outcome->verdict = caller.run([&] {
-    outcome->result = method->update(problem, context);
-    if (outcome->result.status == UpdatingStatus::stopped) throw Stopped(outcome->result.message);
-    return judge(problem, outcome->result);
-  });
+  outcome->verdict =
+      caller.run([&] { return update_and_judge(*method, problem, wanted.surrogate, context, outcome->result); });
   outcome->model->serve_by(nullptr);
   return outcome;
 }
 
 void add_specs(py::module_& module) {
+  py::class_<SurrogateSettings>(module, "SurrogateSettings")
+      .def(py::init(&surrogate_of), py::arg("kind"), py::arg("runs"), py::arg("spread"), py::arg("rounds"),
+           py::arg("tolerance"));
   py::class_<ParameterSpec>(module, "ParameterSpec")
       .def(py::init([](const std::string& name, const std::string& kind, double mean, double std, double lower,
                        double upper, double lower_bound, double upper_bound, double lower_limit,
@@ -240,7 +266,7 @@ void add_models(py::module_& module) {
          const std::vector<OutputSpec>& outputs, const Eigen::MatrixXd& tests, const Eigen::VectorXd& repeatability,
          const Eigen::VectorXd& model_error, const std::string& method, const OptionValues& options, int samples,
          double max_failed, int iterations, double level, double tolerance, std::uint64_t seed, int threads,
-         const py::object& progress) {
+         const std::optional<SurrogateSettings>& surrogate, const py::object& progress) {
         return update_function(function, parameters, correlation, outputs,
                                {.values = tests, .repeatability_std = repeatability, .model_error_std = model_error},
                                {.method = method,
@@ -250,13 +276,14 @@ void add_models(py::module_& module) {
                                 .level = level,
                                 .tolerance = tolerance,
                                 .seed = seed,
-                                .threads = threads},
+                                .threads = threads,
+                                .surrogate = surrogate},
                                progress);
       },
       py::arg("function"), py::kw_only(), py::arg("parameters"), py::arg("correlation"), py::arg("outputs"),
       py::arg("tests"), py::arg("repeatability"), py::arg("model_error"), py::arg("method"), py::arg("options"),
       py::arg("samples"), py::arg("max_failed"), py::arg("iterations"), py::arg("level"), py::arg("tolerance"),
-      py::arg("seed"), py::arg("threads"), py::arg("progress"));
+      py::arg("seed"), py::arg("threads"), py::arg("surrogate"), py::arg("progress"));
 }
 
 }  // namespace mottle::python

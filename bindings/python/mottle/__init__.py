@@ -12,7 +12,7 @@ from mottle import _engine, errors
 from mottle.decks import Modes, Targets, modes, targets
 from mottle.errors import Error, FormatError, InvalidInput, ModelFailure, Stopped, SystemFailure
 from mottle.files import Results, load
-from mottle.functions import FunctionResult, Parameter, update
+from mottle.functions import FunctionResult, Parameter, Surrogate, update
 from mottle.numerics import TwoSampleTest, assign, eigsh, hotelling, mac, methods
 from mottle.results import CheckResult, Cloud, DiagnoseResult, Posterior, PropagateResult, SimulateResult, UpdateResult
 from mottle.study import Study
@@ -36,6 +36,7 @@ __all__ = [
     "SimulateResult",
     "Stopped",
     "Study",
+    "Surrogate",
     "SystemFailure",
     "Targets",
     "TwoSampleTest",

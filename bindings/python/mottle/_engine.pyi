@@ -219,6 +219,9 @@ class ParameterSpec:
         unit: str,
     ) -> None: ...
 
+class SurrogateSettings:
+    def __init__(self, kind: str, runs: int, spread: float, rounds: int, tolerance: float) -> None: ...
+
 class OutputSpec:
     def __init__(self, name: str, unit: str) -> None: ...
 
@@ -245,6 +248,7 @@ def update_function(
     tolerance: float,
     seed: int,
     threads: int,
+    surrogate: SurrogateSettings | None,
     progress: _Progress,
 ) -> FunctionOutcome: ...
 def modes_of(stiffness: Any, mass: Any, *, count: int, tolerance: float, counts: bool) -> tuple[_Array, _Array]: ...

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import sys
 import time
 from collections.abc import Callable
@@ -23,6 +24,15 @@ def _is_watched() -> bool:
     return sys.stderr.isatty() or "ipykernel" in sys.modules
 
 
+def _tqdm() -> Any:
+    """Notebooks' own bar needs ipywidgets; None: there is no tqdm."""
+    is_notebook = "ipykernel" in sys.modules and importlib.util.find_spec("ipywidgets") is not None
+    try:
+        return importlib.import_module("tqdm.notebook" if is_notebook else "tqdm").tqdm
+    except ImportError:
+        return None
+
+
 class _Bar:
     """A bar by tqdm where it is installed, else nothing."""
 
@@ -36,9 +46,8 @@ class _Bar:
             return
         if self._bar is None or phase != self._phase:
             self.close()
-            try:
-                from tqdm.auto import tqdm
-            except ImportError:
+            tqdm = _tqdm()
+            if tqdm is None:
                 self._due = float("inf")
                 return
             self._phase = phase

@@ -103,6 +103,31 @@ class FunctionResult(_Updated):
         return "\n".join([head, *rows, f"verdict: {self.verdict}", *(f"  {reason}" for reason in self.reasons)])
 
 
+@dataclass(frozen=True)
+class Surrogate:
+    """A surrogate in place of a function that costs minutes a sample: the method works on it, and it is refined where the
+    estimate lies.
+
+    Attributes:
+        kind: "kriging", "chaos" (polynomial) or "quadratic".
+        runs: samples of the first design; 0: ten a parameter, more where the kind needs them.
+        spread: half the first design's width, in standard deviations of the prior.
+        rounds: most refinements.
+        tolerance: error that is good enough, as a part of the tests' scatter.
+    """
+
+    kind: str = "kriging"
+    runs: int = 0
+    spread: float = 3.0
+    rounds: int = 3
+    tolerance: float = 0.1
+
+    def _settings(self) -> _engine.SurrogateSettings:
+        return _engine.SurrogateSettings(
+            kind=self.kind, runs=self.runs, spread=self.spread, rounds=self.rounds, tolerance=self.tolerance
+        )
+
+
 @dataclass
 class _Noise:
     """Standard deviations of the outputs."""
@@ -141,6 +166,7 @@ def update(
     tolerance: float = 1e-3,
     seed: int = 1,
     threads: int = 0,
+    surrogate: Surrogate | None = None,
     progress: Progress = None,
 ) -> FunctionResult:
     """Updates a model that is a function.
@@ -164,6 +190,7 @@ def update(
         iterations, level, tolerance: as [update] of a study file.
         seed: of the random streams.
         threads: of the engine; the function is called on one.
+        surrogate: for a function that costs minutes a sample.
         progress: as of `Study.check`.
 
     Raises:
@@ -192,6 +219,7 @@ def update(
                 tolerance=tolerance,
                 seed=seed,
                 threads=threads,
+                surrogate=None if surrogate is None else surrogate._settings(),
                 progress=bar,
             )
         )

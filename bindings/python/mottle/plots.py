@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import combinations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+
+from mottle.errors import InvalidInput
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -29,25 +32,40 @@ class Plots:
     def __init__(self, result: _Updated) -> None:
         self._result = result
 
-    def ellipses(self) -> Figure:
-        """Pairs of outputs: tests, the model's clouds before and after, and the regions of 95 %."""
+    def ellipses(self, names: Sequence[str] | None = None) -> Figure:
+        """Pairs of outputs: tests, the model's clouds before and after, and the regions of 95 %.
+
+        Args:
+            names: of the outputs that are drawn; None: all.
+        """
         result = self._result
         clouds = [("before", result.cloud_initial.outputs, "C7"), ("after", result.cloud_final.outputs, "C0")]
-        return self._pairs(result.outputs, clouds, result.tests)
+        return self._pairs(result.outputs, names, clouds, result.tests)
 
-    def parameters(self) -> Figure:
-        """Pairs of parameters: samples before and after, or of the posterior."""
+    def parameters(self, names: Sequence[str] | None = None) -> Figure:
+        """Pairs of parameters: samples before and after, or of the posterior.
+
+        Args:
+            names: of the parameters that are drawn; None: all.
+        """
         result = self._result
         after = result.cloud_final.samples
         if result.posterior is not None:
             after = result.posterior.draws[:, :, : len(result.parameters)].reshape(-1, len(result.parameters))
-        return self._pairs(result.parameters, [("before", result.cloud_initial.samples, "C7"), ("after", after, "C0")], None)
+        clouds = [("before", result.cloud_initial.samples, "C7"), ("after", after, "C0")]
+        return self._pairs(result.parameters, names, clouds, None)
 
     @staticmethod
-    def _pairs(names: list[str], clouds: list[tuple[str, Array, str]], tests: Array | None) -> Figure:
+    def _pairs(
+        all_names: list[str], wanted: Sequence[str] | None, clouds: list[tuple[str, Array, str]], tests: Array | None
+    ) -> Figure:
         import matplotlib.pyplot as plt
 
-        pairs = list(combinations(range(len(names)), 2)) or [(0, 0)]
+        for name in wanted or []:
+            if name not in all_names:
+                raise InvalidInput(f"plot: there is no {name!r}; there are {', '.join(all_names)}")
+        shown = list(range(len(all_names))) if wanted is None else [all_names.index(name) for name in wanted]
+        pairs = list(combinations(shown, 2)) or [(shown[0], shown[0])]
         columns = min(3, len(pairs))
         rows = -(-len(pairs) // columns)
         figure, grid = plt.subplots(rows, columns, figsize=(3.2 * columns, 2.9 * rows), squeeze=False)
@@ -56,8 +74,8 @@ class Plots:
                 _draw(axes, cloud[:, [i, j]], label, colour)
             if tests is not None:
                 axes.plot(tests[:, i], tests[:, j], "k+", label="tests")
-            axes.set_xlabel(names[i])
-            axes.set_ylabel(names[j])
+            axes.set_xlabel(all_names[i])
+            axes.set_ylabel(all_names[j])
         for axes in list(grid.flat)[len(pairs):]:
             axes.set_visible(False)
         grid.flat[0].legend(fontsize="small")

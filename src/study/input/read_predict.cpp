@@ -4,11 +4,6 @@
 
 namespace mottle::study {
 
-const std::vector<std::string>& surrogate_kinds() {
-  static const std::vector<std::string> k_kinds = {"quadratic", "kriging", "chaos"};
-  return k_kinds;
-}
-
 StudyPredict read_predict(TomlReader reader, const ModelSource& model, const std::filesystem::path& folder) {
   StudyPredict predict;
   predict.overrides = reader.number_map("model", {.lower = 0.0});

@@ -18,8 +18,6 @@ StudyUpdate read_update(TomlReader reader);
 StudyTruth read_truth(TomlReader reader, const ModelSource& model);
 StudyDiagnose read_diagnose(TomlReader reader);
 SurrogateSettings read_surrogate(TomlReader reader);
-/// Names of SurrogateKind, in its order.
-const std::vector<std::string>& surrogate_kinds();
 StudyPredict read_predict(TomlReader reader, const ModelSource& model, const std::filesystem::path& folder);
 
 /// One [[parameter]]; without targets its name is that of a placeholder.

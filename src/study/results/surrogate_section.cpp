@@ -1,7 +1,5 @@
 #include "study/results/surrogate_section.hpp"
 
-#include "study/input/study_sections.hpp"
-
 namespace mottle::study {
 
 Json surrogate_json(const SurrogateSettings& settings, const SurrogateUpdate& update) {

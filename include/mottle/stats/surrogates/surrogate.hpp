@@ -4,6 +4,8 @@
 
 #include <Eigen/Core>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "mottle/layers.hpp"
 
@@ -14,6 +16,9 @@ enum class SurrogateKind {
   kriging,    ///< Gaussian process with a Matern 5/2 covariance and a constant or linear trend
   chaos,      ///< sparse Legendre expansion, terms chosen by least-angle regression
 };
+
+/// Names of SurrogateKind, in its order.
+const std::vector<std::string>& surrogate_kinds();
 
 /// Outputs as functions of inputs, with an error that was measured on runs left out of the fit. Value type.
 class Surrogate {
