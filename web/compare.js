@@ -2,7 +2,7 @@
 import { agreement_rows, conclusion_of, findings_of } from "./src/agreement.js";
 import { mean_text, of_tests, refused } from "./src/agreement_text.js";
 import { extent, is_number, list, read_study, record } from "./src/data.js";
-import { element, paragraph } from "./src/dom.js";
+import { bullets, element, paragraph } from "./src/dom.js";
 import { count_text, number_text, seconds_text, words } from "./src/format.js";
 import { key, mark_badge, span_of, spoken, track, value_text } from "./src/parameter_bars.js";
 import { data_table } from "./src/table.js";
@@ -214,6 +214,57 @@ function outputs_table(runs) {
   });
 }
 
+/** 0.987; near 1 what is left to it, so that 1 − 10⁻⁶ is not taken for certainty. */
+const probability_text = (value) =>
+  is_number(value) && value > 0.999 && value < 1 ? `1 \u2212 ${number_text(1 - value, 2)}` : number_text(value, 3);
+const with_error = (value, error) => (is_number(value) ? `${number_text(value, 5)} ± ${number_text(error, 2)}` : "–");
+
+function evidence_table({ models, scale }) {
+  const has_elpd = list(models).some(({ elpd }) => is_number(elpd));
+  return data_table({
+    id: "evidence",
+    title: "Which model the tests make more probable",
+    columns: [
+      { key: "name", title: "Results", is_text: true },
+      { key: "ln_evidence", title: "ln evidence", text: (value, { standard_error }) => with_error(value, standard_error) },
+      {
+        key: "ln_bayes_factor",
+        title: "ln Bayes factor of the best over it",
+        text: (value, { ln_bayes_factor_standard_error: error }) => (value === 0 ? "0 (best)" : with_error(value, error)),
+      },
+      { key: "strength", title: "Against it", is_text: true, text: (value, { ln_bayes_factor }) => (ln_bayes_factor === 0 ? "–" : value) },
+      {
+        key: "probability",
+        title: "Probability",
+        text: (value, { probability_ci95: ends }) => `${probability_text(value)} (${list(ends).map(probability_text).join(" … ")})`,
+      },
+      has_elpd
+        ? {
+            key: "elpd_difference",
+            title: "Leave-one-out, less the largest",
+            text: (value, { elpd_difference_standard_error: error }) => (value === 0 ? "0 (largest)" : with_error(value, error)),
+          }
+        : null,
+    ].filter(Boolean),
+    rows: list(models).map((model) => ({ ...record(model), name: model.label })),
+    caption:
+      "± is a standard error. Probabilities: where all of these models were equally probable before the tests; in brackets the 95\u00a0% interval by the " +
+      `evidences' standard errors. Words after ${scale ?? "Kass and Raftery 1995"}: 2 ln B below 2, 6, 10 and beyond.`,
+  });
+}
+
+function evidence_section(evidence) {
+  if (!evidence) return null;
+  const { models, warnings, not_compared } = record(evidence);
+  const reasons = list(not_compared).map(({ label, reason }) => `${label} is not compared: ${reason}.`);
+  return section(
+    "evidence",
+    "Evidence",
+    list(models).length ? evidence_table(evidence) : paragraph("No two of these results can be compared by their evidence."),
+    list(warnings).length || reasons.length ? bullets([...list(warnings), ...reasons]) : null,
+  );
+}
+
 const section = (id, title, ...content) =>
   element("section", { id, class: "in-print", "aria-labelledby": `${id}-title` }, element("h2", { id: `${id}-title` }, title), content);
 
@@ -239,6 +290,7 @@ export function compose_comparison(main, data) {
         element("h1", {}, labels.join(", ")),
       ),
       section("runs", "Runs", runs_table(runs)),
+      evidence_section(data.evidence),
       section(
         "parameters",
         "Parameters",

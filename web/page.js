@@ -17,6 +17,8 @@ import output_history from "./sections/output_history.js";
 import outputs from "./sections/outputs.js";
 import parameter_history from "./sections/parameter_history.js";
 import parameters from "./sections/parameters.js";
+import posterior from "./sections/posterior.js";
+import posterior_predictive from "./sections/posterior_predictive.js";
 import predictions from "./sections/predictions.js";
 import propagated from "./sections/propagated.js";
 import residuals from "./sections/residuals.js";
@@ -42,10 +44,12 @@ const sections = [
   correlations,
   identifiability,
   outputs,
+  posterior_predictive,
   test_correlation,
   residuals,
   predictions,
   surrogate,
+  posterior,
   convergence,
   output_history,
   parameter_history,

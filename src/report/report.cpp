@@ -102,9 +102,11 @@ void write_comparison_page(const Comparison& comparison, const std::filesystem::
                     {"report", link_to_report(run.folder, page)},
                     {"result", compared(read_result(run.folder / "result.json"))}});
   }
-  const Json data = {{"kind", "compare"}, {"runs", std::move(runs)}};
   require(!std::filesystem::exists(page) || is_page_of(page, "compare"),
           "--out {}: is there and is not a page of a comparison; move it, or give another name", page.string());
+  const Json data = {{"kind", "compare"},
+                     {"runs", std::move(runs)},
+                     {"evidence", Json::parse(summarise(comparison).json)["evidence"]}};
   write_file_atomically(page, render_page(data.dump(-1, ' ', false, Json::error_handler_t::replace)));
 }
 

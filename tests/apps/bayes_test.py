@@ -55,10 +55,11 @@ class BayesTest(support.CommandTest):
     def test_the_layout_is_that_of_arviz(self):
         result = self.update()
         groups = json.loads((self.folder / "out" / "posterior.json").read_text(encoding="utf-8"))
-        self.assertEqual(set(groups), {"posterior", "log_likelihood", "observed_data"})
+        self.assertEqual(set(groups), {"posterior", "log_likelihood", "posterior_predictive", "observed_data"})
         self.assertEqual(list(groups["posterior"]), result["posterior"]["names"][:-1])
-        for variable in (*groups["posterior"].values(), *groups["log_likelihood"].values()):
-            self.assertEqual([len(chain) for chain in variable], [200] * 8)
+        for group in ("posterior", "log_likelihood", "posterior_predictive"):
+            for variable in groups[group].values():
+                self.assertEqual([len(chain) for chain in variable], [200] * 8)
         self.assertEqual({len(values) for values in groups["observed_data"].values()}, {6})
         try:
             import arviz  # pylint: disable=import-outside-toplevel
@@ -66,6 +67,26 @@ class BayesTest(support.CommandTest):
             return
         data = arviz.from_json(str(self.folder / "out" / "posterior.json"))
         self.assertEqual(data.posterior.sizes["chain"], 8)
+
+    def test_the_specimens_log_likelihoods_add_up_to_that_of_the_table(self):
+        posterior = self.update()["posterior"]
+        groups = json.loads((self.folder / "out" / "posterior.json").read_text(encoding="utf-8"))
+        sums = [math.fsum(specimens) for chain in groups["log_likelihood"]["tests"] for specimens in chain]
+        with open(self.folder / "out" / "posterior.csv", encoding="utf-8") as file:
+            for row, own in zip(csv.DictReader(file), sums, strict=True):
+                self.assertAlmostEqual(float(row["log_likelihood"]), own, delta=1e-9)
+        self.assertEqual(len(posterior["leave_one_out"]["pointwise"]), 6)
+        self.assertAlmostEqual(math.fsum(posterior["leave_one_out"]["pointwise"]), posterior["leave_one_out"]["elpd"], delta=1e-9)
+        self.assertEqual({len(chain) for name in posterior["ranks"]["counts"] for chain in name}, {posterior["ranks"]["bins"]})
+        for name in posterior["ranks"]["counts"]:
+            self.assertEqual([sum(chain) for chain in name], [200] * 8)
+        self.assertEqual([len(row) for row in posterior["predictive"]["tests"]], [5] * 3)
+
+    def test_one_specimen_is_not_left_out_and_why_is_said(self):
+        self.write("tests.csv", "\n".join(support.TESTS.splitlines()[:2]) + "\n")
+        posterior = self.update()["posterior"]
+        self.assertIsNone(posterior["leave_one_out"])
+        self.assertIn("two specimens", posterior["not_left_out"])
 
     def test_other_methods_have_none(self):
         self.write("study.toml", STUDY)

@@ -76,5 +76,86 @@ class CompareTest(support.CommandTest):
             self.assertIn(told, ended.err)
 
 
+class EvidenceTest(support.CommandTest):
+    """Models compared by their evidence."""
+
+    BAYES = support.edited(support.STUDY, ('method = "mares"', 'method = "bayes"'),
+                           ("[update.mares]\nweighting = \"mahalanobis\"\n", "[update.bayes]\nparticles = 200\n"),
+                           ('file = "tests.csv"', 'file = "tests.csv"\nrepeatability = { "f*" = 0.02 }'))
+
+    def setUp(self):
+        super().setUp()
+        self.update("a")
+
+    def update(self, out, *edits, options=()):
+        self.write(f"{out}.toml", support.edited(self.BAYES, *edits) if edits else self.BAYES)
+        self.succeed("update", f"{out}.toml", "--out", out, "--quiet", *options)
+        return support.read_result(self.folder / out)
+
+    def evidence(self, *folders):
+        return json.loads(self.succeed("compare", *folders, "--json").out)["evidence"]
+
+    def test_bayes_factors_and_probabilities_are_those_of_the_evidences(self):
+        results = [support.read_result(self.folder / "a"), self.update("b", ("stiffness = 3.0", "stiffness = 2.9"))]
+        models = self.evidence("a", "b")["models"]
+        logs = [result["evidence"]["ln_evidence"] for result in results]
+        errors = [result["evidence"]["standard_error"] for result in results]
+        for model, log in zip(models, logs, strict=True):
+            self.assertAlmostEqual(model["ln_bayes_factor"], max(logs) - log, delta=1e-12)
+            self.assertAlmostEqual(model["probability"], math.exp(log) / sum(map(math.exp, logs)), delta=1e-12)
+            self.assertTrue(model["probability_ci95"][0] <= model["probability"] <= model["probability_ci95"][1])
+        self.assertAlmostEqual(max(model["ln_bayes_factor_standard_error"] for model in models), math.hypot(*errors), delta=1e-12)
+        pointwise = [result["posterior"]["leave_one_out"]["pointwise"] for result in results]
+        apart = [abs(a - b) for a, b in zip(*pointwise)]
+        self.assertAlmostEqual(min(model["elpd_difference"] for model in models), -abs(math.fsum(pointwise[0]) - math.fsum(pointwise[1])), delta=1e-9)
+        self.assertEqual(len(apart), 6)
+        lines = self.succeed("compare", "a", "b").out
+        self.assertIn("ln Bayes factor", lines)
+        self.assertIn("Kass and Raftery 1995", lines)
+        self.succeed("compare", "a", "b", "--out", "page.html")
+        html = (self.folder / "page.html").read_text(encoding="utf-8")
+        start = html.index('id="mottle-data">') + len('id="mottle-data">')
+        self.assertEqual(json.loads(html[start:html.index("</script", start)])["evidence"]["models"], models)
+
+    def refused(self, out, reason):
+        evidence = self.evidence("a", out)
+        self.assertEqual(evidence["models"], [])
+        self.assertEqual([entry["label"] for entry in evidence["not_compared"]], [out])
+        self.assertIn(reason, evidence["not_compared"][0]["reason"])
+        self.assertIn(f"not compared by evidence: {out}: ", self.succeed("compare", "a", out).out)
+
+    def test_other_data_are_not_compared(self):
+        lines = support.TESTS.splitlines()
+        cells = lines[2].split(",")
+        self.write("other.csv", "\n".join([*lines[:2], ",".join([str(1.01 * float(cells[0])), *cells[1:]]), *lines[3:]]) + "\n")
+        self.write("fewer.csv", "\n".join(lines[:-1]) + "\n")
+        self.update("values", ('"tests.csv"', '"other.csv"'))
+        self.refused("values", "its tests are others than those of a: f1 of row 2")
+        self.update("specimens", ('"tests.csv"', '"fewer.csv"'))
+        self.refused("specimens", "it has 5 specimens, a has 6")
+        self.update("outputs", ("frequencies = [1, 2, 3]", "frequencies = [1, 2]"))
+        self.refused("outputs", "its outputs are others than those of a: it has no f3")
+
+    def test_a_method_without_evidence_is_named(self):
+        self.write("mares.toml", support.STUDY)
+        self.succeed("update", "mares.toml", "--out", "mares", "--quiet")
+        self.refused("mares", "method 'mares' gives no evidence")
+        self.assertIsNone(self.evidence("mares", "mares"))
+
+    def test_other_noise_is_a_warning(self):
+        self.update("noise", ("0.02 }", "0.03 }"))
+        self.update("error", ('repeatability', 'model_error = { "f*" = 0.001 }\nrepeatability'))
+        for other in ("noise", "error"):
+            evidence = self.evidence("a", other)
+            self.assertEqual(len(evidence["models"]), 2)
+            self.assertIn(f"are others in {other} than in a", " ".join(evidence["warnings"]))
+        self.assertEqual(self.evidence("a", "a")["warnings"], [])
+
+    def test_a_stalled_result_is_a_warning(self):
+        result = self.update("short", ("particles = 200", "particles = 100\nmax_moves = 1"))
+        self.assertEqual(result["status"], "stalled")
+        self.assertIn("short is stalled", " ".join(self.evidence("a", "short")["warnings"]))
+
+
 if __name__ == "__main__":
     support.main()

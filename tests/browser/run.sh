@@ -12,13 +12,16 @@ if [[ ! $work/web/node_modules/installed -nt $work/web/package-lock.json ]]; the
   (cd "$work/web" && npm ci --omit=optional --ignore-scripts --prefer-offline --no-progress --loglevel=error)
 fi
 touch "$work/web/node_modules/installed"
-if [[ $job == compare ]]; then  # three runs, one of them without a parameter of the others
+if [[ $job == compare ]]; then  # five runs, one of them without a parameter of the others, two with an evidence
   study=$work/compare/study.toml
   mkdir -p "$work/compare"
   cp "$source"/examples/01-three-masses/* "$work/compare/"
   cp "$work/compare/case1.toml" "$study"
   "$mottle" update "$study" --out "$work/compare/a" --quiet
   "$mottle" update "$study" --out "$work/compare/b" --quiet --set 'update.method="maximum-likelihood"'
+  bayes=(--quiet --set 'update.method="bayes"' --set 'test.repeatability={"f*"=0.02}')
+  "$mottle" update "$study" --out "$work/compare/d" "${bayes[@]}"
+  "$mottle" update "$study" --out "$work/compare/e" "${bayes[@]}" --seed 2
   python3 - "$study" <<'EOF'
 import pathlib, sys
 study = pathlib.Path(sys.argv[1])
@@ -26,16 +29,17 @@ head, *blocks = study.read_text().split("[[parameter]]")
 study.write_text(head + "".join("[[parameter]]" + block for block in blocks if '"k1"' not in block.split("distribution")[0]))
 EOF
   "$mottle" update "$study" --out "$work/compare/c" --quiet --set 'update.method="deterministic"'
-  "$mottle" compare "$work"/compare/{a,b,c} --out "$work/compare/page.html" >"$work/compare/table.txt"
+  "$mottle" compare "$work"/compare/{a,b,c,d,e} --out "$work/compare/page.html" >"$work/compare/table.txt"
   cd "$work/web"
-  exec node test/compare_test.mjs "$work/compare/page.html" "$work"/compare/{a,b,c} --screenshots "$work/screenshots-compare"
+  exec node test/compare_test.mjs "$work/compare/page.html" "$work"/compare/{a,b,c,d,e} --screenshots "$work/screenshots-compare"
 fi
 run=("$job" "$source/examples/01-three-masses/case2.toml")
+[[ $job != posterior ]] || run=(update "$source/examples/01-three-masses/case1.toml" --set 'update.method="bayes"')
 [[ $job != population ]] || run=(update "$source/examples/01-three-masses/case1.toml" --set 'update.method="maximum-likelihood"')
 "$mottle" "${run[@]}" --out "$work/$job" --quiet
 cd "$work/web"
 node test/report_test.mjs "$work/$job/report.html" --screenshots "$work/screenshots-$job"
-[[ $job != propagate ]] || exit 0
+[[ $job == update || $job == population ]] || exit 0
 # Made-up data in the page that the program has just written: a structure; or every scale, many parameters, hardly any numbers.
 pages=(modes shapes)
 if [[ $job == population ]]; then

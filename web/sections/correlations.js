@@ -7,18 +7,18 @@ import { paragraph } from "../src/dom.js";
 import { figure } from "../src/figure.js";
 import { plural, short_number } from "../src/format.js";
 import { matrix_map, signed } from "../src/matrix_map.js";
+import { pair_plot } from "../src/pair_plot.js";
 import { diverging } from "../src/palette.js";
 import { correlation_pairs, is_population, is_posterior, region_text } from "../src/population.js";
 import { data_table } from "../src/table.js";
 
-const id = "correlation-ellipses";
 const all_listed_at_most = 15;
 const map_from_parameters = 4;
 const map_from_pairs = 3;
 
 const excludes_zero = ({ interval }) => Boolean(interval) && (interval[0] > 0 || interval[1] < 0);
 
-function pairs_table(pairs, title) {
+function pairs_table(pairs, title, has_intervals) {
   const rank = (pair) => (excludes_zero(pair) ? 2 : 0) + Math.abs(pair.correlation ?? 0);
   const known = pairs.length <= all_listed_at_most ? pairs : pairs.filter(({ correlation }) => is_number(correlation));
   const listed =
@@ -46,13 +46,17 @@ function pairs_table(pairs, title) {
     columns: [
       { key: "name", title: "Parameters", is_text: true },
       { key: "correlation", title: "Correlation", text: (value) => (is_number(value) ? signed(value) : "–") },
-      {
-        key: "interval",
-        title: "95 % interval",
-        text: correlation_interval_text,
-        csv: ({ interval }) => interval?.join(" to ") ?? "",
-      },
-      { key: "says", title: "", is_text: true },
+      ...(has_intervals
+        ? [
+            {
+              key: "interval",
+              title: "95 % interval",
+              text: correlation_interval_text,
+              csv: ({ interval }) => interval?.join(" to ") ?? "",
+            },
+            { key: "says", title: "", is_text: true },
+          ]
+        : []),
     ],
     rows: listed.map(row_of),
     all_rows: pairs.map(row_of),
@@ -139,7 +143,8 @@ function first_axes(study, pairs) {
   return study.parameter_axes.filter(({ index }) => chosen.has(index));
 }
 
-function ellipses_figure(study, pairs) {
+/** The figure of pairs of chosen parameters; `build` draws the chosen ones. */
+function pairs_figure(study, pairs, { id, title, caption, renderer, build }) {
   const choice = axis_choice(
     study.parameter_axes,
     4,
@@ -153,15 +158,34 @@ function ellipses_figure(study, pairs) {
   let shown = choice.chosen;
   return figure({
     id,
-    title: is_posterior(study)
-      ? "Pairs of parameters in the posterior"
-      : "Pairs of parameters with the uncertainty of their correlation",
-    caption: is_posterior(study)
-      ? `The ellipse that contains ${region_text(study)} of the posterior's samples.`
-      : `Solid: the ellipse that contains about ${region_text(study)} of the specimens. Thin: what it would be at either end of the ` +
-      "correlation's 95\u00a0% interval. Diamonds: the specimens, as far as their own tests tell.",
+    title,
+    caption,
+    renderer,
     controls: choice.control ? [choice.control] : [],
-    build: (width) => ellipse_panels(study, shown, width),
+    build: (width) => build(shown, width),
+  });
+}
+
+const ellipses_figure = (study, pairs) =>
+  pairs_figure(study, pairs, {
+    id: "correlation-ellipses",
+    title: "Pairs of parameters with the uncertainty of their correlation",
+    caption:
+      `Solid: the ellipse that contains about ${region_text(study)} of the specimens. Thin: what it would be at either end of the ` +
+      "correlation's 95\u00a0% interval. Diamonds: the specimens, as far as their own tests tell.",
+    build: (axes, width) => ellipse_panels(study, axes, width),
+  });
+
+function posterior_figure(study, pairs) {
+  const [prior, draws] = [study.clouds[0], study.clouds.at(-1)].map((cloud) => cloud?.parameters ?? []);
+  return pairs_figure(study, pairs, {
+    id: "posterior-pairs",
+    title: "Pairs of parameters in the posterior, and the prior behind it",
+    caption:
+      `Grey: draws of the prior, as far as they lie in the panel; blue: draws of the posterior; line: the region that contains ${region_text(study)} of them.` +
+      " A narrow oblique cloud is a combination that the tests determine while they leave its parts open.",
+    renderer: "canvas",
+    build: (axes, width) => pair_plot(study, axes, { prior: study.clouds.length > 1 ? prior : [], draws }, width),
   });
 }
 
@@ -193,11 +217,12 @@ export default {
         is_posterior(study)
           ? "Correlations of the parameters in the posterior"
           : "Correlations of the parameters from specimen to specimen",
+        !is_posterior(study),
       ),
       study.parameter_axes.length >= map_from_parameters && pairs.filter(is_in_map).length >= map_from_pairs
         ? correlation_map(study, pairs)
         : null,
-      ellipses_figure(study, pairs),
+      is_posterior(study) ? posterior_figure(study, pairs) : ellipses_figure(study, pairs),
     ];
   },
 };

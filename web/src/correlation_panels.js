@@ -6,11 +6,10 @@ import { name_with_unit, number_text, short_number } from "./format.js";
 import { signed } from "./matrix_map.js";
 import { layout, line_series, panel_frame } from "./panels.js";
 import { model, paper, test } from "./palette.js";
-import { correlation_pair, is_posterior } from "./population.js";
+import { correlation_pair } from "./population.js";
 
 const names = {
   region: "Updated, 2σ ellipse",
-  posterior: "Posterior, region of its samples",
   ends: "At the ends of the correlation's 95 % interval",
   specimens: "Estimate of a specimen",
 };
@@ -25,7 +24,6 @@ function drawing_of(study, { x, y }) {
     pair: { x, y },
     correlation,
     interval,
-    name: is_posterior(study) ? names.posterior : names.region,
     region,
     ends,
     points: first.specimens
@@ -41,10 +39,10 @@ function limits_of({ region, ends, points }, which) {
   return { min: range[0] - margin, max: range[1] + margin };
 }
 
-function series_of({ name, region, ends, points }, panel) {
+function series_of({ region, ends, points }, panel) {
   return [
     ...ends.map((data) => line_series(names.ends, data, panel, { color: model, width: 1, opacity: 0.75, type: [3, 3] }, { z: 2, silent: true })),
-    ...region.map((data) => line_series(name, data, panel, { color: model }, { z: 3, silent: true })),
+    ...region.map((data) => line_series(names.region, data, panel, { color: model }, { z: 3, silent: true })),
     {
       name: names.specimens,
       type: "scatter",
@@ -59,18 +57,17 @@ function series_of({ name, region, ends, points }, panel) {
   ];
 }
 
-const panel_title = ({ name, correlation, interval }) =>
+const panel_title = ({ correlation, interval }) =>
   is_number(correlation) && interval
     ? `${signed(correlation)}, 95 %: ${correlation_interval_text(interval)}`
     : is_number(correlation)
-      ? `${signed(correlation)}${name === names.posterior ? "" : ", no interval"}`
+      ? `${signed(correlation)}, no interval`
       : "not determined";
 
 /** One panel for every pair of `axes`. */
 export function ellipse_panels(study, axes, width) {
   const drawings = pairs_of(axes).map((pair) => drawing_of(study, pair));
-  const unused = is_posterior(study) ? names.region : names.posterior;
-  const shown = Object.values(names).filter((name) => name !== unused);
+  const shown = Object.values(names);
   const { cells, height } = layout(drawings.length, width, {
     aspect: 0.8,
     legend_height: legend_height(shown, width),

@@ -185,6 +185,9 @@ export function in_readable_units(data) {
       specimens,
       parameters: convert_parameters(block, units, factors),
       other_solutions: by_parameter(result.other_solutions, factors),
+      modes: Array.isArray(result.modes)
+        ? result.modes.map((mode) => ({ ...record(mode), mean: by_parameter([record(mode).mean], factors)[0] }))
+        : result.modes,
       regression: convert_regression(result.regression, factors),
     },
   };

@@ -61,6 +61,24 @@ for (const [width, height] of [[1440, 1000], [390, 844]]) {
         }
       }
     });
+    await check(`${width}: evidences of the same tests are compared, and results without one are named`, async () => {
+      const with_evidence = folders.filter((_, at) => results[at].evidence);
+      const rows = await cells_of(page, "evidence").catch(() => ({}));
+      assert.equal(Object.keys(rows).length, with_evidence.length > 1 ? with_evidence.length : 0);
+      const logs = results.flatMap(({ evidence }) => (evidence ? [evidence.ln_evidence] : []));
+      const best = Math.max(...logs);
+      Object.values(rows).forEach((row, at) => {
+        assert.equal(Number(row.ln_evidence), logs[at]);
+        assert.ok(Math.abs(Number(row.ln_bayes_factor) - (best - logs[at])) < 1e-12);
+        const probability = Math.exp(logs[at] - best) / logs.reduce((sum, log) => sum + Math.exp(log - best), 0);
+        assert.ok(Math.abs(Number(row.probability) - probability) < 1e-12);
+      });
+      const named = await page.locator("#evidence li").allInnerTexts();
+      for (const [at, { evidence, method }] of results.entries()) {
+        if (evidence || !with_evidence.length) continue;
+        assert.ok(named.some((text) => text.includes(`${path.basename(folders[at])} is not compared: method '${method}'`)), named.join());
+      }
+    });
     await check(`${width}: every run has a bar for each of its parameters, on an axis that the runs share`, async () => {
       const bars = await page.$$eval(".compared", (blocks) =>
         blocks.map((block) => ({

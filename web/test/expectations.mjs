@@ -12,13 +12,14 @@ const is_update = (result) => (result.command ? result.command === "update" : li
 
 /** Plots of the estimate itself, which stand before those of the iterations. */
 function plots_of_estimate(result) {
-  const { parameters = {}, identifiability, specimens, prediction } = result;
+  const { parameters = {}, identifiability, specimens, prediction, posterior } = result;
   const names = list(parameters.names);
   const pairs = names.flatMap((_, i) => names.slice(i + 1).map((__, k) => [i, i + 1 + k]));
   const has_width = (i) => is_number(parameters.mean?.[i]) && parameters.std?.[i] > 0;
   const is_known = ([i, j]) => has_width(i) && has_width(j) && is_number(parameters.correlation?.[i]?.[j]);
   const has_interval = ([i, j]) => list(parameters.correlation_ci95?.[i]?.[j]).filter(is_number).length === 2;
-  const is_population = parameters.is_population === true || parameters.estimate?.kind === "posterior";
+  const is_posterior = parameters.estimate?.kind === "posterior";
+  const is_population = parameters.is_population === true || is_posterior;
   const has_correlations = is_population && Array.isArray(parameters.correlation) && pairs.some((pair) => is_known(pair) || has_interval(pair));
   const in_map = pairs.filter((pair) => is_known(pair) && has_interval(pair)).length;
   const predicted = list(prediction?.names).map((_, k) => k);
@@ -29,15 +30,19 @@ function plots_of_estimate(result) {
   return [
     is_update(result) && names.some(has_density) && Array.isArray(parameters.densities) ? "densities" : null,
     has_correlations && names.length >= 4 && in_map >= 3 ? "correlation-map" : null,
-    has_correlations ? "correlation-ellipses" : null,
+    has_correlations ? (is_posterior ? "posterior-pairs" : "correlation-ellipses") : null,
     has_numbers(identifiability?.singular_values) ? "singular-values" : null,
     has_directions ? "unseen-parts" : null,
     has_directions ? "unseen-directions" : null,
+    has_numbers(posterior?.predictive?.tests) ? "posterior-predictive" : null,
     has_numbers(result.shape_correlation?.initial?.mac) ? "mac-initial" : null,
     has_numbers(result.shape_correlation?.final?.mac) ? "mac-final" : null,
     has_numbers(specimens?.residuals) ? "residuals" : null,
     has_prediction && predicted.some(has_bar) ? "prediction-intervals" : null,
     has_prediction && has_numbers(prediction.held_out?.transforms) ? "prediction-pit" : null,
+    has_numbers(posterior?.ranks?.counts) ? "posterior-ranks" : null,
+    list(posterior?.stages).some((chain) => list(chain).length > 0) ? "posterior-stages" : null,
+    has_numbers(result.evidence?.islands) ? "posterior-evidence" : null,
   ];
 }
 

@@ -10,6 +10,7 @@ import path from "node:path";
 import { add_curves } from "./curves_fixture.mjs";
 import { eigen, random_normal } from "./matrix.mjs";
 import { with_first_screen } from "./first_screen_fixture.mjs";
+import { add_posterior } from "./posterior_fixture.mjs";
 import { prediction_of, with_population } from "./population_fixture.mjs";
 import { update } from "./simulate.mjs";
 import { modes_page, plate_mac, plate_modes } from "./structure_fixture.mjs";
@@ -343,13 +344,13 @@ function as_posterior(data) {
     is_population: false,
     mean_ci95: null,
     std_ci95: null,
-    estimate: { kind: "posterior", log_evidence: -12.34, effective_samples: 412.7 },
+    estimate: { kind: "posterior", log_evidence: -12.34, effective_samples: 412.7, region_probability: 1 - Math.exp(-2) },
     quantiles: {
       probabilities: [0.025, 0.16, 0.5, 0.84, 0.975],
       values: parameters.mean.map((mean, i) => scores.map((z) => mean + z * parameters.std[i])),
     },
   });
-  return data;
+  return add_posterior(data, { levels: ["noise:f"] });
 }
 
 function write_page(name, data) {

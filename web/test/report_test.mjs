@@ -9,6 +9,7 @@ import { in_readable_units } from "../src/units.js";
 import { open_page } from "./browser.mjs";
 import { checks } from "./checks.mjs";
 import { population_checks } from "./population_checks.mjs";
+import { posterior_checks } from "./posterior_checks.mjs";
 import { first_screen_checks } from "./first_screen_checks.mjs";
 import { has_scene, scene_checks } from "./scene_checks.mjs";
 
@@ -36,7 +37,7 @@ let passed = 0;
 let failed = 0;
 try {
   const study = { ...opened, file, data, shot };
-  for (const [claim, check] of [...(has_scene(data) ? scene_checks : []), ...first_screen_checks, ...population_checks, ...checks]) {
+  for (const [claim, check] of [...(has_scene(data) ? scene_checks : []), ...first_screen_checks, ...population_checks, ...posterior_checks, ...checks]) {
     try {
       await check(study);
       passed += 1;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "mottle/core/error.hpp"
+#include "study/jobs/compare_evidence.hpp"
 #include "study/results/update_results.hpp"
 
 namespace mottle::study {
@@ -134,6 +135,7 @@ Comparison compare_runs(const std::vector<fs::path>& folders) {
   Comparison comparison;
   for (const fs::path& folder : folders) comparison.runs.push_back(read_run(folder));
   label(comparison.runs);
+  comparison.evidence = compare_evidence_of(comparison.runs);
   return comparison;
 }
 

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "mottle/study/jobs/compare.hpp"
+#include "study/results/evidence_json.hpp"
 #include "study/results/result_json.hpp"
 
 namespace mottle::study {
@@ -113,6 +114,56 @@ void add_outputs(const Comparison& comparison, Columns& columns) {
   }
 }
 
+/// "0.987 [0.96, 0.995]"; near 1 what is left to it: "1 - 2.6e-06 [1 - 3e-06, 1 - 2e-06]".
+std::string probability_text(const ModelProbability& model) {
+  constexpr double k_near_one = 0.999;
+  const auto text = [](double probability) {
+    return probability > k_near_one ? fmt::format("1 - {:.2g}", 1.0 - probability) : fmt::format("{:.3g}", probability);
+  };
+  return fmt::format("{} [{}, {}]", text(model.probability), text(model.lower), text(model.upper));
+}
+
+std::string strength_text(const ModelProbability& model) {
+  return model.standard_error == 0.0 && model.log_bayes_factor == 0.0 ? "best" : evidence_strength(model.log_bayes_factor);
+}
+
+void add_evidence(const Comparison& comparison, Columns& columns) {
+  if (!comparison.evidence) return;
+  const auto row = [&](const std::string& name, auto text) {
+    columns.add("  " + name, each_run(comparison, [&](const ComparedRun& run) {
+                  const auto found = std::ranges::find(comparison.evidence->models, run.label, &ComparedModel::label);
+                  return found == comparison.evidence->models.end() ? std::string("-") : text(*found);
+                }));
+  };
+  columns.add_heading("evidence: ln Z, ln Bayes factor of the best model over each, both with standard errors; "
+                      "probabilities with 95 % intervals where all models are as probable before the tests");
+  row("ln evidence", [](const ComparedModel& one) {
+    return fmt::format("{:.4f} +- {:.2g}", one.evidence.log_evidence, one.evidence.standard_error);
+  });
+  row("ln Bayes factor", [](const ComparedModel& one) {
+    return fmt::format("{:.4f} +- {:.2g}", one.against.log_bayes_factor, one.against.standard_error);
+  });
+  row("against it (Kass and Raftery 1995)", [](const ComparedModel& one) { return strength_text(one.against); });
+  row("probability", [](const ComparedModel& one) { return probability_text(one.against); });
+  row("elpd, leave-one-out", [](const ComparedModel& one) {
+    return std::isfinite(one.elpd) ? fmt::format("{:.4g}", one.elpd) : "-";
+  });
+  row("elpd, less the largest", [](const ComparedModel& one) {
+    return std::isfinite(one.elpd_difference)
+               ? fmt::format("{:.3g} +- {:.2g}", one.elpd_difference, one.elpd_standard_error)
+               : "-";
+  });
+}
+
+/// What stands against comparing evidences, a line each.
+void add_doubts(const Comparison& comparison, std::vector<std::string>& lines) {
+  if (!comparison.evidence) return;
+  for (const auto& [label, reason] : comparison.evidence->left_out) {
+    lines.push_back(fmt::format("not compared by evidence: {}: {}", label, reason));
+  }
+  for (const std::string& warning : comparison.evidence->warnings) lines.push_back("warning: " + warning);
+}
+
 Json run_json(const ComparedRun& run) {
   Json parameters = Json::array();
   for (const ComparedParameter& one : run.parameters) {
@@ -156,10 +207,13 @@ RunSummary summarise(const Comparison& comparison) {
               each_run(comparison, [](const ComparedRun& run) { return fmt::format("{:.3g} s", run.seconds); }));
   add_parameters(comparison, columns);
   add_outputs(comparison, columns);
+  if (comparison.evidence && !comparison.evidence->models.empty()) add_evidence(comparison, columns);
   RunSummary summary{.status = "done", .lines = columns.lines()};
+  add_doubts(comparison, summary.lines);
   Json runs = Json::array();
   for (const ComparedRun& run : comparison.runs) runs.push_back(run_json(run));
-  summary.json = one_line(Json{{"command", "compare"}, {"runs", runs}});
+  summary.json =
+      one_line(Json{{"command", "compare"}, {"runs", runs}, {"evidence", evidence_comparison_json(comparison)}});
   return summary;
 }
 

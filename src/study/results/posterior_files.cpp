@@ -1,6 +1,7 @@
 #include "study/results/posterior_files.hpp"
 
 #include "mottle/formats/tables/csv.hpp"
+#include "study/results/posterior_curves.hpp"
 
 namespace mottle::study {
 namespace {
@@ -21,6 +22,39 @@ Json stages_json(const std::vector<SamplingStage>& stages) {
                     {"correlation", stage.correlation}});
   }
   return list;
+}
+
+/// [chain][draw][column] of a matrix [chain x draw, column].
+Json rows_json(const SampledPosterior& posterior, const Eigen::MatrixXd& values) {
+  Json chains = Json::array();
+  for (Eigen::Index c = 0; c < posterior.chains; ++c) {
+    chains.push_back(to_json_rows(values.middleRows(c * posterior.draws, posterior.draws)));
+  }
+  return chains;
+}
+
+/// null where none is given.
+Json given_noise_json(const TestData& tests) {
+  Json list = Json::array();
+  for (const double std : tests.repeatability_std) list.push_back(std > 0.0 ? number_json(std) : Json(nullptr));
+  return list;
+}
+
+Json accuracy_json(const PredictiveAccuracy& accuracy) {
+  return {{"elpd", number_json(accuracy.elpd)},
+          {"standard_error", number_json(accuracy.standard_error)},
+          {"effective_parameters", number_json(accuracy.effective_parameters)},
+          {"pointwise", to_json(accuracy.pointwise)}};
+}
+
+void add_predictive_accuracy(const SampledPosterior& posterior, Json& json) {
+  json["leave_one_out"] = nullptr;
+  json["waic"] = posterior.waic ? accuracy_json(*posterior.waic) : Json(nullptr);
+  if (posterior.leave_one_out) {
+    json["leave_one_out"] = accuracy_json(*posterior.leave_one_out);
+    json["leave_one_out"]["pareto_k"] = to_json(posterior.leave_one_out->pareto_k);
+  }
+  json["not_left_out"] = posterior.not_left_out.empty() ? Json(nullptr) : Json(posterior.not_left_out);
 }
 
 }  // namespace
@@ -49,16 +83,24 @@ std::string posterior_arviz(const SampledPosterior& posterior, const UpdatingPro
     variables[posterior.names[k]] = chains_json(posterior, posterior.values.col(static_cast<Eigen::Index>(k)));
   }
   Json observed = Json::object();
+  Json predicted = Json::object();
   for (std::size_t k = 0; k < problem.model.outputs().size(); ++k) {
-    observed[problem.model.outputs()[k].name()] = to_json(problem.tests.values.col(static_cast<Eigen::Index>(k)));
+    const std::string name = problem.model.outputs()[k].name();
+    const auto column = static_cast<Eigen::Index>(k);
+    observed[name] = to_json(problem.tests.values.col(column));
+    if (posterior.replicates.size() > 0) predicted[name] = chains_json(posterior, posterior.replicates.col(column));
   }
-  const Json json = {{"posterior", std::move(variables)},
-                     {"log_likelihood", {{"tests", chains_json(posterior, posterior.log_likelihood)}}},
-                     {"observed_data", std::move(observed)}};
+  const bool has_specimens = posterior.specimen_log_likelihood.size() > 0;
+  Json json = {{"posterior", std::move(variables)},
+               {"log_likelihood",
+                {{"tests", has_specimens ? rows_json(posterior, posterior.specimen_log_likelihood)
+                                         : chains_json(posterior, posterior.log_likelihood)}}}};
+  if (!predicted.empty()) json["posterior_predictive"] = std::move(predicted);
+  json["observed_data"] = std::move(observed);
   return one_line(json) + '\n';
 }
 
-void add_posterior(const SampledPosterior* posterior, Json& result) {
+void add_posterior(const SampledPosterior* posterior, const TestData& tests, Json& result) {
   result["evidence"] = nullptr;
   result["posterior"] = nullptr;
   result["modes"] = Json::array();
@@ -67,7 +109,10 @@ void add_posterior(const SampledPosterior* posterior, Json& result) {
   result["evidence"] = {{"ln_evidence", number_json(evidence.log_evidence)},
                         {"standard_error", number_json(evidence.standard_error)},
                         {"ci95", {number_json(evidence.lower), number_json(evidence.upper)}},
-                        {"spread", number_json(evidence.spread)}};
+                        {"spread", number_json(evidence.spread)},
+                        {"islands", to_json(posterior->chain_log_evidence)},
+                        {"noise_std", given_noise_json(tests)},
+                        {"model_error_std", to_json(tests.model_error_variance().cwiseSqrt())}};
   std::vector<std::string> names = posterior->names;
   names.emplace_back("log_likelihood");
   Json stages = Json::array();
@@ -81,7 +126,10 @@ void add_posterior(const SampledPosterior* posterior, Json& result) {
                          {"ess_tail", to_json(posterior->ess_tail)},
                          {"model_evaluations", posterior->evaluations},
                          {"failed_evaluations", posterior->failed_runs},
-                         {"stages", std::move(stages)}};
+                         {"stages", std::move(stages)},
+                         {"ranks", rank_histograms(*posterior)},
+                         {"predictive", predictive_quantiles(*posterior)}};
+  add_predictive_accuracy(*posterior, result["posterior"]);
   for (const PosteriorMode& mode : posterior->modes) {
     result["modes"].push_back({{"probability", mode.probability},
                                {"standard_error", number_json(mode.standard_error)},

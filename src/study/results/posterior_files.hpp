@@ -15,6 +15,6 @@ std::string posterior_csv(const SampledPosterior& posterior);
 std::string posterior_arviz(const SampledPosterior& posterior, const UpdatingProblem& problem);
 
 /// `evidence`, `posterior` and `modes` of result.json; null, null and none where the method samples no posterior.
-void add_posterior(const SampledPosterior* posterior, Json& result);
+void add_posterior(const SampledPosterior* posterior, const TestData& tests, Json& result);
 
 }  // namespace mottle::study

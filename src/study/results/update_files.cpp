@@ -109,7 +109,7 @@ Json outcome_json(const UpdateOutcome& outcome, const StructureModel::FollowedMo
   const SurrogateUpdate* const surrogate = outcome.workings->surrogate.get();
   Json json =
       update_result_json(outcome.study, plan.tests, outcome.problem(), *plan.method, outcome.result, outcome.verdict);
-  add_posterior(outcome.result.posterior.get(), json);
+  add_posterior(outcome.result.posterior.get(), outcome.problem().tests, json);
   add_factors(outcome.workings->factors, json["parameters"]);
   json["verdict"]["could_hide"] = could_hide_json(outcome.could_hide, plan.made.space->names());
   add_first_screen(outcome, followed, json);

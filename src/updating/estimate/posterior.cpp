@@ -40,10 +40,12 @@ SampledPosterior make_posterior(const std::vector<SampledIsland>& islands, std::
   posterior.values = std::move(values);
   Eigen::MatrixXd points(posterior.values.rows(), islands.front().points.cols());
   posterior.log_likelihood.resize(points.rows());
+  posterior.chain_log_evidence.resize(posterior.chains);
   for (Eigen::Index c = 0; c < posterior.chains; ++c) {
     const SampledIsland& island = islands[static_cast<std::size_t>(c)];
     points.middleRows(c * posterior.draws, posterior.draws) = island.points;
     posterior.log_likelihood.segment(c * posterior.draws, posterior.draws) = island.log_likelihood;
+    posterior.chain_log_evidence(c) = island.log_evidence;
     posterior.stages.push_back(island.stages);
   }
   const Eigen::Index columns = posterior.values.cols() + 1;
@@ -61,6 +63,17 @@ SampledPosterior make_posterior(const std::vector<SampledIsland>& islands, std::
   const Eigen::VectorXd log_density = posterior.log_likelihood - 0.5 * points.rowwise().squaredNorm();
   posterior.modes = describe_modes(find_modes(points, log_density), posterior);
   return posterior;
+}
+
+void add_specimens(Eigen::MatrixXd log_likelihood, SampledPosterior& posterior) {
+  const auto draws = static_cast<double>(log_likelihood.rows());
+  Eigen::VectorXd efficiency(log_likelihood.cols());
+  for (Eigen::Index s = 0; s < efficiency.size(); ++s) {
+    efficiency(s) = bulk_effective_sample_size(posterior.chains_of(log_likelihood.col(s))) / draws;
+  }
+  posterior.leave_one_out = leave_one_out(log_likelihood, efficiency);
+  posterior.waic = widely_applicable_information(log_likelihood);
+  posterior.specimen_log_likelihood = std::move(log_likelihood);
 }
 
 }  // namespace mottle::updating

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "mottle/core/error.hpp"
+#include "mottle/stats/moments/density_region.hpp"
 #include "mottle/updating/estimate/normal_estimates.hpp"
 
 namespace mottle::updating {
@@ -31,6 +32,14 @@ Eigen::VectorXd normalised(const Eigen::VectorXd& weights, Eigen::Index samples)
   require(weights.allFinite() && weights.minCoeff() >= 0.0 && weights.maxCoeff() > 0.0,
           "weights: must be finite, not negative and not all zero");
   return weights / weights.sum();
+}
+
+/// At most `count` rows, the first and the last among them.
+Eigen::MatrixXd some_rows(const Eigen::MatrixXd& all, Eigen::Index count) {
+  if (all.rows() <= count) return all;
+  Eigen::MatrixXd some(count, all.cols());
+  for (Eigen::Index k = 0; k < count; ++k) some.row(k) = all.row(k * (all.rows() - 1) / (count - 1));
+  return some;
 }
 
 }  // namespace
@@ -138,6 +147,17 @@ std::vector<Eigen::MatrixXd> SampleEstimate::region(Eigen::Index first, Eigen::I
   const double a = std::sqrt(scaled_covariance_(first, first));
   const double b = std::sqrt(scaled_covariance_(second, second));
   if (!(a > 0.0) || !(b > 0.0)) return {};
+  const std::vector<Eigen::Index> both{first, second};
+  std::vector<Eigen::MatrixXd> outlines =
+      highest_density_outlines(scaled_(Eigen::all, both), weights_, *effective_samples(), probability);
+  for (Eigen::MatrixXd& outline : outlines) {
+    outline = some_rows(outline, points);
+    for (Eigen::Index axis = 0; axis < 2; ++axis) {
+      const ParameterTransform& scale = scales_[static_cast<std::size_t>(both[static_cast<std::size_t>(axis)])];
+      for (double& value : outline.col(axis)) value = scale.to_variable(value);
+    }
+  }
+  if (!outlines.empty()) return outlines;
   const double rho = std::clamp(scaled_covariance_(first, second) / (a * b), -1.0, 1.0);
   constexpr double k_min = 1e-12;  // samples on a line: the outline is the line
   const Eigen::ArrayXd u = (scaled_.col(first).array() - scaled_mean_(first)) / a;

@@ -14,6 +14,7 @@
 #include "updating/methods/bayes_tests.hpp"
 #include "updating/methods/common_likelihood.hpp"
 #include "updating/methods/least_squares.hpp"
+#include "updating/methods/posterior_outputs.hpp"
 #include "updating/methods/posterior_target.hpp"
 #include "updating/population/model_error.hpp"
 #include "updating/population/regional_problem.hpp"
@@ -146,9 +147,9 @@ SamplingSettings settings_of(const BayesOptions& options) {
           .max_moves = options.max_moves};
 }
 
-std::shared_ptr<const SampledPosterior> put_together(const UpdatingProblem& problem, const NoiseLevels& noise,
-                                                     const PosteriorTarget& target,
-                                                     const std::vector<SampledIsland>& islands) {
+std::shared_ptr<SampledPosterior> put_together(const UpdatingProblem& problem, const NoiseLevels& noise,
+                                               const PosteriorTarget& target,
+                                               const std::vector<SampledIsland>& islands) {
   std::vector<std::string> names = problem.space.names();
   names.insert(names.end(), noise.names().begin(), noise.names().end());
   const Eigen::Index particles = islands.front().points.rows();
@@ -159,7 +160,7 @@ std::shared_ptr<const SampledPosterior> put_together(const UpdatingProblem& prob
   SampledPosterior posterior = make_posterior(islands, std::move(names), target.values(points));
   posterior.failed_runs = target.failed();
   posterior.evaluations = target.evaluations();
-  return std::make_shared<const SampledPosterior>(std::move(posterior));
+  return std::make_shared<SampledPosterior>(std::move(posterior));
 }
 
 UpdatingResult stopped(UpdatingResult result, const UpdatingProblem& problem, const std::string& when) {
@@ -225,7 +226,7 @@ UpdatingResult BayesUpdater::update(const UpdatingProblem& problem, const RunCon
     return stopped(std::move(result), problem, "while the posterior was sampled");
   }
   result.model_evaluations += target.evaluations();
-  const std::shared_ptr<const SampledPosterior> posterior = put_together(problem, noise, target, islands);
+  const std::shared_ptr<SampledPosterior> posterior = put_together(problem, noise, target, islands);
   const bool is_finished =
       std::all_of(islands.begin(), islands.end(), [](const SampledIsland& island) { return island.is_finished; });
   conclude(*posterior, options_, is_finished, result);
@@ -233,6 +234,8 @@ UpdatingResult BayesUpdater::update(const UpdatingProblem& problem, const RunCon
       problem.space.transforms(), posterior->values.leftCols(problem.space.count()), Eigen::VectorXd(),
       posterior->evidence.log_evidence, least_effective(*posterior)));
   const RegionalProblem near(problem, target.region());
+  context.phase({.name = "outputs of the posterior"});
+  result.model_evaluations += add_outputs(near.problem(), noise, likelihood, context, *posterior);
   append_state(result, record_state(near.problem(), tests, *result.estimate, context));
   context.phase({.name = "tests of the posterior"});
   const PosteriorPeak peak = peak_of(near.problem(), islands, target, context, result.model_evaluations);
@@ -240,6 +243,7 @@ UpdatingResult BayesUpdater::update(const UpdatingProblem& problem, const RunCon
   result.noise_covariance = noise_variances(noise, *posterior).asDiagonal();
   result.posterior = posterior;
   add_notes(problem, *posterior, result);
+  note_specimens(problem.tests, *posterior, result);
   test_posterior(problem, likelihood, noise, peak, result);
   return result;
 }

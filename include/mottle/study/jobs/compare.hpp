@@ -3,10 +3,13 @@
 
 #include <Eigen/Core>
 #include <filesystem>
+#include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "mottle/layers.hpp"
+#include "mottle/stats/chains/evidence_comparison.hpp"
 #include "mottle/study/jobs/run.hpp"
 
 namespace mottle::study {
@@ -37,8 +40,33 @@ struct ComparedRun {
   std::vector<ComparedOutput> outputs = {};
 };
 
+/// A run's model among those whose evidences are of the same tests.
+struct ComparedModel {
+  std::string label;  ///< of its run
+  EstimatedEvidence evidence;
+  ModelProbability against = {};  ///< the others
+  /// Expected log predictive density by leave-one-out; its difference to the largest among the models, with the
+  /// standard error from specimen to specimen; nan: not known.
+  double elpd = std::numeric_limits<double>::quiet_NaN();
+  double elpd_difference = std::numeric_limits<double>::quiet_NaN();
+  double elpd_standard_error = std::numeric_limits<double>::quiet_NaN();
+  double largest_pareto_k = std::numeric_limits<double>::quiet_NaN();
+  Eigen::VectorXd elpd_pointwise = {};  ///< of each specimen
+};
+
+/// Evidences that can be compared, and what stands against comparing the others.
+struct EvidenceComparison {
+  std::vector<ComparedModel> models;  ///< in the order of the runs; none or two and more
+  struct LeftOut {
+    std::string label, reason;
+  };
+  std::vector<LeftOut> left_out = {};
+  std::vector<std::string> warnings = {};  ///< sentences: what else than the models differs, and doubtful evidences
+};
+
 struct Comparison {
   std::vector<ComparedRun> runs;
+  std::optional<EvidenceComparison> evidence = std::nullopt;  ///< where a run has one
 };
 
 /// Reads the results of updates.

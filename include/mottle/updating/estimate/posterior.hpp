@@ -3,10 +3,12 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "mottle/layers.hpp"
+#include "mottle/stats/chains/leave_one_out.hpp"
 #include "mottle/updating/sampling/sequential_monte_carlo.hpp"
 
 namespace mottle::updating {
@@ -30,10 +32,22 @@ struct SampledPosterior {
   Eigen::VectorXd ess_bulk;        ///< effective sample sizes
   Eigen::VectorXd ess_tail;
   Evidence evidence;
+  Eigen::VectorXd chain_log_evidence = {};  ///< of each chain alone
   std::vector<PosteriorMode> modes;                ///< the most probable first
   std::vector<std::vector<SamplingStage>> stages;  ///< of each chain
   std::int64_t failed_runs = 0;                    ///< of the model, whose likelihood is zero
   std::int64_t evaluations = 0;                    ///< by the sampler
+  /// Outputs of the model at each draw; nan: it failed when it was run there again; empty: not known
+  /// [chain x draw, output]
+  Eigen::MatrixXd outputs = {};
+  /// A further test of each draw, with noise and the model's error [chain x draw, output]
+  Eigen::MatrixXd replicates = {};
+  /// ln of the probability density of each specimen's test, where these are independent given a draw; else empty
+  /// [chain x draw, specimen]
+  Eigen::MatrixXd specimen_log_likelihood = {};
+  std::optional<LeaveOneOut> leave_one_out = std::nullopt;  ///< by specimens
+  std::optional<PredictiveAccuracy> waic = std::nullopt;    ///< by specimens
+  std::string not_left_out = {};                            ///< why there is neither, as a sentence
 
   /// The draws of one column, or of the log-likelihood [draw x chain].
   Eigen::MatrixXd chains_of(const Eigen::Ref<const Eigen::VectorXd>& column) const;
@@ -45,5 +59,10 @@ struct SampledPosterior {
 /// @param values  of every particle, island by island [particle x name]
 SampledPosterior make_posterior(const std::vector<SampledIsland>& islands, std::vector<std::string> names,
                                 Eigen::MatrixXd values);
+
+/// Keeps the log-likelihoods of the specimens, and how well the model predicts one that it has not seen.
+///
+/// @param log_likelihood  finite [chain x draw, specimen], >= 2 specimens
+void add_specimens(Eigen::MatrixXd log_likelihood, SampledPosterior& posterior);
 
 }  // namespace mottle::updating

@@ -18,7 +18,7 @@ namespace mottle::updating {
 ///
 ///   h = 0.9 min(s, IQR / 1.34) n^(-1/5),   n = 1 / sum w^2
 ///
-/// Regions: ellipses on the scales, by mean and covariance there, as wide as the part `probability` of the weight asks.
+/// Regions: highest_density_outlines() on the scales; of samples on a line the part of it that holds `probability`.
 /// Source: [Silverman1986], Eq. 3.31, for h; [Kish1965] for n.
 class SampleEstimate final : public Estimate {
  public:

@@ -1,0 +1,236 @@
+// Drawings of a sampled posterior: ranks of its chains, stages of its islands, their evidences, intervals of outputs with the tests.
+import { extent, is_number } from "./data.js";
+import { axis, legend, legend_height, tooltip_box, zooming } from "./charts.js";
+import { fit_in, name_with_unit, number_text, plural, short_number } from "./format.js";
+import { band_series, layout, line_series, panel_frame } from "./panels.js";
+import { band, bound, ink, model, muted, paper, test, test_band } from "./palette.js";
+
+const island_line = { color: model, width: 1.3, opacity: 0.6 };
+
+/** One panel a name: how many of the draws of each chain lie in each of the equal parts of the ranks. */
+export function rank_panels(posterior, names, width) {
+  const { bins, range, counts } = posterior.ranks;
+  const { cells, height } = layout(names.length, width, { aspect: 0.5, legend_height: 6 });
+  const drawn = names.map((name) => counts[posterior.names.indexOf(name)] ?? []);
+  const top = 1.1 * Math.max(...drawn.flat(2).filter(is_number), range[1] ?? 0);
+  const panels = names.map((name) => ({
+    title: name,
+    x: {
+      name: "Rank among the draws of all chains",
+      min: 0,
+      max: 1,
+      axisLabel: { fontSize: 11, formatter: (value) => short_number(value, 2) },
+    },
+    y: { name: "Draws", min: 0, max: top, axisLabel: { fontSize: 11, showMaxLabel: false, formatter: (value) => short_number(value, 3) } },
+  }));
+  const series = drawn.flatMap((chains, panel) => [
+    band_series("Expected of independent draws, 95 % of counts", [[0, ...range], [1, ...range]], test_band, panel),
+    ...chains.map((row, chain) =>
+      line_series(`Island ${chain + 1}`, row.map((count, k) => [(k + 0.5) / bins, count]), panel, island_line, {
+        step: "middle",
+        z: 3,
+      }),
+    ),
+  ]);
+  const option = {
+    ...panel_frame(panels, cells),
+    ...zooming(panels.length),
+    series,
+    tooltip: {
+      trigger: "axis",
+      formatter: (points) => {
+        const lines = points.filter(({ seriesType }) => seriesType === "line");
+        return lines.length
+          ? tooltip_box(names[lines[0].axisIndex], lines.map(({ seriesName, value }) => `${seriesName}: ${plural(value[1], "draw")}`))
+          : "";
+      },
+    },
+  };
+  return { option, height };
+}
+
+const stage_fields = [
+  { field: "exponent", title: "Exponent of the likelihood", type: "log" },
+  { field: "acceptance", title: "Accepted moves, fraction" },
+  { field: "moves", title: "Moves of every particle" },
+  { field: "correlation", title: "Correlation left with the stage's start" },
+];
+
+/** One panel for each thing that is known of a stage, a line an island. */
+export function stage_panels({ stages }, width) {
+  const { cells, height } = layout(stage_fields.length, width, { columns_at_most: 2, minimum: 320, aspect: 0.4, legend_height: 6 });
+  const panels = stage_fields.map(({ title, type }) => ({
+    title,
+    x: { name: "Stage", minInterval: 1 },
+    y: type ? { type, axisLabel: { fontSize: 11, formatter: (value) => number_text(value, 1) } } : { min: 0 },
+  }));
+  const series = stage_fields.flatMap(({ field, type }, panel) =>
+    stages.map((chain, island) =>
+      line_series(
+        `Island ${island + 1}`,
+        chain.map((stage, k) => [k + 1, stage[field]]).filter(([, value]) => is_number(value) && (!type || value > 0)),
+        panel,
+        island_line,
+        { symbol: "circle", symbolSize: 3.5 },
+      ),
+    ),
+  );
+  const option = {
+    ...panel_frame(panels, cells),
+    ...zooming(panels.length),
+    series,
+    tooltip: {
+      trigger: "axis",
+      formatter: (points) =>
+        tooltip_box(
+          `${stage_fields[points[0].axisIndex].title}, stage ${points[0].value[0]}`,
+          points.map(({ seriesName, value }) => `${seriesName}: ${number_text(value[1], 3)}`),
+        ),
+    },
+  };
+  return { option, height };
+}
+
+const evidence_names = { interval: "95 % interval", value: "ln of the islands' mean evidence", islands: "Island" };
+
+/** ln evidence of each island, and what they say together. */
+export function evidence_panel({ value, interval, islands }, width) {
+  const known = islands.map((x, k) => [x, k + 1]).filter(([x]) => is_number(x));
+  const [low, high] = extent([...known.map(([x]) => x), value, ...(interval ?? [])]);
+  const margin = 0.08 * (high - low) || 0.1;
+  const rows = [0.3, islands.length + 0.7];
+  const shown = Object.values(evidence_names);
+  const { cells, height } = layout(1, Math.min(width, 760), { aspect: 0.32, legend_height: legend_height(shown, width) });
+  const series = [
+    interval ? band_series(evidence_names.interval, interval.map((x) => [x, ...rows]), band, 0) : null,
+    line_series(evidence_names.value, rows.map((y) => [value, y]), 0, { color: model }, { z: 2, silent: true }),
+    {
+      name: evidence_names.islands,
+      type: "scatter",
+      symbol: "circle",
+      symbolSize: 8,
+      z: 3,
+      itemStyle: { color: test, borderColor: paper, borderWidth: 0.8 },
+      data: known,
+    },
+  ].filter(Boolean);
+  const option = {
+    ...panel_frame(
+      [
+        {
+          title: "",
+          x: {
+            name: "ln evidence",
+            min: low - margin,
+            max: high + margin,
+            axisLabel: { showMinLabel: false, showMaxLabel: false, formatter: (x) => short_number(x, 6) },
+          },
+          y: { name: "Island", inverse: true, min: rows[0], max: rows[1], minInterval: 1, axisLabel: { showMinLabel: false, showMaxLabel: false } },
+        },
+      ],
+      cells,
+    ),
+    ...zooming(1),
+    series,
+    legend: legend(series, shown),
+    tooltip: { trigger: "item", formatter: ({ value: point }) => tooltip_box(`Island ${point[1]}`, [`ln evidence ${number_text(point[0], 6)}`]) },
+  };
+  return { option, height };
+}
+
+const bar_names = { test: "95 % of further tests", model: "95 % of the model's outputs", inside: "Specimen", outside: "Specimen outside" };
+const row_height = 28;
+
+/** In what the bars are drawn: halves of the interval of a further test from its median. */
+function in_halves({ test: ends, median }) {
+  const half = (ends[1] - ends[0]) / 2 || 1;
+  return (value) => (value - median) / half;
+}
+
+function bars_of(name, rows, color, share, z) {
+  return {
+    name,
+    type: "custom",
+    clip: true,
+    z,
+    data: rows,
+    encode: { x: [0, 2], y: 1 },
+    itemStyle: { color },
+    renderItem: (params, api) => {
+      if (!Number.isFinite(api.value(0))) return null;
+      const [x0, y] = api.coord([api.value(0), api.value(1)]);
+      const [x1] = api.coord([api.value(2), api.value(1)]);
+      const shape = { x: x0, y: y - row_height * share, width: Math.max(x1 - x0, 1.5), height: row_height * 2 * share };
+      return { type: "rect", shape, style: { fill: color } };
+    },
+  };
+}
+
+/** One bar an output: where its values and further tests lie, with every specimen on it. */
+export function predictive_bars(outputs, width) {
+  const labels = outputs.map((output) =>
+    width < 620 ? output.name : `${output.name}: ${number_text(output.median, 5)} ${output.unit}`.trim(),
+  );
+  const left = Math.min(width * 0.4, 24 + 7 * Math.max(...labels.map((text) => text.length)));
+  const shown = Object.values(bar_names);
+  const grid = { left, right: 16, top: legend_height(shown, width), height: outputs.length * row_height, outerBoundsMode: "none" };
+  const place = outputs.map(in_halves);
+  const bar = (key) =>
+    outputs.map((output, row) => (output[key] ? [place[row](output[key][0]), row, place[row](output[key][1])] : [null, row, null]));
+  const far = 4;
+  const points = outputs.flatMap(({ specimens }, row) =>
+    specimens.flatMap((value, k) =>
+      is_number(value) ? [[Math.max(-far, Math.min(far, place[row](value))), row, k, value]] : [],
+    ),
+  );
+  const is_inside = ([, row, , value]) => value >= outputs[row].test[0] && value <= outputs[row].test[1];
+  const marks = (name, data, color, symbol) => ({
+    name,
+    type: "scatter",
+    symbol,
+    symbolSize: data.length > 300 ? 6 : 8,
+    z: 4,
+    itemStyle: { color, borderColor: paper, borderWidth: 0.6, opacity: 0.85 },
+    data,
+  });
+  const series = [
+    bars_of(bar_names.test, bar("test"), band, 0.3, 1),
+    bars_of(bar_names.model, bar("model"), model, 0.12, 2),
+    marks(bar_names.inside, points.filter(is_inside), test, "diamond"),
+    marks(bar_names.outside, points.filter((point) => !is_inside(point)), bound, "triangle"),
+  ];
+  const reach = 1.05 * Math.max(1.5, ...extent([...points.map(([x]) => x), ...bar("model").flatMap(([a, , b]) => [a, b]), -1, 1]).map(Math.abs));
+  const option = {
+    grid: [grid],
+    xAxis: axis({
+      name: width < 560 ? "Half widths of the bar from its median" : "Distance from the median, in half widths of the 95 % interval of a further test",
+      nameGap: 28,
+      min: -reach,
+      max: reach,
+      axisLabel: { showMinLabel: false, showMaxLabel: false, formatter: (value) => short_number(value, 2) },
+    }),
+    yAxis: axis({
+      type: "category",
+      inverse: true,
+      data: labels,
+      splitLine: { show: false },
+      axisTick: { show: false },
+      axisLine: { show: true, onZero: true, lineStyle: { color: muted } },
+      axisLabel: { color: ink, fontSize: 12, interval: 0, formatter: fit_in(left - 12) },
+    }),
+    ...zooming(1),
+    series,
+    legend: legend(series, shown),
+    tooltip: {
+      trigger: "item",
+      formatter: ({ value }) => {
+        const output = outputs[value[1]];
+        const text = (ends) => (ends ? `${number_text(ends[0], 5)} … ${number_text(ends[1], 5)}` : "–");
+        return value.length === 4
+          ? tooltip_box(name_with_unit(output), [`Specimen ${value[2] + 1}: ${number_text(value[3], 5)}`])
+          : tooltip_box(name_with_unit(output), [`Further test, 95 %: ${text(output.test)}`, `Model, 95 %: ${text(output.model)}`]);
+      },
+    },
+  };
+  return { option, height: grid.top + grid.height + 52 };
+}
