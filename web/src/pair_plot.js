@@ -53,7 +53,7 @@ const density_series = ({ curves }, panel) => [
   line_series(names.density, curves.updated, panel, { color: model }, { z: 3, silent: true }),
 ];
 
-const ticks = { showMinLabel: false, showMaxLabel: false, hideOverlap: true, fontSize: 11, formatter: (value) => short_number(value, 4) };
+const ticks = { show: true, showMinLabel: false, showMaxLabel: false, hideOverlap: true, fontSize: 11, formatter: (value) => short_number(value, 4) };
 const bare = { axisLabel: { show: false }, axisTick: { show: false }, splitLine: { show: false } };
 const title_of = ({ correlation }) => (is_number(correlation) ? `correlation ${signed(correlation)}` : "");
 
