@@ -229,27 +229,34 @@ function evidence_table({ models, scale }) {
       { key: "ln_evidence", title: "ln evidence", text: (value, { standard_error }) => with_error(value, standard_error) },
       {
         key: "ln_bayes_factor",
-        title: "ln Bayes factor of the best over it",
+        title: "ln Bayes factor",
         text: (value, { ln_bayes_factor_standard_error: error }) => (value === 0 ? "0 (best)" : with_error(value, error)),
       },
       { key: "strength", title: "Against it", is_text: true, text: (value, { ln_bayes_factor }) => (ln_bayes_factor === 0 ? "–" : value) },
       {
         key: "probability",
         title: "Probability",
-        text: (value, { probability_ci95: ends }) => `${probability_text(value)} (${list(ends).map(probability_text).join(" … ")})`,
+        text: probability_text,
+      },
+      {
+        key: "probability_ci95",
+        title: "95 % interval",
+        text: (ends) => list(ends).map(probability_text).join(" … "),
+        csv: ({ probability_ci95: ends }) => list(ends).join(" to "),
       },
       has_elpd
         ? {
             key: "elpd_difference",
-            title: "Leave-one-out, less the largest",
+            title: "Leave-one-out",
             text: (value, { elpd_difference_standard_error: error }) => (value === 0 ? "0 (largest)" : with_error(value, error)),
           }
         : null,
     ].filter(Boolean),
     rows: list(models).map((model) => ({ ...record(model), name: model.label })),
     caption:
-      "± is a standard error. Probabilities: where all of these models were equally probable before the tests; in brackets the 95\u00a0% interval by the " +
-      `evidences' standard errors. Words after ${scale ?? "Kass and Raftery 1995"}: 2 ln B below 2, 6, 10 and beyond.`,
+      "± is a standard error. ln Bayes factor: of the best model over each. Probabilities: where all of these models were equally probable before the " +
+      `tests, with intervals by the evidences' standard errors. Words after ${scale ?? "Kass and Raftery 1995"}: 2 ln B below 2, 6, 10 and beyond.` +
+      (has_elpd ? " Leave-one-out: expected ln density of further specimens, less the largest." : ""),
   });
 }
 

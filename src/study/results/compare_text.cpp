@@ -123,8 +123,8 @@ std::string probability_text(const ModelProbability& model) {
   return fmt::format("{} [{}, {}]", text(model.probability), text(model.lower), text(model.upper));
 }
 
-std::string strength_text(const ModelProbability& model) {
-  return model.standard_error == 0.0 && model.log_bayes_factor == 0.0 ? "best" : evidence_strength(model.log_bayes_factor);
+bool is_best(const ModelProbability& model) {
+  return model.log_bayes_factor == 0.0;
 }
 
 void add_evidence(const Comparison& comparison, Columns& columns) {
@@ -141,17 +141,21 @@ void add_evidence(const Comparison& comparison, Columns& columns) {
     return fmt::format("{:.4f} +- {:.2g}", one.evidence.log_evidence, one.evidence.standard_error);
   });
   row("ln Bayes factor", [](const ComparedModel& one) {
-    return fmt::format("{:.4f} +- {:.2g}", one.against.log_bayes_factor, one.against.standard_error);
+    return is_best(one.against)
+               ? std::string("0")
+               : fmt::format("{:.4f} +- {:.2g}", one.against.log_bayes_factor, one.against.standard_error);
   });
-  row("against it (Kass and Raftery 1995)", [](const ComparedModel& one) { return strength_text(one.against); });
+  row("against it (Kass and Raftery 1995)", [](const ComparedModel& one) {
+    return std::string(is_best(one.against) ? "best" : evidence_strength(one.against.log_bayes_factor));
+  });
   row("probability", [](const ComparedModel& one) { return probability_text(one.against); });
   row("elpd, leave-one-out", [](const ComparedModel& one) {
     return std::isfinite(one.elpd) ? fmt::format("{:.4g}", one.elpd) : "-";
   });
   row("elpd, less the largest", [](const ComparedModel& one) {
-    return std::isfinite(one.elpd_difference)
-               ? fmt::format("{:.3g} +- {:.2g}", one.elpd_difference, one.elpd_standard_error)
-               : "-";
+    if (std::isnan(one.elpd_difference)) return std::string("-");
+    return one.elpd_difference == 0.0 ? std::string("0")
+                                      : fmt::format("{:.3g} +- {:.2g}", one.elpd_difference, one.elpd_standard_error);
   });
 }
 
