@@ -69,7 +69,8 @@ std::vector<ModelProbability> compare_evidences(const std::vector<EstimatedEvide
   std::vector<ModelProbability> found(evidences.size());
   for (std::size_t i = 0; i < evidences.size(); ++i) {
     found[i].log_bayes_factor = best->log_evidence - evidences[i].log_evidence;
-    if (&evidences[i] != &*best) found[i].standard_error = std::hypot(best->standard_error, evidences[i].standard_error);
+    if (&evidences[i] != &*best)
+      found[i].standard_error = std::hypot(best->standard_error, evidences[i].standard_error);
     add_probability(evidences, i, found[i]);
   }
   return found;

@@ -102,8 +102,8 @@ std::string why_none(const Json& result, const ComparedRun& run) {
   if (run.status != "converged" && run.status != "stalled") {
     return fmt::format("it ended as '{}', before its evidence was complete", run.status);
   }
-  const bool is_known = std::isfinite(number_at(result, "/evidence/ln_evidence")) &&
-                        number_at(result, "/evidence/standard_error") >= 0.0;
+  const bool is_known =
+      std::isfinite(number_at(result, "/evidence/ln_evidence")) && number_at(result, "/evidence/standard_error") >= 0.0;
   if (!is_known) return "its evidence has no standard error";
   if (!std::filesystem::is_regular_file(run.folder / "tests.csv")) return "its folder has no tests.csv";
   return {};
@@ -151,23 +151,24 @@ void add_warnings(const std::vector<EvidenceRecord>& records, EvidenceComparison
   for (const EvidenceRecord& record : records) {
     const std::string& label = record.model.label;
     if (record.status == "stalled") {
-      comparison.warnings.push_back(
-          fmt::format("{} is stalled: its islands disagree, and the error of its evidence may be larger than stated. Give "
-                      "it more particles.",
-                      label));
+      comparison.warnings.push_back(fmt::format(
+          "{} is stalled: its islands disagree, and the error of its evidence may be larger than stated. Give "
+          "it more particles.",
+          label));
     }
     if (record.model.largest_pareto_k > k_unreliable_pareto_k) {
-      comparison.warnings.push_back(fmt::format("The leave-one-out density of {} is not to be relied on: its largest "
-                                                "Pareto k is {:.2f}, at most {} is allowed.",
-                                                label, record.model.largest_pareto_k, k_unreliable_pareto_k));
+      comparison.warnings.push_back(
+          fmt::format("The leave-one-out density of {} is not to be relied on: its largest "
+                      "Pareto k is {:.2f}, at most {} is allowed.",
+                      label, record.model.largest_pareto_k, k_unreliable_pareto_k));
     }
     if (record.noise != records.front().noise) other_noise.push_back(label);
   }
   if (!other_noise.empty()) {
-    comparison.warnings.push_back(
-        fmt::format("Noise, its prior or the model's error are others in {} than in {}: the Bayes factors compare these as "
-                    "well as the models.",
-                    join(other_noise), records.front().model.label));
+    comparison.warnings.push_back(fmt::format(
+        "Noise, its prior or the model's error are others in {} than in {}: the Bayes factors compare these as "
+        "well as the models.",
+        join(other_noise), records.front().model.label));
   }
 }
 

@@ -135,8 +135,9 @@ void add_evidence(const Comparison& comparison, Columns& columns) {
                   return found == comparison.evidence->models.end() ? std::string("-") : text(*found);
                 }));
   };
-  columns.add_heading("evidence: ln Z, ln Bayes factor of the best model over each, both with standard errors; "
-                      "probabilities with 95 % intervals where all models are as probable before the tests");
+  columns.add_heading(
+      "evidence: ln Z, ln Bayes factor of the best model over each, both with standard errors; "
+      "probabilities with 95 % intervals where all models are as probable before the tests");
   row("ln evidence", [](const ComparedModel& one) {
     return fmt::format("{:.4f} +- {:.2g}", one.evidence.log_evidence, one.evidence.standard_error);
   });
@@ -149,9 +150,8 @@ void add_evidence(const Comparison& comparison, Columns& columns) {
     return std::string(is_best(one.against) ? "best" : evidence_strength(one.against.log_bayes_factor));
   });
   row("probability", [](const ComparedModel& one) { return probability_text(one.against); });
-  row("elpd, leave-one-out", [](const ComparedModel& one) {
-    return std::isfinite(one.elpd) ? fmt::format("{:.4g}", one.elpd) : "-";
-  });
+  row("elpd, leave-one-out",
+      [](const ComparedModel& one) { return std::isfinite(one.elpd) ? fmt::format("{:.4g}", one.elpd) : "-"; });
   row("elpd, less the largest", [](const ComparedModel& one) {
     if (std::isnan(one.elpd_difference)) return std::string("-");
     return one.elpd_difference == 0.0 ? std::string("0")

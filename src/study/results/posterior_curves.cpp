@@ -17,9 +17,8 @@ constexpr Eigen::Index k_draws_a_bin = 10;  // of a chain, at least: fewer make 
 Eigen::MatrixXi rank_counts(const Eigen::VectorXd& values, Eigen::Index chains, Eigen::Index bins) {
   std::vector<Eigen::Index> order(static_cast<std::size_t>(values.size()));
   std::iota(order.begin(), order.end(), Eigen::Index{0});
-  std::sort(order.begin(), order.end(), [&](Eigen::Index a, Eigen::Index b) {
-    return values(a) < values(b) || (values(a) == values(b) && a < b);
-  });
+  std::sort(order.begin(), order.end(),
+            [&](Eigen::Index a, Eigen::Index b) { return values(a) < values(b) || (values(a) == values(b) && a < b); });
   const Eigen::Index draws = values.size() / chains;
   Eigen::MatrixXi counts = Eigen::MatrixXi::Zero(chains, bins);
   for (Eigen::Index rank = 0; rank < values.size(); ++rank) {
@@ -43,10 +42,11 @@ Json quantiles_json(const Eigen::MatrixXd& columns, const Json& probabilities) {
     const auto count = static_cast<Eigen::Index>(known.size());
     Json row = Json::array();
     for (const Json& probability : probabilities) {
-      row.push_back(known.empty() ? Json(nullptr)
-                                  : number_json(weighted_quantile(
-                                        Eigen::Map<const Eigen::VectorXd>(known.data(), count),
-                                        Eigen::VectorXd::Constant(count, 1.0 / static_cast<double>(count)), probability)));
+      row.push_back(known.empty()
+                        ? Json(nullptr)
+                        : number_json(weighted_quantile(
+                              Eigen::Map<const Eigen::VectorXd>(known.data(), count),
+                              Eigen::VectorXd::Constant(count, 1.0 / static_cast<double>(count)), probability)));
     }
     rows.push_back(std::move(row));
   }

@@ -13,8 +13,8 @@ namespace mottle::study {
 /// Source: [Vehtari2021], section 5.
 Json rank_histograms(const SampledPosterior& posterior);
 
-/// {probabilities[], outputs[output][], tests[output][]}: quantiles over the draws of the model's outputs and of further
-/// tests with noise and model error; null where they are not known.
+/// {probabilities[], outputs[output][], tests[output][]}: quantiles over the draws of the model's outputs and of
+/// further tests with noise and model error; null where they are not known.
 Json predictive_quantiles(const SampledPosterior& posterior);
 
 }  // namespace mottle::study

@@ -75,8 +75,8 @@ std::int64_t add_outputs(const UpdatingProblem& problem, const NoiseLevels& nois
                          const RunContext& context, SampledPosterior& posterior) {
   posterior.outputs = problem.model.evaluate(posterior.values.leftCols(problem.space.count()), context).outputs;
   const Eigen::MatrixXd variances = noise_at(noise, posterior);
-  posterior.replicates = further_tests(likelihood, problem.tests.model_error_variance(), variances, posterior.outputs,
-                                       context.seed);
+  posterior.replicates =
+      further_tests(likelihood, problem.tests.model_error_variance(), variances, posterior.outputs, context.seed);
   posterior.not_left_out = why_not_left_out(problem.tests, posterior.outputs);
   if (posterior.not_left_out.empty()) {
     add_specimens(specimen_likelihoods(problem.tests.values, variances, posterior.outputs), posterior);
@@ -92,10 +92,10 @@ void note_specimens(const TestData& tests, const SampledPosterior& posterior, Up
     if (k > k_unreliable_pareto_k) doubtful.push_back(fmt::format("{} ({:.2f})", tests.number_of(i), k));
   }
   if (doubtful.empty()) return;
-  result.notes.push_back(
-      fmt::format("Leave-one-out and WAIC are not to be relied on: the posterior without a specimen differs too much from "
-                  "that with it to be had by re-weighting. Specimens with a Pareto k above {}: {}.",
-                  k_unreliable_pareto_k, join(doubtful)));
+  result.notes.push_back(fmt::format(
+      "Leave-one-out and WAIC are not to be relied on: the posterior without a specimen differs too much from "
+      "that with it to be had by re-weighting. Specimens with a Pareto k above {}: {}.",
+      k_unreliable_pareto_k, join(doubtful)));
 }
 
 }  // namespace mottle::updating

@@ -10,8 +10,8 @@
 
 namespace mottle::updating {
 
-/// Runs the model at each draw. A further test of a draw x is f(x) + d + e with d of N(0, D) given x and the tests, e of
-/// N(0, R). Specimens are independent given x where the model has no error d of its own.
+/// Runs the model at each draw. A further test of a draw x is f(x) + d + e with d of N(0, D) given x and the tests, e
+/// of N(0, R). Specimens are independent given x where the model has no error d of its own.
 ///
 /// @return  model runs
 std::int64_t add_outputs(const UpdatingProblem& problem, const NoiseLevels& noise, const CommonLikelihood& likelihood,

@@ -12,8 +12,8 @@
 namespace mottle::stats {
 namespace {
 
-/// Log-likelihoods of three data under 400 normal draws of the generator s <- 16807 s mod (2^31 - 1): of little, of much
-/// and of far too much influence.
+/// Log-likelihoods of three data under 400 normal draws of the generator s <- 16807 s mod (2^31 - 1): of little, of
+/// much and of far too much influence.
 Eigen::MatrixXd three_data() {
   constexpr double k_modulus = 2147483647.0;
   Eigen::MatrixXd logs(400, 3);

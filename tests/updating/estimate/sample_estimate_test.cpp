@@ -95,7 +95,8 @@ TEST(SampleEstimate, OfALargeNormalSampleHasItsRegions) {
   const Eigen::MatrixXd outline = estimate.region(0, 1, 0.864664717, 33).front();  // 2 deviations
   for (Eigen::Index k = 0; k < outline.rows(); ++k) {
     const Eigen::Vector2d apart = outline.row(k).transpose() - Eigen::Vector2d(1.0, 2.0);
-    EXPECT_NEAR(std::sqrt(apart.dot(c.inverse() * apart)), 2.0, 0.15);  // as tests/stats/moments/density_region_test.cpp
+    EXPECT_NEAR(std::sqrt(apart.dot(c.inverse() * apart)), 2.0,
+                0.15);  // as tests/stats/moments/density_region_test.cpp
   }
 }
 

@@ -109,7 +109,8 @@ TEST(PosteriorOutputs, HaveFurtherTestsOfTheClosedForm) {
   TestData seven = linear.tests;
   seven.values.conservativeResize(7, 3);
   const JointNormal joint(seven);
-  const Eigen::MatrixXd gain = joint.covariance.bottomLeftCorner(3, 18) * joint.covariance.topLeftCorner(18, 18).inverse();
+  const Eigen::MatrixXd gain =
+      joint.covariance.bottomLeftCorner(3, 18) * joint.covariance.topLeftCorner(18, 18).inverse();
   const Eigen::VectorXd mean =
       joint.mean.tail(3) + gain * (linear.tests.values.transpose().reshaped() - joint.mean.head(18));
   const Eigen::MatrixXd covariance =
@@ -143,7 +144,8 @@ TEST(PosteriorOutputs, NameASpecimenThatCannotBeLeftOut) {
   EXPECT_GT(result.posterior->leave_one_out->pareto_k(3), k_unreliable_pareto_k);
   bool is_named = false;
   for (const std::string& note : result.notes) {
-    is_named = is_named || (note.find("Pareto k above 0.7") != std::string::npos && note.find(" 4 (") != std::string::npos);
+    is_named =
+        is_named || (note.find("Pareto k above 0.7") != std::string::npos && note.find(" 4 (") != std::string::npos);
   }
   EXPECT_TRUE(is_named);
 }

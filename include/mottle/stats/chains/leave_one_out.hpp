@@ -1,5 +1,5 @@
-// How well a model predicts data that it has not seen, from the log-likelihood of each datum under draws of the posterior
-// of all.
+// How well a model predicts data that it has not seen, from the log-likelihood of each datum under draws of the
+// posterior of all.
 #pragma once
 
 #include <Eigen/Core>
@@ -30,14 +30,14 @@ constexpr double k_unreliable_pareto_k = 0.7;
 ///
 ///   ln p(z_i | z_-i) = ln (sum_s w_s p(z_i | x_s) / sum_s w_s),   w_s ~ 1 / p(z_i | x_s)
 ///
-/// the M = ceil(min(S / 5, 3 sqrt(S / r))) largest w_s replaced by the expected order statistics of a generalised Pareto
-/// distribution that is fitted to them, and none larger than the largest.
+/// the M = ceil(min(S / 5, 3 sqrt(S / r))) largest w_s replaced by the expected order statistics of a generalised
+/// Pareto distribution that is fitted to them, and none larger than the largest.
 ///
 /// @param log_likelihood       ln p(z_i | x_s), finite [draw x datum]
 /// @param relative_efficiency  r, effective draws over S, of each datum; nan: 1 [datum]
 /// @throws InvalidInput        no draw or datum, sizes that do not fit, an entry that is not finite
-/// Source: [Vehtari2017]; [Vehtari2024] for the smoothing; [Zhang2009] for the fit, with the weak prior of [Vehtari2024]
-/// on the shape.
+/// Source: [Vehtari2017]; [Vehtari2024] for the smoothing; [Zhang2009] for the fit, with the weak prior of
+/// [Vehtari2024] on the shape.
 LeaveOneOut leave_one_out(const Eigen::Ref<const Eigen::MatrixXd>& log_likelihood,
                           const Eigen::Ref<const Eigen::VectorXd>& relative_efficiency);
 

@@ -32,7 +32,7 @@ struct SampledPosterior {
   Eigen::VectorXd ess_bulk;        ///< effective sample sizes
   Eigen::VectorXd ess_tail;
   Evidence evidence;
-  Eigen::VectorXd chain_log_evidence = {};  ///< of each chain alone
+  Eigen::VectorXd chain_log_evidence = {};         ///< of each chain alone
   std::vector<PosteriorMode> modes;                ///< the most probable first
   std::vector<std::vector<SamplingStage>> stages;  ///< of each chain
   std::int64_t failed_runs = 0;                    ///< of the model, whose likelihood is zero
