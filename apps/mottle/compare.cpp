@@ -22,7 +22,7 @@ void add_compare(CLI::App& app) {
   verb->callback([=] {
     const Comparison comparison = compare_runs(*folders);
     const RunSummary summary = summarise(comparison);
-    if (!page->empty()) write_comparison_page(comparison, *page);
+    if (!page->empty()) write_comparison_page(comparison, summary, *page);
     if (*is_json) {
       fmt::print("{}\n", summary.json);
     } else {

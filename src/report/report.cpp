@@ -92,7 +92,7 @@ Json link_to_report(const std::filesystem::path& folder, const std::filesystem::
 
 }  // namespace
 
-void write_comparison_page(const Comparison& comparison, const std::filesystem::path& page) {
+void write_comparison_page(const Comparison& comparison, const RunSummary& summary, const std::filesystem::path& page) {
   require(page.extension() == ".html", "--out {}: the page is one HTML file; give it a name that ends in .html",
           page.string());
   if (page.has_parent_path()) make_writable_folder(page.parent_path());
@@ -104,9 +104,8 @@ void write_comparison_page(const Comparison& comparison, const std::filesystem::
   }
   require(!std::filesystem::exists(page) || is_page_of(page, "compare"),
           "--out {}: is there and is not a page of a comparison; move it, or give another name", page.string());
-  const Json data = {{"kind", "compare"},
-                     {"runs", std::move(runs)},
-                     {"evidence", Json::parse(summarise(comparison).json)["evidence"]}};
+  const Json data = {
+      {"kind", "compare"}, {"runs", std::move(runs)}, {"evidence", Json::parse(summary.json)["evidence"]}};
   write_file_atomically(page, render_page(data.dump(-1, ' ', false, Json::error_handler_t::replace)));
 }
 

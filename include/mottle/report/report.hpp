@@ -28,8 +28,9 @@ void write_modes_page(const std::filesystem::path& folder);
 
 /// Reads result.json of every compared run and writes one page that shows them side by side.
 ///
-/// @param page  file to write; the runs' own reports are linked relative to it
+/// @param summary  of the comparison, which compares the evidences
+/// @param page     file to write; the runs' own reports are linked relative to it
 /// Throws InvalidInput: a result that cannot be understood; SystemFailure: cannot write.
-void write_comparison_page(const Comparison& comparison, const std::filesystem::path& page);
+void write_comparison_page(const Comparison& comparison, const RunSummary& summary, const std::filesystem::path& page);
 
 }  // namespace mottle::report
