@@ -135,7 +135,7 @@ void compare_predictions(std::vector<ComparedModel>& models) {
   for (const ComparedModel& model : models) {
     if (std::isfinite(model.elpd) && (best == nullptr || model.elpd > best->elpd)) best = &model;
   }
-  if (best == nullptr) return;
+  if (best == nullptr || best->elpd_pointwise.size() < 2) return;
   const Eigen::ArrayXd largest = best->elpd_pointwise.array();
   for (ComparedModel& model : models) {
     if (!std::isfinite(model.elpd) || model.elpd_pointwise.size() != largest.size()) continue;
