@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "mottle/linalg/dense/decompositions.hpp"
+#include "mottle/linalg/reduced/semidefinite.hpp"
 #include "mottle/linalg/sparse/sparse_modes.hpp"
 
 namespace mottle::linalg {
@@ -84,6 +85,10 @@ bool is_semidefinite(const SupportedMatrix& term, const std::vector<int>& order)
   matrix += diagonal;
   matrix.makeCompressed();
   return make_definite_factor(order_of(term.rows(), order))->factorise(matrix);
+}
+
+bool is_semidefinite(const SparseMatrix& lower) {
+  return is_semidefinite(SupportedMatrix(lower));
 }
 
 FormBounds verified_bounds(const SparseMatrix& term, const SparseMatrix& form, DefiniteFactor& factor,

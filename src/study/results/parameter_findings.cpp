@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "mottle/core/text.hpp"
+#include "mottle/updating/methods/interval.hpp"
 
 namespace mottle::study {
 namespace {
@@ -15,8 +16,9 @@ constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double k_tail = 0.025;
 constexpr double k_normal_95 = 1.959963984540054;
 
-/// Where a normal or a posterior estimate has 95 % of its probability; a population's is that of its mean.
+/// Where a normal or a posterior estimate has 95 % of its probability; a population's is that of its mean; all of a box.
 Eigen::Vector2d interval_of(const UpdatingResult& result, Eigen::Index i) {
+  if (result.interval) return {result.interval->box.lower(i), result.interval->box.upper(i)};
   if (result.intervals) return result.intervals->mean.row(i).transpose();
   if (result.is_population || !result.estimate) return Eigen::Vector2d::Constant(k_nan);
   if (!(result.covariance(i, i) > 0.0)) return Eigen::Vector2d::Constant(k_nan);
@@ -85,6 +87,9 @@ void judge_parameter(const UpdatingProblem& problem, const UpdatingResult& resul
     return set(Mark::not_seen, "Its interval is about as wide as the prior: the tests say little of it.");
   }
   if (!doubt.empty()) return set(Mark::doubtful, doubt);
+  if (result.interval) {
+    return set(Mark::found, "Bounds, if the model is right: the box is the smallest that covers the tests' bounds.");
+  }
   if (!result.is_population) {
     return set(Mark::mean_only, "The mean alone, if the model is right: this method does not estimate the scatter.");
   }

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <optional>
 
+#include "mottle/updating/methods/interval.hpp"
 #include "study/jobs/update_workings.hpp"
 #include "study/results/agreement.hpp"
 #include "study/results/next_steps.hpp"
@@ -26,8 +27,12 @@ std::vector<std::string> table_lines(const UpdateOutcome& outcome) {
   lines.push_back(fmt::format("{}: {}", status_text(result.status), result.message));
   const std::string ends = result.intervals ? fmt::format("  {:>23} {:>23}", "mean, 95 %", "std, 95 %") : "";
   // For a method that does not estimate the scatter, the column must not be mistaken for it.
-  lines.push_back(fmt::format("{:<14} {:>13} {:>13} {:>13} {:>13}{}{}", "parameter", "prior mean", "prior std", "mean",
-                              result.is_population ? "std" : "std (mean's)", ends,
+  lines.push_back(fmt::format("{:<14} {:>13} {:>13} {:>13} {:>13}{}{}", "parameter", "prior mean", "prior std",
+                              result.interval ? "lower" : "mean",
+                              result.interval        ? "upper"
+                              : result.is_population ? "std"
+                                                     : "std (mean's)",
+                              ends,
                               has_factors ? fmt::format("  {:>16}", "model's number") : ""));
   const Eigen::VectorXd prior_mean = problem.space.prior().mean();
   const Eigen::VectorXd prior_std = problem.space.prior().covariance().diagonal().cwiseSqrt();
@@ -41,7 +46,8 @@ std::vector<std::string> table_lines(const UpdateOutcome& outcome) {
     const std::optional<FactorNominal>& factor = factors[static_cast<std::size_t>(i)];
     lines.push_back(fmt::format(
         "{:<14} {:>13.6g} {:>13.6g} {:>13.6g} {:>13.6g}{}{}{}", parameter.name, prior_mean(i), prior_std(i),
-        result.mean(i), std::sqrt(result.covariance(i, i)), intervals,
+        result.interval ? result.interval->box.lower(i) : result.mean(i),
+        result.interval ? result.interval->box.upper(i) : std::sqrt(result.covariance(i, i)), intervals,
         factor        ? fmt::format("  {:>16}", fmt::format("{:.5g} {}", factor->value * result.mean(i), factor->unit))
         : has_factors ? fmt::format("  {:>16}", "")
                       : "",

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "mottle/core/text.hpp"
+#include "study/results/interval_json.hpp"
 #include "study/results/next_steps.hpp"
 
 namespace mottle::study {
@@ -28,12 +29,14 @@ std::string headline_of(const SummarySources& s) {
     case Conclusion::inadequate:
       return "The model does not explain the tests.";
     case Conclusion::adequate:
+      if (s.result.interval) return "No test refuses the model, and the box covers the bounds of the tests.";
       if (has_means && has_scatter) return "The model explains the tests: it was tested, and no test refuses it.";
       return fmt::format("No test refuses the model, but it does not reproduce the {} of every output.",
                          has_scatter ? "mean"
                          : has_means ? "scatter"
                                      : "mean and scatter");
     default:
+      if (s.result.interval) return "No test refuses the model, but too little of it could be tested to call it right.";
       if (!has_means && !has_scatter) return "Neither means nor scatter of the tests are explained.";
       if (!has_scatter) return "The scatter of the tests is not explained.";
       if (!has_means) return "The means of the tests are not explained.";
@@ -164,8 +167,11 @@ void say_assumptions(const SummarySources& s, std::vector<std::string>& sentence
     return;
   }
   std::string text =
-      "Assumed: specimens are independent, populations normal on the parameters' scales, and all that was not "
-      "updated is right.";
+      s.result.interval
+          ? "Assumed: specimens are independent, and all that was not updated is right. Of how parameters lie in the "
+            "box nothing is said."
+          : "Assumed: specimens are independent, populations normal on the parameters' scales, and all that was not "
+            "updated is right.";
   if (!s.could_hide.summary.empty()) text += ' ' + s.could_hide.summary;
   sentences.push_back(std::move(text));
 }
@@ -178,8 +184,14 @@ VerdictSummary summarise_verdict(const SummarySources& sources) {
   summary.sentences = sources.result.warnings;
   summary.is_reassuring = summary.sentences.empty() && sources.verdict.conclusion == Conclusion::adequate &&
                           sources.agreement.are_means_reproduced() && sources.agreement.is_scatter_reproduced();
-  say_means(sources, summary.sentences);
-  say_scatter(sources, summary.sentences);
+  if (sources.result.interval) {
+    for (std::string& sentence : interval_sentences(sources.problem, *sources.result.interval)) {
+      summary.sentences.push_back(std::move(sentence));
+    }
+  } else {
+    say_means(sources, summary.sentences);
+    say_scatter(sources, summary.sentences);
+  }
   say_assumptions(sources, summary.sentences);
   summary.next = next_steps(sources);
   return summary;

@@ -13,9 +13,11 @@ std::string estimate_kind_text(EstimateKind kind) {
     case EstimateKind::mean:
       return "mean";
     case EstimateKind::posterior:
+      return "posterior";
+    case EstimateKind::box:
       break;
   }
-  return "posterior";
+  return "box";
 }
 
 Eigen::MatrixXd Estimate::correlation() const {

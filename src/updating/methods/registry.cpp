@@ -4,6 +4,7 @@
 #include "mottle/core/text.hpp"
 #include "mottle/updating/methods/bayes.hpp"
 #include "mottle/updating/methods/deterministic.hpp"
+#include "mottle/updating/methods/interval.hpp"
 #include "mottle/updating/methods/maximum_likelihood.hpp"
 #include "mottle/updating/methods/updater.hpp"
 #include "updating/methods/covariance_adjustment.hpp"
@@ -39,6 +40,10 @@ const std::vector<MethodEntry>& updating_methods() {
        "The posterior of one structure's parameters, or of parameters that all specimens have in common, with its "
        "evidence: sequential Monte Carlo.",
        bayes_option_table().describe(), make<BayesUpdater, bayes_option_table>, false, false},
+      {"interval",
+       "Bounds of the parameters whose image covers the tests' bounds, widened for few specimens, by proven ranges of "
+       "eigenvalues.",
+       interval_option_table().describe(), make<IntervalUpdater, interval_option_table>, false, false},
       {"inversion", "The population's mean and covariance from parameters that are solved for each specimen alone.",
        inversion_option_table().describe(), make<InversionUpdater, inversion_option_table>},
       {"perturbation", "The population to first order, after Khodaparast, Mottershead and Friswell (2008).",

@@ -19,9 +19,10 @@ enum class EstimateKind {
   population,  ///< the specimens' parameters, from one to the next
   mean,        ///< what is not known of the parameters of one structure, or of the mean of many
   posterior,   ///< the same as samples of its distribution
+  box,         ///< none: the parameters lie between bounds, and nothing is known of how
 };
 
-/// "population", "mean", "posterior".
+/// "population", "mean", "posterior", "box".
 std::string estimate_kind_text(EstimateKind kind);
 
 /// How the parameters of new specimens are drawn for a prediction.

@@ -131,6 +131,8 @@ struct NormalityReport {
   std::vector<std::string> suggestions;  ///< what each parameter looks like; empty: normal [parameter]
 };
 
+struct IntervalResult;
+
 /// What a method found.
 struct UpdatingResult {
   UpdatingStatus status = UpdatingStatus::failed;
@@ -143,6 +145,7 @@ struct UpdatingResult {
   std::int64_t model_evaluations = 0;
   std::optional<ParameterIntervals> intervals = std::nullopt;   ///< of methods that estimate a population
   std::shared_ptr<const SampledPosterior> posterior = nullptr;  ///< of methods that sample one
+  std::shared_ptr<const IntervalResult> interval = nullptr;     ///< of methods that find a box
   std::optional<SpecimenEstimates> specimens = std::nullopt;    ///< of methods that look at each specimen
   std::optional<ModelError> model_error = std::nullopt;         ///< of methods that estimate it; see TestData
   std::vector<Outlier> outliers = {};                           ///< specimens that do not belong to the others

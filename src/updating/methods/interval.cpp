@@ -1,0 +1,318 @@
+#include "mottle/updating/methods/interval.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "mottle/core/subject.hpp"
+#include "mottle/core/text.hpp"
+#include "mottle/updating/estimate/box_estimate.hpp"
+#include "mottle/updating/methods/iteration.hpp"
+#include "updating/methods/box_image.hpp"
+#include "updating/methods/covering_box.hpp"
+#include "updating/methods/interval_notes.hpp"
+#include "updating/methods/interval_tests.hpp"
+#include "updating/methods/inversion_fit.hpp"
+#include "updating/methods/measured_outputs.hpp"
+#include "updating/methods/specimen_bounds.hpp"
+
+namespace mottle::updating {
+namespace {
+
+/// What stays the same through all steps.
+struct IntervalSetup {
+  const UpdatingProblem& problem;
+  const RunContext& context;
+  TestMoments tests;
+  SpecimenBounds bounds;
+  Eigen::VectorXd prior_std;
+};
+
+/// Specimens and the two vectors of limits, each fitted by parameters of its own.
+struct OwnParameters {
+  Eigen::MatrixXd specimens;  ///< [specimen x parameter]
+  ParameterBox hull;          ///< of the specimens'
+  ParameterBox of_limits;     ///< of those of the two vectors of limits
+  Eigen::MatrixXd residuals;  ///< z - f [specimen x output]
+  std::vector<int> ranks;     ///< of each specimen
+};
+
+ParameterBox hull_of(const Eigen::MatrixXd& points) {
+  return {points.colwise().minCoeff().transpose(), points.colwise().maxCoeff().transpose()};
+}
+
+OwnParameters fit_specimens(const IntervalSetup& setup, std::int64_t& evaluations) {
+  const UpdatingProblem& problem = setup.problem;
+  const ScaledParameters parameters(problem.space);
+  const Eigen::Index n = problem.tests.values.rows();
+  Eigen::MatrixXd targets(n + 2, problem.tests.values.cols());
+  targets << problem.tests.values, setup.bounds.limits.transpose();
+  Eigen::VectorXd sigma = problem.tests.repeatability_std;
+  for (Eigen::Index k = 0; k < sigma.size(); ++k) {
+    if (!(sigma(k) > 0.0)) sigma(k) = std::sqrt(setup.tests.covariance(k, k));
+    sigma(k) = weighing_deviation(sigma(k), setup.tests.mean(k));
+  }
+  const auto goes_on = [&](const InversionFit&) { return !setup.context.stop_requested(); };
+  const Eigen::VectorXd prior = parameters.clamp(parameters.start());
+  const InversionFit middle = invert_specimens(problem, parameters, setup.tests.mean.transpose(), sigma,
+                                               prior.transpose(), setup.context, goes_on);
+  const InversionFit fit = invert_specimens(problem, parameters, targets, sigma,
+                                            middle.points.row(0).replicate(n + 2, 1), setup.context, goes_on);
+  evaluations += middle.evaluations + fit.evaluations;
+  setup.context.throw_if_stopped();
+  const Eigen::MatrixXd points = parameters.to_variables(fit.points);
+  return {points.topRows(n), hull_of(points.topRows(n)), hull_of(points.bottomRows(2)),
+          problem.tests.values - fit.outputs.topRows(n), std::vector<int>(fit.ranks.begin(), fit.ranks.begin() + n)};
+}
+
+/// Within bounds and physical limits, and ten prior deviations around prior and specimens.
+ParameterBox allowed_box(const IntervalSetup& setup, const OwnParameters& own) {
+  constexpr double k_reach = 10.0;
+  const Eigen::VectorXd mean = setup.problem.space.prior().mean();
+  const Eigen::VectorXd reach = k_reach * setup.prior_std;
+  return {setup.problem.space.clamp((mean - reach).cwiseMin(own.hull.lower - reach)),
+          setup.problem.space.clamp((mean + reach).cwiseMax(own.hull.upper + reach))};
+}
+
+IterationRecord record_of(const IntervalSetup& setup, const ParameterBox& box, const Eigen::MatrixXd& image) {
+  const BoxEstimate estimate(box);
+  IterationRecord record;
+  record.parameter_mean = estimate.mean();
+  record.parameter_covariance = estimate.covariance();
+  record.output_mean = image.rowwise().mean();
+  record.output_covariance = ((image.col(1) - image.col(0)).cwiseAbs2() / 12.0).asDiagonal();
+  set_distances(record, setup.tests);
+  return record;
+}
+
+class IntervalSearch {
+ public:
+  IntervalSearch(const IntervalSetup& setup, const OwnParameters& own, BoxImage& image, UpdatingResult& result)
+      : setup_(setup), own_(own), image_(image), result_(result) {
+    task_.targets = setup.bounds.limits;
+    task_.scale = (task_.targets.col(1) - task_.targets.col(0));
+    for (Eigen::Index k = 0; k < task_.scale.size(); ++k) {
+      const double size = task_.targets.row(k).cwiseAbs().maxCoeff();
+      task_.scale(k) = std::max(task_.scale(k), size > 0.0 ? 1e-6 * size : 1.0);
+    }
+    task_.allowed = allowed_box(setup, own);
+    task_.unit = setup.prior_std;
+    task_.max_iterations = std::max(1, setup.problem.iterations);
+    task_.tolerance = 1e-3 * setup.problem.tolerance;
+    task_.after_each = [this](const ParameterBox&) {
+      ++updates_;
+      begin_iteration(setup_.problem, std::min<std::int64_t>(updates_ + 1, setup_.problem.iterations), setup_.context);
+      return !setup_.context.stop_requested();
+    };
+  }
+
+  /// The smallest of the boxes from two starts; where none covers, that which covers what can be covered.
+  CoveringBox run() {
+    begin_iteration(setup_.problem, 1, setup_.context);
+    CoveringBox best = best_of_starts();
+    if (best.uncovered > 0.0) {
+      keep_what_is_possible();
+      best = best_of_starts();
+    }
+    return best;
+  }
+
+  const CoverTask& task() const { return task_; }
+
+ private:
+  /// Descends again where the range of the box found shows points that cover better than those that held it.
+  CoveringBox settle(const ParameterBox& start) {
+    constexpr int k_rounds = 3;
+    constexpr double k_smaller = 1e-4;
+    CoveringBox found = find_covering_box(image_, task_, start);
+    for (int round = 1; round < k_rounds; ++round) {
+      const CoveringBox next = find_covering_box(image_, task_, found.box);
+      setup_.context.throw_if_stopped();
+      const bool is_better = next.uncovered <= found.uncovered && next.measure < found.measure;
+      const bool is_same = next.measure > (1.0 - k_smaller) * found.measure;
+      if (is_better) found = next;
+      if (is_same) break;
+    }
+    append(found);
+    return found;
+  }
+
+  CoveringBox best_of_starts() {
+    CoveringBox best = settle(own_.hull);
+    const CoveringBox other = settle(own_.of_limits);
+    const bool is_better = other.uncovered < best.uncovered ||
+                           (other.uncovered == best.uncovered && other.measure < best.measure);
+    return is_better ? other : best;
+  }
+
+  /// Targets beyond what the allowed box reaches become what it reaches, and are left out where the parameters cannot
+  /// move an output by as much as its tests differ.
+  void keep_what_is_possible() {
+    const std::vector<OutputRange> most = image_.ranges(task_.allowed);
+    for (std::size_t k = 0; k < most.size(); ++k) {
+      const auto row = static_cast<Eigen::Index>(k);
+      const double inside = 1e-6 * task_.scale(row);  // the corner itself need not be reached
+      if (most[k].upper - most[k].lower < task_.targets(row, 1) - task_.targets(row, 0)) {
+        task_.targets.row(row) << std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity();
+      } else {
+        task_.targets(row, 0) = std::max(task_.targets(row, 0), most[k].lower + inside);
+        task_.targets(row, 1) = std::min(task_.targets(row, 1), most[k].upper - inside);
+      }
+    }
+  }
+
+  void append(const CoveringBox& found) {
+    const std::int64_t runs = result_.model_evaluations;
+    append_state(result_, record_of(setup_, found.box, found.reached));
+    result_.model_evaluations = runs;
+  }
+
+  const IntervalSetup& setup_;
+  const OwnParameters& own_;
+  BoxImage& image_;
+  UpdatingResult& result_;
+  CoverTask task_;
+  std::int64_t updates_ = 0;
+};
+
+void describe_image(const IntervalSetup& setup, const OwnParameters& own, BoxImage& image, IntervalResult& found) {
+  found.image = image.ranges(found.box);
+  found.excess.resize(found.asked.rows(), 2);
+  for (Eigen::Index k = 0; k < found.excess.rows(); ++k) {
+    const OutputRange& range = found.image[static_cast<std::size_t>(k)];
+    found.excess.row(k) << setup.bounds.limits(k, 0) - range.lower, range.upper - setup.bounds.limits(k, 1);
+  }
+  found.trends = image.trends();
+  found.obstacle = image.obstacle();
+  constexpr double k_rounding = 1e-9;
+  const Eigen::VectorXd slack = k_rounding * setup.prior_std;
+  for (Eigen::Index s = 0; s < own.specimens.rows(); ++s) {
+    const Eigen::VectorXd x = own.specimens.row(s).transpose();
+    const bool is_inside = ((x - found.box.lower + slack).array() >= 0.0).all() &&
+                           ((found.box.upper - x + slack).array() >= 0.0).all();
+    if (!is_inside) found.outside.push_back(setup.problem.tests.number_of(s));
+  }
+}
+
+SpecimenResiduals residuals_of(const IntervalSetup& setup, const OwnParameters& own) {
+  SpecimenResiduals residuals;
+  for (Eigen::Index s = 0; s < own.residuals.rows(); ++s) {
+    const std::vector<Eigen::Index> measured = measured_outputs(setup.problem.tests.values, s);
+    residuals.degrees_of_freedom +=
+        std::max(0, static_cast<int>(measured.size()) - own.ranks[static_cast<std::size_t>(s)]);
+    for (const Eigen::Index k : measured) {
+      const double noise = setup.problem.tests.repeatability_std(k);
+      if (noise > 0.0) residuals.sum_of_squares += std::pow(own.residuals(s, k) / noise, 2);
+    }
+  }
+  return residuals;
+}
+
+void finish(const IntervalSetup& setup, const OwnParameters& own, const CoveringBox& covering, const CoverTask& task,
+            BoxImage& image, UpdatingResult& result) {
+  const auto found = std::make_shared<IntervalResult>();
+  found->box = covering.box;
+  found->tests = setup.bounds;
+  found->asked = task.targets;
+  found->measure = covering.measure;
+  found->hull = own.hull;
+  describe_image(setup, own, image, *found);
+  found->undetermined = undetermined_ends(setup.problem, covering);
+  result.set_estimate(std::make_shared<BoxEstimate>(covering.box));
+  result.sensitivity = image.jacobian(result.mean);
+  result.specimens = SpecimenEstimates{own.specimens, own.residuals};
+  for (Eigen::Index k = 0; k < own.residuals.cols(); ++k) {
+    const double noise = setup.problem.tests.repeatability_std(k);
+    const double scale = noise > 0.0 ? noise : weighing_deviation(std::sqrt(setup.tests.covariance(k, k)), setup.tests.mean(k));
+    result.specimens->residuals.col(k) /= scale;
+  }
+  result.model_evaluations += image.evaluations();
+  IterationRecord last = record_state(setup.problem, setup.tests, *result.estimate, setup.context);
+  result.model_evaluations += last.cloud.samples.rows();
+  result.history.pop_back();
+  result.history.push_back(std::move(last));
+  test_box(setup.problem, *found, residuals_of(setup, own), result);
+  add_interval_notes(setup.problem, *found, image.crossing(), result);
+  result.interval = found;
+}
+
+UpdatingResult stopped(UpdatingResult result, const UpdatingProblem& problem) {
+  result.status = UpdatingStatus::stopped;
+  result.message = "stopped on request before there was a box";
+  result.mean = problem.space.prior().mean();
+  result.covariance = problem.space.prior().covariance();
+  return result;
+}
+
+void describe_ending(const CoveringBox& covering, UpdatingResult& result) {
+  if (covering.has_converged) {
+    result.status = UpdatingStatus::converged;
+    result.message = fmt::format(
+        "the box is at rest: no smaller one near it covers {}; its widths are {:.4g} prior standard deviations together",
+        covering.uncovered > 0.0 ? "as much" : "what is asked for", covering.measure);
+  } else if (covering.uncovered > 0.0) {
+    result.status = UpdatingStatus::stalled;
+    result.message = "no step brings the image of the box nearer to the bounds of the tests";
+  } else {
+    result.status = UpdatingStatus::max_iterations;
+    result.message = "the box covers, but a smaller one may: the iterations were used up";
+  }
+}
+
+}  // namespace
+
+const OptionTable<IntervalOptions>& interval_option_table() {
+  using I = IntervalOptions;
+  static const OptionTable<I> table =
+      OptionTable<I>()
+          .choice<I::Bounds>("bounds", &I::bounds,
+                             {{"observed", I::Bounds::observed},
+                              {"normal-tolerance", I::Bounds::normal_tolerance},
+                              {"distribution-free", I::Bounds::distribution_free}},
+                             "Bounds of each output that the box must cover: the smallest and the largest test, which "
+                             "lie inside the population's; normal tolerance limits; or the extremes as "
+                             "distribution-free tolerance limits, which need many specimens.")
+          .number("content", &I::content, {.lower = 0.5, .upper = 0.999}, "-",
+                  "Fraction of the population of each output that tolerance limits contain.")
+          .number("confidence", &I::confidence, {.lower = 0.5, .upper = 0.999}, "-",
+                  "Probability that tolerance limits of an output contain that fraction.")
+          .number("range_tolerance", &I::range_tolerance, {.lower = 1e-8, .upper = 0.5}, "-",
+                  "Relative distance of the proven from the attained end of an eigenvalue's range over a box, below "
+                  "which the box is not divided further.")
+          .integer("max_solutions", &I::max_solutions, {.lower = 100.0, .upper = 1e8}, "-",
+                   "Most eigenvalue problems that are solved for one proof of ranges.")
+          .integer("search_points", &I::search_points, {.lower = 0.0, .upper = 1e6}, "-",
+                   "Points that fill a box where its image is searched for, as nothing can be proven; 0: corners "
+                   "alone.");
+  return table;
+}
+
+UpdatingResult IntervalUpdater::update(const UpdatingProblem& problem, const RunContext& context) const {
+  const Subject method{Subject::Kind::method, "interval"};
+  require_of(problem.tests.values.rows() >= 2, method,
+             "{} specimen has no bounds; at least 2 are needed, or use method = \"deterministic\"",
+             problem.tests.values.rows());
+  const IntervalSetup setup{problem, context, test_moments(problem.tests), find_specimen_bounds(problem, options_),
+                            problem.space.prior().covariance().diagonal().cwiseSqrt()};
+  require_of((setup.prior_std.array() > 0.0).all(), method,
+             "a parameter's prior has no width, in which the width of its bounds is measured; give it one");
+  UpdatingResult result;
+  append_state(result, record_state(problem, setup.tests, problem.space.prior(), 0, context));
+  if (context.stop_requested()) return stopped(std::move(result), problem);
+  try {
+    context.phase({.name = "parameters of each specimen"});
+    const OwnParameters own = fit_specimens(setup, result.model_evaluations);
+    BoxImage image(problem, options_, context);
+    IntervalSearch search(setup, own, image, result);
+    const CoveringBox covering = search.run();
+    context.throw_if_stopped();
+    describe_ending(covering, result);
+    finish(setup, own, covering, search.task(), image, result);
+  } catch (const Stopped&) {
+    return stopped(std::move(result), problem);
+  }
+  return result;
+}
+
+}  // namespace mottle::updating
