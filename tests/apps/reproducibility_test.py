@@ -24,6 +24,7 @@ STUDIES = {
                                  "[outputs]")),
     "deterministic": edited(STUDY, ('method = "mares"', 'method = "deterministic"')),
     "bayes": edited(STUDY, ('method = "mares"', 'method = "bayes"')),
+    "interval": edited(STUDY, ('method = "mares"', 'method = "interval"')),
 }
 
 

@@ -257,6 +257,7 @@ class CoverSearch {
       right.push_back(bound);
     };
     for (const TargetPoint& point : state.points) {
+      if (!std::isfinite(target(point))) continue;  // left out
       const double sign = point.side == k_lower ? -1.0 : 1.0;
       const double scale = task_.scale(point.output);
       Eigen::VectorXd row = Eigen::VectorXd::Zero(2 * q);
@@ -302,7 +303,9 @@ class CoverSearch {
         least_distance(constraints.matrix, constraints.right + constraints.matrix * shift);
     if (!nearest.is_feasible) return Eigen::VectorXd::Zero(shift.size());
     multipliers_ = nearest.pressure / tau;
-    penalty = std::max(penalty, 2.0 * multipliers_.head(constraints.targets).maxCoeff());
+    if (constraints.targets > 0) {
+      penalty = std::max(penalty, 2.0 * multipliers_.head(constraints.targets).maxCoeff());
+    }
     return nearest.point - shift;
   }
 

@@ -277,7 +277,7 @@ const OptionTable<IntervalOptions>& interval_option_table() {
                   "Fraction of the population of each output that tolerance limits contain.")
           .number("confidence", &I::confidence, {.lower = 0.5, .upper = 0.999}, "-",
                   "Probability that tolerance limits of an output contain that fraction.")
-          .number("range_tolerance", &I::range_tolerance, {.lower = 1e-8, .upper = 0.5}, "-",
+          .number("range_tolerance", &I::range_tolerance, {.lower = 1e-6, .upper = 0.5}, "-",
                   "Relative distance of the proven from the attained end of an eigenvalue's range over a box, below "
                   "which the box is not divided further.")
           .integer("max_solutions", &I::max_solutions, {.lower = 100.0, .upper = 1e8}, "-",
@@ -293,7 +293,8 @@ UpdatingResult IntervalUpdater::update(const UpdatingProblem& problem, const Run
   require_of(problem.tests.values.rows() >= 2, method,
              "{} specimen has no bounds; at least 2 are needed, or use method = \"deterministic\"",
              problem.tests.values.rows());
-  const IntervalSetup setup{problem, context, test_moments(problem.tests), find_specimen_bounds(problem, options_),
+  const SpecimenBounds bounds = find_specimen_bounds(problem, options_);
+  const IntervalSetup setup{problem, context, test_moments(problem.tests), bounds,
                             problem.space.prior().covariance().diagonal().cwiseSqrt()};
   require_of((setup.prior_std.array() > 0.0).all(), method,
              "a parameter's prior has no width, in which the width of its bounds is measured; give it one");
