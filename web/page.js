@@ -12,6 +12,7 @@ import correlations from "./sections/correlations.js";
 import densities from "./sections/densities.js";
 import header from "./sections/header.js";
 import identifiability from "./sections/identifiability.js";
+import interval from "./sections/interval.js";
 import mac from "./sections/mac.js";
 import output_history from "./sections/output_history.js";
 import outputs from "./sections/outputs.js";
@@ -40,6 +41,7 @@ const sections = [
   propagated,
   verdict,
   parameters,
+  interval,
   densities,
   correlations,
   identifiability,

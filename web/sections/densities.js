@@ -6,7 +6,7 @@ import { paged_figure } from "../src/figure.js";
 import { name_with_unit, number_text, short_number } from "../src/format.js";
 import { band_series, layout, line_series, panel_frame } from "../src/panels.js";
 import { band, bound, model, muted, test } from "../src/palette.js";
-import { has_curves, is_population, is_posterior, parameter_of } from "../src/population.js";
+import { has_curves, is_box, is_population, is_posterior, parameter_of } from "../src/population.js";
 
 const id = "densities";
 const panels_a_page = 9;
@@ -154,7 +154,8 @@ function caption_of(study, parameters) {
       : null,
     has_marks ? "Each tick at the foot is one specimen." : null,
     is_posterior(study) ? "Updated: the posterior's samples, each as a narrow normal curve." : null,
-    is_population(study)
+    is_box(study) ? "Updated: an even spread between the bounds, a convention." : null,
+    is_population(study) || is_box(study)
       ? null
       : "This method's standard deviation is not the scatter of the specimens: see the notes under the verdict.",
   ]

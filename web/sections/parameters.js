@@ -2,7 +2,7 @@
 import { is_number, list, number_or_null, percent_change, record } from "../src/data.js";
 import { paragraph } from "../src/dom.js";
 import { count_text, number_text, percent_text, short_number } from "../src/format.js";
-import { estimate_of, is_posterior } from "../src/population.js";
+import { estimate_of, is_box, is_posterior } from "../src/population.js";
 import { data_table } from "../src/table.js";
 import { number_of_factor } from "../src/units.js";
 
@@ -139,8 +139,8 @@ export default {
   content(study) {
     const rows = rows_of(study);
     // Methods that do not estimate the scatter of the specimens have another deviation, which must not be taken for it.
-    const is_of_mean = study.is_update && study.parameters.is_population === false && !is_posterior(study);
-    const updated_std = is_posterior(study) ? "Posterior std. dev." : is_of_mean ? "Std. dev. of the mean" : "Std. dev.";
+    const is_of_mean = study.is_update && study.parameters.is_population === false && !is_posterior(study) && !is_box(study);
+    const updated_std = is_posterior(study) ? "Posterior std. dev." : is_box(study) ? "Std. dev. if evenly spread" : is_of_mean ? "Std. dev. of the mean" : "Std. dev.";
     const columns = columns_for(rows, updated_std);
     const has_intervals = columns.some(({ key }) => key === "mean_ci95" || key === "std_ci95");
     return [
@@ -155,7 +155,9 @@ export default {
           : is_of_mean
             ? "The updated standard deviation is the method's uncertainty of the mean; it does not estimate the scatter of " +
               "the specimens."
-            : null,
+            : is_box(study)
+              ? "The estimate is a box: its middle, and the standard deviation of parameters spread evenly in it, are a convention."
+              : null,
       }),
       posterior(study),
       other_solutions(study),

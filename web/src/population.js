@@ -5,7 +5,7 @@ import { short_number } from "./format.js";
 
 const numbers_or_null = (values) => (list(values).length === 2 && values.every(is_number) ? values : null);
 
-/** "population", "posterior" or "mean"; of results that do not say it, whether they call themselves a population. */
+/** "population", "posterior", "box" or "mean"; of results that do not say it, whether they call themselves a population. */
 export const estimate_of = ({ parameters }) => {
   const { kind, log_evidence, effective_samples } = record(parameters.estimate);
   return {
@@ -18,6 +18,8 @@ export const estimate_of = ({ parameters }) => {
 /** Whether the updated covariance is that of the specimens, as of methods that estimate a population. */
 export const is_population = (study) => estimate_of(study).kind === "population";
 export const is_posterior = (study) => estimate_of(study).kind === "posterior";
+/** Whether the estimate is bounds of the parameters, whose moments are those of an even spread. */
+export const is_box = (study) => estimate_of(study).kind === "box";
 
 /** How much of the population or posterior the regions of pairs hold, as the result says it. */
 export const region_text = ({ parameters }) => `${short_number(100 * record(parameters.estimate).region_probability, 2)}\u00a0%`;
