@@ -39,7 +39,7 @@ Eigen::VectorXd extreme_products(const Eigen::MatrixXi& powers, const Eigen::Row
 
 /// The pencil whose eigenvalues no pencil of the box falls below, or exceeds.
 PencilCoefficients bounding(const ParameterPencils& family, const Eigen::RowVectorXi& common, const ParameterBox& box,
-                      bool is_upper) {
+                            bool is_upper) {
   return {extreme_products(family.stiffness_powers(), common, box, is_upper),
           extreme_products(family.mass_powers(), common, box, !is_upper)};
 }
@@ -65,8 +65,9 @@ struct BoxPart {
 /// Divides a box until proven and attained ends agree.
 class EigenvalueRangeSearch {
  public:
-  EigenvalueRangeSearch(const ParameterPencils& family, const std::vector<EigenvalueTrend>& trends, const ParameterBox& box, int modes,
-         const EigenvalueBoundsOptions& options, const RunContext& context)
+  EigenvalueRangeSearch(const ParameterPencils& family, const std::vector<EigenvalueTrend>& trends,
+                        const ParameterBox& box, int modes, const EigenvalueBoundsOptions& options,
+                        const RunContext& context)
       : family_(family), trends_(trends), modes_(modes), options_(options), context_(context) {
     const double infinity = std::numeric_limits<double>::infinity();
     const Eigen::Index q = box.lower.size();
@@ -166,8 +167,8 @@ class EigenvalueRangeSearch {
   /// Of each mixed parameter the power whose removal from all terms brings the ends of the whole box nearest.
   void choose_common_powers(const ParameterBox& box) {
     const auto gap_of = [&](const Eigen::RowVectorXi& common) {
-      const auto ends = solve({bounding(family_, common, side_of(box, false), false),
-                               bounding(family_, common, side_of(box, true), true)});
+      const auto ends = solve(
+          {bounding(family_, common, side_of(box, false), false), bounding(family_, common, side_of(box, true), true)});
       return (ends[1].values - ends[0].values).cwiseQuotient(ends[1].values).sum();
     };
     for (const Eigen::Index i : mixed_) {
@@ -221,8 +222,10 @@ class EigenvalueRangeSearch {
 
   bool is_settled(const BoxPart& part) const {
     for (Eigen::Index k = 0; k < modes_; ++k) {
-      if (found_.attained_lower(k) - part.lower(k) > options_.tolerance * std::abs(found_.attained_lower(k))) return false;
-      if (part.upper(k) - found_.attained_upper(k) > options_.tolerance * std::abs(found_.attained_upper(k))) return false;
+      if (found_.attained_lower(k) - part.lower(k) > options_.tolerance * std::abs(found_.attained_lower(k)))
+        return false;
+      if (part.upper(k) - found_.attained_upper(k) > options_.tolerance * std::abs(found_.attained_upper(k)))
+        return false;
     }
     return true;
   }

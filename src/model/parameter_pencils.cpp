@@ -126,7 +126,8 @@ class SparseParameterPencils final : public ParameterPencils {
 }  // namespace
 
 std::unique_ptr<const ParameterPencils> make_parameter_pencils(const Structure& structure) {
-  if (const auto* dense = dynamic_cast<const DenseStructure*>(&structure)) return std::make_unique<DenseParameterPencils>(*dense);
+  if (const auto* dense = dynamic_cast<const DenseStructure*>(&structure))
+    return std::make_unique<DenseParameterPencils>(*dense);
   const auto* sparse = dynamic_cast<const SparseStructure*>(&structure);
   if (sparse == nullptr || !sparse->is_separable()) return nullptr;
   return std::make_unique<SparseParameterPencils>(*sparse);

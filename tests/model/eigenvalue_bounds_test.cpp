@@ -4,10 +4,10 @@
 
 #include <cmath>
 
+#include "model/structures.hpp"
 #include "mottle/core/error.hpp"
 #include "mottle/fem/assembly/mass_spring.hpp"
 #include "mottle/model/structures/affine_matrices.hpp"
-#include "model/structures.hpp"
 #include "support/parameter_pencils.hpp"
 
 namespace mottle::model {
@@ -34,9 +34,8 @@ TEST(EigenvalueBounds, OfOneMassAreThoseOfStiffnessByMass) {
 
 /// lambda = ((a + 2 b) -+ sqrt(a^2 + 4 b^2)) / 2, both rising in a and b.
 TEST(EigenvalueBounds, OfTwoMassesAreTheClosedForm) {
-  const MassSpringSystem system{.masses = {{"m1", 1.0}, {"m2", 1.0}},
-                                .springs = {{"a", k_ground, 0, 1.0}, {"b", 0, 1, 1.0}},
-                                .dampers = {}};
+  const MassSpringSystem system{
+      .masses = {{"m1", 1.0}, {"m2", 1.0}}, .springs = {{"a", k_ground, 0, 1.0}, {"b", 0, 1, 1.0}}, .dampers = {}};
   const StructureModel model = springs(system, {"spring:a", "spring:b"}, Eigen::Vector2d(1.0, 1.0));
   const EigenvalueRanges found =
       EigenvalueBounds(model).over({Eigen::Vector2d(0.7, 1.1), Eigen::Vector2d(1.6, 3.0)}, 2, {}, {});
@@ -56,8 +55,8 @@ const Eigen::MatrixXd k_one = Eigen::MatrixXd::Ones(1, 1);
 
 /// A thickness t of a plate by itself: K = t K1 + t^3 K3, M = t M1. Divided by t, K rises and M stays.
 TEST(EigenvalueBounds, RiseWithAThicknessThatAllMassHas) {
-  const auto model = test::model_of({{{{0, 1}}, 2.0 * k_one}, {{{0, 3}}, k_one}}, {{{{0, 1}}, k_one}},
-                                    Eigen::VectorXd::Ones(1), {1});
+  const auto model =
+      test::model_of({{{{0, 1}}, 2.0 * k_one}, {{{0, 3}}, k_one}}, {{{{0, 1}}, k_one}}, Eigen::VectorXd::Ones(1), {1});
   const EigenvalueBounds bounds(*model);
   EXPECT_EQ(bounds.trends().front(), EigenvalueTrend::rising);
   const EigenvalueRanges found =

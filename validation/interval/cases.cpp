@@ -71,7 +71,7 @@ Json enclosures(std::uint32_t cases) {
       worst_gap = std::max({worst_gap, low, high});
     }
   }
-  return {{"cases", cases},          {"values", values},         {"violations", violations}, {"mixed_parameters", mixed},
+  return {{"cases", cases},           {"values", values},       {"violations", violations}, {"mixed_parameters", mixed},
           {"tolerance", k_tolerance}, {"worst_gap", worst_gap}, {"unfinished", unfinished}, {"solutions", solutions}};
 }
 
@@ -107,9 +107,8 @@ Json coverage(int n, const std::string& outputs, std::uint32_t replications) {
       tests = test::frequencies_of(structure, box_specimens(k_true_box, n, replication));
     }
     const Model& model = is_normal ? static_cast<const Model&>(line) : *structure.model;
-    const UpdatingProblem problem{.model = model,
-                                  .space = *structure.space,
-                                  .tests = {tests, Eigen::VectorXd::Zero(tests.cols())}};
+    const UpdatingProblem problem{
+        .model = model, .space = *structure.space, .tests = {tests, Eigen::VectorXd::Zero(tests.cols())}};
     const SpecimenBounds bounds = find_specimen_bounds(problem, {});
     for (Eigen::Index k = 0; k < count; ++k) {
       const auto content = [&](const Eigen::MatrixXd& ends) {
@@ -148,9 +147,8 @@ Json describe(const UpdatingResult& result, const ParameterBox& truth) {
           {"hull", box_json(found.hull)},
           {"width_ratio", list(found.box.width().array() / width)},
           {"hull_ratio", list(found.hull.width().array() / width)},
-          {"largest_error_of_width",
-           std::max(((found.box.lower - truth.lower).array().abs() / width).maxCoeff(),
-                    ((found.box.upper - truth.upper).array().abs() / width).maxCoeff())},
+          {"largest_error_of_width", std::max(((found.box.lower - truth.lower).array().abs() / width).maxCoeff(),
+                                              ((found.box.upper - truth.upper).array().abs() / width).maxCoeff())},
           {"least_excess", found.excess.minCoeff()},
           {"outside", found.outside.size()},
           {"certified", is_certified},
@@ -178,8 +176,8 @@ Json literature(const std::string& name) {
     system.masses[1].mass = 4.0;
     std::erase_if(system.springs, [](const Connector& spring) { return spring.name == "k1" || spring.name == "k3"; });
   }
-  const std::vector<std::string> names = is_close ? std::vector<std::string>{"k2", "k4", "k5"}
-                                                  : std::vector<std::string>{"k1", "k2", "k5"};
+  const std::vector<std::string> names =
+      is_close ? std::vector<std::string>{"k2", "k4", "k5"} : std::vector<std::string>{"k1", "k2", "k5"};
   const ParameterBox truth = is_close ? ParameterBox{Eigen::Vector3d(7.5, 1.8, 1.8), Eigen::Vector3d(8.5, 2.2, 2.2)}
                                       : ParameterBox{Eigen::Vector3d::Constant(0.8), Eigen::Vector3d::Constant(1.2)};
   const Eigen::VectorXd start = truth.middle() * 1.2;
@@ -197,10 +195,8 @@ Json literature(const std::string& name) {
   Eigen::MatrixXd x(2, 3);
   x << truth.lower.transpose(), truth.upper.transpose();
   const Eigen::MatrixXd tests = model.evaluate(x, {}).outputs;
-  const UpdatingProblem problem{.model = model,
-                                .derivatives = &model,
-                                .space = space,
-                                .tests = {tests, Eigen::VectorXd::Zero(3)}};
+  const UpdatingProblem problem{
+      .model = model, .derivatives = &model, .space = space, .tests = {tests, Eigen::VectorXd::Zero(3)}};
   return describe(IntervalUpdater({.bounds = IntervalOptions::Bounds::observed}).update(problem, {}), truth);
 }
 

@@ -24,8 +24,8 @@ void require_probability(const char* name, double value) {
 template <class Function>
 double root_between(const Function& function, double low, double high) {
   std::uintmax_t rounds = 200;
-  const auto ends = boost::math::tools::toms748_solve(function, low, high, boost::math::tools::eps_tolerance<double>(50),
-                                                      rounds);
+  const auto ends =
+      boost::math::tools::toms748_solve(function, low, high, boost::math::tools::eps_tolerance<double>(50), rounds);
   return 0.5 * (ends.first + ends.second);
 }
 

@@ -82,10 +82,10 @@ std::vector<std::string> interval_sentences(const UpdatingProblem& problem, cons
     sentences.push_back(fmt::format("Its image is at most {:.3g} times as wide as the bounds to be covered ({}).",
                                     widest, widest_name));
   }
-  sentences.push_back(proven.size() == interval.image.size()
-                          ? "That no parameters in the box give outputs beyond its image is proven."
-                      : proven.empty() ? "The image was searched for and is not proven."
-                                       : "The image is proven for " + join(proven) + ", and searched for of the others.");
+  sentences.push_back(
+      proven.size() == interval.image.size() ? "That no parameters in the box give outputs beyond its image is proven."
+      : proven.empty()                       ? "The image was searched for and is not proven."
+                       : "The image is proven for " + join(proven) + ", and searched for of the others.");
   return sentences;
 }
 

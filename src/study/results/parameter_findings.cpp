@@ -16,7 +16,8 @@ constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double k_tail = 0.025;
 constexpr double k_normal_95 = 1.959963984540054;
 
-/// Where a normal or a posterior estimate has 95 % of its probability; a population's is that of its mean; all of a box.
+/// Where a normal or a posterior estimate has 95 % of its probability; a population's is that of its mean; all of a
+/// box.
 Eigen::Vector2d interval_of(const UpdatingResult& result, Eigen::Index i) {
   if (result.interval) return {result.interval->box.lower(i), result.interval->box.upper(i)};
   if (result.intervals) return result.intervals->mean.row(i).transpose();

@@ -32,8 +32,7 @@ std::vector<std::string> table_lines(const UpdateOutcome& outcome) {
                               result.interval        ? "upper"
                               : result.is_population ? "std"
                                                      : "std (mean's)",
-                              ends,
-                              has_factors ? fmt::format("  {:>16}", "model's number") : ""));
+                              ends, has_factors ? fmt::format("  {:>16}", "model's number") : ""));
   const Eigen::VectorXd prior_mean = problem.space.prior().mean();
   const Eigen::VectorXd prior_std = problem.space.prior().covariance().diagonal().cwiseSqrt();
   const Eigen::VectorXi active = problem.space.active_bounds(result.location());

@@ -299,8 +299,7 @@ class CoverSearch {
   /// d of min c'd + |d|^2 / (2 tau) such that A d >= b; the penalty grows beyond the multipliers of the targets.
   Eigen::VectorXd proximal_step(const CoverConstraints& constraints, double tau, double& penalty) {
     const Eigen::VectorXd shift = tau * cost();
-    const LeastDistance nearest =
-        least_distance(constraints.matrix, constraints.right + constraints.matrix * shift);
+    const LeastDistance nearest = least_distance(constraints.matrix, constraints.right + constraints.matrix * shift);
     if (!nearest.is_feasible) return Eigen::VectorXd::Zero(shift.size());
     multipliers_ = nearest.pressure / tau;
     if (constraints.targets > 0) {

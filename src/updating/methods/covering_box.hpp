@@ -25,8 +25,8 @@ struct CoverTask {
 /// Where the search ended.
 struct CoveringBox {
   ParameterBox box;
-  double measure = 0.0;     ///< sum of widths in units
-  double uncovered = 0.0;   ///< sum of what is left of the targets, in scales; 0: the box covers
+  double measure = 0.0;    ///< sum of widths in units
+  double uncovered = 0.0;  ///< sum of what is left of the targets, in scales; 0: the box covers
   bool has_converged = false;
   Eigen::MatrixXd reached;  ///< outputs at the points that cover best [output x 2]
   /// Ends that may move, with others, at no cost to first order [parameter x 2].

@@ -141,8 +141,8 @@ class IntervalSearch {
   CoveringBox best_of_starts() {
     CoveringBox best = settle(own_.hull);
     const CoveringBox other = settle(own_.of_limits);
-    const bool is_better = other.uncovered < best.uncovered ||
-                           (other.uncovered == best.uncovered && other.measure < best.measure);
+    const bool is_better =
+        other.uncovered < best.uncovered || (other.uncovered == best.uncovered && other.measure < best.measure);
     return is_better ? other : best;
   }
 
@@ -189,8 +189,8 @@ void describe_image(const IntervalSetup& setup, const OwnParameters& own, BoxIma
   const Eigen::VectorXd slack = k_rounding * setup.prior_std;
   for (Eigen::Index s = 0; s < own.specimens.rows(); ++s) {
     const Eigen::VectorXd x = own.specimens.row(s).transpose();
-    const bool is_inside = ((x - found.box.lower + slack).array() >= 0.0).all() &&
-                           ((found.box.upper - x + slack).array() >= 0.0).all();
+    const bool is_inside =
+        ((x - found.box.lower + slack).array() >= 0.0).all() && ((found.box.upper - x + slack).array() >= 0.0).all();
     if (!is_inside) found.outside.push_back(setup.problem.tests.number_of(s));
   }
 }
@@ -224,7 +224,8 @@ void finish(const IntervalSetup& setup, const OwnParameters& own, const Covering
   result.specimens = SpecimenEstimates{own.specimens, own.residuals};
   for (Eigen::Index k = 0; k < own.residuals.cols(); ++k) {
     const double noise = setup.problem.tests.repeatability_std(k);
-    const double scale = noise > 0.0 ? noise : weighing_deviation(std::sqrt(setup.tests.covariance(k, k)), setup.tests.mean(k));
+    const double scale =
+        noise > 0.0 ? noise : weighing_deviation(std::sqrt(setup.tests.covariance(k, k)), setup.tests.mean(k));
     result.specimens->residuals.col(k) /= scale;
   }
   result.model_evaluations += image.evaluations();
@@ -249,7 +250,8 @@ void describe_ending(const CoveringBox& covering, UpdatingResult& result) {
   if (covering.has_converged) {
     result.status = UpdatingStatus::converged;
     result.message = fmt::format(
-        "the box is at rest: no smaller one near it covers {}; its widths are {:.4g} prior standard deviations together",
+        "the box is at rest: no smaller one near it covers {}; its widths are {:.4g} prior standard deviations "
+        "together",
         covering.uncovered > 0.0 ? "as much" : "what is asked for", covering.measure);
   } else if (covering.uncovered > 0.0) {
     result.status = UpdatingStatus::stalled;

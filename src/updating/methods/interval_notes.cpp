@@ -44,13 +44,14 @@ void note_noise(const UpdatingProblem& problem, UpdatingResult& result) {
   for (Eigen::Index k = 0; k < covariance.rows(); ++k) {
     const double noise = problem.tests.repeatability_std(k) * problem.tests.repeatability_std(k);
     if (!(noise > 0.01 * covariance(k, k))) continue;
-    parts.push_back(fmt::format("{:.0f} % of {}", 100.0 * std::min(1.0, noise / covariance(k, k)),
-                                output_name(problem, k)));
+    parts.push_back(
+        fmt::format("{:.0f} % of {}", 100.0 * std::min(1.0, noise / covariance(k, k)), output_name(problem, k)));
   }
   if (parts.empty()) return;
-  result.notes.push_back("Measurement noise is not removed from the bounds, which makes the box wider; its part of the "
-                         "tests' variances: " +
-                         join(parts) + ".");
+  result.notes.push_back(
+      "Measurement noise is not removed from the bounds, which makes the box wider; its part of the "
+      "tests' variances: " +
+      join(parts) + ".");
 }
 
 void note_scatterless(const UpdatingProblem& problem, const IntervalResult& found, UpdatingResult& result) {
@@ -96,8 +97,9 @@ void note_image(const UpdatingProblem& problem, const IntervalResult& found, con
   }
   const bool is_proven = std::ranges::all_of(found.image, [](const OutputRange& range) { return range.is_certified; });
   if (is_proven) {
-    result.notes.emplace_back("The image of the box is proven: no parameters in it give outputs beyond, by more than "
-                              "interval.range_tolerance.");
+    result.notes.emplace_back(
+        "The image of the box is proven: no parameters in it give outputs beyond, by more than "
+        "interval.range_tolerance.");
   } else if (!found.obstacle.empty()) {
     result.notes.push_back("The image of the box was searched for and is not proven, as " + found.obstacle + ".");
   } else {
@@ -125,9 +127,10 @@ std::vector<std::string> undetermined_ends(const UpdatingProblem& problem, const
   for (Eigen::Index i = 0; i < prior_std.size(); ++i) {
     const std::string& name = problem.space.parameters()[static_cast<std::size_t>(i)].name;
     if (covering.box.upper(i) - covering.box.lower(i) <= k_no_width * prior_std(i)) {
-      sentences.push_back(fmt::format(
-          "{} has no width: the smallest box explains the bounds without it, which does not show that it does not vary.",
-          name));
+      sentences.push_back(
+          fmt::format("{} has no width: the smallest box explains the bounds without it, which does not show that it "
+                      "does not vary.",
+                      name));
       continue;
     }
     if (covering.is_undetermined(i, 0)) ends.push_back("the lower end of " + name);
@@ -143,7 +146,8 @@ std::vector<std::string> undetermined_ends(const UpdatingProblem& problem, const
 void add_interval_notes(const UpdatingProblem& problem, const IntervalResult& found,
                         const std::vector<std::string>& crossing, UpdatingResult& result) {
   result.notes.emplace_back(
-      "A box has no distribution: the mean is its middle, the standard deviations are those of parameters spread evenly "
+      "A box has no distribution: the mean is its middle, the standard deviations are those of parameters spread "
+      "evenly "
       "and independently in it, width / sqrt(12), a convention by which clouds fill it.");
   note_bounds(found, result);
   note_noise(problem, result);

@@ -20,8 +20,7 @@ bool has_known_noise(const UpdatingProblem& problem) {
 /// What of the observed bounds of an output the image leaves, in its unit.
 double uncovered(const IntervalResult& found, Eigen::Index k) {
   const OutputRange& range = found.image[static_cast<std::size_t>(k)];
-  const double left =
-      std::max(range.lower - found.tests.observed(k, 0), found.tests.observed(k, 1) - range.upper);
+  const double left = std::max(range.lower - found.tests.observed(k, 0), found.tests.observed(k, 1) - range.upper);
   return left > k_rounding * found.tests.observed.row(k).cwiseAbs().maxCoeff() ? left : 0.0;
 }
 
@@ -74,9 +73,10 @@ void plan_residuals(const UpdatingProblem& problem, const SpecimenResiduals& res
       freedom);
   test.power = [=](double level) {
     const double found = std::sqrt(chi_squared_detectable(freedom, level) / freedom);
-    return Power{fmt::format("an error of the model of {:.2g} standard deviations of the noise in every output that no "
-                             "parameter takes up",
-                             found)};
+    return Power{
+        fmt::format("an error of the model of {:.2g} standard deviations of the noise in every output that no "
+                    "parameter takes up",
+                    found)};
   };
   plan.add(std::move(test));
 }

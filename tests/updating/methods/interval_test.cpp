@@ -34,8 +34,7 @@ std::string refusal(const UpdatingProblem& problem, const IntervalOptions& optio
 }
 
 bool warns(const UpdatingResult& result, const std::string& words) {
-  return std::ranges::any_of(result.warnings,
-                             [&](const auto& text) { return text.find(words) != std::string::npos; });
+  return std::ranges::any_of(result.warnings, [&](const auto& text) { return text.find(words) != std::string::npos; });
 }
 
 /// y = a + G x with normal priors of mean 0 and deviation 1.
@@ -139,8 +138,8 @@ TEST(Interval, FindsTheSameBoxByLooking) {
 /// lambda_1 of a single mass whose parameter t stands in stiffness and mass: (1 + 2 t^3) / (1 + t).
 TEST(Interval, CoversWithAParameterThatIsNotMonotone) {
   const Eigen::MatrixXd one = Eigen::MatrixXd::Ones(1, 1);
-  const auto model = test::model_of({{{}, one}, {{{0, 3}}, 2.0 * one}}, {{{}, one}, {{{0, 1}}, one}},
-                                    Eigen::VectorXd::Ones(1), {1});
+  const auto model =
+      test::model_of({{{}, one}, {{{0, 3}}, 2.0 * one}}, {{{}, one}, {{{0, 1}}, one}}, Eigen::VectorXd::Ones(1), {1});
   const Distribution prior({.kind = DistributionKind::normal, .mean = 1.0, .std = 0.2});
   const ParameterSpace space({{"t", "-", 0.1, 2.0, {}}}, JointDistribution({prior}));
   const Eigen::Vector2d tests(0.9, 2.0);  // t = 0.7095 and 1.1654 where it rises
@@ -285,10 +284,8 @@ TEST(Interval, DoesNotDependOnUnits) {
   const ParameterSpace space(parameters, JointDistribution({prior, prior, prior}));
   const StructureModel model(separate(system, targets), OutputSelection{.frequencies = {1, 2, 3}},
                              Eigen::VectorXd::Constant(3, 2.0 * k_stiffer));
-  const UpdatingProblem problem{.model = model,
-                                .derivatives = &model,
-                                .space = space,
-                                .tests = {tests, Eigen::VectorXd::Zero(3)}};
+  const UpdatingProblem problem{
+      .model = model, .derivatives = &model, .space = space, .tests = {tests, Eigen::VectorXd::Zero(3)}};
   const UpdatingResult scaled = update(problem, {});
   EXPECT_LT((scaled.interval->box.lower / k_stiffer - plain.interval->box.lower).norm(), 1e-6);
   EXPECT_LT((scaled.interval->box.upper / k_stiffer - plain.interval->box.upper).norm(), 1e-6);
