@@ -63,6 +63,8 @@ iterations = 3
 
 TESTS = "f1,f2\n0.140,0.370\n0.137,0.366\n0.144,0.375\n0.139,0.374\n0.142,0.365\n0.141,0.371\n"
 HEAD = 'title = "Two masses in a row"\nseed = 3\n\n'
+# Of an update whose evaluations are slow enough to be stored (50 ms).
+SHORT = ("--quiet", "--set", "update.samples=20", "--set", "update.iterations=1")
 POINTS = "k1,k2\n2,2\n1.5,2.5\n3,1\n2.2,2.1\n"
 
 
@@ -277,6 +279,24 @@ class AsClient(UmbridgeTest):
         self.succeed("update", "study.toml", "--out", "c", *chosen)
         self.assertNotIn("/Gradient", {path for path, _ in without.seen})
 
+    def test_derivatives_that_fail_are_told_with_their_number(self):
+        def fail(path, _, number):
+            return (500, b"no adjoint here") if path == "/Gradient" and number > 1 else None
+
+        self.study(self.model(features=("Evaluate", "Gradient"), spoil=fail))
+        self.succeed("update", "study.toml", "--out", "a", "--quiet", "--set", 'update.method="deterministic"')
+        notes = [note for note in read_result(self.folder / "a")["notes"] if "a request for derivatives failed" in note]
+        self.assertEqual(len(notes), 1)
+        self.assertRegex(notes[0], r"at \d+ of \d+ points .*HTTP 500: 'no adjoint here'")
+        self.assertEqual((self.folder / "a" / "mottle.log").read_text().count("a request for derivatives failed"), 1)
+        self.study(self.model(features=("Evaluate", "Gradient")))
+        self.succeed("update", "study.toml", "--out", "b", "--quiet", "--set", 'update.method="deterministic"')
+        self.assertNotIn("a request for derivatives failed", (self.folder / "b" / "mottle.log").read_text())
+
+    def test_capitals_of_a_scheme_are_the_same(self):
+        self.study(self.model().url.replace("http", "HTTP"))
+        self.cloud()
+
     def test_no_more_requests_are_under_way_than_parallel_says(self):
         """Jacobians at several points are asked for by several threads, of which each asks for several columns."""
         model = self.model(features=("Evaluate", "ApplyJacobian"),
@@ -378,10 +398,10 @@ class AsClient(UmbridgeTest):
 
         model = self.model(spoil=spoil)
         self.study(model)
-        ended = self.call("update", "study.toml", "--out", "a", "--quiet")
+        ended = self.call("update", "study.toml", "--out", "a", *SHORT)
         self.assertEqual(ended.code, 3, ended.err)
         down.append("no longer")
-        self.succeed("update", "study.toml", "--out", "a", "--quiet", "--resume")
+        self.succeed("update", "study.toml", "--out", "a", *SHORT, "--resume")
         self.assertEqual(read_result(self.folder / "a")["failed_evaluations"], [])
 
     def test_a_slow_server_costs_its_sample(self):
@@ -479,12 +499,22 @@ class AsClient(UmbridgeTest):
         for url, wanted in (("https://a", "is https"), ("127.0.0.1:4", "does not begin with http://"),
                             ("http://a:0", "not a port"), ("http://a:70000", "not a port"), ("http://u@a", "character"),
                             ("http://", "names no host"), ("http://a/?q", "character"), ("http://[::1", "[ without ]"),
-                            ("http://a b", "character"), ("http://a/\\r\\nX: y", "character")):
+                            ("http://a b", "character"), ("http://a/\\r\\nX: y", "character"),
+                            ("http://user:pw@host:1", "names a user"), ("http://host:1?x=1", "a query or a fragment"),
+                            ("http://host/a#b", "a query or a fragment")):
             self.study(url.replace("\\r\\n", "\r\n"))
             ended = self.call("check", "study.toml")
             self.assertEqual(ended.code, 2, url)
             self.assertIn(wanted, ended.err)
             self.assertIn("study.toml:6: model.urls", ended.err)
+            self.assertNotIn("pw", ended.err)
+        self.study("http://a:1", "http://b", "HTTP://A:1/")
+        ended = self.call("check", "study.toml")
+        self.assertEqual(ended.code, 2)
+        self.assertIn("model.urls: names http://a:1 twice", ended.err)
+        ended = self.call("check", "study.toml", "--set", "model.urls=[]")
+        self.assertEqual(ended.code, 2)
+        self.assertEqual(ended.err.count("model.urls:"), 1, ended.err)
 
     def test_no_run_asks_nobody(self):
         model = self.model()
@@ -497,15 +527,15 @@ class AsClient(UmbridgeTest):
     def test_a_killed_job_goes_on_where_it_was(self):
         slow = self.model(spoil=lambda path, *_: time.sleep(0.08) if path == "/Evaluate" else None)
         self.study(slow)
-        self.succeed("update", "study.toml", "--out", "whole", "--quiet")
+        self.succeed("update", "study.toml", "--out", "whole", *SHORT)
         wanted, count = read_result(self.folder / "whole")["parameters"], slow.count
-        job = subprocess.Popen([support.MOTTLE, "update", "study.toml", "--out", "a", "--quiet"], cwd=self.folder)
+        job = subprocess.Popen([support.MOTTLE, "update", "study.toml", "--out", "a", *SHORT], cwd=self.folder)
         while slow.count < count + 15:
             time.sleep(0.01)
         job.kill()
         job.wait()
         asked = len(slow.evaluations())
-        self.succeed("update", "study.toml", "--out", "a", "--quiet", "--resume")
+        self.succeed("update", "study.toml", "--out", "a", *SHORT, "--resume")
         self.assertEqual(read_result(self.folder / "a")["parameters"], wanted)
         again = [json.dumps(r["input"]) for r in slow.evaluations()[asked:]]
         before = {json.dumps(r["input"]) for r in slow.evaluations()[count:asked - 1]}
@@ -514,16 +544,16 @@ class AsClient(UmbridgeTest):
     def test_a_resumed_job_refuses_another_model(self):
         slow = self.model(spoil=lambda path, *_: time.sleep(0.08) if path == "/Evaluate" else None)
         self.study(slow)
-        job = subprocess.Popen([support.MOTTLE, "update", "study.toml", "--out", "a", "--quiet"], cwd=self.folder)
+        job = subprocess.Popen([support.MOTTLE, "update", "study.toml", "--out", "a", *SHORT], cwd=self.folder)
         while slow.count < 10:
             time.sleep(0.01)
         job.kill()
         job.wait()
         slow.outputs = lambda x, _: [[hertz(value) * 1.001 for value in eigenvalues(*x[0])]]
-        ended = self.call("update", "study.toml", "--out", "a", "--quiet", "--resume")
+        ended = self.call("update", "study.toml", "--out", "a", *SHORT, "--resume")
         self.assertEqual(ended.code, 2)
         self.assertIn("their model has changed", ended.err)
-        self.succeed("update", "study.toml", "--out", "a", "--quiet")
+        self.succeed("update", "study.toml", "--out", "a", *SHORT)
 
     def test_a_stop_request_is_answered_while_a_server_is_silent(self):
         silent = self.model(spoil=lambda path, _, number: time.sleep(5) if path == "/Evaluate" and number > 3 else None)

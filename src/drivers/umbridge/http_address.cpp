@@ -29,6 +29,23 @@ void read_port(std::string_view digits, HttpAddress& address) {
   address.port = fmt::format("{}", port);
 }
 
+/// Schemes and hosts are the same in capitals.
+std::string in_small_letters(std::string_view text) {
+  std::string small(text);
+  for (char& c : small) {
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  }
+  return small;
+}
+
+/// The address as a message may show it: no password.
+std::string shown(const std::string& text) {
+  const std::size_t begin = text.find("://");
+  const std::size_t first = begin == std::string::npos ? 0 : begin + 3;
+  const std::size_t at = text.substr(0, text.find('/', first)).rfind('@');
+  return at == std::string::npos || at < first ? text : text.substr(0, first) + "..." + text.substr(at);
+}
+
 }  // namespace
 
 std::string HttpAddress::authority() const {
@@ -38,12 +55,18 @@ std::string HttpAddress::authority() const {
 
 HttpAddress parse_http_address(const std::string& text) {
   const auto refuse = [&](std::string_view why) {
-    throw InvalidInput(fmt::format("'{}' {}; give it like \"http://localhost:4242\"", text, why));
+    throw InvalidInput(fmt::format("'{}' {}; give it like \"http://localhost:4242\"", shown(text), why));
   };
-  if (!text.starts_with(k_scheme))
-    refuse(text.starts_with("https://") ? "is https, which is not spoken here" : "does not begin with http://");
+  const std::string scheme = in_small_letters(std::string_view(text).substr(0, text.find(':')));
+  if (!in_small_letters(text).starts_with(k_scheme)) {
+    refuse(scheme == "https" ? "is https, which is not spoken here" : "does not begin with http://");
+  }
   const std::string_view rest = std::string_view(text).substr(k_scheme.size());
-  const std::string_view authority = rest.substr(0, rest.find('/'));
+  const std::string_view authority = rest.substr(0, rest.find_first_of("/?#"));
+  if (authority.find('@') != std::string_view::npos)
+    refuse("has the character @: it names a user, and servers of models ask for none");
+  if (rest.find_first_of("?#") != std::string_view::npos)
+    refuse("has the character ? or #: a query or a fragment is never sent");
   HttpAddress address;
   address.path = rest.substr(authority.size());
   while (address.path.ends_with('/')) address.path.pop_back();
@@ -58,6 +81,7 @@ HttpAddress parse_http_address(const std::string& text) {
   if (!consists_of(address.path, k_path_marks)) refuse("has a character that no path has");
   if (!behind.empty() && behind.front() != ':') refuse("has something between the host and the port");
   if (!behind.empty()) read_port(behind.substr(1), address);
+  address.host = in_small_letters(address.host);
   return address;
 }
 

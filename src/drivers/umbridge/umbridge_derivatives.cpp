@@ -15,6 +15,17 @@ constexpr double k_not_known = std::numeric_limits<double>::quiet_NaN();
 
 }  // namespace
 
+/// Of requests by several threads.
+struct UmbridgeSolver::FirstFailure {
+  std::string text = {};
+  std::mutex mutex = {};
+};
+
+void UmbridgeSolver::say_failure(FirstFailure& failure, const std::string& text) {
+  const std::lock_guard<std::mutex> lock(failure.mutex);
+  if (failure.text.empty()) failure.text = text;
+}
+
 bool UmbridgeSolver::has_derivatives() const {
   const SupportedFeatures& features = client_->shape().features;
   return server_.uses_derivatives && (features.apply_jacobian || features.gradient);
@@ -47,7 +58,7 @@ bool UmbridgeSolver::has_cheap_derivatives() const {
 
 /// Adds d output / d parameter of every mode; nan where a request fails.
 void UmbridgeSolver::add_jacobian_column(const Vectors& input, Eigen::Index parameter, Eigen::MatrixXd& derivatives,
-                                         const std::atomic<bool>& halt) const {
+                                         FirstFailure& failure, const std::atomic<bool>& halt) const {
   const std::size_t outs = client_->shape().outputs.size();
   for (std::size_t in = 0; in < input.size(); ++in) {
     if (!inputs_->acts(parameter, in)) continue;
@@ -58,19 +69,21 @@ void UmbridgeSolver::add_jacobian_column(const Vectors& input, Eigen::Index para
       auto& answer = answers[place.vector];
       const bool is_asked = !answer.failure.empty() || !answer.values.empty();
       if (!is_asked) answer = client_->apply_jacobian(input, place.vector, in, direction, &halt);
+      if (!is_asked) say_failure(failure, answer.failure);
       derivatives(mode, parameter) += answer.failure.empty() ? answer.values[place.number] : k_not_known;
     }
   }
 }
 
 void UmbridgeSolver::add_gradient_row(const Vectors& input, Eigen::Index mode, Eigen::MatrixXd& derivatives,
-                                      const std::atomic<bool>& halt) const {
+                                      FirstFailure& failure, const std::atomic<bool>& halt) const {
   const Place& place = places_[static_cast<std::size_t>(mode)];
   std::vector<double> sens(client_->shape().outputs[place.vector]);
   sens[place.number] = 1.0;
   for (std::size_t in = 0; in < input.size(); ++in) {
     if (!inputs_->moves(in)) continue;
     auto answer = client_->gradient(input, place.vector, in, sens, &halt);
+    say_failure(failure, answer.failure);
     if (!answer.failure.empty()) answer.values.assign(input[in].size(), k_not_known);
     inputs_->add_gradient(answer.values, in, derivatives.row(mode));
   }
@@ -80,28 +93,43 @@ Eigen::MatrixXd UmbridgeSolver::eigenvalue_derivatives(const Eigen::Ref<const Ei
                                                        const ModeSet& modes) const {
   const Eigen::Index count = modes.eigenvalues.size();
   if (!has_derivatives()) return Eigen::MatrixXd::Constant(count, nominal_.size(), k_not_known);
-  const RunRecord asked = once(fmt::format("derivatives of {} ", count), parameters,
-                               [&] { return RunRecord{.modes = {.shapes = asked_derivatives(parameters, count)}}; });
+  const RunRecord asked =
+      once(fmt::format("derivatives of {} ", count), parameters, [&] { return asked_derivatives(parameters, count); });
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    ++derivatives_;
+    if (!asked.failure.empty() && ++failed_derivatives_ == 1) derivative_failure_ = asked.failure;
+  }
   Eigen::MatrixXd derivatives = asked.modes.shapes;
   for (Eigen::Index mode = 0; mode < count; ++mode) derivatives.row(mode) *= slope_of(modes.eigenvalues(mode));
   return derivatives;
 }
 
-/// Of the outputs of the first modes [mode x parameter], nan where a request fails.
-Eigen::MatrixXd UmbridgeSolver::asked_derivatives(const Eigen::Ref<const Eigen::VectorXd>& parameters,
-                                                  Eigen::Index count) const {
+std::string UmbridgeSolver::derivatives_note() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (failed_derivatives_ == 0) return {};
+  return fmt::format(
+      "at {} of {} points a request for derivatives failed, and differences took their place; the first: "
+      "{}",
+      failed_derivatives_, derivatives_, derivative_failure_);
+}
+
+/// Of the outputs of the first modes [mode x parameter], nan where a request fails; with the reason of one that did.
+RunRecord UmbridgeSolver::asked_derivatives(const Eigen::Ref<const Eigen::VectorXd>& parameters,
+                                            Eigen::Index count) const {
+  FirstFailure failure;
   Eigen::MatrixXd derivatives = Eigen::MatrixXd::Zero(count, nominal_.size());
   const Vectors input = inputs_->input_at(parameters);
   const bool by_columns = prefers_jacobian(count);
   const auto work = [&](Eigen::Index index, const std::atomic<bool>& halt) {
     if (by_columns) {
-      add_jacobian_column(input, index, derivatives, halt);
+      add_jacobian_column(input, index, derivatives, failure, halt);
     } else {
-      add_gradient_row(input, index, derivatives, halt);
+      add_gradient_row(input, index, derivatives, failure, halt);
     }
   };
   SamplePool(by_columns ? nominal_.size() : count, server_.parallel, work).wait({.stop = stop_});
-  return derivatives;
+  return {.failure = failure.text, .modes = {.shapes = std::move(derivatives)}};
 }
 
 }  // namespace mottle::drivers

@@ -204,6 +204,7 @@ RunRecord UmbridgeSolver::recalled_or_asked(const Eigen::Ref<const Eigen::Vector
     const auto found = recent_.find(key_of(parameters));
     if (found != recent_.end()) return {.modes = {.eigenvalues = found->second}};
   }
+  if (store_) store_->look_at_others();
   bool is_reused = false;
   return evaluate(parameters, stop_, is_reused);
 }
@@ -226,6 +227,7 @@ ModeSet UmbridgeSolver::modes_at(const Eigen::Ref<const Eigen::VectorXd>& parame
 
 SolverUse UmbridgeSolver::solve(const Eigen::Ref<const Eigen::MatrixXd>& samples, const SolutionRequest& /*request*/,
                                 const RunContext& context, const Visitor& visit) const {
+  if (store_) store_->look_at_others();
   std::atomic<std::int64_t> reused{0};
   const auto work = [&](Eigen::Index s, const std::atomic<bool>& halt) {
     Solution solution;

@@ -103,6 +103,10 @@ UpdateOutcome update_here(const Study& study, const RunSettings& settings) {
   const double updated = steady_seconds();
   note_what_happened(outcome.result, journalled.reused(), context);
   assess(outcome, context);
+  if (const std::string word = plan.made.program ? plan.made.program->last_word() : ""; !word.empty()) {
+    context.note(word);
+    outcome.result.notes.push_back(word);
+  }
   outcome.solver_use = journalled.use();
   log_solver_use(outcome.solver_use, context);
   for (const std::string& line : verdict_lines(outcome)) context.note(line);

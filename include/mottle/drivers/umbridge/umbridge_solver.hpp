@@ -85,6 +85,8 @@ class UmbridgeSolver final : public Solver {
                                                   const Eigen::MatrixXd& loads,
                                                   const ObservationMatrix& observation) const override;
   double difference_step() const override { return server_.difference_step; }
+  /// How often derivatives were taken by differences because a request for them had failed, and why; empty: never.
+  std::string derivatives_note() const;
   Eigen::Index batch_size() const override { return 1024; }
 
  private:
@@ -93,6 +95,9 @@ class UmbridgeSolver final : public Solver {
     std::size_t number = 0;
   };
   using Vectors = std::vector<std::vector<double>>;
+  struct FirstFailure;
+
+  static void say_failure(FirstFailure& failure, const std::string& text);
 
   void map_outputs();
   void describe();
@@ -112,10 +117,10 @@ class UmbridgeSolver final : public Solver {
   Eigen::Index jacobian_requests() const;
   Eigen::Index gradient_requests(Eigen::Index modes) const;
   void add_jacobian_column(const Vectors& input, Eigen::Index parameter, Eigen::MatrixXd& derivatives,
-                           const std::atomic<bool>& halt) const;
-  void add_gradient_row(const Vectors& input, Eigen::Index mode, Eigen::MatrixXd& derivatives,
+                           FirstFailure& failure, const std::atomic<bool>& halt) const;
+  void add_gradient_row(const Vectors& input, Eigen::Index mode, Eigen::MatrixXd& derivatives, FirstFailure& failure,
                         const std::atomic<bool>& halt) const;
-  Eigen::MatrixXd asked_derivatives(const Eigen::Ref<const Eigen::VectorXd>& parameters, Eigen::Index modes) const;
+  RunRecord asked_derivatives(const Eigen::Ref<const Eigen::VectorXd>& parameters, Eigen::Index modes) const;
 
   UmbridgeServer server_;  ///< `parallel` is this rank's part of the requests at once, which may be none
   Eigen::VectorXd nominal_;
@@ -130,6 +135,9 @@ class UmbridgeSolver final : public Solver {
   const std::atomic<bool>* stop_ = nullptr;
   mutable FailureCount failures_;
   mutable std::mutex mutex_;                          // of the next
+  mutable std::int64_t derivatives_ = 0;              ///< points at which they were asked for
+  mutable std::int64_t failed_derivatives_ = 0;       ///< of them those where a request failed
+  mutable std::string derivative_failure_;            ///< the first one's reason
   mutable std::map<Digest, Eigen::VectorXd> recent_;  ///< eigenvalues that the servers gave: derivatives begin there
 };
 

@@ -1,10 +1,12 @@
 // [model] of kind "command": a solver that is run by its command.
 #include "study/models/command/read_command.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <set>
 
 #include "mottle/core/text.hpp"
+#include "mottle/core/utf8.hpp"
 #include "mottle/drivers/command/number_pattern.hpp"
 #include "study/input/durations.hpp"
 
@@ -129,19 +131,34 @@ std::string read_licences(TomlReader& reader) {
   return licences;
 }
 
+/// Texts that become words of the scheduler's command, which control characters would end or split.
+void require_one_line(TomlReader& reader, const char* key, const std::vector<std::string>& texts) {
+  for (const std::string& text : texts) {
+    const auto is_control = [](unsigned char c) { return c < 0x20 || c == 0x7f; };
+    if (std::ranges::none_of(text, is_control)) continue;
+    reader.fail(key, fmt::format("holds a line break or another control character, and is a word of the scheduler's "
+                                 "command; found '{}'",
+                                 printable(text)));
+  }
+}
+
 SchedulerOptions read_scheduler(TomlReader reader, SchedulerKind kind) {
   constexpr OptionRange k_count{.lower = 1.0, .upper = 1e6};
   SchedulerOptions options{.kind = kind};
   options.partition = reader.text_or("partition", "");
   options.account = reader.text_or("account", "");
+  require_one_line(reader, "partition", {options.partition});
+  require_one_line(reader, "account", {options.account});
   if (reader.has("time")) options.time = read_duration(reader, "time", options.time);
   reader.raw("time");
   options.cores = static_cast<int>(reader.integer_or("cores", options.cores, k_count));
   options.runs_at_once = static_cast<int>(reader.integer_or("runs_at_once", 0, {.lower = 0.0, .upper = 1e6}));
   options.licences = read_licences(reader);
+  require_one_line(reader, "licences", {options.licences});
   options.runs_per_task = static_cast<int>(reader.integer_or("runs_per_task", 0, {.lower = 0.0, .upper = 1e6}));
   options.tries = static_cast<int>(reader.integer_or("tries", options.tries, {.lower = 1.0, .upper = 100.0}));
   if (reader.has("extra")) options.extra = reader.texts("extra");
+  require_one_line(reader, "extra", options.extra);
   for (const std::string& option : options.extra) {
     const bool is_array = option.starts_with("-J") || option.starts_with("--array") ||
                           (kind == SchedulerKind::slurm && option.starts_with("-a"));

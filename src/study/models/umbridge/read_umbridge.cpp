@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "study/input/durations.hpp"
 
@@ -71,18 +72,29 @@ std::vector<std::vector<InputEntry>> read_inputs(TomlReader& reader) {
   return inputs;
 }
 
+std::vector<HttpAddress> read_addresses(TomlReader& reader) {
+  std::vector<HttpAddress> addresses;
+  std::set<std::string> seen;
+  for (const std::string& url : reader.texts("urls")) {
+    try {
+      addresses.push_back(parse_http_address(url));
+    } catch (const InvalidInput& error) {
+      reader.fail("urls", error.what());
+    }
+    if (seen.insert(addresses.back().text()).second) continue;
+    reader.fail("urls", fmt::format("names {} twice; name each server once, model.parallel says how many requests are "
+                                    "under way at once",
+                                    addresses.back().text()));
+  }
+  return addresses;
+}
+
 }  // namespace
 
 UmbridgeServer read_umbridge(TomlReader& reader) {
   using Quantity = FrequencyRule::Quantity;
   UmbridgeServer server;
-  try {
-    for (const std::string& url : reader.texts("urls")) server.urls.push_back(parse_http_address(url));
-  } catch (const FormatError&) {
-    throw;
-  } catch (const InvalidInput& error) {
-    reader.fail("urls", error.what());
-  }
+  server.urls = read_addresses(reader);
   server.name = reader.text_or("name", "");
   server.config = read_config(reader);
   server.inputs = read_inputs(reader);

@@ -23,16 +23,18 @@ class UmbridgeSource final : public ModelSource {
     UmbridgeServer server = server_;
     if (!settings.ends_by_failures) server.max_failed_fraction = 1.0;
     try {
-      parts.solver = std::make_unique<UmbridgeSolver>(
+      auto solver = std::make_unique<UmbridgeSolver>(
           server, names, parts.reference,
           RunStorage{.results = settings.run_folder.empty() ? settings.folder : settings.run_folder,
                      .is_resumed = settings.resume,
                      .ranks = settings.ranks},
           settings.stop);
+      parts.program = {.max_parallel = server_.parallel,
+                       .last_word = [own = solver.get()] { return own->derivatives_note(); }};
+      parts.solver = std::move(solver);
     } catch (const UmbridgeFault& fault) {
       throw KeyError("model." + fault.key(), fault.fault());
     }
-    parts.program = {.max_parallel = server_.parallel};
     return parts;
   }
 
