@@ -67,7 +67,7 @@ void add_propagate(CLI::App& app) {
       ->excludes(verb->get_option("--resume"));
   verb->callback([options, points, port] {
     if (*port) return offer_model(*options, **port);
-    Ranks* const ranks = join_job();
+    Ranks* const ranks = join_job("propagate");
     const Study study = read_study(*options);
     Console console(options->quiet || is_helper(ranks));
     console.begin("reading the model and the tests");

@@ -4,9 +4,13 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
+#include <condition_variable>
+#include <cstdlib>
 #include <filesystem>
 #include <memory>
+#include <mutex>
 #include <thread>
 #include <vector>
 
@@ -41,6 +45,47 @@ std::string blas_kernels() {
   using CoreName = char* (*)();
   const auto core_name = reinterpret_cast<CoreName>(dlsym(RTLD_DEFAULT, "openblas_get_corename"));
   return core_name == nullptr ? "of the reference" : core_name();
+}
+
+/// Ends a rank that waits for others to join, which MPI does for ever: one that has ended before, with exit code 0 so
+/// that its launcher ends nobody, or that does something else, never comes.
+class JoinLimit {
+  static constexpr int k_failed = 3;
+
+ public:
+  JoinLimit() {
+    constexpr int k_usual_s = 300;
+    const char* wish = std::getenv("MOTTLE_RANKS_TIMEOUT");
+    const int seconds = wish == nullptr ? k_usual_s : std::max(1, std::atoi(wish));
+    thread_ = std::jthread([seconds](const std::stop_token& stop) {
+      std::mutex mutex;
+      std::condition_variable_any bell;
+      std::unique_lock<std::mutex> lock(mutex);
+      // The first rank speaks; where it is the missing one, another does.
+      const auto patience = std::chrono::seconds(seconds) + std::chrono::milliseconds(is_silent_rank() ? 1500 : 0);
+      if (bell.wait_for(lock, stop, patience, [&] { return stop.stop_requested(); }) || stop.stop_requested()) return;
+      const std::string text = fmt::format(
+          "mottle: rank {} on {} has waited {} s for the other ranks to join; one of them has ended before, or was "
+          "started with another command: all ranks need the same verb, study and options (MOTTLE_RANKS_TIMEOUT=600 "
+          "waits longer)\n",
+          own_launch().rank, node_name(), seconds);
+      (void)!::write(STDERR_FILENO, text.data(), text.size());
+      ::_exit(k_failed);
+    });
+  }
+
+ private:
+  std::jthread thread_;  // asked to stop, and awaited, at the end
+};
+
+void require_one_verb(Ranks& ranks, const std::string& verb) {
+  const std::vector<std::string> verbs = ranks.gather(verb);
+  for (std::size_t rank = 1; rank < verbs.size(); ++rank) {
+    require(verbs[rank] == verbs.front(),
+            "rank {} was started with 'mottle {}' and rank 0 with 'mottle {}'; all ranks need the same verb, study and "
+            "options",
+            rank, verbs[rank], verbs.front());
+  }
 }
 
 /// All ranks use the instructions that each of them has, and need the same kernels of BLAS.
@@ -79,12 +124,16 @@ bool is_silent_rank() {
   return own_launch().is_shared() && own_launch().rank > 0;
 }
 
-Ranks* join_job() {
+Ranks* join_job(const std::string& verb) {
   if (!own_launch().is_shared()) return nullptr;
-  joined() = join_ranks(own_launch(), module_places());
+  {
+    const JoinLimit limit;
+    joined() = join_ranks(own_launch(), module_places());
+  }
   Ranks& ranks = *joined();
   ranks.on_abort([](const RankEnd& why) { tell(fmt::format("mottle: {}\n", why.message)); });
   ranks.stop_by(&stop_flag());
+  require_one_verb(ranks, verb);
   use_common_instructions(ranks);
   return &ranks;
 }

@@ -29,7 +29,7 @@ void add_update(CLI::App& app) {
   const auto options = std::make_shared<CommonOptions>();
   add_common_options(*verb, *options);
   verb->callback([options] {
-    Ranks* const ranks = join_job();
+    Ranks* const ranks = join_job("update");
     const Study study = read_study(*options);
     Console console(options->quiet || is_helper(ranks));
     console.begin("reading the model and the tests");

@@ -262,6 +262,25 @@ class Voices(RanksTest):
 
 
 class Ends(RanksTest):
+    def ranked_as(self, *commands, timeout=60):
+        """Ranks that are started with different commands."""
+        parts = [part for command in commands for part in (":", "-n", "1", *map(str, command))][1:]
+        job = subprocess.run([*MPIRUN[:-1], *parts], cwd=self.folder, env={**self.environment, "MOTTLE_RANKS_TIMEOUT": "4"},
+                             text=True, stdin=subprocess.DEVNULL, capture_output=True, check=False,
+                             timeout=support.PATIENCE * timeout)
+        return support.Run(job.returncode, job.stdout, job.stderr)
+
+    def test_a_rank_that_never_joins_is_told(self):
+        update = [support.MOTTLE, "update", "study.toml", "--out", "out", "--quiet"]
+        for others in (["/bin/true"], [support.MOTTLE, "check", "study.toml"]):
+            for commands in ((update, others), (others, update)):
+                ended = self.ranked_as(*commands)
+                self.assertEqual(ended.code, 3, ended.err)
+                self.assertIn("has waited 4 s for the other ranks to join", ended.err)
+        ended = self.ranked_as(update, [support.MOTTLE, "propagate", "study.toml", "--out", "out", "--quiet"])
+        self.assertEqual(ended.code, 2, ended.err)
+        self.assertIn("rank 1 was started with 'mottle propagate' and rank 0 with 'mottle update'", ended.err)
+
     def signalled(self, number, rank):
         """How a job of three ends when one of its ranks gets a signal, and within how many seconds."""
         study = self.tower(0.0)
