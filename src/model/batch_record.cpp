@@ -8,9 +8,14 @@ namespace mottle::model {
 
 BatchRecord::BatchRecord(Eigen::Index samples, Eigen::Index outputs)
     : values(Eigen::MatrixXd::Constant(samples, outputs, std::numeric_limits<double>::quiet_NaN())),
-      reasons(static_cast<std::size_t>(samples)),
-      notes(reasons.size()),
-      is_own(reasons.size(), 0) {}
+      words(static_cast<std::size_t>(samples)),
+      is_own(words.size(), 0) {}
+
+void BatchRecord::say(Eigen::Index sample, std::string reason, std::string note) {
+  if (reason.empty() && note.empty()) return;
+  words[static_cast<std::size_t>(sample)] =
+      std::make_unique<Words>(Words{.reason = std::move(reason), .note = std::move(note)});
+}
 
 void BatchRecord::put_together(Ranks& ranks, const Digest& state) {
   RowRecords records;
@@ -19,26 +24,29 @@ void BatchRecord::put_together(Ranks& ranks, const Digest& state) {
     if (is_own[k] == 0) continue;
     std::string& bytes = records.begin(s);
     for (const double value : values.row(s)) append_value(bytes, value);
-    append_text(bytes, reasons[k]);
-    append_text(bytes, notes[k]);
+    append_text(bytes, words[k] ? words[k]->reason : "");
+    append_text(bytes, words[k] ? words[k]->note : "");
   }
   const auto read = [this](Eigen::Index s, ByteReader& reader) {
-    const auto k = static_cast<std::size_t>(s);
+    Words own;
     for (double& value : values.row(s)) {
       if (!reader.read(value)) return false;
     }
-    return reader.read_text(reasons[k]) && reader.read_text(notes[k]);
+    if (!reader.read_text(own.reason) || !reader.read_text(own.note)) return false;
+    say(s, std::move(own.reason), std::move(own.note));
+    return true;
   };
   records.exchange(ranks, state, "the model's modes at the parameters' means", values.rows(), read);
 }
 
 Evaluation BatchRecord::evaluation() && {
   Evaluation result{.outputs = std::move(values), .failures = {}};
-  for (std::size_t k = 0; k < reasons.size(); ++k) {
-    if (!reasons[k].empty()) {
-      result.failures.push_back({static_cast<Eigen::Index>(k), std::move(reasons[k])});
-    } else if (!notes[k].empty()) {
-      result.notes.push_back({static_cast<Eigen::Index>(k), std::move(notes[k])});
+  for (std::size_t k = 0; k < words.size(); ++k) {
+    if (!words[k]) continue;
+    if (!words[k]->reason.empty()) {
+      result.failures.push_back({static_cast<Eigen::Index>(k), std::move(words[k]->reason)});
+    } else {
+      result.notes.push_back({static_cast<Eigen::Index>(k), std::move(words[k]->note)});
     }
   }
   return result;

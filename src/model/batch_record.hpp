@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -21,10 +22,16 @@ struct BatchRecord {
   void put_together(Ranks& ranks, const Digest& state);
   Evaluation evaluation() &&;
 
-  Eigen::MatrixXd values;            ///< [sample x output], nan at first
-  std::vector<std::string> reasons;  ///< why a sample failed; empty: it did not
-  std::vector<std::string> notes;
-  std::vector<std::uint8_t> is_own;  ///< set by this rank
+  /// Of the few samples that have any.
+  struct Words {
+    std::string reason = {};  ///< why it failed; empty: it did not
+    std::string note = {};
+  };
+  void say(Eigen::Index sample, std::string reason, std::string note);
+
+  Eigen::MatrixXd values;                     ///< [sample x output], nan at first
+  std::vector<std::unique_ptr<Words>> words;  ///< [sample]
+  std::vector<std::uint8_t> is_own;           ///< set by this rank
 };
 
 }  // namespace mottle::model

@@ -163,12 +163,12 @@ std::int64_t JournalledModel::reused() const {
   return file_ ? file_->reused() : 0;
 }
 
-Evaluation JournalledModel::compute(const SampleRegion* region, const Eigen::MatrixXd& samples,
+Evaluation JournalledModel::compute(const SampleRegion* region, const Eigen::Ref<const Eigen::MatrixXd>& samples,
                                     const RunContext& context) const {
   return region == nullptr ? model_.evaluate(samples, context) : model_.evaluate_in(*region, samples, context);
 }
 
-Evaluation JournalledModel::answer_to(const SampleRegion* region, const Eigen::MatrixXd& samples,
+Evaluation JournalledModel::answer_to(const SampleRegion* region, const Eigen::Ref<const Eigen::MatrixXd>& samples,
                                       const RunContext& context) const {
   const bool is_shared = ranks_ != nullptr && ranks_->is_together();
   if (!file_ && !is_shared) return compute(region, samples, context);
@@ -212,6 +212,12 @@ Evaluation JournalledModel::evaluate_in(const SampleRegion& region, const Eigen:
 
 Evaluation JournalledModel::evaluate_parts(const SampleRegion* region, const Eigen::Ref<const Eigen::MatrixXd>& samples,
                                            const RunContext& context) const {
+  if (0 < samples.rows() && samples.rows() <= model_.batch_size()) {  // no copies of what may be large
+    context.throw_if_stopped();
+    Evaluation answer = answer_to(region, samples, context);
+    use_ += answer.use;
+    return answer;
+  }
   Evaluation whole;
   whole.outputs.resize(samples.rows(), static_cast<Eigen::Index>(outputs().size()));
   for (Eigen::Index begin = 0; begin < samples.rows(); begin += model_.batch_size()) {

@@ -208,16 +208,14 @@ Evaluation StructureModel::evaluate(const SampleRegion* region, const Eigen::Ref
   WorkCounter runs(context, "model runs", samples.rows());
   const auto visit = [&](Eigen::Index s, const Solution& solution, const std::string& failure) {
     runs.add();
-    const auto k = static_cast<std::size_t>(s);
-    batch.is_own[k] = 1;
-    std::string& reason = batch.reasons[k];
-    reason = samples.row(s).allFinite() ? failure : "a parameter is not finite";
-    if (!reason.empty()) return;
+    batch.is_own[static_cast<std::size_t>(s)] = 1;
+    std::string reason = samples.row(s).allFinite() ? failure : "a parameter is not finite";
+    if (!reason.empty()) return batch.say(s, std::move(reason), {});
     ModeMatch match = match_modes(solution.eigenvalues.size(), solution.cosines);
     reason = match.failure;
     if (reason.empty()) reason = fill_outputs(solution, match, batch.values.row(s));
     if (!reason.empty()) batch.values.row(s).setConstant(std::numeric_limits<double>::quiet_NaN());
-    batch.notes[k] = std::move(match.note);
+    batch.say(s, std::move(reason), std::move(match.note));
   };
   SolutionRequest request = request_;
   request.region = region;

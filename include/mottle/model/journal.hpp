@@ -55,8 +55,10 @@ class JournalledModel final : public Model {
   /// Of a batch, part by part; `region` may be null.
   Evaluation evaluate_parts(const SampleRegion* region, const Eigen::Ref<const Eigen::MatrixXd>& samples,
                             const RunContext& context) const;
-  Evaluation answer_to(const SampleRegion* region, const Eigen::MatrixXd& samples, const RunContext& context) const;
-  Evaluation compute(const SampleRegion* region, const Eigen::MatrixXd& samples, const RunContext& context) const;
+  Evaluation answer_to(const SampleRegion* region, const Eigen::Ref<const Eigen::MatrixXd>& samples,
+                       const RunContext& context) const;
+  Evaluation compute(const SampleRegion* region, const Eigen::Ref<const Eigen::MatrixXd>& samples,
+                     const RunContext& context) const;
   bool ask_first_rank(const Digest& question, Eigen::Index rows, bool is_known, Evaluation& answer) const;
   const Model& model_;
   Digest fingerprint_;
