@@ -128,7 +128,9 @@ def main():
                         f"{one[0] / threads[0]:.2f} | {one[0] / ranks[0]:.2f} | {overhead:.3f} | {ranks[1] - one[1]:.2f} |")
     (HERE / "ranks.json").write_text(json.dumps(found, indent=1) + "\n")
     m = found["messages"]
-    (HERE / "RANKS.md").write_text("\n".join([
+    page = HERE / "RANKS.md"
+    kept = page.read_text().partition("## Overhead of a sample")[1:]  # made by measure_overhead.py
+    page.write_text("\n".join([
         "# Ranks on one machine", "",
         f"`mottle propagate` by threads of one process and by ranks of one thread; {len(os.sched_getaffinity(0))} processors, "
         f"best of {REPEATS} turns, elapsed times in s without the start, one run, {datetime.date.today().isoformat()}; "
@@ -139,7 +141,7 @@ def main():
         "|---|---|---|---|---|---|---|---|---|", *rows, "",
         f"Messages between two ranks: a number of the shared counter {1e6 * m['counter_latency']:.0f} us from question to answer, "
         f"{1e6 * m['counter_service']:.1f} us of rank 0 where many threads ask at once; gathering 8 bytes {1e6 * m['gather']:.0f} us, "
-        f"and {1e9 * m['gather_byte']:.2f} ns a byte of all ranks together (shared memory, not a network).", ""]))
+        f"and {1e9 * m['gather_byte']:.2f} ns a byte of all ranks together (shared memory, not a network).", ""]) + "".join(["\n", *kept] if kept[0] else []))
 
 
 if __name__ == "__main__":
