@@ -178,7 +178,10 @@ class SchedulersTest(support.CommandTest):
                               (("[model.scheduler]", "[model.scheduler]\ncore = 3"), "did you mean 'cores'?"),
                               (("[model.scheduler]", "[model.scheduler]\nextra = [\"-N\", \"mine\"]"), "finds its tasks by them"),
                               (("[model.scheduler]", "[model.scheduler]\nlicences = \"a:b\""), "ansys:1"),
-                              (("launch = \"pbs\"", "launch = \"pbs\"\nparallel = 3"), "runs_at_once")):
+                              (("launch = \"pbs\"", "launch = \"pbs\"\nparallel = 3"), "runs_at_once"),
+                              (("[model.scheduler]", '[model.scheduler]\npartition = "a\\nb"'), "partition: holds a line break"),
+                              (("[model.scheduler]", '[model.scheduler]\naccount = "a\\u0000b"'), "account: holds a line break"),
+                              (("[model.scheduler]", '[model.scheduler]\nextra = ["--x=\\u0000"]'), "extra: holds a line break")):
             text = (self.folder / "tower" / "study.toml").read_text()
             self.write("tower/wrong.toml", support.edited(text, change))
             ended = self.call("check", "tower/wrong.toml")
@@ -190,6 +193,81 @@ class SchedulersTest(support.CommandTest):
         self.assertEqual(ended.code, 2)
         self.assertIn("mpirun", ended.err)
         self.succeed("check", "tower/ranks.toml")
+
+    def test_lists_that_show_nothing_end_no_task(self):
+        for launch in ("pbs", "lsf"):
+            with self.subTest(launch):
+                self.tower(launch, 0.5, "runs_per_task = 4\nruns_at_once = 1")
+                process = self.start()
+                self.wait_for(3)
+                (self.state / "blind").touch()
+                self.end(process)
+                (self.state / "blind").unlink()
+                self.expect_same()
+                for name in ("tower", "out", "alone"):
+                    shutil.rmtree(self.folder / name)
+                (self.folder / "runs.log").unlink()
+
+    def test_another_launch_is_refused_while_tasks_are_left(self):
+        self.tower("pbs", 0.4, "runs_per_task = 6\nruns_at_once = 1")
+        self.kill_after(3)
+        study = self.folder / "tower" / "study.toml"
+        text = study.read_text()
+        scheduled = text[text.index("[model.scheduler]"):text.index("[model.frequencies]")]
+        for launch, changes in (("local", (('launch = "pbs"', "parallel = 2"), (scheduled, ""))),
+                                ("lsf", (('launch = "pbs"', 'launch = "lsf"'),))):
+            study.write_text(support.edited(text, *changes))
+            words = self.end(self.start(), code=2)
+            for part in (f'"{launch}" now', 'tasks of "pbs"', "mottle cancel", "not at their end"):
+                self.assertIn(part, words)
+            self.assertEqual(words.count("mottle cancel"), 1, words)
+        self.call_here("cancel", "out")
+        end = time.monotonic() + support.PATIENCE * 30
+        while (code := self.quietly_started()) == 2 and time.monotonic() < end:  # until the tasks have ended
+            time.sleep(0.2)
+        self.assertEqual(code, 0)
+        study.write_text(support.edited(text, ('launch = "pbs"', "parallel = 2"), (scheduled, "")))
+        self.end(self.start())
+        self.expect_same(again=2)
+
+    def call_here(self, *arguments):
+        return subprocess.run([support.MOTTLE, *arguments], cwd=self.folder, env=self.environment, text=True, check=True,
+                              capture_output=True)
+
+    def quietly_started(self):
+        process = self.start("--quiet")
+        process.communicate(timeout=support.PATIENCE * 120)
+        return process.returncode
+
+    def test_tasks_with_old_options_are_told_once(self):
+        self.tower("lsf", 0.4, "runs_per_task = 6\nruns_at_once = 1\ncores = 2")
+        self.kill_after(3)
+        study = self.folder / "tower" / "study.toml"
+        study.write_text(support.edited(study.read_text(), ("cores = 2", 'cores = 3\naccount = "other"')))
+        words = self.end(self.start())
+        for text in (words, (self.folder / "out" / "mottle.log").read_text()):
+            self.assertEqual(text.count("keep the old options"), 1, text)
+            self.assertIn('account = "", now account = "other"; cores = 2, now cores = 3', text)
+        self.expect_same()
+
+    def test_what_a_killed_check_has_left_goes_with_the_next(self):
+        self.tower("lsf", 1.0, "")
+        process = subprocess.Popen([support.MOTTLE, "check", "tower/study.toml"], cwd=self.folder, env=self.environment,
+                                   stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        self.wait_for(1)
+        process.kill()
+        process.communicate()
+        self.assertEqual(len(list(self.folder.glob("mottle-tasks-*"))), 1)
+        self.call_here("check", "tower/study.toml")
+        self.assertEqual(list(self.folder.glob("mottle-tasks-*")), [])
+        self.assertTrue((self.state / "1" / "cancel").exists(), "its job is cancelled")
+
+    def test_a_task_without_an_array_is_refused(self):
+        (self.folder / "nothing").mkdir()
+        ended = self.call("run-task", "nothing", "1")
+        self.assertEqual(ended.code, 2)
+        self.assertIn("holds no array of tasks", ended.err)
+        self.assertEqual(len(ended.err.splitlines()), 1, ended.err)
 
     def test_check_says_the_plan_and_leaves_nothing(self):
         self.tower("lsf", 0.0, "runs_at_once = 4")

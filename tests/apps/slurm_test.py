@@ -88,9 +88,13 @@ class Job:
             raise AssertionError(f"{arguments}: exit code {done.returncode}: {done.stderr}{done.stdout}")
         return done
 
-    def start(self, *options):
+    def start(self, *options, programs=None):
+        """`programs`: a folder of programs that come before Slurm's own."""
+        environment = CLUSTER.environment()
+        if programs:
+            environment["PATH"] = f"{programs}:{environment['PATH']}"
         self.process = subprocess.Popen([support.MOTTLE, self.verb, "tower/study.toml", "--out", "out", *options],
-                                        cwd=self.folder, env=CLUSTER.environment(), text=True, stdin=subprocess.DEVNULL,
+                                        cwd=self.folder, env=environment, text=True, stdin=subprocess.DEVNULL,
                                         stdout=subprocess.PIPE, stderr=subprocess.PIPE)
         return self
 
@@ -195,6 +199,20 @@ class Slurm(unittest.TestCase):
 
     def test_a_task_that_is_cancelled_by_hand_is_done_again(self):
         job = self.job(0.4, 16, "runs_per_task = 8").start()
+        job.wait_for(8)
+        number = max(job.arrays(), key=int)
+        CLUSTER.call("scancel", f"{number}_2")
+        job.end()
+        self.expect_same(job)
+        self.assertLessEqual(job.twice(), 1)
+        self.assertIn("CANCELLED", job.log())
+
+    def test_a_squeue_that_shows_nothing_ends_no_task_and_hides_no_end(self):
+        job = self.job(0.8, 48, "runs_per_task = 24")
+        (job.folder / "programs").mkdir()
+        (job.folder / "programs" / "squeue").write_text("#!/bin/sh\nexit 0\n")
+        (job.folder / "programs" / "squeue").chmod(0o755)
+        job.start(programs=job.folder / "programs")
         job.wait_for(8)
         number = max(job.arrays(), key=int)
         CLUSTER.call("scancel", f"{number}_2")

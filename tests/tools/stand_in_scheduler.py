@@ -6,7 +6,8 @@ the tasks on this machine.
                               and starts a process that does the tasks: Mottle ends all that a command of its own leaves behind
 
 A task is a process group of its own; a file for each says what has become of it. `folder/state/silent` makes all commands
-fail as if the scheduler could not be reached.
+fail as if the scheduler could not be reached, and `folder/state/blind` makes lists show nothing and say that all is well. With
+`folder/state/held` no task begins.
 """
 
 import fcntl
@@ -107,7 +108,7 @@ class Work:
         for number in [number for number in self.waiting if ended_by(self.job, number)]:
             self.waiting.remove(number)
             Task(self.job, number).write(state="ended", status=271, reason=ended_by(self.job, number))
-        while self.waiting and len(self.running) < self.request["limit"]:
+        while self.waiting and not (STATE / "held").exists() and len(self.running) < self.request["limit"]:
             self.begin(self.waiting.pop(0))
         for number, process in self.running.items():
             if ended_by(self.job, number):
@@ -201,18 +202,20 @@ def bsub(arguments):
 
 
 def bjobs(arguments):
-    values = dict(options_of(arguments, ("-J", "-o"), ("-a", "-noheader"))[0])
+    options, rest = options_of(arguments, ("-J", "-o"), ("-a", "-noheader"))
+    values = dict(options)
     if values["-o"] != "name jobindex stat exec_host exit_reason delimiter='|'":
         sys.exit("bad output format")
-    if not jobs_named(values["-J"]):
-        print(f"Job <{values['-J']}> is not found", file=sys.stderr)
+    found = jobs_named(values["-J"]) if "-J" in values else [job for job in rest if job in jobs()]
+    if not found:
+        print(f"Job <{values.get('-J', rest)}> is not found", file=sys.stderr)
         sys.exit(255)
-    for job in jobs_named(values["-J"]):
+    for job in found:
         for task in tasks_of(job):
             now = task.read()
             state = {"waiting": "PEND", "running": "RUN"}.get(now["state"], "EXIT" if now.get("status") else "DONE")
             reason = "TERM_OWNER: job killed by owner" if now.get("reason") else "-"
-            print(f"{values['-J']}[{task.number}]|{task.number}|{state}|{'-' if state == 'PEND' else 'here'}|{reason}")
+            print(f"{jobs()[job]['name']}[{task.number}]|{task.number}|{state}|{'-' if state == 'PEND' else 'here'}|{reason}")
 
 
 def bkill(arguments):
@@ -229,6 +232,8 @@ def main():
         return serve()
     if (STATE / "silent").exists():
         sys.exit("Connection refused: cannot connect to server")
+    if (STATE / "blind").exists() and pathlib.Path(sys.argv[0]).name in ("qselect", "qstat", "bjobs"):
+        return None
     return globals()[pathlib.Path(sys.argv[0]).name](sys.argv[1:])
 
 

@@ -134,6 +134,7 @@ std::string ExternalSolver::place_of_runs() const {
 
 SolverRuns::Run ExternalSolver::run_one(const Eigen::VectorXd& values, int min_modes,
                                         const std::atomic<bool>* stop) const {
+  runs_.begin_batch();
   if (!scheduled_) return runs_.run(values, min_modes, stop);
   SolverRuns::Run found;
   scheduled_->run_all(values.transpose(), min_modes, {.observer = place_.storage().observer, .stop = stop},
@@ -191,6 +192,7 @@ void ExternalSolver::finish_sample(Eigen::Index s, const SolverRuns::Run& run, c
 
 SolverUse ExternalSolver::solve(const Eigen::Ref<const Eigen::MatrixXd>& samples, const SolutionRequest& request,
                                 const RunContext& context, const Visitor& visit) const {
+  runs_.begin_batch();
   std::atomic<std::int64_t> reused{0};
   Ranks* together = nullptr;  // that share the batch
   const auto work = [&](Eigen::Index s, const std::atomic<bool>& halt) {

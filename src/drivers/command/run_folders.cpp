@@ -211,16 +211,21 @@ void RunFolders::require_room(const std::filesystem::path& folder) const {
   const int error = write_plainly(probe, std::string(1 << 16, 'x'));
   ::unlink(probe.c_str());
   if (error == 0) return;
-  throw SystemFailure(
-      fmt::format("{}: cannot be written: {}; what the solver left there is not used, finished runs are "
-                  "kept: make room and go on with --resume",
-                  folder.string(), std::strerror(error)));
+  refuse_write(error,
+               fmt::format("{}: cannot be written: {}; what the solver left there is not used, finished runs are "
+                           "kept: make room and go on with --resume",
+                           folder.string(), std::strerror(error)));
+}
+
+void refuse_write(int error, const std::string& text) {
+  if (error == ENOSPC || error == EDQUOT) throw NoRoom(text);
+  throw SystemFailure(text);
 }
 
 void write_run_file(const std::filesystem::path& file, const std::string& bytes) {
   const int error = write_plainly(file, bytes);
   if (error == 0) return;
-  throw SystemFailure(fmt::format("{}: cannot be written: {}; finished runs are kept, go on with --resume",
+  refuse_write(error, fmt::format("{}: cannot be written: {}; finished runs are kept, go on with --resume",
                                   file.string(), std::strerror(error)));
 }
 

@@ -50,6 +50,23 @@ void shorten_output(const std::filesystem::path& folder) {
   }
 }
 
+bool tells_of_full_disk(const std::filesystem::path& folder, const std::set<std::string>& given) {
+  constexpr int k_most_files = 500;
+  int files = 0;
+  std::error_code ignored;
+  std::filesystem::recursive_directory_iterator entry(folder, ignored);
+  for (; entry != std::filesystem::recursive_directory_iterator() && files < k_most_files; entry.increment(ignored)) {
+    if (entry->symlink_status(ignored).type() != std::filesystem::file_type::regular) continue;
+    if (given.contains(entry->path().lexically_relative(folder).string())) continue;
+    ++files;
+    const std::string bytes = last_part(entry->path());
+    for (const char* words : {"No space left on device", "Disk quota exceeded", "ENOSPC", "EDQUOT"}) {
+      if (bytes.find(words) != std::string::npos) return true;
+    }
+  }
+  return false;
+}
+
 std::string last_words(const std::filesystem::path& folder) {
   constexpr std::size_t k_longest = 200;
   for (const char* file : {k_standard_error, k_standard_output}) {

@@ -9,6 +9,7 @@
 
 #include "mottle/core/error.hpp"
 #include "mottle/core/own_file.hpp"
+#include "mottle/drivers/command/run_folders.hpp"
 
 namespace mottle::drivers {
 namespace {
@@ -27,81 +28,6 @@ Digest checksum_of(const Digest& key, std::string_view body) {
   sum.add(body);
   return sum.digest();
 }
-
-void add_text(std::string& body, const std::string& text) {
-  const std::uint64_t size = text.size();
-  body.append(reinterpret_cast<const char*>(&size), sizeof(size));
-  body += text;
-}
-
-void add_matrix(std::string& body, const Eigen::MatrixXd& matrix) {
-  const std::uint64_t sizes[2] = {static_cast<std::uint64_t>(matrix.rows()), static_cast<std::uint64_t>(matrix.cols())};
-  body.append(reinterpret_cast<const char*>(sizes), sizeof(sizes));
-  body.append(reinterpret_cast<const char*>(matrix.data()), static_cast<std::size_t>(matrix.size()) * sizeof(double));
-}
-
-}  // namespace
-
-std::string encode(const RunRecord& record) {
-  std::string body;
-  add_text(body, record.failure);
-  add_matrix(body, record.modes.eigenvalues);
-  add_matrix(body, record.modes.shapes);
-  std::string names;
-  for (const std::string& name : record.modes.degree_of_freedom_names) names += name + '\n';
-  add_text(body, names);
-  return body;
-}
-
-namespace {
-
-/// Takes values off the front of a body whose checksum was right.
-class BodyReader {
- public:
-  explicit BodyReader(std::string_view bytes) : bytes_(bytes) {}
-  std::uint64_t size() {
-    std::uint64_t value = 0;
-    std::memcpy(&value, take(sizeof(value)).data(), sizeof(value));
-    return value;
-  }
-  std::string text() { return std::string(take(size())); }
-  Eigen::MatrixXd matrix() {
-    const std::uint64_t rows = size();
-    const std::uint64_t columns = size();
-    Eigen::MatrixXd matrix(static_cast<Eigen::Index>(rows), static_cast<Eigen::Index>(columns));
-    const std::string_view values = take(rows * columns * sizeof(double));
-    if (!values.empty()) std::memcpy(matrix.data(), values.data(), values.size());
-    return matrix;
-  }
-
- private:
-  std::string_view take(std::uint64_t size) {
-    if (size > bytes_.size()) throw SystemFailure("a record of runs is damaged");
-    const std::string_view taken = bytes_.substr(0, size);
-    bytes_.remove_prefix(size);
-    return taken;
-  }
-  std::string_view bytes_;
-};
-
-}  // namespace
-
-RunRecord decode_run(std::string_view body) {
-  BodyReader reader(body);
-  RunRecord record;
-  record.failure = reader.text();
-  record.modes.eigenvalues = reader.matrix();
-  record.modes.shapes = reader.matrix();
-  const std::string names = reader.text();
-  for (std::size_t begin = 0; begin < names.size();) {
-    const std::size_t end = names.find('\n', begin);
-    record.modes.degree_of_freedom_names.push_back(names.substr(begin, end - begin));
-    begin = end + 1;
-  }
-  return record;
-}
-
-namespace {
 
 bool read_at(int descriptor, std::uint64_t offset, void* destination, std::size_t size) {
   auto* bytes = static_cast<char*>(destination);
@@ -169,6 +95,17 @@ std::uint64_t read_run_records(const std::filesystem::path& file, std::uint64_t 
   }
   ::close(descriptor);
   return from;
+}
+
+bool is_store_held(const std::filesystem::path& file) {
+  const int descriptor = ::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
+  if (descriptor < 0) return false;
+  struct flock lock {};
+  lock.l_type = F_WRLCK;
+  lock.l_whence = SEEK_SET;
+  const bool is_held = ::fcntl(descriptor, F_GETLK, &lock) == 0 && lock.l_type != F_UNLCK;
+  ::close(descriptor);
+  return is_held;
 }
 
 RunStore::RunStore(std::filesystem::path file, const std::vector<std::filesystem::path>& others) {
@@ -251,12 +188,15 @@ std::optional<RunRecord> RunStore::find_in(const File& file, const Digest& key) 
   return decode_run(body);
 }
 
+void RunStore::look_at_others() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  read_others(true);
+}
+
 std::optional<RunRecord> RunStore::find(const Digest& key) const {
   const std::lock_guard<std::mutex> lock(mutex_);
   std::optional<RunRecord> record = find_in(own_, key);
   if (record && record->failure.empty()) return record;
-  const auto is_known = [&](const File& other) { return other.spans.contains(key); };
-  if (std::ranges::none_of(others_, is_known)) read_others(true);
   for (const File& other : others_) {
     std::optional<RunRecord> another = find_in(other, key);
     if (another && (!record || another->failure.empty())) record = std::move(another);
@@ -283,7 +223,7 @@ void RunStore::keep(const Digest& key, const RunRecord& record) {
   if (!append(own_.descriptor, bytes) || ::fdatasync(own_.descriptor) != 0) {
     const int error = errno;
     [[maybe_unused]] const int ignored = ::ftruncate(own_.descriptor, static_cast<off_t>(end));  // else cut when opened
-    throw SystemFailure(fmt::format("{}: cannot be written: {}; finished runs are kept, go on with --resume",
+    refuse_write(error, fmt::format("{}: cannot be written: {}; finished runs are kept, go on with --resume",
                                     own_.path.string(), std::strerror(error)));
   }
   own_.spans[key] = {end + sizeof(head), body.size(), true};

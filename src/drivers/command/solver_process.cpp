@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <sys/stat.h>
+#include <sys/statvfs.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -101,7 +102,17 @@ bool is_soon_stopped(const ProcessRequest& request) {
 ProcessEnd unasked_end(const GuardMessage& message, ssize_t size, const ProcessRequest& request) {
   const bool is_told = size == sizeof(message);
   if ((!is_told || may_be_ended_from_outside(message)) && is_soon_stopped(request)) return {ProcessEnd::Kind::stopped};
-  return is_told ? describe(message, request) : ProcessEnd{.reason = "its guard was killed from outside"};
+  if (!is_told) return {ProcessEnd::Kind::lost, "its guard was killed from outside"};
+  if (message.is_asked) return {ProcessEnd::Kind::lost, "its guard was asked from outside to end it"};
+  return describe(message, request);
+}
+
+/// Whether next to nothing can be written on a folder's file system.
+bool is_full(const std::filesystem::path& folder) {
+  constexpr std::uint64_t k_next_to_nothing = 1 << 16;
+  struct statvfs room {};
+  if (::statvfs(folder.c_str(), &room) != 0 || room.f_blocks == 0) return false;
+  return std::uint64_t{room.f_bavail} * room.f_frsize < k_next_to_nothing || (room.f_files > 0 && room.f_favail == 0);
 }
 
 /// The file that holds more than a program may print; nullptr: none does.
@@ -122,6 +133,7 @@ ProcessEnd await_end(const Pipe& pipe, pid_t guard_id, const ProcessRequest& req
   Clock::time_point asked;
   ProcessEnd early{.kind = ProcessEnd::Kind::done};
   GuardMessage message;
+  bool was_full = false;
   for (;;) {
     const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - Clock::now());
     const bool is_early = early.kind != ProcessEnd::Kind::done;
@@ -130,8 +142,11 @@ ProcessEnd await_end(const Pipe& pipe, pid_t guard_id, const ProcessRequest& req
     if (::poll(&ready, 1, static_cast<int>(wait.count())) > 0) {
       const ssize_t size = ::read(pipe.reading(), &message, sizeof(message));
       if (size < 0 && errno == EINTR) continue;
-      return is_early ? early : unasked_end(message, size, request);
+      ProcessEnd end = is_early ? early : unasked_end(message, size, request);
+      end.was_full = was_full || is_full(request.directory);
+      return end;
     }
+    was_full = was_full || is_full(request.directory);
     if (is_early) {
       // A stop request is answered within a second, whatever the program does.
       if (early.kind == ProcessEnd::Kind::stopped && Clock::now() > asked + k_patience_of_a_stop) {

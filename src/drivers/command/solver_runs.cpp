@@ -38,11 +38,6 @@ std::string joined(const CommandLine& line) {
   return join(line.arguments, " ");
 }
 
-std::vector<std::string> for_process(const std::vector<std::string>& arguments, bool is_shell) {
-  if (!is_shell) return arguments;
-  return {"/bin/sh", "-c", arguments.front()};
-}
-
 }  // namespace
 
 SolverRuns::SolverRuns(SolverCommand command, const std::vector<std::string>& names, const RunStorage& storage)
@@ -135,76 +130,6 @@ Digest SolverRuns::key_of(const Input& input, int min_modes) const {
   return sum.digest();
 }
 
-void SolverRuns::prepare(const std::filesystem::path& folder, const Input& input) const {
-  std::error_code error;
-  for (std::size_t i = 0; i < input.texts.size(); ++i) {
-    const std::filesystem::path file = folder / command_.templates[i].name;
-    std::filesystem::create_directories(file.parent_path(), error);
-    write_run_file(file, input.texts[i]);
-    std::filesystem::permissions(file, std::filesystem::status(command_.templates[i].source, error).permissions(),
-                                 error);
-  }
-  files_->put_into(folder);
-}
-
-bool SolverRuns::try_once(const Input& input, const std::filesystem::path& folder, int number, int min_modes,
-                          const std::atomic<bool>* stop, Run& run) const {
-  const bool is_other = number > 0 && command_.retry_command;
-  prepare(folder, input);
-  const ProcessEnd end =
-      run_process({.arguments = for_process(is_other ? input.retry_arguments : input.arguments,
-                                            is_other ? command_.retry_command->is_shell : command_.command.is_shell),
-                   .directory = folder,
-                   .environment = command_.environment,
-                   .timeout = command_.timeout,
-                   .stop = stop});
-  if (end.kind == ProcessEnd::Kind::stopped) throw Stopped("stopped on request");
-  files_->require_unchanged();
-  if (!folders_->recover(folder)) {
-    run.record = {.failure = "the run took away the folder that it ran in"};
-    return false;
-  }
-  folders_->require_room(folder);
-  run.record = {.failure = end.reason};
-  if (end.kind == ProcessEnd::Kind::failed) require_own_failure(stop);
-  if (end.kind != ProcessEnd::Kind::done) return false;
-  try {
-    run.record.modes = extract_modes(folder, command_.frequencies, command_.shapes, min_modes);
-    return true;
-  } catch (const InvalidInput& error) {
-    run.record.failure = error.what();
-    return false;
-  }
-}
-
-/// A scheduler signals all processes of a task, the solver perhaps before Mottle: such an end says nothing of the run.
-void SolverRuns::require_own_failure(const std::atomic<bool>* stop) const {
-  constexpr int k_looks = 100;
-  constexpr std::chrono::milliseconds k_between{10};
-  for (int look = 0; is_task_ && stop != nullptr && look < k_looks; ++look) {
-    if (stop->load()) throw Stopped("stopped on request");
-    std::this_thread::sleep_for(k_between);
-  }
-}
-
-void SolverRuns::put_away(const std::filesystem::path& folder, const std::string& id, Run& run) {
-  const bool has_failed = !run.record.failure.empty();
-  constexpr std::size_t k_longest_failure = 600;
-  run.record.failure = shortened(printable(run.record.failure), k_longest_failure);
-  if (!folders_->recover(folder)) return;
-  if (has_failed) run.last_words = printable(last_words(folder));
-  if (command_.kept == KeptRuns::none || (command_.kept == KeptRuns::failed && !has_failed)) {
-    folders_->remove(folder);
-    return;
-  }
-  std::error_code ignored;
-  std::filesystem::remove_all(folder / "reason.txt", ignored);  // which may be a link out of the folder
-  if (has_failed) write_run_file(folder / "reason.txt", run.record.failure + '\n');
-  files_->relink(folder);
-  shorten_output(folder);
-  run.folder = folders_->keep(folder, has_failed, id);
-}
-
 SolverRuns::Run SolverRuns::run(const Eigen::Ref<const Eigen::VectorXd>& values, int min_modes,
                                 const std::atomic<bool>* stop) {
   const Input input = fill(values);
@@ -217,22 +142,21 @@ SolverRuns::Run SolverRuns::run(const Eigen::Ref<const Eigen::VectorXd>& values,
   }
   const std::string id = id_of(key);
   std::filesystem::path folder;
-  bool is_done = false;
-  for (int number = 0; number <= command_.retries && !is_done; ++number) {
-    if (!folder.empty()) folders_->remove(folder);
-    folder = folders_->make();
-    is_done = try_once(input, folder, number, min_modes, stop, run);
-    run.tries = number + 1;
-  }
-  if (!is_done)
+  const bool is_done = try_until_done(input, min_modes, stop, folder, run);
+  if (!is_done) {
     run.record.failure += fmt::format(" ({}run {})", run.tries > 1 ? fmt::format("{} tries, ", run.tries) : "", id);
+  }
   put_away(folder, id, run);
-  keep(key, run.record);
+  if (run.losses < k_max_losses) keep(key, run.record);  // of one that others have ended nothing is known
   return run;
 }
 
 Digest SolverRuns::key_at(const Eigen::Ref<const Eigen::VectorXd>& values, int min_modes) const {
   return key_of(fill(values), min_modes);
+}
+
+void SolverRuns::begin_batch() const {
+  if (store_) store_->look_at_others();
 }
 
 std::optional<RunRecord> SolverRuns::find(const Digest& key) const {

@@ -47,10 +47,13 @@ std::uint64_t inode_of(const fs::path& folder) {
   return ::stat(folder.c_str(), &status) == 0 ? static_cast<std::uint64_t>(status.st_ino) : 0;
 }
 
-std::string bytes_of(const ArrayPlan& plan) {
+std::string bytes_of(const ArrayPlan& plan, std::uint64_t inode) {
   std::string body;
+  constexpr std::size_t k_rest = 1 << 16;
+  body.reserve(k_rest + plan.keys.size() * sizeof(Digest) +
+               static_cast<std::size_t>(plan.values.size()) * sizeof(double) + plan.ends.size() * sizeof(std::size_t));
   append_text(body, plan.name);
-  append_value(body, plan.inode);
+  append_value(body, inode);
   append_command(body, plan.command);
   append_value(body, static_cast<std::uint64_t>(plan.parameters.size()));
   for (const std::string& name : plan.parameters) append_text(body, name);
@@ -107,7 +110,7 @@ std::string new_array_name() {
   return fmt::format("mottle-{:08x}", static_cast<std::uint32_t>(entropy()));
 }
 
-void write_array(const fs::path& folder, ArrayPlan plan, const std::string& number_variable) {
+void write_array(const fs::path& folder, const ArrayPlan& plan, const std::string& number_variable) {
   std::error_code error;
   fs::create_directories(folder, error);
   write_run_file(folder / k_array_mark, "Made by Mottle for runs of a solver, and removed by it.\n");
@@ -118,8 +121,7 @@ void write_array(const fs::path& folder, ArrayPlan plan, const std::string& numb
   }
   write_file_atomically(folder / "job.sh", script_text(folder, number_variable));
   fs::permissions(folder / "job.sh", fs::perms::owner_exec, fs::perm_options::add, error);
-  plan.inode = inode_of(folder);
-  const std::string body = bytes_of(plan);
+  const std::string body = bytes_of(plan, inode_of(folder));
   const Digest sum = digest_of(body);
   const std::string_view sum_bytes(reinterpret_cast<const char*>(sum.data()), sizeof(sum));
   const std::string_view pieces[] = {k_magic, sum_bytes, body};
@@ -187,6 +189,12 @@ std::optional<TaskEnd> read_task_end(const fs::path& array, int task) {
   TaskEnd end;
   if (!(words >> end.runs >> end.bytes >> end.seconds)) return std::nullopt;
   return end;
+}
+
+void remove_array(const fs::path& folder) {
+  std::error_code ignored;
+  fs::remove_all(folder, ignored);
+  fs::remove(folder.parent_path(), ignored);  // where it is empty
 }
 
 fs::path cancel_mark(const fs::path& results) {

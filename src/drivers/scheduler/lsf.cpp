@@ -42,24 +42,33 @@ class LsfScheduler final : public Scheduler {
   std::vector<TaskReport> list(const std::vector<std::string>& names) override {
     std::vector<TaskReport> reports;
     for (const std::string& name : names) {
-      const CommandAnswer answer = ask_scheduler(
-          {"bjobs", "-a", "-noheader", "-J", name, "-o", "name jobindex stat exec_host exit_reason delimiter='|'"},
-          stop_);
-      if (!answer.is_done && !is_unknown(answer)) throw SchedulerSilent(fmt::format("bjobs says: {}", answer.error));
-      const std::vector<TaskReport> more = read_bjobs(answer.output);
+      const std::vector<TaskReport> more = show({"-J", name});
       reports.insert(reports.end(), more.begin(), more.end());
     }
     return reports;
   }
 
+  std::vector<TaskReport> look_up(const std::string& /*name*/, const std::string& job) override {
+    if (job.empty()) return {};
+    return show({job});
+  }
+
   void cancel(const std::string& name) override {
-    const CommandAnswer answer = ask_scheduler({"bkill", "-J", name, "0"}, stop_);
+    const CommandAnswer answer = ask_scheduler({"bkill", "-J", name, "0"}, nullptr);
     if (!answer.is_done && !is_unknown(answer)) refuse_answer("bkill", answer);
   }
 
   std::string number_variable() const override { return "LSB_JOBINDEX"; }
 
  private:
+  std::vector<TaskReport> show(const std::vector<std::string>& which) {
+    std::vector<std::string> call{"bjobs", "-a", "-noheader", "-o",
+                                  "name jobindex stat exec_host exit_reason delimiter='|'"};
+    call.insert(call.end(), which.begin(), which.end());
+    const CommandAnswer answer = ask_scheduler(call, stop_);
+    if (!answer.is_done && !is_unknown(answer)) throw SchedulerSilent(fmt::format("bjobs says: {}", answer.error));
+    return read_bjobs(answer.output);
+  }
   SchedulerOptions options_;
   const std::atomic<bool>* stop_;
 };

@@ -52,25 +52,35 @@ class PbsScheduler final : public Scheduler {
       ids.insert(ids.end(), more.begin(), more.end());
     }
     if (ids.empty()) return {};
-    const CommandAnswer answer = ask_with_history({"qstat", "-t", "-f", "-F", "json"}, ids);
-    if (!answer.is_done && !is_of_ended_job(answer)) {
-      throw SchedulerSilent(fmt::format("qstat says: {}", answer.error));
-    }
-    return read_qstat(answer.output, names);
+    return show(ids, names);
+  }
+
+  std::vector<TaskReport> look_up(const std::string& name, const std::string& job) override {
+    if (job.empty()) return {};
+    return show({job}, {name});
   }
 
   void cancel(const std::string& name) override {
     std::vector<std::string> call{"qdel"};
+    const std::atomic<bool>* stop = std::exchange(stop_, nullptr);
     const std::vector<std::string> ids = ids_of(name);
+    stop_ = stop;
     if (ids.empty()) return;
     call.insert(call.end(), ids.begin(), ids.end());
-    const CommandAnswer answer = ask_scheduler(call, stop_);
+    const CommandAnswer answer = ask_scheduler(call, nullptr);
     if (!answer.is_done && !is_of_ended_job(answer)) refuse_answer("qdel", answer);
   }
 
   std::string number_variable() const override { return "PBS_ARRAY_INDEX"; }
 
  private:
+  std::vector<TaskReport> show(const std::vector<std::string>& ids, const std::vector<std::string>& names) {
+    const CommandAnswer answer = ask_with_history({"qstat", "-t", "-f", "-F", "json"}, ids);
+    const bool is_over = is_of_ended_job(answer);
+    if (!answer.is_done && !is_over) throw SchedulerSilent(fmt::format("qstat says: {}", answer.error));
+    if (is_over && answer.output.empty()) return {};
+    return read_qstat(answer.output, names);
+  }
   /// Of jobs that have ended too (-x), where the server keeps a history; where it does not, they are not shown any
   /// more.
   CommandAnswer ask_with_history(std::vector<std::string> call, const std::vector<std::string>& ids) {

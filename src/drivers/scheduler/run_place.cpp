@@ -3,12 +3,61 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <csignal>
 #include <cstdlib>
 #include <cstring>
 
+#include "drivers/scheduler/left_arrays.hpp"
 #include "mottle/core/error.hpp"
+#include "mottle/core/text.hpp"
+#include "mottle/drivers/command/run_folders.hpp"
+#include "mottle/drivers/scheduler/task_status.hpp"
 
 namespace mottle::drivers {
+namespace {
+
+constexpr const char* k_place_mark = ".mottle-tasks";  // only what holds it is ever removed
+
+/// Of the folders that are made on this host.
+std::string place_prefix() {
+  return fmt::format("mottle-tasks-{}-", node_name());
+}
+
+/// Where tasks are left that could not be ended, it stays, and the next Mottle ends them.
+void remove_place(const std::filesystem::path& place) {
+  std::error_code ignored;
+  if (array_folders(place).empty()) std::filesystem::remove_all(place, ignored);
+}
+
+/// Whether a process that made a folder is gone: "mottle-tasks-HOST-123-XXXXXX".
+bool is_abandoned(const std::filesystem::path& place) {
+  const std::string name = place.filename().string();
+  std::error_code ignored;
+  if (!name.starts_with(place_prefix())) return false;
+  if (std::filesystem::symlink_status(place, ignored).type() != std::filesystem::file_type::directory) return false;
+  if (!std::filesystem::is_regular_file(place / k_place_mark, ignored)) return false;
+  double process = 0.0;
+  const std::string rest = name.substr(place_prefix().size());
+  return parse_number(rest.substr(0, rest.find('-')), process) && process >= 1.0 &&
+         ::kill(static_cast<pid_t>(process), 0) != 0 && errno == ESRCH;
+}
+
+/// Those of a Mottle that was killed, or stopped twice, before it had cancelled its tasks.
+void end_abandoned_places(const std::filesystem::path& parent) {
+  std::error_code ignored;
+  std::filesystem::directory_iterator entry(parent, ignored);
+  for (; entry != std::filesystem::directory_iterator(); entry.increment(ignored)) {
+    if (!is_abandoned(entry->path())) continue;
+    try {
+      cancel_tasks(entry->path());
+      std::filesystem::remove_all(entry->path(), ignored);
+    } catch (
+        const Error&) {  // NOLINT(bugprone-empty-catch): the scheduler does not answer; the next Mottle tries again
+    }
+  }
+}
+
+}  // namespace
 
 SharedRunPlace::SharedRunPlace(const SolverCommand& command, const RunStorage& storage)
     : storage_(storage), is_temporary_(command.scheduler && storage.results.empty()) {
@@ -20,22 +69,31 @@ SharedRunPlace::SharedRunPlace(const SolverCommand& command, const RunStorage& s
         scheduler_name(command.scheduler->kind), storage.ranks == nullptr ? 1 : storage.ranks->count());
   }
   if (!is_temporary_) return;
-  std::string pattern = (std::filesystem::current_path() / "mottle-tasks-XXXXXX").string();
+  const std::filesystem::path here = std::filesystem::current_path();
+  end_abandoned_places(here);
+  std::string pattern = (here / fmt::format("{}{}-XXXXXX", place_prefix(), ::getpid())).string();
   const bool is_made = ::mkdtemp(pattern.data()) != nullptr;
   require(is_made, "{}: cannot be made: {}; tasks of a scheduler need a folder that all nodes see: start Mottle in one",
           pattern, std::strerror(errno));
   storage_.results = pattern;
+  write_run_file(storage_.results / k_place_mark, "Made by Mottle for one job, and removed by it.\n");
 }
 
 SharedRunPlace::~SharedRunPlace() {
-  std::error_code ignored;
-  if (is_temporary_) std::filesystem::remove_all(storage_.results, ignored);
+  if (is_temporary_) remove_place(storage_.results);
 }
 
 std::unique_ptr<ScheduledRuns> scheduled_runs(SolverRuns& runs, const SharedRunPlace& place,
                                               const std::atomic<bool>* stop) {
   const std::optional<SchedulerOptions>& options = runs.command().scheduler;
-  if (!options) return nullptr;
+  if (!options) {
+    const RunStorage& storage = place.storage();
+    const bool is_first = storage.ranks == nullptr || storage.ranks->is_first();
+    if (!storage.results.empty() && !storage.is_task && is_first) {
+      require_no_other_arrays(runs, std::filesystem::absolute(storage.results), storage.is_resumed, std::nullopt);
+    }
+    return nullptr;
+  }
   return std::make_unique<ScheduledRuns>(runs,
                                          TaskPlace{.results = place.storage().results,
                                                    .is_temporary = place.is_temporary(),

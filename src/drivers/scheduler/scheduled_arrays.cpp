@@ -1,9 +1,14 @@
 // The arrays of ScheduledRuns: made, submitted, asked for, found again, and taken away.
+#include <malloc.h>
+
 #include <algorithm>
 
+#include "drivers/scheduler/death_charges.hpp"
+#include "drivers/scheduler/left_arrays.hpp"
 #include "drivers/scheduler/scheduled_batch.hpp"
 #include "mottle/core/clock.hpp"
 #include "mottle/core/error.hpp"
+#include "mottle/core/text.hpp"
 #include "mottle/drivers/command/run_store.hpp"
 
 namespace mottle::drivers {
@@ -11,10 +16,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-void remove_array(const fs::path& folder) {
-  std::error_code ignored;
-  fs::remove_all(folder, ignored);
-  fs::remove(folder.parent_path(), ignored);  // where it is empty
+/// What tells tasks of two submissions apart, as `partition = "short"`.
+std::vector<std::string> option_texts(const SchedulerOptions& options) {
+  return {
+      fmt::format("partition = \"{}\"", options.partition), fmt::format("time = \"{} s\"", options.time.count() / 1000),
+      fmt::format("account = \"{}\"", options.account),     fmt::format("cores = {}", options.cores),
+      fmt::format("licences = \"{}\"", options.licences),   fmt::format("extra = [{}]", join(options.extra, ", "))};
 }
 
 }  // namespace
@@ -28,8 +35,10 @@ ScheduledRuns::ScheduledRuns(SolverRuns& runs, const TaskPlace& place, std::uniq
       patience_(patience),
       question_interval_(patience.first_question),
       is_temporary_(place.is_temporary) {
+  require_no_other_arrays(runs_, results_, place.is_resumed, options_.kind);
   std::error_code ignored;
   fs::remove(cancel_mark(results_), ignored);
+  charges_ = std::make_unique<DeathCharges>(results_, place.is_resumed);
   adopt(place.is_resumed);
   fs::remove(results_ / k_task_folder, ignored);  // where it is empty
 }
@@ -54,20 +63,15 @@ void ScheduledRuns::adopt(bool is_resumed) {
       continue;
     }
     auto array = std::make_unique<TaskArray>(folder, *plan);
-    const std::size_t found = array->read_new([&](const Digest& key, std::string_view bytes, int) {
-      const RunRecord record = decode_run(bytes);
-      if ((record.failure.empty() || is_resumed) && !runs_.find(key)) runs_.keep(key, record);
-    });
+    const std::size_t found = take_over(runs_, *array, is_resumed);
     if (is_copied_array(folder, *plan)) {
       notes_.push_back(fmt::format("{}: a copy of another folder's tasks, which are left to it", array->name()));
       remove_array(folder);
       continue;
     }
-    const bool is_same = plan->command.scheduler && plan->command.scheduler->kind == options_.kind &&
-                         plan->constants == runs_.constants();
-    if (!is_same) {
+    if (plan->constants != runs_.constants()) {
       notes_.push_back(fmt::format("{}: tasks of another study, or of other files, are ended", array->name()));
-      if (plan->command.scheduler) make_scheduler(*plan->command.scheduler, nullptr)->cancel(array->name());
+      scheduler_->cancel(array->name());
       remove_array(folder);
       continue;
     }
@@ -76,9 +80,24 @@ void ScheduledRuns::adopt(bool is_resumed) {
     array->is_submitted = read_array_job(folder).has_value();
     notes_.push_back(fmt::format("{}: an earlier Mottle has left it; {} runs are there, {} tasks are not at their end",
                                  array->name(), found, array->unfinished()));
+    if (array->unfinished() > 0) warn_of_old_options(*array, *plan->command.scheduler);
     seconds_a_run_ = std::max(seconds_a_run_, array->seconds_a_run());
     arrays_.push_back(std::move(array));
   }
+}
+
+void ScheduledRuns::warn_of_old_options(const TaskArray& array, const SchedulerOptions& old) {
+  const std::vector<std::string> before = option_texts(old);
+  const std::vector<std::string> now = option_texts(options_);
+  std::vector<std::string> differences;
+  for (std::size_t i = 0; i < now.size(); ++i) {
+    if (before[i] != now[i]) differences.push_back(fmt::format("{}, now {}", before[i], now[i]));
+  }
+  if (differences.empty()) return;
+  warnings_.push_back(
+      fmt::format("{}: {} tasks were submitted before model.scheduler was changed ({}) and keep the old options; to "
+                  "submit them anew, end them by 'mottle cancel {}' and start again",
+                  array.name(), array.unfinished(), join(differences, "; "), results_.string()));
 }
 
 int ScheduledRuns::free_limit() const {
@@ -93,17 +112,19 @@ void ScheduledRuns::submit_more(Batch& batch) {
   const int limit = free_limit();
   const int tasks = unfinished();
   if (batch.queue.to_submit() == 0 || tasks > k_most_tasks / 2 || (options_.runs_at_once > 0 && limit <= 0)) return;
-  const RunQueue::Next next = batch.queue.next(k_most_tasks - tasks, seconds_a_run_);
-  if (!next.keys.empty()) make_array(batch, next, limit);
+  RunQueue::Next next = batch.queue.next(k_most_tasks - tasks, seconds_a_run_);
+  if (next.keys.empty()) return;
+  make_array(batch, std::move(next), limit);
+  ::malloc_trim(0);  // what has just been written was as large as all that is kept of it
 }
 
-void ScheduledRuns::make_array(Batch& batch, const RunQueue::Next& next, int limit) {
+void ScheduledRuns::make_array(Batch& batch, RunQueue::Next next, int limit) {
   ArrayPlan plan{.name = new_array_name(),
                  .command = runs_.frozen_command(),
                  .parameters = runs_.parameter_names(),
                  .min_modes = batch.min_modes,
                  .constants = runs_.constants(),
-                 .keys = next.keys,
+                 .keys = std::move(next.keys),
                  .values = batch.samples(next.samples, Eigen::all),
                  .ends = next.ends};
   plan.command.scheduler->runs_at_once = limit;
@@ -158,6 +179,7 @@ void ScheduledRuns::ask(const RunContext& context) {
       if (std::ranges::find(names, array->name()) == names.end()) continue;
       has_changed |= array->take(reports, steady_seconds());
     }
+    look_for_missing(context);
     if (is_silent_) note(context, fmt::format("{} answers again", scheduler_name(options_.kind)));
     is_silent_ = false;
   } catch (const SchedulerSilent& silence) {
@@ -167,6 +189,21 @@ void ScheduledRuns::ask(const RunContext& context) {
   question_interval_ =
       has_changed ? patience_.first_question : std::min(k_growth * question_interval_, patience_.last_question);
   next_question_ = steady_seconds() + question_interval_;
+}
+
+/// A list without a task is no proof that the task has ended.
+void ScheduledRuns::look_for_missing(const RunContext& context) {
+  for (const std::unique_ptr<TaskArray>& array : arrays_) {
+    const int missing = array->missing();
+    if (missing == 0) continue;
+    const std::string job = read_array_job(array->folder()).value_or("");
+    array->take_found(scheduler_->look_up(array->name(), job), steady_seconds());
+    if (array->missing() == 0 || std::exchange(array->is_missing_told, true)) continue;
+    note(context,
+         fmt::format("{}: {} does not list {} of its tasks; they are given up once they have given no sign of "
+                     "life for {:.0f} s",
+                     array->name(), scheduler_name(options_.kind), array->missing(), 2.0 * patience_.after_silence));
+  }
 }
 
 void ScheduledRuns::say_silence(const RunContext& context, const std::string& words) {

@@ -4,8 +4,10 @@
 #include <chrono>
 #include <numeric>
 #include <thread>
+#include <utility>
 
 #include "drivers/command/run_output.hpp"
+#include "drivers/scheduler/death_charges.hpp"
 #include "drivers/scheduler/scheduled_batch.hpp"
 #include "mottle/core/clock.hpp"
 #include "mottle/core/error.hpp"
@@ -47,8 +49,8 @@ void ScheduledRuns::run_all(const Eigen::Ref<const Eigen::MatrixXd>& samples, in
                             const Deliver& deliver) {
   Batch batch{samples, min_modes, context, deliver, RunQueue(options_)};
   if (has_log_) {
-    for (const std::string& text : notes_) context.note(text);
-    notes_.clear();
+    for (const std::string& text : std::exchange(notes_, {})) context.note(text);
+    for (const std::string& text : std::exchange(warnings_, {})) context.warning(text);
   }
   try {
     begin_batch(batch);
@@ -57,6 +59,7 @@ void ScheduledRuns::run_all(const Eigen::Ref<const Eigen::MatrixXd>& samples, in
     stop(why.what());
   }
   context.detail("");
+  charges_->clear();
   clean();
 }
 
@@ -70,7 +73,7 @@ void ScheduledRuns::begin_batch(Batch& batch) {
       if (known) {
         batch.deliver(s, {.record = std::move(*known), .is_reused = true});
       } else {
-        batch.queue.add(key, s);
+        batch.queue.add(key, s, charges_->of(key));
       }
     } catch (const FormatError& error) {  // a value that does not fit into its placeholder
       batch.deliver(s, {.record = {.failure = error.what()}});
@@ -123,6 +126,7 @@ void ScheduledRuns::finish_run(Batch& batch, const Digest& key, RunRecord record
   if (!folder.empty()) run.folder = runs_.keep_folder(folder, !run.record.failure.empty(), id);
   if (!run.record.failure.empty() && !run.folder.empty()) run.last_words = printable(last_words(run.folder));
   runs_.keep(key, run.record);
+  charges_->set(key, 0);
   for (const Eigen::Index sample : batch.queue.take(key)) batch.deliver(sample, run);
 }
 
@@ -137,7 +141,14 @@ void ScheduledRuns::bury(Batch& batch, const TaskArray& array, const TaskDeath& 
                                   death.missing.size(), death.reason));
   runs_.require_room(task);  // else a full disk would fail one run after the other
   const std::optional<RunQueue::Failure> failure = batch.queue.put_back(death);
-  if (!failure) return;
+  const Digest& first = death.missing.front();
+  if (!failure) return charges_->set(first, batch.queue.deaths_of(first));
+  if (!failure->is_begun && death.is_disk_full) {
+    throw NoRoom(
+        fmt::format("the disk was full again and again while runs were at work, the last: {}; these runs are "
+                    "not failures of the model: make room and go on with --resume",
+                    death.reason));
+  }
   if (!failure->is_begun) {
     throw SystemFailure(
         fmt::format("tasks end again and again before they begin with a run, the last: {}; what it "
@@ -148,6 +159,7 @@ void ScheduledRuns::bury(Batch& batch, const TaskArray& array, const TaskDeath& 
   const fs::path kept = left.empty() ? fs::path() : runs_.keep_folder(left, true, SolverRuns::id_of(failure->key));
   const SolverRuns::Run run{.record = {.failure = failure->text}, .tries = options_.tries, .folder = kept};
   runs_.keep(failure->key, run.record);
+  charges_->set(failure->key, 0);
   for (const Eigen::Index sample : batch.queue.take(failure->key)) batch.deliver(sample, run);
 }
 

@@ -85,6 +85,7 @@ CommandAnswer ask_scheduler(const std::vector<std::string>& arguments, const std
                                       .timeout = k_patience,
                                       .stop = stop});
   if (end.kind == ProcessEnd::Kind::stopped) throw Stopped("stopped on request");
+  if (end.kind == ProcessEnd::Kind::lost) throw SchedulerSilent(fmt::format("{}: {}", arguments.front(), end.reason));
   if (end.kind == ProcessEnd::Kind::timed_out) {
     throw SchedulerSilent(fmt::format("{} gave no answer within {} s", arguments.front(), k_patience.count()));
   }

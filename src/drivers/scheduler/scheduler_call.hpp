@@ -52,6 +52,9 @@ std::unique_ptr<Scheduler> make_lsf(const SchedulerOptions& options, const std::
 
 /// What squeue, qstat and bjobs printed, as reports; `names` of the arrays that were asked for.
 std::vector<TaskReport> read_squeue(std::string_view output);
+/// Likewise of `scontrol show job --oneliner` and of `sacct --parsable2 --format=JobName,JobID,State,NodeList`.
+std::vector<TaskReport> read_scontrol(std::string_view output);
+std::vector<TaskReport> read_sacct(std::string_view output);
 std::vector<TaskReport> read_qstat(const std::string& output, const std::vector<std::string>& names);
 std::vector<TaskReport> read_bjobs(std::string_view output);
 

@@ -4,6 +4,7 @@
 
 #include "drivers/scheduler/scheduler_call.hpp"
 #include "mottle/core/text.hpp"
+#include "mottle/drivers/command/solver_process.hpp"
 
 namespace mottle::drivers {
 namespace {
@@ -55,8 +56,22 @@ class SlurmScheduler final : public Scheduler {
     return read_squeue(answer.output);
   }
 
+  /// The controller by the job's number, which no filter of squeue narrows; else the accounting, where there is one.
+  std::vector<TaskReport> look_up(const std::string& /*name*/, const std::string& job) override {
+    if (job.empty()) return {};
+    const CommandAnswer shown = ask_scheduler({"scontrol", "show", "job", "--oneliner", job}, stop_);
+    const bool is_unknown = shown.error.find("Invalid job id") != std::string::npos;
+    if (!shown.is_done && !is_unknown) throw SchedulerSilent(fmt::format("scontrol says: {}", shown.error));
+    std::vector<TaskReport> reports = read_scontrol(shown.output);
+    if (!reports.empty() || find_program("sacct").empty()) return reports;
+    const CommandAnswer counted = ask_scheduler({"sacct", "--noheader", "--parsable2", "--allocations", "--array",
+                                                 "--jobs=" + job, "--format=JobName,JobID,State,NodeList"},
+                                                stop_);
+    return read_sacct(counted.output);  // nothing where there is no accounting
+  }
+
   void cancel(const std::string& name) override {
-    const CommandAnswer answer = ask_scheduler({"scancel", "--name=" + name}, stop_);
+    const CommandAnswer answer = ask_scheduler({"scancel", "--name=" + name}, nullptr);
     if (!answer.is_done) refuse_answer("scancel", answer);
   }
 
@@ -67,18 +82,79 @@ class SlurmScheduler final : public Scheduler {
   const std::atomic<bool>* stop_;
 };
 
+/// By one of Slurm's words for a state.
+TaskReport report_of(const std::string& array, int task, const std::string& state, const std::string& node) {
+  TaskReport report{.array = array, .task = task, .node = node, .words = state};
+  if (is_end(state)) {
+    report.state = TaskReport::State::ended;
+    report.is_success = state == "COMPLETED";
+  } else if (state == "RUNNING" || state == "COMPLETING" || state == "SUSPENDED") {
+    report.state = TaskReport::State::running;
+  }
+  return report;
+}
+
+/// Numbers in "3", "1-4%2", "2,5-7".
+std::vector<int> numbers_of(std::string_view text) {
+  constexpr int k_most = 1'000'000;
+  std::vector<int> numbers;
+  for (const std::string& part : split_text(text.substr(0, text.find('%')), ',')) {
+    const std::size_t dash = part.find('-');
+    double first = 0.0;
+    double last = 0.0;
+    if (!parse_number(part.substr(0, dash), first)) continue;
+    if (dash == std::string::npos || !parse_number(part.substr(dash + 1), last)) last = first;
+    if (first < 0.0 || last > k_most) continue;
+    for (int number = static_cast<int>(first); number <= static_cast<int>(last); ++number) numbers.push_back(number);
+  }
+  return numbers;
+}
+
+/// The value of "Key=Value" in a line of scontrol; empty: it is not there.
+std::string value_in(const std::string& line, const std::string& key) {
+  for (const std::string& word : split_text(line, ' ')) {
+    if (word.starts_with(key + "=")) return word.substr(key.size() + 1);
+  }
+  return {};
+}
+
 }  // namespace
+
+std::vector<TaskReport> read_scontrol(std::string_view output) {
+  std::vector<TaskReport> reports;
+  for (const std::string& line : split_text(output, '\n')) {
+    const std::string array = value_in(line, "JobName");
+    const std::string state = value_in(line, "JobState");
+    const std::string node = value_in(line, "NodeList");
+    if (array.empty() || state.empty()) continue;
+    for (const int task : numbers_of(value_in(line, "ArrayTaskId"))) {
+      reports.push_back(report_of(array, task, state, node == "(null)" ? "" : node));
+    }
+  }
+  return reports;
+}
+
+std::vector<TaskReport> read_sacct(std::string_view output) {
+  constexpr std::size_t k_fields = 4;
+  std::vector<TaskReport> reports;
+  for (const std::string& line : split_text(output, '\n')) {
+    const std::vector<std::string> fields = split_text(line, '|');
+    const std::size_t bar = fields.size() < k_fields ? std::string::npos : fields[1].find('_');
+    if (bar == std::string::npos) continue;
+    std::string tasks = fields[1].substr(bar + 1);  // "3", "[4-9%2]"
+    std::erase_if(tasks, [](char c) { return c == '[' || c == ']'; });
+    const std::string state = fields[2].substr(0, fields[2].find(' '));  // "CANCELLED by 1000"
+    const std::string node = fields[3] == "None assigned" ? "" : fields[3];
+    for (const int task : numbers_of(tasks)) reports.push_back(report_of(fields[0], task, state, node));
+  }
+  return reports;
+}
 
 std::vector<TaskReport> read_squeue(std::string_view output) {
   std::vector<TaskReport> reports;
   for (const auto& [task, fields] : task_rows(output)) {
-    TaskReport report{.array = fields[0], .task = task, .node = fields[3], .words = fields[2]};
-    if (is_end(fields[2])) {
-      report.state = TaskReport::State::ended;
-      report.is_success = fields[2] == "COMPLETED";
-    } else if (fields[2] == "RUNNING" || fields[2] == "COMPLETING" || fields[2] == "SUSPENDED") {
-      report.state = TaskReport::State::running;
-    } else if (fields[4] != "None" && !fields[4].empty()) {
+    TaskReport report = report_of(fields[0], task, fields[2], fields[3]);
+    if (report.state == TaskReport::State::waiting && fields[4] != "None" && !fields[4].empty()) {
       report.words += fmt::format(" ({})", fields[4]);  // "PENDING (Resources)"
     }
     reports.push_back(std::move(report));

@@ -10,6 +10,7 @@
 #include "core/temporary_folder.hpp"
 #include "mottle/core/error.hpp"
 #include "mottle/core/files.hpp"
+#include "mottle/drivers/command/run_folders.hpp"
 #include "mottle/model/structure_model.hpp"
 
 namespace {
@@ -34,6 +35,9 @@ case ${k%.*} in
   53) one=1 ;;
   54) exit 3 ;;
   55) [ "$1" = again ] || exit 1 ;;
+  56) [ -e "$LOG.full" ] || { touch "$LOG.full"; mkdir -p a; echo "forrtl: No space left on device" > a/log; exit 1; } ;;
+  57) [ -e "$LOG.lost" ] || { touch "$LOG.lost"; kill -KILL $PPID; sleep 1000; } ;;
+  58) kill -KILL $PPID; sleep 1000 ;;
 esac
 awk -v k="$k" -v one="$one" 'BEGIN { print k * (3 - sqrt(5)) / 2; if (!one) print k * (3 + sqrt(5)) / 2 }' > out
 printf 'dof,a,b\n1:+X,-%s,1\n2:+X,-1,-%s\n' 0.618033988749895 0.618033988749895 > shapes.csv
@@ -94,6 +98,26 @@ TEST_F(External, ShapesAreOutputsAndTheirSignIsTheReferences) {
                                      .tracking = mottle::model::ModeTracking::mac});
   EXPECT_EQ(found.outputs(0, 1), -0.618033988749895);
   EXPECT_EQ(found.outputs(0, 2), 1.0);
+}
+
+TEST_F(External, ARunThatFoundTheDiskFullForAMomentIsDoneAgain) {
+  EXPECT_THROW(evaluate({1.0, 56.0}), mottle::drivers::NoRoom);
+  const Evaluation found = evaluate({1.0, 56.0}, true);
+  EXPECT_TRUE(found.failures.empty());
+  EXPECT_NEAR(found.outputs(1, 0), frequency(56.0, -1.0), 1e-6);
+}
+
+TEST_F(External, ARunWhoseGuardWasKilledIsDoneAgain) {
+  const Evaluation found = evaluate({57.0});
+  EXPECT_TRUE(found.failures.empty()) << found.failures.front().reason;
+  EXPECT_EQ(runs(), 3) << "the means, and twice";
+}
+
+TEST_F(External, ARunWhoseGuardIsKilledEachTimeIsNotKeptAsAFailure) {
+  EXPECT_THAT(evaluate({58.0}).failures.at(0).reason, HasSubstr("its guard was killed from outside (3 tries"));
+  const std::ptrdiff_t before = runs();
+  EXPECT_EQ(evaluate({58.0}, true).failures.size(), 1U);
+  EXPECT_EQ(runs(), before + 3) << "a resumed job asks again";
 }
 
 TEST_F(External, ARunThatFailsCostsItsSampleAlone) {

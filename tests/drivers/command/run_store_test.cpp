@@ -59,6 +59,8 @@ TEST_F(RunStoreTest, WhatAnotherRankKeepsIsFoundHere) {
   RunStore of_rank_1(other, {file_});
   EXPECT_FALSE(store.find({1, 7}));
   of_rank_1.keep({1, 7}, record_of(4.0));
+  EXPECT_FALSE(store.find({1, 7})) << "nobody looks at other files for each run";
+  store.look_at_others();
   ASSERT_TRUE(store.find({1, 7}));
   EXPECT_EQ(store.find({1, 7})->modes.eigenvalues, record_of(4.0).modes.eigenvalues);
   EXPECT_TRUE(store.is_new({1, 7}));

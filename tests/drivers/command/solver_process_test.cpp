@@ -73,6 +73,13 @@ TEST_F(SolverProcess, AHangingProgramAndItsChildrenEndAtTheTimeout) {
   EXPECT_TRUE(is_gone("self"));
 }
 
+TEST_F(SolverProcess, AGuardThatOthersEndSaysNothingOfTheProgram) {
+  EXPECT_EQ(run({"sh", "-c", "kill -KILL $PPID; sleep 1000"}).kind, ProcessEnd::Kind::lost);
+  const ProcessEnd end = run({"sh", "-c", "kill -TERM $PPID; sleep 1000"});
+  EXPECT_EQ(end.kind, ProcessEnd::Kind::lost);
+  EXPECT_THAT(end.reason, HasSubstr("guard was asked from outside"));
+}
+
 TEST_F(SolverProcess, WhatAProgramLeavesRunningIsKilled) {
   EXPECT_EQ(run({"sh", "-c", "sleep 1000 & echo $! > child"}).kind, ProcessEnd::Kind::done);
   EXPECT_TRUE(is_gone("child"));

@@ -78,6 +78,24 @@ TEST(RunQueue, OnlyTheRunInProgressIsChargedAndThenStandsAlone) {
   EXPECT_FALSE(queue.put_back({.task = 2, .missing = {key(2), key(3)}, .has_begun = true}));
 }
 
+TEST(RunQueue, ARunThatAnEarlierMottleHasChargedStandsAloneFromTheStart) {
+  RunQueue queue = queue_of(2, {.runs_per_task = 9, .tries = 3});
+  queue.add(key(5), 7, 2);
+  EXPECT_THAT(queue.next(10, 1.0).ends, testing::ElementsAre(1, 3));
+  EXPECT_EQ(queue.deaths_of(key(5)), 2);
+  EXPECT_TRUE(queue.put_back({.task = 1, .missing = {key(5)}, .has_begun = true}));
+}
+
+TEST(RunQueue, AFullDiskBlamesNoRun) {
+  RunQueue queue = queue_of(1, {.tries = 2});
+  const TaskDeath death{.task = 1, .missing = {key(0)}, .has_begun = true, .is_disk_full = true};
+  EXPECT_FALSE(queue.put_back(death));
+  EXPECT_EQ(queue.deaths_of(key(0)), 0);
+  const auto failure = queue.put_back(death);
+  ASSERT_TRUE(failure);
+  EXPECT_FALSE(failure->is_begun);
+}
+
 TEST(RunQueue, TasksThatNeverBeginBlameNoRun) {
   RunQueue queue = queue_of(2, {.runs_per_task = 2, .tries = 2});
   const TaskDeath death{.task = 1, .missing = {key(0), key(1)}, .has_begun = false};

@@ -4,11 +4,14 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <thread>
 
 #include "core/temporary_folder.hpp"
 #include "drivers/scheduler/command_bytes.hpp"
+#include "drivers/scheduler/heartbeat.hpp"
 #include "mottle/core/error.hpp"
 #include "mottle/core/files.hpp"
+#include "mottle/drivers/command/run_store.hpp"
 #include "mottle/drivers/scheduler/task_worker.hpp"
 
 namespace {
@@ -17,7 +20,18 @@ using namespace mottle::drivers;
 using State = TaskReport::State;
 
 /// What becomes of the tasks of an array.
-enum class Fate { done, dead, dead_in_second_run, silent_but_done, forgotten_then_done };
+enum class Fate {
+  done,
+  dead,
+  dead_in_first_run,
+  dead_in_second_run,
+  silent_but_done,
+  forgotten_then_done,
+  unlisted_at_work,  // long after it should have been given up
+  unlisted_dead,
+  unlisted_dead_by_number,  // the second look finds it ended
+  refused
+};
 
 class PlayedScheduler final : public Scheduler {
  public:
@@ -29,12 +43,16 @@ class PlayedScheduler final : public Scheduler {
     requests_.push_back(request);
     const Fate fate = fates_.empty() ? Fate::done : fates_.front();
     if (!fates_.empty()) fates_.erase(fates_.begin());
+    if (fate == Fate::refused) throw mottle::SystemFailure("no");
     for (int task = 1; task <= request.tasks; ++task) {
       TaskReport report{.array = request.name, .task = task, .state = State::ended, .node = "n1", .words = "NODE_FAIL"};
       report.is_success = fate == Fate::done || fate == Fate::silent_but_done;
       if (fate == Fate::dead_in_second_run) do_one(request.folder, task);
-      if (report.is_success || fate == Fate::forgotten_then_done) run_task(request.folder, task, nullptr);
-      reports_.push_back(report);
+      if (fate == Fate::dead_in_first_run) RunStore(task_folder(request.folder, task) / "runs.store");
+      if (report.is_success || fate == Fate::forgotten_then_done) report.is_success &= do_all(request.folder, task);
+      if (fate == Fate::unlisted_at_work) threads_.emplace_back(work_late, request.folder, task);
+      if (fate == Fate::unlisted_dead_by_number) found_by_number_.push_back(report);
+      if (fate < Fate::unlisted_at_work) reports_.push_back(report);
     }
     if (fate == Fate::silent_but_done) throw SchedulerSilent("no answer");
     return "7";
@@ -46,10 +64,33 @@ class PlayedScheduler final : public Scheduler {
     });
     return found;
   }
+  std::vector<TaskReport> look_up(const std::string& name, const std::string& job) override {
+    EXPECT_EQ(job, "7");
+    std::vector<TaskReport> found;
+    std::ranges::copy_if(found_by_number_, std::back_inserter(found),
+                         [&](const TaskReport& report) { return report.array == name; });
+    return found;
+  }
   void cancel(const std::string& name) override { ended_.push_back(name); }
   std::string number_variable() const override { return "TASK"; }
 
  private:
+  /// Whether the task came to its end.
+  static bool do_all(const std::filesystem::path& folder, int task) {
+    try {
+      run_task(folder, task, nullptr);
+      return true;
+    } catch (const mottle::SystemFailure&) {
+      return false;
+    }
+  }
+  static void work_late(const std::filesystem::path& folder, int task) {
+    {
+      const Heartbeat heartbeat(task_folder(folder, task), std::chrono::milliseconds(10));
+      std::this_thread::sleep_for(std::chrono::milliseconds(1500));
+    }
+    do_all(folder, task);
+  }
   /// The first run of a task, by an array that has it alone, and no word of the end.
   static void do_one(const std::filesystem::path& folder, int task) {
     const std::filesystem::path file = folder / "array";
@@ -72,6 +113,8 @@ class PlayedScheduler final : public Scheduler {
   std::vector<ArrayRequest>& requests_;
   std::vector<std::string>& ended_;
   std::vector<TaskReport> reports_;
+  std::vector<TaskReport> found_by_number_;
+  std::vector<std::jthread> threads_;
 };
 
 class Scheduled : public testing::Test {
@@ -89,10 +132,14 @@ class Scheduled : public testing::Test {
   /// First frequencies in Hz, by sample; nan: the run failed.
   std::vector<double> run(const std::vector<double>& k) {
     SolverRuns runs(command_, {"k"}, {.results = folder_ / "results", .is_resumed = true});
-    ScheduledRuns scheduled(
-        runs, {.results = folder_ / "results", .is_resumed = true},
-        std::make_unique<PlayedScheduler>(fates_, requests_, ended_),
-        {.first_question = 0.02, .last_question = 0.02, .after_death = 0.02, .after_end = 0.1, .poll = 0.01});
+    ScheduledRuns scheduled(runs, {.results = folder_ / "results", .is_resumed = true},
+                            std::make_unique<PlayedScheduler>(fates_, requests_, ended_),
+                            {.first_question = 0.02,
+                             .last_question = 0.02,
+                             .after_death = 0.02,
+                             .after_end = 0.1,
+                             .after_silence = after_silence_,
+                             .poll = 0.01});
     std::vector<double> found(k.size(), -1.0);
     const Eigen::MatrixXd samples = Eigen::Map<const Eigen::VectorXd>(k.data(), static_cast<Eigen::Index>(k.size()));
     scheduled.run_all(samples, 1, {.stop = &stop_}, [&](Eigen::Index s, const SolverRuns::Run& one) {
@@ -119,6 +166,7 @@ class Scheduled : public testing::Test {
   std::vector<ArrayRequest> requests_;
   std::vector<std::string> ended_;
   std::string failures_;
+  double after_silence_ = 0.3;
   std::atomic<bool> stop_{false};
 };
 
@@ -165,6 +213,54 @@ TEST_F(Scheduled, ALateResultOfATaskThatWasCalledDeadIsTaken) {
   fates_ = {Fate::forgotten_then_done};
   EXPECT_THAT(run({1, 2}), are({1, 2}));
   EXPECT_EQ(requests_.size(), 1U);
+}
+
+TEST_F(Scheduled, ATaskThatTheSchedulerDoesNotListIsNotDoubledWhileItGivesSignsOfLife) {
+  fates_ = {Fate::unlisted_at_work};
+  EXPECT_THAT(run({1, 2, 3, 4}), are({1, 2, 3, 4}));
+  EXPECT_EQ(requests_.size(), 1U);
+  EXPECT_EQ(solver_runs(), 4);
+}
+
+TEST_F(Scheduled, ATaskThatIsNeitherListedNorAliveIsDoneAgain) {
+  fates_ = {Fate::unlisted_dead};
+  EXPECT_THAT(run({1, 2}), are({1, 2}));
+  EXPECT_EQ(requests_.size(), 2U);
+}
+
+TEST_F(Scheduled, ASecondLookThatFindsATaskEndedIsBelieved) {
+  fates_ = {Fate::unlisted_dead_by_number};
+  after_silence_ = 1e6;
+  EXPECT_THAT(run({1, 2}), are({1, 2}));
+  EXPECT_EQ(requests_.size(), 2U);
+}
+
+TEST_F(Scheduled, DeathsAreCountedThroughARestart) {
+  fates_ = {Fate::dead_in_second_run, Fate::refused};
+  EXPECT_THROW(run({1, 2, 3}), mottle::SystemFailure);
+  fates_ = {Fate::dead_in_first_run};  // the second and the third run, each in a task of its own
+  EXPECT_THAT(run({1, 2, 3}), testing::ElementsAre(testing::DoubleEq(1.0), -2.0, testing::DoubleNear(3.0, 1e-12)));
+  EXPECT_THAT(failures_, testing::HasSubstr("ended 2 times"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "results" / "tasks"));
+}
+
+TEST_F(Scheduled, ADiskThatWasFullForAMomentIsNoFailureOfTheModel) {
+  command_.command.arguments = {
+      "test -e " + (folder_ / "flag").string() + " || { touch " + (folder_ / "flag").string() +
+      "; echo 'write: No space left on device' >&2; exit 1; }; " + command_.command.arguments.front()};
+  EXPECT_THAT(run({1, 2}), are({1, 2}));
+  EXPECT_EQ(failures_, "");
+  EXPECT_EQ(requests_.size(), 2U);
+}
+
+TEST_F(Scheduled, ADiskThatIsFullAgainAndAgainEndsTheJobAndNoRun) {
+  const std::string works = command_.command.arguments.front();
+  command_.command.arguments = {"test -e " + (folder_ / "room").string() +
+                                " || { echo 'Disk quota exceeded'; exit 1; }; " + works};
+  EXPECT_THROW(run({1, 2}), NoRoom);
+  EXPECT_EQ(requests_.size(), 2U) << "as many as tries";
+  mottle::write_file_atomically(folder_ / "room", "");
+  EXPECT_THAT(run({1, 2}), are({1, 2}));
 }
 
 TEST_F(Scheduled, ArraysThatAnotherMottleLeftAreMergedBeforeAnythingIsSubmitted) {

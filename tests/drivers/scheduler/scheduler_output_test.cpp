@@ -10,6 +10,8 @@ using mottle::drivers::clock_text;
 using mottle::drivers::CommandAnswer;
 using mottle::drivers::read_bjobs;
 using mottle::drivers::read_qstat;
+using mottle::drivers::read_sacct;
+using mottle::drivers::read_scontrol;
 using mottle::drivers::read_squeue;
 using mottle::drivers::refuse_answer;
 using mottle::drivers::SchedulerSilent;
@@ -27,6 +29,30 @@ TEST(SchedulerOutput, SqueueTellsWaitingRunningAndEndedTasks) {
   EXPECT_EQ(reports[2], (TaskReport{"mottle-1", 3, State::ended, "n1", "TIMEOUT", false}));
   EXPECT_TRUE(reports[3].is_success);
   EXPECT_EQ(reports[4].state, State::waiting);  // it will start again
+}
+
+TEST(SchedulerOutput, ScontrolTellsTasksByTheirNumbers) {
+  const std::vector<TaskReport> reports = read_scontrol(
+      "JobId=5 ArrayJobId=5 ArrayTaskId=4-5,7%2 JobName=mottle-1 UserId=me(1) JobState=PENDING Reason=Resources "
+      "NodeList=(null) Comment=JobState=FAILED\n"
+      "JobId=8 ArrayJobId=5 ArrayTaskId=2 JobName=mottle-1 JobState=RUNNING NodeList=n3\n"
+      "JobId=9 ArrayJobId=5 ArrayTaskId=1 JobName=mottle-1 JobState=NODE_FAIL NodeList=n1\n"
+      "JobId=10 JobName=another JobState=RUNNING NodeList=n1\nslurm_load_jobs error\n");
+  ASSERT_EQ(reports.size(), 5U);
+  EXPECT_EQ(reports[0], (TaskReport{"mottle-1", 4, State::waiting, "", "PENDING", false}));
+  EXPECT_EQ(reports[2].task, 7);
+  EXPECT_EQ(reports[3], (TaskReport{"mottle-1", 2, State::running, "n3", "RUNNING", false}));
+  EXPECT_EQ(reports[4], (TaskReport{"mottle-1", 1, State::ended, "n1", "NODE_FAIL", false}));
+}
+
+TEST(SchedulerOutput, SacctTellsHowTasksEnded) {
+  const std::vector<TaskReport> reports = read_sacct(
+      "mottle-1|5_1|COMPLETED|n1\nmottle-1|5_2|CANCELLED by 1000|n2\nmottle-1|5_[3-4%1]|PENDING|None assigned\n"
+      "other|6|RUNNING|n1\nSlurm accounting storage is disabled\n");
+  ASSERT_EQ(reports.size(), 4U);
+  EXPECT_TRUE(reports[0].is_success);
+  EXPECT_EQ(reports[1], (TaskReport{"mottle-1", 2, State::ended, "n2", "CANCELLED", false}));
+  EXPECT_EQ(reports[3], (TaskReport{"mottle-1", 4, State::waiting, "", "PENDING", false}));
 }
 
 TEST(SchedulerOutput, QstatTellsTasksAndLeavesOutTheArrayItself) {

@@ -6,9 +6,16 @@
 #include <string>
 #include <vector>
 
+#include "mottle/core/error.hpp"
 #include "mottle/layers.hpp"
 
 namespace mottle::drivers {
+
+/// A disk, or a user's part of it, was full: nothing is said of the runs that were at work.
+class NoRoom : public SystemFailure {
+ public:
+  using SystemFailure::SystemFailure;
+};
 
 inline constexpr const char* k_run_store = "runs.store";        ///< finished runs, within the folder of results
 inline constexpr const char* k_answer_store = "answers.store";  ///< evaluations by servers
@@ -49,7 +56,7 @@ class RunFolders {
   /// now; empty: it went.
   std::filesystem::path keep(const std::filesystem::path& folder, bool has_failed, const std::string& name);
 
-  /// Throws SystemFailure where the disk is full: what a run did or did not write there means nothing.
+  /// Throws NoRoom where the disk is full: what a run did or did not write there means nothing.
   void require_room(const std::filesystem::path& folder) const;
 
  private:
@@ -64,7 +71,12 @@ class RunFolders {
   std::mutex mutex_;
 };
 
-/// Writes a file without waiting for the disk. Throws SystemFailure.
+/// Throws `NoRoom` for a full disk or a used-up quota, else SystemFailure.
+///
+/// @param error  errno
+[[noreturn]] void refuse_write(int error, const std::string& text);
+
+/// Writes a file without waiting for the disk. Throws NoRoom, SystemFailure.
 void write_run_file(const std::filesystem::path& file, const std::string& bytes);
 
 }  // namespace mottle::drivers

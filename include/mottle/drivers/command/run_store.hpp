@@ -35,9 +35,13 @@ RunRecord decode_run(std::string_view bytes);
 std::uint64_t read_run_records(const std::filesystem::path& file, std::uint64_t from,
                                const std::function<void(const Digest& key, std::string_view body)>& visit);
 
+/// Whether another process has the store open to fill it, on another node too where the file system tells its locks
+/// there. Not for a store of this process, which would lose its lock.
+bool is_store_held(const std::filesystem::path& file);
+
 /// An append-only file of runs. Each record has a checksum: what a kill has torn is cut off when the file is opened,
 /// and a full disk leaves the file as it was before the record. One process at a time writes it; of files that other
-/// ranks write it reads what is whole, again where it finds nothing.
+/// ranks write it reads what is whole.
 class RunStore {
  public:
   /// @param others  files of other ranks, of this job or an earlier one; those that are not there yet may come
@@ -48,12 +52,14 @@ class RunStore {
   RunStore(const RunStore&) = delete;
   RunStore& operator=(const RunStore&) = delete;
 
+  /// Reads what other ranks have kept since the last call: before a batch, not for each of its runs.
+  void look_at_others() const;
   /// The run with this digest; the last one where it was kept again, and one that another rank kept where that one
-  /// failed.
+  /// failed. Of other ranks' those that the last look has found.
   std::optional<RunRecord> find(const Digest& key) const;
   /// Whether a run was kept, here or by another rank, since this object was made.
   bool is_new(const Digest& key) const;
-  /// Throws SystemFailure where the disk is full or the file cannot be written.
+  /// Throws NoRoom where the disk is full, SystemFailure where the file cannot be written.
   void keep(const Digest& key, const RunRecord& record);
 
   std::size_t size() const { return own_.spans.size(); }

@@ -30,10 +30,12 @@ inline constexpr const char* k_standard_error = "stderr.txt";
 
 /// How it ended.
 struct ProcessEnd {
-  enum class Kind { done, failed, timed_out, stopped };
+  /// `lost`: its guard was killed, or asked to end by somebody else than Mottle, which says nothing of the program.
+  enum class Kind { done, failed, timed_out, stopped, lost };
 
   Kind kind = Kind::failed;
   std::string reason = {};  ///< of a failure: "exit status 2", "killed by signal 11 (Segmentation fault)"
+  bool was_full = false;    ///< the file system of its directory had no room when it was looked at, ten times a second
 };
 
 /// Runs a program to its end, in a process group of its own. Whatever it leaves running when it ends, in that group or

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -42,15 +43,19 @@ class SolverRuns {
     RunRecord record = {};
     bool is_reused = false;
     int tries = 0;
+    int losses = 0;  ///< tries whose guard was ended from outside: made again, and no word on the model
     std::filesystem::path folder = {};  ///< where a failed run is kept; empty: it is not
     std::string last_words = {};        ///< what a failed run printed last
   };
 
+  /// Before a batch of runs: finds those that other ranks have kept.
+  void begin_batch() const;
   /// One run; called by several threads at once.
   ///
   /// @param min_modes  smallest number of modes that it must give
   /// @throws FormatError    a value does not fit into its placeholder
-  /// @throws SystemFailure  disk full; Stopped
+  /// @throws NoRoom         the disk is full, or was while the run was at work: the run is not kept
+  /// @throws SystemFailure, Stopped
   Run run(const Eigen::Ref<const Eigen::VectorXd>& values, int min_modes, const std::atomic<bool>* stop);
 
   /// What a run is kept under. Throws FormatError: a value does not fit into its placeholder.
@@ -81,6 +86,8 @@ class SolverRuns {
                                                const Eigen::Ref<const Eigen::VectorXd>& steps) const;
 
  private:
+  static constexpr int k_max_losses = 3;  ///< tries of a run that others end: then somebody means it
+
   /// Everything of one run that parameters move.
   struct Input {
     std::vector<std::string> texts = {};  ///< by template
@@ -96,6 +103,10 @@ class SolverRuns {
   bool try_once(const Input& input, const std::filesystem::path& folder, int number, int min_modes,
                 const std::atomic<bool>* stop, Run& run) const;
   void require_own_failure(const std::atomic<bool>* stop) const;
+  std::set<std::string> given_names() const;
+  bool read_result(const std::filesystem::path& folder, int min_modes, RunRecord& record) const;
+  bool try_until_done(const Input& input, int min_modes, const std::atomic<bool>* stop, std::filesystem::path& folder,
+                      Run& run) const;
   void put_away(const std::filesystem::path& folder, const std::string& id, Run& run);
 
   SolverCommand command_;

@@ -49,10 +49,11 @@ struct TaskEnd {
 /// A name that no other array has: "mottle-1a2b3c4d".
 std::string new_array_name();
 
-/// Makes the folder with all that tasks need. Throws SystemFailure, InvalidInput: it cannot be written.
+/// Makes the folder with all that tasks need, and notes its inode there. Throws SystemFailure, InvalidInput: it cannot
+/// be written.
 ///
 /// @param number_variable  that tells a task its number
-void write_array(const std::filesystem::path& folder, ArrayPlan plan, const std::string& number_variable);
+void write_array(const std::filesystem::path& folder, const ArrayPlan& plan, const std::string& number_variable);
 /// Throws SystemFailure where the file is damaged; nothing where there is none.
 std::optional<ArrayPlan> read_array(const std::filesystem::path& folder);
 /// Whether the folder is a copy of the one that was submitted, whose tasks are not this one's to end.
@@ -67,6 +68,9 @@ std::optional<std::string> read_array_job(const std::filesystem::path& folder);
 std::filesystem::path task_folder(const std::filesystem::path& array, int task);
 void write_task_end(const std::filesystem::path& array, int task, const TaskEnd& end);
 std::optional<TaskEnd> read_task_end(const std::filesystem::path& array, int task);
+
+/// Takes the folder of an array away, and the one of all arrays where it is empty.
+void remove_array(const std::filesystem::path& folder);
 
 /// `mottle cancel` leaves it in the folder of tasks for a Mottle that waits for them.
 std::filesystem::path cancel_mark(const std::filesystem::path& results);

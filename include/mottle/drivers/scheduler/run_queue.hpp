@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "mottle/core/checksum.hpp"
@@ -34,17 +35,19 @@ class RunQueue {
   struct Failure {
     Digest key = {};
     std::string text = {};
-    bool is_begun = true;  ///< else the tasks ended before they began: no run is to blame
+    bool is_begun = true;  ///< else no run is to blame: the tasks ended before they began, or the disk was full
   };
 
   explicit RunQueue(const SchedulerOptions& options) : options_(options) {}
 
   /// Adds the run of a sample; several samples may need the same.
-  void add(const Digest& key, Eigen::Index sample);
+  ///
+  /// @param deaths  of tasks that were at it before
+  void add(const Digest& key, Eigen::Index sample, int deaths = 0);
   /// Says that a task does it already.
   void is_awaited(const Digest& key);
-  bool empty() const { return wanted_.empty(); }
-  bool wants(const Digest& key) const { return wanted_.contains(key); }
+  bool empty() const { return left_ == 0; }
+  bool wants(const Digest& key) const { return find(key) != nullptr; }
   std::size_t to_submit() const { return waiting_.size() + suspects_.size(); }
 
   /// The run is there: the samples that waited for it.
@@ -53,6 +56,8 @@ class RunQueue {
   /// in a task; one that has been charged as often as is allowed is a failure, and nobody waits for it any more in
   /// tasks.
   std::optional<Failure> put_back(const TaskDeath& death);
+  /// Of tasks that were at the run; 0: nobody waits for it.
+  int deaths_of(const Digest& key) const;
 
   /// Runs of the next array, taken off the queue: keys and the ends of tasks; `samples` has a row for each.
   struct Next {
@@ -63,22 +68,33 @@ class RunQueue {
   Next next(int max_tasks, double seconds_a_run);
 
  private:
+  /// 24 bytes and, in the table, 5 to 11 more: hundreds of thousands of runs may wait.
   struct Wanted {
-    Eigen::Index sample = 0;
-    int deaths = 0;          ///< of tasks that were at it
-    int early_deaths = 0;    ///< of tasks that would have begun with it
-    bool is_placed = false;  ///< in a task, or failed; else it is in a queue
+    Digest key = {};
+    std::uint32_t sample = 0;
+    std::uint8_t deaths = 0;        ///< of tasks that were at it
+    std::uint8_t early_deaths = 0;  ///< of tasks that would have begun with it
+    bool is_placed = false;         ///< in a task, or failed; else it is in a queue
+    bool is_taken = false;          ///< nobody waits for it any more
   };
   struct HashDigest {
     std::size_t operator()(const Digest& digest) const { return digest[0]; }
   };
-  void move_into(Next& next, std::deque<Digest>& queue, std::size_t runs);
+  std::size_t slot_of(const Digest& key) const;
+  void grow_table();
+  /// Null where nobody waits for it.
+  const Wanted* find(const Digest& key) const;
+  Wanted* find(const Digest& key) { return const_cast<Wanted*>(std::as_const(*this).find(key)); }
+  std::uint32_t number_of(const Wanted& run) const { return static_cast<std::uint32_t>(&run - wanted_.data()); }
+  void move_into(Next& next, std::deque<std::uint32_t>& queue, std::size_t runs);
 
   SchedulerOptions options_;
-  std::unordered_map<Digest, Wanted, HashDigest> wanted_;
+  std::vector<Wanted> wanted_;                                        // in the order in which they were added
+  std::vector<std::uint32_t> table_;                                  // by key: 1 + number in wanted_; 0: free
+  std::size_t left_ = 0;                                              // that are not taken
   std::unordered_multimap<Digest, Eigen::Index, HashDigest> others_;  // samples with the same run
-  std::deque<Digest> waiting_;
-  std::deque<Digest> suspects_;
+  std::deque<std::uint32_t> waiting_;
+  std::deque<std::uint32_t> suspects_;
 };
 
 }  // namespace mottle::drivers

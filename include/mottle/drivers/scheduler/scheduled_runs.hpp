@@ -26,6 +26,8 @@ struct TaskPlace {
   bool is_resumed = false;    ///< runs that failed in tasks of an earlier Mottle count
 };
 
+class DeathCharges;
+
 class ScheduledRuns {
  public:
   /// Finds the arrays that an earlier Mottle has left in the folder of results: what they did is kept, those that still
@@ -67,11 +69,13 @@ class ScheduledRuns {
   void finish_run(Batch& batch, const Digest& key, RunRecord record, const std::filesystem::path& task);
   void bury(Batch& batch, const TaskArray& array, const TaskDeath& death);
   void submit_more(Batch& batch);
-  void make_array(Batch& batch, const RunQueue::Next& next, int limit);
+  void make_array(Batch& batch, RunQueue::Next next, int limit);
   void submit(TaskArray& array, const RunContext& context);
   void ask(const RunContext& context);
   void clean();
   void discard(TaskArray& array);
+  void warn_of_old_options(const TaskArray& array, const SchedulerOptions& old);
+  void look_for_missing(const RunContext& context);
   void keep_unasked(const Digest& key, std::string_view record);
   void wait_a_moment(const RunContext& context, double seconds);
   void note(const RunContext& context, const std::string& text);
@@ -87,6 +91,7 @@ class ScheduledRuns {
   SchedulerOptions options_;
   TaskPatience patience_;
   std::vector<std::unique_ptr<TaskArray>> arrays_;
+  std::unique_ptr<DeathCharges> charges_;
   double seconds_a_run_ = 0.0;
   double next_question_ = 0.0;
   double question_interval_ = 0.0;
@@ -94,7 +99,8 @@ class ScheduledRuns {
   bool is_silent_ = false;
   bool is_temporary_;
   bool leaves_tasks_ = false;
-  std::vector<std::string> notes_ = {};  ///< for the log, once there is one
+  std::vector<std::string> notes_ = {};     ///< for the log, once there is one
+  std::vector<std::string> warnings_ = {};  ///< likewise, for the user too
 };
 
 }  // namespace mottle::drivers

@@ -52,11 +52,18 @@ class Scheduler {
   ///
   /// @throws SchedulerSilent  it may have been submitted; SystemFailure: it was refused, in the scheduler's words
   virtual std::string submit(const ArrayRequest& request) = 0;
-  /// All that the scheduler still knows of the arrays' tasks; those that ended long ago are not among them.
+  /// All that the scheduler still knows of the arrays' tasks; those that ended long ago are not among them. A task that
+  /// is missing need not have ended: commands were seen that exit with 0 and print nothing, or a part.
   ///
   /// @throws SchedulerSilent
   virtual std::vector<TaskReport> list(const std::vector<std::string>& names) = 0;
-  /// Ends all tasks of an array; nothing where there is none of that name. Throws SchedulerSilent, SystemFailure.
+  /// A second look at an array some of whose tasks are missing: by its number, in another list or the history.
+  ///
+  /// @param job  what submit() returned; empty: there is nothing to look for
+  /// @throws SchedulerSilent
+  virtual std::vector<TaskReport> look_up(const std::string& name, const std::string& job) = 0;
+  /// Ends all tasks of an array, whatever the stop request says; nothing where there is none of that name. Throws
+  /// SchedulerSilent, SystemFailure.
   virtual void cancel(const std::string& name) = 0;
   /// The variable that gives a task its number; where it is not set, the number is 1.
   virtual std::string number_variable() const = 0;

@@ -1,0 +1,43 @@
+// Signs of life of a task on another node: a small file that it rewrites every few seconds, and a file by which it is
+// told to do nothing more.
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+#include <string>
+#include <thread>
+
+#include "mottle/layers.hpp"
+
+namespace mottle::drivers {
+
+inline constexpr std::chrono::seconds k_heartbeat_interval{5};
+
+/// Rewrites a task's file `alive` from a thread of its own as long as it lives, and takes it away at the end.
+class Heartbeat {
+ public:
+  /// @param task  the task's folder
+  explicit Heartbeat(const std::filesystem::path& task, std::chrono::milliseconds interval = k_heartbeat_interval);
+  ~Heartbeat();
+  Heartbeat(const Heartbeat&) = delete;
+  Heartbeat& operator=(const Heartbeat&) = delete;
+
+ private:
+  std::filesystem::path file_;
+  std::jthread thread_;
+};
+
+/// What the last beat wrote: every one writes something else. Empty: there is none.
+std::string read_heartbeat(const std::filesystem::path& task);
+
+/// Whether the process that left a heartbeat still beats: waits for two intervals where there is one. Locks tell it
+/// sooner, where nodes see each other's.
+bool is_beating(const std::filesystem::path& task, std::chrono::milliseconds interval = k_heartbeat_interval);
+
+/// Tells a task that it was given up: it does not begin another run. A task that comes later does none.
+void give_up(const std::filesystem::path& task);
+/// Takes that back.
+void take_up(const std::filesystem::path& task);
+bool is_given_up(const std::filesystem::path& task);
+
+}  // namespace mottle::drivers
