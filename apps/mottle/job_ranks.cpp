@@ -18,6 +18,7 @@
 #include "mottle/core/bytes.hpp"
 #include "mottle/core/error.hpp"
 #include "mottle/core/launcher.hpp"
+#include "mottle/core/text.hpp"
 #include "mottle/linalg/batched/batch_eigen.hpp"
 
 namespace mottle::app {
@@ -56,13 +57,15 @@ class JoinLimit {
   JoinLimit() {
     constexpr int k_usual_s = 300;
     const char* wish = std::getenv("MOTTLE_RANKS_TIMEOUT");
-    const int seconds = wish == nullptr ? k_usual_s : std::max(1, std::atoi(wish));
+    double seconds = k_usual_s;
+    require(wish == nullptr || (parse_number(wish, seconds) && seconds >= 1.0 && seconds <= 1e6),
+            "MOTTLE_RANKS_TIMEOUT: found '{}', a number of seconds from 1 to 1000000 is needed", wish ? wish : "");
     thread_ = std::jthread([seconds](const std::stop_token& stop) {
       std::mutex mutex;
       std::condition_variable_any bell;
       std::unique_lock<std::mutex> lock(mutex);
       // The first rank speaks; where it is the missing one, another does.
-      const auto patience = std::chrono::seconds(seconds) + std::chrono::milliseconds(is_silent_rank() ? 1500 : 0);
+      const auto patience = std::chrono::duration<double>(seconds + (is_silent_rank() ? 1.5 : 0.0));
       if (bell.wait_for(lock, stop, patience, [&] { return stop.stop_requested(); }) || stop.stop_requested()) return;
       const std::string text = fmt::format(
           "mottle: rank {} on {} has waited {} s for the other ranks to join; one of them has ended before, or was "

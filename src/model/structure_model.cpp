@@ -137,8 +137,10 @@ ModeSet StructureModel::sound_modes_at(const Eigen::Ref<const Eigen::VectorXd>& 
 double StructureModel::scale_of(const ModeSet& modes, const Eigen::Ref<const Eigen::VectorXd>& parameters) const {
   constexpr double k_rigid = 1e-6;
   const double largest = modes.eigenvalues.cwiseAbs().maxCoeff();
-  if (modes.eigenvalues(0) > k_rigid * largest) return largest;
-  return std::max(largest, solver_->eigenvalue_rounding(parameters, modes) / k_eigenvalue_rounding);
+  const Eigen::Index rigid = (modes.eigenvalues.array() <= k_rigid * largest).count();
+  if (rigid == 0 || modes.shapes.cols() < rigid) return largest;
+  const ModeSet lowest{modes.eigenvalues.head(rigid), modes.shapes.leftCols(rigid)};
+  return std::max(largest, solver_->eigenvalue_rounding(parameters, lowest) / k_eigenvalue_rounding);
 }
 
 void StructureModel::require_statics_at(const Eigen::Ref<const Eigen::VectorXd>& parameters) const {

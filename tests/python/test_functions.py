@@ -134,11 +134,21 @@ def test_wrong_arguments_are_refused():
         (dict(method="mares", options={"weight": 1}), "weight"),
         (dict(repeatability={"f9": 0.1}), "'f9' is no output"),
         (dict(repeatability=-0.1), "negative"),
+        (dict(level=5.0), "level: 5"),
+        (dict(iterations=0), "iterations: 0"),
+        (dict(tolerance=0.0), "tolerance: 0"),
+        (dict(samples=1), "samples: 1"),
+        (dict(max_failed=2.0), "max_failed: 2"),
     ]:
         with pytest.raises(mottle.InvalidInput, match=message):
             update(frequencies, **arguments)
     with pytest.raises(mottle.InvalidInput, match="parameter 'k': .*'normal'"):
         mottle.update(frequencies, [Parameter("k", 1.0, 0.1, distribution="norml")], (["f1"], TESTS[:, :1]))
+    with pytest.raises(mottle.InvalidInput, match="infinite"):
+        mottle.update(frequencies, PARAMETERS, (["f1", "f2", "f3"], np.where(TESTS > 12.79, np.inf, TESTS)))
+    for names in (["f1", "f1", "f3"], ["f1", "k1", "f3"]):
+        with pytest.raises(mottle.InvalidInput, match="given twice"):
+            mottle.update(frequencies, PARAMETERS, (names, TESTS))
     with pytest.raises(mottle.InvalidInput, match="parameter 'k'"):
         mottle.update(frequencies, [Parameter("k", 1.0, -0.1)], (["f1"], TESTS[:, :1]))
 

@@ -59,8 +59,11 @@ def test_mac_and_assignment():
     assert np.allclose(found, wanted, rtol=1e-12)
     rows, columns = linear_sum_assignment(-wanted)
     assert np.isclose(found[np.arange(5), mottle.assign(found)].sum(), wanted[rows, columns].sum())
+    assert np.allclose(mottle.mac(a[:, 0], b[:, 1]), wanted[:1, 1:2], rtol=1e-12)
     with pytest.raises(mottle.InvalidInput, match="degrees of freedom"):
         mottle.mac(a, b[:-1])
+    with pytest.raises(mottle.InvalidInput, match="real shapes"):
+        mottle.mac(a + 1j, b)
 
 
 def test_hotelling_beside_its_definition():

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <memory>
 #include <optional>
+#include <set>
 
 #include "bindings.hpp"
 #include "mottle/mottle.hpp"
@@ -165,6 +166,22 @@ void require_tests(const FunctionOutcome& outcome) {
   require(outcome.tests.values.rows() > 0 && outcome.tests.values.cols() == outputs,
           "tests: shape ({}, {}), a row for each specimen and {} columns are needed, one for each output",
           outcome.tests.values.rows(), outcome.tests.values.cols(), outputs);
+  require(!outcome.tests.values.array().isInf().any(),
+          "tests: a value is infinite; nan stands for what was not measured");
+  const FunctionSettings& settings = outcome.settings;
+  require(settings.cloud.samples >= 2, "samples: {}, at least 2 are needed", settings.cloud.samples);
+  require(settings.iterations >= 1, "iterations: {}, at least 1 is needed", settings.iterations);
+  require(settings.level >= 1e-6 && settings.level <= 0.5, "level: {} is outside 1e-06 to 0.5", settings.level);
+  require(settings.tolerance > 0.0 && settings.tolerance <= 1.0, "tolerance: {} is outside 0 to 1", settings.tolerance);
+  require(settings.cloud.max_failed >= 0.0 && settings.cloud.max_failed <= 1.0, "max_failed: {} is outside 0 to 1",
+          settings.cloud.max_failed);
+  std::set<std::string> names;
+  for (const std::string& name : outcome.space.names()) names.insert(name);
+  require(names.size() == outcome.space.names().size(), "parameters: one name is given twice");
+  for (const Quantity& output : outcome.model->outputs()) {
+    require(names.insert(output.name()).second,
+            "tests: the name '{}' is given twice, to outputs or to a parameter as well", output.name());
+  }
   for (const Eigen::VectorXd* each : {&outcome.tests.repeatability_std, &outcome.tests.model_error_std}) {
     require(each->size() == 0 || each->size() == outputs, "noise: {} values, {} are needed, one for each output",
             each->size(), outputs);

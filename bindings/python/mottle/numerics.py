@@ -47,9 +47,19 @@ def eigsh(
     return _engine.modes_of(lower[0], lower[1], count=k, tolerance=tolerance, counts=verify)
 
 
+def _as_shapes(given: npt.ArrayLike) -> Array:
+    shapes = np.asarray(given)
+    if np.iscomplexobj(shapes) or shapes.ndim not in (1, 2):
+        raise InvalidInput(f"mac: {shapes.dtype} of shape {shapes.shape}; real shapes [degree of freedom x mode] are needed")
+    return np.asarray(shapes[:, None] if shapes.ndim == 1 else shapes, dtype=float)
+
+
 def mac(a: npt.ArrayLike, b: npt.ArrayLike) -> Array:
-    """Modal assurance criterion of every pair of real shapes [degree of freedom x mode]: [mode of a x mode of b]."""
-    first, second = np.atleast_2d(np.asarray(a, dtype=float)), np.atleast_2d(np.asarray(b, dtype=float))
+    """Modal assurance criterion of every pair of real shapes [degree of freedom x mode]: [mode of a x mode of b].
+
+    A shape alone may have one dimension.
+    """
+    first, second = (_as_shapes(each) for each in (a, b))
     if first.shape[0] != second.shape[0]:
         raise InvalidInput(f"mac: {first.shape[0]} and {second.shape[0]} degrees of freedom; they are the same for both")
     return _engine.mac(first, second)

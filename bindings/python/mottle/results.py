@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from mottle.plots import Plots
 
 Array = npt.NDArray[np.float64]
+_shown: list[tempfile.TemporaryDirectory[str]] = []  # pages that a browser may still read; they go with the interpreter
 
 
 class Cloud:
@@ -225,8 +226,8 @@ class _WithFiles(_Result):
             folder: where it is written; None: a temporary folder, which goes with the interpreter.
         """
         if folder is None:
-            self._temporary = tempfile.TemporaryDirectory(prefix="mottle-report-")
-            folder = self._temporary.name
+            _shown.append(tempfile.TemporaryDirectory(prefix="mottle-report-"))
+            folder = _shown[-1].name
         page = self.save(folder)
         try:
             from IPython import get_ipython

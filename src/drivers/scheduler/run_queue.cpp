@@ -87,7 +87,7 @@ std::optional<RunQueue::Failure> RunQueue::put_back(const TaskDeath& death) {
   for (auto key = death.missing.rbegin(); key != death.missing.rend(); ++key) {
     Wanted* run = find(*key);
     if (run == nullptr) continue;
-    const bool is_charged = death.has_begun && !death.is_disk_full;
+    const bool is_charged = death.has_begun && !death.is_disk_full && !death.was_given_up;
     std::uint8_t& deaths = is_charged ? run->deaths : run->early_deaths;
     if (*key == death.missing.front() && ++deaths >= options_.tries) {
       const std::string times = deaths == 1 ? "once" : fmt::format("{} times", deaths);

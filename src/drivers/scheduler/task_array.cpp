@@ -163,6 +163,7 @@ std::vector<TaskDeath> TaskArray::find_deaths(double now, const TaskPatience& pa
     std::error_code ignored;
     TaskDeath death{.task = number,
                     .has_begun = task.bytes > 0,
+                    .was_given_up = task.is_given_up,
                     .is_disk_full = std::filesystem::exists(task_folder(folder_, number) / k_full_disk, ignored),
                     .reason = reason_of(number, task)};
     for (std::size_t run = task.next; run < task.end; ++run) {

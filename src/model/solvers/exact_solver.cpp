@@ -192,7 +192,8 @@ ModeSet ExactSolver::modes_at(const Eigen::Ref<const Eigen::VectorXd>& parameter
 double ExactSolver::eigenvalue_rounding(const Eigen::Ref<const Eigen::VectorXd>& parameters,
                                         const ModeSet& modes) const {
   if (modes.shapes.cols() == 0) return 0.0;
-  return structure_->entry_rounding() * sums_of_terms(structure_->matrices_at(parameters).stiffness, modes.shapes).maxCoeff();
+  return structure_->entry_rounding() *
+         sums_of_terms(structure_->matrices_at(parameters).stiffness, modes.shapes).maxCoeff();
 }
 
 Eigen::MatrixXd ExactSolver::cosines(const ModeSet& reference, const ModeSet& modes) const {

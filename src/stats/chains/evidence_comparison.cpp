@@ -51,6 +51,9 @@ void add_probability(const std::vector<EstimatedEvidence>& evidences, std::size_
   found.probability = logistic(logit);
   found.lower = logistic(logit - reach.value());
   found.upper = logistic(logit + reach.value());
+  found.rest = logistic(-logit);
+  found.rest_of_lower = logistic(reach.value() - logit);
+  found.rest_of_upper = logistic(-logit - reach.value());
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "mottle/core/text.hpp"
 #include "mottle/formats/tables/csv.hpp"
@@ -50,10 +51,20 @@ TestedOutputs read_tests_of(const std::filesystem::path& folder) {
   return tests;
 }
 
+/// A list over outputs by their names, whose order says nothing.
+std::map<std::string, Json> by_output(const Json& result, const char* path) {
+  const Json names = item(result, "/outputs/names");
+  const Json list = item(result, path);
+  std::map<std::string, Json> values;
+  for (std::size_t k = 0; list.is_array() && k < std::min(names.size(), list.size()); ++k)
+    values[names[k].get<std::string>()] = list[k];
+  return values;
+}
+
 /// Levels that are sampled have a prior, which belongs to what is assumed of the noise.
 Json noise_of(const Json& result) {
-  Json noise = {{"noise_std", item(result, "/evidence/noise_std")},
-                {"model_error_std", item(result, "/evidence/model_error_std")},
+  Json noise = {{"noise_std", by_output(result, "/evidence/noise_std")},
+                {"model_error_std", by_output(result, "/evidence/model_error_std")},
                 {"levels", Json::array()}};
   for (const Json& name : item(result, "/posterior/names")) {
     if (name.is_string() && name.get<std::string>().starts_with("noise:")) noise["levels"].push_back(name);

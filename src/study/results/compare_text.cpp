@@ -117,10 +117,11 @@ void add_outputs(const Comparison& comparison, Columns& columns) {
 /// "0.987 [0.96, 0.995]"; near 1 what is left to it: "1 - 2.6e-06 [1 - 3e-06, 1 - 2e-06]".
 std::string probability_text(const ModelProbability& model) {
   constexpr double k_near_one = 0.999;
-  const auto text = [](double probability) {
-    return probability > k_near_one ? fmt::format("1 - {:.2g}", 1.0 - probability) : fmt::format("{:.3g}", probability);
+  const auto text = [](double probability, double rest) {
+    return probability > k_near_one ? fmt::format("1 - {:.2g}", rest) : fmt::format("{:.3g}", probability);
   };
-  return fmt::format("{} [{}, {}]", text(model.probability), text(model.lower), text(model.upper));
+  return fmt::format("{} [{}, {}]", text(model.probability, model.rest), text(model.lower, model.rest_of_lower),
+                     text(model.upper, model.rest_of_upper));
 }
 
 bool is_best(const ModelProbability& model) {

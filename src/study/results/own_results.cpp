@@ -124,12 +124,14 @@ void note_own_result(const std::filesystem::path& file, std::string_view bytes) 
   const std::filesystem::path place = file.parent_path() / k_register;
   std::error_code ignored;
   const bool is_new = !std::filesystem::exists(place, ignored) || std::filesystem::is_empty(place, ignored);
-  require(is_new || first_bytes(place).starts_with(k_head),
-          "{}: is not the list of files that Mottle keeps under this name; move it, or choose another folder with --out",
-          place.string());
+  require(
+      is_new || first_bytes(place).starts_with(k_head),
+      "{}: is not the list of files that Mottle keeps under this name; move it, or choose another folder with --out",
+      place.string());
   if (!is_new && std::filesystem::file_size(place, ignored) > k_largest_register) put_in_order(place);
+  // The line break in front ends a line that a full disk has cut.
   const std::string line =
-      std::string(is_new ? k_head : "") + hexadecimal(digest_of(bytes)) + ' ' + file.filename().string() + '\n';
+      std::string(is_new ? k_head : "\n") + hexadecimal(digest_of(bytes)) + ' ' + file.filename().string() + '\n';
   const int descriptor = open_own_file(place, ExistingFile::keep);
   ::lseek(descriptor, 0, SEEK_END);
   const bool is_whole = ::write(descriptor, line.data(), line.size()) == static_cast<ssize_t>(line.size());

@@ -39,6 +39,15 @@ TEST(EvidenceComparison, HasProbabilitiesOfSumOne) {
   EXPECT_NEAR(found[1].probability, std::exp(-1.0) / (1.0 + std::exp(-1.0) + std::exp(-5.0)), 1e-14);
 }
 
+TEST(EvidenceComparison, KeepsWhatIsLeftToAProbabilityThatRoundsToOne) {
+  const std::vector<ModelProbability> found = compare_evidences({{0.0, 0.1, 7.0}, {-200.0, 0.1, 7.0}});
+  EXPECT_EQ(found[0].probability, 1.0);
+  EXPECT_NEAR(std::log(found[0].rest), -200.0, 1e-9);
+  EXPECT_GT(found[0].rest_of_lower, found[0].rest);
+  EXPECT_LT(found[0].rest_of_upper, found[0].rest);
+  EXPECT_GT(found[0].rest_of_upper, 0.0);
+}
+
 /// Of two models logit P is a difference of two t-variables.
 TEST(EvidenceComparison, OfTwoModelsHasTheIntervalOfTheirDifference) {
   const std::vector<ModelProbability> found = compare_evidences({{1.0, 0.3, 7.0}, {0.0, 0.3, 7.0}});
@@ -48,7 +57,8 @@ TEST(EvidenceComparison, OfTwoModelsHasTheIntervalOfTheirDifference) {
   EXPECT_NEAR(found[0].upper, 1.0 / (1.0 + std::exp(-reach - 1.0)), 1e-12);
 }
 
-/// Evidences of three models with true ln Z, each the mean of eight runs with normal errors of its own size.
+/// Evidences of three models with true ln Z, each by eight runs whose ln Z has a normal error of its own size, put
+/// together as islands are: the logarithm of the mean of their evidences.
 TEST(EvidenceComparison, HasIntervalsThatHoldTheProbability) {
   const std::vector<double> truth{0.0, -0.5, -1.5};
   const std::vector<double> spread{0.2, 0.4, 0.6};
@@ -62,11 +72,12 @@ TEST(EvidenceComparison, HasIntervalsThatHoldTheProbability) {
       double first = 0.0, second = 0.0;
       for (int run = 0; run < 8; ++run) {
         const double error = spread[m] * standard_normal_quantile(stream.uniform());
-        first += error / 8.0;
-        second += error * error;
+        const double evidence = std::exp(error - 0.5 * spread[m] * spread[m]);  // without bias, as each island's is
+        first += evidence / 8.0;
+        second += evidence * evidence;
       }
       const double variance = (second - 8.0 * first * first) / 7.0;
-      evidences.push_back({truth[m] + first, std::sqrt(variance / 8.0), 7.0});
+      evidences.push_back({truth[m] + std::log(first), std::sqrt(variance / 8.0) / first, 7.0});
     }
     const std::vector<ModelProbability> found = compare_evidences(evidences);
     for (std::size_t m = 0; m < 3; ++m) {

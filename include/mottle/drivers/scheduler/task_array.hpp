@@ -30,6 +30,7 @@ struct TaskDeath {
   int task = 0;
   std::vector<Digest> missing = {};  ///< in the order in which it would have done them
   bool has_begun = false;            ///< the first of them was being done
+  bool was_given_up = false;         ///< Mottle told it to do nothing more, which is nobody's fault
   bool is_disk_full = false;         ///< so the task has said: no run is to blame
   std::string reason = {};           ///< "TIMEOUT on n3; it said: ..."
 };

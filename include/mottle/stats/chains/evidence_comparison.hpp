@@ -22,6 +22,8 @@ struct ModelProbability {
   double probability = 0.0;     ///< of the model where all were equally probable before the data
   double lower = 0.0;           ///< ends of the 95 % interval of `probability` by the evidences' standard errors
   double upper = 1.0;
+  /// What is left to 1, of the probability and of both ends: with digits where they round to 1.
+  double rest = 1.0, rest_of_lower = 1.0, rest_of_upper = 0.0;
 };
 
 /// Bayes factors and probabilities, by errors that are independent of each other.
