@@ -8,6 +8,7 @@ import json
 import math
 import shutil
 import subprocess
+import sys
 import time
 import unittest
 
@@ -17,6 +18,26 @@ from support import STUDY, edited, numbers, read_result
 BAYES = edited(STUDY, ('method = "mares"', 'method = "bayes"'), ("[update.mares]\nweighting = \"mahalanobis\"\n",
                                                               "[update.bayes]\nparticles = 200\n"),
                ('file = "tests.csv"', 'file = "tests.csv"\nrepeatability = { "f*" = 0.02 }'))
+SHELL = """title = "Shell"
+units = "SI"
+[model]
+kind = "nastran"
+file = "shell.bdf"
+""" + "".join(f"""[[parameter]]
+name = "E{i}"
+target = "MAT1:{i}:E"
+distribution = {{ kind = "lognormal", mean = 7e10, std = 7e9 }}
+""" for i in range(1, 6)) + """[outputs]
+frequencies = [1, 2, 3, 4, 5]
+[test]
+file = "tests.csv"
+repeatability = { f1 = 0.231, f2 = 0.373, f3 = 0.748, f4 = 0.846, f5 = 0.905 }
+[update]
+method = "bayes"
+samples = 200
+[update.bayes]
+particles = 100
+"""
 FILES = ("posterior.csv", "posterior.json", "cloud-final.csv")
 
 
@@ -125,6 +146,42 @@ class BayesTest(support.CommandTest):
             self.assertEqual({name: (self.folder / "out" / name).read_bytes() for name in FILES}, expected)
             self.assertEqual(numbers(self.folder / "out"), expected_numbers)
 
+    def test_a_reduced_model_keeps_its_bound_under_the_sampler(self):
+        """Draws whose likelihood is that of exact solutions to within the bound on the frequencies, at any number of threads."""
+        make = support.SOURCE / "benchmarks" / "make_models.py"
+        subprocess.run([sys.executable, str(make), "shell", "1500", "5", str(self.folder / "shell.bdf")], check=True)
+        names = [f"f{i}" for i in range(1, 6)]
+        self.write("tests.csv", ",".join(names) + "\n23.1,37.3,74.8,84.6,90.5\n")
+        self.write("study.toml", SHELL)
+        files = {}
+        for threads in (1, 2, 8):
+            self.succeed("update", "study.toml", "--out", "out", "--threads", threads, "--quiet")
+            files[threads] = (self.folder / "out" / "posterior.csv").read_bytes()
+            self.assertEqual(files[threads], files[1], f"{threads} threads")
+        result = read_result(self.folder / "out")
+        self.assertGreater(result["reduction"]["samples"], 5000)
+        self.assertEqual(result["reduction"]["exact_samples"], 0)
+        draws = list(csv.DictReader(files[1].decode().splitlines()))[::20]
+        points = [f"E{i}" for i in range(1, 6)]
+        self.write("points.csv", "\n".join([",".join(points), *(",".join(draw[name] for name in points) for draw in draws)]) + "\n")
+        self.succeed("propagate", "study.toml", "--points", "points.csv", "--out", "exact", "--quiet", "--set", 'model.reduction="off"')
+        with open(self.folder / "exact" / "cloud.csv", encoding="utf-8") as file:
+            exact = list(csv.DictReader(file))
+        tested = dict(zip(names, (23.1, 37.3, 74.8, 84.6, 90.5)))
+        bound = result["reduction"]["frequency_error_bound"]
+        self.assertGreater(bound, 0.0)
+        largest = 0.0
+        for draw, outputs in zip(draws, exact):
+            log_likelihood = allowed = 0.0
+            for name, z in tested.items():
+                f, std = float(outputs[name]), 0.01 * z
+                log_likelihood -= 0.5 * ((z - f) / std) ** 2 + math.log(std * math.sqrt(2 * math.pi))
+                allowed += abs(z - f) * bound * f / std**2 + 0.5 * (bound * f / std) ** 2
+            error = abs(log_likelihood - float(draw["log_likelihood"]))
+            self.assertLessEqual(error, allowed)
+            largest = max(largest, error)
+        self.assertGreater(largest, 0.0, "the reduced model was not used")
+
     def test_noise_without_a_number_is_sampled(self):
         self.write("study.toml", edited(BAYES, ('repeatability = { "f*" = 0.02 }\n', "")))
         result = self.update()
@@ -143,6 +200,22 @@ class BayesTest(support.CommandTest):
         ended = self.call("update", "study.toml", "--out", "out", "--quiet")
         self.assertEqual(ended.code, 2, ended.err)
         self.assertIn("likelihood above zero", ended.err)
+
+    def test_noise_of_zero_is_refused(self):
+        self.write("study.toml", edited(BAYES, ("0.02 }", "0.0 }")))
+        ended = self.call("update", "study.toml", "--out", "out", "--quiet")
+        self.assertEqual(ended.code, 2, ended.err)
+        self.assertIn("repeatability", ended.err)
+
+    def test_the_ends_of_each_option_give_a_posterior(self):
+        ends = {"effective_fraction": (0.1, 0.99), "decorrelation": (0.02, 0.9), "max_moves": (1, 60000), "islands": (8, 256),
+                "noise_scale": (1e-9, 1e9), "noise_degrees_of_freedom": (1.0, 1e6)}
+        for option, values in ends.items():
+            for value in values:
+                self.write("study.toml", edited(BAYES, ("particles = 200", f'particles = 100\nnoise = "estimated"\n{option} = {value}')))
+                ended = self.call("update", "study.toml", "--out", "out", "--quiet", "--set", "update.samples=100")
+                self.assertEqual(ended.code, 0, f"{option} = {value}: {ended.err}")
+                self.assertIn(read_result(self.folder / "out")["status"], ("converged", "stalled"), f"{option} = {value}")
 
     def test_the_report_opens(self):
         self.update()

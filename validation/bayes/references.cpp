@@ -1,6 +1,6 @@
 // Posteriors whose evidence and moments are known by quadrature, sampled under many seeds.
 //
-//   mottle_bayes_references CASE SEEDS [PARTICLES [EFFECTIVE_FRACTION]]
+//   mottle_bayes_references CASE SEEDS FIRST_SEED [PARTICLES [EFFECTIVE_FRACTION]]
 //
 // CASE: k6-3, k6-3.5, no-k6 (the method `bayes` on one test of the three masses), beck-au, eigenvalues (the sampler
 // alone). Prints one JSON object: errors of ln evidence, how often its interval holds the reference, moments over all
@@ -116,7 +116,7 @@ void print(const Case& one, const std::vector<Found>& found, double seconds) {
   double evaluations = 0.0, converged = 0.0, r_hat = 0.0;
   int most_moves = 0;
   Eigen::VectorXd mean = Eigen::VectorXd::Zero(found.front().mean.size());
-  Eigen::VectorXd deviation = mean;
+  Eigen::VectorXd deviation = mean, mean_squares = mean, deviation_squares = mean;
   for (const Found& seed : found) {
     const double error = seed.evidence.log_evidence - one.log_evidence;
     bias += error / n;
@@ -132,30 +132,39 @@ void print(const Case& one, const std::vector<Found>& found, double seconds) {
     most_moves = std::max(most_moves, seed.most_moves);
     mean += seed.mean / n;
     deviation += seed.standard_deviation / n;
+    mean_squares += seed.mean.cwiseAbs2() / n;
+    deviation_squares += seed.standard_deviation.cwiseAbs2() / n;
   }
+  // Standard errors of the averages over the seeds.
+  const Eigen::VectorXd mean_error = ((mean_squares - mean.cwiseAbs2()) / (n - 1.0)).cwiseMax(0.0).cwiseSqrt();
+  const Eigen::VectorXd deviation_error =
+      ((deviation_squares - deviation.cwiseAbs2()) / (n - 1.0)).cwiseMax(0.0).cwiseSqrt();
   std::cout << fmt::format(
       "{{\"seeds\": {}, \"reference\": {:.8g}, \"bias\": {:.6f}, \"rms\": {:.6f}, \"stated\": {:.6f}, \"covered\": "
-      "{:.4f}, \"mean\": {}, \"std\": {}, \"correlation\": {:.7f}, \"first_mode\": {:.6f}, \"worst_mode\": {:.6f}, "
+      "{:.4f}, \"mean\": {}, \"std\": {}, \"mean_error\": {}, \"std_error\": {}, \"correlation\": {:.7f}, "
+      "\"first_mode\": {:.6f}, \"worst_mode\": {:.6f}, "
       "\"evaluations\": {:.0f}, \"converged\": {:.4f}, \"largest_r_hat\": {:.5f}, \"most_moves\": {}, \"seconds\": "
       "{:.3f}}}\n",
       found.size(), one.log_evidence, bias, std::sqrt(squares), stated, covered, list(mean), list(deviation),
-      correlation, mode, worst_mode, evaluations, converged, r_hat, most_moves, seconds / n);
+      list(mean_error), list(deviation_error), correlation, mode, worst_mode, evaluations, converged, r_hat, most_moves,
+      seconds / n);
 }
 
 }  // namespace
 
 int main(int count, char** arguments) {
   try {
-    require(count >= 3, "usage: mottle_bayes_references CASE SEEDS [PARTICLES [EFFECTIVE_FRACTION]]");
+    require(count >= 4, "usage: mottle_bayes_references CASE SEEDS FIRST_SEED [PARTICLES [EFFECTIVE_FRACTION]]");
     const SamplingSettings defaults;
     const Case one = make_case(
-        arguments[1], {.particles = count > 3 ? std::stoi(arguments[3]) : defaults.particles,
-                       .effective_fraction = count > 4 ? std::stod(arguments[4]) : defaults.effective_fraction});
+        arguments[1], {.particles = count > 4 ? std::stoi(arguments[4]) : defaults.particles,
+                       .effective_fraction = count > 5 ? std::stod(arguments[5]) : defaults.effective_fraction});
+    const auto first = static_cast<std::uint64_t>(std::stoll(arguments[3]));
     std::vector<Found> found(static_cast<std::size_t>(std::stoi(arguments[2])));
     const auto start = std::chrono::steady_clock::now();
     parallel_for(static_cast<std::int64_t>(found.size()), 1, available_threads(),
                  [&](std::int64_t begin, std::int64_t) {
-                   found[static_cast<std::size_t>(begin)] = one.run(static_cast<std::uint64_t>(begin) + 1);
+                   found[static_cast<std::size_t>(begin)] = one.run(first + static_cast<std::uint64_t>(begin));
                  });
     print(one, found, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
   } catch (const std::exception& error) {

@@ -4,7 +4,7 @@
 Needs the program built with -DMOTTLE_BUILD_VALIDATION=ON; every row is one call of it. Writes RESULTS.md beside this file and
 ends with exit code 1 if a goal is missed.
 
-    python3 validation/bayes/run.py [--seeds 200] [--program build/release/validation/bayes/mottle_bayes_references]
+    python3 validation/bayes/run.py [--seeds 200] [--first-seed 10001] [--program build/release/validation/bayes/mottle_bayes_references]
 """
 import argparse
 import datetime
@@ -30,16 +30,21 @@ def numbers(values):
     return ", ".join(f"{value:.4f}" for value in values)
 
 
+def errors(found, exact, error):
+    return ", ".join(f"{(f - e) / s:+.1f}" for f, e, s in zip(found, exact, error))
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--program", default=DEFAULT)
     parser.add_argument("--seeds", type=int, default=200)
+    parser.add_argument("--first-seed", type=int, default=10001)
     options = parser.parse_args()
-    found = {case: call(options.program, case, options.seeds) for case in CASES}
+    found = {case: call(options.program, case, options.seeds, options.first_seed) for case in CASES}
     # The interval's coverage over `seeds` has a standard error of its own: a goal is missed beyond twice that.
     slack = 2 * (0.95 * 0.05 / options.seeds) ** 0.5
     good = True
-    out = [f"# Posteriors against quadrature\n\nSeeds 1 to {options.seeds}, default options, {datetime.date.today()}; made by run.py. "
+    out = [f"# Posteriors against quadrature\n\nSeeds {options.first_seed} to {options.first_seed + options.seeds - 1}, default options, {datetime.date.today()}; made by run.py. "
            f"Goals: |bias| of ln evidence below {BIAS}; its 95 % interval holds the reference in {100 * COVERED[0]:.0f} to "
            f"{100 * COVERED[1]:.0f} % (with {options.seeds} seeds the standard error of this is {50 * slack:.1f} %); the first of twin modes within {MODE} of its "
            "probability in every seed.\n",
@@ -52,12 +57,13 @@ def main():
         good = good and reached
         out.append(f"| {case} | {r['reference']:.7f} | {r['bias']:.5f} | {r['rms']:.4f} | {r['stated']:.4f} | {100 * r['covered']:.1f} | "
                    f"{r['evaluations']} | {r['most_moves']} | {100 * r['converged']:.1f} | {r['largest_r_hat']:.4f} | {r['seconds']:.2f} | {'yes' if reached else 'no'} |")
-    out += ["\n## Moments, mean over the seeds\n",
-            "| case | means | by quadrature | standard deviations | by quadrature | correlation of the first two | by quadrature |",
-            "|---|---|---|---|---|---|---|"]
+    out += ["\n## Moments, mean over the seeds and its standard errors from the reference\n",
+            "| case | means | by quadrature | errors | standard deviations | by quadrature | errors | correlation of the first two | by quadrature |",
+            "|---|---|---|---|---|---|---|---|---|"]
     for case, (mean, std, correlation) in CASES.items():
         r = found[case]
-        out.append(f"| {case} | {numbers(r['mean'])} | {numbers(mean)} | {numbers(r['std'])} | {numbers(std) if std else '-'} | "
+        out.append(f"| {case} | {numbers(r['mean'])} | {numbers(mean)} | {errors(r['mean'], mean, r['mean_error'])} | {numbers(r['std'])} | "
+                   f"{numbers(std) if std else '-'} | {errors(r['std'], std, r['std_error']) if std else '-'} | "
                    f"{r['correlation']:.4f} | {f'{correlation:.4f}' if correlation else '-'} |")
     twin = found["eigenvalues"]
     reached = twin["worst_mode"] < MODE

@@ -2,7 +2,8 @@
 #include "stats/distributions/copula_covariance.hpp"
 
 #include <cmath>
-#include <numbers>
+
+#include "mottle/stats/distributions/standard_normal.hpp"
 
 namespace mottle::stats {
 
@@ -20,7 +21,7 @@ Eigen::VectorXd hermite_coefficients(const Distribution& marginal) {
   const int half_count = static_cast<int>(k_half_width / k_step);
   for (int node = -half_count; node <= half_count; ++node) {
     const double w = node * k_step;
-    const double density = std::exp(-0.5 * w * w) / std::sqrt(2.0 * std::numbers::pi);
+    const double density = standard_normal_pdf(w);
     const double weighted = k_step * density * (marginal.from_standard_normal(w) - marginal.mean());
     double previous = 1.0;
     double current = w;

@@ -146,4 +146,22 @@ Eigen::MatrixXd JointDistribution::from_standard_normal(const Eigen::Ref<const E
   return samples;
 }
 
+Eigen::MatrixXd JointDistribution::standard_normal_derivatives(const Eigen::Ref<const Eigen::VectorXd>& normals) const {
+  require(normals.size() == dimension(), "normals: {} entries for {} variables", normals.size(), dimension());
+  const Eigen::VectorXd scores = factor_.size() == 0 ? Eigen::VectorXd(normals) : Eigen::VectorXd(factor_ * normals);
+  Eigen::VectorXd slopes = Eigen::VectorXd::Ones(dimension());
+  for (Eigen::Index j = 0; j < dimension(); ++j) {
+    const auto k = static_cast<std::size_t>(j);
+    if (!transforms_.empty()) {
+      slopes(j) = transforms_[k].slope(scores(j) + transformed_mean_(j));
+    } else if (!marginals_.empty()) {
+      const double slope =
+          standard_normal_pdf(scores(j)) / marginals_[k].pdf(marginals_[k].from_standard_normal(scores(j)));
+      slopes(j) = std::isfinite(slope) ? slope : 0.0;
+    }
+  }
+  if (factor_.size() == 0) return slopes.asDiagonal();
+  return slopes.asDiagonal() * factor_;
+}
+
 }  // namespace mottle::stats

@@ -3,7 +3,8 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "mottle/stats/distributions/standard_normal.hpp"
 
 namespace mottle::stats {
 namespace {
@@ -13,10 +14,6 @@ constexpr double k_tolerance = 1e-11;  // relative to the standard deviation
 constexpr double k_reach = 6.0;        // in standard deviations: the probability beyond is 2e-9
 constexpr int k_intervals = 60;
 
-double normal_density(double z) {
-  return std::exp(-0.5 * z * z) / std::sqrt(2.0 * std::numbers::pi);
-}
-
 /// Mean and standard deviation of x by the trapezoidal rule over t, which for such integrands converges faster than any
 /// power of the step. A Gauss rule is worse here: its outer nodes fall on the bound.
 Eigen::Vector2d moments_on_axis(const ParameterTransform& transform, const TransformedMoments& moments) {
@@ -24,13 +21,13 @@ Eigen::Vector2d moments_on_axis(const ParameterTransform& transform, const Trans
   double mean = 0.0;
   for (int k = 0; k <= k_intervals; ++k) {
     const double z = -k_reach + k * step;
-    mean += step * normal_density(z) * transform.to_variable(moments.mean + moments.std * z);
+    mean += step * standard_normal_pdf(z) * transform.to_variable(moments.mean + moments.std * z);
   }
   double variance = 0.0;
   for (int k = 0; k <= k_intervals; ++k) {
     const double z = -k_reach + k * step;
     const double apart = transform.to_variable(moments.mean + moments.std * z) - mean;
-    variance += step * normal_density(z) * apart * apart;
+    variance += step * standard_normal_pdf(z) * apart * apart;
   }
   return {mean, std::sqrt(variance)};
 }
@@ -88,7 +85,7 @@ double density_of_variable(const ParameterTransform& transform, const Transforme
   if (transform.kind == ParameterTransform::Kind::logit && !(x > transform.lower && x < transform.upper)) return 0.0;
   const double t = transform.from_variable(x);
   const double slope = transform.slope(t);
-  return slope > 0.0 ? normal_density((t - moments.mean) / moments.std) / (moments.std * slope) : 0.0;
+  return slope > 0.0 ? standard_normal_pdf((t - moments.mean) / moments.std) / (moments.std * slope) : 0.0;
 }
 
 Eigen::VectorXd points_of_variable(const ParameterTransform& transform, const TransformedMoments& moments, double reach,

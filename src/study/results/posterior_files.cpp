@@ -19,7 +19,8 @@ Json stages_json(const std::vector<SamplingStage>& stages) {
                     {"effective_samples", stage.effective_samples},
                     {"moves", stage.moves},
                     {"acceptance", stage.acceptance},
-                    {"correlation", stage.correlation}});
+                    {"correlation", stage.correlation},
+                    {"divergences", stage.divergences}});
   }
   return list;
 }
@@ -125,6 +126,9 @@ void add_posterior(const SampledPosterior* posterior, const TestData& tests, Jso
                          {"ess_bulk", to_json(posterior->ess_bulk)},
                          {"ess_tail", to_json(posterior->ess_tail)},
                          {"model_evaluations", posterior->evaluations},
+                         {"gradients", posterior->gradients},
+                         {"trajectories", posterior->trajectories()},
+                         {"divergences", posterior->divergences()},
                          {"failed_evaluations", posterior->failed_runs},
                          {"stages", std::move(stages)},
                          {"ranks", rank_histograms(*posterior)},

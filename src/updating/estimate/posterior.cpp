@@ -23,7 +23,23 @@ std::vector<PosteriorMode> describe_modes(const Eigen::VectorXi& modes, const Sa
   return described;
 }
 
+std::int64_t sum_over_stages(const SampledPosterior& posterior, std::int64_t SamplingStage::*count) {
+  std::int64_t sum = 0;
+  for (const std::vector<SamplingStage>& stages : posterior.stages) {
+    for (const SamplingStage& stage : stages) sum += stage.*count;
+  }
+  return sum;
+}
+
 }  // namespace
+
+std::int64_t SampledPosterior::trajectories() const {
+  return sum_over_stages(*this, &SamplingStage::trajectories);
+}
+
+std::int64_t SampledPosterior::divergences() const {
+  return sum_over_stages(*this, &SamplingStage::divergences);
+}
 
 Eigen::MatrixXd SampledPosterior::chains_of(const Eigen::Ref<const Eigen::VectorXd>& column) const {
   Eigen::MatrixXd split(draws, chains);

@@ -46,8 +46,8 @@ std::vector<std::string> doubts_of(const SampledPosterior& posterior, const Baye
   std::size_t short_stages = 0;
   for (const std::vector<SamplingStage>& stages : posterior.stages) {
     for (const SamplingStage& stage : stages) {
-      short_stages += stage.correlation > options.decorrelation ? 1 : 0;
-      worst = std::max(worst, stage.correlation);
+      short_stages += stage.is_decorrelated ? 0 : 1;
+      if (!stage.is_decorrelated) worst = std::max(worst, stage.correlation);
     }
   }
   if (short_stages > 0) {
@@ -119,6 +119,27 @@ Eigen::VectorXd noise_variances(const NoiseLevels& noise, const SampledPosterior
   return sum / static_cast<double>(posterior.values.rows());
 }
 
+/// What became of gradients: why there were none, trajectories that diverged.
+void note_gradients(const SampledPosterior& posterior, const PosteriorTarget& target, const BayesOptions& options,
+                    UpdatingResult& result) {
+  constexpr double k_many_divergences = 0.01;
+  const auto dimension = static_cast<Eigen::Index>(posterior.names.size());
+  if (!target.has_gradient() && options.gradients != GradientMoves::never && dimension > k_many_dimensions) {
+    result.notes.push_back(fmt::format(
+        "The model has no derivatives that are cheaper than differences: its {} parameters were moved without "
+        "gradients, which takes more model runs.",
+        dimension));
+  }
+  if (posterior.divergences() == 0) return;
+  const double fraction = static_cast<double>(posterior.divergences()) / static_cast<double>(posterior.trajectories());
+  (fraction > k_many_divergences ? result.warnings : result.notes)
+      .push_back(fmt::format("{} of {} trajectories along gradients diverged and were rejected{}",
+                             posterior.divergences(), posterior.trajectories(),
+                             fraction > k_many_divergences
+                                 ? ": the posterior has narrow or kinked places that may be sampled too seldom."
+                                 : "."));
+}
+
 PosteriorPeak peak_of(const UpdatingProblem& problem, const std::vector<SampledIsland>& islands,
                       const PosteriorTarget& target, const RunContext& context, std::int64_t& evaluations) {
   double highest = -std::numeric_limits<double>::infinity();
@@ -144,7 +165,8 @@ SamplingSettings settings_of(const BayesOptions& options) {
           .particles = options.particles,
           .effective_fraction = options.effective_fraction,
           .decorrelation = options.decorrelation,
-          .max_moves = options.max_moves};
+          .max_moves = options.max_moves,
+          .gradients = options.gradients};
 }
 
 std::shared_ptr<SampledPosterior> put_together(const UpdatingProblem& problem, const NoiseLevels& noise,
@@ -160,6 +182,7 @@ std::shared_ptr<SampledPosterior> put_together(const UpdatingProblem& problem, c
   SampledPosterior posterior = make_posterior(islands, std::move(names), target.values(points));
   posterior.failed_runs = target.failed();
   posterior.evaluations = target.evaluations();
+  posterior.gradients = target.gradients();
   return std::make_shared<SampledPosterior>(std::move(posterior));
 }
 
@@ -197,20 +220,33 @@ const OptionTable<BayesOptions>& bayes_option_table() {
                   "-", "Degrees of freedom of that prior: few leave a level of many times its scale possible.")
           .integer("islands", &BayesOptions::islands, {.lower = 8.0, .upper = 256.0}, "-",
                    "Number of independent islands of particles; their spread gives the standard error of the evidence.")
-          .integer("particles", &BayesOptions::particles, {.lower = 100.0, .upper = 1000000.0}, "-",
-                   "Number of particles of each island, which are the draws of its chain.")
+          .integer("particles", &BayesOptions::particles, {.lower = 100.0, .upper = 100000.0}, "-",
+                   "Number of particles of each island, which are the draws of its chain; of all islands at most "
+                   "2,000,000.")
           .number("effective_fraction", &BayesOptions::effective_fraction, {.lower = 0.1, .upper = 0.99}, "-",
                   "Fraction of the particles that the weights of a stage leave effective; a larger one makes more and "
                   "shorter stages.")
-          .number("decorrelation", &BayesOptions::decorrelation, {.lower = 0.02, .upper = 0.9}, "-",
-                  "Moves of a stage go on until no parameter and not the log-likelihood is correlated more with its "
-                  "value at the stage's start.")
+          .number(
+              "decorrelation", &BayesOptions::decorrelation, {.lower = 0.02, .upper = 0.9}, "-",
+              "Moves of a stage go on until no parameter, no square of one and not the log-likelihood is correlated "
+              "more with its value at the stage's start, or no more than chance has it among so many particles.")
           .integer("max_moves", &BayesOptions::max_moves, {.lower = 1.0, .upper = 60000.0}, "-",
-                   "Largest number of moves of a particle in a stage.");
+                   "Largest number of moves of a particle in a stage.")
+          .choice<GradientMoves>("gradients", &BayesOptions::gradients,
+                                 {{"automatic", GradientMoves::automatic},
+                                  {"always", GradientMoves::always},
+                                  {"never", GradientMoves::never}},
+                                 "Moves along gradients of the likelihood, where the model has derivatives that are no "
+                                 "dearer than differences. Automatic: where more than 15 parameters and levels of the "
+                                 "noise are sampled.");
   return table;
 }
 
 UpdatingResult BayesUpdater::update(const UpdatingProblem& problem, const RunContext& context) const {
+  constexpr int k_max_draws = 2000000;
+  require_of(options_.islands <= k_max_draws / options_.particles, {Subject::Kind::option, "bayes.particles"},
+             "{} islands of {} particles are more than {} draws; take fewer", options_.islands, options_.particles,
+             k_max_draws);
   const TestMoments tests = test_moments(problem.tests);
   const NoiseLevels noise(problem, options_);
   const CommonLikelihood likelihood(problem.tests);
@@ -244,6 +280,7 @@ UpdatingResult BayesUpdater::update(const UpdatingProblem& problem, const RunCon
   result.posterior = posterior;
   add_notes(problem, *posterior, result);
   note_specimens(problem.tests, *posterior, result);
+  note_gradients(*posterior, target, options_, result);
   test_posterior(problem, likelihood, noise, peak, result);
   return result;
 }

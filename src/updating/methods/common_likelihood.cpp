@@ -1,5 +1,6 @@
 #include "updating/methods/common_likelihood.hpp"
 
+#include <algorithm>
 #include <boost/math/distributions/chi_squared.hpp>
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
@@ -72,6 +73,23 @@ Eigen::VectorXd NoiseLevels::variances(const Eigen::Ref<const Eigen::VectorXd>& 
   return variances;
 }
 
+Eigen::VectorXd NoiseLevels::by_scores(const Eigen::Ref<const Eigen::VectorXd>& by_variances,
+                                       const Eigen::Ref<const Eigen::VectorXd>& scores) const {
+  constexpr double k_step = 1e-5;  // of a central difference of the smooth level(): 10 digits are left
+  Eigen::VectorXd levels(scores.size());
+  for (Eigen::Index k = 0; k < scores.size(); ++k) levels(k) = level(scores(k));
+  const Eigen::VectorXd values = variances(levels);
+  Eigen::VectorXd by_levels = Eigen::VectorXd::Zero(scores.size());
+  for (Eigen::Index k = 0; k < values.size(); ++k) {
+    const int factor = model_.factor[static_cast<std::size_t>(k)];
+    if (factor >= 0) by_levels(factor) += by_variances(k) * 2.0 * values(k) / levels(factor);
+  }
+  for (Eigen::Index k = 0; k < scores.size(); ++k) {
+    by_levels(k) *= (level(scores(k) + k_step) - level(scores(k) - k_step)) / (2.0 * k_step);
+  }
+  return by_levels;
+}
+
 CommonLikelihood::CommonLikelihood(const TestData& tests) : model_error_(tests.model_error_variance()) {
   const Eigen::Index p = tests.values.cols();
   count_.resize(p);
@@ -81,7 +99,7 @@ CommonLikelihood::CommonLikelihood(const TestData& tests) : model_error_(tests.m
     const Eigen::ArrayXd values = tests.values.col(k).array();
     const auto is_missing = values.isNaN();
     count_(k) = static_cast<double>(values.size() - is_missing.count());
-    mean_(k) = is_missing.select(0.0, values).sum() / count_(k);
+    mean_(k) = is_missing.select(0.0, values).sum() / std::max(count_(k), 1.0);
     scatter_(k) = is_missing.select(0.0, (values - mean_(k)).square()).sum();
   }
 }
@@ -94,6 +112,7 @@ double CommonLikelihood::log_value(const Eigen::Ref<const Eigen::VectorXd>& outp
                                    const Eigen::Ref<const Eigen::VectorXd>& variances) const {
   double sum = 0.0;
   for (Eigen::Index k = 0; k < outputs.size(); ++k) {
+    if (count_(k) == 0.0) continue;  // of an output that no specimen has
     if (!std::isfinite(outputs(k))) return -std::numeric_limits<double>::infinity();
     const double n = count_(k);
     const double r = variances(k);
@@ -103,6 +122,17 @@ double CommonLikelihood::log_value(const Eigen::Ref<const Eigen::VectorXd>& outp
            n * apart * apart / all;
   }
   return -0.5 * sum;
+}
+
+CommonLikelihood::Slopes CommonLikelihood::slopes(const Eigen::Ref<const Eigen::VectorXd>& outputs,
+                                                  const Eigen::Ref<const Eigen::VectorXd>& variances) const {
+  const Eigen::ArrayXd n = count_;
+  const Eigen::ArrayXd r = variances;
+  const Eigen::ArrayXd all = r + n * model_error_.array();
+  const Eigen::ArrayXd apart = mean_ - outputs;
+  const Eigen::ArrayXd by_variances =
+      -0.5 * ((n - 1.0) / r + all.inverse() - scatter_.array() / r.square() - n * (apart / all).square());
+  return {n * apart / all, (n == 0.0).select(0.0, by_variances)};
 }
 
 }  // namespace mottle::updating

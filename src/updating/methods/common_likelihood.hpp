@@ -26,6 +26,9 @@ class NoiseLevels {
   double level(double score) const;
   /// Variance of each output, given the levels [level] -> [output].
   Eigen::VectorXd variances(const Eigen::Ref<const Eigen::VectorXd>& levels) const;
+  /// Turns derivatives by the variances [output] into such by the scores of the levels [level].
+  Eigen::VectorXd by_scores(const Eigen::Ref<const Eigen::VectorXd>& by_variances,
+                            const Eigen::Ref<const Eigen::VectorXd>& scores) const;
   bool is_known() const { return names_.empty(); }
 
  private:
@@ -42,12 +45,20 @@ class NoiseLevels {
 /// d the variance of the model's error.
 class CommonLikelihood {
  public:
+  /// Derivatives of the logarithm.
+  struct Slopes {
+    Eigen::VectorXd by_outputs;    ///< [output]
+    Eigen::VectorXd by_variances;  ///< [output]
+  };
+
   explicit CommonLikelihood(const TestData& tests);
 
   /// @param outputs    f [output]; nan: the model failed, and the likelihood is zero
   /// @param variances  r [output], > 0
   double log_value(const Eigen::Ref<const Eigen::VectorXd>& outputs,
                    const Eigen::Ref<const Eigen::VectorXd>& variances) const;
+  Slopes slopes(const Eigen::Ref<const Eigen::VectorXd>& outputs,
+                const Eigen::Ref<const Eigen::VectorXd>& variances) const;
   const Eigen::VectorXd& count() const { return count_; }
   const Eigen::VectorXd& mean() const { return mean_; }
   /// Sum of squares about the mean [output].

@@ -1,20 +1,33 @@
 #include "updating/methods/posterior_target.hpp"
 
 #include <cmath>
+#include <limits>
 
+#include "mottle/core/parallel.hpp"
+#include "mottle/core/subject.hpp"
+#include "updating/methods/scaled_parameters.hpp"
 #include "updating/population/regional_problem.hpp"
 
 namespace mottle::updating {
 
+PosteriorTarget::PosteriorTarget(const UpdatingProblem& problem, const NoiseLevels& noise,
+                                 const CommonLikelihood& likelihood, const RunContext& context)
+    : problem_(problem), noise_(noise), likelihood_(likelihood), context_(context) {
+  if (problem.derivatives == nullptr || !problem.derivatives->has_cheap_jacobian()) return;
+  has_gradient_ = own_derivatives(problem, problem.space.prior().mean()).allFinite();
+}
+
 SamplingTarget PosteriorTarget::target() {
-  return {.dimension = problem_.space.count() + noise_.count(),
-          .log_likelihood = [this](const Eigen::MatrixXd& points) { return log_likelihood(points); },
-          .is_possible = [this](const Eigen::MatrixXd& points) { return is_possible(points); },
-          .before_batch =
-              [this](const Eigen::MatrixXd& particles) {
-                follow(particles);
-                return !context_.stop_requested();
-              }};
+  SamplingTarget target{.dimension = problem_.space.count() + noise_.count(),
+                        .log_likelihood = [this](const Eigen::MatrixXd& points) { return run(points).log_likelihood; },
+                        .is_possible = [this](const Eigen::MatrixXd& points) { return is_possible(points); },
+                        .before_batch =
+                            [this](const Eigen::MatrixXd& particles) {
+                              follow(particles);
+                              return !context_.stop_requested();
+                            }};
+  if (has_gradient_) target.with_gradient = [this](const Eigen::MatrixXd& points) { return with_gradient(points); };
+  return target;
 }
 
 Eigen::MatrixXd PosteriorTarget::parameters(const Eigen::MatrixXd& points) const {
@@ -30,11 +43,11 @@ Eigen::MatrixXd PosteriorTarget::values(const Eigen::MatrixXd& points) const {
   return values;
 }
 
-Eigen::VectorXd PosteriorTarget::log_likelihood(const Eigen::MatrixXd& points) {
-  const Eigen::MatrixXd all = values(points);
+PosteriorTarget::Runs PosteriorTarget::run(const Eigen::MatrixXd& points) {
+  Eigen::MatrixXd all = values(points);
   const Eigen::Index q = problem_.space.count();
-  const Evaluation evaluation = region_ ? problem_.model.evaluate_in(*region_, all.leftCols(q), context_)
-                                        : problem_.model.evaluate(all.leftCols(q), context_);
+  Evaluation evaluation = region_ ? problem_.model.evaluate_in(*region_, all.leftCols(q), context_)
+                                  : problem_.model.evaluate(all.leftCols(q), context_);
   evaluations_ += points.rows();
   failed_ += static_cast<std::int64_t>(evaluation.failures.size());
   Eigen::VectorXd logs(points.rows());
@@ -42,7 +55,32 @@ Eigen::VectorXd PosteriorTarget::log_likelihood(const Eigen::MatrixXd& points) {
     logs(s) = likelihood_.log_value(evaluation.outputs.row(s).transpose(),
                                     noise_.variances(all.row(s).tail(points.cols() - q).transpose()));
   }
-  return logs;
+  return {std::move(all), std::move(evaluation.outputs), std::move(logs)};
+}
+
+LikelihoodGradient PosteriorTarget::with_gradient(const Eigen::MatrixXd& points) {
+  const Runs runs = run(points);
+  gradients_ += points.rows();
+  Eigen::MatrixXd gradient(points.rows(), points.cols());
+  parallel_for(points.rows(), 1, context_.threads, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t s = begin; s < end; ++s) {
+      gradient.row(s) = gradient_at(points.row(s), runs.values.row(s), runs.outputs.row(s)).transpose();
+    }
+  });
+  return {runs.log_likelihood, std::move(gradient)};
+}
+
+/// grad_u ln L = (dx/du)' (df/dx)' d ln L / df for parameters, by the levels for their scores.
+Eigen::VectorXd PosteriorTarget::gradient_at(const Eigen::VectorXd& point, const Eigen::VectorXd& values,
+                                             const Eigen::VectorXd& outputs) const {
+  if (!outputs.allFinite()) return Eigen::VectorXd::Constant(point.size(), std::numeric_limits<double>::quiet_NaN());
+  const Eigen::Index q = problem_.space.count();
+  const CommonLikelihood::Slopes slopes = likelihood_.slopes(outputs, noise_.variances(values.tail(noise_.count())));
+  Eigen::VectorXd gradient(point.size());
+  gradient.head(q) = problem_.space.prior().standard_normal_derivatives(point.head(q)).transpose() *
+                     (own_derivatives(problem_, values.head(q)).transpose() * slopes.by_outputs);
+  gradient.tail(noise_.count()) = noise_.by_scores(slopes.by_variances, point.tail(noise_.count()));
+  return gradient;
 }
 
 /// Within bounds, physical limits and scales. Called from several threads.
@@ -62,8 +100,22 @@ std::vector<bool> PosteriorTarget::is_possible(const Eigen::MatrixXd& points) co
   return possible;
 }
 
+/// That the levels of the noise have not gone to zero, as they do where the model meets the tests exactly.
+void PosteriorTarget::require_levels(const Eigen::MatrixXd& particles) const {
+  constexpr double k_smallest = 1e-6;  // of the level at the median of its prior
+  for (Eigen::Index k = 0; k < noise_.count(); ++k) {
+    const Eigen::ArrayXd scores = particles.col(problem_.space.count() + k).array();
+    const double middle = noise_.level(scores.mean());
+    require_of(middle > k_smallest * noise_.level(0.0), {Subject::Kind::repeatability},
+               "the level {} has no posterior: the model meets the tests exactly, so that the likelihood grows without "
+               "end as the noise goes to zero; give repeatability, or set bayes.noise_prior = \"inverse-gamma\"",
+               noise_.names()[static_cast<std::size_t>(k)]);
+  }
+}
+
 /// Adapts the model to where the particles are, each time that they have halved their spread.
 void PosteriorTarget::follow(const Eigen::MatrixXd& particles) {
+  require_levels(particles);
   if (!problem_.model.adapts_to_regions()) return;
   const Eigen::MatrixXd scaled = from_variables(problem_.space.transforms(), parameters(particles));
   const Eigen::VectorXd mean = scaled.colwise().mean().transpose();

@@ -27,16 +27,6 @@ struct Column {
   Eigen::Index parameter;
 };
 
-Eigen::MatrixXd own_derivatives(const UpdatingProblem& problem, const Eigen::VectorXd& variables) {
-  try {
-    return problem.derivatives->jacobian(variables);
-  } catch (const InvalidInput&) {  // modes that cannot be matched there
-  } catch (const ModelFailure&) {
-  }
-  return Eigen::MatrixXd::Constant(static_cast<Eigen::Index>(problem.model.outputs().size()), variables.size(),
-                                   k_not_known);
-}
-
 /// Runs at points(point) +- step along the parameter: two rows a column.
 Eigen::MatrixXd shifted_outputs(const UpdatingProblem& problem, const ScaledParameters& parameters,
                                 const Eigen::Ref<const Eigen::MatrixXd>& points, const std::vector<Column>& columns,
@@ -59,6 +49,16 @@ double quotient(double ahead, double centre, double behind, double step) {
 }
 
 }  // namespace
+
+Eigen::MatrixXd own_derivatives(const UpdatingProblem& problem, const Eigen::VectorXd& variables) {
+  try {
+    return problem.derivatives->jacobian(variables);
+  } catch (const InvalidInput&) {  // modes that cannot be matched there
+  } catch (const ModelFailure&) {
+  }
+  return Eigen::MatrixXd::Constant(static_cast<Eigen::Index>(problem.model.outputs().size()), variables.size(),
+                                   k_not_known);
+}
 
 PriorOnScales prior_on_scales(const ParameterSpace& space) {
   const std::vector<ParameterTransform> scales = space.transforms();

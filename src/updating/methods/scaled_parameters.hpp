@@ -54,6 +54,9 @@ class ScaledParameters {
 Eigen::MatrixXd outputs_on_scales(const UpdatingProblem& problem, const Eigen::Ref<const Eigen::MatrixXd>& points,
                                   const RunContext& context, std::int64_t& evaluations);
 
+/// dy/dx by the model's own derivatives; nan where it has none [output x parameter].
+Eigen::MatrixXd own_derivatives(const UpdatingProblem& problem, const Eigen::VectorXd& variables);
+
 /// dy/dt at each of several points: the model's own derivatives (at more than one point only where they are cheap), and
 /// central differences (steps of the model's in prior deviations, all points in one batch) for what it does not give. A
 /// difference whose runs fail on one side is taken

@@ -11,6 +11,7 @@
 #include "mottle/layers.hpp"
 #include "mottle/updating/sampling/sequential_monte_carlo.hpp"
 #include "updating/sampling/normal_mixture.hpp"
+#include "updating/sampling/trajectories.hpp"
 
 namespace mottle::updating {
 
@@ -22,8 +23,11 @@ class Island {
   bool is_done() const { return is_done_; }
   /// Points whose log-likelihood it wants next, all possible [point x dimension]; maybe none.
   const Eigen::MatrixXd& propose();
-  /// The log-likelihoods of those points.
-  void receive(const Eigen::Ref<const Eigen::VectorXd>& log_likelihood);
+  /// Whether it wants their gradients as well.
+  bool wants_gradient() const { return awaits_ == Awaits::gradients || awaits_ == Awaits::trajectories; }
+  /// The log-likelihoods of those points, and their gradients where it wants them.
+  void receive(const Eigen::Ref<const Eigen::VectorXd>& log_likelihood,
+               const Eigen::Ref<const Eigen::MatrixXd>& gradient);
 
   const Eigen::MatrixXd& points() const { return found_.points; }
   /// What it found; once.
@@ -31,9 +35,11 @@ class Island {
 
  private:
   enum class Move { global, local, difference };
+  enum class Awaits { start, moves, gradients, trajectories };
 
   RandomStream stream(StreamPurpose purpose, std::uint32_t step, std::uint32_t particle) const;
   void draw_start();
+  void take_start(const Eigen::VectorXd& log_likelihood);
   void begin_stage();
   double next_increment() const;
   void resample(const Eigen::VectorXd& weights);
@@ -41,11 +47,20 @@ class Island {
   Eigen::Index half() const { return found_.points.rows() / 2; }
   const NormalMixture& mixture_for(Eigen::Index particle) const { return *mixtures_[particle < half() ? 1 : 0]; }
   Eigen::VectorXd propose_move(Eigen::Index particle, RandomStream& random);
-  void keep_possible();
+  std::vector<bool> possible_proposals() const;
+  void ask(const std::vector<bool>& is_wanted);
   void judge_moves(const Eigen::Ref<const Eigen::VectorXd>& log_likelihood);
+  void ask_gradients();
+  void keep_gradients(const Eigen::Ref<const Eigen::MatrixXd>& gradient);
+  void start_trajectories();
+  void advance_trajectories();
+  void follow_trajectories(const Eigen::Ref<const Eigen::VectorXd>& log_likelihood,
+                           const Eigen::Ref<const Eigen::MatrixXd>& gradient);
+  void judge_trajectories();
   void adapt(const std::vector<double>& tried, const std::vector<double>& accepted);
   void end_move();
   double correlation_with_start() const;
+  double correlation_by_chance() const;
 
   const SamplingTarget& target_;
   const SamplingSettings& settings_;
@@ -53,7 +68,9 @@ class Island {
   std::uint32_t number_;
   std::uint32_t stage_ = 0;
   std::uint32_t step_ = 0;
-  bool is_started_ = false;
+  int wanted_moves_ = 0;  // of the stage; 0: until it has decorrelated
+  bool follows_gradients_;
+  Awaits awaits_ = Awaits::start;
   bool is_done_ = false;
   double exponent_ = 0.0;
   SampledIsland found_;
@@ -73,6 +90,8 @@ class Island {
   Eigen::VectorXd proposed_log_mixture_;  // at them
   Eigen::VectorXd thresholds_;            // ln of the uniforms that decide
   std::vector<Move> kinds_;
+  Eigen::MatrixXd gradient_;  // of ln L at the particles; nan: not known
+  Trajectories trajectories_;
   std::vector<Eigen::Index> asked_;  // particles whose proposals are possible
   Eigen::MatrixXd asked_points_;
 };

@@ -1,9 +1,12 @@
 #include "updating/sampling/normal_mixture.hpp"
 
 #include <algorithm>
+#include <boost/math/special_functions/gamma.hpp>
 #include <cmath>
 #include <limits>
 #include <numbers>
+
+#include "updating/estimate/normal_draws.hpp"
 
 namespace mottle::updating {
 namespace {
@@ -12,10 +15,10 @@ constexpr Eigen::Index k_max_fitted = 500;  // particles: more make the fit dear
 constexpr Eigen::Index k_max_components = 4;
 constexpr double k_per_number = 10.0;  // particles for each number of a component
 constexpr int k_sweeps = 12;
-constexpr double k_inflation = 1.3;       // of variances: a proposal that is too narrow is worse than one too wide
-constexpr double k_wide_weight = 0.1;     // of the last component
-constexpr double k_wide_inflation = 3.0;  // and of its variances
-constexpr double k_smallest = 1e-12;      // of a variance's own, added to it
+constexpr double k_inflation = 1.3;      // of variances: a proposal that is too narrow is worse than one too wide
+constexpr double k_wide_weight = 0.1;    // of the last component
+constexpr int k_degrees_of_freedom = 3;  // and of its t: the fewest with a variance
+constexpr double k_smallest = 1e-12;     // of a variance's own, added to it
 
 Eigen::Index component_count(Eigen::Index particles, Eigen::Index dimension) {
   const auto d = static_cast<double>(dimension);
@@ -28,6 +31,18 @@ Eigen::MatrixXd covariance_of(const Eigen::MatrixXd& points, const Eigen::Vector
                               const Eigen::VectorXd& weights) {
   const Eigen::MatrixXd apart = points.rowwise() - mean.transpose();
   return apart.transpose() * weights.asDiagonal() * apart;
+}
+
+/// ln of the constant of a density of unit covariance or scale.
+double log_constant(bool is_t, double dimension) {
+  if (!is_t) return -0.5 * dimension * std::log(2.0 * std::numbers::pi);
+  constexpr double k_nu = k_degrees_of_freedom;
+  return boost::math::lgamma(0.5 * (k_nu + dimension)) - boost::math::lgamma(0.5 * k_nu) -
+         0.5 * dimension * std::log(k_nu * std::numbers::pi);
+}
+
+double chi_squared(RandomStream& random, Eigen::Index degrees_of_freedom) {
+  return standard_normals(random, degrees_of_freedom).squaredNorm();
 }
 
 /// Every so many of the particles that no more than k_max_fitted are left: neighbours have common ancestors.
@@ -64,8 +79,8 @@ void NormalMixture::factorise(Part& part) const {
     if (!cholesky.is_positive_definite()) continue;
     part.factor = cholesky.lower();
     part.inverse = cholesky.solve_lower(Eigen::MatrixXd::Identity(part.mean.size(), part.mean.size()));
-    part.log_scale = std::log(part.weight) - 0.5 * cholesky.log_determinant() -
-                     0.5 * static_cast<double>(part.mean.size()) * std::log(2.0 * std::numbers::pi);
+    part.log_scale = std::log(part.weight) - 0.5 * cholesky.log_determinant() +
+                     log_constant(part.is_t, static_cast<double>(part.mean.size()));
     return;
   }
 }
@@ -95,18 +110,25 @@ void NormalMixture::start(const Eigen::MatrixXd& points, RandomStream& stream) {
   }
 }
 
+double NormalMixture::squared_distance(const Part& part, const Eigen::Ref<const Eigen::VectorXd>& x) const {
+  double square = 0.0;
+  for (Eigen::Index i = 0; i < x.size(); ++i) {
+    double whitened = 0.0;
+    for (Eigen::Index j = 0; j <= i; ++j) whitened += part.inverse(i, j) * (x(j) - part.mean(j));
+    square += whitened * whitened;
+  }
+  return square;
+}
+
 double NormalMixture::log_parts(const Eigen::Ref<const Eigen::VectorXd>& x, std::vector<double>& values) const {
+  constexpr double k_nu = k_degrees_of_freedom;
   double largest = -std::numeric_limits<double>::infinity();
   values.resize(parts_.size());
   for (std::size_t k = 0; k < parts_.size(); ++k) {
     const Part& part = parts_[k];
-    double square = 0.0;
-    for (Eigen::Index i = 0; i < x.size(); ++i) {
-      double whitened = 0.0;
-      for (Eigen::Index j = 0; j <= i; ++j) whitened += part.inverse(i, j) * (x(j) - part.mean(j));
-      square += whitened * whitened;
-    }
-    values[k] = part.log_scale - 0.5 * square;
+    const double square = squared_distance(part, x);
+    values[k] = part.log_scale -
+                0.5 * (part.is_t ? (k_nu + static_cast<double>(x.size())) * std::log1p(square / k_nu) : square);
     largest = std::max(largest, values[k]);
   }
   return largest;
@@ -140,7 +162,8 @@ void NormalMixture::widen() {
     part.covariance *= k_inflation;
     factorise(part);
   }
-  parts_.push_back({.weight = k_wide_weight, .mean = mean_, .covariance = k_wide_inflation * covariance_});
+  parts_.push_back({.weight = k_wide_weight, .mean = mean_, .covariance = covariance_});
+  parts_.back().is_t = true;
   factorise(parts_.back());
 }
 
@@ -169,11 +192,22 @@ Eigen::Index NormalMixture::draw_component(double uniform) const {
   return static_cast<Eigen::Index>(chosen);
 }
 
-Eigen::VectorXd NormalMixture::move(Eigen::Index component, const Eigen::Ref<const Eigen::VectorXd>& x,
-                                    const Eigen::Ref<const Eigen::VectorXd>& normals, double step) const {
+Eigen::VectorXd NormalMixture::draw(Eigen::Index component, RandomStream& random) const {
   const Part& part = parts_[static_cast<std::size_t>(component)];
-  Eigen::VectorXd moved = part.factor * normals;
-  return part.mean + std::sqrt(std::max(0.0, 1.0 - step * step)) * (x - part.mean) + step * moved;
+  const Eigen::VectorXd spread = part.factor * standard_normals(random, part.mean.size());
+  if (!part.is_t) return part.mean + spread;
+  return part.mean + std::sqrt(k_degrees_of_freedom / chi_squared(random, k_degrees_of_freedom)) * spread;
+}
+
+Eigen::VectorXd NormalMixture::move(Eigen::Index component, const Eigen::Ref<const Eigen::VectorXd>& x,
+                                    RandomStream& random, double step) const {
+  const Part& part = parts_[static_cast<std::size_t>(component)];
+  Eigen::VectorXd spread = part.factor * standard_normals(random, x.size());
+  if (part.is_t) {
+    spread *= std::sqrt((k_degrees_of_freedom + squared_distance(part, x)) /
+                        chi_squared(random, k_degrees_of_freedom + x.size()));
+  }
+  return part.mean + std::sqrt(std::max(0.0, 1.0 - step * step)) * (x - part.mean) + step * spread;
 }
 
 }  // namespace mottle::updating

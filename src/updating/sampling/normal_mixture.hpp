@@ -10,12 +10,13 @@
 
 namespace mottle::updating {
 
-/// g(x) = sum_k w_k N(x; m_k, C_k).
+/// g(x) = sum_k w_k N(x; m_k, C_k) + w t_3(x; m, C), the last with mean and covariance of all particles.
 class NormalMixture {
  public:
   /// Fits by expectation-maximisation, begun at particles drawn far from each other. Few particles take their shape
-  /// from all (their covariance is shrunk towards that of all); a last component as wide as all keeps tails from being
-  /// lost.
+  /// from all (their covariance is shrunk towards that of all). Student's t is for what the others miss: a region of
+  /// few particles, which one half of an island may hold and the other not, has a density there that is not far
+  /// below the target's, so that particles leave it.
   ///
   /// @param points  [particle x dimension], at least 2 of them different in every dimension
   /// @param stream  draws the start
@@ -31,10 +32,13 @@ class NormalMixture {
   Eigen::Index component_of(const Eigen::Ref<const Eigen::VectorXd>& x, double uniform) const;
   /// Component by its weight.
   Eigen::Index draw_component(double uniform) const;
-  /// m + sqrt(1 - step^2) (x - m) + step L normals of a component: it leaves that component's density as it is.
-  /// @param step  in (0, 1]; 1: whatever x is
-  Eigen::VectorXd move(Eigen::Index component, const Eigen::Ref<const Eigen::VectorXd>& x,
-                       const Eigen::Ref<const Eigen::VectorXd>& normals, double step) const;
+  /// A draw of one component.
+  Eigen::VectorXd draw(Eigen::Index component, RandomStream& random) const;
+  /// m + sqrt(1 - step^2) (x - m) + step sqrt(s) L w, w normal: it leaves that component's density as it is. s is 1 for
+  /// a normal component; t is normal given s, which is drawn from what it is given x.
+  /// @param step  in (0, 1]
+  Eigen::VectorXd move(Eigen::Index component, const Eigen::Ref<const Eigen::VectorXd>& x, RandomStream& random,
+                       double step) const;
 
  private:
   struct Part {
@@ -43,13 +47,15 @@ class NormalMixture {
     Eigen::MatrixXd covariance;
     Eigen::MatrixXd factor = {};   // L, covariance = L L'
     Eigen::MatrixXd inverse = {};  // of L
-    double log_scale = 0.0;        // ln w - ln det L - d / 2 ln 2 pi
+    double log_scale = 0.0;        // ln w - ln det L + ln of the density's own constant
+    bool is_t = false;
   };
 
   void factorise(Part& part) const;
   void start(const Eigen::MatrixXd& points, RandomStream& stream);
   void improve(const Eigen::MatrixXd& points);
   void widen();
+  double squared_distance(const Part& part, const Eigen::Ref<const Eigen::VectorXd>& x) const;
   /// ln (w_k N_k(x)) of every component, and the largest.
   double log_parts(const Eigen::Ref<const Eigen::VectorXd>& x, std::vector<double>& values) const;
 

@@ -50,27 +50,53 @@ bool goes_on(const SamplingTarget& target, const Islands& islands) {
   return target.before_batch(stacked(points, target.dimension));
 }
 
-/// What every island that still works asks for, evaluated as one batch.
-void advance(const SamplingTarget& target, const std::vector<Island*>& working, int threads) {
-  const auto count = static_cast<std::int64_t>(working.size());
-  std::vector<const Eigen::MatrixXd*> asked(working.size());
-  parallel_for(count, 1, threads, [&](std::int64_t begin, std::int64_t end) {
-    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
-      asked[i] = &working[i]->propose();
-    }
-  });
+/// What islands ask for, evaluated as one batch.
+void evaluate(const SamplingTarget& target, const std::vector<Island*>& islands,
+              const std::vector<const Eigen::MatrixXd*>& asked, int threads) {
   const Eigen::MatrixXd batch = stacked(asked, target.dimension);
-  const Eigen::VectorXd values = batch.rows() > 0 ? target.log_likelihood(batch) : Eigen::VectorXd();
-  std::vector<Eigen::Index> first(working.size(), 0);
-  for (std::size_t i = 1; i < working.size(); ++i) first[i] = first[i - 1] + asked[i - 1]->rows();
-  parallel_for(count, 1, threads, [&](std::int64_t begin, std::int64_t end) {
+  LikelihoodGradient found;
+  if (batch.rows() > 0 && islands.front()->wants_gradient())
+    found = target.with_gradient(batch);
+  else if (batch.rows() > 0)
+    found.log_likelihood = target.log_likelihood(batch);
+  std::vector<Eigen::Index> first(islands.size(), 0);
+  for (std::size_t i = 1; i < islands.size(); ++i) first[i] = first[i - 1] + asked[i - 1]->rows();
+  parallel_for(static_cast<std::int64_t>(islands.size()), 1, threads, [&](std::int64_t begin, std::int64_t end) {
     for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
-      working[i]->receive(values.segment(first[i], asked[i]->rows()));
+      const Eigen::Index rows = asked[i]->rows();
+      const Eigen::MatrixXd gradient =
+          found.gradient.rows() > 0 ? found.gradient.middleRows(first[i], rows) : Eigen::MatrixXd(0, target.dimension);
+      islands[i]->receive(found.log_likelihood.segment(first[i], rows), gradient);
     }
   });
 }
 
+/// One batch without gradients, one with them.
+void advance(const SamplingTarget& target, const std::vector<Island*>& working, int threads) {
+  std::vector<const Eigen::MatrixXd*> asked(working.size());
+  parallel_for(static_cast<std::int64_t>(working.size()), 1, threads, [&](std::int64_t begin, std::int64_t end) {
+    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
+      asked[i] = &working[i]->propose();
+    }
+  });
+  for (const bool with_gradient : {false, true}) {
+    std::vector<Island*> islands;
+    std::vector<const Eigen::MatrixXd*> theirs;
+    for (std::size_t i = 0; i < working.size(); ++i) {
+      if (working[i]->wants_gradient() != with_gradient) continue;
+      islands.push_back(working[i]);
+      theirs.push_back(asked[i]);
+    }
+    if (!islands.empty()) evaluate(target, islands, theirs, threads);
+  }
+}
+
 }  // namespace
+
+bool follows_gradients(const SamplingTarget& target, const SamplingSettings& settings) {
+  if (!target.with_gradient || settings.gradients == GradientMoves::never) return false;
+  return settings.gradients == GradientMoves::always || target.dimension > k_many_dimensions;
+}
 
 std::vector<SampledIsland> sample_posterior(const SamplingTarget& target, const SamplingSettings& settings,
                                             const RunContext& context) {

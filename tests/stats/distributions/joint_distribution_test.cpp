@@ -179,6 +179,44 @@ TEST(JointDistribution, MultivariateNormalUsesTheSymmetricSquareRoot) {
   EXPECT_NEAR(joint.from_uniform(uniforms)(0, 1), 1.0, 1e-14);
 }
 
+/// Against central differences, whose error of 1e-9 is that of a step of 1e-5 and of rounding.
+void expect_derivatives_of_differences(const JointDistribution& joint) {
+  constexpr double k_step = 1e-5;
+  for (const double score : {-2.5, -0.3, 1.7}) {
+    const Eigen::VectorXd point = Eigen::VectorXd::LinSpaced(joint.dimension(), score, score + 0.8);
+    const Eigen::MatrixXd derivatives = joint.standard_normal_derivatives(point);
+    for (Eigen::Index i = 0; i < point.size(); ++i) {
+      const Eigen::VectorXd step = k_step * Eigen::VectorXd::Unit(point.size(), i);
+      const Eigen::RowVectorXd difference = joint.from_standard_normal((point + step).transpose()) -
+                                            joint.from_standard_normal((point - step).transpose());
+      for (Eigen::Index j = 0; j < point.size(); ++j) {
+        EXPECT_NEAR(derivatives(j, i), difference(j) / (2.0 * k_step), 1e-7 * derivatives.row(j).cwiseAbs().maxCoeff())
+            << j << ' ' << i;
+      }
+    }
+  }
+}
+
+TEST(JointDistribution, KnowsTheDerivativesOfItsTransform) {
+  const std::vector<Distribution> marginals{
+      k_normal,
+      k_beta,
+      Distribution({.kind = DistributionKind::lognormal, .mean = 1.5, .std = 0.5}),
+      Distribution({.kind = DistributionKind::uniform, .lower = 1.0, .upper = 3.0}),
+      Distribution({.kind = DistributionKind::gamma, .mean = 2.0, .std = 0.7}),
+      Distribution({.kind = DistributionKind::truncated_normal, .mean = 1.0, .std = 0.5, .lower = 0.2, .upper = 1.4})};
+  expect_derivatives_of_differences(JointDistribution(marginals));
+  Eigen::MatrixXd correlation = Eigen::MatrixXd::Constant(6, 6, 0.4);
+  correlation.diagonal().setOnes();
+  expect_derivatives_of_differences(JointDistribution(marginals, correlation));
+  const Eigen::Matrix2d covariance = (Eigen::Matrix2d() << 0.04, 0.01, 0.01, 0.09).finished();
+  expect_derivatives_of_differences(JointDistribution::multivariate_normal(Eigen::Vector2d(1.0, 2.0), covariance));
+  const std::vector<ParameterTransform> scales{{.kind = ParameterTransform::Kind::log},
+                                               {.kind = ParameterTransform::Kind::logit, .lower = 1.0, .upper = 4.0}};
+  expect_derivatives_of_differences(
+      JointDistribution::transformed_normal(scales, Eigen::Vector2d(0.1, -0.4), covariance));
+}
+
 template <typename Make>
 std::string message_of(const Make& make) {
   try {

@@ -70,6 +70,14 @@ class JointDistribution {
   /// @throws InvalidInput  wrong number of columns
   Eigen::MatrixXd from_standard_normal(const Eigen::Ref<const Eigen::MatrixXd>& normals) const;
 
+  /// The derivatives dx/dw of from_standard_normal() at one point: of a marginal phi(v) / f(x), v its own score; 0
+  /// where the density f or phi has run out of numbers.
+  ///
+  /// @param normals  [variable]
+  /// @return         [variable x normal]
+  /// @throws InvalidInput  wrong number of entries
+  Eigen::MatrixXd standard_normal_derivatives(const Eigen::Ref<const Eigen::VectorXd>& normals) const;
+
  private:
   JointDistribution() = default;
 

@@ -5,6 +5,9 @@
 
 namespace mottle::stats {
 
+/// Density exp(-z^2 / 2) / sqrt(2 pi) of a standard normal.
+double standard_normal_pdf(double z);
+
 /// P(N <= z) of a standard normal N: erfc(-z / sqrt 2) / 2.
 double standard_normal_cdf(double z);
 

@@ -37,6 +37,7 @@ struct SampledPosterior {
   std::vector<std::vector<SamplingStage>> stages;  ///< of each chain
   std::int64_t failed_runs = 0;                    ///< of the model, whose likelihood is zero
   std::int64_t evaluations = 0;                    ///< by the sampler
+  std::int64_t gradients = 0;                      ///< of the log-likelihood, in as many of the evaluations
   /// Outputs of the model at each draw; nan: it failed when it was run there again; empty: not known
   /// [chain x draw, output]
   Eigen::MatrixXd outputs = {};
@@ -48,6 +49,10 @@ struct SampledPosterior {
   std::optional<LeaveOneOut> leave_one_out = std::nullopt;  ///< by specimens
   std::optional<PredictiveAccuracy> waic = std::nullopt;    ///< by specimens
   std::string not_left_out = {};                            ///< why there is neither, as a sentence
+
+  /// Trajectories along gradients, and how many of them diverged, in all stages.
+  std::int64_t trajectories() const;
+  std::int64_t divergences() const;
 
   /// The draws of one column, or of the log-likelihood [draw x chain].
   Eigen::MatrixXd chains_of(const Eigen::Ref<const Eigen::VectorXd>& column) const;

@@ -23,6 +23,7 @@ struct BayesOptions {
       0.5;  // half of the particles lost a stage: fewer stages cost more accuracy than they save
   double decorrelation = 0.1;
   int max_moves = 200;
+  GradientMoves gradients = GradientMoves::automatic;
 };
 
 /// Name, range, default and meaning of each option.

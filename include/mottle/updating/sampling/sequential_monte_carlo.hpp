@@ -12,6 +12,9 @@
 
 namespace mottle::updating {
 
+/// When moves follow the gradient of the likelihood.
+enum class GradientMoves { automatic, always, never };
+
 /// How a posterior is sampled.
 struct SamplingSettings {
   int islands = 8;                  ///< >= 2, <= 256; from their spread comes the standard error of the evidence
@@ -20,6 +23,17 @@ struct SamplingSettings {
   double decorrelation = 0.1;       ///< moves of a stage go on until no correlation with its start is larger
   int max_moves = 200;              ///< of a stage, at most
   int max_stages = 500;
+  /// Automatic: in more than k_many_dimensions where the target has a gradient. Always and never: where it has one.
+  GradientMoves gradients = GradientMoves::automatic;
+};
+
+/// Beyond it gradients are worth what they cost; see benchmarks/BAYES.md.
+inline constexpr Eigen::Index k_many_dimensions = 15;
+
+/// ln L and its gradient at some points.
+struct LikelihoodGradient {
+  Eigen::VectorXd log_likelihood;  ///< [point]
+  Eigen::MatrixXd gradient;        ///< d ln L / du [point x dimension]; nan where it is not known
 };
 
 /// What is sampled: p(u) = N(u; 0, 1) L(u) / Z where u is possible, Z relative to the prior cut at what is possible.
@@ -33,7 +47,13 @@ struct SamplingTarget {
   /// Called before each batch with the particles of all islands [particle x dimension]; empty: nobody listens. Returns
   /// whether to go on; if not, sample_posterior() throws Stopped.
   std::function<bool(const Eigen::MatrixXd& particles)> before_batch = {};
+  /// ln L as log_likelihood() has it, with its gradient; empty: there is none. A gradient that is not exact makes moves
+  /// dearer, not wrong.
+  std::function<LikelihoodGradient(const Eigen::MatrixXd& points)> with_gradient = {};
 };
+
+/// Whether moves follow gradients.
+bool follows_gradients(const SamplingTarget& target, const SamplingSettings& settings);
 
 /// One step of an island from a power of the likelihood to the next.
 struct SamplingStage {
@@ -42,6 +62,9 @@ struct SamplingStage {
   int moves = 0;                   ///< of every particle
   double acceptance = 0.0;         ///< fraction of the moves
   double correlation = 0.0;        ///< largest that was left with the stage's start
+  bool is_decorrelated = true;     ///< it is no larger than is asked for, or than chance makes it
+  std::int64_t trajectories = 0;   ///< of all particles, along gradients
+  std::int64_t divergences = 0;    ///< of them
 };
 
 /// What one island found.
@@ -72,7 +95,9 @@ struct Evidence {
 /// 3. Metropolis steps of three kinds, each of which leaves the target as it is: draws of a normal mixture g that is
 ///    fitted to particles, moves within the component that a particle belongs to (both accepted by p / g), and
 ///    steps along differences of two particles (accepted by p), for each half of the particles by those of the other.
-///    They go on until no coordinate and not the log-likelihood is correlated with the stage's start.
+///    They go on until no coordinate, no square of one and not the log-likelihood is correlated with the stage's
+///    start, and in the last stage for three times as long again.
+///    In many dimensions three of four steps are Hamiltonian trajectories along gradients instead.
 ///
 /// Islands share batches of evaluations and nothing else. Every random number is named by (seed, purpose, island,
 /// stage, step, particle): the result is the same at any number of threads.
@@ -80,7 +105,8 @@ struct Evidence {
 /// @throws InvalidInput  no particle of an island has a likelihood above zero; what is possible has no prior
 ///                       probability
 /// @throws Stopped       on request
-/// Source: [Ching2007], [DelMoral2006], [Zhou2016] for the effective samples, [TerBraak2006] for the differences.
+/// Source: [Ching2007], [DelMoral2006], [Zhou2016] for the effective samples, [TerBraak2006] for the differences,
+/// [Neal2011] for the trajectories.
 std::vector<SampledIsland> sample_posterior(const SamplingTarget& target, const SamplingSettings& settings,
                                             const RunContext& context);
 
