@@ -25,6 +25,9 @@ enum class StreamPurpose : std::uint32_t {
   posterior_resampling = 31,
   posterior_proposal = 32,
   posterior_move = 33,
+  corrected_auxiliaries = 34,
+  corrected_decision = 35,
+  corrected_resampling = 36,
 };
 
 /// The part of a stream's name that all samples of one draw share.

@@ -19,7 +19,8 @@ constexpr double k_hundredth = 0.01;  // of the root mean square: the level on w
 
 }  // namespace
 
-NoiseLevels::NoiseLevels(const UpdatingProblem& problem, const BayesOptions& options) : options_(options) {
+NoiseLevels::NoiseLevels(const UpdatingProblem& problem, const BayesOptions& options, const std::string& method)
+    : options_(options) {
   const Eigen::VectorXd& given = problem.tests.repeatability_std;
   const auto p = static_cast<std::size_t>(given.size());
   model_ = {given.cwiseAbs2(), std::vector<int>(p, -1), 0};
@@ -32,8 +33,8 @@ NoiseLevels::NoiseLevels(const UpdatingProblem& problem, const BayesOptions& opt
   }
   if (options.noise == BayesOptions::Noise::given) {
     require_of(unknown.empty(), {Subject::Kind::repeatability},
-               "the noise of {} is not known, and a likelihood needs it; give it, or set bayes.noise = \"estimated\"",
-               join(unknown));
+               "the noise of {} is not known, and a likelihood needs it; give it, or set {}.noise = \"estimated\"",
+               join(unknown), method);
     return;
   }
   model_ = with_levels(problem, std::move(model_), is_open);

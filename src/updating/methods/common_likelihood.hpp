@@ -16,8 +16,9 @@ namespace mottle::updating {
 /// where the kind's noise is relative, of all outputs of the kind else.
 class NoiseLevels {
  public:
+  /// @param method  whose option a message names
   /// Throws InvalidInput: noise is to be given but an output has no repeatability.
-  NoiseLevels(const UpdatingProblem& problem, const BayesOptions& options);
+  NoiseLevels(const UpdatingProblem& problem, const BayesOptions& options, const std::string& method = "bayes");
 
   Eigen::Index count() const { return static_cast<Eigen::Index>(names_.size()); }
   /// "noise:f": the level of frequencies.

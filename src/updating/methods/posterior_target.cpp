@@ -10,6 +10,21 @@
 
 namespace mottle::updating {
 
+std::vector<bool> are_possible(const ParameterSpace& space, const Eigen::Ref<const Eigen::MatrixXd>& samples) {
+  std::vector<bool> possible(static_cast<std::size_t>(samples.rows()));
+  for (Eigen::Index s = 0; s < samples.rows(); ++s) {
+    bool is_inside = space.is_possible(samples.row(s));
+    for (Eigen::Index i = 0; i < samples.cols() && is_inside; ++i) {
+      const Parameter& parameter = space.parameters()[static_cast<std::size_t>(i)];
+      const double value = samples(s, i);
+      is_inside = value >= parameter.lower_bound && value <= parameter.upper_bound &&
+                  std::isfinite(parameter.transform.from_variable(value));
+    }
+    possible[static_cast<std::size_t>(s)] = is_inside;
+  }
+  return possible;
+}
+
 PosteriorTarget::PosteriorTarget(const UpdatingProblem& problem, const NoiseLevels& noise,
                                  const CommonLikelihood& likelihood, const RunContext& context)
     : problem_(problem), noise_(noise), likelihood_(likelihood), context_(context) {
@@ -83,21 +98,9 @@ Eigen::VectorXd PosteriorTarget::gradient_at(const Eigen::VectorXd& point, const
   return gradient;
 }
 
-/// Within bounds, physical limits and scales. Called from several threads.
+/// Called from several threads.
 std::vector<bool> PosteriorTarget::is_possible(const Eigen::MatrixXd& points) const {
-  const Eigen::MatrixXd samples = parameters(points);
-  std::vector<bool> possible(static_cast<std::size_t>(samples.rows()));
-  for (Eigen::Index s = 0; s < samples.rows(); ++s) {
-    bool is_inside = problem_.space.is_possible(samples.row(s));
-    for (Eigen::Index i = 0; i < samples.cols() && is_inside; ++i) {
-      const Parameter& parameter = problem_.space.parameters()[static_cast<std::size_t>(i)];
-      const double value = samples(s, i);
-      is_inside = value >= parameter.lower_bound && value <= parameter.upper_bound &&
-                  std::isfinite(parameter.transform.from_variable(value));
-    }
-    possible[static_cast<std::size_t>(s)] = is_inside;
-  }
-  return possible;
+  return are_possible(problem_.space, parameters(points));
 }
 
 /// That the levels of the noise have not gone to zero, as they do where the model meets the tests exactly.

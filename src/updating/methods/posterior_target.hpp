@@ -13,6 +13,9 @@
 
 namespace mottle::updating {
 
+/// Whether each sample lies within bounds, physical limits and scales [sample x parameter].
+std::vector<bool> are_possible(const ParameterSpace& space, const Eigen::Ref<const Eigen::MatrixXd>& samples);
+
 /// Runs the model for the sampler, counts what failed, and adapts the model to where the particles are. What it is made
 /// of must outlive it, and it must outlive its target().
 class PosteriorTarget {

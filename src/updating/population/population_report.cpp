@@ -84,33 +84,6 @@ void forget_unseen(const UpdatingProblem& problem, const PopulationFit& fit, Par
   }
 }
 
-SpecimenEstimates estimate_specimens(const UpdatingProblem& problem, const PopulationFit& fit) {
-  const Eigen::MatrixXd& values = problem.tests.values;
-  SpecimenEstimates estimates{to_variables(problem.space.transforms(), fit.specimens.points),
-                              Eigen::MatrixXd::Constant(values.rows(), values.cols(), k_nan)};
-  for (Eigen::Index s = 0; s < values.rows(); ++s) {
-    const std::vector<Eigen::Index> rows = measured_outputs(values, s);
-    const RandomEffectsUnit& unit = fit.units[static_cast<std::size_t>(s)];
-    Eigen::MatrixXd total = unit.design * fit.effects.covariance * unit.design.transpose();
-    total.diagonal() += fit.noise(rows);
-    const Eigen::VectorXd standard_deviation = total.diagonal().cwiseMax(1e-300).cwiseSqrt();
-    const Eigen::MatrixXd correlation =
-        standard_deviation.cwiseInverse().asDiagonal() * total * standard_deviation.cwiseInverse().asDiagonal();
-    const SymmetricEigen solver(correlation);
-    constexpr double k_singular = 1e-10;
-    const Eigen::VectorXd root =
-        solver.eigenvalues().unaryExpr([](double v) { return v > k_singular ? 1.0 / std::sqrt(v) : 0.0; });
-    Eigen::VectorXd misfit = unit.response - unit.design * fit.effects.mean;
-    if (fit.model_error) misfit -= unit.shared * fit.model_error->shift;
-    const Eigen::VectorXd residual = misfit.cwiseQuotient(standard_deviation);
-    const Eigen::VectorXd whitened =
-        solver.eigenvectors() * root.asDiagonal() * (solver.eigenvectors().transpose() * residual);
-    for (std::size_t k = 0; k < rows.size(); ++k)
-      estimates.residuals(s, rows[k]) = whitened(static_cast<Eigen::Index>(k));
-  }
-  return estimates;
-}
-
 void add_notes(const UpdatingProblem& problem, const PopulationFit& fit, const PopulationFitSettings& settings,
                UpdatingResult& result) {
   result.notes.push_back(
@@ -159,6 +132,33 @@ void take_in_estimates(const Eigen::MatrixXd& covariance, ParameterIntervals& in
 }
 
 }  // namespace
+
+SpecimenEstimates estimate_specimens(const UpdatingProblem& problem, const PopulationFit& fit) {
+  const Eigen::MatrixXd& values = problem.tests.values;
+  SpecimenEstimates estimates{to_variables(problem.space.transforms(), fit.specimens.points),
+                              Eigen::MatrixXd::Constant(values.rows(), values.cols(), k_nan)};
+  for (Eigen::Index s = 0; s < values.rows(); ++s) {
+    const std::vector<Eigen::Index> rows = measured_outputs(values, s);
+    const RandomEffectsUnit& unit = fit.units[static_cast<std::size_t>(s)];
+    Eigen::MatrixXd total = unit.design * fit.effects.covariance * unit.design.transpose();
+    total.diagonal() += fit.noise(rows);
+    const Eigen::VectorXd standard_deviation = total.diagonal().cwiseMax(1e-300).cwiseSqrt();
+    const Eigen::MatrixXd correlation =
+        standard_deviation.cwiseInverse().asDiagonal() * total * standard_deviation.cwiseInverse().asDiagonal();
+    const SymmetricEigen solver(correlation);
+    constexpr double k_singular = 1e-10;
+    const Eigen::VectorXd root =
+        solver.eigenvalues().unaryExpr([](double v) { return v > k_singular ? 1.0 / std::sqrt(v) : 0.0; });
+    Eigen::VectorXd misfit = unit.response - unit.design * fit.effects.mean;
+    if (fit.model_error) misfit -= unit.shared * fit.model_error->shift;
+    const Eigen::VectorXd residual = misfit.cwiseQuotient(standard_deviation);
+    const Eigen::VectorXd whitened =
+        solver.eigenvectors() * root.asDiagonal() * (solver.eigenvectors().transpose() * residual);
+    for (std::size_t k = 0; k < rows.size(); ++k)
+      estimates.residuals(s, rows[k]) = whitened(static_cast<Eigen::Index>(k));
+  }
+  return estimates;
+}
 
 Eigen::MatrixXd start_beside(const UpdatingProblem& problem, const PopulationFit& fit) {
   constexpr double k_fresh = 0.01;

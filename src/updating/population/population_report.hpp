@@ -5,6 +5,7 @@
 #include "mottle/stats/population/population_intervals.hpp"
 #include "mottle/updating/methods/maximum_likelihood.hpp"
 #include "updating/population/population_fit.hpp"
+#include "updating/verdict/test_plan.hpp"
 
 namespace mottle::updating {
 
@@ -30,6 +31,13 @@ PopulationEvidence evidence_without_bounds(const UpdatingProblem& problem, const
 
 /// A covariance of the effects to start an estimate from: beside that of the fit, off the border where it would stay.
 Eigen::MatrixXd start_beside(const UpdatingProblem& problem, const PopulationFit& fit);
+
+/// Every specimen's most probable parameters and whitened residuals, from the fits, linear problem, effects, noise and
+/// model error of a fit.
+SpecimenEstimates estimate_specimens(const UpdatingProblem& problem, const PopulationFit& fit);
+
+/// Plans the tests of residuals among test_population()'s, from the same and the directions that the outputs see.
+void plan_residual_tests(const UpdatingProblem& problem, const PopulationFit& fit, TestPlan& plan);
 
 /// Tests of what the estimate leaves over, at a level that is the false-alarm rate of all of them together:
 ///

@@ -7,31 +7,12 @@
 #include "mottle/core/error.hpp"
 #include "mottle/stats/distributions/standard_normal.hpp"
 #include "updating/estimate/normal_draws.hpp"
+#include "updating/sampling/stage_weights.hpp"
 
 namespace mottle::updating {
 namespace {
 
 constexpr double k_minus_infinity = -std::numeric_limits<double>::infinity();
-
-/// (sum w)^2 / sum w^2 of weights exp(increment log_likelihood), the largest of which is 1.
-double effective_of(const Eigen::VectorXd& log_likelihood, double largest, double increment) {
-  double sum = 0.0;
-  double squares = 0.0;
-  for (const double value : log_likelihood) {
-    if (value == k_minus_infinity) continue;
-    const double weight = std::exp(increment * (value - largest));
-    sum += weight;
-    squares += weight * weight;
-  }
-  return sum * sum / squares;
-}
-
-double correlation(const Eigen::ArrayXd& first, const Eigen::ArrayXd& second) {
-  const Eigen::ArrayXd a = first - first.mean();
-  const Eigen::ArrayXd b = second - second.mean();
-  const double scale = std::sqrt(a.square().sum() * b.square().sum());
-  return scale > 0.0 ? (a * b).sum() / scale : 0.0;
-}
 
 }  // namespace
 
@@ -59,9 +40,9 @@ const Eigen::MatrixXd& Island::propose() {
   } else if (awaits_ == Awaits::trajectories && !trajectories_.are_done()) {
     advance_trajectories();
   } else {
-    if (step_ == 0) begin_stage();
+    if (step_ == 0 && !is_walking_) begin_stage();
     ++step_;
-    if (!follows_gradients_ || step_ % k_gradient_cycle == 0)
+    if (!follows_gradients_ || is_walking_ || step_ % k_gradient_cycle == 0)
       propose_moves();
     else
       ask_gradients();
@@ -134,18 +115,22 @@ void Island::draw_start() {
   asked_points_ = found_.points;
 }
 
-/// The next exponent, its weights, resampling, and the mixture that moves are drawn from.
+/// The next exponent, its weights and resampling.
 void Island::begin_stage() {
   ++stage_;
-  const double largest = found_.log_likelihood.maxCoeff();
-  const double increment = next_increment();
-  exponent_ = exponent_ + increment >= 1.0 ? 1.0 : exponent_ + increment;
-  const Eigen::VectorXd weights =
-      found_.log_likelihood.unaryExpr([&](double value) { return std::exp(increment * (value - largest)); });
-  found_.log_evidence += increment * largest + std::log(weights.mean());
-  found_.stages.push_back(
-      {.exponent = exponent_, .effective_samples = weights.sum() * weights.sum() / weights.squaredNorm()});
-  resample(weights / weights.sum());
+  const StageWeights next = next_stage(found_.log_likelihood, exponent_, settings_.effective_fraction);
+  exponent_ = next.exponent;
+  found_.log_evidence += next.log_mean;
+  found_.stages.push_back({.exponent = exponent_, .effective_samples = next.effective_samples});
+  RandomStream random = stream(StreamPurpose::posterior_resampling, 0, 0);
+  start_from(systematic_parents(next.weights, random.uniform()));
+}
+
+/// Copies of particles, and the mixtures that moves are drawn from.
+void Island::start_from(const std::vector<Eigen::Index>& parents) {
+  found_.points = found_.points(parents, Eigen::all).eval();
+  found_.log_likelihood = found_.log_likelihood(parents).eval();
+  gradient_ = gradient_(parents, Eigen::all).eval();
   start_points_ = found_.points;
   start_log_likelihood_ = found_.log_likelihood;
   accepted_ = 0.0;
@@ -162,45 +147,20 @@ void Island::begin_stage() {
   }
 }
 
-double Island::next_increment() const {
-  constexpr int k_halvings = 100;
-  const double largest = found_.log_likelihood.maxCoeff();
-  const auto alive = static_cast<double>((found_.log_likelihood.array() > k_minus_infinity).count());
-  const double wanted = settings_.effective_fraction * alive;
-  double high = 1.0 - exponent_;
-  if (effective_of(found_.log_likelihood, largest, high) >= wanted) return high;
-  double low = 0.0;
-  for (int halving = 0; halving < k_halvings; ++halving) {
-    const double middle = 0.5 * (low + high);
-    if (!(middle > low && middle < high)) break;
-    (effective_of(found_.log_likelihood, largest, middle) >= wanted ? low : high) = middle;
-  }
-  return high;
+void Island::begin_walk(const std::vector<Eigen::Index>& parents) {
+  ++stage_;
+  step_ = 0;
+  is_walking_ = true;
+  start_from(parents);
 }
 
-void Island::resample(const Eigen::VectorXd& weights) {
-  const Eigen::Index particles = found_.points.rows();
-  RandomStream random = stream(StreamPurpose::posterior_resampling, 0, 0);
-  const double shift = random.uniform();
-  Eigen::MatrixXd points(particles, target_.dimension);
-  Eigen::VectorXd log_likelihood(particles);
-  Eigen::MatrixXd gradient(particles, gradient_.cols());
-  Eigen::Index parent = 0;
-  double sum = weights(0);
-  for (Eigen::Index i = 0; i < particles; ++i) {
-    const double place = (static_cast<double>(i) + shift) / static_cast<double>(particles);
-    while (sum < place && parent + 1 < particles) sum += weights(++parent);
-    points.row(i) = found_.points.row(parent);
-    log_likelihood(i) = found_.log_likelihood(parent);
-    gradient.row(i) = gradient_.row(parent);
-  }
-  found_.points = std::move(points);
-  found_.log_likelihood = std::move(log_likelihood);
-  gradient_ = std::move(gradient);
+void Island::put_back(Eigen::Index particle, const Eigen::Ref<const Eigen::VectorXd>& point, double log_likelihood) {
+  found_.points.row(particle) = point.transpose();
+  found_.log_likelihood(particle) = log_likelihood;
+  log_mixture_(particle) = mixture_for(particle).log_density(point);
 }
 
 void Island::end_move() {
-  constexpr int k_of_last_stage = 4;  // times as many moves: its particles are the draws, and it is one of many stages
   SamplingStage& stage = found_.stages.back();
   stage.moves = static_cast<int>(step_);
   stage.acceptance = accepted_ / static_cast<double>(step_);
@@ -229,12 +189,12 @@ double Island::correlation_by_chance() const {
 
 /// Of coordinates, of their squares about the mean, which see the tails, and of the log-likelihood.
 double Island::correlation_with_start() const {
-  double largest = std::abs(correlation(start_log_likelihood_.array(), found_.log_likelihood.array()));
+  double largest = std::abs(correlation_of(start_log_likelihood_.array(), found_.log_likelihood.array()));
   for (Eigen::Index j = 0; j < start_points_.cols(); ++j) {
     const Eigen::ArrayXd start = start_points_.col(j).array() - start_points_.col(j).mean();
     const Eigen::ArrayXd now = found_.points.col(j).array() - found_.points.col(j).mean();
     largest =
-        std::max({largest, std::abs(correlation(start, now)), std::abs(correlation(start.square(), now.square()))});
+        std::max({largest, std::abs(correlation_of(start, now)), std::abs(correlation_of(start.square(), now.square()))});
   }
   return largest;
 }

@@ -15,6 +15,9 @@
 
 namespace mottle::updating {
 
+/// Times as many moves as decorrelate: those of the last stage, whose particles are the draws and which is one of many.
+inline constexpr int k_of_last_stage = 4;
+
 /// Asks for its likelihoods by propose() and receive(), in turns, until it is_done().
 class Island {
  public:
@@ -30,6 +33,14 @@ class Island {
                const Eigen::Ref<const Eigen::MatrixXd>& gradient);
 
   const Eigen::MatrixXd& points() const { return found_.points; }
+  const SampledIsland& found() const { return found_; }
+
+  /// Goes on, when it is done, from copies of its particles: each further turn is one Metropolis step under the whole
+  /// likelihood, with proposals that do not change any more. Such steps, any number of them in a row, are reversible.
+  /// @param parents  whom each particle is a copy of
+  void begin_walk(const std::vector<Eigen::Index>& parents);
+  /// Undoes what a walk did to a particle.
+  void put_back(Eigen::Index particle, const Eigen::Ref<const Eigen::VectorXd>& point, double log_likelihood);
   /// What it found; once.
   SampledIsland take() { return std::move(found_); }
 
@@ -41,8 +52,7 @@ class Island {
   void draw_start();
   void take_start(const Eigen::VectorXd& log_likelihood);
   void begin_stage();
-  double next_increment() const;
-  void resample(const Eigen::VectorXd& weights);
+  void start_from(const std::vector<Eigen::Index>& parents);
   void propose_moves();
   Eigen::Index half() const { return found_.points.rows() / 2; }
   const NormalMixture& mixture_for(Eigen::Index particle) const { return *mixtures_[particle < half() ? 1 : 0]; }
@@ -72,6 +82,7 @@ class Island {
   bool follows_gradients_;
   Awaits awaits_ = Awaits::start;
   bool is_done_ = false;
+  bool is_walking_ = false;
   double exponent_ = 0.0;
   SampledIsland found_;
 

@@ -6,7 +6,7 @@
 
 #include "mottle/core/error.hpp"
 #include "mottle/core/parallel.hpp"
-#include "updating/sampling/island.hpp"
+#include "updating/sampling/island_batches.hpp"
 
 namespace mottle::updating {
 namespace {
@@ -27,21 +27,6 @@ void require_settings(const SamplingTarget& target, const SamplingSettings& sett
   require(settings.max_stages >= 1 && settings.max_stages <= k_max_steps, "max_stages: {} is outside 1 to {}",
           settings.max_stages, k_max_steps);
 }
-
-/// Rows of all matrices, one below the other.
-Eigen::MatrixXd stacked(const std::vector<const Eigen::MatrixXd*>& parts, Eigen::Index columns) {
-  Eigen::Index rows = 0;
-  for (const Eigen::MatrixXd* part : parts) rows += part->rows();
-  Eigen::MatrixXd all(rows, columns);
-  Eigen::Index first = 0;
-  for (const Eigen::MatrixXd* part : parts) {
-    all.middleRows(first, part->rows()) = *part;
-    first += part->rows();
-  }
-  return all;
-}
-
-using Islands = std::vector<std::unique_ptr<Island>>;
 
 bool goes_on(const SamplingTarget& target, const Islands& islands) {
   if (!target.before_batch) return true;
@@ -71,6 +56,20 @@ void evaluate(const SamplingTarget& target, const std::vector<Island*>& islands,
   });
 }
 
+}  // namespace
+
+Eigen::MatrixXd stacked(const std::vector<const Eigen::MatrixXd*>& parts, Eigen::Index columns) {
+  Eigen::Index rows = 0;
+  for (const Eigen::MatrixXd* part : parts) rows += part->rows();
+  Eigen::MatrixXd all(rows, columns);
+  Eigen::Index first = 0;
+  for (const Eigen::MatrixXd* part : parts) {
+    all.middleRows(first, part->rows()) = *part;
+    first += part->rows();
+  }
+  return all;
+}
+
 /// One batch without gradients, one with them.
 void advance(const SamplingTarget& target, const std::vector<Island*>& working, int threads) {
   std::vector<const Eigen::MatrixXd*> asked(working.size());
@@ -91,15 +90,12 @@ void advance(const SamplingTarget& target, const std::vector<Island*>& working, 
   }
 }
 
-}  // namespace
-
 bool follows_gradients(const SamplingTarget& target, const SamplingSettings& settings) {
   if (!target.with_gradient || settings.gradients == GradientMoves::never) return false;
   return settings.gradients == GradientMoves::always || target.dimension > k_many_dimensions;
 }
 
-std::vector<SampledIsland> sample_posterior(const SamplingTarget& target, const SamplingSettings& settings,
-                                            const RunContext& context) {
+Islands run_islands(const SamplingTarget& target, const SamplingSettings& settings, const RunContext& context) {
   require_settings(target, settings);
   Islands islands;
   for (int i = 0; i < settings.islands; ++i) {
@@ -115,8 +111,13 @@ std::vector<SampledIsland> sample_posterior(const SamplingTarget& target, const 
     if (!is_first && !goes_on(target, islands)) throw Stopped("stopped on request");
     advance(target, working, context.threads);
   }
+  return islands;
+}
+
+std::vector<SampledIsland> sample_posterior(const SamplingTarget& target, const SamplingSettings& settings,
+                                            const RunContext& context) {
   std::vector<SampledIsland> found;
-  for (const auto& island : islands) found.push_back(island->take());
+  for (const auto& island : run_islands(target, settings, context)) found.push_back(island->take());
   return found;
 }
 

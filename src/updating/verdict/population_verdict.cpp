@@ -75,51 +75,6 @@ bool has_noise_everywhere(const UpdatingProblem& problem, const PopulationFit& f
   return (fit.noise.array() > size.square()).all();
 }
 
-void plan_residual_tests(const UpdatingProblem& problem, const PopulationFit& fit, TestPlan& plan) {
-  const bool is_noise_known = fit.settings.factors == 0;
-  const bool has_noise = has_noise_everywhere(problem, fit);
-  const TestMoments moments = test_moments(problem.tests);
-  const bool differ = (moments.count.array() < 2).all() || (counts_with_scatter(moments).array() > 0).any();
-  if (!is_noise_known && (!has_noise || !differ)) {
-    plan.leave_untested(
-        Aspect::means,
-        fmt::format("The means were not tested: {}, so that the level of the noise cannot be estimated. Give [test] "
-                    "repeatability.",
-                    has_noise ? "the specimens are the same to the last digits"
-                              : "the parameters reproduce every test to rounding"));
-    plan.leave_untested(Aspect::scatter, "The scatter was not tested for the same reason.");
-    return;
-  }
-  MeanResiduals residuals =
-      has_noise ? mean_residuals(problem.tests.values, fit.units, fit.noise, fit.model_error) : MeanResiduals{};
-  if (residuals.own_noncentrality.size() > 0) {  // off by the tests' standard deviation, not by 1
-    residuals.own_noncentrality.array() *= test_moments(problem.tests).covariance.diagonal().array();
-  }
-  if (!has_noise || residuals.mean_degrees_of_freedom == 0.0 || residuals.degrees_of_freedom <= 0.0) {
-    plan.leave_untested_for_lack_of_outputs(
-        Aspect::means, fmt::format("The means were not tested: {} outputs are no more than the {} identifiable "
-                                   "combinations of parameters, which can match any means. {}",
-                                   problem.tests.values.cols(), fit.seen.cols(), k_more_outputs));
-    plan.leave_untested(Aspect::scatter,
-                        fmt::format("The scatter was not tested: the covariance of the parameters is free to match any "
-                                    "covariance of the tests. {}",
-                                    k_more_outputs));
-    return;
-  }
-  if (fit.settings.levels > 0) {
-    plan.leave_untested(
-        Aspect::means,
-        "The means were not tested: the level of the model's error was estimated from the differences of the "
-        "means. Give the model's error (model_error) as numbers: the error that you would accept.");
-  } else {
-    plan_mean_residuals(residuals, is_noise_known, plan);
-  }
-  if (!is_noise_known) return plan_sphericity(problem, fit, residuals, plan);
-  const auto d = static_cast<double>(residuals.directions.cols());
-  plan.add(residual_scatter_test(residuals.squares, residuals.degrees_of_freedom / d, d,
-                                 leverage_of(problem, fit, residuals)));
-}
-
 /// Entries of the covariance that the groups hold at zero, and what Box's factor takes off the specimens' number.
 struct Restriction {
   double entries = 0.0;
@@ -209,6 +164,53 @@ void plan_cloud_agreement(const UpdatingProblem& problem, const PopulationFit& f
 }
 
 }  // namespace
+
+void plan_residual_tests(const UpdatingProblem& problem, const PopulationFit& fit, TestPlan& plan) {
+  const bool is_noise_known = fit.settings.factors == 0;
+  const bool has_noise = has_noise_everywhere(problem, fit);
+  const auto do_differ = [&] {
+    const TestMoments moments = test_moments(problem.tests);
+    return (moments.count.array() < 2).all() || (counts_with_scatter(moments).array() > 0).any();
+  };
+  if (!is_noise_known && (!has_noise || !do_differ())) {
+    plan.leave_untested(
+        Aspect::means,
+        fmt::format("The means were not tested: {}, so that the level of the noise cannot be estimated. Give [test] "
+                    "repeatability.",
+                    has_noise ? "the specimens are the same to the last digits"
+                              : "the parameters reproduce every test to rounding"));
+    plan.leave_untested(Aspect::scatter, "The scatter was not tested for the same reason.");
+    return;
+  }
+  MeanResiduals residuals =
+      has_noise ? mean_residuals(problem.tests.values, fit.units, fit.noise, fit.model_error) : MeanResiduals{};
+  if (residuals.own_noncentrality.size() > 0) {  // off by the tests' standard deviation, not by 1
+    residuals.own_noncentrality.array() *= test_moments(problem.tests).covariance.diagonal().array();
+  }
+  if (!has_noise || residuals.mean_degrees_of_freedom == 0.0 || residuals.degrees_of_freedom <= 0.0) {
+    plan.leave_untested_for_lack_of_outputs(
+        Aspect::means, fmt::format("The means were not tested: {} outputs are no more than the {} identifiable "
+                                   "combinations of parameters, which can match any means. {}",
+                                   problem.tests.values.cols(), fit.seen.cols(), k_more_outputs));
+    plan.leave_untested(Aspect::scatter,
+                        fmt::format("The scatter was not tested: the covariance of the parameters is free to match any "
+                                    "covariance of the tests. {}",
+                                    k_more_outputs));
+    return;
+  }
+  if (fit.settings.levels > 0) {
+    plan.leave_untested(
+        Aspect::means,
+        "The means were not tested: the level of the model's error was estimated from the differences of the "
+        "means. Give the model's error (model_error) as numbers: the error that you would accept.");
+  } else {
+    plan_mean_residuals(residuals, is_noise_known, plan);
+  }
+  if (!is_noise_known) return plan_sphericity(problem, fit, residuals, plan);
+  const auto d = static_cast<double>(residuals.directions.cols());
+  plan.add(residual_scatter_test(residuals.squares, residuals.degrees_of_freedom / d, d,
+                                 leverage_of(problem, fit, residuals)));
+}
 
 void test_population(const UpdatingProblem& problem, const PopulationFit& fit, UpdatingResult& result) {
   TestPlan plan;
