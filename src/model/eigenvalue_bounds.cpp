@@ -221,11 +221,14 @@ class EigenvalueRangeSearch {
   }
 
   bool is_settled(const BoxPart& part) const {
+    constexpr double k_of_highest = 1e-6;  // rigid-body motions have no digits of their own
+    const double floor = k_of_highest * std::abs(found_.attained_upper(modes_ - 1));
+    const auto near = [&](double apart, double value) {
+      return apart <= options_.tolerance * std::max(std::abs(value), floor);
+    };
     for (Eigen::Index k = 0; k < modes_; ++k) {
-      if (found_.attained_lower(k) - part.lower(k) > options_.tolerance * std::abs(found_.attained_lower(k)))
-        return false;
-      if (part.upper(k) - found_.attained_upper(k) > options_.tolerance * std::abs(found_.attained_upper(k)))
-        return false;
+      if (!near(found_.attained_lower(k) - part.lower(k), found_.attained_lower(k))) return false;
+      if (!near(part.upper(k) - found_.attained_upper(k), found_.attained_upper(k))) return false;
     }
     return true;
   }

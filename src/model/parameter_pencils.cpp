@@ -33,9 +33,9 @@ class DenseParameterPencils final : public ParameterPencils {
   PencilEigenvalues solve(const Eigen::VectorXd& stiffness, const Eigen::VectorXd& mass, int modes) const override {
     const Eigen::MatrixXd m = sum(mass_, mass);
     const auto solved = solve_modes(sum(stiffness_, stiffness), m, 0);
-    const Eigen::VectorXd diagonal = m.diagonal();
-    // Backward error of the Cholesky reduction, with the masses' condition by their diagonal.
-    const double error = 32.0 * static_cast<double>(m.rows()) * k_epsilon * diagonal.maxCoeff() / diagonal.minCoeff() *
+    const Eigen::VectorXd masses = symmetric_eigenvalues(m);
+    // Backward error of the Cholesky reduction, with the condition of the masses.
+    const double error = 32.0 * static_cast<double>(m.rows()) * k_epsilon * masses(masses.size() - 1) / masses(0) *
                          solved.values.cwiseAbs().maxCoeff();
     return {solved.values.head(modes), Eigen::VectorXd::Constant(modes, error)};
   }
@@ -86,13 +86,18 @@ class SparseParameterPencils final : public ParameterPencils {
 
   PencilEigenvalues solve(const Eigen::VectorXd& stiffness, const Eigen::VectorXd& mass, int modes) const override {
     constexpr double k_solver_error = 1e-9;  // ten times the tolerance that the solver is given
-    const SparseModes solved =
-        pool_.solve({sum(stiffness_, stiffness), sum(mass_, mass)}, {.modes = modes, .counts_below = true});
+    constexpr double k_rounding = 1e-14;  // of the entries' sums over elements
+    const SparseStructure::Matrices matrices{sum(stiffness_, stiffness), sum(mass_, mass)};
+    const SparseModes solved = pool_.solve(matrices, {.modes = modes, .counts_below = true});
     if (!solved.failure.empty() || solved.values.size() < modes || !solved.is_complete()) {
       const Eigen::VectorXd none = Eigen::VectorXd::Constant(modes, std::numeric_limits<double>::quiet_NaN());
       return {none, none};
     }
-    return {solved.values.head(modes), k_solver_error * solved.values.head(modes).cwiseAbs()};
+    const Eigen::VectorXd values = solved.values.head(modes);
+    const Eigen::MatrixXd shapes = solved.vectors.leftCols(modes);
+    const Eigen::VectorXd terms = sums_of_terms(matrices.stiffness, shapes) +
+                                  values.cwiseAbs().cwiseProduct(sums_of_terms(matrices.mass, shapes));
+    return {values, k_solver_error * values.cwiseAbs() + k_rounding * terms};
   }
 
  private:

@@ -42,22 +42,22 @@ BoxImage::BoxImage(const UpdatingProblem& problem, const IntervalOptions& option
       options_(options),
       context_(context),
       prior_std_(problem.space.prior().covariance().diagonal().cwiseSqrt()) {
-  const auto* structure = dynamic_cast<const StructureModel*>(problem.derivatives);
+  structure_ = dynamic_cast<const StructureModel*>(problem.derivatives);
   const std::vector<Quantity>& outputs = problem.model.outputs();
-  if (structure == nullptr) {
+  if (structure_ == nullptr) {
     obstacle_ = "the model's matrices are not known";
   } else if (std::none_of(outputs.begin(), outputs.end(), is_eigenvalue)) {
     obstacle_ = "no output is a natural frequency or an eigenvalue";
   } else {
-    bounds_.emplace(*structure);
+    bounds_.emplace(*structure_);
     obstacle_ = bounds_->obstacle();
     if (!obstacle_.empty()) {
       bounds_.reset();
       return;
     }
-    is_tracked_ = structure->selection().tracking == ModeTracking::mac;
+    is_tracked_ = structure_->selection().tracking == ModeTracking::mac;
     is_exact_ = !is_tracked_ && std::all_of(outputs.begin(), outputs.end(), is_eigenvalue);
-    mode_count_ = static_cast<int>(structure->structure().mode_count());
+    mode_count_ = static_cast<int>(structure_->structure().mode_count());
   }
 }
 
@@ -127,9 +127,35 @@ std::vector<OutputRange> BoxImage::ranges(const ParameterBox& box) {
     range = {.lower = infinity, .upper = -infinity, .at_lower = box.middle(), .at_upper = box.middle()};
     range.proven_lower = range.proven_upper = k_nan;
   }
-  if (bounds_) prove(box, ranges);
-  if (!is_exact_) search(box, ranges);
+  const bool is_positive = (box.lower.array() > 0.0).all();  // else powers have no order to prove anything by
+  if (bounds_ && is_positive) prove(box, ranges);
+  if (!is_exact_ || !is_positive) search(box, ranges);
+  certify(ranges);
   return ranges;
+}
+
+/// Whether the structure numbers the mode there as its place in the order says.
+bool BoxImage::keeps_its_place(int mode, const Eigen::VectorXd& point) const {
+  try {
+    return structure_->follow(point).rank[static_cast<std::size_t>(mode)] == mode;
+  } catch (const InvalidInput&) {  // it is lost there
+    return false;
+  }
+}
+
+/// What was attained says whether the proven ends are near, and takes a proof back that it contradicts.
+void BoxImage::certify(std::vector<OutputRange>& ranges) {
+  for (std::size_t k = 0; k < ranges.size(); ++k) {
+    OutputRange& range = ranges[k];
+    if (!std::isfinite(range.proven_lower) || !std::isfinite(range.proven_upper)) continue;
+    const double slack = options_.range_tolerance * std::max(std::abs(range.lower), std::abs(range.upper));
+    if (range.lower < range.proven_lower - slack || range.upper > range.proven_upper + slack) {
+      range.proven_lower = range.proven_upper = k_nan;
+      crossing_.push_back(problem_.model.outputs()[k].name());
+      continue;
+    }
+    range.is_certified = range.lower - range.proven_lower <= slack && range.proven_upper - range.upper <= slack;
+  }
 }
 
 void BoxImage::prove(const ParameterBox& box, std::vector<OutputRange>& ranges) {
@@ -143,15 +169,19 @@ void BoxImage::prove(const ParameterBox& box, std::vector<OutputRange>& ranges) 
     const Eigen::Index mode = output.number - 1;
     const bool is_apart_below = mode == 0 || found.proven_upper(mode - 1) < found.proven_lower(mode);
     const bool is_apart_above = mode + 1 >= modes || found.proven_upper(mode) < found.proven_lower(mode + 1);
-    if (is_tracked_ && !(is_apart_below && is_apart_above)) {
+    const bool may_cross = !(is_apart_below && is_apart_above);
+    if (is_tracked_ && (may_cross || !keeps_its_place(static_cast<int>(mode), box.middle()))) {
       crossing_.push_back(output.name());
       continue;
     }
     OutputRange& range = ranges[k];
     range.proven_lower = output_of(output, found.proven_lower(mode));
     range.proven_upper = output_of(output, found.proven_upper(mode));
-    range.is_certified = found.reaches_tolerance;
-    if (!is_exact_) continue;  // attained by the model's own outputs
+    if (!is_exact_) {  // attained by the model's own outputs
+      take(found.at_lower.row(mode), ranges);
+      take(found.at_upper.row(mode), ranges);
+      continue;
+    }
     range.lower = output_of(output, found.attained_lower(mode));
     range.upper = output_of(output, found.attained_upper(mode));
     range.at_lower = found.at_lower.row(mode).transpose();
@@ -176,15 +206,31 @@ void BoxImage::take(const Eigen::MatrixXd& points, std::vector<OutputRange>& ran
   }
 }
 
+/// The two corners of each output where its slopes in the middle of the box lead.
+Eigen::MatrixXd BoxImage::corners_by_slopes(const ParameterBox& box) {
+  const Eigen::MatrixXd slopes = jacobian(box.middle());
+  Eigen::MatrixXd corners(2 * slopes.rows(), slopes.cols());
+  for (Eigen::Index k = 0; k < slopes.rows(); ++k) {
+    for (Eigen::Index i = 0; i < slopes.cols(); ++i) {
+      const bool is_rising = slopes(k, i) > 0.0;
+      corners(2 * k, i) = is_rising ? box.lower(i) : box.upper(i);
+      corners(2 * k + 1, i) = is_rising ? box.upper(i) : box.lower(i);
+    }
+  }
+  return corners;
+}
+
 void BoxImage::search(const ParameterBox& box, std::vector<OutputRange>& ranges) {
-  constexpr int k_rounds = 5;
+  constexpr int k_rounds = 6;
+  constexpr Eigen::Index k_all_corners = 8;  // of so many parameters all corners are taken
   const Eigen::Index q = box.lower.size();
   take(corners_of(box), ranges);
+  if (q > k_all_corners) take(corners_by_slopes(box), ranges);
   if (options_.search_points > 0) {
     const Eigen::MatrixXd uniforms = uniform_design(SamplingDesign::latin_hypercube, options_.search_points, q,
                                                     {.seed = context_.seed, .purpose = StreamPurpose::surrogate_runs});
     take((uniforms * box.width().asDiagonal()).rowwise() + box.lower.transpose(), ranges);
-    double step = 0.25;
+    double step = 1.0;  // from one face to the other
     for (int round = 0; round < k_rounds; ++round, step *= 0.5) {
       context_.throw_if_stopped();
       Eigen::MatrixXd trials(4 * q * static_cast<Eigen::Index>(ranges.size()), q);

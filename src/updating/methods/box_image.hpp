@@ -37,12 +37,16 @@ class BoxImage {
  private:
   void prove(const ParameterBox& box, std::vector<OutputRange>& ranges);
   void search(const ParameterBox& box, std::vector<OutputRange>& ranges);
+  void certify(std::vector<OutputRange>& ranges);
+  bool keeps_its_place(int mode, const Eigen::VectorXd& point) const;
+  Eigen::MatrixXd corners_by_slopes(const ParameterBox& box);
   void take(const Eigen::MatrixXd& points, std::vector<OutputRange>& ranges);
   int highest_mode() const;
 
   const UpdatingProblem& problem_;
   const IntervalOptions& options_;
   const RunContext& context_;
+  const StructureModel* structure_ = nullptr;  // null: the model's matrices are not known
   std::optional<EigenvalueBounds> bounds_;
   std::string obstacle_;
   bool is_tracked_ = false;

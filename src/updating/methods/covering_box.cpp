@@ -101,6 +101,7 @@ class CoverSearch {
     CoveringBox result;
     double tau = 1.0;
     double penalty = 1.0;
+    bool is_defined = true;
     constexpr double k_least_tau = 1e-9, k_most_tau = 1e3;
     for (int iteration = 1; iteration <= task_.max_iterations && tau > k_least_tau;) {
       const CoverConstraints constraints = constraints_of(state);
@@ -110,7 +111,7 @@ class CoverSearch {
         break;
       }
       CoverState next = state;
-      const bool is_defined = move(next, moved(state.box, step));
+      is_defined = move(next, moved(state.box, step));
       const double before = state.measure + penalty * state.uncovered;
       const double expected = -cost().dot(step) + penalty * state.uncovered;
       if (!is_defined || before - next.measure - penalty * next.uncovered < 1e-4 * std::max(expected, 0.0)) {
@@ -122,7 +123,7 @@ class CoverSearch {
       ++iteration;
       if (task_.after_each && !task_.after_each(state.box)) break;
     }
-    if (tau <= k_least_tau && state.uncovered <= k_nothing) result.has_converged = true;
+    if (tau <= k_least_tau && is_defined && state.uncovered <= k_nothing) result.has_converged = true;
     describe(state, result);
     return result;
   }
@@ -300,6 +301,7 @@ class CoverSearch {
   Eigen::VectorXd proximal_step(const CoverConstraints& constraints, double tau, double& penalty) {
     const Eigen::VectorXd shift = tau * cost();
     const LeastDistance nearest = least_distance(constraints.matrix, constraints.right + constraints.matrix * shift);
+    multipliers_.setZero(constraints.matrix.rows());
     if (!nearest.is_feasible) return Eigen::VectorXd::Zero(shift.size());
     multipliers_ = nearest.pressure / tau;
     if (constraints.targets > 0) {
@@ -313,7 +315,7 @@ class CoverSearch {
     result.box = state.box;
     result.measure = state.measure;
     result.uncovered = state.uncovered <= k_nothing * static_cast<double>(state.points.size()) ? 0.0 : state.uncovered;
-    result.reached.resize(task_.targets.rows(), 2);
+    result.reached.setConstant(task_.targets.rows(), 2, std::numeric_limits<double>::quiet_NaN());
     for (const TargetPoint& point : state.points) result.reached(point.output, point.side) = point.value;
     result.is_undetermined.setConstant(q, 2, false);
     const CoverConstraints constraints = constraints_of(state);

@@ -149,7 +149,12 @@ class IntervalSearch {
   /// Targets beyond what the allowed box reaches become what it reaches, and are left out where the parameters cannot
   /// move an output by as much as its tests differ.
   void keep_what_is_possible() {
-    const std::vector<OutputRange> most = image_.ranges(task_.allowed);
+    std::vector<OutputRange> most;
+    try {
+      most = image_.ranges(task_.allowed);
+    } catch (const ModelFailure&) {  // far from the tests: the targets stay, and what is not covered is said
+      return;
+    }
     for (std::size_t k = 0; k < most.size(); ++k) {
       const auto row = static_cast<Eigen::Index>(k);
       const double inside = 1e-6 * task_.scale(row);  // the corner itself need not be reached
@@ -176,8 +181,15 @@ class IntervalSearch {
   std::int64_t updates_ = 0;
 };
 
-void describe_image(const IntervalSetup& setup, const OwnParameters& own, BoxImage& image, IntervalResult& found) {
+/// @param reached  values at points of the box [output x 2]; nan: none
+void describe_image(const IntervalSetup& setup, const OwnParameters& own, const Eigen::MatrixXd& reached,
+                    BoxImage& image, IntervalResult& found) {
   found.image = image.ranges(found.box);
+  for (std::size_t k = 0; k < found.image.size(); ++k) {
+    const auto row = static_cast<Eigen::Index>(k);
+    found.image[k].lower = std::fmin(found.image[k].lower, reached(row, 0));
+    found.image[k].upper = std::fmax(found.image[k].upper, reached(row, 1));
+  }
   found.excess.resize(found.asked.rows(), 2);
   for (Eigen::Index k = 0; k < found.excess.rows(); ++k) {
     const OutputRange& range = found.image[static_cast<std::size_t>(k)];
@@ -217,7 +229,7 @@ void finish(const IntervalSetup& setup, const OwnParameters& own, const Covering
   found->asked = task.targets;
   found->measure = covering.measure;
   found->hull = own.hull;
-  describe_image(setup, own, image, *found);
+  describe_image(setup, own, covering.reached, image, *found);
   found->undetermined = undetermined_ends(setup.problem, covering);
   result.set_estimate(std::make_shared<BoxEstimate>(covering.box));
   result.sensitivity = image.jacobian(result.mean);

@@ -38,15 +38,23 @@ void plan_cover(const UpdatingProblem& problem, const IntervalResult& found, Tes
     worst = std::max(worst, left);
   }
   const double draws = 2.0 * static_cast<double>(problem.tests.values.rows() * found.excess.rows());
+  const std::string name = problem.model.outputs()[static_cast<std::size_t>(output)].name();
+  if (!is_known && worst > 0.0) {
+    plan.leave_untested(
+        Aspect::scatter,
+        fmt::format("An observed bound of {} lies outside the image of the box, by {:.3g} of the width of its bounds: "
+                    "whether that is more than noise is not known. Give [test] repeatability.",
+                    name, worst));
+    return;
+  }
   PlannedTest test{.name = "cover", .statistic = worst};
-  test.p_value = is_known ? std::min(1.0, draws * standard_normal_cdf(-worst)) : worst > 0.0 ? 0.0 : 1.0;
+  test.p_value = is_known ? std::min(1.0, draws * standard_normal_cdf(-worst)) : 1.0;
   test.critical = [=](double level) { return is_known ? -standard_normal_quantile(level / draws) : 0.0; };
   test.share = is_known ? 1.0 : 0.0;
   test.meaning = fmt::format(
       "Largest distance of an observed bound from the image of the box, in {}, of {}: do the outputs of the box reach "
       "the bounds of the tests?",
-      is_known ? "standard deviations of the noise" : "widths of the observed bounds",
-      problem.model.outputs()[static_cast<std::size_t>(output)].name());
+      is_known ? "standard deviations of the noise" : "widths of the observed bounds", name);
   plan.add(std::move(test));
 }
 
