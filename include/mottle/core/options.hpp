@@ -82,6 +82,24 @@ class OptionTable {
         [member](const Options& options) { return OptionValue(std::int64_t{options.*member}); });
   }
 
+  /// A whole number, or a word that stands for one outside of the range.
+  OptionTable& integer_or(std::string name, int Options::*member, OptionRange range, std::string word, int meant,
+                          std::string meaning) {
+    return add(
+        {std::move(name), "-", fmt::format("\"{}\" | whole number, {}", word, range.text()), "", std::move(meaning)},
+        [member, range, word, meant](Options& options, const OptionValue& value) {
+          const auto* number = std::get_if<std::int64_t>(&value);
+          const auto* text = std::get_if<std::string>(&value);
+          const bool is_word = text != nullptr && *text == word;
+          const bool is_number = number != nullptr && range.contains(static_cast<double>(*number));
+          if (is_word || is_number) options.*member = is_word ? meant : static_cast<int>(*number);
+          return is_word || is_number;
+        },
+        [member, word, meant](const Options& options) {
+          return options.*member == meant ? OptionValue(word) : OptionValue(std::int64_t{options.*member});
+        });
+  }
+
   OptionTable& flag(std::string name, bool Options::*member, std::string meaning) {
     return add(
         {std::move(name), "-", "true | false", "", std::move(meaning)},

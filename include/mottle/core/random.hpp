@@ -28,6 +28,10 @@ enum class StreamPurpose : std::uint32_t {
   corrected_auxiliaries = 34,
   corrected_decision = 35,
   corrected_resampling = 36,
+  mixture_start = 60,
+  mixture_test = 61,
+  mixture_power = 62,
+  mixture_intervals = 63,
 };
 
 /// The part of a stream's name that all samples of one draw share.

@@ -14,6 +14,7 @@
 #include "study/results/agreement.hpp"
 #include "study/results/could_hide_json.hpp"
 #include "study/results/interval_json.hpp"
+#include "study/results/mixture_json.hpp"
 #include "study/results/modes_json.hpp"
 #include "study/results/parameter_findings.hpp"
 #include "study/results/posterior_files.hpp"
@@ -112,6 +113,7 @@ Json outcome_json(const UpdateOutcome& outcome, const StructureModel::FollowedMo
       update_result_json(outcome.study, plan.tests, outcome.problem(), *plan.method, outcome.result, outcome.verdict);
   add_posterior(outcome.result.posterior.get(), outcome.problem().tests, json);
   add_interval(outcome.problem(), outcome.result.interval.get(), json);
+  add_mixture(outcome.result, outcome.problem().tests, json);
   add_factors(outcome.workings->factors, json["parameters"]);
   json["verdict"]["could_hide"] = could_hide_json(outcome.could_hide, plan.made.space->names());
   add_first_screen(outcome, followed, json);

@@ -8,6 +8,7 @@
 #include "mottle/core/subject.hpp"
 #include "mottle/stats/moments/distance.hpp"
 #include "mottle/updating/methods/iteration.hpp"
+#include "updating/population/linear_record.hpp"
 #include "updating/population/model_error.hpp"
 #include "updating/population/population_fit.hpp"
 #include "updating/population/population_report.hpp"
@@ -17,20 +18,6 @@ namespace mottle::updating {
 namespace {
 
 using Options = MaximumLikelihoodOptions;
-
-/// One iteration without a cloud: outputs to first order from the specimens' own linear models.
-IterationRecord linear_record(const UpdatingProblem& problem, const PopulationFit& fit, const TestMoments& tests) {
-  IterationRecord record;
-  const auto population = JointDistribution::transformed_normal(problem.space.transforms(), fit.mean, fit.covariance);
-  record.parameter_mean = population.mean();
-  record.parameter_covariance = population.covariance();
-  const Eigen::VectorXd point = fit.specimens.points.colwise().mean();
-  const Eigen::VectorXd outputs = fit.specimens.outputs.colwise().mean();
-  record.output_mean = outputs + fit.sensitivity * (fit.mean - point);
-  record.output_covariance = fit.sensitivity * fit.covariance * fit.sensitivity.transpose();
-  set_distances(record, tests);
-  return record;
-}
 
 }  // namespace
 

@@ -11,6 +11,7 @@
 #include "updating/methods/covariance_adjustment.hpp"
 #include "updating/methods/inversion.hpp"
 #include "updating/methods/mares.hpp"
+#include "updating/methods/mixture.hpp"
 #include "updating/methods/moment_matching.hpp"
 #include "updating/methods/perturbation.hpp"
 
@@ -49,6 +50,10 @@ const std::vector<MethodEntry>& updating_methods() {
        "Bounds of the parameters whose image covers the tests' bounds, widened for few specimens, by proven ranges of "
        "eigenvalues.",
        interval_option_table().describe(), make<IntervalUpdater, interval_option_table>, false, false},
+      {"mixture",
+       "Several batches in one population, with outliers: their number by a bootstrap of the likelihood ratio, each "
+       "specimen assigned with a probability.",
+       mixture_option_table().describe(), make<MixtureUpdater, mixture_option_table>},
       {"inversion", "The population's mean and covariance from parameters that are solved for each specimen alone.",
        inversion_option_table().describe(), make<InversionUpdater, inversion_option_table>},
       {"perturbation", "The population to first order, after Khodaparast, Mottershead and Friswell (2008).",

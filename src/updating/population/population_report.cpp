@@ -186,7 +186,8 @@ PopulationEvidence evidence_without_bounds(const UpdatingProblem& problem, const
   return evidence;
 }
 
-NoiseModel noise_model(const UpdatingProblem& problem, const MaximumLikelihoodOptions& options) {
+NoiseModel noise_model(const UpdatingProblem& problem, const MaximumLikelihoodOptions& options,
+                       const std::string& method) {
   using Noise = MaximumLikelihoodOptions::Noise;
   const Eigen::VectorXd& given = problem.tests.repeatability_std;
   const Eigen::Index p = problem.tests.values.cols();
@@ -194,7 +195,7 @@ NoiseModel noise_model(const UpdatingProblem& problem, const MaximumLikelihoodOp
   const bool has_more_outputs = p > problem.space.count();
   const bool is_estimated = options.noise == Noise::estimated ||
                             (options.noise == Noise::automatic && has_more_outputs && (given.array() <= 0.0).any());
-  const Subject noise_option{Subject::Kind::option, "maximum-likelihood.noise"};
+  const Subject noise_option{Subject::Kind::option, method + ".noise"};
   if (!is_estimated) {
     require_of(!has_more_outputs || (given.array() > 0.0).all(), noise_option,
                "\"given\" needs the repeatability of every output, because {} outputs are "

@@ -14,8 +14,13 @@ inline constexpr double k_confidence = 0.95;  // of intervals
 /// The noise that a fit works with. Where it is to be estimated: one factor for each kind of the outputs without
 /// repeatability, on the square of a hundredth of the tests' root mean square: of each output where the kind's noise is
 /// relative, of all outputs of the kind else.
+/// @param method  whose option `noise` it is, for errors
 /// Throws InvalidInput: noise is to be estimated but there are no more outputs than parameters.
-NoiseModel noise_model(const UpdatingProblem& problem, const MaximumLikelihoodOptions& options);
+NoiseModel noise_model(const UpdatingProblem& problem, const MaximumLikelihoodOptions& options,
+                       const std::string& method = "maximum-likelihood");
+
+/// What the fit knows of each specimen.
+SpecimenEstimates estimate_specimens(const UpdatingProblem& problem, const PopulationFit& fit);
 
 /// The model with one level to estimate for each unit of the outputs that are open, on those squares.
 NoiseModel with_levels(const UpdatingProblem& problem, NoiseModel model, const std::vector<bool>& is_open);

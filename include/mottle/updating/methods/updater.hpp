@@ -16,6 +16,7 @@
 #include "mottle/stats/surrogates/regression.hpp"
 #include "mottle/stats/tests/normality.hpp"
 #include "mottle/stats/tests/outliers.hpp"
+#include "mottle/updating/estimate/mixture_population.hpp"
 #include "mottle/updating/estimate/normal_estimates.hpp"
 #include "mottle/updating/estimate/posterior.hpp"
 #include "mottle/updating/methods/cloud.hpp"
@@ -149,6 +150,7 @@ struct UpdatingResult {
   std::optional<ParameterIntervals> intervals = std::nullopt;   ///< of methods that estimate a population
   std::shared_ptr<const SampledPosterior> posterior = nullptr;  ///< of methods that sample one
   std::shared_ptr<const IntervalResult> interval = nullptr;     ///< of methods that find a box
+  std::shared_ptr<const MixtureFindings> mixture = nullptr;     ///< of methods that look for batches of specimens
   std::optional<SpecimenEstimates> specimens = std::nullopt;    ///< of methods that look at each specimen
   std::optional<ModelError> model_error = std::nullopt;         ///< of methods that estimate it; see TestData
   std::vector<Outlier> outliers = {};                           ///< specimens that do not belong to the others

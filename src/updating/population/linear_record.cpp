@@ -1,0 +1,18 @@
+#include "updating/population/linear_record.hpp"
+
+namespace mottle::updating {
+
+IterationRecord linear_record(const UpdatingProblem& problem, const PopulationFit& fit, const TestMoments& tests) {
+  IterationRecord record;
+  const auto population = JointDistribution::transformed_normal(problem.space.transforms(), fit.mean, fit.covariance);
+  record.parameter_mean = population.mean();
+  record.parameter_covariance = population.covariance();
+  const Eigen::VectorXd point = fit.specimens.points.colwise().mean();
+  const Eigen::VectorXd outputs = fit.specimens.outputs.colwise().mean();
+  record.output_mean = outputs + fit.sensitivity * (fit.mean - point);
+  record.output_covariance = fit.sensitivity * fit.covariance * fit.sensitivity.transpose();
+  set_distances(record, tests);
+  return record;
+}
+
+}  // namespace mottle::updating
