@@ -6,6 +6,7 @@ import { button, element, paragraph } from "./src/dom.js";
 import { draw_waiting_figures } from "./src/figure.js";
 import { scenes } from "./src/shape_viewer.js";
 import { in_readable_units } from "./src/units.js";
+import assignments from "./sections/assignments.js";
 import conclusion from "./sections/conclusion.js";
 import convergence from "./sections/convergence.js";
 import correlations from "./sections/correlations.js";
@@ -49,6 +50,7 @@ const sections = [
   posterior_predictive,
   test_correlation,
   residuals,
+  assignments,
   predictions,
   surrogate,
   posterior,

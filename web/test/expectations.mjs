@@ -38,6 +38,7 @@ function plots_of_estimate(result) {
     has_numbers(result.shape_correlation?.initial?.mac) ? "mac-initial" : null,
     has_numbers(result.shape_correlation?.final?.mac) ? "mac-final" : null,
     has_numbers(specimens?.residuals) ? "residuals" : null,
+    result.assignments?.length ? "assignments" : null,
     has_prediction && predicted.some(has_bar) ? "prediction-intervals" : null,
     has_prediction && has_numbers(prediction.held_out?.transforms) ? "prediction-pit" : null,
     has_numbers(posterior?.ranks?.counts) ? "posterior-ranks" : null,
