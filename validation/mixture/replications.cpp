@@ -54,8 +54,9 @@ struct Replicate {
     Eigen::MatrixXd x(setting.specimens, 2);
     Eigen::MatrixXd e = Eigen::MatrixXd::Zero(setting.specimens, setting.outputs());
     for (Eigen::Index s = 0; s < x.rows(); ++s) {
-      RandomStream stream({.seed = 2026, .purpose = StreamPurpose::truth, .iteration = static_cast<std::uint32_t>(number)},
-                          static_cast<std::uint32_t>(s));
+      RandomStream stream(
+          {.seed = 2026, .purpose = StreamPurpose::truth, .iteration = static_cast<std::uint32_t>(number)},
+          static_cast<std::uint32_t>(s));
       for (double& value : x.row(s)) value = 3.0 + k_scatter * standard_normal_quantile(stream.uniform());
       for (double& value : e.row(s)) value = standard_normal_quantile(stream.uniform());
       x(s, 0) += (s % 2 == 0 ? 0.5 : -0.5) * setting.distance * setting.unit();
@@ -65,12 +66,9 @@ struct Replicate {
     repeatability = Eigen::VectorXd::Constant(setting.outputs(), setting.noise == "known" ? k_noise : 0.0);
   }
   UpdatingResult update(const MixtureOptions& options, int number) const {
-    return MixtureUpdater(options).update({.model = model,
-                                           .space = space,
-                                           .tests = {tests, repeatability},
-                                           .cloud = {.samples = 10},
-                                           .iterations = 50},
-                                          {.seed = static_cast<std::uint64_t>(number)});
+    return MixtureUpdater(options).update(
+        {.model = model, .space = space, .tests = {tests, repeatability}, .cloud = {.samples = 10}, .iterations = 50},
+        {.seed = static_cast<std::uint64_t>(number)});
   }
   test::LinearModel model;
   ParameterSpace space;
@@ -91,8 +89,9 @@ int count_batches(const Setting& setting, int replications) {
     stated += *result.mixture->detectable;
     ++with_power;
   }
-  fmt::print("{{\"replications\": {}, \"several\": {}, \"with_outlier\": {}, \"stated_distance\": {}, \"with_power\": {}}}\n",
-             replications, several, outlying, with_power > 0 ? stated / with_power : -1.0, with_power);
+  fmt::print(
+      "{{\"replications\": {}, \"several\": {}, \"with_outlier\": {}, \"stated_distance\": {}, \"with_power\": {}}}\n",
+      replications, several, outlying, with_power > 0 ? stated / with_power : -1.0, with_power);
   return 0;
 }
 
@@ -127,10 +126,11 @@ int measure_intervals(const Setting& setting, int replications) {
       right += own == static_cast<Eigen::Index>(s % 2 == 0 ? upper : 1 - upper) ? 1 : 0;
     }
   }
-  fmt::print("{{\"replications\": {}, \"bias\": {}, \"std_ratio\": {}, \"mean\": {}, \"std\": {}, \"whole_mean\": {}, "
-             "\"whole_std\": {}, \"right\": {}}}\n",
-             counted, bias / counted, ratio / counted, mean, std, whole_mean, whole_std,
-             static_cast<double>(right) / (counted * setting.specimens));
+  fmt::print(
+      "{{\"replications\": {}, \"bias\": {}, \"std_ratio\": {}, \"mean\": {}, \"std\": {}, \"whole_mean\": {}, "
+      "\"whole_std\": {}, \"right\": {}}}\n",
+      counted, bias / counted, ratio / counted, mean, std, whole_mean, whole_std,
+      static_cast<double>(right) / (counted * setting.specimens));
   return 0;
 }
 

@@ -171,8 +171,8 @@ MixtureData draw_units(const MixtureData& like, const std::vector<MixtureCompone
   for (const MixtureDesign& design : like.designs) {
     noises.push_back(CovarianceAxes(design.noise, Eigen::VectorXd::Ones(design.noise.rows())).symmetric_root());
   }
-  const Eigen::MatrixXd outlier_root = outliers.fraction > 0.0 ? CovarianceAxes(outliers.covariance).symmetric_root()
-                                                               : Eigen::MatrixXd();
+  const Eigen::MatrixXd outlier_root =
+      outliers.fraction > 0.0 ? CovarianceAxes(outliers.covariance).symmetric_root() : Eigen::MatrixXd();
   const auto normals = [](RandomStream& stream, Eigen::Index count) {
     Eigen::VectorXd z(count);
     for (double& value : z) value = standard_normal_quantile(stream.uniform());
@@ -207,11 +207,12 @@ MixtureChoice choose_mixture(const MixtureData& data, const MixtureSearch& searc
   require(fewer.has_value(), "mixture: the units' scatter is singular");
   choice.fit = *fewer;
   for (int k = 1; k < search.most; ++k) {
-    context.phase({.name = "test of the number of batches", .step = k, .steps = search.most - 1, .may_end_early = true});
+    context.phase(
+        {.name = "test of the number of batches", .step = k, .steps = search.most - 1, .may_end_early = true});
     std::optional<MixtureFit> more = find_mixture(data, k + 1, &choice.fit, settings, search.starts, key);
     const double statistic = more ? std::max(2.0 * (more->log_likelihood - choice.fit.log_likelihood), 0.0) : 0.0;
-    choice.tests.push_back(test_components(data, choice.fit, statistic, search,
-                                           named_outliers(settings.outliers, choice.fit), context));
+    choice.tests.push_back(
+        test_components(data, choice.fit, statistic, search, named_outliers(settings.outliers, choice.fit), context));
     if (!more || !choice.tests.back().is_refused) break;
     choice.fit = *std::move(more);
   }
@@ -225,9 +226,8 @@ std::vector<MixtureFit> redrawn_fits(const MixtureData& data, const MixtureFit& 
   parallel_for(search.samples, 1, context.threads, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t i = begin; i < end; ++i) {
       context.throw_if_stopped();
-      const MixtureData drawn =
-          draw_units(data, fit.components, outliers,
-                     key_of(context, StreamPurpose::mixture_intervals, 0, static_cast<int>(i)));
+      const MixtureData drawn = draw_units(data, fit.components, outliers,
+                                           key_of(context, StreamPurpose::mixture_intervals, 0, static_cast<int>(i)));
       auto again = fit_mixture(drawn, fit, coarse(search.settings_for(drawn)));
       if (again && has_batches(*again)) fits[static_cast<std::size_t>(i)] = std::move(again);
     }
@@ -257,9 +257,8 @@ std::optional<double> detectable_distance(const MixtureData& data, const Eigen::
   const auto is_found = [&](double distance, int sample) {
     const Eigen::VectorXd shift = 0.5 * distance * step;
     const std::vector<MixtureComponent> truth{{0.5, -shift, within}, {0.5, shift, within}};
-    MixtureData drawn =
-        draw_units(data, {{1.0, Eigen::VectorXd::Zero(shift.size()), within}}, {},
-                   key_of(context, StreamPurpose::mixture_power, 0, sample));
+    MixtureData drawn = draw_units(data, {{1.0, Eigen::VectorXd::Zero(shift.size()), within}}, {},
+                                   key_of(context, StreamPurpose::mixture_power, 0, sample));
     for (std::size_t s = 0; s < drawn.size(); ++s) {
       drawn.responses[s] += (s % 2 == 0 ? 1.0 : -1.0) * (drawn.design(s).design * shift);
     }

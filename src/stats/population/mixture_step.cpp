@@ -88,8 +88,8 @@ bool MixtureStep::expect(MixtureFit& fit) {
         for (Eigen::Index j = 0; j <= i; ++j) sum += seen.root(i, j) * (response(j) - seen.centre(j));
         square += sum * sum;
       }
-      fit.probabilities(s, k) = belonging + std::log(fit.components[static_cast<std::size_t>(k)].weight) +
-                                seen.log_peak - 0.5 * square;
+      fit.probabilities(s, k) =
+          belonging + std::log(fit.components[static_cast<std::size_t>(k)].weight) + seen.log_peak - 0.5 * square;
     }
     fit.probabilities(s, components) = outlier_density_(s);
     const double highest = fit.probabilities.row(s).maxCoeff();
@@ -138,8 +138,8 @@ MixtureStep::Moments MixtureStep::moments_of(const MixtureFit& fit, Eigen::Index
   for (std::size_t d = 0; d < seen.size(); ++d) {
     if (!(sizes[d] > 0.0)) continue;
     const Eigen::VectorXd moved = data_.designs[d].design * step;
-    const Eigen::MatrixXd about = squares[d] - sums[d] * moved.transpose() - moved * sums[d].transpose() +
-                                  sizes[d] * moved * moved.transpose();
+    const Eigen::MatrixXd about =
+        squares[d] - sums[d] * moved.transpose() - moved * sums[d].transpose() + sizes[d] * moved * moved.transpose();
     moments.scatter += seen[d].weighted * about * seen[d].weighted.transpose();
     removed += sizes[d] * seen[d].seen;
     if (settings_.is_restricted) removed -= sizes[d] * seen[d].seen * moments.mean_covariance * seen[d].seen;

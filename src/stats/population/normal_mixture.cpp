@@ -149,8 +149,7 @@ Eigen::MatrixXd held_points(const MixtureData& data, const Eigen::VectorXd& mean
   std::vector<Eigen::MatrixXd> gains;
   for (const MixtureDesign& design : data.designs) {
     const Eigen::MatrixXd moved = design.design * covariance;
-    gains.emplace_back(
-        solve_semidefinite(moved * design.design.transpose() + design.noise, moved).transpose());
+    gains.emplace_back(solve_semidefinite(moved * design.design.transpose() + design.noise, moved).transpose());
   }
   for (std::size_t s = 0; s < data.size(); ++s) {
     points.row(static_cast<Eigen::Index>(s)) =

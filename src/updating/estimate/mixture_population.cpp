@@ -27,7 +27,8 @@ struct PairBatch {
   }
   Eigen::Vector2d at(double radius, double angle) const {
     const double u = radius * std::cos(angle);
-    const double v = correlation * u + std::sqrt(std::max(0.0, 1.0 - correlation * correlation)) * radius * std::sin(angle);
+    const double v =
+        correlation * u + std::sqrt(std::max(0.0, 1.0 - correlation * correlation)) * radius * std::sin(angle);
     return {mean(0) + std(0) * u, mean(1) + std(1) * v};
   }
 };
@@ -43,9 +44,10 @@ double covered(const std::vector<PairBatch>& batches, double reach) {
       const double radius = reach_of_pair((r + 0.5) / k_radii);
       for (int a = 0; a < k_angles; ++a) {
         const Eigen::Vector2d point = own.at(radius, 2.0 * std::numbers::pi * (a + 0.5 * (r % 2)) / k_angles);
-        inside += std::any_of(batches.begin(), batches.end(), [&](const PairBatch& other) {
-          return other.square(point) <= reach * reach;
-        }) ? 1 : 0;
+        inside += std::any_of(batches.begin(), batches.end(),
+                              [&](const PairBatch& other) { return other.square(point) <= reach * reach; })
+                      ? 1
+                      : 0;
       }
     }
     sum += own.weight * inside / static_cast<double>(k_radii * k_angles);

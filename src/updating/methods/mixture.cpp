@@ -132,8 +132,7 @@ MixtureNumber choose(const UpdatingProblem& problem, const MixtureOptions& optio
 }
 
 bool has_outlier(const MixtureFit& mixture) {
-  return mixture.probabilities.size() > 0 &&
-         (mixture.probabilities.rightCols(1).array() > k_outlying).any();
+  return mixture.probabilities.size() > 0 && (mixture.probabilities.rightCols(1).array() > k_outlying).any();
 }
 
 /// Likelihood, noise and intervals of one population.
@@ -164,9 +163,9 @@ void find_batches(const UpdatingProblem& problem, const TestMoments& tests, cons
                        {.at_rest = "no mean and no standard deviation of a batch moves", .moving = "the batches"});
     describe_mixture(near.problem(), tests, one, search, number, context, fit, result);
   } else {
-    result.set_estimate(std::make_shared<NormalPopulation>(problem.space.transforms(),
-                                                           PopulationOnScales{one.mean, one.covariance, evidence_of(one)},
-                                                           problem.tests.values.rows()));
+    result.set_estimate(std::make_shared<NormalPopulation>(
+        problem.space.transforms(), PopulationOnScales{one.mean, one.covariance, evidence_of(one)},
+        problem.tests.values.rows()));
     IterationRecord last = record_state(near.problem(), tests, *result.estimate, context);
     result.model_evaluations += last.cloud.samples.rows();
     result.history.back() = std::move(last);
@@ -183,8 +182,8 @@ const OptionTable<MixtureOptions>& mixture_option_table() {
   static const OptionTable<M> table =
       OptionTable<M>()
           .integer_or("components", &M::components, {.lower = 1.0, .upper = k_most}, "automatic", 0,
-                      "Number of batches: given, or found by tests of one against two, two against three, and so on, "
-                      "each at the level of the verdict.")
+                   "Number of batches: given, or found by tests of one against two, two against three, and so on, "
+                   "each at the level of the verdict.")
           .choice<M::Scatter>("scatter", &M::scatter, {{"own", M::Scatter::own}, {"common", M::Scatter::common}},
                               "Each batch has its own covariance, or all have one.")
           .number("covariance_prior", &M::covariance_prior, {.lower = 0.0, .upper = 1e6}, "specimens",
@@ -242,9 +241,9 @@ UpdatingResult MixtureUpdater::update(const UpdatingProblem& given, const RunCon
   try {
     UpdatingResult found = result;
     found.status = one.converged ? UpdatingStatus::converged : UpdatingStatus::max_iterations;
-    found.message =
-        ending_message(found.status, static_cast<std::size_t>(one.iterations), problem.tolerance,
-                       {.at_rest = "no mean and no standard deviation moves", .moving = "means and standard deviations"});
+    found.message = ending_message(
+        found.status, static_cast<std::size_t>(one.iterations), problem.tolerance,
+        {.at_rest = "no mean and no standard deviation moves", .moving = "means and standard deviations"});
     find_batches(problem, tests, options_, one, settings, context, found);
     put_back(order, found);
     return found;

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "mottle/layers.hpp"
-#include "mottle/updating/methods/updater.hpp"
 #include "mottle/updating/methods/maximum_likelihood.hpp"
+#include "mottle/updating/methods/updater.hpp"
 
 namespace mottle::updating {
 
@@ -27,10 +27,10 @@ struct MixtureOptions {
 /// Name, range, default and meaning of each option.
 const OptionTable<MixtureOptions>& mixture_option_table();
 
-/// A specimen's parameters t_s (on the parameters' own scales) are sum_k w_k N(mu_k, Sigma_k), or an outlier's; its test
-/// is z_s = f(t_s) + e_s, e_s ~ N(0, R). Each specimen's most probable t_s in its batch is found and f is linearised
-/// there, which makes a mixture of linear random effects; and so on until it rests. Where one batch is found and no outlier,
-/// the result is that of `maximum-likelihood`.
+/// A specimen's parameters t_s (on the parameters' own scales) are sum_k w_k N(mu_k, Sigma_k), or an outlier's; its
+/// test is z_s = f(t_s) + e_s, e_s ~ N(0, R). Each specimen's most probable t_s in its batch is found and f is
+/// linearised there, which makes a mixture of linear random effects; and so on until it rests. Where one batch is found
+/// and no outlier, the result is that of `maximum-likelihood`.
 ///
 /// The theory: docs/theory/mixture.md. Source: [McLachlan2000]; [McLachlan1987]; [Lindstrom1990].
 class MixtureUpdater final : public Updater {

@@ -69,9 +69,9 @@ ParameterIntervals mixture_intervals(const UpdatingProblem& problem, const Mixtu
         const double mean =
             own.mean(i) - (sample[k].mean(i) - own.mean(i)) * std::sqrt(ratio * sample[k].size / own.size);
         const double variance = std::max(own.total(i) * ratio - (own.total(i) - own.own(i)), 0.0);
-        const VariableMoments moments = moments_of_variables({scales[static_cast<std::size_t>(i)]},
-                                                             Eigen::VectorXd::Constant(1, mean),
-                                                             Eigen::MatrixXd::Constant(1, 1, variance));
+        const VariableMoments moments =
+            moments_of_variables({scales[static_cast<std::size_t>(i)]}, Eigen::VectorXd::Constant(1, mean),
+                                 Eigen::MatrixXd::Constant(1, 1, variance));
         means[k].push_back(moments.mean(0));
         deviations[k].push_back(std::sqrt(moments.covariance(0, 0)));
         first += sample[k].weight * moments.mean(0);

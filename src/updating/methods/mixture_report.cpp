@@ -46,9 +46,9 @@ void say_number(const UpdatingProblem& problem, const MixtureFindings& findings,
     return;
   }
   if (number.is_given) {
-    result.notes.push_back(fmt::format(
-        "The number of batches, {}, was given: whether the specimens show as many was not tested.",
-        findings.batches.size()));
+    result.notes.push_back(
+        fmt::format("The number of batches, {}, was given: whether the specimens show as many was not tested.",
+                    findings.batches.size()));
     return;
   }
   if (number.tests.empty()) {
@@ -197,7 +197,8 @@ void add_power(const MixtureSearch& search, const MixturePopulationFit& fit, con
 }
 
 void say_prior(const MixtureSearch& search, const MixtureFindings& findings, UpdatingResult& result) {
-  if (findings.batches.size() < 2 || search.settings.has_common_covariance || search.settings.prior_weight == 0.0) return;
+  if (findings.batches.size() < 2 || search.settings.has_common_covariance || search.settings.prior_weight == 0.0)
+    return;
   Eigen::Index least = findings.batches.front().specimens;
   for (const Batch& batch : findings.batches) least = std::min(least, batch.specimens);
   const double nu = search.settings.prior_weight;
@@ -267,8 +268,7 @@ void describe_one_batch(const UpdatingProblem& problem, const MixtureSearch& sea
     findings.probabilities.col(0).setOnes();
   }
   const PopulationOnScales& population = *result.estimate->population();
-  findings.batches.push_back(
-      batch_on_axes(problem.space.transforms(), {1.0, population.mean, population.covariance}));
+  findings.batches.push_back(batch_on_axes(problem.space.transforms(), {1.0, population.mean, population.covariance}));
   if (result.intervals) {
     findings.batches.front().mean_interval = result.intervals->mean;
     findings.batches.front().std_interval = result.intervals->std;

@@ -26,8 +26,8 @@ NoiseModel known_noise(const PopulationFit& one) {
 std::vector<RandomEffectsUnit> units_of(const UpdatingProblem& problem, const PopulationFit& one,
                                         const SpecimenFits& specimens, const Eigen::VectorXd& origin,
                                         const Eigen::MatrixXd& map) {
-  return linear_units(own_values(problem, one), {}, mean_jacobian(specimens.jacobians), {}, specimens,
-                      known_noise(one), origin, map);
+  return linear_units(own_values(problem, one), {}, mean_jacobian(specimens.jacobians), {}, specimens, known_noise(one),
+                      origin, map);
 }
 
 /// Number of the set of outputs that each specimen lacks.
@@ -116,8 +116,7 @@ MixturePopulationFit begin_mixture(const UpdatingProblem& problem, const Populat
   const bool are_parameters = one.map.cols() == one.mean.size();
   const Eigen::VectorXd reach = are_parameters ? prior_std : Eigen::VectorXd(Eigen::VectorXd::Ones(one.map.cols()));
   fit.frame.origin = one.mean;
-  const MixtureData raw =
-      mixture_data(units_of(problem, one, fit.specimens, one.mean, one.map * reach.asDiagonal()));
+  const MixtureData raw = mixture_data(units_of(problem, one, fit.specimens, one.mean, one.map * reach.asDiagonal()));
   const Eigen::VectorXd spread = spread_of(raw, Eigen::VectorXd::Ones(reach.size()));
   if (!(spread.maxCoeff() > k_alike)) {
     fit.frame.unit = Eigen::VectorXd::Zero(reach.size());

@@ -22,8 +22,8 @@ Eigen::MatrixXd points() {
 std::vector<RandomEffectsUnit> units_of(const Eigen::MatrixXd& x, double noise = 0.0) {
   std::vector<RandomEffectsUnit> units;
   for (const auto& row : x.rowwise()) {
-    units.push_back({Eigen::MatrixXd::Identity(x.cols(), x.cols()), row.transpose(),
-                     Eigen::VectorXd::Constant(x.cols(), noise)});
+    units.push_back(
+        {Eigen::MatrixXd::Identity(x.cols(), x.cols()), row.transpose(), Eigen::VectorXd::Constant(x.cols(), noise)});
   }
   return units;
 }

@@ -84,8 +84,8 @@ TEST(Mixture, GivesTheSameInAnyOrderOfTheSpecimens) {
 
 TEST(Mixture, NamesAnOutlierAndLeavesItOutOfTheMoments) {
   TwoBatches batches;
-  batches.values.row(7) += 1.5 * test::LinearProblem::slope().col(0).transpose() +
-                           1.5 * test::LinearProblem::slope().col(1).transpose();
+  batches.values.row(7) +=
+      1.5 * test::LinearProblem::slope().col(0).transpose() + 1.5 * test::LinearProblem::slope().col(1).transpose();
   const UpdatingResult result = batches.update({.components = 2});
   EXPECT_EQ(result.mixture->batch_of(7), -1);
   ASSERT_EQ(result.outliers.size(), 1U);
@@ -136,8 +136,9 @@ TEST(Mixture, KeepsTheMeanOfABatchWithinItsBounds) {
   std::vector<Parameter> parameters = batches.linear.space->parameters();
   parameters[0].upper_bound = 3.5;
   const ParameterSpace space(parameters, batches.linear.space->prior());
-  const UpdatingResult result = MixtureUpdater({.components = 2})
-                                    .update({.model = free.model, .space = space, .tests = free.tests, .cloud = free.cloud}, {});
+  const UpdatingResult result =
+      MixtureUpdater({.components = 2})
+          .update({.model = free.model, .space = space, .tests = free.tests, .cloud = free.cloud}, {});
   EXPECT_NEAR(result.mixture->batches[1].mean(0), 3.5, 1e-6);
 }
 

@@ -18,10 +18,10 @@ struct MixtureSearch {
   MixtureSettings settings = {};  ///< its outliers are found anew for each set of units
   double outlier_fraction = 0.01;
   double outlier_width = 3.0;
-  int starts = 8;      ///< at random, beside those that split a component of the fit with one less
-  int samples = 199;   ///< of the bootstrap
-  double level = 0.05; ///< of each test
-  int most = 5;        ///< components
+  int starts = 8;       ///< at random, beside those that split a component of the fit with one less
+  int samples = 199;    ///< of the bootstrap
+  double level = 0.05;  ///< of each test
+  int most = 5;         ///< components
 
   /// The settings with the outliers' population of these units.
   MixtureSettings settings_for(const MixtureData& data) const;
@@ -62,17 +62,17 @@ struct MixtureChoice {
 ///
 ///   T = 2 (l_K+1 - l_K),   p = (1 + number of T* >= T) / (1 + samples),
 ///
-/// T* of units drawn from the fit with K components, with the same designs and noise, searched as the data are. One batch
-/// is split with the probability `level`, whatever of the starts is missed, as long as its parameters do not matter to
-/// T's law. After the first test samples end when their verdict is certain [Besag1991].
+/// T* of units drawn from the fit with K components, with the same designs and noise, searched as the data are. One
+/// batch is split with the probability `level`, whatever of the starts is missed, as long as its parameters do not
+/// matter to T's law. After the first test samples end when their verdict is certain [Besag1991].
 ///
 /// @throws Stopped
 /// Source: [McLachlan1987].
 MixtureChoice choose_mixture(const MixtureData& data, const MixtureSearch& search, const RunContext& context);
 
 /// Distance between the means of two batches of equal size, in standard deviations of a batch with its noise, that the
-/// first test finds with a probability of 80 %: by bisection over samples of the same designs whose random numbers do not
-/// change with the distance. Each is fitted from its true batches and from the best split.
+/// first test finds with a probability of 80 %: by bisection over samples of the same designs whose random numbers do
+/// not change with the distance. Each is fitted from its true batches and from the best split.
 ///
 /// @param within    scatter of a batch
 /// @param critical  of the first test

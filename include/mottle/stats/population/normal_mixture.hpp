@@ -91,7 +91,8 @@ inline constexpr int k_smallest_batch = 3;
 
 /// (Restricted) maximum likelihood of
 ///
-///   p(y_s) = (1 - e) sum_k w_k N(y_s; D_s mu_k, C_sk) + e N(y_s; D_s m_0, D_s S_0 D_s' + N_s),  C_sk = D_s Sigma_k D_s'
+///   p(y_s) = (1 - e) sum_k w_k N(y_s; D_s mu_k, C_sk) + e N(y_s; D_s m_0, D_s S_0 D_s' + N_s),  C_sk = D_s Sigma_k
+///   D_s'
 ///   + N_s
 ///
 /// by expectation-maximisation, with r_sk the probability that unit s is of batch k, n_k its sum over s, nu the weight
@@ -103,9 +104,10 @@ inline constexpr int k_smallest_batch = 3;
 ///   Sigma_k <- (T_k + nu W) / (n_k + nu),   W = sum_k T_k / sum_k n_k
 ///   P_sk = C_sk^-1 - C_sk^-1 D_s A_k^-1 D_s' C_sk^-1 (restricted),  C_sk^-1 (plain)
 ///
-/// Without noise the restricted estimate is Sigma_k = (scatter about mu_k + nu W) / (n_k - 1 + nu). Where batches scatter
-/// alike the prior has no bias; a batch of variance v among such of mean variance V is estimated (nu / (n_k - 1 + nu)) (V -
-/// v) too high. With nu = 0, e = 0, the plain likelihood and no noise it is the textbook's mixture [McLachlan2000].
+/// Without noise the restricted estimate is Sigma_k = (scatter about mu_k + nu W) / (n_k - 1 + nu). Where batches
+/// scatter alike the prior has no bias; a batch of variance v among such of mean variance V is estimated (nu / (n_k - 1
+/// + nu)) (V - v) too high. With nu = 0, e = 0, the plain likelihood and no noise it is the textbook's mixture
+/// [McLachlan2000].
 ///
 /// @param start  probabilities of the units' components, rows may sum to less than 1 [unit x K]
 /// @return       nothing where a component has lost its units, or its covariance is singular

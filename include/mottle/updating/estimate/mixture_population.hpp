@@ -58,9 +58,9 @@ class MixturePopulation final : public Estimate {
 /// One batch, on the parameters' own axes.
 struct Batch {
   double weight = 1.0;
-  Eigen::VectorXd mean = {};         ///< [parameter]
-  Eigen::VectorXd std = {};          ///< [parameter]
-  Eigen::MatrixXd correlation = {};  ///< on the scales; nan: no scatter [parameter x parameter]
+  Eigen::VectorXd mean = {};           ///< [parameter]
+  Eigen::VectorXd std = {};            ///< [parameter]
+  Eigen::MatrixXd correlation = {};    ///< on the scales; nan: no scatter [parameter x parameter]
   Eigen::MatrixXd mean_interval = {};  ///< 95 % [parameter x 2]
   Eigen::MatrixXd std_interval = {};
   Eigen::Index specimens = 0;  ///< that are most probably of it
@@ -68,11 +68,11 @@ struct Batch {
 
 /// Batches and to which of them each specimen belongs.
 struct MixtureFindings {
-  std::vector<Batch> batches;            ///< the heaviest first
-  Eigen::MatrixXd probabilities;         ///< of each specimen's batch; the last column: outlier [specimen x batch + 1]
-  bool is_number_given = false;          ///< the number of batches was not tested
-  std::vector<ComponentsTest> tests;     ///< of the number of batches
-  std::optional<double> detectable = {}; ///< distance of two batches, in standard deviations, found with 80 %
+  std::vector<Batch> batches;             ///< the heaviest first
+  Eigen::MatrixXd probabilities;          ///< of each specimen's batch; the last column: outlier [specimen x batch + 1]
+  bool is_number_given = false;           ///< the number of batches was not tested
+  std::vector<ComponentsTest> tests;      ///< of the number of batches
+  std::optional<double> detectable = {};  ///< distance of two batches, in standard deviations, found with 80 %
 
   /// Most probable batch of a specimen; -1: an outlier.
   Eigen::Index batch_of(Eigen::Index specimen) const;
