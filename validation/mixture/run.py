@@ -41,9 +41,11 @@ def reference(program, out):
         data = np.array(own["data"])
         truth = [data[::3].mean(axis=0), np.delete(data, slice(None, None, 3), axis=0).mean(axis=0)]
         settings = {"tol": 1e-12, "max_iter": 20000, "reg_covar": 0, "covariance_type": "full"}
-        fits = [GaussianMixture(2, means_init=start, **settings).fit(data) for start in (truth, own["means"])]
-        # The local maximum that Mottle found, from its means; and the better of the other starts.
-        same = fits[1]
+        # The local maximum that Mottle found, from its probabilities; and the one that the true batches lead to.
+        shares = np.stack([own["probabilities"], 1 - np.array(own["probabilities"])])
+        precisions = [np.linalg.inv(np.cov(data.T, aweights=share, ddof=0)) for share in shares]
+        same = GaussianMixture(2, weights_init=shares.mean(axis=1), means_init=own["means"], precisions_init=precisions, **settings).fit(data)
+        fits = [GaussianMixture(2, means_init=truth, **settings).fit(data)]
         first = 0 if np.linalg.norm(same.means_[0] - own["means"][0]) < np.linalg.norm(same.means_[1] - own["means"][0]) else 1
         likelihood = max(likelihood, abs(same.score(data) * len(data) - own["log_likelihood"]))
         probability = max(probability, np.abs(same.predict_proba(data)[:, first] - own["probabilities"]).max())
