@@ -31,7 +31,7 @@ distribution = {{ kind = "lognormal", mean = 7e10, std = 7e9 }}
 frequencies = [1, 2, 3, 4, 5]
 [test]
 file = "tests.csv"
-repeatability = { f1 = 0.231, f2 = 0.373, f3 = 0.748, f4 = 0.846, f5 = 0.905 }
+repeatability = { f1 = 0.693, f2 = 1.119, f3 = 2.244, f4 = 2.538, f5 = 2.715 }
 [update]
 method = "bayes"
 samples = 200
@@ -160,7 +160,7 @@ class BayesTest(support.CommandTest):
             self.assertEqual(files[threads], files[1], f"{threads} threads")
         result = read_result(self.folder / "out")
         self.assertGreater(result["reduction"]["samples"], 5000)
-        self.assertEqual(result["reduction"]["exact_samples"], 0)
+        self.assertLess(result["reduction"]["exact_samples"], 0.01 * result["reduction"]["samples"])
         draws = list(csv.DictReader(files[1].decode().splitlines()))[::20]
         points = [f"E{i}" for i in range(1, 6)]
         self.write("points.csv", "\n".join([",".join(points), *(",".join(draw[name] for name in points) for draw in draws)]) + "\n")
@@ -174,7 +174,7 @@ class BayesTest(support.CommandTest):
         for draw, outputs in zip(draws, exact):
             log_likelihood = allowed = 0.0
             for name, z in tested.items():
-                f, std = float(outputs[name]), 0.01 * z
+                f, std = float(outputs[name]), 0.03 * z
                 log_likelihood -= 0.5 * ((z - f) / std) ** 2 + math.log(std * math.sqrt(2 * math.pi))
                 allowed += abs(z - f) * bound * f / std**2 + 0.5 * (bound * f / std) ** 2
             error = abs(log_likelihood - float(draw["log_likelihood"]))
@@ -202,10 +202,10 @@ class BayesTest(support.CommandTest):
         self.assertIn("likelihood above zero", ended.err)
 
     def test_noise_of_zero_is_refused(self):
-        self.write("study.toml", edited(BAYES, ("0.02 }", "0.0 }")))
+        self.write("study.toml", edited(BAYES, ("0.02 }", "0.0 }"), ("particles = 200", 'noise = "given"')))
         ended = self.call("update", "study.toml", "--out", "out", "--quiet")
         self.assertEqual(ended.code, 2, ended.err)
-        self.assertIn("repeatability", ended.err)
+        self.assertIn("the noise of f1, f2, f3 is not known", ended.err)
 
     def test_the_ends_of_each_option_give_a_posterior(self):
         ends = {"effective_fraction": (0.1, 0.99), "decorrelation": (0.02, 0.9), "max_moves": (1, 60000), "islands": (8, 256),

@@ -105,7 +105,7 @@ std::vector<bool> PosteriorTarget::is_possible(const Eigen::MatrixXd& points) co
 
 /// That the levels of the noise have not gone to zero, as they do where the model meets the tests exactly.
 void PosteriorTarget::require_levels(const Eigen::MatrixXd& particles) const {
-  constexpr double k_smallest = 1e-6;  // of the level at the median of its prior
+  constexpr double k_smallest = 1e-4;  // of the prior's median: less noise than any frequency is measured with
   for (Eigen::Index k = 0; k < noise_.count(); ++k) {
     const Eigen::ArrayXd scores = particles.col(problem_.space.count() + k).array();
     const double middle = noise_.level(scores.mean());

@@ -56,9 +56,21 @@ Eigen::VectorXd Island::propose_move(Eigen::Index particle, RandomStream& random
   return x + step * (start_points_.row(first) - start_points_.row(second)).transpose();
 }
 
+/// Beyond 37 a normal's tail probability is no number any more: what heavy tails propose there is impossible, and is
+/// not put to the target.
 std::vector<bool> Island::possible_proposals() const {
-  if (target_.is_possible) return target_.is_possible(proposals_);
-  return std::vector<bool>(static_cast<std::size_t>(proposals_.rows()), true);
+  constexpr double k_farthest = 37.0;
+  Eigen::MatrixXd near = proposals_;
+  std::vector<bool> is_near(static_cast<std::size_t>(near.rows()));
+  for (std::size_t i = 0; i < is_near.size(); ++i) {
+    auto row = near.row(static_cast<Eigen::Index>(i));
+    is_near[i] = row.allFinite() && row.cwiseAbs().maxCoeff() <= k_farthest;
+    if (!is_near[i]) row.setZero();
+  }
+  if (!target_.is_possible) return is_near;
+  std::vector<bool> possible = target_.is_possible(near);
+  for (std::size_t i = 0; i < is_near.size(); ++i) possible[i] = possible[i] && is_near[i];
+  return possible;
 }
 
 /// For the likelihoods of some proposals.
