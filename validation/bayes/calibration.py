@@ -67,11 +67,12 @@ def main():
     parser.add_argument("--data-sets", type=int, default=1000)
     parser.add_argument("--first-seed", type=int, default=500001)
     parser.add_argument("--particles", type=int, default=100)
+    parser.add_argument("--cases", nargs="+", choices=CASES, default=CASES)
     options = parser.parse_args()
     places, lower, upper = band(options.data_sets, pointwise_level(options.data_sets))
-    figure, axes = pyplot.subplots(1, len(CASES), figsize=(10, 4), sharey=True)
+    figure, axes = pyplot.subplots(1, len(options.cases), figsize=(5 * len(options.cases), 4), sharey=True, squeeze=False)
     rows, good = [], True
-    for case, axis in zip(CASES, axes):
+    for case, axis in zip(options.cases, axes[0]):
         axis.fill_between(places, lower - places, upper - places, color="0.85", step="mid")
         for name, ranks in zip(*simulate(options, case)):
             found = distribution(ranks)
@@ -82,7 +83,7 @@ def main():
             axis.plot(places, found - places, label=name, linewidth=1)
         axis.set(title=case, xlabel="rank / 100")
         axis.legend(fontsize=8)
-    axes[0].set_ylabel("distribution of ranks less uniform")
+    axes[0, 0].set_ylabel("distribution of ranks less uniform")
     figure.tight_layout()
     figure.savefig(HERE / "calibration.png", dpi=90, metadata={"Software": None})
     text = (f"# Simulation-based calibration of `bayes`\n\n{options.data_sets} data sets of each case, seeds from {options.first_seed}, {options.particles} "
