@@ -31,7 +31,7 @@ def distribution(ranks):
     return numpy.cumsum(numpy.bincount(ranks, minlength=KEPT + 1))[:-1] / len(ranks)
 
 
-def pointwise_level(data_sets, probability=0.95, simulations=10000):
+def pointwise_level(data_sets, probability=0.95, simulations=2000):
     """Level of the pointwise binomial bands that hold the whole of a distribution of uniform ranks with this probability:
     by simulation, [Sailynoja2022], algorithm 1."""
     from scipy.stats import binom

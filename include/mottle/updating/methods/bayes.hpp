@@ -22,7 +22,7 @@ struct BayesOptions {
   double effective_fraction =
       0.5;  // half of the particles lost a stage: fewer stages cost more accuracy than they save
   double decorrelation = 0.1;
-  int max_moves = 200;
+  int max_moves = 1000;  // 200 ended stages of 5 % of seeds before they had decorrelated where a mode vanishes
   GradientMoves gradients = GradientMoves::automatic;
 };
 

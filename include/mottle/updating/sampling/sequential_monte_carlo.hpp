@@ -27,7 +27,7 @@ struct SamplingSettings {
   GradientMoves gradients = GradientMoves::automatic;
 };
 
-/// Beyond it gradients are worth what they cost; see benchmarks/BAYES.md.
+/// Beyond it gradients are worth what they cost; see benchmarks/compare_bayes.py.
 inline constexpr Eigen::Index k_many_dimensions = 15;
 
 /// ln L and its gradient at some points.
