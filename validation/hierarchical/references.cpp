@@ -126,8 +126,8 @@ void print_seeds(int seeds, const Run& run) {
   std::cout << text << "}\n";
 }
 
-/// Two stiffnesses of the three masses, log-normal: of the mean's prior mean 1.5 and standard deviation 0.3; scatter and
-/// correlation as the method's defaults have them; the noise's level inverse gamma with 20 degrees of freedom.
+/// Two stiffnesses of the three masses, log-normal: of the mean's prior mean 1.5 and standard deviation 0.3; scatter
+/// and correlation as the method's defaults have them; the noise's level inverse gamma with 20 degrees of freedom.
 struct Calibration {
   explicit Calibration(double noise) {
     const std::vector<ParameterTargets> targets{{"k1", {"spring:k1"}}, {"k5", {"spring:k5"}}};
@@ -138,9 +138,9 @@ struct Calibration {
     }
     const Distribution prior({.kind = DistributionKind::lognormal, .mean = 1.5, .std = 0.3});
     space = std::make_unique<ParameterSpace>(parameters, JointDistribution({prior, prior}));
-    model = std::make_unique<StructureModel>(separate(test::three_mass_system(), targets),
-                                             OutputSelection{.frequencies = {1, 2, 3}},
-                                             Eigen::VectorXd::Constant(2, 1.5));
+    model =
+        std::make_unique<StructureModel>(separate(test::three_mass_system(), targets),
+                                         OutputSelection{.frequencies = {1, 2, 3}}, Eigen::VectorXd::Constant(2, 1.5));
     options.noise_prior = BayesOptions::NoisePrior::inverse_gamma;
     options.noise_degrees_of_freedom = 20.0;
     options.noise_scale = noise;
@@ -205,7 +205,8 @@ DataSet draw(const Calibration& calibration, Eigen::Index specimens, std::uint64
 
 constexpr Eigen::Index k_ranks = 100;  // draws that a truth is ranked among, thinned evenly from all
 
-std::vector<double> ranks_of(const Calibration& calibration, const DataSet& data, std::uint64_t seed, double& converged) {
+std::vector<double> ranks_of(const Calibration& calibration, const DataSet& data, std::uint64_t seed,
+                             double& converged) {
   const UpdatingProblem problem{.model = *calibration.model,
                                 .derivatives = calibration.model.get(),
                                 .space = *calibration.space,
@@ -215,8 +216,8 @@ std::vector<double> ranks_of(const Calibration& calibration, const DataSet& data
   converged += result.status == UpdatingStatus::converged ? 1.0 : 0.0;
   std::vector<double> ranks;
   for (std::size_t k = 0; k < k_ranked.size(); ++k) {
-    const Eigen::VectorXd draws = k_ranked[k] == "log_likelihood" ? result.posterior->log_likelihood
-                                                                  : column(*result.posterior, k_ranked[k]);
+    const Eigen::VectorXd draws =
+        k_ranked[k] == "log_likelihood" ? result.posterior->log_likelihood : column(*result.posterior, k_ranked[k]);
     double rank = 0.0;
     for (Eigen::Index i = 0; i < k_ranks; ++i) rank += draws(i * draws.size() / k_ranks) < data.truth[k] ? 1.0 : 0.0;
     ranks.push_back(rank);
@@ -244,7 +245,8 @@ void calibrate(Eigen::Index specimens, double noise, int data_sets, int particle
   std::string names;
   for (const std::string& name : k_ranked) names += fmt::format("{}\"{}\"", names.empty() ? "" : ", ", name);
   std::cout << fmt::format(
-      "{{\"data_sets\": {}, \"failed\": {}, \"draws\": {}, \"converged\": {:.4f}, \"seconds\": {:.4f}, \"names\": [{}], "
+      "{{\"data_sets\": {}, \"failed\": {}, \"draws\": {}, \"converged\": {:.4f}, \"seconds\": {:.4f}, \"names\": "
+      "[{}], "
       "\"ranks\": [{}]}}\n",
       data_sets, failed, k_ranks, converged / data_sets,
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() / data_sets, names, rows);
@@ -254,15 +256,17 @@ void calibrate(Eigen::Index specimens, double noise, int data_sets, int particle
 
 int main(int count, char** arguments) {
   try {
-    require(count >= 3, "usage: mottle_hierarchical_references eight-schools|oracle SEEDS, or sbc SPECIMENS NOISE "
-                        "DATA_SETS PARTICLES");
+    require(count >= 3,
+            "usage: mottle_hierarchical_references eight-schools|oracle SEEDS, or sbc SPECIMENS NOISE "
+            "DATA_SETS PARTICLES");
     const std::string name = arguments[1];
     if (name == "eight-schools") {
       print_seeds(std::stoi(arguments[2]), eight_schools);
     } else if (name == "oracle") {
       print_seeds(std::stoi(arguments[2]), oracle);
     } else {
-      require(name == "sbc" && count == 6, "the case is eight-schools, oracle or sbc SPECIMENS NOISE DATA_SETS PARTICLES");
+      require(name == "sbc" && count == 6,
+              "the case is eight-schools, oracle or sbc SPECIMENS NOISE DATA_SETS PARTICLES");
       calibrate(std::stoi(arguments[2]), std::stod(arguments[3]), std::stoi(arguments[4]), std::stoi(arguments[5]));
     }
   } catch (const std::exception& error) {

@@ -4,9 +4,10 @@
 Needs the program built with -DMOTTLE_BUILD_VALIDATION=ON, NumPy and SciPy. Writes RESULTS.md beside this file and ends with
 exit code 1 if a goal is missed.
 
-    /usr/bin/python3 validation/hierarchical/run.py [--seeds 50] [--data-sets 500] [--particles 100] [--program PATH]
+    /usr/bin/python3 validation/hierarchical/run.py [--seeds 50] [--data-sets 500] [--particles 100] [--jobs 1] [--program PATH]
 """
 import argparse
+import concurrent.futures
 import datetime
 import pathlib
 import sys
@@ -77,8 +78,9 @@ class Band:
 def calibration(options):
     rows, p_values = [], []
     seconds = 0.0
-    for specimens, noise in CASES:
-        found = call(options.program, "sbc", specimens, noise, options.data_sets, options.particles)
+    with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
+        runs = list(pool.map(lambda case: call(options.program, "sbc", *case, options.data_sets, options.particles), CASES))
+    for (specimens, noise), found in zip(CASES, runs):
         seconds += found["seconds"] * found["data_sets"]
         ranks = numpy.array(found["ranks"])
         band = Band(len(ranks), found["draws"])
@@ -96,6 +98,7 @@ def main():
     parser.add_argument("--seeds", type=int, default=50)
     parser.add_argument("--data-sets", type=int, default=500)
     parser.add_argument("--particles", type=int, default=100)
+    parser.add_argument("--jobs", type=int, default=1, help="cases of the calibration at once")
     options = parser.parse_args()
     out = [f"# Populations whose posterior is known, and calibration\n\n{datetime.date.today()}; made by run.py, {options.seeds} seeds."]
     good = True

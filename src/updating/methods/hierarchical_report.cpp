@@ -203,10 +203,9 @@ void test_hierarchical(const HierarchicalFindings& findings, const PopulationFit
                         "[test] repeatability.");
   }
   const TestMoments tests = moments_of_tests(problem);
-  plan.add(cloud_agreement_test(tests.covariance.diagonal(),
-                                result.history.back().output_covariance.diagonal() + fit.noise,
-                                counts_with_scatter(tests), std::vector<bool>(problem.model.outputs().size(), true),
-                                output_names(problem)));
+  plan.add(cloud_agreement_test(
+      tests.covariance.diagonal(), result.history.back().output_covariance.diagonal() + fit.noise,
+      counts_with_scatter(tests), std::vector<bool>(problem.model.outputs().size(), true), output_names(problem)));
   const Eigen::MatrixXd means = means_of(findings.draws);
   plan_bound_test(problem, free_mean(problem, fit), plan);
   plan_prior_shift(problem, fit.mean, sample_covariance(means), plan);
@@ -264,8 +263,8 @@ void add_notes(const HierarchicalFindings& findings, UpdatingResult& result) {
       levels.push_back(fmt::format("{} {:.3g}", findings.problem.model.outputs()[static_cast<std::size_t>(k)].name(),
                                    std::sqrt(variances(k))));
     }
-    result.notes.push_back(fmt::format("Standard deviation of the measurement, sampled with the population: {}.",
-                                       join(levels)));
+    result.notes.push_back(
+        fmt::format("Standard deviation of the measurement, sampled with the population: {}.", join(levels)));
   }
   note_model_error(findings.problem, "hierarchical",
                    "is sampled with the population: it is shared by all specimens, and what is known of the mean does "

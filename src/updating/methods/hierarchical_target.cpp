@@ -91,11 +91,11 @@ Eigen::MatrixXd HierarchicalTarget::log_ratio(const Eigen::MatrixXd& points, con
       const Eigen::Index row = i * n + s;
       const bool has_failed = !outputs.row(row).allFinite();
       failed_ += has_failed ? 1 : 0;
-      ratio(i, s) = has_failed ? -std::numeric_limits<double>::infinity()
-                               : log_ratio_to_linear(specimens_[static_cast<std::size_t>(s)],
-                                                     populations[static_cast<std::size_t>(i)], all.row(row).transpose(),
-                                                     outputs.row(row).transpose(),
-                                                     problem_.tests.values.row(s).transpose());
+      ratio(i, s) = has_failed
+                        ? -std::numeric_limits<double>::infinity()
+                        : log_ratio_to_linear(specimens_[static_cast<std::size_t>(s)],
+                                              populations[static_cast<std::size_t>(i)], all.row(row).transpose(),
+                                              outputs.row(row).transpose(), problem_.tests.values.row(s).transpose());
     }
   }
   return ratio;

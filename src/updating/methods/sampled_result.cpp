@@ -20,11 +20,10 @@ std::vector<std::string> doubts_of(const SampledPosterior& posterior, const std:
   for (std::size_t k = 0; k <= posterior.names.size(); ++k) {
     const double r_hat = posterior.r_hat(static_cast<Eigen::Index>(k));
     if (!(r_hat > k_max_r_hat)) continue;
-    doubts.push_back(
-        fmt::format("The islands disagree: R-hat of {} is {:.3f}, at most {} is allowed; give more "
-                    "particles ({}.particles).",
-                    k < posterior.names.size() ? posterior.names[k] : "the log-likelihood", r_hat, k_max_r_hat,
-                    method));
+    doubts.push_back(fmt::format(
+        "The islands disagree: R-hat of {} is {:.3f}, at most {} is allowed; give more "
+        "particles ({}.particles).",
+        k < posterior.names.size() ? posterior.names[k] : "the log-likelihood", r_hat, k_max_r_hat, method));
   }
   if (posterior.evidence.spread > k_max_spread) {
     doubts.push_back(fmt::format(

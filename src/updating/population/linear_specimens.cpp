@@ -156,8 +156,8 @@ std::vector<LinearSpecimen> linear_specimens(const Eigen::Ref<const Eigen::Matri
   for (Eigen::Index s = 0; s < values.rows(); ++s) {
     const std::vector<Eigen::Index> rows = measured_outputs(values, s);
     const Eigen::VectorXd residual = (values.row(s) - fits.outputs.row(s)).transpose();
-    specimens.push_back({rows, fits.points.row(s), fits.jacobians[static_cast<std::size_t>(s)](rows, Eigen::all),
-                         residual(rows)});
+    specimens.push_back(
+        {rows, fits.points.row(s), fits.jacobians[static_cast<std::size_t>(s)](rows, Eigen::all), residual(rows)});
   }
   return specimens;
 }

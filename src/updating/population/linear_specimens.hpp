@@ -38,8 +38,8 @@ class SpecimenAlgebra {
 
  private:
   const PopulationAt* population_ = nullptr;
-  Eigen::MatrixXd design_;   // R^-1/2 G F
-  Eigen::MatrixXd factor_;   // of L
+  Eigen::MatrixXd design_;    // R^-1/2 G F
+  Eigen::MatrixXd factor_;    // of L
   Eigen::VectorXd whitened_;  // its factor's inverse times h
 };
 

@@ -15,8 +15,9 @@ namespace mottle::updating {
 namespace {
 
 /// Quantiles to 15 digits are worth no long double, and a tail beyond all numbers is infinite.
-using Policy = boost::math::policies::policy<boost::math::policies::promote_double<false>,
-                                             boost::math::policies::overflow_error<boost::math::policies::ignore_error>>;
+using Policy =
+    boost::math::policies::policy<boost::math::policies::promote_double<false>,
+                                  boost::math::policies::overflow_error<boost::math::policies::ignore_error>>;
 using StudentT = boost::math::students_t_distribution<double, Policy>;
 using ChiSquared = boost::math::chi_squared_distribution<double, Policy>;
 
@@ -157,8 +158,8 @@ Eigen::MatrixXd PopulationPrior::scatter_factor(const Eigen::Ref<const Eigen::Ve
 
 std::vector<PopulationAt> PopulationPrior::populations(const Eigen::Ref<const Eigen::MatrixXd>& points) const {
   const Eigen::Index q = problem_.space.count();
-  const Eigen::MatrixXd means = from_variables(problem_.space.transforms(),
-                                               problem_.space.prior().from_standard_normal(points.leftCols(q)));
+  const Eigen::MatrixXd means =
+      from_variables(problem_.space.transforms(), problem_.space.prior().from_standard_normal(points.leftCols(q)));
   const Eigen::VectorXd error_std = problem_.tests.model_error_variance().cwiseSqrt();
   std::vector<PopulationAt> populations(static_cast<std::size_t>(points.rows()));
   for (Eigen::Index row = 0; row < points.rows(); ++row) {

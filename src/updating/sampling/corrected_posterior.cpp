@@ -27,8 +27,8 @@ void correct(const Walks& walks, const Correction& correction, const RunContext&
       points[i] = &walks[i]->points();
     }
   });
-  const Eigen::MatrixXd values = correction.log_ratio(stacked(points, points.front()->cols()),
-                                                      stacked(auxiliaries, auxiliaries.front()->cols()));
+  const Eigen::MatrixXd values =
+      correction.log_ratio(stacked(points, points.front()->cols()), stacked(auxiliaries, auxiliaries.front()->cols()));
   const Eigen::Index rows = points.front()->rows();
   parallel_for(count, 1, context.threads, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t i = begin; i < end; ++i) {

@@ -63,7 +63,7 @@ class CorrectedWalk {
   Eigen::MatrixXd log_ratio_;
   Eigen::MatrixXd proposed_;
   std::vector<bool> is_random_step_;  // kind of each particle's proposal
-  Eigen::MatrixXd walked_from_;  // points
+  Eigen::MatrixXd walked_from_;       // points
   Eigen::VectorXd walked_from_log_likelihood_;
   Eigen::MatrixXd start_points_;
   Eigen::MatrixXd start_auxiliaries_;

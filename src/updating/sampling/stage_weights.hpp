@@ -10,7 +10,7 @@ namespace mottle::updating {
 
 /// From one exponent of a likelihood to the next.
 struct StageWeights {
-  double exponent = 0.0;  ///< the next one
+  double exponent = 0.0;    ///< the next one
   Eigen::VectorXd weights;  ///< of the particles, their sum is 1
   double log_mean = 0.0;    ///< ln of the mean of L^increment: what the evidence is multiplied by
   double effective_samples = 0.0;

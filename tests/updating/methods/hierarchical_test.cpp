@@ -172,8 +172,8 @@ TEST(Hierarchical, OfInvertedSpecimensHasTheClosedForm) {
     const double std = std::sqrt(square / (10.0 * freedom) * freedom / (freedom - 2.0));
     EXPECT_NEAR(std::sqrt((mu - mu.mean()).square().mean()), std, 0.1 * std) << name;  // 4 errors of 800 draws
     // sigma^2 is inverse gamma with shape freedom / 2 and scale square / 2.
-    const double sigma = std::sqrt(0.5 * square) * std::exp(std::lgamma(0.5 * (freedom - 1.0)) -
-                                                            std::lgamma(0.5 * freedom));
+    const double sigma =
+        std::sqrt(0.5 * square) * std::exp(std::lgamma(0.5 * (freedom - 1.0)) - std::lgamma(0.5 * freedom));
     expect_mean(result, "sigma:" + name, sigma);
     EXPECT_NEAR(result.specimens->parameters(0, i), x(0, i), 1e-3);
   }
@@ -252,9 +252,9 @@ TEST(Hierarchical, GivesNoFalseComfortFromTwoSpecimens) {
   EXPECT_EQ(result.status, UpdatingStatus::converged) << result.message;
   ASSERT_TRUE(result.intervals);
   EXPECT_GT(result.intervals->std(0, 1), 6.0 * result.intervals->std(0, 0));
-  const bool is_warned =
-      std::any_of(result.warnings.begin(), result.warnings.end(),
-                  [](const std::string& text) { return text.find("rests on its prior") != std::string::npos; });
+  const bool is_warned = std::any_of(result.warnings.begin(), result.warnings.end(), [](const std::string& text) {
+    return text.find("rests on its prior") != std::string::npos;
+  });
   EXPECT_TRUE(is_warned);
   const UpdatingResult all = HierarchicalUpdater({}).update(linear.problem(linear.noise), {});
   EXPECT_TRUE(all.warnings.empty()) << all.warnings.front();

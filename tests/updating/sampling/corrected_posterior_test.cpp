@@ -38,11 +38,12 @@ Correction coupled_blocks() {
 
 TEST(CorrectedPosterior, HasTheEvidenceAndMomentsOfAClosedForm) {
   const std::vector<CorrectedIsland> found = sample_corrected(measured_once(), coupled_blocks(), {}, {.seed = 2});
-  // Over v_s: exp(-(u + s)^2 / 4) / sqrt 2 each. Then u has precision 1 + 4 + 4 / 2 and is pulled by 4 - (0 + 1 + 2 + 3) / 2.
+  // Over v_s: exp(-(u + s)^2 / 4) / sqrt 2 each. Then u has precision 1 + 4 + 4 / 2 and is pulled by 4 - (0 + 1 + 2 +
+  // 3) / 2.
   const double precision = 7.0;
   const double pull = 4.0 - 3.0;
-  const double log_evidence = 0.5 * pull * pull / precision - 0.5 * std::log(precision) - 2.0 - 14.0 / 4.0 -
-                              2.0 * std::log(2.0);
+  const double log_evidence =
+      0.5 * pull * pull / precision - 0.5 * std::log(precision) - 2.0 - 14.0 / 4.0 - 2.0 * std::log(2.0);
   std::vector<SampledIsland> islands;
   double mean = 0.0;
   double square = 0.0;
@@ -69,8 +70,7 @@ TEST(CorrectedPosterior, IsThatOfTheCheapLikelihoodWhereNothingIsToCorrect) {
   };
   const std::vector<CorrectedIsland> found = sample_corrected(measured_once(), none, {}, {});
   const std::vector<SampledIsland> plain = sample_posterior(measured_once(), {}, {});
-  for (std::size_t i = 0; i < plain.size(); ++i)
-    EXPECT_DOUBLE_EQ(found[i].island.log_evidence, plain[i].log_evidence);
+  for (std::size_t i = 0; i < plain.size(); ++i) EXPECT_DOUBLE_EQ(found[i].island.log_evidence, plain[i].log_evidence);
 }
 
 TEST(CorrectedPosterior, DrawsTheSameNumbersAtAnyNumberOfThreads) {

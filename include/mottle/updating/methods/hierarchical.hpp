@@ -11,7 +11,10 @@ namespace mottle::updating {
 struct HierarchicalOptions : BayesOptions {
   enum class CovariancePrior { lkj, inverse_wishart };
 
-  HierarchicalOptions() { particles = 500; }  // each costs several model runs for each specimen
+  HierarchicalOptions() {
+    particles = 500;       // each costs several model runs for each specimen
+    decorrelation = 0.25;  // many moves of some ten numbers; islands still agree
+  }
 
   CovariancePrior covariance_prior = CovariancePrior::lkj;
   double scatter_scale = 1.0;               // specimens may scatter by as much as is not known of their mean
