@@ -275,8 +275,10 @@ class Ends(RanksTest):
         for others in (["/bin/true"], [support.MOTTLE, "check", "study.toml"]):
             for commands in ((update, others), (others, update)):
                 ended = self.ranked_as(*commands)
-                self.assertEqual(ended.code, 3, ended.err)
-                self.assertIn("has waited 4 s for the other ranks to join", ended.err)
+                self.assertNotEqual(ended.code, 0, ended.err)
+                # Open MPI's mpirun sees it by itself where the others had called MPI_Init before that rank ended.
+                self.assertRegex(ended.err, "has waited 4 s for the other ranks to join|exiting improperly")
+                self.assertEqual("has waited" in ended.err, ended.code == 3, ended.err)
         ended = self.ranked_as(update, [support.MOTTLE, "propagate", "study.toml", "--out", "out", "--quiet"])
         self.assertEqual(ended.code, 2, ended.err)
         self.assertIn("rank 1 was started with 'mottle propagate' and rank 0 with 'mottle update'", ended.err)

@@ -87,7 +87,7 @@ class PlayedScheduler final : public Scheduler {
   static void work_late(const std::filesystem::path& folder, int task) {
     {
       const Heartbeat heartbeat(task_folder(folder, task), std::chrono::milliseconds(10));
-      std::this_thread::sleep_for(std::chrono::milliseconds(1500));
+      std::this_thread::sleep_for(std::chrono::seconds(6));
     }
     do_all(folder, task);
   }
@@ -217,6 +217,7 @@ TEST_F(Scheduled, ALateResultOfATaskThatWasCalledDeadIsTaken) {
 
 TEST_F(Scheduled, ATaskThatTheSchedulerDoesNotListIsNotDoubledWhileItGivesSignsOfLife) {
   fates_ = {Fate::unlisted_at_work};
+  after_silence_ = 2.0;  // twice that, and the task begins its runs only after 6 s
   EXPECT_THAT(run({1, 2, 3, 4}), are({1, 2, 3, 4}));
   EXPECT_EQ(requests_.size(), 1U);
   EXPECT_EQ(solver_runs(), 4);
