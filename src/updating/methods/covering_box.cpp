@@ -7,6 +7,7 @@
 #include "mottle/core/error.hpp"
 #include "mottle/linalg/dense/decompositions.hpp"
 #include "updating/methods/least_distance.hpp"
+#include "updating/methods/point_cache.hpp"
 
 namespace mottle::updating {
 namespace {
@@ -31,50 +32,6 @@ struct TargetPoint {
     const double downhill = side == k_lower ? slope(i) : -slope(i);
     return downhill > 0.0 ? -1 : downhill < 0.0 ? 1 : face(i);
   }
-};
-
-/// Outputs and slopes at points of which many are the same.
-class PointCache {
- public:
-  explicit PointCache(BoxImage& image) : image_(image) {}
-
-  /// Whether the model gives outputs at all of them.
-  bool evaluate(const std::vector<Eigen::VectorXd>& points) {
-    std::vector<Eigen::VectorXd> unknown;
-    for (const Eigen::VectorXd& point : points) {
-      const auto is_same = [&](const Eigen::VectorXd& other) { return other == point; };
-      if (find(point) == nullptr && std::ranges::none_of(unknown, is_same)) unknown.push_back(point);
-    }
-    if (!unknown.empty()) {
-      Eigen::MatrixXd rows(static_cast<Eigen::Index>(unknown.size()), unknown.front().size());
-      for (Eigen::Index s = 0; s < rows.rows(); ++s) rows.row(s) = unknown[static_cast<std::size_t>(s)].transpose();
-      const Eigen::MatrixXd outputs = image_.outputs(rows);
-      for (Eigen::Index s = 0; s < rows.rows(); ++s) {
-        known_.push_back({unknown[static_cast<std::size_t>(s)], outputs.row(s).transpose(), {}});
-      }
-    }
-    return std::ranges::all_of(points, [&](const auto& point) { return find(point)->outputs.allFinite(); });
-  }
-  double value(const Eigen::VectorXd& point, Eigen::Index output) { return find(point)->outputs(output); }
-  Eigen::VectorXd slope(const Eigen::VectorXd& point, Eigen::Index output) {
-    Known& known = *find(point);
-    if (known.jacobian.size() == 0) known.jacobian = image_.jacobian(point);
-    return known.jacobian.row(output).transpose();
-  }
-  void forget() { known_.clear(); }
-
- private:
-  struct Known {
-    Eigen::VectorXd at, outputs;
-    Eigen::MatrixXd jacobian;
-  };
-  Known* find(const Eigen::VectorXd& point) {
-    const auto place = std::ranges::find_if(known_, [&](const Known& known) { return known.at == point; });
-    return place == known_.end() ? nullptr : &*place;
-  }
-
-  BoxImage& image_;
-  std::vector<Known> known_;
 };
 
 /// A box with the points that hold its targets.
@@ -247,54 +204,57 @@ class CoverSearch {
   }
 
   CoverConstraints constraints_of(const CoverState& state) const {
-    const Eigen::Index q = parameters();
-    std::vector<Eigen::VectorXd> rows;
-    std::vector<double> right;
-    Eigen::VectorXd largest(2 * q);  // the movement to the allowed box
-    largest << (task_.allowed.lower - state.box.lower).cwiseQuotient(task_.unit),
-        (task_.allowed.upper - state.box.upper).cwiseQuotient(task_.unit);
-    const auto add = [&](const Eigen::VectorXd& row, double bound) {
-      rows.push_back(row);
-      right.push_back(bound);
-    };
+    CoverConstraints constraints{Eigen::MatrixXd(0, 2 * parameters()), Eigen::VectorXd(), 0};
     for (const TargetPoint& point : state.points) {
-      if (!std::isfinite(target(point))) continue;  // left out
-      const double sign = point.side == k_lower ? -1.0 : 1.0;
-      const double scale = task_.scale(point.output);
-      Eigen::VectorXd row = Eigen::VectorXd::Zero(2 * q);
-      for (Eigen::Index i = 0; i < q; ++i) {
-        if (is_fixed(point, i)) continue;
-        row(point.face(i) < 0 ? i : q + i) = sign * point.slope(i) * task_.unit(i) / scale;
-      }
-      add(row, std::min(sign * (target(point) - point.value) / scale, (1.0 - 1e-9) * row.dot(largest)));
+      if (std::isfinite(target(point))) add_target(point, state.box, constraints);  // else left out
     }
-    const auto targets = static_cast<Eigen::Index>(rows.size());
-    for (Eigen::Index i = 0; i < q; ++i) {
-      double low = state.box.lower(i);  // fixed coordinates stay in the box
-      double high = state.box.upper(i);
-      bool has_fixed = false;
-      for (const TargetPoint& point : state.points) {
-        if (!is_fixed(point, i)) continue;
-        low = has_fixed ? std::min(low, point.at(i)) : point.at(i);
-        high = has_fixed ? std::max(high, point.at(i)) : point.at(i);
-        has_fixed = true;
-      }
-      const Eigen::VectorXd lower = Eigen::VectorXd::Unit(2 * q, i);
-      const Eigen::VectorXd upper = Eigen::VectorXd::Unit(2 * q, q + i);
-      add(upper - lower, (state.box.lower(i) - state.box.upper(i)) / task_.unit(i));
-      add(lower, largest(i));
-      add(-upper, -largest(q + i));
-      if (!has_fixed) continue;
-      add(-lower, (state.box.lower(i) - low) / task_.unit(i));
-      add(upper, (high - state.box.upper(i)) / task_.unit(i));
-    }
-    CoverConstraints constraints{Eigen::MatrixXd(static_cast<Eigen::Index>(rows.size()), 2 * q),
-                                 Eigen::VectorXd(static_cast<Eigen::Index>(rows.size())), targets};
-    for (Eigen::Index r = 0; r < constraints.matrix.rows(); ++r) {
-      constraints.matrix.row(r) = rows[static_cast<std::size_t>(r)].transpose();
-      constraints.right(r) = right[static_cast<std::size_t>(r)];
-    }
+    constraints.targets = constraints.right.size();
+    for (Eigen::Index i = 0; i < parameters(); ++i) add_ends(state, i, constraints);
     return constraints;
+  }
+
+  static void add(const Eigen::VectorXd& row, double bound, CoverConstraints& constraints) {
+    const Eigen::Index rows = constraints.right.size();
+    constraints.matrix.conservativeResize(rows + 1, row.size());
+    constraints.right.conservativeResize(rows + 1);
+    constraints.matrix.row(rows) = row.transpose();
+    constraints.right(rows) = bound;
+  }
+
+  /// The movement to the allowed box.
+  Eigen::VectorXd largest_movement(const ParameterBox& box) const {
+    Eigen::VectorXd largest(2 * parameters());
+    largest << (task_.allowed.lower - box.lower).cwiseQuotient(task_.unit),
+        (task_.allowed.upper - box.upper).cwiseQuotient(task_.unit);
+    return largest;
+  }
+
+  /// The linearised point reaches its target, or goes as far as the allowed box lets it.
+  void add_target(const TargetPoint& point, const ParameterBox& box, CoverConstraints& constraints) const {
+    const double sign = point.side == k_lower ? -1.0 : 1.0;
+    const double scale = task_.scale(point.output);
+    Eigen::VectorXd row = Eigen::VectorXd::Zero(2 * parameters());
+    for (Eigen::Index i = 0; i < parameters(); ++i) {
+      if (is_fixed(point, i)) continue;
+      row(point.face(i) < 0 ? i : parameters() + i) = sign * point.slope(i) * task_.unit(i) / scale;
+    }
+    const double reachable = (1.0 - 1e-9) * row.dot(largest_movement(box));
+    add(row, std::min(sign * (target(point) - point.value) / scale, reachable), constraints);
+  }
+
+  /// The ends of one parameter stay in order, in the allowed box, and around coordinates that are fixed.
+  void add_ends(const CoverState& state, Eigen::Index i, CoverConstraints& constraints) const {
+    const Eigen::VectorXd largest = largest_movement(state.box);
+    const Eigen::VectorXd lower = Eigen::VectorXd::Unit(2 * parameters(), i);
+    const Eigen::VectorXd upper = Eigen::VectorXd::Unit(2 * parameters(), parameters() + i);
+    add(upper - lower, (state.box.lower(i) - state.box.upper(i)) / task_.unit(i), constraints);
+    add(lower, largest(i), constraints);
+    add(-upper, -largest(parameters() + i), constraints);
+    for (const TargetPoint& point : state.points) {
+      if (!is_fixed(point, i)) continue;
+      add(-lower, (state.box.lower(i) - point.at(i)) / task_.unit(i), constraints);
+      add(upper, (point.at(i) - state.box.upper(i)) / task_.unit(i), constraints);
+    }
   }
 
   /// d of min c'd + |d|^2 / (2 tau) such that A d >= b; the penalty grows beyond the multipliers of the targets.
