@@ -82,8 +82,8 @@ def boxes(options):
 
 
 def frame(options):
-    if not DATA.is_file():
-        return True, ["\n## The measured frame\n\nNot run: its data is not there."]
+    if not DATA.is_file() or not pathlib.Path(options.mottle).is_file():
+        return True, ["\n## The measured frame\n\nNot run: its data or the command is not there."]
     out = ["\n## The measured frame, 100 tests\n",
            "| bounds | verdict | theta1 to theta4 | hull of the specimens' own | specimens outside | widest image / bounds | proven |",
            "|---|---|---|---|---|---|---|"]
