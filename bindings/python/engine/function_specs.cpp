@@ -1,0 +1,72 @@
+#include "function_specs.hpp"
+
+namespace mottle::python {
+namespace {
+
+const DistributionKindInfo& kind_of(const ParameterSpec& spec) {
+  std::vector<std::string> names;
+  for (const DistributionKindInfo& kind : distribution_kinds()) {
+    if (kind.name == spec.kind) return kind;
+    names.push_back(kind.name);
+  }
+  throw InvalidInput(
+      fmt::format("parameter '{}': {}", spec.name, unknown_name_message("distribution", spec.kind, names)));
+}
+
+Distribution distribution_of(const ParameterSpec& spec) {
+  DistributionSpec distribution{.kind = kind_of(spec).kind};
+  for (const std::string& value : kind_of(spec).required) {
+    if (value == "mean") distribution.mean = spec.mean;
+    if (value == "std") distribution.std = spec.std;
+    if (value == "lower") distribution.lower = spec.lower;
+    if (value == "upper") distribution.upper = spec.upper;
+  }
+  try {
+    return Distribution(distribution);
+  } catch (const InvalidInput& error) {
+    throw InvalidInput(fmt::format("parameter '{}': {}", spec.name, error.what()));
+  }
+}
+
+ParameterTransform transform_of(const ParameterSpec& spec) {
+  using Kind = ParameterTransform::Kind;
+  for (const Kind kind : {Kind::identity, Kind::log, Kind::logit}) {
+    if (spec.scale == scale_name(kind)) return {kind, spec.lower_bound, spec.upper_bound};
+  }
+  throw InvalidInput(fmt::format("parameter '{}': {}", spec.name,
+                                 unknown_name_message("scale", spec.scale, {"identity", "log", "logit"})));
+}
+
+}  // namespace
+
+ParameterSpace space_of(const std::vector<ParameterSpec>& specs, const Eigen::MatrixXd& correlation) {
+  std::vector<Parameter> parameters;
+  std::vector<Distribution> marginals;
+  for (const ParameterSpec& spec : specs) {
+    parameters.push_back({.name = spec.name,
+                          .unit = spec.unit,
+                          .lower_bound = spec.lower_bound,
+                          .upper_bound = spec.upper_bound,
+                          .limit = {.lower = spec.lower_limit},
+                          .transform = transform_of(spec)});
+    marginals.push_back(distribution_of(spec));
+  }
+  if (correlation.size() == 0) return {std::move(parameters), JointDistribution(std::move(marginals))};
+  return {std::move(parameters), JointDistribution(std::move(marginals), correlation)};
+}
+
+Quantity quantity_of(const OutputSpec& spec) {
+  const auto numbered = [&](std::size_t stem) {
+    int number = 0;
+    for (const char c : spec.name.substr(stem)) {
+      if (c < '0' || c > '9' || number > 99999) return 0;
+      number = 10 * number + (c - '0');
+    }
+    return number;
+  };
+  if (spec.name.starts_with("f") && numbered(1) > 0) return natural_frequency(numbered(1), spec.unit);
+  if (spec.name.starts_with("lambda") && numbered(6) > 0) return natural_eigenvalue(numbered(6), spec.unit);
+  return named_quantity(spec.name, spec.unit);
+}
+
+}  // namespace mottle::python
