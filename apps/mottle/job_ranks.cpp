@@ -60,18 +60,19 @@ class JoinLimit {
     double seconds = k_usual_s;
     require(wish == nullptr || (parse_number(wish, seconds) && seconds >= 1.0 && seconds <= 1e6),
             "MOTTLE_RANKS_TIMEOUT: found '{}', a number of seconds from 1 to 1000000 is needed", wish ? wish : "");
-    thread_ = std::jthread([seconds](const std::stop_token& stop) {
+    // The first rank speaks; where it is the missing one, another does.
+    const auto patience = std::chrono::duration<double>(seconds + (is_silent_rank() ? 1.5 : 0.0));
+    std::string text = fmt::format(
+        "mottle: rank {} on {} has waited {} s for the other ranks to join; one of them has ended before, or was "
+        "started with another command: all ranks need the same verb, study and options (MOTTLE_RANKS_TIMEOUT=600 "
+        "waits longer)\n",
+        own_launch().rank, node_name(), seconds);
+    // MPI_Init changes the environment meanwhile: the thread reads nothing of it.
+    thread_ = std::jthread([patience, text = std::move(text)](const std::stop_token& stop) {
       std::mutex mutex;
       std::condition_variable_any bell;
       std::unique_lock<std::mutex> lock(mutex);
-      // The first rank speaks; where it is the missing one, another does.
-      const auto patience = std::chrono::duration<double>(seconds + (is_silent_rank() ? 1.5 : 0.0));
       if (bell.wait_for(lock, stop, patience, [&] { return stop.stop_requested(); }) || stop.stop_requested()) return;
-      const std::string text = fmt::format(
-          "mottle: rank {} on {} has waited {} s for the other ranks to join; one of them has ended before, or was "
-          "started with another command: all ranks need the same verb, study and options (MOTTLE_RANKS_TIMEOUT=600 "
-          "waits longer)\n",
-          own_launch().rank, node_name(), seconds);
       (void)!::write(STDERR_FILENO, text.data(), text.size());
       ::_exit(k_failed);
     });
