@@ -235,7 +235,8 @@ void calibrate(Eigen::Index specimens, double noise, int data_sets, int particle
   for (int i = 0; i < data_sets; ++i) {
     const auto seed = static_cast<std::uint64_t>(i) + 1;
     try {
-      const DataSet data = draw(calibration, specimens, seed);
+      const auto own = static_cast<std::uint64_t>(specimens) * 1000000U + static_cast<std::uint64_t>(1e6 * noise);
+      const DataSet data = draw(calibration, specimens, own * 1000U + seed);  // other data sets in every case
       rows += (rows.empty() ? "" : ", ") + list(ranks_of(calibration, data, seed, converged));
     } catch (const std::exception& error) {
       std::cerr << "data set " << seed << ": " << error.what() << '\n';

@@ -9,6 +9,7 @@ exit code 1 if a goal is missed.
 import argparse
 import concurrent.futures
 import datetime
+import json
 import pathlib
 import sys
 
@@ -23,6 +24,14 @@ DEFAULT = HERE.parent.parent / "build/release/validation/hierarchical/mottle_hie
 SCHOOLS = {"ln_evidence": -31.3113474, "mu": 4.3968207, "mu_std": 3.3177045, "tau": 3.5977055, "theta_1": 6.2118842}
 CASES = [(3, 0.01), (10, 0.01), (3, 0.04), (10, 0.04)]
 STATED = 4.0  # standard errors of a mean over seeds
+
+
+def outputs_of(options, name, *words):
+    """What the program prints for a case; of --saved what is there, or nothing."""
+    if options.saved is None:
+        return call(options.program, *words)
+    file = pathlib.Path(options.saved) / f"{name}.json"
+    return json.loads(file.read_text()) if file.is_file() and file.stat().st_size else None
 
 
 def oracle_references():
@@ -79,8 +88,11 @@ def calibration(options):
     rows, p_values = [], []
     seconds = 0.0
     with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
-        runs = list(pool.map(lambda case: call(options.program, "sbc", *case, options.data_sets, options.particles), CASES))
+        runs = list(pool.map(lambda case: outputs_of(options, f"sbc-{case[0]}-{case[1]}", "sbc", *case, options.data_sets, options.particles), CASES))
     for (specimens, noise), found in zip(CASES, runs):
+        if found is None:
+            rows.append(f"| {specimens} | {100 * noise:.0f} % | not run | | | | | |")
+            continue
         seconds += found["seconds"] * found["data_sets"]
         ranks = numpy.array(found["ranks"])
         band = Band(len(ranks), found["draws"])
@@ -98,29 +110,33 @@ def main():
     parser.add_argument("--seeds", type=int, default=50)
     parser.add_argument("--data-sets", type=int, default=500)
     parser.add_argument("--particles", type=int, default=100)
+    parser.add_argument("--saved", help="folder of what the program printed, a file a case, instead of running it")
     parser.add_argument("--jobs", type=int, default=1, help="cases of the calibration at once")
     options = parser.parse_args()
-    out = [f"# Populations whose posterior is known, and calibration\n\n{datetime.date.today()}; made by run.py, {options.seeds} seeds."]
+    out = [f"# Populations whose posterior is known, and calibration\n\n{datetime.date.today()}; made by run.py."]
     good = True
     for case, title, references in (("eight-schools", "Eight schools", SCHOOLS), ("oracle", "Ten inverted specimens", oracle_references())):
-        found = call(options.program, case, options.seeds)
+        found = outputs_of(options, case, case, options.seeds)
+        if found is None:
+            out.append(f"\n## {title}\n\nNot run.")
+            continue
         rows, reached = moments(found, references)
         good = good and reached
-        out += [f"\n## {title}\n", f"{numpy.mean(found['evaluations']):.0f} model runs and {found['seconds']:.2f} s a seed; converged in "
+        out += [f"\n## {title}\n", f"{found['seeds']} seeds, {numpy.mean(found['evaluations']):.0f} model runs and {found['seconds']:.2f} s a seed; converged in "
                 f"{100 * numpy.mean(found['converged']):.0f} %, largest R-hat {max(found['r_hat']):.4f}.\n",
                 "| what | reference | mean over seeds | its standard error | standard deviation over seeds | within 4 errors + 0.5 % |", "|---|---|---|---|---|---|", *rows]
         if case == "eight-schools":
             lower, upper = numpy.array(found["lower"]), numpy.array(found["upper"])
             covered = numpy.mean((lower <= SCHOOLS["ln_evidence"]) & (SCHOOLS["ln_evidence"] <= upper))
             out.append(f"\nln evidence: stated standard error {numpy.mean(found['stated']):.4f}; its 95 % interval holds the reference in "
-                       f"{100 * covered:.0f} % of the seeds (standard error {100 * (0.0475 / options.seeds) ** 0.5:.1f} %).")
+                       f"{100 * covered:.0f} % of the seeds (standard error {100 * (0.0475 / found['seeds']) ** 0.5:.1f} %).")
     rows, p_values, seconds = calibration(options)
     outside = sum(p < 0.05 for p in p_values)
     # Of 28 correct ones more than 5 are outside in 0.2 % of all runs; one below 0.05 / 28 in 5 %.
     reached = outside <= 5 and min(p_values) >= 0.05 / len(p_values)
     good = good and reached
     out += ["\n## Simulation-based calibration\n",
-            f"{options.data_sets} data sets a case, {options.particles} particles in each of 8 islands, ranks among 100 draws, {seconds:.0f} s of one core. p: of the largest "
+            f"{options.particles} particles in each of 8 islands, ranks among 100 draws, {seconds:.0f} s of one core. p: of the largest "
             "deviation of the ranks' distribution, by its simultaneous law; outside the 95 % band where p < 0.05. "
             f"Outside: {outside} of {len(p_values)}, where 5 % are expected; smallest p {min(p_values):.4f}, to be compared with {0.05 / len(p_values):.4f}: "
             f"{'reached' if reached else 'not reached'}.\n",

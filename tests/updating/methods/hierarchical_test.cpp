@@ -133,52 +133,6 @@ TEST(Hierarchical, OfACurvedModelHasThePosteriorOfQuadrature) {
   expect_mean(result, "x:1", reference.first);
 }
 
-/// Noise that vanishes, an inverse-Wishart prior and a mean of which little is known before: Sigma is inverse Wishart
-/// with nu + q - 1 + n - 1 degrees of freedom and scale nu a^2 1 + S, mu_i - mean_i Student's t with n - 1 + nu.
-TEST(Hierarchical, OfInvertedSpecimensHasTheClosedForm) {
-  const test::ThreeMasses structure;
-  const Distribution wide({.kind = DistributionKind::normal, .mean = 1.0, .std = 5.0});
-  std::vector<Parameter> parameters = structure.space->parameters();
-  for (Parameter& parameter : parameters) {
-    parameter.lower_bound = 0.05;
-    parameter.upper_bound = 50.0;
-  }
-  const ParameterSpace space(parameters, JointDistribution({wide, wide, wide}));
-  const Eigen::MatrixXd x = test::oracle_parameters();
-  const Eigen::MatrixXd z = test::frequencies_of(structure, x);
-  HierarchicalOptions options;
-  options.covariance_prior = HierarchicalOptions::CovariancePrior::inverse_wishart;
-  options.scatter_degrees_of_freedom = 1.0;
-  options.scatter_scale = 0.01;
-  options.particles = 300;
-  options.decorrelation = 0.3;
-  const double a = 0.05;
-  const UpdatingProblem problem{.model = *structure.model,
-                                .derivatives = structure.model.get(),
-                                .space = space,
-                                .tests = {z, 1e-5 * z.colwise().mean().transpose()},
-                                .cloud = {.samples = 100}};
-  const UpdatingResult result = HierarchicalUpdater(options).update(problem, {});
-  EXPECT_EQ(result.status, UpdatingStatus::converged) << result.message;
-  const Eigen::RowVectorXd mean = x.colwise().mean();
-  const Eigen::MatrixXd apart = x.rowwise() - mean;
-  const double nu = 1.0;
-  const double freedom = 9.0 + nu;
-  for (Eigen::Index i = 0; i < 3; ++i) {
-    const std::string name = parameters[static_cast<std::size_t>(i)].name;
-    expect_mean(result, "mu:" + name, mean(i));
-    const double square = nu * a * a + apart.col(i).squaredNorm();
-    const Eigen::ArrayXd mu = result.posterior->values.col(i).array();
-    const double std = std::sqrt(square / (10.0 * freedom) * freedom / (freedom - 2.0));
-    EXPECT_NEAR(std::sqrt((mu - mu.mean()).square().mean()), std, 0.1 * std) << name;  // 4 errors of 800 draws
-    // sigma^2 is inverse gamma with shape freedom / 2 and scale square / 2.
-    const double sigma =
-        std::sqrt(0.5 * square) * std::exp(std::lgamma(0.5 * (freedom - 1.0)) - std::lgamma(0.5 * freedom));
-    expect_mean(result, "sigma:" + name, sigma);
-    EXPECT_NEAR(result.specimens->parameters(0, i), x(0, i), 1e-3);
-  }
-}
-
 /// A linear model whose means of tests are off by d: mu and d together are normal given Sigma, and mu cannot be known
 /// better than d lets it.
 TEST(Hierarchical, KnowsTheMeanNoBetterThanTheModelsErrorLetsIt) {
@@ -326,6 +280,34 @@ TEST(Hierarchical, HasThePriorOfCorrelationsThatItStates) {
   EXPECT_NEAR(above / k_draws, 0.05, k_stated_errors * std::sqrt(0.05 * 0.95 / k_draws));
   EXPECT_EQ(prior.names()[6], "rho:k1:k2");
   EXPECT_NEAR(prior.standard_deviations(0.95)(0), 0.3 * 2.7764451, 1e-6);
+}
+
+/// An inverse Wishart of q variables with nu + q - 1 degrees of freedom has correlations with the density (1 -
+/// rho^2)^(nu / 2 - 1): uniform for nu = 2.
+TEST(Hierarchical, HasTheInverseWishartPriorThatItStates) {
+  const test::ThreeMasses structure;
+  UpdatingProblem problem = structure.problem(test::frequencies_of(structure, test::oracle_parameters()));
+  problem.tests.repeatability_std.setConstant(1e-3);
+  HierarchicalOptions options;
+  options.covariance_prior = HierarchicalOptions::CovariancePrior::inverse_wishart;
+  options.scatter_degrees_of_freedom = 2.0;
+  const NoiseLevels noise(problem, options);
+  const PopulationPrior prior(problem, options, noise);
+  constexpr Eigen::Index k_draws = 20000;
+  const Eigen::VectorXd high = prior.standard_deviations(0.95);
+  Eigen::Array3d above = Eigen::Array3d::Zero();
+  Eigen::Array3d squares = Eigen::Array3d::Zero();
+  for (const PopulationAt& population : prior.populations(scores(k_draws, prior.dimension()))) {
+    const Eigen::VectorXd values = prior.values(population);
+    above += (values.segment(3, 3).array() > high.array()).cast<double>();
+    squares += values.segment(6, 3).array().square();
+  }
+  // Chi-squared of 2 degrees of freedom is exponential: sigma = a / sqrt(-ln(1 - p)) is exceeded with probability p.
+  EXPECT_NEAR(high(0), 0.3 / std::sqrt(-std::log(0.95)), 1e-6);
+  for (int k = 0; k < 3; ++k) {
+    EXPECT_NEAR(above(k) / k_draws, 0.05, k_stated_errors * std::sqrt(0.05 * 0.95 / k_draws));
+    EXPECT_NEAR(squares(k) / k_draws, 1.0 / 3.0, k_stated_errors * 0.3 / std::sqrt(1.0 * k_draws));
+  }
 }
 
 }  // namespace
