@@ -23,7 +23,7 @@ void save(const Outcome& outcome, const Path& folder) {
   const FolderLock lock(folder);
   write_results(outcome, folder);
   write_report(folder);
-  RunFolder(folder).finish();
+  RunFolder(folder).forget_previous(study::result_names());
 }
 
 /// Of an update or cloud: the files' text, the words for a terminal.

@@ -66,7 +66,8 @@ UpdatePlan plan_update(const Study& study, const RunSettings& settings) {
 void require_place_of_update(const Study& study, const std::filesystem::path& folder) {
   require_none_is_read(folder,
                        {"study.toml", "tests.csv", "pairing.csv", "history.csv", "cloud-initial.csv", "cloud-final.csv",
-                        "clouds.csv", "prediction.csv", "modes.json", "result.json"},
+                        "clouds.csv", "prediction.csv", "modes.json", "posterior.csv", "posterior.json", "report.html",
+                        k_log, k_journal, "result.json"},
                        paths_of(study));
   std::vector<std::string> names = files_of_jobs();
   names.emplace_back("tests.csv");

@@ -25,13 +25,22 @@ bool is_same_file(int descriptor, const std::filesystem::path& file) {
          open.st_dev == there.st_dev;
 }
 
+constexpr const char* k_unknown_holder = "another process";
+
 /// "process 1234", as its holder wrote it; "another process" where it did not.
 std::string holder(int descriptor) {
   std::array<char, 32> text{};
   const ssize_t size = ::pread(descriptor, text.data(), text.size(), 0);
   const std::string number(text.data(), static_cast<std::size_t>(size > 0 ? size : 0));
   const bool is_number = !number.empty() && number.find_first_not_of("0123456789") == std::string::npos;
-  return is_number ? "process " + number : "another process";
+  return is_number ? "process " + number : k_unknown_holder;
+}
+
+/// Whether it is a file of one name that holds nothing, or a process's number.
+bool is_lock(int descriptor) {
+  struct stat status {};
+  if (::fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode) || status.st_nlink != 1) return false;
+  return status.st_size == 0 || holder(descriptor) != k_unknown_holder;
 }
 
 }  // namespace
@@ -52,7 +61,14 @@ FolderLock::FolderLock(const std::filesystem::path& folder)
                       "place with --out",
                       folder.string(), who));
     }
-    if (is_same_file(descriptor_, file_)) break;
+    if (is_same_file(descriptor_, file_)) {
+      const bool is_own = is_lock(descriptor_);
+      if (!is_own) ::close(descriptor_);
+      require(is_own,
+              "{}: is not the file by which Mottle holds a folder; move it, or choose another folder with --out",
+              file_.string());
+      break;
+    }
     ::close(descriptor_);
     descriptor_ = -1;
   }

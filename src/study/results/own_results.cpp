@@ -60,7 +60,7 @@ std::map<std::string, std::vector<std::string>> read_register(const std::filesys
   std::map<std::string, std::vector<std::string>> digests;
   std::string text;
   try {
-    text = read_file(file);
+    text = read_file(file, 16 * k_largest_register);
   } catch (const Error&) {
     return digests;
   }
@@ -76,18 +76,21 @@ std::map<std::string, std::vector<std::string>> read_register(const std::filesys
   return digests;
 }
 
-/// Leaves the last two of each name: what is there, and what was to take its place when a job was killed.
+/// Leaves the last of each name: what is there or was set aside, and what was to take its place when jobs were killed.
 void put_in_order(const std::filesystem::path& file) {
   std::string text(k_head);
   for (const auto& [name, digests] : read_register(file)) {
-    const std::size_t first = digests.size() > 2 ? digests.size() - 2 : 0;
+    constexpr std::size_t k_last = 8;
+    const std::size_t first = digests.size() > k_last ? digests.size() - k_last : 0;
     for (std::size_t i = first; i < digests.size(); ++i) text += digests[i] + ' ' + name + '\n';
   }
   write_file_atomically(file, text);
 }
 
-bool is_registered(const std::filesystem::path& file) {
-  const auto known = read_register(file.parent_path() / k_register);
+}  // namespace
+
+bool is_own_result_of(const std::filesystem::path& folder, const std::filesystem::path& file) {
+  const auto known = read_register(folder / k_register);
   const auto digests = known.find(file.filename().string());
   if (digests == known.end()) return false;
   Checksum checksum;
@@ -101,8 +104,6 @@ bool is_registered(const std::filesystem::path& file) {
   return std::ranges::find(digests->second, hexadecimal(checksum.digest())) != digests->second.end();
 }
 
-}  // namespace
-
 bool may_be_own_result(const std::filesystem::path& file) {
   std::error_code ignored;
   if (!std::filesystem::exists(std::filesystem::symlink_status(file, ignored))) return true;
@@ -110,7 +111,7 @@ bool may_be_own_result(const std::filesystem::path& file) {
   if (std::filesystem::is_empty(file, ignored)) return true;
   const auto growing = std::ranges::find(k_growing, file.filename(), &GrowingFile::name);
   if (growing != k_growing.end()) return growing->is_known(first_bytes(file));
-  return is_registered(file);
+  return is_own_result_of(file.parent_path(), file);
 }
 
 void require_own_result(const std::filesystem::path& file) {

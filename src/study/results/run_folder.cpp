@@ -78,7 +78,9 @@ std::vector<std::string> RunFolder::set_aside(const std::vector<std::string>& na
   std::vector<std::string> there;
   if (!are_complete(folder_, names)) return there;
   for (const std::string& name : names) {
-    if (std::filesystem::is_regular_file(file(name))) there.push_back(name);
+    if (!std::filesystem::is_regular_file(file(name))) continue;
+    require_own_result(file(name));
+    there.push_back(name);
   }
   const std::filesystem::path previous = file(k_previous);
   const std::filesystem::path mark = previous / k_mark;
@@ -90,6 +92,12 @@ std::vector<std::string> RunFolder::set_aside(const std::vector<std::string>& na
   write_file_atomically(mark, k_mark_text);
   // Where the last is not among those of before, a run was killed while it moved these: the others are theirs.
   if (are_complete(previous, names)) {
+    for (const std::string& name : names) {
+      const bool is_there = std::filesystem::exists(std::filesystem::symlink_status(previous / name));
+      require(!is_there || is_own_result_of(folder_, previous / name),
+              "{}: earlier results go there, and this file is not as an earlier run wrote it; move it",
+              (previous / name).string());
+    }
     for (const std::string& name : names) std::filesystem::remove(previous / name);
   }
   for (const std::string& name : there) std::filesystem::rename(file(name), previous / name);
@@ -110,7 +118,9 @@ void RunFolder::forget_previous(const std::vector<std::string>& names) const {
   const std::filesystem::path previous = file(k_previous);
   if (std::filesystem::is_symlink(previous, ignored) || !has_mark(previous)) return;
   if (are_complete(previous, names)) {  // else they are those of another job
-    for (const std::string& name : names) std::filesystem::remove(previous / name, ignored);
+    for (const std::string& name : names) {
+      if (is_own_result_of(folder_, previous / name)) std::filesystem::remove(previous / name, ignored);
+    }
   }
   std::vector<std::filesystem::path> marks;
   for (const auto& file : std::filesystem::directory_iterator(previous, ignored)) {

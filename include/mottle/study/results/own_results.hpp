@@ -16,6 +16,9 @@ inline constexpr const char* k_register = ".mottle-files";
 /// is no proof, and a file that was changed since is its owner's.
 bool may_be_own_result(const std::filesystem::path& file);
 
+/// Whether the file, wherever it lies now, holds what Mottle wrote into `folder` under its name.
+bool is_own_result_of(const std::filesystem::path& folder, const std::filesystem::path& file);
+
 /// Throws InvalidInput unless may_be_own_result().
 void require_own_result(const std::filesystem::path& file);
 
