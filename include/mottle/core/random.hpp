@@ -28,6 +28,7 @@ enum class StreamPurpose : std::uint32_t {
   corrected_auxiliaries = 34,
   corrected_decision = 35,
   corrected_resampling = 36,
+  corrected_start = 37,
   mixture_start = 60,
   mixture_test = 61,
   mixture_power = 62,

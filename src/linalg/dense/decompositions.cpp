@@ -20,6 +20,11 @@ Factor factor_of(const Eigen::MatrixXd& matrix, std::optional<double> threshold)
 }  // namespace
 
 SymmetricEigen::SymmetricEigen(const Eigen::MatrixXd& matrix) {
+  if (matrix.size() == 0) {  // which the solver does not take
+    eigenvectors_.resize(0, 0);
+    has_converged_ = true;
+    return;
+  }
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(matrix);
   eigenvalues_ = solver.eigenvalues();
   eigenvectors_ = solver.eigenvectors();
@@ -35,6 +40,7 @@ SymmetricEigen::SymmetricEigen(const Eigen::VectorXd& diagonal, const Eigen::Vec
 }
 
 Eigen::VectorXd symmetric_eigenvalues(const Eigen::MatrixXd& matrix) {
+  if (matrix.size() == 0) return {};
   return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(matrix, Eigen::EigenvaluesOnly).eigenvalues();
 }
 

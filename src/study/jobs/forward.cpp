@@ -141,7 +141,8 @@ PropagateOutcome propagate(const Study& study, const std::optional<std::filesyst
   require_ranks(study, settings);
   std::vector<std::filesystem::path> read = paths_of(study);
   if (points) read.push_back(*points);
-  require_none_is_read(settings.folder, {"study.toml", "cloud.csv", "clouds.csv", "result.json"}, read);
+  require_none_is_read(settings.folder,
+                       {"study.toml", "cloud.csv", "clouds.csv", "report.html", k_log, k_journal, "result.json"}, read);
   require_own(settings.folder, files_of_jobs(), read);
   return without_earlier(settings.folder, results_not_read(settings.folder, result_names(), read),
                          [&] { return propagate_here(study, points, settings); });

@@ -42,9 +42,28 @@ SamplingTarget HierarchicalTarget::target() const {
 Correction HierarchicalTarget::correction() {
   return {.blocks = static_cast<Eigen::Index>(specimens_.size()),
           .block_size = problem_.space.count(),
-          .log_ratio = [this](const Eigen::MatrixXd& points, const Eigen::MatrixXd& auxiliaries) {
-            return log_ratio(points, auxiliaries);
-          }};
+          .log_ratio = [this](const Eigen::MatrixXd& points,
+                              const Eigen::MatrixXd& auxiliaries) { return log_ratio(points, auxiliaries); },
+          .is_possible =
+              [this](const Eigen::MatrixXd& points, const Eigen::MatrixXd& auxiliaries) {
+                return are_specimens_possible(points, auxiliaries);
+              }};
+}
+
+/// Within physical limits, as outputs_on_scales() asks for.
+Correction::IsPossible HierarchicalTarget::are_specimens_possible(const Eigen::MatrixXd& points,
+                                                                  const Eigen::MatrixXd& auxiliaries) const {
+  const auto n = static_cast<Eigen::Index>(specimens_.size());
+  const Eigen::MatrixXd all = one_below_the_other(specimen_points(prior_.populations(points), auxiliaries), n);
+  const Eigen::MatrixXd x = to_variables(problem_.space.transforms(), all);
+  Correction::IsPossible possible(points.rows(), n);
+  for (Eigen::Index i = 0; i < possible.rows(); ++i) {
+    for (Eigen::Index s = 0; s < n; ++s) {
+      const Eigen::RowVectorXd specimen = x.row(i * n + s);
+      possible(i, s) = specimen.allFinite() && problem_.space.is_possible(specimen);
+    }
+  }
+  return possible;
 }
 
 Eigen::VectorXd HierarchicalTarget::log_linear(const Eigen::MatrixXd& points) const {

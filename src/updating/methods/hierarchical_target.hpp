@@ -44,6 +44,8 @@ class HierarchicalTarget {
  private:
   Eigen::VectorXd log_linear(const Eigen::MatrixXd& points) const;
   Eigen::MatrixXd log_ratio(const Eigen::MatrixXd& points, const Eigen::MatrixXd& auxiliaries);
+  Correction::IsPossible are_specimens_possible(const Eigen::MatrixXd& points,
+                                                const Eigen::MatrixXd& auxiliaries) const;
 
   const UpdatingProblem& problem_;
   const PopulationPrior& prior_;

@@ -91,6 +91,7 @@ std::vector<CorrectedIsland> sample_corrected(const SamplingTarget& target, cons
                                                     static_cast<std::uint32_t>(i)));
     working.push_back(walks.back().get());
   }
+  for (const auto& walk : walks) walk->draw_possible();
   correct(
       working, correction, context, [](CorrectedWalk& walk) -> const Eigen::MatrixXd& { return walk.auxiliaries(); },
       [](CorrectedWalk& walk, const Eigen::Ref<const Eigen::MatrixXd>& ratio) { walk.receive_start(ratio); });

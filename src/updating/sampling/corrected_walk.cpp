@@ -39,8 +39,51 @@ RandomStream CorrectedWalk::stream(StreamPurpose purpose, std::uint32_t particle
   return {{.seed = seed_, .purpose = purpose, .iteration = (stage_ << 16U) + sweep_}, (number_ << 24U) + particle};
 }
 
+void CorrectedWalk::draw_possible() {
+  if (!correction_.is_possible) return;
+  constexpr int k_wanted = 5;
+  constexpr int k_most = 1000;  // draws; a block that is possible more seldom counts as impossible
+  const Eigen::Index size = correction_.block_size;
+  std::vector<RandomStream> streams;
+  for (Eigen::Index i = 0; i < auxiliaries_.rows(); ++i)
+    streams.push_back(stream(StreamPurpose::corrected_start, static_cast<std::uint32_t>(i)));
+  Eigen::MatrixXd drawn = auxiliaries_;
+  Eigen::ArrayXXi successes = Eigen::ArrayXXi::Zero(auxiliaries_.rows(), correction_.blocks);
+  Eigen::ArrayXXi draws = successes;
+  for (int draw = 0; draw < k_most && (successes < k_wanted).any(); ++draw) {
+    for (Eigen::Index i = 0; draw > 0 && i < drawn.rows(); ++i) {
+      for (double& value : drawn.row(i))
+        value = standard_normal_quantile(streams[static_cast<std::size_t>(i)].uniform());
+    }
+    const Correction::IsPossible possible = correction_.is_possible(island_.points(), drawn);
+    for (Eigen::Index s = 0; s < correction_.blocks; ++s) {
+      for (Eigen::Index i = 0; i < drawn.rows(); ++i) {
+        if (successes(i, s) == k_wanted) continue;
+        ++draws(i, s);
+        if (!possible(i, s)) continue;
+        if (++successes(i, s) == 1) auxiliaries_.row(i).segment(s * size, size) = drawn.row(i).segment(s * size, size);
+      }
+    }
+  }
+  if ((draws == k_wanted).all()) return;
+  log_weight_ = ((k_wanted - 1.0) / (draws.cast<double>() - 1.0)).log().rowwise().sum();
+}
+
+void CorrectedWalk::weigh_start() {
+  if (log_weight_.size() == 0) return;
+  const double largest = log_weight_.maxCoeff();
+  const Eigen::VectorXd weights = (log_weight_.array() - largest).exp();
+  log_evidence_ += largest + std::log(weights.mean());
+  RandomStream random = stream(StreamPurpose::corrected_resampling, 0);
+  const std::vector<Eigen::Index> parents = systematic_parents(weights / weights.sum(), random.uniform());
+  island_.begin_walk(parents);
+  auxiliaries_ = auxiliaries_(parents, Eigen::all).eval();
+  log_ratio_ = log_ratio_(parents, Eigen::all).eval();
+}
+
 void CorrectedWalk::receive_start(const Eigen::Ref<const Eigen::MatrixXd>& log_ratio) {
   log_ratio_ = known(log_ratio);
+  weigh_start();
   require(log_ratio_.rowwise().sum().maxCoeff() > k_minus_infinity,
           "none of {} draws has a likelihood above zero: the model fails, or is physically impossible, where the tests "
           "put its parameters",

@@ -24,6 +24,8 @@ class CorrectedWalk {
   bool is_done() const { return is_done_; }
   const Eigen::MatrixXd& points() const { return island_.points(); }
   const Eigen::MatrixXd& auxiliaries() const { return auxiliaries_; }
+  /// Draws blocks again until they are possible, and weights the particles.
+  void draw_possible();
   /// Corrections of the start.
   void receive_start(const Eigen::Ref<const Eigen::MatrixXd>& log_ratio);
 
@@ -40,6 +42,7 @@ class CorrectedWalk {
 
  private:
   RandomStream stream(StreamPurpose purpose, std::uint32_t particle) const;
+  void weigh_start();
   void begin_stage();
   double correlation_with_start() const;
 
@@ -60,6 +63,7 @@ class CorrectedWalk {
   double walk_acceptance_ = 1.0;
   std::vector<SamplingStage> stages_;
   Eigen::MatrixXd auxiliaries_;
+  Eigen::VectorXd log_weight_;  // of the start; empty: all alike
   Eigen::MatrixXd log_ratio_;
   Eigen::MatrixXd proposed_;
   std::vector<bool> is_random_step_;  // kind of each particle's proposal

@@ -73,6 +73,37 @@ TEST(CorrectedPosterior, IsThatOfTheCheapLikelihoodWhereNothingIsToCorrect) {
   for (std::size_t i = 0; i < plain.size(); ++i) EXPECT_DOUBLE_EQ(found[i].island.log_evidence, plain[i].log_evidence);
 }
 
+/// Ten blocks that are possible above 0.5, once in three draws: all of a particle's are once in 128,000.
+TEST(CorrectedPosterior, StartsWhereFewDrawsArePossible) {
+  constexpr double k_limit = 0.5;
+  const Correction cut{
+      .blocks = 10,
+      .block_size = 1,
+      .log_ratio = [](const Eigen::MatrixXd&, const Eigen::MatrixXd& auxiliaries) -> Eigen::MatrixXd {
+        return auxiliaries.unaryExpr(
+            [](double v) { return v > k_limit ? 0.0 : -std::numeric_limits<double>::infinity(); });
+      },
+      .is_possible = [](const Eigen::MatrixXd&, const Eigen::MatrixXd& auxiliaries) -> Correction::IsPossible {
+        return auxiliaries.array() > k_limit;
+      }};
+  const std::vector<CorrectedIsland> found = sample_corrected(measured_once(), cut, {}, {.seed = 3});
+  const std::vector<SampledIsland> plain = sample_posterior(measured_once(), {}, {.seed = 3});
+  const double probability = 0.5 * std::erfc(k_limit / std::numbers::sqrt2);
+  std::vector<SampledIsland> islands;
+  double mean = 0.0;
+  for (const CorrectedIsland& one : found) {
+    islands.push_back(one.island);
+    EXPECT_GT(one.auxiliaries.minCoeff(), k_limit);
+    mean += one.auxiliaries.mean() / 8.0;
+  }
+  const Evidence evidence = combine_evidence(islands);
+  EXPECT_NEAR(evidence.log_evidence, combine_evidence(plain).log_evidence + 10.0 * std::log(probability),
+              k_errors * evidence.standard_error);
+  EXPECT_LT(evidence.standard_error, 0.1);
+  const double density = std::exp(-0.5 * k_limit * k_limit) / std::sqrt(2.0 * std::numbers::pi);
+  EXPECT_NEAR(mean, density / probability, 0.02);  // of 80,000 numbers with standard deviation 0.5
+}
+
 TEST(CorrectedPosterior, DrawsTheSameNumbersAtAnyNumberOfThreads) {
   const SamplingSettings few{.particles = 100};
   const auto once = sample_corrected(measured_once(), coupled_blocks(), few, {.seed = 4, .threads = 1});
