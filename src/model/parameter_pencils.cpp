@@ -86,7 +86,7 @@ class SparseParameterPencils final : public ParameterPencils {
 
   PencilEigenvalues solve(const Eigen::VectorXd& stiffness, const Eigen::VectorXd& mass, int modes) const override {
     constexpr double k_solver_error = 1e-9;  // ten times the tolerance that the solver is given
-    constexpr double k_rounding = 1e-14;  // of the entries' sums over elements
+    constexpr double k_rounding = 1e-14;     // of the entries' sums over elements
     const SparseStructure::Matrices matrices{sum(stiffness_, stiffness), sum(mass_, mass)};
     const SparseModes solved = pool_.solve(matrices, {.modes = modes, .counts_below = true});
     if (!solved.failure.empty() || solved.values.size() < modes || !solved.is_complete()) {

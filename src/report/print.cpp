@@ -62,8 +62,8 @@ std::filesystem::path print_report(const std::filesystem::path& folder, const st
   }
   const std::string bytes = read_file(printed);
   if (!bytes.starts_with("%PDF-")) {
-    throw SystemFailure(fmt::format("{}: the browser did not print the report: what it wrote is no PDF",
-                                    browser.string()));
+    throw SystemFailure(
+        fmt::format("{}: the browser did not print the report: what it wrote is no PDF", browser.string()));
   }
   const RunFolder results(folder);
   results.write(k_printed, bytes);

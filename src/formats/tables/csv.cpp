@@ -153,12 +153,11 @@ Eigen::VectorXd numbers_of_column(const CsvTable& table, int column) {
       std::string with_point = cell;
       std::ranges::replace(with_point, ',', '.');
       const bool has_comma = with_point != cell && parse_number(with_point, number);
-      throw FormatError(
-          table.file, table.lines[row],
-          fmt::format("column '{}' holds '{}', which is not a finite number; {}",
-                      table.header[static_cast<std::size_t>(column)], cell,
-                      has_comma ? "decimal commas are not read: write a point"
-                                : "leave the cell empty where nothing was measured"));
+      throw FormatError(table.file, table.lines[row],
+                        fmt::format("column '{}' holds '{}', which is not a finite number; {}",
+                                    table.header[static_cast<std::size_t>(column)], cell,
+                                    has_comma ? "decimal commas are not read: write a point"
+                                              : "leave the cell empty where nothing was measured"));
     }
   }
   return numbers;

@@ -99,8 +99,8 @@ std::vector<double> null_statistics(const MixtureData& data, const MixtureFit& n
     for (std::int64_t i = begin; i < end; ++i) {
       context.throw_if_stopped();
       const int sample = first + static_cast<int>(i);
-      const MixtureData drawn = draw_units(data, null.components, outliers,
-                                           key_of(context, StreamPurpose::mixture_test, components, sample));
+      const MixtureData drawn =
+          draw_units(data, null.components, outliers, key_of(context, StreamPurpose::mixture_test, components, sample));
       statistics[static_cast<std::size_t>(i)] =
           find_pair(drawn, components, search, key_of(context, StreamPurpose::mixture_start, components, sample + 1))
               .statistic();

@@ -182,8 +182,8 @@ const OptionTable<MixtureOptions>& mixture_option_table() {
   static const OptionTable<M> table =
       OptionTable<M>()
           .integer_or("components", &M::components, {.lower = 1.0, .upper = k_most}, "automatic", 0,
-                   "Number of batches: given, or found by tests of one against two, two against three, and so on, "
-                   "each at the level of the verdict.")
+                      "Number of batches: given, or found by tests of one against two, two against three, and so on, "
+                      "each at the level of the verdict.")
           .choice<M::Scatter>("scatter", &M::scatter, {{"own", M::Scatter::own}, {"common", M::Scatter::common}},
                               "Each batch has its own covariance, or all have one.")
           .number("covariance_prior", &M::covariance_prior, {.lower = 0.0, .upper = 1e6}, "specimens",

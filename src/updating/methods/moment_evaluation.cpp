@@ -48,9 +48,10 @@ void require_enough_runs(const Cloud& cloud, const Eigen::VectorXd& weights, dou
   double failed = 0.0;
   for (const FailedRun& failure : cloud.failures) failed += weights(failure.sample);
   if (failed <= max_failed) return;
-  throw ModelFailure(
-      fmt::format("{} model run{}, {:.3g} % of the population, failed, at most {:.3g} % may (max_failed); the first: {}",
-                  cloud.failures.size(), cloud.failures.size() == 1 ? "" : "s", 100.0 * failed, 100.0 * max_failed, cloud.failures.front().reason));
+  throw ModelFailure(fmt::format(
+      "{} model run{}, {:.3g} % of the population, failed, at most {:.3g} % may (max_failed); the first: {}",
+      cloud.failures.size(), cloud.failures.size() == 1 ? "" : "s", 100.0 * failed, 100.0 * max_failed,
+      cloud.failures.front().reason));
 }
 
 }  // namespace

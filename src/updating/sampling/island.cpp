@@ -193,8 +193,8 @@ double Island::correlation_with_start() const {
   for (Eigen::Index j = 0; j < start_points_.cols(); ++j) {
     const Eigen::ArrayXd start = start_points_.col(j).array() - start_points_.col(j).mean();
     const Eigen::ArrayXd now = found_.points.col(j).array() - found_.points.col(j).mean();
-    largest =
-        std::max({largest, std::abs(correlation_of(start, now)), std::abs(correlation_of(start.square(), now.square()))});
+    largest = std::max(
+        {largest, std::abs(correlation_of(start, now)), std::abs(correlation_of(start.square(), now.square()))});
   }
   return largest;
 }

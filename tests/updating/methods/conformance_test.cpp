@@ -144,8 +144,8 @@ TEST_P(EveryMethod, KeepsItsMeanWithinTheBounds) {
   const UpdatingResult result =
       method()->update({.model = free.model, .space = bounded, .tests = free.tests, .cloud = free.cloud}, {});
   EXPECT_TRUE(result.mean(0) >= 2.0 && result.mean(0) <= 2.8 && result.mean(1) >= 5.5 && result.mean(1) <= 7.0);
-  if (result.posterior) return;  // whose mean is never on a bound
-  if (result.estimate->kind() == EstimateKind::box) return;        // whose middle is on none where it has width
+  if (result.posterior) return;                              // whose mean is never on a bound
+  if (result.estimate->kind() == EstimateKind::box) return;  // whose middle is on none where it has width
   EXPECT_EQ(bounded.active_bounds(result.mean), Eigen::Vector2i(1, -1));
 }
 
