@@ -26,11 +26,6 @@
 
 namespace mottle::stats {
 
-const std::vector<std::string>& surrogate_kinds() {
-  static const std::vector<std::string> k_kinds = {"quadratic", "kriging", "chaos"};
-  return k_kinds;
-}
-
 /// Outputs in scaled units at scaled inputs.
 class Surrogate::Fit {
  public:
