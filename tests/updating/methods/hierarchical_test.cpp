@@ -12,6 +12,7 @@
 #include "mottle/model/function_model.hpp"
 #include "mottle/updating/estimate/posterior.hpp"
 #include "mottle/updating/verdict/verdict.hpp"
+#include "support/common_linear.hpp"
 #include "support/eight_schools.hpp"
 #include "support/linear_problem.hpp"
 #include "support/methods.hpp"
@@ -21,9 +22,9 @@
 namespace mottle::updating {
 namespace {
 
+using test::k_stated_errors;
 using test::says;
 
-constexpr double k_stated_errors = 4.0;  // standard errors: once in 16,000 cases of a normal error
 constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
 
 Eigen::Index column_of(const SampledPosterior& posterior, const std::string& name) {

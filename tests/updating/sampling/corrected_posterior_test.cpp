@@ -75,7 +75,7 @@ TEST(CorrectedPosterior, IsThatOfTheCheapLikelihoodWhereNothingIsToCorrect) {
 
 /// Ten blocks that are possible above 0.5, once in three draws: all of a particle's are once in 128,000.
 TEST(CorrectedPosterior, StartsWhereFewDrawsArePossible) {
-  constexpr double k_limit = 0.5;
+  static constexpr double k_limit = 0.5;
   const Correction cut{
       .blocks = 10,
       .block_size = 1,
