@@ -26,8 +26,8 @@ bool is_dense_semidefinite(const Eigen::MatrixXd& matrix) {
 class DenseParameterPencils final : public ParameterPencils {
  public:
   explicit DenseParameterPencils(const DenseStructure& structure) {
-    take(structure.matrices().stiffness, structure.parameter_count(), "the stiffness", stiffness_, stiffness_powers_);
-    take(structure.matrices().mass, structure.parameter_count(), "the mass", mass_, mass_powers_);
+    take(structure.matrices().stiffness, structure.parameter_count(), "the stiffness", stiffness_, powers_of_stiffness);
+    take(structure.matrices().mass, structure.parameter_count(), "the mass", mass_, powers_of_mass);
   }
 
   PencilEigenvalues solve(const Eigen::VectorXd& stiffness, const Eigen::VectorXd& mass, int modes) const override {
@@ -53,7 +53,7 @@ class DenseParameterPencils final : public ParameterPencils {
       terms.erase(terms.begin());
       powers = powers.bottomRows(powers.rows() - 1).eval();
     }
-    if (!std::ranges::all_of(terms, is_dense_semidefinite)) indefinite_term_ = name;
+    if (!std::ranges::all_of(terms, is_dense_semidefinite)) indefinite = name;
   }
 
   static Eigen::MatrixXd sum(const std::vector<Eigen::MatrixXd>& terms, const Eigen::VectorXd& coefficients) {
@@ -71,13 +71,13 @@ class SparseParameterPencils final : public ParameterPencils {
   explicit SparseParameterPencils(const SparseStructure& structure)
       : stiffness_(structure.stiffness_terms()), mass_(structure.mass_terms()) {
     const PencilTerms terms = pencil_terms(stiffness_, mass_);
-    stiffness_powers_ = powers_of(stiffness_, structure.parameter_count());
-    mass_powers_ = powers_of(mass_, structure.parameter_count());
+    powers_of_stiffness = powers_of(stiffness_, structure.parameter_count());
+    powers_of_mass = powers_of(mass_, structure.parameter_count());
     const auto check = [&](const SparseMatrix& constant, const std::vector<SparseMatrix>& others,
                            const std::vector<bool>& known, const char* name) {
-      if (constant.nonZeros() > 0 && !known[0] && !is_semidefinite(constant)) indefinite_term_ = name;
+      if (constant.nonZeros() > 0 && !known[0] && !is_semidefinite(constant)) indefinite = name;
       for (std::size_t t = 0; t < others.size(); ++t) {
-        if (!known[t + 1] && !is_semidefinite(others[t])) indefinite_term_ = name;
+        if (!known[t + 1] && !is_semidefinite(others[t])) indefinite = name;
       }
     };
     check(terms.stiffness_constant, terms.stiffness, terms.is_stiffness_semidefinite, "the stiffness");

@@ -21,17 +21,17 @@ class ParameterPencils {
   virtual ~ParameterPencils() = default;
 
   /// Powers of the parameters that each term is multiplied by; the constant term is one with zeros [term x parameter].
-  const Eigen::MatrixXi& stiffness_powers() const { return stiffness_powers_; }
-  const Eigen::MatrixXi& mass_powers() const { return mass_powers_; }
+  const Eigen::MatrixXi& stiffness_powers() const { return powers_of_stiffness; }
+  const Eigen::MatrixXi& mass_powers() const { return powers_of_mass; }
   /// Name of a matrix that is not known to be positive semidefinite, "a term of the stiffness"; empty: all are.
-  const std::string& indefinite_term() const { return indefinite_term_; }
+  const std::string& indefinite_term() const { return indefinite; }
 
   /// Of any coefficients [term]; by several threads at once.
   virtual PencilEigenvalues solve(const Eigen::VectorXd& stiffness, const Eigen::VectorXd& mass, int modes) const = 0;
 
  protected:
-  Eigen::MatrixXi stiffness_powers_, mass_powers_;
-  std::string indefinite_term_;
+  Eigen::MatrixXi powers_of_stiffness, powers_of_mass;
+  std::string indefinite;
 };
 
 /// Of a structure whose matrices are sums of known powers of the parameters; null where they are not.
