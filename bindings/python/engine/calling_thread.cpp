@@ -1,8 +1,11 @@
 #include "calling_thread.hpp"
 
+#include <cxxabi.h>
+
 #include <chrono>
 #include <thread>
 
+#include "interpreter_end.hpp"
 #include "mottle/core/error.hpp"
 
 namespace mottle::python {
@@ -20,6 +23,7 @@ double now() {
 }  // namespace
 
 void CallingThread::run_job(const std::function<void()>& job) {
+  AwaitedJob awaited;
   std::exception_ptr failure;
   std::thread worker([&] {
     try {
@@ -32,22 +36,37 @@ void CallingThread::run_job(const std::function<void()>& job) {
     changed_.notify_all();
   });
   while (true) {
-    {
-      const py::gil_scoped_release free;
-      std::unique_lock<std::mutex> lock(mutex_);
-      changed_.wait_for(lock, k_listening, [this] { return is_over_ || !requests_.empty(); });
-      if (is_over_) break;
+    PyThreadState* const interpreter = PyEval_SaveThread();
+    const bool is_over = wait();
+    if (is_over) {
+      worker.join();
+      awaited.return_to_python();
     }
+    PyEval_RestoreThread(interpreter);
+    if (is_over) break;
     serve();
     if (PyErr_CheckSignals() != 0) keep_raised();
     show_progress();
   }
-  {
-    const py::gil_scoped_release free;
-    worker.join();
+  if (is_interpreter_ending()) {  // ends a thread without a word
+    PyErr_SetNone(PyExc_SystemExit);
+    throw py::error_already_set();
   }
   if (raised_) std::rethrow_exception(raised_);
   if (failure) std::rethrow_exception(failure);
+}
+
+bool CallingThread::wait() {
+  std::unique_lock<std::mutex> lock(mutex_);
+  while (true) {
+    changed_.wait_for(lock, k_listening, [this] { return is_over_ || !requests_.empty(); });
+    if (is_over_) return true;
+    if (!is_interpreter_ending()) return false;
+    stop_ = true;
+    for (Request* request : requests_) request->has_failed = request->is_done = true;
+    requests_.clear();
+    changed_.notify_all();
+  }
 }
 
 void CallingThread::serve() {
@@ -59,10 +78,13 @@ void CallingThread::serve() {
       request = requests_.front();
       requests_.pop_front();
     }
-    bool has_failed = raised_ != nullptr;  // the job is at its end: Python is not asked again
+    bool has_failed =
+        raised_ != nullptr || is_interpreter_ending();  // the job is at its end: Python is not asked again
     if (!has_failed) {
       try {
         (*request->work)();
+      } catch (const abi::__forced_unwind&) {
+        sleep_for_ever();  // Python has ended, and ends this thread, which the job still needs
       } catch (...) {
         has_failed = true;
         if (!raised_) raised_ = std::current_exception();
@@ -103,6 +125,8 @@ void CallingThread::show_progress() {
   last_shown_ = now();
   try {
     progress_(progress.phase, progress.work, progress.done, progress.total);
+  } catch (const abi::__forced_unwind&) {
+    sleep_for_ever();  // as in serve()
   } catch (...) {
     raised_ = std::current_exception();
     stop_ = true;

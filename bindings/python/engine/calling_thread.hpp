@@ -29,7 +29,8 @@ class CallingThread final : public ProgressObserver {
   /// What `work` returns. The interpreter's lock is held when it begins and ends, and free in between.
   ///
   /// @throws what `work` throws; what Python raised in a request or in `progress`; KeyboardInterrupt after Ctrl-C: the
-  ///         job is asked to stop, and has come to rest
+  ///         job is asked to stop, and has come to rest; SystemExit likewise where the interpreter ends meanwhile, in a
+  ///         daemon thread
   template <typename Work>
   std::invoke_result_t<Work> run(const Work& work) {
     std::optional<std::invoke_result_t<Work>> result;
@@ -64,6 +65,9 @@ class CallingThread final : public ProgressObserver {
   };
 
   void run_job(const std::function<void()>& job);
+  /// Without the interpreter's lock: until the job is over (true), or asks something, or it is time to look for Ctrl-C.
+  /// While the interpreter ends, what is asked is refused, and the job alone is waited for.
+  bool wait();
   void serve();
   void show_progress();
   /// Keeps what Python raised, the first alone, and stops the job.

@@ -1,10 +1,12 @@
 // The module mottle._engine: conversion between Python and the library, and nothing else.
 #include "bindings.hpp"
+#include "interpreter_end.hpp"
 #include "mottle/core/parallel.hpp"
 #include "mottle/study/jobs/study_objects.hpp"
 
 PYBIND11_MODULE(_engine, module) {
   module.doc() = "Mottle's engine; use the package `mottle`.";
+  mottle::python::stop_jobs_at_interpreter_end();
   mottle::python::add_errors(module);
   mottle::python::add_studies(module);
   mottle::python::add_outcomes(module);

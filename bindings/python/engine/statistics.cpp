@@ -3,6 +3,7 @@
 #include <pybind11/stl.h>
 
 #include "bindings.hpp"
+#include "calling_thread.hpp"
 #include "mottle/dynamics/modes/mac.hpp"
 #include "mottle/linalg/sparse/sparse_modes.hpp"
 #include "mottle/mottle.hpp"
@@ -15,12 +16,11 @@ namespace py = pybind11;
 
 py::tuple modes_of(const Eigen::SparseMatrix<double>& stiffness, const Eigen::SparseMatrix<double>& mass, int count,
                    double tolerance, bool counts) {
-  SparseModes modes;
-  {
-    const py::gil_scoped_release free;
-    modes = SparseModeSolver().solve(
+  CallingThread caller{py::none()};
+  SparseModes modes = caller.run([&] {
+    return SparseModeSolver().solve(
         stiffness, mass, {.modes = count, .tolerance = tolerance, .counts_below = counts, .measures = false});
-  }
+  });
   if (!modes.failure.empty()) throw SystemFailure("the modes were not found: " + modes.failure);
   if (!modes.is_complete()) {
     throw SystemFailure(fmt::format("{} modes were found, but {} eigenvalues lie below {} by the inertia of K - s M",

@@ -1,0 +1,96 @@
+#include "interpreter_end.hpp"
+
+#include <pybind11/pybind11.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <condition_variable>
+#include <mutex>
+#include <thread>
+
+namespace mottle::python {
+namespace {
+
+namespace py = pybind11;
+
+constexpr std::chrono::seconds k_patience{5};  // with a job that does not stop
+
+struct State {
+  std::mutex mutex;
+  std::condition_variable changed;
+  pid_t process = 0;  // whose jobs are counted: a fork has none of its parent's
+  int jobs = 0;
+  int returning = 0;  // of the jobs
+  bool is_ending = false;
+  bool waits_no_longer = false;
+};
+
+/// Never destroyed: threads that sleep for ever outlive static objects.
+State& state() {
+  static State& the_state = *new State;
+  return the_state;
+}
+
+/// With the mutex held.
+void count_own_jobs(State& s) {
+  if (s.process == getpid()) return;
+  s.process = getpid();
+  s.jobs = s.returning = 0;
+}
+
+void stop_jobs() {
+  const py::gil_scoped_release free;
+  State& s = state();
+  std::unique_lock<std::mutex> lock(s.mutex);
+  count_own_jobs(s);
+  s.is_ending = true;
+  s.changed.wait_for(lock, k_patience, [&] { return s.jobs == 0; });
+  s.waits_no_longer = true;
+  s.changed.wait(lock, [&] { return s.returning == 0; });
+}
+
+}  // namespace
+
+void stop_jobs_at_interpreter_end() {
+  py::module_::import("atexit").attr("register")(py::cpp_function(stop_jobs));
+}
+
+bool is_interpreter_ending() {
+  const std::lock_guard<std::mutex> lock(state().mutex);
+  return state().is_ending;
+}
+
+void sleep_for_ever() {
+  while (true) std::this_thread::sleep_for(std::chrono::hours(1));
+}
+
+AwaitedJob::AwaitedJob() {
+  State& s = state();
+  const std::lock_guard<std::mutex> lock(s.mutex);
+  count_own_jobs(s);
+  ++s.jobs;
+}
+
+AwaitedJob::~AwaitedJob() {
+  State& s = state();
+  const std::lock_guard<std::mutex> lock(s.mutex);
+  count_own_jobs(s);
+  if (s.jobs > 0) --s.jobs;
+  if (returns_ && s.returning > 0) --s.returning;
+  s.changed.notify_all();
+}
+
+void AwaitedJob::return_to_python() {
+  State& s = state();
+  {
+    const std::lock_guard<std::mutex> lock(s.mutex);
+    if (!s.waits_no_longer) {
+      returns_ = true;
+      ++s.returning;
+      return;
+    }
+  }
+  sleep_for_ever();
+}
+
+}  // namespace mottle::python
