@@ -133,7 +133,7 @@ def test_wrong_arguments_are_refused():
         (dict(method="mare"), "mares"),
         (dict(method="mares", options={"weight": 1}), "weight"),
         (dict(repeatability={"f9": 0.1}), "'f9' is no output"),
-        (dict(repeatability=-0.1), "negative"),
+        (dict(repeatability=-0.1), "repeatability: f1: -0.1 is negative"),
         (dict(level=5.0), "level: 5"),
         (dict(iterations=0), "iterations: 0"),
         (dict(tolerance=0.0), "tolerance: 0"),

@@ -62,7 +62,7 @@ def test_mac_and_assignment():
     assert np.allclose(mottle.mac(a[:, 0], b[:, 1]), wanted[:1, 1:2], rtol=1e-12)
     with pytest.raises(mottle.InvalidInput, match="degrees of freedom"):
         mottle.mac(a, b[:-1])
-    with pytest.raises(mottle.InvalidInput, match="real shapes"):
+    with pytest.raises(mottle.InvalidInput, match="mac: a holds complex"):
         mottle.mac(a + 1j, b)
 
 

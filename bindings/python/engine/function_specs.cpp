@@ -69,4 +69,23 @@ Quantity quantity_of(const OutputSpec& spec) {
   return named_quantity(spec.name, spec.unit);
 }
 
+std::vector<std::string> leave_out_empty(TestData& tests) {
+  std::vector<Eigen::Index> kept;
+  std::vector<std::string> empty;
+  for (Eigen::Index s = 0; s < tests.values.rows(); ++s) {
+    if (tests.values.row(s).array().isNaN().all()) {
+      empty.push_back(fmt::format("{}", s + 1));
+    } else {
+      kept.push_back(s);
+      tests.numbers.push_back(static_cast<int>(s) + 1);
+    }
+  }
+  require(!kept.empty(), "tests: there is no specimen with a value; give a row for each");
+  if (empty.empty()) return {};
+  tests.values = Eigen::MatrixXd(tests.values(kept, Eigen::all));
+  return {fmt::format(
+      "Specimens without any value are left out, {}: specimen {}; the others keep the numbers of their rows.",
+      empty.size(), join(empty))};
+}
+
 }  // namespace mottle::python

@@ -28,4 +28,10 @@ ParameterSpace space_of(const std::vector<ParameterSpec>& specs, const Eigen::Ma
 /// "f1" and "lambda2" are what studies call so; every other name is the user's own.
 Quantity quantity_of(const OutputSpec& spec);
 
+/// Leaves out specimens without any value, of which methods expect one; the others keep their numbers, those of their
+/// rows from 1. What a reader must know of it.
+///
+/// Throws InvalidInput: no specimen has a value.
+std::vector<std::string> leave_out_empty(TestData& tests);
+
 }  // namespace mottle::python

@@ -87,30 +87,19 @@ std::unique_ptr<PythonModel> make_python_model(const py::object& function, Eigen
 
 void require_tests(const FunctionOutcome& outcome) {
   const auto outputs = static_cast<Eigen::Index>(outcome.model->outputs().size());
-  require(outcome.tests.values.rows() > 0 && outcome.tests.values.cols() == outputs,
-          "tests: shape ({}, {}), a row for each specimen and {} columns are needed, one for each output",
-          outcome.tests.values.rows(), outcome.tests.values.cols(), outputs);
   require(!outcome.tests.values.array().isInf().any(),
           "tests: a value is infinite; nan stands for what was not measured");
-  const FunctionSettings& settings = outcome.settings;
-  require(settings.cloud.samples >= 2, "samples: {}, at least 2 are needed", settings.cloud.samples);
-  require(settings.iterations >= 1, "iterations: {}, at least 1 is needed", settings.iterations);
-  require(settings.level >= 1e-6 && settings.level <= 0.5, "level: {} is outside 1e-06 to 0.5", settings.level);
-  require(settings.tolerance > 0.0 && settings.tolerance <= 1.0, "tolerance: {} is outside 0 to 1", settings.tolerance);
-  require(settings.cloud.max_failed >= 0.0 && settings.cloud.max_failed <= 1.0, "max_failed: {} is outside 0 to 1",
-          settings.cloud.max_failed);
+  for (Eigen::Index k = 0; k < outputs; ++k) {
+    require(!outcome.tests.values.col(k).array().isNaN().all(),
+            "tests: output '{}' is never measured; leave it out of tests and function",
+            outcome.model->outputs()[static_cast<std::size_t>(k)].name());
+  }
   std::set<std::string> names;
   for (const std::string& name : outcome.space.names()) names.insert(name);
   require(names.size() == outcome.space.names().size(), "parameters: one name is given twice");
   for (const Quantity& output : outcome.model->outputs()) {
     require(names.insert(output.name()).second,
             "tests: the name '{}' is given twice, to outputs or to a parameter as well", output.name());
-  }
-  for (const Eigen::VectorXd* each : {&outcome.tests.repeatability_std, &outcome.tests.model_error_std}) {
-    require(each->size() == 0 || each->size() == outputs, "noise: {} values, {} are needed, one for each output",
-            each->size(), outputs);
-    require(each->size() == 0 || (each->allFinite() && each->minCoeff() >= 0.0),
-            "noise: a standard deviation is negative or not finite");
   }
 }
 
@@ -119,6 +108,7 @@ std::shared_ptr<FunctionOutcome> update_function(const py::object& function,
                                                  const Eigen::MatrixXd& correlation,
                                                  const std::vector<OutputSpec>& outputs, TestData tests,
                                                  FunctionSettings settings, const py::object& progress) {
+  const std::vector<std::string> notes = leave_out_empty(tests);
   const auto outcome = std::make_shared<FunctionOutcome>(
       FunctionOutcome{.space = space_of(parameters, correlation),
                       .model = make_python_model(function, static_cast<Eigen::Index>(parameters.size()), outputs),
@@ -139,7 +129,8 @@ std::shared_ptr<FunctionOutcome> update_function(const py::object& function,
                            .stop = caller.stop()};
   outcome->verdict =
       caller.run([&] { return update_and_judge(*method, problem, wanted.surrogate, context, outcome->result); });
-  outcome->model->serve_by(nullptr);
+  outcome->model->let_go();
+  outcome->result.notes.insert(outcome->result.notes.begin(), notes.begin(), notes.end());
   return outcome;
 }
 

@@ -11,22 +11,26 @@
 
 namespace mottle::python {
 
-/// Calls function(samples) on the calling thread with one array a batch [sample x parameter]; it returns the outputs
-/// [sample x output], or a pair of them and a dict from sample to the reason of its failure. A row that is not finite
-/// has failed.
+/// Calls function(samples) on the calling thread with one array a batch [sample x parameter]; it returns a pair of the
+/// outputs [sample x output] and a dict from sample to the reason of its failure, as mottle/_model.py has checked them.
+/// A row that is not finite has failed.
 class PythonModel : public Model {
  public:
-  /// @param caller    serves the calls; null while no job runs
   PythonModel(pybind11::object function, Eigen::Index parameters, std::vector<Quantity> outputs)
       : function_(std::move(function)), parameters_(parameters), outputs_(std::move(outputs)) {}
 
   Eigen::Index parameter_count() const override { return parameters_; }
   const std::vector<Quantity>& outputs() const override { return outputs_; }
-  /// Throws InvalidInput: what the function returned is no array of the shape that is needed; Stopped: it raised.
+  /// Throws Stopped: the function raised.
   Evaluation evaluate(const Eigen::Ref<const Eigen::MatrixXd>& samples, const RunContext& context) const override;
 
-  /// Who serves the calls of the job that begins; null: none runs.
+  /// Who serves the calls of the job that begins.
   void serve_by(CallingThread* caller) { caller_ = caller; }
+  /// No job asks any more: the function is let go, which may hold the job's result itself.
+  void let_go() {
+    caller_ = nullptr;
+    function_ = pybind11::none();
+  }
 
  protected:
   const pybind11::object& function() const { return function_; }
@@ -40,7 +44,7 @@ class PythonModel : public Model {
   CallingThread* caller_ = nullptr;
 };
 
-/// One whose function has an attribute `jacobian`: jacobian(parameters) -> dy/dx [output x parameter].
+/// One whose function has an attribute `jacobian`: jacobian(parameters) -> dy/dx [output x parameter], finite.
 class DifferentiablePythonModel final : public PythonModel, public DifferentiableModel {
  public:
   using PythonModel::PythonModel;

@@ -9,12 +9,13 @@ A model that is a Python function is updated by `mottle.update`.
 """
 
 from mottle import _engine, errors
+from mottle.clouds import Cloud, Posterior
 from mottle.decks import Modes, Targets, modes, targets
 from mottle.errors import Error, FormatError, InvalidInput, ModelFailure, Stopped, SystemFailure
 from mottle.files import Results, load
 from mottle.functions import FunctionResult, Parameter, Surrogate, update
 from mottle.numerics import TwoSampleTest, assign, eigsh, hotelling, mac, methods
-from mottle.results import CheckResult, Cloud, DiagnoseResult, Posterior, PropagateResult, SimulateResult, UpdateResult
+from mottle.results import CheckResult, DiagnoseResult, PropagateResult, SimulateResult, UpdateResult
 from mottle.study import Study
 
 __version__: str = _engine.version()

@@ -33,7 +33,7 @@ class Results:
         if not file.is_file():
             there = ", ".join(sorted(path.stem for path in self.folder.glob("*.csv")))
             raise InvalidInput(f"{file}: there is no such table; there are {there or 'none'}")
-        return pandas.read_csv(file)
+        return pandas.read_csv(file, float_precision="round_trip")
 
     def __repr__(self) -> str:
         return f"<mottle.Results of {self.contents.get('command', '?')} in {self.folder}>"

@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import Any, Union
+from dataclasses import dataclass
+from typing import Any
 
-import numpy as np
-
-from mottle import _engine, _progress
+from mottle import _checks, _engine, _progress
+from mottle._checks import Option
+from mottle._model import Served
 from mottle._progress import Progress
 from mottle.errors import InvalidInput
-from mottle.results import Array, _Updated
-from mottle.tables import names_and_values
-
-Option = Union[bool, int, float, str]
+from mottle.results import _Updated
+from mottle.tables import Array, by_name, names_and_values
+from mottle.tables import correlation as checked_correlation
 
 
 @dataclass(frozen=True)
@@ -45,20 +45,26 @@ class Parameter:
     unit: str = "-"
 
     def _spec(self) -> _engine.ParameterSpec:
-        def number(value: float | None) -> float:
-            return math.nan if value is None else float(value)
+        if not isinstance(self.name, str) or not self.name.strip():
+            raise InvalidInput(f"parameter {self.name!r}: has no name")
+        where = f"parameter '{self.name}'"
 
+        def number(value: float | None, what: str) -> float:
+            return math.nan if value is None else _checks.number(value, f"{where}: {what}")
+
+        if len(self.bounds) != 2:
+            raise InvalidInput(f"{where}: bounds: {self.bounds!r}; a lower and an upper one are needed")
         if self.scale == "logit" and not all(map(math.isfinite, self.bounds)):
-            raise InvalidInput(f"parameter '{self.name}': scale \"logit\" is taken between the bounds, which are missing")
+            raise InvalidInput(f"{where}: scale \"logit\" is taken between the bounds, which are missing")
         return _engine.ParameterSpec(
             name=self.name,
             kind=self.distribution,
-            mean=number(self.mean),
-            std=number(self.std),
-            lower=number(self.lower),
-            upper=number(self.upper),
-            lower_bound=float(self.bounds[0]),
-            upper_bound=float(self.bounds[1]),
+            mean=number(self.mean, "mean"),
+            std=number(self.std, "std"),
+            lower=number(self.lower, "lower"),
+            upper=number(self.upper, "upper"),
+            lower_bound=_checks.number(self.bounds[0], f"{where}: bounds"),
+            upper_bound=_checks.number(self.bounds[1], f"{where}: bounds"),
             lower_limit=0.0 if self.positive else -math.inf,
             scale=self.scale,
             unit=self.unit,
@@ -110,10 +116,10 @@ class Surrogate:
 
     Attributes:
         kind: "kriging", "chaos" (polynomial) or "quadratic".
-        runs: samples of the first design; 0: ten a parameter, more where the kind needs them.
-        spread: half the first design's width, in standard deviations of the prior.
-        rounds: most refinements.
-        tolerance: error that is good enough, as a part of the tests' scatter.
+        runs: samples of the first design, 10 to 1e5; 0: ten a parameter, more where the kind needs them.
+        spread: half the first design's width, in standard deviations of the prior, 0.5 to 6.
+        rounds: most refinements, to 100.
+        tolerance: error that is good enough, as a part of the tests' scatter, 1e-6 to 1.
     """
 
     kind: str = "kriging"
@@ -123,29 +129,14 @@ class Surrogate:
     tolerance: float = 0.1
 
     def _settings(self) -> _engine.SurrogateSettings:
+        runs = _checks.whole(self.runs, "surrogate: runs", 0, 100_000)
         return _engine.SurrogateSettings(
-            kind=self.kind, runs=self.runs, spread=self.spread, rounds=self.rounds, tolerance=self.tolerance
+            kind=self.kind,
+            runs=runs if runs == 0 else _checks.whole(runs, "surrogate: runs", 10, 100_000),
+            spread=_checks.number(self.spread, "surrogate: spread", 0.5, 6.0),
+            rounds=_checks.whole(self.rounds, "surrogate: rounds", 0, 100),
+            tolerance=_checks.number(self.tolerance, "surrogate: tolerance", 1e-6, 1.0),
         )
-
-
-@dataclass
-class _Noise:
-    """Standard deviations of the outputs."""
-
-    values: Any
-    names: Sequence[str]
-    what: str
-    empty: Array = field(default_factory=lambda: np.zeros(0))
-
-    def array(self) -> Array:
-        if self.values is None:
-            return self.empty
-        if isinstance(self.values, Mapping):
-            unknown = [name for name in self.values if name not in self.names]
-            if unknown:
-                raise InvalidInput(f"{self.what}: {unknown[0]!r} is no output; outputs are {', '.join(self.names)}")
-            return np.array([float(self.values.get(name, 0.0)) for name in self.names])
-        return np.broadcast_to(np.asarray(self.values, dtype=float), (len(self.names),)).copy()
 
 
 def update(
@@ -173,17 +164,20 @@ def update(
 
     Args:
         model: called with one array [sample x parameter] for each batch, on the thread that calls `update`; returns the
-            outputs [sample x output], or a pair of them and a dictionary {sample: reason} of samples that failed. A row
-            with nan or an infinity has failed. An attribute `model.jacobian`, called with one parameter vector, returns
-            dy/dx [output x parameter]; without it derivatives are differences.
+            outputs [sample x output], or a pair of them and a dictionary {sample: reason} of samples that failed,
+            counted from 0. A row with nan, an infinity or a masked entry has failed. An attribute `model.jacobian`,
+            called with one parameter vector, returns dy/dx [output x parameter]; without it, or where it is None,
+            derivatives are differences.
         parameters: the uncertain ones, in the order of the array's columns.
         tests: the specimens: a DataFrame, a dictionary from output to values, or a pair (names, array [specimen x
-            output]). Their names are those of the outputs, in the function's order.
+            output]). Their names are those of the outputs, in the function's order. nan or masked: not measured; a
+            specimen without any value is left out, with a note.
         method: "maximum-likelihood", "mares", "bayes", ...: see `mottle.methods()`.
         options: of the method, by name.
-        repeatability: standard deviation of the measurement noise: a number, one for each output, or a dictionary.
+        repeatability: standard deviation of the measurement noise: a number, one for each output, or a dictionary or
+            Series by the outputs' names.
         model_error: the same of the model's own error, which all specimens share.
-        correlation: of the prior's normal copula [parameter x parameter].
+        correlation: of the prior's normal copula [parameter x parameter]; a DataFrame by its names.
         units: of the outputs, by name.
         samples: of each cloud.
         max_failed: part of a cloud's runs that may fail.
@@ -198,27 +192,30 @@ def update(
         Exception: what the function raises ends the update and is raised as it is.
     """
     names, values = names_and_values(tests, "tests")
+    unknown = [name for name in units or {} if name not in names]
+    if unknown:
+        raise InvalidInput(f"units: {unknown[0]!r} is no output; outputs are {', '.join(names)}")
     outputs = [_engine.OutputSpec(name=name, unit=(units or {}).get(name, "-")) for name in names]
     bar = _progress.shown(progress)
     try:
         return FunctionResult(
             _engine.update_function(
-                model,
+                Served(model, len(names)),
                 parameters=[parameter._spec() for parameter in parameters],
-                correlation=np.zeros((0, 0)) if correlation is None else np.asarray(correlation, dtype=float),
+                correlation=checked_correlation(correlation, [parameter.name for parameter in parameters]),
                 outputs=outputs,
                 tests=values,
-                repeatability=_Noise(repeatability, names, "repeatability").array(),
-                model_error=_Noise(model_error, names, "model_error").array(),
+                repeatability=by_name(repeatability, names, "repeatability"),
+                model_error=by_name(model_error, names, "model_error"),
                 method=method,
-                options=dict(options or {}),
-                samples=samples,
-                max_failed=max_failed,
-                iterations=iterations,
-                level=level,
-                tolerance=tolerance,
-                seed=seed,
-                threads=threads,
+                options=_checks.options(options),
+                samples=_checks.whole(samples, "samples", 2, 10**8),
+                max_failed=_checks.number(max_failed, "max_failed", 0.0, 1.0),
+                iterations=_checks.whole(iterations, "iterations", 1, 100_000),
+                level=_checks.number(level, "level", 1e-6, 0.5),
+                tolerance=_checks.number(tolerance, "tolerance", sys.float_info.min, 1.0),
+                seed=_checks.whole(seed, "seed", 0),
+                threads=_checks.whole(threads, "threads", 0, 2**31 - 1),
                 surrogate=None if surrogate is None else surrogate._settings(),
                 progress=bar,
             )

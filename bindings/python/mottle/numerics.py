@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from mottle import _engine
+from mottle import _checks, _engine
 from mottle.errors import InvalidInput
-from mottle.results import Array
+from mottle.tables import Array, real
 
 
 def eigsh(
@@ -38,8 +38,8 @@ def eigsh(
             raise InvalidInput(f"{name}: shape {matrix.shape}; both matrices are square and of one size")
         if np.iscomplexobj(matrix):
             raise InvalidInput(f"{name}: complex numbers; real ones are needed")
-    if not 1 <= k <= stiffness.shape[0]:
-        raise InvalidInput(f"k: {k} is outside 1 to {stiffness.shape[0]}, the number of rows")
+    _checks.whole(k, "k", 1, stiffness.shape[0])
+    _checks.number(tolerance, "tolerance", 0.0, 1.0)
     lower = [sparse.csc_matrix(sparse.tril(matrix), dtype=float) for matrix in (stiffness, mass)]
     for name, matrix in zip(("stiffness", "mass"), lower):
         if not np.isfinite(matrix.data).all():
@@ -47,11 +47,11 @@ def eigsh(
     return _engine.modes_of(lower[0], lower[1], count=k, tolerance=tolerance, counts=verify)
 
 
-def _as_shapes(given: npt.ArrayLike) -> Array:
-    shapes = np.asarray(given)
-    if np.iscomplexobj(shapes) or shapes.ndim not in (1, 2):
-        raise InvalidInput(f"mac: {shapes.dtype} of shape {shapes.shape}; real shapes [degree of freedom x mode] are needed")
-    return np.asarray(shapes[:, None] if shapes.ndim == 1 else shapes, dtype=float)
+def _as_shapes(given: npt.ArrayLike, name: str) -> Array:
+    shapes = real(given, f"mac: {name}")
+    if shapes.ndim not in (1, 2):
+        raise InvalidInput(f"mac: {name}: shape {shapes.shape}; [degree of freedom x mode] is needed")
+    return shapes[:, None] if shapes.ndim == 1 else shapes
 
 
 def mac(a: npt.ArrayLike, b: npt.ArrayLike) -> Array:
@@ -59,7 +59,7 @@ def mac(a: npt.ArrayLike, b: npt.ArrayLike) -> Array:
 
     A shape alone may have one dimension.
     """
-    first, second = (_as_shapes(each) for each in (a, b))
+    first, second = _as_shapes(a, "a"), _as_shapes(b, "b")
     if first.shape[0] != second.shape[0]:
         raise InvalidInput(f"mac: {first.shape[0]} and {second.shape[0]} degrees of freedom; they are the same for both")
     return _engine.mac(first, second)
@@ -67,7 +67,7 @@ def mac(a: npt.ArrayLike, b: npt.ArrayLike) -> Array:
 
 def assign(score: npt.ArrayLike) -> npt.NDArray[np.int_]:
     """The distinct column of each row that makes the sum of the chosen entries largest, as for pairing modes by MAC."""
-    matrix = np.asarray(score, dtype=float)
+    matrix = real(score, "assign: score")
     if matrix.ndim != 2 or matrix.shape[0] > matrix.shape[1]:
         raise InvalidInput(f"assign: shape {matrix.shape}; a matrix with no more rows than columns is needed")
     return np.array(_engine.optimal_assignment(matrix), dtype=int)
@@ -93,7 +93,8 @@ def hotelling(a: npt.ArrayLike, b: npt.ArrayLike, *, level: float = 0.05) -> Two
         a, b: samples [specimen x output].
         level: false-alarm rate.
     """
-    samples = [np.asarray(each, dtype=float) for each in (a, b)]
+    samples = [real(a, "hotelling: a"), real(b, "hotelling: b")]
+    _checks.number(level, "level", 0.0, 1.0)
     for each in samples:
         if each.ndim != 2 or each.shape[1] != samples[0].shape[1] or each.shape[0] < 1:
             raise InvalidInput(f"hotelling: shapes {samples[0].shape} and {samples[1].shape}; a row for each specimen and "

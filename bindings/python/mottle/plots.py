@@ -13,7 +13,8 @@ from mottle.errors import InvalidInput
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from mottle.results import Array, _Updated
+    from mottle.results import _Updated
+    from mottle.tables import Array
 
 _REACH = np.sqrt(-2.0 * np.log(0.05))  # deviations from the mean within which a bivariate normal lies with 95 %
 

@@ -8,12 +8,12 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Union
 
-import numpy as np
-
-from mottle import _engine, _progress, _toml
+from mottle import _checks, _engine, _progress, _toml
 from mottle._progress import Progress
+from mottle.errors import InvalidInput
 from mottle.results import CheckResult, DiagnoseResult, PropagateResult, SimulateResult, UpdateResult
-from mottle.tables import names_and_values, write_csv
+from mottle.tables import csv_text, keep_csv, names_and_values
+from mottle.tables import points as checked_points
 
 PathLike = Union[str, "os.PathLike[str]"]
 
@@ -45,25 +45,36 @@ class Study:
         Raises:
             InvalidInput: with file, line and key of the fault.
         """
+        seed = None if seed is None else _checks.whole(seed, "seed", 0)
         return cls(_engine.Study.read(Path(file), assignments=_assignments(changes), seed=seed))
 
     @classmethod
-    def from_dict(cls, study: Mapping[str, Any], *, tests: Any = None, folder: PathLike = ".") -> Study:
+    def from_dict(
+        cls, study: Mapping[str, Any], *, tests: Any = None, tests_file: PathLike | None = None, folder: PathLike = "."
+    ) -> Study:
         """A study of Python objects.
 
         Args:
             study: keys and tables as in a study file; [[parameter]] is a list of dictionaries under "parameter".
             tests: the specimens, in place of `test.file`: a DataFrame, a dictionary from output to values, or a pair
-                (names, array [specimen x output]); nan: not measured.
-            folder: against which the study's paths are resolved.
+                (names, array [specimen x output]); nan or masked: not measured.
+            tests_file: where `tests` are written, so that another process finds them and can resume a job. None: a
+                temporary file, which goes with the study.
+            folder: against which the study's paths and `tests_file` are resolved.
         """
         content = dict(study)
         keeps = None
+        if tests is None and tests_file is not None:
+            raise InvalidInput("tests_file: there are no tests to write; give `tests`, or test.file in the study")
         if tests is not None:
-            keeps = tempfile.TemporaryDirectory(prefix="mottle-")
-            file = Path(keeps.name) / "tests.csv"
-            write_csv(file, *names_and_values(tests, "tests"))
-            content["test"] = {**content.get("test", {}), "file": str(file)}
+            text = csv_text(*names_and_values(tests, "tests"))
+            if tests_file is None:
+                keeps = tempfile.TemporaryDirectory(prefix="mottle-")
+                tests_file = Path(keeps.name) / "tests.csv"
+                tests_file.write_text(text, encoding="utf-8")
+            else:
+                keep_csv(Path(folder) / tests_file, text)
+            content["test"] = {**content.get("test", {}), "file": os.fspath(tests_file)}
         return cls(_engine.Study.from_text(_toml.document(content), Path(folder) / "study.toml"), keeps)
 
     @property
@@ -147,7 +158,7 @@ class Study:
             return PropagateResult(self._run_in("propagate", folder, settings))
         with tempfile.TemporaryDirectory(prefix="mottle-") as place:
             file = Path(place) / "points.csv"
-            write_csv(file, *names_and_values(points, "points", self.parameters))
+            file.write_text(csv_text(*checked_points(points, self.parameters)), encoding="utf-8")
             return PropagateResult(self._run_in("propagate", folder, {**settings, "points": file}))
 
     def _run_in(self, job: str, folder: PathLike | None, settings: Mapping[str, Any]) -> Any:
@@ -156,6 +167,7 @@ class Study:
         return self._run(job, progress, folder=None if folder is None else Path(folder), **arguments)
 
     def _run(self, job: str, progress: Progress, **arguments: Any) -> Any:
+        arguments["threads"] = _checks.whole(arguments.get("threads", 0), "threads", 0, 2**31 - 1)
         bar = _progress.shown(progress)
         if arguments.get("cache") is not None:
             arguments["cache"] = Path(arguments["cache"])
