@@ -26,3 +26,14 @@ def test_modes_and_targets_of_the_airframe(examples, command, tmp_path):
 def test_a_deck_that_is_not_there():
     with pytest.raises(mottle.InvalidInput, match="nowhere.bdf"):
         mottle.modes("nowhere.bdf")
+
+
+def test_one_card_may_be_left_out_by_its_name_alone(examples):
+    deck = examples / "02-airframe" / "airframe.bdf"
+    deck.write_text(deck.read_text().replace("ENDDATA", "CGROUT,1,2\nENDDATA"))
+    for call in (mottle.modes, mottle.targets):
+        with pytest.raises(mottle.InvalidInput, match="CGROUT"):
+            call(deck, 2)
+    for cards in ("cgrout", ["CGROUT"]):
+        assert len(mottle.modes(deck, 2, ignore_cards=cards).frequencies) == 2
+    assert mottle.targets(deck, 2, ignore_cards="CGROUT").names

@@ -7,13 +7,13 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Union
+from typing import TYPE_CHECKING, Any, Union
 
 import numpy as np
 import numpy.typing as npt
 
-from mottle import _engine
-from mottle.results import Array
+from mottle import _checks, _engine
+from mottle.tables import Array
 
 if TYPE_CHECKING:
     import pandas
@@ -66,20 +66,28 @@ class Modes:
         return f"<mottle.Modes: {', '.join(f'{f:.6g}' for f in self.frequencies)} Hz>"
 
 
+def _asked(count: int, ignore_cards: str | Iterable[str], subcase: int | None) -> dict[str, Any]:
+    """What `modes` and `targets` are both asked for; a text alone names one card."""
+    cards = [ignore_cards] if isinstance(ignore_cards, str) else ignore_cards
+    return {
+        "modes": _checks.whole(count, "count", 0, 2**31 - 1),
+        "ignore_cards": {card.upper() for card in cards},
+        "subcase": None if subcase is None else _checks.whole(subcase, "subcase", 0, 2**31 - 1),
+    }
+
+
 def modes(
-    deck: PathLike, count: int = 0, *, ignore_cards: Iterable[str] = (), subcase: int | None = None
+    deck: PathLike, count: int = 0, *, ignore_cards: str | Iterable[str] = (), subcase: int | None = None
 ) -> Modes:
     """The lowest modes of a Nastran deck, none missed.
 
     Args:
         deck: the file.
         count: how many; 0: what its EIGRL asks for, else 10.
-        ignore_cards: names of cards to leave out.
+        ignore_cards: names of cards to leave out, or one name.
         subcase: its id; None: the first that asks for modes.
     """
-    return Modes(
-        _engine.find_modes(Path(deck), modes=count, ignore_cards={c.upper() for c in ignore_cards}, subcase=subcase)
-    )
+    return Modes(_engine.find_modes(Path(deck), **_asked(count, ignore_cards, subcase)))
 
 
 @dataclass(frozen=True)
@@ -111,7 +119,7 @@ def targets(
     deck: PathLike,
     count: int = 0,
     *,
-    ignore_cards: Iterable[str] = (),
+    ignore_cards: str | Iterable[str] = (),
     subcase: int | None = None,
     units: str = "SI",
     all: bool = False,
@@ -124,12 +132,7 @@ def targets(
         all: also numbers that are zero, change no mode or are seldom wrong.
     """
     frequencies, found, notes = _engine.find_targets(
-        Path(deck),
-        modes=count,
-        ignore_cards={c.upper() for c in ignore_cards},
-        subcase=subcase,
-        units=units,
-        lists_all=all,
+        Path(deck), units=units, lists_all=all, **_asked(count, ignore_cards, subcase)
     )
     sensitivity = np.array([target.sensitivity for target in found]).reshape(len(found), len(frequencies))
     return Targets(
