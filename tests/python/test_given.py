@@ -132,6 +132,7 @@ def test_jacobians():
 
 @pytest.mark.parametrize(("argument", "value", "message"), [
     ("iterations", -1, "iterations: -1 is outside"),
+    ("method", None, "method: None is no name"),
     ("samples", 100.5, r"samples: 100.5 \(float\) is no whole number"),
     ("samples", True, "samples: True"),
     ("samples", 2**40, "samples: 1099511627776 is outside"),
@@ -182,10 +183,13 @@ def test_numbers_of_other_types_are_taken_as_numbers():
     (dict(name="k", mean=1.0, std=1j), "parameter 'k': std: 1j"),
     (dict(name="k", mean=1.0, std=0.1, bounds=(0.0, None)), "parameter 'k': bounds: None"),
     (dict(name="k", mean=1.0, std=0.1, bounds=(0.0,)), "parameter 'k': bounds"),
+    (dict(name="k", mean=1.0, std=0.1, bounds=None), "parameter 'k': bounds: None"),
 ])
 def test_parameters_are_refused_by_name(parameter, message):
     with pytest.raises(mottle.InvalidInput, match=message):
         mottle.update(frequencies, [Parameter(**parameter)], (NAMES, TESTS))
+    with pytest.raises(mottle.InvalidInput, match="parameters: 'k1'; mottle.Parameter"):
+        mottle.update(frequencies, ["k1", "k2"], (NAMES, TESTS))
 
 
 def test_a_model_may_hold_its_result():

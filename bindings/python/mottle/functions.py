@@ -52,7 +52,7 @@ class Parameter:
         def number(value: float | None, what: str) -> float:
             return math.nan if value is None else _checks.number(value, f"{where}: {what}")
 
-        if len(self.bounds) != 2:
+        if not isinstance(self.bounds, (tuple, list)) or len(self.bounds) != 2:
             raise InvalidInput(f"{where}: bounds: {self.bounds!r}; a lower and an upper one are needed")
         if self.scale == "logit" and not all(map(math.isfinite, self.bounds)):
             raise InvalidInput(f"{where}: scale \"logit\" is taken between the bounds, which are missing")
@@ -195,6 +195,11 @@ def update(
     unknown = [name for name in units or {} if name not in names]
     if unknown:
         raise InvalidInput(f"units: {unknown[0]!r} is no output; outputs are {', '.join(names)}")
+    wrong = [each for each in parameters if not isinstance(each, Parameter)]
+    if wrong:
+        raise InvalidInput(f"parameters: {wrong[0]!r}; mottle.Parameter is needed for each")
+    if not isinstance(method, str):
+        raise InvalidInput(f"method: {method!r} is no name; see mottle.methods()")
     outputs = [_engine.OutputSpec(name=name, unit=(units or {}).get(name, "-")) for name in names]
     bar = _progress.shown(progress)
     try:
