@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "bindings.hpp"
+#include "calling_thread.hpp"
 #include "mottle/mottle.hpp"
 #include "mottle/study/results/folder_lock.hpp"
 #include "mottle/study/results/run_folder.hpp"
@@ -19,20 +20,20 @@ using Path = std::filesystem::path;
 /// Results and report, as the command leaves them.
 template <typename Outcome>
 void save(const Outcome& outcome, const Path& folder) {
-  const py::gil_scoped_release free;
-  const FolderLock lock(folder);
-  write_results(outcome, folder);
-  write_report(folder);
-  RunFolder(folder).forget_previous(study::result_names());
+  CallingThread(py::none()).run([&] {
+    const FolderLock lock(folder);
+    write_results(outcome, folder);
+    write_report(folder);
+    RunFolder(folder).forget_previous(study::result_names());
+    return true;
+  });
 }
 
 /// Of an update or cloud: the files' text, the words for a terminal.
 template <typename Outcome>
 void add_texts(py::class_<Outcome, std::shared_ptr<Outcome>>& type) {
-  type.def("result_text", [](const Outcome& self) {
-    const py::gil_scoped_release free;
-    return study::result_text(self);
-  });
+  type.def("result_text",
+           [](const Outcome& self) { return CallingThread(py::none()).run([&] { return study::result_text(self); }); });
   type.def("summary", [](const Outcome& self) { return study::summarise(self, Path()).lines; });
 }
 
@@ -134,8 +135,10 @@ void add_outcomes(py::module_& module) {
   module.def(
       "write_report",
       [](const Path& folder) {
-        const py::gil_scoped_release free;
-        write_report(folder);
+        CallingThread(py::none()).run([&] {
+          write_report(folder);
+          return true;
+        });
       },
       py::arg("folder"));
 }
