@@ -106,6 +106,27 @@ class MistakesTest(support.CommandTest):
 
     # --- order ---
 
+    def test_parameters_that_move_no_output_are_refused(self):
+        self.write("flat.csv", "f1\n5.03\n5.04\n5.02\n5.05\n")
+        self.write("flat.toml", '''
+[model]
+kind = "mass-spring"
+masses = { m1 = 1.0, m2 = 1.0 }
+springs = [{ name = "a", between = ["ground", "m1"], stiffness = 1000.0 }, { name = "b", between = ["ground", "m2"], stiffness = 5000.0 }]
+[[parameter]]
+name = "k"
+target = "spring:b"
+distribution = { kind = "normal", mean = 5000.0, std = 100.0 }
+[outputs]
+frequencies = [1]
+[test]
+file = "flat.csv"
+repeatability = { f1 = 0.01 }
+''')
+        ended = self.call("update", "flat.toml", "--out", "out")
+        self.assertEqual(ended.code, 2, ended.err)
+        self.assertIn("no parameter moves any of them", ended.err)
+
     def test_columns_may_be_in_any_order(self):
         expected = self.updated("out")["parameters"]["mean"]
         self.table([[f3, f1, f2] for f1, f2, f3 in ROWS], "f3,f1,f2")

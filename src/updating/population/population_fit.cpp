@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "mottle/core/error.hpp"
+#include "mottle/core/subject.hpp"
 #include "mottle/linalg/dense/decompositions.hpp"
 #include "mottle/stats/moments/descriptive.hpp"
 #include "mottle/updating/methods/iteration.hpp"
@@ -226,6 +227,9 @@ PopulationFit fit_population(const UpdatingProblem& problem, const Eigen::Ref<co
   fit.mean = ScaledParameters(problem.space).clamp(centre.points.row(0).transpose());
   fit.covariance = prior.covariance;
   const Eigen::MatrixXd movement = scaled_movement(centre.jacobians[0], prior_std);
+  require_of(!movement.isZero(0.0), {Subject::Kind::outputs},
+             "no parameter moves any of them at the prior's mean, so that tests say nothing of the parameters; choose "
+             "parameters that change the outputs, or other outputs");
   fit.seen = seen_directions(movement, settings.rank_tolerance);
   Frame frame = make_frame(problem, prior, fit.seen, movement, settings.rank_tolerance);
   take_scatter(frame.start, settings.has_scatter);
