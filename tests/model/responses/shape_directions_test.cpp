@@ -16,6 +16,7 @@
 namespace mottle::model {
 namespace {
 
+using test::message_of;
 using test::one_each;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
