@@ -176,7 +176,7 @@ def test_control_c_stops_soon_and_the_job_is_resumed(tmp_path, examples):
     running.send_signal(signal.SIGINT)
     assert running.stdout.readline() == "interrupted\n"
     patience = float(os.environ.get("MOTTLE_TEST_PATIENCE", "1"))
-    assert time.monotonic() - begin < 2.0 * patience  # 0.2 s on a quiet machine
+    assert time.monotonic() - begin < 6.0 * patience  # 0.1 to 0.2 s on a quiet machine; others may be at work here
     assert running.wait() == 0
     assert (tmp_path / "out" / "resume.journal").is_file() and not (tmp_path / "out" / "result.json").exists()
 

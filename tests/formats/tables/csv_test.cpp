@@ -148,7 +148,10 @@ TEST(NumbersOfColumn, MakesMissingCellsNotANumber) {
 TEST(NumbersOfColumn, RefusesTextWithItsLineColumnAndCell) {
   const std::string tail = "', which is not a finite number; leave the cell empty where nothing was measured";
   EXPECT_EQ(refusal("f1,f2\n1,2\n# c\n3,4 Hz\n"), "tests.csv:4: column 'f2' holds '4 Hz" + tail);
-  EXPECT_EQ(refusal("f1;f2\n1,5;2\n"), "tests.csv:2: column 'f1' holds '1,5" + tail);
+  EXPECT_EQ(refusal("f1;f2\n1,5;2\n"),
+            "tests.csv:2: column 'f1' holds '1,5', which is not a finite number; decimal commas are not read: write a "
+            "point");
+  EXPECT_EQ(refusal("f1;f2\n1,5,0;2\n"), "tests.csv:2: column 'f1' holds '1,5,0" + tail);
 }
 
 TEST(NumbersOfColumn, RefusesWhatIsNoFiniteNumber) {

@@ -51,13 +51,20 @@ TEST(UpdateJob, AnOutcomeThatWasMovedSaysWhatItSaid) {
 
 TEST(UpdateJob, ItsFilesTakeThePlaceOfEarlierOnes) {
   const TemporaryFolder folder;
-  for (const char* name : {"result.json", "report.html", "cloud.csv"})
-    write_file_atomically(folder.path() / name, "old");
+  for (const char* name : {"result.json", "report.html", "cloud.csv"}) RunFolder(folder.path()).write(name, "old");
   write_results(update(three_masses(), {}), folder.path());
   EXPECT_NE(read_file(folder.path() / "result.json"), "old");
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "report.html"));
   EXPECT_EQ(read_file(folder.path() / k_previous / "cloud.csv"), "old");
   RunFolder(folder.path()).finish();
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / k_previous));
+}
+
+TEST(UpdateJob, ItsFilesTakeThePlaceOfNobodyElses) {
+  const TemporaryFolder folder;
+  for (const char* name : {"result.json", "prediction.csv"}) write_file_atomically(folder.path() / name, "mine");
+  EXPECT_THROW(write_results(update(three_masses(), {}), folder.path()), InvalidInput);
+  for (const char* name : {"result.json", "prediction.csv"}) EXPECT_EQ(read_file(folder.path() / name), "mine");
   EXPECT_FALSE(std::filesystem::exists(folder.path() / k_previous));
 }
 
