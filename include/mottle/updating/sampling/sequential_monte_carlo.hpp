@@ -55,6 +55,9 @@ struct SamplingTarget {
 /// Whether moves follow gradients.
 bool follows_gradients(const SamplingTarget& target, const SamplingSettings& settings);
 
+/// Up to so many dimensions the evidence and its error were found right against closed forms.
+inline constexpr Eigen::Index k_dimensions_of_evidence = 30;
+
 /// One step of an island from a power of the likelihood to the next.
 struct SamplingStage {
   double exponent = 0.0;           ///< of the likelihood, at the stage's end
