@@ -42,9 +42,9 @@ bool is_log(std::string_view bytes) {
   return std::ranges::count(bytes.substr(0, end), '.') == 1 && bytes.substr(end).starts_with(" s  ");
 }
 
+/// Or what a lost machine has left of its beginning.
 bool is_journal(std::string_view bytes) {
-  constexpr std::size_t k_telling = 8;
-  return bytes.starts_with(k_journal_magic) || (bytes.size() >= k_telling && k_journal_magic.starts_with(bytes));
+  return bytes.starts_with(k_journal_magic) || k_journal_magic.starts_with(bytes);
 }
 
 struct GrowingFile {
