@@ -134,16 +134,20 @@ class _Updated(_Result):
         )
 
 
-class _WithFiles(_Result):
-    """Of jobs whose results are a folder with a report."""
+class _WithContents(_Result):
+    """Of jobs whose results are a JSON file."""
 
     @cached_property
     def _contents(self) -> dict[str, Any]:
         return json.loads(self._engine.result_text())
 
     def to_dict(self) -> dict[str, Any]:
-        """The contents of result.json."""
+        """The contents of result.json; of diagnosis.json after a diagnosis."""
         return self._contents
+
+
+class _WithFiles(_WithContents):
+    """Of jobs whose results are a folder with a report."""
 
     def save(self, folder: str | Path) -> Path:
         """Writes results and report as the command does; the path of the report."""
@@ -231,25 +235,11 @@ class SimulateResult:
         return f"<mottle.SimulateResult: {len(self.specimens)} specimens of {', '.join(self.outputs)}>"
 
 
-class DiagnoseResult:
+class DiagnoseResult(_WithContents):
     """Which further parameters explain a misfit."""
 
     def __init__(self, engine: _engine.DiagnoseOutcome) -> None:
         self._engine = engine
-
-    @cached_property
-    def _contents(self) -> dict[str, Any]:
-        return json.loads(self._engine.result_text())
-
-    def to_dict(self) -> dict[str, Any]:
-        """The contents of diagnosis.json."""
-        return self._contents
-
-    def summary(self) -> str:
-        """What the command prints."""
-        return "\n".join(self._engine.summary())
-
-    __str__ = summary
 
     def __repr__(self) -> str:
         return f"<mottle.DiagnoseResult: best {self._contents['best']}, {'explained' if self._contents['explained'] else 'not explained'}>"
