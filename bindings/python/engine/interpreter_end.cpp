@@ -5,6 +5,8 @@
 
 #include <chrono>
 #include <condition_variable>
+#include <cstdio>
+#include <cstdlib>
 #include <mutex>
 #include <thread>
 
@@ -38,6 +40,12 @@ void count_own_jobs(State& s) {
   s.jobs = s.returning = 0;
 }
 
+/// A job that did not stop still uses static objects of the libraries: none is destroyed under it.
+void end_process(int status, void* /*unused*/) {
+  std::fflush(nullptr);
+  _exit(status);
+}
+
 void stop_jobs() {
   const py::gil_scoped_release free;
   State& s = state();
@@ -47,6 +55,7 @@ void stop_jobs() {
   s.changed.wait_for(lock, k_patience, [&] { return s.jobs == 0; });
   s.waits_no_longer = true;
   s.changed.wait(lock, [&] { return s.returning == 0; });
+  if (s.jobs > 0) on_exit(end_process, nullptr);
 }
 
 }  // namespace
