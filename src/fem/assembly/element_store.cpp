@@ -24,13 +24,14 @@ void turn_into_node_axes(const FiniteElementModel& model, ElementPieces& element
 }
 
 /// T' M T, in which a row that is rounding alone, as of an element that moves with a rigid body, is zero: what is left
-/// of it would make a semidefinite matrix indefinite.
+/// of it would make a semidefinite matrix indefinite. The diagonal alone does not tell: pieces such as a product of
+/// inertia have none.
 Eigen::MatrixXd transformed(const Eigen::MatrixXd& matrix, const Eigen::MatrixXd& transform) {
-  constexpr double k_rounding = 1e-14;
+  constexpr double k_rounding = 1e-13;  // of the sum of a product's sizes: some hundred terms
   Eigen::MatrixXd result = transform.transpose() * matrix * transform;
-  const Eigen::MatrixXd summed = matrix.cwiseAbs() * transform.cwiseAbs();
+  const Eigen::MatrixXd sizes = transform.cwiseAbs().transpose() * matrix.cwiseAbs() * transform.cwiseAbs();
   for (Eigen::Index i = 0; i < result.rows(); ++i) {
-    if (std::abs(result(i, i)) > k_rounding * transform.col(i).cwiseAbs().dot(summed.col(i))) continue;
+    if ((result.row(i).array().abs() > k_rounding * sizes.row(i).array()).any()) continue;
     result.row(i).setZero();
     result.col(i).setZero();
   }

@@ -27,10 +27,10 @@ void propose_units_of(InitOutcome& outcome, const ProposedUnits& units) {
 
 InitModel solve_nastran(InitOutcome& outcome, int modes) {
   InitSettings& settings = outcome.settings;
-  const SolvedDeck solved = solve_deck(settings.model, {.ignore_cards = settings.ignore_cards}, modes);
+  const SolvedDeck solved = solve_deck(settings.model, {.ignore_cards = settings.ignore_cards}, modes, k_modes_beyond);
   propose_units_of(outcome, propose_units(solved.structure->model()));
   TargetsOutcome targets = targets_of(solved, {.model = settings.model, .units = settings.units});
-  return {solved.frequencies, std::move(targets.targets), solved.structure->mode_count()};
+  return {std::move(targets.frequencies), std::move(targets.targets), solved.structure->mode_count()};
 }
 
 /// Numbers that follow a target in a deck: the first of them.
@@ -156,12 +156,15 @@ InitModel solve_calculix(InitOutcome& outcome, int modes) {
   InitModel solved;
   solved.mode_count = parts.solver->structure().mode_count();
   solved.notes = std::move(parts.notes);
-  const Eigen::Index count = std::min<Eigen::Index>(modes, solved.mode_count);
+  const Eigen::Index count = std::min<Eigen::Index>(modes + k_modes_beyond, solved.mode_count);
   OutputSelection outputs{.units = unit_names(*settings.units)};
   for (int mode = 1; mode <= count; ++mode) outputs.frequencies.push_back(mode);
   const StructureModel model(std::move(parts.solver), outputs, Eigen::VectorXd::Ones(parts.reference.size()));
   solved.frequencies = elastic_frequencies(model, count);
-  const Eigen::MatrixXd sensitivities = relative_sensitivities(model, solved.frequencies);
+  const Eigen::Index asked = with_whole_group(std::min<Eigen::Index>(modes, count), solved.frequencies,
+                                              modes_of_one_frequency(solved.frequencies));
+  const Eigen::MatrixXd sensitivities = relative_sensitivities(model, solved.frequencies).topRows(asked);
+  solved.frequencies.conservativeResize(asked);
   for (std::size_t j = 0; j < names.size(); ++j) {
     solved.targets.push_back({.name = names[j],
                               .unit = study.model->target_unit(names[j], outputs.units),

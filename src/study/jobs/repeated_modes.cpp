@@ -15,6 +15,14 @@ std::vector<ModeGroup> modes_of_one_frequency(const Eigen::VectorXd& frequencies
   return groups;
 }
 
+Eigen::Index with_whole_group(Eigen::Index asked, const Eigen::VectorXd& frequencies,
+                              const std::vector<ModeGroup>& groups) {
+  for (const auto& [first, count] : groups) {
+    if (frequencies(first) > 0.0 && first < asked && asked < first + count) return first + count;
+  }
+  return asked;
+}
+
 Eigen::MatrixXd sums_of_pairs(const Eigen::MatrixXd& shapes, const std::vector<ModeGroup>& groups) {
   Eigen::Index pairs = 0;
   for (const ModeGroup& group : groups) pairs += group.count * (group.count - 1) / 2;

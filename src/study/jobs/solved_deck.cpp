@@ -8,8 +8,10 @@
 #include "mottle/core/clock.hpp"
 #include "mottle/core/error.hpp"
 #include "mottle/dynamics/modes/mode_set.hpp"
+#include "mottle/model/units.hpp"
 #include "study/jobs/init_model.hpp"
 #include "study/jobs/job_files.hpp"
+#include "study/jobs/proposed_units.hpp"
 
 namespace mottle::study {
 namespace {
@@ -91,7 +93,7 @@ void refuse_other_models(const std::filesystem::path& deck) {
 
 }  // namespace
 
-SolvedDeck solve_deck(const std::filesystem::path& deck, const NastranOptions& options, int modes) {
+SolvedDeck solve_deck(const std::filesystem::path& deck, const NastranOptions& options, int modes, int beyond) {
   const double start = steady_seconds();
   refuse_other_models(deck);
   NastranModel read = read_nastran_model(deck, options);
@@ -113,7 +115,10 @@ SolvedDeck solve_deck(const std::filesystem::path& deck, const NastranOptions& o
   const double assembled = steady_seconds();
   if (modes == 0) modes = modes_of_method(*solved.structure, asked, solved.notes);
   solved.assembly_seconds = assembled - start - solved.read_seconds;
-  solved.modes = solved.solver->solve_one(none, {.modes = modes, .counts_below = true});
+  solved.modes = solved.solver->solve_one(none, {.modes = modes + beyond, .counts_below = true});
+  if (beyond > 0 && (!solved.modes.failure.empty() || !solved.modes.is_complete())) {  // of modes that nobody asked for
+    solved.modes = solved.solver->solve_one(none, {.modes = modes, .counts_below = true});
+  }
   if (!solved.modes.failure.empty()) {
     throw InvalidInput(fmt::format("{}: {}", deck.string(), solved.solver->failure_text(solved.modes)));
   }
@@ -131,6 +136,8 @@ SolvedDeck solve_deck(const std::filesystem::path& deck, const NastranOptions& o
   solved.solution_seconds = steady_seconds() - assembled;
   const SparseStructure::Matrices matrices = solved.structure->matrices_at(none);
   solved.frequencies = frequencies_beyond_rounding(solved.modes, matrices.stiffness);
+  solved.asked = std::min<Eigen::Index>(modes, solved.frequencies.size());
+  solved.frequency_unit = unit_names(propose_units(solved.structure->model()).units).frequency;
   if (solved.frequencies.size() < modes) note_lost_modes(matrices, solved.frequencies, solved.notes);
   return solved;
 }
