@@ -61,7 +61,7 @@ bool add_deck(const Study& study, const Eigen::VectorXd& values, const fs::path&
   const std::optional<ExportedModel> model = study.model->export_at(list_targets(study.parameters), values);
   if (!model) return false;
   for (const ExportedModel::File& file : model->files) outcome.files[folder / file.name] = file.bytes;
-  if (folder == "mean") {
+  if (folder == "mean" && model->rounding > 0.0) {
     outcome.notes.push_back(
         fmt::format("Numbers in the deck of the means differ by at most {:.1e} from the means, as wide "
                     "as their fields are.",

@@ -172,8 +172,12 @@ void describe_runs(const CheckOutcome& outcome, const ProgramRuns& program, std:
       seconds > 0.0 ? fmt::format(", some {} with {} at a time", duration_text(all), program.max_parallel) : "";
   lines.push_back(fmt::format(
       "of a model that is linear in the parameters the update would take {} {} runs{}; this one may take fewer, or "
-      "several times as many",
+      "up to ten times as many where it is curved or does not fit the tests",
       is_cut ? "more than" : "about", runs, time));
+  if (outcome.study.update.method != "perturbation") {
+    lines.emplace_back(
+        "fewer runs: a [surrogate] (50 or so, docs/howto/surrogate.md), or update.method = \"perturbation\"");
+  }
 }
 
 /// Tests and method.
