@@ -12,6 +12,8 @@ namespace mottle::study {
 struct ModeGroup {
   Eigen::Index first = 0;
   Eigen::Index count = 1;
+
+  bool contains(Eigen::Index mode) const { return mode >= first && mode < first + count; }
 };
 
 /// The groups of more than one mode whose neighbours differ by a part in a million at most; rigid-body modes, of
