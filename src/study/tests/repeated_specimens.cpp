@@ -13,7 +13,7 @@
 namespace mottle::study {
 namespace {
 
-/// All that was measured of one specimen, empty where it was not.
+/// What was measured of one specimen, empty where it was not.
 struct Specimen {
   std::string name;  ///< "5 (plate5.uff)"
   std::string label = {};  ///< in the column "specimen"
@@ -50,9 +50,13 @@ std::vector<Specimen> specimens_of(const std::vector<MeasuredModes>& tests) {
   for (const MeasuredModes& modes : tests) {
     Specimen specimen{.name = fmt::format("{} ({})", specimens.size() + 1,
                                           std::filesystem::path(modes.file).filename().string())};
-    for (const double value : modes.frequencies) specimen.add(value);
-    for (const double value : modes.damping) specimen.add(value);
-    for (const double value : modes.shapes.reshaped()) specimen.add(value);
+    for (Eigen::Index mode = 0; mode < modes.frequencies.size(); ++mode) {
+      const Eigen::ArrayXd shape = modes.shapes.col(mode).array().isNaN().select(0.0, modes.shapes.col(mode).array());
+      specimen.add(modes.frequencies(mode));
+      specimen.add(modes.damping(mode));
+      specimen.add(shape.sum());  // stand for all components, of which there may be millions
+      specimen.add(shape.square().sum());
+    }
     specimens.push_back(std::move(specimen));
   }
   return specimens;
