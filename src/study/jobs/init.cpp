@@ -210,8 +210,7 @@ InitOutcome propose_study(const InitSettings& settings) {
       "and name the outputs with --outputs",
       settings.model.string(), doubts_text(outcome.modes));
   const ProposedOutputs seen{numbers_of(outputs), scales_of(outputs), modes_of_one_frequency(model.frequencies)};
-  outcome.parameters =
-      propose_parameters(model.targets, seen, settings.targets.value_or(std::vector<std::string>{}));
+  outcome.parameters = propose_parameters(model.targets, seen, settings.targets.value_or(std::vector<std::string>{}));
   if (std::string note = one_frequency_note(seen); !note.empty()) outcome.notes.push_back(std::move(note));
   require(outcome.parameters.front().left_out.empty(),
           "{0}: no number of the deck moves the outputs by more than the tests scatter; see `mottle targets {0}`, and "

@@ -75,11 +75,11 @@ void refuse_other_unit(const Study& draft, const TestContents& contents, const s
   const bool is_of_model = std::abs(std::log(factor->value)) > std::log(100.0);
   throw FormatError(
       contents.specimens.front().file, 0,
-      fmt::format("in the {} modes whose shapes are those of the model the frequencies are {:.4g} times the model's. The "
-                  "factor is near {}, which a wrong unit makes: {}{}",
-                  ratios.size(), std::exp(mean), factor->name, factor->remedy,
-                  is_of_model ? fmt::format(" The deck's units are taken for {}; --units names others.", draft.units)
-                              : ""));
+      fmt::format(
+          "in the {} modes whose shapes are those of the model the frequencies are {:.4g} times the model's. The "
+          "factor is near {}, which a wrong unit makes: {}{}",
+          ratios.size(), std::exp(mean), factor->name, factor->remedy,
+          is_of_model ? fmt::format(" The deck's units are taken for {}; --units names others.", draft.units) : ""));
 }
 
 void pair_by_mac(const Study& draft, const StructureModel& model, const TestContents& contents, PairedTests& found) {

@@ -96,7 +96,8 @@ void merge_group(const std::vector<Target>& targets, const ProposedOutputs& outp
   const double weight = std::sqrt(static_cast<double>(members.size())) / scales.mean();
   changes.known(members, Eigen::all).setZero();
   for (Eigen::Index j = 0; j < spreads.size(); ++j) {
-    const Eigen::RowVectorXd values = targets[static_cast<std::size_t>(j)].sensitivity.segment(group.first, group.count);
+    const Eigen::RowVectorXd values =
+        targets[static_cast<std::size_t>(j)].sensitivity.segment(group.first, group.count);
     if (!values.allFinite()) continue;
     const double mean_square = (values.array() - values.mean()).square().mean();
     changes.known(members.front(), j) = weight * spreads(j) * values.mean();

@@ -256,7 +256,8 @@ std::string FrequencyPairing::note_on_names(const StructureModel& model, const T
   std::vector<std::string> others;
   for (const FrequencyPair& pair : other_than_named(model)) {
     const auto mode = std::ranges::find(at_means.modes, number_of(pair));
-    const double moved = mode == at_means.modes.end() ? std::nan("") : at_means.values(0, mode - at_means.modes.begin());
+    const double moved =
+        mode == at_means.modes.end() ? std::nan("") : at_means.values(0, mode - at_means.modes.begin());
     const double own = std::isnan(moved) ? frequencies_(number_of(pair) - 1) : moved;
     if (std::abs(own / means_(pair.test) - 1.0) <= k_far) continue;
     others.push_back(fmt::format("f{} ({:.4g} {}) is mode {} ({:.4g}), not {} ({:.4g})", number_of(pair),
@@ -265,7 +266,8 @@ std::string FrequencyPairing::note_on_names(const StructureModel& model, const T
   }
   if (others.empty()) return {};
   return fmt::format(
-      "Columns of the tests may be other modes of the model than their numbers say. By frequency {}. {}; \"order\" says "
+      "Columns of the tests may be other modes of the model than their numbers say. By frequency {}. {}; \"order\" "
+      "says "
       "that the numbers are right.",
       join(others), how_to_take(model));
 }

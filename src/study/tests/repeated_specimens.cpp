@@ -15,7 +15,7 @@ namespace {
 
 /// What was measured of one specimen, empty where it was not.
 struct Specimen {
-  std::string name;  ///< "5 (plate5.uff)"
+  std::string name;        ///< "5 (plate5.uff)"
   std::string label = {};  ///< in the column "specimen"
   std::vector<std::optional<double>> values = {};
 
@@ -48,8 +48,8 @@ std::vector<Specimen> specimens_of(const CsvTable& table) {
 std::vector<Specimen> specimens_of(const std::vector<MeasuredModes>& tests) {
   std::vector<Specimen> specimens;
   for (const MeasuredModes& modes : tests) {
-    Specimen specimen{.name = fmt::format("{} ({})", specimens.size() + 1,
-                                          std::filesystem::path(modes.file).filename().string())};
+    Specimen specimen{
+        .name = fmt::format("{} ({})", specimens.size() + 1, std::filesystem::path(modes.file).filename().string())};
     for (Eigen::Index mode = 0; mode < modes.frequencies.size(); ++mode) {
       const Eigen::ArrayXd shape = modes.shapes.col(mode).array().isNaN().select(0.0, modes.shapes.col(mode).array());
       specimen.add(modes.frequencies(mode));
@@ -74,7 +74,8 @@ std::string repeated_labels(const std::vector<Specimen>& specimens) {
   std::vector<std::string> repeated;
   for (const std::string& label : order) repeated.push_back(fmt::format("{} in {} rows", label, rows[label]));
   return fmt::format(
-      "The column \"specimen\" names a specimen several times, and every row is taken for a specimen of its own: {}. If "
+      "The column \"specimen\" names a specimen several times, and every row is taken for a specimen of its own: {}. "
+      "If "
       "they are repeated tests, give test.file one row for each specimen, the mean of its tests, and this table as "
       "test.repeatability.",
       first_few(repeated));

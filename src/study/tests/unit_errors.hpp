@@ -15,8 +15,8 @@ struct UnitFactor {
   const char* remedy;
 };
 
-/// The factor that three quarters of the ratios lie within a factor 1.5 of; null: none. One ratio alone is not taken for
-/// 60 or its inverse.
+/// The factor that three quarters of the ratios lie within a factor 1.5 of; null: none. One ratio alone is not taken
+/// for 60 or its inverse.
 ///
 /// @param ratios  ln of tested over computed frequencies
 const UnitFactor* find_unit_factor(const std::vector<double>& ratios);
