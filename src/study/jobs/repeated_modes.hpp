@@ -12,6 +12,8 @@ namespace mottle::study {
 struct ModeGroup {
   Eigen::Index first = 0;
   Eigen::Index count = 1;
+
+  bool contains(Eigen::Index mode) const { return mode >= first && mode < first + count; }
 };
 
 /// Modes solved beyond those asked for, so that a repeated frequency is not cut.
