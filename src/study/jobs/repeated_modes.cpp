@@ -1,6 +1,6 @@
 #include "study/jobs/repeated_modes.hpp"
 
-#include <Eigen/Eigenvalues>
+#include "mottle/linalg/dense/decompositions.hpp"
 
 namespace mottle::study {
 
@@ -49,8 +49,7 @@ Eigen::RowVectorXd principal_values(const Eigen::RowVectorXd& values, Eigen::Ind
       }
     }
     if (!form.allFinite()) continue;  // fractions of the energy that a rigid-body motion has not
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(form, Eigen::EigenvaluesOnly);  // of lower triangles
-    result.segment(first, count) = solver.eigenvalues().transpose();
+    result.segment(first, count) = symmetric_eigenvalues(form).transpose();  // of lower triangles
   }
   return result;
 }

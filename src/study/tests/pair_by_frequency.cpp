@@ -267,8 +267,7 @@ std::string FrequencyPairing::note_on_names(const StructureModel& model, const T
   if (others.empty()) return {};
   return fmt::format(
       "Columns of the tests may be other modes of the model than their numbers say. By frequency {}. {}; \"order\" "
-      "says "
-      "that the numbers are right.",
+      "says that the numbers are right.",
       join(others), how_to_take(model));
 }
 
