@@ -18,6 +18,11 @@ namespace {
 constexpr const char* k_alive = "alive";
 constexpr const char* k_given_up = "given-up";
 
+/// What the beat of that number writes, of the same length each time.
+std::string words_of_beat(unsigned id, int count) {
+  return fmt::format("{:10} {:08x} {}\n", count, id, node_name());
+}
+
 /// Of the same size each time, in place: a full disk does not end it. Opened anew: network file systems hand on what
 /// was written when a file is closed.
 ///
@@ -25,28 +30,24 @@ constexpr const char* k_given_up = "given-up";
 int beat(const std::filesystem::path& file, unsigned id, int count, int flags = 0) {
   const int descriptor = ::open(file.c_str(), O_WRONLY | O_CREAT | O_NOFOLLOW | O_CLOEXEC | flags, 0644);
   if (descriptor < 0) return errno;
-  const std::string text = fmt::format("{:10} {:08x} {}\n", count, id, node_name());
-  (void)!::pwrite(descriptor, text.data(), text.size(), 0);
+  const std::string text = words_of_beat(id, count);
+  const int error = ::pwrite(descriptor, text.data(), text.size(), 0) < 0 ? errno : 0;
   ::close(descriptor);
-  return 0;
+  return error;
 }
 
-/// Whether the file was written, or taken away, within a time in which a process that is at work has beaten.
-bool has_moved(const std::filesystem::path& task, std::chrono::milliseconds time) {
-  const std::string before = read_heartbeat(task);
-  std::this_thread::sleep_for(time);
-  return read_heartbeat(task) != before;
-}
-
-/// Makes the file of a process whose beats the others will see, where nobody else beats. Of several at the same time one
-/// makes a file that is not there; where a dead process has left one, all write to it, and the last of them finds its
-/// own words there. One that was held up between its look and its words finds beats of the other there.
+/// Makes the file of a process whose beats the others will see, where nobody else beats. Of several at the same time
+/// one makes a file that is not there; where a dead process has left one, all write to it, and the last of them finds
+/// its own words there. One that was held up between its look and its words finds beats of the other there.
 bool claim(const std::filesystem::path& task, unsigned id, std::chrono::milliseconds interval) {
   const std::filesystem::path file = task / k_alive;
-  if (beat(file, id, 0, O_EXCL) != EEXIST) return true;  // where there is no room it works without
-  if (has_moved(task, 2 * interval + interval / 2)) return false;
-  beat(file, id, 0);
-  return !has_moved(task, interval + interval / 2);
+  if (beat(file, id, 0, O_EXCL) != EEXIST) return true;  // where there is no room it works without, here and below
+  const std::string before = read_heartbeat(task);
+  std::this_thread::sleep_for(2 * interval + interval / 2);
+  if (read_heartbeat(task) != before) return false;
+  if (beat(file, id, 0) != 0) return true;
+  std::this_thread::sleep_for(interval + interval / 2);
+  return read_heartbeat(task).starts_with(words_of_beat(id, 0));  // the other's words may have been longer
 }
 
 }  // namespace

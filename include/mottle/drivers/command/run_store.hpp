@@ -92,8 +92,8 @@ class RunStore {
   [[noreturn]] void refuse(int error) const;
 
   File own_;
-  mutable std::vector<File> others_;  // which grow
-  mutable std::mutex mutex_;          // of all here
+  mutable std::vector<File> others_;                              // which grow
+  mutable std::mutex mutex_;                                      // of all here
   double flushed_at_ = -std::numeric_limits<double>::infinity();  // on the steady clock
   bool is_unflushed_ = false;
 };
