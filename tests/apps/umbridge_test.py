@@ -287,7 +287,7 @@ class AsClient(UmbridgeTest):
         self.succeed("update", "study.toml", "--out", "a", "--quiet", "--set", 'update.method="deterministic"')
         notes = [note for note in read_result(self.folder / "a")["notes"] if "a request for derivatives failed" in note]
         self.assertEqual(len(notes), 1)
-        self.assertRegex(notes[0], r"at \d+ of \d+ points .*HTTP 500: 'no adjoint here'")
+        self.assertRegex(notes[0], r"\d+ of the \d+ times .*HTTP 500: 'no adjoint here'")
         self.assertEqual((self.folder / "a" / "mottle.log").read_text().count("a request for derivatives failed"), 1)
         self.study(self.model(features=("Evaluate", "Gradient")))
         self.succeed("update", "study.toml", "--out", "b", "--quiet", "--set", 'update.method="deterministic"')
