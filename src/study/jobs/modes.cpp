@@ -48,7 +48,7 @@ Shapes shapes_of_table(const SolvedDeck& solved, const std::filesystem::path& fi
 
 Shapes shapes_of_deck(const SolvedDeck& solved, const ModesSettings& settings) {
   const SolvedDeck other = solve_deck(*settings.compare, {.ignore_cards = settings.ignore_cards},
-                                      static_cast<int>(solved.modes.values.size()));
+                                      static_cast<int>(solved.modes.values.size()), settings.stop);
   std::vector<int> here;
   std::vector<int> there;
   for (const Equation& equation : solved.structure->assembled().equations) {
@@ -93,7 +93,7 @@ ModesOutcome find_modes_here(const ModesSettings& settings) {
   const double start = steady_seconds();
   ModesOutcome outcome{.settings = settings};
   const auto deck = std::make_shared<const SolvedDeck>(
-      solve_deck(settings.model, {settings.ignore_cards, settings.subcase}, settings.modes));
+      solve_deck(settings.model, {settings.ignore_cards, settings.subcase}, settings.modes, settings.stop));
   outcome.deck = deck;
   outcome.seconds = steady_seconds() - start;
   if (settings.compare) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <atomic>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -30,6 +31,8 @@ struct SolvedDeck {
 /// @param modes         0: what the deck's EIGRL asks for (V1, V2, ND), else 10
 /// @throws FormatError, InvalidInput  a deck that cannot be understood or has no modes
 /// @throws SystemFailure  fewer modes were found than the inertia of K - s M counts
-SolvedDeck solve_deck(const std::filesystem::path& deck, const NastranOptions& options, int modes);
+/// @throws Stopped  on request
+SolvedDeck solve_deck(const std::filesystem::path& deck, const NastranOptions& options, int modes,
+                      const std::atomic<bool>* stop = nullptr);
 
 }  // namespace mottle::study

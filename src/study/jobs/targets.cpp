@@ -165,7 +165,8 @@ TargetsOutcome targets_of_calculix(const TargetsSettings& settings) {
 
 TargetsOutcome find_targets(const TargetsSettings& settings) {
   if (model_kind_of(settings.model) == "calculix") return targets_of_calculix(settings);
-  return targets_of(solve_deck(settings.model, {settings.ignore_cards, settings.subcase}, settings.modes), settings);
+  return targets_of(
+      solve_deck(settings.model, {settings.ignore_cards, settings.subcase}, settings.modes, settings.stop), settings);
 }
 
 }  // namespace mottle::study
