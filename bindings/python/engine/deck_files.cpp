@@ -72,10 +72,10 @@ py::tuple matrices_of(const std::shared_ptr<const NastranModel>& deck) {
   Assembled found = CallingThread::run_by_itself([deck](const auto* /*stop*/) {
     const Eigen::VectorXd none;
     const FiniteElementStructure structure(deck->model, {}, none);
-    FiniteElementStructure::Matrices matrices = structure.matrices_at(none);
+    const FiniteElementStructure::Matrices matrices = structure.matrices_at(none);
     std::vector<std::string> names;
     for (int row = 0; row < matrices.stiffness.rows(); ++row) names.push_back(structure.equation_name(row));
-    return Assembled{std::move(matrices.stiffness), std::move(matrices.mass), std::move(names)};
+    return Assembled{matrices.stiffness, matrices.mass, std::move(names)};
   });
   return py::make_tuple(std::move(found.stiffness), std::move(found.mass), std::move(found.names));
 }

@@ -14,9 +14,9 @@ namespace {
 
 namespace py = pybind11;
 
-py::tuple modes_of(SparseMatrix stiffness, SparseMatrix mass, int count, double tolerance, bool counts) {
-  SparseModes modes = CallingThread::run_by_itself(
-      [stiffness = std::move(stiffness), mass = std::move(mass), count, tolerance, counts](const auto* stop) {
+py::tuple modes_of(const SparseMatrix& stiffness, const SparseMatrix& mass, int count, double tolerance, bool counts) {
+  SparseModes modes =
+      CallingThread::run_by_itself([stiffness = stiffness, mass = mass, count, tolerance, counts](const auto* stop) {
         return SparseModeSolver().solve(
             stiffness, mass,
             {.modes = count, .tolerance = tolerance, .counts_below = counts, .measures = false, .stop = stop});

@@ -21,7 +21,7 @@ from mottle.population import Population, reml
 from mottle.reduced import ReducedModel, ReducedModes
 from mottle.results import CheckResult, DiagnoseResult, PropagateResult, SimulateResult, UpdateResult
 from mottle.study import Study
-from mottle.universal import (
+from mottle.uff import (
     UffAxis,
     UffCoordinateSystem,
     UffElement,
@@ -31,9 +31,8 @@ from mottle.universal import (
     UffShape,
     UffTraceLine,
     UffUnits,
-    read_uff,
-    write_uff,
 )
+from mottle.universal import read_uff, write_uff
 
 __version__: str = _engine.version()
 
