@@ -161,6 +161,19 @@ def test_a_deck_as_arrays(examples):
     assert np.allclose(frequencies[6:], mottle.modes(file, 12).frequencies[6:], rtol=1e-9)
 
 
+def test_files_that_a_deck_includes_are_written_too(tmp_path):
+    (tmp_path / "deck" / "parts").mkdir(parents=True)
+    file = tmp_path / "deck" / "main.bdf"
+    file.write_text("SOL 103\nCEND\nMETHOD=1\nBEGIN BULK\nEIGRL,1,,,2\nINCLUDE 'parts/rod.bdf'\nGRID,1,,0.,0.,0.,,123456\n"
+                    "GRID,2,,1.,0.,0.,,23456\nCELAS2,7,100.,2,1\nCONM2,9,2,,3.\nCROD,1,1,1,2\nENDDATA\n")
+    (tmp_path / "deck" / "parts" / "rod.bdf").write_text("MAT1,1,7.+10,,.3,2700.\nPROD,1,1,.01\n")
+    deck = mottle.read_deck(file)
+    assert deck.elements == [("CROD", 1, [1, 2]), ("CELAS", 7, [2, 0]), ("CONM2", 9, [2])]
+    assert deck.write(tmp_path / "new", {"MAT1:1:E": 8e10, "CELAS2:7:K": 55.0}) == 0.0
+    assert (tmp_path / "new" / "parts" / "rod.bdf").read_text() == "MAT1,1,8.+10,,.3,2700.\nPROD,1,1,.01\n"
+    assert "CELAS2,7,55." in (tmp_path / "new" / "main.bdf").read_text()
+
+
 def test_a_deck_with_other_numbers(examples, tmp_path):
     file = examples / "02-airframe" / "airframe.bdf"
     deck = mottle.read_deck(file)

@@ -37,8 +37,8 @@ class UffNodes:
         are_local: positions are in the definition systems [node], or one for all.
     """
 
-    ids: Sequence[int] | npt.NDArray[np.int_]
-    positions: npt.ArrayLike
+    ids: Sequence[int] | npt.NDArray[np.int_] = field(repr=False)
+    positions: npt.ArrayLike = field(repr=False)
     definition_systems: _Integers = 0
     displacement_systems: _Integers = 0
     colors: _Integers = 0
@@ -98,8 +98,8 @@ class UffShape:
         modal_a, modal_b: of a complex mode; 0: not given.
     """
 
-    nodes: Sequence[int] | npt.NDArray[np.int_]
-    values: npt.ArrayLike
+    nodes: Sequence[int] | npt.NDArray[np.int_] = field(repr=False)
+    values: npt.ArrayLike = field(repr=False)
     frequency: float = 0.0
     mode: int = 0
     modal_mass: float = 0.0
@@ -139,8 +139,8 @@ class UffFunction:
         is_double, is_binary: how the values are written.
     """
 
-    abscissa: npt.ArrayLike
-    values: npt.ArrayLike
+    abscissa: npt.ArrayLike = field(repr=False)
+    values: npt.ArrayLike = field(repr=False)
     type: int = 0
     response_node: int = 0
     response_direction: int = 0
