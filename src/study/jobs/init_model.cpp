@@ -27,7 +27,8 @@ void propose_units_of(InitOutcome& outcome, const ProposedUnits& units) {
 
 InitModel solve_nastran(InitOutcome& outcome, int modes) {
   InitSettings& settings = outcome.settings;
-  const SolvedDeck solved = solve_deck(settings.model, {.ignore_cards = settings.ignore_cards}, modes, k_modes_beyond);
+  const SolvedDeck solved =
+      solve_deck(settings.model, {.ignore_cards = settings.ignore_cards}, modes, nullptr, k_modes_beyond);
   propose_units_of(outcome, propose_units(solved.structure->model()));
   TargetsOutcome targets = targets_of(solved, {.model = settings.model, .units = settings.units});
   return {std::move(targets.frequencies), std::move(targets.targets), solved.structure->mode_count()};

@@ -89,7 +89,7 @@ Eigen::MatrixXd basic_translations(const SolvedDeck& solved, const std::vector<E
 
 Shapes shapes_of_deck(const SolvedDeck& solved, const ModesSettings& settings) {
   const SolvedDeck other = solve_deck(*settings.compare, {.ignore_cards = settings.ignore_cards},
-                                      static_cast<int>(solved.modes.values.size()));
+                                      static_cast<int>(solved.modes.values.size()), settings.stop);
   const CommonNodes common = common_nodes(*solved.structure, *other.structure);
   require(!common.here.empty(), "{} and {} have no grid point in common", settings.model.string(),
           settings.compare->string());
@@ -124,7 +124,7 @@ ModesOutcome find_modes_here(const ModesSettings& settings) {
   const double start = steady_seconds();
   ModesOutcome outcome{.settings = settings};
   const auto deck = std::make_shared<const SolvedDeck>(
-      solve_deck(settings.model, {settings.ignore_cards, settings.subcase}, settings.modes));
+      solve_deck(settings.model, {settings.ignore_cards, settings.subcase}, settings.modes, settings.stop));
   outcome.deck = deck;
   outcome.seconds = steady_seconds() - start;
   if (settings.compare) {

@@ -93,7 +93,8 @@ void refuse_other_models(const std::filesystem::path& deck) {
 
 }  // namespace
 
-SolvedDeck solve_deck(const std::filesystem::path& deck, const NastranOptions& options, int modes, int beyond) {
+SolvedDeck solve_deck(const std::filesystem::path& deck, const NastranOptions& options, int modes,
+                      const std::atomic<bool>* stop, int beyond) {
   const double start = steady_seconds();
   refuse_other_models(deck);
   NastranModel read = read_nastran_model(deck, options);
@@ -115,9 +116,9 @@ SolvedDeck solve_deck(const std::filesystem::path& deck, const NastranOptions& o
   const double assembled = steady_seconds();
   if (modes == 0) modes = modes_of_method(*solved.structure, asked, solved.notes);
   solved.assembly_seconds = assembled - start - solved.read_seconds;
-  solved.modes = solved.solver->solve_one(none, {.modes = modes + beyond, .counts_below = true});
+  solved.modes = solved.solver->solve_one(none, {.modes = modes + beyond, .counts_below = true, .stop = stop});
   if (beyond > 0 && (!solved.modes.failure.empty() || !solved.modes.is_complete())) {  // of modes that nobody asked for
-    solved.modes = solved.solver->solve_one(none, {.modes = modes, .counts_below = true});
+    solved.modes = solved.solver->solve_one(none, {.modes = modes, .counts_below = true, .stop = stop});
   }
   if (!solved.modes.failure.empty()) {
     throw InvalidInput(fmt::format("{}: {}", deck.string(), solved.solver->failure_text(solved.modes)));

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <atomic>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -33,6 +34,8 @@ struct SolvedDeck {
 /// @param beyond        further modes, as far as there are any
 /// @throws FormatError, InvalidInput  a deck that cannot be understood or has no modes
 /// @throws SystemFailure  fewer modes were found than the inertia of K - s M counts
-SolvedDeck solve_deck(const std::filesystem::path& deck, const NastranOptions& options, int modes, int beyond = 0);
+/// @throws Stopped  on request
+SolvedDeck solve_deck(const std::filesystem::path& deck, const NastranOptions& options, int modes,
+                      const std::atomic<bool>* stop = nullptr, int beyond = 0);
 
 }  // namespace mottle::study

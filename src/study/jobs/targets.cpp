@@ -190,8 +190,9 @@ TargetsOutcome targets_of_calculix(const TargetsSettings& settings) {
 
 TargetsOutcome find_targets(const TargetsSettings& settings) {
   if (model_kind_of(settings.model) == "calculix") return targets_of_calculix(settings);
-  return targets_of(
-      solve_deck(settings.model, {settings.ignore_cards, settings.subcase}, settings.modes, k_modes_beyond), settings);
+  return targets_of(solve_deck(settings.model, {settings.ignore_cards, settings.subcase}, settings.modes, settings.stop,
+                               k_modes_beyond),
+                    settings);
 }
 
 }  // namespace mottle::study
