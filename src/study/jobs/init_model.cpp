@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "mottle/core/error.hpp"
 #include "mottle/core/files.hpp"
 #include "mottle/core/text.hpp"
 #include "mottle/dynamics/modes/mode_set.hpp"
@@ -143,6 +144,20 @@ CalculixParts make_separable_parts(const InitOutcome& outcome, const std::vector
   return without;
 }
 
+/// The modes asked for, or more where these cut a repeated frequency. Modes that nobody asked for may fail.
+Eigen::Index modes_to_solve(const Solver& solver, Eigen::Index asked) {
+  const Eigen::Index there = std::min<Eigen::Index>(asked + k_modes_beyond, solver.structure().mode_count());
+  try {
+    const Eigen::VectorXd ones = Eigen::VectorXd::Ones(solver.structure().parameter_count());
+    const Eigen::VectorXd values = solver.modes_at(ones, static_cast<int>(there)).eigenvalues;
+    const Eigen::VectorXd frequencies = natural_frequencies_hz(values.cwiseMax(0.0));
+    return with_whole_group(asked, frequencies, modes_of_one_frequency(frequencies));
+  } catch (const ModelFailure&) {
+  } catch (const InvalidInput&) {
+  }
+  return asked;
+}
+
 InitModel solve_calculix(InitOutcome& outcome, int modes) {
   const InitSettings& settings = outcome.settings;
   const CalculixDeck deck = read_calculix_deck(settings.model);
@@ -157,15 +172,12 @@ InitModel solve_calculix(InitOutcome& outcome, int modes) {
   InitModel solved;
   solved.mode_count = parts.solver->structure().mode_count();
   solved.notes = std::move(parts.notes);
-  const Eigen::Index count = std::min<Eigen::Index>(modes + k_modes_beyond, solved.mode_count);
+  const Eigen::Index count = modes_to_solve(*parts.solver, std::min<Eigen::Index>(modes, solved.mode_count));
   OutputSelection outputs{.units = unit_names(*settings.units)};
   for (int mode = 1; mode <= count; ++mode) outputs.frequencies.push_back(mode);
   const StructureModel model(std::move(parts.solver), outputs, Eigen::VectorXd::Ones(parts.reference.size()));
   solved.frequencies = elastic_frequencies(model, count);
-  const Eigen::Index asked = with_whole_group(std::min<Eigen::Index>(modes, count), solved.frequencies,
-                                              modes_of_one_frequency(solved.frequencies));
-  const Eigen::MatrixXd sensitivities = relative_sensitivities(model, solved.frequencies).topRows(asked);
-  solved.frequencies.conservativeResize(asked);
+  const Eigen::MatrixXd sensitivities = relative_sensitivities(model, solved.frequencies);
   for (std::size_t j = 0; j < names.size(); ++j) {
     solved.targets.push_back({.name = names[j],
                               .unit = study.model->target_unit(names[j], outputs.units),
