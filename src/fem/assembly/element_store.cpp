@@ -25,13 +25,17 @@ void turn_into_node_axes(const FiniteElementModel& model, ElementPieces& element
 
 /// T' M T, in which a row that is rounding alone, as of an element that moves with a rigid body, is zero: what is left
 /// of it would make a semidefinite matrix indefinite. The diagonal alone does not tell: pieces such as a product of
-/// inertia have none.
+/// inertia have none; beside one that is rounding, other entries of a semidefinite matrix may be its root.
 Eigen::MatrixXd transformed(const Eigen::MatrixXd& matrix, const Eigen::MatrixXd& transform) {
-  constexpr double k_rounding = 1e-13;  // of the sum of a product's sizes: some hundred terms
+  constexpr double k_rounding = 1e-14;  // of the sum of a product's sizes
+  constexpr double k_beside = 1e-7;
   Eigen::MatrixXd result = transform.transpose() * matrix * transform;
   const Eigen::MatrixXd sizes = transform.cwiseAbs().transpose() * matrix.cwiseAbs() * transform.cwiseAbs();
+  const Eigen::VectorXd roots = sizes.diagonal().cwiseSqrt();
   for (Eigen::Index i = 0; i < result.rows(); ++i) {
-    if ((result.row(i).array().abs() > k_rounding * sizes.row(i).array()).any()) continue;
+    if (std::abs(result(i, i)) > k_rounding * sizes(i, i)) continue;
+    const Eigen::ArrayXd scales = sizes.row(i).transpose().cwiseMax(roots(i) * roots);
+    if ((result.row(i).transpose().array().abs() > k_beside * scales).any()) continue;
     result.row(i).setZero();
     result.col(i).setZero();
   }

@@ -61,6 +61,11 @@ bool add_deck(const Study& study, const Eigen::VectorXd& values, const fs::path&
   const std::optional<ExportedModel> model = study.model->export_at(list_targets(study.parameters), values);
   if (!model) return false;
   for (const ExportedModel::File& file : model->files) outcome.files[folder / file.name] = file.bytes;
+  if (folder == "mean" && model->rounding == 0.0) {
+    outcome.notes.emplace_back(
+        "The files are the model's templates as a run fills them: numbers have the digits that "
+        "their formats give, and what goes by the command line is in none of them.");
+  }
   if (folder == "mean" && model->rounding > 0.0) {
     outcome.notes.push_back(
         fmt::format("Numbers in the deck of the means differ by at most {:.1e} from the means, as wide "
@@ -126,12 +131,18 @@ toml::table correlation_table(const Eigen::MatrixXd& correlation) {
   return table;
 }
 
+/// Whether a parameter's scatter says less than its prior did, since the tests do not see it.
+bool keeps_prior(const Found& found, std::size_t i) {
+  const auto index = static_cast<Eigen::Index>(i);
+  return !found.is_seen[i] && !(found.standard_deviation(index) >= found.prior_std(index));
+}
+
 /// What the next update may take for known: parameters that the tests did not see are as uncertain as they were.
 Found as_prior(Found found) {
   for (std::size_t i = 0; i < found.is_seen.size(); ++i) {
     const auto index = static_cast<Eigen::Index>(i);
-    if (found.is_seen[i]) continue;
-    found.standard_deviation(index) = std::fmax(found.standard_deviation(index), found.prior_std(index));
+    if (!keeps_prior(found, i)) continue;
+    found.standard_deviation(index) = found.prior_std(index);
     found.correlation.row(index).setZero();
     found.correlation.col(index).setZero();
     found.correlation(index, index) = 1.0;
@@ -143,7 +154,7 @@ Found as_prior(Found found) {
 /// mean's size, since a prior has some.
 std::string next_study(const Study& study, const Found& found, const fs::path& folder, ExportOutcome& outcome) {
   constexpr double k_narrow = 1e-3;
-  constexpr double k_nothing = 1e-6;  // of the mean's size
+  constexpr double k_nothing = 1e-6;  // of the prior's
   toml::table root = toml::parse(study_text_for(study, folder));
   toml::array* list = root["parameter"].as_array();
   std::vector<std::string> narrow;
@@ -151,7 +162,7 @@ std::string next_study(const Study& study, const Found& found, const fs::path& f
     const StudyParameter& parameter = study.parameters.list[i];
     const auto index = static_cast<Eigen::Index>(i);
     double deviation = found.standard_deviation(index);
-    if (!(deviation > k_nothing * std::abs(found.mean(index)))) {
+    if (!(deviation > k_nothing * found.prior_std(index))) {
       deviation = k_narrow * std::max(std::abs(found.mean(index)), 1e-300);
       narrow.push_back(parameter.name);
     }
@@ -179,7 +190,7 @@ std::string samples_csv(const Study& study, const Eigen::MatrixXd& samples) {
 void note_unseen(const Study& study, const Found& found, ExportOutcome& outcome) {
   std::vector<std::string> unseen;
   for (std::size_t i = 0; i < found.is_seen.size(); ++i) {
-    if (!found.is_seen[i]) unseen.push_back(study.parameters.list[i].name);
+    if (keeps_prior(found, i)) unseen.push_back(study.parameters.list[i].name);
   }
   if (unseen.empty()) return;
   outcome.notes.push_back(

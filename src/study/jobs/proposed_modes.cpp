@@ -63,11 +63,13 @@ void add_rare(int specimens, InitMode& mode) {
   if (is_rare) mode.doubt = fmt::format("found in {} of {} specimens only", mode.specimens, specimens);
 }
 
-/// Shapes that agree while all frequencies are off by one factor are those of tests in another unit.
+/// Shapes that agree, with one mode alone, while all frequencies are off by one factor are those of tests in another
+/// unit.
 void refuse_other_unit(const Study& draft, const TestContents& contents, const std::vector<InitMode>& modes) {
   std::vector<double> ratios;
   for (const InitMode& mode : modes) {
-    if (mode.specimens > 0 && mode.mac >= k_alike) ratios.push_back(std::log(mode.test_mean / mode.model));
+    if (mode.specimens > 0 && mode.mac >= k_alike && mode.remark.empty())
+      ratios.push_back(std::log(mode.test_mean / mode.model));
   }
   const UnitFactor* const factor = ratios.size() > 1 ? find_unit_factor(ratios) : nullptr;
   if (factor == nullptr) return;
@@ -99,7 +101,7 @@ void pair_by_mac(const Study& draft, const StructureModel& model, const TestCont
     if (mode->specimens > 0 && mode->mac < k_alike) {
       mode->doubt = fmt::format("MAC {:.2f}: the shapes are not alike", mode->mac);
     } else if (mode->specimens > 0 && std::abs(std::log(mode->model / mode->test_mean)) > std::log(k_other_mode)) {
-      mode->doubt = fmt::format("{:+.0f} % apart: shapes at few points are alike by chance",
+      mode->doubt = fmt::format("{:+.0f} % apart: alike by chance at the points measured, or the model is far off",
                                 100.0 * (mode->model / mode->test_mean - 1.0));
     }
     if (second.contains(number) && second.at(number) > mode->mac - k_lead) {

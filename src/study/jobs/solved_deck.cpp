@@ -76,6 +76,19 @@ void note_lost_modes(const SparseStructure::Matrices& matrices, const Eigen::Vec
                               lost == 1 ? "is" : "are", lost == 1 ? "it" : "them"));
 }
 
+/// Masses that differ by many orders of magnitude can leave no digit of the lowest modes.
+void require_accuracy(const std::filesystem::path& deck, const SparseModes& modes) {
+  constexpr double k_inaccurate = 1e-4;
+  if (modes.residuals.size() == 0) return;
+  Eigen::Index worst = 0;
+  const double residual = modes.residuals.maxCoeff(&worst);
+  require(
+      residual <= k_inaccurate,
+      "{}: mode {} is not accurate, its residual is {:.1e}: some masses are smaller than others by so many orders of "
+      "magnitude that rounding hides the lowest modes. Leave these points without mass, or give them their true one",
+      deck.string(), worst + 1, residual);
+}
+
 void refuse_other_models(const std::filesystem::path& deck) {
   require(deck.extension() != ".msh",
           "{}: a mesh alone has no materials and supports; write a study of kind \"mesh\" (docs/howto/mesh.md), whose "
@@ -134,6 +147,7 @@ SolvedDeck solve_deck(const std::filesystem::path& deck, const NastranOptions& o
                                     deck.string(), solved.modes.values.size(), solved.modes.counted_at,
                                     solved.modes.counted_below));
   }
+  require_accuracy(deck, solved.modes);
   solved.solution_seconds = steady_seconds() - assembled;
   const SparseStructure::Matrices matrices = solved.structure->matrices_at(none);
   solved.frequencies = frequencies_beyond_rounding(solved.modes, matrices.stiffness);

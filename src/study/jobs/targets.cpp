@@ -98,7 +98,7 @@ ModeEnergies energies_of(const SolvedDeck& solved) {
 
 /// Whether a repeated frequency among the modes asked for may go on beyond those that were solved.
 bool is_group_cut(const std::vector<ModeGroup>& groups, const SolvedDeck& solved) {
-  if (groups.empty() || solved.frequencies.size() == solved.asked) return false;
+  if (groups.empty() || solved.frequencies.size() < solved.asked + k_modes_beyond) return false;
   const auto [first, count] = groups.back();
   return first < solved.asked && first + count == solved.frequencies.size();
 }
