@@ -61,26 +61,51 @@ Eigen::MatrixXd split_slopes(const ModeGroup& group, const Eigen::VectorXd& freq
   return (up - down.colwise().reverse()) / (2.0 * step);
 }
 
+/// Frequencies with each parameter a step above and below the deck's own values [mode x parameter].
+struct Moved {
+  Eigen::MatrixXd above, below;
+};
+
+Moved frequencies_about(const StructureModel& model, double step) {
+  const Eigen::VectorXd& ones = model.reference_parameters();
+  const Eigen::Index q = ones.size();
+  Eigen::MatrixXd points = ones.transpose().replicate(2 * q, 1);
+  points.topRows(q).diagonal().array() += step;
+  points.bottomRows(q).diagonal().array() -= step;
+  const Eigen::MatrixXd outputs = model.evaluate(points, {}).outputs;
+  return {outputs.topRows(q).transpose(), outputs.bottomRows(q).transpose()};
+}
+
+constexpr double k_step = 1e-3;
+
+/// A step with which no mode of the group passes its neighbours: these move by half of it at most, each its way.
+double step_of(const ModeGroup& group, const Eigen::VectorXd& frequencies) {
+  constexpr double k_fraction = 0.2;
+  constexpr double k_least = 1e-7;
+  const Eigen::Index next = group.first + group.count;
+  double gap = k_step / k_fraction;
+  if (group.first > 0) gap = std::min(gap, 1.0 - frequencies(group.first - 1) / frequencies(group.first));
+  if (next < frequencies.size()) gap = std::min(gap, frequencies(next) / frequencies(next - 1) - 1.0);
+  return std::clamp(k_fraction * gap, k_least, k_step);
+}
+
 /// d ln f / d ln p at the deck's own values, where every parameter is a factor; central differences where the model has
 /// no derivative or modes have one frequency [mode x parameter].
 Eigen::MatrixXd relative_sensitivities(const StructureModel& model, const Eigen::VectorXd& frequencies) {
-  constexpr double k_step = 1e-3;
-  const Eigen::VectorXd& ones = model.reference_parameters();
-  const Eigen::Index q = ones.size();
+  const bool has_derivatives = model.derivatives() != nullptr;
   const std::vector<ModeGroup> groups = modes_of_one_frequency(frequencies);
+  const Eigen::Index q = model.reference_parameters().size();
   Eigen::MatrixXd slopes = Eigen::MatrixXd::Constant(frequencies.size(), q, std::nan(""));
-  if (model.derivatives() != nullptr) slopes = model.jacobian(ones);
-  if (!slopes.allFinite() || !groups.empty()) {
-    Eigen::MatrixXd points = ones.transpose().replicate(2 * q, 1);
-    points.topRows(q).diagonal().array() += k_step;
-    points.bottomRows(q).diagonal().array() -= k_step;
-    const Eigen::MatrixXd outputs = model.evaluate(points, {}).outputs;
-    const Eigen::MatrixXd above = outputs.topRows(q).transpose();
-    const Eigen::MatrixXd below = outputs.bottomRows(q).transpose();
-    slopes = slopes.array().isFinite().select(slopes, (above - below) / (2.0 * k_step));
-    for (const ModeGroup& group : groups) {
-      slopes.middleRows(group.first, group.count) = split_slopes(group, frequencies, above, below, k_step);
-    }
+  if (has_derivatives) slopes = model.jacobian(model.reference_parameters());
+  if (!slopes.allFinite()) {
+    const Moved moved = frequencies_about(model, k_step);
+    slopes = slopes.array().isFinite().select(slopes, (moved.above - moved.below) / (2.0 * k_step));
+  }
+  for (const ModeGroup& group : groups) {
+    if (frequencies(group.first) == 0.0) continue;                               // of rigid-body modes nothing is said
+    const double step = has_derivatives ? step_of(group, frequencies) : k_step;  // runs of a solver are the same ones
+    const Moved moved = frequencies_about(model, step);
+    slopes.middleRows(group.first, group.count) = split_slopes(group, frequencies, moved.above, moved.below, step);
   }
   const double none = std::numeric_limits<double>::quiet_NaN();
   const Eigen::VectorXd scales = (frequencies.array() > 0.0).select(frequencies.cwiseInverse(), none);
@@ -146,12 +171,16 @@ CalculixParts make_separable_parts(const InitOutcome& outcome, const std::vector
 
 /// The modes asked for, or more where these cut a repeated frequency. Modes that nobody asked for may fail.
 Eigen::Index modes_to_solve(const Solver& solver, Eigen::Index asked) {
-  const Eigen::Index there = std::min<Eigen::Index>(asked + k_modes_beyond, solver.structure().mode_count());
+  const Eigen::Index most = solver.structure().mode_count();
+  const Eigen::VectorXd ones = Eigen::VectorXd::Ones(solver.structure().parameter_count());
   try {
-    const Eigen::VectorXd ones = Eigen::VectorXd::Ones(solver.structure().parameter_count());
-    const Eigen::VectorXd values = solver.modes_at(ones, static_cast<int>(there)).eigenvalues;
-    const Eigen::VectorXd frequencies = natural_frequencies_hz(values.cwiseMax(0.0));
-    return with_whole_group(asked, frequencies, modes_of_one_frequency(frequencies));
+    for (Eigen::Index beyond = k_modes_beyond;; beyond *= 4) {
+      const Eigen::Index there = std::min(asked + beyond, most);
+      const Eigen::VectorXd values = solver.modes_at(ones, static_cast<int>(there)).eigenvalues;
+      const Eigen::VectorXd frequencies = natural_frequencies_hz(values.cwiseMax(0.0));
+      const Eigen::Index whole = with_whole_group(asked, frequencies, modes_of_one_frequency(frequencies));
+      if (whole < there || there == most) return whole;
+    }
   } catch (const ModelFailure&) {
   } catch (const InvalidInput&) {
   }
