@@ -75,10 +75,9 @@ InitOutcome propose(const InitSettings& settings) {
 
 /// Empty: those that are proposed. Another answer is asked for again.
 std::string ask_units(const std::string& proposed) {
-  static const std::vector<std::string> k_known = {"SI", "mm-t-s", "mm-kg-ms", "in-lbf-s"};
   while (true) {
-    std::string answer = ask(fmt::format("Units of the deck: {} [{}]: ", join(k_known), proposed));
-    if (answer.empty() || std::ranges::count(k_known, answer) > 0) return answer;
+    std::string answer = ask(fmt::format("Units of the deck: {} [{}]: ", join(unit_systems()), proposed));
+    if (answer.empty() || std::ranges::count(unit_systems(), answer) > 0) return answer;
     tell(fmt::format("mottle: '{}' is none of these systems\n", printable(answer)));
   }
 }
@@ -151,7 +150,7 @@ void add_init(CLI::App& app) {
   verb->add_option("tests", options->settings.tests, "test files (.uff, .unv, .csv, .mat), folders or patterns");
   verb->add_option("--out", options->settings.study, "study to write (default: MODEL.toml beside the deck)");
   verb->add_option("--units", options->units, "units of the deck (default: guessed from its materials)")
-      ->check(CLI::IsMember({"SI", "mm-t-s", "mm-kg-ms", "in-lbf-s"}));
+      ->check(CLI::IsMember(unit_systems()));
   verb->add_option("--outputs", options->modes, "modes that are outputs, in the model's numbers (3,4,7)")
       ->delimiter(',');
   verb->add_option("--targets", options->targets, "targets of the parameters (MAT1:2:E,PELAS:4:K)")->delimiter(',');

@@ -41,14 +41,6 @@ std::string text_of(const CalculixDeck& deck, const std::vector<std::string>& li
   return text;
 }
 
-/// Where the number of modes ends in the data of *FREQUENCY; limits of frequency follow, between which modes would be
-/// counted.
-std::size_t end_of_count(const std::string& line) {
-  const std::size_t comma = line.find(',');
-  const bool has_limits = comma != std::string::npos && line.find_first_of("0123456789", comma) != std::string::npos;
-  return has_limits ? comma : line.size();
-}
-
 /// The deck with one step, whose procedure and data lines are these.
 std::string one_step_deck(const CalculixDeck& deck, const std::vector<CalculixChange>& changes,
                           const std::string& procedure) {

@@ -126,14 +126,19 @@ std::string needs_earlier_steps(const CalculixDeck& deck) {
   return has_boundary ? "a step before *FREQUENCY has a *BOUNDARY, which holds in later steps too" : "";
 }
 
+std::size_t end_of_count(const std::string& line) {
+  const std::size_t comma = line.find(',');
+  const bool has_limits = comma != std::string::npos && line.find_first_of("0123456789", comma) != std::string::npos;
+  return has_limits ? comma : line.size();
+}
+
 /// Whether the *FREQUENCY step has limits of frequency behind the number of modes.
 bool has_limits(const CalculixDeck& deck) {
   const std::optional<Step> step = find_step(deck);
   if (!step) return false;
   return std::ranges::any_of(data_lines(deck, step->procedure), [&](std::size_t line) {
     const std::string& text = deck.lines[line].text;
-    const std::size_t comma = text.find(',');
-    return comma != std::string::npos && text.find_first_of("0123456789", comma) != std::string::npos;
+    return end_of_count(text) < text.size();
   });
 }
 
