@@ -118,7 +118,9 @@ class SchedulersTest(support.CommandTest):
                 self.wait_for(3)
                 subprocess.run([support.MOTTLE, "cancel", "out"], cwd=self.folder, env=self.environment, check=True,
                                stdout=subprocess.DEVNULL)
-                self.assertIn("mottle cancel", self.end(process, code=4))
+                words = self.end(process, code=4)
+                self.assertIn("mottle cancel", words)
+                self.assertEqual(words.count("--resume"), 1, words)
                 self.end(self.start("--resume", "--quiet"))
                 self.expect_same(again=3)
                 for name in ("tower", "out", "alone"):

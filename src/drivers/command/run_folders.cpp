@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <csignal>
 #include <cstdlib>
 #include <cstring>
 #include <set>
@@ -14,6 +15,7 @@
 #include "mottle/core/error.hpp"
 #include "mottle/core/files.hpp"
 #include "mottle/core/ranks.hpp"
+#include "mottle/core/text.hpp"
 
 namespace mottle::drivers {
 namespace {
@@ -87,15 +89,36 @@ bool is_of_another_host(const std::string& name) {
   return maker != "mottle" && maker != "mottle-" + node_name();  // earlier versions named no host
 }
 
+/// Removes a folder whose maker was killed before it had marked it: there is nothing in it but half a mark.
+void remove_unmarked(const std::filesystem::path& folder) {
+  if (!is_of_dead_process(folder.filename().string(), fmt::format("mottle-{}-", node_name()))) return;
+  const std::filesystem::path mark = folder / k_mark;
+  struct stat status {};
+  const bool is_torn = ::lstat(mark.c_str(), &status) == 0 && S_ISREG(status.st_mode) &&
+                       status.st_size < static_cast<off_t>(k_mark_text.size());
+  if (is_torn) ::unlink(mark.c_str());
+  ::rmdir(folder.c_str());  // where it is empty now
+}
+
 void remove_marked_within(const std::filesystem::path& group) {
   std::error_code ignored;
   std::filesystem::directory_iterator entry(group, ignored);
   for (; entry != std::filesystem::directory_iterator(); entry.increment(ignored)) {
-    if (!is_of_another_host(entry->path().filename().string())) remove_marked(entry->path());
+    if (is_of_another_host(entry->path().filename().string())) continue;
+    remove_marked(entry->path());
+    remove_unmarked(entry->path());
   }
 }
 
 }  // namespace
+
+bool is_of_dead_process(const std::string& name, const std::string& prefix) {
+  if (!name.starts_with(prefix)) return false;
+  const std::string rest = name.substr(prefix.size());
+  double process = 0.0;
+  return parse_number(rest.substr(0, rest.find('-')), process) && process >= 1.0 &&
+         ::kill(static_cast<pid_t>(process), 0) != 0 && errno == ESRCH;
+}
 
 void require_no_linked_runs(const std::filesystem::path& results) {
   for (const char* name : {k_work, k_failed, k_kept, k_run_store, k_answer_store, k_tasks}) {

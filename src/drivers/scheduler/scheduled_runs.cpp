@@ -187,7 +187,7 @@ void ScheduledRuns::stop(const std::string& why) {
   leaves_tasks_ = !is_temporary_;
   if (is_there(cancel_mark(results_))) {  // also what was submitted meanwhile
     for (const std::unique_ptr<TaskArray>& array : arrays_) scheduler_->cancel(array->name());
-    throw Stopped(why + "; --resume goes on");
+    throw Stopped(why);
   }
   if (is_temporary_ || tasks == 0) throw Stopped(why);
   const std::string folder = results_.string();
