@@ -65,6 +65,20 @@ int mark(const std::filesystem::path& folder) {
   return -error;
 }
 
+/// Removes a folder, its mark last: where something stays, since a solver whose Mottle was killed still writes there,
+/// the next Mottle finds it marked.
+void remove_with_mark(const std::filesystem::path& folder) {
+  std::error_code ignored;
+  std::filesystem::directory_iterator entry(folder, ignored);
+  for (; entry != std::filesystem::directory_iterator(); entry.increment(ignored)) {
+    if (entry->path().filename() != k_mark) std::filesystem::remove_all(entry->path(), ignored);
+  }
+  ::unlink((folder / k_mark).c_str());
+  if (::rmdir(folder.c_str()) == 0) return;
+  const int descriptor = mark(folder);
+  if (descriptor >= 0) ::close(descriptor);
+}
+
 /// Removes a folder that was made here and that no process is using; never what a link points to.
 void remove_marked(const std::filesystem::path& folder) {
   std::error_code ignored;
@@ -74,7 +88,7 @@ void remove_marked(const std::filesystem::path& folder) {
   std::string text(k_mark_text.size(), ' ');
   const bool is_ours =
       ::read(descriptor, text.data(), text.size()) == static_cast<ssize_t>(text.size()) && text == k_mark_text;
-  if (is_ours && ::flock(descriptor, LOCK_EX | LOCK_NB) == 0) std::filesystem::remove_all(folder, ignored);
+  if (is_ours && ::flock(descriptor, LOCK_EX | LOCK_NB) == 0) remove_with_mark(folder);
   ::close(descriptor);
 }
 
@@ -177,9 +191,10 @@ RunFolders::RunFolders(const std::filesystem::path& results, bool forgets)
 
 RunFolders::~RunFolders() {
   std::error_code ignored;
-  std::filesystem::remove_all(work_, ignored);
+  remove_with_mark(work_);
   ::close(mark_);
-  std::filesystem::remove(results_ / k_work, ignored);  // where it is empty
+  if (!is_temporary_) remove_marked_within(results_ / k_work);  // of which solvers were just being ended before
+  std::filesystem::remove(results_ / k_work, ignored);          // where it is empty
   if (is_temporary_ && !has_kept_) std::filesystem::remove_all(results_, ignored);
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ranges>
 
 #include "mottle/core/error.hpp"
 #include "mottle/drivers/command/solver_runs.hpp"
@@ -103,8 +104,8 @@ std::optional<RunQueue::Failure> RunQueue::put_back(const TaskDeath& death) {
 }
 
 void RunQueue::take_back(const std::vector<Digest>& keys) {
-  for (auto key = keys.rbegin(); key != keys.rend(); ++key) {
-    if (Wanted* run = find(*key)) queue_first(*run);
+  for (const Digest& key : std::ranges::reverse_view(keys)) {
+    if (Wanted* run = find(key)) queue_first(*run);
   }
 }
 

@@ -5,6 +5,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <fstream>
+#include <thread>
+
 #include "core/temporary_folder.hpp"
 #include "mottle/core/files.hpp"
 #include "mottle/core/ranks.hpp"
@@ -47,6 +50,33 @@ TEST(RunFolders, WhatAKilledMottleHadNotMarkedYetGoesWhereItIsEmpty) {
   EXPECT_TRUE(fs::exists(of_the_user / "notes"));
   EXPECT_TRUE(fs::exists(of_the_living));
   EXPECT_TRUE(fs::exists(of_another_host));
+}
+
+// A guard ends a solver a moment after its Mottle was killed.
+TEST(RunFolders, WhereASolverStillWritesTheMarkStaysForTheNextMottle) {
+  const mottle::test::TemporaryFolder results;
+  const fs::path left = make(results.path(), dead_process(), "aaaaaa");
+  {
+    const RunFolders folders(results.path(), false);
+    fs::copy_file(folders.shared().parent_path() / ".mottle-run", results.path() / "mark");
+  }
+  fs::create_directories(left / "run-1");
+  fs::rename(results.path() / "mark", left / ".mottle-run");
+  {
+    const std::jthread solver([&](const std::stop_token& stop) {
+      std::error_code ignored;
+      for (int file = 0; !stop.stop_requested(); ++file) {
+        fs::create_directory(left / "run-1", ignored);
+        std::ofstream(left / "run-1" / fmt::format("{}", file)) << "text";
+      }
+    });
+    for (int start = 0; start < 20; ++start) {
+      { const RunFolders folders(results.path(), false); }
+      EXPECT_TRUE(!fs::exists(left) || fs::exists(left / ".mottle-run"));
+    }
+  }
+  { const RunFolders folders(results.path(), false); }
+  EXPECT_FALSE(fs::exists(left));
 }
 
 }  // namespace
