@@ -5,8 +5,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <fstream>
-#include <thread>
+#include <stdexcept>
 
 #include "core/temporary_folder.hpp"
 #include "mottle/core/files.hpp"
@@ -52,29 +51,43 @@ TEST(RunFolders, WhatAKilledMottleHadNotMarkedYetGoesWhereItIsEmpty) {
   EXPECT_TRUE(fs::exists(of_another_host));
 }
 
-// A guard ends a solver a moment after its Mottle was killed.
-TEST(RunFolders, WhereASolverStillWritesTheMarkStaysForTheNextMottle) {
+/// Who may not do everything, as long as it lives.
+class NotRoot {
+ public:
+  NotRoot() {
+    constexpr uid_t k_nobody = 65534;
+    if (was_ == 0 && ::seteuid(k_nobody) != 0) throw std::runtime_error("cannot become nobody");
+  }
+  NotRoot(const NotRoot&) = delete;
+  NotRoot& operator=(const NotRoot&) = delete;
+  ~NotRoot() { (void)!::seteuid(was_); }
+
+ private:
+  uid_t was_ = ::geteuid();
+};
+
+// As where the solver of a killed Mottle, which its guard ends a moment later, still writes there.
+TEST(RunFolders, WhereSomethingCannotBeRemovedTheMarkStaysForTheNextMottle) {
   const mottle::test::TemporaryFolder results;
-  const fs::path left = make(results.path(), dead_process(), "aaaaaa");
+  fs::permissions(results.path(), fs::perms::all);
+  const pid_t dead = dead_process();
+  const NotRoot user;
   {
     const RunFolders folders(results.path(), false);
     fs::copy_file(folders.shared().parent_path() / ".mottle-run", results.path() / "mark");
   }
-  fs::create_directories(left / "run-1");
+  const fs::path left = make(results.path(), dead, "aaaaaa");
+  for (int run = 1; run <= 16; ++run) fs::create_directory(left / fmt::format("run-{}", run));
   fs::rename(results.path() / "mark", left / ".mottle-run");
-  {
-    const std::jthread solver([&](const std::stop_token& stop) {
-      std::error_code ignored;
-      for (int file = 0; !stop.stop_requested(); ++file) {
-        fs::create_directory(left / "run-1", ignored);
-        std::ofstream(left / "run-1" / fmt::format("{}", file)) << "text";
-      }
-    });
-    for (int start = 0; start < 20; ++start) {
-      { const RunFolders folders(results.path(), false); }
-      EXPECT_TRUE(!fs::exists(left) || fs::exists(left / ".mottle-run"));
-    }
+  fs::path last;  // which is to be removed behind the mark
+  for (const fs::directory_entry& entry : fs::directory_iterator(left)) {
+    if (entry.is_directory()) last = entry.path();
   }
+  write_file_atomically(last / "file", "text");
+  fs::permissions(last, fs::perms::none);
+  { const RunFolders folders(results.path(), false); }
+  EXPECT_TRUE(fs::exists(left / ".mottle-run"));
+  fs::permissions(last, fs::perms::owner_all);
   { const RunFolders folders(results.path(), false); }
   EXPECT_FALSE(fs::exists(left));
 }
