@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ranges>
 
 #include "mottle/core/error.hpp"
 #include "mottle/drivers/command/solver_runs.hpp"
@@ -104,9 +103,9 @@ std::optional<RunQueue::Failure> RunQueue::put_back(const TaskDeath& death) {
 }
 
 void RunQueue::take_back(const std::vector<Digest>& keys) {
-  for (const Digest& key : std::ranges::reverse_view(keys)) {
+  std::for_each(keys.rbegin(), keys.rend(), [&](const Digest& key) {
     if (Wanted* run = find(key)) queue_first(*run);
-  }
+  });
 }
 
 void RunQueue::queue_first(Wanted& run) {
