@@ -18,6 +18,7 @@ ctest = ctest --preset $(1) -j $(JOBS)
 alternatives = $(subst $() ,|,$(strip $(1)))
 as_root = $(if $(filter 0,$(shell id -u)),,sudo)
 with_python = -DMOTTLE_BUILD_PYTHON=ON -DPython3_EXECUTABLE=$(PYTHON)
+four_ranks = mpirun -n 4 --oversubscribe --allow-run-as-root
 tsan_options = TSAN_OPTIONS="suppressions=$(CURDIR)/tools/tsan.supp $$TSAN_OPTIONS"
 
 .PHONY: build demo test lint asan tsan coverage fuzz attack python notebook deb try-deb bench clean
@@ -56,9 +57,12 @@ asan:
 tsan:
 	$(INSTALL) --test
 	$(call configure,tsan)
-	$(call build,tsan) --target mottle_app $(foreach layer,$(TSAN_LAYERS),--target mottle_$(layer)_tests)
+	$(call build,tsan) --target mottle_app --target mottle_mpi $(foreach layer,$(TSAN_LAYERS),--target mottle_$(layer)_tests)
 	$(tsan_options) $(call ctest,tsan) --label-regex "^($(call alternatives,$(TSAN_LAYERS)))$$"
 	$(tsan_options) build/tsan/mottle update examples/01-three-masses/case1.toml --threads 4 --quiet --out build/tsan/case1.mottle
+	$(tsan_options) $(four_ranks) build/tsan/mottle update examples/02-airframe/study.toml --set update.samples=300 --threads 2 \
+	  --quiet --out build/tsan/airframe.mottle
+	$(tsan_options) $(four_ranks) build/tsan/mottle propagate examples/04-any-solver/study.toml --quiet --out build/tsan/tower.mottle
 
 # The Python package with its tests, in build/release/python.
 python:

@@ -57,8 +57,10 @@ std::string partial_name(const std::filesystem::path& path) {
   return fmt::format("{}.{}-{}.partial", path.string(), ::getpid(), next++);
 }
 
-/// Whether a folder takes a file, which goes again; else errno says why not.
+/// Whether a folder takes a file, which goes again, and has no name where the system has files without one; else errno
+/// says why not.
 bool take_file(const std::filesystem::path& folder) {
+  if (Descriptor(::open(folder.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0644)).get() >= 0) return true;
   const std::string probe = partial_name(folder / ".mottle-probe");
   const Descriptor descriptor(::open(probe.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644));
   return descriptor.get() >= 0 && ::unlink(probe.c_str()) == 0;

@@ -118,7 +118,9 @@ class SchedulersTest(support.CommandTest):
                 self.wait_for(3)
                 subprocess.run([support.MOTTLE, "cancel", "out"], cwd=self.folder, env=self.environment, check=True,
                                stdout=subprocess.DEVNULL)
-                self.assertIn("mottle cancel", self.end(process, code=4))
+                words = self.end(process, code=4)
+                self.assertIn("mottle cancel", words)
+                self.assertEqual(words.count("--resume"), 1, words)
                 self.end(self.start("--resume", "--quiet"))
                 self.expect_same(again=3)
                 for name in ("tower", "out", "alone"):
@@ -141,6 +143,25 @@ class SchedulersTest(support.CommandTest):
             self.assertIn(words, self.end(self.start(), code=3))
             for name in ("tower", "alone"):
                 shutil.rmtree(self.folder / name)
+
+    def test_arrays_are_as_long_as_the_queue_takes(self):
+        for launch, limit, words in (("pbs", "most", "would exceed"), ("lsf", "longest", "index too large")):
+            with self.subTest(launch=launch, limit=limit):
+                self.tower(launch, 0.0, "runs_per_task = 1")
+                (self.state / limit).write_text("6")
+                self.end(self.start())
+                (self.state / limit).unlink()
+                self.expect_same()
+                self.assertIn(words, (self.folder / "out" / "mottle.log").read_text())
+                for name in ("tower", "out", "alone"):
+                    shutil.rmtree(self.folder / name)
+                (self.folder / "runs.log").unlink()
+
+    def test_a_queue_that_takes_no_array_at_all_is_told_in_its_words(self):
+        self.tower("pbs", 0.0, "")
+        (self.state / "longest").write_text("0")
+        self.assertIn("exceeds server", self.end(self.start(), code=3))
+        self.assertFalse((self.folder / "out" / "tasks").exists())
 
     def test_changed_files_are_not_mixed_with_runs_of_before(self):
         self.tower("pbs", 0.5, "runs_per_task = 12\nruns_at_once = 1", samples=12)

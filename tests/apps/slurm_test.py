@@ -39,7 +39,7 @@ def setUpModule():
     global CLUSTER
     if reason := slurm_cluster.why_not():
         raise unittest.SkipTest(reason)
-    CLUSTER = slurm_cluster.SlurmCluster(nodes=4, cpus=4)
+    CLUSTER = slurm_cluster.SlurmCluster(nodes=4, cpus=4, settings="MaxArraySize=25\n")  # at most 24 tasks
     CLUSTER.__enter__()
 
 
@@ -234,6 +234,13 @@ class Slurm(unittest.TestCase):
         job = self.job(0.0, 12, 'partition = "no-such"').start()
         self.assertIn("invalid partition", job.end(code=3).err)
         self.assertFalse((job.folder / "out" / "tasks").exists())
+
+    def test_arrays_are_as_long_as_slurm_takes(self):
+        job = self.job(0.0, 40, "runs_per_task = 1").start()
+        job.end()
+        self.expect_same(job)
+        self.assertEqual(job.twice(), 0)
+        self.assertIn("Invalid job array specification", job.log())
 
     def test_z_a_run_that_ends_its_task_each_time_is_one_failed_run(self):
         job = self.kills_its_task

@@ -559,6 +559,25 @@ class AsClient(UmbridgeTest):
         self.assertIn("their model has changed", ended.err)
         self.succeed("update", "study.toml", "--out", "a", *SHORT)
 
+    def test_an_answer_that_came_while_the_job_was_suspended_is_taken(self):
+        """As a scheduler suspends jobs: the time limit is over when it goes on, and the answer is there."""
+        asked = threading.Event()
+
+        def spoil(path, request, _):
+            if path == "/Evaluate" and request["input"][0][0] == 3:
+                asked.set()
+                time.sleep(0.5)
+
+        self.study(self.model(spoil=spoil), more="largest_failed_part = 1.0\n")
+        job = subprocess.Popen([support.MOTTLE, "propagate", "study.toml", "--points", "points.csv", "--out", "p", "--quiet",
+                                "--set", 'model.timeout="2 s"', "--set", "update.max_failed=1.0"], cwd=self.folder)
+        self.assertTrue(asked.wait(30 * support.PATIENCE))
+        job.send_signal(signal.SIGSTOP)
+        time.sleep(3)
+        job.send_signal(signal.SIGCONT)
+        self.assertEqual(job.wait(30 * support.PATIENCE), 0)
+        self.assertEqual(read_result(self.folder / "p")["failed_evaluations"], [])
+
     def test_a_stop_request_is_answered_while_a_server_is_silent(self):
         silent = self.model(spoil=lambda path, _, number: time.sleep(5) if path == "/Evaluate" and number > 3 else None)
         self.study(silent)

@@ -213,6 +213,14 @@ TEST(MakeWritableFolder, LeavesAnExistingFolderAsItWas) {
   EXPECT_THAT(names_in(folder.path()), ::testing::ElementsAre("file"));
 }
 
+TEST(MakeWritableFolder, TriesAFileWithoutAName) {
+  const TemporaryFolder folder;  // a name would stay where Mottle is killed at that moment
+  const auto before = std::filesystem::file_time_type::clock::now() - std::chrono::hours(1);
+  std::filesystem::last_write_time(folder.path(), before);
+  make_writable_folder(folder.path());
+  EXPECT_EQ(std::filesystem::last_write_time(folder.path()), before);
+}
+
 TEST(MakeWritableFolder, TakesAwayWhatItMadeInAPlaceThatTakesNoFile) {
   // The kernel's control groups are folders that anyone may make who is let, but files are the kernel's own.
   const std::filesystem::path groups =

@@ -76,7 +76,15 @@ def jobs_named(name):
 
 
 def submit(name, last, limit, script, variable):
-    """The job's number."""
+    """The job's number. `folder/state/longest` holds the length of the longest array that is taken, and `folder/state/most`
+    the tasks that may be in the queue."""
+    if (STATE / "longest").exists() and last > int((STATE / "longest").read_text()):
+        sys.exit("qsub: Array job exceeds server or queue size limit" if "PBS" in variable else
+                 "Job array index too large. Job not submitted.")
+    waiting = sum(task.read()["state"] != "ended" for job in jobs() for task in tasks_of(job))
+    if (STATE / "most").exists() and waiting + last > int((STATE / "most").read_text()):
+        sys.exit("qsub: would exceed queue generic's per-user limit of jobs in 'Q' state")
+    print("Welcome to the cluster <here>\n80 % of your quota are used")
     with open(STATE / "lock", "w", encoding="utf-8") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
         job = str(1 + max((int(folder.name) for folder in STATE.iterdir() if folder.is_dir()), default=0))
@@ -167,7 +175,7 @@ def qselect(arguments):
 
 def qstat(arguments):
     found = {}
-    for job in [re.match(r"\d+", name)[0] for name in options_of(arguments, ("-F",), ("-x", "-t", "-f"))[1]]:
+    for job in [re.match(r"\d+", name)[0] for name in options_of(arguments, (), ("-x", "-t", "-f"))[1]]:
         what = jobs()[job]
         if what["is_array"]:
             found[f"{job}[].server"] = {"Job_Name": what["name"], "job_state": "B"}
@@ -180,7 +188,11 @@ def qstat(arguments):
             if now["state"] == "ended":
                 one["Exit_status"] = now["status"]
             found[f"{job}[{task.number}].server" if what["is_array"] else f"{job}.server"] = one
-    print(json.dumps({"timestamp": 0, "pbs_version": "stand-in", "Jobs": found}))
+    for name, values in found.items():
+        print(f"Job Id: {name}")
+        for key, value in {**values, "Variable_List": "N=007,BASH_FUNC_ml%%=() {  a=\"$1\"\n}"}.items():
+            print(f"    {key} = {value}")
+        print()
 
 
 def qdel(arguments):

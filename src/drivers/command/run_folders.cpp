@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <csignal>
 #include <cstdlib>
 #include <cstring>
 #include <set>
@@ -14,6 +15,7 @@
 #include "mottle/core/error.hpp"
 #include "mottle/core/files.hpp"
 #include "mottle/core/ranks.hpp"
+#include "mottle/core/text.hpp"
 
 namespace mottle::drivers {
 namespace {
@@ -63,6 +65,20 @@ int mark(const std::filesystem::path& folder) {
   return -error;
 }
 
+/// Removes a folder, its mark last: where something stays, since a solver whose Mottle was killed still writes there,
+/// the next Mottle finds it marked.
+void remove_with_mark(const std::filesystem::path& folder) {
+  std::error_code ignored;
+  std::filesystem::directory_iterator entry(folder, ignored);
+  for (; entry != std::filesystem::directory_iterator(); entry.increment(ignored)) {
+    if (entry->path().filename() != k_mark) std::filesystem::remove_all(entry->path(), ignored);
+  }
+  ::unlink((folder / k_mark).c_str());
+  if (::rmdir(folder.c_str()) == 0) return;
+  const int descriptor = mark(folder);
+  if (descriptor >= 0) ::close(descriptor);
+}
+
 /// Removes a folder that was made here and that no process is using; never what a link points to.
 void remove_marked(const std::filesystem::path& folder) {
   std::error_code ignored;
@@ -72,7 +88,7 @@ void remove_marked(const std::filesystem::path& folder) {
   std::string text(k_mark_text.size(), ' ');
   const bool is_ours =
       ::read(descriptor, text.data(), text.size()) == static_cast<ssize_t>(text.size()) && text == k_mark_text;
-  if (is_ours && ::flock(descriptor, LOCK_EX | LOCK_NB) == 0) std::filesystem::remove_all(folder, ignored);
+  if (is_ours && ::flock(descriptor, LOCK_EX | LOCK_NB) == 0) remove_with_mark(folder);
   ::close(descriptor);
 }
 
@@ -87,15 +103,36 @@ bool is_of_another_host(const std::string& name) {
   return maker != "mottle" && maker != "mottle-" + node_name();  // earlier versions named no host
 }
 
+/// Removes a folder whose maker was killed before it had marked it: there is nothing in it but half a mark.
+void remove_unmarked(const std::filesystem::path& folder) {
+  if (!is_of_dead_process(folder.filename().string(), fmt::format("mottle-{}-", node_name()))) return;
+  const std::filesystem::path mark = folder / k_mark;
+  struct stat status {};
+  const bool is_torn = ::lstat(mark.c_str(), &status) == 0 && S_ISREG(status.st_mode) &&
+                       status.st_size < static_cast<off_t>(k_mark_text.size());
+  if (is_torn) ::unlink(mark.c_str());
+  ::rmdir(folder.c_str());  // where it is empty now
+}
+
 void remove_marked_within(const std::filesystem::path& group) {
   std::error_code ignored;
   std::filesystem::directory_iterator entry(group, ignored);
   for (; entry != std::filesystem::directory_iterator(); entry.increment(ignored)) {
-    if (!is_of_another_host(entry->path().filename().string())) remove_marked(entry->path());
+    if (is_of_another_host(entry->path().filename().string())) continue;
+    remove_marked(entry->path());
+    remove_unmarked(entry->path());
   }
 }
 
 }  // namespace
+
+bool is_of_dead_process(const std::string& name, const std::string& prefix) {
+  if (!name.starts_with(prefix)) return false;
+  const std::string rest = name.substr(prefix.size());
+  double process = 0.0;
+  return parse_number(rest.substr(0, rest.find('-')), process) && process >= 1.0 &&
+         ::kill(static_cast<pid_t>(process), 0) != 0 && errno == ESRCH;
+}
 
 void require_no_linked_runs(const std::filesystem::path& results) {
   for (const char* name : {k_work, k_failed, k_kept, k_run_store, k_answer_store, k_tasks}) {
@@ -154,9 +191,10 @@ RunFolders::RunFolders(const std::filesystem::path& results, bool forgets)
 
 RunFolders::~RunFolders() {
   std::error_code ignored;
-  std::filesystem::remove_all(work_, ignored);
+  remove_with_mark(work_);
   ::close(mark_);
-  std::filesystem::remove(results_ / k_work, ignored);  // where it is empty
+  if (!is_temporary_) remove_marked_within(results_ / k_work);  // of which solvers were just being ended before
+  std::filesystem::remove(results_ / k_work, ignored);          // where it is empty
   if (is_temporary_ && !has_kept_) std::filesystem::remove_all(results_, ignored);
 }
 

@@ -98,17 +98,40 @@ const char* flooded_file(const ProcessRequest& request) {
   return nullptr;
 }
 
+/// A time limit that does not run while this process is stopped: a scheduler that suspends a job stops all of it.
+class TimeLimit {
+ public:
+  explicit TimeLimit(std::chrono::milliseconds timeout) : seen_(Clock::now()), end_(seen_ + timeout) {}
+  /// What is left of it, asked for every 0.1 s or so.
+  std::chrono::milliseconds left() {
+    constexpr std::chrono::seconds k_longest_gap{1};
+    const Clock::time_point now = Clock::now();
+    if (now > seen_ + k_longest_gap) end_ += now - seen_;
+    seen_ = now;
+    return std::chrono::ceil<std::chrono::milliseconds>(end_ - now);
+  }
+
+ private:
+  Clock::time_point seen_;
+  Clock::time_point end_;
+};
+
+void ask_to_end(const GuardProcess& guard) {
+  ::kill(guard.id(), SIGTERM);
+  ::kill(guard.id(), SIGCONT);  // a program may have stopped it
+}
+
 /// Waits for the guard's message, and asks it for an early end where that is due.
 ProcessEnd await_end(const GuardProcess& guard, const ProcessRequest& request) {
   constexpr std::chrono::milliseconds k_between_looks{100};
   constexpr std::chrono::milliseconds k_patience_of_a_stop{500};
-  const Clock::time_point deadline = Clock::now() + request.timeout;
+  TimeLimit limit(request.timeout);
   Clock::time_point asked;
   ProcessEnd early{.kind = ProcessEnd::Kind::done};
   GuardMessage message;
   bool was_full = false;
   for (;;) {
-    const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - Clock::now());
+    const std::chrono::milliseconds left = limit.left();
     const bool is_early = early.kind != ProcessEnd::Kind::done;
     pollfd ready{.fd = guard.socket(), .events = POLLIN, .revents = 0};
     const auto wait = is_early ? k_between_looks : std::clamp(left, std::chrono::milliseconds(0), k_between_looks);
@@ -123,7 +146,7 @@ ProcessEnd await_end(const GuardProcess& guard, const ProcessRequest& request) {
     if (is_early) {
       // A stop request is answered within a second, whatever the program does.
       if (early.kind == ProcessEnd::Kind::stopped && Clock::now() > asked + k_patience_of_a_stop) {
-        ::kill(guard.id(), SIGTERM);
+        ask_to_end(guard);
       }
       continue;
     }
@@ -138,7 +161,7 @@ ProcessEnd await_end(const GuardProcess& guard, const ProcessRequest& request) {
     }
     if (early.kind == ProcessEnd::Kind::done) continue;
     asked = Clock::now();
-    ::kill(guard.id(), SIGTERM);
+    ask_to_end(guard);
   }
 }
 

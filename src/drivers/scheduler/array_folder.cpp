@@ -140,6 +140,10 @@ void write_array(const fs::path& folder, const ArrayPlan& plan, const std::strin
 }
 
 std::optional<ArrayPlan> read_array(const fs::path& folder) {
+  std::error_code error;
+  if (fs::status(folder / k_array, error).type() == fs::file_type::none) {  // neither there nor known not to be
+    throw SystemFailure(fmt::format("{}: cannot be reached: {}", (folder / k_array).string(), error.message()));
+  }
   const std::optional<std::string> bytes = read_small(folder / k_array);
   if (!bytes) return std::nullopt;
   const auto refuse = [&] {

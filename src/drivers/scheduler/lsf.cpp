@@ -5,7 +5,8 @@ namespace mottle::drivers {
 namespace {
 
 bool is_unknown(const CommandAnswer& answer) {
-  for (const char* words : {"is not found", "No matching job", "No unfinished job", "already finished"}) {
+  for (const char* words :
+       {"is not found", "No matching job", "No unfinished job", "No job found", "already finished"}) {
     if (answer.error.find(words) != std::string::npos) return true;
   }
   return false;
@@ -34,9 +35,7 @@ class LsfScheduler final : public Scheduler {
     call.push_back("./" + request.script.filename().string());  // LSF makes a line for a shell of it
     const CommandAnswer answer = ask_scheduler(call, stop_);
     if (!answer.is_done) refuse_answer("bsub", answer);
-    const std::size_t begin = answer.output.find('<');  // Job <123> is submitted to queue <normal>.
-    if (begin == std::string::npos) return "";
-    return answer.output.substr(begin + 1, answer.output.find('>') - begin - 1);
+    return read_bsub(answer.output);
   }
 
   std::vector<TaskReport> list(const std::vector<std::string>& names) override {
@@ -74,6 +73,14 @@ class LsfScheduler final : public Scheduler {
 };
 
 }  // namespace
+
+std::string read_bsub(std::string_view output) {
+  constexpr std::string_view k_head = "Job <";
+  const std::size_t begin = output.find(k_head);
+  if (begin == std::string_view::npos) return "";
+  const std::string_view rest = output.substr(begin + k_head.size());
+  return std::string(rest.substr(0, rest.find('>')));
+}
 
 std::vector<TaskReport> read_bjobs(std::string_view output) {
   std::vector<TaskReport> reports;

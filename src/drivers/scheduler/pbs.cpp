@@ -1,6 +1,6 @@
 // PBS Professional and OpenPBS: qsub, qselect, qstat, qdel.
 #include <algorithm>
-#include <nlohmann/json.hpp>
+#include <map>
 
 #include "drivers/scheduler/scheduler_call.hpp"
 #include "mottle/core/text.hpp"
@@ -42,7 +42,7 @@ class PbsScheduler final : public Scheduler {
     call.push_back(request.script.string());
     const CommandAnswer answer = ask_scheduler(call, stop_);
     if (!answer.is_done) refuse_answer("qsub", answer);
-    return answer.output.substr(0, answer.output.find('\n'));
+    return job_number(answer.output);
   }
 
   std::vector<TaskReport> list(const std::vector<std::string>& names) override {
@@ -75,7 +75,7 @@ class PbsScheduler final : public Scheduler {
 
  private:
   std::vector<TaskReport> show(const std::vector<std::string>& ids, const std::vector<std::string>& names) {
-    const CommandAnswer answer = ask_with_history({"qstat", "-t", "-f", "-F", "json"}, ids);
+    const CommandAnswer answer = ask_with_history({"qstat", "-t", "-f"}, ids);
     const bool is_over = is_of_ended_job(answer);
     if (!answer.is_done && !is_over) throw SchedulerSilent(fmt::format("qstat says: {}", answer.error));
     if (is_over && answer.output.empty()) return {};
@@ -107,9 +107,43 @@ class PbsScheduler final : public Scheduler {
   bool has_history_ = true;
 };
 
-/// A text of a job; empty: there is none.
-std::string text_of(const nlohmann::json& job, const char* key) {
-  return job.contains(key) && job[key].is_string() ? job[key].get<std::string>() : "";
+/// A job as `qstat -f` prints it.
+struct PrintedJob {
+  std::string id = {};
+  std::map<std::string, std::string> values = {};
+
+  /// Empty: there is none.
+  std::string text(const char* key) const {
+    const auto found = values.find(key);
+    return found == values.end() ? "" : found->second;
+  }
+};
+
+/// "Job Id: 7[1].server", then lines "    name = value", of which long ones go on behind a tab. A variable of the
+/// environment may have lines that look alike: of two with one name the first counts.
+///
+/// Its JSON is not used: where the environment holds functions of a shell, as those of `module`, or numbers like 007,
+/// many a PBS prints none that can be read.
+std::vector<PrintedJob> printed_jobs(std::string_view output) {
+  constexpr std::string_view k_head = "Job Id: ";
+  constexpr std::string_view k_margin = "    ";
+  constexpr std::string_view k_equals = " = ";
+  std::vector<PrintedJob> jobs;
+  std::string* last = nullptr;
+  for (const std::string& line : lines_of_text(output)) {
+    if (line.starts_with(k_head)) {
+      jobs.push_back({.id = line.substr(k_head.size())});
+      last = nullptr;
+    } else if (line.front() == '\t') {
+      if (last != nullptr) *last += line.substr(1);
+    } else if (const std::size_t equals = line.find(k_equals);
+               !jobs.empty() && line.starts_with(k_margin) && equals != std::string::npos) {
+      const std::string name = line.substr(k_margin.size(), equals - k_margin.size());
+      const auto [place, is_new] = jobs.back().values.emplace(name, line.substr(equals + k_equals.size()));
+      last = is_new ? &place->second : nullptr;
+    }
+  }
+  return jobs;
 }
 
 TaskReport::State state_of(const std::string& letter) {
@@ -120,34 +154,31 @@ TaskReport::State state_of(const std::string& letter) {
 
 }  // namespace
 
-std::vector<TaskReport> read_qstat(const std::string& output, const std::vector<std::string>& names) {
+std::vector<TaskReport> read_qstat(std::string_view output, const std::vector<std::string>& names) {
+  const std::vector<PrintedJob> jobs = printed_jobs(output);
+  if (jobs.empty() && !output.empty()) throw SchedulerSilent("qstat printed something else than a list of jobs");
   std::vector<TaskReport> reports;
-  const nlohmann::json root = nlohmann::json::parse(output, nullptr, false);
-  if (!root.is_object()) throw SchedulerSilent("qstat printed something else than JSON of jobs");
-  const nlohmann::json jobs = root.contains("Jobs") ? root["Jobs"] : nlohmann::json::object();
-  if (!jobs.is_object()) throw SchedulerSilent("qstat printed no table of jobs");
-  for (const auto& [id, job] : jobs.items()) {
-    if (!job.is_object()) continue;
-    const std::string name = text_of(job, "Job_Name");
+  for (const PrintedJob& job : jobs) {
+    const std::string name = job.text("Job_Name");
     if (std::ranges::find(names, name) == names.end()) continue;
-    const std::size_t bracket = id.find('[');
+    const std::size_t bracket = job.id.find('[');
     double number = 1.0;  // a job that is no array
-    if (bracket != std::string::npos && !parse_number(id.substr(bracket + 1, id.find(']') - bracket - 1), number)) {
+    if (bracket != std::string::npos &&
+        !parse_number(job.id.substr(bracket + 1, job.id.find(']') - bracket - 1), number)) {
       continue;  // "12[].server" is the array itself
     }
-    const std::string letter = text_of(job, "job_state");
-    const int status =
-        job.contains("Exit_status") && job["Exit_status"].is_number() ? job["Exit_status"].get<int>() : 0;
+    const std::string letter = job.text("job_state");
+    const std::string status = job.text("Exit_status");
+    const std::string host = job.text("exec_host");
     TaskReport report{.array = name,
                       .task = static_cast<int>(number),
                       .state = state_of(letter),
-                      .node = text_of(job, "exec_host"),
-                      .words = text_of(job, "comment")};
+                      .node = host.substr(0, host.find('/')),
+                      .words = job.text("comment")};
     if (report.words.empty()) report.words = letter;
-    report.node = report.node.substr(0, report.node.find('/'));
     if (report.state == TaskReport::State::ended) {
-      report.is_success = status == 0;
-      if (status != 0) report.words += fmt::format(" (exit status {})", status);
+      report.is_success = status.empty() || status == "0";
+      if (!report.is_success) report.words += fmt::format(" (exit status {})", status);
     }
     reports.push_back(std::move(report));
   }

@@ -3,13 +3,11 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <csignal>
 #include <cstdlib>
 #include <cstring>
 
 #include "drivers/scheduler/left_arrays.hpp"
 #include "mottle/core/error.hpp"
-#include "mottle/core/text.hpp"
 #include "mottle/drivers/command/run_folders.hpp"
 #include "mottle/drivers/scheduler/task_status.hpp"
 
@@ -31,15 +29,10 @@ void remove_place(const std::filesystem::path& place) {
 
 /// Whether a process that made a folder is gone: "mottle-tasks-HOST-123-XXXXXX".
 bool is_abandoned(const std::filesystem::path& place) {
-  const std::string name = place.filename().string();
   std::error_code ignored;
-  if (!name.starts_with(place_prefix())) return false;
-  if (std::filesystem::symlink_status(place, ignored).type() != std::filesystem::file_type::directory) return false;
-  if (!std::filesystem::is_regular_file(place / k_place_mark, ignored)) return false;
-  double process = 0.0;
-  const std::string rest = name.substr(place_prefix().size());
-  return parse_number(rest.substr(0, rest.find('-')), process) && process >= 1.0 &&
-         ::kill(static_cast<pid_t>(process), 0) != 0 && errno == ESRCH;
+  return is_of_dead_process(place.filename().string(), place_prefix()) &&
+         std::filesystem::symlink_status(place, ignored).type() == std::filesystem::file_type::directory &&
+         std::filesystem::is_regular_file(place / k_place_mark, ignored);
 }
 
 /// Those of a Mottle that was killed, or stopped twice, before it had cancelled its tasks.

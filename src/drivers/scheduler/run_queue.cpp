@@ -97,10 +97,20 @@ std::optional<RunQueue::Failure> RunQueue::put_back(const TaskDeath& death) {
                  is_charged};
       continue;
     }
-    run->is_placed = false;
-    (run->deaths > 0 ? suspects_ : waiting_).push_front(number_of(*run));
+    queue_first(*run);
   }
   return failure;
+}
+
+void RunQueue::take_back(const std::vector<Digest>& keys) {
+  std::for_each(keys.rbegin(), keys.rend(), [&](const Digest& key) {
+    if (Wanted* run = find(key)) queue_first(*run);
+  });
+}
+
+void RunQueue::queue_first(Wanted& run) {
+  run.is_placed = false;
+  (run.deaths > 0 ? suspects_ : waiting_).push_front(number_of(run));
 }
 
 int RunQueue::deaths_of(const Digest& key) const {

@@ -111,8 +111,8 @@ int ScheduledRuns::free_limit() const {
 void ScheduledRuns::submit_more(Batch& batch) {
   const int limit = free_limit();
   const int tasks = unfinished();
-  if (batch.queue.to_submit() == 0 || tasks > k_most_tasks / 2 || (options_.runs_at_once > 0 && limit <= 0)) return;
-  RunQueue::Next next = batch.queue.next(k_most_tasks - tasks, seconds_a_run_);
+  if (batch.queue.to_submit() == 0 || tasks > most_tasks_ / 2 || (options_.runs_at_once > 0 && limit <= 0)) return;
+  RunQueue::Next next = batch.queue.next(most_tasks_ - tasks, seconds_a_run_);
   if (next.keys.empty()) return;
   make_array(batch, std::move(next), limit);
   release_idle_memory();  // what has just been written was as large as all that is kept of it
@@ -136,7 +136,8 @@ void ScheduledRuns::make_array(Batch& batch, RunQueue::Next next, int limit) {
 }
 
 /// Where an earlier attempt got no answer, the scheduler may have the array: it is asked first.
-void ScheduledRuns::submit(TaskArray& array, const RunContext& context) {
+void ScheduledRuns::submit(TaskArray& array, Batch& batch) {
+  const RunContext& context = batch.context;
   if (steady_seconds() < array.next_try) return;
   try {
     if (array.is_asked && !scheduler_->list({array.name()}).empty()) {
@@ -154,14 +155,37 @@ void ScheduledRuns::submit(TaskArray& array, const RunContext& context) {
     }
     array.is_submitted = true;
     is_silent_ = false;
+    constexpr int k_growth = 4;  // a limit of the queue was for a moment, perhaps
+    most_tasks_ = std::min(most_tasks_ + 1 + most_tasks_ / k_growth, k_most_tasks);
     next_question_ = std::min(next_question_, steady_seconds()) + patience_.first_question;
+  } catch (const TooManyTasks& refusal) {
+    if (array.tasks() > 1) return withdraw(array, batch, refusal.what());
+    if (!refusal.is_passing()) {
+      remove_array(array.folder());
+      throw;
+    }
+    try_later(array, context, refusal.what());
   } catch (const SchedulerSilent& silence) {
-    array.next_try = steady_seconds() + 2.0 * patience_.first_question;
-    say_silence(context, silence.what());
+    try_later(array, context, silence.what());
   } catch (const SystemFailure&) {  // refused
     remove_array(array.folder());
     throw;
   }
+}
+
+void ScheduledRuns::try_later(TaskArray& array, const RunContext& context, const std::string& words) {
+  array.next_try = steady_seconds() + 2.0 * patience_.first_question;
+  say_silence(context, words);
+}
+
+/// The runs of an array that was refused for its length go back to the queue; the next one has half as many tasks.
+void ScheduledRuns::withdraw(TaskArray& array, Batch& batch, const std::string& words) {
+  const int others = unfinished() - array.unfinished();
+  most_tasks_ = others + array.tasks() / 2;
+  note(batch.context, fmt::format("{}: not submitted with {} tasks, {} beside {} others are tried; {}", array.name(),
+                                  array.tasks(), array.tasks() / 2, others, words));
+  batch.queue.take_back(array.withdraw());
+  remove_array(array.folder());
 }
 
 void ScheduledRuns::ask(const RunContext& context) {

@@ -19,6 +19,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// A network file system that is out of reach for a moment says no, and is asked again.
+bool is_there(const fs::path& file) {
+  std::error_code ignored;
+  return fs::exists(file, ignored);
+}
+
 /// The folder that a killed task was working in last; empty: it left none.
 fs::path abandoned_run(const fs::path& task) {
   fs::path newest;
@@ -89,10 +95,10 @@ void ScheduledRuns::go_on(Batch& batch) {
   constexpr double k_idle_part = 10.0;  // looking takes a tenth of the time at most
   constexpr double k_longest_pause_s = 5.0;
   const double begin = steady_seconds();
-  if (fs::exists(cancel_mark(results_))) throw Stopped("stopped by 'mottle cancel'");
+  if (is_there(cancel_mark(results_))) throw Stopped("stopped by 'mottle cancel'");
   submit_more(batch);
   for (const std::unique_ptr<TaskArray>& array : arrays_) {
-    if (!array->is_submitted && array->unfinished() > 0) submit(*array, batch.context);
+    if (!array->is_submitted && array->unfinished() > 0) submit(*array, batch);
   }
   ask(batch.context);
   read_stores(batch);
@@ -132,7 +138,7 @@ void ScheduledRuns::finish_run(Batch& batch, const Digest& key, RunRecord record
 
 void ScheduledRuns::bury(Batch& batch, const TaskArray& array, const TaskDeath& death) {
   const fs::path task = task_folder(array.folder(), death.task);
-  if (fs::exists(array.folder() / k_changed_files)) {
+  if (is_there(array.folder() / k_changed_files)) {
     throw InvalidInput(
         "the files of its model have changed since runs of it were submitted; start the job again for the files as "
         "they are now");
@@ -179,9 +185,9 @@ void ScheduledRuns::wait_a_moment(const RunContext& context, double seconds) {
 void ScheduledRuns::stop(const std::string& why) {
   const int tasks = unfinished();
   leaves_tasks_ = !is_temporary_;
-  if (fs::exists(cancel_mark(results_))) {  // also what was submitted meanwhile
+  if (is_there(cancel_mark(results_))) {  // also what was submitted meanwhile
     for (const std::unique_ptr<TaskArray>& array : arrays_) scheduler_->cancel(array->name());
-    throw Stopped(why + "; --resume goes on");
+    throw Stopped(why);
   }
   if (is_temporary_ || tasks == 0) throw Stopped(why);
   const std::string folder = results_.string();

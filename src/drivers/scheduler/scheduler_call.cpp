@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <span>
 
 #include "drivers/command/run_output.hpp"
 #include "mottle/core/files.hpp"
@@ -40,9 +41,30 @@ std::vector<std::string> without_job_variables(const std::vector<std::string>& a
   return call;
 }
 
-/// Words of schedulers that are busy, restarted, out of reach, or full for now.
+/// Whether a refusal has one of some words, in whatever letters.
+bool has_any(const std::string& words, std::span<const std::string_view> parts) {
+  std::string small = words;
+  std::ranges::transform(small, small.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return std::ranges::any_of(parts, [&](std::string_view part) { return small.find(part) != std::string::npos; });
+}
+
+/// Words of limits on a user's tasks in the queue: they pass as tasks end.
+bool is_full_queue(const std::string& words) {
+  constexpr std::array<std::string_view, 5> k_full{"job violates accounting/qos policy", "submitjoblimit",
+                                                   "would exceed", "pending job threshold", "maximum number of jobs"};
+  return has_any(words, k_full);
+}
+
+/// Words of limits on the tasks of one array.
+bool is_long_array(const std::string& words) {
+  constexpr std::array<std::string_view, 3> k_long{"invalid job array specification", "array job exceeds",
+                                                   "array index too large"};
+  return has_any(words, k_long);
+}
+
+/// Words of schedulers that are busy, restarted, or out of reach.
 bool is_passing(const std::string& words) {
-  constexpr std::array<std::string_view, 23> k_passing{"unable to contact",
+  constexpr std::array<std::string_view, 19> k_passing{"unable to contact",
                                                        "socket timed out",
                                                        "connection refused",
                                                        "connection timed out",
@@ -58,16 +80,10 @@ bool is_passing(const std::string& words) {
                                                        "retrying",
                                                        "slurm backup controller",
                                                        "transport endpoint",
-                                                       "job violates accounting/qos policy",
-                                                       "submitjoblimit",
-                                                       "would exceed",
                                                        "cannot be submitted now",
-                                                       "pending job threshold",
                                                        "no route to host",
                                                        "batch system concurrently executing"};
-  std::string small = words;
-  std::ranges::transform(small, small.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return std::ranges::any_of(k_passing, [&](std::string_view part) { return small.find(part) != std::string::npos; });
+  return has_any(words, k_passing);
 }
 
 }  // namespace
@@ -102,8 +118,22 @@ void refuse_answer(const std::string& command, const CommandAnswer& answer) {
   while (!words.empty() && words.back() == '\n') words.pop_back();
   std::ranges::replace(words, '\n', ' ');
   const std::string text = fmt::format("{} says: {}", command, shortened(printable(words), k_longest));
+  if (is_full_queue(words)) throw TooManyTasks(text, true);
+  if (is_long_array(words)) throw TooManyTasks(text, false);
   if (is_passing(words)) throw SchedulerSilent(text);
   throw SystemFailure(text);
+}
+
+std::string job_number(std::string_view output) {
+  std::string number;
+  for (const std::string& line : split_text(output, '\n')) {
+    const std::size_t end = line.find_first_not_of("0123456789");
+    if (end == 0 || line.empty() ||
+        (end != std::string::npos && std::string_view(";[.").find(line[end]) == std::string_view::npos))
+      continue;
+    number = line.substr(0, line.find_first_of("; \t\r"));
+  }
+  return number;
 }
 
 std::vector<std::string> split_text(std::string_view text, char separator) {

@@ -25,9 +25,13 @@ struct CommandAnswer {
 /// @throws SchedulerSilent  no end within a minute; Stopped; SystemFailure: there is no such program
 CommandAnswer ask_scheduler(const std::vector<std::string>& arguments, const std::atomic<bool>* stop);
 
-/// Throws what a refusal means: SchedulerSilent where the scheduler cannot be reached or has no room at present, else
-/// SystemFailure with its words.
+/// Throws what a refusal means: TooManyTasks where a limit of tasks is told, SchedulerSilent where the scheduler cannot
+/// be reached, else SystemFailure with its words.
 [[noreturn]] void refuse_answer(const std::string& command, const CommandAnswer& answer);
+
+/// The number of a job ("123", "123[].server") in what a submission printed: the last line that begins with it, up to a
+/// semicolon, since sites print words of their own before. Empty: there is none.
+std::string job_number(std::string_view output);
 
 /// The parts of a text between separators, empty ones among them.
 std::vector<std::string> split_text(std::string_view text, char separator);
@@ -55,7 +59,9 @@ std::vector<TaskReport> read_squeue(std::string_view output);
 /// Likewise of `scontrol show job --oneliner` and of `sacct --parsable2 --format=JobName,JobID,State,NodeList`.
 std::vector<TaskReport> read_scontrol(std::string_view output);
 std::vector<TaskReport> read_sacct(std::string_view output);
-std::vector<TaskReport> read_qstat(const std::string& output, const std::vector<std::string>& names);
+std::vector<TaskReport> read_qstat(std::string_view output, const std::vector<std::string>& names);
+/// "123" of "Job <123> is submitted to queue <normal>.", which words of the site may come before.
+std::string read_bsub(std::string_view output);
 std::vector<TaskReport> read_bjobs(std::string_view output);
 
 }  // namespace mottle::drivers

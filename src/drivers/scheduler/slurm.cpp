@@ -45,7 +45,7 @@ class SlurmScheduler final : public Scheduler {
     call.push_back(request.script.string());
     const CommandAnswer answer = ask_scheduler(call, stop_);
     if (!answer.is_done) refuse_answer("sbatch", answer);
-    return answer.output.substr(0, answer.output.find_first_of(";\n"));
+    return job_number(answer.output);
   }
 
   std::vector<TaskReport> list(const std::vector<std::string>& names) override {

@@ -182,6 +182,13 @@ void TaskArray::for_each_awaited(const std::function<void(const Digest& key)>& v
   }
 }
 
+std::vector<Digest> TaskArray::withdraw() {
+  std::vector<Digest> keys;
+  for_each_awaited([&](const Digest& key) { keys.push_back(key); });
+  for (Task& task : tasks_) task.is_over = true;
+  return keys;
+}
+
 int TaskArray::unfinished() const {
   return static_cast<int>(
       std::ranges::count_if(tasks_, [](const Task& task) { return !task.is_over && task.left > 0; }));

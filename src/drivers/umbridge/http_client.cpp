@@ -103,6 +103,8 @@ class HttpConnection::Stream {
     bool is_late = false;
     while (!ended) {
       const bool is_stopped = stop != nullptr && stop->load(std::memory_order_relaxed);
+      context_.poll();  // what came while this process was stopped is there in time
+      if (ended) break;
       is_late = Clock::now() >= end;
       if (is_stopped || is_late) {
         resolver_.cancel();

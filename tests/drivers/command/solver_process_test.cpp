@@ -80,6 +80,30 @@ TEST_F(SolverProcess, AGuardThatOthersEndSaysNothingOfTheProgram) {
   EXPECT_THAT(end.reason, HasSubstr("guard was asked from outside"));
 }
 
+TEST_F(SolverProcess, AGuardThatTheProgramHasStoppedEndsItAtTheTimeout) {
+  EXPECT_EQ(run({"sh", "-c", "kill -STOP $PPID; sleep 1000"}, 500ms).kind, ProcessEnd::Kind::timed_out);
+}
+
+// A scheduler that suspends a job stops all of its processes, here the two that matter.
+TEST_F(SolverProcess, TheTimeThatAJobIsSuspendedForDoesNotCount) {
+  const pid_t mottle = ::fork();
+  if (mottle == 0) {
+    const bool is_done =
+        run({"sh", "-c", "echo $$ > self.new; mv self.new self; for i in 1 2 3 4 5 6; do sleep 0.25; done"}, 3s).kind ==
+        ProcessEnd::Kind::done;
+    ::_exit(is_done ? 0 : 1);
+  }
+  while (!std::filesystem::exists(folder_.path() / "self")) std::this_thread::sleep_for(10ms);
+  ::kill(mottle, SIGSTOP);
+  ::kill(std::stoi(read("self")), SIGSTOP);
+  std::this_thread::sleep_for(4s);
+  ::kill(std::stoi(read("self")), SIGCONT);
+  ::kill(mottle, SIGCONT);
+  int status = 1;
+  ::waitpid(mottle, &status, 0);
+  EXPECT_EQ(status, 0);
+}
+
 TEST_F(SolverProcess, WhatAProgramLeavesRunningIsKilled) {
   EXPECT_EQ(run({"sh", "-c", "sleep 1000 & echo $! > child"}).kind, ProcessEnd::Kind::done);
   EXPECT_TRUE(is_gone("child"));

@@ -48,6 +48,15 @@ TEST(RunQueue, AnArrayHasNoMoreTasksThanAllowed) {
   EXPECT_THAT(queue.next(3, 1.0).keys, testing::ElementsAre(key(6), key(7), key(8), key(9)));
 }
 
+TEST(RunQueue, RunsOfAnArrayThatWasNotSubmittedComeFirstAndInTheirOrder) {
+  RunQueue queue = queue_of(4, {.runs_per_task = 1});
+  const RunQueue::Next first = queue.next(2, 1.0);
+  queue.take_back(first.keys);
+  queue.take_back({key(77)});
+  EXPECT_EQ(queue.to_submit(), 4U);
+  EXPECT_THAT(queue.next(4, 1.0).keys, testing::ElementsAre(key(0), key(1), key(2), key(3)));
+}
+
 TEST(RunQueue, SamplesWithTheSameRunAreServedByOne) {
   RunQueue queue = queue_of(1, {});
   queue.add(key(0), 5);

@@ -30,7 +30,9 @@ enum class Fate {
   unlisted_at_work,  // long after it should have been given up
   unlisted_dead,
   unlisted_dead_by_number,  // the second look finds it ended
-  refused
+  refused,
+  too_long,
+  done_out_of_sight  // its folder cannot be asked for a while
 };
 
 class PlayedScheduler final : public Scheduler {
@@ -44,6 +46,11 @@ class PlayedScheduler final : public Scheduler {
     const Fate fate = fates_.empty() ? Fate::done : fates_.front();
     if (!fates_.empty()) fates_.erase(fates_.begin());
     if (fate == Fate::refused) throw mottle::SystemFailure("no");
+    if (fate == Fate::too_long) throw TooManyTasks("at most 3", true);
+    if (fate == Fate::done_out_of_sight) {
+      std::filesystem::create_symlink("cancelled", request.folder.parent_path() / "cancelled");
+      std::filesystem::create_symlink(k_changed_files, request.folder / k_changed_files);
+    }
     for (int task = 1; task <= request.tasks; ++task) {
       TaskReport report{.array = request.name, .task = task, .state = State::ended, .node = "n1", .words = "NODE_FAIL"};
       report.is_success = fate == Fate::done || fate == Fate::silent_but_done;
@@ -234,6 +241,29 @@ TEST_F(Scheduled, ASecondLookThatFindsATaskEndedIsBelieved) {
   after_silence_ = 1e6;
   EXPECT_THAT(run({1, 2}), are({1, 2}));
   EXPECT_EQ(requests_.size(), 2U);
+}
+
+TEST_F(Scheduled, AnArrayThatIsTooLongForTheQueueIsMadeShorterUntilItFits) {
+  command_.scheduler->runs_per_task = 1;
+  fates_ = {Fate::too_long, Fate::too_long};
+  EXPECT_THAT(run({1, 2, 3, 4, 5, 6, 7, 8}), are({1, 2, 3, 4, 5, 6, 7, 8}));
+  std::vector<int> tasks;
+  for (const ArrayRequest& request : requests_) tasks.push_back(request.tasks);
+  EXPECT_THAT(tasks, testing::ElementsAre(8, 4, 2, 3, 3)) << "and longer by and by";
+  EXPECT_EQ(solver_runs(), 8);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "results" / "tasks"));
+}
+
+TEST_F(Scheduled, AFileThatCannotBeAskedForIsNotThere) {
+  fates_ = {Fate::done_out_of_sight};  // links to themselves, which fail as a network file system does for a moment
+  EXPECT_THAT(run({1, 2}), are({1, 2}));
+}
+
+TEST(ArrayFolder, OneThatCannotBeReachedIsNotTakenForOneThatIsNotThere) {
+  const mottle::test::TemporaryFolder folder;
+  EXPECT_FALSE(read_array(folder.path()).has_value());
+  std::filesystem::create_symlink("array", folder / "array");
+  EXPECT_THROW((void)read_array(folder.path()), mottle::SystemFailure);
 }
 
 TEST_F(Scheduled, DeathsAreCountedThroughARestart) {

@@ -8,7 +8,9 @@ namespace {
 using mottle::SystemFailure;
 using mottle::drivers::clock_text;
 using mottle::drivers::CommandAnswer;
+using mottle::drivers::job_number;
 using mottle::drivers::read_bjobs;
+using mottle::drivers::read_bsub;
 using mottle::drivers::read_qstat;
 using mottle::drivers::read_sacct;
 using mottle::drivers::read_scontrol;
@@ -16,6 +18,7 @@ using mottle::drivers::read_squeue;
 using mottle::drivers::refuse_answer;
 using mottle::drivers::SchedulerSilent;
 using mottle::drivers::TaskReport;
+using mottle::drivers::TooManyTasks;
 using State = mottle::drivers::TaskReport::State;
 
 TEST(SchedulerOutput, SqueueTellsWaitingRunningAndEndedTasks) {
@@ -55,31 +58,37 @@ TEST(SchedulerOutput, SacctTellsHowTasksEnded) {
   EXPECT_EQ(reports[3], (TaskReport{"mottle-1", 4, State::waiting, "", "PENDING", false}));
 }
 
+// As OpenPBS prints it, with the functions of a shell in the environment that its JSON cannot hold.
 TEST(SchedulerOutput, QstatTellsTasksAndLeavesOutTheArrayItself) {
   const std::vector<TaskReport> reports = read_qstat(
-      R"({"Jobs": {"7[].s": {"Job_Name": "mottle-1", "job_state": "B"},
-        "7[1].s": {"Job_Name": "mottle-1", "job_state": "R", "exec_host": "n4/0*2"},
-        "7[2].s": {"Job_Name": "mottle-1", "job_state": "X", "Exit_status": 271, "comment": "killed"},
-        "8.s": {"Job_Name": "mottle-2", "job_state": "F", "Exit_status": 0},
-        "9.s": {"Job_Name": "another", "job_state": "R"}}})",
+      "Job Id: 7[].s\n    Job_Name = mottle-1\n    job_state = B\n\n"
+      "Job Id: 7[1].s\n    Job_Name = mottle-1\n    job_state = R\n    exec_host = n4/0*2\n"
+      "    Variable_List = PBS_O_HOME=/home/me,N=007,BASH_FUNC_ml%%=() {  local a=\"\\$1\"\n"
+      "    job_state = x\n },PBS_O_PATH=/usr/bin:/a/long/\n\tfolder\n    comment = Job run at\n\t noon\n\n"
+      "Job Id: 7[2].s\n    Job_Name = mottle-1\n    job_state = X\n    comment = killed\n    Exit_status = 271\n\n"
+      "Job Id: 8.s\n    Job_Name = mott\n\tle-2\n    job_state = F\n    Exit_status = 0\n\n"
+      "Job Id: 9.s\n    Job_Name = another\n    job_state = R\n\n",
       {"mottle-1", "mottle-2"});
   ASSERT_EQ(reports.size(), 3U);
-  EXPECT_EQ(reports[0].node, "n4");
+  EXPECT_EQ(reports[0], (TaskReport{"mottle-1", 1, State::running, "n4", "Job run at noon", false}));
   EXPECT_EQ(reports[1], (TaskReport{"mottle-1", 2, State::ended, "", "killed (exit status 271)", false}));
   EXPECT_EQ(reports[2].task, 1);
   EXPECT_TRUE(reports[2].is_success);
-  EXPECT_THROW(read_qstat("qstat: Connection refused", {}), SchedulerSilent);
 }
 
-TEST(SchedulerOutput, QstatsJsonOfAnotherShapeIsNoAnswerOrNoTask) {
-  for (const char* text : {"[]", "null", "\"x\"", R"({"Jobs": [1]})"})
-    EXPECT_THROW(read_qstat(text, {}), SchedulerSilent);
-  EXPECT_TRUE(read_qstat("{}", {"m"}).empty());
-  EXPECT_TRUE(read_qstat(R"({"Jobs": {"1.s": 3, "2.s": {"Job_Name": 5}}})", {"m"}).empty());
-  const std::vector<TaskReport> reports =
-      read_qstat(R"({"Jobs": {"1.s": {"Job_Name": "m", "job_state": "R", "comment": 7, "exec_host": null}}})", {"m"});
-  ASSERT_EQ(reports.size(), 1U);
-  EXPECT_EQ(reports[0].words, "R");
+TEST(SchedulerOutput, QstatThatPrintsSomethingElseGivesNoAnswer) {
+  EXPECT_THROW(read_qstat("qstat: Connection refused", {}), SchedulerSilent);
+  EXPECT_THROW(read_qstat("\tJob_Name = m\n", {"m"}), SchedulerSilent);
+  EXPECT_TRUE(read_qstat("", {"m"}).empty());
+  EXPECT_TRUE(read_qstat("Job Id: 1.s\n\tx\nJob Id: [\n    Job_Name = m\n", {"m"}).empty());
+}
+
+TEST(SchedulerOutput, AJobsNumberIsFoundBehindWordsOfTheSite) {
+  EXPECT_EQ(job_number("123\n"), "123");
+  EXPECT_EQ(job_number("Welcome\n2 nodes are idle\n123;cluster\n"), "123");
+  EXPECT_EQ(job_number("your quota: 80 %\n123[].server.site\n"), "123[].server.site");
+  EXPECT_EQ(job_number("no number\n"), "");
+  EXPECT_EQ(read_bsub("<<Project: none>>\nJob <123> is submitted to default queue <normal>.\n"), "123");
 }
 
 TEST(SchedulerOutput, BjobsTellsWhyATaskEnded) {
@@ -105,6 +114,23 @@ TEST(SchedulerOutput, OneThatIsOutOfReachIsNotOneThatRefuses) {
   } catch (const SystemFailure& error) {
     EXPECT_THAT(error.what(), testing::HasSubstr("invalid partition"));
   }
+}
+
+TEST(SchedulerOutput, LimitsOfTasksAreToldApart) {
+  const auto passes = [](const char* words) {
+    try {
+      refuse_answer("sbatch", CommandAnswer{false, "", words});
+    } catch (const TooManyTasks& refusal) {
+      return refusal.is_passing();
+    }
+  };
+  EXPECT_TRUE(
+      passes("sbatch: error: QOSMaxSubmitJobPerUserLimit\nsbatch: error: Batch job submission failed: Job violates "
+             "accounting/QOS policy (job submit limit, user's size and/or time limits)"));
+  EXPECT_TRUE(passes("qsub: would exceed queue generic's per-user limit of jobs in 'Q' state"));
+  EXPECT_FALSE(passes("sbatch: error: Batch job submission failed: Invalid job array specification"));
+  EXPECT_FALSE(passes("qsub: Array job exceeds server or queue size limit"));
+  EXPECT_FALSE(passes("Job array index too large. Job not submitted."));
 }
 
 TEST(SchedulerOutput, TimesAreRoundedUpToSeconds) {

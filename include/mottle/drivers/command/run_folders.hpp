@@ -28,6 +28,9 @@ struct RunStoreFiles {
 RunStoreFiles run_store_files(const std::filesystem::path& results, int rank, int ranks,
                               const std::string& name = k_run_store);
 
+/// Whether the process of this host that a folder's name tells of, as "PREFIX123-XXXXXX", is gone.
+bool is_of_dead_process(const std::string& name, const std::string& prefix);
+
 /// Throws InvalidInput where the run store or a folder for runs within the folder of results is a link.
 void require_no_linked_runs(const std::filesystem::path& results);
 
@@ -36,8 +39,9 @@ class RunFolders {
  public:
   /// @param results   empty: a temporary folder that goes again unless a run was kept there
   /// @param forgets   failed runs that an earlier Mottle kept there go
-  /// Takes away what a killed Mottle has left in `results`: folders with its mark that no process holds, never others
-  /// and never through a link. Throws InvalidInput where nothing can be written, or where a link is.
+  /// Takes away what a killed Mottle has left in `results`: folders with its mark that no process holds, and empty ones
+  /// that it had not marked yet, never others and never through a link. Throws InvalidInput where nothing can be
+  /// written, or where a link is.
   RunFolders(const std::filesystem::path& results, bool forgets);
   ~RunFolders();
   RunFolders(const RunFolders&) = delete;

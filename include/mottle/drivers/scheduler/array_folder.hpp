@@ -54,7 +54,7 @@ std::string new_array_name();
 ///
 /// @param number_variable  that tells a task its number
 void write_array(const std::filesystem::path& folder, const ArrayPlan& plan, const std::string& number_variable);
-/// Throws SystemFailure where the file is damaged; nothing where there is none.
+/// Throws SystemFailure where the file is damaged or cannot be reached; nothing where there is none.
 std::optional<ArrayPlan> read_array(const std::filesystem::path& folder);
 /// Whether the folder is a copy of the one that was submitted, whose tasks are not this one's to end.
 bool is_copied_array(const std::filesystem::path& folder, const ArrayPlan& plan);

@@ -56,6 +56,8 @@ class RunQueue {
   /// in a task; one that has been charged as often as is allowed is a failure, and nobody waits for it any more in
   /// tasks.
   std::optional<Failure> put_back(const TaskDeath& death);
+  /// Runs of tasks that were never submitted, in their order, are to be submitted again before all others.
+  void take_back(const std::vector<Digest>& keys);
   /// Of tasks that were at the run; 0: nobody waits for it.
   int deaths_of(const Digest& key) const;
 
@@ -86,6 +88,7 @@ class RunQueue {
   const Wanted* find(const Digest& key) const;
   Wanted* find(const Digest& key) { return const_cast<Wanted*>(std::as_const(*this).find(key)); }
   std::uint32_t number_of(const Wanted& run) const { return static_cast<std::uint32_t>(&run - wanted_.data()); }
+  void queue_first(Wanted& run);
   void move_into(Next& next, std::deque<std::uint32_t>& queue, std::size_t runs);
 
   SchedulerOptions options_;

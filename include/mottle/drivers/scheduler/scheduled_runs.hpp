@@ -70,7 +70,9 @@ class ScheduledRuns {
   void bury(Batch& batch, const TaskArray& array, const TaskDeath& death);
   void submit_more(Batch& batch);
   void make_array(Batch& batch, RunQueue::Next next, int limit);
-  void submit(TaskArray& array, const RunContext& context);
+  void submit(TaskArray& array, Batch& batch);
+  void try_later(TaskArray& array, const RunContext& context, const std::string& words);
+  void withdraw(TaskArray& array, Batch& batch, const std::string& words);
   void ask(const RunContext& context);
   void clean();
   void discard(TaskArray& array);
@@ -92,6 +94,7 @@ class ScheduledRuns {
   TaskPatience patience_;
   std::vector<std::unique_ptr<TaskArray>> arrays_;
   std::unique_ptr<DeathCharges> charges_;
+  int most_tasks_ = k_most_tasks;  ///< in the queue, as far as it takes them
   double seconds_a_run_ = 0.0;
   double next_question_ = 0.0;
   double question_interval_ = 0.0;

@@ -21,6 +21,17 @@ class SchedulerSilent : public SystemFailure {
   using SystemFailure::SystemFailure;
 };
 
+/// The array has more tasks than one may have, or than this user may have in the queue; nothing was submitted.
+class TooManyTasks : public SystemFailure {
+ public:
+  TooManyTasks(const std::string& words, bool is_passing) : SystemFailure(words), is_passing_(is_passing) {}
+  /// Whether there will be room as other tasks end.
+  bool is_passing() const { return is_passing_; }
+
+ private:
+  bool is_passing_;
+};
+
 /// An array of tasks 1 to `tasks`.
 struct ArrayRequest {
   std::string name = {};              ///< at most 15 characters, which every PBS takes
@@ -50,7 +61,8 @@ class Scheduler {
 
   /// Submits; the scheduler's number of the array.
   ///
-  /// @throws SchedulerSilent  it may have been submitted; SystemFailure: it was refused, in the scheduler's words
+  /// @throws SchedulerSilent  it may have been submitted; TooManyTasks; SystemFailure: it was refused, in the
+  ///                          scheduler's words
   virtual std::string submit(const ArrayRequest& request) = 0;
   /// All that the scheduler still knows of the arrays' tasks; those that ended long ago are not among them. A task that
   /// is missing need not have ended: commands were seen that exit with 0 and print nothing, or a part.

@@ -59,6 +59,8 @@ class TaskArray {
   std::vector<TaskDeath> find_deaths(double now, const TaskPatience& patience);
   /// Runs of tasks that may still do them, by a call for each.
   void for_each_awaited(const std::function<void(const Digest& key)>& visit) const;
+  /// Nothing is waited for any more, for it was not submitted; the runs that are to be done by others.
+  std::vector<Digest> withdraw();
 
   int unfinished() const;  ///< tasks that may still bring a run
   int running() const;     ///< of these, as the scheduler said
