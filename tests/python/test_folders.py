@@ -146,6 +146,29 @@ def test_surrogates_and_derivatives_go_on_too(tmp_path):
     compare(WithJacobian, tmp_path / "b")
 
 
+def test_derivatives_are_not_asked_for_again(tmp_path):
+    class Points(WithJacobian):
+        def __init__(self, fails_at=None):
+            super().__init__()
+            self.points, self.fails_at = [], fails_at
+
+        def jacobian(self, k):
+            if len(self.points) == self.fails_at:
+                raise RuntimeError("licence away")
+            self.points.append(tuple(k))
+            return super().jacobian(k)
+
+    whole = Points()
+    wanted = update(whole)
+    for at in (0, 1, len(whole.points) // 2, len(whole.points) - 1):
+        broken, model = Points(at), Points()
+        with pytest.raises(RuntimeError):
+            update(broken, folder=tmp_path / str(at))
+        found = update(model, folder=tmp_path / str(at), resume=True)
+        assert np.array_equal(found.mean, wanted.mean) and np.array_equal(found.covariance, wanted.covariance)
+        assert not {*broken.points} & {*model.points} and {*broken.points} | {*model.points} == {*whole.points}
+
+
 def test_what_has_changed_is_not_resumed(tmp_path):
     with pytest.raises(RuntimeError):
         update(Counted(2, raising(RuntimeError())), batch=64, folder=tmp_path)

@@ -9,6 +9,7 @@
 #include "linalg/batched/simd_kernels.hpp"
 #include "linalg/blas.hpp"
 #include "linalg/sparse/node_order.hpp"
+#include "linalg/sparse/one_order.hpp"
 #include "mottle/core/error.hpp"
 #include "mottle/linalg/sparse/symmetric_factor.hpp"
 
@@ -67,9 +68,7 @@ class CholmodFactor final : public DefiniteFactor {
     use_one_thread();
     cholmod_sparse matrix = view(lower);
     if (factor_ == nullptr) {
-      // METIS draws from rand(), which all threads share: orders that are found at once would differ from run to run.
-      static std::mutex one_order_at_a_time;
-      const std::lock_guard lock(one_order_at_a_time);
+      const std::lock_guard lock(one_order_at_a_time());
       if (given_order_.empty() && lower.rows() >= k_nested_dissection_from) given_order_ = order_by_nodes(lower);
       common_.nmethods = 1;
       common_.method[0].ordering = !given_order_.empty()                     ? CHOLMOD_GIVEN

@@ -6,6 +6,8 @@
 #include <cstddef>
 #include <span>
 
+#include "linalg/sparse/one_order.hpp"
+
 namespace mottle::linalg {
 namespace {
 
@@ -118,6 +120,11 @@ std::vector<int> dissect(BlockGraph graph) {
 }
 
 }  // namespace
+
+std::mutex& one_order_at_a_time() {
+  static std::mutex mutex;
+  return mutex;
+}
 
 std::vector<int> blocks_of_like_rows(const SparseMatrix& lower) {
   const WholePattern pattern(lower);

@@ -93,7 +93,12 @@ UpdateOutcome update_by_plan(const Study& study, UpdatePlan given_plan, double s
                                                  settings.resume, settings.ranks);
   const JournalledModel& journalled = *model;
   workings->model = std::move(model);
-  workings->given = std::make_unique<UpdatingProblem>(problem_of(study, plan, *workings->model));
+  UpdatingProblem problem = problem_of(study, plan, *workings->model);
+  if (plan.given && problem.derivatives != nullptr) {
+    workings->derivatives = std::make_unique<JournalledDerivatives>(journalled, *problem.derivatives);
+    problem.derivatives = workings->derivatives.get();
+  }
+  workings->given = std::make_unique<UpdatingProblem>(std::move(problem));
   if (study.surrogate) workings->surrogate = std::make_unique<SurrogateUpdate>(*workings->given, *study.surrogate);
   note_ranks(settings, context);
   note_what_is_given(study, plan, context);

@@ -33,8 +33,8 @@ struct GivenStudy {
 /// verdict are not looked for, since a function's fixed numbers are not known.
 ///
 /// A resumed update takes what the model has answered before as it is: whether the model is still the same cannot be
-/// seen. The model is asked for whole batches, of Model::batch_size() samples at most, each of which is kept at once; its
-/// derivatives are asked for again.
+/// seen. It is asked for batches of Model::batch_size() samples at most, each of which is kept at once, as are its
+/// derivatives.
 ///
 /// @throws InvalidInput  parameters, outputs or tests do not fit each other or the method
 /// @throws SystemFailure, Stopped  as update()
