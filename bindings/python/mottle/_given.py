@@ -14,11 +14,6 @@ from mottle.tables import Array
 if TYPE_CHECKING:
     from mottle.functions import Parameter, Surrogate
 
-_HEAD = """# An update by mottle.update of Python, whose model is a function: what it was given but for the tests, which are in
-# tests.csv. `mottle update` cannot run it.
-"""
-
-
 def _table(parameter: Parameter) -> dict[str, Any]:
     given = {name: value for name, value in asdict(parameter).items() if value is not None}
     return {name: list(map(float, value)) if name == "bounds" else value for name, value in given.items()}
@@ -36,7 +31,7 @@ def text_of(
     options: Mapping[str, Option],
     surrogate: Surrogate | None,
 ) -> str:
-    """As TOML; `outputs` are units by name, `repeatability` and `model_error` empty where none is given."""
+    """As TOML, all but the tests; `outputs` are units by name, `repeatability` and `model_error` empty where none is given."""
     study: dict[str, Any] = {
         "title": title,
         "seed": seed,
@@ -50,7 +45,7 @@ def text_of(
         study["correlation"] = correlation
     if surrogate is not None:
         study["surrogate"] = asdict(surrogate)
-    return _HEAD + _toml.document(study)
+    return _toml.document(study)
 
 
 def title_of(model: Any, title: str | None) -> str:
