@@ -1,7 +1,6 @@
 // Updating of a model that is a function in Python.
 #include <pybind11/eigen.h>
 #include <pybind11/stl.h>
-
 #include <pybind11/stl/filesystem.h>
 
 #include <algorithm>
@@ -41,8 +40,8 @@ std::shared_ptr<PythonModel> make_python_model(const py::object& function, Eigen
   return std::make_shared<PythonModel>(function, parameters, std::move(quantities), manner);
 }
 
-/// Serves the model for as long as it lives. Afterwards the model holds nothing of Python, and the results that refer to
-/// it may go in any thread.
+/// Serves the model for as long as it lives. Afterwards the model holds nothing of Python, and the results that refer
+/// to it may go in any thread.
 class Service {
  public:
   Service(PythonModel& model, CallingThread& caller) : model_(model) { model_.serve_by(&caller); }
@@ -98,8 +97,9 @@ void add_models(py::module_& module) {
          const std::vector<OutputSpec>& outputs, const Eigen::MatrixXd& tests, const Eigen::VectorXd& repeatability,
          const Eigen::VectorXd& model_error, const std::string& method, const OptionValues& options, int samples,
          double max_failed, int iterations, double level, double tolerance, std::uint64_t seed, int threads, int batch,
-         double difference_step,         const std::optional<SurrogateSettings>& surrogate, const std::string& title, const std::string& text,
-         const std::optional<std::filesystem::path>& folder, bool resume, const py::object& progress) {
+         double difference_step, const std::optional<SurrogateSettings>& surrogate, const std::string& title,
+         const std::string& text, const std::optional<std::filesystem::path>& folder, bool resume,
+         const py::object& progress) {
         study::StudyUpdate update;
         update.method = method;
         update.samples = samples;
@@ -109,23 +109,22 @@ void add_models(py::module_& module) {
         update.max_failed = max_failed;
         update.method_options[method] = options;
         TestData data{.values = tests, .repeatability_std = repeatability, .model_error_std = model_error};
-        study::GivenStudy given{
-            .model = nullptr, .space = space_of(parameters, correlation), .tests = std::move(data)};
+        study::GivenStudy given{.model = nullptr, .space = space_of(parameters, correlation), .tests = std::move(data)};
         given.update = std::move(update);
         given.surrogate = surrogate;
         given.seed = seed;
         given.title = title;
         given.text = text;
-        return update_function(
-            make_python_model(function, static_cast<Eigen::Index>(parameters.size()), outputs, {batch, difference_step}),
-            std::move(given),
-            {.folder = folder, .threads = threads, .resume = resume, .progress = progress});
+        return update_function(make_python_model(function, static_cast<Eigen::Index>(parameters.size()), outputs,
+                                                 {batch, difference_step}),
+                               std::move(given),
+                               {.folder = folder, .threads = threads, .resume = resume, .progress = progress});
       },
       py::arg("function"), py::kw_only(), py::arg("parameters"), py::arg("correlation"), py::arg("outputs"),
       py::arg("tests"), py::arg("repeatability"), py::arg("model_error"), py::arg("method"), py::arg("options"),
       py::arg("samples"), py::arg("max_failed"), py::arg("iterations"), py::arg("level"), py::arg("tolerance"),
-      py::arg("seed"), py::arg("threads"), py::arg("batch"), py::arg("difference_step"), py::arg("surrogate"), py::arg("title"), py::arg("text"),
-      py::arg("folder"), py::arg("resume"), py::arg("progress"));
+      py::arg("seed"), py::arg("threads"), py::arg("batch"), py::arg("difference_step"), py::arg("surrogate"),
+      py::arg("title"), py::arg("text"), py::arg("folder"), py::arg("resume"), py::arg("progress"));
 }
 
 }  // namespace mottle::python

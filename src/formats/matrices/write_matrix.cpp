@@ -75,9 +75,9 @@ std::string matrix_market_text(const SparseMatrix& lower) {
 }
 
 std::string output4_bytes(const SparseMatrix& lower, const std::string& name) {
-  const bool is_name = !name.empty() && name.size() <= k_name_length && name.front() >= 'A' && name.front() <= 'Z' &&
-                       std::all_of(name.begin(), name.end(),
-                                   [](char c) { return (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9'); });
+  const bool is_name =
+      !name.empty() && name.size() <= k_name_length && name.front() >= 'A' && name.front() <= 'Z' &&
+      std::all_of(name.begin(), name.end(), [](char c) { return (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9'); });
   require(is_name, "matrix '{}': a name of Nastran's has 1 to 8 capitals and digits and begins with a capital", name);
   const SparseMatrix whole = lower.selfadjointView<Eigen::Lower>();
   const auto rows = static_cast<std::int32_t>(whole.rows());

@@ -27,9 +27,7 @@ class WholePattern {
     for (std::size_t i = 1; i < starts_.size(); ++i) starts_[i] += starts_[i - 1];
     columns_.resize(static_cast<std::size_t>(starts_.back()));
     std::vector<int> next(starts_.begin(), starts_.end() - 1);
-    const auto add = [&](int i, int j) {
-      columns_[static_cast<std::size_t>(next[static_cast<std::size_t>(i)]++)] = j;
-    };
+    const auto add = [&](int i, int j) { columns_[static_cast<std::size_t>(next[static_cast<std::size_t>(i)]++)] = j; };
     entries([&](int i, int j) {  // left of the diagonal, by ascending columns
       if (i != j) add(i, j);
     });

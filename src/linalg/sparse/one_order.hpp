@@ -5,8 +5,8 @@
 
 namespace mottle::linalg {
 
-/// Held while METIS may run: it draws from rand(), which all threads share, and orders that are found at once would differ
-/// from run to run.
+/// Held while METIS may run: it draws from rand(), which all threads share, and orders that are found at once would
+/// differ from run to run.
 std::mutex& one_order_at_a_time();
 
 }  // namespace mottle::linalg

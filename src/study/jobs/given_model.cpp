@@ -51,8 +51,8 @@ UpdatePlan plan_of(GivenStudy given) {
   const std::string& name = given.update.method;
   const auto options = given.update.method_options.find(name);
   UpdatePlan plan;
-  plan.method = find_method(name).make(
-      options == given.update.method_options.end() ? OptionValues() : options->second, name + ":");
+  plan.method = find_method(name).make(options == given.update.method_options.end() ? OptionValues() : options->second,
+                                       name + ":");
   plan.made.space = std::make_unique<ParameterSpace>(std::move(given.space));
   plan.tests.data = std::move(given.tests);
   plan.tests.notes = std::move(given.notes);

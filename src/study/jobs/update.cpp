@@ -131,11 +131,10 @@ const UpdatingProblem& UpdateOutcome::problem() const {
 UpdateOutcome update(const Study& study, const RunSettings& settings) {
   require_ranks(study, settings);
   require_place_of_update(study, settings.folder);
-  return without_earlier(settings.folder, results_not_read(settings.folder, result_names(), paths_of(study)),
-                         [&] {
-                           const double start = steady_seconds();
-                           return update_by_plan(study, plan_update(study, settings), start, settings);
-                         });
+  return without_earlier(settings.folder, results_not_read(settings.folder, result_names(), paths_of(study)), [&] {
+    const double start = steady_seconds();
+    return update_by_plan(study, plan_update(study, settings), start, settings);
+  });
 }
 
 }  // namespace mottle::study

@@ -43,8 +43,9 @@ NextStep diagnosis(const SummarySources& s) {
 
 NextStep stated_noise(const SummarySources& s) {
   if (is_given(s)) {
-    return {"", "Give the repeatability of every output: with known measurement noise what the model leaves of the tests "
-                "can be tested."};
+    return {"",
+            "Give the repeatability of every output: with known measurement noise what the model leaves of the tests "
+            "can be tested."};
   }
   return {
       command_of(s, "update"),
@@ -54,8 +55,9 @@ NextStep stated_noise(const SummarySources& s) {
 
 NextStep population_method(const SummarySources& s) {
   if (is_given(s)) {
-    return {"", "Update by \"maximum-likelihood\": it estimates the scatter of the specimens too, so that it can be "
-                "compared with that of the tests."};
+    return {"",
+            "Update by \"maximum-likelihood\": it estimates the scatter of the specimens too, so that it can be "
+            "compared with that of the tests."};
   }
   return {command_of(s, "update", "--set " + shell_word("update.method=\"maximum-likelihood\"")),
           "Estimates the scatter of the specimens too, so that it can be compared with that of the tests."};
@@ -63,7 +65,8 @@ NextStep population_method(const SummarySources& s) {
 
 NextStep further_outputs(const SummarySources& s) {
   if (is_given(s)) {
-    return {"", "Add outputs to the function and its tests: with more outputs than parameters the means can be tested."};
+    return {"",
+            "Add outputs to the function and its tests: with more outputs than parameters the means can be tested."};
   }
   return {command_of(s, "check"),
           "After adding outputs to the study and its tests, such as mode shapes or further frequencies: with more "
@@ -72,7 +75,8 @@ NextStep further_outputs(const SummarySources& s) {
 
 NextStep noise_apart(const SummarySources& s) {
   const std::string why =
-      ": without it scatter of the parameters and noise of the tests are told apart by the outputs' number alone, and a "
+      ": without it scatter of the parameters and noise of the tests are told apart by the outputs' number alone, and "
+      "a "
       "parameter that does not vary may seem to.";
   if (is_given(s)) return {"", "Give the repeatability of every output" + why};
   return {command_of(s, "update"), "After giving [test] repeatability of every output" + why};
@@ -80,8 +84,9 @@ NextStep noise_apart(const SummarySources& s) {
 
 NextStep prediction(const SummarySources& s) {
   if (is_given(s)) {
-    return {"", "Keep tests back, update without them, and see whether the updated model's cloud holds them: only "
-                "predictions of tests that were not used show whether the model predicts."};
+    return {"",
+            "Keep tests back, update without them, and see whether the updated model's cloud holds them: only "
+            "predictions of tests that were not used show whether the model predicts."};
   }
   return {
       "",
