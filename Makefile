@@ -73,7 +73,7 @@ asan-python:
 	$(call configure,asan) -DMOTTLE_BUILD_TESTS=ON $(with_python)
 	$(call build,asan) --target mottle_app --target mottle_python
 	MOTTLE_TEST_PATIENCE=5 $(call ctest,asan) --label-regex "^python$$" \
-	  --exclude-regex "^python_(leaks|notebooks|package|typing|figures)$$" --label-exclude timed
+	  --exclude-regex "^python_(ends|figures|interrupts|leaks|notebooks|package|typing)$$"
 
 # The tests under both sanitisers, and the lines of the library that they reach (tests, the command and outside headers
 # do not count): one build for both, since that build is most of the cost.
