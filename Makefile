@@ -21,7 +21,7 @@ with_python = -DMOTTLE_BUILD_PYTHON=ON -DPython3_EXECUTABLE=$(PYTHON)
 four_ranks = mpirun -n 4 --oversubscribe --allow-run-as-root
 tsan_options = TSAN_OPTIONS="suppressions=$(CURDIR)/tools/tsan.supp $$TSAN_OPTIONS"
 
-.PHONY: build demo test lint asan tsan coverage fuzz attack python notebook deb try-deb bench clean
+.PHONY: build demo test lint asan tsan coverage fuzz attack python asan-python notebook deb try-deb bench clean
 .DEFAULT_GOAL := build
 
 build:
@@ -70,6 +70,14 @@ python:
 	$(call configure,release) -DMOTTLE_BUILD_TESTS=ON $(with_python)
 	$(call build,release) --target mottle_app --target mottle_python
 	$(call ctest,release) --label-regex "^python$$"
+
+# Its tests under AddressSanitizer, but for those of memory's size, of other programs and of time.
+asan-python:
+	$(INSTALL) --test --python
+	$(call configure,asan) -DMOTTLE_BUILD_TESTS=ON $(with_python)
+	$(call build,asan) --target mottle_app --target mottle_python
+	MOTTLE_TEST_PATIENCE=5 $(call ctest,asan) --label-regex "^python$$" \
+	  --exclude-regex "^python_(ends|figures|interrupts|leaks|notebooks|package|typing)$$"
 
 # The tests under both sanitisers, and the lines of the library that they reach (tests, the command and outside headers
 # do not count): one build for both, since that build is most of the cost.

@@ -1,7 +1,8 @@
-"""Builds the module of the Python package by CMake; all else is in pyproject.toml."""
+"""Builds the module of the Python package by CMake; all else is in pyproject.toml. CMAKE_ARGS: further arguments of CMake's."""
 
 import os
 import re
+import shlex
 import subprocess
 import sys
 from pathlib import Path
@@ -21,7 +22,8 @@ class CMakeBuild(build_ext):
         build = Path(self.build_temp).resolve()
         jobs = os.environ.get("CMAKE_BUILD_PARALLEL_LEVEL", str(os.cpu_count()))
         subprocess.run(["cmake", "-S", ROOT, "-B", build, "-DCMAKE_BUILD_TYPE=Release", "-DMOTTLE_BUILD_PYTHON=ON",
-                        "-DMOTTLE_BUILD_TESTS=OFF", "-DMOTTLE_INSTALL=OFF", f"-DPython3_EXECUTABLE={sys.executable}"],
+                        "-DMOTTLE_UNITY=ON", "-DMOTTLE_BUILD_TESTS=OFF", "-DMOTTLE_INSTALL=OFF",
+                        f"-DPython3_EXECUTABLE={sys.executable}", *shlex.split(os.environ.get("CMAKE_ARGS", ""))],
                        check=True)
         subprocess.run(["cmake", "--build", build, "--target", "mottle_python", "-j", jobs], check=True)
         target.parent.mkdir(parents=True, exist_ok=True)

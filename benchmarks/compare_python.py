@@ -112,9 +112,9 @@ def main():
              f"| `Study.propagate()`, nothing written | {alone:.3f} | {alone / command:.2f} |", "",
              "## Modes of sparse matrices", "",
              f"The {MODES} lowest, from K and M as scipy.sparse matrices, tolerance {TOLERANCE:g}, eigenvalues that agree to "
-             f"{AGREEMENT:g}. Where the equations of a node have one pattern, with zeros in it as `Deck.matrices` gives them, the "
-             "ordering is found faster than without the zeros; SciPy has none. The last column is the factor of the engine in "
-             "C++, in [SPARSE.md](SPARSE.md), of another run.", "",
+             f"{AGREEMENT:g}. `Deck.matrices` gives the equations of a node one pattern, with zeros in it; without the zeros, as "
+             "SciPy has them, the nodes are found from the pattern. The last column is the factor of the engine in C++, in "
+             "[SPARSE.md](SPARSE.md), of another run.", "",
              "| model | mottle.eigsh, s | without zeros, s | SciPy eigsh, s | SciPy's time / Mottle's | without zeros | in C++ |",
              "|---|---|---|---|---|---|---|"]
     for model, (family, equations) in MODELS.items():

@@ -1,163 +1,35 @@
 #include "mottle/model/journal.hpp"
 
-#include <unistd.h>
-
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
-#include <limits>
 #include <optional>
-#include <string_view>
 
-#include "mottle/core/bytes.hpp"
+#include "model/journal_file.hpp"
 #include "mottle/core/error.hpp"
-#include "mottle/core/files.hpp"
 #include "mottle/core/gather_alike.hpp"
-#include "mottle/core/own_file.hpp"
 #include "mottle/core/rank_share.hpp"
 #include "mottle/model/ranked_model.hpp"
 #include "mottle/model/sample_region.hpp"
 
 namespace mottle::model {
-namespace {
-
-constexpr std::string_view k_magic = "mottle journal 6\n";
-static_assert(k_magic.starts_with(k_journal_magic));
-
-void append_remark(std::string& body, Eigen::Index sample, const std::string& text) {
-  append_value(body, std::int64_t{sample});
-  append_text(body, text);
-}
-
-std::string encode(const Digest& question, const Evaluation& evaluation) {
-  std::string body;
-  append_value(body, question);
-  append_value(body, std::int64_t{evaluation.outputs.rows()});
-  append_bytes(body, evaluation.outputs.data(), static_cast<std::size_t>(evaluation.outputs.size()) * sizeof(double));
-  append_value(body, static_cast<std::int64_t>(evaluation.failures.size()));
-  for (const FailedRun& failure : evaluation.failures) append_remark(body, failure.sample, failure.reason);
-  append_value(body, static_cast<std::int64_t>(evaluation.notes.size()));
-  for (const SampleNote& note : evaluation.notes) append_remark(body, note.sample, note.text);
-  append_value(body, evaluation.use);
-  return body;
-}
-
-std::string record_of(const std::string& body) {
-  std::string record;
-  append_value(record, static_cast<std::uint64_t>(body.size()));
-  append_value(record, digest_of(body));
-  return record + body;
-}
-
-/// A list of (sample, text); false where the record ends too early.
-template <typename Remark>
-bool read_remarks(ByteReader& reader, std::vector<Remark>& remarks) {
-  std::int64_t count = 0;
-  if (!reader.read(count)) return false;
-  for (std::int64_t i = 0; i < count; ++i) {
-    std::int64_t sample = 0;
-    std::string text;
-    if (!reader.read(sample) || !reader.read_text(text)) return false;
-    remarks.push_back({sample, std::move(text)});
-  }
-  return true;
-}
-
-bool decode(std::string_view body, const Digest& question, Eigen::Index rows, Eigen::Index outputs,
-            Evaluation& result) {
-  ByteReader reader(body);
-  Digest asked = {};
-  std::int64_t stored_rows = 0;
-  if (!reader.read(asked) || asked != question || !reader.read(stored_rows) || stored_rows != rows) return false;
-  result.outputs.resize(rows, outputs);
-  if (!reader.copy(result.outputs.data(), static_cast<std::size_t>(rows * outputs) * sizeof(double))) return false;
-  return read_remarks(reader, result.failures) && read_remarks(reader, result.notes) && reader.read(result.use);
-}
-
-}  // namespace
-
-/// The open journal: what an earlier run left and where to append.
-class JournalledModel::File {
- public:
-  File(std::filesystem::path path, const Digest& study, bool resume) : path_(std::move(path)) {
-    std::string head(k_magic);
-    append_value(head, study);
-    const bool is_there = std::filesystem::exists(path_);
-    if (resume && is_there) {
-      old_ = read_file(path_);
-      require(old_.size() < head.size() || old_.starts_with(head),
-              "{}: the study, the model or the tests have changed since that run; run again without --resume",
-              path_.string());
-      if (old_.size() < head.size()) old_.clear();  // killed while the head was written
-    }
-    position_ = old_.empty() ? 0 : head.size();
-    descriptor_ = open_own_file(path_, resume ? ExistingFile::keep : ExistingFile::replace);
-    if (old_.empty()) {
-      cut();
-      append(head);
-    }
-  }
-  ~File() { ::close(descriptor_); }
-  File(const File&) = delete;
-  File& operator=(const File&) = delete;
-
-  /// The answer that an earlier run left for this question, if it is the next one.
-  bool find(const Digest& question, Eigen::Index rows, Eigen::Index outputs, Evaluation& result) {
-    if (position_ >= old_.size()) return false;
-    ByteReader reader(std::string_view(old_).substr(position_));
-    std::uint64_t size = 0;
-    Digest digest = {};
-    constexpr std::size_t k_head = sizeof(size) + sizeof(digest);
-    const bool is_whole = reader.read(size) && reader.read(digest) && size <= reader.left();
-    const std::string_view body =
-        is_whole ? std::string_view(old_).substr(position_ + k_head, size) : std::string_view();
-    if (is_whole && digest_of(body) == digest && decode(body, question, rows, outputs, result)) {
-      position_ += k_head + size;
-      reused_ += rows;
-      return true;
-    }
-    old_.resize(position_);  // records behind this point may be invalid
-    cut();
-    return false;
-  }
-
-  void append(std::string_view bytes) {
-    std::string_view rest = bytes;
-    while (!rest.empty()) {
-      const ssize_t written = ::pwrite(descriptor_, rest.data(), rest.size(), static_cast<off_t>(position_));
-      if (written < 0 && errno == EINTR) continue;
-      if (written < 0) {
-        throw SystemFailure(fmt::format("{}: cannot be written: {}", path_.string(), std::strerror(errno)));
-      }
-      rest.remove_prefix(static_cast<std::size_t>(written));
-      position_ += static_cast<std::size_t>(written);
-    }
-  }
-
-  std::int64_t reused() const { return reused_; }
-
- private:
-  void cut() const {
-    if (::ftruncate(descriptor_, static_cast<off_t>(position_)) != 0) {
-      throw SystemFailure(fmt::format("{}: cannot be cut to size: {}", path_.string(), std::strerror(errno)));
-    }
-  }
-
-  std::filesystem::path path_;
-  std::string old_;
-  std::size_t position_ = 0;
-  int descriptor_ = -1;
-  std::int64_t reused_ = 0;
-};
 
 JournalledModel::JournalledModel(const Model& model, std::filesystem::path file, const Digest& fingerprint, bool resume,
                                  Ranks* ranks)
     : model_(model),
       fingerprint_(fingerprint),
-      file_(file.empty() ? nullptr : std::make_unique<File>(std::move(file), fingerprint, resume)),
+      file_(file.empty() ? nullptr : std::make_unique<JournalFile>(std::move(file), fingerprint, resume)),
       ranks_(ranks) {}
 
 JournalledModel::~JournalledModel() = default;
+
+Eigen::MatrixXd JournalledModel::jacobian_of(const DifferentiableModel& derivatives,
+                                             const Eigen::Ref<const Eigen::VectorXd>& parameters) const {
+  if (!file_) return derivatives.jacobian(parameters);
+  const Digest point = digest_of_samples(nullptr, parameters.transpose());
+  if (std::optional<Eigen::MatrixXd> kept = file_->find_derivatives(point)) return *std::move(kept);
+  Eigen::MatrixXd jacobian = derivatives.jacobian(parameters);
+  file_->keep_derivatives(point, jacobian);
+  return jacobian;
+}
 
 std::int64_t JournalledModel::reused() const {
   return file_ ? file_->reused() : 0;
@@ -181,7 +53,7 @@ Evaluation JournalledModel::answer_to(const SampleRegion* region, const Eigen::R
   std::optional<RankShare> share;
   if (is_shared) shared.share = &share.emplace(*ranks_);
   answer = compute(region, samples, shared);
-  if (file_) file_->append(record_of(encode(question, answer)));
+  if (file_) file_->keep(question, answer);
   return answer;
 }
 

@@ -13,8 +13,10 @@ ROOT = Path(__file__).resolve().parents[2]
 
 def run(*arguments):
     place = os.environ["MOTTLE_PYTHON"]
-    done = subprocess.run([sys.executable, "-m", *map(str, arguments)], cwd=place, capture_output=True, text=True,
-                          check=False, env={**os.environ, "MYPYPATH": place, "PYTHONPATH": place})
+    is_installed = place in sys.path[1:]  # mypy finds it there itself
+    search = {} if is_installed else {"MYPYPATH": place, "PYTHONPATH": place}
+    done = subprocess.run([sys.executable, "-m", *map(str, arguments)], cwd=None if is_installed else place,
+                          capture_output=True, text=True, check=False, env={**os.environ, **search})
     assert done.returncode == 0, done.stdout + done.stderr
 
 

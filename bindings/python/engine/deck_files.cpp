@@ -124,6 +124,13 @@ void add_deck_files(py::module_& module) {
         return py::make_tuple(std::move(matrix.lower), matrix.names, matrix.fixed_rows);
       },
       py::arg("location"));
+  module.def(
+      "matrix_market_text", [](const SparseMatrix& lower) { return py::bytes(formats::matrix_market_text(lower)); },
+      py::arg("lower"));
+  module.def(
+      "output4_bytes",
+      [](const SparseMatrix& lower, const std::string& name) { return py::bytes(formats::output4_bytes(lower, name)); },
+      py::arg("lower"), py::arg("name"));
 }
 
 }  // namespace mottle::python

@@ -84,6 +84,14 @@ void add_update(py::module_& module) {
   update.def_property_readonly("parameters", [](const UpdateOutcome& self) { return self.problem().space.names(); });
   update.def_property_readonly("outputs",
                                [](const UpdateOutcome& self) { return output_names(self.problem().model.outputs()); });
+  update.def_property_readonly("reasons", [](const UpdateOutcome& self) { return self.verdict.reasons; });
+  update.def_property_readonly("warnings", [](const UpdateOutcome& self) { return self.result.warnings; });
+  update.def_property_readonly("model_evaluations",
+                               [](const UpdateOutcome& self) { return self.result.model_evaluations; });
+  update.def_property_readonly("intervals", [](const UpdateOutcome& self) -> py::object {
+    if (!self.result.intervals) return py::none();
+    return py::make_tuple(self.result.intervals->mean, self.result.intervals->std);
+  });
   view(update, "mean", [](const UpdateOutcome& self) -> const Eigen::VectorXd& { return self.result.mean; });
   view(update, "covariance",
        [](const UpdateOutcome& self) -> const Eigen::MatrixXd& { return self.result.covariance; });

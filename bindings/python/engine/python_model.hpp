@@ -16,11 +16,19 @@ namespace mottle::python {
 /// A row that is not finite has failed.
 class PythonModel : public Model {
  public:
-  PythonModel(pybind11::object function, Eigen::Index parameters, std::vector<Quantity> outputs)
-      : function_(std::move(function)), parameters_(parameters), outputs_(std::move(outputs)) {}
+  /// What is asked of it.
+  struct Manner {
+    Eigen::Index batch = 0;        ///< most samples of one call
+    double difference_step = 0.0;  ///< in prior standard deviations
+  };
+
+  PythonModel(pybind11::object function, Eigen::Index parameters, std::vector<Quantity> outputs, Manner manner)
+      : function_(std::move(function)), parameters_(parameters), outputs_(std::move(outputs)), manner_(manner) {}
 
   Eigen::Index parameter_count() const override { return parameters_; }
   const std::vector<Quantity>& outputs() const override { return outputs_; }
+  Eigen::Index batch_size() const override { return manner_.batch; }
+  double difference_step() const override { return manner_.difference_step; }
   /// Throws Stopped: the function raised.
   Evaluation evaluate(const Eigen::Ref<const Eigen::MatrixXd>& samples, const RunContext& context) const override;
 
@@ -29,7 +37,7 @@ class PythonModel : public Model {
   /// No job asks any more: the function is let go, which may hold the job's result itself.
   void let_go() {
     caller_ = nullptr;
-    function_ = pybind11::none();
+    function_ = pybind11::object();
   }
 
  protected:
@@ -41,6 +49,7 @@ class PythonModel : public Model {
   pybind11::object function_;
   Eigen::Index parameters_;
   std::vector<Quantity> outputs_;
+  Manner manner_;
   CallingThread* caller_ = nullptr;
 };
 

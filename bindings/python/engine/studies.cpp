@@ -7,57 +7,14 @@
 
 #include "bindings.hpp"
 #include "calling_thread.hpp"
+#include "jobs.hpp"
 #include "mottle/mottle.hpp"
-#include "mottle/study/results/folder_lock.hpp"
-#include "mottle/study/results/run_folder.hpp"
 
 namespace mottle::python {
 namespace {
 
 namespace py = pybind11;
 using Path = std::filesystem::path;
-
-/// What every job is given.
-struct JobArguments {
-  std::optional<Path> folder;
-  int threads = 0;
-  bool resume = false;
-  bool may_run_programs = true;
-  Path cache;
-  py::object progress;
-};
-
-RunSettings settings_of(const JobArguments& arguments, CallingThread& caller) {
-  return {.folder = arguments.folder.value_or(Path()),
-          .cache = arguments.cache,
-          .threads = arguments.threads > 0 ? arguments.threads : available_threads(),
-          .resume = arguments.resume,
-          .may_run_programs = arguments.may_run_programs,
-          .observer = &caller,
-          .stop = caller.stop()};
-}
-
-/// Does the job and, where there is a folder, what the command of its name does with it.
-template <typename Outcome, typename Job, typename Finish>
-std::shared_ptr<Outcome> run_job(const JobArguments& arguments, const Job& job, const Finish& finish) {
-  CallingThread caller(arguments.progress);
-  const RunSettings settings = settings_of(arguments, caller);
-  return caller.run([&] {
-    std::optional<FolderLock> lock;
-    if (arguments.folder) lock.emplace(*arguments.folder);
-    auto outcome = std::make_shared<Outcome>(job(settings));
-    if (arguments.folder) {
-      write_results(*outcome, *arguments.folder);
-      finish(*arguments.folder);
-    }
-    return outcome;
-  });
-}
-
-void finish_with_report(const Path& folder) {
-  write_report(folder);
-  RunFolder(folder).finish();
-}
 
 using Study = study::Study;
 
@@ -80,8 +37,9 @@ void add_job(py::class_<Study, std::shared_ptr<Study>>& study, const char* name,
       [job, finish](const Study& self, const std::optional<Path>& folder, int threads, bool resume,
                     bool may_run_programs, const std::optional<Path>& cache, const py::object& progress) {
         const JobArguments arguments = job_arguments(folder, threads, resume, may_run_programs, cache, progress);
+        CallingThread caller(progress);
         return run_job<Outcome>(
-            arguments, [&](const RunSettings& settings) { return job(self, settings); }, finish);
+            caller, arguments, [&](const RunSettings& settings) { return job(self, settings); }, finish);
       },
       py::kw_only(), py::arg("folder") = py::none(), py::arg("threads") = 0, py::arg("resume") = false,
       py::arg("may_run_programs") = true, py::arg("cache") = py::none(), py::arg("progress") = py::none());
@@ -136,8 +94,9 @@ void add_studies(py::module_& module) {
       [](const Study& self, const std::optional<Path>& points, const std::optional<Path>& folder, int threads,
          bool resume, bool may_run_programs, const std::optional<Path>& cache, const py::object& progress) {
         const JobArguments arguments = job_arguments(folder, threads, resume, may_run_programs, cache, progress);
+        CallingThread caller(progress);
         return run_job<PropagateOutcome>(
-            arguments, [&](const RunSettings& settings) { return study::propagate(self, points, settings); },
+            caller, arguments, [&](const RunSettings& settings) { return study::propagate(self, points, settings); },
             finish_with_report);
       },
       py::arg("points") = py::none(), py::kw_only(), py::arg("folder") = py::none(), py::arg("threads") = 0,

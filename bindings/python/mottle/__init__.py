@@ -14,8 +14,8 @@ from mottle.deck_files import Deck, Element, read_deck
 from mottle.decks import Modes, Targets, modes, targets
 from mottle.errors import Error, FormatError, InvalidInput, ModelFailure, Stopped, SystemFailure
 from mottle.files import Results, load
-from mottle.functions import FunctionResult, Parameter, Surrogate, update
-from mottle.matrices import Matrix, read_matrix
+from mottle.functions import Parameter, Surrogate, update
+from mottle.matrices import Matrix, read_matrix, write_matrix
 from mottle.numerics import TwoSampleTest, assign, eigsh, hotelling, mac, methods
 from mottle.population import Population, reml
 from mottle.reduced import ReducedModel, ReducedModes
@@ -44,7 +44,6 @@ __all__ = [
     "Element",
     "Error",
     "FormatError",
-    "FunctionResult",
     "InvalidInput",
     "Matrix",
     "ModelFailure",
@@ -87,5 +86,6 @@ __all__ = [
     "reml",
     "targets",
     "update",
+    "write_matrix",
     "write_uff",
 ]

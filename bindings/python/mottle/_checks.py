@@ -46,6 +46,20 @@ def number(value: Any, what: str, lower: float = -math.inf, upper: float = math.
         raise InvalidInput(f"{what}: {value} is too large") from None
 
 
+def text(value: Any, what: str) -> str:
+    """A text that files can hold on one line."""
+    if not isinstance(value, str):
+        raise InvalidInput(f"{what}: {_kind(value)} is no text")
+    try:
+        value.encode()
+    except UnicodeEncodeError:
+        raise InvalidInput(f"{what}: {value!r} is no Unicode text") from None
+    control = next((c for c in value if ord(c) < 0x20 or ord(c) == 0x7F), None)
+    if control is not None:
+        raise InvalidInput(f"{what}: {value!r} holds the control character {control!r}")
+    return str(value)
+
+
 def options(given: Mapping[str, Any] | None) -> dict[str, Option]:
     """Options of a method; whole numbers stay whole."""
     found = {} if given is None else given

@@ -27,8 +27,7 @@ def lower(matrix: Any, what: str, size: int | None = None) -> Any:
 
 
 def symmetric(triangle: Any) -> Any:
-    """The whole matrix, by columns. Entries that are zero stay: orderings are found faster where the equations of a node
-    have one pattern."""
+    """The whole matrix, by columns. Entries that are zero stay: they tell the equations of a node."""
     from scipy import sparse
 
     entries = triangle.tocoo()

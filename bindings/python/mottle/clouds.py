@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mottle import _engine
+from mottle._held import Held
 from mottle.tables import Array
 
 if TYPE_CHECKING:
@@ -14,7 +15,7 @@ if TYPE_CHECKING:
     import xarray
 
 
-class Cloud:
+class Cloud(Held):
     """Samples of the parameters and the model's outputs for each; nan where its run failed."""
 
     def __init__(self, engine: _engine.Cloud, parameters: list[str], outputs: list[str]) -> None:
@@ -47,7 +48,7 @@ class Cloud:
         return f"<mottle.Cloud of {len(self.samples)} samples, {len(self._engine.failures)} failed>"
 
 
-class Posterior:
+class Posterior(Held):
     """Draws of a posterior, of equal weight."""
 
     def __init__(self, engine: _engine.Posterior) -> None:

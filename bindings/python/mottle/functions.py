@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import math
+import os
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from pathlib import Path
+from typing import Any, Union
 
-from mottle import _checks, _engine, _progress
+from mottle import _checks, _engine, _given, _progress
 from mottle._checks import Option
 from mottle._model import Served
 from mottle._progress import Progress
 from mottle.errors import InvalidInput
-from mottle.results import _Updated
+from mottle.results import UpdateResult
 from mottle.tables import Array, by_name, names_and_values
 from mottle.tables import correlation as checked_correlation
 
@@ -47,7 +49,7 @@ class Parameter:
     def _spec(self) -> _engine.ParameterSpec:
         if not isinstance(self.name, str) or not self.name.strip():
             raise InvalidInput(f"parameter {self.name!r}: has no name")
-        where = f"parameter '{self.name}'"
+        where = f"parameter {_checks.text(self.name, 'parameter')!r}"
 
         def number(value: float | None, what: str) -> float:
             return math.nan if value is None else _checks.number(value, f"{where}: {what}")
@@ -57,8 +59,8 @@ class Parameter:
         if self.scale == "logit" and not all(map(math.isfinite, self.bounds)):
             raise InvalidInput(f"{where}: scale \"logit\" is taken between the bounds, which are missing")
         return _engine.ParameterSpec(
-            name=self.name,
-            kind=self.distribution,
+            name=str(self.name),
+            kind=_checks.text(self.distribution, f"{where}: distribution"),
             mean=number(self.mean, "mean"),
             std=number(self.std, "std"),
             lower=number(self.lower, "lower"),
@@ -66,47 +68,9 @@ class Parameter:
             lower_bound=_checks.number(self.bounds[0], f"{where}: bounds"),
             upper_bound=_checks.number(self.bounds[1], f"{where}: bounds"),
             lower_limit=0.0 if self.positive else -math.inf,
-            scale=self.scale,
-            unit=self.unit,
+            scale=_checks.text(self.scale, f"{where}: scale"),
+            unit=_checks.text(self.unit, f"{where}: unit"),
         )
-
-
-class FunctionResult(_Updated):
-    """What an update of a function found."""
-
-    def __init__(self, engine: _engine.FunctionOutcome) -> None:
-        self._engine = engine
-
-    @property
-    def reasons(self) -> list[str]:
-        """Why the verdict is what it is, in sentences."""
-        return self._engine.reasons
-
-    @property
-    def notes(self) -> list[str]:
-        """What a reader of the numbers must know."""
-        return self._engine.notes
-
-    @property
-    def warnings(self) -> list[str]:
-        """What casts doubt on them."""
-        return self._engine.warnings
-
-    @property
-    def intervals(self) -> tuple[Array, Array] | None:
-        """95 % confidence intervals of means and standard deviations [parameter x 2], of methods that have them."""
-        return self._engine.intervals
-
-    @property
-    def model_evaluations(self) -> int:
-        """How many samples the function was given."""
-        return self._engine.model_evaluations
-
-    def summary(self) -> str:
-        """Parameters, verdict and reasons in lines."""
-        rows = [f"{n:<16} {m:>13.6g} {s:>13.4g}" for n, m, s in zip(self.parameters, self.mean, self.std)]
-        head = f"{'parameter':<16} {'mean':>13} {'std':>13}"
-        return "\n".join([head, *rows, f"verdict: {self.verdict}", *(f"  {reason}" for reason in self.reasons)])
 
 
 @dataclass(frozen=True)
@@ -131,7 +95,7 @@ class Surrogate:
     def _settings(self) -> _engine.SurrogateSettings:
         runs = _checks.whole(self.runs, "surrogate: runs", 0, 100_000)
         return _engine.SurrogateSettings(
-            kind=self.kind,
+            kind=_checks.text(self.kind, "surrogate: kind"),
             runs=runs if runs == 0 else _checks.whole(runs, "surrogate: runs", 10, 100_000),
             spread=_checks.number(self.spread, "surrogate: spread", 0.5, 6.0),
             rounds=_checks.whole(self.rounds, "surrogate: rounds", 0, 100),
@@ -158,8 +122,13 @@ def update(
     seed: int = 1,
     threads: int = 0,
     surrogate: Surrogate | None = None,
+    batch: int = 8192,
+    difference_step: float = 1e-4,
+    folder: Union[str, os.PathLike[str], None] = None,
+    resume: bool = False,
+    title: str | None = None,
     progress: Progress = None,
-) -> FunctionResult:
+) -> UpdateResult:
     """Updates a model that is a function.
 
     Args:
@@ -185,44 +154,75 @@ def update(
         seed: of the random streams.
         threads: of the engine; the function is called on one.
         surrogate: for a function that costs minutes a sample.
+        batch: most samples of one call of the function. A batch is kept in the folder when the function has returned
+            it: so many samples may be lost where the process is killed.
+        difference_step: of derivatives by central differences, in standard deviations of the prior: small against the
+            model's curvature, large against the rounding of its outputs. 1e-6 to 1.
+        folder: of results and report, as the command leaves them; with it, an update that was stopped or killed, or
+            whose function raised, can be resumed. None: nothing is written.
+        resume: goes on with an interrupted update in `folder`: batches that the function had returned are not asked
+            for again. Whether the function is still the same cannot be seen.
+        title: of the report; None: the function's name.
         progress: as of `Study.check`.
 
     Raises:
-        InvalidInput: what is given, or what the function returns, does not fit.
+        InvalidInput: what is given, or what the function returns, does not fit; `resume` where the folder has been begun
+            with other parameters, tests or settings.
         Exception: what the function raises ends the update and is raised as it is.
     """
     names, values = names_and_values(tests, "tests")
+    if not isinstance(units or {}, Mapping):
+        raise InvalidInput(f"units: {units!r}; a dictionary from output to unit is needed")
     unknown = [name for name in units or {} if name not in names]
     if unknown:
         raise InvalidInput(f"units: {unknown[0]!r} is no output; outputs are {', '.join(names)}")
+    if not isinstance(parameters, Sequence):
+        raise InvalidInput(f"parameters: {parameters!r}; a list of mottle.Parameter is needed")
     wrong = [each for each in parameters if not isinstance(each, Parameter)]
-    if wrong:
-        raise InvalidInput(f"parameters: {wrong[0]!r}; mottle.Parameter is needed for each")
+    if wrong or not parameters:
+        found = repr(wrong[0]) if wrong else "there is none"
+        raise InvalidInput(f"parameters: {found}; mottle.Parameter is needed for each")
     if not isinstance(method, str):
         raise InvalidInput(f"method: {method!r} is no name; see mottle.methods()")
-    outputs = [_engine.OutputSpec(name=name, unit=(units or {}).get(name, "-")) for name in names]
+    if resume and folder is None:
+        raise InvalidInput("resume: there is no folder to go on from; give the one of the interrupted update")
+    served = Served(model, len(names))
+    units_of = {_checks.text(name, "tests"): _checks.text((units or {}).get(name, "-"), f"units: {name}") for name in names}
+    given: dict[str, Any] = {
+        "correlation": checked_correlation(correlation, [parameter.name for parameter in parameters]),
+        "repeatability": by_name(repeatability, names, "repeatability"),
+        "model_error": by_name(model_error, names, "model_error"),
+        "options": _checks.options(options),
+        "seed": _checks.whole(seed, "seed", 0),
+        "title": _given.title_of(model, title),
+    }
+    settings: dict[str, Any] = {
+        "method": str(method),
+        "samples": _checks.whole(samples, "samples", 2, 10**8),
+        "max_failed": _checks.number(max_failed, "max_failed", 0.0, 1.0),
+        "iterations": _checks.whole(iterations, "iterations", 1, 100_000),
+        "level": _checks.number(level, "level", 1e-6, 0.5),
+        "tolerance": _checks.number(tolerance, "tolerance", sys.float_info.min, 1.0),
+        "difference_step": _checks.number(difference_step, "difference_step", 1e-6, 1.0),
+    }
+    specs = [parameter._spec() for parameter in parameters]
     bar = _progress.shown(progress)
     try:
-        return FunctionResult(
+        return UpdateResult(
             _engine.update_function(
-                Served(model, len(names)),
-                parameters=[parameter._spec() for parameter in parameters],
-                correlation=checked_correlation(correlation, [parameter.name for parameter in parameters]),
-                outputs=outputs,
+                served,
+                parameters=specs,
+                outputs=[_engine.OutputSpec(name=name, unit=unit) for name, unit in units_of.items()],
                 tests=values,
-                repeatability=by_name(repeatability, names, "repeatability"),
-                model_error=by_name(model_error, names, "model_error"),
-                method=method,
-                options=_checks.options(options),
-                samples=_checks.whole(samples, "samples", 2, 10**8),
-                max_failed=_checks.number(max_failed, "max_failed", 0.0, 1.0),
-                iterations=_checks.whole(iterations, "iterations", 1, 100_000),
-                level=_checks.number(level, "level", 1e-6, 0.5),
-                tolerance=_checks.number(tolerance, "tolerance", sys.float_info.min, 1.0),
-                seed=_checks.whole(seed, "seed", 0),
                 threads=_checks.whole(threads, "threads", 0, 2**31 - 1),
+                batch=_checks.whole(batch, "batch", 1, 2**31 - 1),
                 surrogate=None if surrogate is None else surrogate._settings(),
+                text=_given.text_of(parameters=parameters, outputs=units_of, update=settings, surrogate=surrogate, **given),
+                folder=None if folder is None else Path(folder),
+                resume=bool(resume),
                 progress=bar,
+                **given,
+                **settings,
             )
         )
     finally:

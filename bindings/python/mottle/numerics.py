@@ -18,8 +18,8 @@ def eigsh(
 ) -> tuple[Array, Array]:
     """The lowest eigenvalues of K x = lambda M x, K positive semi-definite, M positive semi-definite, both symmetric.
 
-    Block Lanczos, shift-inverted below the spectrum; rigid-body modes and repeated eigenvalues are found. Where all
-    equations of a node have one pattern, with explicit zeros in it if need be, the ordering takes less time.
+    Block Lanczos, shift-inverted below the spectrum; rigid-body modes and repeated eigenvalues are found. The equations of
+    a node are best rows that follow each other: the ordering finds the nodes by them.
 
     Args:
         stiffness, mass: scipy.sparse matrices; only their lower triangles are read.

@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from mottle._held import Held
 from mottle.errors import InvalidInput
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from mottle.results import _Updated
+    from mottle.results import UpdateResult
     from mottle.tables import Array
 
 _REACH = np.sqrt(-2.0 * np.log(0.05))  # deviations from the mean within which a bivariate normal lies with 95 %
@@ -27,10 +28,10 @@ def ellipse(mean: Array, covariance: Array, points: int = 200) -> Array:
     return mean + _REACH * circle * np.sqrt(np.maximum(values, 0.0)) @ vectors.T
 
 
-class Plots:
+class Plots(Held):
     """Figures of an update."""
 
-    def __init__(self, result: _Updated) -> None:
+    def __init__(self, result: UpdateResult) -> None:
         self._result = result
 
     def ellipses(self, names: Sequence[str] | None = None) -> Figure:

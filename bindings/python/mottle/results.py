@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from mottle import _engine
+from mottle._held import Held
 from mottle.clouds import Cloud, Posterior
 from mottle.tables import Array
 
@@ -23,10 +24,11 @@ if TYPE_CHECKING:
 _shown: list[tempfile.TemporaryDirectory[str]] = []  # pages that a browser may still read; they go with the interpreter
 
 
-class _Result:
+class _Result(Held):
     """What the results of all jobs have in common."""
 
     _engine: Any
+    _instead = "pickle its to_dict(), or save it to a folder and mottle.load() that"
 
     def summary(self) -> str:
         """What the command prints."""
@@ -36,8 +38,55 @@ class _Result:
         return self.summary()
 
 
-class _Updated(_Result):
-    """What an update of a study and of a function have in common."""
+class _WithContents(_Result):
+    """Of jobs whose results are a JSON file."""
+
+    @cached_property
+    def _contents(self) -> dict[str, Any]:
+        return json.loads(self._engine.result_text())
+
+    def to_dict(self) -> dict[str, Any]:
+        """The contents of result.json; of diagnosis.json after a diagnosis."""
+        return self._contents
+
+
+class _WithFiles(_WithContents):
+    """Of jobs whose results are a folder with a report."""
+
+    def save(self, folder: str | Path) -> Path:
+        """Writes results and report as the command does; the path of the report."""
+        self._engine.save(Path(folder))
+        return Path(folder) / "report.html"
+
+    def report(self, folder: str | Path | None = None) -> Any:
+        """Opens the report: in a notebook as a frame, else in the browser.
+
+        Args:
+            folder: where it is written; None: a temporary folder, which goes with the interpreter.
+        """
+        if folder is None:
+            _shown.append(tempfile.TemporaryDirectory(prefix="mottle-report-"))
+            folder = _shown[-1].name
+        page = self.save(folder)
+        try:
+            from IPython import get_ipython
+            from IPython.display import HTML
+        except ImportError:
+            get_ipython = None
+        if get_ipython is not None and get_ipython() is not None and "IPKernelApp" in get_ipython().config:
+            content = html.escape(page.read_text(encoding="utf-8"), quote=True)
+            return HTML(f'<iframe srcdoc="{content}" width="100%" height="900" style="border:0"></iframe>')
+        import webbrowser
+
+        webbrowser.open(page.resolve().as_uri())
+        return page
+
+
+class UpdateResult(_WithFiles):
+    """What an update of a study, or of a function, found."""
+
+    def __init__(self, engine: _engine.UpdateOutcome) -> None:
+        self._engine = engine
 
     @property
     def status(self) -> str:
@@ -53,6 +102,26 @@ class _Updated(_Result):
     def verdict(self) -> str:
         """Whether the model can be right: "adequate", "inadequate", "undecided"."""
         return self._engine.verdict
+
+    @property
+    def reasons(self) -> list[str]:
+        """Why the verdict is what it is, in sentences."""
+        return self._engine.reasons
+
+    @property
+    def notes(self) -> list[str]:
+        """What a reader of the numbers must know, what casts doubt on them included."""
+        return list(self.to_dict()["notes"])
+
+    @property
+    def warnings(self) -> list[str]:
+        """What casts doubt on them."""
+        return self._engine.warnings
+
+    @property
+    def model_evaluations(self) -> int:
+        """How many samples the model was asked for."""
+        return self._engine.model_evaluations
 
     @property
     def parameters(self) -> list[str]:
@@ -78,6 +147,11 @@ class _Updated(_Result):
     def std(self) -> Array:
         """Standard deviations of the parameters."""
         return np.sqrt(np.diag(self.covariance))
+
+    @property
+    def intervals(self) -> tuple[Array, Array] | None:
+        """95 % confidence intervals of means and standard deviations [parameter x 2], of methods that have them."""
+        return self._engine.intervals
 
     @property
     def sensitivity(self) -> Array:
@@ -134,57 +208,6 @@ class _Updated(_Result):
         )
 
 
-class _WithContents(_Result):
-    """Of jobs whose results are a JSON file."""
-
-    @cached_property
-    def _contents(self) -> dict[str, Any]:
-        return json.loads(self._engine.result_text())
-
-    def to_dict(self) -> dict[str, Any]:
-        """The contents of result.json; of diagnosis.json after a diagnosis."""
-        return self._contents
-
-
-class _WithFiles(_WithContents):
-    """Of jobs whose results are a folder with a report."""
-
-    def save(self, folder: str | Path) -> Path:
-        """Writes results and report as the command does; the path of the report."""
-        self._engine.save(Path(folder))
-        return Path(folder) / "report.html"
-
-    def report(self, folder: str | Path | None = None) -> Any:
-        """Opens the report: in a notebook as a frame, else in the browser.
-
-        Args:
-            folder: where it is written; None: a temporary folder, which goes with the interpreter.
-        """
-        if folder is None:
-            _shown.append(tempfile.TemporaryDirectory(prefix="mottle-report-"))
-            folder = _shown[-1].name
-        page = self.save(folder)
-        try:
-            from IPython import get_ipython
-            from IPython.display import HTML
-        except ImportError:
-            get_ipython = None
-        if get_ipython is not None and get_ipython() is not None and "IPKernelApp" in get_ipython().config:
-            content = html.escape(page.read_text(encoding="utf-8"), quote=True)
-            return HTML(f'<iframe srcdoc="{content}" width="100%" height="900" style="border:0"></iframe>')
-        import webbrowser
-
-        webbrowser.open(page.resolve().as_uri())
-        return page
-
-
-class UpdateResult(_Updated, _WithFiles):
-    """What an update of a study found."""
-
-    def __init__(self, engine: _engine.UpdateOutcome) -> None:
-        self._engine = engine
-
-
 class PropagateResult(_WithFiles):
     """The model's cloud."""
 
@@ -200,7 +223,7 @@ class PropagateResult(_WithFiles):
         return f"<mottle.PropagateResult: {self.cloud!r}>"
 
 
-class SimulateResult:
+class SimulateResult(Held):
     """Specimens that were drawn."""
 
     def __init__(self, engine: _engine.SimulateOutcome) -> None:

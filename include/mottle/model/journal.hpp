@@ -17,6 +17,8 @@ namespace mottle::model {
 
 inline constexpr std::string_view k_journal_magic = "mottle journal";  ///< of any version
 
+class JournalFile;
+
 /// A model that answers from its journal where it can and writes there what it had to compute.
 ///
 /// The journal is a sequence of records, each with its own checksum: a record cut off by a kill is dropped, as is
@@ -45,13 +47,18 @@ class JournalledModel final : public Model {
   Evaluation evaluate_in(const SampleRegion& region, const Eigen::Ref<const Eigen::MatrixXd>& samples,
                          const RunContext& context) const override;
 
+  /// The derivatives there, from the journal where an earlier run has asked for them; may be called by several threads.
+  ///
+  /// @param derivatives  of the model that computes
+  Eigen::MatrixXd jacobian_of(const DifferentiableModel& derivatives,
+                              const Eigen::Ref<const Eigen::VectorXd>& parameters) const;
+
   /// Samples answered from the journal of an earlier run.
   std::int64_t reused() const;
   /// How all samples so far were solved.
   const SolverUse& use() const { return use_; }
 
  private:
-  class File;
   /// Of a batch, part by part; `region` may be null.
   Evaluation evaluate_parts(const SampleRegion* region, const Eigen::Ref<const Eigen::MatrixXd>& samples,
                             const RunContext& context) const;
@@ -62,9 +69,26 @@ class JournalledModel final : public Model {
   bool ask_first_rank(const Digest& question, Eigen::Index rows, bool is_known, Evaluation& answer) const;
   const Model& model_;
   Digest fingerprint_;
-  std::unique_ptr<File> file_;
+  std::unique_ptr<JournalFile> file_;
   Ranks* ranks_;
   mutable SolverUse use_;
+};
+
+/// Derivatives that are kept in the journal too: for models whose derivatives cost as much as their values.
+class JournalledDerivatives final : public DifferentiableModel {
+ public:
+  /// Both must outlive this object.
+  JournalledDerivatives(const JournalledModel& journal, const DifferentiableModel& derivatives)
+      : journal_(journal), derivatives_(derivatives) {}
+
+  Eigen::MatrixXd jacobian(const Eigen::Ref<const Eigen::VectorXd>& parameters) const override {
+    return journal_.jacobian_of(derivatives_, parameters);
+  }
+  bool has_cheap_jacobian() const override { return derivatives_.has_cheap_jacobian(); }
+
+ private:
+  const JournalledModel& journal_;
+  const DifferentiableModel& derivatives_;
 };
 
 }  // namespace mottle::model

@@ -8,6 +8,8 @@
 
 #include "linalg/batched/simd_kernels.hpp"
 #include "linalg/blas.hpp"
+#include "linalg/sparse/node_order.hpp"
+#include "linalg/sparse/one_order.hpp"
 #include "mottle/core/error.hpp"
 #include "mottle/linalg/sparse/symmetric_factor.hpp"
 
@@ -66,6 +68,8 @@ class CholmodFactor final : public DefiniteFactor {
     use_one_thread();
     cholmod_sparse matrix = view(lower);
     if (factor_ == nullptr) {
+      const std::lock_guard lock(one_order_at_a_time());
+      if (given_order_.empty() && lower.rows() >= k_nested_dissection_from) given_order_ = order_by_nodes(lower);
       common_.nmethods = 1;
       common_.method[0].ordering = !given_order_.empty()                     ? CHOLMOD_GIVEN
                                    : lower.rows() < k_nested_dissection_from ? CHOLMOD_AMD

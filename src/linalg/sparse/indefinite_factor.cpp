@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "linalg/blas.hpp"
+#include "linalg/sparse/one_order.hpp"
 #include "mottle/core/error.hpp"
 #include "mottle/linalg/sparse/symmetric_factor.hpp"
 
@@ -47,8 +48,13 @@ class IndefiniteFactor final : public SymmetricFactor {
     values_.assign(lower.valuePtr(), lower.valuePtr() + lower.nonZeros());
     mumps_.a = values_.data();
     mumps_.icntl[13] = 60;  // per cent of memory above the estimate: pivoting moves entries
-    mumps_.job = is_first ? 4 : 2;
-    dmumps_c(&mumps_);
+    if (is_first) {
+      const std::lock_guard ordering(one_order_at_a_time());
+      mumps_.job = 1;
+      dmumps_c(&mumps_);
+    }
+    mumps_.job = 2;
+    if (mumps_.infog[0] >= 0) dmumps_c(&mumps_);
     while (mumps_.infog[0] == -8 || mumps_.infog[0] == -9) {  // the estimate was too small
       if (mumps_.icntl[13] > 2000) break;
       mumps_.icntl[13] *= 2;

@@ -74,6 +74,7 @@ int line_of(const Study& study, std::string key) {
 
 std::string located(const Study& study, const std::string& key, const std::string& fault, const std::string& section) {
   const int line = line_of(study, section + key);
+  if (study.file.empty()) return fmt::format("{}: {}", key, fault);  // a program gave the study
   return line > 0 ? fmt::format("{}:{}: {}: {}", study.file.string(), line, key, fault)
                   : fmt::format("{}: {}: {}", study.file.string(), key, fault);
 }
@@ -84,7 +85,7 @@ std::string located(const Study& study, const InvalidInput& error, const std::st
   }
   if (const auto* of = dynamic_cast<const KeyError*>(&error)) return located(study, of->key(), of->fault(), section);
   // Names the file and the line itself.
-  if (dynamic_cast<const FormatError*>(&error) != nullptr) return error.what();
+  if (dynamic_cast<const FormatError*>(&error) != nullptr || study.file.empty()) return error.what();
   return fmt::format("{}: {}", study.file.string(), error.what());
 }
 

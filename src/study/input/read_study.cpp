@@ -9,6 +9,7 @@
 #include "study/input/study_sections.hpp"
 #include "study/input/toml_writer.hpp"
 #include "study/input/unknown_values.hpp"
+#include "study/models/given/given_source.hpp"
 #include "study/models/registry.hpp"
 #include "study/tests/shape_size.hpp"
 
@@ -16,7 +17,9 @@ namespace mottle::study {
 namespace {
 
 std::shared_ptr<const ModelSource> read_model(TomlReader reader, const std::filesystem::path& folder) {
-  reader.text("kind");
+  if (reader.text("kind") == k_given_kind) {
+    reader.fail("kind", "the model was a function of the program that made these results, which alone can run it");
+  }
   std::vector<std::string> names;
   for (const ModelKind& kind : model_kinds()) names.push_back(kind.name);
   return model_kinds()[reader.choice("kind", names, 0)].read(reader, folder);

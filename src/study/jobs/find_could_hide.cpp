@@ -274,8 +274,11 @@ CouldHide find_could_hide(const Study& study, const StudyModel& made, const Upda
   if (conclusion == Conclusion::inadequate) return hidden;
   if (!study.model->shows_numbers()) {
     hidden.notes.emplace_back(
-        "What errors in the model's fixed numbers could hide is not computed for a model in another program: its "
-        "numbers are not known here, or each would take runs of the program.");
+        study.file.empty()
+            ? "What errors in the model's fixed numbers could hide is not computed for a model that is a "
+              "function: its numbers are not known here."
+            : "What errors in the model's fixed numbers could hide is not computed for a model in "
+              "another program: its numbers are not known here, or each would take runs of the program.");
     return hidden;
   }
   std::string why;

@@ -7,6 +7,7 @@
 #include "study/jobs/find_could_hide.hpp"
 #include "study/jobs/job_files.hpp"
 #include "study/jobs/study_reach.hpp"
+#include "study/jobs/update_by_plan.hpp"
 #include "study/jobs/update_workings.hpp"
 #include "study/results/solver_use.hpp"
 #include "study/results/update_text.hpp"
@@ -47,6 +48,7 @@ void note_what_is_given(const Study& study, const UpdatePlan& plan, const RunCon
 }
 
 std::optional<std::string> doubt_of_numbering(const UpdatePlan& plan, const UpdatingResult& result) {
+  if (plan.given) return std::nullopt;
   const OutputSelection& outputs = plan.made.model->selection();
   std::optional<std::string> doubt;
   if (plan.tests.is_by_rank) doubt = rank_warning(outputs, plan.tests.data.values, result.history);
@@ -74,9 +76,10 @@ void assess(UpdateOutcome& outcome, const RunContext& context) {
   }
 }
 
-UpdateOutcome update_here(const Study& study, const RunSettings& settings) {
-  const double start = steady_seconds();
-  const auto workings = std::make_shared<UpdateWorkings>(UpdateWorkings{.plan = plan_update(study, settings)});
+}  // namespace
+
+UpdateOutcome update_by_plan(const Study& study, UpdatePlan given_plan, double start, const RunSettings& settings) {
+  const auto workings = std::make_shared<UpdateWorkings>(UpdateWorkings{.plan = std::move(given_plan)});
   const UpdatePlan& plan = workings->plan;
   workings->factors = factor_nominals(study);
   workings->model_files = digest_model_files(study, plan.made.files);
@@ -86,11 +89,16 @@ UpdateOutcome update_here(const Study& study, const RunSettings& settings) {
   }
   const JobFiles files(settings, k_log, k_journal);
   const RunContext context = files.context(study, settings);
-  auto model = std::make_unique<JournalledModel>(*plan.made.model, files.journal(), study_fingerprint(study, plan.made),
+  auto model = std::make_unique<JournalledModel>(plan.model(), files.journal(), fingerprint_of(study, plan),
                                                  settings.resume, settings.ranks);
   const JournalledModel& journalled = *model;
   workings->model = std::move(model);
-  workings->given = std::make_unique<UpdatingProblem>(problem_of(study, plan, *workings->model));
+  UpdatingProblem problem = problem_of(study, plan, *workings->model);
+  if (plan.given && problem.derivatives != nullptr) {
+    workings->derivatives = std::make_unique<JournalledDerivatives>(journalled, *problem.derivatives);
+    problem.derivatives = workings->derivatives.get();
+  }
+  workings->given = std::make_unique<UpdatingProblem>(std::move(problem));
   if (study.surrogate) workings->surrogate = std::make_unique<SurrogateUpdate>(*workings->given, *study.surrogate);
   note_ranks(settings, context);
   note_what_is_given(study, plan, context);
@@ -116,8 +124,6 @@ UpdateOutcome update_here(const Study& study, const RunSettings& settings) {
   return outcome;
 }
 
-}  // namespace
-
 const UpdatingProblem& UpdateOutcome::problem() const {
   return workings->problem();
 }
@@ -125,8 +131,10 @@ const UpdatingProblem& UpdateOutcome::problem() const {
 UpdateOutcome update(const Study& study, const RunSettings& settings) {
   require_ranks(study, settings);
   require_place_of_update(study, settings.folder);
-  return without_earlier(settings.folder, results_not_read(settings.folder, result_names(), paths_of(study)),
-                         [&] { return update_here(study, settings); });
+  return without_earlier(settings.folder, results_not_read(settings.folder, result_names(), paths_of(study)), [&] {
+    const double start = steady_seconds();
+    return update_by_plan(study, plan_update(study, settings), start, settings);
+  });
 }
 
 }  // namespace mottle::study

@@ -46,6 +46,30 @@ OptionValues presets_of_runs(const Study& study, const StudyModel& made, std::ve
 
 }  // namespace
 
+const Model& UpdatePlan::model() const {
+  return given ? *given : *made.model;
+}
+
+const DifferentiableModel* UpdatePlan::derivatives() const {
+  return given ? dynamic_cast<const DifferentiableModel*>(given.get()) : made.model->derivatives();
+}
+
+Digest fingerprint_of(const Study& study, const UpdatePlan& plan) {
+  const Digest of_study = study_fingerprint(study, plan.made);
+  if (!plan.given) return of_study;
+  Checksum checksum;
+  checksum.add(of_study.data(), sizeof(of_study));
+  const auto add = [&checksum](const auto& values) {
+    const Eigen::Index shape[] = {values.rows(), values.cols()};
+    checksum.add(shape, sizeof(shape));
+    checksum.add(values.data(), static_cast<std::size_t>(values.size()) * sizeof(values.data()[0]));
+  };
+  add(plan.tests.data.values);
+  add(plan.tests.data.repeatability_std);
+  add(plan.tests.data.model_error_std);
+  return checksum.digest();
+}
+
 UpdatePlan plan_update(const Study& study, const RunSettings& settings) {
   StudyModel made = make_model(study, study.parameters, settings);
   StudyTests tests = read_tests(study, *made.model);
@@ -83,7 +107,7 @@ void require_place_of_update(const Study& study, const std::filesystem::path& fo
 UpdatingProblem problem_of(const Study& study, const UpdatePlan& plan, const Model& model) {
   const TestData& tests = plan.tests.data;
   return {.model = model,
-          .derivatives = plan.made.model->derivatives(),
+          .derivatives = plan.derivatives(),
           .space = *plan.made.space,
           .tests = tests,
           .cloud = cloud_settings(study, plan.made, tests.values.rows(), tests.values.cols()),
@@ -94,7 +118,7 @@ UpdatingProblem problem_of(const Study& study, const UpdatePlan& plan, const Mod
 }
 
 void refuse_what_methods_refuse(const Study& study, const UpdatePlan& plan, const RunContext& context) {
-  const UnusedModel model(*plan.made.model);
+  const UnusedModel model(plan.model());
   const UpdatingProblem problem = problem_of(study, plan, model);
   const auto begin = [&](const auto& work) {
     try {

@@ -20,7 +20,16 @@ struct UpdatePlan {
   std::unique_ptr<Updater> method;
   std::vector<int> covariance_groups;
   std::optional<PredictionPlan> prediction;
+  std::shared_ptr<const Model> given = nullptr;  ///< by a program, in place of `made.model`, which is null then
+
+  const Model& model() const;
+  /// null where the model has none.
+  const DifferentiableModel* derivatives() const;
 };
+
+/// Of everything that the results depend on and that can be seen: see study_fingerprint(); of a given model the study's
+/// text and the tests.
+Digest fingerprint_of(const Study& study, const UpdatePlan& plan);
 
 /// Throws InvalidInput, FormatError: whatever of the study, its tests or its prediction does not fit the model.
 UpdatePlan plan_update(const Study& study, const RunSettings& settings);

@@ -17,11 +17,12 @@ namespace mottle::study {
 
 struct UpdateWorkings {
   UpdatePlan plan;
-  std::vector<ModelFile> model_files = {};                 ///< as they were when the model was read
-  std::vector<std::optional<FactorNominal>> factors = {};  ///< [parameter]
-  std::unique_ptr<const Model> model = nullptr;            ///< that was run; see plan.made for what it is
-  std::unique_ptr<const UpdatingProblem> given = nullptr;  ///< over `model`
-  std::unique_ptr<SurrogateUpdate> surrogate = nullptr;    ///< null: the method ran the model itself
+  std::vector<ModelFile> model_files = {};                           ///< as they were when the model was read
+  std::vector<std::optional<FactorNominal>> factors = {};            ///< [parameter]
+  std::unique_ptr<const Model> model = nullptr;                      ///< that was run; see plan.made for what it is
+  std::unique_ptr<const DifferentiableModel> derivatives = nullptr;  ///< of a given model, as they are kept
+  std::unique_ptr<const UpdatingProblem> given = nullptr;            ///< over `model`
+  std::unique_ptr<SurrogateUpdate> surrogate = nullptr;              ///< null: the method ran the model itself
 
   const UpdatingProblem& problem() const { return surrogate ? surrogate->problem() : *given; }
 };

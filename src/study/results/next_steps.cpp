@@ -12,20 +12,26 @@ namespace {
 
 std::string command_of(const SummarySources& s, std::string_view verb, const std::string& more = {}) {
   const std::string file = s.study.file.filename().string();
-  return fmt::format("mottle {} {}{}{}", verb,
-                     shell_word(file.empty()            ? "STUDY.toml"
-                                : file.starts_with('-') ? "./" + file
-                                                        : file),
+  return fmt::format("mottle {} {}{}{}", verb, shell_word(file.starts_with('-') ? "./" + file : file),
                      more.empty() ? "" : " ", more);
 }
 
+/// Of a model that a program gives there is no file: the program does the next step.
+bool is_given(const SummarySources& s) {
+  return s.study.file.empty();
+}
+
 NextStep more_iterations(const SummarySources& s) {
+  if (is_given(s)) return {"", "The update did not converge: allow more iterations, or start nearer to the solution."};
   return {command_of(s, "update", fmt::format("--set update.iterations={}", 2 * s.problem.iterations)),
           "The update did not converge: allow more iterations, or start nearer to the solution."};
 }
 
 /// A model by command has no list of numbers that could be tried.
 NextStep diagnosis(const SummarySources& s) {
+  if (is_given(s)) {
+    return {"", "Make further numbers of the function parameters: one that is wrong may be what the tests show."};
+  }
   if (!s.study.model->has_targets()) {
     return {command_of(s, "update"),
             "After making further numbers of the solver's input placeholders with parameters of their own: `mottle "
@@ -36,6 +42,11 @@ NextStep diagnosis(const SummarySources& s) {
 }
 
 NextStep stated_noise(const SummarySources& s) {
+  if (is_given(s)) {
+    return {"",
+            "Give the repeatability of every output: with known measurement noise what the model leaves of the tests "
+            "can be tested."};
+  }
   return {
       command_of(s, "update"),
       "After giving [test] repeatability of every output: with known measurement noise what the model leaves of the "
@@ -43,11 +54,40 @@ NextStep stated_noise(const SummarySources& s) {
 }
 
 NextStep population_method(const SummarySources& s) {
+  if (is_given(s)) {
+    return {"",
+            "Update by \"maximum-likelihood\": it estimates the scatter of the specimens too, so that it can be "
+            "compared with that of the tests."};
+  }
   return {command_of(s, "update", "--set " + shell_word("update.method=\"maximum-likelihood\"")),
           "Estimates the scatter of the specimens too, so that it can be compared with that of the tests."};
 }
 
-NextStep prediction() {
+NextStep further_outputs(const SummarySources& s) {
+  if (is_given(s)) {
+    return {"",
+            "Add outputs to the function and its tests: with more outputs than parameters the means can be tested."};
+  }
+  return {command_of(s, "check"),
+          "After adding outputs to the study and its tests, such as mode shapes or further frequencies: with more "
+          "outputs than parameters the means can be tested."};
+}
+
+NextStep noise_apart(const SummarySources& s) {
+  const std::string why =
+      ": without it scatter of the parameters and noise of the tests are told apart by the outputs' number alone, and "
+      "a "
+      "parameter that does not vary may seem to.";
+  if (is_given(s)) return {"", "Give the repeatability of every output" + why};
+  return {command_of(s, "update"), "After giving [test] repeatability of every output" + why};
+}
+
+NextStep prediction(const SummarySources& s) {
+  if (is_given(s)) {
+    return {"",
+            "Keep tests back, update without them, and see whether the updated model's cloud holds them: only "
+            "predictions of tests that were not used show whether the model predicts."};
+  }
   return {
       "",
       "Keep tests back and add [predict] to the study (held_out = a file of these tests, frequencies = the modes to "
@@ -65,10 +105,7 @@ std::vector<NextStep> next_steps(const SummarySources& s) {
   const bool has_population = s.problem.tests.values.rows() > 1;
   if (!s.result.is_population && has_population) steps.push_back(population_method(s));
   if (s.verdict.conclusion != Conclusion::inadequate && s.verdict.lacks_outputs) {
-    steps.push_back(
-        {command_of(s, "check"),
-         "After adding outputs to the study and its tests, such as mode shapes or further frequencies: with more "
-         "outputs than parameters the means can be tested."});
+    steps.push_back(further_outputs(s));
   }
   if (steps.empty() && s.verdict.conclusion == Conclusion::undecided) {
     const bool has_noise = (s.problem.tests.repeatability_std.array() > 0.0).all();
@@ -76,13 +113,10 @@ std::vector<NextStep> next_steps(const SummarySources& s) {
   }
   const bool is_noise_known = (s.problem.tests.repeatability_std.array() > 0.0).all();
   if (steps.empty() && has_population && !is_noise_known) {
-    steps.push_back({command_of(s, "update"),
-                     "After giving [test] repeatability of every output: without it scatter of the parameters and "
-                     "noise of the tests "
-                     "are told apart by the outputs' number alone, and a parameter that does not vary may seem to."});
+    steps.push_back(noise_apart(s));
   }
   if (!s.study.predict && (steps.empty() || s.verdict.conclusion == Conclusion::adequate))
-    steps.push_back(prediction());
+    steps.push_back(prediction(s));
   if (steps.empty()) {
     steps.push_back({"", "Compare the predictions with their tests before the model is used for anything else."});
   }

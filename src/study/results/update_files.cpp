@@ -48,6 +48,7 @@ std::string history_csv(const UpdatingProblem& problem, const UpdatingResult& re
 /// The modes of the updated model, numbered and followed as the outputs are; nothing where nobody looks at them, where
 /// it would take another run of a program, and where one is lost.
 std::optional<StructureModel::FollowedModes> modes_at_estimate(const UpdateOutcome& outcome) {
+  if (outcome.workings->plan.given) return std::nullopt;
   const StructureModel& model = *outcome.workings->plan.made.model;
   const bool is_shown = model.structure().mesh() != nullptr || outcome.workings->plan.tests.specimens != nullptr;
   if (!is_shown || model.highest_mode() == 0 || !model.structure().has_stiffness()) return std::nullopt;
@@ -91,8 +92,9 @@ void add_first_screen(const UpdateOutcome& outcome, const StructureModel::Follow
   json["agreement"] = agreement_json(agreement, problem.model.outputs());
   json["parameters"]["findings"] =
       findings_json(find_parameters(problem, result, outcome.verdict.conclusion, seen ? &*seen : nullptr));
+  const UpdatePlan& plan = outcome.workings->plan;
   json["shape_correlation"] = shape_correlation_json(
-      correlate_shapes(*outcome.workings->plan.made.model, outcome.workings->plan.tests, result, followed));
+      plan.given ? std::nullopt : correlate_shapes(*plan.made.model, plan.tests, result, followed));
   add_summary(summarise_verdict({outcome.study, problem, result, outcome.verdict, agreement, outcome.could_hide}),
               json["verdict"]);
 }
@@ -153,7 +155,7 @@ void write_results(const UpdateOutcome& outcome, const std::filesystem::path& pa
   const UpdatePlan& plan = outcome.workings->plan;
   const StudyModel& made = plan.made;
   const StudyTests& tests = plan.tests;
-  const std::vector<Quantity>& outputs = made.model->outputs();
+  const std::vector<Quantity>& outputs = plan.model().outputs();
   const std::vector<IterationRecord>& history = outcome.result.history;
   std::vector<Cloud> clouds;
   for (const IterationRecord& state : history) clouds.push_back(state.cloud);

@@ -55,4 +55,16 @@ std::vector<std::string> parse_row_names(std::string_view bytes, const std::stri
 /// @param name  of the matrix wanted; empty: the only one
 SymmetricMatrix parse_symmetric_matrix(std::string_view bytes, const std::string& file, const std::string& name);
 
+/// A Matrix Market file: coordinate, real, symmetric, with the shortest digits that read back exactly.
+///
+/// @param lower  lower triangle, compressed
+std::string matrix_market_text(const SparseMatrix& lower);
+
+/// One matrix of a file of Nastran's OUTPUT4: binary, little-endian, double precision, strings; with BIGMAT headers
+/// beyond 65535 rows. A file of several is one after the other.
+///
+/// @param lower  lower triangle, compressed; both triangles are written, as Nastran does
+/// @throws InvalidInput  a name that is none of Nastran's
+std::string output4_bytes(const SparseMatrix& lower, const std::string& name);
+
 }  // namespace mottle::formats

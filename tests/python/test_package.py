@@ -1,0 +1,63 @@
+"""What is installed: one version, the libraries that it needs, and sources that are enough to build it."""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tarfile
+from pathlib import Path
+
+import pytest
+
+import mottle
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+def output(*command):
+    return subprocess.run(list(map(str, command)), capture_output=True, text=True, check=True).stdout
+
+
+def test_the_version_is_the_commands(command):
+    assert mottle.__version__ == command("--version").stdout.split()[1]
+    assert f"VERSION {mottle.__version__}" in (ROOT / "CMakeLists.txt").read_text()
+
+
+def test_the_libraries_that_a_wheel_needs_are_named():
+    if not (shutil.which("readelf") and shutil.which("dpkg")):
+        pytest.skip("needs readelf and dpkg")
+    module = next(Path(mottle.__file__).parent.glob("_engine*.so"))
+    needed = re.findall(r"\(NEEDED\).*\[(.+)\]", output("readelf", "-d", module))
+    places = dict(re.findall(r"^\s+(\S+) => (\S+)", output("ldd", module), re.M))
+    packages = set()
+    for name in needed:
+        place = places.get(name)
+        if place is None or re.match(r"lib(c|m|gcc_s|stdc\+\+|asan|ubsan)\.", name):
+            continue  # of Debian's base, or of a sanitizer
+        found = subprocess.run(["dpkg", "-S", os.path.realpath(place)], capture_output=True, text=True, check=False).stdout
+        if found:
+            packages.add(found.split(":")[0])
+    assert packages
+    page = (ROOT / "docs" / "howto" / "python.md").read_text()
+    missing = {each for each in packages if not re.search(rf"\b{re.escape(each.removesuffix('-pthread'))}\b", page)}
+    assert not missing, f"docs/howto/python.md does not name {missing}"
+
+
+def test_the_source_distribution_has_all_that_cmake_needs(tmp_path):
+    pytest.importorskip("build")
+    if not (ROOT / ".git").exists() or not shutil.which("git"):
+        pytest.skip("needs the clone")
+    clone = tmp_path / "clone"
+    files = output("git", "-C", ROOT, "ls-files").splitlines()
+    for name in files:
+        if (ROOT / name).is_file():
+            (clone / name).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy2(ROOT / name, clone / name)
+    subprocess.run([sys.executable, "-m", "build", "--sdist", "--no-isolation", "--outdir", tmp_path / "dist", clone],
+                   capture_output=True, check=True, cwd=tmp_path)
+    with tarfile.open(next((tmp_path / "dist").glob("mottle-*.tar.gz"))) as archive:
+        there = {name.partition("/")[2] for name in archive.getnames()}
+    wanted = {name for name in files if name == "CMakeLists.txt" or name.split("/")[0] in
+              ("cmake", "include", "src", "web", "apps", "modules", "bindings")}
+    assert wanted <= there, sorted(wanted - there)[:5]
