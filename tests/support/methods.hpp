@@ -21,6 +21,14 @@ inline std::vector<std::string> method_names(bool of_populations) {
   return names;
 }
 
+/// Methods that estimate one population by its likelihood or its moments: a posterior is wider where specimens are few,
+/// and has its prior where outputs say nothing.
+inline std::vector<std::string> population_estimators() {
+  std::vector<std::string> names = method_names(true);
+  std::erase(names, "hierarchical");
+  return names;
+}
+
 /// Names of tests hold no dash.
 inline std::string instance_name(const testing::TestParamInfo<std::string>& instance) {
   std::string name = instance.param;

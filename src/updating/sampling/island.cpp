@@ -40,9 +40,9 @@ const Eigen::MatrixXd& Island::propose() {
   } else if (awaits_ == Awaits::trajectories && !trajectories_.are_done()) {
     advance_trajectories();
   } else {
-    if (step_ == 0) begin_stage();
+    if (step_ == 0 && !is_walking_) begin_stage();
     ++step_;
-    if (!follows_gradients_ || step_ % k_gradient_cycle == 0)
+    if (!follows_gradients_ || is_walking_ || step_ % k_gradient_cycle == 0)
       propose_moves();
     else
       ask_gradients();
@@ -145,6 +145,19 @@ void Island::start_from(const std::vector<Eigen::Index>& parents) {
   for (Eigen::Index i = 0; i < log_mixture_.size(); ++i) {
     log_mixture_(i) = mixture_for(i).log_density(found_.points.row(i).transpose());
   }
+}
+
+void Island::begin_walk(const std::vector<Eigen::Index>& parents) {
+  ++stage_;
+  step_ = 0;
+  is_walking_ = true;
+  start_from(parents);
+}
+
+void Island::put_back(Eigen::Index particle, const Eigen::Ref<const Eigen::VectorXd>& point, double log_likelihood) {
+  found_.points.row(particle) = point.transpose();
+  found_.log_likelihood(particle) = log_likelihood;
+  log_mixture_(particle) = mixture_for(particle).log_density(point);
 }
 
 void Island::end_move() {

@@ -259,7 +259,7 @@ TEST_P(EveryPopulationMethod, ChangesNoMoreThanItMustWhereOutputsAreFewerThanPar
 }
 
 INSTANTIATE_TEST_SUITE_P(Registry, EveryMethod, testing::ValuesIn(test::method_names(false)), test::instance_name);
-INSTANTIATE_TEST_SUITE_P(Registry, EveryPopulationMethod, testing::ValuesIn(test::method_names(true)),
+INSTANTIATE_TEST_SUITE_P(Registry, EveryPopulationMethod, testing::ValuesIn(test::population_estimators()),
                          test::instance_name);
 
 TEST(Registry, RefusesAnUnknownMethodWithTheNearestKnownOne) {

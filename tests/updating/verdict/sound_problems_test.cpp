@@ -63,7 +63,8 @@ TEST_P(SoundProblems, OfIdenticalSpecimensHaveNoScatter) {
   EXPECT_LT(test::standard_deviations(result).maxCoeff(), 1e-3);
 }
 
-INSTANTIATE_TEST_SUITE_P(Registry, SoundProblems, testing::ValuesIn(test::method_names(true)), test::instance_name);
+INSTANTIATE_TEST_SUITE_P(Registry, SoundProblems, testing::ValuesIn(test::population_estimators()),
+                         test::instance_name);
 
 }  // namespace
 }  // namespace mottle::updating

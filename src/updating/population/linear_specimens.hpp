@@ -1,0 +1,68 @@
+// Specimens whose tests are linear in their parameters about a point of each: their densities given a population, in
+// closed form, and draws of their parameters.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "mottle/layers.hpp"
+#include "updating/methods/specimen_fit.hpp"
+#include "updating/population/population_prior.hpp"
+
+namespace mottle::updating {
+
+/// One specimen's test about a point t0 of its parameters: z = f(t0) + G (t - t0) + d + e.
+struct LinearSpecimen {
+  std::vector<Eigen::Index> outputs;  ///< that were measured
+  Eigen::VectorXd point;              ///< t0 [parameter]
+  Eigen::MatrixXd design;             ///< G [measured x parameter]
+  Eigen::VectorXd residual;           ///< z - f(t0) [measured]
+};
+
+/// Room for a specimen's algebra, and what it found last.
+///
+/// With t = mu + F w, w ~ N(0, 1), r = z - f(t0) - d - G (mu - t0) and noise R the density of the test is
+///
+///   ln N(z) = -1/2 (m ln 2 pi + ln |R| + ln |L| + r' R^-1 r - h' L^-1 h),   L = 1 + F' G' R^-1 G F,  h = F' G' R^-1 r
+///
+/// and w given the test is N(L^-1 h, L^-1). F may be singular, no specimen's scatter is inverted.
+class SpecimenAlgebra {
+ public:
+  /// Sets a specimen and a population.
+  /// @return  ln N(z), the specimen's parameters integrated out
+  double condition(const LinearSpecimen& specimen, const PopulationAt& population);
+  /// Parameters given the test: mu + F (L^-1 h + L^-1/2 v) [parameter].
+  /// @param normals  v ~ N(0, 1) [parameter]
+  Eigen::VectorXd parameters(const Eigen::Ref<const Eigen::VectorXd>& normals) const;
+
+ private:
+  const PopulationAt* population_ = nullptr;
+  Eigen::MatrixXd design_;    // R^-1/2 G F
+  Eigen::MatrixXd factor_;    // of L
+  Eigen::VectorXd whitened_;  // its factor's inverse times h
+};
+
+/// ln N(z; f(t0) + G (t - t0) + d, R), the test given its specimen's parameters.
+double log_density_linear(const LinearSpecimen& specimen, const PopulationAt& population,
+                          const Eigen::Ref<const Eigen::VectorXd>& parameters);
+
+/// ln N(z; f + d, R) - ln N(z; f(t0) + G (t - t0) + d, R).
+/// @param outputs  f(t) [output]; nan: the result is nan
+double log_ratio_to_linear(const LinearSpecimen& specimen, const PopulationAt& population,
+                           const Eigen::Ref<const Eigen::VectorXd>& parameters,
+                           const Eigen::Ref<const Eigen::VectorXd>& outputs,
+                           const Eigen::Ref<const Eigen::VectorXd>& values);
+
+/// Fits to linearise at: every specimen's most probable parameters, held by a population that is estimated from them by
+/// expectation-maximisation, with the weight of one specimen on a tenth of the prior's scatter.
+///
+/// @param scale  of the scatter before the tests [parameter]
+/// @param noise  variances [output]
+/// @throws as fit_specimens
+SpecimenFits fits_to_linearise(const UpdatingProblem& problem, const Eigen::VectorXd& scale,
+                               const Eigen::VectorXd& noise, const RunContext& context, std::int64_t& evaluations);
+
+std::vector<LinearSpecimen> linear_specimens(const Eigen::Ref<const Eigen::MatrixXd>& values, const SpecimenFits& fits);
+
+}  // namespace mottle::updating
