@@ -1,6 +1,7 @@
 #include "updating/population/linear_specimens.hpp"
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "mottle/linalg/dense/decompositions.hpp"
@@ -11,19 +12,6 @@ namespace mottle::updating {
 namespace {
 
 const double k_log_two_pi = std::log(2.0 * std::numbers::pi);
-
-/// Lower factor of a small positive definite matrix in place: only its lower triangle is read and written. The
-/// matrices are of the size of the parameters, and there are millions.
-void factorise_in_place(Eigen::MatrixXd& matrix) {
-  const Eigen::Index n = matrix.rows();
-  for (Eigen::Index j = 0; j < n; ++j) {
-    for (Eigen::Index k = 0; k < j; ++k) {
-      for (Eigen::Index i = j; i < n; ++i) matrix(i, j) -= matrix(i, k) * matrix(j, k);
-    }
-    const double root = std::sqrt(matrix(j, j));
-    for (Eigen::Index i = j; i < n; ++i) matrix(i, j) /= root;
-  }
-}
 
 /// Test less linear model, of one of the rows.
 double residual_of(const LinearSpecimen& specimen, const PopulationAt& population,
@@ -37,51 +25,61 @@ double residual_of(const LinearSpecimen& specimen, const PopulationAt& populatio
 
 }  // namespace
 
+/// Reflects the rows of w_j and of the test so that column j of the test's becomes zero. The diagonal stays positive:
+/// draws must not jump from one population to the next.
+void SpecimenAlgebra::reflect(Eigen::Index j) {
+  const Eigen::Index q = factor_.cols();
+  const double square = design_.col(j).squaredNorm();
+  const double norm = std::sqrt(1.0 + square);
+  factor_(j, j) = norm;
+  if (square == 0.0) return;
+  const double first = -square / (1.0 + norm);  // 1 - norm
+  const double scale = 2.0 / (first * first + square);
+  for (Eigen::Index k = j + 1; k < q; ++k) {
+    const double along = scale * design_.col(j).dot(design_.col(k));
+    factor_(j, k) = -first * along;
+    design_.col(k) -= along * design_.col(j);
+  }
+  const double along = scale * design_.col(j).dot(residual_);
+  projected_(j) = -first * along;
+  residual_ -= along * design_.col(j);
+}
+
 double SpecimenAlgebra::condition(const LinearSpecimen& specimen, const PopulationAt& population) {
+  constexpr double k_no_digits = 1e24;
   population_ = &population;
   const Eigen::Index rows = specimen.design.rows();
   const Eigen::Index q = population.mean.size();
   design_.resize(rows, q);
+  residual_.resize(rows);
   factor_.resize(q, q);
-  whitened_.resize(q);
-  factor_.setIdentity();
-  whitened_.setZero();
-  double square = 0.0;
+  projected_.resize(q);
   double log_noise = 0.0;
   for (Eigen::Index k = 0; k < rows; ++k) {
     const double noise = population.noise(specimen.outputs[static_cast<std::size_t>(k)]);
     const double weight = 1.0 / std::sqrt(noise);
-    const double residual = weight * residual_of(specimen, population, population.mean, k);
+    residual_(k) = weight * residual_of(specimen, population, population.mean, k);
     for (Eigen::Index j = 0; j < q; ++j) {
       double sum = 0.0;
       for (Eigen::Index i = j; i < q; ++i) sum += specimen.design(k, i) * population.factor(i, j);
       design_(k, j) = weight * sum;
-      whitened_(j) += design_(k, j) * residual;
     }
-    square += residual * residual;
     log_noise += std::log(noise);
   }
-  for (Eigen::Index k = 0; k < rows; ++k) {
-    for (Eigen::Index j = 0; j < q; ++j) {
-      for (Eigen::Index i = j; i < q; ++i) factor_(i, j) += design_(k, i) * design_(k, j);
-    }
-  }
-  factorise_in_place(factor_);
+  if (!(design_.squaredNorm() < k_no_digits)) return -std::numeric_limits<double>::infinity();
   double log_determinant = 0.0;
-  for (Eigen::Index i = 0; i < q; ++i) {
-    for (Eigen::Index j = 0; j < i; ++j) whitened_(i) -= factor_(i, j) * whitened_(j);
-    whitened_(i) /= factor_(i, i);
-    square -= whitened_(i) * whitened_(i);
-    log_determinant += 2.0 * std::log(factor_(i, i));
+  for (Eigen::Index j = 0; j < q; ++j) {
+    reflect(j);
+    log_determinant += 2.0 * std::log(factor_(j, j));
   }
-  return -0.5 * (static_cast<double>(rows) * k_log_two_pi + log_noise + log_determinant + square);
+  return -0.5 * (static_cast<double>(rows) * k_log_two_pi + log_noise + log_determinant + residual_.squaredNorm());
 }
 
 Eigen::VectorXd SpecimenAlgebra::parameters(const Eigen::Ref<const Eigen::VectorXd>& normals) const {
   const Eigen::Index q = normals.size();
-  Eigen::VectorXd scores = whitened_ + normals;
+  Eigen::VectorXd scores = projected_ + normals;
   for (Eigen::Index i = q - 1; i >= 0; --i) {
-    for (Eigen::Index j = i + 1; j < q; ++j) scores(i) -= factor_(j, i) * scores(j);
+    for (Eigen::Index j = i + 1; j < q; ++j) scores(i) -= factor_(i, j) * scores(j);
     scores(i) /= factor_(i, i);
   }
   Eigen::VectorXd found = population_->mean;

@@ -22,25 +22,31 @@ struct LinearSpecimen {
 
 /// Room for a specimen's algebra, and what it found last.
 ///
-/// With t = mu + F w, w ~ N(0, 1), r = z - f(t0) - d - G (mu - t0) and noise R the density of the test is
+/// With t = mu + F w, w ~ N(0, 1), and r = R^-1/2 (z - f(t0) - d - G (mu - t0)) under noise R the test is r = D w + e,
+/// D = R^-1/2 G F, e ~ N(0, 1). Reflections make the rows (1, 0) of w and (D, r) of the test (U, y) and (0, rest), U
+/// upper triangular:
 ///
-///   ln N(z) = -1/2 (m ln 2 pi + ln |R| + ln |L| + r' R^-1 r - h' L^-1 h),   L = 1 + F' G' R^-1 G F,  h = F' G' R^-1 r
+///   ln N(z) = -1/2 (m ln 2 pi + ln |R| + 2 ln |U| + |rest|^2)
 ///
-/// and w given the test is N(L^-1 h, L^-1). F may be singular, no specimen's scatter is inverted.
+/// and w given the test is U^-1 (y + v), v ~ N(0, 1). F may be singular, no specimen's scatter is inverted, and D is
+/// not squared: a scatter of 1e6 times the noise leaves no digits of that, and likelihoods that are far too high.
 class SpecimenAlgebra {
  public:
   /// Sets a specimen and a population.
-  /// @return  ln N(z), the specimen's parameters integrated out
+  /// @return  ln N(z), the specimen's parameters integrated out; -infinity where D is beyond 1e12
   double condition(const LinearSpecimen& specimen, const PopulationAt& population);
-  /// Parameters given the test: mu + F (L^-1 h + L^-1/2 v) [parameter].
+  /// Parameters given the test: mu + F U^-1 (y + v) [parameter].
   /// @param normals  v ~ N(0, 1) [parameter]
   Eigen::VectorXd parameters(const Eigen::Ref<const Eigen::VectorXd>& normals) const;
 
  private:
+  void reflect(Eigen::Index j);
+
   const PopulationAt* population_ = nullptr;
-  Eigen::MatrixXd design_;    // R^-1/2 G F
-  Eigen::MatrixXd factor_;    // of L
-  Eigen::VectorXd whitened_;  // its factor's inverse times h
+  Eigen::MatrixXd design_;     // D, then reflected
+  Eigen::VectorXd residual_;   // r, then rest
+  Eigen::MatrixXd factor_;     // U
+  Eigen::VectorXd projected_;  // y
 };
 
 /// ln N(z; f(t0) + G (t - t0) + d, R), the test given its specimen's parameters.
