@@ -16,9 +16,11 @@ configure = cmake --preset $(1) -DMOTTLE_WERROR=$(MOTTLE_WERROR)
 build = cmake --build --preset $(1) -j $(JOBS)
 ctest = ctest --preset $(1) -j $(JOBS)
 alternatives = $(subst $() ,|,$(strip $(1)))
+as_root = $(if $(filter 0,$(shell id -u)),,sudo)
+with_python = -DMOTTLE_BUILD_PYTHON=ON -DPython3_EXECUTABLE=$(PYTHON)
 tsan_options = TSAN_OPTIONS="suppressions=$(CURDIR)/tools/tsan.supp $$TSAN_OPTIONS"
 
-.PHONY: build demo test lint asan tsan coverage fuzz attack python deb try-deb bench clean
+.PHONY: build demo test lint asan tsan coverage fuzz attack python notebook deb try-deb bench clean
 .DEFAULT_GOAL := build
 
 build:
@@ -61,7 +63,7 @@ tsan:
 # The Python package with its tests, in build/release/python.
 python:
 	$(INSTALL) --test --python
-	$(call configure,release) -DMOTTLE_BUILD_TESTS=ON -DMOTTLE_BUILD_PYTHON=ON -DPython3_EXECUTABLE=$(PYTHON)
+	$(call configure,release) -DMOTTLE_BUILD_TESTS=ON $(with_python)
 	$(call build,release) --target mottle_app --target mottle_python
 	$(call ctest,release) --label-regex "^python$$"
 
@@ -90,10 +92,20 @@ attack: build
 	python3 validation/attack/run.py build/release/mottle --hours $(ATTACK_HOURS) $(ATTACK_OPTIONS)
 
 deb:
-	$(INSTALL) --build --ci
-	$(call configure,release)
+	$(INSTALL) --deb --python
+	$(call configure,release) $(with_python)
 	$(call build,release)
 	cd build/release && cpack -G DEB
+
+# Installs python3-mottle, which needs root, and runs the first notebook with it.
+notebook:
+	$(INSTALL) --deb --python
+	$(call configure,release) -DMOTTLE_BUILD_TESTS=OFF $(with_python)
+	$(call build,release)
+	cd build/release && cpack -G DEB -D CPACK_COMPONENTS_ALL=python
+	$(as_root) apt-get install -q -y --reinstall ./build/release/python3-mottle_*.deb
+	$(PYTHON) -m nbconvert --to html --execute --output-dir build/release/notebooks examples/07-python/three_masses.ipynb
+	@echo "The notebook with its results: $(CURDIR)/build/release/notebooks/three_masses.html"
 
 # The packages on a machine that has nothing but Debian's base system; needs root.
 try-deb: deb

@@ -1,6 +1,6 @@
 # Installs the command and, as a CMake package, the library: find_package(mottle), target mottle::mottle (everything)
 # or mottle::<layer>. cpack makes Debian packages of it: mottle (the command), libmottle-dev and, where MPI
-# was found, mottle-mpi.
+# was found, mottle-mpi; where the Python package is built, python3-mottle.
 option(MOTTLE_INSTALL "Make install and package rules" ${PROJECT_IS_TOP_LEVEL})
 if(NOT MOTTLE_INSTALL)
   return()
@@ -35,6 +35,19 @@ install(TARGETS mottle_app RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT
 if(MOTTLE_MPI)
   install(TARGETS mottle_mpi LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/mottle COMPONENT mpi)
   install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/mottle-mpi RENAME copyright COMPONENT mpi)
+endif()
+if(MOTTLE_BUILD_PYTHON)
+  set(mottle_site lib/python3/dist-packages)  # Debian's place for every Python 3
+  install(TARGETS mottle_python LIBRARY DESTINATION ${mottle_site}/mottle COMPONENT python)
+  install(DIRECTORY bindings/python/mottle DESTINATION ${mottle_site} COMPONENT python
+    FILES_MATCHING PATTERN "*.py" PATTERN "*.pyi" PATTERN "py.typed")
+  # What pip and importlib.metadata read.
+  file(WRITE ${CMAKE_CURRENT_BINARY_DIR}/METADATA
+    "Metadata-Version: 2.1\nName: mottle\nVersion: ${PROJECT_VERSION}\nSummary: ${PROJECT_DESCRIPTION}\n"
+    "License: BSD-3-Clause\nRequires-Python: >=3.9\nRequires-Dist: numpy\n")
+  install(FILES ${CMAKE_CURRENT_BINARY_DIR}/METADATA DESTINATION ${mottle_site}/mottle-${PROJECT_VERSION}.dist-info
+    COMPONENT python)
+  install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/python3-mottle RENAME copyright COMPONENT python)
 endif()
 find_program(MOTTLE_HELP2MAN help2man)  # without it there are no man pages
 if(MOTTLE_HELP2MAN)
@@ -80,6 +93,22 @@ set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_COMPONENTS_ALL runtime development)
 if(MOTTLE_MPI)
   list(APPEND CPACK_COMPONENTS_ALL mpi)
+endif()
+if(MOTTLE_BUILD_PYTHON)
+  list(APPEND CPACK_COMPONENTS_ALL python)
+  find_package(Python3 REQUIRED COMPONENTS Interpreter)
+  math(EXPR mottle_next_python "${Python3_VERSION_MINOR} + 1")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-mottle)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS ON)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS  # the module is made for one minor version
+    "python3 (>= 3.${Python3_VERSION_MINOR}), python3 (<< 3.${mottle_next_python}), python3-numpy")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_RECOMMENDS
+    "libopenblas0, python3-matplotlib, python3-pandas, python3-scipy, python3-tqdm, python3-xarray")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "mottle, jupyter-notebook")  # mottle has the notebooks, with their data
+  set(CPACK_COMPONENT_PYTHON_DESCRIPTION
+"Mottle's engine as a Python module: studies, a Python function as the model,
+results as NumPy arrays, and the routines that stand alone.")
 endif()
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_NAME mottle)

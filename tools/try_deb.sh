@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Tries the Debian packages as a new user would: on a machine that has nothing but Debian's base system (debootstrap, chroot)
 # apt installs them with what they depend on; the command runs an example of the package and makes its report, its man page
-# is there, and with g++ and cmake the example of the library is built and run. Needs root, for chroot.
+# is there, Python's module has the command's numbers, and with g++ and cmake the example of the library is built and run. Needs
+# root, for chroot.
 #   tools/try_deb.sh FOLDER-OF-PACKAGES
 set -euo pipefail
 packages=${1:?usage: tools/try_deb.sh FOLDER-OF-PACKAGES}
@@ -26,7 +27,7 @@ debootstrap --variant=minbase "$release" "$root" "$mirror" >"$packages/try_deb.l
   { tail "$packages/try_deb.log"; echo "$0: NOT TRIED: no bare Debian can be made here"; exit 0; }
 printf '%s\n' "${sources[@]}" >"$root/etc/apt/sources.list"
 mount -t proc proc "$root/proc" || echo "$0: /proc cannot be mounted here; going on without it"
-cp "$packages"/mottle_*.deb "$packages"/libmottle-dev_*.deb "$root/tmp"
+cp "$packages"/mottle_*.deb "$packages"/python3-mottle_*.deb "$packages"/libmottle-dev_*.deb "$root/tmp"
 echo "bare Debian $release: $((SECONDS - began)) s"
 
 inside() { chroot "$root" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root DEBIAN_FRONTEND=noninteractive sh -euc "$1"; }
@@ -42,6 +43,14 @@ timed "mottle update of the package's example" "
   mottle update /usr/share/doc/mottle/examples/01-three-masses/case1.toml --out /tmp/case1
   grep -q '\"status\": *\"converged\"' /tmp/case1/result.json
   test -s /tmp/case1/report.html"
+timed "apt-get install ./python3-mottle.deb" "apt-get install -q -y --no-install-recommends /tmp/python3-mottle_*.deb"
+timed "the same update in Python" "
+  python3 -c '
+import json, mottle
+result = mottle.Study.read(\"/usr/share/doc/mottle/examples/01-three-masses/case1.toml\").update()
+print(result)
+command = json.load(open(\"/tmp/case1/result.json\"))[\"parameters\"][\"mean\"]
+assert list(result.mean) == command, (list(result.mean), command)'"
 timed "apt-get install ./libmottle-dev.deb g++ cmake make" "
   apt-get install -q -y --no-install-recommends /tmp/libmottle-dev_*.deb g++ cmake make"
 timed "the library's example built and run" "

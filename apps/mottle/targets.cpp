@@ -21,7 +21,7 @@ void add_targets(CLI::App& app) {
   verb->add_option("--modes", settings->modes, "number of lowest modes (default: the deck's EIGRL, or 10)")
       ->check(CLI::Range(1, 100000));
   verb->add_option("--units", settings->units,
-                   "units of the deck, which are only named (SI, mm-t-s, mm-kg-ms, in-lbf-s)")
+                   "units of the deck, which are only named (SI, mm-t-s, mm-kg-ms, in-lbf-s; default: guessed)")
       ->check(CLI::IsMember({"SI", "mm-t-s", "mm-kg-ms", "in-lbf-s"}));
   verb->add_option("--subcase", settings->subcase, "subcase of the deck (default: the first with a METHOD)");
   verb->add_option("--ignore-cards", *cards, "leave out these cards (CARD,CARD)")->delimiter(',');

@@ -203,6 +203,22 @@ class NastranTest(support.CommandTest):
         self.assertEqual(ended.code, 2)
         self.assertRegex(ended.err, "50[01]:[+]X")
 
+    def test_a_free_bar_is_told_of_its_missing_inertia(self):
+        bar = edited(deck(1), ("SPC1,1,123456,1\nPELAS,9,1.0+4\nCELAS1,99,9,2,2\n", ""), ("SPC = 1\n", ""))  # pivots are exact
+        self.write("deck.bdf", edited(bar, ("PARAM,COUPMASS,1\n", "")))
+        ended = self.call("modes", "deck.bdf")
+        self.assertEqual(ended.code, 2, ended.out)
+        self.assertIn("+RX, a rotation without inertia", ended.err)
+
+    def test_a_mode_far_above_the_others_is_found(self):
+        # Free masses of 1 and 1e-5 on a spring of 1000: 0 and sqrt(1000 (1 + 1e5)) rad/s.
+        lines = ["SOL 103", "CEND", "METHOD=1", "BEGIN BULK", "EIGRL,1,,,5", "SPOINT,1,2", "CMASS2,1,1.,1,0", "CMASS2,2,1.-5,2,0",
+                 "CELAS2,3,1000.,1,0,2,0", "ENDDATA"]
+        self.write("deck.bdf", "\n".join(lines) + "\n")
+        found = json.loads(self.succeed("modes", "deck.bdf", "--json").out)["frequencies"]
+        self.assertEqual(len(found), 2)
+        self.assertAlmostEqual(found[1] / (math.sqrt(1000 * (1 + 1e5)) / (2 * math.pi)), 1.0, delta=1e-9)
+
     def test_points_that_nothing_acts_on_have_no_mode_without_autospc(self):
         self.write("other.bdf", edited(FREE_DECK, ("PARAM,COUPMASS,1\n", "PARAM,COUPMASS,1\nPARAM,AUTOSPC,NO\nGRID,500,,5.,0.,0.\n")))
         both = [json.loads(self.succeed("modes", deck, "--json").out) for deck in ("deck.bdf", "other.bdf")]

@@ -4,6 +4,7 @@
 """
 
 import math
+import re
 import unittest
 
 import support
@@ -152,6 +153,22 @@ class OutputsTest(support.CommandTest):
             self.assertEqual(ended.code, 2, (wrong, ended.out))
             self.assertIn(said, ended.err)
             self.assertRegex(ended.err, r"study\.toml:\d+: ")
+
+    def test_a_solution_outside_a_priors_range_is_said_to_be(self):
+        uniform = "{{ kind = \"uniform\", lower = {}, upper = {} }}".format
+        self.write("study.toml", edited(support.STUDY, ('target = "spring:k2"', 'target = "spring:k3"')))
+        self.write("points.csv", "k1,k2\n1.2,2.2\n")
+        self.succeed("propagate", "study.toml", "--points", "points.csv", "--out", "cloud", "--quiet")
+        header, rows = read_csv(self.folder / "cloud" / "cloud.csv")
+        self.table(["f1", "f2", "f3"], [[float(rows[0][header.index(name)]) for name in ("f1", "f2", "f3")]])
+        text = (self.folder / "study.toml").read_text(encoding="utf-8")
+        ranges = iter((uniform(0.5, 1.8), uniform(1.4, 2.8)))
+        text = re.sub(r"distribution = \{[^}]*\}", lambda _: "distribution = " + next(ranges), text)
+        self.write("study.toml", text)
+        self.succeed("update", "study.toml", "--out", "out", "--quiet", "--set", 'update.method="deterministic"', "--set",
+                     'update.deterministic.regularisation="none"', "--set", "update.samples=50", "--set", "update.deterministic.starts=20")
+        reasons = " ".join(read_result(self.folder / "out")["verdict"]["reasons"])
+        self.assertIn("k1 lies outside the range of its prior, [0.5, 1.8]", reasons)
 
     def test_the_deterministic_method_names_solutions_and_local_minima(self):
         # Masses 1 and 3 hang alike: their springs exchanged give the same frequencies.

@@ -40,6 +40,13 @@ class PairingTest(support.CommandTest):
         self.rearrange("f1,f2", [0, 2])
         self.assertIn("f2 is the model's f3", self.succeed("check", "study.toml").out)
 
+    def test_unused_modes_have_the_names_that_the_tests_gave_them(self):
+        self.write("study.toml", support.edited(support.STUDY, FREQUENCY, ("frequencies = [1, 2, 3]", "frequencies = [1, 3]")))
+        self.rearrange("f4,f5,f6", [0, 1, 2])
+        said = self.succeed("check", "study.toml").out
+        self.assertIn("not used, by the tests' own numbers: f5.", said)
+        self.assertNotIn("Columns of the test file that are not used", said)
+
     def test_an_output_without_partner_is_refused(self):
         self.write("study.toml", support.edited(support.STUDY, FREQUENCY))
         self.rearrange("f1,f2", [0, 2])

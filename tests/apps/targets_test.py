@@ -46,6 +46,52 @@ CMASS2,3,3.,2,1
 ENDDATA
 """
 
+# A mass on two springs of one stiffness across each other, and another far above: two modes of one frequency.
+PAIR = """\
+SOL 103
+CEND
+METHOD = 10
+SPC = 1
+BEGIN BULK
+EIGRL,10,,,3
+GRID,1,,0.,0.,0.
+SPC1,1,3456,1
+PELAS,1,1000.
+PELAS,2,1000.
+CELAS1,1,1,1,1
+CELAS1,2,2,1,2
+CONM2,3,1,,2.
+SPOINT,9
+CELAS2,4,90000.,9,0
+CMASS2,5,1.,9,0
+ENDDATA
+"""
+SPRINGS = """\
+*NODE, NSET=ALL
+1, 0., 0., 0.
+*ELEMENT, TYPE=MASS, ELSET=M
+1, 1
+*MASS, ELSET=M
+2.
+*ELEMENT, TYPE=SPRING1, ELSET=SX
+2, 1
+*SPRING, ELSET=SX
+1
+1000.
+*ELEMENT, TYPE=SPRING1, ELSET=SY
+3, 1
+*SPRING, ELSET=SY
+2
+1000.
+*BOUNDARY
+1, 3, 3
+*STEP
+*FREQUENCY
+2
+*NODE FILE
+U
+*END STEP
+"""
 
 # Ground - k1 - m1 - k2 - m2 - k3 - ground, m2 omitted: u2 = k2 / (k2 + k3) u1.
 OMITTED = """\
@@ -116,6 +162,21 @@ class TargetsTest(support.CommandTest):
                 ends.append(math.log(omitted_hz(*springs)))
             self.assertAlmostEqual(found[f"CELAS2:{number + 1}:K"]["sensitivity"][0], (ends[0] - ends[1]) / (2 * step), delta=1e-7)
 
+    def test_modes_of_one_frequency_have_the_values_into_which_it_splits(self):
+        found, whole = self.targets(self.write("deck.bdf", PAIR))
+        self.assertAlmostEqual(whole["frequencies"][0], whole["frequencies"][1], delta=1e-12)
+        for number in (1, 2):  # each moves one combination of the two by half, the other not at all
+            spring = found[f"PELAS:{number}:K"]
+            for values, expected in ((spring["sensitivity"], (0.0, 0.5, 0.0)), (spring["strain_energy"], (0.0, 1.0, 0.0))):
+                for value, right in zip(values, expected):
+                    self.assertAlmostEqual(value, right, delta=1e-10)
+
+    def test_units_are_guessed_where_none_are_given(self):
+        deck = self.write("deck.bdf", BEAM.format(width=20.0, height=30.0).replace("7.+10,,.3,2700.", "7.+4,,.3,2.7-9"))
+        self.assertEqual(self.targets(deck)[0]["MAT1:1:E"]["unit"], "MPa")
+        self.assertIn("units: mm-t-s (GUESSED", self.succeed("targets", deck).out)
+        self.assertEqual(self.targets(deck, "--units", "SI")[0]["MAT1:1:E"]["unit"], "Pa")
+
     def test_a_rigid_body_mode_has_no_sensitivity(self):
         found, whole = self.targets(self.write("deck.bdf", FREE), "--modes", "2")
         self.assertEqual(whole["frequencies"][0], 0.0)
@@ -164,6 +225,15 @@ class TargetsTest(support.CommandTest):
         ended = self.call("modes", "plate.inp")
         self.assertEqual(ended.code, 2)
         self.assertIn("is a CalculiX deck", ended.err)
+
+    def test_a_calculix_deck_has_the_values_into_which_a_frequency_splits(self):
+        if shutil.which("ccx") is None:
+            self.skipTest("CalculiX (ccx) is not here")
+        found, whole = self.targets(self.write("rod.inp", SPRINGS), "--modes", "2")
+        self.assertAlmostEqual(whole["frequencies"][0], math.sqrt(500.0) / (2 * math.pi), delta=1e-5)
+        for name in ("*SPRING:SX", "*SPRING:SY"):
+            for value, right in zip(found[name]["sensitivity"], (0.0, 0.5)):
+                self.assertAlmostEqual(value, right, delta=1e-4)
 
 if __name__ == "__main__":
     support.main()

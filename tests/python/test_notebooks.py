@@ -1,7 +1,10 @@
 """The notebooks of the examples run as they stand."""
 
+import html
 import os
+import re
 import shutil
+from pathlib import Path
 
 import pytest
 
@@ -24,6 +27,10 @@ def test_notebook(examples, name, monkeypatch):
     told = "".join(output["text"] for output in outputs if output.get("name") == "stderr")
     assert "Warning" not in told, told
     assert sorted(path.name for path in folder.iterdir()) == before
+    page = (Path(__file__).resolve().parents[2] / "docs" / "notebooks" / f"{name}.html").read_text(encoding="utf-8")
+    shown = html.unescape(re.sub("<[^>]*>", "", page))
+    for cell in notebook.cells:
+        assert cell.cell_type != "code" or cell.source.strip() in shown, "tools/render_notebooks.py makes the page anew"
     keep = os.environ.get("MOTTLE_KEEP_NOTEBOOKS")
     if keep:
         nbformat.write(notebook, os.path.join(keep, f"{name}.ipynb"))

@@ -1,9 +1,10 @@
 // Drawings of a sampled posterior: ranks of its chains, stages of its islands, their evidences, intervals of outputs with the tests.
 import { extent, is_number } from "./data.js";
-import { axis, legend, legend_height, tooltip_box, zooming } from "./charts.js";
-import { fit_in, name_with_unit, number_text, plural, short_number } from "./format.js";
+import { legend, legend_height, tooltip_box, zooming } from "./charts.js";
+import { name_with_unit, number_text, plural, short_number } from "./format.js";
+import { row_bars, row_label, row_marks, rows_axes, rows_grid } from "./output_rows.js";
 import { band_series, layout, line_series, panel_frame } from "./panels.js";
-import { band, bound, ink, model, muted, paper, test, test_band } from "./palette.js";
+import { band, bound, model, paper, test, test_band } from "./palette.js";
 
 const island_line = { color: model, width: 1.3, opacity: 0.6 };
 
@@ -139,41 +140,17 @@ export function evidence_panel({ value, interval, islands }, width) {
 }
 
 const bar_names = { test: "95 % of further tests", model: "95 % of the model's outputs", inside: "Specimen", outside: "Specimen outside" };
-const row_height = 28;
-
 /** In what the bars are drawn: halves of the interval of a further test from its median. */
 function in_halves({ test: ends, median }) {
   const half = (ends[1] - ends[0]) / 2 || 1;
   return (value) => (value - median) / half;
 }
 
-function bars_of(name, rows, color, share, z) {
-  return {
-    name,
-    type: "custom",
-    clip: true,
-    z,
-    data: rows,
-    encode: { x: [0, 2], y: 1 },
-    itemStyle: { color },
-    renderItem: (params, api) => {
-      if (!Number.isFinite(api.value(0))) return null;
-      const [x0, y] = api.coord([api.value(0), api.value(1)]);
-      const [x1] = api.coord([api.value(2), api.value(1)]);
-      const shape = { x: x0, y: y - row_height * share, width: Math.max(x1 - x0, 1.5), height: row_height * 2 * share };
-      return { type: "rect", shape, style: { fill: color } };
-    },
-  };
-}
-
 /** One bar an output: where its values and further tests lie, with every specimen on it. */
 export function predictive_bars(outputs, width) {
-  const labels = outputs.map((output) =>
-    width < 620 ? output.name : `${output.name}: ${number_text(output.median, 5)} ${output.unit}`.trim(),
-  );
-  const left = Math.min(width * 0.4, 24 + 7 * Math.max(...labels.map((text) => text.length)));
+  const labels = outputs.map((output) => row_label(output, number_text(output.median, 5), width));
   const shown = Object.values(bar_names);
-  const grid = { left, right: 16, top: legend_height(shown, width), height: outputs.length * row_height, outerBoundsMode: "none" };
+  const grid = rows_grid(labels, width, legend_height(shown, width));
   const place = outputs.map(in_halves);
   const bar = (key) =>
     outputs.map((output, row) => (output[key] ? [place[row](output[key][0]), row, place[row](output[key][1])] : [null, row, null]));
@@ -184,40 +161,23 @@ export function predictive_bars(outputs, width) {
     ),
   );
   const is_inside = ([, row, , value]) => value >= outputs[row].test[0] && value <= outputs[row].test[1];
-  const marks = (name, data, color, symbol) => ({
-    name,
-    type: "scatter",
-    symbol,
-    symbolSize: data.length > 300 ? 6 : 8,
-    z: 4,
-    itemStyle: { color, borderColor: paper, borderWidth: 0.6, opacity: 0.85 },
-    data,
-  });
   const series = [
-    bars_of(bar_names.test, bar("test"), band, 0.3, 1),
-    bars_of(bar_names.model, bar("model"), model, 0.12, 2),
-    marks(bar_names.inside, points.filter(is_inside), test, "diamond"),
-    marks(bar_names.outside, points.filter((point) => !is_inside(point)), bound, "triangle"),
+    row_bars(bar_names.test, bar("test"), { fill: band }, 0.3, 1),
+    row_bars(bar_names.model, bar("model"), { fill: model }, 0.12, 2),
+    row_marks(bar_names.inside, points.filter(is_inside), test, "diamond"),
+    row_marks(bar_names.outside, points.filter((point) => !is_inside(point)), bound, "triangle"),
   ];
   const reach = 1.05 * Math.max(1.5, ...extent([...points.map(([x]) => x), ...bar("model").flatMap(([a, , b]) => [a, b]), -1, 1]).map(Math.abs));
   const option = {
     grid: [grid],
-    xAxis: axis({
-      name: width < 560 ? "Half widths of the bar from its median" : "Distance from the median, in half widths of the 95 % interval of a further test",
-      nameGap: 28,
-      min: -reach,
-      max: reach,
-      axisLabel: { showMinLabel: false, showMaxLabel: false, formatter: (value) => short_number(value, 2) },
-    }),
-    yAxis: axis({
-      type: "category",
-      inverse: true,
-      data: labels,
-      splitLine: { show: false },
-      axisTick: { show: false },
-      axisLine: { show: true, onZero: true, lineStyle: { color: muted } },
-      axisLabel: { color: ink, fontSize: 12, interval: 0, formatter: fit_in(left - 12) },
-    }),
+    ...rows_axes(
+      labels,
+      grid,
+      width < 560
+        ? "Half widths of the bar from its median"
+        : "Distance from the median, in half widths of the 95 % interval of a further test",
+      reach,
+    ),
     ...zooming(1),
     series,
     legend: legend(series, shown),

@@ -1,9 +1,10 @@
 // Drawings of a prediction: intervals of the outputs with the held-out tests on them, and histograms of their transforms.
 import { extent, is_number, list, record } from "./data.js";
-import { axis, tooltip_box, zooming } from "./charts.js";
-import { fit_in, name_with_unit, number_text, p_value_text, plural, short_number } from "./format.js";
+import { tooltip_box, zooming } from "./charts.js";
+import { name_with_unit, number_text, p_value_text, plural, short_number } from "./format.js";
+import { row_bars, row_label, row_marks, rows_axes, rows_grid, value_and_deviation } from "./output_rows.js";
 import { band_series, layout, panel_frame } from "./panels.js";
-import { bound, ink, model, muted, paper, test, test_band } from "./palette.js";
+import { bound, model, muted, test, test_band } from "./palette.js";
 
 const level = 0.95;
 /** Transforms of the held-out tests that have the output; `pit` also holds null. */
@@ -13,17 +14,12 @@ export const tested = ({ pit }) => pit.filter(is_number);
 const place_of = (score) => Math.max(-4, Math.min(4, score));
 const is_outside = (pit) => pit < (1 - level) / 2 || pit > (1 + level) / 2;
 
-function label_of(output, width) {
-  if (width < 620 || !is_number(output.mean)) return output.name;
-  return `${output.name}: ${number_text(output.mean, 4)} ± ${number_text(output.std, 2)} ${output.unit}`.trim();
-}
-
 /** One bar an output, in predicted deviations, and the held-out tests on it. */
 export function interval_bars(outputs, width) {
-  const labels = outputs.map((output) => label_of(output, width));
-  const left = Math.min(width * 0.4, 24 + 7 * Math.max(...labels.map((text) => text.length)));
-  const row_height = 26;
-  const grid = { left, right: 16, top: 14, height: outputs.length * row_height, outerBoundsMode: "none" };
+  const labels = outputs.map((output) =>
+    row_label(output, is_number(output.mean) ? value_and_deviation(output.mean, output.std) : "", width),
+  );
+  const grid = rows_grid(labels, width, 14);
   const points = (wanted) =>
     outputs.flatMap(({ pit, scores }, row) =>
       pit.flatMap((value, specimen) =>
@@ -32,15 +28,6 @@ export function interval_bars(outputs, width) {
           : [],
       ),
     );
-  const marks = (name, data, color, symbol) => ({
-    name,
-    type: "scatter",
-    symbol,
-    symbolSize: data.length > 300 ? 6 : 8,
-    z: 4,
-    itemStyle: { color, borderColor: paper, borderWidth: 0.6, opacity: 0.85 },
-    data,
-  });
   const bars = outputs.map(({ interval, mean, std }, row) => {
     const ends = interval && std > 0 ? interval.map((end) => (end - mean) / std) : null;
     return ends ? [ends[0], row, ends[1]] : [null, row, null];
@@ -49,23 +36,12 @@ export function interval_bars(outputs, width) {
   const reach = Math.max(3, ...extent([...all, ...bars.flatMap(([a, , b]) => [a, b])]).map(Math.abs)) * 1.05;
   const option = {
     grid: [grid],
-    xAxis: axis({
-      name:
-        width < 560 ? "Predicted std. dev. from the mean" : "Predicted standard deviations from the predicted mean",
-      nameGap: 28,
-      min: -reach,
-      max: reach,
-      axisLabel: { showMinLabel: false, showMaxLabel: false, formatter: (value) => short_number(value, 2) },
-    }),
-    yAxis: axis({
-      type: "category",
-      inverse: true,
-      data: labels,
-      splitLine: { show: false },
-      axisTick: { show: false },
-      axisLine: { show: true, onZero: true, lineStyle: { color: muted } },
-      axisLabel: { color: ink, fontSize: 12, interval: 0, formatter: fit_in(left - 12) },
-    }),
+    ...rows_axes(
+      labels,
+      grid,
+      width < 560 ? "Predicted std. dev. from the mean" : "Predicted standard deviations from the predicted mean",
+      reach,
+    ),
     ...zooming(1),
     tooltip: {
       trigger: "item",
@@ -85,27 +61,9 @@ export function interval_bars(outputs, width) {
       },
     },
     series: [
-      {
-        name: "95 % interval",
-        type: "custom",
-        clip: true,
-        z: 2,
-        data: bars,
-        encode: { x: [0, 2], y: 1 },
-        itemStyle: { color: model, opacity: 0.28 },
-        renderItem: (params, api) => {
-          if (!Number.isFinite(api.value(0))) return null;
-          const [x0, y] = api.coord([api.value(0), api.value(1)]);
-          const [x1] = api.coord([api.value(2), api.value(1)]);
-          return {
-            type: "rect",
-            shape: { x: x0, y: y - row_height * 0.3, width: x1 - x0, height: row_height * 0.6 },
-            style: { fill: model, opacity: 0.28 },
-          };
-        },
-      },
-      marks("Held-out test", points(false), test, "diamond"),
-      marks("Held-out test outside", points(true), bound, "triangle"),
+      row_bars("95 % interval", bars, { fill: model, opacity: 0.28 }, 0.3, 2),
+      row_marks("Held-out test", points(false), test, "diamond"),
+      row_marks("Held-out test outside", points(true), bound, "triangle"),
     ],
   };
   return { option, height: grid.top + grid.height + 52 };

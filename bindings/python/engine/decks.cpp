@@ -56,7 +56,7 @@ void add_targets(py::module_& module) {
   module.def(
       "find_targets",
       [](const Path& model, int modes, const std::set<std::string>& ignored, std::optional<int> subcase,
-         const std::string& units, bool lists_all) {
+         const std::optional<std::string>& units, bool lists_all) {
         CallingThread caller{py::none()};
         const TargetsOutcome outcome = caller.run([&] {
           return study::find_targets({.model = model,

@@ -121,14 +121,14 @@ def targets(
     *,
     ignore_cards: str | Iterable[str] = (),
     subcase: int | None = None,
-    units: str = "SI",
+    units: str | None = None,
     all: bool = False,
 ) -> Targets:
     """The numbers of a deck (Nastran, CalculiX) that can be parameters, and what each does to the modes.
 
     Args:
         deck, count, ignore_cards, subcase: as of `modes`.
-        units: "SI", "mm-t-s", "mm-kg-ms", "in-lbf-s"; only named.
+        units: "SI", "mm-t-s", "mm-kg-ms", "in-lbf-s"; only named. None: guessed from the materials.
         all: also numbers that are zero, change no mode or are seldom wrong.
     """
     frequencies, found, notes = _engine.find_targets(

@@ -46,16 +46,18 @@ class KrylovBasis {
         projected_(Eigen::MatrixXd::Zero(max_vectors_, max_vectors_)) {}
 
   /// A new block of random vectors, once through the operator, which purges what lies in the null space of M. Starts
-  /// the basis, and goes on when the basis has become invariant: roots repeated more often than the block is wide.
+  /// the basis, and goes on when the basis has become invariant: roots repeated more often than the block is wide, or
+  /// so high above the others that the operator all but extinguishes them.
   void append_random() {
     Eigen::MatrixXd block(problem_.size, block_);
     for (Eigen::Index j = 0; j < block_; ++j) {
       RandomStream stream({.seed = 0}, random_vectors_++);
       for (Eigen::Index i = 0; i < problem_.size; ++i) block(i, j) = stream.uniform() - 0.5;
     }
+    take_out_basis(block);
     block = problem_.weigh(block);
-    solve(block);
-    newest_ = orthonormalise(block, nullptr);
+    if (block.cols() > 0) solve(block);
+    newest_ = block.cols() > 0 ? orthonormalise(block, nullptr) : 0;
     coupling_.setZero();
     if (newest_ > 0) append(block);
   }
@@ -118,6 +120,26 @@ class KrylovBasis {
   void solve(Eigen::MatrixXd& vectors) {
     problem_.solve(vectors);
     solved_vectors_ += static_cast<int>(vectors.cols());
+  }
+
+  /// Takes the known modes out of random vectors before the operator magnifies them; what is left without length has
+  /// no mass, and is dropped.
+  void take_out_basis(Eigen::MatrixXd& block) const {
+    constexpr double k_massless = 1e-7;  // of the length: a part in 1e14 of the mass
+    if (size_ == 0) return;
+    const auto basis = basis_.leftCols(size_);
+    Eigen::MatrixXd weighed = problem_.weigh(block);
+    const Eigen::RowVectorXd before = block.cwiseProduct(weighed).colwise().sum();
+    for (int sweep = 0; sweep < 2; ++sweep) {
+      multiply(-1.0, basis, false, transposed_product(basis, weighed), 1.0, block);
+      weighed = problem_.weigh(block);
+    }
+    const Eigen::RowVectorXd after = block.cwiseProduct(weighed).colwise().sum();
+    Eigen::Index kept = 0;
+    for (Eigen::Index j = 0; j < block.cols(); ++j) {
+      if (after(j) > k_massless * k_massless * before(j)) block.col(kept++) = block.col(j).eval();
+    }
+    block.conservativeResize(Eigen::NoChange, kept);
   }
 
   void append(const Eigen::MatrixXd& block) {

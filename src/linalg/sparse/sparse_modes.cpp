@@ -204,6 +204,7 @@ SparseModes SparseModeSolver::solve(const SparseMatrix& stiffness, const SparseM
   if (result.shift == 0.0) {
     result.failure = "the stiffness is not positive semidefinite, or a part can move without stiffness and mass";
     result.failed_row = factors_->definite->failed_column();
+    result.is_massless = result.failed_row >= 0 && mass.coeff(result.failed_row, result.failed_row) == 0.0;
     return result;
   }
   const SparseMatrix lean_mass = mass.pruned(0.0, 0.0);

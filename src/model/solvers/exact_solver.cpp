@@ -105,7 +105,12 @@ SparseModes ExactSolver::solve_one(const Eigen::Ref<const Eigen::VectorXd>& para
 
 std::string ExactSolver::failure_text(const SparseModes& modes) const {
   if (modes.failed_row < 0) return modes.failure;
-  return fmt::format("{} (first seen at {})", modes.failure, structure_->equation_name(modes.failed_row));
+  const std::string place = structure_->equation_name(modes.failed_row);
+  const bool turns_freely = modes.is_massless && place.find("+R") != std::string::npos;
+  return fmt::format("{} (first seen at {}{})", modes.failure, place,
+                     turns_freely ? ", a rotation without inertia: bars, for example, have none about their own axis, "
+                                    "and what they make up must be held against turning about it"
+                                  : "");
 }
 
 Solution ExactSolver::observe(const Eigen::VectorXd& values, const Eigen::MatrixXd& vectors,

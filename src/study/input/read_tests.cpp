@@ -54,7 +54,7 @@ std::optional<FrequencyPairing> pair_columns(const Study& study, const Structure
             "\"mac\", which compares them",
             study.file.string());
     FrequencyPairing pairing(table, model, true);
-    pairing.renumber(table);
+    pairing.renumber(table, model);
     for (std::string& note : pairing.notes(model)) notes.push_back(std::move(note));
     return pairing;
   }
@@ -98,7 +98,7 @@ void read_repeats(const Study& study, const StructureModel& model, const std::op
                   StudyTests& tests) {
   const std::filesystem::path& file = *study.test->repeats_file;
   CsvTable table = read_named_table(study, "test.repeatability", file);
-  if (pairing) pairing->renumber(table);
+  if (pairing) pairing->renumber(table, model);
   const std::vector<std::string> names = output_names(model.outputs());
   StudyTests repeats;
   const std::vector<int> columns = match_columns(table, study, model.measured(), repeats.notes);

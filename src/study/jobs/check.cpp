@@ -21,16 +21,23 @@ namespace {
 
 constexpr Eigen::Index k_listed_modes = 10;
 
-/// The lowest modes at the parameters' means, in Hz; none of a study without outputs of modes, whose model may have no
-/// mass.
+/// The lowest modes at the parameters' means, in Hz, 0 of what rounding leaves of a rigid-body motion; none of a study
+/// without outputs of modes, whose model may have no mass.
 Eigen::VectorXd frequencies_of(const StudyModel& made) {
+  constexpr double k_soft = 1e-6;  // of the highest eigenvalue: others are no rounding
   if (made.model->highest_mode() == 0) return {};
   const Eigen::VectorXd mean = made.space->prior().mean();
   const Eigen::Index wanted = std::min(k_listed_modes, made.model->structure().mode_count());
   const ModeSet modes = made.model->solver().modes_at(mean, static_cast<int>(wanted));
+  const Eigen::Index listed = std::min(k_listed_modes, modes.eigenvalues.size());
   // An unstable model was refused: what is negative here is a rigid-body mode.
-  return natural_frequencies_hz(modes.eigenvalues.cwiseMax(0.0))
-      .head(std::min(k_listed_modes, modes.eigenvalues.size()));
+  Eigen::VectorXd frequencies = natural_frequencies_hz(modes.eigenvalues.head(listed).cwiseMax(0.0));
+  const double soft = k_soft * modes.eigenvalues.cwiseAbs().maxCoeff();
+  for (Eigen::Index r = 0; r < std::min(listed, modes.shapes.cols()) && modes.eigenvalues(r) <= soft; ++r) {
+    const ModeSet mode{modes.eigenvalues.segment(r, 1), modes.shapes.col(r)};
+    if (modes.eigenvalues(r) <= made.model->solver().eigenvalue_rounding(mean, mode)) frequencies(r) = 0.0;
+  }
+  return frequencies;
 }
 
 /// Changes of the outputs by one prior standard deviation of each parameter, relative [output x parameter]; by central

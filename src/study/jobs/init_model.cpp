@@ -13,6 +13,7 @@
 #include "mottle/study/models/model_source.hpp"
 #include "study/jobs/deck_targets.hpp"
 #include "study/jobs/proposed_units.hpp"
+#include "study/jobs/repeated_modes.hpp"
 #include "study/results/init_text.hpp"
 
 namespace mottle::study {
@@ -28,7 +29,7 @@ InitModel solve_nastran(InitOutcome& outcome, int modes) {
   InitSettings& settings = outcome.settings;
   const SolvedDeck solved = solve_deck(settings.model, {.ignore_cards = settings.ignore_cards}, modes);
   propose_units_of(outcome, propose_units(solved.structure->model()));
-  TargetsOutcome targets = targets_of(solved, {.model = settings.model, .units = *settings.units});
+  TargetsOutcome targets = targets_of(solved, {.model = settings.model, .units = settings.units});
   return {solved.frequencies, std::move(targets.targets), solved.structure->mode_count()};
 }
 
@@ -47,21 +48,37 @@ ProposedUnits units_of(const CalculixDeck& deck, const std::vector<std::string>&
   return propose_units(std::move(moduli), std::move(densities));
 }
 
+/// Slopes of the modes of a group, of one frequency f0 but for the rounding of a solver's matrices, in ascending order:
+/// the frequencies split into f0 + s_k h above and f0 - s_(m-k) h below, each time in ascending order.
+Eigen::MatrixXd split_slopes(const ModeGroup& group, const Eigen::VectorXd& frequencies, const Eigen::MatrixXd& above,
+                             const Eigen::MatrixXd& below, double step) {
+  const auto [first, count] = group;
+  const auto own = frequencies.segment(first, count);
+  const Eigen::MatrixXd up = above.middleRows(first, count).colwise() - own;
+  const Eigen::MatrixXd down = below.middleRows(first, count).colwise() - own;
+  return (up - down.colwise().reverse()) / (2.0 * step);
+}
+
 /// d ln f / d ln p at the deck's own values, where every parameter is a factor; central differences where the model has
-/// no derivative [mode x parameter].
+/// no derivative or modes have one frequency [mode x parameter].
 Eigen::MatrixXd relative_sensitivities(const StructureModel& model, const Eigen::VectorXd& frequencies) {
   constexpr double k_step = 1e-3;
   const Eigen::VectorXd& ones = model.reference_parameters();
   const Eigen::Index q = ones.size();
+  const std::vector<ModeGroup> groups = modes_of_one_frequency(frequencies);
   Eigen::MatrixXd slopes = Eigen::MatrixXd::Constant(frequencies.size(), q, std::nan(""));
   if (model.derivatives() != nullptr) slopes = model.jacobian(ones);
-  if (!slopes.allFinite()) {
+  if (!slopes.allFinite() || !groups.empty()) {
     Eigen::MatrixXd points = ones.transpose().replicate(2 * q, 1);
     points.topRows(q).diagonal().array() += k_step;
     points.bottomRows(q).diagonal().array() -= k_step;
     const Eigen::MatrixXd outputs = model.evaluate(points, {}).outputs;
-    const Eigen::MatrixXd differences = (outputs.topRows(q) - outputs.bottomRows(q)).transpose() / (2.0 * k_step);
-    slopes = slopes.array().isFinite().select(slopes, differences);
+    const Eigen::MatrixXd above = outputs.topRows(q).transpose();
+    const Eigen::MatrixXd below = outputs.bottomRows(q).transpose();
+    slopes = slopes.array().isFinite().select(slopes, (above - below) / (2.0 * k_step));
+    for (const ModeGroup& group : groups) {
+      slopes.middleRows(group.first, group.count) = split_slopes(group, frequencies, above, below, k_step);
+    }
   }
   const double none = std::numeric_limits<double>::quiet_NaN();
   const Eigen::VectorXd scales = (frequencies.array() > 0.0).select(frequencies.cwiseInverse(), none);

@@ -63,6 +63,7 @@ void add_rare(int specimens, InitMode& mode) {
 
 void pair_by_mac(const StructureModel& model, const TestContents& contents, PairedTests& found) {
   constexpr double k_lead = 0.1;
+  constexpr double k_other_mode = 2.0;  // ratio of frequencies
   const PairedModes paired = pair_modes(model, contents.specimens, true);
   for (const std::string& note : paired.notes) {
     if (!note.starts_with("Modes that were not found")) found.notes.push_back(note);  // all of the model are asked for
@@ -76,6 +77,9 @@ void pair_by_mac(const StructureModel& model, const TestContents& contents, Pair
     if (mac.contains(number)) mode->mac = mac.at(number);
     if (mode->specimens > 0 && mode->mac < k_alike) {
       mode->doubt = fmt::format("MAC {:.2f}: the shapes are not alike", mode->mac);
+    } else if (mode->specimens > 0 && std::abs(std::log(mode->model / mode->test_mean)) > std::log(k_other_mode)) {
+      mode->doubt = fmt::format("{:+.0f} % apart: shapes at few points are alike by chance",
+                                100.0 * (mode->model / mode->test_mean - 1.0));
     }
     if (second.contains(number) && second.at(number) > mode->mac - k_lead) {
       mode->remark = fmt::format("another mode has MAC {:.2f}; more sensors would tell them apart", second.at(number));
@@ -113,7 +117,7 @@ std::string tie_of(const InitMode& mode, const std::vector<InitMode>& modes) {
 void pair_by_frequency(const Study& draft, const StructureModel& model, TestContents& contents, PairedTests& found) {
   CsvTable& table = *contents.table;
   const FrequencyPairing pairing(table, model, true);
-  pairing.renumber(table);
+  pairing.renumber(table, model);
   std::map<int, FrequencyPair> doubtful;  // by the model's number
   for (const FrequencyPair& pair : pairing.pairs()) doubtful[pair.mode + 1] = pair;
   std::vector<Quantity> there;

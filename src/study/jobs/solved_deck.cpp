@@ -18,15 +18,16 @@ constexpr int k_usual_modes = 10;
 constexpr int k_max_modes = 500;  // of a range whose number of modes the deck does not say
 
 /// Hz; zero where the eigenvalue of a mass-normalised shape is within rounding of the stiffness, as a rigid motion's
-/// is:
-///   |lambda| <= 10 eps |phi|' |K| |phi|
+/// is, or of the solver's shift s:
+///   |lambda| <= max(10 eps |phi|' |K| |phi|, eps |s|)
 Eigen::VectorXd frequencies_beyond_rounding(const SparseModes& modes, const SparseMatrix& stiffness) {
-  constexpr double k_rounding = 10.0 * std::numeric_limits<double>::epsilon();
+  constexpr double k_epsilon = std::numeric_limits<double>::epsilon();
   const Eigen::MatrixXd sizes = modes.vectors.cwiseAbs();
   const Eigen::VectorXd terms =
       sizes.cwiseProduct(symmetric_product(stiffness.cwiseAbs(), sizes)).colwise().sum().transpose();
   const Eigen::VectorXd frequencies = natural_frequencies_hz(modes.values);
-  return (modes.values.array().abs() <= k_rounding * terms.array()).select(0.0, frequencies);
+  const Eigen::ArrayXd rounding = (10.0 * k_epsilon * terms.array()).max(k_epsilon * std::abs(modes.shift));
+  return (modes.values.array().abs() <= rounding).select(0.0, frequencies);
 }
 
 /// How many of the lowest modes EIGRL (V1, V2, ND) asks for: all up to V2, or ND from V1 on, whichever are fewer. Modes
@@ -55,6 +56,22 @@ int modes_of_method(const FiniteElementStructure& structure, const AnalysisSetti
                     in_range, asked.highest_frequency, k_max_modes));
   }
   return std::min(in_range, k_max_modes);
+}
+
+/// Notes modes that exist (the inertia of K - s M for a very high s) beyond those that were found.
+void note_lost_modes(const SparseStructure::Matrices& matrices, const Eigen::VectorXd& frequencies,
+                     std::vector<std::string>& notes) {
+  constexpr double k_above_all = 100.0;
+  const Eigen::ArrayXd k = matrices.stiffness.diagonal();
+  const Eigen::ArrayXd m = matrices.mass.diagonal();
+  const double highest = (m > 0.0).select(k / m, 0.0).maxCoeff();
+  const int there = count_eigenvalues_below(matrices.stiffness, matrices.mass, k_above_all * highest);
+  const auto lost = there - static_cast<int>(frequencies.size());
+  if (lost <= 0) return;
+  notes.push_back(fmt::format("{} mode{} above {:.5g} Hz {} not listed: so far above the others that rounding hides {}",
+                              lost, lost == 1 ? "" : "s",
+                              frequencies.size() > 0 ? frequencies(frequencies.size() - 1) : 0.0,
+                              lost == 1 ? "is" : "are", lost == 1 ? "it" : "them"));
 }
 
 void refuse_other_models(const std::filesystem::path& deck) {
@@ -112,7 +129,9 @@ SolvedDeck solve_deck(const std::filesystem::path& deck, const NastranOptions& o
                                     solved.modes.counted_below));
   }
   solved.solution_seconds = steady_seconds() - assembled;
-  solved.frequencies = frequencies_beyond_rounding(solved.modes, solved.structure->matrices_at(none).stiffness);
+  const SparseStructure::Matrices matrices = solved.structure->matrices_at(none);
+  solved.frequencies = frequencies_beyond_rounding(solved.modes, matrices.stiffness);
+  if (solved.frequencies.size() < modes) note_lost_modes(matrices, solved.frequencies, solved.notes);
   return solved;
 }
 

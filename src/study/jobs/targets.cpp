@@ -11,19 +11,12 @@
 #include "mottle/formats/nastran/model.hpp"
 #include "study/jobs/deck_targets.hpp"
 #include "study/jobs/init_model.hpp"
+#include "study/jobs/proposed_units.hpp"
+#include "study/jobs/repeated_modes.hpp"
 #include "study/models/nastran/field_units.hpp"
 
 namespace mottle::study {
 namespace {
-
-/// Replaces the columns of modes of one frequency by their mean.
-void average_repeated(const Eigen::VectorXd& frequencies, Eigen::RowVectorXd& values) {
-  constexpr double k_equal = 1e-6;  // relative; closer modes are mixed by the slightest change of the model
-  for (Eigen::Index first = 0, next = 1; first < values.size(); first = next++) {
-    while (next < values.size() && frequencies(next) - frequencies(next - 1) <= k_equal * frequencies(next)) ++next;
-    values.segment(first, next - first).setConstant(values.segment(first, next - first).mean());
-  }
-}
 
 /// The values of the modes that are no rigid-body motions, nan of those.
 Eigen::RowVectorXd of_elastic(const SolvedDeck& solved, const Eigen::RowVectorXd& values) {
@@ -31,37 +24,72 @@ Eigen::RowVectorXd of_elastic(const SolvedDeck& solved, const Eigen::RowVectorXd
   return (frequencies.array() == 0.0).select(std::numeric_limits<double>::quiet_NaN(), values.array());
 }
 
-Target target_of(const SolvedDeck& solved, const FieldEnergies& energies, Eigen::Index index, const UnitNames& units) {
+/// Energies of the modes and, behind them, of the sums of every two that have one frequency.
+struct ModeEnergies {
+  std::vector<ModeGroup> groups;  ///< of one frequency
+  FieldEnergies fields;           ///< [field x mode, then pair]
+};
+
+Target target_of(const SolvedDeck& solved, const ModeEnergies& energies, Eigen::Index index, const UnitNames& units) {
   const CardField& field = solved.structure->model().fields[static_cast<std::size_t>(index)];
-  Target target{.name = fmt::format("{}:{}:{}", field.card, field.id, field.name),
-                .unit = field_unit(field.card, field.name, units),
-                .value = field.value,
-                .elements = energies.elements(index),
-                .strain = of_elastic(solved, energies.strain.row(index).cwiseQuotient(energies.total_strain)),
-                .kinetic = energies.kinetic.row(index).cwiseQuotient(energies.total_kinetic),
-                .sensitivity = of_elastic(
-                    solved, 0.5 * (energies.strain_derivative.row(index).cwiseQuotient(energies.total_strain) -
-                                   energies.kinetic_derivative.row(index).cwiseQuotient(energies.total_kinetic)))};
-  average_repeated(solved.frequencies, target.sensitivity);
-  return target;
+  const FieldEnergies& of = energies.fields;
+  const auto principal = [&](const Eigen::RowVectorXd& values) {
+    return principal_values(values, solved.frequencies.size(), energies.groups);
+  };
+  return {.name = fmt::format("{}:{}:{}", field.card, field.id, field.name),
+          .unit = field_unit(field.card, field.name, units),
+          .value = field.value,
+          .elements = of.elements(index),
+          .strain = of_elastic(solved, principal(of.strain.row(index).cwiseQuotient(of.total_strain))),
+          .kinetic = principal(of.kinetic.row(index).cwiseQuotient(of.total_kinetic)),
+          .sensitivity =
+              of_elastic(solved, principal(0.5 * (of.strain_derivative.row(index).cwiseQuotient(of.total_strain) -
+                                                  of.kinetic_derivative.row(index).cwiseQuotient(of.total_kinetic))))};
+}
+
+/// Gives the pairs the energies of the whole model that their group's modes have: mass-normalised, all the same.
+void take_totals_of_groups(const std::vector<ModeGroup>& groups, Eigen::Index modes, Eigen::RowVectorXd& totals) {
+  Eigen::Index pair = modes;
+  for (const auto& [first, count] : groups) {
+    const double mean = totals.segment(first, count).mean();
+    totals.segment(first, count).setConstant(mean);
+    const Eigen::Index pairs = count * (count - 1) / 2;
+    totals.segment(pair, pairs).setConstant(mean);
+    pair += pairs;
+  }
 }
 
 /// Energies of the modes; their strain derivatives hold what a static reduction (ASET, OMIT) adds as it follows K:
 ///   U' = D(phi) + (D(phi + lambda w) - D(phi - lambda w)) / 2,   D(u) = u' dK u / 2
-FieldEnergies energies_of(const SolvedDeck& solved) {
+ModeEnergies energies_of(const SolvedDeck& solved) {
   const FiniteElementModel& model = solved.structure->model();
   const AssembledModel& assembled = solved.structure->assembled();
-  const Eigen::MatrixXd& shapes = solved.modes.vectors;
-  FieldEnergies energies = field_energies(model, assembled.expansion * shapes);
-  if (!has_omitted_mass(assembled.mass, assembled.is_omitted)) return energies;
-  const Eigen::VectorXd none;
-  const Eigen::MatrixXd followers =
-      static_followers(assembled.stiffness.at(none), assembled.mass.at(none), assembled.is_omitted, shapes) *
-      solved.modes.values.asDiagonal();
-  energies.strain_derivative +=
-      0.5 * (field_energies(model, assembled.expansion * (shapes + followers)).strain_derivative -
-             field_energies(model, assembled.expansion * (shapes - followers)).strain_derivative);
-  return energies;
+  const Eigen::Index modes = solved.frequencies.size();
+  ModeEnergies found{.groups = modes_of_one_frequency(solved.frequencies), .fields = {}};
+  const auto with_pairs = [&](const Eigen::MatrixXd& of_modes) {
+    const Eigen::MatrixXd pairs = sums_of_pairs(of_modes, found.groups);
+    Eigen::MatrixXd both(of_modes.rows(), modes + pairs.cols());
+    both << of_modes, pairs;
+    return both;
+  };
+  const Eigen::MatrixXd shapes = with_pairs(solved.modes.vectors);
+  FieldEnergies& energies = found.fields = field_energies(model, assembled.expansion * shapes);
+  if (has_omitted_mass(assembled.mass, assembled.is_omitted)) {
+    const Eigen::VectorXd none;
+    const Eigen::MatrixXd followers = with_pairs(static_followers(assembled.stiffness.at(none), assembled.mass.at(none),
+                                                                  assembled.is_omitted, solved.modes.vectors) *
+                                                 solved.modes.values.asDiagonal());
+    energies.strain_derivative +=
+        0.5 * (field_energies(model, assembled.expansion * (shapes + followers)).strain_derivative -
+               field_energies(model, assembled.expansion * (shapes - followers)).strain_derivative);
+  }
+  take_totals_of_groups(found.groups, modes, energies.total_strain);
+  take_totals_of_groups(found.groups, modes, energies.total_kinetic);
+  return found;
+}
+
+std::string units_note(const std::string& units, const std::string& reason) {
+  return fmt::format("units: {} ({}); --units names others", units, reason);
 }
 
 /// Whether a change of the number would be seen in the modes at all.
@@ -80,10 +108,15 @@ double Target::largest_sensitivity() const {
 
 TargetsOutcome targets_of(const SolvedDeck& solved, const TargetsSettings& settings) {
   const FiniteElementModel& model = solved.structure->model();
-  const FieldEnergies energies = energies_of(solved);
+  const ModeEnergies energies = energies_of(solved);
   TargetsOutcome outcome{.settings = settings, .frequencies = solved.frequencies, .notes = solved.notes};
-  const UnitNames units = unit_names(settings.units);
-  for (Eigen::Index index = 0; index < energies.elements.size(); ++index) {
+  if (!settings.units) {
+    const ProposedUnits guess = propose_units(model);
+    outcome.settings.units = guess.units;
+    outcome.notes.push_back(units_note(guess.units, guess.reason));
+  }
+  const UnitNames units = unit_names(*outcome.settings.units);
+  for (Eigen::Index index = 0; index < energies.fields.elements.size(); ++index) {
     const CardField& field = model.fields[static_cast<std::size_t>(index)];
     Target target = target_of(solved, energies, index, units);
     const bool is_wanted =
@@ -118,12 +151,14 @@ TargetsOutcome targets_of_calculix(const TargetsSettings& settings) {
   const std::vector<std::string> listed = list_calculix_targets(read_calculix_deck(settings.model));
   if (settings.lists_all) draft.settings.targets = listed;
   InitModel solved = solve_for_proposal(draft, settings.modes > 0 ? settings.modes : k_modes_of_calculix);
-  const auto left_out = static_cast<int>(listed.size() - solved.targets.size());
-  return {.settings = settings,
-          .frequencies = std::move(solved.frequencies),
-          .targets = std::move(solved.targets),
-          .left_out = left_out,
-          .notes = std::move(solved.notes)};
+  TargetsOutcome outcome{.settings = settings,
+                         .frequencies = std::move(solved.frequencies),
+                         .targets = std::move(solved.targets),
+                         .left_out = static_cast<int>(listed.size() - solved.targets.size()),
+                         .notes = std::move(solved.notes)};
+  if (!settings.units) outcome.notes.push_back(units_note(*draft.settings.units, draft.units_reason));
+  outcome.settings.units = draft.settings.units;
+  return outcome;
 }
 
 }  // namespace

@@ -75,6 +75,7 @@ RunSummary summarise(const TargetsOutcome& outcome) {
   for (const Target& target : outcome.targets) targets.push_back(target_json(target));
   summary.json = one_line(Json{{"command", "targets"},
                                {"model", outcome.settings.model.string()},
+                               {"units", outcome.settings.units.value_or("SI")},
                                {"frequencies", to_json(outcome.frequencies)},
                                {"targets", targets},
                                {"left_out", outcome.left_out},

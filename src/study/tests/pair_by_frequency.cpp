@@ -187,13 +187,16 @@ FrequencyPairing::FrequencyPairing(const CsvTable& table, const StructureModel& 
   pairs_ = pair_in_order(means_, frequencies_);
 }
 
-void FrequencyPairing::renumber(CsvTable& table) const {
+void FrequencyPairing::renumber(CsvTable& table, const StructureModel& model) const {
   for (std::size_t column = table.header.size(); column-- > 0;) {
     const std::optional<NumberedTitle> title = numbered_title(table.header[column]);
     if (!title) continue;
     const auto found = std::ranges::find(numbers_, title->number);
     const int mode = found == numbers_.end() ? -1 : pairs_[static_cast<std::size_t>(found - numbers_.begin())].mode;
-    if (mode >= 0) {
+    const bool is_used = mode >= 0 && std::ranges::any_of(model.measured(), [&](const Quantity& output) {
+                           return traits_of(output.kind).stem == title->stem && output.number == mode + 1;
+                         });
+    if (is_used) {
       table.header[column] = fmt::format("{}{}{}", title->stem, mode + 1, title->rest);
       continue;
     }
@@ -205,8 +208,12 @@ void FrequencyPairing::renumber(CsvTable& table) const {
 std::vector<std::string> FrequencyPairing::notes(const StructureModel& model) const {
   std::vector<std::string> pairs;
   std::vector<std::string> doubtful;
+  std::vector<std::string> unused;
   for (const FrequencyPair& pair : pairs_) {
-    if (pair.mode < 0 || pair.mode >= model.highest_mode() || !model.is_output(pair.mode)) continue;
+    if (pair.mode < 0 || pair.mode >= model.highest_mode() || !model.is_output(pair.mode)) {
+      unused.push_back(fmt::format("f{}", numbers_[static_cast<std::size_t>(pair.test)]));
+      continue;
+    }
     const std::string text =
         fmt::format("f{} is the model's f{} ({:+.1f} %)", numbers_[static_cast<std::size_t>(pair.test)], pair.mode + 1,
                     100.0 * pair.difference);
@@ -223,6 +230,9 @@ std::vector<std::string> FrequencyPairing::notes(const StructureModel& model) co
         fmt::format("Doubtful pairs, more than 15 % apart or with another mode as near, used nevertheless: "
                     "{}.",
                     join(doubtful)));
+  }
+  if (!unused.empty()) {
+    notes.push_back(fmt::format("Modes of the tests that are not used, by the tests' own numbers: {}.", join(unused)));
   }
   return notes;
 }

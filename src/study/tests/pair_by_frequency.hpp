@@ -52,12 +52,13 @@ class FrequencyPairing {
   /// @throws FormatError  no column of a frequency, a value that is not greater than 0, or frequencies in another unit
   FrequencyPairing(const CsvTable& table, const StructureModel& model, bool solves);
 
-  /// Renames the columns of all quantities of modes to the model's numbers; those without partner are taken out.
-  void renumber(CsvTable& table) const;
+  /// Renames the columns of the model's outputs to its numbers; those of other modes, and without partner, are taken
+  /// out.
+  void renumber(CsvTable& table, const StructureModel& model) const;
 
   const std::vector<FrequencyPair>& pairs() const { return pairs_; }
 
-  /// Which column is which mode, a line each, and which are doubtful; what is no output is left out.
+  /// Which column is which mode, which pairs are doubtful, and which modes of the tests are not used.
   std::vector<std::string> notes(const StructureModel& model) const;
 
   /// Whether by frequency all columns of the outputs' numbers have partners beyond doubt, and some another than their

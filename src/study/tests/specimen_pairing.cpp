@@ -20,6 +20,7 @@ constexpr double k_sure_mac = 0.8;
 constexpr double k_min_lead = 0.1;
 constexpr double k_sure_collinearity = 0.9;
 constexpr double k_alike_scale = 2.0;
+constexpr double k_alike_frequency = 2.0;
 
 /// Directions of the model's components at a node, which the file gives in the global frame.
 Eigen::Matrix3d model_directions(const StructureModel& model, int node) {
@@ -163,6 +164,11 @@ std::string SpecimenPairing::doubt(int reference, Eigen::Index test) const {
   }
   if (comparison_.seen > 0 && second(reference, test) > mac_(reference, test) - k_min_lead) {
     doubts.push_back(fmt::format("another mode has MAC {:.2f}", second(reference, test)));
+  }
+  const double own = natural_frequency_hz(std::max(0.0, model_.reference_modes().eigenvalues(reference)), 1.0);
+  const double ratio = modes_.frequencies(test) / own;
+  if (ratio > k_alike_frequency || ratio < 1.0 / k_alike_frequency) {
+    doubts.push_back(fmt::format("its frequency is {:.2g} times the model's", ratio));
   }
   if (modes_.collinearity(test) < k_sure_collinearity) {
     doubts.push_back(fmt::format("phase collinearity {:.2f}", modes_.collinearity(test)));

@@ -73,6 +73,20 @@ std::string values_text(const UpdatingProblem& problem, const Eigen::VectorXd& p
   return join(values);
 }
 
+/// " (k1 lies outside the range of its prior, [1, 2])"; a solution of the fit, which knows the prior's moments alone,
+/// need not lie where the prior does.
+std::string beyond_priors_text(const UpdatingProblem& problem, const Eigen::VectorXd& parameters) {
+  std::vector<std::string> beyond;
+  const std::vector<Distribution>& priors = problem.space.prior().marginals();
+  for (std::size_t i = 0; i < priors.size(); ++i) {
+    const double value = parameters(static_cast<Eigen::Index>(i));
+    if (value >= priors[i].lower() && value <= priors[i].upper()) continue;
+    beyond.push_back(fmt::format("{} lies outside the range of its prior, [{:.4g}, {:.4g}]",
+                                 problem.space.parameters()[i].name, priors[i].lower(), priors[i].upper()));
+  }
+  return beyond.empty() ? "" : fmt::format(" ({})", join(beyond, "; "));
+}
+
 void say_specimens_and_solutions(const UpdatingProblem& problem, const UpdatingResult& result, Verdict& verdict) {
   for (const Outlier& outlier : result.outliers) {
     verdict.reasons.push_back(fmt::format(
@@ -82,9 +96,9 @@ void say_specimens_and_solutions(const UpdatingProblem& problem, const UpdatingR
   }
   for (const Eigen::VectorXd& other : result.other_solutions) {
     verdict.reasons.push_back(
-        fmt::format("Other parameters explain the mean of the tests equally well: {}. Measure outputs that "
+        fmt::format("Other parameters explain the mean of the tests equally well: {}{}. Measure outputs that "
                     "distinguish them, or narrow the bounds.",
-                    values_text(problem, other)));
+                    values_text(problem, other), beyond_priors_text(problem, other)));
   }
   if (result.better_solution.size() > 0) {
     verdict.not_tested.push_back(

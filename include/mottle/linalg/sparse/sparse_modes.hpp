@@ -29,6 +29,7 @@ struct SparseModes {
   double factor_seconds = 0.0;  ///< of the first factorisation, its ordering included
   std::string failure;          ///< why there is no result; empty where there is one
   int failed_row = -1;          ///< row of the matrices to which the failure belongs, or -1
+  bool is_massless = false;     ///< the failed row
 
   /// Whether the count agrees with the modes found (true where it was not asked for).
   bool is_complete() const { return counted_below < 0 || counted_below == values.size(); }

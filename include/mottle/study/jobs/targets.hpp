@@ -18,10 +18,10 @@ struct TargetsSettings {
   std::filesystem::path model;  ///< a deck of Nastran, or of CalculiX (.inp)
   int modes = 0;                ///< 0: what the deck's EIGRL asks for, else 10
   std::set<std::string> ignore_cards = {};
-  std::optional<int> subcase = std::nullopt;  ///< id; without it the first one that asks for modes
-  std::string units = "SI";                   ///< only named
-  std::filesystem::path cache = {};           ///< of CalculiX's matrices, as InitSettings::cache
-  bool lists_all = false;                     ///< also numbers that are zero, change no mode or are seldom wrong
+  std::optional<int> subcase = std::nullopt;        ///< id; without it the first one that asks for modes
+  std::optional<std::string> units = std::nullopt;  ///< "SI", ..., only named; without them guessed from the materials
+  std::filesystem::path cache = {};                 ///< of CalculiX's matrices, as InitSettings::cache
+  bool lists_all = false;                           ///< also numbers that are zero, change no mode or are seldom wrong
 };
 
 /// A number that a parameter may act on.
@@ -42,7 +42,7 @@ struct Target {
 };
 
 struct TargetsOutcome {
-  TargetsSettings settings;
+  TargetsSettings settings;          ///< with the units that were guessed
   Eigen::VectorXd frequencies;       ///< Hz [mode]
   std::vector<Target> targets = {};  ///< by largest sensitivity, descending
   int left_out = 0;                  ///< numbers that `lists_all` would add
@@ -53,7 +53,8 @@ struct TargetsOutcome {
 ///
 ///   d ln f / d ln p = (phi' dK/dlnp phi / phi' K phi - phi' dM/dlnp phi / phi' M phi) / 2
 ///
-/// Modes of one frequency have the mean of theirs, since each alone is not determined.
+/// Of modes of one frequency any combination is a mode: theirs are the values into which the frequency splits (the
+/// eigenvalues of the derivative on the space that they span), in ascending order, and so are their energies.
 ///
 /// Of a CalculiX deck moduli, densities, springs and masses, and thicknesses where they cost no runs or `lists_all` is
 /// set; without energies, by derivatives of its matrices or central differences of runs.

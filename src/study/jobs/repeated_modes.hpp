@@ -1,0 +1,38 @@
+// Modes of one frequency, of which any combination is a mode too.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "mottle/layers.hpp"
+
+namespace mottle::study {
+
+/// Neighbouring modes, counted from 0.
+struct ModeGroup {
+  Eigen::Index first = 0;
+  Eigen::Index count = 1;
+};
+
+/// The groups of more than one mode whose neighbours differ by a part in a million at most; rigid-body modes, of
+/// frequency 0, are one too.
+///
+/// @param frequencies  ascending
+std::vector<ModeGroup> modes_of_one_frequency(const Eigen::VectorXd& frequencies);
+
+/// Sums phi_i + phi_j of every two modes of a group, from which a quadratic form has its mixed values:
+///   phi_i' A phi_j = (q(phi_i + phi_j) - q(phi_i) - q(phi_j)) / 2
+///
+/// @param shapes  [degree of freedom x mode]
+/// @return        [degree of freedom x pair], the pairs in the order in which principal_values() reads them
+Eigen::MatrixXd sums_of_pairs(const Eigen::MatrixXd& shapes, const std::vector<ModeGroup>& groups);
+
+/// Of a quadratic form: its values for the modes, and in each group its extremes over all combinations of length 1 in
+/// ascending order (the eigenvalues of phi_i' A phi_j), which do not depend on the combinations that the solver gave.
+///
+/// @param values  [mode, then pair of sums_of_pairs()]
+/// @param modes   how many of the values are of modes
+Eigen::RowVectorXd principal_values(const Eigen::RowVectorXd& values, Eigen::Index modes,
+                                    const std::vector<ModeGroup>& groups);
+
+}  // namespace mottle::study
