@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "mottle/core/subject.hpp"
 #include "mottle/core/text.hpp"
 #include "mottle/updating/estimate/posterior.hpp"
 
@@ -50,6 +51,13 @@ std::vector<std::string> doubts_of(const SampledPosterior& posterior, const std:
 }
 
 }  // namespace
+
+void require_draws(const std::string& method, const BayesOptions& options) {
+  constexpr int k_max_draws = 2000000;
+  require_of(options.islands <= k_max_draws / options.particles, {Subject::Kind::option, method + ".particles"},
+             "{} islands of {} particles are more than {} draws; take fewer", options.islands, options.particles,
+             k_max_draws);
+}
 
 SamplingSettings settings_of(const BayesOptions& options) {
   return {.islands = options.islands,

@@ -43,7 +43,7 @@ int steps_of(const Islands& islands) {
   constexpr int k_most = 50;
   int steps = 1;
   for (const auto& island : islands) {
-    if (!island->found().stages.empty()) steps = std::max(steps, island->found().stages.back().moves / k_of_last_stage);
+    if (!island->found().stages.empty()) steps = std::max(steps, island->found().stages.back().moves);
   }
   return std::min(steps, k_most);
 }
@@ -83,7 +83,9 @@ std::vector<CorrectedIsland> sample_corrected(const SamplingTarget& target, cons
           correction.blocks, correction.block_size);
   constexpr int k_max_particles = 1 << 23;  // the other half of a stream's numbers names walks
   require(settings.particles <= k_max_particles, "particles: {} is more than {}", settings.particles, k_max_particles);
-  const Islands islands = run_islands(target, settings, context);
+  SamplingSettings of_cheap = settings;
+  of_cheap.last_stage_factor = 1;  // its particles are no draws yet
+  const Islands islands = run_islands(target, of_cheap, context);
   std::vector<std::unique_ptr<CorrectedWalk>> walks;
   Walks working;
   for (std::size_t i = 0; i < islands.size(); ++i) {

@@ -168,7 +168,7 @@ void Island::end_move() {
     stage.correlation = correlation_with_start();
     stage.is_decorrelated = stage.correlation <= std::max(settings_.decorrelation, correlation_by_chance());
     if (!stage.is_decorrelated && stage.moves < settings_.max_moves) return;
-    wanted_moves_ = std::min(settings_.max_moves, (exponent_ >= 1.0 ? k_of_last_stage : 1) * stage.moves);
+    wanted_moves_ = std::min(settings_.max_moves, (exponent_ >= 1.0 ? settings_.last_stage_factor : 1) * stage.moves);
   }
   if (stage.moves < wanted_moves_) return;
   step_ = 0;

@@ -15,9 +15,6 @@
 
 namespace mottle::updating {
 
-/// Times as many moves as decorrelate: those of the last stage, whose particles are the draws and which is one of many.
-inline constexpr int k_of_last_stage = 4;
-
 /// Asks for its likelihoods by propose() and receive(), in turns, until it is_done().
 class Island {
  public:

@@ -196,6 +196,11 @@ TEST(Hierarchical, RefusesOptionsOutOfRange) {
   EXPECT_THROW(entry.make({{"correlation_shape", OptionValue(0.1)}}, "test"), InvalidInput);
   EXPECT_THROW(entry.make({{"covariance_prior", OptionValue(std::string("wishart"))}}, "test"), InvalidInput);
   EXPECT_THROW(entry.make({{"islands", OptionValue(std::int64_t{4})}}, "test"), InvalidInput);
+  HierarchicalOptions many;
+  many.islands = 256;
+  many.particles = 100000;
+  const test::LinearProblem linear;
+  EXPECT_THROW(HierarchicalUpdater(many).update(linear.problem(linear.noise), {}), InvalidInput);
 }
 
 /// Two specimens say little of a scatter: the result says so, and its interval reaches over a factor of ten.
