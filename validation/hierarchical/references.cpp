@@ -1,6 +1,6 @@
 // Posteriors of populations whose answer is known, and simulation-based calibration.
 //
-//   mottle_hierarchical_references eight-schools|oracle SEEDS
+//   mottle_hierarchical_references eight-schools|curved|oracle SEEDS
 //   mottle_hierarchical_references sbc SPECIMENS NOISE DATA_SETS PARTICLES
 //
 // Prints one JSON object. NOISE: scale of the prior of the noise's level, a fraction of the frequencies.
@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "mottle/core/parallel.hpp"
+#include "mottle/model/function_model.hpp"
 #include "mottle/updating/estimate/posterior.hpp"
 #include "mottle/updating/methods/hierarchical.hpp"
 #include "support/eight_schools.hpp"
@@ -67,6 +68,27 @@ Numbers eight_schools(std::uint64_t seed) {
   found["mu_std"] = deviation(column(*result.posterior, "mu:x"));
   found["tau"] = column(*result.posterior, "sigma:x").mean();
   found["theta_1"] = result.specimens->parameters(0, 0);
+  return found;
+}
+
+/// y = exp(x), three specimens, noise 0.4 as large as their scatter: mu ~ N(0, 0.5), sigma half-t with 4 degrees of
+/// freedom and scale 0.5.
+Numbers curved(std::uint64_t seed) {
+  const FunctionModel model(1, {named_quantity("y", "-")},
+                            [](const Eigen::VectorXd& x) -> Eigen::VectorXd { return x.array().exp().matrix(); });
+  constexpr PhysicalLimit k_free{.lower = -1e9, .excludes_lower = false};
+  const Distribution prior({.kind = DistributionKind::normal, .mean = 0.0, .std = 0.5});
+  const ParameterSpace space({{"x", "-", -50.0, 50.0, k_free}}, JointDistribution({prior}));
+  const UpdatingProblem problem{.model = model,
+                                .space = space,
+                                .tests = {Eigen::Vector3d(0.5, 1.4, 2.3), Eigen::VectorXd::Constant(1, 0.4)},
+                                .cloud = {.samples = 20}};
+  const UpdatingResult result = HierarchicalUpdater({}).update(problem, {.seed = seed});
+  Numbers found = common(result);
+  found["mu"] = column(*result.posterior, "mu:x").mean();
+  found["mu_std"] = deviation(column(*result.posterior, "mu:x"));
+  found["sigma"] = column(*result.posterior, "sigma:x").mean();
+  found["x_1"] = column(*result.posterior, "x:1").mean();
   return found;
 }
 
@@ -258,16 +280,18 @@ void calibrate(Eigen::Index specimens, double noise, int data_sets, int particle
 int main(int count, char** arguments) {
   try {
     require(count >= 3,
-            "usage: mottle_hierarchical_references eight-schools|oracle SEEDS, or sbc SPECIMENS NOISE "
+            "usage: mottle_hierarchical_references eight-schools|curved|oracle SEEDS, or sbc SPECIMENS NOISE "
             "DATA_SETS PARTICLES");
     const std::string name = arguments[1];
     if (name == "eight-schools") {
       print_seeds(std::stoi(arguments[2]), eight_schools);
+    } else if (name == "curved") {
+      print_seeds(std::stoi(arguments[2]), curved);
     } else if (name == "oracle") {
       print_seeds(std::stoi(arguments[2]), oracle);
     } else {
       require(name == "sbc" && count == 6,
-              "the case is eight-schools, oracle or sbc SPECIMENS NOISE DATA_SETS PARTICLES");
+              "the case is eight-schools, curved, oracle or sbc SPECIMENS NOISE DATA_SETS PARTICLES");
       calibrate(std::stoi(arguments[2]), std::stod(arguments[3]), std::stoi(arguments[4]), std::stoi(arguments[5]));
     }
   } catch (const std::exception& error) {

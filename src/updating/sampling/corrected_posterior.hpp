@@ -37,7 +37,8 @@ struct CorrectedIsland {
 /// Samples p(u, v). The islands of sample_posterior() go from the prior to N(u) L(u) / Z_0, v is drawn from its prior
 /// cut at what is possible, which has the probability P_s(u) of each block: draws until r = 5 are possible, N in all,
 /// give the unbiased estimate (r - 1) / (N - 1) of P_s, by whose product the particles are weighted. Then p_b ~ N(u)
-/// L(u) N(v) exp(b sum_s c_s) leads on, b from 0 to 1 by effective sample sizes as there. A sweep of a stage has two
+/// L(u) N(v) exp(b sum_s c_s) leads on, b from 0 to 1 in steps that leave 95 % of the particles effective: N may have
+/// lighter tails than what it leads to, and long steps too heavy weights. A sweep of a stage has two
 /// kinds of moves, each of which leaves p_b as it is:
 ///
 /// - of every block by itself: v_s' = sqrt(1 - e^2) v_s + e w, w ~ N(0, 1), accepted by exp(b (c_s' - c_s)), or, as
@@ -45,7 +46,8 @@ struct CorrectedIsland {
 /// - of u at given v: some Metropolis steps under N(u) L(u), which cost no correction, are one proposal, which is
 ///   accepted by exp(b sum_s (c_s(u') - c_s(u))): the proposal is reversible with respect to N(u) L(u).
 ///
-/// Sweeps go on until no coordinate of u, no block and not sum c_s is correlated with the stage's start.
+/// Sweeps go on until no coordinate of u, no block and not sum c_s is correlated with the stage's start, and in the
+/// last stage, whose particles are the draws, for three times as long again.
 ///
 /// @throws as sample_posterior()
 /// Source: [Liu2001], section 9.4.3, for the second kind; [Cotter2013] for the first; [Haldane1945] for the start.

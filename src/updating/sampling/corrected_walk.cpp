@@ -91,7 +91,10 @@ void CorrectedWalk::receive_start(const Eigen::Ref<const Eigen::MatrixXd>& log_r
 }
 
 void CorrectedWalk::begin_stage() {
-  const StageWeights next = next_stage(log_ratio_.rowwise().sum(), exponent_, settings_.effective_fraction);
+  // Where blocks have heavier tails than N's, weights of a long step are too, of which few particles show nothing.
+  constexpr double k_short_steps = 0.95;
+  const StageWeights next =
+      next_stage(log_ratio_.rowwise().sum(), exponent_, std::max(settings_.effective_fraction, k_short_steps));
   exponent_ = next.exponent;
   log_evidence_ += next.log_mean;
   stages_.push_back({.exponent = exponent_, .effective_samples = next.effective_samples});
@@ -174,11 +177,16 @@ void CorrectedWalk::judge_walk(const Eigen::Ref<const Eigen::MatrixXd>& log_rati
   SamplingStage& stage = stages_.back();
   stage.moves = static_cast<int>(sweep_);
   stage.acceptance = accepted_ / static_cast<double>(sweep_);
-  stage.correlation = correlation_with_start();
-  const double limit = correlation_limit(settings_.decorrelation, settings_.particles);
-  stage.is_decorrelated = stage.correlation <= limit;
-  if ((!stage.is_decorrelated || stage.moves < k_least_sweeps) && stage.moves < settings_.max_moves) return;
+  if (wanted_sweeps_ == 0) {
+    stage.correlation = correlation_with_start();
+    stage.is_decorrelated =
+        stage.correlation <= correlation_limit(settings_.decorrelation, settings_.particles);
+    if ((!stage.is_decorrelated || stage.moves < k_least_sweeps) && stage.moves < settings_.max_moves) return;
+    wanted_sweeps_ = std::min(settings_.max_moves, (exponent_ >= 1.0 ? settings_.last_stage_factor : 1) * stage.moves);
+  }
+  if (stage.moves < wanted_sweeps_) return;
   sweep_ = 0;
+  wanted_sweeps_ = 0;
   is_finished_ = static_cast<int>(stages_.size()) < settings_.max_stages || exponent_ >= 1.0;
   is_done_ = exponent_ >= 1.0 || !is_finished_;
 }

@@ -53,6 +53,7 @@ class CorrectedWalk {
   std::uint32_t number_;
   std::uint32_t stage_ = 0;
   std::uint32_t sweep_ = 0;
+  int wanted_sweeps_ = 0;  // of the stage; 0: until it has decorrelated
   bool is_done_ = false;
   bool is_finished_ = true;
   double exponent_ = 0.0;
