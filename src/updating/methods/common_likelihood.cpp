@@ -60,7 +60,8 @@ double NoiseLevels::level(double score) const {
     const double upper = 0.5 * standard_normal_cdf(-score);  // of |t|, both tails
     return options_.noise_scale * quantile(complement(t, upper));
   }
-  const boost::math::chi_squared_distribution<double, Policy> chi_squared(nu);  // level^2 = scale^2 nu / chi^2: large where chi^2 is small
+  const boost::math::chi_squared_distribution<double, Policy> chi_squared(
+      nu);  // level^2 = scale^2 nu / chi^2: large where chi^2 is small
   const double below = standard_normal_cdf(-score);
   const double value =
       score > 0.0 ? quantile(chi_squared, below) : quantile(complement(chi_squared, standard_normal_cdf(score)));

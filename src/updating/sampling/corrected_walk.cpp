@@ -179,8 +179,7 @@ void CorrectedWalk::judge_walk(const Eigen::Ref<const Eigen::MatrixXd>& log_rati
   stage.acceptance = accepted_ / static_cast<double>(sweep_);
   if (wanted_sweeps_ == 0) {
     stage.correlation = correlation_with_start();
-    stage.is_decorrelated =
-        stage.correlation <= correlation_limit(settings_.decorrelation, settings_.particles);
+    stage.is_decorrelated = stage.correlation <= correlation_limit(settings_.decorrelation, settings_.particles);
     if ((!stage.is_decorrelated || stage.moves < k_least_sweeps) && stage.moves < settings_.max_moves) return;
     wanted_sweeps_ = std::min(settings_.max_moves, (exponent_ >= 1.0 ? settings_.last_stage_factor : 1) * stage.moves);
   }

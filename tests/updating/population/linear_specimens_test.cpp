@@ -57,16 +57,18 @@ TEST(LinearSpecimens, HaveTheDensityAndTheParametersOfANormalLaw) {
 /// In turned axes of the outputs the test is two outputs of one parameter each, with scatters s, and one of none:
 /// ln N = -1/2 (3 ln 2 pi + sum ln(1 + s^2) + sum r^2 / (1 + s^2) + r_3^2). s^2 has no digits of 1.
 TEST(LinearSpecimens, KeepTheirDigitsWhereTheScatterIsAMillionTimesTheNoise) {
-  const Eigen::Matrix3d turned =
-      Eigen::HouseholderQR<Eigen::Matrix3d>(
-          (Eigen::Matrix3d() << 1.0, 2.0, -1.0, 0.5, -1.0, 3.0, 2.0, 0.3, 0.7).finished())
-          .householderQ();
+  const Eigen::Matrix3d turned = Eigen::HouseholderQR<Eigen::Matrix3d>(
+                                     (Eigen::Matrix3d() << 1.0, 2.0, -1.0, 0.5, -1.0, 3.0, 2.0, 0.3, 0.7).finished())
+                                     .householderQ();
   const Eigen::Vector3d residual(3000.0, -500.0, 20.0);
   for (const double large : {1e6, 1e9, 1e11}) {
     const Eigen::Vector2d scatter(large, 0.01 * large);
     const LinearSpecimen specimen{{0, 1, 2}, Eigen::Vector2d::Zero(), turned.leftCols(2), turned * residual};
-    const PopulationAt population{Eigen::Vector2d::Zero(), Eigen::Matrix2d(scatter.asDiagonal()), {},
-                                  Eigen::Vector3d::Ones(), Eigen::Vector3d::Zero()};
+    const PopulationAt population{Eigen::Vector2d::Zero(),
+                                  Eigen::Matrix2d(scatter.asDiagonal()),
+                                  {},
+                                  Eigen::Vector3d::Ones(),
+                                  Eigen::Vector3d::Zero()};
     double sum = 3.0 * k_log_two_pi + residual(2) * residual(2);
     for (Eigen::Index i = 0; i < 2; ++i) {
       const double variance = 1.0 + scatter(i) * scatter(i);
