@@ -42,8 +42,8 @@ test:
 	$(call ctest,release)
 
 lint:
-	$(INSTALL) --ci
-	$(call configure,release) -DMOTTLE_BUILD_TESTS=ON
+	$(INSTALL) --ci --python
+	$(call configure,release) -DMOTTLE_BUILD_TESTS=ON $(with_python)
 	tools/lint.sh build/release $(JOBS)
 
 asan:

@@ -73,7 +73,7 @@ def shell():
         (folder / "points.csv").write_text("E1,E2,E3,E4,E5\n7.3e10,6.8e10,7.2e10,6.5e10,7.4e10\n")
         parameters = "".join(PARAMETER % (i, i) for i in range(1, 6))
         (folder / "study.toml").write_text(STUDY % (parameters, "0.002"))
-        (folder / "specimens.csv").write_text("f1\n1.0\n")
+        (folder / "specimens.csv").write_text(",".join(f"f{k}" for k in range(1, 11)) + "\n" + ",".join(["1.0"] * 10) + "\n")
         run(MOTTLE, "propagate", "study.toml", "--points", "points.csv", "--out", "truth", "--quiet", folder=folder)
         header, values = (folder / "truth" / "cloud.csv").read_text().splitlines()[:2]
         tested = dict(zip(header.split(","), values.split(",")))

@@ -2,7 +2,9 @@
 """What ranks cost and gain on this machine: messages, and whole `mottle propagate` by threads and by ranks side by side.
 Writes RANKS.md and ranks.json (for simulate_ranks.py) beside this file.
 
-    make bench; benchmarks/compare_ranks.py
+    make bench; benchmarks/compare_ranks.py [cloud] [full] [runs] [short_runs] [messages]
+
+Of what is not named, the last measurement stays.
 """
 import datetime
 import json
@@ -10,6 +12,7 @@ import os
 import pathlib
 import statistics
 import subprocess
+import sys
 import tempfile
 import time
 
@@ -112,20 +115,29 @@ def messages(ranks):
     return {name: statistics.median(run[name] for run in runs) for name in runs[0]}
 
 
+def row(case):
+    one, threads, ranks = case["one"], case["threads"], case["ranks"]
+    overhead = 1e3 * (ranks - threads) / case["samples"]
+    return (f"| {case['title']} | {case['samples']} | {one:.2f} | {threads:.2f} | {ranks:.2f} | {one / threads:.2f} | "
+            f"{one / ranks:.2f} | {overhead:.3f} | {case['start_ranks'] - case['start']:.2f} | {case['date']} |")
+
+
 def main():
-    found = {"messages": messages(2), "cases": {}}
-    rows = []
+    chosen = sys.argv[1:] or ["cloud", "full", "runs", "short_runs", "messages"]
+    found = json.loads((HERE / "ranks.json").read_text())
+    if "messages" in chosen:
+        found["messages"] = messages(2)
     with tempfile.TemporaryDirectory() as place:
         for key, title, samples, study_of, options in cases():
+            if key not in chosen:
+                continue
             folder = pathlib.Path(place) / key
             folder.mkdir()
             best = compare(folder, study_of, options)
             one, threads, ranks = (best[contender.name] for contender in CONTENDERS)
-            overhead = 1e3 * (ranks[0] - threads[0]) / samples
-            found["cases"][key] = {"samples": samples, "one": one[0], "threads": threads[0], "ranks": ranks[0],
-                                   "start": one[1], "start_ranks": ranks[1]}
-            rows.append(f"| {title} | {samples} | {one[0]:.2f} | {threads[0]:.2f} | {ranks[0]:.2f} | "
-                        f"{one[0] / threads[0]:.2f} | {one[0] / ranks[0]:.2f} | {overhead:.3f} | {ranks[1] - one[1]:.2f} |")
+            found["cases"][key] = {"title": title, "date": datetime.date.today().isoformat(), "samples": samples, "one": one[0],
+                                   "threads": threads[0], "ranks": ranks[0], "start": one[1], "start_ranks": ranks[1]}
+    rows = [row(case) for case in found["cases"].values()]
     (HERE / "ranks.json").write_text(json.dumps(found, indent=1) + "\n")
     m = found["messages"]
     page = HERE / "RANKS.md"
@@ -133,12 +145,12 @@ def main():
     page.write_text("\n".join([
         "# Ranks on one machine", "",
         f"`mottle propagate` by threads of one process and by ranks of one thread; {len(os.sched_getaffinity(0))} processors, "
-        f"best of {REPEATS} turns, elapsed times in s without the start, one run, {datetime.date.today().isoformat()}; "
+        f"best of {REPEATS} turns, elapsed times in s without the start; "
         f"{peers.processor()}; made by compare_ranks.py. Overhead: what {RANKS} ranks need more than {RANKS} threads, a sample. "
         "Start: what mpirun and MPI add before and after. Numbers of a solver's runs are those at once in all.", "",
         f"| model | samples | 1 thread | {RANKS} threads | {RANKS} ranks | speed-up, threads | speed-up, ranks | overhead, ms a "
-        "sample | start, s |",
-        "|---|---|---|---|---|---|---|---|---|", *rows, "",
+        "sample | start, s | measured on |",
+        "|---|---|---|---|---|---|---|---|---|---|", *rows, "",
         f"Messages between two ranks: a number of the shared counter {1e6 * m['counter_latency']:.0f} us from question to answer, "
         f"{1e6 * m['counter_service']:.1f} us of rank 0 where many threads ask at once; gathering 8 bytes {1e6 * m['gather']:.0f} us, "
         f"and {1e9 * m['gather_byte']:.2f} ns a byte of all ranks together (shared memory, not a network).", ""]) + "".join(["\n", *kept] if kept[0] else []))

@@ -6,17 +6,20 @@ RANKS.md beside this file.
 
 Each row is a difference: the same job with few and with many samples, so that the start, the training and the end cancel out.
 Counted are processor seconds (getrusage of the job and of all its children, user and system), which other programs on the machine
-hardly change, and elapsed seconds, which they do; of each the median over the turns, the two sizes one after the other in a turn.
-What is subtracted:
+hardly change, and elapsed seconds, which they do; of each the median over the turns. In a turn, the job and what is subtracted
+from it run one after the other. What is subtracted:
 
-- runs of a solver: a C loop that does fork, execve and waitpid of the same program as often, in one folder. The solver is a static
-  C program that copies a number, so that next to nothing is left but the starting of it;
+- runs of a solver: a C loop that starts the same program as often. One does fork, execve and waitpid in one folder, and nothing
+  else. The other also does what every run by itself needs: makes a folder, writes the input, sends the program's output to two
+  files, reads its result, and takes the folder away. The solver is a static C program that copies a number, so that next to
+  nothing is left but the starting of it;
 - ranks: threads of one process that do the same.
 
 For internal models nothing is subtracted: the row is the solution and all around it.
 """
 
 import argparse
+import datetime
 import pathlib
 import resource
 import statistics
@@ -47,19 +50,49 @@ int main(void) {
 }
 """
 LOOP = r"""
+#include <fcntl.h>
+#include <stdio.h>
 #include <stdlib.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
+static const char* const files[] = {"run/input.txt", "run/f.txt", "run/stdout.txt", "run/stderr.txt"};
+static int prepare(void) {
+  FILE* in = mkdir("run", 0700) == 0 ? fopen(files[0], "w") : 0;
+  return in && fprintf(in, "2.0\n") > 0 && fclose(in) == 0;
+}
+static void redirect(void) {
+  if (chdir("run") != 0) _exit(126);
+  dup2(open("/dev/null", O_RDONLY), 0);
+  dup2(open("stdout.txt", O_WRONLY | O_CREAT, 0644), 1);
+  dup2(open("stderr.txt", O_WRONLY | O_CREAT, 0644), 2);
+}
+static int finish(void) {
+  double k = 0.0;
+  FILE* result = fopen(files[1], "r");
+  if (!result || fscanf(result, "%lf", &k) != 1 || fclose(result) != 0) return 0;
+  for (int i = 0; i < 4; ++i) {
+    if (unlink(files[i]) != 0) return 0;
+  }
+  return rmdir("run") == 0;
+}
 int main(int argc, char** argv) {
   char* program[] = {argv[2], 0};
   char* nothing[] = {0};
+  const int has_files = argc > 3;
   for (int i = atoi(argv[1]); i > 0; --i) {
+    if (has_files && !prepare()) return 1;
     const pid_t child = fork();
-    if (child == 0) { execve(program[0], program, nothing); _exit(127); }
+    if (child == 0) {
+      if (has_files) redirect();
+      execve(program[0], program, nothing);
+      _exit(127);
+    }
     int status = 0;
     if (waitpid(child, &status, 0) != child || status != 0) return 1;
+    if (has_files && !finish()) return 1;
   }
-  return argc != 3;
+  return 0;
 }
 """
 STUDY = """\
@@ -89,13 +122,16 @@ def spent(command, folder):
     return elapsed, after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime
 
 
-def a_sample(make_command, few, many, turns, folder):
-    """Elapsed and processor milliseconds a sample: medians of the differences."""
-    found = []
-    for turn in range(turns):
-        small, large = (spent(make_command(samples, f"{turn}-{samples}"), folder) for samples in (few, many))
-        found.append([1e3 * (b - a) / (many - few) for a, b in zip(small, large)])
-    return [statistics.median(column) for column in zip(*found)]
+class Job:
+    """Makes the command for a number of samples; `few` and `many` of them are run."""
+
+    def __init__(self, make_command, few, many, folder):
+        self.make_command, self.few, self.many, self.folder = make_command, few, many, folder
+
+    def a_sample(self, name):
+        """Elapsed and processor milliseconds a sample."""
+        small, large = (spent(self.make_command(samples, f"{name}-{samples}"), self.folder) for samples in (self.few, self.many))
+        return [1e3 * (b - a) / (self.many - self.few) for a, b in zip(small, large)]
 
 
 class Bench:
@@ -113,42 +149,55 @@ class Bench:
                     f"update.samples={samples}", *more]
         return command
 
-    def measure(self, command, few, many):
-        for folder in self.folder.glob("out-*"):
-            subprocess.run(["rm", "-rf", folder], check=True)
-        return a_sample(command, few, many, self.turns, self.folder)
+    def measure(self, *jobs):
+        """Elapsed and processor milliseconds a sample of each job: medians over the turns."""
+        found = [[] for _ in jobs]
+        for turn in range(self.turns):
+            for number, job in enumerate(jobs):
+                found[number].append(job.a_sample(f"{turn}-{number}"))
+                for folder in self.folder.glob("out-*"):
+                    subprocess.run(["rm", "-rf", folder], check=True)
+        return [[statistics.median(column) for column in zip(*rows)] for rows in found]
+
+    def job(self, study, few, many, *more):
+        return Job(self.propagate(study, *more), few, many, self.folder)
+
+    def loop(self, *has_files):
+        folder = self.folder / "solver-input"
+        folder.mkdir(exist_ok=True)
+        (folder / "input.txt").write_text("2.0\n")
+        program = str(self.folder / "solver")
+        return Job(lambda runs, _: [str(self.folder / "loop"), str(runs), program, *has_files], 50, 1050, folder)
 
     def rows(self):
-        one = ["--threads", "1"]
-        yield ("three masses, one thread", 1000, 201000, "nothing",
-               self.measure(self.propagate(THREE_MASSES, one), 1000, 201000), [0.0, 0.0])
-        yield ("three masses, two threads", 1000, 201000, "nothing",
-               self.measure(self.propagate(THREE_MASSES, ["--threads", "2"]), 1000, 201000), [0.0, 0.0])
-        (self.folder / "solver-input").mkdir(exist_ok=True)
-        (self.folder / "solver-input" / "input.txt").write_text("2.0\n")
-        loop = a_sample(lambda runs, _: [str(self.folder / "loop"), str(runs), str(self.folder / "solver")], 50, 1050,
-                        self.turns, self.folder / "solver-input")
-        runs = self.measure(self.propagate("study.toml", one), 50, 650)
-        yield "runs of a solver, one at once", 50, 650, "loop of fork, execve, waitpid", runs, loop
+        one, two = ["--threads", "1"], ["--threads", "2"]
+        for words, threads in (("one thread", one), ("two threads", two)):
+            found, = self.measure(self.job(THREE_MASSES, 1000, 201000, threads))
+            yield f"three masses, {words}", 200000, "nothing", found, [0.0, 0.0]
+        found, bare, files = self.measure(self.job("study.toml", 50, 1050, one), self.loop(), self.loop("with files"))
+        yield "runs of a solver, one at once", 1000, "loop of fork, execve, waitpid", found, bare
+        yield "runs of a solver, one at once", 1000, "the same loop with its files", found, files
         full = ["--set", 'model.reduction="off"']
-        threads = self.measure(self.propagate(AIRFRAME, [*full, "--threads", "2"]), 20, 120)
-        ranks = self.measure(self.propagate(AIRFRAME, [*full, "--threads", "1"], [*MPIRUN, "2"]), 20, 120)
-        yield "airframe solved in full, 2 ranks", 20, 120, "2 threads", ranks, threads
-        ranks = self.measure(self.propagate("study.toml", one, [*MPIRUN, "2"]), 50, 650)
-        threads = self.measure(self.propagate("study.toml", ["--set", "model.parallel=2"]), 50, 650)
-        yield "runs of a solver, 2 ranks", 50, 650, "2 runs at once", ranks, threads
+        found, base = self.measure(self.job(AIRFRAME, 20, 120, [*full, *one], [*MPIRUN, "2"]),
+                                   self.job(AIRFRAME, 20, 120, [*full, *two]))
+        yield "airframe solved in full, 2 ranks", 100, "2 threads", found, base
+        found, base = self.measure(self.job("study.toml", 50, 1050, one, [*MPIRUN, "2"]),
+                                   self.job("study.toml", 50, 1050, ["--set", "model.parallel=2"]))
+        yield "runs of a solver, 2 ranks", 1000, "2 runs at once", found, base
 
 
 def section(rows, turns):
     lines = [HEADING, "",
-             f"Milliseconds a sample, {peers.processor()}; medians of {turns} turns; made by measure_overhead.py, which says how. "
+             f"Milliseconds a sample, {peers.processor()}; medians of {turns} turns, {datetime.date.today()}; made by "
+             f"measure_overhead.py, which says how. "
              f"Goal: an overhead of at most {GOAL_MS:g} ms.", "",
              "| what | samples | processor | elapsed | subtracted | processor of that | elapsed of that | overhead, processor | "
-             "overhead, elapsed |", "|---|---|---|---|---|---|---|---|---|"]
-    for what, few, many, base_name, found, base in rows:
+             "overhead, elapsed | ratio, processor | ratio, elapsed |", "|---|---|---|---|---|---|---|---|---|---|---|"]
+    for what, samples, base_name, found, base in rows:
         cells = [f"{found[1]:.4f}", f"{found[0]:.4f}", base_name, f"{base[1]:.4f}", f"{base[0]:.4f}",
-                 f"{found[1] - base[1]:.4f}", f"{found[0] - base[0]:.4f}"]
-        lines.append(f"| {what} | {many - few} | " + " | ".join(cells) + " |")
+                 f"{found[1] - base[1]:.4f}", f"{found[0] - base[0]:.4f}",
+                 *(f"{found[i] / base[i]:.2f}" if base[i] > 0.0 else "" for i in (1, 0))]
+        lines.append(f"| {what} | {samples} | " + " | ".join(cells) + " |")
         print(lines[-1], flush=True)
     return "\n".join(lines) + "\n"
 

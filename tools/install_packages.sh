@@ -17,7 +17,7 @@ deb=(dpkg-dev file help2man:help2man)
 ci=(clang-format:clang-format clang-tidy:clang-tidy gcovr:gcovr ccache:ccache slurm-wlm munge)
 fuzz=(clang:clang++)
 python=(pybind11-dev python3-dev python3-numpy python3-scipy python3-pandas python3-xarray python3-matplotlib
-        python3-pytest python3-nbclient python3-nbconvert python3-ipykernel mypy:mypy)
+        python3-statsmodels python3-pytest python3-nbclient python3-nbconvert python3-ipykernel mypy:mypy)
 bench=(libbenchmark-dev libspectra-dev octave python3:python3 python3-numpy python3-scipy python3-openturns python3-sklearn
        python3-petsc4py-real python3-slepc4py-real python3-emcee python3-matplotlib r-base-core r-cran-mcmc r-cran-posterior)
 

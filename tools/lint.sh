@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# clang-format over everything, the checks of layers and type names, the syntax of validation/, clang-tidy over the library and the
-# command.
+# clang-format over everything, the checks of layers and type names, the syntax of validation/, clang-tidy over the library, the
+# command and, where it is configured, the Python module.
 #   tools/lint.sh BUILD_DIR JOBS [FILE...]      BUILD_DIR must be configured; clang-tidy reads FILEs alone
 # clang-tidy leaves out the tests (the compiler's warnings hold them, and they would double its time) and the lane
 # kernels (written in GCC's vector extensions, which clang does not take).

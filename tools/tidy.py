@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""clang-tidy over the library and the command, as compile_commands.json holds them: nearly all of its work on a source is
+"""clang-tidy over the library, the command and the Python module, as compile_commands.json holds them (the last where it is
+configured): nearly all of its work on a source is
 on the headers, Eigen's above all, so the groups of sources that the build compiles together are read together.
   tools/tidy.py BUILD_DIR JOBS [FILE...]      FILEs restrict it to the groups that hold them; exit code 1 on any finding"""
 import concurrent.futures
@@ -22,9 +23,9 @@ def sources_of(path):
 
 
 def is_checked(source):
-    """The library and the command without the lane kernels."""
+    """The library, the command and the Python module without the lane kernels."""
     folder = os.path.relpath(source, ROOT).split(os.sep)[0]
-    return folder in ("src", "apps") and not os.path.basename(source).startswith("simd_")
+    return folder in ("src", "apps", "bindings") and not os.path.basename(source).startswith("simd_")
 
 
 def clang_tidy(build, path):

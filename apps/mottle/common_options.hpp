@@ -16,6 +16,12 @@
 
 namespace mottle::app {
 
+/// What --units of a deck may be.
+inline const std::vector<std::string>& unit_systems() {
+  static const std::vector<std::string> k_systems = {"SI", "mm-t-s", "mm-kg-ms", "in-lbf-s"};
+  return k_systems;
+}
+
 /// Values of --out, --set, --threads, --seed, --resume, --cache, --no-run, --quiet, --json.
 struct CommonOptions {
   std::string study;

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <iostream>
 #include <memory>
 
@@ -72,6 +73,15 @@ InitOutcome propose(const InitSettings& settings) {
   return propose_study(settings);
 }
 
+/// Empty: those that are proposed. Another answer is asked for again.
+std::string ask_units(const std::string& proposed) {
+  while (true) {
+    std::string answer = ask(fmt::format("Units of the deck: {} [{}]: ", join(unit_systems()), proposed));
+    if (answer.empty() || std::ranges::count(unit_systems(), answer) > 0) return answer;
+    tell(fmt::format("mottle: '{}' is none of these systems\n", printable(answer)));
+  }
+}
+
 /// Lets the user change units, outputs and parameters until an empty answer accepts what is proposed.
 InitOutcome converse(InitSettings settings) {
   InitOutcome outcome = propose(settings);
@@ -79,19 +89,20 @@ InitOutcome converse(InitSettings settings) {
     print(outcome);
     return outcome;
   }
-  const std::string units =
-      ask(fmt::format("Units of the deck: SI, mm-t-s, mm-kg-ms or in-lbf-s [{}]: ", *outcome.settings.units));
+  const std::string units = ask_units(*outcome.settings.units);
   settings.units = units.empty() ? *outcome.settings.units : units;
   if (!units.empty()) outcome = propose(settings);
   print(outcome);
   while (true) {
     const std::string modes = ask("Modes that are outputs, as 3 4 7 [those marked yes]: ");
-    if (!modes.empty()) settings.modes = whole_numbers(modes);
     const std::string targets = ask("Targets of the parameters, as MAT1:2:E PELAS:4:K [those with a name]: ");
-    if (!targets.empty()) settings.targets = words(targets);
     if (modes.empty() && targets.empty()) return outcome;
+    InitSettings asked = settings;
     try {
-      outcome = propose(settings);
+      if (!modes.empty()) asked.modes = whole_numbers(modes);
+      if (!targets.empty()) asked.targets = words(targets);
+      outcome = propose(asked);
+      settings = asked;  // what cannot be is asked for again
       print(outcome);
     } catch (const InvalidInput& error) {
       tell(fmt::format("mottle: {}\n", printable(error.what())));
@@ -139,7 +150,7 @@ void add_init(CLI::App& app) {
   verb->add_option("tests", options->settings.tests, "test files (.uff, .unv, .csv, .mat), folders or patterns");
   verb->add_option("--out", options->settings.study, "study to write (default: MODEL.toml beside the deck)");
   verb->add_option("--units", options->units, "units of the deck (default: guessed from its materials)")
-      ->check(CLI::IsMember({"SI", "mm-t-s", "mm-kg-ms", "in-lbf-s"}));
+      ->check(CLI::IsMember(unit_systems()));
   verb->add_option("--outputs", options->modes, "modes that are outputs, in the model's numbers (3,4,7)")
       ->delimiter(',');
   verb->add_option("--targets", options->targets, "targets of the parameters (MAT1:2:E,PELAS:4:K)")->delimiter(',');

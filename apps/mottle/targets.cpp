@@ -22,7 +22,7 @@ void add_targets(CLI::App& app) {
       ->check(CLI::Range(1, 100000));
   verb->add_option("--units", settings->units,
                    "units of the deck, which are only named (SI, mm-t-s, mm-kg-ms, in-lbf-s; default: guessed)")
-      ->check(CLI::IsMember({"SI", "mm-t-s", "mm-kg-ms", "in-lbf-s"}));
+      ->check(CLI::IsMember(unit_systems()));
   verb->add_option("--subcase", settings->subcase, "subcase of the deck (default: the first with a METHOD)");
   verb->add_option("--ignore-cards", *cards, "leave out these cards (CARD,CARD)")->delimiter(',');
   verb->add_flag("--all", settings->lists_all, "list every number, also those that change no mode or are seldom wrong");

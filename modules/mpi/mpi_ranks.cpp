@@ -1,5 +1,6 @@
 // The ranks of a job by MPI. Rank 0 serves the others with a thread of its own: it keeps the shared counters and hears
 // how they end, while its other threads compute.
+#include <algorithm>
 #include <chrono>
 #include <cstring>
 #include <map>
@@ -204,21 +205,18 @@ void MpiRanks::abort_if_overdue() {
 }
 
 void MpiRanks::serve(const std::stop_token& stop) {
-  constexpr std::chrono::microseconds k_busy{50};  // between questions of a loop that is under way
-  constexpr std::chrono::milliseconds k_idle{1};
-  constexpr std::chrono::milliseconds k_still_busy{100};
-  Clock::time_point last = Clock::now() - k_still_busy;
+  // Between questions of a loop that is under way, it looks the more seldom the longer its pieces take.
+  constexpr Clock::duration k_busy = std::chrono::microseconds(50);
+  constexpr Clock::duration k_idle = std::chrono::milliseconds(1);
+  constexpr int k_looks = 32;  // the wait for an answer is a small part of a piece
+  Clock::time_point last = Clock::now() - k_looks * k_idle;
   while (!stop.stop_requested()) {
     if (serve_once()) {
       last = Clock::now();
       continue;
     }
     abort_if_overdue();
-    if (Clock::now() - last < k_still_busy) {
-      std::this_thread::sleep_for(k_busy);
-    } else {
-      std::this_thread::sleep_for(k_idle);
-    }
+    std::this_thread::sleep_for(std::clamp((Clock::now() - last) / k_looks, k_busy, k_idle));
   }
 }
 

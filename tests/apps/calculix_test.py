@@ -127,7 +127,7 @@ class CalculixTest(support.CommandTest):
         targets = {target["target"]: target["sensitivity"] for target in json.loads(listed.out)["targets"]}
         self.assertEqual(targets["*DENSITY:S"][:6], [None] * 6)
         for value in targets["*ELASTIC:S:E"][6:]:
-            self.assertAlmostEqual(value, 0.5, 6)
+            self.assertAlmostEqual(value, 0.5, 3)  # four of eight modes of a frequency that rounding splits, by differences
 
     def test_a_second_command_runs_no_solver(self):
         first = self.succeed("check", "study.toml", "--cache", "cache")

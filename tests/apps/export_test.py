@@ -61,6 +61,22 @@ class ExportTest(support.CommandTest):
                 elif other:
                     self.assertLess(abs(one / other - 1), 1e-9)
 
+    def test_what_the_tests_do_not_see_stays_as_uncertain_as_it_was(self):
+        lines = ["SOL 103", "CEND", "METHOD = 10", "BEGIN BULK", "EIGRL,10,,,2", "SPOINT,1,2", "CELAS2,1,1000.,1", "CELAS2,2,3000.,2",
+                 "CMASS2,3,1.,1", "CMASS2,4,1.,2", "ENDDATA"]
+        self.write("deck.bdf", "\n".join(lines) + "\n")
+        parameter = '[[parameter]]\nname = "{}"\ntarget = "CELAS2:{}:K"\ndistribution = {{ kind = "normal", mean = {}, std = 50 }}\n'
+        self.write("study.toml", '[model]\nkind = "nastran"\nfile = "deck.bdf"\n' + parameter.format("ka", 1, 1000) +
+                   parameter.format("kb", 2, 3000) + '[outputs]\nfrequencies = [1]\n[test]\nfile = "tests.csv"\n')
+        self.write("tests.csv", "f1\n5.03\n5.1\n5.05\n4.98\n")
+        self.assertIn("warning: kb changes no output", self.succeed("check", "study.toml").out)
+        said = self.succeed("update", "study.toml", "--out", "out", "--set", "update.samples=40").out
+        self.assertNotRegex(said, r"off by \S+e-\d\d %")  # an error of the size of rounding
+        self.assertIn("do not see kb", self.succeed("export", "out", "--out", "next").out)
+        checked = json.loads(self.succeed("check", "next/study.toml", "--json").out)["parameters"]
+        self.assertEqual(checked["prior_std"][1], 50.0)
+        self.assertLess(checked["prior_std"][0], 50.0)
+
     def test_a_calculix_deck_has_the_updated_numbers(self):
         if shutil.which("ccx") is None:
             self.skipTest("CalculiX (ccx) is not here")

@@ -36,6 +36,29 @@ ENDDATA
 """
 
 
+REPEATED = """\
+SOL 103
+CEND
+METHOD = 10
+SPC = 1
+BEGIN BULK
+EIGRL,10,,,4
+GRID,1,,0.,0.,0.
+SPC1,1,3456,1
+PELAS,1,1000.
+PELAS,2,1000.
+CELAS1,1,1,1,1
+CELAS1,2,2,1,2
+CONM2,3,1,,2.
+SPOINT,11,12
+CELAS2,11,9000.,11
+CMASS2,12,1.,11
+CELAS2,21,30000.,12
+CMASS2,22,1.,12
+ENDDATA
+"""
+
+
 class InitTest(support.CommandTest):
     def setUp(self):
         super().setUp()
@@ -114,6 +137,37 @@ class InitTest(support.CommandTest):
         self.assertEqual(ended.code, 2, ended.out)
         self.assertIn("airframe.toml: is there already", ended.err)
         self.assertEqual((self.folder / "airframe.toml").read_text(), "mine")
+
+    def test_numbers_that_split_one_frequency_are_not_called_alike(self):
+        # A mass on a spring along X and one along Y, and two oscillators far above.
+        self.write("repeated.bdf", REPEATED)
+        self.write("tests.csv", "f1,f2,f3,f4\n3.50,3.60,15.1,27.1\n3.51,3.64,15.4,27.3\n3.58,3.67,15.2,27.6\n")
+        found = self.propose("repeated.bdf", "tests.csv", "--out", "s.toml")
+        why = {parameter["target"]: parameter["left_out"] for parameter in found["parameters"]}
+        self.assertFalse([target for target in ("PELAS:1:K", "PELAS:2:K") if "hardly tell" in why[target]], why)
+        self.assertIn("hardly tell it from", why["CELAS2:21:K"] + why["CMASS2:22:M"])  # of one oscillator
+        self.assertTrue([note for note in found["notes"] if "any combination is a mode: f1, f2." in note], found["notes"])
+
+    def test_numbers_that_move_one_frequency_as_a_whole_are_called_alike(self):
+        # One spring property in both directions, and the mass: whatever combination, f1 and f2 move together.
+        self.write("repeated.bdf", support.edited(REPEATED, ("CELAS1,2,2,1,2", "CELAS1,2,1,1,2"), ("PELAS,2,1000.\n", "")))
+        self.write("tests.csv", "f1,f2,f3,f4\n3.50,3.60,15.1,27.1\n3.51,3.64,15.4,27.3\n3.58,3.67,15.2,27.6\n")
+        found = self.propose("repeated.bdf", "tests.csv", "--out", "s.toml", "--targets", "PELAS:1:K")
+        why = {parameter["target"]: parameter["left_out"] for parameter in found["parameters"]}
+        self.assertEqual(why["CONM2:3:M"], "the outputs can hardly tell it from K_PELAS_1")
+
+    def test_shapes_that_agree_at_frequencies_in_rad_per_second_tell_the_unit(self):
+        self.write("chain.bdf", support.CHAIN)
+        shapes = "1:+X,9.2975,14.7955,-26.356\n2:+X,14.637,11.923,11.963\n3:+X,17.97,-18.17,-3.90\n"
+        for factor, question in ((6.2832, "are the tests in rad/s? Divide them by 2 pi."),
+                                 (1000.0, "--units names others"), (60.0, "are the tests in 1/min (rpm)?")):
+            for k in (1, 2):
+                self.write(f"t{k}.csv", "dof," + ",".join(f"{factor * (f + 0.01 * k):.6g}" for f in (1.90, 5.78, 8.98)) + "\n" + shapes)
+            ended = self.call("init", "chain.bdf", "t1.csv", "t2.csv", "--out", "s.toml")
+            self.assertEqual(ended.code, 2, ended.out)
+            self.assertIn("in the 3 modes whose shapes are those of the model the frequencies are", ended.err)
+            self.assertIn(question, ended.err)
+            self.assertNotIn("by chance", ended.err)
 
     def test_tests_that_are_no_modes_of_the_model_are_refused(self):
         self.write("beam.bdf", BEAM)

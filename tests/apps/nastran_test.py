@@ -203,6 +203,40 @@ class NastranTest(support.CommandTest):
         self.assertEqual(ended.code, 2)
         self.assertRegex(ended.err, "50[01]:[+]X")
 
+    def frequencies(self, lines):
+        head = ["SOL 103", "CEND", "METHOD=1", "SPC=1", "BEGIN BULK", "EIGRL,1,,,6", "GRID,1,,0.,0.,0.", "GRID,2,,1.,0.,0.", "SPC1,1,123456,1",
+                "PBUSH,1,K,1.+4,2.+4,3.+4,4.+3,5.+3,6.+3", "CBUSH,5,1,1,2,0.,1.,0.", "MAT1,1,7.+10,,.3,2700."]
+        self.write("deck.bdf", "\n".join(head + lines + ["ENDDATA"]) + "\n")
+        return json.loads(self.succeed("modes", "deck.bdf", "--json").out)["frequencies"]
+
+    def test_terms_without_diagonal_hold_at_dependent_points(self):
+        # A rigid element to a point at the same place changes nothing.
+        body = "CONM2,9,{0},,2.\n,.5,-.1,.6,-.15,-.2,.7"
+        bar = ("CONM2,9,2,,2.\n,.5,,.6,,,.7\nGRID,3,,2.,0.,0.\nCONM2,8,3,,1.\nCBAR,7,7,{0},3,0.,1.,0.\nPBAR,7,1,6.-4,2.-8,4.5-8,4.-8,,,+\n+\n+,,,2.-8")
+        for card in (body, bar):
+            own = self.frequencies([card.format(2)])
+            for rigid in ("RBE2,60,2,123456,9", "RBAR,60,2,9,123456"):
+                tied = self.frequencies(["GRID,9,,1.,0.,0.", rigid, card.format(9)])
+                for one, other in zip(own, tied):
+                    self.assertAlmostEqual(one / other, 1.0, delta=1e-9)
+
+    def test_k1_and_k2_are_not_used_beside_i12(self):
+        bar = "GRID,3,,1.2,0.,0.\nCONM2,8,3,,1.\nCBAR,7,7,2,3,0.,1.,0.\nPBAR,7,1,6.-4,2.-8,4.5-8,4.-8,,,+\n+\n+,{0},{0},2.-8"
+        self.assertEqual(self.frequencies([bar.format("")]), self.frequencies([bar.format(".5")]))
+        self.assertIn("PBAR 7: K1 and K2 are not used", self.succeed("modes", "deck.bdf").out)
+
+    def test_shapes_of_decks_are_compared_along_the_same_axes(self):
+        self.write("own.bdf", edited(DECK, ("PELAS,9,1.0+4\n", ""), ("CELAS1,99,9,21,2\n", "")))
+        turned = "CORD2R,8,,0.,0.,0.,.3,1.,1.\n,1.,0.,0.\n"
+        points = "".join(f"GRID,{k + 1},,{k * LENGTH / 20:.5f},0.,0." + (",8\n" if k else "\n") for k in range(21))
+        plain = "".join(f"GRID,{k + 1},,{k * LENGTH / 20:.5f},0.,0.\n" for k in range(21))
+        bars = "".join(f"CBAR,{k + 1},1,{k + 1},{k + 2},0.,1.,0.\n" for k in range(20))
+        to_point = "GRID,91,,0.,5.,0.\nSPC1,1,123456,91\n" + "".join(f"CBAR,{k + 1},1,{k + 1},{k + 2},91\n" for k in range(20))
+        text = (self.folder / "own.bdf").read_text(encoding="utf-8")
+        self.write("turned.bdf", edited(text, (plain, turned + points), (bars, to_point)))
+        found = self.succeed("modes", "own.bdf", "--compare", "turned.bdf").out
+        self.assertEqual(found.count("MAC 1.000"), 4, found)
+
     def test_a_free_bar_is_told_of_its_missing_inertia(self):
         bar = edited(deck(1), ("SPC1,1,123456,1\nPELAS,9,1.0+4\nCELAS1,99,9,2,2\n", ""), ("SPC = 1\n", ""))  # pivots are exact
         self.write("deck.bdf", edited(bar, ("PARAM,COUPMASS,1\n", "")))

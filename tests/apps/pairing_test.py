@@ -10,6 +10,38 @@ import support
 FREQUENCY = ('file = "tests.csv"\n', 'file = "tests.csv"\npairing = "frequency"\n')
 
 
+OSCILLATORS = """\
+SOL 103
+CEND
+METHOD = 10
+BEGIN BULK
+EIGRL,10,,,4
+SPOINT,1,2,3,4
+CELAS2,1,1000.,1
+CELAS2,2,3000.,2
+CELAS2,3,9000.,3
+CELAS2,4,15791.,4
+CMASS2,5,1.,1
+CMASS2,6,1.,2
+CMASS2,7,1.,3
+CMASS2,8,1.,4
+ENDDATA
+"""
+OSCILLATORS_STUDY = """\
+[model]
+kind = "nastran"
+file = "model.bdf"
+[[parameter]]
+name = "k3"
+target = "CELAS2:3:K"
+distribution = { kind = "normal", mean = MEAN, std = 300 }
+[outputs]
+frequencies = [1, 2, 3]
+[test]
+file = "tests.csv"
+"""
+
+
 class PairingTest(support.CommandTest):
     def rearrange(self, header, columns):
         """tests.csv with the columns (of f1, f2, f3) in another order and under other names."""
@@ -67,7 +99,57 @@ class PairingTest(support.CommandTest):
         # Each column is more than 15 % away from the mode of its number and near the next one.
         self.write("study.toml", support.edited(support.STUDY, ("frequencies = [1, 2, 3]", "frequencies = [1, 2]")))
         self.rearrange("f1,f2", [1, 2])
-        self.assertIn('test.pairing = "frequency" pairs them so', self.succeed("check", "study.toml").out)
+        self.assertIn("outputs.frequencies = [2, 3] with test.pairing = \"frequency\" takes them so",
+                      " ".join(self.succeed("check", "study.toml").out.split()))
+        self.write("study.toml", support.edited(support.STUDY, FREQUENCY, ("frequencies = [1, 2, 3]", "frequencies = [2, 3]")))
+        self.succeed("check", "study.toml")
+
+    def check_oscillators(self, mean, tests, *changes):
+        """What `check` says of four oscillators of 5.033, 8.717, 15.099 and 20.000 Hz in the deck, the third of k3."""
+        self.write("model.bdf", OSCILLATORS)
+        self.write("tests.csv", tests)
+        self.write("study.toml", support.edited(OSCILLATORS_STUDY.replace("MEAN", str(mean)), *changes))
+        return " ".join(self.succeed("check", "study.toml").out.split())
+
+    def test_numbers_are_not_doubted_where_the_prior_means_agree(self):
+        # 18.12 Hz is nearer to the deck's fourth mode; with the prior's mean of k3 the third has 18.118 Hz.
+        tests = "f1,f2,f3\n5.03,8.72,18.12\n5.035,8.725,18.2\n5.025,8.715,18.05\n"
+        self.assertNotIn("Columns of the tests", self.check_oscillators(12960, tests))
+        self.assertIn("By frequency f3 (18.12 Hz) is mode 4 (20), not 3 (15.1).", self.check_oscillators(9000, tests))
+
+    def test_only_columns_that_differ_are_named_and_the_advice_works(self):
+        tests = "f1,f2,f3\n5.03,8.72,20.1\n5.035,8.725,20.2\n5.025,8.715,20.05\n"
+        said = self.check_oscillators(9000, tests)
+        self.assertIn("By frequency f3 (20.12 Hz) is mode 4 (20), not 3 (15.1). outputs.frequencies = [1, 2, 4] with "
+                      'test.pairing = "frequency" takes them so', said)
+        said = self.check_oscillators(9000, tests, FREQUENCY, ("[1, 2, 3]", "[1, 2, 4]"))
+        self.assertIn("f3 is the model's f4", said)
+        permuted = tests.replace("f1,f2,f3", "f1,f3,f2").replace("20.", "15.")
+        self.assertIn('test.pairing = "frequency" pairs them so', self.check_oscillators(9000, permuted))
+        self.assertIn("f2 is the model's f3", self.check_oscillators(9000, permuted, FREQUENCY))
+
+    def test_rows_of_one_specimen_and_copies_of_rows_are_named(self):
+        header, *rows = support.TESTS.splitlines()
+        numbered = [f"{1 + k // 2},{row}" for k, row in enumerate(rows)]
+        self.write("tests.csv", "\n".join(["specimen," + header, *numbered]) + "\n")
+        said = " ".join(self.succeed("check", "study.toml").out.split())
+        self.assertIn("a specimen of its own: 1 in 2 rows, 2 in 2 rows, 3 in 2 rows.", said)
+        self.assertNotIn("as copies do", said)
+        # A gap is equal to a gap, 0.30800 to 0.308; a row with one value tells nothing.
+        self.write("tests.csv", "\n".join([header, *rows, "0.16,0.308,", "0.16,0.30800,", rows[1], "0.161,,", "0.161,,"]) + "\n")
+        said = " ".join(self.succeed("check", "study.toml").out.split())
+        self.assertIn("as copies do: specimen 8 equals 7, specimen 9 equals 2. Each", said)
+        self.assertIn("as copies do: specimen 8 equals 7", self.call("update", "study.toml").err)
+        report = (self.folder / "study.mottle" / "report.html").read_text(encoding="utf-8")
+        self.assertIn("specimen 9 equals 2", report)
+
+    def test_equal_values_have_no_scatter(self):
+        row = "0.1655,0.31,0.4484"  # the mean of three of these is not quite the number itself
+        self.write("tests.csv", f"f1,f2,f3\n{row}\n{row}\n{row}\n")
+        said = self.succeed("check", "study.toml", "--set", 'update.method="deterministic"').out
+        for line in said.splitlines():
+            if line.startswith(("f1 ", "f2 ", "f3 ")):
+                self.assertEqual(line.split()[5], "0", line)
 
     def test_tests_in_another_unit_are_not_paired_with_other_modes(self):
         self.write("study.toml", support.edited(support.STUDY, FREQUENCY))

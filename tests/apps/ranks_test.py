@@ -66,6 +66,18 @@ class RanksTest(CommandTest):
         self.assertEqual(ended.code, 0, ended.err)
         return ended
 
+    def wait_for_killed_ranks(self):
+        """Ranks end some time after their launcher."""
+        def is_here(process):
+            try:
+                return process.joinpath("cwd").readlink() == self.folder
+            except OSError:  # it has just ended
+                return False
+
+        end = time.monotonic() + 20 * support.PATIENCE
+        while any(map(is_here, pathlib.Path("/proc").glob("[0-9]*"))) and time.monotonic() < end:
+            time.sleep(0.05)
+
     def expect_same(self, verb, study, ranks=(1, 2, 4), options=()):
         self.succeed(verb, study, "--quiet", "--out", "alone", *options)
         for count in ranks:
@@ -198,7 +210,7 @@ class Servers(RanksTest):
             time.sleep(0.01)
         job.kill()
         job.communicate()
-        time.sleep(0.5)
+        self.wait_for_killed_ranks()
         before = self.inputs(slow)
         self.succeed_ranked(2, "propagate", "served.toml", *options, "--resume")
         again = [x for x in self.inputs(slow, len(before)) if x in before]

@@ -171,6 +171,23 @@ class TargetsTest(support.CommandTest):
                 for value, right in zip(values, expected):
                     self.assertAlmostEqual(value, right, delta=1e-10)
 
+    def test_a_repeated_frequency_is_not_cut(self):
+        found, whole = self.targets(self.write("deck.bdf", PAIR), "--modes", "1")
+        self.assertEqual(len(whole["frequencies"]), 2)
+        for value, right in zip(found["PELAS:1:K"]["sensitivity"], (0.0, 0.5)):
+            self.assertAlmostEqual(value, right, delta=1e-10)
+
+    def test_frequencies_have_the_unit_that_goes_with_the_others(self):
+        deck = self.write("deck.bdf", BEAM.format(width=20.0, height=30.0).replace("7.+10,,.3,2700.", "70.,,.3,2.7-6"))
+        self.assertEqual(self.targets(deck)[1]["frequency_unit"], "kHz")
+        self.assertIn("modes [kHz]:", self.succeed("targets", deck).out)
+        self.assertIn("frequency kHz", self.succeed("modes", deck).out)
+
+    def test_what_wtmass_multiplies_is_no_mass_of_the_units(self):
+        deck = self.write("deck.bdf", BEAM.format(width=0.8, height=1.2).replace("7.+10,,.3,2700.", "1.+7,,.3,.1")
+                          .replace("EIGRL,10", "PARAM,WTMASS,.00259\nEIGRL,10"))
+        self.assertEqual(self.targets(deck)[0]["MAT1:1:RHO"]["unit"], "lbf s^2/in^4 / WTMASS")
+
     def test_units_are_guessed_where_none_are_given(self):
         deck = self.write("deck.bdf", BEAM.format(width=20.0, height=30.0).replace("7.+10,,.3,2700.", "7.+4,,.3,2.7-9"))
         self.assertEqual(self.targets(deck)[0]["MAT1:1:E"]["unit"], "MPa")

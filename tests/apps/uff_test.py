@@ -17,6 +17,22 @@ STUDY = (EXAMPLE / "study.toml").read_text(encoding="utf-8")
 CHEAP = '\n[update]\nmethod = "deterministic"\nsamples = 10\niterations = 1\n'
 
 
+CHAIN_STUDY = """\
+[model]
+kind = "nastran"
+file = "chain.bdf"
+[[parameter]]
+name = "k2"
+target = "CELAS2:2:K"
+distribution = { kind = "normal", mean = 1500, std = 50 }
+[outputs]
+frequencies = [1, 2, 3]
+shapes = { modes = [1, 2], dofs = ["1:+X", "2:+X", "3:+X"] }
+[test]
+file = "chain-*.uff"
+"""
+
+
 def example_module(folder):
     spec = importlib.util.spec_from_file_location("make_files", folder / "make_files.py")
     module = importlib.util.module_from_spec(spec)
@@ -154,6 +170,42 @@ class TestsAsModes(support.CommandTest):
         for row in self.pairing():
             macs[row["mode"]].append(row["mac"])
         self.assertTrue(all(first == second for first, second in macs.values()), macs)
+
+    def test_a_file_that_was_copied_is_named(self):
+        shutil.copy(self.home / "specimens" / "aeroplane-02.uff", self.home / "specimens" / "aeroplane-2b.uff")
+        self.study()
+        said = " ".join(self.succeed("check", "05/study.toml").out.split())
+        self.assertIn("as copies do: specimen 11 (aeroplane-2b.uff) equals 2 (aeroplane-02.uff).", said)
+
+    def refusal_of_chain(self, masses, points):
+        """Of a chain of three masses, tested with modal masses by mode at some of its points."""
+        shapes = {1: (9.2975, 14.7955, -26.356), 2: (14.637, 11.923, 11.963), 3: (17.97, -18.17, -3.90)}
+        for specimen in range(3):
+            text = ""
+            for mode, frequency in enumerate((1.90, 5.78, 8.98)):
+                lines = ["shape", "NONE", "NONE", "NONE", "NONE", f"{1:10d}{2:10d}{2:10d}{8:10d}{2:10d}{3:10d}",
+                         f"{2:10d}{4:10d}{1:10d}{mode + 1:10d}", f"{frequency + 0.01 * specimen:13.5E}{masses[mode]:13.5E}{0.01:13.5E}{0.0:13.5E}"]
+                for point in points:
+                    lines += [f"{point:10d}", f"{shapes[point][mode]:13.5E}{0.0:13.5E}{0.0:13.5E}"]
+                text += "    -1\n    55\n" + "\n".join(lines) + "\n    -1\n"
+            self.write(f"chain-{specimen}.uff", text)
+        self.write("chain.bdf", support.CHAIN)
+        self.write("chain.toml", CHAIN_STUDY)
+        ended = self.call("check", "chain.toml")
+        self.assertEqual(ended.code, 2, ended.out)
+        return ended.err
+
+    def test_shapes_without_size_are_told_from_components_that_were_not_measured(self):
+        said = self.refusal_of_chain((0.0, 1.0, 1.0), (1, 2, 3))
+        self.assertIn("output 'phi1:1:+X' is not used of any specimen: the tests' shapes of mode 1 have no modal mass", said)
+        self.assertIn('outputs.shapes.size = "free"', said)
+        said = self.refusal_of_chain((1.0, 1.0, 1.0), (1, 2))
+        self.assertIn("output 'phi1:3:+X' is never measured", said)
+
+    def test_of_free_shapes_the_component_that_is_missing_is_named(self):
+        said = self.refusal_of_chain((0.0, 0.0, 0.0), (1, 2))
+        self.assertIn("output 'phi1:1:+X' follows from no specimen", said)
+        self.assertIn("and phi1:3:+X is never measured; leave it out of dofs", said)
 
     def test_a_mistake_in_a_file_is_told_with_its_line(self):
         file = self.home / "specimens" / "aeroplane-01.uff"

@@ -139,6 +139,7 @@ class Model(http.server.ThreadingHTTPServer):
 
 class Handler(http.server.BaseHTTPRequestHandler):
     protocol_version = "HTTP/1.1"
+    disable_nagle_algorithm = True  # head and body are two packets, of which the second would wait 40 ms for the client's word
 
     def log_message(self, *_):
         pass
@@ -287,7 +288,7 @@ class AsClient(UmbridgeTest):
         self.succeed("update", "study.toml", "--out", "a", "--quiet", "--set", 'update.method="deterministic"')
         notes = [note for note in read_result(self.folder / "a")["notes"] if "a request for derivatives failed" in note]
         self.assertEqual(len(notes), 1)
-        self.assertRegex(notes[0], r"at \d+ of \d+ points .*HTTP 500: 'no adjoint here'")
+        self.assertRegex(notes[0], r"\d+ of the \d+ times .*HTTP 500: 'no adjoint here'")
         self.assertEqual((self.folder / "a" / "mottle.log").read_text().count("a request for derivatives failed"), 1)
         self.study(self.model(features=("Evaluate", "Gradient")))
         self.succeed("update", "study.toml", "--out", "b", "--quiet", "--set", 'update.method="deterministic"')
@@ -525,15 +526,17 @@ class AsClient(UmbridgeTest):
         self.assertEqual(model.seen, [])
 
     def test_a_killed_job_goes_on_where_it_was(self):
-        slow = self.model(spoil=lambda path, *_: time.sleep(0.08) if path == "/Evaluate" else None)
+        slow = self.model()
         self.study(slow)
         self.succeed("update", "study.toml", "--out", "whole", *SHORT)
         wanted, count = read_result(self.folder / "whole")["parameters"], slow.count
+        slow.spoil = lambda path, *_: time.sleep(0.06) if path == "/Evaluate" else None
         job = subprocess.Popen([support.MOTTLE, "update", "study.toml", "--out", "a", *SHORT], cwd=self.folder)
         while slow.count < count + 15:
             time.sleep(0.01)
         job.kill()
         job.wait()
+        slow.spoil = None
         asked = len(slow.evaluations())
         self.succeed("update", "study.toml", "--out", "a", *SHORT, "--resume")
         self.assertEqual(read_result(self.folder / "a")["parameters"], wanted)
@@ -542,13 +545,14 @@ class AsClient(UmbridgeTest):
         self.assertEqual([x for x in again if x in before], ["[[2.0, 2.0]]"], "the means alone, to see that it is the same model")
 
     def test_a_resumed_job_refuses_another_model(self):
-        slow = self.model(spoil=lambda path, *_: time.sleep(0.08) if path == "/Evaluate" else None)
+        slow = self.model(spoil=lambda path, *_: time.sleep(0.06) if path == "/Evaluate" else None)
         self.study(slow)
         job = subprocess.Popen([support.MOTTLE, "update", "study.toml", "--out", "a", *SHORT], cwd=self.folder)
         while slow.count < 10:
             time.sleep(0.01)
         job.kill()
         job.wait()
+        slow.spoil = None
         slow.outputs = lambda x, _: [[hertz(value) * 1.001 for value in eigenvalues(*x[0])]]
         ended = self.call("update", "study.toml", "--out", "a", *SHORT, "--resume")
         self.assertEqual(ended.code, 2)
@@ -744,8 +748,8 @@ class AsServer(UmbridgeTest):
             self.assertEqual(job.stderr.read(), "mottle: stopped on request; the model is no longer offered\n")
 
     def test_a_signal_during_a_long_computation_ends_it_in_the_same_words(self):
-        """A chain whose eigenvalues take seconds, in which nobody looks for a stop."""
-        count = 1000
+        """A chain whose eigenvalues take a second, in which nobody looks for a stop."""
+        count = 700
         masses = ", ".join(f"m{i} = 1.0" for i in range(count))
         springs = "\n".join(f'  {{ name = "k{i}", between = ["{f"m{i - 1}" if i else "ground"}", "m{i}"], stiffness = 1.0 }},'
                             for i in range(count))

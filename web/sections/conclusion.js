@@ -130,7 +130,7 @@ function caption_of({ result }, rows) {
   return [
     ...inside,
     `✗: beyond what chance allows in ${short_number(100 * (chance ?? 0.01))} of 100 cases, all outputs together.`,
-    ` Before: the first cloud, drawn from the prior.`,
+    ` Before: the first cloud, drawn from the prior. Standard deviations are those of the model with the measurement's noise, where that is stated or estimated; the table of outputs has the model's alone.`,
     rows.length > outputs_at_most ? ` All ${rows.length} outputs are in the table of outputs.` : "",
   ];
 }

@@ -70,7 +70,7 @@ export function matrix_map(map) {
     const turned =
       cell_width < 44
         ? { rotate: 60, formatter: fit_in(map.cell.column_room) }
-        : { formatter: fit_in(cell_width - 6) };
+        : { formatter: fit_in(cell_width - 16) };
     const under = turned.rotate ? map.cell.column_room : 34;
     const category = (names, more) =>
       axis({

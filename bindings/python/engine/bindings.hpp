@@ -11,5 +11,9 @@ void add_outcomes(pybind11::module_& module);
 void add_decks(pybind11::module_& module);
 void add_models(pybind11::module_& module);
 void add_statistics(pybind11::module_& module);
+void add_population(pybind11::module_& module);
+void add_reduced_models(pybind11::module_& module);
+void add_deck_files(pybind11::module_& module);
+void add_universal_files(pybind11::module_& module);
 
 }  // namespace mottle::python

@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <thread>
+#include <utility>
 
 #include "interpreter_end.hpp"
 #include "mottle/core/error.hpp"
@@ -22,28 +23,37 @@ double now() {
 
 }  // namespace
 
-void CallingThread::run_job(const std::function<void()>& job) {
-  AwaitedJob awaited;
-  std::exception_ptr failure;
-  std::thread worker([&] {
+void CallingThread::run_job(std::function<void()> job, bool may_be_left) {
+  auto awaited = std::make_shared<AwaitedJob>();
+  std::thread worker([this, awaited, job = std::move(job)]() mutable {
     try {
       job();
     } catch (...) {
-      failure = std::current_exception();
+      failure_ = std::current_exception();
     }
-    const std::lock_guard<std::mutex> lock(mutex_);
-    is_over_ = true;
-    changed_.notify_all();
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      is_over_ = true;
+      changed_.notify_all();
+    }
+    job = nullptr;  // the last that holds a job that was left, which the interpreter's end waits for
+    awaited.reset();
   });
   while (true) {
+    const bool is_asked_to_stop = raised_ != nullptr;
     PyThreadState* const interpreter = PyEval_SaveThread();
     const bool is_over = wait();
     if (is_over) {
       worker.join();
-      awaited.return_to_python();
+      awaited->return_to_python();
     }
     PyEval_RestoreThread(interpreter);
     if (is_over) break;
+    if (may_be_left && is_asked_to_stop) {
+      worker.detach();
+      progress_ = py::object();  // let go with the interpreter's lock
+      std::rethrow_exception(std::exchange(raised_, nullptr));
+    }
     serve();
     if (PyErr_CheckSignals() != 0) keep_raised();
     show_progress();
@@ -53,7 +63,7 @@ void CallingThread::run_job(const std::function<void()>& job) {
     throw py::error_already_set();
   }
   if (raised_) std::rethrow_exception(raised_);
-  if (failure) std::rethrow_exception(failure);
+  if (failure_) std::rethrow_exception(failure_);
 }
 
 bool CallingThread::wait() {

@@ -9,6 +9,7 @@
 #include <deque>
 #include <exception>
 #include <functional>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -38,6 +39,23 @@ class CallingThread final : public ProgressObserver {
     return *std::move(result);
   }
 
+  /// What `work(stop)` returns, where the work owns all that it uses and asks nothing of Python: after Ctrl-C it is
+  /// asked to stop by `stop`, and where it does not at once it is left to itself, until the next place where it can.
+  ///
+  /// @throws what `work` throws; KeyboardInterrupt, SystemExit as run()
+  template <typename Work>
+  static std::invoke_result_t<Work, const std::atomic<bool>*> run_by_itself(Work work) {
+    struct Job {
+      explicit Job(Work given) : work(std::move(given)) {}
+      Work work;
+      std::optional<std::invoke_result_t<Work, const std::atomic<bool>*>> result;
+      CallingThread caller{pybind11::none()};
+    };
+    const auto job = std::make_shared<Job>(std::move(work));
+    job->caller.run_job([job] { job->result.emplace(job->work(job->caller.stop())); }, true);
+    return *std::move(job->result);
+  }
+
   /// From a thread of the job: runs `request` on the calling thread, with the interpreter's lock, and waits for it.
   ///
   /// @throws Stopped  Python raised: run() raises it again
@@ -64,7 +82,8 @@ class CallingThread final : public ProgressObserver {
     bool is_new = false;
   };
 
-  void run_job(const std::function<void()>& job);
+  /// @param may_be_left  `job` holds this object, and all that it uses
+  void run_job(std::function<void()> job, bool may_be_left = false);
   /// Without the interpreter's lock: until the job is over (true), or asks something, or it is time to look for Ctrl-C.
   /// While the interpreter ends, what is asked is refused, and the job alone is waited for.
   bool wait();
@@ -81,7 +100,8 @@ class CallingThread final : public ProgressObserver {
   Progress shown_;
   std::vector<std::string> warnings_;
   bool is_over_ = false;
-  std::exception_ptr raised_;  // by Python; the calling thread's
+  std::exception_ptr failure_;  // of the job
+  std::exception_ptr raised_;   // by Python; the calling thread's
   double last_shown_ = 0.0;
 };
 

@@ -38,8 +38,13 @@ void add_modes(py::module_& module) {
         settings.modes = count;
         settings.ignore_cards = ignored;
         settings.subcase = subcase;
-        CallingThread caller{py::none()};
-        return caller.run([&] { return std::make_shared<ModesOutcome>(study::find_modes(settings)); });
+        return CallingThread::run_by_itself([settings](const auto* stop) {
+          ModesSettings stopped = settings;
+          stopped.stop = stop;
+          auto outcome = std::make_shared<ModesOutcome>(study::find_modes(stopped));
+          outcome->settings.stop = nullptr;
+          return outcome;
+        });
       },
       py::arg("model"), py::kw_only(), py::arg("modes"), py::arg("ignore_cards"), py::arg("subcase"));
 }
@@ -57,14 +62,14 @@ void add_targets(py::module_& module) {
       "find_targets",
       [](const Path& model, int modes, const std::set<std::string>& ignored, std::optional<int> subcase,
          const std::optional<std::string>& units, bool lists_all) {
-        CallingThread caller{py::none()};
-        const TargetsOutcome outcome = caller.run([&] {
+        const TargetsOutcome outcome = CallingThread::run_by_itself([=](const auto* stop) {
           return study::find_targets({.model = model,
                                       .modes = modes,
                                       .ignore_cards = ignored,
                                       .subcase = subcase,
                                       .units = units,
-                                      .lists_all = lists_all});
+                                      .lists_all = lists_all,
+                                      .stop = stop});
         });
         return py::make_tuple(outcome.frequencies, outcome.targets, outcome.notes);
       },

@@ -8,6 +8,7 @@ namespace mottle::python {
 namespace py = pybind11;
 
 void add_errors(py::module_& /*module*/) {
+  // NOLINTNEXTLINE(performance-unnecessary-value-param): pybind11 calls it so
   py::register_exception_translator([](std::exception_ptr thrown) {
     const auto raise = [](const char* name, const Error& error) {
       const py::object type = py::module_::import("mottle.errors").attr(name);

@@ -14,7 +14,8 @@ bool is_interpreter_ending();
 /// The calling thread sleeps until the process is gone.
 [[noreturn]] void sleep_for_ever();
 
-/// A job that the interpreter's end waits for; made with the interpreter's lock, and destroyed with it.
+/// A job that the interpreter's end waits for; made with the interpreter's lock, and destroyed with it, or by the
+/// thread of a job that nobody waits for any more.
 class AwaitedJob {
  public:
   AwaitedJob();

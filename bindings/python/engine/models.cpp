@@ -32,7 +32,7 @@ struct FunctionSettings {
 };
 
 SurrogateSettings surrogate_of(const std::string& kind, int runs, double spread, int rounds, double tolerance) {
-  const std::vector<std::string> names = surrogate_kinds();
+  const std::vector<std::string>& names = surrogate_kinds();
   const auto found = std::find(names.begin(), names.end(), kind);
   require(found != names.end(), "surrogate: {}", unknown_name_message("kind", kind, names));
   return {.kind = static_cast<SurrogateKind>(found - names.begin()),
@@ -109,7 +109,7 @@ std::shared_ptr<FunctionOutcome> update_function(const py::object& function,
                                                  const std::vector<OutputSpec>& outputs, TestData tests,
                                                  FunctionSettings settings, const py::object& progress) {
   const std::vector<std::string> notes = leave_out_empty(tests);
-  const auto outcome = std::make_shared<FunctionOutcome>(
+  auto outcome = std::make_shared<FunctionOutcome>(
       FunctionOutcome{.space = space_of(parameters, correlation),
                       .model = make_python_model(function, static_cast<Eigen::Index>(parameters.size()), outputs),
                       .tests = std::move(tests),

@@ -13,6 +13,10 @@ PYBIND11_MODULE(_engine, module) {
   mottle::python::add_decks(module);
   mottle::python::add_models(module);
   mottle::python::add_statistics(module);
+  mottle::python::add_population(module);
+  mottle::python::add_reduced_models(module);
+  mottle::python::add_deck_files(module);
+  mottle::python::add_universal_files(module);
   module.def("version", &mottle::study::version, "Version of the library, as of the command.");
   module.def("available_threads", &mottle::available_threads, "Number of processors that this process may use.");
 }

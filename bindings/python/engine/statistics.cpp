@@ -14,13 +14,13 @@ namespace {
 
 namespace py = pybind11;
 
-py::tuple modes_of(const Eigen::SparseMatrix<double>& stiffness, const Eigen::SparseMatrix<double>& mass, int count,
-                   double tolerance, bool counts) {
-  CallingThread caller{py::none()};
-  SparseModes modes = caller.run([&] {
-    return SparseModeSolver().solve(
-        stiffness, mass, {.modes = count, .tolerance = tolerance, .counts_below = counts, .measures = false});
-  });
+py::tuple modes_of(const SparseMatrix& stiffness, const SparseMatrix& mass, int count, double tolerance, bool counts) {
+  SparseModes modes =
+      CallingThread::run_by_itself([stiffness = stiffness, mass = mass, count, tolerance, counts](const auto* stop) {
+        return SparseModeSolver().solve(
+            stiffness, mass,
+            {.modes = count, .tolerance = tolerance, .counts_below = counts, .measures = false, .stop = stop});
+      });
   if (!modes.failure.empty()) throw SystemFailure("the modes were not found: " + modes.failure);
   if (!modes.is_complete()) {
     throw SystemFailure(fmt::format("{} modes were found, but {} eigenvalues lie below {} by the inertia of K - s M",

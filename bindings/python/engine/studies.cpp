@@ -45,7 +45,7 @@ std::shared_ptr<Outcome> run_job(const JobArguments& arguments, const Job& job, 
   return caller.run([&] {
     std::optional<FolderLock> lock;
     if (arguments.folder) lock.emplace(*arguments.folder);
-    const auto outcome = std::make_shared<Outcome>(job(settings));
+    auto outcome = std::make_shared<Outcome>(job(settings));
     if (arguments.folder) {
       write_results(*outcome, *arguments.folder);
       finish(*arguments.folder);

@@ -10,29 +10,51 @@ A model that is a Python function is updated by `mottle.update`.
 
 from mottle import _engine, errors
 from mottle.clouds import Cloud, Posterior
+from mottle.deck_files import Deck, Element, read_deck
 from mottle.decks import Modes, Targets, modes, targets
 from mottle.errors import Error, FormatError, InvalidInput, ModelFailure, Stopped, SystemFailure
 from mottle.files import Results, load
 from mottle.functions import FunctionResult, Parameter, Surrogate, update
+from mottle.matrices import Matrix, read_matrix
 from mottle.numerics import TwoSampleTest, assign, eigsh, hotelling, mac, methods
+from mottle.population import Population, reml
+from mottle.reduced import ReducedModel, ReducedModes
 from mottle.results import CheckResult, DiagnoseResult, PropagateResult, SimulateResult, UpdateResult
 from mottle.study import Study
+from mottle.uff import (
+    UffAxis,
+    UffCoordinateSystem,
+    UffElement,
+    UffFile,
+    UffFunction,
+    UffNodes,
+    UffShape,
+    UffTraceLine,
+    UffUnits,
+)
+from mottle.universal import read_uff, write_uff
 
 __version__: str = _engine.version()
 
 __all__ = [
     "CheckResult",
     "Cloud",
+    "Deck",
     "DiagnoseResult",
+    "Element",
     "Error",
     "FormatError",
     "FunctionResult",
     "InvalidInput",
+    "Matrix",
     "ModelFailure",
     "Modes",
     "Parameter",
+    "Population",
     "Posterior",
     "PropagateResult",
+    "ReducedModel",
+    "ReducedModes",
     "Results",
     "SimulateResult",
     "Stopped",
@@ -41,6 +63,15 @@ __all__ = [
     "SystemFailure",
     "Targets",
     "TwoSampleTest",
+    "UffAxis",
+    "UffCoordinateSystem",
+    "UffElement",
+    "UffFile",
+    "UffFunction",
+    "UffNodes",
+    "UffShape",
+    "UffTraceLine",
+    "UffUnits",
     "UpdateResult",
     "assign",
     "eigsh",
@@ -50,6 +81,11 @@ __all__ = [
     "mac",
     "methods",
     "modes",
+    "read_deck",
+    "read_matrix",
+    "read_uff",
+    "reml",
     "targets",
     "update",
+    "write_uff",
 ]

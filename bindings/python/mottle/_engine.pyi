@@ -265,3 +265,165 @@ def two_sample_test(
     *,
     level: float,
 ) -> dict[str, Any]: ...
+def fit_population(
+    units: list[tuple[_Array, _Array, _Array]],
+    start: _Array,
+    *,
+    is_restricted: bool,
+    estimates_noise: bool,
+    iterations: int,
+    tolerance: float,
+) -> dict[str, Any]: ...
+
+class ReducedModel:
+    def __init__(
+        self,
+        stiffness_constant: Any,
+        stiffness: list[Any],
+        mass_constant: Any,
+        mass: list[Any],
+        *,
+        nominal: _Array,
+        training: _Array,
+        modes: int,
+        tolerance: float,
+        max_vectors: int,
+        threads: int,
+    ) -> None: ...
+    def solve(self, coefficients: _Array, *, threads: int) -> tuple[_Array, _Array, _Array]: ...
+    @property
+    def basis(self) -> _Array: ...
+    @property
+    def reaches_tolerance(self) -> bool: ...
+    @property
+    def has_indefinite_terms(self) -> bool: ...
+
+class Deck:
+    @property
+    def notes(self) -> list[str]: ...
+    @property
+    def files(self) -> list[str]: ...
+    def nodes(self) -> tuple[list[int], _Array]: ...
+    def elements(self) -> list[tuple[str, int, list[int]]]: ...
+    def numbers(self) -> list[tuple[str, float]]: ...
+    def matrices(self) -> tuple[Any, Any, list[str]]: ...
+
+def read_deck(file: Path, *, ignore_cards: set[str], subcase: int | None) -> Deck: ...
+def rewrite_deck(
+    file: Path, *, ignore_cards: set[str], subcase: int | None, numbers: list[tuple[str, int, str, float]]
+) -> tuple[list[tuple[str, bytes]], float]: ...
+def read_matrix(location: str) -> tuple[Any, list[str], list[int]]: ...
+
+class UffUnits:
+    def __init__(self) -> None: ...
+    code: int
+    description: str
+    temperature_mode: int
+    length: float
+    force: float
+    temperature: float
+    temperature_offset: float
+
+class UffNode:
+    def __init__(self) -> None: ...
+    id: int
+    definition_system: int
+    displacement_system: int
+    color: int
+    position: _Array
+    is_local: bool
+
+class UffTraceLine:
+    def __init__(self) -> None: ...
+    id: int
+    color: int
+    name: str
+    nodes: list[int]
+
+class UffElement:
+    def __init__(self) -> None: ...
+    id: int
+    descriptor: int
+    physical_property: int
+    material_property: int
+    color: int
+    beam: list[int]
+    nodes: list[int]
+
+class UffCoordinateSystem:
+    def __init__(self) -> None: ...
+    id: int
+    kind: int
+    origin: _Array
+    axes: _Array
+    reference: int
+    color: int
+    name: str
+
+class UffShape:
+    def __init__(self) -> None: ...
+    titles: list[str]
+    model_type: int
+    analysis_type: int
+    quantity: int
+    is_complex: bool
+    load_case: int
+    mode: int
+    frequency: float
+    modal_mass: float
+    viscous_damping: float
+    hysteretic_damping: float
+    eigenvalue: complex
+    modal_a: complex
+    modal_b: complex
+    nodes: list[int]
+    values: npt.NDArray[np.complex128]
+
+class UffAxis:
+    def __init__(self) -> None: ...
+    quantity: int
+    units: list[int]
+    label: str
+    unit: str
+
+class UffFunction:
+    def __init__(self) -> None: ...
+    titles: list[str]
+    type: int
+    id: int
+    version: int
+    load_case: int
+    response_name: str
+    reference_name: str
+    response_node: int
+    response_direction: int
+    reference_node: int
+    reference_direction: int
+    is_complex: bool
+    is_double: bool
+    is_even: bool
+    is_binary: bool
+    start: float
+    step: float
+    z: float
+    abscissa_axis: UffAxis
+    ordinate_axis: UffAxis
+    denominator_axis: UffAxis
+    z_axis: UffAxis
+    abscissa: _Array
+    values: npt.NDArray[np.complex128]
+
+class UffFile:
+    def __init__(self) -> None: ...
+    header: list[str] | None
+    units: UffUnits | None
+    systems: list[UffCoordinateSystem]
+    nodes: list[UffNode]
+    trace_lines: list[UffTraceLine]
+    elements: list[UffElement]
+    shapes: list[UffShape]
+    functions: list[UffFunction]
+    notes: list[str]
+
+def parse_uff(bytes: bytes, file: str, is_in_si: bool) -> UffFile: ...
+def format_uff(contents: UffFile, *, nodes: int, shapes: int, is_big_endian: bool) -> bytes: ...

@@ -1,4 +1,4 @@
-"""Finite-element decks without a study."""
+"""Finite-element decks without a study: their modes and numbers."""
 
 from __future__ import annotations
 
@@ -66,14 +66,18 @@ class Modes:
         return f"<mottle.Modes: {', '.join(f'{f:.6g}' for f in self.frequencies)} Hz>"
 
 
-def _asked(count: int, ignore_cards: str | Iterable[str], subcase: int | None) -> dict[str, Any]:
-    """What `modes` and `targets` are both asked for; a text alone names one card."""
+def chosen_cards(ignore_cards: str | Iterable[str], subcase: int | None) -> dict[str, Any]:
+    """What is read of a deck; a text alone names one card."""
     cards = [ignore_cards] if isinstance(ignore_cards, str) else ignore_cards
     return {
-        "modes": _checks.whole(count, "count", 0, 2**31 - 1),
         "ignore_cards": {card.upper() for card in cards},
         "subcase": None if subcase is None else _checks.whole(subcase, "subcase", 0, 2**31 - 1),
     }
+
+
+def _asked(count: int, ignore_cards: str | Iterable[str], subcase: int | None) -> dict[str, Any]:
+    """What `modes` and `targets` are both asked for."""
+    return {"modes": _checks.whole(count, "count", 0, 2**31 - 1), **chosen_cards(ignore_cards, subcase)}
 
 
 def modes(

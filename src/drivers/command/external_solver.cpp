@@ -211,6 +211,7 @@ SolverUse ExternalSolver::solve(const Eigen::Ref<const Eigen::MatrixXd>& samples
   } else {
     SamplePool(samples.rows(), runs_.command().parallel, work).wait(context);
   }
+  runs_.flush();
   failures_.end_batch(together);
   std::int64_t repeated = reused;
   if (together != nullptr) {

@@ -7,6 +7,7 @@
 #include <cerrno>
 #include <cstring>
 
+#include "mottle/core/clock.hpp"
 #include "mottle/core/error.hpp"
 #include "mottle/core/own_file.hpp"
 #include "mottle/drivers/command/run_folders.hpp"
@@ -15,6 +16,7 @@ namespace mottle::drivers {
 namespace {
 
 constexpr std::string_view k_magic = "mottle runs 1\n";
+constexpr double k_between_flushes_s = 1.0;
 
 struct RecordHead {
   std::uint64_t size = 0;  ///< of the body
@@ -131,6 +133,7 @@ RunStore::RunStore(std::filesystem::path file, const std::vector<std::filesystem
 }
 
 RunStore::~RunStore() {
+  if (is_unflushed_) ::fdatasync(own_.descriptor);
   ::close(own_.descriptor);
   for (const File& other : others_) {
     if (other.descriptor >= 0) ::close(other.descriptor);
@@ -220,13 +223,31 @@ void RunStore::keep(const Digest& key, const RunRecord& record) {
   bytes += body;
   const std::lock_guard<std::mutex> lock(mutex_);
   const std::uint64_t end = size_of(own_.descriptor);  // a second store of this process may have written
-  if (!append(own_.descriptor, bytes) || ::fdatasync(own_.descriptor) != 0) {
+  const double now = steady_seconds();
+  is_unflushed_ = true;
+  const bool is_due = now >= flushed_at_ + k_between_flushes_s;
+  if (!append(own_.descriptor, bytes) || (is_due && ::fdatasync(own_.descriptor) != 0)) {
     const int error = errno;
     [[maybe_unused]] const int ignored = ::ftruncate(own_.descriptor, static_cast<off_t>(end));  // else cut when opened
-    refuse_write(error, fmt::format("{}: cannot be written: {}; finished runs are kept, go on with --resume",
-                                    own_.path.string(), std::strerror(error)));
+    refuse(error);
   }
   own_.spans[key] = {end + sizeof(head), body.size(), true};
+  if (!is_due) return;
+  flushed_at_ = now;
+  is_unflushed_ = false;
+}
+
+void RunStore::flush() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (!is_unflushed_) return;
+  if (::fdatasync(own_.descriptor) != 0) refuse(errno);
+  flushed_at_ = steady_seconds();
+  is_unflushed_ = false;
+}
+
+void RunStore::refuse(int error) const {
+  refuse_write(error, fmt::format("{}: cannot be written: {}; finished runs are kept, go on with --resume",
+                                  own_.path.string(), std::strerror(error)));
 }
 
 }  // namespace mottle::drivers

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "mottle/core/error.hpp"
+#include "mottle/drivers/command/solver_process.hpp"
 
 namespace mottle::drivers {
 
@@ -32,6 +33,7 @@ void SamplePool::wait(const RunContext& context) {
 }
 
 void SamplePool::take_samples() {
+  const ProcessSeries series;
   for (Eigen::Index sample = next_(); sample < count_ && !halt_; sample = next_()) {
     try {
       work_(sample, halt_);

@@ -1,6 +1,5 @@
 #include "mottle/drivers/command/solver_process.hpp"
 
-#include <fcntl.h>
 #include <poll.h>
 #include <sys/stat.h>
 #include <sys/statvfs.h>
@@ -13,6 +12,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <thread>
+#include <utility>
 
 #include "drivers/command/solver_guard.hpp"
 #include "mottle/core/error.hpp"
@@ -23,35 +23,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Both ends of a pipe that no program inherits.
-class Pipe {
- public:
-  Pipe() {
-    if (::pipe2(ends_, O_CLOEXEC) != 0) throw SystemFailure(fmt::format("no pipe: {}", std::strerror(errno)));
-  }
-  Pipe(const Pipe&) = delete;
-  Pipe& operator=(const Pipe&) = delete;
-  ~Pipe() {
-    ::close(ends_[0]);
-    close_writing();
-  }
-  int reading() const { return ends_[0]; }
-  int writing() const { return ends_[1]; }
-  void close_writing() {
-    if (ends_[1] >= 0) ::close(ends_[1]);
-    ends_[1] = -1;
-  }
-
- private:
-  int ends_[2] = {-1, -1};
-};
-
-std::vector<char*> pointers(std::vector<std::string>& texts) {
-  std::vector<char*> result;
-  for (std::string& text : texts) result.push_back(text.data());
-  result.push_back(nullptr);
-  return result;
-}
+/// Of this thread; null: each program has a guard of its own.
+thread_local std::unique_ptr<GuardProcess>* shared_guard = nullptr;
 
 std::vector<std::string> environment_texts(const std::map<std::string, std::string>& added) {
   const bool is_rank = find_launch().is_shared();
@@ -126,7 +99,7 @@ const char* flooded_file(const ProcessRequest& request) {
 }
 
 /// Waits for the guard's message, and asks it for an early end where that is due.
-ProcessEnd await_end(const Pipe& pipe, pid_t guard_id, const ProcessRequest& request) {
+ProcessEnd await_end(const GuardProcess& guard, const ProcessRequest& request) {
   constexpr std::chrono::milliseconds k_between_looks{100};
   constexpr std::chrono::milliseconds k_patience_of_a_stop{500};
   const Clock::time_point deadline = Clock::now() + request.timeout;
@@ -137,10 +110,10 @@ ProcessEnd await_end(const Pipe& pipe, pid_t guard_id, const ProcessRequest& req
   for (;;) {
     const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - Clock::now());
     const bool is_early = early.kind != ProcessEnd::Kind::done;
-    pollfd ready{.fd = pipe.reading(), .events = POLLIN, .revents = 0};
+    pollfd ready{.fd = guard.socket(), .events = POLLIN, .revents = 0};
     const auto wait = is_early ? k_between_looks : std::clamp(left, std::chrono::milliseconds(0), k_between_looks);
     if (::poll(&ready, 1, static_cast<int>(wait.count())) > 0) {
-      const ssize_t size = ::read(pipe.reading(), &message, sizeof(message));
+      const ssize_t size = ::read(guard.socket(), &message, sizeof(message));
       if (size < 0 && errno == EINTR) continue;
       ProcessEnd end = is_early ? early : unasked_end(message, size, request);
       end.was_full = was_full || is_full(request.directory);
@@ -150,7 +123,7 @@ ProcessEnd await_end(const Pipe& pipe, pid_t guard_id, const ProcessRequest& req
     if (is_early) {
       // A stop request is answered within a second, whatever the program does.
       if (early.kind == ProcessEnd::Kind::stopped && Clock::now() > asked + k_patience_of_a_stop) {
-        ::kill(guard_id, SIGTERM);
+        ::kill(guard.id(), SIGTERM);
       }
       continue;
     }
@@ -165,31 +138,38 @@ ProcessEnd await_end(const Pipe& pipe, pid_t guard_id, const ProcessRequest& req
     }
     if (early.kind == ProcessEnd::Kind::done) continue;
     asked = Clock::now();
-    ::kill(guard_id, SIGTERM);
+    ::kill(guard.id(), SIGTERM);
   }
 }
 
 }  // namespace
 
+ProcessSeries::ProcessSeries() : before_(std::exchange(shared_guard, &guard_)) {}
+
+ProcessSeries::~ProcessSeries() {
+  shared_guard = before_;
+}
+
 ProcessEnd run_process(const ProcessRequest& request) {
-  ProgramStart start{.texts = request.arguments};
-  start.arguments = pointers(start.texts);
-  std::vector<std::string> environment = environment_texts(request.environment);
-  start.environment = pointers(environment);
-  start.program = find_program(request.arguments.front()).string();
+  ProgramStart start{.program = find_program(request.arguments.front()).string(),
+                     .directory = request.directory.string(),
+                     .output = k_standard_output,
+                     .error = k_standard_error,
+                     .arguments = request.arguments,
+                     .environment = environment_texts(request.environment),
+                     .grace = request.grace};
   if (start.program.empty()) start.program = request.arguments.front();
-  start.directory = request.directory.string();
-  start.output = k_standard_output;
-  start.error = k_standard_error;
-  Pipe pipe;
-  const pid_t mottle = ::getpid();
-  const pid_t guard_id = ::_Fork();
-  if (guard_id < 0) throw SystemFailure(fmt::format("no process can be started: {}", std::strerror(errno)));
-  if (guard_id == 0) guard(start, pipe.writing(), mottle, request.grace);
-  pipe.close_writing();
-  ProcessEnd end = await_end(pipe, guard_id, request);
-  while (::waitpid(guard_id, nullptr, 0) < 0 && errno == EINTR) {
+  const std::string bytes = guard_request(start);
+  std::unique_ptr<GuardProcess> own;
+  std::unique_ptr<GuardProcess>& guard = shared_guard != nullptr ? *shared_guard : own;
+  if (!guard || !guard->send(bytes)) {  // one that was killed between two programs has harmed none
+    guard.reset();
+    guard = std::make_unique<GuardProcess>();
+    guard->send(bytes);  // where that fails, the guard is lost
   }
+  ProcessEnd end = await_end(*guard, request);
+  // Where it was to end a program, a signal may still be on its way.
+  if (end.kind != ProcessEnd::Kind::done) guard.reset();
   return end;
 }
 

@@ -171,6 +171,10 @@ void SolverRuns::keep(const Digest& key, const RunRecord& record) {
   if (store_) store_->keep(key, record);
 }
 
+void SolverRuns::flush() {
+  if (store_) store_->flush();
+}
+
 std::filesystem::path SolverRuns::keep_folder(const std::filesystem::path& folder, bool has_failed,
                                               const std::string& name) {
   return folders_->keep(folder, has_failed, name);

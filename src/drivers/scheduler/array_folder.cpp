@@ -3,6 +3,7 @@
 #include <sys/stat.h>
 
 #include <algorithm>
+#include <array>
 #include <random>
 #include <sstream>
 
@@ -47,24 +48,38 @@ std::uint64_t inode_of(const fs::path& folder) {
   return ::stat(folder.c_str(), &status) == 0 ? static_cast<std::uint64_t>(status.st_ino) : 0;
 }
 
-std::string bytes_of(const ArrayPlan& plan, std::uint64_t inode) {
-  std::string body;
-  constexpr std::size_t k_rest = 1 << 16;
-  body.reserve(k_rest + plan.keys.size() * sizeof(Digest) +
-               static_cast<std::size_t>(plan.values.size()) * sizeof(double) + plan.ends.size() * sizeof(std::size_t));
-  append_text(body, plan.name);
-  append_value(body, inode);
-  append_command(body, plan.command);
-  append_value(body, static_cast<std::uint64_t>(plan.parameters.size()));
-  for (const std::string& name : plan.parameters) append_text(body, name);
-  append_value(body, plan.min_modes);
-  append_value(body, plan.constants);
-  append_value(body, static_cast<std::uint64_t>(plan.keys.size()));
-  append_bytes(body, plan.keys.data(), plan.keys.size() * sizeof(Digest));
-  append_bytes(body, plan.values.data(), static_cast<std::size_t>(plan.values.size()) * sizeof(double));
-  append_value(body, static_cast<std::uint64_t>(plan.ends.size()));
-  append_bytes(body, plan.ends.data(), plan.ends.size() * sizeof(std::size_t));
-  return body;
+std::string head_of(const ArrayPlan& plan, std::uint64_t inode) {
+  std::string head;
+  append_text(head, plan.name);
+  append_value(head, inode);
+  append_command(head, plan.command);
+  append_value(head, static_cast<std::uint64_t>(plan.parameters.size()));
+  for (const std::string& name : plan.parameters) append_text(head, name);
+  append_value(head, plan.min_modes);
+  append_value(head, plan.constants);
+  append_value(head, static_cast<std::uint64_t>(plan.keys.size()));
+  return head;
+}
+
+/// The bytes of values that lie one behind the other.
+std::string_view bytes_of(const void* values, std::size_t size) {
+  return {static_cast<const char*>(values), size};
+}
+
+/// Written from where it lies: a copy of hundreds of thousands of runs would be the most that a Mottle needs.
+void write_plan(const fs::path& file, const ArrayPlan& plan, std::uint64_t inode) {
+  const std::string head = head_of(plan, inode);
+  const auto tasks = static_cast<std::uint64_t>(plan.ends.size());
+  const std::array body{std::string_view(head), bytes_of(plan.keys.data(), plan.keys.size() * sizeof(Digest)),
+                        bytes_of(plan.values.data(), static_cast<std::size_t>(plan.values.size()) * sizeof(double)),
+                        bytes_of(&tasks, sizeof(tasks)),
+                        bytes_of(plan.ends.data(), plan.ends.size() * sizeof(std::size_t))};
+  Checksum sum;
+  for (const std::string_view piece : body) sum.add(piece);
+  const Digest digest = sum.digest();
+  std::vector<std::string_view> pieces{k_magic, bytes_of(digest.data(), sizeof(digest))};
+  pieces.insert(pieces.end(), body.begin(), body.end());
+  write_file_atomically(file, pieces);
 }
 
 bool read_runs(ByteReader& reader, ArrayPlan& plan) {
@@ -121,11 +136,7 @@ void write_array(const fs::path& folder, const ArrayPlan& plan, const std::strin
   }
   write_file_atomically(folder / "job.sh", script_text(folder, number_variable));
   fs::permissions(folder / "job.sh", fs::perms::owner_exec, fs::perm_options::add, error);
-  const std::string body = bytes_of(plan, inode_of(folder));
-  const Digest sum = digest_of(body);
-  const std::string_view sum_bytes(reinterpret_cast<const char*>(sum.data()), sizeof(sum));
-  const std::string_view pieces[] = {k_magic, sum_bytes, body};
-  write_file_atomically(folder / k_array, pieces);
+  write_plan(folder / k_array, plan, inode_of(folder));
 }
 
 std::optional<ArrayPlan> read_array(const fs::path& folder) {

@@ -26,10 +26,12 @@ bool has_task_at_work(const fs::path& folder, int tasks) {
 }  // namespace
 
 std::size_t take_over(SolverRuns& runs, TaskArray& array, bool is_resumed) {
-  return array.read_new([&](const Digest& key, std::string_view bytes, int) {
+  const std::size_t found = array.read_new([&](const Digest& key, std::string_view bytes, int) {
     const RunRecord record = decode_run(bytes);
     if ((record.failure.empty() || is_resumed) && !runs.find(key)) runs.keep(key, record);
   });
+  runs.flush();
+  return found;
 }
 
 void require_no_other_arrays(SolverRuns& runs, const fs::path& results, bool is_resumed,

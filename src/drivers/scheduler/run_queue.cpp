@@ -127,6 +127,10 @@ RunQueue::Next RunQueue::next(int max_tasks, double seconds_a_run) {
   while (!suspects_.empty() && !is_full()) move_into(next, suspects_, 1);
   const std::size_t runs = waiting_.size();
   const int each = runs == 0 ? 1 : runs_of_task(runs, seconds_a_run, options_);
+  const std::size_t most =
+      next.keys.size() + std::min(runs, static_cast<std::size_t>(max_tasks) * static_cast<std::size_t>(each));
+  next.keys.reserve(most);
+  next.samples.reserve(most);
   while (!waiting_.empty() && !is_full()) move_into(next, waiting_, static_cast<std::size_t>(each));
   return next;
 }

@@ -1,6 +1,4 @@
 // The arrays of ScheduledRuns: made, submitted, asked for, found again, and taken away.
-#include <malloc.h>
-
 #include <algorithm>
 
 #include "drivers/scheduler/death_charges.hpp"
@@ -8,6 +6,7 @@
 #include "drivers/scheduler/scheduled_batch.hpp"
 #include "mottle/core/clock.hpp"
 #include "mottle/core/error.hpp"
+#include "mottle/core/idle_memory.hpp"
 #include "mottle/core/text.hpp"
 #include "mottle/drivers/command/run_store.hpp"
 
@@ -41,6 +40,7 @@ ScheduledRuns::ScheduledRuns(SolverRuns& runs, const TaskPlace& place, std::uniq
   charges_ = std::make_unique<DeathCharges>(results_, place.is_resumed);
   adopt(place.is_resumed);
   fs::remove(results_ / k_task_folder, ignored);  // where it is empty
+  release_idle_memory();
 }
 
 ScheduledRuns::~ScheduledRuns() {
@@ -115,7 +115,7 @@ void ScheduledRuns::submit_more(Batch& batch) {
   RunQueue::Next next = batch.queue.next(k_most_tasks - tasks, seconds_a_run_);
   if (next.keys.empty()) return;
   make_array(batch, std::move(next), limit);
-  ::malloc_trim(0);  // what has just been written was as large as all that is kept of it
+  release_idle_memory();  // what has just been written was as large as all that is kept of it
 }
 
 void ScheduledRuns::make_array(Batch& batch, RunQueue::Next next, int limit) {
@@ -216,6 +216,7 @@ void ScheduledRuns::clean() {
   std::erase_if(arrays_, [&](const std::unique_ptr<TaskArray>& array) {
     if (array->unfinished() > 0 || !array->is_left()) return false;
     if (const double seconds = array->seconds_a_run(); seconds > 0.0) seconds_a_run_ = seconds;
+    runs_.flush();
     remove_array(array->folder());
     return true;
   });
@@ -224,6 +225,7 @@ void ScheduledRuns::clean() {
 void ScheduledRuns::discard(TaskArray& array) {
   if (array.unfinished() > 0) scheduler_->cancel(array.name());
   array.read_new([&](const Digest& key, std::string_view record, int) { keep_unasked(key, record); });
+  runs_.flush();
   remove_array(array.folder());
 }
 

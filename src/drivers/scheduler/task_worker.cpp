@@ -4,6 +4,7 @@
 #include "mottle/core/clock.hpp"
 #include "mottle/core/error.hpp"
 #include "mottle/core/files.hpp"
+#include "mottle/drivers/command/solver_process.hpp"
 #include "mottle/drivers/command/solver_runs.hpp"
 #include "mottle/drivers/scheduler/array_folder.hpp"
 
@@ -21,10 +22,13 @@ bool do_runs(const ArrayPlan& plan, const std::filesystem::path& array, int task
   SolverCommand command = plan.command;
   command.scheduler.reset();  // here they are done
   const std::filesystem::path folder = task_folder(array, task);
+  // Before the store is opened, which cuts off what looks torn: on another node, whose locks are not seen here, a run
+  // may just be written to it.
+  const std::unique_ptr<Heartbeat> heartbeat = Heartbeat::begin(folder);
+  if (!heartbeat) return false;
   SolverRuns runs(std::move(command), plan.parameters, {.results = folder, .is_resumed = true, .is_task = true});
   if (runs.constants() != plan.constants) refuse_changed_files(array);
-  if (is_beating(folder)) return false;  // on another node, whose locks are not seen here
-  const Heartbeat heartbeat(folder);
+  const ProcessSeries series;
   for (std::size_t run = plan.begin_of(task); run < plan.end_of(task); ++run) {
     if (is_given_up(folder)) return false;
     const Eigen::VectorXd values = plan.values.row(static_cast<Eigen::Index>(run)).transpose();

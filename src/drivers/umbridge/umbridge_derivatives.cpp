@@ -109,8 +109,8 @@ std::string UmbridgeSolver::derivatives_note() const {
   const std::lock_guard<std::mutex> lock(mutex_);
   if (failed_derivatives_ == 0) return {};
   return fmt::format(
-      "at {} of {} points a request for derivatives failed, and differences took their place; the first: "
-      "{}",
+      "a request for derivatives failed {} of the {} times that they were asked for, and differences took their place; "
+      "the first: {}",
       failed_derivatives_, derivatives_, derivative_failure_);
 }
 

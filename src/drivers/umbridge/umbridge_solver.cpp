@@ -241,12 +241,14 @@ SolverUse UmbridgeSolver::solve(const Eigen::Ref<const Eigen::MatrixXd>& samples
   };
   if (context.share == nullptr) {
     SamplePool(samples.rows(), server_.parallel, work).wait(context);
+    if (store_) store_->flush();
     failures_.end_batch();
     return {.runs = samples.rows(), .repeated = reused};
   }
   RankShare::Numbers numbers(*context.share, samples.rows(), 1);
   const auto next = [&] { return static_cast<Eigen::Index>(numbers.take()); };
   SamplePool(samples.rows(), server_.parallel, work, next).wait(context);
+  if (store_) store_->flush();
   Ranks& ranks = context.share->ranks();
   failures_.end_batch(&ranks);
   std::int64_t repeated = 0;

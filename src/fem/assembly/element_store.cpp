@@ -24,13 +24,18 @@ void turn_into_node_axes(const FiniteElementModel& model, ElementPieces& element
 }
 
 /// T' M T, in which a row that is rounding alone, as of an element that moves with a rigid body, is zero: what is left
-/// of it would make a semidefinite matrix indefinite.
+/// of it would make a semidefinite matrix indefinite. The diagonal alone does not tell: pieces such as a product of
+/// inertia have none; beside one that is rounding, other entries of a semidefinite matrix may be its root.
 Eigen::MatrixXd transformed(const Eigen::MatrixXd& matrix, const Eigen::MatrixXd& transform) {
-  constexpr double k_rounding = 1e-14;
+  constexpr double k_rounding = 1e-14;  // of the sum of a product's sizes
+  constexpr double k_beside = 1e-7;
   Eigen::MatrixXd result = transform.transpose() * matrix * transform;
-  const Eigen::MatrixXd summed = matrix.cwiseAbs() * transform.cwiseAbs();
+  const Eigen::MatrixXd sizes = transform.cwiseAbs().transpose() * matrix.cwiseAbs() * transform.cwiseAbs();
+  const Eigen::VectorXd roots = sizes.diagonal().cwiseSqrt();
   for (Eigen::Index i = 0; i < result.rows(); ++i) {
-    if (std::abs(result(i, i)) > k_rounding * transform.col(i).cwiseAbs().dot(summed.col(i))) continue;
+    if (std::abs(result(i, i)) > k_rounding * sizes(i, i)) continue;
+    const Eigen::ArrayXd scales = sizes.row(i).transpose().cwiseMax(roots(i) * roots);
+    if ((result.row(i).transpose().array().abs() > k_beside * scales).any()) continue;
     result.row(i).setZero();
     result.col(i).setZero();
   }

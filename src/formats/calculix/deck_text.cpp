@@ -81,10 +81,11 @@ std::string deck_without_steps(const CalculixDeck& deck) {
 }
 
 std::string deck_with_replacements(const CalculixDeck& deck, const std::vector<CalculixReplacement>& replacements) {
-  if (!find_step(deck)) {
-    throw FormatError(deck.files.front(), 0, "has no step; modes come from a *FREQUENCY step");
-  }
-  return text_of(deck, used_lines(deck, replacements));
+  const std::optional<Step> step = find_step(deck);
+  if (!step) throw FormatError(deck.files.front(), 0, "has no step; modes come from a *FREQUENCY step");
+  std::vector<std::string> lines = used_lines(deck, replacements);
+  for (const std::size_t line : data_lines(deck, step->procedure)) lines[line].resize(end_of_count(lines[line]));
+  return text_of(deck, lines);
 }
 
 std::string with_decimal_point(std::string number) {

@@ -43,6 +43,7 @@ Eigen::VectorXd parse_calculix_eigenvalues(std::string_view bytes, const std::st
     if (text.line().find("E I G E N V A L U E   O U T P U T") != std::string_view::npos) is_table = values.empty();
     if (is_table && values.empty() && count > 1 && words[0] == "MODE" &&
         text.line().find("EIGENVALUE") == std::string_view::npos) {
+      if (text.line().find("COMPONENT") != std::string_view::npos) break;  // participation factors of no mode
       text.fail(
           "its modes are those of a stiffness that is not symmetric, of which CalculiX writes complex frequencies and "
           "no eigenvalues; they are not read: take the friction (*FRICTION) out of the contact");
@@ -64,7 +65,12 @@ Eigen::VectorXd parse_calculix_eigenvalues(std::string_view bytes, const std::st
     }
     values.push_back(real(text, words[1]));
   }
-  if (values.empty()) throw FormatError(file, 0, "holds no table of eigenvalues");
+  if (values.empty()) {
+    throw FormatError(file, 0,
+                      is_table ? "holds a table of eigenvalues without any: no mode lies where the *FREQUENCY step "
+                                 "looks for them"
+                               : "holds no table of eigenvalues");
+  }
   return Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
 }
 

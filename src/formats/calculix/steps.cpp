@@ -126,12 +126,34 @@ std::string needs_earlier_steps(const CalculixDeck& deck) {
   return has_boundary ? "a step before *FREQUENCY has a *BOUNDARY, which holds in later steps too" : "";
 }
 
+std::size_t end_of_count(const std::string& line) {
+  const std::size_t comma = line.find(',');
+  const bool has_limits = comma != std::string::npos && line.find_first_of("0123456789", comma) != std::string::npos;
+  return has_limits ? comma : line.size();
+}
+
+/// Whether the *FREQUENCY step has limits of frequency behind the number of modes.
+bool has_limits(const CalculixDeck& deck) {
+  const std::optional<Step> step = find_step(deck);
+  if (!step) return false;
+  return std::ranges::any_of(data_lines(deck, step->procedure), [&](std::size_t line) {
+    const std::string& text = deck.lines[line].text;
+    return end_of_count(text) < text.size();
+  });
+}
+
 std::string left_out_steps(const CalculixDeck& deck) {
   const KeptLines kept(deck);
   const std::vector<std::string> names = kept.left_out();
-  if (names.empty()) return "";
-  return fmt::format("Of the deck's steps the first *FREQUENCY is used{}; left out: {}.",
-                     needs_earlier_steps(deck).empty() ? "" : " with those before it", join(names));
+  std::vector<std::string> notes;
+  if (!names.empty()) {
+    notes.push_back(fmt::format("Of the deck's steps the first *FREQUENCY is used{}; left out: {}.",
+                                needs_earlier_steps(deck).empty() ? "" : " with those before it", join(names)));
+  }
+  if (has_limits(deck)) {
+    notes.emplace_back("The limits of frequency of *FREQUENCY are left out: modes are counted from the lowest.");
+  }
+  return join(notes, " ");
 }
 
 }  // namespace mottle::formats

@@ -31,6 +31,10 @@ bool is_nonlinear(const Keyword& step);
 /// Data lines of the keyword on `line`.
 std::vector<std::size_t> data_lines(const CalculixDeck& deck, std::size_t line);
 
+/// Where the number of modes ends in a data line of *FREQUENCY; what follows are limits of frequency, between which
+/// modes would be counted. The line's end where there are none.
+std::size_t end_of_count(const std::string& line);
+
 /// A step, from *STEP to its end.
 struct Step {
   std::size_t begin = 0, end = 0;  ///< lines, the last one excluded

@@ -40,6 +40,10 @@ void read_pbar(ModelBuilder& builder, const Card& card) {
   property.shear_1 = builder.real(card, 17, "K1", 0.0);
   property.shear_2 = builder.real(card, 18, "K2", 0.0);
   property.inertia_12 = builder.read_field(card, 19, "I12", id);
+  if (builder.model.value(property.inertia_12) != 0.0 && (property.shear_1 > 0.0 || property.shear_2 > 0.0)) {
+    builder.note(fmt::format("PBAR {}: K1 and K2 are not used where I12 is not 0, as in Nastran", id));
+    property.shear_1 = property.shear_2 = 0.0;
+  }
   finish(builder, "PBAR or PBARL", std::move(property));
 }
 

@@ -10,6 +10,9 @@
 
 namespace mottle::formats {
 
+/// Whether elements of this descriptor are lines, which have a record on their orientation.
+bool is_uff_line(int descriptor);
+
 void read_uff_header(UffCursor& cursor, UffFile& out);
 void read_uff_units(UffCursor& cursor, UffFile& out);
 void read_uff_nodes_15(UffCursor& cursor, UffFile& out);

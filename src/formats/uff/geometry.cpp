@@ -177,8 +177,12 @@ void read_uff_trace_line(UffCursor& cursor, UffFile& out) {
   }
 }
 
-void read_uff_elements(UffCursor& cursor, UffFile& out) {
+bool is_uff_line(int descriptor) {
   static const std::set<int> k_lines = {11, 21, 22, 23, 24};
+  return k_lines.contains(descriptor);
+}
+
+void read_uff_elements(UffCursor& cursor, UffFile& out) {
   while (!cursor.at_mark()) {
     const std::vector<int> record = cursor.integers("an element", {10}, 6);
     UffElement element{.id = record[0],
@@ -188,7 +192,7 @@ void read_uff_elements(UffCursor& cursor, UffFile& out) {
                        .color = record[4]};
     if (record[5] < 1) cursor.fail(fmt::format("element {} has {} nodes", record[0], record[5]));
     const auto count = static_cast<std::size_t>(record[5]);
-    if (k_lines.contains(element.descriptor)) {
+    if (is_uff_line(element.descriptor)) {
       const std::vector<int> beam = cursor.integers("a beam's orientation", {10}, 3);
       std::copy_n(beam.begin(), 3, element.beam.begin());
     }

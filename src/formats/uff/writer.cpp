@@ -5,6 +5,7 @@
 #include <cstring>
 #include <iterator>
 
+#include "formats/uff/datasets.hpp"
 #include "mottle/core/error.hpp"
 #include "mottle/formats/uff/uff.hpp"
 
@@ -38,6 +39,13 @@ class Writer {
       if (width == k_double) std::replace(text.begin(), text.end(), 'E', 'D');
       text_ += text;
       if (k + 1 == numbers.size() || (k + 1) % columns == 0) text_ += '\n';
+    }
+  }
+  /// Whole numbers, eight on a line.
+  void integers(const std::vector<int>& numbers) {
+    constexpr std::size_t k_columns = 8;
+    for (std::size_t k = 0; k < numbers.size(); ++k) {
+      add("{:10}{}", numbers[k], k + 1 == numbers.size() || (k + 1) % k_columns == 0 ? "\n" : "");
     }
   }
   void bytes(const std::vector<double>& numbers, std::size_t per_point, const UffFunction& function,
@@ -108,6 +116,27 @@ void write_nodes(Writer& writer, const UffFile& contents, int dataset) {
                dataset == 15 ? "" : "\n");
     const Eigen::Vector3d& at = node.position;
     writer.numbers({at(0), at(1), at(2)}, 3, dataset == 15 ? 13 : 25, dataset == 15 ? 5 : 16);
+  }
+  writer.end();
+}
+
+void write_trace_lines(Writer& writer, const UffFile& contents) {
+  for (const UffTraceLine& trace : contents.trace_lines) {
+    writer.begin(82);
+    writer.add("{:10}{:10}{:10}\n{}\n", trace.id, trace.nodes.size(), trace.color, title(trace.name));
+    writer.integers(trace.nodes);
+    writer.end();
+  }
+}
+
+void write_elements(Writer& writer, const UffFile& contents) {
+  if (contents.elements.empty()) return;
+  writer.begin(2412);
+  for (const UffElement& element : contents.elements) {
+    writer.add("{:10}{:10}{:10}{:10}{:10}{:10}\n", element.id, element.descriptor, element.physical_property,
+               element.material_property, element.color, element.nodes.size());
+    if (is_uff_line(element.descriptor)) writer.integers({element.beam.begin(), element.beam.end()});
+    writer.integers(element.nodes);
   }
   writer.end();
 }
@@ -223,6 +252,8 @@ std::string format_uff(const UffFile& contents, const UffWriteOptions& options) 
   write_head(writer, contents);
   write_systems(writer, contents);
   write_nodes(writer, contents, options.nodes);
+  write_trace_lines(writer, contents);
+  write_elements(writer, contents);
   int number = 0;
   for (const UffShape& shape : contents.shapes) write_shape(writer, shape, options.shapes, ++number);
   for (const UffFunction& function : contents.functions) write_function(writer, function, options.is_big_endian);

@@ -12,6 +12,7 @@
 #include "linalg/sparse/block_lanczos.hpp"
 #include "linalg/vector_signs.hpp"
 #include "mottle/core/error.hpp"
+#include "mottle/core/run_context.hpp"
 
 namespace mottle::linalg {
 namespace {
@@ -198,6 +199,7 @@ SparseModes SparseModeSolver::solve(const SparseMatrix& stiffness, const SparseM
         "the model has no mass, and so no natural modes; give its materials a density or its points masses";
     return result;
   }
+  const RunContext context{.stop = options.stop};
   const auto begin = std::chrono::steady_clock::now();
   result.shift = factors_->factorise_below(stiffness, mass);
   result.factor_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
@@ -214,6 +216,7 @@ SparseModes SparseModeSolver::solve(const SparseMatrix& stiffness, const SparseM
       {.size = stiffness.rows(),
        .solve =
            [&](Eigen::Ref<Eigen::MatrixXd> vectors) {  // NOLINT(performance-unnecessary-value-param): a Ref is a view
+             context.throw_if_stopped();
              factors_->definite->solve(vectors);
            },
        .weigh =
@@ -234,6 +237,7 @@ SparseModes SparseModeSolver::solve(const SparseMatrix& stiffness, const SparseM
   make_largest_component_positive(result.vectors);
   if (options.measures) result.residuals = relative_residuals(stiffness, mass, result);
   if (options.counts_below && found > 0) {
+    context.throw_if_stopped();
     const Eigen::Index cut = cut_position(values, found, result.shift);
     const double below = cut > 0 ? values(cut - 1) : result.shift;
     result.counted_at = cut < values.size() ? 0.5 * (below + values(cut)) : below + 1e-3 * (below - result.shift);

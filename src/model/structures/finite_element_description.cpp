@@ -63,7 +63,9 @@ std::vector<std::string> worst_shapes(const FiniteElementModel& model) {
 
 std::string constraint_line(AutomaticConstraints wanted, std::size_t constrained) {
   if (wanted == AutomaticConstraints::soft)
-    return fmt::format("AUTOSPC: {} degrees of freedom without stiffness are constrained", constrained);
+    return fmt::format(
+        "AUTOSPC: {} degrees of freedom with less than 1e-8 of their node's largest stiffness are constrained",
+        constrained);
   return fmt::format("AUTOSPC is off: only the {} degrees of freedom with neither stiffness nor mass are constrained",
                      constrained);
 }

@@ -11,7 +11,9 @@ StudyPredict read_predict(TomlReader reader, const ModelSource& model, const std
     reader.fail("model", "is not for a model by command, whose numbers are its own");
   }
   predict.repeatability = reader.number_map("repeatability", {.lower = 0.0});
-  predict.draws = static_cast<int>(reader.integer_or("draws", predict.draws, {.lower = 1000.0, .upper = 1e7}));
+  constexpr int k_draws_of_a_program = 200;  // each a run, up to three times
+  if (model.keeps_runs()) predict.draws = k_draws_of_a_program;
+  predict.draws = static_cast<int>(reader.integer_or("draws", predict.draws, {.lower = 100.0, .upper = 1e7}));
   if (reader.raw("held_out") != nullptr) predict.held_out = folder / reader.text("held_out");
   predict.outputs = read_outputs(std::move(reader), model);
   return predict;

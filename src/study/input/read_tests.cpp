@@ -11,10 +11,12 @@
 #include "mottle/study/jobs/study_objects.hpp"
 #include "study/input/first_few.hpp"
 #include "study/input/noise_rules.hpp"
+#include "study/tests/column_pairing.hpp"
 #include "study/tests/doubtful_frequencies.hpp"
-#include "study/tests/pair_by_frequency.hpp"
+#include "study/tests/missing_output.hpp"
 #include "study/tests/pair_modes.hpp"
 #include "study/tests/pair_tests.hpp"
+#include "study/tests/repeated_specimens.hpp"
 #include "study/tests/shape_size.hpp"
 #include "study/tests/table_values.hpp"
 #include "study/tests/test_files.hpp"
@@ -42,35 +44,6 @@ void pair_rows(const Study& study, const StructureModel& model, const std::vecto
   } catch (const InvalidInput& error) {
     throw InvalidInput(located(study, error));
   }
-}
-
-/// Renumbers the columns of a table by frequency where the study says so; where it says nothing, notes that they may be
-/// other modes than their names say.
-std::optional<FrequencyPairing> pair_columns(const Study& study, const StructureModel& model, CsvTable& table,
-                                             std::vector<std::string>& notes) {
-  if (study.test->pairing == TestPairing::frequency) {
-    require(model.selection().shape_modes.empty(),
-            "{}: test.pairing: \"frequency\" renumbers frequencies and damping ratios, and shapes are outputs; say "
-            "\"mac\", which compares them",
-            study.file.string());
-    FrequencyPairing pairing(table, model, true);
-    pairing.renumber(table, model);
-    for (std::string& note : pairing.notes(model)) notes.push_back(std::move(note));
-    return pairing;
-  }
-  if (study.test->pairing || model.selection().frequencies.empty() || !model.selection().shape_modes.empty()) return {};
-  try {
-    const FrequencyPairing pairing(table, model, false);
-    if (pairing.differs_from_names(model)) {
-      notes.push_back(
-          "The columns of the tests may count other modes than the model does: by frequency, each is nearer to another "
-          "mode than the one of its number. test.pairing = \"frequency\" pairs them so; \"order\" says that the "
-          "numbers "
-          "are right.");
-    }
-  } catch (const FormatError&) {  // said where the values are read
-  }
-  return {};
 }
 
 /// Sums of squares about the specimens' means, with their degrees of freedom.
@@ -252,6 +225,7 @@ StudyTests read_tests(const Study& study, const StructureModel& model) {
   const std::vector<std::string> names = output_names(model.outputs());
   StudyTests tests;
   tests.notes = std::move(contents.notes);
+  tests.warnings = repeated_specimens(contents);
   std::optional<FrequencyPairing> by_frequency;
   if (contents.table) by_frequency = pair_columns(study, model, *contents.table, tests.notes);
   const Eigen::MatrixXd measured = contents.table ? values_of_rows(study, model, *contents.table, tests)
@@ -272,9 +246,10 @@ StudyTests read_tests(const Study& study, const StructureModel& model) {
             "{}: output '{}' of a specimen is larger than 1e150 in size; give the tests other units", tests.file,
             names[static_cast<std::size_t>(k)]);
     const auto count = (!tests.data.values.col(k).array().isNaN()).count();
-    require(count > 0, "{}: output '{}' is never measured; leave it out of [outputs]{}", tests.file,
-            names[static_cast<std::size_t>(k)],
-            contents.table ? "" : ", or, if it is no quantity of a mode, give the tests as a CSV");
+    require(count > 0, "{}: output '{}' {}", tests.file, names[static_cast<std::size_t>(k)],
+            count > 0 ? ""
+                      : why_missing(model, model.outputs()[static_cast<std::size_t>(k)], measured, tests,
+                                    pairing == TestPairing::mac));
     require(count > 1 || tests.data.values.rows() == 1,
             "{}: output '{}' is measured once in {} specimens, which gives no scatter; leave it out of [outputs]",
             tests.file, names[static_cast<std::size_t>(k)], tests.data.values.rows());

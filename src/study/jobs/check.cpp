@@ -58,7 +58,9 @@ Eigen::MatrixXd relative_changes(const StudyModel& made, const Eigen::VectorXd& 
         (moved.topRows(mean.size()) - moved.bottomRows(mean.size())).transpose() / (2.0 * step);
     changes = changes.array().isFinite().select(changes, differences);
   }
-  return outputs.cwiseAbs().cwiseInverse().asDiagonal() * changes;
+  constexpr double k_rounding = 1e-12;
+  const Eigen::ArrayXXd relative = outputs.cwiseAbs().cwiseInverse().asDiagonal() * changes;
+  return (relative.abs() < k_rounding).select(0.0, relative);
 }
 
 /// Outputs at the parameters' means, the time that they take and what the parameters change in them. A solver by

@@ -27,6 +27,16 @@ void add_noise(const Eigen::VectorXd& values, ErrorDerivatives& found) {
   }
 }
 
+/// Sets changes to zero that are rounding of the output: another oscillator's mode moves by 1e-35 of itself.
+///
+/// @param steps  size of each column's change
+void clear_rounding(const Eigen::VectorXd& values, const Eigen::VectorXd& steps, Eigen::MatrixXd& derivatives) {
+  constexpr double k_rounding = 1e-12;
+  const Eigen::ArrayXXd sizes = (derivatives * steps.asDiagonal()).cwiseAbs();
+  const Eigen::ArrayXXd least = (k_rounding * values.cwiseAbs()).replicate(1, steps.size());
+  derivatives = (sizes <= least).select(0.0, derivatives.array());
+}
+
 /// The study with the numbers as parameters.
 Study widened(const Study& study, const FixedNumbers& numbers, bool has_further, Eigen::Index mode_count) {
   Study whole = with_candidates(study, numbers.list);
@@ -76,6 +86,8 @@ ErrorDerivatives differentiate_errors(const Study& study, const StudyModel& made
   const Eigen::VectorXd values = problem.model.evaluate(point.transpose(), context).outputs.row(0)(order).transpose();
   require(found.parameters.allFinite() && found.errors.allFinite() && values.allFinite(),
           "the model has no derivatives at the updated mean");
+  clear_rounding(values, prior_std.head(q), found.parameters);
+  clear_rounding(values, Eigen::VectorXd::Ones(m), found.errors);
   add_noise(values, found);
   return found;
 }

@@ -27,6 +27,8 @@ namespace fs = std::filesystem;
 struct Found {
   Eigen::VectorXd mean, standard_deviation;
   Eigen::MatrixXd correlation;  ///< what is not known is 0
+  std::vector<bool> is_seen;    ///< by the tests; else what is known of a parameter comes from its prior
+  Eigen::VectorXd prior_std;
 };
 
 Found read_found(const Json& parameters, const Study& study) {
@@ -34,8 +36,15 @@ Found read_found(const Json& parameters, const Study& study) {
   for (const StudyParameter& parameter : study.parameters.list) names.push_back(parameter.name);
   require(parameters.at("names").get<std::vector<std::string>>() == names,
           "{}: has other parameters than the result.json beside it", study.file.string());
-  Found found{numbers_of(parameters.at("mean")), numbers_of(parameters.at("std")), {}};
+  Found found{numbers_of(parameters.at("mean")),
+              numbers_of(parameters.at("std")),
+              {},
+              {},
+              numbers_of(parameters.at("prior_std"))};
   const Eigen::Index count = found.mean.size();
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    found.is_seen.push_back(!parameters.contains("findings") || parameters["findings"].at(i).at("mark") != "not-seen");
+  }
   require(found.mean.allFinite(), "{}: the update found no mean of every parameter", study.file.string());
   found.correlation = Eigen::MatrixXd::Identity(count, count);
   for (Eigen::Index i = 0; i < count; ++i) {
@@ -52,7 +61,12 @@ bool add_deck(const Study& study, const Eigen::VectorXd& values, const fs::path&
   const std::optional<ExportedModel> model = study.model->export_at(list_targets(study.parameters), values);
   if (!model) return false;
   for (const ExportedModel::File& file : model->files) outcome.files[folder / file.name] = file.bytes;
-  if (folder == "mean") {
+  if (folder == "mean" && model->rounding == 0.0) {
+    outcome.notes.emplace_back(
+        "The files are the model's templates as a run fills them: numbers have the digits that "
+        "their formats give, and what goes by the command line is in none of them.");
+  }
+  if (folder == "mean" && model->rounding > 0.0) {
     outcome.notes.push_back(
         fmt::format("Numbers in the deck of the means differ by at most {:.1e} from the means, as wide "
                     "as their fields are.",
@@ -117,10 +131,30 @@ toml::table correlation_table(const Eigen::MatrixXd& correlation) {
   return table;
 }
 
-/// The study with the result as its prior. A standard deviation that is zero or unknown becomes a thousandth of the
+/// Whether a parameter's scatter says less than its prior did, since the tests do not see it.
+bool keeps_prior(const Found& found, std::size_t i) {
+  const auto index = static_cast<Eigen::Index>(i);
+  return !found.is_seen[i] && !(found.standard_deviation(index) >= found.prior_std(index));
+}
+
+/// What the next update may take for known: parameters that the tests did not see are as uncertain as they were.
+Found as_prior(Found found) {
+  for (std::size_t i = 0; i < found.is_seen.size(); ++i) {
+    const auto index = static_cast<Eigen::Index>(i);
+    if (!keeps_prior(found, i)) continue;
+    found.standard_deviation(index) = found.prior_std(index);
+    found.correlation.row(index).setZero();
+    found.correlation.col(index).setZero();
+    found.correlation(index, index) = 1.0;
+  }
+  return found;
+}
+
+/// The study with the result as its prior. A standard deviation that is nothing or unknown becomes a thousandth of the
 /// mean's size, since a prior has some.
 std::string next_study(const Study& study, const Found& found, const fs::path& folder, ExportOutcome& outcome) {
   constexpr double k_narrow = 1e-3;
+  constexpr double k_nothing = 1e-6;  // of the prior's
   toml::table root = toml::parse(study_text_for(study, folder));
   toml::array* list = root["parameter"].as_array();
   std::vector<std::string> narrow;
@@ -128,7 +162,7 @@ std::string next_study(const Study& study, const Found& found, const fs::path& f
     const StudyParameter& parameter = study.parameters.list[i];
     const auto index = static_cast<Eigen::Index>(i);
     double deviation = found.standard_deviation(index);
-    if (!(deviation > 0.0)) {
+    if (!(deviation > k_nothing * found.prior_std(index))) {
       deviation = k_narrow * std::max(std::abs(found.mean(index)), 1e-300);
       narrow.push_back(parameter.name);
     }
@@ -151,6 +185,18 @@ std::string samples_csv(const Study& study, const Eigen::MatrixXd& samples) {
   std::vector<std::string> names;
   for (const StudyParameter& parameter : study.parameters.list) names.push_back(parameter.name);
   return format_csv(names, samples);
+}
+
+void note_unseen(const Study& study, const Found& found, ExportOutcome& outcome) {
+  std::vector<std::string> unseen;
+  for (std::size_t i = 0; i < found.is_seen.size(); ++i) {
+    if (keeps_prior(found, i)) unseen.push_back(study.parameters.list[i].name);
+  }
+  if (unseen.empty()) return;
+  outcome.notes.push_back(
+      fmt::format("The tests do not see {}: the prior of study.toml keeps the standard deviation that it had; "
+                  "samples.csv and sampled decks show the scatter that was found, not how little is known.",
+                  join(unseen)));
 }
 
 /// What was found holds for the model as it was: numbers for one deck in another are a quiet mistake.
@@ -197,8 +243,9 @@ ExportOutcome make_export(const ExportSettings& settings) {
     add_deck(study, samples.row(k).transpose(), fmt::format("sample-{:04}", k + 1), outcome);
   }
   outcome.files["parameters.csv"] = parameters_csv(result.at("parameters"), found);
+  note_unseen(study, found, outcome);
   outcome.files["samples.csv"] = samples_csv(study, samples);
-  outcome.files["study.toml"] = next_study(study, found, fs::absolute(outcome.folder), outcome);
+  outcome.files["study.toml"] = next_study(study, as_prior(found), fs::absolute(outcome.folder), outcome);
   return outcome;
 }
 

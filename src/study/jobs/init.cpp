@@ -88,6 +88,24 @@ std::string doubts_text(const std::vector<InitMode>& modes) {
   return doubts.empty() ? "" : fmt::format(" ({})", first_few(doubts));
 }
 
+/// Which outputs have one frequency, and what is not known of them; empty: none.
+std::string one_frequency_note(const ProposedOutputs& outputs) {
+  std::vector<std::string> lists;
+  for (const ModeGroup& group : outputs.groups) {
+    std::vector<std::string> names;
+    for (const int mode : outputs.modes) {
+      if (group.contains(mode - 1)) names.push_back(fmt::format("f{}", mode));
+    }
+    if (names.size() > 1) lists.push_back(join(names));
+  }
+  if (lists.empty()) return {};
+  return fmt::format(
+      "Outputs of one frequency in the model, of which any combination is a mode: {}. A number's % per % are those of "
+      "the frequencies into which they split, in ascending order. Which combination it changes is not known here, so "
+      "numbers are not left out for being alike in these modes.",
+      join(lists, "; "));
+}
+
 /// What `check` would refuse is said now.
 void try_study(InitOutcome& outcome) {
   try {
@@ -191,8 +209,9 @@ InitOutcome propose_study(const InitSettings& settings) {
       "{0}: no mode of the model is found in the tests beyond doubt{1}; see `mottle modes {0}` for the model's modes, "
       "and name the outputs with --outputs",
       settings.model.string(), doubts_text(outcome.modes));
-  outcome.parameters = propose_parameters(model.targets, numbers_of(outputs), scales_of(outputs),
-                                          settings.targets.value_or(std::vector<std::string>{}));
+  const ProposedOutputs seen{numbers_of(outputs), scales_of(outputs), modes_of_one_frequency(model.frequencies)};
+  outcome.parameters = propose_parameters(model.targets, seen, settings.targets.value_or(std::vector<std::string>{}));
+  if (std::string note = one_frequency_note(seen); !note.empty()) outcome.notes.push_back(std::move(note));
   require(outcome.parameters.front().left_out.empty(),
           "{0}: no number of the deck moves the outputs by more than the tests scatter; see `mottle targets {0}`, and "
           "name the parameters with --targets",

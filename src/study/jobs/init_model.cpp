@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "mottle/core/error.hpp"
 #include "mottle/core/files.hpp"
 #include "mottle/core/text.hpp"
 #include "mottle/dynamics/modes/mode_set.hpp"
@@ -27,10 +28,11 @@ void propose_units_of(InitOutcome& outcome, const ProposedUnits& units) {
 
 InitModel solve_nastran(InitOutcome& outcome, int modes) {
   InitSettings& settings = outcome.settings;
-  const SolvedDeck solved = solve_deck(settings.model, {.ignore_cards = settings.ignore_cards}, modes);
+  const SolvedDeck solved =
+      solve_deck(settings.model, {.ignore_cards = settings.ignore_cards}, modes, nullptr, k_modes_beyond);
   propose_units_of(outcome, propose_units(solved.structure->model()));
   TargetsOutcome targets = targets_of(solved, {.model = settings.model, .units = settings.units});
-  return {solved.frequencies, std::move(targets.targets), solved.structure->mode_count()};
+  return {std::move(targets.frequencies), std::move(targets.targets), solved.structure->mode_count()};
 }
 
 /// Numbers that follow a target in a deck: the first of them.
@@ -59,26 +61,51 @@ Eigen::MatrixXd split_slopes(const ModeGroup& group, const Eigen::VectorXd& freq
   return (up - down.colwise().reverse()) / (2.0 * step);
 }
 
+/// Frequencies with each parameter a step above and below the deck's own values [mode x parameter].
+struct Moved {
+  Eigen::MatrixXd above, below;
+};
+
+Moved frequencies_about(const StructureModel& model, double step) {
+  const Eigen::VectorXd& ones = model.reference_parameters();
+  const Eigen::Index q = ones.size();
+  Eigen::MatrixXd points = ones.transpose().replicate(2 * q, 1);
+  points.topRows(q).diagonal().array() += step;
+  points.bottomRows(q).diagonal().array() -= step;
+  const Eigen::MatrixXd outputs = model.evaluate(points, {}).outputs;
+  return {outputs.topRows(q).transpose(), outputs.bottomRows(q).transpose()};
+}
+
+constexpr double k_step = 1e-3;
+
+/// A step with which no mode of the group passes its neighbours: these move by half of it at most, each its way.
+double step_of(const ModeGroup& group, const Eigen::VectorXd& frequencies) {
+  constexpr double k_fraction = 0.2;
+  constexpr double k_least = 1e-7;
+  const Eigen::Index next = group.first + group.count;
+  double gap = k_step / k_fraction;
+  if (group.first > 0) gap = std::min(gap, 1.0 - frequencies(group.first - 1) / frequencies(group.first));
+  if (next < frequencies.size()) gap = std::min(gap, frequencies(next) / frequencies(next - 1) - 1.0);
+  return std::clamp(k_fraction * gap, k_least, k_step);
+}
+
 /// d ln f / d ln p at the deck's own values, where every parameter is a factor; central differences where the model has
 /// no derivative or modes have one frequency [mode x parameter].
 Eigen::MatrixXd relative_sensitivities(const StructureModel& model, const Eigen::VectorXd& frequencies) {
-  constexpr double k_step = 1e-3;
-  const Eigen::VectorXd& ones = model.reference_parameters();
-  const Eigen::Index q = ones.size();
+  const bool has_derivatives = model.derivatives() != nullptr;
   const std::vector<ModeGroup> groups = modes_of_one_frequency(frequencies);
+  const Eigen::Index q = model.reference_parameters().size();
   Eigen::MatrixXd slopes = Eigen::MatrixXd::Constant(frequencies.size(), q, std::nan(""));
-  if (model.derivatives() != nullptr) slopes = model.jacobian(ones);
-  if (!slopes.allFinite() || !groups.empty()) {
-    Eigen::MatrixXd points = ones.transpose().replicate(2 * q, 1);
-    points.topRows(q).diagonal().array() += k_step;
-    points.bottomRows(q).diagonal().array() -= k_step;
-    const Eigen::MatrixXd outputs = model.evaluate(points, {}).outputs;
-    const Eigen::MatrixXd above = outputs.topRows(q).transpose();
-    const Eigen::MatrixXd below = outputs.bottomRows(q).transpose();
-    slopes = slopes.array().isFinite().select(slopes, (above - below) / (2.0 * k_step));
-    for (const ModeGroup& group : groups) {
-      slopes.middleRows(group.first, group.count) = split_slopes(group, frequencies, above, below, k_step);
-    }
+  if (has_derivatives) slopes = model.jacobian(model.reference_parameters());
+  if (!slopes.allFinite()) {
+    const Moved moved = frequencies_about(model, k_step);
+    slopes = slopes.array().isFinite().select(slopes, (moved.above - moved.below) / (2.0 * k_step));
+  }
+  for (const ModeGroup& group : groups) {
+    if (frequencies(group.first) == 0.0) continue;                               // of rigid-body modes nothing is said
+    const double step = has_derivatives ? step_of(group, frequencies) : k_step;  // runs of a solver are the same ones
+    const Moved moved = frequencies_about(model, step);
+    slopes.middleRows(group.first, group.count) = split_slopes(group, frequencies, moved.above, moved.below, step);
   }
   const double none = std::numeric_limits<double>::quiet_NaN();
   const Eigen::VectorXd scales = (frequencies.array() > 0.0).select(frequencies.cwiseInverse(), none);
@@ -142,6 +169,24 @@ CalculixParts make_separable_parts(const InitOutcome& outcome, const std::vector
   return without;
 }
 
+/// The modes asked for, or more where these cut a repeated frequency. Modes that nobody asked for may fail.
+Eigen::Index modes_to_solve(const Solver& solver, Eigen::Index asked) {
+  const Eigen::Index most = solver.structure().mode_count();
+  const Eigen::VectorXd ones = Eigen::VectorXd::Ones(solver.structure().parameter_count());
+  try {
+    for (Eigen::Index beyond = k_modes_beyond;; beyond *= 4) {
+      const Eigen::Index there = std::min(asked + beyond, most);
+      const Eigen::VectorXd values = solver.modes_at(ones, static_cast<int>(there)).eigenvalues;
+      const Eigen::VectorXd frequencies = natural_frequencies_hz(values.cwiseMax(0.0));
+      const Eigen::Index whole = with_whole_group(asked, frequencies, modes_of_one_frequency(frequencies));
+      if (whole < there || there == most) return whole;
+    }
+  } catch (const ModelFailure&) {
+  } catch (const InvalidInput&) {
+  }
+  return asked;
+}
+
 InitModel solve_calculix(InitOutcome& outcome, int modes) {
   const InitSettings& settings = outcome.settings;
   const CalculixDeck deck = read_calculix_deck(settings.model);
@@ -156,7 +201,7 @@ InitModel solve_calculix(InitOutcome& outcome, int modes) {
   InitModel solved;
   solved.mode_count = parts.solver->structure().mode_count();
   solved.notes = std::move(parts.notes);
-  const Eigen::Index count = std::min<Eigen::Index>(modes, solved.mode_count);
+  const Eigen::Index count = modes_to_solve(*parts.solver, std::min<Eigen::Index>(modes, solved.mode_count));
   OutputSelection outputs{.units = unit_names(*settings.units)};
   for (int mode = 1; mode <= count; ++mode) outputs.frequencies.push_back(mode);
   const StructureModel model(std::move(parts.solver), outputs, Eigen::VectorXd::Ones(parts.reference.size()));

@@ -11,6 +11,7 @@
 #include "mottle/study/results/run_folder.hpp"
 #include "study/jobs/job_files.hpp"
 #include "study/jobs/solved_deck.hpp"
+#include "study/results/modes_json.hpp"
 
 namespace mottle::study {
 namespace {
@@ -46,25 +47,55 @@ Shapes shapes_of_table(const SolvedDeck& solved, const std::filesystem::path& fi
   return result;
 }
 
+/// Nodes of both decks, by their places there; those of the first whose translations are free.
+struct CommonNodes {
+  std::vector<Eigen::Index> here = {}, there = {};
+};
+
+CommonNodes common_nodes(const FiniteElementStructure& own, const FiniteElementStructure& other) {
+  CommonNodes common;
+  std::vector<bool> is_taken(own.model().nodes.size(), false);
+  for (const Equation& equation : own.assembled().equations) {
+    const auto node = static_cast<std::size_t>(equation.node);
+    if (equation.component > 2 || is_taken[node]) continue;
+    is_taken[node] = true;
+    const int there = other.model().find_node(own.model().nodes[node].id);
+    if (there < 0 ||
+        other.model().nodes[static_cast<std::size_t>(there)].is_scalar != own.model().nodes[node].is_scalar)
+      continue;
+    common.here.push_back(equation.node);
+    common.there.push_back(there);
+  }
+  return common;
+}
+
+/// Translations of nodes along the basic axes, whatever their displacement systems are, and values of scalar points
+/// [3 node x mode].
+Eigen::MatrixXd basic_translations(const SolvedDeck& solved, const std::vector<Eigen::Index>& nodes) {
+  const FiniteElementStructure& structure = *solved.structure;
+  Eigen::MatrixXd result(3 * static_cast<Eigen::Index>(nodes.size()), solved.modes.vectors.cols());
+  for (Eigen::Index mode = 0; mode < result.cols(); ++mode) {
+    const auto shape = solved.modes.vectors.col(mode);
+    const Eigen::MatrixX3d moved = node_displacements(structure, shape);
+    for (std::size_t k = 0; k < nodes.size(); ++k) {
+      const auto row = 3 * static_cast<Eigen::Index>(k);
+      result.col(mode).segment<3>(row) = moved.row(nodes[k]).transpose();
+      if (!structure.model().nodes[static_cast<std::size_t>(nodes[k])].is_scalar) continue;
+      result(row, mode) = structure.displacements(shape, {static_cast<int>(6 * nodes[k])})(0);
+    }
+  }
+  return result;
+}
+
 Shapes shapes_of_deck(const SolvedDeck& solved, const ModesSettings& settings) {
   const SolvedDeck other = solve_deck(*settings.compare, {.ignore_cards = settings.ignore_cards},
-                                      static_cast<int>(solved.modes.values.size()));
-  std::vector<int> here;
-  std::vector<int> there;
-  for (const Equation& equation : solved.structure->assembled().equations) {
-    if (equation.component > 2) continue;
-    const int id = solved.structure->model().nodes[static_cast<std::size_t>(equation.node)].id;
-    const int node = other.structure->model().find_node(id);
-    if (node < 0) continue;
-    here.push_back(6 * equation.node + equation.component);
-    there.push_back(6 * node + equation.component);
-  }
-  require(!here.empty(), "{} and {} have no grid point in common", settings.model.string(), settings.compare->string());
-  Shapes result{{},
-                solved.structure->displacements(solved.modes.vectors, here),
-                other.structure->displacements(other.modes.vectors, there)};
+                                      static_cast<int>(solved.modes.values.size()), settings.stop);
+  const CommonNodes common = common_nodes(*solved.structure, *other.structure);
+  require(!common.here.empty(), "{} and {} have no grid point in common", settings.model.string(),
+          settings.compare->string());
+  Shapes result{{}, basic_translations(solved, common.here), basic_translations(other, common.there)};
   for (const double frequency : other.frequencies) {
-    result.names.push_back(fmt::format("{}: {:.5g} Hz", result.names.size() + 1, frequency));
+    result.names.push_back(fmt::format("{}: {:.5g} {}", result.names.size() + 1, frequency, other.frequency_unit));
   }
   return result;
 }
@@ -93,7 +124,7 @@ ModesOutcome find_modes_here(const ModesSettings& settings) {
   const double start = steady_seconds();
   ModesOutcome outcome{.settings = settings};
   const auto deck = std::make_shared<const SolvedDeck>(
-      solve_deck(settings.model, {settings.ignore_cards, settings.subcase}, settings.modes));
+      solve_deck(settings.model, {settings.ignore_cards, settings.subcase}, settings.modes, settings.stop));
   outcome.deck = deck;
   outcome.seconds = steady_seconds() - start;
   if (settings.compare) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numeric>
 #include <optional>
 
 #include "mottle/core/error.hpp"
@@ -13,6 +14,7 @@
 #include "study/tests/pair_by_frequency.hpp"
 #include "study/tests/pair_modes.hpp"
 #include "study/tests/table_values.hpp"
+#include "study/tests/unit_errors.hpp"
 
 namespace mottle::study {
 namespace {
@@ -61,7 +63,28 @@ void add_rare(int specimens, InitMode& mode) {
   if (is_rare) mode.doubt = fmt::format("found in {} of {} specimens only", mode.specimens, specimens);
 }
 
-void pair_by_mac(const StructureModel& model, const TestContents& contents, PairedTests& found) {
+/// Shapes that agree, with one mode alone, while all frequencies are off by one factor are those of tests in another
+/// unit.
+void refuse_other_unit(const Study& draft, const TestContents& contents, const std::vector<InitMode>& modes) {
+  std::vector<double> ratios;
+  for (const InitMode& mode : modes) {
+    if (mode.specimens > 0 && mode.mac >= k_alike && mode.remark.empty())
+      ratios.push_back(std::log(mode.test_mean / mode.model));
+  }
+  const UnitFactor* const factor = ratios.size() > 1 ? find_unit_factor(ratios) : nullptr;
+  if (factor == nullptr) return;
+  const double mean = std::accumulate(ratios.begin(), ratios.end(), 0.0) / static_cast<double>(ratios.size());
+  const bool is_of_model = std::abs(std::log(factor->value)) > std::log(100.0);
+  throw FormatError(
+      contents.specimens.front().file, 0,
+      fmt::format(
+          "in the {} modes whose shapes are those of the model the frequencies are {:.4g} times the model's. The "
+          "factor is near {}, which a wrong unit makes: {}{}",
+          ratios.size(), std::exp(mean), factor->name, factor->remedy,
+          is_of_model ? fmt::format(" The deck's units are taken for {}; --units names others.", draft.units) : ""));
+}
+
+void pair_by_mac(const Study& draft, const StructureModel& model, const TestContents& contents, PairedTests& found) {
   constexpr double k_lead = 0.1;
   constexpr double k_other_mode = 2.0;  // ratio of frequencies
   const PairedModes paired = pair_modes(model, contents.specimens, true);
@@ -78,13 +101,14 @@ void pair_by_mac(const StructureModel& model, const TestContents& contents, Pair
     if (mode->specimens > 0 && mode->mac < k_alike) {
       mode->doubt = fmt::format("MAC {:.2f}: the shapes are not alike", mode->mac);
     } else if (mode->specimens > 0 && std::abs(std::log(mode->model / mode->test_mean)) > std::log(k_other_mode)) {
-      mode->doubt = fmt::format("{:+.0f} % apart: shapes at few points are alike by chance",
+      mode->doubt = fmt::format("{:+.0f} % apart: alike by chance at the points measured, or the model is far off",
                                 100.0 * (mode->model / mode->test_mean - 1.0));
     }
     if (second.contains(number) && second.at(number) > mode->mac - k_lead) {
       mode->remark = fmt::format("another mode has MAC {:.2f}; more sensors would tell them apart", second.at(number));
     }
   }
+  refuse_other_unit(draft, contents, found.modes);
 }
 
 /// Why a pair by frequency is none to build on; empty: it is.
@@ -245,7 +269,7 @@ PairedTests pair_for_proposal(const Study& draft, TestContents contents, const E
     }
   } else {
     found.specimens = static_cast<int>(contents.specimens.size());
-    pair_by_mac(*made.model, contents, found);
+    pair_by_mac(draft, *made.model, contents, found);
   }
   for (InitMode& mode : found.modes) add_rare(found.specimens, mode);
   return found;

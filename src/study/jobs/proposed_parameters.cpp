@@ -64,31 +64,69 @@ InitParameter describe(const Target& target, const std::vector<int>& modes) {
   return parameter;
 }
 
-/// Changes of the outputs by one spread of each number [output x number].
-Eigen::MatrixXd changes_of(const std::vector<Target>& targets, const std::vector<InitParameter>& parameters,
-                           const std::vector<int>& modes, const Eigen::VectorXd& scales) {
-  Eigen::MatrixXd changes(scales.size(), static_cast<Eigen::Index>(targets.size()));
-  for (std::size_t j = 0; j < targets.size(); ++j) {
-    for (std::size_t k = 0; k < modes.size(); ++k) {
-      const double sensitivity = targets[j].sensitivity(modes[k] - 1);
-      changes(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(j)) =
-          std::isnan(sensitivity) ? 0.0 : sensitivity * parameters[j].spread / scales(static_cast<Eigen::Index>(k));
+/// Changes by one spread of each number, in scales of the outputs.
+struct Changes {
+  Eigen::MatrixXd known;    ///< [direction x number]
+  Eigen::VectorXd unknown;  ///< sizes of those in unknown combinations of modes of one frequency [number]
+};
+
+/// @param spreads  [number]
+Eigen::MatrixXd single_changes(const std::vector<Target>& targets, const ProposedOutputs& outputs,
+                               const Eigen::VectorXd& spreads) {
+  Eigen::MatrixXd changes(outputs.scales.size(), spreads.size());
+  for (Eigen::Index j = 0; j < changes.cols(); ++j) {
+    for (Eigen::Index k = 0; k < changes.rows(); ++k) {
+      const int mode = outputs.modes[static_cast<std::size_t>(k)];
+      const double sensitivity = targets[static_cast<std::size_t>(j)].sensitivity(mode - 1);
+      changes(k, j) = std::isnan(sensitivity) ? 0.0 : sensitivity * spreads(j) / outputs.scales(k);
     }
   }
+  return changes;
+}
+
+/// The outputs of a group become one row, of the mean of the group's eigenvalues, and the sizes of the rest.
+void merge_group(const std::vector<Target>& targets, const ProposedOutputs& outputs, const ModeGroup& group,
+                 const Eigen::VectorXd& spreads, Changes& changes) {
+  std::vector<Eigen::Index> members;
+  for (std::size_t k = 0; k < outputs.modes.size(); ++k) {
+    if (group.contains(outputs.modes[k] - 1)) members.push_back(static_cast<Eigen::Index>(k));
+  }
+  if (members.empty()) return;
+  const Eigen::VectorXd scales = outputs.scales(members);
+  const double weight = std::sqrt(static_cast<double>(members.size())) / scales.mean();
+  changes.known(members, Eigen::all).setZero();
+  for (Eigen::Index j = 0; j < spreads.size(); ++j) {
+    const Eigen::RowVectorXd values =
+        targets[static_cast<std::size_t>(j)].sensitivity.segment(group.first, group.count);
+    if (!values.allFinite()) continue;
+    const double mean_square = (values.array() - values.mean()).square().mean();
+    changes.known(members.front(), j) = weight * spreads(j) * values.mean();
+    changes.unknown(j) = std::hypot(changes.unknown(j), weight * spreads(j) * std::sqrt(mean_square));
+  }
+}
+
+Changes changes_of(const std::vector<Target>& targets, const std::vector<InitParameter>& parameters,
+                   const ProposedOutputs& outputs) {
+  Eigen::VectorXd spreads(static_cast<Eigen::Index>(parameters.size()));
+  for (std::size_t j = 0; j < parameters.size(); ++j) spreads(static_cast<Eigen::Index>(j)) = parameters[j].spread;
+  Changes changes{single_changes(targets, outputs, spreads), Eigen::VectorXd::Zero(spreads.size())};
+  for (const ModeGroup& group : outputs.groups) merge_group(targets, outputs, group, spreads, changes);
   return changes;
 }
 
 /// Columns by pivoted orthogonalisation, the longest rest first.
 class Selection {
  public:
-  explicit Selection(Eigen::MatrixXd columns) : columns_(std::move(columns)), rest_(columns_) {}
+  explicit Selection(Changes changes)
+      : columns_(std::move(changes.known)), rest_(columns_), own_(std::move(changes.unknown)) {}
 
-  double length(Eigen::Index j) const { return columns_.col(j).norm(); }
+  double length(Eigen::Index j) const { return std::hypot(columns_.col(j).norm(), own_(j)); }
   /// Part of a column that the chosen ones cannot give, as a fraction of it.
-  double independent(Eigen::Index j) const { return length(j) > 0.0 ? rest_.col(j).norm() / length(j) : 0.0; }
+  double independent(Eigen::Index j) const { return length(j) > 0.0 ? rest(j) / length(j) : 0.0; }
 
   void choose(Eigen::Index j) {
     chosen_.push_back(j);
+    add_row_of(j);
     const double norm = rest_.col(j).norm();
     if (norm == 0.0) return;
     const Eigen::VectorXd direction = rest_.col(j) / norm;
@@ -100,7 +138,7 @@ class Selection {
     Eigen::Index best = -1;
     for (Eigen::Index j = 0; j < rest_.cols(); ++j) {
       if (length(j) < min_length || independent(j) < min_independent) continue;
-      if (best < 0 || rest_.col(j).norm() > rest_.col(best).norm()) best = j;
+      if (best < 0 || rest(j) > rest(best)) best = j;
     }
     return best;
   }
@@ -121,7 +159,21 @@ class Selection {
   const std::vector<Eigen::Index>& chosen() const { return chosen_; }
 
  private:
+  double rest(Eigen::Index j) const { return std::hypot(rest_.col(j).norm(), own_(j)); }
+
+  /// The direction of its own becomes one that others can get a part in.
+  void add_row_of(Eigen::Index j) {
+    if (own_(j) == 0.0) return;
+    for (Eigen::MatrixXd* matrix : {&columns_, &rest_}) {
+      matrix->conservativeResize(matrix->rows() + 1, Eigen::NoChange);
+      matrix->bottomRows(1).setZero();
+      (*matrix)(matrix->rows() - 1, j) = own_(j);
+    }
+    own_(j) = 0.0;
+  }
+
   Eigen::MatrixXd columns_, rest_;
+  Eigen::VectorXd own_;  // lengths in a direction that no other column has
   std::vector<Eigen::Index> chosen_;
 };
 
@@ -137,16 +189,16 @@ void choose_wanted(const std::vector<Target>& targets, const std::vector<std::st
 
 }  // namespace
 
-std::vector<InitParameter> propose_parameters(const std::vector<Target>& targets, const std::vector<int>& modes,
-                                              const Eigen::VectorXd& scales, const std::vector<std::string>& wanted) {
+std::vector<InitParameter> propose_parameters(const std::vector<Target>& targets, const ProposedOutputs& outputs,
+                                              const std::vector<std::string>& wanted) {
   constexpr double k_seen = 1.0;
   constexpr double k_independent = 0.15;
   constexpr std::size_t k_most = 12;
   std::vector<InitParameter> all;
-  for (const Target& target : targets) all.push_back(describe(target, modes));
-  Selection selection(changes_of(targets, all, modes, scales));
+  for (const Target& target : targets) all.push_back(describe(target, outputs.modes));
+  Selection selection(changes_of(targets, all, outputs));
   choose_wanted(targets, wanted, selection);
-  const std::size_t most = std::clamp<std::size_t>(modes.size() / 2, 1, k_most);
+  const std::size_t most = std::clamp<std::size_t>(outputs.modes.size() / 2, 1, k_most);
   while (wanted.empty() && selection.chosen().size() < most) {
     const Eigen::Index next = selection.next(k_seen, k_independent);
     if (next < 0) break;

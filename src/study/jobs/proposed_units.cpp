@@ -38,7 +38,7 @@ ProposedUnits propose_units(const FiniteElementModel& model) {
   for (const CardField& field : model.fields) {
     if (!field.card.starts_with("MAT") || field.value <= 0.0) continue;
     if (field.name == "E" || field.name == "E1") moduli.push_back(field.value);
-    if (field.name == "RHO") densities.push_back(field.value);
+    if (field.name == "RHO") densities.push_back(model.settings.mass_factor * field.value);
   }
   return propose_units(std::move(moduli), std::move(densities));
 }
@@ -47,15 +47,20 @@ ProposedUnits propose_units(std::vector<double> moduli, std::vector<double> dens
   const double modulus = median(std::move(moduli));
   const double density = median(std::move(densities));
   if (std::isnan(modulus) && std::isnan(density)) return {"SI", "the deck has no material to guess from"};
-  const auto nearest = std::ranges::min_element(k_usual, {}, [&](const Usual& usual) {
+  constexpr double k_far = 5.0;  // a metal or plastic is no further from its own system
+  const auto from = [&](const Usual& usual) {
     return distance(modulus, usual.modulus) + distance(density, usual.density);
-  });
+  };
+  const auto nearest = std::ranges::min_element(k_usual, {}, from);
   const UnitNames names = unit_names(nearest->units);
   std::string reason;
   if (!std::isnan(modulus)) reason += fmt::format("E = {:.3g} {}", modulus, names.pressure);
   if (!std::isnan(density))
     reason += fmt::format("{}RHO = {:.3g} {}", reason.empty() ? "" : ", ", density, names.density);
-  return {nearest->units, fmt::format("GUESSED from {}; check it", reason)};
+  return {nearest->units,
+          fmt::format(
+              "GUESSED from {}; {}", reason,
+              from(*nearest) > k_far ? "NO SYSTEM FITS these together, so units are not to be relied on" : "check it")};
 }
 
 }  // namespace mottle::study

@@ -1,6 +1,6 @@
 #include "study/jobs/repeated_modes.hpp"
 
-#include <Eigen/Eigenvalues>
+#include "mottle/linalg/dense/decompositions.hpp"
 
 namespace mottle::study {
 
@@ -13,6 +13,14 @@ std::vector<ModeGroup> modes_of_one_frequency(const Eigen::VectorXd& frequencies
     if (next - first > 1) groups.push_back({first, next - first});
   }
   return groups;
+}
+
+Eigen::Index with_whole_group(Eigen::Index asked, const Eigen::VectorXd& frequencies,
+                              const std::vector<ModeGroup>& groups) {
+  for (const auto& [first, count] : groups) {
+    if (frequencies(first) > 0.0 && first < asked && asked < first + count) return first + count;
+  }
+  return asked;
 }
 
 Eigen::MatrixXd sums_of_pairs(const Eigen::MatrixXd& shapes, const std::vector<ModeGroup>& groups) {
@@ -41,8 +49,7 @@ Eigen::RowVectorXd principal_values(const Eigen::RowVectorXd& values, Eigen::Ind
       }
     }
     if (!form.allFinite()) continue;  // fractions of the energy that a rigid-body motion has not
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(form, Eigen::EigenvaluesOnly);  // of lower triangles
-    result.segment(first, count) = solver.eigenvalues().transpose();
+    result.segment(first, count) = symmetric_eigenvalues(form).transpose();  // of lower triangles
   }
   return result;
 }

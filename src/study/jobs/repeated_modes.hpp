@@ -12,13 +12,23 @@ namespace mottle::study {
 struct ModeGroup {
   Eigen::Index first = 0;
   Eigen::Index count = 1;
+
+  bool contains(Eigen::Index mode) const { return mode >= first && mode < first + count; }
 };
+
+/// Modes solved beyond those asked for, so that a repeated frequency is not cut.
+inline constexpr int k_modes_beyond = 4;
 
 /// The groups of more than one mode whose neighbours differ by a part in a million at most; rigid-body modes, of
 /// frequency 0, are one too.
 ///
 /// @param frequencies  ascending
 std::vector<ModeGroup> modes_of_one_frequency(const Eigen::VectorXd& frequencies);
+
+/// How many modes to show where `asked` are asked for: the others of a repeated frequency go with its first, but those
+/// of rigid-body modes.
+Eigen::Index with_whole_group(Eigen::Index asked, const Eigen::VectorXd& frequencies,
+                              const std::vector<ModeGroup>& groups);
 
 /// Sums phi_i + phi_j of every two modes of a group, from which a quadratic form has its mixed values:
 ///   phi_i' A phi_j = (q(phi_i + phi_j) - q(phi_i) - q(phi_j)) / 2

@@ -8,8 +8,10 @@
 #include "mottle/core/clock.hpp"
 #include "mottle/core/error.hpp"
 #include "mottle/dynamics/modes/mode_set.hpp"
+#include "mottle/model/units.hpp"
 #include "study/jobs/init_model.hpp"
 #include "study/jobs/job_files.hpp"
+#include "study/jobs/proposed_units.hpp"
 
 namespace mottle::study {
 namespace {
@@ -59,19 +61,37 @@ int modes_of_method(const FiniteElementStructure& structure, const AnalysisSetti
 }
 
 /// Notes modes that exist (the inertia of K - s M for a very high s) beyond those that were found.
-void note_lost_modes(const SparseStructure::Matrices& matrices, const Eigen::VectorXd& frequencies,
-                     std::vector<std::string>& notes) {
+void note_lost_modes(const SparseStructure::Matrices& matrices, SolvedDeck& solved) {
   constexpr double k_above_all = 100.0;
   const Eigen::ArrayXd k = matrices.stiffness.diagonal();
   const Eigen::ArrayXd m = matrices.mass.diagonal();
   const double highest = (m > 0.0).select(k / m, 0.0).maxCoeff();
   const int there = count_eigenvalues_below(matrices.stiffness, matrices.mass, k_above_all * highest);
+  const Eigen::VectorXd& frequencies = solved.frequencies;
   const auto lost = there - static_cast<int>(frequencies.size());
   if (lost <= 0) return;
-  notes.push_back(fmt::format("{} mode{} above {:.5g} Hz {} not listed: so far above the others that rounding hides {}",
-                              lost, lost == 1 ? "" : "s",
-                              frequencies.size() > 0 ? frequencies(frequencies.size() - 1) : 0.0,
-                              lost == 1 ? "is" : "are", lost == 1 ? "it" : "them"));
+  solved.notes.push_back(
+      fmt::format("{} mode{} above {:.5g} {} {} not listed: so far above the others that rounding hides {}", lost,
+                  lost == 1 ? "" : "s", frequencies.size() > 0 ? frequencies(frequencies.size() - 1) : 0.0,
+                  solved.frequency_unit, lost == 1 ? "is" : "are", lost == 1 ? "it" : "them"));
+}
+
+constexpr double k_inaccurate = 1e-4;  // relative residual of a mode
+
+double worst_residual(const SparseModes& modes) {
+  return modes.residuals.size() > 0 ? modes.residuals.maxCoeff() : 0.0;
+}
+
+/// Masses that differ by many orders of magnitude can leave no digit of the lowest modes.
+void require_accuracy(const std::filesystem::path& deck, const SparseModes& modes) {
+  if (modes.residuals.size() == 0) return;
+  Eigen::Index worst = 0;
+  const double residual = modes.residuals.maxCoeff(&worst);
+  require(
+      residual <= k_inaccurate,
+      "{}: mode {} is not accurate, its residual is {:.1e}: some masses are smaller than others by so many orders of "
+      "magnitude that rounding hides the lowest modes. Leave these points without mass, or give them their true one",
+      deck.string(), worst + 1, residual);
 }
 
 void refuse_other_models(const std::filesystem::path& deck) {
@@ -91,7 +111,8 @@ void refuse_other_models(const std::filesystem::path& deck) {
 
 }  // namespace
 
-SolvedDeck solve_deck(const std::filesystem::path& deck, const NastranOptions& options, int modes) {
+SolvedDeck solve_deck(const std::filesystem::path& deck, const NastranOptions& options, int modes,
+                      const std::atomic<bool>* stop, int beyond) {
   const double start = steady_seconds();
   refuse_other_models(deck);
   NastranModel read = read_nastran_model(deck, options);
@@ -113,7 +134,12 @@ SolvedDeck solve_deck(const std::filesystem::path& deck, const NastranOptions& o
   const double assembled = steady_seconds();
   if (modes == 0) modes = modes_of_method(*solved.structure, asked, solved.notes);
   solved.assembly_seconds = assembled - start - solved.read_seconds;
-  solved.modes = solved.solver->solve_one(none, {.modes = modes, .counts_below = true});
+  solved.modes = solved.solver->solve_one(none, {.modes = modes + beyond, .counts_below = true, .stop = stop});
+  const bool is_sound =
+      solved.modes.failure.empty() && solved.modes.is_complete() && worst_residual(solved.modes) <= k_inaccurate;
+  if (beyond > 0 && !is_sound) {  // it may be a matter of modes that nobody asked for
+    solved.modes = solved.solver->solve_one(none, {.modes = modes, .counts_below = true, .stop = stop});
+  }
   if (!solved.modes.failure.empty()) {
     throw InvalidInput(fmt::format("{}: {}", deck.string(), solved.solver->failure_text(solved.modes)));
   }
@@ -128,10 +154,13 @@ SolvedDeck solve_deck(const std::filesystem::path& deck, const NastranOptions& o
                                     deck.string(), solved.modes.values.size(), solved.modes.counted_at,
                                     solved.modes.counted_below));
   }
+  require_accuracy(deck, solved.modes);
   solved.solution_seconds = steady_seconds() - assembled;
   const SparseStructure::Matrices matrices = solved.structure->matrices_at(none);
   solved.frequencies = frequencies_beyond_rounding(solved.modes, matrices.stiffness);
-  if (solved.frequencies.size() < modes) note_lost_modes(matrices, solved.frequencies, solved.notes);
+  solved.asked = std::min<Eigen::Index>(modes, solved.frequencies.size());
+  solved.frequency_unit = unit_names(propose_units(solved.structure->model()).units).frequency;
+  if (solved.frequencies.size() < modes) note_lost_modes(matrices, solved);
   return solved;
 }
 

@@ -30,6 +30,14 @@ struct ModeEnergies {
   FieldEnergies fields;           ///< [field x mode, then pair]
 };
 
+/// PARAM,WTMASS multiplies what is a mass on the cards.
+std::string unit_of(const CardField& field, const FiniteElementModel& model, const UnitNames& units) {
+  const std::string unit = field_unit(field.card, field.name, units);
+  const bool is_mass = field.name == "RHO" || field.name == "M" || field.name == "NSM" || field.card == "CONM1" ||
+                       (field.card == "CONM2" && field.name.starts_with("I"));
+  return is_mass && model.settings.mass_factor != 1.0 ? unit + " / WTMASS" : unit;
+}
+
 Target target_of(const SolvedDeck& solved, const ModeEnergies& energies, Eigen::Index index, const UnitNames& units) {
   const CardField& field = solved.structure->model().fields[static_cast<std::size_t>(index)];
   const FieldEnergies& of = energies.fields;
@@ -37,7 +45,7 @@ Target target_of(const SolvedDeck& solved, const ModeEnergies& energies, Eigen::
     return principal_values(values, solved.frequencies.size(), energies.groups);
   };
   return {.name = fmt::format("{}:{}:{}", field.card, field.id, field.name),
-          .unit = field_unit(field.card, field.name, units),
+          .unit = unit_of(field, solved.structure->model(), units),
           .value = field.value,
           .elements = of.elements(index),
           .strain = of_elastic(solved, principal(of.strain.row(index).cwiseQuotient(of.total_strain))),
@@ -88,6 +96,13 @@ ModeEnergies energies_of(const SolvedDeck& solved) {
   return found;
 }
 
+/// Whether a repeated frequency among the modes asked for may go on beyond those that were solved.
+bool is_group_cut(const std::vector<ModeGroup>& groups, const SolvedDeck& solved) {
+  if (groups.empty() || solved.frequencies.size() < solved.asked + k_modes_beyond) return false;
+  const auto [first, count] = groups.back();
+  return first < solved.asked && first + count == solved.frequencies.size();
+}
+
 std::string units_note(const std::string& units, const std::string& reason) {
   return fmt::format("units: {} ({}); --units names others", units, reason);
 }
@@ -110,15 +125,24 @@ TargetsOutcome targets_of(const SolvedDeck& solved, const TargetsSettings& setti
   const FiniteElementModel& model = solved.structure->model();
   const ModeEnergies energies = energies_of(solved);
   TargetsOutcome outcome{.settings = settings, .frequencies = solved.frequencies, .notes = solved.notes};
+  if (is_group_cut(energies.groups, solved)) {
+    outcome.notes.emplace_back(
+        "The last modes share their frequency with modes beyond, of which not all were solved: "
+        "what is said of them depends on how many. Ask for more with --modes.");
+  }
   if (!settings.units) {
     const ProposedUnits guess = propose_units(model);
     outcome.settings.units = guess.units;
     outcome.notes.push_back(units_note(guess.units, guess.reason));
   }
   const UnitNames units = unit_names(*outcome.settings.units);
+  const Eigen::Index shown = with_whole_group(solved.asked, solved.frequencies, energies.groups);
   for (Eigen::Index index = 0; index < energies.fields.elements.size(); ++index) {
     const CardField& field = model.fields[static_cast<std::size_t>(index)];
     Target target = target_of(solved, energies, index, units);
+    for (Eigen::RowVectorXd* values : {&target.strain, &target.kinetic, &target.sensitivity}) {
+      values->conservativeResize(shown);
+    }
     const bool is_wanted =
         settings.lists_all || (is_design_number(field) && field.value != 0.0 && changes_modes(target));
     if (is_wanted) {
@@ -127,6 +151,7 @@ TargetsOutcome targets_of(const SolvedDeck& solved, const TargetsSettings& setti
       ++outcome.left_out;
     }
   }
+  outcome.frequencies.conservativeResize(shown);
   std::ranges::stable_sort(outcome.targets, [](const Target& a, const Target& b) {
     return a.largest_sensitivity() > b.largest_sensitivity();
   });
@@ -165,7 +190,9 @@ TargetsOutcome targets_of_calculix(const TargetsSettings& settings) {
 
 TargetsOutcome find_targets(const TargetsSettings& settings) {
   if (model_kind_of(settings.model) == "calculix") return targets_of_calculix(settings);
-  return targets_of(solve_deck(settings.model, {settings.ignore_cards, settings.subcase}, settings.modes), settings);
+  return targets_of(solve_deck(settings.model, {settings.ignore_cards, settings.subcase}, settings.modes, settings.stop,
+                               k_modes_beyond),
+                    settings);
 }
 
 }  // namespace mottle::study

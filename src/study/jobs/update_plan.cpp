@@ -60,6 +60,12 @@ UpdatePlan plan_update(const Study& study, const RunSettings& settings) {
         cloud_settings(study, plan.made, plan.tests.data.values.rows(), plan.tests.data.values.cols()).samples));
   }
   if (study.predict) plan.prediction = plan_prediction(study, settings);
+  if (plan.prediction && plan.made.program) {
+    plan.tests.notes.push_back(fmt::format(
+        "The prediction takes up to three times {} runs of the program besides, after the update; predict.draws states "
+        "another number. With few draws the ends of its intervals are rough.",
+        study.predict->draws));
+  }
   return plan;
 }
 

@@ -9,6 +9,7 @@
 #include "mottle/study/models/model_source.hpp"
 #include "study/jobs/checked_study.hpp"
 #include "study/jobs/study_reach.hpp"
+#include "study/results/relative_scatter.hpp"
 #include "study/results/result_json.hpp"
 
 namespace mottle::study {
@@ -121,9 +122,10 @@ void describe_outputs(const CheckOutcome& outcome, std::vector<std::string>& lin
     const double model = outcome.outputs(index);
     const double mean = tests.mean.size() > 0 ? tests.mean(index) : std::nan("");
     const double deviation = tests.mean.size() > 0 ? std::sqrt(tests.covariance(index, index)) : std::nan("");
+    const double scatter = relative_scatter(deviation, mean);
     lines.push_back(fmt::format("{:<12} {:>12} {:<8} {:>12} {:>8} {:>8}  {}", outputs[k].name(), cell("{:.6g}", model),
                                 outputs[k].unit, cell("{:.6g}", mean), cell("{:+.1f}", 100.0 * (model / mean - 1.0)),
-                                cell("{:.2g}", 100.0 * deviation / std::abs(mean)), largest_change(outcome, index)));
+                                cell("{:.2g}", 100.0 * scatter), largest_change(outcome, index)));
   }
 }
 
@@ -172,8 +174,12 @@ void describe_runs(const CheckOutcome& outcome, const ProgramRuns& program, std:
       seconds > 0.0 ? fmt::format(", some {} with {} at a time", duration_text(all), program.max_parallel) : "";
   lines.push_back(fmt::format(
       "of a model that is linear in the parameters the update would take {} {} runs{}; this one may take fewer, or "
-      "several times as many",
+      "up to ten times as many where it is curved or does not fit the tests",
       is_cut ? "more than" : "about", runs, time));
+  if (outcome.study.update.method != "perturbation") {
+    lines.emplace_back(
+        "fewer runs: a [surrogate] (50 or so, docs/howto/surrogate.md), or update.method = \"perturbation\"");
+  }
 }
 
 /// Tests and method.

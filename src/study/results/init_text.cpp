@@ -6,6 +6,7 @@
 #include "mottle/core/text.hpp"
 #include "mottle/model/units.hpp"
 #include "study/input/first_few.hpp"
+#include "study/results/relative_scatter.hpp"
 #include "study/results/result_json.hpp"
 
 namespace mottle::study {
@@ -16,7 +17,7 @@ std::string mode_comment(const InitMode& mode, const std::string& unit) {
   if (!std::isnan(mode.test_mean) && mode.specimens > 0) {
     comment += fmt::format(", tests {:.5g} ({:+.1f} %)", mode.test_mean, 100.0 * (mode.model / mode.test_mean - 1.0));
     if (!std::isnan(mode.test_std))
-      comment += fmt::format(", scatter {:.2g} %", 100.0 * mode.test_std / mode.test_mean);
+      comment += fmt::format(", scatter {:.2g} %", 100.0 * relative_scatter(mode.test_std, mode.test_mean));
     comment += fmt::format(", {} specimens", mode.specimens);
     if (!std::isnan(mode.mac)) comment += fmt::format(", MAC {:.2f}", mode.mac);
   }
@@ -140,7 +141,7 @@ void add_mode_lines(const InitOutcome& outcome, std::vector<std::string>& lines)
     lines.push_back(fmt::format("{:>5} {:>11.5g} {:>11} {:>8} {:>8} {:>9} {:>5}  {}", mode.mode, mode.model,
                                 cell(mode.test_mean, 5),
                                 std::isnan(difference) ? "" : fmt::format("{:+.1f}", difference),
-                                cell(100.0 * mode.test_std / mode.test_mean, 2), mode.specimens,
+                                cell(100.0 * relative_scatter(mode.test_std, mode.test_mean), 2), mode.specimens,
                                 std::isnan(mode.mac) ? "" : fmt::format("{:.2f}", mode.mac),
                                 !mode.doubt.empty()   ? "no: " + mode.doubt
                                 : mode.remark.empty() ? "yes"

@@ -61,7 +61,7 @@ Json mac_json(const ModeComparison& comparison, const ModesOutcome& outcome) {
   const Eigen::VectorXd& frequencies = outcome.deck->frequencies;
   Json rows = Json::array();
   for (Eigen::Index r = 0; r < frequencies.size(); ++r)
-    rows.push_back(fmt::format("{}: {:.5g} Hz", r + 1, frequencies(r)));
+    rows.push_back(fmt::format("{}: {:.5g} {}", r + 1, frequencies(r), outcome.deck->frequency_unit));
   return {{"rows", rows},
           {"columns", comparison.names},
           {"row_title", "model"},
@@ -73,9 +73,9 @@ Json mac_json(const ModeComparison& comparison, const ModesOutcome& outcome) {
 std::vector<std::string> head_lines(const SolvedDeck& deck) {
   const Eigen::VectorXd none;
   std::vector<std::string> head = deck.structure->description(none);
-  head.push_back(
-      fmt::format("{} modes, none missed: {} eigenvalues lie below {:.6g} (rad/s)^2 by the inertia of K - s M",
-                  deck.modes.values.size(), deck.modes.counted_below, deck.modes.counted_at));
+  head.push_back(fmt::format("{} modes, none missed: {} eigenvalues lie below {:.6g} {} by the inertia of K - s M",
+                             deck.modes.values.size(), deck.modes.counted_below, deck.modes.counted_at,
+                             deck.frequency_unit == "kHz" ? "(rad/ms)^2" : "(rad/s)^2"));
   head.push_back(
       fmt::format("read in {:.3g} s, assembled in {:.3g} s, solved in {:.3g} s, of which factorised in {:.3g} s",
                   deck.read_seconds, deck.assembly_seconds, deck.solution_seconds, deck.modes.factor_seconds));
@@ -85,7 +85,7 @@ std::vector<std::string> head_lines(const SolvedDeck& deck) {
 
 void add_mode_lines(const ModesOutcome& outcome, std::vector<std::string>& lines) {
   const SolvedDeck& deck = *outcome.deck;
-  lines.push_back(fmt::format("{:<6} {:>14} {:>12}", "mode", "frequency Hz", "residual"));
+  lines.push_back(fmt::format("{:<6} {:>14} {:>12}", "mode", "frequency " + deck.frequency_unit, "residual"));
   for (Eigen::Index r = 0; r < deck.frequencies.size(); ++r) {
     lines.push_back(fmt::format("{:<6} {:>14.7g} {:>12.2e}", r + 1, deck.frequencies(r), deck.modes.residuals(r)));
   }
@@ -103,12 +103,13 @@ void add_mode_lines(const ModesOutcome& outcome, std::vector<std::string>& lines
 
 Json page_json(const ModesOutcome& outcome) {
   const std::string name = outcome.settings.model.filename().string();
-  Json page = {{"kind", "modes"},
-               {"title", name},
-               {"mottle", version()},
-               {"source", name},
-               {"summary", head_lines(*outcome.deck)},
-               {"modes", drawing_json(*outcome.deck->structure, shown_modes(*outcome.deck))}};
+  Json page = {
+      {"kind", "modes"},
+      {"title", name},
+      {"mottle", version()},
+      {"source", name},
+      {"summary", head_lines(*outcome.deck)},
+      {"modes", drawing_json(*outcome.deck->structure, shown_modes(*outcome.deck), outcome.deck->frequency_unit)}};
   if (outcome.comparison) page["mac"] = mac_json(*outcome.comparison, outcome);
   return page;
 }
@@ -159,6 +160,7 @@ RunSummary summarise(const ModesOutcome& outcome, const std::filesystem::path& f
                {"model", outcome.settings.model.string()},
                {"equations", deck.structure->mode_count()},
                {"mass", to_json(mass_properties(deck.structure->model()).mass)},
+               {"frequency_unit", deck.frequency_unit},
                {"frequencies", to_json(deck.frequencies)},
                {"residuals", to_json(deck.modes.residuals)},
                {"counted_below", deck.modes.counted_below},

@@ -72,6 +72,7 @@ std::string doubt_of(const UpdatingResult& result, Conclusion conclusion) {
 void judge_parameter(const UpdatingProblem& problem, const UpdatingResult& result, Conclusion conclusion,
                      const std::string& unseen, ParameterFinding& finding, Eigen::Index i) {
   constexpr double k_as_wide_as_prior = 0.9;
+  constexpr double k_wider = 1.2;
   const int side = problem.space.active_bounds(result.location())(i);
   const bool has_others = result.intervals && result.intervals->mean.array().isFinite().any();
   const double width = finding.interval(1) - finding.interval(0);
@@ -85,7 +86,11 @@ void judge_parameter(const UpdatingProblem& problem, const UpdatingResult& resul
   if (!unseen.empty()) return set(Mark::not_seen, unseen);
   if (has_others && std::isnan(width)) return set(Mark::not_seen, "The tests do not determine its mean.");
   if (width >= k_as_wide_as_prior * prior_width) {
-    return set(Mark::not_seen, "Its interval is about as wide as the prior: the tests say little of it.");
+    return set(Mark::not_seen,
+               fmt::format("Its interval is {}: the tests say little of it.",
+                           width < k_wider * prior_width
+                               ? "about as wide as the prior's"
+                               : fmt::format("{:.2g} times as wide as the prior's", width / prior_width)));
   }
   if (!doubt.empty()) return set(Mark::doubtful, doubt);
   if (result.interval) {

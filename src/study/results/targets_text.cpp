@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mottle/model/units.hpp"
 #include "mottle/study/jobs/targets.hpp"
 #include "study/results/result_json.hpp"
 
@@ -54,7 +55,8 @@ RunSummary summarise(const TargetsOutcome& outcome) {
   RunSummary summary{.status = "done"};
   std::vector<std::string>& lines = summary.lines;
   for (const std::string& note : outcome.notes) lines.push_back("note: " + note);
-  std::string frequencies = "modes [Hz]:";
+  const char* const unit = unit_names(outcome.settings.units.value_or("SI")).frequency;
+  std::string frequencies = fmt::format("modes [{}]:", unit);
   for (const double frequency : outcome.frequencies) frequencies += fmt::format(" {:.5g}", frequency);
   lines.push_back(frequencies);
   for (std::string& line : table_lines(outcome)) lines.push_back(std::move(line));
@@ -76,6 +78,7 @@ RunSummary summarise(const TargetsOutcome& outcome) {
   summary.json = one_line(Json{{"command", "targets"},
                                {"model", outcome.settings.model.string()},
                                {"units", outcome.settings.units.value_or("SI")},
+                               {"frequency_unit", unit},
                                {"frequencies", to_json(outcome.frequencies)},
                                {"targets", targets},
                                {"left_out", outcome.left_out},

@@ -125,6 +125,14 @@ void say_region(const SummarySources& s, std::string& text) {
   }
 }
 
+/// " with the measurement's noise", where the model's scatter holds some.
+std::string noise_text(const SummarySources& s, const OutputAgreement& output) {
+  const bool is_known = s.problem.tests.repeatability_std(output.output) > 0.0;
+  const bool is_found =
+      s.result.noise_covariance.size() > 0 && s.result.noise_covariance(output.output, output.output) > 0.0;
+  return is_known || is_found ? " with the measurement's noise" : "";
+}
+
 void say_scatter(const SummarySources& s, std::vector<std::string>& sentences) {
   const OutputAgreement* worst =
       largest(s.agreement, [](const OutputAgreement& output) { return output.scatter_misfit(); });
@@ -141,10 +149,11 @@ void say_scatter(const SummarySources& s, std::vector<std::string>& sentences) {
         range_of_ratios(s), name_of(s, *worst), 100.0 * worst->min_std_ratio, 100.0 * worst->max_std_ratio);
   } else {
     text = fmt::format(
-        "Scatter is not reproduced: {}'s standard deviation in the updated model is {:.0f} % of the tests' ({:.0f} % "
+        "Scatter is not reproduced: {}'s standard deviation in the updated model{} is {:.0f} % of the tests' ({:.0f} % "
         "to "
         "{:.0f} % would be chance).",
-        name_of(s, *worst), 100.0 * worst->final.std_ratio, 100.0 * worst->min_std_ratio, 100.0 * worst->max_std_ratio);
+        name_of(s, *worst), noise_text(s, *worst), 100.0 * worst->final.std_ratio, 100.0 * worst->min_std_ratio,
+        100.0 * worst->max_std_ratio);
   }
   say_region(s, text);
   const bool is_noise_stated = worst == nullptr || s.problem.tests.repeatability_std(worst->output) > 0.0;

@@ -237,16 +237,52 @@ std::vector<std::string> FrequencyPairing::notes(const StructureModel& model) co
   return notes;
 }
 
-bool FrequencyPairing::differs_from_names(const StructureModel& model) const {
-  bool differs = false;
+bool FrequencyPairing::is_named_after_output(const FrequencyPair& pair, const StructureModel& model) const {
+  return number_of(pair) <= model.highest_mode() && model.is_output(number_of(pair) - 1);
+}
+
+std::vector<FrequencyPair> FrequencyPairing::other_than_named(const StructureModel& model) const {
+  std::vector<FrequencyPair> others;
   for (const FrequencyPair& pair : pairs_) {
-    const int named = numbers_[static_cast<std::size_t>(pair.test)] - 1;
-    if (named >= model.highest_mode() || !model.is_output(named)) continue;
-    if (pair.mode < 0 || pair.is_doubtful) return false;
-    const double difference = frequencies_(named) / means_(pair.test) - 1.0;
-    differs = differs || (pair.mode != named && std::abs(difference) > k_far);
+    if (!is_named_after_output(pair, model)) continue;
+    if (pair.mode < 0 || pair.is_doubtful) return {};
+    const double difference = frequencies_(number_of(pair) - 1) / means_(pair.test) - 1.0;
+    if (pair.mode != number_of(pair) - 1 && std::abs(difference) > k_far) others.push_back(pair);
   }
-  return differs;
+  return others;
+}
+
+std::string FrequencyPairing::note_on_names(const StructureModel& model, const TestedFrequencies& at_means) const {
+  std::vector<std::string> others;
+  for (const FrequencyPair& pair : other_than_named(model)) {
+    const auto mode = std::ranges::find(at_means.modes, number_of(pair));
+    const double moved =
+        mode == at_means.modes.end() ? std::nan("") : at_means.values(0, mode - at_means.modes.begin());
+    const double own = std::isnan(moved) ? frequencies_(number_of(pair) - 1) : moved;
+    if (std::abs(own / means_(pair.test) - 1.0) <= k_far) continue;
+    others.push_back(fmt::format("f{} ({:.4g} {}) is mode {} ({:.4g}), not {} ({:.4g})", number_of(pair),
+                                 means_(pair.test), model.selection().units.frequency, pair.mode + 1,
+                                 frequencies_(pair.mode), number_of(pair), own));
+  }
+  if (others.empty()) return {};
+  return fmt::format(
+      "Columns of the tests may be other modes of the model than their numbers say. By frequency {}. {}; \"order\" "
+      "says that the numbers are right.",
+      join(others), how_to_take(model));
+}
+
+/// What makes the pairs those of the study and is not refused for an output without column.
+std::string FrequencyPairing::how_to_take(const StructureModel& model) const {
+  const bool has_all = std::ranges::all_of(model.measured(), [&](const Quantity& output) {
+    return !numbered_title(output.name()) ||
+           std::ranges::find(pairs_, output.number - 1, &FrequencyPair::mode) != pairs_.end();
+  });
+  if (has_all) return "test.pairing = \"frequency\" pairs them so";
+  std::vector<std::string> modes;
+  for (const FrequencyPair& pair : pairs_) {
+    if (is_named_after_output(pair, model)) modes.push_back(fmt::format("{}", pair.mode + 1));
+  }
+  return fmt::format("outputs.frequencies = [{}] with test.pairing = \"frequency\" takes them so", join(modes));
 }
 
 }  // namespace mottle::study

@@ -9,6 +9,7 @@
 #include "mottle/formats/tables/csv.hpp"
 #include "mottle/layers.hpp"
 #include "mottle/model/structure_model.hpp"
+#include "study/tests/tested_frequencies.hpp"
 
 namespace mottle::study {
 
@@ -61,11 +62,21 @@ class FrequencyPairing {
   /// Which column is which mode, which pairs are doubtful, and which modes of the tests are not used.
   std::vector<std::string> notes(const StructureModel& model) const;
 
-  /// Whether by frequency all columns of the outputs' numbers have partners beyond doubt, and some another than their
-  /// numbers say, which are more than 15 % away.
-  bool differs_from_names(const StructureModel& model) const;
+  /// The pairs of columns of the outputs' numbers whose partner is another mode than that of their number, which is
+  /// more than 15 % away; none where the partner of any is in doubt.
+  std::vector<FrequencyPair> other_than_named(const StructureModel& model) const;
+
+  /// A sentence on those that are more than 15 % away from the mode of their number at the prior means too, and on what
+  /// takes the columns so; empty: there are none.
+  ///
+  /// @param at_means  frequencies of the outputs at the prior means, a row
+  std::string note_on_names(const StructureModel& model, const TestedFrequencies& at_means) const;
 
  private:
+  std::string how_to_take(const StructureModel& model) const;
+  bool is_named_after_output(const FrequencyPair& pair, const StructureModel& model) const;
+  int number_of(const FrequencyPair& pair) const { return numbers_[static_cast<std::size_t>(pair.test)]; }
+
   std::vector<int> numbers_;  // of the tests' modes as their columns name them, by ascending frequency
   std::vector<FrequencyPair> pairs_;
   Eigen::VectorXd means_;        // of the tests' modes, ascending

@@ -12,12 +12,6 @@
 namespace mottle::study {
 namespace {
 
-struct UnitFactor {
-  double value;  ///< of the tests' frequencies over the model's
-  const char* name;
-  const char* remedy;
-};
-
 constexpr double k_two_pi = 2.0 * std::numbers::pi;
 constexpr std::array k_unit_factors = {
     UnitFactor{k_two_pi, "2 pi", "are the tests in rad/s? Divide them by 2 pi."},
@@ -77,18 +71,6 @@ double mean_of(const std::vector<double>& values) {
   return sum / static_cast<double>(values.size());
 }
 
-const UnitFactor* find_factor(const std::vector<double>& ratios) {
-  for (const UnitFactor& factor : k_unit_factors) {
-    const bool is_rare = factor.value == 60.0 || factor.value == 1.0 / 60.0;  // one frequency alone fits many factors
-    if (is_rare && ratios.size() < 2) continue;
-    const auto near = std::count_if(ratios.begin(), ratios.end(), [&](double ratio) {
-      return std::abs(ratio - std::log(factor.value)) <= std::log(k_near);
-    });
-    if (!ratios.empty() && 4 * static_cast<std::size_t>(near) >= 3 * ratios.size()) return &factor;
-  }
-  return nullptr;
-}
-
 /// Quantile of a parameter's prior within what is physically possible.
 double possible_quantile(const ParameterSpace& space, Eigen::Index i, double probability) {
   const auto index = static_cast<std::size_t>(i);
@@ -130,16 +112,28 @@ std::string listed(const StructureModel& model, const std::vector<int>& modes, c
 
 }  // namespace
 
+const UnitFactor* find_unit_factor(const std::vector<double>& ratios) {
+  for (const UnitFactor& factor : k_unit_factors) {
+    const bool is_rare = factor.value == 60.0 || factor.value == 1.0 / 60.0;  // one frequency alone fits many factors
+    if (is_rare && ratios.size() < 2) continue;
+    const auto near = std::count_if(ratios.begin(), ratios.end(), [&](double ratio) {
+      return std::abs(ratio - std::log(factor.value)) <= std::log(k_near);
+    });
+    if (!ratios.empty() && 4 * static_cast<std::size_t>(near) >= 3 * ratios.size()) return &factor;
+  }
+  return nullptr;
+}
+
 void refuse_unit_errors(const Study& study, const StudyModel& made, const StudyTests& tests) {
   const StructureModel& model = *made.model;
   const TestedFrequencies frequencies = tested_frequencies(model, tests.data);
   const std::vector<int>& modes = frequencies.modes;
   const Eigen::VectorXd tested = means_of(frequencies);
   Eigen::VectorXd computed = reference_frequencies(model, modes);
-  if (find_factor(log_ratios(tested, computed)) == nullptr) return;
+  if (find_unit_factor(log_ratios(tested, computed)) == nullptr) return;
   computed = frequencies_at(model, modes, made.space->prior().mean());  // modes may be numbered at other parameters
   const std::vector<double> ratios = log_ratios(tested, computed);
-  const UnitFactor* const factor = find_factor(ratios);
+  const UnitFactor* const factor = find_unit_factor(ratios);
   if (factor == nullptr) return;
   const auto parameters = static_cast<Eigen::Index>(study.parameters.list.size());
   const std::vector<double> left =

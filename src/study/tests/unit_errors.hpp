@@ -1,10 +1,25 @@
 // Tests whose frequencies are in another unit than the model's: found before anything is updated.
 #pragma once
 
+#include <vector>
+
 #include "mottle/layers.hpp"
 #include "mottle/study/jobs/study_objects.hpp"
 
 namespace mottle::study {
+
+/// A factor between two units of frequency that are easily taken for each other.
+struct UnitFactor {
+  double value;  ///< of the tests' frequencies over the model's
+  const char* name;
+  const char* remedy;
+};
+
+/// The factor that three quarters of the ratios lie within a factor 1.5 of; null: none. One ratio alone is not taken
+/// for 60 or its inverse.
+///
+/// @param ratios  ln of tested over computed frequencies
+const UnitFactor* find_unit_factor(const std::vector<double>& ratios);
 
 /// Refuses tests whose frequencies are a common factor 2 pi, 60 or 1000, or the inverse of one, away from the model's.
 ///

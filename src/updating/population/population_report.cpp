@@ -115,9 +115,11 @@ void add_notes(const UpdatingProblem& problem, const PopulationFit& fit, const P
   }
   if (!fit.effects.converged && problem.tests.values.array().isNaN().any()) {
     result.warnings.push_back(fmt::format(
-        "The likelihood has no clear maximum: the specimens are too few, or too many of their entries are missing, for "
-        "the covariance of the parameters; {}leave parameters out.",
-        problem.covariance_groups.empty() ? "set update.covariance = \"diagonal\", or " : ""));
+        "The likelihood of the parameters' covariance has no clear maximum: entries of the tests are missing, and some "
+        "combination of the {} parameters hardly scatters, or the model does not fit the tests. Standard deviations "
+        "near 0 and their intervals are not to be relied on. Leave out parameters that the tests hardly see; state the "
+        "noise of the tests.",
+        problem.space.count()));
   }
 }
 

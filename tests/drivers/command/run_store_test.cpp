@@ -5,6 +5,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <csignal>
+
 #include "core/file_size_limit.hpp"
 #include "core/temporary_folder.hpp"
 #include "mottle/core/error.hpp"
@@ -51,6 +53,17 @@ TEST_F(RunStoreTest, WhatIsKeptIsThereAgain) {
   EXPECT_EQ(found.modes.eigenvalues, record_of(3.0).modes.eigenvalues);
   EXPECT_EQ(found.modes.shapes, record_of(3.0).modes.shapes);
   EXPECT_EQ(found.modes.degree_of_freedom_names, record_of(3.0).modes.degree_of_freedom_names);
+}
+
+TEST_F(RunStoreTest, WhatIsKeptIsThereAfterAKill) {
+  const pid_t mottle = ::fork();
+  if (mottle == 0) {
+    RunStore store(file_);
+    for (std::uint64_t i = 0; i < 5; ++i) store.keep({i, 7}, record_of(1.0));
+    ::kill(::getpid(), SIGKILL);
+  }
+  ::waitpid(mottle, nullptr, 0);
+  EXPECT_EQ(RunStore(file_).size(), 5U);
 }
 
 TEST_F(RunStoreTest, WhatAnotherRankKeepsIsFoundHere) {

@@ -166,6 +166,73 @@ TEST_F(SolverProcess, ItDoesNotOutliveAMottleThatIsKilled) {
   EXPECT_TRUE(is_gone("child"));
 }
 
+/// The number of the process that guards a program which ends well.
+class SolverProcesses : public SolverProcess {
+ protected:
+  std::string guard() {
+    EXPECT_EQ(run({"sh", "-c", "echo $PPID > guard"}).kind, ProcessEnd::Kind::done);
+    return read("guard");
+  }
+};
+
+TEST_F(SolverProcesses, OfASeriesHaveOneGuardThatEndsWithIt) {
+  EXPECT_NE(guard(), guard());
+  {
+    const mottle::drivers::ProcessSeries series;
+    const std::string first = guard();
+    EXPECT_EQ(guard(), first);
+    {
+      const mottle::drivers::ProcessSeries within;
+      EXPECT_NE(guard(), first);
+    }
+    EXPECT_EQ(guard(), first);
+    std::jthread([&] { EXPECT_NE(guard(), first); }).join();  // which has none
+  }
+  EXPECT_TRUE(is_gone("guard"));
+}
+
+TEST_F(SolverProcesses, OfASeriesAreNotDisturbedByTheEndOfOthers) {
+  const mottle::drivers::ProcessSeries series;
+  for (int turn = 0; turn < 3; ++turn) {
+    EXPECT_EQ(run({"sh", "-c", "exit 7"}).reason, "exit status 7");
+    EXPECT_THAT(run({"/no/such/program"}).reason, HasSubstr("No such file"));
+    EXPECT_EQ(run({"sleep", "1000"}, 50ms).kind, ProcessEnd::Kind::timed_out);
+    EXPECT_EQ(run({"sh", "-c", "sleep 1000 & echo $! > child"}).kind, ProcessEnd::Kind::done);
+    EXPECT_TRUE(is_gone("child"));
+  }
+  const std::string large(100'000, 'x');  // of an argument the system takes 128 KiB
+  EXPECT_EQ(run({"printf", "%s", large, large, large, large, large, large}).kind, ProcessEnd::Kind::done);
+  EXPECT_EQ(read("stdout.txt").size(), 600'000U);
+}
+
+TEST_F(SolverProcesses, OfASeriesDoNotNoticeThatTheirGuardWasKilledBetweenThem) {
+  const mottle::drivers::ProcessSeries series;
+  const std::string first = guard();
+  ::kill(std::stoi(first), SIGKILL);
+  siginfo_t ended;  // and stays, for the series to wait for it
+  ASSERT_EQ(::waitid(P_PID, static_cast<id_t>(std::stoi(first)), &ended, WEXITED | WNOWAIT), 0);
+  EXPECT_NE(guard(), first);
+}
+
+TEST_F(SolverProcesses, OfASeriesAreNotStartedByAGuardThatWasAskedToEndBetweenThem) {
+  const mottle::drivers::ProcessSeries series;
+  ::kill(std::stoi(guard()), SIGTERM);
+  EXPECT_EQ(run({"sh", "-c", "echo > started"}).kind, ProcessEnd::Kind::lost);
+  EXPECT_FALSE(std::filesystem::exists(folder_.path() / "started"));
+  guard();
+}
+
+TEST_F(SolverProcesses, LeaveNoGuardWhereMottleIsKilledBetweenThem) {
+  const pid_t mottle = ::fork();
+  if (mottle == 0) {
+    const mottle::drivers::ProcessSeries series;
+    guard();
+    ::kill(::getpid(), SIGKILL);
+  }
+  ::waitpid(mottle, nullptr, 0);
+  EXPECT_TRUE(is_gone("guard"));
+}
+
 TEST_F(SolverProcess, ManyAtOnceDoNotDisturbEachOther) {
   std::vector<std::jthread> threads;
   std::atomic<int> right{0};

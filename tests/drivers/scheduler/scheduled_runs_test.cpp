@@ -86,7 +86,7 @@ class PlayedScheduler final : public Scheduler {
   }
   static void work_late(const std::filesystem::path& folder, int task) {
     {
-      const Heartbeat heartbeat(task_folder(folder, task), std::chrono::milliseconds(10));
+      const auto heartbeat = Heartbeat::begin(task_folder(folder, task), std::chrono::milliseconds(10));
       std::this_thread::sleep_for(std::chrono::seconds(6));
     }
     do_all(folder, task);

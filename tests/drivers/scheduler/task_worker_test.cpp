@@ -4,6 +4,9 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <barrier>
+#include <fstream>
+#include <thread>
 
 #include "core/temporary_folder.hpp"
 #include "drivers/scheduler/heartbeat.hpp"
@@ -55,16 +58,32 @@ TEST_F(Worker, ATaskThatWasGivenUpDoesNothing) {
   EXPECT_EQ(read_heartbeat(task_folder(folder_ / "array", 1)), "") << "it is at its end";
 }
 
-TEST_F(Worker, ATaskIsDoneByOneProcessAtATime) {
-  const std::filesystem::path task = folder_ / "task";
-  std::filesystem::create_directories(task);
-  EXPECT_FALSE(is_beating(task, std::chrono::milliseconds(1)));
-  {
-    const Heartbeat heartbeat(task, std::chrono::milliseconds(20));
-    EXPECT_TRUE(is_beating(task, std::chrono::milliseconds(100)));
+/// How many of several that begin the heartbeat of a task at the same moment may do it.
+int winners(const std::filesystem::path& task) {
+  constexpr int k_rivals = 6;
+  std::barrier start(k_rivals);
+  std::vector<std::unique_ptr<Heartbeat>> found(k_rivals);
+  std::vector<std::jthread> threads;
+  for (std::unique_ptr<Heartbeat>& heartbeat : found) {
+    threads.emplace_back([&] {
+      start.arrive_and_wait();
+      heartbeat = Heartbeat::begin(task, std::chrono::milliseconds(400));
+    });
   }
-  mottle::write_file_atomically(task / "alive", "of a task that was killed");
-  EXPECT_FALSE(is_beating(task, std::chrono::milliseconds(20)));
+  threads.clear();
+  return static_cast<int>(std::ranges::count_if(found, [](const auto& heartbeat) { return heartbeat != nullptr; }));
+}
+
+TEST_F(Worker, ATaskIsDoneByOneProcessAtATime) {
+  EXPECT_EQ(winners(folder_.path()), 1);
+  EXPECT_EQ(read_heartbeat(folder_.path()), "") << "it is at its end";
+}
+
+TEST_F(Worker, ATaskThatADeadProcessHasLeftIsDoneByOneProcess) {
+  for (const char* left : {"of a task that was killed", ""}) {
+    std::ofstream(folder_ / "alive") << left;
+    EXPECT_EQ(winners(folder_.path()), 1) << left;
+  }
 }
 
 TEST_F(Worker, AFolderWithoutAnArrayIsRefused) {

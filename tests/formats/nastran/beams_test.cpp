@@ -35,9 +35,15 @@ TEST(NastranBeams, HaveAPropertyOfNumbers) {
   EXPECT_EQ(value_of(model, "PBAR:1:J"), 0.4);
   EXPECT_EQ(value_of(model, "PBAR:1:NSM"), 0.5);
   EXPECT_EQ(value_of(model, "PBAR:1:I12"), 0.01);
+  EXPECT_EQ(model.beam_properties.at(0).shear_1, 0.0) << "Nastran takes K1 and K2 for 0 where I12 is not";
+  EXPECT_EQ(model.beam_properties[0].shear_2, 0.0);
+  EXPECT_EQ(model.beam_properties[0].section, "");
+}
+
+TEST(NastranBeams, HaveShearWhereTheAxesArePrincipal) {
+  const FiniteElementModel model = cube_with("PBAR,1,1,.1,.2,.3,.4,.5\n,,,,,,,,\n,.8,.9\n");
   EXPECT_EQ(model.beam_properties.at(0).shear_1, 0.8);
   EXPECT_EQ(model.beam_properties[0].shear_2, 0.9);
-  EXPECT_EQ(model.beam_properties[0].section, "");
 }
 
 // Field 9 of old decks: 1 says that a vector stands in fields 6 to 8, 2 that field 6 names a grid point.

@@ -91,6 +91,29 @@ TEST(FormatUff, KeepsEveryBitOfNodesSystemsAndUnits) {
   EXPECT_EQ(parse_uff(format_uff(file, {.nodes = 15}), "again.uff").nodes[0].position(0), rounded(1.0 / 3.0, 6));
 }
 
+TEST(UffWriter, TraceLinesAndElementsComeBack) {
+  UffFile file;
+  file.trace_lines = {{.id = 1, .color = 8, .name = "wing", .nodes = {1, 2, 3, 0, 4, 5, 6, 7, 8, 9}},
+                      {.id = 2, .name = "tail", .nodes = {9, 8, 7, 6, 5, 4, 3, 2}}};
+  file.elements = {{.id = 5, .descriptor = 21, .color = 7, .beam = {0, 2, 3}, .nodes = {1, 2}},
+                   {.id = 6, .descriptor = 94, .physical_property = 3, .material_property = 4, .nodes = {1, 2, 3, 4}},
+                   {.id = 7, .descriptor = 116, .nodes = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12}}};
+  const UffFile again = parse_uff(format_uff(file), "again.uff");
+  ASSERT_EQ(again.trace_lines.size(), 2U);
+  ASSERT_EQ(again.elements.size(), 3U);
+  for (std::size_t k = 0; k < 2; ++k) {
+    EXPECT_EQ(again.trace_lines[k].nodes, file.trace_lines[k].nodes);
+    EXPECT_EQ(again.trace_lines[k].name, file.trace_lines[k].name);
+    EXPECT_EQ(again.trace_lines[k].color, file.trace_lines[k].color);
+  }
+  for (std::size_t k = 0; k < 3; ++k) {
+    EXPECT_EQ(again.elements[k].nodes, file.elements[k].nodes);
+    EXPECT_EQ(again.elements[k].beam, file.elements[k].beam);
+    EXPECT_EQ(again.elements[k].descriptor, file.elements[k].descriptor);
+    EXPECT_EQ(again.elements[k].material_property, file.elements[k].material_property);
+  }
+}
+
 struct Form {
   bool is_complex, is_double, is_even, is_binary, is_big_endian;
 };

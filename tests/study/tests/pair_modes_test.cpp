@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "core/message_of.hpp"
 #include "mottle/core/error.hpp"
@@ -19,18 +20,21 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-/// Frequencies sqrt(1, 2, 3) / (2 pi), mass-normalised shapes e_1, e_2, e_3.
+/// Frequencies 10, 20 and 30 Hz, mass-normalised shapes e_1, e_2, e_3.
+double stiffness(int mode) {
+  return std::pow(2.0 * std::numbers::pi * 10.0 * mode, 2);
+}
 StructureModel model(ShapeSize size = ShapeSize::mass_normalised) {
   MassSpringSystem system;
   for (const char* name : {"1:+X", "1:+Y", "1:+Z"}) system.masses.push_back({name, 1.0});
-  for (int k = 0; k < 3; ++k) system.springs.push_back({std::string("k") + "123"[k], k_ground, k, k + 1.0});
+  for (int k = 0; k < 3; ++k) system.springs.push_back({std::string("k") + "123"[k], k_ground, k, stiffness(k + 1)});
   const std::vector<ParameterTargets> targets = {{"k1", {"spring:k1"}, false}};
   return {separate(system, targets),
           {.frequencies = {1, 2, 3},
            .shape_modes = {1, 2},
            .shape_degrees_of_freedom = {"1:+X", "1:+Y"},
            .shape_size = size},
-          Eigen::VectorXd::Ones(1)};
+          Eigen::VectorXd::Constant(1, stiffness(1))};
 }
 
 /// Modes in the order 2, 1, 3 with some components mixed, at node 1 in a frame of one's own.

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <limits>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -59,8 +60,12 @@ class RunStore {
   std::optional<RunRecord> find(const Digest& key) const;
   /// Whether a run was kept, here or by another rank, since this object was made.
   bool is_new(const Digest& key) const;
+  /// Hands the run to the system at once: a kill of Mottle does not take it away. The disk is waited for once a second,
+  /// which a power failure may take away of runs that are shorter: such runs are done again.
   /// Throws NoRoom where the disk is full, SystemFailure where the file cannot be written.
   void keep(const Digest& key, const RunRecord& record);
+  /// Waits until all that was kept is on the disk, as the destructor does. Throws as keep().
+  void flush();
 
   std::size_t size() const { return own_.spans.size(); }
 
@@ -84,10 +89,13 @@ class RunStore {
   static void read_spans(File& file, bool is_new);
   static std::optional<RunRecord> find_in(const File& file, const Digest& key);
   void read_others(bool is_new) const;
+  [[noreturn]] void refuse(int error) const;
 
   File own_;
-  mutable std::vector<File> others_;  // which grow
-  mutable std::mutex mutex_;          // of both
+  mutable std::vector<File> others_;                              // which grow
+  mutable std::mutex mutex_;                                      // of all here
+  double flushed_at_ = -std::numeric_limits<double>::infinity();  // on the steady clock
+  bool is_unflushed_ = false;
 };
 
 }  // namespace mottle::drivers

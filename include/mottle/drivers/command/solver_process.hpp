@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -45,6 +46,22 @@ struct ProcessEnd {
 ///
 /// @throws SystemFailure  no process can be started (memory, limits)
 ProcessEnd run_process(const ProcessRequest& request);
+
+class GuardProcess;
+
+/// As long as it lives, programs that its thread runs one after the other share the process that guards them: to make
+/// one, a copy of Mottle, takes longer than to start many a program.
+class ProcessSeries {
+ public:
+  ProcessSeries();
+  ~ProcessSeries();
+  ProcessSeries(const ProcessSeries&) = delete;
+  ProcessSeries& operator=(const ProcessSeries&) = delete;
+
+ private:
+  std::unique_ptr<GuardProcess> guard_;
+  std::unique_ptr<GuardProcess>* before_ = nullptr;  ///< of the series around this one
+};
 
 /// The program's file: itself where `name` holds a slash, else the first of that name on PATH; empty: there is none.
 std::filesystem::path find_program(const std::string& name);

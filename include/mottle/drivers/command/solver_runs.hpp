@@ -64,6 +64,8 @@ class SolverRuns {
   std::optional<RunRecord> find(const Digest& key) const;
   /// Keeps a run that was done elsewhere, and its folder where it has one: see RunFolders::keep. Throws SystemFailure.
   void keep(const Digest& key, const RunRecord& record);
+  /// Before a batch is handed on, or what else holds its runs goes: they are on the disk. Throws SystemFailure.
+  void flush();
   std::filesystem::path keep_folder(const std::filesystem::path& folder, bool has_failed, const std::string& name);
   /// Throws SystemFailure where nothing more can be written there.
   void require_room(const std::filesystem::path& folder) const { folders_->require_room(folder); }

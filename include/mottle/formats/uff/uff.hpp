@@ -145,7 +145,7 @@ struct UffWriteOptions {
   bool is_big_endian = false;  ///< byte order of binary functions
 };
 
-/// Writes header, units, nodes, shapes and functions; coordinate systems as 2420.
+/// Writes header, units, nodes, trace lines, elements, shapes and functions; coordinate systems as 2420.
 ///
 /// What is read again is what the format's digits hold: positions of 2411, axes, factors of 164, values of 58b and of a
 /// double-precision 58 to 17, 17, 18, all and 12 digits; positions of 15, shapes and a single-precision 58 to 6 digits.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <atomic>
 #include <memory>
 #include <string>
 
@@ -11,10 +12,11 @@ namespace mottle::linalg {
 
 /// Options of the eigenvalue solution.
 struct SparseModesOptions {
-  int modes = 10;             ///< how many of the lowest, >= 1
-  double tolerance = 1e-10;   ///< relative residual of the shift-inverted problem
-  bool counts_below = false;  ///< factorise once more above the last mode and count the modes below
-  bool measures = true;       ///< finds the residuals, at the cost of a few products
+  int modes = 10;                           ///< how many of the lowest, >= 1
+  double tolerance = 1e-10;                 ///< relative residual of the shift-inverted problem
+  bool counts_below = false;                ///< factorise once more above the last mode and count the modes below
+  bool measures = true;                     ///< finds the residuals, at the cost of a few products
+  const std::atomic<bool>* stop = nullptr;  ///< true: to be stopped, between two block steps or factorisations
 };
 
 /// The lowest modes, their residuals and the count of eigenvalues that verifies them.
@@ -60,6 +62,7 @@ class SparseModeSolver {
   /// @param stiffness, mass  lower triangles, compressed; another pattern than before costs a symbolic factorisation
   /// @throws InvalidInput    shapes that do not fit, modes < 1
   /// @throws SystemFailure   not enough memory
+  /// @throws Stopped         on request
   SparseModes solve(const SparseMatrix& stiffness, const SparseMatrix& mass, const SparseModesOptions& options);
 
   /// Makes the factor of K - shift M alone, as solve() would: the same numbers.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <atomic>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -23,6 +24,7 @@ struct ModesSettings {
   std::set<std::string> ignore_cards = {};
   std::optional<int> subcase = std::nullopt;  ///< id; without it the first one that asks for modes
   bool writes_universal_file = false;         ///< also modes.uff, for programs of the test laboratory
+  const std::atomic<bool>* stop = nullptr;    ///< true: the solution is to be stopped
 };
 
 /// A deck with its modes, opaque: src/study/jobs/solved_deck.hpp.
@@ -62,7 +64,8 @@ GridShapes grid_shapes(const ModesOutcome& outcome);
 /// @param folder  where results of an earlier run are set aside; empty: nowhere
 ///
 /// Throws InvalidInput: a deck or CSV that cannot be understood, shapes without a degree of freedom in common;
-/// SystemFailure: the modes do not converge, or fewer were found than the inertia of K - s M counts.
+/// SystemFailure: the modes do not converge, or fewer were found than the inertia of K - s M counts; Stopped: on
+/// request.
 ModesOutcome find_modes(const ModesSettings& settings, const std::filesystem::path& folder = {});
 
 /// modes.csv (frequencies, residuals), modes.json (what the page shows), modes.vtu, modes.uff where it is wanted.

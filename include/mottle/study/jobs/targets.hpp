@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <atomic>
 #include <filesystem>
 #include <optional>
 #include <set>
@@ -22,6 +23,7 @@ struct TargetsSettings {
   std::optional<std::string> units = std::nullopt;  ///< "SI", ..., only named; without them guessed from the materials
   std::filesystem::path cache = {};                 ///< of CalculiX's matrices, as InitSettings::cache
   bool lists_all = false;                           ///< also numbers that are zero, change no mode or are seldom wrong
+  const std::atomic<bool>* stop = nullptr;          ///< true: the solution of a Nastran deck is to be stopped
 };
 
 /// A number that a parameter may act on.
@@ -59,7 +61,7 @@ struct TargetsOutcome {
 /// Of a CalculiX deck moduli, densities, springs and masses, and thicknesses where they cost no runs or `lists_all` is
 /// set; without energies, by derivatives of its matrices or central differences of runs.
 ///
-/// Throws InvalidInput, FormatError, SystemFailure as find_modes().
+/// Throws InvalidInput, FormatError, SystemFailure, Stopped as find_modes().
 TargetsOutcome find_targets(const TargetsSettings& settings);
 
 /// A table for a person: the most sensitive mode of each. JSON and CSV have every mode.

@@ -1,5 +1,7 @@
 // [model] of kind "command": a solver that is run by its command.
+#include "mottle/core/files.hpp"
 #include "mottle/core/text.hpp"
+#include "mottle/drivers/command/template_file.hpp"
 #include "study/models/command/read_command.hpp"
 #include "study/models/model_parts.hpp"
 #include "study/models/registry.hpp"
@@ -46,6 +48,20 @@ class CommandSource final : public ModelSource {
     return programs;
   }
   bool keeps_runs() const override { return true; }
+
+  /// The solver's input as a run with these values has it; what the command's arguments alone say is no file.
+  std::optional<ExportedModel> export_at(const std::vector<ParameterTargets>& parameters,
+                                         const Eigen::VectorXd& values) const override {
+    if (command_.templates.empty()) return std::nullopt;
+    std::vector<std::string> names;
+    for (const ParameterTargets& parameter : parameters) names.push_back(parameter.targets.front());
+    ExportedModel exported;
+    for (const RunFile& file : command_.templates) {
+      const std::string text = file.text ? *file.text : read_file(file.source);
+      exported.files.push_back({file.name, drivers::Template(text, file.source.string(), names).fill(values)});
+    }
+    return exported;
+  }
   bool needs_ranks() const override { return command_.needs_ranks; }
 
   bool has_targets() const override { return false; }
