@@ -57,13 +57,6 @@ std::shared_ptr<const SampledPosterior> put_together(const std::vector<Corrected
   return std::make_shared<const SampledPosterior>(std::move(posterior));
 }
 
-HierarchicalDraws draws_of(const std::vector<CorrectedIsland>& islands, const PopulationPrior& prior,
-                           const HierarchicalTarget& target) {
-  HierarchicalDraws draws{.populations = prior.populations(all_rows(islands, &SampledIsland::points))};
-  draws.specimens = target.specimen_points(draws.populations, all_rows(islands, &CorrectedIsland::auxiliaries));
-  return draws;
-}
-
 }  // namespace
 
 const OptionTable<HierarchicalOptions>& hierarchical_option_table() {
@@ -107,13 +100,14 @@ UpdatingResult HierarchicalUpdater::update(const UpdatingProblem& problem, const
     const std::vector<CorrectedIsland> islands =
         sample_corrected(target.target(), target.correction(), settings_of(options_), context);
     result.model_evaluations += target.evaluations();
-    const HierarchicalDraws draws = draws_of(islands, prior, target);
+    HierarchicalDraws draws{.populations = prior.populations(all_rows(islands, &SampledIsland::points))};
+    const DrawnSpecimens drawn = target.specimens(draws.populations, all_rows(islands, &CorrectedIsland::auxiliaries));
+    draws.specimens = drawn.points;
     NamedDraws named = named_draws(problem, prior, draws);
     if (!named.has_specimens)
       result.notes.emplace_back("posterior.csv holds the population alone: the specimens' parameters are too many.");
     result.posterior = put_together(
-        islands,
-        target.log_likelihood(draws.populations, draws.specimens, all_rows(islands, &CorrectedIsland::log_ratio)),
+        islands, target.log_likelihood(draws.populations, drawn, all_rows(islands, &CorrectedIsland::log_ratio)),
         std::move(named), target);
     const bool is_finished =
         std::all_of(islands.begin(), islands.end(), [](const auto& one) { return one.island.is_finished; });

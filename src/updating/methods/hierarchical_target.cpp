@@ -41,7 +41,7 @@ SamplingTarget HierarchicalTarget::target() const {
 
 Correction HierarchicalTarget::correction() {
   return {.blocks = static_cast<Eigen::Index>(specimens_.size()),
-          .block_size = problem_.space.count(),
+          .block_size = problem_.space.count() + 1,
           .log_ratio = [this](const Eigen::MatrixXd& points,
                               const Eigen::MatrixXd& auxiliaries) { return log_ratio(points, auxiliaries); },
           .is_possible =
@@ -54,7 +54,7 @@ Correction HierarchicalTarget::correction() {
 Correction::IsPossible HierarchicalTarget::are_specimens_possible(const Eigen::MatrixXd& points,
                                                                   const Eigen::MatrixXd& auxiliaries) const {
   const auto n = static_cast<Eigen::Index>(specimens_.size());
-  const Eigen::MatrixXd all = one_below_the_other(specimen_points(prior_.populations(points), auxiliaries), n);
+  const Eigen::MatrixXd all = one_below_the_other(specimens(prior_.populations(points), auxiliaries).points, n);
   const Eigen::MatrixXd x = to_variables(problem_.space.transforms(), all);
   Correction::IsPossible possible(points.rows(), n);
   for (Eigen::Index i = 0; i < possible.rows(); ++i) {
@@ -80,18 +80,20 @@ Eigen::VectorXd HierarchicalTarget::log_linear(const Eigen::MatrixXd& points) co
   return logs;
 }
 
-Eigen::MatrixXd HierarchicalTarget::specimen_points(const std::vector<PopulationAt>& populations,
-                                                    const Eigen::MatrixXd& auxiliaries) const {
+DrawnSpecimens HierarchicalTarget::specimens(const std::vector<PopulationAt>& populations,
+                                             const Eigen::MatrixXd& auxiliaries) const {
   const Eigen::Index q = problem_.space.count();
-  Eigen::MatrixXd found(auxiliaries.rows(), auxiliaries.cols());
-  parallel_for(found.rows(), k_grain, context_.threads, [&](std::int64_t begin, std::int64_t end) {
-    SpecimenAlgebra algebra;
+  const auto n = static_cast<Eigen::Index>(specimens_.size());
+  DrawnSpecimens found{Eigen::MatrixXd(auxiliaries.rows(), n * q), Eigen::MatrixXd(auxiliaries.rows(), n)};
+  parallel_for(auxiliaries.rows(), k_grain, context_.threads, [&](std::int64_t begin, std::int64_t end) {
+    DefensiveDraws draws;
     for (std::int64_t i = begin; i < end; ++i) {
-      for (std::size_t s = 0; s < specimens_.size(); ++s) {
-        const Eigen::Index first = static_cast<Eigen::Index>(s) * q;
-        algebra.condition(specimens_[s], populations[static_cast<std::size_t>(i)]);
-        found.row(i).segment(first, q) =
-            algebra.parameters(auxiliaries.row(i).segment(first, q).transpose()).transpose();
+      for (Eigen::Index s = 0; s < n; ++s) {
+        const SpecimenDraw drawn =
+            draws.draw(specimens_[static_cast<std::size_t>(s)], populations[static_cast<std::size_t>(i)],
+                       auxiliaries.row(i).segment(s * (q + 1), q + 1).transpose());
+        found.points.row(i).segment(s * q, q) = drawn.parameters.transpose();
+        found.log_ratio(i, s) = drawn.log_ratio;
       }
     }
   });
@@ -101,34 +103,35 @@ Eigen::MatrixXd HierarchicalTarget::specimen_points(const std::vector<Population
 Eigen::MatrixXd HierarchicalTarget::log_ratio(const Eigen::MatrixXd& points, const Eigen::MatrixXd& auxiliaries) {
   const std::vector<PopulationAt> populations = prior_.populations(points);
   const auto n = static_cast<Eigen::Index>(specimens_.size());
-  const Eigen::MatrixXd all = one_below_the_other(specimen_points(populations, auxiliaries), n);
+  const DrawnSpecimens drawn = specimens(populations, auxiliaries);
+  const Eigen::MatrixXd all = one_below_the_other(drawn.points, n);
   if (!near_) near_ = std::make_unique<const RegionalProblem>(problem_, region_of(problem_, all));
   const Eigen::MatrixXd outputs = outputs_on_scales(near_->problem(), all, context_, evaluations_);
-  Eigen::MatrixXd ratio(points.rows(), n);
+  Eigen::MatrixXd ratio = drawn.log_ratio;
   for (Eigen::Index i = 0; i < ratio.rows(); ++i) {
     for (Eigen::Index s = 0; s < n; ++s) {
       const Eigen::Index row = i * n + s;
       const bool has_failed = !outputs.row(row).allFinite();
       failed_ += has_failed ? 1 : 0;
-      ratio(i, s) = has_failed
-                        ? -std::numeric_limits<double>::infinity()
-                        : log_ratio_to_linear(specimens_[static_cast<std::size_t>(s)],
-                                              populations[static_cast<std::size_t>(i)], all.row(row).transpose(),
-                                              outputs.row(row).transpose(), problem_.tests.values.row(s).transpose());
+      ratio(i, s) += has_failed
+                         ? -std::numeric_limits<double>::infinity()
+                         : log_ratio_to_linear(specimens_[static_cast<std::size_t>(s)],
+                                               populations[static_cast<std::size_t>(i)], all.row(row).transpose(),
+                                               outputs.row(row).transpose(), problem_.tests.values.row(s).transpose());
     }
   }
   return ratio;
 }
 
 Eigen::VectorXd HierarchicalTarget::log_likelihood(const std::vector<PopulationAt>& populations,
-                                                   const Eigen::MatrixXd& specimen_points,
+                                                   const DrawnSpecimens& drawn,
                                                    const Eigen::MatrixXd& log_ratio) const {
   const Eigen::Index q = problem_.space.count();
-  Eigen::VectorXd logs = log_ratio.rowwise().sum();
+  Eigen::VectorXd logs = (log_ratio - drawn.log_ratio).rowwise().sum();
   for (Eigen::Index i = 0; i < logs.size(); ++i) {
     for (std::size_t s = 0; s < specimens_.size(); ++s) {
       logs(i) += log_density_linear(specimens_[s], populations[static_cast<std::size_t>(i)],
-                                    specimen_points.row(i).segment(static_cast<Eigen::Index>(s) * q, q).transpose());
+                                    drawn.points.row(i).segment(static_cast<Eigen::Index>(s) * q, q).transpose());
     }
   }
   return logs;

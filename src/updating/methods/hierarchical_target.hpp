@@ -14,6 +14,12 @@
 
 namespace mottle::updating {
 
+/// Every specimen of every point.
+struct DrawnSpecimens {
+  Eigen::MatrixXd points;     ///< parameters on the scales, specimens side by side [point x specimen * parameter]
+  Eigen::MatrixXd log_ratio;  ///< as SpecimenDraw's [point x specimen]
+};
+
 /// The density of the tests and of their specimens' parameters t_s is that of linear specimens, whose parameters are
 /// known in closed form given the population, times one ratio for each specimen:
 ///
@@ -29,13 +35,11 @@ class HierarchicalTarget {
 
   SamplingTarget target() const;
   Correction correction();
-  /// Parameters of every specimen on the scales, specimens side by side [point x specimen * parameter].
-  Eigen::MatrixXd specimen_points(const std::vector<PopulationAt>& populations,
-                                  const Eigen::MatrixXd& auxiliaries) const;
+  DrawnSpecimens specimens(const std::vector<PopulationAt>& populations, const Eigen::MatrixXd& auxiliaries) const;
   /// ln of the density of all tests given their specimens' parameters [point].
-  Eigen::VectorXd log_likelihood(const std::vector<PopulationAt>& populations, const Eigen::MatrixXd& specimen_points,
+  /// @param log_ratio  of the correction [point x specimen]
+  Eigen::VectorXd log_likelihood(const std::vector<PopulationAt>& populations, const DrawnSpecimens& drawn,
                                  const Eigen::MatrixXd& log_ratio) const;
-  const std::vector<LinearSpecimen>& specimens() const { return specimens_; }
   std::int64_t evaluations() const { return evaluations_; }
   std::int64_t failed() const { return failed_; }
   /// The problem with a model that is adapted to where the specimens are.

@@ -1,10 +1,12 @@
 #include "updating/population/linear_specimens.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
 
 #include "mottle/linalg/dense/decompositions.hpp"
+#include "mottle/stats/distributions/standard_normal.hpp"
 #include "updating/methods/measured_outputs.hpp"
 #include "updating/methods/scaled_parameters.hpp"
 
@@ -45,9 +47,8 @@ void SpecimenAlgebra::reflect(Eigen::Index j) {
   residual_ -= along * design_.col(j);
 }
 
-double SpecimenAlgebra::condition(const LinearSpecimen& specimen, const PopulationAt& population) {
+double SpecimenAlgebra::condition(const LinearSpecimen& specimen, const PopulationAt& population, double power) {
   constexpr double k_no_digits = 1e24;
-  population_ = &population;
   const Eigen::Index rows = specimen.design.rows();
   const Eigen::Index q = population.mean.size();
   design_.resize(rows, q);
@@ -57,7 +58,7 @@ double SpecimenAlgebra::condition(const LinearSpecimen& specimen, const Populati
   double log_noise = 0.0;
   for (Eigen::Index k = 0; k < rows; ++k) {
     const double noise = population.noise(specimen.outputs[static_cast<std::size_t>(k)]);
-    const double weight = 1.0 / std::sqrt(noise);
+    const double weight = std::sqrt(power / noise);
     residual_(k) = weight * residual_of(specimen, population, population.mean, k);
     for (Eigen::Index j = 0; j < q; ++j) {
       double sum = 0.0;
@@ -70,23 +71,47 @@ double SpecimenAlgebra::condition(const LinearSpecimen& specimen, const Populati
   double log_determinant = 0.0;
   for (Eigen::Index j = 0; j < q; ++j) {
     reflect(j);
-    log_determinant += 2.0 * std::log(factor_(j, j));
+    log_determinant += std::log(factor_(j, j));
   }
-  return -0.5 * (static_cast<double>(rows) * k_log_two_pi + log_noise + log_determinant + residual_.squaredNorm());
+  return -0.5 * (static_cast<double>(rows) * k_log_two_pi + log_noise + residual_.squaredNorm()) - log_determinant;
 }
 
-Eigen::VectorXd SpecimenAlgebra::parameters(const Eigen::Ref<const Eigen::VectorXd>& normals) const {
+Eigen::VectorXd SpecimenAlgebra::scores(const Eigen::Ref<const Eigen::VectorXd>& normals) const {
   const Eigen::Index q = normals.size();
   Eigen::VectorXd scores = projected_ + normals;
   for (Eigen::Index i = q - 1; i >= 0; --i) {
     for (Eigen::Index j = i + 1; j < q; ++j) scores(i) -= factor_(i, j) * scores(j);
     scores(i) /= factor_(i, i);
   }
-  Eigen::VectorXd found = population_->mean;
-  for (Eigen::Index i = 0; i < q; ++i) {
-    for (Eigen::Index j = 0; j <= i; ++j) found(i) += population_->factor(i, j) * scores(j);
+  return scores;
+}
+
+double SpecimenAlgebra::log_density(const Eigen::Ref<const Eigen::VectorXd>& scores) const {
+  double log = 0.0;
+  for (Eigen::Index i = 0; i < scores.size(); ++i) {
+    double apart = -projected_(i);
+    for (Eigen::Index j = i; j < scores.size(); ++j) apart += factor_(i, j) * scores(j);
+    log += std::log(factor_(i, i)) - 0.5 * apart * apart;
   }
-  return found;
+  return log;
+}
+
+SpecimenDraw DefensiveDraws::draw(const LinearSpecimen& specimen, const PopulationAt& population,
+                                  const Eigen::Ref<const Eigen::VectorXd>& scores) {
+  constexpr std::array<double, k_components> k_power = {1.0, 0.25, 0.0};
+  constexpr std::array<double, k_components> k_share = {0.8, 0.1, 0.1};
+  const Eigen::Index q = scores.size() - 1;
+  const double probability = standard_normal_cdf(scores(q));
+  const std::size_t chosen = probability < k_share[0] ? 0 : (probability < k_share[0] + k_share[1] ? 1 : 2);
+  for (std::size_t k = 0; k < k_components; ++k) components_[k].condition(specimen, population, k_power[k]);
+  const Eigen::VectorXd w = components_[chosen].scores(scores.head(q));
+  std::array<double, k_components> log_density{};
+  for (std::size_t k = 0; k < k_components; ++k) log_density[k] = components_[k].log_density(w);
+  const double largest = *std::max_element(log_density.begin(), log_density.end());
+  double sum = 0.0;
+  for (std::size_t k = 0; k < k_components; ++k) sum += k_share[k] * std::exp(log_density[k] - largest);
+  return {.parameters = population.mean + population.factor.triangularView<Eigen::Lower>() * w,
+          .log_ratio = log_density.front() - largest - std::log(sum)};
 }
 
 double log_density_linear(const LinearSpecimen& specimen, const PopulationAt& population,

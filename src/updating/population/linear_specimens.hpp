@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -33,20 +34,46 @@ struct LinearSpecimen {
 class SpecimenAlgebra {
  public:
   /// Sets a specimen and a population.
-  /// @return  ln N(z), the specimen's parameters integrated out; -infinity where D is beyond 1e12
-  double condition(const LinearSpecimen& specimen, const PopulationAt& population);
-  /// Parameters given the test: mu + F U^-1 (y + v) [parameter].
+  /// @param power  1; of the likelihood, as if the noise were R / power: 0 leaves the population alone
+  /// @return       ln N(z), the specimen's parameters integrated out; -infinity where D is beyond 1e12
+  double condition(const LinearSpecimen& specimen, const PopulationAt& population, double power = 1.0);
+  /// w given the test: U^-1 (y + v) [parameter].
   /// @param normals  v ~ N(0, 1) [parameter]
-  Eigen::VectorXd parameters(const Eigen::Ref<const Eigen::VectorXd>& normals) const;
+  Eigen::VectorXd scores(const Eigen::Ref<const Eigen::VectorXd>& normals) const;
+  /// ln of the density of w given the test, without the factor (2 pi)^(-q / 2): ln |U| - |U w - y|^2 / 2.
+  double log_density(const Eigen::Ref<const Eigen::VectorXd>& scores) const;
 
  private:
   void reflect(Eigen::Index j);
 
-  const PopulationAt* population_ = nullptr;
   Eigen::MatrixXd design_;     // D, then reflected
   Eigen::VectorXd residual_;   // r, then rest
   Eigen::MatrixXd factor_;     // U
   Eigen::VectorXd projected_;  // y
+};
+
+/// Parameters of a specimen, drawn with tails that no model exceeds by much.
+struct SpecimenDraw {
+  Eigen::VectorXd parameters;  ///< t
+  double log_ratio = 0.0;      ///< ln of N(t) given population and linear test, over the density that t was drawn from
+};
+
+/// Draws from a mixture of what is known of a specimen by its linear test, by that test with a fraction of its
+/// information, and by the population alone:
+///
+///   q(t) = sum_k pi_k N(t | z, noise R / power_k)
+///
+/// Where the model is flatter than its linear specimen, its posterior has wider tails; weights of draws from q stay
+/// below the largest likelihood over pi_k times that of the linear test. Source: [Hesterberg1995].
+class DefensiveDraws {
+ public:
+  /// @param scores  q + 1 standard normal variables: v of each component, and which one
+  SpecimenDraw draw(const LinearSpecimen& specimen, const PopulationAt& population,
+                    const Eigen::Ref<const Eigen::VectorXd>& scores);
+
+ private:
+  static constexpr std::size_t k_components = 3;
+  std::array<SpecimenAlgebra, k_components> components_;
 };
 
 /// ln N(z; f(t0) + G (t - t0) + d, R), the test given its specimen's parameters.

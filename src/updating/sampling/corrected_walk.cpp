@@ -91,10 +91,7 @@ void CorrectedWalk::receive_start(const Eigen::Ref<const Eigen::MatrixXd>& log_r
 }
 
 void CorrectedWalk::begin_stage() {
-  // Where blocks have heavier tails than N's, weights of a long step are too, of which few particles show nothing.
-  constexpr double k_short_steps = 0.95;
-  const StageWeights next =
-      next_stage(log_ratio_.rowwise().sum(), exponent_, std::max(settings_.effective_fraction, k_short_steps));
+  const StageWeights next = next_stage(log_ratio_.rowwise().sum(), exponent_, settings_.effective_fraction);
   exponent_ = next.exponent;
   log_evidence_ += next.log_mean;
   stages_.push_back({.exponent = exponent_, .effective_samples = next.effective_samples});

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 namespace mottle::updating {
 namespace {
@@ -47,9 +48,12 @@ TEST(LinearSpecimens, HaveTheDensityAndTheParametersOfANormalLaw) {
   EXPECT_NEAR(log_density,
               -0.5 * (2.0 * k_log_two_pi + std::log(total.determinant()) + apart.dot(total.inverse() * apart)), 1e-12);
   const Eigen::Vector2d mean = population.mean + scatter * g.transpose() * total.inverse() * apart;
-  EXPECT_LT((algebra.parameters(Eigen::Vector2d::Zero()) - mean).norm(), 1e-12);
+  const auto parameters = [&](const Eigen::Vector2d& normals) -> Eigen::Vector2d {
+    return population.mean + population.factor * algebra.scores(normals);
+  };
+  EXPECT_LT((parameters(Eigen::Vector2d::Zero()) - mean).norm(), 1e-12);
   Eigen::Matrix2d root;
-  for (Eigen::Index i = 0; i < 2; ++i) root.col(i) = algebra.parameters(Eigen::Vector2d::Unit(i)) - mean;
+  for (Eigen::Index i = 0; i < 2; ++i) root.col(i) = parameters(Eigen::Vector2d::Unit(i)) - mean;
   const Eigen::Matrix2d covariance = scatter - scatter * g.transpose() * total.inverse() * g * scatter;
   EXPECT_LT((root * root.transpose() - covariance).norm(), 1e-12);
 }
@@ -83,6 +87,51 @@ TEST(LinearSpecimens, AreImpossibleUnderAScatterOfWhichNoDigitsAreLeft) {
   measured.population.factor *= 1e13;
   EXPECT_EQ(SpecimenAlgebra().condition(measured.specimen, measured.population),
             -std::numeric_limits<double>::infinity());
+}
+
+/// Density of a component of the mixture, by the normal law of specimens under noise R / power.
+double component_density(const Measured& measured, double power, const Eigen::Vector2d& parameters) {
+  const Eigen::Matrix2d& g = measured.specimen.design;
+  const Eigen::Matrix2d scatter = measured.population.factor * measured.population.factor.transpose();
+  const Eigen::Vector2d information = power * Eigen::Vector2d(0.04, 0.09).cwiseInverse();
+  const Eigen::Vector2d residual = measured.specimen.residual - Eigen::Vector2d(0.05, -0.1);
+  const Eigen::Matrix2d precision = scatter.inverse() + g.transpose() * information.asDiagonal() * g;
+  const Eigen::Vector2d pull = scatter.inverse() * measured.population.mean +
+                               g.transpose() * information.asDiagonal() * (residual + g * measured.specimen.point);
+  const Eigen::Vector2d apart = parameters - precision.inverse() * pull;
+  return std::sqrt(precision.determinant()) / (2.0 * std::numbers::pi) * std::exp(-0.5 * apart.dot(precision * apart));
+}
+
+TEST(DefensiveDraws, KnowTheDensityThatTheyCameFrom) {
+  const Measured measured;
+  DefensiveDraws draws;
+  for (const double which : {-2.0, 0.8, 0.9, 1.2, 1.3, 3.0}) {  // shares end at the scores 0.84 and 1.28
+    for (const double far : {0.0, 1.0, -6.0}) {
+      const Eigen::Vector3d scores(far, 0.5, which);
+      const SpecimenDraw drawn = draws.draw(measured.specimen, measured.population, scores);
+      const double linear = component_density(measured, 1.0, drawn.parameters);
+      const double mixture = 0.8 * linear + 0.1 * component_density(measured, 0.25, drawn.parameters) +
+                             0.1 * component_density(measured, 0.0, drawn.parameters);
+      EXPECT_NEAR(drawn.log_ratio, std::log(linear / mixture), 1e-9) << which << " " << far;
+    }
+  }
+}
+
+TEST(DefensiveDraws, TakeTheComponentThatTheLastScoreNames) {
+  const Measured measured;
+  const Eigen::Vector2d normals(-1.5, 0.7);
+  DefensiveDraws draws;
+  const auto drawn = [&](double which) -> Eigen::Vector2d {
+    return draws.draw(measured.specimen, measured.population, Eigen::Vector3d(normals(0), normals(1), which))
+        .parameters;
+  };
+  for (const auto& [which, power] : {std::pair{0.84, 1.0}, {0.85, 0.25}, {1.28, 0.25}, {1.29, 0.0}}) {
+    SpecimenAlgebra algebra;
+    algebra.condition(measured.specimen, measured.population, power);
+    const Eigen::Vector2d expected = measured.population.mean + measured.population.factor * algebra.scores(normals);
+    EXPECT_LT((drawn(which) - expected).norm(), 1e-14) << which;
+  }
+  EXPECT_LT((drawn(2.0) - measured.population.mean - measured.population.factor * normals).norm(), 1e-14);
 }
 
 }  // namespace
