@@ -43,9 +43,9 @@ std::vector<std::string> doubts_of(const SampledPosterior& posterior, const std:
   }
   if (short_stages > 0) {
     doubts.push_back(fmt::format(
-        "In {} stages {} moves did not decorrelate the particles from their start (a correlation of {:.2f} was left, "
-        "{} is asked for); give more moves ({}.max_moves).",
-        short_stages, options.max_moves, worst, options.decorrelation, method));
+        "In {} stages the moves allowed did not decorrelate the particles from their start (a correlation of {:.2f} "
+        "was left, {} is asked for); give more moves ({}.max_moves).",
+        short_stages, worst, options.decorrelation, method));
   }
   return doubts;
 }

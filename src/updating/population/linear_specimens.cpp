@@ -53,8 +53,8 @@ double SpecimenAlgebra::condition(const LinearSpecimen& specimen, const Populati
   const Eigen::Index q = population.mean.size();
   design_.resize(rows, q);
   residual_.resize(rows);
-  factor_.resize(q, q);
-  projected_.resize(q);
+  factor_.setZero(q, q);
+  projected_.setZero(q);
   double log_noise = 0.0;
   for (Eigen::Index k = 0; k < rows; ++k) {
     const double noise = population.noise(specimen.outputs[static_cast<std::size_t>(k)]);

@@ -15,7 +15,8 @@ namespace {
 constexpr double k_minus_infinity = -std::numeric_limits<double>::infinity();
 constexpr double k_wanted_acceptance = 0.3;
 constexpr double k_smallest_step = 1e-3;
-constexpr int k_least_sweeps = 3;  // correlations say little of tails
+constexpr int k_least_sweeps = 3;       // correlations say little of tails
+constexpr int k_moves_of_a_sweep = 10;  // or more: a stage has a tenth of the most moves as sweeps at most
 
 Eigen::MatrixXd known(const Eigen::Ref<const Eigen::MatrixXd>& log_ratio) {
   return log_ratio.unaryExpr([](double value) { return std::isnan(value) ? k_minus_infinity : value; });
@@ -174,11 +175,12 @@ void CorrectedWalk::judge_walk(const Eigen::Ref<const Eigen::MatrixXd>& log_rati
   SamplingStage& stage = stages_.back();
   stage.moves = static_cast<int>(sweep_);
   stage.acceptance = accepted_ / static_cast<double>(sweep_);
+  const int most = std::max(k_least_sweeps, settings_.max_moves / k_moves_of_a_sweep);
   if (wanted_sweeps_ == 0) {
     stage.correlation = correlation_with_start();
     stage.is_decorrelated = stage.correlation <= correlation_limit(settings_.decorrelation, settings_.particles);
-    if ((!stage.is_decorrelated || stage.moves < k_least_sweeps) && stage.moves < settings_.max_moves) return;
-    wanted_sweeps_ = std::min(settings_.max_moves, (exponent_ >= 1.0 ? settings_.last_stage_factor : 1) * stage.moves);
+    if ((!stage.is_decorrelated || stage.moves < k_least_sweeps) && stage.moves < most) return;
+    wanted_sweeps_ = std::min(most, (exponent_ >= 1.0 ? settings_.last_stage_factor : 1) * stage.moves);
   }
   if (stage.moves < wanted_sweeps_) return;
   sweep_ = 0;

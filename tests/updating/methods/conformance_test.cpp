@@ -56,7 +56,7 @@ constexpr double k_monte_carlo = 4.0 * 0.24 / 20.0;
 
 class EveryMethod : public testing::TestWithParam<std::string> {
  protected:
-  std::unique_ptr<Updater> method() const { return find_method(GetParam()).make({}, "test"); }
+  std::unique_ptr<Updater> method() const { return test::tested_method(GetParam()); }
 };
 
 TEST_P(EveryMethod, RecoversTheMeanOfALinearModel) {

@@ -14,7 +14,7 @@ namespace {
 
 class SoundProblems : public testing::TestWithParam<std::string> {
  protected:
-  std::unique_ptr<Updater> method() const { return find_method(GetParam()).make({}, "test"); }
+  std::unique_ptr<Updater> method() const { return test::tested_method(GetParam()); }
 };
 
 /// A few of the thousand that validation/sound-problems goes through.
