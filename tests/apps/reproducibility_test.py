@@ -25,6 +25,8 @@ STUDIES = {
     "deterministic": edited(STUDY, ('method = "mares"', 'method = "deterministic"')),
     "bayes": edited(STUDY, ('method = "mares"', 'method = "bayes"')),
     "interval": edited(STUDY, ('method = "mares"', 'method = "interval"')),
+    "hierarchical": edited(STUDY, ('method = "mares"', 'method = "hierarchical"'),
+                           ('weighting = "mahalanobis"\n', 'weighting = "mahalanobis"\n[update.hierarchical]\nparticles = 100\n')),
 }
 
 

@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -19,6 +21,21 @@ inline std::vector<std::string> method_names(bool of_populations) {
     if (method.estimates_population || !of_populations) names.push_back(method.name);
   }
   return names;
+}
+
+/// Methods that estimate one population by its likelihood or its moments: a posterior is wider where specimens are few,
+/// and has its prior where outputs say nothing.
+inline std::vector<std::string> population_estimators() {
+  std::vector<std::string> names = method_names(true);
+  std::erase(names, "hierarchical");
+  return names;
+}
+
+/// The method of that name as the tests of every method take it: as a study does that states no options, but for
+/// a sampler of populations, whose fewer particles are quick.
+inline std::unique_ptr<Updater> tested_method(const std::string& name) {
+  return find_method(name).make(name == "hierarchical" ? OptionValues{{"particles", std::int64_t{200}}} : OptionValues{},
+                                "test");
 }
 
 /// Names of tests hold no dash.

@@ -24,6 +24,7 @@ StudyDiagnose read_diagnose(TomlReader reader) {
   diagnose.spread = reader.number_or("spread", diagnose.spread, {.lower = 1e-6, .upper = 1.0});
   diagnose.screened = static_cast<int>(reader.integer_or("screened", diagnose.screened, {.lower = 1.0, .upper = 1e6}));
   diagnose.like_evidence = reader.number_or("like_evidence", diagnose.like_evidence, {.lower = 0.0, .upper = 1e6});
+  diagnose.evidence = static_cast<int>(reader.integer_or("evidence", diagnose.evidence, {.lower = 0.0, .upper = 1e6}));
   if (const toml::node* node = reader.raw("candidates"); node != nullptr) {
     const std::string allowed = "a list of targets, like [\"spring:k3\"], or of tables like a [[parameter]]";
     const toml::array* list = node->as_array();

@@ -4,6 +4,7 @@
 #include "mottle/core/error.hpp"
 #include "mottle/model/journal.hpp"
 #include "mottle/study/jobs/study_objects.hpp"
+#include "study/jobs/candidate_evidence.hpp"
 #include "study/jobs/candidate_models.hpp"
 #include "study/jobs/candidates.hpp"
 #include "study/jobs/job_files.hpp"
@@ -71,6 +72,8 @@ DiagnoseOutcome diagnose_here(const Study& study, const RunSettings& settings) {
                                 .screened = study.diagnose.screened,
                                 .like_evidence = study.diagnose.like_evidence};
   outcome.diagnosis = files.compute(study, [&] { return diagnose(problem, rules, context); });
+  outcome.evidence = files.compute(
+      study, [&] { return evidence_of_candidates(study, candidates, outcome.diagnosis, settings, context); });
   outcome.outputs = tests.data.values.cols();
   outcome.seconds = steady_seconds() - start;
   return outcome;

@@ -6,6 +6,7 @@
 
 #include "mottle/core/clock.hpp"
 #include "mottle/core/error.hpp"
+#include "mottle/updating/methods/iteration.hpp"
 
 namespace mottle::study {
 namespace {

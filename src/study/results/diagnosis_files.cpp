@@ -73,6 +73,29 @@ Json rounds_json(const Diagnosis& diagnosis) {
   return rounds;
 }
 
+/// null where the study does not ask for it.
+Json evidence_json(const DiagnosisEvidence& evidence) {
+  if (evidence.models.empty()) return nullptr;
+  Json models = Json::array();
+  for (const ModelEvidence& model : evidence.models) {
+    Json json = {{"candidate", model.candidate.empty() ? Json(nullptr) : Json(model.candidate)}};
+    if (model.failure.empty()) {
+      json["ln_evidence"] = number_json(model.evidence.log_evidence);
+      json["standard_error"] = number_json(model.evidence.standard_error);
+      json["converged"] = model.is_converged;
+      json["ln_bayes_factor"] = number_json(model.against.log_bayes_factor);
+      json["ln_bayes_factor_standard_error"] = number_json(model.against.standard_error);
+      json["probability"] = number_json(model.against.probability);
+      json["probability_ci95"] = {number_json(model.against.lower), number_json(model.against.upper)};
+      json["model_evaluations"] = model.model_evaluations;
+    } else {
+      json["failure"] = model.failure;
+    }
+    models.push_back(std::move(json));
+  }
+  return {{"method", evidence.method}, {"models", models}};
+}
+
 Json outcome_json(const DiagnoseOutcome& outcome) {
   const Study& study = outcome.study;
   const Diagnosis& diagnosis = outcome.diagnosis;
@@ -104,6 +127,7 @@ Json outcome_json(const DiagnoseOutcome& outcome) {
     order.push_back(finding.detectability.name);
   }
   json["cosines"] = {{"names", order}, {"matrix", to_json_rows(diagnosis.cosines)}};
+  json["evidence"] = evidence_json(outcome.evidence);
   json["later_rounds"] = rounds_json(diagnosis);
   json["proposed"] = proposed_json(diagnosis);
   json["proposed_toml"] = proposed_toml(outcome);
@@ -151,6 +175,25 @@ void add_later_rounds(const Diagnosis& diagnosis, std::vector<std::string>& line
   }
 }
 
+void add_evidences(const DiagnosisEvidence& evidence, std::vector<std::string>& lines) {
+  if (evidence.models.empty()) return;
+  lines.push_back(fmt::format("{:<24} {:>12} {:>9} {:>12} {:>11}  {:>18}",
+                              fmt::format("by evidence ({})", evidence.method), "ln evidence", "std error",
+                              "ln B against", "probability", "95 %"));
+  for (const ModelEvidence& model : evidence.models) {
+    const std::string name = model.candidate.empty() ? "the parameters alone" : "with " + model.candidate;
+    if (!model.failure.empty()) {
+      lines.push_back(fmt::format("{:<24} {}", name, model.failure));
+      continue;
+    }
+    const ModelProbability& against = model.against;
+    lines.push_back(fmt::format("{:<24} {:>12.4f} {:>9.3f} {:>12.3f} {:>11.3g}  {:>18}{}", name,
+                                model.evidence.log_evidence, model.evidence.standard_error, against.log_bayes_factor,
+                                against.probability, fmt::format("[{:.3g}, {:.3g}]", against.lower, against.upper),
+                                model.is_converged ? "" : "  sampling did not converge"));
+  }
+}
+
 std::vector<std::string> table_lines(const DiagnoseOutcome& outcome) {
   const Diagnosis& diagnosis = outcome.diagnosis;
   std::vector<std::string> lines;
@@ -171,6 +214,7 @@ std::vector<std::string> table_lines(const DiagnoseOutcome& outcome) {
     lines.push_back(fmt::format("{:<16} {:>11.5g} {:>9} {:>11} {:>11} {:>9} {:>11.3g} {:>11.3f}", each.name,
                                 each.nominal, "", "", "", "", each.visibility, each.own_share));
   }
+  add_evidences(outcome.evidence, lines);
   for (const std::string& sentence : diagnosis.sentences) lines.push_back(sentence);
   if (const std::string proposed = proposed_toml(outcome); !proposed.empty()) {
     lines.push_back(fmt::format(

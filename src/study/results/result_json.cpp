@@ -90,6 +90,19 @@ Json sample_size_json(const UpdatingProblem& problem, const IterationRecord& las
           {"curve", t_curve_json(p, problem.level, std::max(2000, 2 * (n_test + n_model)))}};
 }
 
+/// [specimen][parameter][2]; null where the method gives none.
+Json specimen_intervals_json(const SpecimenEstimates& specimens) {
+  if (specimens.lower.size() == 0) return nullptr;
+  Json rows = Json::array();
+  for (Eigen::Index s = 0; s < specimens.lower.rows(); ++s) {
+    Json row = Json::array();
+    for (Eigen::Index i = 0; i < specimens.lower.cols(); ++i)
+      row.push_back({number_json(specimens.lower(s, i)), number_json(specimens.upper(s, i))});
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
 Json specimens_json(const UpdatingResult& result, const TestData& tests) {
   if (!result.specimens) return nullptr;
   const Eigen::MatrixXd& residuals = result.specimens->residuals;
@@ -97,6 +110,7 @@ Json specimens_json(const UpdatingResult& result, const TestData& tests) {
   return {{"numbers", tests.numbers},
           {"parameters", to_json_rows(result.specimens->parameters)},
           {"residuals", to_json_rows(residuals)},
+          {"interval95", specimen_intervals_json(*result.specimens)},
           {"large_residual", k_large_residual},
           {"expected_large", known * std::erfc(k_large_residual / std::numbers::sqrt2)}};
 }

@@ -48,7 +48,7 @@ Eigen::MatrixXd SampledPosterior::chains_of(const Eigen::Ref<const Eigen::Vector
 }
 
 SampledPosterior make_posterior(const std::vector<SampledIsland>& islands, std::vector<std::string> names,
-                                Eigen::MatrixXd values) {
+                                Eigen::MatrixXd values, PosteriorModes modes) {
   SampledPosterior posterior;
   posterior.chains = static_cast<Eigen::Index>(islands.size());
   posterior.draws = islands.front().points.rows();
@@ -76,6 +76,7 @@ SampledPosterior make_posterior(const std::vector<SampledIsland>& islands, std::
     posterior.ess_tail(k) = tail_effective_sample_size(chains);
   }
   posterior.evidence = combine_evidence(islands);
+  if (modes == PosteriorModes::not_sought) return posterior;
   const Eigen::VectorXd log_density = posterior.log_likelihood - 0.5 * points.rowwise().squaredNorm();
   posterior.modes = describe_modes(find_modes(points, log_density), posterior);
   return posterior;

@@ -5,7 +5,6 @@
 #include <limits>
 #include <optional>
 
-#include "mottle/core/subject.hpp"
 #include "mottle/core/text.hpp"
 #include "mottle/updating/estimate/posterior.hpp"
 #include "mottle/updating/estimate/sample_estimate.hpp"
@@ -126,10 +125,7 @@ const OptionTable<BayesOptions>& bayes_option_table() {
 }
 
 UpdatingResult BayesUpdater::update(const UpdatingProblem& problem, const RunContext& context) const {
-  constexpr int k_max_draws = 2000000;
-  require_of(options_.islands <= k_max_draws / options_.particles, {Subject::Kind::option, "bayes.particles"},
-             "{} islands of {} particles are more than {} draws; take fewer", options_.islands, options_.particles,
-             k_max_draws);
+  require_draws("bayes", options_);
   const TestMoments tests = test_moments(problem.tests);
   const NoiseLevels noise(problem, options_);
   const CommonLikelihood likelihood(problem.tests);

@@ -15,6 +15,8 @@
 namespace mottle::updating {
 namespace {
 
+using Policy = boost::math::policies::policy<boost::math::policies::promote_double<false>>;
+
 constexpr double k_hundredth = 0.01;  // of the root mean square: the level on which NoiseModel::base stands
 
 }  // namespace
@@ -54,11 +56,12 @@ NoiseLevels::NoiseLevels(const UpdatingProblem& problem, const BayesOptions& opt
 double NoiseLevels::level(double score) const {
   const double nu = options_.noise_degrees_of_freedom;
   if (options_.noise_prior == BayesOptions::NoisePrior::half_t) {
-    const boost::math::students_t t(nu);
+    const boost::math::students_t_distribution<double, Policy> t(nu);
     const double upper = 0.5 * standard_normal_cdf(-score);  // of |t|, both tails
     return options_.noise_scale * quantile(complement(t, upper));
   }
-  const boost::math::chi_squared chi_squared(nu);  // level^2 = scale^2 nu / chi^2: large where chi^2 is small
+  const boost::math::chi_squared_distribution<double, Policy> chi_squared(
+      nu);  // level^2 = scale^2 nu / chi^2: large where chi^2 is small
   const double below = standard_normal_cdf(-score);
   const double value =
       score > 0.0 ? quantile(chi_squared, below) : quantile(complement(chi_squared, standard_normal_cdf(score)));
@@ -69,7 +72,9 @@ Eigen::VectorXd NoiseLevels::variances(const Eigen::Ref<const Eigen::VectorXd>& 
   Eigen::VectorXd variances = model_.base;
   for (Eigen::Index k = 0; k < variances.size(); ++k) {
     const int factor = model_.factor[static_cast<std::size_t>(k)];
-    if (factor >= 0) variances(k) *= std::pow(levels(factor) / k_hundredth, 2);
+    if (factor < 0) continue;
+    const double ratio = levels(factor) / k_hundredth;
+    variances(k) *= ratio * ratio;
   }
   return variances;
 }

@@ -4,6 +4,7 @@
 #include "mottle/core/text.hpp"
 #include "mottle/updating/methods/bayes.hpp"
 #include "mottle/updating/methods/deterministic.hpp"
+#include "mottle/updating/methods/hierarchical.hpp"
 #include "mottle/updating/methods/interval.hpp"
 #include "mottle/updating/methods/maximum_likelihood.hpp"
 #include "mottle/updating/methods/updater.hpp"
@@ -41,6 +42,10 @@ const std::vector<MethodEntry>& updating_methods() {
        "The posterior of one structure's parameters, or of parameters that all specimens have in common, with its "
        "evidence: sequential Monte Carlo.",
        bayes_option_table().describe(), make<BayesUpdater, bayes_option_table>, false, false},
+      {"hierarchical",
+       "The posterior of the population's mean and covariance, of every specimen and of a new one, with its evidence: "
+       "for few specimens.",
+       hierarchical_option_table().describe(), make<HierarchicalUpdater, hierarchical_option_table>},
       {"interval",
        "Bounds of the parameters whose image covers the tests' bounds, widened for few specimens, by proven ranges of "
        "eigenvalues.",

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "mottle/core/subject.hpp"
 #include "mottle/core/text.hpp"
 #include "mottle/updating/estimate/posterior.hpp"
 
@@ -42,14 +43,21 @@ std::vector<std::string> doubts_of(const SampledPosterior& posterior, const std:
   }
   if (short_stages > 0) {
     doubts.push_back(fmt::format(
-        "In {} stages {} moves did not decorrelate the particles from their start (a correlation of {:.2f} was left, "
-        "{} is asked for); give more moves ({}.max_moves).",
-        short_stages, options.max_moves, worst, options.decorrelation, method));
+        "In {} stages the moves allowed did not decorrelate the particles from their start (a correlation of {:.2f} "
+        "was left, {} is asked for); give more moves ({}.max_moves).",
+        short_stages, worst, options.decorrelation, method));
   }
   return doubts;
 }
 
 }  // namespace
+
+void require_draws(const std::string& method, const BayesOptions& options) {
+  constexpr int k_max_draws = 2000000;
+  require_of(options.islands <= k_max_draws / options.particles, {Subject::Kind::option, method + ".particles"},
+             "{} islands of {} particles are more than {} draws; take fewer", options.islands, options.particles,
+             k_max_draws);
+}
 
 SamplingSettings settings_of(const BayesOptions& options) {
   return {.islands = options.islands,

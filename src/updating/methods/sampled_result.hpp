@@ -49,6 +49,9 @@ OptionTable<Options>& add_sampling_options(OptionTable<Options>& table) {
                "Largest number of moves of a particle in a stage.");
 }
 
+/// @throws InvalidInput  more than 2,000,000 draws of all islands
+void require_draws(const std::string& method, const BayesOptions& options);
+
 SamplingSettings settings_of(const BayesOptions& options);
 
 /// Status, message and warnings of a result: whether the islands are one sample.

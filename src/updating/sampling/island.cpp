@@ -40,9 +40,9 @@ const Eigen::MatrixXd& Island::propose() {
   } else if (awaits_ == Awaits::trajectories && !trajectories_.are_done()) {
     advance_trajectories();
   } else {
-    if (step_ == 0) begin_stage();
+    if (step_ == 0 && !is_walking_) begin_stage();
     ++step_;
-    if (!follows_gradients_ || step_ % k_gradient_cycle == 0)
+    if (!follows_gradients_ || is_walking_ || step_ % k_gradient_cycle == 0)
       propose_moves();
     else
       ask_gradients();
@@ -147,6 +147,19 @@ void Island::start_from(const std::vector<Eigen::Index>& parents) {
   }
 }
 
+void Island::begin_walk(const std::vector<Eigen::Index>& parents) {
+  ++stage_;
+  step_ = 0;
+  is_walking_ = true;
+  start_from(parents);
+}
+
+void Island::put_back(Eigen::Index particle, const Eigen::Ref<const Eigen::VectorXd>& point, double log_likelihood) {
+  found_.points.row(particle) = point.transpose();
+  found_.log_likelihood(particle) = log_likelihood;
+  log_mixture_(particle) = mixture_for(particle).log_density(point);
+}
+
 void Island::end_move() {
   SamplingStage& stage = found_.stages.back();
   stage.moves = static_cast<int>(step_);
@@ -155,7 +168,7 @@ void Island::end_move() {
     stage.correlation = correlation_with_start();
     stage.is_decorrelated = stage.correlation <= std::max(settings_.decorrelation, correlation_by_chance());
     if (!stage.is_decorrelated && stage.moves < settings_.max_moves) return;
-    wanted_moves_ = std::min(settings_.max_moves, (exponent_ >= 1.0 ? k_of_last_stage : 1) * stage.moves);
+    wanted_moves_ = std::min(settings_.max_moves, (exponent_ >= 1.0 ? settings_.last_stage_factor : 1) * stage.moves);
   }
   if (stage.moves < wanted_moves_) return;
   step_ = 0;

@@ -15,9 +15,6 @@
 
 namespace mottle::updating {
 
-/// Times as many moves as decorrelate: those of the last stage, whose particles are the draws and which is one of many.
-inline constexpr int k_of_last_stage = 4;
-
 /// Asks for its likelihoods by propose() and receive(), in turns, until it is_done().
 class Island {
  public:
@@ -33,6 +30,14 @@ class Island {
                const Eigen::Ref<const Eigen::MatrixXd>& gradient);
 
   const Eigen::MatrixXd& points() const { return found_.points; }
+  const SampledIsland& found() const { return found_; }
+
+  /// Goes on, when it is done, from copies of its particles: each further turn is one Metropolis step under the whole
+  /// likelihood, with proposals that do not change any more. Such steps, any number of them in a row, are reversible.
+  /// @param parents  whom each particle is a copy of
+  void begin_walk(const std::vector<Eigen::Index>& parents);
+  /// Undoes what a walk did to a particle.
+  void put_back(Eigen::Index particle, const Eigen::Ref<const Eigen::VectorXd>& point, double log_likelihood);
   /// What it found; once.
   SampledIsland take() { return std::move(found_); }
 
@@ -74,6 +79,7 @@ class Island {
   bool follows_gradients_;
   Awaits awaits_ = Awaits::start;
   bool is_done_ = false;
+  bool is_walking_ = false;
   double exponent_ = 0.0;
   SampledIsland found_;
 

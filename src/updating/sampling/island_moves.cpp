@@ -103,6 +103,7 @@ void Island::judge_moves(const Eigen::Ref<const Eigen::VectorXd>& log_likelihood
     if (follows_gradients_) gradient_.row(i).setConstant(std::numeric_limits<double>::quiet_NaN());
     accepted[static_cast<std::size_t>(kind)] += 1.0;
   }
+  if (is_walking_) return;
   adapt(tried, accepted);
   end_move();
 }

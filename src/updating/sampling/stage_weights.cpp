@@ -63,6 +63,11 @@ std::vector<Eigen::Index> systematic_parents(const Eigen::Ref<const Eigen::Vecto
   return parents;
 }
 
+double correlation_limit(double decorrelation, int particles) {
+  constexpr double k_by_chance = 2.5;
+  return std::max(decorrelation, k_by_chance / std::sqrt(static_cast<double>(particles)));
+}
+
 double correlation_of(const Eigen::Ref<const Eigen::ArrayXd>& first, const Eigen::Ref<const Eigen::ArrayXd>& second) {
   const Eigen::ArrayXd a = first - first.mean();
   const Eigen::ArrayXd b = second - second.mean();

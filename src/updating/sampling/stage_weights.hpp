@@ -30,6 +30,10 @@ StageWeights next_stage(const Eigen::Ref<const Eigen::VectorXd>& log_likelihood,
 /// @param shift    in (0, 1)
 std::vector<Eigen::Index> systematic_parents(const Eigen::Ref<const Eigen::VectorXd>& weights, double shift);
 
+/// Correlation with a stage's start at which its moves end: `decorrelation`, but not below 2.5 / sqrt(particles), which
+/// the largest of some correlations of independent particles is by chance.
+double correlation_limit(double decorrelation, int particles);
+
 /// Correlation of two columns of numbers; 0 where one of them is constant.
 double correlation_of(const Eigen::Ref<const Eigen::ArrayXd>& first, const Eigen::Ref<const Eigen::ArrayXd>& second);
 

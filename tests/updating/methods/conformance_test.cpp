@@ -56,7 +56,7 @@ constexpr double k_monte_carlo = 4.0 * 0.24 / 20.0;
 
 class EveryMethod : public testing::TestWithParam<std::string> {
  protected:
-  std::unique_ptr<Updater> method() const { return find_method(GetParam()).make({}, "test"); }
+  std::unique_ptr<Updater> method() const { return test::tested_method(GetParam()); }
 };
 
 TEST_P(EveryMethod, RecoversTheMeanOfALinearModel) {
@@ -259,7 +259,7 @@ TEST_P(EveryPopulationMethod, ChangesNoMoreThanItMustWhereOutputsAreFewerThanPar
 }
 
 INSTANTIATE_TEST_SUITE_P(Registry, EveryMethod, testing::ValuesIn(test::method_names(false)), test::instance_name);
-INSTANTIATE_TEST_SUITE_P(Registry, EveryPopulationMethod, testing::ValuesIn(test::method_names(true)),
+INSTANTIATE_TEST_SUITE_P(Registry, EveryPopulationMethod, testing::ValuesIn(test::population_estimators()),
                          test::instance_name);
 
 TEST(Registry, RefusesAnUnknownMethodWithTheNearestKnownOne) {

@@ -155,7 +155,7 @@ class EveryMethodAndModelError : public testing::TestWithParam<std::string> {};
 
 TEST_P(EveryMethodAndModelError, IsNeverPassedOverInSilence) {
   const test::LinearProblem linear;
-  const std::unique_ptr<Updater> method = find_method(GetParam()).make({}, "test");
+  const std::unique_ptr<Updater> method = test::tested_method(GetParam());
   UpdatingProblem problem = problem_of(linear, Eigen::Vector4d::Constant(0.1));
   problem.tolerance = 1e-3;
   EXPECT_TRUE(test::says(method->update(problem, {}), "rror of the model") ||
@@ -172,7 +172,7 @@ TEST_P(EveryMethodAndModelError, IsNeverPassedOverInSilence) {
 
 TEST_P(EveryMethodAndModelError, MakesTheMeansOfAPopulationLessSure) {
   const test::LinearProblem linear;
-  const std::unique_ptr<Updater> method = find_method(GetParam()).make({}, "test");
+  const std::unique_ptr<Updater> method = test::tested_method(GetParam());
   UpdatingProblem problem = problem_of(linear);
   problem.tolerance = 1e-3;
   const UpdatingResult without = method->update(problem, {});

@@ -14,7 +14,7 @@ namespace {
 
 class SoundProblems : public testing::TestWithParam<std::string> {
  protected:
-  std::unique_ptr<Updater> method() const { return find_method(GetParam()).make({}, "test"); }
+  std::unique_ptr<Updater> method() const { return test::tested_method(GetParam()); }
 };
 
 /// A few of the thousand that validation/sound-problems goes through.
@@ -63,7 +63,8 @@ TEST_P(SoundProblems, OfIdenticalSpecimensHaveNoScatter) {
   EXPECT_LT(test::standard_deviations(result).maxCoeff(), 1e-3);
 }
 
-INSTANTIATE_TEST_SUITE_P(Registry, SoundProblems, testing::ValuesIn(test::method_names(true)), test::instance_name);
+INSTANTIATE_TEST_SUITE_P(Registry, SoundProblems, testing::ValuesIn(test::population_estimators()),
+                         test::instance_name);
 
 }  // namespace
 }  // namespace mottle::updating

@@ -99,6 +99,7 @@ struct StudyDiagnose {
   double spread = 0.2;                     ///< relative prior standard deviation of a candidate given by its target
   int screened = 12;
   double like_evidence = 6.0;
+  int evidence = 0;  ///< how many of the best candidates are compared by the evidence of the models with them
 };
 
 /// [predict]: outputs that were not used, of the structure as it is or as it will be.

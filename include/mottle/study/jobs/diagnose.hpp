@@ -1,19 +1,39 @@
 // The job of `mottle diagnose`: which candidate parameter best explains the misfit that the parameters leave.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "mottle/layers.hpp"
+#include "mottle/stats/chains/evidence_comparison.hpp"
 #include "mottle/study/jobs/run.hpp"
 #include "mottle/updating/diagnosis/diagnosis.hpp"
 
 namespace mottle::study {
 
+/// Evidence of the tests under the study's parameters, alone or with one candidate.
+struct ModelEvidence {
+  std::string candidate = {};  ///< empty: the parameters alone
+  EstimatedEvidence evidence = {};
+  bool is_converged = false;      ///< the sampling of its posterior
+  ModelProbability against = {};  ///< the other models
+  std::int64_t model_evaluations = 0;
+  std::string failure = {};  ///< why there is no evidence; empty: there is
+};
+
+/// Models of a diagnosis compared by evidence; none where the study does not ask for it.
+struct DiagnosisEvidence {
+  std::string method = {};  ///< that sampled the posteriors
+  std::vector<ModelEvidence> models = {};
+};
+
 struct DiagnoseOutcome {
   Study study;
   Study whole;  ///< with the candidates as parameters
   Diagnosis diagnosis = {};
+  DiagnosisEvidence evidence = {};
   Eigen::Index outputs = 0;  ///< number of them
   int ranks = 1;             ///< processes that shared the model's evaluations
   double seconds = 0.0;

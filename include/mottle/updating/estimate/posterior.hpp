@@ -58,12 +58,15 @@ struct SampledPosterior {
   Eigen::MatrixXd chains_of(const Eigen::Ref<const Eigen::VectorXd>& column) const;
 };
 
+/// Whether regions of high probability are looked for, for which the log-likelihood must be that of the points alone.
+enum class PosteriorModes { sought, not_sought };
+
 /// Puts islands together.
 ///
 /// @param names   of the columns of `values`
 /// @param values  of every particle, island by island [particle x name]
 SampledPosterior make_posterior(const std::vector<SampledIsland>& islands, std::vector<std::string> names,
-                                Eigen::MatrixXd values);
+                                Eigen::MatrixXd values, PosteriorModes modes = PosteriorModes::sought);
 
 /// Keeps the log-likelihoods of the specimens, and how well the model predicts one that it has not seen.
 ///

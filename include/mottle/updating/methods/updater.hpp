@@ -79,7 +79,7 @@ struct ParameterIntervals {
   Eigen::MatrixXd std;                ///< [parameter x 2]
   Eigen::MatrixXd correlation_lower;  ///< [parameter x parameter], 1 on the diagonal
   Eigen::MatrixXd correlation_upper;
-  std::string made_by;  ///< "analytic" | "bootstrap"
+  std::string made_by;  ///< "analytic" | "bootstrap" | "posterior"
 };
 
 /// The model's error as a fit has it. Given the tests, d ~ N(shift, covariance), and the population's mean, on the
@@ -98,6 +98,9 @@ struct SpecimenEstimates {
   /// C^-1/2 (z - f(mean)) with the linearised covariance C of a test in the population: each N(0, 1) where the model is
   /// right; nan: missing [specimen x output]
   Eigen::MatrixXd residuals;
+  /// Ends of 95 % intervals of `parameters`, of methods that sample them; else empty [specimen x parameter].
+  Eigen::MatrixXd lower = {};
+  Eigen::MatrixXd upper = {};
 };
 
 /// One state of the iteration: the parameters' distribution and the cloud that it gives.

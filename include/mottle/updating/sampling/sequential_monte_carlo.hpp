@@ -23,6 +23,9 @@ struct SamplingSettings {
   double decorrelation = 0.1;       ///< moves of a stage go on until no correlation with its start is larger
   int max_moves = 200;              ///< of a stage, at most
   int max_stages = 500;
+  /// Times as many moves as decorrelate are those of the last stage, whose particles are the draws and which is one of
+  /// many.
+  int last_stage_factor = 4;
   /// Automatic: in more than k_many_dimensions where the target has a gradient. Always and never: where it has one.
   GradientMoves gradients = GradientMoves::automatic;
 };

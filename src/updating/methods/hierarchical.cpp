@@ -1,0 +1,126 @@
+#include "mottle/updating/methods/hierarchical.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "mottle/core/subject.hpp"
+#include "mottle/updating/estimate/posterior.hpp"
+#include "mottle/updating/methods/iteration.hpp"
+#include "updating/methods/hierarchical_report.hpp"
+#include "updating/methods/hierarchical_target.hpp"
+#include "updating/methods/sampled_result.hpp"
+
+namespace mottle::updating {
+namespace {
+
+void require_specimens(const UpdatingProblem& problem) {
+  const Eigen::MatrixXd& values = problem.tests.values;
+  require_of(values.rows() >= 2, {Subject::Kind::method, "hierarchical"},
+             "{} specimen has no scatter, and its posterior of a population would be the prior's; at least 2 are "
+             "needed, or use method = \"bayes\" for what is known of that one",
+             values.rows());
+  for (Eigen::Index s = 0; s < values.rows(); ++s) {
+    require_of(!values.row(s).array().isNaN().all(), {Subject::Kind::tests},
+               "specimen {} has no measured value; take it out of the tests", problem.tests.number_of(s));
+  }
+}
+
+Eigen::MatrixXd all_rows(const std::vector<CorrectedIsland>& islands, Eigen::MatrixXd SampledIsland::*part) {
+  const Eigen::MatrixXd& first = islands.front().island.*part;
+  Eigen::MatrixXd all(static_cast<Eigen::Index>(islands.size()) * first.rows(), first.cols());
+  for (std::size_t i = 0; i < islands.size(); ++i)
+    all.middleRows(static_cast<Eigen::Index>(i) * first.rows(), first.rows()) = islands[i].island.*part;
+  return all;
+}
+
+Eigen::MatrixXd all_rows(const std::vector<CorrectedIsland>& islands, Eigen::MatrixXd CorrectedIsland::*part) {
+  const Eigen::MatrixXd& first = islands.front().*part;
+  Eigen::MatrixXd all(static_cast<Eigen::Index>(islands.size()) * first.rows(), first.cols());
+  for (std::size_t i = 0; i < islands.size(); ++i)
+    all.middleRows(static_cast<Eigen::Index>(i) * first.rows(), first.rows()) = islands[i].*part;
+  return all;
+}
+
+/// Chains of the draws' numbers, with the log-likelihood of the tests given the specimens' parameters.
+std::shared_ptr<const SampledPosterior> put_together(const std::vector<CorrectedIsland>& islands,
+                                                     const Eigen::VectorXd& log_likelihood, NamedDraws named,
+                                                     const HierarchicalTarget& target) {
+  std::vector<SampledIsland> sampled;
+  for (const CorrectedIsland& island : islands) sampled.push_back(island.island);
+  const Eigen::Index draws = sampled.front().points.rows();
+  for (std::size_t i = 0; i < sampled.size(); ++i)
+    sampled[i].log_likelihood = log_likelihood.segment(static_cast<Eigen::Index>(i) * draws, draws);
+  SampledPosterior posterior =
+      make_posterior(sampled, std::move(named.names), std::move(named.values), PosteriorModes::not_sought);
+  posterior.failed_runs = target.failed();
+  posterior.evaluations = target.evaluations();
+  return std::make_shared<const SampledPosterior>(std::move(posterior));
+}
+
+}  // namespace
+
+const OptionTable<HierarchicalOptions>& hierarchical_option_table() {
+  using Options = HierarchicalOptions;
+  static const OptionTable<Options> table = [] {
+    OptionTable<Options> made;
+    made.choice<Options::CovariancePrior>(
+            "covariance_prior", &Options::covariance_prior,
+            {{"lkj", Options::CovariancePrior::lkj}, {"inverse-wishart", Options::CovariancePrior::inverse_wishart}},
+            "Prior of the population's covariance on the parameters' scales: half-t standard deviations and LKJ "
+            "correlations, or inverse Wishart, under which each variance is scaled inverse chi-squared.")
+        .number("scatter_scale", &Options::scatter_scale, {.lower = 0.0, .excludes_lower = true}, "-",
+                "Scale of the prior of the standard deviations, as a fraction of the prior's standard deviation of "
+                "each parameter on its scale.")
+        .number("scatter_degrees_of_freedom", &Options::scatter_degrees_of_freedom, {.lower = 0.5, .upper = 1e6}, "-",
+                "Degrees of freedom of that prior: few leave a scatter of many times its scale possible; 1 is a "
+                "half-Cauchy.")
+        .number("correlation_shape", &Options::correlation_shape, {.lower = 0.5, .upper = 1e6}, "-",
+                "Shape of the LKJ prior: 1 has the same density for all correlation matrices, more is for weaker "
+                "correlations.");
+    return add_sampling_options(made);
+  }();
+  return table;
+}
+
+UpdatingResult HierarchicalUpdater::update(const UpdatingProblem& problem, const RunContext& context) const {
+  require_draws("hierarchical", options_);
+  require_specimens(problem);
+  const TestMoments tests = moments_of_tests(problem);
+  const NoiseLevels noise(problem, options_, "hierarchical");
+  const PopulationPrior prior(problem, options_, noise);
+  UpdatingResult result;
+  append_state(result, record_state(problem, tests, problem.space.prior(), 0, context));
+  if (context.stop_requested()) return stopped_result(std::move(result), problem, "before the first stage");
+  context.phase({.name = "sampling of the population"});
+  try {
+    const Eigen::VectorXd levels = Eigen::VectorXd::Constant(noise.count(), noise.level(0.0));
+    const SpecimenFits fits =
+        fits_to_linearise(problem, prior.scatter_scale(), noise.variances(levels), context, result.model_evaluations);
+    HierarchicalTarget target(problem, prior, linear_specimens(problem.tests.values, fits), context);
+    const std::vector<CorrectedIsland> islands =
+        sample_corrected(target.target(), target.correction(), settings_of(options_), context);
+    result.model_evaluations += target.evaluations();
+    HierarchicalDraws draws{.populations = prior.populations(all_rows(islands, &SampledIsland::points))};
+    const DrawnSpecimens drawn = target.specimens(draws.populations, all_rows(islands, &CorrectedIsland::auxiliaries));
+    draws.specimens = drawn.points;
+    NamedDraws named = named_draws(problem, prior, draws);
+    if (!named.has_specimens)
+      result.notes.emplace_back("posterior.csv holds the population alone: the specimens' parameters are too many.");
+    result.posterior = put_together(
+        islands, target.log_likelihood(draws.populations, drawn, all_rows(islands, &CorrectedIsland::log_ratio)),
+        std::move(named), target);
+    const bool is_finished =
+        std::all_of(islands.begin(), islands.end(), [](const auto& one) { return one.island.is_finished; });
+    conclude_sampling(*result.posterior, "hierarchical", options_, is_finished, result);
+    const HierarchicalFindings findings{target.near(), prior, noise, fits, draws, *result.posterior};
+    estimate_population(findings, result);
+    append_state(result, record_state(target.near(), tests, *result.estimate, context));
+    context.phase({.name = "tests of the posterior"});
+    describe_hierarchical(findings, result);
+  } catch (const Stopped&) {
+    return stopped_result(std::move(result), problem, "while the posterior was sampled");
+  }
+  return result;
+}
+
+}  // namespace mottle::updating
