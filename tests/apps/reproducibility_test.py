@@ -25,6 +25,7 @@ STUDIES = {
     "deterministic": edited(STUDY, ('method = "mares"', 'method = "deterministic"')),
     "bayes": edited(STUDY, ('method = "mares"', 'method = "bayes"')),
     "interval": edited(STUDY, ('method = "mares"', 'method = "interval"')),
+    "abc": edited(STUDY, ('method = "mares"', 'method = "abc"')),
 }
 
 

@@ -52,7 +52,10 @@ PopulationEvidence evidence_of_state(const UpdatingProblem& problem, const Scale
                                      const MomentState& state, const Eigen::VectorXd& noise_std) {
   UpdatingProblem with_noise = problem;
   with_noise.tests.repeatability_std = noise_std;
-  return moment_evidence(with_noise, parameters, state);
+  PopulationEvidence evidence = moment_evidence(with_noise, parameters, state);
+  // Of the method's own covariance, as the total is.
+  evidence.mean_covariance = evidence.total / static_cast<double>(problem.tests.values.rows());
+  return evidence;
 }
 
 /// Spreads of proposals by normal theory; generous, as sampling narrows them.

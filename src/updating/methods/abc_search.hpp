@@ -19,7 +19,7 @@ struct NearestPopulation {
 };
 
 /// Evaluates the cloud of a population, finds the nearest population on it, and so on until no mean and no standard
-/// deviation moves; the history, status and message go into the result. Outputs are made comparable anew in the first
+/// deviation moves, or none is nearer than the last one; the history, status and message go into the result. Outputs are made comparable anew in the first
 /// three iterations and alike from then on, so that distances can be compared.
 ///
 /// @param result  its history holds the prior's cloud

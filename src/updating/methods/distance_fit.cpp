@@ -55,7 +55,11 @@ Eigen::VectorXd minimise_within(const std::function<ValueAndGradient(const Eigen
       there = function(next);
       has_fallen = there.value <= here.value + k_sufficient * here.gradient.dot(next - at);
     }
-    if (!has_fallen) break;
+    if (!has_fallen) {
+      if (inverse.isIdentity(0.0)) break;
+      inverse.setIdentity();  // what was learnt across a kink misleads
+      continue;
+    }
     const Eigen::VectorXd step = next - at;
     learn(step, there.gradient - here.gradient, inverse);
     at = next;
@@ -99,7 +103,7 @@ std::vector<Eigen::MatrixXd> MovingCloud::slopes(const Eigen::Ref<const Eigen::V
 
 Eigen::VectorXd nearest_population(const PopulationCoordinates& coordinates, const MovingCloud& cloud, const SampleComparison& comparison,
                                    const Eigen::MatrixXd& tests, const Eigen::VectorXd& start,
-                                   const Eigen::VectorXd& lower, const Eigen::VectorXd& upper) {
+                                   const Eigen::VectorXd& lower, const Eigen::VectorXd& upper, bool tries_wider) {
   constexpr double k_tolerance = 1e-5;
   constexpr int k_iterations = 100;
   constexpr double k_wider = 1.0;
@@ -114,10 +118,11 @@ Eigen::VectorXd nearest_population(const PopulationCoordinates& coordinates, con
     found.gradient.segment(2 * coordinates.parameters(), z.size()) += pull * z;
     return found;
   };
+  const Eigen::VectorXd first = minimise_within(penalised, start, lower, upper, k_tolerance, k_iterations);
+  if (!tries_wider) return first;
   // A standard deviation that once is far too small has no slope any more: the second start has larger ones.
   Eigen::VectorXd wider = start;
   wider.segment(coordinates.parameters(), coordinates.parameters()).array() += k_wider;
-  const Eigen::VectorXd first = minimise_within(penalised, start, lower, upper, k_tolerance, k_iterations);
   const Eigen::VectorXd second = minimise_within(penalised, wider, lower, upper, k_tolerance, k_iterations);
   return penalised(second).value < penalised(first).value - k_better ? second : first;
 }
