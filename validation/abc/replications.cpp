@@ -3,8 +3,9 @@
 //   mottle_abc_replications N FIRST LAST POPULATION DISTANCE NOISE
 //
 // N specimens, data sets FIRST to LAST, POPULATION: normal, two-peaked or skewed; DISTANCE: energy or
-// sliced-wasserstein; NOISE: standard deviation of a test as a fraction of the frequency. Prints one line of JSON a data
-// set: whether the intervals of `abc` and of `maximum-likelihood` hold the truth, estimates, what `abc` says of itself.
+// sliced-wasserstein; NOISE: standard deviation of a test as a fraction of the frequency. Prints one line of JSON a
+// data set: whether the intervals of `abc` and of `maximum-likelihood` hold the truth, estimates, what `abc` says of
+// itself.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 

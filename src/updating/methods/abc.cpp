@@ -86,7 +86,8 @@ RoughKnowledge rough_knowledge(const PopulationCoordinates& coordinates, const S
 }
 
 /// Means and standard deviations are those of the nearest population, the former within bounds, the latter less their
-/// bias in simulated studies; correlations and levels of noise are means of the draws. What the outputs do not determine stays as it is.
+/// bias in simulated studies; correlations and levels of noise are means of the draws. What the outputs do not
+/// determine stays as it is.
 Eigen::VectorXd estimated_coordinates(const AbcFit& fit, const SampledPopulations& sampled) {
   Eigen::VectorXd at = fit.nearest.coordinates;
   const Eigen::Index q = fit.coordinates.parameters();
@@ -109,12 +110,16 @@ void sample_and_describe(const UpdatingProblem& problem, const ScaledParameters&
   for (Eigen::Index k = 0; k < unit.size(); ++k) {
     unit(k) = weighing_deviation(std::sqrt(tests.covariance(k, k)), tests.mean(k));
   }
-  const AbcFit fit{problem, parameters, coordinates, nearest, options, coordinates.correlations() > 0,
+  const AbcFit fit{problem,
+                   parameters,
+                   coordinates,
+                   nearest,
+                   options,
+                   coordinates.correlations() > 0,
                    seen_parameters(parameters, first.sensitivity, unit)};
-  const SampledPopulations sampled =
-      sample_populations(problem, coordinates, nearest,
-                         rough_knowledge(coordinates, parameters, nearest.coordinates, rough, specimens), options,
-                         context);
+  const SampledPopulations sampled = sample_populations(
+      problem, coordinates, nearest, rough_knowledge(coordinates, parameters, nearest.coordinates, rough, specimens),
+      options, context);
   const SampledPopulation population = coordinates.at(estimated_coordinates(fit, sampled));
   MomentState state = state_of(nearest, population, result.history.back());
   result.set_estimate(std::make_shared<NormalPopulation>(
@@ -179,11 +184,10 @@ UpdatingResult AbcUpdater::update(const UpdatingProblem& problem, const RunConte
   append_state(result, record_state(problem, tests, problem.space.prior(), 0, context));
   result.mean = problem.space.prior().mean();
   result.covariance = problem.space.prior().covariance();
-  const NearestPopulation nearest =
-      find_nearest_population(problem, parameters, coordinates,
-                              options_.distance == AbcOptions::Distance::energy ? SampleDistance::energy
-                                                                                : SampleDistance::sliced_wasserstein,
-                              context, result);
+  const NearestPopulation nearest = find_nearest_population(
+      problem, parameters, coordinates,
+      options_.distance == AbcOptions::Distance::energy ? SampleDistance::energy : SampleDistance::sliced_wasserstein,
+      context, result);
   if (result.status == UpdatingStatus::stopped) return result;
   try {
     sample_and_describe(problem, parameters, coordinates, nearest, options_, context, result);

@@ -165,14 +165,13 @@ double width_ratio(const Eigen::MatrixXd& own, const Eigen::MatrixXd& other) {
 
 void compare_with_likelihood(const AbcFit& fit, const UpdatingResult& result, AbcFindings& findings) {
   constexpr double k_nearly_linear = 0.02;  // of the variance: 14 % of an output's scatter
-  const PopulationIntervals normal = population_intervals(result.estimate->population()->evidence,
-                                                          fit.parameters.scales(), 0.95);
+  const PopulationIntervals normal =
+      population_intervals(result.estimate->population()->evidence, fit.parameters.scales(), 0.95);
   findings.curvature = fit.nearest.transport->curvature().maxCoeff();
   findings.normality_p = normality_of(fit.problem.tests.values);
   findings.width_ratio_mean = width_ratio(result.intervals->mean, normal.mean);
   findings.width_ratio_std = width_ratio(result.intervals->std, normal.std);
-  findings.is_likelihood_better =
-      !(findings.normality_p <= fit.problem.level) && findings.curvature <= k_nearly_linear;
+  findings.is_likelihood_better = !(findings.normality_p <= fit.problem.level) && findings.curvature <= k_nearly_linear;
 }
 
 std::string likelihood_note(const AbcFit& fit, const AbcFindings& findings) {
@@ -180,15 +179,14 @@ std::string likelihood_note(const AbcFit& fit, const AbcFindings& findings) {
       "intervals of a normal likelihood at the estimate would be {:.2f} times as wide for means and {:.2f} times for "
       "standard deviations",
       1.0 / findings.width_ratio_mean, 1.0 / findings.width_ratio_std);
-  const std::string shape =
-      std::isnan(findings.normality_p)
-          ? "The tests are too few to say whether they are normal"
-          : fmt::format("The tests {} (p = {:.2g})",
-                        findings.normality_p > fit.problem.level ? "show no departure from normality"
-                                                                 : "are not normal",
-                        findings.normality_p);
-  const std::string line =
-      fmt::format("{:.1f} % of an output's variance at most is not linear in the parameters", 100.0 * findings.curvature);
+  const std::string shape = std::isnan(findings.normality_p) ? "The tests are too few to say whether they are normal"
+                                                             : fmt::format("The tests {} (p = {:.2g})",
+                                                                           findings.normality_p > fit.problem.level
+                                                                               ? "show no departure from normality"
+                                                                               : "are not normal",
+                                                                           findings.normality_p);
+  const std::string line = fmt::format("{:.1f} % of an output's variance at most is not linear in the parameters",
+                                       100.0 * findings.curvature);
   if (findings.is_likelihood_better) {
     return fmt::format("{} and {}: a likelihood method would do better; {} (method = \"maximum-likelihood\").", shape,
                        line, widths);
@@ -198,8 +196,8 @@ std::string likelihood_note(const AbcFit& fit, const AbcFindings& findings) {
 
 void add_notes(const AbcFit& fit, const SampledPopulations& sampled, const AbcFindings& findings,
                UpdatingResult& result) {
-  constexpr double k_few_effective = 200.0;
-  constexpr double k_max_r_hat = 1.05;
+  constexpr double k_few_effective = 100.0;
+  constexpr double k_max_r_hat = 1.1;
   result.notes.emplace_back(
       "Mean, standard deviation and correlation are those of the normal population on the parameters' scales whose "
       "cloud is nearest to the tests, without the measurement noise.");
@@ -250,8 +248,7 @@ std::vector<bool> seen_parameters(const ScaledParameters& parameters,
 
 void describe_abc(const AbcFit& fit, const SampledPopulations& sampled, UpdatingResult& result) {
   auto findings = std::make_shared<AbcFindings>();
-  findings->distance =
-      fit.options.distance == AbcOptions::Distance::energy ? "energy" : "sliced-wasserstein";
+  findings->distance = fit.options.distance == AbcOptions::Distance::energy ? "energy" : "sliced-wasserstein";
   findings->distances = fit.nearest.distances;
   findings->simulated_distance = sampled.simulated_distance;
   findings->exceeded = sampled.exceeded;

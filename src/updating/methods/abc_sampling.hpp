@@ -6,42 +6,16 @@
 #include "mottle/layers.hpp"
 #include "mottle/updating/methods/abc.hpp"
 #include "mottle/updating/sampling/approximate_posterior.hpp"
-#include "updating/methods/abc_search.hpp"
+#include "updating/methods/abc_summary.hpp"
 
 namespace mottle::updating {
 
-/// Sets of tests as a population gives them: specimens drawn from the points of an evaluated cloud that is carried
-/// there, one model error for all, noise, and the missing entries of the real tests.
-class TestSimulator {
- public:
-  TestSimulator(const UpdatingProblem& problem, const PopulationCoordinates& coordinates,
-                const CloudTransport& transport)
-      : problem_(problem), coordinates_(coordinates), transport_(transport) {}
-
-  /// @param key, set  name the random stream
-  Eigen::MatrixXd simulate(const Eigen::Ref<const Eigen::VectorXd>& coordinates, const StreamKey& key,
-                           std::uint32_t set) const;
-
- private:
-  const UpdatingProblem& problem_;
-  const PopulationCoordinates& coordinates_;
-  const CloudTransport& transport_;
-};
-
-/// What is known before sampling, by normal theory: where proposals begin, and which share of a parameter's scatter
-/// noise may pretend.
-struct RoughKnowledge {
-  Eigen::VectorXd centre;       ///< [coordinate]
-  Eigen::VectorXd std;          ///< [coordinate]
-  Eigen::VectorXd noise_share;  ///< standard deviation of noise in a specimen's own parameters [parameter]
-};
-
 /// What sampling found.
 struct SampledPopulations {
-  AcceptedDraws draws;               ///< as accepted and adjusted
-  Eigen::VectorXd median;            ///< of them [coordinate]
+  AcceptedDraws draws;     ///< as accepted and adjusted
+  Eigen::VectorXd median;  ///< of them [coordinate]
   IntervalCalibration calibration;
-  double fraction = 1.0;             ///< accepted
+  double fraction = 1.0;  ///< accepted
   Eigen::Index calibration_sets = 0;
   /// ln sd of the nearest population, with what makes its variance unbiased in simulated studies [parameter].
   Eigen::VectorXd log_deviation;
@@ -55,9 +29,10 @@ struct SampledPopulations {
 
 /// Samples p(population | summary of the tests) by approximate Bayesian computation in three stages.
 ///
-/// The summary of a set of tests is the gradient of its distance from a reference cloud, in units of its own scatter: where
-/// to the tests would move that cloud. The prior is flat in means, in partial correlations and in ln of levels, and
-/// proportional to sd^2 / (sd^2 + noise_share^2) in ln sd: flat in ln sd where there is no noise, flat in sd^2 below it.
+/// The summary of a set of tests is the gradient of its distance from a reference cloud, in units of its own scatter:
+/// where to the tests would move that cloud. The prior is flat in means, in partial correlations and in ln of levels,
+/// and proportional to sd^2 / (sd^2 + noise_share^2) in ln sd: flat in ln sd where there is no noise, flat in sd^2
+/// below it.
 ///
 /// @throws Stopped  on request
 SampledPopulations sample_populations(const UpdatingProblem& problem, const PopulationCoordinates& coordinates,

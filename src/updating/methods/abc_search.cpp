@@ -11,7 +11,8 @@ constexpr int k_comparable_from = 3;  // and only up to it a second start is tri
 /// Distances that differ by less, over the number of specimens, are alike: of a normal sample 0.002 of ln likelihood.
 /// Few specimens leave several populations that are as near.
 constexpr double k_alike = 0.002;
-constexpr double k_whole_steps = 4.0;  // iterations; later ones go a part of the way, as the surfaces of two clouds differ
+constexpr double k_whole_steps =
+    4.0;  // iterations; later ones go a part of the way, as the surfaces of two clouds differ
 
 /// How far one iteration may go: where the surface of the last cloud says something.
 struct Limits {
@@ -20,9 +21,9 @@ struct Limits {
 };
 
 Limits limits_around(const PopulationCoordinates& coordinates, const Eigen::VectorXd& at) {
-  constexpr double k_reach = 3.0;      // standard deviations of the cloud ...
+  constexpr double k_reach = 3.0;        // standard deviations of the cloud ...
   constexpr double k_least_reach = 0.3;  // ... and of the prior, where the cloud has hardly any
-  constexpr double k_shrink = 1.0;     // of the logarithm of a standard deviation
+  constexpr double k_shrink = 1.0;       // of the logarithm of a standard deviation
   constexpr double k_grow = 1.0;
   const Eigen::Index q = coordinates.parameters();
   Limits limits{coordinates.lower(), coordinates.upper()};
@@ -68,13 +69,12 @@ NearestPopulation find_nearest_population(const UpdatingProblem& problem, const 
     found.transport = std::make_shared<CloudTransport>(cloud, parameters);
     const MovingCloud moving(coordinates, *found.transport, k_cloud_points, context.seed);
     if (iteration <= k_comparable_from) {
-      found.comparison = std::make_shared<SampleComparison>(comparison_of(
-          problem, distance, moving.at(found.coordinates), coordinates.at(found.coordinates), context));
+      found.comparison = std::make_shared<SampleComparison>(
+          comparison_of(problem, distance, moving.at(found.coordinates), coordinates.at(found.coordinates), context));
     }
     const auto [lower, upper] = limits_around(coordinates, found.coordinates);
-    Eigen::VectorXd next =
-        nearest_population(coordinates, moving, *found.comparison, problem.tests.values, found.coordinates, lower, upper,
-                           iteration <= k_comparable_from);
+    Eigen::VectorXd next = nearest_population(coordinates, moving, *found.comparison, problem.tests.values,
+                                              found.coordinates, lower, upper, iteration <= k_comparable_from);
     const auto distance_at = [&](const Eigen::VectorXd& at) {
       return found.comparison->distance(moving.at(at), problem.tests.values);
     };
@@ -87,8 +87,8 @@ NearestPopulation find_nearest_population(const UpdatingProblem& problem, const 
     const SampledPopulation population = coordinates.at(found.coordinates);
     IterationRecord state = record_state(
         problem, tests,
-        JointDistribution::transformed_normal(parameters.scales(), population.mean, population.covariance()),
-        iteration, context);
+        JointDistribution::transformed_normal(parameters.scales(), population.mean, population.covariance()), iteration,
+        context);
     cloud = state.cloud;
     append_state(result, std::move(state));
     if (moved <= problem.tolerance && iteration >= k_comparable_from) {

@@ -101,9 +101,10 @@ std::vector<Eigen::MatrixXd> MovingCloud::slopes(const Eigen::Ref<const Eigen::V
   return slopes;
 }
 
-Eigen::VectorXd nearest_population(const PopulationCoordinates& coordinates, const MovingCloud& cloud, const SampleComparison& comparison,
-                                   const Eigen::MatrixXd& tests, const Eigen::VectorXd& start,
-                                   const Eigen::VectorXd& lower, const Eigen::VectorXd& upper, bool tries_wider) {
+Eigen::VectorXd nearest_population(const PopulationCoordinates& coordinates, const MovingCloud& cloud,
+                                   const SampleComparison& comparison, const Eigen::MatrixXd& tests,
+                                   const Eigen::VectorXd& start, const Eigen::VectorXd& lower,
+                                   const Eigen::VectorXd& upper, bool tries_wider) {
   constexpr double k_tolerance = 1e-5;
   constexpr int k_iterations = 100;
   constexpr double k_wider = 1.0;

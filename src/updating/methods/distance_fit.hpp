@@ -53,8 +53,9 @@ class MovingCloud {
 /// The second term, a tenth of a specimen's worth, keeps correlations off their limits where the tests leave them open.
 ///
 /// @param tries_wider  from a second start with larger standard deviations, too
-Eigen::VectorXd nearest_population(const PopulationCoordinates& coordinates, const MovingCloud& cloud, const SampleComparison& comparison,
-                                   const Eigen::MatrixXd& tests, const Eigen::VectorXd& start,
-                                   const Eigen::VectorXd& lower, const Eigen::VectorXd& upper, bool tries_wider);
+Eigen::VectorXd nearest_population(const PopulationCoordinates& coordinates, const MovingCloud& cloud,
+                                   const SampleComparison& comparison, const Eigen::MatrixXd& tests,
+                                   const Eigen::VectorXd& start, const Eigen::VectorXd& lower,
+                                   const Eigen::VectorXd& upper, bool tries_wider);
 
 }  // namespace mottle::updating

@@ -29,9 +29,9 @@ Eigen::MatrixXd comparison_covariance(const TestData& tests, const Eigen::Ref<co
 /// Distances between a cloud and tests with missing entries.
 ///
 /// Energy: mean over the specimens' patterns of measured outputs, by their numbers of specimens, of the energy distance
-/// in the outputs that they have, whitened by C there. Sliced Wasserstein: mean square over directions of the distance of
-/// order 2: each output alone, with all specimens that have it, and random directions of whitened outputs, with those
-/// specimens that have all (none where these are fewer than two).
+/// in the outputs that they have, whitened by C there. Sliced Wasserstein: mean square over directions of the distance
+/// of order 2: each output alone, with all specimens that have it, and random directions of whitened outputs, with
+/// those specimens that have all (none where these are fewer than two).
 class SampleComparison {
  public:
   /// @param covariance  C, positive definite [output x output]

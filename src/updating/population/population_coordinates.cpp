@@ -22,8 +22,7 @@ PopulationCoordinates::PopulationCoordinates(const UpdatingProblem& problem, con
   const std::vector<int>& groups = problem.covariance_groups;
   for (Eigen::Index i = 0; has_correlations && i < q; ++i) {
     for (Eigen::Index j = 0; j < i; ++j) {
-      const bool is_free =
-          groups.empty() || groups[static_cast<std::size_t>(i)] == groups[static_cast<std::size_t>(j)];
+      const bool is_free = groups.empty() || groups[static_cast<std::size_t>(i)] == groups[static_cast<std::size_t>(j)];
       if (is_free) pairs_.push_back({i, j});
     }
   }
@@ -56,8 +55,7 @@ Eigen::VectorXd PopulationCoordinates::widths() const {
   return widths;
 }
 
-Eigen::VectorXd PopulationCoordinates::standard_deviations(
-    const Eigen::Ref<const Eigen::VectorXd>& coordinates) const {
+Eigen::VectorXd PopulationCoordinates::standard_deviations(const Eigen::Ref<const Eigen::VectorXd>& coordinates) const {
   return prior_std_.array() * coordinates.segment(parameters(), parameters()).array().exp();
 }
 

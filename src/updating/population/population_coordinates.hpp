@@ -53,8 +53,8 @@ class PopulationCoordinates {
   /// partial correlations up to 0.99, levels of noise from 1e-4 to 30.
   const Eigen::VectorXd& lower() const { return lower_; }
   const Eigen::VectorXd& upper() const { return upper_; }
-  /// Widths beyond which nothing needs to be known: 30 prior standard deviations of a mean, 3 of ln sd and of ln levels,
-  /// 2 of Fisher's z [coordinate].
+  /// Widths beyond which nothing needs to be known: 30 prior standard deviations of a mean, 3 of ln sd and of ln
+  /// levels, 2 of Fisher's z [coordinate].
   Eigen::VectorXd widths() const;
   bool is_allowed(const Eigen::Ref<const Eigen::VectorXd>& coordinates) const {
     return (coordinates.array() >= lower_.array()).all() && (coordinates.array() <= upper_.array()).all();

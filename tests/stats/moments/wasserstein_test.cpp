@@ -51,9 +51,8 @@ TEST(SlicedWassersteinDistance, IsTheMeanOverDirections) {
   // scipy.stats.wasserstein_distance of each projection
   const Eigen::Vector3d of_order_one(0.4, 0.34, 0.69);
   for (Eigen::Index k = 0; k < 3; ++k) {
-    EXPECT_NEAR(
-        wasserstein_distance(x * directions.row(k).transpose(), y * directions.row(k).transpose(), 1),
-        of_order_one(k), 1e-14);
+    EXPECT_NEAR(wasserstein_distance(x * directions.row(k).transpose(), y * directions.row(k).transpose(), 1),
+                of_order_one(k), 1e-14);
   }
   // numpy: root mean square of differences of sorted projections
   EXPECT_NEAR(sliced_wasserstein_distance(x, y, directions), 0.648279774994305, 1e-14);

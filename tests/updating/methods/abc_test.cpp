@@ -181,8 +181,7 @@ TEST(CloudTransport, GivesTheModelsOutputsInAnotherPopulation) {
   const CloudTransport transport(cloud, parameters);
   SampledPopulation moved{Eigen::Vector3d(1.1, 0.95, 1.0), Eigen::Vector3d(0.12, 0.08, 0.1).asDiagonal(), {}};
   moved.factor(1, 0) = 0.04;
-  const Eigen::MatrixXd t =
-      (transport.base().points * moved.factor.transpose()).rowwise() + moved.mean.transpose();
+  const Eigen::MatrixXd t = (transport.base().points * moved.factor.transpose()).rowwise() + moved.mean.transpose();
   const Eigen::MatrixXd expected = problem.model.evaluate(t, {}).outputs;
   const Eigen::MatrixXd found = transport.outputs(moved, transport.base());
   // The populations are half a standard deviation apart: third-order terms are a thousandth of a frequency.

@@ -15,7 +15,9 @@ namespace {
 
 constexpr Eigen::Index k_simulations = 40000;
 
-RandomStream stream_of(std::uint32_t set) { return {{.seed = 11, .purpose = StreamPurpose::truth}, set}; }
+RandomStream stream_of(std::uint32_t set) {
+  return {{.seed = 11, .purpose = StreamPurpose::truth}, set};
+}
 
 /// theta ~ N(0, 2^2), one datum z ~ N(theta, 1): given z the posterior is N(0.8 z, 0.8).
 SimulationTable conjugate_table() {
@@ -125,7 +127,8 @@ TEST(IntervalCalibration, StretchesIntervalsThatAreTooNarrow) {
   Eigen::MatrixXd estimates(4000, 1);
   for (Eigen::Index b = 0; b < estimates.rows(); ++b)
     estimates(b, 0) = standard_normal_quantile(stream_of(static_cast<std::uint32_t>(b)).uniform());
-  const auto carry = [](const Eigen::MatrixXd& points, const Eigen::MatrixXd& about, const Eigen::RowVectorXd& observed) {
+  const auto carry = [](const Eigen::MatrixXd& points, const Eigen::MatrixXd& about,
+                        const Eigen::RowVectorXd& observed) {
     return Eigen::MatrixXd((points - about).rowwise() + observed);
   };
   const IntervalCalibration found =

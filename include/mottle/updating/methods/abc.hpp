@@ -19,7 +19,7 @@ struct AbcOptions {
   Distance distance = Distance::energy;  // bounded influence of a single specimen
   Noise noise = Noise::automatic;
   Correlations correlations = Correlations::automatic;
-  int simulations = 10000;  // 1,500 accepted at least: tails of 2.5 % from 37
+  int simulations = 10000;     // 1,500 accepted at least: tails of 2.5 % from 37
   int calibration_sets = 400;  // a coverage of 95 % is then known to 1.1 %
 };
 
@@ -56,16 +56,16 @@ struct AbcFindings {
   Eigen::MatrixXd values;          ///< stretched draws [chain x draw, name]
   Eigen::VectorXd r_hat;           ///< [name]
 
-  double curvature = 0.0;  ///< largest part of an output's variance that is not linear in the parameters
-  double normality_p = 1.0;  ///< that normal tests look as little normal, over all outputs; nan: too few to say
+  double curvature = 0.0;         ///< largest part of an output's variance that is not linear in the parameters
+  double normality_p = 1.0;       ///< that normal tests look as little normal, over all outputs; nan: too few to say
   double width_ratio_mean = 1.0;  ///< of intervals of this method to those of a normal likelihood; nan: not known
   double width_ratio_std = 1.0;
   bool is_likelihood_better = false;
 };
 
 /// The normal population on the parameters' scales whose cloud, with noise, is nearest to the tests; its uncertainty by
-/// simulated sets of tests that are compared through the gradient of the distance, intervals stretched so that they hold
-/// the truth in simulated studies. The model is run for clouds alone; no likelihood and no derivative is needed.
+/// simulated sets of tests that are compared through the gradient of the distance, intervals stretched so that they
+/// hold the truth in simulated studies. The model is run for clouds alone; no likelihood and no derivative is needed.
 ///
 /// The theory: docs/theory/abc.md. Source: [Beaumont2002]; [Ruli2016]; [Szekely2013].
 class AbcUpdater final : public Updater {

@@ -14,9 +14,10 @@ namespace mottle::updating {
 
 /// Data simulated at many points.
 struct SimulationTable {
-  Eigen::MatrixXd points;      ///< [simulation x coordinate]
-  Eigen::MatrixXd summaries;   ///< of the data, in units of which one is small [simulation x summary]
-  Eigen::VectorXd log_weight;  ///< ln of prior over proposal density, up to a constant; -infinity: not possible [simulation]
+  Eigen::MatrixXd points;     ///< [simulation x coordinate]
+  Eigen::MatrixXd summaries;  ///< of the data, in units of which one is small [simulation x summary]
+  Eigen::VectorXd
+      log_weight;  ///< ln of prior over proposal density, up to a constant; -infinity: not possible [simulation]
   /// Moves points [draw x coordinate] as the observed summary differs from those of their data [draw x summary]; empty:
   /// by weighted linear regression of the accepted points on the summaries.
   std::function<Eigen::MatrixXd(const Eigen::MatrixXd& points, const Eigen::MatrixXd& summaries,
@@ -38,7 +39,8 @@ struct AcceptedDraws {
 /// Accepts the simulations whose summaries are nearest to that observed.
 ///
 ///   w_k ~ exp(log_weight_k) (1 - d_k^2 / tolerance^2),   d_k = |s_k - s|
-///   adjusted: by the table's adjustment, or x_k - B' (s_k - s), B of the weighted linear regression of points on summaries
+///   adjusted: by the table's adjustment, or x_k - B' (s_k - s), B of the weighted linear regression of points on
+///   summaries
 ///
 /// A regression over points that were proposed in a narrow region draws the posterior towards its middle; an adjustment
 /// that is known, as of a location and a scale, does not.
@@ -66,9 +68,9 @@ using ErrorCarrier = std::function<Eigen::MatrixXd(const Eigen::MatrixXd& points
 
 /// How 95 % intervals hold the truth, found from data simulated at a known point.
 struct IntervalCalibration {
-  std::size_t chosen = 0;     ///< which of the trials gives the narrowest stretched intervals
-  Eigen::VectorXd factor;     ///< that its intervals are to be stretched by, about the median [coordinate]
-  Eigen::VectorXd coverage;   ///< of its intervals before that [coordinate]
+  std::size_t chosen = 0;         ///< which of the trials gives the narrowest stretched intervals
+  Eigen::VectorXd factor;         ///< that its intervals are to be stretched by, about the median [coordinate]
+  Eigen::VectorXd coverage;       ///< of its intervals before that [coordinate]
   double checked_coverage = 0.0;  ///< mean of the coordinates after, in the half that did not make the factors
   double checked_standard_error = 0.0;
 };
