@@ -27,6 +27,7 @@ STUDIES = {
     "interval": edited(STUDY, ('method = "mares"', 'method = "interval"')),
     "hierarchical": edited(STUDY, ('method = "mares"', 'method = "hierarchical"'),
                            ('weighting = "mahalanobis"\n', 'weighting = "mahalanobis"\n[update.hierarchical]\nparticles = 100\n')),
+    "abc": edited(STUDY, ('method = "mares"', 'method = "abc"')),
 }
 
 

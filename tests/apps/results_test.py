@@ -365,7 +365,7 @@ class ResultsTest(support.CommandTest):
     def test_methods_lists_every_option(self):
         methods = json.loads(self.succeed("methods", "--json").out)
         self.assertLessEqual({"maximum-likelihood", "mares", "deterministic", "inversion", "perturbation",
-                              "covariance-adjustment", "moment-matching", "bayes", "hierarchical", "mixture", "interval"}, {method["name"] for method in methods})
+                              "covariance-adjustment", "moment-matching", "bayes", "hierarchical", "mixture", "interval", "abc"}, {method["name"] for method in methods})
         text = self.succeed("methods").out
         markdown = self.succeed("methods", "--markdown").out
         for method in methods:

@@ -33,6 +33,11 @@ enum class StreamPurpose : std::uint32_t {
   mixture_test = 61,
   mixture_power = 62,
   mixture_intervals = 63,
+  abc_directions = 70,
+  abc_noise = 71,
+  abc_proposal = 72,
+  abc_simulation = 73,
+  abc_calibration = 74,
 };
 
 /// The part of a stream's name that all samples of one draw share.

@@ -11,6 +11,7 @@
 #include "study/jobs/job_files.hpp"
 #include "study/jobs/study_reach.hpp"
 #include "study/jobs/update_workings.hpp"
+#include "study/results/abc_json.hpp"
 #include "study/results/agreement.hpp"
 #include "study/results/could_hide_json.hpp"
 #include "study/results/interval_json.hpp"
@@ -116,6 +117,7 @@ Json outcome_json(const UpdateOutcome& outcome, const StructureModel::FollowedMo
   add_posterior(outcome.result.posterior.get(), outcome.problem().tests, json);
   add_interval(outcome.problem(), outcome.result.interval.get(), json);
   add_mixture(outcome.result, outcome.problem().tests, json);
+  add_abc(outcome.result.abc.get(), json);
   add_factors(outcome.workings->factors, json["parameters"]);
   json["verdict"]["could_hide"] = could_hide_json(outcome.could_hide, plan.made.space->names());
   add_first_screen(outcome, followed, json);
@@ -173,6 +175,7 @@ void write_results(const UpdateOutcome& outcome, const std::filesystem::path& pa
     folder.write("posterior.csv", posterior_csv(*outcome.result.posterior));
     folder.write("posterior.json", posterior_arviz(*outcome.result.posterior, outcome.problem()));
   }
+  if (outcome.result.abc) folder.write("posterior.csv", abc_csv(*outcome.result.abc));
   const std::optional<StructureModel::FollowedModes> followed = modes_at_estimate(outcome);
   if (followed) write_shapes(folder, *made.model, *followed, tests.specimens.get(), made.space->names());
   folder.write("result.json", result_text(outcome, followed, steady_seconds() - start));

@@ -2,6 +2,7 @@
 
 #include "mottle/core/error.hpp"
 #include "mottle/core/text.hpp"
+#include "mottle/updating/methods/abc.hpp"
 #include "mottle/updating/methods/bayes.hpp"
 #include "mottle/updating/methods/deterministic.hpp"
 #include "mottle/updating/methods/hierarchical.hpp"
@@ -54,6 +55,10 @@ const std::vector<MethodEntry>& updating_methods() {
        "Several batches in one population, with outliers: their number by a bootstrap of the likelihood ratio, each "
        "specimen assigned with a probability.",
        mixture_option_table().describe(), make<MixtureUpdater, mixture_option_table>},
+      {"abc",
+       "The population whose cloud is nearest to the tests, for what has no likelihood: distances between samples, "
+       "intervals that cover in simulated studies.",
+       abc_option_table().describe(), make<AbcUpdater, abc_option_table>, true},
       {"inversion", "The population's mean and covariance from parameters that are solved for each specimen alone.",
        inversion_option_table().describe(), make<InversionUpdater, inversion_option_table>},
       {"perturbation", "The population to first order, after Khodaparast, Mottershead and Friswell (2008).",

@@ -79,7 +79,7 @@ struct ParameterIntervals {
   Eigen::MatrixXd std;                ///< [parameter x 2]
   Eigen::MatrixXd correlation_lower;  ///< [parameter x parameter], 1 on the diagonal
   Eigen::MatrixXd correlation_upper;
-  std::string made_by;  ///< "analytic" | "bootstrap" | "posterior"
+  std::string made_by;  ///< "analytic" | "bootstrap" | "posterior" | "simulation"
 };
 
 /// The model's error as a fit has it. Given the tests, d ~ N(shift, covariance), and the population's mean, on the
@@ -136,6 +136,7 @@ struct NormalityReport {
 };
 
 struct IntervalResult;
+struct AbcFindings;
 
 /// What a method found.
 struct UpdatingResult {
@@ -151,6 +152,7 @@ struct UpdatingResult {
   std::shared_ptr<const SampledPosterior> posterior = nullptr;  ///< of methods that sample one
   std::shared_ptr<const IntervalResult> interval = nullptr;     ///< of methods that find a box
   std::shared_ptr<const MixtureFindings> mixture = nullptr;     ///< of methods that look for batches of specimens
+  std::shared_ptr<const AbcFindings> abc = nullptr;             ///< of methods that compare simulated tests
   std::optional<SpecimenEstimates> specimens = std::nullopt;    ///< of methods that look at each specimen
   std::optional<ModelError> model_error = std::nullopt;         ///< of methods that estimate it; see TestData
   std::vector<Outlier> outliers = {};                           ///< specimens that do not belong to the others

@@ -1,0 +1,168 @@
+#include "updating/methods/abc_sampling.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "mottle/core/parallel.hpp"
+#include "mottle/updating/estimate/sample_estimate.hpp"
+
+namespace mottle::updating {
+namespace {
+
+constexpr Eigen::Index k_reference_points = 128;
+constexpr int k_stages = 3;
+
+/// The errors that estimates of simulated sets had, carried to the observed set: of standard deviations as factors, of
+/// means in units of standard deviations with noise, of all else as differences.
+///
+///   mean* = mean^ + (tau^ / tau^_k) (mean_k - mean^_k),   ln sd* = ln sd^ + ln sd_k - ln sd^_k,   tau^2 = sd^2 +
+///   noise^2
+///
+/// ^: estimated; _k: of a simulated set. Of a normal sample these are Student's and chi-squared's distributions
+/// exactly.
+Eigen::MatrixXd carry_errors(const AbcSampler& sampler, const Eigen::MatrixXd& points, const Eigen::MatrixXd& estimates,
+                             const Eigen::RowVectorXd& observed) {
+  const PopulationCoordinates& coordinates = sampler.coordinates;
+  const Eigen::Index q = coordinates.parameters();
+  Eigen::MatrixXd errors = points - estimates;
+  for (Eigen::Index i = 0; i < q; ++i) {
+    const double unit = sampler.known.noise_share(i) / coordinates.prior_deviations()(i);
+    const auto scale = [&](const auto& log_deviation) { return ((2.0 * log_deviation).exp() + unit * unit).sqrt(); };
+    const double own = std::sqrt(std::exp(2.0 * observed(q + i)) + unit * unit);
+    errors.col(i).array() *= own / scale(estimates.col(q + i).array());
+  }
+  return errors.rowwise() + observed;
+}
+
+SimulationTable simulate_table(const AbcSampler& sampler, const AbcSummary& summary, const Eigen::VectorXd& centre,
+                               const Eigen::MatrixXd& covariance, Eigen::Index count, std::uint32_t stage) {
+  SimulationTable table{
+      propose_uniformly(centre, covariance, count,
+                        {.seed = sampler.context.seed, .purpose = StreamPurpose::abc_proposal, .iteration = stage}),
+      Eigen::MatrixXd(count, centre.size()), Eigen::VectorXd(count),
+      [&sampler, &summary](const Eigen::MatrixXd& points, const Eigen::MatrixXd& summaries,
+                           const Eigen::VectorXd& observed) {
+        return carry_errors(sampler, points, summary.estimates(summaries),
+                            summary.estimates(observed.transpose()).row(0));
+      }};
+  for (Eigen::Index k = 0; k < count; ++k) table.log_weight(k) = sampler.log_prior(table.points.row(k).transpose());
+  summary.fill(table.summaries, table.points,
+               {.seed = sampler.context.seed, .purpose = StreamPurpose::abc_simulation, .iteration = stage});
+  return table;
+}
+
+/// Tests simulated at a population: their distances from its cloud, and the populations nearest to them.
+struct SimulatedStudies {
+  Eigen::VectorXd distances;  // [set]
+  Eigen::MatrixXd estimates;  // [set x coordinate]
+};
+
+SimulatedStudies simulate_studies(const AbcSampler& sampler, const AbcSummary& summary, const Eigen::VectorXd& truth,
+                                  Eigen::Index sets) {
+  const StreamKey key{.seed = sampler.context.seed, .purpose = StreamPurpose::abc_calibration};
+  const Eigen::MatrixXd cloud = sampler.cloud.at(truth);
+  SimulatedStudies studies{Eigen::VectorXd(sets), Eigen::MatrixXd(sets, truth.size())};
+  parallel_for(sets, 4, sampler.context.threads, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t b = begin; b < end && !sampler.context.stop_requested(); ++b) {
+      const Eigen::MatrixXd tests = sampler.simulator.simulate(truth, key, static_cast<std::uint32_t>(b));
+      studies.distances(b) = sampler.nearest.comparison->distance(cloud, tests);
+      studies.estimates.row(b) = summary.nearest(tests).transpose();
+    }
+  });
+  sampler.context.throw_if_stopped();
+  return studies;
+}
+
+/// ln sd of the estimate, less half the logarithm of the mean ratio of simulated studies' variances to the true ones.
+Eigen::VectorXd unbiased_deviations(const PopulationCoordinates& coordinates, const SimulatedStudies& studies,
+                                    const Eigen::VectorXd& truth, const Eigen::VectorXd& estimate) {
+  constexpr double k_most = 0.7;
+  const Eigen::Index q = coordinates.parameters();
+  Eigen::VectorXd found = estimate.segment(q, q);
+  for (Eigen::Index k = q; k < 2 * q; ++k) {
+    const double ratio = (2.0 * (studies.estimates.col(k).array() - truth(k))).exp().mean();
+    found(k - q) -= std::clamp(0.5 * std::log(ratio), -k_most, k_most);
+  }
+  return found;
+}
+
+/// Chooses the tolerance and stretches the intervals by simulated studies; compares the distance of the tests with
+/// theirs.
+void calibrate(const AbcSampler& sampler, const AbcSummary& summary, const SimulationTable& table,
+               const Eigen::VectorXd& truth, const AbcOptions& options, SampledPopulations& found) {
+  static const std::vector<double> k_fractions{0.5, 0.3, 0.15};
+  const Eigen::MatrixXd& tests = sampler.problem.tests.values;
+  const SimulatedStudies studies = simulate_studies(sampler, summary, truth, options.calibration_sets);
+  const Eigen::VectorXd estimate = summary.nearest(tests);
+  std::vector<AcceptedDraws> trials;
+  trials.reserve(k_fractions.size());
+  for (const double fraction : k_fractions) trials.push_back(accept_nearest(table, summary.of(tests), fraction));
+  found.calibration = calibrate_intervals(
+      trials, estimate, studies.estimates, truth,
+      [&](const Eigen::MatrixXd& points, const Eigen::MatrixXd& estimates, const Eigen::RowVectorXd& observed) {
+        return carry_errors(sampler, points, estimates, observed);
+      });
+  found.fraction = k_fractions[found.calibration.chosen];
+  found.draws = trials[found.calibration.chosen];
+  found.calibration_sets = options.calibration_sets;
+  found.log_deviation = unbiased_deviations(sampler.coordinates, studies, truth, estimate);
+  const double distance = sampler.nearest.comparison->distance(sampler.cloud.at(truth), tests);
+  found.exceeded = (studies.distances.array() >= distance).cast<double>().mean();
+  found.simulated_distance = options.distance == AbcOptions::Distance::energy
+                                 ? studies.distances.mean()
+                                 : studies.distances.cwiseMax(0.0).cwiseSqrt().mean();
+}
+
+Eigen::VectorXd medians(const AcceptedDraws& draws) {
+  return Eigen::VectorXd::NullaryExpr(
+      draws.points.cols(), [&](Eigen::Index k) { return weighted_quantile(draws.points.col(k), draws.weights, 0.5); });
+}
+
+}  // namespace
+
+Eigen::MatrixXd SampledPopulations::stretched(const PopulationCoordinates& coordinates) const {
+  Eigen::MatrixXd points = draws.points;
+  for (Eigen::Index k = 0; k < points.cols(); ++k) {
+    points.col(k) = (median(k) + calibration.factor(k) * (points.col(k).array() - median(k)))
+                        .max(coordinates.lower()(k))
+                        .min(coordinates.upper()(k));
+  }
+  return points;
+}
+
+SampledPopulations sample_populations(const UpdatingProblem& problem, const PopulationCoordinates& coordinates,
+                                      const NearestPopulation& nearest, const RoughKnowledge& known,
+                                      const AbcOptions& options, const RunContext& context) {
+  constexpr double k_early_fraction = 0.2;
+  const AbcSampler sampler{problem,
+                           coordinates,
+                           nearest,
+                           known,
+                           context,
+                           TestSimulator(problem, coordinates, *nearest.transport),
+                           MovingCloud(coordinates, *nearest.transport, k_reference_points, context.seed)};
+  SampledPopulations found;
+  Eigen::VectorXd centre = known.centre.cwiseMax(coordinates.lower()).cwiseMin(coordinates.upper());
+  Eigen::MatrixXd covariance = known.std.cwiseAbs2().asDiagonal();
+  for (int stage = 0; stage < k_stages; ++stage) {
+    context.phase({.name = "simulated sets of tests", .step = stage + 1, .steps = k_stages});
+    const bool is_last = stage + 1 == k_stages;
+    const auto number = static_cast<std::uint32_t>(stage);
+    const Eigen::Index count = std::max<Eigen::Index>(is_last ? options.simulations : options.simulations / 2, 500);
+    const AbcSummary summary(sampler, centre, number);
+    const SimulationTable table = simulate_table(sampler, summary, centre, covariance, count, number);
+    const Eigen::VectorXd observed = summary.of(problem.tests.values);
+    found.draws = accept_nearest(table, observed, k_early_fraction);
+    if (is_last) {
+      const Eigen::VectorXd truth = found.draws.mean.cwiseMax(coordinates.lower()).cwiseMin(coordinates.upper());
+      calibrate(sampler, summary, table, truth, options, found);
+    }
+    found.stages.push_back({count, found.draws.points.rows(), found.draws.tolerance, found.draws.effective});
+    centre = found.draws.mean.cwiseMax(coordinates.lower()).cwiseMin(coordinates.upper());
+    covariance = found.draws.covariance;
+  }
+  found.median = medians(found.draws);
+  return found;
+}
+
+}  // namespace mottle::updating
