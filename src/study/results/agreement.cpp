@@ -17,7 +17,7 @@ constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double k_last_digits = 1e-9;  // a standard deviation below it, of the value, is rounding
 
 /// What is the same for all outputs.
-struct Comparison {
+struct AgreementWithTests {
   TestMoments tests;
   Eigen::VectorXd noise;        // R, variance [output]
   Eigen::VectorXd model_error;  // D, variance [output]
@@ -25,8 +25,8 @@ struct Comparison {
   const IterationRecord& last;
 };
 
-Comparison comparison_of(const UpdatingProblem& problem, const UpdatingResult& result) {
-  Comparison c{test_moments(problem.tests), {}, {}, result.history.front(), result.history.back()};
+AgreementWithTests comparison_of(const UpdatingProblem& problem, const UpdatingResult& result) {
+  AgreementWithTests c{test_moments(problem.tests), {}, {}, result.history.front(), result.history.back()};
   const Eigen::Index p = c.tests.mean.size();
   c.noise = result.noise_covariance.size() > 0 ? Eigen::VectorXd(result.noise_covariance.diagonal())
                                                : Eigen::VectorXd(problem.tests.repeatability_std.cwiseAbs2());
@@ -44,13 +44,13 @@ Eigen::Index valid_samples(const IterationRecord& state) {
 }
 
 /// Variance of a test in the cloud, and of the tests; nan where the tests show none.
-double tested_variance(const Comparison& c, Eigen::Index k) {
+double tested_variance(const AgreementWithTests& c, Eigen::Index k) {
   const double variance = c.tests.covariance(k, k);
   const double rounding = k_last_digits * std::abs(c.tests.mean(k));
   return c.tests.count(k) >= 2 && variance > rounding * rounding ? variance : k_nan;
 }
 
-CloudComparison compare_cloud(const Comparison& c, const IterationRecord& state, Eigen::Index k) {
+CloudComparison compare_cloud(const AgreementWithTests& c, const IterationRecord& state, Eigen::Index k) {
   const double n = c.tests.count(k);
   const double tested = tested_variance(c, k);
   const double sampling = std::isnan(tested) ? c.noise(k) / n : tested / n;
@@ -69,7 +69,7 @@ double student_t(int degrees_of_freedom, double alpha) {
   return hotelling_t_critical(degrees_of_freedom + 1, 1, 1, alpha);
 }
 
-OutputAgreement compare_output(const Comparison& c, Eigen::Index k) {
+OutputAgreement compare_output(const AgreementWithTests& c, Eigen::Index k) {
   const double alpha = k_chance / static_cast<double>(c.tests.mean.size());
   OutputAgreement output{k, compare_cloud(c, c.first, k), compare_cloud(c, c.last, k), k_nan, k_nan, k_nan};
   const int degrees_of_freedom = c.tests.count(k) - 1;
@@ -105,7 +105,7 @@ double squared_distance(const Eigen::VectorXd& off, const Eigen::MatrixXd& covar
 }
 
 /// Complete tests within the region of a state's cloud; nothing where it has none.
-std::optional<int> count_inside(const Comparison& c, const IterationRecord& state,
+std::optional<int> count_inside(const AgreementWithTests& c, const IterationRecord& state,
                                 const std::vector<Eigen::VectorXd>& complete, double probability) {
   const auto p = static_cast<int>(c.tests.mean.size());
   const Eigen::Index samples = valid_samples(state);
@@ -122,7 +122,8 @@ std::optional<int> count_inside(const Comparison& c, const IterationRecord& stat
   return inside;
 }
 
-std::optional<RegionAgreement> compare_region(const Comparison& c, const TestData& tests, Eigen::Index parameters) {
+std::optional<RegionAgreement> compare_region(const AgreementWithTests& c, const TestData& tests,
+                                              Eigen::Index parameters) {
   std::vector<Eigen::VectorXd> complete;
   for (Eigen::Index s = 0; s < tests.values.rows(); ++s) {
     if (tests.values.row(s).allFinite()) complete.emplace_back(tests.values.row(s).transpose());
@@ -164,7 +165,7 @@ bool Agreement::is_scatter_reproduced() const {
 }
 
 Agreement compare_with_tests(const UpdatingProblem& problem, const UpdatingResult& result) {
-  const Comparison c = comparison_of(problem, result);
+  const AgreementWithTests c = comparison_of(problem, result);
   Agreement agreement;
   for (Eigen::Index k = 0; k < c.tests.mean.size(); ++k) agreement.outputs.push_back(compare_output(c, k));
   std::stable_sort(agreement.outputs.begin(), agreement.outputs.end(),

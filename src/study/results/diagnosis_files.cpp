@@ -74,7 +74,7 @@ Json rounds_json(const Diagnosis& diagnosis) {
 }
 
 /// null where the study does not ask for it.
-Json evidence_json(const DiagnosisEvidence& evidence) {
+Json candidates_by_evidence_json(const DiagnosisEvidence& evidence) {
   if (evidence.models.empty()) return nullptr;
   Json models = Json::array();
   for (const ModelEvidence& model : evidence.models) {
@@ -127,7 +127,7 @@ Json outcome_json(const DiagnoseOutcome& outcome) {
     order.push_back(finding.detectability.name);
   }
   json["cosines"] = {{"names", order}, {"matrix", to_json_rows(diagnosis.cosines)}};
-  json["evidence"] = evidence_json(outcome.evidence);
+  json["evidence"] = candidates_by_evidence_json(outcome.evidence);
   json["later_rounds"] = rounds_json(diagnosis);
   json["proposed"] = proposed_json(diagnosis);
   json["proposed_toml"] = proposed_toml(outcome);
@@ -177,17 +177,17 @@ void add_later_rounds(const Diagnosis& diagnosis, std::vector<std::string>& line
 
 void add_evidences(const DiagnosisEvidence& evidence, std::vector<std::string>& lines) {
   if (evidence.models.empty()) return;
-  lines.push_back(fmt::format("{:<24} {:>12} {:>9} {:>12} {:>11}  {:>18}",
+  lines.push_back(fmt::format("{:<27} {:>12} {:>9} {:>12} {:>11}  {:>18}",
                               fmt::format("by evidence ({})", evidence.method), "ln evidence", "std error",
                               "ln B against", "probability", "95 %"));
   for (const ModelEvidence& model : evidence.models) {
     const std::string name = model.candidate.empty() ? "the parameters alone" : "with " + model.candidate;
     if (!model.failure.empty()) {
-      lines.push_back(fmt::format("{:<24} {}", name, model.failure));
+      lines.push_back(fmt::format("{:<27} {}", name, model.failure));
       continue;
     }
     const ModelProbability& against = model.against;
-    lines.push_back(fmt::format("{:<24} {:>12.4f} {:>9.3f} {:>12.3f} {:>11.3g}  {:>18}{}", name,
+    lines.push_back(fmt::format("{:<27} {:>12.4f} {:>9.3f} {:>12.3f} {:>11.3g}  {:>18}{}", name,
                                 model.evidence.log_evidence, model.evidence.standard_error, against.log_bayes_factor,
                                 against.probability, fmt::format("[{:.3g}, {:.3g}]", against.lower, against.upper),
                                 model.is_converged ? "" : "  sampling did not converge"));
