@@ -119,7 +119,7 @@ Eigen::VectorXd nearest_population(const PopulationCoordinates& coordinates, con
     found.gradient.segment(2 * coordinates.parameters(), z.size()) += pull * z;
     return found;
   };
-  const Eigen::VectorXd first = minimise_within(penalised, start, lower, upper, k_tolerance, k_iterations);
+  Eigen::VectorXd first = minimise_within(penalised, start, lower, upper, k_tolerance, k_iterations);
   if (!tries_wider) return first;
   // A standard deviation that once is far too small has no slope any more: the second start has larger ones.
   Eigen::VectorXd wider = start;
