@@ -45,6 +45,29 @@ class Diagnose(support.CommandTest):
         for key in ("best", "alike", "explained", "given", "proposed", "model_evaluations", "seed", "level"):
             self.assertIn(key, result)
 
+    def test_evidences_of_candidates_are_those_of_updates_with_them(self):
+        candidate = '{ name = "k6", target = "spring:k6", distribution = { kind = "normal", mean = 3.0, std = 0.6 } }'
+        bayes = edited(STUDY, ('method = "mares"', 'method = "bayes"')) + "[update.bayes]\nparticles = 100\n"
+        self.write("study.toml", bayes + f"[diagnose]\nevidence = 1\ncandidates = [{candidate}]\n")
+        self.write("alone.toml", bayes)
+        self.write("with.toml", bayes + '[[parameter]]\nname = "k6"\ntarget = "spring:k6"\ndistribution = { kind = "normal", mean = 3.0, std = 0.6 }\n')
+        evidence = self.diagnosis()["evidence"]
+        self.assertEqual(evidence["method"], "bayes")
+        self.assertEqual([model["candidate"] for model in evidence["models"]], [None, "k6"])
+        for model, study in zip(evidence["models"], ("alone", "with")):
+            self.succeed("update", f"{study}.toml", "--out", study, "--quiet")
+            updated = json.loads((self.folder / study / "result.json").read_text(encoding="utf-8"))["evidence"]
+            self.assertEqual(model["ln_evidence"], updated["ln_evidence"])
+            self.assertEqual(model["standard_error"], updated["standard_error"])
+        self.assertAlmostEqual(sum(model["probability"] for model in evidence["models"]), 1.0)
+
+    def test_a_diagnosis_is_kept_where_no_evidence_can_be_sampled(self):
+        self.write("study.toml", STUDY + "[update.hierarchical]\nparticles = 100000\nislands = 30\n[diagnose]\nevidence = 1\ncandidates = [\"spring:k6\"]\n")
+        result = self.diagnosis()
+        self.assertEqual(result["best"], "k6")
+        for model in result["evidence"]["models"]:
+            self.assertIn("particles", model["failure"])
+
     def test_what_is_proposed_can_be_pasted_into_the_study(self):
         # k6 of the tests' structure is stiffer than the model's.
         example = support.SOURCE / "examples" / "01-three-masses"

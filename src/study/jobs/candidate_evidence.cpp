@@ -63,11 +63,17 @@ DiagnosisEvidence evidence_of_candidates(const Study& study, const std::vector<S
       sample(candidate == candidates.end() ? base : with_candidates(base, {*candidate}), settings, context, model);
       evidences.push_back(model.evidence);
     } catch (const InvalidInput& error) {
-      if (model.candidate.empty()) throw;
+      model.failure = error.what();
+    } catch (const SystemFailure& error) {
       model.failure = error.what();
     }
   }
-  if (evidences.size() < 2) return compared;
+  if (evidences.size() < 2) {
+    for (ModelEvidence& model : compared.models) {
+      if (model.failure.empty()) model.failure = "no other model has an evidence that it could be compared with";
+    }
+    return compared;
+  }
   const std::vector<ModelProbability> probabilities = compare_evidences(evidences);
   auto next = probabilities.begin();
   for (ModelEvidence& model : compared.models) {

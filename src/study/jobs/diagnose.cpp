@@ -72,8 +72,7 @@ DiagnoseOutcome diagnose_here(const Study& study, const RunSettings& settings) {
                                 .screened = study.diagnose.screened,
                                 .like_evidence = study.diagnose.like_evidence};
   outcome.diagnosis = files.compute(study, [&] { return diagnose(problem, rules, context); });
-  outcome.evidence = files.compute(
-      study, [&] { return evidence_of_candidates(study, candidates, outcome.diagnosis, settings, context); });
+  outcome.evidence = evidence_of_candidates(study, candidates, outcome.diagnosis, settings, context);
   outcome.outputs = tests.data.values.cols();
   outcome.seconds = steady_seconds() - start;
   return outcome;
