@@ -6,6 +6,7 @@
 #include "mottle/study/jobs/diagnose.hpp"
 #include "mottle/study/results/run_folder.hpp"
 #include "study/results/diagnosis_names.hpp"
+#include "study/results/evidence_json.hpp"
 #include "study/results/proposed_toml.hpp"
 #include "study/results/result_json.hpp"
 
@@ -80,13 +81,8 @@ Json candidates_by_evidence_json(const DiagnosisEvidence& evidence) {
   for (const ModelEvidence& model : evidence.models) {
     Json json = {{"candidate", model.candidate.empty() ? Json(nullptr) : Json(model.candidate)}};
     if (model.failure.empty()) {
-      json["ln_evidence"] = number_json(model.evidence.log_evidence);
-      json["standard_error"] = number_json(model.evidence.standard_error);
+      add_evidence_among(model.evidence, model.against, json);
       json["converged"] = model.is_converged;
-      json["ln_bayes_factor"] = number_json(model.against.log_bayes_factor);
-      json["ln_bayes_factor_standard_error"] = number_json(model.against.standard_error);
-      json["probability"] = number_json(model.against.probability);
-      json["probability_ci95"] = {number_json(model.against.lower), number_json(model.against.upper)};
       json["model_evaluations"] = model.model_evaluations;
     } else {
       json["failure"] = model.failure;

@@ -4,22 +4,27 @@
 
 namespace mottle::study {
 
+void add_evidence_among(const EstimatedEvidence& evidence, const ModelProbability& against, Json& json) {
+  json["ln_evidence"] = evidence.log_evidence;
+  json["standard_error"] = evidence.standard_error;
+  json["ln_bayes_factor"] = against.log_bayes_factor;
+  json["ln_bayes_factor_standard_error"] = against.standard_error;
+  json["strength"] = evidence_strength(against.log_bayes_factor);
+  json["probability"] = against.probability;
+  json["probability_ci95"] = {against.lower, against.upper};
+}
+
 Json evidence_comparison_json(const Comparison& comparison) {
   if (!comparison.evidence) return nullptr;
   Json models = Json::array();
   for (const ComparedModel& one : comparison.evidence->models) {
-    models.push_back({{"label", one.label},
-                      {"ln_evidence", one.evidence.log_evidence},
-                      {"standard_error", one.evidence.standard_error},
-                      {"ln_bayes_factor", one.against.log_bayes_factor},
-                      {"ln_bayes_factor_standard_error", one.against.standard_error},
-                      {"strength", evidence_strength(one.against.log_bayes_factor)},
-                      {"probability", one.against.probability},
-                      {"probability_ci95", {one.against.lower, one.against.upper}},
-                      {"elpd", number_json(one.elpd)},
-                      {"elpd_difference", number_json(one.elpd_difference)},
-                      {"elpd_difference_standard_error", number_json(one.elpd_standard_error)},
-                      {"largest_pareto_k", number_json(one.largest_pareto_k)}});
+    Json json = {{"label", one.label}};
+    add_evidence_among(one.evidence, one.against, json);
+    json["elpd"] = number_json(one.elpd);
+    json["elpd_difference"] = number_json(one.elpd_difference);
+    json["elpd_difference_standard_error"] = number_json(one.elpd_standard_error);
+    json["largest_pareto_k"] = number_json(one.largest_pareto_k);
+    models.push_back(std::move(json));
   }
   Json left_out = Json::array();
   for (const auto& [label, reason] : comparison.evidence->left_out) {

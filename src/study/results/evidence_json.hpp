@@ -7,6 +7,9 @@
 
 namespace mottle::study {
 
+/// Puts ln_evidence, ln_bayes_factor with its strength, and probability of one of several models into `json`.
+void add_evidence_among(const EstimatedEvidence& evidence, const ModelProbability& against, Json& json);
+
 /// {models[], not_compared[] {label, reason}, warnings[], scale}; null where no run has an evidence.
 Json evidence_comparison_json(const Comparison& comparison);
 

@@ -9,6 +9,7 @@
 #include "updating/methods/hierarchical_report.hpp"
 #include "updating/methods/hierarchical_target.hpp"
 #include "updating/methods/sampled_result.hpp"
+#include "updating/sampling/island_batches.hpp"
 
 namespace mottle::updating {
 namespace {
@@ -25,20 +26,24 @@ void require_specimens(const UpdatingProblem& problem) {
   }
 }
 
-Eigen::MatrixXd all_rows(const std::vector<CorrectedIsland>& islands, Eigen::MatrixXd SampledIsland::*part) {
-  const Eigen::MatrixXd& first = islands.front().island.*part;
-  Eigen::MatrixXd all(static_cast<Eigen::Index>(islands.size()) * first.rows(), first.cols());
-  for (std::size_t i = 0; i < islands.size(); ++i)
-    all.middleRows(static_cast<Eigen::Index>(i) * first.rows(), first.rows()) = islands[i].island.*part;
-  return all;
+/// A part of every island, one below the other.
+template <typename Part>
+Eigen::MatrixXd all_rows(const std::vector<CorrectedIsland>& islands, const Part& part) {
+  std::vector<const Eigen::MatrixXd*> parts;
+  for (const CorrectedIsland& island : islands) parts.push_back(&part(island));
+  return stacked(parts, parts.front()->cols());
 }
 
-Eigen::MatrixXd all_rows(const std::vector<CorrectedIsland>& islands, Eigen::MatrixXd CorrectedIsland::*part) {
-  const Eigen::MatrixXd& first = islands.front().*part;
-  Eigen::MatrixXd all(static_cast<Eigen::Index>(islands.size()) * first.rows(), first.cols());
-  for (std::size_t i = 0; i < islands.size(); ++i)
-    all.middleRows(static_cast<Eigen::Index>(i) * first.rows(), first.rows()) = islands[i].*part;
-  return all;
+Eigen::MatrixXd points_of(const std::vector<CorrectedIsland>& islands) {
+  return all_rows(islands, [](const CorrectedIsland& one) -> const Eigen::MatrixXd& { return one.island.points; });
+}
+
+Eigen::MatrixXd auxiliaries_of(const std::vector<CorrectedIsland>& islands) {
+  return all_rows(islands, [](const CorrectedIsland& one) -> const Eigen::MatrixXd& { return one.auxiliaries; });
+}
+
+Eigen::MatrixXd log_ratios_of(const std::vector<CorrectedIsland>& islands) {
+  return all_rows(islands, [](const CorrectedIsland& one) -> const Eigen::MatrixXd& { return one.log_ratio; });
 }
 
 /// Chains of the draws' numbers, with the log-likelihood of the tests given the specimens' parameters.
@@ -100,15 +105,14 @@ UpdatingResult HierarchicalUpdater::update(const UpdatingProblem& problem, const
     const std::vector<CorrectedIsland> islands =
         sample_corrected(target.target(), target.correction(), settings_of(options_), context);
     result.model_evaluations += target.evaluations();
-    HierarchicalDraws draws{.populations = prior.populations(all_rows(islands, &SampledIsland::points))};
-    const DrawnSpecimens drawn = target.specimens(draws.populations, all_rows(islands, &CorrectedIsland::auxiliaries));
+    HierarchicalDraws draws{.populations = prior.populations(points_of(islands))};
+    const DrawnSpecimens drawn = target.specimens(draws.populations, auxiliaries_of(islands));
     draws.specimens = drawn.points;
     NamedDraws named = named_draws(problem, prior, draws);
     if (!named.has_specimens)
       result.notes.emplace_back("posterior.csv holds the population alone: the specimens' parameters are too many.");
-    result.posterior = put_together(
-        islands, target.log_likelihood(draws.populations, drawn, all_rows(islands, &CorrectedIsland::log_ratio)),
-        std::move(named), target);
+    result.posterior = put_together(islands, target.log_likelihood(draws.populations, drawn, log_ratios_of(islands)),
+                                    std::move(named), target);
     const bool is_finished =
         std::all_of(islands.begin(), islands.end(), [](const auto& one) { return one.island.is_finished; });
     conclude_sampling(*result.posterior, "hierarchical", options_, is_finished, result);
