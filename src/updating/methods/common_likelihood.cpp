@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <boost/math/distributions/chi_squared.hpp>
-#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -10,6 +9,7 @@
 #include "mottle/core/subject.hpp"
 #include "mottle/core/text.hpp"
 #include "mottle/stats/distributions/standard_normal.hpp"
+#include "mottle/stats/distributions/student_t.hpp"
 #include "updating/population/population_report.hpp"
 
 namespace mottle::updating {
@@ -22,7 +22,7 @@ constexpr double k_hundredth = 0.01;  // of the root mean square: the level on w
 }  // namespace
 
 NoiseLevels::NoiseLevels(const UpdatingProblem& problem, const BayesOptions& options, const std::string& method)
-    : options_(options) {
+    : options_(options), method_(method) {
   const Eigen::VectorXd& given = problem.tests.repeatability_std;
   const auto p = static_cast<std::size_t>(given.size());
   model_ = {given.cwiseAbs2(), std::vector<int>(p, -1), 0};
@@ -53,13 +53,22 @@ NoiseLevels::NoiseLevels(const UpdatingProblem& problem, const BayesOptions& opt
   }
 }
 
+void NoiseLevels::require_above_zero(const Eigen::Ref<const Eigen::MatrixXd>& scores) const {
+  constexpr double k_smallest = 1e-4;  // of the prior's median
+  constexpr double k_usual = 0.01;     // or of what a test usually has, where the prior allows for far more
+  for (Eigen::Index k = 0; k < count(); ++k) {
+    require_of(level(scores.col(k).mean()) > k_smallest * std::min(level(0.0), k_usual), {Subject::Kind::repeatability},
+               "the level {} has no posterior: the tests are met exactly, or specimens are the same to the last digit, "
+               "so that the likelihood grows without end as the noise goes to zero; give repeatability, or set "
+               "{}.noise_prior = \"inverse-gamma\"",
+               names_[static_cast<std::size_t>(k)], method_);
+  }
+}
+
 double NoiseLevels::level(double score) const {
   const double nu = options_.noise_degrees_of_freedom;
-  if (options_.noise_prior == BayesOptions::NoisePrior::half_t) {
-    const boost::math::students_t_distribution<double, Policy> t(nu);
-    const double upper = 0.5 * standard_normal_cdf(-score);  // of |t|, both tails
-    return options_.noise_scale * quantile(complement(t, upper));
-  }
+  if (options_.noise_prior == BayesOptions::NoisePrior::half_t)
+    return options_.noise_scale * half_t_of_score(score, nu);
   const boost::math::chi_squared_distribution<double, Policy> chi_squared(
       nu);  // level^2 = scale^2 nu / chi^2: large where chi^2 is small
   const double below = standard_normal_cdf(-score);

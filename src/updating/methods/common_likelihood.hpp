@@ -31,9 +31,14 @@ class NoiseLevels {
   Eigen::VectorXd by_scores(const Eigen::Ref<const Eigen::VectorXd>& by_variances,
                             const Eigen::Ref<const Eigen::VectorXd>& scores) const;
   bool is_known() const { return names_.empty(); }
+  /// That the levels have not gone to zero, as they do where the tests are met, or repeat each other, exactly.
+  /// @param scores  of the particles [particle x level]
+  /// @throws InvalidInput  a level has no posterior
+  void require_above_zero(const Eigen::Ref<const Eigen::MatrixXd>& scores) const;
 
  private:
   BayesOptions options_;
+  std::string method_;
   NoiseModel model_;
   std::vector<std::string> names_;
 };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "mottle/core/subject.hpp"
 #include "mottle/updating/estimate/posterior.hpp"
@@ -24,6 +25,26 @@ void require_specimens(const UpdatingProblem& problem) {
     require_of(!values.row(s).array().isNaN().all(), {Subject::Kind::tests},
                "specimen {} has no measured value; take it out of the tests", problem.tests.number_of(s));
   }
+}
+
+/// Copies of one specimen, typed in or simulated, with noise of unknown level: the density of the tests grows without
+/// end as scatter and noise go to zero together, and from three copies on it has no integral.
+void require_scatter(const UpdatingProblem& problem, const NoiseLevels& noise) {
+  constexpr double k_digits = 1e-9;  // of the values
+  if (noise.is_known()) return;
+  bool are_repeated = false;
+  for (const auto& output : problem.tests.values.colwise()) {
+    const auto values = output.array();
+    const auto is_missing = values.isNaN();
+    const double largest = is_missing.select(std::numeric_limits<double>::lowest(), values).maxCoeff();
+    const double smallest = is_missing.select(std::numeric_limits<double>::max(), values).minCoeff();
+    if (largest - smallest > k_digits * std::max(std::abs(largest), std::abs(smallest))) return;
+    are_repeated = are_repeated || is_missing.count() + 1 < output.size();
+  }
+  require_of(
+      !are_repeated, {Subject::Kind::repeatability},
+      "the specimens are the same to the last digit, so that neither their scatter nor the noise has a posterior; "
+      "give the noise, or use method = \"bayes\" for what is known of that one specimen");
 }
 
 /// A part of every island, one below the other.
@@ -92,6 +113,7 @@ UpdatingResult HierarchicalUpdater::update(const UpdatingProblem& problem, const
   require_specimens(problem);
   const TestMoments tests = moments_of_tests(problem);
   const NoiseLevels noise(problem, options_, "hierarchical");
+  require_scatter(problem, noise);
   const PopulationPrior prior(problem, options_, noise);
   UpdatingResult result;
   append_state(result, record_state(problem, tests, problem.space.prior(), 0, context));

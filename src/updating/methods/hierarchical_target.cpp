@@ -36,7 +36,11 @@ SamplingTarget HierarchicalTarget::target() const {
   return {.dimension = prior_.dimension(),
           .log_likelihood = [this](const Eigen::MatrixXd& points) { return log_linear(points); },
           .is_possible = [this](const Eigen::MatrixXd& points) { return prior_.is_possible(points); },
-          .before_batch = [this](const Eigen::MatrixXd&) { return !context_.stop_requested(); }};
+          .before_batch =
+              [this](const Eigen::MatrixXd& particles) {
+                prior_.require_levels(particles);
+                return !context_.stop_requested();
+              }};
 }
 
 Correction HierarchicalTarget::correction() {

@@ -104,23 +104,9 @@ std::vector<bool> PosteriorTarget::is_possible(const Eigen::MatrixXd& points) co
   return are_possible(problem_.space, parameters(points));
 }
 
-/// That the levels of the noise have not gone to zero, as they do where the model meets the tests exactly.
-void PosteriorTarget::require_levels(const Eigen::MatrixXd& particles) const {
-  constexpr double k_smallest = 1e-4;  // of the prior's median
-  constexpr double k_usual = 0.01;     // or of what a test usually has, where the prior allows for far more
-  for (Eigen::Index k = 0; k < noise_.count(); ++k) {
-    const Eigen::ArrayXd scores = particles.col(problem_.space.count() + k).array();
-    const double middle = noise_.level(scores.mean());
-    require_of(middle > k_smallest * std::min(noise_.level(0.0), k_usual), {Subject::Kind::repeatability},
-               "the level {} has no posterior: the model meets the tests exactly, so that the likelihood grows without "
-               "end as the noise goes to zero; give repeatability, or set bayes.noise_prior = \"inverse-gamma\"",
-               noise_.names()[static_cast<std::size_t>(k)]);
-  }
-}
-
 /// Adapts the model to where the particles are, each time that they have halved their spread.
 void PosteriorTarget::follow(const Eigen::MatrixXd& particles) {
-  require_levels(particles);
+  noise_.require_above_zero(particles.rightCols(noise_.count()));
   if (!problem_.model.adapts_to_regions()) return;
   const Eigen::MatrixXd scaled = from_variables(problem_.space.transforms(), parameters(particles));
   const Eigen::VectorXd mean = scaled.colwise().mean().transpose();

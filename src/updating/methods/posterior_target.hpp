@@ -51,7 +51,6 @@ class PosteriorTarget {
                               const Eigen::VectorXd& outputs) const;
   std::vector<bool> is_possible(const Eigen::MatrixXd& points) const;
   void follow(const Eigen::MatrixXd& particles);
-  void require_levels(const Eigen::MatrixXd& particles) const;
 
   const UpdatingProblem& problem_;
   const NoiseLevels& noise_;

@@ -1,12 +1,12 @@
 #include "updating/population/population_prior.hpp"
 
 #include <boost/math/distributions/chi_squared.hpp>
-#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <map>
 #include <optional>
 
 #include "mottle/stats/distributions/standard_normal.hpp"
+#include "mottle/stats/distributions/student_t.hpp"
 #include "mottle/stats/distributions/transformed_moments.hpp"
 #include "updating/methods/posterior_target.hpp"
 #include "updating/methods/scaled_parameters.hpp"
@@ -18,21 +18,7 @@ namespace {
 using Policy =
     boost::math::policies::policy<boost::math::policies::promote_double<false>,
                                   boost::math::policies::overflow_error<boost::math::policies::ignore_error>>;
-using StudentT = boost::math::students_t_distribution<double, Policy>;
 using ChiSquared = boost::math::chi_squared_distribution<double, Policy>;
-
-/// |t| of Student's law at a standard normal score: the quantile that has the score's probability.
-double half_t(double score, double degrees_of_freedom) {
-  const StudentT t(degrees_of_freedom);
-  return quantile(complement(t, 0.5 * standard_normal_cdf(-score)));
-}
-
-/// Student's quantile of a score.
-double student_t(double score, double degrees_of_freedom) {
-  const StudentT t(degrees_of_freedom);
-  const double upper = quantile(complement(t, standard_normal_cdf(-std::abs(score))));
-  return score < 0.0 ? -upper : upper;
-}
 
 /// sqrt(chi^2) of a score.
 double chi(double score, double degrees_of_freedom) {
@@ -96,15 +82,19 @@ std::vector<bool> PopulationPrior::is_possible(const Eigen::MatrixXd& points) co
   return are_possible(problem_.space, means);
 }
 
+void PopulationPrior::require_levels(const Eigen::MatrixXd& points) const {
+  noise_.require_above_zero(points.middleCols(2 * problem_.space.count() + pairs(), noise_.count()));
+}
+
 double PopulationPrior::standard_deviation(Eigen::Index parameter, double score) const {
-  return scale_(parameter) * half_t(score, options_.scatter_degrees_of_freedom);
+  return scale_(parameter) * half_t_of_score(score, options_.scatter_degrees_of_freedom);
 }
 
 Eigen::VectorXd PopulationPrior::standard_deviations(double probability) const {
   const double score = standard_normal_quantile(probability);
   const double nu = options_.scatter_degrees_of_freedom;
   const bool is_lkj = options_.covariance_prior == HierarchicalOptions::CovariancePrior::lkj;
-  return scale_ * (is_lkj ? half_t(score, nu) : std::sqrt(nu) / chi(-score, nu));
+  return scale_ * (is_lkj ? half_t_of_score(score, nu) : std::sqrt(nu) / chi(-score, nu));
 }
 
 /// L L' = R of one group's correlations.
@@ -116,7 +106,7 @@ Eigen::MatrixXd PopulationPrior::lkj_factor(const std::vector<Eigen::Index>& gro
     double rest = 1.0;
     for (Eigen::Index j = 0; j < i; ++j) {
       const double freedom = 2.0 * options_.correlation_shape + static_cast<double>(size - 2 - j);
-      const double t = student_t(*correlation++, freedom);
+      const double t = student_t_of_score(*correlation++, freedom);
       const double length = std::sqrt(freedom + t * t);
       factor(i, j) = t / length * std::sqrt(rest);
       rest *= freedom / (length * length);

@@ -43,6 +43,8 @@ class PopulationPrior {
   Eigen::VectorXd standard_deviations(double probability) const;
   /// Whether each point's mean lies within bounds and physical limits [point x dimension].
   std::vector<bool> is_possible(const Eigen::MatrixXd& points) const;
+  /// That the levels of the noise stay above zero (NoiseLevels). @throws InvalidInput
+  void require_levels(const Eigen::MatrixXd& points) const;
   /// The population of each point.
   std::vector<PopulationAt> populations(const Eigen::Ref<const Eigen::MatrixXd>& points) const;
 
