@@ -34,14 +34,16 @@ PosteriorTarget::PosteriorTarget(const UpdatingProblem& problem, const NoiseLeve
 }
 
 SamplingTarget PosteriorTarget::target() {
-  SamplingTarget target{.dimension = problem_.space.count() + noise_.count(),
-                        .log_likelihood = [this](const Eigen::MatrixXd& points) { return run(points).log_likelihood; },
-                        .is_possible = [this](const Eigen::MatrixXd& points) { return is_possible(points); },
-                        .before_batch =
-                            [this](const Eigen::MatrixXd& particles) {
-                              follow(particles);
-                              return !context_.stop_requested();
-                            }};
+  SamplingTarget target{
+      .dimension = problem_.space.count() + noise_.count(),
+      .log_likelihood = [this](const Eigen::MatrixXd& points) { return run(points).log_likelihood; },
+      .is_possible = [this](const Eigen::MatrixXd& points) { return is_possible(points); },
+      .before_batch =
+          [this](const Eigen::MatrixXd& particles) {
+            follow(particles);
+            return !context_.stop_requested();
+          },
+      .largest_log_likelihood = [this](const Eigen::MatrixXd& points) { return largest_log_likelihood(points); }};
   if (has_gradient_) target.with_gradient = [this](const Eigen::MatrixXd& points) { return with_gradient(points); };
   return target;
 }
@@ -53,10 +55,22 @@ Eigen::MatrixXd PosteriorTarget::parameters(const Eigen::MatrixXd& points) const
 Eigen::MatrixXd PosteriorTarget::values(const Eigen::MatrixXd& points) const {
   Eigen::MatrixXd values(points.rows(), points.cols());
   values.leftCols(problem_.space.count()) = parameters(points);
-  for (Eigen::Index k = problem_.space.count(); k < points.cols(); ++k) {
-    values.col(k) = points.col(k).unaryExpr([this](double score) { return noise_.level(score); });
-  }
+  values.rightCols(noise_.count()) = levels(points);
   return values;
+}
+
+Eigen::MatrixXd PosteriorTarget::levels(const Eigen::MatrixXd& points) const {
+  return points.rightCols(noise_.count()).unaryExpr([this](double score) { return noise_.level(score); });
+}
+
+/// Where the model meets the tests' means.
+Eigen::VectorXd PosteriorTarget::largest_log_likelihood(const Eigen::MatrixXd& points) const {
+  const Eigen::MatrixXd levels_of = levels(points);
+  Eigen::VectorXd logs(points.rows());
+  for (Eigen::Index s = 0; s < points.rows(); ++s) {
+    logs(s) = likelihood_.log_value(likelihood_.mean(), noise_.variances(levels_of.row(s).transpose()));
+  }
+  return logs;
 }
 
 PosteriorTarget::Runs PosteriorTarget::run(const Eigen::MatrixXd& points) {

@@ -49,7 +49,9 @@ class PosteriorTarget {
   LikelihoodGradient with_gradient(const Eigen::MatrixXd& points);
   Eigen::VectorXd gradient_at(const Eigen::VectorXd& point, const Eigen::VectorXd& values,
                               const Eigen::VectorXd& outputs) const;
+  Eigen::MatrixXd levels(const Eigen::MatrixXd& points) const;
   std::vector<bool> is_possible(const Eigen::MatrixXd& points) const;
+  Eigen::VectorXd largest_log_likelihood(const Eigen::MatrixXd& points) const;
   void follow(const Eigen::MatrixXd& particles);
 
   const UpdatingProblem& problem_;

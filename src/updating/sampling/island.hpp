@@ -55,6 +55,8 @@ class Island {
   const NormalMixture& mixture_for(Eigen::Index particle) const { return *mixtures_[particle < half() ? 1 : 0]; }
   Eigen::VectorXd propose_move(Eigen::Index particle, RandomStream& random);
   std::vector<bool> possible_proposals() const;
+  std::vector<bool> open_proposals() const;
+  double gain_of(Eigen::Index particle, double log_likelihood) const;
   void ask(const std::vector<bool>& is_wanted);
   void judge_moves(const Eigen::Ref<const Eigen::VectorXd>& log_likelihood);
   void ask_gradients();
@@ -100,7 +102,7 @@ class Island {
   std::vector<Move> kinds_;
   Eigen::MatrixXd gradient_;  // of ln L at the particles; nan: not known
   Trajectories trajectories_;
-  std::vector<Eigen::Index> asked_;  // particles whose proposals are possible
+  std::vector<Eigen::Index> asked_;  // particles whose proposals are possible, and may be accepted
   Eigen::MatrixXd asked_points_;
 };
 

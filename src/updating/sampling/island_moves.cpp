@@ -33,7 +33,7 @@ void Island::propose_moves() {
     proposals_.row(i) = propose_move(i, random).transpose();
     proposed_log_mixture_(i) = mixture_for(i).log_density(proposals_.row(i).transpose());
   }
-  ask(possible_proposals());
+  ask(open_proposals());
 }
 
 Eigen::VectorXd Island::propose_move(Eigen::Index particle, RandomStream& random) {
@@ -73,6 +73,33 @@ std::vector<bool> Island::possible_proposals() const {
   return possible;
 }
 
+/// ln of the ratio that a move of the particle is accepted by, with the proposal's log-likelihood.
+double Island::gain_of(Eigen::Index particle, double log_likelihood) const {
+  const double gain = exponent_ * (log_likelihood - found_.log_likelihood(particle)) -
+                      0.5 * (proposals_.row(particle).squaredNorm() - found_.points.row(particle).squaredNorm());
+  if (kinds_[static_cast<std::size_t>(particle)] == Move::difference) return gain;
+  return gain + log_mixture_(particle) - proposed_log_mixture_(particle);
+}
+
+/// Possible proposals but for those that the largest likelihood there can be would reject: the decision is known
+/// without the model, and the far tails, where a model is dearest, are not put to it.
+std::vector<bool> Island::open_proposals() const {
+  constexpr double k_rounding = 1e-9;
+  std::vector<bool> open = possible_proposals();
+  if (!target_.largest_log_likelihood) return open;
+  std::vector<Eigen::Index> rows;
+  for (std::size_t i = 0; i < open.size(); ++i) {
+    if (open[i]) rows.push_back(static_cast<Eigen::Index>(i));
+  }
+  const Eigen::VectorXd largest = target_.largest_log_likelihood(proposals_(rows, Eigen::all));
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    const double most = largest(static_cast<Eigen::Index>(k));
+    open[static_cast<std::size_t>(rows[k])] =
+        !(gain_of(rows[k], most + k_rounding * (1.0 + std::abs(most))) <= thresholds_(rows[k]));
+  }
+  return open;
+}
+
 /// For the likelihoods of some proposals.
 void Island::ask(const std::vector<bool>& is_wanted) {
   asked_.clear();
@@ -93,10 +120,7 @@ void Island::judge_moves(const Eigen::Ref<const Eigen::VectorXd>& log_likelihood
     const Eigen::Index i = asked_[k];
     const auto kind = kinds_[static_cast<std::size_t>(i)];
     const double proposed = log_likelihood(static_cast<Eigen::Index>(k));
-    double gain = exponent_ * (proposed - found_.log_likelihood(i)) -
-                  0.5 * (proposals_.row(i).squaredNorm() - found_.points.row(i).squaredNorm());
-    if (kind != Move::difference) gain += log_mixture_(i) - proposed_log_mixture_(i);
-    if (!(thresholds_(i) < gain)) continue;
+    if (!(thresholds_(i) < gain_of(i, proposed))) continue;
     found_.points.row(i) = proposals_.row(i);
     found_.log_likelihood(i) = proposed;
     log_mixture_(i) = proposed_log_mixture_(i);

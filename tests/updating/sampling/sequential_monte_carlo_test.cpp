@@ -87,6 +87,27 @@ TEST(SequentialMonteCarlo, CutsThePriorAtWhatIsPossible) {
   for (const SampledIsland& island : islands) EXPECT_GT(island.points.minCoeff(), 0.0);
 }
 
+/// A bound of the likelihood decides moves that need no likelihood: the same draws from fewer of them.
+TEST(SequentialMonteCarlo, HasTheSameDrawsWithABoundOfTheLikelihood) {
+  SamplingTarget target = normal_target(3, 1.5, 0.1);
+  std::atomic<Eigen::Index> points_asked{0};
+  target.log_likelihood = [&, of = target.log_likelihood](const Eigen::MatrixXd& points) {
+    points_asked += points.rows();
+    return of(points);
+  };
+  const std::vector<SampledIsland> without = sample_posterior(target, {}, {});
+  const Eigen::Index all = points_asked.exchange(0);
+  target.largest_log_likelihood = [](const Eigen::MatrixXd& points) -> Eigen::VectorXd {
+    return Eigen::VectorXd::Constant(points.rows(), -3.0 * std::log(0.1 * std::sqrt(2.0 * std::numbers::pi)));
+  };
+  const std::vector<SampledIsland> with = sample_posterior(target, {}, {});
+  EXPECT_LT(static_cast<double>(points_asked), 0.98 * static_cast<double>(all));
+  for (std::size_t i = 0; i < with.size(); ++i) {
+    EXPECT_EQ(with[i].points, without[i].points);
+    EXPECT_EQ(with[i].log_evidence, without[i].log_evidence);
+  }
+}
+
 /// Reference values: the quadrature of the two-storey frame of [Beck2002].
 TEST(SequentialMonteCarlo, FollowsTheRidgeOfTheTwoStoreyFrame) {
   const std::vector<SampledIsland> islands = sample_posterior(target_of<BeckAu>(), {}, {});

@@ -53,6 +53,9 @@ struct SamplingTarget {
   /// ln L as log_likelihood() has it, with its gradient; empty: there is none. A gradient that is not exact makes moves
   /// dearer, not wrong.
   std::function<LikelihoodGradient(const Eigen::MatrixXd& points)> with_gradient = {};
+  /// What ln L is at most, of each point, for next to nothing: a proposal that would be rejected with it is not put to
+  /// log_likelihood; empty: not known.
+  std::function<Eigen::VectorXd(const Eigen::MatrixXd& points)> largest_log_likelihood = {};
 };
 
 /// Whether moves follow gradients.
