@@ -27,7 +27,9 @@ class CMakeBuild(build_ext):
                        check=True)
         subprocess.run(["cmake", "--build", build, "--target", "mottle_python", "-j", jobs], check=True)
         target.parent.mkdir(parents=True, exist_ok=True)
-        self.copy_file(next((build / "python" / "mottle").glob("_engine*.so")), target)
+        made = build / "python" / "mottle"
+        self.copy_file(next(made.glob("_engine*.so")), target)
+        self.copy_file(made / "options.py", target.parent / "options.py")
 
 
 setup(

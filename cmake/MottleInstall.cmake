@@ -41,6 +41,7 @@ if(MOTTLE_BUILD_PYTHON)
   install(TARGETS mottle_python LIBRARY DESTINATION ${mottle_site}/mottle COMPONENT python)
   install(DIRECTORY bindings/python/mottle DESTINATION ${mottle_site} COMPONENT python
     FILES_MATCHING PATTERN "*.py" PATTERN "*.pyi" PATTERN "py.typed")
+  install(FILES ${PROJECT_BINARY_DIR}/python/mottle/options.py DESTINATION ${mottle_site}/mottle COMPONENT python)
   # What pip and importlib.metadata read.
   file(WRITE ${CMAKE_CURRENT_BINARY_DIR}/METADATA
     "Metadata-Version: 2.1\nName: mottle\nVersion: ${PROJECT_VERSION}\nSummary: ${PROJECT_DESCRIPTION}\n"

@@ -8,7 +8,7 @@
 A model that is a Python function is updated by `mottle.update`.
 """
 
-from mottle import _engine, errors
+from mottle import _engine, errors, options
 from mottle.clouds import Cloud, Posterior
 from mottle.deck_files import Deck, Element, read_deck
 from mottle.decks import Modes, Targets, modes, targets
@@ -80,6 +80,7 @@ __all__ = [
     "mac",
     "methods",
     "modes",
+    "options",
     "read_deck",
     "read_matrix",
     "read_uff",

@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any, Union
 
 from mottle import _checks, _engine, _given, _progress
-from mottle._checks import Option
 from mottle._model import Served
 from mottle._progress import Progress
 from mottle.errors import InvalidInput
@@ -109,7 +108,7 @@ def update(
     tests: Any,
     *,
     method: str = "maximum-likelihood",
-    options: Mapping[str, Option] | None = None,
+    options: Mapping[str, object] | None = None,
     repeatability: Any = None,
     model_error: Any = None,
     correlation: Any = None,
@@ -142,7 +141,8 @@ def update(
             output]). Their names are those of the outputs, in the function's order. nan or masked: not measured; a
             specimen without any value is left out, with a note.
         method: "maximum-likelihood", "mares", "bayes", ...: see `mottle.methods()`.
-        options: of the method, by name.
+        options: of the method, by name, as in `mottle.options`: {"particles": 500}, or
+            mottle.options.Bayes(particles=500).
         repeatability: standard deviation of the measurement noise: a number, one for each output, or a dictionary or
             Series by the outputs' names.
         model_error: the same of the model's own error, which all specimens share.
