@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "mottle/stats/distributions/standard_normal.hpp"
+#include "mottle/stats/moments/quantiles.hpp"
 
 namespace mottle::stats {
 namespace {
@@ -49,14 +50,8 @@ Eigen::MatrixXd normal_scores(const Eigen::MatrixXd& draws) {
   return scores;
 }
 
-/// Linear between the order statistics (type 7 of [Hyndman1996]).
 double quantile_of(const Eigen::MatrixXd& draws, double probability) {
-  std::vector<double> values(draws.data(), draws.data() + draws.size());
-  std::sort(values.begin(), values.end());
-  const double place = probability * static_cast<double>(values.size() - 1);
-  const auto below = static_cast<std::size_t>(place);
-  const std::size_t above = std::min(below + 1, values.size() - 1);
-  return values[below] + (place - static_cast<double>(below)) * (values[above] - values[below]);
+  return quantile({draws.data(), draws.data() + draws.size()}, probability, QuantileRule::ends);
 }
 
 double mean_of_variances(const Eigen::MatrixXd& chains) {

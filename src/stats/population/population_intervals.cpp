@@ -9,6 +9,7 @@
 
 #include "mottle/core/error.hpp"
 #include "mottle/stats/distributions/standard_normal.hpp"
+#include "mottle/stats/moments/quantiles.hpp"
 #include "mottle/stats/sampling/sampling.hpp"
 
 namespace mottle::stats {
@@ -50,23 +51,12 @@ class Draws {
   std::map<std::pair<Eigen::Index, double>, Eigen::ArrayXd> made_;
 };
 
-/// Ends that leave out equal parts of the values; nan where there are too few.
-Eigen::RowVector2d equal_tails(std::vector<double> values, double confidence) {
+/// nan where there are too few values. Those that are no number are beyond what numbers can hold: so little is known of
+/// a variable with a log or logit transform.
+Eigen::RowVector2d ends_of(std::vector<double> values, double confidence) {
   constexpr std::size_t k_fewest = 40;
   if (values.size() < k_fewest) return {k_nan, k_nan};
-  // Beyond what numbers can hold: so little is known of a variable with a log or logit transform.
-  for (double& value : values) {
-    if (std::isnan(value)) value = std::numeric_limits<double>::infinity();
-  }
-  std::sort(values.begin(), values.end());
-  const auto at = [&](double probability) {
-    const double position = probability * static_cast<double>(values.size() - 1);
-    const auto below = static_cast<std::size_t>(position);
-    const std::size_t above = std::min(below + 1, values.size() - 1);
-    if (!std::isfinite(values[above])) return values[above];
-    return values[below] + (position - static_cast<double>(below)) * (values[above] - values[below]);
-  };
-  return {at(0.5 * (1.0 - confidence)), at(0.5 * (1.0 + confidence))};
+  return equal_tails(std::move(values), confidence, QuantileRule::ends);
 }
 
 /// Correlation of two variables from its fiducial draws, less the noise.
@@ -94,7 +84,7 @@ Eigen::RowVector2d correlation_interval(const PopulationEvidence& evidence, Eige
     const double covariance = rho * std::sqrt(variance_i * variance_j) - evidence.noise(i, j);
     values.push_back(std::clamp(covariance / std::sqrt(own_i * own_j), -1.0, 1.0));
   }
-  const Eigen::RowVector2d ends = equal_tails(std::move(values), confidence);
+  const Eigen::RowVector2d ends = ends_of(std::move(values), confidence);
   return ends.allFinite() ? ends : Eigen::RowVector2d(-1.0, 1.0);
 }
 
@@ -171,8 +161,8 @@ void add_transformed_intervals(const PopulationEvidence& evidence, Eigen::Index 
     means.push_back(moments.mean(0));
     standard_deviations.push_back(std::sqrt(moments.covariance(0, 0)));
   }
-  intervals.mean.row(i) = equal_tails(std::move(means), confidence);
-  intervals.std.row(i) = equal_tails(std::move(standard_deviations), confidence);
+  intervals.mean.row(i) = ends_of(std::move(means), confidence);
+  intervals.std.row(i) = ends_of(std::move(standard_deviations), confidence);
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include "mottle/core/text.hpp"
 #include "mottle/linalg/dense/decompositions.hpp"
 #include "mottle/stats/moments/descriptive.hpp"
+#include "mottle/stats/moments/quantiles.hpp"
 #include "mottle/updating/estimate/population_posterior.hpp"
 #include "mottle/updating/methods/iteration.hpp"
 #include "updating/methods/linear_units.hpp"
@@ -23,15 +24,8 @@ namespace {
 
 constexpr double k_tail = 0.5 * (1.0 - k_confidence);
 
-double quantile_of(std::vector<double> values, double probability) {
-  const auto place = static_cast<std::size_t>(probability * static_cast<double>(values.size()));
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(std::min(place, values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
-
-Eigen::RowVector2d ends_of(const std::vector<double>& values) {
-  const Eigen::RowVector2d ends(quantile_of(values, k_tail), quantile_of(values, 1.0 - k_tail));
+Eigen::RowVector2d ends_of(std::vector<double> values) {
+  const Eigen::RowVector2d ends = equal_tails(std::move(values), k_confidence, QuantileRule::ends);
   return ends.allFinite() ? ends : Eigen::RowVector2d::Constant(std::numeric_limits<double>::quiet_NaN());
 }
 
@@ -74,7 +68,8 @@ PopulationOnScales typical_population(const HierarchicalDraws& draws) {
   PopulationOnScales typical{means.colwise().mean().transpose(), Eigen::MatrixXd(q, q), {}};
   Eigen::VectorXd deviations(q);
   for (Eigen::Index i = 0; i < q; ++i) {
-    deviations(i) = quantile_of(of_each(draws, [&](const PopulationAt& at) { return deviation_of(at, i); }), 0.5);
+    deviations(i) =
+        quantile(of_each(draws, [&](const PopulationAt& at) { return deviation_of(at, i); }), 0.5, QuantileRule::ends);
     typical.covariance(i, i) = deviations(i) * deviations(i);
     for (Eigen::Index j = 0; j < i; ++j) {
       double sum = 0.0;

@@ -4,6 +4,9 @@
 #include <cmath>
 #include <limits>
 
+#include "mottle/stats/moments/quantiles.hpp"
+#include "updating/population/population_report.hpp"
+
 namespace mottle::updating {
 namespace {
 
@@ -24,18 +27,9 @@ BatchPivot pivot_of(const MixtureFrame& frame, const MixtureFit& fit, std::size_
   return {batch.mean, total.cwiseMax(own), own, size, batch.weight};
 }
 
-Eigen::RowVector2d equal_tails(std::vector<double>& values) {
-  constexpr double k_tail = 0.025;
+Eigen::RowVector2d ends_of(std::vector<double> values) {
   if (values.empty()) return Eigen::RowVector2d::Constant(std::numeric_limits<double>::quiet_NaN());
-  std::sort(values.begin(), values.end());
-  const auto at = [&](double probability) {
-    const double place = std::clamp(probability * (static_cast<double>(values.size()) + 1.0) - 1.0, 0.0,
-                                    static_cast<double>(values.size()) - 1.0);
-    const auto below = static_cast<std::size_t>(place);
-    const std::size_t above = std::min(below + 1, values.size() - 1);
-    return values[below] + (place - static_cast<double>(below)) * (values[above] - values[below]);
-  };
-  return {at(k_tail), at(1.0 - k_tail)};
+  return equal_tails(std::move(values), k_confidence, QuantileRule::expectation);
 }
 
 }  // namespace
@@ -81,11 +75,11 @@ ParameterIntervals mixture_intervals(const UpdatingProblem& problem, const Mixtu
       deviations.back().push_back(std::sqrt(std::max(second - first * first, 0.0)));
     }
     for (std::size_t k = 0; k < batches.size(); ++k) {
-      batches[k].mean_interval.row(i) = equal_tails(means[k]);
-      batches[k].std_interval.row(i) = equal_tails(deviations[k]);
+      batches[k].mean_interval.row(i) = ends_of(std::move(means[k]));
+      batches[k].std_interval.row(i) = ends_of(std::move(deviations[k]));
     }
-    whole.mean.row(i) = equal_tails(means.back());
-    whole.std.row(i) = equal_tails(deviations.back());
+    whole.mean.row(i) = ends_of(std::move(means.back()));
+    whole.std.row(i) = ends_of(std::move(deviations.back()));
   }
   return whole;
 }

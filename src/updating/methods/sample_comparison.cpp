@@ -9,6 +9,7 @@
 #include "mottle/linalg/dense/decompositions.hpp"
 #include "mottle/stats/moments/descriptive.hpp"
 #include "mottle/stats/moments/energy_distance.hpp"
+#include "mottle/stats/moments/quantiles.hpp"
 #include "mottle/stats/moments/spearman.hpp"
 #include "mottle/stats/moments/wasserstein.hpp"
 #include "updating/methods/measured_outputs.hpp"
@@ -19,9 +20,7 @@ namespace {
 constexpr Eigen::Index k_directions = 40;
 
 double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  const std::size_t half = values.size() / 2;
-  return values.size() % 2 == 1 ? values[half] : 0.5 * (values[half - 1] + values[half]);
+  return quantile(std::move(values), 0.5, QuantileRule::ends);
 }
 
 double robust_deviation(const Eigen::Ref<const Eigen::VectorXd>& column) {

@@ -5,12 +5,11 @@
 
 #include "mottle/core/error.hpp"
 #include "mottle/stats/distributions/standard_normal.hpp"
+#include "mottle/stats/moments/quantiles.hpp"
 #include "updating/population/population_report.hpp"
 
 namespace mottle::updating {
 namespace {
-
-constexpr double k_tail = 0.025;
 
 /// One error of the model for all specimens of a sample, from the stream after theirs.
 Eigen::RowVectorXd draw_model_error(const ModelError& error, const StreamKey& key, Eigen::Index specimens) {
@@ -74,22 +73,9 @@ std::vector<PopulationEvidence> estimate_samples(const UpdatingProblem& problem,
   return drawn;
 }
 
-/// Quantile by order statistics: of B values, the k-th smallest is that of k / (B + 1).
-double quantile(const std::vector<double>& sorted, double probability) {
-  const auto count = static_cast<double>(sorted.size());
-  const double place = std::clamp(probability * (count + 1.0) - 1.0, 0.0, count - 1.0);
-  const auto below = static_cast<std::size_t>(place);
-  const std::size_t above = std::min(below + 1, sorted.size() - 1);
-  if (!std::isfinite(sorted[above])) return sorted[above];
-  return sorted[below] + (place - static_cast<double>(below)) * (sorted[above] - sorted[below]);
-}
-
-Eigen::RowVector2d equal_tails(std::vector<double> values) {
-  for (double& value : values) {
-    if (std::isnan(value)) value = std::numeric_limits<double>::infinity();  // beyond what numbers can hold
-  }
-  std::sort(values.begin(), values.end());
-  return {quantile(values, k_tail), quantile(values, 1.0 - k_tail)};
+/// The k-th smallest of B values is the quantile of k / (B + 1).
+Eigen::RowVector2d ends_of(std::vector<double> values) {
+  return equal_tails(std::move(values), k_confidence, QuantileRule::expectation);
 }
 
 double quotient(double above, double below) {
@@ -117,8 +103,8 @@ class Pivots {
       means.push_back(moments.mean(0));
       standard_deviations.push_back(std::sqrt(std::max(moments.covariance(0, 0), 0.0)));
     }
-    intervals.mean.row(i) = equal_tails(std::move(means));
-    intervals.std.row(i) = equal_tails(std::move(standard_deviations));
+    intervals.mean.row(i) = ends_of(std::move(means));
+    intervals.std.row(i) = ends_of(std::move(standard_deviations));
   }
 
   /// Correlation of two variables on their scales, over the samples that leave both a variance; not determined where
@@ -142,7 +128,7 @@ class Pivots {
     }
     constexpr std::size_t k_fewest = 40;
     if (values.size() < k_fewest) return {-1.0, 1.0};
-    return equal_tails(std::move(values));
+    return ends_of(std::move(values));
   }
 
  private:

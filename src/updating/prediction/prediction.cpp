@@ -1,7 +1,6 @@
 #include "mottle/updating/prediction/prediction.hpp"
 
 #include <Eigen/Core>
-#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -9,21 +8,13 @@
 #include "mottle/stats/distributions/standard_normal.hpp"
 #include "mottle/stats/moments/covariance_axes.hpp"
 #include "mottle/stats/moments/descriptive.hpp"
+#include "mottle/stats/moments/quantiles.hpp"
 #include "updating/prediction/prediction_draws.hpp"
 
 namespace mottle::updating {
 namespace {
 
 constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
-
-double quantile_of(Eigen::VectorXd values, double probability) {
-  std::sort(values.begin(), values.end());
-  const double place =
-      std::clamp(probability * static_cast<double>(values.size()) - 0.5, 0.0, static_cast<double>(values.size() - 1));
-  const auto below = static_cast<Eigen::Index>(place);
-  const Eigen::Index above = std::min(below + 1, values.size() - 1);
-  return values(below) + (place - static_cast<double>(below)) * (values(above) - values(below));
-}
 
 }  // namespace
 
@@ -51,13 +42,16 @@ Prediction predict(const Model& model, const ParameterSpace& space, const Estima
   prediction.draws = maker.draw(PredictiveDraws::Kind::outputs, prediction);
   prediction.interval.resize(prediction.mean.size(), 2);
   for (Eigen::Index k = 0; k < prediction.mean.size(); ++k) {
-    prediction.interval(k, 0) = quantile_of(prediction.draws.col(k), 0.5 * settings.level);
-    prediction.interval(k, 1) = quantile_of(prediction.draws.col(k), 1.0 - 0.5 * settings.level);
+    const auto draws = prediction.draws.col(k);
+    prediction.interval.row(k) =
+        equal_tails({draws.begin(), draws.end()}, 1.0 - settings.level, QuantileRule::midpoints);
   }
   prediction.joint_critical = k_nan;
   if (estimate.has_joint_region()) {
     const Eigen::MatrixXd joint = maker.draw(PredictiveDraws::Kind::joint, prediction);
-    prediction.joint_critical = quantile_of(squared_distances(prediction, joint), 1.0 - settings.level);
+    const Eigen::VectorXd distances = squared_distances(prediction, joint);
+    prediction.joint_critical =
+        quantile({distances.begin(), distances.end()}, 1.0 - settings.level, QuantileRule::midpoints);
   }
   return prediction;
 }
