@@ -3,8 +3,11 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <chrono>
 #include <cstdlib>
 #include <cstring>
+#include <fstream>
+#include <thread>
 
 #include "drivers/scheduler/left_arrays.hpp"
 #include "mottle/core/error.hpp"
@@ -21,10 +24,22 @@ std::string place_prefix() {
   return fmt::format("mottle-tasks-{}-", node_name());
 }
 
+/// Tasks that were cancelled may write into it until they have ended, and what they write then would stay. If they
+/// go on, the next Mottle removes the rest.
+void remove_folder(const std::filesystem::path& place) {
+  constexpr int k_attempts = 40;
+  std::error_code ignored;
+  for (int attempt = 0; attempt < k_attempts; ++attempt) {
+    std::filesystem::remove_all(place, ignored);
+    if (!std::filesystem::exists(place, ignored)) return;
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  }
+  std::ofstream(place / k_place_mark).close();
+}
+
 /// Where tasks are left that could not be ended, it stays, and the next Mottle ends them.
 void remove_place(const std::filesystem::path& place) {
-  std::error_code ignored;
-  if (array_folders(place).empty()) std::filesystem::remove_all(place, ignored);
+  if (array_folders(place).empty()) remove_folder(place);
 }
 
 /// Whether a process that made a folder is gone: "mottle-tasks-HOST-123-XXXXXX".
@@ -43,7 +58,7 @@ void end_abandoned_places(const std::filesystem::path& parent) {
     if (!is_abandoned(entry->path())) continue;
     try {
       cancel_tasks(entry->path());
-      std::filesystem::remove_all(entry->path(), ignored);
+      remove_folder(entry->path());
     } catch (
         const Error&) {  // NOLINT(bugprone-empty-catch): the scheduler does not answer; the next Mottle tries again
     }
