@@ -341,7 +341,7 @@ class AsClient(UmbridgeTest):
                 (b'{"error": {"type": "InvalidInput", "message": "the mesh\\u001b[31m folds"}}', 400, "InvalidInput: the mesh"),
                 (b'{"error": {"type": "InvalidOutput", "message": "diverged"}}', 200, "InvalidOutput: diverged"),
                 (b"Traceback (most recent call last)", 500, "HTTP 500"),
-                (good, 301, "HTTP 301"),
+                (good, 301, "HTTP 301: the server refers to another address"),
                 (b"hello", 200, "not JSON"),
                 (b"", 200, "not JSON"),
                 (b'{"output": [[NaN, 0.3]]}', 200, "not JSON"),

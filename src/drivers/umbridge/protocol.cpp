@@ -43,6 +43,8 @@ Json object_of(int status, std::string_view body) {
     const std::string error = error_text(*answer);
     expect(error.empty(), "HTTP {}: {}", status, error);
   }
+  expect(status < 300 || status > 399, "HTTP {}: the server refers to another address; give that one in model.urls",
+         status);
   expect(status == 200, "HTTP {}: {}", status, excerpt(body));
   expect(answer.has_value(), "the answer is not JSON (which has no nan): {}", excerpt(body));
   expect(is_object, "the answer is not an object: {}", excerpt(body));
