@@ -23,6 +23,9 @@ struct HierarchicalDraws {
   Eigen::MatrixXd specimens = {};         ///< on the scales, side by side [draw x specimen * parameter]
 };
 
+/// mu of each draw, on the scales [draw x parameter].
+Eigen::MatrixXd means_of(const HierarchicalDraws& draws);
+
 /// What is said of the draws. What it refers to must outlive it.
 struct HierarchicalFindings {
   const UpdatingProblem& problem;  ///< its model adapted to the specimens
