@@ -12,12 +12,10 @@
 #include "mottle/updating/estimate/population_posterior.hpp"
 #include "mottle/updating/methods/iteration.hpp"
 #include "updating/methods/hierarchical_tests.hpp"
-#include "updating/methods/mean_limits.hpp"
 #include "updating/methods/sampled_result.hpp"
 #include "updating/methods/scaled_parameters.hpp"
 #include "updating/population/model_error.hpp"
 #include "updating/population/population_report.hpp"
-#include "updating/verdict/scatter_tests.hpp"
 
 namespace mottle::updating {
 namespace {
