@@ -175,10 +175,12 @@ void compare_with_likelihood(const AbcFit& fit, const UpdatingResult& result, Ab
 }
 
 std::string likelihood_note(const AbcFit& fit, const AbcFindings& findings) {
-  const std::string widths = fmt::format(
-      "intervals of a normal likelihood at the estimate would be {:.2f} times as wide for means and {:.2f} times for "
-      "standard deviations",
-      1.0 / findings.width_ratio_mean, 1.0 / findings.width_ratio_std);
+  const std::string widths =
+      std::isnan(findings.width_ratio_mean) || std::isnan(findings.width_ratio_std)
+          ? "no parameter has intervals to compare"
+          : fmt::format("intervals of a normal likelihood at the estimate would be {:.2f} times as wide for means and "
+                        "{:.2f} times for standard deviations",
+                        1.0 / findings.width_ratio_mean, 1.0 / findings.width_ratio_std);
   const std::string shape = std::isnan(findings.normality_p) ? "The tests are too few to say whether they are normal"
                                                              : fmt::format("The tests {} (p = {:.2g})",
                                                                            findings.normality_p > fit.problem.level
@@ -197,6 +199,7 @@ std::string likelihood_note(const AbcFit& fit, const AbcFindings& findings) {
 void add_notes(const AbcFit& fit, const SampledPopulations& sampled, const AbcFindings& findings,
                UpdatingResult& result) {
   constexpr double k_few_effective = 100.0;
+  constexpr Eigen::Index k_few_specimens = 5;
   constexpr double k_max_r_hat = 1.1;
   result.notes.emplace_back(
       "Mean, standard deviation and correlation are those of the normal population on the parameters' scales whose "
@@ -218,6 +221,14 @@ void add_notes(const AbcFit& fit, const SampledPopulations& sampled, const AbcFi
         "Intervals rest on {:.0f} independent draws, whose quarters agree to an R-hat of {:.3f}; give more simulations "
         "(abc.simulations), fewer parameters, or correlations = \"none\".",
         effective, findings.r_hat.maxCoeff()));
+  }
+  const Eigen::Index specimens = fit.problem.tests.values.rows();
+  if (specimens < k_few_specimens) {
+    result.warnings.push_back(fmt::format(
+        "Intervals of {} specimens are too narrow, and what simulated studies say of their coverage is too good: these "
+        "are made at the estimate, which so few specimens do not determine. Use method = \"hierarchical\", or measure "
+        "{} at least.",
+        specimens, k_few_specimens));
   }
   if (findings.exceeded < fit.problem.level) {
     result.warnings.push_back(fmt::format(

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "mottle/core/parallel.hpp"
+#include "mottle/core/subject.hpp"
 #include "mottle/updating/estimate/sample_estimate.hpp"
 
 namespace mottle::updating {
@@ -49,6 +51,17 @@ SimulationTable simulate_table(const AbcSampler& sampler, const AbcSummary& summ
   summary.fill(table.summaries, table.points,
                {.seed = sampler.context.seed, .purpose = StreamPurpose::abc_simulation, .iteration = stage});
   return table;
+}
+
+/// Where noise hides the parameters, populations that the tests allow reach beyond what is possible in any case.
+void require_possible(const SimulationTable& table) {
+  const Eigen::Index possible = (table.log_weight.array() > -std::numeric_limits<double>::infinity()).count();
+  const Eigen::Index fewest = 2 * (table.summaries.cols() + 2);
+  require_of(possible >= fewest, {Subject::Kind::method, "abc"},
+             "{} of {} populations tried are possible, at least {} are needed: the tests say so little of the parameters "
+             "that bounds and physical limits exclude nearly all; correct the noise if it is stated larger than the tests "
+             "scatter (test.repeatability), measure more, or use method = \"hierarchical\", whose prior counts there",
+             possible, table.log_weight.size(), fewest);
 }
 
 /// Tests simulated at a population: their distances from its cloud, and the populations nearest to them.
@@ -151,6 +164,7 @@ SampledPopulations sample_populations(const UpdatingProblem& problem, const Popu
     const Eigen::Index count = std::max<Eigen::Index>(is_last ? options.simulations : options.simulations / 2, 500);
     const AbcSummary summary(sampler, centre, number);
     const SimulationTable table = simulate_table(sampler, summary, centre, covariance, count, number);
+    require_possible(table);
     const Eigen::VectorXd observed = summary.of(problem.tests.values);
     found.draws = accept_nearest(table, observed, k_early_fraction);
     if (is_last) {
