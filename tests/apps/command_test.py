@@ -109,6 +109,11 @@ class AnySolverTest(support.CommandTest):
             self.succeed("update", "study.toml", "--out", method, "--quiet", *chosen)
             self.assertLess(abs(math.log(expected / len(self.runs()))), math.log(2.0), f"{method}: {expected}, {len(self.runs())}")
 
+    def test_check_says_that_a_population_takes_as_many_runs_as_its_sampler_starts_with(self):
+        chosen = ("--set", 'update.method="hierarchical"', "--set", "test.repeatability={ \"f*\" = \"0.1 %\" }")
+        expected = json.loads(self.succeed("check", "study.toml", "--json", *chosen).out)["expected_runs"]
+        self.assertGreaterEqual(expected, 8 * 500 * 6)  # islands, particles, specimens
+
     def test_an_update_ends_and_its_repetition_repeats_nothing(self):
         self.succeed("update", "study.toml", "--out", "a", "--quiet")
         self.assertIn(read_result(self.folder / "a")["status"], ("converged", "max-iterations", "stalled"))

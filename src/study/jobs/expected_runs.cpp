@@ -11,8 +11,10 @@
 namespace mottle::study {
 namespace {
 
-/// Thrown where counting would take too long.
-struct TooMany {};
+/// Thrown where counting would take too long; `runs`: as many at least, those that were asked for last among them.
+struct TooMany {
+  std::int64_t runs;
+};
 
 /// y = mean + S (x - x_0): prior standard deviations move outputs about as much as the tests scatter, or by a few
 /// percent where one specimen shows no scatter, each in its way.
@@ -41,7 +43,7 @@ class LinearModel final : public Model {
     constexpr std::size_t k_most = 20'000;
     constexpr double k_patience = 2.0;  // seconds
     if (asked_.size() + static_cast<std::size_t>(samples.rows()) > k_most || steady_seconds() - begin_ > k_patience) {
-      throw TooMany();
+      throw TooMany{runs() + samples.rows()};
     }
     for (Eigen::Index s = 0; s < samples.rows(); ++s) {
       const Eigen::VectorXd row = samples.row(s).transpose();
@@ -72,8 +74,8 @@ ExpectedRuns count_expected_runs(const Study& study, const UpdatePlan& plan, con
     const UpdatingProblem problem = problem_of(study, plan, model).with_model(model, nullptr);
     const UpdatingStatus status = plan.method->update(problem, context).status;
     return {status == UpdatingStatus::failed ? 0 : model.runs()};
-  } catch (const TooMany&) {
-    return {model.runs(), true};
+  } catch (const TooMany& counted) {
+    return {counted.runs, true};
   } catch (const Stopped&) {
     throw;
   } catch (const Error&) {
