@@ -85,6 +85,30 @@ class Diagnose(support.CommandTest):
             study.write(result["proposed_toml"])
         self.succeed("update", "study.toml", "--out", "updated", "--set", "update.samples=50")
 
+    def test_without_a_candidate_the_model_has_its_own_value_whatever_the_candidates_distribution(self):
+        # The tests' structure has the model's k6: nothing is missing.
+        example = support.SOURCE / "examples" / "01-three-masses"
+        shutil.copy(example / "specimens-shapes.csv", self.folder)
+        right = (example / "shapes.toml").read_text(encoding="utf-8")
+        table = '{ name = "outer", target = "spring:k6", distribution = { kind = "%s", mean = 2.0, std = 0.5 }%s }'
+        for kind, scale in (("normal", ""), ("lognormal", ', scale = "log"')):
+            self.write("study.toml", right + f"[diagnose]\ncandidates = [{table % (kind, scale)}]\n")
+            result = self.diagnosis()
+            self.assertIn("No candidate explains", result["sentences"][0], kind)
+            self.assertEqual(result["candidates"][0]["nominal"], 3.0)
+            self.assertEqual(result["proposed_toml"], "")
+
+    def test_no_evidence_is_sampled_that_has_none_to_compare_with(self):
+        example = support.SOURCE / "examples" / "01-three-masses"
+        shutil.copy(example / "specimens-shapes.csv", self.folder)
+        # Positive for the model, but beyond what a fit can come back from.
+        self.write("study.toml", (example / "shapes.toml").read_text(encoding="utf-8") + (
+            "[diagnose]\nevidence = 1\ncandidates = [{ name = \"far\", target = \"spring:k6\", bounds = [1e8, inf], "
+            "distribution = { kind = \"normal\", mean = 1e9, std = 1e-3 } }]\n"))
+        models = self.diagnosis()["evidence"]["models"]
+        self.assertEqual(len(models), 1)
+        self.assertIn("no candidate has a fit", models[0]["failure"])
+
     def test_what_is_proposed_keeps_its_prior(self):
         example = support.SOURCE / "examples" / "01-three-masses"
         shutil.copy(example / "specimens-shapes.csv", self.folder)

@@ -55,6 +55,10 @@ DiagnosisEvidence evidence_of_candidates(const Study& study, const std::vector<S
   const Study base = with_evidence(study);
   DiagnosisEvidence compared{.method = base.update.method, .models = models_to_compare(study, diagnosis)};
   std::vector<EstimatedEvidence> evidences;
+  if (compared.models.size() == 1) {
+    compared.models.front().failure = "no candidate has a fit, so that there is no model to compare it with";
+    return compared;
+  }
   for (ModelEvidence& model : compared.models) {
     const auto candidate = std::ranges::find(candidates, model.candidate, &StudyParameter::name);
     context.phase({.name = model.candidate.empty() ? "evidence of the parameters alone"

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <set>
 
 #include "mottle/core/error.hpp"
@@ -125,6 +126,24 @@ class Resolver {
   std::map<std::string, std::string> owned_;
 };
 
+/// Nothing where the model does not have one value for all targets.
+std::optional<double> model_value(const ModelSource& model, const std::vector<ModelNumber>& numbers,
+                                  const StudyParameter& candidate) {
+  std::set<double> values;
+  for (const std::string& target : candidate.targets) {
+    const auto number = std::ranges::find(numbers, model.target_key(target), &ModelNumber::target);
+    if (number == numbers.end() || !number->is_single) return std::nullopt;
+    values.insert(number->value);
+  }
+  if (values.size() != 1) return std::nullopt;
+  return *values.begin();
+}
+
+bool may_be(const StudyParameter& candidate, double value) {
+  if (value < candidate.lower_bound || value > candidate.upper_bound) return false;
+  return std::isfinite(candidate.transform.from_variable(value));
+}
+
 }  // namespace
 
 std::vector<StudyParameter> resolve_candidates(const Study& study) {
@@ -138,6 +157,19 @@ std::vector<StudyParameter> resolve_candidates(const Study& study) {
   } catch (const InvalidInput& error) {
     throw InvalidInput(located(study, error));
   }
+}
+
+std::vector<StudyParameter> about_model_values(const Study& study, std::vector<StudyParameter> candidates) {
+  const std::vector<ModelNumber> numbers = study.model->numbers();
+  for (StudyParameter& candidate : candidates) {
+    const std::optional<double> value =
+        candidate.is_factor ? std::optional(1.0) : model_value(*study.model, numbers, candidate);
+    const Distribution given(candidate.distribution);
+    if (!value || *value == given.mean() || !may_be(candidate, *value)) continue;
+    candidate.distribution = {.kind = DistributionKind::normal, .mean = *value, .std = given.standard_deviation()};
+    candidate.may_vanish = *value == 0.0;
+  }
+  return candidates;
 }
 
 FixedNumbers fixed_numbers(const Study& study, std::size_t max_count) {

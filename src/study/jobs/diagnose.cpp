@@ -47,14 +47,16 @@ DiagnoseOutcome diagnose_here(const Study& study, const RunSettings& settings) {
           study.file.string());
   const std::vector<StudyParameter> candidates = resolve_candidates(study);
   DiagnoseOutcome outcome{.study = study, .whole = with_candidates(study, candidates)};
-  const StudyModel made = make_model(outcome.whole, outcome.whole.parameters, settings);
+  const std::vector<StudyParameter> about_model = about_model_values(study, candidates);
+  const Study examined = with_candidates(study, about_model);
+  const StudyModel made = make_model(examined, examined.parameters, settings);
   const StudyTests tests = read_tests(study, *made.model);
   refuse_unit_errors(study, made, tests);
   const JobFiles files(settings, k_diagnosis_log, k_diagnosis_journal);
   const RunContext context = files.context(study, settings);
-  const std::unique_ptr<CandidateModels> smaller = smaller_models(study, candidates, made, settings);
+  const std::unique_ptr<CandidateModels> smaller = smaller_models(study, about_model, made, settings);
   const JournalledModel model(smaller ? static_cast<const Model&>(*smaller) : *made.model, files.journal(),
-                              study_fingerprint(outcome.whole, made), settings.resume, settings.ranks);
+                              study_fingerprint(examined, made), settings.resume, settings.ranks);
   std::vector<std::string> given;
   for (const StudyParameter& parameter : study.parameters.list) given.push_back(parameter.name);
   const UpdatingProblem problem{.model = model,
