@@ -79,5 +79,30 @@ class ModelErrorTest(support.CommandTest):
                 self.assertIn(words, ended.err)
 
 
+class DistancesTest(support.CommandTest):
+    """Eight specimens of the study's own population and noise."""
+
+    EIGHT = """\
+f1,f2,f3
+0.209488,0.355357,0.46863
+0.188222,0.341468,0.456915
+0.207764,0.352537,0.467762
+0.20649,0.353103,0.466936
+0.2026,0.347843,0.466301
+0.195871,0.33948,0.465722
+0.197441,0.345765,0.462437
+0.201111,0.35116,0.4634
+"""
+
+    def test_does_not_make_a_right_model_inadequate_by_distances(self):
+        # Standard deviations had come out half as large as without the error.
+        self.write("tests.csv", self.EIGHT)
+        self.write("study.toml", edited(STUDY, ('method = "mares"', 'method = "abc"'), (FILE, FILE + (
+            '\nrepeatability = { "f*" = "0.1 %" }\nmodel_error = { "f*" = "0.3 %" }\n')))
+            + "[update.abc]\nsimulations = 2000\ncalibration_sets = 100\n")
+        self.succeed("update", "study.toml", "--out", "out", "--quiet")
+        self.assertEqual(read_result(self.folder / "out")["verdict"]["conclusion"], "adequate")
+
+
 if __name__ == "__main__":
     support.main()

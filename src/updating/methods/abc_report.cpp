@@ -178,9 +178,10 @@ std::string likelihood_note(const AbcFit& fit, const AbcFindings& findings) {
   const std::string widths =
       std::isnan(findings.width_ratio_mean) || std::isnan(findings.width_ratio_std)
           ? "no parameter has intervals to compare"
-          : fmt::format("intervals of a normal likelihood at the estimate would be {:.2f} times as wide for means and "
-                        "{:.2f} times for standard deviations",
-                        1.0 / findings.width_ratio_mean, 1.0 / findings.width_ratio_std);
+          : fmt::format(
+                "intervals of a normal likelihood at the estimate would be {:.2f} times as wide for means and "
+                "{:.2f} times for standard deviations",
+                1.0 / findings.width_ratio_mean, 1.0 / findings.width_ratio_std);
   const std::string shape = std::isnan(findings.normality_p) ? "The tests are too few to say whether they are normal"
                                                              : fmt::format("The tests {} (p = {:.2g})",
                                                                            findings.normality_p > fit.problem.level

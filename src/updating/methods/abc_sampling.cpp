@@ -6,6 +6,7 @@
 
 #include "mottle/core/parallel.hpp"
 #include "mottle/core/subject.hpp"
+#include "mottle/stats/distributions/chi_squared.hpp"
 #include "mottle/updating/estimate/sample_estimate.hpp"
 
 namespace mottle::updating {
@@ -57,11 +58,12 @@ SimulationTable simulate_table(const AbcSampler& sampler, const AbcSummary& summ
 void require_possible(const SimulationTable& table) {
   const Eigen::Index possible = (table.log_weight.array() > -std::numeric_limits<double>::infinity()).count();
   const Eigen::Index fewest = 2 * (table.summaries.cols() + 2);
-  require_of(possible >= fewest, {Subject::Kind::method, "abc"},
-             "{} of {} populations tried are possible, at least {} are needed: the tests say so little of the parameters "
-             "that bounds and physical limits exclude nearly all; correct the noise if it is stated larger than the tests "
-             "scatter (test.repeatability), measure more, or use method = \"hierarchical\", whose prior counts there",
-             possible, table.log_weight.size(), fewest);
+  require_of(
+      possible >= fewest, {Subject::Kind::method, "abc"},
+      "{} of {} populations tried are possible, at least {} are needed: the tests say so little of the parameters "
+      "that bounds and physical limits exclude nearly all; correct the noise if it is stated larger than the tests "
+      "scatter (test.repeatability), measure more, or use method = \"hierarchical\", whose prior counts there",
+      possible, table.log_weight.size(), fewest);
 }
 
 /// Tests simulated at a population: their distances from its cloud, and the populations nearest to them.
@@ -86,15 +88,22 @@ SimulatedStudies simulate_studies(const AbcSampler& sampler, const AbcSummary& s
   return studies;
 }
 
-/// ln sd of the estimate, less half the logarithm of the mean ratio of simulated studies' variances to the true ones.
+/// ln sd of the estimate, less half the logarithm of the ratio of simulated studies' variances to the true ones, over
+/// that of unbiased variances of a normal sample. Medians: a study far from the reference cloud, where one step of the
+/// search goes astray, has a variance without bound.
 Eigen::VectorXd unbiased_deviations(const PopulationCoordinates& coordinates, const SimulatedStudies& studies,
-                                    const Eigen::VectorXd& truth, const Eigen::VectorXd& estimate) {
+                                    const Eigen::VectorXd& truth, const Eigen::VectorXd& estimate,
+                                    Eigen::Index specimens) {
   constexpr double k_most = 0.7;
   const Eigen::Index q = coordinates.parameters();
+  const Eigen::Index sets = studies.estimates.rows();
+  const Eigen::VectorXd alike = Eigen::VectorXd::Constant(sets, 1.0 / static_cast<double>(sets));
+  const auto freedom = static_cast<double>(specimens - 1);
+  const double of_normal = 0.5 * std::log(chi_squared_quantile(0.5, freedom) / freedom);
   Eigen::VectorXd found = estimate.segment(q, q);
   for (Eigen::Index k = q; k < 2 * q; ++k) {
-    const double ratio = (2.0 * (studies.estimates.col(k).array() - truth(k))).exp().mean();
-    found(k - q) -= std::clamp(0.5 * std::log(ratio), -k_most, k_most);
+    const double bias = weighted_quantile(studies.estimates.col(k), alike, 0.5) - truth(k) - of_normal;
+    found(k - q) -= std::clamp(bias, -k_most, k_most);
   }
   return found;
 }
@@ -118,7 +127,7 @@ void calibrate(const AbcSampler& sampler, const AbcSummary& summary, const Simul
   found.fraction = k_fractions[found.calibration.chosen];
   found.draws = trials[found.calibration.chosen];
   found.calibration_sets = options.calibration_sets;
-  found.log_deviation = unbiased_deviations(sampler.coordinates, studies, truth, estimate);
+  found.log_deviation = unbiased_deviations(sampler.coordinates, studies, truth, estimate, tests.rows());
   const double distance = sampler.nearest.comparison->distance(sampler.cloud.at(truth), tests);
   found.exceeded = (studies.distances.array() >= distance).cast<double>().mean();
   found.simulated_distance = options.distance == AbcOptions::Distance::energy
