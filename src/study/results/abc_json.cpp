@@ -46,8 +46,8 @@ std::string abc_csv(const AbcFindings& found) {
   header.insert(header.end(), found.names.begin(), found.names.end());
   Eigen::MatrixXd rows(found.values.rows(), found.values.cols() + 2);
   for (Eigen::Index k = 0; k < rows.rows(); ++k) {
-    rows.row(k) << static_cast<double>(k / found.draws + 1), static_cast<double>(k % found.draws + 1),
-        found.values.row(k);
+    const Eigen::Index chain = k / found.draws;
+    rows.row(k) << static_cast<double>(chain + 1), static_cast<double>(k % found.draws + 1), found.values.row(k);
   }
   return format_csv(header, rows);
 }
