@@ -22,7 +22,7 @@ std::vector<std::string> doubts_of(const SampledPosterior& posterior, const std:
     const double r_hat = posterior.r_hat(static_cast<Eigen::Index>(k));
     if (!(r_hat > k_max_r_hat)) continue;
     doubts.push_back(fmt::format(
-        "The islands disagree: R-hat of {} is {:.3f}, at most {} is allowed; give more "
+        "The islands disagree: R-hat of {} is {:.4f}, at most {} is allowed; give more "
         "particles ({}.particles).",
         k < posterior.names.size() ? posterior.names[k] : "the log-likelihood", r_hat, k_max_r_hat, method));
   }
