@@ -10,11 +10,11 @@
 #include <new>
 
 #include "linalg/batched/simd_kernels.hpp"
-#include "linalg/blas.hpp"
 #include "mottle/core/error.hpp"
 #include "mottle/core/parallel.hpp"
 #include "mottle/linalg/batched/dense_modes.hpp"
 #include "mottle/linalg/dense/decompositions.hpp"
+#include "mottle/linalg/dense/products.hpp"
 
 namespace mottle::linalg {
 namespace {

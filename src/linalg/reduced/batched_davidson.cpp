@@ -6,9 +6,9 @@
 #include <functional>
 
 #include "linalg/batched/simd_kernels.hpp"
-#include "linalg/blas.hpp"
 #include "mottle/core/parallel.hpp"
 #include "mottle/linalg/dense/decompositions.hpp"
+#include "mottle/linalg/dense/products.hpp"
 
 namespace mottle::linalg {
 namespace {

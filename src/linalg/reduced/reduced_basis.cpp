@@ -1,10 +1,10 @@
 // Growth, orthonormalisation and rotation of a reduced model's basis, with its projections.
 #include <Eigen/Core>
 
-#include "linalg/blas.hpp"
 #include "linalg/reduced/reduced_model_parts.hpp"
 #include "mottle/core/parallel.hpp"
 #include "mottle/linalg/dense/decompositions.hpp"
+#include "mottle/linalg/dense/products.hpp"
 
 namespace mottle::linalg {
 

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "linalg/blas.hpp"
 #include "linalg/reduced/batched_davidson.hpp"
 #include "linalg/reduced/certificate.hpp"
 #include "linalg/reduced/reduced_model_parts.hpp"
@@ -12,6 +11,7 @@
 #include "mottle/core/parallel.hpp"
 #include "mottle/linalg/batched/batch_eigen.hpp"
 #include "mottle/linalg/dense/decompositions.hpp"
+#include "mottle/linalg/dense/products.hpp"
 
 namespace mottle::linalg {
 namespace {

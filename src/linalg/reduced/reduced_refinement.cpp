@@ -6,11 +6,11 @@
 #include <numeric>
 #include <vector>
 
-#include "linalg/blas.hpp"
 #include "linalg/reduced/reduced_model_parts.hpp"
 #include "linalg/vector_signs.hpp"
 #include "mottle/core/parallel.hpp"
 #include "mottle/linalg/dense/decompositions.hpp"
+#include "mottle/linalg/dense/products.hpp"
 
 namespace mottle::linalg {
 namespace {

@@ -5,11 +5,11 @@
 #include <limits>
 #include <utility>
 
-#include "linalg/blas.hpp"
 #include "linalg/reduced/reduced_model_parts.hpp"
 #include "linalg/reduced/training_samples.hpp"
 #include "mottle/core/parallel.hpp"
 #include "mottle/linalg/dense/decompositions.hpp"
+#include "mottle/linalg/dense/products.hpp"
 
 namespace mottle::linalg {
 namespace {

@@ -3,9 +3,9 @@
 #include <functional>
 #include <limits>
 
-#include "linalg/blas.hpp"
 #include "linalg/reduced/form_bounds.hpp"
 #include "linalg/reduced/reduced_model_parts.hpp"
+#include "mottle/linalg/dense/products.hpp"
 
 namespace mottle::linalg {
 namespace {

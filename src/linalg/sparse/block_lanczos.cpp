@@ -5,10 +5,10 @@
 #include <cmath>
 #include <limits>
 
-#include "linalg/blas.hpp"
 #include "mottle/core/error.hpp"
 #include "mottle/core/random.hpp"
 #include "mottle/linalg/dense/decompositions.hpp"
+#include "mottle/linalg/dense/products.hpp"
 
 namespace mottle::linalg {
 namespace {

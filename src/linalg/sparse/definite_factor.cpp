@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "linalg/batched/simd_kernels.hpp"
-#include "linalg/blas.hpp"
 #include "linalg/sparse/node_order.hpp"
 #include "linalg/sparse/one_order.hpp"
 #include "mottle/core/error.hpp"
+#include "mottle/linalg/dense/products.hpp"
 #include "mottle/linalg/sparse/symmetric_factor.hpp"
 
 namespace mottle::linalg {

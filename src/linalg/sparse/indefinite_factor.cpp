@@ -4,9 +4,9 @@
 #include <mutex>
 #include <vector>
 
-#include "linalg/blas.hpp"
 #include "linalg/sparse/one_order.hpp"
 #include "mottle/core/error.hpp"
+#include "mottle/linalg/dense/products.hpp"
 #include "mottle/linalg/sparse/symmetric_factor.hpp"
 
 namespace mottle::linalg {

@@ -8,6 +8,7 @@
 #include "model/solvers/trained_reduced_models.hpp"
 #include "mottle/core/error.hpp"
 #include "mottle/core/rank_share.hpp"
+#include "mottle/linalg/dense/products.hpp"
 
 namespace mottle::model {
 namespace {
@@ -32,10 +33,11 @@ class ReducedObservation {
 
   Solution of(const Eigen::Ref<const Eigen::VectorXd>& values,
               const Eigen::Ref<const Eigen::MatrixXd>& coordinates) const {
-    Solution solution{.eigenvalues = values, .displacements = displacements_ * coordinates};
+    Solution solution{.eigenvalues = values, .displacements = product(displacements_, coordinates)};
     if (comparison_ != nullptr) {
-      const Eigen::RowVectorXd squares = coordinates.cwiseProduct(comparison_->mass * coordinates).colwise().sum();
-      solution.cosines = cosines_from(comparison_->reference * coordinates, squares);
+      const Eigen::RowVectorXd squares =
+          coordinates.cwiseProduct(product(comparison_->mass, coordinates)).colwise().sum();
+      solution.cosines = cosines_from(product(comparison_->reference, coordinates), squares);
     }
     return solution;
   }

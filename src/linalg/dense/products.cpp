@@ -1,4 +1,4 @@
-#include "linalg/blas.hpp"
+#include "mottle/linalg/dense/products.hpp"
 
 #include <dlfcn.h>
 #include <sys/mman.h>
