@@ -13,21 +13,31 @@ namespace {
 
 /// Whether two eigenvalues are one to rounding: their shapes, and derivatives along these, are arbitrary. Compared with
 /// themselves, since soft and stiff modes may stand in one set; those near zero by rounding are all one.
-bool are_equal(const ModeSet& modes, Eigen::Index r, Eigen::Index s) {
-  constexpr double k_repeated = 1e-10;
-  constexpr double k_zero = 1e-14;
-  const double a = modes.eigenvalues(r);
-  const double b = modes.eigenvalues(s);
-  const double zero = k_zero * modes.eigenvalues.cwiseAbs().maxCoeff();
-  return std::abs(a - b) <= std::max(zero, k_repeated * std::max(std::abs(a), std::abs(b)));
-}
+class Repetitions {
+ public:
+  explicit Repetitions(const Eigen::VectorXd& eigenvalues)
+      : eigenvalues_(eigenvalues), zero_(k_zero * eigenvalues.cwiseAbs().maxCoeff()) {}
 
-bool is_repeated(const ModeSet& modes, Eigen::Index mode) {
-  for (Eigen::Index s = 0; s < modes.eigenvalues.size(); ++s) {
-    if (s != mode && are_equal(modes, mode, s)) return true;
+  bool are_equal(Eigen::Index r, Eigen::Index s) const {
+    const double a = eigenvalues_(r);
+    const double b = eigenvalues_(s);
+    return std::abs(a - b) <= std::max(zero_, k_repeated * std::max(std::abs(a), std::abs(b)));
   }
-  return false;
-}
+
+  bool is_repeated(Eigen::Index mode) const {
+    for (Eigen::Index s = 0; s < eigenvalues_.size(); ++s) {
+      if (s != mode && are_equal(mode, s)) return true;
+    }
+    return false;
+  }
+
+ private:
+  static constexpr double k_repeated = 1e-10;
+  static constexpr double k_zero = 1e-14;
+
+  const Eigen::VectorXd& eigenvalues_;
+  double zero_;
+};
 
 }  // namespace
 
@@ -39,14 +49,20 @@ Eigen::VectorXd eigenvalue_sensitivity(const ModeSet& modes, const Eigen::Ref<co
 Eigen::VectorXd eigenvalue_sensitivity_from_products(const ModeSet& modes,
                                                      const Eigen::Ref<const Eigen::MatrixXd>& dK_shapes,
                                                      const Eigen::Ref<const Eigen::MatrixXd>& dM_shapes) {
-  Eigen::VectorXd derivative(modes.eigenvalues.size());
-  for (Eigen::Index r = 0; r < derivative.size(); ++r) {
-    const auto shape = modes.shapes.col(r);
-    derivative(r) = is_repeated(modes, r)
-                        ? std::numeric_limits<double>::quiet_NaN()
-                        : shape.dot(dK_shapes.col(r)) - modes.eigenvalues(r) * shape.dot(dM_shapes.col(r));
+  return eigenvalue_sensitivity_from_forms(modes.eigenvalues,
+                                           modes.shapes.cwiseProduct(dK_shapes).colwise().sum().transpose(),
+                                           modes.shapes.cwiseProduct(dM_shapes).colwise().sum().transpose());
+}
+
+Eigen::MatrixXd eigenvalue_sensitivity_from_forms(const Eigen::VectorXd& eigenvalues,
+                                                  const Eigen::Ref<const Eigen::MatrixXd>& dK_forms,
+                                                  const Eigen::Ref<const Eigen::MatrixXd>& dM_forms) {
+  const Repetitions repetitions(eigenvalues);
+  Eigen::MatrixXd derivatives = dK_forms - eigenvalues.asDiagonal() * dM_forms;
+  for (Eigen::Index r = 0; r < derivatives.rows(); ++r) {
+    if (repetitions.is_repeated(r)) derivatives.row(r).setConstant(std::numeric_limits<double>::quiet_NaN());
   }
-  return derivative;
+  return derivatives;
 }
 
 Eigen::VectorXd repeated_eigenvalue_sensitivity(const ModeSet& modes, const std::vector<int>& members,
@@ -65,7 +81,7 @@ Eigen::MatrixXd nelson_shape_sensitivity(const SparseMatrix& stiffness, const Sp
                                          const Eigen::Ref<const Eigen::MatrixXd>& dM_shape) {
   const Eigen::VectorXd shape = modes.shapes.col(mode);
   const double lambda = modes.eigenvalues(mode);
-  if (is_repeated(modes, mode)) {
+  if (Repetitions(modes.eigenvalues).is_repeated(mode)) {
     return Eigen::MatrixXd::Constant(shape.size(), dK_shape.cols(), std::numeric_limits<double>::quiet_NaN());
   }
   Eigen::Index largest = 0;
@@ -96,6 +112,7 @@ Eigen::MatrixXd shape_sensitivity(const ModeSet& modes, const Eigen::Ref<const E
           modes.shapes.cols(), modes.shapes.rows());
   const Eigen::MatrixXd modal_dK = modes.shapes.transpose() * dK * modes.shapes;
   const Eigen::MatrixXd modal_dM = modes.shapes.transpose() * dM * modes.shapes;
+  const Repetitions repetitions(modes.eigenvalues);
   Eigen::MatrixXd weights = Eigen::MatrixXd::Zero(modes.shapes.cols(), modes.shapes.cols());
   for (Eigen::Index r = 0; r < weights.cols(); ++r) {
     const double lambda = modes.eigenvalues(r);
@@ -103,7 +120,7 @@ Eigen::MatrixXd shape_sensitivity(const ModeSet& modes, const Eigen::Ref<const E
       const double gap = lambda - modes.eigenvalues(s);
       if (s == r) {
         weights(s, r) = -0.5 * modal_dM(r, r);
-      } else if (are_equal(modes, r, s)) {
+      } else if (repetitions.are_equal(r, s)) {
         weights.col(r).setConstant(std::numeric_limits<double>::quiet_NaN());
         break;
       } else {

@@ -11,6 +11,7 @@
 #include "mottle/dynamics/modes/sensitivity.hpp"
 #include "mottle/linalg/batched/dense_modes.hpp"
 #include "mottle/linalg/dense/decompositions.hpp"
+#include "mottle/linalg/dense/products.hpp"
 
 namespace mottle::model {
 namespace {
@@ -56,7 +57,28 @@ struct DenseStatics {
 }  // namespace
 
 DenseSolver::DenseSolver(DenseStructure structure)
-    : structure_(std::move(structure)), pencils_(make_pencils(structure_.matrices())) {}
+    : structure_(std::move(structure)), pencils_(make_pencils(structure_.matrices())) {
+  for (Eigen::Index i = 0; i < structure_.parameter_count(); ++i) {
+    stiffness_slopes_.emplace_back(structure_.matrices().stiffness.derivative(i));
+    mass_slopes_.emplace_back(structure_.matrices().mass.derivative(i));
+  }
+}
+
+DenseSolver::Slope::Slope(const Eigen::MatrixXd& matrix) : sparse(matrix.sparseView()) {
+  constexpr Eigen::Index k_few = 8;  // one in so many: a product by the entries is as fast as one of full matrices
+  if (k_few * sparse.nonZeros() > matrix.size()) full = matrix;
+}
+
+Eigen::VectorXd DenseSolver::Slope::forms(const Eigen::MatrixXd& shapes) const {
+  if (full.size() > 0) return shapes.cwiseProduct(product(shapes, full)).rowwise().sum();
+  Eigen::VectorXd sums = Eigen::VectorXd::Zero(shapes.rows());
+  for (int column = 0; column < sparse.outerSize(); ++column) {
+    for (Eigen::SparseMatrix<double>::InnerIterator entry(sparse, column); entry; ++entry) {
+      sums += entry.value() * shapes.col(entry.row()).cwiseProduct(shapes.col(column));
+    }
+  }
+  return sums;
+}
 
 ModeSet DenseSolver::modes_at(const Eigen::Ref<const Eigen::VectorXd>& parameters, int /*modes*/) const {
   const AffineStructure& matrices = structure_.matrices();
@@ -144,12 +166,14 @@ Eigen::MatrixXd DenseSolver::cosines(const ModeSet& reference, const ModeSet& mo
 
 Eigen::MatrixXd DenseSolver::eigenvalue_derivatives(const Eigen::Ref<const Eigen::VectorXd>&,
                                                     const ModeSet& modes) const {
-  Eigen::MatrixXd derivatives(modes.eigenvalues.size(), structure_.parameter_count());
+  const Eigen::MatrixXd shapes = modes.shapes.transpose();
+  Eigen::MatrixXd stiffness(shapes.rows(), structure_.parameter_count());
+  Eigen::MatrixXd mass(shapes.rows(), structure_.parameter_count());
   for (Eigen::Index i = 0; i < structure_.parameter_count(); ++i) {
-    derivatives.col(i) = eigenvalue_sensitivity(modes, structure_.matrices().stiffness.derivative(i),
-                                                structure_.matrices().mass.derivative(i));
+    stiffness.col(i) = stiffness_slopes_[static_cast<std::size_t>(i)].forms(shapes);
+    mass.col(i) = mass_slopes_[static_cast<std::size_t>(i)].forms(shapes);
   }
-  return derivatives;
+  return eigenvalue_sensitivity_from_forms(modes.eigenvalues, stiffness, mass);
 }
 
 Eigen::MatrixXd DenseSolver::shape_derivatives(const Eigen::Ref<const Eigen::VectorXd>&, const ModeSet& modes,

@@ -26,6 +26,11 @@ Eigen::VectorXd eigenvalue_sensitivity_from_products(const ModeSet& modes,
                                                      const Eigen::Ref<const Eigen::MatrixXd>& dK_shapes,
                                                      const Eigen::Ref<const Eigen::MatrixXd>& dM_shapes);
 
+/// The same for several parameters from the forms phi_r' dK phi_r and phi_r' dM phi_r [mode x parameter].
+Eigen::MatrixXd eigenvalue_sensitivity_from_forms(const Eigen::VectorXd& eigenvalues,
+                                                  const Eigen::Ref<const Eigen::MatrixXd>& dK_forms,
+                                                  const Eigen::Ref<const Eigen::MatrixXd>& dM_forms);
+
 /// Derivatives of an eigenvalue that is repeated, for one parameter: the values into which it splits.
 ///
 ///   eigenvalues of Phi' (dK - lambda dM) Phi,   Phi = the shapes that share lambda

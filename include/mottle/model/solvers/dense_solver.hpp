@@ -36,8 +36,21 @@ class DenseSolver final : public Solver {
   void observe_shapes(const Eigen::MatrixXd& shapes, const Eigen::Ref<const Eigen::VectorXd>& parameters,
                       const SolutionRequest& request, Solution& solution) const;
 
+  /// dK/dx or dM/dx of one parameter: an element's few entries, or a whole matrix.
+  struct Slope {
+    Eigen::SparseMatrix<double> sparse;
+    Eigen::MatrixXd full;  ///< empty where entries are few
+
+    explicit Slope(const Eigen::MatrixXd& matrix);
+    /// phi' S phi of each shape phi.
+    /// @param shapes  one a row [mode x degree of freedom]
+    Eigen::VectorXd forms(const Eigen::MatrixXd& shapes) const;
+  };
+
   DenseStructure structure_;
   PencilFamily pencils_;
+  std::vector<Slope> stiffness_slopes_;  // by parameter
+  std::vector<Slope> mass_slopes_;
 };
 
 }  // namespace mottle::model

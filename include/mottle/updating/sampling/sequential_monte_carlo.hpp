@@ -30,7 +30,7 @@ struct SamplingSettings {
   GradientMoves gradients = GradientMoves::automatic;
 };
 
-/// Beyond it gradients are worth what they cost; see benchmarks/compare_bayes.py.
+/// Beyond it gradients save half of the evaluations and more; see benchmarks/BAYES.md.
 inline constexpr Eigen::Index k_many_dimensions = 15;
 
 /// ln L and its gradient at some points.
