@@ -79,7 +79,7 @@ TEST(UmbridgeProtocol, RefusesWhatIsNoAnswer) {
   EXPECT_THAT([] { read_output(200, R"({"output": [1]})", {1}); }, says("output[0] is not a list of numbers"));
   EXPECT_THAT([] { read_output(200, R"({"output": 1})", {1}); }, says("no list 'output'"));
   EXPECT_THAT([] { read_output(200, "[1]", {1}); }, says("not an object"));
-  EXPECT_THAT([] { read_output(302, "<html>", {1}); }, says("HTTP 302: '<html>'"));
+  EXPECT_THAT([] { read_output(302, "<html>", {1}); }, says("HTTP 302: the server refers to another address"));
   EXPECT_THAT([] { read_info(200, R"({"models": []})"); }, says("no number 'protocolVersion'"));
   EXPECT_THAT([] { read_info(200, R"({"protocolVersion": 1, "models": [1]})"); }, says("name is not a text"));
   EXPECT_THAT([] { read_features(200, R"({"support": []})"); }, says("no object 'support'"));
