@@ -66,7 +66,9 @@ DenseSolver::DenseSolver(DenseStructure structure)
 
 DenseSolver::Slope::Slope(const Eigen::MatrixXd& matrix) : sparse(matrix.sparseView()) {
   constexpr Eigen::Index k_few = 8;  // one in so many: a product by the entries is as fast as one of full matrices
-  if (k_few * sparse.nonZeros() > matrix.size()) full = matrix;
+  if (k_few * sparse.nonZeros() <= matrix.size()) return;
+  full = matrix;
+  sparse = {};
 }
 
 Eigen::VectorXd DenseSolver::Slope::forms(const Eigen::MatrixXd& shapes) const {

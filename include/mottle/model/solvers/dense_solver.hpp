@@ -38,8 +38,8 @@ class DenseSolver final : public Solver {
 
   /// dK/dx or dM/dx of one parameter: an element's few entries, or a whole matrix.
   struct Slope {
-    Eigen::SparseMatrix<double> sparse;
-    Eigen::MatrixXd full;  ///< empty where entries are few
+    Eigen::SparseMatrix<double> sparse;  ///< empty where they are many
+    Eigen::MatrixXd full;                ///< empty where entries are few
 
     explicit Slope(const Eigen::MatrixXd& matrix);
     /// phi' S phi of each shape phi.
