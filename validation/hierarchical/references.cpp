@@ -1,7 +1,7 @@
 // Posteriors of populations whose answer is known, and simulation-based calibration.
 //
 //   mottle_hierarchical_references eight-schools|curved|oracle SEEDS
-//   mottle_hierarchical_references sbc SPECIMENS NOISE DATA_SETS PARTICLES
+//   mottle_hierarchical_references sbc SPECIMENS NOISE DATA_SETS PARTICLES [FIRST]
 //
 // Prints one JSON object. NOISE: scale of the prior of the noise's level, a fraction of the frequencies.
 #include <fmt/format.h>
@@ -247,7 +247,8 @@ std::vector<double> ranks_of(const Calibration& calibration, const DataSet& data
   return ranks;
 }
 
-void calibrate(Eigen::Index specimens, double noise, int data_sets, int particles) {
+/// @param first  number of the first data set, from 1
+void calibrate(Eigen::Index specimens, double noise, int data_sets, int particles, int first) {
   Calibration calibration(noise);
   calibration.options.particles = particles;
   const auto start = std::chrono::steady_clock::now();
@@ -255,7 +256,7 @@ void calibrate(Eigen::Index specimens, double noise, int data_sets, int particle
   double converged = 0.0;
   int failed = 0;
   for (int i = 0; i < data_sets; ++i) {
-    const auto seed = static_cast<std::uint64_t>(i) + 1;
+    const auto seed = static_cast<std::uint64_t>(i) + static_cast<std::uint64_t>(first);
     try {
       const auto own = static_cast<std::uint64_t>(specimens) * 1000000U + static_cast<std::uint64_t>(1e6 * noise);
       const DataSet data = draw(calibration, specimens, own * 1000U + seed);  // other data sets in every case
@@ -281,7 +282,7 @@ int main(int count, char** arguments) {
   try {
     require(count >= 3,
             "usage: mottle_hierarchical_references eight-schools|curved|oracle SEEDS, or sbc SPECIMENS NOISE "
-            "DATA_SETS PARTICLES");
+            "DATA_SETS PARTICLES [FIRST]");
     const std::string name = arguments[1];
     if (name == "eight-schools") {
       print_seeds(std::stoi(arguments[2]), eight_schools);
@@ -290,9 +291,10 @@ int main(int count, char** arguments) {
     } else if (name == "oracle") {
       print_seeds(std::stoi(arguments[2]), oracle);
     } else {
-      require(name == "sbc" && count == 6,
-              "the case is eight-schools, curved, oracle or sbc SPECIMENS NOISE DATA_SETS PARTICLES");
-      calibrate(std::stoi(arguments[2]), std::stod(arguments[3]), std::stoi(arguments[4]), std::stoi(arguments[5]));
+      require(name == "sbc" && (count == 6 || count == 7),
+              "the case is eight-schools, curved, oracle or sbc SPECIMENS NOISE DATA_SETS PARTICLES [FIRST]");
+      calibrate(std::stoi(arguments[2]), std::stod(arguments[3]), std::stoi(arguments[4]), std::stoi(arguments[5]),
+                count == 7 ? std::stoi(arguments[6]) : 1);
     }
   } catch (const std::exception& error) {
     std::cerr << error.what() << '\n';

@@ -8,6 +8,9 @@
 #include <cassert>
 #include <new>
 
+#include "linalg/batched/simd_kernels.hpp"
+#include "linalg/batched/symmetric_product.hpp"
+
 extern "C" void dgemm_(  // NOLINT(readability-identifier-naming): Fortran's name
     const char* transposes_a, const char* transposes_b, const int* rows, const int* columns, const int* inner,
     const double* alpha, const double* a, const int* stride_a, const double* b, const int* stride_b, const double* beta,
@@ -104,6 +107,29 @@ Eigen::MatrixXd transposed_product(const Eigen::Ref<const Eigen::MatrixXd>& a,
   Eigen::MatrixXd product(a.cols(), b.cols());
   multiply(1.0, a, true, b, 0.0, product);
   return product;
+}
+
+VectorRows padded_rows(const Eigen::Ref<const Eigen::MatrixXd>& a) {
+  VectorRows rows = VectorRows::Zero(a.rows(), padded_width(a.cols()));
+  rows.leftCols(a.cols()) = a;
+  return rows;
+}
+
+VectorRows transposed_product_by_rows(const Eigen::Ref<const Eigen::MatrixXd>& a, const VectorRows& b) {
+  assert(a.rows() == b.rows() && b.cols() == padded_width(b.cols()));
+  VectorRows result = VectorRows::Zero(a.cols(), b.cols());
+  simd_kernels::kernels_for().add_gathered_product(
+      {static_cast<int>(a.cols()), a.data(), 1, a.outerStride(), static_cast<int>(a.rows()), nullptr},
+      static_cast<int>(b.cols()), b.data(), result.data());
+  return result;
+}
+
+bool is_nearly_diagonal(const Eigen::Ref<const Eigen::MatrixXd>& a) {
+  constexpr double k_negligible = 1e-11;
+  const Eigen::VectorXd roots = a.diagonal().cwiseMax(0.0).cwiseSqrt();
+  Eigen::MatrixXd rest = a;
+  rest.diagonal().setZero();
+  return (rest.cwiseAbs().array() <= k_negligible * (roots * roots.transpose()).array()).all();
 }
 
 }  // namespace mottle::linalg

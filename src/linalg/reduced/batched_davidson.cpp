@@ -43,12 +43,9 @@ Eigen::MatrixXd weighted_sum(const std::vector<Eigen::MatrixXd>& terms, const Ei
 }
 
 Eigen::MatrixXd nominal_rotation(const Eigen::MatrixXd& nominal) {
-  constexpr double k_negligible = 1e-11;
-  const Eigen::VectorXd roots = nominal.diagonal().cwiseMax(0.0).cwiseSqrt();
-  Eigen::MatrixXd rest = nominal;
-  rest.diagonal().setZero();
-  const bool descends = std::is_sorted(roots.data(), roots.data() + roots.size(), std::greater<>());
-  if (descends && (rest.cwiseAbs().array() <= k_negligible * (roots * roots.transpose()).array()).all()) return {};
+  const Eigen::VectorXd masses = nominal.diagonal();
+  const bool descends = std::is_sorted(masses.data(), masses.data() + masses.size(), std::greater<>());
+  if (descends && is_nearly_diagonal(nominal)) return {};
   const SymmetricEigen solver(nominal);
   return solver.eigenvectors().rowwise().reverse();
 }
@@ -63,7 +60,7 @@ BatchedDavidson::BatchedDavidson(const DavidsonPencils& family, const DavidsonOp
       rows_(family.mass[0].rows()) {
   constexpr double k_above = 1.8;         // the block's nominal modes reach this multiple of the highest wanted lambda
   constexpr Eigen::Index k_beside = 3;    // at least this many vectors more than wanted modes
-  constexpr Eigen::Index k_smallest = 3;  // order over block size below which a dense solution is cheaper
+  constexpr Eigen::Index k_smallest = 2;  // order over block size below which a dense solution is cheaper
   constexpr Eigen::Index k_columns = simd_kernels::k_block_columns;
   kept_ = rounded_up(options.modes, k_columns);
   corrected_ = rounded_up(options.converged, k_columns);

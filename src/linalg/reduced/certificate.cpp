@@ -42,7 +42,7 @@ double secular_root(const Eigen::Ref<const Eigen::ArrayXd>& weights,
 
 Eigen::VectorXd error_bounds(const Eigen::Ref<const Eigen::VectorXd>& values,
                              const Eigen::Ref<const Eigen::VectorXd>& squares, double complement_bound,
-                             Eigen::Index wanted) {
+                             Eigen::Index wanted, double enough) {
   const Eigen::Index known = values.size();
   Eigen::VectorXd bounds = Eigen::VectorXd::Constant(wanted, k_infinite);
   Eigen::ArrayXd weights(known);
@@ -51,7 +51,7 @@ Eigen::VectorXd error_bounds(const Eigen::Ref<const Eigen::VectorXd>& values,
     const double next = next_eigenvalue(values(p + 1), squares(p + 1), complement_bound);
     if (!(next > values(p))) continue;
     for (Eigen::Index k = 0; k <= std::min(p, wanted - 1); ++k) {
-      if (!(values(k) > 0.0)) continue;
+      if (!(values(k) > 0.0) || bounds(k) < enough) continue;
       // The mode's own weight: the root is no less.
       if (!(squares(k) / (1.0 - values(k) / next) < std::min(bounds(k), k_largest_bound))) continue;
       const Eigen::Index count = p - k + 1;

@@ -23,10 +23,11 @@ namespace mottle::linalg {
 /// @param squares  r_j' A^-1 r_j / mu_j, upper bounds; y' M y = 1 [mode]
 /// @param complement_bound  lower bound of the Rayleigh quotient over vectors orthogonal to the Ritz vectors' space
 /// @param wanted   number of lowest modes to bound
+/// @param enough   a smaller bound is not sought for e_k below this: most samples' first bound, p = k, is
 /// @return         e [wanted]
 /// Source: [Kato1949]; [Lehmann1963]; docs/theory/reduced-model.md.
 Eigen::VectorXd error_bounds(const Eigen::Ref<const Eigen::VectorXd>& values,
                              const Eigen::Ref<const Eigen::VectorXd>& squares, double complement_bound,
-                             Eigen::Index wanted);
+                             Eigen::Index wanted, double enough = 0.0);
 
 }  // namespace mottle::linalg

@@ -19,6 +19,12 @@ Eigen::MatrixXd orthonormal_combinations(const Eigen::MatrixXd& gram, const Eige
          parts.tail(kept).cwiseSqrt().cwiseInverse().asDiagonal();
 }
 
+void ReducedModel::Parts::forget_derived() {
+  prepared = std::make_shared<PreparedModes>();
+  leading_directions.resize(0, 0);
+  leading.reset();
+}
+
 VectorRows ReducedModel::Parts::shapes(const Eigen::MatrixXd& coordinates) const {
   Eigen::MatrixXd padded = Eigen::MatrixXd::Zero(coordinates.rows(), padded_width(coordinates.cols()));
   padded.leftCols(coordinates.cols()) = coordinates;
@@ -28,7 +34,7 @@ VectorRows ReducedModel::Parts::shapes(const Eigen::MatrixXd& coordinates) const
 void ReducedModel::Parts::append(const VectorRows& block, Eigen::Index count, int threads) {
   constexpr int k_max_passes = 3;
   constexpr double k_rounding = 1e-12;
-  prepared = std::make_shared<PreparedModes>();
+  forget_derived();
   Eigen::Index added = count;
   basis.conservativeResize(block.rows(), basis.cols() + added);
   basis.rightCols(added) = to_columns(block, added);
@@ -125,7 +131,7 @@ void ReducedModel::Parts::apply_pending() {
 }
 
 void ReducedModel::Parts::rotate(const Eigen::MatrixXd& q) {
-  prepared = std::make_shared<PreparedModes>();
+  forget_derived();
   pending = pending.size() > 0 ? product(pending, q) : q;
   apply_pending();
   reference_modes = transposed_product(q, reference_modes);

@@ -43,7 +43,7 @@ Eigen::MatrixXd combined(const Eigen::MatrixXd& terms, const Eigen::MatrixXd& co
 }  // namespace
 
 Eigen::Index ReducedModel::Parts::solved_modes() const {
-  return std::min<Eigen::Index>(options.modes + k_guard_modes, basis.cols());
+  return std::min<Eigen::Index>(options.modes + k_guard_modes, vectors());
 }
 
 Eigen::Index ReducedModel::Parts::converged_modes() const {
@@ -56,10 +56,12 @@ Eigen::VectorXd sketched_squares(const Eigen::Ref<const Eigen::MatrixXd>& sketch
 
 Eigen::VectorXd ReducedModel::Parts::bounds(const Eigen::Ref<const Eigen::VectorXd>& lambda,
                                             const Eigen::VectorXd& squares, double complement_bound,
-                                            Eigen::Index wanted) const {
+                                            Eigen::Index wanted, double enough) const {
   const Eigen::VectorXd mu = lambda.array() - full->shift;
-  const Eigen::ArrayXd errors = error_bounds(mu, squares.cwiseQuotient(mu), complement_bound - full->shift, wanted);
-  return errors * mu.head(wanted).array() / sizes(lambda.head(wanted));
+  const Eigen::ArrayXd relative = mu.head(wanted).array() / sizes(lambda.head(wanted));
+  return relative * error_bounds(mu, squares.cwiseQuotient(mu), complement_bound - full->shift, wanted,
+                                 enough * options.tolerance / relative.maxCoeff())
+                        .array();
 }
 
 double ReducedModel::Parts::smallest_size() const {
@@ -73,7 +75,7 @@ Eigen::ArrayXd ReducedModel::Parts::sizes(const Eigen::Ref<const Eigen::VectorXd
 
 Eigen::MatrixXd ReducedModel::Parts::sketched_residuals(const TermCoefficients& samples, const BatchModes& found,
                                                         int threads) const {
-  const Eigen::Index modes = found.values.rows(), vectors = basis.cols();
+  const Eigen::Index modes = found.values.rows(), rows = vectors();
   Eigen::MatrixXd result(k_sketch_rows, modes * samples.samples());
   const Eigen::MatrixXd stiffness_terms = flattened(stiffness_sketch);
   const Eigen::MatrixXd mass_terms = flattened(mass_sketch);
@@ -85,9 +87,9 @@ Eigen::MatrixXd ReducedModel::Parts::sketched_residuals(const TermCoefficients& 
       const Eigen::Index s = begin + i;
       const auto y = found.sample_vectors(s);
       const auto residuals = result.middleCols(s * modes, modes);
-      multiply(1.0, elastic.col(std::min(i, elastic.cols() - 1)).reshaped(k_sketch_rows, vectors), false, y, 0.0,
+      multiply(1.0, elastic.col(std::min(i, elastic.cols() - 1)).reshaped(k_sketch_rows, rows), false, y, 0.0,
                residuals);
-      multiply(-1.0, inertial.col(std::min(i, inertial.cols() - 1)).reshaped(k_sketch_rows, vectors), false,
+      multiply(-1.0, inertial.col(std::min(i, inertial.cols() - 1)).reshaped(k_sketch_rows, rows), false,
                y * found.values.col(s).asDiagonal(), 1.0, residuals);
     }
   });
@@ -102,7 +104,7 @@ void ReducedModel::Parts::solve_soft_modes(const TermCoefficients& samples, int 
     return is_solved ? (found.values.col(s).array() <= k_soft * std::abs(full->shift)).count() : 0;
   };
   const Eigen::MatrixXd stiffness_terms = flattened(stiffness), mass_terms = flattened(mass);
-  const Eigen::Index vectors = basis.cols();
+  const Eigen::Index rows = vectors();
   parallel_for(samples.samples(), k_together, threads, [&](std::int64_t begin, std::int64_t end) {
     Eigen::Index most = 0;
     for (Eigen::Index s = begin; s < end; ++s) most = std::max(most, count_soft(s));
@@ -115,7 +117,7 @@ void ReducedModel::Parts::solve_soft_modes(const TermCoefficients& samples, int 
       const Eigen::MatrixXd y = found.sample_vectors(s).leftCols(soft);
       const auto form = [&](const Eigen::MatrixXd& matrices) {
         const Eigen::Index column = std::min<Eigen::Index>(s - begin, matrices.cols() - 1);
-        return transposed_product(y, product(matrices.col(column).reshaped(vectors, vectors), y));
+        return transposed_product(y, product(matrices.col(column).reshaped(rows, rows), y));
       };
       const CholeskyFactor inertial(form(masses));
       const Eigen::MatrixXd half = inertial.solve_lower(form(stiffnesses));
@@ -123,7 +125,7 @@ void ReducedModel::Parts::solve_soft_modes(const TermCoefficients& samples, int 
       Eigen::MatrixXd weights = solver.eigenvectors();
       inertial.solve_upper_in_place(weights);
       found.values.col(s).head(soft) = solver.eigenvalues();
-      found.vectors.col(s).head(vectors * soft) = product(y, weights).reshaped();
+      found.vectors.col(s).head(rows * soft) = product(y, weights).reshaped();
     }
   });
 }
@@ -167,7 +169,7 @@ SketchedModes ReducedModel::Parts::reduced_modes(const TermCoefficients& samples
 ReducedModel::Parts::Solution ReducedModel::Parts::solve(const TermCoefficients& samples, Purpose purpose,
                                                          int threads) const {
   constexpr double k_infinite = std::numeric_limits<double>::infinity();
-  constexpr double k_inside = 0.05, k_inside_training = 0.02;  // of the tolerance
+  constexpr double k_inside = 0.05, k_inside_training = 0.02, k_enough = 0.25;  // of the tolerance
   const bool is_training = purpose == Purpose::training;
   const Eigen::Index modes = solved_modes();
   const Eigen::Index wanted = converged_modes();
@@ -186,8 +188,9 @@ ReducedModel::Parts::Solution ReducedModel::Parts::solve(const TermCoefficients&
         residuals.setZero();
         continue;
       }
-      result.bounds.col(s) = bounds(lambda, sketched_squares(residuals) / ratios(s), complement_bound(s), wanted);
-      residuals *= (k_sketch_rows * ratios(s) * mu).cwiseSqrt().cwiseInverse().asDiagonal();
+      result.bounds.col(s) = bounds(lambda, sketched_squares(residuals) / ratios(s), complement_bound(s), wanted,
+                                    is_training ? 0.0 : k_enough);
+      if (is_training) residuals *= (k_sketch_rows * ratios(s) * mu).cwiseSqrt().cwiseInverse().asDiagonal();
     }
   });
   return result;
@@ -212,20 +215,32 @@ ReducedModel::ReducedModel(const ReducedModel& other) : parts_(std::make_unique<
 ReducedModel::ReducedModel(ReducedModel&&) noexcept = default;
 ReducedModel::~ReducedModel() = default;
 
-CertifiedModes ReducedModel::solve(const TermCoefficients& samples, int threads) const {
-  const Eigen::Index wanted = std::min<Eigen::Index>(parts_->options.modes, parts_->solved_modes());
-  const Eigen::Index vectors = parts_->basis.cols();
+CertifiedModes ReducedModel::Parts::certified(const TermCoefficients& samples, int threads) const {
+  const Eigen::Index wanted = std::min<Eigen::Index>(options.modes, solved_modes());
   CertifiedModes result{Eigen::MatrixXd(wanted, samples.samples()),
-                        Eigen::MatrixXd(vectors * wanted, samples.samples()),
+                        Eigen::MatrixXd(vectors() * wanted, samples.samples()),
                         Eigen::MatrixXd(wanted, samples.samples())};
   for (Eigen::Index first = 0; first < samples.samples(); first += k_batch) {
     const Eigen::Index count = std::min(k_batch, samples.samples() - first);
-    const Parts::Solution part = parts_->solve(samples.range(first, count), Purpose::results, threads);
+    const Solution part = solve(samples.range(first, count), Purpose::results, threads);
     result.values.middleCols(first, count) = part.values.topRows(wanted);
-    result.vectors.middleCols(first, count) = part.vectors.topRows(vectors * wanted);
+    result.vectors.middleCols(first, count) = part.vectors.topRows(vectors() * wanted);
     result.bounds.middleCols(first, count) = part.bounds.topRows(wanted);
   }
   return result;
+}
+
+CertifiedModes ReducedModel::solve(const TermCoefficients& samples, int threads) const {
+  return parts_->certified(samples, threads);
+}
+
+CertifiedModes ReducedModel::solve_leading(const TermCoefficients& samples, int threads) const {
+  require(parts_->leading != nullptr, "the reduced model has no leading directions");
+  return parts_->leading->certified(samples, threads);
+}
+
+const Eigen::MatrixXd& ReducedModel::leading_directions() const {
+  return parts_->leading_directions;
 }
 
 const Eigen::MatrixXd& ReducedModel::basis() const {

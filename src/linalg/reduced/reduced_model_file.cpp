@@ -14,7 +14,7 @@
 namespace mottle::linalg {
 namespace {
 
-constexpr std::string_view k_magic("mottle basis 2\n\0", 16);
+constexpr std::string_view k_magic("mottle basis 3\n\0", 16);
 constexpr std::uint64_t k_byte_order = 0x0102030405060708;
 
 /// In front of the numbers.
@@ -47,10 +47,11 @@ class Writer {
     for (const Item& item : list) (*this)(item);
   }
   void operator()(const ReferencePencil& reference) {
-    const auto& [stiffness, mass, complete_to] = reference;
+    const auto& [stiffness, mass, complete_to, modes] = reference;
     (*this)(stiffness);
     (*this)(mass);
     (*this)(complete_to);
+    (*this)(modes);
   }
 
   /// Everything behind a head that describes it.
@@ -103,10 +104,11 @@ class Reader {
     for (Item& item : list) (*this)(item);
   }
   void operator()(ReferencePencil& reference) {
-    auto& [stiffness, mass, complete_to] = reference;
+    auto& [stiffness, mass, complete_to, modes] = reference;
     (*this)(stiffness);
     (*this)(mass);
     (*this)(complete_to);
+    (*this)(modes);
   }
 
   std::uint64_t left() const { return left_; }
@@ -144,11 +146,12 @@ void visit(Visitor& visitor, Facts& nominal, Parts& parts) {
   visitor(highest_mode);
   visitor(resolution);
   auto& [full, options, basis, pending, stiffness, mass, reference_pencils, reaches_tolerance, reference_modes,
-         stiffness_sketch, mass_sketch, prepared] = parts;
+         stiffness_sketch, mass_sketch, prepared, leading_directions, leading_levels, leading] = parts;
   (void)full;      // made from the inputs
   (void)options;   // an input
   (void)pending;   // nothing once the basis is trained
-  (void)prepared;  // made from the others
+  (void)prepared;  // made from the others, as `leading` is
+  (void)leading;
   visitor(basis);
   visitor(stiffness);
   visitor(mass);
@@ -157,6 +160,8 @@ void visit(Visitor& visitor, Facts& nominal, Parts& parts) {
   visitor(reference_modes);
   visitor(stiffness_sketch);
   visitor(mass_sketch);
+  visitor(leading_directions);
+  visitor(leading_levels);
 }
 
 /// Whether a model of these inputs can have such parts.
@@ -178,11 +183,16 @@ bool fit(const NominalFacts& facts, const Parts& parts, const ReducedModelInputs
     return reference.stiffness.size() == static_cast<Eigen::Index>(stiffness) &&
            reference.mass.size() == static_cast<Eigen::Index>(mass);
   };
+  std::int64_t reference_modes = 0;
+  for (const ReferencePencil& reference : parts.reference_pencils) reference_modes += reference.modes;
   return vectors > 0 && parts.basis.rows() == inputs.stiffness.rows() && is_table(facts.stiffness_bounds, stiffness) &&
          is_table(facts.mass_bounds, mass) && are(parts.stiffness, stiffness, vectors, vectors) &&
          are(parts.mass, mass, vectors, vectors) && are(parts.stiffness_sketch, stiffness, k_sketch_rows, vectors) &&
          are(parts.mass_sketch, mass, k_sketch_rows, vectors) && !parts.reference_pencils.empty() &&
-         std::ranges::all_of(parts.reference_pencils, is_reference) && parts.reference_modes.rows() == vectors;
+         std::ranges::all_of(parts.reference_pencils, is_reference) && parts.reference_modes.rows() == vectors &&
+         parts.reference_modes.cols() == reference_modes &&
+         (parts.leading_directions.size() == 0 || parts.leading_directions.rows() == vectors) &&
+         parts.leading_levels.size() <= static_cast<Eigen::Index>(parts.reference_pencils.size());
 }
 
 void check(const Head& head, const Digest& fingerprint, std::uint64_t file_size) {
@@ -219,6 +229,9 @@ ReducedModelFile::Contents ReducedModelFile::read(const ReducedModelInputs& inpu
   parts->options = inputs.options;
   parts->full =
       std::make_shared<FullPencils>(inputs.terms, inputs.nominal, inputs.stiffness, inputs.mass, std::move(facts));
+  if (const Eigen::MatrixXd directions = parts->leading_directions; directions.size() > 0) {
+    parts->make_leading(directions, Eigen::VectorXd(parts->leading_levels));
+  }
   contents.model.reset(new ReducedModel(std::move(parts)));
   return contents;
 }

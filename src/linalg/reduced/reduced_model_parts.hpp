@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <memory>
 #include <mutex>
 #include <vector>
@@ -31,6 +32,7 @@ enum class Purpose { training, results };
 struct ReferencePencil {
   Eigen::VectorXd stiffness, mass;  ///< coefficients, the constants' first
   double complete_to = 0.0;         ///< lambda up to which the basis holds its modes
+  std::int64_t modes = 0;           ///< number of them
 };
 
 /// Results of the nominal pencil's solution that a file of a trained model keeps.
@@ -125,6 +127,11 @@ struct ReducedModel::Parts {
   std::vector<Eigen::MatrixXd> stiffness_sketch, mass_sketch;  ///< W' K_t V, W' M_t V
   /// For the current basis: replaced with every change of it, shared by copies.
   std::shared_ptr<PreparedModes> prepared = std::make_shared<PreparedModes>();
+  /// Coordinates of the directions that most samples get by with [vector x direction], and the model on them, which has
+  /// no basis of its own; empty and null where they save too little.
+  Eigen::MatrixXd leading_directions;
+  Eigen::VectorXd leading_levels;  ///< up to which these hold the reference pencils' modes
+  std::shared_ptr<const Parts> leading;
 
   /// Ritz values and vectors with guards, their residuals and error bounds.
   struct Solution {
@@ -134,10 +141,12 @@ struct ReducedModel::Parts {
     /// Sketched, over sqrt(sketch rows * ratio * mu) [sketch row x (mode and guards) * sample].
     Eigen::MatrixXd residuals;
   };
+  Eigen::Index vectors() const { return stiffness[0].rows(); }
   /// Number of modes and guards that are solved for, and of the first of them that must converge to the limit.
   Eigen::Index solved_modes() const;
   Eigen::Index converged_modes() const;
   Solution solve(const TermCoefficients& samples, Purpose purpose, int threads) const;
+  CertifiedModes certified(const TermCoefficients& samples, int threads) const;
   const BatchedDavidson& batched_davidson() const;
   /// Lowest modes of the reduced pencils, guards included: of most samples by BatchedDavidson, of the others by
   /// themselves.
@@ -158,8 +167,9 @@ struct ReducedModel::Parts {
   ///
   /// @param lambda   Ritz values [mode and guards]
   /// @param squares  upper estimates of r' A^-1 r over the sample's stiffness ratio [mode and guards]
+  /// @param enough   below this fraction of the tolerance a smaller bound is not sought
   Eigen::VectorXd bounds(const Eigen::Ref<const Eigen::VectorXd>& lambda, const Eigen::VectorXd& squares,
-                         double complement_bound, Eigen::Index wanted) const;
+                         double complement_bound, Eigen::Index wanted, double enough = 0.0) const;
 
   /// Lower bound of lambda for modes orthogonal to the basis, which residuals cannot show: the largest over the
   /// reference pencils (a, b) of
@@ -189,6 +199,13 @@ struct ReducedModel::Parts {
   Eigen::Index orthonormalise_last(Eigen::Index added);
   /// Rotates the basis and drops directions: V <- V q.
   void rotate(const Eigen::MatrixXd& q);
+  /// Orthonormal directions rotated to the nominal modes within their span, the lowest first.
+  Eigen::MatrixXd rotation_to_nominal_modes(const Eigen::MatrixXd& directions) const;
+  /// @param directions  orthonormal, nominal modes within their span [vector x direction]
+  /// @param levels      lambda up to which these hold the modes of each reference pencil
+  void make_leading(const Eigen::MatrixXd& directions, const Eigen::VectorXd& levels);
+  /// Forgets what was made for the basis before it changes.
+  void forget_derived();
   /// basis <- basis pending.
   void apply_pending();
 };

@@ -1,14 +1,14 @@
-// Training of a reduced model: greedy choice of the residuals that enlarge the basis, and its compression at the end.
+// Training of a reduced model: greedy choice of the residuals that enlarge the basis.
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
 
+#include "linalg/reduced/reduced_compression.hpp"
 #include "linalg/reduced/reduced_model_parts.hpp"
 #include "linalg/reduced/training_samples.hpp"
 #include "mottle/core/parallel.hpp"
-#include "mottle/linalg/dense/decompositions.hpp"
 #include "mottle/linalg/dense/products.hpp"
 
 namespace mottle::linalg {
@@ -65,54 +65,6 @@ VectorRows full_residuals(const FullPencils& full, const TermCoefficients& sampl
   add_weighted_products(full.stiffness, weights(samples.stiffness), u, result);
   add_weighted_products(full.mass, weights(samples.mass) * (-values).asDiagonal(), u, result);
   return result;
-}
-
-/// Orthonormal directions of the basis that the training samples need, in its coordinates: the basis grew by what was
-/// missing at the time, and later vectors make earlier ones superfluous. Empty where nearly all are needed.
-Eigen::MatrixXd needed_directions(const ReducedModel::Parts& parts, const TrainingSamples& samples,
-                                  const std::vector<Eigen::Index>& chosen) {
-  constexpr Eigen::Index k_worth = 20;  // at least a twentieth fewer vectors, or the rotation does not pay
-  constexpr double k_neglect = 0.5;     // neglected part of a vector, relative to the largest residual allowed
-  constexpr double k_lost = 0.03;       // neglected part of a reference pencil's mode
-  constexpr double k_exact = 1e-6;      // residuals of which nothing but rounding errors are left
-  const Eigen::Index vectors = parts.basis.cols();
-  const Eigen::Index modes = samples.shortfall.rows();
-  const Eigen::Index columns = modes * static_cast<Eigen::Index>(chosen.size());
-  Eigen::MatrixXd weighted(vectors, columns + parts.reference_modes.cols());
-  weighted.rightCols(parts.reference_modes.cols()) = parts.reference_modes * (k_neglect / k_lost);
-  for (Eigen::Index c = 0; c < columns; ++c) {
-    const Eigen::Index s = chosen[static_cast<std::size_t>(c / modes)];
-    const Eigen::Index k = c % modes;
-    const double lambda = samples.values(k, s), square = std::max(lambda - parts.full->shift, 1e-300);
-    const double least =
-        k_exact * std::sqrt(parts.options.tolerance * std::max(lambda, parts.smallest_size()) / square);
-    const double residual = samples.residuals.col(s * modes + k).norm();
-    const double allowed = std::max(residual / std::max(samples.shortfall(k, s), 1e-3), least);
-    weighted.col(c) = samples.coordinates.col(s * modes + k) / (std::sqrt(square) * allowed);
-  }
-  const Eigen::MatrixXd transposed = weighted.transpose();
-  const SymmetricEigen solver(transposed_product(transposed, transposed));
-  const Eigen::MatrixXd shares = transposed_product(solver.eigenvectors(), weighted).cwiseAbs2();
-  Eigen::RowVectorXd neglected = Eigen::RowVectorXd::Zero(weighted.cols());
-  Eigen::Index dropped = 0;
-  for (; dropped + parts.solved_modes() < vectors; ++dropped) {
-    neglected += shares.row(dropped);
-    if (neglected.maxCoeff() > k_neglect * k_neglect) break;
-  }
-  if (k_worth * dropped <= vectors) return {};
-  return solver.eigenvectors().rightCols(vectors - dropped);
-}
-
-/// Rotates the basis to the needed directions, if there are any, and these to the nominal modes.
-void rotate_basis(ReducedModel::Parts& parts, const Eigen::MatrixXd& needed) {
-  Eigen::MatrixXd nominal = weighted_sum(parts.mass, parts.full->nominal_mass);
-  if (needed.size() > 0) nominal = transposed_product(needed, product(nominal, needed));
-  const Eigen::MatrixXd rotation = nominal_rotation(nominal);
-  if (needed.size() > 0) {
-    parts.rotate(rotation.size() > 0 ? product(needed, rotation) : needed);
-  } else if (rotation.size() > 0) {
-    parts.rotate(rotation);
-  }
 }
 
 /// Progress of the training, which ends it before the most expensive rounds if they cannot reach the tolerance.
@@ -184,7 +136,6 @@ void ReducedModel::train(const TermCoefficients& samples, int threads, const std
   TrainingProgress progress;
   parts.reaches_tolerance = false;
   int last_rounds = 0;
-  Eigen::MatrixXd needed;
   for (int round = 0; round < k_rounds; ++round) {
     if (each) each(parts.basis.cols());
     known.solve(used, threads);
@@ -196,16 +147,15 @@ void ReducedModel::train(const TermCoefficients& samples, int threads, const std
     }
     const bool is_good = is_complete && (known.are_nearly_good() || last_rounds > k_last_rounds);
     parts.reaches_tolerance = is_good || (picks.empty() && room > 0);
-    if (is_good) needed = needed_directions(parts, known, known.fresh(k_compressing_samples, threads));
-    if (is_good || (picks.empty() && is_complete) || room <= 0) break;
+    if (is_good) return compress(parts, known, known.fresh(k_compressing_samples, threads));
+    if ((picks.empty() && is_complete) || room <= 0) break;
     if (progress.is_out_of_reach(parts, known.mean_shortfall())) break;
     // As long as no sample is good, more of them would hardly choose better.
     const bool has_good = used < k_choosing_samples || known.open_samples() < used;
     if (has_good) used = std::min(2 * used, samples.samples());
     if (!picks.empty()) enlarge(parts, samples, known, picks, threads);
   }
-  rotate_basis(parts, needed);
-  parts.apply_pending();
+  parts.rotate(parts.rotation_to_nominal_modes(Eigen::MatrixXd::Identity(parts.vectors(), parts.vectors())));
 }
 
 bool ReducedModel::reaches_tolerance() const {

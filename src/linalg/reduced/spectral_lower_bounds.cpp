@@ -110,6 +110,7 @@ void ReducedModel::Parts::add_reference_pencil(ReferencePencil reference, const 
   reference_modes.conservativeResize(basis.cols(), known + modes.cols());
   reference_modes.rightCols(modes.cols()) = transposed_product(basis, weighed);
   reference_modes.rightCols(modes.cols()).colwise().normalize();
+  reference.modes = modes.cols();
   reference_pencils.push_back(std::move(reference));
 }
 

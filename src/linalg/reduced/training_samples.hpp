@@ -34,6 +34,8 @@ class TrainingSamples {
   TrainingSamples(const ReducedModel::Parts& parts, const TermCoefficients& samples, double target)
       : parts_(parts), samples_(samples), target_(target) {}
 
+  const TermCoefficients& coefficients() const { return samples_; }
+
   /// Solves those of the first `used` samples that are new or have a shortfall above 1.
   void solve(Eigen::Index used, int threads) {
     const Eigen::Index modes = parts_.solved_modes();

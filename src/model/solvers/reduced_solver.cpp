@@ -26,25 +26,23 @@ double processor_seconds() {
 /// The requested results from reduced coordinates.
 class ReducedObservation {
  public:
-  /// @param comparison  null where shapes are not compared
-  ReducedObservation(const SolutionRequest& request, const Eigen::MatrixXd& basis,
-                     std::shared_ptr<const ReducedComparison> comparison)
-      : displacements_(request.observation * basis), comparison_(std::move(comparison)) {}
+  ReducedObservation(const SolutionRequest& request, const TrainedReducedModel& trained, BasisPart part)
+      : displacements_(request.observation * trained.model().basis()),
+        comparison_(request.reference.shapes.cols() > 0 ? trained.comparison_with(request.reference.shapes, part)
+                                                        : nullptr) {
+    if (part == BasisPart::leading) displacements_ = product(displacements_, trained.model().leading_directions());
+  }
 
   Solution of(const Eigen::Ref<const Eigen::VectorXd>& values,
               const Eigen::Ref<const Eigen::MatrixXd>& coordinates) const {
     Solution solution{.eigenvalues = values, .displacements = product(displacements_, coordinates)};
-    if (comparison_ != nullptr) {
-      const Eigen::RowVectorXd squares =
-          coordinates.cwiseProduct(product(comparison_->mass, coordinates)).colwise().sum();
-      solution.cosines = cosines_from(product(comparison_->reference, coordinates), squares);
-    }
+    if (comparison_ != nullptr) solution.cosines = comparison_->cosines(coordinates);
     return solution;
   }
 
  private:
-  Eigen::MatrixXd displacements_;  // rows of the basis V at the observed degrees of freedom
-  std::shared_ptr<const ReducedComparison> comparison_;
+  Eigen::MatrixXd displacements_;                        // rows of the basis V at the observed degrees of freedom
+  std::shared_ptr<const ReducedComparison> comparison_;  // null where shapes are not compared
 };
 
 }  // namespace
@@ -95,7 +93,8 @@ class ReducedSolver::CloudSolution {
   void count_bound(double bound) { use_.frequency_error = std::max(use_.frequency_error, 0.5 * bound); }
 
   Rows solve_with(const TrainedReducedModel& trained, const Rows& rows);
-  Uncertified solve_reduced(const TrainedReducedModel& reduced, const Rows& rows);
+  Uncertified solve_reduced(const TrainedReducedModel& trained, const Rows& rows);
+  Uncertified solve_by(BasisPart part, const TrainedReducedModel& trained, const Rows& rows);
   Rows refine(const TrainedReducedModel& reduced, const Rows& rows);
   void put_together(const TrainedReducedModel& reduced, Eigen::VectorXd& bounds,
                     const std::vector<std::uint8_t>& is_own) const;
@@ -148,20 +147,28 @@ void ReducedSolver::CloudSolution::put_together(const TrainedReducedModel& reduc
                    [&](Eigen::Index i, ByteReader& reader) { return reader.read(bounds(i)); });
 }
 
+/// By the leading directions, where there are any, and what these leave by the whole basis.
 Uncertified ReducedSolver::CloudSolution::solve_reduced(const TrainedReducedModel& trained, const Rows& rows) {
+  use_.basis = std::max<std::int64_t>(use_.basis, trained.model().basis().cols());
+  if (trained.model().leading_directions().size() == 0) return solve_by(BasisPart::whole, trained, rows);
+  const Rows left = solve_by(BasisPart::leading, trained, rows).rows;
+  return left.empty() ? Uncertified{} : solve_by(BasisPart::whole, trained, left);
+}
+
+Uncertified ReducedSolver::CloudSolution::solve_by(BasisPart part, const TrainedReducedModel& trained,
+                                                   const Rows& rows) {
   const ReducedModel& reduced = trained.model();
-  const Eigen::MatrixXd& shapes = request_.reference.shapes;
-  const ReducedObservation observation(request_, reduced.basis(),
-                                       shapes.cols() > 0 ? trained.comparison_with(shapes) : nullptr);
+  const ReducedObservation observation(request_, trained, part);
   const TermCoefficients all = coefficients(rows);
-  const Eigen::Index vectors = reduced.basis().cols();
   Eigen::VectorXd largest(static_cast<Eigen::Index>(rows.size()));
   std::vector<std::uint8_t> is_own(rows.size(), 0);
   // About 10 ms of work, so that a batch keeps tens of threads or ranks busy; whole registers and groups of samples.
   constexpr std::int64_t k_piece = 64;
   shared_for(context_, static_cast<std::int64_t>(rows.size()), k_piece, [&](std::int64_t begin, std::int64_t end) {
     context_.throw_if_stopped();
-    const CertifiedModes found = reduced.solve(all.range(begin, end - begin), 1);
+    const TermCoefficients piece = all.range(begin, end - begin);
+    const CertifiedModes found = part == BasisPart::whole ? reduced.solve(piece, 1) : reduced.solve_leading(piece, 1);
+    const Eigen::Index vectors = found.vectors.rows() / found.values.rows();
     for (Eigen::Index i = begin; i < end; ++i) {
       const Eigen::Index k = i - begin;
       is_own[static_cast<std::size_t>(i)] = 1;
@@ -182,7 +189,6 @@ Uncertified ReducedSolver::CloudSolution::solve_reduced(const TrainedReducedMode
       if (!std::isfinite(largest(i))) ++uncertified.unbounded;
     }
   }
-  use_.basis = std::max<std::int64_t>(use_.basis, vectors);
   return uncertified;
 }
 

@@ -9,6 +9,7 @@
 #include "model/solvers/reduced_model_cache.hpp"
 #include "mottle/core/error.hpp"
 #include "mottle/core/text.hpp"
+#include "mottle/linalg/dense/products.hpp"
 
 namespace mottle::model {
 
@@ -16,21 +17,37 @@ TermCoefficients coefficients_at(const SparseStructure& structure, const Eigen::
   return term_coefficients(structure.stiffness_terms(), structure.mass_terms(), samples);
 }
 
-ReducedComparison::ReducedComparison(const ExactSolver& exact, Eigen::MatrixXd reference_shapes,
-                                     const Eigen::MatrixXd& basis)
-    : shapes(std::move(reference_shapes)) {
-  const Eigen::MatrixXd weighed = symmetric_product(exact.reference_mass(), basis);
-  reference = shapes.transpose() * weighed;
-  mass = basis.transpose() * weighed;
+ReducedComparison::ReducedComparison(const Eigen::MatrixXd& reference_products, Eigen::MatrixXd masses_between)
+    : modes(reference_products.rows()),
+      reference(padded_rows(reference_products.transpose())),
+      mass(std::move(masses_between)),
+      masses(mass.diagonal()) {
+  if (is_nearly_diagonal(mass)) mass.resize(0, 0);  // the basis is of modes of a pencil with this mass
 }
 
-std::shared_ptr<const ReducedComparison> TrainedReducedModel::comparison_with(
-    const Eigen::MatrixXd& reference_shapes) const {
+Eigen::MatrixXd ReducedComparison::cosines(const Eigen::Ref<const Eigen::MatrixXd>& coordinates) const {
+  const VectorRows products = transposed_product_by_rows(coordinates, reference);
+  const Eigen::RowVectorXd squares =
+      mass.size() > 0 ? Eigen::RowVectorXd(coordinates.cwiseProduct(product(mass, coordinates)).colwise().sum())
+                      : Eigen::RowVectorXd(masses.transpose() * coordinates.cwiseAbs2());
+  return cosines_from(products.leftCols(modes).transpose(), squares);
+}
+
+std::shared_ptr<const ReducedComparison> TrainedReducedModel::comparison_with(const Eigen::MatrixXd& reference_shapes,
+                                                                              BasisPart part) const {
   const std::lock_guard lock(mutex_);
-  const bool is_known = comparison_ != nullptr && comparison_->shapes.cols() == reference_shapes.cols() &&
-                        comparison_->shapes == reference_shapes;
-  if (!is_known) comparison_ = std::make_shared<ReducedComparison>(exact_, reference_shapes, model_->basis());
-  return comparison_;
+  if (whole_ == nullptr || shapes_.cols() != reference_shapes.cols() || shapes_ != reference_shapes) {
+    const Eigen::MatrixXd weighed = symmetric_product(exact_.reference_mass(), model_->basis());
+    const Eigen::MatrixXd products = reference_shapes.transpose() * weighed;
+    const Eigen::MatrixXd masses = model_->basis().transpose() * weighed, &leading = model_->leading_directions();
+    shapes_ = reference_shapes;
+    whole_ = std::make_shared<ReducedComparison>(products, masses);
+    if (leading.size() > 0) {
+      leading_ = std::make_shared<ReducedComparison>(product(products, leading),
+                                                     transposed_product(leading, product(masses, leading)));
+    }
+  }
+  return part == BasisPart::whole ? whole_ : leading_;
 }
 
 Digest TrainedReducedModel::digest() const {

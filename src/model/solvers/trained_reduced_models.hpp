@@ -12,13 +12,20 @@
 
 namespace mottle::model {
 
+/// A reduced model has two bases: all of its directions, and the leading ones.
+enum class BasisPart { whole, leading };
+
 /// What comparisons with the reference's shapes need of a basis V: Phi_ref' M V and V' M V.
 struct ReducedComparison {
-  ReducedComparison(const ExactSolver& exact, Eigen::MatrixXd reference_shapes, const Eigen::MatrixXd& basis);
+  ReducedComparison(const Eigen::MatrixXd& reference_products, Eigen::MatrixXd masses_between);
 
-  Eigen::MatrixXd shapes;     ///< Phi_ref [equation x mode]
-  Eigen::MatrixXd reference;  ///< [mode x vector]
-  Eigen::MatrixXd mass;       ///< [vector x vector]
+  /// Cosines between Phi_ref and V y of each column y of coordinates [mode x column].
+  Eigen::MatrixXd cosines(const Eigen::Ref<const Eigen::MatrixXd>& coordinates) const;
+
+  Eigen::Index modes;
+  VectorRows reference;    ///< V' M Phi_ref [vector x padded mode]
+  Eigen::MatrixXd mass;    ///< [vector x vector], empty where only its diagonal is not negligible
+  Eigen::VectorXd masses;  ///< diagonal of V'MV
 };
 
 /// A trained model with what is computed once for its basis.
@@ -28,16 +35,19 @@ class TrainedReducedModel {
       : exact_(exact), model_(std::move(model)) {}
 
   const ReducedModel& model() const { return *model_; }
-  std::shared_ptr<const ReducedComparison> comparison_with(const Eigen::MatrixXd& reference_shapes) const;
+  /// @param reference_shapes  Phi_ref [equation x mode]
+  std::shared_ptr<const ReducedComparison> comparison_with(const Eigen::MatrixXd& reference_shapes,
+                                                           BasisPart part) const;
   /// Of its basis.
   Digest digest() const;
 
  private:
   const ExactSolver& exact_;
   std::shared_ptr<const ReducedModel> model_;
-  mutable std::mutex mutex_;  // of the next two
+  mutable std::mutex mutex_;  // of the following
   mutable std::optional<Digest> digest_;
-  mutable std::shared_ptr<const ReducedComparison> comparison_;
+  mutable Eigen::MatrixXd shapes_;  // of the last comparison
+  mutable std::shared_ptr<const ReducedComparison> whole_, leading_;
 };
 
 /// Models are trained when a batch first needs them, for one number of modes at a time. They depend on the structure,

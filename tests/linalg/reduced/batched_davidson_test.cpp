@@ -214,7 +214,7 @@ TEST_P(NearbyModesTest, ASampleHasTheSameBitsWhateverItsNeighboursAndTheThreads)
 
 TEST(BatchedDavidson, IsNoUseWherePencilsAreHardlyLargerThanTheBlock) {
   std::mt19937_64 random(5);
-  const Family family(50, 3, false, true, random);
+  const Family family(30, 3, false, true, random);
   const BatchedDavidson solver = family.solver(SimdLevel::automatic);
   EXPECT_FALSE(solver.is_useful());
   const TermCoefficients samples = coefficients(family, 5, 0.1, random);

@@ -109,6 +109,17 @@ TEST(ErrorBounds, EqualEigenvaluesNeedNoGapBetweenEachOther) {
   EXPECT_LT(bounds.maxCoeff(), 6e-6);  // of three at once over a gap of 0.6
 }
 
+TEST(ErrorBounds, WhatIsEnoughIsNotSoughtSmaller) {
+  const VectorXd values = (VectorXd(5) << 1.0, 1.9, 2.0, 2.1, 5.0).finished();
+  const VectorXd squares = VectorXd::Constant(5, 1e-6);
+  const VectorXd least = error_bounds(values, squares, k_unseen, 4);
+  const VectorXd first = error_bounds(values, squares, k_unseen, 4, 1.0);
+  EXPECT_LT(least(1), 0.5 * first(1));
+  EXPECT_LE(first(1), 1.1 * 1e-6 / (1.0 - 1.9 / 2.0));  // Kato and Temple's, with the next mode's own error
+  const VectorXd some = error_bounds(values, squares, k_unseen, 4, 1e-9);
+  EXPECT_EQ(some, least);
+}
+
 TEST(ErrorBounds, ClaimNothingWhereTheNextModeIsAsLow) {
   const VectorXd values = (VectorXd(3) << 1.0, 2.0, 2.0).finished();
   const VectorXd bounds = error_bounds(values, VectorXd::Constant(3, 1e-6), k_unseen, 2);

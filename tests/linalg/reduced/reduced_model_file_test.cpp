@@ -37,6 +37,11 @@ void expect_same_answers(const ReducedModel& a, const ReducedModel& b) {
   EXPECT_TRUE(have_same_bits(first.values, second.values));
   EXPECT_TRUE(have_same_bits(first.vectors, second.vectors));
   EXPECT_TRUE(have_same_bits(first.bounds, second.bounds));
+  EXPECT_TRUE(have_same_bits(a.leading_directions(), b.leading_directions()));
+  if (a.leading_directions().size() == 0) return;
+  const CertifiedModes leading = a.solve_leading(samples, 1), other = b.solve_leading(samples, 1);
+  EXPECT_TRUE(have_same_bits(leading.vectors, other.vectors));
+  EXPECT_TRUE(have_same_bits(leading.bounds, other.bounds));
 }
 
 /// A file of a trained chain, and what becomes of reading it.

@@ -28,9 +28,8 @@ struct Audit {
   double largest_error = 0.0;  ///< among samples that are within the tolerance
 };
 
-Audit audit(const Family& family, const ReducedModel& model, const TermCoefficients& samples, int modes,
+Audit audit(const Family& family, const CertifiedModes& found, const TermCoefficients& samples, int modes,
             double tolerance) {
-  const CertifiedModes found = model.solve(samples, 1);
   Audit result;
   for (Index s = 0; s < samples.samples(); ++s) {
     const VectorXd exact = exact_modes(family, samples, s, modes).values;
@@ -48,6 +47,11 @@ Audit audit(const Family& family, const ReducedModel& model, const TermCoefficie
     }
   }
   return result;
+}
+
+Audit audit(const Family& family, const ReducedModel& model, const TermCoefficients& samples, int modes,
+            double tolerance) {
+  return audit(family, model.solve(samples, 1), samples, modes, tolerance);
 }
 
 struct Case {
@@ -126,6 +130,45 @@ TEST(ReducedModel, ShapesAreThoseOfTheFullModel) {
       EXPECT_NEAR(std::abs(shape.dot(exact.col(k))), 1.0, 1e-4) << s << ", " << k;
     }
   }
+}
+
+TEST(ReducedModel, BoundsOfTheLeadingDirectionsHoldAndMostAreWithinTheTolerance) {
+  constexpr int k_modes = 16;
+  constexpr int k_samples = 12;
+  constexpr double k_variation = 0.1;
+  for (const GridOptions& options :
+       {GridOptions{.length = 24, .width = 16}, GridOptions{.length = 24, .width = 16, .patches = 8, .is_free = true},
+        GridOptions{.length = 24, .width = 16, .moves_mass = true},
+        GridOptions{.length = 24, .width = 16, .is_free = true, .moves_mass = true}}) {
+    const Family family = grid(options);
+    const ReducedModel model = trained(family, {.modes = k_modes}, k_variation);
+    EXPECT_GT(model.leading_directions().cols(), k_modes) << model.basis().cols();
+    EXPECT_LT(model.leading_directions().cols(), model.basis().cols());
+    if (model.leading_directions().size() == 0) continue;
+    for (const auto& [variation, seed] : {std::pair(k_variation, 2U), std::pair(0.8, 3U)}) {
+      const TermCoefficients samples = family.lognormal(k_samples, variation, seed);
+      const Audit seen = audit(family, model.solve_leading(samples, 1), samples, k_modes, 2e-4);
+      EXPECT_EQ(seen.violations, 0) << "of " << seen.pairs;
+      EXPECT_LE(seen.largest_error, 2e-4);
+      EXPECT_TRUE(variation != k_variation || seen.sure >= k_samples / 2) << seen.sure;
+    }
+  }
+}
+
+TEST(ReducedModel, LeadingDirectionsAreNominalModesOfTheirSpan) {
+  const Family family = grid({});
+  const ReducedModel model = trained(family, {.modes = 8}, 0.3);
+  const MatrixXd directions = model.basis() * model.leading_directions();
+  ASSERT_GT(directions.cols(), 8);
+  const TermCoefficients nominal = family.constant(1, 1.0);
+  const CertifiedModes found = model.solve_leading(nominal, 1), whole = model.solve(nominal, 1);
+  const Eigen::Map<const MatrixXd> coordinates(found.vectors.data(), directions.cols(), 8);
+  MatrixXd beside = coordinates;
+  for (Index k = 0; k < 8; ++k) {
+    EXPECT_NEAR(found.values(k, 0) / whole.values(k, 0), 1.0, 1e-5);
+    beside(k, k) = 0.0;
+  }
+  EXPECT_LT(beside.cwiseAbs().maxCoeff(), 1e-3 * coordinates.cwiseAbs().maxCoeff());
 }
 
 TEST(ReducedModel, MoreTrainingTightensWhereItWasUnsure) {

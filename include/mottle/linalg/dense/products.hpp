@@ -23,4 +23,17 @@ VectorRows product_by_rows(const Eigen::Ref<const Eigen::MatrixXd>& a, const Eig
 Eigen::MatrixXd transposed_product(const Eigen::Ref<const Eigen::MatrixXd>& a,
                                    const Eigen::Ref<const Eigen::MatrixXd>& b);
 
+/// A matrix by rows, with columns of zeros up to the next width that transposed_product_by_rows takes.
+VectorRows padded_rows(const Eigen::Ref<const Eigen::MatrixXd>& a);
+
+/// A' B of a small A [column of A x column of B]: for sizes of which a BLAS spends most of its time on preparations. A
+/// row's bits do not depend on the other columns of A.
+///
+/// @param b  padded
+VectorRows transposed_product_by_rows(const Eigen::Ref<const Eigen::MatrixXd>& a, const VectorRows& b);
+
+/// Whether |a_ij| <= 1e-11 sqrt(a_ii a_jj) beside the diagonal of a symmetric matrix: y'Ay is that of the diagonal but
+/// for rounding.
+bool is_nearly_diagonal(const Eigen::Ref<const Eigen::MatrixXd>& a);
+
 }  // namespace mottle::linalg

@@ -99,6 +99,14 @@ class ReducedModel {
   /// Lowest modes of every sample with their error bounds.
   CertifiedModes solve(const TermCoefficients& samples, int threads) const;
 
+  /// Directions of the basis, the nominal modes within their span, that most training samples get by with: coordinates
+  /// [vector x direction]. Empty where they would save too little.
+  const Eigen::MatrixXd& leading_directions() const;
+
+  /// As solve(), by these directions alone: vectors hold coordinates along them. Cheaper, with larger bounds; samples
+  /// whose bounds are above the tolerance are left to solve().
+  CertifiedModes solve_leading(const TermCoefficients& samples, int threads) const;
+
   /// Lowest modes of samples whose bounds from solve() are above the tolerance, in all equations.
   ///
   /// Begins with the reduced model's modes and adds A^-1 r of their residuals r, with Rayleigh-Ritz on all vectors so
