@@ -111,8 +111,9 @@ Leading best_leading(const ReducedModel::Parts& parts, const TrainingSamples& sa
   constexpr double k_missed = 3.0;    // neglected squared part that tells best which samples exceed the tolerance
   constexpr Eigen::Index k_tile = simd_kernels::k_tile;
   const auto cost = [](Eigen::Index count) {
-    const auto order = static_cast<double>((count + k_tile - 1) / k_tile * k_tile);
-    return order * (order + k_linear);
+    const Eigen::Index order = (count + k_tile - 1) / k_tile * k_tile;
+    const auto size = static_cast<double>(order);
+    return size * (size + k_linear);
   };
   const auto count = static_cast<Eigen::Index>(chosen.size()), modes = samples.shortfall.rows();
   const Eigen::MatrixXd directions = principal_directions(weighted);
