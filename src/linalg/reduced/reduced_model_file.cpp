@@ -152,6 +152,8 @@ void visit(Visitor& visitor, Facts& nominal, Parts& parts) {
   (void)pending;   // nothing once the basis is trained
   (void)prepared;  // made from the others, as `leading` is
   (void)leading;
+  visitor(leading_directions);
+  visitor(leading_levels);  // may be empty, and the last of a file may not: see Reader::count
   visitor(basis);
   visitor(stiffness);
   visitor(mass);
@@ -160,8 +162,6 @@ void visit(Visitor& visitor, Facts& nominal, Parts& parts) {
   visitor(reference_modes);
   visitor(stiffness_sketch);
   visitor(mass_sketch);
-  visitor(leading_directions);
-  visitor(leading_levels);
 }
 
 /// Whether a model of these inputs can have such parts.
