@@ -3,15 +3,13 @@
 
 #include <Eigen/Core>
 
+#include "mottle/linalg/dense/products.hpp"
 #include "mottle/linalg/sparse/symmetric_factor.hpp"
 
 namespace mottle::linalg {
 
 /// The number of vectors that products work on: some of zeros fill up a multiple of 8.
 Eigen::Index padded_width(Eigen::Index vectors);
-
-/// Vectors row by row, with their padding.
-VectorRows to_rows(const Eigen::Ref<const Eigen::MatrixXd>& vectors);
 
 /// The first `count` of vectors that lie row by row, side by side.
 Eigen::MatrixXd to_columns(const VectorRows& rows, Eigen::Index count);

@@ -109,12 +109,6 @@ Eigen::MatrixXd transposed_product(const Eigen::Ref<const Eigen::MatrixXd>& a,
   return product;
 }
 
-VectorRows padded_rows(const Eigen::Ref<const Eigen::MatrixXd>& a) {
-  VectorRows rows = VectorRows::Zero(a.rows(), padded_width(a.cols()));
-  rows.leftCols(a.cols()) = a;
-  return rows;
-}
-
 VectorRows transposed_product_by_rows(const Eigen::Ref<const Eigen::MatrixXd>& a, const VectorRows& b) {
   assert(a.rows() == b.rows() && b.cols() == padded_width(b.cols()));
   VectorRows result = VectorRows::Zero(a.cols(), b.cols());

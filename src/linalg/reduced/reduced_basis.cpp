@@ -7,6 +7,25 @@
 #include "mottle/linalg/dense/products.hpp"
 
 namespace mottle::linalg {
+namespace {
+
+/// q'Tq of symmetric terms.
+std::vector<Eigen::MatrixXd> projections(const std::vector<Eigen::MatrixXd>& terms, const Eigen::MatrixXd& q) {
+  std::vector<Eigen::MatrixXd> result;
+  for (const Eigen::MatrixXd& term : terms) {
+    const Eigen::MatrixXd projected = transposed_product(q, product(term, q));
+    result.emplace_back(0.5 * (projected + projected.transpose()));
+  }
+  return result;
+}
+
+std::vector<Eigen::MatrixXd> products(const std::vector<Eigen::MatrixXd>& sketches, const Eigen::MatrixXd& q) {
+  std::vector<Eigen::MatrixXd> result;
+  for (const Eigen::MatrixXd& sketch : sketches) result.push_back(product(sketch, q));
+  return result;
+}
+
+}  // namespace
 
 Eigen::MatrixXd orthonormal_combinations(const Eigen::MatrixXd& gram, const Eigen::VectorXd& before) {
   constexpr double k_min = 1e-10;
@@ -19,15 +38,20 @@ Eigen::MatrixXd orthonormal_combinations(const Eigen::MatrixXd& gram, const Eige
          parts.tail(kept).cwiseSqrt().cwiseInverse().asDiagonal();
 }
 
+std::vector<ReferencePencil> with_levels(std::vector<ReferencePencil> pencils, const Eigen::VectorXd& levels) {
+  for (std::size_t f = 0; f < pencils.size(); ++f) pencils[f].complete_to = levels(static_cast<Eigen::Index>(f));
+  return pencils;
+}
+
 void ReducedModel::Parts::forget_derived() {
   prepared = std::make_shared<PreparedModes>();
   leading_directions.resize(0, 0);
+  leading_levels.resize(0);
   leading.reset();
 }
 
 VectorRows ReducedModel::Parts::shapes(const Eigen::MatrixXd& coordinates) const {
-  Eigen::MatrixXd padded = Eigen::MatrixXd::Zero(coordinates.rows(), padded_width(coordinates.cols()));
-  padded.leftCols(coordinates.cols()) = coordinates;
+  const Eigen::MatrixXd padded = to_rows(coordinates);
   return product_by_rows(basis, pending.size() > 0 ? product(pending, padded) : padded);
 }
 
@@ -135,15 +159,30 @@ void ReducedModel::Parts::rotate(const Eigen::MatrixXd& q) {
   pending = pending.size() > 0 ? product(pending, q) : q;
   apply_pending();
   reference_modes = transposed_product(q, reference_modes);
-  for (auto* terms : {&stiffness, &mass}) {
-    for (Eigen::MatrixXd& term : *terms) {
-      const Eigen::MatrixXd rotated = transposed_product(q, product(term, q));
-      term = 0.5 * (rotated + rotated.transpose());
-    }
-  }
-  for (auto* terms : {&stiffness_sketch, &mass_sketch}) {
-    for (Eigen::MatrixXd& term : *terms) term = product(term, q);
-  }
+  stiffness = projections(stiffness, q);
+  mass = projections(mass, q);
+  stiffness_sketch = products(stiffness_sketch, q);
+  mass_sketch = products(mass_sketch, q);
+}
+
+Eigen::MatrixXd ReducedModel::Parts::rotation_to_nominal_modes(const Eigen::MatrixXd& directions) const {
+  const Eigen::MatrixXd nominal = weighted_sum(mass, full->nominal_mass);
+  const Eigen::MatrixXd rotation = nominal_rotation(transposed_product(directions, product(nominal, directions)));
+  return rotation.size() > 0 ? product(directions, rotation) : directions;
+}
+
+void ReducedModel::Parts::make_leading(const Eigen::MatrixXd& directions, const Eigen::VectorXd& levels) {
+  auto model = std::make_shared<Parts>();
+  model->full = full;
+  model->options = options;
+  model->reference_pencils = with_levels(reference_pencils, levels);
+  model->stiffness = projections(stiffness, directions);
+  model->mass = projections(mass, directions);
+  model->stiffness_sketch = products(stiffness_sketch, directions);
+  model->mass_sketch = products(mass_sketch, directions);
+  leading_directions = directions;
+  leading_levels = levels;
+  leading = std::move(model);
 }
 
 }  // namespace mottle::linalg

@@ -54,16 +54,17 @@ Eigen::MatrixXd needed_directions(const ReducedModel::Parts& parts, const Eigen:
   return directions.rightCols(k_worth * dropped > directions.cols() ? directions.cols() - dropped : directions.cols());
 }
 
-/// The reference pencils with the level up to which the remaining directions hold their modes.
+/// Lambda up to which the remaining directions hold the modes of each reference pencil.
 ///
 /// A vector orthogonal to these has a part of at most d_j along the mode j of which the part d_j is missing, so that
 /// its Rayleigh quotient is at least L / (1 + sum_{j < q} d_j^2 L / mu_j), L = mu_q: the best q is taken.
 ///
 /// @param lost  d_j^2, of A-length [reference mode]
-std::vector<ReferencePencil> pencils_without(const ReducedModel::Parts& parts, const Eigen::RowVectorXd& lost) {
-  std::vector<ReferencePencil> pencils = parts.reference_pencils;
+Eigen::VectorXd levels_without(const ReducedModel::Parts& parts, const Eigen::RowVectorXd& lost) {
+  Eigen::VectorXd levels(static_cast<Eigen::Index>(parts.reference_pencils.size()));
   Eigen::Index first = 0;
-  for (ReferencePencil& pencil : pencils) {
+  for (Eigen::Index f = 0; f < levels.size(); ++f) {
+    const ReferencePencil& pencil = parts.reference_pencils[static_cast<std::size_t>(f)];
     const Eigen::MatrixXd modes = parts.reference_modes.middleCols(first, pencil.modes);
     const auto squares = [&](const std::vector<Eigen::MatrixXd>& terms, const Eigen::VectorXd& coefficients) {
       return modes.cwiseProduct(product(weighted_sum(terms, coefficients), modes)).colwise().sum().eval();
@@ -77,30 +78,30 @@ std::vector<ReferencePencil> pencils_without(const ReducedModel::Parts& parts, c
       level = std::max(level, mu / (1.0 + mu * sum));
       sum += largest * lost(first + q) / shifted(q) * inertial(q) / shifted(q);
     }
-    pencil.complete_to = std::min(pencil.complete_to, level + parts.full->shift);
+    levels(f) = std::min(pencil.complete_to, level + parts.full->shift);
     first += pencil.modes;
   }
-  return pencils;
+  return levels;
 }
 
-/// Chosen samples whose modes are below the bound of the complement by these pencils, with a margin.
+/// Chosen samples whose modes are below the bound of the complement at these levels, with a margin.
 Eigen::Array<bool, Eigen::Dynamic, 1> are_below(const ReducedModel::Parts& parts, const TrainingSamples& samples,
                                                 const std::vector<Eigen::Index>& chosen,
-                                                std::vector<ReferencePencil> pencils) {
+                                                const Eigen::VectorXd& levels) {
   constexpr double k_margin = 1.1;
   ReducedModel::Parts bounding;
   bounding.full = parts.full;
-  bounding.reference_pencils = std::move(pencils);
+  bounding.reference_pencils = with_levels(parts.reference_pencils, levels);
   const TermCoefficients& all = samples.coefficients();
-  const Eigen::VectorXd levels =
+  const Eigen::VectorXd bounds =
       bounding.complement_bounds({all.stiffness(Eigen::all, chosen), all.mass(Eigen::all, chosen)});
-  return k_margin * samples.values.row(parts.converged_modes() - 1)(chosen).transpose().array() < levels.array();
+  return k_margin * samples.values.row(parts.converged_modes() - 1)(chosen).transpose().array() < bounds.array();
 }
 
 /// The leading directions with which the mean cost of a sample is least, those that need the whole basis included.
 struct Leading {
   Eigen::MatrixXd directions;  ///< empty where they save too little
-  std::vector<ReferencePencil> pencils;
+  Eigen::VectorXd levels;      ///< see levels_without
 };
 
 /// @param whole  number of vectors of the whole basis
@@ -126,13 +127,13 @@ Leading best_leading(const ReducedModel::Parts& parts, const TrainingSamples& sa
     const Eigen::Index dropped = directions.cols() - kept;
     const Eigen::ArrayXd neglected =
         shares.topRows(dropped).colwise().sum().reshaped(modes, count).colwise().maxCoeff();
-    std::vector<ReferencePencil> pencils = pencils_without(parts, lost.topRows(dropped).colwise().sum());
-    const auto good = ((neglected <= k_missed) && are_below(parts, samples, chosen, pencils)).count();
+    const Eigen::VectorXd levels = levels_without(parts, lost.topRows(dropped).colwise().sum());
+    const auto good = ((neglected <= k_missed) && are_below(parts, samples, chosen, levels)).count();
     const double others = 1.0 - static_cast<double>(good) / static_cast<double>(count);
     const double expected = cost(kept) + others * cost(whole);
     if (expected >= least) continue;
     least = expected;
-    best = {directions.rightCols(kept), std::move(pencils)};
+    best = {directions.rightCols(kept), levels};
   }
   return best;
 }
@@ -141,8 +142,8 @@ Leading best_leading(const ReducedModel::Parts& parts, const TrainingSamples& sa
 
 void compress(ReducedModel::Parts& parts, const TrainingSamples& samples, const std::vector<Eigen::Index>& chosen) {
   const Eigen::MatrixXd weighted = weighted_modes(parts, samples, chosen);
-  constexpr double k_neglect = 0.5,
-                   k_neglect_of_few = 0.2;  // what few samples take may be larger, and spare refinements
+  constexpr double k_neglect = 0.5;
+  constexpr double k_neglect_of_few = 0.2;  // a basis for few samples may be larger, and spare refinements
   Eigen::MatrixXd needed = needed_directions(parts, weighted, k_neglect);
   const Leading leading = best_leading(parts, samples, chosen, weighted, needed.cols());
   if (leading.directions.size() > 0) needed = needed_directions(parts, weighted, k_neglect_of_few);
@@ -150,41 +151,7 @@ void compress(ReducedModel::Parts& parts, const TrainingSamples& samples, const 
   parts.rotate(rotation);
   if (leading.directions.size() == 0) return;
   const Eigen::MatrixXd inside = orthonormal_columns(transposed_product(rotation, leading.directions));
-  Eigen::VectorXd levels(static_cast<Eigen::Index>(leading.pencils.size()));
-  for (Eigen::Index f = 0; f < levels.size(); ++f) levels(f) = leading.pencils[static_cast<std::size_t>(f)].complete_to;
-  parts.make_leading(parts.rotation_to_nominal_modes(inside), levels);
-}
-
-Eigen::MatrixXd ReducedModel::Parts::rotation_to_nominal_modes(const Eigen::MatrixXd& directions) const {
-  const Eigen::MatrixXd nominal = weighted_sum(mass, full->nominal_mass);
-  const Eigen::MatrixXd rotation = nominal_rotation(transposed_product(directions, product(nominal, directions)));
-  return rotation.size() > 0 ? product(directions, rotation) : directions;
-}
-
-void ReducedModel::Parts::make_leading(const Eigen::MatrixXd& directions, const Eigen::VectorXd& levels) {
-  auto model = std::make_shared<Parts>();
-  model->full = full;
-  model->options = options;
-  model->reference_pencils = reference_pencils;
-  for (Eigen::Index f = 0; f < levels.size(); ++f) {
-    model->reference_pencils[static_cast<std::size_t>(f)].complete_to = levels(f);
-  }
-  const auto project = [&](const std::vector<Eigen::MatrixXd>& terms, std::vector<Eigen::MatrixXd>& projected) {
-    for (const Eigen::MatrixXd& term : terms) {
-      const Eigen::MatrixXd own = transposed_product(directions, product(term, directions));
-      projected.emplace_back(0.5 * (own + own.transpose()));
-    }
-  };
-  const auto select = [&](const std::vector<Eigen::MatrixXd>& sketches, std::vector<Eigen::MatrixXd>& selected) {
-    for (const Eigen::MatrixXd& sketch : sketches) selected.push_back(product(sketch, directions));
-  };
-  project(stiffness, model->stiffness);
-  project(mass, model->mass);
-  select(stiffness_sketch, model->stiffness_sketch);
-  select(mass_sketch, model->mass_sketch);
-  leading_directions = directions;
-  leading_levels = levels;
-  leading = std::move(model);
+  parts.make_leading(parts.rotation_to_nominal_modes(inside), leading.levels);
 }
 
 }  // namespace mottle::linalg

@@ -91,7 +91,7 @@ class Reader {
   template <int columns>
   void operator()(Eigen::Matrix<double, Eigen::Dynamic, columns>& matrix) {
     const std::uint64_t rows = count(1);
-    const std::uint64_t width = count(1);
+    const std::uint64_t width = rows == 0 ? size() : count(1);  // nothing may follow what is empty
     const std::uint64_t max_entries = left_ / sizeof(double);
     require(width == 0 || rows <= max_entries / width, "its parts do not fit together");
     require(columns == Eigen::Dynamic || width == 1, "its parts do not fit together");
@@ -115,11 +115,16 @@ class Reader {
   Digest digest() const { return checksum_.digest(); }
 
  private:
-  std::uint64_t count(std::uint64_t min_bytes) {
+  std::uint64_t size() {
     std::int64_t value = 0;
     (*this)(value);
-    require(value >= 0 && static_cast<std::uint64_t>(value) <= left_ / min_bytes, "its parts do not fit together");
+    require(value >= 0, "its parts do not fit together");
     return static_cast<std::uint64_t>(value);
+  }
+  std::uint64_t count(std::uint64_t min_bytes) {
+    const std::uint64_t value = size();
+    require(value <= left_ / min_bytes, "its parts do not fit together");
+    return value;
   }
   void copy(void* destination, std::uint64_t size) {
     require(size <= left_, "it ends too early");
@@ -152,8 +157,6 @@ void visit(Visitor& visitor, Facts& nominal, Parts& parts) {
   (void)pending;   // nothing once the basis is trained
   (void)prepared;  // made from the others, as `leading` is
   (void)leading;
-  visitor(leading_directions);
-  visitor(leading_levels);  // may be empty, and the last of a file may not: see Reader::count
   visitor(basis);
   visitor(stiffness);
   visitor(mass);
@@ -162,6 +165,8 @@ void visit(Visitor& visitor, Facts& nominal, Parts& parts) {
   visitor(reference_modes);
   visitor(stiffness_sketch);
   visitor(mass_sketch);
+  visitor(leading_directions);
+  visitor(leading_levels);
 }
 
 /// Whether a model of these inputs can have such parts.
@@ -192,7 +197,8 @@ bool fit(const NominalFacts& facts, const Parts& parts, const ReducedModelInputs
          std::ranges::all_of(parts.reference_pencils, is_reference) && parts.reference_modes.rows() == vectors &&
          parts.reference_modes.cols() == reference_modes &&
          (parts.leading_directions.size() == 0 || parts.leading_directions.rows() == vectors) &&
-         parts.leading_levels.size() <= static_cast<Eigen::Index>(parts.reference_pencils.size());
+         parts.leading_levels.size() ==
+             (parts.leading_directions.size() > 0 ? static_cast<Eigen::Index>(parts.reference_pencils.size()) : 0);
 }
 
 void check(const Head& head, const Digest& fingerprint, std::uint64_t file_size) {

@@ -35,6 +35,9 @@ struct ReferencePencil {
   std::int64_t modes = 0;           ///< number of them
 };
 
+/// The pencils, each with another level `complete_to`.
+std::vector<ReferencePencil> with_levels(std::vector<ReferencePencil> pencils, const Eigen::VectorXd& levels);
+
 /// Results of the nominal pencil's solution that a file of a trained model keeps.
 struct NominalFacts {
   Eigen::MatrixXd stiffness_bounds;  ///< of K_t against A, see FormBounds [term x (lower, upper)]

@@ -155,7 +155,9 @@ void ReducedModel::train(const TermCoefficients& samples, int threads, const std
     if (has_good) used = std::min(2 * used, samples.samples());
     if (!picks.empty()) enlarge(parts, samples, known, picks, threads);
   }
-  parts.rotate(parts.rotation_to_nominal_modes(Eigen::MatrixXd::Identity(parts.vectors(), parts.vectors())));
+  const Eigen::MatrixXd rotation = nominal_rotation(weighted_sum(parts.mass, parts.full->nominal_mass));
+  if (rotation.size() > 0) parts.rotate(rotation);
+  parts.apply_pending();
 }
 
 bool ReducedModel::reaches_tolerance() const {

@@ -19,7 +19,7 @@ TermCoefficients coefficients_at(const SparseStructure& structure, const Eigen::
 
 ReducedComparison::ReducedComparison(const Eigen::MatrixXd& reference_products, Eigen::MatrixXd masses_between)
     : modes(reference_products.rows()),
-      reference(padded_rows(reference_products.transpose())),
+      reference(to_rows(reference_products.transpose())),
       mass(std::move(masses_between)),
       masses(mass.diagonal()) {
   if (is_nearly_diagonal(mass)) mass.resize(0, 0);  // the basis is of modes of a pencil with this mass

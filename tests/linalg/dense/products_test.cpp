@@ -10,11 +10,11 @@ using Eigen::VectorXd;
 
 TEST(Products, SmallTransposedProductsAreThoseOfEigenAndOfEachColumnAlone) {
   const MatrixXd a = MatrixXd::Random(83, 15), b = MatrixXd::Random(83, 11);
-  const VectorRows found = transposed_product_by_rows(a, padded_rows(b));
+  const VectorRows found = transposed_product_by_rows(a, to_rows(b));
   EXPECT_LT((found.leftCols(11) - a.transpose() * b).cwiseAbs().maxCoeff(), 1e-13);
   EXPECT_EQ(found.rightCols(found.cols() - 11).cwiseAbs().maxCoeff(), 0.0);
   for (Eigen::Index c = 0; c < a.cols(); ++c) {
-    EXPECT_EQ(transposed_product_by_rows(a.col(c), padded_rows(b)), found.row(c)) << c;
+    EXPECT_EQ(transposed_product_by_rows(a.col(c), to_rows(b)), found.row(c)) << c;
   }
 }
 

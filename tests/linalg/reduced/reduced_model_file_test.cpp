@@ -76,6 +76,15 @@ TEST_F(ReducedModelFileTest, GivesBackAModelThatLearnsOnWithTheSameBits) {
   expect_same_answers(read, *model);
 }
 
+TEST_F(ReducedModelFileTest, GivesBackAModelWithoutLeadingDirections) {
+  ASSERT_GT(model->leading_directions().size(), 0);
+  const ReducedModelInputs inputs = chain.inputs();
+  const ReducedModel untrained(inputs.terms, inputs.nominal, inputs.stiffness, inputs.mass, inputs.options);
+  ASSERT_EQ(untrained.leading_directions().size(), 0);
+  file.write(untrained, 0.5);
+  expect_same_answers(*file.read(inputs).model, untrained);
+}
+
 TEST_F(ReducedModelFileTest, CopiesOfAModelFromAFileLearnBothAlike) {  // the second finds the factor of the first
   const ReducedModelFile::Contents contents = file.read(chain.inputs());
   const TermCoefficients far = Chain::samples(60, 0.8, 4);

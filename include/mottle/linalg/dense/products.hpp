@@ -23,8 +23,8 @@ VectorRows product_by_rows(const Eigen::Ref<const Eigen::MatrixXd>& a, const Eig
 Eigen::MatrixXd transposed_product(const Eigen::Ref<const Eigen::MatrixXd>& a,
                                    const Eigen::Ref<const Eigen::MatrixXd>& b);
 
-/// A matrix by rows, with columns of zeros up to the next width that transposed_product_by_rows takes.
-VectorRows padded_rows(const Eigen::Ref<const Eigen::MatrixXd>& a);
+/// A matrix by rows, padded with columns of zeros to the next width that kernels take.
+VectorRows to_rows(const Eigen::Ref<const Eigen::MatrixXd>& vectors);
 
 /// A' B of a small A [column of A x column of B]: for sizes of which a BLAS spends most of its time on preparations. A
 /// row's bits do not depend on the other columns of A.
