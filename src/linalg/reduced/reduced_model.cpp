@@ -18,6 +18,7 @@ namespace {
 
 constexpr Eigen::Index k_batch = 1024;  // samples whose vectors are held at once: few, so that memory is reused
 constexpr Eigen::Index k_grain = 32;
+constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
 
 /// The terms side by side, [entries x term].
 Eigen::MatrixXd flattened(const std::vector<Eigen::MatrixXd>& terms) {
@@ -26,8 +27,18 @@ Eigen::MatrixXd flattened(const std::vector<Eigen::MatrixXd>& terms) {
   return flat;
 }
 
-PencilFamily family_of(const std::vector<Eigen::MatrixXd>& stiffness, const std::vector<Eigen::MatrixXd>& mass) {
-  return {stiffness[0], {stiffness.begin() + 1, stiffness.end()}, mass[0], {mass.begin() + 1, mass.end()}};
+/// The pencils (-M, K - shift M).
+PencilFamily inverse_family(const std::vector<Eigen::MatrixXd>& stiffness, const std::vector<Eigen::MatrixXd>& mass,
+                            double shift) {
+  PencilFamily family{.stiffness_constant = -mass[0],
+                      .stiffness_terms = {},
+                      .mass_constant = stiffness[0] - shift * mass[0],
+                      .mass_terms = {stiffness.begin() + 1, stiffness.end()}};
+  for (std::size_t t = 1; t < mass.size(); ++t) {
+    family.stiffness_terms.emplace_back(-mass[t]);
+    family.mass_terms.emplace_back(-shift * mass[t]);
+  }
+  return family;
 }
 
 /// The terms at some samples [entries x sample]; one column for all where only the constant is there.
@@ -141,6 +152,26 @@ const BatchedDavidson& ReducedModel::Parts::batched_davidson() const {
   return *prepared->modes;
 }
 
+BatchModes ReducedModel::Parts::whole_modes(const TermCoefficients& samples, int threads) const {
+  Eigen::MatrixXd coefficients(samples.stiffness.rows() + samples.mass.rows(), samples.samples());
+  coefficients << samples.stiffness, samples.mass;
+  BatchModes found = solve_batch(inverse_family(stiffness, mass, full->shift), samples.mass, coefficients,
+                                 {.modes = static_cast<int>(solved_modes()), .vectors = true, .threads = threads});
+  for (Eigen::Index s = 0; s < samples.samples(); ++s) {
+    std::uint8_t& failed = found.failed[static_cast<std::size_t>(s)];
+    if (failed == 0 && found.values.col(s).maxCoeff() < 0.0) {
+      const Eigen::RowVectorXd lengths = (-found.values.col(s)).cwiseSqrt().transpose();  // y'My = 1 / (lambda - shift)
+      found.vectors.col(s).reshaped(vectors(), lengths.size()) *= lengths.cwiseInverse().asDiagonal();
+      found.values.col(s) = full->shift - found.values.col(s).cwiseInverse().array();
+    } else {
+      failed = 1;
+      found.values.col(s).setConstant(k_nan);
+      found.vectors.col(s).setConstant(k_nan);
+    }
+  }
+  return found;
+}
+
 SketchedModes ReducedModel::Parts::reduced_modes(const TermCoefficients& samples, const Eigen::VectorXd& ratios,
                                                  double inside, int threads) const {
   const Eigen::Index modes = solved_modes();
@@ -152,8 +183,7 @@ SketchedModes ReducedModel::Parts::reduced_modes(const TermCoefficients& samples
   }
   if (rest.empty()) return result;
   const TermCoefficients others{samples.stiffness(Eigen::all, rest), samples.mass(Eigen::all, rest)};
-  BatchModes found = solve_batch(family_of(stiffness, mass), others.stiffness, others.mass,
-                                 {.modes = static_cast<int>(modes), .vectors = true, .threads = threads});
+  BatchModes found = whole_modes(others, threads);
   solve_soft_modes(others, threads, found);
   const Eigen::MatrixXd residuals = sketched_residuals(others, found, threads);
   for (std::size_t i = 0; i < rest.size(); ++i) {

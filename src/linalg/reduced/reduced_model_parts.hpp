@@ -157,6 +157,9 @@ struct ReducedModel::Parts {
   /// @param inside  squared residual at which the iteration within the basis stops, relative to the tolerance
   SketchedModes reduced_modes(const TermCoefficients& samples, const Eigen::VectorXd& ratios, double inside,
                               int threads) const;
+  /// Modes of the whole reduced pencils, guards included, from the highest eigenvalues of (M, K - shift M): rotations
+  /// without mass make the projected mass nearly singular, and a factor of it would lose the digits of all modes.
+  BatchModes whole_modes(const TermCoefficients& samples, int threads) const;
   /// Rayleigh-Ritz on the modes far below what the basis holds, in its coordinates: in the standard form that the dense
   /// solution takes, rounding errors scale with the highest eigenvalue.
   void solve_soft_modes(const TermCoefficients& samples, int threads, BatchModes& found) const;
