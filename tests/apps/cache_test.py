@@ -72,7 +72,8 @@ class CacheTest(support.CommandTest):
         first, _ = self.propagate("a")
         file, = self.cache().iterdir()
         whole = file.read_bytes()
-        for damaged in (whole[:-1], whole[:1000] + b"!" + whole[1001:], b"", b"mottle basis 2\n"):
+        another_byte = whole[:1000] + bytes([whole[1000] ^ 1]) + whole[1001:]
+        for damaged in (whole[:-1], another_byte, b"", b"mottle basis 2\n"):
             file.write_bytes(damaged)
             again, log = self.propagate("b")
             self.assertIn("is not used and the basis trained anew: it", log)

@@ -214,9 +214,10 @@ void check(const Head& head, const Digest& fingerprint, std::uint64_t file_size)
 ReducedModel::ReducedModel(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
 
 ReducedModelFile::Contents ReducedModelFile::read(const ReducedModelInputs& inputs) const {
+  std::error_code error;
+  require(std::filesystem::is_regular_file(path_, error), "it is no file");  // a pipe would be waited for
   std::ifstream stream(path_, std::ios::binary);
   require(stream.good(), "it cannot be opened");
-  std::error_code error;
   const std::uint64_t size = std::filesystem::file_size(path_, error);
   require(!error && size >= sizeof(Head), "it ends too early");
   Head head;

@@ -1,6 +1,7 @@
 #include "mottle/linalg/reduced/reduced_model_file.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -25,8 +26,8 @@ using test::TemporaryFolder;
 constexpr const char* k_taken = "nothing thrown";
 
 bool have_same_bits(const MatrixXd& a, const MatrixXd& b) {
-  return a.rows() == b.rows() && a.cols() == b.cols() &&
-         std::memcmp(a.data(), b.data(), static_cast<std::size_t>(a.size()) * sizeof(double)) == 0;
+  const auto bytes = static_cast<std::size_t>(a.size()) * sizeof(double);
+  return a.rows() == b.rows() && a.cols() == b.cols() && (bytes == 0 || std::memcmp(a.data(), b.data(), bytes) == 0);
 }
 
 void expect_same_answers(const ReducedModel& a, const ReducedModel& b) {
@@ -151,6 +152,12 @@ TEST_F(ReducedModelFileTest, BelongsToOneFingerprint) {
 TEST_F(ReducedModelFileTest, APlaceThatCannotBeWrittenIsAnError) {
   const ReducedModelFile nowhere(folder / "missing" / "a.basis", fingerprint(chain.inputs()));
   EXPECT_THROW(nowhere.write(*model, 1.0), InvalidInput);
+}
+
+TEST_F(ReducedModelFileTest, APipeInItsPlaceIsNotWaitedFor) {
+  std::filesystem::remove(path);
+  ASSERT_EQ(::mkfifo(path.c_str(), 0600), 0);
+  EXPECT_EQ(refusal(), "it is no file");
 }
 
 TEST_F(ReducedModelFileTest, IsWholeWhileOthersWriteIt) {
