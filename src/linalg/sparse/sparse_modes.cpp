@@ -18,19 +18,25 @@ namespace mottle::linalg {
 namespace {
 
 /// A shift below all modes: a small fraction of the median K_ii / M_ii, which is near the highest eigenvalues. Small
-/// against the lowest elastic modes, large enough that K - s M is definite beyond rounding for a free structure.
+/// against the lowest elastic modes, large enough that K - s M is definite beyond rounding for a free structure. Where
+/// most masses are next to nothing their ratios say nothing of the modes; the mean of M_ii / K_ii does.
 double default_shift(const SparseMatrix& stiffness, const SparseMatrix& mass) {
   constexpr double k_fraction_of_typical = 1e-9;
+  constexpr double k_next_to_nothing = 1e6;  // more than one heavy mass on a small structure makes of it
   const Eigen::VectorXd k = stiffness.diagonal();
   const Eigen::VectorXd m = mass.diagonal();
   std::vector<double> ratios;
+  double sum = 0.0;  // of M_ii / K_ii
   for (Eigen::Index i = 0; i < k.size(); ++i) {
-    if (k(i) > 0.0 && m(i) > 0.0) ratios.push_back(k(i) / m(i));
+    if (!(k(i) > 0.0 && m(i) > 0.0)) continue;
+    ratios.push_back(k(i) / m(i));
+    sum += m(i) / k(i);
   }
   if (ratios.empty()) return -1.0;
   const auto middle = ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2);
   std::nth_element(ratios.begin(), middle, ratios.end());
-  return -k_fraction_of_typical * *middle;
+  const double by_mean = static_cast<double>(ratios.size()) / sum;
+  return -k_fraction_of_typical * (*middle > k_next_to_nothing * by_mean ? by_mean : *middle);
 }
 
 /// View of a matrix's sparsity pattern.

@@ -115,6 +115,36 @@ TEST(SparseModes, MasslessDegreesOfFreedomAreNoModes) {
   EXPECT_TRUE(modes.is_complete());
 }
 
+/// Every tenth mass of a clamped chain is one, the others are `light`.
+SparseModes modes_of_chain(double light) {
+  constexpr int k_size = 300;
+  SparseMatrix stiffness(k_size, k_size), mass(k_size, k_size);
+  for (int i = 0; i < k_size; ++i) {
+    stiffness.insert(i, i) = 2e6;
+    if (i + 1 < k_size) stiffness.insert(i + 1, i) = -1e6;
+    mass.insert(i, i) = i % 10 == 9 ? 1.0 : light;
+  }
+  stiffness.makeCompressed();
+  mass.makeCompressed();
+  return SparseModeSolver().solve(stiffness, mass, {.modes = 6, .counts_below = true});
+}
+
+TEST(SparseModes, MassesNextToNothingAreAsNone) {
+  // Ten springs of 1e6 in series between the masses, and before the first; one behind the last.
+  Eigen::MatrixXd condensed = Eigen::MatrixXd::Zero(30, 30);
+  for (int i = 0; i < 30; ++i) {
+    condensed(i, i) = i < 29 ? 2e5 : 1e5 + 1e6;
+    if (i > 0) condensed(i, i - 1) = condensed(i - 1, i) = -1e5;
+  }
+  const Eigen::VectorXd exact = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(condensed).eigenvalues();
+  for (const double light : {0.0, 1e-25, 1e-20, 1e-17, 1e-15, 1e-13, 1e-12, 1e-11}) {
+    const SparseModes modes = modes_of_chain(light);
+    ASSERT_EQ(modes.failure, "");
+    EXPECT_TRUE(modes.is_complete()) << light;
+    for (int r = 0; r < 6; ++r) EXPECT_NEAR(modes.values(r) / exact(r), 1.0, 1e-10 + 10.0 * light) << light << ", " << r;
+  }
+}
+
 TEST(SparseModes, RootsRepeatedMoreOftenThanTheBlockIsWideAreAllFound) {
   SparseMatrix stiffness = identity(200) * 4.0;
   SparseModeSolver solver;
