@@ -108,11 +108,18 @@ class AnySolverTest(support.CommandTest):
             self.log.unlink()
             self.succeed("update", "study.toml", "--out", method, "--quiet", *chosen)
             self.assertLess(abs(math.log(expected / len(self.runs()))), math.log(2.0), f"{method}: {expected}, {len(self.runs())}")
+            self.assertIn(f"the update would take about {expected} runs", (self.folder / method / "mottle.log").read_text())
 
     def test_check_says_that_a_population_takes_as_many_runs_as_its_sampler_starts_with(self):
         chosen = ("--set", 'update.method="hierarchical"', "--set", "test.repeatability={ \"f*\" = \"0.1 %\" }")
         expected = json.loads(self.succeed("check", "study.toml", "--json", *chosen).out)["expected_runs"]
         self.assertGreaterEqual(expected, 8 * 500 * 6)  # islands, particles, specimens
+        update = subprocess.Popen([support.MOTTLE, "update", "study.toml", "--out", "long", *chosen], cwd=self.folder,
+                                  stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+        warned = next((line for line in update.stderr if "the update would take more than" in line), "")
+        update.terminate()
+        update.communicate()
+        self.assertRegex(warned, r"more than \d+ runs, .*A \[surrogate\] takes 50 or so")
 
     def test_an_update_ends_and_its_repetition_repeats_nothing(self):
         self.succeed("update", "study.toml", "--out", "a", "--quiet")

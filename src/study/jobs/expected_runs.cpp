@@ -83,4 +83,26 @@ ExpectedRuns count_expected_runs(const Study& study, const UpdatePlan& plan, con
   }
 }
 
+std::string expected_runs_text(const ExpectedRuns& expected, double seconds, int max_parallel) {
+  const double all = seconds * static_cast<double>(expected.count) / max_parallel;
+  const std::string time =
+      seconds > 0.0 ? fmt::format(", some {} with {} at a time", duration_text(all), max_parallel) : "";
+  return fmt::format(
+      "of a model that is linear in the parameters the update would take {} {} runs{}; this one may take fewer, or "
+      "up to ten times as many where it is curved or does not fit the tests",
+      expected.is_cut ? "more than" : "about", expected.count, time);
+}
+
+void note_expected_runs(const Study& study, const UpdatePlan& plan, const RunContext& context) {
+  if (!plan.made.program || study.surrogate) return;
+  const ExpectedRuns expected =
+      count_expected_runs(study, plan, {.seed = context.seed, .threads = context.threads, .stop = context.stop});
+  if (expected.count == 0) return;
+  const ProgramRuns& program = *plan.made.program;
+  const std::string text = expected_runs_text(expected, program.seconds_at_means, program.max_parallel);
+  if (!expected.is_cut) return context.note(text);
+  context.warning(text +
+                  ". A [surrogate] takes 50 or so (docs/howto/surrogate.md); stopped now, nothing is lost: --resume");
+}
+
 }  // namespace mottle::study

@@ -4,6 +4,7 @@
 #include "mottle/core/error.hpp"
 #include "mottle/model/journal.hpp"
 #include "mottle/study/results/run_folder.hpp"
+#include "study/jobs/expected_runs.hpp"
 #include "study/jobs/find_could_hide.hpp"
 #include "study/jobs/job_files.hpp"
 #include "study/jobs/study_reach.hpp"
@@ -102,6 +103,7 @@ UpdateOutcome update_by_plan(const Study& study, UpdatePlan given_plan, double s
   if (study.surrogate) workings->surrogate = std::make_unique<SurrogateUpdate>(*workings->given, *study.surrogate);
   note_ranks(settings, context);
   note_what_is_given(study, plan, context);
+  note_expected_runs(study, plan, context);
   const double ready = steady_seconds();
   outcome.result = files.compute(study, [&] {
     return workings->surrogate ? workings->surrogate->run(*plan.method, context)

@@ -8,6 +8,7 @@
 #include "mottle/study/jobs/check.hpp"
 #include "mottle/study/models/model_source.hpp"
 #include "study/jobs/checked_study.hpp"
+#include "study/jobs/expected_runs.hpp"
 #include "study/jobs/study_reach.hpp"
 #include "study/results/relative_scatter.hpp"
 #include "study/results/result_json.hpp"
@@ -165,17 +166,11 @@ void describe_runs(const CheckOutcome& outcome, const ProgramRuns& program, std:
                    Json& json) {
   const double seconds = outcome.solution_seconds;
   json["run_seconds"] = seconds > 0.0 ? Json(seconds) : Json(nullptr);
-  const auto [runs, is_cut] = outcome.expected_runs;
+  const std::int64_t runs = outcome.expected_runs.count;
   json["expected_runs"] = runs > 0 ? Json(runs) : Json(nullptr);
   if (seconds > 0.0) lines.push_back(fmt::format("one model run took {}", duration_text(seconds)));
   if (runs == 0) return;
-  const double all = seconds * static_cast<double>(runs) / program.max_parallel;
-  const std::string time =
-      seconds > 0.0 ? fmt::format(", some {} with {} at a time", duration_text(all), program.max_parallel) : "";
-  lines.push_back(fmt::format(
-      "of a model that is linear in the parameters the update would take {} {} runs{}; this one may take fewer, or "
-      "up to ten times as many where it is curved or does not fit the tests",
-      is_cut ? "more than" : "about", runs, time));
+  lines.push_back(expected_runs_text(outcome.expected_runs, seconds, program.max_parallel));
   if (outcome.study.update.method != "perturbation") {
     lines.emplace_back(
         "fewer runs: a [surrogate] (50 or so, docs/howto/surrogate.md), or update.method = \"perturbation\"");

@@ -5,7 +5,8 @@ namespace {
 
 std::string reduction_text(const SolverUse& use) {
   return fmt::format(
-      "A reduced model of {} vectors solved {} of {} samples, each frequency within {:.1e} of the full model's.",
+      "A reduced model of {} vectors solved {} of {} samples, each frequency, in ascending order, within {:.1e} of the "
+      "full model's.",
       use.basis, use.reduced, use.reduced + use.exact, use.frequency_error);
 }
 
