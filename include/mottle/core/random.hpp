@@ -38,6 +38,7 @@ enum class StreamPurpose : std::uint32_t {
   abc_proposal = 72,
   abc_simulation = 73,
   abc_calibration = 74,
+  abc_model_error = 75,
 };
 
 /// The part of a stream's name that all samples of one draw share.

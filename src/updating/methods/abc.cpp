@@ -138,7 +138,9 @@ void sample_and_describe(const UpdatingProblem& problem, const ScaledParameters&
                         .sensitivity = state.sensitivity,
                         .scatter = MatchedEstimate::Scatter::without_noise},
                        result);
-  note_model_error(problem, "abc", "is drawn anew for every simulated set of tests: intervals include it.", result);
+  note_model_error(problem, "abc",
+                   "is drawn anew for every simulated set of tests and every mean: intervals of means include it.",
+                   result);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include "mottle/core/parallel.hpp"
 #include "mottle/core/subject.hpp"
 #include "mottle/stats/distributions/chi_squared.hpp"
+#include "mottle/stats/distributions/standard_normal.hpp"
 #include "mottle/updating/estimate/sample_estimate.hpp"
 
 namespace mottle::updating {
@@ -113,7 +114,7 @@ Eigen::VectorXd unbiased_deviations(const PopulationCoordinates& coordinates, co
 void calibrate(const AbcSampler& sampler, const AbcSummary& summary, const SimulationTable& table,
                const Eigen::VectorXd& truth, const AbcOptions& options, SampledPopulations& found) {
   static const std::vector<double> k_fractions{0.5, 0.3, 0.15};
-  const Eigen::MatrixXd& tests = sampler.problem.tests.values;
+  const Eigen::MatrixXd& tests = sampler.tests;
   const SimulatedStudies studies = simulate_studies(sampler, summary, truth, options.calibration_sets);
   const Eigen::VectorXd estimate = summary.nearest(tests);
   std::vector<AcceptedDraws> trials;
@@ -135,6 +136,17 @@ void calibrate(const AbcSampler& sampler, const AbcSummary& summary, const Simul
                                  : studies.distances.cwiseMax(0.0).cwiseSqrt().mean();
 }
 
+/// What the model's error may have moved the mean by, in each draw [draw x parameter].
+Eigen::MatrixXd displacements(const SharedOffset& offset, Eigen::Index draws, std::uint64_t seed) {
+  if (offset.is_none()) return {};
+  Eigen::MatrixXd normal(draws, offset.mean_factor().cols());
+  for (Eigen::Index k = 0; k < draws; ++k) {
+    RandomStream stream({.seed = seed, .purpose = StreamPurpose::abc_model_error}, static_cast<std::uint32_t>(k));
+    for (double& value : normal.row(k)) value = standard_normal_quantile(stream.uniform());
+  }
+  return normal * offset.mean_factor().transpose();
+}
+
 Eigen::VectorXd medians(const AcceptedDraws& draws) {
   return Eigen::VectorXd::NullaryExpr(
       draws.points.cols(), [&](Eigen::Index k) { return weighted_quantile(draws.points.col(k), draws.weights, 0.5); });
@@ -144,12 +156,11 @@ Eigen::VectorXd medians(const AcceptedDraws& draws) {
 
 Eigen::MatrixXd SampledPopulations::stretched(const PopulationCoordinates& coordinates) const {
   Eigen::MatrixXd points = draws.points;
-  for (Eigen::Index k = 0; k < points.cols(); ++k) {
-    points.col(k) = (median(k) + calibration.factor(k) * (points.col(k).array() - median(k)))
-                        .max(coordinates.lower()(k))
-                        .min(coordinates.upper()(k));
-  }
-  return points;
+  for (Eigen::Index k = 0; k < points.cols(); ++k)
+    points.col(k) = median(k) + calibration.factor(k) * (points.col(k).array() - median(k));
+  if (mean_displacement.size() > 0) points.leftCols(mean_displacement.cols()) += mean_displacement;
+  return points.cwiseMax(coordinates.lower().transpose().replicate(points.rows(), 1))
+      .cwiseMin(coordinates.upper().transpose().replicate(points.rows(), 1));
 }
 
 SampledPopulations sample_populations(const UpdatingProblem& problem, const PopulationCoordinates& coordinates,
@@ -161,7 +172,8 @@ SampledPopulations sample_populations(const UpdatingProblem& problem, const Popu
                            nearest,
                            known,
                            context,
-                           TestSimulator(problem, coordinates, *nearest.transport),
+                           nearest.offset.taken_off(problem.tests.values),
+                           TestSimulator(problem, coordinates, nearest),
                            MovingCloud(coordinates, *nearest.transport, k_reference_points, context.seed)};
   SampledPopulations found;
   Eigen::VectorXd centre = known.centre.cwiseMax(coordinates.lower()).cwiseMin(coordinates.upper());
@@ -174,7 +186,7 @@ SampledPopulations sample_populations(const UpdatingProblem& problem, const Popu
     const AbcSummary summary(sampler, centre, number);
     const SimulationTable table = simulate_table(sampler, summary, centre, covariance, count, number);
     require_possible(table);
-    const Eigen::VectorXd observed = summary.of(problem.tests.values);
+    const Eigen::VectorXd observed = summary.of(sampler.tests);
     found.draws = accept_nearest(table, observed, k_early_fraction);
     if (is_last) {
       const Eigen::VectorXd truth = found.draws.mean.cwiseMax(coordinates.lower()).cwiseMin(coordinates.upper());
@@ -185,6 +197,7 @@ SampledPopulations sample_populations(const UpdatingProblem& problem, const Popu
     covariance = found.draws.covariance;
   }
   found.median = medians(found.draws);
+  found.mean_displacement = displacements(nearest.offset, found.draws.points.rows(), context.seed);
   return found;
 }
 

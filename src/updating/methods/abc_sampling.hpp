@@ -23,7 +23,10 @@ struct SampledPopulations {
   double simulated_distance = 0.0;
   double exceeded = 1.0;
 
-  /// Draws stretched about their medians by the factors of the calibration [draw x coordinate].
+  Eigen::MatrixXd mean_displacement;  ///< by the model's error, in each draw; empty: there is none [draw x parameter]
+
+  /// Draws stretched about their medians by the factors of the calibration, displaced by the model's error
+  /// [draw x coordinate].
   Eigen::MatrixXd stretched(const PopulationCoordinates& coordinates) const;
 };
 

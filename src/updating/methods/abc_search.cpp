@@ -58,7 +58,7 @@ NearestPopulation find_nearest_population(const UpdatingProblem& problem, const 
                                           const RunContext& context, UpdatingResult& result) {
   const TestMoments tests = test_moments(problem.tests);
   const auto specimens = static_cast<double>(problem.tests.values.rows());
-  NearestPopulation found{coordinates.start(), nullptr, nullptr, {}};
+  NearestPopulation found{coordinates.start(), nullptr, nullptr, {}, {}};
   Cloud cloud = result.history.front().cloud;
   result.status = UpdatingStatus::max_iterations;
   for (int iteration = 1; iteration <= problem.iterations; ++iteration) {
@@ -68,15 +68,19 @@ NearestPopulation find_nearest_population(const UpdatingProblem& problem, const 
     }
     found.transport = std::make_shared<CloudTransport>(cloud, parameters);
     const MovingCloud moving(coordinates, *found.transport, k_cloud_points, context.seed);
+    const Eigen::MatrixXd slopes = found.transport->sensitivity(coordinates.at(found.coordinates).mean) *
+                                   coordinates.prior_deviations().asDiagonal();
+    found.offset = SharedOffset(problem, slopes, moving.at(found.coordinates));
+    const Eigen::MatrixXd values = found.offset.taken_off(problem.tests.values);
     if (iteration <= k_comparable_from) {
       found.comparison = std::make_shared<SampleComparison>(
           comparison_of(problem, distance, moving.at(found.coordinates), coordinates.at(found.coordinates), context));
     }
     const auto [lower, upper] = limits_around(coordinates, found.coordinates);
-    Eigen::VectorXd next = nearest_population(coordinates, moving, *found.comparison, problem.tests.values,
-                                              found.coordinates, lower, upper, iteration <= k_comparable_from);
+    Eigen::VectorXd next = nearest_population(coordinates, moving, *found.comparison, values, found.coordinates, lower,
+                                              upper, iteration <= k_comparable_from);
     const auto distance_at = [&](const Eigen::VectorXd& at) {
-      return found.comparison->distance(moving.at(at), problem.tests.values);
+      return found.comparison->distance(moving.at(at), values);
     };
     const bool is_as_near = distance_at(found.coordinates) - distance_at(next) <= k_alike / specimens;
     if (iteration > k_comparable_from && is_as_near) next = found.coordinates;

@@ -7,6 +7,7 @@
 #include "mottle/layers.hpp"
 #include "mottle/updating/methods/iteration.hpp"
 #include "updating/methods/distance_fit.hpp"
+#include "updating/methods/shared_offset.hpp"
 
 namespace mottle::updating {
 
@@ -15,6 +16,7 @@ struct NearestPopulation {
   Eigen::VectorXd coordinates;
   std::shared_ptr<const CloudTransport> transport;  ///< of the last cloud
   std::shared_ptr<const SampleComparison> comparison;
+  SharedOffset offset;            ///< taken off the tests before distances
   std::vector<double> distances;  ///< after each iteration; of Wasserstein's distance not the square
 };
 

@@ -123,9 +123,6 @@ Eigen::MatrixXd TestSimulator::simulate(const Eigen::Ref<const Eigen::VectorXd>&
   Eigen::MatrixXd tests =
       transport_.outputs(population, {all.points(rows, Eigen::all), all.residual(rows, Eigen::all)});
   for (Eigen::Index k = 0; k < tests.cols(); ++k) {
-    if (problem_.tests.model_error_std.size() > 0 && problem_.tests.model_error_std(k) > 0.0) {
-      tests.col(k).array() += problem_.tests.model_error_std(k) * standard_normal_quantile(stream.uniform());
-    }
     for (Eigen::Index s = 0; s < tests.rows(); ++s) {
       if (std::isnan(values(s, k))) {
         tests(s, k) = values(s, k);
@@ -134,7 +131,10 @@ Eigen::MatrixXd TestSimulator::simulate(const Eigen::Ref<const Eigen::VectorXd>&
       }
     }
   }
-  return tests;
+  if (offset_.is_none()) return tests;
+  return offset_.displaced(tests, Eigen::VectorXd::NullaryExpr(tests.cols(), [&](Eigen::Index) {
+                             return standard_normal_quantile(stream.uniform());
+                           }));
 }
 
 }  // namespace mottle::updating

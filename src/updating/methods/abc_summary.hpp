@@ -10,12 +10,12 @@
 namespace mottle::updating {
 
 /// Sets of tests as a population gives them: specimens drawn from the points of an evaluated cloud that is carried
-/// there, one model error for all, noise, and the missing entries of the real tests.
+/// there, noise, the missing entries of the real tests, and what one model error for all leaves in those.
 class TestSimulator {
  public:
   TestSimulator(const UpdatingProblem& problem, const PopulationCoordinates& coordinates,
-                const CloudTransport& transport)
-      : problem_(problem), coordinates_(coordinates), transport_(transport) {}
+                const NearestPopulation& nearest)
+      : problem_(problem), coordinates_(coordinates), transport_(*nearest.transport), offset_(nearest.offset) {}
 
   /// @param key, set  name the random stream
   Eigen::MatrixXd simulate(const Eigen::Ref<const Eigen::VectorXd>& coordinates, const StreamKey& key,
@@ -25,6 +25,7 @@ class TestSimulator {
   const UpdatingProblem& problem_;
   const PopulationCoordinates& coordinates_;
   const CloudTransport& transport_;
+  const SharedOffset& offset_;
 };
 
 /// What is known before sampling, by normal theory: where proposals begin, and which share of a parameter's scatter
@@ -42,6 +43,7 @@ struct AbcSampler {
   const NearestPopulation& nearest;
   const RoughKnowledge& known;
   const RunContext& context;
+  Eigen::MatrixXd tests;  ///< as distances see them [specimen x output]
   TestSimulator simulator;
   MovingCloud cloud;
 
