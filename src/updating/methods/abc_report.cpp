@@ -200,7 +200,7 @@ std::string likelihood_note(const AbcFit& fit, const AbcFindings& findings) {
 void add_notes(const AbcFit& fit, const SampledPopulations& sampled, const AbcFindings& findings,
                UpdatingResult& result) {
   constexpr double k_few_effective = 100.0;
-  constexpr Eigen::Index k_few_specimens = 5;
+  constexpr Eigen::Index k_few_specimens = 5;  // of one parameter
   constexpr double k_max_r_hat = 1.1;
   result.notes.emplace_back(
       "Mean, standard deviation and correlation are those of the normal population on the parameters' scales whose "
@@ -224,12 +224,13 @@ void add_notes(const AbcFit& fit, const SampledPopulations& sampled, const AbcFi
         effective, findings.r_hat.maxCoeff()));
   }
   const Eigen::Index specimens = fit.problem.tests.values.rows();
-  if (specimens < k_few_specimens) {
+  const Eigen::Index enough = std::max(k_few_specimens, 2 * (fit.coordinates.parameters() + 1));
+  if (specimens < enough) {
     result.warnings.push_back(fmt::format(
         "Intervals of {} specimens are too narrow, and what simulated studies say of their coverage is too good: these "
         "are made at the estimate, which so few specimens do not determine. Use method = \"hierarchical\", or measure "
         "{} at least.",
-        specimens, k_few_specimens));
+        specimens, enough));
   }
   if (findings.exceeded < fit.problem.level) {
     result.warnings.push_back(fmt::format(

@@ -128,6 +128,27 @@ TEST(Abc, UsesSpecimensWithMissingEntriesByEitherDistance) {
   }
 }
 
+/// Tests that the model's error displaces where no parameter moves the outputs: a cloud would come nearer to them by
+/// growing wider.
+TEST(Abc, TakesNoErrorOfTheModelForScatter) {
+  const Line line(12);
+  const test::LinearModel model(Eigen::Vector3d::Zero(),
+                                (Eigen::Matrix<double, 3, 2>() << 1.0, 0.3, -0.2, 1.0, 0.8, 0.8).finished());
+  UpdatingProblem problem{.model = model,
+                          .space = *line.space,
+                          .tests = {model.evaluate(line.x, {}).outputs, Eigen::Vector3d::Constant(0.05)},
+                          .cloud = {.samples = 400}};
+  const UpdatingResult without = update(problem);
+  problem.tests.model_error_std = Eigen::Vector3d::Constant(1.0);
+  problem.tests.values.col(2).array() += 2.0;  // four standard deviations of the specimens
+  const UpdatingResult with = update(problem);
+  for (Eigen::Index i = 0; i < 2; ++i) {
+    EXPECT_NEAR(with.covariance(i, i) / without.covariance(i, i), 1.0, 0.3) << i;
+    EXPECT_GT(with.intervals->mean(i, 1) - with.intervals->mean(i, 0),
+              2.0 * (without.intervals->mean(i, 1) - without.intervals->mean(i, 0)));
+  }
+}
+
 TEST(Abc, NeedsTwoSpecimens) {
   const Line line(1);
   EXPECT_THROW(update(line.problem()), InvalidInput);
@@ -142,7 +163,8 @@ bool warns(const UpdatingResult& result, const std::string& words) {
 /// deviation in 73, while the simulated studies said 99 %.
 TEST(Abc, WarnsOfIntervalsOfFewSpecimens) {
   EXPECT_TRUE(warns(update(Line(3).problem(), {.simulations = 2000, .calibration_sets = 100}), "3 specimens"));
-  EXPECT_FALSE(warns(update(Line(5).problem(), {.simulations = 2000, .calibration_sets = 100}), "specimens are too"));
+  EXPECT_TRUE(warns(update(Line(5).problem(), {.simulations = 2000, .calibration_sets = 100}), "measure 6 at least"));
+  EXPECT_FALSE(warns(update(Line(6).problem(), {.simulations = 2000, .calibration_sets = 100}), "specimens are too"));
 }
 
 TEST(Abc, SaysNothingOfWidthsWhereNoParameterHasIntervals) {
