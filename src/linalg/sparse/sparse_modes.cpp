@@ -17,26 +17,33 @@
 namespace mottle::linalg {
 namespace {
 
+/// K_ii / M_ii of the equations that have mass: without those far above the others that have next to nothing of all
+/// mass.
+std::vector<double> ratios_with_mass(const SparseMatrix& stiffness, const SparseMatrix& mass) {
+  constexpr double k_far = 1e6;               // above n / sum(M_ii / K_ii)
+  constexpr double k_next_to_nothing = 1e-9;  // of all mass; more than a structure has beside a heavy base
+  const Eigen::ArrayXd k = stiffness.diagonal();
+  const Eigen::ArrayXd m = mass.diagonal();
+  const Eigen::Array<bool, Eigen::Dynamic, 1> has_both = k > 0.0 && m > 0.0;
+  const double typical = static_cast<double>(has_both.count()) / has_both.select(m / k, 0.0).sum();
+  const Eigen::Array<bool, Eigen::Dynamic, 1> is_far = has_both && k / m > k_far * typical;
+  const bool leaves_out = is_far.select(m, 0.0).sum() < k_next_to_nothing * has_both.select(m, 0.0).sum();
+  std::vector<double> ratios;
+  for (Eigen::Index i = 0; i < k.size(); ++i) {
+    if (has_both(i) && !(leaves_out && is_far(i))) ratios.push_back(k(i) / m(i));
+  }
+  return ratios;
+}
+
 /// A shift below all modes: a small fraction of the median K_ii / M_ii, which is near the highest eigenvalues. Small
-/// against the lowest elastic modes, large enough that K - s M is definite beyond rounding for a free structure. Where
-/// most masses are next to nothing their ratios say nothing of the modes; the mean of M_ii / K_ii does.
+/// against the lowest elastic modes, large enough that K - s M is definite beyond rounding for a free structure.
 double default_shift(const SparseMatrix& stiffness, const SparseMatrix& mass) {
   constexpr double k_fraction_of_typical = 1e-9;
-  constexpr double k_next_to_nothing = 1e6;  // more than one heavy mass on a small structure makes of it
-  const Eigen::VectorXd k = stiffness.diagonal();
-  const Eigen::VectorXd m = mass.diagonal();
-  std::vector<double> ratios;
-  double sum = 0.0;  // of M_ii / K_ii
-  for (Eigen::Index i = 0; i < k.size(); ++i) {
-    if (!(k(i) > 0.0 && m(i) > 0.0)) continue;
-    ratios.push_back(k(i) / m(i));
-    sum += m(i) / k(i);
-  }
+  std::vector<double> ratios = ratios_with_mass(stiffness, mass);
   if (ratios.empty()) return -1.0;
   const auto middle = ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2);
   std::nth_element(ratios.begin(), middle, ratios.end());
-  const double by_mean = static_cast<double>(ratios.size()) / sum;
-  return -k_fraction_of_typical * (*middle > k_next_to_nothing * by_mean ? by_mean : *middle);
+  return -k_fraction_of_typical * *middle;
 }
 
 /// View of a matrix's sparsity pattern.
