@@ -152,6 +152,7 @@ class KrylovBasis {
   /// R, weighed_ M new.
   Eigen::Index orthonormalise(Eigen::MatrixXd& block, Eigen::MatrixXd* coefficients) {
     constexpr double k_much_lost = 1e-5;
+    constexpr double k_half = 0.5;  // of vectors that had length one
     const auto basis = basis_.leftCols(size_);
     const auto take_out = [&] {
       const Eigen::MatrixXd components = transposed_product(basis, weighed_);
@@ -164,7 +165,7 @@ class KrylovBasis {
     take_out();
     weighed_ = problem_.weigh(block);
     take_out();  // again, for the rounding errors of the first time; too small to change M block
-    coupling_ = normalise(block, weighed_, k_deflated * before);
+    coupling_ = normalise(block, weighed_, k_deflated * before, k_much_lost * before);
     if (block.cols() == 0) return 0;
     if (min_length_ < k_much_lost * before) {
       // Normalising a short remainder has magnified its rounding errors: orthogonalise again.
@@ -172,7 +173,8 @@ class KrylovBasis {
       weighed_ = problem_.weigh(block);
       take_out();
       weighed_ = problem_.weigh(block);
-      normalise(block, weighed_, 0.0);
+      const Eigen::MatrixXd again = normalise(block, weighed_, 0.0, k_half);
+      if (block.cols() < coupling_.rows()) coupling_ = again * coupling_;
     }
     return block.cols();
   }
@@ -188,9 +190,10 @@ class KrylovBasis {
     }
   }
 
-  /// block = new R by Gram and Schmidt, twice a vector; what becomes shorter than `shortest` is dropped. A Gram matrix
-  /// would be cheaper and could not tell 1e-8 from nothing.
-  Eigen::MatrixXd normalise(Eigen::MatrixXd& block, Eigen::MatrixXd& weighed, double shortest) {
+  /// block = new R by Gram and Schmidt, twice a vector; what becomes shorter than `shortest` is dropped, and what is
+  /// shorter than `doubtful` and has no length beyond rounding. A Gram matrix would be cheaper and could not tell 1e-8
+  /// from nothing.
+  Eigen::MatrixXd normalise(Eigen::MatrixXd& block, Eigen::MatrixXd& weighed, double shortest, double doubtful) {
     Eigen::MatrixXd triangle = Eigen::MatrixXd::Zero(block.cols(), block.cols());
     Eigen::Index kept = 0;
     min_length_ = std::numeric_limits<double>::infinity();
@@ -204,7 +207,7 @@ class KrylovBasis {
         triangle.col(j).head(kept) += parts;
       }
       const double length = std::sqrt(std::max(0.0, vector.dot(weighed_vector)));
-      if (length <= shortest) continue;
+      if (length <= shortest || (length < doubtful && is_rounding(vector, length))) continue;
       triangle(kept, j) = length;
       min_length_ = std::min(min_length_, length);
       block.col(kept) = vector / length;
@@ -214,6 +217,13 @@ class KrylovBasis {
     block.conservativeResize(Eigen::NoChange, kept);
     weighed.conservativeResize(Eigen::NoChange, kept);
     return triangle.topRows(kept);
+  }
+
+  /// Whether a vector lies in the null space of M but for rounding: where the masses of several equations are those of
+  /// fewer motions, no entry of M x is zero then.
+  bool is_rounding(const Eigen::VectorXd& vector, double length) const {
+    constexpr double k_rounding = 1e-12;
+    return length * length <= k_rounding * problem_.sum_of_terms(vector);
   }
 
   const LanczosProblem& problem_;

@@ -12,6 +12,8 @@ struct LanczosProblem {
   Eigen::Index size = 0;
   std::function<void(Eigen::Ref<Eigen::MatrixXd>)> solve;                          ///< (K - s M)^-1, in place
   std::function<Eigen::MatrixXd(const Eigen::Ref<const Eigen::MatrixXd>&)> weigh;  ///< M x
+  /// Sum of |x_i| |M_ij| |x_j|, what rounding of x' M x is a part of.
+  std::function<double(const Eigen::VectorXd&)> sum_of_terms;
 };
 
 struct LanczosPairs {

@@ -76,6 +76,23 @@ Moved frequencies_about(const StructureModel& model, double step) {
   return {outputs.topRows(q).transpose(), outputs.bottomRows(q).transpose()};
 }
 
+/// The same in ascending order, whatever shape they have: those of one frequency have none of their own to be followed
+/// by.
+Moved ascending_frequencies_about(const StructureModel& model, Eigen::Index modes, double step) {
+  const Eigen::VectorXd& ones = model.reference_parameters();
+  Moved moved{Eigen::MatrixXd(modes, ones.size()), Eigen::MatrixXd(modes, ones.size())};
+  const auto frequencies_at = [&](const Eigen::VectorXd& point) {
+    const Eigen::VectorXd eigenvalues = model.solver().modes_at(point, static_cast<int>(modes)).eigenvalues.head(modes);
+    return natural_frequencies_hz(eigenvalues.cwiseMax(0.0));
+  };
+  for (Eigen::Index j = 0; j < ones.size(); ++j) {
+    const Eigen::VectorXd change = step * Eigen::VectorXd::Unit(ones.size(), j);
+    moved.above.col(j) = frequencies_at(ones + change);
+    moved.below.col(j) = frequencies_at(ones - change);
+  }
+  return moved;
+}
+
 constexpr double k_step = 1e-3;
 
 /// A step with which no mode of the group passes its neighbours: these move by half of it at most, each its way.
@@ -102,9 +119,11 @@ Eigen::MatrixXd relative_sensitivities(const StructureModel& model, const Eigen:
     slopes = slopes.array().isFinite().select(slopes, (moved.above - moved.below) / (2.0 * k_step));
   }
   for (const ModeGroup& group : groups) {
-    if (frequencies(group.first) == 0.0) continue;                               // of rigid-body modes nothing is said
-    const double step = has_derivatives ? step_of(group, frequencies) : k_step;  // runs of a solver are the same ones
-    const Moved moved = frequencies_about(model, step);
+    if (frequencies(group.first) == 0.0) continue;  // of rigid-body modes nothing is said
+    // Runs of a solver are those that were made.
+    const double step = has_derivatives ? step_of(group, frequencies) : k_step;
+    const Moved moved =
+        has_derivatives ? ascending_frequencies_about(model, frequencies.size(), step) : frequencies_about(model, step);
     slopes.middleRows(group.first, group.count) = split_slopes(group, frequencies, moved.above, moved.below, step);
   }
   const double none = std::numeric_limits<double>::quiet_NaN();

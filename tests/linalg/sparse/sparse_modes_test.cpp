@@ -115,6 +115,31 @@ TEST(SparseModes, MasslessDegreesOfFreedomAreNoModes) {
   EXPECT_TRUE(modes.is_complete());
 }
 
+TEST(SparseModes, MassesOfFewerMotionsThanEquationsAreNoMoreModes) {
+  // As those of an element with internal motions: M = A A', K = B B' with six rigid-body motions.
+  std::mt19937_64 random(5);
+  const Eigen::MatrixXd motions = linalg_test::uniform(33, 24, -1.0, 1.0, random);
+  const Eigen::MatrixXd mass = motions * motions.transpose();
+  Eigen::MatrixXd roots = 1e4 * linalg_test::uniform(33, 33, -1.0, 1.0, random);
+  const Eigen::MatrixXd rigid = linalg_test::uniform(33, 6, -1.0, 1.0, random);
+  roots -= rigid * (rigid.transpose() * rigid).llt().solve(rigid.transpose() * roots);
+  const Eigen::MatrixXd stiffness = roots * roots.transpose();
+  for (const int wanted : {8, 10, 12, 22, 30}) {
+    const SparseModes modes =
+        SparseModeSolver().solve(lower_of(stiffness), lower_of(mass), {.modes = wanted, .counts_below = true});
+    ASSERT_EQ(modes.failure, "");
+    ASSERT_EQ(modes.values.size(), std::min(wanted, 24));
+    const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> exact(mass, stiffness - modes.shift * mass,
+                                                                          Eigen::EigenvaluesOnly);
+    for (int r = 0; r < modes.values.size(); ++r) {
+      const double value = 1.0 / exact.eigenvalues()(32 - r) + modes.shift;
+      // Rounding of theta is that of the rigid-body motions', 1 / shift.
+      EXPECT_NEAR(modes.values(r), value, 1e-5 * std::abs(value) + 0.01 * std::abs(modes.shift)) << wanted << ", " << r;
+    }
+    EXPECT_TRUE(wanted > 24 || modes.is_complete()) << wanted;
+  }
+}
+
 /// Every tenth mass of a clamped chain is one, the others are `light`.
 SparseModes modes_of_chain(double light) {
   constexpr int k_size = 300;
@@ -141,7 +166,8 @@ TEST(SparseModes, MassesNextToNothingAreAsNone) {
     const SparseModes modes = modes_of_chain(light);
     ASSERT_EQ(modes.failure, "");
     EXPECT_TRUE(modes.is_complete()) << light;
-    for (int r = 0; r < 6; ++r) EXPECT_NEAR(modes.values(r) / exact(r), 1.0, 1e-10 + 10.0 * light) << light << ", " << r;
+    for (int r = 0; r < 6; ++r)
+      EXPECT_NEAR(modes.values(r) / exact(r), 1.0, 1e-10 + 10.0 * light) << light << ", " << r;
   }
 }
 
