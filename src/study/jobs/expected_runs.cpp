@@ -97,11 +97,12 @@ void note_expected_runs(const Study& study, const UpdatePlan& plan, const RunCon
   if (!plan.made.program || study.surrogate) return;
   const ExpectedRuns expected =
       count_expected_runs(study, plan, {.seed = context.seed, .threads = context.threads, .stop = context.stop});
-  if (expected.count == 0) return;
+  if (expected.count == 0) return context.note("how many runs of the program the update takes cannot be told before");
   const ProgramRuns& program = *plan.made.program;
   const std::string text = expected_runs_text(expected, program.seconds_at_means, program.max_parallel);
-  if (!expected.is_cut) return context.note(text);
-  context.warning(text +
+  constexpr const char* k_stored = "; of these, runs that are stored are not made again";
+  if (!expected.is_cut) return context.note(text + k_stored);
+  context.warning(text + k_stored +
                   ". A [surrogate] takes 50 or so (docs/howto/surrogate.md); stopped now, nothing is lost: --resume");
 }
 

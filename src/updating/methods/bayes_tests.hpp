@@ -10,6 +10,7 @@ namespace mottle::updating {
 
 /// A point of the posterior at which outputs and sensitivities are known: that of the largest likelihood.
 struct PosteriorPeak {
+  Eigen::VectorXd scores;            ///< standard normal, of parameters and levels of the noise
   Eigen::VectorXd parameters;        ///< [parameter]
   Eigen::VectorXd outputs = {};      ///< [output]
   Eigen::MatrixXd sensitivity = {};  ///< [output x parameter]

@@ -1,6 +1,7 @@
 // What `bayes` refuses, and input at the edge of what it takes.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -42,6 +43,28 @@ TEST(Bayes, RefusesNoiseWhoseLikelihoodGrowsWithoutEnd) {
   EXPECT_NE(refusal.find("the level noise:outputs has no posterior"), std::string::npos) << refusal;
   const BayesOptions proper{.noise_prior = BayesOptions::NoisePrior::inverse_gamma, .particles = 200};
   EXPECT_EQ(refusal_of<InvalidInput>(linear.problem(), proper), "accepted");
+}
+
+/// One specimen of one output more than parameters, met to `apart`: the level's density falls as its inverse from the
+/// prior's scale down to there.
+UpdatingResult update_met_within(double apart, std::uint64_t seed) {
+  CommonLinear linear;
+  linear.tests.repeatability_std.setZero();
+  linear.tests.values = linear.model.evaluate(Eigen::RowVector2d(1.1, 2.2), {}).outputs;
+  linear.tests.values(0, 0) += apart;
+  return BayesUpdater({.particles = 500}).update(linear.problem(), {.seed = seed});
+}
+
+TEST(Bayes, IsNotConvergedWhereTheNoiseMayBeFarSmallerThanItsDraws) {
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    const UpdatingResult met = update_met_within(1e-8, seed);
+    EXPECT_EQ(met.status, UpdatingStatus::stalled);
+    EXPECT_TRUE(std::ranges::any_of(met.warnings, [](const std::string& warning) {
+      return warning.find("at small noise that the sampler does not reach") != std::string::npos;
+    })) << met.message;
+    for (const std::string& warning : update_met_within(0.05, seed).warnings)
+      EXPECT_EQ(warning.find("that the sampler does not reach"), std::string::npos) << warning;
+  }
 }
 
 TEST(Bayes, RefusesMoreDrawsThanMemoryHolds) {
