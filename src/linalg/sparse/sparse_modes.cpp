@@ -232,8 +232,7 @@ SparseModes SparseModeSolver::solve(const SparseMatrix& stiffness, const SparseM
              context.throw_if_stopped();
              factors_->definite->solve(vectors);
            },
-       .weigh =
-           [&](const Eigen::Ref<const Eigen::MatrixXd>& vectors) { return symmetric_product(lean_mass, vectors); },
+       .weigh = [&](const Eigen::Ref<const Eigen::MatrixXd>& vectors) { return symmetric_product(lean_mass, vectors); },
        .sum_of_terms = [&](const Eigen::VectorXd& vector) { return sums_of_terms(lean_mass, vector)(0); }},
       sought, options.tolerance);
   result.basis_vectors = pairs.solved_vectors;
