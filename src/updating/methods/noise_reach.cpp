@@ -29,14 +29,9 @@ struct Marginal {
 
 class NoiseReach {
  public:
-  NoiseReach(const UpdatingProblem& problem, const PosteriorTarget& target, const NoiseLevels& noise,
-             const CommonLikelihood& likelihood, const RunContext& context, std::int64_t& evaluations)
-      : problem_(problem),
-        target_(target),
-        noise_(noise),
-        likelihood_(likelihood),
-        context_(context),
-        evaluations_(evaluations) {}
+  NoiseReach(const UpdatingProblem& problem, const NoiseLevels& noise, const CommonLikelihood& likelihood,
+             const RunContext& context, std::int64_t& evaluations)
+      : problem_(problem), noise_(noise), likelihood_(likelihood), context_(context), evaluations_(evaluations) {}
 
   /// Gauss-Newton from `start` on, with noise of these levels; nothing: the model fails there.
   std::optional<Linearised> best(const Eigen::VectorXd& start, const Eigen::VectorXd& levels) const {
@@ -75,9 +70,7 @@ class NoiseReach {
 
  private:
   Eigen::VectorXd variables(const Eigen::VectorXd& scores) const {
-    Eigen::MatrixXd point = Eigen::MatrixXd::Zero(1, scores.size() + noise_.count());
-    point.leftCols(scores.size()) = scores.transpose();
-    return target_.parameters(point).row(0).transpose();
+    return problem_.space.prior().from_standard_normal(scores.transpose()).row(0).transpose();
   }
 
   std::optional<Eigen::VectorXd> outputs_at(const Eigen::VectorXd& scores) const {
@@ -88,15 +81,9 @@ class NoiseReach {
   }
 
   Linearised linearised(const Eigen::VectorXd& scores, const Eigen::VectorXd& outputs) const {
-    constexpr double k_step = 1e-5;
     const Eigen::VectorXd prior_std = problem_.space.prior().covariance().diagonal().cwiseSqrt();
     const Eigen::MatrixXd of_variables = model_jacobian(problem_, variables(scores), prior_std, context_, evaluations_);
-    Eigen::MatrixXd by_scores(scores.size(), scores.size());  // dx/du
-    for (Eigen::Index i = 0; i < scores.size(); ++i) {
-      const Eigen::VectorXd step = k_step * Eigen::VectorXd::Unit(scores.size(), i);
-      by_scores.col(i) = (variables(scores + step) - variables(scores - step)) / (2.0 * k_step);
-    }
-    return {scores, outputs, of_variables * by_scores};
+    return {scores, outputs, of_variables * problem_.space.prior().standard_normal_derivatives(scores)};
   }
 
   /// Of the tests' means, 0 of what is not measured.
@@ -124,7 +111,6 @@ class NoiseReach {
   }
 
   const UpdatingProblem& problem_;
-  const PosteriorTarget& target_;
   const NoiseLevels& noise_;
   const CommonLikelihood& likelihood_;
   const RunContext& context_;
@@ -167,10 +153,10 @@ double missed_by_draws(const NoiseReach& reach, const NoiseLevels& noise, const 
 
 }  // namespace
 
-std::vector<double> unreached_levels(const UpdatingProblem& problem, const PosteriorTarget& target,
-                                     const NoiseLevels& noise, const CommonLikelihood& likelihood,
-                                     const Eigen::VectorXd& start, const Eigen::Ref<const Eigen::MatrixXd>& levels,
-                                     const RunContext& context, std::int64_t& evaluations) {
+std::vector<double> unreached_levels(const UpdatingProblem& problem, const NoiseLevels& noise,
+                                     const CommonLikelihood& likelihood, const Eigen::VectorXd& start,
+                                     const Eigen::Ref<const Eigen::MatrixXd>& levels, const RunContext& context,
+                                     std::int64_t& evaluations) {
   constexpr double k_lowest = 0.005;
   constexpr double k_far_below = 1e-3;
   std::vector<double> unreached(static_cast<std::size_t>(noise.count()), 0.0);
@@ -181,7 +167,7 @@ std::vector<double> unreached_levels(const UpdatingProblem& problem, const Poste
     medians(k) = quantile_of(levels.col(k), 0.5);
     lowest(k) = quantile_of(levels.col(k), k_lowest);
   }
-  const NoiseReach reach(problem, target, noise, likelihood, context, evaluations);
+  const NoiseReach reach(problem, noise, likelihood, context, evaluations);
   try {
     const auto at = reach.best(start.head(problem.space.count()), k_far_below * lowest);
     if (!at) return unreached;

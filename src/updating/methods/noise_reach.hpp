@@ -25,9 +25,9 @@ namespace mottle::updating {
 /// @param levels       of the draws [draw x level]
 /// @param evaluations  raised by the model runs that were needed
 /// @return             [level]
-std::vector<double> unreached_levels(const UpdatingProblem& problem, const PosteriorTarget& target,
-                                     const NoiseLevels& noise, const CommonLikelihood& likelihood,
-                                     const Eigen::VectorXd& start, const Eigen::Ref<const Eigen::MatrixXd>& levels,
-                                     const RunContext& context, std::int64_t& evaluations);
+std::vector<double> unreached_levels(const UpdatingProblem& problem, const NoiseLevels& noise,
+                                     const CommonLikelihood& likelihood, const Eigen::VectorXd& start,
+                                     const Eigen::Ref<const Eigen::MatrixXd>& levels, const RunContext& context,
+                                     std::int64_t& evaluations);
 
 }  // namespace mottle::updating
