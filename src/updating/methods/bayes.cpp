@@ -175,8 +175,8 @@ UpdatingResult BayesUpdater::update(const UpdatingProblem& problem, const RunCon
   const PosteriorPeak peak = peak_of(near.problem(), islands, target, context, result.model_evaluations);
   result.sensitivity = peak.sensitivity;
   note_unreached(noise,
-                 unreached_levels(near.problem(), noise, likelihood, peak.scores,
-                                  posterior->values.rightCols(noise.count()), context, result.model_evaluations),
+                 unreached_levels(near.problem(), noise, likelihood, peak, posterior->values.rightCols(noise.count()),
+                                  context, result.model_evaluations),
                  result);
   result.noise_covariance = mean_noise(noise, posterior->values.rightCols(noise.count())).asDiagonal();
   result.posterior = posterior;

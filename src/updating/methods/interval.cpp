@@ -12,6 +12,7 @@
 #include "updating/methods/box_image.hpp"
 #include "updating/methods/covering_box.hpp"
 #include "updating/methods/interval_notes.hpp"
+#include "updating/methods/interval_targets.hpp"
 #include "updating/methods/interval_tests.hpp"
 #include "updating/methods/inversion_fit.hpp"
 #include "updating/methods/measured_outputs.hpp"
@@ -66,15 +67,6 @@ OwnParameters fit_specimens(const IntervalSetup& setup, std::int64_t& evaluation
           problem.tests.values - fit.outputs.topRows(n), std::vector<int>(fit.ranks.begin(), fit.ranks.begin() + n)};
 }
 
-/// Within bounds and physical limits, and ten prior deviations around prior and specimens.
-ParameterBox allowed_box(const IntervalSetup& setup, const OwnParameters& own) {
-  constexpr double k_reach = 10.0;
-  const Eigen::VectorXd mean = setup.problem.space.prior().mean();
-  const Eigen::VectorXd reach = k_reach * setup.prior_std;
-  return {setup.problem.space.clamp((mean - reach).cwiseMin(own.hull.lower - reach)),
-          setup.problem.space.clamp((mean + reach).cwiseMax(own.hull.upper + reach))};
-}
-
 IterationRecord record_of(const IntervalSetup& setup, const ParameterBox& box, const Eigen::MatrixXd& image) {
   const BoxEstimate estimate(box);
   IterationRecord record;
@@ -89,17 +81,11 @@ IterationRecord record_of(const IntervalSetup& setup, const ParameterBox& box, c
 class IntervalSearch {
  public:
   IntervalSearch(const IntervalSetup& setup, const OwnParameters& own, BoxImage& image, UpdatingResult& result)
-      : setup_(setup), own_(own), image_(image), result_(result) {
-    task_.targets = setup.bounds.limits;
-    task_.scale = (task_.targets.col(1) - task_.targets.col(0));
-    for (Eigen::Index k = 0; k < task_.scale.size(); ++k) {
-      const double size = task_.targets.row(k).cwiseAbs().maxCoeff();
-      task_.scale(k) = std::max(task_.scale(k), size > 0.0 ? 1e-6 * size : 1.0);
-    }
-    task_.allowed = allowed_box(setup, own);
-    task_.unit = setup.prior_std;
-    task_.max_iterations = std::max(1, setup.problem.iterations);
-    task_.tolerance = 1e-3 * setup.problem.tolerance;
+      : setup_(setup),
+        own_(own),
+        image_(image),
+        result_(result),
+        task_(cover_task(setup.problem, setup.bounds.limits, own.hull)) {
     task_.after_each = [this](const ParameterBox&) {
       ++updates_;
       begin_iteration(setup_.problem, std::min<std::int64_t>(updates_ + 1, setup_.problem.iterations), setup_.context);
@@ -112,13 +98,14 @@ class IntervalSearch {
     begin_iteration(setup_.problem, 1, setup_.context);
     CoveringBox best = best_of_starts();
     if (best.uncovered > 0.0) {
-      keep_what_is_possible();
+      reachable_ = keep_what_is_possible(image_, task_);
       best = best_of_starts();
     }
     return best;
   }
 
   const CoverTask& task() const { return task_; }
+  const Eigen::MatrixXd& reachable() const { return reachable_; }
 
  private:
   /// Descends again where the range of the box found shows points that cover better than those that held it.
@@ -146,27 +133,6 @@ class IntervalSearch {
     return is_better ? other : best;
   }
 
-  /// Targets beyond what the allowed box reaches become what it reaches, and are left out where the parameters cannot
-  /// move an output by as much as its tests differ.
-  void keep_what_is_possible() {
-    std::vector<OutputRange> most;
-    try {
-      most = image_.ranges(task_.allowed);
-    } catch (const ModelFailure&) {  // far from the tests: the targets stay, and what is not covered is said
-      return;
-    }
-    for (std::size_t k = 0; k < most.size(); ++k) {
-      const auto row = static_cast<Eigen::Index>(k);
-      const double inside = 1e-6 * task_.scale(row);  // the corner itself need not be reached
-      if (most[k].upper - most[k].lower < task_.targets(row, 1) - task_.targets(row, 0)) {
-        task_.targets.row(row) << std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity();
-      } else {
-        task_.targets(row, 0) = std::max(task_.targets(row, 0), most[k].lower + inside);
-        task_.targets(row, 1) = std::min(task_.targets(row, 1), most[k].upper - inside);
-      }
-    }
-  }
-
   void append(const CoveringBox& found) {
     const std::int64_t runs = result_.model_evaluations;
     append_state(result_, record_of(setup_, found.box, found.reached));
@@ -178,6 +144,7 @@ class IntervalSearch {
   BoxImage& image_;
   UpdatingResult& result_;
   CoverTask task_;
+  Eigen::MatrixXd reachable_;  ///< see IntervalResult
   std::int64_t updates_ = 0;
 };
 
@@ -221,12 +188,14 @@ SpecimenResiduals residuals_of(const IntervalSetup& setup, const OwnParameters& 
   return residuals;
 }
 
-void finish(const IntervalSetup& setup, const OwnParameters& own, const CoveringBox& covering, const CoverTask& task,
-            BoxImage& image, UpdatingResult& result) {
+void finish(const IntervalSetup& setup, const OwnParameters& own, const CoveringBox& covering,
+            const IntervalSearch& search, BoxImage& image, UpdatingResult& result) {
   const auto found = std::make_shared<IntervalResult>();
   found->box = covering.box;
   found->tests = setup.bounds;
-  found->asked = task.targets;
+  found->asked = search.task().targets;
+  found->allowed = search.task().allowed;
+  found->reachable = search.reachable();
   found->measure = covering.measure;
   found->hull = own.hull;
   describe_image(setup, own, covering.reached, image, *found);
@@ -258,8 +227,11 @@ UpdatingResult stopped(UpdatingResult result, const UpdatingProblem& problem) {
   return result;
 }
 
-void describe_ending(const CoveringBox& covering, UpdatingResult& result) {
-  if (covering.has_converged) {
+void describe_ending(const CoveringBox& covering, const CoverTask& task, UpdatingResult& result) {
+  if (task.targets.col(0).minCoeff() == std::numeric_limits<double>::infinity()) {
+    result.status = UpdatingStatus::stalled;
+    result.message = "the parameters move none of the outputs: no box was looked for";
+  } else if (covering.has_converged) {
     result.status = UpdatingStatus::converged;
     result.message = fmt::format(
         "the box is at rest: no smaller one near it covers {}; its widths are {:.4g} prior standard deviations "
@@ -322,8 +294,8 @@ UpdatingResult IntervalUpdater::update(const UpdatingProblem& problem, const Run
     IntervalSearch search(setup, own, image, result);
     const CoveringBox covering = search.run();
     context.throw_if_stopped();
-    describe_ending(covering, result);
-    finish(setup, own, covering, search.task(), image, result);
+    describe_ending(covering, search.task(), result);
+    finish(setup, own, covering, search, image, result);
   } catch (const Stopped&) {
     return stopped(std::move(result), problem);
   }

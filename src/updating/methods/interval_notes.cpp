@@ -6,6 +6,7 @@
 
 #include "mottle/core/text.hpp"
 #include "mottle/updating/methods/iteration.hpp"
+#include "updating/methods/interval_targets.hpp"
 #include "updating/population/model_error.hpp"
 
 namespace mottle::updating {
@@ -65,26 +66,53 @@ void note_scatterless(const UpdatingProblem& problem, const IntervalResult& foun
       join(names)));
 }
 
+/// Bounds that the box does not reach, and outputs that it was not asked to cover.
+void note_uncovered(const UpdatingProblem& problem, const IntervalResult& found, UpdatingResult& result) {
+  std::vector<std::string> short_of, left_out;
+  for (Eigen::Index k = 0; k < found.excess.rows(); ++k) {
+    const std::string& unit = problem.model.outputs()[static_cast<std::size_t>(k)].unit;
+    if (is_left_out(found, k)) {
+      left_out.push_back(fmt::format("{} ({:.3g} of {:.3g} {})", output_name(problem, k),
+                                     found.reachable(k, 1) - found.reachable(k, 0),
+                                     found.tests.limits(k, 1) - found.tests.limits(k, 0), unit));
+      continue;
+    }
+    for (const Eigen::Index side : {0, 1}) {
+      if (found.excess(k, side) >= 0.0) continue;
+      short_of.push_back(fmt::format("{} ({:.3g} {} {})", output_name(problem, k), -found.excess(k, side), unit,
+                                     side == 0 ? "at the lower end" : "at the upper end"));
+    }
+  }
+  if (short_of.empty() && left_out.empty()) return;
+  const std::string limits = limits_of_search(problem, found);
+  const std::string advice = advice_on_limits(problem, found);
+  if (!short_of.empty() && found.reachable.size() == 0) {
+    result.warnings.push_back(
+        fmt::format("The box does not cover {}. What could be covered is not known, as the model fails at the limits "
+                    "of the search.",
+                    join(short_of)));
+  } else if (!short_of.empty()) {
+    result.warnings.push_back(fmt::format("No box within {} covers {}: the box shown covers as much as can be.{}",
+                                          limits, join(short_of), advice));
+  }
+  if (!left_out.empty()) {
+    result.warnings.push_back(
+        fmt::format("Within {} the parameters move {} by less than the bounds of the tests are apart: the box was not "
+                    "asked to cover it.{}",
+                    limits, join(left_out), advice));
+  }
+}
+
 void note_image(const UpdatingProblem& problem, const IntervalResult& found, const std::vector<std::string>& crossing,
                 UpdatingResult& result) {
   constexpr double k_wide = 2.0;
-  std::vector<std::string> wide, left;
+  std::vector<std::string> wide;
   for (Eigen::Index k = 0; k < found.excess.rows(); ++k) {
     const OutputRange& range = found.image[static_cast<std::size_t>(k)];
     const double asked = found.tests.limits(k, 1) - found.tests.limits(k, 0);
     if (asked > 0.0 && range.upper - range.lower > k_wide * asked) {
       wide.push_back(fmt::format("{} ({:.3g} times)", output_name(problem, k), (range.upper - range.lower) / asked));
     }
-    for (const Eigen::Index side : {0, 1}) {
-      if (found.excess(k, side) >= 0.0) continue;
-      left.push_back(fmt::format("{} ({:.3g} {} {})", output_name(problem, k), -found.excess(k, side),
-                                 problem.model.outputs()[static_cast<std::size_t>(k)].unit,
-                                 side == 0 ? "at the lower end" : "at the upper end"));
-    }
-  }
-  if (!left.empty()) {
-    result.warnings.push_back("No box within the bounds of the parameters covers " + join(left) +
-                              ": the box shown covers what can be covered.");
   }
   if (!wide.empty()) {
     result.warnings.push_back("The image of the box is much wider than the bounds to be covered: " + join(wide) +
@@ -128,8 +156,8 @@ std::vector<std::string> undetermined_ends(const UpdatingProblem& problem, const
     const std::string& name = problem.space.parameters()[static_cast<std::size_t>(i)].name;
     if (covering.box.upper(i) - covering.box.lower(i) <= k_no_width * prior_std(i)) {
       sentences.push_back(
-          fmt::format("{} has no width: the smallest box explains the bounds without it, which does not show that it "
-                      "does not vary.",
+          fmt::format("{} has no width: the smallest box covers what it was asked to without it, which does not show "
+                      "that it does not vary.",
                       name));
       continue;
     }
@@ -152,6 +180,7 @@ void add_interval_notes(const UpdatingProblem& problem, const IntervalResult& fo
   note_bounds(found, result);
   note_noise(problem, result);
   note_scatterless(problem, found, result);
+  note_uncovered(problem, found, result);
   note_image(problem, found, crossing, result);
   note_specimens(problem, found, result);
   result.warnings.insert(result.warnings.end(), found.undetermined.begin(), found.undetermined.end());

@@ -6,6 +6,7 @@
 
 #include "mottle/core/text.hpp"
 #include "mottle/stats/distributions/standard_normal.hpp"
+#include "updating/methods/interval_targets.hpp"
 #include "updating/verdict/test_plan.hpp"
 
 namespace mottle::updating {
@@ -89,7 +90,7 @@ void plan_residuals(const UpdatingProblem& problem, const SpecimenResiduals& res
   plan.add(std::move(test));
 }
 
-/// Bounds beyond the observed ones that no box within the parameters' bounds covers are no test, but not covered.
+/// Bounds beyond the observed ones that no box covers are no test, but not covered.
 void say_limits(const UpdatingProblem& problem, const IntervalResult& found, UpdatingResult& result) {
   std::vector<std::string> names;
   for (Eigen::Index k = 0; k < found.excess.rows(); ++k) {
@@ -97,10 +98,11 @@ void say_limits(const UpdatingProblem& problem, const IntervalResult& found, Upd
     names.push_back(problem.model.outputs()[static_cast<std::size_t>(k)].name());
   }
   if (names.empty()) return;
-  result.not_tested.push_back(fmt::format(
-      "The tolerance limits of {} are not covered by any box within the bounds of the parameters, the observed bounds "
-      "are: whether the population goes so far is not known.",
-      join(names)));
+  result.not_tested.push_back(
+      fmt::format("The tolerance limits of {} are not covered by any box within {}, the observed bounds are: whether "
+                  "the population "
+                  "goes so far is not known.",
+                  join(names), limits_of_search(problem, found)));
 }
 
 }  // namespace

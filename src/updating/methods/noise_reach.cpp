@@ -33,20 +33,19 @@ class NoiseReach {
              const RunContext& context, std::int64_t& evaluations)
       : problem_(problem), noise_(noise), likelihood_(likelihood), context_(context), evaluations_(evaluations) {}
 
-  /// Gauss-Newton from `start` on, with noise of these levels; nothing: the model fails there.
-  std::optional<Linearised> best(const Eigen::VectorXd& start, const Eigen::VectorXd& levels) const {
+  /// Gauss-Newton from the peak on, with noise of these levels.
+  Linearised best(const PosteriorPeak& peak, const Eigen::VectorXd& levels) const {
     constexpr int k_steps = 8;
     constexpr int k_halvings = 4;
     constexpr double k_rest = 1e-10;
-    std::optional<Eigen::VectorXd> outputs = outputs_at(start);
-    if (!outputs) return std::nullopt;
-    Linearised at = linearised(start, *outputs);
+    const Eigen::VectorXd start = peak.scores.head(problem_.space.count());
+    Linearised at{start, peak.outputs, peak.sensitivity * problem_.space.prior().standard_normal_derivatives(start)};
     for (int step = 0; step < k_steps; ++step) {
       const Eigen::VectorXd move = marginal(at, levels).scores - at.scores;
       double length = 1.0;
       for (int halving = 0; halving < k_halvings; ++halving, length *= 0.5) {
         const Eigen::VectorXd next = at.scores + length * move;
-        outputs = outputs_at(next);
+        const std::optional<Eigen::VectorXd> outputs = outputs_at(next);
         if (!outputs || !(cost(next, *outputs, levels) < cost(at.scores, at.outputs, levels))) continue;
         at = linearised(next, *outputs);
         break;
@@ -154,7 +153,7 @@ double missed_by_draws(const NoiseReach& reach, const NoiseLevels& noise, const 
 }  // namespace
 
 std::vector<double> unreached_levels(const UpdatingProblem& problem, const NoiseLevels& noise,
-                                     const CommonLikelihood& likelihood, const Eigen::VectorXd& start,
+                                     const CommonLikelihood& likelihood, const PosteriorPeak& peak,
                                      const Eigen::Ref<const Eigen::MatrixXd>& levels, const RunContext& context,
                                      std::int64_t& evaluations) {
   constexpr double k_lowest = 0.005;
@@ -169,10 +168,9 @@ std::vector<double> unreached_levels(const UpdatingProblem& problem, const Noise
   }
   const NoiseReach reach(problem, noise, likelihood, context, evaluations);
   try {
-    const auto at = reach.best(start.head(problem.space.count()), k_far_below * lowest);
-    if (!at) return unreached;
+    const Linearised at = reach.best(peak, k_far_below * lowest);
     for (Eigen::Index k = 0; k < noise.count(); ++k)
-      unreached[static_cast<std::size_t>(k)] = missed_by_draws(reach, noise, *at, medians, k, levels.col(k));
+      unreached[static_cast<std::size_t>(k)] = missed_by_draws(reach, noise, at, medians, k, levels.col(k));
   } catch (const SystemFailure&) {  // the model fails about these parameters: nothing can be told
     return std::vector<double>(unreached.size(), 0.0);
   }

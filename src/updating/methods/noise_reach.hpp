@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "mottle/layers.hpp"
+#include "updating/methods/bayes_tests.hpp"
 #include "updating/methods/posterior_target.hpp"
 
 namespace mottle::updating {
@@ -21,12 +22,12 @@ namespace mottle::updating {
 /// more, p falls as 1 / level from the prior's scale down to what the parameters leave of the tests: all of a hundred
 /// decades count alike, and a sampler that comes from above does not get there.
 ///
-/// @param start        scores of parameters and levels from which the best parameters are sought
+/// @param peak         from which the best parameters are sought
 /// @param levels       of the draws [draw x level]
 /// @param evaluations  raised by the model runs that were needed
 /// @return             [level]
 std::vector<double> unreached_levels(const UpdatingProblem& problem, const NoiseLevels& noise,
-                                     const CommonLikelihood& likelihood, const Eigen::VectorXd& start,
+                                     const CommonLikelihood& likelihood, const PosteriorPeak& peak,
                                      const Eigen::Ref<const Eigen::MatrixXd>& levels, const RunContext& context,
                                      std::int64_t& evaluations);
 

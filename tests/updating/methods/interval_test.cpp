@@ -168,7 +168,8 @@ TEST(Interval, SaysWhichBoundsNoBoxCovers) {
   EXPECT_NEAR(result.interval->box.lower(0), 1.0, 1e-5);  // by the first output
   EXPECT_NEAR(result.interval->box.upper(0), 3.0, 1e-5);
   EXPECT_NEAR(result.interval->excess(1, 1), 0.03 - 5.0, 1e-5);
-  EXPECT_TRUE(warns(result, "No box within the bounds of the parameters covers y2"));
+  EXPECT_TRUE(warns(result, "Within the bounds of the parameters the parameters move y2 (0.08 of 6 "));
+  EXPECT_FALSE(warns(result, "No box within"));
   EXPECT_EQ(judge(problem, result).conclusion, Conclusion::inadequate);
 }
 
@@ -178,6 +179,35 @@ TEST(Interval, CoversWhatItsBoundsLet) {
   EXPECT_NEAR(result.interval->box.lower(0), 1.0, 1e-5);
   EXPECT_NEAR(result.interval->box.upper(0), 2.5, 1e-5);
   EXPECT_NEAR(result.interval->excess(0, 1), -0.5, 1e-5);
+}
+
+TEST(Interval, TakesTheWholeAllowedBoxWhereAllTestsAreWider) {
+  const Eigen::Matrix2d slope = (Eigen::Matrix2d() << 1.0, 0.5, 0.5, -1.0).finished();
+  Eigen::MatrixXd tests(3, 2);
+  tests << -2.0, 1.0, 0.5, -1.5, 2.0, 0.0;
+  const Linear model(slope, tests, 0.1);
+  const UpdatingResult result = update(model.problem(0.01), {.bounds = Bounds::observed});
+  EXPECT_LT((result.interval->box.lower.array() + 0.1).abs().maxCoeff(), 1e-5);
+  EXPECT_LT((result.interval->box.upper.array() - 0.1).abs().maxCoeff(), 1e-5);
+  EXPECT_TRUE(warns(result, "No box within the bounds of the parameters covers y1"));
+  EXPECT_FALSE(warns(result, "was not asked to"));
+  EXPECT_FALSE(warns(result, "no width"));
+}
+
+TEST(Interval, NamesItsOwnLimitsAsSuch) {
+  const Linear model(Eigen::MatrixXd::Ones(1, 1), Eigen::Vector3d(0.0, 1.0, 3.0), 1e6);
+  const UpdatingResult result = update(model.problem(0.01), {});
+  EXPECT_NEAR(result.interval->box.upper(0), 13.0, 1e-3);  // ten prior deviations beyond the last specimen
+  EXPECT_TRUE(warns(result, "No box within 10 prior standard deviations of x1 about prior and specimens"));
+  EXPECT_NEAR(result.interval->box.lower(0), -10.0, 1e-3);
+  EXPECT_TRUE(warns(result, "give a wider distribution to x1"));
+}
+
+TEST(Interval, LooksForNoBoxOfParametersWithoutEffect) {
+  const Linear model(Eigen::MatrixXd::Zero(1, 1), Eigen::Vector3d(-1.0, 0.0, 1.0));
+  const UpdatingResult result = update(model.problem(0.01), {});
+  EXPECT_EQ(result.status, UpdatingStatus::stalled);
+  EXPECT_THAT(result.message, testing::HasSubstr("no box was looked for"));
 }
 
 TEST(Interval, IsNoComfortWithoutFurtherOutputs) {

@@ -50,14 +50,16 @@ struct OutputRange {
 struct IntervalResult {
   ParameterBox box;
   SpecimenBounds tests;
-  std::vector<OutputRange> image;   ///< of the box [output]
-  Eigen::MatrixXd asked;            ///< bounds that the box was asked to cover: `tests.limits`, or what is possible
-  Eigen::MatrixXd excess;           ///< of the image over `tests.limits`, > 0 beyond, < 0 not covered [output x 2]
-  double measure = 0.0;             ///< sum of widths in prior standard deviations
-  std::vector<std::string> trends;  ///< "rising", "falling", "mixed", "searched" [parameter]
-  std::string obstacle;             ///< why no range is proven; empty: ranges of eigenvalues are
-  ParameterBox hull;                ///< of the specimens' own parameters, each solved for alone
-  std::vector<int> outside;         ///< numbers of specimens whose own parameters lie outside the box
+  std::vector<OutputRange> image;  ///< of the box [output]
+  Eigen::MatrixXd asked;           ///< bounds that the box was asked to cover: `tests.limits`, or what is possible
+  ParameterBox allowed;            ///< in which the box was sought
+  Eigen::MatrixXd reachable;  ///< range of the outputs over `allowed` [output x 2]; 0 x 0: the box covers, or it fails
+  Eigen::MatrixXd excess;     ///< of the image over `tests.limits`, > 0 beyond, < 0 not covered [output x 2]
+  double measure = 0.0;       ///< sum of widths in prior standard deviations
+  std::vector<std::string> trends;        ///< "rising", "falling", "mixed", "searched" [parameter]
+  std::string obstacle;                   ///< why no range is proven; empty: ranges of eigenvalues are
+  ParameterBox hull;                      ///< of the specimens' own parameters, each solved for alone
+  std::vector<int> outside;               ///< numbers of specimens whose own parameters lie outside the box
   std::vector<std::string> undetermined;  ///< sentences: ends of the box that other boxes of its measure do not have
 };
 
