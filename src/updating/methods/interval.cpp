@@ -199,7 +199,7 @@ void finish(const IntervalSetup& setup, const OwnParameters& own, const Covering
   found->measure = covering.measure;
   found->hull = own.hull;
   describe_image(setup, own, covering.reached, image, *found);
-  found->undetermined = undetermined_ends(setup.problem, covering);
+  found->undetermined = undetermined_ends(setup.problem, found->allowed, covering);
   result.set_estimate(std::make_shared<BoxEstimate>(covering.box));
   result.sensitivity = image.jacobian(result.mean);
   result.specimens = SpecimenEstimates{own.specimens, own.residuals};

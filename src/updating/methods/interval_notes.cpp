@@ -147,13 +147,15 @@ void note_specimens(const UpdatingProblem& problem, const IntervalResult& found,
 
 }  // namespace
 
-std::vector<std::string> undetermined_ends(const UpdatingProblem& problem, const CoveringBox& covering) {
+std::vector<std::string> undetermined_ends(const UpdatingProblem& problem, const ParameterBox& allowed,
+                                           const CoveringBox& covering) {
   constexpr double k_no_width = 1e-6;  // prior standard deviations
   const Eigen::VectorXd prior_std = problem.space.prior().covariance().diagonal().cwiseSqrt();
   std::vector<std::string> sentences;
   std::vector<std::string> ends;
   for (Eigen::Index i = 0; i < prior_std.size(); ++i) {
     const std::string& name = problem.space.parameters()[static_cast<std::size_t>(i)].name;
+    if (allowed.upper(i) - allowed.lower(i) <= k_no_width * prior_std(i)) continue;  // its bounds leave it none
     if (covering.box.upper(i) - covering.box.lower(i) <= k_no_width * prior_std(i)) {
       sentences.push_back(
           fmt::format("{} has no width: the smallest box covers what it was asked to without it, which does not show "

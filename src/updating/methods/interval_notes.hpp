@@ -10,8 +10,9 @@
 
 namespace mottle::updating {
 
-/// Ends of the box that are not the only ones of its measure, and parameters without width.
-std::vector<std::string> undetermined_ends(const UpdatingProblem& problem, const CoveringBox& covering);
+/// Ends of the box that are not the only ones of its measure, and parameters without width that `allowed` gives one.
+std::vector<std::string> undetermined_ends(const UpdatingProblem& problem, const ParameterBox& allowed,
+                                           const CoveringBox& covering);
 
 /// Notes and warnings on bounds, image and box.
 ///

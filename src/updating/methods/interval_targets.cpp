@@ -16,8 +16,13 @@ Eigen::VectorXd prior_deviations(const UpdatingProblem& problem) {
   return problem.space.prior().covariance().diagonal().cwiseSqrt();
 }
 
-/// Parameters at an end of the box where neither bounds nor physical limits hold it, but k_reach does.
-std::vector<std::string> held_by_reach(const UpdatingProblem& problem, const IntervalResult& found) {
+/// Parameters of which an end of the box is at a limit of the search.
+struct Held {
+  std::vector<std::string> by_reach;  ///< by k_reach, inside of bounds and physical limits
+  bool is_any_by_bounds = false;
+};
+
+Held held_parameters(const UpdatingProblem& problem, const IntervalResult& found) {
   constexpr double k_at_end = 1e-3;  // widths: targets are a little inside what the limits reach
   const Eigen::Index q = found.allowed.lower.size();
   const Eigen::VectorXd slack = k_at_end * found.allowed.width();
@@ -25,14 +30,17 @@ std::vector<std::string> held_by_reach(const UpdatingProblem& problem, const Int
   const Eigen::VectorXd highest = problem.space.clamp(Eigen::VectorXd::Constant(q, k_infinity));
   bool is_any_left_out = false;  // then the box itself did not go to the limits
   for (Eigen::Index k = 0; k < found.asked.rows(); ++k) is_any_left_out = is_any_left_out || is_left_out(found, k);
-  std::vector<std::string> names;
+  Held held;
   for (Eigen::Index i = 0; i < q; ++i) {
     const bool is_at_lower = is_any_left_out || found.box.lower(i) <= found.allowed.lower(i) + slack(i);
     const bool is_at_upper = is_any_left_out || found.box.upper(i) >= found.allowed.upper(i) - slack(i);
-    if ((is_at_lower && found.allowed.lower(i) > lowest(i)) || (is_at_upper && found.allowed.upper(i) < highest(i)))
-      names.push_back(problem.space.parameters()[static_cast<std::size_t>(i)].name);
+    const bool is_by_reach =
+        (is_at_lower && found.allowed.lower(i) > lowest(i)) || (is_at_upper && found.allowed.upper(i) < highest(i));
+    if (is_by_reach) held.by_reach.push_back(problem.space.parameters()[static_cast<std::size_t>(i)].name);
+    held.is_any_by_bounds = held.is_any_by_bounds || (is_at_lower && found.allowed.lower(i) <= lowest(i)) ||
+                            (is_at_upper && found.allowed.upper(i) >= highest(i));
   }
-  return names;
+  return held;
 }
 
 }  // namespace
@@ -86,15 +94,17 @@ bool is_left_out(const IntervalResult& found, Eigen::Index output) {
 }
 
 std::string limits_of_search(const UpdatingProblem& problem, const IntervalResult& found) {
-  const std::vector<std::string> names = held_by_reach(problem, found);
-  if (names.empty()) return "the bounds of the parameters";
-  return fmt::format("{:.0f} prior standard deviations of {} about prior and specimens (where the search ends)",
-                     k_reach, join(names));
+  const Held held = held_parameters(problem, found);
+  const std::string bounds = "the bounds of the parameters";
+  if (held.by_reach.empty()) return bounds;
+  return fmt::format("{}{:.0f} prior standard deviations of {} about prior and specimens (where the search ends)",
+                     held.is_any_by_bounds ? bounds + " and " : "", k_reach, join(held.by_reach));
 }
 
 std::string advice_on_limits(const UpdatingProblem& problem, const IntervalResult& found) {
-  const std::vector<std::string> names = held_by_reach(problem, found);
-  return names.empty() ? "" : fmt::format(" Where it may go further, give a wider distribution to {}.", join(names));
+  const Held held = held_parameters(problem, found);
+  if (held.by_reach.empty()) return "";
+  return fmt::format(" Where it may go further, give a wider distribution to {}.", join(held.by_reach));
 }
 
 }  // namespace mottle::updating
