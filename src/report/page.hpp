@@ -18,7 +18,7 @@ namespace mottle::report {
 /// @return           the complete HTML file
 std::string render_page(std::string_view data_json);
 
-/// Whether the file is a page of this program whose data is of that kind ("compare").
+/// Whether the file is a page of this program, of whatever version, whose data is of that kind ("compare").
 bool is_page_of(const std::filesystem::path& file, const std::string& kind);
 
 }  // namespace mottle::report

@@ -5,6 +5,7 @@
 
 import json
 import math
+import shutil
 import unittest
 
 import support
@@ -51,6 +52,18 @@ class CompareTest(support.CommandTest):
                 for key, value in run["result"][part].items():
                     self.assertEqual(value, result[part][key], key)
             self.assertEqual(run["result"]["agreement"], result["agreement"])
+
+    def test_a_page_of_another_version_is_replaced_and_no_other_file(self):
+        self.succeed("compare", "a", "b", "--out", "page.html")
+        page = self.folder / "page.html"
+        ours = page.read_text(encoding="utf-8")
+        page.write_text(ours.replace("<meta charset", '<meta name="version" content="older">\n<meta charset', 1), encoding="utf-8")
+        self.succeed("compare", "a", "b", "--out", "page.html")
+        self.assertEqual(page.read_text(encoding="utf-8"), ours)
+        page.write_text("<!doctype html><p>mine</p>", encoding="utf-8")
+        ended = self.call("compare", "a", "b", "--out", "page.html")
+        self.assertEqual(ended.code, 2, ended.out)
+        self.assertIn("mine", page.read_text(encoding="utf-8"))
 
     def test_a_page_of_another_name_is_refused(self):
         ended = self.call("compare", "a", "b", "--out", "a/result.json")
@@ -130,11 +143,28 @@ class EvidenceTest(support.CommandTest):
         self.write("other.csv", "\n".join([*lines[:2], ",".join([str(1.01 * float(cells[0])), *cells[1:]]), *lines[3:]]) + "\n")
         self.write("fewer.csv", "\n".join(lines[:-1]) + "\n")
         self.update("values", ('"tests.csv"', '"other.csv"'))
-        self.refused("values", "its tests are others than those of a: f1 of row 2")
+        self.refused("values", "its tests are others than those of a: row 2 there (with f1 = ")
         self.update("specimens", ('"tests.csv"', '"fewer.csv"'))
         self.refused("specimens", "it has 5 specimens, a has 6")
         self.update("outputs", ("frequencies = [1, 2, 3]", "frequencies = [1, 2]"))
         self.refused("outputs", "its outputs are others than those of a: it has no f3")
+
+    def test_the_order_of_specimens_and_outputs_does_not_matter(self):
+        first = support.read_result(self.folder / "a")["posterior"]["leave_one_out"]["pointwise"]
+        header, *rows = (line.split(",") for line in support.TESTS.splitlines())
+        turned = [",".join(reversed(line)) for line in (header, *reversed(rows))]
+        self.write("turned.csv", "\n".join(turned) + "\n")
+        other = self.update("turned", ('"tests.csv"', '"turned.csv"'), ("stiffness = 3.0", "stiffness = 2.9"))
+        evidence = self.evidence("a", "turned")
+        self.assertEqual(evidence["not_compared"], [])
+        apart = [b - a for a, b in zip(first, reversed(other["posterior"]["leave_one_out"]["pointwise"]), strict=True)]
+        mean = math.fsum(apart) / len(apart)
+        error = math.sqrt(len(apart) * math.fsum((x - mean) ** 2 for x in apart) / (len(apart) - 1))
+        self.assertAlmostEqual(max(model["elpd_difference_standard_error"] for model in evidence["models"]), error, delta=1e-9)
+
+    def test_one_run_is_not_compared_with_itself(self):
+        shutil.copytree(self.folder / "a", self.folder / "copy")
+        self.refused("copy", "its evidence is that of a to the last digit")
 
     def test_a_method_without_evidence_is_named(self):
         self.write("mares.toml", support.STUDY)

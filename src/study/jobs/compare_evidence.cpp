@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 
 #include "mottle/core/text.hpp"
 #include "mottle/formats/tables/csv.hpp"
@@ -25,6 +26,7 @@ struct EvidenceRecord {
   TestedOutputs tests;
   Json noise;  ///< what is given of noise and model error, and the priors of what is not
   std::string status;
+  Json islands;  ///< ln evidence of each
 };
 
 Json item(const Json& json, const char* path) {
@@ -85,8 +87,38 @@ std::vector<std::string> missing_from(const std::vector<std::string>& names, con
   return missing;
 }
 
+bool is_same(double a, double b) {
+  return a == b || (std::isnan(a) && std::isnan(b));
+}
+
+/// Columns of the same names, in this order.
+Eigen::MatrixXd in_order(const TestedOutputs& tests, const std::vector<std::string>& names) {
+  Eigen::MatrixXd values(tests.values.rows(), static_cast<Eigen::Index>(names.size()));
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    const auto column = std::ranges::find(tests.names, names[k]) - tests.names.begin();
+    values.col(static_cast<Eigen::Index>(k)) = tests.values.col(column);
+  }
+  return values;
+}
+
+/// For each row of `first` the row of `own` that is the same, each taken once; -1: there is none.
+std::vector<Eigen::Index> matching_rows(const Eigen::MatrixXd& own, const Eigen::MatrixXd& first) {
+  std::vector<Eigen::Index> rows, left(static_cast<std::size_t>(own.rows()));
+  std::iota(left.begin(), left.end(), Eigen::Index{0});
+  for (Eigen::Index s = 0; s < first.rows(); ++s) {
+    const auto match = std::ranges::find_if(
+        left, [&](Eigen::Index row) { return own.row(row).binaryExpr(first.row(s), &is_same).all(); });
+    rows.push_back(match == left.end() ? -1 : *match);
+    if (match != left.end()) left.erase(match);
+  }
+  return rows;
+}
+
 /// Why evidences of these tests are not of the same data; empty: they are.
-std::string difference_of(const TestedOutputs& own, const TestedOutputs& first, const std::string& label) {
+///
+/// @param rows  out: see matching_rows()
+std::string difference_of(const TestedOutputs& own, const TestedOutputs& first, const std::string& label,
+                          std::vector<Eigen::Index>& rows) {
   const std::vector<std::string> more = missing_from(own.names, first.names);
   const std::vector<std::string> fewer = missing_from(first.names, own.names);
   if (!more.empty()) return fmt::format("its outputs are others than those of {}, which has no {}", label, join(more));
@@ -94,17 +126,17 @@ std::string difference_of(const TestedOutputs& own, const TestedOutputs& first, 
   if (own.values.rows() != first.values.rows()) {
     return fmt::format("it has {} specimens, {} has {}", own.values.rows(), label, first.values.rows());
   }
-  for (std::size_t k = 0; k < own.names.size(); ++k) {
-    const auto column = std::ranges::find(first.names, own.names[k]) - first.names.begin();
-    for (Eigen::Index s = 0; s < own.values.rows(); ++s) {
-      const double a = own.values(s, static_cast<Eigen::Index>(k));
-      const double b = first.values(s, column);
-      if (a == b || (std::isnan(a) && std::isnan(b))) continue;
-      return fmt::format("its tests are others than those of {}: {} of row {} is {:.6g} there, {:.6g} here", label,
-                         own.names[k], s + 1, b, a);
-    }
-  }
-  return {};
+  const Eigen::MatrixXd values = in_order(own, first.names);
+  rows = matching_rows(values, first.values);
+  const auto lacking = std::ranges::find(rows, Eigen::Index{-1});
+  if (lacking == rows.end()) return {};
+  const Eigen::Index s = lacking - rows.begin();
+  Eigen::Index k = 0;
+  while (k + 1 < values.cols() && is_same(values(s, k), first.values(s, k))) ++k;
+  return fmt::format(
+      "its tests are others than those of {}: row {} there (with {} = {:.6g}) is none of its rows; its own row {} has "
+      "{:.6g}",
+      label, s + 1, first.names[static_cast<std::size_t>(k)], first.values(s, k), s + 1, values(s, k));
 }
 
 /// Why a result has no evidence to compare; empty: it has.
@@ -126,7 +158,8 @@ EvidenceRecord read_record(const Json& result, const ComparedRun& run) {
                                                number_at(result, "/evidence/standard_error")}},
                         .tests = read_tests_of(run.folder),
                         .noise = noise_of(result),
-                        .status = run.status};
+                        .status = run.status,
+                        .islands = item(result, "/evidence/islands")};
   const double chains = number_at(result, "/posterior/chains");
   record.model.evidence.degrees_of_freedom = chains >= 2.0 ? chains - 1.0 : 1.0;
   record.model.elpd = number_at(result, "/posterior/leave_one_out/elpd");
@@ -138,6 +171,28 @@ EvidenceRecord read_record(const Json& result, const ComparedRun& run) {
     record.model.largest_pareto_k = k.array().isNaN().any() ? HUGE_VAL : k.maxCoeff();
   }
   return record;
+}
+
+/// Why a record is not compared with those before it; empty: it is. Its specimens take the order of the first's.
+std::string why_not_beside(const std::vector<EvidenceRecord>& before, EvidenceRecord& record) {
+  if (before.empty()) return {};
+  const EvidenceRecord& first = before.front();
+  std::vector<Eigen::Index> rows;
+  std::string reason = difference_of(record.tests, first.tests, first.model.label, rows);
+  if (!reason.empty()) return reason;
+  const auto twin = std::ranges::find_if(before, [&](const EvidenceRecord& other) {
+    return record.islands.is_array() && record.islands == other.islands;
+  });
+  if (twin != before.end()) {
+    return fmt::format(
+        "its evidence is that of {} to the last digit: it is the same run, or a model of the same outputs at the same "
+        "seed, and no second look at the tests",
+        twin->model.label);
+  }
+  if (record.model.elpd_pointwise.size() == static_cast<Eigen::Index>(rows.size())) {
+    record.model.elpd_pointwise = record.model.elpd_pointwise(rows).eval();
+  }
+  return {};
 }
 
 /// Differences of elpd to the best of those of as many specimens.
@@ -195,7 +250,7 @@ std::optional<EvidenceComparison> compare_evidence_of(const std::vector<Compared
     std::string reason = why_none(result, run);
     if (reason.empty()) {
       EvidenceRecord record = read_record(result, run);
-      if (!records.empty()) reason = difference_of(record.tests, records.front().tests, records.front().model.label);
+      reason = why_not_beside(records, record);
       if (reason.empty()) records.push_back(std::move(record));
     }
     if (!reason.empty()) comparison.left_out.push_back({run.label, std::move(reason)});

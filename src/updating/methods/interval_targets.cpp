@@ -95,7 +95,7 @@ bool is_left_out(const IntervalResult& found, Eigen::Index output) {
 
 std::string limits_of_search(const UpdatingProblem& problem, const IntervalResult& found) {
   const Held held = held_parameters(problem, found);
-  const std::string bounds = "the bounds of the parameters";
+  std::string bounds = "the bounds of the parameters";
   if (held.by_reach.empty()) return bounds;
   return fmt::format("{}{:.0f} prior standard deviations of {} about prior and specimens (where the search ends)",
                      held.is_any_by_bounds ? bounds + " and " : "", k_reach, join(held.by_reach));
