@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 
 #include "mottle/core/subject.hpp"
@@ -225,25 +224,6 @@ UpdatingResult stopped(UpdatingResult result, const UpdatingProblem& problem) {
   result.mean = problem.space.prior().mean();
   result.covariance = problem.space.prior().covariance();
   return result;
-}
-
-void describe_ending(const CoveringBox& covering, const CoverTask& task, UpdatingResult& result) {
-  if (task.targets.col(0).minCoeff() == std::numeric_limits<double>::infinity()) {
-    result.status = UpdatingStatus::stalled;
-    result.message = "the parameters move none of the outputs: no box was looked for";
-  } else if (covering.has_converged) {
-    result.status = UpdatingStatus::converged;
-    result.message = fmt::format(
-        "the box is at rest: no smaller one near it covers {}; its widths are {:.4g} prior standard deviations "
-        "together",
-        covering.uncovered > 0.0 ? "as much" : "what is asked for", covering.measure);
-  } else if (covering.uncovered > 0.0) {
-    result.status = UpdatingStatus::stalled;
-    result.message = "no step brings the image of the box nearer to the bounds of the tests";
-  } else {
-    result.status = UpdatingStatus::max_iterations;
-    result.message = "the box covers, but a smaller one may: the iterations were used up";
-  }
 }
 
 }  // namespace

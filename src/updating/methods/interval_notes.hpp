@@ -10,6 +10,9 @@
 
 namespace mottle::updating {
 
+/// Status and message of the search.
+void describe_ending(const CoveringBox& covering, const CoverTask& task, UpdatingResult& result);
+
 /// Ends of the box that are not the only ones of its measure, and parameters without width that `allowed` gives one.
 std::vector<std::string> undetermined_ends(const UpdatingProblem& problem, const ParameterBox& allowed,
                                            const CoveringBox& covering);
