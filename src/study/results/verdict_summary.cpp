@@ -29,7 +29,10 @@ std::string headline_of(const SummarySources& s) {
     case Conclusion::inadequate:
       return "The model does not explain the tests.";
     case Conclusion::adequate:
-      if (s.result.interval) return "No test refuses the model, and the box covers the bounds of the tests.";
+      if (s.result.interval) {
+        return fmt::format("No test refuses the model, and the box covers the bounds of the tests{}.",
+                           s.result.interval->excess.minCoeff() < 0.0 ? ", up to their noise" : "");
+      }
       if (has_means && has_scatter) return "The model explains the tests: it was tested, and no test refuses it.";
       return fmt::format("No test refuses the model, but it does not reproduce the {} of every output.",
                          has_scatter ? "mean"

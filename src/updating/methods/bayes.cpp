@@ -74,21 +74,42 @@ void note_gradients(const SampledPosterior& posterior, const PosteriorTarget& ta
                                  : "."));
 }
 
-/// Levels of the noise of which a part of the posterior was not sampled: then no sampling is whole.
-void note_unreached(const NoiseLevels& noise, const std::vector<double>& unreached, UpdatingResult& result) {
+void note_unreached(std::string text, UpdatingResult& result) {
+  if (result.status == UpdatingStatus::converged) {
+    result.status = UpdatingStatus::stalled;
+    result.message = text;
+  }
+  result.warnings.push_back(std::move(text));
+}
+
+/// Small levels of the noise of which a part of the posterior was not sampled: then no sampling is whole.
+void judge_reach(const NoiseLevels& noise, const NoiseReach& reach, const SampledPosterior& posterior,
+                 UpdatingResult& result) {
   constexpr double k_much = 0.06;  // linear theory and draws agree to a few hundredths elsewhere
-  for (std::size_t k = 0; k < unreached.size(); ++k) {
-    if (!(unreached[k] > k_much)) continue;
-    std::string text = fmt::format(
-        "The tests are met so closely that the draws of {} lack {:.0f} % of its posterior (by linear theory), at small "
-        "noise that the sampler does not reach: neither ln evidence nor the level is to be relied on. Give [test] "
-        "repeatability, or set bayes.noise_prior = \"inverse-gamma\".",
-        noise.names()[k], 100.0 * unreached[k]);
-    if (result.status == UpdatingStatus::converged) {
-      result.status = UpdatingStatus::stalled;
-      result.message = text;
+  constexpr double k_errors = 3.0;
+  constexpr const char* k_advice =
+      "Give [test] repeatability, more particles, or set bayes.noise_prior = \"inverse-gamma\".";
+  if (reach.evidence) {
+    const double gap = reach.evidence->log_evidence - posterior.evidence.log_evidence;
+    const double error = std::hypot(reach.evidence->standard_error, posterior.evidence.standard_error);
+    if (-std::expm1(-gap) > k_much && gap > k_errors * error) {
+      return note_unreached(
+          fmt::format(
+              "The draws lack {:.0f} % of the posterior: importance sampling about the parameters that meet the "
+              "tests best finds ln evidence {:.3f} +- {:.3f}. The tests are met so closely that noise far below "
+              "its prior's scale is probable, which the sampler hardly reaches. {}",
+              -100.0 * std::expm1(-gap), reach.evidence->log_evidence, reach.evidence->standard_error, k_advice),
+          result);
     }
-    result.warnings.push_back(std::move(text));
+  }
+  for (std::size_t k = 0; k < reach.missed.size(); ++k) {
+    if (!(reach.missed[k] > k_much)) continue;
+    note_unreached(
+        fmt::format("The tests are met so closely that the draws of {} lack {:.0f} % of its posterior (by linear "
+                    "theory), at small noise that the sampler does not reach: neither ln evidence nor the level is to "
+                    "be relied on. {}",
+                    noise.names()[k], 100.0 * reach.missed[k], k_advice),
+        result);
   }
 }
 
@@ -174,10 +195,12 @@ UpdatingResult BayesUpdater::update(const UpdatingProblem& problem, const RunCon
   context.phase({.name = "tests of the posterior"});
   const PosteriorPeak peak = peak_of(near.problem(), islands, target, context, result.model_evaluations);
   result.sensitivity = peak.sensitivity;
-  note_unreached(noise,
-                 unreached_levels(near.problem(), noise, likelihood, peak, posterior->values.rightCols(noise.count()),
-                                  context, result.model_evaluations),
-                 result);
+  const std::int64_t before = target.evaluations();
+  const NoiseReach reach =
+      find_noise_reach(near.problem(), noise, likelihood, peak, posterior->values.rightCols(noise.count()),
+                       target.target(), context, result.model_evaluations);
+  result.model_evaluations += target.evaluations() - before;
+  judge_reach(noise, reach, *posterior, result);
   result.noise_covariance = mean_noise(noise, posterior->values.rightCols(noise.count())).asDiagonal();
   result.posterior = posterior;
   add_notes(problem, *posterior, result);

@@ -1,180 +1,218 @@
 #include "updating/methods/noise_reach.hpp"
 
+#include <algorithm>
+#include <boost/math/special_functions/gamma.hpp>
 #include <cmath>
 #include <limits>
-#include <optional>
+#include <numbers>
+#include <numeric>
 
 #include "mottle/core/error.hpp"
+#include "mottle/core/random.hpp"
 #include "mottle/linalg/dense/decompositions.hpp"
+#include "mottle/stats/distributions/standard_normal.hpp"
 #include "mottle/stats/moments/quantiles.hpp"
-#include "mottle/updating/methods/deterministic.hpp"
-#include "updating/methods/least_squares.hpp"
+#include "updating/estimate/normal_draws.hpp"
 
 namespace mottle::updating {
 namespace {
 
-/// f ~ outputs + slopes (u' - scores) of the parameters' scores.
-struct Linearised {
-  Eigen::VectorXd scores;
-  Eigen::VectorXd outputs;
-  Eigen::MatrixXd slopes;  // J
-};
+constexpr double k_minus_infinity = -std::numeric_limits<double>::infinity();
+constexpr Eigen::Index k_draws = 2000;
+constexpr double k_first = -9.0;  // of a level's scores: 1e-19 of the prior's scale
+constexpr double k_last = 6.0;
+constexpr double k_width = 0.02;
 
-/// min over u of |V^-1/2 (e - J u)|^2 + |u|^2, where it is, and ln |V + J J'|.
-struct Marginal {
-  Eigen::VectorXd scores;
-  double squares = 0.0;
-  double log_determinant = 0.0;
-};
-
-class NoiseReach {
- public:
-  NoiseReach(const UpdatingProblem& problem, const NoiseLevels& noise, const CommonLikelihood& likelihood,
-             const RunContext& context, std::int64_t& evaluations)
-      : problem_(problem), noise_(noise), likelihood_(likelihood), context_(context), evaluations_(evaluations) {}
-
-  /// Gauss-Newton from the peak on, with noise of these levels.
-  Linearised best(const PosteriorPeak& peak, const Eigen::VectorXd& levels) const {
-    constexpr int k_steps = 8;
-    constexpr int k_halvings = 4;
-    constexpr double k_rest = 1e-10;
-    const Eigen::VectorXd start = peak.scores.head(problem_.space.count());
-    Linearised at{start, peak.outputs, peak.sensitivity * problem_.space.prior().standard_normal_derivatives(start)};
-    for (int step = 0; step < k_steps; ++step) {
-      const Eigen::VectorXd move = marginal(at, levels).scores - at.scores;
-      double length = 1.0;
-      for (int halving = 0; halving < k_halvings; ++halving, length *= 0.5) {
-        const Eigen::VectorXd next = at.scores + length * move;
-        const std::optional<Eigen::VectorXd> outputs = outputs_at(next);
-        if (!outputs || !(cost(next, *outputs, levels) < cost(at.scores, at.outputs, levels))) continue;
-        at = linearised(next, *outputs);
-        break;
-      }
-      if (!(length * move.norm() > k_rest) || length < std::exp2(-k_halvings + 0.5)) break;
-    }
-    return at;
-  }
-
-  /// ln p(z | levels), up to a constant.
-  double log_density(const Linearised& at, const Eigen::VectorXd& levels) const {
-    const Marginal found = marginal(at, levels);
-    const Eigen::VectorXd variances = noise_.variances(levels);
-    double sum = found.squares + found.log_determinant;
-    for (Eigen::Index k = 0; k < variances.size(); ++k) {
-      const double count = likelihood_.count()(k);
-      if (count > 1.0) sum += (count - 1.0) * std::log(variances(k)) + likelihood_.scatter()(k) / variances(k);
-    }
-    return -0.5 * sum;
-  }
-
- private:
-  Eigen::VectorXd variables(const Eigen::VectorXd& scores) const {
-    return problem_.space.prior().from_standard_normal(scores.transpose()).row(0).transpose();
-  }
-
-  std::optional<Eigen::VectorXd> outputs_at(const Eigen::VectorXd& scores) const {
-    const Eigen::VectorXd x = variables(scores);
-    if (!are_possible(problem_.space, x.transpose()).front()) return std::nullopt;
-    std::optional<Eigen::VectorXd> outputs = evaluate_one(problem_, x, context_, evaluations_);
-    return outputs && outputs->allFinite() ? outputs : std::nullopt;
-  }
-
-  Linearised linearised(const Eigen::VectorXd& scores, const Eigen::VectorXd& outputs) const {
-    const Eigen::VectorXd prior_std = problem_.space.prior().covariance().diagonal().cwiseSqrt();
-    const Eigen::MatrixXd of_variables = model_jacobian(problem_, variables(scores), prior_std, context_, evaluations_);
-    return {scores, outputs, of_variables * problem_.space.prior().standard_normal_derivatives(scores)};
-  }
-
-  /// Of the tests' means, 0 of what is not measured.
-  Eigen::VectorXd precision_roots(const Eigen::VectorXd& levels) const {
-    const Eigen::VectorXd variance = likelihood_.variance_of_mean(noise_.variances(levels));
-    return (likelihood_.count().array() > 0.0).select(variance.cwiseInverse().cwiseSqrt(), 0.0);
-  }
-
-  double cost(const Eigen::VectorXd& scores, const Eigen::VectorXd& outputs, const Eigen::VectorXd& levels) const {
-    return precision_roots(levels).cwiseProduct(likelihood_.mean() - outputs).squaredNorm() + scores.squaredNorm();
-  }
-
-  Marginal marginal(const Linearised& at, const Eigen::VectorXd& levels) const {
-    const Eigen::VectorXd roots = precision_roots(levels);
-    const Eigen::VectorXd apart = likelihood_.mean() - at.outputs + at.slopes * at.scores;
-    const SingularValues svd(roots.asDiagonal() * at.slopes, Eigen::ComputeThinU | Eigen::ComputeThinV);
-    const Eigen::ArrayXd s = svd.values().array();
-    const Eigen::VectorXd along = svd.left().transpose() * roots.cwiseProduct(apart);
-    Marginal found;
-    found.scores = svd.right() * (s / (1.0 + s.square()) * along.array()).matrix();
-    found.squares = roots.cwiseProduct(apart - at.slopes * found.scores).squaredNorm() + found.scores.squaredNorm();
-    found.log_determinant = (1.0 + s.square()).log().sum();
-    for (const double root : roots) found.log_determinant -= root > 0.0 ? 2.0 * std::log(root) : 0.0;
-    return found;
-  }
-
-  const UpdatingProblem& problem_;
-  const NoiseLevels& noise_;
-  const CommonLikelihood& likelihood_;
-  const RunContext& context_;
-  std::int64_t& evaluations_;
-};
+/// Directions of the measured outputs, each relative to its size, that the parameters' scores move.
+Eigen::Index movable_directions(const UpdatingProblem& problem, const CommonLikelihood& likelihood,
+                                const PosteriorPeak& peak) {
+  constexpr double k_unseen = 1e-6;  // of the most that is moved
+  const Eigen::MatrixXd slopes =
+      peak.sensitivity * problem.space.prior().standard_normal_derivatives(peak.scores.head(problem.space.count()));
+  const Eigen::VectorXd sizes = likelihood.mean().cwiseAbs();
+  const Eigen::VectorXd weights =
+      (likelihood.count().array() > 0.0 && sizes.array() > 0.0).select(sizes.cwiseInverse(), 0.0);
+  return PivotedQr(weights.asDiagonal() * slopes, k_unseen).rank();
+}
 
 double quantile_of(const Eigen::Ref<const Eigen::VectorXd>& column, double probability) {
   return quantile({column.begin(), column.end()}, probability, QuantileRule::ends);
 }
 
-/// How much more of the level k lies below quantiles of its draws than of these, by a sum over its scores: the most.
-double missed_by_draws(const NoiseReach& reach, const NoiseLevels& noise, const Linearised& at,
-                       const Eigen::VectorXd& medians, Eigen::Index k, const Eigen::Ref<const Eigen::VectorXd>& draws) {
-  constexpr double k_first = -9.0;  // of the prior's scores: a level of 1e-19 of its scale
-  constexpr double k_last = 6.0;
-  constexpr double k_width = 0.02;
-  std::vector<double> logs, levels;
-  double largest = -std::numeric_limits<double>::infinity();
+/// Density of a level's scores in cells of k_width, by linear theory with the other levels at their medians.
+struct LevelGrid {
+  std::vector<double> levels;         ///< in the middles of the cells
+  std::vector<double> probabilities;  ///< together 1
+};
+
+LevelGrid make_grid(const LinearNoise& linear, const NoiseLevels& noise, const Linearised& at,
+                    const Eigen::VectorXd& medians, Eigen::Index k) {
+  LevelGrid grid;
   Eigen::VectorXd all = medians;
-  for (double score = k_first; score < k_last; score += k_width) {
+  double largest = k_minus_infinity;
+  const int cells = static_cast<int>(std::lround((k_last - k_first) / k_width));
+  for (int cell = 0; cell < cells; ++cell) {
+    const double score = k_first + (cell + 0.5) * k_width;
     all(k) = noise.level(score);
-    if (!(all(k) > 0.0)) continue;
-    levels.push_back(all(k));
-    logs.push_back(reach.log_density(at, all) - 0.5 * score * score);
-    largest = std::isfinite(logs.back()) ? std::max(largest, logs.back()) : largest;
+    const double log_density = all(k) > 0.0 ? linear.log_density(at, all) - 0.5 * score * score : k_minus_infinity;
+    grid.levels.push_back(all(k));
+    grid.probabilities.push_back(std::isfinite(log_density) ? log_density : k_minus_infinity);
+    largest = std::max(largest, grid.probabilities.back());
   }
+  double sum = 0.0;
+  for (double& value : grid.probabilities) sum += value = std::exp(value - largest);
+  for (double& value : grid.probabilities) value /= sum;
+  return grid;
+}
+
+double missed_by_draws(const LevelGrid& grid, const Eigen::Ref<const Eigen::VectorXd>& draws) {
   double most = 0.0;
   for (const double part : {0.005, 0.05, 0.25}) {
     const double end = quantile_of(draws, part);
-    double below = 0.0, sum = 0.0;
-    for (std::size_t i = 0; i < logs.size(); ++i) {
-      const double weight = std::isfinite(logs[i]) ? std::exp(logs[i] - largest) : 0.0;
-      sum += weight;
-      if (levels[i] < end) below += weight;
-    }
-    if (sum > 0.0) most = std::max(most, below / sum - part);
+    double below = 0.0;
+    for (std::size_t i = 0; i < grid.levels.size(); ++i) below += grid.levels[i] < end ? grid.probabilities[i] : 0.0;
+    most = std::max(most, below - part);
   }
   return most;
 }
 
+double log_normal_density(double score) {
+  return -0.5 * (score * score + std::log(2.0 * std::numbers::pi));
+}
+
+/// Draws of scores, and the logarithm of the density that they are drawn from.
+class ReachingDraws {
+ public:
+  ReachingDraws(const LinearNoise& linear, const NoiseLevels& noise, const Linearised& at,
+                const std::vector<LevelGrid>& grids)
+      : linear_(linear), noise_(noise), at_(at), grids_(grids) {}
+
+  Eigen::VectorXd draw(RandomStream& random, double& log_density) const {
+    constexpr double k_nu = 5.0;
+    Eigen::VectorXd scores(static_cast<Eigen::Index>(grids_.size())), levels(scores.size());
+    log_density = 0.0;
+    for (Eigen::Index k = 0; k < scores.size(); ++k) {
+      scores(k) = draw_level(grids_[static_cast<std::size_t>(k)], random, log_density);
+      levels(k) = noise_.level(scores(k));
+    }
+    const LinearPosterior given = linear_.given(at_, levels);
+    const auto q = static_cast<double>(given.scores.size());
+    const Eigen::VectorXd normal = standard_normals(random, given.scores.size());
+    const double chi_squared = standard_normals(random, static_cast<Eigen::Index>(k_nu)).squaredNorm();
+    const Eigen::VectorXd t = normal * std::sqrt(k_nu / chi_squared);
+    log_density += boost::math::lgamma(0.5 * (k_nu + q)) - boost::math::lgamma(0.5 * k_nu) -
+                   0.5 * q * std::log(k_nu * std::numbers::pi) - given.deviations.array().log().sum() -
+                   0.5 * (k_nu + q) * std::log1p(t.squaredNorm() / k_nu);
+    Eigen::VectorXd point(given.scores.size() + scores.size());
+    point << given.scores + given.axes * given.deviations.cwiseProduct(t), scores;
+    return point;
+  }
+
+ private:
+  static double draw_level(const LevelGrid& grid, RandomStream& random, double& log_density) {
+    constexpr double k_of_prior = 0.1;
+    const double kind = random.uniform(), place = random.uniform(), inside = random.uniform();
+    double score = standard_normal_quantile(place);
+    if (kind >= k_of_prior) {
+      std::size_t cell = 0;
+      for (double sum = grid.probabilities[0]; sum < place && cell + 1 < grid.probabilities.size();)
+        sum += grid.probabilities[++cell];
+      score = k_first + (static_cast<double>(cell) + inside) * k_width;
+    }
+    const auto cell = static_cast<std::ptrdiff_t>(std::floor((score - k_first) / k_width));
+    const bool is_inside = cell >= 0 && cell < std::ssize(grid.probabilities);
+    const double of_grid = is_inside ? grid.probabilities[static_cast<std::size_t>(cell)] / k_width : 0.0;
+    log_density += std::log((1.0 - k_of_prior) * of_grid + k_of_prior * std::exp(log_normal_density(score)));
+    return score;
+  }
+
+  const LinearNoise& linear_;
+  const NoiseLevels& noise_;
+  const Linearised& at_;
+  const std::vector<LevelGrid>& grids_;
+};
+
+RandomStream stream_of(const RunContext& context, Eigen::Index number) {
+  // Islands begin at stage 1: these are free.
+  return {{.seed = context.seed, .purpose = StreamPurpose::posterior_proposal, .iteration = 0},
+          static_cast<std::uint32_t>(number)};
+}
+
+/// The share of draws of the prior that are possible.
+double possible_share(const SamplingTarget& target, const RunContext& context) {
+  if (!target.is_possible) return 1.0;
+  Eigen::MatrixXd points(k_draws, target.dimension);
+  for (Eigen::Index i = 0; i < k_draws; ++i) {
+    RandomStream random = stream_of(context, k_draws + i);
+    points.row(i) = standard_normals(random, target.dimension).transpose();
+  }
+  const std::vector<bool> possible = target.is_possible(points);
+  return static_cast<double>(std::ranges::count(possible, true)) / static_cast<double>(k_draws);
+}
+
+std::optional<EstimatedEvidence> importance_evidence(const ReachingDraws& draws, const SamplingTarget& target,
+                                                     const RunContext& context) {
+  Eigen::MatrixXd points(k_draws, target.dimension);
+  Eigen::VectorXd log_weights(k_draws);
+  for (Eigen::Index i = 0; i < k_draws; ++i) {
+    RandomStream random = stream_of(context, i);
+    double log_density = 0.0;
+    points.row(i) = draws.draw(random, log_density).transpose();
+    log_weights(i) = -log_density;
+    for (const double score : points.row(i)) log_weights(i) += log_normal_density(score);
+  }
+  const std::vector<bool> possible = target.is_possible ? target.is_possible(points) : std::vector<bool>(k_draws, true);
+  std::vector<Eigen::Index> rows;
+  for (Eigen::Index i = 0; i < k_draws; ++i) {
+    if (possible[static_cast<std::size_t>(i)]) rows.push_back(i);
+  }
+  const double share = possible_share(target, context);
+  if (rows.empty() || !(share > 0.0)) return std::nullopt;
+  const Eigen::VectorXd logs =
+      (log_weights(rows) + target.log_likelihood(points(rows, Eigen::all))).unaryExpr([](double value) {
+        return std::isnan(value) ? k_minus_infinity : value;
+      });
+  const double largest = logs.maxCoeff();
+  if (!std::isfinite(largest)) return std::nullopt;
+  const Eigen::ArrayXd weights = (logs.array() - largest).exp();
+  const auto n = static_cast<double>(k_draws);
+  const double mean = weights.sum() / n;
+  const double variance = weights.square().sum() / n - mean * mean;
+  return EstimatedEvidence{largest + std::log(mean) - std::log(share), std::sqrt(variance / n) / mean, n - 1.0};
+}
+
 }  // namespace
 
-std::vector<double> unreached_levels(const UpdatingProblem& problem, const NoiseLevels& noise,
-                                     const CommonLikelihood& likelihood, const PosteriorPeak& peak,
-                                     const Eigen::Ref<const Eigen::MatrixXd>& levels, const RunContext& context,
-                                     std::int64_t& evaluations) {
+NoiseReach find_noise_reach(const UpdatingProblem& problem, const NoiseLevels& noise,
+                            const CommonLikelihood& likelihood, const PosteriorPeak& peak,
+                            const Eigen::Ref<const Eigen::MatrixXd>& levels, const SamplingTarget& target,
+                            const RunContext& context, std::int64_t& evaluations) {
   constexpr double k_lowest = 0.005;
   constexpr double k_far_below = 1e-3;
-  std::vector<double> unreached(static_cast<std::size_t>(noise.count()), 0.0);
-  const bool can_be_met = likelihood.count().sum() <= static_cast<double>(problem.space.count());
-  if (noise.is_known() || can_be_met) return unreached;  // by any parameters: the density falls with the level then
+  // What parameters can always meet has a density that falls with the level.
+  if (noise.is_known() ||
+      likelihood.count().sum() <= static_cast<double>(movable_directions(problem, likelihood, peak))) {
+    return {};
+  }
   Eigen::VectorXd medians(noise.count()), lowest(noise.count());
   for (Eigen::Index k = 0; k < noise.count(); ++k) {
     medians(k) = quantile_of(levels.col(k), 0.5);
     lowest(k) = quantile_of(levels.col(k), k_lowest);
   }
-  const NoiseReach reach(problem, noise, likelihood, context, evaluations);
+  const LinearNoise linear(problem, noise, likelihood, context, evaluations);
   try {
-    const Linearised at = reach.best(peak, k_far_below * lowest);
-    for (Eigen::Index k = 0; k < noise.count(); ++k)
-      unreached[static_cast<std::size_t>(k)] = missed_by_draws(reach, noise, at, medians, k, levels.col(k));
+    const Linearised at = linear.best(peak, k_far_below * lowest);
+    NoiseReach found;
+    std::vector<LevelGrid> grids;
+    for (Eigen::Index k = 0; k < noise.count(); ++k) {
+      grids.push_back(make_grid(linear, noise, at, medians, k));
+      found.missed.push_back(missed_by_draws(grids.back(), levels.col(k)));
+    }
+    found.evidence = importance_evidence({linear, noise, at, grids}, target, context);
+    return found;
   } catch (const SystemFailure&) {  // the model fails about these parameters: nothing can be told
-    return std::vector<double>(unreached.size(), 0.0);
+    return {};
   }
-  return unreached;
 }
 
 }  // namespace mottle::updating

@@ -160,24 +160,46 @@ void Island::put_back(Eigen::Index particle, const Eigen::Ref<const Eigen::Vecto
   log_mixture_(particle) = mixture_for(particle).log_density(point);
 }
 
+/// A half moves until the other half has decorrelated: one that ended by its own particles would end when those in the
+/// tails have left them.
 void Island::end_move() {
   SamplingStage& stage = found_.stages.back();
   stage.moves = static_cast<int>(step_);
   stage.acceptance = accepted_ / static_cast<double>(step_);
-  if (wanted_moves_ == 0) {
-    stage.correlation = correlation_with_start();
-    stage.is_decorrelated = stage.correlation <= std::max(settings_.decorrelation, correlation_by_chance());
-    if (!stage.is_decorrelated && stage.moves < settings_.max_moves) return;
-    wanted_moves_ = std::min(settings_.max_moves, (exponent_ >= 1.0 ? settings_.last_stage_factor : 1) * stage.moves);
+  const int factor = exponent_ >= 1.0 ? settings_.last_stage_factor : 1;
+  for (std::size_t k = 0; k < 2; ++k) {
+    if (moves_of_half_[k] == 0) {
+      const double correlation = correlation_with_start(1 - k);
+      const bool is_decorrelated = correlation <= std::max(settings_.decorrelation, correlation_by_chance());
+      if (is_decorrelated || stage.moves >= settings_.max_moves) {
+        moves_of_half_[k] = std::min(settings_.max_moves, factor * stage.moves);
+        stage.correlation = std::max(stage.correlation, correlation);
+        stage.is_decorrelated = stage.is_decorrelated && is_decorrelated;
+      }
+    }
+    if (stage.moves == moves_of_half_[k]) ends_of_half_[k] = state_of_half(k);
   }
-  if (stage.moves < wanted_moves_) return;
+  if (std::ranges::min(moves_of_half_) == 0 || stage.moves < std::ranges::max(moves_of_half_)) return;
+  for (std::size_t k = 0; k < 2; ++k) take_state(k, ends_of_half_[k]);
+  moves_of_half_ = {0, 0};
   step_ = 0;
-  wanted_moves_ = 0;
   if (exponent_ >= 1.0) is_done_ = true;
   if (!is_done_ && static_cast<int>(found_.stages.size()) >= settings_.max_stages) {
     is_done_ = true;
     found_.is_finished = false;
   }
+}
+
+ParticleStates Island::state_of_half(std::size_t k) const {
+  const auto rows = rows_of_half(k);
+  return {found_.points(rows, Eigen::all), found_.log_likelihood(rows), gradient_(rows, Eigen::all)};
+}
+
+void Island::take_state(std::size_t k, const ParticleStates& state) {
+  const auto rows = rows_of_half(k);
+  found_.points(rows, Eigen::all) = state.points;
+  found_.log_likelihood(rows) = state.log_likelihood;
+  gradient_(rows, Eigen::all) = state.gradient;
 }
 
 /// What is exceeded once in 20 stages whose particles have nothing in common with their start.
@@ -187,12 +209,13 @@ double Island::correlation_by_chance() const {
   return -standard_normal_quantile(0.5 * k_level / count) / std::sqrt(static_cast<double>(found_.points.rows()));
 }
 
-/// Of coordinates, of their squares about the mean, which see the tails, and of the log-likelihood.
-double Island::correlation_with_start() const {
-  double largest = std::abs(correlation_of(start_log_likelihood_.array(), found_.log_likelihood.array()));
+/// Of a half's coordinates, of their squares about the mean, which see the tails, and of the log-likelihood.
+double Island::correlation_with_start(std::size_t k) const {
+  const auto rows = rows_of_half(k);
+  double largest = std::abs(correlation_of(start_log_likelihood_(rows).array(), found_.log_likelihood(rows).array()));
   for (Eigen::Index j = 0; j < start_points_.cols(); ++j) {
-    const Eigen::ArrayXd start = start_points_.col(j).array() - start_points_.col(j).mean();
-    const Eigen::ArrayXd now = found_.points.col(j).array() - found_.points.col(j).mean();
+    const Eigen::ArrayXd start = start_points_.col(j)(rows).array() - start_points_.col(j)(rows).mean();
+    const Eigen::ArrayXd now = found_.points.col(j)(rows).array() - found_.points.col(j)(rows).mean();
     largest = std::max(
         {largest, std::abs(correlation_of(start, now)), std::abs(correlation_of(start.square(), now.square()))});
   }

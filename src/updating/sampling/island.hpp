@@ -68,7 +68,13 @@ class Island {
   void judge_trajectories();
   void adapt(const std::vector<double>& tried, const std::vector<double>& accepted);
   void end_move();
-  double correlation_with_start() const;
+  /// Particles of the first half (0) or the second (1).
+  auto rows_of_half(std::size_t k) const {
+    return k == 0 ? Eigen::seqN(Eigen::Index{0}, half()) : Eigen::seqN(half(), found_.points.rows() - half());
+  }
+  ParticleStates state_of_half(std::size_t k) const;
+  void take_state(std::size_t k, const ParticleStates& state);
+  double correlation_with_start(std::size_t k) const;
   double correlation_by_chance() const;
 
   const SamplingTarget& target_;
@@ -77,7 +83,6 @@ class Island {
   std::uint32_t number_;
   std::uint32_t stage_ = 0;
   std::uint32_t step_ = 0;
-  int wanted_moves_ = 0;  // of the stage; 0: until it has decorrelated
   bool follows_gradients_;
   Awaits awaits_ = Awaits::start;
   bool is_done_ = false;
@@ -94,7 +99,9 @@ class Island {
   double global_share_ = 0.4;    // of the moves
   double local_step_ = 0.7;
   double difference_step_ = 0.0;
-  double accepted_ = 0.0;  // fractions of the stage's moves, added up
+  std::array<int, 2> moves_of_half_ = {0, 0};        // in this stage; 0: the other half has not decorrelated yet
+  std::array<ParticleStates, 2> ends_of_half_ = {};  // where these moves have led
+  double accepted_ = 0.0;                            // fractions of the stage's moves, added up
 
   Eigen::MatrixXd proposals_;             // of every particle
   Eigen::VectorXd proposed_log_mixture_;  // at them
