@@ -74,43 +74,24 @@ void note_gradients(const SampledPosterior& posterior, const PosteriorTarget& ta
                                  : "."));
 }
 
-void note_unreached(std::string text, UpdatingResult& result) {
+/// Small levels of the noise of which a part of the posterior was not sampled: then no sampling is whole.
+void judge_reach(const EstimatedEvidence& reached, const Evidence& sampled, UpdatingResult& result) {
+  constexpr double k_much = 0.06;
+  constexpr double k_errors = 2.3;  // the stated interval of eight islands
+  const double gap = reached.log_evidence - sampled.log_evidence;
+  const double lacking = -std::expm1(-gap);
+  if (!(lacking > k_much && gap > k_errors * std::hypot(reached.standard_error, sampled.standard_error))) return;
+  std::string text = fmt::format(
+      "The draws lack {:.0f} % of the posterior: importance sampling about the parameters that meet the tests best "
+      "finds ln evidence {:.3f} +- {:.3f}. Noise far below its prior's scale is probable, which the sampler does not "
+      "reach. Give [test] repeatability, more particles with a higher bayes.effective_fraction, or set "
+      "bayes.noise_prior = \"inverse-gamma\".",
+      100.0 * lacking, reached.log_evidence, reached.standard_error);
   if (result.status == UpdatingStatus::converged) {
     result.status = UpdatingStatus::stalled;
     result.message = text;
   }
   result.warnings.push_back(std::move(text));
-}
-
-/// Small levels of the noise of which a part of the posterior was not sampled: then no sampling is whole.
-void judge_reach(const NoiseLevels& noise, const NoiseReach& reach, const SampledPosterior& posterior,
-                 UpdatingResult& result) {
-  constexpr double k_much = 0.06;  // linear theory and draws agree to a few hundredths elsewhere
-  constexpr double k_errors = 3.0;
-  constexpr const char* k_advice =
-      "Give [test] repeatability, more particles, or set bayes.noise_prior = \"inverse-gamma\".";
-  if (reach.evidence) {
-    const double gap = reach.evidence->log_evidence - posterior.evidence.log_evidence;
-    const double error = std::hypot(reach.evidence->standard_error, posterior.evidence.standard_error);
-    if (-std::expm1(-gap) > k_much && gap > k_errors * error) {
-      return note_unreached(
-          fmt::format(
-              "The draws lack {:.0f} % of the posterior: importance sampling about the parameters that meet the "
-              "tests best finds ln evidence {:.3f} +- {:.3f}. The tests are met so closely that noise far below "
-              "its prior's scale is probable, which the sampler hardly reaches. {}",
-              -100.0 * std::expm1(-gap), reach.evidence->log_evidence, reach.evidence->standard_error, k_advice),
-          result);
-    }
-  }
-  for (std::size_t k = 0; k < reach.missed.size(); ++k) {
-    if (!(reach.missed[k] > k_much)) continue;
-    note_unreached(
-        fmt::format("The tests are met so closely that the draws of {} lack {:.0f} % of its posterior (by linear "
-                    "theory), at small noise that the sampler does not reach: neither ln evidence nor the level is to "
-                    "be relied on. {}",
-                    noise.names()[k], 100.0 * reach.missed[k], k_advice),
-        result);
-  }
 }
 
 PosteriorPeak peak_of(const UpdatingProblem& problem, const std::vector<SampledIsland>& islands,
@@ -196,11 +177,11 @@ UpdatingResult BayesUpdater::update(const UpdatingProblem& problem, const RunCon
   const PosteriorPeak peak = peak_of(near.problem(), islands, target, context, result.model_evaluations);
   result.sensitivity = peak.sensitivity;
   const std::int64_t before = target.evaluations();
-  const NoiseReach reach =
-      find_noise_reach(near.problem(), noise, likelihood, peak, posterior->values.rightCols(noise.count()),
-                       target.target(), context, result.model_evaluations);
+  const std::optional<EstimatedEvidence> reached =
+      evidence_about_best(near.problem(), noise, likelihood, peak, posterior->values.rightCols(noise.count()),
+                          target.target(), context, result.model_evaluations);
   result.model_evaluations += target.evaluations() - before;
-  judge_reach(noise, reach, *posterior, result);
+  if (reached) judge_reach(*reached, posterior->evidence, result);
   result.noise_covariance = mean_noise(noise, posterior->values.rightCols(noise.count())).asDiagonal();
   result.posterior = posterior;
   add_notes(problem, *posterior, result);

@@ -39,11 +39,8 @@ double quantile_of(const Eigen::Ref<const Eigen::VectorXd>& column, double proba
   return quantile({column.begin(), column.end()}, probability, QuantileRule::ends);
 }
 
-/// Density of a level's scores in cells of k_width, by linear theory with the other levels at their medians.
-struct LevelGrid {
-  std::vector<double> levels;         ///< in the middles of the cells
-  std::vector<double> probabilities;  ///< together 1
-};
+/// Probabilities of a level's scores in cells of k_width, by linear theory with the other levels at their medians.
+using LevelGrid = std::vector<double>;
 
 LevelGrid make_grid(const LinearNoise& linear, const NoiseLevels& noise, const Linearised& at,
                     const Eigen::VectorXd& medians, Eigen::Index k) {
@@ -55,25 +52,13 @@ LevelGrid make_grid(const LinearNoise& linear, const NoiseLevels& noise, const L
     const double score = k_first + (cell + 0.5) * k_width;
     all(k) = noise.level(score);
     const double log_density = all(k) > 0.0 ? linear.log_density(at, all) - 0.5 * score * score : k_minus_infinity;
-    grid.levels.push_back(all(k));
-    grid.probabilities.push_back(std::isfinite(log_density) ? log_density : k_minus_infinity);
-    largest = std::max(largest, grid.probabilities.back());
+    grid.push_back(std::isfinite(log_density) ? log_density : k_minus_infinity);
+    largest = std::max(largest, grid.back());
   }
   double sum = 0.0;
-  for (double& value : grid.probabilities) sum += value = std::exp(value - largest);
-  for (double& value : grid.probabilities) value /= sum;
+  for (double& value : grid) sum += value = std::exp(value - largest);
+  for (double& value : grid) value /= sum;
   return grid;
-}
-
-double missed_by_draws(const LevelGrid& grid, const Eigen::Ref<const Eigen::VectorXd>& draws) {
-  double most = 0.0;
-  for (const double part : {0.005, 0.05, 0.25}) {
-    const double end = quantile_of(draws, part);
-    double below = 0.0;
-    for (std::size_t i = 0; i < grid.levels.size(); ++i) below += grid.levels[i] < end ? grid.probabilities[i] : 0.0;
-    most = std::max(most, below - part);
-  }
-  return most;
 }
 
 double log_normal_density(double score) {
@@ -115,13 +100,12 @@ class ReachingDraws {
     double score = standard_normal_quantile(place);
     if (kind >= k_of_prior) {
       std::size_t cell = 0;
-      for (double sum = grid.probabilities[0]; sum < place && cell + 1 < grid.probabilities.size();)
-        sum += grid.probabilities[++cell];
+      for (double sum = grid[0]; sum < place && cell + 1 < grid.size();) sum += grid[++cell];
       score = k_first + (static_cast<double>(cell) + inside) * k_width;
     }
     const auto cell = static_cast<std::ptrdiff_t>(std::floor((score - k_first) / k_width));
-    const bool is_inside = cell >= 0 && cell < std::ssize(grid.probabilities);
-    const double of_grid = is_inside ? grid.probabilities[static_cast<std::size_t>(cell)] / k_width : 0.0;
+    const bool is_inside = cell >= 0 && cell < std::ssize(grid);
+    const double of_grid = is_inside ? grid[static_cast<std::size_t>(cell)] / k_width : 0.0;
     log_density += std::log((1.0 - k_of_prior) * of_grid + k_of_prior * std::exp(log_normal_density(score)));
     return score;
   }
@@ -183,16 +167,17 @@ std::optional<EstimatedEvidence> importance_evidence(const ReachingDraws& draws,
 
 }  // namespace
 
-NoiseReach find_noise_reach(const UpdatingProblem& problem, const NoiseLevels& noise,
-                            const CommonLikelihood& likelihood, const PosteriorPeak& peak,
-                            const Eigen::Ref<const Eigen::MatrixXd>& levels, const SamplingTarget& target,
-                            const RunContext& context, std::int64_t& evaluations) {
+std::optional<EstimatedEvidence> evidence_about_best(const UpdatingProblem& problem, const NoiseLevels& noise,
+                                                     const CommonLikelihood& likelihood, const PosteriorPeak& peak,
+                                                     const Eigen::Ref<const Eigen::MatrixXd>& levels,
+                                                     const SamplingTarget& target, const RunContext& context,
+                                                     std::int64_t& evaluations) {
   constexpr double k_lowest = 0.005;
   constexpr double k_far_below = 1e-3;
   // What parameters can always meet has a density that falls with the level.
   if (noise.is_known() ||
       likelihood.count().sum() <= static_cast<double>(movable_directions(problem, likelihood, peak))) {
-    return {};
+    return std::nullopt;
   }
   Eigen::VectorXd medians(noise.count()), lowest(noise.count());
   for (Eigen::Index k = 0; k < noise.count(); ++k) {
@@ -202,16 +187,11 @@ NoiseReach find_noise_reach(const UpdatingProblem& problem, const NoiseLevels& n
   const LinearNoise linear(problem, noise, likelihood, context, evaluations);
   try {
     const Linearised at = linear.best(peak, k_far_below * lowest);
-    NoiseReach found;
     std::vector<LevelGrid> grids;
-    for (Eigen::Index k = 0; k < noise.count(); ++k) {
-      grids.push_back(make_grid(linear, noise, at, medians, k));
-      found.missed.push_back(missed_by_draws(grids.back(), levels.col(k)));
-    }
-    found.evidence = importance_evidence({linear, noise, at, grids}, target, context);
-    return found;
+    for (Eigen::Index k = 0; k < noise.count(); ++k) grids.push_back(make_grid(linear, noise, at, medians, k));
+    return importance_evidence({linear, noise, at, grids}, target, context);
   } catch (const SystemFailure&) {  // the model fails about these parameters: nothing can be told
-    return {};
+    return std::nullopt;
   }
 }
 
