@@ -17,8 +17,8 @@ namespace {
 constexpr PhysicalLimit k_free{.lower = -1e9, .excludes_lower = false};
 
 /// y = a + G x with x ~ N((1, 2), diag(0.2, 0.5)^2), six specimens.
-struct CommonLinear {
-  CommonLinear() : model(Eigen::Vector3d(1.0, 0.0, 2.0), slope()) {
+struct SampledLinear {
+  SampledLinear() : model(Eigen::Vector3d(1.0, 0.0, 2.0), slope()) {
     const Distribution first({.kind = DistributionKind::normal, .mean = 1.0, .std = 0.2});
     const Distribution second({.kind = DistributionKind::normal, .mean = 2.0, .std = 0.5});
     space = std::make_unique<ParameterSpace>(
@@ -49,7 +49,7 @@ struct JointNormal {
   Eigen::MatrixXd covariance;
 
   explicit JointNormal(const TestData& tests) {
-    const Eigen::MatrixXd g = CommonLinear::slope();
+    const Eigen::MatrixXd g = SampledLinear::slope();
     const Eigen::MatrixXd shared = g * Eigen::Vector2d(0.04, 0.25).asDiagonal() * g.transpose() +
                                    Eigen::MatrixXd(tests.model_error_variance().asDiagonal());
     const Eigen::Index n = tests.values.rows();
@@ -73,7 +73,7 @@ struct JointNormal {
 };
 
 TEST(PosteriorOutputs, LeaveSpecimensOutAsTheClosedForm) {
-  const CommonLinear linear;
+  const SampledLinear linear;
   const UpdatingResult result = linear.update();
   ASSERT_TRUE(result.posterior->leave_one_out);
   const LeaveOneOut& found = *result.posterior->leave_one_out;
@@ -94,7 +94,7 @@ TEST(PosteriorOutputs, LeaveSpecimensOutAsTheClosedForm) {
 }
 
 TEST(PosteriorOutputs, OfTheSpecimensAddUpToTheLikelihood) {
-  const UpdatingResult result = CommonLinear().update();
+  const UpdatingResult result = SampledLinear().update();
   const SampledPosterior& posterior = *result.posterior;
   const Eigen::VectorXd sum = posterior.specimen_log_likelihood.rowwise().sum();
   EXPECT_LT((sum - posterior.log_likelihood).cwiseAbs().maxCoeff(), 1e-9);
@@ -102,7 +102,7 @@ TEST(PosteriorOutputs, OfTheSpecimensAddUpToTheLikelihood) {
 
 /// A further specimen given the tests: the joint normal of seven specimens, conditioned on six.
 TEST(PosteriorOutputs, HaveFurtherTestsOfTheClosedForm) {
-  CommonLinear linear;
+  SampledLinear linear;
   linear.tests.model_error_std = Eigen::Vector3d(0.3, 0.0, 0.1);
   linear.tests.values(2, 1) = 2.95;  // all measured
   const UpdatingResult result = linear.update();
@@ -125,12 +125,12 @@ TEST(PosteriorOutputs, HaveFurtherTestsOfTheClosedForm) {
 }
 
 TEST(PosteriorOutputs, SayWhyNoSpecimenIsLeftOut) {
-  CommonLinear linear;
+  SampledLinear linear;
   linear.tests.model_error_std = Eigen::Vector3d(0.3, 0.0, 0.1);
   UpdatingResult result = linear.update();
   EXPECT_FALSE(result.posterior->leave_one_out);
   EXPECT_NE(result.posterior->not_left_out.find("shared by all specimens"), std::string::npos);
-  linear = CommonLinear();
+  linear = SampledLinear();
   linear.tests.values.conservativeResize(1, 3);
   result = linear.update();
   EXPECT_FALSE(result.posterior->waic);
@@ -138,7 +138,7 @@ TEST(PosteriorOutputs, SayWhyNoSpecimenIsLeftOut) {
 }
 
 TEST(PosteriorOutputs, NameASpecimenThatCannotBeLeftOut) {
-  CommonLinear linear;
+  SampledLinear linear;
   linear.tests.values.row(3) << 3.9, 1.4, 4.2;  // many standard deviations from the others
   const UpdatingResult result = linear.update();
   EXPECT_GT(result.posterior->leave_one_out->pareto_k(3), k_unreliable_pareto_k);

@@ -1,0 +1,107 @@
+// The evidence of unknown noise by importance sampling, against quadrature over the level.
+#include "updating/methods/noise_reach.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <boost/math/distributions/students_t.hpp>
+#include <cmath>
+#include <numbers>
+
+#include "support/common_linear.hpp"
+
+namespace mottle::updating {
+namespace {
+
+using test::CommonLinear;
+
+/// ln N(z; E z, cov z) of all specimens' values at one level.
+double log_density(const UpdatingProblem& problem, const Eigen::VectorXd& variances) {
+  const Eigen::MatrixXd slope = CommonLinear::slope();
+  const Eigen::Index n = problem.tests.values.rows(), p = problem.tests.values.cols();
+  const Eigen::VectorXd mean = problem.model.evaluate(problem.space.prior().mean().transpose(), {}).outputs.row(0);
+  const Eigen::MatrixXd shared = slope * problem.space.prior().covariance() * slope.transpose();
+  Eigen::VectorXd apart(n * p);
+  Eigen::MatrixXd covariance(n * p, n * p);
+  for (Eigen::Index s = 0; s < n; ++s) {
+    apart.segment(s * p, p) = problem.tests.values.row(s).transpose() - mean;
+    for (Eigen::Index t = 0; t < n; ++t) covariance.block(s * p, t * p, p, p) = shared;
+    covariance.block(s * p, s * p, p, p).diagonal() += variances;
+  }
+  const Eigen::LLT<Eigen::MatrixXd> factor(covariance);
+  const double log_root = Eigen::MatrixXd(factor.matrixL()).diagonal().array().log().sum();
+  return -0.5 * apart.dot(factor.solve(apart)) - log_root -
+         0.5 * static_cast<double>(n * p) * std::log(2.0 * std::numbers::pi);
+}
+
+double evidence_by_quadrature(const UpdatingProblem& problem, const NoiseLevels& noise, const BayesOptions& options) {
+  constexpr double k_step = 1e-3;
+  const boost::math::students_t t(options.noise_degrees_of_freedom);
+  double sum = 0.0;
+  for (double log_level = std::log(1e-7); log_level < std::log(10.0); log_level += k_step) {
+    const double level = std::exp(log_level);
+    const double prior = 2.0 * boost::math::pdf(t, level / options.noise_scale) / options.noise_scale;
+    sum +=
+        prior * level * k_step * std::exp(log_density(problem, noise.variances(Eigen::VectorXd::Constant(1, level))));
+  }
+  return std::log(sum);
+}
+
+void expect_evidence(const CommonLinear& linear) {
+  const BayesOptions options;
+  const UpdatingProblem problem = linear.problem();
+  const NoiseLevels noise(problem, options);
+  ASSERT_EQ(noise.count(), 1);
+  const CommonLikelihood likelihood(problem.tests);
+  const RunContext context;
+  PosteriorTarget target(problem, noise, likelihood, context);
+  const Eigen::VectorXd mean = problem.space.prior().mean();
+  const PosteriorPeak peak{.scores = Eigen::Vector3d::Zero(),
+                           .parameters = mean,
+                           .outputs = problem.model.evaluate(mean.transpose(), context).outputs.row(0).transpose(),
+                           .sensitivity = CommonLinear::slope()};
+  std::int64_t evaluations = 0;
+  const auto found = evidence_about_best(problem, noise, likelihood, peak, Eigen::MatrixXd::Constant(10, 1, 0.01),
+                                         target.target(), context, evaluations);
+  ASSERT_TRUE(found);
+  EXPECT_LT(found->standard_error, 0.03);
+  EXPECT_NEAR(found->log_evidence, evidence_by_quadrature(problem, noise, options), 4.0 * found->standard_error);
+}
+
+TEST(EvidenceAboutBest, IsThatOfQuadratureWithOrdinaryNoise) {
+  CommonLinear linear;
+  linear.tests.repeatability_std.setZero();
+  expect_evidence(linear);
+}
+
+TEST(EvidenceAboutBest, IsThatOfQuadratureWhereTheTestsAreMetNearlyExactly) {
+  CommonLinear linear;
+  linear.tests.repeatability_std.setZero();
+  linear.tests.values = linear.model.evaluate(Eigen::RowVector2d(1.1, 2.2), {}).outputs;
+  linear.tests.values(0, 0) += 1e-4;
+  expect_evidence(linear);
+}
+
+TEST(EvidenceAboutBest, IsNotLookedForWhereDirectionsOfTheOutputsAreAllMoved) {
+  CommonLinear linear;
+  linear.tests.repeatability_std.setZero();
+  linear.tests.values = linear.model.evaluate(Eigen::RowVector2d(1.1, 2.2), {}).outputs;
+  linear.tests.values(0, 2) = std::nan("");  // two values, two parameters
+  const UpdatingProblem problem = linear.problem();
+  const BayesOptions options;
+  const NoiseLevels noise(problem, options);
+  const CommonLikelihood likelihood(problem.tests);
+  const RunContext context;
+  PosteriorTarget target(problem, noise, likelihood, context);
+  const PosteriorPeak peak{.scores = Eigen::Vector3d::Zero(),
+                           .parameters = problem.space.prior().mean(),
+                           .outputs = Eigen::Vector3d::Ones(),
+                           .sensitivity = CommonLinear::slope()};
+  std::int64_t evaluations = 0;
+  EXPECT_FALSE(evidence_about_best(problem, noise, likelihood, peak, Eigen::MatrixXd::Constant(10, 1, 0.01),
+                                   target.target(), context, evaluations));
+  EXPECT_EQ(evaluations, 0);
+}
+
+}  // namespace
+}  // namespace mottle::updating
