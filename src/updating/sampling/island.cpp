@@ -206,7 +206,7 @@ void Island::take_state(std::size_t k, const ParticleStates& state) {
 double Island::correlation_by_chance() const {
   constexpr double k_level = 0.05;
   const auto count = static_cast<double>(2 * target_.dimension + 1);
-  return -standard_normal_quantile(0.5 * k_level / count) / std::sqrt(static_cast<double>(half()));
+  return -standard_normal_quantile(0.5 * k_level / count) / std::sqrt(static_cast<double>(found_.points.rows()));
 }
 
 /// Of a half's coordinates, of their squares about the mean, which see the tails, and of the log-likelihood.
