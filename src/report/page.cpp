@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cassert>
-#include <span>
 
 #include "mottle/core/files.hpp"
 #include "mottle_page.hpp"
@@ -38,21 +37,11 @@ std::string render_page(std::string_view data_json) {
 }
 
 bool is_page_of(const std::filesystem::path& file, const std::string& kind) {
-  constexpr std::size_t k_searched = std::size_t{1} << 20;  // style and head are a fiftieth of that
   const std::string_view page = detail::mottle_page_template();
   const std::string_view before = page.substr(0, page.find(k_placeholder));
   const std::string start = std::string(before.substr(before.rfind('<'))) + "{\"kind\":\"" + kind + '"';
   std::error_code ignored;
-  if (!std::filesystem::is_regular_file(file, ignored)) return false;
-  std::string bytes(k_searched, '\0');
-  BlockReader reader(file);
-  std::size_t size = 0;
-  while (size < bytes.size()) {
-    const std::size_t read = reader.read(std::span(bytes).subspan(size));
-    if (read == 0) break;
-    size += read;
-  }
-  return std::string_view(bytes).substr(0, size).find(start) != std::string_view::npos;
+  return std::filesystem::is_regular_file(file, ignored) && read_file(file).find(start) != std::string::npos;
 }
 
 }  // namespace mottle::report

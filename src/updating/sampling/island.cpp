@@ -136,9 +136,7 @@ void Island::start_from(const std::vector<Eigen::Index>& parents) {
   accepted_ = 0.0;
   if (follows_gradients_) trajectories_.fit(found_.points);
   for (std::uint32_t k = 0; k < 2; ++k) {
-    const Eigen::Index first = k == 0 ? 0 : half();
-    const Eigen::Index count = k == 0 ? half() : found_.points.rows() - half();
-    mixtures_[k] = std::make_unique<const NormalMixture>(found_.points.middleRows(first, count),
+    mixtures_[k] = std::make_unique<const NormalMixture>(found_.points(rows_of_half(k), Eigen::all),
                                                          stream(StreamPurpose::posterior_proposal, 0, k));
   }
   log_mixture_.resize(found_.points.rows());

@@ -35,10 +35,7 @@ Eigen::MatrixXd covariance_of(const Eigen::MatrixXd& points, const Eigen::Vector
 
 /// ln of the constant of a density of unit covariance or scale.
 double log_constant(bool is_t, double dimension) {
-  if (!is_t) return -0.5 * dimension * std::log(2.0 * std::numbers::pi);
-  constexpr double k_nu = k_degrees_of_freedom;
-  return boost::math::lgamma(0.5 * (k_nu + dimension)) - boost::math::lgamma(0.5 * k_nu) -
-         0.5 * dimension * std::log(k_nu * std::numbers::pi);
+  return is_t ? log_t_constant(k_degrees_of_freedom, dimension) : -0.5 * dimension * std::log(2.0 * std::numbers::pi);
 }
 
 double chi_squared(RandomStream& random, Eigen::Index degrees_of_freedom) {
@@ -54,6 +51,11 @@ Eigen::MatrixXd thinned(const Eigen::Ref<const Eigen::MatrixXd>& points) {
 }
 
 }  // namespace
+
+double log_t_constant(double degrees_of_freedom, double dimension) {
+  return boost::math::lgamma(0.5 * (degrees_of_freedom + dimension)) - boost::math::lgamma(0.5 * degrees_of_freedom) -
+         0.5 * dimension * std::log(degrees_of_freedom * std::numbers::pi);
+}
 
 NormalMixture::NormalMixture(const Eigen::Ref<const Eigen::MatrixXd>& points, RandomStream stream) {
   const Eigen::MatrixXd fitted = thinned(points);

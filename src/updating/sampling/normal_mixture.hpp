@@ -10,6 +10,9 @@
 
 namespace mottle::updating {
 
+/// ln of the constant c of the multivariate t density c (1 + |x|^2 / nu)^(-(nu + d) / 2) of unit scale.
+double log_t_constant(double degrees_of_freedom, double dimension);
+
 /// g(x) = sum_k w_k N(x; m_k, C_k) + w t_3(x; m, C), the last with mean and covariance of all particles.
 class NormalMixture {
  public:

@@ -20,7 +20,7 @@ struct SamplingSettings {
   int islands = 8;                  ///< >= 2, <= 256; from their spread comes the standard error of the evidence
   int particles = 1000;             ///< of each island, >= 20
   double effective_fraction = 0.5;  ///< of the particles, that the weights of a stage leave effective; in (0, 1)
-  double decorrelation = 0.1;       ///< moves of a stage go on until no correlation with its start is larger
+  double decorrelation = 0.1;       ///< a half moves until no correlation of the other with its start is larger
   int max_moves = 200;              ///< of a stage, at most
   int max_stages = 500;
   /// Times as many moves as decorrelate are those of the last stage, whose particles are the draws and which is one of

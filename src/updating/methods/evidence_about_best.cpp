@@ -1,11 +1,9 @@
-#include "updating/methods/noise_reach.hpp"
+#include "updating/methods/evidence_about_best.hpp"
 
 #include <algorithm>
-#include <boost/math/special_functions/gamma.hpp>
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <numeric>
 
 #include "mottle/core/error.hpp"
 #include "mottle/core/random.hpp"
@@ -13,6 +11,7 @@
 #include "mottle/stats/distributions/standard_normal.hpp"
 #include "mottle/stats/moments/quantiles.hpp"
 #include "updating/estimate/normal_draws.hpp"
+#include "updating/sampling/normal_mixture.hpp"
 
 namespace mottle::updating {
 namespace {
@@ -85,8 +84,7 @@ class ReachingDraws {
     const Eigen::VectorXd normal = standard_normals(random, given.scores.size());
     const double chi_squared = standard_normals(random, static_cast<Eigen::Index>(k_nu)).squaredNorm();
     const Eigen::VectorXd t = normal * std::sqrt(k_nu / chi_squared);
-    log_density += boost::math::lgamma(0.5 * (k_nu + q)) - boost::math::lgamma(0.5 * k_nu) -
-                   0.5 * q * std::log(k_nu * std::numbers::pi) - given.deviations.array().log().sum() -
+    log_density += log_t_constant(k_nu, q) - given.deviations.array().log().sum() -
                    0.5 * (k_nu + q) * std::log1p(t.squaredNorm() / k_nu);
     Eigen::VectorXd point(given.scores.size() + scores.size());
     point << given.scores + given.axes * given.deviations.cwiseProduct(t), scores;

@@ -1,5 +1,5 @@
 // The evidence of unknown noise by importance sampling, against quadrature over the level.
-#include "updating/methods/noise_reach.hpp"
+#include "updating/methods/evidence_about_best.hpp"
 
 #include <gtest/gtest.h>
 
@@ -47,11 +47,8 @@ double evidence_by_quadrature(const UpdatingProblem& problem, const NoiseLevels&
   return std::log(sum);
 }
 
-void expect_evidence(const CommonLinear& linear) {
-  const BayesOptions options;
-  const UpdatingProblem problem = linear.problem();
-  const NoiseLevels noise(problem, options);
-  ASSERT_EQ(noise.count(), 1);
+std::optional<EstimatedEvidence> found_about(const UpdatingProblem& problem, std::int64_t& evaluations) {
+  const NoiseLevels noise(problem, {});
   const CommonLikelihood likelihood(problem.tests);
   const RunContext context;
   PosteriorTarget target(problem, noise, likelihood, context);
@@ -60,9 +57,17 @@ void expect_evidence(const CommonLinear& linear) {
                            .parameters = mean,
                            .outputs = problem.model.evaluate(mean.transpose(), context).outputs.row(0).transpose(),
                            .sensitivity = CommonLinear::slope()};
+  return evidence_about_best(problem, noise, likelihood, peak, Eigen::MatrixXd::Constant(10, 1, 0.01), target.target(),
+                             context, evaluations);
+}
+
+void expect_evidence(const CommonLinear& linear) {
+  const BayesOptions options;
+  const UpdatingProblem problem = linear.problem();
+  const NoiseLevels noise(problem, options);
+  ASSERT_EQ(noise.count(), 1);
   std::int64_t evaluations = 0;
-  const auto found = evidence_about_best(problem, noise, likelihood, peak, Eigen::MatrixXd::Constant(10, 1, 0.01),
-                                         target.target(), context, evaluations);
+  const auto found = found_about(problem, evaluations);
   ASSERT_TRUE(found);
   EXPECT_LT(found->standard_error, 0.03);
   EXPECT_NEAR(found->log_evidence, evidence_by_quadrature(problem, noise, options), 4.0 * found->standard_error);
@@ -87,19 +92,8 @@ TEST(EvidenceAboutBest, IsNotLookedForWhereDirectionsOfTheOutputsAreAllMoved) {
   linear.tests.repeatability_std.setZero();
   linear.tests.values = linear.model.evaluate(Eigen::RowVector2d(1.1, 2.2), {}).outputs;
   linear.tests.values(0, 2) = std::nan("");  // two values, two parameters
-  const UpdatingProblem problem = linear.problem();
-  const BayesOptions options;
-  const NoiseLevels noise(problem, options);
-  const CommonLikelihood likelihood(problem.tests);
-  const RunContext context;
-  PosteriorTarget target(problem, noise, likelihood, context);
-  const PosteriorPeak peak{.scores = Eigen::Vector3d::Zero(),
-                           .parameters = problem.space.prior().mean(),
-                           .outputs = Eigen::Vector3d::Ones(),
-                           .sensitivity = CommonLinear::slope()};
   std::int64_t evaluations = 0;
-  EXPECT_FALSE(evidence_about_best(problem, noise, likelihood, peak, Eigen::MatrixXd::Constant(10, 1, 0.01),
-                                   target.target(), context, evaluations));
+  EXPECT_FALSE(found_about(linear.problem(), evaluations));
   EXPECT_EQ(evaluations, 0);
 }
 
