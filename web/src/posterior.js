@@ -28,7 +28,7 @@ export function posterior_of({ result }) {
 
 /** ln evidence with its interval and that of each island; null where there is none. */
 export function evidence_of({ result }) {
-  const { ln_evidence, standard_error, ci95, islands } = record(result.evidence);
+  const { ln_evidence, standard_error, ci95, islands, source } = record(result.evidence);
   if (!is_number(ln_evidence)) return null;
   const interval = numbers(ci95);
   return {
@@ -36,6 +36,7 @@ export function evidence_of({ result }) {
     error: number_or_null(standard_error),
     interval: interval.length === 2 && interval.every(is_number) ? interval : null,
     islands: numbers(islands),
+    by_importance: source === "importance-sampling",
   };
 }
 

@@ -92,21 +92,26 @@ export function stage_panels({ stages }, width) {
   return { option, height };
 }
 
-const evidence_names = { interval: "95 % interval", value: "ln of the islands' mean evidence", islands: "Island" };
+const evidence_names = (by_importance) => ({
+  interval: "95 % interval",
+  value: by_importance ? "By importance sampling" : "ln of the islands' mean evidence",
+  islands: "Island",
+});
 
 /** ln evidence of each island, and what they say together. */
-export function evidence_panel({ value, interval, islands }, width) {
+export function evidence_panel({ value, interval, islands, by_importance }, width) {
+  const names = evidence_names(by_importance);
   const known = islands.map((x, k) => [x, k + 1]).filter(([x]) => is_number(x));
   const [low, high] = extent([...known.map(([x]) => x), value, ...(interval ?? [])]);
   const margin = 0.08 * (high - low) || 0.1;
   const rows = [0.3, islands.length + 0.7];
-  const shown = Object.values(evidence_names);
+  const shown = Object.values(names);
   const { cells, height } = layout(1, Math.min(width, 760), { aspect: 0.32, legend_height: legend_height(shown, width) });
   const series = [
-    interval ? band_series(evidence_names.interval, interval.map((x) => [x, ...rows]), band, 0) : null,
-    line_series(evidence_names.value, rows.map((y) => [value, y]), 0, { color: model }, { z: 2, silent: true }),
+    interval ? band_series(names.interval, interval.map((x) => [x, ...rows]), band, 0) : null,
+    line_series(names.value, rows.map((y) => [value, y]), 0, { color: model }, { z: 2, silent: true }),
     {
-      name: evidence_names.islands,
+      name: names.islands,
       type: "scatter",
       symbol: "circle",
       symbolSize: 8,

@@ -72,6 +72,12 @@ double smooth_tail(Eigen::ArrayXd& logs, Eigen::Index tail) {
   return fit.shape;
 }
 
+/// How many of the weights count as the largest.
+Eigen::Index tail_of(double draws, double relative_efficiency) {
+  const double r = relative_efficiency > 0.0 ? relative_efficiency : 1.0;
+  return static_cast<Eigen::Index>(std::ceil(std::min(0.2 * draws, 3.0 * std::sqrt(draws / r))));
+}
+
 void require_draws(const Eigen::Ref<const Eigen::MatrixXd>& log_likelihood, Eigen::Index least) {
   require(log_likelihood.cols() >= 1 && log_likelihood.rows() >= least,
           "log_likelihood: {} draws of {} data, need at least {} draws of one", log_likelihood.rows(),
@@ -94,6 +100,11 @@ void add_up(const Eigen::Ref<const Eigen::MatrixXd>& log_likelihood, PredictiveA
 
 }  // namespace
 
+double pareto_k_of(const Eigen::Ref<const Eigen::ArrayXd>& log_weights) {
+  Eigen::ArrayXd logs = log_weights - log_weights.maxCoeff();
+  return smooth_tail(logs, tail_of(static_cast<double>(logs.size()), 1.0));
+}
+
 LeaveOneOut leave_one_out(const Eigen::Ref<const Eigen::MatrixXd>& log_likelihood,
                           const Eigen::Ref<const Eigen::VectorXd>& relative_efficiency) {
   require_draws(log_likelihood, 1);
@@ -104,11 +115,9 @@ LeaveOneOut leave_one_out(const Eigen::Ref<const Eigen::MatrixXd>& log_likelihoo
   found.pointwise.resize(log_likelihood.cols());
   found.pareto_k.resize(log_likelihood.cols());
   for (Eigen::Index i = 0; i < log_likelihood.cols(); ++i) {
-    const double r = relative_efficiency(i);
-    const double tail = std::min(0.2 * draws, 3.0 * std::sqrt(draws / (r > 0.0 ? r : 1.0)));
     Eigen::ArrayXd logs = -log_likelihood.col(i).array();
     logs -= logs.maxCoeff();
-    found.pareto_k(i) = smooth_tail(logs, static_cast<Eigen::Index>(std::ceil(tail)));
+    found.pareto_k(i) = smooth_tail(logs, tail_of(draws, relative_efficiency(i)));
     found.pointwise(i) = log_sum_exp(logs + log_likelihood.col(i).array()) - log_sum_exp(logs);
   }
   add_up(log_likelihood, found);

@@ -29,9 +29,7 @@ void sample(const Study& study, RunSettings settings, const RunContext& context,
   const UpdatingResult result = study.surrogate ? SurrogateUpdate(problem, *study.surrogate).run(*plan.method, context)
                                                 : plan.method->update(problem, context);
   if (result.status == UpdatingStatus::stopped) throw Stopped(result.message);
-  const Evidence& evidence = result.posterior->evidence;
-  found.evidence = {evidence.log_evidence, evidence.standard_error,
-                    static_cast<double>(result.posterior->chain_log_evidence.size() - 1)};
+  found.evidence = result.posterior->evidence;
   found.is_converged = result.status == UpdatingStatus::converged;
   found.model_evaluations = result.model_evaluations;
 }

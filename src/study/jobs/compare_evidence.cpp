@@ -160,8 +160,9 @@ EvidenceRecord read_record(const Json& result, const ComparedRun& run) {
                         .noise = noise_of(result),
                         .status = run.status,
                         .islands = item(result, "/evidence/islands")};
-  const double chains = number_at(result, "/posterior/chains");
-  record.model.evidence.degrees_of_freedom = chains >= 2.0 ? chains - 1.0 : 1.0;
+  const double stated = number_at(result, "/evidence/degrees_of_freedom");
+  const double of_chains = number_at(result, "/posterior/chains") - 1.0;  // results of earlier versions state none
+  record.model.evidence.degrees_of_freedom = stated >= 1.0 ? stated : std::max(of_chains, 1.0);
   record.model.elpd = number_at(result, "/posterior/leave_one_out/elpd");
   const Json pointwise = item(result, "/posterior/leave_one_out/pointwise");
   if (pointwise.is_array()) record.model.elpd_pointwise = numbers_of(pointwise);

@@ -109,7 +109,9 @@ void add_posterior(const SampledPosterior* posterior, const TestData& tests, Jso
   const Evidence& evidence = posterior->evidence;
   result["evidence"] = {{"ln_evidence", number_json(evidence.log_evidence)},
                         {"standard_error", number_json(evidence.standard_error)},
+                        {"degrees_of_freedom", evidence.degrees_of_freedom},
                         {"ci95", {number_json(evidence.lower), number_json(evidence.upper)}},
+                        {"source", evidence.source == EvidenceSource::islands ? "islands" : "importance-sampling"},
                         {"spread", number_json(evidence.spread)},
                         {"islands", to_json(posterior->chain_log_evidence)},
                         {"noise_std", given_noise_json(tests)},

@@ -137,7 +137,7 @@ void sample_and_describe(const UpdatingProblem& problem, const ScaledParameters&
                         .mean = state.mean,
                         .sensitivity = state.sensitivity,
                         .scatter = MatchedEstimate::Scatter::without_noise},
-                       result);
+                       context, result);
   note_model_error(problem, "abc",
                    "is drawn anew for every simulated set of tests and every mean: intervals of means include it.",
                    result);

@@ -74,24 +74,49 @@ void note_gradients(const SampledPosterior& posterior, const PosteriorTarget& ta
                                  : "."));
 }
 
+/// By how many of both standard errors the importance sample's evidence is above that of the islands.
+double gap_in_errors(const EvidenceAboutBest& about_best, const Evidence& islands) {
+  return (about_best.log_evidence - islands.log_evidence) /
+         std::hypot(about_best.standard_error, islands.standard_error);
+}
+
+constexpr double k_errors_apart = 2.3;  // the stated interval of eight islands
+
+/// Whether the importance sample is sound and the more precise: it sees one mode alone.
+bool is_better(const EvidenceAboutBest& about_best, const SampledPosterior& posterior) {
+  return about_best.pareto_k <= k_unreliable_pareto_k && posterior.modes.size() <= 1 &&
+         about_best.standard_error < posterior.evidence.standard_error &&
+         gap_in_errors(about_best, posterior.evidence) > -k_errors_apart;
+}
+
 /// Small levels of the noise of which a part of the posterior was not sampled: then no sampling is whole.
-void judge_reach(const EstimatedEvidence& reached, const Evidence& sampled, UpdatingResult& result) {
+void judge_reach(const EvidenceAboutBest& about_best, const Evidence& islands, UpdatingResult& result) {
   constexpr double k_much = 0.06;
-  constexpr double k_errors = 2.3;  // the stated interval of eight islands
-  const double gap = reached.log_evidence - sampled.log_evidence;
-  const double lacking = -std::expm1(-gap);
-  if (!(lacking > k_much && gap > k_errors * std::hypot(reached.standard_error, sampled.standard_error))) return;
+  const double lacking = -std::expm1(islands.log_evidence - about_best.log_evidence);
+  if (!(lacking > k_much && gap_in_errors(about_best, islands) > k_errors_apart)) return;
   std::string text = fmt::format(
       "The draws lack {:.0f} % of the posterior: importance sampling about the parameters that meet the tests best "
-      "finds ln evidence {:.3f} +- {:.3f}. Noise far below its prior's scale is probable, which the sampler does not "
-      "reach. Give [test] repeatability, more particles with a higher bayes.effective_fraction, or set "
-      "bayes.noise_prior = \"inverse-gamma\".",
-      100.0 * lacking, reached.log_evidence, reached.standard_error);
+      "finds ln evidence {:.3f} +- {:.3f}, the islands {:.3f} +- {:.3f}. Noise far below its prior's scale is "
+      "probable, "
+      "which the sampler does not reach. Give [test] repeatability, more particles with a higher "
+      "bayes.effective_fraction, or set bayes.noise_prior = \"inverse-gamma\".",
+      100.0 * lacking, about_best.log_evidence, about_best.standard_error, islands.log_evidence,
+      islands.standard_error);
   if (result.status == UpdatingStatus::converged) {
     result.status = UpdatingStatus::stalled;
     result.message = text;
   }
   result.warnings.push_back(std::move(text));
+}
+
+/// The better evidence, and what it says of the draws.
+void conclude(const std::optional<EvidenceAboutBest>& about_best, const BayesOptions& options,
+              const std::vector<SampledIsland>& islands, SampledPosterior& posterior, UpdatingResult& result) {
+  const bool is_finished = std::ranges::all_of(islands, &SampledIsland::is_finished);
+  const Evidence of_islands = posterior.evidence;
+  if (about_best && is_better(*about_best, posterior)) take_importance_evidence(*about_best, posterior.evidence);
+  conclude_sampling(posterior, "bayes", options, is_finished, result);
+  if (about_best) judge_reach(*about_best, of_islands, result);
 }
 
 PosteriorPeak peak_of(const UpdatingProblem& problem, const std::vector<SampledIsland>& islands,
@@ -161,27 +186,22 @@ UpdatingResult BayesUpdater::update(const UpdatingProblem& problem, const RunCon
   } catch (const Stopped&) {
     return stopped_result(std::move(result), problem, "while the posterior was sampled");
   }
-  result.model_evaluations += target.evaluations();
   const std::shared_ptr<SampledPosterior> posterior = put_together(problem, noise, target, islands);
-  const bool is_finished =
-      std::all_of(islands.begin(), islands.end(), [](const SampledIsland& island) { return island.is_finished; });
-  conclude_sampling(*posterior, "bayes", options_, is_finished, result);
-  result.set_estimate(std::make_shared<SampleEstimate>(
-      problem.space.transforms(), posterior->values.leftCols(problem.space.count()), Eigen::VectorXd(),
-      posterior->evidence.log_evidence, least_effective(*posterior)));
   const RegionalProblem near(problem, target.region());
   context.phase({.name = "outputs of the posterior"});
   result.model_evaluations += add_outputs(near.problem(), noise, likelihood, context, *posterior);
-  append_state(result, record_state(near.problem(), tests, *result.estimate, context));
   context.phase({.name = "tests of the posterior"});
   const PosteriorPeak peak = peak_of(near.problem(), islands, target, context, result.model_evaluations);
   result.sensitivity = peak.sensitivity;
-  const std::int64_t before = target.evaluations();
-  const std::optional<EstimatedEvidence> reached =
+  const std::optional<EvidenceAboutBest> about_best =
       evidence_about_best(near.problem(), noise, likelihood, peak, posterior->values.rightCols(noise.count()),
                           target.target(), context, result.model_evaluations);
-  result.model_evaluations += target.evaluations() - before;
-  if (reached) judge_reach(*reached, posterior->evidence, result);
+  result.model_evaluations += target.evaluations();
+  conclude(about_best, options_, islands, *posterior, result);
+  result.set_estimate(std::make_shared<SampleEstimate>(
+      problem.space.transforms(), posterior->values.leftCols(problem.space.count()), Eigen::VectorXd(),
+      posterior->evidence.log_evidence, least_effective(*posterior)));
+  append_state(result, record_state(near.problem(), tests, *result.estimate, context));
   result.noise_covariance = mean_noise(noise, posterior->values.rightCols(noise.count())).asDiagonal();
   result.posterior = posterior;
   add_notes(problem, *posterior, result);

@@ -8,6 +8,7 @@
 #include "mottle/core/error.hpp"
 #include "mottle/core/random.hpp"
 #include "mottle/linalg/dense/decompositions.hpp"
+#include "mottle/stats/chains/leave_one_out.hpp"
 #include "mottle/stats/distributions/standard_normal.hpp"
 #include "mottle/stats/moments/quantiles.hpp"
 #include "updating/estimate/normal_draws.hpp"
@@ -120,19 +121,21 @@ RandomStream stream_of(const RunContext& context, Eigen::Index number) {
           static_cast<std::uint32_t>(number)};
 }
 
+constexpr Eigen::Index k_prior_draws = 20000;
+
 /// The share of draws of the prior that are possible.
 double possible_share(const SamplingTarget& target, const RunContext& context) {
   if (!target.is_possible) return 1.0;
-  Eigen::MatrixXd points(k_draws, target.dimension);
-  for (Eigen::Index i = 0; i < k_draws; ++i) {
+  Eigen::MatrixXd points(k_prior_draws, target.dimension);
+  for (Eigen::Index i = 0; i < k_prior_draws; ++i) {
     RandomStream random = stream_of(context, k_draws + i);
     points.row(i) = standard_normals(random, target.dimension).transpose();
   }
   const std::vector<bool> possible = target.is_possible(points);
-  return static_cast<double>(std::ranges::count(possible, true)) / static_cast<double>(k_draws);
+  return static_cast<double>(std::ranges::count(possible, true)) / static_cast<double>(k_prior_draws);
 }
 
-std::optional<EstimatedEvidence> importance_evidence(const ReachingDraws& draws, const SamplingTarget& target,
+std::optional<EvidenceAboutBest> importance_evidence(const ReachingDraws& draws, const SamplingTarget& target,
                                                      const RunContext& context) {
   Eigen::MatrixXd points(k_draws, target.dimension);
   Eigen::VectorXd log_weights(k_draws);
@@ -150,22 +153,26 @@ std::optional<EstimatedEvidence> importance_evidence(const ReachingDraws& draws,
   }
   const double share = possible_share(target, context);
   if (rows.empty() || !(share > 0.0)) return std::nullopt;
-  const Eigen::VectorXd logs =
-      (log_weights(rows) + target.log_likelihood(points(rows, Eigen::all))).unaryExpr([](double value) {
-        return std::isnan(value) ? k_minus_infinity : value;
-      });
+  Eigen::ArrayXd logs = Eigen::ArrayXd::Constant(k_draws, k_minus_infinity);
+  logs(rows) = (log_weights(rows) + target.log_likelihood(points(rows, Eigen::all))).unaryExpr([](double value) {
+    return std::isnan(value) ? k_minus_infinity : value;
+  });
   const double largest = logs.maxCoeff();
   if (!std::isfinite(largest)) return std::nullopt;
-  const Eigen::ArrayXd weights = (logs.array() - largest).exp();
+  const Eigen::ArrayXd weights = (logs - largest).exp();
   const auto n = static_cast<double>(k_draws);
   const double mean = weights.sum() / n;
   const double variance = weights.square().sum() / n - mean * mean;
-  return EstimatedEvidence{largest + std::log(mean) - std::log(share), std::sqrt(variance / n) / mean, n - 1.0};
+  const double of_share = (1.0 - share) / (share * static_cast<double>(k_prior_draws));
+  return EvidenceAboutBest{{.log_evidence = largest + std::log(mean) - std::log(share),
+                            .standard_error = std::sqrt(variance / n / (mean * mean) + of_share),
+                            .degrees_of_freedom = n - 1.0},
+                           pareto_k_of(logs)};
 }
 
 }  // namespace
 
-std::optional<EstimatedEvidence> evidence_about_best(const UpdatingProblem& problem, const NoiseLevels& noise,
+std::optional<EvidenceAboutBest> evidence_about_best(const UpdatingProblem& problem, const NoiseLevels& noise,
                                                      const CommonLikelihood& likelihood, const PosteriorPeak& peak,
                                                      const Eigen::Ref<const Eigen::MatrixXd>& levels,
                                                      const SamplingTarget& target, const RunContext& context,

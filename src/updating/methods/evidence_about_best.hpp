@@ -11,6 +11,11 @@
 
 namespace mottle::updating {
 
+/// An importance sample's evidence.
+struct EvidenceAboutBest : EstimatedEvidence {
+  double pareto_k = 0.0;  ///< of its weights; above k_unreliable_pareto_k neither it nor its error is to be relied on
+};
+
 /// ln Z by importance sampling about the parameters that meet the tests best; nothing: the noise is known, the
 /// parameters can meet any such tests, or the model fails there.
 ///
@@ -29,7 +34,7 @@ namespace mottle::updating {
 /// @param levels       of the sampler's draws [draw x level]
 /// @param target       the likelihood, by scores of parameters and levels
 /// @param evaluations  raised by the model runs that were needed, those of `target` left out
-std::optional<EstimatedEvidence> evidence_about_best(const UpdatingProblem& problem, const NoiseLevels& noise,
+std::optional<EvidenceAboutBest> evidence_about_best(const UpdatingProblem& problem, const NoiseLevels& noise,
                                                      const CommonLikelihood& likelihood, const PosteriorPeak& peak,
                                                      const Eigen::Ref<const Eigen::MatrixXd>& levels,
                                                      const SamplingTarget& target, const RunContext& context,

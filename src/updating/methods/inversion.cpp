@@ -214,7 +214,7 @@ void finish(const Setup& setup, const InversionFit& fit, const RunContext& conte
                         .mean = population.mean,
                         .sensitivity = mean_jacobian(fit.jacobians),
                         .scatter = MatchedEstimate::Scatter::with_noise},
-                       result);
+                       context, result);
   add_model_error(setup, fit, population, result);
   forget_held_means(setup, population, *result.intervals);
   add_notes(setup, fit, population, result);

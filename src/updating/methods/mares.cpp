@@ -175,7 +175,7 @@ UpdatingResult MaresUpdater::update(const UpdatingProblem& problem, const RunCon
                         .mean = point,
                         .sensitivity = sensitivity,
                         .means = means_of_scattered(problem, point, sensitivity, context, result.model_evaluations)},
-                       result);
+                       context, result);
   note_model_error(problem, "mares",
                    "is added to the test variability S_M of Eqs. 11 and 12, in addition to the method's model_error.",
                    result);

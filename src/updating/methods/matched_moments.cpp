@@ -4,11 +4,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "mottle/core/error.hpp"
 #include "mottle/linalg/dense/decompositions.hpp"
 #include "mottle/updating/methods/iteration.hpp"
 #include "updating/methods/least_change.hpp"
+#include "updating/methods/linear_units.hpp"
+#include "updating/population/mean_residuals.hpp"
 #include "updating/verdict/scatter_tests.hpp"
 
 namespace mottle::updating {
@@ -123,7 +126,27 @@ void plan_mean_test(const Comparison& c, TestPlan& plan) {
   plan.add(std::move(test));
 }
 
-void plan_residual_scatter(const Comparison& c, TestPlan& plan) {
+/// Each specimen's residuals in its own unmoved directions; nothing: the model fails at one.
+std::optional<MeanResiduals> residuals_by_specimen(const Comparison& c, const RunContext& context,
+                                                   std::int64_t& evaluations) {
+  const Eigen::MatrixXd& values = c.problem.tests.values;
+  const Eigen::VectorXd noise = c.problem.tests.repeatability_std.cwiseAbs2();
+  const Eigen::Index q = c.estimate.mean.size();
+  try {
+    const SpecimenFits fits =
+        fit_specimens(c.problem, values, {c.estimate.mean, prior_on_scales(c.problem.space).covariance, noise},
+                      {c.estimate.mean.transpose().replicate(values.rows(), 1)}, context, evaluations);
+    const std::vector<RandomEffectsUnit> units =
+        linear_units(values, {}, mean_jacobian(fits.jacobians), {}, fits,
+                     {noise, std::vector<int>(static_cast<std::size_t>(noise.size()), -1)}, Eigen::VectorXd::Zero(q),
+                     Eigen::MatrixXd::Identity(q, q));
+    return mean_residuals(values, units, noise, c.problem.tests.model_error_variance().cwiseSqrt());
+  } catch (const SystemFailure&) {
+    return std::nullopt;
+  }
+}
+
+void plan_residual_scatter(const Comparison& c, const RunContext& context, TestPlan& plan, std::int64_t& evaluations) {
   const Eigen::MatrixXd& b = c.directions;
   if (b.cols() == 0) {
     plan.leave_untested(Aspect::scatter,
@@ -145,10 +168,22 @@ void plan_residual_scatter(const Comparison& c, TestPlan& plan) {
   }
   const CholeskyFactor factor(b.transpose() * c.of_test * b);
   const Eigen::MatrixXd whitened = factor.solve_lower(b.transpose());
-  const double degrees_of_freedom = c.tests.count.cast<double>().mean() - 1.0;
-  const double squares = degrees_of_freedom * (whitened * c.tests.covariance * whitened.transpose()).trace();
+  const auto d = static_cast<double>(b.cols());
+  double degrees_of_freedom = c.tests.count.cast<double>().mean() - 1.0;
+  double squares = degrees_of_freedom * (whitened * c.tests.covariance * whitened.transpose()).trace();
+  if ((c.problem.tests.model_error_variance().array() > 0.0).any()) {
+    const std::optional<MeanResiduals> own = residuals_by_specimen(c, context, evaluations);
+    if (!own || own->degrees_of_freedom <= 0.0) {
+      plan.leave_untested(Aspect::scatter,
+                          "The scatter was not tested: the model fails at the parameters of a specimen, so that its "
+                          "residuals are not known.");
+      return;
+    }
+    squares = own->squares;
+    degrees_of_freedom = own->degrees_of_freedom / d;
+  }
   plan.add(residual_scatter_test(
-      squares, degrees_of_freedom, static_cast<double>(b.cols()),
+      squares, degrees_of_freedom, d,
       {whitened.colwise().squaredNorm().transpose(), c.of_test.diagonal(), output_names(c.problem)}));
 }
 
@@ -235,7 +270,8 @@ Eigen::MatrixXd unmoved_directions(const Eigen::Ref<const Eigen::MatrixXd>& sens
   return unit.asDiagonal() * svd.left().rightCols(sensitivity.rows() - rank);
 }
 
-void test_matched_moments(const UpdatingProblem& problem, const MatchedEstimate& estimate, UpdatingResult& result) {
+void test_matched_moments(const UpdatingProblem& problem, const MatchedEstimate& estimate, const RunContext& context,
+                          UpdatingResult& result) {
   if (!estimate.sensitivity.allFinite() || estimate.sensitivity.size() == 0) return;  // stopped before the first step
   const Comparison comparison = compare(problem, estimate, result);
   TestPlan plan;
@@ -243,7 +279,7 @@ void test_matched_moments(const UpdatingProblem& problem, const MatchedEstimate&
   if (estimate.scatter == Scatter::not_estimated) {
     say_scatter_is_not_estimated(comparison, plan);
   } else {
-    plan_residual_scatter(comparison, plan);
+    plan_residual_scatter(comparison, context, plan, result.model_evaluations);
     plan_cloud_agreement(comparison, plan);
   }
   const FreeMean free = free_mean(comparison);

@@ -188,7 +188,7 @@ void finish(const Setup& setup, const Progress& progress, const RunContext& cont
                         .mean = state.mean,
                         .sensitivity = state.sensitivity,
                         .scatter = MatchedEstimate::Scatter::without_noise},
-                       result);
+                       context, result);
   const Eigen::MatrixXd whitened = setup.mean_whitening * state.sensitivity;
   const Eigen::MatrixXd gain =
       least_change_gain(whitened, setup.parameters.standard_deviation()).matrix * setup.mean_whitening;

@@ -22,9 +22,8 @@ struct WhitenedResiduals {
   double degrees_of_freedom = 0.0;
 };
 
-/// @param shift  taken off the tests [output]
 WhitenedResiduals whiten(const Eigen::Ref<const Eigen::MatrixXd>& tests, const std::vector<RandomEffectsUnit>& units,
-                         const Eigen::VectorXd& noise, const Eigen::VectorXd& shift) {
+                         const Eigen::VectorXd& noise) {
   const Eigen::Index p = tests.cols();
   WhitenedResiduals result{Eigen::MatrixXd::Zero(tests.rows(), p), Eigen::MatrixXd::Zero(p, units[0].design.cols()),
                            Eigen::MatrixXd::Zero(p, p), Eigen::VectorXd::Zero(p)};
@@ -34,7 +33,7 @@ WhitenedResiduals whiten(const Eigen::Ref<const Eigen::MatrixXd>& tests, const s
     const auto count = static_cast<Eigen::Index>(rows.size());
     const Eigen::VectorXd weight = noise(rows).cwiseSqrt().cwiseInverse();
     const Eigen::MatrixXd design = weight.asDiagonal() * unit.design;
-    const Eigen::VectorXd response = weight.asDiagonal() * (unit.response - shift(rows));
+    const Eigen::VectorXd response = weight.asDiagonal() * unit.response;
     const Eigen::VectorXd scale = design.colwise().norm().transpose().cwiseMax(1e-300).cwiseInverse();
     const Eigen::MatrixXd reached = PivotedQr(design * scale.asDiagonal(), k_collinear).range();
     const Eigen::VectorXd residual = response - reached * (reached.transpose() * response);
@@ -49,6 +48,17 @@ WhitenedResiduals whiten(const Eigen::Ref<const Eigen::MatrixXd>& tests, const s
   return result;
 }
 
+/// By how much a shared error of these standard deviations makes the squares of all residuals, r = P (e + N^-1/2 d),
+/// smaller: r' (I - (I + X D X')^-1) r, X = P N^-1/2 of all specimens.
+double explained_squares(const WhitenedResiduals& whitened, const Eigen::VectorXd& noise, const Eigen::VectorXd& std) {
+  const Eigen::VectorXd root = std.cwiseQuotient(noise.cwiseSqrt());
+  Eigen::MatrixXd covariance = root.asDiagonal() * whitened.projection * root.asDiagonal();
+  covariance.diagonal().array() += 1.0;
+  return CholeskyFactor(covariance)
+      .solve_lower(root.asDiagonal() * whitened.values.colwise().sum().transpose())
+      .squaredNorm();
+}
+
 /// Directions of whitened outputs that no parameter moves, orthonormal [output x direction].
 Eigen::MatrixXd unmoved_whitened(const Eigen::MatrixXd& design) {
   const Eigen::VectorXd scale = design.colwise().norm().transpose().cwiseMax(1e-300).cwiseInverse();
@@ -59,9 +69,9 @@ Eigen::MatrixXd unmoved_whitened(const Eigen::MatrixXd& design) {
 
 MeanResiduals mean_residuals(const Eigen::Ref<const Eigen::MatrixXd>& values,
                              const std::vector<RandomEffectsUnit>& units, const Eigen::VectorXd& noise,
-                             const std::optional<ModelError>& error) {
+                             const Eigen::VectorXd& error) {
   constexpr double k_unseen = 1e-6;  // of a direction that specimens see with all of their outputs
-  const WhitenedResiduals whitened = whiten(values, units, noise, Eigen::VectorXd::Zero(values.cols()));
+  const WhitenedResiduals whitened = whiten(values, units, noise);
   MeanResiduals result{whitened.values, whitened.mean_design, unmoved_whitened(whitened.mean_design)};
   result.squares = std::max(whitened.squares, 1e-300);
   result.degrees_of_freedom = whitened.degrees_of_freedom;
@@ -73,25 +83,20 @@ MeanResiduals mean_residuals(const Eigen::Ref<const Eigen::MatrixXd>& values,
   // Rows of `unit` turn sums of residuals into independent normal deviates of variance 1.
   const Eigen::MatrixXd unit = solver.eigenvalues().tail(seen).cwiseSqrt().cwiseInverse().asDiagonal() *
                                solver.eigenvectors().rightCols(seen).transpose() * turn;
-  const auto mean_of = [&](const WhitenedResiduals& own) -> Eigen::VectorXd {
-    return unit * own.values.colwise().sum().transpose();
-  };
-  const Eigen::VectorXd unmoved = mean_of(whitened);
+  const Eigen::VectorXd unmoved = unit * whitened.values.colwise().sum().transpose();
   result.mean_degrees_of_freedom = static_cast<double>(seen);
   result.mean_squares = unmoved.squaredNorm();
   result.squares = whitened.squares - result.mean_squares;
-  if (error && seen > 0) {
+  if (error.size() > 0 && seen > 0) {
     const Eigen::MatrixXd by_output = unit * whitened.projection * noise.cwiseSqrt().cwiseInverse().asDiagonal();
-    const Eigen::MatrixXd moved = by_output * error->std.asDiagonal();
+    const Eigen::MatrixXd moved = by_output * error.asDiagonal();
     Eigen::MatrixXd covariance = moved * moved.transpose();
     covariance.diagonal().array() += 1.0;
     const CholeskyFactor factor(covariance);
     result.mean_squares = unmoved.dot(factor.solve(unmoved));
     const Eigen::MatrixXd seen_by_output = factor.solve_lower(by_output);
     result.own_noncentrality = seen_by_output.colwise().squaredNorm().transpose();
-    // An error that all share scatters where no two specimens have the same unmoved directions.
-    const WhitenedResiduals own = whiten(values, units, noise, error->shift);
-    result.squares = own.squares - mean_of(own).squaredNorm();
+    result.squares = whitened.squares - explained_squares(whitened, noise, error) - result.mean_squares;
     result.largest_variance = symmetric_eigenvalues(covariance).maxCoeff();
   }
   result.squares = std::max(result.squares, 1e-300);

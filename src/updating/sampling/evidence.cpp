@@ -1,4 +1,4 @@
-// The evidence of independent islands together.
+// The evidence of independent islands together, and of independent draws.
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 
@@ -6,6 +6,17 @@
 #include "mottle/updating/sampling/sequential_monte_carlo.hpp"
 
 namespace mottle::updating {
+namespace {
+
+void state_interval(Evidence& evidence) {
+  constexpr double k_tail = 0.025;
+  const boost::math::students_t t(evidence.degrees_of_freedom);
+  const double reach = evidence.standard_error * boost::math::quantile(boost::math::complement(t, k_tail));
+  evidence.lower = evidence.log_evidence - reach;
+  evidence.upper = evidence.log_evidence + reach;
+}
+
+}  // namespace
 
 Evidence combine_evidence(const std::vector<SampledIsland>& islands) {
   const auto count = static_cast<double>(islands.size());
@@ -19,12 +30,16 @@ Evidence combine_evidence(const std::vector<SampledIsland>& islands) {
   Evidence evidence;
   evidence.log_evidence = largest + std::log(mean);
   evidence.standard_error = std::sqrt(variance / count) / mean;  // to first order of the logarithm
-  constexpr double k_tail = 0.025;
-  const double reach = boost::math::quantile(boost::math::complement(boost::math::students_t(count - 1.0), k_tail));
-  evidence.lower = evidence.log_evidence - reach * evidence.standard_error;
-  evidence.upper = evidence.log_evidence + reach * evidence.standard_error;
+  evidence.degrees_of_freedom = count - 1.0;
+  state_interval(evidence);
   evidence.spread = std::sqrt((logs - logs.mean()).square().sum() / (count - 1.0));
   return evidence;
+}
+
+void take_importance_evidence(const EstimatedEvidence& estimate, Evidence& evidence) {
+  static_cast<EstimatedEvidence&>(evidence) = estimate;
+  evidence.source = EvidenceSource::importance_sampling;
+  state_interval(evidence);
 }
 
 }  // namespace mottle::updating

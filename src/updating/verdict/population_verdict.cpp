@@ -182,8 +182,9 @@ void plan_residual_tests(const UpdatingProblem& problem, const PopulationFit& fi
     plan.leave_untested(Aspect::scatter, "The scatter was not tested for the same reason.");
     return;
   }
+  const Eigen::VectorXd error = fit.model_error ? fit.model_error->std : Eigen::VectorXd();
   MeanResiduals residuals =
-      has_noise ? mean_residuals(problem.tests.values, fit.units, fit.noise, fit.model_error) : MeanResiduals{};
+      has_noise ? mean_residuals(problem.tests.values, fit.units, fit.noise, error) : MeanResiduals{};
   if (residuals.own_noncentrality.size() > 0) {  // off by the tests' standard deviation, not by 1
     residuals.own_noncentrality.array() *= test_moments(problem.tests).covariance.diagonal().array();
   }

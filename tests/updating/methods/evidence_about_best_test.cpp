@@ -47,7 +47,7 @@ double evidence_by_quadrature(const UpdatingProblem& problem, const NoiseLevels&
   return std::log(sum);
 }
 
-std::optional<EstimatedEvidence> found_about(const UpdatingProblem& problem, std::int64_t& evaluations) {
+std::optional<EvidenceAboutBest> found_about(const UpdatingProblem& problem, std::int64_t& evaluations) {
   const NoiseLevels noise(problem, {});
   const CommonLikelihood likelihood(problem.tests);
   const RunContext context;
@@ -70,6 +70,7 @@ void expect_evidence(const CommonLinear& linear) {
   const auto found = found_about(problem, evaluations);
   ASSERT_TRUE(found);
   EXPECT_LT(found->standard_error, 0.03);
+  EXPECT_LT(found->pareto_k, 0.5);
   EXPECT_NEAR(found->log_evidence, evidence_by_quadrature(problem, noise, options), 4.0 * found->standard_error);
 }
 

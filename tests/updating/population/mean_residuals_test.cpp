@@ -7,6 +7,7 @@
 
 #include "mottle/core/random.hpp"
 #include "mottle/stats/distributions/standard_normal.hpp"
+#include "updating/estimate/normal_draws.hpp"
 #include "updating/methods/measured_outputs.hpp"
 
 namespace mottle::updating {
@@ -84,6 +85,49 @@ TEST(MeanResiduals, ShowAShiftByTheNoncentralityOfLeastSquares) {
   for (std::uint32_t i = 0; i < k_replications; ++i) mean += draw(i, k_shift).mean_squares / k_replications;
   const double expected = noncentrality * k_shift * k_shift;
   EXPECT_NEAR(mean, 3.0 + expected, 4.0 * std::sqrt((6.0 + 4.0 * expected) / k_replications));
+}
+
+/// Slopes that differ from specimen to specimen, and an error of the model, ten times the noise, that all share.
+MeanResiduals draw_with_model_error(std::uint32_t replication) {
+  constexpr Eigen::Index k_specimens = 8;
+  constexpr Eigen::Index k_outputs = 4;
+  const Eigen::VectorXd noise = Eigen::Vector4d(1.0, 0.25, 0.04, 4.0);
+  const Eigen::VectorXd error = 10.0 * noise.cwiseSqrt();
+  const auto stream_of = [&](Eigen::Index s) {
+    return RandomStream({.seed = 8, .purpose = StreamPurpose::truth, .iteration = replication},
+                        static_cast<std::uint32_t>(s));
+  };
+  RandomStream shared = stream_of(k_specimens);
+  const Eigen::VectorXd shift = error.cwiseProduct(standard_normals(shared, k_outputs));
+  std::vector<RandomEffectsUnit> units;
+  for (Eigen::Index s = 0; s < k_specimens; ++s) {
+    RandomStream stream = stream_of(s);
+    const Eigen::VectorXd slope = Eigen::Vector4d(1.0, 2.0, -1.0, 0.5) + 0.3 * standard_normals(stream, k_outputs);
+    const double effect = 3.0 * standard_normal_quantile(stream.uniform());
+    const Eigen::VectorXd own = noise.cwiseSqrt().cwiseProduct(standard_normals(stream, k_outputs));
+    units.push_back({slope, slope * effect + shift + own, noise});
+  }
+  return mean_residuals(Eigen::MatrixXd::Zero(k_specimens, k_outputs), units, noise, error);
+}
+
+/// Mean and variance as in the first test; plain squares about the mean are four times as large.
+TEST(MeanResiduals, AreChiSquaredWhereTheModelsErrorIsSharedByDifferentDesigns) {
+  constexpr int k_replications = 4000;
+  constexpr double k_freedom = 8.0 * 3.0 - 3.0;
+  Sums means;
+  Sums rest;
+  for (std::uint32_t i = 0; i < k_replications; ++i) {
+    const MeanResiduals found = draw_with_model_error(i);
+    EXPECT_EQ(found.degrees_of_freedom, k_freedom);
+    means.add(found.mean_squares);
+    rest.add(found.squares);
+  }
+  const double n = k_replications;
+  EXPECT_NEAR(means.mean / n, 3.0, 4.0 * std::sqrt(6.0 / n));
+  EXPECT_NEAR(rest.mean / n, k_freedom, 4.0 * std::sqrt(2.0 * k_freedom / n));
+  const double variance = rest.square / n - std::pow(rest.mean / n, 2);
+  const double fourth = 48.0 * k_freedom + 8.0 * k_freedom * k_freedom;  // of chi-squared, less the squared variance
+  EXPECT_NEAR(variance, 2.0 * k_freedom, 4.0 * std::sqrt(fourth / n));
 }
 
 TEST(MeanResiduals, HaveNoFreedomWhereParametersMoveEveryOutput) {

@@ -7,11 +7,11 @@
 
 namespace mottle::stats {
 
-/// ln evidence of a model as independent runs of a sampler estimate it.
+/// ln evidence of a model as independent runs of a sampler, or independent draws, estimate it.
 struct EstimatedEvidence {
   double log_evidence = 0.0;
   double standard_error = 0.0;      ///< >= 0
-  double degrees_of_freedom = 1.0;  ///< of the standard error, >= 1: runs less one
+  double degrees_of_freedom = 1.0;  ///< of the standard error, >= 1: runs or draws less one
 };
 
 /// One of several models.

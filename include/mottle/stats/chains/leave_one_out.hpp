@@ -26,6 +26,11 @@ struct LeaveOneOut : PredictiveAccuracy {
 /// Shape above which a datum's importance weights are not reliable.
 constexpr double k_unreliable_pareto_k = 0.7;
 
+/// Shape of the generalised Pareto distribution of the largest of independent importance weights, as in LeaveOneOut.
+///
+/// @param log_weights  [draw]; -infinity: a weight of 0
+double pareto_k_of(const Eigen::Ref<const Eigen::ArrayXd>& log_weights);
+
 /// Density of each datum under the posterior of the others.
 ///
 ///   ln p(z_i | z_-i) = ln (sum_s w_s p(z_i | x_s) / sum_s w_s),   w_s ~ 1 / p(z_i | x_s)

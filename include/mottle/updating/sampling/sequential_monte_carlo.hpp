@@ -9,6 +9,7 @@
 
 #include "mottle/core/run_context.hpp"
 #include "mottle/layers.hpp"
+#include "mottle/stats/chains/evidence_comparison.hpp"
 
 namespace mottle::updating {
 
@@ -85,13 +86,15 @@ struct SampledIsland {
   bool is_finished = true;  ///< false: stages ran out
 };
 
-/// Logarithm of the evidence, from islands.
-struct Evidence {
-  double log_evidence = 0.0;    ///< ln of the mean of the islands' evidences
-  double standard_error = 0.0;  ///< of it, from their spread
-  double lower = 0.0;           ///< ends of the 95 % interval, by Student's t
+/// Where an evidence comes from.
+enum class EvidenceSource { islands, importance_sampling };
+
+/// Logarithm of the evidence.
+struct Evidence : EstimatedEvidence {
+  double lower = 0.0;  ///< ends of the 95 % interval, by Student's t
   double upper = 0.0;
   double spread = 0.0;  ///< standard deviation of the islands' ln evidences
+  EvidenceSource source = EvidenceSource::islands;
 };
 
 /// Samples a posterior.
@@ -123,5 +126,8 @@ std::vector<SampledIsland> sample_posterior(const SamplingTarget& target, const 
 ///
 /// @param islands  >= 2
 Evidence combine_evidence(const std::vector<SampledIsland>& islands);
+
+/// Takes the estimate of an importance sample in its place, with the interval that it has; the spread stays.
+void take_importance_evidence(const EstimatedEvidence& estimate, Evidence& evidence);
 
 }  // namespace mottle::updating
