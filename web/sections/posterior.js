@@ -71,7 +71,7 @@ function statement({ chains, draws, evaluations }, evidence, modes) {
     is_number(chains) && is_number(draws) ? `${plural(chains, "independent island")} of ${plural(draws, "draw")} each` : "",
     is_number(evaluations) ? `, from ${plural(evaluations, "model run")}. ` : ". ",
     evidence
-      ? `ln evidence ${number_text(evidence.value, 6)}${is_number(evidence.error) ? ` ± ${number_text(evidence.error, 2)} (standard error)` : ""}. `
+      ? `ln evidence ${number_text(evidence.value, 6)}${evidence.by_importance ? " by importance sampling" : ""}${is_number(evidence.error) ? ` ± ${number_text(evidence.error, 2)} (standard error)` : ""}. `
       : "",
     modes.length === 1 ? "One mode was found." : modes.length > 1 ? `${modes.length} separate modes were found.` : "",
   );
@@ -131,7 +131,10 @@ export default {
             id: "posterior-evidence",
             title: "Evidence by island",
             caption:
-              "Each island estimates the evidence on its own. Line and band: the mean of their evidences with its 95\u00a0% interval, by their spread.",
+              "Each island estimates the evidence on its own. Line and band: " +
+              (evidence.by_importance
+                ? "what importance sampling about the parameters that meet the tests best finds, which is more precise here, with its 95\u00a0% interval."
+                : "the mean of their evidences with its 95\u00a0% interval, by their spread."),
             build: (width) => evidence_panel(evidence, width),
           })
         : null,

@@ -49,7 +49,9 @@ export const posterior_checks = [
       exponents.forEach(({ data: points }, chain) =>
         assert.deepEqual(points.map(([, value]) => value), posterior.stages[chain].map(({ exponent }) => exponent).filter((value) => value > 0)),
       );
-      const islands = (await series_of(page, "posterior-evidence")).find(({ name }) => name === "Island");
+      const drawn = await series_of(page, "posterior-evidence");
+      const islands = drawn.find(({ name }) => name === "Island");
+      assert.equal(drawn.some(({ name }) => name === "By importance sampling"), evidence.source === "importance-sampling");
       assert.deepEqual(islands.data.map(([value]) => value), evidence.islands);
     },
   ],

@@ -26,7 +26,8 @@ export function add_posterior(data, { levels = [], modes = 2, seed = 3 } = {}) {
   const quantiles = (factor) =>
     outputs.names.map((_, k) => quantile_scores.map((z) => outputs.final_mean[k] + factor * z * deviation(k)));
   const islands = Array.from({ length: chains }, () => -12.34 + 0.05 * normal());
-  result.evidence = { ln_evidence: -12.34, standard_error: 0.018, ci95: [-12.383, -12.297], spread: 0.05, islands };
+  const source = levels.length > 0 ? "importance-sampling" : "islands";
+  result.evidence = { ln_evidence: -12.34, standard_error: 0.018, ci95: [-12.383, -12.297], source, spread: 0.05, islands };
   result.posterior = {
     file: "posterior.csv",
     chains,

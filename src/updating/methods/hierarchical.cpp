@@ -142,7 +142,7 @@ UpdatingResult HierarchicalUpdater::update(const UpdatingProblem& problem, const
     estimate_population(findings, result);
     append_state(result, record_state(target.near(), tests, *result.estimate, context));
     context.phase({.name = "tests of the posterior"});
-    describe_hierarchical(findings, result);
+    describe_hierarchical(findings, context, result);
   } catch (const Stopped&) {
     return stopped_result(std::move(result), problem, "while the posterior was sampled");
   }

@@ -247,7 +247,7 @@ void estimate_population(const HierarchicalFindings& findings, UpdatingResult& r
   result.noise_covariance = mean_noise(findings.noise, levels).asDiagonal();
 }
 
-void describe_hierarchical(const HierarchicalFindings& findings, UpdatingResult& result) {
+void describe_hierarchical(const HierarchicalFindings& findings, const RunContext& context, UpdatingResult& result) {
   const PopulationFit fit = as_population_fit(findings, result);
   result.sensitivity = fit.sensitivity;
   const std::vector<ParameterTransform> scales = findings.problem.space.transforms();
@@ -256,7 +256,7 @@ void describe_hierarchical(const HierarchicalFindings& findings, UpdatingResult&
   result.specimens = estimate_specimens(findings.problem, fit);
   estimate_specimens_by_draws(findings, *result.specimens);
   add_notes(findings, result);
-  test_hierarchical(findings, fit, result);
+  test_hierarchical(findings, fit, context, result);
 }
 
 }  // namespace mottle::updating

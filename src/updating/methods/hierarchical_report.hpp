@@ -53,6 +53,6 @@ void estimate_population(const HierarchicalFindings& findings, UpdatingResult& r
 ///
 /// Tests: `mean-residuals` and `scatter-of-residuals` of maximum-likelihood at the specimens' linear models where the
 /// noise is known, `scatter-agreement`, `bounds` and `prior-shift`.
-void describe_hierarchical(const HierarchicalFindings& findings, UpdatingResult& result);
+void describe_hierarchical(const HierarchicalFindings& findings, const RunContext& context, UpdatingResult& result);
 
 }  // namespace mottle::updating

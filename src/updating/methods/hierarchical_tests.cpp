@@ -68,11 +68,12 @@ PopulationFit as_population_fit(const HierarchicalFindings& findings, const Upda
   return fit;
 }
 
-void test_hierarchical(const HierarchicalFindings& findings, const PopulationFit& fit, UpdatingResult& result) {
+void test_hierarchical(const HierarchicalFindings& findings, const PopulationFit& fit, const RunContext& context,
+                       UpdatingResult& result) {
   const UpdatingProblem& problem = findings.problem;
   TestPlan plan;
   if (findings.noise.is_known()) {
-    plan_residual_tests(problem, fit, plan);
+    plan_residual_tests(problem, fit, context, plan, result.model_evaluations);
   } else {
     plan.leave_untested(Aspect::means,
                         "The means were not tested: the noise is estimated, and takes in what the model cannot "

@@ -16,6 +16,7 @@ PopulationFit as_population_fit(const HierarchicalFindings& findings, const Upda
 /// `bounds` and `prior-shift`.
 ///
 /// @param fit  as_population_fit()
-void test_hierarchical(const HierarchicalFindings& findings, const PopulationFit& fit, UpdatingResult& result);
+void test_hierarchical(const HierarchicalFindings& findings, const PopulationFit& fit, const RunContext& context,
+                       UpdatingResult& result);
 
 }  // namespace mottle::updating

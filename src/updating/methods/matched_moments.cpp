@@ -10,8 +10,7 @@
 #include "mottle/linalg/dense/decompositions.hpp"
 #include "mottle/updating/methods/iteration.hpp"
 #include "updating/methods/least_change.hpp"
-#include "updating/methods/linear_units.hpp"
-#include "updating/population/mean_residuals.hpp"
+#include "updating/population/specimen_residuals.hpp"
 #include "updating/verdict/scatter_tests.hpp"
 
 namespace mottle::updating {
@@ -130,17 +129,14 @@ void plan_mean_test(const Comparison& c, TestPlan& plan) {
 std::optional<MeanResiduals> residuals_by_specimen(const Comparison& c, const RunContext& context,
                                                    std::int64_t& evaluations) {
   const Eigen::MatrixXd& values = c.problem.tests.values;
-  const Eigen::VectorXd noise = c.problem.tests.repeatability_std.cwiseAbs2();
+  const HoldingPopulation population{c.estimate.mean, prior_on_scales(c.problem.space).covariance,
+                                     c.problem.tests.repeatability_std.cwiseAbs2()};
   const Eigen::Index q = c.estimate.mean.size();
   try {
-    const SpecimenFits fits =
-        fit_specimens(c.problem, values, {c.estimate.mean, prior_on_scales(c.problem.space).covariance, noise},
-                      {c.estimate.mean.transpose().replicate(values.rows(), 1)}, context, evaluations);
-    const std::vector<RandomEffectsUnit> units =
-        linear_units(values, {}, mean_jacobian(fits.jacobians), {}, fits,
-                     {noise, std::vector<int>(static_cast<std::size_t>(noise.size()), -1)}, Eigen::VectorXd::Zero(q),
-                     Eigen::MatrixXd::Identity(q, q));
-    return mean_residuals(values, units, noise, c.problem.tests.model_error_variance().cwiseSqrt());
+    const SpecimenFits fits = fit_specimens(
+        c.problem, values, population, {c.estimate.mean.transpose().replicate(values.rows(), 1)}, context, evaluations);
+    return specimen_residuals(c.problem, population, fits, Eigen::MatrixXd::Identity(q, q),
+                              c.problem.tests.model_error_variance().cwiseSqrt(), context, evaluations);
   } catch (const SystemFailure&) {
     return std::nullopt;
   }

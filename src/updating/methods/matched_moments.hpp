@@ -48,7 +48,8 @@ Eigen::MatrixXd unmoved_directions(const Eigen::Ref<const Eigen::MatrixXd>& sens
 ///   mean-agreement: means of tests and cloud in the p - q directions B that no parameter moves,
 ///     r' B (B' M B)^-1 B' r,  r = z - y: chi-squared with p - q degrees of freedom, M = (C + R) / n + C / N, where the
 ///     noise R is known; Hotelling's T^2 with (p - q, n - 1), M = V / n + C / N, where it is not;
-///   scatter-of-residuals: tr[(B' (C + R) B)^-1 B' V B] (n - 1) against chi-squared (noise known); where the model has an
+///   scatter-of-residuals: tr[(B' (C + R) B)^-1 B' V B] (n - 1) against chi-squared (noise known); where the model has
+///   an
 ///     error, G is that of a displaced mean: the squares of MeanResiduals then, from fits of every specimen;
 ///   scatter-agreement, bounds, prior-shift: see scatter_tests.hpp, mean_limits.hpp.
 ///

@@ -253,7 +253,7 @@ void describe_mixture(const UpdatingProblem& problem, const TestMoments& tests, 
   }
   if (one.model_error) result.notes.push_back(model_error_note(problem, *one.model_error));
   result.other_solutions = other_solutions(problem, whole, k_other_starts, context, result.model_evaluations);
-  test_population(problem, whole, result);
+  test_population(problem, whole, context, result);
   result.mixture = std::make_shared<const MixtureFindings>(std::move(findings));
 }
 

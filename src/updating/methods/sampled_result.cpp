@@ -72,6 +72,7 @@ void conclude_sampling(const SampledPosterior& posterior, const std::string& met
                        bool is_finished, UpdatingResult& result) {
   const std::vector<std::string> doubts = doubts_of(posterior, method, options);
   const Evidence& evidence = posterior.evidence;
+  const char* const source = evidence.source == EvidenceSource::islands ? "" : " by importance sampling";
   if (!is_finished) {
     result.status = UpdatingStatus::max_iterations;
     result.message = "the stages ran out before the whole likelihood counted";
@@ -80,10 +81,10 @@ void conclude_sampling(const SampledPosterior& posterior, const std::string& met
   result.warnings.insert(result.warnings.end(), doubts.begin(), doubts.end());
   result.status = doubts.empty() ? UpdatingStatus::converged : UpdatingStatus::stalled;
   result.message = doubts.empty() ? fmt::format(
-                                        "{} islands of {} particles agree: R-hat at most {:.4f}; ln evidence {:.4f}, "
+                                        "{} islands of {} particles agree: R-hat at most {:.4f}; ln evidence {:.4f}{}, "
                                         "standard error {:.2g}",
                                         posterior.chains, posterior.draws, posterior.r_hat.maxCoeff(),
-                                        evidence.log_evidence, evidence.standard_error)
+                                        evidence.log_evidence, source, evidence.standard_error)
                                   : doubts.front();
 }
 

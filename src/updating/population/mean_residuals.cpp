@@ -48,15 +48,20 @@ WhitenedResiduals whiten(const Eigen::Ref<const Eigen::MatrixXd>& tests, const s
   return result;
 }
 
-/// By how much a shared error of these standard deviations makes the squares of all residuals, r = P (e + N^-1/2 d),
-/// smaller: r' (I - (I + X D X')^-1) r, X = P N^-1/2 of all specimens.
-double explained_squares(const WhitenedResiduals& whitened, const Eigen::VectorXd& noise, const Eigen::VectorXd& std) {
+/// What residuals r = P (e + N^-1/2 d) say of a shared error d.
+struct SharedError {
+  double explained = 0.0;  // r' (I - (I + X D X')^-1) r, X = P N^-1/2 of all specimens
+  Eigen::VectorXd mean;    // E[d | r]
+};
+
+SharedError shared_error_of(const WhitenedResiduals& whitened, const Eigen::VectorXd& noise,
+                            const Eigen::VectorXd& std) {
   const Eigen::VectorXd root = std.cwiseQuotient(noise.cwiseSqrt());
   Eigen::MatrixXd covariance = root.asDiagonal() * whitened.projection * root.asDiagonal();
   covariance.diagonal().array() += 1.0;
-  return CholeskyFactor(covariance)
-      .solve_lower(root.asDiagonal() * whitened.values.colwise().sum().transpose())
-      .squaredNorm();
+  const Eigen::VectorXd sum = root.cwiseProduct(whitened.values.colwise().sum().transpose());
+  const Eigen::VectorXd deviates = CholeskyFactor(covariance).solve(sum);
+  return {sum.dot(deviates), std.cwiseProduct(deviates)};
 }
 
 /// Directions of whitened outputs that no parameter moves, orthonormal [output x direction].
@@ -96,7 +101,9 @@ MeanResiduals mean_residuals(const Eigen::Ref<const Eigen::MatrixXd>& values,
     result.mean_squares = unmoved.dot(factor.solve(unmoved));
     const Eigen::MatrixXd seen_by_output = factor.solve_lower(by_output);
     result.own_noncentrality = seen_by_output.colwise().squaredNorm().transpose();
-    result.squares = whitened.squares - explained_squares(whitened, noise, error) - result.mean_squares;
+    const SharedError shared = shared_error_of(whitened, noise, error);
+    result.squares = whitened.squares - shared.explained - result.mean_squares;
+    result.shared = shared.mean;
     result.largest_variance = symmetric_eigenvalues(covariance).maxCoeff();
   }
   result.squares = std::max(result.squares, 1e-300);

@@ -30,6 +30,7 @@ struct MeanResiduals {
   double largest_variance = 1.0;         ///< of a direction's mean against K: what the model's error makes of it
   /// Where the model has an error: noncentrality of a mean that is off by 1 in an output [output]
   Eigen::VectorXd own_noncentrality = {};
+  Eigen::VectorXd shared = {};  ///< where the model has an error: E[d | residuals] [output]
 };
 
 /// @param values  the tests; only which are nan counts [specimen x output]

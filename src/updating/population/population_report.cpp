@@ -282,7 +282,7 @@ void describe_population(const UpdatingProblem& problem, const PopulationFit& fi
   add_notes(problem, fit, settings, result);
   report_normality(problem, fit, result);
   describe_curvature(near.problem(), fit, context, result);
-  test_population(problem, fit, result);
+  test_population(problem, fit, context, result);
 }
 
 }  // namespace mottle::updating

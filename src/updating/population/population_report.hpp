@@ -42,7 +42,8 @@ Eigen::MatrixXd start_beside(const UpdatingProblem& problem, const PopulationFit
 SpecimenEstimates estimate_specimens(const UpdatingProblem& problem, const PopulationFit& fit);
 
 /// Plans the tests of residuals among test_population()'s, from the same and the directions that the outputs see.
-void plan_residual_tests(const UpdatingProblem& problem, const PopulationFit& fit, TestPlan& plan);
+void plan_residual_tests(const UpdatingProblem& problem, const PopulationFit& fit, const RunContext& context,
+                         TestPlan& plan, std::int64_t& evaluations);
 
 /// Tests of what the estimate leaves over, at a level that is the false-alarm rate of all of them together:
 ///
@@ -55,7 +56,8 @@ void plan_residual_tests(const UpdatingProblem& problem, const PopulationFit& fi
 ///   scatter-agreement, bounds, prior-shift: see scatter_tests.hpp, mean_limits.hpp.
 ///
 /// What is not tested is said in result.not_tested.
-void test_population(const UpdatingProblem& problem, const PopulationFit& fit, UpdatingResult& result);
+void test_population(const UpdatingProblem& problem, const PopulationFit& fit, const RunContext& context,
+                     UpdatingResult& result);
 
 /// Intervals from populations drawn from the estimate and estimated again: see docs/theory/maximum-likelihood.md.
 /// `evidence` is that of `fit`. Samples whose model runs fail are left out.

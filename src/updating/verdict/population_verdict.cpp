@@ -7,8 +7,8 @@
 #include "mottle/stats/moments/descriptive.hpp"
 #include "mottle/updating/methods/iteration.hpp"
 #include "updating/methods/mean_limits.hpp"
-#include "updating/population/mean_residuals.hpp"
 #include "updating/population/population_report.hpp"
+#include "updating/population/specimen_residuals.hpp"
 #include "updating/verdict/scatter_tests.hpp"
 
 namespace mottle::updating {
@@ -163,9 +163,19 @@ void plan_cloud_agreement(const UpdatingProblem& problem, const PopulationFit& f
                                 counts_with_scatter(tests), is_whole, output_names(problem)));
 }
 
+MeanResiduals residuals_of(const UpdatingProblem& problem, const PopulationFit& fit, const RunContext& context,
+                           std::int64_t& evaluations) {
+  if (!fit.model_error) return mean_residuals(problem.tests.values, fit.units, fit.noise);
+  const Eigen::VectorXd& error = fit.model_error->std;
+  if (fit.settings.factors > 0) return mean_residuals(problem.tests.values, fit.units, fit.noise, error);
+  return specimen_residuals(problem, {fit.mean, fit.covariance, fit.noise}, fit.specimens, fit.map, error, context,
+                            evaluations);
+}
+
 }  // namespace
 
-void plan_residual_tests(const UpdatingProblem& problem, const PopulationFit& fit, TestPlan& plan) {
+void plan_residual_tests(const UpdatingProblem& problem, const PopulationFit& fit, const RunContext& context,
+                         TestPlan& plan, std::int64_t& evaluations) {
   const bool is_noise_known = fit.settings.factors == 0;
   const bool has_noise = has_noise_everywhere(problem, fit);
   const auto do_differ = [&] {
@@ -182,9 +192,7 @@ void plan_residual_tests(const UpdatingProblem& problem, const PopulationFit& fi
     plan.leave_untested(Aspect::scatter, "The scatter was not tested for the same reason.");
     return;
   }
-  const Eigen::VectorXd error = fit.model_error ? fit.model_error->std : Eigen::VectorXd();
-  MeanResiduals residuals =
-      has_noise ? mean_residuals(problem.tests.values, fit.units, fit.noise, error) : MeanResiduals{};
+  MeanResiduals residuals = has_noise ? residuals_of(problem, fit, context, evaluations) : MeanResiduals{};
   if (residuals.own_noncentrality.size() > 0) {  // off by the tests' standard deviation, not by 1
     residuals.own_noncentrality.array() *= test_moments(problem.tests).covariance.diagonal().array();
   }
@@ -213,9 +221,10 @@ void plan_residual_tests(const UpdatingProblem& problem, const PopulationFit& fi
                                  leverage_of(problem, fit, residuals)));
 }
 
-void test_population(const UpdatingProblem& problem, const PopulationFit& fit, UpdatingResult& result) {
+void test_population(const UpdatingProblem& problem, const PopulationFit& fit, const RunContext& context,
+                     UpdatingResult& result) {
   TestPlan plan;
-  plan_residual_tests(problem, fit, plan);
+  plan_residual_tests(problem, fit, context, plan, result.model_evaluations);
   plan_correlations(problem, fit, plan);
   plan_cloud_agreement(problem, fit, result, plan);
   if (!(fit.noise.array() > 0.0).all()) plan_reproduction(problem, fit, plan);

@@ -1,0 +1,41 @@
+#include "updating/population/specimen_residuals.hpp"
+
+#include <utility>
+#include <vector>
+
+#include "mottle/core/error.hpp"
+#include "mottle/stats/distributions/chi_squared.hpp"
+#include "updating/methods/linear_units.hpp"
+
+namespace mottle::updating {
+
+MeanResiduals specimen_residuals(const UpdatingProblem& problem, const HoldingPopulation& population, SpecimenFits fits,
+                                 const Eigen::MatrixXd& map, const Eigen::VectorXd& error, const RunContext& context,
+                                 std::int64_t& evaluations) {
+  constexpr int k_steps = 4;
+  constexpr double k_refused = 0.05;
+  const Eigen::MatrixXd& values = problem.tests.values;
+  const NoiseModel noise{population.noise, std::vector<int>(static_cast<std::size_t>(values.cols()), -1)};
+  const auto residuals_about = [&](const SpecimenFits& at) {
+    return mean_residuals(values,
+                          linear_units(values, {}, mean_jacobian(at.jacobians), {}, at, noise, population.mean, map),
+                          population.noise, error);
+  };
+  MeanResiduals found = residuals_about(fits);
+  MeanResiduals last = found;
+  for (int step = 0; step < k_steps; ++step) {
+    if (last.shared.size() == 0 || last.degrees_of_freedom <= 0.0) break;
+    if (chi_squared_upper_tail(found.squares, found.degrees_of_freedom) >= k_refused) break;
+    try {
+      fits = fit_specimens(problem, values.rowwise() - last.shared.transpose(), population,
+                           {fits.points, fits.jacobians}, context, evaluations);
+    } catch (const SystemFailure&) {  // the model fails about the next fits
+      break;
+    }
+    last = residuals_about(fits);
+    if (last.squares < found.squares) found = last;
+  }
+  return found;
+}
+
+}  // namespace mottle::updating

@@ -1,0 +1,27 @@
+// Residuals of specimens that an error of the model moves further than it is linear.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+
+#include "mottle/layers.hpp"
+#include "updating/methods/specimen_fit.hpp"
+#include "updating/population/mean_residuals.hpp"
+
+namespace mottle::updating {
+
+/// Residuals of specimens that share an error d of the model, linear about its most probable value: the specimens'
+/// unmoved directions are those where their fits lie, and with an error of many times the noise the fits lie elsewhere
+/// than without it. Gauss-Newton steps in d, each with fits to z - E[d | residuals], as long as the squares refuse the
+/// noise at 5 %; of these the smallest squares.
+///
+/// @param population   what holds the fits; its noise > 0
+/// @param fits         of the specimens, for any error
+/// @param map          parameters of effects [parameter x effect]
+/// @param error        standard deviation of d [output]
+/// @param evaluations  raised by the model runs that were needed
+MeanResiduals specimen_residuals(const UpdatingProblem& problem, const HoldingPopulation& population, SpecimenFits fits,
+                                 const Eigen::MatrixXd& map, const Eigen::VectorXd& error, const RunContext& context,
+                                 std::int64_t& evaluations);
+
+}  // namespace mottle::updating
