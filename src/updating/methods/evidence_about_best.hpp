@@ -13,7 +13,7 @@ namespace mottle::updating {
 
 /// An importance sample's evidence.
 struct EvidenceAboutBest : EstimatedEvidence {
-  double pareto_k = 0.0;  ///< of its weights; above k_unreliable_pareto_k neither it nor its error is to be relied on
+  double pareto_k = 0.0;  ///< of its weights, which have no variance where it is above 1 / 2
 };
 
 /// ln Z by importance sampling about the parameters that meet the tests best; nothing: the noise is known, the

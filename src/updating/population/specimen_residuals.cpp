@@ -1,6 +1,6 @@
 #include "updating/population/specimen_residuals.hpp"
 
-#include <utility>
+#include <algorithm>
 #include <vector>
 
 #include "mottle/core/error.hpp"
@@ -21,8 +21,9 @@ MeanResiduals specimen_residuals(const UpdatingProblem& problem, const HoldingPo
                           linear_units(values, {}, mean_jacobian(at.jacobians), {}, at, noise, population.mean, map),
                           population.noise, error);
   };
-  MeanResiduals found = residuals_about(fits);
-  MeanResiduals last = found;
+  const MeanResiduals first = residuals_about(fits);
+  MeanResiduals found = first;
+  MeanResiduals last = first;
   for (int step = 0; step < k_steps; ++step) {
     if (last.shared.size() == 0 || last.degrees_of_freedom <= 0.0) break;
     if (chi_squared_upper_tail(found.squares, found.degrees_of_freedom) >= k_refused) break;
@@ -33,7 +34,11 @@ MeanResiduals specimen_residuals(const UpdatingProblem& problem, const HoldingPo
       break;
     }
     last = residuals_about(fits);
-    if (last.squares < found.squares) found = last;
+    if (last.squares + last.mean_squares >= found.squares + found.mean_squares) continue;
+    found = last;
+    const double excess = std::max(last.mean_squares - first.mean_squares, 0.0);
+    found.squares += excess;
+    found.mean_squares -= excess;
   }
   return found;
 }

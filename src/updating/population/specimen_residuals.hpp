@@ -13,7 +13,9 @@ namespace mottle::updating {
 /// Residuals of specimens that share an error d of the model, linear about its most probable value: the specimens'
 /// unmoved directions are those where their fits lie, and with an error of many times the noise the fits lie elsewhere
 /// than without it. Gauss-Newton steps in d, each with fits to z - E[d | residuals], as long as the squares refuse the
-/// noise at 5 %; of these the smallest squares.
+/// noise at 5 %; of these the smallest, mean and rest together. What the mean's part has become larger by than it was
+/// where the fits lie counts among the rest: the estimate is judged by a mean that it was to match, and an error that
+/// would be seen there must not explain the scatter.
 ///
 /// @param population   what holds the fits; its noise > 0
 /// @param fits         of the specimens, for any error

@@ -91,7 +91,8 @@ TEST(StatedModelError, OfManyTimesTheNoiseDoesNotMakeRightModelsInadequate) {
   const StructureModel model(separate(test::three_mass_system(), targets), {.frequencies = {1, 2, 3}},
                              Eigen::VectorXd::Constant(2, 2.0));
   const Distribution prior({.kind = DistributionKind::normal, .mean = 2.0, .std = 0.3});
-  const ParameterSpace space({{"k1", "N/m", {}, {}, {}}, {"k2", "N/m", {}, {}, {}}}, JointDistribution({prior, prior}));
+  const ParameterSpace space({{"k1", "N/m", 0.5, 4.0, {}}, {"k2", "N/m", 0.5, 4.0, {}}},
+                             JointDistribution({prior, prior}));
   for (const char* method : {"maximum-likelihood", "covariance-adjustment"}) {
     int refused = 0;
     for (std::uint32_t replication = 0; replication < 40; ++replication) {
