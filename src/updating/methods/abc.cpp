@@ -21,8 +21,7 @@ NoiseModel noise_of(const UpdatingProblem& problem, const AbcOptions& options) {
   using Noise = MaximumLikelihoodOptions::Noise;
   // Noise that is not stated counts as none, whatever the number of outputs: distances do not ask for a density.
   if (options.noise == AbcOptions::Noise::given) {
-    return {problem.tests.repeatability_std.cwiseAbs2(),
-            std::vector<int>(static_cast<std::size_t>(problem.tests.values.cols()), -1), 0};
+    return known_noise(problem.tests.repeatability_std.cwiseAbs2());
   }
   return noise_model(
       problem, {.noise = options.noise == AbcOptions::Noise::automatic ? Noise::automatic : Noise::estimated}, "abc");

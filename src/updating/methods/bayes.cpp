@@ -74,14 +74,6 @@ void note_gradients(const SampledPosterior& posterior, const PosteriorTarget& ta
                                  : "."));
 }
 
-/// By how many of both standard errors the importance sample's evidence is above that of the islands.
-double gap_in_errors(const EvidenceAboutBest& about_best, const Evidence& islands) {
-  return (about_best.log_evidence - islands.log_evidence) /
-         std::hypot(about_best.standard_error, islands.standard_error);
-}
-
-constexpr double k_errors_apart = 2.3;  // the stated interval of eight islands
-
 /// Whether the importance sample is sound and much the more precise, and sees more than the islands do: what lies far
 /// from the best parameters it may miss without a sign, a second mode or the end of a ridge, and is too low then.
 bool is_better(const EvidenceAboutBest& about_best, const SampledPosterior& posterior) {
@@ -95,13 +87,14 @@ bool is_better(const EvidenceAboutBest& about_best, const SampledPosterior& post
 /// Small levels of the noise of which a part of the posterior was not sampled: then no sampling is whole.
 void judge_reach(const EvidenceAboutBest& about_best, const Evidence& islands, UpdatingResult& result) {
   constexpr double k_much = 0.06;
-  const double lacking = -std::expm1(islands.log_evidence - about_best.log_evidence);
-  if (!(lacking > k_much && gap_in_errors(about_best, islands) > k_errors_apart)) return;
+  constexpr double k_errors = 2.3;  // the stated interval of eight islands
+  const double gap = about_best.log_evidence - islands.log_evidence;
+  const double lacking = -std::expm1(-gap);
+  if (!(lacking > k_much && gap > k_errors * std::hypot(about_best.standard_error, islands.standard_error))) return;
   std::string text = fmt::format(
       "The draws lack {:.0f} % of the posterior: importance sampling about the parameters that meet the tests best "
       "finds ln evidence {:.3f} +- {:.3f}, the islands {:.3f} +- {:.3f}. Noise far below its prior's scale is "
-      "probable, "
-      "which the sampler does not reach. Give [test] repeatability, more particles with a higher "
+      "probable, which the sampler does not reach. Give [test] repeatability, more particles with a higher "
       "bayes.effective_fraction, or set bayes.noise_prior = \"inverse-gamma\".",
       100.0 * lacking, about_best.log_evidence, about_best.standard_error, islands.log_evidence,
       islands.standard_error);

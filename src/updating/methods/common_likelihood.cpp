@@ -25,7 +25,7 @@ NoiseLevels::NoiseLevels(const UpdatingProblem& problem, const BayesOptions& opt
     : options_(options), method_(method) {
   const Eigen::VectorXd& given = problem.tests.repeatability_std;
   const auto p = static_cast<std::size_t>(given.size());
-  model_ = {given.cwiseAbs2(), std::vector<int>(p, -1), 0};
+  model_ = known_noise(given.cwiseAbs2());
   std::vector<bool> is_open(p, options.noise == BayesOptions::Noise::estimated);
   std::vector<std::string> unknown;
   for (std::size_t k = 0; k < p; ++k) {

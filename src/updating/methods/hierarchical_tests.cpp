@@ -38,7 +38,6 @@ PopulationFit as_population_fit(const HierarchicalFindings& findings, const Upda
   const UpdatingProblem& problem = findings.problem;
   const PopulationOnScales& typical = *result.estimate->population();
   const Eigen::Index q = typical.mean.size();
-  const auto p = static_cast<std::size_t>(problem.tests.values.cols());
   PopulationFit fit;
   fit.mean = typical.mean;
   fit.covariance = typical.covariance;
@@ -62,7 +61,7 @@ PopulationFit as_population_fit(const HierarchicalFindings& findings, const Upda
                                root.cwiseAbs2().cwiseInverse());
   }
   fit.units = linear_units(problem.tests.values, shift, fit.sensitivity, absorbed, fit.specimens,
-                           {fit.noise, std::vector<int>(p, -1), 0}, Eigen::VectorXd::Zero(q), fit.map);
+                           known_noise(fit.noise), Eigen::VectorXd::Zero(q), fit.map);
   fit.effects.mean = fit.mean;
   fit.effects.covariance = fit.covariance;
   return fit;

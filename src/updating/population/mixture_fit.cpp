@@ -19,15 +19,11 @@ Eigen::MatrixXd own_values(const UpdatingProblem& problem, const PopulationFit& 
   return problem.tests.values.rowwise() - one.model_error->shift.transpose();
 }
 
-NoiseModel known_noise(const PopulationFit& one) {
-  return {one.noise, std::vector<int>(static_cast<std::size_t>(one.noise.size()), -1), 0};
-}
-
 std::vector<RandomEffectsUnit> units_of(const UpdatingProblem& problem, const PopulationFit& one,
                                         const SpecimenFits& specimens, const Eigen::VectorXd& origin,
                                         const Eigen::MatrixXd& map) {
-  return linear_units(own_values(problem, one), {}, mean_jacobian(specimens.jacobians), {}, specimens, known_noise(one),
-                      origin, map);
+  return linear_units(own_values(problem, one), {}, mean_jacobian(specimens.jacobians), {}, specimens,
+                      known_noise(one.noise), origin, map);
 }
 
 /// Number of the set of outputs that each specimen lacks.

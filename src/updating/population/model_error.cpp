@@ -25,7 +25,7 @@ NoiseModel model_error_model(const UpdatingProblem& problem) {
   if (!problem.tests.has_model_error()) return {};
   const Eigen::Index p = problem.tests.values.cols();
   const auto outputs = static_cast<std::size_t>(p);
-  NoiseModel model{problem.tests.model_error_variance(), std::vector<int>(outputs, -1), 0};
+  NoiseModel model = known_noise(problem.tests.model_error_variance());
   if (!problem.tests.is_model_error_estimated) return model;
   require_of(p > problem.space.count(), {Subject::Kind::model_error},
              "cannot be estimated, {} outputs are no more than the {} parameters; give it as numbers", p,

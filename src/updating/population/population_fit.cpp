@@ -192,6 +192,11 @@ class FollowingProblem {
 
 }  // namespace
 
+NoiseModel known_noise(Eigen::VectorXd variance) {
+  const auto outputs = static_cast<std::size_t>(variance.size());
+  return {std::move(variance), std::vector<int>(outputs, -1), 0};
+}
+
 Eigen::RowVectorXd means_of_tests(const Eigen::Ref<const Eigen::MatrixXd>& values) {
   Eigen::RowVectorXd means(values.cols());
   for (Eigen::Index k = 0; k < values.cols(); ++k) {

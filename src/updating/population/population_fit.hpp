@@ -24,6 +24,9 @@ struct NoiseModel {
   int factors = 0;
 };
 
+/// Noise of these variances, none of them to be estimated.
+NoiseModel known_noise(Eigen::VectorXd variance);
+
 struct PopulationFitSettings {
   NoiseModel noise;
   NoiseModel model_error = {};  ///< of errors that all specimens share; `base` empty: none

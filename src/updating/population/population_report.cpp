@@ -193,7 +193,7 @@ NoiseModel noise_model(const UpdatingProblem& problem, const MaximumLikelihoodOp
   using Noise = MaximumLikelihoodOptions::Noise;
   const Eigen::VectorXd& given = problem.tests.repeatability_std;
   const Eigen::Index p = problem.tests.values.cols();
-  NoiseModel model{given.cwiseAbs2(), std::vector<int>(static_cast<std::size_t>(p), -1), 0};
+  NoiseModel model = known_noise(given.cwiseAbs2());
   const bool has_more_outputs = p > problem.space.count();
   const bool is_estimated = options.noise == Noise::estimated ||
                             (options.noise == Noise::automatic && has_more_outputs && (given.array() <= 0.0).any());

@@ -1,7 +1,6 @@
 #include "updating/population/specimen_residuals.hpp"
 
 #include <algorithm>
-#include <vector>
 
 #include "mottle/core/error.hpp"
 #include "mottle/stats/distributions/chi_squared.hpp"
@@ -15,7 +14,7 @@ MeanResiduals specimen_residuals(const UpdatingProblem& problem, const HoldingPo
   constexpr int k_steps = 4;
   constexpr double k_refused = 0.05;
   const Eigen::MatrixXd& values = problem.tests.values;
-  const NoiseModel noise{population.noise, std::vector<int>(static_cast<std::size_t>(values.cols()), -1)};
+  const NoiseModel noise = known_noise(population.noise);
   const auto residuals_about = [&](const SpecimenFits& at) {
     return mean_residuals(values,
                           linear_units(values, {}, mean_jacobian(at.jacobians), {}, at, noise, population.mean, map),

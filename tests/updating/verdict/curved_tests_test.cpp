@@ -124,7 +124,6 @@ int refused_by_scatter(const char* method, double error, double k6) {
   return refused;
 }
 
-/// With slopes where the specimens' fits lie `maximum-likelihood` refused 16 of 40.
 TEST(StatedModelError, OfManyTimesTheNoiseDoesNotMakeRightModelsInadequate) {
   for (const char* method : {"maximum-likelihood", "covariance-adjustment"}) {
     EXPECT_LE(refused_by_scatter(method, 0.02, 3.0), 5) << method;  // 2.5 %, and less than one in a thousand above
