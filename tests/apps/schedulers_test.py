@@ -280,10 +280,11 @@ class SchedulersTest(support.CommandTest):
         process.communicate()
         left = list(self.folder.glob("mottle-tasks-*"))
         self.assertEqual(len(left), 1)
-        late = subprocess.Popen(["sh", "-c", f"i=0; while [ $i -lt 20000 ]; do i=$((i+1)); echo > {left[0]}/late-$i || exit; done"],
-                                stderr=subprocess.DEVNULL)  # as tasks do that have not ended yet
+        writer = f"i=0; while [ -d {left[0]} ]; do i=$((i+1)); echo > {left[0]}/late-$i || exit; done"
+        late = subprocess.Popen(["sh", "-c", writer], stderr=subprocess.DEVNULL)  # a task that does not end
+        self.addCleanup(late.kill)
         self.call_here("check", "tower/study.toml")
-        late.communicate()
+        late.communicate(timeout=support.PATIENCE * 10)
         self.assertEqual(list(self.folder.glob("mottle-tasks-*")), [])
         self.assertTrue((self.state / "1" / "cancel").exists(), "its job is cancelled")
 

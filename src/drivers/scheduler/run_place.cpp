@@ -24,14 +24,18 @@ std::string place_prefix() {
   return fmt::format("mottle-tasks-{}-", node_name());
 }
 
-/// Tasks that were cancelled may write into it until they have ended, and what they write then would stay. If they
-/// go on, the next Mottle removes the rest.
-void remove_folder(const std::filesystem::path& place) {
+/// Tasks that were cancelled may write until they have ended: by its path they find it no more, and what those write
+/// that are inside is removed again. If they go on, the next Mottle removes the rest.
+void remove_folder(std::filesystem::path place) {
   constexpr int k_attempts = 40;
-  std::error_code ignored;
+  std::error_code error;
+  std::filesystem::path moved = place;
+  moved += "-removed";
+  std::filesystem::rename(place, moved, error);
+  if (!error) place = moved;
   for (int attempt = 0; attempt < k_attempts; ++attempt) {
-    std::filesystem::remove_all(place, ignored);
-    if (!std::filesystem::exists(place, ignored)) return;
+    std::filesystem::remove_all(place, error);
+    if (!std::filesystem::exists(place, error)) return;
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
   }
   std::ofstream(place / k_place_mark).close();
