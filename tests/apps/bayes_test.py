@@ -188,6 +188,22 @@ class BayesTest(support.CommandTest):
         self.assertEqual(result["posterior"]["names"], ["k1", "k2", "noise:f", "log_likelihood"])
         self.assertEqual(result["verdict"]["conclusion"], "undecided")
 
+    def test_an_output_of_one_specimen_counts(self):
+        first, *others = support.TESTS.splitlines()[1:]
+        gaps = [line.rsplit(",", 1)[0] + "," for line in others]
+        self.write("tests.csv", "\n".join(["f1,f2,f3", first, *gaps, ""]))
+        for method in ("bayes", "hierarchical"):
+            with self.subTest(method):
+                self.write("study.toml", BAYES.replace("bayes", method))
+                result = self.update()
+                self.assertEqual(result["status"], "converged")
+                self.assertEqual([test["name"] for test in result["verdict"]["tests"]][0],
+                                 {"bayes": "residuals", "hierarchical": "mean-residuals"}[method])
+        self.write("study.toml", BAYES.replace("bayes", "maximum-likelihood").replace("particles = 200", ""))
+        ended = self.call("check", "study.toml")
+        self.assertEqual(ended.code, 2)
+        self.assertIn("test: output 'f3' is measured once in 6 specimens", ended.err)
+
     def test_noise_that_is_neither_known_nor_sampled_is_refused(self):
         self.write("study.toml", edited(BAYES, ('repeatability = { "f*" = 0.02 }\n', ""),
                                         ("particles = 200", 'noise = "given"')))

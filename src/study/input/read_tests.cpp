@@ -250,9 +250,6 @@ StudyTests read_tests(const Study& study, const StructureModel& model) {
             count > 0 ? ""
                       : why_missing(model, model.outputs()[static_cast<std::size_t>(k)], measured, tests,
                                     pairing == TestPairing::mac));
-    require(count > 1 || tests.data.values.rows() == 1,
-            "{}: output '{}' is measured once in {} specimens, which gives no scatter; leave it out of [outputs]",
-            tests.file, names[static_cast<std::size_t>(k)], tests.data.values.rows());
   }
   for (std::string& doubt : doubtful_frequencies(model, tests.data)) tests.warnings.push_back(std::move(doubt));
   add_repeatability(study, model, by_frequency, tests);

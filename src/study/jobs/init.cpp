@@ -113,6 +113,7 @@ void try_study(InitOutcome& outcome) {
     const StudyModel made = make_model(study, study.parameters, {.cache = outcome.settings.cache});
     if (!study.test) return;
     const StudyTests tests = read_tests(study, *made.model);
+    require_repeated_outputs(tests.data, made.model->outputs());
     refuse_unit_errors(study, made, tests);
     outcome.notes.insert(outcome.notes.end(), tests.warnings.begin(), tests.warnings.end());
   } catch (const InvalidInput& error) {

@@ -238,6 +238,7 @@ void require_problem(const UpdatingProblem& problem, const DiagnosisSettings& se
   require(problem.tests.values.rows() >= k_min_specimens,
           "diagnose: {} specimens are too few to compare likelihoods; at least {} are needed",
           problem.tests.values.rows(), k_min_specimens);
+  require_repeated_outputs(problem.tests, problem.model.outputs());
   const bool is_noise_known = (problem.tests.repeatability_std.array() > 0.0).all();
   require(is_noise_known || (counts_with_scatter(test_moments(problem.tests)).array() > 0).any(),
           "diagnose: the {} specimens are the same to the last digits, so their likelihood has no maximum; give [test] "

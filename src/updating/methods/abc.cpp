@@ -177,6 +177,7 @@ UpdatingResult AbcUpdater::update(const UpdatingProblem& problem, const RunConte
   require_of(problem.tests.values.rows() >= 2, {Subject::Kind::method, "abc"},
              "{} specimen has no scatter to explain; at least 2 are needed, or use method = \"deterministic\"",
              problem.tests.values.rows());
+  require_repeated_outputs(problem.tests, problem.model.outputs());
   const TestMoments tests = test_moments(problem.tests);
   const ScaledParameters parameters(problem.space);
   const PopulationCoordinates coordinates(problem, parameters, noise_of(problem, options_),

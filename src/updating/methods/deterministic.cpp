@@ -37,6 +37,7 @@ LeastSquares prepare(const UpdatingProblem& problem, const DeterministicOptions&
   const Eigen::Index row = options.specimen == 0 ? 0 : problem.tests.find(options.specimen);
   require_of(row >= 0, specimen, "{} is not there; the tests have {} (0 means their mean)", options.specimen,
              numbers_text(problem.tests));
+  require_repeated_outputs(problem.tests, problem.model.outputs());
   LeastSquares setup;
   setup.target = options.specimen == 0 ? test_moments(problem.tests).mean
                                        : Eigen::VectorXd(problem.tests.values.row(row).transpose());

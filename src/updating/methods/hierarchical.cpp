@@ -111,7 +111,7 @@ const OptionTable<HierarchicalOptions>& hierarchical_option_table() {
 UpdatingResult HierarchicalUpdater::update(const UpdatingProblem& problem, const RunContext& context) const {
   require_draws("hierarchical", options_);
   require_specimens(problem);
-  const TestMoments tests = moments_of_tests(problem);
+  const TestMoments tests = test_moments(problem.tests);
   const NoiseLevels noise(problem, options_, "hierarchical");
   require_scatter(problem, noise);
   const PopulationPrior prior(problem, options_, noise);

@@ -191,20 +191,6 @@ Eigen::MatrixXd means_of(const HierarchicalDraws& draws) {
   return means;
 }
 
-TestMoments moments_of_tests(const UpdatingProblem& problem) {
-  const CommonLikelihood counted(problem.tests);
-  if ((counted.count().array() >= 2.0).all()) return test_moments(problem.tests);
-  const Eigen::Index p = counted.count().size();
-  for (Eigen::Index k = 0; k < p; ++k) {
-    require_of(counted.count()(k) > 0.0, {Subject::Kind::tests}, "output {} has no measured value",
-               problem.model.outputs()[static_cast<std::size_t>(k)].name());
-  }
-  TestMoments moments{counted.mean(), Eigen::MatrixXd::Zero(p, p), counted.count().cast<int>()};
-  for (Eigen::Index k = 0; k < p; ++k)
-    moments.covariance(k, k) = counted.scatter()(k) / std::max(counted.count()(k) - 1.0, 1.0);
-  return moments;
-}
-
 NamedDraws named_draws(const UpdatingProblem& problem, const PopulationPrior& prior, const HierarchicalDraws& draws) {
   constexpr Eigen::Index k_most = 100;  // columns for specimens: with 4,000 draws 8 MB
   const Eigen::Index own = prior.dimension();

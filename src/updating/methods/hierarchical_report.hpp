@@ -13,10 +13,6 @@
 
 namespace mottle::updating {
 
-/// test_moments(), but of outputs that a single specimen has too: there, without scatter.
-/// @throws InvalidInput  an output without any measured value
-TestMoments moments_of_tests(const UpdatingProblem& problem);
-
 /// Draws of all islands, one below the other.
 struct HierarchicalDraws {
   std::vector<PopulationAt> populations;  ///< [draw]

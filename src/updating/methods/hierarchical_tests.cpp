@@ -81,7 +81,7 @@ void test_hierarchical(const HierarchicalFindings& findings, const PopulationFit
                         "The scatter was not tested: noise and scatter of the parameters are both estimated. Give "
                         "[test] repeatability.");
   }
-  const TestMoments tests = moments_of_tests(problem);
+  const TestMoments tests = test_moments(problem.tests);
   plan.add(cloud_agreement_test(
       tests.covariance.diagonal(), result.history.back().output_covariance.diagonal() + fit.noise,
       counts_with_scatter(tests), std::vector<bool>(problem.model.outputs().size(), true), output_names(problem)));

@@ -34,6 +34,7 @@ Setup prepare(const UpdatingProblem& problem) {
              "{} specimen has no scatter to explain; at least 2 are needed, or use method = "
              "\"deterministic\"",
              problem.tests.values.rows());
+  require_repeated_outputs(problem.tests, problem.model.outputs());
   Setup setup{problem, ScaledParameters(problem.space), test_moments(problem.tests), problem.tests.repeatability_std};
   for (Eigen::Index k = 0; k < setup.sigma.size(); ++k) {
     if (!(setup.sigma(k) > 0.0)) setup.sigma(k) = std::sqrt(setup.tests.covariance(k, k));

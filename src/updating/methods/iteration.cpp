@@ -10,15 +10,44 @@
 
 namespace mottle::updating {
 
+namespace {
+
+Eigen::VectorXi measured_counts(const Eigen::MatrixXd& values) {
+  return (!values.array().isNaN()).cast<int>().colwise().sum();
+}
+
+}  // namespace
+
 TestMoments test_moments(const TestData& tests) {
-  if (tests.values.rows() >= 2) {
-    const SampleMoments moments = available_case_moments(tests.values);
-    return {moments.mean, moments.covariance, moments.count};
+  const Eigen::MatrixXd& values = tests.values;
+  require_of(values.rows() >= 1, {Subject::Kind::tests}, "there is no specimen");
+  require_of(values.rows() > 1 || values.allFinite(), {Subject::Kind::tests}, "the only specimen has missing values");
+  const Eigen::Index p = values.cols();
+  TestMoments found{Eigen::VectorXd(p), Eigen::MatrixXd::Zero(p, p), measured_counts(values)};
+  std::vector<Eigen::Index> scattered;
+  for (Eigen::Index k = 0; k < p; ++k) {
+    require_of(found.count(k) > 0, {Subject::Kind::tests}, "output {} (from 1) has no measured value", k + 1);
+    if (found.count(k) > 1)
+      scattered.push_back(k);
+    else
+      found.mean(k) = values.col(k).array().isNaN().select(0.0, values.col(k).array()).sum();
   }
-  require_of(tests.values.rows() == 1, {Subject::Kind::tests}, "there is no specimen");
-  require_of(tests.values.allFinite(), {Subject::Kind::tests}, "the only specimen has missing values");
-  return {tests.values.row(0).transpose(), Eigen::MatrixXd::Zero(tests.values.cols(), tests.values.cols()),
-          Eigen::VectorXi::Ones(tests.values.cols())};
+  if (scattered.empty()) return found;
+  const SampleMoments moments = available_case_moments(values(Eigen::all, scattered));
+  found.mean(scattered) = moments.mean;
+  found.covariance(scattered, scattered) = moments.covariance;
+  return found;
+}
+
+void require_repeated_outputs(const TestData& tests, const std::vector<Quantity>& outputs) {
+  if (tests.values.rows() == 1) return;
+  const Eigen::VectorXi count = measured_counts(tests.values);
+  for (Eigen::Index k = 0; k < count.size(); ++k) {
+    require_of(count(k) > 1, {Subject::Kind::tests},
+               "output '{}' is measured once in {} specimens, which gives no scatter; leave it out of [outputs] "
+               "(methods \"bayes\" and \"hierarchical\" need none)",
+               outputs[static_cast<std::size_t>(k)].name(), tests.values.rows());
+  }
 }
 
 namespace {

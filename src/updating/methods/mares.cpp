@@ -45,6 +45,7 @@ void require_solvable(const UpdatingProblem& problem) {
 MaresSetup prepare(const UpdatingProblem& problem, const MaresOptions& options) {
   require_solvable(problem);
   MaresSetup setup;
+  require_repeated_outputs(problem.tests, problem.model.outputs());
   setup.tests = test_moments(problem.tests);
   setup.prior_mean = problem.space.prior().mean();
   setup.prior_covariance = problem.space.prior().covariance();

@@ -63,6 +63,7 @@ UpdatingResult MaximumLikelihoodUpdater::update(const UpdatingProblem& problem, 
              "{} specimen has no scatter to explain; at least 2 are needed, or use method = "
              "\"deterministic\"",
              specimens);
+  require_repeated_outputs(problem.tests, problem.model.outputs());
   const TestMoments tests = test_moments(problem.tests);
   UpdatingResult result;
   result.is_population = true;

@@ -214,6 +214,7 @@ UpdatingResult MixtureUpdater::update(const UpdatingProblem& given, const RunCon
   require_specimens(given, options_);
   const std::vector<Eigen::Index> order = order_of(given.tests.values);
   const UpdatingProblem problem = sorted(given, order);
+  require_repeated_outputs(problem.tests, problem.model.outputs());
   const TestMoments tests = test_moments(problem.tests);
   const PopulationFitSettings settings{.noise = noise_model(problem, one_population(options_), "mixture"),
                                        .model_error = model_error_model(problem),

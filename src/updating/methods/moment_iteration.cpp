@@ -69,6 +69,7 @@ Setup prepare(const UpdatingProblem& problem, const ScaledParameters& parameters
              "{} specimen has no scatter to explain; at least 2 are needed, or use method = "
              "\"deterministic\"",
              problem.tests.values.rows());
+  require_repeated_outputs(problem.tests, problem.model.outputs());
   Setup setup{problem, parameters, method, test_moments(problem.tests), {}, {}, {}, {}};
   setup.noise = problem.tests.repeatability_std.cwiseAbs2().asDiagonal();
   setup.whitening = whitening_matrix(setup, Eigen::VectorXd::Zero(setup.tests.mean.size()));

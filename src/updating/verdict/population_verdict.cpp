@@ -196,11 +196,13 @@ void plan_residual_tests(const UpdatingProblem& problem, const PopulationFit& fi
   if (residuals.own_noncentrality.size() > 0) {  // off by the tests' standard deviation, not by 1
     residuals.own_noncentrality.array() *= test_moments(problem.tests).covariance.diagonal().array();
   }
-  if (!has_noise || residuals.mean_degrees_of_freedom == 0.0 || residuals.degrees_of_freedom <= 0.0) {
+  const bool has_scatter = residuals.degrees_of_freedom > 0.0;
+  if (!has_noise || residuals.mean_degrees_of_freedom == 0.0 || (!is_noise_known && !has_scatter)) {
+    const auto measured = (!problem.tests.values.array().isNaN()).rowwise().count();
     plan.leave_untested_for_lack_of_outputs(
         Aspect::means, fmt::format("The means were not tested: {} outputs are no more than the {} identifiable "
                                    "combinations of parameters, which can match any means. {}",
-                                   problem.tests.values.cols(), fit.seen.cols(), k_more_outputs));
+                                   measured.maxCoeff(), fit.seen.cols(), k_more_outputs));
     plan.leave_untested(Aspect::scatter,
                         fmt::format("The scatter was not tested: the covariance of the parameters is free to match any "
                                     "covariance of the tests. {}",
@@ -216,6 +218,11 @@ void plan_residual_tests(const UpdatingProblem& problem, const PopulationFit& fi
     plan_mean_residuals(residuals, is_noise_known, plan);
   }
   if (!is_noise_known) return plan_sphericity(problem, fit, residuals, plan);
+  if (!has_scatter) {
+    plan.leave_untested(Aspect::scatter, fmt::format("The scatter was not tested: one specimen alone has more outputs "
+                                                     "than the parameters move. Measure more outputs of the others."));
+    return;
+  }
   const auto d = static_cast<double>(residuals.directions.cols());
   plan.add(residual_scatter_test(residuals.squares, residuals.degrees_of_freedom / d, d,
                                  leverage_of(problem, fit, residuals)));

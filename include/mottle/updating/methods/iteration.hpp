@@ -13,12 +13,15 @@ namespace mottle::updating {
 /// Mean and covariance of the tests, missing entries left out.
 struct TestMoments {
   Eigen::VectorXd mean;        ///< [output]
-  Eigen::MatrixXd covariance;  ///< unbiased; zero where there is one specimen [output x output]
+  Eigen::MatrixXd covariance;  ///< unbiased; zero of an output that is measured once [output x output]
   Eigen::VectorXi count;       ///< measured values of each output
 };
 
 /// Throws InvalidInput: an output without any measured value.
 TestMoments test_moments(const TestData& tests);
+
+/// Throws InvalidInput: an output that only one of several specimens has, for methods that need its scatter.
+void require_repeated_outputs(const TestData& tests, const std::vector<Quantity>& outputs);
 
 /// Evaluates the cloud of a state and compares it with the tests; announces it as a phase.
 ///
