@@ -235,7 +235,7 @@ void add_notes(const AbcFit& fit, const SampledPopulations& sampled, const AbcFi
   if (findings.exceeded < fit.problem.level) {
     result.warnings.push_back(fmt::format(
         "The tests are farther from the model's cloud ({:.3g}) than {:.1f} % of tests that are simulated from it: no "
-        "normal population of these parameters gives such tests.",
+        "normal population of these parameters that was found gives such tests.",
         findings.distances.empty() ? k_nan : findings.distances.back(), 100.0 * (1.0 - findings.exceeded)));
   }
 }

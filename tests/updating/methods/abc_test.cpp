@@ -179,6 +179,30 @@ TEST(Abc, SaysNothingOfWidthsWhereNoParameterHasIntervals) {
   EXPECT_FALSE(test::says(result, "nan"));
 }
 
+/// Four parameters of two outputs: the mean of the draws, which the outputs do not determine, is far from all of them.
+TEST(Abc, SaysOfNoPopulationThatItDoesNotExistWhereManyDo) {
+  const Distribution prior({.kind = DistributionKind::normal, .mean = 3.5, .std = 1.0});
+  const ParameterSpace space({{"a", "-"}, {"b", "-"}, {"c", "-"}, {"d", "-"}},
+                             JointDistribution({prior, prior, prior, prior}));
+  Eigen::MatrixXd slopes(2, 4);
+  slopes << 1.0, 0.3, -0.5, 0.8, -0.2, 1.0, 0.9, -0.4;
+  const test::LinearModel model(Eigen::Vector2d::Zero(), slopes);
+  const Line line(24);
+  const UpdatingProblem problem{
+      .model = model, .space = space, .tests = {line.x, Eigen::Vector2d::Constant(0.01)}, .cloud = {.samples = 400}};
+  const UpdatingResult result = update(problem, {.simulations = 2000, .calibration_sets = 200});
+  EXPECT_FALSE(warns(result, "no normal population")) << result.abc->exceeded;
+}
+
+TEST(Abc, SaysThatNoPopulationGivesASpecimenFarFromTheOthers) {
+  Line line(20);
+  line.tests(0, 0) += 5.0;
+  const UpdatingResult result =
+      update(line.problem(),
+             {.distance = AbcOptions::Distance::sliced_wasserstein, .simulations = 2000, .calibration_sets = 100});
+  EXPECT_TRUE(warns(result, "no normal population")) << result.abc->exceeded;
+}
+
 TEST(Abc, SaysWhatToDoWhereNoiseHidesTheParameters) {
   const test::ThreeMasses structure;
   Eigen::MatrixXd points = Eigen::MatrixXd::Ones(8, 3);
