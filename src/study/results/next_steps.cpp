@@ -6,6 +6,7 @@
 #include "mottle/core/error.hpp"
 #include "mottle/core/shell_word.hpp"
 #include "mottle/study/models/model_source.hpp"
+#include "mottle/updating/methods/iteration.hpp"
 
 namespace mottle::study {
 namespace {
@@ -54,12 +55,15 @@ NextStep stated_noise(const SummarySources& s) {
 }
 
 NextStep population_method(const SummarySources& s) {
+  const bool are_repeated = (test_moments(s.problem.tests).count.array() > 1).all();
+  const std::string method = are_repeated ? "maximum-likelihood" : "hierarchical";
   if (is_given(s)) {
     return {"",
-            "Update by \"maximum-likelihood\": it estimates the scatter of the specimens too, so that it can be "
-            "compared with that of the tests."};
+            fmt::format("Update by \"{}\": it estimates the scatter of the specimens too, so that it can be compared "
+                        "with that of the tests.",
+                        method)};
   }
-  return {command_of(s, "update", "--set " + shell_word("update.method=\"maximum-likelihood\"")),
+  return {command_of(s, "update", "--set " + shell_word(fmt::format("update.method=\"{}\"", method))),
           "Estimates the scatter of the specimens too, so that it can be compared with that of the tests."};
 }
 
