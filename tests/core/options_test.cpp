@@ -18,6 +18,7 @@ struct Settings {
   double tolerance = 0.01;
   int iterations = 30;
   int samples = 1000;
+  double fraction = 0.0;  // automatic
   bool is_damped = true;
   Weight weight = Weight::mahalanobis;
 };
@@ -29,6 +30,7 @@ OptionTable<Settings> table() {
               "When to stop.")
       .integer("iterations", &Settings::iterations, {.lower = 1, .upper = 500}, "-", "How often at most.")
       .integer("samples", &Settings::samples, {.lower = 1}, "-", "How many.")
+      .number_or("fraction", &Settings::fraction, {.lower = 0.1, .upper = 0.9}, "automatic", 0.0, "How much is kept.")
       .flag("damped", &Settings::is_damped, "Whether steps are damped.")
       .choice("weight", &Settings::weight, {{"mahalanobis", Weight::mahalanobis}, {"euclidean", Weight::euclidean}},
               "The norm.");
@@ -50,6 +52,14 @@ TEST(OptionTable, ReadsEveryKindOfField) {
   EXPECT_EQ(settings.iterations, 7);
   EXPECT_FALSE(settings.is_damped);
   EXPECT_EQ(settings.weight, Weight::euclidean);
+}
+
+TEST(OptionTable, ReadsANumberOrTheWordThatStandsForOne) {
+  EXPECT_EQ(read({{"fraction", 0.3}}).fraction, 0.3);
+  EXPECT_EQ(read({{"fraction", std::string("automatic")}}).fraction, 0.0);
+  EXPECT_THAT(refusal("fraction", std::string("most")), ::testing::HasSubstr("allowed is \"automatic\" | >= 0.1"));
+  EXPECT_NE(refusal("fraction", 0.0), "");
+  EXPECT_EQ(read(table().values(Settings{})).fraction, 0.0);
 }
 
 TEST(OptionTable, KeepsTheDefaultOfWhatIsNotGiven) {
@@ -102,8 +112,8 @@ TEST(OptionTable, DescribesEveryFieldInItsOrderWithItsDefault) {
   std::vector<std::string> lines;
   for (const OptionDescription& option : table().describe())
     lines.push_back(option.name + " = " + option.default_value);
-  EXPECT_THAT(lines, ::testing::ElementsAre("tolerance = 0.01", "iterations = 30", "samples = 1000", "damped = true",
-                                            "weight = \"mahalanobis\""));
+  EXPECT_THAT(lines, ::testing::ElementsAre("tolerance = 0.01", "iterations = 30", "samples = 1000",
+                                            "fraction = \"automatic\"", "damped = true", "weight = \"mahalanobis\""));
 }
 
 TEST(OptionTable, ReadsBackTheValuesInForce) {

@@ -8,6 +8,7 @@
 #include <functional>
 #include <limits>
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <variant>
@@ -43,6 +44,13 @@ struct OptionRange {
   bool contains(double value) const;
 };
 
+/// A whole number counts too; nothing: it is none.
+inline std::optional<double> option_number(const OptionValue& value) {
+  if (const auto* integer = std::get_if<std::int64_t>(&value)) return static_cast<double>(*integer);
+  if (const auto* real = std::get_if<double>(&value)) return *real;
+  return std::nullopt;
+}
+
 /// The fields of one options struct: how each is named, read, printed and explained.
 template <typename Options>
 class OptionTable {
@@ -52,16 +60,9 @@ class OptionTable {
     return add(
         {std::move(name), std::move(unit), range.text(), "", std::move(meaning)},
         [member, range](Options& options, const OptionValue& value) {
-          double number = 0.0;
-          if (const auto* integer = std::get_if<std::int64_t>(&value)) {
-            number = static_cast<double>(*integer);
-          } else if (const auto* real = std::get_if<double>(&value)) {
-            number = *real;
-          } else {
-            return false;
-          }
-          if (!range.contains(number)) return false;
-          options.*member = number;
+          const std::optional<double> number = option_number(value);
+          if (!number || !range.contains(*number)) return false;
+          options.*member = *number;
           return true;
         },
         [member](const Options& options) { return OptionValue(options.*member); });
@@ -97,6 +98,24 @@ class OptionTable {
         },
         [member, word, meant](const Options& options) {
           return options.*member == meant ? OptionValue(word) : OptionValue(std::int64_t{options.*member});
+        });
+  }
+
+  /// A number, or a word that stands for one outside of the range.
+  OptionTable& number_or(std::string name, double Options::*member, OptionRange range, std::string word, double meant,
+                         std::string meaning) {
+    return add(
+        {std::move(name), "-", fmt::format("\"{}\" | {}", word, range.text()), "", std::move(meaning)},
+        [member, range, word, meant](Options& options, const OptionValue& value) {
+          const auto* text = std::get_if<std::string>(&value);
+          const std::optional<double> number = option_number(value);
+          const bool is_word = text != nullptr && *text == word;
+          const bool is_number = number && range.contains(*number);
+          if (is_word || is_number) options.*member = is_word ? meant : *number;
+          return is_word || is_number;
+        },
+        [member, word, meant](const Options& options) {
+          return options.*member == meant ? OptionValue(word) : OptionValue(options.*member);
         });
   }
 

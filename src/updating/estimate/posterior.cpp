@@ -8,8 +8,9 @@
 namespace mottle::updating {
 namespace {
 
-/// Probability and mean of each mode; the spread of the chains' own shares gives the error.
-std::vector<PosteriorMode> describe_modes(const Eigen::VectorXi& modes, const SampledPosterior& posterior) {
+/// Probability, mean and highest draw of each mode; the spread of the chains' own shares gives the error.
+std::vector<PosteriorMode> describe_modes(const Eigen::VectorXi& modes, const Eigen::VectorXd& log_density,
+                                          const SampledPosterior& posterior) {
   std::vector<PosteriorMode> described;
   const auto chains = static_cast<double>(posterior.chains);
   for (int number = 0; number <= modes.maxCoeff(); ++number) {
@@ -18,6 +19,7 @@ std::vector<PosteriorMode> describe_modes(const Eigen::VectorXi& modes, const Sa
     PosteriorMode mode{.probability = is_there.mean()};
     mode.standard_error = std::sqrt((shares.array() - shares.mean()).square().sum() / (chains * (chains - 1.0)));
     mode.mean = posterior.values.transpose() * is_there / is_there.sum();
+    (modes.array() == number).select(log_density.array(), -HUGE_VAL).maxCoeff(&mode.highest);
     described.push_back(std::move(mode));
   }
   return described;
@@ -78,7 +80,7 @@ SampledPosterior make_posterior(const std::vector<SampledIsland>& islands, std::
   posterior.evidence = combine_evidence(islands);
   if (modes == PosteriorModes::not_sought) return posterior;
   const Eigen::VectorXd log_density = posterior.log_likelihood - 0.5 * points.rowwise().squaredNorm();
-  posterior.modes = describe_modes(find_modes(points, log_density), posterior);
+  posterior.modes = describe_modes(find_modes(points, log_density), log_density, posterior);
   return posterior;
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 #include "mottle/core/error.hpp"
 #include "mottle/core/random.hpp"
@@ -65,55 +66,78 @@ double log_normal_density(double score) {
   return -0.5 * (score * score + std::log(2.0 * std::numbers::pi));
 }
 
-/// Draws of scores, and the logarithm of the density that they are drawn from.
+/// Draws of scores about one set of best parameters.
 class ReachingDraws {
  public:
-  ReachingDraws(const LinearNoise& linear, const NoiseLevels& noise, const Linearised& at,
-                const std::vector<LevelGrid>& grids)
-      : linear_(linear), noise_(noise), at_(at), grids_(grids) {}
+  ReachingDraws(const LinearNoise& linear, const NoiseLevels& noise, Linearised at, std::vector<LevelGrid> grids)
+      : linear_(linear), noise_(noise), at_(std::move(at)), grids_(std::move(grids)) {}
 
-  Eigen::VectorXd draw(RandomStream& random, double& log_density) const {
-    constexpr double k_nu = 5.0;
-    Eigen::VectorXd scores(static_cast<Eigen::Index>(grids_.size())), levels(scores.size());
-    log_density = 0.0;
+  Eigen::VectorXd draw(RandomStream& random) const {
+    Eigen::VectorXd scores(static_cast<Eigen::Index>(grids_.size()));
     for (Eigen::Index k = 0; k < scores.size(); ++k) {
-      scores(k) = draw_level(grids_[static_cast<std::size_t>(k)], random, log_density);
-      levels(k) = noise_.level(scores(k));
+      scores(k) = draw_level(grids_[static_cast<std::size_t>(k)], random);
     }
-    const LinearPosterior given = linear_.given(at_, levels);
-    const auto q = static_cast<double>(given.scores.size());
+    const LinearPosterior given = linear_.given(at_, levels_of(scores));
     const Eigen::VectorXd normal = standard_normals(random, given.scores.size());
     const double chi_squared = standard_normals(random, static_cast<Eigen::Index>(k_nu)).squaredNorm();
     const Eigen::VectorXd t = normal * std::sqrt(k_nu / chi_squared);
-    log_density += log_t_constant(k_nu, q) - given.deviations.array().log().sum() -
-                   0.5 * (k_nu + q) * std::log1p(t.squaredNorm() / k_nu);
     Eigen::VectorXd point(given.scores.size() + scores.size());
     point << given.scores + given.axes * given.deviations.cwiseProduct(t), scores;
     return point;
   }
 
+  /// Of what draws are drawn from.
+  double log_density(const Eigen::VectorXd& point) const {
+    const auto levels = static_cast<Eigen::Index>(grids_.size());
+    const Eigen::VectorXd scores = point.tail(levels);
+    double sum = 0.0;
+    for (Eigen::Index k = 0; k < levels; ++k) sum += log_level_density(grids_[static_cast<std::size_t>(k)], scores(k));
+    const LinearPosterior given = linear_.given(at_, levels_of(scores));
+    const auto q = static_cast<double>(given.scores.size());
+    const Eigen::VectorXd t =
+        (given.axes.transpose() * (point.head(given.scores.size()) - given.scores)).cwiseQuotient(given.deviations);
+    return sum + log_t_constant(k_nu, q) - given.deviations.array().log().sum() -
+           0.5 * (k_nu + q) * std::log1p(t.squaredNorm() / k_nu);
+  }
+
  private:
-  static double draw_level(const LevelGrid& grid, RandomStream& random, double& log_density) {
-    constexpr double k_of_prior = 0.1;
+  static constexpr double k_nu = 5.0;
+  static constexpr double k_of_prior = 0.1;
+
+  Eigen::VectorXd levels_of(const Eigen::VectorXd& scores) const {
+    return scores.unaryExpr([this](double score) { return noise_.level(score); });
+  }
+
+  static double draw_level(const LevelGrid& grid, RandomStream& random) {
     const double kind = random.uniform(), place = random.uniform(), inside = random.uniform();
-    double score = standard_normal_quantile(place);
-    if (kind >= k_of_prior) {
-      std::size_t cell = 0;
-      for (double sum = grid[0]; sum < place && cell + 1 < grid.size();) sum += grid[++cell];
-      score = k_first + (static_cast<double>(cell) + inside) * k_width;
-    }
+    if (kind < k_of_prior) return standard_normal_quantile(place);
+    std::size_t cell = 0;
+    for (double sum = grid[0]; sum < place && cell + 1 < grid.size();) sum += grid[++cell];
+    return k_first + (static_cast<double>(cell) + inside) * k_width;
+  }
+
+  static double log_level_density(const LevelGrid& grid, double score) {
     const auto cell = static_cast<std::ptrdiff_t>(std::floor((score - k_first) / k_width));
     const bool is_inside = cell >= 0 && cell < std::ssize(grid);
     const double of_grid = is_inside ? grid[static_cast<std::size_t>(cell)] / k_width : 0.0;
-    log_density += std::log((1.0 - k_of_prior) * of_grid + k_of_prior * std::exp(log_normal_density(score)));
-    return score;
+    return std::log((1.0 - k_of_prior) * of_grid + k_of_prior * std::exp(log_normal_density(score)));
   }
 
   const LinearNoise& linear_;
   const NoiseLevels& noise_;
-  const Linearised& at_;
-  const std::vector<LevelGrid>& grids_;
+  Linearised at_;
+  std::vector<LevelGrid> grids_;
 };
+
+/// About every set in turn, with the density of their mixture.
+Eigen::VectorXd draw_mixed(const std::vector<ReachingDraws>& sets, std::size_t number, RandomStream& random,
+                           double& log_density) {
+  Eigen::VectorXd point = sets[number % sets.size()].draw(random);
+  Eigen::VectorXd logs(static_cast<Eigen::Index>(sets.size()));
+  for (std::size_t m = 0; m < sets.size(); ++m) logs(static_cast<Eigen::Index>(m)) = sets[m].log_density(point);
+  log_density = logs.maxCoeff() + std::log((logs.array() - logs.maxCoeff()).exp().mean());
+  return point;
+}
 
 RandomStream stream_of(const RunContext& context, Eigen::Index number) {
   // Islands begin at stage 1: these are free.
@@ -135,14 +159,14 @@ double possible_share(const SamplingTarget& target, const RunContext& context) {
   return static_cast<double>(std::ranges::count(possible, true)) / static_cast<double>(k_prior_draws);
 }
 
-std::optional<EvidenceAboutBest> importance_evidence(const ReachingDraws& draws, const SamplingTarget& target,
-                                                     const RunContext& context) {
+std::optional<EvidenceAboutBest> importance_evidence(const std::vector<ReachingDraws>& sets,
+                                                     const SamplingTarget& target, const RunContext& context) {
   Eigen::MatrixXd points(k_draws, target.dimension);
   Eigen::VectorXd log_weights(k_draws);
   for (Eigen::Index i = 0; i < k_draws; ++i) {
     RandomStream random = stream_of(context, i);
     double log_density = 0.0;
-    points.row(i) = draws.draw(random, log_density).transpose();
+    points.row(i) = draw_mixed(sets, static_cast<std::size_t>(i), random, log_density).transpose();
     log_weights(i) = -log_density;
     for (const double score : points.row(i)) log_weights(i) += log_normal_density(score);
   }
@@ -173,7 +197,8 @@ std::optional<EvidenceAboutBest> importance_evidence(const ReachingDraws& draws,
 }  // namespace
 
 std::optional<EvidenceAboutBest> evidence_about_best(const UpdatingProblem& problem, const NoiseLevels& noise,
-                                                     const CommonLikelihood& likelihood, const PosteriorPeak& peak,
+                                                     const CommonLikelihood& likelihood,
+                                                     const std::vector<PosteriorPeak>& peaks,
                                                      const Eigen::Ref<const Eigen::MatrixXd>& levels,
                                                      const SamplingTarget& target, const RunContext& context,
                                                      std::int64_t& evaluations) {
@@ -181,7 +206,7 @@ std::optional<EvidenceAboutBest> evidence_about_best(const UpdatingProblem& prob
   constexpr double k_far_below = 1e-3;
   // What parameters can always meet has a density that falls with the level.
   if (noise.is_known() ||
-      likelihood.count().sum() <= static_cast<double>(movable_directions(problem, likelihood, peak))) {
+      likelihood.count().sum() <= static_cast<double>(movable_directions(problem, likelihood, peaks.front()))) {
     return std::nullopt;
   }
   Eigen::VectorXd medians(noise.count()), lowest(noise.count());
@@ -191,10 +216,14 @@ std::optional<EvidenceAboutBest> evidence_about_best(const UpdatingProblem& prob
   }
   const LinearNoise linear(problem, noise, likelihood, context, evaluations);
   try {
-    const Linearised at = linear.best(peak, k_far_below * lowest);
-    std::vector<LevelGrid> grids;
-    for (Eigen::Index k = 0; k < noise.count(); ++k) grids.push_back(make_grid(linear, noise, at, medians, k));
-    return importance_evidence({linear, noise, at, grids}, target, context);
+    std::vector<ReachingDraws> sets;
+    for (const PosteriorPeak& peak : peaks) {
+      const Linearised at = linear.best(peak, k_far_below * lowest);
+      std::vector<LevelGrid> grids;
+      for (Eigen::Index k = 0; k < noise.count(); ++k) grids.push_back(make_grid(linear, noise, at, medians, k));
+      sets.emplace_back(linear, noise, at, std::move(grids));
+    }
+    return importance_evidence(sets, target, context);
   } catch (const SystemFailure&) {  // the model fails about these parameters: nothing can be told
     return std::nullopt;
   }

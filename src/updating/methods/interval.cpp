@@ -259,7 +259,6 @@ UpdatingResult IntervalUpdater::update(const UpdatingProblem& problem, const Run
   require_of(problem.tests.values.rows() >= 2, method,
              "{} specimen has no bounds; at least 2 are needed, or use method = \"deterministic\"",
              problem.tests.values.rows());
-  require_repeated_outputs(problem.tests, problem.model.outputs());
   const SpecimenBounds bounds = find_specimen_bounds(problem, options_);
   const IntervalSetup setup{problem, context, test_moments(problem.tests), bounds,
                             problem.space.prior().covariance().diagonal().cwiseSqrt()};

@@ -59,10 +59,10 @@ void require_draws(const std::string& method, const BayesOptions& options) {
              k_max_draws);
 }
 
-SamplingSettings settings_of(const BayesOptions& options) {
+SamplingSettings settings_of(const BayesOptions& options, double effective_fraction) {
   return {.islands = options.islands,
           .particles = options.particles,
-          .effective_fraction = options.effective_fraction,
+          .effective_fraction = options.effective_fraction > 0.0 ? options.effective_fraction : effective_fraction,
           .decorrelation = options.decorrelation,
           .max_moves = options.max_moves,
           .gradients = options.gradients};

@@ -39,9 +39,10 @@ OptionTable<Options>& add_sampling_options(OptionTable<Options>& table) {
       .integer("particles", &BayesOptions::particles, {.lower = 100.0, .upper = 100000.0}, "-",
                "Number of particles of each island, which are the draws of its chain; of all islands at most "
                "2,000,000.")
-      .number("effective_fraction", &BayesOptions::effective_fraction, {.lower = 0.1, .upper = 0.99}, "-",
-              "Fraction of the particles that the weights of a stage leave effective; a larger one makes more and "
-              "shorter stages.")
+      .number_or("effective_fraction", &BayesOptions::effective_fraction, {.lower = 0.1, .upper = 0.99}, "automatic",
+                 0.0,
+                 "Fraction of the particles that the weights of a stage leave effective; a larger one makes more and "
+                 "shorter stages. Automatic: 0.8 where `bayes` samples a level of the noise, else 0.5.")
       .number("decorrelation", &BayesOptions::decorrelation, {.lower = 0.02, .upper = 0.9}, "-",
               "Moves of a stage go on until no parameter, no square of one and not the log-likelihood is correlated "
               "more with its value at the stage's start, or no more than chance has it among so many particles.")
@@ -52,7 +53,8 @@ OptionTable<Options>& add_sampling_options(OptionTable<Options>& table) {
 /// @throws InvalidInput  more than 2,000,000 draws of all islands
 void require_draws(const std::string& method, const BayesOptions& options);
 
-SamplingSettings settings_of(const BayesOptions& options);
+/// @param effective_fraction  where the options leave it automatic
+SamplingSettings settings_of(const BayesOptions& options, double effective_fraction);
 
 /// Status, message and warnings of a result: whether the islands are one sample.
 ///

@@ -18,6 +18,7 @@ struct PosteriorMode {
   double probability = 0.0;
   double standard_error = 0.0;  ///< of it, from the spread of the chains
   Eigen::VectorXd mean = {};    ///< of the parameters there [parameter]
+  Eigen::Index highest = 0;     ///< its draw of the highest probability density in standard normal space
 };
 
 /// Draws of a posterior, all of equal weight: chain by chain, those of one chain one below the other. A chain is an

@@ -19,8 +19,7 @@ struct BayesOptions {
   double noise_degrees_of_freedom = 4.0;  // finite variance, but a level ten times the scale is not excluded
   int islands = 8;                        // fewer give no standard error to rely on
   int particles = 1000;
-  double effective_fraction =
-      0.5;  // half of the particles lost a stage: fewer stages cost more accuracy than they save
+  double effective_fraction = 0.0;  // automatic
   double decorrelation = 0.1;
   int max_moves = 1000;  // 200 ended stages of 5 % of seeds before they had decorrelated where a mode vanishes
   GradientMoves gradients = GradientMoves::automatic;
