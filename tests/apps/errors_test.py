@@ -308,7 +308,7 @@ tests_case("a test file that is not UTF-8", edited(TESTS, ("0.3080098662667982",
 tests_case("an output never measured", "\n".join(line.rsplit(",", 1)[0] + ("," if i else ",f3")
                                                for i, line in enumerate(TESTS.splitlines())),
            ["'f3'", "never measured", "[outputs]"])
-case("an output measured once", ["[test]", "'f3'", "measured once"],
+case("an output measured once", ["study.toml:31: test: ", "'f3'", "measured once"],
      tests="\n".join(line if i < 2 else line.rsplit(",", 1)[0] + "," for i, line in enumerate(TESTS.splitlines())))
 
 
