@@ -10,6 +10,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -44,79 +45,32 @@ struct OptionRange {
   bool contains(double value) const;
 };
 
-/// A whole number counts too; nothing: it is none.
-inline std::optional<double> option_number(const OptionValue& value) {
-  if (const auto* integer = std::get_if<std::int64_t>(&value)) return static_cast<double>(*integer);
-  if (const auto* real = std::get_if<double>(&value)) return *real;
-  return std::nullopt;
-}
-
 /// The fields of one options struct: how each is named, read, printed and explained.
 template <typename Options>
 class OptionTable {
  public:
   OptionTable& number(std::string name, double Options::*member, OptionRange range, std::string unit,
                       std::string meaning) {
-    return add(
-        {std::move(name), std::move(unit), range.text(), "", std::move(meaning)},
-        [member, range](Options& options, const OptionValue& value) {
-          const std::optional<double> number = option_number(value);
-          if (!number || !range.contains(*number)) return false;
-          options.*member = *number;
-          return true;
-        },
-        [member](const Options& options) { return OptionValue(options.*member); });
+    return add_number({std::move(name), std::move(unit), range.text(), "", std::move(meaning)}, member, range);
   }
 
   OptionTable& integer(std::string name, int Options::*member, OptionRange range, std::string unit,
                        std::string meaning) {
-    return add(
-        {std::move(name), std::move(unit), "whole number, " + range.text(), "", std::move(meaning)},
-        [member, range](Options& options, const OptionValue& value) {
-          const auto* number = std::get_if<std::int64_t>(&value);
-          if (number == nullptr || !std::in_range<int>(*number) || !range.contains(static_cast<double>(*number))) {
-            return false;
-          }
-          options.*member = static_cast<int>(*number);
-          return true;
-        },
-        [member](const Options& options) { return OptionValue(std::int64_t{options.*member}); });
-  }
-
-  /// A whole number, or a word that stands for one outside of the range.
-  OptionTable& integer_or(std::string name, int Options::*member, OptionRange range, std::string word, int meant,
-                          std::string meaning) {
-    return add(
-        {std::move(name), "-", fmt::format("\"{}\" | whole number, {}", word, range.text()), "", std::move(meaning)},
-        [member, range, word, meant](Options& options, const OptionValue& value) {
-          const auto* number = std::get_if<std::int64_t>(&value);
-          const auto* text = std::get_if<std::string>(&value);
-          const bool is_word = text != nullptr && *text == word;
-          const bool is_number = number != nullptr && range.contains(static_cast<double>(*number));
-          if (is_word || is_number) options.*member = is_word ? meant : static_cast<int>(*number);
-          return is_word || is_number;
-        },
-        [member, word, meant](const Options& options) {
-          return options.*member == meant ? OptionValue(word) : OptionValue(std::int64_t{options.*member});
-        });
+    return add_number({std::move(name), std::move(unit), "whole number, " + range.text(), "", std::move(meaning)},
+                      member, range);
   }
 
   /// A number, or a word that stands for one outside of the range.
-  OptionTable& number_or(std::string name, double Options::*member, OptionRange range, std::string word, double meant,
-                         std::string meaning) {
-    return add(
-        {std::move(name), "-", fmt::format("\"{}\" | {}", word, range.text()), "", std::move(meaning)},
-        [member, range, word, meant](Options& options, const OptionValue& value) {
-          const auto* text = std::get_if<std::string>(&value);
-          const std::optional<double> number = option_number(value);
-          const bool is_word = text != nullptr && *text == word;
-          const bool is_number = number && range.contains(*number);
-          if (is_word || is_number) options.*member = is_word ? meant : *number;
-          return is_word || is_number;
-        },
-        [member, word, meant](const Options& options) {
-          return options.*member == meant ? OptionValue(word) : OptionValue(options.*member);
-        });
+  OptionTable& number_or(std::string name, double Options::*member, OptionRange range, const std::string& word,
+                         double meant, std::string meaning) {
+    return add_number_or({std::move(name), "-", range.text(), "", std::move(meaning)}, member, range, word, meant);
+  }
+
+  /// A whole number, or a word that stands for one outside of the range.
+  OptionTable& integer_or(std::string name, int Options::*member, OptionRange range, const std::string& word, int meant,
+                          std::string meaning) {
+    return add_number_or({std::move(name), "-", "whole number, " + range.text(), "", std::move(meaning)}, member, range,
+                         word, meant);
   }
 
   OptionTable& flag(std::string name, bool Options::*member, std::string meaning) {
@@ -190,6 +144,59 @@ class OptionTable {
     std::function<bool(Options&, const OptionValue&)> read;
     std::function<OptionValue(const Options&)> print;
   };
+
+  /// Nothing: it is no such number, or outside of the range. A whole number is a real one too.
+  template <typename Number>
+  static std::optional<Number> number_in(const OptionRange& range, const OptionValue& value) {
+    std::optional<Number> number;
+    if (const auto* whole = std::get_if<std::int64_t>(&value)) {
+      if constexpr (std::is_integral_v<Number>) {
+        if (!std::in_range<Number>(*whole)) return std::nullopt;
+      }
+      number = static_cast<Number>(*whole);
+    } else if (const auto* real = std::get_if<double>(&value); real != nullptr && std::is_floating_point_v<Number>) {
+      number = static_cast<Number>(*real);
+    }
+    return number && range.contains(static_cast<double>(*number)) ? number : std::nullopt;
+  }
+
+  template <typename Number>
+  static OptionValue value_of(Number number) {
+    if constexpr (std::is_integral_v<Number>)
+      return OptionValue(std::int64_t{number});
+    else
+      return OptionValue(number);
+  }
+
+  template <typename Number>
+  OptionTable& add_number(OptionDescription description, Number Options::*member, OptionRange range) {
+    return add(
+        std::move(description),
+        [member, range](Options& options, const OptionValue& value) {
+          const std::optional<Number> number = number_in<Number>(range, value);
+          if (number) options.*member = *number;
+          return number.has_value();
+        },
+        [member](const Options& options) { return value_of(options.*member); });
+  }
+
+  template <typename Number>
+  OptionTable& add_number_or(OptionDescription description, Number Options::*member, OptionRange range,
+                             const std::string& word, Number meant) {
+    description.allowed = fmt::format("\"{}\" | {}", word, description.allowed);
+    return add(
+        std::move(description),
+        [member, range, word, meant](Options& options, const OptionValue& value) {
+          const auto* text = std::get_if<std::string>(&value);
+          const bool is_word = text != nullptr && *text == word;
+          const std::optional<Number> number = is_word ? std::optional(meant) : number_in<Number>(range, value);
+          if (number) options.*member = *number;
+          return number.has_value();
+        },
+        [member, word, meant](const Options& options) {
+          return options.*member == meant ? OptionValue(word) : value_of(options.*member);
+        });
+  }
 
   OptionTable& add(OptionDescription description, std::function<bool(Options&, const OptionValue&)> read,
                    std::function<OptionValue(const Options&)> print) {

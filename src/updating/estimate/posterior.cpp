@@ -78,8 +78,9 @@ SampledPosterior make_posterior(const std::vector<SampledIsland>& islands, std::
     posterior.ess_tail(k) = tail_effective_sample_size(chains);
   }
   posterior.evidence = combine_evidence(islands);
-  if (modes == PosteriorModes::not_sought) return posterior;
   const Eigen::VectorXd log_density = posterior.log_likelihood - 0.5 * points.rowwise().squaredNorm();
+  log_density.maxCoeff(&posterior.highest);
+  if (modes == PosteriorModes::not_sought) return posterior;
   posterior.modes = describe_modes(find_modes(points, log_density), log_density, posterior);
   return posterior;
 }

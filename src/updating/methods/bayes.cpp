@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 
 #include "mottle/core/text.hpp"
@@ -116,20 +115,6 @@ void conclude(const std::optional<EvidenceAboutBest>& about_best, const BayesOpt
   if (about_best) judge_reach(*about_best, of_islands, result);
 }
 
-/// The draw of the highest density of all, as for SampledPosterior.
-Eigen::Index highest_draw(const std::vector<SampledIsland>& islands) {
-  double highest = -std::numeric_limits<double>::infinity();
-  Eigen::Index found = 0;
-  for (std::size_t i = 0; i < islands.size(); ++i) {
-    Eigen::Index row = 0;
-    const Eigen::VectorXd density = islands[i].log_likelihood - 0.5 * islands[i].points.rowwise().squaredNorm();
-    if (density.maxCoeff(&row) <= highest) continue;
-    highest = density(row);
-    found = static_cast<Eigen::Index>(i) * density.size() + row;
-  }
-  return found;
-}
-
 PosteriorPeak peak_at(const UpdatingProblem& problem, const std::vector<SampledIsland>& islands, Eigen::Index draw,
                       const PosteriorTarget& target, const RunContext& context, std::int64_t& evaluations) {
   const Eigen::Index particles = islands.front().points.rows();
@@ -148,11 +133,10 @@ std::vector<PosteriorPeak> peaks_of(const UpdatingProblem& problem, const NoiseL
                                     const std::vector<SampledIsland>& islands, const SampledPosterior& posterior,
                                     const PosteriorTarget& target, const RunContext& context,
                                     std::int64_t& evaluations) {
-  const Eigen::Index highest = highest_draw(islands);
-  std::vector<PosteriorPeak> peaks = {peak_at(problem, islands, highest, target, context, evaluations)};
+  std::vector<PosteriorPeak> peaks = {peak_at(problem, islands, posterior.highest, target, context, evaluations)};
   if (noise.is_known()) return peaks;
   for (const PosteriorMode& mode : posterior.modes) {
-    if (mode.highest == highest) continue;
+    if (mode.highest == posterior.highest) continue;
     peaks.push_back(peak_at(problem, islands, mode.highest, target, context, evaluations));
   }
   return peaks;
@@ -190,8 +174,7 @@ const OptionTable<BayesOptions>& bayes_option_table() {
 }
 
 UpdatingResult BayesUpdater::update(const UpdatingProblem& problem, const RunContext& context) const {
-  constexpr double k_fraction = 0.5;       // fewer stages cost more accuracy than they save
-  constexpr double k_fine_fraction = 0.8;  // levels of the noise: ln Z was 0.03 too low with 0.5, beside a second mode
+  constexpr double k_fine_fraction = 0.8;  // ln Z was 0.03 too low with 0.5, beside a second mode
   require_draws("bayes", options_);
   const TestMoments tests = test_moments(problem.tests);
   const NoiseLevels noise(problem, options_);
@@ -203,8 +186,8 @@ UpdatingResult BayesUpdater::update(const UpdatingProblem& problem, const RunCon
   PosteriorTarget target(problem, noise, likelihood, context);
   std::vector<SampledIsland> islands;
   try {
-    islands = sample_posterior(target.target(), settings_of(options_, noise.is_known() ? k_fraction : k_fine_fraction),
-                               context);
+    islands = sample_posterior(
+        target.target(), noise.is_known() ? settings_of(options_) : settings_of(options_, k_fine_fraction), context);
   } catch (const Stopped&) {
     return stopped_result(std::move(result), problem, "while the posterior was sampled");
   }

@@ -109,7 +109,6 @@ const OptionTable<HierarchicalOptions>& hierarchical_option_table() {
 }
 
 UpdatingResult HierarchicalUpdater::update(const UpdatingProblem& problem, const RunContext& context) const {
-  constexpr double k_fraction = 0.5;
   require_draws("hierarchical", options_);
   require_specimens(problem);
   const TestMoments tests = test_moments(problem.tests);
@@ -126,7 +125,7 @@ UpdatingResult HierarchicalUpdater::update(const UpdatingProblem& problem, const
         fits_to_linearise(problem, prior.scatter_scale(), noise.variances(levels), context, result.model_evaluations);
     HierarchicalTarget target(problem, prior, linear_specimens(problem.tests.values, fits), context);
     const std::vector<CorrectedIsland> islands =
-        sample_corrected(target.target(), target.correction(), settings_of(options_, k_fraction), context);
+        sample_corrected(target.target(), target.correction(), settings_of(options_), context);
     result.model_evaluations += target.evaluations();
     HierarchicalDraws draws{.populations = prior.populations(points_of(islands))};
     const DrawnSpecimens drawn = target.specimens(draws.populations, auxiliaries_of(islands));

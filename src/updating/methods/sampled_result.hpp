@@ -54,7 +54,8 @@ OptionTable<Options>& add_sampling_options(OptionTable<Options>& table) {
 void require_draws(const std::string& method, const BayesOptions& options);
 
 /// @param effective_fraction  where the options leave it automatic
-SamplingSettings settings_of(const BayesOptions& options, double effective_fraction);
+SamplingSettings settings_of(const BayesOptions& options,
+                             double effective_fraction = SamplingSettings{}.effective_fraction);
 
 /// Status, message and warnings of a result: whether the islands are one sample.
 ///

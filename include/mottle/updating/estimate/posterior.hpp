@@ -18,7 +18,7 @@ struct PosteriorMode {
   double probability = 0.0;
   double standard_error = 0.0;  ///< of it, from the spread of the chains
   Eigen::VectorXd mean = {};    ///< of the parameters there [parameter]
-  Eigen::Index highest = 0;     ///< its draw of the highest probability density in standard normal space
+  Eigen::Index highest = 0;     ///< see SampledPosterior, of its draws
 };
 
 /// Draws of a posterior, all of equal weight: chain by chain, those of one chain one below the other. A chain is an
@@ -29,6 +29,7 @@ struct SampledPosterior {
   std::vector<std::string> names;  ///< of the parameters, then of levels of the noise
   Eigen::MatrixXd values;          ///< [chain x draw, name]
   Eigen::VectorXd log_likelihood;  ///< [chain x draw]
+  Eigen::Index highest = 0;        ///< the draw of the highest probability density in standard normal space
   Eigen::VectorXd r_hat;           ///< of each name, at last of the log-likelihood
   Eigen::VectorXd ess_bulk;        ///< effective sample sizes
   Eigen::VectorXd ess_tail;
