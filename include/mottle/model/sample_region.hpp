@@ -29,7 +29,8 @@ class SampleRegion {
   Digest digest_;
 };
 
-/// The region of a distribution, by 400 samples that no cloud uses.
+/// The region of a distribution, by 400 samples that no cloud uses. The last 100 are 1.25 times as far out in standard
+/// normal space: they stand for the rarest of a large cloud.
 SampleRegion region_of(const ParameterSpace& space, const Eigen::VectorXd& centre,
                        const JointDistribution& distribution);
 
