@@ -199,7 +199,7 @@ SketchedModes ReducedModel::Parts::reduced_modes(const TermCoefficients& samples
 ReducedModel::Parts::Solution ReducedModel::Parts::solve(const TermCoefficients& samples, Purpose purpose,
                                                          int threads) const {
   constexpr double k_infinite = std::numeric_limits<double>::infinity();
-  constexpr double k_inside = 0.05, k_inside_training = 0.02, k_enough = 0.25;  // of the tolerance
+  constexpr double k_inside = 0.05, k_inside_training = 0.002, k_enough = 0.25;  // of the tolerance
   const bool is_training = purpose == Purpose::training;
   const Eigen::Index modes = solved_modes();
   const Eigen::Index wanted = converged_modes();

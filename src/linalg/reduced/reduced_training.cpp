@@ -132,7 +132,7 @@ void ReducedModel::train(const TermCoefficients& samples, int threads, const std
   const Eigen::Index max_picks = std::min<Eigen::Index>(k_max_picks, Eigen::Index{5} * parts.options.modes);
   parts.add_reference_below(samples, threads);
   Eigen::Index used = std::min(samples.samples(), k_first_samples);
-  TrainingSamples known(parts, samples, 0.5 * parts.options.tolerance);
+  TrainingSamples known(parts, samples);
   TrainingProgress progress;
   parts.reaches_tolerance = false;
   int last_rounds = 0;

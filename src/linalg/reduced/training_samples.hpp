@@ -10,6 +10,7 @@
 
 namespace mottle::linalg {
 
+inline constexpr double k_training_target = 0.4;      // of the tolerance: later samples lie between the training's
 inline constexpr double k_guard_residual = 0.1;       // relative residual that is good enough for a guard mode
 inline constexpr double k_largest_shortfall = 100.0;  // larger ones are cut to this
 
@@ -31,8 +32,8 @@ inline Eigen::MatrixXd shortfalls(const Eigen::MatrixXd& bounds, const Eigen::Ma
 /// the basis grows: its vectors are in the larger space too, with the same residuals.
 class TrainingSamples {
  public:
-  TrainingSamples(const ReducedModel::Parts& parts, const TermCoefficients& samples, double target)
-      : parts_(parts), samples_(samples), target_(target) {}
+  TrainingSamples(const ReducedModel::Parts& parts, const TermCoefficients& samples)
+      : parts_(parts), samples_(samples) {}
 
   const TermCoefficients& coefficients() const { return samples_; }
 
@@ -66,7 +67,7 @@ class TrainingSamples {
 
   /// Whether all bounds are within the tolerance and the guards accurate enough for them.
   bool are_nearly_good() const {
-    constexpr double k_bound = 1.4;  // its square times half the tolerance is within it
+    constexpr double k_bound = 1.5;  // its square times the target is within the tolerance
     constexpr double k_guard = 2.0;
     return shortfall.topRows(parts_.converged_modes()).maxCoeff() < k_bound && shortfall.maxCoeff() < k_guard;
   }
@@ -85,7 +86,7 @@ class TrainingSamples {
     const Eigen::Index modes = shortfall.rows();
     const TermCoefficients now{samples_.stiffness(Eigen::all, rows), samples_.mass(Eigen::all, rows)};
     const ReducedModel::Parts::Solution found = parts_.solve(now, Purpose::training, threads);
-    const Eigen::MatrixXd found_shortfall = shortfalls(found.bounds, found.residuals, target_);
+    const Eigen::MatrixXd found_shortfall = shortfalls(found.bounds, found.residuals, k_training_target * parts_.options.tolerance);
     for (std::size_t i = 0; i < rows.size(); ++i) {
       const auto from = static_cast<Eigen::Index>(i);
       solved_in_[static_cast<std::size_t>(rows[i])] = coordinates.rows();
@@ -110,7 +111,6 @@ class TrainingSamples {
 
   const ReducedModel::Parts& parts_;
   const TermCoefficients& samples_;
-  double target_;
   Eigen::Index used_ = 0;
   std::vector<Eigen::Index> solved_in_;  // vectors of the basis at the time [sample]
 };
