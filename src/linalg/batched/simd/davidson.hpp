@@ -23,12 +23,22 @@ inline Mask start_block(const DavidsonProblem& problem, DavidsonWorkspace& work)
   }
   take_vectors(work, n, n);
   work.set_columns(n);
-  const long size = static_cast<long>(problem.order) * n;
-  for (long entry = 0; entry < size; ++entry) {
-    work.y.data[entry] = work.ky.data[entry] = work.my.data[entry] = broadcast(0.0);
-  }
-  for (long entry = 0; entry < static_cast<long>(n) * n; ++entry) work.y.data[entry] = work.rotation[entry];
+  const long held = static_cast<long>(n) * n, size = static_cast<long>(problem.order) * n;
+  for (long entry = 0; entry < held; ++entry) work.y.data[entry] = work.rotation[entry];
+  for (long entry = held; entry < size; ++entry) work.y.data[entry] = broadcast(0.0);
   return definite;
+}
+
+/// ky = K y, my = M y of the first vectors, whose rows from `to` on are zero.
+inline void multiply_start(const DavidsonProblem& problem, const DavidsonWorkspace& work, int to) {
+  add_product<true>(work.stiffness, work.y, 0, to, work.ky);
+  if (problem.mass_terms > 0) {
+    add_product<true>(work.mass, work.y, 0, to, work.my);
+    return;
+  }
+  for (int i = 0; i < problem.order; ++i) {
+    for (int c = 0; c < work.y.columns; ++c) work.my.row(i)[c] = work.masses[i] * work.y.row(i)[c];
+  }
 }
 
 /// ky += K change, my += M change; rows of `change` outside [from, to) are zero.
@@ -47,27 +57,40 @@ inline void add_products(const DavidsonProblem& problem, const DavidsonWorkspace
 /// Squared residuals of all columns from row `first` on.
 inline void find_squares(const DavidsonWorkspace& work, int first) {
   const BlockState& state = work.state;
-  for (int c = 0; c < work.y.columns; ++c) state.residual[c] = broadcast(0.0);
-  for (int i = first; i < work.y.rows; ++i) {
-    const Simd *const ky = work.ky.row(i), *const my = work.my.row(i);
-    for (int c = 0; c < work.y.columns; ++c) {
-      const Simd r = ky[c] - state.rayleigh[c] * my[c];
-      state.residual[c] += r * r;
+  for (int from = 0; from < work.y.columns; from += k_block_columns) {
+    Simd sums[k_block_columns], rayleigh[k_block_columns];
+    for (int c = 0; c < k_block_columns; ++c) {
+      sums[c] = broadcast(0.0);
+      rayleigh[c] = state.rayleigh[from + c];
     }
+    for (int i = first; i < work.y.rows; ++i) {
+      const Simd *const ky = work.ky.row(i) + from, *const my = work.my.row(i) + from;
+      for (int c = 0; c < k_block_columns; ++c) {
+        const Simd r = ky[c] - rayleigh[c] * my[c];
+        sums[c] += r * r;
+      }
+    }
+    for (int c = 0; c < k_block_columns; ++c) state.residual[from + c] = sums[c];
   }
 }
 
 inline void find_quotients(const DavidsonWorkspace& work) {
   const BlockState& state = work.state;
-  for (int c = 0; c < work.y.columns; ++c) state.rayleigh[c] = state.lengths[c] = broadcast(0.0);
-  for (int i = 0; i < work.y.rows; ++i) {
-    const Simd *const y = work.y.row(i), *const ky = work.ky.row(i), *const my = work.my.row(i);
-    for (int c = 0; c < work.y.columns; ++c) {
-      state.rayleigh[c] += y[c] * ky[c];
-      state.lengths[c] += y[c] * my[c];
+  for (int from = 0; from < work.y.columns; from += k_block_columns) {
+    Simd elastic[k_block_columns], inertial[k_block_columns];
+    for (int c = 0; c < k_block_columns; ++c) elastic[c] = inertial[c] = broadcast(0.0);
+    for (int i = 0; i < work.y.rows; ++i) {
+      const Simd *const y = work.y.row(i) + from, *const ky = work.ky.row(i) + from, *const my = work.my.row(i) + from;
+      for (int c = 0; c < k_block_columns; ++c) {
+        elastic[c] += y[c] * ky[c];
+        inertial[c] += y[c] * my[c];
+      }
+    }
+    for (int c = 0; c < k_block_columns; ++c) {
+      state.rayleigh[from + c] = elastic[c] * reciprocal(inertial[c]);
+      state.lengths[from + c] = inertial[c];
     }
   }
-  for (int c = 0; c < work.y.columns; ++c) state.rayleigh[c] *= reciprocal(state.lengths[c]);
 }
 
 /// Lanes in which the residuals of the first problem.converged modes are below `fraction` of the limit.
@@ -197,7 +220,7 @@ inline void solve_davidson_batch(const DavidsonProblem& problem, const Output& o
   assemble_davidson(problem, batch, work);
   Mask open = start_block(problem, work);  // lanes that are sound and not finished
   const int corner = (problem.block + k_tile - 1) / k_tile * k_tile;
-  add_products(problem, work, work.y, 0, corner);
+  multiply_start(problem, work, corner);
   correct_blocks(problem, work);
   for (int step = 0;; ++step) {
     open &= find_ritz(problem, work);

@@ -17,12 +17,20 @@ struct Block {
   MOTTLE_INLINE Simd* row(int i) const { return data + static_cast<long>(i) * stride; }
 };
 
+MOTTLE_INLINE Simd in_all_lanes(double x) {
+  return broadcast(x);
+}
+MOTTLE_INLINE Simd in_all_lanes(Simd x) {
+  return x;
+}
+
 /// out_rc += sum_k a_rk b_kc, or = where it is new, for Rows rows and k_block_columns columns, held in registers.
 ///
+/// @param a        of each lane, or doubles that are the same in all
 /// @param a_row    from one row of a to the next; a_step from one k to the next
 /// @param b_step   from one row of b to the next
-template <int Rows, bool IsNew = false>
-MOTTLE_INLINE void accumulate(const Simd* a, long a_row, long a_step, const Simd* b, long b_step, int count, Simd* out,
+template <int Rows, bool IsNew = false, typename Entry>
+MOTTLE_INLINE void accumulate(const Entry* a, long a_row, long a_step, const Simd* b, long b_step, int count, Simd* out,
                               long out_row) {
   Simd sum[Rows][k_block_columns];
   for (int r = 0; r < Rows; ++r) {
@@ -30,7 +38,7 @@ MOTTLE_INLINE void accumulate(const Simd* a, long a_row, long a_step, const Simd
   }
   for (int k = 0; k < count; ++k, a += a_step, b += b_step) {
     for (int r = 0; r < Rows; ++r) {
-      const Simd left = a[r * a_row];
+      const Simd left = in_all_lanes(a[r * a_row]);
       for (int c = 0; c < k_block_columns; ++c) sum[r][c] += left * b[c];
     }
   }
@@ -53,8 +61,8 @@ MOTTLE_INLINE Simd tile_entry(const Simd* matrix, int order, int i, int j) {
 }
 
 /// out_I += tile in_J, or its transpose; = where it is new.
-template <bool Transposed, bool IsNew = false>
-MOTTLE_INLINE void multiply_tile(const Simd* tile, const Block& in, int in_row, const Block& out, int out_row) {
+template <bool Transposed, bool IsNew = false, typename Entry>
+MOTTLE_INLINE void multiply_tile(const Entry* tile, const Block& in, int in_row, const Block& out, int out_row) {
   constexpr long k_row = Transposed ? 1 : k_tile, k_step = Transposed ? k_tile : 1;
   for (int c = 0; c < in.columns; c += k_block_columns) {
     const Simd* const b = in.row(in_row) + c;
@@ -65,16 +73,32 @@ MOTTLE_INLINE void multiply_tile(const Simd* tile, const Block& in, int in_row, 
   }
 }
 
-/// out += A in, where only the rows [from, to) of `in`, multiples of k_tile, are not zero.
+/// out += A in, or = where it is new, where only the rows [from, to) of `in`, multiples of k_tile, are not zero; they
+/// begin at 0 where it is new.
+template <bool IsNew = false>
 inline void add_product(const Simd* matrix, const Block& in, int from, int to, const Block& out) {
   const int tiles = in.rows / k_tile;
   const auto holds = [=](int tile) MOTTLE_FLAT { return from <= tile * k_tile && tile * k_tile < to; };
   const Simd* tile = matrix;
   for (int j = 0; j < tiles; ++j) {
     for (int i = j; i < tiles; ++i, tile += k_tile * k_tile) {
-      if (holds(j)) multiply_tile<false>(tile, in, j * k_tile, out, i * k_tile);
+      if (IsNew && j == 0) {
+        multiply_tile<false, true>(tile, in, 0, out, i * k_tile);
+      } else if (holds(j)) {
+        multiply_tile<false>(tile, in, j * k_tile, out, i * k_tile);
+      }
       if (i != j && holds(i)) multiply_tile<true>(tile, in, i * k_tile, out, j * k_tile);
     }
+  }
+}
+
+/// out_i = or += tile in_j, j the tile's column.
+template <typename Entry>
+MOTTLE_INLINE void multiply_next(const Entry* tile, const Block& in, int j, const Block& out, int i) {
+  if (j == 0) {
+    multiply_tile<false, true>(tile, in, j, out, i);
+  } else {
+    multiply_tile<false>(tile, in, j, out, i);
   }
 }
 
@@ -83,11 +107,11 @@ inline void multiply_terms(const double* terms, int count, const Simd* coefficie
                            const Block& out) {
   for (int i = 0; i < out.rows; i += k_tile) {
     for (int j = 0; j < in.rows; j += k_tile, terms += (1 + count) * k_tile * k_tile) {
-      combine_tile(terms, count, coefficients, tile);
-      if (j == 0) {
-        multiply_tile<false, true>(tile, in, j, out, i);
+      if (count == 0) {
+        multiply_next(terms, in, j, out, i);
       } else {
-        multiply_tile<false>(tile, in, j, out, i);
+        combine_tile(terms, count, coefficients, tile);
+        multiply_next(tile, in, j, out, i);
       }
     }
   }
