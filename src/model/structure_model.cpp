@@ -221,6 +221,13 @@ Evaluation StructureModel::evaluate(const SampleRegion* region, const Eigen::Ref
   };
   SolutionRequest request = request_;
   request.region = region;
+  if (selection_.tracking == ModeTracking::mac && !request.damping) {
+    request.certain = highest_mode();
+    request.keeps_to_certain = [this](const Eigen::MatrixXd& cosines) {
+      const ModeMatch match = match_modes(cosines.cols(), cosines);
+      return match.failure.empty() && std::ranges::all_of(match.column, [&](int k) { return k < highest_mode(); });
+    };
+  }
   if (context.share != nullptr) context.share->count_with(&runs);
   const SolverUse use = solver_->solve(samples, request, context, visit);
   if (context.share != nullptr && context.share->is_shared()) {

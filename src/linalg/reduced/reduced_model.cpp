@@ -230,6 +230,8 @@ ReducedModel::ReducedModel(const PencilTerms& terms, const TermCoefficients& nom
                            const SparseMatrix& mass, const ReducedModelOptions& options)
     : parts_(std::make_unique<Parts>()) {
   require(options.modes >= 1, "modes: {} asked for, need at least 1", options.modes);
+  require(options.guards >= 0 && options.guards <= k_guard_modes, "guards: {} asked for, allowed are 0 to {}",
+          options.guards, k_guard_modes);
   parts_->options = options;
   parts_->full = std::make_shared<FullPencils>(terms, nominal, stiffness, mass, options);
   parts_->stiffness.resize(terms.stiffness.size() + 1);
@@ -246,15 +248,15 @@ ReducedModel::ReducedModel(ReducedModel&&) noexcept = default;
 ReducedModel::~ReducedModel() = default;
 
 CertifiedModes ReducedModel::Parts::certified(const TermCoefficients& samples, int threads) const {
-  const Eigen::Index wanted = std::min<Eigen::Index>(options.modes, solved_modes());
-  CertifiedModes result{Eigen::MatrixXd(wanted, samples.samples()),
-                        Eigen::MatrixXd(vectors() * wanted, samples.samples()),
+  const Eigen::Index wanted = wanted_modes(), given = given_modes();
+  CertifiedModes result{Eigen::MatrixXd(given, samples.samples()),
+                        Eigen::MatrixXd(vectors() * given, samples.samples()),
                         Eigen::MatrixXd(wanted, samples.samples())};
   for (Eigen::Index first = 0; first < samples.samples(); first += k_batch) {
     const Eigen::Index count = std::min(k_batch, samples.samples() - first);
     const Solution part = solve(samples.range(first, count), Purpose::results, threads);
-    result.values.middleCols(first, count) = part.values.topRows(wanted);
-    result.vectors.middleCols(first, count) = part.vectors.topRows(vectors() * wanted);
+    result.values.middleCols(first, count) = part.values.topRows(given);
+    result.vectors.middleCols(first, count) = part.vectors.topRows(vectors() * given);
     result.bounds.middleCols(first, count) = part.bounds.topRows(wanted);
   }
   return result;

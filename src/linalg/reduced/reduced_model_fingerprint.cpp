@@ -83,8 +83,10 @@ class Hasher {
     add(coefficients.mass);
   }
   void add(const ReducedModelOptions& options) {
-    const auto& [modes, tolerance, max_vectors] = options;  // a new option does not compile here until it is added
+    const auto& [modes, guards, tolerance, max_vectors] =
+        options;  // a new option does not compile here until it is added
     add_array(&modes, 1);
+    add_array(&guards, 1);
     add_array(&tolerance, 1);
     add_array(&max_vectors, 1);
   }

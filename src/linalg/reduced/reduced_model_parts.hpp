@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <mutex>
@@ -148,6 +149,9 @@ struct ReducedModel::Parts {
   /// Number of modes and guards that are solved for, and of the first of them that must converge to the limit.
   Eigen::Index solved_modes() const;
   Eigen::Index converged_modes() const;
+  /// Number of modes, and of these and guards, that are given.
+  Eigen::Index wanted_modes() const { return std::min<Eigen::Index>(options.modes, solved_modes()); }
+  Eigen::Index given_modes() const { return std::min<Eigen::Index>(options.modes + options.guards, solved_modes()); }
   Solution solve(const TermCoefficients& samples, Purpose purpose, int threads) const;
   CertifiedModes certified(const TermCoefficients& samples, int threads) const;
   const BatchedDavidson& batched_davidson() const;

@@ -188,8 +188,9 @@ RefinedModes refine_sample(const ReducedModel::Parts& parts, const SamplePencil&
     }
     weights = std::move(next);
   }
-  result.values = result.values.head(wanted).eval();
-  result.vectors = space.vectors(weights.leftCols(wanted));
+  const Eigen::Index given = std::min(parts.given_modes(), weights.cols());
+  result.values = result.values.head(given).eval();
+  result.vectors = space.vectors(weights.leftCols(given));
   make_largest_component_positive(result.vectors);
   return result;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <ctime>
+#include <utility>
 
 #include "model/row_exchange.hpp"
 #include "model/solvers/trained_reduced_models.hpp"
@@ -18,6 +19,7 @@ using Rows = std::vector<Eigen::Index>;
 constexpr Eigen::Index k_min_equations = 500;  // below, an exact solution is as cheap
 constexpr Eigen::Index k_min_samples = 4;  // a basis costs three to ten exact solutions; who asks for some asks again
 constexpr double k_training = 8.0;         // saving in exact solutions at which more training pays
+constexpr double k_beyond = -1.0;          // instead of a bound: a mode counts that has none
 
 double processor_seconds() {
   return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
@@ -60,19 +62,19 @@ class ReducedSolver::CloudSolution {
         visit_(visit) {}
 
   /// Visits what the reduced model certifies and returns the rows that are left, ascending.
-  Rows reduce(TrainedReducedModels& reduced) {
-    const double begin = processor_seconds();
+  Rows reduce(TrainedReducedModels& narrow, TrainedReducedModels& wide) {
     Rows finite;
-    Rows others;
-    for (Eigen::Index s = 0; s < samples_.rows(); ++s) (samples_.row(s).allFinite() ? finite : others).push_back(s);
-    const std::shared_ptr<const TrainedReducedModel> trained = reduced.at(request_.region, request_.modes, context_);
-    Rows left = trained == nullptr ? finite : solve_with(*trained, finite);
-    if (trained != nullptr) {
-      use_.reduced = static_cast<std::int64_t>(finite.size() - left.size());
-      use_.reduced_seconds = processor_seconds() - begin;
-      use_.exact_seconds = trained->model().exact_seconds();
+    Rows left;
+    for (Eigen::Index s = 0; s < samples_.rows(); ++s) (samples_.row(s).allFinite() ? finite : left).push_back(s);
+    if (request_.certain > 0 && request_.certain < request_.modes) {
+      const Rows uncertified = reduce_with(narrow, request_.certain, finite);
+      left.insert(left.end(), uncertified.begin(), uncertified.end());
+      finite = std::exchange(beyond_, {});
     }
-    left.insert(left.end(), others.begin(), others.end());
+    if (!finite.empty()) {
+      const Rows uncertified = reduce_with(wide, request_.modes, finite);
+      left.insert(left.end(), uncertified.begin(), uncertified.end());
+    }
     std::sort(left.begin(), left.end());
     return left;
   }
@@ -91,7 +93,15 @@ class ReducedSolver::CloudSolution {
 
   bool is_certified(double bound) const { return bound <= tolerance_; }
   void count_bound(double bound) { use_.frequency_error = std::max(use_.frequency_error, 0.5 * bound); }
+  /// Visits a sample with the bound of its eigenvalues, where this is small enough; returns it, or k_beyond.
+  double visit_certified(Eigen::Index row, double bound, const Solution& solution) const {
+    if (!is_certified(bound)) return bound;
+    if (certain_ < request_.modes && !request_.keeps_to_certain(solution.cosines)) return k_beyond;
+    visit_(row, solution, {});
+    return bound;
+  }
 
+  Rows reduce_with(TrainedReducedModels& reduced, int certain, const Rows& rows);
   Rows solve_with(const TrainedReducedModel& trained, const Rows& rows);
   Uncertified solve_reduced(const TrainedReducedModel& trained, const Rows& rows);
   Uncertified solve_by(BasisPart part, const TrainedReducedModel& trained, const Rows& rows);
@@ -105,8 +115,24 @@ class ReducedSolver::CloudSolution {
   const SolutionRequest& request_;
   const RunContext& context_;
   const Visitor& visit_;
+  int certain_ = 0;  ///< of the present pass
+  Rows beyond_;      ///< whose comparison asks for modes that this pass does not certify
   SolverUse use_;
 };
+
+/// One pass, by a model that certifies the lowest `certain` modes; returns the rows that it leaves, but for beyond_.
+Rows ReducedSolver::CloudSolution::reduce_with(TrainedReducedModels& reduced, int certain, const Rows& rows) {
+  const double begin = processor_seconds();
+  const std::shared_ptr<const TrainedReducedModel> trained =
+      reduced.at(request_.region, certain, request_.modes - certain, context_);
+  if (trained == nullptr) return rows;
+  certain_ = certain;
+  Rows left = solve_with(*trained, rows);
+  use_.reduced += static_cast<std::int64_t>(rows.size() - left.size() - beyond_.size());
+  use_.reduced_seconds += processor_seconds() - begin;
+  use_.exact_seconds = trained->model().exact_seconds();
+  return left;
+}
 
 Rows ReducedSolver::CloudSolution::solve_with(const TrainedReducedModel& trained, const Rows& rows) {
   Uncertified uncertified = solve_reduced(trained, rows);
@@ -175,14 +201,17 @@ Uncertified ReducedSolver::CloudSolution::solve_by(BasisPart part, const Trained
       largest(i) = found.bounds.col(k).maxCoeff();
       if (!is_certified(largest(i))) continue;
       const Eigen::Map<const Eigen::MatrixXd> coordinates(found.vectors.col(k).data(), vectors, found.values.rows());
-      visit_(rows[static_cast<std::size_t>(i)], observation.of(found.values.col(k), coordinates), {});
+      largest(i) = visit_certified(rows[static_cast<std::size_t>(i)], largest(i),
+                                   observation.of(found.values.col(k), coordinates));
     }
   });
   context_.throw_if_stopped();
   put_together(trained, largest, is_own);
   Uncertified uncertified;
   for (Eigen::Index i = 0; i < largest.size(); ++i) {
-    if (is_certified(largest(i))) {
+    if (largest(i) == k_beyond) {
+      beyond_.push_back(rows[static_cast<std::size_t>(i)]);
+    } else if (is_certified(largest(i))) {
       count_bound(largest(i));
     } else {
       uncertified.rows.push_back(rows[static_cast<std::size_t>(i)]);
@@ -206,26 +235,31 @@ Rows ReducedSolver::CloudSolution::refine(const TrainedReducedModel& trained, co
       is_own[static_cast<std::size_t>(i)] = 1;
       largest(i) = modes.bounds.maxCoeff();
       if (!is_certified(largest(i))) return;
-      visit_(rows[static_cast<std::size_t>(i)], exact_.observe(modes.values, modes.vectors, request_), {});
+      largest(i) = visit_certified(rows[static_cast<std::size_t>(i)], largest(i),
+                                   exact_.observe(modes.values, modes.vectors, request_));
     });
   });
   put_together(trained, largest, is_own);
   Rows left;
   for (Eigen::Index i = 0; i < largest.size(); ++i) {
-    if (is_certified(largest(i))) {
+    const Eigen::Index row = rows[static_cast<std::size_t>(i)];
+    if (largest(i) == k_beyond) {
+      beyond_.push_back(row);
+    } else if (is_certified(largest(i))) {
       count_bound(largest(i));
+      ++use_.refined;
     } else {
-      left.push_back(rows[static_cast<std::size_t>(i)]);
+      left.push_back(row);
     }
   }
-  use_.refined = static_cast<std::int64_t>(rows.size() - left.size());
   return left;
 }
 
 ReducedSolver::ReducedSolver(std::unique_ptr<const ExactSolver> exact, ReductionSettings settings)
     : exact_(std::move(exact)),
       frequency_error_(settings.frequency_error),
-      reduced_(std::make_unique<TrainedReducedModels>(*exact_, std::move(settings))) {}
+      narrow_(std::make_unique<TrainedReducedModels>(*exact_, settings)),
+      wide_(std::make_unique<TrainedReducedModels>(*exact_, std::move(settings))) {}
 
 ReducedSolver::~ReducedSolver() = default;
 
@@ -236,7 +270,7 @@ SolverUse ReducedSolver::solve(const Eigen::Ref<const Eigen::MatrixXd>& samples,
   if (!is_worth_it || request.modes == 0) return exact_->solve(samples, request, context, visit);
   if (request.loads.cols() > 0) return solve_with_loads(samples, request, context, visit);
   CloudSolution cloud(*exact_, frequency_error_, samples, request, context, visit);
-  return cloud.finish(cloud.reduce(*reduced_));
+  return cloud.finish(cloud.reduce(*narrow_, *wide_));
 }
 
 /// Static solutions by the full matrices, modes by the reduced model.

@@ -78,15 +78,16 @@ void note_unresolved_modes(const Eigen::MatrixXd& resolution, double tolerance, 
 
 }  // namespace
 
-std::shared_ptr<const TrainedReducedModel> TrainedReducedModels::at(const SampleRegion* region, int modes,
+std::shared_ptr<const TrainedReducedModel> TrainedReducedModels::at(const SampleRegion* region, int modes, int guards,
                                                                     const RunContext& context) {
   const std::lock_guard lock(mutex_);
-  if (modes_ != modes) {
+  if (modes_ != modes || guards_ != guards) {
     modes_ = 0;  // a training that is stopped leaves nothing
     latest_.reset();
     latest_region_.reset();
-    prior_ = train(settings_.prior, modes, context);
+    prior_ = train(settings_.prior, modes, guards, context);
     modes_ = modes;
+    guards_ = guards;
     if (prior_ != nullptr && !prior_->model().reaches_tolerance()) {
       context.note(fmt::format("The prior is too wide for a reduced model within {:.1e}: training ended at {} vectors.",
                                settings_.frequency_error, prior_->model().basis().cols()));
@@ -97,7 +98,7 @@ std::shared_ptr<const TrainedReducedModel> TrainedReducedModels::at(const Sample
   if (latest_region_ == region->digest()) return latest_;
   latest_region_.reset();
   latest_.reset();  // one large basis less while the next is trained
-  if (prior_ == nullptr || !serves(*prior_, *region, context)) latest_ = train(*region, modes, context);
+  if (prior_ == nullptr || !serves(*prior_, *region, context)) latest_ = train(*region, modes, guards, context);
   if (latest_ == nullptr) latest_ = prior_;
   latest_region_ = region->digest();
   return latest_;
@@ -121,19 +122,20 @@ bool TrainedReducedModels::serves(const TrainedReducedModel& model, const Sample
 }
 
 std::shared_ptr<const TrainedReducedModel> TrainedReducedModels::train(const SampleRegion& region, int modes,
-                                                                       const RunContext& context) const {
+                                                                       int guards, const RunContext& context) const {
   const SparseStructure& structure = exact_.sparse_structure();
   const SparseStructure::Matrices nominal = structure.matrices_at(region.centre());
   try {
     return std::make_shared<TrainedReducedModel>(
-        exact_, find_or_train({.folder = settings_.cache},
-                              {.terms = pencil_terms(structure.stiffness_terms(), structure.mass_terms()),
-                               .nominal = coefficients_at(structure, region.centre().transpose()),
-                               .stiffness = nominal.stiffness,
-                               .mass = nominal.mass,
-                               .options = {.modes = modes, .tolerance = 2.0 * settings_.frequency_error},
-                               .training = coefficients_at(structure, region.samples())},
-                              context));
+        exact_,
+        find_or_train({.folder = settings_.cache},
+                      {.terms = pencil_terms(structure.stiffness_terms(), structure.mass_terms()),
+                       .nominal = coefficients_at(structure, region.centre().transpose()),
+                       .stiffness = nominal.stiffness,
+                       .mass = nominal.mass,
+                       .options = {.modes = modes, .guards = guards, .tolerance = 2.0 * settings_.frequency_error},
+                       .training = coefficients_at(structure, region.samples())},
+                      context));
   } catch (const InvalidInput&) {
     return nullptr;  // no modes at the centre; each sample is solved and reported by itself
   }

@@ -50,9 +50,9 @@ class TrainedReducedModel {
   mutable std::shared_ptr<const ReducedComparison> whole_, leading_;
 };
 
-/// Models are trained when a batch first needs them, for one number of modes at a time. They depend on the structure,
-/// the settings and the region alone, never on a cloud. Where the model about the prior certifies a region's samples,
-/// it serves the region too.
+/// Models are trained when a batch first needs them, for one number of modes and guards at a time. They depend on the
+/// structure, the settings and the region alone, never on a cloud. Where the model about the prior certifies a region's
+/// samples, it serves the region too.
 class TrainedReducedModels {
  public:
   TrainedReducedModels(const ExactSolver& exact, ReductionSettings settings)
@@ -60,17 +60,18 @@ class TrainedReducedModels {
 
   /// @param region  null: the prior
   /// @return        null where the region's centre cannot be solved
-  std::shared_ptr<const TrainedReducedModel> at(const SampleRegion* region, int modes, const RunContext& context);
+  std::shared_ptr<const TrainedReducedModel> at(const SampleRegion* region, int modes, int guards,
+                                                const RunContext& context);
 
  private:
-  std::shared_ptr<const TrainedReducedModel> train(const SampleRegion& region, int modes,
+  std::shared_ptr<const TrainedReducedModel> train(const SampleRegion& region, int modes, int guards,
                                                    const RunContext& context) const;
   bool serves(const TrainedReducedModel& model, const SampleRegion& region, const RunContext& context) const;
 
   const ExactSolver& exact_;
   ReductionSettings settings_;
   std::mutex mutex_;  // of the following
-  int modes_ = 0;
+  int modes_ = 0, guards_ = 0;
   std::shared_ptr<const TrainedReducedModel> prior_, latest_;
   std::optional<Digest> latest_region_;
 };

@@ -209,6 +209,7 @@ TEST(ReducedModelFingerprint, SeesEveryInput) {
   EXPECT_TRUE(changed([](Chain& chain) { chain.terms.is_stiffness_semidefinite = {false, true}; }));
   EXPECT_TRUE(changed([](Chain& chain) { chain.terms.is_mass_semidefinite = {true}; }));
   EXPECT_TRUE(changed([](Chain& chain) { chain.options.modes = 5; }));
+  EXPECT_TRUE(changed([](Chain& chain) { chain.options.guards = 1; }));
   EXPECT_TRUE(changed([](Chain& chain) { chain.options.tolerance = 2e-6; }));
   EXPECT_TRUE(changed([](Chain& chain) { chain.options.max_vectors = 399; }));
 }

@@ -294,10 +294,38 @@ TEST(ReducedModel, WhatIsKnownOfTermsSparesTheirFactorsAndChangesNoResult) {
   EXPECT_EQ(found.bounds, spared.bounds);
 }
 
+TEST(ReducedModel, GuardsAreGivenBesideTheSameModes) {
+  constexpr int k_modes = 6, k_guards = 3;
+  const Family family = grid({});
+  const TermCoefficients samples = family.lognormal(10, 0.1, 2);
+  const ReducedModel model = trained(family, {.modes = k_modes, .guards = k_guards}, 0.1);
+  const CertifiedModes alone = trained(family, {.modes = k_modes}, 0.1).solve(samples, 1);
+  const CertifiedModes found = model.solve(samples, 1);
+  ASSERT_EQ(found.values.rows(), k_modes + k_guards);
+  EXPECT_EQ(found.bounds, alone.bounds);
+  EXPECT_EQ(found.values.topRows(k_modes), alone.values);
+  const auto expect_near = [&](Index s, const VectorXd& values) {
+    const VectorXd exact = exact_modes(family, samples, s, k_modes + k_guards).values;
+    const VectorXd error = (values.cwiseQuotient(exact).array() - 1.0).tail(k_guards);
+    EXPECT_GT(error.minCoeff(), -1e-8) << s;
+    EXPECT_LT(error.maxCoeff(), 0.05) << s;
+  };
+  for (Index s = 0; s < samples.samples(); ++s) expect_near(s, found.values.col(s));
+  model.refine(samples, 1, [&](Index s, const RefinedModes& modes) {
+    ASSERT_EQ(modes.vectors.cols(), k_modes + k_guards);
+    EXPECT_EQ(modes.bounds.size(), k_modes);
+    expect_near(s, modes.values);
+  });
+}
+
 TEST(ReducedModel, RefusesWhatDoesNotFit) {
   const Family family = grid({});
   EXPECT_THROW(ReducedModel(family.terms, family.constant(2, 1.0), family.stiffness, family.mass, {}), InvalidInput);
   EXPECT_THROW(ReducedModel(family.terms, family.nominal(), family.stiffness, family.mass, {.modes = 0}), InvalidInput);
+  EXPECT_THROW(ReducedModel(family.terms, family.nominal(), family.stiffness, family.mass, {.guards = 5}),
+               InvalidInput);
+  EXPECT_THROW(ReducedModel(family.terms, family.nominal(), family.stiffness, family.mass, {.guards = -1}),
+               InvalidInput);
   PencilTerms odd = family.terms;
   odd.mass_constant = SparseMatrix(3, 3);
   EXPECT_THROW(ReducedModel(odd, family.nominal(), family.stiffness, family.mass, {}), InvalidInput);

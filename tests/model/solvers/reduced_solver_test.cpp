@@ -47,7 +47,8 @@ MatrixXd uniform(Index samples, double half_width, unsigned seed) {
 }
 
 StructureModel make_model(bool reduces, double half_width = 0.15,
-                          const std::vector<ParameterTargets>& parameters = k_parameters) {
+                          const std::vector<ParameterTargets>& parameters = k_parameters,
+                          const std::vector<int>& frequencies = {1, 2, 3, 4, 5, 6}) {
   const auto count = static_cast<Index>(parameters.size());
   auto structure = std::make_unique<FiniteElementStructure>(cantilever(), parameters, Eigen::VectorXd::Ones(count));
   std::optional<ReductionSettings> reduction;
@@ -56,7 +57,7 @@ StructureModel make_model(bool reduces, double half_width = 0.15,
   }
   const Eigen::VectorXd reference = structure->reference();
   return {make_sparse_solver(std::move(structure), std::move(reduction)),
-          {.frequencies = {1, 2, 3, 4, 5, 6},
+          {.frequencies = frequencies,
            .shape_modes = {1, 3},
            .shape_degrees_of_freedom = {"150:+Y", "200:+Y", "200:+Z", "200:+RZ"},
            .tracking = ModeTracking::mac},
@@ -90,6 +91,29 @@ TEST(ReducedSolver, IsTheExactOneWithinItsBound) {
   EXPECT_EQ(reduced.use.reduced + reduced.use.exact, 60);
   EXPECT_LE(reduced.use.frequency_error, 1e-4);
   EXPECT_GT(reduced.use.basis, 6);
+}
+
+TEST(ReducedSolver, ModesAboveTheOutputsAreCertifiedWhereOneTakesTheirPlace) {
+  const std::vector<int> frequencies{1, 2, 3};  // of the pair 3 and 4, which cross, one is an output
+  const MatrixXd x = uniform(80, 0.15, 2);
+  const Evaluation exact = make_model(false, 0.15, k_parameters, frequencies).evaluate(x, {});
+  const StructureModel model = make_model(true, 0.15, k_parameters, frequencies);
+  const Evaluation reduced = model.evaluate(x, {});
+  ASSERT_TRUE(exact.failures.empty() && reduced.failures.empty());
+  EXPECT_LE((reduced.outputs.leftCols(3).array() / exact.outputs.leftCols(3).array() - 1.0).abs().maxCoeff(), 1e-4);
+  EXPECT_GE(reduced.use.reduced, 78);
+  EXPECT_TRUE(have_same_bits(reduced.outputs, model.evaluate(x, {.threads = 3}).outputs));
+  const MatrixXd all = make_model(false).evaluate(x, {}).outputs.leftCols(6);
+  const auto is_crossed = [&](Index s) {
+    return (all.row(s).array() < exact.outputs(s, 2) * (1.0 - 1e-6)).count() > 2;
+  };
+  std::vector<Index> crossed, others;
+  for (Index s = 0; s < x.rows(); ++s) (is_crossed(s) ? crossed : others).push_back(s);
+  ASSERT_GT(crossed.size(), 5);
+  ASSERT_GT(others.size(), 5);
+  // A basis for as many modes as are compared is larger, and is used where it is needed only.
+  EXPECT_LT(model.evaluate(x(others, Eigen::all), {}).use.basis, model.evaluate(x(crossed, Eigen::all), {}).use.basis);
+  EXPECT_TRUE(have_same_bits(reduced.outputs(crossed, Eigen::all), model.evaluate(x(crossed, Eigen::all), {}).outputs));
 }
 
 TEST(ReducedSolver, LearnsWhereTheCloudHasMoved) {

@@ -42,21 +42,22 @@ struct TermCoefficients {
 
 struct ReducedModelOptions {
   int modes = 10;           ///< wanted of every sample
+  int guards = 0;           ///< modes above these that are given without bounds, of small accuracy: at most 4
   double tolerance = 2e-4;  ///< relative, of an eigenvalue: half of it is that of a frequency
   int max_vectors = 400;    ///< largest size of the basis
 };
 
 /// Lowest modes of many samples from the reduced model.
 struct CertifiedModes {
-  Eigen::MatrixXd values;   ///< lambda [mode x sample]; nan where a sample has none
-  Eigen::MatrixXd vectors;  ///< coordinates in the basis [vector * mode x sample]; phi' M phi = 1
+  Eigen::MatrixXd values;   ///< lambda [mode and guard x sample]; nan where a sample has none
+  Eigen::MatrixXd vectors;  ///< coordinates in the basis [vector * (mode and guard) x sample]; phi' M phi = 1
   Eigen::MatrixXd bounds;   ///< e, lambda (1 - e) <= exact <= lambda [mode x sample]; infinite where nothing is known
 };
 
 /// Lowest modes of one sample, within the tolerance where `bounds` are.
 struct RefinedModes {
-  Eigen::VectorXd values;   ///< lambda [mode]
-  Eigen::MatrixXd vectors;  ///< phi' M phi = 1, the component of largest magnitude positive [equation x mode]
+  Eigen::VectorXd values;   ///< lambda [mode and guard]
+  Eigen::MatrixXd vectors;  ///< phi' M phi = 1, the largest component positive [equation x mode and guard]
   Eigen::VectorXd bounds;   ///< e, lambda (1 - e) <= exact <= lambda [mode]; infinite where nothing is known
 };
 using RefinedVisitor = std::function<void(Eigen::Index sample, const RefinedModes& modes)>;

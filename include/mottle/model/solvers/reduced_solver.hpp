@@ -68,7 +68,8 @@ class ReducedSolver final : public Solver {
 
   std::unique_ptr<const ExactSolver> exact_;
   double frequency_error_;
-  std::unique_ptr<TrainedReducedModels> reduced_;  // functions of structure, settings and regions
+  /// Functions of structure, settings and regions: for the modes whose errors matter, and for all.
+  std::unique_ptr<TrainedReducedModels> narrow_, wide_;
 };
 
 /// By a reduced model where settings are given, the structure is separable and large enough for it to be faster; else

@@ -16,7 +16,11 @@ namespace mottle::model {
 
 /// The results requested for every sample.
 struct SolutionRequest {
-  int modes = 0;                       ///< the lowest so many; 0: none
+  int modes = 0;  ///< the lowest so many; 0: none
+  /// The lowest of these whose errors matter where `keeps_to_certain` says so of a sample's cosines: the others are for
+  /// comparison. 0: all.
+  int certain = 0;
+  std::function<bool(const Eigen::MatrixXd& cosines)> keeps_to_certain = {};
   ModeSet reference = {};              ///< shapes to compare with; without shapes: no comparison
   ObservationMatrix observation = {};  ///< where displacements are wanted [degree of freedom x equation]
   Eigen::MatrixXd loads = {};          ///< whose static solutions are wanted [equation x load]
