@@ -79,11 +79,11 @@ def shell():
         tested = dict(zip(header.split(","), values.split(",")))
         names = [f"f{i}" for i in range(1, 11)]
         (folder / "specimens.csv").write_text(",".join(names) + "\n" + ",".join(tested[n] for n in names) + "\n")
-        for noise, particles in (("1 %", 500), ("1 %", 640), ("1 %", 1000), ("0.2 %", 1000)):
+        for noise, particles in (("1 %", 400), ("1 %", 640), ("1 %", 1000), ("0.2 %", 1000)):
             (folder / "study.toml").write_text(STUDY % (parameters, f'"{noise}"') + f"[update.bayes]\nparticles = {particles}\n")
             start = time.perf_counter()
             run("/usr/bin/time", "-f", "%U %S", "-o", "time.txt", MOTTLE, "update", "study.toml", "--out", "out", "--threads", 1,
-                "--quiet", folder=folder)
+                "--cache", "off", "--quiet", folder=folder)
             elapsed = time.perf_counter() - start
             processor = sum(map(float, (folder / "time.txt").read_text().split()[-2:]))
             result = json.loads((folder / "out" / "result.json").read_text())
