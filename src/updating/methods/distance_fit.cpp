@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mottle/linalg/dense/decompositions.hpp"
 #include "mottle/stats/distributions/standard_normal.hpp"
+#include "mottle/stats/sampling/sampling.hpp"
 
 namespace mottle::updating {
 namespace {
@@ -15,6 +17,23 @@ Eigen::ArrayXd free_variables(const Eigen::VectorXd& at, const Eigen::VectorXd& 
     const bool is_held = (at(k) <= lower(k) && gradient(k) > 0.0) || (at(k) >= upper(k) && gradient(k) < 0.0);
     return is_held ? 0.0 : 1.0;
   });
+}
+
+/// Gives noise mean 0, covariance I and no correlation with the points, which have these moments. What chance leaves of
+/// them would move the nearest population, most where noise hides much of the scatter.
+void balance(const Eigen::MatrixXd& points, Eigen::MatrixXd& noise) {
+  const auto count = static_cast<double>(noise.rows());
+  noise.rowwise() -= noise.colwise().mean();
+  noise -= points * (points.transpose() * noise / count);
+  const Eigen::MatrixXd covariance = noise.transpose() * noise / count;
+  // More outputs than that would leave hardly any chance in the noise.
+  const bool has_room = 4 * (points.cols() + noise.cols() + 1) <= noise.rows();
+  const CholeskyFactor factor(covariance);
+  if (has_room && factor.is_positive_definite()) {
+    noise = factor.solve_lower(noise.transpose()).transpose();
+  } else {
+    noise *= covariance.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse().asDiagonal();
+  }
 }
 
 /// BFGS's change of the inverse Hessian; left as it is where the curvature is not positive.
@@ -75,12 +94,10 @@ Eigen::VectorXd minimise_within(const std::function<ValueAndGradient(const Eigen
 MovingCloud::MovingCloud(const PopulationCoordinates& coordinates, const CloudTransport& transport,
                          Eigen::Index samples, std::uint64_t seed)
     : coordinates_(coordinates), transport_(transport), base_(transport.thinned(samples)) {
-  noise_.resizeLike(base_.residual);
-  for (Eigen::Index s = 0; s < noise_.rows(); ++s) {
-    RandomStream stream({.seed = seed, .purpose = StreamPurpose::abc_noise}, static_cast<std::uint32_t>(s));
-    for (double& value : noise_.row(s)) value = standard_normal_quantile(stream.uniform());
-  }
-  noise_.rowwise() -= noise_.colwise().mean();
+  const StreamKey key{.seed = seed, .purpose = StreamPurpose::abc_noise};
+  noise_ = uniform_design(SamplingDesign::latin_hypercube, base_.residual.rows(), base_.residual.cols(), key)
+               .unaryExpr(&standard_normal_quantile);
+  balance(base_.points, noise_);
 }
 
 Eigen::MatrixXd MovingCloud::at(const Eigen::Ref<const Eigen::VectorXd>& coordinates) const {

@@ -254,6 +254,27 @@ TEST(PopulationCoordinates, MakeACovarianceOfAnyNumbersAndKeepGroups) {
   EXPECT_GT(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(whole.at(wild).covariance()).eigenvalues()(0), 0.0);
 }
 
+TEST(MovingCloud, OfALinearModelHasThePopulationsMomentsWithItsNoise) {
+  const Line line(12);
+  const UpdatingProblem problem = line.problem();
+  const ScaledParameters parameters(problem.space);
+  const PopulationCoordinates coordinates(problem, parameters, known_noise(Eigen::Vector2d(0.04, 0.09)), true);
+  const Line cloud(300);
+  const CloudTransport transport({cloud.x, cloud.tests, {}}, parameters);
+  Eigen::VectorXd at = coordinates.start();
+  at << -0.4, -0.6, std::log(0.3), std::log(0.2), 0.5;
+  const SampledPopulation population = coordinates.at(at);
+  const Eigen::Matrix2d slopes = (Eigen::Matrix2d() << 1.0, 0.3, -0.2, 1.0).finished();
+  for (const Eigen::Index points : {20, 200}) {
+    const Eigen::MatrixXd y = MovingCloud(coordinates, transport, points, 7).at(at);
+    const Eigen::MatrixXd centred = y.rowwise() - line.model.evaluate(population.mean.transpose(), {}).outputs.row(0);
+    EXPECT_LT(centred.colwise().mean().norm(), 1e-9) << points;
+    Eigen::Matrix2d expected = slopes * population.covariance() * slopes.transpose();
+    expected.diagonal() += Eigen::Vector2d(0.04, 0.09);
+    EXPECT_LT((centred.transpose() * centred / static_cast<double>(y.rows()) - expected).norm(), 1e-9) << points;
+  }
+}
+
 TEST(CloudTransport, GivesTheModelsOutputsInAnotherPopulation) {
   const test::ThreeMasses structure;
   const UpdatingProblem problem = structure.problem(Eigen::MatrixXd::Ones(3, 3));
