@@ -11,9 +11,18 @@ std::string option_text(const OptionValue& value) {
   std::string quoted = "\"";
   for (const char c : std::get<std::string>(value)) {
     if (c == '"' || c == '\\') quoted += '\\';
-    quoted += c;
+    const bool is_control = static_cast<unsigned char>(c) < 0x20 || c == 0x7f;
+    quoted += is_control ? fmt::format("\\u{:04X}", static_cast<unsigned char>(c)) : std::string(1, c);
   }
   return quoted + '"';
+}
+
+std::string refused_text(const OptionValue& value, const std::string& allowed) {
+  std::string text = option_text(value);
+  const bool looks_whole =
+      std::holds_alternative<double>(value) && text.find_first_not_of("-0123456789") == std::string::npos;
+  if (looks_whole && allowed.find("whole number") != std::string::npos) text += ".0";
+  return text;
 }
 
 std::string OptionRange::text() const {

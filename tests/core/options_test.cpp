@@ -75,6 +75,8 @@ TEST(OptionTable, ReadsAWholeNumberWhereARealIsAllowed) {
 TEST(OptionTable, RefusesARealWhereAWholeNumberIsNeeded) {
   EXPECT_EQ(refusal("iterations", 7.5),
             "study.toml: [update] iterations = 7.5: allowed is whole number, >= 1 and <= 500");
+  EXPECT_EQ(refusal("iterations", 8.0),
+            "study.toml: [update] iterations = 8.0: allowed is whole number, >= 1 and <= 500");
 }
 
 TEST(OptionTable, RefusesAWholeNumberThatNoIntHolds) {
@@ -102,6 +104,10 @@ TEST(OptionTable, RefusesAValueOfAnotherType) {
 TEST(OptionTable, NamesTheChoicesWhereAnotherWasGiven) {
   EXPECT_EQ(refusal("weight", std::string("manhattan")),
             "study.toml: [update] weight = \"manhattan\": allowed is \"mahalanobis\" | \"euclidean\"");
+}
+
+TEST(OptionTable, ShowsControlCharactersOfAText) {
+  EXPECT_THAT(refusal("weight", std::string("man\0\n", 5)), ::testing::HasSubstr("\"man\\u0000\\u000A\": allowed is"));
 }
 
 TEST(OptionTable, SuggestsTheNearestNameForAnUnknownOne) {

@@ -26,6 +26,8 @@ using OptionValues = std::map<std::string, OptionValue>;
 
 /// The value as it would stand in a study file.
 std::string option_text(const OptionValue& value);
+/// The same in the message that refuses it: with the point of 640.0 where a whole number is needed.
+std::string refused_text(const OptionValue& value, const std::string& allowed);
 
 /// One option as a reader of the documentation sees it.
 struct OptionDescription {
@@ -132,8 +134,9 @@ class OptionTable {
     Options options;
     for (const auto& [name, value] : values) {
       const Field& field = find(name, where);
-      require(field.read(options, value), "{} {} = {}: allowed is {}", where, name, option_text(value),
-              field.description.allowed);
+      const std::string& allowed = field.description.allowed;
+      require(field.read(options, value), "{} {} = {}: allowed is {}", where, name, refused_text(value, allowed),
+              allowed);
     }
     return options;
   }
