@@ -86,7 +86,8 @@ class TrainingSamples {
     const Eigen::Index modes = shortfall.rows();
     const TermCoefficients now{samples_.stiffness(Eigen::all, rows), samples_.mass(Eigen::all, rows)};
     const ReducedModel::Parts::Solution found = parts_.solve(now, Purpose::training, threads);
-    const Eigen::MatrixXd found_shortfall = shortfalls(found.bounds, found.residuals, k_training_target * parts_.options.tolerance);
+    const Eigen::MatrixXd found_shortfall =
+        shortfalls(found.bounds, found.residuals, k_training_target * parts_.options.tolerance);
     for (std::size_t i = 0; i < rows.size(); ++i) {
       const auto from = static_cast<Eigen::Index>(i);
       solved_in_[static_cast<std::size_t>(rows[i])] = coordinates.rows();
