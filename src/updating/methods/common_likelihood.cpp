@@ -10,6 +10,7 @@
 #include "mottle/core/text.hpp"
 #include "mottle/stats/distributions/standard_normal.hpp"
 #include "mottle/stats/distributions/student_t.hpp"
+#include "mottle/updating/methods/iteration.hpp"
 #include "updating/population/population_report.hpp"
 
 namespace mottle::updating {
@@ -18,6 +19,19 @@ namespace {
 using Policy = boost::math::policies::policy<boost::math::policies::promote_double<false>>;
 
 constexpr double k_hundredth = 0.01;  // of the root mean square: the level on which NoiseModel::base stands
+
+/// Samplers would not come to an end: each stage takes as little of the likelihood as the particles bear.
+void require_above_rounding(const UpdatingProblem& problem, const std::string& method) {
+  constexpr double k_rounding = 1e-10;
+  const TestMoments tests = test_moments(problem.tests);
+  for (Eigen::Index k = 0; k < tests.mean.size(); ++k) {
+    const double given = problem.tests.repeatability_std(k), size = std::abs(tests.mean(k));
+    require_of(!(given > 0.0) || given >= k_rounding * size, {Subject::Kind::repeatability},
+               "the noise of {} is {:.2g}, {:.1g} of its tested values: below {:.0e} of them rounding decides on the "
+               "likelihood; correct it (its unit is that of the output), or set {}.noise = \"estimated\"",
+               problem.model.outputs()[static_cast<std::size_t>(k)].name(), given, given / size, k_rounding, method);
+  }
+}
 
 }  // namespace
 
@@ -28,6 +42,7 @@ NoiseLevels::NoiseLevels(const UpdatingProblem& problem, const BayesOptions& opt
   model_ = known_noise(given.cwiseAbs2());
   std::vector<bool> is_open(p, options.noise == BayesOptions::Noise::estimated);
   std::vector<std::string> unknown;
+  if (options.noise != BayesOptions::Noise::estimated) require_above_rounding(problem, method);
   for (std::size_t k = 0; k < p; ++k) {
     if (given(static_cast<Eigen::Index>(k)) > 0.0) continue;
     is_open[k] = true;

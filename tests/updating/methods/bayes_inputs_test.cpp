@@ -45,6 +45,15 @@ TEST(Bayes, RefusesNoiseWhoseLikelihoodGrowsWithoutEnd) {
   EXPECT_EQ(refusal_of<InvalidInput>(linear.problem(), proper), "accepted");
 }
 
+TEST(Bayes, RefusesNoiseThatIsFarBelowTheTestedValues) {
+  CommonLinear linear;
+  linear.tests.repeatability_std.setConstant(1e-12);
+  const std::string refusal = refusal_of<InvalidInput>(linear.problem(), {.particles = 200});
+  EXPECT_NE(refusal.find("rounding decides"), std::string::npos) << refusal;
+  const BayesOptions estimated{.noise = BayesOptions::Noise::estimated, .particles = 200};
+  EXPECT_EQ(refusal_of<InvalidInput>(linear.problem(), estimated).find("rounding decides"), std::string::npos);
+}
+
 /// One specimen of one output more than parameters, met to `apart`: the level's density falls as its inverse from the
 /// prior's scale down to there.
 UpdatingResult update_met_within(double apart, std::uint64_t seed) {
