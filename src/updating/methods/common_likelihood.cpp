@@ -10,7 +10,6 @@
 #include "mottle/core/text.hpp"
 #include "mottle/stats/distributions/standard_normal.hpp"
 #include "mottle/stats/distributions/student_t.hpp"
-#include "mottle/updating/methods/iteration.hpp"
 #include "updating/population/population_report.hpp"
 
 namespace mottle::updating {
@@ -23,9 +22,9 @@ constexpr double k_hundredth = 0.01;  // of the root mean square: the level on w
 /// Samplers would not come to an end: each stage takes as little of the likelihood as the particles bear.
 void require_above_rounding(const UpdatingProblem& problem, const std::string& method) {
   constexpr double k_rounding = 1e-10;
-  const TestMoments tests = test_moments(problem.tests);
-  for (Eigen::Index k = 0; k < tests.mean.size(); ++k) {
-    const double given = problem.tests.repeatability_std(k), size = std::abs(tests.mean(k));
+  for (Eigen::Index k = 0; k < problem.tests.values.cols(); ++k) {
+    const auto sizes = problem.tests.values.col(k).array().abs();
+    const double given = problem.tests.repeatability_std(k), size = sizes.isNaN().select(0.0, sizes).maxCoeff();
     require_of(!(given > 0.0) || given >= k_rounding * size, {Subject::Kind::repeatability},
                "the noise of {} is {:.2g}, {:.1g} of its tested values: below {:.0e} of them rounding decides on the "
                "likelihood; correct it (its unit is that of the output), or set {}.noise = \"estimated\"",
