@@ -215,6 +215,10 @@ class BayesTest(support.CommandTest):
         self.write("study.toml", edited(BAYES, ("0.02 }", "1e-170 }")))
         ended = self.call("update", "study.toml", "--out", "out", "--quiet")
         self.assertEqual(ended.code, 2, ended.err)
+        self.assertIn("below 1e-10 of them rounding decides", ended.err)
+        self.write("study.toml", edited(BAYES, ('repeatability = { "f*" = 0.02 }\n', "")))
+        ended = self.call("update", "study.toml", "--out", "out", "--quiet", "--set", "update.bayes.noise_scale=1e-320")
+        self.assertEqual(ended.code, 2, ended.err)
         self.assertIn("likelihood above zero", ended.err)
 
     def test_noise_of_zero_is_refused(self):
