@@ -29,28 +29,21 @@ inline Mask start_block(const DavidsonProblem& problem, DavidsonWorkspace& work)
   return definite;
 }
 
-/// ky = K y, my = M y of the first vectors, whose rows from `to` on are zero.
-inline void multiply_start(const DavidsonProblem& problem, const DavidsonWorkspace& work, int to) {
-  add_product<true>(work.stiffness, work.y, 0, to, work.ky);
-  if (problem.mass_terms > 0) {
-    add_product<true>(work.mass, work.y, 0, to, work.my);
-    return;
-  }
-  for (int i = 0; i < problem.order; ++i) {
-    for (int c = 0; c < work.y.columns; ++c) work.my.row(i)[c] = work.masses[i] * work.y.row(i)[c];
-  }
-}
-
-/// ky += K change, my += M change; rows of `change` outside [from, to) are zero.
+/// ky += K change, my += M change, or = where they are new; rows of `change` outside [from, to) are zero, from = 0
+/// where they are new.
+template <bool IsNew = false>
 inline void add_products(const DavidsonProblem& problem, const DavidsonWorkspace& work, const Block& change, int from,
                          int to) {
-  add_product(work.stiffness, change, from, to, work.ky);
+  add_product<IsNew>(work.stiffness, change, from, to, work.ky);
   if (problem.mass_terms > 0) {
-    add_product(work.mass, change, from, to, work.my);
+    add_product<IsNew>(work.mass, change, from, to, work.my);
     return;
   }
-  for (int i = from; i < to; ++i) {
-    for (int c = 0; c < change.columns; ++c) work.my.row(i)[c] += work.masses[i] * change.row(i)[c];
+  for (int i = from; i < (IsNew ? problem.order : to); ++i) {
+    for (int c = 0; c < change.columns; ++c) {
+      const Simd product = work.masses[i] * change.row(i)[c];
+      work.my.row(i)[c] = IsNew ? product : work.my.row(i)[c] + product;
+    }
   }
 }
 
@@ -220,7 +213,7 @@ inline void solve_davidson_batch(const DavidsonProblem& problem, const Output& o
   assemble_davidson(problem, batch, work);
   Mask open = start_block(problem, work);  // lanes that are sound and not finished
   const int corner = (problem.block + k_tile - 1) / k_tile * k_tile;
-  multiply_start(problem, work, corner);
+  add_products<true>(problem, work, work.y, 0, corner);
   correct_blocks(problem, work);
   for (int step = 0;; ++step) {
     open &= find_ritz(problem, work);
