@@ -5,23 +5,29 @@ MOTTLE_WERROR ?= OFF
 FUZZ_SECONDS ?= 60
 ATTACK_HOURS ?= 8
 ATTACK_OPTIONS ?=
+# ON: with the tests that are too long for every change (label nightly).
+NIGHTLY ?= OFF
+CTEST_FLAGS ?=
+LINT_FLAGS ?=
 PYTHON ?= /usr/bin/python3
 INSTALL = tools/install_packages.sh
-# The layers whose own tests run under AddressSanitizer, beside those of the command, which run all layers.
-ASAN_LAYERS ?= core linalg stats dynamics fem formats model drivers updating study report
 # Threads start in these layers; the rest runs below them or not in threads at all.
 TSAN_LAYERS = core linalg model drivers updating study
 
 configure = cmake --preset $(1) -DMOTTLE_WERROR=$(MOTTLE_WERROR)
 build = cmake --build --preset $(1) -j $(JOBS)
-ctest = ctest --preset $(1) -j $(JOBS)
+ctest = ctest --preset $(1) -j $(JOBS) $(CTEST_FLAGS)
 alternatives = $(subst $() ,|,$(strip $(1)))
+long_ones = $(if $(filter ON,$(NIGHTLY)),no_label,nightly)
+# The tests of a build; those that depend on time, load or chance come last and are repeated once before they fail.
+run_tests = $(call ctest,$(1)) --label-exclude "timed|python|$(long_ones)" && \
+  $(call ctest,$(1)) --label-regex timed --label-exclude "python|$(long_ones)" --repeat until-pass:2
 as_root = $(if $(filter 0,$(shell id -u)),,sudo)
 with_python = -DMOTTLE_BUILD_PYTHON=ON -DPython3_EXECUTABLE=$(PYTHON)
 four_ranks = mpirun -n 4 --oversubscribe --allow-run-as-root
 tsan_options = TSAN_OPTIONS="suppressions=$(CURDIR)/tools/tsan.supp $$TSAN_OPTIONS"
 
-.PHONY: build demo test lint asan tsan coverage fuzz attack python asan-python notebook deb try-deb bench clean
+.PHONY: build demo test style lint asan asan-all tsan coverage fuzz attack python asan-python notebook deb try-deb bench clean plain
 .DEFAULT_GOAL := build
 
 build:
@@ -38,21 +44,35 @@ demo: build
 # The tests run on what users get, the optimised build; assertions are on in the asan, tsan and coverage builds.
 test:
 	$(INSTALL) --test
-	$(call configure,release) -DMOTTLE_BUILD_TESTS=ON
+	$(call configure,release) -DMOTTLE_BUILD_TESTS=ON -DMOTTLE_BUILD_NIGHTLY_TESTS=$(NIGHTLY)
 	$(call build,release)
-	$(call ctest,release)
+	$(call run_tests,release)
 
-lint:
+# What needs no build.
+style:
+	$(INSTALL) --ci
+	tools/check_style.sh
+
+lint: style
 	$(INSTALL) --ci --python
-	$(call configure,release) -DMOTTLE_BUILD_TESTS=ON $(with_python)
-	tools/lint.sh build/release $(JOBS)
+	tools/lint.sh $(LINT_FLAGS)
 
-asan:
+# The layers that read what others wrote or keep memory by hand, with their tests and the fuzzers' kept inputs, and the
+# command with its tests; the other layers are those of the optimised build.
+sanitized_layers = core linalg formats drivers study report
+asan: build
 	$(INSTALL) --test
-	$(call configure,asan)
-	$(call build,asan) --target mottle_app $(foreach layer,$(ASAN_LAYERS),--target mottle_$(layer)_tests)
-	MOTTLE_TEST_PATIENCE=5 $(call ctest,asan) --label-regex "^($(call alternatives,$(ASAN_LAYERS))|apps|attack)$$" \
-	  --label-exclude "packaging|browser|timed|mpi"
+	$(call configure,asan) "-DMOTTLE_SANITIZED_LAYERS=$(subst $() ,;,$(sanitized_layers))"
+	$(call build,asan) --target mottle_app --target mottle_fuzz_tests $(foreach layer,$(sanitized_layers),--target mottle_$(layer)_tests)
+	MOTTLE_TEST_PATIENCE=5 $(call ctest,asan) --label-regex "^($(call alternatives,$(sanitized_layers))|apps|attack|fuzz)$$" \
+	  --label-exclude "packaging|browser|timed|mpi|nightly"
+
+# The same with every layer.
+asan-all:
+	$(INSTALL) --test
+	$(call configure,asan-all)
+	$(call build,asan-all)
+	MOTTLE_TEST_PATIENCE=5 $(call ctest,asan-all) --label-exclude "packaging|browser|timed|mpi|nightly"
 
 tsan:
 	$(INSTALL) --test
@@ -69,7 +89,8 @@ python:
 	$(INSTALL) --test --python
 	$(call configure,release) -DMOTTLE_BUILD_TESTS=ON $(with_python)
 	$(call build,release) --target mottle_app --target mottle_python
-	$(call ctest,release) --label-regex "^python$$"
+	$(call ctest,release) --label-regex "^python$$" --label-exclude "timed|$(long_ones)"
+	$(call ctest,release) --label-regex "^python$$" --label-regex timed --label-exclude "$(long_ones)" --repeat until-pass:2
 
 # Its tests under AddressSanitizer, but for those of memory's size, of other programs and of time.
 asan-python:
@@ -79,16 +100,22 @@ asan-python:
 	MOTTLE_TEST_PATIENCE=5 $(call ctest,asan) --label-regex "^python$$" \
 	  --exclude-regex "^python_(ends|figures|interrupts|leaks|notebooks|package|typing)$$"
 
-# The tests under both sanitisers, and the lines of the library that they reach (tests, the command and outside headers
-# do not count): one build for both, since that build is most of the cost.
+# As asan-all, and the lines of the library that the tests reach (tests, the command and outside headers do not count): one
+# build for both, since that build is most of the cost.
 coverage:
 	$(INSTALL) --ci
 	$(call configure,coverage)
 	$(call build,coverage)
 	find build/coverage -name '*.gcda' -delete
-	MOTTLE_TEST_PATIENCE=5 $(call ctest,coverage) --label-exclude "packaging|browser|timed|mpi"
+	MOTTLE_TEST_PATIENCE=5 $(call ctest,coverage) --label-exclude "packaging|browser|timed|mpi|nightly"
 	gcovr -j $(JOBS) --root . --filter src/ --filter include/ --exclude-throw-branches --print-summary \
 	  --fail-under-line 90 build/coverage
+
+# Every source by itself, without the precompiled headers, so that one that includes too little is found.
+plain:
+	$(INSTALL) --test
+	$(call configure,dev) -DMOTTLE_BUILD_TESTS=ON -DCMAKE_CXX_FLAGS_DEBUG=-O0
+	$(call build,dev)
 
 # A short search for inputs that the readers do not survive; make fuzz FUZZ_SECONDS=3600 for a long one.
 fuzz:

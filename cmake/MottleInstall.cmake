@@ -2,7 +2,7 @@
 # or mottle::<layer>. cpack makes Debian packages of it: mottle (the command), libmottle-dev and, where MPI
 # was found, mottle-mpi; where the Python package is built, python3-mottle.
 option(MOTTLE_INSTALL "Make install and package rules" ${PROJECT_IS_TOP_LEVEL})
-if(NOT MOTTLE_INSTALL)
+if(NOT MOTTLE_INSTALL OR MOTTLE_OPTIMISED_BUILD)
   return()
 endif()
 include(CMakePackageConfigHelpers)

@@ -12,6 +12,7 @@
 #include "mottle/updating/methods/updater.hpp"
 #include "study/tests/shape_size.hpp"
 
+#ifdef MOTTLE_FUZZ_SEARCH  // which is linked with the reader alone
 /// Methods are not part of a study's reader: one that takes no options stands for them all.
 const std::vector<mottle::updating::MethodEntry>& mottle::updating::updating_methods() {
   const auto make = [](const OptionValues& values, const std::string& where) -> std::unique_ptr<Updater> {
@@ -26,6 +27,7 @@ const std::vector<mottle::updating::MethodEntry>& mottle::updating::updating_met
 mottle::app::ShapeSize mottle::study::shape_size_of(Study& study) {
   return study.outputs.shape_size;
 }
+#endif
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static const mottle::test::FuzzFolder folder;
