@@ -30,6 +30,7 @@ class CMakeBuild(build_ext):
         made = build / "python" / "mottle"
         self.copy_file(next(made.glob("_engine*.so")), target)
         self.copy_file(made / "options.py", target.parent / "options.py")
+        self.copy_file(build / "mottle_openturns.so", target.parent / "mottle_openturns.so")
 
 
 setup(

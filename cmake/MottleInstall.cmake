@@ -32,13 +32,16 @@ install(FILES ${CMAKE_CURRENT_BINARY_DIR}/mottleConfig.cmake ${CMAKE_CURRENT_BIN
   DESTINATION ${mottle_cmake_dir} COMPONENT development)
 
 install(TARGETS mottle_app RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT runtime)
+set_target_properties(mottle_app PROPERTIES INSTALL_RPATH "$ORIGIN/../${CMAKE_INSTALL_LIBDIR}/mottle")
+install(TARGETS mottle_openturns LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/mottle COMPONENT runtime)
 if(MOTTLE_MPI)
   install(TARGETS mottle_mpi LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/mottle COMPONENT mpi)
   install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/mottle-mpi RENAME copyright COMPONENT mpi)
 endif()
 if(MOTTLE_BUILD_PYTHON)
   set(mottle_site lib/python3/dist-packages)  # Debian's place for every Python 3
-  install(TARGETS mottle_python LIBRARY DESTINATION ${mottle_site}/mottle COMPONENT python)
+  # The package has a module for OpenTURNS of its own: it does not need the command.
+  install(TARGETS mottle_python mottle_openturns LIBRARY DESTINATION ${mottle_site}/mottle COMPONENT python)
   install(DIRECTORY bindings/python/mottle DESTINATION ${mottle_site} COMPONENT python
     FILES_MATCHING PATTERN "*.py" PATTERN "*.pyi" PATTERN "py.typed")
   install(FILES ${PROJECT_BINARY_DIR}/python/mottle/options.py DESTINATION ${mottle_site}/mottle COMPONENT python)
@@ -130,8 +133,8 @@ set(CPACK_COMPONENT_MPI_DESCRIPTION
 the model's evaluations.")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libmottle-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
-set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
-  "libboost-dev, libeigen3-dev, libfmt-dev, libhdf5-dev, libmumps-seq-dev, libblas-dev, libopenturns-dev, libre2-dev, libsuitesparse-dev, libtomlplusplus-dev, nlohmann-json3-dev, zlib1g-dev")
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS  # mottle has the modules that are loaded on demand
+  "mottle (= ${PROJECT_VERSION}), libboost-dev, libeigen3-dev, libfmt-dev, libhdf5-dev, libmumps-seq-dev, libblas-dev, libre2-dev, libsuitesparse-dev, libtomlplusplus-dev, nlohmann-json3-dev, zlib1g-dev")
 set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION
 "Headers, static libraries and CMake package of Mottle, an engine for
 stochastic finite-element model updating.")

@@ -14,7 +14,7 @@ SOURCES = {".hpp", ".cpp", ".h", ".cc"}
 # Library (start of the include) -> folders that may include it. Public headers are in none: whoever uses Mottle's
 # headers shall not need these packages.
 CONFINED = {
-    "openturns/": ["src/stats", "tests/stats", "benchmarks"],
+    "openturns/": ["modules/openturns", "tests/stats", "benchmarks"],
     "toml++/": ["src", "apps", "tests"],
     "nlohmann/": ["src", "apps", "tests"],
     "CLI/": ["apps"],

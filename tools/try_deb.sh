@@ -43,6 +43,9 @@ timed "mottle update of the package's example" "
   mottle update /usr/share/doc/mottle/examples/01-three-masses/case1.toml --out /tmp/case1
   grep -q '\"status\": *\"converged\"' /tmp/case1/result.json
   test -s /tmp/case1/report.html"
+timed "mottle update with the module for OpenTURNS" "
+  mottle update /usr/share/doc/mottle/examples/01-three-masses/case1.toml --set 'update.sampling=\"sobol\"' --out /tmp/sobol
+  grep -q '\"status\": *\"converged\"' /tmp/sobol/result.json"
 timed "apt-get install ./python3-mottle.deb" "apt-get install -q -y --no-install-recommends /tmp/python3-mottle_*.deb"
 timed "the same update in Python" "
   python3 -c '

@@ -2,40 +2,24 @@
 
 #include <algorithm>
 #include <array>
-#include <boost/math/quadrature/gauss.hpp>
 #include <cmath>
 #include <limits>
-#include <openturns/Beta.hxx>
-#include <openturns/DistFunc.hxx>
-#include <openturns/Gamma.hxx>
-#include <openturns/LogNormal.hxx>
-#include <openturns/Normal.hxx>
-#include <openturns/TruncatedNormal.hxx>
-#include <openturns/Uniform.hxx>
 #include <utility>
 
 #include "mottle/core/error.hpp"
 #include "mottle/stats/distributions/standard_normal.hpp"
+#include "stats/distributions/incomplete_functions.hpp"
+#include "stats/distributions/truncated_moments.hpp"
 
 namespace mottle::stats {
 
-Distribution::Implementation::Implementation(OT::Distribution object, double mean, double standard_deviation)
-    : object_(std::move(object)),
-      mean_(mean),
-      standard_deviation_(standard_deviation),
-      lower_(-std::numeric_limits<double>::infinity()),
-      upper_(std::numeric_limits<double>::infinity()) {
-  const OT::Interval range = object_.getRange();
-  if (range.getFiniteLowerBound()[0] != 0) lower_ = range.getLowerBound()[0];
-  if (range.getFiniteUpperBound()[0] != 0) upper_ = range.getUpperBound()[0];
-}
-
 double Distribution::Implementation::cdf(double value) const {
-  return object_.computeCDF(value);
+  if (value <= lower()) return 0.0;
+  return value >= upper() ? 1.0 : cdf_inside(value);
 }
 
 double Distribution::Implementation::pdf(double value) const {
-  return object_.computePDF(value);
+  return lower() < value && value <= upper() ? pdf_inside(value) : 0.0;
 }
 
 double Distribution::Implementation::from_standard_normal(double z) const {
@@ -44,21 +28,29 @@ double Distribution::Implementation::from_standard_normal(double z) const {
 
 namespace {
 
+constexpr double k_infinity = std::numeric_limits<double>::infinity();
+
 class NormalFamily : public Distribution::Implementation {
  public:
   explicit NormalFamily(const DistributionSpec& spec)
-      : Implementation(OT::Normal(spec.mean, spec.std), spec.mean, spec.std), mean_(spec.mean), std_(spec.std) {}
+      : Implementation({spec.mean, spec.std, -k_infinity, k_infinity}) {}
   double lower_tail_quantile(double probability) const override {
     return from_standard_normal(standard_normal_quantile(probability));
   }
   double upper_tail_quantile(double probability) const override {
     return from_standard_normal(-standard_normal_quantile(probability));
   }
-  double from_standard_normal(double z) const override { return mean_ + std_ * z; }
+  double from_standard_normal(double z) const override { return mean() + standard_deviation() * z; }
 
  private:
-  double mean_;
-  double std_;
+  double score(double value) const { return (value - mean()) / standard_deviation(); }
+  double cdf_inside(double value) const override { return standard_normal_cdf(score(value)); }
+  double pdf_inside(double value) const override {
+    // As OpenTURNS rounds it, so that results keep their bits: standard_normal_pdf() divides by the root.
+    constexpr double k_peak = 0.39894228040143267794;  // 1 / sqrt(2 pi)
+    const double z = score(value);
+    return k_peak * std::exp(-0.5 * z * z) / standard_deviation();
+  }
 };
 
 /// X = exp(N(log_mean, log_std)), log_std^2 = log(1 + (std / mean)^2), log_mean = log(mean) - log_std^2 / 2.
@@ -76,10 +68,12 @@ class LognormalFamily : public Distribution::Implementation {
 
  private:
   LognormalFamily(const DistributionSpec& spec, double log_variance)
-      : Implementation(OT::LogNormal(std::log(spec.mean) - 0.5 * log_variance, std::sqrt(log_variance)), spec.mean,
-                       spec.std),
+      : Implementation({spec.mean, spec.std, 0.0, k_infinity}),
         log_mean_(std::log(spec.mean) - 0.5 * log_variance),
         log_std_(std::sqrt(log_variance)) {}
+  double score(double value) const { return (std::log(value) - log_mean_) / log_std_; }
+  double cdf_inside(double value) const override { return standard_normal_cdf(score(value)); }
+  double pdf_inside(double value) const override { return standard_normal_pdf(score(value)) / (log_std_ * value); }
   double log_mean_;
   double log_std_;
 };
@@ -87,53 +81,23 @@ class LognormalFamily : public Distribution::Implementation {
 class UniformFamily : public Distribution::Implementation {
  public:
   explicit UniformFamily(const DistributionSpec& spec)
-      : Implementation(OT::Uniform(spec.lower, spec.upper), 0.5 * spec.lower + 0.5 * spec.upper,
-                       (spec.upper - spec.lower) / std::sqrt(12.0)),
-        lower_(spec.lower),
+      : Implementation(
+            {0.5 * spec.lower + 0.5 * spec.upper, (spec.upper - spec.lower) / std::sqrt(12.0), spec.lower, spec.upper}),
         width_(spec.upper - spec.lower) {}
-  double lower_tail_quantile(double probability) const override { return lower_ + width_ * probability; }
+  double lower_tail_quantile(double probability) const override { return lower() + width_ * probability; }
   double upper_tail_quantile(double probability) const override { return upper() - width_ * probability; }
 
  private:
-  double lower_;
+  double cdf_inside(double value) const override { return (value - lower()) / width_; }
+  double pdf_inside(double /*value*/) const override { return 1.0 / width_; }
   double width_;
 };
-
-struct Moments {
-  double mean;
-  double standard_deviation;
-};
-
-/// Moments after truncation. The closed form subtracts nearly equal numbers when the bounds are close together
-/// compared with the parent's standard deviation; there the density is nearly flat and a Gauss rule is exact to
-/// rounding.
-Moments truncated_moments(const DistributionSpec& spec) {
-  if (spec.upper - spec.lower > 2.0 * spec.std) {
-    const OT::TruncatedNormal object(spec.mean, spec.std, spec.lower, spec.upper);
-    return {object.getMean()[0], object.getStandardDeviation()[0]};
-  }
-  const double middle = 0.5 * spec.lower + 0.5 * spec.upper;
-  const double half = 0.5 * (spec.upper - spec.lower);
-  // Relative to the density at the middle: the exponent stays small however far out the bounds lie.
-  const auto moment = [&](double about, int power) {
-    return boost::math::quadrature::gauss<double, 30>::integrate(
-        [&](double t) {
-          const double exponent = -half * t / spec.std * ((0.5 * half * t + middle - spec.mean) / spec.std);
-          return std::pow(t - about, power) * std::exp(exponent);
-        },
-        -1.0, 1.0);
-  };
-  const double mass = moment(0.0, 0);
-  const double mean = moment(0.0, 1) / mass;
-  return {middle + half * mean, half * std::sqrt(moment(mean, 2) / mass)};
-}
 
 /// Parent normal cut at both ends; both tails of the parent are kept so that no probability near 1 is ever formed.
 class TruncatedNormalFamily : public Distribution::Implementation {
  public:
   explicit TruncatedNormalFamily(const DistributionSpec& spec)
-      : TruncatedNormalFamily(spec, OT::TruncatedNormal(spec.mean, spec.std, spec.lower, spec.upper),
-                              truncated_moments(spec)) {}
+      : TruncatedNormalFamily(spec, truncated_moments(spec.mean, spec.std, spec.lower, spec.upper)) {}
   double lower_tail_quantile(double probability) const override {
     return at(below_lower_ + probability * mass(), above_lower_ - probability * mass());
   }
@@ -142,18 +106,24 @@ class TruncatedNormalFamily : public Distribution::Implementation {
   }
 
  private:
-  TruncatedNormalFamily(const DistributionSpec& spec, const OT::TruncatedNormal& object, const Moments& moments)
-      : Implementation(object, moments.mean, moments.standard_deviation),
+  TruncatedNormalFamily(const DistributionSpec& spec, const TruncatedMoments& moments)
+      : Implementation({moments.mean, moments.standard_deviation, spec.lower, spec.upper}),
         spec_(spec),
-        below_lower_(standard_normal_cdf((spec.lower - spec.mean) / spec.std)),
-        above_lower_(standard_normal_cdf((spec.mean - spec.lower) / spec.std)),
-        below_upper_(standard_normal_cdf((spec.upper - spec.mean) / spec.std)),
-        above_upper_(standard_normal_cdf((spec.mean - spec.upper) / spec.std)) {}
+        below_lower_(standard_normal_cdf(score(spec.lower))),
+        above_lower_(standard_normal_cdf(-score(spec.lower))),
+        below_upper_(standard_normal_cdf(score(spec.upper))),
+        above_upper_(standard_normal_cdf(-score(spec.upper))) {}
+  double score(double value) const { return (value - spec_.mean) / spec_.std; }
   double mass() const { return below_lower_ < 0.5 ? below_upper_ - below_lower_ : above_lower_ - above_upper_; }
   double at(double below, double above) const {
     const double z = below < 0.5 ? standard_normal_quantile(below) : -standard_normal_quantile(above);
     return std::clamp(spec_.mean + spec_.std * z, spec_.lower, spec_.upper);
   }
+  double cdf_inside(double value) const override {
+    const double z = score(value);
+    return (z < 0.0 ? standard_normal_cdf(z) - below_lower_ : above_lower_ - standard_normal_cdf(-z)) / mass();
+  }
+  double pdf_inside(double value) const override { return standard_normal_pdf(score(value)) / (spec_.std * mass()); }
   DistributionSpec spec_;
   double below_lower_;
   double above_lower_;
@@ -167,11 +137,11 @@ class BetaFamily : public Distribution::Implementation {
  public:
   explicit BetaFamily(const DistributionSpec& spec) : BetaFamily(spec, concentration(spec)) {}
   double lower_tail_quantile(double probability) const override {
-    return spec_.lower + (spec_.upper - spec_.lower) * OT::DistFunc::qBeta(first_, second_, probability);
+    return lower() + width() * standard_beta_quantile(first_, second_, probability);
   }
   double upper_tail_quantile(double probability) const override {
     // Counted from the upper end, where the beta with exchanged shapes has its lower tail: no digit is lost there.
-    return spec_.upper - (spec_.upper - spec_.lower) * OT::DistFunc::qBeta(second_, first_, probability);
+    return upper() - width() * standard_beta_quantile(second_, first_, probability);
   }
 
  private:
@@ -179,14 +149,17 @@ class BetaFamily : public Distribution::Implementation {
     return (spec.mean - spec.lower) / spec.std * ((spec.upper - spec.mean) / spec.std) - 1.0;
   }
   BetaFamily(const DistributionSpec& spec, double concentration)
-      : Implementation(
-            OT::Beta(concentration * (spec.mean - spec.lower) / (spec.upper - spec.lower),
-                     concentration * (spec.upper - spec.mean) / (spec.upper - spec.lower), spec.lower, spec.upper),
-            spec.mean, spec.std),
-        spec_(spec),
+      : Implementation({spec.mean, spec.std, spec.lower, spec.upper}),
         first_(concentration * (spec.mean - spec.lower) / (spec.upper - spec.lower)),
         second_(concentration * (spec.upper - spec.mean) / (spec.upper - spec.lower)) {}
-  DistributionSpec spec_;
+  double width() const { return upper() - lower(); }
+  double cdf_inside(double value) const override {
+    return standard_beta_cdf(first_, second_, (value - lower()) / width(), (upper() - value) / width());
+  }
+  double pdf_inside(double value) const override {
+    if (value == upper()) return 0.0;  // its limit is 0, or infinite
+    return standard_beta_pdf(first_, second_, (value - lower()) / width(), (upper() - value) / width()) / width();
+  }
   double first_;
   double second_;
 };
@@ -195,18 +168,19 @@ class BetaFamily : public Distribution::Implementation {
 class GammaFamily : public Distribution::Implementation {
  public:
   explicit GammaFamily(const DistributionSpec& spec)
-      : Implementation(OT::Gamma(spec.mean / spec.std * (spec.mean / spec.std), spec.mean / spec.std / spec.std),
-                       spec.mean, spec.std),
+      : Implementation({spec.mean, spec.std, 0.0, k_infinity}),
         shape_(spec.mean / spec.std * (spec.mean / spec.std)),
         rate_(spec.mean / spec.std / spec.std) {}
   double lower_tail_quantile(double probability) const override {
-    return OT::DistFunc::qGamma(shape_, probability) / rate_;
+    return standard_gamma_quantile(shape_, probability) / rate_;
   }
   double upper_tail_quantile(double probability) const override {
-    return OT::DistFunc::qGamma(shape_, probability, true) / rate_;
+    return standard_gamma_upper_quantile(shape_, probability) / rate_;
   }
 
  private:
+  double cdf_inside(double value) const override { return standard_gamma_cdf(shape_, rate_ * value); }
+  double pdf_inside(double value) const override { return rate_ * standard_gamma_pdf(shape_, rate_ * value); }
   double shape_;
   double rate_;
 };

@@ -1,9 +1,7 @@
-// Behind Distribution: one class a family. OpenTURNS knows densities and probabilities; quantiles are written
-// here, because its own stop at a tail probability of 1e-14 and take no score of a copula directly.
+// Behind Distribution: one class a family. All of them keep their digits in both tails.
 #pragma once
 
 #include <memory>
-#include <openturns/Distribution.hxx>
 
 #include "mottle/layers.hpp"
 #include "mottle/stats/distributions/distribution.hpp"
@@ -12,16 +10,23 @@ namespace mottle::stats {
 
 class Distribution::Implementation {
  public:
-  /// @param object                    the family's distribution in OpenTURNS
-  /// @param mean, standard_deviation  the variable's own
-  Implementation(OT::Distribution object, double mean, double standard_deviation);
+  /// What is known before a family's shape: the variable's own moments, and the ends of its support.
+  struct Frame {
+    double mean;
+    double standard_deviation;
+    double lower;
+    double upper;
+  };
+
+  explicit Implementation(const Frame& frame) : frame_(frame) {}
   virtual ~Implementation() = default;
 
-  double mean() const { return mean_; }
-  double standard_deviation() const { return standard_deviation_; }
-  double lower() const { return lower_; }
-  double upper() const { return upper_; }
+  double mean() const { return frame_.mean; }
+  double standard_deviation() const { return frame_.standard_deviation; }
+  double lower() const { return frame_.lower; }
+  double upper() const { return frame_.upper; }
   double cdf(double value) const;
+  /// 0 outside the support and at its lower end.
   double pdf(double value) const;
 
   /// Value with P(X <= x) = probability, for probability in (0, 1/2].
@@ -31,12 +36,13 @@ class Distribution::Implementation {
   /// Families with a shorter way than two special functions override this.
   virtual double from_standard_normal(double z) const;
 
+ protected:
+  /// Of a value in the support, whose lower end is left out.
+  virtual double cdf_inside(double value) const = 0;
+  virtual double pdf_inside(double value) const = 0;
+
  private:
-  OT::Distribution object_;
-  double mean_;
-  double standard_deviation_;
-  double lower_;
-  double upper_;
+  Frame frame_;
 };
 
 /// The family's object for a specification that has passed the checks common to all families.

@@ -4,11 +4,11 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
-#include <openturns/SobolSequence.hxx>
 #include <utility>
 #include <vector>
 
 #include "mottle/core/error.hpp"
+#include "stats/openturns/openturns.hpp"
 
 namespace mottle::stats {
 
@@ -63,7 +63,7 @@ Eigen::MatrixXd latin_hypercube_design(Eigen::Index samples, Eigen::Index dimens
 }
 
 Eigen::MatrixXd sobol_design(Eigen::Index samples, Eigen::Index dimension, const StreamKey& key) {
-  const auto limit = static_cast<Eigen::Index>(OT::SobolSequence::MaximumDimension);
+  const Eigen::Index limit = openturns().max_sobol_dimension();
   require(dimension <= limit, "Sobol design: {} dimensions, at most {}; use Latin hypercube or Monte Carlo", dimension,
           limit);
   Eigen::VectorXd shift(dimension);
@@ -72,11 +72,10 @@ Eigen::MatrixXd sobol_design(Eigen::Index samples, Eigen::Index dimension, const
   }
   Eigen::MatrixXd uniforms(samples, dimension);
   uniforms.row(0) = shift.transpose();  // OpenTURNS leaves out the origin, without which 2^m points are no net
-  const OT::SobolSequence sequence(static_cast<OT::UnsignedInteger>(dimension));
+  openturns().fill_with_sobol_points(uniforms.bottomRows(samples - 1));
   for (Eigen::Index s = 1; s < samples; ++s) {
-    const OT::Point point = sequence.generate();
     for (Eigen::Index j = 0; j < dimension; ++j) {
-      const double moved = point[static_cast<OT::UnsignedInteger>(j)] + shift[j];
+      const double moved = uniforms(s, j) + shift[j];
       uniforms(s, j) = std::clamp(moved - std::floor(moved), k_smallest, k_largest);
     }
   }
