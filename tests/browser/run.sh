@@ -1,51 +1,72 @@
 #!/usr/bin/env bash
-# Runs a job of the first example and checks its report in a browser: run.sh JOB MOTTLE SOURCE_FOLDER WORK_FOLDER
+# Checks reports in a browser: run.sh written|simulated|thorough MOTTLE SOURCE_FOLDER WORK_FOLDER
+#   written    the pages that the command writes of the first example: an update, a propagation, a population, a posterior, a comparison
+#   simulated  made-up data in a page that the command has written: every scale, many parameters, hardly any numbers, structures
+#   thorough   both, every check on every page, with pictures of all that is shown in WORK_FOLDER/thorough/screenshots
 set -euo pipefail
-job=$1 mottle=$2 source=$3 work=$4
+part=$1 mottle=$2 source=$3 work=$4
 if ! command -v chromium >/dev/null; then
   echo "skipped: there is no chromium here (tools/install_packages.sh --test)"
   exit 77
 fi
-mkdir -p "$work/web"
-cp -r "$source"/web/{package.json,package-lock.json,.npmrc,src,test} "$work/web/"
-if [[ ! $work/web/node_modules/installed -nt $work/web/package-lock.json ]]; then
-  (cd "$work/web" && npm ci --omit=optional --ignore-scripts --prefer-offline --no-progress --loglevel=error)
+here=$work/$part
+rm -rf "$here"
+mkdir -p "$here"
+cp -r "$source"/web/{package.json,src,test} "$here/"
+
+# One copy of the browser's driver serves all parts, which find it in the folder above.
+exec {lock}>"$work/lock"
+flock "$lock"
+if [[ ! $work/node_modules/installed -nt $source/web/package-lock.json ]]; then
+  cp "$source"/web/{package.json,package-lock.json,.npmrc} "$work/"
+  (cd "$work" && npm ci --omit=optional --ignore-scripts --prefer-offline --no-progress --loglevel=error)
+  touch "$work/node_modules/installed"
 fi
-touch "$work/web/node_modules/installed"
-if [[ $job == compare ]]; then  # five runs, one of them without a parameter of the others, two with an evidence
-  study=$work/compare/study.toml
-  mkdir -p "$work/compare"
-  find "$source/examples/01-three-masses" -maxdepth 1 -type f -exec cp -t "$work/compare" {} +  # no results of a demo
-  cp "$work/compare/case1.toml" "$study"
-  "$mottle" update "$study" --out "$work/compare/a" --quiet
-  "$mottle" update "$study" --out "$work/compare/b" --quiet --set 'update.method="maximum-likelihood"'
-  bayes=(--quiet --set 'update.method="bayes"' --set 'test.repeatability={"f*"=0.02}')
-  "$mottle" update "$study" --out "$work/compare/d" "${bayes[@]}"
-  "$mottle" update "$study" --out "$work/compare/e" "${bayes[@]}" --seed 2
-  python3 - "$study" <<'EOF'
+exec {lock}>&-
+
+example=$source/examples/01-three-masses
+pages=() results=()
+run() {  # FOLDER COMMAND STUDY OPTIONS...: a page of the report
+  "$mottle" "${@:2}" --out "$here/$1" --quiet
+}
+
+if [[ $part != simulated ]]; then
+  run update update "$example/case2.toml"
+  run propagate propagate "$example/case2.toml"
+  run population update "$example/case1.toml" --set 'update.method="maximum-likelihood"'
+  run posterior update "$example/case1.toml" --set 'update.method="bayes"'
+  # Five runs to compare, one of them without a parameter of the others, two with an evidence.
+  study=$here/compared/study.toml
+  mkdir -p "$here/compared"
+  find "$example" -maxdepth 1 -type f -exec cp -t "$here/compared" {} +  # no results of a demo
+  cp "$here/compared/case1.toml" "$study"
+  run compared/a update "$study"
+  run compared/b update "$study" --set 'update.method="maximum-likelihood"'
+  bayes=(--set 'update.method="bayes"' --set 'test.repeatability={"f*"=0.02}')
+  run compared/d update "$study" "${bayes[@]}"
+  run compared/e update "$study" "${bayes[@]}" --seed 2
+  python3 - "$study" <<'PYTHON'
 import pathlib, sys
 study = pathlib.Path(sys.argv[1])
 head, *blocks = study.read_text().split("[[parameter]]")
 study.write_text(head + "".join("[[parameter]]" + block for block in blocks if '"k1"' not in block.split("distribution")[0]))
-EOF
-  "$mottle" update "$study" --out "$work/compare/c" --quiet --set 'update.method="deterministic"'
-  "$mottle" compare "$work"/compare/{a,b,c,d,e} --out "$work/compare/page.html" >"$work/compare/table.txt"
-  cd "$work/web"
-  exec node test/compare_test.mjs "$work/compare/page.html" "$work"/compare/{a,b,c,d,e} --screenshots "$work/screenshots-compare"
+PYTHON
+  run compared/c update "$study" --set 'update.method="deterministic"'
+  "$mottle" compare "$here"/compared/{a,b,c,d,e} --out "$here/compared/compare.html" >"$here/compared/table.txt"
+  pages+=("$here"/{update,propagate,population,posterior}/report.html "$here/compared/compare.html")
+  for folder in "$here"/compared/{a,b,c,d,e}; do results+=(--results "$folder"); done
 fi
-run=("$job" "$source/examples/01-three-masses/case2.toml")
-[[ $job != posterior ]] || run=(update "$source/examples/01-three-masses/case1.toml" --set 'update.method="bayes"')
-[[ $job != population ]] || run=(update "$source/examples/01-three-masses/case1.toml" --set 'update.method="maximum-likelihood"')
-"$mottle" "${run[@]}" --out "$work/$job" --quiet
-cd "$work/web"
-node test/report_test.mjs "$work/$job/report.html" --screenshots "$work/screenshots-$job"
-[[ $job == update || $job == population ]] || exit 0
-# Made-up data in the page that the program has just written: a structure; or every scale, many parameters, hardly any numbers.
-pages=(modes shapes)
-if [[ $job == population ]]; then
-  pages=(population posterior old aeroplane sparse)
+
+if [[ $part != written ]]; then
+  simulated=(modes shapes population posterior old aeroplane sparse)
+  template=$here/propagate/report.html
+  [[ -e $template ]] || run propagate propagate "$example/case2.toml"
+  cd "$here"
+  node test/make_fixture.mjs "$here/simulated" "$template" "${simulated[@]}"
+  for page in "${simulated[@]}"; do pages+=("$here/simulated/$page.html"); done
 fi
-node test/make_fixture.mjs "$work/fixtures-$job" "$work/$job/report.html"
-for page in "${pages[@]}"; do
-  node test/report_test.mjs "$work/fixtures-$job/$page.html" --screenshots "$work/screenshots-$job"
-done
+
+options=(--screenshots "$here/screenshots")
+[[ $part != thorough ]] || options+=(--thorough)
+cd "$here"
+exec node test/report_test.mjs "${pages[@]}" "${results[@]}" "${options[@]}"

@@ -1,6 +1,5 @@
 // What the data of a page call for, and how to read what the page shows of them.
 import assert from "node:assert/strict";
-import { readFileSync } from "node:fs";
 
 export const list = (value) => (Array.isArray(value) ? value : []);
 export const is_number = (value) => typeof value === "number" && Number.isFinite(value);
@@ -95,51 +94,37 @@ export const series_of = (page, id) =>
     id,
   );
 
+const superscripts = "⁻⁰¹²³⁴⁵⁶⁷⁸⁹";
+
+/** The number that a cell shows: "−1.2·10⁻³" is -0.0012. */
+function shown_number(text) {
+  const exponent = (_, power) =>
+    `e${[...power]
+      .map((sign) => superscripts.indexOf(sign))
+      .map((k) => (k === 0 ? "-" : String(k - 1)))
+      .join("")}`;
+  return Number(text.replace("−", "-").replace(/·10(.*)/, exponent));
+}
+
 /** `rows`: names, in the order of `values`; the table may have another. */
 export async function close_to_data(page, table, key, rows, values) {
-  const all = page.locator(`[data-table="${table}"] tr[data-row]`);
-  const shown_rows = await all.evaluateAll((found) => found.map((row) => row.dataset.row));
+  const shown = await page.locator(`[data-table="${table}"] tr[data-row]`).evaluateAll(
+    (found, column) =>
+      found.map((row) => {
+        const cell = row.querySelector(`[data-key="${column}"]`);
+        return { row: row.dataset.row, text: cell?.innerText ?? null, value: cell?.dataset.value ?? null };
+      }),
+    key,
+  );
   for (const [i, value] of values.entries()) {
-    const cell = all.nth(shown_rows.indexOf(rows[i])).locator(`[data-key="${key}"]`);
+    const cell = shown.find(({ row }) => row === rows[i]);
     if (!is_number(value)) {
-      if (await cell.count())
-        assert.equal((await cell.innerText()).trim(), "–", `${table}.${key}[${i}] of a missing number`);
+      if (typeof cell?.text === "string") assert.equal(cell.text.trim(), "–", `${table}.${key}[${i}] of a missing number`);
       continue;
     }
-    assert.equal(Number(await cell.getAttribute("data-value")), value, `${table}.${key}[${i}]`);
-    const shown = Number(
-      (await cell.innerText()).replace("−", "-").replace(
-        /·10(.*)/,
-        (_, power) =>
-          `e${[...power]
-            .map((sign) => "⁻⁰¹²³⁴⁵⁶⁷⁸⁹".indexOf(sign))
-            .map((k) => (k === 0 ? "-" : String(k - 1)))
-            .join("")}`,
-      ),
-    );
-    assert.ok(Math.abs(shown - value) <= 6e-4 * Math.abs(value), `${table}.${key}[${i}] shows ${shown} for ${value}`);
+    assert.ok(cell && cell.value !== null, `${table}.${key}[${i}] is missing`);
+    assert.equal(Number(cell.value), value, `${table}.${key}[${i}]`);
+    const number = shown_number(cell.text);
+    assert.ok(Math.abs(number - value) <= 6e-4 * Math.abs(value), `${table}.${key}[${i}] shows ${number} for ${value}`);
   }
-}
-
-export const overflow = (page) =>
-  page.evaluate(() => {
-    const { scrollWidth, clientWidth } = document.documentElement;
-    const wide = [...document.querySelectorAll(".plot-area > div")].filter(
-      (node) => node.scrollWidth > node.parentElement.clientWidth + 1,
-    );
-    return { page: scrollWidth - clientWidth, plots: wide.length };
-  });
-
-/** What a click saves. The browser lets a page start ten downloads in a second and drops the next without a word: hence the pause. */
-export async function saved(page, click) {
-  await page.waitForTimeout(120);
-  const [download] = await Promise.all([page.waitForEvent("download", { timeout: 60000 }), click()]);
-  return download;
-}
-
-/** Bytes of a plot's file. */
-export async function exported(page, id, kind) {
-  const download = await saved(page, () => page.click(`[data-plot="${id}"] [data-export="${kind}"]`));
-  assert.equal(download.suggestedFilename(), `mottle-${id}.${kind}`);
-  return readFileSync(await download.path());
 }

@@ -1,4 +1,4 @@
-// Pages to look at and to test on, made of simulated runs:   node test/make_fixture.mjs [OUT_DIR] [TEMPLATE]
+// Pages to look at and to test on, made of simulated runs:   node test/make_fixture.mjs [OUT_DIR] [TEMPLATE] [NAME...]
 //   case1      the paper's three masses, right model           refused   its case 2: inadequate, a parameter on its bound, hostile texts
 //   population case1 by a method that estimates a population: every scale, an outlier, a prediction
 //   modes      a page of mode shapes                           shapes    case1 with mode shapes
@@ -362,53 +362,68 @@ function write_page(name, data) {
   );
 }
 
-mkdirSync(out, { recursive: true });
+let simulated = null;
+/** Its own copy for everyone: what is made of it changes it. */
 function case_1() {
-  const { data } = update(masses_study({}));
-  add_curves(data.result.parameters);
+  if (!simulated) {
+    simulated = update(masses_study({})).data;
+    add_curves(simulated.result.parameters);
+  }
+  return structuredClone(simulated);
+}
+
+function population() {
+  const data = with_population(case_1(), {
+    scales: ["identity", "log", "logit"],
+    outliers: [4],
+    prediction: prediction_of(["f4", "f5", "<b>mass</b>"], 12),
+  });
+  data.result.surrogate = {
+    kind: "kriging",
+    tolerance: 0.1,
+    within_tolerance: false,
+    rounds: [
+      { runs: 30, carried_error: [0.0021, 0.004, 0.011], error_at_estimate: [0.0009, 0.0012, 0.0061] },
+      { runs: 40, carried_error: [0.0009, 0.0012, 0.0061], error_at_estimate: [0.0004, 0.0005, 0.0058] },
+    ],
+  };
   return data;
 }
-write_page("case1", with_first_screen(case_1(), { is_reassuring: true }));
-write_page(
-  "refused",
-  with_first_screen(update(refused_study()).data, { flagged: [2], marks: ["doubtful", "at-bound", "not-seen"] }),
-);
-const population = with_population(case_1(), {
-  scales: ["identity", "log", "logit"],
-  outliers: [4],
-  prediction: prediction_of(["f4", "f5", "<b>mass</b>"], 12),
-});
-population.result.surrogate = {
-  kind: "kriging",
-  tolerance: 0.1,
-  within_tolerance: false,
-  rounds: [
-    { runs: 30, carried_error: [0.0021, 0.004, 0.011], error_at_estimate: [0.0009, 0.0012, 0.0061] },
-    { runs: 40, carried_error: [0.0009, 0.0012, 0.0061], error_at_estimate: [0.0004, 0.0005, 0.0058] },
-  ],
+
+function aeroplane() {
+  const data = with_population(with_gaps(update(aeroplane_study()).data), {
+    scales: ["identity", "identity", "log"],
+    unseen: 4,
+    outliers: [17, 60],
+    prediction: prediction_of(
+      Array.from({ length: 11 }, (_, k) => `f${k + 15}`),
+      43,
+      { narrow: 0.7 },
+    ),
+  });
+  return with_first_screen(data, { flagged: [3, 7], marks: ["found", "mean-only", "at-bound", "not-seen"] });
+}
+
+function refused() {
+  const marks = ["doubtful", "at-bound", "not-seen"];
+  return with_first_screen(update(refused_study()).data, { flagged: [2], marks });
+}
+
+const pages = {
+  case1: () => with_first_screen(case_1(), { is_reassuring: true }),
+  refused,
+  population,
+  aeroplane,
+  propagate: () => propagate(case_1()),
+  sparse: () => sparse(case_1()),
+  modes: () => modes_page(20, 10, 8),
+  shapes: () => ({ ...case_1(), modes: plate_modes(20, 10, 3), mac: plate_mac(3, 3) }),
+  posterior: () => as_posterior(case_1()),
+  old: () => without_curves(population()),
+  empty: () => ({ result: { title: "Nothing but a title" } }),
 };
-write_page("population", population);
-write_page(
-  "aeroplane",
-  with_first_screen(
-    with_population(with_gaps(update(aeroplane_study()).data), {
-      scales: ["identity", "identity", "log"],
-      unseen: 4,
-      outliers: [17, 60],
-      prediction: prediction_of(
-        Array.from({ length: 11 }, (_, k) => `f${k + 15}`),
-        43,
-        { narrow: 0.7 },
-      ),
-    }),
-    { flagged: [3, 7], marks: ["found", "mean-only", "at-bound", "not-seen"] },
-  ),
-);
-write_page("propagate", propagate(case_1()));
-write_page("sparse", sparse(case_1()));
-write_page("modes", modes_page(20, 10, 8));
-write_page("shapes", { ...case_1(), modes: plate_modes(20, 10, 3), mac: plate_mac(3, 3) });
-write_page("posterior", as_posterior(case_1()));
-write_page("old", without_curves(population));
-write_page("empty", { result: { title: "Nothing but a title" } });
+
+mkdirSync(out, { recursive: true });
+const names = process.argv.slice(4);
+for (const name of names.length ? names : Object.keys(pages)) write_page(name, pages[name]());
 console.log(out);

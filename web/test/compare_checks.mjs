@@ -1,25 +1,6 @@
-// Opens the page of `mottle compare` from disk and checks that it shows the numbers of the results it was made from.
-//   node test/compare_test.mjs PAGE.html RESULTS_FOLDER... [--screenshots DIR]
+// What must hold of the page of `mottle compare`: it shows the numbers of the results that it was made from.
 import assert from "node:assert/strict";
-import { readFileSync } from "node:fs";
 import path from "node:path";
-import { parseArgs } from "node:util";
-import { open_page } from "./browser.mjs";
-
-const { values, positionals } = parseArgs({ allowPositionals: true, options: { screenshots: { type: "string" } } });
-const [file, ...folders] = positionals;
-const results = folders.map((folder) => JSON.parse(readFileSync(path.join(folder, "result.json"), "utf8")));
-let failed = 0;
-
-async function check(claim, test) {
-  try {
-    await test();
-    console.log(`ok    ${claim}`);
-  } catch (error) {
-    failed += 1;
-    console.log(`FAIL  ${claim}\n      ${String(error.message).split("\n").slice(0, 6).join("\n      ")}`);
-  }
-}
 
 /** {row name: {column key: value}} of a table. */
 const cells_of = (page, id) =>
@@ -32,16 +13,18 @@ const cells_of = (page, id) =>
     ),
   );
 
-for (const [width, height] of [[1440, 1000], [390, 844]]) {
-  const opened = await open_page(file, { width, height });
-  const { page } = opened;
-  try {
-    await check(`${width}: a row for each run with its verdict`, async () => {
+export const compare_checks = [
+  [
+    "a row for each run with its verdict",
+    async ({ page, results }) => {
       const rows = Object.values(await cells_of(page, "runs"));
       assert.deepEqual(rows.map((row) => row.method), results.map((result) => result.method));
       rows.forEach((row, at) => assert.ok(row.verdict.startsWith(results[at].verdict.conclusion)));
-    });
-    await check(`${width}: means and standard deviations are those of result.json, up to the unit`, async () => {
+    },
+  ],
+  [
+    "means and standard deviations are those of result.json, up to the unit",
+    async ({ page, results }) => {
       const rows = await cells_of(page, "parameters");
       for (const [at, { parameters }] of results.entries()) {
         parameters.names.forEach((name, k) => {
@@ -51,8 +34,11 @@ for (const [width, height] of [[1440, 1000], [390, 844]]) {
             assert.ok(Math.abs(Number(rows[name][`std${at}`]) / (factor * parameters.std[k]) - 1) < 1e-12, name);
         });
       }
-    });
-    await check(`${width}: errors of outputs are those of result.json`, async () => {
+    },
+  ],
+  [
+    "errors of outputs are those of result.json",
+    async ({ page, results }) => {
       const rows = await cells_of(page, "outputs");
       for (const [at, { agreement }] of results.entries()) {
         for (const output of agreement.outputs) {
@@ -60,8 +46,11 @@ for (const [width, height] of [[1440, 1000], [390, 844]]) {
           assert.equal(Number(rows[output.name][`scatter${at}`]), output.final.std_ratio);
         }
       }
-    });
-    await check(`${width}: evidences of the same tests are compared, and results without one are named`, async () => {
+    },
+  ],
+  [
+    "evidences of the same tests are compared, and results without one are named",
+    async ({ page, folders, results }) => {
       const with_evidence = folders.filter((_, at) => results[at].evidence);
       const rows = await cells_of(page, "evidence").catch(() => ({}));
       assert.equal(Object.keys(rows).length, with_evidence.length > 1 ? with_evidence.length : 0);
@@ -78,8 +67,11 @@ for (const [width, height] of [[1440, 1000], [390, 844]]) {
         if (evidence || !with_evidence.length) continue;
         assert.ok(named.some((text) => text.includes(`${path.basename(folders[at])} is not compared: method '${method}'`)), named.join());
       }
-    });
-    await check(`${width}: every run has a bar for each of its parameters, on an axis that the runs share`, async () => {
+    },
+  ],
+  [
+    "every run has a bar for each of its parameters, on an axis that the runs share",
+    async ({ page, results }) => {
       const bars = await page.$$eval(".compared", (blocks) =>
         blocks.map((block) => ({
           name: block.dataset.parameter,
@@ -93,21 +85,24 @@ for (const [width, height] of [[1440, 1000], [390, 844]]) {
         assert.equal(tracks.length, results.filter(({ parameters }) => parameters.names.includes(name)).length);
         assert.ok(tracks.every(([left, wide]) => left === tracks[0][0] && wide === tracks[0][1] && wide > 100), name);
       }
-    });
-    await check(`${width}: the page is no wider than the window`, async () => {
-      assert.ok((await page.evaluate(() => document.documentElement.scrollWidth)) <= width);
-    });
-    await check(`${width}: each run's own report is linked`, async () => {
+    },
+  ],
+  [
+    "the page is no wider than the window",
+    async ({ page }) => {
+      const { scrollWidth, innerWidth } = await page.evaluate(() => ({
+        scrollWidth: document.documentElement.scrollWidth,
+        innerWidth: window.innerWidth,
+      }));
+      assert.ok(scrollWidth <= innerWidth, `${scrollWidth} pixels`);
+    },
+  ],
+  [
+    "each run's own report is linked",
+    async ({ page, folders }) => {
       const links = await page.$$eval('table[data-table="runs"] a', (all) => all.map((one) => one.href));
       links.forEach((link, at) => assert.equal(new URL(link).pathname, path.resolve(folders[at], "report.html")));
       assert.equal(links.length, folders.length);
-    });
-    await check(`${width}: nothing is asked of a network and nothing complains`, () => assert.deepEqual(opened.complaints, []));
-    if (values.screenshots)
-      await page.screenshot({ path: path.join(values.screenshots, `compare-${width}.png`), fullPage: true });
-  } finally {
-    await opened.close();
-  }
-}
-console.log(failed ? `${failed} failed` : "passed");
-process.exit(failed ? 1 : 0);
+    },
+  ],
+];
