@@ -146,7 +146,7 @@ TEST(Ranks, OtherNumbersOnARankAreAnErrorThatNamesIt) {
   EXPECT_THAT(message, testing::HasSubstr("the samples of a batch"));
 }
 
-TEST(Ranks, OfOneNodeShareItsProcessors) {
+TEST(Ranks, ShareTheProcessorsOfOneNode) {
   std::array<int, 2> threads{};
   ThreadJob(2).run([&](Ranks& ranks) {
     threads[static_cast<std::size_t>(ranks.rank())] = threads_of_rank(ranks);

@@ -62,12 +62,12 @@ TEST(NearestName, IsEmptyWhereNoCandidateIsMeant) {
   EXPECT_EQ(nearest_name("tolerance", {}), "");
 }
 
-TEST(NearestName, OfAShortNameSharesALetterWithIt) {
+TEST(NearestName, SharesALetterWithAShortName) {
   EXPECT_EQ(nearest_name("k1", {"m2"}), "");
   EXPECT_EQ(nearest_name("k1", {"m2", "k2"}), "k2");
 }
 
-TEST(NearestName, OfANameWithoutEndIsNotSought) {
+TEST(NearestName, IsNotSoughtForANameWithoutEnd) {
   // Comparing two such names would take 10^12 steps.
   const std::string endless(1000000, 'k');
   EXPECT_EQ(nearest_name(endless, {endless + "1"}), "");

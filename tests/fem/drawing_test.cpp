@@ -57,7 +57,7 @@ TEST(Drawing, LeavesOutNodesThatNothingShows) {
   EXPECT_EQ(drawing.nodes.back(), 15);
 }
 
-TEST(Drawing, OfWedgeAndTetrahedraLooksOutwards) {
+TEST(Drawing, LooksOutwardsForWedgeAndTetrahedra) {
   test::ModelMaker maker;
   const double points[7][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 1}, {0, 1, 1}, {0.2, 0.2, 2}};
   for (int k = 0; k < 7; ++k) maker.node(k + 1, {points[k][0], points[k][1], points[k][2]});
@@ -118,7 +118,7 @@ TEST(Drawing, ShowsAPointMassOnce) {
   EXPECT_THAT(drawing.points, ::testing::ElementsAre(0U));
 }
 
-TEST(Drawing, OfFieldsHoldsTheElementsThatDependOnThemAndNoOther) {
+TEST(Drawing, HoldsTheElementsThatDependOnFieldsAndNoOther) {
   test::ModelMaker maker;
   for (int k = 0; k < 3; ++k) maker.node(k + 1, {1.0 * k, 0, 0});
   const int twin = maker.node(4, {2, 0, 0});

@@ -139,7 +139,7 @@ TEST(Vtu, TurnsWedgesTheWayVtkHasThem) {
   for (std::size_t k = 0; k < 3; ++k) EXPECT_EQ(at(k + 3) - at(k), Eigen::Vector3d(0, 0, 1));
 }
 
-TEST(Vtu, OfAnEmptyModelIsWellFormed) {
+TEST(Vtu, IsWellFormedForAnEmptyModel) {
   EXPECT_EQ(xml_fault(format_vtu({}, {})), "");
 }
 

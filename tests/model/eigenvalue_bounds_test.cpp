@@ -20,7 +20,7 @@ StructureModel springs(const MassSpringSystem& system, const std::vector<std::st
   return {separate(system, test::one_each(targets)), OutputSelection{.eigenvalues = {1}}, reference};
 }
 
-TEST(EigenvalueBounds, OfOneMassAreThoseOfStiffnessByMass) {
+TEST(EigenvalueBounds, AreStiffnessByMassForOneMass) {
   const MassSpringSystem system{.masses = {{"m", 1.0}}, .springs = {{"k", k_ground, 0, 1.0}}, .dampers = {}};
   const StructureModel model = springs(system, {"spring:k", "mass:m"}, Eigen::Vector2d(1.0, 1.0));
   const EigenvalueBounds bounds(model);
@@ -33,7 +33,7 @@ TEST(EigenvalueBounds, OfOneMassAreThoseOfStiffnessByMass) {
 }
 
 /// lambda = ((a + 2 b) -+ sqrt(a^2 + 4 b^2)) / 2, both rising in a and b.
-TEST(EigenvalueBounds, OfTwoMassesAreTheClosedForm) {
+TEST(EigenvalueBounds, HaveTheClosedFormOfTwoMasses) {
   const MassSpringSystem system{
       .masses = {{"m1", 1.0}, {"m2", 1.0}}, .springs = {{"a", k_ground, 0, 1.0}, {"b", 0, 1, 1.0}}, .dampers = {}};
   const StructureModel model = springs(system, {"spring:a", "spring:b"}, Eigen::Vector2d(1.0, 1.0));

@@ -142,7 +142,7 @@ TEST_F(Journal, StartsEmptyWithoutResume) {
   EXPECT_EQ(run(samples(), false).evaluated, 8);
 }
 
-TEST_F(Journal, ResumesFromNothingWhereThereIsNoJournal) {
+TEST_F(Journal, ResumesFromNothingWhereNoFileIs) {
   EXPECT_EQ(run(samples(), true).evaluated, 8);
 }
 
@@ -181,13 +181,13 @@ TEST_F(Journal, DamagedInAnyByteOfItsRecordsNeverGivesAWrongAnswer) {
   }
 }
 
-TEST_F(Journal, OfAnotherStudyIsRefused) {
+TEST_F(Journal, RefusesAnotherStudy) {
   run(samples(), false);
   EXPECT_THAT(test::message_of<InvalidInput>([&] { run(samples(), true, k_other); }),
               ::testing::AllOf(::testing::StartsWith(path.string()), ::testing::HasSubstr("have changed since")));
 }
 
-TEST_F(Journal, OfAnOlderFormIsRefusedAsThatOfAChangedStudy) {
+TEST_F(Journal, RefusesAnOlderFormAsAChangedStudy) {
   run(samples(), false);
   std::string older = read_file(path);
   older[std::string("mottle journal ").size()] = '5';
@@ -196,13 +196,13 @@ TEST_F(Journal, OfAnOlderFormIsRefusedAsThatOfAChangedStudy) {
               ::testing::HasSubstr("have changed since"));
 }
 
-TEST_F(Journal, OfAnotherStudyIsStillThereAfterTheRefusal) {
+TEST_F(Journal, KeepsItsFileWhenAnotherStudyIsRefused) {
   run(samples(), false);
   EXPECT_THROW(run(samples(), true, k_other), InvalidInput);
   EXPECT_EQ(run(samples(), true).reused, 8);
 }
 
-TEST_F(Journal, OfAnotherVersionIsRefused) {
+TEST_F(Journal, RefusesAnotherVersion) {
   const std::string other = "mottle journal 3\n" + std::string(100, 'x');
   leave(path, other);
   EXPECT_THROW(run(samples(), true), InvalidInput);

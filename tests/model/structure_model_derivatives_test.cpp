@@ -58,7 +58,7 @@ TEST(ModalJacobian, FollowsTrackedModes) {
 }
 
 // f = sqrt(k / m) / (2 pi): df/dk = f / (2 k), df/dm = -f / (2 m); phi = m^(-1/2): dphi/dm = -phi / (2 m).
-TEST(ModalJacobian, OfOneMassIsTheClosedForm) {
+TEST(ModalJacobian, HasTheClosedFormOfOneMass) {
   const MassSpringSystem system{.masses = {{"m", 1.0}}, .springs = {{"k", k_ground, 0, 1.0}}, .dampers = {}};
   const StructureModel model(separate(system, test::one_each({"spring:k", "mass:m"})),
                              {.frequencies = {1}, .shape_modes = {1}, .shape_degrees_of_freedom = {"m"}},

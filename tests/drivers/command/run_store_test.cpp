@@ -91,7 +91,7 @@ TEST_F(RunStoreTest, ARunThatSucceededOnAnotherRankCountsBeforeOneThatFailedHere
   EXPECT_TRUE(again.find({1, 7})->failure.empty());
 }
 
-TEST_F(RunStoreTest, OfAnotherRanksStoreTheWholeRecordsAreRead) {
+TEST_F(RunStoreTest, ReadsTheWholeRecordsOfAnotherRanksStore) {
   fill(3);
   const std::string three = mottle::read_file(file_);
   mottle::write_file_atomically(file_, three.substr(0, three.size() - 1));

@@ -199,7 +199,7 @@ class SolverProcesses : public SolverProcess {
   }
 };
 
-TEST_F(SolverProcesses, OfASeriesHaveOneGuardThatEndsWithIt) {
+TEST_F(SolverProcesses, HaveOneGuardThatEndsWithTheSeries) {
   EXPECT_NE(guard(), guard());
   {
     const mottle::drivers::ProcessSeries series;
@@ -215,7 +215,7 @@ TEST_F(SolverProcesses, OfASeriesHaveOneGuardThatEndsWithIt) {
   EXPECT_TRUE(is_gone("guard"));
 }
 
-TEST_F(SolverProcesses, OfASeriesAreNotDisturbedByTheEndOfOthers) {
+TEST_F(SolverProcesses, AreNotDisturbedByTheEndOfAnotherSeries) {
   const mottle::drivers::ProcessSeries series;
   for (int turn = 0; turn < 3; ++turn) {
     EXPECT_EQ(run({"sh", "-c", "exit 7"}).reason, "exit status 7");
@@ -229,7 +229,7 @@ TEST_F(SolverProcesses, OfASeriesAreNotDisturbedByTheEndOfOthers) {
   EXPECT_EQ(read("stdout.txt").size(), 600'000U);
 }
 
-TEST_F(SolverProcesses, OfASeriesDoNotNoticeThatTheirGuardWasKilledBetweenThem) {
+TEST_F(SolverProcesses, SurviveThatTheirGuardIsKilledBetweenThem) {
   const mottle::drivers::ProcessSeries series;
   const std::string first = guard();
   ::kill(std::stoi(first), SIGKILL);
@@ -238,7 +238,7 @@ TEST_F(SolverProcesses, OfASeriesDoNotNoticeThatTheirGuardWasKilledBetweenThem) 
   EXPECT_NE(guard(), first);
 }
 
-TEST_F(SolverProcesses, OfASeriesAreNotStartedByAGuardThatWasAskedToEndBetweenThem) {
+TEST_F(SolverProcesses, AreNotStartedByAGuardThatWasAskedToEnd) {
   const mottle::drivers::ProcessSeries series;
   ::kill(std::stoi(guard()), SIGTERM);
   EXPECT_EQ(run({"sh", "-c", "echo > started"}).kind, ProcessEnd::Kind::lost);

@@ -31,7 +31,7 @@ ModeSet one_mass() {
 }
 
 // C = alpha M + beta K: zeta = alpha / (2 omega) + beta omega / 2.
-TEST(ModalDamping, OfProportionalDampingIsTheClosedForm) {
+TEST(ModalDamping, HasTheClosedFormOfProportionalDamping) {
   const Structure structure = two_masses();
   const ModeSet modes = structure.modes();
   const Eigen::VectorXd ratios = modal_damping_ratios(modes, 0.1 * structure.mass + 0.02 * structure.stiffness);
@@ -42,7 +42,7 @@ TEST(ModalDamping, OfProportionalDampingIsTheClosedForm) {
 }
 
 // Roots of (mu^2 + 0.3 mu + 3)(2 mu^2 + 0.05 mu + 2) - 1 by numpy.roots (1.24).
-TEST(ModalDamping, OfNonProportionalDampingIsThatOfTheCharacteristicPolynomial) {
+TEST(ModalDamping, AgreesWithTheCharacteristicPolynomialForNonProportionalDamping) {
   const Eigen::MatrixXd damping = Eigen::Vector2d(0.3, 0.05).asDiagonal();
   const Eigen::VectorXd ratios = modal_damping_ratios(two_masses().modes(), damping);
   EXPECT_NEAR(ratios(0), 0.028457507259201657, 1e-13);  // numpy.roots itself is good to some 1e-15
@@ -58,12 +58,12 @@ TEST(ModalDamping, IsNotANumberForTheOneModeThatIsOverdamped) {
 }
 
 // zeta = c / (2 sqrt(k m)) with k = m = 1.
-TEST(ModalDamping, OfOneMassIsHalfItsDamper) {
+TEST(ModalDamping, IsHalfTheDamperOfOneMass) {
   EXPECT_NEAR(modal_damping_ratios(one_mass(), Eigen::MatrixXd::Constant(1, 1, 0.5))(0), 0.25, 1e-15);
   EXPECT_NEAR(modal_damping_ratios(one_mass(), Eigen::MatrixXd::Constant(1, 1, 1.99))(0), 0.995, 1e-13);
 }
 
-TEST(ModalDamping, OfAnOverdampedMassIsNotANumber) {
+TEST(ModalDamping, IsNotANumberForAnOverdampedMass) {
   EXPECT_TRUE(std::isnan(modal_damping_ratios(one_mass(), Eigen::MatrixXd::Constant(1, 1, 2.01))(0)));
 }
 
@@ -82,7 +82,7 @@ TEST(ModalDamping, BelongsToTheModeWhoseShapeItHas) {
   EXPECT_NEAR(ratios(2), 5.9 / 6.0, 1e-13);  // its damped frequency is the lowest of the three
 }
 
-TEST(ModalDamping, OfADampingThatIsNoNumberIsNotANumber) {
+TEST(ModalDamping, IsNotANumberWhereTheDampingIsNone) {
   const Eigen::MatrixXd damping = Eigen::MatrixXd::Constant(2, 2, std::numeric_limits<double>::quiet_NaN());
   EXPECT_TRUE(modal_damping_ratios(two_masses().modes(), damping).array().isNaN().all());
 }

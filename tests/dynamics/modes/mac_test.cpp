@@ -76,7 +76,7 @@ TEST(Mac, IsNeverAboveOne) {
   }
 }
 
-TEST(Mac, OfAZeroShapeIsZero) {
+TEST(Mac, IsZeroForAZeroShape) {
   EXPECT_EQ(modal_assurance_criterion(Eigen::Vector2d::Zero(), Eigen::Vector2d::Ones())(0, 0), 0.0);
 }
 
@@ -120,7 +120,7 @@ TEST(OptimalAssignment, DoesNotTakeTheHighestEntryFirst) {
   EXPECT_THAT(optimal_assignment(score), ::testing::ElementsAre(1, 0));
 }
 
-TEST(OptimalAssignment, OfNothingIsNothing) {
+TEST(OptimalAssignment, IsEmptyForNothing) {
   EXPECT_TRUE(optimal_assignment(Eigen::MatrixXd(0, 3)).empty());
 }
 

@@ -79,14 +79,14 @@ TEST(ShapeSensitivity, IsThatOfDifferencesInExtendedPrecision) {
 }
 
 // lambda = k / m, phi = m^(-1/2) at k = 8, m = 4: d lambda/dk = 1/4, d lambda/dm = -1/2, d phi/dm = -1/16.
-TEST(EigenvalueSensitivity, OfOneMassIsTheClosedForm) {
+TEST(EigenvalueSensitivity, HasTheClosedFormOfOneMass) {
   const ModeSet modes{Eigen::VectorXd::Constant(1, 2.0), Eigen::MatrixXd::Constant(1, 1, 0.5)};
   const Eigen::MatrixXd one = Eigen::MatrixXd::Ones(1, 1), zero = Eigen::MatrixXd::Zero(1, 1);
   EXPECT_DOUBLE_EQ(eigenvalue_sensitivity(modes, one, zero)(0), 0.25);
   EXPECT_DOUBLE_EQ(eigenvalue_sensitivity(modes, zero, one)(0), -0.5);
 }
 
-TEST(ShapeSensitivity, OfOneMassIsTheClosedForm) {
+TEST(ShapeSensitivity, HasTheClosedFormOfOneMass) {
   const ModeSet modes{Eigen::VectorXd::Constant(1, 2.0), Eigen::MatrixXd::Constant(1, 1, 0.5)};
   const Eigen::MatrixXd one = Eigen::MatrixXd::Ones(1, 1), zero = Eigen::MatrixXd::Zero(1, 1);
   EXPECT_DOUBLE_EQ(shape_sensitivity(modes, zero, one)(0, 0), -0.0625);
@@ -94,7 +94,7 @@ TEST(ShapeSensitivity, OfOneMassIsTheClosedForm) {
 }
 
 // K = [1, x; x, 3], M = I at x = 0: the shapes turn by x / (lambda_1 - lambda_2) = -x/2, eigenvalues stand still.
-TEST(ShapeSensitivity, OfACouplingIsTheRotationOfPerturbationTheory) {
+TEST(ShapeSensitivity, IsTheRotationOfPerturbationTheoryForACoupling) {
   const ModeSet modes{Eigen::Vector2d(1.0, 3.0), Eigen::Matrix2d::Identity()};
   const Eigen::Matrix2d dK = (Eigen::Matrix2d() << 0.0, 1.0, 1.0, 0.0).finished();
   const Eigen::Matrix2d expected = (Eigen::Matrix2d() << 0.0, 0.5, -0.5, 0.0).finished();
@@ -156,7 +156,7 @@ TEST(NelsonShapeSensitivity, IsThatOfDifferencesInExtendedPrecision) {
 }
 
 // K singular: the shape of the rigid body motion, by whose own component of largest magnitude the system is fixed.
-TEST(NelsonShapeSensitivity, OfARigidBodyModeIsThatOfTheExpansion) {
+TEST(NelsonShapeSensitivity, AgreesWithTheExpansionForARigidBodyMode) {
   const Eigen::MatrixXd stiffness{{1.0, -1.0, 0.0}, {-1.0, 3.0, -2.0}, {0.0, -2.0, 2.0}};
   const Eigen::MatrixXd mass = Eigen::Vector3d(1.0, 2.0, 3.0).asDiagonal();
   const Eigen::MatrixXd dM = Eigen::Vector3d(0.0, 1.0, 0.0).asDiagonal(), dK = Eigen::Matrix3d::Zero();
@@ -169,7 +169,7 @@ TEST(NelsonShapeSensitivity, OfARigidBodyModeIsThatOfTheExpansion) {
   EXPECT_LT((derivative + shape / 12.0).norm(), 1e-14);
 }
 
-TEST(NelsonShapeSensitivity, OfSeveralParametersIsThatOfEach) {
+TEST(NelsonShapeSensitivity, IsEachParametersOwn) {
   const Pencil pencil(6);
   const ModeSet modes = pencil.modes();
   const Eigen::VectorXd shape = modes.shapes.col(1);

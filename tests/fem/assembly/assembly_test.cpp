@@ -64,7 +64,7 @@ TEST(AutomaticConstraints, HoldTheRotationsOfSolidsAlone) {
   EXPECT_GT(values(6), 1e-3) << "six rigid motions and no more";
 }
 
-TEST(AutomaticConstraints, OffLeavesTheRotationsInPlace) {
+TEST(AutomaticConstraints, LeaveTheRotationsInPlaceWhenOff) {
   FiniteElementModel model = one_brick().model;
   model.settings.automatic_constraints = AutomaticConstraints::none;
   const AssembledModel assembled = assemble(model, {});
@@ -73,7 +73,7 @@ TEST(AutomaticConstraints, OffLeavesTheRotationsInPlace) {
 }
 
 // A rod's points have mass across it, which is a mode of 0 Hz and stays; their rotations have none.
-TEST(AutomaticConstraints, OfNullEquationsLeaveThoseWithMassOrStiffness) {
+TEST(AutomaticConstraints, LeaveEquationsWithMassOrStiffness) {
   test::ModelMaker maker = rods({{0, 0, 0}, {1, 0, 0}}, {{0, 1}});
   maker.node(3, {9, 9, 9});
   maker.model.settings.automatic_constraints = AutomaticConstraints::null;
@@ -83,7 +83,7 @@ TEST(AutomaticConstraints, OfNullEquationsLeaveThoseWithMassOrStiffness) {
 }
 
 // A spring of K = 0 that a parameter sets: its equation is null on the card alone.
-TEST(AutomaticConstraints, OfNullEquationsLeaveWhatAParameterMayStiffen) {
+TEST(AutomaticConstraints, LeaveWhatAParameterMayStiffen) {
   test::ModelMaker maker;
   maker.scalar_point(1);
   maker.scalar_point(2);

@@ -175,7 +175,7 @@ TEST(Interpolations, HandOnAForceAndAMomentUnchanged) {
 
 // Corners (+-1, +-2, 0) about the reference with equal weights: w is their mean, and the rotation about x by least
 // squares is the sum of y w / the sum of y^2 = (+-2 w) / 16.
-TEST(Interpolations, OfARectangleAreMeanAndSlope) {
+TEST(Interpolations, AreMeanAndSlopeOfARectangle) {
   test::ModelMaker maker;
   maker.model.settings.automatic_constraints = AutomaticConstraints::none;
   Interpolation element{.id = 1, .reference = 4, .reference_components = 0x0c};

@@ -29,7 +29,7 @@ Modes solve(const FiniteElementModel& model, Eigen::Index count) {
 
 // Ground - k1 - m1 - k2 - m2 with k = 1, m = 1: lambda = (3 -+ sqrt 5) / 2, phi2 / phi1 = (1 +- sqrt 5) / 2, so that
 // the first spring has phi1^2 / (phi1^2 + (phi2 - phi1)^2) of the strain energy.
-TEST(FieldEnergies, OfTwoSpringsAreThoseOfTheirElongations) {
+TEST(FieldEnergies, FollowTheElongationsOfTwoSprings) {
   test::ModelMaker maker;
   maker.scalar_point(1);
   maker.scalar_point(2);
@@ -103,7 +103,7 @@ TEST(FieldEnergies, DerivativesAreThoseOfFrequenciesSolvedAnew) {
   }
 }
 
-TEST(FieldEnergies, OfAWholeModelEqualItsEigenvalues) {
+TEST(FieldEnergies, SumToTheEigenvaluesForAWholeModel) {
   const FiniteElementModel model = stiffened_plate().model;
   const Modes modes = solve(model, 6);
   const FieldEnergies energies = field_energies(model, modes.displacements);

@@ -19,7 +19,7 @@ Matrix3d of_point(double mass, const Vector3d& r) {
 }
 
 // Two masses a and b at distance d: inertia about the common centre is the reduced mass a b / (a + b) times d^2.
-TEST(MassProperties, OfTwoPointMassesAreThoseOfTheReducedMass) {
+TEST(MassProperties, AreTheReducedMassForTwoPointMasses) {
   test::ModelMaker maker;
   const Vector3d first(1, 2, 3), second(4, -2, 3.5);
   maker.point_mass(1, maker.node(1, first), 2.0);
@@ -42,7 +42,7 @@ test::ModelMaker offset_mass(const Matrix3d& axes) {
 }
 
 // The products on the card are the integrals of x y: the tensor has them with a minus sign.
-TEST(MassProperties, OfAnOffsetMassKeepItsOwnInertia) {
+TEST(MassProperties, KeepTheOwnInertiaOfAnOffsetMass) {
   const Matrix3d axes = Eigen::AngleAxisd(0.8, Vector3d(1, -1, 2).normalized()).toRotationMatrix();
   const MassProperties properties = mass_properties(offset_mass(axes).model);
   const Matrix3d own{{2.0, -0.3, 0.2}, {-0.3, 3.0, -0.1}, {0.2, -0.1, 4.0}};
@@ -76,7 +76,7 @@ TEST(MassProperties, AreInTheUnitsOfTheDeckWhateverWtmass) {
 
 // CONM1 with M11 = M22 = M33 = m and M51 = m a, M42 = -m a is a mass at (0, 0, a): u = u0 + a theta_y, v = v0 - a
 // theta_x.
-TEST(MassProperties, OfAWholeMatrixAreThoseOfTheMassThatItDescribes) {
+TEST(MassProperties, AreTheDescribedMassForAWholeMatrix) {
   test::ModelMaker maker;
   PointMassElement mass{.card = "CONM1", .id = 1, .node = maker.node(1, {1, 0, 0})};
   mass.axes = Eigen::AngleAxisd(std::acos(-1.0) / 2, Vector3d::UnitX()).toRotationMatrix();  // z points along -y
@@ -96,7 +96,7 @@ TEST(MassProperties, OfAWholeMatrixAreThoseOfTheMassThatItDescribes) {
 
 // 5 along x at y = 2 and 3 along z at y = 4: each direction has its mass, and the centre is where the moments of both
 // together say, y = (5 * 2 + 3 * 4) / 8.
-TEST(MassProperties, OfMassesInOneDirectionAreByDirection) {
+TEST(MassProperties, StandByDirectionForMassesInOneDirection) {
   test::ModelMaker maker;
   maker.mass(1, maker.node(1, {0, 2, 0}), 0, 5.0);
   maker.mass(2, maker.node(2, {0, 4, 0}), 2, 3.0);
@@ -108,7 +108,7 @@ TEST(MassProperties, OfMassesInOneDirectionAreByDirection) {
 }
 
 // A scalar mass acts along its component of the displacement system: here radially, at 45 degrees between x and y.
-TEST(MassProperties, OfAScalarMassFollowItsDisplacementSystem) {
+TEST(MassProperties, FollowTheDisplacementSystemOfAScalarMass) {
   test::ModelMaker maker;
   maker.model.coordinate_systems.push_back({.id = 1, .kind = CoordinateSystem::Kind::cylindrical});
   maker.mass(1, maker.node(1, {1, 1, 0}, 0), 0, 4.0);
@@ -128,7 +128,7 @@ TEST(MassProperties, DoNotDependOnDisplacementSystems) {
 }
 
 // A brick of 1 x 2 x 3 and density 2 in one element: lumped at its corners it weighs 12, with corner masses' inertia.
-TEST(MassProperties, OfABrickAreThoseOfItsCorners) {
+TEST(MassProperties, AreTheCornersForABrick) {
   test::ModelMaker maker;
   maker.material(1, 1.0, 0.3, 2.0);
   for (int k = 0; k < 8; ++k) {
@@ -143,7 +143,7 @@ TEST(MassProperties, OfABrickAreThoseOfItsCorners) {
   EXPECT_LT((properties.inertia - Matrix3d(expected.asDiagonal())).norm(), 1e-12);
 }
 
-TEST(MassProperties, OfAModelWithoutMassAreZero) {
+TEST(MassProperties, AreZeroWithoutMass) {
   test::ModelMaker maker;
   maker.node(1, {1, 2, 3});
   const MassProperties properties = mass_properties(maker.model);

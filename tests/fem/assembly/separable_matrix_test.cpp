@@ -163,14 +163,14 @@ int sound_claims(const SparseMatrix& constant, const std::vector<SparseMatrix>& 
   return count;
 }
 
-TEST(SeparableMatrix, OfManyParametersAtOnceIsThatOfANewAssembly) {
+TEST(SeparableMatrix, EqualsANewAssemblyForManyParametersAtOnce) {
   const FiniteElementModel model = mixed_model();
   const std::vector<FieldParameter> parameters = many_parameters(model);
   EXPECT_LT(error_of_terms(model, parameters), k_rounding);
 }
 
 // One factor on E, T and RHO of the same shell: K has powers up to four.
-TEST(SeparableMatrix, OfOneFactorOnSeveralNumbersOfAnElementIsThatOfANewAssembly) {
+TEST(SeparableMatrix, EqualsANewAssemblyForOneFactorOnSeveralNumbersOfAnElement) {
   const FiniteElementModel model = mixed_model();
   const std::vector<FieldParameter> parameters{
       parameter(model, {{"MAT1", 2, "E"}, {"PSHELL", 3, "T"}, {"PBAR", 4, "I1"}, {"MAT1", 2, "RHO"}}, true)};

@@ -76,7 +76,7 @@ TEST(BeamFrequencies, ConvergeWithTheFourthPowerOrLumpedWithTheSecond) {
 }
 
 // (2 n - 1) pi / 2 for a rod clamped at one end, along and about its axis.
-TEST(BeamFrequencies, OfTheRodConvergeWithTheFourthPowerOrLumpedWithTheSecond) {
+TEST(BeamFrequencies, ConvergeForARodWithTheFourthPowerOrLumpedWithTheSecond) {
   EXPECT_NEAR(order(1.5 * k_pi, 0x01, MassKind::consistent, false), 4.0, 0.1);
   EXPECT_NEAR(order(1.5 * k_pi, 0x08, MassKind::consistent, true), 4.0, 0.1);
   EXPECT_NEAR(order(1.5 * k_pi, 0x08, MassKind::lumped, true), 2.0, 0.1);

@@ -110,14 +110,14 @@ TEST(BeamSection, HasTheAreaAndInertiasOfItsOutline) {
   }
 }
 
-TEST(BeamSection, OfASymmetricOutlineHasNoProductOfInertiaAtAll) {
+TEST(BeamSection, HasNoProductOfInertiaForASymmetricOutline) {
   for (const Drawn& drawn : drawn_sections()) {
     if (drawn.name == "L") continue;
     EXPECT_EQ(numbers_of(drawn.name, drawn.dimensions).inertia_12, 0.0) << drawn.name;
   }
 }
 
-TEST(BeamSection, OfRoundBarsHasTheClosedForms) {
+TEST(BeamSection, HasTheClosedFormsOfRoundBars) {
   const BeamSection rod = numbers_of("ROD", {2.0}), tube = numbers_of("TUBE", {2.0, 1.5});
   EXPECT_DOUBLE_EQ(rod.area, 4.0 * k_pi);
   EXPECT_DOUBLE_EQ(rod.inertia_1, 4.0 * k_pi);
@@ -136,7 +136,7 @@ double rectangle_torsion(double a, double b) {
   return a * b * b * b / 3.0 * (1.0 - 192.0 * b / (std::pow(k_pi, 5) * a) * sum);
 }
 
-TEST(BeamSection, OfARectangleHasItsTorsionConstantWithinHalfAPercent) {
+TEST(BeamSection, HasTheTorsionConstantOfARectangleWithinHalfAPercent) {
   for (const double ratio : {1.0, 1.5, 2.0, 4.0, 20.0}) {
     const double exact = rectangle_torsion(3.0 * ratio, 3.0);
     EXPECT_NEAR(numbers_of("BAR", {3.0, 3.0 * ratio}).torsion, exact, 0.005 * exact) << ratio;  // as documented
@@ -145,12 +145,12 @@ TEST(BeamSection, OfARectangleHasItsTorsionConstantWithinHalfAPercent) {
 }
 
 // Bredt by hand: enclosed 5.5 x 7, 2 * 5.5 / 1 + 2 * 7 / 0.5 = 39.
-TEST(BeamSection, OfABoxTwistsByBredt) {
+TEST(BeamSection, TwistsByBredtAsABox) {
   EXPECT_DOUBLE_EQ(numbers_of("BOX", {6, 8, 1, 0.5}).torsion, 4.0 * 38.5 * 38.5 / 39.0);
 }
 
 // By hand, along the centre lines: two flanges of 4.75 x 1, a web of 8 x 0.5; and so on.
-TEST(BeamSection, OfAnOpenOutlineTwistsByItsStrips) {
+TEST(BeamSection, TwistsByItsStripsAsAnOpenOutline) {
   EXPECT_DOUBLE_EQ(numbers_of("CHAN", {5, 9, 0.5, 1}).torsion, (2.0 * 4.75 + 8.0 * 0.125) / 3.0);
   EXPECT_DOUBLE_EQ(numbers_of("I", {10, 6, 4, 1, 1.5, 0.5}).torsion, (6.0 * 3.375 + 4.0 * 0.125 + 9.0) / 3.0);
   EXPECT_DOUBLE_EQ(numbers_of("T", {5, 7, 1, 0.5}).torsion, (5.0 + 6.5 * 0.125) / 3.0);
@@ -174,7 +174,7 @@ TEST(BeamSection, KnowsTheNumberOfDimensionsOfEachName) {
   EXPECT_EQ(beam_section_dimensions("STAR"), 0);
 }
 
-TEST(BeamSection, OfAnUnknownNameIsRefusedWithTheKnownOnes) {
+TEST(BeamSection, RefusesAnUnknownNameWithTheKnownOnes) {
   try {
     numbers_of("STAR", {1.0});
     FAIL();

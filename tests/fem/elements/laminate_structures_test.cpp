@@ -65,7 +65,7 @@ TEST(Laminate, PassesThePatchTestWithCouplingOfAllKinds) {
   }
 }
 
-TEST(Laminate, OfOneIsotropicPlyIsTheShellOfThatMaterial) {
+TEST(Laminate, IsTheShellOfItsMaterialWithOneIsotropicPly) {
   const test::ShellMaterial material = {.young = 70.0, .poisson = 0.3, .thickness = 0.05};
   const LaminatePly only{.elasticity = orthotropic_plane_stress(70.0, 70.0, 0.3, material.shear()),
                          .shear_flexibility = Eigen::Matrix2d::Identity() / material.shear(),

@@ -47,7 +47,7 @@ TEST(Laminate, HasThePublishedStiffnessOfThreePlies) {
   EXPECT_LT(relative_error(section.bending, D), 1e-3);
 }
 
-TEST(Laminate, OfIsotropicPliesIsThePlate) {
+TEST(Laminate, IsThePlateWithIsotropicPlies) {
   const double t = 0.4, plate = 70.0 * t * t * t / (12.0 * 0.91);
   const std::vector<LaminatePly> plies = {metal(0.1, 0.3), metal(0.25, 1.2), metal(0.05)};
   const ShellSection section = laminate_section(plies, -0.5 * t);
@@ -78,7 +78,7 @@ TEST(Laminate, ThatIsSymmetricHasNoCoupling) {
 
 // Soft core between faces that are rigid in shear: the core's stress is E t d / 2 over the bending stiffness
 // E (t d^2 / 2 + t^3 / 6) of both faces, d from the middle of one to that of the other, and constant.
-TEST(Laminate, OfASandwichShearsInItsCore) {
+TEST(Laminate, ShearsInTheCoreOfASandwich) {
   const double t = 0.1, core = 2.0, d = t + core, modulus = 3.0;
   LaminatePly face{.elasticity = orthotropic_plane_stress(70.0, 40.0, 0.1, 5.0), .thickness = t};
   LaminatePly soft{.elasticity = 1e-12 * Eigen::Matrix3d::Identity(),

@@ -30,7 +30,7 @@ Motion linear(const PanelNodes& nodes, double u_x, double u_y, double v_x, doubl
 }
 
 // Area 3 x 2, shear 0.1: twice the energy G t gamma^2 area.
-TEST(ShearPanel, OfARectangleResistsShearAlone) {
+TEST(ShearPanel, ResistsShearAloneAsARectangle) {
   const PanelNodes nodes = quadrilateral(0, 0, 3, 0, 3, 2, 0, 2);
   const PanelMatrix K = shear_panel_stiffness(nodes, 0.3);
   const Motion sheared = linear(nodes, 0.0, 0.06, 0.04, 0.0);
@@ -40,7 +40,7 @@ TEST(ShearPanel, OfARectangleResistsShearAlone) {
 
 // Edges along x and at 60 degrees. The motion of constant strain whose stress is that of the panel, sigma_xx = 2 tau
 // cot(theta), sigma_yy = 0: twice the energy is tau^2 area (1 + 2 cot^2 / (1 + nu)) at G t = 1.
-TEST(ShearPanel, OfAParallelogramHasTheClosedForm) {
+TEST(ShearPanel, HasTheClosedFormOfAParallelogram) {
   const double cotangent = 1.0 / std::sqrt(3.0), nu = 0.25, young = 2.0 * (1.0 + nu);
   const PanelNodes nodes = quadrilateral(0, 0, 3, 0, 3 + 2 * cotangent, 2, 2 * cotangent, 2);
   const PanelMatrix K = shear_panel_stiffness(nodes, nu);
@@ -53,7 +53,7 @@ TEST(ShearPanel, OfAParallelogramHasTheClosedForm) {
 // the edges on a symmetric trapezoid: along the parallel sides F and -F b/a... found from equilibrium of moments about
 // the point where the slanting sides meet: q a^2 = q' b^2, as each side's distance from it is in proportion to its
 // length.
-TEST(ShearPanel, OfATrapezoidHasFlowsThatFallWithTheSquareOfTheLength) {
+TEST(ShearPanel, HasFlowsThatFallWithTheSquareOfTheLengthInATrapezoid) {
   const PanelNodes nodes = quadrilateral(-3, 0, 3, 0, 1, 2, -1, 2);
   const PanelMatrix K = shear_panel_stiffness(nodes, 0.3);
   // The only state of forces is a column of K; those of an edge are equal at both ends.

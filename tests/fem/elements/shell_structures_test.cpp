@@ -82,7 +82,7 @@ TEST(ShellPlate, RigidInShearDeflectsAsKirchhoffHoweverThick) {
 
 // A triangle's unit matrices are made for one thickness; they must serve others nearby. 3e-3: as documented, twice the
 // error of a frequency.
-TEST(ShellPlate, OfTrianglesServesThicknessesNearTheOneItWasMadeFor) {
+TEST(ShellPlate, ServesThicknessesNearItsOwnForTriangles) {
   const ShellMesh mesh = quarter_plate(4, 3, false);
   for (const double thickness : {0.09, 0.11}) {
     const double own = middle_deflection(mesh, {.thickness = thickness});

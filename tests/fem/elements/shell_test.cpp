@@ -128,7 +128,7 @@ TEST(Shell, DoesNotDependOnTheNodeCountedFirst) {
 
 // A strip of one cell, clamped but for the rotation of one end: 4 E I / L, which linear rotations alone would exceed by
 // (L / t)^2. nu = 0; t / L = 0.01, so that shear takes away 3 (E I / L^2) / (5/6 G t) = 6e-4 of it.
-TEST(Shell, OfOneCellBendsAsAStrip) {
+TEST(Shell, BendsAsAStripWithOneCell) {
   const ShellMaterial material = {.young = 12.0, .poisson = 0.0, .thickness = 0.01};
   const ShellMesh mesh = test::grid(1, 1, 4, [](double u, double v) { return Eigen::Vector3d(u, 0.5 * v, 0.0); });
   const Eigen::MatrixXd K = test::stiffness(mesh, material);
@@ -138,7 +138,7 @@ TEST(Shell, OfOneCellBendsAsAStrip) {
   EXPECT_NEAR(turned.dot(K * turned) / flexural, 4.0, 4e-3);
 }
 
-TEST(Shell, WithAnOffsetIsTheShellBehindRigidLinks) {
+TEST(Shell, StandsBehindRigidLinksWithAnOffset) {
   for (const int nodes : {3, 4}) {
     const ShellInput input = element(nodes, 0.0, 0.25);
     ShellInput moved = input;
@@ -211,7 +211,7 @@ TEST(ShellMass, IsTheAreaInEachDirectionAtTheOffset) {
 }
 
 // By hand: a rectangle of 3 by 2, a quarter of it at each corner; consistent 1/9 and 1/36 along a diagonal.
-TEST(ShellMass, OfARectangleIsAsByHand) {
+TEST(ShellMass, AgreesWithHandCalculationForARectangle) {
   ShellInput input;
   input.nodes << 0, 3, 3, 0, 0, 0, 2, 2, 0, 0, 0, 0;
   EXPECT_DOUBLE_EQ(shell_area(input), 6.0);
@@ -222,7 +222,7 @@ TEST(ShellMass, OfARectangleIsAsByHand) {
   EXPECT_EQ(shell_mass(input, MassKind::consistent)(3, 3), 0.0);
 }
 
-TEST(ShellQuality, OfASquareIsIdeal) {
+TEST(ShellQuality, IsIdealForASquare) {
   ShellInput input;
   input.nodes << 0, 2, 2, 0, 0, 0, 2, 2, 1, 1, 1, 1;
   const ShellQuality quality = shell_quality(input);
@@ -233,7 +233,7 @@ TEST(ShellQuality, OfASquareIsIdeal) {
 }
 
 // By hand: a parallelogram of 45 degrees; a trapezium with parallel sides 2 and 1; a square with corners up and down.
-TEST(ShellQuality, OfDistortedElementsIsAsByHand) {
+TEST(ShellQuality, AgreesWithHandCalculationForDistortedElements) {
   ShellInput input;
   input.nodes << 0, 2, 3, 1, 0, 0, 1, 1, 0, 0, 0, 0;
   EXPECT_NEAR(shell_quality(input).skew, 45.0, 1e-12);

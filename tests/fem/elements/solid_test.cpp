@@ -544,7 +544,7 @@ TEST_P(Solid, RefusesAPositionThatIsNotANumber) {
 // ------------------------------------------------------------------------------------------- volumes and qualities
 
 // Corners of the section at height t are linear in t, so its area is |1 - t + t e^(i angle)|^2: 2/3 + cos(angle)/3.
-TEST(SolidVolume, OfATwistedHexahedronFollowsItsRuledFaces) {
+TEST(SolidVolume, FollowsTheRuledFacesOfATwistedHexahedron) {
   const Mesh unit = box(SolidShape::hexahedron8, {1, 1, 1}, Vector3d::Ones());
   Matrix3Xd nodes = unit.of(unit.elements.front()).colwise() - Vector3d(0.5, 0.5, 0.0);
   nodes.rightCols(4) = Eigen::AngleAxisd(0.6, Vector3d::UnitZ()).toRotationMatrix() * nodes.rightCols(4).eval();
@@ -552,14 +552,14 @@ TEST(SolidVolume, OfATwistedHexahedronFollowsItsRuledFaces) {
 }
 
 // Frustum: height / 3 times the areas below, above and their geometric mean: 1/3 (1/2 + 1/8 + 1/4).
-TEST(SolidVolume, OfATaperedWedgeIsThatOfTheFrustum) {
+TEST(SolidVolume, IsTheFrustumsForATaperedWedge) {
   Matrix3Xd nodes(3, 6);
   nodes << 0, 1, 0, 0, 0.5, 0, 0, 0, 1, 0, 0, 0.5, 0, 0, 0, 1, 1, 1;
   EXPECT_NEAR(solid_volume(SolidShape::wedge6, nodes), 0.875 / 3.0, 1e-14);
 }
 
 // The middle of edge 2-3 moved by d along x gives x = xi + 4 d xi eta: determinant 1 + 4 d eta, volume (1 + d) / 6.
-TEST(SolidVolume, OfACurvedTetrahedronCountsItsBulge) {
+TEST(SolidVolume, CountsTheBulgeOfACurvedTetrahedron) {
   Mesh mesh{.shape = SolidShape::tetrahedron10, .nodes = Matrix3Xd(3, 4), .elements = {{0, 1, 2, 3}}};
   mesh.nodes << 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1;
   make_quadratic(mesh);

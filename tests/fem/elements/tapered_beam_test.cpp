@@ -37,7 +37,7 @@ std::vector<BeamSectionAt> taper(double ratio) {
   return {{0.0, k_section}, {1.0, end}};
 }
 
-TEST(TaperedBeam, OfConstantSectionIsThePrismaticOne) {
+TEST(TaperedBeam, IsThePrismaticBeamWithAConstantSection) {
   const BeamGeometry geometry = slanted();
   const std::vector<BeamPiece> tapered = tapered_beam_stiffness(geometry, taper(1.0), 2.6);
   const std::vector<BeamPiece> pieces = beam_stiffness(geometry, k_section, 2.6);

@@ -21,7 +21,7 @@ NastranModel read_deck(const std::string& name, const NastranOptions& options = 
   return read_nastran_model(std::string(MOTTLE_SOURCE_DIR "/tests/formats/nastran/") + name, options);
 }
 
-TEST(NastranDecks, OfSolidsInEveryFieldFormat) {
+TEST(NastranDecks, ReadSolidsInEveryFieldFormat) {
   const NastranModel read = read_deck("solids.bdf");
   EXPECT_EQ(read.element_counts, (Counts{{"CHEXA", 1}, {"CPENTA", 1}, {"CROD", 1}, {"CTETRA", 1}}));
   ASSERT_EQ(read.model.nodes.size(), 9U);
@@ -35,7 +35,7 @@ TEST(NastranDecks, OfSolidsInEveryFieldFormat) {
   EXPECT_THAT(read.notes, IsEmpty());
 }
 
-TEST(NastranDecks, OfShellsInACylindricalSystem) {
+TEST(NastranDecks, ReadShellsInACylindricalSystem) {
   const NastranModel read = read_deck("shells.bdf");
   EXPECT_EQ(read.element_counts,
             (Counts{{"CBAR", 2}, {"CBEAM", 1}, {"CONM2", 1}, {"CONROD", 1}, {"CQUAD4", 1}, {"CTRIA3", 2}}));
@@ -47,7 +47,7 @@ TEST(NastranDecks, OfShellsInACylindricalSystem) {
   EXPECT_THAT(read_deck("shells.bdf", {.subcase = 2}).model.fixed, SizeIs(2));
 }
 
-TEST(NastranDecks, OfSpringsAndRigidLinks) {
+TEST(NastranDecks, ReadSpringsAndRigidLinks) {
   const NastranModel read = read_deck("springs.bdf");
   EXPECT_THAT(read.model.nodes, SizeIs(9));
   EXPECT_THAT(read.model.elements<ScalarElement>(), SizeIs(9));
@@ -57,7 +57,7 @@ TEST(NastranDecks, OfSpringsAndRigidLinks) {
   EXPECT_THAT(read.notes, ElementsAre(HasSubstr("the only SPC set, 1, was taken"), HasSubstr("the only MPC set, 1")));
 }
 
-TEST(NastranDecks, OfSeveralFiles) {
+TEST(NastranDecks, ReadSeveralFiles) {
   const NastranModel read = read_deck("include_main.bdf");
   EXPECT_THAT(read.files, SizeIs(4));
   EXPECT_THAT(read.model.nodes, SizeIs(2));

@@ -152,7 +152,7 @@ TEST(NastranShells, MayHaveMiddleNodes) {
   EXPECT_EQ(shells[2].node_count, 4) << "as a CQUAD4";
 }
 
-TEST(NastranShells, OfTheRKindAreReadAsTheOthersWithANote) {
+TEST(NastranShells, ReadTheRKindAsTheOthersWithANote) {
   const NastranModel read = model_of(k_cube + "PSHELL,3,1,.002\nCQUADR,1,3,1,2,3,4,,.01\nCTRIAR,2,3,1,2,3\n");
   EXPECT_EQ(read.model.elements<ShellElement>().at(0).offset, 0.01);
   EXPECT_STREQ(read.model.elements<ShellElement>()[1].card, "CTRIAR");

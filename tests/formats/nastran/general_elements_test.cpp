@@ -38,11 +38,11 @@ double difference(const std::string& deck) {
   return (stiffness_of(k_points + deck) - bar).cwiseAbs().maxCoeff() / bar.maxCoeff();
 }
 
-TEST(NastranGeneralElement, OfTheFlexibilityOfACantileverIsTheBar) {
+TEST(NastranGeneralElement, EqualsTheBarByTheFlexibilityOfACantilever) {
   EXPECT_LT(difference(k_free_end + k_clamped_end + k_flexibility + k_rigid_motion), 1e-14);
 }
 
-TEST(NastranGeneralElement, OfTheStiffnessOfACantileverIsTheBar) {
+TEST(NastranGeneralElement, EqualsTheBarByTheStiffnessOfACantilever) {
   EXPECT_LT(difference(k_free_end + k_clamped_end + k_stiffness + k_rigid_motion), 1e-14);
 }
 

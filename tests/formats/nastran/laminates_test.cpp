@@ -28,7 +28,7 @@ const ShellProperty& only_property(const FiniteElementModel& model) {
   return model.shell_properties.at(0);
 }
 
-TEST(NastranMaterial, OfAPlyHasItsModuli) {
+TEST(NastranMaterial, HasTheModuliOfAPly) {
   const FiniteElementModel model = cube_with("");
   const Material& material = model.materials.at(1);
   EXPECT_EQ(material.kind, Material::Kind::orthotropic_shell);
@@ -82,7 +82,7 @@ TEST(NastranLaminate, MayNumberItsPlies) {
   EXPECT_EQ(value_of(model, "PCOMPG:5:THETA1"), 10.0);
 }
 
-TEST(NastranLaminate, OfLamSymHasTheOtherHalfToo) {
+TEST(NastranLaminate, HasBothHalvesUnderLamSym) {
   const FiniteElementModel model = cube_with("PCOMP,5,,,,,,,SYM\n,2,.001,10.,,2,.002,20.\n");
   std::vector<std::string> plies;
   for (const ShellPly& ply : only_property(model).laminate.plies) plies.push_back(field_name(model, ply.thickness));

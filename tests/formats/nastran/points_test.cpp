@@ -101,7 +101,7 @@ TEST(NastranPoints, AreReadOnceWhereTheyRepeat) {
 // x axis of the system along basic y, y along basic z, z along basic x; origin (1, 2, 3).
 const std::string k_turned = ",,1.,2.,3.,2.,2.,3.\n,1.,5.,3.\n";
 
-TEST(NastranCoordinates, OfARectangularSystem) {
+TEST(NastranCoordinates, FollowARectangularSystem) {
   const FiniteElementModel model = model_of("GRID,1,5,10.,20.,30.\nCORD2R,5" + k_turned).model;
   EXPECT_EQ(node(model, 1).position, Eigen::Vector3d(31, 12, 23));
   Eigen::Matrix3d axes;
@@ -110,13 +110,13 @@ TEST(NastranCoordinates, OfARectangularSystem) {
   EXPECT_EQ(model.coordinate_systems[0].id, 5);
 }
 
-TEST(NastranCoordinates, OfACylindricalSystem) {
+TEST(NastranCoordinates, FollowACylindricalSystem) {
   // radius 2 at 90 degrees is local y = basic z
   EXPECT_LT((position_of("GRID,1,5,2.,90.,30.\nCORD2C,5" + k_turned, 1) - Eigen::Vector3d(31, 2, 5)).norm(),
             10 * k_rounding);
 }
 
-TEST(NastranCoordinates, OfASphericalSystem) {
+TEST(NastranCoordinates, FollowASphericalSystem) {
   // radius 2, 90 degrees off the z axis, 90 degrees around it: local y again
   EXPECT_LT((position_of("GRID,1,5,2.,90.,90.\nCORD2S,5" + k_turned, 1) - Eigen::Vector3d(1, 2, 5)).norm(),
             10 * k_rounding);
@@ -142,7 +142,7 @@ TEST(NastranCoordinates, ByGridPointsInAnotherSystem) {
   EXPECT_EQ(position_of(deck, 4), Eigen::Vector3d(31, 12, 23));
 }
 
-TEST(NastranCoordinates, OfALongChainDoNotExhaustTheStack) {
+TEST(NastranCoordinates, DoNotExhaustTheStackInALongChain) {
   std::string deck = "GRID,1,100000\n";
   for (int id = 100000; id > 0; --id) {
     deck += "CORD2R," + std::to_string(id) + ',' + std::to_string(id - 1) + ",0.,0.,1.,0.,0.,2.\n,1.,0.,1.\n";
@@ -172,13 +172,13 @@ TEST(NastranConstraints, MayNameRangesWithGaps) {
   EXPECT_EQ(fixed_by(k_case, "SPC1,2,,9\n"), (Fixed{{3, 0x01}}));
 }
 
-TEST(NastranConstraints, OfTheOnlySetHoldWithoutCaseControl) {
+TEST(NastranConstraints, HoldWithoutCaseControlWhereThereIsOneSet) {
   const NastranModel read = model_of("GRID,1\nSPCADD,2,1\nSPC1,1,123,1\n");
   EXPECT_THAT(read.model.fixed, ElementsAre(std::pair<int, Components>(0, 0x07)));
   EXPECT_THAT(read.notes, ElementsAre("no case control section: the only SPC set, 2, was taken"));
 }
 
-TEST(NastranConstraints, OfSeveralSetsNeedCaseControl) {
+TEST(NastranConstraints, NeedCaseControlWhereThereAreSeveralSets) {
   EXPECT_THAT(test::refusal_of("GRID,1\nSPC1,2,123,1\nSPC1,1,123,1\n"),
               HasSubstr("deck.bdf: holds 2 SPC sets and no case control section"));
 }
@@ -254,7 +254,7 @@ TEST(NastranSettings, AreReadFromParameters) {
   EXPECT_EQ(settings.reference_node, 1);
 }
 
-TEST(NastranSettings, OfTheCaseControlSectionWin) {
+TEST(NastranSettings, TakeTheCaseControlSectionFirst) {
   const std::string deck =
       "CEND\nPARAM,COUPMASS,-1\nSUBCASE 1\nPARAM,K6ROT,5.\nSUBCASE 2\nPARAM,K6ROT,6.\nBEGIN BULK\n"
       "PARAM,COUPMASS,1\nGRID,1\n";

@@ -197,7 +197,7 @@ TEST(NastranRefusal, NamesTheCommandOfTheCaseControlSection) {
               ::testing::ElementsAre("K2GG = KX was left out, as model.ignore_cards asks"));
 }
 
-TEST(NastranRefusal, OfModesAboutAPreload) {
+TEST(NastranRefusal, RefusesModesAboutAPreload) {
   const std::string bulk = "BEGIN BULK\nGRID,1\n";
   const std::string deck = "CEND\nSUBCASE 1\nLOAD=3\nSUBCASE 2\nMETHOD=1\nSTATSUB = 1\n" + bulk + "EIGRL,1,,,1\n";
   EXPECT_THAT(test::refusal_of(deck), StartsWith("deck.bdf:6: STATSUB = 1: modes of a preloaded structure"));
@@ -206,7 +206,7 @@ TEST(NastranRefusal, OfModesAboutAPreload) {
               StartsWith("deck.bdf: SOL 13: modes of a preloaded structure"));
 }
 
-TEST(NastranRefusal, OfSuperelements) {
+TEST(NastranRefusal, RefusesSuperelements) {
   for (const std::string card : {"SESET", "SECONCT", "SEQSET1", "CSUPER", "RELEASE"}) {
     EXPECT_EQ(test::refusal_of(test::k_cube + "CWELD,1\n" + card + ",3,4\n"),
               "deck.bdf:11: " + card + " 3: superelements are not supported; write the whole structure as one model");
@@ -223,7 +223,7 @@ TEST(NastranRefusal, IsNotOfAnInertiaThatIsZeroAboutOneAxis) {
   EXPECT_EQ(test::model_of(test::k_cube + rod).model.elements<PointMassElement>().size(), 1U);
 }
 
-TEST(NastranRefusal, OfADeckWithoutPoints) {
+TEST(NastranRefusal, RefusesADeckWithoutPoints) {
   EXPECT_EQ(test::refusal_of("MAT1,1,1.\n"), "deck.bdf: holds no GRID card; a model needs grid points");
 }
 
@@ -235,7 +235,7 @@ TEST(NastranRefusal, NamesTheIncludedFile) {
 }
 
 // Ranges that name millions of points again and again end in a refusal, not in hours of work.
-TEST(NastranRefusal, OfRangesWithoutEnd) {
+TEST(NastranRefusal, RefusesRangesWithoutEnd) {
   std::string deck = "SPOINT,1,THRU,1000000\n";
   for (int i = 0; i < 1000; ++i) deck += "SPC1,1,,1,THRU,1000000\n";
   EXPECT_THAT(test::refusal_of(deck), HasSubstr("THRU ranges name more than"));

@@ -40,7 +40,7 @@ TEST(NastranRefusal, IsNotOfPropertiesAndMaterialsThatNoElementNeeds) {
 }
 
 // A missing point may be one that a card which is not read would make: what is not read is told first.
-TEST(NastranRefusal, OfWhatIsNotReadComesBeforeWhatFollowsFromIt) {
+TEST(NastranRefusal, NamesWhatIsNotReadBeforeWhatFollowsFromIt) {
   EXPECT_THAT(test::refusal_of(test::k_cube + "GRIDB,90\nCELAS2,1,5.,90,1\n"), StartsWith("deck.bdf:10: GRIDB 90:"));
 }
 

@@ -44,7 +44,7 @@ UffShape shape_of(bool is_complex, int components, int digits) {
 
 class UffShapes : public ::testing::TestWithParam<int> {};
 
-TEST_P(UffShapes, OfSixDigitsComeBackBitByBit) {
+TEST_P(UffShapes, ComeBackBitByBitFromSixDigits) {
   UffFile file;
   for (const bool is_complex : {false, true}) {
     for (const int components : {3, 6}) file.shapes.push_back(shape_of(is_complex, components, 6));

@@ -8,7 +8,7 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-TEST(Products, SmallTransposedProductsAreThoseOfEigenAndOfEachColumnAlone) {
+TEST(Products, AgreeWithEigenAndWithEachColumnAloneWhenSmallAndTransposed) {
   const MatrixXd a = MatrixXd::Random(83, 15), b = MatrixXd::Random(83, 11);
   const VectorRows found = transposed_product_by_rows(a, to_rows(b));
   EXPECT_LT((found.leftCols(11) - a.transpose() * b).cwiseAbs().maxCoeff(), 1e-13);

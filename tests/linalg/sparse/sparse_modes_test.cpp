@@ -288,7 +288,7 @@ TEST(SparseModes, WiderRootsThanTheBlockAreFoundAmongOthers) {
   EXPECT_TRUE(found.is_complete());
 }
 
-TEST(SparseModes, OfOneEquation) {
+TEST(SparseModes, SolveOneEquation) {
   SparseModeSolver solver;
   const SparseModes found = solver.solve(identity(1) * 8.0, identity(1) * 2.0, {.modes = 1, .counts_below = true});
   ASSERT_EQ(found.values.size(), 1);
@@ -298,7 +298,7 @@ TEST(SparseModes, OfOneEquation) {
 }
 
 // Two unit masses, springs 1, 1, 1: lambda = 1 and 3. More modes than equations are asked for.
-TEST(SparseModes, OfTwoEquationsAreNoMoreThanTwo) {
+TEST(SparseModes, AreNoMoreThanTwoForTwoEquations) {
   const Eigen::MatrixXd stiffness{{2.0, -1.0}, {-1.0, 2.0}};
   for (const int modes : {1, 2, 5}) {
     SparseModeSolver solver;
@@ -317,7 +317,7 @@ TEST(SparseModes, WithoutAnyMassAreAFailure) {
   EXPECT_NE(solver.solve(identity(3), 0.0 * identity(3), {.modes = 1}).failure, "");
 }
 
-TEST(SparseModes, OfAnotherPatternAreThoseOfANewSolver) {
+TEST(SparseModes, AgreeWithANewSolverForAnotherPattern) {
   SparseModeSolver reused;
   reused.solve(grid_stiffness(12), identity(144), {.modes = 5, .counts_below = true});
   const SparseMatrix other = lower_of(stiffness_with({1.0, 2.0}, 30));
@@ -329,7 +329,7 @@ TEST(SparseModes, OfAnotherPatternAreThoseOfANewSolver) {
 
 // Six chains of 20 unit masses with springs of 1e8, each hung on ground by a soft spring: suspension modes from 0.01 to
 // 1 Hz below elastic ones from 250 Hz. Exact by the dense solver in extended precision.
-TEST(SparseModes, OfAVerySoftSuspensionAreExact) {
+TEST(SparseModes, AreExactForAVerySoftSuspension) {
   constexpr int k_masses = 20;
   Eigen::MatrixXd stiffness = Eigen::MatrixXd::Zero(6 * k_masses, 6 * k_masses);
   for (int chain = 0; chain < 6; ++chain) {

@@ -71,7 +71,7 @@ TEST(FieldTargets, MoveEveryKindOfGeometry) {
   EXPECT_EQ(moved.elements<ShellElement>()[0].offset, 6.0);
 }
 
-TEST(FieldTargets, OfAFactorMultiplyWhatStandsInTheDeck) {
+TEST(FieldTargets, MultiplyTheDecksValueByAFactor) {
   FiniteElementModel model = small_model();
   const FieldTargets targets = find_field_targets(
       model, {{"stiff", {"MAT1:2:E", "PBAR:4:A"}, true}, {"mass", {"CONM2:8:M", "PSHELL:6:NSM"}, false}});
@@ -129,21 +129,21 @@ PhysicalLimit limit(const std::string& target, bool is_factor = false) {
   return find({{"p", {target}, is_factor}}).limits[0];
 }
 
-TEST(FieldTargets, OfStiffnessAndMassMustBePositive) {
+TEST(FieldTargets, KeepStiffnessAndMassPositive) {
   for (const char* target : {"MAT1:2:E", "MAT1:2:RHO", "PSHELL:6:T", "PBAR:4:I1", "CELAS2:12:K", "CONM2:8:M"}) {
     EXPECT_EQ(limit(target).lower, 0.0) << target;
     EXPECT_TRUE(limit(target).excludes_lower) << target;
   }
 }
 
-TEST(FieldTargets, OfDampingAndAddedMassMayVanish) {
+TEST(FieldTargets, AllowDampingAndAddedMassToVanish) {
   for (const char* target : {"PBUSH:13:B1", "PSHELL:6:NSM"}) {
     EXPECT_EQ(limit(target).lower, 0.0) << target;
     EXPECT_FALSE(limit(target).excludes_lower) << target;
   }
 }
 
-TEST(FieldTargets, OfGeometryAndProductsHaveNoLimit) {
+TEST(FieldTargets, LeaveGeometryAndProductsUnlimited) {
   for (const char* target : {"GRID:5:X", "CBAR:10:X1", "CONM2:8:X1", "CTRIA3:11:ZOFFS", "PBAR:4:I12"}) {
     EXPECT_EQ(limit(target).lower, -k_infinity) << target;
   }

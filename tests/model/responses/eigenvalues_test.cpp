@@ -15,7 +15,7 @@ namespace {
 using test::one_each;
 
 // One mass: lambda = k / m, d lambda / dk = 1 / m, d lambda / dm = -k / m^2.
-TEST(Eigenvalues, OfOneMassAreTheClosedForm) {
+TEST(Eigenvalues, HaveTheClosedFormOfOneMass) {
   const MassSpringSystem system{.masses = {{"m", 1.0}}, .springs = {{"k", k_ground, 0, 1.0}}, .dampers = {}};
   const StructureModel model(separate(system, one_each({"spring:k", "mass:m"})), {.eigenvalues = {1}},
                              Eigen::Vector2d::Ones());

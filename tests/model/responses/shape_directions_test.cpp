@@ -78,7 +78,7 @@ TEST(ShapeDirections, AtTheReferenceAreItsShapes) {
   EXPECT_NEAR(directions(4), whole(6), 1e-14);
 }
 
-TEST(ShapeDirections, OfTestsOfEverySizeAndSignAreThoseOfTheModel) {
+TEST(ShapeDirections, DoNotDependOnSizeAndSignOfTheMeasuredShape) {
   const StructureModel model = springs(ShapeSize::free);
   const Eigen::RowVector3d parameters(1.4, 2.5, 1.3);
   Eigen::RowVectorXd test = springs(ShapeSize::mass_normalised).evaluate(parameters, {}).outputs;
@@ -102,7 +102,7 @@ TEST(ShapeDirections, DifferForEveryDirection) {
   }
 }
 
-TEST(ShapeDirections, OfShapesThatAreZeroOrOrthogonalOrOfAnySizeAreNoWrongNumbers) {
+TEST(ShapeDirections, StayRightForZeroOrthogonalAndHugeShapes) {
   const StructureModel model = springs(ShapeSize::free, {"m1", "m2"});
   const auto output = [&](double one, double other) {
     Eigen::RowVectorXd test = Eigen::RowVectorXd::Ones(5);
@@ -115,7 +115,7 @@ TEST(ShapeDirections, OfShapesThatAreZeroOrOrthogonalOrOfAnySizeAreNoWrongNumber
   EXPECT_NEAR(output(-1e180, -2e180), output(1.0, 2.0), 1e-14);
 }
 
-TEST(ShapeDirections, OfATestThatMissesAComponentThereAreNone) {
+TEST(ShapeDirections, AreMissingWhereAComponentIsMissing) {
   const StructureModel model = springs(ShapeSize::free);
   Eigen::RowVectorXd test = springs(ShapeSize::mass_normalised).evaluate(Eigen::RowVector3d(1, 3, 1), {}).outputs;
   test(1) = std::numeric_limits<double>::quiet_NaN();
@@ -154,7 +154,7 @@ TEST(ShapeDirections, ScaleByTranslationsSoThatTheUnitOfLengthDoesNotMatter) {
   EXPECT_GT((change(metres).array() - 1.0).abs().minCoeff(), 1e-3);  // it is a change that is compared
 }
 
-TEST(ShapeDirections, OfOneComponentAreRefused) {
+TEST(ShapeDirections, RefuseASingleComponent) {
   EXPECT_THAT(message_of<InvalidInput>([] { springs(ShapeSize::free, {"m2"}); }), HasSubstr("one component alone"));
 }
 

@@ -23,7 +23,7 @@ StructureModel three_masses(OutputSelection outputs) {
 
 // Two equal masses on springs k to ground, tied by kc, of which the first spring is k + d: with lambda the eigenvalue,
 // (k + d + kc - lambda) phi_1 = kc phi_2, so phi_2 / phi_1 = (k + d + kc - lambda) / kc, and lambda solves a quadratic.
-TEST(ShapeRatios, OfTwoMassesAreTheClosedForm) {
+TEST(ShapeRatios, HaveTheClosedFormOfTwoMasses) {
   const double k = 2.0;
   const double kc = 0.7;
   const StructureModel model(separate(test::two_mass_system(k, k, kc), one_each({"spring:k1"})),

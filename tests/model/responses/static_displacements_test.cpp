@@ -50,7 +50,7 @@ StructureModel cantilever(int parts, OutputSelection outputs, bool reduces = fal
 }
 
 // K = [5 -1 -3; -1 3 -1; -3 -1 5], det K = 32: K^-1 by its cofactors.
-TEST(StaticDisplacements, OfThreeMassesAreTheCofactorsOverTheDeterminant) {
+TEST(StaticDisplacements, AreCofactorsOverTheDeterminantForThreeMasses) {
   const StructureModel model = springs(
       {"spring:k1"}, {.static_loads = {{{{"m3", 1.0}}, {"m1", "m2", "m3"}}, {{{"m1", 2.0}, {"m2", -4.0}}, {"m2"}}}});
   const Eigen::MatrixXd u = model.evaluate(Eigen::MatrixXd::Ones(1, 1), {}).outputs;
@@ -73,7 +73,7 @@ TEST(StaticDisplacements, AreNamedByLoadAndDegreeOfFreedom) {
 }
 
 // w(L) = F L^3 / (3 E I), w'(L) = F L^2 / (2 E I); under a moment w(L) = M L^2 / (2 E I). One element is exact.
-TEST(StaticDisplacements, OfACantileverAreThoseOfBeamTheory) {
+TEST(StaticDisplacements, AgreeWithBeamTheoryForACantilever) {
   for (const int parts : {1, 7}) {
     const std::string tip = std::to_string(100 + parts);
     const StructureModel model =
@@ -103,7 +103,7 @@ TEST(StaticDisplacements, HaveTheDerivativesOfBeamTheory) {
   EXPECT_NEAR(jacobian(0, 0) / (0.5 * u(0) / x(0)), 1.0, 1e-8);  // f is proportional to sqrt(E / rho)
 }
 
-TEST(StaticDisplacements, OfSpringsHaveTheDerivativesOfDifferences) {
+TEST(StaticDisplacements, HaveTheDerivativesOfDifferences) {
   const StructureModel model =
       springs({"spring:k1", "spring:k6", "mass:m1"},
               {.static_loads = {{{{"m3", 1.0}}, {"m1", "m3"}}, {{{"m1", 2.0}, {"m2", -4.0}}, {"m2"}}}});
@@ -119,7 +119,7 @@ TEST(StaticDisplacements, OfSpringsHaveTheDerivativesOfDifferences) {
   }
 }
 
-TEST(StaticDisplacements, OfACloudByAReducedModelAreThoseOfTheFullMatrices) {
+TEST(StaticDisplacements, AreTheSameByAReducedModelAndByFullMatrices) {
   const OutputSelection outputs{.frequencies = {1, 2, 3}, .static_loads = {{{{"200:+Y", 30.0}}, {"150:+Y", "200:+Y"}}}};
   Eigen::MatrixXd x(30, 2);
   x.col(0) = Eigen::VectorXd::LinSpaced(30, 0.85, 1.15);
@@ -132,7 +132,7 @@ TEST(StaticDisplacements, OfACloudByAReducedModelAreThoseOfTheFullMatrices) {
   EXPECT_LE((reduced.outputs.leftCols(3).array() / exact.outputs.leftCols(3).array() - 1.0).abs().maxCoeff(), 1e-4);
 }
 
-TEST(StaticDisplacements, OfASampleThatCarriesNoLoadCostItAlone) {
+TEST(StaticDisplacements, FailOnlyForTheSampleThatCarriesNoLoad) {
   MassSpringSystem system{.masses = {{"m", 1.0}}, .springs = {{"k", k_ground, 0, 1.0}}, .dampers = {}};
   const StructureModel model = springs({"spring:k"}, {.static_loads = {{{{"m", 3.0}}, {"m"}}}}, system);
   const Evaluation result = model.evaluate(Eigen::Vector4d(2.0, 0.0, -1.0, 4.0), {});
@@ -145,7 +145,7 @@ TEST(StaticDisplacements, OfASampleThatCarriesNoLoadCostItAlone) {
   EXPECT_DOUBLE_EQ(result.outputs(3), 0.75);
 }
 
-TEST(StaticDisplacements, OfAFreeStructureAreRefused) {
+TEST(StaticDisplacements, RefuseAFreeStructure) {
   const OutputSelection outputs{.static_loads = {{{{"105:+Y", 1.0}}, {"105:+Y"}}}};
   EXPECT_THAT(test::message_of<InvalidInput>([&] { cantilever(5, outputs, false, false); }),
               HasSubstr("no static solution under the outputs' loads at the parameters' means"));

@@ -41,7 +41,7 @@ std::string refusal(const std::vector<ParameterTargets>& parameters) {
 }
 
 // By hand from the springs of [Mares2006], Fig. 1: K = [k1+k4+k6, -k4, -k6; -k4, k2+k4+k5, -k5; -k6, -k5, k3+k5+k6].
-TEST(Separate, OfTheThreeMassesIsThePublishedMatrix) {
+TEST(Separate, GivesThePublishedMatrixOfThreeMasses) {
   const AffineStructure structure =
       separate(test::three_mass_system(), test::one_each({"spring:k1", "spring:k2", "spring:k5"}));
   const Eigen::Vector3d k(0.7, 1.3, 0.9);
@@ -148,11 +148,11 @@ TEST(Separate, RefusesAnUnsoundSystem) {
   EXPECT_THROW(separate(system, {}), InvalidInput);
 }
 
-TEST(PhysicalLimit, OfDampersAloneAllowsZero) {
+TEST(PhysicalLimit, AllowsZeroForDampersAlone) {
   EXPECT_FALSE(physical_limit({"c", {"damper:c1", "damper:c2"}, false}).excludes_lower);
 }
 
-TEST(PhysicalLimit, OfASpringOrMassExcludesZero) {
+TEST(PhysicalLimit, ExcludesZeroForASpringOrMass) {
   EXPECT_TRUE(physical_limit({"k", {"spring:k1"}, false}).excludes_lower);
   EXPECT_TRUE(physical_limit({"m", {"mass:m1"}, false}).excludes_lower);
   EXPECT_TRUE(physical_limit({"x", {"damper:c1", "spring:k1"}, false}).excludes_lower);

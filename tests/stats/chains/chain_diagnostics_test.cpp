@@ -38,27 +38,27 @@ void expect_published(const Eigen::MatrixXd& draws, const Published& published) 
   EXPECT_NEAR(tail_effective_sample_size(draws), published.tail, k_rounding * published.tail);
 }
 
-TEST(ChainDiagnostics, OfPositivelyCorrelatedDrawsAreThoseOfAnotherProgram) {
+TEST(ChainDiagnostics, AgreeWithAnotherProgramForPositivelyCorrelatedDraws) {
   expect_published(chains(201, 0.6), {1.00540055867834, 157.49857378482122, 309.03798668333957});
 }
 
-TEST(ChainDiagnostics, OfNegativelyCorrelatedDrawsAreThoseOfAnotherProgram) {
+TEST(ChainDiagnostics, AgreeWithAnotherProgramForNegativelyCorrelatedDraws) {
   expect_published(chains(200, -0.5), {0.999234182801842, 2315.416084990849868, 759.855667031254029});
 }
 
-TEST(ChainDiagnostics, OfAChainThatIsElsewhereAreThoseOfAnotherProgram) {
+TEST(ChainDiagnostics, AgreeWithAnotherProgramForAChainThatIsElsewhere) {
   Eigen::MatrixXd draws = chains(200, 0.3);
   draws.col(3).array() += 0.4;
   expect_published(draws, {1.16420878738601, 20.20001420586724, 28.08667500252864});
 }
 
-TEST(ChainDiagnostics, OfAChainThatIsWiderAreThoseOfAnotherProgram) {
+TEST(ChainDiagnostics, AgreeWithAnotherProgramForAWiderChain) {
   Eigen::MatrixXd draws = chains(200, 0.3);
   draws.col(3) *= 3.0;
   expect_published(draws, {1.21952729220247, 346.82438326992786, 28.08667500252864});
 }
 
-TEST(ChainDiagnostics, OfEqualDrawsShareTheirRanks) {
+TEST(ChainDiagnostics, ShareRanksAmongEqualDraws) {
   const Eigen::MatrixXd draws = (4.0 * chains(200, 0.3)).array().floor() / 4.0;
   EXPECT_NEAR(rank_normalised_r_hat(draws), 0.999886498489239, 1e-9);
   EXPECT_NEAR(bulk_effective_sample_size(draws), 314.692021168486974, 1e-6);

@@ -17,7 +17,7 @@ namespace {
 const std::vector<EstimatedEvidence> k_three_masses{
     {8.6435911, 0.03, 7.0}, {-5.3808755, 0.04, 7.0}, {-4.6166521, 0.05, 7.0}};
 
-TEST(EvidenceComparison, OfTheThreeMassesHasTheirBayesFactors) {
+TEST(EvidenceComparison, GivesTheBayesFactorsOfThreeMasses) {
   const std::vector<ModelProbability> found = compare_evidences(k_three_masses);
   EXPECT_EQ(found[0].log_bayes_factor, 0.0);
   EXPECT_EQ(found[0].standard_error, 0.0);
@@ -49,7 +49,7 @@ TEST(EvidenceComparison, KeepsWhatIsLeftToAProbabilityThatRoundsToOne) {
 }
 
 /// Of two models logit P is a difference of two t-variables.
-TEST(EvidenceComparison, OfTwoModelsHasTheIntervalOfTheirDifference) {
+TEST(EvidenceComparison, GivesTheIntervalOfTwoModelsDifference) {
   const std::vector<ModelProbability> found = compare_evidences({{1.0, 0.3, 7.0}, {0.0, 0.3, 7.0}});
   const boost::math::students_t t(14.0);  // Welch and Satterthwaite's, of two equal errors
   const double reach = quantile(complement(t, 0.025)) * std::sqrt(0.18);

@@ -56,7 +56,7 @@ double log_normal_density(double apart, double variance) {
 }
 
 /// z_i ~ N(x, 1) with prior x ~ N(0, 2^2): under the posterior of the others z_i is normal too.
-TEST(LeaveOneOut, OfTheMeanOfANormalHasTheClosedForm) {
+TEST(LeaveOneOut, HasTheClosedFormForTheMeanOfANormal) {
   const Eigen::VectorXd z = (Eigen::VectorXd(6) << -0.4, 0.1, 0.3, 0.9, 1.4, 2.6).finished();
   const auto posterior_without = [&](Eigen::Index left_out) {
     double precision = 0.25;
@@ -85,14 +85,14 @@ TEST(LeaveOneOut, OfTheMeanOfANormalHasTheClosedForm) {
   }
 }
 
-TEST(LeaveOneOut, OfADatumThatSaysNothingIsItsDensity) {
+TEST(LeaveOneOut, IsTheDensityOfADatumThatSaysNothing) {
   const LeaveOneOut found = leave_one_out(Eigen::MatrixXd::Constant(100, 2, -1.5), Eigen::Vector2d::Ones());
   EXPECT_DOUBLE_EQ(found.elpd, -3.0);
   EXPECT_NEAR(found.effective_parameters, 0.0, 1e-14);
   EXPECT_EQ(found.pareto_k, Eigen::VectorXd::Zero(2));
 }
 
-TEST(LeaveOneOut, OfTooFewDrawsHasAnInfiniteShape) {
+TEST(LeaveOneOut, HasAnInfiniteShapeForTooFewDraws) {
   const LeaveOneOut found = leave_one_out(three_data().topRows(20), Eigen::Vector3d::Ones());
   EXPECT_TRUE((found.pareto_k.array() == std::numeric_limits<double>::infinity()).all());
 }

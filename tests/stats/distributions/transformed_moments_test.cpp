@@ -8,7 +8,7 @@
 namespace mottle::stats {
 namespace {
 
-TEST(TransformedMoments, OfALogAreThoseOfTheLognormalDistribution) {
+TEST(TransformedMoments, AreTheLognormalDistributionsForALogarithm) {
   const auto moments = moments_of_transformed({ParameterTransform::Kind::log}, std::exp(0.3 + 0.08),
                                               std::exp(0.38) * std::sqrt(std::expm1(0.16)));
   ASSERT_TRUE(moments);
@@ -16,7 +16,7 @@ TEST(TransformedMoments, OfALogAreThoseOfTheLognormalDistribution) {
   EXPECT_NEAR(moments->std, 0.4, 1e-12);
 }
 
-TEST(TransformedMoments, OfALogitGiveBackTheVariablesOwn) {
+TEST(TransformedMoments, GiveBackTheVariablesOwnForALogit) {
   const ParameterTransform transform{ParameterTransform::Kind::logit, 1.0, 4.0};
   for (const auto& [mean, std] : {std::pair(2.5, 0.4), std::pair(1.4, 0.2), std::pair(3.7, 0.15)}) {
     const auto moments = moments_of_transformed(transform, mean, std);

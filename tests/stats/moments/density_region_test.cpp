@@ -47,7 +47,7 @@ double share_inside(const std::vector<Eigen::MatrixXd>& outlines, const Eigen::M
   return count / static_cast<double>(points.rows());
 }
 
-TEST(DensityRegion, OfANormalPairIsItsEllipse) {
+TEST(DensityRegion, IsTheEllipseOfANormalPair) {
   Eigen::Matrix2d root;
   root << 0.2, 0.0, 27.0, 13.0;  // a correlation of 0.9, of axes two orders apart
   const Eigen::MatrixXd points = standard_normal_pairs(1 << 14) * root.transpose();
@@ -64,7 +64,7 @@ TEST(DensityRegion, OfANormalPairIsItsEllipse) {
   EXPECT_NEAR(mean, 2.0, 0.02);
 }
 
-TEST(DensityRegion, OfTwoModesHasTwoOutlinesOfTheirWidth) {
+TEST(DensityRegion, HasAnOutlineOfEachMode) {
   Eigen::MatrixXd points = 0.1 * standard_normal_pairs(1 << 13);
   points.col(0).array() += 1.0;
   points.topRows(1 << 12).col(0).array() -= 2.0;
@@ -80,7 +80,7 @@ TEST(DensityRegion, OfTwoModesHasTwoOutlinesOfTheirWidth) {
 }
 
 /// A ridge along half a circle: the ellipse of its covariance would contain the empty middle.
-TEST(DensityRegion, OfACurvedRidgeFollowsIt) {
+TEST(DensityRegion, FollowsACurvedRidge) {
   const Eigen::MatrixXd normals = standard_normal_pairs(1 << 13);
   Eigen::MatrixXd points(normals.rows(), 2);
   for (Eigen::Index i = 0; i < points.rows(); ++i) {
@@ -104,7 +104,7 @@ TEST(DensityRegion, HoldsThePartOfThePointsThatIsAskedFor) {
   }
 }
 
-TEST(DensityRegion, OfPointsOnALineIsNone) {
+TEST(DensityRegion, IsNoneForPointsOnALine) {
   Eigen::MatrixXd points = standard_normal_pairs(100);
   points.col(1) = 3.0 * points.col(0);
   EXPECT_TRUE(outlines_of(points, 0.5).empty());

@@ -57,7 +57,7 @@ TEST(Ellipse, SingularCovarianceGivesASegmentAndZeroAPoint) {
 }
 
 // cov = diag rotated by 45 degrees, eigenvalues 2 and 1e-14: 1 - c^2 keeps no digit, (1 - c)(1 + c) one.
-TEST(Ellipse, ThinEllipseKeepsItsWidth) {
+TEST(Ellipse, KeepsItsWidthWhenThin) {
   const Ellipse ellipse = sigma_ellipse(Eigen::Vector2d::Zero(), symmetric(1.0, 1.0 - 0x1p-40, 1.0), 1.0);
   EXPECT_NEAR(ellipse.semi_minor / std::sqrt(0x1p-40), 1.0, 1e-9);
 }

@@ -27,7 +27,7 @@ double mean_absolute(double mean, double std) {
          mean * (1.0 - 2.0 * standard_normal_cdf(-mean / std));
 }
 
-TEST(EnergyDistance, OfOneVariableIsThatOfScipySquared) {
+TEST(EnergyDistance, IsScipysSquaredForOneVariable) {
   const Eigen::VectorXd x = (Eigen::VectorXd(5) << 0.3, -1.2, 2.5, 0.7, 1.1).finished();
   const Eigen::VectorXd y = Eigen::Vector4d(1.4, 0.2, -0.6, 3.1);
   // scipy.stats.energy_distance(x, y) = 0.4695742752749559, SciPy 1.10
@@ -35,7 +35,7 @@ TEST(EnergyDistance, OfOneVariableIsThatOfScipySquared) {
   EXPECT_NEAR(energy_distance(y, x), energy_distance(x, y), 1e-15);
 }
 
-TEST(EnergyDistance, OfTwoVariablesIsThatOfPairsOfDistances) {
+TEST(EnergyDistance, IsTheSumOverPairsForTwoVariables) {
   Eigen::MatrixXd x(3, 2);
   x << 0.3, 1.0, -1.2, 0.4, 2.5, -0.7;
   Eigen::MatrixXd y(2, 2);
@@ -45,7 +45,7 @@ TEST(EnergyDistance, OfTwoVariablesIsThatOfPairsOfDistances) {
   EXPECT_NEAR(energy_distance(x, x), 0.0, 1e-15);
 }
 
-TEST(EnergyDistance, OfTwoNormalDistributionsHasAClosedForm) {
+TEST(EnergyDistance, HasTheClosedFormOfTwoNormalDistributions) {
   const double own = 2.0 / std::sqrt(std::numbers::pi);
   const double expected = 2.0 * mean_absolute(0.7, std::sqrt(1.0 + 2.25)) - own - 1.5 * own;
   // The grids lack tails beyond 1 / 2000: their distance is off by less than that part of it.

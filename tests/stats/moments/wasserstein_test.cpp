@@ -14,18 +14,18 @@ namespace {
 const Eigen::VectorXd k_five = (Eigen::VectorXd(5) << 0.3, -1.2, 2.5, 0.7, 1.1).finished();
 const Eigen::VectorXd k_four = Eigen::Vector4d(1.4, 0.2, -0.6, 3.1);
 
-TEST(WassersteinDistance, OfOrderOneIsThatOfScipy) {
+TEST(WassersteinDistance, AgreesWithScipyForOrderOne) {
   // scipy.stats.wasserstein_distance, SciPy 1.10
   EXPECT_NEAR(wasserstein_distance(k_five, k_four, 1), 0.565, 1e-15);
   EXPECT_NEAR(wasserstein_distance(k_five.head(4), k_four, 1), 0.5, 1e-15);
 }
 
-TEST(WassersteinDistance, OfOrderTwoIsTheBestAssignmentOfCopies) {
+TEST(WassersteinDistance, IsTheBestAssignmentOfCopiesForOrderTwo) {
   // scipy.optimize.linear_sum_assignment of squared differences, the values copied four and five times
   EXPECT_NEAR(wasserstein_distance(k_five, k_four, 2), 0.6881133627535508, 1e-14);
 }
 
-TEST(WassersteinDistance, OfOrderTwoBetweenNormalDistributionsHasAClosedForm) {
+TEST(WassersteinDistance, HasTheClosedFormOfNormalDistributionsForOrderTwo) {
   constexpr Eigen::Index k_count = 4000;
   Eigen::VectorXd first(k_count);
   for (Eigen::Index k = 0; k < k_count; ++k)

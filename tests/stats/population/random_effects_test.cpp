@@ -162,7 +162,7 @@ TEST(RandomEffects, InformationOfACompleteSampleIsThatOfTheWishartDistribution) 
   EXPECT_LT((information.mean_from_effects - s / 6.0).norm(), 1e-8);
 }
 
-TEST(PopulationEvidence, OfOutputsThatSeeNothingIsNone) {
+TEST(PopulationEvidence, IsNoneWhereOutputsSeeNothing) {
   std::vector<RandomEffectsUnit> units(3);
   for (RandomEffectsUnit& unit : units) {
     unit = {Eigen::MatrixXd(2, 0), Eigen::Vector2d(0.1, 0.2), Eigen::Vector2d(1.0, 1.0), {}};
@@ -176,7 +176,7 @@ TEST(PopulationEvidence, OfOutputsThatSeeNothingIsNone) {
   EXPECT_TRUE(std::isnan(population_intervals(evidence, std::vector<ParameterTransform>(2), 0.95).mean(0, 0)));
 }
 
-TEST(PopulationIntervals, OfACompleteSampleAreTheTextbookOnes) {
+TEST(PopulationIntervals, AreTheTextbooksForACompleteSample) {
   const Complete c;
   const RandomEffectsFit fit = fit_random_effects(c.units, Eigen::Matrix3d::Identity(), {});
   const PopulationEvidence evidence = population_evidence(c.units, fit, {}, Eigen::Matrix3d::Identity());
@@ -191,7 +191,7 @@ TEST(PopulationIntervals, OfACompleteSampleAreTheTextbookOnes) {
   EXPECT_NEAR(intervals.std(0, 1), std::sqrt(5.0 * s(0, 0) / k_chi_low), 1e-8);
 }
 
-TEST(PopulationIntervals, OfACorrelationAreThoseOfItsExactDistribution) {
+TEST(PopulationIntervals, HaveTheExactDistributionOfACorrelation) {
   // Ten pairs with r = 0.5: the ends solve P(R <= 0.5 | rho) = 0.975 and 0.025; integration of Hotelling's density.
   PopulationEvidence evidence;
   evidence.mean = Eigen::Vector2d::Zero();

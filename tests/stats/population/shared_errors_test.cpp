@@ -155,7 +155,7 @@ std::vector<RandomEffectsUnit> without_shared(std::vector<RandomEffectsUnit> uni
   return units;
 }
 
-TEST(SharedErrors, OfVarianceZeroChangeNothing) {
+TEST(SharedErrors, ChangeNothingWithVarianceZero) {
   const Unlike data;
   RandomEffectsSettings settings;
   settings.shared_variance = Eigen::Vector4d::Zero();
@@ -185,7 +185,7 @@ std::vector<RandomEffectsUnit> alike(Eigen::Index rows, const Eigen::VectorXd& e
   return units;
 }
 
-TEST(SharedErrors, OfAsManyRowsAsEffectsMoveNoEstimateAndWidenTheMeanAlone) {
+TEST(SharedErrors, WidenTheMeanAloneWithAsManyRowsAsEffects) {
   const std::vector<RandomEffectsUnit> units = alike(2, Eigen::Vector2d::Zero(), 0.0, 0);
   RandomEffectsSettings settings;
   settings.shared_variance = Eigen::Vector2d(0.01, 0.04);
@@ -213,7 +213,7 @@ TEST(SharedErrors, OfAsManyRowsAsEffectsMoveNoEstimateAndWidenTheMeanAlone) {
   EXPECT_TRUE(intervals.std.isApprox(plain_intervals.std, 1e-7));
 }
 
-TEST(SharedErrors, OfGreatVarianceLeaveTheMeanToTheOtherRows) {
+TEST(SharedErrors, LeaveTheMeanToTheOtherRowsWithGreatVariance) {
   const std::vector<RandomEffectsUnit> units = alike(3, Eigen::Vector3d(0.0, 0.0, 5.0), 1e-3, 0);
   std::vector<RandomEffectsUnit> fewer = units;
   for (RandomEffectsUnit& unit : fewer) {

@@ -55,7 +55,7 @@ std::string message_of(const Regression& regression, const Eigen::MatrixXd& x, c
 
 // NumPy: numpy.linalg.lstsq(numpy.c_[ones, X - X.mean(0)], Y); standard errors from inv(Z.T @ Z), leverage
 // diag(Z @ inv(Z.T @ Z) @ Z.T), condition numpy.linalg.cond of the centred columns at length 1.
-TEST(LinearRegression, OfASmallSampleIsThatOfNumpy) {
+TEST(LinearRegression, AgreesWithNumpyForASmallSample) {
   const LinearRegression fit = linear_regression(small_inputs(), small_outputs());
   EXPECT_TRUE(is_relatively_near(fit.intercept[0], 3.0875, 1e-14));
   EXPECT_TRUE(is_relatively_near(fit.intercept[1], 9.925, 1e-14));
@@ -76,7 +76,7 @@ TEST(LinearRegression, OfASmallSampleIsThatOfNumpy) {
 
 // More rows than three blocks of the factorisation. OpenTURNS does not scale its columns and drops small singular
 // values, so the inputs must be of similar size for its answer to be one.
-TEST(LinearRegression, OfALargeSampleIsThatOfOpenTurns) {
+TEST(LinearRegression, AgreesWithOpenTurnsForALargeSample) {
   constexpr Eigen::Index k_samples = 4000;
   const Eigen::Vector3d scale(0.1, 1.0, 10.0);
   const Eigen::MatrixXd x =
@@ -168,7 +168,7 @@ TEST(LinearRegression, StandardErrorsCoverTheTruthAsOftenAsTheyClaim) {
 }
 
 // NumPy: D = X - X.mean(0), lstsq(c_[ones, D, D0^2, D0 D1, D1^2], Y).
-TEST(QuadraticRegression, OfASmallSampleIsThatOfNumpy) {
+TEST(QuadraticRegression, AgreesWithNumpyForASmallSample) {
   Eigen::MatrixXd x(12, 2);
   x << 1.76, 173.51, 1.93, 208.41, 2.34, 202.19, 1.83, 184.3, 2.22, 232.7, 2.08, 175.33, 1.71, 232.0, 2.06, 165.36,
       1.97, 176.74, 1.81, 190.24, 1.79, 211.07, 1.98, 188.21;

@@ -16,7 +16,7 @@ TEST(BinomialRange, IsThatOfTheQuantiles) {
   EXPECT_EQ(three.max_successes, 2);
 }
 
-TEST(BinomialRange, OfNoTrialsIsNone) {
+TEST(BinomialRange, IsEmptyWithoutTrials) {
   EXPECT_EQ(binomial_range(0, 0.5, 0.95).max_successes, 0);
 }
 

@@ -58,7 +58,7 @@ TEST(HotellingCritical, DependsOnTheSumOfTheSampleSizesAlone) {
 }
 
 // p = 1 is Student's t: SciPy 1.10, t.isf(.025, 18) = 2.10092204024096.
-TEST(HotellingCritical, OfOneOutputIsStudentsT) {
+TEST(HotellingCritical, IsStudentsTForOneOutput) {
   EXPECT_TRUE(is_relatively_near(hotelling_t_critical(10, 10, 1, 0.05), 2.10092204024096, 1e-12));
 }
 
@@ -79,7 +79,7 @@ TEST(SufficientSamples, AreThoseOfABisectionWithScipy) {
   EXPECT_EQ(sufficient_samples(10, 3, 0.05, 0.001), 2699);
 }
 
-TEST(SufficientSamples, OfAWideToleranceAreTheFewestThatTheTestAllows) {
+TEST(SufficientSamples, AreTheFewestThatTheTestAllowsForAWideTolerance) {
   EXPECT_EQ(sufficient_samples(10, 3, 0.05, 1e9), 1);
   EXPECT_EQ(sufficient_samples(2, 10, 0.05, 1e9), 10);
 }

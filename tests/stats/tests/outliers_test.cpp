@@ -136,7 +136,7 @@ TEST(Outliers, DoNotDependOnUnits) {
   EXPECT_NEAR(before[0].distance, after[0].distance, 1e-6);
 }
 
-TEST(Outliers, OfSpecimensWithoutNoiseAreThoseOfTheirEffects) {
+TEST(Outliers, AreThoseOfTheEffectsWithoutNoise) {
   Eigen::MatrixXd effects = normal_samples(15, 3, 10);
   effects(6, 2) += 12.0;
   const std::vector<Outlier> of_samples = find_outliers(effects, 0.05);

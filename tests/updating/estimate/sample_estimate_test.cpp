@@ -25,7 +25,7 @@ Eigen::MatrixXd normal_sample(Eigen::Index count) {
   return population.from_uniform(uniform_design(SamplingDesign::sobol, count, 2, key));
 }
 
-TEST(SampleEstimate, OfEqualWeightsHasTheMomentsOfItsSamples) {
+TEST(SampleEstimate, HasTheMomentsOfItsSamplesWithEqualWeights) {
   const Eigen::MatrixXd samples = normal_sample(50);
   const SampleEstimate estimate(k_two, samples);
   EXPECT_LT((estimate.mean() - sample_mean(samples)).norm(), 1e-14);
@@ -51,14 +51,14 @@ TEST(SampleEstimate, HasQuantilesLinearBetweenItsSamples) {
   EXPECT_EQ(estimate.quantile(0, 0.99), 4.0);
 }
 
-TEST(SampleEstimate, OfALargeNormalSampleHasItsQuantiles) {
+TEST(SampleEstimate, HasTheQuantilesOfALargeNormalSample) {
   const SampleEstimate estimate(k_two, normal_sample(1 << 14));
   EXPECT_NEAR(estimate.quantile(0, 0.025), 1.0 - 0.2 * 1.959964, 2e-3);
   EXPECT_NEAR(estimate.quantile(1, 0.84), 2.0 + 0.3 * 0.994458, 2e-3);
 }
 
 /// Kernels of width h make N(m, s^2) into N(m, s^2 + h^2).
-TEST(SampleEstimate, OfALargeNormalSampleHasItsDensityWidenedByTheKernels) {
+TEST(SampleEstimate, HasTheDensityOfALargeNormalSampleWidenedByTheKernels) {
   constexpr Eigen::Index k_count = 1 << 14;
   const SampleEstimate estimate(k_two, normal_sample(k_count));
   const double h = 0.9 * 0.2 * std::pow(static_cast<double>(k_count), -0.2);
@@ -89,7 +89,7 @@ TEST(SampleEstimate, HasADensityOfAreaOne) {
   EXPECT_NEAR(sum, 1.0, 1e-3);
 }
 
-TEST(SampleEstimate, OfALargeNormalSampleHasItsRegions) {
+TEST(SampleEstimate, HasTheRegionsOfALargeNormalSample) {
   const SampleEstimate estimate(k_two, normal_sample(1 << 14));
   Eigen::Matrix2d c;
   c << 0.04, 0.036, 0.036, 0.09;
@@ -113,7 +113,7 @@ TEST(SampleEstimate, DrawsItsSamplesByTheirWeights) {
   EXPECT_EQ(Eigen::MatrixXd(drawn.row(2)), Eigen::MatrixXd(few.row(2)));
 }
 
-TEST(SampleEstimate, OfOneSampleHasNoWidth) {
+TEST(SampleEstimate, HasNoWidthWithOneSample) {
   const SampleEstimate estimate(k_two, Eigen::MatrixXd::Ones(1, 2));
   EXPECT_TRUE(estimate.covariance().isZero(0.0));
   EXPECT_EQ(estimate.density_points(0, 11).size(), 0);

@@ -254,7 +254,7 @@ TEST(PopulationCoordinates, MakeACovarianceOfAnyNumbersAndKeepGroups) {
   EXPECT_GT(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(whole.at(wild).covariance()).eigenvalues()(0), 0.0);
 }
 
-TEST(MovingCloud, OfALinearModelHasThePopulationsMomentsWithItsNoise) {
+TEST(MovingCloud, HasThePopulationsMomentsWithNoiseForALinearModel) {
   const Line line(12);
   const UpdatingProblem problem = line.problem();
   const ScaledParameters parameters(problem.space);

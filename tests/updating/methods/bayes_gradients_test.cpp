@@ -28,7 +28,7 @@ TEST(Bayes, SaysWhyManyParametersAreMovedWithoutGradients) {
 
 /// Reference: importance sampling in NumPy, validation/bayes/chain.py; its ln evidence has a standard error of 0.004,
 /// its means of 0.5.
-TEST(Bayes, OfThirtySpringsFollowsGradientsToTheReference) {
+TEST(Bayes, FollowsGradientsToTheReferenceOfThirtySprings) {
   const test::SpringChain chain(30);
   const UpdatingResult result = BayesUpdater({.particles = 200}).update(chain.problem(), {});
   const SampledPosterior& posterior = *result.posterior;

@@ -24,7 +24,7 @@ using test::says;
 
 class OneTest : public testing::TestWithParam<int> {};
 
-TEST_P(OneTest, OfThreeMassesHasThePosteriorOfQuadrature) {
+TEST_P(OneTest, ReproducesThePosteriorOfThreeMassesByQuadrature) {
   const test::ThreeMassesReference reference = test::three_masses_references()[static_cast<std::size_t>(GetParam())];
   const test::OneTestOfThreeMasses one(reference.k6);
   const UpdatingResult result = BayesUpdater({}).update(one.problem(), {});
@@ -93,7 +93,7 @@ void expect_closed_form(const CommonLinear& linear) {
   }
 }
 
-TEST(Bayes, OfALinearModelHasTheClosedForm) {
+TEST(Bayes, HasTheClosedFormOfALinearModel) {
   expect_closed_form(CommonLinear());
 }
 

@@ -61,7 +61,7 @@ TEST(EvaluatePoints, KeepsFailedRunsWithTheirReason) {
   EXPECT_EQ(cloud.failures[0].reason, "too stiff");
 }
 
-TEST(EvaluatePoints, OfNoPointsIsAnEmptyCloud) {
+TEST(EvaluatePoints, GivesAnEmptyCloudForNoPoints) {
   EXPECT_EQ(evaluate_points(DoublingModel(), Eigen::MatrixXd(0, 1), 0.3, {}).valid().samples.rows(), 0);
 }
 

@@ -72,7 +72,7 @@ Eigen::VectorXd bias_of(const Case& one, const PopulationFit& fit) {
 }
 
 /// With one output and one parameter all three terms are G H P / (2 C), P = Sigma R / C.
-TEST(CurvatureBias, OfOneParameterIsThreeTimesThatOfTheResponse) {
+TEST(CurvatureBias, IsThreeTimesTheResponsesForOneParameter) {
   const Case one(Eigen::MatrixXd::Ones(1, 1), Eigen::VectorXd::Constant(1, 0.8), Eigen::VectorXd::Ones(1), 0.2);
   const PopulationFit fit = one.fit();
   const double sigma = fit.effects.covariance(0, 0);
@@ -95,7 +95,7 @@ TEST(CurvatureBias, IsNothingWhereOutputsAreLinear) {
 }
 
 /// The second parameter is seen by outputs of its own and is not curved: the first has what it has alone.
-TEST(CurvatureBias, OfOneParameterDoesNotReachAnotherThatIsApart) {
+TEST(CurvatureBias, DoesNotReachAnotherParameterThatIsApart) {
   const Case one(Eigen::MatrixXd{{1.0, 0.0}, {0.0, 1.0}}, Eigen::Vector2d(0.8, 0.0), Eigen::Vector2d(1.0, 0.0), 0.2);
   PopulationFit fit = one.fit();
   fit.effects.covariance = Eigen::Vector2d(0.09, 0.09).asDiagonal();

@@ -40,7 +40,7 @@ void expect_mean(const UpdatingResult& result, const std::string& name, double r
   EXPECT_NEAR(values.mean(), reference, k_stated_errors * std / std::sqrt(result.posterior->ess_bulk(k))) << name;
 }
 
-TEST(Hierarchical, OfTheEightSchoolsHasThePosteriorOfQuadrature) {
+TEST(Hierarchical, ReproducesTheEightSchoolsPosteriorByQuadrature) {
   using test::EightSchools;
   const EightSchools schools;
   const UpdatingResult result = HierarchicalUpdater(EightSchools::options()).update(schools.problem(), {});
@@ -120,7 +120,7 @@ struct ExponentialReference {
   }
 };
 
-TEST(Hierarchical, OfACurvedModelHasThePosteriorOfQuadrature) {
+TEST(Hierarchical, ReproducesACurvedModelsPosteriorByQuadrature) {
   const Exponential curved;
   const ExponentialReference reference;
   const UpdatingResult result = HierarchicalUpdater({}).update(curved.problem(), {.seed = 3});

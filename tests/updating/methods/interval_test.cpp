@@ -60,7 +60,7 @@ struct Linear {
   std::unique_ptr<ParameterSpace> space;
 };
 
-TEST(Interval, OfTheParameterItselfIsTheBoundsOfTheTests) {
+TEST(Interval, EqualsTheBoundsOfTestsThatMeasureTheParameter) {
   const Linear one(Eigen::MatrixXd::Constant(1, 1, 2.0), Eigen::Vector3d(1.0, 4.0, 2.0));
   const UpdatingResult result = update(one.problem(), {.bounds = Bounds::observed});
   EXPECT_EQ(result.status, UpdatingStatus::converged) << result.message;
@@ -71,7 +71,7 @@ TEST(Interval, OfTheParameterItselfIsTheBoundsOfTheTests) {
   EXPECT_GE(result.interval->image[0].upper, 4.0);
 }
 
-TEST(Interval, OfNormalLimitsIsMeanAndDeviation) {
+TEST(Interval, IsMeanAndDeviationForNormalLimits) {
   const Linear one(Eigen::MatrixXd::Ones(1, 1), (Eigen::VectorXd(5) << 1.0, 2.0, 3.0, 4.0, 5.0).finished());
   const UpdatingResult result = update(one.problem(), {});
   const double reach = 5.076874532061071 * std::sqrt(2.5);
@@ -81,7 +81,7 @@ TEST(Interval, OfNormalLimitsIsMeanAndDeviation) {
 
 /// Radii r of the box are the solution of the linear programme min sum r, |G| r >= radii of the tests, here in the
 /// corner where both hold: r = |G|^-1 (1, 1.2) = (0.4, 0.2).
-TEST(Interval, OfALinearModelSolvesTheLinearProgramme) {
+TEST(Interval, SolvesTheLinearProgrammeOfALinearModel) {
   const Eigen::Matrix2d slope = (Eigen::Matrix2d() << 2.0, 1.0, 1.0, -4.0).finished();
   const Eigen::Vector2d radius(1.0, 1.2), middle(3.0, -1.0);
   Eigen::MatrixXd tests(2, 2);

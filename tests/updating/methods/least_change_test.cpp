@@ -14,14 +14,14 @@ Eigen::MatrixXd tall() {
   return g;
 }
 
-TEST(LeastChange, OfMoreOutputsThanParametersIsLeastSquares) {
+TEST(LeastChange, IsLeastSquaresWithMoreOutputsThanParameters) {
   const Eigen::MatrixXd g = tall();
   const Gain gain = least_change_gain(g, Eigen::Vector2d(0.1, 3.0));
   EXPECT_EQ(gain.rank, 2);
   EXPECT_LT((gain.matrix - (g.transpose() * g).inverse() * g.transpose()).cwiseAbs().maxCoeff(), 1e-13);
 }
 
-TEST(LeastChange, OfFewerOutputsItIsTheShortestInPriorDeviations) {
+TEST(LeastChange, IsTheShortestInPriorDeviationsWithFewerOutputs) {
   const Eigen::RowVector2d g(1.0, 2.0);
   const Eigen::Vector2d standard_deviation(0.5, 1.5);
   // Lagrange: d = D^2 g' / (g D^2 g') r.

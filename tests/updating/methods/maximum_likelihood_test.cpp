@@ -26,7 +26,7 @@ UpdatingResult update(const UpdatingProblem& problem, const MaximumLikelihoodOpt
   return MaximumLikelihoodUpdater(options).update(problem, {});
 }
 
-TEST(MaximumLikelihood, OfTestsWithoutNoiseIsTheMeanAndCovarianceOfTheInvertedTests) {
+TEST(MaximumLikelihood, IsMeanAndCovarianceOfInvertedTestsWithoutNoise) {
   const test::ThreeMasses structure;
   const Eigen::MatrixXd x = test::oracle_parameters();
   const UpdatingResult result = update(structure.problem(test::frequencies_of(structure, x)));
@@ -39,7 +39,7 @@ TEST(MaximumLikelihood, OfTestsWithoutNoiseIsTheMeanAndCovarianceOfTheInvertedTe
   EXPECT_EQ(judge(structure.problem(test::frequencies_of(structure, x)), result).conclusion, Conclusion::undecided);
 }
 
-TEST(MaximumLikelihood, OfALinearModelTakesKnownNoiseOffAsTheAnalysisOfVariance) {
+TEST(MaximumLikelihood, SubtractsKnownNoiseAsTheAnalysisOfVariance) {
   const test::LinearProblem linear;
   const UpdatingResult result = update(linear.problem(linear.noise));
   const Eigen::MatrixXd g = test::LinearProblem::slope();

@@ -60,7 +60,7 @@ TEST(MomentMatching, EveryRuleComesToTheSamePopulation) {
   }
 }
 
-TEST(MomentMatching, OfASquareIsItsClosedForm) {
+TEST(MomentMatching, HasTheClosedFormOfASquare) {
   const Square model;
   const Distribution prior({.kind = DistributionKind::normal, .mean = 4.0, .std = 0.5});
   const ParameterSpace space({{"x", "-"}}, JointDistribution({prior}));

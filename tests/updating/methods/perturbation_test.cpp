@@ -57,7 +57,7 @@ struct LinearCase {
   Eigen::Matrix3d covariance;
 };
 
-TEST(Perturbation, OfALinearModelIsWeightedLeastSquaresOfMeanAndCovariance) {
+TEST(Perturbation, IsWeightedLeastSquaresOfMeanAndCovarianceForALinearModel) {
   const LinearCase linear;
   const Eigen::MatrixXd g = LinearCase::slope();
   const Eigen::Matrix3d noise = 0.0025 * Eigen::Matrix3d::Identity();
@@ -100,7 +100,7 @@ TEST(Perturbation, TheDiagonalCovarianceIsTheBestFitOfThatPattern) {
   EXPECT_LT((variances - normal.inverse() * right).cwiseAbs().maxCoeff(), 1e-7);
 }
 
-TEST(Perturbation, OfFewerOutputsThanParametersItChangesThePriorLeast) {
+TEST(Perturbation, ChangesThePriorLeastWithFewerOutputsThanParameters) {
   const test::LinearModel narrow(Eigen::VectorXd::Constant(1, 1.0), Eigen::RowVector2d(1.0, 0.5));
   const Distribution first({.kind = DistributionKind::normal, .mean = 2.0, .std = 0.5});
   const Distribution second({.kind = DistributionKind::normal, .mean = 3.0, .std = 1.0});

@@ -93,7 +93,7 @@ TEST(PosteriorOutputs, LeaveSpecimensOutAsTheClosedForm) {
   EXPECT_EQ(result.posterior->not_left_out, "");
 }
 
-TEST(PosteriorOutputs, OfTheSpecimensAddUpToTheLikelihood) {
+TEST(PosteriorOutputs, AddUpOverSpecimensToTheLikelihood) {
   const UpdatingResult result = SampledLinear().update();
   const SampledPosterior& posterior = *result.posterior;
   const Eigen::VectorXd sum = posterior.specimen_log_likelihood.rowwise().sum();

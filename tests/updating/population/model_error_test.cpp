@@ -62,7 +62,7 @@ TEST(ModelError, MeanIsThatOfGeneralisedLeastSquaresOnAllTestsStacked) {
   EXPECT_EQ(result.model_error->shift(3), 0.0);
 }
 
-TEST(ModelError, OfZeroChangesNoBit) {
+TEST(ModelError, ChangesNoBitWhereItIsZero) {
   const test::LinearProblem linear;
   const UpdatingResult without = update(problem_of(linear));
   const UpdatingResult with = update(problem_of(linear, Eigen::Vector4d::Zero()));
@@ -72,7 +72,7 @@ TEST(ModelError, OfZeroChangesNoBit) {
   EXPECT_FALSE(with.model_error);
 }
 
-TEST(ModelError, OfAsManyOutputsAsParametersWidensTheMeansAlone) {
+TEST(ModelError, WidensTheMeansAloneWithAsManyOutputsAsParameters) {
   const test::ThreeMasses structure;
   UpdatingProblem problem = structure.problem(test::frequencies_of(structure, test::oracle_parameters()));
   const UpdatingResult without = update(problem);
@@ -126,7 +126,7 @@ TEST(ModelError, EstimatedNeedsMoreOutputsThanParametersAndSaysOnHowFewItRests) 
             without.intervals->mean(0, 1) - without.intervals->mean(0, 0));
 }
 
-TEST(ModelError, OfOneStructureAddsToTheMeasurements) {
+TEST(ModelError, AddsToTheMeasurementsOfOneStructure) {
   const test::LinearProblem linear;
   const auto standard_deviations = [&](const Eigen::VectorXd& noise, const Eigen::VectorXd& error) {
     UpdatingProblem problem = problem_of(linear, error);

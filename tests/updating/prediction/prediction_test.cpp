@@ -61,7 +61,7 @@ struct Bench {
   std::unique_ptr<ParameterSpace> space;
 };
 
-TEST(Prediction, OfALinearModelHasStudentsIntervals) {
+TEST(Prediction, HasStudentsIntervalsForALinearModel) {
   const Bench bench;
   const Prediction found = bench.run(bench.population(10));
   const Eigen::Vector2d mean = Eigen::Vector2d(1.0, -2.0) + bench.slope * Eigen::Vector2d(0.3, 0.7);
@@ -76,7 +76,7 @@ TEST(Prediction, OfALinearModelHasStudentsIntervals) {
   }
 }
 
-TEST(Prediction, OfALinearModelHasHotellingsJointRegion) {
+TEST(Prediction, HasHotellingsJointRegionForALinearModel) {
   if (test::k_is_instrumented) GTEST_SKIP() << test::k_left_to_optimised_build;
   const Bench bench;
   const Prediction found = bench.run(bench.population(10));
@@ -84,7 +84,7 @@ TEST(Prediction, OfALinearModelHasHotellingsJointRegion) {
   EXPECT_NEAR(found.joint_critical, 1.1 * 2.0 * 9.0 / 8.0 * f, 0.03 * 1.1 * 2.0 * 9.0 / 8.0 * f);
 }
 
-TEST(Prediction, OfAKnownPopulationHasNormalIntervalsAndNoiseAdds) {
+TEST(Prediction, HasNormalIntervalsForAKnownPopulationAndAddsNoise) {
   const Bench bench;
   const Prediction found = bench.run(bench.population(0), 0.2);
   const Eigen::Matrix2d c = bench.slope * bench.covariance * bench.slope.transpose();
@@ -198,7 +198,7 @@ TEST(Prediction, EachVariableHasItsOwnDegreesOfFreedom) {
 
 /// A wide population on a logit: first-order moments of x there lead to another population (its 95 % interval
 /// would not be that of the logit).
-TEST(Prediction, OfALogitIsMadeOnItsScale) {
+TEST(Prediction, StandsOnTheScaleOfALogit) {
   if (test::k_is_instrumented) GTEST_SKIP() << test::k_left_to_optimised_build;
   const LinearModel model(Eigen::VectorXd::Zero(1), Eigen::MatrixXd::Ones(1, 1));
   Parameter parameter{.name = "a", .unit = "-"};
@@ -216,7 +216,7 @@ TEST(Prediction, OfALogitIsMadeOnItsScale) {
 }
 
 /// A method that estimates no population is normal in the parameters, on whatever scales others would take them.
-TEST(Prediction, OfMomentsAloneTakesTheirCovarianceAsKnown) {
+TEST(Prediction, TakesTheCovarianceOfMomentsAloneAsKnown) {
   const Bench bench;
   const MomentEstimate moments(std::vector<ParameterTransform>(2, ParameterTransform{ParameterTransform::Kind::log}),
                                Eigen::Vector2d(0.3, 0.7), bench.covariance);
@@ -228,7 +228,7 @@ TEST(Prediction, OfMomentsAloneTakesTheirCovarianceAsKnown) {
 }
 
 /// Of a sample of parameters the predicted distribution is that of the sample's outputs.
-TEST(Prediction, OfAPosteriorHoldsItsSamplesOutputs) {
+TEST(Prediction, HoldsTheOutputsOfAPosteriorsSamples) {
   const Bench bench;
   Eigen::MatrixXd samples(3, 2);
   samples << 0.0, 0.0, 1.0, 0.0, 0.0, 1.0;

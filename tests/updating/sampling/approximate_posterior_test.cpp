@@ -91,7 +91,7 @@ TEST(ApproximatePosterior, ByTheEnergyGradientHasTheEfficiencyOfHodgesAndLehmann
   EXPECT_NEAR(std::sqrt(draws.covariance(0, 0)), expected, 4.0 * expected / std::sqrt(2.0 * draws.effective));
 }
 
-TEST(DistanceGradient, OfTheEnergyDistanceIsTwiceTheDifferenceOfProbabilities) {
+TEST(DistanceGradient, IsTwiceTheDifferenceOfProbabilitiesForTheEnergyDistance) {
   constexpr Eigen::Index k_points = 2000;
   Eigen::MatrixXd cloud(k_points, 1);
   for (Eigen::Index k = 0; k < k_points; ++k)

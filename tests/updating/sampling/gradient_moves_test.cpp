@@ -41,7 +41,7 @@ TEST(GradientMoves, AreForMoreThanFifteenDimensions) {
 }
 
 /// The end of a trajectory is accepted by the likelihood itself.
-TEST(GradientMoves, OfAWrongGradientLeaveThePosteriorAsItIs) {
+TEST(GradientMoves, LeaveThePosteriorAsItIsUnderAWrongGradient) {
   const LinearNormal linear(6);
   SamplingTarget target = linear.target();
   target.with_gradient = [&linear](const Eigen::MatrixXd& points) {

@@ -55,15 +55,15 @@ void expect_normal(Eigen::Index dimension, double measured, double noise) {
   }
 }
 
-TEST(SequentialMonteCarlo, OfANormalPosteriorHasItsEvidenceAndMoments) {
+TEST(SequentialMonteCarlo, HasEvidenceAndMomentsOfANormalPosterior) {
   expect_normal(2, 1.5, 0.05);
 }
 
-TEST(SequentialMonteCarlo, OfFifteenDimensionsHasItsEvidenceAndMoments) {
+TEST(SequentialMonteCarlo, HasEvidenceAndMomentsInFifteenDimensions) {
   expect_normal(15, 1.0, 0.2);
 }
 
-TEST(SequentialMonteCarlo, OfAPriorThatTheTestsSayNothingOfIsThatPrior) {
+TEST(SequentialMonteCarlo, KeepsThePriorWhereTestsSayNothing) {
   const SamplingTarget flat{.dimension = 2, .log_likelihood = [](const Eigen::MatrixXd& points) -> Eigen::VectorXd {
                               return Eigen::VectorXd::Constant(points.rows(), -3.0);
                             }};
@@ -195,7 +195,7 @@ TEST(SequentialMonteCarlo, StopsWhenAsked) {
   EXPECT_THROW(sample_posterior(target_of<BeckAu>(), {}, {.stop = &stop}), Stopped);
 }
 
-TEST(Evidence, OfIslandsIsTheMeanOfTheirs) {
+TEST(Evidence, IsTheMeanOverIslands) {
   std::vector<SampledIsland> islands(2);
   islands[0].log_evidence = 1000.0 + std::log(1.0);  // so large that exp() of it overflows
   islands[1].log_evidence = 1000.0 + std::log(3.0);

@@ -124,13 +124,13 @@ int refused_by_scatter(const char* method, double error, double k6) {
   return refused;
 }
 
-TEST(StatedModelError, OfManyTimesTheNoiseDoesNotMakeRightModelsInadequate) {
+TEST(StatedModelError, DoesNotMakeRightModelsInadequateAtManyTimesTheNoise) {
   for (const char* method : {"maximum-likelihood", "covariance-adjustment"}) {
     EXPECT_LE(refused_by_scatter(method, 0.02, 3.0), 5) << method;  // 2.5 %, and less than one in a thousand above
   }
 }
 
-TEST(StatedModelError, OfTenTimesTheNoiseDoesNotHideAWrongSpring) {
+TEST(StatedModelError, DoesNotHideAWrongSpringAtTenTimesTheNoise) {
   for (const char* method : {"maximum-likelihood", "covariance-adjustment"}) {
     EXPECT_EQ(refused_by_scatter(method, 0.01, 3.9), 40) << method;
   }

@@ -23,7 +23,7 @@ LinearTests one_parameter(Eigen::Index specimens) {
           .model_error_std = {}};
 }
 
-TEST(HiddenErrors, OfOneParameterAreThoseOfTheClosedForm) {
+TEST(HiddenErrors, HaveTheClosedFormOfOneParameter) {
   const ErrorEffects effects = error_effects(one_parameter(10));
   EXPECT_EQ(effects.means_degrees_of_freedom, 1);
   EXPECT_EQ(effects.denominator_degrees_of_freedom, 9);
@@ -98,7 +98,7 @@ TEST(HiddenErrors, AreDetectedAtTheSizeThatTheTestRefuses) {
   EXPECT_LT(needed, 34 * 0.25);
 }
 
-TEST(HiddenErrors, OfAParameterThatTheTestsDoNotSeeMoveNothing) {
+TEST(HiddenErrors, MoveNothingThatTheTestsDoNotSee) {
   LinearTests tests = one_parameter(10);
   tests.sensitivity = Eigen::Matrix2d{{1.0, 0.0}, {0.0, 0.0}};
   const ErrorEffects effects = error_effects(tests);
@@ -109,7 +109,7 @@ TEST(HiddenErrors, OfAParameterThatTheTestsDoNotSeeMoveNothing) {
 
 /// One parameter moves both outputs alike; an error moves the first. Within a specimen the test has their difference,
 /// of variance 2, and none where the second is missing. The means themselves would show more: 10 against 6 specimens.
-TEST(HiddenErrors, OfATestWithinSpecimensShowInThoseAloneThatHaveTheOutputs) {
+TEST(HiddenErrors, ShowOnlyInSpecimensThatHaveTheOutputs) {
   LinearTests tests{.sensitivity = Eigen::Vector2d(1.0, 1.0),
                     .errors = Eigen::Vector2d(1.0, 0.0),
                     .covariance = Eigen::Matrix2d{{1.5, 0.5}, {0.5, 1.5}},
@@ -128,7 +128,7 @@ TEST(HiddenErrors, OfATestWithinSpecimensShowInThoseAloneThatHaveTheOutputs) {
 
 /// The curvature of the outputs adds to what a cloud says of the unmoved direction: variance 0.04 of a test, 0.01 of
 /// the cloud's mean.
-TEST(HiddenErrors, OfATestOfMeansShowAgainstTheCovarianceThatTheTestHas) {
+TEST(HiddenErrors, ShowAgainstTheCovarianceOfTheTestOfMeans) {
   LinearTests tests = one_parameter(10);
   tests.of_test = Eigen::Vector2d(0.04, 0.04).asDiagonal();
   tests.of_cloud = Eigen::Vector2d(0.01, 0.01).asDiagonal();

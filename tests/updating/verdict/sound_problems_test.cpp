@@ -34,7 +34,7 @@ TEST_P(SoundProblems, AreSolvedHoweverSingular) {
 
 /// Three masses, few specimens, all parameters the same in each: the covariance has one direction. The estimate of
 /// methods that invert the model is that of the specimens themselves; the others are right to first order.
-TEST_P(SoundProblems, OfPerfectlyCorrelatedParametersGiveTheirOneDirection) {
+TEST_P(SoundProblems, GiveOneDirectionForPerfectlyCorrelatedParameters) {
   if (GetParam() == "abc") GTEST_SKIP() << "finds no covariance of the sample, but one whose cloud is near";
   const test::ThreeMasses structure;
   for (Eigen::Index specimens = 2; specimens <= 5; ++specimens) {
@@ -54,7 +54,7 @@ TEST_P(SoundProblems, OfPerfectlyCorrelatedParametersGiveTheirOneDirection) {
   }
 }
 
-TEST_P(SoundProblems, OfIdenticalSpecimensHaveNoScatter) {
+TEST_P(SoundProblems, HaveNoScatterForIdenticalSpecimens) {
   const test::ThreeMasses structure;
   const Eigen::MatrixXd x = Eigen::MatrixXd::Ones(3, 3);
   UpdatingProblem problem = structure.problem(test::frequencies_of(structure, x));

@@ -147,7 +147,7 @@ TEST(MatchedMeans, AreTestedByHotellingWhereTheNoiseIsNotKnownAndTheScatterStays
   EXPECT_EQ(adequate, 0.0);
 }
 
-TEST(MatchedMeans, OfAWrongModelAreRefused) {
+TEST(MatchedMeans, RefuseAWrongModel) {
   EXPECT_GT(Replication().judged("perturbation", 0.1, 0.5).first, 0.98);
   EXPECT_GT(Replication().judged("perturbation", 0.0, 0.5).first, 0.9);
 }
