@@ -1,6 +1,5 @@
 #include "job_ranks.hpp"
 
-#include <dlfcn.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -20,6 +19,7 @@
 #include "mottle/core/launcher.hpp"
 #include "mottle/core/text.hpp"
 #include "mottle/linalg/batched/batch_eigen.hpp"
+#include "mottle/linalg/blas_kernels.hpp"
 
 namespace mottle::app {
 namespace {
@@ -40,12 +40,6 @@ std::vector<std::filesystem::path> module_places() {
   std::error_code ignored;
   const std::filesystem::path folder = std::filesystem::read_symlink("/proc/self/exe", ignored).parent_path();
   return {folder / k_module, folder.parent_path() / MOTTLE_MODULE_FOLDER / k_module};
-}
-
-std::string blas_kernels() {
-  using CoreName = char* (*)();
-  const auto core_name = reinterpret_cast<CoreName>(dlsym(RTLD_DEFAULT, "openblas_get_corename"));
-  return core_name == nullptr ? "of the reference" : core_name();
 }
 
 /// Ends a rank that waits for others to join, which MPI does for ever: one that has ended before, with exit code 0 so
@@ -99,7 +93,7 @@ void use_common_instructions(Ranks& ranks) {
                                                                    : SimdLevel::plain;
   std::string bytes;
   append_value(bytes, own);
-  append_text(bytes, blas_kernels());
+  append_text(bytes, blas_kernels().empty() ? "of the reference" : blas_kernels());
   SimdLevel common = own;
   std::string first;
   int rank = 0;

@@ -15,12 +15,13 @@
 #include <system_error>
 #include <vector>
 
-#include "blas_kernels.hpp"
+#include "blas_threads.hpp"
 #include "common_options.hpp"
 #include "job_ranks.hpp"
 #include "mottle/core/error.hpp"
 #include "mottle/core/text.hpp"
 #include "mottle/core/utf8.hpp"
+#include "mottle/linalg/blas_kernels.hpp"
 #include "mottle/study/jobs/study_objects.hpp"
 
 namespace {
@@ -136,7 +137,8 @@ constexpr std::string_view k_no_memory =
 int main(int argc, char** argv) {
   std::set_terminate(end_by_nobody);
   open_standard_streams();
-  mottle::app::choose_blas_kernels(argv);
+  mottle::app::leave_out_blas_threads(argv);
+  mottle::linalg::choose_blas_kernels();
   mottle::app::catch_signals();
   try {
     return end({.code = run(argc, argv), .message = {}});

@@ -61,3 +61,54 @@ def test_the_source_distribution_has_all_that_cmake_needs(tmp_path):
     wanted = {name for name in files if name == "CMakeLists.txt" or name.split("/")[0] in
               ("cmake", "include", "src", "web", "apps", "modules", "bindings")}
     assert wanted <= there, sorted(wanted - there)[:5]
+
+
+def results(script, **environment):
+    """Lines that a Python of its own prints, and its warnings."""
+    inherited = {name: value for name, value in os.environ.items() if name != "OPENBLAS_CORETYPE"}
+    done = subprocess.run([sys.executable, "-c", f"import sys\nsys.path.insert(0, {os.environ['MOTTLE_PYTHON']!r})\n" + script],
+                          capture_output=True, text=True, check=True, env=inherited | environment)
+    return done.stdout.splitlines(), done.stderr
+
+
+# Products of sizes with and without a remainder in the kernels' blocks.
+PRODUCTS = """
+import hashlib
+def digest():
+    random = numpy.random.default_rng(3)
+    digest = hashlib.sha256()
+    for size in (7, 64, 250):
+        a = random.normal(size=(size, size))
+        digest.update((a @ a).tobytes() + numpy.linalg.eigh(a + a.T)[1].tobytes())
+    return digest.hexdigest()
+"""
+
+
+def test_kernels_of_blas_are_those_of_the_processor():
+    (kernels, outdated, variable, bits), warnings = results(PRODUCTS + """
+import os
+import numpy
+digest()  # by the kernels that the library has chosen
+import mottle
+print(mottle.about()["blas_kernels"], mottle.about()["blas_kernels_outdated"], os.environ.get("OPENBLAS_CORETYPE"), digest(), sep="\\n")
+""")
+    assert not warnings
+    assert outdated == "False"
+    assert variable == "None"
+    if not kernels:
+        pytest.skip("BLAS is not OpenBLAS")
+    assert results(PRODUCTS + "import numpy\nprint(digest())", OPENBLAS_CORETYPE=kernels)[0] == [bits]
+
+
+def test_kernels_stay_while_another_thread_may_compute():
+    (kernels, outdated), warnings = results("""
+import threading
+end = threading.Event()
+thread = threading.Thread(target=end.wait)
+thread.start()
+import mottle
+print(mottle.about()["blas_kernels"], mottle.about()["blas_kernels_outdated"], sep="\\n")
+end.set()
+""")
+    assert outdated == "False" or kernels == "Prescott"
+    assert (outdated == "True") == ("RuntimeWarning: OpenBLAS does not know" in warnings)

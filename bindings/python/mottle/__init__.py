@@ -9,6 +9,7 @@ A model that is a Python function is updated by `mottle.update`.
 """
 
 from mottle import _engine, errors, options
+from mottle._about import about, warn_of_outdated_kernels
 from mottle.clouds import Cloud, Posterior
 from mottle.deck_files import Deck, Element, read_deck
 from mottle.decks import Modes, Targets, modes, targets
@@ -35,6 +36,7 @@ from mottle.uff import (
 from mottle.universal import read_uff, write_uff
 
 __version__: str = _engine.version()
+warn_of_outdated_kernels()
 
 __all__ = [
     "CheckResult",
@@ -72,6 +74,7 @@ __all__ = [
     "UffTraceLine",
     "UffUnits",
     "UpdateResult",
+    "about",
     "assign",
     "eigsh",
     "errors",

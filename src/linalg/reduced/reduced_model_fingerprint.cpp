@@ -8,6 +8,7 @@
 #include "build_identity.hpp"
 #include "mottle/core/error.hpp"
 #include "mottle/linalg/batched/batch_eigen.hpp"
+#include "mottle/linalg/blas_kernels.hpp"
 #include "mottle/linalg/reduced/reduced_model_file.hpp"
 
 extern "C" void dgemm_();  // NOLINT(readability-identifier-naming): Fortran's name; only its address is asked for
@@ -25,12 +26,6 @@ std::string library_of(const void* function) {
   const auto size = std::filesystem::file_size(path, error);
   const auto time = std::filesystem::last_write_time(path, error).time_since_epoch().count();
   return fmt::format("{} {} {}", path.string(), size, time);
-}
-
-std::string blas_kernels() {
-  using CoreName = char* (*)();
-  const auto core_name = reinterpret_cast<CoreName>(dlsym(RTLD_DEFAULT, "openblas_get_corename"));
-  return core_name == nullptr ? "" : core_name();
 }
 
 std::string numerics_identity() {
