@@ -67,8 +67,8 @@ file = "tests.csv"
 
 [update]
 method = "covariance-adjustment"
-samples = 30
-iterations = 3
+samples = 16
+iterations = 2
 """
 
 TESTS = "f1,f2\n0.140,0.370\n0.137,0.366\n0.144,0.375\n0.139,0.374\n0.142,0.365\n0.141,0.371\n"
@@ -103,7 +103,7 @@ class AnySolverTest(support.CommandTest):
         self.write("tests.csv", "f1,f2\n" + "".join(
             f"{1.0 + 0.1 * a + 0.02 * b!r},{3.0 + 0.05 * a + 0.2 * b!r}\n" for a, b in moved))
         for method in ("deterministic", "perturbation", "maximum-likelihood", "mares"):
-            chosen = ("--set", f'update.method="{method}"', "--set", "update.samples=30", "--set", "update.iterations=8")
+            chosen = ("--set", f'update.method="{method}"', "--set", "update.samples=12", "--set", "update.iterations=6")
             expected = json.loads(self.succeed("check", "study.toml", "--json", *chosen).out)["expected_runs"]
             self.log.unlink()
             self.succeed("update", "study.toml", "--out", method, "--quiet", *chosen)
@@ -143,7 +143,7 @@ class AnySolverTest(support.CommandTest):
         self.log.unlink()
         self.succeed("update", "study.toml", "--out", "a", *chosen)
         unasked = len(self.runs())
-        self.assertLess(unasked, 2 * 30 + 50, "two clouds, and few derivatives")
+        self.assertLess(unasked, 2 * 16 + 50, "two clouds, and few derivatives")
         result = read_result(self.folder / "a")
         self.assertTrue(any("Other minima" in note for note in result["notes"]))
         self.assertFalse([step for step in result["verdict"]["next"] if "diagnose" in step["command"]], "it refuses such models")
@@ -173,7 +173,7 @@ class AnySolverTest(support.CommandTest):
         self.assertFalse((self.folder / "out" / "runs").exists())
 
     def test_a_surrogate_takes_few_runs_and_resumes(self):
-        maximum_likelihood = ["--quiet", "--set", 'update.method="maximum-likelihood"']
+        maximum_likelihood = ["--quiet", "--set", 'update.method="maximum-likelihood"', "--set", "update.samples=30"]
         self.succeed("update", "study.toml", "--out", "direct", *maximum_likelihood)
         direct = len(self.runs())
         self.log.unlink()
@@ -205,7 +205,7 @@ class AnySolverTest(support.CommandTest):
         start = time.monotonic()
         process.communicate()
         self.assertEqual(process.returncode, 4)
-        self.assertLess(time.monotonic() - start, 20)
+        self.assertLess(time.monotonic() - start, 20 * support.PATIENCE)
 
     def test_faults_of_the_study_are_found_with_file_and_line(self):
         for old, new, part in (

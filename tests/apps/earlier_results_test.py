@@ -4,7 +4,9 @@
 """
 
 import json
+import shutil
 import subprocess
+import tempfile
 import time
 import unittest
 
@@ -20,6 +22,7 @@ if [float(word) for word in open("input.txt").read().split()] != [2.0, 2.0]:
     sys.exit("no")
 open("f.txt", "w").write("0.2\\n0.3\\n0.5\\n")
 """
+FAILING = edited(support.command_study(["python3", "-S", "-E", "solver.py"]), ("samples = 200", "samples = 12"))
 TRUTH = "\n[truth]\nspecimens = 3\n"
 # One that says that it has begun and does not end; in place of CalculiX too.
 ENDLESS = """\
@@ -36,15 +39,26 @@ time.sleep(600)
 class EarlierResultsTest(support.CommandTest):
     """One claim a test."""
 
+    earlier = None
+
     def setUp(self):
         super().setUp()
-        self.write("failing.toml", support.command_study(["python3", "solver.py"]))
+        self.write("failing.toml", FAILING)
         self.write("input.txt", "{{k1}} {{k2}}\n")
         self.write("solver.py", SOLVER)
         self.out = self.folder / "out"
         self.previous = self.out / "previous-results"
-        self.succeed("update", "study.toml", "--out", "out", "--quiet")
+        self.copy_earlier_results()
         self.first = numbers(self.out)
+
+    def copy_earlier_results(self):
+        """Those of an update that is made once."""
+        if EarlierResultsTest.earlier is None:
+            place = tempfile.TemporaryDirectory(prefix="mottle-test-")
+            self.addClassCleanup(place.cleanup)
+            EarlierResultsTest.earlier = f"{place.name}/out"
+            self.succeed("update", "study.toml", "--out", EarlierResultsTest.earlier, "--quiet")
+        shutil.copytree(EarlierResultsTest.earlier, self.out)
 
     def run_into_failure(self, *arguments):
         ended = self.call("update", "failing.toml", "--out", "out", "--quiet", *arguments)
@@ -100,7 +114,7 @@ class EarlierResultsTest(support.CommandTest):
         self.write("study.toml", STUDY + TRUTH)
         self.succeed("simulate", "study.toml", "--out", "out", "--quiet")
         files = {name: (self.out / name).read_bytes() for name in ("specimens.csv", "specimens-truth.csv")}
-        self.write("failing.toml", support.command_study(["python3", "solver.py"]) + TRUTH)
+        self.write("failing.toml", FAILING + TRUTH)
         self.kill_in_first_run("simulate", "failing.toml")
         self.assertFalse(set(files) & self.names())
         self.assertEqual({name: (self.previous / name).read_bytes() for name in files}, files)

@@ -16,7 +16,7 @@ import support
 SOLVER = """\
 import math, time
 k1, k2 = (float(word) for word in open("in.txt").read().split())
-time.sleep(0.05)
+time.sleep(0.03)
 mean, half = (k1 + 2 * k2) / 2, math.sqrt(k1 * k1 / 4 + k2 * k2)
 for value in (mean - half, mean + half):
     print(math.sqrt(value) / (2 * math.pi))
@@ -55,7 +55,7 @@ file = "tests.csv"
 
 [update]
 method = "covariance-adjustment"
-samples = 12
+samples = 8
 iterations = 2
 """
 
@@ -97,6 +97,8 @@ class Shown:
 
 
 class ProgressTest(support.CommandTest):
+    update = None  # of a wide terminal, and its log
+
     def setUp(self):
         super().setUp()
         self.write("solver.py", SOLVER)
@@ -109,8 +111,15 @@ class ProgressTest(support.CommandTest):
         self.assertEqual(shown.code, 0, shown.text)
         return shown
 
+    def shown_update(self):
+        """What a wide terminal shows of an update, and its log: one run for all tests."""
+        if ProgressTest.update is None:
+            shown = self.show("update", "study.toml", "--out", "r", columns=120)
+            ProgressTest.update = shown, (self.folder / "r" / "mottle.log").read_text()
+        return ProgressTest.update
+
     def test_a_terminal_shows_phases_with_their_share_and_time(self):
-        shown = self.show("update", "study.toml", columns=120)
+        shown, _ = self.shown_update()
         self.assertEqual(shown.lines()[0][1], "reading the model and the tests")
         phases = []
         for _, line in shown.lines():
@@ -136,11 +145,10 @@ class ProgressTest(support.CommandTest):
         self.assertLess(len(shown.text.splitlines()), 2 + shown.seconds / 10.0)
 
     def test_what_is_quiet_shows_nothing(self):
-        self.assertEqual(self.show("update", "study.toml", "--quiet", columns=80).text, "")
+        self.assertEqual(self.show("propagate", "study.toml", "--quiet", columns=80).text, "")
 
     def test_the_log_says_how_the_phases_shared_the_time(self):
-        self.succeed("update", "study.toml", "--out", "r", "--quiet")
-        last = (self.folder / "r" / "mottle.log").read_text().splitlines()[-1]
+        last = self.shown_update()[1].splitlines()[-1]
         self.assertRegex(last, r"time: cloud before the update \d+\.\d\d s \(\d+ %\)")
         self.assertRegex(last, r"iteration \d+\.\d\d s \(\d+ %, 2 of them\)")
         self.assertAlmostEqual(sum(int(share) for share in re.findall(r"\((\d+) %", last)), 100, delta=4)

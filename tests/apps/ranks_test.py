@@ -1,4 +1,7 @@
-"""The command under mpirun: the same numbers by any number of ranks, one voice, and an end of all where one ends."""
+"""The command under mpirun: the same numbers by any number of ranks, one voice, and an end of all where one ends.
+
+Ranks are killed in the midst of runs of 0.1 s, and their job must end within 10 s of that: a busy machine may be too slow.
+"""
 
 import collections
 import json
@@ -8,98 +11,12 @@ import shutil
 import signal
 import subprocess
 import time
-import unittest
 import urllib.request
 
+import served_model
 import support
-import umbridge_test
-from support import CommandTest, SOURCE, THREE_MASSES
-
-AIRFRAME = SOURCE / "examples" / "02-airframe"
-TOWER = SOURCE / "examples" / "04-any-solver"
-MPIRUN = ["mpirun", "--oversubscribe", "--allow-run-as-root", "-n"]
-# Each run of the tower's solver leaves a line, and takes as long as a file says: long enough to be killed.
-SLOW_SOLVER = ('import os, pathlib, time\n'
-               'with open({log!r}, "a") as log:\n'
-               '    log.write(pathlib.Path("tower.inp").read_text().replace("\\n", " ")\n'
-               '              + ("as a rank" if "OMPI_COMM_WORLD_RANK" in os.environ else "") + "\\n")\n'
-               'time.sleep(float(pathlib.Path({log!r} + ".seconds").read_text()))\n'
-               'import math')
-
-
-def why_not():
-    """Why nothing can be tested here; empty: it can."""
-    if shutil.which("mpirun") is None:
-        return "no mpirun here (Debian: openmpi-bin)"
-    if not (pathlib.Path(support.MOTTLE).parent / "libmottle_mpi.so").exists():
-        return "built without MPI (Debian: libopenmpi-dev)"
-    return ""
-
-
-def numbers(folder):
-    """result.json without what tells of the machine."""
-    result = support.read_result(folder)
-    result.pop("timings_s")
-    return result.pop("ranks"), json.dumps(result)
-
-
-class RanksTest(CommandTest):
-    def setUp(self):
-        super().setUp()
-        if reason := why_not():
-            self.skipTest(reason)
-        self.environment = {name: value for name, value in os.environ.items() if name != "XDG_CACHE_HOME"}
-        self.environment["HOME"] = str(self.folder)  # no cache of another run
-
-    def start(self, ranks, *arguments, mottle=None):
-        return subprocess.Popen([*MPIRUN, str(ranks), str(mottle or support.MOTTLE), *map(str, arguments)],
-                                cwd=self.folder, env=self.environment, text=True, stdin=subprocess.DEVNULL,
-                                stdout=subprocess.PIPE, stderr=subprocess.PIPE)
-
-    def ranked(self, ranks, *arguments, timeout=120, **how):
-        job = self.start(ranks, *arguments, **how)
-        out, err = job.communicate(timeout=support.PATIENCE * timeout)
-        return support.Run(job.returncode, out, err)
-
-    def succeed_ranked(self, ranks, *arguments):
-        ended = self.ranked(ranks, *arguments)
-        self.assertEqual(ended.code, 0, ended.err)
-        return ended
-
-    def wait_for_killed_ranks(self):
-        """Ranks end some time after their launcher."""
-        def is_here(process):
-            try:
-                return process.joinpath("cwd").readlink() == self.folder
-            except OSError:  # it has just ended
-                return False
-
-        end = time.monotonic() + 20 * support.PATIENCE
-        while any(map(is_here, pathlib.Path("/proc").glob("[0-9]*"))) and time.monotonic() < end:
-            time.sleep(0.05)
-
-    def expect_same(self, verb, study, ranks=(1, 2, 4), options=()):
-        self.succeed(verb, study, "--quiet", "--out", "alone", *options)
-        for count in ranks:
-            self.succeed_ranked(count, verb, study, "--quiet", "--out", f"by{count}", *options)
-            self.assertEqual(numbers(self.folder / f"by{count}"), (count, numbers(self.folder / "alone")[1]))
-
-    def tower(self, seconds):
-        shutil.copytree(TOWER, self.folder / "tower")
-        solver = self.folder / "tower" / "tower.py"
-        slow = SLOW_SOLVER.format(log=str(self.folder / "runs"))
-        self.pace(seconds)
-        solver.write_text(support.edited(solver.read_text(), ("import math", slow)))
-        return "tower/study.toml"
-
-    def pace(self, seconds):
-        """From now on, a run of the tower's solver takes so long."""
-        self.write("runs.seconds", str(seconds))
-
-    def runs(self):
-        """Inputs of the solver's runs so far."""
-        file = self.folder / "runs"
-        return file.read_text().splitlines() if file.exists() else []
+from rank_jobs import AIRFRAME, RanksTest, numbers
+from support import THREE_MASSES
 
 
 class Numbers(RanksTest):
@@ -107,8 +24,7 @@ class Numbers(RanksTest):
         self.expect_same("update", THREE_MASSES / "case1.toml")
 
     def test_an_airframe(self):
-        self.expect_same("update", AIRFRAME / "study.toml", ranks=(2, 4),
-                         options=("--set", "update.samples=200"))
+        self.expect_same("update", AIRFRAME / "study.toml", ranks=(3,), options=("--set", "update.samples=100"))
 
     def test_an_airframe_whose_samples_are_solved_in_full(self):
         self.expect_same("propagate", AIRFRAME / "study.toml", ranks=(3,),
@@ -147,9 +63,9 @@ class Numbers(RanksTest):
     def test_runs_that_fail_are_the_same_failures(self):
         study = self.tower(0.0)
         solver = self.folder / "tower" / "tower.py"
-        fails = 'import math\nif sum(pathlib.Path("tower.inp").read_bytes()) % 7 == 4:\n    raise SystemExit(3)'
+        fails = 'import math\nif sum(pathlib.Path("tower.inp").read_bytes()) % 3 == 1:\n    raise SystemExit(3)'
         solver.write_text(support.edited(solver.read_text(), ("\nimport math", "\n" + fails)))
-        options = ("--set", "model.largest_failed_part=0.9", "--set", "model.retries=0")
+        options = ("--set", "model.largest_failed_part=0.9", "--set", "model.retries=0", "--set", "update.max_failed=0.9")
         alone = self.call("propagate", study, "--quiet", "--out", "alone", *options)
         ranked = self.ranked(3, "propagate", study, "--quiet", "--out", "by3", *options)
         self.assertEqual((alone.code, ranked.code), (0, 0), alone.err + ranked.err)
@@ -162,12 +78,12 @@ class Servers(RanksTest):
     """A model behind UM-Bridge servers: one that counts what it is asked."""
 
     def model(self, **what):
-        server = umbridge_test.Model(**what)
+        server = served_model.Model(**what)
         self.addCleanup(server.server_close)
         self.addCleanup(server.shutdown)
-        self.write("tests.csv", umbridge_test.TESTS)
-        self.write("served.toml", umbridge_test.HEAD + umbridge_test.MODEL.replace("URL", server.url) +
-                   "parallel = 4\nlargest_failed_part = 0.9\n" + umbridge_test.REST)
+        self.write("tests.csv", served_model.TESTS)
+        self.write("served.toml", served_model.HEAD + served_model.MODEL.replace("URL", server.url) +
+                   "parallel = 4\nlargest_failed_part = 0.9\n" + served_model.REST)
         return server
 
     def inputs(self, server, begin=0):
@@ -274,24 +190,15 @@ class Voices(RanksTest):
 
 
 class Ends(RanksTest):
-    def ranked_as(self, *commands, timeout=60):
-        """Ranks that are started with different commands."""
-        parts = [part for command in commands for part in (":", "-n", "1", *map(str, command))][1:]
-        job = subprocess.run([*MPIRUN[:-1], *parts], cwd=self.folder, env={**self.environment, "MOTTLE_RANKS_TIMEOUT": "4"},
-                             text=True, stdin=subprocess.DEVNULL, capture_output=True, check=False,
-                             timeout=support.PATIENCE * timeout)
-        return support.Run(job.returncode, job.stdout, job.stderr)
-
     def test_a_rank_that_never_joins_is_told(self):
         update = [support.MOTTLE, "update", "study.toml", "--out", "out", "--quiet"]
-        for others in (["/bin/true"], [support.MOTTLE, "check", "study.toml"]):
-            for commands in ((update, others), (others, update)):
-                ended = self.ranked_as(*commands)
-                self.assertNotEqual(ended.code, 0, ended.err)
-                # Open MPI's mpirun sees it by itself where the others had called MPI_Init before that rank ended.
-                self.assertRegex(ended.err, "has waited 4 s for the other ranks to join|exiting improperly")
-                self.assertEqual("has waited" in ended.err, ended.code == 3, ended.err)
-        ended = self.ranked_as(update, [support.MOTTLE, "propagate", "study.toml", "--out", "out", "--quiet"])
+        self.expect_told(update, ["/bin/true"], update_is_first=True)
+        self.expect_told(update, [support.MOTTLE, "check", "study.toml"], update_is_first=False)
+
+    def test_a_rank_with_another_command_is_told(self):
+        update = [support.MOTTLE, "update", "study.toml", "--out", "out", "--quiet"]
+        propagate = [support.MOTTLE, "propagate", "study.toml", "--out", "out", "--quiet"]
+        ended = self.ranked_as(update, propagate, patience_s=30)
         self.assertEqual(ended.code, 2, ended.err)
         self.assertIn("rank 1 was started with 'mottle propagate' and rank 0 with 'mottle update'", ended.err)
 

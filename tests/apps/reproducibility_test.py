@@ -26,7 +26,7 @@ STUDIES = {
     "bayes": edited(STUDY, ('method = "mares"', 'method = "bayes"')),
     "interval": edited(STUDY, ('method = "mares"', 'method = "interval"')),
     "hierarchical": edited(STUDY, ('method = "mares"', 'method = "hierarchical"'),
-                           ('weighting = "mahalanobis"\n', 'weighting = "mahalanobis"\n[update.hierarchical]\nparticles = 100\n')),
+                           ('weighting = "mahalanobis"\n', 'weighting = "mahalanobis"\n[update.hierarchical]\nparticles = 100\ndecorrelation = 0.9\n')),
     "abc": edited(STUDY, ('method = "mares"', 'method = "abc"')),
 }
 
@@ -60,13 +60,11 @@ class ReproducibilityTest(support.CommandTest):
         for name, study in STUDIES.items():
             with self.subTest(name):
                 self.write("study.toml", study)
-                for threads in (1, 2, 3):
+                for threads in (1, 3):
                     self.succeed("update", "study.toml", "--out", f"t{threads}", "--threads", threads, "--quiet")
-                expected = numbers(self.folder / "t1")
-                for threads in (2, 3):
-                    self.assertEqual(numbers(self.folder / f"t{threads}"), expected, f"{threads} threads")
-                    self.assertEqual((self.folder / f"t{threads}" / "cloud-final.csv").read_bytes(),
-                                     (self.folder / "t1" / "cloud-final.csv").read_bytes())
+                self.assertEqual(numbers(self.folder / "t3"), numbers(self.folder / "t1"))
+                self.assertEqual((self.folder / "t3" / "cloud-final.csv").read_bytes(),
+                                 (self.folder / "t1" / "cloud-final.csv").read_bytes())
 
     def test_repetition_gives_the_same_numbers(self):
         for case in range(1, 5):

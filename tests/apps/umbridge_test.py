@@ -2,13 +2,12 @@
 
     python3 umbridge_test.py PATH_TO_MOTTLE
 
-The servers that Mottle is a client of are Python's own http.server. Of the protocol's conformity test (UM-Bridge/umbridge,
-testing/protocol_conformity_1.0), which needs packages that Debian does not have together, the checks are re-created here from
-what they demand: keys, types, sizes, kinds of error and status of each answer.
+Of the protocol's conformity test (UM-Bridge/umbridge, testing/protocol_conformity_1.0), which needs packages that Debian does
+not have together, the checks are re-created here from what they demand: keys, types, sizes, kinds of error and status of each
+answer.
 """
 
 import http.client
-import http.server
 import json
 import math
 import signal
@@ -16,188 +15,10 @@ import socket
 import subprocess
 import threading
 import time
-import unittest
 
 import support
-from support import edited, read_csv, read_result
-
-# Two masses of 1 kg in a row, ground - k1 - m1 - k2 - m2: lambda = (k1 + 2 k2) / 2 -+ sqrt(k1^2 / 4 + k2^2).
-MODEL = """\
-[model]
-kind = "umbridge"
-urls = ["URL"]
-timeout = "20 s"
-retries = 0
-"""
-
-SPRINGS = """\
-[model]
-kind = "mass-spring"
-masses = { m1 = 1.0, m2 = 1.0 }
-springs = [
-  { name = "k1", between = ["ground", "m1"], stiffness = 1.0 },
-  { name = "k2", between = ["m1", "m2"], stiffness = 1.0 },
-]
-"""
-
-REST = """\
-[[parameter]]
-name = "k1"
-distribution = { kind = "lognormal", mean = 2.0, std = 0.2 }
-
-[[parameter]]
-name = "k2"
-distribution = { kind = "lognormal", mean = 2.0, std = 0.2 }
-
-[outputs]
-frequencies = [1, 2]
-
-[test]
-file = "tests.csv"
-
-[update]
-method = "covariance-adjustment"
-samples = 40
-iterations = 3
-"""
-
-TESTS = "f1,f2\n0.140,0.370\n0.137,0.366\n0.144,0.375\n0.139,0.374\n0.142,0.365\n0.141,0.371\n"
-HEAD = 'title = "Two masses in a row"\nseed = 3\n\n'
-# Of an update whose evaluations are slow enough to be stored (50 ms).
-SHORT = ("--quiet", "--set", "update.samples=20", "--set", "update.iterations=1")
-POINTS = "k1,k2\n2,2\n1.5,2.5\n3,1\n2.2,2.1\n"
-
-
-def eigenvalues(k1, k2):
-    mean, half = (k1 + 2 * k2) / 2, math.sqrt(k1 * k1 / 4 + k2 * k2)
-    return [mean - half, mean + half]
-
-
-def slopes(k1, k2):
-    """d lambda / d (k1, k2), a row a mode."""
-    half = math.sqrt(k1 * k1 / 4 + k2 * k2)
-    return [[0.5 - k1 / 4 / half, 1 - k2 / half], [0.5 + k1 / 4 / half, 1 + k2 / half]]
-
-
-def hertz(value):
-    return math.sqrt(value) / (2 * math.pi)
-
-
-class Model(http.server.ThreadingHTTPServer):
-    """A served model whose answers a test can spoil."""
-
-    daemon_threads = True
-
-    def __init__(self, **what):
-        self.name = what.get("name", "two masses")
-        self.models = what.get("models", [self.name])
-        self.version = what.get("version", 1.0)
-        self.features = what.get("features", ("Evaluate",))
-        self.sizes = what.get("sizes", [2])
-        self.output_sizes = what.get("output_sizes", [2])
-        self.outputs = what.get("outputs", lambda x, config: [[hertz(value) for value in eigenvalues(*x[0])]])
-        self.spoil = what.get("spoil")  # (path, request, number of the evaluation) -> (status, bytes) or None
-        self.count = 0
-        self.seen = []
-        self.at_once = self.most_at_once = 0
-        self.lock = threading.Lock()
-        super().__init__(("127.0.0.1", what.get("port", 0)), Handler)
-        threading.Thread(target=self.serve_forever, args=(0.02,), daemon=True).start()
-
-    @property
-    def url(self):
-        return f"http://127.0.0.1:{self.server_address[1]}"
-
-    def handle_error(self, request, client_address):
-        """A client that has gone is what some tests are about."""
-
-    def evaluations(self):
-        return [request for path, request in self.seen if path == "/Evaluate"]
-
-    def derivative(self, path, request):
-        """Of the frequencies, by hand."""
-        x = request["input"][0]
-        rows = [[slope / (8 * math.pi ** 2 * hertz(value)) for slope in row]
-                for row, value in zip(slopes(*x), eigenvalues(*x))]
-        if path == "/Gradient":
-            return [sum(request["sens"][i] * rows[i][p] for i in range(2)) for p in range(2)]
-        return [sum(row[p] * request["vec"][p] for p in range(2)) for row in rows]
-
-    def answer(self, path, request):
-        if path == "/Info":
-            return {"protocolVersion": self.version, "models": self.models}
-        if path == "/ModelInfo":
-            return {"support": {name: name in self.features for name in ("Evaluate", "Gradient", "ApplyJacobian", "ApplyHessian")}}
-        if path == "/InputSizes":
-            return {"inputSizes": self.sizes}
-        if path == "/OutputSizes":
-            return {"outputSizes": self.output_sizes}
-        if path == "/Evaluate":
-            return {"output": self.outputs(request["input"], request["config"])}
-        return {"output": self.derivative(path, request)}
-
-
-class Handler(http.server.BaseHTTPRequestHandler):
-    protocol_version = "HTTP/1.1"
-    disable_nagle_algorithm = True  # head and body are two packets, of which the second would wait 40 ms for the client's word
-
-    def log_message(self, *_):
-        pass
-
-    def do_GET(self):
-        self.reply({})
-
-    def do_POST(self):
-        self.reply(json.loads(self.rfile.read(int(self.headers["Content-Length"]))))
-
-    def reply(self, request):
-        server = self.server
-        with server.lock:
-            server.seen.append((self.path, request))
-            server.count += self.path == "/Evaluate"
-            server.at_once += 1
-            server.most_at_once = max(server.most_at_once, server.at_once)
-            number = server.count
-        spoilt = server.spoil and server.spoil(self.path, request, number)
-        status, body = spoilt or (200, json.dumps(server.answer(self.path, request)).encode())
-        with server.lock:
-            server.at_once -= 1
-        if status is None or status == 0:  # not even HTTP; 0: and the connection stays
-            self.wfile.write(body)
-            self.close_connection = status is None
-            return
-        self.send_response(status)
-        self.send_header("Content-Length", str(len(body)))
-        self.end_headers()
-        self.wfile.write(body)
-
-
-class UmbridgeTest(support.CommandTest):
-    def setUp(self):
-        super().setUp()
-        self.write("tests.csv", TESTS)
-        self.write("points.csv", POINTS)
-
-    def model(self, **what):
-        server = Model(**what)
-        self.addCleanup(server.server_close)
-        self.addCleanup(server.shutdown)
-        return server
-
-    def study(self, *servers, more="", rest=REST):
-        urls = json.dumps([server if isinstance(server, str) else server.url for server in servers])
-        return self.write("study.toml", HEAD + MODEL.replace('["URL"]', urls) + more + rest)
-
-    def springs(self, name="direct.toml"):
-        rest = REST
-        for spring in ("k1", "k2"):
-            rest = rest.replace(f'name = "{spring}"\n', f'name = "{spring}"\ntarget = "spring:{spring}"\n')
-        return self.write(name, HEAD + SPRINGS + rest)
-
-    def cloud(self, *more):
-        """Rows of numbers and status of the given points."""
-        self.succeed("propagate", "study.toml", "--points", "points.csv", "--out", "p", "--quiet", *more)
-        return read_csv(self.folder / "p" / "cloud.csv")[1]
+from served_model import HEAD, POINTS, REST, SHORT, UmbridgeTest, eigenvalues, hertz, slopes
+from support import read_result
 
 
 class AsClient(UmbridgeTest):
@@ -318,53 +139,57 @@ class AsClient(UmbridgeTest):
         self.assertEqual(read_result(self.folder / "a")["failed_evaluations"], [])
         self.assertLess(down.count, 20)
 
-    # What a server may do wrong once it has answered at the means: it costs that sample alone.
-    def failure_of(self, spoil, **what):
-        """Reason of the one point that failed: the third, k1 = 3."""
+    def reasons(self, faults, timeout_s=20):
+        """Why points failed whose answer a fault (body, status) replaced; the good point after each must have its numbers."""
+        def spoil(path, request, _):
+            number = round(request["input"][0][0]) - 10 if path == "/Evaluate" else -1
+            if 0 <= number < len(faults):
+                body, status = faults[number]() if callable(faults[number]) else faults[number]
+                return status, body
+            return None
 
-        def spoil_third(path, request, number):
-            return spoil() if path == "/Evaluate" and request["input"][0][0] == 3 else None
-
-        self.study(self.model(spoil=spoil_third, **what), more="largest_failed_part = 1.0\n")
-        self.write("points.csv", POINTS)
-        rows = self.cloud("--set", 'model.timeout="2 s"', "--set", "update.max_failed=1.0")
-        self.assertEqual(len(rows), 4)
-        self.assert_close(rows[3][2:4], [hertz(value) for value in eigenvalues(2.2, 2.1)])
+        self.study(self.model(spoil=spoil), more="largest_failed_part = 1.0\n")
+        self.write("points.csv", "k1,k2\n" + "".join(f"{10 + i},2\n{2 + 0.01 * i},2.1\n" for i in range(len(faults))))
+        rows = self.cloud("--set", f'model.timeout="{timeout_s} s"', "--set", "update.max_failed=1.0")
+        for i in range(len(faults)):
+            self.assert_close(rows[2 * i + 1][2:4], [hertz(value) for value in eigenvalues(2 + 0.01 * i, 2.1)])
         failed = read_result(self.folder / "p")["failed_evaluations"]
-        self.assertEqual(len(failed), 1)
-        self.assertTrue(failed[0]["reason"].startswith(("http://127.0.0.1:", "output[", "a frequency")), failed)
-        return failed[0]["reason"]
+        self.assertEqual([failure["sample"] for failure in failed], list(range(0, 2 * len(faults), 2)))
+        return [failure["reason"] for failure in failed]
 
     def test_faults_cost_their_sample(self):
+        """What a server may do wrong once it has answered at the means."""
         good = json.dumps({"output": [[0.1, 0.3]]}).encode()
-        for body, status, reason in (
-                (b'{"error": {"type": "InvalidInput", "message": "the mesh\\u001b[31m folds"}}', 400, "InvalidInput: the mesh"),
-                (b'{"error": {"type": "InvalidOutput", "message": "diverged"}}', 200, "InvalidOutput: diverged"),
-                (b"Traceback (most recent call last)", 500, "HTTP 500"),
-                (good, 301, "HTTP 301: the server refers to another address"),
-                (b"hello", 200, "not JSON"),
-                (b"", 200, "not JSON"),
-                (b'{"output": [[NaN, 0.3]]}', 200, "not JSON"),
-                (b'{"output": [[null, 0.3]]}', 200, "'null', which is not a number"),
-                (b'{"output": [["0.1", 0.3]]}', 200, "not a number"),
-                (b'{"output": [[1e999, 0.3]]}', 200, "not JSON"),
-                (b'{"output": [[-0.1, 0.3]]}', 200, "not negative"),
-                (b'{"output": [[1e200, 0.3]]}', 200, "too large"),
-                (b'{"output": [[0.1]]}', 200, "output[0] has 1 numbers, 2 were promised"),
-                (b'{"output": [[0.1, 0.3], [1]]}', 200, "output has 2 vectors, 1 were promised"),
-                (b'{"output": [0.1, 0.3]}', 200, "output has 2 vectors"),
-                (b'{"outputs": [[0.1, 0.3]]}', 200, "no list 'output'"),
-                (b"[]", 200, "not an object"),
-                (b"[" * 100000, 200, "not JSON"),
-                (b"\xff\xfe\x00", 200, "not JSON"),
-                (b"x" * (17 << 20), 200, "longer than 16 MiB"),
-                (b"SSH-2.0-OpenSSH_9.2\r\n", None, "not HTTP"),
-                (b"HTTP/1.1 200 OK\r\nContent-Length: 50\r\n\r\n{", None, "ended before the answer"),
-                (b"", None, "ended before the answer")):
+        faults = (
+            (b'{"error": {"type": "InvalidInput", "message": "the mesh\\u001b[31m folds"}}', 400, "InvalidInput: the mesh"),
+            (b'{"error": {"type": "InvalidOutput", "message": "diverged"}}', 200, "InvalidOutput: diverged"),
+            (b"Traceback (most recent call last)", 500, "HTTP 500"),
+            (good, 301, "HTTP 301: the server refers to another address"),
+            (b"hello", 200, "not JSON"),
+            (b"", 200, "not JSON"),
+            (b'{"output": [[NaN, 0.3]]}', 200, "not JSON"),
+            (b'{"output": [[null, 0.3]]}', 200, "'null', which is not a number"),
+            (b'{"output": [["0.1", 0.3]]}', 200, "not a number"),
+            (b'{"output": [[1e999, 0.3]]}', 200, "not JSON"),
+            (b'{"output": [[-0.1, 0.3]]}', 200, "not negative"),
+            (b'{"output": [[1e200, 0.3]]}', 200, "too large"),
+            (b'{"output": [[0.1]]}', 200, "output[0] has 1 numbers, 2 were promised"),
+            (b'{"output": [[0.1, 0.3], [1]]}', 200, "output has 2 vectors, 1 were promised"),
+            (b'{"output": [0.1, 0.3]}', 200, "output has 2 vectors"),
+            (b'{"outputs": [[0.1, 0.3]]}', 200, "no list 'output'"),
+            (b"[]", 200, "not an object"),
+            (b"[" * 100000, 200, "not JSON"),
+            (b"\xff\xfe\x00", 200, "not JSON"),
+            (b"x" * (17 << 20), 200, "longer than 16 MiB"),
+            (b"SSH-2.0-OpenSSH_9.2\r\n", None, "not HTTP"),
+            (b"HTTP/1.1 200 OK\r\nContent-Length: 50\r\n\r\n{", None, "ended before the answer"),
+            (b"", None, "ended before the answer"))
+        found = self.reasons([(body, status) for body, status, _ in faults])
+        for (body, status, reason), told in zip(faults, found):
             with self.subTest(body=body[:60], status=status):
-                found = self.failure_of(lambda: (status, body))
-                self.assertIn(reason, found)
-                self.assertNotIn("\x1b", found)
+                self.assertIn(reason, told)
+                self.assertTrue(told.startswith(("http://127.0.0.1:", "output[", "a frequency")), told)
+                self.assertNotIn("\x1b", told)
 
     def test_answers_belong_to_their_requests(self):
         """Interim answers before one and bytes behind one shift nothing, on connections that are kept."""
@@ -408,8 +233,10 @@ class AsClient(UmbridgeTest):
     def test_a_slow_server_costs_its_sample(self):
         def sleep():
             time.sleep(4)
+            return b"", 500
 
-        self.assertIn("no answer within 2 s", self.failure_of(sleep))
+        told, = self.reasons([sleep], timeout_s=2)
+        self.assertIn("no answer within 2 s", told)
 
     def test_a_failed_request_is_tried_again_elsewhere(self):
         bad = self.model(spoil=lambda path, _, number: (500, b"no") if path == "/Evaluate" and number > 1 else None)
@@ -767,8 +594,8 @@ class AsServer(UmbridgeTest):
             self.assertEqual(job.stderr.read(), "mottle: stopped on request; the model is no longer offered\n")
 
     def test_a_signal_during_a_long_computation_ends_it_in_the_same_words(self):
-        """A chain whose eigenvalues take a second, in which nobody looks for a stop."""
-        count = 700
+        """A chain whose eigenvalues take half a second, in which nobody looks for a stop."""
+        count = 560
         masses = ", ".join(f"m{i} = 1.0" for i in range(count))
         springs = "\n".join(f'  {{ name = "k{i}", between = ["{f"m{i - 1}" if i else "ground"}", "m{i}"], stiffness = 1.0 }},'
                             for i in range(count))
@@ -780,7 +607,7 @@ class AsServer(UmbridgeTest):
         with socket.create_connection((host, int(port))) as stream:
             body = json.dumps({"name": "forward", "input": [[2.0, 2.0]]})
             stream.sendall(f"POST /Evaluate HTTP/1.1\r\nHost: a\r\nContent-Length: {len(body)}\r\n\r\n{body}".encode())
-            time.sleep(0.3)
+            time.sleep(0.15)
             job.send_signal(signal.SIGTERM)
             self.assertEqual(job.wait(20 * support.PATIENCE), 4)
         self.assertEqual([line for line in job.stderr.read().splitlines() if "stopped" in line],

@@ -90,7 +90,7 @@ class Mutations(attack.Family):
     """A mutation a file, all readers in turn."""
 
     title = "mutated inputs of every reader"
-    few = 160
+    few = 88
     many = None
     minutes = 60
     seconds = 20

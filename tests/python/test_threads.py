@@ -6,45 +6,27 @@ import numpy as np
 import pytest
 
 import mottle
-from test_functions import NOISE, PARAMETERS, TESTS, WithJacobian, frequencies, update
+from at_once import assert_alone_and_at_once_alike, at_once, same
+from test_functions import NOISE, PARAMETERS, TESTS, frequencies, update
 from test_studies import TESTS as TABLE
 from test_studies import three_masses
 
 sparse = pytest.importorskip("scipy.sparse")
 
 THREADS = 8
-
-
-def at_once(*works):
-    """What each work returns, all of them begun together; the first exception is raised."""
-    results, barrier = [None] * len(works), threading.Barrier(len(works))
-
-    def run(place):
-        barrier.wait()
-        try:
-            results[place] = works[place]()
-        except BaseException as error:
-            results[place] = error
-
-    threads = [threading.Thread(target=run, args=(place,)) for place in range(len(works))]
-    for each in threads:
-        each.start()
-    for each in threads:
-        each.join()
-    for each in results:
-        if isinstance(each, BaseException):
-            raise each
-    return results
+LEAST = {
+    "abc": {"simulations": 2000, "calibration_sets": 100},
+    "bayes": {"particles": 100},
+    "hierarchical": {"particles": 100},
+    "maximum-likelihood": {"starts": 1},
+    "mixture": {"bootstrap_samples": 99, "starts": 1},
+}
 
 
 def cube(n):
     line, one = sparse.diags([2.0 * np.ones(n), -np.ones(n - 1), -np.ones(n - 1)], [0, -1, 1]), sparse.identity(n)
     return sparse.csc_matrix(sum(sparse.kron(sparse.kron(*pair), last) for pair, last in
                                  [((line, one), one), ((one, line), one), ((one, one), line)]))
-
-
-def same(results):
-    return all(np.array_equal(a, b) for result in results for a, b in zip(result, results[0]))
 
 
 def test_functions_are_called_on_the_thread_that_asked():
@@ -64,16 +46,8 @@ def test_functions_are_called_on_the_thread_that_asked():
 
 @pytest.mark.parametrize("method", sorted(mottle.methods()))
 def test_every_method_gives_the_bits_that_it_gives_alone(method):
-    def one():
-        options = {"particles": 100} if method == "bayes" else {}
-        try:
-            found = update(WithJacobian() if method != "bayes" else frequencies, method=method, options=options, samples=100,
-                           iterations=4)
-        except mottle.Error as error:  # a method that these tests do not suit says the same to all
-            return (np.frombuffer(str(error).encode(), dtype=np.uint8),)
-        return found.mean, found.covariance, found.cloud_final.outputs
-
-    assert same([one(), *at_once(*[one] * THREADS)])
+    """With the least work of each; the usual one is in nightly/test_eight_threads.py."""
+    assert_alone_and_at_once_alike(method, LEAST.get(method, {}), threads=3)
 
 
 def test_surrogates_give_the_bits_that_they_give_alone():
