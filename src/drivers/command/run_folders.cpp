@@ -135,6 +135,7 @@ bool is_of_dead_process(const std::string& name, const std::string& prefix) {
 }
 
 void require_no_linked_runs(const std::filesystem::path& results) {
+  if (results.empty()) return;  // runs are kept nowhere
   for (const char* name : {k_work, k_failed, k_kept, k_run_store, k_answer_store, k_tasks}) {
     const std::filesystem::path path = std::filesystem::absolute(results) / name;
     std::error_code ignored;
