@@ -49,6 +49,12 @@ class ResultsTest(support.CommandTest):
         self.assertNotIn("<link rel=\"stylesheet\"", page)
         self.assertIn("A study for tests", page)
 
+    def test_reports_show_posteriors_and_boxes(self):
+        for method, shown in (("bayes", '"posterior"'), ("interval", '"interval"')):
+            self.update(arguments=["--set", f'update.method="{method}"', "--set", 'test.repeatability.f1="1 %"', "--set",
+                                   'test.repeatability.f2="1 %"', "--set", 'test.repeatability.f3="1 %"'])
+            self.assertIn(shown, (self.folder / "out" / "report.html").read_text(encoding="utf-8"))
+
     def test_report_is_drawn_again(self):
         self.update()
         page = self.folder / "out" / "report.html"
