@@ -67,6 +67,9 @@ if [[ $part != written ]]; then
 fi
 
 options=(--screenshots "$here/screenshots")
+if [[ $part == simulated ]]; then
+  for page in population posterior old sparse; do options+=(--laid-out-as-others "$page"); done  # as those written, and aeroplane
+fi
 [[ $part != thorough ]] || options+=(--thorough)
 cd "$here"
 exec node test/report_test.mjs "${pages[@]}" "${results[@]}" "${options[@]}"

@@ -13,6 +13,7 @@ const flags = [
   "--disable-background-networking",
   "--disable-component-update",
   "--disable-sync",
+  "--js-flags=--no-opt", // a page lives too shortly to be worth optimised code
   "--disable-gpu", // the page is painted by the processor: five times faster than a software GPU painting it
 ];
 
