@@ -23,6 +23,7 @@ class CMakeBuild(build_ext):
         jobs = os.environ.get("CMAKE_BUILD_PARALLEL_LEVEL", str(os.cpu_count()))
         subprocess.run(["cmake", "-S", ROOT, "-B", build, "-DCMAKE_BUILD_TYPE=Release", "-DMOTTLE_BUILD_PYTHON=ON",
                         "-DMOTTLE_UNITY=ON", "-DMOTTLE_BUILD_TESTS=OFF", "-DMOTTLE_INSTALL=OFF",
+                        "-DCMAKE_SKIP_RPATH=ON",  # modules lie beside this one; the folder of the build goes
                         f"-DPython3_EXECUTABLE={sys.executable}", *shlex.split(os.environ.get("CMAKE_ARGS", ""))],
                        check=True)
         subprocess.run(["cmake", "--build", build, "--target", "mottle_python", "-j", jobs], check=True)

@@ -21,7 +21,7 @@ def use_one_core():
 
 
 def choose_blas_kernels():
-    """As apps/mottle/blas_kernels.cpp does: other kernels only where OpenBLAS takes the processor for its oldest."""
+    """As src/linalg/dense/blas_kernels.cpp does: other kernels only where OpenBLAS takes the processor for its oldest."""
     found = subprocess.run(["/usr/bin/python3", "-c", CORE_NAME], capture_output=True, text=True, check=False).stdout
     if "OPENBLAS_CORETYPE" not in os.environ and found.strip() == "Prescott":
         if " avx512f" in FLAGS and " avx512vl" in FLAGS:

@@ -163,12 +163,13 @@ class OpenTurnsModule final : public OpenTurns {
 }  // namespace
 }  // namespace mottle::stats
 
+extern "C" {
 // The names that stats/openturns/load_openturns.cpp looks for.
-#define MOTTLE_ENTRY extern "C" __attribute__((visibility("default")))
-MOTTLE_ENTRY const int mottle_openturns_version;
+__attribute__((visibility("default"))) extern const int mottle_openturns_version;
 const int mottle_openturns_version = mottle::stats::k_openturns_version;
-MOTTLE_ENTRY const mottle::stats::OpenTurns* mottle_openturns();
+__attribute__((visibility("default"))) const mottle::stats::OpenTurns* mottle_openturns();
 const mottle::stats::OpenTurns* mottle_openturns() {
   static const mottle::stats::OpenTurnsModule module;
   return &module;
+}
 }

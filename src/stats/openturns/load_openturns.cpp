@@ -27,7 +27,7 @@ std::vector<fs::path> library_folders(link_map* object) {
   std::vector<fs::path> folders;
   const Dl_serpath* path = list->dls_serpath;
   for (unsigned int i = 0; i < list->dls_cnt; ++i, ++path) {
-    if (*path->dls_name != '\0') folders.emplace_back(path->dls_name);
+    if (*path->dls_name == '/') folders.emplace_back(path->dls_name);  // never what lies where one happens to be
   }
   return folders;
 }
