@@ -97,7 +97,8 @@ class ExportTest(support.CommandTest):
         shutil.copytree(EXAMPLES / "03-plate-calculix", self.folder / "plate")
         (self.folder / "plate" / "plate.inp").write_bytes(whole)
         (self.folder / "plate" / "material.inc").write_bytes(material)
-        self.succeed("update", "plate/study.toml", "--out", "out", "--quiet", "--set", 'update.method="deterministic"')
+        self.succeed("update", "plate/study.toml", "--out", "out", "--quiet", "--set", 'update.method="deterministic"', "--set",
+                     "update.samples=40")
         self.succeed("export", "out", "--quiet")
         mean = self.folder / "out" / "export" / "mean"
         lines, before = ((folder / "material.inc").read_bytes().split(b"\n") for folder in (mean, self.folder / "plate"))
