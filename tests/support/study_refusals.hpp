@@ -45,4 +45,18 @@ inline void expect_refused(const std::vector<WrongStudy>& table) {
   }
 }
 
+/// Each change of a good text is refused by the reader alone; tests and files of the model are not looked at.
+inline void expect_unread(const std::string& good, const std::vector<WrongStudy>& table) {
+  EXPECT_NO_THROW((void)study::read_study_text(good, "study.toml"));
+  for (const WrongStudy& wrong : table) {
+    SCOPED_TRACE(wrong.what);
+    const std::string text = edited(good, wrong.changes);
+    const std::string message = message_of<InvalidInput>([&] { (void)study::read_study_text(text, "study.toml"); });
+    expect_message(message, wrong.says);
+    if (!wrong.at.empty()) {
+      EXPECT_THAT(message, testing::StartsWith(fmt::format("study.toml:{}: ", line_of(text, wrong.at))));
+    }
+  }
+}
+
 }  // namespace mottle::test

@@ -15,7 +15,7 @@ namespace {
 
 using test::TemporaryFolder;
 
-Study three_masses() {
+Study first_case() {
   return read_study(std::filesystem::path(MOTTLE_SOURCE_DIR) / "examples/01-three-masses/case1.toml");
 }
 
@@ -27,7 +27,7 @@ nlohmann::json numbers_in(const std::filesystem::path& folder) {
 }
 
 TEST(UpdateJob, FindsTheSameWithAFolderAndWithout) {
-  const Study study = three_masses();
+  const Study study = first_case();
   const TemporaryFolder with;
   const TemporaryFolder without;
   write_results(update(study, {.folder = with.path()}), with.path());
@@ -40,7 +40,7 @@ TEST(UpdateJob, FindsTheSameWithAFolderAndWithout) {
 }
 
 TEST(UpdateJob, AnOutcomeThatWasMovedSaysWhatItSaid) {
-  UpdateOutcome first = update(three_masses(), {});
+  UpdateOutcome first = update(first_case(), {});
   const RunSummary before = summarise(first, "folder");
   const UpdateOutcome second = std::move(first);
   const RunSummary after = summarise(second, "folder");
@@ -52,7 +52,7 @@ TEST(UpdateJob, AnOutcomeThatWasMovedSaysWhatItSaid) {
 TEST(UpdateJob, ItsFilesTakeThePlaceOfEarlierOnes) {
   const TemporaryFolder folder;
   for (const char* name : {"result.json", "report.html", "cloud.csv"}) RunFolder(folder.path()).write(name, "old");
-  write_results(update(three_masses(), {}), folder.path());
+  write_results(update(first_case(), {}), folder.path());
   EXPECT_NE(read_file(folder.path() / "result.json"), "old");
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "report.html"));
   EXPECT_EQ(read_file(folder.path() / k_previous / "cloud.csv"), "old");
@@ -63,14 +63,14 @@ TEST(UpdateJob, ItsFilesTakeThePlaceOfEarlierOnes) {
 TEST(UpdateJob, ItsFilesTakeThePlaceOfNobodyElses) {
   const TemporaryFolder folder;
   for (const char* name : {"result.json", "prediction.csv"}) write_file_atomically(folder.path() / name, "mine");
-  EXPECT_THROW(write_results(update(three_masses(), {}), folder.path()), InvalidInput);
+  EXPECT_THROW(write_results(update(first_case(), {}), folder.path()), InvalidInput);
   for (const char* name : {"result.json", "prediction.csv"}) EXPECT_EQ(read_file(folder.path() / name), "mine");
   EXPECT_FALSE(std::filesystem::exists(folder.path() / k_previous));
 }
 
 TEST(PropagateJob, GivesTheCloudThatItsFilesHold) {
   const TemporaryFolder folder;
-  const PropagateOutcome outcome = propagate(three_masses(), std::nullopt, {});
+  const PropagateOutcome outcome = propagate(first_case(), std::nullopt, {});
   EXPECT_EQ(outcome.cloud.outputs.cols(), 3);
   write_results(outcome, folder.path());
   EXPECT_EQ(numbers_in(folder.path())["model_evaluations"], outcome.cloud.samples.rows());
