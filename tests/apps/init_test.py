@@ -44,7 +44,8 @@ class InitTest(support.CommandTest):
 
     def test_outputs_and_targets_can_be_named(self):
         found = self.propose("airframe.bdf", EXAMPLES / "02-airframe" / "specimens.csv", "--out", "s.toml",
-                             "--outputs", "7,8,10", "--targets", "mat1:1:e,PBUSH:101:K4")
+                             "--outputs", "7,8,10", "--targets", "mat1:1:e,PBUSH:101:K4", "--units", "mm-t-s")
+        self.assertEqual(found["units"], "mm-t-s")
         self.assertEqual(self.outputs(found), [7, 8, 10])
         self.assertEqual(self.parameters(found), ["MAT1:1:E", "PBUSH:101:K4"])
         ended = self.call("init", "airframe.bdf", "--out", "t.toml", "--outputs", "77")
